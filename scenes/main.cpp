@@ -10,8 +10,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "common/error.h"
 #include "common/program/command_line.h"
 #include "common/program/log.h"
@@ -224,27 +222,27 @@ void New(const Arguments& arguments) {
               Printable(arguments.output).c_str(), ShellWord(arguments.output).c_str());
 }
 
-void AddToleranceOptions(CLI::App& app, std::optional<LeafTolerance>& leaves) {
+void AddToleranceOptions(const CommandLine& app, std::optional<LeafTolerance>& leaves) {
   const auto sets = [&leaves](LeafTolerance::Of of, double unit) {
     return [&leaves, of, unit](double value) {
       leaves = LeafTolerance{.of = of, .most = unit * value};
     };
   };
-  CLI::Option* um = app.add_option_function<double>(
-                           "--tolerance-um", sets(LeafTolerance::Of::kHeight, 1e-6),
-                           "As many leaves as it takes for their surface to lie within so many um "
-                           "of the mesh's at 95 of 100 places, whatever the scene file says; a "
-                           "tool of one leaf stays")
-                        ->check(CLI::Range(kLeastTolerance_um, kMostTolerance_um));
-  app.add_option_function<double>("--tolerance-deg", sets(LeafTolerance::Of::kLean, M_PI / 180.0),
-                                  "Likewise, for it to lean by at most so many degrees on average, "
-                                  "as the force of a touch does")
-      ->check(CLI::Range(kLeastTolerance_deg, kMostTolerance_deg))
-      ->excludes(um);
+  const Option um =
+      app.AddNumber("--tolerance-um", sets(LeafTolerance::Of::kHeight, 1e-6),
+                    "As many leaves as it takes for their surface to lie within so many um "
+                    "of the mesh's at 95 of 100 places, whatever the scene file says; a "
+                    "tool of one leaf stays")
+          .Range(kLeastTolerance_um, kMostTolerance_um);
+  app.AddNumber("--tolerance-deg", sets(LeafTolerance::Of::kLean, M_PI / 180.0),
+                "Likewise, for it to lean by at most so many degrees on average, "
+                "as the force of a touch does")
+      .Range(kLeastTolerance_deg, kMostTolerance_deg)
+      .Excludes(um);
 }
 
 int Main(int argc, char** argv) {
-  CLI::App app(
+  const CommandLine app(
       "Compiles scenes: reads meshes, builds sphere trees over them, and keeps the result as a\n"
       "bundle that the server loads at once.  NAME is a scene of the catalogue, a scene file\n"
       "(.json), a bundle (.palpate), or a mesh, which is given a ball as tool.\n\n"
@@ -257,10 +255,10 @@ int Main(int argc, char** argv) {
       "  palpate-scene export bunny-bunny -o bunny.glb",
       "palpate-scene");
   Arguments arguments;
-  app.require_subcommand(1);
-  app.fallthrough();
-  app.add_option("--models", arguments.models, "Folder to look in first for model files");
-  app.add_option("--cache", arguments.cache, "Cache folder (default: ~/.cache/palpate)");
+  app.RequireCommands(1, 1);
+  app.Fallthrough();
+  app.Add("--models", arguments.models, "Folder to look in first for model files");
+  app.Add("--cache", arguments.cache, "Cache folder (default: ~/.cache/palpate)");
   AddCommonOptions(app, "Taken as by the other programs, and not used: this one talks to none",
                    arguments.domain, arguments.log_level);
 
@@ -268,54 +266,55 @@ int Main(int argc, char** argv) {
   for (const std::string& name : CatalogueNames()) names += (names.empty() ? "" : ", ") + name;
   const auto add = [&](const char* command, const char* help, const std::string& scene_help,
                        const char* arguments_of_example) {
-    CLI::App* sub = app.add_subcommand(command, help);
-    sub->footer("Example: palpate-scene " + std::string(command) + " " + arguments_of_example);
-    sub->add_option("NAME", arguments.scene, scene_help)->required();
-    sub->add_flag("--rebuild", arguments.rebuild, "Build anew and leave the cache alone");
+    const CommandLine sub = app.AddCommand(command, help);
+    sub.Footer("Example: palpate-scene " + std::string(command) + " " + arguments_of_example);
+    sub.Add("NAME", arguments.scene, scene_help).Required();
+    sub.AddFlag("--rebuild", arguments.rebuild, "Build anew and leave the cache alone");
     return sub;
   };
   const std::string scene_help = "Scene: a file, or one of " + names;
-  CLI::App* build = add("build", "Builds a scene into the cache, and into a bundle", scene_help,
-                        "bunny-bunny -o bunny.palpate");
-  build->add_option("-o,--output", arguments.output, "Bundle to write (.palpate)");
+  const CommandLine build = add("build", "Builds a scene into the cache, and into a bundle",
+                                scene_help, "bunny-bunny -o bunny.palpate");
+  build.Add("-o,--output", arguments.output, "Bundle to write (.palpate)");
   build
-      ->add_option("--mode", arguments.mode,
-                   "How the leaves of all trees stand for their meshes, whatever the scene file "
-                   "says; those that it has from a .sph file stay")
-      ->check(CLI::IsMember(std::vector<std::string>(kTreeModes.begin(), kTreeModes.end())));
-  AddToleranceOptions(*build, arguments.leaves);
-  CLI::App* info =
+      .Add("--mode", arguments.mode,
+           "How the leaves of all trees stand for their meshes, whatever the scene file "
+           "says; those that it has from a .sph file stay")
+      .OneOf({kTreeModes.begin(), kTreeModes.end()});
+  AddToleranceOptions(build, arguments.leaves);
+  const CommandLine info =
       add("info",
           "Prints features, bodies, materials, sizes and the hash, and how far each level of each\n"
           "tree is from its mesh",
           scene_help, "bunny-bunny --csv levels.csv");
-  info->add_option("--samples", arguments.info.samples,
-                   "Points of each surface that the levels are measured at")
-      ->check(CLI::Range(std::size_t{100}, std::size_t{10'000'000}))
-      ->capture_default_str();
-  info->add_option("--csv", arguments.info.csv,
-                   "Write the errors, a line for each level, into FILE (- is stdout)");
-  info->add_option("--json", arguments.info.json,
-                   "Write the errors as one JSON object into FILE (- is stdout)");
-  CLI::App* check =
+  info.Add("--samples", arguments.info.samples,
+           "Points of each surface that the levels are measured at")
+      .Range(std::size_t{100}, std::size_t{10'000'000})
+      .ShowDefault();
+  info.Add("--csv", arguments.info.csv,
+           "Write the errors, a line for each level, into FILE (- is stdout)");
+  info.Add("--json", arguments.info.json,
+           "Write the errors as one JSON object into FILE (- is stdout)");
+  const CommandLine check =
       add("check", "Judges meshes, and how well the spheres cover them; ends with a verdict",
           scene_help + "; or a mesh file", "tooth.stl");
-  CLI::App* render = add("render", "Draws mesh and spheres of every level as a PNG", scene_help,
-                         "bunny-bunny --error -o error.png");
-  render->add_option("-o,--output", arguments.output, "Picture to write (.png)")->required();
-  render->add_option("--level", arguments.level, "Only this level, from 1");
-  render->add_flag("--error", arguments.error,
-                   "How far the spheres of a body's last levels are from its mesh, in colours with "
-                   "a scale");
-  render->add_option("--body", arguments.body,
-                     "Of --error: tool or object by its name (default: the first object)");
-  CLI::App* make = add("new", "Writes a scene file for a mesh, with a ball as tool, to begin with",
-                       "Mesh: OBJ, STL, PLY, 3DS or glTF", "tooth.stl -o tooth.json");
-  make->add_option("-o,--output", arguments.output, "Scene file to write (.json)")->required();
-  AddMeshOptions(*make, arguments.mesh);
-  render->add_flag("--whole", arguments.whole, "The scene as it stands, instead of its bodies");
+  const CommandLine render = add("render", "Draws mesh and spheres of every level as a PNG",
+                                 scene_help, "bunny-bunny --error -o error.png");
+  render.Add("-o,--output", arguments.output, "Picture to write (.png)").Required();
+  render.Add("--level", arguments.level, "Only this level, from 1");
+  render.AddFlag("--error", arguments.error,
+                 "How far the spheres of a body's last levels are from its mesh, in colours with "
+                 "a scale");
+  render.Add("--body", arguments.body,
+             "Of --error: tool or object by its name (default: the first object)");
+  const CommandLine make =
+      add("new", "Writes a scene file for a mesh, with a ball as tool, to begin with",
+          "Mesh: OBJ, STL, PLY, 3DS or glTF", "tooth.stl -o tooth.json");
+  make.Add("-o,--output", arguments.output, "Scene file to write (.json)").Required();
+  AddMeshOptions(make, arguments.mesh);
+  render.AddFlag("--whole", arguments.whole, "The scene as it stands, instead of its bodies");
 
-  CLI::App* export_tree =
+  const CommandLine export_tree =
       add("export",
           "Writes a body's sphere tree, in the body's frame, as a file for other programs:\n"
           "  .sph  of the Sphere-Tree Construction Toolkit: \"levels degree\", then a line\n"
@@ -326,31 +325,30 @@ int Main(int argc, char** argv) {
           "  .ply  the balls of a level as small coloured icospheres, binary; any viewer shows it\n"
           "  .glb  the same as glTF, in metres",
           scene_help, "bunny-bunny -o bunny.sph --unit mm");
-  export_tree->add_option("-o,--output", arguments.output, "File to write (.sph, .ply or .glb)")
-      ->required();
-  export_tree->add_option("--body", arguments.body,
-                          "Tool or object by its name (default: the first object)");
-  export_tree->add_option("--level", arguments.level,
-                          "From 1, the coarsest, as info counts: of a .ply or .glb the one that is "
-                          "written (default: the leaves), of a .sph the last one (default: all)");
+  export_tree.Add("-o,--output", arguments.output, "File to write (.sph, .ply or .glb)").Required();
+  export_tree.Add("--body", arguments.body,
+                  "Tool or object by its name (default: the first object)");
+  export_tree.Add("--level", arguments.level,
+                  "From 1, the coarsest, as info counts: of a .ply or .glb the one that is "
+                  "written (default: the leaves), of a .sph the last one (default: all)");
   export_tree
-      ->add_option("--unit", arguments.unit,
-                   "What a number in a .sph or .ply is to mean (default: mm; a .sph has six "
-                   "decimals)")
-      ->check(CLI::IsMember(std::vector<std::string>(kUnits.begin(), kUnits.end())));
+      .Add("--unit", arguments.unit,
+           "What a number in a .sph or .ply is to mean (default: mm; a .sph has six "
+           "decimals)")
+      .OneOf({kUnits.begin(), kUnits.end()});
 
-  CLI::App* list = app.add_subcommand("list", "Lists the scenes of the catalogue");
-  list->footer("Example: palpate-scene list");
+  const CommandLine list = app.AddCommand("list", "Lists the scenes of the catalogue");
+  list.Footer("Example: palpate-scene list");
 
   if (!ParseCommandLine(app, argc, argv)) return 0;
   SetUpLog("palpate-scene", arguments.log_level);
-  if (list->parsed()) List();
-  if (build->parsed()) Build(arguments);
-  if (info->parsed()) Info(arguments);
-  if (check->parsed()) Check(arguments);
-  if (render->parsed()) Render(arguments);
-  if (make->parsed()) New(arguments);
-  if (export_tree->parsed()) Export(arguments);
+  if (list.given()) List();
+  if (build.given()) Build(arguments);
+  if (info.given()) Info(arguments);
+  if (check.given()) Check(arguments);
+  if (render.given()) Render(arguments);
+  if (make.given()) New(arguments);
+  if (export_tree.given()) Export(arguments);
   return 0;
 }
 

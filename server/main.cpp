@@ -11,13 +11,11 @@
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <malloc.h>
 #include <spdlog/spdlog.h>
 
 #include "common/dds/server_lock.h"
 #include "common/error.h"
-#include "common/http/host_name.h"
 #include "common/metrics/metrics_port.h"
 #include "common/program/command_line.h"
 #include "common/program/log.h"
@@ -215,39 +213,39 @@ int Serve(const Options& options) {
 /// Nothing where --help or --version was asked for.  Throws UsageError.
 std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   Options options;
-  CLI::App app(kAbout, "palpate-server");
-  app.footer(kExample);
-  app.add_option("SCENE,--scene", options.scenes,
-                 "scenes to serve: names of the catalogue, scene files, or meshes (STL, OBJ, PLY, "
-                 "3DS, glTF).  A mesh becomes a scene with a ball as tool")
-      ->required();
+  const CommandLine app(kAbout, "palpate-server");
+  app.Footer(kExample);
+  app.Add("SCENE,--scene", options.scenes,
+          "scenes to serve: names of the catalogue, scene files, or meshes (STL, OBJ, PLY, "
+          "3DS, glTF).  A mesh becomes a scene with a ball as tool")
+      .Required();
   AddMeshOptions(app, options.mesh);
-  app.add_option("--transport", options.transport,
-                 "auto: shared memory if RouDi answers, else UDP; shm or udp: that one, or fail")
-      ->capture_default_str();
+  app.Add("--transport", options.transport,
+          "auto: shared memory if RouDi answers, else UDP; shm or udp: that one, or fail")
+      .ShowDefault();
   AddRealtimeOptions(app, "the servo loop", options.realtime);
-  app.add_option("--models", options.models,
-                 "folder of the meshes that no package installs; the variable PALPATE_MODELS does "
-                 "the same");
-  app.add_flag("--unusable-too", options.unusable_too,
-               "also serve scenes that 'palpate-scene check' calls not usable, with a warning");
-  app.add_flag("--admit-by-hand", options.admit_by_hand,
-               "each station waits until somebody admits it on the web page, with a token that "
-               "operates");
-  app.add_option("--hand-seed", options.hand_seed,
-                 "number that chooses the generated hand of a scene without a script "
-                 "(NAME.path.json)")
-      ->capture_default_str();
-  app.add_option_function<std::string>(
+  app.Add("--models", options.models,
+          "folder of the meshes that no package installs; the variable PALPATE_MODELS does "
+          "the same");
+  app.AddFlag("--unusable-too", options.unusable_too,
+              "also serve scenes that 'palpate-scene check' calls not usable, with a warning");
+  app.AddFlag("--admit-by-hand", options.admit_by_hand,
+              "each station waits until somebody admits it on the web page, with a token that "
+              "operates");
+  app.Add("--hand-seed", options.hand_seed,
+          "number that chooses the generated hand of a scene without a script "
+          "(NAME.path.json)")
+      .ShowDefault();
+  app.AddText(
          "--metrics",
          [&options](const std::string& text) { options.metrics = ParseMetricsEndpoint(text); },
          "offer metrics for Prometheus at http://ADDRESS:PORT/metrics; an IPv6 address stands in "
          "brackets.  Without ADDRESS: to this host alone.  Default: no metrics")
-      ->type_name("[ADDRESS:]PORT");
+      .TypeName("[ADDRESS:]PORT");
   AddHostNameOption(app, "metrics", options.host_names);
-  app.add_option("--event-log", options.event_log,
-                 "append sessions, refusals and faults to this file, one JSON object a line")
-      ->type_name("FILE");
+  app.Add("--event-log", options.event_log,
+          "append sessions, refusals and faults to this file, one JSON object a line")
+      .TypeName("FILE");
   AddNetworkOptions(app, "a station or viewer", options.network);
   AddCommonOptions(app, "number of the domain; programs meet those of the same number",
                    options.domain, options.log_level);

@@ -6,7 +6,6 @@
 #include <set>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <spdlog/spdlog.h>
 
 #include "client/crtk/crtk_station.h"
@@ -66,28 +65,26 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   Options options;
   std::string transport = "auto";
 
-  CLI::App app(kAbout, "palpate-crtk");
-  app.footer(kExamples);
-  app.add_option("--ros-domain", options.ros_domain,
-                 "domain of the ROS 2 programs: their ROS_DOMAIN_ID")
-      ->check(CLI::Range(0, ros2::kMaxDomain))
-      ->capture_default_str();
-  app.add_option("--ros-network", options.ros_network.interface,
-                 "network interface of the ROS 2 programs, as eth0; lo: this host alone")
-      ->capture_default_str();
-  app.add_option("--ros-peer", options.ros_network.peers,
-                 "address of a host with ROS, needed where the network carries no multicast; may "
-                 "be given again");
-  app.add_flag("--read-only", options.read_only, "take no servo_cf and no state_command");
-  app.add_option("--guide-force", options.guide_force_N,
-                 "force of servo_cf, in N, at which a station pulls with all of its --guide-force")
-      ->check(CLI::Range(0.01, GuideLimits::kMostForce_N))
-      ->capture_default_str();
-  app.add_option("--for", options.seconds, "end after this many seconds; default: at Ctrl-C")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--transport", transport,
-                 "how poses and wrenches travel, as for the server: auto, shm or udp")
-      ->capture_default_str();
+  const CommandLine app(kAbout, "palpate-crtk");
+  app.Footer(kExamples);
+  app.Add("--ros-domain", options.ros_domain, "domain of the ROS 2 programs: their ROS_DOMAIN_ID")
+      .Range(0, ros2::kMaxDomain)
+      .ShowDefault();
+  app.Add("--ros-network", options.ros_network.interface,
+          "network interface of the ROS 2 programs, as eth0; lo: this host alone")
+      .ShowDefault();
+  app.Add("--ros-peer", options.ros_network.peers,
+          "address of a host with ROS, needed where the network carries no multicast; may "
+          "be given again");
+  app.AddFlag("--read-only", options.read_only, "take no servo_cf and no state_command");
+  app.Add("--guide-force", options.guide_force_N,
+          "force of servo_cf, in N, at which a station pulls with all of its --guide-force")
+      .Range(0.01, GuideLimits::kMostForce_N)
+      .ShowDefault();
+  app.Add("--for", options.seconds, "end after this many seconds; default: at Ctrl-C").Positive();
+  app.Add("--transport", transport,
+          "how poses and wrenches travel, as for the server: auto, shm or udp")
+      .ShowDefault();
   AddNetworkOptions(app, "the server", options.network);
   AddCommonOptions(app, "the server's domain: the number that it was given", options.domain,
                    options.log_level);

@@ -4,7 +4,6 @@
 #include <optional>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <spdlog/fmt/fmt.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
@@ -51,21 +50,21 @@ Exit status: 0 fit (there may be warnings), 1 not fit, 2 wrong usage.)";
 /// Nothing where --help or --version was asked for.  Throws UsageError.
 std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   Options options;
-  CLI::App app(kAbout, "palpate-doctor");
-  app.footer(kExamples);
-  app.add_option("--seconds", options.seconds,
-                 "seconds for which to measure how late a loop wakes up; 0: do not measure")
-      ->check(CLI::Range(0.0, 86400.0))
-      ->capture_default_str();
-  app.add_option("--device", options.device,
-                 "device that a station on this host is to drive: " + DeviceNames())
-      ->type_name("NAME");
-  app.add_option_function<std::string>(
+  const CommandLine app(kAbout, "palpate-doctor");
+  app.Footer(kExamples);
+  app.Add("--seconds", options.seconds,
+          "seconds for which to measure how late a loop wakes up; 0: do not measure")
+      .Range(0.0, 86400.0)
+      .ShowDefault();
+  app.Add("--device", options.device,
+          "device that a station on this host is to drive: " + DeviceNames())
+      .TypeName("NAME");
+  app.AddText(
          "--transport",
          [&options](const std::string& text) { options.transport = dds::ParseTransport(text); },
          "transport of server and station: shm, udp, or auto (shared memory if possible)")
-      ->default_str("auto");
-  app.add_flag("--json", options.json, "print one JSON object in place of the report");
+      .ShowDefault("auto");
+  app.AddFlag("--json", options.json, "print one JSON object in place of the report");
   AddNetworkOptions(app, "the other host", options.network);
   AddRealtimeOptions(app, "the loops that it tries", options.realtime);
   AddCommonOptions(app, "domain whose ports are checked, and in which the loop is tried",

@@ -4,8 +4,6 @@
 #include <optional>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "client/igtl/igtl_messages.h"
 #include "client/igtl/igtl_server.h"
 #include "common/dds/endpoint.h"
@@ -49,16 +47,15 @@ struct Options {
 /// Nothing where --help or --version was asked for.  Throws UsageError.
 std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   Options options;
-  CLI::App app(kAbout, "palpate-igtl");
-  app.footer(kExamples);
-  app.add_option("--bind", options.address, "address of this host to listen at")
-      ->capture_default_str();
-  app.add_option("--port", options.port, "TCP port; 0: a free one, which is printed")
-      ->check(CLI::Range(0, 65535))
-      ->capture_default_str();
-  app.add_option("--rate", options.rate_Hz, "messages a second; the server itself sends 60")
-      ->check(CLI::Range(0.1, 1000.0))
-      ->capture_default_str();
+  const CommandLine app(kAbout, "palpate-igtl");
+  app.Footer(kExamples);
+  app.Add("--bind", options.address, "address of this host to listen at").ShowDefault();
+  app.Add("--port", options.port, "TCP port; 0: a free one, which is printed")
+      .Range(0, 65535)
+      .ShowDefault();
+  app.Add("--rate", options.rate_Hz, "messages a second; the server itself sends 60")
+      .Range(0.1, 1000.0)
+      .ShowDefault();
   AddNetworkOptions(app, "the server", options.network);
   AddCommonOptions(app, "the server's domain: the number that it was given", options.domain,
                    options.log_level);

@@ -7,8 +7,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "common/dds/cdr_reader.h"
 #include "common/dds/endpoint.h"
 #include "common/dds/random_run.h"
@@ -127,18 +125,18 @@ bool MakeWhole(const Options& options, StopSignal& stop) {
 /// Nothing where --help or --version was asked for.  Throws UsageError.
 std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   Options options;
-  CLI::App app(kAbout, "palpate-lesson");
-  app.footer(kExample);
+  const CommandLine app(kAbout, "palpate-lesson");
+  app.Footer(kExample);
   AddNetworkOptions(app, "the server", options.network);
   AddCommonOptions(app, "the server's domain: the number that it was given", options.domain,
                    options.log_level);
-  CLI::App* whole = app.add_subcommand("whole", "make scenes whole again");
-  whole->footer("Example: palpate-lesson whole calculus periodontal");
-  whole->fallthrough();
-  whole->add_option("SCENE", options.scenes, "names of scenes that are served")->required();
-  app.require_subcommand(0, 1);
+  const CommandLine whole = app.AddCommand("whole", "make scenes whole again");
+  whole.Footer("Example: palpate-lesson whole calculus periodontal");
+  whole.Fallthrough();
+  whole.Add("SCENE", options.scenes, "names of scenes that are served").Required();
+  app.RequireCommands(0, 1);
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
-  if (!*whole) throw UsageError("say what to do: 'palpate-lesson whole SCENE', or --help");
+  if (!whole.given()) throw UsageError("say what to do: 'palpate-lesson whole SCENE', or --help");
   for (const std::string& scene : options.scenes) {
     if (scene.size() > 64) throw UsageError("SCENE: a scene's name has 64 letters at most");
   }

@@ -2,8 +2,6 @@
 
 #include <charconv>
 
-#include <CLI/CLI.hpp>
-
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/program/command_line.h"
@@ -65,64 +63,61 @@ std::optional<LoadRunOptions> ParseLoadOptions(int argc, const char* const* argv
   std::string url = options.viewer_url.text();
   std::vector<std::string> make_scene;
 
-  CLI::App app(kAbout, "palpate-load");
-  app.footer(kExamples);
-  app.add_option("--stations", options.stations,
-                 "simulated stations; several numbers, as 1,4,16, make one run each")
-      ->delimiter(',')
-      ->check(CLI::Range(0, 1000))
-      ->capture_default_str();
-  app.add_option("--viewers", options.viewers,
-                 "viewers over WebSocket; several numbers as for --stations")
-      ->delimiter(',')
-      ->check(CLI::Range(0, 10000))
-      ->capture_default_str();
-  app.add_option("--stalled-viewers", options.stalled,
-                 "further viewers, which attach and then read nothing")
-      ->check(CLI::Range(0, 10000))
-      ->capture_default_str();
-  app.add_option("--dds-viewers", options.dds_viewers, "viewers that read DDS directly")
-      ->check(CLI::Range(0, 1000))
-      ->capture_default_str();
-  app.add_option("--seconds", options.seconds,
-                 "how long to measure each run, after one second to warm up")
-      ->check(CLI::Range(0.5, 86400.0))
-      ->capture_default_str();
-  app.add_flag("--find", options.find,
-               "find the largest load that holds, by runs of at most 3 s each");
-  app.add_option("--viewer-url", url, "the gateway's WebSocket")->capture_default_str();
-  app.add_option("--rate", options.rate_hz,
-                 "updates a second of each tool, as palpate-viewer's --rate")
-      ->check(CLI::Range(1.0, 60.0))
-      ->capture_default_str();
-  app.add_option("--scene", options.scene,
-                 "scene that the stations drive, by name or file; default: all that the server "
-                 "has");
-  app.add_option("--script", options.script,
-                 "poses of the hands (JSON); default: the server's script of the scene");
-  app.add_option("--name", options.name, "first part of the stations' names; a number follows")
-      ->capture_default_str();
-  app.add_option("--transport", transport, "how poses and wrenches travel: auto, shm or udp")
-      ->capture_default_str();
+  const CommandLine app(kAbout, "palpate-load");
+  app.Footer(kExamples);
+  app.Add("--stations", options.stations,
+          "simulated stations; several numbers, as 1,4,16, make one run each")
+      .Commas()
+      .Range(0, 1000)
+      .ShowDefault();
+  app.Add("--viewers", options.viewers, "viewers over WebSocket; several numbers as for --stations")
+      .Commas()
+      .Range(0, 10000)
+      .ShowDefault();
+  app.Add("--stalled-viewers", options.stalled,
+          "further viewers, which attach and then read nothing")
+      .Range(0, 10000)
+      .ShowDefault();
+  app.Add("--dds-viewers", options.dds_viewers, "viewers that read DDS directly")
+      .Range(0, 1000)
+      .ShowDefault();
+  app.Add("--seconds", options.seconds, "how long to measure each run, after one second to warm up")
+      .Range(0.5, 86400.0)
+      .ShowDefault();
+  app.AddFlag("--find", options.find,
+              "find the largest load that holds, by runs of at most 3 s each");
+  app.Add("--viewer-url", url, "the gateway's WebSocket").ShowDefault();
+  app.Add("--rate", options.rate_hz, "updates a second of each tool, as palpate-viewer's --rate")
+      .Range(1.0, 60.0)
+      .ShowDefault();
+  app.Add("--scene", options.scene,
+          "scene that the stations drive, by name or file; default: all that the server "
+          "has");
+  app.Add("--script", options.script,
+          "poses of the hands (JSON); default: the server's script of the scene");
+  app.Add("--name", options.name, "first part of the stations' names; a number follows")
+      .ShowDefault();
+  app.Add("--transport", transport, "how poses and wrenches travel: auto, shm or udp")
+      .ShowDefault();
   AddNetworkOptions(app, "the server", options.network);
-  app.add_option("--realtime", options.realtime,
-                 "real-time scheduling of the stations' loops: require, prefer or off")
-      ->capture_default_str();
-  app.add_option("--wait", options.patience_s, "seconds to wait for server and gateway")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--server-pid", options.server_pid,
-                 "id of the server's process, to measure it; default: the one that serves the "
-                 "domain");
-  app.add_option("--viewer-pid", options.viewer_pid,
-                 "id of the gateway's process, to measure it; default: the one that listens at "
-                 "--viewer-url");
-  app.add_option("--json", options.json, "write the figures as JSON to this file; - is stdout");
-  app.add_option("--report", options.report, "write the capacity table to this file (Markdown)");
-  app.add_option("--make-scene", make_scene,
-                 "N FILE: write a scene file like --scene (default: cube) but with N of its tool, "
-                 "and end")
-      ->expected(2);
+  app.Add("--realtime", options.realtime,
+          "real-time scheduling of the stations' loops: require, prefer or off")
+      .ShowDefault();
+  app.Add("--wait", options.patience_s, "seconds to wait for server and gateway")
+      .Positive()
+      .ShowDefault();
+  app.Add("--server-pid", options.server_pid,
+          "id of the server's process, to measure it; default: the one that serves the "
+          "domain");
+  app.Add("--viewer-pid", options.viewer_pid,
+          "id of the gateway's process, to measure it; default: the one that listens at "
+          "--viewer-url");
+  app.Add("--json", options.json, "write the figures as JSON to this file; - is stdout");
+  app.Add("--report", options.report, "write the capacity table to this file (Markdown)");
+  app.Add("--make-scene", make_scene,
+          "N FILE: write a scene file like --scene (default: cube) but with N of its tool, "
+          "and end")
+      .Words(2);
   AddCommonOptions(app, "the server's domain: the number that it was given", options.domain,
                    options.log_level);
 

@@ -31,7 +31,7 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 namespace net = boost::asio;
 namespace websocket = beast::websocket;
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 using net::ip::tcp;
 
 constexpr const char* kTopic = "/palpate/tool_state";

@@ -141,7 +141,7 @@ void Record(const RecorderOptions& options, StopSignal& stop) {
 
 int main(int argc, char** argv) {
   return palpate::RunProgram("palpate-record", [&] {
-    const auto options = palpate::ParseOptions(argc, argv);
+    const auto options = palpate::ParseRecorderOptions(argc, argv);
     if (!options) return 0;
     palpate::KeepFilesPrivate();
     palpate::SetUpLog("palpate-record", options->log_level);

@@ -2,8 +2,6 @@
 
 #include <filesystem>
 
-#include <CLI/CLI.hpp>
-
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/program/command_line.h"
@@ -43,52 +41,49 @@ cut off or cannot be read; 2 wrong usage.)";
 
 }  // namespace
 
-std::optional<RecorderOptions> ParseOptions(int argc, const char* const* argv) {
+std::optional<RecorderOptions> ParseRecorderOptions(int argc, const char* const* argv) {
   RecorderOptions options;
   std::string transport = "auto";
   double split_mb = 0.0;
   bool no_loop = false, no_bundle = false;
 
-  CLI::App app(kAbout, "palpate-record");
-  app.footer(kExamples);
-  app.add_option("-o,--output", options.recording.file, "file to record to, FILE.mcap");
-  app.add_flag("--overwrite", options.recording.overwrite, "replace the file if it is there");
-  app.add_option("--split-size", split_mb, "begin a new file after this many MB")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--split-time", options.recording.split_s,
-                 "begin a new file after this many seconds")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--for", options.seconds, "end after this many seconds; default: at Ctrl-C")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--station", options.stations,
-                 "record of all stations this one's hand and session alone; scenes, and what is "
-                 "scraped off them, are always recorded.  May be given again.  Default: all")
-      ->type_name("NAME")
-      ->allow_extra_args(false)
-      ->check([](const std::string& name) {
+  const CommandLine app(kAbout, "palpate-record");
+  app.Footer(kExamples);
+  app.Add("-o,--output", options.recording.file, "file to record to, FILE.mcap");
+  app.AddFlag("--overwrite", options.recording.overwrite, "replace the file if it is there");
+  app.Add("--split-size", split_mb, "begin a new file after this many MB").Positive();
+  app.Add("--split-time", options.recording.split_s, "begin a new file after this many seconds")
+      .Positive();
+  app.Add("--for", options.seconds, "end after this many seconds; default: at Ctrl-C").Positive();
+  app.Add("--station", options.stations,
+          "record of all stations this one's hand and session alone; scenes, and what is "
+          "scraped off them, are always recorded.  May be given again.  Default: all")
+      .TypeName("NAME")
+      .OneAtATime()
+      .Check([](const std::string& name) {
         return dds::IsStationName(name) ? "" : "'" + name + "' is no station's name, as its --id";
       });
-  app.add_flag("--no-loop", no_loop, "leave out poses and wrenches: record what viewers see alone");
-  app.add_flag("--no-bundle", no_bundle,
-               "leave out the scenes; a replay then takes them from the catalogue");
-  app.add_option("--transport", transport,
-                 "how poses and wrenches travel, as for the server: auto, shm or udp")
-      ->capture_default_str();
+  app.AddFlag("--no-loop", no_loop, "leave out poses and wrenches: record what viewers see alone");
+  app.AddFlag("--no-bundle", no_bundle,
+              "leave out the scenes; a replay then takes them from the catalogue");
+  app.Add("--transport", transport,
+          "how poses and wrenches travel, as for the server: auto, shm or udp")
+      .ShowDefault();
   AddNetworkOptions(app, "the server", options.network);
   AddCommonOptions(app, "the server's domain: the number that it was given", options.domain,
                    options.log_level);
-  CLI::App* info = app.add_subcommand("info", "say what is in a recording, and what is missing");
-  info->footer(kInfoExamples);
-  info->add_option("files", options.info_files, "a recording, or its splits in their order")
-      ->required();
-  info->add_option("--json", options.json, "write it as JSON to this file; - is stdout");
+  const CommandLine info =
+      app.AddCommand("info", "say what is in a recording, and what is missing");
+  info.Footer(kInfoExamples);
+  info.Add("files", options.info_files, "a recording, or its splits in their order").Required();
+  info.Add("--json", options.json, "write it as JSON to this file; - is stdout");
 
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
 
-  if (!*info && options.recording.file.empty()) {
+  if (!info.given() && options.recording.file.empty()) {
     throw UsageError("-o FILE.mcap is missing; 'palpate-record --help' shows how");
   }
-  if (!*info && std::filesystem::path(options.recording.file).extension() != ".mcap") {
+  if (!info.given() && std::filesystem::path(options.recording.file).extension() != ".mcap") {
     throw UsageError("-o " + options.recording.file +
                      ": a recording is MCAP, whatever its name; give a name that ends in .mcap.  "
                      "Of that, 'palpate-replay export' makes CSV");

@@ -26,6 +26,6 @@ struct RecorderOptions {
 
 /// Reads the command line.  For --help and --version prints them and returns nothing.
 /// Throws UsageError.
-std::optional<RecorderOptions> ParseOptions(int argc, const char* const* argv);
+std::optional<RecorderOptions> ParseRecorderOptions(int argc, const char* const* argv);
 
 }  // namespace palpate

@@ -64,7 +64,7 @@ int Run(const ReplayOptions& options) {
 
 int main(int argc, char** argv) {
   return palpate::RunProgram("palpate-replay", [&] {
-    const auto options = palpate::ParseOptions(argc, argv);
+    const auto options = palpate::ParseReplayOptions(argc, argv);
     if (!options) return 0;
     palpate::KeepFilesPrivate();
     palpate::SetUpLog("palpate-replay", options->log_level);

@@ -1,7 +1,5 @@
 #include "client/replayer/options.h"
 
-#include <CLI/CLI.hpp>
-
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/program/command_line.h"
@@ -54,137 +52,133 @@ constexpr const char* kExportExamples =
 
 }  // namespace
 
-std::optional<ReplayOptions> ParseOptions(int argc, const char* const* argv) {
+std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* argv) {
   ReplayOptions options;
   bool verify = false;
 
-  CLI::App app(kAbout, "palpate-replay");
-  app.footer(std::string(kExamples) + "\n\n" + Keyboard::kHelp + "\n\n" + kStatus);
-  app.add_option("files", options.playback.files, "a recording, or its splits in their order");
-  CLI::Option* verify_option =
-      app.add_flag("--verify", verify, "compute every wrench again and compare all bits");
-  app.add_option("--scene", options.verify.scene,
-                 "with --verify: scene to compute with; default: the recorded one, else the "
-                 "catalogue's")
-      ->needs(verify_option);
-  app.add_option("--models", options.verify.models_dir,
-                 "with --verify: folder of the meshes that no package installs; the variable "
-                 "PALPATE_MODELS does the same")
-      ->needs(verify_option);
-  CLI::Option* json = app.add_option("--json", options.json,
-                                     "with --verify: write the result as JSON; - is stdout");
-  CLI::Option* guide = app.add_option("--guide", options.guide.led,
-                                      "lead the hand at this station along the recorded path")
-                           ->excludes(verify_option);
-  app.add_flag_callback(
-         "--no-wait", [&options] { options.guide.waits = false; },
-         "with --guide: keep the recorded pace even if the hand falls behind")
-      ->needs(guide);
-  app.add_option(
-         "--station", options.guide.station,
-         "with --guide: the station whose path to follow, if the recording has several sessions; "
-         "NAME/RUN if this station has several")
-      ->type_name("NAME")
-      ->needs(guide);
-  app.add_option("--rate", options.playback.rate,
-                 "speed, times the recorded one; at most 2 with --guide")
-      ->check(CLI::Range(0.01, 100.0))
-      ->excludes(verify_option)
-      ->capture_default_str();
-  CLI::Option* loop =
-      app.add_flag("--loop", options.playback.loop, "repeat until Ctrl-C")->excludes(verify_option);
-  app.add_flag(
+  const CommandLine app(kAbout, "palpate-replay");
+  app.Footer(std::string(kExamples) + "\n\n" + Keyboard::kHelp + "\n\n" + kStatus);
+  app.Add("files", options.playback.files, "a recording, or its splits in their order");
+  const Option verify_option =
+      app.AddFlag("--verify", verify, "compute every wrench again and compare all bits");
+  app.Add("--scene", options.verify.scene,
+          "with --verify: scene to compute with; default: the recorded one, else the "
+          "catalogue's")
+      .Needs(verify_option);
+  app.Add("--models", options.verify.models_dir,
+          "with --verify: folder of the meshes that no package installs; the variable "
+          "PALPATE_MODELS does the same")
+      .Needs(verify_option);
+  const Option json =
+      app.Add("--json", options.json, "with --verify: write the result as JSON; - is stdout");
+  const Option guide =
+      app.Add("--guide", options.guide.led, "lead the hand at this station along the recorded path")
+          .Excludes(verify_option);
+  bool no_wait = false;
+  app.AddFlag("--no-wait", no_wait,
+              "with --guide: keep the recorded pace even if the hand falls behind")
+      .Needs(guide);
+  app.Add("--station", options.guide.station,
+          "with --guide: the station whose path to follow, if the recording has several sessions; "
+          "NAME/RUN if this station has several")
+      .TypeName("NAME")
+      .Needs(guide);
+  app.Add("--rate", options.playback.rate, "speed, times the recorded one; at most 2 with --guide")
+      .Range(0.01, 100.0)
+      .Excludes(verify_option)
+      .ShowDefault();
+  const Option loop =
+      app.AddFlag("--loop", options.playback.loop, "repeat until Ctrl-C").Excludes(verify_option);
+  app.AddFlag(
          "--stay", options.play.stays,
          "wait at the end until Ctrl-C, so that viewers can go back; without it, the replay ends "
          "there unless a viewer has steered it")
-      ->excludes(verify_option)
-      ->excludes(guide)
-      ->excludes(loop);
-  app.add_flag("--locked", options.play.locked,
-               "viewers may look but not steer: no pause, no seek, no bookmarks")
-      ->excludes(verify_option)
-      ->excludes(guide);
-  app.add_flag("--step", options.play.stepping,
-               "begin paused: space goes on, the right arrow steps")
-      ->excludes(verify_option)
-      ->excludes(guide);
-  app.add_option("--from", options.playback.from_s,
-                 "begin this many seconds into the recording (with --guide: into the hand's path)")
-      ->check(CLI::NonNegativeNumber)
-      ->excludes(verify_option);
-  app.add_option("--to", options.playback.to_s, "end this many seconds into it")
-      ->check(CLI::PositiveNumber)
-      ->excludes(verify_option);
+      .Excludes(verify_option)
+      .Excludes(guide)
+      .Excludes(loop);
+  app.AddFlag("--locked", options.play.locked,
+              "viewers may look but not steer: no pause, no seek, no bookmarks")
+      .Excludes(verify_option)
+      .Excludes(guide);
+  app.AddFlag("--step", options.play.stepping, "begin paused: space goes on, the right arrow steps")
+      .Excludes(verify_option)
+      .Excludes(guide);
+  app.Add("--from", options.playback.from_s,
+          "begin this many seconds into the recording (with --guide: into the hand's path)")
+      .NotNegative()
+      .Excludes(verify_option);
+  app.Add("--to", options.playback.to_s, "end this many seconds into it")
+      .Positive()
+      .Excludes(verify_option);
   AddNetworkOptions(app, "a viewer or the guided station", options.playback.network);
   AddCommonOptions(app, "domain of viewers and stations: the number that they were given",
                    options.playback.domain, options.log_level);
-  CLI::App* score = app.add_subcommand(
+  const CommandLine score = app.AddCommand(
       "score", "how near a trainee came to an expert, trial by trial and on average");
-  score->footer(kScoreExamples);
-  score->add_option("expert", options.score.expert, "recording of the expert")->required();
+  score.Footer(kScoreExamples);
+  score.Add("expert", options.score.expert, "recording of the expert").Required();
   score
-      ->add_option("trials", options.score.trials,
-                   "recordings of the trainee; several, because one predicts nothing")
-      ->required();
+      .Add("trials", options.score.trials,
+           "recordings of the trainee; several, because one predicts nothing")
+      .Required();
   score
-      ->add_option("--station", options.score.stations,
-                   "the trainee, where a trial's recording has several sessions: a station's name; "
-                   "NAME/RUN where it has several.  Once for all trials, or once for each")
-      ->type_name("NAME")
-      ->allow_extra_args(false);
-  score
-      ->add_option("--expert-station", options.score.expert_station,
-                   "the same of the expert's recording")
-      ->type_name("NAME");
-  score->add_option("--criteria", options.score.criteria,
-                    "file to grade by; 'palpate-replay criteria FILE' writes one to begin with");
-  score->add_option("--out", options.out, "folder for the report: score.html, and its figures");
-  score->add_option("--json", options.json, "write the score as JSON to this file; - is stdout");
+      .Add("--station", options.score.stations,
+           "the trainee, where a trial's recording has several sessions: a station's name; "
+           "NAME/RUN where it has several.  Once for all trials, or once for each")
+      .TypeName("NAME")
+      .OneAtATime();
+  score.Add("--expert-station", options.score.expert_station, "the same of the expert's recording")
+      .TypeName("NAME");
+  score.Add("--criteria", options.score.criteria,
+            "file to grade by; 'palpate-replay criteria FILE' writes one to begin with");
+  score.Add("--out", options.out, "folder for the report: score.html, and its figures");
+  score.Add("--json", options.json, "write the score as JSON to this file; - is stdout");
 
-  CLI::App* criteria = app.add_subcommand("criteria", "write a file to grade by, for you to edit");
-  criteria->footer(kCriteriaExamples);
-  criteria->add_option("file", options.new_criteria, "file to write, FILE.json")->required();
+  const CommandLine criteria =
+      app.AddCommand("criteria", "write a file to grade by, for you to edit");
+  criteria.Footer(kCriteriaExamples);
+  criteria.Add("file", options.new_criteria, "file to write, FILE.json").Required();
 
   std::string format = "csv";
-  CLI::App* columns = app.add_subcommand(
+  const CommandLine columns = app.AddCommand(
       "export",
       "write poses, wrenches, contacts and the limiter's work as columns, with what a paper's "
       "methods section needs");
-  columns->footer(kExportExamples);
-  columns->add_option("files", options.columns.files, "a recording, or its splits in their order")
-      ->required();
-  columns->add_option("-o,--output", options.columns.folder, "folder to make")->required();
-  columns->add_option("--format", format, "csv, or npy: arrays of NumPy with named fields")
-      ->capture_default_str();
-  columns->add_flag("--overwrite", options.columns.overwrite,
-                    "replace the folder if it is a former export");
+  columns.Footer(kExportExamples);
+  columns.Add("files", options.columns.files, "a recording, or its splits in their order")
+      .Required();
+  columns.Add("-o,--output", options.columns.folder, "folder to make").Required();
+  columns.Add("--format", format, "csv, or npy: arrays of NumPy with named fields").ShowDefault();
+  columns.AddFlag("--overwrite", options.columns.overwrite,
+                  "replace the folder if it is a former export");
 
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
+  options.guide.waits = !no_wait;
 
-  if (*columns) {
-    if (!options.playback.files.empty() || verify || *guide) {
+  if (columns.given()) {
+    if (!options.playback.files.empty() || verify || guide.given()) {
       throw UsageError("export takes its recordings alone: 'palpate-replay export --help'");
     }
     options.columns.format = ParseColumnFormat(format);
     options.what = ReplayOptions::What::kExport;
     return options;
   }
-  if (*score || *criteria) {
-    if (!options.playback.files.empty() || verify || *guide) {
+  if (score.given() || criteria.given()) {
+    if (!options.playback.files.empty() || verify || guide.given()) {
       throw UsageError("score takes its recordings alone: 'palpate-replay score --help'");
     }
     const std::size_t stations = options.score.stations.size();
     if (stations > 1 && stations != options.score.trials.size()) {
       throw UsageError("--station: give it once for all trials, or once for each");
     }
-    options.what = *score ? ReplayOptions::What::kScore : ReplayOptions::What::kCriteria;
+    options.what = score.given() ? ReplayOptions::What::kScore : ReplayOptions::What::kCriteria;
     return options;
   }
   if (options.playback.files.empty()) {
     throw UsageError("a recording is missing; 'palpate-replay --help' shows how");
   }
   if (verify) options.what = ReplayOptions::What::kVerify;
-  if (*json && !verify) throw UsageError("--json goes with --verify or score");
+  if (json.given() && !verify) throw UsageError("--json goes with --verify or score");
   if (!options.guide.led.empty()) {
     options.what = ReplayOptions::What::kGuide;
     if (!dds::IsStationName(options.guide.led)) {

@@ -30,6 +30,6 @@ struct ReplayOptions {
 
 /// Reads the command line.  For --help and --version prints them and returns nothing.
 /// Throws UsageError.
-std::optional<ReplayOptions> ParseOptions(int argc, const char* const* argv);
+std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* argv);
 
 }  // namespace palpate

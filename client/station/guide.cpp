@@ -8,7 +8,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kMaxTick_s = 0.002;  // as the limiter's: after a stall, no more than this
+constexpr double kLongestTick_s = 0.002;  // as the limiter's: after a stall, no more than this
 constexpr double kMaxCoordinate_m = 100.0;
 
 /// The limit in the direction of e, in proportion where e is within reach.
@@ -52,7 +52,7 @@ Wrench Guide::Pull(std::int64_t now_ns, double dt_s, const Pose& X_WH, const Twi
   const double fresh = age_ns <= kFresh_ns
                            ? 1.0
                            : static_cast<double>(kSilent_ns - age_ns) / (kSilent_ns - kFresh_ns);
-  const double dt = dt_s > 0.0 ? std::min(dt_s, kMaxTick_s) : 0.0;
+  const double dt = dt_s > 0.0 ? std::min(dt_s, kLongestTick_s) : 0.0;
 
   const Vec3 e = aim_.X_WH.p - X_WH.p;
   const double distance = e.norm();

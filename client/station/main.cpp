@@ -224,7 +224,7 @@ void RunStation(const StationOptions& given, StopSignal& stop) {
 
 int main(int argc, char** argv) {
   return palpate::RunProgram("palpate-station", [&] {
-    const auto options = palpate::ParseOptions(argc, argv);
+    const auto options = palpate::ParseStationOptions(argc, argv);
     if (!options) return 0;
     palpate::KeepFilesPrivate();
     palpate::SetUpLog("palpate-station", options->log_level);

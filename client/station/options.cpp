@@ -1,7 +1,5 @@
 #include "client/station/options.h"
 
-#include <CLI/CLI.hpp>
-
 #include "client/station/guide.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
@@ -51,85 +49,83 @@ Exit status: 0 done, 1 failed or refused, 2 wrong usage.)";
 
 }  // namespace
 
-std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
+std::optional<StationOptions> ParseStationOptions(int argc, const char* const* argv) {
   StationOptions options;
   std::string transport = "auto";
   bool table = false;
   std::string local_model = "on";
 
-  CLI::App app(kAbout, "palpate-station");
-  app.footer("Devices:\n" + DeviceHelp() + kExamples);
-  app.add_option("--device", options.link.device, "the device: " + DeviceNames())->required();
-  app.add_option("--model", options.device.model,
-                 "which arm to simulate; default: the first that is named below");
-  app.add_option("--rate", options.device.rate_Hz,
-                 "how often the device is read and commanded, in Hz")
-      ->capture_default_str();
-  app.add_option("--scene", options.link.scene,
-                 "scene to feel: its name at the server, or the file that the server was given")
-      ->required();
-  app.add_option("--tool", options.link.tool,
-                 "tool of the scene; needed only if the scene has several");
-  app.add_option("--id", options.link.station, "name of this station: 1 to 32 letters, digits or _")
-      ->required();
-  app.add_option(
+  const CommandLine app(kAbout, "palpate-station");
+  app.Footer("Devices:\n" + DeviceHelp() + kExamples);
+  app.Add("--device", options.link.device, "the device: " + DeviceNames()).Required();
+  app.Add("--model", options.device.model,
+          "which arm to simulate; default: the first that is named below");
+  app.Add("--rate", options.device.rate_Hz, "how often the device is read and commanded, in Hz")
+      .ShowDefault();
+  app.Add("--scene", options.link.scene,
+          "scene to feel: its name at the server, or the file that the server was given")
+      .Required();
+  app.Add("--tool", options.link.tool, "tool of the scene; needed only if the scene has several");
+  app.Add("--id", options.link.station, "name of this station: 1 to 32 letters, digits or _")
+      .Required();
+  app.Add(
       "--script", options.script,
       "poses that the simulated hand follows (JSON); default: the script that the server has for "
       "the scene, or makes for it");
-  app.add_option(
+  app.Add(
       "--workspace", options.workspace,
       "file that says how the device lies in the scene (JSON): calibration, frame, scale, clutch, "
       "walls");
-  app.add_option("--scale", options.scale,
-                 "millimetres that the tool moves for each millimetre of the hand; default: the "
-                 "workspace's, else 1")
-      ->check(CLI::Range(Workspace::kLeastScale, Workspace::kMostScale));
-  app.add_option("--clutch-button", options.clutch_button,
-                 "button that lets the hand move without the tool, a number from 0")
-      ->check(CLI::Range(0, 31));
-  app.add_flag("--loop", options.device.loop,
-               "repeat the script; without it the hand stays at the script's end");
-  app.add_flag("--enable-forces", options.enable_forces,
-               "let forces out to a real device all the time, not only while its first button is "
-               "held; simulated devices always get them");
-  app.add_option("--max-force", options.max_force_N,
-                 "greatest force, in N, where that is less than the device's own; its torque goes "
-                 "down by the same share; default: the device's own")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--device-name", options.device.arm,
-                 "which arm, if there are several: its name in the vendor's set-up program, its "
-                 "serial number, or its id; default: the first");
-  app.add_flag("--calibrate", options.device.calibrate,
-               "calibrate the arm even if it is calibrated; put it into its reset position first, "
-               "if it has one");
-  app.add_option("--local-model", local_model,
-                 "on: compute the force of a reply's contacts at the newest pose, and ask ahead "
-                 "where the server is more than 2 ms away; off: apply each wrench as it came")
-      ->check(CLI::IsMember({"on", "off"}))
-      ->capture_default_str();
-  CLI::Option* accept_guide = app.add_flag("--accept-guide", options.accept_guide,
-                                           "let 'palpate-replay --guide ID' lead the hand gently");
-  app.add_option("--guide-force", options.guide_force_N,
-                 "greatest force of a guide, in N; its greatest torque, in N m, is a hundredth of "
-                 "that")
-      ->check(CLI::Range(0.0, GuideLimits::kMostForce_N))
-      ->needs(accept_guide)
-      ->capture_default_str();
-  app.add_option("--for", options.seconds, "end after this many seconds; default: at Ctrl-C")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--transport", transport,
-                 "how poses and wrenches travel: auto (shared memory if possible), shm or udp")
-      ->capture_default_str();
+  app.Add("--scale", options.scale,
+          "millimetres that the tool moves for each millimetre of the hand; default: the "
+          "workspace's, else 1")
+      .Range(Workspace::kLeastScale, Workspace::kMostScale);
+  app.Add("--clutch-button", options.clutch_button,
+          "button that lets the hand move without the tool, a number from 0")
+      .Range(0, 31);
+  app.AddFlag("--loop", options.device.loop,
+              "repeat the script; without it the hand stays at the script's end");
+  app.AddFlag("--enable-forces", options.enable_forces,
+              "let forces out to a real device all the time, not only while its first button is "
+              "held; simulated devices always get them");
+  app.Add("--max-force", options.max_force_N,
+          "greatest force, in N, where that is less than the device's own; its torque goes "
+          "down by the same share; default: the device's own")
+      .Positive();
+  app.Add("--device-name", options.device.arm,
+          "which arm, if there are several: its name in the vendor's set-up program, its "
+          "serial number, or its id; default: the first");
+  app.AddFlag("--calibrate", options.device.calibrate,
+              "calibrate the arm even if it is calibrated; put it into its reset position first, "
+              "if it has one");
+  app.Add("--local-model", local_model,
+          "on: compute the force of a reply's contacts at the newest pose, and ask ahead "
+          "where the server is more than 2 ms away; off: apply each wrench as it came")
+      .OneOf({"on", "off"})
+      .ShowDefault();
+  const Option accept_guide = app.AddFlag("--accept-guide", options.accept_guide,
+                                          "let 'palpate-replay --guide ID' lead the hand gently");
+  app.Add("--guide-force", options.guide_force_N,
+          "greatest force of a guide, in N; its greatest torque, in N m, is a hundredth of "
+          "that")
+      .Range(0.0, GuideLimits::kMostForce_N)
+      .Needs(accept_guide)
+      .ShowDefault();
+  app.Add("--for", options.seconds, "end after this many seconds; default: at Ctrl-C").Positive();
+  app.Add("--transport", transport,
+          "how poses and wrenches travel: auto (shared memory if possible), shm or udp")
+      .ShowDefault();
   AddNetworkOptions(app, "the server", options.link.network);
-  app.add_option("--wait", options.link.patience_s, "seconds to wait for the server's first answer")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+  app.Add("--wait", options.link.patience_s, "seconds to wait for the server's first answer")
+      .Positive()
+      .ShowDefault();
   AddRealtimeOptions(app, "the loop", options.link.realtime);
-  app.add_flag("--table,!--no-table", table,
-               "show a live table, or else a line a second; default: a table on a terminal");
-  app.add_option("--json", options.json, "write the summary as JSON to this file; - is stdout");
-  app.add_option("--trace", options.trace,
-                 "write a row for every tick to this file (CSV): replies, their age, forces");
+  const Option has_table =
+      app.AddFlag("--table,!--no-table", table,
+                  "show a live table, or else a line a second; default: a table on a terminal");
+  app.Add("--json", options.json, "write the summary as JSON to this file; - is stdout");
+  app.Add("--trace", options.trace,
+          "write a row for every tick to this file (CSV): replies, their age, forces");
   AddCommonOptions(app, "the server's domain: the number that it was given", options.link.domain,
                    options.log_level);
 
@@ -138,7 +134,7 @@ std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
   if (!dds::IsStationName(options.link.station)) {
     throw UsageError("--id '" + options.link.station + "': give 1 to 32 letters, digits or _");
   }
-  if (app.count("--table") > 0) options.table = table;
+  if (has_table.given()) options.table = table;
   options.local_model = local_model == "on";
   options.link.transport = dds::ParseTransport(transport);
   options.device.name = options.link.device;

@@ -30,6 +30,6 @@ struct StationOptions {
 
 /// Reads the command line.  For --help and --version prints them and returns nothing.
 /// Throws UsageError.
-std::optional<StationOptions> ParseOptions(int argc, const char* const* argv);
+std::optional<StationOptions> ParseStationOptions(int argc, const char* const* argv);
 
 }  // namespace palpate

@@ -21,6 +21,7 @@
 #include "client/viewer/hub.h"
 #include "client/viewer/options.h"
 #include "client/viewer/tokens.h"
+#include "client/viewer/viewer_limits.h"
 #include "client/viewer/visitor.h"
 #include "client/viewer/web_stream.h"
 #include "common/error.h"
@@ -39,7 +40,6 @@ using net::ip::tcp;
 constexpr std::chrono::microseconds kTick{8333};
 /// Connections beside the viewers': browsers open some for the page's files.
 constexpr std::size_t kHttpConnections = 200;
-constexpr std::int64_t kFarewell_ns = 2'000'000'000;
 
 class Listener {
  public:
@@ -200,7 +200,8 @@ void RunGateway(const ViewerOptions& options, StopSignal& stop) {
       hub.BeginToEnd(now_ns);
     }
     hub.Tick(now_ns);
-    if (ending_ns != 0 && (hub.ended() || now_ns - ending_ns > kFarewell_ns)) return io.stop();
+    if (ending_ns != 0 && (hub.ended() || now_ns - ending_ns > ViewerLimits::kFarewell_ns))
+      return io.stop();
     // By the absolute clock, and without a burst after being held up.
     timer.expires_at(std::max(timer.expiry() + kTick, std::chrono::steady_clock::now()));
     timer.async_wait(tick);

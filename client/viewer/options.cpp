@@ -2,13 +2,11 @@
 
 #include <filesystem>
 
-#include <CLI/CLI.hpp>
 #include <boost/asio/ip/address.hpp>
 
 #include "common/dds/participant.h"
 #include "common/error.h"
 #include "common/files/project_files.h"
-#include "common/http/host_name.h"
 #include "common/program/command_line.h"
 
 namespace palpate {
@@ -69,75 +67,73 @@ ViewerOptions::NewToken ToNewToken(const std::vector<std::string>& words, const 
 std::optional<ViewerOptions> ParseViewerOptions(int argc, const char* const* argv) {
   ViewerOptions options;
   options.page = PlaceOf(ProjectFile::kPage);
-  CLI::App app(kAbout, "palpate-viewer");
-  app.footer(kExamples);
-  const CLI::Option* port =
-      app.add_option("--http", options.port, "port of the page and its WebSocket; 0: a free one")
-          ->check(CLI::Range(0, 65535));
-  app.add_option("--bind", options.address,
-                 "address to listen at; 0.0.0.0: all networks of this host")
-      ->capture_default_str();
-  const CLI::Option* page = app.add_option(
-      "--page", options.page,
-      "folder of the built page; default: the one of this program's package or build");
-  app.add_option("--rate", options.rate_hz, "updates a second that each viewer gets of each tool")
-      ->check(CLI::Range(10.0, 60.0))
-      ->capture_default_str();
-  app.add_option("--max-viewers", options.max_viewers, "viewers at once; more are refused")
-      ->check(CLI::Range(1, 10000))
-      ->capture_default_str();
-  app.add_option("--max-mice", options.max_mice,
-                 "tools that viewers may hold with the mouse at once; 0: none")
-      ->check(CLI::Range(0, 16))
-      ->capture_default_str();
-  app.add_flag("--no-steering", options.no_steering,
-               "viewers may not steer a replay at this gateway; 'palpate-replay --locked' forbids "
-               "it at all of them");
-  app.add_option("--allow-origin", options.origins,
-                 "origin of another web page that may attach and take a tool, as "
-                 "https://app.example.org; *: every page.  This gateway's own page, and programs "
-                 "that are no web page, always may.  Desktop applications that call themselves "
-                 "file:// may look, and take tools if file:// is given here");
+  const CommandLine app(kAbout, "palpate-viewer");
+  app.Footer(kExamples);
+  const Option port =
+      app.Add("--http", options.port, "port of the page and its WebSocket; 0: a free one")
+          .Range(0, 65535);
+  app.Add("--bind", options.address, "address to listen at; 0.0.0.0: all networks of this host")
+      .ShowDefault();
+  const Option page =
+      app.Add("--page", options.page,
+              "folder of the built page; default: the one of this program's package or build");
+  app.Add("--rate", options.rate_hz, "updates a second that each viewer gets of each tool")
+      .Range(10.0, 60.0)
+      .ShowDefault();
+  app.Add("--max-viewers", options.max_viewers, "viewers at once; more are refused")
+      .Range(1, 10000)
+      .ShowDefault();
+  app.Add("--max-mice", options.max_mice,
+          "tools that viewers may hold with the mouse at once; 0: none")
+      .Range(0, 16)
+      .ShowDefault();
+  app.AddFlag("--no-steering", options.no_steering,
+              "viewers may not steer a replay at this gateway; 'palpate-replay --locked' forbids "
+              "it at all of them");
+  app.Add("--allow-origin", options.origins,
+          "origin of another web page that may attach and take a tool, as "
+          "https://app.example.org; *: every page.  This gateway's own page, and programs "
+          "that are no web page, always may.  Desktop applications that call themselves "
+          "file:// may look, and take tools if file:// is given here");
   AddHostNameOption(app, "the page", options.host_names);
   std::vector<std::string> proxies;
-  app.add_option("--proxy", proxies,
-                 "address of a reverse proxy.  Its X-Forwarded-For is believed, so that limits "
-                 "hold for each visitor and not for the proxy");
-  app.add_option("--tokens", options.tokens,
-                 "file of access tokens: all but the page's own files then needs a token.  SIGHUP "
-                 "(systemctl reload palpate-viewer) reads it again.  Connections end at once whose "
-                 "token is gone or has another role; a file with a mistake changes nothing");
+  app.Add("--proxy", proxies,
+          "address of a reverse proxy.  Its X-Forwarded-For is believed, so that limits "
+          "hold for each visitor and not for the proxy");
+  app.Add("--tokens", options.tokens,
+          "file of access tokens: all but the page's own files then needs a token.  SIGHUP "
+          "(systemctl reload palpate-viewer) reads it again.  Connections end at once whose "
+          "token is gone or has another role; a file with a mistake changes nothing");
   std::vector<std::string> make_token;
-  const CLI::Option* make =
-      app.add_option(
-             "--make-token", make_token,
-             "ROLE NAME: print a new token (watch, drive or operate) of this name, add it to the "
-             "--tokens file, and end")
-          ->expected(2);
-  app.add_option("--tls-cert", options.tls_cert,
-                 "certificate chain of this host (PEM), as 'palpate-identities certificate' makes "
-                 "it; the port then speaks HTTPS and wss, TLS 1.2 or newer");
-  app.add_option("--tls-key", options.tls_key,
-                 "its private key (PEM), which nobody but its owner may read");
-  app.add_option("--transport", options.transport,
-                 "how poses and wrenches of the mice travel: auto, shm or udp")
-      ->capture_default_str();
+  const Option make =
+      app.Add("--make-token", make_token,
+              "ROLE NAME: print a new token (watch, drive or operate) of this name, add it to the "
+              "--tokens file, and end")
+          .Words(2);
+  app.Add("--tls-cert", options.tls_cert,
+          "certificate chain of this host (PEM), as 'palpate-identities certificate' makes "
+          "it; the port then speaks HTTPS and wss, TLS 1.2 or newer");
+  app.Add("--tls-key", options.tls_key,
+          "its private key (PEM), which nobody but its owner may read");
+  app.Add("--transport", options.transport,
+          "how poses and wrenches of the mice travel: auto, shm or udp")
+      .ShowDefault();
   AddNetworkOptions(app, "the server", options.network);
   AddCommonOptions(app, "the server's domain: the number that it was given", options.domain,
                    options.log_level);
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
-  if (make->count() > 0) {
+  if (make.given()) {
     options.make_token = ToNewToken(make_token, options.tokens);
     return options;
   }
-  if (port->count() == 0) {
+  if (!port.given()) {
     throw UsageError("--http is missing: the port of page and WebSocket, as --http 8765");
   }
   if (options.tls_cert.empty() != options.tls_key.empty()) {
     throw UsageError("--tls-cert and --tls-key belong together: a certificate and its key");
   }
   for (const std::string& proxy : proxies) options.proxies.push_back(ToAddress("--proxy", proxy));
-  if (page->count() > 0 && !std::filesystem::is_directory(options.page)) {
+  if (page.given() && !std::filesystem::is_directory(options.page)) {
     throw UsageError("--page " + options.page +
                      ": there is no such folder; give the one that the target 'page' builds "
                      "(build/page), or leave it out");

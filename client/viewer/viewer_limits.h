@@ -20,6 +20,8 @@ struct ViewerLimits {
   /// Frames that wait are bounded by what there is: the newest of each (frame_queue.h).
   static constexpr std::size_t kMostTexts = 64;
   static constexpr std::size_t kMostTextBytes = 128 * 1024;
+  /// How long its farewell may take before it is let go of.
+  static constexpr std::int64_t kFarewell_ns = 2'000'000'000;
 
   // --- what is done for one ---
 

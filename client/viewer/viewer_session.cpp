@@ -25,7 +25,6 @@ constexpr int kSendBuffer = 64 * 1024;
 /// And of what it sends that is not read yet: one message of the largest, with which a flood ends a
 /// second after who sent it has gone.
 constexpr int kReceiveBuffer = 64 * 1024;
-constexpr std::int64_t kFarewell_ns = 2'000'000'000;
 constexpr const char* kMouseTopic = "/palpate/mouse";
 constexpr const char* kReplayTopic = "/palpate/replay";
 constexpr const char* kOperateTopic = "/palpate/operate";
@@ -291,7 +290,7 @@ void ViewerSession::OnOperate(const OperateCommand& command) {
 }
 
 void ViewerSession::Watch(std::int64_t now_ns) {
-  if (closing_ && now_ns - closing_ns_ > kFarewell_ns) return Gone();
+  if (closing_ && now_ns - closing_ns_ > ViewerLimits::kFarewell_ns) return Gone();
   if (!open_ || !hub_.mice().holds(id_)) return;
   if (signs_.gone(now_ns)) {
     return hub_.mice().Release(id_, "nothing was heard of this page for 3 s", now_ns);

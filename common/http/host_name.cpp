@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <optional>
 
-#include <CLI/CLI.hpp>
 #include <arpa/inet.h>
 
 #include "common/text/lower_case.h"
@@ -70,20 +69,6 @@ std::optional<HostRefusal> RefuseHost(int hosts, std::string_view authority,
                                        ", which is no address in numbers, nor localhost; " +
                                        program +
                                        " --host-name lets it in, where that name is this host's"};
-}
-
-void AddHostNameOption(CLI::App& app, const std::string& what, std::vector<std::string>& names) {
-  // Validators run from the last to the first.
-  app.add_option("--host-name", names,
-                 "name of this host, as lab.example, under which browsers may ask for " + what +
-                     ".  Without it they must use an address in numbers or localhost: other names "
-                     "are refused, because a foreign web page can point a name at this host.  May "
-                     "be given again")
-      ->type_name("NAME")
-      ->transform([](const std::string& name) { return LowerCase(name); })
-      ->check([](const std::string& name) {
-        return IsHostName(name) ? "" : "'" + name + "' is no host's name, as lab.example";
-      });
 }
 
 }  // namespace palpate

@@ -5,10 +5,6 @@
 #include <string_view>
 #include <vector>
 
-namespace CLI {
-class App;
-}
-
 namespace palpate {
 
 /// True for the Host of a request that is meant for the program that it has reached: an address in
@@ -36,9 +32,5 @@ std::optional<HostRefusal> RefuseHost(int hosts, std::string_view authority,
 
 /// A name as a Host has it: letters, digits, '-', '_' and '.', 253 at most.
 bool IsHostName(std::string_view name);
-
-/// Adds --host-name, for a program that answers HTTP: names are then in small letters.
-/// @param what  browsers ask for: "the page".   @param names  must outlive the app.
-void AddHostNameOption(CLI::App& app, const std::string& what, std::vector<std::string>& names);
 
 }  // namespace palpate

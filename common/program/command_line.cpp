@@ -14,6 +14,7 @@
 
 #include "common/dds/topics.h"
 #include "common/error.h"
+#include "common/http/host_name.h"
 #include "common/program/log.h"
 #include "common/text/lower_case.h"
 #include "common/text/nearest_word.h"
@@ -71,69 +72,238 @@ std::string UnknownWord(const CLI::App& app) {
 
 }  // namespace
 
-void AddCommonOptions(CLI::App& app, const std::string& domain_help, int& domain,
+bool Option::given() const {
+  return option_->count() > 0;
+}
+
+Option Option::Required() const {
+  return Option(option_->required());
+}
+
+Option Option::ShowDefault() const {
+  return Option(option_->capture_default_str());
+}
+
+Option Option::ShowDefault(const std::string& text) const {
+  return Option(option_->default_str(text));
+}
+
+Option Option::TypeName(const std::string& name) const {
+  return Option(option_->type_name(name));
+}
+
+Option Option::Needs(Option other) const {
+  return Option(option_->needs(other.option_));
+}
+
+Option Option::Excludes(Option other) const {
+  return Option(option_->excludes(other.option_));
+}
+
+Option Option::Range(int least, int most) const {
+  return Option(option_->check(CLI::Range(least, most)));
+}
+
+Option Option::Range(double least, double most) const {
+  return Option(option_->check(CLI::Range(least, most)));
+}
+
+Option Option::Range(std::size_t least, std::size_t most) const {
+  return Option(option_->check(CLI::Range(least, most)));
+}
+
+Option Option::Positive() const {
+  return Option(option_->check(CLI::PositiveNumber));
+}
+
+Option Option::NotNegative() const {
+  return Option(option_->check(CLI::NonNegativeNumber));
+}
+
+Option Option::OneOf(const std::vector<std::string>& words) const {
+  return Option(option_->check(CLI::IsMember(words)));
+}
+
+Option Option::ExistingFolder() const {
+  return Option(option_->check(CLI::ExistingDirectory));
+}
+
+Option Option::Check(const std::function<std::string(const std::string&)>& complaint) const {
+  return Option(option_->check(complaint));
+}
+
+Option Option::Transform(const std::function<std::string(std::string)>& transform) const {
+  return Option(option_->transform(transform));
+}
+
+Option Option::Words(int count) const {
+  return Option(option_->expected(count));
+}
+
+Option Option::OneAtATime() const {
+  return Option(option_->allow_extra_args(false));
+}
+
+Option Option::Commas() const {
+  return Option(option_->delimiter(','));
+}
+
+CommandLine::CommandLine(const std::string& about, const std::string& program)
+    : app_(std::make_shared<CLI::App>(about, program)) {}
+
+CommandLine::CommandLine(std::shared_ptr<CLI::App> app) : app_(std::move(app)) {}
+
+const std::string& CommandLine::name() const {
+  return app_->get_name();
+}
+
+bool CommandLine::given() const {
+  return app_->parsed();
+}
+
+template <class T>
+Option CommandLine::Add(const std::string& name, T& value, const std::string& help) const {
+  return Option(app_->add_option(name, value, help));
+}
+#define PALPATE_OPTION_OF(...) \
+  template Option CommandLine::Add(const std::string&, __VA_ARGS__&, const std::string&) const;
+PALPATE_OPTION_OF(std::string)
+PALPATE_OPTION_OF(int)
+PALPATE_OPTION_OF(long)
+PALPATE_OPTION_OF(std::size_t)
+PALPATE_OPTION_OF(double)
+PALPATE_OPTION_OF(std::optional<int>)
+PALPATE_OPTION_OF(std::optional<std::size_t>)
+PALPATE_OPTION_OF(std::optional<double>)
+PALPATE_OPTION_OF(std::optional<std::string>)
+PALPATE_OPTION_OF(std::vector<int>)
+PALPATE_OPTION_OF(std::vector<std::size_t>)
+PALPATE_OPTION_OF(std::vector<std::string>)
+#undef PALPATE_OPTION_OF
+
+Option CommandLine::AddText(const std::string& name,
+                            const std::function<void(const std::string&)>& take,
+                            const std::string& help) const {
+  return Option(app_->add_option_function<std::string>(name, take, help));
+}
+
+Option CommandLine::AddNumber(const std::string& name, const std::function<void(double)>& take,
+                              const std::string& help) const {
+  return Option(app_->add_option_function<double>(
+      name, [take](const double& number) { take(number); }, help));
+}
+
+Option CommandLine::AddFlag(const std::string& name, bool& value, const std::string& help) const {
+  return Option(app_->add_flag(name, value, help));
+}
+
+Option CommandLine::Find(const std::string& name) const {
+  return Option(app_->get_option(name));
+}
+
+CommandLine CommandLine::AddCommand(const std::string& name, const std::string& about) const {
+  return CommandLine(app_->get_subcommand_ptr(app_->add_subcommand(name, about)));
+}
+
+void CommandLine::RequireCommands(std::size_t least, std::size_t most) const {
+  app_->require_subcommand(least, most);
+}
+
+void CommandLine::Fallthrough() const {
+  app_->fallthrough();
+}
+
+void CommandLine::Hide() const {
+  app_->group("");
+}
+
+void CommandLine::Footer(const std::string& text) const {
+  app_->footer(text);
+}
+
+void CommandLine::Run(const std::function<void()>& run) const {
+  app_->callback(run);
+}
+
+void CommandLine::BeforeCommands(const std::function<void()>& run) const {
+  app_->parse_complete_callback(run);
+}
+
+void AddCommonOptions(const CommandLine& app, const std::string& domain_help, int& domain,
                       std::string& log_level) {
-  app.set_version_flag("--version", app.get_name() + " " PALPATE_VERSION);
-  app.add_option("--domain", domain, domain_help)
-      ->check(CLI::Range(0, dds::kMaxDomain))
-      ->capture_default_str();
-  app.add_option("--log-level", log_level, "trace, debug, info, warn, error or off")
-      ->capture_default_str();
-  app.add_option_function<std::string>(
+  app.app_->set_version_flag("--version", app.name() + " " PALPATE_VERSION);
+  app.Add("--domain", domain, domain_help).Range(0, dds::kMaxDomain).ShowDefault();
+  app.Add("--log-level", log_level, "trace, debug, info, warn, error or off").ShowDefault();
+  app.AddText(
          "--log-format", [](const std::string& text) { SetLogFormat(ParseLogFormat(text)); },
          "format of the log on standard error: text, or json with one object a line")
-      ->default_str("text");
+      .ShowDefault("text");
 }
 
-void AddNetworkOptions(CLI::App& app, const std::string& peer, dds::Network& network) {
-  app.add_option("--network", network.interface,
-                 "network interface, as eth0, over which server, stations and viewers talk.  Give "
-                 "it to all of them, also to the server.  lo: programs of this host alone.  Only "
-                 "--identity encrypts what is sent")
-      ->type_name("INTERFACE")
-      ->capture_default_str();
-  app.add_option("--peer", network.peers,
-                 "address of " + peer +
-                     ", needed where the network carries no multicast; may be given again")
-      ->type_name("ADDRESS");
-  app.add_option("--identity", network.identity,
-                 "folder that 'palpate-identities add' made: who this program is in a secured "
-                 "domain.  What it sends is then encrypted, and goes over UDP.  It hears only "
-                 "programs with an identity of the same authority, and each may do what its role "
-                 "allows")
-      ->type_name("FOLDER")
-      ->check(CLI::ExistingDirectory);
+void AddNetworkOptions(const CommandLine& app, const std::string& peer, dds::Network& network) {
+  app.Add("--network", network.interface,
+          "network interface, as eth0, over which server, stations and viewers talk.  Give "
+          "it to all of them, also to the server.  lo: programs of this host alone.  Only "
+          "--identity encrypts what is sent")
+      .TypeName("INTERFACE")
+      .ShowDefault();
+  app.Add("--peer", network.peers,
+          "address of " + peer +
+              ", needed where the network carries no multicast; may be given again")
+      .TypeName("ADDRESS");
+  app.Add("--identity", network.identity,
+          "folder that 'palpate-identities add' made: who this program is in a secured "
+          "domain.  What it sends is then encrypted, and goes over UDP.  It hears only "
+          "programs with an identity of the same authority, and each may do what its role "
+          "allows")
+      .TypeName("FOLDER")
+      .ExistingFolder();
 }
 
-void AddRealtimeOptions(CLI::App& app, const std::string& loop, RealtimeOptions& realtime) {
-  app.add_option_function<std::string>(
+void AddRealtimeOptions(const CommandLine& app, const std::string& loop,
+                        RealtimeOptions& realtime) {
+  app.AddText(
          "--realtime",
          [&realtime](const std::string& text) { realtime.mode = ParseRealtimeMode(text); },
          "real-time scheduling of " + loop +
              ".  require: fail without the rights; prefer: use it if it is allowed; off: do "
              "without")
-      ->default_str("prefer");
-  app.add_option("--cpu", realtime.cpu,
-                 "processor core for " + loop + ", a number from 0; default: any")
-      ->check(CLI::Range(0, CPU_SETSIZE - 1));
+      .ShowDefault("prefer");
+  app.Add("--cpu", realtime.cpu, "processor core for " + loop + ", a number from 0; default: any")
+      .Range(0, CPU_SETSIZE - 1);
 }
 
-bool ParseCommandLine(CLI::App& app, int argc, const char* const* argv) {
-  MakeNumbersFinite(app);
+void AddHostNameOption(const CommandLine& app, const std::string& what,
+                       std::vector<std::string>& names) {
+  // Validators run from the last to the first.
+  app.Add("--host-name", names,
+          "name of this host, as lab.example, under which browsers may ask for " + what +
+              ".  Without it they must use an address in numbers or localhost: other names "
+              "are refused, because a foreign web page can point a name at this host.  May "
+              "be given again")
+      .TypeName("NAME")
+      .Transform([](const std::string& name) { return LowerCase(name); })
+      .Check([](const std::string& name) {
+        return IsHostName(name) ? "" : "'" + name + "' is no host's name, as lab.example";
+      });
+}
+
+bool ParseCommandLine(const CommandLine& app, int argc, const char* const* argv) {
+  MakeNumbersFinite(*app.app_);
   try {
-    app.parse(argc, argv);
+    app.app_->parse(argc, argv);
   } catch (const CLI::Success& wanted) {
-    app.exit(wanted);  // prints the help or the version
+    app.app_->exit(wanted);  // prints the help or the version
     return false;
   } catch (const CLI::ParseError& error) {
     std::string what = error.what();
     // What is missing may be there, misspelt.
     const bool words_left = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr ||
                             dynamic_cast<const CLI::RequiredError*>(&error) != nullptr;
-    if (const std::string unknown = words_left ? UnknownWord(app) : ""; !unknown.empty()) {
+    if (const std::string unknown = words_left ? UnknownWord(*app.app_) : ""; !unknown.empty()) {
       what = unknown;
     }
-    throw UsageError(what + "; '" + app.get_name() + " --help' shows how");
+    throw UsageError(what + "; '" + app.name() + " --help' shows how");
   }
   return true;
 }

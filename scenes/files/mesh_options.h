@@ -2,13 +2,11 @@
 
 #include "scenes/files/mesh_scene.h"
 
-namespace CLI {
-class App;
-}
-
 namespace palpate {
 
+class CommandLine;
+
 /// Adds --unit and --ball, which every program has that takes a mesh in place of a scene.
-void AddMeshOptions(CLI::App& app, MeshSceneOptions& options);
+void AddMeshOptions(const CommandLine& app, MeshSceneOptions& options);
 
 }  // namespace palpate

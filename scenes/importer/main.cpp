@@ -10,7 +10,6 @@
 #include <string>
 #include <system_error>
 
-#include <CLI/CLI.hpp>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -62,7 +61,7 @@ void Write(const std::string& bytes) {
 }
 
 int Main(int argc, char** argv) {
-  CLI::App app(
+  const CommandLine app(
       "Reads a mesh (OBJ, STL, PLY, 3DS, glTF) for the other programs, which start it and find it\n"
       "in their own folder.  It limits its own time and memory, so that a damaged file ends it,\n"
       "not them.  By hand it tells whether a file can be read.\n\n"
@@ -71,7 +70,7 @@ int Main(int argc, char** argv) {
   std::string file;
   std::string log_level = "info";
   int domain = 0;
-  app.add_option("MESH", file, "Mesh file, which may be gzipped (.gz)")->required();
+  app.Add("MESH", file, "Mesh file, which may be gzipped (.gz)").Required();
   AddCommonOptions(app, "Taken as by the other programs, and not used: this one talks to none",
                    domain, log_level);
   if (!ParseCommandLine(app, argc, argv)) return 0;

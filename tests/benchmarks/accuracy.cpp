@@ -151,36 +151,35 @@ void Run(Options options) {
 
 }  // namespace
 
-void AddAccuracy(CLI::App& app) {
+void AddAccuracy(const CommandLine& app) {
   auto options = std::make_shared<Options>();
   SlidingExperiment& experiment = options->experiment;
-  CLI::App& command = *app.add_subcommand(
+  const CommandLine command = app.AddCommand(
       "accuracy",
       "Force of a ball that slides over a cube or an ellipsoid, against analytic truth\n"
       "(chapter 2.5.1): a ball of 5 mm, commanded 1 mm deep at 1 N/mm, translation only.\n"
       "Example: palpate-bench accuracy --object ellipsoid --spheres 8,64,512 --json e.json");
   Add(command, "--object", experiment.object, "cube (50 mm) or ellipsoid (40, 25, 30 mm)")
-      ->check(CLI::IsMember({"cube", "ellipsoid"}));
+      .OneOf({"cube", "ellipsoid"});
   Add(command, "--spheres", options->spheres, "Leaves of the object's tree; a row for each")
-      ->check(CLI::PositiveNumber);
+      .Positive();
   Add(command, "--triangles", experiment.triangles,
       "Ellipsoid: triangles of its mesh at least (20, 80, ..., 5120, 20480, 81920)")
-      ->check(CLI::PositiveNumber);
+      .Positive();
   Add(command, "--tolerance-um", options->tolerance_um,
       "Ellipsoid, surface contact: how truly that mesh stands for a curved surface, as a "
       "scene's \"curved\" says; 0: felt as it is")
-      ->check(CLI::Range(0.0, 1e6));
+      .Range(0.0, 1e6);
   options->features.AddTo(command);
   Add(command, "--mode", options->mode,
       "Mode of the object's tree (default: balanced for spheres, else inside)")
-      ->check(CLI::IsMember(std::vector<std::string>{kTreeModes.begin(), kTreeModes.end()}));
-  AddTreeFile(command, "m", options->file)->needs(command.get_option("--tree"));
-  Add(command, "--steps", experiment.steps, "Samples of steady sliding")
-      ->check(CLI::PositiveNumber);
+      .OneOf({kTreeModes.begin(), kTreeModes.end()});
+  AddTreeFile(command, "m", options->file).Needs(command.Find("--tree"));
+  Add(command, "--steps", experiment.steps, "Samples of steady sliding").Positive();
   AddRepeats(command, experiment.repeats);
   AddJson(command, options->json);
   Add(command, "--errors", options->errors, "Write the errors over time to FILE.csv (- is stdout)");
-  command.callback([options] { Run(*options); });
+  command.Run([options] { Run(*options); });
 }
 
 }  // namespace palpate::bench

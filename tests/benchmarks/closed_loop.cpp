@@ -304,10 +304,10 @@ void Run(Options options) {
 
 }  // namespace
 
-void AddClosedLoop(CLI::App& app) {
+void AddClosedLoop(const CommandLine& app) {
   auto options = std::make_shared<Options>();
   ClosedLoopCase& loop = options->loop;
-  CLI::App& command = *app.add_subcommand(
+  const CommandLine command = app.AddCommand(
       "closed-loop",
       "A simulated arm and hand, the station's loop and limiter, a link and the server's loop, in\n"
       "virtual time: does a contact come to rest, how much energy does the hand get, and how "
@@ -323,33 +323,31 @@ void AddClosedLoop(CLI::App& app) {
   for (const PublishedHand& hand : PublishedHands()) hands += " " + hand.name;
   Add(command, "--device", options->device,
       "The arm, as palpate-station's --model; simulated: its default")
-      ->check(CLI::IsMember(devices));
-  Add(command, "--delay-ms", loop.delay_ms, "Delay there and back")->check(CLI::Range(0.0, 200.0));
-  Add(command, "--jitter-ms", loop.jitter_ms, "Further delay, from 0 to this")
-      ->check(CLI::Range(0.0, 200.0));
-  Add(command, "--loss", loop.loss, "Share of the samples that is lost, each way")
-      ->check(CLI::Range(0.0, 1.0));
+      .OneOf(devices);
+  Add(command, "--delay-ms", loop.delay_ms, "Delay there and back").Range(0.0, 200.0);
+  Add(command, "--jitter-ms", loop.jitter_ms, "Further delay, from 0 to this").Range(0.0, 200.0);
+  Add(command, "--loss", loop.loss, "Share of the samples that is lost, each way").Range(0.0, 1.0);
   Add(command, "--local-model", options->local_model, "The station's local contact model")
-      ->check(CLI::IsMember({"on", "off"}));
+      .OneOf({"on", "off"});
   Add(command, "--passivity", options->passivity, "The limiter's energy stage")
-      ->check(CLI::IsMember({"on", "off"}));
+      .OneOf({"on", "off"});
   Add(command, "--stiffness", loop.stiffness_N_per_m,
       "Of the coupling, in N/m; the torsional one goes with it")
-      ->check(CLI::Range(1.0, kStiffest));
+      .Range(1.0, kStiffest);
   Add(command, "--hand", loop.hand, "Whose hand:" + hands);
   Add(command, "--scene", options->scene,
       "wall: a ball on a plate; bunny: bunny-bunny, pressed on the back")
-      ->check(CLI::IsMember({"wall", "bunny"}));
-  command.add_flag("--slide", options->slide, "Also the force's error while sliding on the bunny");
+      .OneOf({"wall", "bunny"});
+  command.AddFlag("--slide", options->slide, "Also the force's error while sliding on the bunny");
   Add(command, "--slides", options->slides,
       "Slides over places and in directions of the seed, beside the scene's own")
-      ->check(CLI::Range(0, 1000));
+      .Range(0, 1000);
   Add(command, "--seed", loop.seed, "Of the link and the slides");
   AddJson(command, options->json);
   Add(command, "--out", options->out,
       "Write DIR/report.md, and into --json: stiffness, energy and limit cycle "
       "against delay, each way of closing the loop");
-  command.callback([options] { Run(*options); });
+  command.Run([options] { Run(*options); });
 }
 
 }  // namespace palpate::bench

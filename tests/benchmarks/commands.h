@@ -2,8 +2,9 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
-#include <CLI/CLI.hpp>
+#include "common/program/command_line.h"
 
 namespace palpate {
 struct TreeSource;
@@ -12,39 +13,52 @@ struct TreeSource;
 namespace palpate::bench {
 
 /// An option of a command, with its usual value in --help, unless that is none.
-/// T: std::string, int, long, std::uint64_t, double, an optional or, with commas between them,
-/// several of these.
-/// @param value  must outlive the app.
+/// @param value  must outlive the app.  T: as CommandLine::Add, of several with commas between
+/// them.
 template <class T>
-CLI::Option* Add(CLI::App& command, const char* name, T& value, const std::string& help = "");
+Option Add(const CommandLine& command, const char* name, T& value, const std::string& help = "") {
+  const Option option = command.Add(name, value, help);
+  bool none = false;
+  if constexpr (requires { value.has_value(); }) none = !value;
+  if constexpr (requires {
+                  value.push_back({});
+                  value.front();
+                } &&
+                !std::is_same_v<T, std::string>) {
+    none = value.empty();
+    option.Commas();
+  }
+  if (!none) option.ShowDefault();
+  return option;
+}
 
 // What several commands have.
-void AddJson(CLI::App& command, std::string& file);
-void AddModels(CLI::App& command, std::string& folder);
-void AddPathSteps(CLI::App& command, std::optional<int>& steps);
-void AddRepeats(CLI::App& command, int& repeats);
-void AddTransport(CLI::App& command, std::string& transport);
+void AddJson(const CommandLine& command, std::string& file);
+void AddModels(const CommandLine& command, std::string& folder);
+void AddPathSteps(const CommandLine& command, std::optional<int>& steps);
+void AddRepeats(const CommandLine& command, int& repeats);
+void AddTransport(const CommandLine& command, std::string& transport);
 /// --tree FILE.sph, --level and --unit, which bring a tree of the Sphere-Tree Construction Toolkit
 /// beside ours.
 /// @param usual_unit  what the file's numbers mean where --unit is left out, for --help.
 /// @returns --unit, for commands that have other files in it, or none.
-CLI::Option* AddTreeFile(CLI::App& command, const char* usual_unit, TreeSource& source);
+Option AddTreeFile(const CommandLine& command, const char* usual_unit, TreeSource& source);
 
 // Each adds its command to palpate-bench.
-void AddAccuracy(CLI::App& app);
-void AddClosedLoop(CLI::App& app);
-void AddCut(CLI::App& app);
-void AddCycle(CLI::App& app);
+void AddAccuracy(const CommandLine& app);
+void AddClosedLoop(const CommandLine& app);
+void AddCut(const CommandLine& app);
+void AddCycle(const CommandLine& app);
 /// `domain` is read when the command runs.
-void AddDeadServer(CLI::App& app, const int& domain);
-void AddHands(CLI::App& app);
-void AddLevels(CLI::App& app);
-void AddLimiter(CLI::App& app);
+void AddDeadServer(const CommandLine& app, const int& domain);
+void AddHands(const CommandLine& app);
+void AddLevels(const CommandLine& app);
+void AddLimiter(const CommandLine& app);
 /// As there.
-void AddLoop(CLI::App& app, const int& domain);
-void AddPareto(CLI::App& app);
-void AddQp(CLI::App& app);
-void AddStability(CLI::App& app);
-void AddTree(CLI::App& app);
+void AddLoop(const CommandLine& app, const int& domain);
+void AddPareto(const CommandLine& app);
+void AddQp(const CommandLine& app);
+void AddStability(const CommandLine& app);
+void AddTree(const CommandLine& app);
 
 }  // namespace palpate::bench

@@ -368,29 +368,29 @@ void Run(const Options& options) {
 
 }  // namespace
 
-void AddCut(CLI::App& app) {
+void AddCut(const CommandLine& app) {
   auto options = std::make_shared<Options>();
-  CLI::App& command = *app.add_subcommand(
+  const CommandLine command = app.AddCommand(
       "cut",
       "A ball bur of 0.5 mm in a flat block: volume against the exact sweep, force and "
       "work against the\nlaw, time of a step.  About half a minute.\n"
       "Or a scene of one's own: step, force, volume, work, surface and ripple.\n"
       "Example: palpate-bench cut --json cut.json\n"
       "         palpate-bench cut --scene ./groove.json");
-  CLI::Option* scene = Add(command, "--scene", options->scene,
+  const Option scene = Add(command, "--scene", options->scene,
                            "Instead: a scene with a bur, from the catalogue or a file");
   Add(command, "--poses", options->poses,
       "Rows x,y,z,qw,qx,qy,qz, one a millisecond; if left out the scene's script, or a plunge "
       "and a groove")
-      ->needs(scene);
+      .Needs(scene);
   Add(command, "--surface", options->surface,
       "Write what is left of the solids to FILE.stl, in metres")
-      ->needs(scene);
+      .Needs(scene);
   Add(command, "--grid-um", options->grids_um, "Spacings of the grid [um], 25 to 200")
-      ->excludes(scene);
+      .Excludes(scene);
   AddRepeats(command, options->repeats);
   AddJson(command, options->json);
-  command.callback([options] { Run(*options); });
+  command.Run([options] { Run(*options); });
 }
 
 }  // namespace palpate::bench

@@ -38,9 +38,9 @@ void Run(Options& options) {
 
 }  // namespace
 
-void AddCycle(CLI::App& app) {
+void AddCycle(const CommandLine& app) {
   auto options = std::make_shared<Options>();
-  CLI::App& command = *app.add_subcommand(
+  const CommandLine command = app.AddCommand(
       "cycle",
       "Time of one haptic step over a scene's path, and what is right about its contact: how deep\n"
       "the meshes are in each other, whether the tool arrives, how far the force is from the\n"
@@ -51,12 +51,12 @@ void AddCycle(CLI::App& app) {
       "Haptic poses instead of the scene's script: CSV x,y,z,qw,qx,qy,qz, a row a ms");
   AddPathSteps(command, options->steps);
   options->cycle.AddTo(command);
-  command.add_flag("--subsample", options->cycle.quarter_steps,
-                   "Run the path at 4 kHz too and compare the forces");
+  command.AddFlag("--subsample", options->cycle.quarter_steps,
+                  "Run the path at 4 kHz too and compare the forces");
   options->features.AddTo(command);
   AddModels(command, options->models);
   AddJson(command, options->json);
-  command.callback([options] { Run(*options); });
+  command.Run([options] { Run(*options); });
 }
 
 }  // namespace palpate::bench

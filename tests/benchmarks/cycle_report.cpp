@@ -172,14 +172,14 @@ class ContactReport {
 
 }  // namespace
 
-void CycleOptions::AddTo(CLI::App& command) {
+void CycleOptions::AddTo(const CommandLine& command) {
   AddRepeats(command, repeats);
   Add(command, "--check-every", check_every,
       "Check penetration and the converged force at every n-th step only")
-      ->check(CLI::PositiveNumber);
+      .Positive();
   Add(command, "--settle-every", settle_every,
       "Hold the hand still at every n-th step and see whether the tool settles; 0: never")
-      ->check(CLI::NonNegativeNumber);
+      .NotNegative();
   Add(command, "--trace", trace,
       "Write poses and wrench of every step to FILE, as CSV (- is stdout)");
 }

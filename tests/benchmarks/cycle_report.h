@@ -19,7 +19,7 @@ struct CycleOptions {
   std::string trace{};  ///< a file; empty: none
 
   /// Adds the options --repeats, --check-every, --settle-every and --trace.
-  void AddTo(CLI::App& command);
+  void AddTo(const CommandLine& command);
 };
 
 /// Measures a path and prints its table.

@@ -134,18 +134,18 @@ void Run(const Options& options) {
 
 }  // namespace
 
-void AddDeadServer(CLI::App& app, const int& domain) {
+void AddDeadServer(const CommandLine& app, const int& domain) {
   auto options = std::make_shared<Options>();
-  CLI::App& command = *app.add_subcommand(
+  const CommandLine command = app.AddCommand(
       "dead-server",
       "What a hand feels when palpate-server is killed and started again, or frozen for 0.5 s:\n"
       "how soon its force falls and is gone, and the largest step on the way out and back.\n"
       "Example: palpate-bench dead-server --how freeze --repetitions 20");
-  Add(command, "--how", options->how, "kill or freeze")->check(CLI::IsMember({"kill", "freeze"}));
+  Add(command, "--how", options->how, "kill or freeze").OneOf({"kill", "freeze"});
   AddTransport(command, options->transport);
-  Add(command, "--repetitions", options->repetitions)->check(CLI::Range(1, 1000));
+  Add(command, "--repetitions", options->repetitions).Range(1, 1000);
   AddJson(command, options->json);
-  command.callback([options, &domain] {
+  command.Run([options, &domain] {
     options->domain = domain;
     Run(*options);
   });

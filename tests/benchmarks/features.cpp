@@ -31,12 +31,12 @@ const char* NameOf(FrictionModel friction) {
   return "off";
 }
 
-void FeatureOptions::AddTo(CLI::App& command) {
+void FeatureOptions::AddTo(const CommandLine& command) {
   const std::string scenes_own = contact.empty() ? " (default: as the scene says)" : "";
   Add(command, "--contact", contact, "spheres (the chapter's) or surface (the meshes)" + scenes_own)
-      ->check(CLI::IsMember({"spheres", "surface"}));
+      .OneOf({"spheres", "surface"});
   Add(command, "--friction", friction, "off, chapter (2.25-2.34) or coulomb" + scenes_own)
-      ->check(CLI::IsMember({"off", "chapter", "coulomb"}));
+      .OneOf({"off", "chapter", "coulomb"});
 }
 
 std::optional<ContactModel> FeatureOptions::contact_model() const {

@@ -14,7 +14,7 @@ struct FeatureOptions {
   std::string contact = {};
   std::string friction = {};
 
-  void AddTo(CLI::App& command);
+  void AddTo(const CommandLine& command);
   /// None: as the scene says.
   std::optional<ContactModel> contact_model() const;
   /// Of an experiment that is no scene.

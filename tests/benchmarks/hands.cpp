@@ -138,9 +138,9 @@ void Run(Options& options) {
 
 }  // namespace
 
-void AddHands(CLI::App& app) {
+void AddHands(const CommandLine& app) {
   auto options = std::make_shared<Options>();
-  CLI::App& command = *app.add_subcommand(
+  const CommandLine command = app.AddCommand(
       "hands",
       "A hand that nobody tuned to, over any scene: it comes from anywhere, presses, slides, "
       "turns,\n"
@@ -154,21 +154,19 @@ void AddHands(CLI::App& app) {
       "sharp-terraces-ball:7");
   Add(command, "--seed", options->hand.seed, "Which hand");
   Add(command, "--seeds", options->seeds, "Hands A..B, a line each, the worst first; without times")
-      ->excludes(command.get_option("--seed"));
-  Add(command, "--speed", options->hand.speed, "Mean speed of the hand, m/s")
-      ->check(CLI::Range(0.001, 5.0));
-  Add(command, "--steps", options->hand.steps, "Steps, one a millisecond")
-      ->check(CLI::PositiveNumber);
+      .Excludes(command.Find("--seed"));
+  Add(command, "--speed", options->hand.speed, "Mean speed of the hand, m/s").Range(0.001, 5.0);
+  Add(command, "--steps", options->hand.steps, "Steps, one a millisecond").Positive();
   Add(command, "--press-mm", options->hand.press_mm,
       "It presses half as deep to as deep as this, mm")
-      ->check(CLI::Range(0.01, 100.0));
+      .Range(0.01, 100.0);
   Add(command, "--poses-out", options->poses_out,
       "Write the hand's poses to FILE, as --poses of cycle reads them");
   options->cycle.AddTo(command);
   options->features.AddTo(command);
   AddModels(command, options->models);
   AddJson(command, options->json);
-  command.callback([options] { Run(*options); });
+  command.Run([options] { Run(*options); });
 }
 
 }  // namespace palpate::bench

@@ -195,9 +195,9 @@ void Run(Options options) {
 
 }  // namespace
 
-void AddLevels(CLI::App& app) {
+void AddLevels(const CommandLine& app) {
   auto options = std::make_shared<Options>();
-  CLI::App& command = *app.add_subcommand(
+  const CommandLine command = app.AddCommand(
       "levels",
       "Cost of a step by level of detail (chapter Fig. 2.23c): the scene's script with "
       "coarser and\n"
@@ -207,14 +207,14 @@ void AddLevels(CLI::App& app) {
       "--objects-only");
   Add(command, "--scene", options->scene, "Catalogue name or scene file");
   Add(command, "--leaves", options->leaves, "Leaves of each tree; a level for each")
-      ->check(CLI::Range(std::size_t{2}, std::size_t{1} << 22));
-  command.add_flag("--objects-only", options->objects_only, "The tool keeps the tree it has");
+      .Range(std::size_t{2}, std::size_t{1} << 22);
+  command.AddFlag("--objects-only", options->objects_only, "The tool keeps the tree it has");
   AddPathSteps(command, options->steps);
   AddRepeats(command, options->repeats);
   options->features.AddTo(command);
   AddModels(command, options->models);
   AddJson(command, options->json);
-  command.callback([options] { Run(*options); });
+  command.Run([options] { Run(*options); });
 }
 
 }  // namespace palpate::bench

@@ -120,20 +120,19 @@ void Run(const Options& options) {
 
 }  // namespace
 
-void AddLimiter(CLI::App& app) {
+void AddLimiter(const CommandLine& app) {
   auto options = std::make_shared<Options>();
-  CLI::App& command = *app.add_subcommand(
-      "limiter",
-      "Tries to get more out of a device's limiter than it may let through, and "
-      "measures the energy\n"
-      "at its port with and without the passivity controller.\n"
-      "Exits with 1 where a limit did not hold.\n"
-      "Example: palpate-bench limiter --inputs 100000000 --json limiter.json");
-  Add(command, "--inputs", options->inputs, "Wrenches, poses and times to try")
-      ->check(CLI::PositiveNumber);
+  const CommandLine command =
+      app.AddCommand("limiter",
+                     "Tries to get more out of a device's limiter than it may let through, and "
+                     "measures the energy\n"
+                     "at its port with and without the passivity controller.\n"
+                     "Exits with 1 where a limit did not hold.\n"
+                     "Example: palpate-bench limiter --inputs 100000000 --json limiter.json");
+  Add(command, "--inputs", options->inputs, "Wrenches, poses and times to try").Positive();
   Add(command, "--seed", options->seed, "Of what is tried");
   AddJson(command, options->json);
-  command.callback([options] { Run(*options); });
+  command.Run([options] { Run(*options); });
 }
 
 }  // namespace palpate::bench

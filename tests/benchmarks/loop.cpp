@@ -384,39 +384,38 @@ void Echo(const EchoOptions& options) {
 
 }  // namespace
 
-void AddLoop(CLI::App& app, const int& domain) {
+void AddLoop(const CommandLine& app, const int& domain) {
   auto options = std::make_shared<Options>();
-  CLI::App& command = *app.add_subcommand(
+  const CommandLine command = app.AddCommand(
       "loop",
       "Pose out to wrench in through palpate-server, beside a bare echo over the same transport,\n"
       "alternating in one run.  Starts the server, and iox-roudi where shared memory needs one.\n"
       "Example: palpate-bench loop --transport shm --seconds 20");
-  const auto common = [](CLI::App& to, std::string& transport, std::string& realtime) {
+  const auto common = [](const CommandLine& to, std::string& transport, std::string& realtime) {
     AddTransport(to, transport);
     Add(to, "--realtime", realtime, "Of server, echo and this: require, prefer or off")
-        ->check(CLI::IsMember({"require", "prefer", "off"}));
+        .OneOf({"require", "prefer", "off"});
   };
   common(command, options->transport, options->realtime);
-  Add(command, "--seconds", options->seconds, "Server and echo together")
-      ->check(CLI::PositiveNumber);
+  Add(command, "--seconds", options->seconds, "Server and echo together").Positive();
   Add(command, "--scene", options->scene, "Catalogue name or scene file");
   Add(command, "--authority", options->authority,
       "Over UDP in a secured domain: a folder of deploy/security/identities, with a "
       "server 'bench_server' and a station 'bench'")
-      ->check(CLI::ExistingDirectory);
+      .ExistingFolder();
   AddJson(command, options->json);
-  command.callback([options, &domain] {
+  command.Run([options, &domain] {
     options->domain = domain;
     Run(*options);
   });
 
   auto echo = std::make_shared<EchoOptions>();
-  CLI::App& peer = *app.add_subcommand("echo", "The other end of loop's bare echo");
-  peer.group("");
+  const CommandLine peer = app.AddCommand("echo", "The other end of loop's bare echo");
+  peer.Hide();
   common(peer, echo->transport, echo->realtime);
-  Add(peer, "--run", echo->run)->required();
+  Add(peer, "--run", echo->run).Required();
   Add(peer, "--identity", echo->identity);
-  peer.callback([echo, &domain] {
+  peer.Run([echo, &domain] {
     echo->domain = domain;
     Echo(*echo);
   });

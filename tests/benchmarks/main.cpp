@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 
 #include "common/dds/topics.h"
 #include "common/program/command_line.h"
@@ -9,18 +8,18 @@ namespace palpate::bench {
 namespace {
 
 int Main(int argc, char** argv) {
-  CLI::App app(
+  const CommandLine app(
       "Measurements of Palpate: each command prints a table, and writes JSON with --json FILE; "
       "pareto\nwrites report, CSV and JSON into its --out folder.",
       "palpate-bench");
-  app.require_subcommand(1);
-  app.fallthrough();
+  app.RequireCommands(1, 1);
+  app.Fallthrough();
   int domain = dds::kMaxDomain;
   std::string log_level = "info";
   AddCommonOptions(app, "DDS domain of loop and dead-server: one that nothing else uses", domain,
                    log_level);
   // Before the commands' callbacks, which run them.
-  app.parse_complete_callback([&] { SetUpLog("palpate-bench", log_level); });
+  app.BeforeCommands([&] { SetUpLog("palpate-bench", log_level); });
   AddAccuracy(app);
   AddClosedLoop(app);
   AddCut(app);

@@ -459,25 +459,24 @@ class Pareto {
 
 }  // namespace
 
-void AddPareto(CLI::App& app) {
+void AddPareto(const CommandLine& app) {
   auto options = std::make_shared<Options>();
-  CLI::App& command = *app.add_subcommand(
+  const CommandLine command = app.AddCommand(
       "pareto",
       "Speed against error of every scene, contact and friction model, and of the peers that are\n"
       "installed: report.md, pareto.svg, pareto.csv and pareto.json.  Written anew after each\n"
       "measurement, and drawn in the end, so that Ctrl-C keeps what there is.  Pictures need\n"
       "matplotlib (python3-matplotlib).\n"
       "Example: palpate-bench pareto --out build/pareto --peers bullet,ode");
-  Add(command, "--out", options->out, "Folder to write to; made where it is missing")->required();
-  command.add_flag("--quick", options->quick, "Few scenes, short paths, few repeats");
+  Add(command, "--out", options->out, "Folder to write to; made where it is missing").Required();
+  command.AddFlag("--quick", options->quick, "Few scenes, short paths, few repeats");
   Add(command, "--peers", options->peers,
       "all (as if left out), none, or some of bullet,ode,fcl,mujoco with commas");
   Add(command, "--scenes", options->scenes,
       "Catalogue names or scene files, with commas (default: the whole catalogue)");
-  Add(command, "--repeats", options->repeats, "Identical runs (default: 5; quick: 2)")
-      ->check(CLI::PositiveNumber);
+  Add(command, "--repeats", options->repeats, "Identical runs (default: 5; quick: 2)").Positive();
   AddModels(command, options->models);
-  command.callback([options] { Pareto(*options).Run(); });
+  command.Run([options] { Pareto(*options).Run(); });
 }
 
 }  // namespace palpate::bench

@@ -301,12 +301,12 @@ void Run(const Options& options) {
 
 }  // namespace
 
-void AddQp(CLI::App& app) {
+void AddQp(const CommandLine& app) {
   auto options = std::make_shared<Options>();
-  CLI::App& command = *app.add_subcommand(
-      "qp",
-      "Time and optimality of the QP alone: of a scene's path, or of a file.\n"
-      "Example: palpate-bench qp --scene bunny-bunny --min-rows 200 --max-rows 500");
+  const CommandLine command =
+      app.AddCommand("qp",
+                     "Time and optimality of the QP alone: of a scene's path, or of a file.\n"
+                     "Example: palpate-bench qp --scene bunny-bunny --min-rows 200 --max-rows 500");
   Add(command, "--scene", options->scene, "Take the problems of this scene's path");
   Add(command, "--dump", options->dump, "Write them to FILE instead of solving them");
   Add(command, "--load", options->load, "Take the problems of FILE (format: PQP1)");
@@ -316,7 +316,7 @@ void AddQp(CLI::App& app) {
   AddRepeats(command, options->repeats);
   AddModels(command, options->models);
   AddJson(command, options->json);
-  command.callback([options] { Run(*options); });
+  command.Run([options] { Run(*options); });
 }
 
 }  // namespace palpate::bench

@@ -134,21 +134,20 @@ void Run(const Options& options) {
 
 }  // namespace
 
-void AddStability(CLI::App& app) {
+void AddStability(const CommandLine& app) {
   auto options = std::make_shared<Options>();
-  CLI::App& command = *app.add_subcommand(
+  const CommandLine command = app.AddCommand(
       "stability",
       "Hard cases, each with a physical bound; in all of them nothing may tunnel, every number\n"
       "must be finite, and no overlap pass 10 um where a pose without any exists.\n"
       "Exits with 1 where a case does not hold.\n"
       "Example: palpate-bench stability --steps 10000000 --json stability.json");
   Add(command, "--case", options->only, "This case alone (see --list)");
-  command.add_flag("--list", options->list, "Name the cases, their bounds and the reasons");
-  Add(command, "--steps", options->steps, "Steps of all cases together, about")
-      ->check(CLI::PositiveNumber);
+  command.AddFlag("--list", options->list, "Name the cases, their bounds and the reasons");
+  Add(command, "--steps", options->steps, "Steps of all cases together, about").Positive();
   options->features.AddTo(command);
   AddJson(command, options->json);
-  command.callback([options] { Run(*options); });
+  command.Run([options] { Run(*options); });
 }
 
 }  // namespace palpate::bench

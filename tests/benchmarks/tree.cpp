@@ -276,9 +276,9 @@ void Run(const Options& options) {
 
 }  // namespace
 
-void AddTree(CLI::App& app) {
+void AddTree(const CommandLine& app) {
   auto options = std::make_shared<Options>();
-  CLI::App& command = *app.add_subcommand(
+  const CommandLine command = app.AddCommand(
       "tree",
       "How far the sphere tree of a mesh, or those of a scene, are from it, for every level and "
       "mode,\n"
@@ -287,22 +287,22 @@ void AddTree(CLI::App& app) {
       "-");
   Add(command, "--scene", options->scene, "Catalogue name, scene file or mesh");
   Add(command, "--mesh", options->mesh, "Mesh file, in place of a scene")
-      ->excludes(command.get_option("--scene"));
+      .Excludes(command.Find("--scene"));
   Add(command, "--modes,--mode", options->modes,
       "Modes of the trees (default: all, for a mesh " + std::string(kTreeModes[0]) + ")")
-      ->check(CLI::IsMember(std::vector<std::string>{kTreeModes.begin(), kTreeModes.end()}));
+      .OneOf({kTreeModes.begin(), kTreeModes.end()});
   Add(command, "--leaves,--spheres", options->leaves, "Leaves of each tree (default: the scene's)")
-      ->check(CLI::Range(std::size_t{1}, kMaxLeaves));
+      .Range(std::size_t{1}, kMaxLeaves);
   AddTreeFile(command, "m for --mesh, whose frame stays; else as the scene's mesh", options->file);
-  Add(command, "--samples", options->samples, "Points of the surface")->check(CLI::PositiveNumber);
+  Add(command, "--samples", options->samples, "Points of the surface").Positive();
   AddPathSteps(command, options->steps);
-  command.add_flag("--no-force", options->no_force, "Measure the geometry alone");
+  command.AddFlag("--no-force", options->no_force, "Measure the geometry alone");
   AddModels(command, options->models);
   Add(command, "--out", options->out,
       "Write the leaves of --mesh into FILE (- is stdout): x y z r in m, a line each");
   AddJson(command, options->json);
   Add(command, "--csv", options->csv, "Write a line for each level into FILE (- is stdout)");
-  command.callback([options] { Run(*options); });
+  command.Run([options] { Run(*options); });
 }
 
 }  // namespace palpate::bench

@@ -12,6 +12,8 @@
 #include <gtest/gtest.h>
 #include <openssl/sha.h>
 
+#include "tests/support/milliseconds.h"
+
 namespace palpate::test {
 namespace {
 
@@ -30,8 +32,6 @@ TEST(RosNames, HaveNoTwoUnderscoresSideBySide) {
     EXPECT_THAT(WhyNoRosName(name), HasSubstr("give the station an --id without it")) << name;
   }
 }
-
-constexpr std::int64_t kMs = 1'000'000;
 
 /// What a station's guide pulls a hand at rest with, once it has ramped in.
 Wrench PullOf(const Vec3& force, const Vec3& torque, const GuideLimits& limits) {

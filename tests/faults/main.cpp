@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <optional>
 
-#include <CLI/CLI.hpp>
 #include <spdlog/fmt/fmt.h>
 
 #include "common/error.h"
@@ -88,13 +87,12 @@ int Run(const Options& options) {
 
 std::optional<Options> Parse(int argc, char** argv) {
   Options options;
-  CLI::App app(kAbout, "fault_harness");
-  app.footer(kExample);
-  app.add_option("--only", options.only, "these faults alone");
-  app.add_flag("--list", options.list, "names them");
-  app.add_option("--random", options.random, "so many faults, drawn by --seed")
-      ->check(CLI::Range(1, 100000));
-  app.add_option("--seed", options.seed)->capture_default_str();
+  const CommandLine app(kAbout, "fault_harness");
+  app.Footer(kExample);
+  app.Add("--only", options.only, "these faults alone");
+  app.AddFlag("--list", options.list, "names them");
+  app.Add("--random", options.random, "so many faults, drawn by --seed").Range(1, 100000);
+  app.Add("--seed", options.seed).ShowDefault();
   AddCommonOptions(app, "where the programs meet: a domain that nobody else uses", options.domain,
                    options.log_level);
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;

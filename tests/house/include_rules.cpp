@@ -34,7 +34,8 @@ const std::vector<Rule> kRules = {
      {}},
     {"common/program/command_line.cpp",
      {"common/program/command_line.h", "common/dds/topics.h", "common/error.h",
-      "common/program/log.h", "common/text/lower_case.h", "common/text/nearest_word.h"},
+      "common/http/host_name.h", "common/program/log.h", "common/text/lower_case.h",
+      "common/text/nearest_word.h"},
      {},
      {"CLI11"}},
     // What a scene's name and its content have in common, for whoever takes one in.
@@ -52,17 +53,17 @@ const std::vector<Rule> kRules = {
     // Boost's HTTP server.
     {"common/metrics", {"common"}, {"common/dds"}, {"Eigen", "spdlog", "Prometheus", "Boost"}},
     {"common/http/boost_source.cpp", {}, {}, {"Boost"}},
-    {"common/http/host_name.cpp", {"common/http/host_name.h", "common/text"}, {}, {"CLI11"}},
+    {"common/http/host_name.cpp", {"common/http/host_name.h", "common/text"}, {}, {}},
     // What people write, for scenes and devices alike.
     {"common/json", {"common"}, {"common/dds"}, {"Eigen", "spdlog", "nlohmann-json"}},
     {"scenes",
      {"common", "scenes", "idl/scene_generated.h"},
      {"common/dds"},
-     {"Eigen", "spdlog", "CLI11", "nlohmann-json", "FlatBuffers", "xxHash", "libpng"}},
+     {"Eigen", "spdlog", "nlohmann-json", "FlatBuffers", "xxHash", "libpng"}},
     // Readers stay in one small program; zlib for meshes that come as .gz.  assimp's headers and
     // its
     // many formats are there for 3DS alone.
-    {"scenes/importer", {"common", "scenes"}, {"common/dds"}, {"Eigen", "spdlog", "CLI11", "zlib"}},
+    {"scenes/importer", {"common", "scenes"}, {"common/dds"}, {"Eigen", "spdlog", "zlib"}},
     {"scenes/importer/3ds_reader.cpp",
      {"common/error.h", "scenes/importer"},
      {},
@@ -85,7 +86,7 @@ const std::vector<Rule> kRules = {
      {"common", "scenes", "server/physics", "server/library"},
      {"common/dds"},
      {"Eigen"}},
-    {"server", {"common", "scenes", "server"}, {}, {"Eigen", "spdlog", "CLI11"}},
+    {"server", {"common", "scenes", "server"}, {}, {"Eigen", "spdlog"}},
     // A device knows no server and no wire.
     {"devices", {"common", "devices"}, {"common/dds"}, {"Eigen", "spdlog"}},
     {"devices/openhaptics",
@@ -104,14 +105,14 @@ const std::vector<Rule> kRules = {
     {"client/viewer",
      {"common", "client/viewer"},
      {},
-     {"Eigen", "spdlog", "CLI11", "nlohmann-json", "Boost", "OpenSSL", "zlib"}},
+     {"Eigen", "spdlog", "nlohmann-json", "Boost", "OpenSSL", "zlib"}},
     // A simulated station is what the load consists of, so this client may use another: the
     // station.
     // Boost for the viewers' WebSockets, as in the gateway.
     {"client/load",
      {"common", "scenes", "devices", "client/load", "client/station"},
      {},
-     {"Eigen", "spdlog", "CLI11", "nlohmann-json", "Boost"}},
+     {"Eigen", "spdlog", "nlohmann-json", "Boost"}},
     // The library of server/library, for Python.
     {"client/python",
      {"server/library/physics.h", "common/error.h", "common/math/pose.h",
@@ -127,17 +128,14 @@ const std::vector<Rule> kRules = {
     // Programs of other people's.
     {"client/examples", {}, {}, {"Palpate"}},
     // A force that ROS asks for becomes an aim of the station's guide, by that guide's own figures.
-    {"client/crtk",
-     {"common", "client/crtk", "client/station/guide.h"},
-     {},
-     {"Eigen", "spdlog", "CLI11"}},
-    {"client/igtl", {"common", "client/igtl"}, {}, {"Eigen", "spdlog", "CLI11", "OpenIGTLink"}},
-    {"client", {"common", "scenes", "devices"}, {}, {"Eigen", "spdlog", "CLI11", "nlohmann-json"}},
+    {"client/crtk", {"common", "client/crtk", "client/station/guide.h"}, {}, {"Eigen", "spdlog"}},
+    {"client/igtl", {"common", "client/igtl"}, {}, {"Eigen", "spdlog", "OpenIGTLink"}},
+    {"client", {"common", "scenes", "devices"}, {}, {"Eigen", "spdlog", "nlohmann-json"}},
     // The one client that knows the server's insides: to verify a recording is to run its loop.
     {"client/replayer",
      {"common", "scenes", "client/replayer", "server/physics", "server/session"},
      {},
-     {"Eigen", "spdlog", "CLI11", "nlohmann-json"}},
+     {"Eigen", "spdlog", "nlohmann-json"}},
 };
 
 /// A folder whose data run down: a file includes what stands on its own floor or below.

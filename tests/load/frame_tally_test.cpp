@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/milliseconds.h"
+
 namespace palpate {
 namespace {
-
-constexpr std::int64_t kMs = 1'000'000;
 
 /// Two viewers of two stations that have sampled pose n at n milliseconds, and forgotten it 4 s
 /// later.

@@ -11,14 +11,13 @@
 #include "common/program/log.h"
 #include "common/step_fault.h"
 #include "tests/common/recording/samples.h"
+#include "tests/support/milliseconds.h"
 
 namespace palpate::test {
 namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-constexpr std::int64_t kMs = 1'000'000;
 
 class EventLogTest : public testing::Test {
  protected:

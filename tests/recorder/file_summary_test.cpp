@@ -8,6 +8,7 @@
 
 #include "common/error.h"
 #include "tests/common/recording/samples.h"
+#include "tests/support/milliseconds.h"
 
 namespace palpate::test {
 namespace {
@@ -15,8 +16,6 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 using testing::SizeIs;
-
-constexpr std::int64_t kMs = 1'000'000;
 
 class FileSummaryTest : public testing::Test {
  protected:

@@ -12,7 +12,7 @@ namespace {
 using testing::ElementsAre;
 
 std::optional<RecorderOptions> Parse(const std::vector<const char*>& words) {
-  return test::ParseWith(ParseOptions, words);
+  return test::ParseWith(ParseRecorderOptions, words);
 }
 
 TEST(RecorderOptions, NeedAFileAndHaveDefaultsForTheRest) {
@@ -53,7 +53,7 @@ TEST(RecorderOptions, TakeStationsAndNothingElseForTheirNames) {
 
 TEST(RecorderOptions, SayThatARecordingIsNoCsv) {
   for (const char* file : {"a.csv", "a", "mcap", "a.mcap.gz"}) {
-    const std::string complaint = test::ComplaintOf(ParseOptions, {"-o", file});
+    const std::string complaint = test::ComplaintOf(ParseRecorderOptions, {"-o", file});
     EXPECT_THAT(complaint, testing::HasSubstr("ends in .mcap"));
     EXPECT_THAT(complaint, testing::HasSubstr("'palpate-replay export' makes CSV"));
   }

@@ -14,11 +14,11 @@
 #include "common/recording/recording_reader.h"
 #include "common/step_fault.h"
 #include "tests/common/recording/samples.h"
+#include "tests/support/milliseconds.h"
 
 // A recording of all that can take place, and a viewer of it.
 namespace palpate::test {
 
-constexpr std::int64_t kMs = 1'000'000;
 /// Recordings begin at no round time.
 constexpr std::int64_t kBegin_ns = 1'700'000'000'123'456'789;
 

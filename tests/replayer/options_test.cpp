@@ -13,7 +13,7 @@ using testing::ElementsAre;
 using What = ReplayOptions::What;
 
 std::optional<ReplayOptions> Parse(const std::vector<const char*>& words) {
-  return test::ParseWith(ParseOptions, words);
+  return test::ParseWith(ParseReplayOptions, words);
 }
 
 TEST(ReplayOptions, PlayToViewersUnlessToldOtherwise) {

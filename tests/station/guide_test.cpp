@@ -5,12 +5,12 @@
 #include <gtest/gtest.h>
 
 #include "common/math/rotation.h"
+#include "tests/support/milliseconds.h"
 #include "tests/support/random.h"
 
 namespace palpate::test {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
 constexpr double kForce_N = 0.5;
 
 class GuideTest : public testing::Test {

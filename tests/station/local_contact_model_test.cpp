@@ -10,6 +10,7 @@
 #include "common/math/rotation.h"
 #include "common/step_fault.h"
 #include "tests/support/allocation_counter.h"
+#include "tests/support/milliseconds.h"
 #include "tests/support/random.h"
 
 namespace palpate {
@@ -18,7 +19,6 @@ namespace {
 using test::Random;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr std::int64_t kMs = 1'000'000;
 const CouplingSpring kSpring{1000.0, 1.0, Vec3(0.01, 0.02, -0.01)};
 
 /// What a server with nothing but planes answers: its rows are the truth everywhere, for planes met

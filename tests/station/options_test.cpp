@@ -13,11 +13,11 @@ namespace {
 using testing::HasSubstr;
 
 std::optional<StationOptions> Parse(const std::vector<const char*>& words) {
-  return test::ParseWith(ParseOptions, words);
+  return test::ParseWith(ParseStationOptions, words);
 }
 
 std::string Complaint(const std::vector<const char*>& words) {
-  return test::ComplaintOf(ParseOptions, words);
+  return test::ComplaintOf(ParseStationOptions, words);
 }
 
 TEST(StationOptions, ReadsWhatItIsGiven) {

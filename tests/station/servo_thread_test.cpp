@@ -15,8 +15,8 @@ using std::chrono::milliseconds;
 
 /// What counts here is ticks: a machine that is busy makes them fewer a second, and changes nothing
 /// else.
-struct Bench : test::AnsweredServo<test::StillDevice> {
-  explicit Bench(double rate_Hz = 1000.0) : AnsweredServo(rate_Hz) { core.EnableForces(true); }
+struct ServoBench : test::AnsweredServo<test::StillDevice> {
+  explicit ServoBench(double rate_Hz = 1000.0) : AnsweredServo(rate_Hz) { core.EnableForces(true); }
 
   /// Waits for so many more ticks; false where that takes more than a minute.
   bool Tick(std::uint64_t count) {
@@ -29,8 +29,8 @@ struct Bench : test::AnsweredServo<test::StillDevice> {
 };
 
 TEST(ServoThread, RestsUntilThereIsAPath) {
-  Bench bench;
-  Bench other;  // by whose ticks time passes
+  ServoBench bench;
+  ServoBench other;  // by whose ticks time passes
   other.servo.SetPath(&other.path);
   ASSERT_TRUE(other.Tick(50));
   EXPECT_FALSE(bench.servo.started());
@@ -39,7 +39,7 @@ TEST(ServoThread, RestsUntilThereIsAPath) {
 }
 
 TEST(ServoThread, ServesTheDeviceWithAPathAndWithoutAndSendsOnlyWithOne) {
-  Bench bench;
+  ServoBench bench;
   bench.servo.SetPath(&bench.path);
   ASSERT_TRUE(bench.Tick(20));
   bench.servo.SetPath(nullptr);
@@ -54,7 +54,7 @@ TEST(ServoThread, ServesTheDeviceWithAPathAndWithoutAndSendsOnlyWithOne) {
 
 TEST(ServoThread, TicksAtTheDevicesRateAndSendsAThousandPosesASecondAtMost) {
   for (const double rate_Hz : {250.0, 1000.0, 2000.0, 4000.0}) {
-    Bench bench(rate_Hz);
+    ServoBench bench(rate_Hz);
     bench.servo.SetPath(&bench.path);
     ASSERT_TRUE(bench.Tick(200));
     bench.servo.Stop();
@@ -75,7 +75,7 @@ TEST(ServoThread, TicksAtTheDevicesRateAndSendsAThousandPosesASecondAtMost) {
 }
 
 TEST(ServoThread, KnowsWhenItSampledTheLatestPosesAndNoOthers) {
-  Bench bench;
+  ServoBench bench;
   EXPECT_EQ(bench.servo.sample_time_ns(0), 0);
   const std::int64_t begin_ns = SteadyNanoseconds();
   bench.servo.SetPath(&bench.path);
@@ -93,7 +93,7 @@ TEST(ServoThread, KnowsWhenItSampledTheLatestPosesAndNoOthers) {
 }
 
 TEST(ServoThread, BeginsItsTotalsAnewWhenItIsAskedAndItsPosesNumbersGoOn) {
-  Bench bench;
+  ServoBench bench;
   bench.servo.SetPath(&bench.path);
   ASSERT_TRUE(bench.Tick(50));
   bench.servo.RestartTotals();
@@ -106,7 +106,7 @@ TEST(ServoThread, BeginsItsTotalsAnewWhenItIsAskedAndItsPosesNumbersGoOn) {
 }
 
 TEST(ServoThread, TakesTheForceOutOfTheDeviceBeforeItEnds) {
-  Bench bench;
+  ServoBench bench;
   bench.servo.SetPath(&bench.path);
   ASSERT_TRUE(bench.AnswerUntil([&] { return bench.snapshot.force_N >= 1.0; }));
   bench.servo.Stop();

@@ -11,11 +11,10 @@
 #include "devices/workspace.h"
 #include "tests/station/still_device.h"
 #include "tests/support/allocation_counter.h"
+#include "tests/support/milliseconds.h"
 
 namespace palpate {
 namespace {
-
-constexpr std::int64_t kMs = 1'000'000;
 
 /// A core with a device and a clock of its own, and a server that answers or does not.
 struct Bench {

@@ -14,6 +14,7 @@
 #include "common/math/rotation.h"
 #include "common/step_fault.h"
 #include "tests/support/complaint.h"
+#include "tests/support/milliseconds.h"
 #include "tests/support/random.h"
 
 namespace palpate {
@@ -131,8 +132,6 @@ TEST(StatisticsPeriod, CountsFromZeroWhereTotalsWereRestarted) {
   EXPECT_EQ(figures->sent, 30u);
   EXPECT_EQ(figures->braked, 35u);
 }
-
-constexpr std::int64_t kMs = 1'000'000;
 
 /// A lead that has heard of that round trip for long.
 PoseLead After(double round_trip_s) {

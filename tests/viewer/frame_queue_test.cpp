@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/milliseconds.h"
 #include "tests/support/random.h"
 
 namespace palpate {
@@ -13,7 +14,6 @@ namespace {
 using test::Random;
 
 constexpr std::uint32_t kStream = 1, kState = 2;
-constexpr std::int64_t kMs = 1'000'000;
 
 FramePtr MakeFrame(std::uint32_t channel, std::uint64_t instance, std::int64_t number,
                    bool state = false) {

@@ -7,18 +7,12 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/common/dds/own_topic.h"
 #include "tests/common/dds/peer.h"
 #include "tests/support/eventually.h"
-#include "tests/support/test_domain.h"
 
 namespace palpate::dds {
 namespace {
-
-const int kDomain = test::OwnDomain();
-
-std::string OwnTopic(const std::string& name) {
-  return "test/" + std::to_string(getpid()) + "/" + name;
-}
 
 template <class T>
 bool Takes(CdrReader<T>& reader, CdrSample& raw, T& sample) {

@@ -12,25 +12,18 @@
 #include <unistd.h>
 
 #include "common/dds/topics.h"
+#include "tests/common/dds/own_topic.h"
 #include "tests/common/dds/peer.h"
 #include "tests/support/eventually.h"
 #include "tests/support/roudi.h"
-#include "tests/support/test_domain.h"
 
 namespace palpate::dds {
 namespace {
 
 using std::chrono::milliseconds;
 
-const int kDomain = test::OwnDomain();
 const int kForeignDomain = test::OwnDomain();
-const TransportChoice kUdp{Transport::kUdp, ""};
 const TransportChoice kShm{Transport::kSharedMemory, ""};
-
-/// A topic that no test of another process uses.
-std::string OwnTopic(const std::string& name) {
-  return "test/" + std::to_string(getpid()) + "/" + name;
-}
 
 struct Taken {
   std::vector<wire::HapticPose> poses;

@@ -19,17 +19,14 @@
 #include "common/dds/ports.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
+#include "tests/common/dds/own_topic.h"
 #include "tests/support/complaint.h"
 #include "tests/support/roudi.h"
-#include "tests/support/test_domain.h"
 
 namespace palpate::dds {
 namespace {
 
 using testing::HasSubstr;
-
-const int kDomain = test::OwnDomain();
-const TransportChoice kUdp{Transport::kUdp, ""};
 
 TEST(ParseTransport, KnowsThreeNames) {
   EXPECT_EQ(ParseTransport("auto"), Transport::kAuto);

@@ -12,15 +12,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "tests/common/dds/own_topic.h"
 #include "tests/support/complaint.h"
-#include "tests/support/test_domain.h"
 
 namespace palpate {
 namespace {
 
+using dds::kDomain;
 using testing::HasSubstr;
-
-const int kDomain = test::OwnDomain();
 
 std::string Complaint() {
   return test::ComplaintOf([] { const ServerLock lock(kDomain); });

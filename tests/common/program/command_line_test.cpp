@@ -3,7 +3,6 @@
 #include <stdexcept>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +17,7 @@ using testing::HasSubstr;
 /// A program with one option of its own.
 struct Program {
   Program() {
-    app.add_option("--rate", rate, "of something");
+    app.Add("--rate", rate, "of something");
     AddNetworkOptions(app, "the other", network);
     AddRealtimeOptions(app, "the loop", realtime);
     AddCommonOptions(app, "which of them", domain, log_level);
@@ -36,8 +35,9 @@ struct Program {
     return testing::internal::GetCapturedStdout();
   }
 
-  CLI::App app{"It does nothing.", "palpate-it"};
+  const CommandLine app{"It does nothing.", "palpate-it"};
   double rate = 1.0;
+  bool flag = false;
   dds::Network network;
   RealtimeOptions realtime;
   int domain = 3;
@@ -54,13 +54,13 @@ TEST(CommandLine, NamesATypoWithTheNearestRightWord) {
 
 TEST(CommandLine, NamesATypoWhereTheRightWordIsMissing) {
   Program required;
-  required.app.get_option("--rate")->required();
+  required.app.Find("--rate").Required();
   EXPECT_THAT(required.Complaint({"--rat", "2"}), HasSubstr("did you mean '--rate'?"));
   EXPECT_THAT(required.Complaint({}), HasSubstr("--rate is required"));
 
   Program commands;
-  commands.app.require_subcommand(1);
-  commands.app.add_subcommand("pareto")->add_option("--scene");
+  commands.app.RequireCommands(1, 1);
+  commands.app.AddCommand("pareto", "").AddFlag("--scene", commands.flag, "");
   EXPECT_THAT(commands.Complaint({"paretto"}), HasSubstr("did you mean 'pareto'?"));
   EXPECT_THAT(commands.Complaint({"pareto", "--scen", "x"}), HasSubstr("did you mean '--scene'?"));
 }

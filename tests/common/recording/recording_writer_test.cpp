@@ -15,14 +15,13 @@
 #include "common/recording/split_name.h"
 #include "tests/common/recording/samples.h"
 #include "tests/support/complaint.h"
+#include "tests/support/milliseconds.h"
 
 namespace palpate::test {
 namespace {
 
 using testing::ElementsAre;
 using testing::IsEmpty;
-
-constexpr std::int64_t kMs = 1'000'000;
 
 mcap::StringMap MetadataOf(const RecordingReader& reader, const std::string& name,
                            const std::string& topic = "") {

@@ -16,6 +16,7 @@
 #include "common/error.h"
 #include "common/step_fault.h"
 #include "tests/common/recording/samples.h"
+#include "tests/replayer/lesson_recording.h"
 #include "tests/support/read_file.h"
 
 namespace palpate::test {
@@ -23,9 +24,6 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-constexpr std::int64_t kBegin_ns = 1'700'000'000'123'456'789;
-constexpr std::int64_t kMs = 1'000'000;
 
 /// A table as a stranger reads it: columns by name, all as text or as doubles.
 struct Table {

@@ -19,6 +19,7 @@
 #include "server/physics/tree/sphere_tree_query.h"
 #include "server/session/servo_loop.h"
 #include "tests/common/recording/samples.h"
+#include "tests/support/milliseconds.h"
 
 namespace palpate::test {
 namespace {
@@ -28,7 +29,6 @@ using testing::SizeIs;
 
 constexpr std::uint64_t kPoses = 300;
 constexpr std::uint64_t kStart = 5;
-constexpr std::int64_t kMs = 1'000'000;
 
 /// A session as a recorder hears it, with what gets lost on the way.
 struct Story {

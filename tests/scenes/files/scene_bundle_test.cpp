@@ -20,7 +20,7 @@ using test::ComplaintOf;
 using testing::AnyOf;
 using testing::HasSubstr;
 
-Scene SmallScene() {
+Scene BuiltSmallScene() {
   Scene scene;
   scene.name = "small";
   Body ball{"ball", MakeSphere(0.005, 20), {}, {}};
@@ -39,6 +39,11 @@ Scene SmallScene() {
   scene.objects[1].leaf_material.assign(20, 0);
   scene.objects[1].leaf_material[7] = 1;
   return scene;
+}
+
+Scene SmallScene() {
+  static const Scene built = BuiltSmallScene();
+  return built;
 }
 
 bool SameMaterials(const std::vector<Material>& a, const std::vector<Material>& b) {

@@ -17,7 +17,10 @@ namespace {
 /// A ray down the tooth's axis meets it this high [mm].
 double TopAt(const Field& tooth, double x, double z) {
   double y = 14.0;
-  while (y > -3.0 && tooth({x, y, z}) > 0.0) y -= 0.02;
+  for (const double step : {0.2, 0.02}) {  // nothing of a crown is thinner than the first
+    y += step;
+    while (y > -3.0 && tooth({x, y, z}) > 0.0) y -= step;
+  }
   return y;
 }
 
