@@ -178,9 +178,8 @@ void Move(StepContext& context, const Way& way) {
 
 /// Between meshes, where the tool has not arrived, the optimum lies beyond what its rows are known
 /// for.  What is known is what they hold back of the spring from where the tool is: those of its
-/// contacts, and of what it would meet within the sub-step.  A bur is held back by what it touches:
-/// of material that it has not come to, which yields, the optimum would take any amount.  Where the
-/// tool has arrived this is the optimum's own wrench; without a row it is zero.
+/// contacts, and of what it would meet within the sub-step, material that a bur cuts too.  Where
+/// the tool has arrived this is the optimum's own wrench; without a row it is zero.
 Way Lag(StepContext& context, const Way& went) {
   ContactRows& rows = context.buffers.rows;
   for (int i = 0; i < rows.count(); ++i) rows.SetGap(i, rows.Left(i, went.v, went.phi));
@@ -188,7 +187,8 @@ Way Lag(StepContext& context, const Way& went) {
   // the wrench is never more than the spring's own.
   rows.AdmitZero();
   if (context.buffers.energies) {
-    context.buffers.energies->Begin(context.tools.p_G, context.tools.q_G, context.state.cuts, 0.0);
+    context.buffers.energies->Begin(context.tools.p_G, context.tools.q_G, context.state.cuts,
+                                    context.sub_step.bounds.translation);
   }
   context.Aim();
   Way stays;

@@ -74,7 +74,7 @@ TEST(LessonProgram, MakesWholeWhatAHandScrapesOffAndTheRecordingOfItIsVerified) 
   // The hand goes on, and scrapes again.
   EXPECT_TRUE(worn_past(whole.last_change + 3)) << station.Output();
 
-  for (const auto& [scene, why] : {std::pair{"cube", "nothing wears there"},
+  for (const auto& [scene, why] : {std::pair{"cube", "nothing goes there"},
                                    std::pair{"mould", "served are: calculus, cube"}}) {
     Program refused = Here("palpate-lesson", {"whole", scene});
     EXPECT_EQ(refused.Exit(), 1);

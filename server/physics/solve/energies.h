@@ -25,7 +25,7 @@ class Energies {
   /// come to a solid they are narrower, for its rows are right within the grid's band.
   StepBounds Narrow(StepBounds bounds, const Vec3& p_G, const Quat& q_WG) const noexcept;
   /// That sub-step begins.
-  /// @param reach  how far ahead a bur knows of material [m]; 0: of what it touches.
+  /// @param reach  how far ahead a bur knows of material [m].
   void Begin(const Vec3& p_G, const Quat& q_WG, std::span<const CutField> cuts,
              double reach = 1e300) noexcept;
   /// To be called before each solve: collects those that act among these rows, and takes what

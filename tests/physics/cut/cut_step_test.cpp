@@ -203,7 +203,7 @@ TEST_F(CutStep, StepsWithoutAskingForMemory) {
 
 // A pose that leaps takes the tool several cycles, in which it is near the material before it is in
 // it.
-TEST_F(CutStep, NothingIsFeltOfMaterialThatTheBurHasNotComeTo) {
+TEST_F(CutStep, NothingIsFeltOfMaterialThatTheNextSubStepDoesNotComeTo) {
   TriangleMesh far = MakeBox(Vec3(0.01, 0.01, 0.01));
   for (Vec3& v : far.vertices) v.z() -= 30e-3;
   Make(kBur, {}, kDentine, 256, Quat::Identity(), &far);
@@ -214,7 +214,7 @@ TEST_F(CutStep, NothingIsFeltOfMaterialThatTheBurHasNotComeTo) {
     const StepReport report =
         HapticStep(*model_, At(1e-3, 0, kBurRadius - 1e-3), *state_, *workspace_);
     cut += report.cut_volume;
-    if (state_->X_WG.p.z() <= kBurRadius) continue;
+    if (state_->X_WG.p.z() <= kBurRadius + 75e-6) continue;  // half the band
     ++above;
     EXPECT_EQ(report.wrench.force.norm(), 0.0) << n << ": " << state_->X_WG.p.transpose();
   }
