@@ -7,10 +7,10 @@ namespace {
 
 limits::mesh::Margins MarginsOf(const ContactBody& tool, double separation) {
   limits::mesh::Margins margins{separation};
-  // A ball has one row for each pair, which misses nothing along the pair's plane.  With h at half
-  // of delta it would roll about the edge that a face ends at, at delta, until it is h from a face
-  // that is flush with the first: up to 0.02 N of 1 N, sideways.
-  if (tool.radius > 0.0) margins.free = separation - margins.witness;
+  // h leaves of delta what a row may miss.  A ball has one row for each pair, which misses nothing
+  // along the pair's plane but by rounding.  With less it would roll about the edge that a face
+  // ends at, at delta, until it is h from a face that is flush with the first.
+  if (tool.radius > 0.0) margins.free = separation - limits::mesh::kRounding;
   return margins;
 }
 

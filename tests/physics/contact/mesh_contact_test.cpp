@@ -143,7 +143,7 @@ TEST(MeshContact, LeadsABallOverAFlushSeamOfTwoBodies) {
     touch.Go({Vec3(-0.0003, 0.012, 0.0013), Quat::Identity()}, 20);
     for (double x = -0.0003; x < 0.0003; x += stride) {
       const Vec3 force = touch.Step({Vec3(x, 0.012, 0.0013), Quat::Identity()}).wrench.force;
-      EXPECT_LE(std::hypot(force.x(), force.z()), 0.0036) << x << ", by " << stride;
+      EXPECT_LE(std::hypot(force.x(), force.z()), 0.0008) << x << ", by " << stride;
       EXPECT_NEAR(force.y(), 1.001, 1e-4);
     }
   }
