@@ -106,9 +106,9 @@ struct TypesThatTravel {
 using Types =
     TypesThatTravel<wire::HapticPose, wire::Wrench, wire::SessionRequest, wire::SessionState,
                     wire::SceneChange, wire::LeafTaken, wire::WholeRequest, wire::SceneWhole,
-                    wire::SolidBlock, wire::ReplayContents, wire::ReplayState, wire::ReplayRequest,
-                    wire::ToolState, wire::LoopStatistics, wire::StationStatistics,
-                    wire::SceneBundle, wire::GuideTarget>;
+                    wire::ReplayContents, wire::ReplayState, wire::ReplayRequest, wire::ToolState,
+                    wire::LoopStatistics, wire::StationStatistics, wire::SceneBundle,
+                    wire::GuideTarget, wire::SolidBlock>;
 
 /// Reads a text, or is refused by an Error that names the file; whether it was read.
 template <class Read>
