@@ -51,15 +51,16 @@ SessionLink::SessionLink(LinkOptions options, ReplyRing& replies,
 }
 
 SessionLink::~SessionLink() {
-  Close();
+  // Without a pose the server takes the station for cut off after 100 ms: it is told first.
+  servo_->SetPath(nullptr);
   const bool held =
       state_ && state_->phase != palpate_SESSION_REFUSED && state_->phase != palpate_SESSION_ENDED;
   WriteRequest(true);
-  if (!held) return;
-  for (int i = 0; i < 30 && state_->phase != palpate_SESSION_ENDED; ++i) {
+  for (int i = 0; held && i < 30 && state_->phase != palpate_SESSION_ENDED; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
     TakeStates();
   }
+  Close();
 }
 
 void SessionLink::WriteRequest(bool leave) {
