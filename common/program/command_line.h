@@ -61,10 +61,8 @@ class CommandLine {
   bool given() const;  ///< of a command, once all is parsed
 
   /// @param name   "-o,--output", or without dashes what stands by its place.
-  /// @param value  must outlive this.  T: std::string, int, long, std::size_t, double, a
-  /// std::optional of
-  ///               int, std::size_t, double or std::string, a vector of int, std::size_t or
-  ///               std::string.
+  /// @param value  must outlive this.  T: a text or a number, an optional or a vector of them, as
+  ///               command_line.cpp instantiates it.
   template <class T>
   Option Add(const std::string& name, T& value, const std::string& help = "") const;
   Option AddText(const std::string& name, const std::function<void(const std::string&)>& take,

@@ -193,10 +193,7 @@ std::array<double, SolidGrid::kMaterials> CutField::VolumeLeft() const {
   std::array<double, SolidGrid::kMaterials> left{};
   const Lattice& lattice = field_.lattice();
   for (std::size_t block = 0; block < lattice.block_count(); ++block) {
-    const auto wide = static_cast<std::size_t>(lattice.blocks[0]),
-               deep = static_cast<std::size_t>(lattice.blocks[1]);
-    const int at[3] = {static_cast<int>(block % wide), static_cast<int>(block / wide % deep),
-                       static_cast<int>(block / wide / deep)};
+    const std::array<int, 3> at = lattice.BlockAt(block);
     for (int n = 0; n < SparseField::kPoints; ++n) {
       left[solid_->MaterialOf(block, n)] +=
           Left(8 * at[0] + (n & 7), 8 * at[1] + (n >> 3 & 7), 8 * at[2] + (n >> 6));

@@ -106,11 +106,8 @@ class Contour {
  public:
   Contour(const SolidGrid& solid, const SparseField& cut, std::size_t block, SolidSurface& surface)
       : grid_(solid), cut_(cut), surface_(surface), lattice_(cut.lattice()) {
-    const auto x = static_cast<std::size_t>(lattice_.blocks[0]);
-    const auto y = static_cast<std::size_t>(lattice_.blocks[1]);
-    first_[0] = kSide * static_cast<int>(block % x);
-    first_[1] = kSide * static_cast<int>(block / x % y);
-    first_[2] = kSide * static_cast<int>(block / x / y);
+    const std::array<int, 3> at = lattice_.BlockAt(block);
+    for (std::size_t k = 0; k < 3; ++k) first_[k] = kSide * at[k];
   }
 
   /// Whether points of the block, or the next after it, are solid and others free; by the table.

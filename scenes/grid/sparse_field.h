@@ -19,6 +19,13 @@ struct Lattice {
     return static_cast<std::size_t>(blocks[0]) * static_cast<std::size_t>(blocks[1]) *
            static_cast<std::size_t>(blocks[2]);
   }
+  /// Where a block is along each axis; SparseField::BlockIndex's inverse.
+  std::array<int, 3> BlockAt(std::size_t block) const {
+    const auto wide = static_cast<std::size_t>(blocks[0]),
+               deep = static_cast<std::size_t>(blocks[1]);
+    return {static_cast<int>(block % wide), static_cast<int>(block / wide % deep),
+            static_cast<int>(block / wide / deep)};
+  }
   Vec3 Point(int i, int j, int k) const { return origin + spacing * Vec3(i, j, k); }
   /// The corner opposite to the origin.
   Vec3 End() const { return Point(8 * blocks[0], 8 * blocks[1], 8 * blocks[2]); }

@@ -184,8 +184,8 @@ void SessionTable::Update(std::int64_t now_ns) {
     // One that has sent no pose has left the scene as it was before it.
     if (session.ended() && session.has_heard()) {
       cut_off_[session.tool().scene] = session.left() ? "" : session.station();
+      if (!session.tool().model.solids().empty()) ending_.push_back(it->second);
     }
-    if (session.ended() && !session.tool().model.solids().empty()) ending_.push_back(it->second);
     it = session.ended() ? sessions_.erase(it) : std::next(it);
   }
   ForgetHeld(now_ns);
@@ -336,6 +336,10 @@ std::vector<SolidBlockNews> SessionTable::TakeCuts(std::int64_t now_ns) {
     for (SolidBlockNews& one : scene.TakeCuts(now_ns)) news.push_back(std::move(one));
   }
   return news;
+}
+
+void SessionTable::TellAgain(const wire::SolidBlock& block, std::int64_t now_ns) {
+  scenes_.find(block.scene)->second.solids()->TellAgain(block, now_ns);
 }
 
 std::vector<wire::LeafTaken> SessionTable::TakeLeavesTaken() {

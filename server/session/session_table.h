@@ -70,6 +70,8 @@ class SessionTable {
   std::vector<wire::SceneChange> TakeSceneChanges();
   /// What burs have left, block by block, as far as viewers are to be told of it now.
   std::vector<SolidBlockNews> TakeCuts(std::int64_t now_ns);
+  /// One of these could not be published.
+  void TellAgain(const wire::SolidBlock& block, std::int64_t now_ns);
   /// Of what was scraped off, what has reached the loops of other sessions since the last call.
   std::vector<wire::LeafTaken> TakeLeavesTaken();
   /// Scenes that were made whole since the last call, and refusals to do so.

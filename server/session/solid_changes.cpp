@@ -13,12 +13,6 @@ namespace {
 /// What a sample takes besides its surface [bytes].
 constexpr double kHead = 110.0;
 
-std::array<int, 3> PlaceOf(const Lattice& lattice, std::uint32_t block) {
-  const auto n = static_cast<int>(block);
-  const auto& blocks = lattice.blocks;
-  return {n % blocks[0], n / blocks[0] % blocks[1], n / blocks[0] / blocks[1]};
-}
-
 }  // namespace
 
 SolidChanges::Solid::Solid(const CutSolid& s)
@@ -44,21 +38,32 @@ void SolidChanges::Take(const CutBlock& block, std::int64_t now_ns) {
   WaitRound(block.solid, block.block, now_ns);
 }
 
+void SolidChanges::Wait(const Place& place, std::int64_t now_ns) {
+  const auto [it, is_new] =
+      solids_[place.solid].waiting.try_emplace(place.block, Times{now_ns, now_ns});
+  it->second.last_ns = now_ns;
+  if (is_new) line_.push_back(place);
+}
+
 void SolidChanges::WaitRound(std::size_t solid, std::uint32_t block, std::int64_t now_ns) {
-  Solid& at = solids_[solid];
-  const Lattice& lattice = at.field.lattice();
-  const std::array<int, 3> place = PlaceOf(lattice, block);
+  const SparseField& field = solids_[solid].field;
+  const Lattice& lattice = field.lattice();
+  const std::array<int, 3> place = lattice.BlockAt(block);
   for (int n = 0; n < 27; ++n) {
     const int i = place[0] + n % 3 - 1, j = place[1] + n / 3 % 3 - 1, k = place[2] + n / 9 - 1;
     if (i < 0 || j < 0 || k < 0 || i >= lattice.blocks[0] || j >= lattice.blocks[1] ||
         k >= lattice.blocks[2]) {
       continue;
     }
-    const auto beside = static_cast<std::uint32_t>(at.field.BlockIndex(i, j, k));
-    const auto [it, is_new] = at.waiting.try_emplace(beside, Times{now_ns, now_ns});
-    it->second.last_ns = now_ns;
-    if (is_new) line_.push_back({solid, beside});
+    Wait({solid, static_cast<std::uint32_t>(field.BlockIndex(i, j, k))}, now_ns);
   }
+}
+
+void SolidChanges::TellAgain(const wire::SolidBlock& block, std::int64_t now_ns) {
+  const auto of = std::ranges::find_if(
+      solids_, [&](const Solid& s) { return s.solid->object == block.object_index; });
+  of->told.erase(block.block);
+  Wait({static_cast<std::size_t>(of - solids_.begin()), block.block}, now_ns);
 }
 
 void SolidChanges::Keep(std::vector<CutField> cuts, std::int64_t now_ns) {
@@ -82,7 +87,7 @@ bool SolidChanges::Tell(const Place& place, SolidBlockNews& news) {
   const SolidGrid& grid = *at.solid->grid;
   const Lattice& lattice = at.field.lattice();
   TakeSurface(grid, at.field, place.block, surface_);
-  const std::array<int, 3> block = PlaceOf(lattice, place.block);
+  const std::array<int, 3> block = lattice.BlockAt(place.block);
   EncodeSurface(surface_, lattice.Point(8 * block[0], 8 * block[1], 8 * block[2]), lattice.spacing,
                 news.surface);
   const bool cut = at.field.entry(place.block) != SparseField::kBelow;

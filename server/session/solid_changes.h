@@ -51,6 +51,8 @@ class SolidChanges {
   bool is_whole() const { return whole_; }
   void MakeWhole();
 
+  /// A block that could not be published: it waits again.
+  void TellAgain(const wire::SolidBlock& block, std::int64_t now_ns);
   /// Adds what is to be published now; scene and server are left to the caller.
   /// @param count  of the scene's changes: each gets the next number.
   void AddNews(std::int64_t now_ns, std::uint64_t& count, std::vector<SolidBlockNews>& news);
@@ -71,6 +73,7 @@ class SolidChanges {
     std::uint32_t block;
   };
 
+  void Wait(const Place& place, std::int64_t now_ns);
   void WaitRound(std::size_t solid, std::uint32_t block, std::int64_t now_ns);
   bool Tell(const Place& place, SolidBlockNews& news);
 

@@ -286,9 +286,12 @@ void Server::PublishChanges(std::int64_t now_ns) {
     if (events_.session) events_.session(state);
   }
   for (const wire::SceneChange& change : table_.TakeSceneChanges()) scene_changes_.Write(change);
+  // A write waits for at most 100 ms for viewers that stand still: once in a poll.
+  bool taken = true;
   for (SolidBlockNews& news : table_.TakeCuts(now_ns)) {
     PointTo(news.surface, news.sample.surface);
-    solid_blocks_.Write(news.sample);
+    taken = taken && solid_blocks_.Write(news.sample);
+    if (!taken) table_.TellAgain(news.sample, now_ns);
   }
   for (const wire::LeafTaken& taken : table_.TakeLeavesTaken()) leaves_taken_.Write(taken);
   for (const wire::SceneWhole& whole : table_.TakeWholes()) {

@@ -106,9 +106,7 @@ class SolidChangesTest : public testing::Test {
 
   std::vector<std::uint8_t> SurfaceOf(const SparseField& cut, std::size_t block) const {
     const Lattice& lattice = cut.lattice();
-    const int n = static_cast<int>(block), i = n % lattice.blocks[0],
-              j = n / lattice.blocks[0] % lattice.blocks[1],
-              k = n / lattice.blocks[0] / lattice.blocks[1];
+    const auto [i, j, k] = lattice.BlockAt(block);
     SolidSurface surface;
     TakeSurface(grid(), cut, block, surface);
     std::vector<std::uint8_t> code;
@@ -206,7 +204,7 @@ TEST_F(SolidChangesTest, AreToldWhenTheBurHasLeft) {
   const Lattice& lattice = cut.lattice();
   std::size_t behind = 0;
   for (const auto& [block, news] : shown_) {
-    const int i = static_cast<int>(block) % lattice.blocks[0];
+    const int i = lattice.BlockAt(block)[0];
     if (lattice.Point(8 * i + 8, 0, 0).x() > left.x()) continue;
     ++behind;
     EXPECT_EQ(news.surface, SurfaceOf(cut, block)) << lattice.Point(8 * i, 0, 0).x();
@@ -233,6 +231,38 @@ TEST_F(SolidChangesTest, TheNextSessionBeginsWithWhatIsLeft) {
   EXPECT_EQ(table_.sessions().at("b")->start_depth(), 0.0);
   Settle();
   ExpectShown(loop().cuts()[0].field());
+}
+
+TEST_F(SolidChangesTest, ASessionThatSentNoPoseLeavesWhatWasLeft) {
+  Begin("a");
+  Stroke();
+  const SparseField cut = loop().cuts()[0].field();
+  Leave();
+  table_.RetireEnded(now_);
+  // Asked for and left before it could begin.
+  table_.Request(RequestOf("b"), now_);
+  table_.Request(RequestOf("b", true), now_);
+  table_.Update(now_);
+  table_.RetireEnded(now_);
+  Begin("c");
+  for (std::size_t block = 0; block < cut.lattice().block_count(); ++block) {
+    ASSERT_EQ(IsCut(loop().cuts()[0].field(), block), IsCut(cut, block));
+  }
+}
+
+TEST_F(SolidChangesTest, ABlockThatWasNotTakenIsToldAgain) {
+  Begin("a");
+  Stroke();
+  Settle();
+  const auto [block, news] = *shown_.begin();
+  shown_.clear();
+  told_ = 0;
+  table_.TellAgain(news.sample, now_);
+  Settle();
+  ASSERT_EQ(shown_.size(), 1u);
+  EXPECT_EQ(shown_.begin()->first, block);
+  EXPECT_EQ(shown_.begin()->second.surface, news.surface);
+  EXPECT_GT(shown_.begin()->second.sample.change, news.sample.change);
 }
 
 TEST_F(SolidChangesTest, MadeWholeIsAsAtFirst) {

@@ -36,9 +36,8 @@ class ContactRows {
   /// @param lever  of the contact point [m], in W
   void AddRow(const Vec3& normal, const Vec3& lever, double gap, const ContactId& id) noexcept;
   /// Changes a row: all but its id.
-  /// @param by_turning  what the gap grows by as phi grows [m]: lever x normal, but where the
-  /// normal
-  ///                    turns too.
+  /// @param by_turning  what the gap grows by as phi grows [m]: lever x normal, or another where
+  ///                    the normal turns, too.
   void SetRow(int row, const Vec3& normal, const Vec3& lever, const Vec3& by_turning,
               double gap) noexcept;
   void SetGap(int row, double gap) noexcept { columns_.b[row] = -gap; }
