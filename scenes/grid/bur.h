@@ -49,6 +49,13 @@ class Bur {
   /// `within`: farther points get their distance to the way's end.
   double DistanceToWay(const Vec3& p_T, const Vec3& step_T, double within = 1e300) const noexcept;
 
+  /// The same of eight points in a row, `apart_T` from each other; one that is farther than
+  /// `within` says may get less than its distance, but no less than `within`.  Below 0, `within`
+  /// may be any. Returns how many distances that took; of a ball all eight take as long as one.
+  int DistancesToWay(const Vec3& first_T, const Vec3& apart_T, const Vec3& step_T,
+                     const std::array<double, 8>& within,
+                     std::array<double, 8>& distance) const noexcept;
+
   /// `count` samples of the same area on a spiral of golden angles (Swinbank & Purser, Q. J. Royal
   /// Meteorological Soc. 132 (2006) 1769-1793).  Deterministic.  Set-up.
   std::vector<BurSample> Samples(int count) const;

@@ -20,18 +20,20 @@ constexpr double kRounding = 1e-12;
 constexpr double kWhole = 65535.0;
 /// Columns of a voxel, for its share: a Fibonacci lattice (Niederreiter & Sloan, J. Comp. Appl.
 /// Math. 51 (1994) 57-70), of which no two are in line with an axis, as most faces of solids are.
-constexpr int kColumns = 21, kStride = 13;
+constexpr int kColumns = 21, kStride = 13, kLanes = 4, kPadded = 24;
 struct Columns {
-  double a[kColumns], b[kColumns];
+  float a[kPadded], b[kPadded];
 };
 constexpr Columns kAt = [] {
   Columns at{};
   for (int n = 0; n < kColumns; ++n) {
-    at.a[n] = (n + 0.5) / kColumns - 0.5;
-    at.b[n] = (n * kStride % kColumns + 0.5) / kColumns - 0.5;
+    at.a[n] = static_cast<float>((n + 0.5) / kColumns - 0.5);
+    at.b[n] = static_cast<float>((n * kStride % kColumns + 0.5) / kColumns - 0.5);
   }
   return at;
 }();
+/// What a share costs, in distances to the bur's way.
+constexpr int kLooksOfShare = 3;
 /// A plane farther from a voxel's middle than half its diagonal does not cross it.
 constexpr double kHalfDiagonal = 0.8660254037844386;
 
@@ -46,48 +48,62 @@ struct HalfSpace {
 /// volume, though each is cut by a plane.
 HalfSpace PlaneOf(const SparseField& field, int i, int j, int k, double value) {
   const double h = field.lattice().spacing;
-  double x0, x1, y0, y1, z0, z1;
-  const auto within = [](int a) { return (a & 7) != 0 && (a & 7) != 7; };
-  if (within(i) && within(j) && within(k)) {  // of the block, which is stored
-    const float* at = field.values(field.entry(field.BlockIndex(i >> 3, j >> 3, k >> 3))) +
-                      SparseField::PointIndex(i, j, k);
-    x0 = at[-1], x1 = at[1], y0 = at[-8], y1 = at[8], z0 = at[-64], z1 = at[64];
-  } else {
-    x0 = field.At(i - 1, j, k), x1 = field.At(i + 1, j, k);
-    y0 = field.At(i, j - 1, k), y1 = field.At(i, j + 1, k);
-    z0 = field.At(i, j, k - 1), z1 = field.At(i, j, k + 1);
-  }
+  // Of the block of the point, which is stored, without asking the table.
+  const float* at = field.values(field.entry(field.BlockIndex(i >> 3, j >> 3, k >> 3))) +
+                    SparseField::PointIndex(i, j, k);
+  const auto before = [&](int c, int stride, int x, int y, int z) -> double {
+    return (c & 7) != 0 ? at[-stride] : field.At(x, y, z);
+  };
+  const auto after = [&](int c, int stride, int x, int y, int z) -> double {
+    return (c & 7) != 7 ? at[stride] : field.At(x, y, z);
+  };
+  const double x0 = before(i, 1, i - 1, j, k), x1 = after(i, 1, i + 1, j, k);
+  const double y0 = before(j, 8, i, j - 1, k), y1 = after(j, 8, i, j + 1, k);
+  const double z0 = before(k, 64, i, j, k - 1), z1 = after(k, 64, i, j, k + 1);
   const double bend = x0 + x1 + y0 + y1 + z0 + z1 - 6.0 * value;
   return {(value + bend / 24.0) / h, Vec3(x1 - x0, y1 - y0, z1 - z0) / (2.0 * h)};
 }
 
 /// Volume of the unit voxel that lies in a half-space, and in another where there is one: exact
-/// along columns, which run as the first's normal does.
+/// along columns, which run as the first's normal does.  In floats, for speed: it becomes a part of
+/// 65,535.
 double ShareIn(const HalfSpace& q, const HalfSpace* other = nullptr) {
   int w = 0;
-  q.g.cwiseAbs().maxCoeff(&w);
+  const double steepest = q.g.cwiseAbs().maxCoeff(&w);
+  if (!(steepest > 0.0)) return q.a < 0.0 ? 1.0 : 0.0;
   const int u = (w + 1) % 3, v = (w + 2) % 3;
-  double low[kColumns], high[kColumns];
-  std::fill_n(low, kColumns, -0.5);
-  std::fill_n(high, kColumns, 0.5);
-  for (const HalfSpace* s : {&q, other}) {
-    if (!s) continue;
-    const double base = s->a, gu = s->g[u], gv = s->g[v];
-    const double inverse = s->g[w] != 0.0 ? -1.0 / s->g[w] : 0.0;
-    for (int n = 0; n < kColumns; ++n) {
-      const double at = base + kAt.a[n] * gu + kAt.b[n] * gv;
-      if (inverse < 0.0) {
-        high[n] = std::min(high[n], at * inverse);
-      } else if (inverse > 0.0) {
-        low[n] = std::max(low[n], at * inverse);
-      } else if (at >= 0.0) {
-        high[n] = low[n];
+  // From the column's lower end, or from its upper one where the normal points down.
+  float height[kPadded], from[kPadded];
+  const auto inverse = static_cast<float>(-1.0 / steepest);
+  const auto a = static_cast<float>(q.a), gu = static_cast<float>(q.g[u]),
+             gv = static_cast<float>(q.g[v]);
+  for (int n = 0; n < kPadded; ++n) {
+    const float end = (a + kAt.a[n] * gu + kAt.b[n] * gv) * inverse + 0.5f;
+    height[n] = std::min(std::max(end, 0.0f), 1.0f);
+    from[n] = 0.0f;
+  }
+  if (other) {
+    const auto base = static_cast<float>(other->a), hu = static_cast<float>(other->g[u]),
+               hv = static_cast<float>(other->g[v]);
+    const auto hw = static_cast<float>(q.g[w] > 0.0 ? other->g[w] : -other->g[w]);
+    const float along = hw != 0.0f ? -1.0f / hw : 0.0f;
+    for (int n = 0; n < kPadded; ++n) {
+      const float at = base + kAt.a[n] * hu + kAt.b[n] * hv - 0.5f * hw;  // at the column's end
+      if (hw > 0.0f) {
+        height[n] = std::min(height[n], at * along);
+      } else if (hw < 0.0f) {
+        from[n] = std::max(0.0f, at * along);
+      } else if (at >= 0.0f) {
+        height[n] = 0.0f;
       }
     }
   }
-  double sum = 0.0;
-  for (int n = 0; n < kColumns; ++n) sum += std::max(0.0, high[n] - low[n]);
-  return sum / kColumns;
+  std::fill_n(height + kColumns, kPadded - kColumns, 0.0f);
+  float sum[kLanes]{};
+  for (int n = 0; n < kPadded; n += kLanes) {
+    for (int l = 0; l < kLanes; ++l) sum[l] += std::max(0.0f, height[n + l] - from[n + l]);
+  }
+  return static_cast<double>((sum[0] + sum[1]) + (sum[2] + sum[3])) / kColumns;
 }
 
 }  // namespace
@@ -262,7 +278,7 @@ CutField::Layers CutField::Raise(const int at[3], std::int32_t entry, const Bur&
   const Mat3 R_TB = X_TB.q.toRotationMatrix();
   const Vec3 first = X_TB * lattice.Point(8 * at[0], 8 * at[1], 8 * at[2]);
   const Vec3 along = lattice.spacing * R_TB.col(0);
-  const double h = lattice.spacing, reach = field_.band() + step_T.norm();
+  const float band = field_.band();
   float* values = field_.values(entry);
   double* still = still_.data() + static_cast<std::size_t>(entry) * kRows;
   Layers changed{};
@@ -270,25 +286,22 @@ CutField::Layers CutField::Raise(const int at[3], std::int32_t entry, const Bur&
     if (gone_ <= still[n / kSide]) continue;
     const int y = n >> 3 & 7, z = n >> 6;
     const Vec3 row = first + lattice.spacing * (y * R_TB.col(1) + z * R_TB.col(2));
+    float* value = values + n;
+    std::array<double, kSide> within, distance;
+    // Only a distance below -value raises a point, and none what is clear.
+    for (std::size_t x = 0; x < kSide; ++x) {
+      within[x] = value[x] < band ? static_cast<double>(-value[x]) : -HUGE_VAL;
+    }
+    looks_ += bur.DistancesToWay(row, along, step_T, within, distance);
     double room = kFar;
-    for (int x = 0; x < kSide; ++x) {
-      float& value = values[n + x];
-      if (value >= field_.band()) continue;
-      // Only a distance below -value raises it.
-      const double within = std::min(field_.band(), -value);
-      const double distance = bur.DistanceToWay(row + x * along, step_T, within);
-      ++looks_;
-      const auto depth = static_cast<float>(-distance);
-      if (depth > value) {
-        value = std::min(depth, field_.band());
+    for (std::size_t x = 0; x < kSide; ++x) {
+      const auto depth = static_cast<float>(-distance[x]);
+      const float before = value[x];
+      value[x] = std::min(std::max(depth, before), band);
+      if (value[x] > before) {
         changed[static_cast<std::size_t>(z)] |= std::uint64_t{1} << (8 * y + x);
       }
-      room = std::min(room, distance + value);
-      if (distance <= reach) continue;
-      // It falls no faster than the row goes on: so many points are beyond the band.
-      const int beyond = std::min(static_cast<int>(std::min((distance - reach) / h, 8.0)), 7 - x);
-      room = std::min(room, distance - beyond * h - field_.band());
-      x += beyond;
+      if (value[x] < band) room = std::min(room, distance[x] + value[x]);
     }
     still[n / kSide] = gone_ + room - kRounding;
   }
@@ -384,6 +397,7 @@ CutAway CutField::Remove(const Bur& bur, const Pose& X_BT, const Vec3& step_B) n
       for (std::uint64_t bits = beside[static_cast<std::size_t>(layer)]; bits; bits &= bits - 1) {
         const int n = layer << 6 | std::countr_zero(bits);
         if (left[n] == 0 || values[n] < -crossed) continue;  // all that the solid has of it is left
+        looks_ += kLooksOfShare;
         const double share = ShareOf(8 * touched.at[0] + (n & 7), 8 * touched.at[1] + (n >> 3 & 7),
                                      8 * touched.at[2] + (n >> 6));
         const auto now = static_cast<std::uint16_t>(kWhole * share + 0.5);

@@ -96,8 +96,8 @@ void CutRows::AddSolid(const CutTool& tool, const CutField& cut, const Pose& X_W
     const Vec3 p_B = R_BW * p_W + X_BW.p, n_B = R_BW * n_W;
     const double gap = GapAhead(cut, p_B, n_B);
     if (gap >= band || gap > reach) continue;
-    // Of what lies ahead of the edge, not of the point of the lattice that the edge has passed.
-    const CutMaterial& material = materials[cut.solid().Material(p_B + 0.5 * h * n_B)];
+    // The one whose volume will be gone, by the same point of the lattice.
+    const CutMaterial& material = materials[cut.solid().Material(p_B)];
     const Vec3 turn = (p_W - tool.reference).cross(n_W) / tool.rotation_length;
     const double share = sample.area / tool.stiffness;
     Add({-n_W.x(), -n_W.y(), -n_W.z(), -turn.x(), -turn.y(), -turn.z()}, -gap,
