@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -52,6 +53,9 @@ class CutField {
 
   /// What is left, at a point of B.
   FieldSample Sample(const Vec3& p_B) const noexcept;
+  double Distance(const Vec3& p_B) const noexcept {
+    return std::max(solid_->field().Distance(p_B), field_.Distance(p_B));
+  }
 
   /// phi_c <- max(phi_c, -(distance to the bur's way)).  Equal whatever the order of the blocks,
   /// and of steps: the greatest of all.

@@ -17,22 +17,24 @@ float SparseField::At(int i, int j, int k) const noexcept {
   return ValueOf(table_[BlockIndex(bi, bj, bk)], PointIndex(i, j, k));
 }
 
-FieldSample SparseField::Sample(const Vec3& p_B) const noexcept {
+bool SparseField::Cell(const Vec3& p_B, double u[3], double v[8]) const noexcept {
   const Vec3 at = (p_B - lattice_.origin) / lattice_.spacing;
   int c[3];
-  double u[3];
   for (int a = 0; a < 3; ++a) {
     // Also false where the point is not finite: no integer holds that.
     if (!(at[a] >= 0.0 && at[a] < kSide * lattice_.blocks[static_cast<std::size_t>(a)])) {
-      return {ValueOf(all_, 0), Vec3::Zero()};
+      v[0] = ValueOf(all_, 0);
+      return false;
     }
     c[a] = static_cast<int>(at[a]);
     u[a] = at[a] - c[a];
   }
-  double v[8];  // bits of the index: x, y, z
   if ((c[0] & 7) < 7 && (c[1] & 7) < 7 && (c[2] & 7) < 7) {
     const std::int32_t entry = table_[BlockIndex(c[0] >> 3, c[1] >> 3, c[2] >> 3)];
-    if (entry < 0) return {ValueOf(entry, 0), Vec3::Zero()};
+    if (entry < 0) {
+      v[0] = ValueOf(entry, 0);
+      return false;
+    }
     const float* first = values(entry) + PointIndex(c[0], c[1], c[2]);
     for (int n = 0; n < 8; ++n) v[n] = first[(n & 1) + ((n & 2) << 2) + ((n & 4) << 4)];
   } else {
@@ -40,6 +42,21 @@ FieldSample SparseField::Sample(const Vec3& p_B) const noexcept {
       v[n] = At(c[0] + (n & 1), c[1] + (n >> 1 & 1), c[2] + (n >> 2));
     }
   }
+  return true;
+}
+
+double SparseField::Distance(const Vec3& p_B) const noexcept {
+  double u[3], v[8];
+  if (!Cell(p_B, u, v)) return v[0];
+  for (int a = 0, half = 4; a < 3; ++a, half /= 2) {
+    for (int n = 0; n < half; ++n) v[n] = v[2 * n] + u[a] * (v[2 * n + 1] - v[2 * n]);
+  }
+  return v[0];
+}
+
+FieldSample SparseField::Sample(const Vec3& p_B) const noexcept {
+  double u[3], v[8];  // bits of the index: x, y, z
+  if (!Cell(p_B, u, v)) return {v[0], Vec3::Zero()};
   const auto mix = [](double a, double b, double t) { return a + t * (b - a); };
   double x[4], y[2];
   for (int n = 0; n < 4; ++n) x[n] = mix(v[2 * n], v[2 * n + 1], u[0]);

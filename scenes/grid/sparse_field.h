@@ -77,6 +77,8 @@ class SparseField {
   float At(int i, int j, int k) const noexcept;
   /// Trilinear between the eight points round p, which is given in B.
   FieldSample Sample(const Vec3& p_B) const noexcept;
+  /// The same bits without the gradient.
+  double Distance(const Vec3& p_B) const noexcept;
 
   /// Storage for so many blocks.  Set-up.
   void Reserve(std::size_t blocks);
@@ -102,6 +104,9 @@ class SparseField {
   float ValueOf(std::int32_t entry, int point) const {
     return entry >= 0 ? values(entry)[point] : entry == kBelow ? -band_ : band_;
   }
+
+  /// The eight values round p and where it lies between them; false where all are v[0].
+  bool Cell(const Vec3& p_B, double u[3], double v[8]) const noexcept;
 
   Lattice lattice_;
   float band_;

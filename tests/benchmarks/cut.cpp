@@ -386,6 +386,9 @@ void AddCut(const CommandLine& app) {
   Add(command, "--surface", options->surface,
       "Write what is left of the solids to FILE.stl, in metres")
       .Needs(scene);
+  Add(command, "--sweep", options->sweep,
+      "Write the solids and the bur's way to FILE.json, for others to compute the cut volume from")
+      .Needs(scene);
   Add(command, "--grid-um", options->grids_um, "Spacings of the grid [um], 25 to 200")
       .Excludes(scene);
   AddRepeats(command, options->repeats);

@@ -169,6 +169,36 @@ Swept SweptOf(const HapticModel& model, const Cut& cut, const CutSolid& solid) {
   return swept;
 }
 
+/// The solids before the cut, and the straight pieces of the bur's way in each: from the pose [x y
+/// z w x y z] on by a step.  A convex body that goes so sweeps the hull of its two ends.
+void WriteSweep(const Scene& scene, const HapticModel& model, const Cut& cut,
+                const std::string& file) {
+  const BurProfile& bur = *scene.tools.front().bur;
+  std::vector<std::vector<double>> curve;
+  for (const auto& [rho, z] : bur.curve) curve.push_back({rho, z});
+  Json solids = Json::Array();
+  for (const CutSolid& solid : model.solids()) {
+    std::vector<std::vector<double>> vertices, way;
+    std::vector<std::vector<int>> triangles;
+    const TriangleMesh& mesh = scene.objects[solid.object].mesh;
+    for (const Vec3& v : mesh.vertices) vertices.push_back({v.x(), v.y(), v.z()});
+    for (const auto& [a, b, c] : mesh.triangles) {
+      triangles.push_back({static_cast<int>(a), static_cast<int>(b), static_cast<int>(c)});
+    }
+    for (const Piece& piece : WayOf(model, cut, solid, solid.grid->field().lattice().spacing)) {
+      const Pose X = piece.X_TB.Inverse();
+      const Vec3 step = X.q * piece.step_T;
+      way.push_back({X.p.x(), X.p.y(), X.p.z(), X.q.w(), X.q.x(), X.q.y(), X.q.z(), step.x(),
+                     step.y(), step.z()});
+    }
+    solids.push_back({{"vertices_m", vertices}, {"triangles", triangles}, {"way", way}});
+  }
+  WriteJson(file, {{"scene", scene.name},
+                   {"bur", Json{{"curve_m", curve}, {"rounding_m", bur.rounding}}},
+                   {"solids", solids},
+                   {"cut_m3", cut.volume}});
+}
+
 /// How far the surface of what is left is from the exact sweep, where a cut made it, at the places
 /// where it crosses the lattice [m].
 std::vector<double> SurfaceErrors(const HapticModel& model, const Cut& cut, std::size_t number) {
@@ -260,6 +290,7 @@ void RunCutScene(const CutSceneOptions& options) {
   Progress("the hand");
   const Cut cut = Run(model, hand, options.repeats);
   if (!options.surface.empty()) WriteSurface(model, cut, options.surface);
+  if (!options.sweep.empty()) WriteSweep(scene, model, cut, options.sweep);
   Progress("the exact sweep");
   Swept swept;
   std::vector<double> surface;

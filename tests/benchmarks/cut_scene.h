@@ -5,7 +5,7 @@
 namespace palpate::bench {
 
 struct CutSceneOptions {
-  std::string scene, poses, json, surface;
+  std::string scene, poses, json, surface, sweep;
   int repeats = 3;
 };
 

@@ -29,7 +29,7 @@ struct CutSolid {
 struct Cutting {
   Bur bur;
   Pose X_TB;             ///< of the bur's frame, in the tool's
-  int samples = 256;     ///< of the bur's surface
+  int samples = 384;     ///< of the bur's surface
   double period = 1e-3;  ///< between two poses [s]: what viscosity is told of a step's speed
 };
 
