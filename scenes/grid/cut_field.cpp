@@ -142,7 +142,7 @@ std::size_t CutField::bytes() const {
 }
 
 void CutField::Wait(std::size_t block) noexcept {
-  changed_at_[block] = ++changes_;
+  Note(block);
   if (waits_[block]) return;
   waits_[block] = true;
   waiting_[(first_waiting_ + waiting_count_++) % waiting_.size()] =

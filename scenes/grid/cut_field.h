@@ -91,6 +91,8 @@ class CutField {
                    const Vec3& step_T) noexcept;
   Layers Raise(const int at[3], std::int32_t entry, const Bur& bur, const Pose& X_TB,
                const Vec3& step_T) noexcept;
+  /// Whatever raised a block's points: contact is to follow.
+  void Note(std::size_t block) noexcept { changed_at_[block] = ++changes_; }
   void Wait(std::size_t block) noexcept;
   double GoneSince(const Bur& bur, const Pose& X_BT) const noexcept;
   Layers Beside(const Touched& touched) const noexcept;
