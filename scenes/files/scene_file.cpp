@@ -428,7 +428,7 @@ void ReadGrid(const JsonNode& node, BodyDescription& body) {
   }
 }
 
-/// A bur feels what it can cut by its edge, and other tools would not feel it.
+/// A bur feels what it can cut by its edge, and other tools by its surface alone.
 void CheckCutting(const JsonNode& root, const SceneDescription& scene) {
   const auto cut =
       std::ranges::find_if(scene.objects, [](const auto& b) { return b.grid.has_value(); });
@@ -437,10 +437,11 @@ void CheckCutting(const JsonNode& root, const SceneDescription& scene) {
     const ShapeKind* kind = FindShapeKind(mesh.what);
     const bool is_bur = mesh.kind == MeshSource::Kind::kShape && kind != nullptr && kind->bur;
     const JsonNode node = root.At("tools").Items()[i].At("mesh");
-    if (cut != scene.objects.end() && !is_bur) {
+    if (cut != scene.objects.end() && !is_bur &&
+        scene.features.contact == ContactModel::kSpheres) {
       node.Fail("\"" + cut->name +
-                "\" is felt by burs alone; give this tool {\"shape\": \"bur\", "
-                "\"kind\": \"ball\"}, or \"" +
+                "\" is felt by burs alone where \"contact\" is \"spheres\"; give this tool "
+                "{\"shape\": \"bur\", \"kind\": \"ball\"}, or \"" +
                 cut->name + "\" no grid_um");
     }
     if (cut == scene.objects.end() && is_bur) {

@@ -112,7 +112,7 @@ std::size_t CutField::BytesOf(const SolidGrid& solid, std::size_t blocks) {
   const std::size_t table = solid.field().lattice().block_count();
   return SparseField::BytesOf(table, blocks) +
          blocks * (SparseField::kPoints * sizeof(std::uint16_t) + kRows * sizeof(double)) +
-         table * (sizeof(std::int32_t) + sizeof(std::uint32_t)) + table / 8 +
+         table * (sizeof(std::int32_t) + 2 * sizeof(std::uint32_t)) + table / 8 +
          blocks * sizeof(Touched);
 }
 
@@ -122,7 +122,8 @@ CutField::CutField(const SolidGrid& solid, std::size_t most_bytes, const std::st
       field_(solid.field().lattice(), solid.field().band(), SparseField::kBelow),
       touched_at_(solid.field().lattice().block_count(), -1),
       waiting_(touched_at_.size()),
-      waits_(touched_at_.size()) {
+      waits_(touched_at_.size()),
+      changed_at_(touched_at_.size()) {
   if (blocks == 0) blocks = solid.solid_blocks();
   if (const std::size_t bytes = BytesOf(solid, blocks); bytes > most_bytes) {
     throw Error(name + ": cutting at " + Figure(1e6 * field_.lattice().spacing, 3) + " um takes " +
@@ -141,6 +142,7 @@ std::size_t CutField::bytes() const {
 }
 
 void CutField::Wait(std::size_t block) noexcept {
+  Note(block);
   if (waits_[block]) return;
   waits_[block] = true;
   waiting_[(first_waiting_ + waiting_count_++) % waiting_.size()] =
@@ -158,6 +160,8 @@ bool CutField::TakeChanged(std::size_t& block) noexcept {
 
 void CutField::MakeWhole() noexcept {
   field_.Clear();
+  ++changes_;
+  for (std::uint32_t& at : changed_at_) at = at == 0 ? 0 : changes_;
   std::fill(waits_.begin(), waits_.end(), false);
   first_waiting_ = waiting_count_ = 0;
   gone_ = 0.0;

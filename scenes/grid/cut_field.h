@@ -66,6 +66,9 @@ class CutField {
   /// The block, of those whose points changed since it was last taken here, that has waited
   /// longest.  False where there is none.
   bool TakeChanged(std::size_t& block) noexcept;
+  /// How often a block has changed, and of each block how often one had when it last did; 0: never.
+  std::uint32_t changes() const { return changes_; }
+  std::uint32_t ChangedAt(std::size_t block) const { return changed_at_[block]; }
   /// All is there again, as at first, and no block has changed.  Goes through the table of blocks:
   /// some ten microseconds for a tooth.
   void MakeWhole() noexcept;
@@ -92,6 +95,8 @@ class CutField {
                    const Vec3& step_T) noexcept;
   Layers Raise(const int at[3], std::int32_t entry, const Bur& bur, const Pose& X_TB,
                const Vec3& step_T) noexcept;
+  /// Whatever raised a block's points: contact is to follow.
+  void Note(std::size_t block) noexcept { changed_at_[block] = ++changes_; }
   void Wait(std::size_t block) noexcept;
   double GoneSince(const Bur& bur, const Pose& X_BT) const noexcept;
   Layers Beside(const Touched& touched) const noexcept;
@@ -113,6 +118,8 @@ class CutField {
   std::vector<std::uint32_t> waiting_;    ///< a ring of blocks that changed, each at most once
   std::vector<bool> waits_;               ///< of a block: it is in the ring
   std::size_t first_waiting_ = 0, waiting_count_ = 0;
+  std::uint32_t changes_ = 0;
+  std::vector<std::uint32_t> changed_at_;  ///< of a block
 };
 
 }  // namespace palpate

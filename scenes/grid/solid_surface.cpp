@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <unordered_map>
 
 #include <Eigen/LU>
@@ -11,8 +12,8 @@ namespace {
 
 constexpr int kSide = SparseField::kSide;
 /// Points on either side of a block that its triangles go by: those of the cells before and after,
-/// and their neighbours, of which gradients are made.
-constexpr int kMargin = 2;
+/// and their neighbours, of which gradients are made; and one more for its neighbours' triangles.
+constexpr int kMargin = 3;
 constexpr int kWide = kSide + 2 * kMargin;
 /// A gradient's square misses 1 by rounding alone where a face is flat, by some h^2 / 3R^2 where it
 /// bends with R, and by half where two faces meet at a right angle.  From here on it is doubted.
@@ -104,8 +105,8 @@ constexpr int kStride[3] = {1, kWide, kWide* kWide};
 /// Two fields round a block [h].
 class Contour {
  public:
-  Contour(const SolidGrid& solid, const SparseField& cut, std::size_t block, SolidSurface& surface)
-      : grid_(solid), cut_(cut), surface_(surface), lattice_(cut.lattice()) {
+  Contour(const SolidFields& fields, std::size_t block, SolidSurface& surface)
+      : fields_of_(fields), grid_(fields.solid), surface_(surface), lattice_(fields.cut.lattice()) {
     const std::array<int, 3> at = lattice_.BlockAt(block);
     for (std::size_t k = 0; k < 3; ++k) first_[k] = kSide * at[k];
   }
@@ -114,15 +115,9 @@ class Contour {
   bool MayCross() const {
     bool free = false, solid = false;
     for (int n = 0; n < 8; ++n) {
-      int b[3];
-      bool inside = true;
-      for (int a = 0; a < 3; ++a) {
-        b[a] = first_[a] / kSide + (n >> a & 1);
-        inside = inside && b[a] < lattice_.blocks[static_cast<std::size_t>(a)];
-      }
-      const std::size_t block = inside ? cut_.BlockIndex(b[0], b[1], b[2]) : 0;
-      const std::int32_t of_solid = inside ? grid_.field().entry(block) : SparseField::kAbove;
-      const std::int32_t of_cut = inside ? cut_.entry(block) : SparseField::kAbove;
+      const int b[3] = {n & 1, n >> 1 & 1, n >> 2};
+      const std::int32_t of_solid = EntryAt(grid_.field(), b);
+      const std::int32_t of_cut = EntryAt(CutAt(b), b);
       if (of_solid == SparseField::kAbove || of_cut == SparseField::kAbove) {
         free = true;
       } else if (of_solid == SparseField::kBelow && of_cut == SparseField::kBelow) {
@@ -134,35 +129,81 @@ class Contour {
     return free && solid;
   }
 
-  void Take() {
-    Load(grid_.field(), fields_[0]);
-    Load(cut_, fields_[1]);
+  void Load() {
+    for (int n = 0; n < 27; ++n) {
+      const int b[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
+      Load(grid_.field(), b, fields_[0]);
+      Load(CutAt(b), b, fields_[1]);
+    }
     for (int n = 0; n < kWide * kWide * kWide; ++n) {
       solid_[n] = fields_[0][n] < 0.0f && fields_[1][n] < 0.0f;
     }
-    std::fill_n(&vertex_[0][0], kWide * kWide * kWide * 4, -1);
-    std::fill_n(&crossing_[0][0], kWide * kWide * kWide * 3, -1);
+    std::fill_n(&vertex_[0][0], kWide * kWide * kWide * 4, std::int16_t{-1});
+    std::fill_n(&crossing_[0][0], kWide * kWide * kWide * 3, std::int16_t{-1});
+  }
+
+  /// The block's own triangles.
+  void Take() {
     for (int k = kMargin; k < kMargin + kSide; ++k) {
       for (int j = kMargin; j < kMargin + kSide; ++j) {
-        for (int i = kMargin; i < kMargin + kSide; ++i) {
-          for (int d = 0; d < 3; ++d) {
-            const Place p{{i, j, k}};
-            if (solid_[p.index()] != solid_[p.index() + kStride[d]]) AddAcross(p, d);
-          }
+        for (int i = kMargin; i < kMargin + kSide; ++i) AddAcross(Place{{i, j, k}});
+      }
+    }
+  }
+
+  /// Those of the blocks round it beside them: a vertex has those of its cell's edges.
+  void TakeRim() {
+    constexpr int first = kMargin - 1, last = kMargin + kSide;
+    for (int k = first; k <= last; ++k) {
+      for (int j = first; j <= last; ++j) {
+        for (int i = first; i <= last; ++i) {
+          const bool in_block = std::min({i, j, k}) > first && std::max({i, j, k}) < last;
+          if (!in_block) AddAcross(Place{{i, j, k}});
         }
       }
     }
   }
 
  private:
-  void Load(const SparseField& field, float* values) const {
+  /// Blocks are counted from the one that is taken.
+  std::optional<std::size_t> BlockAt(const int b[3]) const {
+    int at[3];
+    for (int a = 0; a < 3; ++a) {
+      at[a] = first_[a] / kSide + b[a];
+      if (at[a] < 0 || at[a] >= lattice_.blocks[static_cast<std::size_t>(a)]) return std::nullopt;
+    }
+    return fields_of_.cut.BlockIndex(at[0], at[1], at[2]);
+  }
+  std::int32_t EntryAt(const SparseField& field, const int b[3]) const {
+    const auto block = BlockAt(b);
+    return block ? field.entry(*block) : SparseField::kAbove;
+  }
+  const SparseField& CutAt(const int b[3]) const {
+    const auto block = BlockAt(b);
+    const bool is_later = block && fields_of_.later != nullptr &&
+                          fields_of_.later->entry(*block) != SparseField::kBelow;
+    return is_later ? *fields_of_.later : fields_of_.cut;
+  }
+
+  /// Of a block, what lies within the margins.
+  void Load(const SparseField& field, const int b[3], float* values) const {
     const auto scale = static_cast<float>(1.0 / lattice_.spacing);
-    for (int k = 0; k < kWide; ++k) {
-      for (int j = 0; j < kWide; ++j) {
-        for (int i = 0; i < kWide; ++i) {
-          *values++ = scale * field.At(first_[0] + i - kMargin, first_[1] + j - kMargin,
-                                       first_[2] + k - kMargin);
-        }
+    const auto block = BlockAt(b);
+    int low[3], high[3];
+    for (int a = 0; a < 3; ++a) {
+      low[a] = b[a] < 0 ? kSide - kMargin : 0;
+      high[a] = b[a] > 0 ? kMargin : kSide;
+    }
+    const int at_first = ((kMargin + kSide * b[2]) * kWide + kMargin + kSide * b[1]) * kWide +
+                         kMargin + kSide * b[0];
+    const std::int32_t entry = block ? field.entry(*block) : field.around();
+    const float all = entry == SparseField::kBelow ? -field.band() : field.band();
+    for (int k = low[2]; k < high[2]; ++k) {
+      for (int j = low[1]; j < high[1]; ++j) {
+        float* const row = values + at_first + (k * kWide + j) * kWide;
+        const float* from =
+            entry >= 0 ? field.values(entry) + SparseField::PointIndex(0, j, k) : nullptr;
+        for (int i = low[0]; i < high[0]; ++i) row[i] = scale * (from != nullptr ? from[i] : all);
       }
     }
   }
@@ -257,7 +298,7 @@ class Contour {
     const int corners = CornersOf(cell);
     const Sheets& sheets = kSheets[static_cast<std::size_t>(corners)];
     const int sheet = sheets.of[static_cast<std::size_t>(edge)];
-    std::int32_t& known = vertex_[cell.index()][sheet];
+    std::int16_t& known = vertex_[cell.index()][sheet];
     if (known >= 0) return static_cast<std::uint32_t>(known);
     // Least squares of the distances from what both ends of each crossed edge see, of the field
     // that crosses it, from the crossings' middle.
@@ -295,17 +336,17 @@ class Contour {
       if (std::abs(way[a]) > room) t = std::min(t, room / std::abs(way[a]));
     }
     const Vec3 at = middle + t * way;
-    known = static_cast<std::int32_t>(Add(PointOf(cell, at), NumberOf(cell, sheet)));
+    known = static_cast<std::int16_t>(Add(PointOf(cell, at), NumberOf(cell, sheet)));
     return static_cast<std::uint32_t>(known);
   }
 
   std::uint32_t CrossingOf(const Place& lower, int d) {
-    std::int32_t& known = crossing_[lower.index()][d];
+    std::int16_t& known = crossing_[lower.index()][d];
     if (known >= 0) return static_cast<std::uint32_t>(known);
     int field = 0;
     const double t = Cross(lower, d, field);
     known =
-        static_cast<std::int32_t>(Add(PointOf(lower, t * Vec3::Unit(d)), NumberOf(lower, 4 + d)));
+        static_cast<std::int16_t>(Add(PointOf(lower, t * Vec3::Unit(d)), NumberOf(lower, 4 + d)));
     return static_cast<std::uint32_t>(known);
   }
 
@@ -323,6 +364,11 @@ class Contour {
   ///        |   --------+--------  |  / |       the crossings p of this edge and q of another
   ///        |    cell 2 | cell 3   | /  |       of the face between the cells:
   ///        +----> u             c2 ---- c3     p c0 q here, and q c1 p from there
+  void AddAcross(const Place& p) {
+    for (int d = 0; d < 3; ++d) {
+      if (solid_[p.index()] != solid_[p.index() + kStride[d]]) AddAcross(p, d);
+    }
+  }
   void AddAcross(const Place& p, int d) {
     const int u = (d + 1) % 3, v = (d + 2) % 3;
     const bool up = solid_[p.index()];
@@ -381,19 +427,19 @@ class Contour {
   std::uint8_t MaterialAt(const Place& p) const {
     const int i = first_[0] + p.at[0] - kMargin, j = first_[1] + p.at[1] - kMargin,
               k = first_[2] + p.at[2] - kMargin;
-    return grid_.MaterialOf(cut_.BlockIndex(i >> 3, j >> 3, k >> 3),
+    return grid_.MaterialOf(fields_of_.cut.BlockIndex(i >> 3, j >> 3, k >> 3),
                             SparseField::PointIndex(i, j, k));
   }
 
+  const SolidFields fields_of_;
   const SolidGrid& grid_;
-  const SparseField& cut_;
   SolidSurface& surface_;
   const Lattice& lattice_;
   int first_[3];
   float fields_[2][kWide * kWide * kWide];
   bool solid_[kWide * kWide * kWide];
-  std::int32_t vertex_[kWide * kWide * kWide][4];    ///< of a cell's sheets, or -1
-  std::int32_t crossing_[kWide * kWide * kWide][3];  ///< of an edge, or -1
+  std::int16_t vertex_[kWide * kWide * kWide][4];    ///< of a cell's sheets, or -1
+  std::int16_t crossing_[kWide * kWide * kWide][3];  ///< of an edge, or -1
 };
 
 }  // namespace
@@ -408,8 +454,21 @@ void SolidSurface::Clear() {
 void TakeSurface(const SolidGrid& solid, const SparseField& cut, std::size_t block,
                  SolidSurface& surface) {
   surface.Clear();
-  Contour contour(solid, cut, block, surface);
-  if (contour.MayCross()) contour.Take();
+  Contour contour({solid, cut}, block, surface);
+  if (!contour.MayCross()) return;
+  contour.Load();
+  contour.Take();
+}
+
+std::size_t TakeSurfaceAndRim(const SolidFields& fields, std::size_t block, SolidSurface& surface) {
+  surface.Clear();
+  Contour contour(fields, block, surface);
+  if (!contour.MayCross()) return 0;
+  contour.Load();
+  contour.Take();
+  const std::size_t own = surface.triangles.size();
+  if (own > 0) contour.TakeRim();
+  return own;
 }
 
 SolidSurface WholeSurface(const CutField& cut) {

@@ -22,6 +22,14 @@ struct SolidSurface {
   void Clear();
 };
 
+/// A solid and what is gone of it.
+struct SolidFields {
+  const SolidGrid& solid;
+  const SparseField& cut;  ///< a CutField's, or a copy of one
+  /// Stands for `cut` in its blocks that are not all solid; null: in none.
+  const SparseField* later = nullptr;
+};
+
 /// Each edge of the lattice belongs to the block of its lower end, and with it the triangles across
 /// it.  They go by the points from 2 before the block to 2 beyond it: where a block has changed,
 /// the surface of the 27 round it has to be made anew, and no other.
@@ -41,6 +49,10 @@ struct SolidSurface {
 /// @param surface  cleared first; its storage is used again.
 void TakeSurface(const SolidGrid& solid, const SparseField& cut, std::size_t block,
                  SolidSurface& surface);
+
+/// The same, and then the neighbours' triangles that share a vertex with the block's.  Returns how
+/// many are the block's own; where it has none there are no neighbours either.
+std::size_t TakeSurfaceAndRim(const SolidFields& fields, std::size_t block, SolidSurface& surface);
 
 /// Of all blocks, vertices that they share once.  Set-up and tools.
 SolidSurface WholeSurface(const CutField& cut);

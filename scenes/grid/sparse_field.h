@@ -65,6 +65,7 @@ class SparseField {
            static_cast<std::size_t>(bi);
   }
   static int PointIndex(int i, int j, int k) { return ((k & 7) << 6) | ((j & 7) << 3) | (i & 7); }
+  std::int32_t around() const { return all_; }  ///< what lies round the lattice
   std::int32_t entry(std::size_t block) const { return table_[block]; }
   const float* values(std::int32_t entry) const {
     return storage_.data() + static_cast<std::size_t>(entry) * kPoints;

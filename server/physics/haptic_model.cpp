@@ -29,6 +29,18 @@ SceneObjects::SceneObjects(std::span<const PlacedTree> objects, ContactModel con
       solids_(std::move(solids)) {
   if (contact == ContactModel::kSurface) bodies_ = MakeBodies(objects);
   if (!bodies_.empty()) insides_.emplace(objects, &IsFeltByMesh);
+  for (const CutSolid& solid : solids_) {
+    const auto materials = objects[solid.object].materials;
+    materials_.emplace_back(materials.begin(), materials.end());
+    if (contact == ContactModel::kSurface) bodies_.push_back(BlocksOf(solid));
+  }
+  if (contact == ContactModel::kSurface) boxes_ = solids_.size();
+}
+
+const Material& SceneObjects::MaterialOf(std::size_t solid, std::uint8_t material) const {
+  static const Material kPlain;
+  const std::vector<Material>& of = materials_[solid];
+  return material < of.size() ? of[material] : kPlain;
 }
 
 HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObjects> objects,
@@ -55,7 +67,8 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObje
   }
   const double extent = this->objects().center().norm() + this->objects().radius();
   tool_ = std::make_unique<const ToolTree>(tool, extent, ToolTree::ReferenceOf(tool));
-  if (!bodies().empty()) tool_body_ = MakeToolBody(tool_mesh, tool, tool_->reference());
+  if (!bodies().empty())
+    tool_body_ = MakeToolBody(tool_mesh, tool, tool_->reference(), cutting_ ? &*cutting_ : nullptr);
   const double reach = tool_body_ != nullptr ? tool_body_->mesh.reach() : 0.0;
   const double lever = std::max(tool_->max_lever(), reach);
   const std::string fault =
@@ -77,10 +90,10 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObje
     soft_ = SoftLeaves::Make(this->objects(), parameters_.stiffness);
   }
   if (cutting_) SetCutting();
-  if (!cutting_ && !objects_->solids().empty()) {
+  if (!cutting_ && !solids().empty() && boxes().empty()) {
     throw Error(
-        "the tool has no bur, and would go through what burs alone feel; give it a bur, or the "
-        "objects no grid");
+        "the tool has no bur, and would go through what burs alone feel where \"contact\" is "
+        "\"spheres\"; give it a bur, or use \"contact\": \"surface\"");
   }
 }
 
@@ -93,10 +106,17 @@ void HapticModel::SetCutting() {
   }
 }
 
-std::int32_t HapticModel::LeafOf(const ContactId& id) const {
+std::int32_t HapticModel::LeafOf(const ContactId& id, const FeltSolids& felt) const {
   if (id.IsOfLeaves()) return id.object;
-  const ContactBody& body = bodies()[static_cast<std::size_t>(id.body)];
-  return body.leaf[static_cast<std::size_t>(id.object)];
+  const auto body = static_cast<std::size_t>(id.body);
+  if (body < bodies().size()) return bodies()[body].leaf[static_cast<std::size_t>(id.object)];
+  return objects().FirstLeafOf(static_cast<int>(solids()[felt.SolidOf(id.body)].object));
+}
+
+const Material& HapticModel::MaterialOf(const ContactId& id, const FeltSolids& felt) const {
+  const bool of_solid = !id.IsOfLeaves() && id.body >= static_cast<std::int32_t>(bodies().size());
+  if (!of_solid) return objects().MaterialOf(LeafOf(id, felt));
+  return objects_->MaterialOf(felt.SolidOf(id.body), felt.MaterialOf(id.body, id.object));
 }
 
 }  // namespace palpate

@@ -11,6 +11,7 @@
 #include "server/physics/cut/cutting.h"
 #include "server/physics/step_types.h"
 #include "server/physics/surface/contact_bodies.h"
+#include "server/physics/surface/felt_solids.h"
 #include "server/physics/tree/soft_leaves.h"
 #include "server/physics/tree/sphere_tree_query.h"
 
@@ -29,12 +30,16 @@ class SceneObjects {
   /// The leaves of all objects; those of objects that are felt by their meshes touch nothing.
   const ObjectForest& forest() const { return forest_; }
   ContactModel contact() const { return contact_; }
-  /// The objects that are felt by their meshes; and a forest of their leaves alone, null where
+  /// The objects that are felt by their meshes, and the boxes of what burs can cut, which contact
+  /// looks into (surface/felt_solids.h); and a forest of the leaves of the former alone, null where
   /// there is none, which tells soonest what is deep inside (start_pose.h).
   std::span<const ContactBody> bodies() const { return bodies_; }
+  std::span<const ContactBody> boxes() const { return bodies().last(boxes_); }
   const ObjectForest* insides() const { return insides_ ? &*insides_ : nullptr; }
   /// What burs can cut.
   std::span<const CutSolid> solids() const { return solids_; }
+  /// Of a solid, by its number there.
+  const Material& MaterialOf(std::size_t solid, std::uint8_t material) const;
 
  private:
   ContactModel contact_;
@@ -42,6 +47,8 @@ class SceneObjects {
   std::vector<ContactBody> bodies_;
   std::optional<ObjectForest> insides_;
   std::vector<CutSolid> solids_;
+  std::size_t boxes_ = 0;
+  std::vector<std::vector<Material>> materials_;  ///< of each solid
 };
 
 /// What a step needs to know and never changes: one tool against the objects of a scene.
@@ -58,23 +65,25 @@ class HapticModel {
   const StepParameters& parameters() const { return parameters_; }  ///< derived values filled in
   const ToolTree& tool() const { return *tool_; }
   const ObjectForest& objects() const { return objects_->forest(); }
-  /// Null where no object is felt by its mesh.
+  /// Null where nothing is felt by its mesh.
   const ContactBody* tool_body() const { return tool_body_.get(); }
   std::span<const ContactBody> bodies() const { return objects_->bodies(); }
+  std::span<const ContactBody> boxes() const { return objects_->boxes(); }
   const ObjectForest* insides() const { return objects_->insides(); }
   /// Null unless the features name compliance and some leaf is soft.
   const SoftLeaves* soft_leaves() const { return soft_.get(); }
   /// Null where the tool is no bur.
   const Cutting* cutting() const { return cutting_ ? &*cutting_ : nullptr; }
-  /// What it can cut; none where the tool is no bur.
-  std::span<const CutSolid> solids() const {
-    return cutting_ ? objects_->solids() : std::span<const CutSolid>();
-  }
+  /// What burs can cut, and whether the tool is one that may.
+  std::span<const CutSolid> solids() const { return objects_->solids(); }
+  bool cuts() const { return cutting_ && !solids().empty(); }
   /// Samples of the bur about the reference point, in the tool's frame.
   std::span<const BurSample> bur_samples() const { return bur_samples_; }
   double bur_lever() const { return bur_lever_; }  ///< of the farthest of them [m]
-  /// The leaf of the forest whose material is a row's.
-  std::int32_t LeafOf(const ContactId& id) const;
+  /// What a row's contact is made of, and a leaf of the forest there; of a solid its object's
+  /// first.
+  const Material& MaterialOf(const ContactId& id, const FeltSolids& felt) const;
+  std::int32_t LeafOf(const ContactId& id, const FeltSolids& felt) const;
   /// 3 where the tool is a single sphere (no contact can turn it), else 6.
   int degrees_of_freedom() const { return tool_->leaf_count() == 1 ? 3 : 6; }
   /// Point that the step and the wrench refer to, in the tool's frame [m]: the centroid.

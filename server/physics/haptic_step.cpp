@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "common/math/rotation.h"
@@ -58,7 +59,22 @@ bool Begin(const Pose& X_WH, StepContext& context) {
   bounds.translation = std::max(bounds.translation, state.behind.translation);
   bounds.rotation = std::max(bounds.rotation, state.behind.rotation);
   state.X_WH = {X_WH.p, tools.q_H};
+  if (state.spins != state.spun) state.front.Clear();
+  state.spun = state.spins;
+  if (context.buffers.meshes) {
+    ToolAndBodies& meshes = context.buffers.meshes->meshes;
+    meshes.felt = &state.felt;
+    meshes.spins = state.spins;
+    if (!state.felt.empty()) state.felt.Follow(state.cuts, state.front);
+  }
   return true;
+}
+
+/// The rows of a bur where a sub-step begins.
+void BeginCutting(StepContext& context, double reach) {
+  Energies& energies = *context.buffers.energies;
+  if (!context.state.spins) return energies.BeginAtRest();
+  energies.Begin(context.tools.p_G, context.tools.q_G, context.state.cuts, reach);
 }
 
 /// A further sub-step between leaves, or of a bur, is taken to cost what the last one did.
@@ -84,8 +100,10 @@ void Predict(StepContext& context) {
   context.Aim();
   tools.R_WG = tools.q_G.toRotationMatrix();
   if (buffers.energies) {
-    sub_step.bounds = buffers.energies->Narrow(sub_step.bounds, tools.p_G, tools.q_G);
-    buffers.energies->Begin(tools.p_G, tools.q_G, context.state.cuts);
+    if (context.state.spins) {
+      sub_step.bounds = buffers.energies->Narrow(sub_step.bounds, tools.p_G, tools.q_G);
+    }
+    BeginCutting(context, std::numeric_limits<double>::infinity());
   }
   buffers.prediction.Predict(context.model, context.kernels, tools.R_WG, tools.p_G, sub_step.bounds,
                              context.state.wear, buffers.rows, context.times);
@@ -186,10 +204,7 @@ Way Lag(StepContext& context, const Way& went) {
   // The tool's place is free, whatever a row that was made for a trial elsewhere says of it.  So
   // the wrench is never more than the spring's own.
   rows.AdmitZero();
-  if (context.buffers.energies) {
-    context.buffers.energies->Begin(context.tools.p_G, context.tools.q_G, context.state.cuts,
-                                    context.sub_step.bounds.translation);
-  }
+  if (context.buffers.energies) BeginCutting(context, context.sub_step.bounds.translation);
   context.Aim();
   Way stays;
   stays.optimum = SolveWithoutFriction(context);

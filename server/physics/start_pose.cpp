@@ -20,17 +20,18 @@ struct Gone {
 /// a spacing, a bur that stands in its own cut is in the solid.
 constexpr double kOwnCut = 1.0 / 16.0;
 
-/// Whether a bur is in what is left of a solid.
+/// Whether a bur is in what is left of a solid, or another tool's mesh as a whole.
 bool IsInSolid(const HapticModel& model, const ToolPose& at, std::span<const CutField> cuts) {
   for (std::size_t i = 0; i < model.solids().size(); ++i) {
     const CutSolid& solid = model.solids()[i];
     const Pose X_BW = solid.X_WB.Inverse();
     const double least = -kOwnCut * solid.grid->field().lattice().spacing;
-    const auto is_in = [&](const BurSample& sample) {
-      const Vec3 p_B = X_BW * (at.p + at.R * sample.point);
+    const auto is_in = [&](const Vec3& point) {
+      const Vec3 p_B = X_BW * (at.p + at.R * point);
       return (cuts.empty() ? solid.grid->Sample(p_B) : cuts[i].Sample(p_B)).distance < least;
     };
-    if (std::ranges::any_of(model.bur_samples(), is_in)) return true;
+    if (model.cutting() == nullptr && is_in(model.tool_body()->mesh.vertices()[0])) return true;
+    if (std::ranges::any_of(model.bur_samples(), is_in, &BurSample::point)) return true;
   }
   return false;
 }
@@ -96,6 +97,13 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
   StepState state;
   if (wear != nullptr) state.wear = *wear;
   const Gone gone{state.wear, cuts};
+  if (!model.boxes().empty() && model.tool_body() != nullptr) {
+    state.felt =
+        FeltSolids(model.solids(), model.boxes(), model.bodies().size() - model.boxes().size());
+    if (!cuts.empty()) state.felt.Follow(cuts, state.front);
+    workspace.buffers().meshes->meshes.felt = &state.felt;
+    workspace.buffers().meshes->meshes.spins = true;
+  }
   Pose X_start{X_WH.p, X_WH.q.normalized()};
   if (IsFree(model, X_start, gone, workspace)) return {X_start, 0.0};
 
@@ -114,7 +122,7 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
   }
   // Then back as near as contact lets it: the step itself walks there and cannot enter an object.
   // A bur could, so it comes back to what is free by halving the last stride.
-  if (!model.solids().empty()) {
+  if (model.cuts()) {
     double near = shortest - StrideOf(model);
     while (shortest - near > limits::kSettled) {
       const double middle = 0.5 * (near + shortest);
@@ -123,10 +131,14 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
       (IsFree(model, X, gone, workspace) ? shortest : near) = middle;
     }
   }
+  if (!model.solids().empty() && !model.cuts()) {
+    state.cuts = StepState(model).cuts;
+    std::ranges::copy(cuts, state.cuts.begin());
+  }
   state.friction.suspended = true;
   state.X_WG = X_start;
   state.X_WG.p += shortest * way;
-  for (int i = 0; model.solids().empty() && i < limits::kLongestWalk; ++i) {
+  for (int i = 0; !model.cuts() && i < limits::kLongestWalk; ++i) {
     const Vec3 before = state.X_WG.p;
     const StepReport report = HapticStep(model, X_start, state, workspace);
     if ((report.faults & kFaultTargetFar) == 0 &&

@@ -6,7 +6,13 @@ namespace palpate {
 
 StepState::StepState(const HapticModel& model) {
   if (model.parameters().features.removal) wear = LeafWear(model.objects());
-  if (!model.bodies().empty()) front.Reserve();
+  if (model.tool_body() != nullptr) {
+    front.Reserve();
+    if (!model.boxes().empty()) {
+      felt =
+          FeltSolids(model.solids(), model.boxes(), model.bodies().size() - model.boxes().size());
+    }
+  }
   for (const CutSolid& solid : model.solids()) {
     cuts.emplace_back(*solid.grid, kMostGridBytes, "solid " + std::to_string(cuts.size()));
   }

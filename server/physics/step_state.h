@@ -10,6 +10,7 @@
 #include "server/physics/haptic_model.h"
 #include "server/physics/limits.h"
 #include "server/physics/step_types.h"
+#include "server/physics/surface/felt_solids.h"
 #include "server/physics/surface/separation_front.h"
 #include "server/physics/tree/leaf_wear.h"
 
@@ -60,16 +61,22 @@ struct StepState {
   /// How far the hand is turned from a tool that something holds, in the tool's frame (TargetFrom).
   Vec3 turn_G = Vec3::Zero();
   SeparationFront front;  ///< where objects are felt by their meshes
+  FeltSolids felt;        ///< where what burs cut is
+  /// Whether a bur spins: its head cuts, and all else of it is felt.  Else it is a rigid tool.
+  bool spins = true;
+  bool spun = true;  ///< in the last step
   FrictionState friction;
   LeafWear wear;
-  std::vector<CutField> cuts;  ///< what is gone of each solid that the tool can cut
+  std::vector<CutField> cuts;  ///< what is gone of each solid
 
-  /// To be called where the graphic tool is set to another place: nothing held it there.
+  /// To be called where the graphic tool is set to another place, or `cuts` are: nothing held it
+  /// there.
   void ForgetContact() noexcept {
     active = 0;
     behind = {0.0, 0.0};
     turn_G.setZero();
     friction = FrictionState{};
+    felt.Forget();
   }
 };
 

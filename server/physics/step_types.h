@@ -21,7 +21,7 @@ struct PlacedTree {
   const TriangleMesh* mesh = nullptr;             ///< needed for ContactModel::kSurface only
   std::span<const std::uint8_t> leaf_material{};  ///< as in Body
   std::span<const Material> materials{};          ///< empty: all leaves are of Material{}
-  bool is_cut = false;                            ///< felt by burs alone, as a CutSolid
+  bool is_cut = false;                            ///< felt as a CutSolid
 };
 
 /// Constants of the step that a scene or a benchmark may set; limits.h derives them.  Zero means
@@ -55,7 +55,8 @@ struct StepBounds {
 /// row . [v; phi] >= offset, v of the tool's centroid and phi in W.
 struct ActiveRow {
   ContactId id;
-  std::int32_t object_leaf = -1;           ///< of the forest: whose material counts
+  std::int32_t object_leaf = -1;           ///< of the forest: what it belongs to
+  const Material* material = nullptr;      ///< of what it touches, as long as the model lives
   Vec3 normal = Vec3::Zero();              ///< n, from object to tool, in W
   Vec3 lever_cross_normal = Vec3::Zero();  ///< l x n [m], l from the centroid to the contact
   Vec3 contact_W = Vec3::Zero();           ///< contact point on the tool, in W [m]

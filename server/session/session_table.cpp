@@ -184,7 +184,7 @@ void SessionTable::Update(std::int64_t now_ns) {
     // One that has sent no pose has left the scene as it was before it.
     if (session.ended() && session.has_heard()) {
       cut_off_[session.tool().scene] = session.left() ? "" : session.station();
-      if (!session.tool().model.solids().empty()) ending_.push_back(it->second);
+      if (session.tool().model.cuts()) ending_.push_back(it->second);
     }
     it = session.ended() ? sessions_.erase(it) : std::next(it);
   }

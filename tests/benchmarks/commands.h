@@ -57,6 +57,7 @@ void AddLimiter(const CommandLine& app);
 /// As there.
 void AddLoop(const CommandLine& app, const int& domain);
 void AddPareto(const CommandLine& app);
+void AddProbe(const CommandLine& app);
 void AddQp(const CommandLine& app);
 void AddStability(const CommandLine& app);
 void AddTree(const CommandLine& app);

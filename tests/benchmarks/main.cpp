@@ -30,6 +30,7 @@ int Main(int argc, char** argv) {
   AddLimiter(app);
   AddLoop(app, domain);
   AddPareto(app);
+  AddProbe(app);
   AddQp(app);
   AddStability(app);
   AddTree(app);

@@ -120,7 +120,8 @@ bool LookCloser(MeshContact& contact, Index k, Until until) {
   NearPairs::Pair& pair = contact.near[k];
   pair.looked_at = contact.trial;
   if (contact.looks.AreSpent()) return false;
-  if (!pair.nodes.AreTriangles()) return IsSeparable(contact, k) || contact.near.Split(k);
+  if (!pair.nodes.AreTriangles())
+    return IsSeparable(contact, k) || contact.near.Split(k, contact.looks);
   const double free = contact.meshes.margins.free;
   const bool has_plane = pair.touch >= 0 && contact.TouchOf(k).plane.of != ContactPlane::Of::kNone;
   // A ball's row goes along the smooth surface and not along the pair's plane: any plane will do.

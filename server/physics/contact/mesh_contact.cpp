@@ -18,7 +18,7 @@ limits::mesh::Margins MarginsOf(const ContactBody& tool, double separation) {
 
 MeshContact::MeshContact(const ContactBody& tool, std::span<const ContactBody> bodies, int max_rows,
                          double separation, int most_looks)
-    : meshes{tool, bodies, MarginsOf(tool, separation)},
+    : meshes{.tool = tool, .bodies = bodies, .margins = MarginsOf(tool, separation)},
       motion({Vec3::Zero(), Quat::Identity()}),
       near(most_looks) {
   const auto rows = static_cast<std::size_t>(max_rows);

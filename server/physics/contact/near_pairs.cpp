@@ -35,10 +35,10 @@ void NearPairs::Begin(const ToolAndBodies& meshes, SeparationFront& front, const
     std::fill(seen_.begin(), seen_.end(), 0u);
     substep_ = 1;
   }
-  if (front.empty()) front.Restart(meshes.tool, meshes.bodies, from);
+  if (front.empty()) front.Restart(meshes.tool, meshes.bodies, from, meshes.ForSolids());
   if (from.p != front.now().p || from.q.coeffs() != front.now().q.coeffs()) {  // the pose was set
     const double way = front.Move(from, meshes.tool.mesh.reach());
-    if (way > kSetFar) front.Restart(meshes.tool, meshes.bodies, from);
+    if (way > kSetFar) front.Restart(meshes.tool, meshes.bodies, from, meshes.ForSolids());
   }
 }
 
@@ -117,8 +117,13 @@ void NearPairs::SetPlanes(Index k, const Vec3& n_before, double before, const Ve
   after_[static_cast<std::size_t>(k)] = {n_after, after};
 }
 
-bool NearPairs::Split(Index k) {
+bool NearPairs::Split(Index k, Looks& looks) {
   if (pairs_.size() + 2 > room_) return false;
+  const NodesOfPair& nodes = (*this)[k].nodes;
+  const std::int32_t block = nodes.body->tree.BlockOf(nodes.object);
+  if (block >= 0 && !meshes_->tool.tree.IsLarger(nodes.tool, nodes.body->tree, nodes.object)) {
+    return Enter(k, block, looks);
+  }
   const Vec3 n = Normal(k);
   const double slack = planes_.slack[k];
   const SeparationFront::Index child =
@@ -132,6 +137,30 @@ bool NearPairs::Split(Index k) {
     SetPlane(size() - 1, n, slack);
   }
   planes_.slack[k] = kInfinity;
+  return true;
+}
+
+bool NearPairs::Enter(Index k, std::int32_t block, Looks& looks) {
+  const NodesOfPair nodes = (*this)[k].nodes;
+  FeltSolids& felt = *meshes_->felt;
+  if (felt.empty()) return false;
+  const FeltSolids::Taken taken = felt.Take({nodes.number, nodes.object, block}, *front_);
+  if (taken.made) looks.tested += kLooksOfBlock;
+  if (taken.body < 0) return false;
+  const SeparationFront::Index i = (*this)[k].in_front;
+  const Vec3 n = Normal(k);
+  const double slack = planes_.slack[k], radius = planes_.radius[k];
+  front_->Set(i, n, slack);
+  (*this)[k].split = true;
+  planes_.slack[k] = kInfinity;
+  if (felt.IsNothing(taken.body)) {
+    front_->Enter(i, taken.body, std::nullopt);
+    return true;
+  }
+  front_->Enter(i, taken.body, felt.Body(taken.body).tree.root());
+  planes_.radius[size()] = radius;
+  Add(i);
+  SetPlane(size() - 1, n, slack);
   return true;
 }
 

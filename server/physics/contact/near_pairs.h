@@ -67,9 +67,9 @@ class NearPairs {
   /// Sets the plane that keeps a pair apart during the trial: (n_before, before) at its beginning,
   /// (n_after, after) at its end.
   void SetPlanes(Index k, const Vec3& n_before, double before, const Vec3& n_after, double after);
-  /// Replaces a pair of patches by its parts, which are added at the end.  False where there is no
-  /// room.
-  bool Split(Index k);
+  /// Replaces a pair of patches by its parts, which are added at the end; a pair of a block, by
+  /// that of what is in it.  False where there is no room.
+  bool Split(Index k, Looks& looks);
 
   /// Ends the sub-step: the front takes the planes, those of the motion's end where it moves and
   /// the trial of number `trial` looked closely.  Then pairs that one plane keeps apart are merged.
@@ -84,6 +84,7 @@ class NearPairs {
   void Add(const SeparationFront::Index* in_front, int count, double way, Looks& looks);
   void SetPlane(Index k, const Vec3& n, double slack);
   void Merge(const ToolPose& at, Looks& looks);
+  bool Enter(Index k, std::int32_t block, Looks& looks);
 
   const ToolAndBodies* meshes_ = nullptr;  ///< during a sub-step, as the front
   SeparationFront* front_ = nullptr;

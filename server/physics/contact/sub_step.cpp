@@ -31,7 +31,7 @@ void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront&
   for (NearPairs::Index k = 0; k < near.size(); ++k) {
     const NearPairs::Pair& pair = near[k];
     if (pair.split || !pair.nodes.AreTriangles()) continue;
-    const ContactId id = IdOf(contact, pair.nodes);
+    const ContactId id = IdOf(pair.nodes);
     const bool was =
         std::ranges::any_of(active, [&](const ContactId& row) { return row.IsBeside(id); });
     if (was && contact.touches.size() < contact.touches.capacity())
@@ -57,33 +57,48 @@ void EndSubStep(MeshContact& contact) noexcept {
   contact.near.Accept(contact.motion, contact.trial, contact.looks);
 }
 
-bool IsFree(const ToolAndBodies& meshes, const ToolPose& at) {
-  const HullTree& tools = meshes.tool.tree;
-  std::vector<NodesOfPair> left;
-  for (const ContactBody& body : meshes.bodies) {
-    left.push_back({tools.root(), body.tree.root(), &body});
+namespace {
+
+/// A block that cannot be looked into counts as not free.
+bool AreApart(const ToolAndBodies& meshes, const NodesOfPair& nodes, const ToolPose& at) {
+  const HullTree &tools = meshes.tool.tree, &objects = nodes.body->tree;
+  SeparatingPlane plane;
+  if (FindPlane({tools, nodes.tool, meshes.tool.radius, objects, nodes.object}, {at, at},
+                Vec3::UnitZ(), kRounding, *meshes.kernels, plane)) {
+    return true;
   }
-  while (!left.empty()) {
-    const NodesOfPair nodes = left.back();
-    left.pop_back();
-    const HullTree& objects = nodes.body->tree;
-    SeparatingPlane plane;
-    if (FindPlane({tools, nodes.tool, meshes.tool.radius, objects, nodes.object}, {at, at},
-                  Vec3::UnitZ(), kRounding, *meshes.kernels, plane)) {
-      continue;
-    }
-    if (nodes.AreTriangles()) {
-      const NearestPoints nearest = meshes.NearestAt(nodes, at);
-      if (!(nearest.Distance() > 0.0)) return false;
-      if (!(meshes.Gap(nodes, nearest.Direction(), at) > kRounding)) return false;
-    } else if (tools.IsLarger(nodes.tool, objects, nodes.object)) {
-      for (HullTree::Node child : tools.inner(nodes.tool).child) {
-        left.push_back({child, nodes.object, nodes.body});
-      }
-    } else {
-      for (HullTree::Node child : objects.inner(nodes.object).child) {
-        left.push_back({nodes.tool, child, nodes.body});
-      }
+  if (nodes.AreTriangles()) {
+    const NearestPoints nearest = meshes.NearestAt(nodes, at);
+    return nearest.Distance() > 0.0 && meshes.Gap(nodes, nearest.Direction(), at) > kRounding;
+  }
+  const auto are_apart = [&](HullTree::Node tool, HullTree::Node object) {
+    return AreApart(meshes, {tool, object, nodes.body, nodes.number}, at);
+  };
+  if (tools.IsLarger(nodes.tool, objects, nodes.object)) {
+    const auto& child = tools.inner(nodes.tool).child;
+    return are_apart(child[0], nodes.object) && are_apart(child[1], nodes.object);
+  }
+  if (const std::int32_t block = objects.BlockOf(nodes.object); block >= 0) {
+    const auto taken = meshes.felt->Take({nodes.number, nodes.object, block}, SeparationFront());
+    if (taken.body < 0 || meshes.felt->IsNothing(taken.body)) return taken.body >= 0;
+    const ContactBody& body = meshes.felt->Body(taken.body);
+    return AreApart(meshes, {nodes.tool, body.tree.root(), &body, taken.body}, at);
+  }
+  const auto& child = objects.inner(nodes.object).child;
+  return are_apart(nodes.tool, child[0]) && are_apart(nodes.tool, child[1]);
+}
+
+}  // namespace
+
+bool IsFree(const ToolAndBodies& meshes, const ToolPose& at) {
+  for (std::size_t number = 0; number < meshes.bodies.size(); ++number) {
+    const ContactBody& body = meshes.bodies[number];
+    const auto of_tool =
+        body.tree.IsOfBlocks() ? meshes.ForSolids() : std::optional(meshes.tool.tree.root());
+    if (!of_tool) continue;
+    if (!AreApart(meshes, {*of_tool, body.tree.root(), &body, static_cast<std::int32_t>(number)},
+                  at)) {
+      return false;
     }
   }
   return true;

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "common/math/pose.h"
 #include "server/physics/limits.h"
 #include "server/physics/simd/kernels.h"
 #include "server/physics/surface/contact_bodies.h"
+#include "server/physics/surface/felt_solids.h"
 #include "server/physics/surface/separation_front.h"
 #include "server/physics/surface/tool_pose.h"
 #include "server/physics/surface/triangle_distance.h"
@@ -34,6 +36,7 @@ struct Motion {
 struct NodesOfPair {
   HullTree::Node tool, object;
   const ContactBody* body;
+  std::int32_t number;  ///< of the body
   bool AreTriangles() const { return HullTree::IsLeaf(tool) && HullTree::IsLeaf(object); }
   /// Of two triangles: ContactMesh::SmoothNormal of the body's, where it is touched along n.
   Vec3 SmoothNormal(const NearestPoints& nearest, const Vec3& n) const {
@@ -51,6 +54,8 @@ struct Corners {
 struct ToolAndBodies {
   const ContactBody& tool;              ///< about its reference point
   std::span<const ContactBody> bodies;  ///< in W
+  FeltSolids* felt = nullptr;  ///< of what bodies of blocks stand for; null where there are none
+  bool spins = true;           ///< a bur, which solids are felt by its shank
   limits::mesh::Margins margins{};
   const Kernels* kernels = &ActiveKernels();
 
@@ -61,7 +66,13 @@ struct ToolAndBodies {
     return nodes.body->tree.Highest(nodes.object, n, *kernels);
   }
   NodesOfPair NodesOf(const SeparationFront::Pair& pair) const {
-    return {pair.tool, pair.object, &bodies[static_cast<std::size_t>(pair.body)]};
+    const auto number = static_cast<std::size_t>(pair.body);
+    return {pair.tool, pair.object,
+            number < bodies.size() ? &bodies[number] : &felt->Body(pair.body), pair.body};
+  }
+  /// What of the tool solids are felt by; none where nothing is.
+  std::optional<HullTree::Node> ForSolids() const {
+    return spins ? tool.shank : std::optional(tool.tree.root());
   }
   /// How far the one lies above the other [m]; negative where n does not separate them.
   double Gap(const NodesOfPair& nodes, const Vec3& n, const ToolPose& at) const {

@@ -64,9 +64,8 @@ bool SetRows(MeshContact& contact, Touch& touch, ContactRows& rows, Wanted wante
 
 }  // namespace
 
-ContactId IdOf(const MeshContact& contact, const NodesOfPair& triangles, int corner) {
-  return {static_cast<std::int32_t>(triangles.body - contact.meshes.bodies.data()),
-          static_cast<std::int32_t>(HullTree::TriangleOf(triangles.tool)),
+ContactId IdOf(const NodesOfPair& triangles, int corner) {
+  return {triangles.number, static_cast<std::int32_t>(HullTree::TriangleOf(triangles.tool)),
           static_cast<std::int32_t>(HullTree::TriangleOf(triangles.object)), corner};
 }
 
@@ -126,7 +125,7 @@ void SetRow(MeshContact& contact, Touch& touch, const TouchRow& of, ContactRows&
   if (row < 0) {
     if (rows.count() >= rows.max_rows()) return;
     row = rows.count();
-    rows.AddRow(of.n, of.lever, of.before, IdOf(contact, touch.nodes, of.slot));
+    rows.AddRow(of.n, of.lever, of.before, IdOf(touch.nodes, of.slot));
     of_rows.touch.resize(static_cast<std::size_t>(rows.count()), -1);
     of_rows.touch[static_cast<std::size_t>(row)] =
         static_cast<std::int32_t>(&touch - contact.touches.data());

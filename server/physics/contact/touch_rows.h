@@ -20,7 +20,7 @@ struct TouchRowsAtTrial {
 };
 
 /// Names the rows of two triangles.
-ContactId IdOf(const MeshContact& contact, const NodesOfPair& triangles, int corner = 0);
+ContactId IdOf(const NodesOfPair& triangles, int corner = 0);
 /// The rows of a touch's plane at the trial.
 TouchRowsAtTrial RowsAt(const MeshContact& contact, const Touch& touch);
 

@@ -24,8 +24,7 @@ struct CutSolid {
   std::uint32_t object = 0;                                  ///< its place among the scene's
 };
 
-/// A bur in a tool.  What the tool's tree and mesh meet is rigid beside it; solids are felt by the
-/// bur alone.
+/// A bur in a tool.  What else of the tool's tree and mesh meets is rigid.
 struct Cutting {
   Bur bur;
   Pose X_TB;             ///< of the bur's frame, in the tool's

@@ -26,11 +26,11 @@ struct MeanContact {
   double mu_s = 0.0, mu_d = 0.0, pressed = 0.0;
 };
 
-MeanContact MeanOf(const ObjectForest& objects, std::span<const ActiveRow> contacts) {
+MeanContact MeanOf(std::span<const ActiveRow> contacts) {
   MeanContact mean;
   const auto count = static_cast<int>(contacts.size());
   for (const ActiveRow& row : contacts) {
-    const Material& material = objects.MaterialOf(row.object_leaf);
+    const Material& material = *row.material;
     mean.point += row.contact_W / count;
     mean.mu_s += material.static_friction / count;
     mean.mu_d += material.dynamic_friction / count;
@@ -45,7 +45,7 @@ void AddChapterFriction(const HapticModel& model, const Pose& X_before, StepStat
                         StepReport& report) noexcept {
   const std::span contacts(report.active.data(), static_cast<std::size_t>(report.contacts));
   const Pose X_WG = state.X_WG;
-  const auto [point, mu_s, mu_d, pressed] = MeanOf(model.objects(), contacts);
+  const auto [point, mu_s, mu_d, pressed] = MeanOf(contacts);
   if (contacts.empty() || !(mu_s > 0.0) || !(pressed > 0.0)) {
     state.friction.resets = 0;
     return;

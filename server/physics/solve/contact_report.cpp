@@ -44,7 +44,8 @@ void ReportContacts(const StepContext& context, const Way& way) noexcept {
     const Vec3 lever = LeverOf(context.model, rows, i, R_WG);
     row.contact_W =
         context.tools.p_G + (row.id.IsOfLeaves() ? lever : RotationExp(way.phi) * lever);
-    row.object_leaf = context.model.LeafOf(row.id);
+    row.object_leaf = context.model.LeafOf(row.id, context.state.felt);
+    row.material = &context.model.MaterialOf(row.id, context.state.felt);
     return &row;
   };
   for (int k = 0; k < optimum.qp.active; ++k) {

@@ -13,7 +13,7 @@ void WearContacts(const HapticModel& model, const Pose& X_before, LeafWear& wear
     const Vec3 before = X_before.p + back * (row.contact_W - report.X_WG.p);
     const Vec3 moved = row.contact_W - before;
     const Vec3 slip = moved - row.normal * row.normal.dot(moved);
-    const double mu = friction ? model.objects().MaterialOf(leaf).dynamic_friction : 1.0;
+    const double mu = friction ? row.material->dynamic_friction : 1.0;
     if (wear.Scrape(leaf, mu * row.force * slip.norm())) {
       report.removed[static_cast<std::size_t>(report.removals++)] = leaf;
     }

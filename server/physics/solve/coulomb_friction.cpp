@@ -30,6 +30,7 @@ class FrictionalContacts {
   /// @param t  N, the target.
   FrictionalContacts(const StepContext& context, const Optimum& frictionless, const double* t)
       : model_(context.model),
+        felt_(context.state.felt),
         R_WG_(context.tools.R_WG),
         rows_(context.buffers.rows),
         rigid_(context.sub_step.rigid),
@@ -58,7 +59,7 @@ class FrictionalContacts {
     Contact& contact = contact_[count_++];
     contact.row = row;
     contact.normal = rows_.normal(row);
-    const Material& material = model_.objects().MaterialOf(model_.LeafOf(rows_.id(row)));
+    const Material& material = model_.MaterialOf(rows_.id(row), felt_);
     contact.lever = LeverOf(model_, rows_, row, R_WG_);
     contact.mu_s = material.static_friction;
     contact.mu_d = material.dynamic_friction;
@@ -482,6 +483,7 @@ class FrictionalContacts {
   }
 
   const HapticModel& model_;
+  const FeltSolids& felt_;
   const Mat3& R_WG_;
   const ContactRows& rows_;
   const QpRows& rigid_;

@@ -14,10 +14,11 @@ int CutRowsOf(const HapticModel& model) {
 Energies::Energies(const HapticModel& model)
     : model_(&model), solver_(static_cast<std::size_t>(model.parameters().max_rows) + 16) {
   if (model.soft_leaves() != nullptr) soft_.emplace(model.parameters().max_rows);
-  if (!model.solids().empty()) cut_.emplace(CutRowsOf(model));
+  if (model.cuts()) cut_.emplace(CutRowsOf(model));
 }
 
 StepBounds Energies::Narrow(StepBounds bounds, const Vec3& p_G, const Quat& q_WG) const noexcept {
+  if (!cut_) return bounds;
   const double lever = model_->bur_lever();
   for (const CutSolid& solid : model_->solids()) {
     const Lattice& lattice = solid.grid->field().lattice();

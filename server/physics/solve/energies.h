@@ -27,7 +27,11 @@ class Energies {
   /// That sub-step begins.
   /// @param reach  how far ahead a bur knows of material [m].
   void Begin(const Vec3& p_G, const Quat& q_WG, std::span<const CutField> cuts,
-             double reach = 1e300) noexcept;
+             double reach) noexcept;
+  /// The same of a bur that stands still: it cuts nothing.
+  void BeginAtRest() noexcept {
+    if (cut_) cut_->Clear();
+  }
   /// To be called before each solve: collects those that act among these rows, and takes what
   /// yields out of those that no step may violate.
   void Collect(const ContactRows& rows, QpRows& rigid) noexcept;

@@ -18,7 +18,7 @@ StepBounds FirstBounds(const HapticModel& model, const Target& hand_step) noexce
   const StepParameters& parameters = model.parameters();
   const double rho = model.rotation_length();
   const double v = hand_step.v.norm(), phi = hand_step.phi.norm();
-  const double across = model.bodies().empty() ? limits::kBoundsAcross : 0.0;
+  const double across = model.tool_body() == nullptr ? limits::kBoundsAcross : 0.0;
   constexpr double over = limits::kBoundsOverHand;
   return Narrowed(
       {over * (v + across * rho * phi) + limits::kLeastBounds * parameters.max_translation,

@@ -16,11 +16,11 @@ struct StepBuffers {
       : prediction(model),
         rows(model.parameters().max_rows, PairQuery::kMaxBatch, model.degrees_of_freedom(),
              model.rotation_length()) {
-    if (!model.bodies().empty()) {
+    if (model.tool_body() != nullptr) {
       meshes.emplace(*model.tool_body(), model.bodies(), model.parameters().max_rows,
                      model.parameters().separation, model.parameters().looks);
     }
-    if (model.soft_leaves() != nullptr || !model.solids().empty()) {
+    if (model.soft_leaves() != nullptr || model.cuts()) {
       energies.emplace(model);
     }
   }

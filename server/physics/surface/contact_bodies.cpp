@@ -35,6 +35,23 @@ ContactBody MakeBody(const PlacedTree* object, std::int32_t first_leaf) {
   return body;
 }
 
+/// How far a corner of a bur's mesh lies outside of its profile at most, over the bur's radius: a
+/// mesh of a round body has its corners on it, but for a float's rounding.
+constexpr double kOfHead = 1e-3;
+
+/// Triangles all of whose corners lie in the bur's profile: what it clears they never meet.
+std::vector<bool> HeadOf(const TriangleMesh& mesh, const Cutting& cutting) {
+  const Pose X_BT = cutting.X_TB.Inverse();
+  const auto is_in = [&](std::uint32_t vertex) {
+    Vec3 gradient;
+    return cutting.bur.Distance(X_BT * mesh.vertices[vertex], gradient) <=
+           kOfHead * cutting.bur.radius();
+  };
+  std::vector<bool> head;
+  for (const auto& t : mesh.triangles) head.push_back(std::ranges::all_of(t, is_in));
+  return head;
+}
+
 }  // namespace
 
 bool IsFeltByMesh(const PlacedTree& object) {
@@ -91,16 +108,25 @@ bool Hold(std::span<const ContactBody> bodies, const Vec3& p_W) {
 }
 
 std::unique_ptr<const ContactBody> MakeToolBody(const TriangleMesh* mesh, const SphereTree& tree,
-                                                const Vec3& reference) {
+                                                const Vec3& reference, const Cutting* cutting) {
   if (tree.leaves() == 1) {
-    return std::make_unique<const ContactBody>(ContactMesh::Point(), tree.leaf_radius[0]);
+    ContactBody ball(ContactMesh::Point(), tree.leaf_radius[0]);
+    if (cutting != nullptr) ball.shank.reset();
+    return std::make_unique<const ContactBody>(std::move(ball));
   }
   if (mesh == nullptr || mesh->triangles.empty()) {
     throw Error(
         "surface contact: the tool has no mesh; give it one, or use \"contact\": \"spheres\"");
   }
-  return std::make_unique<const ContactBody>(
-      ContactMesh(*mesh, Pose{-reference, Quat::Identity()}));
+  ContactMesh about(*mesh, Pose{-reference, Quat::Identity()});
+  if (cutting == nullptr) return std::make_unique<const ContactBody>(std::move(about));
+  const std::vector<bool> head = HeadOf(*mesh, *cutting);
+  const auto in_head = static_cast<std::size_t>(std::ranges::count(head, true));
+  HullTree parts(about, head);
+  ContactBody bur(std::move(about), std::move(parts));
+  if (in_head == head.size()) bur.shank.reset();
+  if (in_head > 0 && in_head < head.size()) bur.shank = bur.tree.inner(bur.tree.root()).child[1];
+  return std::make_unique<const ContactBody>(std::move(bur));
 }
 
 }  // namespace palpate

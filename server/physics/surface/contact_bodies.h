@@ -2,11 +2,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "common/math/pose.h"
 #include "scenes/sphere_tree.h"
+#include "server/physics/cut/cutting.h"
 #include "server/physics/step_types.h"
 #include "server/physics/surface/contact_mesh.h"
 #include "server/physics/surface/hull_tree.h"
@@ -22,11 +24,14 @@ bool IsFeltByMesh(const PlacedTree& object);
 struct ContactBody {
   explicit ContactBody(ContactMesh m, double rounding = 0.0)
       : mesh(std::move(m)), tree(mesh), radius(rounding) {}
-  ContactBody(ContactBody&&) = default;
+  ContactBody(ContactMesh m, HullTree t) : mesh(std::move(m)), tree(std::move(t)) {}
 
   ContactMesh mesh;
   HullTree tree;
-  double radius;
+  double radius = 0.0;
+  /// Of a tool, the part that solids are felt by as long as it spins: all of it but the head of a
+  /// bur, which cuts.  None where it is all head.
+  std::optional<HullTree::Node> shank = tree.root();
   /// Of each triangle of an object, the nearest leaf of the forest: its material is the triangle's.
   std::vector<std::int32_t> leaf;
 };
@@ -41,7 +46,9 @@ bool Hold(std::span<const ContactBody> bodies, const Vec3& p_W);
 
 /// The mesh of a tool about its reference point; of a tool that is a single ball, its centre with
 /// its radius.  Throws Error where another tool has no mesh.
+/// @param cutting  of a bur; else null.
 std::unique_ptr<const ContactBody> MakeToolBody(const TriangleMesh* mesh, const SphereTree& tree,
-                                                const Vec3& reference);
+                                                const Vec3& reference,
+                                                const Cutting* cutting = nullptr);
 
 }  // namespace palpate

@@ -31,8 +31,47 @@ Vec3 UnitOrZero(const Vec3& v) {
 
 ContactMesh::ContactMesh(const TriangleMesh& mesh, const Pose& X_FB) {
   Weld(mesh, X_FB);
-  Connect();
-  SetNormals();
+  Scratch scratch;
+  Connect(scratch);
+  SetNormals(scratch);
+}
+
+void ContactMesh::Reserve(std::size_t triangles) {
+  const std::size_t corners = 3 * triangles;
+  vertices_.reserve(triangles);
+  triangles_.reserve(triangles);
+  edge_begin_.reserve(corners + 1);
+  edge_faces_.reserve(corners);
+  edge_directions_.reserve(corners);
+  vertex_begin_.reserve(triangles + 1);
+  vertex_faces_.reserve(corners);
+  vertex_directions_.reserve(2 * corners);
+  normals_.reserve(triangles);
+}
+
+void ContactMesh::Scratch::Reserve(std::size_t triangles) {
+  const std::size_t corners = 3 * triangles;
+  sides.reserve(corners);
+  sorted.reserve(corners);
+  place.reserve(triangles + 1);
+  faces.reserve(triangles + 1);
+  parent.reserve(corners);
+  sum.reserve(corners);
+}
+
+void ContactMesh::Assign(std::span<const Vec3> vertices,
+                         std::span<const std::array<std::uint32_t, 3>> triangles, const Pose& X_FB,
+                         Scratch& scratch) {
+  vertices_.clear();
+  triangles_.clear();
+  edge_begin_.assign(1, 0);
+  edge_faces_.clear();
+  edge_directions_.clear();
+  reach_ = 0.0;
+  for (const Vec3& v : vertices) vertices_.push_back(X_FB * v);
+  for (const auto& triangle : triangles) AddTriangle(triangle);
+  Connect(scratch);
+  SetNormals(scratch);
 }
 
 ContactMesh ContactMesh::Point() {
@@ -63,22 +102,20 @@ void ContactMesh::Weld(const TriangleMesh& mesh, const Pose& X_FB) {
     }
     welded[order[i]] = static_cast<std::uint32_t>(vertices_.size() - 1);
   }
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    Triangle triangle{};
-    for (std::size_t c = 0; c < 3; ++c) triangle.vertex[c] = welded[mesh.triangles[t][c]];
-    const auto& [i, j, k] = triangle.vertex;
-    triangle.normal = UnitOrZero((vertices_[j] - vertices_[i]).cross(vertices_[k] - vertices_[i]));
-    triangles_.push_back(triangle);
-  }
+  for (const auto& [i, j, k] : mesh.triangles) AddTriangle({welded[i], welded[j], welded[k]});
 }
 
-void ContactMesh::Connect() {
-  struct Side {
-    std::uint32_t low, high, triangle, corner;
-  };
-  std::vector<Side> sides;  // by edge, then by triangle
-  sides.reserve(3 * triangles_.size());
-  std::vector<std::uint32_t> faces(vertices_.size() + 1, 0);
+void ContactMesh::AddTriangle(const std::array<std::uint32_t, 3>& vertex) {
+  const auto& [i, j, k] = vertex;
+  const Vec3 across = (vertices_[j] - vertices_[i]).cross(vertices_[k] - vertices_[i]);
+  triangles_.push_back({vertex, {}, UnitOrZero(across)});
+}
+
+void ContactMesh::Connect(Scratch& scratch) {
+  std::vector<Scratch::Side>& sides = scratch.sides;  // by edge, then by triangle
+  sides.clear();
+  std::vector<std::uint32_t>& faces = scratch.faces;
+  faces.assign(vertices_.size() + 1, 0);
   for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
     const auto& v = triangles_[t].vertex;
     for (std::uint32_t c = 0; c < 3; ++c) {
@@ -88,10 +125,11 @@ void ContactMesh::Connect() {
       reach_ = std::max(reach_, vertices_[a].norm());
     }
   }
-  SortByNumber(sides, vertices_.size(), &Side::high);
-  SortByNumber(sides, vertices_.size(), &Side::low);
+  const SortRoom<Scratch::Side> room{scratch.sorted, scratch.place};
+  SortByNumber(sides, vertices_.size(), &Scratch::Side::high, room);
+  SortByNumber(sides, vertices_.size(), &Scratch::Side::low, room);
   for (std::size_t i = 0; i < sides.size(); ++i) {
-    const Side& side = sides[i];
+    const Scratch::Side& side = sides[i];
     if (i > 0 && (side.low != sides[i - 1].low || side.high != sides[i - 1].high)) {
       edge_begin_.push_back(static_cast<std::uint32_t>(i));
     }
@@ -124,12 +162,13 @@ void ContactMesh::Connect() {
 
 /// Corners of a vertex that no crease separates share a normal: the faces' with the weights of Max
 /// (J. Graphics Tools 4 (1999) 1-6), which are exact on a sphere.
-void ContactMesh::SetNormals() {
+void ContactMesh::SetNormals(Scratch& scratch) {
   const auto corner_of = [&](std::uint32_t t, std::uint32_t vertex) {
     const auto& v = triangles_[t].vertex;
     return 3 * t + (v[0] == vertex ? 0u : v[1] == vertex ? 1u : 2u);
   };
-  std::vector<std::uint32_t> parent(3 * triangles_.size());
+  std::vector<std::uint32_t>& parent = scratch.parent;
+  parent.resize(3 * triangles_.size());
   std::iota(parent.begin(), parent.end(), 0u);
   const auto root = [&](std::uint32_t i) {
     while (parent[i] != i) i = parent[i] = parent[parent[i]];
@@ -151,7 +190,8 @@ void ContactMesh::SetNormals() {
       }
     }
   }
-  std::vector<Vec3> sum(parent.size(), Vec3::Zero());
+  std::vector<Vec3>& sum = scratch.sum;
+  sum.assign(parent.size(), Vec3::Zero());
   for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
     for (std::uint32_t c = 0; c < 3; ++c) {
       const auto& v = triangles_[t].vertex;

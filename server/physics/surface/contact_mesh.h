@@ -25,7 +25,7 @@ namespace palpate {
 ///     <-----o-----> .           the arc between the faces' normals is the edge's cone
 ///          / \                  (flat: one direction; hollow: none)
 ///
-/// Frame F: W for objects, the tool's frame about its reference point for a tool.  Immutable.
+/// Frame F: W for objects, the tool's frame about its reference point for a tool.
 class ContactMesh {
  public:
   /// Corners in the order of the source; edge c leads from corner c to corner c + 1.
@@ -35,11 +35,20 @@ class ContactMesh {
     Vec3 normal;  ///< unit; zero for a triangle without area
   };
 
+  /// What making one takes, which may be used again.
+  struct Scratch;
+
   ContactMesh() = default;
   /// `X_FB` places the mesh into F.  Triangles are numbered as its own.
   ContactMesh(const TriangleMesh& mesh, const Pose& X_FB);
   /// A single point at the origin: the centre of a spherical tool.
   static ContactMesh Point();
+  /// Storage for so many triangles, and as many vertices.
+  void Reserve(std::size_t triangles);
+  /// Makes the mesh anew, of triangles whose vertices all differ.  Real-time within the storage.
+  void Assign(std::span<const Vec3> vertices,
+              std::span<const std::array<std::uint32_t, 3>> triangles, const Pose& X_FB,
+              Scratch& scratch);
 
   const std::vector<Vec3>& vertices() const { return vertices_; }
   const std::vector<Triangle>& triangles() const { return triangles_; }
@@ -68,8 +77,9 @@ class ContactMesh {
 
  private:
   void Weld(const TriangleMesh& mesh, const Pose& X_FB);
-  void Connect();
-  void SetNormals();
+  void AddTriangle(const std::array<std::uint32_t, 3>& vertex);
+  void Connect(Scratch& scratch);
+  void SetNormals(Scratch& scratch);
 
   std::vector<Vec3> vertices_;
   std::vector<Triangle> triangles_;
@@ -80,6 +90,18 @@ class ContactMesh {
   /// Of each triangle's corners; that of the triangle where the surface has a crease.
   std::vector<std::array<Eigen::Vector3f, 3>> normals_;
   double reach_ = 0.0;
+};
+
+struct ContactMesh::Scratch {
+  void Reserve(std::size_t triangles);
+
+  struct Side {
+    std::uint32_t low, high, triangle, corner;
+  };
+  std::vector<Side> sides, sorted;
+  std::vector<std::size_t> place;
+  std::vector<std::uint32_t> faces, parent;
+  std::vector<Vec3> sum;
 };
 
 }  // namespace palpate

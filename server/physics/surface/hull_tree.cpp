@@ -138,20 +138,27 @@ class FewCorners {
 
 class HullTree::Builder {
  public:
-  explicit Builder(HullTree& tree) : tree_(tree) {}
+  /// @param axes  of all boxes; null: each has its own.
+  Builder(HullTree& tree, Scratch& scratch, const Mat3* axes = nullptr)
+      : tree_(tree), scratch_(scratch), axes_(axes) {}
 
-  void Build(const ContactMesh& mesh) {
-    const std::size_t count = mesh.triangles().size();
-    MakeLeaves(mesh);
+  void Build(const ContactMesh& mesh, std::size_t count, const std::vector<bool>* set = nullptr) {
+    MakeLeaves(mesh, count);
+    tree_.points_.clear();
+    tree_.inner_.resize(std::max(count, std::size_t{1}) - 1);
+    tree_.corners_.resize(tree_.inner_.size());
     if (count < 2) return;
-    order_.resize(count);
-    std::iota(order_.begin(), order_.end(), 0u);
-    places_.resize(count);
-    dealt_.resize(count);
-    ends_.resize(count);
-    tree_.inner_.resize(count - 1);
-    tree_.corners_.resize(count - 1);
-    const FewCorners all = BuildBelow({order_, 0}, tree_.points_);
+    scratch_.order.resize(count);
+    std::iota(scratch_.order.begin(), scratch_.order.end(), 0u);
+    scratch_.places.resize(count);
+    scratch_.dealt.resize(count);
+    scratch_.ends.resize(count);
+    if (set != nullptr) {
+      const auto rest = std::ranges::stable_partition(
+          scratch_.order, [&](std::uint32_t triangle) { return (*set)[triangle]; });
+      first_half_ = (count - rest.size()) % count;
+    }
+    const FewCorners all = BuildBelow({scratch_.order, 0}, tree_.points_);
     if (!all.empty()) AddEight(tree_.root(), all, tree_.points_);
   }
 
@@ -163,8 +170,7 @@ class HullTree::Builder {
     Node node() const { return patch.size() == 1 ? ~static_cast<Node>(patch[0]) : inner; }
   };
 
-  void MakeLeaves(const ContactMesh& mesh) {
-    const std::size_t count = mesh.triangles().size();
+  void MakeLeaves(const ContactMesh& mesh, std::size_t count) {
     tree_.leaf_corners_.resize(count);
     tree_.leaf_centre_.resize(count);
     tree_.leaf_radius_.resize(count);
@@ -211,7 +217,7 @@ class HullTree::Builder {
   /// Makes the node, and halves its patch across its longest side.
   std::array<Work, 2> Split(const Work& work) {
     Inner box{};
-    const Mat3 axes = PrincipalAxes(tree_.leaf_corners_, work.patch);
+    const Mat3 axes = axes_ != nullptr ? *axes_ : PrincipalAxes(tree_.leaf_corners_, work.patch);
     Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
     ForEach(work.patch, tree_.leaf_corners_, [&](const Mat3& corners) {
       for (int c = 0; c < 3; ++c) {
@@ -237,12 +243,16 @@ class HullTree::Builder {
       }
     });
     box.radius = std::sqrt(box.radius);
-    const Room room = RoomOf(work.patch);
-    std::ranges::transform(work.patch, room.places.begin(), [&](std::uint32_t t) {
-      return Place(axis.dot(tree_.leaf_centre_[t]), t);
-    });
-    std::ranges::copy(Sorted(room) | std::views::values, work.patch.begin());
-    const std::size_t middle = work.patch.size() / 2;
+    std::size_t middle = work.patch.size() / 2;
+    if (work.inner == 0 && first_half_ > 0) {
+      middle = first_half_;
+    } else {
+      const Room room = RoomOf(work.patch);
+      std::ranges::transform(work.patch, room.places.begin(), [&](std::uint32_t t) {
+        return Place(axis.dot(tree_.leaf_centre_[t]), t);
+      });
+      std::ranges::copy(Sorted(room) | std::views::values, work.patch.begin());
+    }
     // A patch of n triangles has n - 1 inner nodes, the first half's before the second's.
     const std::array halves{
         Work{work.patch.first(middle), work.inner + 1},
@@ -296,20 +306,88 @@ class HullTree::Builder {
   }
 
   Room RoomOf(Triangles patch) {
-    const auto begin = static_cast<std::size_t>(patch.data() - order_.data());
-    return {std::span(places_).subspan(begin, patch.size()),
-            std::span(dealt_).subspan(begin, patch.size()),
-            std::span(ends_).subspan(begin, patch.size())};
+    const auto begin = static_cast<std::size_t>(patch.data() - scratch_.order.data());
+    return {std::span(scratch_.places).subspan(begin, patch.size()),
+            std::span(scratch_.dealt).subspan(begin, patch.size()),
+            std::span(scratch_.ends).subspan(begin, patch.size())};
   }
 
   HullTree& tree_;
-  std::vector<std::uint32_t> order_;  ///< the triangles, those of a patch beside each other
-  std::vector<Place> places_, dealt_;
-  std::vector<std::uint32_t> ends_;
+  Scratch& scratch_;
+  const Mat3* axes_;
+  std::size_t first_half_ = 0;  ///< of the root; 0: one half of it
 };
 
 HullTree::HullTree(const ContactMesh& mesh) {
-  Builder(*this).Build(mesh);
+  Scratch scratch;
+  Builder(*this, scratch).Build(mesh, mesh.triangles().size());
+}
+
+HullTree::HullTree(const ContactMesh& mesh, const std::vector<bool>& set) {
+  Scratch scratch;
+  Builder(*this, scratch).Build(mesh, mesh.triangles().size(), &set);
+}
+
+void HullTree::Reserve(std::size_t triangles) {
+  inner_.reserve(triangles);
+  corners_.reserve(triangles);
+  points_.reserve(triangles);
+  leaf_corners_.reserve(triangles);
+  leaf_centre_.reserve(triangles);
+  leaf_radius_.reserve(triangles);
+}
+
+void HullTree::Scratch::Reserve(std::size_t triangles) {
+  order.reserve(triangles);
+  places.reserve(triangles);
+  dealt.reserve(triangles);
+  ends.reserve(triangles);
+}
+
+void HullTree::Assign(const ContactMesh& mesh, std::size_t count, const Mat3& axes,
+                      Scratch& scratch) {
+  Builder(*this, scratch, &axes).Build(mesh, count);
+}
+
+HullTree::HullTree(std::span<const Vec3> centres, std::span<const std::uint32_t> numbers,
+                   const Vec3& half, const Pose& X_FB) {
+  std::vector<std::uint32_t> points(centres.size());
+  std::iota(points.begin(), points.end(), 0u);
+  if (!points.empty()) AddBoxes(points, centres, numbers, half, X_FB);
+  corners_.resize(inner_.size());  // none: the box counts
+}
+
+HullTree::Node HullTree::AddBoxes(std::span<std::uint32_t> points, std::span<const Vec3> centres,
+                                  std::span<const std::uint32_t> numbers, const Vec3& half,
+                                  const Pose& X_FB) {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (const std::uint32_t point : points) {
+    low = low.cwiseMin(centres[point] - half);
+    high = high.cwiseMax(centres[point] + half);
+  }
+  const Vec3 extent = 0.5 * (high - low);
+  std::array<int, 3> by_length{0, 1, 2};
+  std::ranges::stable_sort(by_length, {}, [&](int a) { return extent[a]; });
+  const auto node = static_cast<std::size_t>(inner_.size());
+  Inner box{X_FB * (0.5 * (low + high)), Mat3::Zero(), extent.norm(), {}};
+  for (int c = 0; c < 3; ++c) {
+    const int axis = by_length[static_cast<std::size_t>(c)];
+    box.sides.col(c) = X_FB.q * (extent[axis] * Vec3::Unit(axis));
+  }
+  inner_.push_back(box);
+  if (points.size() == 1) {
+    const auto block = ~static_cast<Node>(numbers[points[0]]);
+    inner_[node].child[0] = inner_[node].child[1] = block;
+    return static_cast<Node>(node);
+  }
+  const std::size_t middle = points.size() / 2;
+  const int longest = by_length[2];
+  std::ranges::stable_sort(points, {}, [&](std::uint32_t p) { return centres[p][longest]; });
+  for (int side = 0; side < 2; ++side) {
+    const auto part = side == 0 ? points.first(middle) : points.subspan(middle);
+    inner_[node].child[side] = AddBoxes(part, centres, numbers, half, X_FB);
+  }
+  return static_cast<Node>(node);
 }
 
 Vec3 HullTree::Lowest(Node node, const Vec3& m, const Kernels& kernels) const {

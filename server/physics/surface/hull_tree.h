@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "common/math/pose.h"
@@ -16,10 +18,21 @@ namespace palpate {
 /// an oriented box, for a patch that bends little is thin in its own box (Gottschalk, Lin &
 /// Manocha, SIGGRAPH 1996).  So two surfaces that run beside each other are told apart by a few
 /// wide patches, not by many pairs of triangles.
-/// A node is an index: inner nodes from 0, the root; triangle t is ~t.  Immutable.
+/// A node is an index: inner nodes from 0, the root; triangle t is ~t.
+///
+/// A tree over the blocks of a lattice has boxes alone.  What lies in a block's box is not known to
+/// it: both children of a block b's node are ~b.
 class HullTree {
  public:
   using Node = std::int32_t;
+  /// What making one takes, which may be used again.
+  struct Scratch {
+    void Reserve(std::size_t triangles);
+
+    std::vector<std::uint32_t> order;  ///< the triangles, those of a patch beside each other
+    std::vector<std::pair<double, std::uint32_t>> places, dealt;
+    std::vector<std::uint32_t> ends;
+  };
   struct Inner {
     Vec3 centre;    ///< of the box [m]
     Mat3 sides;     ///< columns, orthogonal: from there to three sides, the shortest first [m]
@@ -29,11 +42,31 @@ class HullTree {
 
   HullTree() = default;
   explicit HullTree(const ContactMesh& mesh);
+  /// The root's children are the triangles in a set and those that are not; both of a tree where
+  /// there are any.
+  HullTree(const ContactMesh& mesh, const std::vector<bool>& set);
+  /// Storage for so many triangles.
+  void Reserve(std::size_t triangles);
+  /// Makes the tree anew over the first `count` triangles, with boxes along the columns of a
+  /// rotation.  Real-time within the storage.
+  void Assign(const ContactMesh& mesh, std::size_t count, const Mat3& axes, Scratch& scratch);
+  /// Boxes of the same size round points that lie on a lattice whose axes are the columns of a
+  /// rotation: of point i, the block numbers[i].
+  /// @param centres, half  along those axes [m].
+  HullTree(std::span<const Vec3> centres, std::span<const std::uint32_t> numbers, const Vec3& half,
+           const Pose& X_FB);
 
   static bool IsLeaf(Node node) { return node < 0; }
   static std::uint32_t TriangleOf(Node node) { return static_cast<std::uint32_t>(~node); }
   Node root() const { return inner_.empty() ? ~0 : 0; }
   const Inner& inner(Node node) const { return inner_[static_cast<std::size_t>(node)]; }
+  /// The block whose node it is; -1 of any other.
+  std::int32_t BlockOf(Node node) const {
+    if (IsLeaf(node)) return -1;
+    const Node child = inner(node).child[0];
+    return IsLeaf(child) && child == inner(node).child[1] ? ~child : -1;
+  }
+  bool IsOfBlocks() const { return leaf_radius_.empty() && !inner_.empty(); }
   /// Centre of a node, and radius about it of a ball that holds what is below [m].
   const Vec3& Centre(Node node) const {
     return IsLeaf(node) ? leaf_centre_[TriangleOf(node)] : inner(node).centre;
@@ -61,6 +94,9 @@ class HullTree {
     std::uint32_t first, eights, lanes;
   };
   class Builder;
+
+  Node AddBoxes(std::span<std::uint32_t> points, std::span<const Vec3> centres,
+                std::span<const std::uint32_t> numbers, const Vec3& half, const Pose& X_FB);
 
   std::vector<Inner> inner_;
   std::vector<Corners> corners_;  ///< of each inner node

@@ -27,7 +27,7 @@ void SeparationFront::Reserve() {
 }
 
 void SeparationFront::Restart(const ContactBody& tool, std::span<const ContactBody> bodies,
-                              const ToolPose& at) {
+                              const ToolPose& at, std::optional<HullTree::Node> for_solids) {
   Reserve();
   const std::size_t slots = (bodies.size() + 1) & ~std::size_t{1};
   pairs_.assign(slots, {0, 0, 0, -1, -1});
@@ -41,10 +41,12 @@ void SeparationFront::Restart(const ContactBody& tool, std::span<const ContactBo
   since_.fill(EpochMotion{});
   next_merged_ = 0;
   size_ = bodies.size();
-  for (Index body = 0; body < static_cast<Index>(size_); ++body) {
+  roots_ = static_cast<Index>(size_);
+  for (Index body = 0; body < roots_; ++body) {
     const HullTree& tree = bodies[static_cast<std::size_t>(body)].tree;
-    Put(body, tool.tree, {tool.tree.root(), tree.root(), body, -1, -1});
-    Set(body, Vec3::UnitZ(), -1.0);
+    const auto of_tool = tree.IsOfBlocks() ? for_solids : tool.tree.root();
+    Put(body, tool.tree, {of_tool.value_or(tool.tree.root()), tree.root(), body, -1, -1});
+    Set(body, Vec3::UnitZ(), of_tool ? -1.0 : kNever);
   }
 }
 
@@ -135,6 +137,24 @@ void SeparationFront::Merge(Index i, const Vec3& n, double slack) {
   pair.child = -1;
   --size_;
   Set(i, n, slack);
+}
+
+void SeparationFront::Enter(Index i, std::int32_t body, std::optional<HullTree::Node> root) {
+  Pair& pair = pairs_[static_cast<std::size_t>(i)];
+  pair.body = body;
+  if (root) {
+    pair.object = *root;
+  } else {
+    Set(i, Normal(i), kNever);
+  }
+}
+
+void SeparationFront::CloseBelow(Index i) {
+  const Index child = pair(i).child;
+  if (child < 0) return;
+  CloseBelow(child);
+  CloseBelow(child + 1);
+  Merge(i, Normal(i), -1.0);
 }
 
 SeparationFront::Index SeparationFront::NextMergeable() {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -50,8 +51,12 @@ class SeparationFront {
   /// Pairs of the front.
   std::size_t size() const { return size_; }
 
+  /// Nothing is known: it is to be restarted.
+  void Clear() { pairs_.clear(); }
   /// The pair of roots of each body, not known to be apart, for the tool at `at`.
-  void Restart(const ContactBody& tool, std::span<const ContactBody> bodies, const ToolPose& at);
+  /// @param for_solids  what of the tool solids are felt by: of bodies whose trees are of blocks.
+  void Restart(const ContactBody& tool, std::span<const ContactBody> bodies, const ToolPose& at,
+               std::optional<HullTree::Node> for_solids = std::nullopt);
   /// The tool has gone to `at`.  `reach`: of its farthest point from the reference point [m].
   /// Returns the way of that point at most [m].
   double Move(const ToolPose& at, double reach);
@@ -82,6 +87,31 @@ class SeparationFront {
   /// where there is no room.
   /// `body`: the pair's.
   Index Split(Index i, const HullTree& tool, const HullTree& body, const Vec3& n, double slack);
+  /// A pair of a block's node goes on as one of that block's own body, and with its root; it keeps
+  /// its plane.  Where the block holds nothing it is apart for good.
+  void Enter(Index i, std::int32_t body, std::optional<HullTree::Node> root);
+  /// Calls visit(index, pair) for the pairs that entered blocks, bodies from `first` on.
+  template <class Visit>
+  void ForEachEntry(std::int32_t first, Visit visit) const {
+    for (Index i = 0; static_cast<std::size_t>(i) < pairs_.size(); ++i) {
+      const Pair& of = pair(i);
+      if (of.body < first || (of.parent < 0 && i >= roots_)) continue;
+      if (of.parent < 0 || pair(of.parent).body != of.body) visit(i, of);
+    }
+  }
+  /// Closes those for which leaves(pair, outside) is true, which sets the body and the node that
+  /// they had before: they are not known to be apart.
+  template <class Leaves>
+  void CloseEntries(std::int32_t first, Leaves leaves) {
+    ForEachEntry(first, [&](Index i, const Pair& of) {
+      Pair outside = of;
+      if (!leaves(of, outside)) return;
+      CloseBelow(i);
+      pairs_[static_cast<std::size_t>(i)].body = outside.body;
+      pairs_[static_cast<std::size_t>(i)].object = outside.object;
+      Set(i, Normal(i), -1.0);
+    });
+  }
   /// Closes a pair whose children are of the front; it has the plane (n, slack).
   void Merge(Index i, const Vec3& n, double slack);
   /// Whether a pair is open and its children are both of the front.
@@ -105,6 +135,7 @@ class SeparationFront {
   }
 
   void Put(Index i, const HullTree& tool, const Pair& pair);
+  void CloseBelow(Index i);
 
   std::vector<Pair> pairs_;  ///< roots first, in the bodies' order; then siblings beside each
                              ///< other, from an even index on
@@ -116,6 +147,7 @@ class SeparationFront {
   std::array<EpochMotion, kPlaneEpochs> since_;  ///< from each epoch until now
   std::uint32_t epoch_ = 0;
   std::size_t size_ = 0;
+  Index roots_ = 0;
   double way_ = 0.0;
   Index next_merged_ = 0;
 };

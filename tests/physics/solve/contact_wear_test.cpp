@@ -49,6 +49,7 @@ TEST(ContactWear, SaysWhichLeafGoesAndInWhatStep) {
   StepReport report;
   ActiveRow& row = report.active[0];
   row.object_leaf = 0;
+  row.material = &bench.model().objects().MaterialOf(0);
   row.normal = Vec3::UnitZ();
   row.force = 2.0;
   report.contacts = 1;

@@ -158,8 +158,6 @@ TEST(CutScene, NamesTheFieldAndTheRemedyOfWhatCannotBeCut) {
     std::string tool, block;
     const char* complaint;
   } bad[] = {
-      {R"({"shape": "sphere", "radius_m": 0.001})", kEnamelOnDentine,
-       "tools[0].mesh: \"block\" is felt by burs alone; give this tool"},
       {kBallBur, R"("leaves": 8)", "tools[0].mesh: is a bur, and nothing can be cut"},
       {kBallBur, R"("grid_um": 100)", "add cutting_pressure_MPa"},
       {kBallBur, R"("grid_um": 10, "material": {"cutting_pressure_MPa": 1})",
@@ -199,6 +197,8 @@ TEST(CutScene, IsNotUsableWhereAGridCannotBeMadeOrAToolIsNoBur) {
   EXPECT_THAT(JudgeScene(huge).faults, testing::ElementsAre(HasSubstr("give a greater spacing")));
   // No tool may go through what it does not feel.
   scene.tools[0].bur.reset();
+  EXPECT_NO_THROW(MakeModel(scene, scene.tools[0], MakeObjects(scene)));
+  scene.features.contact = ContactModel::kSpheres;
   EXPECT_THAT(ComplaintOf([&] { MakeModel(scene, scene.tools[0], MakeObjects(scene)); }),
               HasSubstr("the tool has no bur"));
 }

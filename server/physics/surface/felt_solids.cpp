@@ -1,0 +1,306 @@
+#include "server/physics/surface/felt_solids.h"
+
+#include <algorithm>
+
+#include "server/physics/limits.h"
+
+namespace palpate {
+namespace {
+
+using namespace limits::mesh;
+
+constexpr int kSide = SparseField::kSide;
+constexpr std::size_t kPoints = SparseField::kPoints;
+/// Vertices lie up to two points before their block and one beyond it (solid_surface.cpp), but for
+/// rounding [h].
+constexpr double kBefore = 2.0, kBeyond = 1.0, kRounded = 1e-6;
+/// Of a block that has changed, so many layers on a side are of its neighbour's triangles too.
+constexpr int kOfNeighbour = 3;
+
+void Copy(const SparseField& from, std::size_t block, SparseField& to) noexcept {
+  const std::int32_t source = from.entry(block);
+  if (source < 0) {
+    if (to.entry(block) >= 0) {
+      to.Release(block, source);
+    } else {
+      to.Fill(block, source);
+    }
+    return;
+  }
+  std::int32_t target = to.entry(block);
+  if (target < 0) target = to.Acquire(block);
+  std::copy_n(from.values(source), kPoints, to.values(target));
+}
+
+}  // namespace
+
+ContactBody BlocksOf(const CutSolid& solid) {
+  const SparseField& field = solid.grid->field();
+  const Lattice& lattice = field.lattice();
+  std::vector<Vec3> centres;
+  std::vector<std::uint32_t> numbers;
+  const double middle = 0.5 * (kSide + kBeyond - kBefore);
+  for (std::size_t block = 0; block < lattice.block_count(); ++block) {
+    if (field.entry(block) == SparseField::kAbove) continue;
+    const auto [i, j, k] = lattice.BlockAt(block);
+    centres.push_back(lattice.Point(kSide * i, kSide * j, kSide * k) +
+                      Vec3::Constant(middle * lattice.spacing));
+    numbers.push_back(static_cast<std::uint32_t>(block));
+  }
+  const double half = 0.5 * (kSide + kBeyond + kBefore) + kRounded;
+  return {ContactMesh(),
+          HullTree(centres, numbers, Vec3::Constant(half * lattice.spacing), solid.X_WB)};
+}
+
+FeltSolids::Solid::Solid(const CutSolid& cut_solid)
+    : solid(&cut_solid),
+      felt(cut_solid.grid->field().lattice(), cut_solid.grid->field().band(), SparseField::kBelow),
+      later(felt),
+      followed(felt.lattice().block_count()),
+      affected(followed.size()),
+      listed(followed.size()),
+      place(followed.size(), kNone),
+      later_place(place) {
+  felt.Reserve(cut_solid.grid->solid_blocks());
+  later.Reserve(kMostFollowed);
+}
+
+FeltSolids::FeltSolids(std::span<const CutSolid> solids, std::span<const ContactBody> boxes,
+                       std::size_t first_body)
+    : first_solid_(static_cast<std::int32_t>(first_body)),
+      first_block_(static_cast<std::int32_t>(first_body + solids.size())),
+      boxes_(boxes) {
+  if (solids.empty()) return;
+  solids_.reserve(solids.size());
+  for (const CutSolid& solid : solids) solids_.emplace_back(solid);
+  bodies_.resize(kBlocks);
+  used_.resize(kBlocks);
+  free_.reserve(kBlocks);
+  for (std::size_t place = kBlocks; place-- > 0;) {
+    free_.push_back(static_cast<std::int16_t>(place));
+    bodies_[place].body.mesh.Reserve(kMostOfBlock);
+    bodies_[place].body.tree.Reserve(kMostOfBlock);
+    bodies_[place].materials.reserve(kMostOfBlock);
+  }
+  mesh_scratch_.Reserve(kMostOfBlock);
+  tree_scratch_.Reserve(kMostOfBlock);
+  changed_.reserve(kMostFollowed);
+  to_make_.reserve(kBlocks);
+  constexpr std::size_t kMostAndRim = 4 * 3 * (kSide + 2) * (kSide + 2) * (kSide + 2);
+  surface_.vertices.reserve(kMostAndRim);
+  surface_.numbers.reserve(kMostAndRim);
+  surface_.triangles.reserve(kMostAndRim);
+  surface_.materials.reserve(kMostAndRim);
+}
+
+void FeltSolids::Follow(std::span<const CutField> cuts, SeparationFront& front) noexcept {
+  if (forgotten_) {
+    TakeAll(cuts);
+    front.Clear();
+    forgotten_ = false;
+    return;
+  }
+  if (changed_.empty()) Gather(cuts, front);
+  if (changed_.empty()) return;
+  for (int n = 0; n < kMadeACycle && made_ < to_make_.size(); ++n) {
+    const Block& block = to_make_[made_++];
+    SolidOf(block).later_place[static_cast<std::size_t>(block.block)] =
+        Make(block, Use::kLater, front);
+  }
+  if (made_ == to_make_.size()) Commit(front);
+}
+
+void FeltSolids::TakeAll(std::span<const CutField> cuts) noexcept {
+  for (std::size_t place = 0; place < bodies_.size(); ++place) Free(place);
+  for (std::size_t s = 0; s < solids_.size(); ++s) {
+    Solid& solid = solids_[s];
+    const CutField& cut = cuts[s];
+    solid.later.Clear();
+    for (std::size_t block = 0; block < solid.followed.size(); ++block) {
+      if (cut.ChangedAt(block) == solid.followed[block]) continue;
+      solid.followed[block] = cut.ChangedAt(block);
+      Copy(cut.field(), block, solid.felt);
+    }
+    solid.changes = cut.changes();
+  }
+  changed_.clear();
+  to_make_.clear();
+  made_ = 0;
+}
+
+/// Copies blocks that have changed, and finds the bodies that have to be made anew for them.
+void FeltSolids::Gather(std::span<const CutField> cuts, const SeparationFront& front) noexcept {
+  for (std::size_t s = 0; s < solids_.size(); ++s) {
+    Solid& solid = solids_[s];
+    const CutField& cut = cuts[s];
+    if (cut.changes() == solid.changes) continue;
+    if (changed_.empty()) ++turn_;
+    const std::size_t blocks = solid.followed.size();
+    std::size_t looked = 0;
+    for (; looked < blocks && changed_.size() < kMostFollowed; ++looked) {
+      const std::size_t block = solid.cursor;
+      if (++solid.cursor == blocks) solid.cursor = 0;
+      if (cut.ChangedAt(block) == solid.followed[block]) continue;
+      solid.followed[block] = cut.ChangedAt(block);
+      Copy(cut.field(), block, solid.later);
+      MarkAffected(solid, block);
+      changed_.push_back({static_cast<std::int32_t>(s), static_cast<std::uint32_t>(block)});
+    }
+    if (looked == blocks) solid.changes = cut.changes();
+  }
+  if (changed_.empty()) return;
+  front.ForEachEntry(first_block_, [&](SeparationFront::Index, const SeparationFront::Pair& pair) {
+    List(BlockOf(pair));
+  });
+}
+
+/// The blocks whose triangles go by points that have changed.
+void FeltSolids::MarkAffected(Solid& solid, std::size_t block) noexcept {
+  const std::int32_t was = solid.felt.entry(block), is = solid.later.entry(block);
+  int low[3] = {kSide, kSide, kSide}, high[3] = {-1, -1, -1};
+  const auto all = [&](std::int32_t entry) {
+    return entry == SparseField::kAbove ? solid.felt.band() : -solid.felt.band();
+  };
+  for (int n = 0; n < SparseField::kPoints; ++n) {
+    const float before = was >= 0 ? solid.felt.values(was)[n] : all(was);
+    const float after = is >= 0 ? solid.later.values(is)[n] : all(is);
+    if (before == after) continue;
+    const int at[3] = {n & 7, n >> 3 & 7, n >> 6};
+    for (int a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], at[a]);
+      high[a] = std::max(high[a], at[a]);
+    }
+  }
+  const Lattice& lattice = solid.felt.lattice();
+  const std::array<int, 3> at = lattice.BlockAt(block);
+  for (int n = 0; n < 27; ++n) {
+    const int by[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
+    bool reaches = high[0] >= 0;
+    for (int a = 0; a < 3 && reaches; ++a) {
+      const int to = at[static_cast<std::size_t>(a)] + by[a];
+      reaches =
+          to >= 0 && to < lattice.blocks[static_cast<std::size_t>(a)] &&
+          (by[a] == 0 || (by[a] < 0 ? low[a] < kOfNeighbour : high[a] >= kSide - kOfNeighbour));
+    }
+    if (!reaches) continue;
+    solid.affected[solid.felt.BlockIndex(at[0] + by[0], at[1] + by[1], at[2] + by[2])] = turn_;
+  }
+}
+
+/// A block that is to be made anew in this turn, where it changes.
+void FeltSolids::List(const Block& block) noexcept {
+  Solid& solid = SolidOf(block);
+  const auto b = static_cast<std::size_t>(block.block);
+  if (solid.affected[b] != turn_ || solid.listed[b] == turn_) return;
+  if (to_make_.size() == kBlocks) return;
+  solid.listed[b] = turn_;
+  to_make_.push_back(block);
+}
+
+void FeltSolids::Commit(SeparationFront& front) noexcept {
+  for (const Changed& changed : changed_) {
+    Solid& solid = solids_[static_cast<std::size_t>(changed.solid)];
+    Copy(solid.later, changed.block, solid.felt);
+    if (solid.later.entry(changed.block) >= 0) {
+      solid.later.Release(changed.block, SparseField::kBelow);
+    } else {
+      solid.later.Fill(changed.block, SparseField::kBelow);
+    }
+  }
+  front.CloseEntries(first_block_,
+                     [&](const SeparationFront::Pair& pair, SeparationFront::Pair& outside) {
+                       const Block of = BlockOf(pair);
+                       if (SolidOf(of).affected[static_cast<std::size_t>(of.block)] != turn_)
+                         return false;
+                       outside.body = of.solid;
+                       outside.object = of.node;
+                       return true;
+                     });
+  for (std::size_t place = 0; place < bodies_.size(); ++place) {
+    const Block& of = bodies_[place].of;
+    if (bodies_[place].use != Use::kFelt) continue;
+    if (SolidOf(of).affected[static_cast<std::size_t>(of.block)] == turn_) Free(place);
+  }
+  for (const Block& block : to_make_) {
+    Solid& solid = SolidOf(block);
+    std::int16_t& later = solid.later_place[static_cast<std::size_t>(block.block)];
+    if (later >= 0) {
+      bodies_[static_cast<std::size_t>(later)].use = Use::kFelt;
+      solid.place[static_cast<std::size_t>(block.block)] = later;
+    }
+    later = kNone;
+  }
+  changed_.clear();
+  to_make_.clear();
+  made_ = 0;
+}
+
+FeltSolids::Block FeltSolids::BlockOf(const SeparationFront::Pair& entry) const {
+  const std::size_t place = PlaceOf(entry.body);
+  if (place < bodies_.size()) return bodies_[place].of;
+  const std::size_t solid = place - bodies_.size();
+  return {first_solid_ + static_cast<std::int32_t>(solid), entry.object,
+          boxes_[solid].tree.BlockOf(entry.object)};
+}
+
+FeltSolids::Taken FeltSolids::Take(const Block& block, const SeparationFront& front) noexcept {
+  Solid& solid = SolidOf(block);
+  std::int16_t& place = solid.place[static_cast<std::size_t>(block.block)];
+  if (place >= 0) return {first_block_ + place, false};
+  const std::int16_t made = Make(block, Use::kFelt, front);
+  if (!changed_.empty()) List(block);
+  if (made == kNoRoom) return {-1, true};
+  if (made == kNothing) {
+    return {first_block_ + static_cast<std::int32_t>(bodies_.size()) + block.solid - first_solid_,
+            true};
+  }
+  place = made;
+  return {first_block_ + made, true};
+}
+
+std::int16_t FeltSolids::Make(const Block& block, Use use, const SeparationFront& front) noexcept {
+  Solid& solid = SolidOf(block);
+  const std::size_t own = TakeSurfaceAndRim(
+      {*solid.solid->grid, solid.felt, use == Use::kLater ? &solid.later : nullptr},
+      static_cast<std::size_t>(block.block), surface_);
+  if (own == 0) return kNothing;
+  if (surface_.triangles.size() > kMostOfBlock) return kNoRoom;
+  if (free_.empty() && !MakeRoom(front)) return kNoRoom;
+  const std::int16_t at = free_.back();
+  free_.pop_back();
+  Place& place = bodies_[static_cast<std::size_t>(at)];
+  const Pose& X_WB = solid.solid->X_WB;
+  place.of = block;
+  place.use = use;
+  place.body.mesh.Assign(surface_.vertices, surface_.triangles, X_WB, mesh_scratch_);
+  place.body.tree.Assign(place.body.mesh, own, X_WB.q.toRotationMatrix(), tree_scratch_);
+  place.materials.assign(surface_.materials.begin(),
+                         surface_.materials.begin() + static_cast<std::ptrdiff_t>(own));
+  return at;
+}
+
+/// Gives up some bodies that no pair of the front has, going round all.
+bool FeltSolids::MakeRoom(const SeparationFront& front) noexcept {
+  std::fill(used_.begin(), used_.end(), false);
+  front.ForEachEntry(first_block_, [&](SeparationFront::Index, const SeparationFront::Pair& pair) {
+    if (!IsNothing(pair.body)) used_[PlaceOf(pair.body)] = true;
+  });
+  for (std::size_t n = 0; n < kBlocks && free_.size() < kGivenUp; ++n) {
+    const std::size_t place = next_given_up_;
+    if (++next_given_up_ == bodies_.size()) next_given_up_ = 0;
+    if (bodies_[place].use == Use::kFelt && !used_[place]) Free(place);
+  }
+  return !free_.empty();
+}
+
+void FeltSolids::Free(std::size_t place) noexcept {
+  Place& body = bodies_[place];
+  if (body.use == Use::kFree) return;
+  Solid& solid = SolidOf(body.of);
+  (body.use == Use::kFelt ? solid.place
+                          : solid.later_place)[static_cast<std::size_t>(body.of.block)] = kNone;
+  body.use = Use::kFree;
+  free_.push_back(static_cast<std::int16_t>(place));
+}
+
+}  // namespace palpate
