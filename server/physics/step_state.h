@@ -63,6 +63,10 @@ struct StepState {
   FrictionState friction;
   LeafWear wear;
   std::vector<CutField> cuts;  ///< what is gone of each solid that the tool can cut
+  bool spins = true;           ///< a bur; else it is a rigid tool.  Set between steps
+  /// What material drags the tool by where its bur spins, of the last 20 ms, of [v; rho phi] [m].
+  std::array<double, 6> drag{};
+  double tooth = 0.0;  ///< how far a bur's next tooth has come that hums, 0 to 1
 
   /// To be called where the graphic tool is set to another place: nothing held it there.
   void ForgetContact() noexcept {
@@ -70,6 +74,7 @@ struct StepState {
     behind = {0.0, 0.0};
     turn_G.setZero();
     friction = FrictionState{};
+    drag = {};
   }
 };
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <span>
+#include <vector>
 
 #include "common/math/pose.h"
 #include "scenes/grid/bur.h"
@@ -20,6 +21,7 @@ struct CutTool {
   double stiffness = 0.0;         ///< k_t of the coupling [N/m]
   double rotation_length = 1.0;   ///< rho [m], sqrt(k_r / k_t)
   double dt = 1e-3;               ///< of the step [s]
+  bool spins = true;              ///< else all of it is rigid
 };
 
 /// One row for each sample that has material before it: the energy of a step x = [v; rho phi] of
@@ -29,7 +31,8 @@ struct CutTool {
 ///
 /// a_i = -[n_i; (l_i x n_i) / rho] with l_i from the reference to the sample, and b_i = -g_i.  The
 /// gap g_i >= 0 is how far the material lies ahead along n_i; below 0 it is taken for 0, for what a
-/// bur cleared it cleared, though the grid says some micrometre less.
+/// bur cleared it cleared, though the grid says some micrometre less.  What does not cut pays a
+/// p_0 that no hand has, along the solid's normal.
 ///
 /// Passive: a row pushes only where -a_i . x >= g_i >= 0, so that its work on the material is >= 0,
 /// whatever x is.
@@ -38,7 +41,9 @@ class CutRows : public Energy {
   /// @param samples  rows at most: the bur's samples, and those once more for each solid more that
   ///                 it may touch at once.  Set-up.
   explicit CutRows(int samples)
-      : capacity_(samples), columns_(kColumns, static_cast<std::size_t>(samples)) {}
+      : capacity_(samples),
+        columns_(kColumns, static_cast<std::size_t>(samples)),
+        slides_(static_cast<std::size_t>(samples)) {}
 
   void Clear() { count_ = 0; }
   /// Adds the rows of what is left of a solid.
@@ -60,6 +65,10 @@ class CutRows : public Energy {
   /// Force of each row there, over k_t [m].
   const double* forces() const { return columns_[kPush]; }
 
+  /// Of the spin there: what the material drags the tool by, - sum of mu_c f_i [s_i; (l_i x s_i) /
+  /// rho], with f_i a row's force and s_i where the bur's surface goes; over k_t [m].
+  std::array<double, 6> Drag() const noexcept;
+
   /// What the rows say of a step x: sum of A_i delta_i [m^3].
   double VolumeOf(const double* x, int unknowns) const noexcept;
   /// Work that the solver's forces do on the material in a step x, over k_t [m^2].
@@ -77,6 +86,9 @@ class CutRows : public Energy {
 
  private:
   enum : std::size_t { kB = 6, kThreshold, kViscous, kArea, kPush, kColumns };
+  /// Of a point of the bur at p_W that does not cut, and what the solid is there.
+  void AddRigid(const CutTool& tool, const FieldSample& here, double reach, const Vec3& p_W,
+                const Mat3& R_WB, double area) noexcept;
   /// To the end of the padding.
   void Set(std::size_t row, const std::array<double, 6>& a, double b, double threshold,
            double viscous, double area) noexcept;
@@ -84,6 +96,11 @@ class CutRows : public Energy {
 
   int capacity_, count_ = 0, pushing_ = 0;
   AlignedColumns columns_;
+  struct Slide {
+    double friction = 0.0;  ///< mu_c; 0: the others do not count
+    Vec3 along, turn;       ///< s_i and (l_i x s_i) / rho
+  };
+  std::vector<Slide> slides_;  ///< of each row
 };
 
 }  // namespace palpate

@@ -32,13 +32,13 @@ StepBounds Energies::Narrow(StepBounds bounds, const Vec3& p_G, const Quat& q_WG
   return bounds;
 }
 
-void Energies::Begin(const Vec3& p_G, const Quat& q_WG, std::span<const CutField> cuts,
+void Energies::Begin(const Vec3& p_G, const Quat& q_WG, std::span<const CutField> cuts, bool spins,
                      double reach) noexcept {
   if (!cut_) return;
   const StepParameters& spring = model_->parameters();
   const CutTool tool{
-      model_->bur_samples(),    {p_G, q_WG}, p_G, spring.stiffness, model_->rotation_length(),
-      model_->cutting()->period};
+      model_->bur_samples(),     {p_G, q_WG}, p_G, spring.stiffness, model_->rotation_length(),
+      model_->cutting()->period, spins};
   cut_->Clear();
   for (std::size_t i = 0; i < cuts.size(); ++i) {
     const CutSolid& solid = model_->solids()[i];

@@ -26,7 +26,8 @@ class Energies {
   StepBounds Narrow(StepBounds bounds, const Vec3& p_G, const Quat& q_WG) const noexcept;
   /// That sub-step begins.
   /// @param reach  how far ahead a bur knows of material [m].
-  void Begin(const Vec3& p_G, const Quat& q_WG, std::span<const CutField> cuts,
+  /// @param spins  the bur: else it is rigid.
+  void Begin(const Vec3& p_G, const Quat& q_WG, std::span<const CutField> cuts, bool spins,
              double reach = 1e300) noexcept;
   /// To be called before each solve: collects those that act among these rows, and takes what
   /// yields out of those that no step may violate.
@@ -40,6 +41,10 @@ class Energies {
   bool pushes() const noexcept;
   bool bur_pushes() const noexcept { return cut_ && cut_->count() > 0 && cut_->pushes(); }
   const double* force() const { return solver_.force(); }
+  /// What the bur's spin does there (CutRows::Drag).
+  std::array<double, 6> Drag() const noexcept {
+    return bur_pushes() ? cut_->Drag() : std::array<double, 6>{};
+  }
 
   /// Null where no row is soft.
   const SoftRows* soft() const { return soft_ && soft_->any() ? &*soft_ : nullptr; }
