@@ -397,6 +397,7 @@ Scene Compile(const SceneDescription& description, const LoadOptions& options) {
     }
     if (const ShapeKind* kind = ShapeOf(from.mesh); kind != nullptr && kind->bur != nullptr) {
       body.bur = kind->bur(from.mesh.variant, from.mesh.values);
+      body.bur->spin = from.spin;
     }
     PaintLeaves(from, shape.groups, body);
     for (std::size_t i = 0; body.grid && i < from.regions.size(); ++i) {

@@ -31,6 +31,7 @@ struct Material {
   // Of bodies that burs cut (Body::grid; server/physics/cut/README.md has the law):
   double cutting_pressure = 0.0;     ///< p_0 [Pa]: up to it an edge does not enter; 0: no such body
   double cutting_viscosity = 0.0;    ///< kappa [Pa s/m]: what each m/s of the edge adds
+  double cutting_friction = 0.0;     ///< mu_c: of a bur that spins
   std::string name{};                ///< what people call it, as "dentine"; several may have one
   std::uint32_t colour = kNoColour;  ///< 0xRRGGBB of what a cut lays bare
   static constexpr std::uint32_t kNoColour = 1u << 24;  ///< viewers choose
@@ -58,11 +59,21 @@ struct BodyGrid {
       regions;  ///< later ones over earlier ones; the rest is of materials[0]
 };
 
+/// How a bur turns.
+struct BurSpin {
+  double speed = 0.0;     ///< clockwise seen from its shank [rad/s]
+  double tooth_Hz = 0.0;  ///< how many of its teeth pass in a second
+  double hum = 0.0;       ///< with each, the handle shakes by this share of the cutting force
+};
+
 /// The cutting part of a tool: what a convex curve (rho, z) sweeps that turns round its axis, made
 /// thicker by the rounding [m].  The tip is the origin of frame B, and the axis is its y.
 struct BurProfile {
   std::vector<std::array<double, 2>> curve;
   double rounding = 0.0;
+  double dead_tip = 0.0;  ///< what lies so near the tip, along the axis, does not cut [m]
+  double cutting = 0.0;   ///< nor what lies farther from it than this [m]; 0: all else cuts
+  BurSpin spin{};
 };
 
 /// A rigid body of the scene: its mesh and its sphere tree share one frame B.

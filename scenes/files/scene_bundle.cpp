@@ -110,12 +110,13 @@ flatbuffers::Offset<wire::Geometry> PackGeometry(const Body& body,
 
 flatbuffers::Offset<wire::Grid> PackGrid(const Body& body, flatbuffers::FlatBufferBuilder& out) {
   if (!body.grid) return 0;
-  std::vector<double> pressures, viscosities;
+  std::vector<double> pressures, viscosities, frictions;
   std::vector<std::uint32_t> colours;
   std::vector<std::string> names;
   for (const Material& m : body.materials) {
     pressures.push_back(m.cutting_pressure);
     viscosities.push_back(m.cutting_viscosity);
+    frictions.push_back(m.cutting_friction);
     colours.push_back(m.colour);
     names.push_back(m.name);
   }
@@ -124,6 +125,7 @@ flatbuffers::Offset<wire::Grid> PackGrid(const Body& body, flatbuffers::FlatBuff
       body.grid->regions, [](const MaterialRegion& r) { return !r.mesh.triangles.empty(); });
   const bool coloured = std::ranges::any_of(
       colours, [](std::uint32_t colour) { return colour != Material::kNoColour; });
+  const bool rubs = std::ranges::any_of(frictions, [](double friction) { return friction > 0.0; });
   const bool named = std::ranges::any_of(names, [](const std::string& n) { return !n.empty(); });
   std::vector<wire::Region> regions;
   std::vector<flatbuffers::Offset<wire::RegionMesh>> meshes;
@@ -135,17 +137,19 @@ flatbuffers::Offset<wire::Grid> PackGrid(const Body& body, flatbuffers::FlatBuff
   }
   const auto pressures_at = out.CreateVector(pressures);
   const auto viscosities_at = out.CreateVector(viscosities);
-  return wire::CreateGrid(out, body.grid->spacing, pressures_at, viscosities_at,
-                          out.CreateVectorOfStructs(regions), meshed ? out.CreateVector(meshes) : 0,
-                          coloured ? out.CreateVector(colours) : 0,
-                          named ? out.CreateVectorOfStrings(names) : 0);
+  return wire::CreateGrid(
+      out, body.grid->spacing, pressures_at, viscosities_at, out.CreateVectorOfStructs(regions),
+      meshed ? out.CreateVector(meshes) : 0, coloured ? out.CreateVector(colours) : 0,
+      named ? out.CreateVectorOfStrings(names) : 0, rubs ? out.CreateVector(frictions) : 0);
 }
 
 flatbuffers::Offset<wire::Bur> PackBur(const Body& body, flatbuffers::FlatBufferBuilder& out) {
   if (!body.bur) return 0;
   std::vector<double> curve;
   for (const auto& point : body.bur->curve) curve.insert(curve.end(), point.begin(), point.end());
-  return wire::CreateBur(out, out.CreateVector(curve), body.bur->rounding);
+  return wire::CreateBur(out, out.CreateVector(curve), body.bur->rounding, body.bur->dead_tip,
+                         body.bur->cutting, body.bur->spin.speed, body.bur->spin.tooth_Hz,
+                         body.bur->spin.hum);
 }
 
 void Require(bool holds, const char* what) {
@@ -373,6 +377,14 @@ void ReadGrid(const wire::Grid* in, Body& out) {
     out.materials[m].cutting_pressure = pressure;
     out.materials[m].cutting_viscosity = viscosity;
   }
+  if (const auto* frictions = in->frictions()) {
+    Require(all_of_materials(frictions), "frictions do not add up");
+    for (unsigned m = 0; m < out.materials.size(); ++m) {
+      const double friction = frictions->Get(m);
+      Require(friction >= 0.0 && friction <= 1.0, "a friction is none");
+      out.materials[m].cutting_friction = friction;
+    }
+  }
   if (const auto* colours = in->colours()) {
     Require(all_of_materials(colours), "colours do not add up");
     for (unsigned m = 0; m < out.materials.size(); ++m) out.materials[m].colour = colours->Get(m);
@@ -404,7 +416,12 @@ void ReadBur(const wire::Bur* in, Body& out) {
   if (in == nullptr) return;
   const auto* curve = in->curve();
   if (curve == nullptr || curve->size() < 2 || curve->size() % 2 != 0) throw Error("a bur is none");
-  out.bur.emplace().rounding = in->rounding();
+  for (const double number :
+       {in->dead_tip(), in->cutting(), in->speed(), in->tooth_Hz(), in->hum()}) {
+    Require(number >= 0.0 && std::isfinite(number), "a bur is none");
+  }
+  out.bur = BurProfile{
+      {}, in->rounding(), in->dead_tip(), in->cutting(), {in->speed(), in->tooth_Hz(), in->hum()}};
   for (unsigned i = 0; i < curve->size(); i += 2) {
     out.bur->curve.push_back({curve->Get(i), curve->Get(i + 1)});
   }

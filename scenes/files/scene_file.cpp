@@ -10,6 +10,7 @@
 
 #include "common/error.h"
 #include "common/json/json_file.h"
+#include "scenes/grid/bur.h"
 #include "scenes/grid/solid_grid.h"
 #include "scenes/shapes/shape_kinds.h"
 #include "scenes/tree/sph_file.h"
@@ -24,6 +25,9 @@ enum class BodyKind { kTool, kObject };
 constexpr std::size_t kMaxMaterials = 256;  // of a body: Body::leaf_material is of bytes
 constexpr std::size_t kShapeTriangles = 5120;
 constexpr double kLongest = 1000.0;  // [m]: a length beyond it is a forgotten unit
+constexpr double kStrongestHum = 0.5;
+constexpr double kHighestHum = 400.0;  // [Hz]: at 1,000 poses a second half of that is no more told
+constexpr double kFastestBur = 500'000.0;  // [r/min]: the fastest air turbines turn at 450,000
 
 double ReadUnit(const JsonNode& node) {
   return MetresPerUnit(node.OneOf({kUnits.begin(), kUnits.end()}));
@@ -66,15 +70,28 @@ std::optional<CurvedOptions> ReadCurved(const JsonNode& mesh) {
   return options;
 }
 
+/// Of a bur: its curve in place of a kind.
+void ReadBurCurve(const JsonNode& node, std::vector<double>& values) {
+  for (const JsonNode& point : node.Items(1)) {
+    const std::vector<JsonNode> pair = point.Items();
+    if (pair.size() != 2) point.Fail("is no point; give [radius, height above the first one]");
+    for (const JsonNode& number : pair) values.push_back(1e-3 * number.Number(-20.0, 20.0));
+  }
+}
+
 MeshSource ReadShapeKind(const JsonNode& node, const ShapeKind& shape) {
   MeshSource source;
   source.kind = MeshSource::Kind::kShape;
   source.what = shape.name;
+  const auto curve = shape.bur != nullptr ? node.Find("curve_mm") : std::nullopt;
   std::vector<std::string_view> fields{"shape", "curved"};
-  if (!shape.variants.empty()) fields.push_back("kind");
+  if (!shape.variants.empty() && !curve) fields.push_back("kind");
+  if (curve) fields.push_back("curve_mm");
   for (const ShapeParameter& parameter : shape.parameters) fields.push_back(parameter.field);
   node.AllowOnly(fields);
-  if (!shape.variants.empty()) {
+  if (curve) {
+    source.variant = shape.variants.size();
+  } else if (!shape.variants.empty()) {
     const std::string variant = node.At("kind").OneOf(shape.variants);
     source.variant =
         std::find(shape.variants.begin(), shape.variants.end(), variant) - shape.variants.begin();
@@ -85,6 +102,23 @@ MeshSource ReadShapeKind(const JsonNode& node, const ShapeKind& shape) {
       value = given->Number(parameter.smallest, parameter.largest);
     }
     source.values.push_back(parameter.unit * value);
+  }
+  if (curve) ReadBurCurve(*curve, source.values);
+  return source;
+}
+
+/// A tool that is a bur by its ISO 6360 number.
+MeshSource ReadNamedBur(const JsonNode& node) {
+  MeshSource source;
+  source.kind = MeshSource::Kind::kShape;
+  source.what = "bur";
+  source.where = node.Where();
+  try {
+    const ShapeChoice bur = BurNamed(node.String());
+    source.variant = bur.variant;
+    source.values = bur.values;
+  } catch (const Error& error) {
+    node.Fail(error.what());
   }
   return source;
 }
@@ -159,7 +193,7 @@ std::uint32_t ReadColour(const JsonNode& node) {
 MaterialDescription ReadMaterial(const JsonNode& node) {
   node.AllowOnly({"stiffness_N_per_m", "youngs_modulus_Pa", "thickness_mm", "static_friction",
                   "dynamic_friction", "hardness_J", "cutting_pressure_MPa",
-                  "cutting_viscosity_MPa_s_per_mm", "colour", "name"});
+                  "cutting_viscosity_MPa_s_per_mm", "cutting_friction", "colour", "name"});
   MaterialDescription read;
   Material& material = read.material;
   read.where = node.Where();
@@ -196,6 +230,10 @@ MaterialDescription ReadMaterial(const JsonNode& node) {
   if (auto viscosity = node.Find("cutting_viscosity_MPa_s_per_mm")) {
     if (!pressure) viscosity->Fail("belongs to a pressure; add cutting_pressure_MPa or drop it");
     material.cutting_viscosity = 1e9 * viscosity->Number(0.0, 1e4);
+  }
+  if (auto friction = node.Find("cutting_friction")) {
+    if (!pressure) friction->Fail("belongs to a pressure; add cutting_pressure_MPa or drop it");
+    material.cutting_friction = friction->Number(0.0, 1.0);
   }
   if (auto name = node.Find("name")) {
     if (!pressure) name->Fail("is of what burs cut; add cutting_pressure_MPa or drop it");
@@ -428,26 +466,73 @@ void ReadGrid(const JsonNode& node, BodyDescription& body) {
   }
 }
 
+/// What cannot be made of a bur, or is too coarse for it, is said where the file has it.
+void CheckBur(const JsonNode& node, const MeshSource& mesh, const BodyDescription* cut) {
+  if (cut == nullptr) {
+    node.Fail("is a bur, and nothing can be cut; give an object \"grid_um\", or another tool");
+  }
+  const BurProfile profile = FindShapeKind(mesh.what)->bur(mesh.variant, mesh.values);
+  std::optional<Bur> bur;
+  try {
+    bur.emplace(profile.curve, profile.rounding);
+  } catch (const Error& error) {
+    node.Fail(error.what());
+  }
+  const auto um = [](double metres) { return std::to_string(std::lround(1e6 * metres)) + " um"; };
+  if (bur->radius() < *cut->grid) {
+    node.Fail("is a bur of " + um(2.0 * bur->radius()) + ", finer than two cells of \"" +
+              cut->name + "\"; give that a \"grid_um\" of " + um(bur->radius()) +
+              " at most, or the tool a wider bur");
+  }
+  const double head = bur->high() - bur->low();
+  if (profile.dead_tip >= (profile.cutting > 0.0 ? std::min(profile.cutting, head) : head)) {
+    node.Fail("has nothing that cuts; give a dead_tip_mm below cutting_mm and its length");
+  }
+}
+
 /// A bur feels what it can cut by its edge, and other tools by its surface alone.
 void CheckCutting(const JsonNode& root, const SceneDescription& scene) {
-  const auto cut =
-      std::ranges::find_if(scene.objects, [](const auto& b) { return b.grid.has_value(); });
+  const auto coarsest = [](const BodyDescription& a, const BodyDescription& b) {
+    return a.grid.value_or(0.0) < b.grid.value_or(0.0);
+  };
+  const BodyDescription* cut = &*std::ranges::max_element(scene.objects, coarsest);
+  if (!cut->grid) cut = nullptr;
   for (std::size_t i = 0; i < scene.tools.size(); ++i) {
     const MeshSource& mesh = scene.tools[i].mesh;
     const ShapeKind* kind = FindShapeKind(mesh.what);
     const bool is_bur = mesh.kind == MeshSource::Kind::kShape && kind != nullptr && kind->bur;
-    const JsonNode node = root.At("tools").Items()[i].At("mesh");
-    if (cut != scene.objects.end() && !is_bur &&
-        scene.features.contact == ContactModel::kSpheres) {
+    const JsonNode tool = root.At("tools").Items()[i];
+    const JsonNode node = tool.At(tool.Has("bur") ? "bur" : "mesh");
+    if (is_bur) {
+      CheckBur(node, mesh, cut);
+    } else if (scene.tools[i].spin.speed > 0.0) {
+      tool.At("speed_rpm").Fail("is of burs; drop it, or give the tool a \"bur\", as \"001/014\"");
+    } else if (cut != nullptr && scene.features.contact == ContactModel::kSpheres) {
       node.Fail("\"" + cut->name +
                 "\" is felt by burs alone where \"contact\" is \"spheres\"; give this tool "
                 "{\"shape\": \"bur\", \"kind\": \"ball\"}, or \"" +
                 cut->name + "\" no grid_um");
     }
-    if (cut == scene.objects.end() && is_bur) {
-      node.Fail("is a bur, and nothing can be cut; give an object \"grid_um\", or another tool");
-    }
   }
+}
+
+BurSpin ReadSpin(const JsonNode& tool) {
+  BurSpin spin;
+  double rpm = 0.0;
+  if (auto speed = tool.Find("speed_rpm")) rpm = speed->Number(0.0, kFastestBur);
+  spin.speed = 2.0 * M_PI / 60.0 * rpm;
+  const auto hum = tool.Find("hum");
+  if (!hum) return spin;
+  hum->AllowOnly({"teeth", "share"});
+  spin.hum = hum->At("share").Number(0.0, kStrongestHum);
+  const JsonNode teeth = hum->At("teeth");
+  spin.tooth_Hz = static_cast<double>(teeth.Integer(1, 40)) * rpm / 60.0;
+  if (!(spin.tooth_Hz > 0.0 && spin.tooth_Hz <= kHighestHum)) {
+    teeth.Fail("pass " + std::to_string(std::lround(spin.tooth_Hz)) +
+               " times a second, and a hum is told from 1 to 400 times; give another "
+               "speed_rpm, or drop the hum");
+  }
+  return spin;
 }
 
 BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& folder) {
@@ -457,11 +542,15 @@ BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& fo
     node.AllowOnly(
         {"name", "mesh", "leaves", "tree", pose_field, "look", "material", "regions", "grid_um"});
   } else {
-    node.AllowOnly({"name", "mesh", "leaves", "tree", pose_field, "look"});
+    node.AllowOnly(
+        {"name", "mesh", "bur", "speed_rpm", "hum", "leaves", "tree", pose_field, "look"});
   }
   BodyDescription body;
   body.name = ReadName(node.At("name"));
-  body.mesh = ReadMesh(node.At("mesh"), folder);
+  const auto bur = node.Find("bur");
+  if (bur && node.Has("mesh")) bur->Fail("is a mesh as well; keep \"bur\" or \"mesh\"");
+  body.mesh = bur ? ReadNamedBur(*bur) : ReadMesh(node.At("mesh"), folder);
+  body.spin = ReadSpin(node);
   if (auto tree = node.Find("tree")) {
     body.tree = ReadTree(*tree, folder);
     body.tree_left_open = false;

@@ -79,6 +79,7 @@ struct BodyDescription {
   MaterialDescription material;            ///< objects: of what no region paints
   std::vector<RegionDescription> regions;  ///< objects: later ones over earlier ones
   std::optional<double> grid;              ///< objects that burs cut: spacing [m]
+  BurSpin spin;                            ///< tools that cut
   std::string look;                        ///< one of kLooks; empty: what its material is
 };
 

@@ -13,6 +13,9 @@ struct BurSample {
   Vec3 point = Vec3::Zero();   ///< [m]
   Vec3 normal = Vec3::Zero();  ///< outward, unit
   double area = 0.0;           ///< A [m^2]
+  bool cuts = true;            ///< else it is rigid
+  /// Where the surface goes there, unit; 0: it stands still.
+  Vec3 slide = Vec3::Zero();
 };
 
 /// A rotating cutter: what a convex curve (rho, z) sweeps when it turns round z, made thicker by a

@@ -1,8 +1,11 @@
 #include "scenes/shapes/bur_shapes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "common/error.h"
+#include "common/text/quoted.h"
 #include "scenes/shapes/swept_mesh.h"
 
 namespace palpate {
@@ -23,6 +26,56 @@ std::array<double, 2> Farthest(const BurProfile& bur, double angle) {
   return {p[0] + bur.rounding * c, p[1] + bur.rounding * (s + 1.0)};
 }
 
+/// What a shape number of ISO 6360-2 stands for.
+struct IsoShape {
+  std::string_view number, kind, what;
+  double shortest_mm = 0.0, longest_mm = 0.0;  ///< heads, as published; 0: as its diameter
+  enum class Edge { kFlat, kRoundEdge, kRoundEnd } edge = Edge::kFlat;
+};
+constexpr IsoShape kIsoShapes[] = {
+    {"001", "ball", "ball"},
+    {"010", "inverted_cone", "inverted cone", 1.0, 2.1},
+    {"225", "inverted_cone", "inverted cone, long", 3.5, 5.0},
+    {"237", "pear", "pear", 2.0, 3.0},
+    {"233", "pear", "pear", 2.5, 2.7},
+    {"234", "pear", "pear, long", 4.0, 7.0},
+    {"107", "cylinder", "cylinder", 3.0, 4.0},
+    {"110", "cylinder", "cylinder", 6.0, 6.0},
+    {"111", "cylinder", "cylinder", 8.0, 8.0},
+    {"139", "cylinder", "cylinder, round edge", 4.0, 4.0, IsoShape::Edge::kRoundEdge},
+    {"140", "cylinder", "cylinder, round end", 6.0, 6.0, IsoShape::Edge::kRoundEnd},
+    {"141", "cylinder", "cylinder, round end", 8.0, 8.0, IsoShape::Edge::kRoundEnd},
+    {"142", "cylinder", "cylinder, round end", 10.0, 10.0, IsoShape::Edge::kRoundEnd},
+    {"170", "cone", "taper", 3.0, 4.0},
+    {"171", "cone", "taper", 6.0, 7.0},
+    {"172", "cone", "taper", 8.0, 8.0},
+    {"173", "cone", "taper", 10.0, 10.0},
+    {"196", "cone", "taper, round end", 4.0, 4.0, IsoShape::Edge::kRoundEnd},
+    {"197", "cone", "taper, round end", 6.0, 7.0, IsoShape::Edge::kRoundEnd},
+    {"198", "cone", "taper, round end", 8.0, 8.0, IsoShape::Edge::kRoundEnd},
+    {"199", "cone", "taper, round end", 10.0, 10.0, IsoShape::Edge::kRoundEnd},
+    {"247", "flame", "flame", 5.0, 5.0},
+    {"248", "flame", "flame", 6.0, 6.0},
+    {"249", "flame", "flame", 8.0, 8.0},
+    {"250", "flame", "flame", 10.0, 10.0},
+};
+constexpr double kTangentOfTaper = 0.03492076949;  // 2 degrees
+constexpr double kFlatEdge = 0.1e-3;               ///< rounding of a flat one's edge at most [m]
+constexpr int kSmallest = 5, kLargest = 50;        ///< sizes, 1/10 mm
+constexpr double kFinestTip = 0.2e-3;              ///< of a taper, its diameter [m]
+
+[[noreturn]] void RefuseName(const std::string& name) {
+  std::string known;
+  for (const IsoShape& shape : kIsoShapes) {
+    known += (known.empty() ? "" : ", ") + std::string(shape.number) + " (" +
+             std::string(shape.what) + ")";
+  }
+  throw Error(Quoted(name) +
+              " is no bur that is known; give SHAPE/SIZE after ISO 6360, as \"237/014\": "
+              "the size in 1/10 mm from 005 to 050, and of the shapes " +
+              known + "; or a \"mesh\" of the shape \"bur\"");
+}
+
 }  // namespace
 
 BurProfile BallBur(double radius) {
@@ -36,6 +89,64 @@ BurProfile ConeBur(double tip_radius, double top_radius, double length, double r
   if (tip_radius > rounding) bur.curve.push_back({tip_radius - rounding, 0.0});
   if (top_radius > rounding) bur.curve.push_back({top_radius - rounding, top});
   bur.curve.push_back({0.0, top});
+  return bur;
+}
+
+BurProfile PearBur(double radius, double length) {
+  // Half as thick as the ball at its tip; its middle line is then a quarter circle of that radius,
+  // in three chords, and a straight line.
+  const double half = 0.5 * radius, c30 = 0.86602540378443865;
+  return {{{0.0, 0.0},
+           {0.5 * half, half * (1.0 - c30)},
+           {half * c30, 0.5 * half},
+           {half, half},
+           {0.0, std::max(length, 2.0 * radius) - radius}},
+          half};
+}
+
+BurProfile FlameBur(double radius, double length) {
+  const double rounding = 0.25 * radius, wide = radius - rounding, top = length - 2.0 * rounding;
+  const double widest = 0.6 * top;
+  return {{{0.0, 0.0},
+           {5.0 / 9.0 * wide, widest / 3.0},
+           {8.0 / 9.0 * wide, 2.0 * widest / 3.0},
+           {wide, widest},
+           {0.6 * wide, top},
+           {0.0, top}},
+          rounding};
+}
+
+NamedBur BurOfIso(const std::string& name) {
+  const auto shape = std::ranges::find_if(
+      kIsoShapes, [&](const IsoShape& s) { return name.substr(0, 3) == s.number; });
+  const bool formed =
+      name.size() == 7 && name[3] == '/' &&
+      std::all_of(name.begin() + 4, name.end(), [](char c) { return c >= '0' && c <= '9'; });
+  if (!formed || shape == std::end(kIsoShapes)) RefuseName(name);
+  const int size = std::stoi(name.substr(4));
+  if (size < kSmallest || size > kLargest) RefuseName(name);
+  NamedBur bur{shape->kind, 1e-4 * size};
+  bur.length = shape->longest_mm == 0.0
+                   ? bur.diameter
+                   : std::clamp(bur.diameter, 1e-3 * shape->shortest_mm, 1e-3 * shape->longest_mm);
+  double tip = bur.diameter;
+  if (shape->kind == "cone") {
+    bur.tip_diameter = tip = bur.diameter - 2.0 * kTangentOfTaper * bur.length;
+    if (tip < kFinestTip) {
+      throw Error(Quoted(name) + " would be finer than 0.2 mm at its tip; give a greater size");
+    }
+  }
+  switch (shape->edge) {
+    case IsoShape::Edge::kFlat:
+      bur.rounding = std::min(kFlatEdge, 0.125 * tip);
+      break;
+    case IsoShape::Edge::kRoundEdge:
+      bur.rounding = 0.25 * tip;
+      break;
+    case IsoShape::Edge::kRoundEnd:
+      bur.rounding = 0.5 * tip;
+      break;
+  }
   return bur;
 }
 

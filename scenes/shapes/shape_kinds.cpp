@@ -34,12 +34,33 @@ ToothSize SizeFrom(ToothKind kind, std::span<const double> values) {
 
 using Values = std::span<const double>;
 
-/// A ball has its diameter alone; a cone's tip is half as wide where the file leaves it out.
+/// What the numbers of burs are; behind them stands the curve (rho, z) where the file gives one.
+enum : std::size_t { kDiameter, kLength, kTip, kRounding, kHandle, kDeadTip, kCutting, kCurve };
+const std::vector<std::string_view> kBurs{"ball",          "cylinder", "cone",
+                                          "inverted_cone", "pear",     "flame"};
+
+/// A ball has its diameter alone; a cone is half as wide at its finer end where the file leaves its
+/// tip out, an inverted one three quarters.
+BurProfile FormFrom(std::size_t variant, Values v) {
+  const double radius = 0.5 * v[kDiameter], length = v[kLength], rounding = v[kRounding];
+  if (variant >= kBurs.size()) {
+    BurProfile bur{{}, rounding};
+    for (std::size_t i = kCurve; i + 1 < v.size(); i += 2) bur.curve.push_back({v[i], v[i + 1]});
+    return bur;
+  }
+  if (kBurs[variant] == "ball") return BallBur(radius);
+  if (kBurs[variant] == "cylinder") return ConeBur(radius, radius, length, rounding);
+  if (kBurs[variant] == "pear") return PearBur(radius, length);
+  if (kBurs[variant] == "flame") return FlameBur(radius, length);
+  if (kBurs[variant] == "inverted_cone") return ConeBur(radius, 0.75 * radius, length, rounding);
+  return ConeBur(v[kTip] > 0.0 ? 0.5 * v[kTip] : 0.5 * radius, radius, length, rounding);
+}
+
 BurProfile ProfileFrom(std::size_t variant, Values v) {
-  const double radius = 0.5 * v[0], rounding = v[3];
-  if (variant == 0) return BallBur(radius);
-  if (variant == 1) return ConeBur(radius, radius, v[1], rounding);
-  return ConeBur(v[2] > 0.0 ? 0.5 * v[2] : 0.5 * radius, radius, v[1], rounding);
+  BurProfile bur = FormFrom(variant, v);
+  bur.dead_tip = v[kDeadTip];
+  bur.cutting = v[kCutting];
+  return bur;
 }
 
 }  // namespace
@@ -110,15 +131,29 @@ std::span<const ShapeKind> ShapeKinds() {
          return MakeMould(variant == 0, v[0], v[1], v[2], v[3]);
        }},
       {"bur",
-       {"ball", "cylinder", "cone"},
+       kBurs,
        {Millimetres("diameter_mm", 1.4, 0.3, 10), Millimetres("length_mm", 4, 0.5, 20),
         Millimetres("tip_diameter_mm", 0, 0.2, 10), Millimetres("rounding_mm", 0.1, 0.02, 5),
-        Millimetres("handle_mm", 60, 30, 150)},
-       [](std::size_t variant, Values v) { return MakeBur(ProfileFrom(variant, v), v[4]); },
+        Millimetres("handle_mm", 60, 30, 150), Millimetres("dead_tip_mm", 0, 0, 20),
+        Millimetres("cutting_mm", 0, 0.05, 20)},
+       [](std::size_t variant, Values v) { return MakeBur(ProfileFrom(variant, v), v[kHandle]); },
        nullptr,
        ProfileFrom},
   };
   return kKinds;
+}
+
+ShapeChoice BurNamed(const std::string& name) {
+  const NamedBur bur = BurOfIso(name);
+  const ShapeKind& kind = *FindShapeKind("bur");
+  ShapeChoice choice;
+  choice.variant = static_cast<std::size_t>(std::ranges::find(kBurs, bur.kind) - kBurs.begin());
+  for (const ShapeParameter& p : kind.parameters) choice.values.push_back(p.unit * p.usual);
+  choice.values[kDiameter] = bur.diameter;
+  choice.values[kLength] = bur.length;
+  choice.values[kTip] = bur.tip_diameter;
+  choice.values[kRounding] = bur.rounding;
+  return choice;
 }
 
 const ShapeKind* FindShapeKind(std::string_view name) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -25,7 +26,8 @@ struct ShapeKind {
   TriangleMesh (*make)(std::size_t variant, std::span<const double> values);
   /// Its gingival margin (Body::margin); null: it has none.
   std::vector<Vec3> (*margin)(std::size_t variant, std::span<const double> values) = nullptr;
-  /// What of it cuts (Body::bur); null: nothing.
+  /// What of it cuts (Body::bur); null: nothing.  A variant beyond all others is a curve: (rho, z),
+  /// (rho, z), ... behind the parameters' values [m].
   BurProfile (*bur)(std::size_t variant, std::span<const double> values) = nullptr;
 };
 
@@ -34,5 +36,13 @@ std::span<const ShapeKind> ShapeKinds();
 
 /// Null where there is none of that name.
 const ShapeKind* FindShapeKind(std::string_view name);
+
+/// What `make` and `bur` of a kind are called with.
+struct ShapeChoice {
+  std::size_t variant = 0;
+  std::vector<double> values;
+};
+/// Of the shape "bur": one by its ISO 6360 number (BurOfIso).
+ShapeChoice BurNamed(const std::string& name);
 
 }  // namespace palpate

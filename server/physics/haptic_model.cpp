@@ -99,7 +99,16 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObje
 
 void HapticModel::SetCutting() {
   bur_samples_ = cutting_->bur.Samples(cutting_->samples);
+  const double tip = cutting_->bur.low();
+  const double top = cutting_->cutting > 0.0 ? tip + cutting_->cutting : 1e300;
   for (BurSample& sample : bur_samples_) {
+    const double z = sample.point.z();
+    sample.cuts = z >= tip + cutting_->dead_tip && z <= top;
+    // Clockwise, seen along the axis from the shank to the tip.
+    const Vec3 slide(sample.point.y(), -sample.point.x(), 0.0);
+    if (cutting_->spin.speed > 0.0 && slide.squaredNorm() > 0.0) {
+      sample.slide = cutting_->X_TB.q * slide.normalized();
+    }
     sample.point = cutting_->X_TB * sample.point - reference();
     sample.normal = cutting_->X_TB.q * sample.normal;
     bur_lever_ = std::max(bur_lever_, sample.point.norm());

@@ -175,7 +175,7 @@ void Move(StepContext& context, const Way& way) {
   if (context.Rubs() && way.optimum.qp.active == 0 && (way.arrived || !meshes)) {
     context.state.friction.Forget();
   }
-  if (buffers.energies) {
+  if (buffers.energies && context.state.spins) {
     const Energies::Taken taken = buffers.energies->Cut(context.tools.p_G, context.tools.q_G, way.v,
                                                         way.phi, context.state.cuts);
     context.report.cut_volume += taken.volume;
@@ -242,6 +242,33 @@ void GiveUp(StepContext& context) {
   report.wrench = context.WrenchAfter(Vec3::Zero(), Vec3::Zero());
 }
 
+/// What the spin does to a bur that pushes, for the next step.  By a share in each, for else the
+/// drag that presses a bur against a wall beside it, and is turned by that to the next, grows.
+void TakeDrag(StepContext& context) {
+  const auto& energies = context.buffers.energies;
+  std::array<double, 6>& drag = context.state.drag;
+  if (!energies || !energies->bur_pushes()) {
+    drag = {};
+    return;
+  }
+  const std::array<double, 6> now = energies->Drag();
+  for (std::size_t c = 0; c < drag.size(); ++c) {
+    drag[c] += limits::cutting::kDragShare * (now[c] - drag[c]);
+  }
+}
+
+/// The handle shakes as teeth pass, by a share of what the material does to the bur: to and fro
+/// along straight lines, for libm's sine differs between processors.  Nothing moves by it.
+void Hum(StepContext& context) {
+  const Cutting* cutting = context.model.cutting();
+  if (cutting == nullptr || cutting->spin.hum == 0.0 || !context.state.spins) return;
+  double& tooth = context.state.tooth;
+  tooth += cutting->spin.tooth_Hz * cutting->period;
+  tooth -= std::floor(tooth);
+  const double shake = cutting->spin.hum * (4.0 * std::abs(tooth - 0.5) - 1.0);
+  context.report.wrench.force += shake * context.report.bur_force;
+}
+
 /// What the next step starts from, and what friction by the chapter's rule and wear make of this
 /// one.
 void End(const Pose& X_WH, StepContext& context) {
@@ -266,6 +293,8 @@ void End(const Pose& X_WH, StepContext& context) {
   if (context.arrived && features.removal) {
     WearContacts(context.model, X_before, state.wear, report);
   }
+  TakeDrag(context);
+  Hum(context);
   // Whatever the numbers that came in: nothing else than numbers goes out.
   if (!IsFinite(report)) {
     state.X_WG = report.X_WG = X_before;

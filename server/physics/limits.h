@@ -118,6 +118,13 @@ inline constexpr double kLookAhead = 1.5;
 /// a further sub-step begins only where one like the last stays within it, 0.45 ms.  A ball of 1.4
 /// mm that is all in the material takes 10,000 in a sub-step at 50 um.  Taken.
 inline constexpr int kMostLooks = 15000;
+/// Of the drag of a bur that spins, what a cycle takes over: 20 ms.  A drag f presses a ball
+/// against the walls of its cavity by g f at most, a quarter turn on, with g some 1.5 mu_c; shares
+/// below 2 / (1 + g^2) do not grow.  Taken.
+inline constexpr double kDragShare = 0.05;
+/// What a bur pays where it does not cut [Pa]: 10 GPa are 240 N for one of 256 samples of a ball of
+/// 1.4 mm, a device's greatest force many times over.
+inline constexpr double kUncut = 1e10;
 }  // namespace cutting
 
 /// Friction (solve/coulomb_friction.h, solve/chapter_friction.h).  Forces are over k_t, so lengths

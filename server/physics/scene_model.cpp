@@ -19,7 +19,9 @@ namespace {
 CutSolid SolidOf(const Body& body) {
   CutSolid solid{MakeSolidGrid(body), body.X_WB, {}, 0};
   for (std::size_t m = 0; m < std::min(body.materials.size(), solid.materials.size()); ++m) {
-    solid.materials[m] = {body.materials[m].cutting_pressure, body.materials[m].cutting_viscosity};
+    const Material& material = body.materials[m];
+    solid.materials[m] = {material.cutting_pressure, material.cutting_viscosity,
+                          material.cutting_friction};
   }
   return solid;
 }
@@ -29,7 +31,11 @@ CutSolid SolidOf(const Body& body) {
 Cutting CuttingOf(const BurProfile& profile) {
   constexpr double kHalf = 0.70710678118654752;
   const Quat z_to_y(kHalf, -kHalf, 0.0, 0.0);
-  return {Bur(profile.curve, profile.rounding), {Vec3(0.0, profile.rounding, 0.0), z_to_y}};
+  Cutting cutting{Bur(profile.curve, profile.rounding), {Vec3(0.0, profile.rounding, 0.0), z_to_y}};
+  cutting.spin = profile.spin;
+  cutting.dead_tip = profile.dead_tip;
+  cutting.cutting = profile.cutting;
+  return cutting;
 }
 
 }  // namespace

@@ -68,6 +68,9 @@ struct StepState {
   FrictionState friction;
   LeafWear wear;
   std::vector<CutField> cuts;  ///< what is gone of each solid
+  /// What material drags the tool by where its bur spins, of the last 20 ms, of [v; rho phi] [m].
+  std::array<double, 6> drag{};
+  double tooth = 0.0;  ///< how far a bur's next tooth has come that hums, 0 to 1
 
   /// To be called where the graphic tool is set to another place, or `cuts` are: nothing held it
   /// there.
@@ -76,6 +79,7 @@ struct StepState {
     behind = {0.0, 0.0};
     turn_G.setZero();
     friction = FrictionState{};
+    drag = {};
     felt.Forget();
   }
 };

@@ -29,6 +29,8 @@ constexpr std::int64_t kLate_ns = 2'000'000;
 /// Blocks of solids that a pose's answer may copy for viewers, 2 kB each: in 15 ms those that a bur
 /// of 1.4 mm is at.  Others wait, and are told as they stand by then.
 constexpr int kMostCutBlocks = 4;
+/// The second button: while it is down a bur stands still.  (The first may enable forces.)
+constexpr std::uint32_t kStopBur = 1u << 1;
 
 bool IsFinite(const Pose& X) noexcept {
   // A sum of finite terms may overflow, but bounded ones cannot: comparisons with NaN are false.
@@ -103,6 +105,7 @@ bool ServoLoop::OnPose(const wire::HapticPose& pose, wire::Wrench& answer) noexc
   TakeRemovals(pose.pose_sequence);
 
   Clear(answer);
+  state_.spins = (pose.buttons & kStopBur) == 0;
   snapshot_.points = 0;
   answer.pose_sequence = pose.pose_sequence;
   answer.pose_time_ns = pose.sample_time_ns;

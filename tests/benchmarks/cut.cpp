@@ -11,6 +11,7 @@
 #include "server/physics/cut/cut_rows.h"
 #include "server/physics/energy/energy_solver.h"
 #include "tests/benchmarks/commands.h"
+#include "tests/benchmarks/cut_fit.h"
 #include "tests/benchmarks/cut_scene.h"
 #include "tests/benchmarks/figures.h"
 #include "tests/benchmarks/machine.h"
@@ -19,6 +20,7 @@ namespace palpate::bench {
 namespace {
 
 struct Options : CutSceneOptions {
+  std::string fit;
   std::vector<std::size_t> grids_um{100, 50, 25};
 };
 
@@ -304,6 +306,7 @@ Json MeasureRemoval(double spacing, double radius, double length, int repeats) {
 }
 
 void Run(const Options& options) {
+  if (!options.fit.empty()) return RunCutFit(options.fit, options.json);
   if (!options.scene.empty()) return RunCutScene(options);
   auto volumes = Json::Array(), forces = Json::Array();
   fmt::print(stderr,
@@ -375,6 +378,7 @@ void AddCut(const CommandLine& app) {
       "A ball bur of 0.5 mm in a flat block: volume against the exact sweep, force and "
       "work against the\nlaw, time of a step.  About half a minute.\n"
       "Or a scene of one's own: step, force, volume, work, surface and ripple.\n"
+      "Or a fit of the law to feeds and forces that were measured.\n"
       "Example: palpate-bench cut --json cut.json\n"
       "         palpate-bench cut --scene ./groove.json");
   const Option scene = Add(command, "--scene", options->scene,
@@ -389,6 +393,14 @@ void AddCut(const CommandLine& app) {
   Add(command, "--sweep", options->sweep,
       "Write the solids and the bur's way to FILE.json, for others to compute the cut volume from")
       .Needs(scene);
+  Add(command, "--burs", options->burs,
+      "Its block cut by each of these burs instead, ISO 6360 numbers as 001/014,237/014")
+      .Needs(scene);
+  Add(command, "--fit", options->fit,
+      "Instead: the law that is nearest to FILE.csv, rows of\n"
+      "material,area_mm2,share,feed_mm_per_s,force_N: the front's area across the feed, its\n"
+      "share of viscosity (1: flat, 0.667: a ball), and what was measured")
+      .Excludes(scene);
   Add(command, "--grid-um", options->grids_um, "Spacings of the grid [um], 25 to 200")
       .Excludes(scene);
   AddRepeats(command, options->repeats);

@@ -13,6 +13,7 @@
 #include "common/math/rotation.h"
 #include "scenes/catalogue.h"
 #include "scenes/grid/solid_surface.h"
+#include "scenes/shapes/shape_kinds.h"
 #include "server/physics/haptic_step.h"
 #include "server/physics/scene_model.h"
 #include "tests/benchmarks/figures.h"
@@ -69,9 +70,9 @@ Cut Run(const HapticModel& model, const std::vector<Pose>& hand, int repeats) {
   return cut;
 }
 
-/// Down into the middle of the left of the first solid's top, as deep as two thirds of the bur, and
-/// then to the right, over half of its width.
-std::vector<Pose> UsualHand(const Scene& scene) {
+/// Down into the middle of the left of the first solid's top, by a depth or by two thirds of the
+/// bur's width, and then to the right, over half of its width.
+std::vector<Pose> UsualHand(const Scene& scene, std::optional<double> depth = std::nullopt) {
   const Body& solid =
       *std::ranges::find_if(scene.objects, [](const Body& b) { return b.grid.has_value(); });
   Vec3 low = Vec3::Constant(1e300), high = -low;
@@ -84,7 +85,8 @@ std::vector<Pose> UsualHand(const Scene& scene) {
   for (const auto& point : bur.curve) width = std::max(width, point[0] + bur.rounding);
   Vec3 at(low.x() + 0.25 * (high - low).x(), high.y() + 0.05e-3, 0.5 * (low + high).z());
   std::vector<Pose> hand;
-  const double bottom = high.y() - 4.0 / 3.0 * width, end = at.x() + 0.5 * (high - low).x();
+  const double bottom = high.y() - depth.value_or(4.0 / 3.0 * width),
+               end = at.x() + 0.5 * (high - low).x();
   for (; at.y() > bottom; at.y() -= kPlungeSpeed * kPeriod) hand.push_back({at});
   for (; at.x() < end; at.x() += kFeed * kPeriod) hand.push_back({at});
   return hand;
@@ -271,97 +273,168 @@ void WriteSurface(const HapticModel& model, const Cut& cut, const std::string& f
     throw Error(file + ": cannot be written; give a file in a folder that takes one");
 }
 
+/// Of a scene's first tool along a hand's way.
+struct Figures {
+  Percentiles us;
+  double volume = 0.0, volume_error = 0.0, work_error = 0.0, jump = 0.0;
+  double surface_rms = 0.0, surface_most = 0.0;  ///< [m]
+  std::size_t places = 0;                        ///< that the surface was measured at
+  std::optional<double> ripple;                  ///< none: a box paints a material along the grid
+  int unsolved = 0;
+};
+
+void AddSurface(const std::vector<double>& errors, Figures& figures) {
+  double squares = 0.0;
+  for (const double e : errors) {
+    squares += e * e;
+    figures.surface_most = std::max(figures.surface_most, e);
+  }
+  figures.places = errors.size();
+  if (!errors.empty()) figures.surface_rms = std::sqrt(squares / double(errors.size()));
+}
+
+/// Without viscosity the work is that of the pressures over what went: over that, less 1.
+double WorkErrorOf(const Scene& scene, const std::vector<Pose>& hand) {
+  Scene plastic = scene;
+  for (Body& body : plastic.objects) {
+    for (Material& material : body.materials) material.cutting_viscosity = 0.0;
+  }
+  const HapticModel model = MakeModel(plastic, plastic.tools.front(), MakeObjects(plastic));
+  const Cut plain = Run(model, hand, 1);
+  double price = 0.0;
+  for (const CutSolid& solid : model.solids()) price += SweptOf(model, plain, solid).price;
+  return plain.work / price - 1.0;
+}
+
+std::optional<double> RippleOf(const Scene& scene, const std::vector<Pose>& hand, const Cut& cut) {
+  const std::optional<Scene> turned = Turned(scene);
+  if (!turned) return std::nullopt;
+  const HapticModel model = MakeModel(*turned, turned->tools.front(), MakeObjects(*turned));
+  const Cut beside = Run(model, hand, 1);
+  double difference = 0.0, force = 0.0;
+  for (std::size_t i = 0; i < hand.size(); ++i) {
+    difference += (beside.force[i] - cut.force[i]).norm();
+    force += cut.force[i].norm();
+  }
+  return difference / force;
+}
+
+Figures Measure(const Scene& scene, const std::vector<Pose>& hand, const CutSceneOptions& options) {
+  const HapticModel model = MakeModel(scene, scene.tools.front(), MakeObjects(scene));
+  Progress("the hand");
+  const Cut cut = Run(model, hand, options.repeats);
+  if (!options.surface.empty()) WriteSurface(model, cut, options.surface);
+  if (!options.sweep.empty()) WriteSweep(scene, model, cut, options.sweep);
+  Figures figures{.us = PercentilesOf(cut.us), .volume = cut.volume, .jump = cut.jump};
+  figures.unsolved = cut.unsolved;
+  Progress("the exact sweep");
+  double swept = 0.0;
+  std::vector<double> surface;
+  for (std::size_t i = 0; i < model.solids().size(); ++i) {
+    swept += SweptOf(model, cut, model.solids()[i]).volume;
+    const std::vector<double> errors = SurfaceErrors(model, cut, i);
+    surface.insert(surface.end(), errors.begin(), errors.end());
+  }
+  figures.volume_error = cut.volume / swept - 1.0;
+  AddSurface(surface, figures);
+  Progress("the work");
+  figures.work_error = WorkErrorOf(scene, hand);
+  Progress("the turned grid");
+  figures.ripple = RippleOf(scene, hand, cut);
+  Progress("");
+  return figures;
+}
+
+Json ToJson(const Figures& f) {
+  return {{"step_us", ToJson(f.us)},
+          {"force_jump_N_max", f.jump},
+          {"cut_m3", f.volume},
+          {"volume_error", f.volume_error},
+          {"work_error", f.work_error},
+          {"surface_um", {{"rms", 1e6 * f.surface_rms}, {"max", 1e6 * f.surface_most}}},
+          {"ripple", f.ripple ? Json(*f.ripple) : Json()},
+          {"unsolved", f.unsolved}};
+}
+
+/// Down into it by half of the bur's head, 2.5 mm at most, and to the right.
+std::vector<Pose> MillingHand(const Scene& scene) {
+  const BurProfile& profile = *scene.tools.front().bur;
+  const Bur bur(profile.curve, profile.rounding);
+  return UsualHand(scene, std::min(0.5 * (bur.high() - bur.low()), 2.5e-3));
+}
+
+/// The scene with another bur in its first tool's handle.
+Scene WithBur(Scene scene, const std::string& name) {
+  const ShapeKind& kind = *FindShapeKind("bur");
+  const ShapeChoice bur = BurNamed(name);
+  scene.tools.front().mesh = kind.make(bur.variant, bur.values);
+  scene.tools.front().bur = kind.bur(bur.variant, bur.values);
+  return scene;
+}
+
+void RunBurs(const Scene& scene, const CutSceneOptions& options) {
+  auto rows = Json::Array();
+  fmt::print(stderr,
+             "burs, plunge and groove: cut [mm3], volume and work, errors [%]; surface [um] rms, "
+             "most; change of force in 1 ms [N]; turned grid [%]; step [us]\n"
+             "{:<8} {:>7} {:>7} {:>7} {:>6} {:>6} {:>7} {:>7} {:>6} {:>6} {:>8}\n",
+             "bur", "cut", "volume", "work", "rms", "most", "change", "turned", "p50", "p99.9",
+             "unsolved");
+  for (const std::string& name : options.burs) {
+    const Scene with = WithBur(scene, name);
+    const Figures f = Measure(with, MillingHand(with), options);
+    fmt::print(stderr,
+               "{:<8} {:>7.3f} {:>7.2f} {:>7.2f} {:>6.1f} {:>6.1f} {:>7.4f} {:>7.3f} {:>6.0f} "
+               "{:>6.0f} {:>8}\n",
+               name, 1e9 * f.volume, 100.0 * f.volume_error, 100.0 * f.work_error,
+               1e6 * f.surface_rms, 1e6 * f.surface_most, f.jump, 100.0 * f.ripple.value_or(0.0),
+               f.us.p50, f.us.p999, f.unsolved);
+    Json row = ToJson(f);
+    row["bur"] = name;
+    rows.push_back(row);
+  }
+  if (options.json.empty()) return;
+  WriteJson(options.json,
+            {{"machine", ToJson(ThisMachine())}, {"repeats", options.repeats}, {"burs", rows}});
+}
+
 }  // namespace
 
 void RunCutScene(const CutSceneOptions& options) {
   const Scene scene = LoadScene(options.scene);
-  const Body& tool = scene.tools.front();
-  if (!tool.bur ||
+  if (!scene.tools.front().bur ||
       std::ranges::none_of(scene.objects, [](const Body& b) { return b.grid.has_value(); })) {
     throw Error(options.scene +
                 ": nothing of it can be cut; give an object \"grid_um\" and the tool "
                 "the shape \"bur\"");
   }
+  if (!options.burs.empty()) return RunBurs(scene, options);
   const bool script = std::filesystem::exists(ScriptFileBeside(options.scene));
   const std::vector<Pose> hand = !options.poses.empty() ? ReadPoses(options.poses)
                                  : script               ? ScriptPoses(options.scene, std::nullopt)
                                                         : UsualHand(scene);
-  const HapticModel model = MakeModel(scene, tool, MakeObjects(scene));
-  Progress("the hand");
-  const Cut cut = Run(model, hand, options.repeats);
-  if (!options.surface.empty()) WriteSurface(model, cut, options.surface);
-  if (!options.sweep.empty()) WriteSweep(scene, model, cut, options.sweep);
-  Progress("the exact sweep");
-  Swept swept;
-  std::vector<double> surface;
-  for (std::size_t i = 0; i < model.solids().size(); ++i) {
-    swept.volume += SweptOf(model, cut, model.solids()[i]).volume;
-    const std::vector<double> errors = SurfaceErrors(model, cut, i);
-    surface.insert(surface.end(), errors.begin(), errors.end());
-  }
-  // Without viscosity the work is that of the pressures over what went.
-  Progress("the work");
-  Scene plastic = scene;
-  for (Body& body : plastic.objects) {
-    for (Material& material : body.materials) material.cutting_viscosity = 0.0;
-  }
-  const HapticModel plastic_model = MakeModel(plastic, plastic.tools.front(), MakeObjects(plastic));
-  const Cut plain = Run(plastic_model, hand, 1);
-  double price = 0.0;
-  for (const CutSolid& solid : plastic_model.solids()) {
-    price += SweptOf(plastic_model, plain, solid).price;
-  }
-  Progress("the turned grid");
-  std::optional<double> ripple;
-  if (const std::optional<Scene> turned = Turned(scene)) {
-    const HapticModel other = MakeModel(*turned, turned->tools.front(), MakeObjects(*turned));
-    const Cut beside = Run(other, hand, 1);
-    double difference = 0.0, force = 0.0;
-    for (std::size_t i = 0; i < hand.size(); ++i) {
-      difference += (beside.force[i] - cut.force[i]).norm();
-      force += cut.force[i].norm();
-    }
-    ripple = difference / force;
-  }
-  Progress("");
-  const Percentiles us = PercentilesOf(cut.us);
-  double squares = 0.0, most = 0.0;
-  for (const double e : surface) {
-    squares += e * e;
-    most = std::max(most, e);
-  }
-  const double rms =
-      surface.empty() ? 0.0 : std::sqrt(squares / static_cast<double>(surface.size()));
-  const double volume_error = cut.volume / swept.volume - 1.0,
-               work_error = plain.work / price - 1.0;
-  Table table(
-      fmt::format("{}: {} steps, {:.3f} mm3 cut", scene.name, hand.size(), 1e9 * cut.volume));
-  table.Row("step, best", "us", us);
-  table.Line("greatest change of force", fmt::format("{:.4f} N in a millisecond", cut.jump));
-  table.Line("volume", fmt::format("{:+.2f} % of the exact sweep", 100.0 * volume_error));
+  const Figures f = Measure(scene, hand, options);
+  Table table(fmt::format("{}: {} steps, {:.3f} mm3 cut", scene.name, hand.size(), 1e9 * f.volume));
+  table.Row("step, best", "us", f.us);
+  table.Line("greatest change of force", fmt::format("{:.4f} N in a millisecond", f.jump));
+  table.Line("volume", fmt::format("{:+.2f} % of the exact sweep", 100.0 * f.volume_error));
   table.Line("work, kappa = 0",
-             fmt::format("{:+.2f} % of p0 times the volume", 100.0 * work_error));
+             fmt::format("{:+.2f} % of p0 times the volume", 100.0 * f.work_error));
   table.Line("surface",
              fmt::format("{:.1f} um rms, {:.1f} um at most from the exact sweep, at {} places",
-                         1e6 * rms, 1e6 * most, surface.size()));
+                         1e6 * f.surface_rms, 1e6 * f.surface_most, f.places));
   table.Line("grid turned by 30 deg",
-             ripple ? fmt::format("force differs by {:.2f} %", 100.0 * *ripple)
-                    : "not measured: a box paints a material along the grid");
-  table.Line("unsolved", std::to_string(cut.unsolved));
+             f.ripple ? fmt::format("force differs by {:.2f} %", 100.0 * *f.ripple)
+                      : "not measured: a box paints a material along the grid");
+  table.Line("unsolved", std::to_string(f.unsolved));
   table.Print();
   if (options.json.empty()) return;
-  WriteJson(options.json, {{"machine", ToJson(ThisMachine())},
-                           {"scene", scene.name},
-                           {"steps", hand.size()},
-                           {"repeats", options.repeats},
-                           {"step_us", ToJson(us)},
-                           {"force_jump_N_max", cut.jump},
-                           {"cut_m3", cut.volume},
-                           {"volume_error", volume_error},
-                           {"work_error", work_error},
-                           {"surface_um", {{"rms", 1e6 * rms}, {"max", 1e6 * most}}},
-                           {"ripple", ripple ? Json(*ripple) : Json()},
-                           {"unsolved", cut.unsolved}});
+  Json json = ToJson(f);
+  json["machine"] = ToJson(ThisMachine());
+  json["scene"] = scene.name;
+  json["steps"] = hand.size();
+  json["repeats"] = options.repeats;
+  WriteJson(options.json, json);
 }
 
 }  // namespace palpate::bench

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace palpate::bench {
 
 struct CutSceneOptions {
   std::string scene, poses, json, surface, sweep;
+  std::vector<std::string> burs;  ///< ISO 6360 numbers, in place of the scene's own
   int repeats = 3;
 };
 

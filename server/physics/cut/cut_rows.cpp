@@ -42,6 +42,7 @@ void CutRows::Set(std::size_t row, const std::array<double, 6>& a, double b, dou
 void CutRows::Add(const std::array<double, 6>& a, double b, double threshold, double viscous,
                   double area) noexcept {
   if (count_ == capacity_) return;
+  slides_[static_cast<std::size_t>(count_)].friction = 0.0;
   Set(static_cast<std::size_t>(count_++), a, b, threshold, viscous, area);
   // Kernels read eight rows at a time.
   for (auto i = static_cast<std::size_t>(count_); i % 8 != 0; ++i)
@@ -89,8 +90,9 @@ void CutRows::AddSolid(const CutTool& tool, const CutField& cut, const Pose& X_W
   const Mat3 R_WT = tool.X_WT.q.toRotationMatrix();
   const Pose X_BW = X_WB.Inverse();
   const Mat3 R_BW = X_BW.q.toRotationMatrix();
-  const double band = cut.field().band(), h = cut.field().lattice().spacing;
+  const double band = cut.field().band();
   for (const BurSample& sample : tool.samples) {
+    if (count_ == capacity_) return;
     const Vec3 p_W = R_WT * sample.point + tool.X_WT.p, n_W = R_WT * sample.normal;
     const Vec3 p_B = R_BW * p_W + X_BW.p, n_B = R_BW * n_W;
     const double gap = GapAhead(cut, p_B, n_B);
@@ -100,8 +102,24 @@ void CutRows::AddSolid(const CutTool& tool, const CutField& cut, const Pose& X_W
     const Vec3 turn = (p_W - tool.reference).cross(n_W) / tool.rotation_length;
     const double share = sample.area / tool.stiffness;
     Add({-n_W.x(), -n_W.y(), -n_W.z(), -turn.x(), -turn.y(), -turn.z()}, -gap,
-        share * material.pressure, share * material.viscosity / tool.dt, sample.area);
+        share * (sample.cuts ? material.pressure : limits::cutting::kUncut),
+        sample.cuts ? share * material.viscosity / tool.dt : 0.0, sample.area);
+    if (material.friction == 0.0 || sample.slide.isZero(0.0)) continue;
+    const Vec3 along = R_WT * sample.slide;
+    slides_[static_cast<std::size_t>(count_ - 1)] = {
+        material.friction, along, (p_W - tool.reference).cross(along) / tool.rotation_length};
   }
+}
+
+std::array<double, 6> CutRows::Drag() const noexcept {
+  Vec3 force = Vec3::Zero(), turn = Vec3::Zero();
+  for (int i = 0; i < count_; ++i) {
+    const Slide& slide = slides_[static_cast<std::size_t>(i)];
+    if (slide.friction == 0.0) continue;
+    force -= slide.friction * forces()[i] * slide.along;
+    turn -= slide.friction * forces()[i] * slide.turn;
+  }
+  return {force.x(), force.y(), force.z(), turn.x(), turn.y(), turn.z()};
 }
 
 }  // namespace palpate

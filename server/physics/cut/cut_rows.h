@@ -2,6 +2,7 @@
 
 #include <array>
 #include <span>
+#include <vector>
 
 #include "common/math/pose.h"
 #include "scenes/grid/bur.h"
@@ -29,7 +30,8 @@ struct CutTool {
 ///
 /// a_i = -[n_i; (l_i x n_i) / rho] with l_i from the reference to the sample, and b_i = -g_i.  The
 /// gap g_i >= 0 is how far the material lies ahead along n_i; below 0 it is taken for 0, for what a
-/// bur cleared it cleared, though the grid says some micrometre less.
+/// bur cleared it cleared, though the grid says some micrometre less.  What does not cut pays a
+/// p_0 that no hand has.
 ///
 /// Passive: a row pushes only where -a_i . x >= g_i >= 0, so that its work on the material is >= 0,
 /// whatever x is.
@@ -38,7 +40,9 @@ class CutRows : public Energy {
   /// @param samples  rows at most: the bur's samples, and those once more for each solid more that
   ///                 it may touch at once.  Set-up.
   explicit CutRows(int samples)
-      : capacity_(samples), columns_(kColumns, static_cast<std::size_t>(samples)) {}
+      : capacity_(samples),
+        columns_(kColumns, static_cast<std::size_t>(samples)),
+        slides_(static_cast<std::size_t>(samples)) {}
 
   void Clear() { count_ = 0; }
   /// Adds the rows of what is left of a solid.
@@ -59,6 +63,10 @@ class CutRows : public Energy {
   bool pushes() const { return pushing_ > 0; }
   /// Force of each row there, over k_t [m].
   const double* forces() const { return columns_[kPush]; }
+
+  /// Of the spin there: what the material drags the tool by, - sum of mu_c f_i [s_i; (l_i x s_i) /
+  /// rho], with f_i a row's force and s_i where the bur's surface goes; over k_t [m].
+  std::array<double, 6> Drag() const noexcept;
 
   /// What the rows say of a step x: sum of A_i delta_i [m^3].
   double VolumeOf(const double* x, int unknowns) const noexcept;
@@ -84,6 +92,11 @@ class CutRows : public Energy {
 
   int capacity_, count_ = 0, pushing_ = 0;
   AlignedColumns columns_;
+  struct Slide {
+    double friction = 0.0;  ///< mu_c; 0: the others do not count
+    Vec3 along, turn;       ///< s_i and (l_i x s_i) / rho
+  };
+  std::vector<Slide> slides_;  ///< of each row
 };
 
 }  // namespace palpate

@@ -7,6 +7,7 @@
 #include "common/math/pose.h"
 #include "scenes/grid/bur.h"
 #include "scenes/grid/solid_grid.h"
+#include "scenes/scene.h"
 
 namespace palpate {
 
@@ -14,6 +15,7 @@ namespace palpate {
 struct CutMaterial {
   double pressure = 0.0;   ///< p_0 > 0 [Pa]: up to it the material is rigid
   double viscosity = 0.0;  ///< kappa >= 0 [Pa s/m]: what each m/s of the edge adds
+  double friction = 0.0;   ///< mu_c >= 0: the force along a spinning surface over that against it
 };
 
 /// A solid that a bur can cut.
@@ -30,6 +32,8 @@ struct Cutting {
   Pose X_TB;             ///< of the bur's frame, in the tool's
   int samples = 384;     ///< of the bur's surface
   double period = 1e-3;  ///< between two poses [s]: what viscosity is told of a step's speed
+  BurSpin spin{};
+  double dead_tip = 0.0, cutting = 0.0;  ///< what of it cuts (BurProfile) [m]
 };
 
 }  // namespace palpate

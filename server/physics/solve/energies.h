@@ -44,6 +44,10 @@ class Energies {
   bool pushes() const noexcept;
   bool bur_pushes() const noexcept { return cut_ && cut_->count() > 0 && cut_->pushes(); }
   const double* force() const { return solver_.force(); }
+  /// What the bur's spin does there (CutRows::Drag).
+  std::array<double, 6> Drag() const noexcept {
+    return bur_pushes() ? cut_->Drag() : std::array<double, 6>{};
+  }
 
   /// Null where no row is soft.
   const SoftRows* soft() const { return soft_ && soft_->any() ? &*soft_ : nullptr; }

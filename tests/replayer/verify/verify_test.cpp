@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <set>
 
@@ -42,13 +43,17 @@ struct Story {
   bool whole_lost = false;
 };
 
-/// The hand slides along the cube's top face, 1 mm deep; of the calculus, it scrapes.
+/// The hand slides along the cube's top face, 1 mm deep; of the calculus, it scrapes; of a block
+/// that a bur cuts, it presses, and stops the bur from pose 220 to 259.
 wire::HapticPose PoseAt(const Scene& scene, std::uint64_t sequence) {
   wire::HapticPose pose{};
   pose.pose_sequence = sequence;
   pose.sample_time_ns = static_cast<std::int64_t>(sequence) * kMs;
   Pose X{Vec3(2e-5 * static_cast<double>(sequence), 0.029, 0.0), Quat::Identity()};
-  if (scene.name != "cube") {
+  if (scene.name == "block") {
+    X.p = Vec3(0.0, 1.505e-3 - 2e-6 * static_cast<double>(sequence), 0.0);
+    pose.buttons = sequence >= 220 && sequence < 260 ? 2 : 0;
+  } else if (scene.name != "cube") {
     static const PoseScript script =
         PoseScript::Load(PALPATE_SOURCE_DIR "/scenes/catalogue/calculus.path.json");
     X = script.At(4.0 + 1e-3 * static_cast<double>(sequence));
@@ -246,6 +251,28 @@ TEST_F(VerifyTest, MakesTheSceneWholeBeforeTheSamePose) {
   EXPECT_GT(verdict.different, 0u);
   ASSERT_TRUE(verdict.first.has_value());
   EXPECT_EQ(verdict.first->pose_sequence, 150u);
+}
+
+// What a button did to a bur is in the poses alone.
+TEST_F(VerifyTest, StopsABurAtTheSamePoses) {
+  const std::string block = folder_ / "block.json";
+  std::ofstream(block) << R"({"tools": [{"name": "bur", "leaves": 8, "bur": "001/014",
+    "speed_rpm": 200000}], "objects": [{"name": "block", "grid_um": 100,
+    "mesh": {"shape": "box", "size_m": [0.004, 0.003, 0.004]}, "material": {
+    "cutting_pressure_MPa": 0.2, "cutting_friction": 0.3}}]})";
+  Record({.scene = block}, file_);
+  EXPECT_TRUE(Only(Verify({file_}, {})).good());
+  const std::string tampered = folder_ / "tampered.mcap";
+  Copy(file_, tampered, [&](const RecordedSample& sample, std::vector<std::uint8_t>& cdr) {
+    wire::HapticPose pose{};
+    if (!sample.To(pose)) return;
+    pose.buttons = 0;
+    cdr.clear();
+    dds::ToCdr(pose, cdr);
+  });
+  const SessionVerdict verdict = Only(Verify({tampered}, {}));
+  ASSERT_TRUE(verdict.first.has_value());
+  EXPECT_EQ(verdict.first->pose_sequence, 220u);
 }
 
 TEST_F(VerifyTest, NamesTheTamperedMessageAndItsField) {

@@ -25,13 +25,18 @@ const std::string kEnamelOnDentine = R"("grid_um": 100,
   "regions": [{"box": {"min_mm": [-9, 0.5, -9], "max_mm": [9, 9, 9]},
                "material": {"cutting_pressure_MPa": 0.6}}])";
 
-std::string SceneText(const std::string& tool, const std::string& block) {
-  return R"({"tools": [{"name": "bur", "leaves": 16, "mesh": )" + tool +
+/// @param tool  fields of it.
+std::string SceneOf(const std::string& tool, const std::string& block) {
+  return R"({"tools": [{"name": "bur", "leaves": 16, )" + tool +
          R"(, "start": {"position_mm": [0, 3, 0]}}],
  "objects": [{"name": "block", "mesh": {"shape": "box", "size_m": [0.004, 0.003, 0.004]}, )" +
          block + R"(},
   {"name": "table", "leaves": 8, "mesh": {"shape": "box", "size_m": [0.02, 0.002, 0.02]},
    "pose": {"position_mm": [0, -3, 0]}}]})";
+}
+
+std::string SceneText(const std::string& mesh, const std::string& block) {
+  return SceneOf("\"mesh\": " + mesh, block);
 }
 
 Scene Load(const std::string& text) {
@@ -176,12 +181,90 @@ TEST(CutScene, NamesTheFieldAndTheRemedyOfWhatCannotBeCut) {
       {kBallBur, R"("material": {"colour": "#ffffff"})", "colour: is of what burs cut"},
       {kBallBur, R"("regions": [{"mesh": {"shape": "sphere", "radius_m": 0.001}, "material": {}}])",
        "objects[0].regions[0].mesh: paints the inside of what burs cut; give the object"},
-      {R"({"shape": "bur", "kind": "pear"})", kEnamelOnDentine, "tools[0].mesh.kind: \"pear\""},
+      {R"({"shape": "bur", "kind": "trephine"})", kEnamelOnDentine,
+       "tools[0].mesh.kind: \"trephine\""},
+      {kBallBur,
+       R"("grid_um": 100, "material": {"cutting_pressure_MPa": 1, "cutting_friction": 2})",
+       "cutting_friction: 2 is not allowed; give a number from 0 to 1"},
+      {kBallBur, R"("grid_um": 100, "material": {"cutting_friction": 0.2})",
+       "cutting_friction: belongs to a pressure; add cutting_pressure_MPa"},
+      {R"({"shape": "bur", "kind": "ball", "diameter_mm": 0.38})",
+       R"("grid_um": 200, "material": {"cutting_pressure_MPa": 1})",
+       "tools[0].mesh: is a bur of 380 um, finer than two cells of \"block\"; give that a "
+       "\"grid_um\" of 190 um at most"},
+      {R"({"shape": "bur", "curve_mm": [[0, 0], [1, 1], [0.1, 1.2], [0, 5]]})", kEnamelOnDentine,
+       "tools[0].mesh: bur: its curve is not convex at point 2"},
+      {R"({"shape": "bur", "kind": "ball", "curve_mm": [[0, 0]]})", kEnamelOnDentine,
+       "kind: there is no such field"},
+      {R"({"shape": "bur", "kind": "cylinder", "length_mm": 2, "dead_tip_mm": 2})",
+       kEnamelOnDentine, "has nothing that cuts; give a dead_tip_mm below"},
   };
   for (const auto& of : bad) {
     EXPECT_THAT(ComplaintOf([&] { ParseScene(SceneText(of.tool, of.block), "f.json"); }),
                 testing::AllOf(testing::StartsWith("f.json:"), HasSubstr(of.complaint)));
   }
+}
+
+TEST(CutScene, NamesTheRemedyOfABurThatIsNone) {
+  const std::pair<const char*, const char*> bad[] = {
+      {R"("bur": "999/014")", "tools[0].bur: '999/014' is no bur that is known; give SHAPE/SIZE"},
+      {R"("bur": "001/014", "mesh": {"shape": "bur", "kind": "ball"})",
+       "tools[0].bur: is a mesh as well; keep \"bur\" or \"mesh\""},
+      {R"("bur": "001/014", "speed_rpm": 500001)",
+       "tools[0].speed_rpm: 500001 is not allowed; give a number from 0 to 500000"},
+      {R"("bur": "001/014", "speed_rpm": 200000, "hum": {"teeth": 6, "share": 0.1})",
+       "tools[0].hum.teeth: pass 20000 times a second, and a hum is told from 1 to 400 times"},
+      {R"("bur": "001/014", "hum": {"teeth": 6, "share": 0.1})", "pass 0 times a second"},
+      {R"("mesh": {"shape": "sphere", "radius_m": 0.001}, "speed_rpm": 1000)",
+       "tools[0].speed_rpm: is of burs; drop it, or give the tool a \"bur\""},
+  };
+  for (const auto& [tool, complaint] : bad) {
+    EXPECT_THAT(ComplaintOf([&] { ParseScene(SceneOf(tool, kEnamelOnDentine), "f.json"); }),
+                testing::AllOf(testing::StartsWith("f.json:1"), HasSubstr(complaint)));
+  }
+}
+
+TEST(CutScene, ANamedBurHasItsHeadItsMeshAndItsSpinAlsoAfterABundle) {
+  const Scene scene = Load(SceneOf(
+      R"("bur": "237/014", "speed_rpm": 3000, "hum": {"teeth": 6, "share": 0.2})",
+      R"("grid_um": 100, "material": {"cutting_pressure_MPa": 0.2, "cutting_friction": 0.3})"));
+  const std::vector<std::uint8_t> bytes = PackScene(scene, 7);
+  const Scene back = UnpackScene(bytes, "s");
+  EXPECT_EQ(PackScene(back, 7), bytes);
+  EXPECT_GT(back.tools[0].mesh.triangles.size(), 500u);
+  EXPECT_EQ(back.objects[0].materials[0].cutting_friction, 0.3);
+  const HapticModel model = MakeModel(back, back.tools[0], MakeObjects(back));
+  EXPECT_NEAR(model.cutting()->bur.radius(), 0.7e-3, 1e-12);
+  EXPECT_NEAR(model.cutting()->bur.high() - model.cutting()->bur.low(), 2e-3, 1e-12);
+  EXPECT_NEAR(model.cutting()->spin.speed, 100.0 * M_PI, 1e-6);
+  EXPECT_EQ(model.cutting()->spin.tooth_Hz, 300.0);
+  EXPECT_EQ(model.cutting()->spin.hum, 0.2);
+  EXPECT_EQ(model.solids()[0].materials[0].friction, 0.3);
+  for (const BurSample& sample : model.bur_samples()) {
+    // It turns about y, clockwise seen from above, and its surface is no faster than that.
+    EXPECT_NEAR(sample.slide.norm(), 1.0, 1e-12);
+    EXPECT_NEAR(sample.slide.dot(sample.normal), 0.0, 1e-12);
+    const Vec3 place = sample.point + model.reference();
+    EXPECT_LT(place.cross(sample.slide).y(), 0.0);
+  }
+}
+
+TEST(CutScene, ACurveInPlaceOfAKindIsTheBurThatItTurns) {
+  const Scene scene = Load(SceneText(
+      R"({"shape": "bur", "curve_mm": [[0, 0], [0.4, 0.2], [0.5, 1], [0, 1.4]], "rounding_mm": 0.05,
+          "dead_tip_mm": 0.1, "cutting_mm": 1})",
+      kEnamelOnDentine));
+  const Scene back = UnpackScene(PackScene(scene), "s");
+  const HapticModel model = MakeModel(back, back.tools[0], MakeObjects(back));
+  EXPECT_NEAR(model.cutting()->bur.radius(), 0.55e-3, 1e-12);
+  EXPECT_NEAR(model.cutting()->bur.high() - model.cutting()->bur.low(), 1.5e-3, 1e-12);
+  int cut = 0;
+  for (const BurSample& sample : model.bur_samples()) {
+    const double y = sample.point.y() + model.reference().y();
+    EXPECT_EQ(sample.cuts, y >= 0.1e-3 && y <= 1e-3) << y;
+    cut += sample.cuts;
+  }
+  EXPECT_GT(cut, 100);
 }
 
 TEST(CutScene, IsNotUsableWhereAGridCannotBeMadeOrAToolIsNoBur) {
@@ -221,6 +304,10 @@ TEST(CutScene, RefusesABundleWhoseGridOrBurIsNone) {
       HasSubstr("a grid is none"));
   EXPECT_THAT(complaint([](Scene& s) { s.tools[0].bur->curve.clear(); }),
               HasSubstr("a bur is none"));
+  EXPECT_THAT(complaint([](Scene& s) { s.tools[0].bur->spin.speed = std::nan(""); }),
+              HasSubstr("a bur is none"));
+  EXPECT_THAT(complaint([](Scene& s) { s.objects[0].materials[1].cutting_friction = 9.0; }),
+              HasSubstr("a friction is none"));
 }
 
 }  // namespace
