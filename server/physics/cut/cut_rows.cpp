@@ -96,7 +96,7 @@ void CutRows::AddSolid(const CutTool& tool, const CutField& cut, const Pose& X_W
     if (count_ == capacity_) return;
     const Vec3 p_W = R_WT * sample.point + tool.X_WT.p, n_W = R_WT * sample.normal;
     const Vec3 p_B = R_BW * p_W + X_BW.p, n_B = R_BW * n_W;
-    if (!tool.spins || !sample.cuts) {
+    if (!tool.spins) {
       AddRigid(tool, cut.Sample(p_B), std::min(band, reach), p_W, R_BW.transpose(), sample.area);
       continue;
     }
@@ -107,7 +107,8 @@ void CutRows::AddSolid(const CutTool& tool, const CutField& cut, const Pose& X_W
     const Vec3 turn = (p_W - tool.reference).cross(n_W) / tool.rotation_length;
     const double share = sample.area / tool.stiffness;
     Add({-n_W.x(), -n_W.y(), -n_W.z(), -turn.x(), -turn.y(), -turn.z()}, -gap,
-        share * material.pressure, share * material.viscosity / tool.dt, sample.area);
+        share * (sample.cuts ? material.pressure : limits::cutting::kUncut),
+        sample.cuts ? share * material.viscosity / tool.dt : 0.0, sample.area);
     if (material.friction == 0.0 || sample.slide.isZero(0.0)) continue;
     const Vec3 along = R_WT * sample.slide;
     slides_[static_cast<std::size_t>(count_ - 1)] = {
@@ -119,7 +120,8 @@ void CutRows::AddRigid(const CutTool& tool, const FieldSample& here, double reac
                        const Mat3& R_WB, double area) noexcept {
   const double slope = here.gradient.norm();
   if (here.distance >= reach || slope == 0.0) return;
-  // The solid's normal, not the bur's: to that of few samples a face is a wedge.
+  // The solid's normal, not the bur's: to those of few samples a face is a wedge.  (A dead tip has
+  // its own: of the wall that its side cuts at the same time, the grid's would lift it.)
   const Vec3 n_W = R_WB * here.gradient / slope;
   const Vec3 turn = (p_W - tool.reference).cross(n_W) / tool.rotation_length;
   Add({n_W.x(), n_W.y(), n_W.z(), turn.x(), turn.y(), turn.z()}, -std::max(0.0, here.distance),

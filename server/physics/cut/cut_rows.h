@@ -32,7 +32,7 @@ struct CutTool {
 /// a_i = -[n_i; (l_i x n_i) / rho] with l_i from the reference to the sample, and b_i = -g_i.  The
 /// gap g_i >= 0 is how far the material lies ahead along n_i; below 0 it is taken for 0, for what a
 /// bur cleared it cleared, though the grid says some micrometre less.  What does not cut pays a
-/// p_0 that no hand has, along the solid's normal.
+/// p_0 that no hand has; of a bur that stands still, along the solid's normal.
 ///
 /// Passive: a row pushes only where -a_i . x >= g_i >= 0, so that its work on the material is >= 0,
 /// whatever x is.
@@ -86,7 +86,7 @@ class CutRows : public Energy {
 
  private:
   enum : std::size_t { kB = 6, kThreshold, kViscous, kArea, kPush, kColumns };
-  /// Of a point of the bur at p_W that does not cut, and what the solid is there.
+  /// Of a point at p_W of a bur that stands still, and what the solid is there.
   void AddRigid(const CutTool& tool, const FieldSample& here, double reach, const Vec3& p_W,
                 const Mat3& R_WB, double area) noexcept;
   /// To the end of the padding.

@@ -204,12 +204,11 @@ TEST_F(Spin, ABurThatStandsStillIsRigidAndTakesNothing) {
 }
 
 TEST_F(Spin, ADeadTipStopsWhatTheSideCuts) {
-  Cutting cutting{Bur::Cylinder(0.3e-3, 2e-3, 0.05e-3), {}};
+  Cutting cutting{Bur::Cylinder(0.3e-3, 2e-3, 0.0), {}};
   cutting.dead_tip = 1e-6;  // the flat end
   Make({kPressure, 0.0}, cutting);
-  const double top = 0.05e-3;  // of the bur's frame over its tip
-  Press(-1e-3, top + 5e-6);
-  EXPECT_NEAR(state_.X_WG.p.z(), top, 5e-6);
+  Press(-1e-3, 5e-6);
+  EXPECT_NEAR(state_.X_WG.p.z(), 0.0, 5e-6);
   // By less than the grid knows its face.
   EXPECT_LT(cut_, 0.3e-6 * M_PI * 0.09e-6);
   const double before = cut_;
@@ -223,7 +222,8 @@ TEST_F(Spin, ADeadTipStopsWhatTheSideCuts) {
   const double in = state_.X_WG.p.x() + 0.3e-3 + 1.2e-3;
   ASSERT_GT(in, 0.4e-3);
   const double rounded = (in - 0.3e-3) * 0.6e-3 + 0.5 * M_PI * 0.09e-6;
-  EXPECT_NEAR(cut_, rounded * 0.45e-3, 0.02 * cut_);
+  EXPECT_NEAR(state_.X_WG.p.z(), -0.4e-3, 5e-6);
+  EXPECT_NEAR(cut_, rounded * 0.4e-3, 0.02 * cut_);
 }
 
 // 240 teeth a second: in 50 ms it shakes twelve times, about the force that there is without.
