@@ -497,6 +497,10 @@ void CheckCutting(const JsonNode& root, const SceneDescription& scene) {
   };
   const BodyDescription* cut = &*std::ranges::max_element(scene.objects, coarsest);
   if (!cut->grid) cut = nullptr;
+  if (cut != nullptr && scene.features.contact == ContactModel::kSpheres) {
+    root.At("contact").Fail("is spheres, and what burs cut, as \"" + cut->name +
+                            "\", is felt by its surface; leave it out, or that object's grid_um");
+  }
   for (std::size_t i = 0; i < scene.tools.size(); ++i) {
     const MeshSource& mesh = scene.tools[i].mesh;
     const ShapeKind* kind = FindShapeKind(mesh.what);
@@ -507,11 +511,6 @@ void CheckCutting(const JsonNode& root, const SceneDescription& scene) {
       CheckBur(node, mesh, cut);
     } else if (scene.tools[i].spin.speed > 0.0) {
       tool.At("speed_rpm").Fail("is of burs; drop it, or give the tool a \"bur\", as \"001/014\"");
-    } else if (cut != nullptr && scene.features.contact == ContactModel::kSpheres) {
-      node.Fail("\"" + cut->name +
-                "\" is felt by burs alone where \"contact\" is \"spheres\"; give this tool "
-                "{\"shape\": \"bur\", \"kind\": \"ball\"}, or \"" +
-                cut->name + "\" no grid_um");
     }
   }
 }
