@@ -159,7 +159,7 @@ TEST(CutScene, ABurThatIsAllInTheMaterialGoesNoFartherInACycleThanItsTimeAllows)
     cutting += report.cut_volume > 0.0;
     force = std::max(force, report.wrench.force.norm());
   }
-  EXPECT_GT(cutting, 3);
+  EXPECT_GE(cutting, 3);
   // The law's at rest, within what a bur that turns back a little adds.
   EXPECT_NEAR(force, M_PI * 0.49e-6 * 0.05e6, 0.01);
 }
