@@ -511,8 +511,9 @@ std::vector<std::string> CatalogueNames() {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(CatalogueFolder(), ignored)) {
     const fs::path name = entry.path().stem();
-    // NAME.path.json is the hand's script for NAME.
-    if (entry.path().extension() == ".json" && name.extension() != ".path") {
+    // NAME.path.json is the hand's script for NAME, NAME.criteria.json what a trial is graded by.
+    if (entry.path().extension() == ".json" && name.extension() != ".path" &&
+        name.extension() != ".criteria") {
       names.push_back(name.string());
     }
   }
@@ -547,6 +548,10 @@ std::string FindSceneFile(const std::string& name_or_path) {
 
 std::string ScriptFileBeside(const std::string& name_or_path) {
   return fs::path(FindSceneFile(name_or_path)).replace_extension(".path.json").string();
+}
+
+std::string CriteriaFileBeside(const std::string& name_or_path) {
+  return fs::path(FindSceneFile(name_or_path)).replace_extension(".criteria.json").string();
 }
 
 bool IsWholeAtStart(const std::string& name_or_path) {

@@ -56,6 +56,9 @@ bool IsWholeAtStart(const std::string& name_or_path);
 /// The hand's script that stands, or would stand, beside that file: NAME.path.json.
 std::string ScriptFileBeside(const std::string& name_or_path);
 
+/// What palpate-replay score grades its trials by: NAME.criteria.json.
+std::string CriteriaFileBeside(const std::string& name_or_path);
+
 /// Names of the catalogue's scenes, sorted.
 std::vector<std::string> CatalogueNames();
 

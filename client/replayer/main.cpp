@@ -1,6 +1,7 @@
 #include <cstdio>
 
 #include "client/replayer/export/export.h"
+#include "client/replayer/export/solid_export.h"
 #include "client/replayer/guide/guide.h"
 #include "client/replayer/options.h"
 #include "client/replayer/play/player.h"
@@ -48,8 +49,13 @@ int Run(const ReplayOptions& options) {
       Export(options.columns, stop);
       return 0;
     }
+    case ReplayOptions::What::kExportSolids: {
+      StopSignal stop;
+      ExportSolids(options.solids, stop);
+      return 0;
+    }
     case ReplayOptions::What::kCriteria:
-      WriteNewCriteria(options.new_criteria);
+      WriteNewCriteria(options.new_criteria, options.criteria_of);
       std::printf(
           "%s: change what you like, and grade by it with: palpate-replay score EXPERT TRIALS "
           "--criteria %s\n",

@@ -48,7 +48,10 @@ constexpr const char* kExportExamples =
   palpate-replay export lesson.mcap -o figures
       figures/hand_…/poses.csv and so on, for pandas.read_csv or MATLAB's readtable, and METHODS.md
   palpate-replay export lesson.mcap -o figures --format npy
-      for numpy.load)";
+      for numpy.load
+  palpate-replay export lesson.mcap -o cavity --solids --at 20
+      what the burs had left 20 s into it: cavity/tooth.stl, tooth.ply, and caries.palpate, which
+      palpate-server ./cavity/caries.palpate serves)";
 
 }  // namespace
 
@@ -138,17 +141,32 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
       app.AddCommand("criteria", "write a file to grade by, for you to edit");
   criteria.Footer(kCriteriaExamples);
   criteria.Add("file", options.new_criteria, "file to write, FILE.json").Required();
+  criteria.Add("--scene", options.criteria_of,
+               "for this scene of the catalogue that burs cut, as crown; default: for probing");
 
   std::string format = "csv";
   const CommandLine columns = app.AddCommand(
       "export",
       "write poses, wrenches, contacts and the limiter's work as columns, with what a paper's "
-      "methods section needs");
+      "methods section needs; or what burs left, as meshes and as a scene");
   columns.Footer(kExportExamples);
   columns.Add("files", options.columns.files, "a recording, or its splits in their order")
       .Required();
   columns.Add("-o,--output", options.columns.folder, "folder to make").Required();
-  columns.Add("--format", format, "csv, or npy: arrays of NumPy with named fields").ShowDefault();
+  bool solids = false;
+  const Option solids_option =
+      columns.AddFlag("--solids", solids,
+                      "in place of columns: what burs left, as STL, PLY and a scene that loads");
+  columns.Add("--format", format, "csv, or npy: arrays of NumPy with named fields")
+      .Excludes(solids_option)
+      .ShowDefault();
+  columns
+      .Add("--at", options.solids.at_s,
+           "with --solids: what was left so many seconds into the recording; default: at its end")
+      .NotNegative()
+      .Needs(solids_option);
+  columns.Add("--models", options.solids.models_dir, "with --solids: as with --verify")
+      .Needs(solids_option);
   columns.AddFlag("--overwrite", options.columns.overwrite,
                   "replace the folder if it is a former export");
 
@@ -160,7 +178,10 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
       throw UsageError("export takes its recordings alone: 'palpate-replay export --help'");
     }
     options.columns.format = ParseColumnFormat(format);
-    options.what = ReplayOptions::What::kExport;
+    options.solids.files = options.columns.files;
+    options.solids.folder = options.columns.folder;
+    options.solids.overwrite = options.columns.overwrite;
+    options.what = solids ? ReplayOptions::What::kExportSolids : ReplayOptions::What::kExport;
     return options;
   }
   if (score.given() || criteria.given()) {

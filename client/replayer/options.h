@@ -4,6 +4,7 @@
 #include <string>
 
 #include "client/replayer/export/export.h"
+#include "client/replayer/export/solid_export.h"
 #include "client/replayer/guide/guide.h"
 #include "client/replayer/play/player.h"
 #include "client/replayer/playback.h"
@@ -13,7 +14,7 @@
 namespace palpate {
 
 struct ReplayOptions {
-  enum class What { kPlay, kVerify, kGuide, kScore, kCriteria, kExport };
+  enum class What { kPlay, kVerify, kGuide, kScore, kCriteria, kExport, kExportSolids };
   What what = What::kPlay;
   Playback playback;  ///< of kPlay and kGuide; kVerify takes its files
   PlayOptions play;
@@ -23,7 +24,9 @@ struct ReplayOptions {
   std::string out;           ///< of kScore: folder for the report; empty: none
   std::string json;          ///< of kVerify and kScore: file or "-"; empty: none
   std::string new_criteria;  ///< of kCriteria: file to write
+  std::string criteria_of;   ///< of kCriteria: the scene; empty: periodontal probing
   ExportOptions columns;
+  SolidExportOptions solids;
 
   std::string log_level = "info";
 };

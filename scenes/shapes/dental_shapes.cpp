@@ -364,6 +364,35 @@ TriangleMesh MakeCalculus(ToothKind kind, const ToothSize& metres, double across
       lump, Box(r + 1.5, y - r - 1.5, y + r + 1.5, surface - 4.0, surface + 2.5), r / 10.0));
 }
 
+TriangleMesh MakeMandible(JawPart part, double length, double cortex) {
+  const double half = 0.5 * length / kMillimetre, within = cortex / kMillimetre;
+  constexpr double kHalfHeight = 8.0, kHalfThickness = 5.0, kBend = 45.0, kBeyond = 1.0;
+  // A section is egg-shaped, the lower border thicker.
+  const auto section = [](const Vec3& p) {
+    const double y = p.y() / kHalfHeight,
+                 z = (p.z() + p.x() * p.x() / (2.0 * kBend)) / (kHalfThickness * (1.0 - 0.14 * y));
+    return (std::pow(std::pow(std::abs(y), 2.6) + std::pow(std::abs(z), 2.6), 1.0 / 2.6) - 1.0) *
+           kHalfThickness;
+  };
+  const Field bone = [=](const Vec3& p) {
+    return SmoothMax(section(p), std::abs(p.x()) - half, 0.6);
+  };
+  const Field marrow = [=](const Vec3& p) {
+    return SmoothMax(section(p) + within, std::abs(p.x()) - half - kBeyond, 0.6);
+  };
+  std::vector<Vec3> canal;
+  for (double x = -half - kBeyond; x <= half + kBeyond; x += 1.0) {
+    canal.emplace_back(x, -3.4 - 0.01 * x * x, -0.8 - x * x / (2.0 * kBend));
+  }
+  const Field field = part == JawPart::kBone     ? bone
+                      : part == JawPart::kMarrow ? marrow
+                                                 : RopeField(canal, 1.3);
+  const auto box = Box(half + 4.0, -10.0, 10.0, -kHalfThickness - 2.0 - half * half / (2.0 * kBend),
+                       kHalfThickness + 2.0);
+  const double cell = part == JawPart::kNerve ? 0.4 : 0.6;
+  return InMetres(Simplified(MeshOfField(field, box, cell), 0.02));
+}
+
 TriangleMesh MakeProbe(double tip_radius, double length) {
   const double r = tip_radius / kMillimetre;
   const double l = length / kMillimetre;

@@ -54,6 +54,17 @@ std::vector<Vec3> GingivalMargin(ToothKind kind, const ToothSize& size, const Gu
 /// tooth's frame; about `width` across.
 TriangleMesh MakeCalculus(ToothKind kind, const ToothSize& size, double width);
 
+/// Parts of a lower jaw without teeth, from one cut across it to another.
+enum class JawPart {
+  kBone,    ///< all of it
+  kMarrow,  ///< what lies within the hard cortex: cancellous bone
+  kNerve,   ///< the nerve in its canal, towards the lower border
+};
+/// One frame: origin in the middle, x along the jaw, which bends round its inner side, y up, z
+/// outwards; 16 mm high and 10 mm thick.  Marrow and nerve end beyond the bone's ends.
+/// @param cortex  about how thick it is [m].   @param length  along the jaw [m].
+TriangleMesh MakeMandible(JawPart part, double length, double cortex);
+
 /// Periodontal probe: a thin tapered tip with a round end, bent off a shank, and a handle.
 /// Frame: origin at the tip's end, the tip along +y; the handle leans towards +z.
 TriangleMesh MakeProbe(double tip_radius, double length);

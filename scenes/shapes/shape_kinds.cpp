@@ -96,6 +96,12 @@ std::span<const ShapeKind> ShapeKinds() {
          const auto kind = static_cast<ToothKind>(variant);
          return MakeCalculus(kind, SizeFrom(kind, v), v[4]);
        }},
+      {"mandible",
+       {"bone", "marrow", "nerve"},
+       {Millimetres("length_mm", 20, 10, 60), Millimetres("cortex_mm", 2, 0.5, 4)},
+       [](std::size_t variant, Values v) {
+         return MakeMandible(static_cast<JawPart>(variant), v[0], v[1]);
+       }},
       {"probe",
        {},
        {Millimetres("tip_radius_mm", 0.4, 0.2, 1), Millimetres("length_mm", 60, 40, 150)},

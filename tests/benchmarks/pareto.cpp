@@ -81,7 +81,8 @@ class Pareto {
     scenes_ = !options.scenes.empty() ? options.scenes
               : options.quick         ? std::vector<std::string>{"cube", "ellipsoid", kPeerScene}
                                       : CatalogueNames();
-    std::erase(scenes_, "caries");  // felt by its grid: palpate-bench cut
+    // Felt by their grids: palpate-bench cut.
+    for (const char* cut : {"caries", "crown", "osteotomy"}) std::erase(scenes_, cut);
     for (const std::string& scene : scenes_) FindSceneFile(scene);  // complains before work is done
     ChoosePeers();
   }

@@ -34,6 +34,17 @@ TEST(ReplayOptions, VerifyGuideAndScore) {
   EXPECT_THAT(score->score.trials, testing::ElementsAre("b.mcap"));
 }
 
+TEST(ReplayOptions, ExportColumnsOrWhatBursLeft) {
+  EXPECT_EQ(Parse({"export", "a.mcap", "-o", "out"})->what, What::kExport);
+  const auto solids = Parse({"export", "a.mcap", "-o", "out", "--solids", "--at", "20"});
+  EXPECT_EQ(solids->what, What::kExportSolids);
+  EXPECT_THAT(solids->solids.files, ElementsAre("a.mcap"));
+  EXPECT_EQ(solids->solids.folder, "out");
+  EXPECT_EQ(solids->solids.at_s, 20.0);
+  EXPECT_THROW(Parse({"export", "a.mcap", "-o", "out", "--at", "20"}), UsageError);
+  EXPECT_THROW(Parse({"export", "a.mcap", "-o", "out", "--solids", "--format", "npy"}), UsageError);
+}
+
 TEST(ReplayOptions, SayWhoseSessionIsMeant) {
   const auto score = Parse({"score", "--station", "anna", "a.mcap", "b.mcap", "c.mcap", "--station",
                             "ben/0000000000000001", "--expert-station", "teacher"});

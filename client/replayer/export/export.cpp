@@ -37,15 +37,16 @@ constexpr const char* kMethodsText = "METHODS.md";
 
 using SessionKey = std::pair<std::string, std::uint64_t>;  // station, run
 
-class Progress {
+class ExportProgress {
  public:
-  explicit Progress(const std::vector<std::string>& files) : terminal_(isatty(STDERR_FILENO) == 1) {
+  explicit ExportProgress(const std::vector<std::string>& files)
+      : terminal_(isatty(STDERR_FILENO) == 1) {
     for (const std::string& file : files) {
       before_.push_back(total_);
       total_ += fs::file_size(file);
     }
   }
-  ~Progress() {
+  ~ExportProgress() {
     if (drawn_) std::fputc('\n', stderr);
   }
 
@@ -158,7 +159,7 @@ void Export(const ExportOptions& options, StopSignal& stop) {
   Methods methods;
   Sorter sorter(folder, options.format, methods);
   {
-    Progress progress(options.files);
+    ExportProgress progress(options.files);
     RecordedSample sample{};
     std::int64_t began_ns = 0;
     for (std::uint64_t number = 0; reader.Next(sample); ++number) {

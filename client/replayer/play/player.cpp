@@ -59,8 +59,8 @@ Timeline Look(RecordingReader& reader, const StopSignal& stop) {
 }
 
 /// A recording that has been looked through, and the part of it that is to be played.
-struct Material {
-  Material(const Playback& playback, const StopSignal& stop)
+struct RecordedLesson {
+  RecordedLesson(const Playback& playback, const StopSignal& stop)
       : reader(playback.files), timeline(Look(reader, stop)) {
     if (stop.stopped()) return;
     const std::string& file = playback.files.front();
@@ -99,7 +99,7 @@ struct Now {
 
 class Player {
  public:
-  Player(const Playback& playback, const PlayOptions& options, Material& material,
+  Player(const Playback& playback, const PlayOptions& options, RecordedLesson& material,
          const dds::Participant& service, StopSignal& stop)
       : playback_(playback),
         options_(options),
@@ -358,7 +358,7 @@ class Player {
 
   const Playback& playback_;
   const PlayOptions& options_;
-  Material& material_;
+  RecordedLesson& material_;
   const Timeline& timeline_;
   Playhead playhead_;
   StopSignal& stop_;
@@ -402,7 +402,7 @@ int Keyboard::Read() {
 }
 
 void Play(const Playback& playback, const PlayOptions& options, StopSignal& stop) {
-  Material material(playback, stop);
+  RecordedLesson material(playback, stop);
   if (stop.stopped()) return;
   const ServerLock lock(playback.domain);
   const dds::Participant service = dds::Participant::Service(playback.domain, playback.network);

@@ -15,15 +15,21 @@ std::vector<std::string_view> MeasureNames() {
   return names;
 }
 
-/// Of the time in contact, the share with more force than that.
-double ShareOver(double limit_N, const HandPath& path) {
-  double contact_s = 0.0, over_s = 0.0;
+/// Of the time with the tool's tip in the criterion's place.
+struct TimeThere {
+  double all_s = 0.0, contact_s = 0.0;
+  double over_s = 0.0;  ///< with more force than the limit
+};
+TimeThere TimeIn(const Criterion& criterion, const Vec3& tip, const HandPath& path) {
+  TimeThere time;
   for (std::size_t i = 1; i < path.size(); ++i) {
+    if (criterion.place && !criterion.place->Holds(path.tool()[i] * tip)) continue;
     const double step_s = path.time_s[i] - path.time_s[i - 1];
-    if (path.touches(i)) contact_s += step_s;
-    if (path.force_N[i].norm() > limit_N) over_s += step_s;
+    time.all_s += step_s;
+    if (path.touches(i)) time.contact_s += step_s;
+    if (path.force_N[i].norm() > criterion.limit_N) time.over_s += step_s;
   }
-  return contact_s > 0.0 ? over_s / contact_s : 0.0;
+  return time;
 }
 
 double ShareRight(const Criteria& criteria, const std::vector<std::optional<double>>& depths) {
@@ -35,8 +41,8 @@ double ShareRight(const Criteria& criteria, const std::vector<std::optional<doub
   return static_cast<double>(right) / static_cast<double>(std::max<std::size_t>(1, depths.size()));
 }
 
-double OfTissue(const Criterion& criterion, const std::string& file,
-                const std::vector<TissueCut>& cut) {
+double OfTissue(const Criterion& criterion, const SolidsCut& trial, const std::string& file) {
+  const std::vector<TissueCut> cut = TissuesOf(trial, criterion.place);
   const auto tissue = std::ranges::find(cut, criterion.tissue, &TissueCut::name);
   if (tissue == cut.end()) {
     std::string names;
@@ -49,32 +55,82 @@ double OfTissue(const Criterion& criterion, const std::string& file,
   return tissue->before_mm3 > 0.0 ? tissue->after_mm3 / tissue->before_mm3 : 0.0;
 }
 
-double ValueOf(const Criterion& criterion, const Criteria& criteria, const Score& score,
-               const HandPath& trainee, const std::vector<TissueCut>& cut, const Grade& grade) {
-  if (MeasureOf(criterion.measure).of_tissue) return OfTissue(criterion, criteria.file, cut);
-  if (criterion.measure == "force_over_share") return ShareOver(criterion.limit_N, trainee);
+std::optional<double> ValueOf(const Criterion& criterion, const Criteria& criteria,
+                              const Score& score, const HandPath& trainee,
+                              const MeasureOfCut& of_cut, const Grade& grade) {
+  if (MeasureOf(criterion.measure).of_cut) return of_cut(criterion);
+  const TimeThere time = TimeIn(criterion, criteria.tip, trainee);
+  if (criterion.measure == "force_over_share") {
+    return time.contact_s > 0.0 ? time.over_s / time.contact_s : 0.0;
+  }
+  if (criterion.measure == "time_s") return time.all_s;
   if (criterion.measure == "time_ratio") return score.trainee_s / score.expert_s;
   if (criterion.measure == "sites_right_share") return ShareRight(criteria, grade.depths);
   return score.*MeasureOf(criterion.measure).of_score;
 }
 
+Vec3 ReadDirection(const JsonNode& node) {
+  const Vec3 direction = node.Vector();
+  if (!(direction.norm() > 1e-6)) node.Fail("is no direction; give one that is not 0");
+  return direction.normalized();
+}
+
+MaterialRegion ReadPlace(const JsonNode& node) {
+  node.AllowOnly({"box", "sphere"});
+  const auto box = node.Find("box"), sphere = node.Find("sphere");
+  if (box.has_value() == sphere.has_value()) {
+    node.Fail("must be one place; give \"box\" or \"sphere\"");
+  }
+  MaterialRegion place;
+  if (box) {
+    box->AllowOnly({"min_mm", "max_mm"});
+    place.low = 1e-3 * box->At("min_mm").Vector();
+    place.high = 1e-3 * box->At("max_mm").Vector();
+    if (!(place.low.array() < place.high.array()).all()) {
+      box->Fail("is empty; each entry of min_mm must be below max_mm's");
+    }
+  } else {
+    sphere->AllowOnly({"centre_mm", "radius_mm"});
+    place.low = 1e-3 * sphere->At("centre_mm").Vector();
+    place.radius = 1e-3 * sphere->At("radius_mm").PositiveNumber();
+  }
+  return place;
+}
+
+/// What goes with some measures alone.
+void ReadWhatItIsAbout(const JsonNode& node, Criterion& criterion) {
+  const Measure& measure = MeasureOf(criterion.measure);
+  const auto refuse = [&](const JsonNode& field) {
+    field.Fail("does not go with \"" + criterion.measure + "\"; drop it");
+  };
+  if (criterion.measure == "force_over_share") {
+    criterion.limit_N = node.At("limit_N").PositiveNumber();
+  } else if (auto limit = node.Find("limit_N")) {
+    refuse(*limit);
+  }
+  const auto tissue = measure.tissue == Measure::Tissue::kMustName
+                          ? std::optional(node.At("tissue"))
+                          : node.Find("tissue");
+  if (tissue && measure.tissue == Measure::Tissue::kNone) refuse(*tissue);
+  if (tissue) criterion.tissue = tissue->String();
+  if (auto axis = node.Find("axis")) {
+    if (!measure.along_axis) refuse(*axis);
+    criterion.axis = ReadDirection(*axis);
+  }
+  if (auto place = node.Find("region")) {
+    if (!measure.in_a_place) refuse(*place);
+    criterion.place = ReadPlace(*place);
+  }
+}
+
 Criterion ReadCriterion(const JsonNode& node, bool has_sites) {
-  node.AllowOnly({"name", "why", "measure", "limit_N", "tissue", "best", "worst", "weight"});
+  node.AllowOnly(
+      {"name", "why", "measure", "limit_N", "tissue", "axis", "region", "best", "worst", "weight"});
   Criterion criterion;
   criterion.name = node.At("name").String();
   if (auto why = node.Find("why")) criterion.why = why->String();
   criterion.measure = node.At("measure").OneOf(MeasureNames());
-  const bool over = criterion.measure == "force_over_share";
-  if (over) {
-    criterion.limit_N = node.At("limit_N").PositiveNumber();
-  } else if (auto limit = node.Find("limit_N")) {
-    limit->Fail("goes with \"force_over_share\" alone; drop it");
-  }
-  if (MeasureOf(criterion.measure).of_tissue) {
-    criterion.tissue = node.At("tissue").String();
-  } else if (auto tissue = node.Find("tissue")) {
-    tissue->Fail("goes with \"removed_mm3\" and \"left_share\" alone; drop it");
-  }
+  ReadWhatItIsAbout(node, criterion);
   if (criterion.measure == "sites_right_share" && !has_sites) {
     node.At("measure").Fail("needs \"sites\"; add them, or take another measure");
   }
@@ -92,10 +148,7 @@ ProbingSite ReadSite(const JsonNode& node) {
   ProbingSite site;
   site.name = node.At("name").String();
   site.margin = 1e-3 * node.At("margin_mm").Vector();
-  const JsonNode into = node.At("into");
-  site.into = into.Vector();
-  if (!(site.into.norm() > 1e-6)) into.Fail("is no direction; give one that is not 0");
-  site.into.normalize();
+  site.into = ReadDirection(node.At("into"));
   site.radius = 1e-3 * node.At("radius_mm").PositiveNumber();
   site.depth = 1e-3 * node.At("depth_mm").PositiveNumber();
   site.tolerance = 1e-3 * node.At("tolerance_mm").PositiveNumber();
@@ -104,17 +157,34 @@ ProbingSite ReadSite(const JsonNode& node) {
 
 }  // namespace
 
+using Tissue = Measure::Tissue;
 const std::vector<Measure> kMeasures = {
-    {"force_over_share", "%", "share of the time in contact with more force than the limit"},
+    {.name = "force_over_share",
+     .unit = "%",
+     .text = "share of the time in contact with more force than the limit",
+     .in_a_place = true},
     {"force_peak_N", "N", "greatest force", &Score::trainee_peak_N},
     {"force_rms_N", "N", "difference of the force from the expert's (rms)", &Score::force_rms_N},
     {"path_mean_mm", "mm", "mean distance from the expert's path", &Score::path_mean_mm},
     {"path_max_mm", "mm", "greatest distance from the expert's path", &Score::path_max_mm},
     {"turn_mean_deg", "°", "mean difference of rotation", &Score::turn_mean_deg},
+    {.name = "time_s", .unit = "s", .text = "time taken", .in_a_place = true},
     {"time_ratio", "×", "time taken, as a multiple of the expert's"},
     {"sites_right_share", "%", "share of the sites whose depth was probed rightly"},
-    {"removed_mm3", "mm³", "removed by the bur", nullptr, true},
-    {"left_share", "%", "share that the bur left", nullptr, true},
+    {"removed_mm3", "mm³", "removed by the bur", nullptr, Tissue::kMustName, true},
+    {"left_share", "%", "share that the bur left", nullptr, Tissue::kMustName, true},
+    {"missed_mm3", "mm³", "gone at the expert's and still there", nullptr, Tissue::kMayName, true},
+    {"excess_mm3", "mm³", "there at the expert's and gone", nullptr, Tissue::kMayName, true},
+    {"thickness_mm", "mm", "least thickness left over a tissue", nullptr, Tissue::kMustName, true},
+    {"taper_deg", "°", "angle of the walls to the axis", nullptr, Tissue::kNone, true, true},
+    {"undercut_share", "%", "share of the walls that are undercut", nullptr, Tissue::kNone, true,
+     true},
+    {"margin_width_mm", "mm", "width of the shoulder at the border", nullptr, Tissue::kNone, true,
+     true},
+    {"margin_spread_mm", "mm", "how the width of the shoulder varies (standard deviation)", nullptr,
+     Tissue::kNone, true, true},
+    {"margin_roughness_mm", "mm", "unevenness of the border (rms)", nullptr, Tissue::kNone, true,
+     true},
 };
 
 const Measure& MeasureOf(const std::string& name) {
@@ -129,8 +199,10 @@ const char* const kCriteriaToBeginWith =
   "tip_mm": [0, 0, 0],                   // of the tool, in its own frame
   // "best" earns all of a criterion's points, "worst" none, what lies between its share.
   // Measures: force_over_share, force_peak_N, force_rms_N, path_mean_mm, path_max_mm,
-  // turn_mean_deg, time_ratio, sites_right_share; of what a bur cuts, with "tissue": removed_mm3,
-  // left_share.  Shares are from 0 to 1.
+  // turn_mean_deg, time_s, time_ratio, sites_right_share; of what a bur cuts, with "tissue":
+  // removed_mm3, left_share, thickness_mm, missed_mm3, excess_mm3; of a preparation along "axis":
+  // taper_deg, undercut_share, margin_width_mm, margin_spread_mm, margin_roughness_mm.  Shares are
+  // from 0 to 1.
   "criteria": [
     {"name": "No more than 25 g", "measure": "force_over_share", "limit_N": 0.245,
      "best": 0, "worst": 0.5, "weight": 2,
@@ -178,12 +250,40 @@ std::optional<double> DepthIn(const ProbingSite& site, const Vec3& tip, const Ha
 
 bool AsksForCuts(const Criteria& criteria) {
   return std::ranges::any_of(criteria.criteria, [](const Criterion& criterion) {
-    return MeasureOf(criterion.measure).of_tissue;
+    return MeasureOf(criterion.measure).of_cut;
   });
 }
 
+std::optional<double> MeasureCut(const Criterion& criterion, const SolidsCut& expert,
+                                 const SolidsCut& trial, const CutShape& shape,
+                                 const std::string& file) {
+  const std::string& measure = criterion.measure;
+  if (measure == "thickness_mm") {
+    try {
+      return shape.ThicknessOver(criterion.tissue, criterion.place);
+    } catch (const Error& error) {
+      throw Error(file + ": criterion '" + criterion.name + "': " + error.what());
+    }
+  }
+  if (measure == "missed_mm3" || measure == "excess_mm3") {
+    const TargetDifference difference =
+        DifferenceTo(expert, trial, criterion.tissue, criterion.place);
+    return measure == "missed_mm3" ? difference.missed_mm3 : difference.excess_mm3;
+  }
+  if (!MeasureOf(measure).along_axis) return OfTissue(criterion, trial, file);
+  const Preparation found = shape.PreparationAlong(criterion.axis, criterion.place);
+  const auto where = [](const std::optional<double>& there, double value) {
+    return there ? std::optional(value) : std::nullopt;
+  };
+  if (measure == "taper_deg") return found.taper_deg;
+  if (measure == "undercut_share") return where(found.taper_deg, found.undercut_share);
+  if (measure == "margin_width_mm") return found.width_mm;
+  if (measure == "margin_spread_mm") return where(found.width_mm, found.spread_mm);
+  return where(found.width_mm, found.roughness_mm);
+}
+
 std::optional<Grade> GradeTrial(const Criteria& criteria, const Score& score,
-                                const HandPath& trainee, const std::vector<TissueCut>& cut) {
+                                const HandPath& trainee, const MeasureOfCut& of_cut) {
   if (score.trainee_contact_s == 0.0) return std::nullopt;
   Grade grade;
   for (const ProbingSite& site : criteria.sites) {
@@ -191,8 +291,9 @@ std::optional<Grade> GradeTrial(const Criteria& criteria, const Score& score,
   }
   double weights = 0.0;
   for (const Criterion& criterion : criteria.criteria) {
-    const double value = ValueOf(criterion, criteria, score, trainee, cut, grade);
-    const double share = (value - criterion.worst) / (criterion.best - criterion.worst);
+    const auto value = ValueOf(criterion, criteria, score, trainee, of_cut, grade);
+    const double share =
+        (value.value_or(criterion.worst) - criterion.worst) / (criterion.best - criterion.worst);
     grade.marks.push_back({value, 100.0 * std::clamp(share, 0.0, 1.0)});
     grade.points += criterion.weight * grade.marks.back().points;
     weights += criterion.weight;

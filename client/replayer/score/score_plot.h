@@ -20,10 +20,11 @@ struct ScorePlot {
 /// prefers.  Text never lies on text.
 std::string ToSvg(const std::vector<ScorePlot>& plots);
 
-// score_page.css, score_page.js, and the colours and font of the viewer's page as CSS, put here by
-// the build.
+// score_page.css, score_page.js, score_cut.js, and the colours and font of the viewer's page as
+// CSS, put here by the build.
 extern const char* const kScorePageCss;
 extern const char* const kScorePageJs;
+extern const char* const kScoreCutJs;
 extern const char* const kScorePagePalette;
 
 /// Text as HTML or SVG, whatever it is.

@@ -12,13 +12,16 @@
 #include "client/replayer/hand_path.h"
 #include "common/error.h"
 #include "common/files/output.h"
+#include "common/files/whole_file.h"
+#include "common/json/json_file.h"
 #include "common/text/quoted.h"
+#include "scenes/catalogue.h"
 
 namespace palpate {
 namespace {
 
 /// Of a path on the page: more than a screen's pixels show nothing new.
-constexpr std::size_t kMostPoints = 600;
+constexpr std::size_t kMostShown = 600;
 
 constexpr const char* kOneTrial =
     "One trial predicts nothing: give several, and go by their average.";
@@ -80,9 +83,9 @@ bool Passed(const Report& report) {
 
 /// JSON as an expression in a script element, where HTML ends the script at "</script", and does
 /// not end it after "<!--<script": no such letter is left, in what can be text alone.
-std::string Embedded(const nlohmann::ordered_json& json) {
+std::string Embedded(const std::string& json) {
   std::string script;
-  for (const char c : json.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace)) {
+  for (const char c : json) {
     script += c == '<'   ? "\\u003c"
               : c == '>' ? "\\u003e"
               : c == '&' ? "\\u0026"
@@ -147,6 +150,7 @@ std::string MarksHtml(const Report& report) {
     std::string what = measure.text;
     if (criterion.limit_N > 0.0) what += fmt::format(", {:g} N", criterion.limit_N);
     if (!criterion.tissue.empty()) what += ": " + criterion.tissue;
+    if (criterion.place) what += ", in a region";
     html +=
         "<tr>" + Cell(Escaped(criterion.name) + "<small>" + Escaped(what) +
                       (criterion.why.empty() ? "" : ". " + Escaped(criterion.why)) + "</small>");
@@ -159,8 +163,10 @@ std::string MarksHtml(const Report& report) {
         continue;
       }
       const Grade::Mark& mark = grade->marks[c];
-      html += Cell(fmt::format("{:.3g} {}<br><span class=\"points\">{:.0f} points</span>",
-                               Shown(criterion, mark.value), measure.unit, mark.points));
+      html +=
+          Cell((mark.value ? fmt::format("{:.3g} {}", Shown(criterion, *mark.value), measure.unit)
+                           : std::string("nothing to measure")) +
+               fmt::format("<br><span class=\"points\">{:.0f} points</span>", mark.points));
     }
     html += AverageCell(
         report, AverageGrade(report, [&](const Grade& grade) { return grade.marks[c].points; }), 0);
@@ -220,6 +226,31 @@ const TissueCut& TissueOf(const std::vector<TissueCut>& cut, const std::string& 
   return *std::ranges::find(cut, name, &TissueCut::name);
 }
 
+/// Where score_cut.js draws; the trials' pictures come after the expert's.
+std::string PictureHtml(const Report& report) {
+  if (report.pictures.empty()) return "";
+  return "<canvas id=\"cut\" role=\"img\" aria-label=\"What is left, coloured by how it differs "
+         "from what the expert left; drag to look from elsewhere\"></canvas>\n<div class=\"at\">"
+         "<label for=\"whose\">Of</label><select id=\"whose\"></select><label><input id=\"plain\" "
+         "type=\"checkbox\"> tissues alone</label></div>\n<p class=\"scale\"><span>went, and "
+         "should "
+         "have stayed</span><i></i><span>stays, and should have gone</span></p>\n" +
+         fmt::format(
+             "<p class=\"quiet\">Full colour from {:g} mm on. Drag to look from elsewhere, "
+             "wheel to come nearer.</p>\n",
+             1e3 * kMostOff);
+}
+
+/// An array of JSON.
+std::string PicturesOf(const Report& report) {
+  std::string json;
+  for (std::size_t i = 0; i < report.pictures.size(); ++i) {
+    json += (i == 0 ? "[" : ",") +
+            JsonOf(report.pictures[i], i == 0 ? "the expert" : report.trials[i - 1].name);
+  }
+  return json.empty() ? "[]" : json + "]";
+}
+
 std::string CutHtml(const Report& report) {
   if (report.expert_cut.empty()) return "";
   std::string html = "<h2>What was cut</h2>\n<div class=\"wide\"><table>\n" +
@@ -240,23 +271,68 @@ std::string CutHtml(const Report& report) {
     }
     html += AverageCell(report, AverageOf(removed), 2) + "</tr>\n";
   }
-  return html + "</table></div>\n";
+  const auto beside = [&](const char* what, double TargetDifference::*volume) {
+    html += "<tr>" + Cell(what) + Cell("") + Cell("");
+    const auto values = Each(report, [&](std::size_t i) { return report.differences[i].*volume; });
+    for (const double value : values) html += Cell(fmt::format("{:.2f} mm³", value));
+    html += AverageCell(report, AverageOf(values), 2) + "</tr>\n";
+  };
+  if (!report.differences.empty()) {
+    beside("gone at the expert’s, and still there", &TargetDifference::missed_mm3);
+    beside("there at the expert’s, and gone", &TargetDifference::excess_mm3);
+  }
+  return html + "</table></div>\n" + PictureHtml(report);
 }
 
 /// What a recorded session's bur left: the physics computes it again.  Throws Error where that is
 /// not what was recorded.
-std::vector<TissueCut> CutIn(const std::string& file, const HandPath& path) {
+SolidsCut CutIn(const std::string& file, const HandPath& path) {
   VerifyOptions options;
-  options.volumes = true;
+  options.whose = {path.station, path.run};
   for (SessionVerdict& session : Verify({file}, options).sessions) {
     if (session.station != path.station || session.run != path.run) continue;
-    if (session.good()) return std::move(session.cut);
+    if (session.good()) return *std::move(session.cut);
     throw Error(file + ": what station '" + path.station + "' cut cannot be computed again: " +
                 (session.ends.empty() ? "this version gives other forces than were recorded; score "
                                         "it with the version that recorded it"
                                       : session.ends));
   }
   throw Error(file + ": has no wrench of station '" + path.station + "'; record it anew");
+}
+
+bool HaveEqualSolids(const SolidsCut& a, const SolidsCut& b) {
+  return std::ranges::equal(a.after, b.after, [](const CutField& one, const CutField& other) {
+    const Lattice &l = one.field().lattice(), &m = other.field().lattice();
+    return l.blocks == m.blocks && l.origin == m.origin && l.spacing == m.spacing;
+  });
+}
+
+/// Of the last trial: what its burs left beside what the expert's did, if he has cut; and its
+/// grade, if there are criteria.
+void AddCutAndGrade(const std::optional<SolidsCut>& expert, const HandPath& trial,
+                    const std::string& file, Report& report) {
+  std::optional<SolidsCut> cut;
+  std::optional<CutShape> shape;
+  if (expert) {
+    cut = CutIn(file, trial);
+    report.cuts.push_back(TissuesOf(*cut));
+    if (!HaveEqualSolids(*cut, *expert) ||
+        !std::ranges::equal(report.cuts.back(), report.expert_cut, {}, &TissueCut::name,
+                            &TissueCut::name)) {
+      throw Error(file + ": its scene '" + trial.scene +
+                  "' has other tissues than the expert's; give recordings of one scene");
+    }
+    if (!report.expert_cut.empty()) {
+      report.differences.push_back(DifferenceTo(*expert, *cut, "", std::nullopt));
+      report.pictures.push_back(PictureOf(*cut, *expert));
+    }
+  }
+  if (!report.criteria) return;
+  if (expert && AsksForCuts(*report.criteria)) shape.emplace(*cut);
+  report.grades.push_back(GradeTrial(
+      *report.criteria, report.trials.back().score, trial, [&](const Criterion& criterion) {
+        return MeasureCut(criterion, *expert, *cut, *shape, report.criteria->file);
+      }));
 }
 
 nlohmann::ordered_json JsonOf(const std::vector<TissueCut>& cut) {
@@ -285,7 +361,7 @@ nlohmann::ordered_json TrackJson(const std::string& name, const std::vector<Vec3
 
 nlohmann::ordered_json TracksOf(const Report& report) {
   const Score& first = report.trials.front().score;
-  const std::size_t stride = first.time_s.size() / kMostPoints + 1;
+  const std::size_t stride = first.time_s.size() / kMostShown + 1;
   nlohmann::ordered_json json{{"time", nlohmann::ordered_json::array()}};
   for (std::size_t i = 0; i < first.time_s.size(); i += stride) {
     json["time"].push_back(first.time_s[i]);
@@ -315,14 +391,20 @@ nlohmann::ordered_json JsonOf(const Report& report) {
     nlohmann::ordered_json trial = JsonOf(report.trials[i].score);
     trial["trial"] = report.trials[i].name;
     if (!report.expert_cut.empty()) trial["cut"] = JsonOf(report.cuts[i]);
+    if (i < report.differences.size()) {
+      trial["missed_mm3"] = report.differences[i].missed_mm3;
+      trial["excess_mm3"] = report.differences[i].excess_mm3;
+    }
     if (report.criteria && !report.grades[i]) trial["points"] = nullptr;
     if (report.criteria && report.grades[i]) {
       const Grade& grade = *report.grades[i];
       trial["points"] = grade.points;
       for (std::size_t c = 0; c < grade.marks.size(); ++c) {
-        trial["marks"].push_back({{"criterion", report.criteria->criteria[c].name},
-                                  {"value", grade.marks[c].value},
-                                  {"points", grade.marks[c].points}});
+        const Grade::Mark& mark = grade.marks[c];
+        trial["marks"].push_back(
+            {{"criterion", report.criteria->criteria[c].name},
+             {"value", mark.value ? nlohmann::ordered_json(*mark.value) : nullptr},
+             {"points", mark.points}});
       }
       for (std::size_t s = 0; s < grade.depths.size(); ++s) {
         nlohmann::ordered_json site{{"site", report.criteria->sites[s].name}};
@@ -367,8 +449,12 @@ Report MakeReport(const ScoreOptions& options) {
     return TrialIn(ReadHandPath({file}, choice), file);
   };
   const HandPath expert = read(options.expert, {options.expert_station, "--expert-station"});
-  const bool cuts = expert.cuts || (report.criteria && AsksForCuts(*report.criteria));
-  if (cuts) report.expert_cut = CutIn(options.expert, expert);
+  std::optional<SolidsCut> expert_cut;
+  if (expert.cuts || (report.criteria && AsksForCuts(*report.criteria))) {
+    expert_cut = CutIn(options.expert, expert);
+    report.expert_cut = TissuesOf(*expert_cut);
+    if (!report.expert_cut.empty()) report.pictures.push_back(PictureOf(*expert_cut, *expert_cut));
+  }
   for (std::size_t i = 0; i < options.trials.size(); ++i) {
     const std::string& file = options.trials[i];
     const std::string station = options.stations.empty()       ? ""
@@ -380,16 +466,7 @@ Report MakeReport(const ScoreOptions& options) {
                   expert.scene + "'; give recordings of one scene");
     }
     report.trials.push_back({NameOf(file, station), ScorePath(expert, trial)});
-    report.cuts.push_back(cuts ? CutIn(file, trial) : std::vector<TissueCut>());
-    if (!std::ranges::equal(report.cuts.back(), report.expert_cut, {}, &TissueCut::name,
-                            &TissueCut::name)) {
-      throw Error(file + ": its scene '" + trial.scene +
-                  "' has other tissues than the expert's; give recordings of one scene");
-    }
-    if (report.criteria) {
-      report.grades.push_back(
-          GradeTrial(*report.criteria, report.trials.back().score, trial, report.cuts.back()));
-    }
+    AddCutAndGrade(expert_cut, trial, file, report);
   }
   return report;
 }
@@ -459,8 +536,14 @@ std::string ToHtml(const Report& report) {
   if (report.criteria) {
     html += "<p class=\"quiet\">Graded by " + Escaped(report.criteria->file) + "</p>\n";
   }
-  return html + "<script>\nconst score = " + Embedded(TracksOf(report)) + ";\n" + kScorePageJs +
-         "</script>\n</body>\n</html>\n";
+  html += "<script>\nconst score = " +
+          Embedded(TracksOf(report).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace)) +
+          ";\n" + kScorePageJs + "</script>\n";
+  if (!report.pictures.empty()) {
+    html += "<script>\nconst pictures = " + Embedded(PicturesOf(report)) + ";\n" + kScoreCutJs +
+            "</script>\n";
+  }
+  return html + "</body>\n</html>\n";
 }
 
 void WriteReport(const Report& report, const std::string& folder) {
@@ -472,11 +555,17 @@ void WriteReport(const Report& report, const std::string& folder) {
   WriteOutput("--out", folder + "/score.json", JsonText(report));
 }
 
-void WriteNewCriteria(const std::string& file) {
+void WriteNewCriteria(const std::string& file, const std::string& scene) {
   if (std::filesystem::exists(file)) {
     throw Error(file + ": is there already; give another name, so that nobody's work is lost");
   }
-  WriteOutput("criteria", file, kCriteriaToBeginWith);
+  if (scene.empty()) return WriteOutput("criteria", file, kCriteriaToBeginWith);
+  const std::string source = CriteriaFileBeside(scene);
+  if (!std::filesystem::exists(source)) {
+    throw Error("--scene " + scene + ": has no criteria, " + source +
+                "; leave it out for criteria to begin with");
+  }
+  WriteOutput("criteria", file, ReadWholeFile(source, JsonNode::kMostBytes));
 }
 
 }  // namespace palpate

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "client/replayer/score/criteria.h"
+#include "client/replayer/score/cut_picture.h"
 #include "client/replayer/score/score.h"
 
 namespace palpate {
@@ -16,6 +17,9 @@ struct Report {
   /// What burs left of each tissue, the expert's and as trials; empty where nothing can be cut.
   std::vector<TissueCut> expert_cut;
   std::vector<std::vector<TissueCut>> cuts;
+  /// Of the trials to what the expert left; as pictures, the expert's first.
+  std::vector<TargetDifference> differences;
+  std::vector<CutPicture> pictures;
   std::optional<Criteria> criteria;
   /// As trials, where there are criteria; none of a trial that touches nothing.
   std::vector<std::optional<Grade>> grades;
@@ -47,7 +51,8 @@ void WriteJson(const Report& report, const std::string& file);
 std::string ToHtml(const Report& report);
 /// score.html, score.svg and score.json into a folder, which is made.  Throws Error.
 void WriteReport(const Report& report, const std::string& folder);
-/// kCriteriaToBeginWith.  Throws Error, also where there is such a file.
-void WriteNewCriteria(const std::string& file);
+/// Those that come with a scene of the catalogue; where none is named, kCriteriaToBeginWith.
+/// Throws Error, also where there is such a file.
+void WriteNewCriteria(const std::string& file, const std::string& scene = "");
 
 }  // namespace palpate

@@ -34,6 +34,8 @@ namespace {
 
 /// A wrench may overtake its pose in the recording, by what a burst holds.
 constexpr std::size_t kMostAhead = 1000;
+/// Samples between looks at Ctrl-C.
+constexpr std::uint64_t kLook = 4096;
 /// Of sessions; a server has 32, and a recording may be of several.
 constexpr std::size_t kMostAtOnce = 256;
 
@@ -110,14 +112,17 @@ class Scenes {
   }
   void AddHash(const std::string& scene, const std::string& hash) { hashes_[scene] = hash; }
 
-  const Scene& SceneOf(const std::string& name) { return Load(name).scene; }
+  std::shared_ptr<const Scene> SceneOf(const std::string& name) { return Load(name).scene; }
+  std::shared_ptr<const SceneObjects> ObjectsOf(const std::string& name) {
+    return Load(name).objects;
+  }
   const HapticModel& ModelOf(const std::string& scene_name, const std::string& tool_name) {
     Loaded& loaded = Load(scene_name);
-    for (const Body& tool : loaded.scene.tools) {
+    for (const Body& tool : loaded.scene->tools) {
       if (tool.name != tool_name) continue;
       auto& model = loaded.models[tool_name];
       if (!model) {
-        model = std::make_unique<HapticModel>(MakeModel(loaded.scene, tool, loaded.objects));
+        model = std::make_unique<HapticModel>(MakeModel(*loaded.scene, tool, loaded.objects));
       }
       return *model;
     }
@@ -127,7 +132,7 @@ class Scenes {
 
  private:
   struct Loaded {
-    Scene scene;
+    std::shared_ptr<const Scene> scene;
     std::shared_ptr<const SceneObjects> objects;
     std::map<std::string, std::unique_ptr<HapticModel>> models;
   };
@@ -138,12 +143,14 @@ class Scenes {
     loaded = std::make_unique<Loaded>();
     if (const auto bundle = bundles_.find(name);
         options_.scene.empty() && bundle != bundles_.end()) {
-      loaded->scene = UnpackScene(bundle->second, "the recording's scene '" + name + "'");
+      loaded->scene = std::make_shared<const Scene>(
+          UnpackScene(bundle->second, "the recording's scene '" + name + "'"));
     } else {
       LoadOptions load;
       load.models_dir = options_.models_dir;
-      loaded->scene = LoadScene(options_.scene.empty() ? name : options_.scene, load);
-      const std::string hash = Hex16(BundleHash(PackScene(loaded->scene)));
+      loaded->scene = std::make_shared<const Scene>(
+          LoadScene(options_.scene.empty() ? name : options_.scene, load));
+      const std::string hash = Hex16(BundleHash(PackScene(*loaded->scene)));
       const auto recorded = hashes_.find(name);
       if (recorded != hashes_.end() && recorded->second != hash) {
         throw Error("scene '" + name + "' (hash " + hash +
@@ -151,7 +158,7 @@ class Scenes {
                     "): give that one with --scene, or record again");
       }
     }
-    loaded->objects = MakeObjects(loaded->scene);
+    loaded->objects = MakeObjects(*loaded->scene);
     return *loaded;
   }
 
@@ -184,11 +191,11 @@ class SessionReplay {
   }
 
   /// Before its first pose: what burs of before have left.
-  /// @param volumes  the verdict is to say what of it is cut.
-  void Begin(const std::vector<CutField>& cuts, bool volumes) {
+  /// @param cut  the verdict is to have it, and what becomes of it.
+  void Begin(const std::vector<CutField>& cuts, std::optional<SolidsCut> cut) {
     if (!cuts.empty()) loop_.cuts() = cuts;
-    if (volumes) verdict_.cut = Tissues(loop_.cuts(), &TissueCut::before_mm3);
-    volumes_ = volumes;
+    verdict_.cut = std::move(cut);
+    if (verdict_.cut) verdict_.cut->before = loop_.cuts();
   }
   /// That cannot be known.
   void BeginUnknown() {
@@ -220,11 +227,7 @@ class SessionReplay {
   SessionVerdict End(bool cut_off) {
     if (cut_off) ForgetTheLast();
     Advance(true);
-    const auto left =
-        volumes_ ? Tissues(loop_.cuts(), &TissueCut::after_mm3) : std::vector<TissueCut>();
-    for (std::size_t i = 0; i < verdict_.cut.size(); ++i) {
-      verdict_.cut[i].after_mm3 = left[i].after_mm3;
-    }
+    if (verdict_.cut) verdict_.cut->after = loop_.cuts();
     verdict_.recorded_s = 1e-9 * static_cast<double>(last_ns_ - first_ns_);
     verdict_.computed_s = 1e-9 * static_cast<double>(computed_ns_);
     if (verdict_.recorded == 0) {
@@ -242,24 +245,6 @@ class SessionReplay {
       --verdict_.recorded;
       ++verdict_.cut_off;
     }
-  }
-
-  /// In the order of solids and materials, those of one name as one.
-  std::vector<TissueCut> Tissues(const std::vector<CutField>& cuts,
-                                 double TissueCut::*volume_mm3) const {
-    std::vector<TissueCut> tissues;
-    for (std::size_t i = 0; i < cuts.size(); ++i) {
-      const Body& body = scene_.objects[model_.solids()[i].object];
-      const auto left = cuts[i].VolumeLeft();
-      for (std::size_t m = 0; m < body.materials.size(); ++m) {
-        const std::string& name =
-            body.materials[m].name.empty() ? body.name : body.materials[m].name;
-        auto tissue = std::ranges::find(tissues, name, &TissueCut::name);
-        if (tissue == tissues.end()) tissue = tissues.insert(tissue, TissueCut{name});
-        (*tissue).*volume_mm3 += 1e9 * left[m];
-      }
-    }
-    return tissues;
   }
 
   void Stop(const std::string& why) {
@@ -335,7 +320,7 @@ class SessionReplay {
       const wire::LeafTaken& taken = next_leaf_->second;
       if (taken.leaf == wire::kNoLeaf) {
         loop_.MakeWhole();
-        if (volumes_) verdict_.cut = Tissues(StepState(model_).cuts, &TissueCut::before_mm3);
+        if (verdict_.cut) verdict_.cut->before = StepState(model_).cuts;
         continue;
       }
       const auto first_of = [&](std::size_t object) {
@@ -365,7 +350,6 @@ class SessionReplay {
   const Scene& scene_;
   const HapticModel& model_;
   ServoLoop loop_;
-  bool volumes_ = false;
   SessionVerdict verdict_;
   std::map<std::uint64_t, wire::HapticPose> poses_;  // not yet used
   std::deque<std::pair<wire::Wrench, std::int64_t>> waiting_;
@@ -427,6 +411,27 @@ std::vector<std::unique_ptr<SessionFacts>> Gather(
   return sessions;
 }
 
+/// By scene and server's run.
+using Left = std::map<std::pair<std::string, std::uint64_t>, std::vector<CutField>>;
+
+/// What is left of the scenes whose solids any session could cut.
+std::vector<SolidsCut> LeftOf(const std::vector<std::unique_ptr<SessionFacts>>& sessions,
+                              Scenes& scenes, Left left) {
+  std::vector<SolidsCut> all;
+  for (auto& [scene, cuts] : left) {
+    const auto facts = std::ranges::find_if(sessions, [&](const auto& session) {
+      return std::pair(session->scene, session->server_run) == scene;
+    });
+    if (facts == sessions.end()) continue;
+    std::vector<CutField> whole = StepState(scenes.ModelOf(scene.first, (*facts)->tool)).cuts;
+    if (whole.empty()) continue;
+    if (cuts.empty()) cuts = whole;
+    all.push_back({scenes.SceneOf(scene.first), scenes.ObjectsOf(scene.first), std::move(whole),
+                   std::move(cuts)});
+  }
+  return all;
+}
+
 }  // namespace
 
 std::optional<WrenchDifference> Difference(const wire::Wrench& recorded,
@@ -478,7 +483,7 @@ Verification Verify(const std::vector<std::string>& files, const VerifyOptions& 
     std::optional<SessionVerdict> verdict;
   };
   // What the last session of a scene and of a server's run has left of its solids.
-  std::map<std::pair<std::string, std::uint64_t>, std::vector<CutField>> left;
+  Left left;
   std::set<std::pair<std::string, std::uint64_t>> unknown;  // by who is not in the recording
   std::map<std::pair<std::string, std::uint64_t>, std::uint64_t> undone;  // the last change that is
   std::map<std::string, Replayed> replayed;                               // by its poses' topic
@@ -504,10 +509,14 @@ Verification Verify(const std::vector<std::string>& files, const VerifyOptions& 
       }
       const SessionFacts& facts = *session.facts;
       session.replay = std::make_unique<SessionReplay>(
-          facts, scenes.SceneOf(facts.scene), scenes.ModelOf(facts.scene, facts.tool), began_ns);
+          facts, *scenes.SceneOf(facts.scene), scenes.ModelOf(facts.scene, facts.tool), began_ns);
       const std::pair scene(facts.scene, facts.server_run);
       if (unknown.contains(scene)) session.replay->BeginUnknown();
-      session.replay->Begin(left[scene], options.volumes);
+      std::optional<SolidsCut> cut;
+      if (options.whose == std::pair(facts.station, facts.run)) {
+        cut = {scenes.SceneOf(facts.scene), scenes.ObjectsOf(facts.scene), {}, {}};
+      }
+      session.replay->Begin(left[scene], std::move(cut));
     }
     return *session.replay;
   };
@@ -516,8 +525,18 @@ Verification Verify(const std::vector<std::string>& files, const VerifyOptions& 
   RecordedSample sample{};
   std::uint64_t number = 0;
   std::map<std::string, std::uint64_t> stray;  // wrenches of sessions whose states are missing
+  const auto end = [&](Replayed& session, bool cut_off) {
+    session.verdict = session.replay->End(cut_off);
+    left[{session.facts->scene, session.facts->server_run}] = session.replay->TakeCuts();
+    session.replay.reset();
+    --open;
+  };
   while (reader.Next(sample)) {
+    if (1e-9 * static_cast<double>(sample.log_time_ns - began_ns) > options.until_s) break;
     ++number;
+    if (options.stop != nullptr && number % kLook == 0 && options.stop->stopped()) {
+      throw Error(files.front() + ": stopped before all of it was computed again");
+    }
     wire::HapticPose pose;
     wire::Wrench wrench;
     const auto it = by_topic.find(*sample.topic);
@@ -546,13 +565,12 @@ Verification Verify(const std::vector<std::string>& files, const VerifyOptions& 
     } else if (sample.type == RecordedType::kWrench) {
       replay_of(session).AddBrokenWrench();
     }
-    if (number == session.last_sample && session.replay) {
-      session.verdict = session.replay->End(!complete);
-      left[{session.facts->scene, session.facts->server_run}] = session.replay->TakeCuts();
-      session.replay.reset();
-      --open;
-    }
+    if (number == session.last_sample && session.replay) end(session, !complete);
   }
+  for (auto& [topic, session] : replayed) {
+    if (session.replay) end(session, true);  // where it was until then
+  }
+  if (options.keep_left) verification.left = LeftOf(sessions, scenes, std::move(left));
   for (const auto& [topic, session] : replayed) {
     // A session that never came to send a pose has nothing to verify.
     const bool any =

@@ -1,25 +1,39 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/dds/wire.h"
+#include "common/program/stop_signal.h"
+#include "scenes/grid/cut_field.h"
+#include "scenes/scene.h"
+#include "server/physics/haptic_model.h"
 
 namespace palpate {
 
 struct VerifyOptions {
   std::string scene;       ///< for recordings without scenes: name or file; empty: as recorded
   std::string models_dir;  ///< as LoadOptions
-  bool volumes = false;    ///< say what was cut, too
+  /// Whose solids the result is to keep, station and run: a class's together do not fit into
+  /// memory.
+  std::optional<std::pair<std::string, std::uint64_t>> whose = std::nullopt;
+  bool keep_left = false;  ///< Verification::left is wanted
+  /// Nothing later counts: from the recording's first sample [s].
+  double until_s = std::numeric_limits<double>::infinity();
+  const StopSignal* stop = nullptr;  ///< looked at now and then; then throws Error
 };
 
-/// What there was and what a session's bur left of a tissue: of all materials of that name.
-struct TissueCut {
-  std::string name;  ///< as the scene has it; "OBJECT" where it has none
-  double before_mm3 = 0.0, after_mm3 = 0.0;
-  double removed_mm3() const { return before_mm3 - after_mm3; }
+/// The solids of a recorded scene, as burs left them.
+struct SolidsCut {
+  std::shared_ptr<const Scene> scene;
+  std::shared_ptr<const SceneObjects> objects;  ///< the solids that the fields are of
+  std::vector<CutField> before;                 ///< as objects->solids(): as a session found them
+  std::vector<CutField> after;                  ///< as it left them
 };
 
 /// A field of a wrench that is not what the physics gives now.
@@ -41,8 +55,8 @@ struct SessionVerdict {
   std::uint64_t verified = 0;   ///< computed again, the same bits
   std::uint64_t different = 0;  ///< computed again, other bits
   std::optional<WrenchDifference> first;
-  std::string ends;            ///< why no more could be computed; empty: all were
-  std::vector<TissueCut> cut;  ///< where that was asked for and the scene has solids
+  std::string ends;                ///< why no more could be computed; empty: all were
+  std::optional<SolidsCut> cut{};  ///< of whose it was asked for
   double recorded_s = 0.0, computed_s = 0.0;
   bool good() const { return recorded > 0 && verified == recorded; }
 };
@@ -51,6 +65,8 @@ struct Verification {
   std::vector<SessionVerdict> sessions;
   std::vector<std::string> problems;  ///< of the files
   bool damaged = false;               ///< they have changed since they were written
+  /// What is left at the end of each scene of each server's run; `before` is as it was at first.
+  std::vector<SolidsCut> left{};
   /// Every wrench of every session was computed again and is the same, and there is at least one.
   /// A recording that was cut off can be good as far as it goes.
   bool good() const;

@@ -69,7 +69,7 @@ TEST_F(CriteriaTest, GiveTheShareThatLiesBetweenBestAndWorst) {
     {"name": "peak", "measure": "force_peak_N", "best": 0, "worst": 4, "weight": 3}]})");
   const HandPath path = Probing(0.006, 1.0);  // 1 N for three quarters of the time
   const Grade grade = *GradeTrial(criteria, ScorePath(path, path), path);
-  EXPECT_NEAR(grade.marks[0].value, 0.75, 1e-3);
+  EXPECT_NEAR(*grade.marks[0].value, 0.75, 1e-3);
   EXPECT_NEAR(grade.marks[0].points, 25.0, 0.1);
   EXPECT_NEAR(grade.marks[1].points, 75.0, 1e-9);
   EXPECT_NEAR(grade.points, (25.0 + 3 * 75.0) / 4, 0.05);
@@ -82,19 +82,56 @@ TEST_F(CriteriaTest, GradeWhatABurLeftOfEachTissue) {
   EXPECT_TRUE(AsksForCuts(criteria));
   const HandPath path = Probing(0.006, 1.0);
   const Score score = ScorePath(path, path);
-  const Grade grade =
-      *GradeTrial(criteria, score, path,
-                  {{"enamel", 200.0, 190.0}, {"dentine", 400.0, 398.0}, {"caries", 8.0, 2.4}});
-  EXPECT_NEAR(grade.marks[0].value, 0.3, 1e-12);
+  const Grade grade = *GradeTrial(criteria, score, path, [](const Criterion& criterion) {
+    return criterion.tissue == "caries" ? std::optional(0.3) : std::nullopt;
+  });
+  EXPECT_NEAR(*grade.marks[0].value, 0.3, 1e-12);
   EXPECT_NEAR(grade.marks[0].points, 50.0, 1e-9);
-  EXPECT_NEAR(grade.marks[1].value, 2.0, 1e-12);
-  EXPECT_NEAR(grade.marks[1].points, 75.0, 1e-9);
-  const auto complaint = [&](const std::vector<TissueCut>& cut) {
-    return ComplaintOf([&] { GradeTrial(criteria, score, path, cut); });
+  EXPECT_FALSE(grade.marks[1].value) << "there was nothing to measure";
+  EXPECT_EQ(grade.marks[1].points, 0.0);
+  const SolidsCut none{std::make_shared<Scene>(), nullptr, {}, {}};
+  EXPECT_THAT(ComplaintOf([&] {
+                MeasureCut(criteria.criteria[0], none, none, CutShape(none), criteria.file);
+              }),
+              testing::AllOf(HasSubstr("'decay': nothing that is cut is called 'caries'"),
+                             HasSubstr("the scene has no solid")));
+}
+
+TEST_F(CriteriaTest, CountForceAndTimeInAPlace) {
+  const Criteria criteria = Load(R"({"title": "t", "pass": 50, "criteria": [
+    {"name": "gentle", "measure": "force_over_share", "limit_N": 0.75, "best": 0, "worst": 1,
+     "region": {"box": {"min_mm": [-1, -9, -1], "max_mm": [1, 0, 1]}}},
+    {"name": "swift", "measure": "time_s", "best": 0, "worst": 2,
+     "region": {"sphere": {"centre_mm": [0, -6, 0], "radius_mm": 5.5}}}]})");
+  // 11 mm down in a second and up again; below 0 from 0.4545 s on, and 1 N from 0.5 s on.
+  const HandPath path = Probing(0.006, 1.0);
+  const Grade grade = *GradeTrial(criteria, ScorePath(path, path), path);
+  EXPECT_NEAR(*grade.marks[0].value, (1.0 + 1.0 / 11.0 - (0.5 - 5.0 / 11.0)) / (12.0 / 11.0), 1e-2);
+  EXPECT_NEAR(*grade.marks[1].value, 1.0, 1e-2);
+}
+
+TEST_F(CriteriaTest, ReadWhatAMeasureIsAbout) {
+  const auto with = [](const std::string& more) {
+    return R"({"title": "t", "pass": 50, "criteria": [{"name": "a", "best": 0, "worst": 1, )" +
+           more + "}]}";
   };
-  EXPECT_THAT(complaint({{"bone", 1.0, 1.0}, {"nerve", 1.0, 1.0}}),
-              HasSubstr("'decay': nothing that is cut is called 'caries'; there is: bone, nerve"));
-  EXPECT_THAT(complaint({}), HasSubstr("the scene has no solid"));
+  const Criterion taper = Load(with(R"("measure": "taper_deg", "axis": [0, 0, 2],
+                   "region": {"box": {"min_mm": [0, 1, 2], "max_mm": [1, 2, 3]}})"))
+                              .criteria[0];
+  EXPECT_EQ(taper.axis, Vec3::UnitZ());
+  EXPECT_TRUE(taper.place->Holds(Vec3(0.0005, 0.0015, 0.0025)));
+  EXPECT_THAT(Complaint(with(R"("measure": "taper_deg", "axis": [0, 0, 0])")),
+              HasSubstr("is no direction"));
+  EXPECT_THAT(Complaint(with(R"("measure": "taper_deg", "tissue": "pulp")")),
+              HasSubstr("does not go with \"taper_deg\""));
+  EXPECT_THAT(Complaint(with(R"("measure": "path_max_mm", "region": {})")),
+              HasSubstr("does not go with \"path_max_mm\""));
+  EXPECT_THAT(Complaint(with(R"("measure": "time_s", "region": {})")),
+              HasSubstr("give \"box\" or \"sphere\""));
+  EXPECT_THAT(Complaint(with(R"("measure": "time_s",
+                                "region": {"box": {"min_mm": [0, 0, 0], "max_mm": [1, 0, 1]}})")),
+              HasSubstr("is empty"));
+  EXPECT_THAT(Complaint(with(R"("measure": "thickness_mm")")), HasSubstr("tissue is missing"));
 }
 
 TEST(ProbingSite, IsAsDeepAsTheTipGotWithinItsRadius) {
@@ -131,7 +168,7 @@ TEST_F(CriteriaTest, NameTheFieldThatIsWrong) {
               HasSubstr("tissue is missing"));
   EXPECT_THAT(Complaint(with(R"({"name": "a", "measure": "force_peak_N", "tissue": "pulp",
                                  "best": 0, "worst": 1})")),
-              HasSubstr("goes with \"removed_mm3\" and \"left_share\" alone"));
+              HasSubstr("does not go with \"force_peak_N\"; drop it"));
 }
 
 struct Text {

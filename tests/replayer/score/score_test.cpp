@@ -16,6 +16,7 @@
 #include "common/error.h"
 #include "common/math/rotation.h"
 #include "tests/common/recording/samples.h"
+#include "tests/replayer/cut_recording.h"
 #include "tests/support/complaint.h"
 #include "tests/support/random.h"
 
@@ -348,6 +349,38 @@ TEST(ScoreReport, SetsWhatWasCutBesideTheExpert) {
   const auto json = nlohmann::json::parse(std::ifstream(folder / "s.json"));
   EXPECT_EQ(json["trials"][0]["cut"][1]["removed_mm3"], 0.5);
   EXPECT_EQ(json["expert_cut"][0]["tissue"], "caries");
+}
+
+TEST(ScoreReport, MeasuresAndShowsWhatATrialCutBesideTheExpert) {
+  const Folder folder;
+  RecordCut(folder / "expert.mcap", 160, Down(0.8));
+  RecordCut(folder / "deeper.mcap", 250, Down(1.3));
+  std::ofstream(folder / "c.json") << R"({"title": "t", "pass": 50, "criteria": [
+    {"name": "over", "measure": "excess_mm3", "best": 0, "worst": 1},
+    {"name": "left", "measure": "left_share", "tissue": "enamel", "best": 1, "worst": 0},
+    {"name": "walls", "measure": "taper_deg", "best": 0, "worst": 20}]})";
+  ScoreOptions options;
+  options.expert = folder / "expert.mcap";
+  options.trials = {folder / "deeper.mcap"};
+  options.criteria = folder / "c.json";
+  const Report report = MakeReport(options);
+  ASSERT_EQ(report.pictures.size(), 2u) << "the expert's, too";
+  // The same ball half a millimetre deeper: a cylinder more, but for what the hand is ahead by.
+  const double cylinder = 0.25 * std::numbers::pi * 0.5;
+  EXPECT_NEAR(report.differences[0].excess_mm3, cylinder, 0.05 * cylinder);
+  EXPECT_LT(report.differences[0].missed_mm3, 0.01);
+  EXPECT_EQ(report.grades[0]->marks[0].value, report.differences[0].excess_mm3);
+  EXPECT_NEAR(*report.grades[0]->marks[1].value,
+              report.cuts[0][0].after_mm3 / report.cuts[0][0].before_mm3, 1e-12);
+  EXPECT_NEAR(std::ranges::min(report.pictures[1].off), -kMostOff, 0.05e-3);
+  const std::string html = ToHtml(report);
+  const std::string script = html.substr(html.find("const pictures = ") + 17);
+  const auto pictures = nlohmann::json::parse(script.substr(0, script.find(";\n")));
+  EXPECT_EQ(pictures[0]["name"], "the expert");
+  EXPECT_EQ(pictures[1]["name"], "deeper");
+  EXPECT_EQ(pictures[1]["places"].get<std::string>().size(),
+            4 * ((6 * report.pictures[1].vertices.size() + 2) / 3));
+  EXPECT_THAT(html, HasSubstr("there at the expert’s, and gone"));
 }
 
 TEST(ScoreReport, JudgesByTheAverageOfTheTrials) {

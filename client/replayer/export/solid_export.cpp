@@ -1,0 +1,184 @@
+#include "client/replayer/export/solid_export.h"
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+#include <spdlog/fmt/fmt.h>
+
+#include "client/replayer/export/export_folder.h"
+#include "client/replayer/export/methods.h"
+#include "client/replayer/verify/verify.h"
+#include "common/error.h"
+#include "common/files/output.h"
+#include "common/text/quoted.h"
+#include "scenes/files/scene_bundle.h"
+#include "scenes/grid/solid_surface.h"
+#include "scenes/tree/sphere_tree_builder.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+static_assert(std::endian::native == std::endian::little);
+
+constexpr std::uint32_t kPlain = 0xe6dfd0;  // of a material without colour
+constexpr double kMillimetre = 1e-3;
+
+template <class T>
+void Put(std::string& bytes, T value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+void Put(std::string& bytes, const Vec3& v) {
+  for (const double x : {v.x(), v.y(), v.z()}) Put(bytes, static_cast<float>(x));
+}
+
+/// Binary, with normals.
+std::string ToStl(const SolidSurface& surface) {
+  std::string bytes = "what is left, in mm";
+  bytes.resize(80, ' ');
+  Put(bytes, static_cast<std::uint32_t>(surface.triangles.size()));
+  for (const auto& [a, b, c] : surface.triangles) {
+    const Vec3 &p = surface.vertices[a], &q = surface.vertices[b], &r = surface.vertices[c];
+    Put(bytes, Vec3((q - p).cross(r - p).normalized()));
+    for (const Vec3& v : {p, q, r}) Put(bytes, Vec3(v / kMillimetre));
+    Put(bytes, std::uint16_t{0});
+  }
+  return bytes;
+}
+
+void PutColour(std::string& bytes, std::uint32_t colour) {
+  for (const int shift : {16, 8, 0}) Put(bytes, static_cast<std::uint8_t>(colour >> shift));
+}
+
+/// Binary; each face has its material's colour, and so has each vertex, for programs that read
+/// these alone, that of one of its faces.
+std::string ToPly(const SolidSurface& surface, const std::vector<Material>& materials) {
+  const auto colour_of = [&](std::size_t triangle) {
+    const std::uint32_t colour = materials[surface.materials[triangle]].colour;
+    return colour == Material::kNoColour ? kPlain : colour;
+  };
+  std::vector<std::uint32_t> colours(surface.vertices.size(), kPlain);
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    for (const std::uint32_t corner : surface.triangles[t]) colours[corner] = colour_of(t);
+  }
+  constexpr const char* kColour = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  std::string bytes = fmt::format(
+      "ply\nformat binary_little_endian 1.0\ncomment what is left, in mm\nelement vertex {}\n"
+      "property float x\nproperty float y\nproperty float z\n{}element face {}\n"
+      "property list uchar int vertex_indices\n{}end_header\n",
+      surface.vertices.size(), kColour, surface.triangles.size(), kColour);
+  for (std::size_t v = 0; v < colours.size(); ++v) {
+    Put(bytes, Vec3(surface.vertices[v] / kMillimetre));
+    PutColour(bytes, colours[v]);
+  }
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    Put(bytes, std::uint8_t{3});
+    for (const std::uint32_t corner : surface.triangles[t]) {
+      Put(bytes, static_cast<std::int32_t>(corner));
+    }
+    PutColour(bytes, colour_of(t));
+  }
+  return bytes;
+}
+
+/// What is made, file by file, and looks at Ctrl-C before each.
+class Files {
+ public:
+  Files(ExportFolder& folder, const std::string& name, const StopSignal& stop)
+      : folder_(folder), name_(name), stop_(stop) {}
+
+  void MakeFolder(const fs::path& folder) { fs::create_directory(Make(folder)); }
+  void Write(const fs::path& file, const std::string& bytes) {
+    WriteOutput("-o", Make(file).string(), bytes);
+    files_.push_back(file.string());
+  }
+  const std::vector<std::string>& files() const { return files_; }
+
+ private:
+  fs::path Make(const fs::path& path) {
+    if (stop_.stopped()) {
+      throw Error(name_ + ": stopped before it was whole; nothing is left of it");
+    }
+    return folder_.Make(folder_.path() / path);
+  }
+
+  ExportFolder& folder_;
+  const std::string& name_;
+  const StopSignal& stop_;
+  std::vector<std::string> files_;
+};
+
+void WriteSolids(const SolidsCut& left, const fs::path& folder, Files& files) {
+  Scene scene = *left.scene;
+  for (std::size_t s = 0; s < left.after.size(); ++s) {
+    Body& body = scene.objects[left.objects->solids()[s].object];
+    SolidSurface surface = WholeSurface(left.after[s]);
+    if (surface.triangles.empty()) continue;  // all of it is gone
+    files.Write(folder / (body.name + ".stl"), ToStl(surface));
+    files.Write(folder / (body.name + ".ply"), ToPly(surface, body.materials));
+    body.mesh = {std::move(surface.vertices), std::move(surface.triangles)};
+    body.tree = BuildInnerTree(body.mesh);
+    body.leaf_material.clear();
+    body.ambient.clear();
+  }
+  const std::vector<std::uint8_t> bytes = PackScene(scene);
+  files.Write(folder / (scene.name + ".palpate"), std::string(bytes.begin(), bytes.end()));
+}
+
+Verification Recompute(const SolidExportOptions& options, const StopSignal& stop) {
+  VerifyOptions verify;
+  verify.models_dir = options.models_dir;
+  verify.keep_left = true;
+  verify.until_s = options.at_s;
+  verify.stop = &stop;
+  Verification verification = Verify(options.files, verify);
+  for (const SessionVerdict& session : verification.sessions) {
+    if (session.good() || session.recorded == 0) continue;
+    throw Error(options.files.front() + ": what station '" + session.station +
+                "' cut cannot be computed again: " +
+                (session.ends.empty() ? "this version gives other forces than were recorded; "
+                                        "export it with the version that recorded it"
+                                      : session.ends));
+  }
+  if (verification.left.empty()) {
+    throw Error(options.files.front() + ": no hand with a bur has come" +
+                (std::isinf(options.at_s)
+                     ? std::string("; without --solids its columns are written")
+                     : fmt::format(" by {:g} s; give a later --at", options.at_s)));
+  }
+  return verification;
+}
+
+}  // namespace
+
+void ExportSolids(const SolidExportOptions& options, StopSignal& stop) {
+  ExportFolder folder(options.folder, options.overwrite);
+  const Verification verification = Recompute(options, stop);
+  Files files(folder, options.folder, stop);
+  for (std::size_t i = 0; i < verification.left.size(); ++i) {
+    const SolidsCut& left = verification.left[i];
+    fs::path within;
+    if (verification.left.size() > 1) {
+      within = fmt::format("{}-{}", left.scene->name, i + 1);
+      files.MakeFolder(within);
+    }
+    WriteSolids(left, within, files);
+  }
+  nlohmann::ordered_json methods{{"made_by", kExportMark}, {"recording", options.files}};
+  if (std::isfinite(options.at_s)) methods["at_s"] = options.at_s;
+  methods["files"] = files.files();
+  methods["hashes"] = folder.HashesOf(files.files());
+  folder.Finish(methods.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+  std::printf("%s:", Printable(options.folder).c_str());
+  for (const std::string& file : files.files()) std::printf(" %s", Printable(file).c_str());
+  std::printf("\n");
+}
+
+}  // namespace palpate

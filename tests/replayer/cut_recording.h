@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "scenes/catalogue.h"
+#include "scenes/files/scene_bundle.h"
+#include "server/physics/scene_model.h"
+#include "server/session/servo_loop.h"
+#include "tests/common/recording/samples.h"
+#include "tests/support/milliseconds.h"
+
+namespace palpate::test {
+
+/// A ball bur of 1 mm above a block of 3 mm, whose top is y = 1.5 mm, of enamel on dentine.
+inline constexpr const char* kBlockScene = R"({
+  "tools": [{"name": "bur", "leaves": 16,
+             "mesh": {"shape": "bur", "kind": "ball", "diameter_mm": 1.0, "handle_mm": 40},
+             "start": {"position_mm": [0, 3, 0]}}],
+  "objects": [{"name": "block", "mesh": {"shape": "box", "size_m": [0.003, 0.003, 0.003]},
+    "pose": {"position_mm": [10, 0, 0]}, "grid_um": 100,
+    "material": {"cutting_pressure_MPa": 0.02, "colour": "#ff0000", "name": "enamel"},
+    "regions": [{"box": {"min_mm": [-9, -9, -9], "max_mm": [9, 0.55, 9]},
+                 "material": {"cutting_pressure_MPa": 0.02, "name": "dentine"}}]}]})";
+
+/// A session of so many milliseconds in that scene, as a recorder hears it.
+/// @param hand  where the tip is at a millisecond [m].
+inline void RecordCut(const std::string& file, std::uint64_t poses,
+                      const std::function<Vec3(std::uint64_t)>& hand) {
+  const Folder folder;
+  WriteBytes(folder / "block.json", {kBlockScene, kBlockScene + std::strlen(kBlockScene)});
+  LoadOptions options;
+  options.use_cache = false;
+  const Scene scene = LoadScene(folder / "block.json", options);
+  const HapticModel model = MakeModel(scene, scene.tools.front(), MakeObjects(scene));
+  RecordingWriter writer({.file = file});
+  std::vector<std::uint8_t> bytes = PackScene(scene);
+  Add(writer, dds::kSceneBundleTopic, SampleBundle(bytes, scene.name), kMs);
+  ServoLoop loop(model);
+  for (std::uint64_t i = 1; i <= poses; ++i) {
+    const std::int64_t now_ns = static_cast<std::int64_t>(i + 1) * kMs;
+    wire::HapticPose pose{};
+    pose.pose_sequence = i;
+    pose.sample_time_ns = now_ns;
+    wire::FromPose({hand(i), Quat::Identity()}, pose.position_m, pose.orientation_wxyz);
+    if (i == 1) {
+      loop.Start(wire::ToPose(pose));
+      wire::SessionState state = SampleState("hand", 9);
+      wire::FromText(scene.name, state.scene);
+      wire::FromText(scene.tools.front().name, state.tool);
+      state.start_sequence = 1;
+      wire::FromPose(wire::ToPose(pose), state.start_position_m, state.start_orientation_wxyz);
+      Add(writer, dds::kSessionStateTopic, state, now_ns);
+    }
+    wire::Wrench wrench{};
+    loop.OnPose(pose, wrench);
+    Add(writer, dds::PoseTopic("hand", 9), pose, now_ns);
+    Add(writer, dds::WrenchTopic("hand", 9), wrench, now_ns + kMs / 4);
+  }
+  writer.Close("");
+}
+
+/// A tip that comes down on the block's middle from 0.5 mm above it at 10 mm/s, to a depth [mm].
+inline std::function<Vec3(std::uint64_t)> Down(double depth_mm, double x_mm = 0.0) {
+  return [=](std::uint64_t i) {
+    const double y = std::max(2.0 - 0.01 * static_cast<double>(i), 1.5 - depth_mm);
+    return Vec3(1e-3 * (10.0 + x_mm), 1e-3 * y, 0.0);
+  };
+}
+
+}  // namespace palpate::test
