@@ -182,6 +182,11 @@ TEST(CutScene, NamesTheFieldAndTheRemedyOfWhatCannotBeCut) {
     EXPECT_THAT(ComplaintOf([&] { ParseScene(SceneText(of.tool, of.block), "f.json"); }),
                 testing::AllOf(testing::StartsWith("f.json:"), HasSubstr(of.complaint)));
   }
+  std::string spheres = SceneText(R"({"shape": "sphere", "radius_m": 0.001})", kEnamelOnDentine);
+  EXPECT_NO_THROW(ParseScene(spheres, "f.json"));
+  spheres.insert(1, R"("contact": "spheres", )");
+  EXPECT_THAT(ComplaintOf([&] { ParseScene(spheres, "f.json"); }),
+              HasSubstr("tools[0].mesh: \"block\" is felt by burs alone where"));
 }
 
 TEST(CutScene, IsNotUsableWhereAGridCannotBeMadeOrAToolIsNoBur) {
