@@ -110,7 +110,7 @@ double ShareIn(const HalfSpace& q, const HalfSpace* other = nullptr) {
 
 std::size_t CutField::BytesOf(const SolidGrid& solid, std::size_t blocks) {
   const std::size_t table = solid.field().lattice().block_count();
-  return SparseField::BytesOf(table, blocks) +
+  return SparseField::BytesOf(table, blocks) + kChanges * sizeof(std::uint32_t) +
          blocks * (SparseField::kPoints * sizeof(std::uint16_t) + kRows * sizeof(double)) +
          table * (sizeof(std::int32_t) + 2 * sizeof(std::uint32_t)) + table / 8 +
          blocks * sizeof(Touched);
@@ -123,7 +123,8 @@ CutField::CutField(const SolidGrid& solid, std::size_t most_bytes, const std::st
       touched_at_(solid.field().lattice().block_count(), -1),
       waiting_(touched_at_.size()),
       waits_(touched_at_.size()),
-      changed_at_(touched_at_.size()) {
+      changed_at_(touched_at_.size()),
+      changed_(kChanges) {
   if (blocks == 0) blocks = solid.solid_blocks();
   if (const std::size_t bytes = BytesOf(solid, blocks); bytes > most_bytes) {
     throw Error(name + ": cutting at " + Figure(1e6 * field_.lattice().spacing, 3) + " um takes " +

@@ -66,8 +66,11 @@ class CutField {
   /// The block, of those whose points changed since it was last taken here, that has waited
   /// longest.  False where there is none.
   bool TakeChanged(std::size_t& block) noexcept;
-  /// How often a block has changed, and of each block how often one had when it last did; 0: never.
+  /// How often blocks have changed, which did at one of the last kChanges times, and of each block
+  /// the time when it last did; 0: never.
+  static constexpr std::uint32_t kChanges = 1 << 16;
   std::uint32_t changes() const { return changes_; }
+  std::size_t Changed(std::uint32_t time) const { return changed_[time % kChanges]; }
   std::uint32_t ChangedAt(std::size_t block) const { return changed_at_[block]; }
   /// All is there again, as at first, and no block has changed.  Goes through the table of blocks:
   /// some ten microseconds for a tooth.
@@ -96,7 +99,10 @@ class CutField {
   Layers Raise(const int at[3], std::int32_t entry, const Bur& bur, const Pose& X_TB,
                const Vec3& step_T) noexcept;
   /// Whatever raised a block's points: contact is to follow.
-  void Note(std::size_t block) noexcept { changed_at_[block] = ++changes_; }
+  void Note(std::size_t block) noexcept {
+    changed_at_[block] = ++changes_;
+    changed_[changes_ % kChanges] = static_cast<std::uint32_t>(block);
+  }
   void Wait(std::size_t block) noexcept;
   double GoneSince(const Bur& bur, const Pose& X_BT) const noexcept;
   Layers Beside(const Touched& touched) const noexcept;
@@ -120,6 +126,7 @@ class CutField {
   std::size_t first_waiting_ = 0, waiting_count_ = 0;
   std::uint32_t changes_ = 0;
   std::vector<std::uint32_t> changed_at_;  ///< of a block
+  std::vector<std::uint32_t> changed_;     ///< at each time, a ring
 };
 
 }  // namespace palpate

@@ -94,7 +94,7 @@ FeltSolids::FeltSolids(std::span<const CutSolid> solids, std::span<const Contact
 }
 
 void FeltSolids::Follow(std::span<const CutField> cuts, SeparationFront& front) noexcept {
-  if (forgotten_) {
+  if (forgotten_ || !IsFollowed(cuts)) {
     TakeAll(cuts);
     front.Clear();
     forgotten_ = false;
@@ -112,6 +112,9 @@ void FeltSolids::Follow(std::span<const CutField> cuts, SeparationFront& front) 
 
 void FeltSolids::TakeAll(std::span<const CutField> cuts) noexcept {
   for (std::size_t place = 0; place < bodies_.size(); ++place) Free(place);
+  for (const Changed& changed : changed_) {  // not copied yet
+    solids_[static_cast<std::size_t>(changed.solid)].followed[changed.block] = ~0u;
+  }
   for (std::size_t s = 0; s < solids_.size(); ++s) {
     Solid& solid = solids_[s];
     const CutField& cut = cuts[s];
@@ -133,20 +136,15 @@ void FeltSolids::Gather(std::span<const CutField> cuts, const SeparationFront& f
   for (std::size_t s = 0; s < solids_.size(); ++s) {
     Solid& solid = solids_[s];
     const CutField& cut = cuts[s];
-    if (cut.changes() == solid.changes) continue;
-    if (changed_.empty()) ++turn_;
-    const std::size_t blocks = solid.followed.size();
-    std::size_t looked = 0;
-    for (; looked < blocks && changed_.size() < kMostFollowed; ++looked) {
-      const std::size_t block = solid.cursor;
-      if (++solid.cursor == blocks) solid.cursor = 0;
+    for (; solid.changes != cut.changes() && changed_.size() < kMostFollowed; ++solid.changes) {
+      const std::size_t block = cut.Changed(solid.changes + 1);
       if (cut.ChangedAt(block) == solid.followed[block]) continue;
       solid.followed[block] = cut.ChangedAt(block);
+      if (changed_.empty()) ++turn_;
       Copy(cut.field(), block, solid.later);
       MarkAffected(solid, block);
       changed_.push_back({static_cast<std::int32_t>(s), static_cast<std::uint32_t>(block)});
     }
-    if (looked == blocks) solid.changes = cut.changes();
   }
   if (changed_.empty()) return;
   front.ForEachEntry(first_block_, [&](SeparationFront::Index, const SeparationFront::Pair& pair) {
@@ -157,34 +155,43 @@ void FeltSolids::Gather(std::span<const CutField> cuts, const SeparationFront& f
 /// The blocks whose triangles go by points that have changed.
 void FeltSolids::MarkAffected(Solid& solid, std::size_t block) noexcept {
   const std::int32_t was = solid.felt.entry(block), is = solid.later.entry(block);
-  int low[3] = {kSide, kSide, kSide}, high[3] = {-1, -1, -1};
-  const auto all = [&](std::int32_t entry) {
-    return entry == SparseField::kAbove ? solid.felt.band() : -solid.felt.band();
-  };
-  for (int n = 0; n < SparseField::kPoints; ++n) {
-    const float before = was >= 0 ? solid.felt.values(was)[n] : all(was);
-    const float after = is >= 0 ? solid.later.values(is)[n] : all(is);
-    if (before == after) continue;
-    const int at[3] = {n & 7, n >> 3 & 7, n >> 6};
-    for (int a = 0; a < 3; ++a) {
-      low[a] = std::min(low[a], at[a]);
-      high[a] = std::max(high[a], at[a]);
+  const float all = was == SparseField::kAbove ? solid.felt.band() : -solid.felt.band();
+  // Bits of the layers along each axis in which any has.
+  unsigned layers[3] = {};
+  for (int n = 0; n < SparseField::kPoints; n += kSide) {
+    unsigned along = 0;
+    for (int x = 0; x < kSide; ++x) {
+      const float before = was >= 0 ? solid.felt.values(was)[n + x] : all;
+      const float after = is >= 0 ? solid.later.values(is)[n + x] : solid.felt.band();
+      along |= static_cast<unsigned>(before != after) << x;
     }
+    if (along == 0) continue;
+    layers[0] |= along;
+    layers[1] |= 1u << (n >> 3 & 7);
+    layers[2] |= 1u << (n >> 6);
   }
+  constexpr unsigned kLow = (1u << kOfNeighbour) - 1, kHigh = kLow << (kSide - kOfNeighbour);
   const Lattice& lattice = solid.felt.lattice();
   const std::array<int, 3> at = lattice.BlockAt(block);
   for (int n = 0; n < 27; ++n) {
     const int by[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
-    bool reaches = high[0] >= 0;
-    for (int a = 0; a < 3 && reaches; ++a) {
-      const int to = at[static_cast<std::size_t>(a)] + by[a];
-      reaches =
-          to >= 0 && to < lattice.blocks[static_cast<std::size_t>(a)] &&
-          (by[a] == 0 || (by[a] < 0 ? low[a] < kOfNeighbour : high[a] >= kSide - kOfNeighbour));
+    bool reaches = true;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const int to = at[a] + by[a];
+      const unsigned beside = by[a] < 0 ? kLow : by[a] > 0 ? kHigh : 0xffu;
+      reaches = reaches && to >= 0 && to < lattice.blocks[a] && (layers[a] & beside) != 0;
     }
     if (!reaches) continue;
     solid.affected[solid.felt.BlockIndex(at[0] + by[0], at[1] + by[1], at[2] + by[2])] = turn_;
   }
+}
+
+/// False where the changes are more than are known.
+bool FeltSolids::IsFollowed(std::span<const CutField> cuts) const noexcept {
+  for (std::size_t s = 0; s < solids_.size(); ++s) {
+    if (cuts[s].changes() - solids_[s].changes > CutField::kChanges) return false;
+  }
+  return true;
 }
 
 /// A block that is to be made anew in this turn, where it changes.

@@ -81,10 +81,9 @@ class FeltSolids {
     explicit Solid(const CutSolid& cut_solid);
 
     const CutSolid* solid;
-    SparseField felt;   ///< the copy
-    SparseField later;  ///< of blocks that are being followed, what comes next
-    std::uint32_t changes = 0;
-    std::size_t cursor = 0;
+    SparseField felt;           ///< the copy
+    SparseField later;          ///< of blocks that are being followed, what comes next
+    std::uint32_t changes = 0;  ///< CutField::changes that are followed
     // Of each block.
     std::vector<std::uint32_t> followed;  ///< CutField::ChangedAt of what is or will be felt
     std::vector<std::uint32_t> affected;  ///< the last turn in which its surface changes
@@ -100,6 +99,7 @@ class FeltSolids {
   }
   void TakeAll(std::span<const CutField> cuts) noexcept;
   void Gather(std::span<const CutField> cuts, const SeparationFront& front) noexcept;
+  bool IsFollowed(std::span<const CutField> cuts) const noexcept;
   void MarkAffected(Solid& solid, std::size_t block) noexcept;
   void List(const Block& block) noexcept;
   void Commit(SeparationFront& front) noexcept;
