@@ -170,6 +170,13 @@ TEST(SceneScript, DiamondPreparesACrown) {
   EXPECT_GT(run.Removed(0), 150.0);  // enamel
   EXPECT_LT(run.Removed(1), 70.0);   // of 460 of dentine
   EXPECT_EQ(run.Removed(2), 0.0);    // pulp
+  // A millimetre above where the chewing surface is to be, nothing stands.
+  for (int x = -8; x <= 8; ++x) {
+    for (int z = -8; z <= 8; ++z) {
+      const Vec3 p(0.5e-3 * x, 5.7e-3, 0.5e-3 * z);
+      EXPECT_GT(run.cuts[0].Sample(p).distance, 0.0) << x << " " << z;
+    }
+  }
   // All round, at half of the height, the wall stands 1 mm or more within the tooth's outline.
   const SolidGrid& tooth = run.cuts[0].solid();
   for (int i = 0; i < 36; ++i) {

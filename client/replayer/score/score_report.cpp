@@ -244,7 +244,15 @@ std::string PictureHtml(const Report& report) {
 nlohmann::ordered_json PicturesOf(const Report& report) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < report.pictures.size(); ++i) {
-    json.push_back(JsonOf(report.pictures[i], i == 0 ? "the expert" : report.trials[i - 1].name));
+    const PackedPicture packed = Packed(report.pictures[i]);
+    const Vec3 middle = 1e3 * packed.middle;
+    json.push_back({{"name", i == 0 ? "the expert" : report.trials[i - 1].name},
+                    {"middle_mm", {middle.x(), middle.y(), middle.z()}},
+                    {"reach_mm", 1e3 * packed.reach},
+                    {"places", packed.places},
+                    {"off", packed.off},
+                    {"colours", packed.colours},
+                    {"corners", packed.corners}});
   }
   return json;
 }
