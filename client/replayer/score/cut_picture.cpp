@@ -9,7 +9,6 @@
 #include <span>
 
 #include <Eigen/Geometry>
-#include <nlohmann/json.hpp>
 
 #include "scenes/grid/solid_surface.h"
 #include "scenes/mesh/mesh_query.h"
@@ -108,7 +107,7 @@ std::string Base64(std::span<const std::byte> bytes) {
 }
 
 template <class T>
-std::string Packed(const std::vector<T>& numbers) {
+std::string Base64(const std::vector<T>& numbers) {
   static_assert(std::endian::native == std::endian::little);
   return Base64(std::as_bytes(std::span(numbers)));
 }
@@ -132,17 +131,20 @@ CutPicture PictureOf(const SolidsCut& trial, const SolidsCut& target) {
   return picture;
 }
 
-std::string JsonOf(const CutPicture& picture, const std::string& name) {
+PackedPicture Packed(const CutPicture& picture) {
+  PackedPicture packed;
   Eigen::AlignedBox3d box;
   for (const Vec3& p : picture.vertices) box.extend(p);
-  const Vec3 middle = picture.vertices.empty() ? Vec3(Vec3::Zero()) : Vec3(box.center());
-  const double reach = picture.vertices.empty() ? 1.0 : 0.5 * box.diagonal().norm();
+  if (!picture.vertices.empty()) {
+    packed.middle = box.center();
+    packed.reach = 0.5 * box.diagonal().norm();
+  }
   constexpr double kMost = std::numeric_limits<std::int16_t>::max();
   std::vector<std::int16_t> places;
   std::vector<std::int8_t> off;
   std::vector<std::uint8_t> colours;
   for (std::size_t v = 0; v < picture.vertices.size(); ++v) {
-    const Vec3 p = kMost / reach * (picture.vertices[v] - middle);
+    const Vec3 p = kMost / packed.reach * (picture.vertices[v] - packed.middle);
     for (const double x : {p.x(), p.y(), p.z()}) {
       places.push_back(static_cast<std::int16_t>(std::lround(x)));
     }
@@ -156,16 +158,11 @@ std::string JsonOf(const CutPicture& picture, const std::string& name) {
   for (const auto& triangle : picture.triangles) {
     corners.insert(corners.end(), triangle.begin(), triangle.end());
   }
-  const nlohmann::ordered_json json{
-      {"name", name},
-      {"middle_mm", {1e3 * middle.x(), 1e3 * middle.y(), 1e3 * middle.z()}},
-      {"reach_mm", 1e3 * reach},
-      {"most_off_mm", 1e3 * kMostOff},
-      {"places", Packed(places)},
-      {"off", Packed(off)},
-      {"colours", Packed(colours)},
-      {"corners", Packed(corners)}};
-  return json.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+  packed.places = Base64(places);
+  packed.off = Base64(off);
+  packed.colours = Base64(colours);
+  packed.corners = Base64(corners);
+  return packed;
 }
 
 }  // namespace palpate

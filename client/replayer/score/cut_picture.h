@@ -25,7 +25,15 @@ inline constexpr double kMostOff = 0.5e-3;
 /// Vertices of cells that are so wide that about 12,000 are left, each the mean of its own.
 CutPicture PictureOf(const SolidsCut& trial, const SolidsCut& target);
 
-/// For score_cut.js, an object of JSON: numbers as base64 of little-endian bytes.
-std::string JsonOf(const CutPicture& picture, const std::string& name);
+/// The same for score_cut.js: arrays as base64 of little-endian bytes.
+struct PackedPicture {
+  Vec3 middle = Vec3::Zero();  ///< W [m]
+  double reach = 1.0;          ///< of all from the middle [m]
+  std::string places;          ///< int16 of x, y, z from the middle, 32767 at `reach`
+  std::string off;             ///< int8, 127 at kMostOff
+  std::string colours;         ///< uint8 of red, green, blue
+  std::string corners;         ///< uint32
+};
+PackedPicture Packed(const CutPicture& picture);
 
 }  // namespace palpate

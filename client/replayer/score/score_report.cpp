@@ -83,9 +83,9 @@ bool Passed(const Report& report) {
 
 /// JSON as an expression in a script element, where HTML ends the script at "</script", and does
 /// not end it after "<!--<script": no such letter is left, in what can be text alone.
-std::string Embedded(const std::string& json) {
+std::string Embedded(const nlohmann::ordered_json& json) {
   std::string script;
-  for (const char c : json) {
+  for (const char c : json.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace)) {
     script += c == '<'   ? "\\u003c"
               : c == '>' ? "\\u003e"
               : c == '&' ? "\\u0026"
@@ -241,14 +241,20 @@ std::string PictureHtml(const Report& report) {
              1e3 * kMostOff);
 }
 
-/// An array of JSON.
-std::string PicturesOf(const Report& report) {
-  std::string json;
+nlohmann::ordered_json PicturesOf(const Report& report) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < report.pictures.size(); ++i) {
-    json += (i == 0 ? "[" : ",") +
-            JsonOf(report.pictures[i], i == 0 ? "the expert" : report.trials[i - 1].name);
+    const PackedPicture packed = Packed(report.pictures[i]);
+    const Vec3 middle = 1e3 * packed.middle;
+    json.push_back({{"name", i == 0 ? "the expert" : report.trials[i - 1].name},
+                    {"middle_mm", {middle.x(), middle.y(), middle.z()}},
+                    {"reach_mm", 1e3 * packed.reach},
+                    {"places", packed.places},
+                    {"off", packed.off},
+                    {"colours", packed.colours},
+                    {"corners", packed.corners}});
   }
-  return json.empty() ? "[]" : json + "]";
+  return json;
 }
 
 std::string CutHtml(const Report& report) {
@@ -536,9 +542,8 @@ std::string ToHtml(const Report& report) {
   if (report.criteria) {
     html += "<p class=\"quiet\">Graded by " + Escaped(report.criteria->file) + "</p>\n";
   }
-  html += "<script>\nconst score = " +
-          Embedded(TracksOf(report).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace)) +
-          ";\n" + kScorePageJs + "</script>\n";
+  html += "<script>\nconst score = " + Embedded(TracksOf(report)) + ";\n" + kScorePageJs +
+          "</script>\n";
   if (!report.pictures.empty()) {
     html += "<script>\nconst pictures = " + Embedded(PicturesOf(report)) + ";\n" + kScoreCutJs +
             "</script>\n";

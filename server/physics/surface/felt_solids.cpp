@@ -119,6 +119,7 @@ void FeltSolids::TakeAll(std::span<const CutField> cuts) noexcept {
     Solid& solid = solids_[s];
     const CutField& cut = cuts[s];
     solid.later.Clear();
+    std::fill(solid.place.begin(), solid.place.end(), kNone);
     for (std::size_t block = 0; block < solid.followed.size(); ++block) {
       if (cut.ChangedAt(block) == solid.followed[block]) continue;
       solid.followed[block] = cut.ChangedAt(block);
@@ -228,13 +229,18 @@ void FeltSolids::Commit(SeparationFront& front) noexcept {
     if (bodies_[place].use != Use::kFelt) continue;
     if (SolidOf(of).affected[static_cast<std::size_t>(of.block)] == turn_) Free(place);
   }
+  for (Solid& solid : solids_) {
+    for (std::size_t block = 0; block < solid.place.size(); ++block) {
+      if (solid.affected[block] == turn_ && solid.place[block] == kNothing) {
+        solid.place[block] = kNone;
+      }
+    }
+  }
   for (const Block& block : to_make_) {
     Solid& solid = SolidOf(block);
     std::int16_t& later = solid.later_place[static_cast<std::size_t>(block.block)];
-    if (later >= 0) {
-      bodies_[static_cast<std::size_t>(later)].use = Use::kFelt;
-      solid.place[static_cast<std::size_t>(block.block)] = later;
-    }
+    if (later >= 0) bodies_[static_cast<std::size_t>(later)].use = Use::kFelt;
+    if (later != kNoRoom) solid.place[static_cast<std::size_t>(block.block)] = later;
     later = kNone;
   }
   changed_.clear();
@@ -253,16 +259,15 @@ FeltSolids::Block FeltSolids::BlockOf(const SeparationFront::Pair& entry) const 
 FeltSolids::Taken FeltSolids::Take(const Block& block, const SeparationFront& front) noexcept {
   Solid& solid = SolidOf(block);
   std::int16_t& place = solid.place[static_cast<std::size_t>(block.block)];
+  const std::int32_t nothing =
+      first_block_ + static_cast<std::int32_t>(bodies_.size()) + block.solid - first_solid_;
   if (place >= 0) return {first_block_ + place, false};
+  if (place == kNothing) return {nothing, false};
   const std::int16_t made = Make(block, Use::kFelt, front);
   if (!changed_.empty()) List(block);
   if (made == kNoRoom) return {-1, true};
-  if (made == kNothing) {
-    return {first_block_ + static_cast<std::int32_t>(bodies_.size()) + block.solid - first_solid_,
-            true};
-  }
   place = made;
-  return {first_block_ + made, true};
+  return {made == kNothing ? nothing : first_block_ + made, true};
 }
 
 std::int16_t FeltSolids::Make(const Block& block, Use use, const SeparationFront& front) noexcept {

@@ -88,7 +88,7 @@ class FeltSolids {
     std::vector<std::uint32_t> followed;  ///< CutField::ChangedAt of what is or will be felt
     std::vector<std::uint32_t> affected;  ///< the last turn in which its surface changes
     std::vector<std::uint32_t> listed;    ///< the last turn for which it is to be made
-    std::vector<std::int16_t> place, later_place;  ///< kNone
+    std::vector<std::int16_t> place, later_place;  ///< kNone, kNothing
   };
 
   std::size_t PlaceOf(std::int32_t number) const {
