@@ -26,18 +26,20 @@ constexpr std::int64_t kPatience_ns = 5'000'000'000;
 
 constexpr const char* kAbout =
     R"(Gives a lesson again: 'whole' makes scenes whole whose objects have worn, for all who feel and see
-them.  Forces are off for a moment, and come back once the tool is free of what has come back.
+them; 'back' makes them as they stood at their 'bookmark', where burs cut them.  Forces are off for a
+moment, and come back once the tool is free of what has come back.
 )";
 
 constexpr const char* kExample =
     R"(Example: palpate-lesson whole calculus
-The page has a button for it, and a scene file's "whole_at_start" does it whenever a session begins
+The page has buttons for it, and a scene file's "whole_at_start" does it whenever a session begins
 where no other works.
 
 Exit status: 0 done, 1 failed, 2 wrong usage.)";
 
 struct Options {
   std::vector<std::string> scenes;
+  wire::WholeWish wish = palpate_WHOLE_AGAIN;
   dds::Network network;
   int domain = 0;
   std::string log_level = "info";
@@ -85,8 +87,19 @@ std::string Silence(const Options& options, bool heard) {
                      "; start palpate-server, or give its --domain and --network";
 }
 
+const char* DoneText(wire::WholeWish wish) {
+  switch (wish) {
+    case palpate_WHOLE_BOOKMARK:
+      return "bookmarked";
+    case palpate_WHOLE_BACK:
+      return "back at its bookmark";
+    default:
+      return "whole again";
+  }
+}
+
 /// False where the user ended it.
-bool MakeWhole(const Options& options, StopSignal& stop) {
+bool Ask(const Options& options, StopSignal& stop) {
   const dds::Participant service = dds::Participant::Service(options.domain, options.network);
   Served served(service);
   dds::Reader<wire::SceneWhole> wholes(service, dds::kSceneWholeTopic, dds::Qos::kRecordSession);
@@ -103,6 +116,7 @@ bool MakeWhole(const Options& options, StopSignal& stop) {
         wire::FromText(scene, request.scene);
         request.request = RandomRun();
         wire::FromText("palpate-lesson", request.by);
+        request.wish = options.wish;
         asked[request.request] = scene;
         requests.Write(request);
       }
@@ -112,7 +126,7 @@ bool MakeWhole(const Options& options, StopSignal& stop) {
       if (whole.refusal[0] != '\0') {
         throw Error(std::string("scene '") + whole.scene + "': " + whole.refusal);
       }
-      std::printf("%s: whole again\n", Printable(whole.scene).c_str());
+      std::printf("%s: %s\n", Printable(whole.scene).c_str(), DoneText(whole.wish));
     }
     if (any_asked && asked.empty()) return true;
     if (SteadyNanoseconds() - began_ns > kPatience_ns) {
@@ -130,13 +144,24 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   AddNetworkOptions(app, "the server", options.network);
   AddCommonOptions(app, "the server's domain: the number that it was given", options.domain,
                    options.log_level);
-  const CommandLine whole = app.AddCommand("whole", "make scenes whole again");
-  whole.Footer("Example: palpate-lesson whole calculus periodontal");
-  whole.Fallthrough();
-  whole.Add("SCENE", options.scenes, "names of scenes that are served").Required();
+  const auto add = [&](const char* name, const char* about, const char* example) {
+    const CommandLine command = app.AddCommand(name, about);
+    command.Footer(std::string("Example: palpate-lesson ") + example);
+    command.Fallthrough();
+    command.Add("SCENE", options.scenes, "names of scenes that are served").Required();
+    return command;
+  };
+  const CommandLine whole = add("whole", "make scenes whole again", "whole calculus periodontal");
+  const CommandLine bookmark =
+      add("bookmark", "keep how scenes stand that burs cut", "bookmark caries");
+  const CommandLine back = add("back", "make them as they stood at their bookmark", "back caries");
   app.RequireCommands(0, 1);
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
-  if (!whole.given()) throw UsageError("say what to do: 'palpate-lesson whole SCENE', or --help");
+  if (!whole.given() && !bookmark.given() && !back.given()) {
+    throw UsageError("say what to do: 'palpate-lesson whole SCENE', 'bookmark', 'back', or --help");
+  }
+  if (bookmark.given()) options.wish = palpate_WHOLE_BOOKMARK;
+  if (back.given()) options.wish = palpate_WHOLE_BACK;
   for (const std::string& scene : options.scenes) {
     if (scene.size() > 64) throw UsageError("SCENE: a scene's name has 64 letters at most");
   }
@@ -152,6 +177,6 @@ int main(int argc, char** argv) {
     if (!options) return 0;
     palpate::SetUpLog("palpate-lesson", options->log_level);
     palpate::StopSignal stop;
-    return palpate::MakeWhole(*options, stop) ? 0 : 1;
+    return palpate::Ask(*options, stop) ? 0 : 1;
   });
 }

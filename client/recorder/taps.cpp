@@ -41,6 +41,7 @@ Taps::Taps(int domain, const dds::Network& network, const dds::TransportChoice& 
   TapService<wire::SessionState>(dds::kSessionStateTopic, dds::Qos::kRecordSession);
   TapService<wire::SceneChange>(dds::kSceneChangeTopic, dds::Qos::kRecordSession);
   TapService<wire::SolidBlock>(dds::kSolidBlockTopic, dds::Qos::kRecordSession);
+  TapService<wire::CutLog>(dds::kCutLogTopic, dds::Qos::kRecordSession);
   TapService<wire::LeafTaken>(dds::kLeafTakenTopic, dds::Qos::kRecordSession);
   TapService<wire::WholeRequest>(dds::kWholeRequestTopic, dds::Qos::kRecordSession);
   TapService<wire::SceneWhole>(dds::kSceneWholeTopic, dds::Qos::kRecordSession);

@@ -196,12 +196,13 @@ std::string Hub::RefuseWish(Wish wish, ViewerSession& viewer, std::int64_t now_n
   return reason;
 }
 
-bool Hub::AskForWhole(const std::string& scene, const std::string& by) {
+bool Hub::AskForWhole(const std::string& scene, wire::WholeWish wish, const std::string& by) {
   if (!feed_.scenes().contains(scene)) return false;
   wire::WholeRequest request{};
   wire::FromText(scene, request.scene);
   request.request = RandomRun();
   wire::FromText(by, request.by);
+  request.wish = wish;
   return feed_.Ask(request);
 }
 

@@ -49,8 +49,9 @@ class Hub {
   /// Whether a viewer may have this wish now; empty: it may.  Where it has it too often, that is
   /// why, and the log and, once, the viewer are told.
   std::string RefuseWish(Wish wish, ViewerSession& viewer, std::int64_t now_ns);
-  /// Asks the server to make a scene whole again; false where there is no such scene.
-  bool AskForWhole(const std::string& scene, const std::string& by);
+  /// Asks the server to make a scene whole again, or what else the wish is; false where there is no
+  /// such scene.
+  bool AskForWhole(const std::string& scene, wire::WholeWish wish, const std::string& by);
   /// Passes a page's wish on to its replay, unless it has them too often, and makes what the page
   /// is answered.
   FramePtr AskReplay(ReplayWish wish, ViewerSession& viewer, std::int64_t now_ns);

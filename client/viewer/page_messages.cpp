@@ -20,7 +20,7 @@ using Json = nlohmann::json;
 using Words = std::vector<std::string_view>;
 
 /// In the order of MouseCommand::Op.
-const Words kMouseOps = {"take", "pose", "release", "whole"};
+const Words kMouseOps = {"take", "pose", "release", "whole", "bookmark", "back"};
 /// In the order of idl/session.idl, and a goal.
 const Words kOperateOps = {"admit", "take_back", "mute", "unmute", "goal"};
 /// In the order of idl/replay.idl, as the marks.
@@ -68,6 +68,8 @@ MouseCommand ParseMouseCommand(std::string_view text) {
   switch (command.op) {
     case MouseCommand::Op::kTake:
     case MouseCommand::Op::kWhole:
+    case MouseCommand::Op::kBookmark:
+    case MouseCommand::Op::kBack:
       command.scene = Name(json.At("scene"));
       if (command.scene.empty()) json.At("scene").Fail("is empty; give a name");
       if (const auto tool = json.Find("tool")) command.tool = Name(*tool);

@@ -270,11 +270,17 @@ void ViewerSession::OnMouse(const MouseCommand& command) {
     case MouseCommand::Op::kRelease:
       return mice.Release(id_, "", now_ns);
     case MouseCommand::Op::kWhole:
+    case MouseCommand::Op::kBookmark:
+    case MouseCommand::Op::kBack: {
       if (!hub_.RefuseWish(Wish::kWhole, *this, now_ns).empty()) return;
-      if (!hub_.AskForWhole(command.scene, Who())) {
+      const wire::WholeWish wish = command.op == MouseCommand::Op::kWhole  ? palpate_WHOLE_AGAIN
+                                   : command.op == MouseCommand::Op::kBack ? palpate_WHOLE_BACK
+                                                                           : palpate_WHOLE_BOOKMARK;
+      if (!hub_.AskForWhole(command.scene, wish, Who())) {
         Say(foxglove::Level::kError, "scene " + Quoted(command.scene) + " is not served here");
       }
       return;
+    }
   }
 }
 

@@ -26,6 +26,7 @@ inline constexpr const char* kOperateRequestTopic = "palpate/operate_request";
 inline constexpr const char* kWholeRequestTopic = "palpate/whole_request";
 inline constexpr const char* kSceneWholeTopic = "palpate/scene_whole";
 inline constexpr const char* kSolidBlockTopic = "palpate/solid_block";
+inline constexpr const char* kCutLogTopic = "palpate/cut_log";
 inline constexpr const char* kReplayContentsTopic = "palpate/replay_contents";
 inline constexpr const char* kReplayStateTopic = "palpate/replay_state";
 inline constexpr const char* kReplayRequestTopic = "palpate/replay_request";

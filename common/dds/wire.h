@@ -30,7 +30,8 @@ const dds_topic_descriptor_t& Descriptor();
 #define PALPATE_SERVICE_TYPES(X) \
   X(SessionRequest) X(SessionState) X(SceneChange) X(LeafTaken) X(OperateRequest) X(WholeRequest) \
   X(SceneWhole) X(ToolState) X(GuideTarget) X(LoopStatistics) X(StationStatistics) X(SceneBundle) \
-  X(SceneOffer) X(SceneProgress) X(SolidBlock) X(ReplayContents) X(ReplayState) X(ReplayRequest)
+  X(SceneOffer) X(SceneProgress) X(SolidBlock) X(CutLog) X(ReplayContents) X(ReplayState) \
+  X(ReplayRequest)
 // clang-format on
 
 #define PALPATE_WIRE_TYPE(T)                             \
@@ -45,6 +46,9 @@ PALPATE_SERVICE_TYPES(PALPATE_WIRE_TYPE)
 
 // Parts of them.
 using SessionPhase = palpate_SessionPhase;
+using WholeWish = palpate_WholeWish;
+using CutEvent = palpate_CutEvent;
+using CutStep = palpate_CutStep;
 using OperateWish = palpate_OperateWish;
 using HandKey = palpate_HandKey;
 using OfferedTool = palpate_OfferedTool;

@@ -28,8 +28,19 @@ class Ring {
   }
 
   /// True where a Push now might be dropped; false: it will not.  For who pushes.
-  bool full() const noexcept {
-    return end_.load(std::memory_order_relaxed) - begin_.load(std::memory_order_acquire) == N;
+  bool full() const noexcept { return size() == N; }
+
+  /// How many there are, at least, for who pops; and at most, for who pushes.
+  std::size_t size() const noexcept {
+    const std::size_t begin = begin_.load(std::memory_order_acquire);
+    return end_.load(std::memory_order_acquire) - begin;
+  }
+
+  /// The oldest, of one or more that size() has told of: to be read in place until Drop().  For who
+  /// pops.
+  const T& Front() const noexcept { return values_[begin_.load(std::memory_order_relaxed) % N]; }
+  void Drop() noexcept {
+    begin_.store(begin_.load(std::memory_order_relaxed) + 1, std::memory_order_release);
   }
 
   /// Takes the oldest; false where there is none.

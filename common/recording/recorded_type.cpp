@@ -32,6 +32,7 @@ const Entry& EntryOf(RecordedType type) {
       {"palpate::WholeRequest", &session},
       {"palpate::SceneWhole", &session},
       {"palpate::SolidBlock", &solid},
+      {"palpate::CutLog", &solid},
   }};
   return entries[static_cast<std::size_t>(type)];
 }

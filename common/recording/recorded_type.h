@@ -25,8 +25,9 @@ enum class RecordedType {
   kWholeRequest,
   kSceneWhole,
   kSolidBlock,
+  kCutLog,
 };
-inline constexpr int kRecordedTypes = 15;
+inline constexpr int kRecordedTypes = 16;
 
 /// "palpate::HapticPose"
 const char* SchemaName(RecordedType type);
@@ -64,6 +65,8 @@ template <>
 inline constexpr RecordedType kTypeOf<wire::SceneWhole> = RecordedType::kSceneWhole;
 template <>
 inline constexpr RecordedType kTypeOf<wire::SolidBlock> = RecordedType::kSolidBlock;
+template <>
+inline constexpr RecordedType kTypeOf<wire::CutLog> = RecordedType::kCutLog;
 
 /// Counts what a topic's samples number themselves by, so that each hole is known.
 class SequenceCount {

@@ -166,6 +166,7 @@ void CutField::MakeWhole() noexcept {
   std::fill(waits_.begin(), waits_.end(), false);
   first_waiting_ = waiting_count_ = 0;
   gone_ = 0.0;
+  merged_ = {};
   bur_ = Bur::Ball(1.0);
   end_ = {};
 }
@@ -224,6 +225,22 @@ std::array<double, SolidGrid::kMaterials> CutField::VolumeLeft() const {
   return left;
 }
 
+void CutField::Store(const Touched& touched) noexcept {
+  const std::int32_t entry = field_.Acquire(touched.block);
+  std::fill_n(still_.data() + static_cast<std::size_t>(entry) * kRows, kRows, 0.0);
+  std::uint16_t* left = left_.data() + static_cast<std::size_t>(entry) * SparseField::kPoints;
+  if (solid_->field().entry(touched.block) == SparseField::kBelow) {
+    std::fill_n(left, SparseField::kPoints, static_cast<std::uint16_t>(kWhole));
+    return;
+  }
+  for (int n = 0; n < SparseField::kPoints; ++n) {
+    left[n] = static_cast<std::uint16_t>(kWhole * UncutShareOf(8 * touched.at[0] + (n & 7),
+                                                               8 * touched.at[1] + (n >> 3 & 7),
+                                                               8 * touched.at[2] + (n >> 6)) +
+                                         0.5);
+  }
+}
+
 bool CutField::TakeStorage(const int low[3], const int high[3], const Bur& bur, const Pose& X_TB,
                            const Vec3& step_T) noexcept {
   const Lattice& lattice = field_.lattice();
@@ -247,21 +264,8 @@ bool CutField::TakeStorage(const int low[3], const int high[3], const Bur& bur, 
       }
     }
   }
-  for (Touched& touched : touched_) {
-    if (field_.entry(touched.block) >= 0) continue;
-    const std::int32_t entry = field_.Acquire(touched.block);
-    std::fill_n(still_.data() + static_cast<std::size_t>(entry) * kRows, kRows, 0.0);
-    std::uint16_t* left = left_.data() + static_cast<std::size_t>(entry) * SparseField::kPoints;
-    if (solid_->field().entry(touched.block) == SparseField::kBelow) {
-      std::fill_n(left, SparseField::kPoints, static_cast<std::uint16_t>(kWhole));
-      continue;
-    }
-    for (int n = 0; n < SparseField::kPoints; ++n) {
-      left[n] = static_cast<std::uint16_t>(kWhole * UncutShareOf(8 * touched.at[0] + (n & 7),
-                                                                 8 * touched.at[1] + (n >> 3 & 7),
-                                                                 8 * touched.at[2] + (n >> 6)) +
-                                           0.5);
-    }
+  for (const Touched& touched : touched_) {
+    if (field_.entry(touched.block) < 0) Store(touched);
   }
   return true;
 }
@@ -384,14 +388,53 @@ CutAway CutField::Remove(const Bur& bur, const Pose& X_BT, const Vec3& step_B) n
   bur_ = bur;
   end_ = {X_BT.p + step_B, X_BT.q};
   looks_ = 0;
-  for (std::size_t n = 0; n < touched_.size(); ++n) {
-    Touched& touched = touched_[n];
-    touched_at_[touched.block] = static_cast<std::int32_t>(n);
+  for (Touched& touched : touched_) {
     touched.changed = Raise(touched.at, field_.entry(touched.block), bur, X_TB, step_T);
     if (std::ranges::any_of(touched.changed, std::identity{})) Wait(touched.block);
   }
+  removal.volume = TakeShares(false);
+  removal.looks = looks_;
+  return removal;
+}
+
+bool CutField::Merge(std::size_t block, const float* points) noexcept {
+  if (field_.entry(block) == SparseField::kAbove) return false;
+  const std::array<int, 3> at = field_.lattice().BlockAt(block);
+  touched_.clear();
+  touched_.push_back({block, {at[0], at[1], at[2]}, {}});
+  if (field_.entry(block) < 0) Store(touched_.front());
+  float* const values = field_.values(field_.entry(block));
+  Layers& changed = touched_.front().changed;
+  for (int n = 0; n < SparseField::kPoints; ++n) {
+    const float value = points != nullptr ? points[n] : field_.band();
+    if (value <= values[n]) continue;
+    values[n] = value;
+    changed[static_cast<std::size_t>(n >> 6)] |= std::uint64_t{1} << (n & 63);
+  }
+  if (!std::ranges::any_of(changed, std::identity{})) return false;
+  Note(block);
+  // Its neighbours' voxels at its faces have another plane.
+  for (int n = 0; n < 6; ++n) {
+    std::array<int, 3> beside = at;
+    const auto axis = static_cast<std::size_t>(n >> 1);
+    beside[axis] += n % 2 == 0 ? -1 : 1;
+    if (beside[axis] < 0 || beside[axis] >= field_.lattice().blocks[axis]) continue;
+    const std::size_t other = field_.BlockIndex(beside[0], beside[1], beside[2]);
+    if (field_.entry(other) >= 0)
+      touched_.push_back({other, {beside[0], beside[1], beside[2]}, {}});
+  }
+  const auto volume = TakeShares(true);
+  for (std::size_t m = 0; m < volume.size(); ++m) merged_[m] += volume[m];
+  return true;
+}
+
+std::array<double, SolidGrid::kMaterials> CutField::TakeShares(bool merged) noexcept {
+  const Lattice& lattice = field_.lattice();
+  for (std::size_t n = 0; n < touched_.size(); ++n) {
+    touched_at_[touched_[n].block] = static_cast<std::int32_t>(n);
+  }
   // Counted in whole parts of a voxel, so that no order of adding shows.
-  std::array<std::uint64_t, SolidGrid::kMaterials> taken{};
+  std::array<std::int64_t, SolidGrid::kMaterials> taken{};
   const double crossed = kHalfDiagonal * lattice.spacing;
   for (const Touched& touched : touched_) {
     const std::int32_t entry = field_.entry(touched.block);
@@ -401,12 +444,15 @@ CutAway CutField::Remove(const Bur& bur, const Pose& X_BT, const Vec3& step_B) n
     for (int layer = 0; layer < kSide; ++layer) {
       for (std::uint64_t bits = beside[static_cast<std::size_t>(layer)]; bits; bits &= bits - 1) {
         const int n = layer << 6 | std::countr_zero(bits);
-        if (left[n] == 0 || values[n] < -crossed) continue;  // all that the solid has of it is left
+        if (values[n] < -crossed) continue;  // all that the solid has of it is left
+        if (left[n] == 0 && !merged) continue;
         looks_ += kLooksOfShare;
         const double share = ShareOf(8 * touched.at[0] + (n & 7), 8 * touched.at[1] + (n >> 3 & 7),
                                      8 * touched.at[2] + (n >> 6));
         const auto now = static_cast<std::uint16_t>(kWhole * share + 0.5);
-        if (now >= left[n]) continue;
+        // A block that comes before those beside it is seen too bare, or not bare enough, until
+        // they have come.
+        if (now >= left[n] && !merged) continue;
         taken[solid_->MaterialOf(touched.block, n)] += left[n] - now;
         left[n] = now;
       }
@@ -425,12 +471,12 @@ CutAway CutField::Remove(const Bur& bur, const Pose& X_BT, const Vec3& step_B) n
       field_.Release(touched.block, SparseField::kAbove);
     }
   }
-  removal.looks = looks_;
   const double voxel = lattice.spacing * lattice.spacing * lattice.spacing / kWhole;
+  std::array<double, SolidGrid::kMaterials> volume{};
   for (std::size_t m = 0; m < taken.size(); ++m) {
-    removal.volume[m] = voxel * static_cast<double>(taken[m]);
+    volume[m] = voxel * static_cast<double>(taken[m]);
   }
-  return removal;
+  return volume;
 }
 
 }  // namespace palpate

@@ -63,7 +63,16 @@ class CutField {
   /// without turning [m].
   CutAway Remove(const Bur& bur, const Pose& X_BT, const Vec3& step_B) noexcept;
 
-  /// The block, of those whose points changed since it was last taken here, that has waited
+  /// phi_c <- max(phi_c, points) at the points of a block: what another field of the solid has
+  /// there; null: all of it is gone.  True where any rose.  Fields that have merged all blocks of
+  /// each other hold the same bits, in whatever order and however often.  TakeChanged does not give
+  /// what came so, and VolumeMerged counts it.
+  /// Right where the storage is for all of the solid.
+  bool Merge(std::size_t block, const float* points) noexcept;
+  /// Of each material, what went by Merge and not by Remove, since all was there [m^3].
+  const std::array<double, SolidGrid::kMaterials>& VolumeMerged() const { return merged_; }
+
+  /// The block, of those where Remove changed points since it was last taken here, that has waited
   /// longest.  False where there is none.
   bool TakeChanged(std::size_t& block) noexcept;
   /// How often blocks have changed, which did at one of the last kChanges times, and of each block
@@ -72,6 +81,7 @@ class CutField {
   std::uint32_t changes() const { return changes_; }
   std::size_t Changed(std::uint32_t time) const { return changed_[time % kChanges]; }
   std::uint32_t ChangedAt(std::size_t block) const { return changed_at_[block]; }
+  bool has_changed() const { return waiting_count_ > 0; }
   /// All is there again, as at first, and no block has changed.  Goes through the table of blocks:
   /// some ten microseconds for a tooth.
   void MakeWhole() noexcept;
@@ -103,6 +113,9 @@ class CutField {
     changed_at_[block] = ++changes_;
     changed_[changes_ % kChanges] = static_cast<std::uint32_t>(block);
   }
+  void Store(const Touched& touched) noexcept;
+  /// What the voxels of touched_ lose by the points that changed; what is clear needs no storage.
+  std::array<double, SolidGrid::kMaterials> TakeShares(bool merged) noexcept;
   void Wait(std::size_t block) noexcept;
   double GoneSince(const Bur& bur, const Pose& X_BT) const noexcept;
   Layers Beside(const Touched& touched) const noexcept;
@@ -117,9 +130,10 @@ class CutField {
   int looks_ = 0;  ///< of the present step
   /// Of each stored row of points, up to which gone_ nothing in it can change [m].
   std::vector<double> still_;
+  std::array<double, SolidGrid::kMaterials> merged_{};
   Bur bur_ = Bur::Ball(1.0);              ///< of the last step
   Pose end_{};                            ///< X_BT where that ended
-  std::vector<Touched> touched_;          ///< of the present step, in the order of the table
+  RoomyVector<Touched> touched_;          ///< of the present step, in the order of the table
   std::vector<std::int32_t> touched_at_;  ///< of a block: its place there, or -1
   std::vector<std::uint32_t> waiting_;    ///< a ring of blocks that changed, each at most once
   std::vector<bool> waits_;               ///< of a block: it is in the ring

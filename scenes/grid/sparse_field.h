@@ -31,6 +31,21 @@ struct Lattice {
   Vec3 End() const { return Point(8 * blocks[0], 8 * blocks[1], 8 * blocks[2]); }
 };
 
+/// A vector whose copies have as much room, so that what does not allocate in one does not in them.
+template <class T>
+struct RoomyVector : std::vector<T> {
+  RoomyVector() = default;
+  RoomyVector(const RoomyVector& from) { *this = from; }
+  RoomyVector(RoomyVector&&) noexcept = default;
+  RoomyVector& operator=(RoomyVector&&) noexcept = default;
+  RoomyVector& operator=(const RoomyVector& from) {
+    if (this == &from) return *this;
+    this->reserve(from.capacity());
+    this->assign(from.begin(), from.end());
+    return *this;
+  }
+};
+
 /// A signed distance and its gradient at a point.
 /// @field distance  above 0 where the place is free, below 0 in the solid [m]; never beyond the
 ///                  band.
@@ -115,7 +130,7 @@ class SparseField {
   std::size_t stored_ = 0;
   std::vector<std::int32_t> table_;
   std::vector<float> storage_;
-  std::vector<std::int32_t> free_;  ///< a stack
+  RoomyVector<std::int32_t> free_;  ///< a stack
 };
 
 }  // namespace palpate

@@ -75,7 +75,10 @@ void EventLog::OnWhole(const wire::SceneWhole& whole, std::int64_t now_ns) {
   const bool refused = whole.refusal[0] != '\0';
   Fields fields{{"scene", whole.scene}, {"by", whole.by}};
   if (refused) fields.emplace_back("reason", whole.refusal);
-  Tell(refused ? "refused" : "whole", whole.scene, fields, now_ns);
+  const char* const done = whole.wish == palpate_WHOLE_BOOKMARK ? "bookmark"
+                           : whole.wish == palpate_WHOLE_BACK   ? "back"
+                                                                : "whole";
+  Tell(refused ? "refused" : done, whole.scene, fields, now_ns);
 }
 
 void EventLog::OnStatistics(const wire::LoopStatistics& statistics, std::int64_t now_ns) {

@@ -35,7 +35,7 @@ class EventLog {
   void OnSession(const wire::SessionState& state, std::int64_t now_ns);
   /// Refusals that nobody was told of: left out here, too.
   void OnUntold(std::uint64_t count) { left_out_ += count; }
-  /// "whole", or "refused" to make it so.
+  /// "whole", "bookmark" or "back", or "refused" to do so.
   void OnWhole(const wire::SceneWhole& whole, std::int64_t now_ns);
   /// "fault", for bits that the station did not have the second before.  That a hand is quicker
   /// than its tool, or a tool has only come, is none.

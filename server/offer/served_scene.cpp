@@ -33,15 +33,6 @@ void AddGeneratedHand(const Scene& scene, const Body& body, std::uint64_t seed,
 
 ServedScene ServeScene(const Scene& scene, const std::string& name_or_path,
                        std::uint64_t hand_seed) {
-  const auto burs =
-      std::ranges::count_if(scene.tools, [](const Body& t) { return t.bur.has_value(); });
-  const bool has_solid =
-      std::ranges::any_of(scene.objects, [](const Body& o) { return o.grid.has_value(); });
-  if (has_solid && burs > 1) {
-    throw Error(name_or_path + ": has " + std::to_string(burs) +
-                " burs for one solid, and a server lets one cut; leave one of these tools in the "
-                "scene, or serve a scene for each");
-  }
   ServedScene served;
   served.name = scene.name;
   served.file = fs::path(FindSceneFile(name_or_path)).filename().string();

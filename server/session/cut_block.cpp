@@ -4,17 +4,20 @@
 
 namespace palpate {
 
+void CopyBlock(const SparseField& field, std::size_t block, CutBlock& copy) noexcept {
+  copy.block = static_cast<std::uint32_t>(block);
+  copy.entry = field.entry(block);
+  if (copy.entry >= 0) {
+    std::copy_n(field.values(copy.entry), SparseField::kPoints, copy.points.data());
+  }
+}
+
 bool TakeChanged(std::span<CutField> cuts, CutBlock& told) noexcept {
   for (std::size_t i = 0; i < cuts.size(); ++i) {
     std::size_t block = 0;
     if (!cuts[i].TakeChanged(block)) continue;
-    const SparseField& field = cuts[i].field();
     told.solid = static_cast<std::uint32_t>(i);
-    told.block = static_cast<std::uint32_t>(block);
-    told.entry = field.entry(block);
-    if (told.entry >= 0) {
-      std::copy_n(field.values(told.entry), SparseField::kPoints, told.points.data());
-    }
+    CopyBlock(cuts[i].field(), block, told);
     return true;
   }
   return false;

@@ -11,7 +11,9 @@ SceneChanges::SceneChanges(std::string scene, std::shared_ptr<const SceneRemains
                            std::span<const CutSolid> solids, std::uint64_t server_run)
     : scene_(std::move(scene)), whole_(std::move(whole)), server_run_(server_run) {
   if (whole_) remains_ = *whole_;
-  if (!solids.empty()) solids_.emplace(solids);
+  if (solids.empty()) return;
+  cuts_.emplace(solids);
+  solids_.emplace(solids, cuts_->cuts().cuts());
 }
 
 std::vector<wire::SceneChange> SceneChanges::Remove(const Session& session,
@@ -55,8 +57,34 @@ std::vector<SolidBlockNews> SceneChanges::TakeCuts(std::int64_t now_ns) {
   return news;
 }
 
+std::vector<CutLogNews> SceneChanges::TakeCutLog(std::int64_t now_ns) {
+  if (!cuts_) return {};
+  std::vector<CutLogNews> log = cuts_->TakeLog(now_ns);
+  for (CutLogNews& one : log) {
+    wire::FromText(scene_, one.sample.scene);
+    one.sample.server_run = server_run_;
+  }
+  return log;
+}
+
+void SceneChanges::GoBack(std::int64_t now_ns) {
+  const std::vector<CutField>& cuts = cuts_->cuts().cuts();
+  const auto take_cut = [&] {
+    for (std::uint32_t solid = 0; solid < cuts.size(); ++solid) {
+      const SparseField& field = cuts[solid].field();
+      for (std::uint32_t block = 0; block < field.lattice().block_count(); ++block) {
+        if (field.entry(block) != SparseField::kBelow) solids_->Take(solid, block, now_ns);
+      }
+    }
+  };
+  take_cut();
+  cuts_->GoBack();
+  take_cut();
+}
+
 void SceneChanges::MakeWhole() {
   if (whole_) remains_ = *whole_;
+  if (cuts_) cuts_->MakeWhole();
   if (solids_) solids_->MakeWhole();
   gone_.clear();
   undone_ = count_;

@@ -9,6 +9,7 @@
 
 #include "common/dds/wire.h"
 #include "scenes/scene_remains.h"
+#include "server/session/cut_exchange.h"
 #include "server/session/session.h"
 #include "server/session/solid_changes.h"
 
@@ -25,15 +26,28 @@ class SceneChanges {
   /// @param solids  that burs cut; outlive this.
   SceneChanges(std::string scene, std::shared_ptr<const SceneRemains> whole,
                std::span<const CutSolid> solids, std::uint64_t server_run);
+  SceneChanges(const SceneChanges&) = delete;  // what is shown looks into what is cut
+  SceneChanges& operator=(const SceneChanges&) = delete;
 
   /// Records that a leaf has gone.  Returns what to publish: one change, or several where its
   /// triangles are many; none where the leaf had gone before.
   std::vector<wire::SceneChange> Remove(const Session& session, const Removal& removal);
   /// What burs cut; null where nothing can be.
-  SolidChanges* solids() { return solids_ ? &*solids_ : nullptr; }
+  CutExchange* cuts() { return cuts_ ? &*cuts_ : nullptr; }
+  /// A block of a solid is another than it was.
+  void TakeCut(std::uint32_t solid, std::uint32_t block, std::int64_t now_ns) {
+    solids_->Take(solid, block, now_ns);
+  }
+  void TellAgain(const wire::SolidBlock& block, std::int64_t now_ns) {
+    solids_->TellAgain(block, now_ns);
+  }
   /// What is to be published of it now.
   std::vector<SolidBlockNews> TakeCuts(std::int64_t now_ns);
-  bool is_whole() const { return gone_.empty() && (!solids_ || solids_->is_whole()); }
+  std::vector<CutLogNews> TakeCutLog(std::int64_t now_ns);
+  bool is_whole() const { return gone_.empty() && (!cuts_ || cuts_->cuts().is_whole()); }
+  bool wears() const { return whole_ != nullptr; }
+  /// As it stood at the bookmark of cuts().
+  void GoBack(std::int64_t now_ns);
   /// All is there again.  Changes are numbered on.
   void MakeWhole();
   /// Number of the last change that is undone.
@@ -45,6 +59,7 @@ class SceneChanges {
   std::string scene_;
   std::shared_ptr<const SceneRemains> whole_;
   std::optional<SceneRemains> remains_;
+  std::optional<CutExchange> cuts_;
   std::optional<SolidChanges> solids_;
   std::uint64_t server_run_;
   std::uint64_t count_ = 0;

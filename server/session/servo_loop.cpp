@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <numbers>
+#include <utility>
 
 #include "common/math/rotation.h"
 #include "common/realtime/steady_clock.h"
@@ -31,6 +32,8 @@ constexpr std::int64_t kLate_ns = 2'000'000;
 constexpr int kMostCutBlocks = 4;
 /// The second button: while it is down a bur stands still.  (The first may enable forces.)
 constexpr std::uint32_t kStopBur = 1u << 1;
+/// Blocks of others' that a pose may merge, some 10 us each; and while there are no forces.
+constexpr int kMostMerged = 2, kMostMergedAtRest = 16;
 
 bool IsFinite(const Pose& X) noexcept {
   // A sum of finite terms may overflow, but bounded ones cannot: comparisons with NaN are false.
@@ -61,12 +64,17 @@ void SetScaled(const Wrench& full, double gain, wire::Wrench& answer) noexcept {
 
 ServoLoop::ServoLoop(const HapticModel& model)
     : model_(model), workspace_(model), state_(model), whole_(state_.wear) {
-  if (!state_.cuts.empty()) cut_blocks_ = std::make_unique<Ring<CutBlock, 256>>();
+  if (!state_.cuts.empty()) {
+    cut_blocks_ = std::make_unique<Ring<CutBlock, 256>>();
+    given_ = std::make_unique<Ring<CutBlock, 64>>();
+    merges_ = std::make_unique<Ring<CutMerge, 64>>();
+  }
   periods_.emplace_back(0, whole_.leaf_count());
   newest_ = period_ = &periods_.back();
 }
 
 void ServoLoop::MakeWhole() {
+  was_given_ = false;
   periods_.emplace_back(periods_.back().number + 1, whole_.leaf_count());
   // Release: who sees the period sees its logs.
   newest_.store(&periods_.back(), std::memory_order_release);
@@ -78,11 +86,10 @@ bool ServoLoop::has_left_period() const {
                      [](const WearPeriod& period) { return period.removals.size() > 0; });
 }
 
-bool ServoLoop::TakeCut(CutBlock& block) {
-  while (cut_blocks_ && cut_blocks_->Pop(block)) {
-    if (block.period == periods_.back().number) return true;  // else it is back already
-  }
-  return false;
+void ServoLoop::GiveCut(CutBlock& block) {
+  block.period = periods_.back().number;
+  given_->Push(block);
+  was_given_ = true;
 }
 
 bool ServoLoop::OnPose(const wire::HapticPose& pose, wire::Wrench& answer) noexcept {
@@ -100,9 +107,12 @@ bool ServoLoop::OnPose(const wire::HapticPose& pose, wire::Wrench& answer) noexc
     start_sequence_.store(pose.pose_sequence, std::memory_order_release);
   }
 
+  // Asked first: what was given after a MakeWhole is then seen after it.
+  const std::size_t given = given_ ? given_->size() : 0;
   // After the start: one that was found in the worn scene is void.
   TakeWhole(pose.pose_sequence);
   TakeRemovals(pose.pose_sequence);
+  if (given > 0) MergeCuts(pose.pose_sequence, given);
 
   Clear(answer);
   state_.spins = (pose.buttons & kStopBur) == 0;
@@ -119,7 +129,7 @@ bool ServoLoop::OnPose(const wire::HapticPose& pose, wire::Wrench& answer) noexc
     Step(answer);
   }
   wire::FromPose(state_.X_WG, answer.graphic_position_m, answer.graphic_orientation_wxyz);
-  if (cut_blocks_) TellCuts();
+  if (cut_blocks_) TellCuts(pose.pose_sequence);
   Report(answer, taken_ns);
   return true;
 }
@@ -131,6 +141,7 @@ void ServoLoop::TakeWhole(std::uint64_t pose_sequence) noexcept {
   removals_taken_ = 0;
   state_.wear = whole_;  // of the same size: allocates nothing
   for (CutField& cut : state_.cuts) cut.MakeWhole();
+  merging_ = 0;
   started_ = false;
   gain_ = 0.0;
   // Last of what is done to a period: the service thread takes it as the end of those before.
@@ -228,11 +239,35 @@ void ServoLoop::Step(wire::Wrench& answer) noexcept {
   }
 }
 
-void ServoLoop::TellCuts() noexcept {
+void ServoLoop::MergeCuts(std::uint64_t pose_sequence, std::size_t given) noexcept {
+  if (merging_ == 0) {
+    for (; given > 0 && given_->Front().period != period_->number; --given) given_->Drop();
+    if (given == 0) return;
+    // What cannot be told of is not done.
+    const CutMerge merge{pose_sequence, given_->Front().number, static_cast<std::uint32_t>(given)};
+    if (!merges_->Push(merge)) return;
+    merging_ = given;
+  }
+  for (int i = started_ ? kMostMerged : kMostMergedAtRest; i > 0 && merging_ > 0; --i) {
+    const CutBlock& block = given_->Front();
+    state_.cuts[block.solid].Merge(block.block, block.merged());
+    given_->Drop();
+    --merging_;
+  }
+}
+
+void ServoLoop::TellCuts(std::uint64_t pose_sequence) noexcept {
+  if (std::ranges::none_of(state_.cuts, &CutField::has_changed)) return;
+  // All or none: of what there was room for, the pose alone is then to be known.
+  if (cuts_held_ || cut_blocks_->size() + kMostCutBlocks > cut_blocks_->kCapacity) {
+    if (held_from_ == 0) held_from_ = pose_sequence;
+    return;
+  }
   CutBlock told;
-  for (int i = 0; i < kMostCutBlocks && !cut_blocks_->full(); ++i) {
-    if (!TakeChanged(state_.cuts, told)) return;
+  for (int i = 0; i < kMostCutBlocks && TakeChanged(state_.cuts, told); ++i) {
     told.period = period_->number;
+    told.pose_sequence = pose_sequence;
+    told.held_from = std::exchange(held_from_, 0);
     cut_blocks_->Push(told);
   }
 }

@@ -108,7 +108,7 @@ class ServoLoop {
   bool made_whole() const { return periods_.back().removals.size() > 0; }
   /// Nothing was removed since the last MakeWhole by others; by this loop's tool nothing can be, as
   /// long as no Start is called.
-  bool is_whole() const { return periods_.back().removed_by_others.size() == 0; }
+  bool is_whole() const { return periods_.back().removed_by_others.size() == 0 && !was_given_; }
   /// Every leaf that has gone from this loop's scene, in the first of the periods that are kept.
   /// With the poses and the starts, all that a replay needs: the same bits follow.
   const AppendLog<Removal>& removals() const { return periods_.front().removals; }
@@ -117,13 +117,33 @@ class ServoLoop {
   /// Drops the first period, which is over.
   void ForgetPeriod() { periods_.pop_front(); }
   bool in_last_period() const { return periods_.size() == 1; }
-  /// The next block that the loop's bur changed since the last MakeWhole.  A block comes again as
-  /// long as it changes, and some milliseconds late: what comes last is how it stands.
-  bool TakeCut(CutBlock& block);
+  /// The next block that the loop's bur changed, or which it had changed before the last MakeWhole:
+  /// then is_current says no.  A block comes again as long as it changes, and some milliseconds
+  /// late: what comes last is how it stands.  Which come, and in what order, follows from the poses
+  /// and from CutBlock::held_from alone.
+  bool TakeCut(CutBlock& block) { return cut_blocks_ && cut_blocks_->Pop(block); }
+  bool is_current(const CutBlock& block) const { return block.period == periods_.back().number; }
+  /// For a replay: whether the loop is to find no room for such blocks.
+  void HoldCuts(bool hold) { cuts_held_ = hold; }
+  /// Once no pose can come, and where blocks wait for room then: since which pose.  Else 0.
+  std::uint64_t held_from() const { return held_from_; }
+  /// Gives the loop a block that another's bur has changed, where it wants_cuts(): it merges a few
+  /// before each pose.  The block's period is left to the loop.
+  void GiveCut(CutBlock& block);
+  bool wants_cuts() const { return given_ && !given_->full(); }
+  /// It has merged all that it was given.
+  bool has_merged() const { return !given_ || given_->size() == 0; }
+  /// What the loop began to merge since.  With all else that a replay needs (removals()), and the
+  /// blocks: the same bits follow.
+  bool TakeMerge(CutMerge& merge) { return merges_ && merges_->Pop(merge); }
   /// Before the first pose, or once no more can come: what burs took away of each solid.
   std::vector<CutField>& cuts() { return state_.cuts; }
-  /// Once no pose can come: the loop has done what the last MakeWhole said.
+  /// Before the first pose, or once no more can come: the loop has done what the last MakeWhole
+  /// said.
   bool is_in_newest_period() const { return period_ == newest_.load(std::memory_order_relaxed); }
+  /// Once no pose can come: the last, and how many were answered.
+  std::uint64_t last_sequence() const { return last_sequence_; }
+  std::uint32_t answers() const { return answers_; }
   /// The latest step, where one was made since the last call.
   bool ReadSnapshot(LoopSnapshot& snapshot) { return snapshots_.Read(snapshot); }
   /// Poses heard that were not mere repeats: stands still where the station is silent.
@@ -139,7 +159,8 @@ class ServoLoop {
   void TakeWhole(std::uint64_t pose_sequence) noexcept;
   void TakeRemovals(std::uint64_t pose_sequence) noexcept;
   void Step(wire::Wrench& answer) noexcept;
-  void TellCuts() noexcept;
+  void TellCuts(std::uint64_t pose_sequence) noexcept;
+  void MergeCuts(std::uint64_t pose_sequence, std::size_t given) noexcept;
   void Hold(std::uint32_t fault, wire::Wrench& answer) noexcept;
   void Report(wire::Wrench& answer, std::int64_t taken_ns) noexcept;
 
@@ -172,7 +193,14 @@ class ServoLoop {
   LatestMailbox<Pose> start_;
   LatestMailbox<LoopSnapshot> snapshots_;
   LatestMailbox<LoopCounters> reports_;
-  std::unique_ptr<Ring<CutBlock, 256>> cut_blocks_;  // null where there is nothing to cut
+  // Null where there is nothing to cut.
+  std::unique_ptr<Ring<CutBlock, 256>> cut_blocks_;  // loop -> service thread
+  std::unique_ptr<Ring<CutBlock, 64>> given_;        // service thread -> loop
+  std::unique_ptr<Ring<CutMerge, 64>> merges_;       // loop -> service thread
+  std::uint64_t held_from_ = 0;
+  std::size_t merging_ = 0;  // of given_: what the last CutMerge has said, and is not merged
+  bool cuts_held_ = false;
+  bool was_given_ = false;  // the service thread's: any block, since the last MakeWhole
   const LeafWear whole_;
   std::deque<WearPeriod> periods_;  // the service thread's; an element stays where it is
   std::atomic<WearPeriod*> newest_;

@@ -61,7 +61,8 @@ bool Session::Update(std::int64_t now_ns, bool may_start) {
 }
 
 bool Session::wants_start(std::int64_t now_ns) const {
-  if (phase_ == palpate_SESSION_ACTIVE || ended() || whole_wanted_ || !snapshot_.has_pose) {
+  if (phase_ == palpate_SESSION_ACTIVE || ended() || whole_wanted_ || start_is_held_ ||
+      !snapshot_.has_pose) {
     return false;
   }
   const Pose& X_WH = snapshot_.X_WH;
@@ -88,7 +89,6 @@ bool Session::TryStart(std::int64_t now_ns) {
   loop_.Start(X_WG_start_);
   start_workspace_.reset();
   start_wear_ = {};
-  start_cuts_ = {};
   start_depth_ = start.depth;
   phase_ = palpate_SESSION_ACTIVE;
   reason_.clear();
@@ -112,9 +112,9 @@ void Session::Remove(std::int32_t leaf) {
   loop_.Remove(leaf);
 }
 
-void Session::Begin(const std::vector<CutField>& cuts) {
-  if (cuts.empty()) return;
-  loop_.cuts() = cuts;
+void Session::Begin(const std::vector<CutField>& cuts, bool has_all) {
+  if (has_all) loop_.cuts() = cuts;
+  start_is_held_ = !has_all;
   start_cuts_ = cuts;
 }
 
@@ -126,7 +126,6 @@ void Session::Leave() {
 void Session::MakeWhole() {
   if (whole_wanted_ && loop_.is_whole()) return;  // asked again before the loop could begin anew
   start_wear_ = StepState(tool_->model).wear;
-  start_cuts_ = {};
   whole_wanted_ = true;
   loop_.MakeWhole();
 }

@@ -67,12 +67,17 @@ class Session {
   std::uint64_t CountTaken() { return ++taken_; }
   /// Takes a leaf away that another has scraped off.  Each leaf once.
   void Remove(std::int32_t leaf);
-  /// Before its first pose, with what burs have taken of the solids; empty: they are whole.
-  /// Outlives the session's beginning.
-  void Begin(const std::vector<CutField>& cuts);
+  /// Before its first pose, with what burs have taken of the solids; a start is sought in what
+  /// they have then.  Outlives this.
+  /// @param has_all  its loop begins with that; else it will be given it, and starts then.
+  void Begin(const std::vector<CutField>& cuts, bool has_all);
   /// All is there again.  The tool may be among them: forces are off until it is found to
   /// be free, as at the session's beginning.
   void MakeWhole();
+
+  /// Forces do not begin before the loop has been given what is to be there.
+  void HoldStart(bool hold) { start_is_held_ = hold; }
+  bool start_is_held() const { return start_is_held_; }
 
   ServoLoop& loop() { return loop_; }
   /// A pose has come that the loop is not given, or not yet: the station is not silent.  From any
@@ -106,7 +111,7 @@ class Session {
   ServoLoop loop_;
   std::optional<StepWorkspace> start_workspace_;  // only until the session is active
   LeafWear start_wear_;                           // also
-  std::span<const CutField> start_cuts_;          // also
+  std::span<const CutField> start_cuts_;          // of all burs of the scene
   wire::SessionPhase phase_ = palpate_SESSION_WAITING;
   std::string reason_;
   double start_depth_ = 0.0;
@@ -114,7 +119,8 @@ class Session {
   bool left_ = false;
   bool start_seen_ = false;         // by the loop
   std::uint64_t former_start_ = 0;  // of the loop, before the scene was made whole
-  bool whole_wanted_ = false;       // the loop has not been seen to have made it so
+  bool start_is_held_ = false;
+  bool whole_wanted_ = false;  // the loop has not been seen to have made it so
   LoopSnapshot snapshot_;
   std::size_t removals_taken_ = 0;
   std::uint64_t taken_ = 0;

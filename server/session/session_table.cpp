@@ -49,10 +49,13 @@ wire::LeafTaken LeafTakenBy(Session& session, const Removal& removal) {
 SessionTable::SessionTable(std::vector<std::shared_ptr<const ServedTool>> tools,
                            std::uint64_t server_run, bool admit_by_hand)
     : tools_(std::move(tools)), server_run_(server_run), admit_by_hand_(admit_by_hand) {
-  for (const auto& tool : tools_) {
-    const auto solids = tool->model.solids();
-    if (tool->whole || !solids.empty()) {
-      scenes_.try_emplace(tool->scene, tool->scene, tool->whole, solids, server_run_);
+  // Of a scene's tools some may cut nothing; solids are the same for those that do.
+  for (const bool cuts : {true, false}) {
+    for (const auto& tool : tools_) {
+      const auto solids = tool->model.solids();
+      if (cuts ? !solids.empty() : tool->whole != nullptr) {
+        scenes_.try_emplace(tool->scene, tool->scene, tool->whole, solids, server_run_);
+      }
     }
   }
 }
@@ -170,6 +173,11 @@ bool SessionTable::Operate(const wire::OperateRequest& request, std::int64_t now
 }
 
 void SessionTable::Update(std::int64_t now_ns) {
+  now_ns_ = now_ns;
+  for (const auto& [station, session] : sessions_) {
+    CutExchange* const cuts = CutsOf(*session);
+    if (session->start_is_held() && cuts->has_all(*session)) session->HoldStart(false);
+  }
   // One start pose at a time, by turns: all else that this thread does waits for it.
   const Session* next = nullptr;
   for (const auto& [station, session] : sessions_) {
@@ -184,9 +192,12 @@ void SessionTable::Update(std::int64_t now_ns) {
     // One that has sent no pose has left the scene as it was before it.
     if (session.ended() && session.has_heard()) {
       cut_off_[session.tool().scene] = session.left() ? "" : session.station();
-      if (session.tool().model.cuts()) ending_.push_back(it->second);
     }
+    if (session.ended() && !session.loop().cuts().empty()) ending_.push_back(it->second);
     it = session.ended() ? sessions_.erase(it) : std::next(it);
+  }
+  for (const auto& [station, session] : sessions_) {
+    if (CutExchange* const cuts = CutsOf(*session)) cuts->Give(*session);
   }
   ForgetHeld(now_ns);
   for (auto it = waiting_.begin(); it != waiting_.end();) {
@@ -245,8 +256,8 @@ void SessionTable::ForgetHeld(std::int64_t now_ns) {
 void SessionTable::PassOnRemovals(Session& from, std::int64_t now_ns) {
   const auto scene = scenes_.find(from.tool().scene);
   if (scene == scenes_.end()) return;
-  if (SolidChanges* const solids = scene->second.solids()) {
-    for (CutBlock block; from.loop().TakeCut(block);) solids->Take(block, now_ns);
+  if (scene->second.cuts() != nullptr) {
+    scene->second.cuts()->Take(from, TakerOf(scene->second, now_ns));
   }
   while (const std::optional<Removal> removal = from.TakeRemoval()) {
     if (!removal->own) {
@@ -265,19 +276,25 @@ void SessionTable::PassOnRemovals(Session& from, std::int64_t now_ns) {
   }
 }
 
-void SessionTable::Begin(Session& session) {
+CutExchange* SessionTable::CutsOf(const Session& session) {
   const auto scene = scenes_.find(session.tool().scene);
-  if (scene == scenes_.end() || !scene->second.solids()) return;
-  session.Begin(scene->second.solids()->kept());
+  return scene == scenes_.end() ? nullptr : scene->second.cuts();
+}
+
+CutExchange::Changed SessionTable::TakerOf(SceneChanges& scene, std::int64_t now_ns) {
+  return [&scene, now_ns](std::uint32_t solid, std::uint32_t block) {
+    scene.TakeCut(solid, block, now_ns);
+  };
+}
+
+void SessionTable::Begin(Session& session) {
+  if (CutExchange* const cuts = CutsOf(session)) cuts->Begin(session);
 }
 
 void SessionTable::RetireEnded(std::int64_t now_ns) {
   for (const auto& session : std::exchange(ending_, {})) {
-    // One that has not heard that the scene is whole leaves nothing.
-    if (!session->loop().is_in_newest_period()) continue;
-    SolidChanges& solids = *scenes_.find(session->tool().scene)->second.solids();
-    for (CutBlock block; session->loop().TakeCut(block);) solids.Take(block, now_ns);
-    solids.Keep(std::move(session->loop().cuts()), now_ns);
+    SceneChanges& scene = scenes_.find(session->tool().scene)->second;
+    scene.cuts()->End(*session, TakerOf(scene, now_ns));
   }
 }
 
@@ -289,26 +306,64 @@ void SessionTable::Request(const wire::WholeRequest& request) {
   wire::FromText(request.scene, answer.scene);
   wire::FromText(request.by, answer.by);
   answer.request = request.request;
-  if (const auto scene = scenes_.find(request.scene); scene != scenes_.end()) {
-    return MakeWhole(scene->second, answer);
+  answer.wish = request.wish;
+  const auto scene = scenes_.find(request.scene);
+  if (scene == scenes_.end()) {
+    answer.server_run = server_run_;
+    wire::FromText(
+        "nothing goes there: no material of the scene has a hardness_J, and no tool cuts an object",
+        answer.refusal);
+    wholes_.push_back(answer);
+  } else if (request.wish == palpate_WHOLE_AGAIN) {
+    MakeWhole(scene->second, answer);
+  } else {
+    Bookmark(scene->second, answer);
   }
-  answer.server_run = server_run_;
-  wire::FromText(
-      "nothing goes there: no material of the scene has a hardness_J, and no tool cuts an object",
-      answer.refusal);
-  wholes_.push_back(answer);
+}
+
+void SessionTable::Bookmark(SceneChanges& scene, wire::SceneWhole answer) {
+  if (scene.cuts() == nullptr || scene.wears()) {
+    wire::FromText(
+        "only what burs cut can be brought back to a bookmark; make the scene whole instead",
+        answer.refusal);
+  } else if (answer.wish == palpate_WHOLE_BOOKMARK) {
+    scene.cuts()->SetBookmark();
+  } else if (!scene.cuts()->cuts().has_bookmark()) {
+    wire::FromText("the scene has no bookmark; set one first", answer.refusal);
+  } else {
+    for (Session* const session : SessionsOf(answer.scene)) {
+      session->MakeWhole();
+      session->HoldStart(true);
+    }
+    scene.GoBack(now_ns_);
+  }
+  Answer(scene, answer);
+}
+
+std::vector<Session*> SessionTable::SessionsOf(const std::string& scene) {
+  std::vector<Session*> all;
+  for (const auto& [station, session] : sessions_) {
+    if (session->tool().scene == scene) all.push_back(session.get());
+  }
+  for (const auto& session : ending_) {
+    if (session->tool().scene == scene) all.push_back(session.get());
+  }
+  return all;
 }
 
 void SessionTable::MakeWhole(SceneChanges& scene, wire::SceneWhole answer) {
-  for (const auto& [station, session] : sessions_) {
-    if (session->tool().scene == answer.scene) session->MakeWhole();
-  }
-  for (const auto& session : ending_) {
-    if (session->tool().scene == answer.scene) session->MakeWhole();
+  for (Session* const session : SessionsOf(answer.scene)) {
+    session->MakeWhole();
+    session->HoldStart(false);
   }
   scene.MakeWhole();
+  Answer(scene, answer);
+}
+
+void SessionTable::Answer(SceneChanges& scene, wire::SceneWhole& answer) {
   answer.server_run = server_run_;
   answer.last_change = scene.undone();
+  answer.has_bookmark = scene.cuts() != nullptr && scene.cuts()->cuts().has_bookmark();
   wholes_.push_back(answer);
 }
 
@@ -316,7 +371,9 @@ void SessionTable::EndAll(const std::string& reason) {
   for (auto& [station, session] : sessions_) {
     session->End(reason);
     Publish(*session);
+    if (!session->loop().cuts().empty()) ending_.push_back(session);
   }
+  RetireEnded(0);
   sessions_.clear();
   waiting_.clear();
   held_.clear();
@@ -338,8 +395,16 @@ std::vector<SolidBlockNews> SessionTable::TakeCuts(std::int64_t now_ns) {
   return news;
 }
 
+std::vector<CutLogNews> SessionTable::TakeCutLogs(std::int64_t now_ns) {
+  std::vector<CutLogNews> news;
+  for (auto& [name, scene] : scenes_) {
+    for (CutLogNews& one : scene.TakeCutLog(now_ns)) news.push_back(std::move(one));
+  }
+  return news;
+}
+
 void SessionTable::TellAgain(const wire::SolidBlock& block, std::int64_t now_ns) {
-  scenes_.find(block.scene)->second.solids()->TellAgain(block, now_ns);
+  scenes_.find(block.scene)->second.TellAgain(block, now_ns);
 }
 
 std::vector<wire::LeafTaken> SessionTable::TakeLeavesTaken() {

@@ -50,7 +50,8 @@ class SessionTable {
   /// sessions come and go.  False: it is of another server, of a station that is not here, or has
   /// been heard before.
   bool Operate(const wire::OperateRequest& request, std::int64_t now_ns);
-  /// Makes a scene whole again for all its tools, and answers.  A request for a scene that is not
+  /// Makes a scene whole again for all its tools, or as it was at its bookmark, and answers.  A
+  /// request for a scene that is not
   /// served here gets no answer: it may be another server's.  Nor does one that has been heard.
   void Request(const wire::WholeRequest& request);
   /// Looks after all sessions; ended ones leave the table.
@@ -59,7 +60,7 @@ class SessionTable {
   void RetireEnded(std::int64_t now_ns);
   /// After that, and before a session's first pose: what is left of its scene's solids is its own.
   void Begin(Session& session);
-  /// Ends every session: the server stops.
+  /// Ends every session, to which no poses come any more: the server stops.
   void EndAll(const std::string& reason);
 
   /// Sessions that have not ended.
@@ -72,6 +73,8 @@ class SessionTable {
   std::vector<SolidBlockNews> TakeCuts(std::int64_t now_ns);
   /// One of these could not be published.
   void TellAgain(const wire::SolidBlock& block, std::int64_t now_ns);
+  /// What sessions were given of each other's cuts, as recordings need it.
+  std::vector<CutLogNews> TakeCutLogs(std::int64_t now_ns);
   /// Of what was scraped off, what has reached the loops of other sessions since the last call.
   std::vector<wire::LeafTaken> TakeLeavesTaken();
   /// Scenes that were made whole since the last call, and refusals to do so.
@@ -111,6 +114,13 @@ class SessionTable {
   wire::SessionState AnswerTo(const wire::SessionRequest& request, wire::SessionPhase phase,
                               const std::string& reason) const;
   void MakeWhole(SceneChanges& scene, wire::SceneWhole answer);
+  void Bookmark(SceneChanges& scene, wire::SceneWhole answer);
+  void Answer(SceneChanges& scene, wire::SceneWhole& answer);
+  /// Those too to which poses may still come.
+  std::vector<Session*> SessionsOf(const std::string& scene);
+  /// Null where nothing is cut.
+  CutExchange* CutsOf(const Session& session);
+  static CutExchange::Changed TakerOf(SceneChanges& scene, std::int64_t now_ns);
   /// Passes on what a session's tool has scraped off to the others of its scene, and tells of what
   /// it has got of theirs.
   void PassOnRemovals(Session& from, std::int64_t now_ns);
@@ -122,6 +132,7 @@ class SessionTable {
   std::map<std::string, Waiting> held_;                       // by station: for a teacher
   std::map<std::string, Standing> standings_;                 // by station
   bool admit_by_hand_;
+  std::int64_t now_ns_ = 0;  // of the last Update
   RequestMemory requests_heard_;
   TokenBucket refusals_{kRefusalsPerSecond, kRefusalsAtOnce};
   std::uint64_t untold_ = 0;

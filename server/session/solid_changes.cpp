@@ -13,29 +13,26 @@ namespace {
 /// What a sample takes besides its surface [bytes].
 constexpr double kHead = 110.0;
 
-}  // namespace
-
-SolidChanges::Solid::Solid(const CutSolid& s)
-    : solid(&s), field(s.grid->field().lattice(), s.grid->field().band(), SparseField::kBelow) {
-  field.Reserve(s.grid->solid_blocks());
+/// A block and those beside it.
+std::vector<std::uint32_t> Round(const Lattice& lattice, std::uint32_t block) {
+  std::vector<std::uint32_t> round;
+  const std::array<int, 3> at = lattice.BlockAt(block);
+  for (int n = 0; n < 27; ++n) {
+    const int i = at[0] + n % 3 - 1, j = at[1] + n / 3 % 3 - 1, k = at[2] + n / 9 - 1;
+    if (i < 0 || j < 0 || k < 0 || i >= lattice.blocks[0] || j >= lattice.blocks[1] ||
+        k >= lattice.blocks[2]) {
+      continue;
+    }
+    round.push_back(
+        static_cast<std::uint32_t>((k * lattice.blocks[1] + j) * lattice.blocks[0] + i));
+  }
+  return round;
 }
 
-SolidChanges::SolidChanges(std::span<const CutSolid> solids)
-    : solids_(solids.begin(), solids.end()) {}
+}  // namespace
 
-void SolidChanges::Take(const CutBlock& block, std::int64_t now_ns) {
-  whole_ = false;
-  SparseField& field = solids_[block.solid].field;
-  const std::int32_t before = field.entry(block.block);
-  if (block.entry >= 0) {
-    const std::int32_t entry = before >= 0 ? before : field.Acquire(block.block);
-    std::ranges::copy(block.points, field.values(entry));
-  } else if (before >= 0) {
-    field.Release(block.block, block.entry);
-  } else {
-    field.Fill(block.block, block.entry);
-  }
-  WaitRound(block.solid, block.block, now_ns);
+SolidChanges::SolidChanges(std::span<const CutSolid> solids, const std::vector<CutField>& cuts) {
+  for (std::size_t i = 0; i < solids.size(); ++i) solids_.push_back({&solids[i], &cuts[i]});
 }
 
 void SolidChanges::Wait(const Place& place, std::int64_t now_ns) {
@@ -45,18 +42,9 @@ void SolidChanges::Wait(const Place& place, std::int64_t now_ns) {
   if (is_new) line_.push_back(place);
 }
 
-void SolidChanges::WaitRound(std::size_t solid, std::uint32_t block, std::int64_t now_ns) {
-  const SparseField& field = solids_[solid].field;
-  const Lattice& lattice = field.lattice();
-  const std::array<int, 3> place = lattice.BlockAt(block);
-  for (int n = 0; n < 27; ++n) {
-    const int i = place[0] + n % 3 - 1, j = place[1] + n / 3 % 3 - 1, k = place[2] + n / 9 - 1;
-    if (i < 0 || j < 0 || k < 0 || i >= lattice.blocks[0] || j >= lattice.blocks[1] ||
-        k >= lattice.blocks[2]) {
-      continue;
-    }
-    Wait({solid, static_cast<std::uint32_t>(field.BlockIndex(i, j, k))}, now_ns);
-  }
+void SolidChanges::Take(std::uint32_t solid, std::uint32_t block, std::int64_t now_ns) {
+  const Lattice& lattice = solids_[solid].cut->field().lattice();
+  for (const std::uint32_t other : Round(lattice, block)) Wait({solid, other}, now_ns);
 }
 
 void SolidChanges::TellAgain(const wire::SolidBlock& block, std::int64_t now_ns) {
@@ -66,31 +54,29 @@ void SolidChanges::TellAgain(const wire::SolidBlock& block, std::int64_t now_ns)
   Wait({static_cast<std::size_t>(of - solids_.begin()), block.block}, now_ns);
 }
 
-void SolidChanges::Keep(std::vector<CutField> cuts, std::int64_t now_ns) {
-  for (CutBlock block; TakeChanged(cuts, block);) Take(block, now_ns);
-  if (!whole_) kept_ = std::move(cuts);
-}
-
 void SolidChanges::MakeWhole() {
   for (Solid& solid : solids_) {
-    solid.field.Clear();
     solid.told.clear();
     solid.waiting.clear();
   }
   line_.clear();
-  kept_.clear();
-  whole_ = true;
 }
 
 bool SolidChanges::Tell(const Place& place, SolidBlockNews& news) {
   Solid& at = solids_[place.solid];
   const SolidGrid& grid = *at.solid->grid;
-  const Lattice& lattice = at.field.lattice();
-  TakeSurface(grid, at.field, place.block, surface_);
+  const SparseField& field = at.cut->field();
+  const Lattice& lattice = field.lattice();
+  const bool cut = field.entry(place.block) != SparseField::kBelow;
+  // It closes the seam round a cut block; where there is none any more it is the mesh's again.
+  const bool is_seen = cut || std::ranges::any_of(Round(lattice, place.block), [&](auto block) {
+                         return field.entry(block) != SparseField::kBelow;
+                       });
+  surface_.Clear();
+  if (is_seen) TakeSurface(grid, field, place.block, surface_);
   const std::array<int, 3> block = lattice.BlockAt(place.block);
   EncodeSurface(surface_, lattice.Point(8 * block[0], 8 * block[1], 8 * block[2]), lattice.spacing,
                 news.surface);
-  const bool cut = at.field.entry(place.block) != SparseField::kBelow;
   // Where there is no surface, and was none, nobody need be told.
   const bool bare = surface_.triangles.empty() && (!cut || grid.field().entry(place.block) < 0);
   if (bare && !at.told.contains(place.block)) return false;

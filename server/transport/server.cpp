@@ -56,6 +56,18 @@ const char* WishText(wire::OperateWish wish) {
   }
 }
 
+const char* WholeText(const wire::SceneWhole& whole) {
+  const bool is_done = whole.refusal[0] == '\0';
+  switch (whole.wish) {
+    case palpate_WHOLE_BOOKMARK:
+      return is_done ? "bookmarked" : "not bookmarked: ";
+    case palpate_WHOLE_BACK:
+      return is_done ? "back at its bookmark" : "not brought back to its bookmark: ";
+    default:
+      return is_done ? "whole again" : "not made whole: ";
+  }
+}
+
 wire::LoopStatistics MakeStatistics(const Session& session, const LoopCounters& counters,
                                     double period_s) {
   wire::LoopStatistics s{};
@@ -127,6 +139,7 @@ Server::Server(dds::Participant loop_domain, dds::Participant service_domain,
       states_(service_domain_, dds::kSessionStateTopic, dds::Qos::kSession),
       scene_changes_(service_domain_, dds::kSceneChangeTopic, dds::Qos::kSession),
       solid_blocks_(service_domain_, dds::kSolidBlockTopic, dds::Qos::kSession),
+      cut_logs_(service_domain_, dds::kCutLogTopic, dds::Qos::kSession),
       leaves_taken_(service_domain_, dds::kLeafTakenTopic, dds::Qos::kSession),
       whole_requests_(service_domain_, dds::kWholeRequestTopic, dds::Qos::kRecordSession),
       operate_requests_(service_domain_, dds::kOperateRequestTopic, dds::Qos::kRecordSession),
@@ -293,10 +306,13 @@ void Server::PublishChanges(std::int64_t now_ns) {
     taken = taken && solid_blocks_.Write(news.sample);
     if (!taken) table_.TellAgain(news.sample, now_ns);
   }
+  for (CutLogNews& news : table_.TakeCutLogs(now_ns)) {
+    PointTo(news.events, news.sample.events);
+    cut_logs_.Write(news.sample);
+  }
   for (const wire::LeafTaken& taken : table_.TakeLeavesTaken()) leaves_taken_.Write(taken);
   for (const wire::SceneWhole& whole : table_.TakeWholes()) {
-    LogWish(now_ns, fmt::format("scene {}: {}{}, asked by {}", whole.scene,
-                                whole.refusal[0] == '\0' ? "whole again" : "not made whole: ",
+    LogWish(now_ns, fmt::format("scene {}: {}{}, asked by {}", whole.scene, WholeText(whole),
                                 whole.refusal, whole.by));
     wholes_.Write(whole);
     if (events_.whole) events_.whole(whole);

@@ -89,6 +89,7 @@ class Server {
   dds::Writer<wire::SessionState> states_;
   dds::Writer<wire::SceneChange> scene_changes_;
   dds::Writer<wire::SolidBlock> solid_blocks_;
+  dds::Writer<wire::CutLog> cut_logs_;
   dds::Writer<wire::LeafTaken> leaves_taken_;
   dds::Reader<wire::WholeRequest> whole_requests_;
   dds::Reader<wire::OperateRequest> operate_requests_;

@@ -360,6 +360,35 @@ test("what burs cut is gone from the picture, the rest looks as before, and a bu
   await eventually("the pit again", async () => (await picture()) === cut);
 });
 
+test("what burs cut is bookmarked, and brought back to how it stood then", async () => {
+  gateway.retain("/palpate/session_state", sessionState("hand", "active", "cut", "ball"));
+  await open({}, "?scene=cut");
+  await appears("#bookmark");
+  expect(await page.locator("#back").isDisabled()).toBe(true);
+  const asked: unknown[] = [];
+  gateway.onPublish = ({op, scene}) => {
+    if (op !== "bookmark" && op !== "back") return;
+    asked.push(op);
+    const about = {server_run: 1n, last_change: 0n, request: 9n, refusal: ""};
+    const answer = {wish: op === "back" ? 2 : 1, has_bookmark: true};
+    gateway.send("/palpate/scene_whole", {scene, by: "the page here", ...about, ...answer});
+  };
+  const before = await stillPicture();
+  await page.locator("#bookmark").click();
+  await reads("#hint", "The cut is bookmarked as it stands (the page here).");
+  for (const block of [...aroundPit("cut", 1), solidBlock("cut", kPitBlock, 1, pit())])
+    gateway.send("/palpate/solid_block", block);
+  await eventually("the pit", async () => (await picture()) !== before);
+  await page.locator("#back").click();
+  await reads("#hint", "The cut is as it stood at the bookmark (the page here).");
+  // As the server tells it: blocks that are the mesh's again.
+  const none = new Uint8Array(6);
+  for (const block of [...aroundPit("cut", 2), solidBlock("cut", kPitBlock, 2, none)])
+    gateway.send("/palpate/solid_block", {...block, surface: none, cut: false});
+  await eventually("the whole box", async () => (await picture()) === before);
+  expect(asked).toEqual(["bookmark", "back"]);
+});
+
 test("scenes are chosen, and remembered in the address", async () => {
   press(1);
   await open();

@@ -1,17 +1,22 @@
 // The recorder as a program, beside a real server and a real station.
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <map>
+#include <memory>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
 #include "client/recorder/file_summary.h"
 #include "client/replayer/verify/verify.h"
+#include "common/dds/cdr_reader.h"
 #include "common/dds/server_lock.h"
 #include "common/dds/topics.h"
 #include "common/recording/recording_reader.h"
+#include "common/recording/split_name.h"
 #include "tests/common/recording/samples.h"
 #include "tests/integration/rig.h"
 #include "tests/recorder/others_readers.h"
@@ -215,9 +220,95 @@ TEST_F(RecorderProgramTest, RecordsWhatBursCutSoThatItIsTheSameBitsAgain) {
   }
   EXPECT_NEAR(cut["one"].before_mm3, 48.0, 0.1);
   EXPECT_GT(cut["one"].removed_mm3(), 1.0);
-  EXPECT_EQ(cut["two"].before_mm3, cut["one"].after_mm3);
+  // The one's bur counted in its own order.
+  EXPECT_NEAR(cut["two"].before_mm3, cut["one"].after_mm3, 0.002);
   EXPECT_GT(cut["two"].removed_mm3(), 0.0);
   EXPECT_EQ(cut["four"].before_mm3, cut["one"].before_mm3);
+}
+
+// In one groove, from both ends.  One is killed and comes back; the block is made whole, bookmarked
+// and brought back; a third bur comes late.  The recorder, which splits, is ended while they cut.
+TEST_F(RecorderProgramTest, RecordsHandsThatCutTogetherSoThatAllAreTheSameBitsAgain) {
+  const auto write = [&](const std::string& name, const std::string& text) {
+    WriteBytes(folder_ / name, {text.begin(), text.end()});
+    return folder_ / name;
+  };
+  std::string burs;
+  for (const char* name : {"left", "right", "late"}) {
+    burs += std::string(burs.empty() ? "" : ", ") + R"({"name": ")" + name + R"(",
+      "mesh": {"shape": "bur", "kind": "ball", "diameter_mm": 1}, "leaves": 64,
+      "start": {"position_mm": [0, 2, 0]}})";
+  }
+  const std::string scene = write("block.json", R"({"tools": [)" + burs + R"(],
+    "objects": [{"name": "block", "mesh": {"shape": "box", "size_m": [0.006, 0.002, 0.004]},
+                 "grid_um": 100, "material": {"cutting_pressure_MPa": 0.1}}]})");
+  const auto script = [&](const std::string& name, const std::string& from, const std::string& to) {
+    return write(name, R"({"keys": [
+      {"t": 0.0, "position_mm": [)" +
+                           from + R"(, 1.5, 0]}, {"t": 0.4, "position_mm": [)" + from +
+                           R"(, 0.3, 0]}, {"t": 1.2, "position_mm": [)" + to +
+                           R"(, -0.2, 0]}, {"t": 1.6, "position_mm": [)" + to + R"(, 1.5, 0]},
+      {"t": 2.0, "position_mm": [)" +
+                           from + R"(, 1.5, 0]}]})");
+  };
+  const std::string to_right = script("r.json", "-2", "2"), to_left = script("l.json", "2", "-2");
+  const std::string domain = std::to_string(kDomain);
+  Program server(PALPATE_BIN_DIR "/palpate-server",
+                 {"--scene", scene, "--transport", "udp", "--realtime", "off", "--domain", domain});
+  ASSERT_TRUE(server.Says("ready: ", 60.0)) << server.Output();
+  RecorderProgram recorder(file_, "udp", {"--split-time", "2"});
+  ASSERT_TRUE(recorder.Ready()) << recorder.Output();
+  const auto ask = [&](const char* what) {
+    Program lesson(PALPATE_BIN_DIR "/palpate-lesson", {what, "block", "--domain", domain});
+    EXPECT_EQ(lesson.Exit(), 0) << lesson.Output();
+  };
+  const auto hand = [&](const std::string& bur, const std::string& path) {
+    return std::make_unique<Program>(
+        PALPATE_BIN_DIR "/palpate-station",
+        std::vector<std::string>{"--device", "scripted", "--script", path, "--scene", "block",
+                                 "--tool", bur, "--id", bur, "--transport", "udp", "--realtime",
+                                 "off", "--domain", domain, "--for", "60", "--loop"});
+  };
+  const auto wait = [](double seconds) {
+    std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+  };
+  auto left = hand("left", to_right), right = hand("right", to_left);
+  ASSERT_TRUE(left->Says("session: ")) << left->Output();
+  ASSERT_TRUE(right->Says("session: ")) << right->Output();
+  wait(1.3);
+  ask("bookmark");
+  left->Signal(SIGKILL);
+  wait(0.3);
+  left = hand("left", to_right);
+  ASSERT_TRUE(left->Says("session: ")) << left->Output();
+  wait(1.0);
+  ask("whole");
+  wait(0.6);
+  const auto late = hand("late", to_right);
+  ASSERT_TRUE(late->Says("session: ")) << late->Output();
+  wait(0.6);
+  ask("back");
+  wait(1.0);
+  recorder.Signal(SIGINT);
+  EXPECT_EQ(recorder.Exit(), 0) << recorder.Output();
+  EXPECT_THAT(recorder.Output(), HasSubstr("dropped 0"));
+
+  std::vector<std::string> splits;
+  for (const NamedSplit& split : FindSplits(file_)) splits.push_back(split.file);
+  EXPECT_GT(splits.size(), 2u);
+  const Verification verification = Verify(splits, {});
+  EXPECT_TRUE(verification.good()) << ToText(verification);
+  EXPECT_EQ(verification.sessions.size(), 4u);
+  std::size_t merged = 0;
+  RecordingReader reader(splits);
+  for (RecordedSample sample{}; reader.Next(sample);) {
+    dds::Owned<wire::CutLog> log;
+    if (!sample.To(log.value)) continue;
+    for (std::uint32_t i = 0; i < log.value.events._length; ++i) {
+      merged += log.value.events._buffer[i].step == palpate_CUT_MERGED;
+    }
+  }
+  EXPECT_GT(merged, 100u);
 }
 
 TEST_F(RecorderProgramTest, NeedsAFileAndLeavesThoseThatAreThere) {

@@ -183,7 +183,11 @@ void Timeline::AddWhole(const RecordedSample& sample) {
   if (!sample.To(whole)) return;
   const bool is_news = Keep(sample, whole.server_run, whole.scene, whole.last_change);
   if (is_news && last_ns_ - first_ns_ > kTold_ns && whole.refusal[0] == '\0') {
-    AddMark(palpate_REPLAY_WHOLE, std::string(whole.scene) + " is whole again");
+    AddMark(
+        palpate_REPLAY_WHOLE,
+        whole.scene + std::string(whole.wish == palpate_WHOLE_BOOKMARK ? " is bookmarked"
+                                  : whole.wish == palpate_WHOLE_BACK   ? " is back at its bookmark"
+                                                                       : " is whole again"));
   }
 }
 

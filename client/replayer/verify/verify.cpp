@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
+#include "client/replayer/verify/cut_replay.h"
 #include "common/dds/cdr_reader.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
@@ -174,14 +175,20 @@ struct SessionFacts {
   std::uint64_t run = 0, server_run = 0;
   std::map<std::uint64_t, Pose> starts;             ///< X_WG by the pose that it begins with
   std::map<std::uint64_t, wire::LeafTaken> leaves;  ///< by number
+  CutFacts cuts{};
 };
 
 /// One session's loop, fed in the order that it was fed then.
-class SessionReplay {
+class SessionReplay : public CutSession {
  public:
   SessionReplay(const SessionFacts& facts, const Scene& scene, const HapticModel& model,
                 std::int64_t began_ns)
-      : facts_(facts), scene_(scene), model_(model), loop_(model), began_ns_(began_ns) {
+      : facts_(facts),
+        scene_(scene),
+        model_(model),
+        loop_(model),
+        side_(facts.cuts),
+        began_ns_(began_ns) {
     verdict_.station = facts.station;
     verdict_.scene = facts.scene;
     verdict_.tool = facts.tool;
@@ -190,44 +197,72 @@ class SessionReplay {
     next_start_ = facts_.starts.begin();
   }
 
-  /// Before its first pose: what burs of before have left.
-  /// @param cut  the verdict is to have it, and what becomes of it.
-  void Begin(const std::vector<CutField>& cuts, std::optional<SolidsCut> cut) {
-    if (!cuts.empty()) loop_.cuts() = cuts;
-    verdict_.cut = std::move(cut);
-    if (verdict_.cut) verdict_.cut->before = loop_.cuts();
-  }
-  /// That cannot be known.
+  /// Before its first pose: the verdict is to have what of the solids is cut.
+  void WantCut(SolidsCut cut) { verdict_.cut = std::move(cut); }
+  /// It is not known what it began with.
   void BeginUnknown() {
     Stop(
         "what burs had cut before the recording began is not in it; make the scene whole, then "
         "record");
   }
-  /// After its end.
-  std::vector<CutField> TakeCuts() { return std::move(loop_.cuts()); }
+
+  CutSide& side() override { return side_; }
+  ServoLoop& loop() override { return loop_; }
+  std::span<const CutSolid> solids() const override { return model_.solids(); }
+  bool is_done() const override { return !verdict_.ends.empty() || (closed_ && is_computed_); }
+  std::uint64_t last_pose() const override { return last_pose_; }
+  const std::string& station() const override { return facts_.station; }
 
   void Add(const wire::HapticPose& pose) {
     ++verdict_.poses;
     newest_pose_ = std::max(newest_pose_, pose.pose_sequence);
-    poses_.emplace(pose.pose_sequence, pose);
-    Advance(false);
+    if (verdict_.ends.empty()) poses_.emplace(pose.pose_sequence, pose);
+    Advance();
   }
   void Add(const wire::Wrench& wrench, std::int64_t time_ns) {
     if (verdict_.recorded == 0) first_ns_ = time_ns;
     last_ns_ = time_ns;
     ++verdict_.recorded;
     if (verdict_.ends.empty()) waiting_.emplace_back(wrench, time_ns);
-    Advance(false);
+    Advance();
   }
   void AddBrokenWrench() {
     ++verdict_.recorded;
     ++verdict_.broken;
   }
+  /// No more of it comes.
   /// @param cut_off  the recording has no end.
-  SessionVerdict End(bool cut_off) {
-    if (cut_off) ForgetTheLast();
-    Advance(true);
-    if (verdict_.cut) verdict_.cut->after = loop_.cuts();
+  void Close(bool cut_off) {
+    if (cut_off) ForgetAfter(newest_pose_);
+    ForgetAfter(facts_.cuts.known);
+    closed_ = true;
+    Advance();
+  }
+  /// As far as what it waits for is there.
+  void Advance() {
+    while (!waiting_.empty() && verdict_.ends.empty()) {
+      const auto& [wrench, time_ns] = waiting_.front();
+      if (wrench.pose_sequence > facts_.cuts.known) return;  // forgotten with the end
+      if (wrench.answer <= taken_) return Stop(fmt::format("answer {} comes again", wrench.answer));
+      if (!poses_.contains(wrench.pose_sequence)) {
+        if (!closed_ && waiting_.size() < kMostAhead) return;
+        return Stop(fmt::format("pose {} is not in the recording", wrench.pose_sequence));
+      }
+      const std::int64_t began_ns = SteadyNanoseconds();
+      const bool is_done = Verify(wrench, time_ns);
+      computed_ns_ += SteadyNanoseconds() - began_ns;
+      if (!is_done) return;
+      if (!waiting_.empty()) waiting_.pop_front();
+    }
+    if (!verdict_.ends.empty()) poses_.clear();
+    if (closed_) is_computed_ = is_computed_ || FeedUnanswered();
+  }
+  /// Once it is done.
+  SessionVerdict Verdict() {
+    if (verdict_.cut) {
+      if (verdict_.cut->before.empty()) verdict_.cut->before = loop_.cuts();
+      verdict_.cut->after = loop_.cuts();
+    }
     verdict_.recorded_s = 1e-9 * static_cast<double>(last_ns_ - first_ns_);
     verdict_.computed_s = 1e-9 * static_cast<double>(computed_ns_);
     if (verdict_.recorded == 0) {
@@ -237,10 +272,10 @@ class SessionReplay {
   }
 
  private:
-  /// Poses and wrenches come to the recorder on ways of their own: it may have been cut off between
-  /// a wrench and the pose that it answers.
-  void ForgetTheLast() {
-    while (!waiting_.empty() && waiting_.back().first.pose_sequence > newest_pose_) {
+  /// Poses, wrenches and what loops merged come to the recorder on ways of their own: it may have
+  /// been cut off between a wrench and the pose that it answers, or what was merged before it.
+  void ForgetAfter(std::uint64_t pose_sequence) {
+    while (!waiting_.empty() && waiting_.back().first.pose_sequence > pose_sequence) {
       waiting_.pop_back();
       --verdict_.recorded;
       ++verdict_.cut_off;
@@ -253,46 +288,47 @@ class SessionReplay {
     poses_.clear();
   }
 
-  void Advance(bool last) {
-    while (!waiting_.empty() && verdict_.ends.empty()) {
-      const auto& [wrench, time_ns] = waiting_.front();
-      if (wrench.answer <= taken_) return Stop(fmt::format("answer {} comes again", wrench.answer));
-      if (!poses_.contains(wrench.pose_sequence)) {
-        if (!last && waiting_.size() < kMostAhead) return;
-        return Stop(fmt::format("pose {} is not in the recording", wrench.pose_sequence));
-      }
-      const std::int64_t began_ns = SteadyNanoseconds();
-      Verify(wrench, time_ns);
-      computed_ns_ += SteadyNanoseconds() - began_ns;
-      if (!waiting_.empty()) waiting_.pop_front();
+  /// Before it ended it had poses whose answers the recorder missed: what its bur cut with them,
+  /// others may have been given.  False where that must wait.
+  bool FeedUnanswered() {
+    if (!facts_.cuts.ended) return true;
+    const wire::CutEvent& ended = *facts_.cuts.ended;
+    const auto end = poses_.upper_bound(ended.pose_sequence);
+    const auto left = static_cast<std::uint64_t>(std::distance(poses_.begin(), end));
+    if (left != ended.other - taken_) return true;
+    while (poses_.begin() != end) {
+      wire::Wrench ignored;
+      if (!Feed(poses_.begin()->second, ignored)) return !verdict_.ends.empty();
+      poses_.erase(poses_.begin());
     }
-    if (!verdict_.ends.empty()) poses_.clear();
+    return true;
   }
 
-  void Verify(const wire::Wrench& wrench, std::int64_t time_ns) {
+  /// False where that must wait.
+  bool Verify(const wire::Wrench& wrench, std::int64_t time_ns) {
     const auto end = poses_.find(wrench.pose_sequence);
     const std::uint32_t unseen = wrench.answer - taken_ - 1;
     const auto between = static_cast<std::uint64_t>(std::distance(poses_.begin(), end));
     if (unseen != 0 && unseen == between) {
       // Their answers are not in the recording, but the loop has had every one of them.
-      for (auto it = poses_.begin(); it != end; ++it) {
+      while (poses_.begin() != end) {
         wire::Wrench ignored;
-        if (!Feed(it->second, ignored)) return;
+        if (!Feed(poses_.begin()->second, ignored)) return !verdict_.ends.empty();
+        poses_.erase(poses_.begin());
       }
     } else if (unseen != 0) {
-      return Stop(taken_ == 0
-                      ? fmt::format("the recording began after its loop: pose {} was its "
-                                    "{}th, and {} of those before are recorded",
-                                    wrench.pose_sequence, wrench.answer, between)
-                      : fmt::format("before pose {} the loop has had {} poses whose answers "
-                                    "are not in the recording, and {} poses are",
-                                    wrench.pose_sequence, unseen, between));
+      Stop(taken_ == 0 ? fmt::format("the recording began after its loop: pose {} was its "
+                                     "{}th, and {} of those before are recorded",
+                                     wrench.pose_sequence, wrench.answer, between)
+                       : fmt::format("before pose {} the loop has had {} poses whose answers "
+                                     "are not in the recording, and {} poses are",
+                                     wrench.pose_sequence, unseen, between));
+      return true;
     }
-    // Those that remain never reached the server.
-    const wire::HapticPose pose = end->second;
-    poses_.erase(poses_.begin(), std::next(end));
     wire::Wrench computed;
-    if (!Feed(pose, computed)) return;
+    if (!Feed(end->second, computed)) return !verdict_.ends.empty();
+    // Those that remain never reached the server.
+    poses_.erase(poses_.begin(), std::next(end));
     if (auto difference = Difference(wrench, computed)) {
       if (verdict_.different++ == 0) {
         difference->time_s = 1e-9 * static_cast<double>(time_ns - began_ns_);
@@ -301,9 +337,17 @@ class SessionReplay {
     } else {
       ++verdict_.verified;
     }
+    return true;
   }
 
+  /// False where it must wait, or can never be: then the verdict says why.
   bool Feed(const wire::HapticPose& pose, wire::Wrench& answer) {
+    if (const CutSide::Ready ready = side_.IsReadyFor(pose.pose_sequence);
+        ready != CutSide::Ready::kYes) {
+      if (ready == CutSide::Ready::kNever) Stop(std::string(side_.why()));
+      return false;
+    }
+    if (verdict_.cut && taken_ == 0) verdict_.cut->before = loop_.cuts();
     if (next_start_ != facts_.starts.end() && pose.pose_sequence >= next_start_->first) {
       if (pose.pose_sequence != next_start_->first) {
         Stop(fmt::format("pose {}, with which forces began, is not in the recording",
@@ -337,12 +381,16 @@ class SessionReplay {
       }
       loop_.Remove(static_cast<std::int32_t>(leaf));
     }
-    if (!loop_.OnPose(pose, answer)) {
+    side_.Give(pose.pose_sequence, loop_);
+    const bool is_answered = loop_.OnPose(pose, answer);
+    side_.Take(loop_);
+    if (!is_answered) {
       Stop(fmt::format("pose {} comes again or out of its time: the recording contradicts itself",
                        pose.pose_sequence));
       return false;
     }
     ++taken_;
+    last_pose_ = pose.pose_sequence;
     return true;
   }
 
@@ -350,21 +398,26 @@ class SessionReplay {
   const Scene& scene_;
   const HapticModel& model_;
   ServoLoop loop_;
+  CutSide side_;
+  bool closed_ = false, is_computed_ = false;
   SessionVerdict verdict_;
   std::map<std::uint64_t, wire::HapticPose> poses_;  // not yet used
   std::deque<std::pair<wire::Wrench, std::int64_t>> waiting_;
   std::map<std::uint64_t, wire::LeafTaken>::const_iterator next_leaf_;
   std::map<std::uint64_t, Pose>::const_iterator next_start_;
-  std::uint64_t newest_pose_ = 0;
+  std::uint64_t newest_pose_ = 0, last_pose_ = 0;
   std::uint32_t taken_ = 0;
   std::int64_t began_ns_, first_ns_ = 0, last_ns_ = 0, computed_ns_ = 0;
 };
+
+/// A scene, and the run of a server.
+using SceneRun = std::pair<std::string, std::uint64_t>;
 
 /// The first pass: what sessions there were, and the scenes.
 /// @param last_samples  the number of the last sample of each topic of a loop.
 std::vector<std::unique_ptr<SessionFacts>> Gather(
     RecordingReader& reader, Scenes& scenes, std::int64_t& began_ns,
-    std::map<std::string, std::uint64_t>& last_samples) {
+    std::map<std::string, std::uint64_t>& last_samples, std::map<SceneRun, CutLogFacts>& logs) {
   std::vector<std::unique_ptr<SessionFacts>> sessions;
   std::map<std::pair<std::string, std::uint64_t>, std::size_t> place;  // by station and run
   const auto facts_of = [&](const std::string& station, std::uint64_t run) -> SessionFacts& {
@@ -386,6 +439,7 @@ std::vector<std::unique_ptr<SessionFacts>> Gather(
     wire::SessionState state{};
     wire::LeafTaken taken{};
     dds::Owned<wire::SceneBundle> bundle;
+    dds::Owned<wire::CutLog> log;
     if (sample.To(state)) {
       if (state.phase == palpate_SESSION_REFUSED) continue;
       SessionFacts& facts = facts_of(state.station, state.run);
@@ -400,6 +454,14 @@ std::vector<std::unique_ptr<SessionFacts>> Gather(
       facts_of(taken.station, taken.run).leaves[taken.number] = taken;
     } else if (sample.To(bundle.value)) {
       scenes.AddBundle(bundle.value);
+    } else if (sample.To(log.value)) {
+      logs[{log.value.scene, log.value.server_run}].Add(log.value);
+    }
+  }
+  for (const auto& [scene, log] : logs) {
+    for (auto& [name, facts] : log.Sessions()) {
+      const auto at = place.find(name);
+      if (at != place.end()) sessions[at->second]->cuts = facts;
     }
   }
   for (const mcap::Metadata& metadata : reader.metadata()) {
@@ -411,26 +473,239 @@ std::vector<std::unique_ptr<SessionFacts>> Gather(
   return sessions;
 }
 
-/// By scene and server's run.
-using Left = std::map<std::pair<std::string, std::uint64_t>, std::vector<CutField>>;
-
-/// What is left of the scenes whose solids any session could cut.
-std::vector<SolidsCut> LeftOf(const std::vector<std::unique_ptr<SessionFacts>>& sessions,
-                              Scenes& scenes, Left left) {
-  std::vector<SolidsCut> all;
-  for (auto& [scene, cuts] : left) {
-    const auto facts = std::ranges::find_if(sessions, [&](const auto& session) {
-      return std::pair(session->scene, session->server_run) == scene;
-    });
-    if (facts == sessions.end()) continue;
-    std::vector<CutField> whole = StepState(scenes.ModelOf(scene.first, (*facts)->tool)).cuts;
-    if (whole.empty()) continue;
-    if (cuts.empty()) cuts = whole;
-    all.push_back({scenes.SceneOf(scene.first), scenes.ObjectsOf(scene.first), std::move(whole),
-                   std::move(cuts)});
+void Merge(const CutField& from, CutField& to) {
+  const SparseField& field = from.field();
+  for (std::size_t block = 0; block < field.lattice().block_count(); ++block) {
+    const std::int32_t entry = field.entry(block);
+    if (entry != SparseField::kBelow) to.Merge(block, entry < 0 ? nullptr : field.values(entry));
   }
-  return all;
 }
+
+/// The second pass: gives each session its samples, and all of them each other's cuts.
+class Verifier {
+ public:
+  Verifier(const std::vector<std::string>& files, const VerifyOptions& options)
+      : file_(files.front()), options_(options), reader_(files), scenes_(options) {
+    sessions_ = Gather(reader_, scenes_, began_ns_, last_samples_, logs_);
+    for (const auto& facts : sessions_) {
+      if (facts->scene.empty()) continue;  // only leaves of it: its states are in another split
+      const std::string poses = dds::PoseTopic(facts->station, facts->run);
+      Replayed& session = replayed_[poses];
+      session.facts = facts.get();
+      session.scene = {facts->scene, facts->server_run};
+      by_scene_[session.scene].push_back(&session);
+      for (const std::string& topic : {poses, dds::WrenchTopic(facts->station, facts->run)}) {
+        by_topic_[topic] = &session;
+        const auto last = last_samples_.find(topic);
+        if (last == last_samples_.end()) continue;
+        session.last_sample = std::max(session.last_sample, last->second);
+      }
+    }
+    for (const auto& [scene, log] : logs_) {
+      cuts_.try_emplace(scene, log.Events(), [this, scene = scene](std::uint32_t number) {
+        return Find(scene, number);
+      });
+    }
+  }
+
+  Verification Run() {
+    verification_.problems = reader_.problems();
+    verification_.damaged = reader_.damaged();
+    const bool cut_off = !reader_.complete();
+    reader_.Restart();
+    RecordedSample sample{};
+    for (std::uint64_t number = 1; reader_.Next(sample); ++number) {
+      if (1e-9 * static_cast<double>(sample.log_time_ns - began_ns_) > options_.until_s) break;
+      if (options_.stop != nullptr && number % kLook == 0 && options_.stop->stopped()) {
+        throw Error(file_ + ": stopped before all of it was computed again");
+      }
+      const auto it = by_topic_.find(*sample.topic);
+      if (it == by_topic_.end()) {
+        HearOfScene(sample);
+        continue;
+      }
+      Replayed& session = *it->second;
+      Hear(sample, session);
+      if (number == session.last_sample && session.replay) {
+        session.is_closed = true;
+        session.replay->Close(cut_off);
+      }
+      Settle(session.scene);
+    }
+    for (auto& [topic, session] : replayed_) {
+      if (!session.replay || session.is_closed) continue;
+      session.is_closed = true;
+      session.replay->Close(true);  // where it was until then
+    }
+    Finish();
+    if (options_.keep_left) KeepLeft();
+    return std::move(verification_);
+  }
+
+ private:
+  struct Replayed {
+    const SessionFacts* facts;
+    SceneRun scene{};
+    std::uint64_t last_sample = 0;  // by its number in the recording
+    // From its first sample to its last, and as long as others need it: a loop has a megabyte, and
+    // there may be many sessions.
+    std::unique_ptr<SessionReplay> replay{};
+    bool is_closed = false;
+    std::optional<SessionVerdict> verdict{};
+  };
+
+  SessionReplay& ReplayOf(Replayed& session) {
+    if (session.replay) return *session.replay;
+    if (++open_ > kMostAtOnce) {
+      throw Error(file_ + ": has more than " + std::to_string(kMostAtOnce) +
+                  " sessions at once, which no server has; verify it in parts");
+    }
+    const SessionFacts& facts = *session.facts;
+    const HapticModel& model = scenes_.ModelOf(facts.scene, facts.tool);
+    session.replay =
+        std::make_unique<SessionReplay>(facts, *scenes_.SceneOf(facts.scene), model, began_ns_);
+    const bool is_left_out =
+        facts.cuts.session == 0 && logs_.contains(session.scene) && !model.solids().empty();
+    if (is_left_out || unknown_.contains(session.scene)) session.replay->BeginUnknown();
+    if (options_.whose == std::pair(facts.station, facts.run)) {
+      session.replay->WantCut(
+          {scenes_.SceneOf(facts.scene), scenes_.ObjectsOf(facts.scene), {}, {}});
+    }
+    return *session.replay;
+  }
+
+  /// By its number in the log of cuts; null where it is not recorded.
+  CutSession* Find(const SceneRun& scene, std::uint32_t number) {
+    for (Replayed* const session : by_scene_[scene]) {
+      if (session->facts->cuts.session != number || session->last_sample == 0) continue;
+      return &ReplayOf(*session);
+    }
+    return nullptr;
+  }
+
+  void Hear(const RecordedSample& sample, Replayed& session) {
+    wire::HapticPose pose;
+    wire::Wrench wrench;
+    if (sample.To(pose)) {
+      ReplayOf(session).Add(pose);
+    } else if (sample.To(wrench)) {
+      ReplayOf(session).Add(wrench, sample.log_time_ns);
+    } else if (sample.type == RecordedType::kWrench) {
+      ReplayOf(session).AddBrokenWrench();
+    }
+  }
+
+  /// Of no session that is known.
+  void HearOfScene(const RecordedSample& sample) {
+    if (sample.type == RecordedType::kWrench) ++stray_[*sample.topic];
+    wire::SceneWhole whole{};
+    dds::Owned<wire::SolidBlock> block;
+    if (sample.To(whole) && whole.refusal[0] == '\0') {
+      const SceneRun scene(whole.scene, whole.server_run);
+      undone_[scene] = whole.last_change;
+      unknown_.erase(scene);
+      left_.erase(scene);
+    } else if (sample.To(block.value)) {
+      const SceneRun scene(block.value.scene, block.value.server_run);
+      // Cut by nobody that was heard.  A split repeats blocks, those that are undone among them.
+      const bool is_heard =
+          logs_.contains(scene) || std::ranges::any_of(by_scene_[scene], [](const Replayed* s) {
+            return s->replay || s->verdict;
+          });
+      if (!is_heard && block.value.change > undone_[scene]) unknown_.insert(scene);
+    }
+  }
+
+  /// What a session has done lets others of its scene go on, and those it.
+  void Settle(const SceneRun& scene) {
+    const auto exchange = cuts_.find(scene);
+    const std::vector<Replayed*>& of = by_scene_[scene];
+    while (exchange != cuts_.end() && exchange->second.Advance()) {
+      for (const Replayed* session : of) {
+        if (session->replay) session->replay->Advance();
+      }
+    }
+    for (Replayed* const session : of) {
+      if (!session->replay || !session->is_closed || !session->replay->is_done()) continue;
+      if (!session->verdict) TakeVerdict(*session);
+      const std::uint32_t number = session->facts->cuts.session;
+      if (number != 0 && !exchange->second.IsOver(number)) continue;
+      session->replay.reset();
+      --open_;
+    }
+  }
+
+  /// And what it leaves to others.
+  void TakeVerdict(Replayed& session) {
+    session.verdict = session.replay->Verdict();
+    const std::vector<CutField>& cuts = session.replay->loop().cuts();
+    if (!options_.keep_left || cuts.empty()) return;
+    const auto [left, is_first] = left_.try_emplace(session.scene, cuts);
+    for (std::size_t i = 0; !is_first && i < cuts.size(); ++i) Merge(cuts[i], left->second[i]);
+  }
+
+  /// Of the scenes whose solids any session could cut by then.
+  void KeepLeft() {
+    for (const auto& [scene, of] : by_scene_) {
+      if (std::ranges::none_of(of, [](const Replayed* s) { return s->verdict.has_value(); }))
+        continue;
+      const HapticModel& model = scenes_.ModelOf(scene.first, of.front()->facts->tool);
+      std::vector<CutField> whole = StepState(model).cuts;
+      if (whole.empty()) continue;
+      const auto left = left_.find(scene);
+      std::vector<CutField> after = left == left_.end() ? whole : std::move(left->second);
+      verification_.left.push_back({scenes_.SceneOf(scene.first), scenes_.ObjectsOf(scene.first),
+                                    std::move(whole), std::move(after)});
+    }
+  }
+
+  void Finish() {
+    for (const auto& [scene, of] : by_scene_) {
+      Settle(scene);
+      if (const auto exchange = cuts_.find(scene); exchange != cuts_.end()) {
+        exchange->second.GiveUp();
+      }
+      for (Replayed* const session : of) {
+        if (!session->replay || session->verdict) continue;
+        session->replay->Advance();
+        TakeVerdict(*session);
+      }
+    }
+    for (const auto& [topic, session] : replayed_) {
+      // A session that never came to send a pose has nothing to verify.
+      const bool any =
+          session.verdict &&
+          session.verdict->poses + session.verdict->recorded + session.verdict->cut_off > 0;
+      if (any) verification_.sessions.push_back(*session.verdict);
+    }
+    for (const auto& [topic, count] : stray_) {
+      SessionVerdict verdict;
+      verdict.station = topic;
+      verdict.recorded = count;
+      verdict.ends = "its session's state, which tells scene and start, is not in the recording";
+      verification_.sessions.push_back(verdict);
+    }
+  }
+
+  const std::string file_;
+  const VerifyOptions& options_;
+  RecordingReader reader_;
+  Scenes scenes_;
+  Verification verification_;
+  std::int64_t began_ns_ = 0;
+  std::map<std::string, std::uint64_t> last_samples_;
+  std::map<SceneRun, CutLogFacts> logs_;
+  std::vector<std::unique_ptr<SessionFacts>> sessions_;
+  std::map<std::string, Replayed> replayed_;   // by its poses' topic
+  std::map<std::string, Replayed*> by_topic_;  // both of a session
+  std::map<SceneRun, std::vector<Replayed*>> by_scene_;
+  std::map<SceneRun, CutReplay> cuts_;
+  std::set<SceneRun> unknown_;                      // solids cut by who is not in the recording
+  std::map<SceneRun, std::uint64_t> undone_;        // the last change that is
+  std::map<SceneRun, std::vector<CutField>> left_;  // by those that have ended
+  std::map<std::string, std::uint64_t> stray_;      // wrenches of sessions whose states are missing
+  std::size_t open_ = 0;
+};
 
 }  // namespace
 
@@ -464,128 +739,7 @@ bool Verification::good() const {
 }
 
 Verification Verify(const std::vector<std::string>& files, const VerifyOptions& options) {
-  Verification verification;
-  RecordingReader reader(files);
-  Scenes scenes(options);
-  std::int64_t began_ns = 0;
-  std::map<std::string, std::uint64_t> last_samples;
-  const auto sessions = Gather(reader, scenes, began_ns, last_samples);
-  verification.problems = reader.problems();
-  verification.damaged = reader.damaged();
-
-  const bool complete = reader.complete();
-
-  struct Replayed {
-    const SessionFacts* facts;
-    std::uint64_t last_sample = 0;  // by its number in the recording
-    // From its first sample to its last: a loop has a megabyte, and there may be many sessions.
-    std::unique_ptr<SessionReplay> replay;
-    std::optional<SessionVerdict> verdict;
-  };
-  // What the last session of a scene and of a server's run has left of its solids.
-  Left left;
-  std::set<std::pair<std::string, std::uint64_t>> unknown;  // by who is not in the recording
-  std::map<std::pair<std::string, std::uint64_t>, std::uint64_t> undone;  // the last change that is
-  std::map<std::string, Replayed> replayed;                               // by its poses' topic
-  std::map<std::string, Replayed*> by_topic;                              // both of a session
-  for (const auto& facts : sessions) {
-    if (facts->scene.empty()) continue;  // only leaves of it: its states are in another split
-    const std::string poses = dds::PoseTopic(facts->station, facts->run);
-    Replayed& session = replayed[poses];
-    session.facts = facts.get();
-    for (const std::string& topic : {poses, dds::WrenchTopic(facts->station, facts->run)}) {
-      by_topic[topic] = &session;
-      const auto last = last_samples.find(topic);
-      if (last == last_samples.end()) continue;
-      session.last_sample = std::max(session.last_sample, last->second);
-    }
-  }
-  std::size_t open = 0;
-  const auto replay_of = [&](Replayed& session) -> SessionReplay& {
-    if (!session.replay) {
-      if (++open > kMostAtOnce) {
-        throw Error(files.front() + ": has more than " + std::to_string(kMostAtOnce) +
-                    " sessions at once, which no server has; verify it in parts");
-      }
-      const SessionFacts& facts = *session.facts;
-      session.replay = std::make_unique<SessionReplay>(
-          facts, *scenes.SceneOf(facts.scene), scenes.ModelOf(facts.scene, facts.tool), began_ns);
-      const std::pair scene(facts.scene, facts.server_run);
-      if (unknown.contains(scene)) session.replay->BeginUnknown();
-      std::optional<SolidsCut> cut;
-      if (options.whose == std::pair(facts.station, facts.run)) {
-        cut = {scenes.SceneOf(facts.scene), scenes.ObjectsOf(facts.scene), {}, {}};
-      }
-      session.replay->Begin(left[scene], std::move(cut));
-    }
-    return *session.replay;
-  };
-
-  reader.Restart();
-  RecordedSample sample{};
-  std::uint64_t number = 0;
-  std::map<std::string, std::uint64_t> stray;  // wrenches of sessions whose states are missing
-  const auto end = [&](Replayed& session, bool cut_off) {
-    session.verdict = session.replay->End(cut_off);
-    left[{session.facts->scene, session.facts->server_run}] = session.replay->TakeCuts();
-    session.replay.reset();
-    --open;
-  };
-  while (reader.Next(sample)) {
-    if (1e-9 * static_cast<double>(sample.log_time_ns - began_ns) > options.until_s) break;
-    ++number;
-    if (options.stop != nullptr && number % kLook == 0 && options.stop->stopped()) {
-      throw Error(files.front() + ": stopped before all of it was computed again");
-    }
-    wire::HapticPose pose;
-    wire::Wrench wrench;
-    const auto it = by_topic.find(*sample.topic);
-    if (it == by_topic.end()) {
-      if (sample.type == RecordedType::kWrench) ++stray[*sample.topic];
-      wire::SceneWhole whole{};
-      dds::Owned<wire::SolidBlock> block;
-      if (sample.To(whole) && whole.refusal[0] == '\0') {
-        const std::pair<std::string, std::uint64_t> scene(whole.scene, whole.server_run);
-        undone[scene] = whole.last_change;
-        left[scene].clear();
-        unknown.erase(scene);
-      } else if (sample.To(block.value)) {
-        const std::pair<std::string, std::uint64_t> scene(block.value.scene,
-                                                          block.value.server_run);
-        // Cut by nobody that was heard.  A split repeats blocks, those that are undone among them.
-        if (!left.contains(scene) && block.value.change > undone[scene]) unknown.insert(scene);
-      }
-      continue;
-    }
-    Replayed& session = *it->second;
-    if (sample.To(pose)) {
-      replay_of(session).Add(pose);
-    } else if (sample.To(wrench)) {
-      replay_of(session).Add(wrench, sample.log_time_ns);
-    } else if (sample.type == RecordedType::kWrench) {
-      replay_of(session).AddBrokenWrench();
-    }
-    if (number == session.last_sample && session.replay) end(session, !complete);
-  }
-  for (auto& [topic, session] : replayed) {
-    if (session.replay) end(session, true);  // where it was until then
-  }
-  if (options.keep_left) verification.left = LeftOf(sessions, scenes, std::move(left));
-  for (const auto& [topic, session] : replayed) {
-    // A session that never came to send a pose has nothing to verify.
-    const bool any =
-        session.verdict &&
-        session.verdict->poses + session.verdict->recorded + session.verdict->cut_off > 0;
-    if (any) verification.sessions.push_back(*session.verdict);
-  }
-  for (const auto& [topic, count] : stray) {
-    SessionVerdict verdict;
-    verdict.station = topic;
-    verdict.recorded = count;
-    verdict.ends = "its session's state, which tells scene and start, is not in the recording";
-    verification.sessions.push_back(verdict);
-  }
-  return verification;
+  return Verifier(files, options).Run();
 }
 
 std::string ToText(const Verification& verification) {

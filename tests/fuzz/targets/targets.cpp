@@ -108,7 +108,7 @@ using Types =
                     wire::SceneChange, wire::LeafTaken, wire::WholeRequest, wire::SceneWhole,
                     wire::ReplayContents, wire::ReplayState, wire::ReplayRequest, wire::ToolState,
                     wire::LoopStatistics, wire::StationStatistics, wire::SceneBundle,
-                    wire::GuideTarget, wire::SolidBlock>;
+                    wire::GuideTarget, wire::SolidBlock, wire::CutLog>;
 
 /// Reads a text, or is refused by an Error that names the file; whether it was read.
 template <class Read>

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -372,6 +373,103 @@ TEST(CutField, ToothOfTenMillimetresAndAllThatCanBeCutOfItFitInto64Megabytes) {
   EXPECT_LE(cut.bytes(), left);
   EXPECT_THAT(ComplaintOf([&] { CutField(solid, 1u << 20, "tooth"); }),
               HasSubstr("tooth: cutting at 50 um takes"));
+}
+
+/// phi_c as fields tell each other of it.
+void Tell(CutField& from, CutField& to, std::size_t block) {
+  const std::int32_t entry = from.field().entry(block);
+  to.Merge(block, entry < 0 ? nullptr : from.field().values(entry));
+}
+
+void ExpectSameBits(const SparseField& one, const SparseField& other) {
+  const Lattice& lattice = one.lattice();
+  for (int k = 0; k < 8 * lattice.blocks[2]; ++k) {
+    for (int j = 0; j < 8 * lattice.blocks[1]; ++j) {
+      for (int i = 0; i < 8 * lattice.blocks[0]; ++i) {
+        ASSERT_EQ(one.At(i, j, k), other.At(i, j, k)) << i << ' ' << j << ' ' << k;
+      }
+    }
+  }
+}
+
+// Three burs, each in a field of its own; what changed is told to the others now or later, twice or
+// in another order.  In the end all hold what one field holds that all three have cut.
+TEST(CutField, HoldsTheSameBitsInWhateverOrderItMergesWhatOthersCut) {
+  Random random(17);
+  for (int round = 0; round < 3; ++round) {
+    CutBlock all(100e-6, kTilted);
+    const auto below = [&](std::size_t n) {
+      return static_cast<std::size_t>(random.Below(static_cast<int>(n)));
+    };
+    std::deque<CutBlock> hands;  // they stay where they are
+    std::vector<Vec3> at;
+    for (int n = 0; n < 3; ++n) {
+      hands.emplace_back(100e-6, kTilted);
+      at.emplace_back(random.InCube(0.4e-3));
+    }
+    const Bur bur = round == 0 ? Bur::Cylinder(0.2e-3, 0.8e-3, 0.05e-3) : Bur::Ball(kRadius);
+    struct News {
+      std::size_t from, to, block;
+    };
+    std::vector<News> waiting;
+    double own = 0.0, together = 0.0;
+    const auto tell = [&](std::size_t n) {
+      Tell(hands[waiting[n].from].cut, hands[waiting[n].to].cut, waiting[n].block);
+      if (random.Below(4) == 0) return;  // and again
+      waiting[n] = waiting.back();
+      waiting.pop_back();
+    };
+    for (int step = 0; step < 300; ++step) {
+      const std::size_t hand = below(3);
+      const Vec3 to = random.InCube(0.4e-3) - Vec3(0, 0, 0.2e-3);
+      const Vec3 next = at[hand] + 30e-6 * (to - at[hand]).normalized();
+      own += hands[hand].Move(bur, at[hand], next).total();
+      together += all.Move(bur, at[hand], next).total();
+      at[hand] = next;
+      for (std::size_t block = 0; hands[hand].cut.TakeChanged(block);) {
+        for (std::size_t other = 0; other < 3; ++other) {
+          if (other != hand) waiting.push_back({hand, other, block});
+        }
+      }
+      for (std::size_t n = below(20); n > 0 && !waiting.empty(); --n) {
+        tell(below(waiting.size()));
+      }
+    }
+    while (!waiting.empty()) tell(below(waiting.size()));
+    const double left = all.cut.VolumeLeft()[0];
+    for (CutBlock& hand : hands) {
+      ExpectSameBits(hand.cut.field(), all.cut.field());
+      // A voxel's share is the least that its planes gave on the way, so the order shows a little.
+      EXPECT_NEAR(hand.cut.VolumeLeft()[0], left, 3e-3 * together);
+      EXPECT_GT(hand.cut.VolumeMerged()[0], 0.2 * together);
+    }
+    // What is not known of another's cut yet is cut again, and counted by both.
+    EXPECT_GE(own, 0.999 * together);
+  }
+}
+
+// Told at once, nothing is counted twice.
+TEST(CutField, CountsWhatItMergedApartFromWhatItRemoved) {
+  CutBlock one(50e-6, kTilted), other(50e-6, kTilted), both(50e-6, kTilted);
+  const Bur ball = Bur::Ball(kRadius);
+  double removed = 0.0, truth = 0.0;
+  for (int step = 0; step < 40; ++step) {
+    const Vec3 from(-0.4e-3 + 20e-6 * step, 0.01e-3, -0.1e-3), way(20e-6, 0, 0);
+    CutBlock& cuts = step % 2 == 0 ? one : other;
+    removed += cuts.Move(ball, from, from + way).total();
+    truth += both.Move(ball, from, from + way).total();
+    for (std::size_t block = 0; cuts.cut.TakeChanged(block);) {
+      Tell(cuts.cut, step % 2 == 0 ? other.cut : one.cut, block);
+    }
+  }
+  EXPECT_NEAR(removed, truth, 1e-3 * truth);
+  const std::uint64_t before = test::AllocationsOfThisThread();
+  for (std::size_t block = 0; block < one.cut.field().lattice().block_count(); ++block) {
+    if (both.cut.field().entry(block) != SparseField::kBelow) Tell(both.cut, one.cut, block);
+  }
+  EXPECT_EQ(test::AllocationsOfThisThread(), before);
+  one.cut.MakeWhole();
+  EXPECT_EQ(one.cut.VolumeMerged()[0], 0.0);
 }
 
 }  // namespace

@@ -82,8 +82,8 @@ export class App {
       () => this.mayTake,
       () => this.figures.sessionsChanged(),
     );
-    this.whole = new WholeButton(notice, () =>
-      this.link.publish(kTopics.mouse, {op: "whole", scene: this.choice.scene}),
+    this.whole = new WholeButton(notice, (op) =>
+      this.link.publish(kTopics.mouse, {op, scene: this.choice.scene}),
     );
     this.replay = new ReplayMode(world.replay, this.link, notice, () => {
       if (this.replay.isOn) this.hold.mouse.release();
@@ -224,9 +224,15 @@ export class App {
   }
 
   private showWhole(): void {
-    const {model} = this;
-    const changes = model !== undefined && (model.wears || model.isCut);
-    this.whole.show(this.mayTake && changes, this.world.remainsOf(this.choice.scene).isWhole);
+    const {scene} = this.choice;
+    const wears = this.model?.wears ?? false;
+    const isCut = this.model?.isCut ?? false;
+    this.whole.show(
+      this.mayTake && (wears || isCut),
+      this.world.remainsOf(scene).isWhole,
+      isCut && !wears,
+      this.world.wholes.get(scene)?.hasBookmark ?? false,
+    );
   }
 
   private tick(): void {

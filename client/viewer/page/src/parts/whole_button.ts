@@ -1,37 +1,64 @@
-import type {SceneWhole} from "../protocol/messages";
+import type {SceneWhole, WholeWish} from "../protocol/messages";
 import {element} from "../ui/elements";
 import type {Notice} from "../ui/notice";
 
-/// Has the server make whole what has been scraped off or cut, and says what became of that.
+const kAsking = {
+  whole: "Asking the server to make it whole…",
+  bookmark: "Asking the server to keep how it stands…",
+  back: "Asking the server to make it as it stood at the bookmark…",
+};
+const kDone = {
+  whole: "is whole again",
+  bookmark: "is bookmarked as it stands",
+  back: "is as it stood at the bookmark",
+};
+const kNot = {
+  whole: "It is not made whole",
+  bookmark: "It is not bookmarked",
+  back: "It is not brought back to a bookmark",
+};
+
+/// Has the server make whole what has been scraped off or cut, or as it stood at a bookmark, and says
+/// what became of that.
 export class WholeButton {
   private readonly button = element("whole", HTMLButtonElement);
+  private readonly bookmark = element("bookmark", HTMLButtonElement);
+  private readonly back = element("back", HTMLButtonElement);
   private asked = false;
 
   constructor(
     private readonly notice: Notice,
-    private readonly ask: () => void,
+    private readonly ask: (wish: WholeWish) => void,
   ) {
     this.button.addEventListener("click", () => this.press());
+    this.bookmark.addEventListener("click", () => this.wish("bookmark"));
+    this.back.addEventListener("click", () => this.wish("back"));
   }
 
-  show(isOffered: boolean, isWhole: boolean): void {
+  /// @param isCut  burs cut there: it can be bookmarked
+  show(isOffered: boolean, isWhole: boolean, isCut: boolean, hasBookmark: boolean): void {
     this.button.hidden = !isOffered;
     this.button.disabled = isWhole;
+    this.bookmark.hidden = this.back.hidden = !isOffered || !isCut;
+    this.back.disabled = !hasBookmark;
   }
 
   press(): void {
-    if (this.button.hidden || this.button.disabled) return;
+    if (!this.button.hidden && !this.button.disabled) this.wish("whole");
+  }
+
+  private wish(wish: WholeWish): void {
     this.asked = true;
-    this.notice.say("Asking the server to make it whole…");
-    this.ask();
+    this.notice.say(kAsking[wish]);
+    this.ask(wish);
   }
 
   /// @param isNews  who looks on should know why the objects have changed; who has asked, anyway
-  answered({scene, by, refusal}: SceneWhole, isNews: boolean): void {
+  answered({scene, by, refusal, wish}: SceneWhole, isNews: boolean): void {
     if (!isNews && !this.asked) return;
     this.asked = false;
     const text =
-      refusal === "" ? `The ${scene} is whole again (${by}).` : `It is not made whole: ${refusal}.`;
+      refusal === "" ? `The ${scene} ${kDone[wish]} (${by}).` : `${kNot[wish]}: ${refusal}.`;
     this.notice.say(text, {alarm: refusal !== ""});
   }
 }

@@ -176,8 +176,14 @@ export const toSolidBlock = message({
 });
 export type SolidBlock = ReturnType<typeof toSolidBlock>;
 
-/// A worn scene has been made whole, or why it has not.
+/// In their order on the wire.
+const kWholeWishes = ["whole", "bookmark", "back"] as const;
+export type WholeWish = (typeof kWholeWishes)[number];
+
+/// A worn scene has been made whole, or what else somebody wished, or why it has not.
 export const toSceneWhole = message({
+  wish: (fields): WholeWish => kWholeWishes[number("wish")(fields)] ?? "whole",
+  hasBookmark: flag("has_bookmark"),
   scene: text("scene"),
   serverRun: id("server_run"),
   lastChange: number("last_change"), // changes up to this one are undone
