@@ -437,8 +437,7 @@ void CheckCutting(const JsonNode& root, const SceneDescription& scene) {
     const ShapeKind* kind = FindShapeKind(mesh.what);
     const bool is_bur = mesh.kind == MeshSource::Kind::kShape && kind != nullptr && kind->bur;
     const JsonNode node = root.At("tools").Items()[i].At("mesh");
-    if (cut != scene.objects.end() && !is_bur &&
-        scene.features.contact == ContactModel::kSpheres) {
+    if (cut != scene.objects.end() && !is_bur && scene.features.contact == ContactModel::kSpheres) {
       node.Fail("\"" + cut->name +
                 "\" is felt by burs alone where \"contact\" is \"spheres\"; give this tool "
                 "{\"shape\": \"bur\", \"kind\": \"ball\"}, or \"" +
