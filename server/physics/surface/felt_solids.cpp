@@ -259,7 +259,7 @@ FeltSolids::Taken FeltSolids::Take(const Block& block, const SeparationFront& fr
   if (made == kNoRoom) return {-1, true};
   if (made == kNothing) {
     return {first_block_ + static_cast<std::int32_t>(bodies_.size()) + block.solid - first_solid_,
-            true};
+            false};
   }
   place = made;
   return {first_block_ + made, true};
