@@ -146,19 +146,28 @@ class Contour {
   void Take() {
     for (int k = kMargin; k < kMargin + kSide; ++k) {
       for (int j = kMargin; j < kMargin + kSide; ++j) {
-        for (int i = kMargin; i < kMargin + kSide; ++i) AddAcross(Place{{i, j, k}});
+        for (int i = kMargin; i < kMargin + kSide; ++i) {
+          for (int d = 0; d < 3; ++d) {
+            const Place p{{i, j, k}};
+            if (Crosses(p, d)) AddAcross(p, d);
+          }
+        }
       }
     }
   }
 
-  /// Those of the blocks round it beside them: a vertex has those of its cell's edges.
+  /// Those of the blocks round it that share a vertex with them.
   void TakeRim() {
     constexpr int first = kMargin - 1, last = kMargin + kSide;
+    const auto own = static_cast<std::int16_t>(surface_.vertices.size());
     for (int k = first; k <= last; ++k) {
       for (int j = first; j <= last; ++j) {
         for (int i = first; i <= last; ++i) {
-          const bool in_block = std::min({i, j, k}) > first && std::max({i, j, k}) < last;
-          if (!in_block) AddAcross(Place{{i, j, k}});
+          if (std::min({i, j, k}) > first && std::max({i, j, k}) < last) continue;
+          const Place p{{i, j, k}};
+          for (int d = 0; d < 3; ++d) {
+            if (Crosses(p, d) && HasVertexBefore(own, p, d)) AddAcross(p, d);
+          }
         }
       }
     }
@@ -357,6 +366,21 @@ class Contour {
     surface_.materials.push_back(material);
   }
 
+  bool Crosses(const Place& p, int d) const {
+    return solid_[p.index()] != solid_[p.index() + kStride[d]];
+  }
+
+  /// Whether one of the four cells round an edge has a vertex of a lower number.
+  bool HasVertexBefore(std::int16_t number, const Place& p, int d) const {
+    const int u = kStride[(d + 1) % 3], v = kStride[(d + 2) % 3];
+    for (const int cell : {p.index(), p.index() - u, p.index() - u - v, p.index() - v}) {
+      for (const std::int16_t vertex : vertex_[cell]) {
+        if (vertex >= 0 && vertex < number) return true;
+      }
+    }
+    return false;
+  }
+
   /// The triangles across the edge from a point along d, seen from its upper end:
   ///
   ///        v                    c1 ____ c0     of four cells' vertices; and where two
@@ -364,11 +388,6 @@ class Contour {
   ///        |   --------+--------  |  / |       the crossings p of this edge and q of another
   ///        |    cell 2 | cell 3   | /  |       of the face between the cells:
   ///        +----> u             c2 ---- c3     p c0 q here, and q c1 p from there
-  void AddAcross(const Place& p) {
-    for (int d = 0; d < 3; ++d) {
-      if (solid_[p.index()] != solid_[p.index() + kStride[d]]) AddAcross(p, d);
-    }
-  }
   void AddAcross(const Place& p, int d) {
     const int u = (d + 1) % 3, v = (d + 2) % 3;
     const bool up = solid_[p.index()];

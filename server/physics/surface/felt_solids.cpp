@@ -267,7 +267,7 @@ FeltSolids::Taken FeltSolids::Take(const Block& block, const SeparationFront& fr
   if (!changed_.empty()) List(block);
   if (made == kNoRoom) return {-1, true};
   place = made;
-  return {made == kNothing ? nothing : first_block_ + made, true};
+  return made == kNothing ? Taken{nothing, false} : Taken{first_block_ + made, true};
 }
 
 std::int16_t FeltSolids::Make(const Block& block, Use use, const SeparationFront& front) noexcept {

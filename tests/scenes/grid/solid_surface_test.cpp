@@ -237,5 +237,41 @@ TEST(SolidSurface, KnowsWhatLiesBehindIt) {
   EXPECT_GT(of[1], 1000u);
 }
 
+// The rim of a block is what shares a vertex with it in the whole surface, and hardly more: of a
+// quad it has both triangles or none.
+TEST(SolidSurface, ABlocksRimIsItsNeighboursTriangles) {
+  CutBlock block(100e-6, kAskew);
+  Riddle(block, 7, 12, 0.15e-3, 0.4e-3);
+  using Numbers = std::array<std::uint64_t, 3>;
+  const auto numbers_of = [](const SolidSurface& surface, std::size_t triangle) {
+    Numbers numbers;
+    for (std::size_t c = 0; c < 3; ++c) {
+      numbers[c] = surface.numbers[surface.triangles[triangle][c]];
+    }
+    return numbers;
+  };
+  const SolidSurface whole = WholeSurface(block.cut);
+  std::map<std::uint64_t, std::vector<std::size_t>> at;
+  for (std::size_t t = 0; t < whole.triangles.size(); ++t) {
+    for (const std::uint64_t number : numbers_of(whole, t)) at[number].push_back(t);
+  }
+  SolidSurface own, both;
+  for (std::size_t b = 0; b < block.solid.field().lattice().block_count(); ++b) {
+    TakeSurface(block.solid, block.cut.field(), b, own);
+    const std::size_t count = TakeSurfaceAndRim({block.solid, block.cut.field()}, b, both);
+    ASSERT_EQ(count, own.triangles.size());
+    std::set<Numbers> expected, found;
+    for (std::size_t t = 0; t < count; ++t) {
+      ASSERT_EQ(numbers_of(both, t), numbers_of(own, t));
+      for (const std::uint64_t number : numbers_of(own, t)) {
+        for (const std::size_t beside : at[number]) expected.insert(numbers_of(whole, beside));
+      }
+    }
+    for (std::size_t t = 0; t < both.triangles.size(); ++t) found.insert(numbers_of(both, t));
+    ASSERT_TRUE(std::ranges::includes(found, expected)) << b;
+    EXPECT_LT(found.size(), expected.size() + expected.size() / 4 + 8) << b;
+  }
+}
+
 }  // namespace
 }  // namespace palpate
