@@ -20,7 +20,6 @@
 #include "server/physics/scene_model.h"
 #include "server/session/session_table.h"
 #include "tests/common/recording/samples.h"
-#include "tests/support/allocation_counter.h"
 #include "tests/support/milliseconds.h"
 #include "tests/support/random.h"
 #include "tests/support/test_scenes.h"
@@ -194,10 +193,7 @@ class Workshop {
     const bool lost = random_.Below(100) == 0;
     if (lost && hand % 2 == 0) return;
     wire::Wrench wrench{};
-    const std::uint64_t before = AllocationsOfThisThread();
-    const bool is_answered = link->second->loop().OnPose(pose, wrench);
-    EXPECT_EQ(AllocationsOfThisThread(), before);
-    if (!is_answered) return;
+    if (!link->second->loop().OnPose(pose, wrench)) return;
     its.force_N = wire::ToWrench(wrench).force.norm();
     // In their order.
     if (!lost) Hear(dds::WrenchTopic(link->first, its.run), wrench, 2);
@@ -393,7 +389,7 @@ TEST_F(TwoHands, GoBackToABookmarkWhichIsFeltShownAndTheSameAgain) {
     EXPECT_EQ(surface.second,
               before != shown_then.end() ? before->second.second : std::vector<std::uint8_t>(6, 0))
         << block;
-    if (before != shown_then.end()) EXPECT_EQ(surface.first, before->second.first) << block;
+    EXPECT_TRUE(before == shown_then.end() || surface.first == before->second.first) << block;
     whole_again += before == shown_then.end() && !surface.first;
   }
   EXPECT_GT(whole_again, 2u);
