@@ -45,8 +45,8 @@ struct SolidFields {
 /// Deterministic.  Of a block at most 6,144 triangles (4 at each of its 3 x 512 edges) and 5,916
 /// vertices (4 sheets in each of 9^3 cells, 3 x 10^3 crossings); a tooth's have some hundred.  65
 /// kB of the stack.
-/// @param cut      what burs took away of the solid: a CutField's field.
-/// @param surface  cleared first; its storage is used again.
+/// `cut`: what burs took away of the solid, a CutField's field; `surface`: cleared first, its
+/// storage is used again.
 void TakeSurface(const SolidGrid& solid, const SparseField& cut, std::size_t block,
                  SolidSurface& surface);
 

@@ -363,8 +363,8 @@ test("what burs cut is gone from the picture, the rest looks as before, and a bu
 test("what burs cut is bookmarked, and brought back to how it stood then", async () => {
   gateway.retain("/palpate/session_state", sessionState("hand", "active", "cut", "ball"));
   await open({}, "?scene=cut");
-  await appears("#bookmark");
-  expect(await page.locator("#back").isDisabled()).toBe(true);
+  await page.locator("#keep-cut").waitFor();
+  expect(await page.locator("#back-to-cut").isDisabled()).toBe(true);
   const asked: unknown[] = [];
   gateway.onPublish = ({op, scene}) => {
     if (op !== "bookmark" && op !== "back") return;
@@ -374,12 +374,12 @@ test("what burs cut is bookmarked, and brought back to how it stood then", async
     gateway.send("/palpate/scene_whole", {scene, by: "the page here", ...about, ...answer});
   };
   const before = await stillPicture();
-  await page.locator("#bookmark").click();
+  await page.locator("#keep-cut").click();
   await reads("#hint", "The cut is bookmarked as it stands (the page here).");
   for (const block of [...aroundPit("cut", 1), solidBlock("cut", kPitBlock, 1, pit())])
     gateway.send("/palpate/solid_block", block);
   await eventually("the pit", async () => (await picture()) !== before);
-  await page.locator("#back").click();
+  await page.locator("#back-to-cut").click();
   await reads("#hint", "The cut is as it stood at the bookmark (the page here).");
   // As the server tells it: blocks that are the mesh's again.
   const none = new Uint8Array(6);

@@ -171,8 +171,8 @@ TEST_F(RecorderProgramTest, RecordsWhatBursCutSoThatItIsTheSameBitsAgain) {
     "objects": [{"name": "block", "mesh": {"shape": "box", "size_m": [0.006, 0.002, 0.004]},
                  "grid_um": 100, "material": {"cutting_pressure_MPa": 0.1}}]})");
   const std::string script = write("groove.json", R"({"keys": [
-    {"t": 0.0, "position_mm": [-2, 1.5, 0]}, {"t": 0.8, "position_mm": [-2, 0, 0]},
-    {"t": 1.8, "position_mm": [1, 0, 0]}]})");
+    {"t": 0.0, "position_mm": [-2, 1.5, 0]}, {"t": 0.8, "position_mm": [-2, 0.2, 0]},
+    {"t": 1.8, "position_mm": [1, 0.2, 0]}]})");
   const std::string domain = std::to_string(kDomain);
   Program server(PALPATE_BIN_DIR "/palpate-server",
                  {"--scene", scene, "--transport", "udp", "--realtime", "off", "--domain", domain});

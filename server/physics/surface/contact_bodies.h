@@ -46,7 +46,7 @@ bool Hold(std::span<const ContactBody> bodies, const Vec3& p_W);
 
 /// The mesh of a tool about its reference point; of a tool that is a single ball, its centre with
 /// its radius.  Throws Error where another tool has no mesh.
-/// @param cutting  of a bur; else null.
+/// `cutting`: of a bur; else null.
 std::unique_ptr<const ContactBody> MakeToolBody(const TriangleMesh* mesh, const SphereTree& tree,
                                                 const Vec3& reference,
                                                 const Cutting* cutting = nullptr);

@@ -33,8 +33,8 @@ class FeltSolids {
  public:
   FeltSolids() = default;
   /// What it is given outlives it.
-  /// @param boxes       of each solid (BlocksOf).
-  /// @param first_body  number of the first of them, which the others follow, and then the blocks.
+  /// `boxes`: of each solid (BlocksOf); `first_body`: number of the first of them, which the others
+  /// follow, and then the blocks.
   FeltSolids(std::span<const CutSolid> solids, std::span<const ContactBody> boxes,
              std::size_t first_body);
 

@@ -52,7 +52,7 @@ class HullTree {
   void Assign(const ContactMesh& mesh, std::size_t count, const Mat3& axes, Scratch& scratch);
   /// Boxes of the same size round points that lie on a lattice whose axes are the columns of a
   /// rotation: of point i, the block numbers[i].
-  /// @param centres, half  along those axes [m].
+  /// `centres`, `half`: along those axes [m].
   HullTree(std::span<const Vec3> centres, std::span<const std::uint32_t> numbers, const Vec3& half,
            const Pose& X_FB);
 

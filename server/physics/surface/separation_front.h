@@ -54,7 +54,7 @@ class SeparationFront {
   /// Nothing is known: it is to be restarted.
   void Clear() { pairs_.clear(); }
   /// The pair of roots of each body, not known to be apart, for the tool at `at`.
-  /// @param for_solids  what of the tool solids are felt by: of bodies whose trees are of blocks.
+  /// `for_solids`: what of the tool solids are felt by, of bodies whose trees are of blocks.
   void Restart(const ContactBody& tool, std::span<const ContactBody> bodies, const ToolPose& at,
                std::optional<HullTree::Node> for_solids = std::nullopt);
   /// The tool has gone to `at`.  `reach`: of its farthest point from the reference point [m].

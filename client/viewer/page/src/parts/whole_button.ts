@@ -22,8 +22,8 @@ const kNot = {
 /// what became of that.
 export class WholeButton {
   private readonly button = element("whole", HTMLButtonElement);
-  private readonly bookmark = element("bookmark", HTMLButtonElement);
-  private readonly back = element("back", HTMLButtonElement);
+  private readonly bookmark = element("keep-cut", HTMLButtonElement);
+  private readonly back = element("back-to-cut", HTMLButtonElement);
   private asked = false;
 
   constructor(
