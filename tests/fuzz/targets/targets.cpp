@@ -45,13 +45,13 @@ std::string File(const std::string& name) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// The scene files of the catalogue, or their hands' scripts.
-std::vector<std::string> Catalogue(bool scripts) {
+/// The files of the catalogue whose names go on so after their first word.
+std::vector<std::string> Catalogue(std::string_view ending) {
   std::vector<std::string> names, texts;
   for (const auto& entry :
        std::filesystem::directory_iterator(PALPATE_SOURCE_DIR "/scenes/catalogue")) {
     const std::string name = entry.path().filename();
-    if (name.ends_with(".json") && name.ends_with(".path.json") == scripts) names.push_back(name);
+    if (name.substr(name.find('.')) == ending) names.push_back(name);
   }
   std::ranges::sort(names);
   for (const std::string& name : names) texts.push_back(File("scenes/catalogue/" + name));
@@ -307,8 +307,8 @@ bool Qp(const std::uint8_t* bytes, std::size_t size) {
 
 const std::vector<Target>& AllTargets() {
   static const std::vector<Target> targets = {
-      {"scene_file", SceneFile, [] { return Catalogue(false); }},
-      {"script", Script, [] { return Catalogue(true); }},
+      {"scene_file", SceneFile, [] { return Catalogue(".json"); }},
+      {"script", Script, [] { return Catalogue(".path.json"); }},
       {"sph", Sph,
        [] {
          const TriangleMesh egg = MakeEllipsoid(Vec3(0.04, 0.025, 0.03), 320);
