@@ -165,10 +165,8 @@ void CutField::MakeWhole() noexcept {
   for (std::uint32_t& at : changed_at_) at = at == 0 ? 0 : changes_;
   std::fill(waits_.begin(), waits_.end(), false);
   first_waiting_ = waiting_count_ = 0;
-  gone_ = 0.0;
+  gone_ = kFar;  // wherever the bur is: each row is looked at
   merged_ = {};
-  bur_ = Bur::Ball(1.0);
-  end_ = {};
 }
 
 FieldSample CutField::Sample(const Vec3& p_B) const noexcept {

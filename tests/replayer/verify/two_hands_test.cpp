@@ -20,6 +20,7 @@
 #include "server/physics/scene_model.h"
 #include "server/session/session_table.h"
 #include "tests/common/recording/samples.h"
+#include "tests/support/allocation_counter.h"
 #include "tests/support/milliseconds.h"
 #include "tests/support/random.h"
 #include "tests/support/test_scenes.h"
@@ -193,7 +194,10 @@ class Workshop {
     const bool lost = random_.Below(100) == 0;
     if (lost && hand % 2 == 0) return;
     wire::Wrench wrench{};
-    if (!link->second->loop().OnPose(pose, wrench)) return;
+    const std::uint64_t before = AllocationsOfThisThread();
+    const bool is_answered = link->second->loop().OnPose(pose, wrench);
+    EXPECT_EQ(AllocationsOfThisThread(), before) << pose.pose_sequence;
+    if (!is_answered) return;
     its.force_N = wire::ToWrench(wrench).force.norm();
     // In their order.
     if (!lost) Hear(dds::WrenchTopic(link->first, its.run), wrench, 2);
