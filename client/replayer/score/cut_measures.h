@@ -17,6 +17,7 @@ using Place = std::optional<MaterialRegion>;
 struct TissueCut {
   std::string name;  ///< as the scene has it; "OBJECT" where it has none
   double before_mm3 = 0.0, after_mm3 = 0.0;
+  /// While the session ran, by others' burs too.
   double removed_mm3() const { return before_mm3 - after_mm3; }
 };
 /// In the order of solids and materials.
