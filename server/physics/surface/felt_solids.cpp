@@ -141,6 +141,10 @@ void FeltSolids::Gather(std::span<const CutField> cuts, const SeparationFront& f
       const std::size_t block = cut.Changed(solid.changes + 1);
       if (cut.ChangedAt(block) == solid.followed[block]) continue;
       solid.followed[block] = cut.ChangedAt(block);
+      if (!IsKnownRound(solid, block)) {  // no body goes by it
+        Copy(cut.field(), block, solid.felt);
+        continue;
+      }
       if (changed_.empty()) ++turn_;
       Copy(cut.field(), block, solid.later);
       MarkAffected(solid, block);
@@ -151,6 +155,20 @@ void FeltSolids::Gather(std::span<const CutField> cuts, const SeparationFront& f
   front.ForEachEntry(first_block_, [&](SeparationFront::Index, const SeparationFront::Pair& pair) {
     List(BlockOf(pair));
   });
+}
+
+/// Whether anything is known of a block, or of those whose triangles go by its points.
+bool FeltSolids::IsKnownRound(const Solid& solid, std::size_t block) const noexcept {
+  const Lattice& lattice = solid.felt.lattice();
+  const auto [i, j, k] = lattice.BlockAt(block);
+  for (int z = std::max(k - 1, 0); z <= std::min(k + 1, lattice.blocks[2] - 1); ++z) {
+    for (int y = std::max(j - 1, 0); y <= std::min(j + 1, lattice.blocks[1] - 1); ++y) {
+      for (int x = std::max(i - 1, 0); x <= std::min(i + 1, lattice.blocks[0] - 1); ++x) {
+        if (solid.place[solid.felt.BlockIndex(x, y, z)] != kNone) return true;
+      }
+    }
+  }
+  return false;
 }
 
 /// The blocks whose triangles go by points that have changed.

@@ -100,6 +100,7 @@ class FeltSolids {
   void TakeAll(std::span<const CutField> cuts) noexcept;
   void Gather(std::span<const CutField> cuts, const SeparationFront& front) noexcept;
   bool IsFollowed(std::span<const CutField> cuts) const noexcept;
+  bool IsKnownRound(const Solid& solid, std::size_t block) const noexcept;
   void MarkAffected(Solid& solid, std::size_t block) noexcept;
   void List(const Block& block) noexcept;
   void Commit(SeparationFront& front) noexcept;
