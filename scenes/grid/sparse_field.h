@@ -35,7 +35,7 @@ struct Lattice {
 template <class T>
 struct RoomyVector : std::vector<T> {
   RoomyVector() = default;
-  RoomyVector(const RoomyVector& from) { *this = from; }
+  RoomyVector(const RoomyVector& from) : std::vector<T>() { *this = from; }
   RoomyVector(RoomyVector&&) noexcept = default;
   RoomyVector& operator=(RoomyVector&&) noexcept = default;
   RoomyVector& operator=(const RoomyVector& from) {

@@ -74,7 +74,7 @@ struct SubStep {
   QpRows rigid{};                 ///< what it may not violate
   FrictionState friction_before;  ///< as it found it
   int iterates = 0;               ///< rows between meshes come on violation
-  TrustRegion trust;
+  TrustRegion trust{};
 };
 
 /// What the stages of a step share, from the pose that comes in to the report that goes out.  One
