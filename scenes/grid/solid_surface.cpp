@@ -140,6 +140,7 @@ class Contour {
     }
     std::fill_n(&vertex_[0][0], kWide * kWide * kWide * 4, std::int16_t{-1});
     std::fill_n(&crossing_[0][0], kWide * kWide * kWide * 3, std::int16_t{-1});
+    std::ranges::fill(kept_number_, std::int16_t{-1});
   }
 
   /// The block's own triangles.
@@ -247,11 +248,18 @@ class Contour {
     return up ? t : 1.0 - t;
   }
 
-  /// n . x = offset, counted from a cell, so that it has the same bits for each block [h].
-  struct Plane {
+  /// The face that a point sees: `distance` from there along -normal [h].
+  struct Face {
     Vec3 normal;
-    double offset;
+    double distance;
     double weight;
+  };
+
+  /// A crossed edge, from a point along an axis.
+  struct Edge {
+    double t;      ///< where it is crossed, from its lower end, 0 to 1
+    Face face[2];  ///< as the lower and the upper end see it
+    bool is_one;   ///< both see the same, which has the normal of face[0]
   };
 
   /// The nearest face of a field's surface, as a point sees it by its distance and gradient.  That
@@ -259,8 +267,7 @@ class Contour {
   /// where the nearest face changes, differences to one side each, those that agree best.
   /// Of a convex edge a solid point sees one face or the other, and a free one a plane through the
   /// edge; of a hollow one it is the other way round.
-  Plane FaceAt(const float* field, const Place& p, const Place& cell) const {
-    const int at = p.index();
+  Face FaceAt(const float* field, int at) const {
     Vec3 back, ahead;
     for (int a = 0; a < 3; ++a) {
       back[a] = double{field[at]} - field[at - kStride[a]];
@@ -276,9 +283,26 @@ class Contour {
         best = g;
       }
     }
-    const Vec3 normal = best.normalized();
-    return {normal, normal.dot(p.From(cell)) - field[at],
-            kLeast + 1.0 / (1.0 + off * off / (kDoubt * kDoubt))};
+    return {best.normalized(), field[at], kLeast + 1.0 / (1.0 + off * off / (kDoubt * kDoubt))};
+  }
+
+  /// Up to four cells ask for each: those of late are kept.
+  const Edge& EdgeAt(const Place& lower, int d) {
+    const int number = 3 * lower.index() + d;
+    const auto slot = static_cast<std::size_t>(number) % kKept;
+    Edge& edge = kept_[slot];
+    if (kept_number_[slot] == number) return edge;
+    kept_number_[slot] = static_cast<std::int16_t>(number);
+    int field = 0;
+    edge.t = Cross(lower, d, field);
+    Face& one = edge.face[0] = FaceAt(fields_[field], lower.index());
+    Face& other = edge.face[1] = FaceAt(fields_[field], lower.index() + kStride[d]);
+    edge.is_one = one.normal.dot(other.normal) >= kSame;
+    if (edge.is_one) {
+      one.normal = other.normal = (one.normal + other.normal).normalized();
+      one.weight += other.weight;
+    }
+    return edge;
   }
 
   std::uint64_t NumberOf(const Place& p, int which) const {
@@ -311,25 +335,34 @@ class Contour {
     if (known >= 0) return static_cast<std::uint32_t>(known);
     // Least squares of the distances from what both ends of each crossed edge see, of the field
     // that crosses it, from the crossings' middle.
-    Vec3 middle = Vec3::Zero(), pull = Vec3::Zero();
-    Mat3 metric = Mat3::Zero();
+    struct Plane {
+      Vec3 normal;
+      double offset, weight;
+    };
     Plane planes[24];
-    int count = 0;
+    int count = 0, crossings = 0;
+    Vec3 middle = Vec3::Zero(), pull = Vec3::Zero();
     for (int e = 0; e < 12; ++e) {
       if (sheets.of[static_cast<std::size_t>(e)] != sheet) continue;
       const int c = LowerEnd(e), d = e / 4;
       const Place lower{{cell.at[0] + (c & 1), cell.at[1] + (c >> 1 & 1), cell.at[2] + (c >> 2)}};
-      int field = 0;
-      const Vec3 crossing = lower.From(cell) + Cross(lower, d, field) * Vec3::Unit(d);
+      const Edge& crossed = EdgeAt(lower, d);
+      const Vec3 crossing = lower.From(cell) + crossed.t * Vec3::Unit(d);
       middle += crossing;
-      Plane& one = planes[count++] = FaceAt(fields_[field], lower, cell);
-      Plane& other = planes[count++] = FaceAt(fields_[field], lower.Moved(d, 1), cell);
-      if (one.normal.dot(other.normal) < kSame) continue;
-      // Of a face that bends, the crossing is nearer to it than what is touched at either end.
-      one.normal = other.normal = (one.normal + other.normal).normalized();
-      one.offset = other.offset = one.normal.dot(crossing);
+      ++crossings;
+      const Face& face = crossed.face[0];
+      if (crossed.is_one) {
+        // Of a face that bends, the crossing is nearer to it than what is touched at either end.
+        planes[count++] = {face.normal, face.normal.dot(crossing), face.weight};
+        continue;
+      }
+      for (int end = 0; end < 2; ++end) {
+        const auto& [normal, distance, sure] = crossed.face[end];
+        planes[count++] = {normal, normal.dot(lower.Moved(d, end).From(cell)) - distance, sure};
+      }
     }
-    middle /= 0.5 * count;
+    middle /= crossings;
+    Mat3 metric = Mat3::Zero();
     double weight = 0.0;
     for (int n = 0; n < count; ++n) {
       const Plane& plane = planes[n];
@@ -352,10 +385,8 @@ class Contour {
   std::uint32_t CrossingOf(const Place& lower, int d) {
     std::int16_t& known = crossing_[lower.index()][d];
     if (known >= 0) return static_cast<std::uint32_t>(known);
-    int field = 0;
-    const double t = Cross(lower, d, field);
-    known =
-        static_cast<std::int16_t>(Add(PointOf(lower, t * Vec3::Unit(d)), NumberOf(lower, 4 + d)));
+    const Vec3 place = PointOf(lower, EdgeAt(lower, d).t * Vec3::Unit(d));
+    known = static_cast<std::int16_t>(Add(place, NumberOf(lower, 4 + d)));
     return static_cast<std::uint32_t>(known);
   }
 
@@ -413,9 +444,7 @@ class Contour {
     }
     if (!any) {
       // The diagonal of which both triangles face where the crossing does.
-      int field = 0;
-      Cross(p, d, field);
-      const Vec3 normal = (up ? 1.0 : -1.0) * FaceAt(fields_[field], solid, p).normal;
+      const Vec3 normal = (up ? 1.0 : -1.0) * EdgeAt(p, d).face[up ? 0 : 1].normal;
       const auto facing = [&](int i, int j, int k) {
         const Vec3& a = surface_.vertices[c[i]];
         return (surface_.vertices[c[j]] - a).cross(surface_.vertices[c[k]] - a).dot(normal);
@@ -459,6 +488,9 @@ class Contour {
   bool solid_[kWide * kWide * kWide];
   std::int16_t vertex_[kWide * kWide * kWide][4];    ///< of a cell's sheets, or -1
   std::int16_t crossing_[kWide * kWide * kWide][3];  ///< of an edge, or -1
+  static constexpr std::size_t kKept = 512;
+  Edge kept_[kKept];
+  std::int16_t kept_number_[kKept];  ///< 3 times the lower end's index, and the axis; or -1
 };
 
 }  // namespace
