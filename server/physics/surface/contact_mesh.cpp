@@ -15,16 +15,18 @@ constexpr double kConeSlack = 1e-6;
 /// Two triangles that meet at a greater angle than this, 40 degrees, meet in a crease: taken.
 constexpr double kCreaseCosine = 0.766;
 
-bool Holds(const Vec3* direction, std::size_t count, const Vec3& n) {
-  for (std::size_t i = 0; i < count; ++i) {
-    if (direction[i].dot(n) > kConeSlack) return false;
-  }
-  return true;
-}
-
 Vec3 UnitOrZero(const Vec3& v) {
   const double length = v.norm();
   return length > 0.0 ? Vec3(v / length) : Vec3(Vec3::Zero());
+}
+
+/// Whether a way along the mesh leads nearer.
+bool LeadsTo(const Vec3& n, const Vec3& way) {
+  return way.dot(n) > 0.0 && UnitOrZero(way).dot(n) > kConeSlack;
+}
+
+std::uint32_t CornerOf(const ContactMesh::Triangle& t, std::uint32_t vertex) {
+  return t.vertex[0] == vertex ? 0 : t.vertex[1] == vertex ? 1 : 2;
 }
 
 }  // namespace
@@ -33,7 +35,8 @@ ContactMesh::ContactMesh(const TriangleMesh& mesh, const Pose& X_FB) {
   Weld(mesh, X_FB);
   Scratch scratch;
   Connect(scratch);
-  SetNormals(scratch);
+  normals_.resize(triangles_.size());
+  for (std::uint32_t t = 0; t < triangles_.size(); ++t) normals_[t] = CornerNormals(t);
 }
 
 void ContactMesh::Reserve(std::size_t triangles) {
@@ -42,11 +45,8 @@ void ContactMesh::Reserve(std::size_t triangles) {
   triangles_.reserve(triangles);
   edge_begin_.reserve(corners + 1);
   edge_faces_.reserve(corners);
-  edge_directions_.reserve(corners);
   vertex_begin_.reserve(triangles + 1);
   vertex_faces_.reserve(corners);
-  vertex_directions_.reserve(2 * corners);
-  normals_.reserve(triangles);
 }
 
 void ContactMesh::Scratch::Reserve(std::size_t triangles) {
@@ -55,8 +55,6 @@ void ContactMesh::Scratch::Reserve(std::size_t triangles) {
   sorted.reserve(corners);
   place.reserve(triangles + 1);
   faces.reserve(triangles + 1);
-  parent.reserve(corners);
-  sum.reserve(corners);
 }
 
 void ContactMesh::Assign(std::span<const Vec3> vertices,
@@ -66,12 +64,11 @@ void ContactMesh::Assign(std::span<const Vec3> vertices,
   triangles_.clear();
   edge_begin_.assign(1, 0);
   edge_faces_.clear();
-  edge_directions_.clear();
   reach_ = 0.0;
-  for (const Vec3& v : vertices) vertices_.push_back(X_FB * v);
+  const Mat3 R_FB = X_FB.q.toRotationMatrix();
+  for (const Vec3& v : vertices) vertices_.push_back(X_FB.p + R_FB * v);
   for (const auto& triangle : triangles) AddTriangle(triangle);
   Connect(scratch);
-  SetNormals(scratch);
 }
 
 ContactMesh ContactMesh::Point() {
@@ -122,9 +119,10 @@ void ContactMesh::Connect(Scratch& scratch) {
       const std::uint32_t a = v[c], b = v[(c + 1) % 3];
       sides.push_back({std::min(a, b), std::max(a, b), t, c});
       ++faces[a + 1];
-      reach_ = std::max(reach_, vertices_[a].norm());
+      reach_ = std::max(reach_, vertices_[a].squaredNorm());
     }
   }
+  reach_ = std::sqrt(reach_);
   const SortRoom<Scratch::Side> room{scratch.sorted, scratch.place};
   SortByNumber(sides, vertices_.size(), &Scratch::Side::high, room);
   SortByNumber(sides, vertices_.size(), &Scratch::Side::low, room);
@@ -133,83 +131,66 @@ void ContactMesh::Connect(Scratch& scratch) {
     if (i > 0 && (side.low != sides[i - 1].low || side.high != sides[i - 1].high)) {
       edge_begin_.push_back(static_cast<std::uint32_t>(i));
     }
-    Triangle& t = triangles_[side.triangle];
-    t.edge[side.corner] = static_cast<std::uint32_t>(edge_begin_.size() - 1);
-    const Vec3& a = vertices_[side.low];
-    const Vec3 along = UnitOrZero(vertices_[side.high] - a);
-    const Vec3 inside = vertices_[t.vertex[(side.corner + 2) % 3]] - a;
+    triangles_[side.triangle].edge[side.corner] =
+        static_cast<std::uint32_t>(edge_begin_.size() - 1);
     edge_faces_.push_back(side.triangle);
-    edge_directions_.push_back(UnitOrZero(inside - inside.dot(along) * along));
   }
   if (!sides.empty()) edge_begin_.push_back(static_cast<std::uint32_t>(sides.size()));
 
   std::partial_sum(faces.begin(), faces.end(), faces.begin());
   vertex_begin_ = faces;
   vertex_faces_.resize(faces.back());
-  vertex_directions_.resize(2 * vertex_faces_.size());
   for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
-    const auto& v = triangles_[t].vertex;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const std::uint32_t at = faces[v[c]]++;
-      vertex_faces_[at] = t;
-      for (std::size_t k = 1; k < 3; ++k) {
-        vertex_directions_[2 * at + k - 1] =
-            UnitOrZero(vertices_[v[(c + k) % 3]] - vertices_[v[c]]);
-      }
-    }
+    for (const std::uint32_t vertex : triangles_[t].vertex) vertex_faces_[faces[vertex]++] = t;
   }
+}
+
+/// The triangle across the edge from a corner to the next, if one is and no crease lies between;
+/// else the triangle itself.
+std::uint32_t ContactMesh::Across(std::uint32_t triangle, std::uint32_t corner) const {
+  const Triangle& t = triangles_[triangle];
+  const auto faces = FacesAtEdge(t.edge[corner]);
+  if (faces.size() != 2) return triangle;
+  const std::uint32_t across = faces[0] == triangle ? faces[1] : faces[0];
+  const Triangle& other = triangles_[across];
+  const std::uint32_t b = t.vertex[(corner + 1) % 3];
+  const bool winds_alike = other.vertex[(CornerOf(other, b) + 1) % 3] == t.vertex[corner];
+  return winds_alike && t.normal.dot(other.normal) >= kCreaseCosine ? across : triangle;
 }
 
 /// Corners of a vertex that no crease separates share a normal: the faces' with the weights of Max
 /// (J. Graphics Tools 4 (1999) 1-6), which are exact on a sphere.
-void ContactMesh::SetNormals(Scratch& scratch) {
-  const auto corner_of = [&](std::uint32_t t, std::uint32_t vertex) {
-    const auto& v = triangles_[t].vertex;
-    return 3 * t + (v[0] == vertex ? 0u : v[1] == vertex ? 1u : 2u);
-  };
-  std::vector<std::uint32_t>& parent = scratch.parent;
-  parent.resize(3 * triangles_.size());
-  std::iota(parent.begin(), parent.end(), 0u);
-  const auto root = [&](std::uint32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
-  for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      const auto faces = FacesAtEdge(triangles_[t].edge[c]);
-      if (faces.size() != 2 || faces[0] != t) continue;
-      const std::uint32_t other = faces[1];
-      const std::uint32_t a = triangles_[t].vertex[c], b = triangles_[t].vertex[(c + 1) % 3];
-      const auto& v = triangles_[other].vertex;
-      const bool winds_alike = v[(corner_of(other, b) % 3 + 1) % 3] == a;
-      if (!winds_alike || triangles_[t].normal.dot(triangles_[other].normal) < kCreaseCosine) {
-        continue;
-      }
-      for (const std::uint32_t vertex : {a, b}) {
-        parent[root(corner_of(t, vertex))] = root(corner_of(other, vertex));
-      }
-    }
-  }
-  std::vector<Vec3>& sum = scratch.sum;
-  sum.assign(parent.size(), Vec3::Zero());
-  for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
-    for (std::uint32_t c = 0; c < 3; ++c) {
-      const auto& v = triangles_[t].vertex;
-      const Vec3 a = vertices_[v[(c + 1) % 3]] - vertices_[v[c]];
-      const Vec3 b = vertices_[v[(c + 2) % 3]] - vertices_[v[c]];
+std::array<Eigen::Vector3f, 3> ContactMesh::CornerNormals(std::uint32_t triangle) const {
+  std::array<Eigen::Vector3f, 3> normals;
+  const Triangle& t = triangles_[triangle];
+  for (std::uint32_t c = 0; c < 3; ++c) {
+    const std::uint32_t vertex = t.vertex[c];
+    Vec3 sum = Vec3::Zero();
+    const auto add = [&](std::uint32_t face) {
+      const auto& v = triangles_[face].vertex;
+      const std::uint32_t at = CornerOf(triangles_[face], vertex);
+      const Vec3 a = vertices_[v[(at + 1) % 3]] - vertices_[vertex];
+      const Vec3 b = vertices_[v[(at + 2) % 3]] - vertices_[vertex];
       const double weight = a.squaredNorm() * b.squaredNorm();
-      if (weight > 0.0) sum[root(3 * t + c)] += a.cross(b) / weight;
+      if (weight > 0.0) sum += a.cross(b) / weight;
+    };
+    // Round the vertex one way until a crease, a border or the beginning, and then the other way.
+    std::uint32_t first = triangle;
+    add(triangle);
+    for (const std::uint32_t behind : {2u, 0u}) {
+      std::uint32_t face = triangle;
+      while (true) {
+        const std::uint32_t next = Across(face, (CornerOf(triangles_[face], vertex) + behind) % 3);
+        if (next == face || next == first) break;
+        add(face = next);
+      }
+      first = face;
     }
+    const Vec3 n = UnitOrZero(sum);
+    // Where the sum leaves the triangle's own normal as far as a crease, it keeps its own.
+    normals[c] = (n.dot(t.normal) >= kCreaseCosine ? n : t.normal).cast<float>();
   }
-  normals_.resize(triangles_.size());
-  for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
-    for (std::uint32_t c = 0; c < 3; ++c) {
-      const Vec3 n = UnitOrZero(sum[root(3 * t + c)]);
-      // Where the sum leaves the triangle's own normal as far as a crease, it keeps its own.
-      const bool smooth = n.dot(triangles_[t].normal) >= kCreaseCosine;
-      normals_[t][c] = (smooth ? n : triangles_[t].normal).cast<float>();
-    }
-  }
+  return normals;
 }
 
 Vec3 ContactMesh::SmoothNormal(std::uint32_t triangle, const Vec3& place, const Vec3& n) const {
@@ -220,7 +201,7 @@ Vec3 ContactMesh::SmoothNormal(std::uint32_t triangle, const Vec3& place, const 
   const double across = uu * ww - uw * uw;
   if (!(across > 0.0)) return n;
   const double y = (ww * ur - uw * wr) / across, z = (uu * wr - uw * ur) / across;
-  const auto& normal = normals_[triangle];
+  const auto normal = normals_.empty() ? CornerNormals(triangle) : normals_[triangle];
   const Vec3 smooth = UnitOrZero((1.0 - y - z) * normal[0].cast<double>() +
                                  y * normal[1].cast<double>() + z * normal[2].cast<double>());
   // Say the corners' normals leave the triangle's own by the angle a at most.  Then it meets its
@@ -235,13 +216,24 @@ Vec3 ContactMesh::SmoothNormal(std::uint32_t triangle, const Vec3& place, const 
 }
 
 bool ContactMesh::EdgeConeHolds(std::uint32_t edge, const Vec3& n) const {
-  return Holds(edge_directions_.data() + edge_begin_[edge],
-               edge_begin_[edge + 1] - edge_begin_[edge], n);
+  for (const std::uint32_t face : FacesAtEdge(edge)) {
+    const Triangle& t = triangles_[face];
+    const std::size_t c = t.edge[0] == edge ? 0 : t.edge[1] == edge ? 1 : 2;
+    const auto [low, high] = std::minmax(t.vertex[c], t.vertex[(c + 1) % 3]);
+    const Vec3 along = UnitOrZero(vertices_[high] - vertices_[low]);
+    const Vec3 inside = vertices_[t.vertex[(c + 2) % 3]] - vertices_[low];
+    if (LeadsTo(n, inside - inside.dot(along) * along)) return false;
+  }
+  return true;
 }
 
 bool ContactMesh::VertexConeHolds(std::uint32_t vertex, const Vec3& n) const {
-  return Holds(vertex_directions_.data() + 2 * vertex_begin_[vertex],
-               2 * (vertex_begin_[vertex + 1] - vertex_begin_[vertex]), n);
+  for (const std::uint32_t face : FacesAtVertex(vertex)) {
+    for (const std::uint32_t end : triangles_[face].vertex) {
+      if (LeadsTo(n, vertices_[end] - vertices_[vertex])) return false;
+    }
+  }
+  return true;
 }
 
 }  // namespace palpate

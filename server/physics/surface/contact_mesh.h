@@ -79,15 +79,15 @@ class ContactMesh {
   void Weld(const TriangleMesh& mesh, const Pose& X_FB);
   void AddTriangle(const std::array<std::uint32_t, 3>& vertex);
   void Connect(Scratch& scratch);
-  void SetNormals(Scratch& scratch);
+  std::uint32_t Across(std::uint32_t triangle, std::uint32_t corner) const;
+  std::array<Eigen::Vector3f, 3> CornerNormals(std::uint32_t triangle) const;
 
   std::vector<Vec3> vertices_;
   std::vector<Triangle> triangles_;
   std::vector<std::uint32_t> edge_begin_{0}, edge_faces_;
-  std::vector<Vec3> edge_directions_;  ///< one for each entry of edge_faces_
   std::vector<std::uint32_t> vertex_begin_{0}, vertex_faces_;
-  std::vector<Vec3> vertex_directions_;  ///< two for each entry of vertex_faces_
-  /// Of each triangle's corners; that of the triangle where the surface has a crease.
+  /// Of each triangle's corners; that of the triangle where the surface has a crease.  None where
+  /// the mesh was made anew: few of its triangles are asked about before it is again.
   std::vector<std::array<Eigen::Vector3f, 3>> normals_;
   double reach_ = 0.0;
 };
@@ -100,8 +100,7 @@ struct ContactMesh::Scratch {
   };
   std::vector<Side> sides, sorted;
   std::vector<std::size_t> place;
-  std::vector<std::uint32_t> faces, parent;
-  std::vector<Vec3> sum;
+  std::vector<std::uint32_t> faces;
 };
 
 }  // namespace palpate

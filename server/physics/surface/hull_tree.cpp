@@ -108,18 +108,25 @@ std::span<const Place> Sorted(const Room& room) {
   return room.dealt;
 }
 
-/// Up to eight corners, each once.
+/// Up to eight corners, each once, by the numbers of the mesh's vertices.
 class FewCorners {
  public:
   bool empty() const { return count_ == 0; }
   /// The last one from the count on.
-  const Vec3& operator[](std::size_t i) const { return corners_[std::min(i, count_ - 1)]; }
+  std::uint32_t operator[](std::size_t i) const { return corners_[std::min(i, count_ - 1)]; }
+  /// Bits of the places at which one is.
+  std::uint32_t LanesOf(std::uint32_t vertex) const {
+    std::uint32_t lanes = 0;
+    for (unsigned k = 0; k < corners_.size(); ++k)
+      lanes |= std::uint32_t{(*this)[k] == vertex} << k;
+    return lanes;
+  }
   /// False where it would be the ninth.
-  bool Add(const Vec3& x) {
+  bool Add(std::uint32_t vertex) {
     const auto end = corners_.begin() + static_cast<std::ptrdiff_t>(count_);
-    if (std::find(corners_.begin(), end, x) != end) return true;
+    if (std::find(corners_.begin(), end, vertex) != end) return true;
     if (count_ == corners_.size()) return false;
-    corners_[count_++] = x;
+    corners_[count_++] = vertex;
     return true;
   }
   bool Add(const FewCorners& others) {
@@ -130,7 +137,7 @@ class FewCorners {
   }
 
  private:
-  std::array<Vec3, 8> corners_;
+  std::array<std::uint32_t, 8> corners_;
   std::size_t count_ = 0;
 };
 
@@ -139,11 +146,11 @@ class FewCorners {
 class HullTree::Builder {
  public:
   /// @param axes  of all boxes; null: each has its own.
-  Builder(HullTree& tree, Scratch& scratch, const Mat3* axes = nullptr)
-      : tree_(tree), scratch_(scratch), axes_(axes) {}
+  Builder(HullTree& tree, const ContactMesh& mesh, Scratch& scratch, const Mat3* axes = nullptr)
+      : tree_(tree), mesh_(mesh), scratch_(scratch), axes_(axes) {}
 
-  void Build(const ContactMesh& mesh, std::size_t count, const std::vector<bool>* set = nullptr) {
-    MakeLeaves(mesh, count);
+  void Build(std::size_t count, const std::vector<bool>* set = nullptr) {
+    MakeLeaves(count);
     tree_.points_.clear();
     tree_.inner_.resize(std::max(count, std::size_t{1}) - 1);
     tree_.corners_.resize(tree_.inner_.size());
@@ -170,18 +177,22 @@ class HullTree::Builder {
     Node node() const { return patch.size() == 1 ? ~static_cast<Node>(patch[0]) : inner; }
   };
 
-  void MakeLeaves(const ContactMesh& mesh, std::size_t count) {
+  void MakeLeaves(std::size_t count) {
+    if (axes_ != nullptr) scratch_.bounds.resize(count);
     tree_.leaf_corners_.resize(count);
     tree_.leaf_centre_.resize(count);
     tree_.leaf_radius_.resize(count);
     for (std::size_t t = 0; t < count; ++t) {
       Mat3& corners = tree_.leaf_corners_[t];
-      for (int c = 0; c < 3; ++c) corners.col(c) = mesh.Corner(t, c);
-      const Vec3 centre = (mesh.Corner(t, 0) + mesh.Corner(t, 1) + mesh.Corner(t, 2)) / 3.0;
+      for (int c = 0; c < 3; ++c) corners.col(c) = mesh_.Corner(t, c);
+      const Vec3 centre = (mesh_.Corner(t, 0) + mesh_.Corner(t, 1) + mesh_.Corner(t, 2)) / 3.0;
       double radius = 0.0;
-      for (int c = 0; c < 3; ++c) radius = std::max(radius, (mesh.Corner(t, c) - centre).norm());
+      for (int c = 0; c < 3; ++c) radius = std::max(radius, (mesh_.Corner(t, c) - centre).norm());
       tree_.leaf_centre_[t] = centre;
       tree_.leaf_radius_[t] = radius;
+      if (axes_ == nullptr) continue;
+      const Mat3 along = axes_->transpose() * corners;
+      scratch_.bounds[t] = {along.rowwise().minCoeff(), along.rowwise().maxCoeff()};
     }
   }
 
@@ -190,7 +201,7 @@ class HullTree::Builder {
   FewCorners BuildBelow(const Work& work, std::vector<EightPoints>& points) {
     FewCorners one, other;
     if (work.patch.size() == 1) {
-      for (int c = 0; c < 3; ++c) one.Add(tree_.leaf_corners_[work.patch[0]].col(c));
+      for (const std::uint32_t v : mesh_.triangles()[work.patch[0]].vertex) one.Add(v);
       return one;
     }
     const std::size_t first = points.size();
@@ -218,16 +229,10 @@ class HullTree::Builder {
   std::array<Work, 2> Split(const Work& work) {
     Inner box{};
     const Mat3 axes = axes_ != nullptr ? *axes_ : PrincipalAxes(tree_.leaf_corners_, work.patch);
-    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-    ForEach(work.patch, tree_.leaf_corners_, [&](const Mat3& corners) {
-      for (int c = 0; c < 3; ++c) {
-        const Vec3 x = axes.transpose() * corners.col(c);
-        low = low.cwiseMin(x);
-        high = high.cwiseMax(x);
-      }
-    });
+    const Bounds bounds = BoundsOf(work.patch, axes);
     // A billionth of the size for the rounding of the axes, which are orthogonal to 1e-15.
-    const Vec3 half = (0.5 * (high - low)).array() + 1e-9 * (high - low).maxCoeff();
+    const Vec3 size = bounds.high - bounds.low;
+    const Vec3 half = (0.5 * size).array() + 1e-9 * size.maxCoeff();
     std::array<int, 3> order_of{0, 1, 2};
     std::sort(order_of.begin(), order_of.end(),
               [&](int a, int b) { return half[a] != half[b] ? half[a] < half[b] : a < b; });
@@ -235,23 +240,15 @@ class HullTree::Builder {
       const int k = order_of[static_cast<std::size_t>(c)];
       box.sides.col(c) = half[k] * axes.col(k);
     }
-    box.centre = axes * (0.5 * (low + high));
-    const Vec3 axis = axes.col(order_of[2]);
-    ForEach(work.patch, tree_.leaf_corners_, [&](const Mat3& corners) {
-      for (int c = 0; c < 3; ++c) {
-        box.radius = std::max(box.radius, (corners.col(c) - box.centre).squaredNorm());
-      }
-    });
-    box.radius = std::sqrt(box.radius);
+    box.centre = axes * (0.5 * (bounds.low + bounds.high));
+    box.radius = axes_ != nullptr ? half.norm() : RadiusOf(work.patch, box.centre);
     std::size_t middle = work.patch.size() / 2;
     if (work.inner == 0 && first_half_ > 0) {
       middle = first_half_;
+    } else if (axes_ != nullptr) {
+      HalveAlong(order_of[2], work.patch);
     } else {
-      const Room room = RoomOf(work.patch);
-      std::ranges::transform(work.patch, room.places.begin(), [&](std::uint32_t t) {
-        return Place(axis.dot(tree_.leaf_centre_[t]), t);
-      });
-      std::ranges::copy(Sorted(room) | std::views::values, work.patch.begin());
+      SortAlong(axes.col(order_of[2]), work.patch);
     }
     // A patch of n triangles has n - 1 inner nodes, the first half's before the second's.
     const std::array halves{
@@ -260,6 +257,53 @@ class HullTree::Builder {
     for (std::size_t side = 0; side < 2; ++side) box.child[side] = halves[side].node();
     tree_.inner_[static_cast<std::size_t>(work.inner)] = box;
     return halves;
+  }
+
+  Bounds BoundsOf(Triangles patch, const Mat3& axes) const {
+    const double far = std::numeric_limits<double>::infinity();
+    Bounds all{Vec3::Constant(far), Vec3::Constant(-far)};
+    if (axes_ != nullptr) {
+      for (const std::uint32_t t : patch) {
+        all.low = all.low.cwiseMin(scratch_.bounds[t].low);
+        all.high = all.high.cwiseMax(scratch_.bounds[t].high);
+      }
+      return all;
+    }
+    ForEach(patch, tree_.leaf_corners_, [&](const Mat3& corners) {
+      for (int c = 0; c < 3; ++c) {
+        const Vec3 x = axes.transpose() * corners.col(c);
+        all.low = all.low.cwiseMin(x);
+        all.high = all.high.cwiseMax(x);
+      }
+    });
+    return all;
+  }
+
+  double RadiusOf(Triangles patch, const Vec3& centre) const {
+    double square = 0.0;
+    ForEach(patch, tree_.leaf_corners_, [&](const Mat3& corners) {
+      for (int c = 0; c < 3; ++c) {
+        square = std::max(square, (corners.col(c) - centre).squaredNorm());
+      }
+    });
+    return std::sqrt(square);
+  }
+
+  void SortAlong(const Vec3& axis, Triangles patch) {
+    const Room room = RoomOf(patch);
+    std::ranges::transform(patch, room.places.begin(), [&](std::uint32_t t) {
+      return Place(axis.dot(tree_.leaf_centre_[t]), t);
+    });
+    std::ranges::copy(Sorted(room) | std::views::values, patch.begin());
+  }
+
+  /// Only which are of which half is known after it, for less than it takes to sort them.
+  void HalveAlong(int axis, Triangles patch) {
+    const auto place = [&](std::uint32_t t) {
+      return Place(scratch_.bounds[t].low[axis] + scratch_.bounds[t].high[axis], t);
+    };
+    std::ranges::nth_element(patch, patch.begin() + static_cast<std::ptrdiff_t>(patch.size() / 2),
+                             {}, place);
   }
 
   /// @param first  of the points below the node.
@@ -283,24 +327,21 @@ class HullTree::Builder {
   void AddEight(Node node, const FewCorners& corners, std::vector<EightPoints>& points) {
     EightPoints& eight = points.emplace_back();
     for (std::size_t k = 0; k < 8; ++k) {
-      for (int c = 0; c < 3; ++c) eight.x[c][k] = corners[k][c];
+      for (int c = 0; c < 3; ++c) eight.x[c][k] = mesh_.vertices()[corners[k]][c];
     }
-    Assign(node, eight, static_cast<std::uint32_t>(points.size() - 1));
+    Assign(node, corners, static_cast<std::uint32_t>(points.size() - 1));
   }
 
   /// To a node and all below it their lanes of an eight; returns the node's, a bit each.
-  std::uint32_t Assign(Node node, const EightPoints& eight, std::uint32_t number) {
+  std::uint32_t Assign(Node node, const FewCorners& eight, std::uint32_t number) {
     std::uint32_t lanes = 0;
     if (!IsLeaf(node)) {
       for (const Node child : tree_.inner(node).child) lanes |= Assign(child, eight, number);
       tree_.corners_[static_cast<std::size_t>(node)] = {number, 1, lanes};
       return lanes;
     }
-    for (unsigned k = 0; k < 8; ++k) {
-      const Vec3 x(eight.x[0][k], eight.x[1][k], eight.x[2][k]);
-      for (int c = 0; c < 3; ++c) {
-        if (x == tree_.leaf_corners_[TriangleOf(node)].col(c)) lanes |= 1u << k;
-      }
+    for (const std::uint32_t v : mesh_.triangles()[TriangleOf(node)].vertex) {
+      lanes |= eight.LanesOf(v);
     }
     return lanes;
   }
@@ -313,6 +354,7 @@ class HullTree::Builder {
   }
 
   HullTree& tree_;
+  const ContactMesh& mesh_;
   Scratch& scratch_;
   const Mat3* axes_;
   std::size_t first_half_ = 0;  ///< of the root; 0: one half of it
@@ -320,12 +362,12 @@ class HullTree::Builder {
 
 HullTree::HullTree(const ContactMesh& mesh) {
   Scratch scratch;
-  Builder(*this, scratch).Build(mesh, mesh.triangles().size());
+  Builder(*this, mesh, scratch).Build(mesh.triangles().size());
 }
 
 HullTree::HullTree(const ContactMesh& mesh, const std::vector<bool>& set) {
   Scratch scratch;
-  Builder(*this, scratch).Build(mesh, mesh.triangles().size(), &set);
+  Builder(*this, mesh, scratch).Build(mesh.triangles().size(), &set);
 }
 
 void HullTree::Reserve(std::size_t triangles) {
@@ -342,11 +384,12 @@ void HullTree::Scratch::Reserve(std::size_t triangles) {
   places.reserve(triangles);
   dealt.reserve(triangles);
   ends.reserve(triangles);
+  bounds.reserve(triangles);
 }
 
 void HullTree::Assign(const ContactMesh& mesh, std::size_t count, const Mat3& axes,
                       Scratch& scratch) {
-  Builder(*this, scratch, &axes).Build(mesh, count);
+  Builder(*this, mesh, scratch, &axes).Build(count);
 }
 
 HullTree::HullTree(std::span<const Vec3> centres, std::span<const std::uint32_t> numbers,

@@ -25,6 +25,10 @@ namespace palpate {
 class HullTree {
  public:
   using Node = std::int32_t;
+  /// Along the axes of a box [m].
+  struct Bounds {
+    Vec3 low, high;
+  };
   /// What making one takes, which may be used again.
   struct Scratch {
     void Reserve(std::size_t triangles);
@@ -32,11 +36,12 @@ class HullTree {
     std::vector<std::uint32_t> order;  ///< the triangles, those of a patch beside each other
     std::vector<std::pair<double, std::uint32_t>> places, dealt;
     std::vector<std::uint32_t> ends;
+    std::vector<Bounds> bounds;  ///< of each triangle, where all boxes have the same axes
   };
   struct Inner {
     Vec3 centre;    ///< of the box [m]
     Mat3 sides;     ///< columns, orthogonal: from there to three sides, the shortest first [m]
-    double radius;  ///< of the ball about the centre that holds the triangles below [m]
+    double radius;  ///< of a ball about the centre that holds the triangles below [m]
     Node child[2];
   };
 
