@@ -258,8 +258,8 @@ inline constexpr std::size_t kBlocks = 512, kMostOfBlock = 1024, kGivenUp = 32;
 /// And how many bodies a cycle makes anew for that, 0.1 ms each.
 inline constexpr std::size_t kMostFollowed = 256;
 inline constexpr int kMadeACycle = 1;
-/// What making a body counts, in looks: twice the 0.09 ms that it takes.  So a cycle makes two.
-inline constexpr int kLooksOfBlock = 1500;
+/// What making a body counts, in looks: 0.09 ms.  So a cycle makes four.
+inline constexpr int kLooksOfBlock = 700;
 /// Pairs that a sub-step of so many looks can come to: as many near ones as it brings up to date,
 /// and two for each look that splits one.  The next power of two.
 constexpr std::size_t RoomForNear(int looks) {
