@@ -164,12 +164,11 @@ Methods::Totals Methods::totals() const {
 }
 
 std::string Methods::ToJson(const std::vector<std::string>& recording,
-                            const std::vector<std::string>& files,
-                            const std::map<std::string, std::string>& hashes) const {
+                            const std::vector<std::string>& files) const {
   using Json = nlohmann::ordered_json;
   const auto [missing, astray, dropped] = totals();
   Json json{
-      {"made_by", kExportMark},
+      {"made_by", kExportMaker},
       {"palpate", {{"recorded_with", Value(about_, "build")}, {"exported_with", PALPATE_VERSION}}},
       {"recording", recording},
       {"begun", TimeText(first_ns_)},
@@ -193,8 +192,7 @@ std::string Methods::ToJson(const std::vector<std::string>& recording,
       {"scenes", Json::array()},
       {"sessions", Json::array()},
       {"topics", Json::array()},
-      {"files", files},
-      {"hashes", hashes}};
+      {"files", files}};
   for (const auto& [name, hash] : scenes_)
     json["scenes"].push_back({{"scene", name}, {"hash", hash}});
   for (const Session& s : sessions_) {

@@ -10,8 +10,8 @@
 
 namespace palpate {
 
-/// By which an export is known, in its methods.json.
-inline constexpr const char* kExportMark = "palpate-replay export";
+/// In the methods.json of an export.
+inline constexpr const char* kExportMaker = "palpate-replay export";
 
 /// What the methods section of a paper needs of a recording, gathered sample by sample: versions,
 /// scenes, machine, transport, rates, what was lost, springs, and what the limiter did.
@@ -50,10 +50,8 @@ class Methods {
 
   /// @param recording  names of its files.
   /// @param files       that were written, within the folder.
-  /// @param hashes      of these and of METHODS.md, by name.
   std::string ToJson(const std::vector<std::string>& recording,
-                     const std::vector<std::string>& files,
-                     const std::map<std::string, std::string>& hashes) const;
+                     const std::vector<std::string>& files) const;
   std::string ToMarkdown(const std::vector<std::string>& recording) const;
 
  private:
