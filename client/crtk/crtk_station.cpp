@@ -1,7 +1,6 @@
 #include "client/crtk/crtk_station.h"
 
 #include <chrono>
-#include <cstring>
 
 #include <spdlog/spdlog.h>
 

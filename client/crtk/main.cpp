@@ -13,7 +13,6 @@
 #include "common/dds/ros2.h"
 #include "common/dds/topics.h"
 #include "common/program/command_line.h"
-#include "common/program/log.h"
 #include "common/program/stop_signal.h"
 #include "common/realtime/steady_clock.h"
 #include "common/text/quoted.h"
@@ -48,25 +47,19 @@ Frames, time stamps and quality of service: client/crtk/README.md in the source 
 is installed /usr/share/doc/palpate-common/client/crtk/README.md.
 Exit status: 0 done, 1 failed, 2 wrong usage.)";
 
-struct Options {
-  int domain = 0;
-  dds::Network network;
+struct Options : ServerOptions {
   dds::Transport transport = dds::Transport::kAuto;
   int ros_domain = 0;
   dds::Network ros_network;  ///< of ROS's side
   bool read_only = false;    ///< takes neither servo_cf nor state_command
   double guide_force_N = 0.5;
   std::optional<double> seconds;
-  std::string log_level = "info";
 };
 
 /// Nothing where --help or --version was asked for.  Throws UsageError.
 std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   Options options;
-  std::string transport = "auto";
-
-  const CommandLine app(kAbout, "palpate-crtk");
-  app.Footer(kExamples);
+  const CommandLine app(kAbout, "palpate-crtk", kExamples);
   app.Add("--ros-domain", options.ros_domain, "domain of the ROS 2 programs: their ROS_DOMAIN_ID")
       .Range(0, ros2::kMaxDomain)
       .ShowDefault();
@@ -82,16 +75,9 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
       .Range(0.01, GuideLimits::kMostForce_N)
       .ShowDefault();
   app.Add("--for", options.seconds, "end after this many seconds; default: at Ctrl-C").Positive();
-  app.Add("--transport", transport,
-          "how poses and wrenches travel, as for the server: auto, shm or udp")
-      .ShowDefault();
-  AddNetworkOptions(app, "the server", options.network);
-  AddCommonOptions(app, "the server's domain: the number that it was given", options.domain,
-                   options.log_level);
-
+  AddTransportOption(app, options.transport);
+  AddServerOptions(app, options);
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
-
-  options.transport = dds::ParseTransport(transport);
   return options;
 }
 
@@ -110,7 +96,8 @@ std::string WhyLeftOut(const std::string& name, const Stations& stations) {
 }
 
 /// Brings the stations of one server to ROS 2 until it is stopped.  Throws Error.
-void Bridge(const Options& options, StopSignal& stop) {
+int Bridge(const Options& options) {
+  StopSignal stop;
   const dds::TransportChoice transport = dds::ChooseTransport(options.transport, options.network);
   const dds::Participant service = dds::Participant::Service(options.domain, options.network);
   const dds::Participant loop = dds::Participant::Loop(options.domain, transport, options.network);
@@ -170,18 +157,12 @@ void Bridge(const Options& options, StopSignal& stop) {
                 static_cast<unsigned long long>(counts.missing),
                 static_cast<unsigned long long>(counts.refused));
   }
+  return 0;
 }
 
 }  // namespace
 }  // namespace palpate
 
 int main(int argc, char** argv) {
-  return palpate::RunProgram("palpate-crtk", [&] {
-    const auto options = palpate::ParseOptions(argc, argv);
-    if (!options) return 0;
-    palpate::SetUpLog("palpate-crtk", options->log_level);
-    palpate::StopSignal stop;
-    palpate::Bridge(*options, stop);
-    return 0;
-  });
+  return palpate::RunProgram("palpate-crtk", argc, argv, palpate::ParseOptions, palpate::Bridge);
 }

@@ -12,7 +12,6 @@
 #include "common/error.h"
 #include "common/files/project_files.h"
 #include "common/program/command_line.h"
-#include "common/program/log.h"
 #include "common/program/machine.h"
 #include "common/program/stop_signal.h"
 #include "devices/device_factory.h"
@@ -50,8 +49,7 @@ Exit status: 0 fit (there may be warnings), 1 not fit, 2 wrong usage.)";
 /// Nothing where --help or --version was asked for.  Throws UsageError.
 std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   Options options;
-  const CommandLine app(kAbout, "palpate-doctor");
-  app.Footer(kExamples);
+  const CommandLine app(kAbout, "palpate-doctor", kExamples);
   app.Add("--seconds", options.seconds,
           "seconds for which to measure how late a loop wakes up; 0: do not measure")
       .Range(0.0, 86400.0)
@@ -59,11 +57,7 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   app.Add("--device", options.device,
           "device that a station on this host is to drive: " + DeviceNames())
       .TypeName("NAME");
-  app.AddText(
-         "--transport",
-         [&options](const std::string& text) { options.transport = dds::ParseTransport(text); },
-         "transport of server and station: shm, udp, or auto (shared memory if possible)")
-      .ShowDefault("auto");
+  AddTransportOption(app, options.transport);
   app.AddFlag("--json", options.json, "print one JSON object in place of the report");
   AddNetworkOptions(app, "the other host", options.network);
   AddRealtimeOptions(app, "the loops that it tries", options.realtime);
@@ -171,7 +165,6 @@ void WipeForNow() {
 }
 
 int Run(const Options& options) {
-  SetUpLog("palpate-doctor", options.log_level);
   const Style style = StyleOfOutput();
   StopSignal stop;
   if (!options.json) {
@@ -200,8 +193,6 @@ int Run(const Options& options) {
 }  // namespace palpate::doctor
 
 int main(int argc, char** argv) {
-  return palpate::RunProgram("palpate-doctor", [&] {
-    const auto options = palpate::doctor::ParseOptions(argc, argv);
-    return options ? palpate::doctor::Run(*options) : 0;
-  });
+  return palpate::RunProgram("palpate-doctor", argc, argv, palpate::doctor::ParseOptions,
+                             palpate::doctor::Run);
 }

@@ -9,7 +9,6 @@
 #include "common/dds/endpoint.h"
 #include "common/dds/topics.h"
 #include "common/program/command_line.h"
-#include "common/program/log.h"
 #include "common/program/stop_signal.h"
 #include "common/realtime/steady_clock.h"
 
@@ -35,20 +34,16 @@ The scene's axes become Slicer's: x to the left, y up, z forward.  What a client
 ignored.  A slow client gets fewer messages; one that takes none for 10 s is disconnected.
 Exit status: 0 done, 1 failed, 2 wrong usage.)";
 
-struct Options {
-  int domain = 0;
-  dds::Network network;
+struct Options : ServerOptions {
   std::string address = "127.0.0.1";
   int port = 18944;
   double rate_Hz = 60.0;
-  std::string log_level = "info";
 };
 
 /// Nothing where --help or --version was asked for.  Throws UsageError.
 std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   Options options;
-  const CommandLine app(kAbout, "palpate-igtl");
-  app.Footer(kExamples);
+  const CommandLine app(kAbout, "palpate-igtl", kExamples);
   app.Add("--bind", options.address, "address of this host to listen at").ShowDefault();
   app.Add("--port", options.port, "TCP port; 0: a free one, which is printed")
       .Range(0, 65535)
@@ -56,9 +51,7 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   app.Add("--rate", options.rate_Hz, "messages a second; the server itself sends 60")
       .Range(0.1, 1000.0)
       .ShowDefault();
-  AddNetworkOptions(app, "the server", options.network);
-  AddCommonOptions(app, "the server's domain: the number that it was given", options.domain,
-                   options.log_level);
+  AddServerOptions(app, options);
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
   return options;
 }
@@ -70,7 +63,8 @@ std::int64_t SystemNanoseconds() {
 }
 
 /// Sends each station's newest state, where there is a new one.
-void Serve(const Options& options, StopSignal& stop) {
+int Serve(const Options& options) {
+  StopSignal stop;
   const dds::Participant service = dds::Participant::Service(options.domain, options.network);
   dds::Reader<wire::ToolState> states(service, dds::kToolStateTopic, dds::Qos::kRecord);
   IgtlServer server(options.address, options.port);
@@ -93,18 +87,12 @@ void Serve(const Options& options, StopSignal& stop) {
       server.Send(IgtlMessages(state, SystemNanoseconds()), now_ns);
     }
   }
+  return 0;
 }
 
 }  // namespace
 }  // namespace palpate
 
 int main(int argc, char** argv) {
-  return palpate::RunProgram("palpate-igtl", [&] {
-    const auto options = palpate::ParseOptions(argc, argv);
-    if (!options) return 0;
-    palpate::SetUpLog("palpate-igtl", options->log_level);
-    palpate::StopSignal stop;
-    palpate::Serve(*options, stop);
-    return 0;
-  });
+  return palpate::RunProgram("palpate-igtl", argc, argv, palpate::ParseOptions, palpate::Serve);
 }

@@ -13,7 +13,6 @@
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/program/command_line.h"
-#include "common/program/log.h"
 #include "common/program/stop_signal.h"
 #include "common/realtime/steady_clock.h"
 #include "common/text/quoted.h"
@@ -37,12 +36,9 @@ where no other works.
 
 Exit status: 0 done, 1 failed, 2 wrong usage.)";
 
-struct Options {
+struct Options : ServerOptions {
   std::vector<std::string> scenes;
   wire::WholeWish wish = palpate_WHOLE_AGAIN;
-  dds::Network network;
-  int domain = 0;
-  std::string log_level = "info";
 };
 
 /// What a server says that it serves; none before one is heard.
@@ -98,8 +94,9 @@ const char* DoneText(wire::WholeWish wish) {
   }
 }
 
-/// False where the user ended it.
-bool Ask(const Options& options, StopSignal& stop) {
+/// 1 where the user ended it.
+int Ask(const Options& options) {
+  StopSignal stop;
   const dds::Participant service = dds::Participant::Service(options.domain, options.network);
   Served served(service);
   dds::Reader<wire::SceneWhole> wholes(service, dds::kSceneWholeTopic, dds::Qos::kRecordSession);
@@ -128,22 +125,19 @@ bool Ask(const Options& options, StopSignal& stop) {
       }
       std::printf("%s: %s\n", Printable(whole.scene).c_str(), DoneText(whole.wish));
     }
-    if (any_asked && asked.empty()) return true;
+    if (any_asked && asked.empty()) return 0;
     if (SteadyNanoseconds() - began_ns > kPatience_ns) {
       throw Error(Silence(options, names.has_value()));
     }
-    if (stop.WaitFor(kPoll)) return false;
+    if (stop.WaitFor(kPoll)) return 1;
   }
 }
 
 /// Nothing where --help or --version was asked for.  Throws UsageError.
 std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   Options options;
-  const CommandLine app(kAbout, "palpate-lesson");
-  app.Footer(kExample);
-  AddNetworkOptions(app, "the server", options.network);
-  AddCommonOptions(app, "the server's domain: the number that it was given", options.domain,
-                   options.log_level);
+  const CommandLine app(kAbout, "palpate-lesson", kExample);
+  AddServerOptions(app, options);
   const auto add = [&](const char* name, const char* about, const char* example) {
     const CommandLine command = app.AddCommand(name, about);
     command.Footer(std::string("Example: palpate-lesson ") + example);
@@ -172,11 +166,5 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
 }  // namespace palpate
 
 int main(int argc, char** argv) {
-  return palpate::RunProgram("palpate-lesson", [&] {
-    const auto options = palpate::ParseOptions(argc, argv);
-    if (!options) return 0;
-    palpate::SetUpLog("palpate-lesson", options->log_level);
-    palpate::StopSignal stop;
-    return palpate::Ask(*options, stop) ? 0 : 1;
-  });
+  return palpate::RunProgram("palpate-lesson", argc, argv, palpate::ParseOptions, palpate::Ask);
 }

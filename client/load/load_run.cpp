@@ -239,9 +239,9 @@ std::optional<LoadFigures> RunOnce(const LoadSetting& setting, const LoadSize& s
   setting.progress("warming up");
   if (!PollFor(stations, stop, kWarmUp_s)) return std::nullopt;
 
-  const auto server = options.server_pid ? options.server_pid : ServerOf(options.domain);
-  std::optional<int> gateway = options.viewer_pid;
-  if (!gateway && size.viewers + options.stalled > 0) gateway = ListenerAt(options.viewer_url.port);
+  const std::optional<int> server = ServerOf(options.domain);
+  std::optional<int> gateway;
+  if (size.viewers + options.stalled > 0) gateway = ListenerAt(options.viewer_url.port);
   const Times begin = TimesNow(server, gateway);
   const std::int64_t begin_ns = SteadyNanoseconds();
   for (const auto& station : stations) station->servo().RestartTotals();

@@ -14,8 +14,6 @@
 #include "client/load/scene_copies.h"
 #include "common/error.h"
 #include "common/files/output.h"
-#include "common/program/command_line.h"
-#include "common/program/log.h"
 #include "common/text/quoted.h"
 
 namespace palpate {
@@ -164,14 +162,15 @@ class Load {
 };
 
 /// Does what the options ask for, until it is done or a signal comes.  Throws Error.
-void RunLoad(const LoadRunOptions& options, StopSignal& stop) {
+int RunLoad(const LoadRunOptions& options) {
+  StopSignal stop;
   if (options.copies > 0) {
     WriteSceneWithCopies(options.scene.empty() ? "cube" : options.scene, options.copies,
                          options.copies_file);
     std::printf("%s: %zu tools; serve it with: palpate-server --scene %s\n",
                 Printable(options.copies_file).c_str(), options.copies,
                 ShellWord(options.copies_file).c_str());
-    return;
+    return 0;
   }
   // Before the runs, which may take hours.
   if (!options.json.empty()) CheckOutput("--json", options.json);
@@ -183,7 +182,7 @@ void RunLoad(const LoadRunOptions& options, StopSignal& stop) {
   if (stations > 0 || options.find) {
     setting.tools = AskForTools(service, {options.domain, options.network, options.patience_s},
                                 options.scene, stop);
-    if (stop.stopped()) return;
+    if (stop.stopped()) return 0;
     setting.scripts = ScriptsOf(options, setting.tools);
     if (stations > setting.tools.size()) {
       throw Error(fmt::format(
@@ -201,18 +200,13 @@ void RunLoad(const LoadRunOptions& options, StopSignal& stop) {
     throw;
   }
   load.Write();
+  return 0;
 }
 
 }  // namespace
 }  // namespace palpate
 
 int main(int argc, char** argv) {
-  return palpate::RunProgram("palpate-load", [&] {
-    const auto options = palpate::ParseLoadOptions(argc, argv);
-    if (!options) return 0;
-    palpate::SetUpLog("palpate-load", options->log_level);
-    palpate::StopSignal stop;
-    palpate::RunLoad(*options, stop);
-    return 0;
-  });
+  return palpate::RunProgram("palpate-load", argc, argv, palpate::ParseLoadOptions,
+                             palpate::RunLoad);
 }

@@ -4,7 +4,6 @@
 
 #include "common/dds/topics.h"
 #include "common/error.h"
-#include "common/program/command_line.h"
 #include "common/program/realtime.h"
 
 namespace palpate {
@@ -59,12 +58,10 @@ ViewerUrl ParseViewerUrl(const std::string& url) {
 
 std::optional<LoadRunOptions> ParseLoadOptions(int argc, const char* const* argv) {
   LoadRunOptions options;
-  std::string transport = "auto";
   std::string url = options.viewer_url.text();
   std::vector<std::string> make_scene;
 
-  const CommandLine app(kAbout, "palpate-load");
-  app.Footer(kExamples);
+  const CommandLine app(kAbout, "palpate-load", kExamples);
   app.Add("--stations", options.stations,
           "simulated stations; several numbers, as 1,4,16, make one run each")
       .Commas()
@@ -97,29 +94,20 @@ std::optional<LoadRunOptions> ParseLoadOptions(int argc, const char* const* argv
           "poses of the hands (JSON); default: the server's script of the scene");
   app.Add("--name", options.name, "first part of the stations' names; a number follows")
       .ShowDefault();
-  app.Add("--transport", transport, "how poses and wrenches travel: auto, shm or udp")
-      .ShowDefault();
-  AddNetworkOptions(app, "the server", options.network);
+  AddTransportOption(app, options.transport);
   app.Add("--realtime", options.realtime,
           "real-time scheduling of the stations' loops: require, prefer or off")
       .ShowDefault();
   app.Add("--wait", options.patience_s, "seconds to wait for server and gateway")
       .Positive()
       .ShowDefault();
-  app.Add("--server-pid", options.server_pid,
-          "id of the server's process, to measure it; default: the one that serves the "
-          "domain");
-  app.Add("--viewer-pid", options.viewer_pid,
-          "id of the gateway's process, to measure it; default: the one that listens at "
-          "--viewer-url");
   app.Add("--json", options.json, "write the figures as JSON to this file; - is stdout");
   app.Add("--report", options.report, "write the capacity table to this file (Markdown)");
   app.Add("--make-scene", make_scene,
           "N FILE: write a scene file like --scene (default: cube) but with N of its tool, "
           "and end")
       .Words(2);
-  AddCommonOptions(app, "the server's domain: the number that it was given", options.domain,
-                   options.log_level);
+  AddServerOptions(app, options);
 
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
 
@@ -140,7 +128,6 @@ std::optional<LoadRunOptions> ParseLoadOptions(int argc, const char* const* argv
     }
   }
   options.viewer_url = ParseViewerUrl(url);
-  options.transport = dds::ParseTransport(transport);
   ParseRealtimeMode(options.realtime);  // throws
   for (int i = 0; i < argc; ++i) {
     // The program by its name: where it stands says nothing of the measurement.

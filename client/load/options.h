@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/dds/participant.h"
+#include "common/program/command_line.h"
 
 namespace palpate {
 
@@ -18,7 +19,7 @@ struct ViewerUrl {
 /// Of "ws://HOST:PORT", with or without a slash behind it.  Throws UsageError.
 ViewerUrl ParseViewerUrl(const std::string& url);
 
-struct LoadRunOptions {
+struct LoadRunOptions : ServerOptions {
   std::vector<std::size_t> stations{
       1};  ///< several: each with each of `viewers`, one run after another
   std::vector<std::size_t> viewers{0};
@@ -30,19 +31,15 @@ struct LoadRunOptions {
   std::string scene;      ///< name or file; empty: all that the server serves
   std::string script;     ///< file; empty: the scene's own
   std::string name = "load";
-  int domain = 0;
   dds::Transport transport = dds::Transport::kAuto;
-  dds::Network network;
   std::string realtime = "prefer";
   double patience_s = 10.0;
-  std::optional<int> server_pid, viewer_pid;
   bool find = false;
   std::string json;        ///< file or "-"; empty: none
   std::string report;      ///< Markdown file; empty: none
   std::string command;     ///< as it was given, for the report
   std::size_t copies = 0;  ///< not 0: writes `copies_file` and ends
   std::string copies_file;
-  std::string log_level = "info";
 };
 
 /// Reads the command line.  For --help and --version prints them and returns nothing.

@@ -3,186 +3,23 @@
 #include <algorithm>
 #include <cctype>
 #include <ctime>
-#include <iterator>
-#include <utility>
 
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/chrono.h>
 #include <spdlog/fmt/fmt.h>
 
-#include "common/dds/cdr_reader.h"
-#include "common/dds/topics.h"
-#include "common/error.h"
-#include "common/files/bundle_hash.h"
 #include "common/files/output.h"
-#include "common/recording/recording_reader.h"
 #include "common/text/hex16.h"
 #include "common/text/quoted.h"
 
 namespace palpate {
 namespace {
 
-std::string Value(const mcap::StringMap& map, const std::string& key) {
-  const auto it = map.find(key);
-  return it == map.end() ? "" : it->second;
-}
-
-/// More often nothing is sent (a loop runs at most at 4 kHz): what is kept for those who come late
-/// reaches them all at once, and has no rate.
-constexpr double kMostHz = 10'000.0;
-
-using SessionKey = std::pair<std::string, std::uint64_t>;  // station, run
-
-/// The number that the sample gives itself, or a count.  False where its bytes are not of its type.
-/// @param place  of each session in the summary.
-bool Look(const RecordedSample& sample, FileSummary& summary,
-          std::map<SessionKey, std::size_t>& place, std::uint64_t& sequence) {
-  switch (sample.type) {
-    case RecordedType::kHapticPose: {
-      wire::HapticPose pose;
-      if (!sample.To(pose)) return false;
-      sequence = pose.pose_sequence;
-      return true;
-    }
-    case RecordedType::kWrench: {
-      wire::Wrench wrench;
-      if (!sample.To(wrench)) return false;
-      sequence = wrench.answer;
-      return true;
-    }
-    case RecordedType::kSessionState: {
-      wire::SessionState state{};
-      if (!sample.To(state)) return false;
-      if (state.phase == palpate_SESSION_REFUSED) return true;
-      const auto [it, is_new] =
-          place.try_emplace({state.station, state.run}, summary.sessions.size());
-      if (is_new) {
-        summary.sessions.push_back({state.station, state.scene, state.tool, state.run, 0, 0});
-      }
-      std::uint64_t& start = summary.sessions[it->second].start_sequence;
-      start = std::max<std::uint64_t>(start, state.start_sequence);
-      return true;
-    }
-    case RecordedType::kSceneBundle: {
-      dds::Owned<wire::SceneBundle> owned;
-      const wire::SceneBundle& bundle = owned.value;
-      if (!sample.To(owned.value)) return false;
-      summary.scenes[bundle.scene] = {Hex16(bundle.hash), true};
-      try {
-        CheckBundleHash({bundle.bundle._buffer, bundle.bundle._length}, bundle.hash,
-                        "scene " + Quoted(bundle.scene));
-      } catch (const Error& error) {
-        summary.problems.push_back(error.what());
-        summary.damaged = true;
-      }
-      return true;
-    }
-    default:
-      return true;
-  }
-}
-
 std::string TimeText(std::int64_t ns) {
   return fmt::format("{:%F %T} UTC", fmt::gmtime(std::time_t{ns / 1'000'000'000}));
 }
 
 }  // namespace
-
-std::uint64_t FileSummary::Topic::before() const {
-  const bool counts_from_1 = type == SchemaName(RecordedType::kWrench);
-  return counts_from_1 && sequence.first() > 1 ? sequence.first() - 1 : 0;
-}
-
-const char* FileSummary::verdict() const {
-  if (damaged) return "damaged";
-  if (!complete) return "cut off";
-  return whole() ? "whole" : "incomplete";
-}
-
-bool FileSummary::whole() const {
-  const auto begins_late = [](const auto& topic) { return topic.second.before() > 0; };
-  return intact() && problems.empty() && missing + dropped + no_channel + unknown == 0 &&
-         std::ranges::none_of(topics, begins_late);
-}
-
-FileSummary Summarise(const std::vector<std::string>& files) {
-  FileSummary summary;
-  summary.files = files;
-  RecordingReader reader(files);
-  RecordedSample sample{};
-  std::map<SessionKey, std::size_t> place;
-  std::int64_t last_ns = 0;
-  while (reader.Next(sample)) {
-    FileSummary::Topic& topic = summary.topics[*sample.topic];
-    std::uint64_t sequence = topic.messages + 1;
-    if (topic.messages == 0) {
-      topic.type = SchemaName(sample.type);
-      topic.first_ns = sample.log_time_ns;
-    }
-    if (summary.messages == 0) summary.first_ns = sample.log_time_ns;
-    ++summary.messages;
-    ++topic.messages;
-    topic.bytes += sample.cdr.size();
-    topic.last_ns = std::max(topic.last_ns, sample.log_time_ns);
-    last_ns = std::max(last_ns, sample.log_time_ns);
-    if (Look(sample, summary, place, sequence)) {
-      topic.sequence.Add(sequence);
-    } else {
-      ++topic.broken;
-    }
-  }
-  summary.bytes = reader.bytes();
-  summary.duration_s = 1e-9 * static_cast<double>(last_ns - summary.first_ns);
-  summary.complete = reader.complete();
-  summary.damaged = summary.damaged || reader.damaged();
-  std::ranges::copy(reader.problems(), std::back_inserter(summary.problems));
-  summary.unknown = reader.unknown();
-  for (const mcap::Metadata& metadata : reader.metadata()) {
-    const mcap::StringMap& values = metadata.values;
-    if (metadata.name == "palpate.recording") {
-      summary.build = Value(values, "build");
-      summary.stations = Value(values, "stations");
-    }
-    if (metadata.name == "palpate.end") summary.end_reason = Value(values, "reason");
-    if (metadata.name == "palpate.topic") {
-      const auto count = [&](const std::string& key) {
-        const auto said = CountIn(values, key);
-        if (said) return *said;
-        summary.problems.push_back("its recorder's figure is no count: " + key + ' ' +
-                                   Quoted(values.at(key)));
-        summary.damaged = true;
-        return std::uint64_t{0};
-      };
-      const std::uint64_t dropped = count("dropped");
-      const std::string name = Value(values, "topic");
-      summary.no_channel += count("no_channel");
-      // Without a single message where all of its samples were dropped.
-      if (dropped > 0) summary.topics[name].type = Value(values, "type");
-      if (const auto it = summary.topics.find(name); it != summary.topics.end()) {
-        it->second.dropped = dropped;
-      }
-    }
-    if (metadata.name == "palpate.scene") {
-      summary.scenes.try_emplace(Value(values, "scene"),
-                                 FileSummary::Scene{Value(values, "hash"), false});
-    }
-  }
-  for (FileSummary::Session& session : summary.sessions) {
-    const auto poses = summary.topics.find(dds::PoseTopic(session.station, session.run));
-    if (poses != summary.topics.end()) session.poses = poses->second.messages;
-  }
-  for (auto& [name, topic] : summary.topics) {
-    const double span_s = 1e-9 * static_cast<double>(topic.last_ns - topic.first_ns);
-    const double rate_hz = static_cast<double>(topic.messages - 1) / span_s;
-    if (topic.messages > 1 && rate_hz <= kMostHz) topic.rate_hz = rate_hz;
-    summary.missing += topic.sequence.missing();
-    summary.dropped += topic.dropped;
-    summary.broken += topic.broken;
-    summary.astray += topic.sequence.astray();
-  }
-  summary.damaged = summary.damaged || summary.broken + summary.astray > 0;
-  return summary;
-}
 
 std::string ToText(const FileSummary& summary) {
   std::string verdict = summary.verdict();
@@ -191,8 +28,8 @@ std::string ToText(const FileSummary& summary) {
       "{}{}: {}\n", Printable(summary.files.front()),
       summary.files.size() > 1 ? fmt::format(" and {} more", summary.files.size() - 1) : "",
       verdict);
-  if (!summary.stations.empty()) {
-    text += "  of no station but " + Printable(summary.stations) + "\n";
+  if (const auto stations = summary.about.find("stations"); stations != summary.about.end()) {
+    text += "  of no station but " + Printable(stations->second) + "\n";
   }
   if (!summary.end_reason.empty()) text += "  ended: " + Printable(summary.end_reason) + "\n";
   text += fmt::format(

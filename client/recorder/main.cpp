@@ -16,8 +16,6 @@
 #include "common/dds/server_lock.h"
 #include "common/dds/topics.h"
 #include "common/files/private_file.h"
-#include "common/program/command_line.h"
-#include "common/program/log.h"
 #include "common/program/machine.h"
 #include "common/program/stop_signal.h"
 #include "common/realtime/steady_clock.h"
@@ -77,7 +75,10 @@ std::string Silence(const RecorderOptions& options, double seconds) {
 
 /// Records until its time is over or a signal comes.  Throws Error, with what is recorded by then
 /// whole in the file.
-void Record(const RecorderOptions& options, StopSignal& stop) {
+void Record(const RecorderOptions& options) {
+  // A file that has grown to its limit (ulimit -f) is then an error of the write, as a full disk.
+  std::signal(SIGXFSZ, SIG_IGN);
+  StopSignal stop;
   const dds::TransportChoice transport = dds::ChooseTransport(options.transport, options.network);
   RecordingOptions recording_options = options.recording;
   recording_options.about["domain"] = std::to_string(options.domain);
@@ -136,25 +137,22 @@ void Record(const RecorderOptions& options, StopSignal& stop) {
               static_cast<unsigned long long>(totals.dropped.load()));
 }
 
+int Run(const RecorderOptions& options) {
+  KeepFilesPrivate();
+  if (options.info_files.empty()) {
+    Record(options);
+    return 0;
+  }
+  const FileSummary summary = Summarise(options.info_files);
+  if (options.json != "-") std::fputs(ToText(summary).c_str(), stdout);
+  if (!options.json.empty()) WriteJson(summary, options.json);
+  return summary.intact() ? 0 : 1;
+}
+
 }  // namespace
 }  // namespace palpate
 
 int main(int argc, char** argv) {
-  return palpate::RunProgram("palpate-record", [&] {
-    const auto options = palpate::ParseRecorderOptions(argc, argv);
-    if (!options) return 0;
-    palpate::KeepFilesPrivate();
-    palpate::SetUpLog("palpate-record", options->log_level);
-    if (!options->info_files.empty()) {
-      const palpate::FileSummary summary = palpate::Summarise(options->info_files);
-      if (options->json != "-") std::fputs(palpate::ToText(summary).c_str(), stdout);
-      if (!options->json.empty()) palpate::WriteJson(summary, options->json);
-      return summary.intact() ? 0 : 1;
-    }
-    // A file that has grown to its limit (ulimit -f) is then an error of the write, as a full disk.
-    std::signal(SIGXFSZ, SIG_IGN);
-    palpate::StopSignal stop;
-    palpate::Record(*options, stop);
-    return 0;
-  });
+  return palpate::RunProgram("palpate-record", argc, argv, palpate::ParseRecorderOptions,
+                             palpate::Run);
 }

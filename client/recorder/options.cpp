@@ -4,7 +4,6 @@
 
 #include "common/dds/topics.h"
 #include "common/error.h"
-#include "common/program/command_line.h"
 
 namespace palpate {
 namespace {
@@ -43,14 +42,13 @@ cut off or cannot be read; 2 wrong usage.)";
 
 std::optional<RecorderOptions> ParseRecorderOptions(int argc, const char* const* argv) {
   RecorderOptions options;
-  std::string transport = "auto";
   double split_mb = 0.0;
   bool no_loop = false, no_bundle = false;
 
-  const CommandLine app(kAbout, "palpate-record");
-  app.Footer(kExamples);
+  const CommandLine app(kAbout, "palpate-record", kExamples);
   app.Add("-o,--output", options.recording.file, "file to record to, FILE.mcap");
-  app.AddFlag("--overwrite", options.recording.overwrite, "replace the file if it is there");
+  app.AddFlag("--overwrite", options.recording.overwrite,
+              "replace the file if it is a recording; splits are never replaced");
   app.Add("--split-size", split_mb, "begin a new file after this many MB").Positive();
   app.Add("--split-time", options.recording.split_s, "begin a new file after this many seconds")
       .Positive();
@@ -66,12 +64,8 @@ std::optional<RecorderOptions> ParseRecorderOptions(int argc, const char* const*
   app.AddFlag("--no-loop", no_loop, "leave out poses and wrenches: record what viewers see alone");
   app.AddFlag("--no-bundle", no_bundle,
               "leave out the scenes; a replay then takes them from the catalogue");
-  app.Add("--transport", transport,
-          "how poses and wrenches travel, as for the server: auto, shm or udp")
-      .ShowDefault();
-  AddNetworkOptions(app, "the server", options.network);
-  AddCommonOptions(app, "the server's domain: the number that it was given", options.domain,
-                   options.log_level);
+  AddTransportOption(app, options.transport);
+  AddServerOptions(app, options);
   const CommandLine info =
       app.AddCommand("info", "say what is in a recording, and what is missing");
   info.Footer(kInfoExamples);
@@ -91,7 +85,6 @@ std::optional<RecorderOptions> ParseRecorderOptions(int argc, const char* const*
   options.recording.split_bytes = static_cast<std::uint64_t>(1e6 * split_mb);
   options.recording.bundles = !no_bundle;
   options.loop = !no_loop;
-  options.transport = dds::ParseTransport(transport);
   return options;
 }
 

@@ -5,11 +5,12 @@
 #include <vector>
 
 #include "common/dds/participant.h"
+#include "common/program/command_line.h"
 #include "common/recording/recording_writer.h"
 
 namespace palpate {
 
-struct RecorderOptions {
+struct RecorderOptions : ServerOptions {
   // `info` where there are files, else a recording.
   std::vector<std::string> info_files;
   std::string json;  ///< of info: file or "-"; empty: none
@@ -18,10 +19,7 @@ struct RecorderOptions {
   bool loop = true;
   std::vector<std::string> stations;  ///< these alone; empty: all
   std::optional<double> seconds;
-  int domain = 0;
-  dds::Network network;
   dds::Transport transport = dds::Transport::kAuto;
-  std::string log_level = "info";
 };
 
 /// Reads the command line.  For --help and --version prints them and returns nothing.

@@ -9,7 +9,6 @@
 #include "client/replayer/verify/verify.h"
 #include "common/files/private_file.h"
 #include "common/program/command_line.h"
-#include "common/program/log.h"
 #include "common/program/stop_signal.h"
 #include "common/text/quoted.h"
 
@@ -17,6 +16,7 @@ namespace palpate {
 namespace {
 
 int Run(const ReplayOptions& options) {
+  KeepFilesPrivate();
   switch (options.what) {
     case ReplayOptions::What::kVerify: {
       const Verification verification = Verify(options.playback.files, options.verify);
@@ -69,11 +69,6 @@ int Run(const ReplayOptions& options) {
 }  // namespace palpate
 
 int main(int argc, char** argv) {
-  return palpate::RunProgram("palpate-replay", [&] {
-    const auto options = palpate::ParseReplayOptions(argc, argv);
-    if (!options) return 0;
-    palpate::KeepFilesPrivate();
-    palpate::SetUpLog("palpate-replay", options->log_level);
-    return palpate::Run(*options);
-  });
+  return palpate::RunProgram("palpate-replay", argc, argv, palpate::ParseReplayOptions,
+                             palpate::Run);
 }

@@ -59,8 +59,8 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
   ReplayOptions options;
   bool verify = false;
 
-  const CommandLine app(kAbout, "palpate-replay");
-  app.Footer(std::string(kExamples) + "\n\n" + Keyboard::kHelp + "\n\n" + kStatus);
+  const CommandLine app(kAbout, "palpate-replay",
+                        std::string(kExamples) + "\n\n" + Keyboard::kHelp + "\n\n" + kStatus);
   app.Add("files", options.playback.files, "a recording, or its splits in their order");
   const Option verify_option =
       app.AddFlag("--verify", verify, "compute every wrench again and compare all bits");
@@ -167,8 +167,6 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
       .Needs(solids_option);
   columns.Add("--models", options.solids.models_dir, "with --solids: as with --verify")
       .Needs(solids_option);
-  columns.AddFlag("--overwrite", options.columns.overwrite,
-                  "replace the folder if it is a former export");
 
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
   options.guide.waits = !no_wait;
@@ -180,7 +178,6 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
     options.columns.format = ParseColumnFormat(format);
     options.solids.files = options.columns.files;
     options.solids.folder = options.columns.folder;
-    options.solids.overwrite = options.columns.overwrite;
     options.what = solids ? ReplayOptions::What::kExportSolids : ReplayOptions::What::kExport;
     return options;
   }

@@ -22,7 +22,6 @@
 #include "common/error.h"
 #include "common/files/private_file.h"
 #include "common/program/command_line.h"
-#include "common/program/log.h"
 #include "common/program/stop_signal.h"
 #include "common/realtime/steady_clock.h"
 #include "devices/device_factory.h"
@@ -96,7 +95,9 @@ StationSummary Summarise(const StationOptions& options, const Device& device,
 
 /// Runs a station until its time is over or a signal comes, and prints its summary.  Throws Error;
 /// where a hand was served before, after the summary.
-void RunStation(const StationOptions& given, StopSignal& stop) {
+int RunStation(const StationOptions& given) {
+  KeepFilesPrivate();
+  StopSignal stop;
   // What fails without a server fails at once.
   DeviceOptions device_options = DeviceOf(given);
   CheckDriver(given.link.device);
@@ -106,7 +107,7 @@ void RunStation(const StationOptions& given, StopSignal& stop) {
   const std::vector<OfferedTool> tools =
       AskForTools(service, {given.link.domain, given.link.network, given.link.patience_s},
                   given.link.scene, stop);
-  if (stop.stopped()) return;
+  if (stop.stopped()) return 0;
   const OfferedTool& tool = Meant(tools, given.link.tool);
   StationOptions options = given;
   options.link.scene = tool.scene;  // it may have been named by its file
@@ -217,19 +218,13 @@ void RunStation(const StationOptions& given, StopSignal& stop) {
     }
   }
   if (refused) std::rethrow_exception(refused);
+  return 0;
 }
 
 }  // namespace
 }  // namespace palpate
 
 int main(int argc, char** argv) {
-  return palpate::RunProgram("palpate-station", [&] {
-    const auto options = palpate::ParseStationOptions(argc, argv);
-    if (!options) return 0;
-    palpate::KeepFilesPrivate();
-    palpate::SetUpLog("palpate-station", options->log_level);
-    palpate::StopSignal stop;
-    palpate::RunStation(*options, stop);
-    return 0;
-  });
+  return palpate::RunProgram("palpate-station", argc, argv, palpate::ParseStationOptions,
+                             palpate::RunStation);
 }

@@ -51,12 +51,10 @@ Exit status: 0 done, 1 failed or refused, 2 wrong usage.)";
 
 std::optional<StationOptions> ParseStationOptions(int argc, const char* const* argv) {
   StationOptions options;
-  std::string transport = "auto";
   bool table = false;
   std::string local_model = "on";
 
-  const CommandLine app(kAbout, "palpate-station");
-  app.Footer("Devices:\n" + DeviceHelp() + kExamples);
+  const CommandLine app(kAbout, "palpate-station", "Devices:\n" + DeviceHelp() + kExamples);
   app.Add("--device", options.link.device, "the device: " + DeviceNames()).Required();
   app.Add("--model", options.device.model,
           "which arm to simulate; default: the first that is named below");
@@ -112,9 +110,7 @@ std::optional<StationOptions> ParseStationOptions(int argc, const char* const* a
       .Needs(accept_guide)
       .ShowDefault();
   app.Add("--for", options.seconds, "end after this many seconds; default: at Ctrl-C").Positive();
-  app.Add("--transport", transport,
-          "how poses and wrenches travel: auto (shared memory if possible), shm or udp")
-      .ShowDefault();
+  AddTransportOption(app, options.link.transport);
   AddNetworkOptions(app, "the server", options.link.network);
   app.Add("--wait", options.link.patience_s, "seconds to wait for the server's first answer")
       .Positive()
@@ -136,7 +132,6 @@ std::optional<StationOptions> ParseStationOptions(int argc, const char* const* a
   }
   if (has_table.given()) options.table = table;
   options.local_model = local_model == "on";
-  options.link.transport = dds::ParseTransport(transport);
   options.device.name = options.link.device;
   options.device.realtime = options.link.realtime;
   CheckDevice(options.link.device, options.device.model, options.device.rate_Hz);

@@ -27,7 +27,6 @@
 #include "common/error.h"
 #include "common/http/lobby.h"
 #include "common/program/command_line.h"
-#include "common/program/log.h"
 #include "common/program/stop_signal.h"
 #include "common/realtime/steady_clock.h"
 
@@ -178,7 +177,8 @@ class ReloadSignal {
 /// Serves until a signal comes.  One thread does it all: HTTP, WebSockets, and 120 times a second
 /// what DDS's readers hold; each message is serialised once, by its writer, and shared by viewers.
 /// Throws Error.
-void RunGateway(const ViewerOptions& options, StopSignal& stop) {
+void Serve(const ViewerOptions& options) {
+  StopSignal stop;
   std::signal(SIGPIPE, SIG_IGN);  // a station's input may be gone
   // Outlives the handlers that the io_context holds to its end.
   std::optional<net::ssl::context> tls;
@@ -210,26 +210,25 @@ void RunGateway(const ViewerOptions& options, StopSignal& stop) {
   io.run();
 }
 
+int RunGateway(const ViewerOptions& options) {
+  if (options.make_token) {
+    const auto& [role, name] = *options.make_token;
+    std::printf("%s\n", MakeToken(options.tokens, role, name).c_str());
+    spdlog::info(
+        "'{}' may {}; its token stands nowhere else, so keep it.  The page is opened with "
+        "#token=TOKEN at the end of its address; gateways that run read {} anew at "
+        "SIGHUP (systemctl reload palpate-viewer)",
+        name, RoleName(role), options.tokens);
+  } else {
+    Serve(options);
+  }
+  return 0;
+}
+
 }  // namespace
 }  // namespace palpate
 
 int main(int argc, char** argv) {
-  return palpate::RunProgram("palpate-viewer", [&] {
-    const auto options = palpate::ParseViewerOptions(argc, argv);
-    if (!options) return 0;
-    palpate::SetUpLog("palpate-viewer", options->log_level);
-    if (options->make_token) {
-      const auto& [role, name] = *options->make_token;
-      std::printf("%s\n", palpate::MakeToken(options->tokens, role, name).c_str());
-      spdlog::info(
-          "'{}' may {}; its token stands nowhere else, so keep it.  The page is opened with "
-          "#token=TOKEN at the end of its address; gateways that run read {} anew at "
-          "SIGHUP (systemctl reload palpate-viewer)",
-          name, palpate::RoleName(role), options->tokens);
-      return 0;
-    }
-    palpate::StopSignal stop;
-    palpate::RunGateway(*options, stop);
-    return 0;
-  });
+  return palpate::RunProgram("palpate-viewer", argc, argv, palpate::ParseViewerOptions,
+                             palpate::RunGateway);
 }

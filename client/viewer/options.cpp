@@ -7,7 +7,6 @@
 #include "common/dds/participant.h"
 #include "common/error.h"
 #include "common/files/project_files.h"
-#include "common/program/command_line.h"
 
 namespace palpate {
 namespace {
@@ -67,8 +66,7 @@ ViewerOptions::NewToken ToNewToken(const std::vector<std::string>& words, const 
 std::optional<ViewerOptions> ParseViewerOptions(int argc, const char* const* argv) {
   ViewerOptions options;
   options.page = PlaceOf(ProjectFile::kPage);
-  const CommandLine app(kAbout, "palpate-viewer");
-  app.Footer(kExamples);
+  const CommandLine app(kAbout, "palpate-viewer", kExamples);
   const Option port =
       app.Add("--http", options.port, "port of the page and its WebSocket; 0: a free one")
           .Range(0, 65535);
@@ -118,9 +116,7 @@ std::optional<ViewerOptions> ParseViewerOptions(int argc, const char* const* arg
   app.Add("--transport", options.transport,
           "how poses and wrenches of the mice travel: auto, shm or udp")
       .ShowDefault();
-  AddNetworkOptions(app, "the server", options.network);
-  AddCommonOptions(app, "the server's domain: the number that it was given", options.domain,
-                   options.log_level);
+  AddServerOptions(app, options);
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
   if (make.given()) {
     options.make_token = ToNewToken(make_token, options.tokens);

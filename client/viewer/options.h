@@ -8,11 +8,11 @@
 #include <boost/asio/ip/address.hpp>
 
 #include "client/viewer/tokens.h"
-#include "common/dds/network.h"
+#include "common/program/command_line.h"
 
 namespace palpate {
 
-struct ViewerOptions {
+struct ViewerOptions : ServerOptions {
   int port = 0;  ///< 0: a free one
   std::string address = "127.0.0.1";
   std::string page;  ///< folder
@@ -33,9 +33,6 @@ struct ViewerOptions {
   };
   std::optional<NewToken> make_token;
   std::string transport = "auto";  ///< of the mice's stations
-  dds::Network network;
-  int domain = 0;
-  std::string log_level = "info";
 };
 
 /// Reads the command line.  For --help and --version prints them and returns nothing.

@@ -1,8 +1,6 @@
 #include "common/dds/endpoint.h"
 
-#include <memory>
 #include <optional>
-#include <utility>
 
 #include <dds/ddsc/dds_loan_api.h>
 
@@ -73,10 +71,8 @@ dds_entity_t MakeTopic(const Participant& participant, const std::string& name) 
   return topic;
 }
 
-dds_entity_t Made(dds_entity_t endpoint, dds_entity_t topic, const char* what,
-                  const std::string& name) {
+dds_entity_t Made(dds_entity_t endpoint, const char* what, const std::string& name) {
   if (endpoint > 0) return endpoint;
-  dds_delete(topic);
   throw CannotMake(std::string(what) + " of topic", name, endpoint);
 }
 
@@ -84,13 +80,6 @@ dds_entity_t Made(dds_entity_t endpoint, dds_entity_t topic, const char* what,
 std::optional<SharedMemoryWatch> Watch(bool shared_memory, const std::string& doing) {
   if (!shared_memory) return std::nullopt;
   return std::optional<SharedMemoryWatch>(std::in_place, doing);
-}
-
-void Delete(dds_entity_t endpoint, dds_entity_t topic) {
-  const auto watch =
-      Watch(endpoint > 0 && dds_is_shared_memory_available(endpoint), "deleting an endpoint");
-  if (endpoint > 0) dds_delete(endpoint);
-  if (topic > 0) dds_delete(topic);
 }
 
 template <class T>
@@ -105,53 +94,50 @@ bool TakeValid(dds_entity_t reader, T& sample) noexcept {
 
 }  // namespace
 
-template <class T>
-Writer<T>::Writer(const Participant& participant, const std::string& topic, Qos qos)
-    : topic_(MakeTopic<T>(participant, topic)) {
-  const auto watch = Watch(participant.shared_memory(), "making a writer of " + topic);
-  writer_ = Made(
-      dds_create_writer(participant.handle(), topic_, MakeQos(participant, qos).get(), nullptr),
-      topic_, "writer", topic);
+Endpoint::~Endpoint() {
+  const auto watch =
+      Watch(endpoint_ > 0 && dds_is_shared_memory_available(endpoint_), "deleting an endpoint");
+  if (endpoint_ > 0) dds_delete(endpoint_);
+  if (topic_ > 0) dds_delete(topic_);
 }
 
-template <class T>
-Writer<T>::~Writer() {
-  Delete(writer_, topic_);
-}
-
-template <class T>
-Writer<T>::Writer(Writer&& other) noexcept
-    : topic_(std::exchange(other.topic_, 0)), writer_(std::exchange(other.writer_, 0)) {}
-
-template <class T>
-Writer<T>& Writer<T>::operator=(Writer&& other) noexcept {
+Endpoint& Endpoint::operator=(Endpoint&& other) noexcept {
   std::swap(topic_, other.topic_);
-  std::swap(writer_, other.writer_);
+  std::swap(endpoint_, other.endpoint_);
+  std::swap(listens_, other.listens_);
   return *this;
+}
+
+bool Endpoint::uses_shared_memory() const noexcept {
+  return dds_is_shared_memory_available(endpoint_);
+}
+
+template <class T>
+Writer<T>::Writer(const Participant& participant, const std::string& topic, Qos qos) {
+  topic_ = MakeTopic<T>(participant, topic);
+  const auto watch = Watch(participant.shared_memory(), "making a writer of " + topic);
+  endpoint_ = Made(
+      dds_create_writer(participant.handle(), topic_, MakeQos(participant, qos).get(), nullptr),
+      "writer", topic);
 }
 
 template <class T>
 bool Writer<T>::Write(const T& sample) noexcept {
-  return dds_write(writer_, &sample) == DDS_RETCODE_OK;
+  return dds_write(endpoint_, &sample) == DDS_RETCODE_OK;
 }
 
 template <class T>
 void Writer<T>::Dispose(const T& sample) noexcept {
-  dds_dispose(writer_, &sample);
-  dds_unregister_instance(writer_, &sample);
+  dds_dispose(endpoint_, &sample);
+  dds_unregister_instance(endpoint_, &sample);
 }
 
 template <class T>
 int Writer<T>::matched_readers() const noexcept {
   dds_publication_matched_status_t status{};
-  return dds_get_publication_matched_status(writer_, &status) == DDS_RETCODE_OK
+  return dds_get_publication_matched_status(endpoint_, &status) == DDS_RETCODE_OK
              ? static_cast<int>(status.current_count)
              : 0;
-}
-
-template <class T>
-bool Writer<T>::uses_shared_memory() const noexcept {
-  return dds_is_shared_memory_available(writer_);
 }
 
 template <class T>
@@ -167,59 +153,32 @@ struct Reader<T>::State {
 
 template <class T>
 Reader<T>::Reader(const Participant& participant, const std::string& topic, Qos qos,
-                  Callback on_sample)
-    : topic_(MakeTopic<T>(participant, topic)) {
-  std::unique_ptr<State> state;
+                  Callback on_sample) {
+  topic_ = MakeTopic<T>(participant, topic);
   std::unique_ptr<dds_listener_t, decltype(&dds_delete_listener)> listener(nullptr,
                                                                            dds_delete_listener);
   if (on_sample) {
-    state.reset(new State{std::move(on_sample), T{}});
-    listener.reset(dds_create_listener(state.get()));
+    listens_.reset(new State{std::move(on_sample), T{}});
+    listener.reset(dds_create_listener(listens_.get()));
     dds_lset_data_available(listener.get(), &State::OnDataAvailable);
   }
   const auto watch = Watch(participant.shared_memory(), "making a reader of " + topic);
-  reader_ = Made(dds_create_reader(participant.handle(), topic_, MakeQos(participant, qos).get(),
-                                   listener.get()),
-                 topic_, "reader", topic);
-  state_ = state.release();
-}
-
-template <class T>
-Reader<T>::~Reader() {
-  Delete(reader_, topic_);
-  delete state_;
-}
-
-template <class T>
-Reader<T>::Reader(Reader&& other) noexcept
-    : topic_(std::exchange(other.topic_, 0)),
-      reader_(std::exchange(other.reader_, 0)),
-      state_(std::exchange(other.state_, nullptr)) {}
-
-template <class T>
-Reader<T>& Reader<T>::operator=(Reader&& other) noexcept {
-  std::swap(topic_, other.topic_);
-  std::swap(reader_, other.reader_);
-  std::swap(state_, other.state_);
-  return *this;
+  endpoint_ = Made(dds_create_reader(participant.handle(), topic_, MakeQos(participant, qos).get(),
+                                     listener.get()),
+                   "reader", topic);
 }
 
 template <class T>
 bool Reader<T>::Take(T& sample) noexcept {
-  return TakeValid(reader_, sample);
+  return TakeValid(endpoint_, sample);
 }
 
 template <class T>
 int Reader<T>::matched_writers() const noexcept {
   dds_subscription_matched_status_t status{};
-  return dds_get_subscription_matched_status(reader_, &status) == DDS_RETCODE_OK
+  return dds_get_subscription_matched_status(endpoint_, &status) == DDS_RETCODE_OK
              ? static_cast<int>(status.current_count)
              : 0;
-}
-
-template <class T>
-bool Reader<T>::uses_shared_memory() const noexcept {
-  return dds_is_shared_memory_available(reader_);
 }
 
 bool WriterDiscovered(const Participant& participant, const std::string& topic) {

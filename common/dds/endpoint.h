@@ -1,7 +1,9 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
+#include <utility>
 
 #include <dds/dds.h>
 
@@ -20,17 +22,32 @@ enum class Qos {
   kRecordSession,  ///< of kSession, keep last 256
 };
 
-/// Writer of T (a type of common/dds/wire.h) on one topic.  Move-only; deletes its entities.
-/// The participant must outlive it.
+/// A writer or reader of DDS with its topic, which end together.  Move-only.  The participant must
+/// outlive it.
+class Endpoint {
+ public:
+  Endpoint() = default;
+  Endpoint(Endpoint&& other) noexcept { *this = std::move(other); }
+  Endpoint& operator=(Endpoint&& other) noexcept;
+
+  bool uses_shared_memory() const noexcept;
+  dds_entity_t handle() const { return endpoint_; }
+  explicit operator bool() const { return endpoint_ > 0; }
+
+ protected:
+  ~Endpoint();
+
+  dds_entity_t topic_ = 0, endpoint_ = 0;
+  std::shared_ptr<void> listens_;  // what a callback uses; outlives the reader
+};
+
+/// Writer of T (a type of common/dds/wire.h) on one topic.
 template <class T>
-class Writer {
+class Writer : public Endpoint {
  public:
   /// Throws Error (topic, DDS's reason).
   Writer(const Participant& participant, const std::string& topic, Qos qos);
   Writer() = default;
-  ~Writer();
-  Writer(Writer&& other) noexcept;
-  Writer& operator=(Writer&& other) noexcept;
 
   /// Real-time where the topic is a loop topic: one dds_write, no allocation of ours.
   /// Returns false where DDS refuses (out of chunks, say); never throws.
@@ -39,44 +56,28 @@ class Writer {
   /// @param sample  its key fields count.   Not real-time.
   void Dispose(const T& sample) noexcept;
   int matched_readers() const noexcept;
-  bool uses_shared_memory() const noexcept;
-  dds_entity_t handle() const { return writer_; }
-  explicit operator bool() const { return writer_ > 0; }
-
- private:
-  dds_entity_t topic_ = 0;
-  dds_entity_t writer_ = 0;
 };
 
 /// Reader of T.  With a callback, samples are handed over in DDS's own receiving thread as they
 /// arrive (half the round trip of a waitset); else Take() polls.
 template <class T>
-class Reader {
+class Reader : public Endpoint {
  public:
   /// Called once per valid sample, oldest first, in the receiving thread: no blocking, no throw.
   using Callback = std::function<void(const T&)>;
 
+  /// Its end returns only when no callback runs any more; hence not to be destroyed in a callback.
   /// Throws Error (topic, DDS's reason).
   Reader(const Participant& participant, const std::string& topic, Qos qos,
          Callback on_sample = nullptr);
   Reader() = default;
-  /// Returns only when no callback runs any more; hence not to be destroyed in a callback.
-  ~Reader();
-  Reader(Reader&& other) noexcept;
-  Reader& operator=(Reader&& other) noexcept;
 
   /// Takes the oldest sample not yet taken; false where there is none.
   bool Take(T& sample) noexcept;
   int matched_writers() const noexcept;
-  bool uses_shared_memory() const noexcept;
-  dds_entity_t handle() const { return reader_; }
-  explicit operator bool() const { return reader_ > 0; }
 
  private:
   struct State;  // the callback, at an address that outlives moves
-  dds_entity_t topic_ = 0;
-  dds_entity_t reader_ = 0;
-  State* state_ = nullptr;
 };
 
 /// True once a writer of the topic has been discovered in the participant's domain: only then may a

@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <new>
 #include <set>
-#include <string>
 
 #include <linux/filter.h>
 #include <malloc.h>

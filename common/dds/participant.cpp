@@ -9,7 +9,6 @@
 #include <cstring>
 #include <map>
 #include <new>
-#include <optional>
 #include <utility>
 
 #include <fcntl.h>

@@ -50,6 +50,13 @@ dds_entity_t Checked(dds_entity_t entity, const std::string& what) {
   throw Error(what + ": " + dds_strretcode(entity));
 }
 
+template <class T>
+dds_entity_t MakeTopic(const Participant& participant, const std::string& ros_name) {
+  return Checked(dds_create_topic(participant.handle(), &Descriptor<T>(),
+                                  DdsTopic(ros_name).c_str(), nullptr, nullptr),
+                 "topic " + ros_name);
+}
+
 std::string Config(int domain, const dds::Network& network) {
   std::string peers;
   for (const std::string& peer : network.peers) peers += "<Peer Address=\"" + peer + "\"/>";
@@ -98,49 +105,32 @@ Participant::~Participant() {
 }
 
 template <class T>
-Writer<T>::Writer(const Participant& participant, const std::string& ros_name)
-    : topic_(Checked(dds_create_topic(participant.handle(), &Descriptor<T>(),
-                                      DdsTopic(ros_name).c_str(), nullptr, nullptr),
-                     "topic " + ros_name)),
-      writer_(Checked(
-          dds_create_writer(participant.handle(), topic_,
-                            MakeQos(Wants::kAll, kWriterDepth, UserData<T>()).get(), nullptr),
-          "writer of " + ros_name)) {}
-
-template <class T>
-Writer<T>::~Writer() {
-  dds_delete(writer_);
-  dds_delete(topic_);
+Writer<T>::Writer(const Participant& participant, const std::string& ros_name) {
+  topic_ = MakeTopic<T>(participant, ros_name);
+  const QosPtr qos = MakeQos(Wants::kAll, kWriterDepth, UserData<T>());
+  endpoint_ = Checked(dds_create_writer(participant.handle(), topic_, qos.get(), nullptr),
+                      "writer of " + ros_name);
 }
 
 template <class T>
 bool Writer<T>::Write(const T& message) noexcept {
-  return dds_write(writer_, &message) == DDS_RETCODE_OK;
+  return dds_write(endpoint_, &message) == DDS_RETCODE_OK;
 }
 
 template <class T>
 int Writer<T>::matched_readers() const noexcept {
   dds_publication_matched_status_t status{};
-  return dds_get_publication_matched_status(writer_, &status) == DDS_RETCODE_OK
+  return dds_get_publication_matched_status(endpoint_, &status) == DDS_RETCODE_OK
              ? static_cast<int>(status.current_count)
              : 0;
 }
 
 template <class T>
-Reader<T>::Reader(const Participant& participant, const std::string& ros_name, Wants wants)
-    : topic_(Checked(dds_create_topic(participant.handle(), &Descriptor<T>(),
-                                      DdsTopic(ros_name).c_str(), nullptr, nullptr),
-                     "topic " + ros_name)),
-      reader_(Checked(
-          dds_create_reader(participant.handle(), topic_,
-                            MakeQos(wants, wants == Wants::kAll ? kDepth : 1, UserData<T>()).get(),
-                            nullptr),
-          "reader of " + ros_name)) {}
-
-template <class T>
-Reader<T>::~Reader() {
-  dds_delete(reader_);
-  dds_delete(topic_);
+Reader<T>::Reader(const Participant& participant, const std::string& ros_name, Wants wants) {
+  topic_ = MakeTopic<T>(participant, ros_name);
+  const QosPtr qos = MakeQos(wants, wants == Wants::kAll ? kDepth : 1, UserData<T>());
+  endpoint_ = Checked(dds_create_reader(participant.handle(), topic_, qos.get(), nullptr),
+                      "reader of " + ros_name);
 }
 
 #define PALPATE_ROS_ENDPOINTS(package, T, hash) \

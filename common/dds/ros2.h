@@ -6,6 +6,7 @@
 
 #include <dds/dds.h>
 
+#include "common/dds/endpoint.h"
 #include "common/dds/network.h"
 #include "idl/ros2.h"
 
@@ -65,19 +66,13 @@ class Participant {
 /// Reliable and volatile, as a publisher of ROS 2 that says nothing else, but keeps the last 1000.
 /// Never blocks: a reader that does not keep up for a second loses the oldest.
 template <class T>
-class Writer {
+class Writer : public dds::Endpoint {
  public:
   /// Throws Error.
   Writer(const Participant& participant, const std::string& ros_name);
-  ~Writer();
-  Writer(const Writer&) = delete;
-  Writer& operator=(const Writer&) = delete;
   /// Thread contract: any.  False where DDS refuses.
   bool Write(const T& message) noexcept;
   int matched_readers() const noexcept;
-
- private:
-  dds_entity_t topic_ = 0, writer_ = 0;
 };
 
 enum class Wants {
@@ -87,27 +82,21 @@ enum class Wants {
 
 /// Takes messages that anybody in the domain may send.
 template <class T>
-class Reader {
+class Reader : public dds::Endpoint {
  public:
   /// Throws Error.
   Reader(const Participant& participant, const std::string& ros_name, Wants wants);
-  ~Reader();
-  Reader(const Reader&) = delete;
-  Reader& operator=(const Reader&) = delete;
   /// Calls take(message) for each that has come.  Its texts are valid within the call.
   template <class Take>
   void Poll(Take take) {
     for (;;) {
       void* loan[1] = {nullptr};
       dds_sample_info_t info;
-      if (dds_take(reader_, loan, &info, 1, 1) != 1) return;
+      if (dds_take(handle(), loan, &info, 1, 1) != 1) return;
       if (info.valid_data) take(*static_cast<const T*>(loan[0]));
-      dds_return_loan(reader_, loan, 1);
+      dds_return_loan(handle(), loan, 1);
     }
   }
-
- private:
-  dds_entity_t topic_ = 0, reader_ = 0;
 };
 
 }  // namespace palpate::ros2

@@ -1,7 +1,6 @@
 #include "common/http/host_name.h"
 
 #include <algorithm>
-#include <optional>
 
 #include <arpa/inet.h>
 

@@ -1,7 +1,6 @@
 #include "common/json/pose_script.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "common/error.h"

@@ -7,7 +7,6 @@
 #include <exception>
 #include <new>
 #include <string_view>
-#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <sched.h>
@@ -15,7 +14,6 @@
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/http/host_name.h"
-#include "common/program/log.h"
 #include "common/text/lower_case.h"
 #include "common/text/nearest_word.h"
 
@@ -148,8 +146,11 @@ Option Option::Commas() const {
   return Option(option_->delimiter(','));
 }
 
-CommandLine::CommandLine(const std::string& about, const std::string& program)
-    : app_(std::make_shared<CLI::App>(about, program)) {}
+CommandLine::CommandLine(const std::string& about, const std::string& program,
+                         const std::string& examples)
+    : app_(std::make_shared<CLI::App>(about, program)) {
+  Footer(examples);
+}
 
 CommandLine::CommandLine(std::shared_ptr<CLI::App> app) : app_(std::move(app)) {}
 
@@ -258,6 +259,12 @@ void AddNetworkOptions(const CommandLine& app, const std::string& peer, dds::Net
           "allows")
       .TypeName("FOLDER")
       .ExistingFolder();
+}
+
+void AddServerOptions(const CommandLine& app, ServerOptions& options) {
+  AddNetworkOptions(app, "the server", options.network);
+  AddCommonOptions(app, "the server's domain: the number that it was given", options.domain,
+                   options.log_level);
 }
 
 void AddRealtimeOptions(const CommandLine& app, const std::string& loop,

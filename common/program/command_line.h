@@ -6,12 +6,17 @@
 #include <vector>
 
 #include "common/dds/network.h"
+#include "common/program/log.h"
 #include "common/program/realtime.h"
 
 namespace CLI {
 class App;
 class Option;
 }  // namespace CLI
+namespace palpate::dds {
+enum class Transport;
+Transport ParseTransport(const std::string& text);
+}  // namespace palpate::dds
 
 namespace palpate {
 
@@ -55,7 +60,9 @@ class Option {
 /// A command line, or that of one of its commands.  A handle: copies are of the same.
 class CommandLine {
  public:
-  CommandLine(const std::string& about, const std::string& program);
+  /// @param examples  after the options, in --help.
+  CommandLine(const std::string& about, const std::string& program,
+              const std::string& examples = "");
 
   const std::string& name() const;
   bool given() const;  ///< of a command, once all is parsed
@@ -104,6 +111,26 @@ void AddCommonOptions(const CommandLine& app, const std::string& domain_help, in
 /// @param peer  whose address --peer is: "the server".   @param network  must outlive the app.
 void AddNetworkOptions(const CommandLine& app, const std::string& peer, dds::Network& network);
 
+/// What a program is told that meets a server: a base of its options.
+struct ServerOptions {
+  int domain = 0;
+  dds::Network network{};
+  std::string log_level = "info";
+};
+/// Adds what AddCommonOptions and AddNetworkOptions do.   @param options  must outlive the app.
+void AddServerOptions(const CommandLine& app, ServerOptions& options);
+
+/// Adds --transport, for a program that is linked with common/dds.
+/// @param transport  must outlive the app.
+inline void AddTransportOption(const CommandLine& app, dds::Transport& transport) {
+  app.AddText(
+         "--transport",
+         [&transport](const std::string& text) { transport = dds::ParseTransport(text); },
+         "how poses and wrenches travel, as for the server: auto (shared memory if possible), shm "
+         "or udp")
+      .ShowDefault("auto");
+}
+
 /// Adds --realtime and --cpu, for a program with a loop.
 /// @param loop  whose scheduling it is: "the servo loops".   @param realtime  must outlive the app.
 void AddRealtimeOptions(const CommandLine& app, const std::string& loop, RealtimeOptions& realtime);
@@ -121,5 +148,18 @@ bool ParseCommandLine(const CommandLine& app, int argc, const char* const* argv)
 /// a UsageError, 1 for all else.
 /// @param run  returns the exit status.
 int RunProgram(const std::string& program, const std::function<int()>& run) noexcept;
+
+/// A program with options, of which one is `log_level`.
+/// @param parse  of the command line; nothing where no more is to be done.
+/// @param run    does what they say, and returns the exit status.
+template <class Parse, class Run>
+int RunProgram(const std::string& program, int argc, char** argv, Parse parse, Run run) noexcept {
+  return RunProgram(program, [&] {
+    const auto options = parse(argc, argv);
+    if (!options) return 0;
+    SetUpLog(program, options->log_level);
+    return run(*options);
+  });
+}
 
 }  // namespace palpate

@@ -1,6 +1,5 @@
 #include "common/recording/recording_writer.h"
 
-#include <filesystem>
 #include <utility>
 
 #include <spdlog/spdlog.h>
@@ -16,14 +15,10 @@ namespace palpate {
 RecordingWriter::RecordingWriter(RecordingOptions options) : options_(std::move(options)) {
   if (splits()) {
     // Whatever their number: a reader that takes all of them would mix two recordings.
-    const std::vector<NamedSplit> former = FindSplits(options_.file);
-    if (!former.empty() && !options_.overwrite) {
+    if (const std::vector<NamedSplit> former = FindSplits(options_.file); !former.empty()) {
       throw Error(former.front().file + ": is there already, and a split of " + options_.file +
-                  " may want that name; give another name, or --overwrite");
+                  " may want that name; give another name, or move such files away");
     }
-    // All, before the first goes.
-    for (const NamedSplit& split : former) CheckIsSplitOf(options_.file, split);
-    for (const NamedSplit& split : former) std::filesystem::remove(split.file);
   } else if (options_.overwrite) {
     CheckMayReplace(options_.file);
   }
@@ -32,9 +27,8 @@ RecordingWriter::RecordingWriter(RecordingOptions options) : options_(std::move(
 
 void RecordingWriter::Open() {
   const std::string file = splits() ? SplitName(options_.file, files_.size()) : options_.file;
-  // The splits of a former recording have gone: what has such a name now is somebody else's.
-  const bool overwrite = options_.overwrite && !splits();
-  file_ = std::make_unique<mcap::Writer>(file, "palpate " PALPATE_VERSION, overwrite);
+  file_ = std::make_unique<mcap::Writer>(file, "palpate " PALPATE_VERSION,
+                                         options_.overwrite && !splits());
   files_.push_back(file);
   finished_ = false;
   repeated_bytes_ = 0;
@@ -42,8 +36,7 @@ void RecordingWriter::Open() {
   for (auto& [name, topic] : topics_) topic.channel.reset();
   mcap::StringMap about = options_.about;
   about["build"] = PALPATE_VERSION;
-  about[kSplitNumberKey] = std::to_string(files_.size() - 1);
-  if (splits()) about[kSplitOfKey] = NameInSplits(options_.file);
+  about["split"] = std::to_string(files_.size() - 1);
   file_->WriteMetadata({kRecordingRecord, about});
   for (const auto& [name, scene] : scenes_) file_->WriteMetadata({"palpate.scene", scene});
 }

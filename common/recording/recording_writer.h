@@ -20,7 +20,7 @@ struct RecordingOptions {
   std::uint64_t split_bytes = 0;
   double split_s = 0.0;  ///< 0: never
   bool bundles = true;   ///< false: of scenes, only their names and hashes are kept
-  /// Recordings of that name go, with a split all of its splits; what is no recording never does.
+  /// A recording of that name goes; a split, and what is no recording, never does.
   bool overwrite = false;
   mcap::StringMap about{};  ///< what else the recording is to say of itself
 };
@@ -34,7 +34,7 @@ class RecordingWriter {
   static constexpr std::size_t kChunk = 1 << 20;
 
   /// Throws Error where the file cannot be made, or one that a split may want is there already;
-  /// with `overwrite`, where what has the name is no recording, or no split of this one.
+  /// with `overwrite`, where what has the name is no recording.
   explicit RecordingWriter(RecordingOptions options);
 
   /// Throws Error where a write fails; what was written before is whole.

@@ -8,7 +8,6 @@
 
 #include "common/error.h"
 #include "common/mcap/mcap_reader.h"
-#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {
@@ -28,26 +27,19 @@ std::optional<std::size_t> NumberIn(const fs::path& split, const fs::path& recor
   return exact.filename() == name ? std::optional(number) : std::nullopt;
 }
 
-/// What the file says of itself as a recording; nothing where it is none.
-std::optional<mcap::StringMap> AboutOf(const std::string& file) {
+/// Of palpate-record, as the file itself says.
+bool IsRecording(const std::string& file) {
   try {
     const mcap::MappedFile mapped(file);
     mcap::Reader reader(mapped.bytes(), file);
     // It is written before any message.
     mcap::Message first;
     reader.Next(first);
-    for (const mcap::Metadata& metadata : reader.metadata()) {
-      if (metadata.name == kRecordingRecord) return metadata.values;
-    }
+    return std::ranges::find(reader.metadata(), kRecordingRecord, &mcap::Metadata::name) !=
+           reader.metadata().end();
   } catch (const Error&) {
-    // It cannot be read, or is no MCAP file.
+    return false;  // it cannot be read, or is no MCAP file
   }
-  return std::nullopt;
-}
-
-std::string ValueOf(const mcap::StringMap& about, const char* key) {
-  const auto found = about.find(key);
-  return found == about.end() ? "" : found->second;
 }
 
 }  // namespace
@@ -58,10 +50,6 @@ std::string SplitName(const std::string& file, std::size_t number) {
   std::snprintf(digits, sizeof digits, "_%03zu", number);
   path.replace_filename(path.stem().string() + digits + path.extension().string());
   return path.string();
-}
-
-std::string NameInSplits(const std::string& recording) {
-  return Printable(fs::path(recording).filename().string());
 }
 
 std::vector<NamedSplit> FindSplits(const std::string& file) {
@@ -84,24 +72,10 @@ void CheckMayReplace(const std::string& file) {
   if (!fs::exists(status) || fs::is_fifo(status) || fs::is_character_file(status)) return;
   const bool is_file = fs::is_regular_file(status);
   if (is_file && fs::file_size(file, error) == 0 && !error) return;
-  if (!is_file || !AboutOf(file)) {
+  if (!is_file || !IsRecording(file)) {
     throw Error(file +
                 ": is no recording that palpate-record has made, so it is not overwritten; give "
                 "another name, or move it away");
-  }
-}
-
-void CheckIsSplitOf(const std::string& recording, const NamedSplit& split) {
-  std::error_code error;
-  // The name itself, not what a link leads to: that would be another's file.
-  const bool is_file = fs::is_regular_file(fs::symlink_status(split.file, error));
-  const std::optional<mcap::StringMap> about = is_file ? AboutOf(split.file) : std::nullopt;
-  const bool is_split = about && ValueOf(*about, kSplitNumberKey) == std::to_string(split.number) &&
-                        ValueOf(*about, kSplitOfKey) == NameInSplits(recording);
-  if (!is_split) {
-    throw Error(split.file + ": does not say that it is split " + std::to_string(split.number) +
-                " of " + recording +
-                ", so it is not removed; move it away, or give the recording another name");
   }
 }
 

@@ -26,16 +26,7 @@ std::vector<NamedSplit> FindSplits(const std::string& file);
 /// that could be lost.
 void CheckMayReplace(const std::string& file);
 
-/// Throws Error where the file is not the split of that number of the recording, as it says itself.
-/// @param recording  FILE.mcap, as for SplitName.
-void CheckIsSplitOf(const std::string& recording, const NamedSplit& split);
-
-/// FILE.mcap without its folder, as its splits say whose they are.
-std::string NameInSplits(const std::string& recording);
-
-/// What a recording says of itself with its first record, and what its writer puts there.
+/// What a recording says of itself with its first record.
 inline constexpr char kRecordingRecord[] = "palpate.recording";
-inline constexpr char kSplitNumberKey[] = "split";
-inline constexpr char kSplitOfKey[] = "split_of";
 
 }  // namespace palpate

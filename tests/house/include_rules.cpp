@@ -26,10 +26,10 @@ const std::vector<Rule> kRules = {
     // Types that travel depend on nothing.
     {"idl", {}, {}, {}},
     {"common", {"common"}, {"common/dds"}, {"Eigen", "spdlog"}},
-    // What all programs' command lines share; of DDS the range of domains and where to look, but
-    // not its library.
+    // What all programs' command lines share, and their log; of DDS the range of domains and where
+    // to look, but not its library.
     {"common/program/command_line.h",
-     {"common/program/realtime.h", "common/dds/network.h"},
+     {"common/program/realtime.h", "common/program/log.h", "common/dds/network.h"},
      {},
      {}},
     {"common/program/command_line.cpp",

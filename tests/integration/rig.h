@@ -36,10 +36,11 @@ constexpr double kForce_N = 1.0;
 /// palpate-server, that says when it is ready.
 class ServerProgram : public Program {
  public:
-  explicit ServerProgram(const std::string& transport)
+  explicit ServerProgram(const std::string& transport,
+                         const std::vector<std::string>& scenes = {"cube"})
       : Program(PALPATE_BIN_DIR "/palpate-server",
-                {"--scene", "cube", "--realtime", "off", "--transport", transport, "--domain",
-                 std::to_string(kDomain)}) {}
+                Joined(scenes, {"--realtime", "off", "--transport", transport, "--domain",
+                                std::to_string(kDomain)})) {}
   bool Ready() { return Says("ready: ", 60.0) && Says("\n"); }
 };
 

@@ -19,15 +19,12 @@ using testing::Not;
 
 struct DeadServer : testing::Test {
   const std::string file = testing::TempDir() + "palpate_dead_" + std::to_string(getpid());
-  std::unique_ptr<Program> server = Server("cube");
+  std::unique_ptr<ServerProgram> server = Server("cube");
   ~DeadServer() override { std::filesystem::remove(file); }
 
-  static std::unique_ptr<Program> Server(const std::string& scene) {
-    auto program = std::make_unique<Program>(
-        PALPATE_BIN_DIR "/palpate-server",
-        std::vector<std::string>{"--scene", scene, "--realtime", "off", "--transport", "udp",
-                                 "--domain", std::to_string(kDomain)});
-    EXPECT_TRUE(program->Says("ready: ", 60.0)) << program->Output();
+  static std::unique_ptr<ServerProgram> Server(const std::string& scene) {
+    auto program = std::make_unique<ServerProgram>("udp", std::vector<std::string>{scene});
+    EXPECT_TRUE(program->Ready()) << program->Output();
     return program;
   }
   std::unique_ptr<Program> Station(const std::string& device, const std::string& script) const {

@@ -86,9 +86,7 @@ TEST(KilledStation, HasItsToolBackUnderItsName) {
 /// A server of two scenes: one is felt by a station that behaves, for two seconds.
 struct Neighbours : testing::Test {
   const std::string file = testing::TempDir() + "palpate_beside_" + std::to_string(getpid());
-  Program server{PALPATE_BIN_DIR "/palpate-server",
-                 {"--scene", "cube", "--scene", "bunny-bunny", "--realtime", "off", "--transport",
-                  "udp", "--domain", std::to_string(kDomain)}};
+  ServerProgram server{"udp", {"cube", "bunny-bunny"}};
   std::unique_ptr<StationProgram> good;
   ~Neighbours() override { std::filesystem::remove(file); }
 

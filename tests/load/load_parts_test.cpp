@@ -45,7 +45,6 @@ TEST(LoadOptions, AreOneStationAndNoViewerUnlessTold) {
   EXPECT_EQ(options->viewer_url.text(), "ws://127.0.0.1:8765");
   EXPECT_EQ(options->scene, "");
   EXPECT_FALSE(options->find);
-  EXPECT_FALSE(options->server_pid);
   EXPECT_EQ(options->copies, 0u);
 }
 

@@ -2,8 +2,6 @@
 // makes it an MCAP file with omgidl schemas.
 #include "tests/recorder/others_readers.h"
 
-#include <cstring>
-
 #include "tests/common/recording/samples.h"
 
 namespace palpate::test {

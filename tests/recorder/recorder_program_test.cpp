@@ -1,13 +1,15 @@
 // The recorder as a program, beside a real server and a real station.
-#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <thread>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
@@ -158,39 +160,76 @@ TEST_F(RecorderProgramTest, RecordsForViewersOrOfAStationAloneWhereTold) {
   EXPECT_FALSE(summary.scenes.at("cube").bundle);
 }
 
-// Each session goes on from what the one before it has left of the block; it is made whole while
-// the third cuts it, and before the fourth.
-TEST_F(RecorderProgramTest, RecordsWhatBursCutSoThatItIsTheSameBitsAgain) {
-  const auto write = [&](const std::string& name, const std::string& text) {
+/// A server with a block that burs cut.
+class CutTest : public RecorderProgramTest {
+ protected:
+  explicit CutTest(const std::vector<std::string>& burs) {
+    std::string tools;
+    for (const std::string& bur : burs) {
+      tools += (tools.empty() ? "" : ", ") + std::string(R"({"name": ")") + bur + R"(",
+        "mesh": {"shape": "bur", "kind": "ball", "diameter_mm": 1}, "leaves": 64,
+        "start": {"position_mm": [0, 2, 0]}})";
+    }
+    const std::string scene = Write("block.json", R"({"tools": [)" + tools + R"(], "objects": [
+      {"name": "block", "mesh": {"shape": "box", "size_m": [0.006, 0.002, 0.004]},
+       "grid_um": 100, "material": {"cutting_pressure_MPa": 0.1}}]})");
+    server_.emplace("udp", std::vector<std::string>{scene});
+    EXPECT_TRUE(server_->Ready()) << server_->Output();
+  }
+  std::string Write(const std::string& name, const std::string& text) const {
     WriteBytes(folder_ / name, {text.begin(), text.end()});
     return folder_ / name;
-  };
-  const std::string scene = write("block.json", R"({
-    "tools": [{"name": "bur", "mesh": {"shape": "bur", "kind": "ball", "diameter_mm": 1},
-               "leaves": 64, "start": {"position_mm": [0, 2, 0]}}],
-    "objects": [{"name": "block", "mesh": {"shape": "box", "size_m": [0.006, 0.002, 0.004]},
-                 "grid_um": 100, "material": {"cutting_pressure_MPa": 0.1}}]})");
-  const std::string script = write("groove.json", R"({"keys": [
-    {"t": 0.0, "position_mm": [-2, 1.5, 0]}, {"t": 0.8, "position_mm": [-2, 0.2, 0]},
-    {"t": 1.8, "position_mm": [1, 0.2, 0]}]})");
-  const std::string domain = std::to_string(kDomain);
-  Program server(PALPATE_BIN_DIR "/palpate-server",
-                 {"--scene", scene, "--transport", "udp", "--realtime", "off", "--domain", domain});
-  ASSERT_TRUE(server.Says("ready: ", 60.0)) << server.Output();
+  }
+  /// Of times [s], and where the hand is then along x and y [mm].
+  std::string Script(const std::string& name,
+                     const std::vector<std::array<double, 3>>& keys) const {
+    std::string text;
+    for (const auto& [t, x, y] : keys) {
+      text += fmt::format(R"({}{{"t": {}, "position_mm": [{}, {}, 0]}})", text.empty() ? "" : ", ",
+                          t, x, y);
+    }
+    return Write(name, R"({"keys": [)" + text + "]}");
+  }
+  static void Ask(const char* what) {
+    Program lesson(PALPATE_BIN_DIR "/palpate-lesson",
+                   {what, "block", "--domain", std::to_string(kDomain)});
+    EXPECT_EQ(lesson.Exit(), 0) << lesson.Output();
+  }
+  /// A hand that has begun its session.
+  static std::unique_ptr<Program> Hand(const std::string& id, const std::string& bur,
+                                       const std::string& script,
+                                       const std::vector<std::string>& more) {
+    auto hand =
+        std::make_unique<Program>(PALPATE_BIN_DIR "/palpate-station",
+                                  Joined({"--device", "scripted", "--script", script, "--scene",
+                                          "block", "--tool", bur, "--id", id, "--transport", "udp",
+                                          "--realtime", "off", "--domain", std::to_string(kDomain)},
+                                         more));
+    EXPECT_TRUE(hand->Says("session: ")) << hand->Output();
+    return hand;
+  }
+
+  std::optional<ServerProgram> server_;
+};
+
+struct OneBur : CutTest {
+  OneBur() : CutTest({"bur"}) {}
+};
+struct SeveralBurs : CutTest {
+  SeveralBurs() : CutTest({"left", "right", "late"}) {}
+};
+
+// Each session goes on from what the one before it has left of the block; it is made whole while
+// the third cuts it, and before the fourth.
+TEST_F(OneBur, IsRecordedSoThatWhatItCutsIsTheSameBitsAgain) {
+  const std::string script = Script("groove.json", {{0.0, -2, 1.5}, {0.8, -2, 0.2}, {1.8, 1, 0.2}});
   RecorderProgram recorder(file_, "udp");
   ASSERT_TRUE(recorder.Ready()) << recorder.Output();
-  const auto make_whole = [&] {
-    Program whole(PALPATE_BIN_DIR "/palpate-lesson", {"whole", "block", "--domain", domain});
-    EXPECT_EQ(whole.Exit(), 0) << whole.Output();
-  };
   for (const std::string station : {"one", "two", "three", "four"}) {
-    if (station == "four") make_whole();
-    Program hand(PALPATE_BIN_DIR "/palpate-station",
-                 {"--device", "scripted", "--script", script, "--scene", "block", "--id", station,
-                  "--transport", "udp", "--realtime", "off", "--domain", domain, "--for", "2"});
-    ASSERT_TRUE(hand.Says("session: ")) << hand.Output();
-    if (station == "three") make_whole();
-    ASSERT_EQ(hand.Exit(), 0) << hand.Output();
+    if (station == "four") Ask("whole");
+    const auto hand = Hand(station, "bur", script, {"--for", "2"});
+    if (station == "three") Ask("whole");
+    ASSERT_EQ(hand->Exit(), 0) << hand->Output();
   }
   recorder.Signal(SIGINT);
   EXPECT_EQ(recorder.Exit(), 0) << recorder.Output();
@@ -241,66 +280,34 @@ TEST_F(RecorderProgramTest, RecordsWhatBursCutSoThatItIsTheSameBitsAgain) {
 
 // In one groove, from both ends.  One is killed and comes back; the block is made whole, bookmarked
 // and brought back; a third bur comes late.  The recorder, which splits, is ended while they cut.
-TEST_F(RecorderProgramTest, RecordsHandsThatCutTogetherSoThatAllAreTheSameBitsAgain) {
-  const auto write = [&](const std::string& name, const std::string& text) {
-    WriteBytes(folder_ / name, {text.begin(), text.end()});
-    return folder_ / name;
+TEST_F(SeveralBurs, AreRecordedSoThatAllIsTheSameBitsAgain) {
+  const auto script = [&](const std::string& name, double from, double to) {
+    return Script(
+        name,
+        {{0.0, from, 1.5}, {0.4, from, 0.3}, {1.2, to, -0.2}, {1.6, to, 1.5}, {2.0, from, 1.5}});
   };
-  std::string burs;
-  for (const char* name : {"left", "right", "late"}) {
-    burs += std::string(burs.empty() ? "" : ", ") + R"({"name": ")" + name + R"(",
-      "mesh": {"shape": "bur", "kind": "ball", "diameter_mm": 1}, "leaves": 64,
-      "start": {"position_mm": [0, 2, 0]}})";
-  }
-  const std::string scene = write("block.json", R"({"tools": [)" + burs + R"(],
-    "objects": [{"name": "block", "mesh": {"shape": "box", "size_m": [0.006, 0.002, 0.004]},
-                 "grid_um": 100, "material": {"cutting_pressure_MPa": 0.1}}]})");
-  const auto script = [&](const std::string& name, const std::string& from, const std::string& to) {
-    return write(name, R"({"keys": [
-      {"t": 0.0, "position_mm": [)" +
-                           from + R"(, 1.5, 0]}, {"t": 0.4, "position_mm": [)" + from +
-                           R"(, 0.3, 0]}, {"t": 1.2, "position_mm": [)" + to +
-                           R"(, -0.2, 0]}, {"t": 1.6, "position_mm": [)" + to + R"(, 1.5, 0]},
-      {"t": 2.0, "position_mm": [)" +
-                           from + R"(, 1.5, 0]}]})");
-  };
-  const std::string to_right = script("r.json", "-2", "2"), to_left = script("l.json", "2", "-2");
-  const std::string domain = std::to_string(kDomain);
-  Program server(PALPATE_BIN_DIR "/palpate-server",
-                 {"--scene", scene, "--transport", "udp", "--realtime", "off", "--domain", domain});
-  ASSERT_TRUE(server.Says("ready: ", 60.0)) << server.Output();
+  const std::string to_right = script("r.json", -2, 2), to_left = script("l.json", 2, -2);
   RecorderProgram recorder(file_, "udp", {"--split-time", "2"});
   ASSERT_TRUE(recorder.Ready()) << recorder.Output();
-  const auto ask = [&](const char* what) {
-    Program lesson(PALPATE_BIN_DIR "/palpate-lesson", {what, "block", "--domain", domain});
-    EXPECT_EQ(lesson.Exit(), 0) << lesson.Output();
-  };
-  const auto hand = [&](const std::string& bur, const std::string& path) {
-    return std::make_unique<Program>(
-        PALPATE_BIN_DIR "/palpate-station",
-        std::vector<std::string>{"--device", "scripted", "--script", path, "--scene", "block",
-                                 "--tool", bur, "--id", bur, "--transport", "udp", "--realtime",
-                                 "off", "--domain", domain, "--for", "60", "--loop"});
+  const auto hand = [](const std::string& bur, const std::string& path) {
+    return Hand(bur, bur, path, {"--for", "60", "--loop"});
   };
   const auto wait = [](double seconds) {
     std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
   };
-  auto left = hand("left", to_right), right = hand("right", to_left);
-  ASSERT_TRUE(left->Says("session: ")) << left->Output();
-  ASSERT_TRUE(right->Says("session: ")) << right->Output();
+  auto left = hand("left", to_right);
+  const auto right = hand("right", to_left);
   wait(1.3);
-  ask("bookmark");
+  Ask("bookmark");
   left->Signal(SIGKILL);
   wait(0.3);
   left = hand("left", to_right);
-  ASSERT_TRUE(left->Says("session: ")) << left->Output();
   wait(1.0);
-  ask("whole");
+  Ask("whole");
   wait(0.6);
   const auto late = hand("late", to_right);
-  ASSERT_TRUE(late->Says("session: ")) << late->Output();
   wait(0.6);
-  ask("back");
+  Ask("back");
   wait(1.0);
   recorder.Signal(SIGINT);
   EXPECT_EQ(recorder.Exit(), 0) << recorder.Output();

@@ -1,6 +1,5 @@
 #include "client/station/session_link.h"
 
-#include <chrono>
 #include <vector>
 
 #include <gmock/gmock.h>

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <csignal>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 
@@ -16,7 +15,6 @@
 #include "common/realtime/steady_clock.h"
 #include "scenes/files/scene_bundle.h"
 #include "tests/support/folder.h"
-#include "tests/support/random.h"
 
 namespace palpate::test {
 namespace {
@@ -433,30 +431,6 @@ TEST(Gateway, EndsTheConnectionThatSendsWhatIsNotOfTheProtocolAndNoOther) {
   EXPECT_TRUE(newer.open());
   EXPECT_TRUE(other.open());
   EXPECT_TRUE(gateway.HasViewers(2));
-}
-
-TEST(Gateway, OutlivesAnyBytesAtItsPort) {
-  Gateway gateway;
-  WebClient other(gateway.port());
-  Random random(77);
-  for (int i = 0; i < 300; ++i) {
-    WebClient viewer(gateway.port());
-    ASSERT_TRUE(viewer.open());
-    for (int n = 0; n < 5; ++n) {
-      std::string bytes;
-      for (std::size_t k = random.Below(60); k > 0; --k) {
-        bytes += static_cast<char>(random.Below(256));
-      }
-      if (random.Below(2) == 0) {
-        viewer.SendBinary(bytes);
-      } else {
-        viewer.SendText(bytes);  // mostly not UTF-8 either
-      }
-    }
-    Get(gateway.port(), fmt::format("/{}%z", random.Below(1000)));
-  }
-  EXPECT_TRUE(other.open());
-  EXPECT_TRUE(gateway.HasViewers(1));
 }
 
 /// The mouse's news until its phase is as wanted.

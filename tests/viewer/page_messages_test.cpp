@@ -1,6 +1,5 @@
 #include "client/viewer/page_messages.h"
 
-#include <limits>
 #include <vector>
 
 #include <gmock/gmock.h>

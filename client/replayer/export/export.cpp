@@ -33,8 +33,6 @@ constexpr std::size_t kMostPending = std::size_t{64} << 20;
 /// Samples between looks at the clock and at Ctrl-C.
 constexpr std::uint64_t kLook = 4096;
 
-constexpr const char* kMethodsText = "METHODS.md";
-
 using SessionKey = std::pair<std::string, std::uint64_t>;  // station, run
 
 class ExportProgress {
@@ -73,8 +71,9 @@ class ExportProgress {
 /// Gives each sample to its session.
 class Sorter {
  public:
-  Sorter(ExportFolder& folder, ColumnFormat format, Methods& methods)
-      : folder_(folder), format_(format), methods_(methods) {}
+  /// @param folder  for the sessions'.
+  Sorter(fs::path folder, ColumnFormat format, Methods& methods)
+      : folder_(std::move(folder)), format_(format), methods_(methods) {}
 
   void Add(const RecordedSample& sample, double time_s) {
     wire::HapticPose pose;
@@ -110,7 +109,7 @@ class Sorter {
       session->Close();
       methods_.SessionOf(key.first, key.second).folder = FolderOf(key);
       std::ranges::transform(session->files(), std::back_inserter(files), [&](const auto& file) {
-        return fs::path(file).lexically_relative(folder_.path()).string();
+        return fs::path(file).lexically_relative(folder_).string();
       });
     }
     return files;
@@ -129,10 +128,9 @@ class Sorter {
     if (!key || !dds::IsStationName(key->first)) return methods_.CountLeftOut();
     std::unique_ptr<SessionColumns>& session = sessions_[*key];
     if (!session) {
-      const fs::path folder = folder_.Make(folder_.path() / FolderOf(*key));
+      const fs::path folder = folder_ / FolderOf(*key);
       fs::create_directory(folder);
       session = std::make_unique<SessionColumns>(folder.string(), format_);
-      for (const std::string& file : session->names()) folder_.Make(file);
     }
     session->Add(sample, time_s);
     // Rows are a few hundred bytes: to look at every one's table each time would be the work.
@@ -143,7 +141,7 @@ class Sorter {
     for (const auto& [each, columns] : sessions_) columns->Flush();
   }
 
-  ExportFolder& folder_;
+  const fs::path folder_;
   ColumnFormat format_;
   Methods& methods_;
   std::map<SessionKey, std::unique_ptr<SessionColumns>> sessions_;
@@ -155,9 +153,9 @@ class Sorter {
 
 void Export(const ExportOptions& options, StopSignal& stop) {
   RecordingReader reader(options.files);
-  ExportFolder folder(options.folder, options.overwrite);
+  ExportFolder folder(options.folder);
   Methods methods;
-  Sorter sorter(folder, options.format, methods);
+  Sorter sorter(folder.path(), options.format, methods);
   {
     ExportProgress progress(options.files);
     RecordedSample sample{};
@@ -180,11 +178,9 @@ void Export(const ExportOptions& options, StopSignal& stop) {
     throw Error(options.files.front() +
                 ": holds no sample of a session; 'palpate-record info' says what it holds");
   }
-  WriteOutput("-o", folder.Make(folder.path() / kMethodsText).string(),
-              methods.ToMarkdown(options.files));
-  std::vector<std::string> all = files;
-  all.emplace_back(kMethodsText);
-  folder.Finish(methods.ToJson(options.files, files, folder.HashesOf(all)));
+  WriteOutput("-o", folder.path() / "METHODS.md", methods.ToMarkdown(options.files));
+  WriteOutput("-o", folder.path() / "methods.json", methods.ToJson(options.files, files));
+  folder.Finish();
   std::printf("%s: %zu tables of %zu sessions, methods.json and METHODS.md\n",
               Printable(options.folder).c_str(), files.size(), sorter.sessions());
 }

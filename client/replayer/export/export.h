@@ -12,13 +12,10 @@ struct ExportOptions {
   std::vector<std::string> files;  ///< of the recording
   std::string folder;              ///< to be made
   ColumnFormat format = ColumnFormat::kCsv;
-  bool overwrite = false;  ///< a former export goes; what no export made, or is changed, never does
 };
 
 /// Writes a recording as columns: a folder for each session, whose tables SessionColumns describes,
-/// and methods.json and METHODS.md beside them.  It grows as FOLDER.part and gets its name once it
-/// is whole; it keeps that one where something else has come under its name.  Progress goes to
-/// stderr.
+/// and methods.json and METHODS.md beside them (ExportFolder).  Progress goes to stderr.
 /// Throws Error where the recording cannot be read, the folder is there already, or it was stopped.
 void Export(const ExportOptions& options, StopSignal& stop);
 

@@ -9,7 +9,6 @@
 #include <spdlog/fmt/chrono.h>
 #include <spdlog/fmt/fmt.h>
 
-#include "common/dds/cdr_reader.h"
 #include "common/dds/topics.h"
 #include "common/text/hex16.h"
 #include "common/text/quoted.h"
@@ -50,11 +49,6 @@ std::string Cell(const std::string& text) {
 
 }  // namespace
 
-double Methods::Topic::rate_Hz() const {
-  const double span_s = 1e-9 * static_cast<double>(last_ns - first_ns);
-  return samples > 1 && span_s > 0.0 ? static_cast<double>(samples - 1) / span_s : 0.0;
-}
-
 Methods::Session& Methods::SessionOf(const std::string& station, std::uint64_t run) {
   const auto [it, is_new] = places_.try_emplace({station, run}, sessions_.size());
   if (is_new) {
@@ -66,137 +60,73 @@ Methods::Session& Methods::SessionOf(const std::string& station, std::uint64_t r
 }
 
 void Methods::Add(const RecordedSample& sample) {
-  if (!std::exchange(any_, true)) first_ns_ = sample.log_time_ns;
-  last_ns_ = std::max(last_ns_, sample.log_time_ns);
-  Topic& topic = topics_[*sample.topic];
-  if (topic.samples++ == 0) topic.first_ns = sample.log_time_ns;
-  topic.last_ns = std::max(topic.last_ns, sample.log_time_ns);
-
-  wire::HapticPose pose;
-  wire::Wrench wrench;
+  all_.Add(sample);
   wire::SessionRequest request{};
   wire::SessionState state{};
   wire::StationStatistics station{};
-  switch (sample.type) {
-    case RecordedType::kHapticPose:
-      if (!sample.To(pose)) break;
-      topic.sequence.Add(pose.pose_sequence);
-      return;
-    case RecordedType::kWrench:
-      if (!sample.To(wrench)) break;
-      topic.sequence.Add(wrench.answer);
-      return;
-    case RecordedType::kSessionRequest:
-      if (!sample.To(request)) break;
-      if (!request.leave) SessionOf(request.station, request.run).device = request.device;
-      return;
-    case RecordedType::kSessionState: {
-      if (!sample.To(state)) break;
-      Session& session = SessionOf(state.station, state.run);
-      session.scene = state.scene;
-      session.tool = state.tool;
-      session.stiffness_N_per_m = std::max(session.stiffness_N_per_m, state.stiffness_N_per_m);
-      session.torsional_stiffness_Nm_per_rad =
-          std::max(session.torsional_stiffness_Nm_per_rad, state.torsional_stiffness_Nm_per_rad);
-      session.forces = session.forces || state.start_sequence != 0;
-      return;
-    }
-    case RecordedType::kStationStatistics: {
-      if (!sample.To(station)) break;
-      Session& session = SessionOf(station.station, station.run);
-      session.device = station.device;
-      ++session.limiter_periods;
-      session.wanted_force_N = std::max(session.wanted_force_N, station.wanted_force_N_max);
-      session.wanted_torque_Nm = std::max(session.wanted_torque_Nm, station.wanted_torque_Nm_max);
-      session.applied_force_N = std::max(session.applied_force_N, station.applied_force_N_max);
-      session.applied_torque_Nm =
-          std::max(session.applied_torque_Nm, station.applied_torque_Nm_max);
-      auto& calls = session.limiter_calls;
-      calls["nonfinite"] += station.nonfinite;
-      calls["clamped"] += station.clamped;
-      calls["slewed"] += station.slewed;
-      calls["braked"] += station.braked;
-      calls["warm"] += station.warm;
-      calls["faded"] += station.faded;
-      calls["disabled"] += station.disabled;
-      return;
-    }
-    case RecordedType::kSceneBundle: {
-      dds::Owned<wire::SceneBundle> bundle;
-      if (!sample.To(bundle.value)) break;
-      scenes_[bundle.value.scene] = Hex16(bundle.value.hash);
-      return;
-    }
-    default:
-      return;
+  if (sample.To(request)) {
+    if (!request.leave) SessionOf(request.station, request.run).device = request.device;
+  } else if (sample.To(state)) {
+    Session& session = SessionOf(state.station, state.run);
+    session.scene = state.scene;
+    session.tool = state.tool;
+    session.stiffness_N_per_m = std::max(session.stiffness_N_per_m, state.stiffness_N_per_m);
+    session.torsional_stiffness_Nm_per_rad =
+        std::max(session.torsional_stiffness_Nm_per_rad, state.torsional_stiffness_Nm_per_rad);
+    session.forces = session.forces || state.start_sequence != 0;
+  } else if (sample.To(station)) {
+    Session& session = SessionOf(station.station, station.run);
+    session.device = station.device;
+    ++session.limiter_periods;
+    session.wanted_force_N = std::max(session.wanted_force_N, station.wanted_force_N_max);
+    session.wanted_torque_Nm = std::max(session.wanted_torque_Nm, station.wanted_torque_Nm_max);
+    session.applied_force_N = std::max(session.applied_force_N, station.applied_force_N_max);
+    session.applied_torque_Nm = std::max(session.applied_torque_Nm, station.applied_torque_Nm_max);
+    auto& calls = session.limiter_calls;
+    calls["nonfinite"] += station.nonfinite;
+    calls["clamped"] += station.clamped;
+    calls["slewed"] += station.slewed;
+    calls["braked"] += station.braked;
+    calls["warm"] += station.warm;
+    calls["faded"] += station.faded;
+    calls["disabled"] += station.disabled;
+  } else if (sample.type == RecordedType::kSessionRequest ||
+             sample.type == RecordedType::kStationStatistics) {
+    ++all_.topics[*sample.topic].broken;
   }
-  ++broken_;
-}
-
-void Methods::Finish(const RecordingReader& reader) {
-  complete_ = reader.complete();
-  problems_ = reader.problems();
-  unknown_ = reader.unknown();
-  for (const mcap::Metadata& metadata : reader.metadata()) {
-    if (metadata.name == "palpate.recording") about_ = metadata.values;
-    if (metadata.name == "palpate.end") end_ = Value(metadata.values, "reason");
-    if (metadata.name == "palpate.scene") {
-      scenes_.try_emplace(Value(metadata.values, "scene"), Value(metadata.values, "hash"));
-    }
-    if (metadata.name != "palpate.topic") continue;
-    const std::uint64_t dropped = CountIn(metadata.values, "dropped").value_or(0);
-    if (dropped > 0) topics_[Value(metadata.values, "topic")].dropped = dropped;
-  }
-}
-
-double Methods::duration_s() const {
-  return 1e-9 * static_cast<double>(last_ns_ - first_ns_);
-}
-
-Methods::Totals Methods::totals() const {
-  Totals totals;
-  for (const auto& [name, topic] : topics_) {
-    totals.missing += topic.sequence.missing();
-    totals.astray += topic.sequence.astray();
-    totals.dropped += topic.dropped;
-  }
-  return totals;
 }
 
 std::string Methods::ToJson(const std::vector<std::string>& recording,
-                            const std::vector<std::string>& files,
-                            const std::map<std::string, std::string>& hashes) const {
+                            const std::vector<std::string>& files) const {
   using Json = nlohmann::ordered_json;
-  const auto [missing, astray, dropped] = totals();
-  Json json{
-      {"made_by", kExportMark},
-      {"palpate", {{"recorded_with", Value(about_, "build")}, {"exported_with", PALPATE_VERSION}}},
-      {"recording", recording},
-      {"begun", TimeText(first_ns_)},
-      {"begun_ns", first_ns_},
-      {"duration_s", duration_s()},
-      {"complete", complete_},
-      {"ended", end_},
-      {"problems", problems_},
-      {"machine",
-       {{"cpu", Value(about_, "cpu")},
-        {"cores", Value(about_, "cores")},
-        {"kernel", Value(about_, "kernel")}}},
-      {"transport", Value(about_, "loop")},
-      {"samples",
-       {{"missing", missing},
-        {"dropped_by_recorder", dropped},
-        {"broken", broken_},
-        {"astray", astray},
-        {"unknown_type", unknown_},
-        {"left_out", left_out_}}},
-      {"scenes", Json::array()},
-      {"sessions", Json::array()},
-      {"topics", Json::array()},
-      {"files", files},
-      {"hashes", hashes}};
-  for (const auto& [name, hash] : scenes_)
-    json["scenes"].push_back({{"scene", name}, {"hash", hash}});
+  Json json{{"made_by", kExportMaker},
+            {"palpate",
+             {{"recorded_with", Value(all_.about, "build")}, {"exported_with", PALPATE_VERSION}}},
+            {"recording", recording},
+            {"begun", TimeText(all_.first_ns)},
+            {"begun_ns", all_.first_ns},
+            {"duration_s", all_.duration_s},
+            {"complete", all_.complete},
+            {"ended", all_.end_reason},
+            {"problems", all_.problems},
+            {"machine",
+             {{"cpu", Value(all_.about, "cpu")},
+              {"cores", Value(all_.about, "cores")},
+              {"kernel", Value(all_.about, "kernel")}}},
+            {"transport", Value(all_.about, "loop")},
+            {"samples",
+             {{"missing", all_.missing},
+              {"dropped_by_recorder", all_.dropped},
+              {"broken", all_.broken},
+              {"astray", all_.astray},
+              {"unknown_type", all_.unknown},
+              {"left_out", left_out_}}},
+            {"scenes", Json::array()},
+            {"sessions", Json::array()},
+            {"topics", Json::array()},
+            {"files", files}};
+  for (const auto& [name, scene] : all_.scenes)
+    json["scenes"].push_back({{"scene", name}, {"hash", scene.hash}});
   for (const Session& s : sessions_) {
     json["sessions"].push_back(
         {{"station", s.station},
@@ -217,10 +147,10 @@ std::string Methods::ToJson(const std::vector<std::string>& recording,
            {"applied_torque_max_Nm", Finite(s.applied_torque_Nm)},
            {"calls", s.limiter_calls}}}});
   }
-  for (const auto& [name, topic] : topics_) {
+  for (const auto& [name, topic] : all_.topics) {
     json["topics"].push_back({{"topic", name},
-                              {"samples", topic.samples},
-                              {"rate_Hz", topic.rate_Hz()},
+                              {"samples", topic.messages},
+                              {"rate_Hz", topic.rate_hz},
                               {"missing", topic.sequence.missing()},
                               {"dropped_by_recorder", topic.dropped}});
   }
@@ -228,7 +158,6 @@ std::string Methods::ToJson(const std::vector<std::string>& recording,
 }
 
 std::string Methods::ToMarkdown(const std::vector<std::string>& recording) const {
-  const auto [missing, astray, dropped] = totals();
   std::string text =
       "# Methods\n\nWhat a paper's methods section needs of this recording; the same "
       "for programs is in `methods.json`.\n\n| | |\n|---|---|\n";
@@ -238,24 +167,24 @@ std::string Methods::ToMarkdown(const std::vector<std::string>& recording) const
   std::string names;
   for (const std::string& file : recording) names += (names.empty() ? "" : ", ") + file;
   line("recording", names);
-  line("begun", TimeText(first_ns_));
-  line("length", fmt::format("{:.3f} s{}", duration_s(), complete_ ? "" : ", cut off"));
-  line("recorded with", "palpate " + Value(about_, "build"));
+  line("begun", TimeText(all_.first_ns));
+  line("length", fmt::format("{:.3f} s{}", all_.duration_s, all_.complete ? "" : ", cut off"));
+  line("recorded with", "palpate " + Value(all_.about, "build"));
   line("exported with", "palpate " PALPATE_VERSION);
-  line("recorder's machine", Value(about_, "cpu") + ", " + Value(about_, "cores") +
-                                 " cores, kernel " + Value(about_, "kernel"));
-  line("transport of poses and wrenches", Value(about_, "loop"));
-  line("samples missing, by their numbers", std::to_string(missing));
-  line("samples dropped by the recorder", std::to_string(dropped));
-  line("samples that are not of their type", std::to_string(broken_));
-  if (astray > 0) {
-    line("samples with numbers that do not go on from those before", std::to_string(astray));
+  line("recorder's machine", Value(all_.about, "cpu") + ", " + Value(all_.about, "cores") +
+                                 " cores, kernel " + Value(all_.about, "kernel"));
+  line("transport of poses and wrenches", Value(all_.about, "loop"));
+  line("samples missing, by their numbers", std::to_string(all_.missing));
+  line("samples dropped by the recorder", std::to_string(all_.dropped));
+  line("samples that are not of their type", std::to_string(all_.broken));
+  if (all_.astray > 0) {
+    line("samples with numbers that do not go on from those before", std::to_string(all_.astray));
   }
   if (left_out_ > 0) line("samples left out, of no station", std::to_string(left_out_));
-  for (const std::string& problem : problems_) line("problem", problem);
+  for (const std::string& problem : all_.problems) line("problem", problem);
   text += "\n## Scenes\n\n| scene | hash (XXH3 of its bundle) |\n|---|---|\n";
-  for (const auto& [name, hash] : scenes_) {
-    text += fmt::format("| {} | {} |\n", Cell(name), Cell(hash));
+  for (const auto& [name, scene] : all_.scenes) {
+    text += fmt::format("| {} | {} |\n", Cell(name), Cell(scene.hash));
   }
   text +=
       "\n## Sessions\n\n| station | run | scene | tool | device | spring | pose rate | wrench rate "
@@ -264,11 +193,11 @@ std::string Methods::ToMarkdown(const std::vector<std::string>& recording) const
       "|\n|---|---|---|---|---|---|---|---|---|---|---|\n";
   for (const Session& s : sessions_) {
     const auto find = [&](const std::string& topic) {
-      const auto it = topics_.find(topic);
-      return it == topics_.end() ? Topic{} : it->second;
+      const auto it = all_.topics.find(topic);
+      return it == all_.topics.end() ? FileSummary::Topic{} : it->second;
     };
-    const Topic poses = find(dds::PoseTopic(s.station, s.run)),
-                wrenches = find(dds::WrenchTopic(s.station, s.run));
+    const FileSummary::Topic poses = find(dds::PoseTopic(s.station, s.run)),
+                             wrenches = find(dds::WrenchTopic(s.station, s.run));
     std::string calls;
     for (const auto& [stage, count] : s.limiter_calls) {
       if (count > 0) calls += fmt::format("{}{} {}", calls.empty() ? "" : ", ", stage, count);
@@ -278,7 +207,7 @@ std::string Methods::ToMarkdown(const std::vector<std::string>& recording) const
         "N, "
         "{:.3f} N | {} |\n",
         Cell(s.station), Hex16(s.run), Cell(s.scene), Cell(s.tool), Cell(s.device),
-        s.stiffness_N_per_m, s.torsional_stiffness_Nm_per_rad, poses.rate_Hz(), wrenches.rate_Hz(),
+        s.stiffness_N_per_m, s.torsional_stiffness_Nm_per_rad, poses.rate_hz, wrenches.rate_hz,
         poses.sequence.missing() + wrenches.sequence.missing(), s.wanted_force_N, s.applied_force_N,
         s.limiter_periods == 0 ? "not recorded"
         : calls.empty()        ? "none"

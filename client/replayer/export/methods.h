@@ -6,26 +6,18 @@
 #include <utility>
 #include <vector>
 
-#include "common/recording/recording_reader.h"
+#include "common/recording/file_summary.h"
 
 namespace palpate {
 
-/// By which an export is known, in its methods.json.
-inline constexpr const char* kExportMark = "palpate-replay export";
+/// In the methods.json of an export.
+inline constexpr const char* kExportMaker = "palpate-replay export";
 
 /// What the methods section of a paper needs of a recording, gathered sample by sample: versions,
 /// scenes, machine, transport, rates, what was lost, springs, and what the limiter did.
 /// Thread contract: one thread.
 class Methods {
  public:
-  struct Topic {
-    std::uint64_t samples = 0;
-    std::int64_t first_ns = 0, last_ns = 0;
-    SequenceCount sequence;
-    std::uint64_t dropped = 0;  ///< by the recorder, as it says
-    /// Between first and last; 0 where there is none.
-    double rate_Hz() const;
-  };
   struct Session {
     std::string station, scene, tool, device;
     std::uint64_t run = 0;
@@ -42,7 +34,7 @@ class Methods {
   /// @param sample  as the recording holds it, in its order.
   void Add(const RecordedSample& sample);
   /// Once there is no sample any more: what the recorder says of itself.
-  void Finish(const RecordingReader& reader);
+  void Finish(const RecordingReader& reader) { all_.Finish(reader); }
 
   /// That of a station's run; a new one where nothing has told of it.
   Session& SessionOf(const std::string& station, std::uint64_t run);
@@ -50,30 +42,15 @@ class Methods {
 
   /// @param recording  names of its files.
   /// @param files       that were written, within the folder.
-  /// @param hashes      of these and of METHODS.md, by name.
   std::string ToJson(const std::vector<std::string>& recording,
-                     const std::vector<std::string>& files,
-                     const std::map<std::string, std::string>& hashes) const;
+                     const std::vector<std::string>& files) const;
   std::string ToMarkdown(const std::vector<std::string>& recording) const;
 
  private:
-  double duration_s() const;
-  /// Of all topics.
-  struct Totals {
-    std::uint64_t missing = 0, astray = 0, dropped = 0;
-  };
-  Totals totals() const;
-
-  std::map<std::string, Topic> topics_;
+  FileSummary all_;
   std::vector<Session> sessions_;
   std::map<std::pair<std::string, std::uint64_t>, std::size_t> places_;  // by station and run
-  std::map<std::string, std::string> scenes_;                            // hash by name
-  mcap::StringMap about_;
-  std::string end_;
-  std::vector<std::string> problems_;
-  std::int64_t first_ns_ = 0, last_ns_ = 0;
-  std::uint64_t broken_ = 0, unknown_ = 0, left_out_ = 0;
-  bool complete_ = false, any_ = false;
+  std::uint64_t left_out_ = 0;
 };
 
 }  // namespace palpate

@@ -224,12 +224,6 @@ void SessionColumns::Close() {
   for (ColumnFile* table : tables()) table->Close();
 }
 
-std::vector<std::string> SessionColumns::names() {
-  std::vector<std::string> names;
-  for (const ColumnFile* table : tables()) names.push_back(table->file());
-  return names;
-}
-
 std::vector<std::string> SessionColumns::files() {
   std::vector<std::string> files;
   for (const ColumnFile* table : tables()) {

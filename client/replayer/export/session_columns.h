@@ -31,12 +31,8 @@ class SessionColumns {
   void Flush();
   /// Writes what still waits for its pose, and closes all tables.
   void Close();
-  /// Files of all tables, those that never get a row among them.
-  std::vector<std::string> names();
   /// Those of the tables that have a row, once it is closed.
   std::vector<std::string> files();
-  std::uint64_t poses() const { return poses_.rows(); }
-  std::uint64_t wrenches() const { return wrenches_.rows(); }
 
  private:
   struct Waiting {

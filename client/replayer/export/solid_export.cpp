@@ -91,25 +91,21 @@ std::string ToPly(const SolidSurface& surface, const std::vector<Material>& mate
 /// What is made, file by file, and looks at Ctrl-C before each.
 class Files {
  public:
-  Files(ExportFolder& folder, const std::string& name, const StopSignal& stop)
-      : folder_(folder), name_(name), stop_(stop) {}
+  Files(fs::path folder, const std::string& name, const StopSignal& stop)
+      : folder_(std::move(folder)), name_(name), stop_(stop) {}
 
-  void MakeFolder(const fs::path& folder) { fs::create_directory(Make(folder)); }
   void Write(const fs::path& file, const std::string& bytes) {
-    WriteOutput("-o", Make(file).string(), bytes);
+    if (stop_.stopped()) {
+      throw Error(name_ + ": stopped before it was whole; nothing is left of it");
+    }
+    fs::create_directories((folder_ / file).parent_path());
+    WriteOutput("-o", folder_ / file, bytes);
     files_.push_back(file.string());
   }
   const std::vector<std::string>& files() const { return files_; }
 
  private:
-  fs::path Make(const fs::path& path) {
-    if (stop_.stopped()) {
-      throw Error(name_ + ": stopped before it was whole; nothing is left of it");
-    }
-    return folder_.Make(folder_.path() / path);
-  }
-
-  ExportFolder& folder_;
+  const fs::path folder_;
   const std::string& name_;
   const StopSignal& stop_;
   std::vector<std::string> files_;
@@ -159,23 +155,21 @@ Verification Recompute(const SolidExportOptions& options, const StopSignal& stop
 }  // namespace
 
 void ExportSolids(const SolidExportOptions& options, StopSignal& stop) {
-  ExportFolder folder(options.folder, options.overwrite);
+  ExportFolder folder(options.folder);
   const Verification verification = Recompute(options, stop);
-  Files files(folder, options.folder, stop);
+  Files files(folder.path(), options.folder, stop);
   for (std::size_t i = 0; i < verification.left.size(); ++i) {
     const SolidsCut& left = verification.left[i];
-    fs::path within;
-    if (verification.left.size() > 1) {
-      within = fmt::format("{}-{}", left.scene->name, i + 1);
-      files.MakeFolder(within);
-    }
-    WriteSolids(left, within, files);
+    const bool is_one_of_several = verification.left.size() > 1;
+    WriteSolids(left, is_one_of_several ? fmt::format("{}-{}", left.scene->name, i + 1) : "",
+                files);
   }
-  nlohmann::ordered_json methods{{"made_by", kExportMark}, {"recording", options.files}};
+  nlohmann::ordered_json methods{{"made_by", kExportMaker}, {"recording", options.files}};
   if (std::isfinite(options.at_s)) methods["at_s"] = options.at_s;
   methods["files"] = files.files();
-  methods["hashes"] = folder.HashesOf(files.files());
-  folder.Finish(methods.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+  WriteOutput("-o", folder.path() / "methods.json",
+              methods.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+  folder.Finish();
   std::printf("%s:", Printable(options.folder).c_str());
   for (const std::string& file : files.files()) std::printf(" %s", Printable(file).c_str());
   std::printf("\n");

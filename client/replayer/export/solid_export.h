@@ -11,7 +11,6 @@ namespace palpate {
 struct SolidExportOptions {
   std::vector<std::string> files;                         ///< of the recording
   std::string folder;                                     ///< to be made
-  bool overwrite = false;                                 ///< as ExportOptions
   double at_s = std::numeric_limits<double>::infinity();  ///< from its first sample; else its end
   std::string models_dir = {};                            ///< as LoadOptions
 };

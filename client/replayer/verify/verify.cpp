@@ -6,10 +6,7 @@
 #include <cstring>
 #include <deque>
 #include <map>
-#include <memory>
 #include <set>
-#include <utility>
-#include <vector>
 
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>

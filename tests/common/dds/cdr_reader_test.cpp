@@ -1,6 +1,5 @@
 #include "common/dds/cdr_reader.h"
 
-#include <algorithm>
 #include <chrono>
 #include <cstring>
 #include <thread>

@@ -7,7 +7,6 @@
 //   dds_peer bundle DOMAIN TOPIC BYTES at-once
 #include <chrono>
 #include <cstdint>
-#include <cstdio>
 #include <cstdlib>
 #include <numeric>
 #include <string>

@@ -1,6 +1,5 @@
 #include "common/program/command_line.h"
 
-#include <stdexcept>
 #include <vector>
 
 #include <gmock/gmock.h>

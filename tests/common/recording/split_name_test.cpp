@@ -1,10 +1,7 @@
 #include "common/recording/split_name.h"
 
-#include <filesystem>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/stat.h>
 
 #include "common/error.h"
 #include "tests/common/recording/samples.h"
@@ -16,11 +13,6 @@ using testing::ElementsAre;
 
 class SplitNameTest : public testing::Test {
  protected:
-  void Record(const std::string& name, double split_s = 0.0) {
-    RecordingWriter writer({.file = folder_ / name, .split_s = split_s});
-    Add(writer, dds::PoseTopic("hand", 1), SamplePose(1), 0);
-    writer.Close("");
-  }
   std::vector<std::size_t> Numbers() const {
     std::vector<std::size_t> numbers;
     for (const NamedSplit& split : FindSplits(folder_ / "lesson.mcap")) {
@@ -43,26 +35,8 @@ TEST_F(SplitNameTest, IsFoundAmongNamesThatAreLikeIt) {
   EXPECT_THAT(Numbers(), ElementsAre(0, 7, 1000));
 }
 
-TEST_F(SplitNameTest, IsASplitOnlyIfItSaysSo) {
-  const std::string lesson = folder_ / "lesson.mcap";
-  Record("lesson.mcap", 60.0);
-  const std::string split = folder_ / "lesson_000.mcap";
-  EXPECT_NO_THROW(CheckIsSplitOf(lesson, {split, 0}));
-  EXPECT_THROW(CheckIsSplitOf(lesson, {split, 1}), Error);
-  EXPECT_THROW(CheckIsSplitOf(folder_ / "other.mcap", {split, 0}), Error);
-  std::filesystem::create_symlink(split, folder_ / "lesson_001.mcap");
-  EXPECT_THROW(CheckIsSplitOf(lesson, {folder_ / "lesson_001.mcap", 0}), Error) << "a link";
-  Record("lesson_002.mcap");
-  EXPECT_THROW(CheckIsSplitOf(lesson, {folder_ / "lesson_002.mcap", 2}), Error)
-      << "a recording of its own";
-  WriteBytes(folder_ / "lesson_003.mcap", {1, 2, 3});
-  EXPECT_THROW(CheckIsSplitOf(lesson, {folder_ / "lesson_003.mcap", 3}), Error);
-  ASSERT_EQ(mkfifo((folder_ / "lesson_004.mcap").c_str(), 0600), 0);
-  EXPECT_THROW(CheckIsSplitOf(lesson, {folder_ / "lesson_004.mcap", 4}), Error);
-}
-
 TEST_F(SplitNameTest, IsReplacedOnlyWhereARecordingStands) {
-  Record("a.mcap");
+  RecordingWriter({.file = folder_ / "a.mcap"}).Close("");
   WriteBytes(folder_ / "thesis.pdf", {1, 2, 3});
   WriteBytes(folder_ / "empty.mcap", {});
   EXPECT_NO_THROW(CheckMayReplace(folder_ / "a.mcap"));

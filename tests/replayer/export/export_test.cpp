@@ -12,7 +12,6 @@
 #include <nlohmann/json.hpp>
 
 #include "client/replayer/export/export_folder.h"
-#include "client/replayer/export/methods.h"
 #include "common/error.h"
 #include "common/step_fault.h"
 #include "tests/common/recording/samples.h"
@@ -92,9 +91,7 @@ double AnyDouble(std::uint64_t& seed) {
 class ExportOf : public testing::Test {
  protected:
   Table Read(const std::string& table) const { return ReadCsv(out + "/" + table + ".csv"); }
-  void Run(bool overwrite = false) {
-    Export({.files = {recording}, .folder = out, .overwrite = overwrite}, stop);
-  }
+  void Run() { Export({.files = {recording}, .folder = out}, stop); }
   /// A recording of one pose.
   void Record() {
     RecordingWriter writer({.file = recording, .overwrite = true});
@@ -266,80 +263,29 @@ TEST_F(ExportOf, WritesNothingOfAnEmptyRecordingOrWhereItIsStopped) {
   EXPECT_FALSE(std::filesystem::exists(out + ".part"));
 }
 
-TEST_F(ExportOf, ReplacesAFormerExportAloneAndOnlyWhereAsked) {
+TEST_F(ExportOf, LeavesWhatIsThere) {
   Record();
-  Run();
-  EXPECT_THROW(Run(), Error);  // is there already
-  Run(true);
-
-  std::ofstream(out + "/thesis.txt") << "mine";
-  EXPECT_THROW(Run(true), Error);
-  EXPECT_EQ(ReadWholeFile(out + "/thesis.txt"), "mine");
+  std::filesystem::create_directory(out);
+  Run();  // in the place of an empty folder
+  EXPECT_THROW(Run(), Error);
   EXPECT_EQ(Read("hand_0000000000000005/poses").rows(), 1u);
-
-  std::filesystem::remove(out + "/thesis.txt");
-  std::filesystem::create_directory(out + "/drafts");
-  EXPECT_THROW(Run(true), Error) << "nobody's folder goes";
-  std::filesystem::remove(out + "/drafts");
-  Run(true);
-  std::filesystem::remove(out + "/methods.json");
-  EXPECT_THROW(Run(true), Error);  // no export, as far as anyone can tell
-}
-
-TEST_F(ExportOf, LeavesWhatSomebodyHasChangedInAFormerExport) {
-  Record();
-  for (const std::string name : {"hand_0000000000000005/poses.csv", "METHODS.md", "methods.json"}) {
-    const std::string file = out + "/" + name;
-    Run();
-    std::ofstream(file, std::ios::app) << " ";
-    const std::string changed = ReadWholeFile(file);
-    EXPECT_THROW(Run(true), Error) << name;
-    EXPECT_EQ(ReadWholeFile(file), changed);
-    std::filesystem::remove_all(out);
-  }
+  std::filesystem::remove_all(out);
+  std::filesystem::create_directory(out + ".part");
+  EXPECT_THROW(Run(), Error);
+  EXPECT_TRUE(std::filesystem::exists(out + ".part"));
 }
 
 TEST(ExportFolder, LeavesWhatComesWhileItGrows) {
   const Folder folder;
   const std::string out = folder / "out", part = out + ".part";
-  const auto make = [&](ExportFolder& made, const std::string& text) {
-    std::ofstream(made.Make(made.path() / "poses.csv")) << text;
-    const nlohmann::json hashes = made.HashesOf({"poses.csv"});
-    made.Finish(nlohmann::json{{"made_by", kExportMark}, {"hashes", hashes}}.dump(2) + "\n");
-  };
-  {
-    // Somebody has made the folder, and put something into it.
-    ExportFolder first(out, false);
-    std::filesystem::create_directory(out);
-    std::ofstream(out + "/thesis.txt") << "mine";
-    EXPECT_THROW(make(first, "1"), Error);
-  }
+  ExportFolder made(out);
+  std::ofstream(made.path() / "poses.csv") << "1";
+  // Somebody has made the folder, and put something into it.
+  std::filesystem::create_directory(out);
+  std::ofstream(out + "/thesis.txt") << "mine";
+  EXPECT_THROW(made.Finish(), Error);
   EXPECT_EQ(ReadWholeFile(out + "/thesis.txt"), "mine");
   EXPECT_EQ(ReadWholeFile(part + "/poses.csv"), "1") << "the work is not lost";
-  std::filesystem::remove_all(out);
-  std::filesystem::rename(part, out);
-  {
-    ExportFolder second(out, true);
-    std::ofstream(out + "/thesis.txt") << "mine";
-    EXPECT_THROW(make(second, "2"), Error);
-  }
-  EXPECT_EQ(ReadWholeFile(out + "/thesis.txt"), "mine");
-  EXPECT_EQ(ReadWholeFile(out + "/poses.csv"), "1") << "and the former export is whole";
-  EXPECT_EQ(ReadWholeFile(part + "/poses.csv"), "2");
-  std::filesystem::remove(out + "/thesis.txt");
-  std::filesystem::remove_all(part);
-  {
-    ExportFolder stopped(out, true);
-    std::ofstream(stopped.Make(stopped.path() / "poses.csv")) << "3";
-    std::ofstream(part + "/notes.txt") << "mine, too";
-  }
-  EXPECT_EQ(ReadWholeFile(part + "/notes.txt"), "mine, too");
-  EXPECT_FALSE(std::filesystem::exists(part + "/poses.csv"));
-  std::filesystem::remove_all(part);
-  ExportFolder last(out, true);
-  make(last, "4");
-  EXPECT_EQ(ReadWholeFile(out + "/poses.csv"), "4");
-  EXPECT_FALSE(std::filesystem::exists(part));
 }
 
 TEST_F(ExportOf, TellsInItsTextWhatANameIsAndNoMore) {

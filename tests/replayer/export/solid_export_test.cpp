@@ -59,7 +59,9 @@ Stl ReadStl(const std::string& file) {
 class SolidExport : public testing::Test {
  protected:
   void Run(double at_s = std::numeric_limits<double>::infinity()) {
-    ExportSolids({.files = {recording}, .folder = out, .overwrite = true, .at_s = at_s}, stop);
+    std::error_code ignored;
+    std::filesystem::remove_all(out, ignored);
+    ExportSolids({.files = {recording}, .folder = out, .at_s = at_s}, stop);
   }
   Folder folder;
   std::string recording = folder / "day.mcap", out = folder / "out";

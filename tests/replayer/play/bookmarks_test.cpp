@@ -1,6 +1,5 @@
 #include "client/replayer/play/bookmarks.h"
 
-#include <cmath>
 #include <filesystem>
 #include <utility>
 

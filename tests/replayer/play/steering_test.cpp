@@ -1,7 +1,6 @@
 // What a replay tells viewers of itself and takes from them, over DDS within this process.
 #include "client/replayer/play/steering.h"
 
-#include <cmath>
 #include <filesystem>
 #include <limits>
 
