@@ -467,7 +467,7 @@ Json ToJson(const ModelRun& run) {
 }
 
 Json ToJson(const std::vector<PeerRun>& runs) {
-  auto json = Json::Array();
+  auto json = Json::array();
   for (const PeerRun& run : runs) {
     Json one{{"id", run.id.empty() ? "palpate" : run.id}, {"name", run.name}};
     one.update(ToJson(static_cast<const Measured&>(run)));
@@ -486,13 +486,13 @@ Json ToJson(const ParetoResults& r) {
       {"human", {{"force_jnd", std::vector{kJndLow, kJndHigh}}}},
       {"chapter",
        {{"cube_mean_at_4096", kChapterCubeMean}, {"ellipsoid_max_at_512", kChapterEllipsoidMax}}}};
-  json["accuracy"] = Json::Array();
+  json["accuracy"] = Json::array();
   for (const SlideResult& s : r.slides) {
     Json one{{"object", s.object}, {"spheres", s.spheres}, {"triangles", s.triangles}};
     one.update(ToJson(static_cast<const ModelRun&>(s)));
     json["accuracy"].push_back(one);
   }
-  json["scenes"] = Json::Array();
+  json["scenes"] = Json::array();
   for (const SceneResult& s : r.scenes) {
     Json one{{"scene", s.scene}};
     if (!s.not_available.empty()) {
@@ -504,11 +504,11 @@ Json ToJson(const ParetoResults& r) {
                   {"steps", s.steps},
                   {"yields", s.yields}});
     }
-    one["runs"] = Json::Array();
+    one["runs"] = Json::array();
     for (const ModelRun& run : s.runs) one["runs"].push_back(ToJson(run));
     json["scenes"].push_back(one);
   }
-  json["features"] = {{"scene", r.feature_scene}, {"costs", Json::Array()}};
+  json["features"] = {{"scene", r.feature_scene}, {"costs", Json::array()}};
   for (const FeatureCost& f : r.features) {
     Json one{{"feature", f.feature}};
     one.update(ToJson(static_cast<const Measured&>(f)));
@@ -516,7 +516,7 @@ Json ToJson(const ParetoResults& r) {
     json["features"]["costs"].push_back(one);
   }
   auto& peers = json["peers"];
-  peers["known"] = Json::Array();
+  peers["known"] = Json::array();
   for (const PeerKind& kind : PeerKinds()) {
     peers["known"].push_back({{"id", kind.id},
                               {"name", kind.name},
@@ -530,7 +530,7 @@ Json ToJson(const ParetoResults& r) {
   peers["path"] = ToJson(r.peer_path);
   peers["slide"] = ToJson(r.peer_slide);
   peers["variants"] = ToJson(r.peer_variants);
-  json["goals"] = Json::Array();
+  json["goals"] = Json::array();
   for (const Goal& goal : Goals(r)) {
     Json one{
         {"what", goal.what}, {"of", goal.chapters ? "chapter" : "goal"}, {"bound", goal.bound}};
