@@ -2,6 +2,7 @@
 #include "tests/fuzz/targets/targets.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include "tests/fuzz/spoilt_bytes.h"
 #include "tests/support/optimised.h"
@@ -9,7 +10,15 @@
 namespace palpate::test {
 namespace {
 
-class FuzzTarget : public testing::TestWithParam<fuzz::Target> {};
+class FuzzTarget : public testing::TestWithParam<fuzz::Target> {
+ protected:
+  static void SetUpTestSuite() {
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+    const rlimit gigabyte{std::size_t{1} << 30, std::size_t{1} << 30};
+    setrlimit(RLIMIT_AS, &gigabyte);
+#endif
+  }
+};
 
 TEST_P(FuzzTarget, ComesBackFromAnything) {
   const std::vector<std::string> seeds = GetParam().seeds();
