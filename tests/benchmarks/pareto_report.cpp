@@ -348,7 +348,7 @@ void Features(Markdown& md, const ParetoResults& r) {
 void Peers(Markdown& md, const ParetoResults& r) {
   md.Heading(2, "Peers");
   md.Paragraph(
-      "Each in the same run, on the same meshes and hand poses. A peer that responds moves a body "
+      "Each in the same run, on the same meshes and hand poses. A peer moves a body "
       "of 0.1 kg that a spring and damper (1000 N/m, 1 N·m/rad, critically damped, 6 degrees of "
       "freedom) tie to the hand, one step a millisecond, without friction and gravity; its force "
       "is the spring's. A ball is the peer's own exact sphere. Times hold the peer's collision "
@@ -380,19 +380,11 @@ void Peers(Markdown& md, const ParetoResults& r) {
     rows.Print(md, "lrrrrrrr",
                {"", "best p50", "best p99.9", "penetration p50 [µm]", "p99 [µm]", "max [µm]",
                 "force in free space [N]", "greatest jump [N]"});
-    std::string apart;
-    for (const PeerRun& run : r.peer_path) {
-      if (!run.distance_min_um) continue;
-      apart += *run.distance_min_um == 0.0
-                   ? fmt::format(" {} finds the meshes overlapping somewhere on it.", run.name)
-                   : fmt::format(" {} finds the meshes nowhere nearer than {} µm.", run.name,
-                                 Number(*run.distance_min_um));
-    }
     md.Paragraph(fmt::format(
         "{} steps. *Force in free space* is the mean where the hand's own pose is free: force of a "
         "mesh that is not there, of a margin, or of inertia; or of a tool caught behind the "
-        "object.{}",
-        Thousands(r.peer_steps), apart));
+        "object.",
+        Thousands(r.peer_steps)));
   }
   if (!r.peer_slide.empty()) {
     md.Heading(3, "The slide along the cube");
@@ -471,7 +463,6 @@ Json ToJson(const std::vector<PeerRun>& runs) {
   for (const PeerRun& run : runs) {
     Json one{{"id", run.id.empty() ? "palpate" : run.id}, {"name", run.name}};
     one.update(ToJson(static_cast<const Measured&>(run)));
-    if (run.distance_min_um) one["distance_min_um"] = *run.distance_min_um;
     json.push_back(one);
   }
   return json;
