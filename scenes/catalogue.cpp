@@ -1,12 +1,18 @@
 #include "scenes/catalogue.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstdlib>
+#include <exception>
 #include <filesystem>
+#include <functional>
 #include <iomanip>
 #include <iostream>
 #include <map>
+#include <mutex>
+#include <numeric>
 #include <sstream>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -23,7 +29,6 @@
 #include "scenes/files/scene_file.h"
 #include "scenes/files/scene_size.h"
 #include "scenes/grid/solid_grid.h"
-#include "scenes/in_turn.h"
 #include "scenes/leaf_paint.h"
 #include "scenes/mesh/ambient_light.h"
 #include "scenes/mesh/curved_mesh.h"
@@ -182,36 +187,37 @@ Work WorkOf(const BodyDescription& body, const std::string& models_dir) {
   return {1.0 + 0.01 * triangles, (moved ? 6.0 : 1.0) * leaves + 0.005 * triangles};
 }
 
-/// How much of a scene is done, body after body: never less than before.
+/// How much of a scene is done, whichever of its bodies are being built: never less than before.
 class SceneProgress {
  public:
-  /// @param bodies  all that are built, in turn.
   SceneProgress(const std::vector<const BodyDescription*>& bodies, const LoadOptions& options)
-      : bodies_(bodies), options_(options) {
-    for (const BodyDescription* body : bodies) all_ += WorkOf(*body, options.models_dir).all();
-  }
-  void Begin(const BodyDescription& body) {
-    before_ += now_;
-    now_ = WorkOf(body, options_.models_dir).all();
-    ++count_;
-    who_ = body.name + ": ";
-    if (bodies_.size() > 1) {
-      who_ =
-          "body " + std::to_string(count_) + " of " + std::to_string(bodies_.size()) + ", " + who_;
+      : bodies_(bodies), progress_(options.progress), done_(bodies.size(), 0.0) {
+    for (const BodyDescription* body : bodies) {
+      work_.push_back(WorkOf(*body, options.models_dir).all());
     }
   }
-  /// @param fraction  of the body.
-  void Tell(std::string_view stage, double fraction) {
-    shown_ = std::max(shown_, (before_ + now_ * fraction) / all_);
-    if (options_.progress) options_.progress(who_ + std::string(stage), shown_);
+  /// In any thread.
+  /// @param fraction  of the n-th body.
+  void Tell(std::size_t n, std::string_view stage, double fraction) {
+    if (!progress_) return;
+    std::string who = bodies_[n]->name + ": ";
+    if (bodies_.size() > 1) {
+      who = "body " + std::to_string(n + 1) + " of " + std::to_string(bodies_.size()) + ", " + who;
+    }
+    const std::lock_guard lock(mutex_);
+    done_[n] = std::max(done_[n], work_[n] * fraction);
+    progress_(who.append(stage), Sum(done_) / Sum(work_));
   }
 
  private:
-  std::vector<const BodyDescription*> bodies_;
-  const LoadOptions& options_;
-  double all_ = 0.0, before_ = 0.0, now_ = 0.0, shown_ = 0.0;
-  std::size_t count_ = 0;
-  std::string who_;
+  static double Sum(const std::vector<double>& all) {
+    return std::accumulate(all.begin(), all.end(), 0.0);
+  }
+
+  const std::vector<const BodyDescription*>& bodies_;
+  const Progress& progress_;
+  std::vector<double> work_, done_;
+  std::mutex mutex_;
 };
 
 Shape MakeShape(const BodyDescription& description, const LoadOptions& options,
@@ -346,6 +352,67 @@ std::size_t BodiesAtOnce(const LoadOptions& options) {
                                     : std::max(std::thread::hardware_concurrency(), 1u);
 }
 
+/// A body's shape as it was made in a thread, and what there is to say of it.
+struct MadeShape {
+  Shape shape;
+  std::vector<std::function<void()>> said;
+  std::exception_ptr failed;
+
+  /// Says it, and throws what the making threw.
+  void Tell() {
+    for (const auto& say : std::exchange(said, {})) say();
+    if (failed) std::rethrow_exception(failed);
+  }
+};
+
+/// Bodies have nothing to do with each other: several are made at once.  What comes after one that
+/// fails need not be there.
+std::vector<MadeShape> MakeShapes(const std::vector<const BodyDescription*>& bodies,
+                                  const LoadOptions& options) {
+  struct NobodyTakesIt {};
+  std::vector<MadeShape> all(bodies.size());
+  SceneProgress progress(bodies, options);
+  std::atomic<std::size_t> next = 0, end = bodies.size();
+  const auto make = [&](std::size_t n) {
+    MadeShape& made = all[n];
+    LoadOptions saying = options;
+    saying.warn = [&](const std::string& what) {
+      made.said.emplace_back([&options, what] { Warn(options, what); });
+    };
+    saying.tell = [&](const std::string& what) {
+      made.said.emplace_back([&options, what] { Tell(options, what); });
+    };
+    const auto tell = [&](std::string_view stage, double fraction) {
+      if (n >= end) throw NobodyTakesIt();
+      progress.Tell(n, stage, fraction);
+    };
+    made.shape = MakeShape(*bodies[n], saying, tell);
+    tell("done", 1.0);
+  };
+  const auto make_some = [&] {
+    for (std::size_t n = next++; n < end; n = next++) {
+      try {
+        make(n);
+      } catch (...) {
+        all[n].failed = std::current_exception();
+        for (std::size_t last = end; n < last && !end.compare_exchange_weak(last, n + 1);) {
+        }
+      }
+    }
+  };
+  std::vector<std::jthread> helpers;
+  try {
+    while (helpers.size() + 1 < std::min(bodies.size(), BodiesAtOnce(options))) {
+      helpers.emplace_back(make_some);
+    }
+  } catch (const std::system_error&) {
+    // Fewer will do.
+  }
+  make_some();
+  helpers.clear();  // waits for them
+  return all;
+}
+
 Scene Compile(const SceneDescription& description, const LoadOptions& options) {
   Scene scene;
   scene.name = description.name;
@@ -354,21 +421,7 @@ Scene Compile(const SceneDescription& description, const LoadOptions& options) {
   scene.features = description.features;
   scene.first_sight = description.first_sight;
   const std::vector<const BodyDescription*> distinct = DistinctBodies(description);
-  SceneProgress progress(distinct, options);
-  // Bodies have nothing to do with each other.  What is said of them is said here, in turn.
-  InTurn<Shape> shapes(distinct.size(), BodiesAtOnce(options), [&](std::size_t n, const auto& say) {
-    const BodyDescription& from = *distinct[n];
-    LoadOptions saying = options;
-    saying.warn = [&](const std::string& what) { say([&, what] { Warn(options, what); }); };
-    saying.tell = [&](const std::string& what) { say([&, what] { Tell(options, what); }); };
-    const auto tell = [&](std::string_view stage, double fraction) {
-      say([&progress, stage = std::string(stage), fraction] { progress.Tell(stage, fraction); });
-    };
-    say([&progress, &from] { progress.Begin(from); });
-    Shape made = MakeShape(from, saying, tell);
-    tell("done", 1.0);
-    return made;
-  });
+  std::vector<MadeShape> shapes = MakeShapes(distinct, options);
   const auto number_of = [&](const BodyDescription& body) {
     const auto same = std::ranges::find_if(
         distinct, [&](const BodyDescription* other) { return SameGeometry(body, *other); });
@@ -378,12 +431,12 @@ Scene Compile(const SceneDescription& description, const LoadOptions& options) {
   for (const auto* bodies : {&description.tools, &description.objects}) {
     for (const BodyDescription& body : *bodies) ++users[number_of(body)];
   }
-  std::vector<Shape> done;
   SceneSize size;
   const auto compile = [&](const BodyDescription& from) {
     const std::size_t number = number_of(from);
-    if (number == done.size()) done.push_back(shapes.Take());  // two bunnies are built once
-    Shape shape = --users[number] > 0 ? done[number] : std::move(done[number]);
+    MadeShape& made = shapes[number];  // two bunnies are built once
+    made.Tell();
+    Shape shape = --users[number] > 0 ? made.shape : std::move(made.shape);
     About(from.mesh.where, [&] { size.Add(from.name, shape.mesh, shape.tree); });
     Body body;
     body.name = from.name;

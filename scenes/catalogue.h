@@ -26,13 +26,14 @@ struct LoadOptions {
   /// cached.
   std::optional<TreeSource> tree_file;
   /// Of the whole scene, never going back; stages are "body 2 of 5, name: stage".  Only while
-  /// something is built, or a mesh that is named in place of a scene is read.
+  /// something is built, or a mesh that is named in place of a scene is read.  In the threads that
+  /// build, one at a time.
   Progress progress;
   /// Told what went wrong and was mended, such as a broken cache file.  Default: to standard error.
   std::function<void(const std::string&)> warn;
   /// So many are built at once, in threads; 0: as many as there are cores.  Whatever it is, the
-  /// scene is the same, and so is what is told of it and complained of, in the order of the scene
-  /// file and in the caller's thread.
+  /// scene is the same, and so is what is told of it, warned and complained of, in the order of the
+  /// scene file and in the caller's thread.
   std::size_t bodies_at_once = 0;
   MeshSceneOptions mesh;  ///< where a mesh file is named in place of a scene
   /// Told what was assumed of such a mesh, and how a tree from a file was brought to its mesh.

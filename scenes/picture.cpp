@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/error.h"
+#include "scenes/files/scene_bundle.h"
 #include "scenes/picture_canvas.h"
 #include "scenes/picture_tile.h"
 
@@ -31,11 +32,6 @@ void Place(Canvas& picture, const Tile& tile, int column, int row, const std::st
   picture.Write(label, x + 16, y + Tile::kSide - 30);
 }
 
-bool SameShape(const Body& a, const Body& b) {
-  return a.mesh.triangles == b.mesh.triangles && a.mesh.vertices == b.mesh.vertices &&
-         a.tree.leaf_radius == b.tree.leaf_radius;
-}
-
 }  // namespace
 
 void DrawScene(const Scene& scene, std::optional<int> level, const std::string& png_file) {
@@ -44,7 +40,7 @@ void DrawScene(const Scene& scene, std::optional<int> level, const std::string& 
   for (const auto* list : {&scene.tools, &scene.objects}) {
     for (const Body& body : *list) {
       if (std::any_of(bodies.begin(), bodies.end(),
-                      [&](const Body* other) { return SameShape(*other, body); })) {
+                      [&](const Body* other) { return SameGeometry(*other, body); })) {
         continue;
       }
       bodies.push_back(&body);

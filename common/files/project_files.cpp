@@ -23,8 +23,6 @@ Places PlacesOf(ProjectFile file) {
       return {"models/node_modules", "build/models/node_modules"};
     case ProjectFile::kSharedMemory:
       return {"roudi.toml", "deploy/cyclonedds/roudi.toml"};
-    case ProjectFile::kHeldHand:
-      return {"hold.json", "tests/link/hold.json"};
     case ProjectFile::kDevicePages:
       return {"../doc/palpate-common/devices", "devices"};
     case ProjectFile::kRealTimePage:

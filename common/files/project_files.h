@@ -11,7 +11,6 @@ enum class ProjectFile {
   kPage,          ///< folder of the built web page
   kModels,        ///< folder of npm's packages with meshes
   kSharedMemory,  ///< iox-roudi's pools
-  kHeldHand,      ///< script of a hand that presses and holds, for palpate-bench
   kDevicePages,   ///< folder of the pages about arms, which messages name
   kRealTimePage,  ///< page about what a host needs for 1 kHz
   kPlots,         ///< script that draws the pictures of palpate-bench's reports

@@ -28,12 +28,6 @@ struct Measured {
   const Body* same = nullptr;  ///< an earlier one of the same geometry
 };
 
-bool SameGeometry(const Body& a, const Body& b) {
-  return a.mesh.vertices == b.mesh.vertices && a.mesh.triangles == b.mesh.triangles &&
-         a.tree.leaf_x == b.tree.leaf_x && a.tree.leaf_y == b.tree.leaf_y &&
-         a.tree.leaf_z == b.tree.leaf_z && a.tree.leaf_radius == b.tree.leaf_radius;
-}
-
 std::vector<Measured> MeasureBodies(const Scene& scene, std::size_t samples) {
   std::vector<Measured> all;
   for (const auto* bodies : {&scene.tools, &scene.objects}) {

@@ -50,17 +50,6 @@ bool SameBytes(const std::vector<T>& a, const std::vector<T>& b) {
          (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
-bool SameGeometry(const Body& a, const Body& b) {
-  const SphereTree& s = a.tree;
-  const SphereTree& t = b.tree;
-  return SameBytes(a.mesh.vertices, b.mesh.vertices) &&
-         SameBytes(a.mesh.triangles, b.mesh.triangles) && SameBytes(s.leaf_x, t.leaf_x) &&
-         SameBytes(s.leaf_y, t.leaf_y) && SameBytes(s.leaf_z, t.leaf_z) &&
-         SameBytes(s.leaf_radius, t.leaf_radius) && SameBytes(s.packets, t.packets) &&
-         s.level_begin == t.level_begin && s.leaf_triangle_begin == t.leaf_triangle_begin &&
-         s.leaf_triangle == t.leaf_triangle && s.centroid == t.centroid;
-}
-
 wire::Vec3 ToWire(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
 }
@@ -526,6 +515,17 @@ Header ReadHeader(std::span<const std::uint8_t> bytes, const std::string& source
 }
 
 }  // namespace
+
+bool SameGeometry(const Body& a, const Body& b) {
+  const SphereTree& s = a.tree;
+  const SphereTree& t = b.tree;
+  return SameBytes(a.mesh.vertices, b.mesh.vertices) &&
+         SameBytes(a.mesh.triangles, b.mesh.triangles) && SameBytes(s.leaf_x, t.leaf_x) &&
+         SameBytes(s.leaf_y, t.leaf_y) && SameBytes(s.leaf_z, t.leaf_z) &&
+         SameBytes(s.leaf_radius, t.leaf_radius) && SameBytes(s.packets, t.packets) &&
+         s.level_begin == t.level_begin && s.leaf_triangle_begin == t.leaf_triangle_begin &&
+         s.leaf_triangle == t.leaf_triangle && s.centroid == t.centroid;
+}
 
 std::uint64_t HashBytes(std::string_view bytes, std::uint64_t seed) {
   return XXH64(bytes.data(), bytes.size(), seed);

@@ -31,6 +31,9 @@ std::vector<std::uint8_t> PackScene(const Scene& scene, std::uint64_t content_ke
 /// @param source  names the bytes in messages.
 Scene UnpackScene(std::span<const std::uint8_t> bytes, const std::string& source);
 
+/// Whether two bodies are one geometry in a bundle: mesh and tree are the same bits.
+bool SameGeometry(const Body& a, const Body& b);
+
 /// The key that PackScene was given.  Throws Error like UnpackScene, for the header.
 std::uint64_t ContentKey(std::span<const std::uint8_t> bytes, const std::string& source);
 

@@ -9,6 +9,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "scenes/mesh/disjoint_sets.h"
+
 namespace palpate {
 namespace {
 
@@ -164,32 +166,27 @@ void Patches::SetNormals() {
     const auto& v = triangles[t];
     return 3 * t + (place_of_[v[0]] == place ? 0u : place_of_[v[1]] == place ? 1u : 2u);
   };
-  Indices parent(3 * triangles.size());
-  std::iota(parent.begin(), parent.end(), 0u);
-  const auto root = [&](std::uint32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
+  DisjointSets corners(3 * triangles.size());
   for (std::size_t e = 0; e < kind_.size(); ++e) {
     if (kind_[e] != Kind::kSmooth) continue;
     const Side& a = sides_[edge_begin_[e]];
     const Side& b = sides_[edge_begin_[e] + 1];
     for (const std::uint32_t place : {a.low, a.high}) {
-      parent[root(corner_at(a.triangle, place))] = root(corner_at(b.triangle, place));
+      corners.Join(corner_at(a.triangle, place), corner_at(b.triangle, place));
     }
   }
-  std::vector<Vec3> sum(parent.size(), Vec3::Zero());
+  std::vector<Vec3> sum(3 * triangles.size(), Vec3::Zero());
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     if (face_[t].isZero(0.0)) continue;
     for (std::uint32_t c = 0; c < 3; ++c) {
       const Vec3 u = At(triangles[t][(c + 1) % 3]) - At(triangles[t][c]);
       const Vec3 v = At(triangles[t][(c + 2) % 3]) - At(triangles[t][c]);
-      sum[root(3 * t + c)] += u.cross(v) / (u.squaredNorm() * v.squaredNorm());
+      sum[corners.Find(3 * t + c)] += u.cross(v) / (u.squaredNorm() * v.squaredNorm());
     }
   }
   normal_.resize(triangles.size());
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    for (std::uint32_t c = 0; c < 3; ++c) normal_[t][c] = UnitOrZero(sum[root(3 * t + c)]);
+    for (std::uint32_t c = 0; c < 3; ++c) normal_[t][c] = UnitOrZero(sum[corners.Find(3 * t + c)]);
   }
 }
 

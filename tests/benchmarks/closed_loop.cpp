@@ -72,7 +72,7 @@ std::vector<double> Each(const Rows& rows, Figure figure) {
 }
 
 Json ToJson(const Curve& c, double stiffness_N_per_m) {
-  Json stable = Json::Array();
+  Json stable = Json::array();
   for (const ClosedLoopFigures& figures : c.asked) stable.push_back(figures.stable);
   return {{"local_model", c.local_model},
           {"passivity", c.passivity},
@@ -135,7 +135,7 @@ Json ToJson(const SlideErrors& errors) {
 }
 
 Json ToJson(const std::vector<DelayedSlides>& all) {
-  Json json = Json::Array();
+  Json json = Json::array();
   for (const DelayedSlides& slides : all) {
     Json row{{"delay_ms", slides.delay_ms}};
     row.update(ToJson(slides.all));

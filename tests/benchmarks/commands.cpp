@@ -22,10 +22,6 @@ void AddRepeats(const CommandLine& command, int& repeats) {
   Add(command, "--repeats", repeats, "Identical runs; 'best' is the least of each step").Positive();
 }
 
-void AddTransport(const CommandLine& command, std::string& transport) {
-  Add(command, "--transport", transport, "shm or udp").OneOf({"shm", "udp"});
-}
-
 Option AddTreeFile(const CommandLine& command, const char* usual_unit, TreeSource& source) {
   source.where = "--tree";
   const Option file =

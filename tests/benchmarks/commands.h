@@ -37,7 +37,6 @@ void AddJson(const CommandLine& command, std::string& file);
 void AddModels(const CommandLine& command, std::string& folder);
 void AddPathSteps(const CommandLine& command, std::optional<int>& steps);
 void AddRepeats(const CommandLine& command, int& repeats);
-void AddTransport(const CommandLine& command, std::string& transport);
 /// --tree FILE.sph, --level and --unit, which bring a tree of the Sphere-Tree Construction Toolkit
 /// beside ours.
 /// @param usual_unit  what the file's numbers mean where --unit is left out, for --help.
@@ -49,12 +48,9 @@ void AddAccuracy(const CommandLine& app);
 void AddClosedLoop(const CommandLine& app);
 void AddCut(const CommandLine& app);
 void AddCycle(const CommandLine& app);
-/// `domain` is read when the command runs.
-void AddDeadServer(const CommandLine& app, const int& domain);
 void AddHands(const CommandLine& app);
 void AddLevels(const CommandLine& app);
-void AddLimiter(const CommandLine& app);
-/// As there.
+/// `domain` is read when the command runs.
 void AddLoop(const CommandLine& app, const int& domain);
 void AddPareto(const CommandLine& app);
 void AddProbe(const CommandLine& app);

@@ -96,7 +96,7 @@ Json MeasureVolume(const Case& c) {
   json["plunge_error"] = plunge;
   std::string line =
       fmt::format("{:>5.0f} {:<26} {:>8.3f}", 1e6 * c.spacing, c.direction.name, 100.0 * plunge);
-  auto grooves = Json::Array();
+  auto grooves = Json::array();
   for (const double depth : {-0.15e-3, -0.05e-3, 0.0, 0.1e-3}) {
     CutField cut(block, kMostBytes, "block");
     const Vec3 from(-0.5 * kGroove, 0, -depth);
@@ -308,7 +308,7 @@ Json MeasureRemoval(double spacing, double radius, double length, int repeats) {
 void Run(const Options& options) {
   if (!options.fit.empty()) return RunCutFit(options.fit, options.json);
   if (!options.scene.empty()) return RunCutScene(options);
-  auto volumes = Json::Array(), forces = Json::Array();
+  auto volumes = Json::array(), forces = Json::array();
   fmt::print(stderr,
              "removed volume over the capsule's, less 1 [%]: plunge, and grooves whose axis lies "
              "below the face by\n{:>5} {:<26} {:>8} {:>8} {:>8} {:>8} {:>8}\n",
@@ -345,7 +345,7 @@ void Run(const Options& options) {
     cases.push_back({.spacing = spacing, .samples = samples, .rate = 4000});
   }
   for (const Case& c : cases) forces.push_back(MeasureForce(c, options.repeats));
-  auto removals = Json::Array();
+  auto removals = Json::array();
   fmt::print(
       stderr,
       "\nremoval by greater burs [us]: grid, diameter x length [mm] (0: a ball), p50, p99.9\n");

@@ -103,14 +103,14 @@ std::vector<FeedForce> ReadFeedForces(const std::string& file) {
 
 void RunCutFit(const std::string& file, const std::string& json) {
   const std::vector<FeedForce> points = ReadFeedForces(file);
-  auto rows = Json::Array();
+  auto rows = Json::array();
   for (const FittedLaw& law : FitLaw(points)) {
     fmt::print(stderr,
                "{}: \"cutting_pressure_MPa\": {:.4g}, \"cutting_viscosity_MPa_s_per_mm\": {:.4g}; "
                "residual {:.3g} N rms\n{:>10} {:>10} {:>10} {:>10}\n",
                law.material, 1e-6 * law.pressure, 1e-9 * law.viscosity, law.residual, "feed mm/s",
                "force N", "law N", "residual");
-    auto residuals = Json::Array();
+    auto residuals = Json::array();
     for (const FeedForce& p : points) {
       if (p.material != law.material) continue;
       const double residual = p.force - LawOf(law, p);

@@ -178,7 +178,7 @@ void WriteSweep(const Scene& scene, const HapticModel& model, const Cut& cut,
   const BurProfile& bur = *scene.tools.front().bur;
   std::vector<std::vector<double>> curve;
   for (const auto& [rho, z] : bur.curve) curve.push_back({rho, z});
-  Json solids = Json::Array();
+  Json solids = Json::array();
   for (const CutSolid& solid : model.solids()) {
     std::vector<std::vector<double>> vertices, way;
     std::vector<std::vector<int>> triangles;
@@ -373,7 +373,7 @@ Scene WithBur(Scene scene, const std::string& name) {
 }
 
 void RunBurs(const Scene& scene, const CutSceneOptions& options) {
-  auto rows = Json::Array();
+  auto rows = Json::array();
   fmt::print(stderr,
              "burs, plunge and groove: cut [mm3], volume and work, errors [%]; surface [um] rms, "
              "most; change of force in 1 ms [N]; turned grid [%]; step [us]\n"

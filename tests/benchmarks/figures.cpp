@@ -60,7 +60,7 @@ void Progress(const std::string& line) {
 }
 
 void WriteJson(const std::string& file, const Json& json) {
-  WriteOutput("--json", file, json.Text() + "\n");
+  WriteOutput("--json", file, json.dump(2) + "\n");
 }
 
 }  // namespace palpate::bench

@@ -4,9 +4,12 @@
 #include <string>
 #include <vector>
 
-#include "tests/benchmarks/json.h"
+#include <nlohmann/json.hpp>
 
 namespace palpate::bench {
+
+/// What a command writes: members stay in the order in which they came.
+using Json = nlohmann::ordered_json;
 
 /// The four figures that stand for a sample: {"p50", "p99", "p999", "max"} by nearest rank.
 struct Percentiles {

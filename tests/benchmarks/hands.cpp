@@ -89,7 +89,7 @@ void RunSeeds(const Options& options, const Scene& scene) {
       options.scene, NameOf(scene.features.contact), NameOf(scene.features.friction),
       options.hand.steps, options.hand.speed, "seed", "meet, %", "deep, um", "arrived, %", "never",
       "notches", "ledges", "F rms, N", "jump, N", "unexplained", "4 kHz, %", "settled, %");
-  Json rows = Json::Array();
+  Json rows = Json::array();
   for (const Seed& s : seeds) {
     const test::ContactFigures& f = s.figures;
     const double settled = static_cast<double>(f.settling.within_50ms) /

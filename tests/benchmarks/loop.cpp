@@ -392,7 +392,7 @@ void AddLoop(const CommandLine& app, const int& domain) {
       "alternating in one run.  Starts the server, and iox-roudi where shared memory needs one.\n"
       "Example: palpate-bench loop --transport shm --seconds 20");
   const auto common = [](const CommandLine& to, std::string& transport, std::string& realtime) {
-    AddTransport(to, transport);
+    Add(to, "--transport", transport, "shm or udp").OneOf({"shm", "udp"});
     Add(to, "--realtime", realtime, "Of server, echo and this: require, prefer or off")
         .OneOf({"require", "prefer", "off"});
   };

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "common/program/machine.h"
-#include "tests/benchmarks/json.h"
+#include "tests/benchmarks/figures.h"
 
 namespace palpate::bench {
 

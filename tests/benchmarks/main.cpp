@@ -16,18 +16,15 @@ int Main(int argc, char** argv) {
   app.Fallthrough();
   int domain = dds::kMaxDomain;
   std::string log_level = "info";
-  AddCommonOptions(app, "DDS domain of loop and dead-server: one that nothing else uses", domain,
-                   log_level);
+  AddCommonOptions(app, "DDS domain of loop: one that nothing else uses", domain, log_level);
   // Before the commands' callbacks, which run them.
   app.BeforeCommands([&] { SetUpLog("palpate-bench", log_level); });
   AddAccuracy(app);
   AddClosedLoop(app);
   AddCut(app);
   AddCycle(app);
-  AddDeadServer(app, domain);
   AddHands(app);
   AddLevels(app);
-  AddLimiter(app);
   AddLoop(app, domain);
   AddPareto(app);
   AddProbe(app);

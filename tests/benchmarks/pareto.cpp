@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <optional>
 
@@ -347,9 +346,8 @@ class Pareto {
           scene.features = FeatureOptions{contact, "off"}.features();
           SceneRun palpate(std::move(scene), loaded_->poses);
           const TimedRun timed = TimeRun(palpate, repeats(), stop_);
-          free_poses_ = PosesOf(timed.steps);
           run.speed = timed.speed;
-          run.path = loaded_->judge->Judge(free_poses_, ForcesOf(timed.steps));
+          run.path = loaded_->judge->Judge(PosesOf(timed.steps), ForcesOf(timed.steps));
         });
         results_.peer_path.push_back(run);
       });
@@ -362,7 +360,6 @@ class Pareto {
     Plan("the peers' slide", [this] { MeasurePeerSlide(); });
     if (options_.quick) return;
     for (const PeerKind& kind : peers_) {
-      if (!kind.responds) continue;
       for (const PeerSettings& settings : {PeerSettings{0.1, 1}, PeerSettings{0.1, 4},
                                            PeerSettings{0.02, 1}, PeerSettings{1.0, 1}}) {
         Plan(kind.name + " set otherwise", [this, &kind, settings] {
@@ -381,20 +378,12 @@ class Pareto {
     run.id = kind.id;
     run.name = kind.name + (kind.convex ? " (hulls)" : "");
     OrReason(run.not_available, [&] {
-      // One that only measures is asked where Palpate's tool is.
-      const std::vector<Pose>& poses = kind.responds ? loaded_->poses : free_poses_;
-      if (poses.empty()) throw Error("Palpate's own poses, that it measures at, are not available");
+      const std::vector<Pose>& poses = loaded_->poses;
       const TimedPeer timed = TimePeer(kind, ForPeers(loaded_->scene),
                                        std::span(poses).first(std::min(steps, poses.size())),
                                        settings, std::min(repeats(), 3), stop_);
       run.speed = timed.speed;
-      if (kind.responds) {
-        run.path = loaded_->judge->Judge(PosesOf(timed.steps), ForcesOf(timed.steps));
-        return;
-      }
-      double least = std::numeric_limits<double>::infinity();
-      for (const PeerStep& step : timed.steps) least = std::min(least, step.distance.value());
-      run.distance_min_um = 1e6 * least;
+      run.path = loaded_->judge->Judge(PosesOf(timed.steps), ForcesOf(timed.steps));
     });
     return run;
   }
@@ -428,7 +417,6 @@ class Pareto {
       });
     }
     for (const PeerKind& kind : peers_) {
-      if (!kind.responds) continue;
       PeerRun run;
       run.id = kind.id;
       run.name = kind.name;
@@ -455,7 +443,6 @@ class Pareto {
   std::vector<Task> tasks_;
   ParetoResults results_;
   std::unique_ptr<Loaded> loaded_;
-  std::vector<Pose> free_poses_;  ///< where Palpate's tool went on the peers' path
 };
 
 }  // namespace
@@ -472,7 +459,7 @@ void AddPareto(const CommandLine& app) {
   Add(command, "--out", options->out, "Folder to write to; made where it is missing").Required();
   command.AddFlag("--quick", options->quick, "Few scenes, short paths, few repeats");
   Add(command, "--peers", options->peers,
-      "all (as if left out), none, or some of bullet,ode,fcl,mujoco with commas");
+      "all (as if left out), none, or some of bullet,ode,mujoco with commas");
   Add(command, "--scenes", options->scenes,
       "Catalogue names or scene files, with commas (default: the whole catalogue)");
   Add(command, "--repeats", options->repeats, "Identical runs (default: 5; quick: 2)").Positive();

@@ -348,7 +348,7 @@ void Features(Markdown& md, const ParetoResults& r) {
 void Peers(Markdown& md, const ParetoResults& r) {
   md.Heading(2, "Peers");
   md.Paragraph(
-      "Each in the same run, on the same meshes and hand poses. A peer that responds moves a body "
+      "Each in the same run, on the same meshes and hand poses. A peer moves a body "
       "of 0.1 kg that a spring and damper (1000 N/m, 1 N·m/rad, critically damped, 6 degrees of "
       "freedom) tie to the hand, one step a millisecond, without friction and gravity; its force "
       "is the spring's. A ball is the peer's own exact sphere. Times hold the peer's collision "
@@ -380,19 +380,11 @@ void Peers(Markdown& md, const ParetoResults& r) {
     rows.Print(md, "lrrrrrrr",
                {"", "best p50", "best p99.9", "penetration p50 [µm]", "p99 [µm]", "max [µm]",
                 "force in free space [N]", "greatest jump [N]"});
-    std::string apart;
-    for (const PeerRun& run : r.peer_path) {
-      if (!run.distance_min_um) continue;
-      apart += *run.distance_min_um == 0.0
-                   ? fmt::format(" {} finds the meshes overlapping somewhere on it.", run.name)
-                   : fmt::format(" {} finds the meshes nowhere nearer than {} µm.", run.name,
-                                 Number(*run.distance_min_um));
-    }
     md.Paragraph(fmt::format(
         "{} steps. *Force in free space* is the mean where the hand's own pose is free: force of a "
         "mesh that is not there, of a margin, or of inertia; or of a tool caught behind the "
-        "object.{}",
-        Thousands(r.peer_steps), apart));
+        "object.",
+        Thousands(r.peer_steps)));
   }
   if (!r.peer_slide.empty()) {
     md.Heading(3, "The slide along the cube");
@@ -467,11 +459,10 @@ Json ToJson(const ModelRun& run) {
 }
 
 Json ToJson(const std::vector<PeerRun>& runs) {
-  auto json = Json::Array();
+  auto json = Json::array();
   for (const PeerRun& run : runs) {
     Json one{{"id", run.id.empty() ? "palpate" : run.id}, {"name", run.name}};
     one.update(ToJson(static_cast<const Measured&>(run)));
-    if (run.distance_min_um) one["distance_min_um"] = *run.distance_min_um;
     json.push_back(one);
   }
   return json;
@@ -486,13 +477,13 @@ Json ToJson(const ParetoResults& r) {
       {"human", {{"force_jnd", std::vector{kJndLow, kJndHigh}}}},
       {"chapter",
        {{"cube_mean_at_4096", kChapterCubeMean}, {"ellipsoid_max_at_512", kChapterEllipsoidMax}}}};
-  json["accuracy"] = Json::Array();
+  json["accuracy"] = Json::array();
   for (const SlideResult& s : r.slides) {
     Json one{{"object", s.object}, {"spheres", s.spheres}, {"triangles", s.triangles}};
     one.update(ToJson(static_cast<const ModelRun&>(s)));
     json["accuracy"].push_back(one);
   }
-  json["scenes"] = Json::Array();
+  json["scenes"] = Json::array();
   for (const SceneResult& s : r.scenes) {
     Json one{{"scene", s.scene}};
     if (!s.not_available.empty()) {
@@ -504,11 +495,11 @@ Json ToJson(const ParetoResults& r) {
                   {"steps", s.steps},
                   {"yields", s.yields}});
     }
-    one["runs"] = Json::Array();
+    one["runs"] = Json::array();
     for (const ModelRun& run : s.runs) one["runs"].push_back(ToJson(run));
     json["scenes"].push_back(one);
   }
-  json["features"] = {{"scene", r.feature_scene}, {"costs", Json::Array()}};
+  json["features"] = {{"scene", r.feature_scene}, {"costs", Json::array()}};
   for (const FeatureCost& f : r.features) {
     Json one{{"feature", f.feature}};
     one.update(ToJson(static_cast<const Measured&>(f)));
@@ -516,7 +507,7 @@ Json ToJson(const ParetoResults& r) {
     json["features"]["costs"].push_back(one);
   }
   auto& peers = json["peers"];
-  peers["known"] = Json::Array();
+  peers["known"] = Json::array();
   for (const PeerKind& kind : PeerKinds()) {
     peers["known"].push_back({{"id", kind.id},
                               {"name", kind.name},
@@ -530,7 +521,7 @@ Json ToJson(const ParetoResults& r) {
   peers["path"] = ToJson(r.peer_path);
   peers["slide"] = ToJson(r.peer_slide);
   peers["variants"] = ToJson(r.peer_variants);
-  json["goals"] = Json::Array();
+  json["goals"] = Json::array();
   for (const Goal& goal : Goals(r)) {
     Json one{
         {"what", goal.what}, {"of", goal.chapters ? "chapter" : "goal"}, {"bound", goal.bound}};

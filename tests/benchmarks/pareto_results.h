@@ -69,7 +69,6 @@ struct FeatureCost : Measured {
 struct PeerRun : Measured {
   std::string id{};    ///< of PeerKind; empty: Palpate
   std::string name{};  ///< with what sets it apart, as "Bullet, 4 sub-steps"
-  std::optional<double> distance_min_um{};
 };
 
 struct ParetoResults {

@@ -73,7 +73,7 @@ void Run(const Options& options) {
   Json json{{"contact", options.features.contact},
             {"friction", options.features.friction},
             {"machine", ToJson(ThisMachine())},
-            {"cases", Json::Array()}};
+            {"cases", Json::array()}};
   long held = 0, total = 0, steps = 0, tunnelled = 0, nonfinite = 0;
   double penetration = 0.0;
   fmt::print(stderr, "{:<24} {:>9}  {:>12} {:>9} {:<4}  {:>9}  {}\n", "case", "steps", "figure",

@@ -142,7 +142,7 @@ struct Report {
     for (const BodyTreeError& body : result.bodies) {
       text += ToText(body);
       csv += ToCsv(body, result.mode, csv.empty());
-      Json measured = Json::Parse(ToJsonText(body));
+      Json measured = Json::parse(ToJsonText(body));
       if (one_body) {
         entry["levels"] = measured["levels"];
       } else {

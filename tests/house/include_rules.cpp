@@ -246,7 +246,6 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {
     // Peers, in tests/benchmarks/peers alone.
     {"btBulletDynamicsCommon.h", "Bullet"},
     {"BulletCollision/", "Bullet"},
-    {"fcl/", "FCL"},
     {"mujoco/", "MuJoCo"},
     {"ode/", "ODE"},
 };

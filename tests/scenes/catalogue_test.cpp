@@ -402,9 +402,15 @@ TEST_F(LoadedScene, TellsHowMuchOfTheWholeSceneIsDoneWithoutGoingBack) {
     const std::string body(stage.substr(0, stage.find(':')));
     if (bodies.empty() || bodies.back() != body) bodies.push_back(body);
   };
-  Load();
+  options_.use_cache = false;
+  options_.bodies_at_once = 1;
+  LoadScene(scene_, options_);
   EXPECT_DOUBLE_EQ(before, 1.0);
   EXPECT_THAT(bodies, ElementsAre("body 1 of 3, ball", "body 2 of 3, a", "body 3 of 3, b"));
+  before = 0.0;
+  options_.bodies_at_once = 3;
+  LoadScene(scene_, options_);
+  EXPECT_DOUBLE_EQ(before, 1.0);
 }
 
 TEST_F(LoadedScene, IsTheSameHoweverManyBodiesAreBuiltAtOnce) {
@@ -421,9 +427,6 @@ TEST_F(LoadedScene, IsTheSameHoweverManyBodiesAreBuiltAtOnce) {
   options_.use_cache = false;
   std::vector<std::string> said;
   const auto add = [&](const std::string& what) { said.push_back(what); };
-  options_.progress = [&](std::string_view stage, double done) {
-    add(std::to_string(done) + " " + std::string(stage));
-  };
   options_.warn = options_.tell = add;
   options_.bodies_at_once = 1;
   const std::vector<std::uint8_t> one = PackScene(LoadScene(scene_, options_));

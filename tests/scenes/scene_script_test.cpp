@@ -98,17 +98,8 @@ Playback Play(const std::string& name, double greatest_force) {
 
 /// What is left of each material of a solid [mm^3].
 std::array<double, SolidGrid::kMaterials> LeftOf(const CutField& cut) {
-  std::array<double, SolidGrid::kMaterials> left{};
-  const Lattice& lattice = cut.field().lattice();
-  const double voxel = 1e9 * std::pow(lattice.spacing, 3);
-  for (int k = 0; k < 8 * lattice.blocks[2]; ++k) {
-    for (int j = 0; j < 8 * lattice.blocks[1]; ++j) {
-      for (int i = 0; i < 8 * lattice.blocks[0]; ++i) {
-        const std::size_t material = cut.solid().Material(lattice.Point(i, j, k));
-        left[material] += voxel * cut.Left(i, j, k);
-      }
-    }
-  }
+  std::array<double, SolidGrid::kMaterials> left = cut.VolumeLeft();
+  for (double& volume : left) volume *= 1e9;
   return left;
 }
 

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <functional>
 #include <limits>
 
 #include "devices/wrench_limiter.h"
@@ -21,8 +20,6 @@ struct LimiterTally {
   double force_slew = 0.0;
   double torque_slew = 0.0;
   LimiterCounts counts;
-
-  double worst() const { return std::max({force, torque, force_slew, torque_slew}); }
 };
 
 /// Tries to get more out of a limiter than its limits allow, by three ways in turn:
@@ -36,10 +33,7 @@ class LimiterAdversary {
   LimiterAdversary(const WrenchLimits& limits, std::uint64_t seed)
       : limits_(limits), random_(seed), limiter_(limits) {}
 
-  /// @param progress  told now and then how many inputs were tried.
-  LimiterTally Run(std::uint64_t inputs, const std::function<void(std::uint64_t)>& progress = {}) {
-    constexpr std::uint64_t kTold = 1'000'000;
-    std::uint64_t told = 0;
+  LimiterTally Run(std::uint64_t inputs) {
     while (tally_.inputs < inputs) {
       AddCounts();
       limiter_ = WrenchLimiter(limits_);
@@ -62,7 +56,6 @@ class LimiterAdversary {
           Climb();
         }
       }
-      if (progress && tally_.inputs - told >= kTold) progress(told = tally_.inputs);
     }
     AddCounts();
     return tally_;

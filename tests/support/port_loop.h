@@ -33,10 +33,8 @@ struct PortLoopFigures {
   // Sum of applied wrench . way, held over each tick: positive is energy that the hand was given.
   double generated_J = 0.0;       ///< at the end, by the encoders
   double most_generated_J = 0.0;  ///< at its highest
-  double true_generated_J = 0.0;  ///< at the end, by the arm's true way
-  double true_most_generated_J = 0.0;
-  double absorbed_J = 0.0;     ///< the part of the ticks in which the hand gave
-  double most_change_N = 0.0;  ///< applied beside wanted, in contact, once ramped in
+  double absorbed_J = 0.0;        ///< the part of the ticks in which the hand gave
+  double most_change_N = 0.0;     ///< applied beside wanted, in contact, once ramped in
   double rms_change_N = 0.0;
   double rms_wanted_N = 0.0;
   double fastest_m_s = 0.0;  ///< of the handle
@@ -72,7 +70,7 @@ PortLoopFigures RunPortLoop(Limiter& limiter, const PortLoopCase& c) {
   std::vector<Answer> under_way;  // oldest first
   Answer newest{-1.0, -1.0, 0.0};
   double now = 0.0, dt = kTick;
-  double z = target(0.0), v = 0.0, speed = 0.0, last_read = encode(z), last_z = z;
+  double z = target(0.0), v = 0.0, speed = 0.0, last_read = encode(z);
   double held = 0.0;
   double squares = 0.0, wanted_squares = 0.0;
   std::int64_t contact_ticks = 0;
@@ -83,12 +81,8 @@ PortLoopFigures RunPortLoop(Limiter& limiter, const PortLoopCase& c) {
     speed += 0.386 * ((read - last_read) / dt - speed);  // a driver's low-pass of 100 Hz
     figures.generated_J += held * (read - last_read);
     figures.absorbed_J += std::max(0.0, -held * (read - last_read));
-    figures.true_generated_J += held * (z - last_z);
     figures.most_generated_J = std::max(figures.most_generated_J, figures.generated_J);
-    figures.true_most_generated_J =
-        std::max(figures.true_most_generated_J, figures.true_generated_J);
     last_read = read;
-    last_z = z;
 
     const double force = read < 0.0 ? -c.stiffness_N_per_m * read : 0.0;
     if (!(random.Uniform(0.0, 1.0) < c.loss)) {

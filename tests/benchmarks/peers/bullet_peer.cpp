@@ -101,7 +101,7 @@ class Bullet : public Peer {
       tool_->applyTorque(ToBullet(kUnits * kUnits * pull.torque));
       world_.stepSimulation(static_cast<btScalar>(1e-3 / substeps_), 0);
     }
-    PeerStep step{ToolCentre(), coupling_.on_hand(), {}, 0};
+    PeerStep step{ToolCentre(), coupling_.on_hand(), 0};
     step.X_WG.p = step.X_WG * -centroid_;
     for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
       step.contacts += dispatcher_.getManifoldByIndexInternal(i)->getNumContacts();

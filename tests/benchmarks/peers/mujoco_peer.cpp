@@ -94,7 +94,7 @@ class Mujoco : public Peer {
       }
       mj_step(model_.get(), data_.get());
     }
-    PeerStep step{ToolCentre(), coupling_.on_hand(), {}, data_->ncon};
+    PeerStep step{ToolCentre(), coupling_.on_hand(), data_->ncon};
     step.X_WG.p = step.X_WG * -centroid_;
     return step;
   }

@@ -100,7 +100,7 @@ class Ode : public Peer {
       dWorldQuickStep(world_, 1e-3 / substeps_);
       dJointGroupEmpty(contacts_);
     }
-    PeerStep step{ToolCentre(), coupling_.on_hand(), {}, contacts};
+    PeerStep step{ToolCentre(), coupling_.on_hand(), contacts};
     step.X_WG.p = step.X_WG * -centroid_;
     return step;
   }

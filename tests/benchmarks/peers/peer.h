@@ -35,11 +35,9 @@ struct PeerSettings {
 
 /// @field X_WG      where the peer's tool is after the step.
 /// @field wrench    of the spring between X_WH and X_WG, on the hand (chapter 2.20-2.24).
-/// @field distance  between tool and objects [m], of peers that measure it; 0 where they overlap.
 struct PeerStep {
   Pose X_WG;
   Wrench wrench;
-  std::optional<double> distance;
   int contacts = 0;
 };
 
@@ -58,8 +56,6 @@ struct PeerKind {
   std::string version{};  ///< empty: the package was not there when this program was configured
   /// What it does and how it is set, for the report.
   std::string settings{};
-  /// False where it only measures: the pose it is stepped with is then one that is free already.
-  bool responds = true;
   bool convex = false;  ///< it collides the convex hulls of meshes, not the meshes
   /// A new one at rest at X_WG = `start`.  Throws Error.
   std::function<std::unique_ptr<Peer>(const PeerScene&, const Pose& start, const PeerSettings&)>
@@ -77,7 +73,6 @@ std::string HowToInstall(const PeerKind& kind);
 // One for each file beside this one.
 PeerKind BulletPeer();
 PeerKind OdePeer();
-PeerKind FclPeer();
 PeerKind MujocoPeer();
 
 }  // namespace palpate::bench

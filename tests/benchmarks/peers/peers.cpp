@@ -22,11 +22,6 @@ const std::vector<PeerKind>& PeerKinds() {
 #else
       Missing("ode", "ODE", "libode-dev"),
 #endif
-#ifdef PALPATE_PEER_FCL
-      FclPeer(),
-#else
-      Missing("fcl", "FCL", "libfcl-dev"),
-#endif
 #ifdef PALPATE_PEER_MUJOCO
       MujocoPeer(),
 #else

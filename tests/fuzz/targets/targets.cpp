@@ -22,9 +22,15 @@
 #include "scenes/files/scene_bundle.h"
 #include "scenes/files/scene_file.h"
 #include "scenes/importer/mesh_reader.h"
+#include "scenes/mesh/mesh_mend.h"
+#include "scenes/mesh/mesh_report.h"
+#include "scenes/mesh/mesh_solid.h"
+#include "scenes/mesh/mesh_spike.h"
+#include "scenes/scene_verdict.h"
 #include "scenes/shapes/shapes.h"
 #include "scenes/tree/sph_file.h"
 #include "scenes/tree/sphere_tree_builder.h"
+#include "server/physics/scene_model.h"
 #include "tests/support/written_mesh.h"
 
 namespace palpate::fuzz {
@@ -128,6 +134,87 @@ void Check(bool holds, const char* what) {
   if (!holds) Fault(what);
 }
 
+/// Numbers that the physics is to index with: said here once more, and otherwise than the loader
+/// says it.
+void CheckTree(const SphereTree& tree, std::size_t triangles) {
+  const std::size_t leaves = tree.leaves();
+  for (const auto* column : {&tree.leaf_x, &tree.leaf_y, &tree.leaf_z, &tree.leaf_radius}) {
+    Check(column->size() == leaves, "leaves");
+    for (const double x : *column) Check(std::isfinite(x), "leaf");
+  }
+  for (const double r : tree.leaf_radius) Check(r >= 0.0, "radius");  // of 0: JudgeScene refuses
+  const auto& begin = tree.leaf_triangle_begin;
+  Check(begin.size() == leaves + 1 && std::ranges::is_sorted(begin) &&
+            begin.back() == tree.leaf_triangle.size(),
+        "leaves' triangles");
+  for (const auto t : tree.leaf_triangle) Check(t < triangles, "leaf triangle");
+  Check(std::ranges::is_sorted(tree.level_begin) &&
+            static_cast<std::size_t>(tree.level_begin.back()) == tree.packets.size(),
+        "levels");
+  // Every leaf is reached once from the top.
+  std::vector<int> reached(leaves, 0);
+  for (int l = 0; l < tree.levels(); ++l) {
+    const bool lowest = l + 1 == tree.levels();
+    const std::size_t below = lowest ? leaves : tree.level(l + 1).size();
+    for (const SpherePacket& packet : tree.level(l)) {
+      for (const auto child : packet.child) {
+        if (child < 0) continue;
+        Check(static_cast<std::size_t>(child) < below, "child");
+        if (lowest) ++reached[static_cast<std::size_t>(child)];
+      }
+    }
+  }
+  Check(std::ranges::count(reached, 1) == static_cast<std::ptrdiff_t>(leaves), "way to a leaf");
+}
+
+void CheckScene(const Scene& scene) {
+  Check(std::isfinite(scene.coupling.stiffness) && scene.coupling.stiffness > 0.0, "coupling");
+  for (const auto* bodies : {&scene.tools, &scene.objects}) {
+    for (const Body& body : *bodies) {
+      for (const Vec3& v : body.mesh.vertices) Check(v.allFinite(), "vertex");
+      for (const auto& triangle : body.mesh.triangles) {
+        for (const auto corner : triangle) Check(corner < body.mesh.vertices.size(), "triangle");
+      }
+      CheckTree(body.tree, body.mesh.triangles.size());
+      Check(body.X_WB.p.allFinite() && std::abs(body.X_WB.q.norm() - 1.0) < 1e-6, "pose");
+      Check(!body.materials.empty() &&
+                (body.leaf_material.empty() || body.leaf_material.size() == body.tree.leaves()),
+            "materials");
+      for (const auto m : body.leaf_material) Check(m < body.materials.size(), "leaf's material");
+    }
+  }
+}
+
+std::string SmallBundle() {
+  Scene scene;
+  scene.name = "small";
+  Body ball{"ball", MakeSphere(0.005, 20), {}, {}};
+  ball.tree = SingleSphereTree(ball.mesh, {Vec3::Zero(), 0.005});
+  Body box{"box", MakeBox(Vec3(0.1, 0.2, 0.3)), {}, {}};
+  box.tree = BuildSphereTree(box.mesh, 20);
+  scene.tools = {ball};
+  scene.objects = {box, box};
+  scene.objects[1].name = "other";
+  const std::vector<std::uint8_t> bytes = PackScene(scene);
+  return {bytes.begin(), bytes.end()};
+}
+
+constexpr std::size_t kBundleHeader = 40;
+
+/// A bundle of what follows its header, which is made to agree: its checksum is no secret.
+std::vector<std::uint8_t> BundleOf(std::string_view content) {
+  constexpr std::size_t kKey = 16, kSize = 24, kChecksum = 32;
+  static const std::string header = SmallBundle().substr(0, kBundleHeader);
+  std::string bundle = header;
+  bundle += content;
+  std::uint64_t key = 0;
+  std::memcpy(&key, bundle.data() + kKey, sizeof key);
+  const std::uint64_t size = content.size(), checksum = HashBytes(content, key);
+  std::memcpy(bundle.data() + kSize, &size, sizeof size);
+  std::memcpy(bundle.data() + kChecksum, &checksum, sizeof checksum);
+  return {bundle.begin(), bundle.end()};
+}
+
 /// Bytes as numbers: mostly small whole ones, which make rows that are alike, parallel or none.
 class Numbers {
  public:
@@ -203,11 +290,25 @@ constexpr std::array kMeshNames{"a.obj", "a.stl", "a.ply", "a.gltf", "a.glb"};
 bool MeshFile(const std::uint8_t* bytes, std::size_t size) {
   if (size == 0) return false;
   const char* const name = kMeshNames[bytes[0] % kMeshNames.size()];
-  return ReadOrRefused(name, [&] { ReadMeshText(name, Text(bytes + 1, size - 1)); });
+  return ReadOrRefused(name, [&] {
+    // All that the mesh's process does, and then what its user does with what came of it.
+    ImportedMesh read = UnpackMesh(PackMesh(ReadMeshText(name, Text(bytes + 1, size - 1))));
+    if (!InspectMesh(read.mesh).refusal.empty()) return;
+    MendMesh(read.mesh, &read.groups);
+    FindSpike(read.mesh);
+    SolidOf(read.mesh);
+  });
 }
 
 bool Bundle(const std::uint8_t* bytes, std::size_t size) {
-  return ReadOrRefused("fuzzed.bundle", [&] { UnpackScene({bytes, size}, "fuzzed.bundle"); });
+  const std::vector<std::uint8_t> bundle = BundleOf(Text(bytes, size));
+  return ReadOrRefused("fuzzed.bundle", [&] {
+    const Scene scene = UnpackScene(bundle, "fuzzed.bundle");
+    CheckScene(scene);
+    if (!JudgeScene(scene).usable()) return;  // the server goes no further
+    const auto objects = MakeObjects(scene);
+    for (const Body& tool : scene.tools) MakeModel(scene, tool, objects);
+  });
 }
 
 bool Recording(const std::uint8_t* bytes, std::size_t size) {
@@ -335,15 +436,7 @@ const std::vector<Target>& AllTargets() {
          return seeds;
        }},
       {"bundle", Bundle,
-       [] {
-         Scene scene;
-         scene.name = "seed";
-         Body ball{"ball", MakeSphere(0.005, 20), {}, {}};
-         ball.tree = SingleSphereTree(ball.mesh, {Vec3::Zero(), 0.005});
-         scene.tools = scene.objects = {ball};
-         const std::vector<std::uint8_t> bytes = PackScene(scene);
-         return std::vector<std::string>{std::string(bytes.begin(), bytes.end())};
-       }},
+       [] { return std::vector<std::string>{SmallBundle().substr(kBundleHeader)}; }},
       {"recording", Recording,
        [] {
          return std::vector<std::string>{

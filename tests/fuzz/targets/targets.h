@@ -14,7 +14,7 @@ bool SceneFile(const std::uint8_t* bytes, std::size_t size);  ///< JSON that peo
 bool Script(const std::uint8_t* bytes, std::size_t size);     ///< a hand's path, JSON too
 bool Sph(const std::uint8_t* bytes, std::size_t size);        ///< sphere trees of the toolkit
 bool MeshFile(const std::uint8_t* bytes, std::size_t size);   ///< of the format by its first byte
-bool Bundle(const std::uint8_t* bytes, std::size_t size);     ///< a scene at rest
+bool Bundle(const std::uint8_t* bytes, std::size_t size);     ///< a scene at rest, but its header
 bool Recording(const std::uint8_t* bytes, std::size_t size);  ///< MCAP
 bool Client(const std::uint8_t* bytes, std::size_t size);  ///< a viewer's messages, text and binary
 bool Wire(const std::uint8_t* bytes, std::size_t size);    ///< CDR of each type that travels
