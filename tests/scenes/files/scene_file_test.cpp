@@ -260,7 +260,7 @@ TEST(SceneFile, BeginsWholeWhereItSaysSoAndSomethingWears) {
   EXPECT_FALSE(ParseScene(with("false", wears), "f.json").whole_at_start);
   EXPECT_FALSE(ParseScene(kGood, "f.json").whole_at_start);
   EXPECT_THAT(ComplaintOf([&] { ParseScene(with("true", ""), "f.json"); }),
-              HasSubstr("whole_at_start: has no effect where nothing wears"));
+              HasSubstr("whole_at_start: has no effect where nothing goes"));
   EXPECT_THAT(ComplaintOf([&] { ParseScene(with("1", wears), "f.json"); }),
               HasSubstr("true or false"));
 }
