@@ -236,7 +236,11 @@ MaterialDescription ReadMaterial(const JsonNode& node) {
   if (material.dynamic_friction > material.static_friction) {
     mu_d->Fail("is above static_friction, which no material is; give at most that");
   }
-  if (auto hardness = node.Find("hardness_J")) material.hardness = hardness->PositiveNumber();
+  if (auto hardness = node.Find("hardness_J")) {
+    hardness->Fail(
+        "is of no use any more: what is scraped off is cut; give the object \"grid_um\", the "
+        "material \"cutting_pressure_MPa\" in its place, and the tool an \"edge\"");
+  }
   const auto pressure = node.Find("cutting_pressure_MPa");
   if (pressure) material.cutting_pressure = 1e6 * pressure->Number(1e-3, 1e5);
   if (auto viscosity = node.Find("cutting_viscosity_MPa_s_per_mm")) {
@@ -309,11 +313,10 @@ FirstSight ReadFirstSight(const JsonNode& node) {
   return sight;
 }
 
-/// As HapticModel has it: a finite stiffness or hardness anywhere.
+/// As HapticModel has it: a finite stiffness anywhere.
 bool FeltByLeaves(const BodyDescription& body) {
   const auto gives = [](const MaterialDescription& m) {
-    return m.youngs_modulus > 0.0 || std::isfinite(m.material.stiffness) ||
-           std::isfinite(m.material.hardness);
+    return m.youngs_modulus > 0.0 || std::isfinite(m.material.stiffness);
   };
   return gives(body.material) ||
          std::any_of(body.regions.begin(), body.regions.end(),
@@ -348,8 +351,6 @@ Features ReadFeatures(const JsonNode& root, const SceneDescription& scene) {
   features.compliance = AnyMaterial(scene, [](const MaterialDescription& m) {
     return m.youngs_modulus > 0.0 || std::isfinite(m.material.stiffness);
   });
-  features.removal = AnyMaterial(
-      scene, [](const MaterialDescription& m) { return std::isfinite(m.material.hardness); });
   return features;
 }
 
@@ -365,7 +366,7 @@ void CheckCurved(const JsonNode& root, const SceneDescription& scene) {
       }
       if (FeltByLeaves(bodies[i])) {
         curved.Fail(
-            "has no effect on an object that is soft or wears, which is felt by its leaves; "
+            "has no effect on an object that is soft, which is felt by its leaves; "
             "drop it");
       }
     }
@@ -455,10 +456,10 @@ void ReadGrid(const JsonNode& node, BodyDescription& body) {
     if (!(m.cutting_pressure > 0.0)) {
       throw Error(where + ": says not what it takes to cut it; add cutting_pressure_MPa");
     }
-    if (of.youngs_modulus > 0.0 || std::isfinite(m.stiffness) || std::isfinite(m.hardness)) {
-      throw Error(where +
-                  ": a body that burs cut neither yields nor wears; drop grid_um, or the "
-                  "stiffness, modulus and hardness");
+    if (of.youngs_modulus > 0.0 || std::isfinite(m.stiffness)) {
+      throw Error(
+          where +
+          ": a body that burs cut does not yield; drop grid_um, or the stiffness and modulus");
     }
   };
   check(body.material);
@@ -709,7 +710,7 @@ SceneDescription ParseScene(std::string_view text, const std::string& file) {
     scene.whole_at_start = whole->Boolean();
     const bool is_cut = std::ranges::any_of(
         scene.objects, [](const BodyDescription& body) { return body.grid.has_value(); });
-    if (scene.whole_at_start && !scene.features.removal && !is_cut) {
+    if (scene.whole_at_start && !is_cut) {
       whole->Fail("has no effect where nothing goes: no object has \"grid_um\"; drop it");
     }
   }

@@ -97,7 +97,7 @@ struct SceneDescription {
   Coupling coupling;
   StepTuning tuning;
   std::string coupling_where;  ///< "file:line: field" of its torsional stiffness
-  Features features;           ///< compliance and removal follow from the materials
+  Features features;           ///< compliance follows from the materials
   std::optional<FirstSight> first_sight;
   bool whole_at_start = false;  ///< a session begins with what former ones have scraped off
 };

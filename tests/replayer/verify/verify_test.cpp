@@ -178,12 +178,15 @@ class VerifyTest : public testing::Test {
 
   /// A cube that wears.
   std::string Crust() const {
-    const std::string crust = folder_ / "crust.json";
+    const std::string crust = folder_ / "crust.json", bundle = folder_ / "crust.palpate";
     std::ofstream(crust) << R"({"contact": "spheres", "tools": [{"name": "ball", "leaves": 1,
       "mesh": {"shape": "sphere", "radius_m": 0.005}}], "objects": [{"name": "crust",
-      "leaves": 4096, "mesh": {"shape": "box", "size_m": [0.05, 0.05, 0.05]},
-      "material": {"hardness_J": 5e-4}}]})";
-    return crust;
+      "leaves": 4096, "mesh": {"shape": "box", "size_m": [0.05, 0.05, 0.05]}}]})";
+    Scene scene = LoadScene(crust);
+    scene.features.removal = true;
+    scene.objects[0].materials[0].hardness = 5e-4;
+    WriteBytes(bundle, PackScene(scene));
+    return bundle;
   }
 
   /// Without the last bytes of the file.

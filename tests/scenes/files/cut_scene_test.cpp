@@ -176,7 +176,7 @@ TEST(CutScene, NamesTheFieldAndTheRemedyOfWhatCannotBeCut) {
        "objects[0].grid_um: 10 is not allowed; give a number from 25 to 200"},
       {kBallBur,
        R"("grid_um": 50, "material": {"cutting_pressure_MPa": 1, "stiffness_N_per_m": 100})",
-       "objects[0].material: a body that burs cut neither yields nor wears"},
+       "objects[0].material: a body that burs cut does not yield"},
       {kBallBur,
        R"("grid_um": 50, "material": {"cutting_pressure_MPa": 1}, "regions": [{"group": "g",
           "material": {"cutting_pressure_MPa": 2}}])",
