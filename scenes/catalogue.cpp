@@ -28,6 +28,7 @@
 #include "scenes/files/scene_bundle.h"
 #include "scenes/files/scene_file.h"
 #include "scenes/files/scene_size.h"
+#include "scenes/grid/bur.h"
 #include "scenes/grid/solid_grid.h"
 #include "scenes/leaf_paint.h"
 #include "scenes/mesh/ambient_light.h"
@@ -134,6 +135,22 @@ void Warn(const LoadOptions& options, const std::string& what) {
 
 void Tell(const LoadOptions& options, const std::string& what) {
   options.tell ? options.tell(what) : void(std::cerr << Printable(what) << '\n');
+}
+
+/// Else nothing of the mesh would give way where the edge cuts.
+void CheckEdge(const BurProfile& edge, const TriangleMesh& mesh, const std::string& where) {
+  const Bur bur(edge.curve, edge.rounding);
+  const Quat to_T = Quat::FromTwoVectors(edge.edge->along, Vec3::UnitZ());
+  const auto is_in = [&](std::uint32_t vertex) {
+    Vec3 gradient;
+    return bur.Distance(to_T * (mesh.vertices[vertex] - edge.edge->at), gradient) <= 0.0;
+  };
+  if (std::ranges::none_of(mesh.triangles,
+                           [&](const auto& t) { return std::ranges::all_of(t, is_in); })) {
+    throw Error(where +
+                ": holds no triangle of the tool's mesh; give an at_mm and a curve_mm "
+                "that lie round the part of the mesh that cuts");
+  }
 }
 
 /// Refines the body's mesh as its scene file asks.  What follows, trees, bundles, viewers, physics
@@ -451,6 +468,10 @@ Scene Compile(const SceneDescription& description, const LoadOptions& options) {
     if (const ShapeKind* kind = ShapeOf(from.mesh); kind != nullptr && kind->bur != nullptr) {
       body.bur = kind->bur(from.mesh.variant, from.mesh.values);
       body.bur->spin = from.spin;
+    }
+    if (from.edge) {
+      CheckEdge(*from.edge, body.mesh, from.edge_where);
+      body.bur = from.edge;
     }
     PaintLeaves(from, shape.groups, body);
     for (std::size_t i = 0; body.grid && i < from.regions.size(); ++i) {

@@ -66,14 +66,23 @@ struct BurSpin {
   double hum = 0.0;       ///< with each, the handle shakes by this share of the cutting force
 };
 
+/// An edge, as a scaler's: a profile in a tool of any shape, which cuts where it is drawn in a
+/// sense.
+struct EdgePlace {
+  Vec3 at = Vec3::Zero();      ///< where the curve has z = 0, in frame B [m]
+  Vec3 along = Vec3::UnitY();  ///< unit: the axis, from the tip on
+  Vec3 sense = Vec3::UnitZ();  ///< unit: where the hand has to draw it
+};
+
 /// The cutting part of a tool: what a convex curve (rho, z) sweeps that turns round its axis, made
-/// thicker by the rounding [m].  The tip is the origin of frame B, and the axis is its y.
+/// thicker by the rounding [m].  Of a bur the tip is the origin of frame B, and the axis is its y.
 struct BurProfile {
   std::vector<std::array<double, 2>> curve;
   double rounding = 0.0;
   double dead_tip = 0.0;  ///< what lies so near the tip, along the axis, does not cut [m]
   double cutting = 0.0;   ///< nor what lies farther from it than this [m]; 0: all else cuts
   BurSpin spin{};
+  std::optional<EdgePlace> edge{};  ///< none: a bur
 };
 
 /// A rigid body of the scene: its mesh and its sphere tree share one frame B.

@@ -136,9 +136,13 @@ flatbuffers::Offset<wire::Bur> PackBur(const Body& body, flatbuffers::FlatBuffer
   if (!body.bur) return 0;
   std::vector<double> curve;
   for (const auto& point : body.bur->curve) curve.insert(curve.end(), point.begin(), point.end());
-  return wire::CreateBur(out, out.CreateVector(curve), body.bur->rounding, body.bur->dead_tip,
-                         body.bur->cutting, body.bur->spin.speed, body.bur->spin.tooth_Hz,
-                         body.bur->spin.hum);
+  const auto curve_at = out.CreateVector(curve);
+  const std::optional<EdgePlace>& edge = body.bur->edge;
+  const EdgePlace place = edge.value_or(EdgePlace{});
+  const wire::Vec3 at = ToWire(place.at), along = ToWire(place.along), sense = ToWire(place.sense);
+  return wire::CreateBur(out, curve_at, body.bur->rounding, body.bur->dead_tip, body.bur->cutting,
+                         body.bur->spin.speed, body.bur->spin.tooth_Hz, body.bur->spin.hum,
+                         edge ? &at : nullptr, edge ? &along : nullptr, edge ? &sense : nullptr);
 }
 
 void Require(bool holds, const char* what) {
@@ -414,6 +418,12 @@ void ReadBur(const wire::Bur* in, Body& out) {
   for (unsigned i = 0; i < curve->size(); i += 2) {
     out.bur->curve.push_back({curve->Get(i), curve->Get(i + 1)});
   }
+  if (in->at() == nullptr) return;
+  Require(in->along() != nullptr && in->sense() != nullptr, "an edge is none");
+  const EdgePlace edge{FromWire(*in->at()), FromWire(*in->along()), FromWire(*in->sense())};
+  const auto is_unit = [](const Vec3& v) { return std::abs(v.squaredNorm() - 1.0) < 1e-9; };
+  Require(edge.at.allFinite() && is_unit(edge.along) && is_unit(edge.sense), "an edge is none");
+  out.bur->edge = edge;
 }
 
 Features FromWire(const wire::Features& in) {

@@ -51,6 +51,12 @@ Vec3 ReadSize(const JsonNode& node) {
   return size;
 }
 
+Vec3 ReadDirection(const JsonNode& node) {
+  const Vec3 direction = node.Vector();
+  if (!(direction.norm() > 1e-6)) node.Fail("is no direction; give one that is not 0");
+  return direction.normalized();
+}
+
 double ReadLength(const JsonNode& node) {
   const double length = node.PositiveNumber();
   if (length > kLongest) node.Fail("is more than 1000 m; give metres");
@@ -70,13 +76,15 @@ std::optional<CurvedOptions> ReadCurved(const JsonNode& mesh) {
   return options;
 }
 
-/// Of a bur: its curve in place of a kind.
-void ReadBurCurve(const JsonNode& node, std::vector<double>& values) {
+/// Of a bur, in place of a kind, or an edge: its curve [m].
+std::vector<std::array<double, 2>> ReadBurCurve(const JsonNode& node) {
+  std::vector<std::array<double, 2>> curve;
   for (const JsonNode& point : node.Items(1)) {
     const std::vector<JsonNode> pair = point.Items();
     if (pair.size() != 2) point.Fail("is no point; give [radius, height above the first one]");
-    for (const JsonNode& number : pair) values.push_back(1e-3 * number.Number(-20.0, 20.0));
+    curve.push_back({1e-3 * pair[0].Number(-20.0, 20.0), 1e-3 * pair[1].Number(-20.0, 20.0)});
   }
+  return curve;
 }
 
 MeshSource ReadShapeKind(const JsonNode& node, const ShapeKind& shape) {
@@ -103,7 +111,11 @@ MeshSource ReadShapeKind(const JsonNode& node, const ShapeKind& shape) {
     }
     source.values.push_back(parameter.unit * value);
   }
-  if (curve) ReadBurCurve(*curve, source.values);
+  if (curve) {
+    for (const auto& [rho, z] : ReadBurCurve(*curve)) {
+      source.values.insert(source.values.end(), {rho, z});
+    }
+  }
   return source;
 }
 
@@ -224,7 +236,11 @@ MaterialDescription ReadMaterial(const JsonNode& node) {
   if (material.dynamic_friction > material.static_friction) {
     mu_d->Fail("is above static_friction, which no material is; give at most that");
   }
-  if (auto hardness = node.Find("hardness_J")) material.hardness = hardness->PositiveNumber();
+  if (auto hardness = node.Find("hardness_J")) {
+    hardness->Fail(
+        "is of no use any more: what is scraped off is cut; give the object \"grid_um\", the "
+        "material \"cutting_pressure_MPa\" in its place, and the tool an \"edge\"");
+  }
   const auto pressure = node.Find("cutting_pressure_MPa");
   if (pressure) material.cutting_pressure = 1e6 * pressure->Number(1e-3, 1e5);
   if (auto viscosity = node.Find("cutting_viscosity_MPa_s_per_mm")) {
@@ -293,18 +309,14 @@ FirstSight ReadFirstSight(const JsonNode& node) {
   FirstSight sight;
   sight.centre = 1e-3 * node.At("centre_mm").Vector();
   sight.radius = 1e-3 * node.At("radius_mm").PositiveNumber();
-  const JsonNode from = node.At("from");
-  sight.from = from.Vector();
-  if (!(sight.from.norm() > 1e-6)) from.Fail("is no direction; give one that is not 0");
-  sight.from.normalize();
+  sight.from = ReadDirection(node.At("from"));
   return sight;
 }
 
-/// As HapticModel has it: a finite stiffness or hardness anywhere.
+/// As HapticModel has it: a finite stiffness anywhere.
 bool FeltByLeaves(const BodyDescription& body) {
   const auto gives = [](const MaterialDescription& m) {
-    return m.youngs_modulus > 0.0 || std::isfinite(m.material.stiffness) ||
-           std::isfinite(m.material.hardness);
+    return m.youngs_modulus > 0.0 || std::isfinite(m.material.stiffness);
   };
   return gives(body.material) ||
          std::any_of(body.regions.begin(), body.regions.end(),
@@ -339,8 +351,6 @@ Features ReadFeatures(const JsonNode& root, const SceneDescription& scene) {
   features.compliance = AnyMaterial(scene, [](const MaterialDescription& m) {
     return m.youngs_modulus > 0.0 || std::isfinite(m.material.stiffness);
   });
-  features.removal = AnyMaterial(
-      scene, [](const MaterialDescription& m) { return std::isfinite(m.material.hardness); });
   return features;
 }
 
@@ -356,7 +366,7 @@ void CheckCurved(const JsonNode& root, const SceneDescription& scene) {
       }
       if (FeltByLeaves(bodies[i])) {
         curved.Fail(
-            "has no effect on an object that is soft or wears, which is felt by its leaves; "
+            "has no effect on an object that is soft, which is felt by its leaves; "
             "drop it");
       }
     }
@@ -446,10 +456,10 @@ void ReadGrid(const JsonNode& node, BodyDescription& body) {
     if (!(m.cutting_pressure > 0.0)) {
       throw Error(where + ": says not what it takes to cut it; add cutting_pressure_MPa");
     }
-    if (of.youngs_modulus > 0.0 || std::isfinite(m.stiffness) || std::isfinite(m.hardness)) {
-      throw Error(where +
-                  ": a body that burs cut neither yields nor wears; drop grid_um, or the "
-                  "stiffness, modulus and hardness");
+    if (of.youngs_modulus > 0.0 || std::isfinite(m.stiffness)) {
+      throw Error(
+          where +
+          ": a body that burs cut does not yield; drop grid_um, or the stiffness and modulus");
     }
   };
   check(body.material);
@@ -466,12 +476,13 @@ void ReadGrid(const JsonNode& node, BodyDescription& body) {
   }
 }
 
-/// What cannot be made of a bur, or is too coarse for it, is said where the file has it.
-void CheckBur(const JsonNode& node, const MeshSource& mesh, const BodyDescription* cut) {
+/// What cannot be made of a bur or an edge, or is too coarse for it, is said where the file has it.
+void CheckBur(const JsonNode& node, const BurProfile& profile, const BodyDescription* cut) {
+  const std::string name = profile.edge ? "an edge" : "a bur";
   if (cut == nullptr) {
-    node.Fail("is a bur, and nothing can be cut; give an object \"grid_um\", or another tool");
+    node.Fail("is " + name + ", and nothing can be cut; give an object \"grid_um\", or " +
+              (profile.edge ? "drop it" : "another tool"));
   }
-  const BurProfile profile = FindShapeKind(mesh.what)->bur(mesh.variant, mesh.values);
   std::optional<Bur> bur;
   try {
     bur.emplace(profile.curve, profile.rounding);
@@ -480,9 +491,9 @@ void CheckBur(const JsonNode& node, const MeshSource& mesh, const BodyDescriptio
   }
   const auto um = [](double metres) { return std::to_string(std::lround(1e6 * metres)) + " um"; };
   if (bur->radius() < *cut->grid) {
-    node.Fail("is a bur of " + um(2.0 * bur->radius()) + ", finer than two cells of \"" +
+    node.Fail("is " + name + " of " + um(2.0 * bur->radius()) + ", finer than two cells of \"" +
               cut->name + "\"; give that a \"grid_um\" of " + um(bur->radius()) +
-              " at most, or the tool a wider bur");
+              " at most, or the tool a wider " + (profile.edge ? "edge" : "bur"));
   }
   const double head = bur->high() - bur->low();
   if (profile.dead_tip >= (profile.cutting > 0.0 ? std::min(profile.cutting, head) : head)) {
@@ -507,8 +518,12 @@ void CheckCutting(const JsonNode& root, const SceneDescription& scene) {
     const bool is_bur = mesh.kind == MeshSource::Kind::kShape && kind != nullptr && kind->bur;
     const JsonNode tool = root.At("tools").Items()[i];
     const JsonNode node = tool.At(tool.Has("bur") ? "bur" : "mesh");
+    if (const auto& edge = scene.tools[i].edge) {
+      if (is_bur) tool.At("edge").Fail("is of other tools than burs; drop it, or the bur");
+      CheckBur(tool.At("edge"), *edge, cut);
+    }
     if (is_bur) {
-      CheckBur(node, mesh, cut);
+      CheckBur(node, kind->bur(mesh.variant, mesh.values), cut);
     } else if (scene.tools[i].spin.speed > 0.0) {
       tool.At("speed_rpm").Fail("is of burs; drop it, or give the tool a \"bur\", as \"001/014\"");
     }
@@ -534,6 +549,18 @@ BurSpin ReadSpin(const JsonNode& tool) {
   return spin;
 }
 
+BurProfile ReadEdge(const JsonNode& node) {
+  node.AllowOnly({"curve_mm", "rounding_mm", "at_mm", "along", "sense"});
+  BurProfile profile;
+  profile.curve = ReadBurCurve(node.At("curve_mm"));
+  profile.rounding = 1e-3 * node.At("rounding_mm").Number(0.02, 5.0);
+  EdgePlace& edge = profile.edge.emplace();
+  edge.at = 1e-3 * node.At("at_mm").Vector();
+  edge.along = ReadDirection(node.At("along"));
+  edge.sense = ReadDirection(node.At("sense"));
+  return profile;
+}
+
 BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& folder) {
   const bool object = kind == BodyKind::kObject;
   const std::string_view pose_field = object ? "pose" : "start";
@@ -542,7 +569,7 @@ BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& fo
         {"name", "mesh", "leaves", "tree", pose_field, "look", "material", "regions", "grid_um"});
   } else {
     node.AllowOnly(
-        {"name", "mesh", "bur", "speed_rpm", "hum", "leaves", "tree", pose_field, "look"});
+        {"name", "mesh", "bur", "speed_rpm", "hum", "edge", "leaves", "tree", pose_field, "look"});
   }
   BodyDescription body;
   body.name = ReadName(node.At("name"));
@@ -550,6 +577,10 @@ BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& fo
   if (bur && node.Has("mesh")) bur->Fail("is a mesh as well; keep \"bur\" or \"mesh\"");
   body.mesh = bur ? ReadNamedBur(*bur) : ReadMesh(node.At("mesh"), folder);
   body.spin = ReadSpin(node);
+  if (auto edge = node.Find("edge")) {
+    body.edge = ReadEdge(*edge);
+    body.edge_where = edge->Where();
+  }
   if (auto tree = node.Find("tree")) {
     body.tree = ReadTree(*tree, folder);
     body.tree_left_open = false;
@@ -677,8 +708,10 @@ SceneDescription ParseScene(std::string_view text, const std::string& file) {
   CheckCutting(root, scene);
   if (auto whole = root.Find("whole_at_start")) {
     scene.whole_at_start = whole->Boolean();
-    if (scene.whole_at_start && !scene.features.removal) {
-      whole->Fail("has no effect where nothing wears: no material has \"hardness_J\"; drop it");
+    const bool is_cut = std::ranges::any_of(
+        scene.objects, [](const BodyDescription& body) { return body.grid.has_value(); });
+    if (scene.whole_at_start && !is_cut) {
+      whole->Fail("has no effect where nothing goes: no object has \"grid_um\"; drop it");
     }
   }
   return scene;

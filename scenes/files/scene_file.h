@@ -79,7 +79,9 @@ struct BodyDescription {
   MaterialDescription material;            ///< objects: of what no region paints
   std::vector<RegionDescription> regions;  ///< objects: later ones over earlier ones
   std::optional<double> grid;              ///< objects that burs cut: spacing [m]
-  BurSpin spin;                            ///< tools that cut
+  BurSpin spin;                            ///< tools that are burs
+  std::optional<BurProfile> edge;          ///< tools that cut by an edge of their mesh
+  std::string edge_where;                  ///< "file:line: field"
   std::string look;                        ///< one of kLooks; empty: what its material is
 };
 
@@ -95,7 +97,7 @@ struct SceneDescription {
   Coupling coupling;
   StepTuning tuning;
   std::string coupling_where;  ///< "file:line: field" of its torsional stiffness
-  Features features;           ///< compliance and removal follow from the materials
+  Features features;           ///< compliance follows from the materials
   std::optional<FirstSight> first_sight;
   bool whole_at_start = false;  ///< a session begins with what former ones have scraped off
 };

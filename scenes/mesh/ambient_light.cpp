@@ -86,7 +86,9 @@ class DepthMap {
   std::vector<double> heights_;
 };
 
-bool Wears(const Body& body) {
+/// What is under it will be seen.  A body that burs cut and that is alone shades itself.
+bool ShadesNothing(const Body& body, std::size_t objects) {
+  if (body.grid && objects > 1) return true;
   return std::ranges::any_of(body.materials,
                              [](const Material& m) { return std::isfinite(m.hardness); });
 }
@@ -113,7 +115,7 @@ void LightObjects(std::vector<Body>& objects) {
     const Vec3 towards = Direction(i);
     DepthMap map(box.center(), radius, towards);
     for (std::size_t o = 0; o < objects.size(); ++o) {
-      if (Wears(objects[o])) continue;  // what is under it will be seen
+      if (ShadesNothing(objects[o], objects.size())) continue;
       std::vector<Vec3> pixels;
       for (const Vec3& v : bodies[o].vertices) pixels.push_back(map.At(v));
       for (const auto& [a, b, c] : objects[o].mesh.triangles)

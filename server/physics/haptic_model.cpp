@@ -104,6 +104,10 @@ void HapticModel::SetCutting() {
   for (BurSample& sample : bur_samples_) {
     const double z = sample.point.z();
     sample.cuts = z >= tip + cutting_->dead_tip && z <= top;
+    if (cutting_->sense) {
+      const double lean = (cutting_->X_TB.q * sample.normal).dot(*cutting_->sense);
+      sample.cuts = sample.cuts && lean > -limits::cutting::kRelief;
+    }
     // Clockwise, seen along the axis from the shank to the tip.
     const Vec3 slide(sample.point.y(), -sample.point.x(), 0.0);
     if (cutting_->spin.speed > 0.0 && slide.squaredNorm() > 0.0) {

@@ -36,6 +36,18 @@ bool IsFinite(const StepReport& report) {
          report.X_WG.p.allFinite() && report.X_WG.q.coeffs().allFinite();
 }
 
+/// Whether the tool cuts in this step.  An edge does so as long as the hand draws it in its sense;
+/// the way that the sense takes to turn keeps a hand at rest from turning it.
+bool Cuts(const HapticModel& model, const Pose& X_WH, StepState& state) {
+  const Cutting* cutting = model.cutting();
+  if (cutting == nullptr || !cutting->sense) return state.spins;
+  const Vec3 moved = X_WH * cutting->X_TB.p - state.X_WH * cutting->X_TB.p;
+  state.drawn =
+      std::clamp(state.drawn + moved.dot(X_WH.q * *cutting->sense), 0.0, limits::cutting::kDraw);
+  const double turned = state.cutting ? 0.0 : limits::cutting::kDraw;
+  return state.drawn == turned ? !state.cutting : state.cutting;
+}
+
 /// Where the tools are, and the first bounds.  False where the pose that came is none: the tool
 /// stays.
 bool Begin(const Pose& X_WH, StepContext& context) {
@@ -58,13 +70,14 @@ bool Begin(const Pose& X_WH, StepContext& context) {
   bounds = FirstBounds(context.model, hand_step);
   bounds.translation = std::max(bounds.translation, state.behind.translation);
   bounds.rotation = std::max(bounds.rotation, state.behind.rotation);
+  const bool cuts = Cuts(context.model, {X_WH.p, tools.q_H}, state);
   state.X_WH = {X_WH.p, tools.q_H};
-  if (state.spins != state.spun) state.front.Clear();
-  state.spun = state.spins;
+  if (cuts != state.cutting) state.front.Clear();
+  state.cutting = cuts;
   if (context.buffers.meshes) {
     ToolAndBodies& meshes = context.buffers.meshes->meshes;
     meshes.felt = &state.felt;
-    meshes.spins = state.spins;
+    meshes.cuts = cuts;
     if (!state.felt.empty()) state.felt.Follow(state.cuts, state.front);
   }
   return true;
@@ -73,7 +86,7 @@ bool Begin(const Pose& X_WH, StepContext& context) {
 /// The rows of a bur where a sub-step begins.
 void BeginCutting(StepContext& context, double reach) {
   Energies& energies = *context.buffers.energies;
-  if (!context.state.spins) return energies.BeginAtRest();
+  if (!context.state.cutting) return energies.BeginAtRest();
   energies.Begin(context.tools.p_G, context.tools.q_G, context.state.cuts, reach);
 }
 
@@ -100,7 +113,7 @@ void Predict(StepContext& context) {
   context.Aim();
   tools.R_WG = tools.q_G.toRotationMatrix();
   if (buffers.energies) {
-    if (context.state.spins) {
+    if (context.state.cutting) {
       sub_step.bounds = buffers.energies->Narrow(sub_step.bounds, tools.p_G, tools.q_G);
     }
     BeginCutting(context, std::numeric_limits<double>::infinity());
@@ -175,7 +188,7 @@ void Move(StepContext& context, const Way& way) {
   if (context.Rubs() && way.optimum.qp.active == 0 && (way.arrived || !meshes)) {
     context.state.friction.Forget();
   }
-  if (buffers.energies && context.state.spins) {
+  if (buffers.energies && context.state.cutting) {
     const Energies::Taken taken = buffers.energies->Cut(context.tools.p_G, context.tools.q_G, way.v,
                                                         way.phi, context.state.cuts);
     context.report.cut_volume += taken.volume;
@@ -261,7 +274,7 @@ void TakeDrag(StepContext& context) {
 /// along straight lines, for libm's sine differs between processors.  Nothing moves by it.
 void Hum(StepContext& context) {
   const Cutting* cutting = context.model.cutting();
-  if (cutting == nullptr || cutting->spin.hum == 0.0 || !context.state.spins) return;
+  if (cutting == nullptr || cutting->spin.hum == 0.0 || !context.state.cutting) return;
   double& tooth = context.state.tooth;
   tooth += cutting->spin.tooth_Hz * cutting->period;
   tooth -= std::floor(tooth);

@@ -125,6 +125,12 @@ inline constexpr double kDragShare = 0.05;
 /// What a bur pays where it does not cut [Pa]: 10 GPa are 240 N for one of 256 samples of a ball of
 /// 1.4 mm, a device's greatest force many times over.
 inline constexpr double kUncut = 1e10;
+/// The back of an edge falls away by so much, the sine of 15 degrees: what of it leans no farther
+/// from its sense cuts.  Taken, of hand instruments.
+inline constexpr double kRelief = 0.25881904510252074;
+/// An edge cuts when a hand has drawn it so far in its sense, and stops when it has gone so far
+/// back [m]: twice as far as an encoder's noise moves a hand at rest.
+inline constexpr double kDraw = 40e-6;
 }  // namespace cutting
 
 /// Friction (solve/coulomb_friction.h, solve/chapter_friction.h).  Forces are over k_t, so lengths

@@ -32,6 +32,10 @@ Cutting CuttingOf(const BurProfile& profile) {
   constexpr double kHalf = 0.70710678118654752;
   const Quat z_to_y(kHalf, -kHalf, 0.0, 0.0);
   Cutting cutting{Bur(profile.curve, profile.rounding), {Vec3(0.0, profile.rounding, 0.0), z_to_y}};
+  if (const auto& edge = profile.edge) {
+    cutting.X_TB = {edge->at, Quat::FromTwoVectors(Vec3::UnitZ(), edge->along)};
+    cutting.sense = edge->sense;
+  }
   cutting.spin = profile.spin;
   cutting.dead_tip = profile.dead_tip;
   cutting.cutting = profile.cutting;

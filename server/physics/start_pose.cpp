@@ -102,7 +102,7 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
         FeltSolids(model.solids(), model.boxes(), model.bodies().size() - model.boxes().size());
     if (!cuts.empty()) state.felt.Follow(cuts, state.front);
     workspace.buffers().meshes->meshes.felt = &state.felt;
-    workspace.buffers().meshes->meshes.spins = true;
+    workspace.buffers().meshes->meshes.cuts = true;
   }
   Pose X_start{X_WH.p, X_WH.q.normalized()};
   if (IsFree(model, X_start, gone, workspace)) return {X_start, 0.0};

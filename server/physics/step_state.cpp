@@ -13,6 +13,7 @@ StepState::StepState(const HapticModel& model) {
           FeltSolids(model.solids(), model.boxes(), model.bodies().size() - model.boxes().size());
     }
   }
+  cutting = model.cutting() == nullptr || !model.cutting()->sense;
   for (const CutSolid& solid : model.solids()) {
     cuts.emplace_back(*solid.grid, kMostGridBytes, "solid " + std::to_string(cuts.size()));
   }

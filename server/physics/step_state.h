@@ -62,9 +62,11 @@ struct StepState {
   Vec3 turn_G = Vec3::Zero();
   SeparationFront front;  ///< where objects are felt by their meshes
   FeltSolids felt;        ///< where what burs cut is
-  /// Whether a bur spins: its head cuts, and all else of it is felt.  Else it is a rigid tool.
-  bool spins = true;
-  bool spun = true;  ///< in the last step
+  bool spins = true;      ///< a bur: else it is a rigid tool
+  /// Whether the tool cuts, in this step or the last: a bur that spins, an edge that is drawn.  Its
+  /// head is felt by its samples then, and all else of it by its mesh.
+  bool cutting = true;
+  double drawn = 0.0;  ///< of an edge: what of kDraw a hand has drawn it in its sense [m]
   FrictionState friction;
   LeafWear wear;
   std::vector<CutField> cuts;  ///< what is gone of each solid

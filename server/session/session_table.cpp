@@ -310,9 +310,7 @@ void SessionTable::Request(const wire::WholeRequest& request) {
   const auto scene = scenes_.find(request.scene);
   if (scene == scenes_.end()) {
     answer.server_run = server_run_;
-    wire::FromText(
-        "nothing goes there: no material of the scene has a hardness_J, and no tool cuts an object",
-        answer.refusal);
+    wire::FromText("nothing goes there: no tool of the scene cuts an object", answer.refusal);
     wholes_.push_back(answer);
   } else if (request.wish == palpate_WHOLE_AGAIN) {
     MakeWhole(scene->second, answer);

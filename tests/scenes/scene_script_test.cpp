@@ -16,6 +16,7 @@
 #include "common/json/pose_script.h"
 #include "scenes/catalogue.h"
 #include "scenes/files/scene_file.h"
+#include "scenes/grid/solid_surface.h"
 #include "server/physics/scene_model.h"
 #include "server/physics/start_pose.h"
 #include "server/physics/tree/sphere_tree_query.h"
@@ -55,7 +56,9 @@ struct Playback {
 };
 
 /// Plays the script and checks what must hold in every scene.
-Playback Play(const std::string& name, double greatest_force) {
+/// @param each  is told of each step.
+Playback Play(const std::string& name, double greatest_force,
+              const std::function<void(const Moment&, const StepState&)>& each = nullptr) {
   Playback run;
   run.scene = LoadScene(name);
   const PoseScript script = PoseScript::Load(
@@ -80,6 +83,7 @@ Playback Play(const std::string& name, double greatest_force) {
       const int object = model.objects().ObjectOf(m.report.active[c].object_leaf);
       m.touched.insert(run.scene.objects[static_cast<std::size_t>(object)].name);
     }
+    if (each) each(m, state);
     run.moments.push_back(std::move(m));
   }
   EXPECT_EQ(bad, 0) << "steps with a bad pose, too many rows or an unsolved problem";
@@ -376,23 +380,55 @@ TEST(SceneScript, FrictionSlidesAlongBothDirectionsInContact) {
 }
 
 TEST(SceneScript, CalculusIsScrapedOffAndItsFrictionGoesWithIt) {
-  const Playback run = Play("calculus", 8.0);
-  EXPECT_TRUE(run.scene.features.removal);
-  // The chapter's Fig. 2.26: friction along the strokes, y, summed over each pass [N s].
-  std::array<double, 5> friction{};
-  int removed = 0;
+  const Scene scene = LoadScene("calculus");
+  const Body &tooth = scene.objects[0], &crust = scene.objects[2];
+  const SolidGrid tooth_grid(tooth.mesh, {.spacing = 100e-6, .most_bytes = kMostGridBytes},
+                             "tooth");
+  // Of the crust what stands out of the tooth [mm^3].
+  const auto outside = [&](const CutField& cut) {
+    double volume = 0.0;
+    const Lattice& lattice = cut.field().lattice();
+    for (int k = 0; k < 8 * lattice.blocks[2]; ++k) {
+      for (int j = 0; j < 8 * lattice.blocks[1]; ++j) {
+        for (int i = 0; i < 8 * lattice.blocks[0]; ++i) {
+          if (tooth_grid.Sample(lattice.Point(i, j, k)).distance < 0.0) continue;
+          volume += 1e9 * std::pow(lattice.spacing, 3) * cut.Left(i, j, k);
+        }
+      }
+    }
+    return volume;
+  };
+  // How deep the scaler's mesh is in what is drawn of the crust.
+  double before = 0.0, after = 0.0, deepest = 0.0, deepest_at_rest = 0.0;
+  int n = 0;
+  const Playback run = Play("calculus", 4.0, [&](const Moment& m, const StepState& state) {
+    const CutField& cut = state.cuts[0];
+    if (n++ == 0) before = outside(cut);
+    if (m.label == "away" && after == 0.0) after = outside(cut);
+    if (n % 997 != 0 || !m.label.starts_with("scrape")) return;
+    const SolidSurface surface = WholeSurface(cut);
+    const TriangleMesh left{surface.vertices, surface.triangles};
+    const test::MeshOracle::PlacedMesh placed{&left, crust.X_WB};
+    const test::MeshOracle oracle(scene.tools[0].mesh, {&placed, 1});
+    double& most = state.cutting ? deepest : deepest_at_rest;
+    most = std::max(most, oracle.At(m.report.X_WG).depth);
+  });
+  // The chapter's Fig. 2.26: what the crust does along the strokes, y, summed over each pass [N s].
+  std::array<double, 8> friction{};
   for (const Moment& m : run.moments) {
-    removed += m.report.removals;
     if (!m.label.starts_with("scrape, pass ")) continue;
     double& sum = friction.at(static_cast<std::size_t>(m.label.back() - '1'));
+    sum += 1e-3 * std::abs(m.report.bur_force.y());
     for (int c = 0; c < m.report.contacts; ++c) {
       sum += 1e-3 * std::abs(m.report.active[static_cast<std::size_t>(c)].friction.y());
     }
   }
-  EXPECT_GT(removed, 90);
-  EXPECT_GT(friction[0], 0.3);
-  EXPECT_LT(friction[3], 0.05 * friction[0]);
-  EXPECT_LT(friction[4], 0.02 * friction[0]);
+  EXPECT_LT(after, 0.4 * before);  // of 3.4 mm^3
+  EXPECT_LT(deepest, 10e-6);       // chords of the grid's surface
+  EXPECT_EQ(deepest_at_rest, 0.0);
+  EXPECT_GT(friction[0], 0.6);
+  EXPECT_LT(friction[3], 0.25 * friction[0]);
+  EXPECT_LT(friction[7], 0.1 * friction[0]);
 }
 
 TEST(SceneScript, MouldIsSqueezedOnTenThousandPairsAtOnce) {

@@ -55,7 +55,7 @@ struct ToolAndBodies {
   const ContactBody& tool;              ///< about its reference point
   std::span<const ContactBody> bodies;  ///< in W
   FeltSolids* felt = nullptr;  ///< of what bodies of blocks stand for; null where there are none
-  bool spins = true;           ///< a bur, which solids are felt by its shank
+  bool cuts = true;            ///< a bur or an edge, which solids are felt by its shank
   limits::mesh::Margins margins{};
   const Kernels* kernels = &ActiveKernels();
 
@@ -72,7 +72,7 @@ struct ToolAndBodies {
   }
   /// What of the tool solids are felt by; none where nothing is.
   std::optional<HullTree::Node> ForSolids() const {
-    return spins ? tool.shank : std::optional(tool.tree.root());
+    return cuts ? tool.shank : std::optional(tool.tree.root());
   }
   /// How far the one lies above the other [m]; negative where n does not separate them.
   double Gap(const NodesOfPair& nodes, const Vec3& n, const ToolPose& at) const {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "common/math/pose.h"
 #include "scenes/grid/bur.h"
@@ -26,7 +27,7 @@ struct CutSolid {
   std::uint32_t object = 0;                                  ///< its place among the scene's
 };
 
-/// A bur in a tool.  What else of the tool's tree and mesh meets is rigid.
+/// A bur in a tool, or an edge.  What else of the tool's tree and mesh meets is rigid.
 struct Cutting {
   Bur bur;
   Pose X_TB;             ///< of the bur's frame, in the tool's
@@ -34,6 +35,7 @@ struct Cutting {
   double period = 1e-3;  ///< between two poses [s]: what viscosity is told of a step's speed
   BurSpin spin{};
   double dead_tip = 0.0, cutting = 0.0;  ///< what of it cuts (BurProfile) [m]
+  std::optional<Vec3> sense{};           ///< of an edge: unit, in T; none: a bur
 };
 
 }  // namespace palpate

@@ -29,8 +29,8 @@ struct ContactBody {
   ContactMesh mesh;
   HullTree tree;
   double radius = 0.0;
-  /// Of a tool, the part that solids are felt by as long as it spins: all of it but the head of a
-  /// bur, which cuts.  None where it is all head.
+  /// Of a tool, the part that solids are felt by as long as it cuts: all of it but the head of a
+  /// bur or an edge.  None where it is all head.
   std::optional<HullTree::Node> shank = tree.root();
   /// Of each triangle of an object, the nearest leaf of the forest: its material is the triangle's.
   std::vector<std::int32_t> leaf;

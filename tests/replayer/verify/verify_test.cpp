@@ -43,7 +43,7 @@ struct Story {
   bool whole_lost = false;
 };
 
-/// The hand slides along the cube's top face, 1 mm deep; of the calculus, it scrapes; of a block
+/// The hand slides along the top face of a cube, 1 mm deep; of the calculus, it scrapes; of a block
 /// that a bur cuts, it presses, and stops the bur from pose 220 to 259.
 wire::HapticPose PoseAt(const Scene& scene, std::uint64_t sequence) {
   wire::HapticPose pose{};
@@ -53,10 +53,10 @@ wire::HapticPose PoseAt(const Scene& scene, std::uint64_t sequence) {
   if (scene.name == "block") {
     X.p = Vec3(0.0, 1.505e-3 - 2e-6 * static_cast<double>(sequence), 0.0);
     pose.buttons = sequence >= 220 && sequence < 260 ? 2 : 0;
-  } else if (scene.name != "cube") {
+  } else if (scene.name == "calculus") {
     static const PoseScript script =
         PoseScript::Load(PALPATE_SOURCE_DIR "/scenes/catalogue/calculus.path.json");
-    X = script.At(4.0 + 1e-3 * static_cast<double>(sequence));
+    X = script.At(3.55 + 1e-3 * static_cast<double>(sequence));
   }
   wire::FromPose(X, pose.position_m, pose.orientation_wxyz);
   return pose;
@@ -176,6 +176,19 @@ class VerifyTest : public testing::Test {
     return verification.sessions.empty() ? SessionVerdict{} : verification.sessions.front();
   }
 
+  /// A cube that wears.
+  std::string Crust() const {
+    const std::string crust = folder_ / "crust.json", bundle = folder_ / "crust.palpate";
+    std::ofstream(crust) << R"({"contact": "spheres", "tools": [{"name": "ball", "leaves": 1,
+      "mesh": {"shape": "sphere", "radius_m": 0.005}}], "objects": [{"name": "crust",
+      "leaves": 4096, "mesh": {"shape": "box", "size_m": [0.05, 0.05, 0.05]}}]})";
+    Scene scene = LoadScene(crust);
+    scene.features.removal = true;
+    scene.objects[0].materials[0].hardness = 5e-4;
+    WriteBytes(bundle, PackScene(scene));
+    return bundle;
+  }
+
   /// Without the last bytes of the file.
   Verification CutOff() {
     std::vector<std::uint8_t> bytes = BytesOf(file_);
@@ -231,8 +244,14 @@ TEST_F(VerifyTest, ComputesAgainWhatCanBeAndSaysWhereThatEnds) {
   }
 }
 
+TEST_F(VerifyTest, ComputesAgainWhatAnEdgeScrapes) {
+  const SessionVerdict verdict = VerdictOf({.scene = "calculus"});
+  EXPECT_TRUE(verdict.good()) << verdict.ends;
+  EXPECT_EQ(verdict.verified, kPoses);
+}
+
 TEST_F(VerifyTest, TakesLeavesAwayBeforeTheSamePose) {
-  Story story{.scene = "calculus", .leaf_goes_before = 100};
+  Story story{.scene = Crust(), .leaf_goes_before = 100};
   SessionVerdict verdict = VerdictOf(story);
   EXPECT_TRUE(verdict.good()) << verdict.ends;
   story.leaf_lost = true;
@@ -243,7 +262,7 @@ TEST_F(VerifyTest, TakesLeavesAwayBeforeTheSamePose) {
 }
 
 TEST_F(VerifyTest, MakesTheSceneWholeBeforeTheSamePose) {
-  Story story{.scene = "calculus", .leaf_goes_before = 100, .whole_before = 150};
+  Story story{.scene = Crust(), .leaf_goes_before = 100, .whole_before = 150};
   SessionVerdict verdict = VerdictOf(story);
   EXPECT_TRUE(verdict.good()) << verdict.ends;
   story.whole_lost = true;

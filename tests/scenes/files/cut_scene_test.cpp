@@ -8,6 +8,7 @@
 #include "scenes/files/scene_file.h"
 #include "scenes/scene_verdict.h"
 #include "server/physics/haptic_step.h"
+#include "server/physics/limits.h"
 #include "server/physics/scene_model.h"
 #include "tests/support/complaint.h"
 #include "tests/support/folder.h"
@@ -175,7 +176,7 @@ TEST(CutScene, NamesTheFieldAndTheRemedyOfWhatCannotBeCut) {
        "objects[0].grid_um: 10 is not allowed; give a number from 25 to 200"},
       {kBallBur,
        R"("grid_um": 50, "material": {"cutting_pressure_MPa": 1, "stiffness_N_per_m": 100})",
-       "objects[0].material: a body that burs cut neither yields nor wears"},
+       "objects[0].material: a body that burs cut does not yield"},
       {kBallBur,
        R"("grid_um": 50, "material": {"cutting_pressure_MPa": 1}, "regions": [{"group": "g",
           "material": {"cutting_pressure_MPa": 2}}])",
@@ -256,6 +257,57 @@ TEST(CutScene, ANamedBurHasItsHeadItsMeshAndItsSpinAlsoAfterABundle) {
     EXPECT_NEAR(sample.slide.dot(sample.normal), 0.0, 1e-12);
     const Vec3 place = sample.point + model.reference();
     EXPECT_LT(place.cross(sample.slide).y(), 0.0);
+  }
+}
+
+/// Of a ball of 1 mm, its lower half.
+std::string EdgeOf(const std::string& curve, const std::string& rounding, const std::string& at,
+                   const std::string& sense = "[2, 0, 0]") {
+  return R"("mesh": {"shape": "sphere", "radius_m": 0.001}, "edge": {"curve_mm": )" + curve +
+         R"(, "rounding_mm": )" + rounding + R"(, "at_mm": )" + at +
+         R"(, "along": [0, 2, 0], "sense": )" + sense + "}";
+}
+
+TEST(CutScene, AnEdgeOfAnyMeshIsTheSameAfterABundle) {
+  const Scene scene = Load(
+      SceneOf(EdgeOf("[[0, 0], [0.1, 0.6], [0, 0.6]]", "1", "[0, -0.1, 0]"), kEnamelOnDentine));
+  const std::vector<std::uint8_t> bytes = PackScene(scene, 7);
+  const Scene back = UnpackScene(bytes, "s");
+  EXPECT_EQ(PackScene(back, 7), bytes);
+  const HapticModel model = MakeModel(back, back.tools[0], MakeObjects(back));
+  ASSERT_TRUE(model.cutting()->sense.has_value());
+  EXPECT_EQ(*model.cutting()->sense, Vec3::UnitX());
+  EXPECT_NEAR((model.cutting()->X_TB * Vec3(0, 0, 1e-3) - Vec3(0, 0.9e-3, 0)).norm(), 0.0, 1e-12);
+  for (const BurSample& sample : model.bur_samples()) {
+    EXPECT_EQ(sample.cuts, sample.normal.x() > -limits::cutting::kRelief);
+    EXPECT_TRUE(sample.slide.isZero(0.0));
+  }
+}
+
+TEST(CutScene, NamesTheRemedyOfAnEdgeThatIsNone) {
+  const std::string ball = "[[0, 0]]", here = "[0, 0, 0]";
+  const struct {
+    std::string tool, block;
+    const char* complaint;
+  } bad[] = {
+      {EdgeOf(ball, "1", here), R"("leaves": 8)",
+       "tools[0].edge: is an edge, and nothing can be cut; give an object \"grid_um\", or drop it"},
+      {EdgeOf(ball, "0.09", here), kEnamelOnDentine,
+       "tools[0].edge: is an edge of 180 um, finer than two cells of \"block\""},
+      {EdgeOf("[[0, 0, 0]]", "1", here), kEnamelOnDentine,
+       "tools[0].edge.curve_mm[0]: is no point; give [radius, height"},
+      {EdgeOf("[[0, 0], [1, 1], [0.1, 1.2], [0, 5]]", "1", here), kEnamelOnDentine,
+       "tools[0].edge: bur: its curve is not convex at point 2"},
+      {EdgeOf(ball, "1", here, "[0, 0, 0]"), kEnamelOnDentine,
+       "tools[0].edge.sense: is no direction; give one that is not 0"},
+      {EdgeOf(ball, "0.3", here), kEnamelOnDentine,
+       "tools[0].edge: holds no triangle of the tool's mesh; give an at_mm and a curve_mm"},
+      {R"("bur": "001/014", "edge": {"curve_mm": [[0, 0]], "rounding_mm": 1, "at_mm": [0, 0, 0],
+          "along": [0, 1, 0], "sense": [1, 0, 0]})",
+       kEnamelOnDentine, "tools[0].edge: is of other tools than burs; drop it, or the bur"},
+  };
+  for (const auto& of : bad) {
+    EXPECT_THAT(ComplaintOf([&] { Load(SceneOf(of.tool, of.block)); }), HasSubstr(of.complaint));
   }
 }
 

@@ -229,11 +229,10 @@ TEST(SceneFile, ReadsMaterialsAndTheFeaturesThatFollow) {
         "regions": [
           {"box": {"min_mm": [0, 0, 0], "max_mm": [1, 2, 3]},
            "material": {"youngs_modulus_Pa": 5e6, "thickness_mm": 2}},
-          {"sphere": {"centre_mm": [1, 2, 3], "radius_mm": 4}, "material": {"hardness_J": 0.01}},
+          {"sphere": {"centre_mm": [1, 2, 3], "radius_mm": 4}, "material": {"static_friction": 0.1}},
           {"group": "gum", "material": {"stiffness_N_per_m": 700, "dynamic_friction": 0.2}}])"),
                  "f.json");
   EXPECT_TRUE(scene.features.compliance);
-  EXPECT_TRUE(scene.features.removal);
   const BodyDescription& part = scene.objects[0];
   EXPECT_EQ(part.material.material.static_friction, 0.8);
   EXPECT_EQ(part.material.material.dynamic_friction, 0.3);
@@ -243,24 +242,23 @@ TEST(SceneFile, ReadsMaterialsAndTheFeaturesThatFollow) {
   EXPECT_EQ(part.regions[0].material.youngs_modulus, 5e6);
   EXPECT_EQ(part.regions[0].material.thickness, 0.002);
   EXPECT_EQ(part.regions[1].ball.radius, 0.004);
-  EXPECT_EQ(part.regions[1].material.material.hardness, 0.01);
-  EXPECT_EQ(part.regions[1].material.material.static_friction, 0.0);
+  EXPECT_EQ(part.regions[1].material.material.static_friction, 0.1);
   EXPECT_EQ(part.regions[2].group, "gum");
   EXPECT_EQ(part.regions[2].material.material.stiffness, 700);
   EXPECT_EQ(part.regions[2].material.material.static_friction, 0.2);
 }
 
-TEST(SceneFile, BeginsWholeWhereItSaysSoAndSomethingWears) {
+TEST(SceneFile, BeginsWholeWhereItSaysSoAndSomethingIsCut) {
   const auto with = [](const std::string& word, const std::string& material) {
-    std::string text = WithObject("\"material\": {" + material + "}");
+    std::string text = WithObject(material);
     return text.insert(1, "\"whole_at_start\": " + word + ", ");
   };
-  const std::string wears = "\"hardness_J\": 1e-3";
+  const std::string wears = R"("grid_um": 100, "material": {"cutting_pressure_MPa": 1})";
   EXPECT_TRUE(ParseScene(with("true", wears), "f.json").whole_at_start);
   EXPECT_FALSE(ParseScene(with("false", wears), "f.json").whole_at_start);
   EXPECT_FALSE(ParseScene(kGood, "f.json").whole_at_start);
-  EXPECT_THAT(ComplaintOf([&] { ParseScene(with("true", ""), "f.json"); }),
-              HasSubstr("whole_at_start: has no effect where nothing wears"));
+  EXPECT_THAT(ComplaintOf([&] { ParseScene(with("true", "\"material\": {}"), "f.json"); }),
+              HasSubstr("whole_at_start: has no effect where nothing goes"));
   EXPECT_THAT(ComplaintOf([&] { ParseScene(with("1", wears), "f.json"); }),
               HasSubstr("true or false"));
 }
@@ -384,8 +382,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadMaterial("NegativeFriction", "\"static_friction\": -0.1",
                     "static_friction: -0.1 is not"),
         BadMaterial("ForgottenPoint", "\"static_friction\": 80", "give a number from 0 to 10"),
-        BadMaterial("NoHardness", "\"hardness_J\": 0", "hardness_J: 0.000000 is not allowed"),
-        BadMaterial("UnknownProperty", "\"hardness\": 1", "did you mean \"hardness_J\"?"),
+        BadMaterial("Hardness", "\"hardness_J\": 1e-3",
+                    "hardness_J: is of no use any more: what is scraped off is cut; give the "
+                    "object \"grid_um\""),
+        BadMaterial("UnknownProperty", "\"friction\": 1", "friction: there is no such field"),
         BadRegion("RegionOfNothing", "\"material\": {}", "regions[0]: must say what it paints"),
         BadRegion("RegionTwice",
                   "\"group\": \"a\", \"sphere\": {\"centre_mm\": [0, 0, 0], \"radius_mm\": 1}, "
@@ -412,7 +412,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"CurvedSoftObject", "\"unit\": \"mm\"}",
             "\"unit\": \"mm\", \"curved\": {\"tolerance_um\": 3}}, "
             "\"material\": {\"stiffness_N_per_m\": 500}",
-            "objects[0].mesh.curved: has no effect on an object that is soft or wears"},
+            "objects[0].mesh.curved: has no effect on an object that is soft"},
         Bad{"CurvedBall", "\"radius_m\": 0.005",
             "\"radius_m\": 0.005, \"curved\": {\"tolerance_um\": 3}",
             "f.json:3: tools[0].mesh.curved: has no effect on a tool of one leaf"},

@@ -40,6 +40,10 @@ TEST(AmbientLight, WhatCanBeScrapedOffShadesNothing) {
   bodies[1].materials[0].hardness = 1e-5;
   LightObjects(bodies);
   for (const std::uint8_t share : bodies[0].ambient) EXPECT_GT(share, 250);
+  bodies[1].materials[0] = {};
+  bodies[1].grid.emplace();
+  LightObjects(bodies);
+  for (const std::uint8_t share : bodies[0].ambient) EXPECT_GT(share, 250);
 }
 
 }  // namespace

@@ -1,0 +1,215 @@
+// An edge, as a scaler's: drawn in its sense it cuts by the law of burs, else it is rigid.
+
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "scenes/grid/solid_surface.h"
+#include "scenes/shapes/bur_shapes.h"
+#include "scenes/shapes/shapes.h"
+#include "server/physics/haptic_step.h"
+#include "server/physics/scene_model.h"
+#include "tests/support/allocation_counter.h"
+#include "tests/support/mesh_oracle.h"
+#include "tests/support/random.h"
+#include "tests/support/test_scenes.h"
+
+namespace palpate {
+namespace {
+
+using test::MeshOracle;
+
+constexpr double kEdgeRadius = 0.2e-3, kEdgeRounding = 0.05e-3, kEdgeDepth = 0.3e-3,
+                 kEdgePressure = 2e6;
+/// The tool's y, its axis, points up.
+const Quat kEdgeUp = Quat::FromTwoVectors(Vec3::UnitY(), Vec3::UnitZ());
+
+Body EdgeBox(const char* name, const Vec3& size, double top) {
+  TriangleMesh mesh = MakeBox(size);
+  for (Vec3& v : mesh.vertices) v.z() += top - 0.5 * size.z();
+  return test::MakeMeshBody(name, std::move(mesh));
+}
+
+/// A straight edge of 1.2 mm that stands on a slab whose top is z = 0, on something rigid.
+class Edge : public testing::Test {
+ protected:
+  /// @param thickness  of the slab [m].
+  explicit Edge(double thickness = 0.8e-3) {
+    BurProfile profile = ConeBur(kEdgeRadius, kEdgeRadius, 1.2e-3, kEdgeRounding);
+    Body tool = test::MakeMeshBody("scaler", MakeBur(profile, 8e-3));
+    profile.edge = EdgePlace{Vec3(0, kEdgeRounding, 0), Vec3::UnitY(), Vec3::UnitX()};
+    tool.bur = profile;
+    Body slab = EdgeBox("slab", Vec3(2.4e-3, 1.6e-3, thickness), 0.0);
+    slab.grid.emplace().spacing = 50e-6;
+    slab.materials = {{.cutting_pressure = kEdgePressure}};
+    slab.leaf_material.assign(slab.tree.leaves(), 0);
+    scene_.name = "test";
+    scene_.tools.push_back(std::move(tool));
+    scene_.objects.push_back(std::move(slab));
+    scene_.objects.push_back(EdgeBox("rigid", Vec3(6e-3, 4e-3, 0.5e-3), -thickness));
+    model_.emplace(MakeModel(scene_, scene_.tools.front(), MakeObjects(scene_)));
+    state_.emplace(*model_);
+    workspace_.emplace(*model_);
+  }
+  void Start(double x, double z) {
+    state_->X_WG = state_->X_WH = {Vec3(x, 0, z), kEdgeUp};
+    state_->ForgetContact();
+  }
+  StepReport Step(double x, double z, double y = 0.0) {
+    const StepReport report = HapticStep(*model_, {Vec3(x, y, z), kEdgeUp}, *state_, *workspace_);
+    EXPECT_EQ(report.faults & ~kFaultTargetFar, 0u);
+    cut_ += report.cut_volume;
+    return report;
+  }
+  MeshOracle OracleOfSlab() {
+    const SolidSurface surface = WholeSurface(state_->cuts[0]);
+    left_ = {surface.vertices, surface.triangles};
+    placed_ = {&left_, {}};
+    return MeshOracle(scene_.tools.front().mesh, std::span(&placed_, 1));
+  }
+  MeshOracle OracleOfRigid() {
+    placed_ = {&scene_.objects[1].mesh, {}};
+    return MeshOracle(scene_.tools.front().mesh, std::span(&placed_, 1));
+  }
+
+  Scene scene_;
+  std::optional<HapticModel> model_;
+  std::optional<StepState> state_;
+  std::optional<StepWorkspace> workspace_;
+  double cut_ = 0.0;
+  TriangleMesh left_;
+  MeshOracle::PlacedMesh placed_;
+};
+
+class EdgeOnThinSlab : public Edge {
+ protected:
+  EdgeOnThinSlab() : Edge(0.25e-3) {}
+};
+
+TEST_F(Edge, DrawnInItsSenseTakesItsSectionAndFeelsTheLaw) {
+  // What of the edge is below the face, but for its rounded edges at the tip, which lift it.
+  const auto section = [](double z) {
+    return -2.0 * kEdgeRadius * z - 2.0 * (1.0 - M_PI / 4.0) * kEdgeRounding * kEdgeRounding;
+  };
+  Start(-1.6e-3, -kEdgeDepth);
+  double length = 0.0, volume = 0.0, work = 0.0, law = 0.0, least = 1e300, most = 0.0;
+  for (double x = -1.6e-3; x < 1.2e-3; x += 5e-6) {
+    const Pose before = state_->X_WG;
+    const StepReport report = Step(x, -kEdgeDepth);
+    if (before.p.x() < -0.7e-3 || report.X_WG.p.x() > 0.7e-3) continue;
+    const double step = report.X_WG.p.x() - before.p.x();
+    const double area = section(0.5 * (before.p.z() + report.X_WG.p.z()));
+    const double force = -report.wrench.force.x();
+    length += step;
+    volume += report.cut_volume - area * step;
+    work += force * step;
+    law += kEdgePressure * area * step;
+    least = std::min(least, force / (kEdgePressure * area));
+    most = std::max(most, force / (kEdgePressure * area));
+  }
+  ASSERT_GT(length, 1.3e-3);
+  EXPECT_LT(state_->X_WG.p.z(), -0.2e-3);
+  EXPECT_NEAR(volume, 0.0, 0.01 * law / kEdgePressure);
+  EXPECT_NEAR(work, law, 0.02 * law);
+  EXPECT_GT(least, 0.97);
+  EXPECT_LT(most, 1.03);
+}
+
+TEST_F(Edge, PushedBackRidesOnTop) {
+  const MeshOracle oracle = OracleOfSlab();
+  Start(0.8e-3, 20e-6);
+  StepReport report;
+  for (double x = 0.8e-3; x > -0.8e-3; x -= 5e-6) {
+    report = Step(x, -kEdgeDepth);
+    ASSERT_EQ(report.cut_volume, 0.0);
+    ASSERT_FALSE(oracle.Meet(report.X_WG));
+  }
+  EXPECT_NEAR(report.X_WG.p.z(), 0.0, 2e-6);
+  EXPECT_NEAR(report.X_WG.p.x(), -0.8e-3, 10e-6);
+  EXPECT_NEAR(report.wrench.force.z(), 0.3, 5e-3);
+}
+
+TEST_F(Edge, PushedBackAgainstAWallStops) {
+  const MeshOracle oracle = OracleOfSlab();
+  Start(1.6e-3, -kEdgeDepth);
+  StepReport report;
+  for (double x = 1.6e-3; x > 0.6e-3; x -= 5e-6) {
+    report = Step(x, -kEdgeDepth);
+    ASSERT_EQ(report.cut_volume, 0.0);
+    ASSERT_FALSE(oracle.Meet(report.X_WG));
+  }
+  EXPECT_NEAR(report.X_WG.p.x(), 1.2e-3 + kEdgeRadius, 5e-6);
+  EXPECT_GT(report.wrench.force.x(), 0.5);
+}
+
+TEST_F(Edge, PressedAloneDoesNotSink) {
+  Start(0.0, 20e-6);
+  StepReport report;
+  test::Random random(3);
+  for (int n = 0; n < 1000; ++n) report = Step(random.Uniform(-10e-6, 10e-6), -kEdgeDepth);
+  EXPECT_EQ(cut_, 0.0);
+  EXPECT_NEAR(report.X_WG.p.z(), 0.0, 2e-6);
+}
+
+// To and fro, pressed on something rigid below: only what stands on that goes, and only forth.
+TEST_F(EdgeOnThinSlab, ScrapesDownToWhatIsRigidAndNoFarther) {
+  const MeshOracle rigid = OracleOfRigid();
+  StepReport report;
+  double forth = 0.0, back = 0.0;
+  for (const double y : {-0.3e-3, -0.1e-3, 0.1e-3, 0.3e-3}) {
+    Start(-1.8e-3, 0.1e-3);
+    state_->X_WG.p.y() = state_->X_WH.p.y() = y;
+    for (double x = -1.8e-3; x < 1.8e-3; x += 10e-6) {
+      report = Step(x, -0.4e-3, y);
+      forth += report.cut_volume;
+      ASSERT_FALSE(rigid.Meet(report.X_WG));
+    }
+    for (double x = 1.8e-3; x > -1.8e-3; x -= 10e-6) {
+      report = Step(x, -0.4e-3, y);
+      if (x < 1.7e-3) back += report.cut_volume;
+      ASSERT_FALSE(rigid.Meet(report.X_WG));
+    }
+  }
+  EXPECT_EQ(back, 0.0);
+  // A trench of 0.8 mm through the slab and more, as far as the edge goes aside in its own groove.
+  EXPECT_GT(forth, 0.8e-3 * 0.25e-3 * 2.4e-3);
+  EXPECT_LT(forth, 1.0e-3 * 0.25e-3 * 2.4e-3);
+  for (double y = -0.4e-3; y < 0.4e-3; y += 0.05e-3) {
+    for (double x = -1.15e-3; x < 1.15e-3; x += 0.05e-3) {
+      ASSERT_GT(state_->cuts[0].Distance(Vec3(x, y, -0.15e-3)), 0.0) << x << " " << y;
+    }
+  }
+  const MeshOracle left = OracleOfSlab();
+  Start(-1.8e-3, 0.1e-3);
+  for (double x = 1.8e-3; x > -1.8e-3; x -= 10e-6) {
+    report = Step(x, -0.4e-3, 0.2e-3 * std::sin(3e3 * x));
+    ASSERT_EQ(report.cut_volume, 0.0);
+    ASSERT_FALSE(left.Meet(report.X_WG));
+  }
+}
+
+TEST_F(Edge, GoesOnAlikeFromACopyAndAsksForNoMemory) {
+  Start(-1.6e-3, -kEdgeDepth);
+  const auto hand = [](int n) {
+    return Pose{Vec3(-1.6e-3 + 8e-6 * (n % 300), 1e-6 * (n % 7), -kEdgeDepth), kEdgeUp};
+  };
+  const auto step = [&](int n, StepState& state) {
+    return HapticStep(*model_, hand(n), state, *workspace_);
+  };
+  const std::uint64_t allocations = test::AllocationsOfThisThread();
+  for (int n = 0; n < 400; ++n) step(n, *state_);
+  EXPECT_EQ(test::AllocationsOfThisThread(), allocations);
+  StepState copy = *state_;
+  for (int n = 400; n < 900; ++n) {
+    const StepReport one = step(n, *state_), other = step(n, copy);
+    ASSERT_EQ(one.X_WG.p, other.X_WG.p) << n;
+    ASSERT_EQ(one.wrench.force, other.wrench.force) << n;
+    ASSERT_EQ(one.cut_volume, other.cut_volume) << n;
+  }
+}
+
+}  // namespace
+}  // namespace palpate
