@@ -27,6 +27,25 @@ Index NearOf(std::int64_t doubt, std::int64_t room) {
   return static_cast<Index>(doubt & (room - 1));
 }
 
+/// Takes the least out of a heap.  Without a branch on which of two is less, as std::pop_heap has:
+/// that cannot be foretold.
+std::int64_t PopLeast(std::vector<std::int64_t>& heap) {
+  const std::int64_t least = heap.front(), last = heap.back();
+  heap.back() = std::numeric_limits<std::int64_t>::max();
+  std::size_t hole = 0;
+  for (std::size_t child = 1; child + 1 < heap.size(); child = 2 * hole + 1) {
+    child += heap[child + 1] < heap[child] ? 1 : 0;
+    heap[hole] = heap[child];
+    hole = child;
+  }
+  for (; hole > 0 && last < heap[(hole - 1) / 2]; hole = (hole - 1) / 2) {
+    heap[hole] = heap[(hole - 1) / 2];
+  }
+  heap[hole] = last;
+  heap.pop_back();
+  return least;
+}
+
 /// Whether a unit direction keeps a pair apart throughout the trial; then it is the pair's plane.
 bool HoldsAlong(MeshContact& contact, Index k, const Vec3& n, double least_before,
                 double least_after) {
@@ -177,9 +196,7 @@ int Certify(MeshContact& contact, const Vec3& v, const Vec3& phi, Until until) n
     // The deepest first.
     for (int i = 0; i < kBatch && !doubts.empty() && !looks.AreSpent(); ++i) {
       if (moves && apart_not >= enough) break;
-      std::pop_heap(doubts.begin(), doubts.end(), std::greater<>());
-      const Index k = NearOf(doubts.back(), near.room());
-      doubts.pop_back();
+      const Index k = NearOf(PopLeast(doubts), near.room());
       if (!LookCloser(contact, k, until)) ++apart_not;
     }
   }

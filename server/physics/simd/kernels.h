@@ -61,6 +61,14 @@ struct alignas(64) EightPoints {
   double x[3][8];
 };
 
+/// The nearest points of two triangles' edges: s of the way along edge i of the one, from its
+/// corner i on, and t along edge j of the other.
+struct EdgePair {
+  double s, t, squared;  ///< squared: of their distance [m^2]
+  int place;             ///< 3 i + j
+  bool apart;            ///< nothing else of the triangles is nearer
+};
+
 /// A packet of the tool's tree, and how much each sphere grows with the rotation that is allowed
 /// for.
 struct alignas(32) ToolPacket {
@@ -151,6 +159,10 @@ struct Kernels {
   /// Index of the point that is lowest along m, of those whose place in their eight has its bit in
   /// `lanes`; of several one that is the same everywhere.
   int (*lowest_point)(const EightPoints* eights, int count, std::uint32_t lanes, const double m[3]);
+
+  /// Of two triangles, given by their corners, the nearest points of a pair of edges that nothing
+  /// is nearer than, the first such; else those of the nearest pair.
+  EdgePair (*nearest_edges)(const double a[9], const double b[9]);
 
   /// The planes of `count` slots as they are now, as columns from `first` on: each slack less by
   /// what its node moved against n since its epoch, and what it turned times its radius.

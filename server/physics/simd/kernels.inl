@@ -154,17 +154,103 @@ int LowestPoint(const EightPoints* eights, int count, std::uint32_t lanes, const
     in = SelectLess(here, least, Set1(static_cast<double>(k)), in);
     least = Min(here, least);
   }
-  double value[8], eight[8];
-  Store(value, least);
+  const D8 lowest = Set1(LeastLane(SelectLanes(lanes, least, Set1(kInfinity))));
+  const int best = __builtin_ctz(~Less(lowest, least) & lanes);
+  if (count == 1) return best;
+  double eight[8];
   Store(eight, in);
-  for (int k = 0; k < 8; ++k) value[k] = (lanes >> k & 1u) != 0 ? value[k] : kInfinity;
-  for (int half = 4; half > 0; half /= 2) {
-    for (int k = 0; k < half; ++k) {
-      value[k] = value[k + half] < value[k] ? value[k + half] : value[k];
-    }
-  }
-  const int best = __builtin_ctz(~Less(Set1(value[0]), least) & lanes);
   return 8 * static_cast<int>(eight[best]) + best;
+}
+
+struct Vectors {
+  D8 x, y, z;
+};
+inline Vectors operator-(const Vectors& a, const Vectors& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+inline Vectors operator*(const D8& s, const Vectors& a) {
+  return {s * a.x, s * a.y, s * a.z};
+}
+inline D8 Dot(const Vectors& a, const Vectors& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+inline D8 Negative(const D8& x) {
+  return Set1(-0.0) - x;
+}
+inline D8 Clamp(const D8& x) {
+  const D8 zero = Set1(0.0), one = Set1(1.0);
+  return SelectLess(x, zero, zero, SelectLess(one, x, one, x));
+}
+
+/// Corners of a triangle, three times the index in each lane: one, the next, and the third.
+struct alignas(64) Corners {
+  long long at[3][8];
+};
+/// The places 3 i + j of eight pairs of edges; and the ninth.
+constexpr Corners kFirstEdge = {
+    {{0, 0, 0, 3, 3, 3, 6, 6}, {3, 3, 3, 6, 6, 6, 0, 0}, {6, 6, 6, 0, 0, 0, 3, 3}}};
+constexpr Corners kSecondEdge = {
+    {{0, 3, 6, 0, 3, 6, 0, 3}, {3, 6, 0, 3, 6, 0, 3, 6}, {6, 0, 3, 6, 0, 3, 6, 0}}};
+constexpr Corners kLastEdge = {
+    {{6, 6, 6, 6, 6, 6, 6, 6}, {0, 0, 0, 0, 0, 0, 0, 0}, {3, 3, 3, 3, 3, 3, 3, 3}}};
+
+/// Nearest points of edges p + s u and q + t w, eight pairs at once.
+struct EdgePairs {
+  D8 s, t, squared;
+  std::uint32_t apart;
+
+  EdgePairs(const double* a, const double* b, const Corners& of_a, const Corners& of_b) {
+    const auto corner = [](const double* x, const long long* at) {
+      return Vectors{Spread(x, at), Spread(x + 1, at), Spread(x + 2, at)};
+    };
+    const D8 zero = Set1(0.0), one = Set1(1.0);
+    const Vectors p = corner(a, of_a.at[0]), q = corner(b, of_b.at[0]);
+    const Vectors u = corner(a, of_a.at[1]) - p, w = corner(b, of_b.at[1]) - q, r = p - q;
+    const D8 uu = Dot(u, u), ww = Dot(w, w), uw = Dot(u, w), ur = Dot(u, r), wr = Dot(w, r);
+    const auto along_u = [&](const D8& x) { return SelectLess(zero, uu, Clamp(x / uu), zero); };
+    const D8 across = uu * ww - uw * uw, at_begin = along_u(Negative(ur));
+    s = SelectLess(zero, across, Clamp((uw * wr - ur * ww) / across), zero);
+    s = SelectLess(zero, ww, s, SelectLess(zero, uu, at_begin, s));  // the second is a point
+    t = SelectLess(zero, ww, (uw * s + wr) / ww, zero);
+    s = SelectLess(t, zero, at_begin, SelectLess(one, t, along_u(uw - ur), s));
+    t = Clamp(t);
+    const Vectors to_p = s * u, to_q = t * w;
+    const Vectors away = {r.x + to_p.x - to_q.x, r.y + to_p.y - to_q.y, r.z + to_p.z - to_q.z};
+    squared = Dot(away, away);
+    // A slab across the way between keeps the third corners out too: nothing is nearer
+    // (Larsen, Gottschalk, Lin & Manocha, UNC TR99-018 (1999)).
+    const Vectors third_a = corner(a, of_a.at[2]), third_b = corner(b, of_b.at[2]);
+    const Vectors past_p = {third_a.x - (p.x + to_p.x), third_a.y - (p.y + to_p.y),
+                            third_a.z - (p.z + to_p.z)};
+    const Vectors past_q = {third_b.x - (q.x + to_q.x), third_b.y - (q.y + to_q.y),
+                            third_b.z - (q.z + to_q.z)};
+    apart = ~(Less(Dot(away, past_p), zero) | Less(zero, Dot(away, past_q))) & Less(zero, squared);
+  }
+
+  EdgePair Take(int lane, int place, bool is_apart) const {
+    const auto of = [lane](const D8& x) {
+      Lanes lanes;
+      lanes.Set(x);
+      return lanes[lane];
+    };
+    return {of(s), of(t), of(squared), place, is_apart};
+  }
+};
+
+EdgePair NearestEdges(const double a[9], const double b[9]) {
+  const EdgePairs pairs(a, b, kFirstEdge, kSecondEdge);
+  Lanes squared;
+  squared.Set(pairs.squared);
+  for (std::uint32_t apart = pairs.apart; apart != 0; apart &= apart - 1) {
+    const int k = __builtin_ctz(apart);
+    const std::uint32_t as_near = ~Less(Set1(squared[k]), pairs.squared);
+    if ((as_near & ((1u << k) - 1u)) == 0) return pairs.Take(k, k, true);
+  }
+  const D8 least = Set1(LeastLane(pairs.squared));
+  const EdgePairs last(a, b, kLastEdge, kLastEdge);
+  if ((Less(last.squared, least) & 1u) != 0) return last.Take(0, 8, (last.apart & 1u) != 0);
+  const int best = __builtin_ctz(~Less(least, pairs.squared));
+  return pairs.Take(best, best, false);
 }
 
 void RefreshPlanes(const PlaneRecord* records, const std::uint32_t* epochs,
@@ -356,6 +442,7 @@ constexpr Kernels MakeKernels(const char* name) {
           BuildRows<3>,
           FindBelow,
           LowestPoint,
+          NearestEdges,
           RefreshPlanes,
           FindUsedUp,
           Solve<6>,

@@ -80,14 +80,15 @@ class Simplex {
 
 bool FindPlane(const PatchPair& pair, const ToolMotion& motion, const Vec3& guess, double least,
                const Kernels& kernels, SeparatingPlane& plane) noexcept {
+  const HullTree::Hull tool = pair.tools.HullOf(pair.tool);
+  const HullTree::Hull object = pair.objects.HullOf(pair.object);
   Simplex simplex;
   double nearest = kInfinity;
   plane.n = guess;
   for (plane.tries = 1; plane.tries <= limits::mesh::kDirections; ++plane.tries) {
-    const Vec3 highest = pair.objects.Lowest(pair.object, -plane.n, kernels);
+    const Vec3 highest = object.Lowest(-plane.n, kernels);
     const auto difference = [&](const ToolPose& at, double& gap) -> Vec3 {
-      const Vec3 d =
-          at.R * pair.tools.Lowest(pair.tool, at.R.transpose() * plane.n, kernels) + at.p - highest;
+      const Vec3 d = at.R * tool.Lowest(at.R.transpose() * plane.n, kernels) + at.p - highest;
       gap = plane.n.dot(d) - pair.radius;
       return d;
     };
