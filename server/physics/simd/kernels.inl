@@ -174,6 +174,20 @@ inline Vectors operator*(const D8& s, const Vectors& a) {
 inline D8 Dot(const Vectors& a, const Vectors& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
+inline Vectors Cross(const Vectors& a, const Vectors& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+inline Vectors SelectLanes(std::uint32_t bits, const Vectors& a, const Vectors& b) {
+  return {SelectLanes(bits, a.x, b.x), SelectLanes(bits, a.y, b.y), SelectLanes(bits, a.z, b.z)};
+}
+inline Vectors LoadVectors(const double x[3][8]) {
+  return {Load(x[0]), Load(x[1]), Load(x[2])};
+}
+inline void Store(double x[3][8], const Vectors& a) {
+  Store(x[0], a.x);
+  Store(x[1], a.y);
+  Store(x[2], a.z);
+}
 inline D8 Negative(const D8& x) {
   return Set1(-0.0) - x;
 }
@@ -251,6 +265,77 @@ EdgePair NearestEdges(const double a[9], const double b[9]) {
   if ((Less(last.squared, least) & 1u) != 0) return last.Take(0, 8, (last.apart & 1u) != 0);
   const int best = __builtin_ctz(~Less(least, pairs.squared));
   return pairs.Take(best, best, false);
+}
+
+/// The point of a simplex that is nearest to the origin, between a and, of the others, `second` and
+/// `third` where a bit is set.
+struct NearestOfSimplex {
+  Vectors x, second, third;
+  std::uint32_t two, three;
+};
+
+/// Of triangles a b c, where the origin is not beyond b c; of edges a b where a bit of `edges` is
+/// set (Ericson, Real-Time Collision Detection (2005), 5.1 and 9.5).  `outside`: whose plane the
+/// origin is not beyond as seen from d.
+NearestOfSimplex OfTriangles(const Vectors& a, const Vectors& b, const Vectors& c, const Vectors& d,
+                             std::uint32_t edges, std::uint32_t& outside) {
+  const D8 zero = Set1(0.0), one = Set1(1.0);
+  const Vectors ab = b - a, ac = c - a, normal = Cross(ab, ac);
+  const D8 to_b = Negative(Dot(a, ab)), to_c = Negative(Dot(a, ac));
+  const std::uint32_t past_ac = Less(Dot(Cross(normal, ac), a), zero);
+  const std::uint32_t past_ab = Less(Dot(Cross(ab, normal), a), zero);
+  const D8 size2 = Dot(normal, normal), height = Dot(normal, a);
+  outside = ~Less(zero, Dot(normal, d - a) * Negative(height));
+  const std::uint32_t inside = ~(past_ab | past_ac | edges) & Less(zero, size2);
+  const std::uint32_t on_ac = ((past_ac & Less(zero, to_c)) | ~Less(zero, to_b)) & ~edges;
+  const Vectors edge = SelectLanes(on_ac, ac, ab);
+  const D8 along = SelectLanes(on_ac, to_c, to_b), length2 = Dot(edge, edge);
+  const std::uint32_t on = Less(zero, along) & Less(zero, length2);
+  const D8 part = along / length2;
+  const Vectors step = SelectLess(part, one, part, one) * edge;
+  const Vectors on_edge = {a.x + step.x, a.y + step.y, a.z + step.z};
+  const Vectors on_face = (height / size2) * normal;
+  return {SelectLanes(inside, on_face, SelectLanes(on, on_edge, a)),
+          SelectLanes(on_ac & ~inside, c, b), c, inside | on, inside};
+}
+
+std::uint32_t AdvanceSimplices(Simplices& simplices, std::uint32_t searches, double least) {
+  const D8 zero = Set1(0.0);
+  const auto [one, two, three] = simplices.with;
+  const Vectors a = LoadVectors(simplices.added);
+  const Vectors p[3] = {LoadVectors(simplices.point[0]), LoadVectors(simplices.point[1]),
+                        LoadVectors(simplices.point[2])};
+  std::uint32_t outside;
+  NearestOfSimplex best = OfTriangles(a, p[0], p[1], p[2], ~two, outside);
+  if ((three & searches) != 0) {
+    // Of a tetrahedron, the nearest of the faces that the origin is outside of.
+    std::uint32_t is_out = outside | ~three;
+    for (int i = 1; i < 3; ++i) {
+      const Vectors &b = p[i], &c = p[(i + 1) % 3], &d = p[(i + 2) % 3];
+      const NearestOfSimplex face = OfTriangles(a, b, c, d, 0, outside);
+      const std::uint32_t nearer = Less(Dot(face.x, face.x), Dot(best.x, best.x));
+      const std::uint32_t take = three & outside & (~is_out | nearer);
+      is_out |= outside;
+      best = {SelectLanes(take, face.x, best.x), SelectLanes(take, face.second, best.second),
+              SelectLanes(take, face.third, best.third), (take & face.two) | (~take & best.two),
+              (take & face.three) | (~take & best.three)};
+    }
+    best.x = SelectLanes(is_out, best.x, {zero, zero, zero});
+  }
+  best.x = SelectLanes(one, best.x, a);
+  Store(simplices.point[0], a);
+  Store(simplices.point[1], best.second);
+  Store(simplices.point[2], best.third);
+  simplices.with[0] = ~0u;
+  simplices.with[1] = one & best.two;
+  simplices.with[2] = one & best.three;
+  // No direction tells the hulls apart by more than the nearest point's distance; nor does a search
+  // go on where rounding keeps it from coming nearer.
+  const D8 length = Sqrt(Dot(best.x, best.x));
+  const std::uint32_t nearer = Less(zero, length) & Less(length, Load(simplices.nearest));
+  Store(simplices.nearest, length);
+  Store(simplices.n, {best.x.x / length, best.x.y / length, best.x.z / length});
+  return searches & nearer & ~Less(length - Load(simplices.radius), Set1(least));
 }
 
 void RefreshPlanes(const PlaneRecord* records, const std::uint32_t* epochs,
@@ -443,6 +528,7 @@ constexpr Kernels MakeKernels(const char* name) {
           FindBelow,
           LowestPoint,
           NearestEdges,
+          AdvanceSimplices,
           RefreshPlanes,
           FindUsedUp,
           Solve<6>,
