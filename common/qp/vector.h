@@ -101,6 +101,20 @@ inline D8 Min(D8 a, D8 b) {
 inline std::uint32_t Less(D8 a, D8 b) {
   return _mm512_cmp_pd_mask(a.v, b.v, _CMP_LT_OQ);
 }
+/// The lanes of a whose bits are set; of the others those of b.
+inline D8 SelectLanes(std::uint32_t bits, D8 a, D8 b) {
+  return {_mm512_mask_blend_pd(static_cast<__mmask8>(bits), b.v, a.v)};
+}
+/// The least of the lanes.
+inline double LeastLane(D8 a) {
+  const __m256d four = _mm256_min_pd(_mm512_extractf64x4_pd(a.v, 1), _mm512_castpd512_pd256(a.v));
+  const __m128d two = _mm_min_pd(_mm256_extractf128_pd(four, 1), _mm256_castpd256_pd128(four));
+  return _mm_cvtsd_f64(_mm_min_sd(_mm_unpackhi_pd(two, two), two));
+}
+/// Lane i: p[at[i]], of 0 to 6.
+inline D8 Spread(const double* p, const long long* at) {
+  return {_mm512_permutexvar_pd(_mm512_load_si512(at), _mm512_maskz_loadu_pd(0x7f, p))};
+}
 /// Eight records of four doubles each, to four vectors of one field each.
 inline void LoadTransposed(const double* const record[8], D8 field[4]) {
   const auto pair = [&](int i) {
@@ -202,6 +216,23 @@ inline D8 Min(D8 x, D8 y) {
 inline std::uint32_t Less(D8 x, D8 y) {
   return static_cast<std::uint32_t>(_mm256_movemask_pd(_mm256_cmp_pd(x.a, y.a, _CMP_LT_OQ)) |
                                     _mm256_movemask_pd(_mm256_cmp_pd(x.b, y.b, _CMP_LT_OQ)) << 4);
+}
+inline D8 SelectLanes(std::uint32_t bits, D8 x, D8 y) {
+  const __m256i all = _mm256_set1_epi64x(bits);
+  const auto is_set = [&](long long first) {
+    const __m256i bit = _mm256_set_epi64x(8 * first, 4 * first, 2 * first, first);
+    return _mm256_castsi256_pd(_mm256_cmpeq_epi64(_mm256_and_si256(all, bit), bit));
+  };
+  return {_mm256_blendv_pd(y.a, x.a, is_set(1)), _mm256_blendv_pd(y.b, x.b, is_set(16))};
+}
+inline double LeastLane(D8 x) {
+  const __m256d four = _mm256_min_pd(x.b, x.a);
+  const __m128d two = _mm_min_pd(_mm256_extractf128_pd(four, 1), _mm256_castpd256_pd128(four));
+  return _mm_cvtsd_f64(_mm_min_sd(_mm_unpackhi_pd(two, two), two));
+}
+inline D8 Spread(const double* p, const long long* at) {
+  return {_mm256_set_pd(p[at[3]], p[at[2]], p[at[1]], p[at[0]]),
+          _mm256_set_pd(p[at[7]], p[at[6]], p[at[5]], p[at[4]])};
 }
 inline void LoadTransposed(const double* const record[8], D8 field[4]) {
   const auto half = [&](int first, __m256d out[4]) {
@@ -311,6 +342,18 @@ inline std::uint32_t Less(const D8& a, const D8& b) {
   std::uint32_t bits = 0;
   for (int i = 0; i < 8; ++i) bits |= static_cast<std::uint32_t>(a.v[i] < b.v[i]) << i;
   return bits;
+}
+inline D8 SelectLanes(std::uint32_t bits, const D8& a, const D8& b) {
+  return EachDouble([&](int i) { return (bits >> i & 1u) != 0 ? a.v[i] : b.v[i]; });
+}
+inline double LeastLane(D8 a) {
+  for (int half = 4; half > 0; half /= 2) {
+    for (int i = 0; i < half; ++i) a.v[i] = a.v[i + half] < a.v[i] ? a.v[i + half] : a.v[i];
+  }
+  return a.v[0];
+}
+inline D8 Spread(const double* p, const long long* at) {
+  return EachDouble([&](int i) { return p[at[i]]; });
 }
 inline void LoadTransposed(const double* const record[8], D8 field[4]) {
   for (int f = 0; f < 4; ++f) field[f] = EachDouble([&](int i) { return record[i][f]; });

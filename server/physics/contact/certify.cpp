@@ -27,6 +27,25 @@ Index NearOf(std::int64_t doubt, std::int64_t room) {
   return static_cast<Index>(doubt & (room - 1));
 }
 
+/// Takes the least out of a heap.  Without a branch on which of two is less, as std::pop_heap has:
+/// that cannot be foretold.
+std::int64_t PopLeast(std::vector<std::int64_t>& heap) {
+  const std::int64_t least = heap.front(), last = heap.back();
+  heap.back() = std::numeric_limits<std::int64_t>::max();
+  std::size_t hole = 0;
+  for (std::size_t child = 1; child + 1 < heap.size(); child = 2 * hole + 1) {
+    child += heap[child + 1] < heap[child] ? 1 : 0;
+    heap[hole] = heap[child];
+    hole = child;
+  }
+  for (; hole > 0 && last < heap[(hole - 1) / 2]; hole = (hole - 1) / 2) {
+    heap[hole] = heap[(hole - 1) / 2];
+  }
+  heap[hole] = last;
+  heap.pop_back();
+  return least;
+}
+
 /// Whether a unit direction keeps a pair apart throughout the trial; then it is the pair's plane.
 bool HoldsAlong(MeshContact& contact, Index k, const Vec3& n, double least_before,
                 double least_after) {
@@ -65,15 +84,41 @@ bool HoldsAcross(MeshContact& contact, Index k, double distance, const Touch& to
   return true;
 }
 
-/// Whether a plane separates the hulls of a pair throughout the trial.
-bool IsSeparable(MeshContact& contact, Index k) {
-  const ToolAndBodies& meshes = contact.meshes;
-  const NodesOfPair& nodes = contact.near[k].nodes;
-  SeparatingPlane plane;
-  const bool found =
-      FindPlane({meshes.tool.tree, nodes.tool, meshes.tool.radius, nodes.body->tree, nodes.object},
-                {contact.motion.from, contact.motion.to}, contact.near.Normal(k),
-                meshes.margins.free, *meshes.kernels, plane);
+/// Pairs that are looked at one after the other, the deepest first.  Planes between patches are
+/// looked for some at once: what comes of a search does not depend on when it was made.
+struct Batch {
+  Index pair[kBatch];
+  int pairs = 0, at = 0;  ///< at: the one that is looked at
+  SeparatingPlane plane[kPlanesAtOnce];
+  std::uint32_t found = 0;
+  int searched = 0, next = 0;  ///< planes that were looked for, and the one that comes next
+  Index of[kPlanesAtOnce];     ///< their pairs
+
+  /// Looks for planes of the pair that is looked at and of the next patches.
+  void Search(const MeshContact& contact) {
+    const ToolAndBodies& meshes = contact.meshes;
+    PatchPair patches[kPlanesAtOnce];
+    searched = next = 0;
+    for (int i = at; i < pairs && searched < kPlanesAtOnce; ++i) {
+      const NodesOfPair& nodes = contact.near[pair[i]].nodes;
+      if (i > at && nodes.AreTriangles()) continue;
+      of[searched] = pair[i];
+      plane[searched].n = contact.near.Normal(pair[i]);
+      patches[searched++] = {meshes.tool.tree, nodes.tool, meshes.tool.radius, nodes.body->tree,
+                             nodes.object};
+    }
+    found = FindPlanes({patches, static_cast<std::size_t>(searched)},
+                       {contact.motion.from, contact.motion.to}, meshes.margins.free,
+                       *meshes.kernels, plane);
+  }
+};
+
+/// Whether a plane separates the hulls of the pair that is looked at throughout the trial.
+bool IsSeparable(MeshContact& contact, Batch& batch) {
+  const Index k = batch.pair[batch.at];
+  if (batch.next == batch.searched || batch.of[batch.next] != k) batch.Search(contact);
+  const SeparatingPlane& plane = batch.plane[batch.next];
+  const bool found = (batch.found >> batch.next++ & 1u) != 0;
   contact.looks.tested += plane.tries;
   if (found) contact.near.SetPlanes(k, plane.n, plane.before, plane.n, plane.after);
   return found;
@@ -116,18 +161,19 @@ bool TrianglesApart(MeshContact& contact, Index k) {
 
 /// Whether a pair is apart at the trial, whatever the front's own plane says.  Patches that no
 /// plane separates are opened: their parts say.
-bool LookCloser(MeshContact& contact, Index k, Until until) {
+bool LookCloser(MeshContact& contact, Batch& batch, Until until) {
+  const Index k = batch.pair[batch.at];
   NearPairs::Pair& pair = contact.near[k];
   pair.looked_at = contact.trial;
   if (contact.looks.AreSpent()) return false;
   if (!pair.nodes.AreTriangles())
-    return IsSeparable(contact, k) || contact.near.Split(k, contact.looks);
+    return IsSeparable(contact, batch) || contact.near.Split(k, contact.looks);
   const double free = contact.meshes.margins.free;
   const bool has_plane = pair.touch >= 0 && contact.TouchOf(k).plane.of != ContactPlane::Of::kNone;
   // A ball's row goes along the smooth surface and not along the pair's plane: any plane will do.
   const bool apart =
       !has_plane &&
-      (contact.meshes.IsBall() ? IsSeparable(contact, k)
+      (contact.meshes.IsBall() ? IsSeparable(contact, batch)
                                : HoldsAlong(contact, k, contact.near.Normal(k), free, free));
   if (apart) return true;
   if (!contact.HasRoomFor(pair)) return false;
@@ -174,13 +220,13 @@ int Certify(MeshContact& contact, const Vec3& v, const Vec3& phi, Until until) n
       std::push_heap(doubts.begin(), doubts.end(), std::greater<>());
     }
     if (doubts.empty() || (moves && apart_not >= enough)) return apart_not;
-    // The deepest first.
-    for (int i = 0; i < kBatch && !doubts.empty() && !looks.AreSpent(); ++i) {
-      if (moves && apart_not >= enough) break;
-      std::pop_heap(doubts.begin(), doubts.end(), std::greater<>());
-      const Index k = NearOf(doubts.back(), near.room());
-      doubts.pop_back();
-      if (!LookCloser(contact, k, until)) ++apart_not;
+    Batch batch;
+    while (batch.pairs < kBatch && !doubts.empty()) {
+      batch.pair[batch.pairs++] = NearOf(PopLeast(doubts), near.room());
+    }
+    for (; batch.at < batch.pairs; ++batch.at) {
+      const bool ends = looks.AreSpent() || (moves && apart_not >= enough);
+      if (ends || !LookCloser(contact, batch, until)) ++apart_not;
     }
   }
 }

@@ -82,7 +82,7 @@ struct ToolAndBodies {
   /// Of two triangles.
   NearestPoints NearestAt(const NodesOfPair& triangles, const ToolPose& at) const {
     const Corners corners = CornersAt(triangles, at);
-    return NearestOfTriangles(corners.tool, corners.object);
+    return NearestOfTriangles(corners.tool, corners.object, *kernels);
   }
   bool IsBall() const { return tool.radius > 0.0; }
 };

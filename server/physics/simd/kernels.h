@@ -61,6 +61,25 @@ struct alignas(64) EightPoints {
   double x[3][8];
 };
 
+/// The nearest points of two triangles' edges: s of the way along edge i of the one, from its
+/// corner i on, and t along edge j of the other.
+struct EdgePair {
+  double s, t, squared;  ///< squared: of their distance [m^2]
+  int place;             ///< 3 i + j
+  bool apart;            ///< nothing else of the triangles is nearer
+};
+
+/// Eight searches for the point of a hull that is nearest to the origin, a column each: points of
+/// the hull between which the nearest one known lies.
+struct alignas(64) Simplices {
+  double point[3][3][8] = {};  ///< [which][coordinate]
+  double added[3][8] = {};     ///< a further point of the hull
+  double nearest[8] = {};      ///< distance of the nearest point known
+  double n[3][8] = {};         ///< unit, towards it
+  double radius[8] = {};       ///< that is taken off the distance
+  std::uint32_t with[3] = {};  ///< a bit for each that has one point, two, three
+};
+
 /// A packet of the tool's tree, and how much each sphere grows with the rotation that is allowed
 /// for.
 struct alignas(32) ToolPacket {
@@ -151,6 +170,14 @@ struct Kernels {
   /// Index of the point that is lowest along m, of those whose place in their eight has its bit in
   /// `lanes`; of several one that is the same everywhere.
   int (*lowest_point)(const EightPoints* eights, int count, std::uint32_t lanes, const double m[3]);
+
+  /// Of two triangles, given by their corners, the nearest points of a pair of edges that nothing
+  /// is nearer than, the first such; else those of the nearest pair.
+  EdgePair (*nearest_edges)(const double a[9], const double b[9]);
+
+  /// Takes the added points of `searches`, a bit each, into their simplices.  Returns those that go
+  /// on: whose nearest point has come nearer, and is `least` away at least.
+  std::uint32_t (*advance_simplices)(Simplices& simplices, std::uint32_t searches, double least);
 
   /// The planes of `count` slots as they are now, as columns from `first` on: each slack less by
   /// what its node moved against n since its epoch, and what it turned times its radius.

@@ -154,17 +154,188 @@ int LowestPoint(const EightPoints* eights, int count, std::uint32_t lanes, const
     in = SelectLess(here, least, Set1(static_cast<double>(k)), in);
     least = Min(here, least);
   }
-  double value[8], eight[8];
-  Store(value, least);
+  const D8 lowest = Set1(LeastLane(SelectLanes(lanes, least, Set1(kInfinity))));
+  const int best = __builtin_ctz(~Less(lowest, least) & lanes);
+  if (count == 1) return best;
+  double eight[8];
   Store(eight, in);
-  for (int k = 0; k < 8; ++k) value[k] = (lanes >> k & 1u) != 0 ? value[k] : kInfinity;
-  for (int half = 4; half > 0; half /= 2) {
-    for (int k = 0; k < half; ++k) {
-      value[k] = value[k + half] < value[k] ? value[k + half] : value[k];
-    }
-  }
-  const int best = __builtin_ctz(~Less(Set1(value[0]), least) & lanes);
   return 8 * static_cast<int>(eight[best]) + best;
+}
+
+struct Vectors {
+  D8 x, y, z;
+};
+inline Vectors operator-(const Vectors& a, const Vectors& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+inline Vectors operator*(const D8& s, const Vectors& a) {
+  return {s * a.x, s * a.y, s * a.z};
+}
+inline D8 Dot(const Vectors& a, const Vectors& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+inline Vectors Cross(const Vectors& a, const Vectors& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+inline Vectors SelectLanes(std::uint32_t bits, const Vectors& a, const Vectors& b) {
+  return {SelectLanes(bits, a.x, b.x), SelectLanes(bits, a.y, b.y), SelectLanes(bits, a.z, b.z)};
+}
+inline Vectors LoadVectors(const double x[3][8]) {
+  return {Load(x[0]), Load(x[1]), Load(x[2])};
+}
+inline void Store(double x[3][8], const Vectors& a) {
+  Store(x[0], a.x);
+  Store(x[1], a.y);
+  Store(x[2], a.z);
+}
+inline D8 Negative(const D8& x) {
+  return Set1(-0.0) - x;
+}
+inline D8 Clamp(const D8& x) {
+  const D8 zero = Set1(0.0), one = Set1(1.0);
+  return SelectLess(x, zero, zero, SelectLess(one, x, one, x));
+}
+
+/// Corners of a triangle, three times the index in each lane: one, the next, and the third.
+struct alignas(64) Corners {
+  long long at[3][8];
+};
+/// The places 3 i + j of eight pairs of edges; and the ninth.
+constexpr Corners kFirstEdge = {
+    {{0, 0, 0, 3, 3, 3, 6, 6}, {3, 3, 3, 6, 6, 6, 0, 0}, {6, 6, 6, 0, 0, 0, 3, 3}}};
+constexpr Corners kSecondEdge = {
+    {{0, 3, 6, 0, 3, 6, 0, 3}, {3, 6, 0, 3, 6, 0, 3, 6}, {6, 0, 3, 6, 0, 3, 6, 0}}};
+constexpr Corners kLastEdge = {
+    {{6, 6, 6, 6, 6, 6, 6, 6}, {0, 0, 0, 0, 0, 0, 0, 0}, {3, 3, 3, 3, 3, 3, 3, 3}}};
+
+/// Nearest points of edges p + s u and q + t w, eight pairs at once.
+struct EdgePairs {
+  D8 s, t, squared;
+  std::uint32_t apart;
+
+  EdgePairs(const double* a, const double* b, const Corners& of_a, const Corners& of_b) {
+    const auto corner = [](const double* x, const long long* at) {
+      return Vectors{Spread(x, at), Spread(x + 1, at), Spread(x + 2, at)};
+    };
+    const D8 zero = Set1(0.0), one = Set1(1.0);
+    const Vectors p = corner(a, of_a.at[0]), q = corner(b, of_b.at[0]);
+    const Vectors u = corner(a, of_a.at[1]) - p, w = corner(b, of_b.at[1]) - q, r = p - q;
+    const D8 uu = Dot(u, u), ww = Dot(w, w), uw = Dot(u, w), ur = Dot(u, r), wr = Dot(w, r);
+    const auto along_u = [&](const D8& x) { return SelectLess(zero, uu, Clamp(x / uu), zero); };
+    const D8 across = uu * ww - uw * uw, at_begin = along_u(Negative(ur));
+    s = SelectLess(zero, across, Clamp((uw * wr - ur * ww) / across), zero);
+    s = SelectLess(zero, ww, s, SelectLess(zero, uu, at_begin, s));  // the second is a point
+    t = SelectLess(zero, ww, (uw * s + wr) / ww, zero);
+    s = SelectLess(t, zero, at_begin, SelectLess(one, t, along_u(uw - ur), s));
+    t = Clamp(t);
+    const Vectors to_p = s * u, to_q = t * w;
+    const Vectors away = {r.x + to_p.x - to_q.x, r.y + to_p.y - to_q.y, r.z + to_p.z - to_q.z};
+    squared = Dot(away, away);
+    // A slab across the way between keeps the third corners out too: nothing is nearer
+    // (Larsen, Gottschalk, Lin & Manocha, UNC TR99-018 (1999)).
+    const Vectors third_a = corner(a, of_a.at[2]), third_b = corner(b, of_b.at[2]);
+    const Vectors past_p = {third_a.x - (p.x + to_p.x), third_a.y - (p.y + to_p.y),
+                            third_a.z - (p.z + to_p.z)};
+    const Vectors past_q = {third_b.x - (q.x + to_q.x), third_b.y - (q.y + to_q.y),
+                            third_b.z - (q.z + to_q.z)};
+    apart = ~(Less(Dot(away, past_p), zero) | Less(zero, Dot(away, past_q))) & Less(zero, squared);
+  }
+
+  EdgePair Take(int lane, int place, bool is_apart) const {
+    const auto of = [lane](const D8& x) {
+      Lanes lanes;
+      lanes.Set(x);
+      return lanes[lane];
+    };
+    return {of(s), of(t), of(squared), place, is_apart};
+  }
+};
+
+EdgePair NearestEdges(const double a[9], const double b[9]) {
+  const EdgePairs pairs(a, b, kFirstEdge, kSecondEdge);
+  Lanes squared;
+  squared.Set(pairs.squared);
+  for (std::uint32_t apart = pairs.apart; apart != 0; apart &= apart - 1) {
+    const int k = __builtin_ctz(apart);
+    const std::uint32_t as_near = ~Less(Set1(squared[k]), pairs.squared);
+    if ((as_near & ((1u << k) - 1u)) == 0) return pairs.Take(k, k, true);
+  }
+  const D8 least = Set1(LeastLane(pairs.squared));
+  const EdgePairs last(a, b, kLastEdge, kLastEdge);
+  if ((Less(last.squared, least) & 1u) != 0) return last.Take(0, 8, (last.apart & 1u) != 0);
+  const int best = __builtin_ctz(~Less(least, pairs.squared));
+  return pairs.Take(best, best, false);
+}
+
+/// The point of a simplex that is nearest to the origin, between a and, of the others, `second` and
+/// `third` where a bit is set.
+struct NearestOfSimplex {
+  Vectors x, second, third;
+  std::uint32_t two, three;
+};
+
+/// Of triangles a b c, where the origin is not beyond b c; of edges a b where a bit of `edges` is
+/// set (Ericson, Real-Time Collision Detection (2005), 5.1 and 9.5).  `outside`: whose plane the
+/// origin is not beyond as seen from d.
+NearestOfSimplex OfTriangles(const Vectors& a, const Vectors& b, const Vectors& c, const Vectors& d,
+                             std::uint32_t edges, std::uint32_t& outside) {
+  const D8 zero = Set1(0.0), one = Set1(1.0);
+  const Vectors ab = b - a, ac = c - a, normal = Cross(ab, ac);
+  const D8 to_b = Negative(Dot(a, ab)), to_c = Negative(Dot(a, ac));
+  const std::uint32_t past_ac = Less(Dot(Cross(normal, ac), a), zero);
+  const std::uint32_t past_ab = Less(Dot(Cross(ab, normal), a), zero);
+  const D8 size2 = Dot(normal, normal), height = Dot(normal, a);
+  outside = ~Less(zero, Dot(normal, d - a) * Negative(height));
+  const std::uint32_t inside = ~(past_ab | past_ac | edges) & Less(zero, size2);
+  const std::uint32_t on_ac = ((past_ac & Less(zero, to_c)) | ~Less(zero, to_b)) & ~edges;
+  const Vectors edge = SelectLanes(on_ac, ac, ab);
+  const D8 along = SelectLanes(on_ac, to_c, to_b), length2 = Dot(edge, edge);
+  const std::uint32_t on = Less(zero, along) & Less(zero, length2);
+  const D8 part = along / length2;
+  const Vectors step = SelectLess(part, one, part, one) * edge;
+  const Vectors on_edge = {a.x + step.x, a.y + step.y, a.z + step.z};
+  const Vectors on_face = (height / size2) * normal;
+  return {SelectLanes(inside, on_face, SelectLanes(on, on_edge, a)),
+          SelectLanes(on_ac & ~inside, c, b), c, inside | on, inside};
+}
+
+std::uint32_t AdvanceSimplices(Simplices& simplices, std::uint32_t searches, double least) {
+  const D8 zero = Set1(0.0);
+  const auto [one, two, three] = simplices.with;
+  const Vectors a = LoadVectors(simplices.added);
+  const Vectors p[3] = {LoadVectors(simplices.point[0]), LoadVectors(simplices.point[1]),
+                        LoadVectors(simplices.point[2])};
+  std::uint32_t outside;
+  NearestOfSimplex best = OfTriangles(a, p[0], p[1], p[2], ~two, outside);
+  if ((three & searches) != 0) {
+    // Of a tetrahedron, the nearest of the faces that the origin is outside of.
+    std::uint32_t is_out = outside | ~three;
+    for (int i = 1; i < 3; ++i) {
+      const Vectors &b = p[i], &c = p[(i + 1) % 3], &d = p[(i + 2) % 3];
+      const NearestOfSimplex face = OfTriangles(a, b, c, d, 0, outside);
+      const std::uint32_t nearer = Less(Dot(face.x, face.x), Dot(best.x, best.x));
+      const std::uint32_t take = three & outside & (~is_out | nearer);
+      is_out |= outside;
+      best = {SelectLanes(take, face.x, best.x), SelectLanes(take, face.second, best.second),
+              SelectLanes(take, face.third, best.third), (take & face.two) | (~take & best.two),
+              (take & face.three) | (~take & best.three)};
+    }
+    best.x = SelectLanes(is_out, best.x, {zero, zero, zero});
+  }
+  best.x = SelectLanes(one, best.x, a);
+  Store(simplices.point[0], a);
+  Store(simplices.point[1], best.second);
+  Store(simplices.point[2], best.third);
+  simplices.with[0] = ~0u;
+  simplices.with[1] = one & best.two;
+  simplices.with[2] = one & best.three;
+  // No direction tells the hulls apart by more than the nearest point's distance; nor does a search
+  // go on where rounding keeps it from coming nearer.
+  const D8 length = Sqrt(Dot(best.x, best.x));
+  const std::uint32_t nearer = Less(zero, length) & Less(length, Load(simplices.nearest));
+  Store(simplices.nearest, length);
+  Store(simplices.n, {best.x.x / length, best.x.y / length, best.x.z / length});
+  return searches & nearer & ~Less(length - Load(simplices.radius), Set1(least));
 }
 
 void RefreshPlanes(const PlaneRecord* records, const std::uint32_t* epochs,
@@ -356,6 +527,8 @@ constexpr Kernels MakeKernels(const char* name) {
           BuildRows<3>,
           FindBelow,
           LowestPoint,
+          NearestEdges,
+          AdvanceSimplices,
           RefreshPlanes,
           FindUsedUp,
           Solve<6>,

@@ -433,33 +433,4 @@ HullTree::Node HullTree::AddBoxes(std::span<std::uint32_t> points, std::span<con
   return static_cast<Node>(node);
 }
 
-Vec3 HullTree::Lowest(Node node, const Vec3& m, const Kernels& kernels) const {
-  if (IsLeaf(node)) {
-    const Mat3& x = leaf_corners_[TriangleOf(node)];
-    int best = 0;
-    double least = m.dot(x.col(0));
-    for (int c = 1; c < 3; ++c) {
-      const double along = m.dot(x.col(c));
-      if (along < least) best = c;
-      least = std::min(along, least);
-    }
-    return x.col(best);
-  }
-  const Corners& corners = corners_[static_cast<std::size_t>(node)];
-  if (corners.eights > 0) {
-    const EightPoints* const points = points_.data() + corners.first;
-    const int best =
-        kernels.lowest_point(points, static_cast<int>(corners.eights), corners.lanes, m.data());
-    const EightPoints& eight = points[best / 8];
-    return {eight.x[0][best % 8], eight.x[1][best % 8], eight.x[2][best % 8]};
-  }
-  const Inner& inner = inner_[static_cast<std::size_t>(node)];
-  Vec3 corner = inner.centre;
-  for (int c = 0; c < 3; ++c) {
-    const Vec3 side = inner.sides.col(c);
-    corner += m.dot(side) < 0.0 ? side : Vec3(-side);
-  }
-  return corner;
-}
-
 }  // namespace palpate

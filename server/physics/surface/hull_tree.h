@@ -44,6 +44,18 @@ class HullTree {
     double radius;  ///< of a ball about the centre that holds the triangles below [m]
     Node child[2];
   };
+  /// The hull of a node: one of the three.
+  struct Hull {
+    const Mat3* leaf = nullptr;           ///< its corners [m]
+    const EightPoints* eights = nullptr;  ///< the corners of a patch, where they are few
+    int count = 0;
+    std::uint32_t lanes = 0;     ///< of one eight, those that count
+    const Inner* box = nullptr;  ///< of a patch that has more
+
+    /// The point that is lowest along m, any vector; of two as low the first.  Without branches on
+    /// which it is: that cannot be foretold.
+    Vec3 Lowest(const Vec3& m, const Kernels& kernels) const;
+  };
 
   HullTree() = default;
   explicit HullTree(const ContactMesh& mesh);
@@ -85,12 +97,18 @@ class HullTree {
   }
   /// The most of n . x over a node's hull, n any vector [|n| m].
   double Highest(Node node, const Vec3& n, const Kernels& kernels) const {
-    if (!IsLeaf(node)) return n.dot(Lowest(node, -n, kernels));
+    if (!IsLeaf(node)) return n.dot(HullOf(node).Lowest(-n, kernels));
     const Mat3& x = leaf_corners_[TriangleOf(node)];
     return std::max(std::max(n.dot(x.col(0)), n.dot(x.col(1))), n.dot(x.col(2)));
   }
-  /// The point of a node's hull that is lowest along m, any vector; of two as low the first.
-  Vec3 Lowest(Node node, const Vec3& m, const Kernels& kernels) const;
+  Hull HullOf(Node node) const {
+    if (IsLeaf(node)) return {.leaf = &leaf_corners_[TriangleOf(node)]};
+    const Corners& corners = corners_[static_cast<std::size_t>(node)];
+    if (corners.eights == 0) return {.box = &inner(node)};
+    return {.eights = points_.data() + corners.first,
+            .count = static_cast<int>(corners.eights),
+            .lanes = corners.lanes};
+  }
 
  private:
   /// Where the corners of an inner node's patch are: those of its lanes if it has one eight, else
@@ -111,5 +129,25 @@ class HullTree {
   std::vector<Vec3> leaf_centre_;
   std::vector<double> leaf_radius_;
 };
+
+inline Vec3 HullTree::Hull::Lowest(const Vec3& m, const Kernels& kernels) const {
+  if (leaf != nullptr) {
+    const double along[3] = {m.dot(leaf->col(0)), m.dot(leaf->col(1)), m.dot(leaf->col(2))};
+    const int first = along[1] < along[0] ? 1 : 0;
+    return leaf->col(along[2] < along[first] ? 2 : first);
+  }
+  if (eights != nullptr) {
+    const int best = kernels.lowest_point(eights, count, lanes, m.data());
+    const EightPoints& eight = eights[best / 8];
+    return {eight.x[0][best % 8], eight.x[1][best % 8], eight.x[2][best % 8]};
+  }
+  constexpr double kSign[2] = {-1.0, 1.0};
+  Vec3 corner = box->centre;
+  for (int c = 0; c < 3; ++c) {
+    const Vec3 side = box->sides.col(c);
+    corner += kSign[m.dot(side) < 0.0 ? 1 : 0] * side;
+  }
+  return corner;
+}
 
 }  // namespace palpate

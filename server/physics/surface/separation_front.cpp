@@ -23,25 +23,26 @@ void SeparationFront::Reserve() {
   planes_.reserve(kMaxSlots);
   epoch_of_.reserve(kMaxSlots);
   expiry_.reserve(kMaxSlots / 8);
+  gate_.reserve(kMaxSlots / 2);
   unused_.reserve(kMaxSlots / 2);
 }
 
 void SeparationFront::Restart(const ContactBody& tool, std::span<const ContactBody> bodies,
                               const ToolPose& at, std::optional<HullTree::Node> for_solids) {
   Reserve();
-  const std::size_t slots = (bodies.size() + 1) & ~std::size_t{1};
+  roots_ = static_cast<Index>(bodies.size());
+  const std::size_t slots = RootSlots();
   pairs_.assign(slots, {0, 0, 0, -1, -1});
   planes_.assign(slots, PlaneRecord{});
   epoch_of_.assign(slots, 0);
   expiry_.assign((slots + 7) / 8, kUnused);
+  gate_.assign(slots / 2, kNever);
   unused_.clear();
   way_ = 0.0;
   epoch_ = 0;
   epochs_[0] = {at.p, at.q, at.R, 0.0};
   since_.fill(EpochMotion{});
   next_merged_ = 0;
-  size_ = bodies.size();
-  roots_ = static_cast<Index>(size_);
   for (Index body = 0; body < roots_; ++body) {
     const HullTree& tree = bodies[static_cast<std::size_t>(body)].tree;
     const auto of_tool = tree.IsOfBlocks() ? for_solids : tool.tree.root();
@@ -110,6 +111,7 @@ SeparationFront::Index SeparationFront::Split(Index i, const HullTree& tool, con
     pairs_.resize(pairs_.size() + 2);
     planes_.resize(pairs_.size());
     epoch_of_.resize(pairs_.size());
+    gate_.resize(pairs_.size() / 2);
     if (8 * expiry_.size() < pairs_.size()) expiry_.push_back(kUnused);
   }
   Pair& whole = pairs_[static_cast<std::size_t>(i)];
@@ -121,9 +123,8 @@ SeparationFront::Index SeparationFront::Split(Index i, const HullTree& tool, con
     Set(child + side, n, slack);
   }
   whole.child = child;
-  planes_[static_cast<std::size_t>(i)].slack = way_;
-  ExpiryOf(i) = kNever;
-  ++size_;
+  planes_[static_cast<std::size_t>(i)].slack = GateOf(child) = way_;
+  ExpiryOf(i) = GateOf(i) = kNever;
   return child;
 }
 
@@ -134,8 +135,9 @@ void SeparationFront::Merge(Index i, const Vec3& n, double slack) {
     pairs_[static_cast<std::size_t>(pair.child + side)].parent = -1;
   }
   unused_.push_back(pair.child);
+  GateOf(pair.child) = kNever;
   pair.child = -1;
-  --size_;
+  if (pair.parent >= 0) SetGate(pair.parent);
   Set(i, n, slack);
 }
 
@@ -164,10 +166,8 @@ SeparationFront::Index SeparationFront::NextMergeable() {
       next_merged_ = 0;
       return -1;
     }
-    const Pair& first = pairs_[static_cast<std::size_t>(next_merged_)];
-    if (first.parent < 0 || plane(first.parent).slack > way_ || !IsMergeable(first.parent))
-      continue;
-    return first.parent;
+    if (GateOf(next_merged_) > way_) continue;
+    return pair(next_merged_).parent;
   }
   return -1;
 }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -48,8 +49,10 @@ class SeparationFront {
   bool empty() const { return pairs_.empty(); }
   /// Places for pairs: of the front, open ones above it, and unused ones.
   std::size_t slots() const { return pairs_.size(); }
-  /// Pairs of the front.
-  std::size_t size() const { return size_; }
+  /// Pairs of the front: a root for each body, and one more with each that is opened.
+  std::size_t size() const {
+    return static_cast<std::size_t>(roots_) + (slots() - RootSlots()) / 2 - unused_.size();
+  }
 
   /// Nothing is known: it is to be restarted.
   void Clear() { pairs_.clear(); }
@@ -123,7 +126,10 @@ class SeparationFront {
   /// all of them.  -1 at the end of a round, or where the next few dozen places hold none.
   Index NextMergeable();
   /// An open pair is not to be tried again before the way has grown by this [m].
-  void RetryAfter(Index i, double way) { planes_[static_cast<std::size_t>(i)].slack = way_ + way; }
+  void RetryAfter(Index i, double way) {
+    planes_[static_cast<std::size_t>(i)].slack = way_ + way;
+    SetGate(i);
+  }
 
   struct alignas(64) Eight {
     double v[8];
@@ -134,6 +140,13 @@ class SeparationFront {
     return expiry_[static_cast<std::size_t>(i) / 8].v[static_cast<std::size_t>(i) % 8];
   }
 
+  double& GateOf(Index child) { return gate_[static_cast<std::size_t>(child) / 2]; }
+  /// Of an open pair.
+  void SetGate(Index i) {
+    GateOf(pair(i).child) =
+        IsMergeable(i) ? plane(i).slack : std::numeric_limits<double>::infinity();
+  }
+  std::size_t RootSlots() const { return (static_cast<std::size_t>(roots_) + 1) & ~std::size_t{1}; }
   void Put(Index i, const HullTree& tool, const Pair& pair);
   void CloseBelow(Index i);
 
@@ -142,11 +155,13 @@ class SeparationFront {
   std::vector<PlaneRecord> planes_;      ///< of each pair
   std::vector<std::uint32_t> epoch_of_;  ///< of each pair's slack
   std::vector<Eight> expiry_;            ///< infinite for pairs that are open or unused
-  std::vector<Index> unused_;            ///< first of two
+  /// Of each two siblings: the way from which on NextMergeable gives their parent; infinite where
+  /// they are not both of the front.  Beside each other, because it goes past most of them.
+  std::vector<double> gate_;
+  std::vector<Index> unused_;  ///< first of two
   std::array<Epoch, kPlaneEpochs> epochs_;
   std::array<EpochMotion, kPlaneEpochs> since_;  ///< from each epoch until now
   std::uint32_t epoch_ = 0;
-  std::size_t size_ = 0;
   Index roots_ = 0;
   double way_ = 0.0;
   Index next_merged_ = 0;

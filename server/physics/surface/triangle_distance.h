@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "common/math/pose.h"
+#include "server/physics/simd/kernels.h"
 
 namespace palpate {
 
@@ -33,6 +34,7 @@ struct NearestPoints {
 /// to see whether the plane across them separates the two.
 /// Vertices against faces, and edges against edges (Ericson, Real-Time Collision Detection, 5.1).
 /// Real-time.  Deterministic.
-NearestPoints NearestOfTriangles(const Vec3 a[3], const Vec3 b[3]) noexcept;
+NearestPoints NearestOfTriangles(const Vec3 a[3], const Vec3 b[3],
+                                 const Kernels& kernels = ActiveKernels()) noexcept;
 
 }  // namespace palpate

@@ -53,7 +53,7 @@ void Judge(const TriangleMesh& source, double size) {
       }
       const double told = tree.Highest(node, n, kernels);
       EXPECT_GE(told, highest - 1e-15 * size);
-      EXPECT_NEAR(n.dot(tree.Lowest(node, -n, kernels)), told, 1e-15 * size);
+      EXPECT_NEAR(n.dot(tree.HullOf(node).Lowest(-n, kernels)), told, 1e-15 * size);
       if (below.size() <= 32) {
         EXPECT_LE(told, highest + 1e-15 * size);
       } else {
@@ -185,7 +185,7 @@ std::uint64_t HashOf(const HullTree& tree) {
     mix(parent);
     mix(tree.Radius(node));
     mix_all(tree.Centre(node));
-    mix_all(tree.Lowest(node, Vec3(0.3, 0.5, -0.8), ActiveKernels()));
+    mix_all(tree.HullOf(node).Lowest(Vec3(0.3, 0.5, -0.8), ActiveKernels()));
     if (HullTree::IsLeaf(node)) continue;
     mix_all(tree.inner(node).sides);
     for (const HullTree::Node child : tree.inner(node).child) left.push_back({node, child});
