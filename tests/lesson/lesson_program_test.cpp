@@ -1,4 +1,4 @@
-// A worn scene made whole, with everybody there: server, hand, recorder, command and replay.
+// A scraped scene made whole, with everybody there: server, hand, recorder, command and replay.
 #include <csignal>
 #include <filesystem>
 #include <string>
@@ -50,19 +50,19 @@ TEST(LessonProgram, MakesWholeWhatAHandScrapesOffAndTheRecordingOfItIsVerified) 
       Here("palpate-station", {"--device", "simulated", "--scene", "calculus", "--id", "hand",
                                "--loop", "--no-table", "--transport", "udp", "--realtime", "off"});
   const dds::Participant viewer = dds::Participant::Service(kDomain);
-  dds::Reader<wire::SceneChange> changes(viewer, dds::kSceneChangeTopic, dds::Qos::kRecordSession);
+  dds::Reader<wire::SolidBlock> blocks(viewer, dds::kSolidBlockTopic, dds::Qos::kRecordSession);
   dds::Reader<wire::SceneWhole> wholes(viewer, dds::kSceneWholeTopic, dds::Qos::kSession);
-  wire::SceneChange change{};
-  const auto worn_past = [&](std::uint64_t number) {
+  wire::SolidBlock block{};
+  const auto scraped_past = [&](std::uint64_t number) {
     return Eventually(
         [&] {
           server.Output();  // a full pipe would stop it
-          while (changes.Take(change)) continue;
-          return change.change > number;
+          while (blocks.Take(block)) continue;
+          return block.change > number;
         },
         60.0);
   };
-  ASSERT_TRUE(worn_past(5)) << station.Output() << server.Output();
+  ASSERT_TRUE(scraped_past(5)) << station.Output() << server.Output();
 
   Program lesson = Here("palpate-lesson", {"whole", "calculus"});
   EXPECT_EQ(lesson.Exit(), 0);
@@ -72,7 +72,7 @@ TEST(LessonProgram, MakesWholeWhatAHandScrapesOffAndTheRecordingOfItIsVerified) 
   EXPECT_GE(whole.last_change, 5u);
   EXPECT_STREQ(whole.by, "palpate-lesson");
   // The hand goes on, and scrapes again.
-  EXPECT_TRUE(worn_past(whole.last_change + 3)) << station.Output();
+  EXPECT_TRUE(scraped_past(whole.last_change + 3)) << station.Output();
 
   for (const auto& [scene, why] : {std::pair{"cube", "nothing goes there"},
                                    std::pair{"mould", "served are: calculus, cube"}}) {
