@@ -94,14 +94,17 @@ struct Batch {
   int searched = 0, next = 0;  ///< planes that were looked for, and the one that comes next
   Index of[kPlanesAtOnce];     ///< their pairs
 
-  /// Looks for planes of the pair that is looked at and of the next patches.
+  /// Looks for planes of the pair that is looked at, and of the next that will ask for one:
+  /// patches, and a ball's triangles that have no touch.
   void Search(const MeshContact& contact) {
     const ToolAndBodies& meshes = contact.meshes;
     PatchPair patches[kPlanesAtOnce];
     searched = next = 0;
     for (int i = at; i < pairs && searched < kPlanesAtOnce; ++i) {
-      const NodesOfPair& nodes = contact.near[pair[i]].nodes;
-      if (i > at && nodes.AreTriangles()) continue;
+      const NearPairs::Pair& near = contact.near[pair[i]];
+      const NodesOfPair& nodes = near.nodes;
+      const bool asks = !nodes.AreTriangles() || (meshes.IsBall() && near.touch < 0);
+      if (i > at && !asks) continue;
       of[searched] = pair[i];
       plane[searched].n = contact.near.Normal(pair[i]);
       patches[searched++] = {meshes.tool.tree, nodes.tool, meshes.tool.radius, nodes.body->tree,
