@@ -157,9 +157,11 @@ class HullTree::Builder {
     if (count < 2) return;
     scratch_.order.resize(count);
     std::iota(scratch_.order.begin(), scratch_.order.end(), 0u);
-    scratch_.places.resize(count);
-    scratch_.dealt.resize(count);
-    scratch_.ends.resize(count);
+    if (axes_ == nullptr) {
+      scratch_.places.resize(count);
+      scratch_.dealt.resize(count);
+      scratch_.ends.resize(count);
+    }
     if (set != nullptr) {
       const auto rest = std::ranges::stable_partition(
           scratch_.order, [&](std::uint32_t triangle) { return (*set)[triangle]; });
@@ -381,9 +383,6 @@ void HullTree::Reserve(std::size_t triangles) {
 
 void HullTree::Scratch::Reserve(std::size_t triangles) {
   order.reserve(triangles);
-  places.reserve(triangles);
-  dealt.reserve(triangles);
-  ends.reserve(triangles);
   bounds.reserve(triangles);
 }
 

@@ -31,6 +31,7 @@ class HullTree {
   };
   /// What making one takes, which may be used again.
   struct Scratch {
+    /// For Assign.
     void Reserve(std::size_t triangles);
 
     std::vector<std::uint32_t> order;  ///< the triangles, those of a patch beside each other
