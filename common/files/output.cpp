@@ -3,7 +3,10 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
+
+#include <unistd.h>
 
 #include "common/error.h"
 
@@ -23,8 +26,20 @@ void WriteOutput(const std::string& option, const std::string& file, const std::
     if (std::fputs(text.c_str(), stdout) < 0 || std::fflush(stdout) != 0) Fail(option, file, errno);
     return;
   }
-  std::ofstream out(file);
-  if (!(out << text) || !out.flush()) Fail(option, file, errno);
+  // Beside it first, then in its place: whoever reads it, or is cut off here, has one or the other.
+  // Not so a device, a pipe and what a link leads to.
+  std::error_code none;
+  const auto type = std::filesystem::symlink_status(file, none).type();
+  const bool in_place =
+      type != std::filesystem::file_type::regular && type != std::filesystem::file_type::not_found;
+  const std::string written = in_place ? file : file + "." + std::to_string(getpid()) + ".new";
+  std::ofstream out(written, std::ios::binary);
+  out << text;
+  out.close();
+  if (out && (in_place || std::rename(written.c_str(), file.c_str()) == 0)) return;
+  const int error = errno;
+  if (!in_place) std::remove(written.c_str());
+  Fail(option, file, error);
 }
 
 void CheckOutput(const std::string& option, const std::string& file) {

@@ -4,8 +4,9 @@
 
 namespace palpate {
 
-/// Puts a program's result into a file, or on standard output where that is "-".  Throws Error
-/// (file, remedy).
+/// Puts a program's result into a file, or on standard output where that is "-".  A file is whole
+/// at any time: who reads it meanwhile has the former one.  Throws Error (file, remedy), and leaves
+/// the former one.
 /// @param option  that named the file, as "--json".
 void WriteOutput(const std::string& option, const std::string& file, const std::string& text);
 

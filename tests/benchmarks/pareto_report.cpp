@@ -4,12 +4,12 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>
 
 #include "common/error.h"
+#include "common/files/output.h"
 #include "common/files/project_files.h"
 #include "common/text/quoted.h"
 #include "tests/benchmarks/peers/peer.h"
@@ -577,13 +577,6 @@ std::string ToCsv(const ParetoResults& r) {
   return csv;
 }
 
-void WriteText(const std::string& file, const std::string& text) {
-  std::ofstream out(file);
-  out << text;
-  out.close();
-  if (!out) throw Error(file + ": cannot be written; give --out a folder you may write");
-}
-
 }  // namespace
 
 void WritePareto(const std::string& folder, const ParetoResults& results) {
@@ -593,12 +586,12 @@ void WritePareto(const std::string& folder, const ParetoResults& results) {
     return (std::filesystem::path(folder) / name).string();
   };
   WriteJson(file("pareto.json"), ToJson(results));
-  WriteText(file("pareto.csv"), ToCsv(results));
+  WriteOutput("--out", file("pareto.csv"), ToCsv(results));
   Markdown md;
   for (const auto section : {Head, SpeedAgainstError, Slides, Scenes, Features, Peers, Missed}) {
     section(md, results);
   }
-  WriteText(file("report.md"), md.text());
+  WriteOutput("--out", file("report.md"), md.text());
 }
 
 bool DrawPareto(const std::string& folder) {

@@ -1,17 +1,13 @@
 #include "client/replayer/play/bookmarks.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <utility>
 
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
 #include "common/error.h"
+#include "common/files/output.h"
 #include "common/files/whole_file.h"
 #include "common/json/json_file.h"
 
@@ -103,7 +99,6 @@ void Bookmarks::Drop(std::uint32_t number) {
   Write(std::move(bookmarks));
 }
 
-/// Beside it first, then in its place: who is cut off leaves the former file whole.
 void Bookmarks::Write(std::vector<Bookmark> bookmarks) {
   if (TextOf(file_) != text_) {
     throw Error(file_ +
@@ -115,16 +110,7 @@ void Bookmarks::Write(std::vector<Bookmark> bookmarks) {
     list.push_back({{"at_s", bookmark.at_s}, {"name", bookmark.name}});
   }
   const std::string text = nlohmann::ordered_json{{"bookmarks", list}}.dump(2) + "\n";
-  const std::string beside = file_ + "." + std::to_string(getpid()) + ".new";
-  std::ofstream out(beside, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out || std::rename(beside.c_str(), file_.c_str()) != 0) {
-    const std::string why = std::strerror(errno);
-    std::remove(beside.c_str());
-    throw Error(file_ + ": cannot be written (" + why +
-                "); bookmarks stand beside the recording, in a folder that may be written to");
-  }
+  WriteOutput("bookmarks", file_, text);
   text_ = text;
   bookmarks_ = std::move(bookmarks);
 }

@@ -1,6 +1,9 @@
 #include "common/files/output.h"
 
 #include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -26,6 +29,23 @@ TEST_F(Output, GoesToTheFileInPlaceOfWhatWasThere) {
   WriteOutput("--json", file_, "something long\n");
   WriteOutput("--json", file_, "{}\n");
   EXPECT_EQ(ReadWholeFile(file_), "{}\n");
+}
+
+TEST_F(Output, IsWholeForWhoReadsItMeanwhile) {
+  WriteOutput("--json", file_, "the former\n");
+  std::ifstream reader(file_);
+  WriteOutput("--json", file_, "{}\n");
+  std::string read;
+  std::getline(reader, read);
+  EXPECT_EQ(read, "the former");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()), 1);
+}
+
+TEST_F(Output, GoesToWhereALinkLeads) {
+  fs::create_symlink(file_, folder_ / "link");
+  WriteOutput("--json", folder_ / "link", "{}\n");
+  EXPECT_EQ(ReadWholeFile(file_), "{}\n");
+  EXPECT_TRUE(fs::is_symlink(folder_ / "link"));
 }
 
 TEST_F(Output, GoesToStandardOutputForADash) {
