@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <unordered_map>
 
 #include <Eigen/LU>
@@ -11,10 +12,13 @@ namespace palpate {
 namespace {
 
 constexpr int kSide = SparseField::kSide;
-/// Points on either side of a block that its triangles go by: those of the cells before and after,
-/// and their neighbours, of which gradients are made; and one more for its neighbours' triangles.
-constexpr int kMargin = 3;
-constexpr int kWide = kSide + 2 * kMargin;
+/// Points before and beyond a block that its triangles and its neighbours' beside them go by.  Of
+/// the latter the farthest corners are those of the eights of cells from -4 and from 8; and one
+/// more for gradients.
+constexpr int kBefore = 5, kBehind = 4;
+constexpr int kWide = kBefore + kSide + kBehind;
+/// Eights of cells in a row: the first begins one before the first point.
+constexpr int kEights = (kWide + 1) / 2;
 /// A gradient's square misses 1 by rounding alone where a face is flat, by some h^2 / 3R^2 where it
 /// bends with R, and by half where two faces meet at a right angle.  From here on it is doubted.
 constexpr double kDoubt = 0.003;
@@ -25,6 +29,12 @@ constexpr double kSame = 0.9;
 /// Of the pull to the middle of a cell's crossings, against all planes': keeps a vertex where these
 /// leave it free, and holds it back from a right-angled edge by 2 % of its way.
 constexpr double kPull = 0.01;
+/// The same for eight cells' one vertex: an edge of the solid's mesh between faces that meet at
+/// some degrees has to hold it.
+constexpr double kPullOfEight = 1e-4;
+/// From no plane of theirs may it be farther [h], or they have one each.  A ball of 27 h or more
+/// has one for eight.
+constexpr double kFlat = 0.05;
 /// How far a vertex may lie beyond its cell: an edge may pass between two lattice lines, so that
 /// only cells behind it are crossed [h].
 constexpr double kBeyond = 1.0;
@@ -87,6 +97,40 @@ constexpr std::array<Sheets, 256> MakeSheets() {
 }
 constexpr std::array<Sheets, 256> kSheets = MakeSheets();
 
+/// Of each set of solid corners, whether one sheet crosses the cell, or none, and no face twice.
+constexpr std::array<bool, 256> MakePlain() {
+  std::array<bool, 256> plain{};
+  for (int solid = 0; solid < 256; ++solid) {
+    plain[static_cast<std::size_t>(solid)] = kSheets[static_cast<std::size_t>(solid)].count < 2;
+    for (int face = 0; face < 6; ++face) {
+      const int w = face / 2, u = 1 << (w + 1) % 3, v = 1 << (w + 2) % 3, base = (face & 1) << w;
+      const auto is_solid = [&](int corner) { return (solid >> corner & 1) != 0; };
+      if (is_solid(base) == is_solid(base | u | v) && is_solid(base | u) == is_solid(base | v) &&
+          is_solid(base) != is_solid(base | u)) {
+        plain[static_cast<std::size_t>(solid)] = false;
+      }
+    }
+  }
+  return plain;
+}
+constexpr std::array<bool, 256> kPlain = MakePlain();
+
+/// Of each of the 27 points of a cube of eight cells, the cube's corners that are at the ends of
+/// its edge, its face or its diagonal through the point, a bit each.
+constexpr std::array<int, 27> MakeCornersRound() {
+  std::array<int, 27> all{};
+  for (int n = 0; n < 27; ++n) {
+    const int at[3] = {n % 3, n / 3 % 3, n / 9};
+    for (int c = 0; c < 8; ++c) {
+      bool is_round = true;
+      for (int a = 0; a < 3; ++a) is_round = is_round && (at[a] == 1 || at[a] / 2 == (c >> a & 1));
+      all[static_cast<std::size_t>(n)] |= int{is_round} << c;
+    }
+  }
+  return all;
+}
+constexpr std::array<int, 27> kCornersRound = MakeCornersRound();
+
 /// A point of the block or round it, from 0 in the margin's corner.
 struct Place {
   int at[3];
@@ -96,6 +140,8 @@ struct Place {
     p.at[axis] += by;
     return p;
   }
+  /// Of the cell whose lowest point it is.
+  Place Corner(int c) const { return {{at[0] + (c & 1), at[1] + (c >> 1 & 1), at[2] + (c >> 2)}}; }
   Vec3 From(const Place& p) const {
     return Vec3(at[0] - p.at[0], at[1] - p.at[1], at[2] - p.at[2]);
   }
@@ -129,6 +175,16 @@ class Contour {
     return free && solid;
   }
 
+  /// Whether nothing is cut of the block and those round it.
+  bool IsUncut() const {
+    for (int n = 0; n < 27; ++n) {
+      const int b[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
+      const auto block = BlockAt(b);
+      if (block && CutAt(b).entry(*block) != SparseField::kBelow) return false;
+    }
+    return true;
+  }
+
   void Load() {
     for (int n = 0; n < 27; ++n) {
       const int b[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
@@ -136,8 +192,9 @@ class Contour {
       Load(CutAt(b), b, fields_[1]);
     }
     for (int n = 0; n < kWide * kWide * kWide; ++n) {
-      solid_[n] = fields_[0][n] < 0.0f && fields_[1][n] < 0.0f;
+      solid_[n] = (fields_[0][n] < 0.0f) & (fields_[1][n] < 0.0f);
     }
+    std::ranges::fill(eight_, kUnknown);
     std::fill_n(&vertex_[0][0], kWide * kWide * kWide * 4, std::int16_t{-1});
     std::fill_n(&crossing_[0][0], kWide * kWide * kWide * 3, std::int16_t{-1});
     std::ranges::fill(kept_number_, std::int16_t{-1});
@@ -145,9 +202,9 @@ class Contour {
 
   /// The block's own triangles.
   void Take() {
-    for (int k = kMargin; k < kMargin + kSide; ++k) {
-      for (int j = kMargin; j < kMargin + kSide; ++j) {
-        for (int i = kMargin; i < kMargin + kSide; ++i) {
+    for (int k = kBefore; k < kBefore + kSide; ++k) {
+      for (int j = kBefore; j < kBefore + kSide; ++j) {
+        for (int i = kBefore; i < kBefore + kSide; ++i) {
           for (int d = 0; d < 3; ++d) {
             const Place p{{i, j, k}};
             if (Crosses(p, d)) AddAcross(p, d);
@@ -159,12 +216,12 @@ class Contour {
 
   /// Those of the blocks round it that share a vertex with them.
   void TakeRim() {
-    constexpr int first = kMargin - 1, last = kMargin + kSide;
+    constexpr int first = kBefore - 2, last = kBefore + kSide;
     const auto own = static_cast<std::int16_t>(surface_.vertices.size());
     for (int k = first; k <= last; ++k) {
       for (int j = first; j <= last; ++j) {
         for (int i = first; i <= last; ++i) {
-          if (std::min({i, j, k}) > first && std::max({i, j, k}) < last) continue;
+          if (std::min({i, j, k}) >= kBefore && std::max({i, j, k}) < last) continue;
           const Place p{{i, j, k}};
           for (int d = 0; d < 3; ++d) {
             if (Crosses(p, d) && HasVertexBefore(own, p, d)) AddAcross(p, d);
@@ -201,11 +258,11 @@ class Contour {
     const auto block = BlockAt(b);
     int low[3], high[3];
     for (int a = 0; a < 3; ++a) {
-      low[a] = b[a] < 0 ? kSide - kMargin : 0;
-      high[a] = b[a] > 0 ? kMargin : kSide;
+      low[a] = b[a] < 0 ? kSide - kBefore : 0;
+      high[a] = b[a] > 0 ? kBehind : kSide;
     }
-    const int at_first = ((kMargin + kSide * b[2]) * kWide + kMargin + kSide * b[1]) * kWide +
-                         kMargin + kSide * b[0];
+    const int at_first = ((kBefore + kSide * b[2]) * kWide + kBefore + kSide * b[1]) * kWide +
+                         kBefore + kSide * b[0];
     const std::int32_t entry = block ? field.entry(*block) : field.around();
     const float all = entry == SparseField::kBelow ? -field.band() : field.band();
     for (int k = low[2]; k < high[2]; ++k) {
@@ -218,11 +275,12 @@ class Contour {
     }
   }
 
-  /// Solid corners of the cell whose lowest is p.
-  int CornersOf(const Place& p) const {
+  /// Solid corners of the cell whose lowest is p, or of several cells' cube.
+  int CornersOf(const Place& p, int side = 1) const {
     int corners = 0;
     for (int c = 0; c < 8; ++c) {
-      const int at = p.index() + (c & 1) + (c >> 1 & 1) * kStride[1] + (c >> 2) * kStride[2];
+      const int at =
+          p.index() + side * ((c & 1) + (c >> 1 & 1) * kStride[1] + (c >> 2) * kStride[2]);
       corners |= int{solid_[at]} << c;
     }
     return corners;
@@ -310,7 +368,7 @@ class Contour {
     for (int a = 2; a >= 0; --a) {
       const auto points = static_cast<std::uint64_t>(kSide) *
                           static_cast<std::uint64_t>(lattice_.blocks[static_cast<std::size_t>(a)]);
-      number = number * points + static_cast<std::uint64_t>(first_[a] + p.at[a] - kMargin);
+      number = number * points + static_cast<std::uint64_t>(first_[a] + p.at[a] - kBefore);
     }
     return 7 * number + static_cast<std::uint64_t>(which);
   }
@@ -321,65 +379,143 @@ class Contour {
     return static_cast<std::uint32_t>(surface_.vertices.size() - 1);
   }
   Vec3 PointOf(const Place& p, const Vec3& beyond) const {
-    return lattice_.Point(first_[0] + p.at[0] - kMargin, first_[1] + p.at[1] - kMargin,
-                          first_[2] + p.at[2] - kMargin) +
+    return lattice_.Point(first_[0] + p.at[0] - kBefore, first_[1] + p.at[1] - kBefore,
+                          first_[2] + p.at[2] - kBefore) +
            lattice_.spacing * beyond;
   }
 
-  /// Of a cell and the sheet in it that crosses one of its edges.
-  std::uint32_t VertexOf(const Place& cell, int edge) {
-    const int corners = CornersOf(cell);
-    const Sheets& sheets = kSheets[static_cast<std::size_t>(corners)];
-    const int sheet = sheets.of[static_cast<std::size_t>(edge)];
-    std::int16_t& known = vertex_[cell.index()][sheet];
-    if (known >= 0) return static_cast<std::uint32_t>(known);
-    // Least squares of the distances from what both ends of each crossed edge see, of the field
-    // that crosses it, from the crossings' middle.
+  /// What crossings of a sheet see, from the lowest point of its cell or cells.
+  struct Planes {
     struct Plane {
       Vec3 normal;
       double offset, weight;
     };
-    Plane planes[24];
-    int count = 0, crossings = 0;
-    Vec3 middle = Vec3::Zero(), pull = Vec3::Zero();
-    for (int e = 0; e < 12; ++e) {
-      if (sheets.of[static_cast<std::size_t>(e)] != sheet) continue;
-      const int c = LowerEnd(e), d = e / 4;
-      const Place lower{{cell.at[0] + (c & 1), cell.at[1] + (c >> 1 & 1), cell.at[2] + (c >> 2)}};
-      const Edge& crossed = EdgeAt(lower, d);
-      const Vec3 crossing = lower.From(cell) + crossed.t * Vec3::Unit(d);
-      middle += crossing;
-      ++crossings;
-      const Face& face = crossed.face[0];
-      if (crossed.is_one) {
+    std::array<Plane, 54> planes;  // 24 of a cell
+    std::size_t count = 0;
+    Vec3 crossings = Vec3::Zero();  ///< their sum
+    int crossed = 0;
+
+    void Add(const Vec3& lower, int d, const Edge& edge) {
+      const Vec3 crossing = lower + edge.t * Vec3::Unit(d);
+      crossings += crossing;
+      ++crossed;
+      const Face& face = edge.face[0];
+      if (edge.is_one) {
         // Of a face that bends, the crossing is nearer to it than what is touched at either end.
         planes[count++] = {face.normal, face.normal.dot(crossing), face.weight};
-        continue;
+        return;
       }
       for (int end = 0; end < 2; ++end) {
-        const auto& [normal, distance, sure] = crossed.face[end];
-        planes[count++] = {normal, normal.dot(lower.Moved(d, end).From(cell)) - distance, sure};
+        const auto& [normal, distance, sure] = edge.face[end];
+        planes[count++] = {normal, normal.dot(lower + end * Vec3::Unit(d)) - distance, sure};
       }
     }
-    middle /= crossings;
-    Mat3 metric = Mat3::Zero();
-    double weight = 0.0;
-    for (int n = 0; n < count; ++n) {
-      const Plane& plane = planes[n];
-      metric += plane.weight * plane.normal * plane.normal.transpose();
-      pull += plane.weight * (plane.offset - plane.normal.dot(middle)) * plane.normal;
-      weight += plane.weight;
+
+    /// Where they meet, by least squares of the distances, from the crossings' middle; no farther
+    /// than `beyond` from the cube.
+    Vec3 Meet(double side, double beyond, double pull_to_middle) const {
+      const Vec3 middle = crossings / crossed;
+      Mat3 metric = Mat3::Zero();
+      Vec3 pull = Vec3::Zero();
+      double all = 0.0;
+      for (const auto& [normal, offset, weight] : std::span(planes).first(count)) {
+        metric += weight * normal * normal.transpose();
+        pull += weight * (offset - normal.dot(middle)) * normal;
+        all += weight;
+      }
+      metric.diagonal().array() += pull_to_middle * all;
+      const Vec3 way = metric.inverse() * pull;
+      double t = 1.0;
+      for (int a = 0; a < 3; ++a) {
+        const double room = way[a] > 0.0 ? side + beyond - middle[a] : middle[a] + beyond;
+        if (std::abs(way[a]) > room) t = std::min(t, room / std::abs(way[a]));
+      }
+      return middle + t * way;
     }
-    metric.diagonal().array() += kPull * weight;
-    const Vec3 way = metric.inverse() * pull;
-    double t = 1.0;
-    for (int a = 0; a < 3; ++a) {
-      const double room = way[a] > 0.0 ? 1.0 + kBeyond - middle[a] : middle[a] + kBeyond;
-      if (std::abs(way[a]) > room) t = std::min(t, room / std::abs(way[a]));
+
+    /// Whether a vertex of all of them would do: they turn little, and it lies in all.
+    bool AllHold(const Vec3& at) const {
+      Vec3 mean = Vec3::Zero();
+      for (const Plane& plane : std::span(planes).first(count)) mean += plane.normal;
+      mean.normalize();
+      return std::ranges::all_of(std::span(planes).first(count), [&](const Plane& plane) {
+        return plane.normal.dot(mean) >= kSame &&
+               std::abs(plane.normal.dot(at) - plane.offset) <= kFlat;
+      });
     }
-    const Vec3 at = middle + t * way;
-    known = static_cast<std::int16_t>(Add(PointOf(cell, at), NumberOf(cell, sheet)));
+  };
+
+  /// Of a cell and the sheet in it that crosses one of its edges.
+  std::uint32_t VertexOf(const Place& cell, int edge) {
+    if (const std::int16_t of_eight = VertexOfEight(cell); of_eight >= 0) {
+      return static_cast<std::uint32_t>(of_eight);
+    }
+    const Sheets& sheets = kSheets[static_cast<std::size_t>(CornersOf(cell))];
+    const int sheet = sheets.of[static_cast<std::size_t>(edge)];
+    std::int16_t& known = vertex_[cell.index()][sheet];
+    if (known >= 0) return static_cast<std::uint32_t>(known);
+    Planes planes;
+    for (int e = 0; e < 12; ++e) {
+      if (sheets.of[static_cast<std::size_t>(e)] != sheet) continue;
+      const Place lower = cell.Corner(LowerEnd(e));
+      planes.Add(lower.From(cell), e / 4, EdgeAt(lower, e / 4));
+    }
+    known = static_cast<std::int16_t>(
+        Add(PointOf(cell, planes.Meet(1.0, kBeyond, kPull)), NumberOf(cell, sheet)));
     return static_cast<std::uint32_t>(known);
+  }
+
+  static std::size_t EightOf(const Place& cell) {
+    std::size_t eight = 0;
+    for (int a = 2; a >= 0; --a) {
+      eight = eight * kEights + static_cast<std::size_t>((cell.at[a] + 1) / 2);
+    }
+    return eight;
+  }
+
+  /// The vertex that a cell has together with seven others, or kAlone: of a cube of two cells a
+  /// side which the surface crosses as a plane does.
+  std::int16_t VertexOfEight(const Place& cell) {
+    std::int16_t& known = eight_[EightOf(cell)];
+    if (known != kUnknown) return known;
+    known = kAlone;
+    Place first = cell;
+    for (int& at : first.at) at = (at + 1) / 2 * 2 - 1;
+    if (!IsPlain(first)) return known;
+    Planes planes;
+    std::optional<std::uint8_t> material;
+    for (int n = 0; n < 27; ++n) {
+      const Place lower{{first.at[0] + n % 3, first.at[1] + n / 3 % 3, first.at[2] + n / 9}};
+      for (int d = 0; d < 3; ++d) {
+        if (lower.at[d] == first.at[d] + 2 || !Crosses(lower, d)) continue;
+        const Edge& edge = EdgeAt(lower, d);
+        const std::uint8_t behind = MaterialAt(solid_[lower.index()] ? lower : lower.Moved(d, 1));
+        if (!edge.is_one || material.value_or(behind) != behind) return known;
+        material = behind;
+        planes.Add(lower.From(first), d, edge);
+      }
+    }
+    const Vec3 at = planes.Meet(2.0, 0.0, kPullOfEight);
+    if (!planes.AllHold(at)) return known;
+    return known = static_cast<std::int16_t>(Add(PointOf(first, at), NumberOf(first, 0)));
+  }
+
+  /// Whether the surface of a cube of eight cells is that of one cell of twice the side, but for
+  /// its shape (Ju et al., sec. 4.1): no point between has a sign that none of those round it have.
+  bool IsPlain(const Place& first) const {
+    const int corners = CornersOf(first, 2);
+    if (corners == 0 || corners == 255 || !kPlain[static_cast<std::size_t>(corners)]) return false;
+    for (int n = 0; n < 27; ++n) {
+      const bool solid =
+          solid_[first.index() + n % 3 + n / 3 % 3 * kStride[1] + n / 9 * kStride[2]];
+      if (((solid ? corners : ~corners) & kCornersRound[static_cast<std::size_t>(n)]) == 0) {
+        return false;
+      }
+    }
+    for (int c = 0; c < 8; ++c) {
+      if (!kPlain[static_cast<std::size_t>(CornersOf(first.Corner(c)))]) return false;
+    }
+    return true;
   }
 
   std::uint32_t CrossingOf(const Place& lower, int d) {
@@ -403,11 +539,23 @@ class Contour {
 
   /// Whether one of the four cells round an edge has a vertex of a lower number.
   bool HasVertexBefore(std::int16_t number, const Place& p, int d) const {
-    const int u = kStride[(d + 1) % 3], v = kStride[(d + 2) % 3];
-    for (const int cell : {p.index(), p.index() - u, p.index() - u - v, p.index() - v}) {
-      for (const std::int16_t vertex : vertex_[cell]) {
-        if (vertex >= 0 && vertex < number) return true;
-      }
+    const int u = (d + 1) % 3, v = (d + 2) % 3;
+    const auto is_before = [&](std::int16_t vertex) { return vertex >= 0 && vertex < number; };
+    for (const Place& cell : {p, p.Moved(u, -1), p.Moved(u, -1).Moved(v, -1), p.Moved(v, -1)}) {
+      if (is_before(eight_[EightOf(cell)])) return true;
+      if (std::ranges::any_of(vertex_[cell.index()], is_before)) return true;
+    }
+    return false;
+  }
+
+  /// Where cells beside each other have one vertex, there is one triangle or none.  Returns whether
+  /// it is so.
+  bool AddWhereCellsAreOne(const std::uint32_t (&c)[4], bool turned, std::uint8_t material) {
+    for (int n = 0; n < 4; ++n) {
+      const std::uint32_t one = c[n], second = c[(n + 2) % 4], third = c[(n + 3) % 4];
+      if (one != c[(n + 1) % 4]) continue;
+      if (second != third) AddTriangle(one, second, third, turned, material);
+      return true;
     }
     return false;
   }
@@ -443,6 +591,7 @@ class Contour {
       any = any || shared[n];
     }
     if (!any) {
+      if (AddWhereCellsAreOne(c, !up, material)) return;
       // The diagonal of which both triangles face where the crossing does.
       const Vec3 normal = (up ? 1.0 : -1.0) * EdgeAt(p, d).face[up ? 0 : 1].normal;
       const auto facing = [&](int i, int j, int k) {
@@ -461,7 +610,7 @@ class Contour {
     for (int n = 0; n < 4; ++n) {
       const int next = (n + 1) % 4;
       if (!shared[n]) {
-        AddTriangle(here, c[n], c[next], !up, material);
+        if (c[n] != c[next]) AddTriangle(here, c[n], c[next], !up, material);
         continue;
       }
       const int axis = n % 2 == 0 ? v : u;
@@ -473,8 +622,8 @@ class Contour {
   }
 
   std::uint8_t MaterialAt(const Place& p) const {
-    const int i = first_[0] + p.at[0] - kMargin, j = first_[1] + p.at[1] - kMargin,
-              k = first_[2] + p.at[2] - kMargin;
+    const int i = first_[0] + p.at[0] - kBefore, j = first_[1] + p.at[1] - kBefore,
+              k = first_[2] + p.at[2] - kBefore;
     return grid_.MaterialOf(fields_of_.cut.BlockIndex(i >> 3, j >> 3, k >> 3),
                             SparseField::PointIndex(i, j, k));
   }
@@ -486,6 +635,8 @@ class Contour {
   int first_[3];
   float fields_[2][kWide * kWide * kWide];
   bool solid_[kWide * kWide * kWide];
+  static constexpr std::int16_t kUnknown = -2, kAlone = -1;
+  std::array<std::int16_t, static_cast<std::size_t>(kEights* kEights* kEights)> eight_;
   std::int16_t vertex_[kWide * kWide * kWide][4];    ///< of a cell's sheets, or -1
   std::int16_t crossing_[kWide * kWide * kWide][3];  ///< of an edge, or -1
   static constexpr std::size_t kKept = 512;
@@ -515,11 +666,35 @@ std::size_t TakeSurfaceAndRim(const SolidFields& fields, std::size_t block, Soli
   surface.Clear();
   Contour contour(fields, block, surface);
   if (!contour.MayCross()) return 0;
+  if (fields.uncut != nullptr && contour.IsUncut()) return fields.uncut->Take(block, surface);
   contour.Load();
   contour.Take();
   const std::size_t own = surface.triangles.size();
   if (own > 0) contour.TakeRim();
   return own;
+}
+
+UncutSurface::UncutSurface(const SolidGrid& solid)
+    : of_block_(solid.field().lattice().block_count(), -1) {
+  const SparseField nothing(solid.field().lattice(), solid.field().band(), SparseField::kBelow);
+  SolidSurface surface;
+  for (std::size_t block = 0; block < of_block_.size(); ++block) {
+    const std::size_t own = TakeSurfaceAndRim({solid, nothing}, block, surface);
+    if (own == 0) continue;
+    surface.numbers.clear();
+    of_block_[block] = static_cast<std::int32_t>(parts_.size());
+    parts_.push_back({surface, own});
+  }
+}
+
+std::size_t UncutSurface::Take(std::size_t block, SolidSurface& surface) const {
+  const std::int32_t part = of_block_[block];
+  if (part < 0) {
+    surface.Clear();
+    return 0;
+  }
+  surface = parts_[static_cast<std::size_t>(part)].surface;  // within its storage
+  return parts_[static_cast<std::size_t>(part)].own;
 }
 
 SolidSurface WholeSurface(const CutField& cut) {

@@ -1,6 +1,7 @@
 #include "server/physics/surface/felt_solids.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "server/physics/limits.h"
 
@@ -8,14 +9,16 @@ namespace palpate {
 namespace {
 
 using namespace limits::mesh;
+using Box = HullTree::Box;
 
 constexpr int kSide = SparseField::kSide;
 constexpr std::size_t kPoints = SparseField::kPoints;
-/// Vertices lie up to two points before their block and one beyond it (solid_surface.cpp), but for
-/// rounding [h].
-constexpr double kBefore = 2.0, kBeyond = 1.0, kRounded = 1e-6;
-/// Of a block that has changed, so many layers on a side are of its neighbour's triangles too.
-constexpr int kOfNeighbour = 3;
+/// Vertices of a block lie up to so far before its first point and beyond its last, and so far from
+/// a solid one of its own or the next ones (solid_surface.cpp), but for rounding [h].
+constexpr double kBefore = 2.0, kBeyond = 2.0, kFromSolid = 2.0, kRounded = 1e-6;
+/// Of a block that has changed, so many layers are of the triangles of the block before it, and of
+/// that beyond it, too.
+constexpr int kOfBefore = 4, kOfBeyond = 5;
 
 void Copy(const SparseField& from, std::size_t block, SparseField& to) noexcept {
   const std::int32_t source = from.entry(block);
@@ -32,24 +35,45 @@ void Copy(const SparseField& from, std::size_t block, SparseField& to) noexcept 
   std::copy_n(from.values(source), kPoints, to.values(target));
 }
 
+/// Where all surface lies that a block can ever have: round its solid points, for solid only
+/// shrinks.
+std::optional<Box> BoxOf(const SparseField& field, std::size_t block) {
+  const Lattice& lattice = field.lattice();
+  const std::array<int, 3> at = lattice.BlockAt(block);
+  const Vec3 first = kSide * Vec3(at[0], at[1], at[2]);
+  Vec3 low = Vec3::Constant(kSide), high = Vec3::Constant(-1);
+  if (field.entry(block) == SparseField::kBelow) {
+    low.setZero();
+    high.setConstant(kSide);
+  } else {
+    for (int n = 0; n < (kSide + 1) * (kSide + 1) * (kSide + 1); ++n) {
+      const int p[3] = {n % (kSide + 1), n / (kSide + 1) % (kSide + 1),
+                        n / ((kSide + 1) * (kSide + 1))};
+      if (!(field.At(kSide * at[0] + p[0], kSide * at[1] + p[1], kSide * at[2] + p[2]) < 0.0f)) {
+        continue;
+      }
+      low = low.cwiseMin(Vec3(p[0], p[1], p[2]));
+      high = high.cwiseMax(Vec3(p[0], p[1], p[2]));
+    }
+  }
+  if ((low.array() > high.array()).any()) return std::nullopt;
+  low = (low.array() - kFromSolid).cwiseMax(-kBefore) - kRounded;
+  high = (high.array() + kFromSolid).cwiseMin(kSide - 1 + kBeyond) + kRounded;
+  const Vec3 origin = lattice.Point(0, 0, 0);
+  return Box{origin + lattice.spacing * (first + low), origin + lattice.spacing * (first + high),
+             static_cast<std::uint32_t>(block)};
+}
+
 }  // namespace
 
 ContactBody BlocksOf(const CutSolid& solid) {
   const SparseField& field = solid.grid->field();
-  const Lattice& lattice = field.lattice();
-  std::vector<Vec3> centres;
-  std::vector<std::uint32_t> numbers;
-  const double middle = 0.5 * (kSide + kBeyond - kBefore);
-  for (std::size_t block = 0; block < lattice.block_count(); ++block) {
+  std::vector<HullTree::Box> boxes;
+  for (std::size_t block = 0; block < field.lattice().block_count(); ++block) {
     if (field.entry(block) == SparseField::kAbove) continue;
-    const auto [i, j, k] = lattice.BlockAt(block);
-    centres.push_back(lattice.Point(kSide * i, kSide * j, kSide * k) +
-                      Vec3::Constant(middle * lattice.spacing));
-    numbers.push_back(static_cast<std::uint32_t>(block));
+    if (const auto box = BoxOf(field, block)) boxes.push_back(*box);
   }
-  const double half = 0.5 * (kSide + kBeyond + kBefore) + kRounded;
-  return {ContactMesh(),
-          HullTree(centres, numbers, Vec3::Constant(half * lattice.spacing), solid.X_WB)};
+  return {ContactMesh(), HullTree(boxes, solid.X_WB)};
 }
 
 FeltSolids::Solid::Solid(const CutSolid& cut_solid)
@@ -86,7 +110,7 @@ FeltSolids::FeltSolids(std::span<const CutSolid> solids, std::span<const Contact
   tree_scratch_.Reserve(kMostOfBlock);
   changed_.reserve(kMostFollowed);
   to_make_.reserve(kBlocks);
-  constexpr std::size_t kMostAndRim = 4 * 3 * (kSide + 2) * (kSide + 2) * (kSide + 2);
+  constexpr std::size_t kMostAndRim = 4 * 3 * (kSide + 3) * (kSide + 3) * (kSide + 3);
   surface_.vertices.reserve(kMostAndRim);
   surface_.numbers.reserve(kMostAndRim);
   surface_.triangles.reserve(kMostAndRim);
@@ -189,7 +213,8 @@ void FeltSolids::MarkAffected(Solid& solid, std::size_t block) noexcept {
     layers[1] |= 1u << (n >> 3 & 7);
     layers[2] |= 1u << (n >> 6);
   }
-  constexpr unsigned kLow = (1u << kOfNeighbour) - 1, kHigh = kLow << (kSide - kOfNeighbour);
+  constexpr unsigned kLow = (1u << kOfBefore) - 1,
+                     kHigh = 0xffu & ~((1u << (kSide - kOfBeyond)) - 1);
   const Lattice& lattice = solid.felt.lattice();
   const std::array<int, 3> at = lattice.BlockAt(block);
   for (int n = 0; n < 27; ++n) {
@@ -290,9 +315,10 @@ FeltSolids::Taken FeltSolids::Take(const Block& block, const SeparationFront& fr
 
 std::int16_t FeltSolids::Make(const Block& block, Use use, const SeparationFront& front) noexcept {
   Solid& solid = SolidOf(block);
-  const std::size_t own = TakeSurfaceAndRim(
-      {*solid.solid->grid, solid.felt, use == Use::kLater ? &solid.later : nullptr},
-      static_cast<std::size_t>(block.block), surface_);
+  const std::size_t own =
+      TakeSurfaceAndRim({*solid.solid->grid, solid.felt,
+                         use == Use::kLater ? &solid.later : nullptr, solid.solid->uncut.get()},
+                        static_cast<std::size_t>(block.block), surface_);
   if (own == 0) return kNothing;
   if (surface_.triangles.size() > kMostOfBlock) return kNoRoom;
   if (free_.empty() && !MakeRoom(front)) return kNoRoom;

@@ -391,21 +391,16 @@ void HullTree::Assign(const ContactMesh& mesh, std::size_t count, const Mat3& ax
   Builder(*this, mesh, scratch, &axes).Build(count);
 }
 
-HullTree::HullTree(std::span<const Vec3> centres, std::span<const std::uint32_t> numbers,
-                   const Vec3& half, const Pose& X_FB) {
-  std::vector<std::uint32_t> points(centres.size());
-  std::iota(points.begin(), points.end(), 0u);
-  if (!points.empty()) AddBoxes(points, centres, numbers, half, X_FB);
+HullTree::HullTree(std::span<Box> boxes, const Pose& X_FB) {
+  if (!boxes.empty()) AddBoxes(boxes, X_FB);
   corners_.resize(inner_.size());  // none: the box counts
 }
 
-HullTree::Node HullTree::AddBoxes(std::span<std::uint32_t> points, std::span<const Vec3> centres,
-                                  std::span<const std::uint32_t> numbers, const Vec3& half,
-                                  const Pose& X_FB) {
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  for (const std::uint32_t point : points) {
-    low = low.cwiseMin(centres[point] - half);
-    high = high.cwiseMax(centres[point] + half);
+HullTree::Node HullTree::AddBoxes(std::span<Box> boxes, const Pose& X_FB) {
+  Vec3 low = boxes[0].low, high = boxes[0].high;
+  for (const Box& one : boxes) {
+    low = low.cwiseMin(one.low);
+    high = high.cwiseMax(one.high);
   }
   const Vec3 extent = 0.5 * (high - low);
   std::array<int, 3> by_length{0, 1, 2};
@@ -417,17 +412,17 @@ HullTree::Node HullTree::AddBoxes(std::span<std::uint32_t> points, std::span<con
     box.sides.col(c) = X_FB.q * (extent[axis] * Vec3::Unit(axis));
   }
   inner_.push_back(box);
-  if (points.size() == 1) {
-    const auto block = ~static_cast<Node>(numbers[points[0]]);
-    inner_[node].child[0] = inner_[node].child[1] = block;
+  if (boxes.size() == 1) {
+    inner_[node].child[0] = inner_[node].child[1] = ~static_cast<Node>(boxes[0].block);
     return static_cast<Node>(node);
   }
-  const std::size_t middle = points.size() / 2;
+  const std::size_t middle = boxes.size() / 2;
   const int longest = by_length[2];
-  std::ranges::stable_sort(points, {}, [&](std::uint32_t p) { return centres[p][longest]; });
+  std::ranges::stable_sort(boxes, {},
+                           [&](const Box& one) { return one.low[longest] + one.high[longest]; });
   for (int side = 0; side < 2; ++side) {
-    const auto part = side == 0 ? points.first(middle) : points.subspan(middle);
-    inner_[node].child[side] = AddBoxes(part, centres, numbers, half, X_FB);
+    const Node child = AddBoxes(side == 0 ? boxes.first(middle) : boxes.subspan(middle), X_FB);
+    inner_[node].child[side] = child;
   }
   return static_cast<Node>(node);
 }

@@ -68,11 +68,12 @@ class HullTree {
   /// Makes the tree anew over the first `count` triangles, with boxes along the columns of a
   /// rotation.  Real-time within the storage.
   void Assign(const ContactMesh& mesh, std::size_t count, const Mat3& axes, Scratch& scratch);
-  /// Boxes of the same size round points that lie on a lattice whose axes are the columns of a
-  /// rotation: of point i, the block numbers[i].
-  /// `centres`, `half`: along those axes [m].
-  HullTree(std::span<const Vec3> centres, std::span<const std::uint32_t> numbers, const Vec3& half,
-           const Pose& X_FB);
+  struct Box {
+    Vec3 low, high;  ///< B [m]
+    std::uint32_t block;
+  };
+  /// Boxes of blocks, along the axes of B.
+  HullTree(std::span<Box> boxes, const Pose& X_FB);
 
   static bool IsLeaf(Node node) { return node < 0; }
   static std::uint32_t TriangleOf(Node node) { return static_cast<std::uint32_t>(~node); }
@@ -119,8 +120,7 @@ class HullTree {
   };
   class Builder;
 
-  Node AddBoxes(std::span<std::uint32_t> points, std::span<const Vec3> centres,
-                std::span<const std::uint32_t> numbers, const Vec3& half, const Pose& X_FB);
+  Node AddBoxes(std::span<Box> boxes, const Pose& X_FB);
 
   std::vector<Inner> inner_;
   std::vector<Corners> corners_;  ///< of each inner node

@@ -155,6 +155,41 @@ TEST(FeltSolid, NoHandTakesAToolIntoWhatIsDrawn) {
   }
 }
 
+// A pair that is apart from a block's box is apart from whatever is ever left in it.
+TEST(FeltSolid, ABlocksBoxHoldsWhateverIsLeftOfIt) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    Felt felt(Probe(), Block(seed == 1 ? Quat::Identity() : kAskew));
+    const CutSolid& solid = felt.model->solids()[0];
+    const HullTree boxes = BlocksOf(solid).tree;
+    if (seed > 1) Riddle(felt, seed);
+    SolidSurface surface;
+    std::size_t triangles = 0;
+    std::vector<HullTree::Node> open{boxes.root()};
+    while (!open.empty()) {
+      const HullTree::Node n = open.back();
+      const HullTree::Inner& box = boxes.inner(n);
+      open.pop_back();
+      if (boxes.BlockOf(n) < 0) {
+        open.insert(open.end(), box.child, box.child + 2);
+        continue;
+      }
+      TakeSurface(*solid.grid, felt.state->cuts[0].field(),
+                  static_cast<std::size_t>(boxes.BlockOf(n)), surface);
+      triangles += surface.triangles.size();
+      for (const auto& triangle : surface.triangles) {
+        for (const std::uint32_t v : triangle) {
+          const Vec3 from = solid.X_WB * surface.vertices[v] - box.centre;
+          for (int c = 0; c < 3; ++c) {
+            const Vec3 side = box.sides.col(c);
+            ASSERT_LE(std::abs(from.dot(side)), side.squaredNorm()) << boxes.BlockOf(n);
+          }
+        }
+      }
+    }
+    EXPECT_EQ(triangles, WholeSurface(felt.state->cuts[0]).triangles.size());
+  }
+}
+
 /// The surface that is drawn, as a mesh: one body, and no blocks.
 struct AsMesh {
   explicit AsMesh(const Felt& felt) {

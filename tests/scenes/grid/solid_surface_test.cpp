@@ -92,6 +92,54 @@ TEST(SolidSurface, IsClosedAndTurnedOutwardsHoweverItIsRiddled) {
   }
 }
 
+// Cells that have a vertex for eight of them beside others of every kind, and lattice points that
+// lie on a face but for rounding.
+TEST(SolidSurface, IsClosedWhereFlatAndRiddledPartsMeet) {
+  for (const std::uint64_t seed : {1, 2, 5, 34, 37, 62, 82, 98, 102, 106}) {
+    Random random(seed);
+    const double h = seed % 3 == 0 ? 100e-6 : seed % 3 == 1 ? 50e-6 : 70e-6;
+    const Quat q = seed % 4 == 0   ? Quat::Identity()
+                   : seed % 4 == 1 ? RotationExp(Vec3(0, 0, 1e-7))
+                   : seed % 4 == 2 ? random.Rotation()
+                                   : RotationExp(random.Uniform(0.0, 0.1) * random.Direction());
+    CutBlock block(h, q);
+    const int count = seed % 5 == 0 ? 0 : static_cast<int>(random.Uniform(1.0, 200.0));
+    const double most = seed % 2 == 0 ? 0.12e-3 : 0.5e-3;
+    for (int n = 0; n < count; ++n) {
+      const Bur bur = n % 3 != 0 ? Bur::Ball(random.Uniform(0.03e-3, most))
+                                 : Bur::Cylinder(random.Uniform(0.05e-3, most),
+                                                 random.Uniform(0.2e-3, 0.9e-3), 0.02e-3);
+      const Vec3 p = random.InCube(1e-3) - Vec3(0, 0, 0.4e-3);
+      block.cut.Remove(bur, {block.q * p, random.Rotation()},
+                       random.Uniform(0.0, 0.3e-3) * random.Direction());
+    }
+    SCOPED_TRACE(seed);
+    ExpectClosed(WholeSurface(block.cut));
+  }
+}
+
+// Most of it has a vertex for eight cells, and so a quarter of the triangles, and lies as near.
+TEST(SolidSurface, OfAWideBallHasFewTrianglesAndIsNear) {
+  constexpr double h = 50e-6, radius = 2e-3;
+  const TriangleMesh ball = MakeSphere(radius, 80000);
+  const SolidGrid solid(ball, {.spacing = h, .most_bytes = 64u << 20}, "ball");
+  const SolidSurface surface = WholeSurface(CutField(solid, 64u << 20, "ball"));
+  ExpectClosed(surface);
+  EXPECT_NEAR(VolumeOf(surface), 4.0 / 3.0 * M_PI * std::pow(radius, 3), 1e-3 * VolumeOf(surface));
+  // Some 1.5 edges of the lattice are crossed in h^2, and each has two triangles.
+  EXPECT_LT(surface.triangles.size(), 0.4 * 3.0 * 4.0 * M_PI * radius * radius / (h * h));
+  Errors errors;
+  for (const auto& [i, j, k] : surface.triangles) {
+    for (const Vec3& w : {Vec3(1, 0, 0), Vec3(0.5, 0.5, 0), Vec3(0.4, 0.3, 0.3)}) {
+      const Vec3 p =
+          w[0] * surface.vertices[i] + w[1] * surface.vertices[j] + w[2] * surface.vertices[k];
+      errors.Add(p.norm() - radius);
+    }
+  }
+  EXPECT_LT(errors.rms(), 0.02 * h);
+  EXPECT_LT(errors.most, 0.05 * h);
+}
+
 TEST(SolidSurface, EnclosesWhatTheGridSaysIsLeft) {
   for (const Quat& q : {kAlong, kQuarter, kAskew}) {
     CutBlock block(50e-6, q);
