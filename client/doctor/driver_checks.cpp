@@ -10,15 +10,16 @@
 #include "common/files/project_files.h"
 #include "common/realtime/latest_mailbox.h"
 #include "common/realtime/steady_clock.h"
-#include "devices/device_factory.h"
 #include "devices/wrench_limiter.h"
 
 namespace palpate::doctor {
 namespace {
 
+/// An arm that is in order is ready 0.1 s after it is opened.
+constexpr double kReady_s = 0.3;
 constexpr double kTrial_s = 2.0;
-/// A limiter's ramp takes 0.2 s, an arm held by a hand as long to give way.
-constexpr double kPush_s = 0.4;
+/// Until an arm that a hand holds has given way.
+constexpr double kPush_s = 0.25;
 /// As much as the limiter lets a guide have, which is active by design as a push is.
 constexpr double kPush_N = 1.0;
 /// Less than that is not told from a hand's own motion.
@@ -28,6 +29,7 @@ constexpr std::int64_t kLongTurn_ns = 3'000'000;
 struct Seen {
   std::uint64_t ticks = 0;
   std::uint64_t faults = 0;  ///< ticks at fault since it was ready first
+  std::uint64_t hung = 0;    ///< times that it did not say that it is in order, likewise
   bool ready = false;
   std::int64_t longest_ns = 0;  ///< from tick to tick
   Pose X_WH;
@@ -37,9 +39,11 @@ struct Seen {
 /// A station's loop without a server: the limiter, and behind it the device.
 class DriverLoop {
  public:
-  explicit DriverLoop(Device& device)
+  DriverLoop(Device& device, const RealtimeOptions& realtime)
       : device_(device), limiter_(WrenchLimits::Of(device.info())) {
+    EnterRealtime(realtime);  // which its threads inherit
     device_.StartTicks([this] { Tick(); });
+    LeaveRealtime();
   }
   ~DriverLoop() { device_.StopTicks(); }
 
@@ -48,8 +52,10 @@ class DriverLoop {
   Seen For(double seconds, StopSignal& stop, std::string& news) {
     const std::int64_t end_ns = SteadyNanoseconds() + static_cast<std::int64_t>(1e9 * seconds);
     while (SteadyNanoseconds() < end_ns && !stop.WaitFor(std::chrono::milliseconds(10))) {
-      if (const std::string more = device_.Attend(); seen_.ready) AddLine(news, more);
+      AddLine(news, device_.Attend());
+      const std::uint64_t hung = seen_.hung + (seen_.ready && *device_.activity() != '\0');
       seens_.Read(seen_);
+      seen_.hung = hung;
     }
     return seen_;
   }
@@ -108,67 +114,74 @@ Vec3 GivesWay(DriverLoop& loop, StopSignal& stop, std::string& news) {
   return way;
 }
 
-Finding OfLoop(const Seen& seen, const std::string& news) {
+Finding OfLoop(double rate_Hz, const Seen& seen, const std::string& news) {
   const Vec3 box_mm = seen.ready ? Vec3(1e3 * (seen.most - seen.least)) : Vec3::Zero();
   const std::string found = fmt::format(
       "{:.0f} turns a second, the longest {:.1f} ms; the handle was moved by {:.1f}, {:.1f} and "
       "{:.1f} mm",
-      static_cast<double>(seen.ticks) / kTrial_s, 1e-6 * static_cast<double>(seen.longest_ns),
-      box_mm.x(), box_mm.y(), box_mm.z());
-  if (!seen.ready || seen.faults > 0) {
-    return Fault(news.empty() ? found + "; it was never ready" : news,
+      rate_Hz, 1e-6 * static_cast<double>(seen.longest_ns), box_mm.x(), box_mm.y(), box_mm.z());
+  if (!seen.ready || seen.faults + seen.hung > 0) {
+    return Fault(news.empty() ? found + "; it was never ready" : news.substr(0, news.find('\n')),
                  "mend what the sentence names");
   }
   if (seen.longest_ns > kLongTurn_ns) {
-    return Warning(found, "let read and write return at once: what blocks has a thread of its own; "
-                          "or mend what stands above of this host");
+    return Warning(found,
+                   "let read and write return at once: what blocks has a thread of its own; "
+                   "or mend what stands above of this host");
   }
   if (box_mm.isZero(0.0)) {
-    return Warning(found, "move the handle while this is tried: a pose that stands still tells "
-                          "nothing");
+    return Warning(found,
+                   "move the handle while this is tried: a pose that stands still tells "
+                   "nothing");
   }
   return Ok(found);
 }
 
 Finding OfPush(const Vec3& way_m) {
   const std::string found =
-      fmt::format("pushed by {:g} N, the handle gave way by {:.1f}, {:.1f} and {:.1f} mm",
-                  kPush_N, 1e3 * way_m.x(), 1e3 * way_m.y(), 1e3 * way_m.z());
+      fmt::format("pushed by {:g} N, the handle gave way by {:.1f}, {:.1f} and {:.1f} mm", kPush_N,
+                  1e3 * way_m.x(), 1e3 * way_m.y(), 1e3 * way_m.z());
   if (way_m.minCoeff() > kGaveWay_m) return Ok(found);
   if (way_m.minCoeff() < -kGaveWay_m) {
-    return Fault(found, "turn the force's or the pose's axis round where the figure is negative: "
-                        "both are in one frame, or a wall would pull");
+    return Fault(found,
+                 "turn the force's or the pose's axis round where the figure is negative: "
+                 "both are in one frame, or a wall would pull");
   }
-  return Warning(found, "hold the handle loosely, and try again; where an axis never gives way, see "
-                        "that write moves the motors of that axis");
+  return Warning(found,
+                 "hold the handle loosely, and try again; where an axis never gives way, see "
+                 "that write moves the motors of that axis");
 }
 
 }  // namespace
 
-std::vector<Finding> TryDriver(const std::string& file, bool push, StopSignal& stop) {
+std::vector<Finding> TryDriver(const DeviceOptions& options, bool push, StopSignal& stop) {
   std::vector<Finding> findings;
+  const auto add = [&](const char* check, Finding finding) {
+    finding.check = check;
+    findings.push_back(std::move(finding));
+  };
   const std::string page = ShownPlaceOf(ProjectFile::kDevicePages) + "/arm.md";
   try {
-    const std::unique_ptr<Device> device = MakeDevice({.name = file, .script = {}});
+    const std::unique_ptr<Device> device = MakeDevice(options);
     const DeviceInfo& info = device->info();
-    findings.push_back(Ok(fmt::format(
-        "{}: {:g} N, for long {:g} N; {:g} N m; reaches {:g} x {:g} x {:g} mm", info.model,
-        info.max_force_N, info.continuous_force_N, info.max_torque_Nm, 1e3 * info.workspace_m.x(),
-        1e3 * info.workspace_m.y(), 1e3 * info.workspace_m.z())));
-    findings.back().check = "device";
+    add("device",
+        Ok(fmt::format("{}: {:g} N, for long {:g} N; {:g} N m; reaches {:g} x {:g} x {:g} mm",
+                       info.model, info.max_force_N, info.continuous_force_N, info.max_torque_Nm,
+                       1e3 * info.workspace_m.x(), 1e3 * info.workspace_m.y(),
+                       1e3 * info.workspace_m.z())));
     std::string news;
-    DriverLoop loop(*device);
-    const Seen seen = loop.For(kTrial_s, stop, news);
-    Vec3 way = Vec3::Zero();
-    if (push && seen.ready) way = GivesWay(loop, stop, news);
-    findings.push_back(OfLoop(seen, news));
-    findings.back().check = "driver";
-    if (!push || !seen.ready) return findings;
-    findings.push_back(OfPush(way));
-    findings.back().check = "push";
+    DriverLoop loop(*device, options.realtime);
+    const Seen first = loop.For(kReady_s, stop, news);
+    if (first.ready) news.clear();  // which said so
+    const Seen then = loop.For(kTrial_s, stop, news);
+    const bool pushes = push && then.ready;
+    const Vec3 way = pushes ? GivesWay(loop, stop, news) : Vec3::Zero();
+    const double rate_Hz = static_cast<double>(then.ticks - first.ticks) / kTrial_s;
+    add("driver", OfLoop(rate_Hz, loop.For(0.0, stop, news), news));
+    if (pushes) add("push", OfPush(way));
   } catch (const Error& error) {
-    findings.push_back(Fault(error.what(), "'An arm of your own' in " + page + " says what a driver is"));
-    findings.back().check = "device";
+    add("device",
+        Fault(error.what(), "'An arm of your own' in " + page + " says what a driver is"));
   }
   return findings;
 }

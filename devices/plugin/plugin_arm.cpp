@@ -282,7 +282,7 @@ bool PluginArm::Turn(const std::function<void()>& tick) noexcept {
     trouble_ = {Trouble::kNone};
     troubles_.Write(trouble_);
   }
-  ready_.store(gate_.open(), std::memory_order_relaxed);
+  ready_.store(gate_.open());
   return true;
 }
 

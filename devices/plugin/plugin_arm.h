@@ -83,7 +83,8 @@ class PluginArm {
   void Stop() noexcept;
   /// What happened since, for people.
   std::string Attend();
-  bool ready() const noexcept { return ready_.load(std::memory_order_relaxed); }
+  /// In order: neither at fault nor hanging.
+  bool ready() const noexcept { return ready_.load() && hung_in_.load() == nullptr; }
 
   DeviceInfo info;
   DeviceSample sample;

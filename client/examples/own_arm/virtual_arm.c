@@ -21,7 +21,7 @@ struct palpate_device {
 };
 
 static const double kMass_kg = 0.08, kDamping_N_s_m = 4.0;
-static const double kHand_N_m = 400.0, kMiddle_m = 0.032, kSwing_m = 0.006, kPeriod_s = 2.0;
+static const double kHand_N_m = 400.0, kMiddle_m = 0.032, kSwing_m = 0.006, kPeriod_s = 4.0;
 
 static palpate_device the_arm;
 static const char* the_error = "";

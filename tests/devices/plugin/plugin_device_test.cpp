@@ -27,16 +27,6 @@ class PluginDeviceTest : public testing::Test {
  protected:
   PluginDeviceTest() : arm(LoadFake<WrongArm>(PALPATE_WRONG_DRIVER, kWrongArmFunction)) {
     new (&arm) WrongArm;
-    arm.info = {.model = "lever",
-                .max_force_N = 5.0,
-                .continuous_force_N = 2.0,
-                .max_torque_Nm = 0.1,
-                .continuous_torque_Nm = 0.05,
-                .workspace_m = {0.3, 0.3, 0.3},
-                .workspace_centre_m = {},
-                .position_resolution_m = 1e-5,
-                .rotation_resolution_rad = 1e-3,
-                .thermal_time_s = 60.0};
   }
   ~PluginDeviceTest() override { EXPECT_FALSE(arm.open) << "it is left open"; }
 

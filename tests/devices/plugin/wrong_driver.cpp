@@ -43,8 +43,7 @@ std::uint32_t palpate_device_abi() {
 palpate_device* palpate_device_open(const char* name, double, palpate_device_info* info) {
   WrongArm& arm = the_device.arm;
   if (arm.open_throws) throw std::runtime_error("no");
-  // Of a station: hangs once it is in the middle of a touch.
-  if (std::strcmp(name, "hangs") == 0) arm.way = WrongArm::kReadHangs;
+  if (std::strcmp(name, "hangs") == 0) arm.hangs_at = 1000;  // of a station, which sees no WrongArm
   *info = arm.info;
   arm.open = arm.opens;
   return arm.opens ? &the_device : nullptr;
@@ -54,9 +53,10 @@ int palpate_device_read(palpate_device* device, palpate_device_reading* reading)
   WrongArm& arm = device->arm;
   std::memcpy(reading->position_m, arm.position_m, sizeof arm.position_m);
   double* const wxyz = reading->orientation_wxyz;
-  const WrongArm::Way way = arm.way;
-  if (way != WrongArm::kStuck) ++device->number;
+  if (arm.way != WrongArm::kStuck) ++device->number;
   reading->number = device->number;
+  if (arm.hangs_at != 0 && device->number == arm.hangs_at) arm.way = WrongArm::kReadHangs;
+  const WrongArm::Way way = arm.way;
   reading->buttons = 1;
   switch (way) {
     case WrongArm::kNotFinite:

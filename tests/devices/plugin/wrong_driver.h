@@ -32,7 +32,17 @@ struct WrongArm {
   std::atomic<int> stops{0};
   std::atomic<bool> held{false};  ///< a call hangs
   double position_m[3] = {0.01, 0.0, 0.0};
-  palpate_device_info info{};  ///< as open gives it
+  palpate_device_info info{.model = "lever",  ///< as open gives it
+                           .max_force_N = 5.0,
+                           .continuous_force_N = 2.0,
+                           .max_torque_Nm = 0.1,
+                           .continuous_torque_Nm = 0.05,
+                           .workspace_m = {0.3, 0.3, 0.3},
+                           .workspace_centre_m = {},
+                           .position_resolution_m = 1e-5,
+                           .rotation_resolution_rad = 1e-3,
+                           .thermal_time_s = 60.0};
+  std::uint64_t hangs_at = 0;  ///< number of the reading; 0: never
   bool opens = true;
   bool open_throws = false;
 };
