@@ -60,9 +60,7 @@ std::optional<StationOptions> ParseStationOptions(int argc, const char* const* a
   std::string local_model = "on";
 
   const CommandLine app(kAbout, "palpate-station", "Devices:\n" + DeviceHelp() + kExamples);
-  app.Add("--device", options.device.name,
-          "the device: " + DeviceNames() + "; a file is a driver of your own")
-      .Required();
+  app.Add("--device", options.device.name, "the device: " + DeviceNames()).Required();
   app.Add("--model", options.device.model,
           "which arm to simulate; default: the first that is named below");
   app.Add("--rate", options.device.rate_Hz, "how often the device is read and commanded, in Hz")
