@@ -14,10 +14,10 @@
  * not return each take the force away, and it comes back by a ramp.  Only a crash takes the station
  * with it: the arm's own watchdog has to end the force then.
  *
- * Threads: open, close and the first write are the main thread's, read and write the loop's, a
- * thousand times a second or more: they neither allocate nor lock nor log, and what blocks has a
- * thread of its own.  stop may come from any thread, also while another call has not returned.  No
- * exception may leave a function.
+ * Threads: open and close are the main thread's (close the loop's, where that hung to the end);
+ * read, write and their last_error the loop's, a thousand times a second or more: they neither
+ * allocate nor lock nor log, and what blocks has a thread of its own.  stop may come from any
+ * thread, also while another call has not returned.  No exception may leave a function.
  */
 
 #include <stdint.h>

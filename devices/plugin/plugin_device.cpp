@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <cstring>
 #include <limits>
 #include <sstream>
@@ -10,6 +11,7 @@
 
 #include <pthread.h>
 
+#include "common/error.h"
 #include "common/math/pose_check.h"
 #include "common/realtime/latest_mailbox.h"
 #include "common/realtime/sleep_until.h"
