@@ -19,13 +19,17 @@ std::optional<Mat3> NearestRotation(const Mat3& matrix) noexcept;
 class TurnRate {
  public:
   explicit TurnRate(double rate_Hz) : rate_Hz_(rate_Hz) {}
+  /// Of a difference from one tick to the next, what the low-pass takes in.
+  double share() const noexcept {
+    const double k = kCutOff_rad_s / rate_Hz_;
+    return k / (1.0 + k);
+  }
 
   /// Once per tick.
   Vec3 Of(const Quat& q_WH) noexcept {
     if (has_last_) {
-      const double k = kCutOff_rad_s / rate_Hz_;
       const Vec3 w = RotationLog(q_WH * last_.conjugate()) * rate_Hz_;
-      w_ += k / (1.0 + k) * (w - w_);
+      w_ += share() * (w - w_);
     }
     last_ = q_WH;
     has_last_ = true;

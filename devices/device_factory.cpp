@@ -22,7 +22,7 @@ std::string Joined(const std::vector<std::string_view>& names) {
 
 DeviceKind Find(const std::string& name) {
   for (DeviceKind& kind : AllDeviceKinds()) {
-    if (kind.name == name) return std::move(kind);
+    if (kind.is_file ? IsDriverFile(name) : kind.name == name) return std::move(kind);
   }
   throw UsageError("--device " + name + ": no such device; have: " + DeviceNames());
 }
@@ -68,6 +68,10 @@ std::string DeviceHelp() {
   return help.str();
 }
 
+bool IsDriverFile(const std::string& name) {
+  return name.find('/') != std::string::npos || name.ends_with(".so");
+}
+
 bool DeviceNeedsScript(const std::string& name) {
   return Find(name).needs_script;
 }
@@ -77,7 +81,7 @@ void CheckDevice(const std::string& name, const std::string& model, double rate_
 }
 
 void CheckDriver(const std::string& name) {
-  if (const DeviceKind kind = Find(name); kind.check_host != nullptr) kind.check_host();
+  if (const DeviceKind kind = Find(name); kind.check_host != nullptr) kind.check_host(name);
 }
 
 std::unique_ptr<Device> MakeDevice(const DeviceOptions& options) {

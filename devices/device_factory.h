@@ -33,6 +33,9 @@ std::string DeviceNames();
 /// A line for each device, with its models: for help.
 std::string DeviceHelp();
 
+/// True where --device names the file of a driver: it has a slash in it, or ends in .so.
+bool IsDriverFile(const std::string& name);
+
 /// True where the device needs a script.  Throws UsageError for a name that there is not.
 bool DeviceNeedsScript(const std::string& name);
 
@@ -57,9 +60,11 @@ struct DeviceKind {
   bool needs_script = false;
   std::vector<std::string_view> models{};  ///< as after --model, the default first; empty: but one
   double max_rate_Hz = 1000.0;             ///< as after --rate
+  bool is_file = false;                    ///< --device names a driver's file in its place
   /// Throws Error as `make` does where the host has not what the driver needs, and opens no device;
   /// null: it needs nothing.
-  void (*check_host)() = nullptr;
+  /// @param name  as after --device.
+  void (*check_host)(const std::string& name) = nullptr;
   /// Throws Error, which says what was looked for and what to do.
   std::unique_ptr<Device> (*make)(const DeviceOptions&) = nullptr;
 };

@@ -45,7 +45,7 @@ void* LoadVendorLibrary(const std::vector<std::string>& candidates, const Vendor
     tried += (tried.empty() ? " " : "; ") + candidate + ": " + message;
   }
   throw Error(words.device + ": no " + words.library + " could be loaded; " + words.install +
-              ", or name the file in " + words.variable + ".  Tried:" + tried);
+              words.OrVariable() + ".  Tried:" + tried);
 }
 
 }  // namespace palpate

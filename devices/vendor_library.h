@@ -11,10 +11,11 @@ namespace palpate {
 
 /// What the messages about a vendor's library say.
 struct VendorLibraryWords {
-  std::string device;    ///< as after --device; begins each message
-  std::string library;   ///< "HD library"
-  std::string install;   ///< the remedy where there is none: "install ..."
-  const char* variable;  ///< of the environment: names another file, which is then tried alone
+  std::string device;   ///< as after --device; begins each message
+  std::string library;  ///< "HD library"
+  std::string install;  ///< the remedy where there is none: "install ..."
+  /// Of the environment: names another file, which is then tried alone; null: there is none.
+  const char* variable = nullptr;
   std::vector<std::string> files;  ///< to try without it, in their order
   /// Where it has not all functions: what it is then, and the remedy: "it is not ...; install ...".
   std::string not_it;
@@ -23,6 +24,10 @@ struct VendorLibraryWords {
 
   /// The variable's file alone, or else those that there are.
   std::vector<std::string> Candidates() const;
+  /// The end of a remedy.
+  std::string OrVariable() const {
+    return variable ? std::string(", or name the file in ") + variable : "";
+  }
 };
 
 /// Loads the first of them that there is.  It stays loaded: such libraries have threads of their
@@ -52,7 +57,7 @@ struct VendorLibrary {
     if (missing.empty()) return library;
     dlclose(handle);
     throw Error(words.device + ": " + library.file + " has no " + missing + "; " + words.not_it +
-                ", or name another file in " + words.variable);
+                words.OrVariable());
   }
 };
 

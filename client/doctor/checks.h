@@ -15,6 +15,7 @@
 #include "common/program/realtime.h"
 #include "common/program/stop_signal.h"
 #include "common/realtime/histogram.h"
+#include "devices/device_factory.h"
 
 namespace palpate::doctor {
 
@@ -182,6 +183,11 @@ ArmProbes RealArmProbes();
 /// Whether palpate-station --device could open the device.
 /// @param device  as after --device, known; empty: none is named, and what is missing is no fault.
 Finding CheckDevice(const HostFiles& host, const std::string& device, const ArmProbes& probes);
+
+/// Opens an arm by a driver of one's own, and has it do for some seconds what a station does,
+/// behind the limiter: whether every call and reading is in order, and in time.  Without a force,
+/// but where it is to `push`: 1 N there and back along each axis, to see that the handle gives way.
+std::vector<Finding> TryDriver(const DeviceOptions& options, bool push, StopSignal& stop);
 
 /// How late a loop of 1 kHz woke up.
 struct Jitter {

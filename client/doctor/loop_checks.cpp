@@ -11,7 +11,6 @@
 #include <spdlog/fmt/fmt.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "client/doctor/checks.h"
@@ -20,6 +19,7 @@
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/files/project_files.h"
+#include "common/realtime/sleep_until.h"
 #include "common/realtime/steady_clock.h"
 
 namespace palpate::doctor {
@@ -98,8 +98,7 @@ LoopTrial Ask(const LoopOptions& options, std::uint64_t run, const StopSignal& s
   std::int64_t due_ns = SteadyNanoseconds();
   for (int i = -kPoses / 10; i < kPoses && !stop.stopped(); ++i) {
     due_ns += kPeriod_ns;
-    const timespec due{.tv_sec = due_ns / 1'000'000'000, .tv_nsec = due_ns % 1'000'000'000};
-    clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, nullptr);
+    SleepUntil(due_ns);
     ++pose.pose_sequence;
     if (i == 0) {
       first = pose.pose_sequence;
@@ -149,16 +148,10 @@ void End(pid_t child) {
   waitpid(child, nullptr, 0);
 }
 
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
-timespec ToTimespec(std::int64_t time_ns) {
-  return {.tv_sec = time_ns / kSecond_ns, .tv_nsec = time_ns % kSecond_ns};
-}
-
 void Loop(std::int64_t end_ns, const std::atomic<bool>& stop, Jitter& jitter) {
   std::int64_t due_ns = SteadyNanoseconds() + kPeriod_ns;
   while (due_ns < end_ns && !stop.load(std::memory_order_relaxed)) {
-    const timespec due = ToTimespec(due_ns);
-    clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, nullptr);
+    SleepUntil(due_ns);
     const std::int64_t late_ns = SteadyNanoseconds() - due_ns;
     jitter.lateness.Add(late_ns);
     const std::int64_t passed = late_ns / kPeriod_ns;

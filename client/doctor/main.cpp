@@ -22,6 +22,8 @@ namespace {
 struct Options {
   double seconds = 10.0;  ///< of the jitter test; 0: none
   std::string device{};   ///< as after palpate-station --device; empty: none
+  std::string arm{};
+  bool push = false;
   dds::Transport transport = dds::Transport::kAuto;
   dds::Network network{};
   RealtimeOptions realtime{};
@@ -34,7 +36,8 @@ constexpr const char* kAbout =
     R"(Says whether this host can hold a haptic loop of 1 kHz, and what to change where it cannot: kernel,
 rights, processor, shared memory, RouDi, network, a loop that it really runs, the device, and how late
 a thread wakes up over some seconds.  It changes nothing.  Run it as the user that is to run server
-and station, with the host's usual load beside.
+and station, with the host's usual load beside.  A driver of your own it also tries, as a station's
+loop does, without a force.
 )";
 
 constexpr const char* kExamples =
@@ -42,6 +45,8 @@ constexpr const char* kExamples =
   palpate-doctor
   palpate-doctor --device openhaptics --transport shm --seconds 60
       on the host of an arm, which must have shared memory
+  palpate-doctor --device ./mine.so --push
+      an arm of your own, with the bench that drivers are tried on; move the handle meanwhile
   palpate-doctor --json | jq -r '.findings[] | select(.status != "ok") | .remedy'
 
 Exit status: 0 fit (there may be warnings), 1 not fit, 2 wrong usage.)";
@@ -57,6 +62,12 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   app.Add("--device", options.device,
           "device that a station on this host is to drive: " + DeviceNames())
       .TypeName("NAME");
+  const Option arm = app.Add("--device-name", options.arm,
+                             "with a driver of your own: which arm, if there are several");
+  const Option push = app.AddFlag(
+      "--push", options.push,
+      "with a driver of your own: push its arm by 1 N along each axis, and see that the "
+      "handle gives way; hold it loosely meanwhile");
   AddTransportOption(app, options.transport);
   app.AddFlag("--json", options.json, "print one JSON object in place of the report");
   AddNetworkOptions(app, "the other host", options.network);
@@ -66,6 +77,10 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
   if (!options.device.empty())
     DeviceNeedsScript(options.device);  // refuses a name that there is not
+  if ((push.given() || arm.given()) && !IsDriverFile(options.device)) {
+    throw UsageError(std::string(push.given() ? "--push" : "--device-name") +
+                     " is for a driver of your own; name its file with --device");
+  }
   if (options.transport == dds::Transport::kSharedMemory && !options.network.this_host()) {
     throw UsageError("--transport shm joins programs of one host; leave --network out");
   }
@@ -134,7 +149,18 @@ std::optional<Report> Examine(const Options& options, StopSignal& stop,
                                  .realtime = options.realtime},
                                 stop),
                         expected));
-  add("device", CheckDevice(host, options.device, RealArmProbes()));
+  if (IsDriverFile(options.device)) {
+    measuring("what the driver does");
+    DeviceOptions device;
+    device.name = options.device;
+    device.arm = options.arm;
+    device.realtime = options.realtime;
+    for (const Finding& finding : TryDriver(device, options.push, stop)) {
+      add(finding.check.c_str(), finding);
+    }
+  } else {
+    add("device", CheckDevice(host, options.device, RealArmProbes()));
+  }
 
   if (options.seconds > 0.0 && !stop.stopped()) {
     measuring(fmt::format("how late a loop wakes up, for {:g} s", options.seconds));

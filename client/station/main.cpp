@@ -100,7 +100,7 @@ int RunStation(const StationOptions& given) {
   StopSignal stop;
   // What fails without a server fails at once.
   DeviceOptions device_options = DeviceOf(given);
-  CheckDriver(given.link.device);
+  CheckDriver(given.device.name);
   dds::ChooseTransport(given.link.transport, given.link.network);
   // Kept open, so that the domain is not made anew for the session.
   const dds::Participant service = dds::Participant::Service(given.link.domain, given.link.network);

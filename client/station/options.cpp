@@ -1,5 +1,7 @@
 #include "client/station/options.h"
 
+#include <filesystem>
+
 #include "client/station/guide.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
@@ -39,6 +41,9 @@ Examples:
   palpate-station --device haply --scene cube --id me
       an Inverse3 with its VerseGrip, through the Inverse Service at ws://localhost:10001, or the
       address that PALPATE_HAPLY_SERVICE names
+  palpate-station --device ./mine.so --scene cube --id me
+      an arm of your own, by a driver that you have built against palpate_device.h ('An arm of your
+      own' in devices/arm.md); 'palpate-doctor --device ./mine.so' tries it first
   palpate-station --device simulated --scene cube --id far --network eth0
       a server on another host, which runs with --network too
 
@@ -55,7 +60,7 @@ std::optional<StationOptions> ParseStationOptions(int argc, const char* const* a
   std::string local_model = "on";
 
   const CommandLine app(kAbout, "palpate-station", "Devices:\n" + DeviceHelp() + kExamples);
-  app.Add("--device", options.link.device, "the device: " + DeviceNames()).Required();
+  app.Add("--device", options.device.name, "the device: " + DeviceNames()).Required();
   app.Add("--model", options.device.model,
           "which arm to simulate; default: the first that is named below");
   app.Add("--rate", options.device.rate_Hz, "how often the device is read and commanded, in Hz")
@@ -132,9 +137,9 @@ std::optional<StationOptions> ParseStationOptions(int argc, const char* const* a
   }
   if (has_table.given()) options.table = table;
   options.local_model = local_model == "on";
-  options.device.name = options.link.device;
+  options.link.device = std::filesystem::path(options.device.name).filename();
   options.device.realtime = options.link.realtime;
-  CheckDevice(options.link.device, options.device.model, options.device.rate_Hz);
+  CheckDevice(options.device.name, options.device.model, options.device.rate_Hz);
   return options;
 }
 

@@ -3,20 +3,11 @@
 #include <algorithm>
 #include <chrono>
 
-#include <time.h>
-
+#include "common/realtime/sleep_until.h"
 #include "common/realtime/steady_clock.h"
 
 namespace palpate {
 namespace {
-
-void SleepUntil(std::int64_t time_ns) noexcept {
-  timespec at{};
-  at.tv_sec = time_ns / 1'000'000'000;
-  at.tv_nsec = time_ns % 1'000'000'000;
-  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, nullptr) != 0) {
-  }
-}
 
 wire::HapticPose ToWire(const OutgoingPose& pose) noexcept {
   wire::HapticPose sample{};

@@ -256,7 +256,7 @@ DeviceKind ForceDimensionKind() {
               "omega, delta, sigma or lambda, through Force Dimension's library libdhd.so.3; "
               "--device-name SERIAL",
           .max_rate_Hz = 4000.0,
-          .check_host = [] { dhd::LoadLibrary(); },
+          .check_host = [](const std::string&) { dhd::LoadLibrary(); },
           .make = [](const DeviceOptions& options) -> std::unique_ptr<Device> {
             return std::make_unique<ForceDimensionDevice>(options);
           }};

@@ -128,7 +128,7 @@ DeviceKind HaplyKind() {
               "Haply Inverse3 with VerseGrip, through its Inverse Service at "
               "ws://localhost:10001; --device-name ID",
           .max_rate_Hz = 2000.0,
-          .check_host = [] { haply::CheckService(haply::ServiceAddress()); },
+          .check_host = [](const std::string&) { haply::CheckService(haply::ServiceAddress()); },
           .make = [](const DeviceOptions& options) -> std::unique_ptr<Device> {
             return std::make_unique<HaplyDevice>(options);
           }};

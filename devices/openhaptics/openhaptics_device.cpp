@@ -573,7 +573,7 @@ DeviceKind OpenHapticsKind() {
   return {.name = "openhaptics",
           .what = "a PHANTOM or Touch arm, through the OpenHaptics library that is installed",
           .max_rate_Hz = 4000.0,
-          .check_host = [] { hd::LoadLibrary(); },
+          .check_host = [](const std::string&) { hd::LoadLibrary(); },
           .make = [](const DeviceOptions& options) -> std::unique_ptr<Device> {
             return std::make_unique<OpenHapticsDevice>(options);
           }};

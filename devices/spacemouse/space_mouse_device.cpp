@@ -62,7 +62,7 @@ DeviceKind SpaceMouseKind() {
           .what =
               "a SpaceMouse through spacenavd: as far as it is pushed, so fast the tool moves; "
               "no force",
-          .check_host = FindSpacenavd,
+          .check_host = [](const std::string&) { FindSpacenavd(); },
           .make = [](const DeviceOptions& options) -> std::unique_ptr<Device> {
             return std::make_unique<SpaceMouseDevice>(options.start);
           }};

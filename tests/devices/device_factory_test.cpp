@@ -34,7 +34,8 @@ std::string MessageOf(const DeviceOptions& options) {
 
 TEST(DeviceFactory, MakesWhatItNames) {
   EXPECT_EQ(DeviceNames(),
-            "forcedimension, haply, mouse, openhaptics, scripted, simulated, spacemouse");
+            "forcedimension, haply, mouse, openhaptics, ./DRIVER.so, scripted, simulated, "
+            "spacemouse");
   for (const char* name : {"simulated", "scripted"}) {
     const auto device = MakeDevice(Of(name));
     EXPECT_NE(device->info().model.find(name), std::string::npos);
@@ -53,6 +54,7 @@ TEST(DeviceFactory, HelpsWithALineForEachDeviceAndItsModels) {
 TEST(DeviceFactory, NamesWhatThereIsWhereItIsAskedForWhatThereIsNot) {
   EXPECT_EQ(MessageOf(Of("omega")),
             "--device omega: no such device; have: forcedimension, haply, mouse, openhaptics, "
+            "./DRIVER.so, "
             "scripted, simulated, "
             "spacemouse");
   DeviceOptions options = Of("simulated");

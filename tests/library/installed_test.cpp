@@ -7,6 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "devices/plugin/plugin_device.h"
+#include "tests/support/complaint.h"
 #include "tests/support/folder.h"
 #include "tests/support/program.h"
 
@@ -62,6 +64,31 @@ TEST_F(Installed, ExamplesBuildAgainstItAndFeelWhatTheyShould) {
   for (const char* library : {"dds", "assimp", "boost", "png", "spdlog", "fmt"}) {
     EXPECT_THAT(said_, Not(HasSubstr(std::string("lib") + library)));
   }
+}
+
+TEST_F(Installed, DriverOfOnesOwnBuildsWithoutEigenAndIsLoaded) {
+  const std::string build = (folder_ / "own_arm").string(),
+                    source = PALPATE_SOURCE_DIR "/client/examples/own_arm";
+  // From a copy: nothing of the source tree is in reach.
+  ASSERT_EQ(Run("cp -r " + source + " " + build + ".c && " PALPATE_CMAKE " -S " + build + ".c -B " +
+                build + " -D CMAKE_C_COMPILER_LAUNCHER= -D CMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON" +
+                " -D CMAKE_PREFIX_PATH=" + Prefix() + " && " PALPATE_CMAKE " --build " + build),
+            0)
+      << said_;
+  DeviceOptions options;
+  options.name = build + "/libvirtual_arm.so";
+  PluginDevice arm(options);
+  arm.Turn([] {});
+  EXPECT_NEAR(arm.Read().X_WH.p.y(), 0.038, 1e-5);
+  EXPECT_THAT(arm.info().model, HasSubstr("virtual arm"));
+  options.arm = "another";
+  EXPECT_THAT(ComplaintOf([&] { PluginDevice{options}; }), HasSubstr("leave --device-name out"));
+  const auto lines = [&](const char* file) {
+    const auto text = BytesOf(source + file);
+    return std::count(text.begin(), text.end(), '\n');
+  };
+  EXPECT_LE(lines("/virtual_arm.c"), 100);
+  EXPECT_LE(lines("/CMakeLists.txt"), 5);
 }
 
 TEST_F(Installed, FirstForceTakesThirtyLinesAtMost) {

@@ -69,6 +69,13 @@ TEST(StationOptions, ReadsWhatItIsGiven) {
   EXPECT_EQ(options->trace, "ticks.csv");
 }
 
+TEST(StationOptions, TakesADriversFileAndTellsTheServerItsName) {
+  const auto options = Parse({"--device", "made/by/me.so", "--scene", "cube", "--id", "a"});
+  ASSERT_TRUE(options);
+  EXPECT_EQ(options->device.name, "made/by/me.so");
+  EXPECT_EQ(options->link.device, "me.so");
+}
+
 TEST(StationOptions, LeavesTheTableToTheTerminal) {
   const auto options = Parse({"--device", "simulated", "--scene", "cube", "--id", "a"});
   ASSERT_TRUE(options);
@@ -87,11 +94,10 @@ TEST(StationOptions, NamesTheArgumentThatIsWrong) {
   EXPECT_THAT(Complaint({"--scene", "cube", "--id", "a"}), HasSubstr("--device"));
   EXPECT_THAT(Complaint({"--device", "simulated", "--id", "a"}), HasSubstr("--scene"));
   EXPECT_THAT(Complaint({"--device", "simulated", "--scene", "cube"}), HasSubstr("--id"));
-  EXPECT_THAT(
-      Complaint({"--device", "omega", "--scene", "cube", "--id", "a"}),
-      HasSubstr(
-          "no such device; have: forcedimension, haply, mouse, openhaptics, scripted, simulated, "
-          "spacemouse"));
+  EXPECT_THAT(Complaint({"--device", "omega", "--scene", "cube", "--id", "a"}),
+              HasSubstr("no such device; have: forcedimension, haply, mouse, openhaptics, "
+                        "./DRIVER.so, scripted, simulated, "
+                        "spacemouse"));
   EXPECT_THAT(with({"--model", "omni"}), HasSubstr("have: premium-3.0, premium-1.5, touch"));
   EXPECT_THAT(with({"--rate", "5000"}), HasSubstr("--rate 5000"));
   EXPECT_THAT(with({"--scale", "0"}), HasSubstr("--scale"));

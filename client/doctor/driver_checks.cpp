@@ -1,0 +1,176 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "client/doctor/checks.h"
+#include "common/error.h"
+#include "common/files/project_files.h"
+#include "common/realtime/latest_mailbox.h"
+#include "common/realtime/steady_clock.h"
+#include "devices/wrench_limiter.h"
+
+namespace palpate::doctor {
+namespace {
+
+/// An arm that is in order is ready 0.1 s after it is opened.
+constexpr double kReady_s = 0.3;
+constexpr double kTrial_s = 2.0;
+/// Until an arm that a hand holds has given way.
+constexpr double kPush_s = 0.25;
+/// As much as the limiter lets a guide have, which is active by design as a push is.
+constexpr double kPush_N = 1.0;
+/// Less than that is not told from a hand's own motion.
+constexpr double kGaveWay_m = 0.5e-3;
+constexpr double kLongTurn_ms = 3.0;
+
+/// A station's loop without a server: a device behind the limiter.
+class DriverLoop {
+ public:
+  DriverLoop(Device& device, const RealtimeOptions& realtime, StopSignal& stop)
+      : device_(device), limiter_(WrenchLimits::Of(device.info())), stop_(stop) {
+    EnterRealtime(realtime);  // which its threads inherit
+    device_.StartTicks([this] { Tick(); });
+    LeaveRealtime();
+  }
+  ~DriverLoop() { device_.StopTicks(); }
+
+  void Push(const Vec3& force) noexcept { pushes_.Write(force); }
+  void For(double seconds) {
+    const std::int64_t end_ns = SteadyNanoseconds() + static_cast<std::int64_t>(1e9 * seconds);
+    while (SteadyNanoseconds() < end_ns && !stop_.WaitFor(std::chrono::milliseconds(10))) {
+      AddLine(news, device_.Attend());
+      seens_.Read(seen);
+      const bool in_order = *device_.activity() == '\0';
+      faulted |= ready && !in_order;
+      if (in_order && !std::exchange(ready, true)) news.clear();
+      if (!in_order) continue;
+      least = least.cwiseMin(seen.p);
+      most = most.cwiseMax(seen.p);
+    }
+  }
+
+  struct Seen {
+    int ticks = 0;
+    double longest_ms = 0.0;  ///< from tick to tick
+    Vec3 p = Vec3::Zero();
+  };
+  Seen seen;
+  bool ready = false;    ///< once
+  bool faulted = false;  ///< since then
+  std::string news;
+  Vec3 least = Vec3::Constant(HUGE_VAL), most = Vec3::Constant(-HUGE_VAL);
+
+ private:
+  void Tick() noexcept {
+    const std::int64_t now_ns = SteadyNanoseconds();
+    const DeviceSample sample = device_.Read();
+    LimiterInput in;
+    in.X_WH = sample.X_WH;
+    in.V_WH = sample.V_WH;
+    in.motor_temperature = sample.motor_temperature;
+    in.silence_s = in.age_s = 0.0;
+    if (before_ns_ > 0) in.dt_s = 1e-9 * static_cast<double>(now_ns - before_ns_);
+    before_ns_ = now_ns;
+    pushes_.Read(push_);
+    in.led.force = push_;
+    limiter_.Enable((sample.status & kDeviceFault) == 0);
+    device_.Apply(limiter_.Limit(in));
+    now_ = {now_.ticks + 1, std::max(now_.longest_ms, 1e3 * in.dt_s), sample.X_WH.p};
+    seens_.Write(now_);
+  }
+
+  Device& device_;
+  WrenchLimiter limiter_;
+  StopSignal& stop_;
+  LatestMailbox<Vec3> pushes_;
+  LatestMailbox<Seen> seens_;
+  // Of the loop.
+  Seen now_;
+  std::int64_t before_ns_ = 0;
+  Vec3 push_ = Vec3::Zero();
+};
+
+/// Whether it gives way along each axis, less what a hand does meanwhile: there, back, back, there.
+Finding Pushed(DriverLoop& loop) {
+  Vec3 way = Vec3::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double sign : {1.0, -1.0, -1.0, 1.0}) {
+      loop.For(kPush_s);
+      const double before = loop.seen.p[axis];
+      loop.Push(sign * kPush_N * Vec3::Unit(axis));
+      loop.For(kPush_s);
+      way[axis] += 0.25 * sign * (loop.seen.p[axis] - before);
+      loop.Push(Vec3::Zero());
+    }
+  }
+  const std::string found =
+      fmt::format("pushed by {:g} N, the handle gave way by {:.1f}, {:.1f} and {:.1f} mm", kPush_N,
+                  1e3 * way.x(), 1e3 * way.y(), 1e3 * way.z());
+  if (way.minCoeff() > kGaveWay_m) return Ok(found);
+  if (way.minCoeff() < -kGaveWay_m) {
+    return Fault(found,
+                 "turn the force's or the pose's axis round where the figure is negative: both are "
+                 "in one frame, or a wall would pull");
+  }
+  return Warning(found,
+                 "hold the handle loosely, and try again; where an axis never gives way, see that "
+                 "write moves the motors of that axis");
+}
+
+Finding Turned(const DriverLoop& loop, double rate_Hz) {
+  if (!loop.ready || loop.faulted) {
+    return Fault(loop.news.substr(0, loop.news.find('\n')), "mend what the sentence names");
+  }
+  const Vec3 box_mm = 1e3 * (loop.most - loop.least);
+  const std::string found = fmt::format(
+      "{:.0f} turns a second, the longest {:.1f} ms; the handle was moved by {:.1f}, {:.1f} and "
+      "{:.1f} mm",
+      rate_Hz, loop.seen.longest_ms, box_mm.x(), box_mm.y(), box_mm.z());
+  if (loop.seen.longest_ms > kLongTurn_ms) {
+    return Warning(found,
+                   "let read and write return at once: what blocks has a thread of its own; or "
+                   "mend what stands above of this host");
+  }
+  if (!box_mm.isZero(0.0)) return Ok(found);
+  return Warning(found, "move the handle meanwhile: a pose that stands still tells nothing");
+}
+
+}  // namespace
+
+std::vector<Finding> TryDriver(const DeviceOptions& options, bool push, StopSignal& stop) {
+  std::vector<Finding> findings;
+  const auto add = [&](const char* check, Finding finding) {
+    finding.check = check;
+    findings.push_back(std::move(finding));
+  };
+  try {
+    const std::unique_ptr<Device> device = MakeDevice(options);
+    const DeviceInfo& info = device->info();
+    const Vec3 reach_mm = 1e3 * info.workspace_m;
+    add("device",
+        Ok(fmt::format("{}: {:g} N, for long {:g} N; {:g} N m; reaches {:g} x {:g} x {:g} mm",
+                       info.model, info.max_force_N, info.continuous_force_N, info.max_torque_Nm,
+                       reach_mm.x(), reach_mm.y(), reach_mm.z())));
+    DriverLoop loop(*device, options.realtime, stop);
+    loop.For(kReady_s);
+    const int before = loop.seen.ticks;
+    loop.For(kTrial_s);
+    const double rate_Hz = (loop.seen.ticks - before) / kTrial_s;
+    const bool pushes = push && loop.ready;
+    const Finding pushed = pushes ? Pushed(loop) : Finding{};
+    add("driver", Turned(loop, rate_Hz));
+    if (pushes) add("push", pushed);
+  } catch (const Error& error) {
+    add("device", Fault(error.what(), "'An arm of your own' says what a driver is: " +
+                                          ShownPlaceOf(ProjectFile::kDevicePages) + "/arm.md"));
+  }
+  return findings;
+}
+
+}  // namespace palpate::doctor

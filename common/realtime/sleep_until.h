@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstdint>
+
+#include <time.h>
+
+namespace palpate {
+
+/// Waits until that time of SteadyNanoseconds' clock: a loop's pace.  Real-time.
+inline void SleepUntil(std::int64_t time_ns) noexcept {
+  timespec at{};
+  at.tv_sec = time_ns / 1'000'000'000;
+  at.tv_nsec = time_ns % 1'000'000'000;
+  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, nullptr) != 0) {
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,120 @@
+// A driver for tests, which does whatever a driver should not.
+#include "tests/devices/plugin/wrong_driver.h"
+
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <new>
+#include <stdexcept>
+#include <thread>
+
+using palpate::test::WrongArm;
+
+struct palpate_device {
+  WrongArm arm;
+  std::uint64_t number = 0;
+};
+
+namespace {
+
+palpate_device the_device;
+
+/// As long as that is what the arm does.
+void Hang(WrongArm::Way way) {
+  the_device.arm.held = true;
+  while (the_device.arm.way == way) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  the_device.arm.held = false;
+}
+
+}  // namespace
+
+extern "C" WrongArm* palpate_wrong_arm() {
+  return &the_device.arm;
+}
+
+#ifndef WRONG_ABI
+#define WRONG_ABI PALPATE_DEVICE_ABI
+#endif
+std::uint32_t palpate_device_abi() {
+  return WRONG_ABI;
+}
+
+palpate_device* palpate_device_open(const char* name, double, palpate_device_info* info) {
+  WrongArm& arm = the_device.arm;
+  if (arm.open_throws) throw std::runtime_error("no");
+  if (std::strcmp(name, "hangs") == 0) arm.hangs_at = 1000;  // of a station, which sees no WrongArm
+  *info = arm.info;
+  arm.open = arm.opens;
+  return arm.opens ? &the_device : nullptr;
+}
+
+int palpate_device_read(palpate_device* device, palpate_device_reading* reading) {
+  WrongArm& arm = device->arm;
+  std::memcpy(reading->position_m, arm.position_m, sizeof arm.position_m);
+  double* const wxyz = reading->orientation_wxyz;
+  if (arm.way != WrongArm::kStuck) ++device->number;
+  reading->number = device->number;
+  if (arm.hangs_at != 0 && device->number == arm.hangs_at) arm.way = WrongArm::kReadHangs;
+  const WrongArm::Way way = arm.way;
+  reading->buttons = 1;
+  switch (way) {
+    case WrongArm::kNotFinite:
+      reading->position_m[1] = std::nan("");
+      break;
+    case WrongArm::kFarAway:
+      reading->position_m[1] = 10.0;
+      break;
+    case WrongArm::kNoRotation:
+      wxyz[0] = std::nan("");
+      break;
+    case WrongArm::kLongRotation:
+      wxyz[0] = 2.0;
+      break;
+    case WrongArm::kHardlyLongRotation:
+      wxyz[0] = 1.0001;
+      break;
+    case WrongArm::kJumps:
+      if (device->number % 2 == 0) reading->position_m[2] += 0.06;
+      break;
+    case WrongArm::kReadFails:
+    case WrongArm::kSaysNothing:
+      return 7;
+    case WrongArm::kReadThrows:
+      throw std::runtime_error("no");
+    case WrongArm::kReadHangs:
+      Hang(way);
+      break;
+    default:
+      break;
+  }
+  return 0;
+}
+
+int palpate_device_write(palpate_device* device, const double force_N[3], const double[3]) {
+  WrongArm& arm = device->arm;
+  const WrongArm::Way way = arm.way;
+  if (way == WrongArm::kWriteThrows) throw std::runtime_error("no");
+  if (way == WrongArm::kWriteHangs) return Hang(way), 0;
+  if (way == WrongArm::kWriteFails || way == WrongArm::kStopFails) return 8;
+  arm.force_N = std::hypot(force_N[0], force_N[1], force_N[2]);
+  return 0;
+}
+
+#ifndef WITHOUT_STOP
+int palpate_device_stop(palpate_device* device) {
+  ++device->arm.stops;
+  if (device->arm.way == WrongArm::kStopFails) return 9;
+  device->arm.force_N = 0.0;
+  return 0;
+}
+#endif
+
+void palpate_device_close(palpate_device* device) {
+  device->arm.open = false;
+}
+
+const char* palpate_device_last_error(palpate_device* device) {
+  if (the_device.arm.way == WrongArm::kSaysNothing) return nullptr;
+  return device ? "the cable is out: plug it in" : "no arm is plugged in";
+}
