@@ -410,7 +410,7 @@ PYBIND11_MODULE(_physics, module) {
 
   py::class_<Hand>(module, "Proxy")
       .def(py::init([](const Shared& shared, const py::object& pose) {
-             return std::make_unique<Hand>(shared.model, ToUnitPose(pose));
+             return std::make_unique<Hand>(shared.model, ToCheckedPose(pose));
            }),
            py::arg("model"), py::arg("pose"), prose("Proxy.__init__"))
       .def_property_readonly("start_depth",
@@ -418,7 +418,7 @@ PYBIND11_MODULE(_physics, module) {
       .def(
           "restart",
           [](Hand& hand, const py::object& pose) {
-            const Pose X_WH = ToUnitPose(pose);
+            const Pose X_WH = ToCheckedPose(pose);
             const Busy busy(hand);
             hand.proxy.Restart(X_WH);
           },

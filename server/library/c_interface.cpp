@@ -217,7 +217,8 @@ void palpate_model_free(palpate_model* model) {
 palpate_proxy* palpate_proxy_new(const palpate_model* model, const palpate_pose* hand) {
   return Guarded<palpate_proxy*>(nullptr, [&] {
     Require(model != nullptr && hand != nullptr, "model or hand: is NULL");
-    return new palpate_proxy{model->model, Proxy(*model->model, ToChecked(*hand))};
+    ToChecked(*hand);
+    return new palpate_proxy{model->model, Proxy(*model->model, ToPose(*hand))};
   });
 }
 
