@@ -15,4 +15,5 @@
 /// $PALPATE_PROGRAMS names its folder, or it is on the PATH (Debian's package palpate-common).
 #include "common/json/pose_script.h"  // IWYU pragma: export
 #include "scenes/catalogue.h"         // IWYU pragma: export
+#include "scenes/progress_line.h"     // IWYU pragma: export
 #include "server/library/physics.h"   // IWYU pragma: export

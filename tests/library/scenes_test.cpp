@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "common/dds/wire.h"
+#include "server/library/palpate.h"
 #include "server/session/session.h"
 
 namespace palpate::test {
@@ -80,6 +81,44 @@ TEST_P(LoadedScene, GivesTheBitsOfTheServer) {
     touched += answer.contacts > 0;
   }
   EXPECT_GT(touched, 300);
+}
+
+TEST(LoadedInC, GivesTheBitsOfCxxWithTheParametersThatAreSet) {
+  palpate_scene* loaded = palpate_scene_load("cube");
+  ASSERT_NE(loaded, nullptr) << palpate_last_error();
+  Scene scene = LoadScene("cube");
+  EXPECT_EQ(palpate_scene_tool(loaded, 0, nullptr), scene.tools[0].name);
+  EXPECT_EQ(palpate_scene_tool(loaded, scene.tools.size(), nullptr), nullptr);
+  ASSERT_EQ(palpate_scene_set_parameter(loaded, "friction", 0.4), 0) << palpate_last_error();
+  SetParameter(scene, "friction", 0.4);
+  palpate_parameter last{}, parameter{};
+  std::size_t count = 0;
+  while (palpate_scene_parameter(loaded, count, &parameter) == 0) last = parameter, ++count;
+  EXPECT_EQ(count, ParametersOf(scene).size());
+  EXPECT_STREQ(last.name, "friction");
+  EXPECT_EQ(last.value, 0.4);
+
+  const HapticModel model = MakeModel(scene, scene.tools[0], MakeObjects(scene));
+  const PoseScript hand = PoseScript::Load(ScriptFileBeside("cube"));
+  EXPECT_EQ(palpate_scene_hand(loaded, 0.0, nullptr), hand.duration());
+  palpate_model* c_model = palpate_model_new(loaded, 0);
+  palpate_pose pose;
+  palpate_scene_hand(loaded, 0.0, &pose);
+  palpate_proxy* c_proxy = palpate_proxy_new(c_model, &pose);
+  Proxy proxy(model, hand.At(0.0));
+  int touched = 0;
+  for (double t = 0.0; t < hand.duration(); t += 0.001) {
+    palpate_scene_hand(loaded, t, &pose);
+    palpate_report report;
+    palpate_proxy_step(c_proxy, &pose, &report);
+    const StepReport own = proxy.Step(hand.At(t));
+    ASSERT_EQ(std::memcmp(report.force_N, own.wrench.force.data(), sizeof report.force_N), 0) << t;
+    touched += report.contacts > 0;
+  }
+  EXPECT_GT(touched, 300);
+  palpate_proxy_free(c_proxy);
+  palpate_model_free(c_model);
+  palpate_scene_free(loaded);
 }
 
 }  // namespace
