@@ -43,7 +43,7 @@ void ForEachField(Tuning& tuning, Visit visit) {
 }
 
 /// What is wrong with a number, in words; empty where it may be.
-/// @param whole  it is a count.
+/// `whole`: it is a count.
 std::string RangeFault(const Tunable& tunable, double value, bool whole);
 
 /// Which field is out of its range, in words; empty where none is.

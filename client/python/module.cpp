@@ -124,6 +124,10 @@ std::unique_ptr<Loaded> Load(const std::string& name, const std::optional<std::s
   auto loaded = std::make_unique<Loaded>();
   LoadOptions options;
   if (contact) options.contact = ToContact(*contact);
+  if (tolerance_um &&
+      !(*tolerance_um >= kLeastTolerance_um && *tolerance_um <= kMostTolerance_um)) {
+    throw Error("tolerance_um: must be from 0.1 to 1000000");
+  }
   if (tolerance_um) options.leaves = LeafTolerance{.most = 1e-6 * *tolerance_um};
   options.mesh.unit = unit;
   const auto say = [&](const std::string& what) { loaded->said.push_back(what); };
@@ -141,24 +145,30 @@ std::unique_ptr<Loaded> Load(const std::string& name, const std::optional<std::s
   return loaded;
 }
 
+std::string NamesOf(const std::vector<Body>& bodies) {
+  std::string names;
+  for (const Body& body : bodies) names += (names.empty() ? "" : ", ") + body.name;
+  return names;
+}
+
 Shared ModelOf(const Loaded& loaded, const py::object& which, const py::kwargs& parameters) {
   Scene scene = loaded.scene;
   for (const auto& [name, value] : parameters) {
-    SetParameter(scene, name.cast<std::string>(), value.cast<double>());
+    const py::float_ number(py::reinterpret_borrow<py::object>(value));  // or Python's TypeError
+    SetParameter(scene, name.cast<std::string>(), number);
   }
-  std::string names;
   for (std::size_t i = 0; i < scene.tools.size(); ++i) {
     const Body& tool = scene.tools[i];
     if (which.equal(py::int_(i)) || which.equal(py::str(tool.name))) return Share(scene, tool);
-    names += (names.empty() ? "" : ", ") + tool.name;
   }
-  throw Error("tool: there is no " + py::str(which).cast<std::string>() + "; there are " + names);
+  throw Error("tool: there is no " + py::str(which).cast<std::string>() + "; there are " +
+              NamesOf(scene.tools));
 }
 
 py::array_t<double> PathOf(const Loaded& loaded, double rate) {
   if (!loaded.hand) throw Error(loaded.scene.name + ": has no script of a hand; give poses");
   if (!(rate > 0.0 && rate <= 1e5)) throw Error("rate: must be above 0, and at most 100000");
-  const auto count = static_cast<py::ssize_t>(rate * loaded.hand->duration()) + 1;
+  const auto count = static_cast<py::ssize_t>(rate * loaded.hand->duration() + 1e-6) + 1;
   py::array_t<double> path({count, py::ssize_t{7}});
   for (py::ssize_t i = 0; i < count; ++i) {
     FromPose(loaded.hand->At(static_cast<double>(i) / rate), path.mutable_data(i, 0));
@@ -479,6 +489,12 @@ PYBIND11_MODULE(_physics, module) {
       .def_readonly("said", &Loaded::said)
       .def_property_readonly(
           "parameters", [](const Loaded& loaded) { return ToDict(ParametersOf(loaded.scene)); })
+      .def("__repr__",
+           [](const Loaded& loaded) {
+             const Scene& scene = loaded.scene;
+             return "<palpate.Scene " + scene.name + ": tools " + NamesOf(scene.tools) +
+                    "; objects " + NamesOf(scene.objects) + ">";
+           })
       .def("path", &PathOf, py::arg("rate") = 1000.0, prose("Scene.path"))
       .def("model", &ModelOf, py::arg("tool") = 0, prose("Scene.model"));
   module.def(

@@ -57,7 +57,7 @@ TEST_F(Installed, ExamplesBuildAgainstItAndFeelWhatTheyShould) {
   EXPECT_THAT(said_, HasSubstr("500 steps"));
   ASSERT_EQ(Run(build + "/own_material"), 0) << said_;
   EXPECT_THAT(said_, HasSubstr("hard and rough   press 3.0"));
-  ASSERT_EQ(Run("PALPATE_PROGRAMS=" PALPATE_BIN_DIR " " + build + "/first_scene cube"), 0) << said_;
+  ASSERT_EQ(Run("PATH=" PALPATE_BIN_DIR ":$PATH " + build + "/first_scene cube"), 0) << said_;
   EXPECT_THAT(said_, HasSubstr("cube: ball feels"));
   // Of DDS, assimp and the like it has nothing.
   ASSERT_EQ(Run("cd " + build + " && ldd first_force first_force_c first_scene"), 0) << said_;

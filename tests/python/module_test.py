@@ -182,6 +182,7 @@ class Scenes(unittest.TestCase):
         self.assertEqual(scene.name, "caries")
         self.assertIn("dentine", [material.name for body in scene.objects for material in body.materials])
         self.assertEqual(len(scene.objects[0].leaf_materials), scene.objects[0].leaves)
+        self.assertRegex(repr(scene), "Scene caries: tools .*; objects tooth")
         path = scene.path(500)
         self.assertEqual(path.shape[1], 7)
         self.assertEqual(len(scene.path()), 2 * len(path) - 1)
@@ -218,6 +219,7 @@ class Scenes(unittest.TestCase):
             "sub_steps is 0; give a whole number from 1 to 64": lambda: scene.model(sub_steps=0),
             "tool: there is no 7; there are ": lambda: scene.model(7),
             "rate": lambda: scene.path(0),
+            "tolerance_um": lambda: palpate.load("cube", tolerance_um=0),
         }.items():
             with self.subTest(words), self.assertRaisesRegex(palpate.Error, words):
                 wrong()
