@@ -1,7 +1,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 
 namespace palpate {
 
@@ -18,21 +17,34 @@ struct StepTuning {
   bool operator==(const StepTuning&) const = default;
 };
 
-/// Calls visit(name, field, scale, least, most) for each field: by its name in scene files, Python
-/// and C, which has its unit; value = scale * the number there, which lies within [least, most].
+/// What a number that may be varied is to those who vary it.
+struct Tunable {
+  const char* name;    ///< in scene files, Python and C
+  const char* unit;    ///< of the number there; empty: a count or a ratio
+  double scale;        ///< what the step has is this times the number there
+  double least, most;  ///< of the number there
+  const char* what;    ///< for people
+};
+
+/// Calls visit(tunable, field) for each field.
 template <class Tuning, class Visit>
 void ForEachField(Tuning& tuning, Visit visit) {
-  visit("separation_um", tuning.separation, 1e-6, 0.01, 100.0);
-  visit("widest_step_mm", tuning.widest_step, 1e-3, 0.001, 10.0);
-  visit("sub_steps", tuning.sub_steps, 1.0, 1.0, 64.0);
-  visit("iterates", tuning.iterates, 1.0, 1.0, 256.0);
-  visit("looks", tuning.looks, 1.0, 100.0, 50'000.0);
-  visit("still_cycles", tuning.still_cycles, 1.0, 0.0, 10'000.0);
+  visit(Tunable{"separation_um", "um", 1e-6, 0.01, 100.0, "what contact keeps between meshes"},
+        tuning.separation);
+  visit(Tunable{"widest_step_mm", "mm", 1e-3, 0.001, 10.0, "what a sub-step may move the tool by"},
+        tuning.widest_step);
+  visit(Tunable{"sub_steps", "", 1.0, 1.0, 64.0, "of a cycle at most"}, tuning.sub_steps);
+  visit(Tunable{"iterates", "", 1.0, 1.0, 256.0, "rounds of solve and check in a sub-step"},
+        tuning.iterates);
+  visit(Tunable{"looks", "", 1.0, 100.0, 50'000.0, "what a cycle's contact may cost, 130 ns each"},
+        tuning.looks);
+  visit(Tunable{"still_cycles", "", 1.0, 0.0, 10'000.0, "without slip, until friction is static"},
+        tuning.still_cycles);
 }
 
-/// Sets the field of such a name.  Throws Error that names it, or the fields that there are, and
-/// the range; then nothing is changed.
-void SetField(StepTuning& tuning, std::string_view name, double value);
+/// What is wrong with a number, in words; empty where it may be.
+/// `whole`: it is a count.
+std::string RangeFault(const Tunable& tunable, double value, bool whole);
 
 /// Which field is out of its range, in words; empty where none is.
 std::string TuningFault(const StepTuning& tuning);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include <spdlog/fmt/fmt.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
 namespace palpate {

@@ -62,7 +62,7 @@ inline Pose ToPose(const double* row, py::ssize_t width) {
 /// length 1.
 /// @param given  x y z, or x y z w x y z.
 /// @param what   for the message.
-inline Pose ToUnitPose(const py::object& given, const char* what = "pose") {
+inline Pose ToCheckedPose(const py::object& given, const char* what = "pose") {
   const Doubles array = ToDoubles(given, what);
   if (array.ndim() != 1 || (array.shape(0) != 3 && array.shape(0) != 7)) {
     throw Error(std::string(what) +
@@ -72,6 +72,10 @@ inline Pose ToUnitPose(const py::object& given, const char* what = "pose") {
   if (!IsPose(X)) {
     throw Error(std::string(what) + ": must be finite, its quaternion w x y z of length 1");
   }
+  return X;
+}
+inline Pose ToUnitPose(const py::object& given, const char* what = "pose") {
+  Pose X = ToCheckedPose(given, what);
   X.q.normalize();
   return X;
 }

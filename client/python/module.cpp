@@ -4,12 +4,15 @@
 #include <cstdint>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <limits>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <sstream>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -19,7 +22,7 @@
 #include <pybind11/stl.h>
 
 #include "client/python/arrays.h"
-#include "server/library/physics.h"
+#include "server/library/scenes.h"
 
 // The module palpate._physics: palpate/__init__.pyi says what each of these is for, also to help().
 // Arrays are numpy's, of double; poses are rows of x y z, or x y z and w x y z.
@@ -83,15 +86,115 @@ py::array View(py::handle owner, const double* data, std::vector<py::ssize_t> sh
   return array;
 }
 
-/// A model, which proxies keep when Python has let it go.
+ContactModel ToContact(const std::string& contact) {
+  if (contact == "surface") return ContactModel::kSurface;
+  if (contact == "spheres") return ContactModel::kSpheres;
+  throw Error("contact: '" + contact + "' is neither 'surface' nor 'spheres'");
+}
+
+/// A model, which proxies keep when Python has let it go, and what it was made with.
 struct Shared {
   std::shared_ptr<const HapticModel> model;
+  std::string scene, tool;
+  std::vector<Parameter> parameters;
 };
 
+Shared Share(const Scene& scene, const Body& tool) {
+  const py::gil_scoped_release free;
+  return {std::make_shared<const HapticModel>(MakeModel(scene, tool, MakeObjects(scene))),
+          scene.name, tool.name, ParametersOf(scene)};
+}
+
+py::dict ToDict(const std::vector<Parameter>& parameters) {
+  py::dict values;
+  for (const Parameter& parameter : parameters) values[parameter.name] = parameter.value;
+  return values;
+}
+
+/// @field hand  of the script beside the scene's file; none: there is none.
+/// @field said  what was assumed and mended: a sentence each.
+struct Loaded {
+  Scene scene;
+  std::optional<PoseScript> hand;
+  std::vector<std::string> said;
+};
+
+std::unique_ptr<Loaded> Load(const std::string& name, const std::optional<std::string>& contact,
+                             const std::optional<double>& tolerance_um, const std::string& unit) {
+  auto loaded = std::make_unique<Loaded>();
+  LoadOptions options;
+  if (contact) options.contact = ToContact(*contact);
+  if (tolerance_um &&
+      !(*tolerance_um >= kLeastTolerance_um && *tolerance_um <= kMostTolerance_um)) {
+    throw Error("tolerance_um: must be from 0.1 to 1000000");
+  }
+  if (tolerance_um) options.leaves = LeafTolerance{.most = 1e-6 * *tolerance_um};
+  options.mesh.unit = unit;
+  const auto say = [&](const std::string& what) { loaded->said.push_back(what); };
+  options.warn = options.tell = say;
+  ProgressLine line;
+  options.progress = [&](std::string_view stage, double done) {
+    line(stage, done);
+    const py::gil_scoped_acquire held;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();  // Ctrl-C
+  };
+  const py::gil_scoped_release free;
+  loaded->scene = LoadScene(name, options);
+  const std::string script = ScriptFileBeside(name);
+  if (std::filesystem::exists(script)) loaded->hand = PoseScript::Load(script);
+  return loaded;
+}
+
+std::string NamesOf(const std::vector<Body>& bodies) {
+  std::string names;
+  for (const Body& body : bodies) names += (names.empty() ? "" : ", ") + body.name;
+  return names;
+}
+
+Shared ModelOf(const Loaded& loaded, const py::object& which, const py::kwargs& parameters) {
+  Scene scene = loaded.scene;
+  for (const auto& [name, value] : parameters) {
+    const py::float_ number(py::reinterpret_borrow<py::object>(value));  // or Python's TypeError
+    SetParameter(scene, name.cast<std::string>(), number);
+  }
+  for (std::size_t i = 0; i < scene.tools.size(); ++i) {
+    const Body& tool = scene.tools[i];
+    if (which.equal(py::int_(i)) || which.equal(py::str(tool.name))) return Share(scene, tool);
+  }
+  throw Error("tool: there is no " + py::str(which).cast<std::string>() + "; there are " +
+              NamesOf(scene.tools));
+}
+
+py::array_t<double> PathOf(const Loaded& loaded, double rate) {
+  if (!loaded.hand) throw Error(loaded.scene.name + ": has no script of a hand; give poses");
+  if (!(rate > 0.0 && rate <= 1e5)) throw Error("rate: must be above 0, and at most 100000");
+  const auto count = static_cast<py::ssize_t>(rate * loaded.hand->duration() + 1e-6) + 1;
+  py::array_t<double> path({count, py::ssize_t{7}});
+  for (py::ssize_t i = 0; i < count; ++i) {
+    FromPose(loaded.hand->At(static_cast<double>(i) / rate), path.mutable_data(i, 0));
+  }
+  return path;
+}
+
+/// What may be varied, as a table: of a scene that says nothing.
+py::list Table() {
+  py::list rows;
+  for (const Parameter& p : ParametersOf(Scene{})) {
+    py::dict row;
+    row["name"] = p.name;
+    row["unit"] = p.unit;
+    row["default"] = p.usual;
+    row["least"] = p.least;
+    row["most"] = p.most;
+    row["what"] = p.what;
+    rows.append(row);
+  }
+  return rows;
+}
+
 struct Hand {
-  Hand(std::shared_ptr<const HapticModel> m, const Pose& X_WH)
-      : model(std::move(m)), proxy(*model, X_WH) {}
-  std::shared_ptr<const HapticModel> model;  // outlives the proxy
+  Hand(Shared m, const Pose& X_WH) : shared(std::move(m)), proxy(*shared.model, X_WH) {}
+  Shared shared;  // outlives the proxy
   Proxy proxy;
   std::atomic_flag busy{};
 };
@@ -120,8 +223,12 @@ int Contacts(const StepReport& report) {
 
 /// What came of a path of poses, a row each.
 struct Steps {
-  explicit Steps(const std::vector<py::ssize_t>& leading)
-      : wrench(With(leading, 6)), pose(With(leading, 7)), contacts(leading), faults(leading) {}
+  Steps(const std::vector<py::ssize_t>& leading, const Shared& shared)
+      : wrench(With(leading, 6)),
+        pose(With(leading, 7)),
+        contacts(leading),
+        faults(leading),
+        parameters(ToDict(shared.parameters)) {}
   static std::vector<py::ssize_t> With(std::vector<py::ssize_t> shape, py::ssize_t last) {
     shape.push_back(last);
     return shape;
@@ -129,6 +236,7 @@ struct Steps {
   py::array_t<double> wrench, pose;
   py::array_t<std::int32_t> contacts;
   py::array_t<std::uint32_t> faults;
+  py::dict parameters;
 };
 
 /// Where the steps of one path go.
@@ -169,7 +277,7 @@ Doubles ToPoses(const py::object& given, py::ssize_t dimensions, const char* sha
 Steps StepAll(Hand& hand, const py::object& given) {
   const Doubles poses = ToPoses(given, 2, "(steps, 3) or (steps, 7)");
   const Busy busy(hand);
-  Steps steps({poses.shape(0)});
+  Steps steps({poses.shape(0)}, hand.shared);
   const Rows rows{steps.wrench.mutable_data(), steps.pose.mutable_data(),
                   steps.contacts.mutable_data(), steps.faults.mutable_data()};
   const py::gil_scoped_release free;
@@ -182,7 +290,7 @@ Steps Follow(const Shared& shared, const py::object& given, int threads) {
   const Doubles paths = ToPoses(given, 3, "(paths, steps, 3) or (paths, steps, 7)");
   if (threads < 0) throw Error("threads: must be 0, for all cores, or more");
   const py::ssize_t count = paths.shape(0), length = paths.shape(1), width = paths.shape(2);
-  Steps steps({count, length});
+  Steps steps({count, length}, shared);
   const Rows all{steps.wrench.mutable_data(), steps.pose.mutable_data(),
                  steps.contacts.mutable_data(), steps.faults.mutable_data()};
   if (count == 0 || length == 0) return steps;
@@ -228,12 +336,6 @@ Material ToMaterial(double static_friction, double dynamic_friction, double stif
   return {stiffness, static_friction, dynamic_friction, hardness};
 }
 
-ContactModel ToContact(const std::string& contact) {
-  if (contact == "surface") return ContactModel::kSurface;
-  if (contact == "spheres") return ContactModel::kSpheres;
-  throw Error("contact: '" + contact + "' is neither 'surface' nor 'spheres'");
-}
-
 Shared MakeShared(const std::vector<Body>& objects, const Body& tool, const std::string& contact,
                   double stiffness, double torsional_stiffness,
                   const std::map<std::string, double>& step) {
@@ -241,7 +343,7 @@ Shared MakeShared(const std::vector<Body>& objects, const Body& tool, const std:
   scene.objects = objects;
   scene.tools = {tool};
   scene.coupling = {stiffness, torsional_stiffness};
-  for (const auto& [field, value] : step) SetField(scene.tuning, field, value);
+  for (const auto& [field, value] : step) SetParameter(scene, field, value);
   scene.features.contact = ToContact(contact);
   // Features follow from the materials, as in a scene's file.
   for (const Body& object : objects) {
@@ -250,9 +352,7 @@ Shared MakeShared(const std::vector<Body>& objects, const Body& tool, const std:
     if (std::isfinite(material.stiffness)) scene.features.compliance = true;
     if (std::isfinite(material.hardness)) scene.features.removal = true;
   }
-  const py::gil_scoped_release free;
-  return {
-      std::make_shared<const HapticModel>(MakeModel(scene, scene.tools[0], MakeObjects(scene)))};
+  return Share(scene, scene.tools[0]);
 }
 
 /// What help() says of a function: the stub's words.
@@ -288,6 +388,15 @@ PYBIND11_MODULE(_physics, module) {
           "pose", [](const Body& body) { return FromPose(body.X_WB); },
           [](Body& body, const py::object& pose) { body.X_WB = ToUnitPose(pose); })
       .def_property_readonly("leaves", [](const Body& body) { return body.tree.leaves(); })
+      .def_readonly("materials", &Body::materials)
+      .def_property_readonly(
+          "leaf_materials",
+          [](const Body& body) {
+            py::array_t<std::uint8_t> of(static_cast<py::ssize_t>(body.tree.leaves()));
+            std::fill_n(of.mutable_data(), of.size(), std::uint8_t{0});
+            std::ranges::copy(body.leaf_material, of.mutable_data());
+            return of;
+          })
       .def_property_readonly("vertices",
                              [](py::object self) {
                                const auto& mesh = self.cast<const Body&>().mesh;
@@ -366,6 +475,38 @@ PYBIND11_MODULE(_physics, module) {
         return arrays(MakeEllipsoid(ToVec3(semi_axes, "semi_axes"), triangles));
       },
       py::arg("semi_axes"), py::arg("triangles") = 5120, prose("ellipsoid"));
+  py::class_<Material>(module, "Material")
+      .def_readonly("name", &Material::name)
+      .def_readonly("stiffness", &Material::stiffness)
+      .def_readonly("static_friction", &Material::static_friction)
+      .def_readonly("dynamic_friction", &Material::dynamic_friction);
+  py::class_<Loaded>(module, "Scene")
+      .def_property_readonly("name", [](const Loaded& loaded) { return loaded.scene.name; })
+      .def_property_readonly(
+          "tools", [](const Loaded& loaded) -> const auto& { return loaded.scene.tools; })
+      .def_property_readonly(
+          "objects", [](const Loaded& loaded) -> const auto& { return loaded.scene.objects; })
+      .def_readonly("said", &Loaded::said)
+      .def_property_readonly(
+          "parameters", [](const Loaded& loaded) { return ToDict(ParametersOf(loaded.scene)); })
+      .def("__repr__",
+           [](const Loaded& loaded) {
+             const Scene& scene = loaded.scene;
+             return "<palpate.Scene " + scene.name + ": tools " + NamesOf(scene.tools) +
+                    "; objects " + NamesOf(scene.objects) + ">";
+           })
+      .def("path", &PathOf, py::arg("rate") = 1000.0, prose("Scene.path"))
+      .def("model", &ModelOf, py::arg("tool") = 0, prose("Scene.model"));
+  module.def(
+      "load",
+      [](const py::object& name, const std::optional<std::string>& contact,
+         const std::optional<double>& tolerance_um, const std::string& unit) {
+        const py::object path = py::module_::import("os").attr("fspath")(name);
+        return Load(path.cast<std::string>(), contact, tolerance_um, unit);
+      },
+      py::arg("name"), py::kw_only(), py::arg("contact") = py::none(),
+      py::arg("tolerance_um") = py::none(), py::arg("unit") = "", prose("load"));
+  module.def("parameters", &Table, prose("parameters"));
   module.def("fault_words", &FaultWords, py::arg("faults"), prose("fault_words"));
 
   py::class_<StepReport>(module, "Report")
@@ -393,7 +534,8 @@ PYBIND11_MODULE(_physics, module) {
       .def_readonly("wrench", &Steps::wrench)
       .def_readonly("pose", &Steps::pose)
       .def_readonly("contacts", &Steps::contacts)
-      .def_readonly("faults", &Steps::faults);
+      .def_readonly("faults", &Steps::faults)
+      .def_readonly("parameters", &Steps::parameters);
 
   py::class_<Shared>(module, "Model")
       .def(py::init([](const std::vector<Body>& objects, const Body& tool,
@@ -405,12 +547,22 @@ PYBIND11_MODULE(_physics, module) {
            py::arg("stiffness") = Coupling{}.stiffness,
            py::arg("torsional_stiffness") = Coupling{}.torsional_stiffness,
            py::arg("step") = std::map<std::string, double>{}, prose("Model.__init__"))
+      .def_property_readonly("parameters",
+                             [](const Shared& shared) { return ToDict(shared.parameters); })
+      .def("__repr__",
+           [](const Shared& shared) {
+             std::ostringstream text;
+             text << "<palpate.Model of " << shared.tool << " in "
+                  << (shared.scene.empty() ? "a scene" : shared.scene);
+             for (const Parameter& p : shared.parameters) text << ", " << p.name << "=" << p.value;
+             return text.str() + ">";
+           })
       .def("follow", &Follow, py::arg("paths"), py::kw_only(), py::arg("threads") = 0,
            prose("Model.follow"));
 
   py::class_<Hand>(module, "Proxy")
       .def(py::init([](const Shared& shared, const py::object& pose) {
-             return std::make_unique<Hand>(shared.model, ToUnitPose(pose));
+             return std::make_unique<Hand>(shared, ToCheckedPose(pose));
            }),
            py::arg("model"), py::arg("pose"), prose("Proxy.__init__"))
       .def_property_readonly("start_depth",
@@ -418,7 +570,7 @@ PYBIND11_MODULE(_physics, module) {
       .def(
           "restart",
           [](Hand& hand, const py::object& pose) {
-            const Pose X_WH = ToUnitPose(pose);
+            const Pose X_WH = ToCheckedPose(pose);
             const Busy busy(hand);
             hand.proxy.Restart(X_WH);
           },

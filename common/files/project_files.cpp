@@ -1,6 +1,8 @@
 #include "common/files/project_files.h"
 
+#include <cstdlib>
 #include <filesystem>
+#include <sstream>
 #include <string_view>
 
 namespace palpate {
@@ -36,8 +38,19 @@ Places PlacesOf(ProjectFile file) {
 }  // namespace
 
 std::string ProgramFolder() {
+  const auto from = [](const char* variable) {
+    const char* text = std::getenv(variable);
+    return std::string(text == nullptr ? "" : text);
+  };
+  if (const std::string named = from("PALPATE_PROGRAMS"); !named.empty()) return named;
   std::error_code error;
-  return fs::read_symlink("/proc/self/exe", error).parent_path().string();
+  const std::string own = fs::read_symlink("/proc/self/exe", error).parent_path().string();
+  std::istringstream path(own + ':' + from("PATH"));
+  for (std::string folder; std::getline(path, folder, ':');) {
+    const fs::path import = fs::path(folder) / "palpate-import";
+    if (fs::exists(import, error)) return fs::canonical(import, error).parent_path().string();
+  }
+  return own;
 }
 
 std::string PlaceOf(ProjectFile file, const std::string& program_folder) {

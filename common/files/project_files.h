@@ -16,7 +16,9 @@ enum class ProjectFile {
   kPlots,         ///< script that draws the pictures of palpate-bench's reports
 };
 
-/// Folder of the running program.
+/// Folder of the programs: what $PALPATE_PROGRAMS names, else that of the running one.  A program
+/// of somebody else's, who links the library, or Python, has none of them beside it: then the PATH
+/// is asked where palpate-import is.
 std::string ProgramFolder();
 
 /// Empty where it is gone.

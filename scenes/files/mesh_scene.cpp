@@ -4,8 +4,8 @@
 #include <cmath>
 #include <filesystem>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <spdlog/fmt/fmt.h>
 
 #include "common/error.h"
 #include "scenes/files/scene_file.h"

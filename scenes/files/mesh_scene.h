@@ -21,7 +21,7 @@ struct MeshScene {
 };
 
 /// Makes a scene of a mesh file.
-/// @param folder  that the scene file is to stand in, which names the mesh from there.
+/// `folder`: that the scene file is to stand in, which names the mesh from there.
 /// Throws Error where the mesh cannot be read or rendered, or an option is wrong.
 MeshScene MakeMeshScene(const std::string& mesh_file, const MeshSceneOptions& options,
                         const std::string& folder);

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include <unistd.h>
+#define XXH_INLINE_ALL  // so that who links this needs no library of it
 #include <xxhash.h>
 
 #include "common/error.h"

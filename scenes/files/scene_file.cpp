@@ -664,14 +664,15 @@ void ChooseLeaves(SceneDescription& scene) {
 
 void ReadTuning(const JsonNode& node, StepTuning& tuning) {
   std::vector<std::string_view> names;
-  ForEachField(tuning, [&](const char* name, auto& field, double scale, double least, double most) {
-    names.push_back(name);
-    const auto number = node.Find(name);
+  ForEachField(tuning, [&](const Tunable& of, auto& field) {
+    names.push_back(of.name);
+    const auto number = node.Find(of.name);
     if (!number) return;
     if constexpr (std::is_integral_v<std::remove_reference_t<decltype(field)>>) {
-      field = static_cast<int>(number->Integer(static_cast<int>(least), static_cast<int>(most)));
+      field =
+          static_cast<int>(number->Integer(static_cast<int>(of.least), static_cast<int>(of.most)));
     } else {
-      field = scale * number->Number(least, most);
+      field = of.scale * number->Number(of.least, of.most);
     }
   });
   node.AllowOnly(names);

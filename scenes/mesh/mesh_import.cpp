@@ -10,9 +10,9 @@
 
 #include <Eigen/Geometry>
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <poll.h>
 #include <spawn.h>
-#include <spdlog/fmt/fmt.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -37,8 +37,8 @@ namespace fs = std::filesystem;
 
 [[noreturn]] void FailToStart(const std::string& what, int error) {
   throw Error("palpate-import, which reads meshes, cannot be started (" + what + ": " +
-              std::generic_category().message(error) + "); install or build it beside " +
-              ProgramFolder());
+              std::generic_category().message(error) +
+              "); install palpate-common, or let PALPATE_PROGRAMS name the folder that holds it");
 }
 
 /// A file in memory that a child writes, and whose contents are read when it has ended: nobody

@@ -8,7 +8,7 @@
 #include <optional>
 #include <system_error>
 
-#include <spdlog/fmt/fmt.h>
+#include <fmt/format.h>
 
 #include "common/error.h"
 #include "common/files/whole_file.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include <Eigen/Dense>
-#include <spdlog/fmt/fmt.h>
+#include <fmt/format.h>
 
 #include "common/error.h"
 #include "scenes/mesh/mesh_query.h"

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <type_traits>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <spdlog/fmt/fmt.h>
 
 #include "common/error.h"
 #include "scenes/mesh/units.h"

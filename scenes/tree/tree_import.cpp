@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include <spdlog/fmt/fmt.h>
+#include <fmt/format.h>
 
 #include "common/error.h"
 #include "scenes/tree/sph_file.h"

@@ -1,18 +1,25 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <new>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "common/math/pose_check.h"
 #include "server/library/palpate.h"
 #include "server/library/physics.h"
+#ifdef PALPATE_READS_SCENES
+#include "server/library/scenes.h"
+#endif
 
 struct palpate_scene {
   palpate::Scene scene;
+  std::function<palpate::Pose(double)> hand;  // of a script of so many seconds, or none
+  double duration = 0.0;
 };
 struct palpate_model {
   std::shared_ptr<const palpate::HapticModel> model;
@@ -143,22 +150,53 @@ void palpate_scene_free(palpate_scene* scene) {
   delete scene;
 }
 
-int palpate_scene_set_coupling(palpate_scene* scene, double stiffness_N_m,
-                               double torsional_stiffness_Nm_rad) {
+palpate_scene* palpate_scene_load(const char* name_or_path) {
+  return Guarded<palpate_scene*>(nullptr, [&] {
+    Require(name_or_path != nullptr, "name_or_path: is NULL");
+#ifdef PALPATE_READS_SCENES
+    auto loaded = std::make_unique<palpate_scene>();
+    loaded->scene = LoadScene(name_or_path);
+    const std::string script = ScriptFileBeside(name_or_path);
+    if (std::filesystem::exists(script)) {
+      const PoseScript hand = PoseScript::Load(script);
+      loaded->duration = hand.duration();
+      loaded->hand = [hand](double t) { return hand.At(t); };
+    }
+    return loaded.release();
+#else
+    throw Error("this libpalpate was built without scenes: build it with PALPATE_PROGRAMS=ON");
+    return static_cast<palpate_scene*>(nullptr);
+#endif
+  });
+}
+
+const char* palpate_scene_tool(const palpate_scene* scene, size_t tool, palpate_pose* start) {
+  if (scene == nullptr || tool >= scene->scene.tools.size()) return nullptr;
+  if (start != nullptr) *start = FromPose(scene->scene.tools[tool].X_WB);
+  return scene->scene.tools[tool].name.c_str();
+}
+
+double palpate_scene_hand(const palpate_scene* scene, double seconds, palpate_pose* hand) {
+  if (scene == nullptr || !scene->hand) return 0.0;
+  if (hand != nullptr) *hand = FromPose(scene->hand(seconds));
+  return scene->duration;
+}
+
+int palpate_scene_parameter(const palpate_scene* scene, size_t index, palpate_parameter* into) {
   return Guarded(-1, [&] {
-    Require(scene != nullptr, "scene: is NULL");
-    Require(stiffness_N_m > 0.0 && std::isfinite(stiffness_N_m) &&
-                torsional_stiffness_Nm_rad > 0.0 && std::isfinite(torsional_stiffness_Nm_rad),
-            "coupling: both stiffnesses must be above 0 and finite");
-    scene->scene.coupling = {stiffness_N_m, torsional_stiffness_Nm_rad};
+    Require(scene != nullptr && into != nullptr, "scene or parameter: is NULL");
+    const std::vector<Parameter> all = ParametersOf(scene->scene);
+    Require(index < all.size(), "index: there are no more parameters");
+    const Parameter& p = all[index];
+    *into = {p.name, p.unit, p.what, p.least, p.most, p.usual, p.value};
     return 0;
   });
 }
 
-int palpate_scene_set_step(palpate_scene* scene, const char* field, double value) {
+int palpate_scene_set_parameter(palpate_scene* scene, const char* name, double value) {
   return Guarded(-1, [&] {
-    Require(scene != nullptr && field != nullptr, "scene or field: is NULL");
-    SetField(scene->scene.tuning, field, value);
+    Require(scene != nullptr && name != nullptr, "scene or name: is NULL");
+    SetParameter(scene->scene, name, value);
     return 0;
   });
 }
@@ -217,7 +255,8 @@ void palpate_model_free(palpate_model* model) {
 palpate_proxy* palpate_proxy_new(const palpate_model* model, const palpate_pose* hand) {
   return Guarded<palpate_proxy*>(nullptr, [&] {
     Require(model != nullptr && hand != nullptr, "model or hand: is NULL");
-    return new palpate_proxy{model->model, Proxy(*model->model, ToChecked(*hand))};
+    ToChecked(*hand);
+    return new palpate_proxy{model->model, Proxy(*model->model, ToPose(*hand))};
   });
 }
 

@@ -1,12 +1,12 @@
 # Run when the library is installed.  Headers lie in the prefix as they do in the sources, below
 # include/palpate, and their include lines say so: nobody's own common/error.h is in the way.
-# Only what palpate/physics.h leads to is installed.
+# Only what palpate/scenes.h leads to, which begins with palpate/physics.h, is installed.
 #
 # Given: folders, where headers are looked for; include, the prefix's folder of headers.
 cmake_policy(PUSH)
 cmake_policy(SET CMP0057 NEW)  # if(IN_LIST)
 set(target "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/${include}/palpate")
-set(todo server/library/physics.h)
+set(todo server/library/scenes.h)
 set(done "")
 while(todo)
   list(POP_FRONT todo header)
@@ -24,7 +24,8 @@ while(todo)
     endif()
   endforeach()
   string(REPLACE "#include \"" "#include \"palpate/" text "${text}")
-  string(REPLACE "server/library/physics.h" "physics.h" place ${header})
+  string(REPLACE "palpate/server/library/physics.h" "palpate/physics.h" text "${text}")
+  string(REGEX REPLACE "^server/library/(physics|scenes)\\.h$" "\\1.h" place ${header})
   file(WRITE "${target}/${place}" "${text}")
 endwhile()
 list(LENGTH done count)

@@ -91,13 +91,34 @@ PALPATE_API palpate_body palpate_body_defaults(void);
 
 /** NULL: there is no memory. */
 PALPATE_API palpate_scene* palpate_scene_new(palpate_contact contact);
+/** A scene of the catalogue by its name, as "bunny-bunny", or of a file: .json, .palpate, or a
+ * mesh; as the server has it, bit for bit.  Takes a minute or two where it is read for the first
+ * time. What was assumed of a mesh is said on standard error. */
+PALPATE_API palpate_scene* palpate_scene_load(const char* name_or_path);
 PALPATE_API void palpate_scene_free(palpate_scene* scene);
-/** The spring between hand and tool: k_t [N/m], k_r [N m/rad]; from the start 1000 and 1. */
-PALPATE_API int palpate_scene_set_coupling(palpate_scene* scene, double stiffness_N_m,
-                                           double torsional_stiffness_Nm_rad);
-/** What may be varied of the step, by its name in scene files, as "separation_um" or "sub_steps":
- * units and ranges are in scenes/catalogue/README.md, and the error tells them. */
-PALPATE_API int palpate_scene_set_step(palpate_scene* scene, const char* field, double value);
+/** The name of a tool, from 0, as long as the scene is not changed; NULL: there are no more.
+ * `start`: NULL, or gets where the scene places it. */
+PALPATE_API const char* palpate_scene_tool(const palpate_scene* scene, size_t tool,
+                                           palpate_pose* start);
+/** Where the hand is, `seconds` into the script that stands beside a loaded scene's file.  How many
+ * seconds it has; 0: there is no script. */
+PALPATE_API double palpate_scene_hand(const palpate_scene* scene, double seconds,
+                                      palpate_pose* hand);
+/** What may be varied of a scene, by its name in scene files. */
+typedef struct {
+  const char* name;
+  const char* unit; /**< empty: a count or a ratio */
+  const char* what;
+  double least, most;
+  double usual; /**< of a scene that does not say */
+  double value; /**< of this scene; not a number where its materials differ */
+} palpate_parameter;
+
+/** The one of that index, from 0.  Not 0: there are no more. */
+PALPATE_API int palpate_scene_parameter(const palpate_scene* scene, size_t index,
+                                        palpate_parameter* parameter);
+/** As "stiffness_N_per_m", "separation_um" or "friction", in its unit; before a model is made. */
+PALPATE_API int palpate_scene_set_parameter(palpate_scene* scene, const char* name, double value);
 /** `vertices_m`: x y z of each.  `triangles`: three vertices each, from 0, counter-clockwise seen
  * from outside.  `body`: NULL: the defaults.  Takes seconds for a mesh that needs thousands of
  * leaves. */

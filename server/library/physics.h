@@ -26,6 +26,7 @@
 #include "scenes/shapes/shapes.h"             // IWYU pragma: export
 #include "scenes/tree/sphere_tree_builder.h"  // IWYU pragma: export
 #include "server/library/body_builder.h"      // IWYU pragma: export
+#include "server/library/parameters.h"        // IWYU pragma: export
 #include "server/library/proxy.h"             // IWYU pragma: export
 #include "server/library/version.h"           // IWYU pragma: export
 #include "server/physics/haptic_model.h"      // IWYU pragma: export

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <cmath>
+
 #include "common/math/pose.h"
 #include "server/physics/haptic_model.h"
 #include "server/physics/haptic_step.h"
+#include "server/physics/limits.h"
 #include "server/physics/step_state.h"
 
 namespace palpate {
@@ -27,7 +30,7 @@ class Proxy {
   /// One cycle, to be called once for each new pose of the hand: 1 kHz, say (HapticStep).
   /// Real-time: no allocation, lock, log or clock.  Deterministic: equal poses, equal bits.
   StepReport Step(const Pose& X_WH) noexcept {
-    return HapticStep(model_, X_WH, state_, workspace_);
+    return HapticStep(model_, Unit(X_WH), state_, workspace_);
   }
 
   const Pose& X_WG() const { return state_.X_WG; }
@@ -37,6 +40,13 @@ class Proxy {
   void set_state(const StepState& state) { state_ = state; }
 
  private:
+  /// As the server takes poses in, so that its bits come out.
+  static Pose Unit(Pose X) noexcept {
+    const double norm2 = X.q.squaredNorm();
+    if (norm2 > limits::kLeastSquaredNorm) X.q.coeffs() /= std::sqrt(norm2);
+    return X;
+  }
+
   const HapticModel& model_;
   StepWorkspace workspace_;
   StepState state_;

@@ -115,8 +115,8 @@ const std::vector<Rule> kRules = {
      {"Eigen", "spdlog", "nlohmann-json", "Boost"}},
     // The library of server/library, for Python.
     {"client/python",
-     {"server/library/physics.h", "common/error.h", "common/math/pose.h",
-      "common/math/pose_check.h", "client/python/arrays.h"},
+     {"server/library/scenes.h", "common/error.h", "common/math/pose.h", "common/math/pose_check.h",
+      "client/python/arrays.h"},
      {},
      {"pybind11"}},
     // A station like any other, whose hand a program of Python's moves: it runs the station's own

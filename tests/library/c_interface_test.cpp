@@ -148,8 +148,13 @@ TEST(CInterface, SaysWhatIsWrongAndGoesOn) {
   body = palpate_body_defaults();
   body.pose.orientation_wxyz[0] = kNan;
   EXPECT_NE(palpate_scene_add_ball(scene.get(), PALPATE_TOOL, "ball", 0.01, &body), 0);
-  EXPECT_NE(palpate_scene_set_coupling(scene.get(), -1.0, 1.0), 0);
-  EXPECT_NE(palpate_scene_set_coupling(scene.get(), 1.0, kNan), 0);
+  EXPECT_NE(palpate_scene_set_parameter(scene.get(), "stiffness_N_per_m", -1.0), 0);
+  EXPECT_NE(palpate_scene_set_parameter(scene.get(), "separation_um", kNan), 0);
+  EXPECT_EQ(palpate_scene_load("bunny-buny"), nullptr);
+  EXPECT_THAT(palpate_last_error(), HasSubstr("bunny-bunny"));
+  EXPECT_EQ(palpate_scene_load(nullptr), nullptr);
+  EXPECT_EQ(palpate_scene_tool(scene.get(), 9, nullptr), nullptr);
+  EXPECT_EQ(palpate_scene_hand(scene.get(), 0.0, nullptr), 0.0);
 
   // A tool, and nothing to feel.
   EXPECT_EQ(palpate_scene_add_ball(scene.get(), PALPATE_TOOL, "ball", 0.01, nullptr), 0);

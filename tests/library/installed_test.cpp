@@ -59,9 +59,12 @@ TEST_F(Installed, ExamplesBuildAgainstItAndFeelWhatTheyShould) {
   EXPECT_THAT(said_, HasSubstr("500 steps"));
   ASSERT_EQ(Run(build + "/own_material"), 0) << said_;
   EXPECT_THAT(said_, HasSubstr("hard and rough   press 3.0"));
+  ASSERT_EQ(Run("PATH=" PALPATE_BIN_DIR ":$PATH " + build + "/first_scene cube"), 0) << said_;
+  EXPECT_THAT(said_, HasSubstr("cube: ball feels"));
   // Of DDS, assimp and the like it has nothing.
-  ASSERT_EQ(Run("ldd " + build + "/first_force " + build + "/first_force_c"), 0) << said_;
-  for (const char* library : {"dds", "assimp", "boost", "png", "spdlog", "fmt"}) {
+  ASSERT_EQ(Run("cd " + build + " && ldd first_force first_force_c first_scene"), 0) << said_;
+  for (const char* library :
+       {"dds", "assimp", "boost", "png", "spdlog", "fmt", "xxhash", "flatbuffers"}) {
     EXPECT_THAT(said_, Not(HasSubstr(std::string("lib") + library)));
   }
 }

@@ -67,7 +67,7 @@ class Force(unittest.TestCase):
         # Of the separation a pair may have lost half when it is met.
         self.assertGreater(force[51] - force[1], 0.024)
         self.assertLess(force[51] - force[1], 0.0501)
-        with self.assertRaisesRegex(palpate.Error, "seperation_um is no field; there are separation_um"):
+        with self.assertRaisesRegex(palpate.Error, "seperation_um is not known; there are stiffness_N_per_m"):
             palpate.Model([block], ball, step={"seperation_um": 1})
 
     def test_holds_a_rough_block_back(self):
@@ -128,6 +128,29 @@ class Bits(unittest.TestCase):
             self.assertEqual(bytes(report.tool), tool.tobytes())
         self.assertGreater((steps.contacts > 0).sum(), 500)
 
+    def test_of_a_loaded_scene_are_those_of_the_library_in_c(self):
+        c = ctypes.CDLL(os.environ["PALPATE_C_LIBRARY"])
+        for name in ("palpate_scene_load", "palpate_model_new", "palpate_proxy_new"):
+            getattr(c, name).restype = ctypes.c_void_p
+        loaded = ctypes.c_void_p(c.palpate_scene_load(b"cube"))
+        self.assertEqual(c.palpate_scene_set_parameter(loaded, b"friction", ctypes.c_double(0.3)), 0)
+        model = ctypes.c_void_p(c.palpate_model_new(loaded, ctypes.c_size_t(0)))
+        scene = palpate.load("cube")
+        path = scene.path()[2000:6000]
+        pose = Pose()
+
+        def at(row):
+            pose.position[:], pose.orientation[:] = row[:3], row[3:]
+            return ctypes.byref(pose)
+
+        hand = ctypes.c_void_p(c.palpate_proxy_new(model, at(path[0])))
+        steps = palpate.Proxy(scene.model(friction=0.3), path[0]).steps(path)
+        report = CReport()
+        for row, wrench in zip(path, steps.wrench):
+            c.palpate_proxy_step(hand, at(row), ctypes.byref(report))
+            self.assertEqual(bytes(report.force) + bytes(report.torque), wrench.tobytes())
+        self.assertGreater((steps.contacts > 0).sum(), 500)
+
     def test_are_the_same_step_by_step_in_one_call_and_on_all_cores(self):
         model = ball_on_block()
         paths = numpy.stack([wandering_path(300, seed) for seed in range(9)])
@@ -151,6 +174,55 @@ class Bits(unittest.TestCase):
         steps = model.follow(paths, threads=3)
         for other in steps.wrench[1:]:
             self.assertEqual(other.tobytes(), steps.wrench[0].tobytes())
+
+
+class Scenes(unittest.TestCase):
+    def test_have_tools_objects_and_a_path(self):
+        scene = palpate.load("caries")
+        self.assertEqual(scene.name, "caries")
+        self.assertIn("dentine", [material.name for body in scene.objects for material in body.materials])
+        self.assertEqual(len(scene.objects[0].leaf_materials), scene.objects[0].leaves)
+        self.assertRegex(repr(scene), "Scene caries: tools .*; objects tooth")
+        path = scene.path(500)
+        self.assertEqual(path.shape[1], 7)
+        self.assertEqual(len(scene.path()), 2 * len(path) - 1)
+        tool = scene.tools[-1]
+        self.assertIn(f"{tool.name} in caries", repr(scene.model(tool.name)))
+
+    def test_of_a_mesh_say_what_was_assumed(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder, "corner.obj")
+            file.write_text("v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+            scene = palpate.load(file)
+            self.assertRegex(" ".join(scene.said), "mm")
+            with self.assertRaisesRegex(palpate.Error, "no script"):
+                scene.path()
+
+    def test_are_varied_by_name_and_carry_what_was_used(self):
+        scene = palpate.load("cube")
+        rows = {row["name"]: row for row in palpate.parameters()}
+        self.assertEqual(list(rows), list(scene.parameters))
+        self.assertEqual(rows["separation_um"]["unit"], "um")
+        model = scene.model(stiffness_N_per_m=500, separation_um=2)
+        self.assertEqual(model.parameters, {**scene.parameters, "stiffness_N_per_m": 500, "separation_um": 2})
+        path = scene.path()[:100]
+        self.assertEqual(palpate.Proxy(model, path[0]).steps(path).parameters, model.parameters)
+        self.assertEqual(model.follow(path[None]).parameters, model.parameters)
+        self.assertIn("separation_um=2,", repr(model))
+
+    def test_tell_what_is_wrong(self):
+        scene = palpate.load("cube")
+        for words, wrong in {
+            'no scene "cub"': lambda: palpate.load("cub"),
+            "neither 'surface'": lambda: palpate.load("cube", contact="air"),
+            "seperation_um is not known; there are stiffness_N_per_m": lambda: scene.model(seperation_um=1),
+            "sub_steps is 0; give a whole number from 1 to 64": lambda: scene.model(sub_steps=0),
+            "tool: there is no 7; there are ": lambda: scene.model(7),
+            "rate": lambda: scene.path(0),
+            "tolerance_um": lambda: palpate.load("cube", tolerance_um=0),
+        }.items():
+            with self.subTest(words), self.assertRaisesRegex(palpate.Error, words):
+                wrong()
 
 
 class Errors(unittest.TestCase):
@@ -329,6 +401,14 @@ class Examples(unittest.TestCase):
                                           capture_output=True, text=True, check=False)
                     self.assertEqual(done.returncode, 0, done.stderr)
                     self.assertGreater(picture.stat().st_size, 5_000)
+
+    def test_give_a_first_force_in_a_scene_in_five_statements(self):
+        example = pathlib.Path(os.environ["PALPATE_SOURCE_DIR"], "client/python/examples/first_scene.py")
+        tree = ast.parse(example.read_text())
+        self.assertLessEqual(sum(not isinstance(node, (ast.Import, ast.Expr)) for node in tree.body), 4)
+        done = subprocess.run([sys.executable, example, "cube"], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertRegex(done.stdout, r"ball feels \[.*\d.*\] N")
 
     def test_give_a_first_force_in_twenty_lines(self):
         example = pathlib.Path(os.environ["PALPATE_SOURCE_DIR"], "client/python/examples/first_force.py")

@@ -1,6 +1,11 @@
-"""Haptic rendering in six degrees of freedom: from two meshes to a wrench.
+"""Haptic rendering in six degrees of freedom: from a scene, or two meshes, to a wrench.
 
-    import numpy, palpate
+    import palpate
+    scene = palpate.load("bunny-bunny")
+    path = scene.path()                             # of the hand that comes with it
+    print(palpate.Proxy(scene.model(), path[0]).steps(path).wrench)
+
+    # or of meshes of one's own
     block = palpate.body("block", *palpate.box([0.04, 0.04, 0.04]))
     model = palpate.Model([block], palpate.ball("ball", 0.005))
     proxy = palpate.Proxy(model, [0, 0.03, 0])
@@ -15,9 +20,11 @@ from palpate import _prose
 from palpate._physics import (
     Body,
     Error,
+    Material,
     Model,
     Proxy,
     Report,
+    Scene,
     Steps,
     __version__,
     ball,
@@ -25,15 +32,19 @@ from palpate._physics import (
     box,
     ellipsoid,
     fault_words,
+    load,
+    parameters,
 )
 from palpate.files import read_mesh, read_recording
 
 __all__ = [
     "Body",
     "Error",
+    "Material",
     "Model",
     "Proxy",
     "Report",
+    "Scene",
     "Steps",
     "__version__",
     "ball",
@@ -41,6 +52,8 @@ __all__ = [
     "box",
     "ellipsoid",
     "fault_words",
+    "load",
+    "parameters",
     "read_mesh",
     "read_recording",
 ]

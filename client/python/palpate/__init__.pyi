@@ -1,5 +1,5 @@
 from os import PathLike
-from typing import Dict, List, Mapping, Sequence, Tuple, Union
+from typing import Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy
 from numpy.typing import ArrayLike, NDArray
@@ -9,6 +9,15 @@ __version__: str
 class Error(ValueError):
     """What was wrong with what was given, and what to do."""
 
+class Material:
+    """What a part of an object is made of."""
+
+    name: str
+    stiffness: float
+    """Of a leaf's contact in N/m; infinite: rigid."""
+    static_friction: float
+    dynamic_friction: float
+
 class Body:
     """A mesh with its sphere tree, and what it is made of."""
 
@@ -17,6 +26,11 @@ class Body:
     """What was mended of the mesh, and what might surprise: a sentence each."""
     pose: NDArray[numpy.float64]
     """Objects: where they stand, x y z w x y z.  To be set with x y z alone, too."""
+    materials: List[Material]
+    """Objects: what there is in them; leaf_materials says where."""
+    @property
+    def leaf_materials(self) -> NDArray[numpy.uint8]:
+        """Of each leaf, as an index into materials."""
     @property
     def leaves(self) -> int:
         """How many leaves the sphere tree has."""
@@ -32,6 +46,52 @@ class Body:
     @property
     def leaf_radii(self) -> NDArray[numpy.float64]:
         """Metres, one of each leaf."""
+
+class Scene:
+    """What load has read: tools, and the objects that they touch."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def tools(self) -> List[Body]:
+        """Their poses are where the scene places them at the start."""
+    @property
+    def objects(self) -> List[Body]:
+        """With their materials, regions and poses; a pose may be set before a model is made."""
+    said: List[str]
+    """What was assumed or mended, a sentence each."""
+    @property
+    def parameters(self) -> Dict[str, float]:
+        """What may be varied, by name, as the scene has it; parameters() has units and ranges."""
+    def path(self, rate: float = 1000.0) -> NDArray[numpy.float64]:
+        """The hand's script that stands beside the scene's file: (n, 7), so many poses a second."""
+    def model(self, tool: Union[int, str] = 0, **parameters: float) -> Model:
+        """One of the tools, by index or name, against all objects.
+
+        parameters: what is to differ from the scene, which stays as it is, as
+        scene.model(stiffness_N_per_m=500, separation_um=2, friction=0.3).
+        """
+
+def load(
+    name: Union[str, PathLike[str]],
+    *,
+    contact: Optional[str] = None,
+    tolerance_um: Optional[float] = None,
+    unit: str = "",
+) -> Scene:
+    """A scene of the catalogue ("bunny-bunny"), or of a file: .json, .palpate, or a mesh, which gets a ball to
+    feel it.  As the server has it: the same poses give the same bits.
+
+    contact       "surface" or "spheres", in place of the scene's
+    tolerance_um  to which sphere trees follow their meshes, in place of the scene's leaves
+    unit          of a mesh: what a number in its file means, m, cm, mm or inch; left out: guessed
+
+    A first time takes seconds, a minute for a whole mouth, and shows how far it is; what was built is kept in
+    ~/.cache/palpate.  Catalogue and meshes are found beside palpate-import, as read_mesh finds it.
+    """
+
+def parameters() -> List[Dict[str, Union[str, float]]]:
+    """What may be varied of a scene: name, unit, default, least, most, and what it is.  pandas.DataFrame takes it."""
 
 def body(
     name: str,
@@ -103,12 +163,14 @@ class Steps:
     """How many places touched."""
     faults: NDArray[numpy.uint32]
     """As a report's."""
+    parameters: Dict[str, float]
+    """As the model's: what these steps were made with."""
 
 class Model:
     """One tool against all objects; never changes, and may be used by all threads.
 
     stiffness and torsional_stiffness: of the spring between hand and tool, N/m and N m/rad.
-    step: what may be varied of the step, by its name in scene files, as {"separation_um": 2}.
+    step: what else may be varied, by the names of parameters(), as {"separation_um": 2}.
     """
 
     def __init__(
@@ -121,6 +183,9 @@ class Model:
         torsional_stiffness: float = 1.0,
         step: Mapping[str, float] = {},
     ) -> None: ...
+    @property
+    def parameters(self) -> Dict[str, float]:
+        """What it was made with, by name; not a number where the objects' friction differs."""
     def follow(self, paths: ArrayLike, *, threads: int = 0) -> Steps:
         """Lets a hand follow each of many paths, (paths, steps, 3 or 7), on all cores (threads=0).
 

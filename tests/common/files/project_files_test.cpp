@@ -1,5 +1,6 @@
 #include "common/files/project_files.h"
 
+#include <cstdlib>
 #include <filesystem>
 
 #include <gtest/gtest.h>
@@ -34,6 +35,14 @@ TEST_F(ProjectFiles, AreInTheCheckoutThatTheProgramIsBuiltIn) {
   EXPECT_EQ(PlaceOf(ProjectFile::kCatalogue, bin), (folder_ / "scenes/catalogue").string());
   EXPECT_EQ(PlaceOf(ProjectFile::kPage, bin), (folder_ / "build/page").string());
   EXPECT_EQ(PlaceOf(ProjectFile::kModels, bin), (folder_ / "build/models/node_modules").string());
+}
+
+TEST_F(ProjectFiles, AreBesideTheProgramsThatTheEnvironmentNames) {
+  const std::string own = ProgramFolder();
+  setenv("PALPATE_PROGRAMS", "/somewhere/bin", 1);
+  EXPECT_EQ(ProgramFolder(), "/somewhere/bin");
+  unsetenv("PALPATE_PROGRAMS");
+  EXPECT_EQ(ProgramFolder(), own);
 }
 
 TEST_F(ProjectFiles, AreShownFromTheWorkingFolderWhereTheyAreBelowIt) {

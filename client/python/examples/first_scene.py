@@ -1,0 +1,12 @@
+#!/usr/bin/python3
+"""First force in a scene: first_scene.py [SCENE]; a name of the catalogue, or a scene file with a path."""
+
+import sys
+
+import palpate
+
+scene = palpate.load(*(sys.argv[1:] or ["bunny-bunny"]))
+path = scene.path()
+proxy = palpate.Proxy(scene.model(), path[0])
+report = next(report for report in map(proxy.step, path) if report.contacts)
+print(scene.tools[0].name, "feels", report.force, "N")

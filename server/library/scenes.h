@@ -1,0 +1,19 @@
+#pragma once
+
+/// @file
+/// All of palpate::scenes: what the server reads, for programs of one's own.
+///
+/// @code
+/// const Scene scene = LoadScene("bunny-bunny");  // or a file: .json, .palpate, .stl, ...
+/// const HapticModel model = MakeModel(scene, scene.tools[0], MakeObjects(scene));
+/// const PoseScript hand = PoseScript::Load(ScriptFileBeside("bunny-bunny"));
+/// Proxy proxy(model, hand.At(0.0));
+/// const StepReport report = proxy.Step(hand.At(0.001));  // the bits of the server
+/// @endcode
+///
+/// Meshes are read by palpate-import, and catalogue and models are found beside it: where
+/// $PALPATE_PROGRAMS names its folder, or it is on the PATH (Debian's package palpate-common).
+#include "common/json/pose_script.h"  // IWYU pragma: export
+#include "scenes/catalogue.h"         // IWYU pragma: export
+#include "scenes/progress_line.h"     // IWYU pragma: export
+#include "server/library/physics.h"   // IWYU pragma: export
