@@ -76,7 +76,7 @@ bool Session::TryStart(std::int64_t now_ns) {
   tried_ns_ = now_ns;
   X_WH_tried_ = snapshot_.X_WH;
   const StartPose start =
-      ResolveStart(tool_->model, snapshot_.X_WH, *start_workspace_, nullptr, start_cuts_);
+      ResolveStart(tool_->model, snapshot_.X_WH, *start_workspace_, start_cuts_);
   if (!(start.depth <= kMaxStartDepth_m)) {
     phase_ = palpate_SESSION_ACQUIRING;
     const bool news = reason_.empty() || std::abs(start.depth - start_depth_) > kNews_m;

@@ -31,7 +31,6 @@ class BitHash {
     AddBytes(report.X_WG.p.data(), 3 * sizeof(double));
     AddBytes(report.X_WG.q.coeffs().data(), 4 * sizeof(double));
     AddBytes(&report.faults, sizeof(report.faults));
-    AddBytes(report.removed.data(), static_cast<std::size_t>(report.removals) * sizeof(int));
   }
   std::uint64_t value() const { return hash_; }
 

@@ -1,9 +1,7 @@
 #include "server/transport/server.h"
 
-#include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <cmath>
 #include <fstream>
 #include <map>
 #include <thread>
@@ -95,10 +93,9 @@ class ServerTest : public testing::Test {
       }
       return wrenches && poses.matched_readers() == 1;
     }
-    void Send(double z) { Send(Vec3(0, 0, z)); }
-    void Send(const Vec3& p) {
+    void Send(double z) {
       State();
-      if (Ready()) poses.Write(hand.At(p));
+      if (Ready()) poses.Write(hand.At(z));
     }
 
     const dds::Participant& loop;
