@@ -26,8 +26,6 @@ struct Material {
   double stiffness = std::numeric_limits<double>::infinity();
   double static_friction = 0.0;   ///< mu_s
   double dynamic_friction = 0.0;  ///< mu_d <= mu_s
-  /// Scraping work [J] after which a leaf is gone; infinite: it stays.
-  double hardness = std::numeric_limits<double>::infinity();
   // Of bodies that burs cut (Body::grid; server/physics/cut/README.md has the law):
   double cutting_pressure = 0.0;     ///< p_0 [Pa]: up to it an edge does not enter; 0: no such body
   double cutting_viscosity = 0.0;    ///< kappa [Pa s/m]: what each m/s of the edge adds
@@ -121,7 +119,6 @@ struct Features {
   ContactModel contact = ContactModel::kSurface;
   FrictionModel friction = FrictionModel::kOff;
   bool compliance = false;  ///< finite Material::stiffness counts
-  bool removal = false;     ///< finite Material::hardness counts
 };
 
 /// The virtual coupling between haptic and graphic tool (chapter 2.3: G, eqs. 2.20-2.24).

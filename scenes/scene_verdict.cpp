@@ -75,8 +75,8 @@ void JudgeGrid(const Body& body, Verdict& verdict) {
   }
 }
 
-bool IsFinite(const Material& material) {
-  return std::isfinite(material.stiffness) || std::isfinite(material.hardness);
+bool Yields(const Material& material) {
+  return std::isfinite(material.stiffness);
 }
 
 }  // namespace
@@ -90,7 +90,7 @@ bool FeltBySpheres(const Scene& scene, const Body& body, bool is_tool) {
   if (is_tool && body.tree.leaves() == 1) return false;  // it is that ball, exactly
   if (scene.features.contact == ContactModel::kSpheres) return true;
   const auto yields = [](const Body& object) {
-    return std::ranges::any_of(object.materials, IsFinite);
+    return std::ranges::any_of(object.materials, Yields);
   };
   return is_tool ? std::ranges::any_of(scene.objects, yields) : yields(body);
 }

@@ -24,9 +24,9 @@ constexpr std::chrono::milliseconds kPoll{5};
 constexpr std::int64_t kPatience_ns = 5'000'000'000;
 
 constexpr const char* kAbout =
-    R"(Gives a lesson again: 'whole' makes scenes whole whose objects have worn, for all who feel and see
-them; 'back' makes them as they stood at their 'bookmark', where burs cut them.  Forces are off for a
-moment, and come back once the tool is free of what has come back.
+    R"(Gives a lesson again: 'whole' makes scenes whole that were cut, for all who feel and see them;
+'back' makes them as they stood at their 'bookmark'.  Forces are off for a moment, and come back once
+the tool is free of what has come back.
 )";
 
 constexpr const char* kExample =

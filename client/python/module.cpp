@@ -325,15 +325,12 @@ Steps Follow(const Shared& shared, const py::object& given, int threads) {
   return steps;
 }
 
-Material ToMaterial(double static_friction, double dynamic_friction, double stiffness,
-                    double hardness) {
+Material ToMaterial(double static_friction, double dynamic_friction, double stiffness) {
   if (!(static_friction >= dynamic_friction && dynamic_friction >= 0.0)) {
     throw Error("friction: must be 0 <= dynamic_friction <= static_friction");
   }
-  if (!(stiffness > 0.0) || !(hardness > 0.0)) {
-    throw Error("stiffness and hardness must be above 0; infinite: rigid, and stays");
-  }
-  return {stiffness, static_friction, dynamic_friction, hardness};
+  if (!(stiffness > 0.0)) throw Error("stiffness must be above 0; infinite: rigid");
+  return {stiffness, static_friction, dynamic_friction};
 }
 
 Shared MakeShared(const std::vector<Body>& objects, const Body& tool, const std::string& contact,
@@ -350,7 +347,6 @@ Shared MakeShared(const std::vector<Body>& objects, const Body& tool, const std:
     const Material& material = object.materials[0];
     if (material.static_friction > 0.0) scene.features.friction = FrictionModel::kCoulomb;
     if (std::isfinite(material.stiffness)) scene.features.compliance = true;
-    if (std::isfinite(material.hardness)) scene.features.removal = true;
   }
   return Share(scene, scene.tools[0]);
 }
@@ -433,12 +429,12 @@ PYBIND11_MODULE(_physics, module) {
       "body",
       [](const std::string& name, const py::object& vertices, const py::object& triangles,
          std::size_t leaves, const std::string& contact, double static_friction,
-         double dynamic_friction, double stiffness, double hardness) {
+         double dynamic_friction, double stiffness) {
         TriangleMesh mesh = ToMesh(vertices, triangles);
         const BodyOptions options{
             .leaves = leaves,
             .contact = ToContact(contact),
-            .material = ToMaterial(static_friction, dynamic_friction, stiffness, hardness)};
+            .material = ToMaterial(static_friction, dynamic_friction, stiffness)};
         Body body;
         {
           const py::gil_scoped_release free;
@@ -449,8 +445,7 @@ PYBIND11_MODULE(_physics, module) {
       },
       py::arg("name"), py::arg("vertices"), py::arg("triangles"), py::kw_only(),
       py::arg("leaves") = 0, py::arg("contact") = "surface", py::arg("static_friction") = 0.0,
-      py::arg("dynamic_friction") = 0.0, py::arg("stiffness") = kInfinity,
-      py::arg("hardness") = kInfinity, prose("body"));
+      py::arg("dynamic_friction") = 0.0, py::arg("stiffness") = kInfinity, prose("body"));
   module.def(
       "ball",
       [](const std::string& name, double radius) {

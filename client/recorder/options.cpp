@@ -55,7 +55,7 @@ std::optional<RecorderOptions> ParseRecorderOptions(int argc, const char* const*
   app.Add("--for", options.seconds, "end after this many seconds; default: at Ctrl-C").Positive();
   app.Add("--station", options.stations,
           "record of all stations this one's hand and session alone; scenes, and what is "
-          "scraped off them, are always recorded.  May be given again.  Default: all")
+          "cut of them, are always recorded.  May be given again.  Default: all")
       .TypeName("NAME")
       .OneAtATime()
       .Check([](const std::string& name) {

@@ -39,10 +39,9 @@ Taps::Taps(int domain, const dds::Network& network, const dds::TransportChoice& 
   TapService<wire::SceneOffer>(dds::kSceneOfferTopic, dds::Qos::kRecordSession);
   TapService<wire::SessionRequest>(dds::kSessionRequestTopic, dds::Qos::kRecordSession);
   TapService<wire::SessionState>(dds::kSessionStateTopic, dds::Qos::kRecordSession);
-  TapService<wire::SceneChange>(dds::kSceneChangeTopic, dds::Qos::kRecordSession);
   TapService<wire::SolidBlock>(dds::kSolidBlockTopic, dds::Qos::kRecordSession);
   TapService<wire::CutLog>(dds::kCutLogTopic, dds::Qos::kRecordSession);
-  TapService<wire::LeafTaken>(dds::kLeafTakenTopic, dds::Qos::kRecordSession);
+  TapService<wire::LoopWhole>(dds::kLoopWholeTopic, dds::Qos::kRecordSession);
   TapService<wire::WholeRequest>(dds::kWholeRequestTopic, dds::Qos::kRecordSession);
   TapService<wire::SceneWhole>(dds::kSceneWholeTopic, dds::Qos::kRecordSession);
   TapService<wire::ToolState>(dds::kToolStateTopic, dds::Qos::kRecord);
@@ -79,11 +78,9 @@ void Taps::Drain(dds::CdrReader<T>& reader, std::uint32_t channel) {
   constexpr bool kFromServer =
       !std::is_same_v<T, wire::SessionRequest> && !std::is_same_v<T, wire::WholeRequest> &&
       !std::is_same_v<T, wire::GuideTarget> && !std::is_same_v<T, wire::StationStatistics>;
-  // Of a scene, others' work on it is a part.
   constexpr bool kOfAStation = requires {
     sample.station;
-  }
-  &&!std::is_same_v<T, wire::SceneChange>;
+  };
   dds::CdrSample raw;
   while (reader.Take(raw, sample)) {
     heard_ = heard_ || kFromServer;

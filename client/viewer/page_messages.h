@@ -26,7 +26,7 @@ std::string ToText(const Json& json) {
 ///   {"op": "take", "scene": NAME, "tool": NAME}          the tool may be left out
 ///   {"op": "pose", "p": [x, y, z], "q": [w, x, y, z]}    where the tool is dragged to, in W
 ///   {"op": "release"}
-///   {"op": "whole", "scene": NAME}                       makes a worn scene whole again
+///   {"op": "whole", "scene": NAME}                       makes a cut scene whole again
 ///   {"op": "bookmark" | "back", "scene": NAME}           keeps how it stands; makes it so again
 struct MouseCommand {
   enum class Op { kTake, kPose, kRelease, kWhole, kBookmark, kBack };

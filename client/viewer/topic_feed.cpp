@@ -62,7 +62,6 @@ std::vector<foxglove::Channel> TopicFeed::Channels(bool mice, bool steers) {
       CdrChannel<wire::LoopStatistics>(kLoopStatistics, dds::kLoopStatisticsTopic),
       CdrChannel<wire::StationStatistics>(kStationStatistics, dds::kStationStatisticsTopic),
       CdrChannel<wire::SessionState>(kSessionState, dds::kSessionStateTopic),
-      CdrChannel<wire::SceneChange>(kSceneChange, dds::kSceneChangeTopic),
       CdrChannel<wire::SceneWhole>(kSceneWhole, dds::kSceneWholeTopic),
       CdrChannel<wire::SceneBundle>(kSceneBundle, dds::kSceneBundleTopic),
       CdrChannel<wire::SolidBlock>(kSolidBlock, dds::kSolidBlockTopic),
@@ -88,7 +87,6 @@ struct TopicFeed::Readers {
   dds::CdrReader<wire::StationStatistics> stations{on, dds::kStationStatisticsTopic,
                                                    dds::Qos::kStream};
   dds::CdrReader<wire::SessionState> sessions{on, dds::kSessionStateTopic, dds::Qos::kSession};
-  dds::CdrReader<wire::SceneChange> changes{on, dds::kSceneChangeTopic, dds::Qos::kSession};
   dds::CdrReader<wire::SceneWhole> wholes{on, dds::kSceneWholeTopic, dds::Qos::kSession};
   std::optional<dds::CdrReader<wire::SolidBlock>> blocks;  // none: it may not hear them
   dds::CdrReader<wire::SceneBundle> bundles{on, dds::kSceneBundleTopic, dds::Qos::kSession};
@@ -217,13 +215,6 @@ void TopicFeed::Poll(const std::function<void(const FramePtr&)>& on_frame,
           }
           Keep(frame, sample.scene, 0);
           scenes_[sample.scene] = {frame, sample.hash, bundle};
-          on_frame(frame);
-        });
-  Drain(readers_->changes, kSceneChange,
-        [&](const FramePtr& frame, const wire::SceneChange& sample) {
-          if (!IsCurrent(sample.server_run, frame->origin)) return;
-          if (sample.change <= undone_[sample.scene]) return;
-          Keep(frame, sample.scene, sample.change, sample.change);
           on_frame(frame);
         });
   const auto take_block = [&](const FramePtr& frame, const wire::SolidBlock& sample) {

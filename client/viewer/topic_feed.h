@@ -41,7 +41,6 @@ class TopicFeed {
     kToolState = 1,
     kLoopStatistics,
     kSessionState,
-    kSceneChange,
     kSceneBundle,
     kMouseState,  ///< not of DDS: the gateway's own, to each viewer of the mouse that it has
     kStationStatistics,

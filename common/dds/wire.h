@@ -28,8 +28,8 @@ const dds_topic_descriptor_t& Descriptor();
 // clang-format off
 #define PALPATE_LOOP_TYPES(X) X(HapticPose) X(Wrench)
 #define PALPATE_SERVICE_TYPES(X) \
-  X(SessionRequest) X(SessionState) X(SceneChange) X(LeafTaken) X(OperateRequest) X(WholeRequest) \
-  X(SceneWhole) X(ToolState) X(GuideTarget) X(LoopStatistics) X(StationStatistics) X(SceneBundle) \
+  X(SessionRequest) X(SessionState) X(LoopWhole) X(OperateRequest) X(WholeRequest) X(SceneWhole) \
+  X(ToolState) X(GuideTarget) X(LoopStatistics) X(StationStatistics) X(SceneBundle) \
   X(SceneOffer) X(SceneProgress) X(SolidBlock) X(CutLog) X(ReplayContents) X(ReplayState) \
   X(ReplayRequest)
 // clang-format on
@@ -56,9 +56,6 @@ using OfferedScene = palpate_OfferedScene;
 using ReplayMark = palpate_ReplayMark;
 using ReplayGap = palpate_ReplayGap;
 using ReplayWish = palpate_ReplayWish;
-
-/// LeafTaken.leaf where none has gone, but all are there again.
-inline constexpr std::uint32_t kNoLeaf = 0xffffffff;
 
 // Loop types have no padding, so that the C struct is the CDR payload byte for byte (a test
 // compares them) and shared memory carries it as it is.

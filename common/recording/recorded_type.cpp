@@ -21,8 +21,7 @@ const Entry& EntryOf(RecordedType type) {
       {"palpate::Wrench", &haptics},
       {"palpate::SessionRequest", &session},
       {"palpate::SessionState", &session},
-      {"palpate::SceneChange", &session},
-      {"palpate::LeafTaken", &session},
+      {"palpate::LoopWhole", &session},
       {"palpate::ToolState", &teaching},
       {"palpate::LoopStatistics", &teaching},
       {"palpate::SceneBundle", &teaching},
@@ -48,6 +47,9 @@ const std::string& SchemaText(RecordedType type) {
 }
 
 std::optional<RecordedType> TypeOfSchema(const std::string& schema_name) {
+  // What its name was as long as it told of leaves of sphere trees, too, that were scraped off; no
+  // scene is read any more in which that happened.
+  if (schema_name == "palpate::LeafTaken") return RecordedType::kLoopWhole;
   for (int i = 0; i < kRecordedTypes; ++i) {
     const auto type = static_cast<RecordedType>(i);
     if (schema_name == SchemaName(type)) return type;

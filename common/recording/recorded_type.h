@@ -14,8 +14,7 @@ enum class RecordedType {
   kWrench,
   kSessionRequest,
   kSessionState,
-  kSceneChange,
-  kLeafTaken,
+  kLoopWhole,
   kToolState,
   kLoopStatistics,
   kSceneBundle,
@@ -27,7 +26,7 @@ enum class RecordedType {
   kSolidBlock,
   kCutLog,
 };
-inline constexpr int kRecordedTypes = 16;
+inline constexpr int kRecordedTypes = 15;
 
 /// "palpate::HapticPose"
 const char* SchemaName(RecordedType type);
@@ -44,9 +43,7 @@ inline constexpr RecordedType kTypeOf<wire::SessionRequest> = RecordedType::kSes
 template <>
 inline constexpr RecordedType kTypeOf<wire::SessionState> = RecordedType::kSessionState;
 template <>
-inline constexpr RecordedType kTypeOf<wire::SceneChange> = RecordedType::kSceneChange;
-template <>
-inline constexpr RecordedType kTypeOf<wire::LeafTaken> = RecordedType::kLeafTaken;
+inline constexpr RecordedType kTypeOf<wire::LoopWhole> = RecordedType::kLoopWhole;
 template <>
 inline constexpr RecordedType kTypeOf<wire::ToolState> = RecordedType::kToolState;
 template <>

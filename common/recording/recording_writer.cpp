@@ -155,20 +155,11 @@ std::uint64_t RecordingWriter::Look(const std::string& name, Topic& topic,
       if (dds::FromCdr(cdr, state)) keep(kept_, std::string("/") + state.station);
       return count;
     }
-    case RecordedType::kSceneChange: {
-      wire::SceneChange change{};
-      if (!dds::FromCdr(cdr, change)) return count;
-      // Of the scene as it stands now: another run of the server finds it whole again.
-      if (std::exchange(changes_run_, change.server_run) != change.server_run) {
-        kept_changes_.clear();
-      }
-      keep(kept_changes_, std::string("/") + change.scene + "/" + Hex16(change.change));
-      return count;
-    }
     case RecordedType::kSolidBlock: {
       dds::Owned<wire::SolidBlock> owned;
       const wire::SolidBlock& block = owned.value;
       if (!dds::FromCdr(cdr, owned.value)) return count;
+      // Of the scene as it stands now: another run of the server finds it whole again.
       if (std::exchange(changes_run_, block.server_run) != block.server_run) kept_changes_.clear();
       keep(kept_changes_, std::string("/") + block.scene + "/" +
                               std::to_string(block.object_index) + "/" +

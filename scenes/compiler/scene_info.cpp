@@ -50,10 +50,9 @@ std::vector<Measured> MeasureBodies(const Scene& scene, std::size_t samples) {
 std::string FeaturesLine(const Features& features) {
   static constexpr const char* kFriction[] = {"off", "chapter", "coulomb"};
   const auto on = [](bool b) { return b ? "on" : "off"; };
-  return fmt::format("  contact {}, friction {}, compliance {}, removal {}\n",
+  return fmt::format("  contact {}, friction {}, compliance {}\n",
                      features.contact == ContactModel::kSurface ? "surface" : "spheres",
-                     kFriction[static_cast<int>(features.friction)], on(features.compliance),
-                     on(features.removal));
+                     kFriction[static_cast<int>(features.friction)], on(features.compliance));
 }
 
 std::string MaterialLines(const Body& body) {
@@ -74,9 +73,6 @@ std::string MaterialLines(const Body& body) {
         std::isfinite(material.stiffness) ? fmt::format("{:g} N/m a leaf", material.stiffness)
                                           : "rigid",
         material.static_friction, material.dynamic_friction);
-    if (std::isfinite(material.hardness)) {
-      text += fmt::format(", {:g} J remove a leaf", material.hardness);
-    }
     text += '\n';
   }
   return text;

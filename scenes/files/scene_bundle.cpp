@@ -8,6 +8,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -302,12 +303,11 @@ void ReadMaterials(const wire::Body& in, Body& out) {
   const auto count = [](const auto* list) { return list == nullptr ? 0 : list->size(); };
   out.materials.clear();
   for (const wire::Material* m : *in.materials()) {
-    const bool fine = m->stiffness() > 0.0 && m->hardness() > 0.0 && m->dynamic_friction() >= 0.0 &&
+    const bool fine = m->stiffness() > 0.0 && m->dynamic_friction() >= 0.0 &&
                       m->dynamic_friction() <= m->static_friction() &&
                       std::isfinite(m->static_friction());
     if (!fine) throw Error("a material is none");
-    out.materials.push_back(
-        {m->stiffness(), m->static_friction(), m->dynamic_friction(), m->hardness()});
+    out.materials.push_back({m->stiffness(), m->static_friction(), m->dynamic_friction()});
   }
   if (out.materials.empty()) throw Error("a body is made of nothing");
   out.leaf_material.clear();
@@ -432,12 +432,15 @@ Features FromWire(const wire::Features& in) {
     throw Error("its features are not known");
   }
   return {static_cast<ContactModel>(in.contact()), static_cast<FrictionModel>(in.friction()),
-          in.compliance(), in.removal()};
+          in.compliance()};
 }
+
+/// What a material's slot holds that is not used any more.
+constexpr double kHardness = std::numeric_limits<double>::infinity();
 
 wire::Features ToWire(const Features& f) {
   return {static_cast<wire::Contact>(f.contact), static_cast<wire::Friction>(f.friction),
-          f.compliance, f.removal};
+          f.compliance, false};
 }
 
 Scene ReadScene(const wire::Scene& in) {
@@ -564,7 +567,7 @@ std::vector<std::uint8_t> PackScene(const Scene& scene, std::uint64_t content_ke
       const wire::Pose pose(ToWire(body.X_WB.p), q.w(), q.x(), q.y(), q.z());
       std::vector<wire::Material> materials;
       for (const Material& m : body.materials) {
-        materials.emplace_back(m.stiffness, m.static_friction, m.dynamic_friction, m.hardness);
+        materials.emplace_back(m.stiffness, m.static_friction, m.dynamic_friction, kHardness);
       }
       const auto name = out.CreateString(body.name);
       const auto materials_at = out.CreateVectorOfStructs(materials);
@@ -633,8 +636,15 @@ Scene UnpackScene(std::span<const std::uint8_t> bytes, const std::string& source
   if (!wire::VerifySceneBuffer(verifier)) {
     throw Error(source + ": is not built as a scene bundle is; build it again");
   }
+  const wire::Scene& scene = *wire::GetScene(payload.data());
+  if (scene.features()->removal()) {
+    throw Error(
+        source +
+        ": what is scraped off goes leaf by leaf in it, which is not done any more; build it "
+        "again of a scene file that has it cut (\"grid_um\")");
+  }
   try {
-    return ReadScene(*wire::GetScene(payload.data()));
+    return ReadScene(scene);
   } catch (const Error& error) {
     throw Error(source + ": contradicts itself (" + error.what() + "); build it again");
   }

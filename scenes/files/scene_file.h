@@ -99,7 +99,7 @@ struct SceneDescription {
   std::string coupling_where;  ///< "file:line: field" of its torsional stiffness
   Features features;           ///< compliance follows from the materials
   std::optional<FirstSight> first_sight;
-  bool whole_at_start = false;  ///< a session begins with what former ones have scraped off
+  bool whole_at_start = false;  ///< a session begins with what former ones have cut
 };
 
 /// What a scene or a body may be called: so many bytes at most, all of them letters, digits, - _ .

@@ -88,9 +88,7 @@ class DepthMap {
 
 /// What is under it will be seen.  A body that burs cut and that is alone shades itself.
 bool ShadesNothing(const Body& body, std::size_t objects) {
-  if (body.grid && objects > 1) return true;
-  return std::ranges::any_of(body.materials,
-                             [](const Material& m) { return std::isfinite(m.hardness); });
+  return body.grid && objects > 1;
 }
 
 /// Directions that fill the sphere evenly: a spiral (Fibonacci).

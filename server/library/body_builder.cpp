@@ -66,9 +66,8 @@ Body MakeBody(std::string name, TriangleMesh mesh, const BodyOptions& options) {
       body.remarks.push_back(std::move(remark));
     }
     const TreeMode mode = ModeFor(options.contact);
-    const bool felt_by_leaves = options.contact == ContactModel::kSpheres ||
-                                std::isfinite(options.material.stiffness) ||
-                                std::isfinite(options.material.hardness);
+    const bool felt_by_leaves =
+        options.contact == ContactModel::kSpheres || std::isfinite(options.material.stiffness);
     if (options.leaves > 0) {
       body.tree = BuildSphereTree(mesh, options.leaves, options.progress, mode);
     } else if (!felt_by_leaves) {

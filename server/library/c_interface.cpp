@@ -84,16 +84,14 @@ int Add(palpate_scene* scene, palpate_role role, const palpate_body& given,
             "role: is neither PALPATE_OBJECT nor PALPATE_TOOL");
     Require(given.static_friction >= given.dynamic_friction && given.dynamic_friction >= 0.0,
             "body: friction must be 0 <= dynamic <= static");
-    Require(
-        given.stiffness_N_m > 0.0 && given.hardness_J > 0.0,
-        "body: stiffness_N_m and hardness_J must be above 0; INFINITY is rigid, and stays; begin "
-        "with palpate_body_defaults()");
+    Require(given.stiffness_N_m > 0.0,
+            "body: stiffness_N_m must be above 0; INFINITY is rigid; begin with "
+            "palpate_body_defaults()");
     Features& features = scene->scene.features;
     BodyOptions options;
     options.leaves = given.leaves;
     options.contact = features.contact;
-    options.material = {given.stiffness_N_m, given.static_friction, given.dynamic_friction,
-                        given.hardness_J};
+    options.material = {given.stiffness_N_m, given.static_friction, given.dynamic_friction};
     Body body = make(options);
     body.X_WB = ToChecked(given.pose);
     if (role == PALPATE_TOOL) {
@@ -103,7 +101,6 @@ int Add(palpate_scene* scene, palpate_role role, const palpate_body& given,
     // What a scene's file does, too: features follow from the materials.
     if (given.static_friction > 0.0) features.friction = FrictionModel::kCoulomb;
     if (std::isfinite(given.stiffness_N_m)) features.compliance = true;
-    if (std::isfinite(given.hardness_J)) features.removal = true;
     scene->scene.objects.push_back(std::move(body));
     return 0;
   });
@@ -132,7 +129,7 @@ size_t palpate_fault_words(uint32_t faults, char* text, size_t size) {
 }
 
 palpate_body palpate_body_defaults(void) {
-  return {{{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}}, 0, 0.0, 0.0, INFINITY, INFINITY};
+  return {{{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}}, 0, 0.0, 0.0, INFINITY};
 }
 
 palpate_scene* palpate_scene_new(palpate_contact contact) {

@@ -42,7 +42,7 @@ typedef struct {
 
 typedef enum {
   PALPATE_SURFACE = 0, /**< meshes do not enter each other */
-  PALPATE_SPHERES = 1, /**< leaves of their sphere trees do not; objects may be soft, and wear */
+  PALPATE_SPHERES = 1, /**< leaves of their sphere trees do not; objects may be soft */
   PALPATE_CONTACT_ANY_INT = 0x7fffffff /**< lets a wrong number be told */
 } palpate_contact;
 
@@ -60,7 +60,6 @@ typedef struct {
   double static_friction;  /**< objects */
   double dynamic_friction; /**< at most static_friction */
   double stiffness_N_m;    /**< of a leaf's contact, PALPATE_SPHERES; infinite: rigid */
-  double hardness_J;       /**< work after which a leaf is scraped off; infinite: it stays */
 } palpate_body;
 
 typedef struct {

@@ -40,12 +40,11 @@ ServedScene ServeScene(const Scene& scene, const std::string& name_or_path,
   if (fs::exists(script)) served.hand = PoseScript::Load(script).keys();
 
   const auto objects = MakeObjects(scene);
-  const auto whole = scene.features.removal ? std::make_shared<const SceneRemains>(scene) : nullptr;
   const bool whole_at_start = IsWholeAtStart(name_or_path);
   for (const Body& body : scene.tools) {
     ServedScene::Tool& tool = served.tools.emplace_back();
     tool.served = std::make_shared<const ServedTool>(
-        ServedTool{scene.name, body.name, MakeModel(scene, body, objects), whole, whole_at_start});
+        ServedTool{scene.name, body.name, MakeModel(scene, body, objects), whole_at_start});
     tool.X_WT = body.X_WB;
     if (served.hand.empty()) AddGeneratedHand(scene, body, hand_seed, tool);
   }

@@ -12,7 +12,6 @@
 #include "server/physics/solve/chapter_friction.h"
 #include "server/physics/solve/clear_way.h"
 #include "server/physics/solve/contact_report.h"
-#include "server/physics/solve/contact_wear.h"
 #include "server/physics/solve/coulomb_friction.h"
 #include "server/physics/solve/nearest_step.h"
 #include "server/physics/solve/response.h"
@@ -119,7 +118,7 @@ void Predict(StepContext& context) {
     BeginCutting(context, std::numeric_limits<double>::infinity());
   }
   buffers.prediction.Predict(context.model, context.kernels, tools.R_WG, tools.p_G, sub_step.bounds,
-                             context.state.wear, buffers.rows, context.times);
+                             buffers.rows, context.times);
   context.cost.last = buffers.prediction.tested() - before;
   context.cost.packet_pairs += context.cost.last;
   if (buffers.meshes) {
@@ -282,8 +281,7 @@ void Hum(StepContext& context) {
   context.report.wrench.force += shake * context.report.bur_force;
 }
 
-/// What the next step starts from, and what friction by the chapter's rule and wear make of this
-/// one.
+/// What the next step starts from, and what friction by the chapter's rule makes of this one.
 void End(const Pose& X_WH, StepContext& context) {
   const Features& features = context.model.parameters().features;
   StepState& state = context.state;
@@ -303,9 +301,6 @@ void End(const Pose& X_WH, StepContext& context) {
     AddChapterFriction(context.model, X_before, state, report);
   }
   report.X_WG = state.X_WG;
-  if (context.arrived && features.removal) {
-    WearContacts(context.model, X_before, state.wear, report);
-  }
   TakeDrag(context);
   Hum(context);
   // Whatever the numbers that came in: nothing else than numbers goes out.

@@ -10,12 +10,6 @@
 namespace palpate {
 namespace {
 
-/// What is gone of the objects.
-struct Gone {
-  const LeafWear& wear;
-  std::span<const CutField> cuts;
-};
-
 /// A cut's surface lies within the true one by what a chord of the bur does (CutField): so much, of
 /// a spacing, a bur that stands in its own cut is in the solid.
 constexpr double kOwnCut = 1.0 / 16.0;
@@ -36,14 +30,12 @@ bool IsInSolid(const HapticModel& model, const ToolPose& at, std::span<const Cut
   return false;
 }
 
-bool IsFree(const HapticModel& model, const Pose& X_WT, const Gone& gone,
+bool IsFree(const HapticModel& model, const Pose& X_WT, std::span<const CutField> cuts,
             StepWorkspace& workspace) {
   StepBuffers& buffers = workspace.buffers();
   const ToolPose at(X_WT * model.reference(), X_WT.q);
-  if (buffers.prediction.Overlaps(model, ActiveKernels(), at.R, at.p, gone.wear, buffers.rows)) {
-    return false;
-  }
-  if (IsInSolid(model, at, gone.cuts)) return false;
+  if (buffers.prediction.Overlaps(model, ActiveKernels(), at.R, at.p, buffers.rows)) return false;
+  if (IsInSolid(model, at, cuts)) return false;
   if (!buffers.meshes) return true;
   // A tool whose mesh meets no other lies inside an object as a whole or not at all.
   return IsFree(buffers.meshes->meshes, at) &&
@@ -80,12 +72,12 @@ double StrideOf(const HapticModel& model) {
 
 /// Shortest way out along `direction`, to within a sub-step's length: walks outward until free.
 double WayOut(const HapticModel& model, const Pose& X_WH, const Vec3& direction, double longest,
-              const Gone& gone, StepWorkspace& workspace) {
+              std::span<const CutField> cuts, StepWorkspace& workspace) {
   const double stride = StrideOf(model);
   for (double s = stride; s < longest; s += stride) {
     Pose X = X_WH;
     X.p += s * direction;
-    if (IsFree(model, X, gone, workspace)) return s;
+    if (IsFree(model, X, cuts, workspace)) return s;
   }
   return longest;
 }
@@ -93,10 +85,8 @@ double WayOut(const HapticModel& model, const Pose& X_WH, const Vec3& direction,
 }  // namespace
 
 StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace& workspace,
-                       const LeafWear* wear, std::span<const CutField> cuts) {
+                       std::span<const CutField> cuts) {
   StepState state;
-  if (wear != nullptr) state.wear = *wear;
-  const Gone gone{state.wear, cuts};
   if (!model.boxes().empty() && model.tool_body() != nullptr) {
     state.felt =
         FeltSolids(model.solids(), model.boxes(), model.bodies().size() - model.boxes().size());
@@ -105,7 +95,7 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
     workspace.buffers().meshes->meshes.cuts = true;
   }
   Pose X_start{X_WH.p, X_WH.q.normalized()};
-  if (IsFree(model, X_start, gone, workspace)) return {X_start, 0.0};
+  if (IsFree(model, X_start, cuts, workspace)) return {X_start, 0.0};
 
   // Out along the 26 directions of a cube's faces, edges and corners, whichever is shortest; every
   // object ends within `shortest`, so there is always a way.
@@ -114,7 +104,7 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
   for (int i = 0; i < 27; ++i) {
     const Vec3 d(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
     if (d.squaredNorm() == 0.0) continue;
-    const double out = WayOut(model, X_start, d.normalized(), shortest, gone, workspace);
+    const double out = WayOut(model, X_start, d.normalized(), shortest, cuts, workspace);
     if (out < shortest) {
       shortest = out;
       way = d.normalized();
@@ -128,7 +118,7 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
       const double middle = 0.5 * (near + shortest);
       Pose X = X_start;
       X.p += middle * way;
-      (IsFree(model, X, gone, workspace) ? shortest : near) = middle;
+      (IsFree(model, X, cuts, workspace) ? shortest : near) = middle;
     }
   }
   if (!model.solids().empty() && !model.cuts()) {

@@ -5,7 +5,6 @@
 #include "common/math/pose.h"
 #include "scenes/grid/cut_field.h"
 #include "server/physics/haptic_step.h"
-#include "server/physics/tree/leaf_wear.h"
 
 namespace palpate {
 
@@ -18,8 +17,8 @@ struct StartPose {
 };
 
 /// Resolves a start in penetration.  Not real-time (milliseconds): called before forces begin.
-/// `wear`, `cuts`: what has gone, as in a StepState; null and empty: nothing has.
+/// `cuts`: what is gone of the solids, as in a StepState; empty: nothing is.
 StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace& workspace,
-                       const LeafWear* wear = nullptr, std::span<const CutField> cuts = {});
+                       std::span<const CutField> cuts = {});
 
 }  // namespace palpate

@@ -5,7 +5,6 @@
 namespace palpate {
 
 StepState::StepState(const HapticModel& model) {
-  if (model.parameters().features.removal) wear = LeafWear(model.objects());
   if (model.tool_body() != nullptr) {
     front.Reserve();
     if (!model.boxes().empty()) {

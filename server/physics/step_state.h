@@ -12,7 +12,6 @@
 #include "server/physics/step_types.h"
 #include "server/physics/surface/felt_solids.h"
 #include "server/physics/surface/separation_front.h"
-#include "server/physics/tree/leaf_wear.h"
 
 namespace palpate {
 
@@ -44,8 +43,8 @@ struct FrictionState {
 struct StepState {
   StepState() = default;
   /// Allocates what the model's features need: objects are whole, and nothing is known of what
-  /// keeps their meshes from the tool's.  A state made without its model wears and cuts nothing,
-  /// and its first step between meshes allocates.
+  /// keeps their meshes from the tool's.  A state made without its model cuts nothing, and its
+  /// first step between meshes allocates.
   explicit StepState(const HapticModel& model);
 
   Pose X_WG;                            ///< graphic tool
@@ -68,7 +67,6 @@ struct StepState {
   bool cutting = true;
   double drawn = 0.0;  ///< of an edge: what of kDraw a hand has drawn it in its sense [m]
   FrictionState friction;
-  LeafWear wear;
   std::vector<CutField> cuts;  ///< what is gone of each solid
   /// What material drags the tool by where its bur spins, of the last 20 ms, of [v; rho phi] [m].
   std::array<double, 6> drag{};

@@ -12,7 +12,7 @@ namespace palpate {
 struct CutBlock {
   std::uint32_t solid;   ///< of HapticModel::solids()
   std::uint32_t block;   ///< of its lattice
-  std::uint32_t period;  ///< WearPeriod::number
+  std::uint32_t period;  ///< how often the loop had been told to be whole
   std::int32_t entry;    ///< SparseField::kAbove: all of it is gone; else `points` tells
   std::uint64_t number;  ///< given to a loop: counts those, from 1
   /// Told by a loop: before the step of this pose, and from that of `held_from` on, it had blocks

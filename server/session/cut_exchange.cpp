@@ -30,7 +30,7 @@ void CutExchange::Log(wire::CutStep step, std::uint32_t session, std::uint64_t c
 void CutExchange::Begin(Session& session) {
   if (session.loop().cuts().empty()) return;
   // One that has yet to make all whole would lose what it had: it is given that after.
-  const bool is_ready = session.loop().is_in_newest_period();
+  const bool is_ready = session.loop().made_whole();
   session.Begin(union_.cuts(), is_ready);
   const std::uint32_t number = ++begun_;
   numbers_[&session] = number;
@@ -85,7 +85,7 @@ void CutExchange::End(Session& session, const Changed& changed) {
   }
   std::uint64_t left = 0;
   // One that has not heard that the scene is whole leaves nothing.
-  if (loop.is_in_newest_period()) {
+  if (loop.made_whole()) {
     for (CutBlock block; TakeChanged(loop.cuts(), block); ++left) {
       if (union_.Take(it->second, block)) changed(block.solid, block.block);
     }

@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <numbers>
 #include <utility>
 
 #include "common/math/rotation.h"
 #include "common/realtime/steady_clock.h"
-#include "server/physics/tree/sphere_tree_query.h"
 
 namespace palpate {
 namespace {
@@ -62,32 +60,21 @@ void SetScaled(const Wrench& full, double gain, wire::Wrench& answer) noexcept {
 
 }  // namespace
 
-ServoLoop::ServoLoop(const HapticModel& model)
-    : model_(model), workspace_(model), state_(model), whole_(state_.wear) {
+ServoLoop::ServoLoop(const HapticModel& model) : model_(model), workspace_(model), state_(model) {
   if (!state_.cuts.empty()) {
     cut_blocks_ = std::make_unique<Ring<CutBlock, 256>>();
     given_ = std::make_unique<Ring<CutBlock, 64>>();
     merges_ = std::make_unique<Ring<CutMerge, 64>>();
   }
-  periods_.emplace_back(0, whole_.leaf_count());
-  newest_ = period_ = &periods_.back();
 }
 
 void ServoLoop::MakeWhole() {
   was_given_ = false;
-  periods_.emplace_back(periods_.back().number + 1, whole_.leaf_count());
-  // Release: who sees the period sees its logs.
-  newest_.store(&periods_.back(), std::memory_order_release);
-}
-
-bool ServoLoop::has_left_period() const {
-  // A period that was over before the loop could enter it stays empty, so it is any of the others.
-  return std::any_of(std::next(periods_.begin()), periods_.end(),
-                     [](const WearPeriod& period) { return period.removals.size() > 0; });
+  newest_.fetch_add(1, std::memory_order_release);
 }
 
 void ServoLoop::GiveCut(CutBlock& block) {
-  block.period = periods_.back().number;
+  block.period = newest_;
   given_->Push(block);
   was_given_ = true;
 }
@@ -109,9 +96,8 @@ bool ServoLoop::OnPose(const wire::HapticPose& pose, wire::Wrench& answer) noexc
 
   // Asked first: what was given after a MakeWhole is then seen after it.
   const std::size_t given = given_ ? given_->size() : 0;
-  // After the start: one that was found in the worn scene is void.
-  TakeWhole(pose.pose_sequence);
-  TakeRemovals(pose.pose_sequence);
+  // After the start: one that was found in the cut scene is void.
+  BecomeWhole(pose.pose_sequence);
   if (given > 0) MergeCuts(pose.pose_sequence, given);
 
   Clear(answer);
@@ -134,26 +120,16 @@ bool ServoLoop::OnPose(const wire::HapticPose& pose, wire::Wrench& answer) noexc
   return true;
 }
 
-void ServoLoop::TakeWhole(std::uint64_t pose_sequence) noexcept {
-  WearPeriod* const newest = newest_.load(std::memory_order_acquire);
-  if (newest == period_) return;
-  period_ = newest;
-  removals_taken_ = 0;
-  state_.wear = whole_;  // of the same size: allocates nothing
+void ServoLoop::BecomeWhole(std::uint64_t pose_sequence) noexcept {
+  const std::uint32_t newest = newest_.load(std::memory_order_acquire);
+  // What cannot be told of is not done.
+  if (newest == period_ || !wholes_.Push(pose_sequence)) return;
   for (CutField& cut : state_.cuts) cut.MakeWhole();
   merging_ = 0;
   started_ = false;
   gain_ = 0.0;
-  // Last of what is done to a period: the service thread takes it as the end of those before.
-  period_->removals.Append({Removal::kMadeWhole, false, pose_sequence});
-}
-
-void ServoLoop::TakeRemovals(std::uint64_t pose_sequence) noexcept {
-  const AppendLog<std::int32_t>& removed = period_->removed_by_others;
-  for (const std::size_t size = removed.size(); removals_taken_ < size;) {
-    const std::int32_t leaf = removed[removals_taken_++];
-    if (state_.wear.Remove(leaf)) period_->removals.Append({leaf, false, pose_sequence});
-  }
+  // Last of all: the service thread takes it as done then.
+  period_.store(newest, std::memory_order_release);
 }
 
 bool ServoLoop::InSequence(const wire::HapticPose& pose) noexcept {
@@ -216,9 +192,6 @@ void ServoLoop::Step(wire::Wrench& answer) noexcept {
   if (!report.bur_force.isZero(0.0) && snapshot_.points < std::ssize(snapshot_.point)) {
     snapshot_.point[snapshot_.points++] = {report.bur_W, gain_ * report.bur_force};
   }
-  for (int i = 0; i < report.removals; ++i) {
-    period_->removals.Append({report.removed[i], true, answer.pose_sequence});
-  }
   // A station computes the full force from the rows: none are given while less is due, nor where
   // they are not all that pushes: soft ones, and a jam's seventh.
   constexpr int kRows = std::size(decltype(answer.row_force_N){});
@@ -241,7 +214,7 @@ void ServoLoop::Step(wire::Wrench& answer) noexcept {
 
 void ServoLoop::MergeCuts(std::uint64_t pose_sequence, std::size_t given) noexcept {
   if (merging_ == 0) {
-    for (; given > 0 && given_->Front().period != period_->number; --given) given_->Drop();
+    for (; given > 0 && given_->Front().period != period_; --given) given_->Drop();
     if (given == 0) return;
     // What cannot be told of is not done.
     const CutMerge merge{pose_sequence, given_->Front().number, static_cast<std::uint32_t>(given)};
@@ -265,7 +238,7 @@ void ServoLoop::TellCuts(std::uint64_t pose_sequence) noexcept {
   }
   CutBlock told;
   for (int i = 0; i < kMostCutBlocks && TakeChanged(state_.cuts, told); ++i) {
-    told.period = period_->number;
+    told.period = period_;
     told.pose_sequence = pose_sequence;
     told.held_from = std::exchange(held_from_, 0);
     cut_blocks_->Push(told);

@@ -3,13 +3,11 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <tuple>
 #include <vector>
 
 #include "common/dds/wire.h"
-#include "common/realtime/append_log.h"
 #include "common/realtime/histogram.h"
 #include "common/realtime/latest_mailbox.h"
 #include "common/realtime/ring.h"
@@ -55,24 +53,6 @@ struct LoopSnapshot {
   std::array<ContactForce, std::tuple_size_v<decltype(StepReport::active)>> point;
 };
 
-/// A leaf that went before or with the step of a pose.
-struct Removal {
-  static constexpr std::int32_t kMadeWhole = -1;
-  std::int32_t leaf;            ///< as the forest numbers it; kMadeWhole: all are there again
-  bool own;                     ///< scraped off by this loop's tool; else by another
-  std::uint64_t pose_sequence;  ///< own: went with this pose's step; else: before it
-};
-
-/// What goes from a loop's scene between two times that it is whole.  In that time each leaf goes
-/// at most once, so logs of as many as there are can never be full.
-struct WearPeriod {
-  WearPeriod(std::uint32_t n, std::size_t leaves)
-      : number(n), removed_by_others(leaves), removals(leaves + 1) {}
-  const std::uint32_t number;                 ///< how often the loop had been told to be whole
-  AppendLog<std::int32_t> removed_by_others;  ///< service thread -> loop
-  AppendLog<Removal> removals;                ///< loop -> service thread
-};
-
 /// The servo loop of one session: turns each pose into a wrench, on the pose's arrival.
 ///
 /// A pose is used where it is finite and within 100 m, its quaternion has a length, its sequence
@@ -97,32 +77,27 @@ class ServoLoop {
   void Start(const Pose& X_WG) { start_.Write(X_WG); }
   /// The pose that Start was taken with: the first whose wrench the physics computed.  0 before.
   std::uint64_t start_sequence() const { return start_sequence_.load(std::memory_order_acquire); }
-  /// Takes a leaf away that another tool has scraped off, before the next pose's step.  Each leaf
-  /// once.
-  void Remove(std::int32_t leaf) { periods_.back().removed_by_others.Append(leaf); }
   /// Makes the scene whole again before the next pose's step.  What had gone may now be where the
   /// tool is, so there are no forces from that pose on, until a Start that is called once
   /// made_whole().
   void MakeWhole();
-  /// The loop has done what the last MakeWhole said.
-  bool made_whole() const { return periods_.back().removals.size() > 0; }
-  /// Nothing was removed since the last MakeWhole by others; by this loop's tool nothing can be, as
-  /// long as no Start is called.
-  bool is_whole() const { return periods_.back().removed_by_others.size() == 0 && !was_given_; }
-  /// Every leaf that has gone from this loop's scene, in the first of the periods that are kept.
-  /// With the poses and the starts, all that a replay needs: the same bits follow.
-  const AppendLog<Removal>& removals() const { return periods_.front().removals; }
-  /// The first period is over: the loop adds nothing to it any more.
-  bool has_left_period() const;
-  /// Drops the first period, which is over.
-  void ForgetPeriod() { periods_.pop_front(); }
-  bool in_last_period() const { return periods_.size() == 1; }
+  /// The loop has done what the last MakeWhole said, or there was none.
+  bool made_whole() const {
+    return period_.load(std::memory_order_acquire) == newest_.load(std::memory_order_relaxed);
+  }
+  /// No block was given since the last MakeWhole; this loop's bur changes none, as long as no Start
+  /// is called.
+  bool was_given_nothing() const { return !was_given_; }
+  /// Before which pose the loop has made the scene whole, each time.
+  bool TakeWhole(std::uint64_t& pose_sequence) { return wholes_.Pop(pose_sequence); }
   /// The next block that the loop's bur changed, or which it had changed before the last MakeWhole:
   /// then is_current says no.  A block comes again as long as it changes, and some milliseconds
   /// late: what comes last is how it stands.  Which come, and in what order, follows from the poses
   /// and from CutBlock::held_from alone.
   bool TakeCut(CutBlock& block) { return cut_blocks_ && cut_blocks_->Pop(block); }
-  bool is_current(const CutBlock& block) const { return block.period == periods_.back().number; }
+  bool is_current(const CutBlock& block) const {
+    return block.period == newest_.load(std::memory_order_relaxed);
+  }
   /// For a replay: whether the loop is to find no room for such blocks.
   void HoldCuts(bool hold) { cuts_held_ = hold; }
   /// Once no pose can come, and where blocks wait for room then: since which pose.  Else 0.
@@ -133,14 +108,11 @@ class ServoLoop {
   bool wants_cuts() const { return given_ && !given_->full(); }
   /// It has merged all that it was given.
   bool has_merged() const { return !given_ || given_->size() == 0; }
-  /// What the loop began to merge since.  With all else that a replay needs (removals()), and the
-  /// blocks: the same bits follow.
+  /// What the loop began to merge since.  With the poses, the starts, the wholes and the blocks the
+  /// same bits follow.
   bool TakeMerge(CutMerge& merge) { return merges_ && merges_->Pop(merge); }
   /// Before the first pose, or once no more can come: what burs took away of each solid.
   std::vector<CutField>& cuts() { return state_.cuts; }
-  /// Before the first pose, or once no more can come: the loop has done what the last MakeWhole
-  /// said.
-  bool is_in_newest_period() const { return period_ == newest_.load(std::memory_order_relaxed); }
   /// Once no pose can come: the last, and how many were answered.
   std::uint64_t last_sequence() const { return last_sequence_; }
   std::uint32_t answers() const { return answers_; }
@@ -156,8 +128,7 @@ class ServoLoop {
   bool InSequence(const wire::HapticPose& pose) noexcept;
   /// Sets X_WH_ where the pose can be used; else returns the fault.
   std::uint32_t UsePose(const wire::HapticPose& pose) noexcept;
-  void TakeWhole(std::uint64_t pose_sequence) noexcept;
-  void TakeRemovals(std::uint64_t pose_sequence) noexcept;
+  void BecomeWhole(std::uint64_t pose_sequence) noexcept;
   void Step(wire::Wrench& answer) noexcept;
   void TellCuts(std::uint64_t pose_sequence) noexcept;
   void MergeCuts(std::uint64_t pose_sequence, std::size_t given) noexcept;
@@ -201,11 +172,9 @@ class ServoLoop {
   std::size_t merging_ = 0;  // of given_: what the last CutMerge has said, and is not merged
   bool cuts_held_ = false;
   bool was_given_ = false;  // the service thread's: any block, since the last MakeWhole
-  const LeafWear whole_;
-  std::deque<WearPeriod> periods_;  // the service thread's; an element stays where it is
-  std::atomic<WearPeriod*> newest_;
-  WearPeriod* period_;              // the loop's
-  std::size_t removals_taken_ = 0;  // of the period's removed_by_others
+  std::atomic<std::uint32_t> newest_{0};  // how often MakeWhole was called
+  std::atomic<std::uint32_t> period_{0};  // the one of these that the loop has come to
+  Ring<std::uint64_t, 16> wholes_;        // loop -> service thread
 };
 
 }  // namespace palpate

@@ -31,7 +31,6 @@ Session::Session(std::string station, std::uint64_t run, std::shared_ptr<const S
       client_(client),
       loop_(tool_->model),
       start_workspace_(std::in_place, tool_->model),
-      start_wear_(StepState(tool_->model).wear),
       heard_ns_(now_ns) {}
 
 bool Session::Update(std::int64_t now_ns, bool may_start) {
@@ -77,7 +76,7 @@ bool Session::TryStart(std::int64_t now_ns) {
   tried_ns_ = now_ns;
   X_WH_tried_ = snapshot_.X_WH;
   const StartPose start =
-      ResolveStart(tool_->model, snapshot_.X_WH, *start_workspace_, &start_wear_, start_cuts_);
+      ResolveStart(tool_->model, snapshot_.X_WH, *start_workspace_, start_cuts_);
   if (!(start.depth <= kMaxStartDepth_m)) {
     phase_ = palpate_SESSION_ACQUIRING;
     const bool news = reason_.empty() || std::abs(start.depth - start_depth_) > kNews_m;
@@ -88,28 +87,18 @@ bool Session::TryStart(std::int64_t now_ns) {
   X_WG_start_ = start.X_WG;
   loop_.Start(X_WG_start_);
   start_workspace_.reset();
-  start_wear_ = {};
   start_depth_ = start.depth;
   phase_ = palpate_SESSION_ACTIVE;
   reason_.clear();
   return true;
 }
 
-std::optional<Removal> Session::TakeRemoval() {
-  for (;;) {
-    // Asked first: what the loop adds before it leaves is then seen.
-    const bool left = loop_.has_left_period();
-    const AppendLog<Removal>& removals = loop_.removals();
-    if (removals_taken_ < removals.size()) return removals[removals_taken_++];
-    if (!left) return std::nullopt;
-    loop_.ForgetPeriod();
-    removals_taken_ = 0;
-  }
-}
-
-void Session::Remove(std::int32_t leaf) {
-  start_wear_.Remove(leaf);
-  loop_.Remove(leaf);
+bool Session::TakeWhole(wire::LoopWhole& whole) {
+  if (!loop_.TakeWhole(whole.pose_sequence)) return false;
+  wire::FromText(station_, whole.station);
+  whole.run = run_;
+  whole.number = ++wholes_;
+  return true;
 }
 
 void Session::Begin(const std::vector<CutField>& cuts, bool has_all) {
@@ -124,8 +113,8 @@ void Session::Leave() {
 }
 
 void Session::MakeWhole() {
-  if (whole_wanted_ && loop_.is_whole()) return;  // asked again before the loop could begin anew
-  start_wear_ = StepState(tool_->model).wear;
+  if (whole_wanted_ && loop_.was_given_nothing())
+    return;  // asked again before the loop could begin anew
   whole_wanted_ = true;
   loop_.MakeWhole();
 }

@@ -10,7 +10,6 @@
 
 #include "common/dds/leave_seal.h"
 #include "common/dds/wire.h"
-#include "scenes/scene_remains.h"
 #include "server/physics/haptic_step.h"
 #include "server/session/servo_loop.h"
 
@@ -21,7 +20,6 @@ struct ServedTool {
   std::string scene;
   std::string tool;
   HapticModel model;
-  std::shared_ptr<const SceneRemains> whole = nullptr;  ///< where its features name removal
   bool whole_at_start = false;  ///< made whole for whoever is the first, or alone, to begin there
 };
 
@@ -58,15 +56,8 @@ class Session {
   /// Ends it by its station's own wish.
   void Leave();
   bool left() const { return left_; }
-  /// The next leaf that has gone from the loop's scene: scraped off by this session's tool, or
-  /// taken away after another's; or the word that the loop has made it whole.
-  std::optional<Removal> TakeRemoval();
-  /// False where what TakeRemoval gave went before the scene was last made whole.
-  bool removals_are_current() const { return loop_.in_last_period(); }
-  /// Numbers those of other tools, from 1.
-  std::uint64_t CountTaken() { return ++taken_; }
-  /// Takes a leaf away that another has scraped off.  Each leaf once.
-  void Remove(std::int32_t leaf);
+  /// The next time that its loop made the scene whole, for recordings; false where there is none.
+  bool TakeWhole(wire::LoopWhole& whole);
   /// Before its first pose, with what burs have taken of the solids; a start is sought in what
   /// they have then.  Outlives this.
   /// @param has_all  its loop begins with that; else it will be given it, and starts then.
@@ -110,7 +101,6 @@ class Session {
   SessionClient client_;
   ServoLoop loop_;
   std::optional<StepWorkspace> start_workspace_;  // only until the session is active
-  LeafWear start_wear_;                           // also
   std::span<const CutField> start_cuts_;          // of all burs of the scene
   wire::SessionPhase phase_ = palpate_SESSION_WAITING;
   std::string reason_;
@@ -122,8 +112,7 @@ class Session {
   bool start_is_held_ = false;
   bool whole_wanted_ = false;  // the loop has not been seen to have made it so
   LoopSnapshot snapshot_;
-  std::size_t removals_taken_ = 0;
-  std::uint64_t taken_ = 0;
+  std::uint64_t wholes_ = 0;
   std::atomic<std::uint64_t> unanswered_{0};
   std::uint64_t heard_ = 0;
   std::int64_t heard_ns_;

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "common/dds/topics.h"
-#include "server/physics/tree/sphere_tree_query.h"
 
 namespace palpate {
 namespace {
@@ -27,36 +26,15 @@ bool IsSameRun(const wire::SessionRequest& one, const wire::SessionRequest& othe
   return one.run == other.run && ToSeal(one) == ToSeal(other);
 }
 
-wire::LeafTaken LeafTakenBy(Session& session, const Removal& removal) {
-  wire::LeafTaken taken{};
-  wire::FromText(session.station(), taken.station);
-  taken.run = session.run();
-  taken.number = session.CountTaken();
-  taken.pose_sequence = removal.pose_sequence;
-  if (removal.leaf == Removal::kMadeWhole) {
-    taken.leaf = wire::kNoLeaf;
-    return taken;
-  }
-  const ObjectForest& objects = session.tool().model.objects();
-  const int object = objects.ObjectOf(removal.leaf);
-  taken.object_index = static_cast<std::uint32_t>(object);
-  taken.leaf = static_cast<std::uint32_t>(removal.leaf - objects.FirstLeafOf(object));
-  return taken;
-}
-
 }  // namespace
 
 SessionTable::SessionTable(std::vector<std::shared_ptr<const ServedTool>> tools,
                            std::uint64_t server_run, bool admit_by_hand)
     : tools_(std::move(tools)), server_run_(server_run), admit_by_hand_(admit_by_hand) {
   // Of a scene's tools some may cut nothing; solids are the same for those that do.
-  for (const bool cuts : {true, false}) {
-    for (const auto& tool : tools_) {
-      const auto solids = tool->model.solids();
-      if (cuts ? !solids.empty() : tool->whole != nullptr) {
-        scenes_.try_emplace(tool->scene, tool->scene, tool->whole, solids, server_run_);
-      }
-    }
+  for (const auto& tool : tools_) {
+    const auto solids = tool->model.solids();
+    if (!solids.empty()) scenes_.try_emplace(tool->scene, tool->scene, solids, server_run_);
   }
 }
 
@@ -188,7 +166,10 @@ void SessionTable::Update(std::int64_t now_ns) {
   for (auto it = sessions_.begin(); it != sessions_.end();) {
     Session& session = *it->second;
     if (session.Update(now_ns, !next || &session == next) || session.ended()) Publish(session);
-    PassOnRemovals(session, now_ns);
+    if (const auto scene = scenes_.find(session.tool().scene); scene != scenes_.end()) {
+      scene->second.cuts().Take(session, TakerOf(scene->second, now_ns));
+      for (wire::LoopWhole whole{}; session.TakeWhole(whole);) loop_wholes_.push_back(whole);
+    }
     // One that has sent no pose has left the scene as it was before it.
     if (session.ended() && session.has_heard()) {
       cut_off_[session.tool().scene] = session.left() ? "" : session.station();
@@ -253,32 +234,9 @@ void SessionTable::ForgetHeld(std::int64_t now_ns) {
   });
 }
 
-void SessionTable::PassOnRemovals(Session& from, std::int64_t now_ns) {
-  const auto scene = scenes_.find(from.tool().scene);
-  if (scene == scenes_.end()) return;
-  if (scene->second.cuts() != nullptr) {
-    scene->second.cuts()->Take(from, TakerOf(scene->second, now_ns));
-  }
-  while (const std::optional<Removal> removal = from.TakeRemoval()) {
-    if (!removal->own) {
-      leaves_taken_.push_back(LeafTakenBy(from, *removal));
-      continue;
-    }
-    if (!from.removals_are_current()) continue;  // it is back already
-    const std::vector<wire::SceneChange> changes = scene->second.Remove(from, *removal);
-    if (changes.empty()) continue;
-    scene_changes_.insert(scene_changes_.end(), changes.begin(), changes.end());
-    for (const auto& [station, other] : sessions_) {
-      if (other.get() != &from && other->tool().scene == scene->first) {
-        other->Remove(removal->leaf);
-      }
-    }
-  }
-}
-
 CutExchange* SessionTable::CutsOf(const Session& session) {
   const auto scene = scenes_.find(session.tool().scene);
-  return scene == scenes_.end() ? nullptr : scene->second.cuts();
+  return scene == scenes_.end() ? nullptr : &scene->second.cuts();
 }
 
 CutExchange::Changed SessionTable::TakerOf(SceneChanges& scene, std::int64_t now_ns) {
@@ -294,7 +252,7 @@ void SessionTable::Begin(Session& session) {
 void SessionTable::RetireEnded(std::int64_t now_ns) {
   for (const auto& session : std::exchange(ending_, {})) {
     SceneChanges& scene = scenes_.find(session->tool().scene)->second;
-    scene.cuts()->End(*session, TakerOf(scene, now_ns));
+    scene.cuts().End(*session, TakerOf(scene, now_ns));
   }
 }
 
@@ -320,13 +278,9 @@ void SessionTable::Request(const wire::WholeRequest& request) {
 }
 
 void SessionTable::Bookmark(SceneChanges& scene, wire::SceneWhole answer) {
-  if (scene.cuts() == nullptr || scene.wears()) {
-    wire::FromText(
-        "only what burs cut can be brought back to a bookmark; make the scene whole instead",
-        answer.refusal);
-  } else if (answer.wish == palpate_WHOLE_BOOKMARK) {
-    scene.cuts()->SetBookmark();
-  } else if (!scene.cuts()->cuts().has_bookmark()) {
+  if (answer.wish == palpate_WHOLE_BOOKMARK) {
+    scene.cuts().SetBookmark();
+  } else if (!scene.cuts().cuts().has_bookmark()) {
     wire::FromText("the scene has no bookmark; set one first", answer.refusal);
   } else {
     for (Session* const session : SessionsOf(answer.scene)) {
@@ -361,7 +315,7 @@ void SessionTable::MakeWhole(SceneChanges& scene, wire::SceneWhole answer) {
 void SessionTable::Answer(SceneChanges& scene, wire::SceneWhole& answer) {
   answer.server_run = server_run_;
   answer.last_change = scene.undone();
-  answer.has_bookmark = scene.cuts() != nullptr && scene.cuts()->cuts().has_bookmark();
+  answer.has_bookmark = scene.cuts().cuts().has_bookmark();
   wholes_.push_back(answer);
 }
 
@@ -379,10 +333,6 @@ void SessionTable::EndAll(const std::string& reason) {
 
 std::vector<wire::SessionState> SessionTable::TakeChanges() {
   return std::exchange(changes_, {});
-}
-
-std::vector<wire::SceneChange> SessionTable::TakeSceneChanges() {
-  return std::exchange(scene_changes_, {});
 }
 
 std::vector<SolidBlockNews> SessionTable::TakeCuts(std::int64_t now_ns) {
@@ -405,8 +355,8 @@ void SessionTable::TellAgain(const wire::SolidBlock& block, std::int64_t now_ns)
   scenes_.find(block.scene)->second.TellAgain(block, now_ns);
 }
 
-std::vector<wire::LeafTaken> SessionTable::TakeLeavesTaken() {
-  return std::exchange(leaves_taken_, {});
+std::vector<wire::LoopWhole> SessionTable::TakeLoopWholes() {
+  return std::exchange(loop_wholes_, {});
 }
 
 std::vector<wire::SceneWhole> SessionTable::TakeWholes() {
@@ -472,7 +422,6 @@ void SessionTable::Admit(const wire::SessionRequest& request, std::int64_t now_n
       wire::FromText(session->station(), whole.by);
       MakeWhole(scene->second, whole);
     }
-    for (const std::int32_t leaf : scene->second.gone()) session->Remove(leaf);
   }
   sessions_[request.station] = session;
   Publish(*session);

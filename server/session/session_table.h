@@ -67,16 +67,14 @@ class SessionTable {
   const std::map<std::string, std::shared_ptr<Session>>& sessions() const { return sessions_; }
   /// States to publish since the last call, oldest first.
   std::vector<wire::SessionState> TakeChanges();
-  /// What tools have scraped off since the last call, in the order that holds for each scene.
-  std::vector<wire::SceneChange> TakeSceneChanges();
   /// What burs have left, block by block, as far as viewers are to be told of it now.
   std::vector<SolidBlockNews> TakeCuts(std::int64_t now_ns);
   /// One of these could not be published.
   void TellAgain(const wire::SolidBlock& block, std::int64_t now_ns);
   /// What sessions were given of each other's cuts, as recordings need it.
   std::vector<CutLogNews> TakeCutLogs(std::int64_t now_ns);
-  /// Of what was scraped off, what has reached the loops of other sessions since the last call.
-  std::vector<wire::LeafTaken> TakeLeavesTaken();
+  /// When loops made their scenes whole, since the last call.
+  std::vector<wire::LoopWhole> TakeLoopWholes();
   /// Scenes that were made whole since the last call, and refusals to do so.
   std::vector<wire::SceneWhole> TakeWholes();
   /// Refusals that were not told since the last call, there being so many.
@@ -121,9 +119,6 @@ class SessionTable {
   /// Null where nothing is cut.
   CutExchange* CutsOf(const Session& session);
   static CutExchange::Changed TakerOf(SceneChanges& scene, std::int64_t now_ns);
-  /// Passes on what a session's tool has scraped off to the others of its scene, and tells of what
-  /// it has got of theirs.
-  void PassOnRemovals(Session& from, std::int64_t now_ns);
 
   std::vector<std::shared_ptr<const ServedTool>> tools_;
   std::uint64_t server_run_;
@@ -138,11 +133,10 @@ class SessionTable {
   std::uint64_t untold_ = 0;
   std::vector<wire::SessionState> changes_;
   std::map<std::string, std::string> cut_off_;  // by scene: whose session did not end by its wish
-  std::map<std::string, SceneChanges> scenes_;  // by name; those that wear or are cut
+  std::map<std::string, SceneChanges> scenes_;  // by name; those that burs cut
   // Ended, and their poses may still be answered; of scenes with solids.
   std::vector<std::shared_ptr<Session>> ending_;
-  std::vector<wire::SceneChange> scene_changes_;
-  std::vector<wire::LeafTaken> leaves_taken_;
+  std::vector<wire::LoopWhole> loop_wholes_;
   std::vector<wire::SceneWhole> wholes_;
 };
 

@@ -137,10 +137,9 @@ Server::Server(dds::Participant loop_domain, dds::Participant service_domain,
       print_line_(std::move(print_line)),
       requests_(service_domain_, dds::kSessionRequestTopic, dds::Qos::kRecordSession),
       states_(service_domain_, dds::kSessionStateTopic, dds::Qos::kSession),
-      scene_changes_(service_domain_, dds::kSceneChangeTopic, dds::Qos::kSession),
       solid_blocks_(service_domain_, dds::kSolidBlockTopic, dds::Qos::kSession),
       cut_logs_(service_domain_, dds::kCutLogTopic, dds::Qos::kSession),
-      leaves_taken_(service_domain_, dds::kLeafTakenTopic, dds::Qos::kSession),
+      loop_wholes_(service_domain_, dds::kLoopWholeTopic, dds::Qos::kSession),
       whole_requests_(service_domain_, dds::kWholeRequestTopic, dds::Qos::kRecordSession),
       operate_requests_(service_domain_, dds::kOperateRequestTopic, dds::Qos::kRecordSession),
       wholes_(service_domain_, dds::kSceneWholeTopic, dds::Qos::kSession),
@@ -298,7 +297,6 @@ void Server::PublishChanges(std::int64_t now_ns) {
     states_.Write(state);
     if (events_.session) events_.session(state);
   }
-  for (const wire::SceneChange& change : table_.TakeSceneChanges()) scene_changes_.Write(change);
   // A write waits for at most 100 ms for viewers that stand still: once in a poll.
   bool taken = true;
   for (SolidBlockNews& news : table_.TakeCuts(now_ns)) {
@@ -310,7 +308,7 @@ void Server::PublishChanges(std::int64_t now_ns) {
     PointTo(news.events, news.sample.events);
     cut_logs_.Write(news.sample);
   }
-  for (const wire::LeafTaken& taken : table_.TakeLeavesTaken()) leaves_taken_.Write(taken);
+  for (const wire::LoopWhole& whole : table_.TakeLoopWholes()) loop_wholes_.Write(whole);
   for (const wire::SceneWhole& whole : table_.TakeWholes()) {
     LogWish(now_ns, fmt::format("scene {}: {}{}, asked by {}", whole.scene, WholeText(whole),
                                 whole.refusal, whole.by));

@@ -87,10 +87,9 @@ class Server {
   ServerEvents events_;
   dds::Reader<wire::SessionRequest> requests_;
   dds::Writer<wire::SessionState> states_;
-  dds::Writer<wire::SceneChange> scene_changes_;
   dds::Writer<wire::SolidBlock> solid_blocks_;
   dds::Writer<wire::CutLog> cut_logs_;
-  dds::Writer<wire::LeafTaken> leaves_taken_;
+  dds::Writer<wire::LoopWhole> loop_wholes_;
   dds::Reader<wire::WholeRequest> whole_requests_;
   dds::Reader<wire::OperateRequest> operate_requests_;
   dds::Writer<wire::SceneWhole> wholes_;

@@ -221,7 +221,6 @@ Json ReportCycle(SceneRun& run, const CycleOptions& options) {
   const test::ContactFigures contact = MeasureContact(run, options);
   // Of spheres the contact is between leaves, of surfaces between meshes.
   const bool surface = run.scene().features.contact == ContactModel::kSurface;
-  LeafWear wear = run.Start().wear;
   std::vector<double> predicted, conventional, penetration, truncation, iterations, newton;
   int unsolved = 0, jammed = 0, far = 0, lowered = 0, rubs_unsolved = 0;
   for (std::size_t i = 0; i < steps; ++i) {
@@ -239,12 +238,9 @@ Json ReportCycle(SceneRun& run, const CycleOptions& options) {
       if (i % 500 == 0) {
         Progress(fmt::format("{}: checking step {} of {} ...", options.name, i, steps));
       }
-      penetration.push_back(1e6 * (surface ? contact.depth[penetration.size()]
-                                           : oracle.At(report.X_WG, &wear).depth));
-      conventional.push_back(static_cast<double>(oracle.At(run.poses()[i], &wear).pairs));
-    }
-    for (int r = 0; r < report.removals; ++r) {
-      wear.Remove(report.removed[static_cast<std::size_t>(r)]);
+      penetration.push_back(
+          1e6 * (surface ? contact.depth[penetration.size()] : oracle.At(report.X_WG).depth));
+      conventional.push_back(static_cast<double>(oracle.At(run.poses()[i]).pairs));
     }
   }
   Progress("");

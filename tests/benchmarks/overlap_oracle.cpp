@@ -78,7 +78,7 @@ OverlapOracle::OverlapOracle(const SphereTree& tool, const std::vector<Body>& ob
   objects_ = Sort(std::move(balls));
 }
 
-OverlapOracle::Overlap OverlapOracle::At(const Pose& X_WT, const LeafWear* wear) const {
+OverlapOracle::Overlap OverlapOracle::At(const Pose& X_WT) const {
   Overlap overlap;
   const Mat3 R = X_WT.q.toRotationMatrix();
   const auto move = [&](const Ball& ball) { return Vec3(R * ball.center + X_WT.p); };
@@ -103,7 +103,6 @@ OverlapOracle::Overlap OverlapOracle::At(const Pose& X_WT, const LeafWear* wear)
             if (!touch(leaf_center, leaf, other_cell)) return;
             each(objects_.leaves, other_cell, [&](const Ball& other) {
               if (!touch(leaf_center, leaf, other)) return;
-              if (wear != nullptr && wear->gone(other.begin)) return;
               overlap.depth = std::max(
                   overlap.depth, leaf.radius + other.radius - (leaf_center - other.center).norm());
               ++overlap.pairs;

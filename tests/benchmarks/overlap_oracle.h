@@ -4,7 +4,6 @@
 
 #include "common/math/pose.h"
 #include "scenes/scene.h"
-#include "server/physics/tree/leaf_wear.h"
 
 namespace palpate::bench {
 
@@ -21,8 +20,7 @@ class OverlapOracle {
     double depth = 0.0;  ///< deepest, 0 where nothing overlaps [m]
     long pairs = 0;      ///< balls that overlap
   };
-  /// @param wear  the objects' leaves that have gone do not count; null: all are there.
-  Overlap At(const Pose& X_WT, const LeafWear* wear = nullptr) const;
+  Overlap At(const Pose& X_WT) const;
 
  private:
   /// A ball, or a ball around the members [begin, end) of the next finer list; a leaf's `begin` is

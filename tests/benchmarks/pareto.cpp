@@ -13,7 +13,6 @@
 #include "common/program/stop_signal.h"
 #include "scenes/catalogue.h"
 #include "scenes/shapes/shapes.h"
-#include "server/physics/tree/leaf_wear.h"
 #include "tests/benchmarks/commands.h"
 #include "tests/benchmarks/features.h"
 #include "tests/benchmarks/overlap_oracle.h"
@@ -81,7 +80,7 @@ class Pareto {
               : options.quick         ? std::vector<std::string>{"cube", "ellipsoid", kPeerScene}
                                       : CatalogueNames();
     // Felt by their grids: palpate-bench cut.
-    for (const char* cut : {"caries", "crown", "osteotomy"}) std::erase(scenes_, cut);
+    for (const char* cut : {"calculus", "caries", "crown", "osteotomy"}) std::erase(scenes_, cut);
     for (const std::string& scene : scenes_) FindSceneFile(scene);  // complains before work is done
     ChoosePeers();
   }
@@ -207,7 +206,7 @@ class Pareto {
       }
       result.steps = loaded_->poses.size();
       const Features& features = loaded_->scene.features;
-      result.yields = features.compliance || features.removal;
+      result.yields = features.compliance;
     });
     for (const char* contact : kContacts) {
       for (const char* friction : kFrictions) {
@@ -243,22 +242,16 @@ class Pareto {
       const TimedRun timed = TimeRun(run, repeats(), stop_);
       model.speed = timed.speed;
       model.path = loaded_->judge->Judge(PosesOf(timed.steps), ForcesOf(timed.steps));
-      if (contact == "spheres") model.sphere_overlap_um = 1e6 * SphereOverlap(run, timed.steps);
+      if (contact == "spheres") model.sphere_overlap_um = 1e6 * SphereOverlap(timed.steps);
     });
     return model;
   }
 
-  /// Deepest overlap of the spheres that were there, at the steps that are checked [m].
-  double SphereOverlap(const SceneRun& run, const std::vector<StepReport>& steps) const {
-    LeafWear wear = run.Start().wear;
+  /// Deepest overlap of the spheres, at the steps that are checked [m].
+  double SphereOverlap(const std::vector<StepReport>& steps) const {
     double deepest = 0.0;
-    for (std::size_t i = 0; i < steps.size(); ++i) {
-      if (i % loaded_->judge->every() == 0) {
-        deepest = std::max(deepest, loaded_->oracle->At(steps[i].X_WG, &wear).depth);
-      }
-      for (int r = 0; r < steps[i].removals; ++r) {
-        wear.Remove(steps[i].removed[static_cast<std::size_t>(r)]);
-      }
+    for (std::size_t i = 0; i < steps.size(); i += loaded_->judge->every()) {
+      deepest = std::max(deepest, loaded_->oracle->At(steps[i].X_WG).depth);
     }
     return deepest;
   }
@@ -280,9 +273,8 @@ class Pareto {
         {"friction, chapter", {kSpheres, FrictionModel::kChapter}},
         {"friction, Coulomb", {kSpheres, FrictionModel::kCoulomb}},
         {"compliance, 20 kN/m", {kSpheres, FrictionModel::kOff, true}},
-        {"removal, of what is too hard to vanish", {kSpheres, FrictionModel::kOff, false, true}},
         {"surface contact and Coulomb friction", {kSurface, FrictionModel::kCoulomb}},
-        {"all (soft, so touched as spheres)", {kSurface, FrictionModel::kCoulomb, true, true}}};
+        {"all (soft, so touched as spheres)", {kSurface, FrictionModel::kCoulomb, true}}};
     const std::string name = std::find(scenes_.begin(), scenes_.end(), kPeerScene) != scenes_.end()
                                  ? kPeerScene
                                  : scenes_.front();
@@ -301,9 +293,8 @@ class Pareto {
             if (!variants[v].materials) continue;
             material.static_friction = 0.8;
             material.dynamic_friction = 0.3;
-            // Surface contact holds for objects without soft or wearing leaves only.
+            // Surface contact holds for objects without soft leaves only.
             if (variants[v].undeclared || features.compliance) material.stiffness = 2e4;
-            if (variants[v].undeclared || features.removal) material.hardness = 1e9;
           }
         }
         with.features = features;

@@ -287,7 +287,7 @@ void Scenes(Markdown& md, const ParetoResults& r) {
       "reported pose, on every n-th step: the deepest vertex inside a closed mesh, or the shortest "
       "way that takes two triangles apart, whichever is more. With sphere contact the meshes may "
       "meet where the spheres, which lie inside them, do not yet: that is the model's error. "
-      "Objects of scenes with ¹ are soft or wear off: what the tool pressed in or scraped away "
+      "Objects of scenes with ¹ are soft: what the tool pressed in "
       "counts as penetration of the meshes, which are as they were. Where a scene has no friction "
       "of its own, its objects have μ_s 0.8 and μ_d 0.3 where a friction model is named.");
   Rows rows;
@@ -332,7 +332,7 @@ void Features(Markdown& md, const ParetoResults& r) {
   md.Paragraph(
       fmt::format("The path of `{}`, the same steps for each line, their repeats taken in turns. "
                   "*Undeclared* is "
-                  "the bare step on objects that have friction, stiffness and hardness which the "
+                  "the bare step on objects that have friction and stiffness which the "
                   "scene does not "
                   "declare: it should cost nothing, a ratio of 1.",
                   r.feature_scene));

@@ -47,7 +47,7 @@ struct SceneResult {
   std::string scene;
   std::string not_available{};
   std::size_t tool_spheres = 0, object_spheres = 0, triangles = 0, steps = 0;
-  bool yields = false;  ///< objects are soft or wear off: a part of the penetration is meant
+  bool yields = false;  ///< objects are soft: a part of the penetration is meant
   std::vector<ModelRun> runs{};
 };
 

@@ -102,15 +102,6 @@ void Fill(Anything& any, const Victim& victim, wire::StationStatistics& s) {
   s.energy_J = any.Number();
   s.device_status = any.Word();
 }
-void Fill(Anything& any, const Victim& victim, wire::SceneChange& s) {
-  any.Text(s.scene, "cube");
-  s.change = any.Long();
-  s.server_run = any.Coin() ? victim.server_run : any.Long();
-  any.Text(s.station, victim.station);
-  s.object_index = any.Word();
-  s.leaf = any.Word();
-  s.triangles = any.Word();
-}
 void Fill(Anything& any, const Victim& victim, wire::SolidBlock& s) {
   any.Text(s.scene, "cube");
   s.object_index = any.Word();
@@ -199,7 +190,6 @@ std::uint64_t FloodDomain(int domain, std::uint64_t seed, double seconds) {
   Flood<wire::ToolState> tools(service, dds::kToolStateTopic, dds::Qos::kStream);
   Flood<wire::StationStatistics> statistics(service, dds::kStationStatisticsTopic,
                                             dds::Qos::kStream);
-  Flood<wire::SceneChange> changes(service, dds::kSceneChangeTopic, dds::Qos::kSession);
   Flood<wire::SolidBlock> blocks(service, dds::kSolidBlockTopic, dds::Qos::kSession);
   Flood<wire::GuideTarget> guides(service, dds::kGuideTopic, dds::Qos::kStream);
   Flood<wire::HapticPose> poses(loop, dds::PoseTopic(victim.station, victim.run), dds::Qos::kLoop);
@@ -207,9 +197,8 @@ std::uint64_t FloodDomain(int domain, std::uint64_t seed, double seconds) {
   std::uint64_t written = 0;
   while (Clock::now() < end) {
     written += requests.Write(any, victim) + wholes.Write(any, victim) + tools.Write(any, victim) +
-               statistics.Write(any, victim) + changes.Write(any, victim) +
-               blocks.Write(any, victim) + guides.Write(any, victim) + poses.Write(any, victim) +
-               wrenches.Write(any, victim);
+               statistics.Write(any, victim) + blocks.Write(any, victim) +
+               guides.Write(any, victim) + poses.Write(any, victim) + wrenches.Write(any, victim);
     if (written % 80 == 0) std::this_thread::sleep_for(milliseconds(1));
   }
   return written;

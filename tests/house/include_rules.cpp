@@ -77,8 +77,7 @@ const std::vector<Rule> kRules = {
     // scene.h and no more of scenes: a session's model is made from a scene's trees and coupling,
     // and from nothing that reads files.
     {"server/session",
-     {"common", "server/physics", "server/session", "scenes/scene.h", "scenes/scene_remains.h",
-      "scenes/grid"},
+     {"common", "server/physics", "server/session", "scenes/scene.h", "scenes/grid"},
      {},
      {"Eigen", "spdlog"}},
     // What others link into programs of their own: Eigen, and nothing else of anybody's.

@@ -1,4 +1,4 @@
-// A scraped scene made whole, with everybody there: server, hand, recorder, command and replay.
+// A cut scene made whole, with everybody there: server, hand, recorder, command and replay.
 #include <csignal>
 #include <filesystem>
 #include <string>

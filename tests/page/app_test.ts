@@ -19,18 +19,10 @@ import {
 import type {Probe} from "@page/parts/probe";
 
 import {eventually, probe, until} from "./support/browser";
-import {
-  pressed,
-  sceneChange,
-  sessionState,
-  stationStatistics,
-  toolState,
-} from "./support/fake_gateway";
-import {kCuttable, kTestScene, kWearable, type TestScene} from "./support/scene_bytes";
+import {pressed, sessionState, stationStatistics, toolState} from "./support/fake_gateway";
+import {kCuttable, kTestScene, type TestScene} from "./support/scene_bytes";
 import {browserTest as test} from "./support/skip";
 import {aroundPit, kPitBlock, pit, solidBlock} from "./support/solid_blocks";
-
-const kWearing: TestScene = {...kWearable, name: "wearing"};
 
 const kCut: TestScene = {...kCuttable, name: "cut"};
 
@@ -47,7 +39,7 @@ const kTeeth: TestScene = {
 let moving: NodeJS.Timeout | undefined;
 let sequence = 0;
 
-atGateway(kTestScene, kWearing, kCut, kTeeth);
+atGateway(kTestScene, kCut, kTeeth);
 beforeEach(() => void (sequence = 0));
 afterEach(() => clearInterval(moving));
 
@@ -67,20 +59,12 @@ function tellPress(newtons: number, x: number): void {
 const kAbove = {p: [0, 0.05, 0], q: [1, 0, 0, 0]} as const;
 const kFree = {haptic: kAbove, graphic: kAbove};
 
-/// A tool that touches nothing, in the scene that wears.
-function moveInWearing(): void {
-  const state = {station: "hand", scene: "wearing", tool: "ball", ...kFree};
+/// A tool that touches nothing, in the scene that burs cut.
+function moveInCut(): void {
+  const state = {station: "hand", scene: "cut", tool: "ball", ...kFree};
   moving = setInterval(() => {
     gateway.send("/palpate/tool_state", toolState({...state, poseSequence: (sequence += 33)}));
   }, 33);
-}
-
-/// Leaves of the whole front and the top, by changes from this number on.
-function scrape(first: number): void {
-  [2, 3, 6, 7].forEach((triangle, i) => {
-    const change = sceneChange("wearing", first + i, 0, triangle, [triangle]);
-    gateway.send("/palpate/scene_change", change);
-  });
 }
 
 const theme = (): Promise<string | undefined> =>
@@ -278,35 +262,6 @@ test("a lost link is said, comes back by itself, and data flow again", async () 
   await vanishes("#banner");
 });
 
-test("what is scraped off vanishes, until a button, or a new run of the server, makes it whole", async () => {
-  gateway.retain("/palpate/session_state", sessionState("hand", "active", "wearing", "ball"));
-  await open({}, "?scene=wearing");
-  const button = page.locator("#whole");
-  await eventually("the button", () => button.isVisible());
-  expect(await button.isDisabled()).toBe(true);
-  const whole = (await until(page, "a picture", ({triangles}) => triangles > 0)).triangles;
-  const before = await stillPicture();
-  scrape(1);
-  await eventually("a hole", async () => (await picture()) !== before);
-  gateway.onPublish = ({op, scene}) => {
-    if (op !== "whole" || scene !== "wearing") return;
-    const about = {server_run: 1n, last_change: 4n, request: 9n, refusal: ""};
-    gateway.send("/palpate/scene_whole", {scene, by: "the page here", ...about});
-  };
-  await button.click();
-  await reads("#hint", "The wearing is whole again (the page here).");
-  await eventually("the whole box", async () => (await picture()) === before);
-  expect(await button.isDisabled()).toBe(true);
-  scrape(5);
-  await eventually("a hole again", async () => (await picture()) !== before);
-  gateway.send(
-    "/palpate/session_state",
-    sessionState("hand", "active", "wearing", "ball", {serverRun: 2n}),
-  );
-  await eventually("another box", async () => (await picture()) === before);
-  expect((await probe(page)).triangles).toBe(whole);
-});
-
 /// Pixels of a picture that are as brown as what is soft within the box, and others that are not as in
 /// another one.
 const comparePixels = (pictures: string[]): Promise<{brown: number; others: number}> =>
@@ -329,7 +284,7 @@ const comparePixels = (pictures: string[]): Promise<{brown: number; others: numb
     return {brown, others};
   }, pictures);
 
-test("what burs cut is gone from the picture, the rest looks as before, and a button makes it whole", async () => {
+test("what burs cut is gone from the picture, the rest looks as before, and a button, or a new run of the server, makes it whole", async () => {
   gateway.retain("/palpate/session_state", sessionState("hand", "active", "cut", "ball"));
   await open({}, "?scene=cut");
   const button = page.locator("#whole");
@@ -354,10 +309,14 @@ test("what burs cut is gone from the picture, the rest looks as before, and a bu
     gateway.send("/palpate/scene_whole", {scene, by: "the page here", ...about});
   };
   await button.click();
+  await reads("#hint", "The cut is whole again (the page here).");
   await eventually("the whole box", async () => (await picture()) === before);
   expect(await button.isDisabled()).toBe(true);
   cutPit(2);
   await eventually("the pit again", async () => (await picture()) === cut);
+  const anew = sessionState("hand", "active", "cut", "ball", {serverRun: 2n});
+  gateway.send("/palpate/session_state", anew);
+  await eventually("another box", async () => (await picture()) === before);
 });
 
 test("what burs cut is bookmarked, and brought back to how it stood then", async () => {
@@ -392,9 +351,9 @@ test("what burs cut is bookmarked, and brought back to how it stood then", async
 test("scenes are chosen, and remembered in the address", async () => {
   press(1);
   await open();
-  await page.selectOption("#scene", "wearing");
-  await until(page, "the other scene", ({scene}) => scene === "wearing");
-  expect(page.url()).toContain("scene=wearing");
+  await page.selectOption("#scene", "cut");
+  await until(page, "the other scene", ({scene}) => scene === "cut");
+  expect(page.url()).toContain("scene=cut");
   await reads("#sentence", "No tool is moving.");
   await page.selectOption("#scene", "test-box");
   await reads("#force", "1.00");
@@ -405,8 +364,8 @@ test("who has chosen nothing, or what nobody serves, sees the scene in which a t
     await open({}, query);
     const idle = await until(page, "a scene", ({scene}) => scene !== "");
     expect(idle.scene).toBe("test-box"); // the first one
-    moveInWearing();
-    await until(page, "the other scene", ({scene}) => scene === "wearing");
+    moveInCut();
+    await until(page, "the other scene", ({scene}) => scene === "cut");
     clearInterval(moving);
   }
 });
@@ -656,12 +615,12 @@ test("another scene's picture does not stay while its own is not there", async (
   await open();
   const box = await picture();
   const delay = new Promise<void>((resolve) => void page.once("close", () => resolve()));
-  await page.route("**/scene/wearing.bundle", async (route) => {
+  await page.route("**/scene/cut.bundle", async (route) => {
     await delay;
     await route.abort();
   });
-  await page.selectOption("#scene", "wearing");
-  await until(page, "the other scene", ({scene}) => scene === "wearing");
+  await page.selectOption("#scene", "cut");
+  await until(page, "the other scene", ({scene}) => scene === "cut");
   const empty = await picture();
   expect(empty).not.toBe(box);
   expect(await isVisible("#loading")).toBe(true);

@@ -15,12 +15,12 @@ import {
 import {eventually, type WindowOptions} from "./support/browser";
 import {sessionState} from "./support/fake_gateway";
 import {FakeReplay} from "./support/fake_replay";
-import {kWearable} from "./support/scene_bytes";
+import {kCuttable} from "./support/scene_bytes";
 import {browserTest as test} from "./support/skip";
 
 let replay: FakeReplay;
 
-atGateway(kWearable);
+atGateway(kCuttable);
 beforeEach(() => {
   if (!browser) return;
   replay = new FakeReplay(gateway);

@@ -165,16 +165,6 @@ class Bits(unittest.TestCase):
             self.assertEqual(report.force.tobytes(), one.wrench[4, i, :3].tobytes())
             self.assertEqual(report.torque.tobytes(), one.wrench[4, i, 3:].tobytes())
 
-    def test_do_not_change_where_a_path_scrapes_for_another(self):
-        block = palpate.body("block", *palpate.box(SIZE), leaves=500, contact="spheres", hardness=1e-6,
-                             static_friction=0.3, dynamic_friction=0.3)
-        model = palpate.Model([block], palpate.ball("ball", 0.005), contact="spheres")
-        path = numpy.array([[x, 0.0235, 0] for x in numpy.linspace(0, 0.01, 400)])
-        paths = numpy.stack([path] * 6)
-        steps = model.follow(paths, threads=3)
-        for other in steps.wrench[1:]:
-            self.assertEqual(other.tobytes(), steps.wrench[0].tobytes())
-
 
 class Scenes(unittest.TestCase):
     def test_have_tools_objects_and_a_path(self):

@@ -41,20 +41,6 @@ nlohmann::json ValuesOf(const wire::SessionState& state) {
   out.push_back(static_cast<bool>(state.muted));
   return out;
 }
-nlohmann::json ValuesOf(const wire::SceneChange& change) {
-  nlohmann::json out{change.scene,
-                     std::to_string(change.change),
-                     std::to_string(change.server_run),
-                     change.station,
-                     change.tool,
-                     std::to_string(change.pose_sequence),
-                     change.object_index,
-                     change.leaf,
-                     change.triangles};
-  for (const std::uint32_t triangle : change.triangle) out.push_back(triangle);
-  return out;
-}
-
 class OthersReadersTest : public testing::Test {
  protected:
   template <class T>
@@ -77,7 +63,6 @@ TEST_F(OthersReadersTest, FindEverySampleOfEveryTopicAsItWas) {
     if (i % 10 == 0) writer_.Flush();
   }
   Put(dds::kSessionStateTopic, SampleState("hand", 5), ValuesOf(SampleState("hand", 5)));
-  Put(dds::kSceneChangeTopic, SampleChange(4), ValuesOf(SampleChange(4)));
 
   wire::SessionRequest request{};
   wire::FromText("hand", request.station);
@@ -89,14 +74,12 @@ TEST_F(OthersReadersTest, FindEverySampleOfEveryTopicAsItWas) {
   Put(dds::kSessionRequestTopic, request,
       {"hand", "5", "cube", "", "simulated", true, 32, 9, 32, 0});
 
-  wire::LeafTaken taken{};
-  wire::FromText("hand", taken.station);
-  taken.run = 5;
-  taken.number = 6;
-  taken.pose_sequence = 7;
-  taken.object_index = 8;
-  taken.leaf = 9;
-  Put(dds::kLeafTakenTopic, taken, {"hand", "5", "6", "7", 8, 9});
+  wire::LoopWhole made_whole{};
+  wire::FromText("hand", made_whole.station);
+  made_whole.run = 5;
+  made_whole.number = 6;
+  made_whole.pose_sequence = 7;
+  Put(dds::kLoopWholeTopic, made_whole, {"hand", "5", "6", "7"});
 
   wire::ToolState tool{};
   wire::FromText("hand", tool.station);

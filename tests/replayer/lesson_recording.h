@@ -49,9 +49,9 @@ class LessonWriter {
     At(at_ms, dds::kSessionStateTopic, state);
   }
   void Change(std::int64_t at_ms, std::uint64_t number, std::uint64_t server_run = 77) {
-    wire::SceneChange change = SampleChange(number);
-    change.server_run = server_run;
-    At(at_ms, dds::kSceneChangeTopic, change);
+    wire::SolidBlock block = SampleBlock(number);
+    block.server_run = server_run;
+    At(at_ms, dds::kSolidBlockTopic, block);
   }
   void Whole(std::int64_t at_ms, std::uint64_t last_change) {
     wire::SceneWhole whole{};
@@ -95,7 +95,7 @@ class LessonWriter {
   std::vector<Sample> samples_;
 };
 
-/// Twelve seconds: a hand that comes, touches, scrapes, fails, is lost for two seconds, ends and
+/// Twelve seconds: a hand that comes, touches, cuts, fails, is lost for two seconds, ends and
 /// comes back at another server; another hand that leaves early; a scene that is made whole.
 inline void FillLesson(LessonWriter& lesson) {
   lesson.Bundle(0);
@@ -140,14 +140,14 @@ class Viewer {
   void Hear(RecordedType type, std::span<const std::uint8_t> cdr) {
     const RecordedSample sample{type, nullptr, 0, cdr};
     wire::SessionState session{};
-    wire::SceneChange change{};
+    wire::SolidBlock block{};
     wire::SceneWhole whole{};
     wire::SceneBundle bundle{};
     if (sample.To(session)) {
       if (IsCurrent(session.server_run)) Keep(sample, session.station, 0);
-    } else if (sample.To(change)) {
-      if (IsCurrent(change.server_run) && change.change > undone_[change.scene]) {
-        Keep(sample, change.scene, change.change);
+    } else if (sample.To(block)) {
+      if (IsCurrent(block.server_run) && block.change > undone_[block.scene]) {
+        Keep(sample, block.scene, block.change);
       }
     } else if (sample.To(whole)) {
       if (IsCurrent(whole.server_run) && whole.last_change >= undone_[whole.scene]) {
@@ -179,7 +179,7 @@ class Viewer {
     undone_[scene] = last;
     std::erase_if(holds, [&](const auto& entry) {
       const auto& [type, name, number] = entry.first;
-      return type == RecordedType::kSceneChange && name == scene && number <= last;
+      return type == RecordedType::kSolidBlock && name == scene && number <= last;
     });
   }
   void Keep(const RecordedSample& sample, const std::string& name, std::uint64_t number) {

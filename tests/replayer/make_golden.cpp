@@ -58,8 +58,7 @@ class Golden {
       const wire::HapticPose pose = At(begin, i);
       // As in a session: the first pose is only looked at, the second begins the forces.
       if (i == 1) {
-        const LeafWear whole = StepState(model_).wear;
-        X_WG = ResolveStart(model_, wire::ToPose(pose), workspace, &whole).X_WG;
+        X_WG = ResolveStart(model_, wire::ToPose(pose), workspace).X_WG;
         loop.Start(X_WG);
       }
       wire::Wrench wrench{};
@@ -71,10 +70,9 @@ class Golden {
       if (i == 1) AddState(add, loop.start_sequence(), X_WG);
     }
     recording.Close("golden");
-    std::printf(
-        "%s: %zu poses from %.3f s of its script, %zu in contact, %zu leaves gone, %zu kB\n",
-        scene_.name.c_str(), kPoses, 1e-3 * static_cast<double>(begin), contacts,
-        loop.removals().size(), std::filesystem::file_size(file_) / 1000);
+    std::printf("%s: %zu poses from %.3f s of its script, %zu in contact, %zu kB\n",
+                scene_.name.c_str(), kPoses, 1e-3 * static_cast<double>(begin), contacts,
+                std::filesystem::file_size(file_) / 1000);
   }
 
  private:

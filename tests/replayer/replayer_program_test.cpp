@@ -17,7 +17,7 @@ using testing::HasSubstr;
 
 constexpr std::int64_t kFrame_ns = 16'000'000;
 
-/// Two seconds for viewers: a scene, a session, a leaf at each half second, 60 tool states a
+/// Two seconds for viewers: a scene, a session, a block at each half second, 60 tool states a
 /// second.
 void RecordForViewers(const std::string& file) {
   RecordingWriter writer({.file = file});
@@ -25,7 +25,7 @@ void RecordForViewers(const std::string& file) {
   Add(writer, dds::kSessionStateTopic, SampleState("hand", 5), 0);
   for (std::uint64_t i = 0; i < 125; ++i) {
     const std::int64_t now_ns = static_cast<std::int64_t>(i) * kFrame_ns;
-    if (i % 30 == 10) Add(writer, dds::kSceneChangeTopic, SampleChange(1 + i / 30), now_ns);
+    if (i % 30 == 10) Add(writer, dds::kSolidBlockTopic, SampleBlock(1 + i / 30), now_ns);
     wire::ToolState tool{};
     wire::FromText("hand", tool.station);
     tool.pose_sequence = i;
@@ -45,9 +45,10 @@ class Viewer {
       ++states;
       last_phase = state.phase;
     }
-    wire::SceneChange change{};
-    while (changes_.Take(change)) changes.push_back(change.change);
     dds::CdrSample raw;
+    wire::SolidBlock block{};
+    while (blocks_.Take(raw, block)) changes.push_back(block.change);
+    dds::FreeContents(block);
     wire::SceneBundle bundle{};
     while (bundles_.Take(raw, bundle)) {
       EXPECT_EQ(bundle.bundle._length, 300'000u);
@@ -65,8 +66,8 @@ class Viewer {
   dds::Reader<wire::ToolState> tools_{service_, dds::kToolStateTopic, dds::Qos::kRecord};
   dds::Reader<wire::SessionState> states_{service_, dds::kSessionStateTopic,
                                           dds::Qos::kRecordSession};
-  dds::Reader<wire::SceneChange> changes_{service_, dds::kSceneChangeTopic,
-                                          dds::Qos::kRecordSession};
+  dds::CdrReader<wire::SolidBlock> blocks_{service_, dds::kSolidBlockTopic,
+                                           dds::Qos::kRecordSession};
   dds::CdrReader<wire::SceneBundle> bundles_{service_, dds::kSceneBundleTopic,
                                              dds::Qos::kRecordSession};
 };

@@ -1,9 +1,7 @@
 #include "server/transport/server.h"
 
-#include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <cmath>
 #include <fstream>
 #include <map>
 #include <thread>
@@ -17,7 +15,6 @@
 #include "common/realtime/steady_clock.h"
 #include "scenes/files/scene_bundle.h"
 #include "tests/session/ball_tool.h"
-#include "tests/session/crust.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/test_domain.h"
 
@@ -38,11 +35,10 @@ class ServerTest : public testing::Test {
   ServerTest() { Restart(); }
   void Restart() {
     server_.reset();
-    server_ = std::make_unique<Server>(dds::Participant::Loop(kDomain, kUdp),
-                                       dds::Participant::Service(kDomain),
-                                       std::vector{BallTool("one"), BallTool("two", "left"),
-                                                   BallTool("two", "right"), ToolsOf(Crust())[0]},
-                                       [this](const std::string& line) { lines_.push_back(line); });
+    server_ = std::make_unique<Server>(
+        dds::Participant::Loop(kDomain, kUdp), dds::Participant::Service(kDomain),
+        std::vector{BallTool("one"), BallTool("two", "left"), BallTool("two", "right")},
+        [this](const std::string& line) { lines_.push_back(line); });
   }
 
   /// Serves until the condition holds; false after 20 s.
@@ -97,10 +93,9 @@ class ServerTest : public testing::Test {
       }
       return wrenches && poses.matched_readers() == 1;
     }
-    void Send(double z) { Send(Vec3(0, 0, z)); }
-    void Send(const Vec3& p) {
+    void Send(double z) {
       State();
-      if (Ready()) poses.Write(hand.At(p));
+      if (Ready()) poses.Write(hand.At(z));
     }
 
     const dds::Participant& loop;
@@ -346,45 +341,6 @@ TEST_F(ServerTest, PublishesToolStatesAndStatisticsAndPrintsALine) {
   ASSERT_FALSE(lines_.empty());
   EXPECT_THAT(lines_.back(), StartsWith("a "));
   EXPECT_THAT(lines_.back(), HasSubstr(" Hz "));
-}
-
-TEST_F(ServerTest, TellsViewersWhatIsScrapedOffEvenThoseThatComeLater) {
-  const dds::Participant viewer = dds::Participant::Service(kDomain);
-  dds::Reader<wire::SceneChange> early(viewer, dds::kSceneChangeTopic, dds::Qos::kSession);
-  Station station(*this, "a", 1);
-  station.Ask("crust");
-  std::vector<wire::SceneChange> told;
-  int sent = 0;
-  EXPECT_TRUE(ServeUntil([&] {
-    // Strokes, lowered at first, some 20 poses a poll.
-    for (int i = 0; i < 20; ++i, ++sent) {
-      station.Send(Vec3(0.008 * std::sin(5e-3 * sent), 0.0, std::max(0.001, 0.01 - 2e-6 * sent)));
-    }
-    wire::SceneChange change;
-    while (early.Take(change)) told.push_back(change);
-    return told.size() >= 5;
-  }));
-  ASSERT_GE(told.size(), 5u);
-  for (std::size_t i = 0; i < told.size(); ++i) {
-    EXPECT_EQ(told[i].change, i + 1);
-    EXPECT_STREQ(told[i].scene, "crust");
-    EXPECT_STREQ(told[i].station, "a");
-    EXPECT_EQ(told[i].triangle[0], told[i].leaf);
-  }
-  dds::Reader<wire::SceneChange> late(viewer, dds::kSceneChangeTopic, dds::Qos::kSession);
-  std::vector<std::uint32_t> leaves(told.size(), ~0u);
-  std::size_t heard = 0;
-  EXPECT_TRUE(ServeUntil([&] {
-    wire::SceneChange change;
-    while (late.Take(change)) {
-      if (change.change <= leaves.size()) {
-        leaves[change.change - 1] = change.leaf;
-        ++heard;
-      }
-    }
-    return heard >= leaves.size();
-  }));
-  for (std::size_t i = 0; i < told.size(); ++i) EXPECT_EQ(leaves[i], told[i].leaf);
 }
 
 TEST_F(ServerTest, GivesEachSceneWholeToViewersEvenThoseThatComeLater) {

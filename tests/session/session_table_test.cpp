@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/session/ball_tool.h"
-#include "tests/session/crust.h"
+#include "tests/session/block_scene.h"
 
 namespace palpate::test {
 namespace {
@@ -180,8 +180,8 @@ TEST_F(SessionTableTest, RefusesAStrangerUnderTheNameOfARunWhoseFirstPoseComes) 
 }
 
 TEST_F(SessionTableTest, IsNotEndedByAStrangerWhileItsSceneIsMadeWhole) {
-  SessionTable table(ToolsOf(Crust()), kServerRun);
-  table.Request(MakeRequest("a", 1, "crust", "left"), now_);
+  SessionTable table(BlockTools(), kServerRun);
+  table.Request(MakeRequest("a", 1, "block", "bur"), now_);
   const auto pass = [&](int milliseconds) {
     for (int i = 0; i < milliseconds; ++i) {
       wire::Wrench answer{};
@@ -191,7 +191,7 @@ TEST_F(SessionTableTest, IsNotEndedByAStrangerWhileItsSceneIsMadeWhole) {
   };
   pass(10);
   wire::WholeRequest wish{};
-  wire::FromText("crust", wish.scene);
+  wire::FromText("block", wish.scene);
   table.Request(wish);
   wire::Wrench answer{};
   Session& session = *table.sessions().at("a");
@@ -199,7 +199,7 @@ TEST_F(SessionTableTest, IsNotEndedByAStrangerWhileItsSceneIsMadeWhole) {
   session.loop().OnPose(hand_.At(0.2), answer);
   session.Update(now_, false);
   ASSERT_EQ(session.phase(), palpate_SESSION_WAITING) << "it begins anew";
-  table.Request(MakeRequest("a", 2, "crust", "left"), now_);
+  table.Request(MakeRequest("a", 2, "block", "bur"), now_);
   pass(400);
   EXPECT_EQ(table.sessions().at("a")->run(), 1u);
   EXPECT_EQ(table.sessions().at("a")->phase(), palpate_SESSION_ACTIVE);

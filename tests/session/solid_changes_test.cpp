@@ -10,46 +10,25 @@
 #include <gtest/gtest.h>
 
 #include "scenes/grid/surface_code.h"
-#include "scenes/shapes/shapes.h"
-#include "server/physics/scene_model.h"
 #include "server/session/session_table.h"
 #include "tests/session/ball_tool.h"
+#include "tests/session/block_scene.h"
 #include "tests/support/allocation_counter.h"
-#include "tests/support/test_scenes.h"
 
 namespace palpate::test {
 namespace {
 
 constexpr std::int64_t kMs = 1'000'000;
 constexpr std::uint64_t kServerRun = 99;
-constexpr double kRadius = 0.7e-3;
 /// How deep strokes go, with the ball's middle below the face.
 constexpr double kDepth = 0.2e-3;
-
-/// A block whose upper face is z = 0, and a ball bur on a pin that nothing but the block meets.
-Scene Block() {
-  Scene scene;
-  scene.name = "block";
-  TriangleMesh mesh = MakeBox(Vec3(6e-3, 3e-3, 2e-3));
-  for (Vec3& v : mesh.vertices) v.z() -= 1e-3;
-  Body block = MakeBody("block", mesh, 16);
-  block.grid = BodyGrid{.spacing = 100e-6, .regions = {}};
-  block.materials = {Material{.cutting_pressure = 0.1e6, .cutting_viscosity = 0.01e9}};
-  scene.objects = {block};
-  Body bur;
-  bur.name = "bur";
-  const Ball ball{Vec3(0, kRadius, 0), 0.5 * kRadius};
-  bur.tree = MakeTree({&ball, 1});
-  bur.bur = BurProfile{{{0.0, 0.0}}, kRadius};
-  scene.tools = {bur};
-  return scene;
-}
 
 wire::SessionRequest RequestOf(const std::string& station, bool leave = false) {
   wire::SessionRequest request{};
   wire::FromText(station, request.station);
   request.run = 1;
   wire::FromText("block", request.scene);
+  wire::FromText("bur", request.tool);
   request.leave = leave;
   return request;
 }
@@ -72,7 +51,8 @@ class SolidChangesTest : public testing::Test {
     const Vec3 from = at_;
     for (int ms = 1; ms <= milliseconds; ++ms) {
       at_ = from + ms * (to - from) / milliseconds;
-      table_.sessions().at(station_)->loop().OnPose(hand_.At(at_ - Vec3(0, kRadius, 0)), answer_);
+      table_.sessions().at(station_)->loop().OnPose(hand_.At(at_ - Vec3(0, kBurRadius, 0)),
+                                                    answer_);
       now_ += kMs;
       if (ms % 5 == 0) Poll();
     }
@@ -144,11 +124,7 @@ class SolidChangesTest : public testing::Test {
   }
 
   std::int64_t now_ = 1000 * kMs;
-  std::vector<std::shared_ptr<const ServedTool>> tools_ = [] {
-    const Scene scene = Block();
-    return std::vector{std::make_shared<const ServedTool>(
-        ServedTool{scene.name, "bur", MakeModel(scene, scene.tools[0], MakeObjects(scene))})};
-  }();
+  std::vector<std::shared_ptr<const ServedTool>> tools_ = BlockTools();
   SessionTable table_{tools_, kServerRun};
   std::string station_;
   Hand hand_;
@@ -168,7 +144,7 @@ TEST_F(SolidChangesTest, ViewersAreShownWhatTheLoopFeels) {
   const LoopSnapshot& shown = table_.sessions().at("a")->snapshot();
   ASSERT_EQ(shown.points, 1);
   EXPECT_LT((shown.point[0].force - shown.wrench.force).norm(), 1e-9);
-  EXPECT_LT((shown.point[0].point - shown.X_WG * Vec3(0, kRadius, 0)).norm(), 1e-9);
+  EXPECT_LT((shown.point[0].point - shown.X_WG * Vec3(0, kBurRadius, 0)).norm(), 1e-9);
   EXPECT_EQ(answer_.rows, 0u);  // a station that computed the force from rows would leave it out
   Settle();
   ExpectShown(loop().cuts()[0].field());
@@ -199,7 +175,8 @@ TEST_F(SolidChangesTest, AreToldWhenTheBurHasLeft) {
   Settle();
   Move(at_ + Vec3(1.3e-3, 0, 0), 300);
   // Beyond the band and what a gradient is made of; and 30 ms.
-  const Vec3 left = wire::ToVec3(answer_.graphic_position_m) + Vec3(-kRadius - 0.7e-3, kRadius, 0);
+  const Vec3 left =
+      wire::ToVec3(answer_.graphic_position_m) + Vec3(-kBurRadius - 0.7e-3, kBurRadius, 0);
   const SparseField& cut = loop().cuts()[0].field();
   const Lattice& lattice = cut.lattice();
   std::size_t behind = 0;
@@ -217,7 +194,7 @@ TEST_F(SolidChangesTest, TheNextSessionBeginsWithWhatIsLeft) {
   Stroke();
   const CutField cut = loop().cuts()[0];
   // Where the bur is: the hand, which presses, is deeper.
-  at_ = wire::ToVec3(answer_.graphic_position_m) + Vec3(0, kRadius, 0);
+  at_ = wire::ToVec3(answer_.graphic_position_m) + Vec3(0, kBurRadius, 0);
   Leave();
   Begin("b");
   for (int k = 0; k < 8 * cut.field().lattice().blocks[2]; ++k) {
@@ -312,7 +289,7 @@ TEST_F(SolidChangesTest, AreToldWhileTheLoopCuts) {
   std::thread servo([&] {
     for (int ms = 1; ms <= kPoses; ++ms) {
       at_ = Vec3(-2e-3 + 5e-6 * ms, 0, std::max(-kDepth, 1e-3 - 6e-6 * ms));
-      cutting.OnPose(hand_.At(at_ - Vec3(0, kRadius, 0)), answer_);
+      cutting.OnPose(hand_.At(at_ - Vec3(0, kBurRadius, 0)), answer_);
       sent = ms;
       std::this_thread::yield();
     }
@@ -332,7 +309,7 @@ TEST_F(SolidChangesTest, AreToldWithoutAskingForMemory) {
   const std::uint64_t before = AllocationsOfThisThread();
   for (int i = 0; i < 50; ++i) {
     at_.x() += 2e-6;
-    loop().OnPose(hand_.At(at_ - Vec3(0, kRadius, 0)), answer_);
+    loop().OnPose(hand_.At(at_ - Vec3(0, kBurRadius, 0)), answer_);
   }
   EXPECT_EQ(AllocationsOfThisThread(), before);
 }

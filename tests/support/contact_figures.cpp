@@ -7,7 +7,6 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "common/math/rotation.h"
-#include "scenes/scene_remains.h"
 #include "server/physics/scene_model.h"
 #include "server/physics/start_pose.h"
 #include "server/physics/tree/sphere_tree_query.h"
@@ -43,29 +42,6 @@ class ToolMotion {
  private:
   Vec3 centroid_;
   double lever_ = 0.0;
-};
-
-/// Takes what was scraped off out of the oracle.
-class Remover {
- public:
-  Remover(const ContactPath& path, MeshOracle& oracle)
-      : forest_(path.model.objects()), remains_(path.scene), oracle_(oracle) {}
-  void Follow(const StepReport& report) {
-    for (int r = 0; r < report.removals; ++r) {
-      const std::int32_t leaf = report.removed[static_cast<std::size_t>(r)];
-      const int object = forest_.ObjectOf(leaf);
-      for (const std::uint32_t triangle :
-           remains_.Remove(static_cast<std::uint32_t>(object),
-                           static_cast<std::uint32_t>(leaf - forest_.FirstLeafOf(object)))) {
-        oracle_.Remove(static_cast<std::size_t>(object), triangle);
-      }
-    }
-  }
-
- private:
-  const ObjectForest& forest_;
-  SceneRemains remains_;
-  MeshOracle& oracle_;
 };
 
 bool Due(std::size_t i, int every) {
@@ -232,7 +208,6 @@ ContactFigures MeasureContact(const ContactPath& path, const ContactChecks& chec
   ContactFigures figures;
   figures.steps = path.X_WH.size();
   MeshOracle oracle(path.scene);
-  Remover remover(path, oracle);
   const ToolMotion motion(path.scene, path.model);
   const JumpJudge judge(path.scene, path.model);
   StepState state = path.start;
@@ -282,7 +257,6 @@ ContactFigures MeasureContact(const ContactPath& path, const ContactChecks& chec
         figures.deepest_step = i;
       }
     }
-    remover.Follow(report);
     if (Due(i, checks.converge_every)) {
       const Converged truth = Converge(path, motion, X_WH, state);
       figures.unconverged += !truth.converged;

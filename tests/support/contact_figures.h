@@ -72,8 +72,7 @@ struct ContactFigures {
   Held held;
 
   /// Against the converged answer: the step's state stepped on with the same hand, until no point
-  /// of the tool moves by 1e-8 m in a step that arrives, 200 steps at most.  (Leaves wear
-  /// meanwhile.)
+  /// of the tool moves by 1e-8 m in a step that arrives, 200 steps at most.
   std::vector<double> lag;            ///< of centroids, at steps that did not arrive [m]
   std::vector<double> force_error;    ///< |F - F_converged| at all steps looked at [N]
   std::vector<double> arrived_error;  ///< of those, at the steps that arrived [N]

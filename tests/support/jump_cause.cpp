@@ -94,7 +94,7 @@ JumpCause JumpJudge::Judge(const Pose& X_WH_before, const StepReport& before, co
   const double hand = Motion(X_WH_before, X_WH);
   if (jump <= ByHand(X_WH_before, before, X_WH, after)) return JumpCause::kHand;
 
-  bool gained = false, lost = before.removals > 0;
+  bool gained = false, lost = false;
   for (int i = 0; i < after.contacts; ++i) {
     gained |= !Has(before, after.active[static_cast<std::size_t>(i)]);
   }

@@ -117,12 +117,6 @@ TEST_F(JumpCauseTest, IsAContactThatCameOrWent) {
   EXPECT_EQ(Cause(), JumpCause::kGained);
 }
 
-TEST_F(JumpCauseTest, IsALeafThatWasScrapedOff) {
-  Jump(-0.6);
-  before_.removals = 1;
-  EXPECT_EQ(Cause(), JumpCause::kLost);
-}
-
 TEST_F(JumpCauseTest, IsALedgeWhereTheGraphicToolSnapsTowardsTheHand) {
   Jump(-0.6);
   X_WH_.p.x() = 1e-4;

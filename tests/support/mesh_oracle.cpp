@@ -220,7 +220,6 @@ void MeshOracle::FindMesh(const Object& object, const Pose& X_WT, bool first_onl
         for (const std::uint32_t i : tool.TrianglesOf(tool_leaf)) {
           const Triangle a = X_BT * tool.At(i);
           for (const std::uint32_t k : other.TrianglesOf(leaf)) {
-            if (other.gone(k)) continue;
             const Triangle b = other.At(k);
             if (Apart(a, b) || !test::Meet(a, b)) continue;
             overlap.meet = true;
@@ -287,7 +286,6 @@ MeshOracle::Gap MeshOracle::Distance(const Pose& X_WT) const {
         for (const std::uint32_t i : tool.TrianglesOf(a)) {
           const Triangle moved = X_BT * tool.At(i);
           for (const std::uint32_t k : other.TrianglesOf(b)) {
-            if (other.gone(k)) continue;
             const Triangle still = other.At(k);
             if (TriangleTree::BoxOf(moved).Distance(TriangleTree::BoxOf(still)) >= gap.distance) {
               continue;
@@ -321,10 +319,6 @@ MeshOracle::Gap MeshOracle::Distance(const Pose& X_WT) const {
     visit(visit, tool.root(), other.root());
   }
   return gap;
-}
-
-void MeshOracle::Remove(std::size_t object, std::uint32_t triangle) {
-  objects_.at(object).mesh.tree.Remove(triangle);
 }
 
 }  // namespace palpate::test

@@ -67,9 +67,6 @@ class MeshOracle {
   };
   Gap Distance(const Pose& X_WT) const;
 
-  /// A triangle of an object's mesh that is no longer there.
-  void Remove(std::size_t object, std::uint32_t triangle);
-
  private:
   struct Mesh;
   struct Object;

@@ -185,16 +185,6 @@ TEST(MeshOracle, TakesABallForTheBallAndNotItsMesh) {
   EXPECT_NEAR(oracle.Distance({Vec3(1, 0.0345, 0)}).distance, 0.0055, 1e-15);
 }
 
-TEST(MeshOracle, ForgetsTrianglesThatAreTakenAway) {
-  const TriangleMesh tool = MakeBox(Vec3::Constant(0.02)), sheet = Sheet();
-  MeshOracle oracle = Against(tool, sheet);
-  const Pose X{Vec3(0.3, -0.2, 0)};  // below the diagonal: in the first triangle
-  EXPECT_TRUE(oracle.Meet(X));
-  oracle.Remove(0, 0);
-  EXPECT_FALSE(oracle.Meet(X));
-  EXPECT_FALSE(oracle.At(X).meet);
-}
-
 TEST(MeshOracle, DistanceIsThatOfTheNearestTriangles) {
   const TriangleMesh tool = MakeEllipsoid(Vec3(0.02, 0.03, 0.01), 80);
   const TriangleMesh object = MakeEllipsoid(Vec3(0.03, 0.01, 0.02), 80);

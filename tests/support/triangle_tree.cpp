@@ -36,7 +36,7 @@ TriangleTree::Box TriangleTree::BoxOf(std::span<const Vec3> points) {
 }
 
 TriangleTree::TriangleTree(const TriangleMesh& mesh)
-    : vertices_(mesh.vertices), triangles_(mesh.triangles), gone_(mesh.triangles.size()) {
+    : vertices_(mesh.vertices), triangles_(mesh.triangles) {
   order_.resize(triangles_.size());
   std::iota(order_.begin(), order_.end(), 0u);
   std::vector<Vec3> centroids;
@@ -159,7 +159,6 @@ double TriangleTree::Distance(const Vec3& p, double within, Vec3* nearest) const
   const auto visit = [&](const auto& self, const Node& node) -> void {
     if (node.leaf()) {
       for (const std::uint32_t triangle : TrianglesOf(node)) {
-        if (gone_[triangle]) continue;
         const Vec3 foot = NearestPoint(At(triangle), p);
         const double distance = (p - foot).norm();
         if (distance < least) {

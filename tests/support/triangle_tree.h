@@ -56,11 +56,6 @@ class TriangleTree {
     const auto& t = triangles_[triangle];
     return {vertices_[t[0]], vertices_[t[1]], vertices_[t[2]]};
   }
-  bool gone(std::uint32_t triangle) const { return gone_[triangle]; }
-  void Remove(std::uint32_t triangle) {
-    gone_[triangle] = true;
-    closed_ = false;
-  }
 
   /// Every edge is passed as often one way as the other, vertices at one place being one: then the
   /// mesh winds a whole number of times round every point that is not on it.
@@ -80,7 +75,6 @@ class TriangleTree {
   std::vector<std::array<std::uint32_t, 3>> triangles_;
   std::vector<Node> nodes_;
   std::vector<std::uint32_t> order_;
-  std::vector<bool> gone_;
   bool closed_ = false;
 };
 

@@ -87,7 +87,6 @@ TEST(Gateway, TellsEachViewerWhichChannelsThereAreAndLetsItSubscribeToThemAlone)
            {"/palpate/loop_statistics", "palpate::LoopStatistics"},
            {"/palpate/station_statistics", "palpate::StationStatistics"},
            {"/palpate/session_state", "palpate::SessionState"},
-           {"/palpate/scene_change", "palpate::SceneChange"},
            {"/palpate/scene_whole", "palpate::SceneWhole"},
            {"/palpate/solid_block", "palpate::SolidBlock"},
            {"/palpate/scene_bundle", "palpate::SceneBundle"}}) {

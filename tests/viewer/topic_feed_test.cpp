@@ -36,15 +36,6 @@ struct Server {
     sample.phase = phase;
     ASSERT_TRUE(states.Write(sample));
   }
-  void WriteChanges(std::uint64_t first, std::uint64_t last, std::uint64_t run = 1) {
-    for (std::uint64_t number = first; number <= last; ++number) {
-      wire::SceneChange sample{};
-      wire::FromText("s", sample.scene);
-      sample.change = number;
-      sample.server_run = run;
-      ASSERT_TRUE(changes.Write(sample));
-    }
-  }
   /// Of object 1 of scene s.
   void WriteBlock(std::uint32_t block, std::uint64_t change) {
     wire::SolidBlock sample{};
@@ -70,7 +61,6 @@ struct Server {
   dds::Participant participant = dds::Participant::Service(kDomain);
   dds::Writer<wire::SceneBundle> bundles{participant, dds::kSceneBundleTopic, dds::Qos::kSession};
   dds::Writer<wire::SessionState> states{participant, dds::kSessionStateTopic, dds::Qos::kSession};
-  dds::Writer<wire::SceneChange> changes{participant, dds::kSceneChangeTopic, dds::Qos::kSession};
   dds::Writer<wire::SolidBlock> blocks{participant, dds::kSolidBlockTopic, dds::Qos::kSession};
   dds::Writer<wire::SceneWhole> wholes{participant, dds::kSceneWholeTopic, dds::Qos::kSession};
   dds::Writer<wire::ToolState> tools{participant, dds::kToolStateTopic, dds::Qos::kStream};
@@ -132,24 +122,24 @@ TEST_F(TopicFeedTest, FindsTheBundleInTheBytesThatTravelled) {
 }
 
 TEST_F(TopicFeedTest, KeepsWhatHasAStateInItsOrderAndNothingElse) {
-  server_.WriteChanges(1, 300);
+  for (std::uint32_t i = 1; i <= 300; ++i) server_.WriteBlock(i, i);
   server_.WriteSession("a", 1, palpate_SESSION_WAITING);
   server_.WriteSession("a", 1, palpate_SESSION_ACTIVE);
   server_.WriteSession("b", 1, palpate_SESSION_REFUSED);
   server_.WriteSession("c", 1, palpate_SESSION_HELD);
   server_.WriteSession("d", 1, palpate_SESSION_ENDED);
   ASSERT_TRUE(PollUntilKept(TopicFeed::kSessionState, 4));
-  ASSERT_TRUE(PollUntilKept(TopicFeed::kSceneChange, 300));
+  ASSERT_TRUE(PollUntilKept(TopicFeed::kSolidBlock, 300));
   EXPECT_TRUE(feed_.server_lives());
   EXPECT_THAT(feed_.stations(), ElementsAre("a"));
   for (const char* there : {"a", "c"}) EXPECT_TRUE(feed_.HasStation(there)) << there;
   for (const char* gone : {"b", "d", "e"}) EXPECT_FALSE(feed_.HasStation(gone)) << gone;
-  const auto changes = feed_.Kept(TopicFeed::kSceneChange);
-  for (std::size_t i = 0; i < changes.size(); ++i) {
-    wire::SceneChange change{};
-    ASSERT_TRUE(dds::FromCdr(changes[i]->payload, change));
-    EXPECT_EQ(change.change, i + 1);
-    EXPECT_TRUE(changes[i]->state);
+  const auto blocks = feed_.Kept(TopicFeed::kSolidBlock);
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    wire::SolidBlock block{};
+    ASSERT_TRUE(dds::FromCdr(blocks[i]->payload, block));
+    EXPECT_EQ(block.change, i + 1);
+    EXPECT_TRUE(blocks[i]->state);
   }
   frames_.clear();
   ASSERT_TRUE(PollUntil([&] {
@@ -176,24 +166,6 @@ TEST_F(TopicFeedTest, KnowsWhatAServerCompilesAsLongAsItDoes) {
     EXPECT_EQ(feed_.compiling()->done, 0.43);
   }
   EXPECT_TRUE(PollUntil([&] { return feed_.compiling() == nullptr; }));
-}
-
-TEST_F(TopicFeedTest, ForgetsChangesThatAreUndoneWhicheverIsHeardFirst) {
-  server_.WriteChanges(1, 5);
-  ASSERT_TRUE(PollUntilKept(TopicFeed::kSceneChange, 5));
-  wire::SceneChange change{};
-  ASSERT_TRUE(dds::FromCdr(feed_.Kept(TopicFeed::kSceneChange)[0]->payload, change));
-  wire::SceneWhole whole{};
-  wire::FromText(change.scene, whole.scene);
-  whole.server_run = 1;
-  whole.last_change = 7;
-  server_.wholes.Write(whole);
-  ASSERT_TRUE(PollUntilKept(TopicFeed::kSceneWhole, 1));
-  EXPECT_TRUE(feed_.Kept(TopicFeed::kSceneChange).empty());
-  server_.WriteChanges(6, 9);
-  ASSERT_TRUE(PollUntilKept(TopicFeed::kSceneChange, 2));
-  ASSERT_TRUE(dds::FromCdr(feed_.Kept(TopicFeed::kSceneChange)[0]->payload, change));
-  EXPECT_EQ(change.change, 8u);
 }
 
 TEST_F(TopicFeedTest, KeepsOfEachBlockOfASolidTheNewestUntilItIsUndone) {
@@ -225,14 +197,14 @@ TEST_F(TopicFeedTest, KeepsOfEachBlockOfASolidTheNewestUntilItIsUndone) {
 TEST_F(TopicFeedTest, LetsANewServerTakeThePlaceOfTheFormerWhoseRestIsNotHeard) {
   server_.WriteBundle("s", 1, {1});
   server_.WriteBundle("gone", 1, {2});
-  server_.WriteChanges(1, 1);
+  server_.WriteBlock(1, 1);
   server_.WriteSession("a", 1, palpate_SESSION_ACTIVE);
   ASSERT_TRUE(PollUntilHas(2, 1));
-  ASSERT_TRUE(PollUntilKept(TopicFeed::kSceneChange, 1));
+  ASSERT_TRUE(PollUntilKept(TopicFeed::kSolidBlock, 1));
   server_.WriteBundle("s", 2, {3});
   ASSERT_TRUE(PollUntil([&] { return feed_.scenes().size() == 1; }));
   EXPECT_EQ(feed_.scenes().at("s").bundle[0], 3);
-  EXPECT_TRUE(feed_.Kept(TopicFeed::kSceneChange).empty());
+  EXPECT_TRUE(feed_.Kept(TopicFeed::kSolidBlock).empty());
   EXPECT_TRUE(feed_.stations().empty());
   const std::size_t heard = sessions_.size();
   server_.WriteSession("late", 1, palpate_SESSION_ACTIVE);
@@ -350,9 +322,9 @@ TEST_F(TopicFeedTest, PassesWishesOnToAReplayThatIsThere) {
 }
 
 TEST(TopicFeed, OffersAMouseAndAReplaysAnswerToThoseWhoMay) {
-  EXPECT_EQ(TopicFeed::Channels(true, true).size(), 13u);
-  EXPECT_EQ(TopicFeed::Channels(false, true).size(), 12u);
-  EXPECT_EQ(TopicFeed::Channels(false, false).size(), 11u);
+  EXPECT_EQ(TopicFeed::Channels(true, true).size(), 12u);
+  EXPECT_EQ(TopicFeed::Channels(false, true).size(), 11u);
+  EXPECT_EQ(TopicFeed::Channels(false, false).size(), 10u);
 }
 
 }  // namespace

@@ -109,7 +109,7 @@ TEST(Takes, AreLimitedHoweverQuicklyAViewerTakesAndLetsGo) {
   Gateway gateway({"--max-mice", "16"});
   ASSERT_TRUE(gateway.KnowsScenes(1));
   WebClient viewer(gateway.port());
-  viewer.Subscribe(9, 6);
+  viewer.Subscribe(9, TopicFeed::kMouseState);
   for (int i = 0; i < 100; ++i) {
     viewer.SendMouse({{"op", "take"}, {"scene", "cube"}, {"tool", fmt::format("t{}", i % 2)}});
     viewer.SendMouse({{"op", "release"}});

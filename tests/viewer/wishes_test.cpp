@@ -80,7 +80,7 @@ TEST(Wishes, AboutStationsAreAFewASecondOfAViewerAndOfItsAddressAndRefusedOnceIn
 TEST(Wishes, OfAReplayAreAnsweredEachThoughNobodyIsAsked) {
   Gateway gateway;
   WebClient viewer(gateway.port());
-  viewer.Subscribe(5, 11);
+  viewer.Subscribe(5, TopicFeed::kReplayAnswer);
   int tag = 0;
   for (; tag < 200; ++tag) {
     viewer.SendReplay({{"replay", "1"}, {"tag", tag}, {"wish", "seek"}, {"value", 0.5}});
@@ -102,7 +102,7 @@ TEST(Wishes, ToSubscribeAreBoundedAndStateIsSentNoMoreOften) {
   ASSERT_TRUE(gateway.KnowsScenes(1));
   WebClient viewer(gateway.port());
   for (int i = 0; i < 150; ++i) {
-    viewer.Subscribe(1, 5);
+    viewer.Subscribe(1, TopicFeed::kSceneBundle);
     viewer.SendText(R"({"op": "unsubscribe", "subscriptionIds": [1]})");
   }
   viewer.SendText(R"({"op": "the last one"})");
@@ -201,9 +201,9 @@ TEST(Flood, IsLeftInTheNetworkWhateverItConsistsOf) {
       {"pings", Frame(0x89, std::string(100, 'p'))},
       {"messages", Frame(0x81, pose)},
       {"what nobody knows", Frame(0x81, R"({"op":"dance"})")},
-      {"subscriptions",
-       Frame(0x81, R"({"op":"subscribe","subscriptions":[{"id":1,"channelId":5}]})") +
-           Frame(0x81, pose)}};
+      {"subscriptions", Frame(0x81, R"({"op":"subscribe","subscriptions":[{"id":1,"channelId":)" +
+                                        std::to_string(TopicFeed::kSceneBundle) + "}]}") +
+                            Frame(0x81, pose)}};
   for (const auto& [what, frame] : floods) {
     RawViewer viewer(gateway.port());
     if (frame[0] == 0x00) viewer.Send(Frame(0x01, "{"));
@@ -211,7 +211,7 @@ TEST(Flood, IsLeftInTheNetworkWhateverItConsistsOf) {
     // While it is there, with all that it has sent, and alone: those before it have gone by now.
     EXPECT_TRUE(gateway.HasViewers(1)) << what;
     WebClient other(gateway.port());
-    other.Subscribe(3, 5);
+    other.Subscribe(3, TopicFeed::kSceneBundle);
     EXPECT_TRUE(other.Next(3)) << "the scene did not come, beside " << what;
   }
   EXPECT_TRUE(gateway.Logs("refused (flood)"));

@@ -103,14 +103,12 @@ def body(
     static_friction: float = 0.0,
     dynamic_friction: float = 0.0,
     stiffness: float = ...,
-    hardness: float = ...,
 ) -> Body:
     """Makes a body of a mesh: vertices (n, 3) in metres, triangles (m, 3), counter-clockwise from outside.
 
     leaves     of its sphere tree; 0: 512 where the mesh is felt, else as many as its shape needs
     contact    as the model's: "surface" or "spheres"
     stiffness  of a leaf's contact in N/m; infinite: rigid
-    hardness   work in J after which a leaf is scraped off; infinite: it stays
     """
 
 def ball(name: str, radius: float) -> Body:

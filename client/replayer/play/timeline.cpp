@@ -24,11 +24,6 @@ constexpr std::int64_t kTold_ns = 200'000'000;
 /// Of a file without chunks each message is a place; one here and there will do.
 constexpr std::int64_t kStartsApart_ns = 50'000'000;
 
-/// Undone where the scene is made whole.
-bool IsChange(RecordedType type) {
-  return type == RecordedType::kSceneChange || type == RecordedType::kSolidBlock;
-}
-
 template <class T>
 std::string StationIn(const RecordedSample& sample) {
   T value{};
@@ -38,7 +33,7 @@ std::string StationIn(const RecordedSample& sample) {
 }  // namespace
 
 bool Stays(RecordedType type) {
-  return type == RecordedType::kSessionState || IsChange(type) ||
+  return type == RecordedType::kSessionState || type == RecordedType::kSolidBlock ||
          type == RecordedType::kSceneWhole || type == RecordedType::kSceneBundle;
 }
 
@@ -81,8 +76,6 @@ void Timeline::Add(const RecordedSample& sample, const RecordingReader::Place& p
   switch (sample.type) {
     case RecordedType::kSessionState:
       return AddSession(sample);
-    case RecordedType::kSceneChange:
-      return AddChange(sample);
     case RecordedType::kSolidBlock:
       return AddBlock(sample);
     case RecordedType::kSceneWhole:
@@ -162,12 +155,6 @@ void Timeline::AddSession(const RecordedSample& sample) {
     station.touches = station.has_touched = false;
     AddMark(palpate_REPLAY_SESSION, std::string(state.station) + " takes the " + state.tool);
   }
-}
-
-void Timeline::AddChange(const RecordedSample& sample) {
-  wire::SceneChange change{};
-  if (!sample.To(change)) return;
-  Keep(sample, change.server_run, change.scene, change.change, change.change);
 }
 
 void Timeline::AddBlock(const RecordedSample& sample) {
@@ -303,17 +290,16 @@ Timeline::Moment Timeline::At(std::int64_t time_ns) const {
       former.insert(moment.server_run);
       moment = {state.server_run, {}};
     }
-    const State* const whole = IsChange(state.type) ? moment.WholeOf(state.name) : nullptr;
+    const bool is_block = state.type == RecordedType::kSolidBlock;
+    const State* const whole = is_block ? moment.WholeOf(state.name) : nullptr;
     if (whole != nullptr && state.number <= whole->number) continue;
     moment.holds[{state.type, state.name, state.place}] = &state;
     if (state.type != RecordedType::kSceneWhole) continue;
     // Of the scene's changes those up to the last that is undone.
-    for (const RecordedType type : {RecordedType::kSceneChange, RecordedType::kSolidBlock}) {
-      auto held = moment.holds.lower_bound({type, state.name, 0});
-      const auto end = moment.holds.upper_bound({type, state.name, UINT64_MAX});
-      while (held != end) {
-        held = held->second->number <= state.number ? moment.holds.erase(held) : std::next(held);
-      }
+    auto held = moment.holds.lower_bound({RecordedType::kSolidBlock, state.name, 0});
+    const auto end = moment.holds.upper_bound({RecordedType::kSolidBlock, state.name, UINT64_MAX});
+    while (held != end) {
+      held = held->second->number <= state.number ? moment.holds.erase(held) : std::next(held);
     }
   }
   return moment;
@@ -332,11 +318,12 @@ bool LeadsTo(const Timeline::Moment& told, const Timeline::Moment& wanted) {
     const Timeline::State* const whole = wanted.WholeOf(held.name);
     const std::uint64_t undone = whole == nullptr ? 0 : whole->number;
     if (held.type == RecordedType::kSceneWhole) return whole != nullptr && undone >= held.number;
-    if (IsChange(held.type) && held.number <= undone) return true;
+    const bool is_block = held.type == RecordedType::kSolidBlock;
+    if (is_block && held.number <= undone) return true;
     const auto later = wanted.holds.find(entry.first);
     if (later == wanted.holds.end()) return false;
     // A block of a solid only loses.
-    return held.type != RecordedType::kSolidBlock || later->second->number >= held.number;
+    return !is_block || later->second->number >= held.number;
   });
 }
 

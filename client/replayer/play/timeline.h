@@ -21,7 +21,7 @@ bool Stays(RecordedType type);
 /// A recording by time: what holds for viewers at any moment of it, where in its files to read on
 /// from there, what took place in it, and where it has nothing.  Made by one pass over all of it;
 /// then to go to a moment costs a look through the states that were told up to it (sessions,
-/// scenes, and each leaf that was scraped off), and at most a few seconds of the files.
+/// scenes, and each block that was cut), and at most a few seconds of the files.
 ///
 /// A sample's turn is its time, or that of the latest before it where a recording's times go back:
 /// times below are turns.
@@ -121,7 +121,6 @@ class Timeline {
   void Hear(const RecordedSample& sample);
   Station& StationOf(const std::string& name);
   void AddSession(const RecordedSample& sample);
-  void AddChange(const RecordedSample& sample);
   void AddBlock(const RecordedSample& sample);
   void AddWhole(const RecordedSample& sample);
   void AddBundle(const RecordedSample& sample);
@@ -150,7 +149,7 @@ class Timeline {
 
 /// True where viewers who were told `told` can be told the rest of `wanted`.  Else they have to
 /// forget first, as they do where another server's run begins: only so does come back what has been
-/// scraped off, and goes what was not there yet.
+/// cut, and goes what was not there yet.
 bool LeadsTo(const Timeline::Moment& told, const Timeline::Moment& wanted);
 
 /// What of `wanted` is not in `told`, in the recording's order.

@@ -23,7 +23,6 @@ constexpr std::chrono::milliseconds kBetweenWrites{5};
 
 Voice::Round::Round(const dds::Participant& service)
     : states(service, dds::kSessionStateTopic, dds::Qos::kSession),
-      changes(service, dds::kSceneChangeTopic, dds::Qos::kSession),
       blocks(service, dds::kSolidBlockTopic, dds::Qos::kSession),
       wholes(service, dds::kSceneWholeTopic, dds::Qos::kSession),
       bundles(service, dds::kSceneBundleTopic, dds::Qos::kSession) {}
@@ -46,8 +45,6 @@ bool Voice::Say(RecordedType type, std::span<const std::uint8_t> cdr) {
   switch (type) {
     case RecordedType::kSessionState:
       return Say(cdr, round_->states, true);
-    case RecordedType::kSceneChange:
-      return Say(cdr, round_->changes, true);
     case RecordedType::kSolidBlock:
       return Say(cdr, round_->blocks, true);
     case RecordedType::kSceneWhole:

@@ -37,7 +37,6 @@ class Voice {
   struct Round {
     explicit Round(const dds::Participant& service);
     dds::Writer<wire::SessionState> states;
-    dds::Writer<wire::SceneChange> changes;
     dds::Writer<wire::SolidBlock> blocks;
     dds::Writer<wire::SceneWhole> wholes;
     dds::Writer<wire::SceneBundle> bundles;

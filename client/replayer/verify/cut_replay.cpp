@@ -118,6 +118,8 @@ void CutSide::Take(ServoLoop& loop) {
   }
   for (CutMerge merge; loop.TakeMerge(merge);) {
   }
+  for (std::uint64_t pose_sequence = 0; loop.TakeWhole(pose_sequence);) {
+  }
 }
 
 CutSession* CutReplay::Find(std::uint32_t session) const {

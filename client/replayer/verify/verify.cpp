@@ -24,7 +24,6 @@
 #include "scenes/catalogue.h"
 #include "scenes/files/scene_bundle.h"
 #include "server/physics/scene_model.h"
-#include "server/physics/tree/sphere_tree_query.h"
 #include "server/session/servo_loop.h"
 
 namespace palpate {
@@ -170,27 +169,21 @@ class Scenes {
 struct SessionFacts {
   std::string station, scene, tool;
   std::uint64_t run = 0, server_run = 0;
-  std::map<std::uint64_t, Pose> starts;             ///< X_WG by the pose that it begins with
-  std::map<std::uint64_t, wire::LeafTaken> leaves;  ///< by number
+  std::map<std::uint64_t, Pose> starts;           ///< X_WG by the pose that it begins with
+  std::map<std::uint64_t, std::uint64_t> wholes;  ///< LoopWhole.pose_sequence by its number
   CutFacts cuts{};
 };
 
 /// One session's loop, fed in the order that it was fed then.
 class SessionReplay : public CutSession {
  public:
-  SessionReplay(const SessionFacts& facts, const Scene& scene, const HapticModel& model,
-                std::int64_t began_ns)
-      : facts_(facts),
-        scene_(scene),
-        model_(model),
-        loop_(model),
-        side_(facts.cuts),
-        began_ns_(began_ns) {
+  SessionReplay(const SessionFacts& facts, const HapticModel& model, std::int64_t began_ns)
+      : facts_(facts), model_(model), loop_(model), side_(facts.cuts), began_ns_(began_ns) {
     verdict_.station = facts.station;
     verdict_.scene = facts.scene;
     verdict_.tool = facts.tool;
     verdict_.run = facts.run;
-    next_leaf_ = facts_.leaves.begin();
+    next_whole_ = facts_.wholes.begin();
     next_start_ = facts_.starts.begin();
   }
 
@@ -354,29 +347,10 @@ class SessionReplay : public CutSession {
       loop_.Start(next_start_->second);
       ++next_start_;
     }
-    for (; next_leaf_ != facts_.leaves.end() &&
-           next_leaf_->second.pose_sequence <= pose.pose_sequence;
-         ++next_leaf_) {
-      const ObjectForest& forest = model_.objects();
-      const wire::LeafTaken& taken = next_leaf_->second;
-      if (taken.leaf == wire::kNoLeaf) {
-        loop_.MakeWhole();
-        if (verdict_.cut) verdict_.cut->before = StepState(model_).cuts;
-        continue;
-      }
-      const auto first_of = [&](std::size_t object) {
-        return object < scene_.objects.size()
-                   ? std::int64_t{forest.FirstLeafOf(static_cast<int>(object))}
-                   : std::int64_t{forest.leaf_count()};
-      };
-      const std::int64_t leaf = first_of(taken.object_index) + taken.leaf;
-      if (taken.object_index >= scene_.objects.size() ||
-          leaf >= first_of(taken.object_index + 1u)) {
-        Stop(fmt::format("a leaf is to go that the scene does not have ({} of object {})",
-                         taken.leaf, taken.object_index));
-        return false;
-      }
-      loop_.Remove(static_cast<std::int32_t>(leaf));
+    for (; next_whole_ != facts_.wholes.end() && next_whole_->second <= pose.pose_sequence;
+         ++next_whole_) {
+      loop_.MakeWhole();
+      if (verdict_.cut) verdict_.cut->before = StepState(model_).cuts;
     }
     side_.Give(pose.pose_sequence, loop_);
     const bool is_answered = loop_.OnPose(pose, answer);
@@ -392,7 +366,6 @@ class SessionReplay : public CutSession {
   }
 
   const SessionFacts& facts_;
-  const Scene& scene_;
   const HapticModel& model_;
   ServoLoop loop_;
   CutSide side_;
@@ -400,7 +373,7 @@ class SessionReplay : public CutSession {
   SessionVerdict verdict_;
   std::map<std::uint64_t, wire::HapticPose> poses_;  // not yet used
   std::deque<std::pair<wire::Wrench, std::int64_t>> waiting_;
-  std::map<std::uint64_t, wire::LeafTaken>::const_iterator next_leaf_;
+  std::map<std::uint64_t, std::uint64_t>::const_iterator next_whole_;
   std::map<std::uint64_t, Pose>::const_iterator next_start_;
   std::uint64_t newest_pose_ = 0, last_pose_ = 0;
   std::uint32_t taken_ = 0;
@@ -434,7 +407,7 @@ std::vector<std::unique_ptr<SessionFacts>> Gather(
       continue;
     }
     wire::SessionState state{};
-    wire::LeafTaken taken{};
+    wire::LoopWhole whole{};
     dds::Owned<wire::SceneBundle> bundle;
     dds::Owned<wire::CutLog> log;
     if (sample.To(state)) {
@@ -447,8 +420,8 @@ std::vector<std::unique_ptr<SessionFacts>> Gather(
         facts.starts[state.start_sequence] =
             wire::ToPose(state.start_position_m, state.start_orientation_wxyz);
       }
-    } else if (sample.To(taken)) {
-      facts_of(taken.station, taken.run).leaves[taken.number] = taken;
+    } else if (sample.To(whole)) {
+      facts_of(whole.station, whole.run).wholes[whole.number] = whole.pose_sequence;
     } else if (sample.To(bundle.value)) {
       scenes.AddBundle(bundle.value);
     } else if (sample.To(log.value)) {
@@ -485,7 +458,7 @@ class Verifier {
       : file_(files.front()), options_(options), reader_(files), scenes_(options) {
     sessions_ = Gather(reader_, scenes_, began_ns_, last_samples_, logs_);
     for (const auto& facts : sessions_) {
-      if (facts->scene.empty()) continue;  // only leaves of it: its states are in another split
+      if (facts->scene.empty()) continue;  // its states are in another split
       const std::string poses = dds::PoseTopic(facts->station, facts->run);
       Replayed& session = replayed_[poses];
       session.facts = facts.get();
@@ -559,8 +532,7 @@ class Verifier {
     }
     const SessionFacts& facts = *session.facts;
     const HapticModel& model = scenes_.ModelOf(facts.scene, facts.tool);
-    session.replay =
-        std::make_unique<SessionReplay>(facts, *scenes_.SceneOf(facts.scene), model, began_ns_);
+    session.replay = std::make_unique<SessionReplay>(facts, model, began_ns_);
     const bool is_left_out =
         facts.cuts.session == 0 && logs_.contains(session.scene) && !model.solids().empty();
     if (is_left_out || unknown_.contains(session.scene)) session.replay->BeginUnknown();

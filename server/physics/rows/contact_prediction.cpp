@@ -13,13 +13,12 @@ ContactPrediction::ContactPrediction(const HapticModel& model) {
 }
 
 void ContactPrediction::Predict(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
-                                const Vec3& p_W, const StepBounds& bounds, const LeafWear& wear,
-                                ContactRows& rows, StageTimes* times) noexcept {
+                                const Vec3& p_W, const StepBounds& bounds, ContactRows& rows,
+                                StageTimes* times) noexcept {
   rows.Clear();
   if (query_) {
     StageClock clock(times);
-    query_->Run(kernels, R_WG, p_W, bounds, [&](NodePair* pairs, int found) {
-      const int count = wear.KeepPresent(pairs, found);
+    query_->Run(kernels, R_WG, p_W, bounds, [&](NodePair* pairs, int count) {
       clock.Lap(&StageTimes::prediction);
       rows.Add(kernels, model.tool().leaves().data(), model.objects().leaves().data(), R_WG, p_W,
                pairs, count);
@@ -32,12 +31,10 @@ void ContactPrediction::Predict(const HapticModel& model, const Kernels& kernels
 }
 
 bool ContactPrediction::Overlaps(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
-                                 const Vec3& p_W, const LeafWear& wear,
-                                 ContactRows& rows) noexcept {
+                                 const Vec3& p_W, ContactRows& rows) noexcept {
   bool overlaps = false;
   const auto look = [&](PairQuery& query, const ObjectForest& forest, const auto& depth_of) {
-    query.Run(kernels, R_WG, p_W, {0.0, 0.0}, [&](NodePair* pairs, int found) {
-      const int count = wear.KeepPresent(pairs, found);
+    query.Run(kernels, R_WG, p_W, {0.0, 0.0}, [&](NodePair* pairs, int count) {
       // A few pairs at a time: deep inside, the first one tells.
       constexpr int kFew = 64;
       for (int i = 0; i < count && !overlaps; i += kFew) {

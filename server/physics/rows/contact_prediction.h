@@ -6,7 +6,6 @@
 #include "server/physics/haptic_model.h"
 #include "server/physics/rows/contact_rows.h"
 #include "server/physics/step_types.h"
-#include "server/physics/tree/leaf_wear.h"
 #include "server/physics/tree/sphere_tree_query.h"
 
 namespace palpate {
@@ -20,20 +19,18 @@ class ContactPrediction {
  public:
   ContactPrediction(const HapticModel& model);
 
-  /// Fills `rows` for the graphic tool at R_WG with its reference point at p_W, but for leaves that
-  /// have gone.
+  /// Fills `rows` for the graphic tool at R_WG with its reference point at p_W.
   /// Where `times` is given, adds to its prediction and rows stages.  Real-time.
   void Predict(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
-               const StepBounds& bounds, const LeafWear& wear, ContactRows& rows,
-               StageTimes* times) noexcept;
+               const StepBounds& bounds, ContactRows& rows, StageTimes* times) noexcept;
 
   /// Packet pairs tested so far in the life of this prediction: what it costs, as a count.
   std::int64_t tested() const { return query_ ? query_->tested() : 0; }
 
   /// True where any two leaves overlap, of soft ones their cores, of objects that are felt by their
-  /// meshes by kCoreDepth; what has gone does not count.  `rows` is scratch.  Real-time.
+  /// meshes by kCoreDepth.  `rows` is scratch.  Real-time.
   bool Overlaps(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
-                const LeafWear& wear, ContactRows& rows) noexcept;
+                ContactRows& rows) noexcept;
 
  private:
   std::optional<PairQuery> query_;    ///< where any leaf can touch

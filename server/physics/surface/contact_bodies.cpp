@@ -56,9 +56,8 @@ std::vector<bool> HeadOf(const TriangleMesh& mesh, const Cutting& cutting) {
 
 bool IsFeltByMesh(const PlacedTree& object) {
   return !object.is_cut &&
-         std::none_of(object.materials.begin(), object.materials.end(), [](const Material& m) {
-           return std::isfinite(m.stiffness) || std::isfinite(m.hardness);
-         });
+         std::none_of(object.materials.begin(), object.materials.end(),
+                      [](const Material& m) { return std::isfinite(m.stiffness); });
 }
 
 std::vector<ContactBody> MakeBodies(std::span<const PlacedTree> objects) {

@@ -15,8 +15,8 @@
 
 namespace palpate {
 
-/// True where an object's mesh decides its contact: it is rigid and stays.  What yields or is
-/// scraped off has its compliance and hardness by leaf, so its leaves decide.
+/// True where an object's mesh decides its contact: it is rigid.  What yields has its compliance by
+/// leaf, so its leaves decide.
 bool IsFeltByMesh(const PlacedTree& object);
 
 /// What contact knows of a body: triangles with a tree over them, rounded by a radius [m], which is

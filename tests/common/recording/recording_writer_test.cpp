@@ -90,8 +90,8 @@ TEST(RecordingWriter, BeginsEachSplitWithWhatHoldsThen) {
     const std::int64_t now_ns = (1 + 100 * i) * kMs;
     if (i == 2) Add(writer, dds::kSessionStateTopic, SampleState("hand", 1), now_ns);
     if (i == 4) Add(writer, dds::kSessionStateTopic, SampleState("hand", 2), now_ns);
-    if (i == 5) Add(writer, dds::kSceneChangeTopic, SampleChange(1), now_ns);
-    if (i == 6) Add(writer, dds::kSceneChangeTopic, SampleChange(2), now_ns);
+    if (i == 5) Add(writer, dds::kSolidBlockTopic, SampleBlock(1), now_ns);
+    if (i == 6) Add(writer, dds::kSolidBlockTopic, SampleBlock(2), now_ns);
     Add(writer, dds::PoseTopic("hand", 2), SamplePose(static_cast<std::uint64_t>(i)), now_ns);
   }
   writer.Close("");
@@ -111,7 +111,7 @@ TEST(RecordingWriter, BeginsEachSplitWithWhatHoldsThen) {
     EXPECT_TRUE(reader.complete());
     EXPECT_EQ(count[RecordedType::kSceneBundle], 1);
     EXPECT_EQ(count[RecordedType::kSessionState], 1);
-    EXPECT_EQ(count[RecordedType::kSceneChange], 2);
+    EXPECT_EQ(count[RecordedType::kSolidBlock], 2);
     EXPECT_EQ(count[RecordedType::kHapticPose], 10);
     EXPECT_EQ(MetadataOf(reader, "palpate.recording").at("split"), std::to_string(split));
     EXPECT_EQ(MetadataOf(reader, "palpate.scene").at("scene"), "cube");

@@ -68,14 +68,14 @@ inline wire::SessionState SampleState(const std::string& station, std::uint64_t 
   return state;
 }
 
-inline wire::SceneChange SampleChange(std::uint64_t number) {
-  wire::SceneChange change{};
-  wire::FromText("cube", change.scene);
-  change.change = number;
-  change.server_run = 77;
-  wire::FromText("hand", change.station);
-  change.leaf = static_cast<std::uint32_t>(number);
-  return change;
+/// Of another block of the same solid each.
+inline wire::SolidBlock SampleBlock(std::uint64_t number) {
+  wire::SolidBlock block{};
+  wire::FromText("cube", block.scene);
+  block.block = static_cast<std::uint32_t>(number);
+  block.change = number;
+  block.server_run = 77;
+  return block;
 }
 
 template <class T>

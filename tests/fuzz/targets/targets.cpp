@@ -111,10 +111,10 @@ struct TypesThatTravel {
 };
 using Types =
     TypesThatTravel<wire::HapticPose, wire::Wrench, wire::SessionRequest, wire::SessionState,
-                    wire::SceneChange, wire::LeafTaken, wire::WholeRequest, wire::SceneWhole,
-                    wire::ReplayContents, wire::ReplayState, wire::ReplayRequest, wire::ToolState,
-                    wire::LoopStatistics, wire::StationStatistics, wire::SceneBundle,
-                    wire::GuideTarget, wire::SolidBlock, wire::CutLog>;
+                    wire::LoopWhole, wire::WholeRequest, wire::SceneWhole, wire::ReplayContents,
+                    wire::ReplayState, wire::ReplayRequest, wire::ToolState, wire::LoopStatistics,
+                    wire::StationStatistics, wire::SceneBundle, wire::GuideTarget, wire::SolidBlock,
+                    wire::CutLog>;
 
 /// Reads a text, or is refused by an Error that names the file; whether it was read.
 template <class Read>
@@ -466,7 +466,7 @@ const std::vector<Target>& AllTargets() {
          wire::FromText("cube", bundle.scene);
          bundle.bundle._buffer = content;
          bundle.bundle._length = bundle.bundle._maximum = 3;
-         seeds.push_back(Cdr(14, bundle));
+         seeds.push_back(Cdr(13, bundle));
          return seeds;
        }},
       {"qp", Qp,

@@ -3,6 +3,7 @@ import {expect, test} from "vitest";
 import {kTopics, World} from "@page/model/world";
 
 import {replayStateSent} from "../support/replay_state";
+import {kPitBlock, pit, solidBlock} from "../support/solid_blocks";
 
 const state = (station: string, sequence: number, more: object = {}) => ({
   station,
@@ -87,28 +88,18 @@ function worldOfRuns() {
   });
   return {world, runs};
 }
-const change = (run: bigint) => ({
-  scene: "cube",
-  change: 1n,
-  server_run: run,
-  object_index: 0,
-  leaf: 4,
-  triangles: 1,
-  triangle: [9],
-});
-
-test("a server's new run makes a scraped scene whole, and any worth another look", () => {
+test("a server's new run makes a cut scene whole, and any worth another look", () => {
   const {world, runs} = worldOfRuns();
   world.receive(kTopics.sessionState, session("hand", 2, {server_run: 1n}), 0, 0);
-  world.receive(kTopics.sceneChange, change(1n), 0, 0);
-  expect(world.remainsOf("cube").leavesOf(0).size).toBe(1);
+  world.receive(kTopics.solidBlock, solidBlock("cube", kPitBlock, 1, pit()), 0, 0);
+  expect(world.remainsOf("cube").isWhole).toBe(false);
   world.receive(kTopics.sessionState, session("hand", 2, {server_run: 2n}), 0, 0);
-  expect(world.remainsOf("cube").leavesOf(0).size).toBe(0);
+  expect(world.remainsOf("cube").isWhole).toBe(true);
   expect(runs.told).toBe(1);
-  world.receive(kTopics.sceneChange, change(1n), 0, 0);
-  expect(world.remainsOf("cube").leavesOf(0).size).toBe(0); // the former's last word
+  world.receive(kTopics.solidBlock, solidBlock("cube", kPitBlock, 1, pit()), 0, 0);
+  expect(world.remainsOf("cube").isWhole).toBe(true); // the former's last word
   world.receive(kTopics.sessionState, session("hand", 2, {server_run: 3n}), 0, 0);
-  expect(runs.told).toBe(2); // though nothing was scraped off
+  expect(runs.told).toBe(2); // though nothing was cut
 });
 
 test("who held a tool of a server that is gone holds nothing of its successor's", () => {

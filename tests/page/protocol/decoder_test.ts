@@ -8,7 +8,6 @@ import {makeDecoder} from "@page/protocol/decoder";
 import {
   toLoopStatistics,
   toMouseState,
-  toSceneChange,
   toSessionState,
   toSolidBlock,
   toStationStatistics,
@@ -19,7 +18,6 @@ import {
   encode,
   kChannels,
   loopStatistics,
-  sceneChange,
   sessionState,
   stationStatistics,
   toolState,
@@ -58,10 +56,6 @@ test("what servers and stations say comes out as it went in", () => {
     ...{late: 0, lost: 2, silenceS: 0.0012, wantedForceN: 2, appliedForceN: 2},
     limiter: {nonfinite: 0, clamped: 0, slewed: 0, braked: 30, warm: 0, faded: 0, disabled: 7},
     ...{energyJ: 0.0125, energyLeastJ: 0, warmth: 0.21, deviceStatus: 5},
-  });
-  const gone = sceneChange("calculus", 2, 1, 40, [5, 6, 7]);
-  expect(toSceneChange(through("/palpate/scene_change", gone))).toMatchObject({
-    ...{change: 2, objectIndex: 1, leaf: 40, triangles: [5, 6, 7]},
   });
   const block = solidBlock("cube", kPitBlock, 9, pit(), {object: 2, cut: false});
   expect(toSolidBlock(through("/palpate/solid_block", block))).toEqual({

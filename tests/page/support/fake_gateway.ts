@@ -36,7 +36,6 @@ export const kChannels: readonly Channel[] = [
   cdrChannel("tool_state", "ToolState", "teaching"),
   cdrChannel("loop_statistics", "LoopStatistics", "teaching"),
   cdrChannel("session_state", "SessionState", "session"),
-  cdrChannel("scene_change", "SceneChange", "session"),
   cdrChannel("station_statistics", "StationStatistics", "teaching"),
   cdrChannel("scene_whole", "SceneWhole", "session"),
   cdrChannel("solid_block", "SolidBlock", "solid"),
@@ -117,25 +116,6 @@ export function sessionState(
     tool_reference_m: [0, 0, 0],
     start_position_m: [0, 0, 0],
     start_orientation_wxyz: [1, 0, 0, 0],
-  };
-}
-
-export function sceneChange(
-  scene: string,
-  change: number,
-  object: number,
-  leaf: number,
-  triangles: readonly number[],
-  serverRun = 1n,
-): object {
-  return {
-    scene,
-    change: BigInt(change),
-    server_run: serverRun,
-    object_index: object,
-    leaf,
-    triangles: triangles.length,
-    triangle: Array.from({length: 128}, (_, i) => triangles[i] ?? 0),
   };
 }
 

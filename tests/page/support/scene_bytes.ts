@@ -35,7 +35,7 @@ export interface TestBody {
   readonly mesh: Mesh;
   readonly leaves: readonly Leaf[];
   readonly pose?: Pose;
-  readonly materials?: readonly {stiffness: number; hardness: number}[];
+  readonly materials?: readonly {stiffness: number}[];
   readonly cutColours?: readonly number[]; // of what burs cut
 }
 export interface TestScene {
@@ -43,7 +43,6 @@ export interface TestScene {
   readonly tools: readonly TestBody[];
   readonly objects: readonly TestBody[];
   readonly compliance?: boolean;
-  readonly removal?: boolean;
 }
 
 /// Twelve triangles, two a face.
@@ -99,12 +98,6 @@ export const kTestScene: TestScene = {
   ],
   objects: [{name: "box", mesh: box(0.05), leaves: leafPerTriangle(box(0.05), 0.004)}],
 };
-/// Its box is worn away triangle by triangle.
-export const kWearable: TestScene = {
-  ...kTestScene,
-  removal: true,
-  objects: [{...kTestScene.objects[0]!, materials: [{stiffness: Infinity, hardness: 1e-5}]}],
-};
 /// Burs cut its box, which is soft within.
 export const kCuttable: TestScene = {
   ...kTestScene,
@@ -114,7 +107,6 @@ export const kCuttable: TestScene = {
 export function sceneBytes(scene: TestScene): Uint8Array {
   const bodies = [...scene.tools, ...scene.objects];
   const wireOf = (body: TestBody): BodyT => bodyOf(body, bodies.indexOf(body));
-  const {compliance = false, removal = false} = scene;
   const wire = new SceneT(
     scene.name,
     bodies.map(geometryOf),
@@ -122,7 +114,7 @@ export function sceneBytes(scene: TestScene): Uint8Array {
     scene.objects.map(wireOf),
     1000,
     1,
-    new FeaturesT(Contact.Surface, Friction.Off, compliance, removal),
+    new FeaturesT(Contact.Surface, Friction.Off, scene.compliance ?? false, false),
   );
   const builder = new Builder(1 << 16);
   Scene.finishSceneBuffer(builder, wire.pack(builder));
@@ -155,7 +147,7 @@ function geometryOf({mesh, leaves}: TestBody): GeometryT {
   });
 }
 
-const kRigid = [{stiffness: Infinity, hardness: Infinity}];
+const kRigid = [{stiffness: Infinity}];
 
 function bodyOf(
   {name, leaves, pose, materials = kRigid, cutColours}: TestBody,
@@ -167,7 +159,7 @@ function bodyOf(
     name,
     geometry,
     pose: new PoseT(new Vec3T(...p), ...q),
-    materials: materials.map(({stiffness, hardness}) => new MaterialT(stiffness, 0, 0, hardness)),
+    materials: materials.map(({stiffness}) => new MaterialT(stiffness, 0, 0, Infinity)),
     leafMaterial: isPainted ? leaves.map(({material}) => material ?? 0) : [],
     grid: cutColours
       ? new GridT(

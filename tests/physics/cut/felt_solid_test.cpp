@@ -372,7 +372,7 @@ TEST(FeltSolid, AStartInsideIsTakenOut) {
   Felt felt(Probe(), Block());
   felt.Groove(Bur::Ball(0.3e-3), Vec3(0.2e-3, 0, 0.3e-3), Vec3(0.2e-3, 0, -0.2e-3));
   const StartPose start =
-      ResolveStart(*felt.model, At(0.2e-3, 0, -0.6e-3), *felt.workspace, nullptr, felt.state->cuts);
+      ResolveStart(*felt.model, At(0.2e-3, 0, -0.6e-3), *felt.workspace, felt.state->cuts);
   EXPECT_NEAR(start.depth, 0.1e-3, 0.05e-3);
   EXPECT_FALSE(felt.Oracle().Meet(start.X_WG));
   const StartPose buried = ResolveStart(*felt.model, At(0, 0, -3e-3), *felt.workspace);

@@ -31,11 +31,11 @@ StepParameters Compliant() {
 }
 
 /// A ball that is flat to 0.1 nm over a slide, as an object.
-const std::vector<Ball> kPlane{{Vec3(0.0, 0.0, -1e4), 1e4}};
+const std::vector<Ball> kGround{{Vec3(0.0, 0.0, -1e4), 1e4}};
 
 TEST(SoftRows, PutASphereInSeriesWithTheCoupling) {
   for (const double k : {50.0, 300.0, 1000.0, 2e4}) {
-    Bench bench({{Vec3::Zero(), 0.005}}, kPlane, Compliant(), AllOf({.stiffness = k}));
+    Bench bench({{Vec3::Zero(), 0.005}}, kGround, Compliant(), AllOf({.stiffness = k}));
     bench.state().X_WG = At(0.0, 0.0, 0.006);
     const double depth = 2e-3;
     const StepReport report = bench.Repeat(At(0.0, 0.0, 0.005 - depth), 20);
@@ -60,7 +60,7 @@ TEST(SoftRows, AddUpWhereTheyAreParallel) {
          0.003});
   }
   const double k = 100.0, depth = 1e-3;
-  Bench bench(legs, kPlane, Compliant(), AllOf({.stiffness = k}));
+  Bench bench(legs, kGround, Compliant(), AllOf({.stiffness = k}));
   bench.state().X_WG = At(0.0, 0.0, 0.004);
   const StepReport report = bench.Repeat(At(0.0, 0.0, 0.003 - depth), 50);
   EXPECT_EQ(report.soft_contacts, n);
@@ -169,8 +169,8 @@ TEST(SoftRows, AddUpToTheWrenchWithRigidOnesAndAllocateNothing) {
 }
 
 TEST(SoftRows, CountForNothingWhereComplianceIsNotDeclared) {
-  Bench rigid({{Vec3::Zero(), 0.005}}, kPlane);
-  Bench undeclared({{Vec3::Zero(), 0.005}}, kPlane, {}, AllOf({.stiffness = 100.0}));
+  Bench rigid({{Vec3::Zero(), 0.005}}, kGround);
+  Bench undeclared({{Vec3::Zero(), 0.005}}, kGround, {}, AllOf({.stiffness = 100.0}));
   EXPECT_EQ(undeclared.model().soft_leaves(), nullptr);
   rigid.state().X_WG = undeclared.state().X_WG = At(0.0, 0.0, 0.006);
   for (int i = 0; i < 100; ++i) {
@@ -188,7 +188,7 @@ TEST(SoftRows, LetAToolStartWhereItHasEnteredThem) {
 }
 
 TEST(SoftRows, RefuseAStiffnessThatIsNotPositive) {
-  EXPECT_THROW(Bench({{Vec3::Zero(), 0.005}}, kPlane, Compliant(), AllOf({.stiffness = 0.0})),
+  EXPECT_THROW(Bench({{Vec3::Zero(), 0.005}}, kGround, Compliant(), AllOf({.stiffness = 0.0})),
                Error);
 }
 

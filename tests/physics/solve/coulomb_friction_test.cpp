@@ -346,7 +346,7 @@ TEST(Friction, MinimisesAsABruteForceSolverDoes) {
       const Mat3 R_WG = X.q.toRotationMatrix();
       ContactRows& rows = bench.workspace().buffers().rows;
       bench.workspace().buffers().prediction.Predict(
-          model, ActiveKernels(), R_WG, X * model.reference(), {1e-3, 2e-2}, {}, rows, nullptr);
+          model, ActiveKernels(), R_WG, X * model.reference(), {1e-3, 2e-2}, rows, nullptr);
       // Towards the contacts, but not straight.
       Target target{-2e-3 * report.wrench.force.normalized() + random.InCube(2e-3),
                     random.InCube(0.05)};

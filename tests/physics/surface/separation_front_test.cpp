@@ -23,10 +23,10 @@ using test::Random;
 using Index = SeparationFront::Index;
 
 /// All triangles below a node.
-std::vector<std::uint32_t> Below(const HullTree& tree, HullTree::Node node) {
+std::vector<std::uint32_t> TrianglesBelow(const HullTree& tree, HullTree::Node node) {
   if (HullTree::IsLeaf(node)) return {HullTree::TriangleOf(node)};
-  std::vector<std::uint32_t> all = Below(tree, tree.inner(node).child[0]);
-  const std::vector<std::uint32_t> rest = Below(tree, tree.inner(node).child[1]);
+  std::vector<std::uint32_t> all = TrianglesBelow(tree, tree.inner(node).child[0]);
+  const std::vector<std::uint32_t> rest = TrianglesBelow(tree, tree.inner(node).child[1]);
   all.insert(all.end(), rest.begin(), rest.end());
   return all;
 }
@@ -71,12 +71,12 @@ class FrontBench {
   /// Of the triangles below a pair, at the pose of now.
   double Gap(const SeparationFront::Pair& pair, const Vec3& n) const {
     double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (const std::uint32_t t : Below(tool.tree, pair.tool)) {
+    for (const std::uint32_t t : TrianglesBelow(tool.tree, pair.tool)) {
       for (int c = 0; c < 3; ++c)
         low = std::min(low, n.dot(pose.R * tool.mesh.Corner(t, c) + pose.p));
     }
     const ContactBody& object = Object(pair);
-    for (const std::uint32_t t : Below(object.tree, pair.object)) {
+    for (const std::uint32_t t : TrianglesBelow(object.tree, pair.object)) {
       for (int c = 0; c < 3; ++c) high = std::max(high, n.dot(object.mesh.Corner(t, c)));
     }
     return low - high;
@@ -150,8 +150,8 @@ class FrontBench {
       of_front[static_cast<std::size_t>(i)] = true;
       const SeparationFront::Pair& pair = front.pair(i);
       const auto body = static_cast<std::size_t>(pair.body);
-      for (const std::uint32_t t : Below(tool.tree, pair.tool)) {
-        for (const std::uint32_t o : Below(objects[body].tree, pair.object)) {
+      for (const std::uint32_t t : TrianglesBelow(tool.tree, pair.tool)) {
+        for (const std::uint32_t o : TrianglesBelow(objects[body].tree, pair.object)) {
           ++seen[(body * tools + t) * of_object + o];
         }
       }

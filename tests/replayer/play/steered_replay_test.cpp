@@ -78,12 +78,11 @@ class Guest {
     wire::SceneBundle bundle{};
     while (bundles_.Take(raw, bundle)) IsCurrent(bundle.server_run);
     dds::FreeContents(bundle);
-    wire::SceneChange change{};
-    while (changes_.Take(change)) {
-      if (IsCurrent(change.server_run) && change.change > undone_) {
-        picture.gone.insert(change.change);
-      }
+    wire::SolidBlock block{};
+    while (blocks_.Take(raw, block)) {
+      if (IsCurrent(block.server_run) && block.change > undone_) picture.gone.insert(block.change);
     }
+    dds::FreeContents(block);
     wire::SceneWhole whole{};
     while (wholes_.Take(whole)) {
       if (!IsCurrent(whole.server_run)) continue;
@@ -118,7 +117,7 @@ class Guest {
                                                  dds::Qos::kSession};
   dds::Reader<wire::ReplayState> states_{service_, dds::kReplayStateTopic, dds::Qos::kSession};
   dds::CdrReader<wire::SceneBundle> bundles_{service_, dds::kSceneBundleTopic, dds::Qos::kSession};
-  dds::Reader<wire::SceneChange> changes_{service_, dds::kSceneChangeTopic, dds::Qos::kSession};
+  dds::CdrReader<wire::SolidBlock> blocks_{service_, dds::kSolidBlockTopic, dds::Qos::kSession};
   dds::Reader<wire::SceneWhole> wholes_{service_, dds::kSceneWholeTopic, dds::Qos::kSession};
   dds::Reader<wire::SessionState> sessions_{service_, dds::kSessionStateTopic, dds::Qos::kSession};
   dds::Reader<wire::ToolState> tools_{service_, dds::kToolStateTopic, dds::Qos::kRecord};

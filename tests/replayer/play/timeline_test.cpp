@@ -83,11 +83,11 @@ TEST_F(TimelineTest, LeadsFromAnyMomentToAnyOtherOrSaysThatViewersMustForget) {
   EXPECT_GT(anew, 100);
 }
 
-TEST_F(TimelineTest, BringsBackWhatWasScrapedOffAndScrapesItOffAgain) {
+TEST_F(TimelineTest, BringsBackWhatWasCutAndCutsItAgain) {
   const auto changes = [&](std::int64_t at_ms) {
     std::vector<std::uint64_t> numbers;
     for (const auto& [key, state] : timeline_.At(kBegin_ns + at_ms * kMs).holds) {
-      if (state->type == RecordedType::kSceneChange) numbers.push_back(state->number);
+      if (state->type == RecordedType::kSolidBlock) numbers.push_back(state->number);
     }
     return numbers;
   };
@@ -102,10 +102,10 @@ TEST_F(TimelineTest, BringsBackWhatWasScrapedOffAndScrapesItOffAgain) {
     return LeadsTo(timeline_.At(kBegin_ns + from_ms * kMs), timeline_.At(kBegin_ns + to_ms * kMs));
   };
   EXPECT_TRUE(leads(1000, 3000));
-  EXPECT_TRUE(leads(3900, 3000)) << "back, where nothing was scraped off between";
-  EXPECT_FALSE(leads(3000, 1000)) << "leaves come back";
+  EXPECT_TRUE(leads(3900, 3000)) << "back, where nothing was cut between";
+  EXPECT_FALSE(leads(3000, 1000)) << "blocks come back";
   EXPECT_TRUE(leads(3000, 6000)) << "the whole scene undoes them";
-  EXPECT_FALSE(leads(6000, 3000)) << "a whole scene is never worn by older changes";
+  EXPECT_FALSE(leads(6000, 3000)) << "a whole scene is never cut by older changes";
   EXPECT_FALSE(leads(8000, 9500)) << "another server";
 }
 
@@ -240,7 +240,6 @@ TEST(Timeline, TakesBytesThatAreNoSampleForNothing) {
   lesson.Tool(0, "hand");
   lesson.Broken(10, dds::kToolStateTopic, RecordedType::kToolState);
   lesson.Broken(20, dds::kSessionStateTopic, RecordedType::kSessionState);
-  lesson.Broken(30, dds::kSceneChangeTopic, RecordedType::kSceneChange);
   lesson.Broken(40, dds::kSceneWholeTopic, RecordedType::kSceneWhole);
   lesson.Broken(45, dds::kSolidBlockTopic, RecordedType::kSolidBlock);
   lesson.Broken(50, dds::kSceneBundleTopic, RecordedType::kSceneBundle);

@@ -218,7 +218,7 @@ class Workshop {
   }
   void Publish() {
     for (const auto& state : table_->TakeChanges()) Hear(dds::kSessionStateTopic, state);
-    for (const auto& taken : table_->TakeLeavesTaken()) Hear(dds::kLeafTakenTopic, taken, 1);
+    for (const auto& whole : table_->TakeLoopWholes()) Hear(dds::kLoopWholeTopic, whole, 1);
     for (CutLogNews& news : table_->TakeCutLogs(now_)) {
       for (const wire::CutEvent& event : news.events) {
         held_ += event.step == palpate_CUT_HELD;

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <map>
 #include <set>
 
 #include <gmock/gmock.h>
@@ -12,12 +13,12 @@
 
 #include "common/error.h"
 #include "common/json/pose_script.h"
+#include "common/mcap/mcap_writer.h"
 #include "common/recording/recording_reader.h"
 #include "scenes/catalogue.h"
 #include "scenes/files/scene_bundle.h"
 #include "server/physics/scene_model.h"
 #include "server/physics/start_pose.h"
-#include "server/physics/tree/sphere_tree_query.h"
 #include "server/session/servo_loop.h"
 #include "tests/common/recording/samples.h"
 #include "tests/support/milliseconds.h"
@@ -37,8 +38,6 @@ struct Story {
   std::set<std::uint64_t> server_misses{};                ///< poses
   std::set<std::uint64_t> poses_lost{}, wrenches_lost{};  ///< to the recorder
   bool state_lost = false;
-  std::uint64_t leaf_goes_before = 0;  ///< pose; 0: never
-  bool leaf_lost = false;
   std::uint64_t whole_before = 0;  ///< pose; 0: never.  Forces begin again 20 poses later
   bool whole_lost = false;
 };
@@ -62,22 +61,6 @@ wire::HapticPose PoseAt(const Scene& scene, std::uint64_t sequence) {
   return pose;
 }
 
-/// The first leaf that the hand itself scrapes off after that pose; it may go before.
-std::int32_t LeafScrapedAfter(const Scene& scene, const HapticModel& model, const Pose& X_WG,
-                              std::uint64_t sequence) {
-  ServoLoop loop(model);
-  for (std::uint64_t i = 1; i <= kPoses; ++i) {
-    if (i == kStart) loop.Start(X_WG);
-    wire::Wrench wrench{};
-    loop.OnPose(PoseAt(scene, i), wrench);
-  }
-  for (std::size_t i = 0; i < loop.removals().size(); ++i) {
-    if (loop.removals()[i].pose_sequence > sequence) return loop.removals()[i].leaf;
-  }
-  ADD_FAILURE() << "the hand scrapes nothing off";
-  return 0;
-}
-
 void Record(const Story& story, const std::string& file) {
   const Scene scene = LoadScene(story.scene);
   const HapticModel model = MakeModel(scene, scene.tools.front(), MakeObjects(scene));
@@ -88,8 +71,7 @@ void Record(const Story& story, const std::string& file) {
   ServoLoop loop(model);
   const wire::HapticPose start = PoseAt(scene, kStart);
   StepWorkspace workspace(model);
-  const LeafWear whole = StepState(model).wear;
-  const Pose X_WG = ResolveStart(model, wire::ToPose(start), workspace, &whole).X_WG;
+  const Pose X_WG = ResolveStart(model, wire::ToPose(start), workspace).X_WG;
   const auto say_start = [&](std::uint64_t sequence, const Pose& X, std::int64_t now_ns) {
     wire::SessionState state = SampleState("hand", 9);
     wire::FromText(scene.name, state.scene);
@@ -104,24 +86,14 @@ void Record(const Story& story, const std::string& file) {
     if (!story.poses_lost.contains(i)) Add(writer, dds::PoseTopic("hand", 9), pose, now_ns);
     if (story.server_misses.contains(i)) continue;
     if (i == kStart) loop.Start(X_WG);
-    wire::LeafTaken taken{};
-    wire::FromText("hand", taken.station);
-    taken.run = 9;
-    taken.pose_sequence = i;
-    if (i == story.leaf_goes_before) {
-      const std::int32_t leaf = LeafScrapedAfter(scene, model, X_WG, i);
-      loop.Remove(leaf);
-      taken.number = 1;
-      taken.object_index = static_cast<std::uint32_t>(model.objects().ObjectOf(leaf));
-      taken.leaf = static_cast<std::uint32_t>(
-          leaf - model.objects().FirstLeafOf(model.objects().ObjectOf(leaf)));
-      if (!story.leaf_lost) Add(writer, dds::kLeafTakenTopic, taken, now_ns);
-    }
     if (i == story.whole_before) {
       loop.MakeWhole();
-      taken.number = 2;
-      taken.leaf = wire::kNoLeaf;
-      if (!story.whole_lost) Add(writer, dds::kLeafTakenTopic, taken, now_ns);
+      wire::LoopWhole whole{};
+      wire::FromText("hand", whole.station);
+      whole.run = 9;
+      whole.number = 1;
+      whole.pose_sequence = i;
+      if (!story.whole_lost) Add(writer, dds::kLoopWholeTopic, whole, now_ns);
     }
     if (story.whole_before != 0 && i == story.whole_before + 20) {
       loop.Start(wire::ToPose(pose));
@@ -176,17 +148,14 @@ class VerifyTest : public testing::Test {
     return verification.sessions.empty() ? SessionVerdict{} : verification.sessions.front();
   }
 
-  /// A cube that wears.
-  std::string Crust() const {
-    const std::string crust = folder_ / "crust.json", bundle = folder_ / "crust.palpate";
-    std::ofstream(crust) << R"({"contact": "spheres", "tools": [{"name": "ball", "leaves": 1,
-      "mesh": {"shape": "sphere", "radius_m": 0.005}}], "objects": [{"name": "crust",
-      "leaves": 4096, "mesh": {"shape": "box", "size_m": [0.05, 0.05, 0.05]}}]})";
-    Scene scene = LoadScene(crust);
-    scene.features.removal = true;
-    scene.objects[0].materials[0].hardness = 5e-4;
-    WriteBytes(bundle, PackScene(scene));
-    return bundle;
+  /// That a bur cuts.
+  std::string Block() const {
+    const std::string block = folder_ / "block.json";
+    std::ofstream(block) << R"({"tools": [{"name": "bur", "leaves": 8, "bur": "001/014",
+      "speed_rpm": 200000}], "objects": [{"name": "block", "grid_um": 100,
+      "mesh": {"shape": "box", "size_m": [0.004, 0.003, 0.004]}, "material": {
+      "cutting_pressure_MPa": 0.2, "cutting_friction": 0.3}}]})";
+    return block;
   }
 
   /// Without the last bytes of the file.
@@ -250,19 +219,8 @@ TEST_F(VerifyTest, ComputesAgainWhatAnEdgeScrapes) {
   EXPECT_EQ(verdict.verified, kPoses);
 }
 
-TEST_F(VerifyTest, TakesLeavesAwayBeforeTheSamePose) {
-  Story story{.scene = Crust(), .leaf_goes_before = 100};
-  SessionVerdict verdict = VerdictOf(story);
-  EXPECT_TRUE(verdict.good()) << verdict.ends;
-  story.leaf_lost = true;
-  verdict = VerdictOf(story);
-  EXPECT_GT(verdict.different, 0u);
-  ASSERT_TRUE(verdict.first.has_value());
-  EXPECT_GE(verdict.first->pose_sequence, 100u);
-}
-
 TEST_F(VerifyTest, MakesTheSceneWholeBeforeTheSamePose) {
-  Story story{.scene = Crust(), .leaf_goes_before = 100, .whole_before = 150};
+  Story story{.scene = Block(), .whole_before = 150};
   SessionVerdict verdict = VerdictOf(story);
   EXPECT_TRUE(verdict.good()) << verdict.ends;
   story.whole_lost = true;
@@ -272,14 +230,35 @@ TEST_F(VerifyTest, MakesTheSceneWholeBeforeTheSamePose) {
   EXPECT_EQ(verdict.first->pose_sequence, 150u);
 }
 
+// LoopWhole was LeafTaken, whose leaf 4294967295 meant the same.
+TEST_F(VerifyTest, MakesTheSceneWholeWhereARecordingOfBeforeSaysSo) {
+  Record({.scene = Block(), .whole_before = 150}, file_);
+  const std::string former = folder_ / "former.mcap";
+  RecordingReader reader({file_});
+  mcap::Writer writer(former, "test");
+  std::map<std::string, std::uint16_t> channels;
+  RecordedSample sample{};
+  while (reader.Next(sample)) {
+    const bool is_whole = sample.type == RecordedType::kLoopWhole;
+    const auto [channel, is_new] = channels.try_emplace(*sample.topic);
+    if (is_new) {
+      const std::string name = is_whole ? "palpate::LeafTaken" : SchemaName(sample.type);
+      channel->second =
+          writer.AddChannel(writer.AddSchema(name, "omgidl", "of before"), *sample.topic, "cdr");
+    }
+    std::vector<std::uint8_t> cdr(sample.cdr.begin(), sample.cdr.end());
+    if (is_whole) cdr.insert(cdr.end(), {0, 0, 0, 0, 0xff, 0xff, 0xff, 0xff});
+    writer.Write(channel->second, 0, sample.log_time_ns, sample.log_time_ns, cdr);
+  }
+  writer.Close();
+  const SessionVerdict verdict = Only(Verify({former}, {}));
+  EXPECT_TRUE(verdict.good()) << verdict.ends;
+  EXPECT_EQ(verdict.verified, kPoses);
+}
+
 // What a button did to a bur is in the poses alone.
 TEST_F(VerifyTest, StopsABurAtTheSamePoses) {
-  const std::string block = folder_ / "block.json";
-  std::ofstream(block) << R"({"tools": [{"name": "bur", "leaves": 8, "bur": "001/014",
-    "speed_rpm": 200000}], "objects": [{"name": "block", "grid_um": 100,
-    "mesh": {"shape": "box", "size_m": [0.004, 0.003, 0.004]}, "material": {
-    "cutting_pressure_MPa": 0.2, "cutting_friction": 0.3}}]})";
-  Record({.scene = block}, file_);
+  Record({.scene = Block()}, file_);
   EXPECT_TRUE(Only(Verify({file_}, {})).good());
   const std::string tampered = folder_ / "tampered.mcap";
   Copy(file_, tampered, [&](const RecordedSample& sample, std::vector<std::uint8_t>& cdr) {

@@ -34,8 +34,8 @@ Scene BuiltSmallScene() {
   scene.objects[1].name = "other";
   scene.coupling = {500, 0.25};
   scene.tuning = {2e-6, 1e-3, 16, 32, 6800, 5};
-  scene.features = {ContactModel::kSpheres, FrictionModel::kCoulomb, true, true};
-  scene.objects[1].materials = {{}, {2000, 0.8, 0.3, 0.01}};
+  scene.features = {ContactModel::kSpheres, FrictionModel::kCoulomb, true};
+  scene.objects[1].materials = {{}, {2000, 0.8, 0.3}};
   scene.objects[1].leaf_material.assign(20, 0);
   scene.objects[1].leaf_material[7] = 1;
   return scene;
@@ -47,15 +47,30 @@ Scene SmallScene() {
 }
 
 bool SameMaterials(const std::vector<Material>& a, const std::vector<Material>& b) {
-  return std::equal(
-      a.begin(), a.end(), b.begin(), b.end(), [](const Material& m, const Material& n) {
-        return m.stiffness == n.stiffness && m.hardness == n.hardness &&
-               m.static_friction == n.static_friction && m.dynamic_friction == n.dynamic_friction;
-      });
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const Material& m, const Material& n) {
+                      return m.stiffness == n.stiffness && m.static_friction == n.static_friction &&
+                             m.dynamic_friction == n.dynamic_friction;
+                    });
 }
 
 std::string Complaint(std::span<const std::uint8_t> bytes) {
   return ComplaintOf([&] { UnpackScene(bytes, "s.palpate"); });
+}
+
+// As programs of before wrote it: the byte after that of compliance.
+TEST(SceneBundle, RefusesASceneWhoseLeavesWearAway) {
+  Scene scene = SmallScene();
+  std::vector<std::uint8_t> bytes = PackScene(scene);
+  scene.features.compliance = false;
+  const std::vector<std::uint8_t> rigid = PackScene(scene);
+  constexpr std::ptrdiff_t kHeader = 40, kChecksum = 32;
+  *std::next(std::mismatch(bytes.begin() + kHeader, bytes.end(), rigid.begin() + kHeader).first) =
+      1;
+  const std::string payload(bytes.begin() + kHeader, bytes.end());
+  const std::uint64_t checksum = HashBytes(payload, 0);
+  std::memcpy(bytes.data() + kChecksum, &checksum, sizeof checksum);
+  EXPECT_THAT(Complaint(bytes), HasSubstr("goes leaf by leaf"));
 }
 
 TEST(SceneBundle, GivesBackTheScene) {
@@ -70,7 +85,6 @@ TEST(SceneBundle, GivesBackTheScene) {
   EXPECT_EQ(back.features.contact, ContactModel::kSpheres);
   EXPECT_EQ(back.features.friction, FrictionModel::kCoulomb);
   EXPECT_TRUE(back.features.compliance);
-  EXPECT_TRUE(back.features.removal);
   ASSERT_EQ(back.tools.size(), 1u);
   ASSERT_EQ(back.objects.size(), 2u);
   EXPECT_EQ(back.objects[1].name, "other");
@@ -227,7 +241,6 @@ TEST(SceneBundle, RefusesAScenesThatContradictsItselfThoughItsChecksumIsRight) {
       {[](Body& b) { b.materials.clear(); }, "a body is made of nothing"},
       {[](Body& b) { b.materials[0].stiffness = 0; }, "a material is none"},
       {[](Body& b) { b.materials[0].stiffness = NAN; }, "a material is none"},
-      {[](Body& b) { b.materials[0].hardness = -1; }, "a material is none"},
       {[](Body& b) { b.materials[0].dynamic_friction = 0.1; }, "a material is none"},
       {[](Body& b) { b.materials[0].static_friction = INFINITY; }, "a material is none"},
       {[](Body& b) { b.leaf_material = {0}; }, "the leaves' materials do not add up"},

@@ -220,7 +220,6 @@ TEST(SceneFile, TakesSurfaceContactAndNothingElseWhereNothingIsSaid) {
   EXPECT_EQ(features.contact, ContactModel::kSurface);
   EXPECT_EQ(features.friction, FrictionModel::kOff);
   EXPECT_FALSE(features.compliance);
-  EXPECT_FALSE(features.removal);
 }
 
 TEST(SceneFile, ReadsMaterialsAndTheFeaturesThatFollow) {

@@ -225,12 +225,9 @@ export class App {
 
   private showWhole(): void {
     const {scene} = this.choice;
-    const wears = this.model?.wears ?? false;
-    const isCut = this.model?.isCut ?? false;
     this.whole.show(
-      this.mayTake && (wears || isCut),
+      this.mayTake && (this.model?.isCut ?? false),
       this.world.remainsOf(scene).isWhole,
-      isCut && !wears,
       this.world.wholes.get(scene)?.hasBookmark ?? false,
     );
   }

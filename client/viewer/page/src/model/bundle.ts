@@ -30,7 +30,6 @@ export interface Geometry {
 
 export interface Material {
   readonly stiffness: number; // [N/m]; Infinity: rigid
-  readonly hardness: number; // [J]; Infinity: it stays
 }
 
 export interface Body {
@@ -58,7 +57,6 @@ export interface SceneModel {
   readonly tools: readonly Body[];
   readonly objects: readonly Body[];
   readonly soft: boolean; // finite stiffness counts
-  readonly wears: boolean; // finite hardness counts
   readonly isCut: boolean; // by burs, some of its objects
   readonly firstSight: FirstSight | undefined;
 }
@@ -91,7 +89,6 @@ export function readBundle(bytes: Uint8Array): SceneModel {
     tools: bodies(scene.toolsLength(), (i) => scene.tools(i)),
     objects,
     soft: features?.compliance() ?? false,
-    wears: features?.removal() ?? false,
     isCut: objects.some(({cutColours}) => cutColours.length > 0),
     firstSight: readFirstSight(scene),
   };
@@ -113,7 +110,7 @@ function readBody(body: WireBody, geometries: readonly Geometry[]): Body {
   const materials: Material[] = [];
   for (let i = 0; i < body.materialsLength(); i++) {
     const material = body.materials(i)!;
-    materials.push({stiffness: material.stiffness(), hardness: material.hardness()});
+    materials.push({stiffness: material.stiffness()});
   }
   const pose = body.pose();
   const p = pose?.p();

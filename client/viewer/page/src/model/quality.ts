@@ -6,7 +6,7 @@ import {Ladder} from "./ladder";
 export const kQualities = ["full", "good", "fair", "low"] as const;
 export type Quality = (typeof kQualities)[number];
 
-/// What pictures are drawn with while the eye moves, or while the objects are scraped at.
+/// What pictures are drawn with while the eye moves, or while the objects are cut.
 export interface InMotion {
   readonly canvas: number; // share of the screen's pixels, along a side
   readonly share: number; // the same of the objects, which the canvas shows enlarged

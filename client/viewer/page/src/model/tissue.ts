@@ -1,11 +1,10 @@
 import type {Body, Material, SceneModel} from "./bundle";
 
 /// What a part of a body feels like, as far as the eye is told.
-export type Tissue = "rigid" | "soft" | "wearing";
-export const kTissues: readonly Tissue[] = ["rigid", "soft", "wearing"];
+export type Tissue = "rigid" | "soft";
+export const kTissues: readonly Tissue[] = ["rigid", "soft"];
 
 export function tissueOf(material: Material | undefined, scene: SceneModel): Tissue {
-  if (scene.wears && material && Number.isFinite(material.hardness)) return "wearing";
   if (scene.soft && material && Number.isFinite(material.stiffness)) return "soft";
   return "rigid";
 }

@@ -10,7 +10,6 @@ import {
   toReplayContents,
   toReplayState,
   toSceneGoal,
-  toSceneChange,
   toSceneWhole,
   toSessionState,
   toSolidBlock,
@@ -31,7 +30,6 @@ export const kTopics = {
   loopStatistics: "/palpate/loop_statistics",
   stationStatistics: "/palpate/station_statistics",
   sessionState: "/palpate/session_state",
-  sceneChange: "/palpate/scene_change",
   sceneWhole: "/palpate/scene_whole",
   solidBlock: "/palpate/solid_block",
   mouse: "/palpate/mouse",
@@ -217,13 +215,6 @@ export class World {
         this.changed("goal", goal.scene);
         break;
       }
-      case kTopics.sceneChange: {
-        const change = toSceneChange(value);
-        if (!this.isOfServer(change.serverRun)) break;
-        this.remainsOf(change.scene).apply(change);
-        this.changed("remains", change.scene);
-        break;
-      }
       case kTopics.solidBlock: {
         const block = toSolidBlock(value);
         if (!this.isOfServer(block.serverRun)) break;
@@ -262,7 +253,7 @@ export class World {
     this.forgetSessions();
   }
 
-  /// What has been scraped off, and cut.
+  /// What has been cut.
   remainsOf(scene: string): Remains {
     let remains = this.remains.get(scene);
     if (!remains) this.remains.set(scene, (remains = new Remains()));
@@ -337,7 +328,7 @@ export class World {
   }
 
   /// False for what a former server said.  The first word of a new one makes all void that was its
-  /// predecessor's: sessions, what had been scraped off, perhaps the scenes.
+  /// predecessor's: sessions, what had been cut, perhaps the scenes.
   private isOfServer(run: string): boolean {
     if (run === this.serverRun || run === kNoRun) return true;
     if (this.formerRuns.has(run)) return false;

@@ -18,8 +18,8 @@ const kNot = {
   back: "It is not brought back to a bookmark",
 };
 
-/// Has the server make whole what has been scraped off or cut, or as it stood at a bookmark, and says
-/// what became of that.
+/// Has the server make whole what has been cut, or as it stood at a bookmark, and says what became of
+/// that.
 export class WholeButton {
   private readonly button = element("whole", HTMLButtonElement);
   private readonly bookmark = element("keep-cut", HTMLButtonElement);
@@ -35,11 +35,9 @@ export class WholeButton {
     this.back.addEventListener("click", () => this.wish("back"));
   }
 
-  /// @param isCut  burs cut there: it can be bookmarked
-  show(isOffered: boolean, isWhole: boolean, isCut: boolean, hasBookmark: boolean): void {
-    this.button.hidden = !isOffered;
+  show(isOffered: boolean, isWhole: boolean, hasBookmark: boolean): void {
+    this.button.hidden = this.bookmark.hidden = this.back.hidden = !isOffered;
     this.button.disabled = isWhole;
-    this.bookmark.hidden = this.back.hidden = !isOffered || !isCut;
     this.back.disabled = !hasBookmark;
   }
 

@@ -150,17 +150,6 @@ export const toSessionState = message({
 });
 export type SessionState = ReturnType<typeof toSessionState>;
 
-export const toSceneChange = message({
-  scene: text("scene"),
-  change: number("change"),
-  serverRun: id("server_run"),
-  objectIndex: number("object_index"),
-  leaf: number("leaf"),
-  triangles: (fields): readonly number[] =>
-    numbers("triangle")(fields).slice(0, number("triangles")(fields)),
-});
-export type SceneChange = ReturnType<typeof toSceneChange>;
-
 /// What burs leave of a block of an object's grid.
 export const toSolidBlock = message({
   scene: text("scene"),
@@ -180,7 +169,7 @@ export type SolidBlock = ReturnType<typeof toSolidBlock>;
 const kWholeWishes = ["whole", "bookmark", "back"] as const;
 export type WholeWish = (typeof kWholeWishes)[number];
 
-/// A worn scene has been made whole, or what else somebody wished, or why it has not.
+/// A cut scene has been made whole, or what else somebody wished, or why it has not.
 export const toSceneWhole = message({
   wish: (fields): WholeWish => kWholeWishes[number("wish")(fields)] ?? "whole",
   hasBookmark: flag("has_bookmark"),

@@ -2,8 +2,6 @@ import {
   BufferAttribute,
   BufferGeometry,
   Color,
-  DoubleSide,
-  FrontSide,
   Group,
   Mesh,
   type MeshMatcapMaterial,
@@ -73,11 +71,8 @@ export class BodyMesh {
   private readonly surface: Surface;
   private readonly tissues: Uint8Array | undefined;
   private readonly look: Look | undefined;
-  private readonly wears: boolean;
-  private ownIndex: BufferAttribute | undefined;
   private readonly allTriangles: BufferAttribute;
   private coarse: readonly BufferAttribute[] = [];
-  private gone = 0;
   private readonly cut: CutMesh | undefined; // where burs cut it
   private solid: Solid | undefined;
 
@@ -95,9 +90,6 @@ export class BodyMesh {
     this.look = lookOf(body.look);
     const material = this.makeMaterial();
     if (!this.look) material.vertexColors = this.tissues !== undefined;
-    // Where something is scraped off one sees walls, not what is behind them.
-    this.wears = body.materials.some((of) => tissueOf(of, scene) === "wearing");
-    material.side = role === "object" && this.wears ? DoubleSide : FrontSide;
     if (this.look) buffers.setAttribute("color", colourAt(this.look, surface, body.ambient));
     this.mesh = new Mesh(buffers, material);
     this.group.add(this.mesh);
@@ -143,21 +135,6 @@ export class BodyMesh {
     this.mesh.geometry.setAttribute("color", new BufferAttribute(values, 3));
   }
 
-  /// Leaves out what has been scraped off.  Triangles only ever go, but for a new run.
-  setGone(triangles: ReadonlySet<number>): boolean {
-    if (triangles.size === this.gone) return false;
-    if (!this.ownIndex) {
-      this.ownIndex = new BufferAttribute(this.surface.index.slice(), 1);
-      this.mesh.geometry.setIndex(this.ownIndex);
-    }
-    const index = this.ownIndex.array;
-    if (triangles.size < this.gone) index.set(this.surface.index);
-    for (const triangle of triangles) index.fill(0, 3 * triangle, 3 * triangle + 3);
-    this.gone = triangles.size;
-    this.ownIndex.needsUpdate = true;
-    return true;
-  }
-
   /// What burs have left of it.
   setCut(solid: Solid | undefined): boolean {
     this.solid = solid;
@@ -179,9 +156,9 @@ export class BodyMesh {
     return {at, under: this.look ? kUnderLook : color};
   }
 
-  /// Makes coarser triangles; what is scraped off is told by the triangles that there are.
+  /// Makes coarser triangles.
   async makeCoarser(distancesM: readonly number[]): Promise<void> {
-    if (!this.wears) this.coarse = await this.cache.coarser(this.surface, distancesM);
+    this.coarse = await this.cache.coarser(this.surface, distancesM);
   }
 
   /// @param detail  0: all triangles, as where there are no others

@@ -4,7 +4,7 @@ import type {Tissue} from "../model/tissue";
 
 const kNames = [
   ...(["force", "torque", "contact", "halo", "ghost", "ink", "paper", "glow"] as const),
-  ...(["soft", "wearing", "sky", "ground"] as const),
+  ...(["soft", "sky", "ground"] as const),
 ];
 
 /// The picture's colours: the style sheet has them, so that plots, figures and arrows agree and
@@ -32,7 +32,6 @@ export function objectColour(
   index: number,
   rigid: number,
 ): Color {
-  if (tissue === "wearing") return palette.wearing;
   if (tissue === "soft") {
     // Neighbours of the same tissue differ by a shade.
     return palette.soft.clone().offsetHSL(0, 0, 0.035 * ((index % 3) - 1));

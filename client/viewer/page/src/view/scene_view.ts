@@ -45,7 +45,7 @@ export class SceneView {
   private model: SceneModel | undefined;
   private objects: BodyMesh[] = [];
   private tools: ToolView[] = [];
-  private clouds: {cloud: SphereCloud; body: BodyMesh; isLeaves: boolean; object: number}[] = [];
+  private clouds: {cloud: SphereCloud; body: BodyMesh}[] = [];
   private sphereLevel: number | undefined;
   private ends: Vec3[] = []; // of the tools, in their frames
   private poses: Pose[] = []; // of the tools
@@ -164,12 +164,8 @@ export class SceneView {
     if (!this.remains) return;
     let any = false;
     this.objects.forEach((object, i) => {
-      any = object.setGone(this.remains!.trianglesOf(i)) || any;
       any = object.setCut(this.remains!.solidOf(i)) || any;
     });
-    for (const {cloud, isLeaves, object} of this.clouds) {
-      if (isLeaves && object >= 0) cloud.setGone(this.remains.leavesOf(object));
-    }
     if (any) this.changeLayer();
   }
 
@@ -338,10 +334,9 @@ export class SceneView {
       const parent = isTool || isLeaves ? body.group : body.over;
       const cloud = new SphereCloud(levels[level]!, parent, isLeaves);
       body.mesh.visible = !isLeaves;
-      this.clouds.push({cloud, body, isLeaves, object: this.objects.indexOf(body)});
+      this.clouds.push({cloud, body});
     }
     this.paintClouds();
-    this.updateRemains();
   }
 
   private paintClouds(): void {

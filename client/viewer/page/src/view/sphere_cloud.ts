@@ -1,6 +1,5 @@
 import {
   Color,
-  DynamicDrawUsage,
   type Group,
   IcosahedronGeometry,
   InstancedMesh,
@@ -35,7 +34,6 @@ function asBubble(material: MeshStandardMaterial): void {
 /// One level of a body's sphere tree.
 export class SphereCloud {
   private readonly mesh: InstancedMesh<IcosahedronGeometry, MeshStandardMaterial>;
-  private gone = 0;
 
   constructor(
     private readonly level: SphereLevel,
@@ -55,7 +53,7 @@ export class SphereCloud {
     this.mesh = new InstancedMesh(new IcosahedronGeometry(1, detail), material, count);
     this.mesh.frustumCulled = false;
     this.mesh.renderOrder = isLeaves ? 0 : 5;
-    this.placeAll(new Set());
+    this.placeAll();
     parent.add(this.mesh);
   }
 
@@ -65,20 +63,11 @@ export class SphereCloud {
     if (!this.isLeaves) this.mesh.material.color.lerp(ink, 0.45);
   }
 
-  /// Leaves that have been scraped off.
-  setGone(leaves: ReadonlySet<number>): void {
-    if (leaves.size === this.gone) return;
-    this.gone = leaves.size;
-    this.mesh.instanceMatrix.setUsage(DynamicDrawUsage);
-    this.placeAll(leaves);
-  }
-
-  private placeAll(gone: ReadonlySet<number>): void {
+  private placeAll(): void {
     const {centres, radii} = this.level;
     const matrix = new Matrix4();
     radii.forEach((radius, i) => {
-      const size = gone.has(i) ? 0 : radius;
-      matrix.makeScale(size, size, size);
+      matrix.makeScale(radius, radius, radius);
       matrix.setPosition(centres[3 * i]!, centres[3 * i + 1]!, centres[3 * i + 2]!);
       this.mesh.setMatrixAt(i, matrix);
     });
