@@ -43,7 +43,7 @@ TEST_F(CutCommand, MeasuresASceneAgainstTheExactSweep) {
   EXPECT_LT(cut["ripple"], 0.02);
   // Bytes of a header, a count, and 50 for each triangle.
   const auto size = std::filesystem::file_size(File("left.stl"));
-  EXPECT_GT(size, 84u + 50u * 10000u);
+  EXPECT_GT(size, 84u + 50u * 5000u);
   EXPECT_EQ((size - 84) % 50, 0u);
 }
 
