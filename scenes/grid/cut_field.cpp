@@ -1,9 +1,7 @@
 #include "scenes/grid/cut_field.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <functional>
 
 #include "common/error.h"
 #include "scenes/mesh/figure.h"
@@ -17,23 +15,9 @@ constexpr int kRows = kSide * kSide;
 constexpr double kFar = 1e3;
 /// For what sums of ways and distances lose by rounding [m].
 constexpr double kRounding = 1e-12;
-constexpr double kWhole = 65535.0;
 /// Columns of a voxel, for its share: a Fibonacci lattice (Niederreiter & Sloan, J. Comp. Appl.
 /// Math. 51 (1994) 57-70), of which no two are in line with an axis, as most faces of solids are.
-constexpr int kColumns = 21, kStride = 13, kLanes = 4, kPadded = 24;
-struct Columns {
-  float a[kPadded], b[kPadded];
-};
-constexpr Columns kAt = [] {
-  Columns at{};
-  for (int n = 0; n < kColumns; ++n) {
-    at.a[n] = static_cast<float>((n + 0.5) / kColumns - 0.5);
-    at.b[n] = static_cast<float>((n * kStride % kColumns + 0.5) / kColumns - 0.5);
-  }
-  return at;
-}();
-/// What a share costs, in distances to the bur's way.
-constexpr int kLooksOfShare = 3;
+constexpr int kColumns = 377, kStride = 233;
 /// A plane farther from a voxel's middle than half its diagonal does not cross it.
 constexpr double kHalfDiagonal = 0.8660254037844386;
 
@@ -42,6 +26,8 @@ struct HalfSpace {
   double a;
   Vec3 g;
 };
+
+const HalfSpace kAll{-1.0, Vec3::Zero()};
 
 /// From a point and its six neighbours.  The field's mean over the voxel is its value there and
 /// 1/24 of the second differences, exactly up to third order: so a sphere's voxels add up to its
@@ -65,45 +51,30 @@ HalfSpace PlaneOf(const SparseField& field, int i, int j, int k, double value) {
 }
 
 /// Volume of the unit voxel that lies in a half-space, and in another where there is one: exact
-/// along columns, which run as the first's normal does.  In floats, for speed: it becomes a part of
-/// 65,535.
-double ShareIn(const HalfSpace& q, const HalfSpace* other = nullptr) {
+/// along columns, which run as the first's normal does.
+double ShareIn(const HalfSpace& q, const HalfSpace& other) {
   int w = 0;
   const double steepest = q.g.cwiseAbs().maxCoeff(&w);
   if (!(steepest > 0.0)) return q.a < 0.0 ? 1.0 : 0.0;
   const int u = (w + 1) % 3, v = (w + 2) % 3;
-  // From the column's lower end, or from its upper one where the normal points down.
-  float height[kPadded], from[kPadded];
-  const auto inverse = static_cast<float>(-1.0 / steepest);
-  const auto a = static_cast<float>(q.a), gu = static_cast<float>(q.g[u]),
-             gv = static_cast<float>(q.g[v]);
-  for (int n = 0; n < kPadded; ++n) {
-    const float end = (a + kAt.a[n] * gu + kAt.b[n] * gv) * inverse + 0.5f;
-    height[n] = std::min(std::max(end, 0.0f), 1.0f);
-    from[n] = 0.0f;
-  }
-  if (other) {
-    const auto base = static_cast<float>(other->a), hu = static_cast<float>(other->g[u]),
-               hv = static_cast<float>(other->g[v]);
-    const auto hw = static_cast<float>(q.g[w] > 0.0 ? other->g[w] : -other->g[w]);
-    const float along = hw != 0.0f ? -1.0f / hw : 0.0f;
-    for (int n = 0; n < kPadded; ++n) {
-      const float at = base + kAt.a[n] * hu + kAt.b[n] * hv - 0.5f * hw;  // at the column's end
-      if (hw > 0.0f) {
-        height[n] = std::min(height[n], at * along);
-      } else if (hw < 0.0f) {
-        from[n] = std::max(0.0f, at * along);
-      } else if (at >= 0.0f) {
-        height[n] = 0.0f;
+  double sum = 0.0;
+  for (int n = 0; n < kColumns; ++n) {
+    const double a = (n + 0.5) / kColumns - 0.5,
+                 b = (n * kStride % kColumns + 0.5) / kColumns - 0.5;
+    double low = -0.5, high = 0.5;
+    for (const HalfSpace* half : {&q, &other}) {
+      const double base = half->a + a * half->g[u] + b * half->g[v], slope = half->g[w];
+      if (slope > 0.0) {
+        high = std::min(high, -base / slope);
+      } else if (slope < 0.0) {
+        low = std::max(low, -base / slope);
+      } else if (base >= 0.0) {
+        high = low;
       }
     }
+    sum += std::max(0.0, high - low);
   }
-  std::fill_n(height + kColumns, kPadded - kColumns, 0.0f);
-  float sum[kLanes]{};
-  for (int n = 0; n < kPadded; n += kLanes) {
-    for (int l = 0; l < kLanes; ++l) sum[l] += std::max(0.0f, height[n + l] - from[n + l]);
-  }
-  return static_cast<double>((sum[0] + sum[1]) + (sum[2] + sum[3])) / kColumns;
+  return sum / kColumns;
 }
 
 }  // namespace
@@ -111,8 +82,7 @@ double ShareIn(const HalfSpace& q, const HalfSpace* other = nullptr) {
 std::size_t CutField::BytesOf(const SolidGrid& solid, std::size_t blocks) {
   const std::size_t table = solid.field().lattice().block_count();
   return SparseField::BytesOf(table, blocks) + kChanges * sizeof(std::uint32_t) +
-         blocks * (SparseField::kPoints * sizeof(std::uint16_t) + kRows * sizeof(double)) +
-         table * (sizeof(std::int32_t) + 2 * sizeof(std::uint32_t)) + table / 8 +
+         blocks * kRows * sizeof(double) + table * 2 * sizeof(std::uint32_t) + table / 8 +
          blocks * sizeof(Touched);
 }
 
@@ -120,10 +90,9 @@ CutField::CutField(const SolidGrid& solid, std::size_t most_bytes, const std::st
                    std::size_t blocks)
     : solid_(&solid),
       field_(solid.field().lattice(), solid.field().band(), SparseField::kBelow),
-      touched_at_(solid.field().lattice().block_count(), -1),
-      waiting_(touched_at_.size()),
-      waits_(touched_at_.size()),
-      changed_at_(touched_at_.size()),
+      waiting_(solid.field().lattice().block_count()),
+      waits_(waiting_.size()),
+      changed_at_(waiting_.size()),
       changed_(kChanges) {
   if (blocks == 0) blocks = solid.solid_blocks();
   if (const std::size_t bytes = BytesOf(solid, blocks); bytes > most_bytes) {
@@ -133,13 +102,12 @@ CutField::CutField(const SolidGrid& solid, std::size_t most_bytes, const std::st
                 " MB; give a greater spacing, a smaller body, or fewer blocks to cut");
   }
   field_.Reserve(blocks);
-  left_.resize(blocks * SparseField::kPoints);
   still_.resize(blocks * kRows);
   touched_.reserve(blocks);
 }
 
 std::size_t CutField::bytes() const {
-  return BytesOf(*solid_, left_.size() / SparseField::kPoints);
+  return BytesOf(*solid_, still_.size() / kRows);
 }
 
 void CutField::Wait(std::size_t block) noexcept {
@@ -166,12 +134,11 @@ void CutField::MakeWhole() noexcept {
   std::fill(waits_.begin(), waits_.end(), false);
   first_waiting_ = waiting_count_ = 0;
   gone_ = kFar;  // wherever the bur is: each row is looked at
-  merged_ = {};
 }
 
 FieldSample CutField::Sample(const Vec3& p_B) const noexcept {
-  const FieldSample solid = solid_->Sample(p_B);
-  const FieldSample cut = field_.Sample(p_B);
+  const Lattice::Place at = field_.lattice().PlaceOf(p_B);
+  const FieldSample solid = solid_->field().Sample(at), cut = field_.Sample(at);
   return cut.distance > solid.distance ? cut : solid;
 }
 
@@ -179,7 +146,7 @@ double CutField::UncutShareOf(int i, int j, int k) const noexcept {
   const SparseField& solid = solid_->field();
   const double value = solid.At(i, j, k), clear = kHalfDiagonal * solid.lattice().spacing;
   if (std::abs(value) > clear) return value < 0.0 ? 1.0 : 0.0;
-  return ShareIn(PlaneOf(solid, i, j, k, value));
+  return ShareIn(PlaneOf(solid, i, j, k, value), kAll);
 }
 
 double CutField::ShareOf(int i, int j, int k) const noexcept {
@@ -190,9 +157,7 @@ double CutField::ShareOf(int i, int j, int k) const noexcept {
   const double uncut = solid.At(i, j, k);
   if (uncut > clear) return 0.0;
   const HalfSpace plane = PlaneOf(field_, i, j, k, value);
-  if (uncut < -clear) return ShareIn(plane);
-  const HalfSpace old = PlaneOf(solid, i, j, k, uncut);
-  return ShareIn(plane, &old);
+  return ShareIn(plane, uncut < -clear ? kAll : PlaneOf(solid, i, j, k, uncut));
 }
 
 double CutField::Left(int i, int j, int k) const noexcept {
@@ -204,9 +169,7 @@ double CutField::Left(int i, int j, int k) const noexcept {
   const std::int32_t entry = field_.entry(field_.BlockIndex(i >> 3, j >> 3, k >> 3));
   if (entry == SparseField::kAbove) return 0.0;
   if (entry == SparseField::kBelow) return UncutShareOf(i, j, k);
-  return left_[static_cast<std::size_t>(entry) * SparseField::kPoints +
-               static_cast<std::size_t>(SparseField::PointIndex(i, j, k))] /
-         kWhole;
+  return ShareOf(i, j, k);
 }
 
 std::array<double, SolidGrid::kMaterials> CutField::VolumeLeft() const {
@@ -223,20 +186,9 @@ std::array<double, SolidGrid::kMaterials> CutField::VolumeLeft() const {
   return left;
 }
 
-void CutField::Store(const Touched& touched) noexcept {
-  const std::int32_t entry = field_.Acquire(touched.block);
+void CutField::Store(std::size_t block) noexcept {
+  const std::int32_t entry = field_.Acquire(block);
   std::fill_n(still_.data() + static_cast<std::size_t>(entry) * kRows, kRows, 0.0);
-  std::uint16_t* left = left_.data() + static_cast<std::size_t>(entry) * SparseField::kPoints;
-  if (solid_->field().entry(touched.block) == SparseField::kBelow) {
-    std::fill_n(left, SparseField::kPoints, static_cast<std::uint16_t>(kWhole));
-    return;
-  }
-  for (int n = 0; n < SparseField::kPoints; ++n) {
-    left[n] = static_cast<std::uint16_t>(kWhole * UncutShareOf(8 * touched.at[0] + (n & 7),
-                                                               8 * touched.at[1] + (n >> 3 & 7),
-                                                               8 * touched.at[2] + (n >> 6)) +
-                                         0.5);
-  }
 }
 
 bool CutField::TakeStorage(const int low[3], const int high[3], const Bur& bur, const Pose& X_TB,
@@ -258,12 +210,12 @@ bool CutField::TakeStorage(const int low[3], const int high[3], const Bur& bur, 
         if (bur.DistanceToWay(X_TB * middle, step_T) > reach) continue;
         const bool stored = field_.entry(block) >= 0;
         if (!stored && ++wanted > field_.free_blocks()) return false;
-        touched_.push_back({block, {i, j, k}, {}});
+        touched_.push_back({block, {i, j, k}});
       }
     }
   }
   for (const Touched& touched : touched_) {
-    if (field_.entry(touched.block) < 0) Store(touched);
+    if (field_.entry(touched.block) < 0) Store(touched.block);
   }
   return true;
 }
@@ -279,16 +231,17 @@ double CutField::GoneSince(const Bur& bur, const Pose& X_BT) const noexcept {
 
 /// A point whose value is v, and the bur d away at a step's end, can change no sooner than the bur
 /// has gone d + v farther: so rows behind the bur, and far ahead of it, are left out.
-CutField::Layers CutField::Raise(const int at[3], std::int32_t entry, const Bur& bur,
-                                 const Pose& X_TB, const Vec3& step_T) noexcept {
+bool CutField::Raise(const Touched& touched, const Bur& bur, const Pose& X_TB,
+                     const Vec3& step_T) noexcept {
   const Lattice& lattice = field_.lattice();
   const Mat3 R_TB = X_TB.q.toRotationMatrix();
-  const Vec3 first = X_TB * lattice.Point(8 * at[0], 8 * at[1], 8 * at[2]);
+  const Vec3 first = X_TB * lattice.Point(8 * touched.at[0], 8 * touched.at[1], 8 * touched.at[2]);
   const Vec3 along = lattice.spacing * R_TB.col(0);
   const float band = field_.band();
+  const std::int32_t entry = field_.entry(touched.block);
   float* values = field_.values(entry);
   double* still = still_.data() + static_cast<std::size_t>(entry) * kRows;
-  Layers changed{};
+  bool changed = false;
   for (int n = 0; n < SparseField::kPoints; n += kSide) {
     if (gone_ <= still[n / kSide]) continue;
     const int y = n >> 3 & 7, z = n >> 6;
@@ -305,9 +258,7 @@ CutField::Layers CutField::Raise(const int at[3], std::int32_t entry, const Bur&
       const auto depth = static_cast<float>(-distance[x]);
       const float before = value[x];
       value[x] = std::min(std::max(depth, before), band);
-      if (value[x] > before) {
-        changed[static_cast<std::size_t>(z)] |= std::uint64_t{1} << (8 * y + x);
-      }
+      changed = changed || value[x] > before;
       if (value[x] < band) room = std::min(room, distance[x] + value[x]);
     }
     still[n / kSide] = gone_ + room - kRounding;
@@ -315,41 +266,13 @@ CutField::Layers CutField::Raise(const int at[3], std::int32_t entry, const Bur&
   return changed;
 }
 
-/// The points whose plane is another than before: those that changed, and their neighbours.
-CutField::Layers CutField::Beside(const Touched& touched) const noexcept {
-  constexpr std::uint64_t kFirstColumn = 0x0101010101010101u, kLastColumn = kFirstColumn << 7;
-  const auto changed_at = [&](int x, int y, int z) -> const Layers* {
-    const int i = touched.at[0] + x, j = touched.at[1] + y, k = touched.at[2] + z;
-    const auto& blocks = field_.lattice().blocks;
-    if (i < 0 || j < 0 || k < 0 || i >= blocks[0] || j >= blocks[1] || k >= blocks[2]) {
-      return nullptr;
-    }
-    const std::int32_t place = touched_at_[field_.BlockIndex(i, j, k)];
-    return place < 0 ? nullptr : &touched_[static_cast<std::size_t>(place)].changed;
-  };
-  const Layers& c = touched.changed;
-  Layers all{};
-  for (std::size_t z = 0; z < kSide; ++z) {
-    all[z] =
-        c[z] | c[z] << 8 | c[z] >> 8 | (c[z] << 1 & ~kFirstColumn) | (c[z] >> 1 & ~kLastColumn);
-    if (z > 0) all[z] |= c[z - 1];
-    if (z + 1 < kSide) all[z] |= c[z + 1];
+/// What is clear throughout needs no storage any more.
+void CutField::ReleaseIfClear(std::size_t block) noexcept {
+  const float* values = field_.values(field_.entry(block));
+  if (std::all_of(values, values + SparseField::kPoints,
+                  [&](float v) { return v >= field_.band(); })) {
+    field_.Release(block, SparseField::kAbove);
   }
-  if (const Layers* l = changed_at(-1, 0, 0)) {
-    for (std::size_t z = 0; z < kSide; ++z) all[z] |= (*l)[z] >> 7 & kFirstColumn;
-  }
-  if (const Layers* l = changed_at(1, 0, 0)) {
-    for (std::size_t z = 0; z < kSide; ++z) all[z] |= (*l)[z] << 7 & kLastColumn;
-  }
-  if (const Layers* l = changed_at(0, -1, 0)) {
-    for (std::size_t z = 0; z < kSide; ++z) all[z] |= (*l)[z] >> 56;
-  }
-  if (const Layers* l = changed_at(0, 1, 0)) {
-    for (std::size_t z = 0; z < kSide; ++z) all[z] |= (*l)[z] << 56;
-  }
-  if (const Layers* l = changed_at(0, 0, -1)) all[0] |= (*l)[kSide - 1];
-  if (const Layers* l = changed_at(0, 0, 1)) all[kSide - 1] |= (*l)[0];
-  return all;
 }
 
 CutAway CutField::Remove(const Bur& bur, const Pose& X_BT, const Vec3& step_B) noexcept {
@@ -386,95 +309,28 @@ CutAway CutField::Remove(const Bur& bur, const Pose& X_BT, const Vec3& step_B) n
   bur_ = bur;
   end_ = {X_BT.p + step_B, X_BT.q};
   looks_ = 0;
-  for (Touched& touched : touched_) {
-    touched.changed = Raise(touched.at, field_.entry(touched.block), bur, X_TB, step_T);
-    if (std::ranges::any_of(touched.changed, std::identity{})) Wait(touched.block);
+  for (const Touched& touched : touched_) {
+    if (!Raise(touched, bur, X_TB, step_T)) continue;
+    Wait(touched.block);
+    ReleaseIfClear(touched.block);
   }
-  removal.volume = TakeShares(false);
   removal.looks = looks_;
   return removal;
 }
 
 bool CutField::Merge(std::size_t block, const float* points) noexcept {
   if (field_.entry(block) == SparseField::kAbove) return false;
-  const std::array<int, 3> at = field_.lattice().BlockAt(block);
-  touched_.clear();
-  touched_.push_back({block, {at[0], at[1], at[2]}, {}});
-  if (field_.entry(block) < 0) Store(touched_.front());
+  if (field_.entry(block) < 0) Store(block);
   float* const values = field_.values(field_.entry(block));
-  Layers& changed = touched_.front().changed;
+  bool changed = false;
   for (int n = 0; n < SparseField::kPoints; ++n) {
     const float value = points != nullptr ? points[n] : field_.band();
-    if (value <= values[n]) continue;
-    values[n] = value;
-    changed[static_cast<std::size_t>(n >> 6)] |= std::uint64_t{1} << (n & 63);
+    changed = changed || value > values[n];
+    values[n] = std::max(values[n], value);
   }
-  if (!std::ranges::any_of(changed, std::identity{})) return false;
-  Note(block);
-  // Its neighbours' voxels at its faces have another plane.
-  for (int n = 0; n < 6; ++n) {
-    std::array<int, 3> beside = at;
-    const auto axis = static_cast<std::size_t>(n >> 1);
-    beside[axis] += n % 2 == 0 ? -1 : 1;
-    if (beside[axis] < 0 || beside[axis] >= field_.lattice().blocks[axis]) continue;
-    const std::size_t other = field_.BlockIndex(beside[0], beside[1], beside[2]);
-    if (field_.entry(other) >= 0)
-      touched_.push_back({other, {beside[0], beside[1], beside[2]}, {}});
-  }
-  const auto volume = TakeShares(true);
-  for (std::size_t m = 0; m < volume.size(); ++m) merged_[m] += volume[m];
-  return true;
-}
-
-std::array<double, SolidGrid::kMaterials> CutField::TakeShares(bool merged) noexcept {
-  const Lattice& lattice = field_.lattice();
-  for (std::size_t n = 0; n < touched_.size(); ++n) {
-    touched_at_[touched_[n].block] = static_cast<std::int32_t>(n);
-  }
-  // Counted in whole parts of a voxel, so that no order of adding shows.
-  std::array<std::int64_t, SolidGrid::kMaterials> taken{};
-  const double crossed = kHalfDiagonal * lattice.spacing;
-  for (const Touched& touched : touched_) {
-    const std::int32_t entry = field_.entry(touched.block);
-    std::uint16_t* left = left_.data() + static_cast<std::size_t>(entry) * SparseField::kPoints;
-    const float* values = field_.values(entry);
-    const Layers beside = Beside(touched);
-    for (int layer = 0; layer < kSide; ++layer) {
-      for (std::uint64_t bits = beside[static_cast<std::size_t>(layer)]; bits; bits &= bits - 1) {
-        const int n = layer << 6 | std::countr_zero(bits);
-        if (values[n] < -crossed) continue;  // all that the solid has of it is left
-        if (left[n] == 0 && !merged) continue;
-        looks_ += kLooksOfShare;
-        const double share = ShareOf(8 * touched.at[0] + (n & 7), 8 * touched.at[1] + (n >> 3 & 7),
-                                     8 * touched.at[2] + (n >> 6));
-        const auto now = static_cast<std::uint16_t>(kWhole * share + 0.5);
-        // A block that comes before those beside it is seen too bare, or not bare enough, until
-        // they have come.
-        if (now >= left[n] && !merged) continue;
-        taken[solid_->MaterialOf(touched.block, n)] += left[n] - now;
-        left[n] = now;
-      }
-    }
-  }
-  for (const Touched& touched : touched_) {
-    touched_at_[touched.block] = -1;
-    const std::int32_t entry = field_.entry(touched.block);
-    const float* values = field_.values(entry);
-    const std::uint16_t* left =
-        left_.data() + static_cast<std::size_t>(entry) * SparseField::kPoints;
-    // What is clear throughout needs no storage any more.
-    const bool clear = std::all_of(values, values + SparseField::kPoints,
-                                   [&](float v) { return v >= field_.band(); });
-    if (clear && std::all_of(left, left + SparseField::kPoints, [](auto l) { return l == 0; })) {
-      field_.Release(touched.block, SparseField::kAbove);
-    }
-  }
-  const double voxel = lattice.spacing * lattice.spacing * lattice.spacing / kWhole;
-  std::array<double, SolidGrid::kMaterials> volume{};
-  for (std::size_t m = 0; m < taken.size(); ++m) {
-    volume[m] = voxel * static_cast<double>(taken[m]);
-  }
-  return volume;
+  ReleaseIfClear(block);
+  if (changed) Note(block);
+  return changed;
 }
 
 }  // namespace palpate

@@ -13,20 +13,12 @@
 
 namespace palpate {
 
-/// What one step of a bur took away.
+/// What one step of a bur did.
 struct CutAway {
-  std::array<double, SolidGrid::kMaterials> volume{};  ///< of each material, never below 0 [m^3]
   /// The field has no storage left for the place: nothing was removed.
   bool full = false;
-  /// What the step cost: distances to the bur's way that were asked for, some 30 ns each, and
-  /// shares of voxels, each as much as three.
+  /// What it cost: distances to the bur's way that were asked for, some 30 ns each.
   int looks = 0;
-
-  double total() const {
-    double sum = 0.0;
-    for (const double v : volume) sum += v;
-    return sum;
-  }
 };
 
 /// What burs took away of a solid: its own signed distance, phi_c, above 0 where a bur was.  What
@@ -54,7 +46,8 @@ class CutField {
   /// What is left, at a point of B.
   FieldSample Sample(const Vec3& p_B) const noexcept;
   double Distance(const Vec3& p_B) const noexcept {
-    return std::max(solid_->field().Distance(p_B), field_.Distance(p_B));
+    const Lattice::Place at = field_.lattice().PlaceOf(p_B);
+    return std::max(solid_->field().Distance(at), field_.Distance(at));
   }
 
   /// phi_c <- max(phi_c, -(distance to the bur's way)).  Equal whatever the order of the blocks,
@@ -66,11 +59,9 @@ class CutField {
   /// phi_c <- max(phi_c, points) at the points of a block: what another field of the solid has
   /// there; null: all of it is gone.  True where any rose.  Fields that have merged all blocks of
   /// each other hold the same bits, in whatever order and however often.  TakeChanged does not give
-  /// what came so, and VolumeMerged counts it.
+  /// what came so.
   /// Right where the storage is for all of the solid.
   bool Merge(std::size_t block, const float* points) noexcept;
-  /// Of each material, what went by Merge and not by Remove, since all was there [m^3].
-  const std::array<double, SolidGrid::kMaterials>& VolumeMerged() const { return merged_; }
 
   /// The block, of those where Remove changed points since it was last taken here, that has waited
   /// longest.  False where there is none.
@@ -95,48 +86,40 @@ class CutField {
   std::size_t bytes() const;
 
  private:
-  /// Points of a block: a layer of z each, bit 8 y + x.
-  using Layers = std::array<std::uint64_t, SparseField::kSide>;
   struct Touched {
     std::size_t block;
-    int at[3];       ///< of the block
-    Layers changed;  ///< points whose phi_c rose
+    int at[3];  ///< of the block
   };
 
   static std::size_t BytesOf(const SolidGrid& solid, std::size_t blocks);
   bool TakeStorage(const int low[3], const int high[3], const Bur& bur, const Pose& X_TB,
                    const Vec3& step_T) noexcept;
-  Layers Raise(const int at[3], std::int32_t entry, const Bur& bur, const Pose& X_TB,
-               const Vec3& step_T) noexcept;
+  /// True where a point of the block rose.
+  bool Raise(const Touched& touched, const Bur& bur, const Pose& X_TB, const Vec3& step_T) noexcept;
+  void ReleaseIfClear(std::size_t block) noexcept;
   /// Whatever raised a block's points: contact is to follow.
   void Note(std::size_t block) noexcept {
     changed_at_[block] = ++changes_;
     changed_[changes_ % kChanges] = static_cast<std::uint32_t>(block);
   }
-  void Store(const Touched& touched) noexcept;
-  /// What the voxels of touched_ lose by the points that changed; what is clear needs no storage.
-  std::array<double, SolidGrid::kMaterials> TakeShares(bool merged) noexcept;
+  void Store(std::size_t block) noexcept;
   void Wait(std::size_t block) noexcept;
   double GoneSince(const Bur& bur, const Pose& X_BT) const noexcept;
-  Layers Beside(const Touched& touched) const noexcept;
   double ShareOf(int i, int j, int k) const noexcept;
   double UncutShareOf(int i, int j, int k) const noexcept;
 
   const SolidGrid* solid_;
   SparseField field_;
-  std::vector<std::uint16_t> left_;  ///< of each stored point: share of its voxel, of kWhole
   /// How far the bur has gone in all steps: no point of it has gone farther [m].
   double gone_ = 0.0;
   int looks_ = 0;  ///< of the present step
   /// Of each stored row of points, up to which gone_ nothing in it can change [m].
   std::vector<double> still_;
-  std::array<double, SolidGrid::kMaterials> merged_{};
-  Bur bur_ = Bur::Ball(1.0);              ///< of the last step
-  Pose end_{};                            ///< X_BT where that ended
-  RoomyVector<Touched> touched_;          ///< of the present step, in the order of the table
-  std::vector<std::int32_t> touched_at_;  ///< of a block: its place there, or -1
-  std::vector<std::uint32_t> waiting_;    ///< a ring of blocks that changed, each at most once
-  std::vector<bool> waits_;               ///< of a block: it is in the ring
+  Bur bur_ = Bur::Ball(1.0);            ///< of the last step
+  Pose end_{};                          ///< X_BT where that ended
+  RoomyVector<Touched> touched_;        ///< of the present step, in the order of the table
+  std::vector<std::uint32_t> waiting_;  ///< a ring of blocks that changed, each at most once
+  std::vector<bool> waits_;             ///< of a block: it is in the ring
   std::size_t first_waiting_ = 0, waiting_count_ = 0;
   std::uint32_t changes_ = 0;
   std::vector<std::uint32_t> changed_at_;  ///< of a block

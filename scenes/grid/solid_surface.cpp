@@ -175,16 +175,6 @@ class Contour {
     return free && solid;
   }
 
-  /// Whether nothing is cut of the block and those round it.
-  bool IsUncut() const {
-    for (int n = 0; n < 27; ++n) {
-      const int b[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
-      const auto block = BlockAt(b);
-      if (block && CutAt(b).entry(*block) != SparseField::kBelow) return false;
-    }
-    return true;
-  }
-
   void Load() {
     for (int n = 0; n < 27; ++n) {
       const int b[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
@@ -666,35 +656,11 @@ std::size_t TakeSurfaceAndRim(const SolidFields& fields, std::size_t block, Soli
   surface.Clear();
   Contour contour(fields, block, surface);
   if (!contour.MayCross()) return 0;
-  if (fields.uncut != nullptr && contour.IsUncut()) return fields.uncut->Take(block, surface);
   contour.Load();
   contour.Take();
   const std::size_t own = surface.triangles.size();
   if (own > 0) contour.TakeRim();
   return own;
-}
-
-UncutSurface::UncutSurface(const SolidGrid& solid)
-    : of_block_(solid.field().lattice().block_count(), -1) {
-  const SparseField nothing(solid.field().lattice(), solid.field().band(), SparseField::kBelow);
-  SolidSurface surface;
-  for (std::size_t block = 0; block < of_block_.size(); ++block) {
-    const std::size_t own = TakeSurfaceAndRim({solid, nothing}, block, surface);
-    if (own == 0) continue;
-    surface.numbers.clear();
-    of_block_[block] = static_cast<std::int32_t>(parts_.size());
-    parts_.push_back({surface, own});
-  }
-}
-
-std::size_t UncutSurface::Take(std::size_t block, SolidSurface& surface) const {
-  const std::int32_t part = of_block_[block];
-  if (part < 0) {
-    surface.Clear();
-    return 0;
-  }
-  surface = parts_[static_cast<std::size_t>(part)].surface;  // within its storage
-  return parts_[static_cast<std::size_t>(part)].own;
 }
 
 SolidSurface WholeSurface(const CutField& cut) {

@@ -22,15 +22,12 @@ struct SolidSurface {
   void Clear();
 };
 
-class UncutSurface;
-
 /// A solid and what is gone of it.
 struct SolidFields {
   const SolidGrid& solid;
   const SparseField& cut;  ///< a CutField's, or a copy of one
   /// Stands for `cut` in its blocks that are not all solid; null: in none.
   const SparseField* later = nullptr;
-  const UncutSurface* uncut = nullptr;  ///< of `solid`, where there is one: the same, sooner
 };
 
 /// Each edge of the lattice belongs to the block of its lower end, and with it the triangles across
@@ -59,23 +56,6 @@ void TakeSurface(const SolidGrid& solid, const SparseField& cut, std::size_t blo
 /// The same, and then the neighbours' triangles that share a vertex with the block's.  Returns how
 /// many are the block's own; where it has none there are no neighbours either.
 std::size_t TakeSurfaceAndRim(const SolidFields& fields, std::size_t block, SolidSurface& surface);
-
-/// What TakeSurfaceAndRim gives of each block of a solid before anything is cut, but for the
-/// numbers of vertices.  Most of a solid never is, and so is looked up here.  Set-up; of a tooth of
-/// 10 mm at 50 um some 10 MB.
-class UncutSurface {
- public:
-  explicit UncutSurface(const SolidGrid& solid);
-  std::size_t Take(std::size_t block, SolidSurface& surface) const;
-
- private:
-  struct Part {
-    SolidSurface surface;
-    std::size_t own;
-  };
-  std::vector<std::int32_t> of_block_;  ///< which part; -1: the block has no surface
-  std::vector<Part> parts_;
-};
 
 /// Of all blocks, vertices that they share once.  Set-up and tools.
 SolidSurface WholeSurface(const CutField& cut);

@@ -17,46 +17,72 @@ float SparseField::At(int i, int j, int k) const noexcept {
   return ValueOf(table_[BlockIndex(bi, bj, bk)], PointIndex(i, j, k));
 }
 
-bool SparseField::Cell(const Vec3& p_B, double u[3], double v[8]) const noexcept {
-  const Vec3 at = (p_B - lattice_.origin) / lattice_.spacing;
-  int c[3];
+Lattice::Place Lattice::PlaceOf(const Vec3& p_B) const noexcept {
+  const Vec3 at = (p_B - origin) / spacing;
+  Place place;
+  place.inside = false;
   for (int a = 0; a < 3; ++a) {
     // Also false where the point is not finite: no integer holds that.
-    if (!(at[a] >= 0.0 && at[a] < kSide * lattice_.blocks[static_cast<std::size_t>(a)])) {
-      v[0] = ValueOf(all_, 0);
-      return false;
-    }
-    c[a] = static_cast<int>(at[a]);
-    u[a] = at[a] - c[a];
+    if (!(at[a] >= 0.0 && at[a] < 8 * blocks[static_cast<std::size_t>(a)])) return place;
+    place.c[a] = static_cast<int>(at[a]);
+    place.u[a] = at[a] - place.c[a];
   }
-  if ((c[0] & 7) < 7 && (c[1] & 7) < 7 && (c[2] & 7) < 7) {
-    const std::int32_t entry = table_[BlockIndex(c[0] >> 3, c[1] >> 3, c[2] >> 3)];
+  place.inside = true;
+  place.block = static_cast<std::size_t>(
+      ((place.c[2] >> 3) * blocks[1] + (place.c[1] >> 3)) * blocks[0] + (place.c[0] >> 3));
+  return place;
+}
+
+bool SparseField::Cell(const Lattice::Place& at, double v[8]) const noexcept {
+  if (!at.inside) {
+    v[0] = ValueOf(all_, 0);
+    return false;
+  }
+  const int x = at.c[0] & 7, y = at.c[1] & 7, z = at.c[2] & 7;
+  if (x < 7 && y < 7 && z < 7) {
+    const std::int32_t entry = table_[at.block];
     if (entry < 0) {
       v[0] = ValueOf(entry, 0);
       return false;
     }
-    const float* first = values(entry) + PointIndex(c[0], c[1], c[2]);
+    const float* first = values(entry) + PointIndex(x, y, z);
     for (int n = 0; n < 8; ++n) v[n] = first[(n & 1) + ((n & 2) << 2) + ((n & 4) << 4)];
-  } else {
-    for (int n = 0; n < 8; ++n) {
-      v[n] = At(c[0] + (n & 1), c[1] + (n >> 1 & 1), c[2] + (n >> 2));
+    return true;
+  }
+  // Some of the eight are the next blocks', of which there is none beyond the last.
+  const std::size_t stride[3] = {1, static_cast<std::size_t>(lattice_.blocks[0]),
+                                 BlockIndex(0, 0, 1)};
+  std::size_t next[3];
+  int beyond = 0;
+  for (int a = 0; a < 3; ++a) {
+    const bool crosses = (at.c[a] & 7) == 7;
+    next[a] = crosses ? stride[a] : 0;
+    if (crosses && (at.c[a] >> 3) + 1 == lattice_.blocks[static_cast<std::size_t>(a)]) {
+      beyond |= 1 << a;
     }
+  }
+  for (int n = 0; n < 8; ++n) {
+    const int dx = n & 1, dy = n >> 1 & 1, dz = n >> 2;
+    const std::size_t block =
+        at.block + (dx ? next[0] : 0) + (dy ? next[1] : 0) + (dz ? next[2] : 0);
+    v[n] = ValueOf((n & beyond) != 0 ? all_ : table_[block], PointIndex(x + dx, y + dy, z + dz));
   }
   return true;
 }
 
-double SparseField::Distance(const Vec3& p_B) const noexcept {
-  double u[3], v[8];
-  if (!Cell(p_B, u, v)) return v[0];
+double SparseField::Distance(const Lattice::Place& at) const noexcept {
+  double v[8];
+  if (!Cell(at, v)) return v[0];
   for (int a = 0, half = 4; a < 3; ++a, half /= 2) {
-    for (int n = 0; n < half; ++n) v[n] = v[2 * n] + u[a] * (v[2 * n + 1] - v[2 * n]);
+    for (int n = 0; n < half; ++n) v[n] = v[2 * n] + at.u[a] * (v[2 * n + 1] - v[2 * n]);
   }
   return v[0];
 }
 
-FieldSample SparseField::Sample(const Vec3& p_B) const noexcept {
-  double u[3], v[8];  // bits of the index: x, y, z
-  if (!Cell(p_B, u, v)) return {v[0], Vec3::Zero()};
+FieldSample SparseField::Sample(const Lattice::Place& at) const noexcept {
+  double v[8];  // bits of the index: x, y, z
+  if (!Cell(at, v)) return {v[0], Vec3::Zero()};
+  const double* u = at.u;
   const auto mix = [](double a, double b, double t) { return a + t * (b - a); };
   double x[4], y[2];
   for (int n = 0; n < 4; ++n) x[n] = mix(v[2 * n], v[2 * n + 1], u[0]);

@@ -29,6 +29,15 @@ struct Lattice {
   Vec3 Point(int i, int j, int k) const { return origin + spacing * Vec3(i, j, k); }
   /// The corner opposite to the origin.
   Vec3 End() const { return Point(8 * blocks[0], 8 * blocks[1], 8 * blocks[2]); }
+
+  /// The cell that a point of B lies in, and where in it.
+  struct Place {
+    bool inside;        ///< else, also where the point is not finite, the others are not set
+    int c[3];           ///< the cell's lowest corner
+    double u[3];        ///< from there, 0 to 1
+    std::size_t block;  ///< of that corner
+  };
+  Place PlaceOf(const Vec3& p_B) const noexcept;
 };
 
 /// A vector whose copies have as much room, so that what does not allocate in one does not in them.
@@ -92,9 +101,11 @@ class SparseField {
   /// Any integers.
   float At(int i, int j, int k) const noexcept;
   /// Trilinear between the eight points round p, which is given in B.
-  FieldSample Sample(const Vec3& p_B) const noexcept;
+  FieldSample Sample(const Vec3& p_B) const noexcept { return Sample(lattice_.PlaceOf(p_B)); }
+  FieldSample Sample(const Lattice::Place& at) const noexcept;
   /// The same bits without the gradient.
-  double Distance(const Vec3& p_B) const noexcept;
+  double Distance(const Vec3& p_B) const noexcept { return Distance(lattice_.PlaceOf(p_B)); }
+  double Distance(const Lattice::Place& at) const noexcept;
 
   /// Storage for so many blocks.  Set-up.
   void Reserve(std::size_t blocks);
@@ -121,8 +132,8 @@ class SparseField {
     return entry >= 0 ? values(entry)[point] : entry == kBelow ? -band_ : band_;
   }
 
-  /// The eight values round p and where it lies between them; false where all are v[0].
-  bool Cell(const Vec3& p_B, double u[3], double v[8]) const noexcept;
+  /// The eight values round a place; false where all are v[0].
+  bool Cell(const Lattice::Place& at, double v[8]) const noexcept;
 
   Lattice lattice_;
   float band_;

@@ -34,7 +34,9 @@ SceneObjects::SceneObjects(std::span<const PlacedTree> objects, ContactModel con
     materials_.emplace_back(materials.begin(), materials.end());
     if (contact == ContactModel::kSurface) bodies_.push_back(BlocksOf(solid));
   }
-  if (contact == ContactModel::kSurface) boxes_ = solids_.size();
+  if (contact != ContactModel::kSurface) return;
+  boxes_ = solids_.size();
+  uncut_ = UncutBodies(solids_, boxes(), bodies_.size() - boxes_);
 }
 
 const Material& SceneObjects::MaterialOf(std::size_t solid, std::uint8_t material) const {

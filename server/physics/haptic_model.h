@@ -10,6 +10,7 @@
 #include "server/physics/contact_id.h"
 #include "server/physics/cut/cutting.h"
 #include "server/physics/step_types.h"
+#include "server/physics/surface/block_bodies.h"
 #include "server/physics/surface/contact_bodies.h"
 #include "server/physics/surface/felt_solids.h"
 #include "server/physics/tree/soft_leaves.h"
@@ -35,6 +36,7 @@ class SceneObjects {
   /// there is none, which tells soonest what is deep inside (start_pose.h).
   std::span<const ContactBody> bodies() const { return bodies_; }
   std::span<const ContactBody> boxes() const { return bodies().last(boxes_); }
+  const UncutBodies& uncut() const { return uncut_; }
   const ObjectForest* insides() const { return insides_ ? &*insides_ : nullptr; }
   /// What burs can cut.
   std::span<const CutSolid> solids() const { return solids_; }
@@ -48,6 +50,7 @@ class SceneObjects {
   std::optional<ObjectForest> insides_;
   std::vector<CutSolid> solids_;
   std::size_t boxes_ = 0;
+  UncutBodies uncut_;
   std::vector<std::vector<Material>> materials_;  ///< of each solid
 };
 
@@ -69,6 +72,7 @@ class HapticModel {
   const ContactBody* tool_body() const { return tool_body_.get(); }
   std::span<const ContactBody> bodies() const { return objects_->bodies(); }
   std::span<const ContactBody> boxes() const { return objects_->boxes(); }
+  const UncutBodies& uncut() const { return objects_->uncut(); }
   const ObjectForest* insides() const { return objects_->insides(); }
   /// Null unless the features name compliance and some leaf is soft.
   const SoftLeaves* soft_leaves() const { return soft_.get(); }

@@ -77,7 +77,7 @@ bool Begin(const Pose& X_WH, StepContext& context) {
     ToolAndBodies& meshes = context.buffers.meshes->meshes;
     meshes.felt = &state.felt;
     meshes.cuts = cuts;
-    if (!state.felt.empty()) state.felt.Follow(state.cuts, state.front);
+    if (!state.felt.empty()) state.felt.Begin(state.cuts, state.front);
   }
   return true;
 }
@@ -188,11 +188,9 @@ void Move(StepContext& context, const Way& way) {
     context.state.friction.Forget();
   }
   if (buffers.energies && context.state.cutting) {
-    const Energies::Taken taken = buffers.energies->Cut(context.tools.p_G, context.tools.q_G, way.v,
+    context.cost.last_cut_looks = buffers.energies->Cut(context.tools.p_G, context.tools.q_G, way.v,
                                                         way.phi, context.state.cuts);
-    context.report.cut_volume += taken.volume;
-    context.cost.last_cut_looks = taken.looks;
-    context.cost.cut_looks += taken.looks;
+    context.cost.cut_looks += context.cost.last_cut_looks;
   }
   Tools& tools = context.tools;
   if (way.arrived && !is_held) {
@@ -301,6 +299,7 @@ void End(const Pose& X_WH, StepContext& context) {
     AddChapterFriction(context.model, X_before, state, report);
   }
   report.X_WG = state.X_WG;
+  if (!state.felt.empty()) state.felt.Follow(state.cuts, state.front);
   TakeDrag(context);
   Hum(context);
   // Whatever the numbers that came in: nothing else than numbers goes out.

@@ -260,13 +260,12 @@ inline constexpr double kSetFar = kMaxSubsteps * kMaxTranslation;
 /// may have, those round it included.  Of a plane there are 32 and 40 more, or four times as many
 /// of one that bends more than by what eight cells may have one vertex of.  And how many bodies are
 /// given up at once where there is no room.  Taken.
-inline constexpr std::size_t kBlocks = 512, kMostOfBlock = 1024, kGivenUp = 32;
+inline constexpr std::size_t kBlocks = 256, kMostOfBlock = 1024, kGivenUp = 32;
 /// Blocks that are followed at once: what a bur of 1.4 mm changes in some milliseconds at 50 um.
 /// And how many bodies a cycle makes anew for that, 0.1 ms each.
 inline constexpr std::size_t kMostFollowed = 256;
 inline constexpr int kMadeACycle = 1;
-/// What making a body counts, in looks: 0.09 ms of one that is cut, a quarter of one that is not.
-/// So a cycle makes four.
+/// What making a body counts, in looks: 0.09 ms.  So a cycle makes four.
 inline constexpr int kLooksOfBlock = 700;
 /// Pairs that a sub-step of so many looks can come to: as many near ones as it brings up to date,
 /// and two for each look that splits one.  The next power of two.

@@ -18,7 +18,6 @@ namespace {
 
 CutSolid SolidOf(const Body& body) {
   CutSolid solid{MakeSolidGrid(body), body.X_WB, {}, 0};
-  solid.uncut = std::make_shared<const UncutSurface>(*solid.grid);
   for (std::size_t m = 0; m < std::min(body.materials.size(), solid.materials.size()); ++m) {
     const Material& material = body.materials[m];
     solid.materials[m] = {material.cutting_pressure, material.cutting_viscosity,

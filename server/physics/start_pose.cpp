@@ -88,9 +88,8 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
                        std::span<const CutField> cuts) {
   StepState state;
   if (!model.boxes().empty() && model.tool_body() != nullptr) {
-    state.felt =
-        FeltSolids(model.solids(), model.boxes(), model.bodies().size() - model.boxes().size());
-    if (!cuts.empty()) state.felt.Follow(cuts, state.front);
+    state.felt = FeltSolids(model.uncut());
+    if (!cuts.empty()) state.felt.Begin(cuts, state.front);
     workspace.buffers().meshes->meshes.felt = &state.felt;
     workspace.buffers().meshes->meshes.cuts = true;
   }

@@ -7,10 +7,7 @@ namespace palpate {
 StepState::StepState(const HapticModel& model) {
   if (model.tool_body() != nullptr) {
     front.Reserve();
-    if (!model.boxes().empty()) {
-      felt =
-          FeltSolids(model.solids(), model.boxes(), model.bodies().size() - model.boxes().size());
-    }
+    if (!model.boxes().empty()) felt = FeltSolids(model.uncut());
   }
   cutting = model.cutting() == nullptr || !model.cutting()->sense;
   for (const CutSolid& solid : model.solids()) {

@@ -78,8 +78,7 @@ struct StepReport {
   int contacts = 0;
   /// All of them, listed or not.  A bur that material holds back is one, and is not listed.
   int soft_contacts = 0;
-  Wrench soft_wrench;       ///< sum of all soft contacts on the tool, at its centroid, in W
-  double cut_volume = 0.0;  ///< that a bur took away in this step [m^3]
+  Wrench soft_wrench;  ///< sum of all soft contacts on the tool, at its centroid, in W
   /// Of all material on the bur, in W [N], and where that is shown: at the bur's frame, in W.
   Vec3 bur_force = Vec3::Zero(), bur_W = Vec3::Zero();
   std::uint32_t faults = kFaultNone;

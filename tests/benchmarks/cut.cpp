@@ -15,6 +15,7 @@
 #include "tests/benchmarks/cut_scene.h"
 #include "tests/benchmarks/figures.h"
 #include "tests/benchmarks/machine.h"
+#include "tests/support/volume_left.h"
 
 namespace palpate::bench {
 namespace {
@@ -78,12 +79,12 @@ double GrooveVolume(double depth) {
 double VolumeOf(const Case& c, CutField& cut, const Vec3& from_P, const Vec3& to_P) {
   const int steps = static_cast<int>(std::ceil((to_P - from_P).norm() / 3e-6));
   const Vec3 step = c.direction.q_BP * ((to_P - from_P) / steps);
-  double sum = 0.0;
+  const double whole = test::TotalLeft(cut);
   for (int n = 0; n < steps; ++n) {
     const Pose X_BT{c.direction.q_BP * from_P + n * step, c.direction.q_BP};
-    sum += cut.Remove(Bur::Ball(kRadius), X_BT, step).total();
+    cut.Remove(Bur::Ball(kRadius), X_BT, step);
   }
-  return sum;
+  return whole - test::TotalLeft(cut);
 }
 
 /// The bur led along straight ways: removed volume over the exact one of the capsule, less 1.
@@ -182,6 +183,8 @@ Way GoTheWay(const Case& c, const SolidGrid& block, Times& times) {
   const int rise = static_cast<int>(0.05 / dt);
   const double feed_end = 0.6e-3;
   bool down = true;
+  // The rise goes through what is clear.
+  const double whole = test::TotalLeft(cut);
   for (int count = 0, risen = 0; hand.x() < feed_end; ++count) {
     const bool rising = !down && risen < rise;
     if (down) {
@@ -204,9 +207,7 @@ Way GoTheWay(const Case& c, const SolidGrid& block, Times& times) {
     const auto solved = Clock::now();
     std::copy(step.x, step.x + 3, x);
     const Vec3 v(x[0], x[1], x[2]);
-    const double volume =
-        cut.Remove(bur, {c.direction.q_BP * bur_at, c.direction.q_BP}, c.direction.q_BP * v)
-            .total();
+    cut.Remove(bur, {c.direction.q_BP * bur_at, c.direction.q_BP}, c.direction.q_BP * v);
     const auto end = Clock::now();
     int place = 0;
     for (const auto& took : {built - begin, solved - built, end - solved, end - begin}) {
@@ -219,7 +220,6 @@ Way GoTheWay(const Case& c, const SolidGrid& block, Times& times) {
     const Vec3 force = kStiffness * (v - t), exact = ExactForce(c, fine, bur_at, v / dt);
     const double work = rows.WorkOf(x, 3);
     way.rows_volume += rows.VolumeOf(x, 3);
-    way.removed += volume;
     way.work += kStiffness * work;
     way.least_work = std::min(way.least_work, kStiffness * work);
     way.law_work -= exact.dot(v);
@@ -228,6 +228,7 @@ Way GoTheWay(const Case& c, const SolidGrid& block, Times& times) {
     if (down && bur_at.z() < 0.0) way.plunge.Add(force, exact, on_millisecond);
     if (!down && hand.x() > 0.4e-3) way.groove.Add(force, exact, on_millisecond);
   }
+  way.removed = whole - test::TotalLeft(cut);
   times.rows.Add(us[0]);
   times.solve.Add(us[1]);
   times.remove.Add(us[2]);

@@ -19,6 +19,7 @@
 #include "tests/benchmarks/figures.h"
 #include "tests/benchmarks/machine.h"
 #include "tests/benchmarks/pose_source.h"
+#include "tests/support/volume_left.h"
 #include "tests/support/written_mesh.h"
 
 namespace palpate::bench {
@@ -39,12 +40,18 @@ struct Cut {
 Cut Run(const HapticModel& model, const std::vector<Pose>& hand, int repeats) {
   BestOf times;
   Cut cut;
+  const auto left = [](const StepState& state) {
+    double sum = 0.0;
+    for (const CutField& field : state.cuts) sum += test::TotalLeft(field);
+    return sum;
+  };
   for (int r = 0; r < repeats; ++r) {
     cut = Cut{};
     cut.state = StepState(model);
     StepWorkspace workspace(model);
     cut.state.X_WG = cut.state.X_WH = hand.front();
     cut.X_WG.push_back(hand.front());
+    const double whole = left(cut.state);
     std::vector<double> us;
     for (const Pose& X_WH : hand) {
       const auto begin = std::chrono::steady_clock::now();
@@ -56,7 +63,6 @@ Cut Run(const HapticModel& model, const std::vector<Pose>& hand, int repeats) {
       const Vec3 v = report.X_WG * model.reference() - X * model.reference();
       const Vec3 phi = RotationLog(report.X_WG.q * X.q.conjugate());
       cut.work -= report.wrench.force.dot(v) + report.wrench.torque.dot(phi);
-      cut.volume += report.cut_volume;
       cut.unsolved += (report.faults & kFaultUnsolved) != 0;
       if (!cut.force.empty()) {
         cut.jump = std::max(cut.jump, (report.wrench.force - cut.force.back()).norm());
@@ -65,6 +71,7 @@ Cut Run(const HapticModel& model, const std::vector<Pose>& hand, int repeats) {
       cut.X_WG.push_back(report.X_WG);
     }
     times.Add(us);
+    cut.volume = whole - left(cut.state);
   }
   cut.us = times.best();
   return cut;

@@ -8,7 +8,6 @@
 #include "common/math/pose.h"
 #include "scenes/grid/bur.h"
 #include "scenes/grid/solid_grid.h"
-#include "scenes/grid/solid_surface.h"
 #include "scenes/scene.h"
 
 namespace palpate {
@@ -26,7 +25,6 @@ struct CutSolid {
   Pose X_WB;
   std::array<CutMaterial, SolidGrid::kMaterials> materials;  ///< by their number in the grid
   std::uint32_t object = 0;                                  ///< its place among the scene's
-  std::shared_ptr<const UncutSurface> uncut{};               ///< of the grid; null: not kept
 };
 
 /// A bur in a tool, or an edge.  What else of the tool's tree and mesh meets is rigid.

@@ -71,21 +71,18 @@ bool Energies::pushes() const noexcept {
   return (soft() != nullptr && soft_->pushes()) || bur_pushes();
 }
 
-Energies::Taken Energies::Cut(const Vec3& p_G, const Quat& q_WG, const Vec3& v, const Vec3& phi,
-                              std::span<CutField> cuts) noexcept {
-  Taken taken;
-  if (!cut_ || cut_->count() == 0) return taken;
+int Energies::Cut(const Vec3& p_G, const Quat& q_WG, const Vec3& v, const Vec3& phi,
+                  std::span<CutField> cuts) noexcept {
+  int looks = 0;
+  if (!cut_ || cut_->count() == 0) return looks;
   const Cutting& cutting = *model_->cutting();
   const Vec3 lever = q_WG * (cutting.X_TB.p - model_->reference());
   const Pose X_WB{p_G + lever, q_WG * cutting.X_TB.q};
   for (std::size_t i = 0; i < cuts.size(); ++i) {
     const Pose X_SW = model_->solids()[i].X_WB.Inverse();
-    const CutAway away =
-        cuts[i].Remove(cutting.bur, X_SW * X_WB, X_SW.q * Vec3(v + phi.cross(lever)));
-    taken.volume += away.total();
-    taken.looks += away.looks;
+    looks += cuts[i].Remove(cutting.bur, X_SW * X_WB, X_SW.q * Vec3(v + phi.cross(lever))).looks;
   }
-  return taken;
+  return looks;
 }
 
 }  // namespace palpate

@@ -51,13 +51,9 @@ class Energies {
 
   /// Null where no row is soft.
   const SoftRows* soft() const { return soft_ && soft_->any() ? &*soft_ : nullptr; }
-  /// Takes away what the bur passes in a motion of the tool from p_G.
-  struct Taken {
-    double volume = 0.0;  ///< [m^3]
-    int looks = 0;        ///< CutAway::looks
-  };
-  Taken Cut(const Vec3& p_G, const Quat& q_WG, const Vec3& v, const Vec3& phi,
-            std::span<CutField> cuts) noexcept;
+  /// Takes away what the bur passes in a motion of the tool from p_G.  Returns CutAway::looks.
+  int Cut(const Vec3& p_G, const Quat& q_WG, const Vec3& v, const Vec3& phi,
+          std::span<CutField> cuts) noexcept;
 
  private:
   const HapticModel* model_;

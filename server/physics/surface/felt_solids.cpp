@@ -1,7 +1,6 @@
 #include "server/physics/surface/felt_solids.h"
 
 #include <algorithm>
-#include <optional>
 
 #include "server/physics/limits.h"
 
@@ -9,13 +8,8 @@ namespace palpate {
 namespace {
 
 using namespace limits::mesh;
-using Box = HullTree::Box;
-
 constexpr int kSide = SparseField::kSide;
 constexpr std::size_t kPoints = SparseField::kPoints;
-/// Vertices of a block lie up to so far before its first point and beyond its last, and so far from
-/// a solid one of its own or the next ones (solid_surface.cpp), but for rounding [h].
-constexpr double kBefore = 2.0, kBeyond = 2.0, kFromSolid = 2.0, kRounded = 1e-6;
 /// Of a block that has changed, so many layers are of the triangles of the block before it, and of
 /// that beyond it, too.
 constexpr int kOfBefore = 4, kOfBeyond = 5;
@@ -35,46 +29,22 @@ void Copy(const SparseField& from, std::size_t block, SparseField& to) noexcept 
   std::copy_n(from.values(source), kPoints, to.values(target));
 }
 
-/// Where all surface lies that a block can ever have: round its solid points, for solid only
-/// shrinks.
-std::optional<Box> BoxOf(const SparseField& field, std::size_t block) {
-  const Lattice& lattice = field.lattice();
-  const std::array<int, 3> at = lattice.BlockAt(block);
-  const Vec3 first = kSide * Vec3(at[0], at[1], at[2]);
-  Vec3 low = Vec3::Constant(kSide), high = Vec3::Constant(-1);
-  if (field.entry(block) == SparseField::kBelow) {
-    low.setZero();
-    high.setConstant(kSide);
-  } else {
-    for (int n = 0; n < (kSide + 1) * (kSide + 1) * (kSide + 1); ++n) {
-      const int p[3] = {n % (kSide + 1), n / (kSide + 1) % (kSide + 1),
-                        n / ((kSide + 1) * (kSide + 1))};
-      if (!(field.At(kSide * at[0] + p[0], kSide * at[1] + p[1], kSide * at[2] + p[2]) < 0.0f)) {
-        continue;
+/// Whether something holds of a block and all those round it.
+template <typename Holds>
+bool AllRound(const SparseField& field, std::size_t block, const Holds& holds) {
+  const auto& blocks = field.lattice().blocks;
+  const auto [i, j, k] = field.lattice().BlockAt(block);
+  for (int z = std::max(k - 1, 0); z <= std::min(k + 1, blocks[2] - 1); ++z) {
+    for (int y = std::max(j - 1, 0); y <= std::min(j + 1, blocks[1] - 1); ++y) {
+      for (int x = std::max(i - 1, 0); x <= std::min(i + 1, blocks[0] - 1); ++x) {
+        if (!holds(field.BlockIndex(x, y, z))) return false;
       }
-      low = low.cwiseMin(Vec3(p[0], p[1], p[2]));
-      high = high.cwiseMax(Vec3(p[0], p[1], p[2]));
     }
   }
-  if ((low.array() > high.array()).any()) return std::nullopt;
-  low = (low.array() - kFromSolid).cwiseMax(-kBefore) - kRounded;
-  high = (high.array() + kFromSolid).cwiseMin(kSide - 1 + kBeyond) + kRounded;
-  const Vec3 origin = lattice.Point(0, 0, 0);
-  return Box{origin + lattice.spacing * (first + low), origin + lattice.spacing * (first + high),
-             static_cast<std::uint32_t>(block)};
+  return true;
 }
 
 }  // namespace
-
-ContactBody BlocksOf(const CutSolid& solid) {
-  const SparseField& field = solid.grid->field();
-  std::vector<HullTree::Box> boxes;
-  for (std::size_t block = 0; block < field.lattice().block_count(); ++block) {
-    if (field.entry(block) == SparseField::kAbove) continue;
-    if (const auto box = BoxOf(field, block)) boxes.push_back(*box);
-  }
-  return {ContactMesh(), HullTree(boxes, solid.X_WB)};
-}
 
 FeltSolids::Solid::Solid(const CutSolid& cut_solid)
     : solid(&cut_solid),
@@ -89,44 +59,38 @@ FeltSolids::Solid::Solid(const CutSolid& cut_solid)
   later.Reserve(kMostFollowed);
 }
 
-FeltSolids::FeltSolids(std::span<const CutSolid> solids, std::span<const ContactBody> boxes,
-                       std::size_t first_body)
-    : first_solid_(static_cast<std::int32_t>(first_body)),
-      first_block_(static_cast<std::int32_t>(first_body + solids.size())),
-      boxes_(boxes) {
-  if (solids.empty()) return;
-  solids_.reserve(solids.size());
-  for (const CutSolid& solid : solids) solids_.emplace_back(solid);
+FeltSolids::FeltSolids(const UncutBodies& uncut)
+    : first_solid_(uncut.first_body()),
+      first_block_(first_solid_ + static_cast<std::int32_t>(uncut.solids().size())),
+      first_uncut_(first_block_ + static_cast<std::int32_t>(kBlocks + uncut.solids().size())),
+      uncut_(&uncut) {
+  if (uncut.solids().empty()) return;
+  solids_.reserve(uncut.solids().size());
+  for (const CutSolid& solid : uncut.solids()) solids_.emplace_back(solid);
   bodies_.resize(kBlocks);
   used_.resize(kBlocks);
   free_.reserve(kBlocks);
   for (std::size_t place = kBlocks; place-- > 0;) {
     free_.push_back(static_cast<std::int16_t>(place));
-    bodies_[place].body.mesh.Reserve(kMostOfBlock);
-    bodies_[place].body.tree.Reserve(kMostOfBlock);
-    bodies_[place].materials.reserve(kMostOfBlock);
+    bodies_[place].body.Reserve();
   }
-  mesh_scratch_.Reserve(kMostOfBlock);
-  tree_scratch_.Reserve(kMostOfBlock);
+  scratch_.Reserve();
   changed_.reserve(kMostFollowed);
   to_make_.reserve(kBlocks);
-  constexpr std::size_t kMostAndRim = 4 * 3 * (kSide + 3) * (kSide + 3) * (kSide + 3);
-  surface_.vertices.reserve(kMostAndRim);
-  surface_.numbers.reserve(kMostAndRim);
-  surface_.triangles.reserve(kMostAndRim);
-  surface_.materials.reserve(kMostAndRim);
+}
+
+void FeltSolids::Begin(std::span<const CutField> cuts, SeparationFront& front) noexcept {
+  made_in_cycle_ = 0;
+  if (!forgotten_ && IsFollowed(cuts)) return;
+  TakeAll(cuts);
+  front.Clear();
+  forgotten_ = false;
 }
 
 void FeltSolids::Follow(std::span<const CutField> cuts, SeparationFront& front) noexcept {
-  if (forgotten_ || !IsFollowed(cuts)) {
-    TakeAll(cuts);
-    front.Clear();
-    forgotten_ = false;
-    return;
-  }
   if (changed_.empty()) Gather(cuts, front);
   if (changed_.empty()) return;
-  for (int n = 0; n < kMadeACycle && made_ < to_make_.size(); ++n) {
+  while (made_in_cycle_ < kMadeACycle && made_ < to_make_.size()) {
     const Block& block = to_make_[made_++];
     SolidOf(block).later_place[static_cast<std::size_t>(block.block)] =
         Make(block, Use::kLater, front);
@@ -183,16 +147,12 @@ void FeltSolids::Gather(std::span<const CutField> cuts, const SeparationFront& f
 
 /// Whether anything is known of a block, or of those whose triangles go by its points.
 bool FeltSolids::IsKnownRound(const Solid& solid, std::size_t block) const noexcept {
-  const Lattice& lattice = solid.felt.lattice();
-  const auto [i, j, k] = lattice.BlockAt(block);
-  for (int z = std::max(k - 1, 0); z <= std::min(k + 1, lattice.blocks[2] - 1); ++z) {
-    for (int y = std::max(j - 1, 0); y <= std::min(j + 1, lattice.blocks[1] - 1); ++y) {
-      for (int x = std::max(i - 1, 0); x <= std::min(i + 1, lattice.blocks[0] - 1); ++x) {
-        if (solid.place[solid.felt.BlockIndex(x, y, z)] != kNone) return true;
-      }
-    }
-  }
-  return false;
+  return !AllRound(solid.felt, block, [&](std::size_t n) { return solid.place[n] == kNone; });
+}
+
+/// Whether nothing is cut of a block, and of those whose points its triangles go by.
+bool FeltSolids::IsUncut(const SparseField& felt, std::size_t block) noexcept {
+  return AllRound(felt, block, [&](std::size_t n) { return felt.entry(n) == SparseField::kBelow; });
 }
 
 /// The blocks whose triangles go by points that have changed.
@@ -268,13 +228,13 @@ void FeltSolids::Commit(SeparationFront& front) noexcept {
                        return true;
                      });
   for (std::size_t place = 0; place < bodies_.size(); ++place) {
-    const Block& of = bodies_[place].of;
+    const Block& of = bodies_[place].body.of;
     if (bodies_[place].use != Use::kFelt) continue;
     if (SolidOf(of).affected[static_cast<std::size_t>(of.block)] == turn_) Free(place);
   }
   for (Solid& solid : solids_) {
     for (std::size_t block = 0; block < solid.place.size(); ++block) {
-      if (solid.affected[block] == turn_ && solid.place[block] == kNothing) {
+      if (solid.affected[block] == turn_ && solid.place[block] < kNone) {
         solid.place[block] = kNone;
       }
     }
@@ -292,11 +252,10 @@ void FeltSolids::Commit(SeparationFront& front) noexcept {
 }
 
 FeltSolids::Block FeltSolids::BlockOf(const SeparationFront::Pair& entry) const {
-  const std::size_t place = PlaceOf(entry.body);
-  if (place < bodies_.size()) return bodies_[place].of;
-  const std::size_t solid = place - bodies_.size();
+  if (!IsNothing(entry.body)) return BodyOf(entry.body).of;
+  const std::size_t solid = PlaceOf(entry.body) - bodies_.size();
   return {first_solid_ + static_cast<std::int32_t>(solid), entry.object,
-          boxes_[solid].tree.BlockOf(entry.object)};
+          uncut_->boxes()[solid].tree.BlockOf(entry.object)};
 }
 
 FeltSolids::Taken FeltSolids::Take(const Block& block, const SeparationFront& front) noexcept {
@@ -305,6 +264,13 @@ FeltSolids::Taken FeltSolids::Take(const Block& block, const SeparationFront& fr
   const std::int32_t nothing =
       first_block_ + static_cast<std::int32_t>(bodies_.size()) + block.solid - first_solid_;
   if (place >= 0) return {first_block_ + place, false};
+  const auto s = static_cast<std::size_t>(block.solid - first_solid_);
+  const std::int32_t whole = uncut_->PlaceOf(s, static_cast<std::size_t>(block.block));
+  if (place == kNone && IsUncut(solid.felt, static_cast<std::size_t>(block.block))) {
+    place = whole < 0 ? kNothing : kUncut;
+    if (!changed_.empty()) List(block);
+  }
+  if (place == kUncut) return {first_uncut_ + whole, false};
   if (place == kNothing) return {nothing, false};
   const std::int16_t made = Make(block, Use::kFelt, front);
   if (!changed_.empty()) List(block);
@@ -314,24 +280,19 @@ FeltSolids::Taken FeltSolids::Take(const Block& block, const SeparationFront& fr
 }
 
 std::int16_t FeltSolids::Make(const Block& block, Use use, const SeparationFront& front) noexcept {
+  ++made_in_cycle_;
   Solid& solid = SolidOf(block);
-  const std::size_t own =
-      TakeSurfaceAndRim({*solid.solid->grid, solid.felt,
-                         use == Use::kLater ? &solid.later : nullptr, solid.solid->uncut.get()},
-                        static_cast<std::size_t>(block.block), surface_);
+  const std::size_t own = TakeSurfaceAndRim(
+      {*solid.solid->grid, solid.felt, use == Use::kLater ? &solid.later : nullptr},
+      static_cast<std::size_t>(block.block), scratch_.surface);
   if (own == 0) return kNothing;
-  if (surface_.triangles.size() > kMostOfBlock) return kNoRoom;
+  if (scratch_.surface.triangles.size() > kMostOfBlock) return kNoRoom;
   if (free_.empty() && !MakeRoom(front)) return kNoRoom;
   const std::int16_t at = free_.back();
   free_.pop_back();
   Place& place = bodies_[static_cast<std::size_t>(at)];
-  const Pose& X_WB = solid.solid->X_WB;
-  place.of = block;
   place.use = use;
-  place.body.mesh.Assign(surface_.vertices, surface_.triangles, X_WB, mesh_scratch_);
-  place.body.tree.Assign(place.body.mesh, own, X_WB.q.toRotationMatrix(), tree_scratch_);
-  place.materials.assign(surface_.materials.begin(),
-                         surface_.materials.begin() + static_cast<std::ptrdiff_t>(own));
+  place.body.Assign(block, own, solid.solid->X_WB, scratch_);
   return at;
 }
 
@@ -339,7 +300,7 @@ std::int16_t FeltSolids::Make(const Block& block, Use use, const SeparationFront
 bool FeltSolids::MakeRoom(const SeparationFront& front) noexcept {
   std::fill(used_.begin(), used_.end(), false);
   front.ForEachEntry(first_block_, [&](SeparationFront::Index, const SeparationFront::Pair& pair) {
-    if (!IsNothing(pair.body)) used_[PlaceOf(pair.body)] = true;
+    if (PlaceOf(pair.body) < kBlocks) used_[PlaceOf(pair.body)] = true;
   });
   for (std::size_t n = 0; n < kBlocks && free_.size() < kGivenUp; ++n) {
     const std::size_t place = next_given_up_;
@@ -350,12 +311,12 @@ bool FeltSolids::MakeRoom(const SeparationFront& front) noexcept {
 }
 
 void FeltSolids::Free(std::size_t place) noexcept {
-  Place& body = bodies_[place];
-  if (body.use == Use::kFree) return;
-  Solid& solid = SolidOf(body.of);
-  (body.use == Use::kFelt ? solid.place
-                          : solid.later_place)[static_cast<std::size_t>(body.of.block)] = kNone;
-  body.use = Use::kFree;
+  Use& use = bodies_[place].use;
+  if (use == Use::kFree) return;
+  const Block& of = bodies_[place].body.of;
+  Solid& solid = SolidOf(of);
+  (use == Use::kFelt ? solid.place : solid.later_place)[static_cast<std::size_t>(of.block)] = kNone;
+  use = Use::kFree;
   free_.push_back(static_cast<std::int16_t>(place));
 }
 

@@ -6,23 +6,16 @@
 #include <vector>
 
 #include "scenes/grid/cut_field.h"
-#include "scenes/grid/solid_surface.h"
-#include "server/physics/cut/cutting.h"
-#include "server/physics/surface/contact_bodies.h"
+#include "server/physics/surface/block_bodies.h"
 #include "server/physics/surface/separation_front.h"
 
 namespace palpate {
 
-/// A solid as contact knows it whatever is cut: the boxes of its blocks, in W.  What is left of a
-/// block lies in its box.
-ContactBody BlocksOf(const CutSolid& solid);
-
-/// What is left of a scene's solids as contact feels it: the surface that viewers draw
-/// (scenes/grid/solid_surface.h).  Each block of a solid's lattice that a tool comes near to
-/// becomes a body of its own: its triangles, and for their normal cones the neighbours' round them.
+/// What is left of a scene's solids as contact feels it: bodies of their blocks.
 ///
-/// Bodies are made when a pair of the front first has to look into a block's box.  They are of one
-/// time, so that their triangles join: of a copy of what was cut, which follows it.  What lies
+/// Of a block that is cut, or beside one, a body is made when a pair of the front first has to look
+/// into its box.  They are of one time, so that their triangles join: of a copy of what was cut,
+/// which follows it.  What lies
 /// between is still an obstacle, and so what was proven apart is apart.  To follow, those blocks
 /// that have changed are copied all at once, the bodies that they change are made anew, a few in
 /// each cycle, and then take the old ones' places together.
@@ -32,28 +25,25 @@ ContactBody BlocksOf(const CutSolid& solid);
 class FeltSolids {
  public:
   FeltSolids() = default;
-  /// What it is given outlives it.
-  /// `boxes`: of each solid (BlocksOf); `first_body`: number of the first of them, which the others
-  /// follow, and then the blocks.
-  FeltSolids(std::span<const CutSolid> solids, std::span<const ContactBody> boxes,
-             std::size_t first_body);
+  /// What it is given outlives it.  Blocks have the numbers after the boxes'.
+  explicit FeltSolids(const UncutBodies& uncut);
 
   bool empty() const { return solids_.empty(); }
   /// To be called before the first step, where what was cut is another's, or grows again: the next
-  /// Follow takes it all at once.
+  /// Begin takes it all at once.
   void Forget() { forgotten_ = true; }
-  /// Follows what was cut, once a cycle.
+  /// Where a cycle begins, and before anything else is asked.
+  void Begin(std::span<const CutField> cuts, SeparationFront& front) noexcept;
+  /// Follows what was cut, where a cycle ends: bodies are made anew where it made few itself.
   void Follow(std::span<const CutField> cuts, SeparationFront& front) noexcept;
 
   /// The body of a block by its number, which is not that of any of the scene's own.
-  const ContactBody& Body(std::int32_t number) const { return bodies_[PlaceOf(number)].body; }
+  const ContactBody& Body(std::int32_t number) const { return BodyOf(number).body; }
   /// Whether a number stands for blocks with nothing in them, and not for a body.
-  bool IsNothing(std::int32_t number) const { return PlaceOf(number) >= bodies_.size(); }
-  struct Block {
-    std::int32_t solid;  ///< its body's number
-    HullTree::Node node;
-    std::int32_t block;
-  };
+  bool IsNothing(std::int32_t number) const {
+    return number < first_uncut_ && PlaceOf(number) >= bodies_.size();
+  }
+  using Block = BlockBody::Of;
   struct Taken {
     std::int32_t body;  ///< -1: there is no room
     bool made;          ///< which costs about limits::mesh::kLooksOfBlock
@@ -62,19 +52,17 @@ class FeltSolids {
   Taken Take(const Block& block, const SeparationFront& front) noexcept;
   /// Material of a triangle's solid, and which solid that is.
   std::uint8_t MaterialOf(std::int32_t number, std::int32_t triangle) const {
-    return bodies_[PlaceOf(number)].materials[static_cast<std::size_t>(triangle)];
+    return BodyOf(number).materials[static_cast<std::size_t>(triangle)];
   }
   std::size_t SolidOf(std::int32_t number) const {
-    return static_cast<std::size_t>(bodies_[PlaceOf(number)].of.solid - first_solid_);
+    return static_cast<std::size_t>(BodyOf(number).of.solid - first_solid_);
   }
 
  private:
-  static constexpr std::int16_t kNone = -1, kNothing = -2, kNoRoom = -3;
+  static constexpr std::int16_t kNone = -1, kNothing = -2, kUncut = -3, kNoRoom = -4;
   enum class Use : std::uint8_t { kFree, kFelt, kLater };
   struct Place {
-    ContactBody body{ContactMesh(), HullTree()};
-    std::vector<std::uint8_t> materials;
-    Block of{};
+    BlockBody body;
     Use use = Use::kFree;
   };
   struct Solid {
@@ -88,7 +76,7 @@ class FeltSolids {
     std::vector<std::uint32_t> followed;  ///< CutField::ChangedAt of what is or will be felt
     std::vector<std::uint32_t> affected;  ///< the last turn in which its surface changes
     std::vector<std::uint32_t> listed;    ///< the last turn for which it is to be made
-    std::vector<std::int16_t> place, later_place;  ///< kNone, kNothing
+    std::vector<std::int16_t> place, later_place;  ///< kNone, kNothing, kUncut
   };
 
   std::size_t PlaceOf(std::int32_t number) const {
@@ -97,10 +85,15 @@ class FeltSolids {
   Solid& SolidOf(const Block& block) {
     return solids_[static_cast<std::size_t>(block.solid - first_solid_)];
   }
+  const BlockBody& BodyOf(std::int32_t number) const {
+    return number < first_uncut_ ? bodies_[PlaceOf(number)].body
+                                 : (*uncut_)[static_cast<std::size_t>(number - first_uncut_)];
+  }
   void TakeAll(std::span<const CutField> cuts) noexcept;
   void Gather(std::span<const CutField> cuts, const SeparationFront& front) noexcept;
   bool IsFollowed(std::span<const CutField> cuts) const noexcept;
   bool IsKnownRound(const Solid& solid, std::size_t block) const noexcept;
+  static bool IsUncut(const SparseField& felt, std::size_t block) noexcept;
   void MarkAffected(Solid& solid, std::size_t block) noexcept;
   void List(const Block& block) noexcept;
   void Commit(SeparationFront& front) noexcept;
@@ -110,8 +103,8 @@ class FeltSolids {
   bool MakeRoom(const SeparationFront& front) noexcept;
   void Free(std::size_t place) noexcept;
 
-  std::int32_t first_solid_ = 0, first_block_ = 0;
-  std::span<const ContactBody> boxes_;
+  std::int32_t first_solid_ = 0, first_block_ = 0, first_uncut_ = 0;
+  const UncutBodies* uncut_ = nullptr;
   std::vector<Solid> solids_;
   std::vector<Place> bodies_;
   std::vector<std::int16_t> free_;  ///< a stack
@@ -127,11 +120,10 @@ class FeltSolids {
   std::vector<Changed> changed_;
   std::vector<Block> to_make_;
   std::size_t made_ = 0;
+  int made_in_cycle_ = 0;
 
   // Scratch.
-  SolidSurface surface_;
-  ContactMesh::Scratch mesh_scratch_;
-  HullTree::Scratch tree_scratch_;
+  BlockBody::Scratch scratch_;
   std::vector<bool> used_;
 };
 

@@ -78,6 +78,7 @@ class HullTree {
   static bool IsLeaf(Node node) { return node < 0; }
   static std::uint32_t TriangleOf(Node node) { return static_cast<std::uint32_t>(~node); }
   Node root() const { return inner_.empty() ? ~0 : 0; }
+  Node inner_count() const { return static_cast<Node>(inner_.size()); }
   const Inner& inner(Node node) const { return inner_[static_cast<std::size_t>(node)]; }
   /// The block whose node it is; -1 of any other.
   std::int32_t BlockOf(Node node) const {

@@ -10,6 +10,7 @@
 #include "server/physics/energy/energy_solver.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/random.h"
+#include "tests/support/volume_left.h"
 
 namespace palpate {
 namespace {
@@ -51,9 +52,8 @@ struct Trial {
   struct Cut {
     double volume, work;
   };
-  /// One step of the bur on its spring towards the hand: what the rows say that it cut, and what
-  /// the grid lost.
-  Cut Step(const Vec3& hand, double& removed) {
+  /// One step of the bur on its spring towards the hand: what the rows say that it cut.
+  Cut Step(const Vec3& hand) {
     Build();
     const Vec3 t = hand - bur;
     Energy* const energy = &rows;
@@ -64,8 +64,7 @@ struct Trial {
     EXPECT_GE(said.work, 0.0);
     const Vec3 v(guess[0], guess[1], guess[2]);
     const Pose X_BW = X_WB.Inverse();
-    removed +=
-        cut.Remove(Bur::Ball(kRadius), X_BW * Pose{bur, Quat::Identity()}, X_BW.q * v).total();
+    cut.Remove(Bur::Ball(kRadius), X_BW * Pose{bur, Quat::Identity()}, X_BW.q * v);
     bur += v;
     force = kStiffness * (bur - hand);
     return said;
@@ -125,11 +124,12 @@ TEST(CutRows, PlungeHasTheLawsForceAndWork) {
     Trial trial(50e-6, 1024);
     trial.dt = dt;
     Vec3 hand = trial.bur;
-    double removed = 0.0, rows_volume = 0.0, work = 0.0, law_work = 0.0, worst_change = 0.0;
+    const double whole = test::TotalLeft(trial.cut);
+    double rows_volume = 0.0, work = 0.0, law_work = 0.0, worst_change = 0.0;
     while (trial.bur.z() > -0.4e-3) {
       hand.z() -= 2e-3 * dt;
       const double z = trial.bur.z(), force = trial.force.z();
-      const Trial::Cut step = trial.Step(hand, removed);
+      const Trial::Cut step = trial.Step(hand);
       rows_volume += step.volume;
       if (z > 0.0) continue;
       // Of the half sphere ahead, at the speed u: p0 pi R^2 + kappa u 2/3 pi R^2.
@@ -140,6 +140,7 @@ TEST(CutRows, PlungeHasTheLawsForceAndWork) {
       law_work += law * (z - trial.bur.z());
     }
     EXPECT_LT(worst_change, 0.004);
+    const double removed = whole - test::TotalLeft(trial.cut);
     EXPECT_NEAR(rows_volume, removed, 0.01 * removed);
     EXPECT_NEAR(work, law_work, 0.005 * law_work);
   }
@@ -155,38 +156,39 @@ TEST(CutRows, VolumeOfRowsIsThatOfTheGridAlsoBesideAnOlderCut) {
   }
   Vec3 hand(-0.6e-3, 0, kRadius + 10e-6);
   trial.bur = hand;
-  double removed = 0.0, rows_volume = 0.0;
+  const double older = test::TotalLeft(trial.cut);
+  double rows_volume = 0.0;
   while (hand.x() < 0.6e-3) {
     (hand.z() > -0.4e-3 ? hand.z() : hand.x()) += hand.z() > -0.4e-3 ? -2e-6 : 3e-6;
-    rows_volume += trial.Step(hand, removed).volume;
+    rows_volume += trial.Step(hand).volume;
   }
+  const double removed = older - test::TotalLeft(trial.cut);
   EXPECT_NEAR(rows_volume, removed, 0.02 * removed);
 }
 
 TEST(CutRows, BelowTheThresholdABurRests) {
   Trial trial;
-  double removed = 0.0;
+  const double whole = test::TotalLeft(trial.cut);
   const Vec3 on_face(0, 0, kRadius - 20e-6);
   trial.bur = on_face;
-  trial.Step(on_face, removed);  // its own hollow
-  for (int n = 0; n < 300; ++n) trial.Step(on_face + Vec3(0, 0, -0.3e-3), removed);
+  trial.Step(on_face);  // its own hollow
+  for (int n = 0; n < 300; ++n) trial.Step(on_face + Vec3(0, 0, -0.3e-3));
   // 0.3 N by p0 are an area of 0.15 mm^2: a cap of the height A / 2 pi R, at which it comes to
   // rest.
   const double rest = trial.bur.z();
   EXPECT_NEAR(kRadius - rest, 0.0, 0.2e-3);
-  for (int n = 0; n < 1000; ++n) trial.Step(on_face + Vec3(0, 0, -0.3e-3), removed);
+  for (int n = 0; n < 1000; ++n) trial.Step(on_face + Vec3(0, 0, -0.3e-3));
   EXPECT_NEAR(trial.bur.z(), rest, 1e-6);
-  const double before = removed, at = trial.bur.z();
-  for (int n = 0; n < 1000; ++n) trial.Step(Vec3(0, 0, at - 0.1e-3), removed);
+  const double before = test::TotalLeft(trial.cut), at = trial.bur.z();
+  for (int n = 0; n < 1000; ++n) trial.Step(Vec3(0, 0, at - 0.1e-3));
   EXPECT_NEAR(trial.bur.z(), at, 1e-9);
-  EXPECT_LT(removed - before, 1e-6 * before);
+  EXPECT_LT(before - test::TotalLeft(trial.cut), 1e-6 * (whole - before));
 }
 
 TEST(CutRows, EachSampleHasTheMaterialThatLiesAheadOfIt) {
   Trial trial(50e-6, 256, [](const Vec3& p_W) { return std::uint8_t(p_W.x() > 0.0 ? 1 : 0); });
   trial.bur = Vec3(0, 0, -0.3e-3);
-  double removed = 0.0;
-  trial.Step(trial.bur, removed);
+  trial.Step(trial.bur);
   trial.Build();
   ASSERT_GT(trial.rows.count(), 200);
   for (int i = 0; i < trial.rows.count(); ++i) {
@@ -203,18 +205,17 @@ TEST(CutRows, NoHandGetsWorkOutOfTheMaterial) {
     Random random(seed);
     Trial trial(100e-6, 64);
     Vec3 hand = trial.bur, towards = hand;
-    double removed = 0.0;
     for (int n = 0; n < 1500; ++n) {
       if (n % 50 == 0) towards = Vec3(0, 0, -0.2e-3) + random.InCube(0.5e-3);
       hand += 0.03 * (towards - hand);
       const Vec3 before = trial.bur;
-      const Trial::Cut step = trial.Step(hand, removed);  // expects that its work is not below 0
+      const Trial::Cut step = trial.Step(hand);  // expects that its work is not below 0
       // The force on the tool, against its motion: the two agree but for rounding.
       const double work = -trial.force.dot(trial.bur - before);
       EXPECT_GE(work, -1e-12) << n;
       EXPECT_NEAR(work, kStiffness * step.work, 1e-12) << n;
     }
-    EXPECT_GT(removed, 0.0);
+    EXPECT_GT(trial.cut.changes(), 0u);
   }
 }
 

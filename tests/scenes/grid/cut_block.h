@@ -1,10 +1,10 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
-
-#include <gtest/gtest.h>
+#include <numeric>
 
 #include "scenes/grid/cut_field.h"
 #include "scenes/shapes/shapes.h"
@@ -28,20 +28,23 @@ struct CutBlock {
   }
 
   /// Along a straight way in steps of `length` at most; the bur's axis is P's z, turned by `tilt`.
-  CutAway Move(const Bur& bur, const Vec3& from_P, const Vec3& to_P, double length = 3e-6,
-               const Quat& tilt = Quat::Identity()) {
-    CutAway sum;
+  struct Moved {
+    std::array<double, SolidGrid::kMaterials> volume;  ///< that went, of each material [m^3]
+    bool full = false;
+    double total() const { return std::accumulate(volume.begin(), volume.end(), 0.0); }
+  };
+  Moved Move(const Bur& bur, const Vec3& from_P, const Vec3& to_P, double length = 3e-6,
+             const Quat& tilt = Quat::Identity()) {
+    Moved moved{cut.VolumeLeft()};
     const int steps = std::max(1, static_cast<int>(std::ceil((to_P - from_P).norm() / length)));
     const Vec3 step = q * ((to_P - from_P) / steps);
     for (int n = 0; n < steps; ++n) {
-      const CutAway one = cut.Remove(bur, {q * from_P + n * step, q * tilt}, step);
-      for (std::size_t m = 0; m < sum.volume.size(); ++m) {
-        EXPECT_GE(one.volume[m], 0.0);
-        sum.volume[m] += one.volume[m];
-      }
-      sum.full = sum.full || one.full;
+      const CutAway away = cut.Remove(bur, {q * from_P + n * step, q * tilt}, step);
+      moved.full = moved.full || away.full;
     }
-    return sum;
+    const auto left = cut.VolumeLeft();
+    for (std::size_t m = 0; m < left.size(); ++m) moved.volume[m] -= left[m];
+    return moved;
   }
 
   Quat q;

@@ -1,0 +1,109 @@
+#include "server/physics/surface/block_bodies.h"
+
+#include <optional>
+
+#include "server/physics/limits.h"
+
+namespace palpate {
+namespace {
+
+using limits::mesh::kMostOfBlock;
+using Box = HullTree::Box;
+
+constexpr int kSide = SparseField::kSide;
+/// Vertices of a block lie up to so far before its first point and beyond its last, and so far from
+/// a solid one of its own or the next ones (solid_surface.cpp), but for rounding [h].
+constexpr double kBefore = 2.0, kBeyond = 2.0, kFromSolid = 2.0, kRounded = 1e-6;
+
+/// Where all surface lies that a block can ever have: round its solid points, for solid only
+/// shrinks.
+std::optional<Box> BoxOf(const SparseField& field, std::size_t block) {
+  const Lattice& lattice = field.lattice();
+  const std::array<int, 3> at = lattice.BlockAt(block);
+  const Vec3 first = kSide * Vec3(at[0], at[1], at[2]);
+  Vec3 low = Vec3::Constant(kSide), high = Vec3::Constant(-1);
+  if (field.entry(block) == SparseField::kBelow) {
+    low.setZero();
+    high.setConstant(kSide);
+  } else {
+    for (int n = 0; n < (kSide + 1) * (kSide + 1) * (kSide + 1); ++n) {
+      const int p[3] = {n % (kSide + 1), n / (kSide + 1) % (kSide + 1),
+                        n / ((kSide + 1) * (kSide + 1))};
+      if (!(field.At(kSide * at[0] + p[0], kSide * at[1] + p[1], kSide * at[2] + p[2]) < 0.0f)) {
+        continue;
+      }
+      low = low.cwiseMin(Vec3(p[0], p[1], p[2]));
+      high = high.cwiseMax(Vec3(p[0], p[1], p[2]));
+    }
+  }
+  if ((low.array() > high.array()).any()) return std::nullopt;
+  low = (low.array() - kFromSolid).cwiseMax(-kBefore) - kRounded;
+  high = (high.array() + kFromSolid).cwiseMin(kSide - 1 + kBeyond) + kRounded;
+  const Vec3 origin = lattice.Point(0, 0, 0);
+  return Box{origin + lattice.spacing * (first + low), origin + lattice.spacing * (first + high),
+             static_cast<std::uint32_t>(block)};
+}
+
+}  // namespace
+
+ContactBody BlocksOf(const CutSolid& solid) {
+  const SparseField& field = solid.grid->field();
+  std::vector<HullTree::Box> boxes;
+  for (std::size_t block = 0; block < field.lattice().block_count(); ++block) {
+    if (field.entry(block) == SparseField::kAbove) continue;
+    if (const auto box = BoxOf(field, block)) boxes.push_back(*box);
+  }
+  return {ContactMesh(), HullTree(boxes, solid.X_WB)};
+}
+
+void BlockBody::Scratch::Reserve() {
+  mesh.Reserve(kMostOfBlock);
+  tree.Reserve(kMostOfBlock);
+  constexpr std::size_t kMostAndRim = 4 * 3 * (kSide + 3) * (kSide + 3) * (kSide + 3);
+  surface.vertices.reserve(kMostAndRim);
+  surface.numbers.reserve(kMostAndRim);
+  surface.triangles.reserve(kMostAndRim);
+  surface.materials.reserve(kMostAndRim);
+}
+
+void BlockBody::Reserve() {
+  body.mesh.Reserve(kMostOfBlock);
+  body.tree.Reserve(kMostOfBlock);
+  materials.reserve(kMostOfBlock);
+}
+
+void BlockBody::Assign(const Of& block, std::size_t own, const Pose& X_WB, Scratch& scratch) {
+  const SolidSurface& surface = scratch.surface;
+  of = block;
+  body.mesh.Assign(surface.vertices, surface.triangles, X_WB, scratch.mesh);
+  body.tree.Assign(body.mesh, own, X_WB.q.toRotationMatrix(), scratch.tree);
+  materials.assign(surface.materials.begin(),
+                   surface.materials.begin() + static_cast<std::ptrdiff_t>(own));
+}
+
+UncutBodies::UncutBodies(std::span<const CutSolid> solids, std::span<const ContactBody> boxes,
+                         std::size_t first_body)
+    : solids_(solids), boxes_(boxes), first_body_(static_cast<std::int32_t>(first_body)) {
+  BlockBody::Scratch scratch;
+  BlockBody made;
+  for (std::size_t s = 0; s < solids.size(); ++s) {
+    const SolidGrid& grid = *solids[s].grid;
+    const SparseField nothing(grid.field().lattice(), grid.field().band(), SparseField::kBelow);
+    const HullTree& tree = boxes[s].tree;
+    std::vector<std::int32_t>& place =
+        place_.emplace_back(grid.field().lattice().block_count(), -1);
+    for (HullTree::Node node = 0; node < tree.inner_count(); ++node) {
+      const std::int32_t block = tree.BlockOf(node);
+      if (block < 0) continue;
+      const std::size_t own =
+          TakeSurfaceAndRim({grid, nothing}, static_cast<std::size_t>(block), scratch.surface);
+      if (own == 0) continue;
+      made.Assign({first_body_ + static_cast<std::int32_t>(s), node, block}, own, solids[s].X_WB,
+                  scratch);
+      place[static_cast<std::size_t>(block)] = static_cast<std::int32_t>(bodies_.size());
+      bodies_.push_back(made);  // a copy has no more storage than it needs
+    }
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <numeric>
+
+#include "scenes/grid/cut_field.h"
+
+namespace palpate::test {
+
+/// Of all materials [m^3].  Goes through all points.
+inline double TotalLeft(const CutField& cut) {
+  const auto left = cut.VolumeLeft();
+  return std::accumulate(left.begin(), left.end(), 0.0);
+}
+
+}  // namespace palpate::test
