@@ -223,6 +223,12 @@ def peers:
       + (if $deeper == [] then "; none is deeper. " else "; deeper: " + ($deeper | map(.name) | join(", ")) + ". " end)
     end;
 
+def peers_page:
+  .[0] as $r
+  | head("Beside the peers"; $r.machine) + "\n\n"
+  + "The same meshes and the same hand through Palpate and through the libraries that researchers step rigid "
+  + "bodies with: who enters how far, what a step costs, and what force comes out. " + ([$r | peers] | join(""));
+
 def pareto:
   .[0] as $r
   | [$r.scenes[] | .scene as $s | .runs[] | select(.available) | {scene: $s} + .] as $runs
@@ -251,5 +257,6 @@ elif $report == "stability.csv" then stability_csv
 elif $report == "levels.md" then levels
 elif $report == "qp.md" then qp
 elif $report == "pareto.md" then pareto
+elif $report == "peers.md" then peers_page
 else error("no report '\($report)'")
 end
