@@ -297,8 +297,9 @@ class _Table:
         if not self.rows or not (at_once or time.monotonic() - self._written > 1):
             return
         rows = [row for _, row in sorted(self.rows.items())]
+        columns = dict.fromkeys(name for row in rows for name in row if name != "key") | {"key": None}
         with self.file.with_suffix(".new").open("w", newline="") as text:
-            writer = csv.DictWriter(text, rows[0], lineterminator="\n")
+            writer = csv.DictWriter(text, columns, lineterminator="\n")
             writer.writeheader()
             writer.writerows(rows)
         os.replace(text.name, self.file)
@@ -317,8 +318,8 @@ def _methods(study, runs, table):
     values = {name: ", ".join(f"{value:g}" for value in factor) for name, factor in study.parameters.items()}
     for row in palpate.parameters():
         used = dict.fromkeys(f"{scene.parameters[row['name']]:g}" for scene, _ in scenes)
-        values.setdefault(row["name"], ", ".join(used) + " (the scenes')")
-    own = set(next(iter(table.rows.values()))) - set(_FACTORS) - set(_COLUMNS) - set(study.parameters) - {"key"}
+        values.setdefault(row["name"], ", ".join(used).replace("nan", "differs by object") + " (the scenes')")
+    own = set().union(*table.rows.values()) - set(_FACTORS) - set(_COLUMNS) - set(study.parameters) - {"key"}
     columns = [*_FACTORS.items(), *((name, "parameter, as above") for name in study.parameters),
                *((name, what) for name, (what, _) in _COLUMNS.items()),
                *((name, f"by {study.said['measures']}") for name in sorted(own)),
