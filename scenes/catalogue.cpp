@@ -21,6 +21,7 @@
 #include "common/files/project_files.h"
 #include "common/files/whole_file.h"
 #include "common/json/json_file.h"
+#include "common/text/hex16.h"
 #include "common/text/nearest_word.h"
 #include "common/text/quoted.h"
 #include "scenes/files/cache_folder.h"
@@ -678,6 +679,10 @@ Scene LoadScene(const std::string& name_or_path, const LoadOptions& options) {
     warn(std::string(error.what()) + " (the scene is used without being cached)");
   }
   return scene;
+}
+
+std::string SceneHash(const Scene& scene) {
+  return Hex16(BundleHash(PackScene(scene)));
 }
 
 }  // namespace palpate

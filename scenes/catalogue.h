@@ -46,6 +46,9 @@ struct LoadOptions {
 /// (mesh_scene.h). What must be built is kept in the cache.  Throws Error.
 Scene LoadScene(const std::string& name_or_path, const LoadOptions& options = {});
 
+/// What names a scene by its content: as servers, recordings and reports write it, 16 digits.
+std::string SceneHash(const Scene& scene);
+
 /// The scene file that a name stands for: NAME.json in $PALPATE_CATALOGUE, else in
 /// the catalogue that comes with the programs (common/files/project_files.h).
 std::string FindSceneFile(const std::string& name_or_path);

@@ -477,6 +477,7 @@ PYBIND11_MODULE(_physics, module) {
       .def_readonly("dynamic_friction", &Material::dynamic_friction);
   py::class_<Loaded>(module, "Scene")
       .def_property_readonly("name", [](const Loaded& loaded) { return loaded.scene.name; })
+      .def_property_readonly("hash", [](const Loaded& loaded) { return SceneHash(loaded.scene); })
       .def_property_readonly(
           "tools", [](const Loaded& loaded) -> const auto& { return loaded.scene.tools; })
       .def_property_readonly(

@@ -3,6 +3,7 @@
 #include <cinttypes>
 #include <cstdio>
 
+#define XXH_INLINE_ALL  // so that who links this needs no library of it
 #include <xxhash.h>
 
 #include "common/error.h"

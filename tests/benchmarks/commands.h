@@ -53,6 +53,7 @@ void AddLevels(const CommandLine& app);
 /// `domain` is read when the command runs.
 void AddLoop(const CommandLine& app, const int& domain);
 void AddPareto(const CommandLine& app);
+void AddPeers(const CommandLine& app);
 void AddProbe(const CommandLine& app);
 void AddQp(const CommandLine& app);
 void AddStability(const CommandLine& app);

@@ -10,7 +10,7 @@ namespace {
 int Main(int argc, char** argv) {
   const CommandLine app(
       "Measurements of Palpate: each command prints a table, and writes JSON with --json FILE; "
-      "pareto\nwrites report, CSV and JSON into its --out folder.",
+      "pareto\nand peers write report, CSV and JSON into their --out folder.",
       "palpate-bench");
   app.RequireCommands(1, 1);
   app.Fallthrough();
@@ -27,6 +27,7 @@ int Main(int argc, char** argv) {
   AddLevels(app);
   AddLoop(app, domain);
   AddPareto(app);
+  AddPeers(app);
   AddProbe(app);
   AddQp(app);
   AddStability(app);

@@ -25,7 +25,7 @@ namespace {
 
 struct Options {
   std::string out;
-  bool quick = false;
+  bool quick = false, only_peers = false;
   std::vector<std::string> peers;  // none named: all
   std::vector<std::string> scenes;
   std::string models;
@@ -71,10 +71,12 @@ class Pareto {
       return names.empty() ? "" : fmt::format(" {} {}", option, fmt::join(names, ","));
     };
     results_.command =
-        fmt::format("palpate-bench pareto --out DIR{}{}{}{}", options.quick ? " --quick" : "",
-                    list("--peers", options.peers), list("--scenes", options.scenes),
+        fmt::format("palpate-bench {} --out DIR{}{}{}{}", options.only_peers ? "peers" : "pareto",
+                    options.quick ? " --quick" : "", list("--peers", options.peers),
+                    list("--scenes", options.scenes),
                     options.repeats ? fmt::format(" --repeats {}", *options.repeats) : "");
     results_.quick = options.quick;
+    results_.only_peers = options.only_peers;
     results_.machine = ThisMachine();
     scenes_ = !options.scenes.empty() ? options.scenes
               : options.quick         ? std::vector<std::string>{"cube", "ellipsoid", kPeerScene}
@@ -86,9 +88,11 @@ class Pareto {
   }
 
   void Run() {
-    PlanSlides();
-    for (const std::string& scene : scenes_) PlanScene(scene);
-    Plan("what features cost", [this] { MeasureFeatures(); });
+    if (!options_.only_peers) {
+      PlanSlides();
+      for (const std::string& scene : scenes_) PlanScene(scene);
+      Plan("what features cost", [this] { MeasureFeatures(); });
+    }
     PlanPeers();
 
     WritePareto(options_.out, results_);  // complains before work is done
@@ -103,8 +107,8 @@ class Pareto {
       WritePareto(options_.out, results_);
     }
     Progress("");
-    if (!DrawPareto(options_.out))
-      fmt::print(stderr, "pareto.svg is not drawn; the rest is there\n");
+    if (!DrawPareto(options_.out, results_))
+      fmt::print(stderr, "the picture is not drawn; the rest is there\n");
     fmt::print(stderr, "{}{}/report.md\n",
                results_.complete ? "" : "ended early; so far: ", options_.out);
   }
@@ -322,7 +326,7 @@ class Pareto {
   // ---- peers
 
   void PlanPeers() {
-    if (peers_.empty()) return;
+    if (peers_.empty() && !options_.only_peers) return;
     results_.peer_scene = kPeerScene;
     Plan("the peers' scene", [this] {
       if (!loaded_ || loaded_->name != kPeerScene) Load(kPeerScene);
@@ -348,7 +352,10 @@ class Pareto {
         results_.peer_path.push_back(MeasurePeer(kind, {}, loaded_->poses.size()));
       });
     }
-    Plan("the peers' slide", [this] { MeasurePeerSlide(); });
+    for (const char* object : {"cube", "ellipsoid"}) {
+      Plan(fmt::format("the peers' slide, {}", object),
+           [this, object] { MeasurePeerSlide({.object = object}); });
+    }
     if (options_.quick) return;
     for (const PeerKind& kind : peers_) {
       for (const PeerSettings& settings : {PeerSettings{0.1, 1}, PeerSettings{0.1, 4},
@@ -379,28 +386,28 @@ class Pareto {
     return run;
   }
 
-  /// All of them over the cube.
-  void MeasurePeerSlide() {
-    const SlidingExperiment experiment;
+  /// All of them over one object, whose triangles are the same for all.
+  void MeasurePeerSlide(const SlidingExperiment& experiment) {
     const SlidingPath path = bench::PathOf(experiment);
-    Scene scene = SlidingScene(experiment, 4096);
+    const std::size_t spheres = options_.quick ? 512 : 4096;
+    Scene scene = SlidingScene(experiment, spheres);
     scene.tools.front().mesh = MakeSphere(kSlidingBallRadius, kFineBall);
     std::vector<Pose> hand;
     for (const Vec3& p : path.hand) hand.push_back({p});
     const PathJudge judge(scene, hand, checks(), stop_);
-    std::vector<PeerRun> runs;
     const auto add = [&](PeerRun run, const auto& measure) {
+      run.object = experiment.object;
       OrReason(run.not_available, [&] {
         const auto [speed, steps] = measure();
         run.speed = speed;
         run.slide = ForceErrors(path, ForcesOf(steps)).magnitude;
         run.path = judge.Judge(PosesOf(steps), ForcesOf(steps));
       });
-      runs.push_back(run);
+      results_.peer_slide.push_back(run);
     };
     for (const char* contact : kContacts) {
       PeerRun run;
-      run.name = PalpateWith(contact) + ", 4,096 spheres";
+      run.name = fmt::format("{}, {} spheres", PalpateWith(contact), spheres);
       add(run, [&] {
         scene.features = FeatureOptions{contact, "off"}.features();
         SceneRun palpate(scene, hand);
@@ -413,7 +420,6 @@ class Pareto {
       run.name = kind.name;
       add(run, [&] { return TimePeer(kind, ForPeers(scene), hand, {}, repeats(), stop_); });
     }
-    results_.peer_slide = std::move(runs);
   }
 
   static constexpr std::size_t kVariantSteps = 4000;  ///< of the peers' path
@@ -436,7 +442,29 @@ class Pareto {
   std::unique_ptr<Loaded> loaded_;
 };
 
+void AddPeerOptions(const CommandLine& command, Options& options) {
+  Add(command, "--out", options.out, "Folder to write to; made where it is missing").Required();
+  Add(command, "--peers", options.peers,
+      "all (as if left out), none, or some of bullet,ode,mujoco with commas");
+  Add(command, "--repeats", options.repeats, "Identical runs (default: 5; quick: 2)").Positive();
+  AddModels(command, options.models);
+}
+
 }  // namespace
+
+void AddPeers(const CommandLine& app) {
+  auto options = std::make_shared<Options>();
+  options->only_peers = true;
+  const CommandLine command = app.AddCommand(
+      "peers",
+      "The same meshes and the same hand through Palpate and through the other libraries that are\n"
+      "installed: who enters how far, what a step costs, and what force comes out, also against\n"
+      "analytic truth.  Writes report.md, peers.svg, peers.csv and peers.json.\n"
+      "Example: palpate-bench peers --out build/peers");
+  command.AddFlag("--quick", options->quick, "The beginning of the path, few repeats");
+  AddPeerOptions(command, *options);
+  command.Run([options] { Pareto(*options).Run(); });
+}
 
 void AddPareto(const CommandLine& app) {
   auto options = std::make_shared<Options>();
@@ -447,14 +475,10 @@ void AddPareto(const CommandLine& app) {
       "measurement, and drawn in the end, so that Ctrl-C keeps what there is.  Pictures need\n"
       "matplotlib (python3-matplotlib).\n"
       "Example: palpate-bench pareto --out build/pareto --peers bullet,ode");
-  Add(command, "--out", options->out, "Folder to write to; made where it is missing").Required();
   command.AddFlag("--quick", options->quick, "Few scenes, short paths, few repeats");
-  Add(command, "--peers", options->peers,
-      "all (as if left out), none, or some of bullet,ode,mujoco with commas");
+  AddPeerOptions(command, *options);
   Add(command, "--scenes", options->scenes,
       "Catalogue names or scene files, with commas (default: the whole catalogue)");
-  Add(command, "--repeats", options->repeats, "Identical runs (default: 5; quick: 2)").Positive();
-  AddModels(command, options->models);
   command.Run([options] { Pareto(*options).Run(); });
 }
 

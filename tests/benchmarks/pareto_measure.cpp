@@ -37,6 +37,7 @@ PathError PathJudge::Judge(std::span<const Pose> X_WG, std::span<const Vec3> for
   std::vector<double> depth_um;
   int free = 0;
   for (std::size_t i = 0; i < X_WG.size(); ++i) {
+    error.force_rms_N += force[i].squaredNorm() / static_cast<double>(X_WG.size());
     if (i > 0) error.force_jump_N = std::max(error.force_jump_N, (force[i] - force[i - 1]).norm());
     if (i % every_ != 0) continue;
     ThrowIfStopped(stop_);
@@ -46,6 +47,7 @@ PathError PathJudge::Judge(std::span<const Pose> X_WG, std::span<const Vec3> for
     ++free;
   }
   if (free > 0) error.free_force_N /= free;
+  error.force_rms_N = std::sqrt(error.force_rms_N);
   error.penetration_um = PercentilesOf(std::move(depth_um));
   return error;
 }

@@ -26,6 +26,7 @@ struct PathError {
   /// Mean force where the hand's own pose is free: what holds it there is not the objects, unless
   /// the tool is caught behind them.
   double free_force_N = 0.0;
+  double force_rms_N = 0.0;   ///< of all steps
   double force_jump_N = 0.0;  ///< greatest change from one step to the next, of all steps
 };
 
@@ -67,13 +68,15 @@ struct FeatureCost : Measured {
 };
 
 struct PeerRun : Measured {
-  std::string id{};    ///< of PeerKind; empty: Palpate
-  std::string name{};  ///< with what sets it apart, as "Bullet, 4 sub-steps"
+  std::string id{};      ///< of PeerKind; empty: Palpate
+  std::string name{};    ///< with what sets it apart, as "Bullet, 4 sub-steps"
+  std::string object{};  ///< of a slide: cube or ellipsoid
 };
 
 struct ParetoResults {
   std::string command;
   bool quick = false, complete = false;
+  bool only_peers = false;
   Machine machine;
   std::vector<SlideResult> slides;
   std::vector<SceneResult> scenes;

@@ -5,6 +5,7 @@ Draws the pictures of the reports: of each FILE.csv or FILE.json a FILE.svg besi
 dark ones, in the colours of the web page.  What a file holds says what is drawn of it:
 
   pareto.csv       of palpate-bench pareto: errors and penetration against the time of a step
+  peers.csv        of palpate-bench peers: the same of other libraries alone
   accuracy.csv     of tests/benchmarks/publish, or what palpate-bench accuracy writes with --json
   errors over time that palpate-bench accuracy writes with --errors (Figs. 2.17 and 2.18 of the chapter)
   levels.json      of palpate-bench levels --json: cost and error by level of detail (Fig. 2.23c)
@@ -204,6 +205,26 @@ def pareto(rows):
     return picture
 
 
+def peers(rows):
+    picture = Picture(2, 3.4)
+    plots = []
+    for title, y, key, parts in (
+            ("Penetration of the meshes on the path of two bunnies, greatest", "µm", "penetration_max_um",
+             {"peer path": ""}),
+            ("Force error, mean: a ball slides with 1 N over a cube and an ellipsoid", "Error [of 1 N]", "error_mean",
+             {"peer slide": "cube", "peer slide on ellipsoid": "ellipsoid"})):
+        plot = picture.plot(title, "Step, best p99.9 [µs]", y, "xy", 1e-3 if len(parts) == 1 else 1e-5)
+        shown = [row for row in rows if row["part"] in parts and row[key] != ""]
+        for name, run in itertools.groupby(sorted(shown, key=lambda row: row["name"]), lambda row: row["name"]):
+            plot.series(name, [(row["best_p999_us"], row[key], parts[row["part"]]) for row in run], "none")
+        if len(parts) == 2:
+            plot.noticed()
+        plots.append(plot.done())
+    for plot in plots:
+        plot.write_labels()
+    return picture
+
+
 def accuracy(rows):
     picture = Picture(2)
     for which, name in (("mean", "mean"), ("max", "greatest")):
@@ -278,7 +299,8 @@ def picture_of(file):
             rows = [{key: number(cell) for key, cell in row.items()} for row in csv.DictReader(lines)]
         for column, draw in (("part", pareto), ("time_ms", errors_over_time), ("object", accuracy)):
             if rows and column in rows[0]:
-                return draw(rows)
+                alone = column == "part" and all(str(row["part"]).startswith("peer") for row in rows)
+                return peers(rows) if alone else draw(rows)
     elif file.suffix == ".json":
         run = json.loads(file.read_text(encoding="utf-8"))
         for key, draw in (("levels", levels), ("z_width", closed_loop)):

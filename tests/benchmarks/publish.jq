@@ -223,6 +223,31 @@ def peers:
       + (if $deeper == [] then "; none is deeper. " else "; deeper: " + ($deeper | map(.name) | join(", ")) + ". " end)
     end;
 
+# Where a peer does better than Palpate's surface contact, one row for each figure of a path or slide.
+def better($runs; $where; $figure; $unit; $what):
+  ($runs[] | select(.id == "palpate" and (.name | test("surface")))) as $own
+  | [$runs[] | select(.id != "palpate" and getpath($figure) < ($own | getpath($figure)))] as $others
+  | if $others == [] then empty else
+      "\($where), \($what): " + ($others | map("\(.name) \(getpath($figure) | num)") | join(", "))
+      + " where Palpate has \($own | getpath($figure) | num)\($unit)" end;
+def peers_better:
+  [.peers.path[] | select(.available)] as $path
+  | [.peers.slide[] | select(.available)] as $slide
+  | [better($path; "Two bunnies"; ["best_step_us", "p999"]; " µs"; "a step's best p99.9"),
+     better($path; "Two bunnies"; ["jump", "force_N_max"]; " N"; "greatest jump of the force"),
+     ($slide | map(.object) | unique[] | . as $object | [$slide[] | select(.object == $object)] as $over
+      | better($over; "Slide, \($object)"; ["best_step_us", "p999"]; " µs"; "a step's best p99.9"),
+        better($over; "Slide, \($object)"; ["force_error", "mean"]; ""; "mean error of the force"),
+        better($over; "Slide, \($object)"; ["force_error", "rms"]; ""; "its root mean square"))]
+  | if . == [] then "" else "Peers do better than surface contact here:\n\n" + (map("- \(.)\n") | join("")) end;
+
+def peers_page:
+  .[0] as $r
+  | head("Beside the peers"; $r.machine) + "\n\n"
+  + "The same meshes and the same hand through Palpate and through the libraries that researchers step rigid "
+  + "bodies with: who enters how far, what a step costs, and what force comes out. " + ([$r | peers] | join(""))
+  + "\n\n" + ($r | peers_better);
+
 def pareto:
   .[0] as $r
   | [$r.scenes[] | .scene as $s | .runs[] | select(.available) | {scene: $s} + .] as $runs
@@ -251,5 +276,6 @@ elif $report == "stability.csv" then stability_csv
 elif $report == "levels.md" then levels
 elif $report == "qp.md" then qp
 elif $report == "pareto.md" then pareto
+elif $report == "peers.md" then peers_page
 else error("no report '\($report)'")
 end

@@ -22,7 +22,8 @@ using testing::Not;
 namespace fs = std::filesystem;
 
 const std::string kScript = PALPATE_SOURCE_DIR "/tests/benchmarks/publish";
-const std::vector<std::string> kReports = {"pareto", "accuracy", "stability", "levels", "qp"};
+const std::vector<std::string> kReports = {"pareto", "accuracy", "stability",
+                                           "levels", "qp",       "peers"};
 
 /// The script with a folder of its own.
 class Publish : public test::PalpateBench {
@@ -89,14 +90,14 @@ TEST_F(Publish, WritesEachReportWithItsFiguresAndWhatTheyWereMeasuredOn) {
   // Tables and plots are where a report names them, and nothing else is left behind.
   std::size_t files = 0;
   for (const auto& entry : fs::directory_iterator(folder_)) files += !entry.path().empty();
-  EXPECT_EQ(files, kReports.size() + 5);
+  EXPECT_EQ(files, kReports.size() + 7);
   for (const std::string name : {"pareto", "accuracy"}) {
     EXPECT_THAT(Read(name + ".md"), HasSubstr("](" + name + ".svg)"));
     const std::string svg = Read(name + ".svg");
     EXPECT_THAT(svg, HasSubstr("prefers-color-scheme: dark"));
     EXPECT_THAT(svg, HasSubstr(">cube, surface contact<")) << "a series of " << name << ".csv";
   }
-  for (const std::string name : {"pareto", "accuracy", "stability"}) {
+  for (const std::string name : {"pareto", "accuracy", "stability", "peers"}) {
     const std::string csv = Read(name + ".csv");
     EXPECT_GT(std::count(csv.begin(), csv.end(), '\n'), 1) << name;
   }
@@ -150,7 +151,8 @@ TEST_F(Publish, DrawsALineForEachWayOfClosingTheLoopAndNothingOfOtherFiles) {
 
 TEST_F(Publish, RefusesWhatItDoesNotKnowAndSmokeAmongTheResults) {
   EXPECT_EQ(Run({"--only", "accuracy,speed", "--out", folder_.string()}), 2);
-  EXPECT_THAT(said_, HasSubstr("--only speed is not one of pareto accuracy stability levels qp"));
+  EXPECT_THAT(said_,
+              HasSubstr("--only speed is not one of pareto accuracy stability levels qp peers"));
   EXPECT_EQ(Run({"--smoke"}), 2);
   EXPECT_THAT(said_, HasSubstr("--smoke needs --out DIR"));
   EXPECT_EQ(Run({"--only"}), 2);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -12,11 +13,13 @@
 namespace palpate::bench {
 
 struct MeanMax {
-  double mean = 0.0, max = 0.0;
+  double mean = 0.0, max = 0.0, mean_square = 0.0;
   void Add(double value, std::size_t of) {
     mean += value / static_cast<double>(of);
     max = std::max(max, value);
+    mean_square += value * value / static_cast<double>(of);
   }
+  double rms() const { return std::sqrt(mean_square); }
 };
 
 /// Errors of the forces felt on a sliding path, (2.36): delta = (F_gm - F_tm) / |F_gm|, gm the

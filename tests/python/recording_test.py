@@ -2,6 +2,7 @@
 heard while it was made."""
 
 import csv
+import json
 import os
 import pathlib
 import subprocess
@@ -80,6 +81,8 @@ class Recording(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             for form in ("npy", "csv"):
                 export(self.file, os.path.join(folder, form), form)
+            methods = json.loads(pathlib.Path(folder, "csv", "methods.json").read_text())
+            self.assertEqual(methods["scenes"], [{"scene": "cube", "hash": palpate.load("cube").hash}])
             compared = set()
             for file in sorted(pathlib.Path(folder, "npy").glob("*/*.npy")):
                 array = numpy.load(file, allow_pickle=False)

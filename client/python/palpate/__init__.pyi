@@ -53,6 +53,9 @@ class Scene:
     @property
     def name(self) -> str: ...
     @property
+    def hash(self) -> str:
+        """Of its content: what recordings, their METHODS.md and servers name it by."""
+    @property
     def tools(self) -> List[Body]:
         """Their poses are where the scene places them at the start."""
     @property

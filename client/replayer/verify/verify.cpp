@@ -19,7 +19,6 @@
 #include "common/files/output.h"
 #include "common/realtime/steady_clock.h"
 #include "common/recording/recording_reader.h"
-#include "common/text/hex16.h"
 #include "common/text/quoted.h"
 #include "scenes/catalogue.h"
 #include "scenes/files/scene_bundle.h"
@@ -147,7 +146,7 @@ class Scenes {
       load.models_dir = options_.models_dir;
       loaded->scene = std::make_shared<const Scene>(
           LoadScene(options_.scene.empty() ? name : options_.scene, load));
-      const std::string hash = Hex16(BundleHash(PackScene(*loaded->scene)));
+      const std::string hash = SceneHash(*loaded->scene);
       const auto recorded = hashes_.find(name);
       if (recorded != hashes_.end() && recorded->second != hash) {
         throw Error("scene '" + name + "' (hash " + hash +

@@ -127,8 +127,9 @@ PeerKind MujocoPeer() {
           .version = mj_versionString(),
           .settings =
               "the convex hulls of the meshes, for it collides nothing else: the bunnies are "
-              "hulls, and what it says of their meshes is of those; a ball by its own "
-              "sphere; contacts as stiff as 1 kHz allows (solref 2 ms, solimp 0.95 0.99)",
+              "hulls, and what it says of their meshes is of those (a decomposition into convex "
+              "parts is its user's to make, and was not made); a ball by its own sphere; contacts "
+              "as stiff as 1 kHz allows (solref 2 ms, solimp 0.95 0.99)",
           .convex = true,
           .make = [](const PeerScene& scene, const Pose& start, const PeerSettings& settings) {
             return std::make_unique<Mujoco>(scene, start, settings);

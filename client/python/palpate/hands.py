@@ -1,0 +1,152 @@
+"""Hands for studies: poses of a hand, one a millisecond, as Proxy.steps takes them.
+
+    from palpate import hands
+    path = hands.generated(palpate.load("bunny-bunny"), seed=7)
+
+What is generated depends on the scene, the options and the seed alone, and is felt in the scene as its file has
+it: the same hand presses softly and hard, rough and smooth.
+"""
+
+import numpy
+
+from palpate._physics import Error, Proxy
+
+_CLEARANCE = 0.005  # m between the balls round tool and objects where the hand is outside
+_STRIDE = 0.001  # m in a step, of the hand that looks for where it touches
+_LEAST_S = 0.15  # that a movement takes
+
+
+def _unit(vector):
+    return vector / numpy.linalg.norm(vector)
+
+
+def _rotated(q, vectors):
+    """Vectors turned by a quaternion, or by one each."""
+    w, u = q[..., :1], q[..., 1:]
+    return vectors + 2 * numpy.cross(u, numpy.cross(u, vectors) + w * vectors)
+
+
+class _Walk:
+    """Finds out in a scene where its tool touches.  A place is where the tool's middle is, with a quaternion."""
+
+    def __init__(self, scene, tool, model, random, options):
+        body = next((body for i, body in enumerate(scene.tools) if tool in (i, body.name)), None)
+        if body is None:
+            raise Error(f"tool: there is no {tool}; there are {', '.join(body.name for body in scene.tools)}")
+        self.model, self.random, self.options = model or scene.model(tool), random, options
+        self.q = body.pose[3:]
+        self.middle = (body.vertices.min(axis=0) + body.vertices.max(axis=0)) / 2
+        points = [_rotated(each.pose[3:], each.vertices) + each.pose[:3] for each in scene.objects]
+        self.points = numpy.concatenate(points) if points else numpy.zeros((0, 3))
+        if not len(self.points):
+            raise Error(f"{scene.name}: has no object that a hand could come to")
+        self.centre = (self.points.min(axis=0) + self.points.max(axis=0)) / 2
+        self.outside = _CLEARANCE + numpy.linalg.norm(self.points - self.centre, axis=1).max()
+        self.outside += numpy.linalg.norm(body.vertices - self.middle, axis=1).max()
+        self.keys = []  # time in s, place
+        self.stiffness = self.model.parameters["stiffness_N_per_m"]
+
+    def poses(self, places):
+        """Of the tool's frame."""
+        places = numpy.asarray(places)
+        return numpy.concatenate([places[:, :3] - _rotated(places[:, 3:], self.middle), places[:, 3:]], axis=1)
+
+    def go(self, place, speed):
+        before = self.keys[-1] if self.keys else (0.0, place)
+        seconds = numpy.linalg.norm(place[:3] - before[1][:3]) / speed
+        self.keys.append((before[0] + max(_LEAST_S, seconds), place))
+
+    def touch(self, place, towards):
+        """Where the tool is stopped on its way, and the surface's normal there; None where nothing stops it."""
+        far = numpy.arange(0, numpy.linalg.norm(place[:3] - towards) + self.outside, _STRIDE)
+        along = _unit(towards - place[:3])
+        places = numpy.tile(place, (len(far), 1))
+        places[:, :3] += far[:, None] * along
+        poses = self.poses(places)
+        proxy = Proxy(self.model, poses[0])
+        for begin in range(0, len(poses), 20):
+            felt = proxy.steps(poses[begin : begin + 20])
+            force = numpy.linalg.norm(felt.wrench[:, :3], axis=1)
+            stopped = numpy.flatnonzero(force > 0.5 * _STRIDE * self.stiffness)
+            if len(stopped):
+                first = stopped[0]
+                at = felt.pose[first, :3] + _rotated(felt.pose[first, 3:], self.middle)
+                return at, felt.wrench[first, :3] / force[first]
+        return None
+
+    def visit(self, came_from):
+        """Comes from outside to a place of the objects, presses, slides there and back, and leaves."""
+        random, press = self.random, self.options["press_mm"] / 1000
+        for _ in range(100):
+            direction = _unit(came_from + 0.7 * _unit(random.normal(size=3)))
+            turn = numpy.sin(numpy.radians(self.options["turn_deg"]) / 2) * random.uniform()
+            q = _unit(self.q + turn * _unit(random.normal(size=4)))
+            outside = numpy.concatenate([self.centre + self.outside * direction, q])
+            found = self.touch(outside, self.points[random.integers(len(self.points))])
+            if found and found[1] @ direction > 0.3:  # else it would press past what it glances off
+                break
+        else:
+            raise Error("hand: found no place of the objects that the tool can come to from outside")
+        at, normal = found
+        speed = self.options["speed_mm_per_s"] / 1000
+        self.go(outside, 10 * speed)
+        self.go(numpy.append(at, q), 4 * speed)
+        pressed = at - press * random.uniform(0.5, 1) * normal
+        self.go(numpy.append(pressed, q), speed)
+        along = random.normal(size=3)
+        along = _unit(along - along @ normal * normal) * self.options["slide_mm"] / 1000
+        for share in (1, -1, 0):
+            self.go(numpy.append(pressed + share * along, q), speed)
+        self.go(numpy.append(at, q), speed)
+        self.go(outside, 4 * speed)
+        return direction
+
+
+def _between(keys, steps):
+    """Places at each millisecond, by movements of least jerk (Flash & Hogan, J. Neurosci. 5 (1985) 1688)."""
+    times, places = numpy.array([key[0] for key in keys]), numpy.array([key[1] for key in keys])
+    t = numpy.arange(steps) / 1000
+    i = numpy.clip(numpy.searchsorted(times, t, "right") - 1, 0, len(times) - 2)
+    u = numpy.clip((t - times[i]) / (times[i + 1] - times[i]), 0, 1)
+    share = (u**3 * (10 - 15 * u + 6 * u**2))[:, None]
+    between = (1 - share) * places[i] + share * places[i + 1]
+    between[:, 3:] /= numpy.linalg.norm(between[:, 3:], axis=1)[:, None]  # turns are small
+    return between
+
+
+def generated(scene, *, tool=0, steps=20000, seed=1, press_mm=3.0, slide_mm=8.0, speed_mm_per_s=50.0, turn_deg=20.0,
+              model=None):
+    """A hand that comes from outside to one place of the objects after the other, presses, slides there and back.
+
+    press_mm        it presses half as deep to as deep as this below where it touches
+    slide_mm        it slides by, to either side
+    speed_mm_per_s  while it touches; it comes four times as fast
+    turn_deg        by which the tool is turned at most from how the scene places it
+    model           scene.model(tool), where it is there already: what takes longest
+    """
+    options = {"press_mm": press_mm, "slide_mm": slide_mm, "speed_mm_per_s": speed_mm_per_s, "turn_deg": turn_deg}
+    walk = _Walk(scene, tool, model, numpy.random.default_rng(seed), options)
+    direction = _unit(walk.random.normal(size=3))
+    while not walk.keys or walk.keys[-1][0] < steps / 1000:
+        direction = walk.visit(direction)
+    walk.keys[0] = (0.0, walk.keys[0][1])
+    return walk.poses(_between(walk.keys, steps))
+
+
+def script(scene, *, steps=None):
+    """The hand that comes with the scene; beyond its end it goes the same way back, and again."""
+    path = scene.path()
+    if steps is None:
+        return path
+    there = numpy.arange(steps) % max(1, 2 * (len(path) - 1))
+    return path[numpy.where(there < len(path), there, 2 * (len(path) - 1) - there)]
+
+
+def trembling(path, *, um, seed=1):
+    """The path with a tremor: of this size (root mean square, each axis), three tones from 8 to 12 Hz."""
+    random = numpy.random.default_rng(seed)
+    hertz, phase = random.uniform(8, 12, (3, 3)), random.uniform(0, 2 * numpy.pi, (3, 3))
+    t = numpy.arange(len(path))[:, None, None] / 1000
+    path = numpy.array(path, dtype=float)
+    path[:, :3] += 1e-6 * um * numpy.sqrt(2 / 3) * numpy.sin(2 * numpy.pi * hertz * t + phase).sum(axis=2)
+    return path
