@@ -4,11 +4,11 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <numbers>
 #include <utility>
 
 #include "common/error.h"
 #include "common/math/random.h"
+#include "common/math/rotation.h"
 
 namespace palpate {
 namespace {
@@ -57,8 +57,8 @@ bool Call(const palpate_effect& effect, const palpate_effect_input& input, doubl
 }
 
 bool Fits(const palpate_effect_parameter& parameter, const std::vector<double>& values) {
-  const bool fits = parameter.kind == PALPATE_NUMBER ? values.size() == 1
-                    : parameter.kind == PALPATE_POINT
+  const bool fits = parameter.kind == PALPATE_EFFECT_NUMBER ? values.size() == 1
+                    : parameter.kind == PALPATE_EFFECT_POINT
                         ? values.size() == 3
                         : values.size() >= 6 && values.size() % 3 == 0;
   return fits && std::ranges::all_of(values, [&](double value) {
@@ -68,22 +68,22 @@ bool Fits(const palpate_effect_parameter& parameter, const std::vector<double>& 
 
 }  // namespace
 
+std::span<const palpate_effect_parameter> ParametersOf(const palpate_effect& effect) {
+  const std::span all(effect.parameters);
+  return all.first(static_cast<std::size_t>(
+      std::ranges::find(all, nullptr, &palpate_effect_parameter::name) - all.begin()));
+}
+
 Effects::Effects(std::vector<Effect> effects) : effects_(std::move(effects)) {
   for (const Effect& effect : effects_) {
     const std::string who = "effect " + effect.file;
     if (effect.of == nullptr) throw Error(who + ": is not loaded; load its scene by LoadScene");
+    const auto parameters = ParametersOf(*effect.of);
+    if (!std::ranges::equal(parameters, effect.values, Fits)) {
+      throw Error(who + ": its parameters are not those that it asks for; build the scene again");
+    }
     auto& values = values_.emplace_back();
-    for (const palpate_effect_parameter& parameter : effect.of->parameters) {
-      if (parameter.name == nullptr) break;
-      if (values.size() == effect.values.size() || !Fits(parameter, effect.values[values.size()])) {
-        throw Error(who + ": has no " + parameter.name + " in its range; build the scene again");
-      }
-      const std::vector<double>& numbers = effect.values[values.size()];
-      values.push_back({numbers.data(), numbers.size()});
-    }
-    if (values.size() != effect.values.size()) {
-      throw Error(who + ": has values that it does not ask for; build the scene again");
-    }
+    for (const auto& numbers : effect.values) values.push_back({numbers.data(), numbers.size()});
   }
 }
 
@@ -119,50 +119,63 @@ bool Effects::Step(const Pose& X_WH, const Pose& X_WG, const Vec3& reference, Ef
   return fine;
 }
 
+namespace {
+
+/// A smooth random walk that ends where it began, as far as `reach` from its middle: of all
+/// frequencies that a hand may have.
+std::vector<Vec3> ClosedWalk(Random& random, int steps, double reach) {
+  std::vector<Vec3> walk{Vec3::Zero()};
+  Vec3 velocity = Vec3::Zero();
+  for (int i = 0; i < steps; ++i) {
+    velocity += 0.05 * (random.Direction() - velocity);
+    walk.push_back(walk.back() + velocity);
+  }
+  const Vec3 drift = walk.back() / steps;
+  double farthest = 1e-9;
+  for (int i = 0; i <= steps; ++i) farthest = std::max(farthest, (walk[i] -= i * drift).norm());
+  for (Vec3& p : walk) p *= reach / farthest;
+  return walk;
+}
+
+}  // namespace
+
 double EnergyGiven(const Effect& effect, const Vec3& centre, double radius) {
-  constexpr int kPaths = 8, kWaves = 4, kSteps = 8000;
+  constexpr int kPaths = 8, kSteps = 8000;
   const Effects effects({effect});
   Random random(1);
+  std::vector<Vec3> places, turns;
   double worst = -1.0;
   for (int path = 0; path < 2 * kPaths; ++path) {
-    std::array<std::array<Vec3, 4>, kWaves> wave;
-    for (auto& of : wave) {
-      for (Vec3& amplitude : of) amplitude = random.Direction();
+    if (path % 2 == 0) {
+      places = ClosedWalk(random, kSteps, radius);
+      turns = ClosedWalk(random, kSteps, 1.0);
+    } else {
+      std::ranges::reverse(places);
+      std::ranges::reverse(turns);
     }
-    for (const int sense : {1, -1}) {
-      EffectState state = effects.Begin();
-      Pose before;
-      Wrench held;
-      double given = 0.0, moved = 0.0;
-      for (int i = 0; i <= kSteps; ++i) {
-        Vec3 p = centre, turn = Vec3::Zero();
-        for (int k = 0; k < kWaves; ++k) {
-          const double at = sense * 2.0 * std::numbers::pi * (k + 1) * i / kSteps;
-          const double s = std::sin(at) / (k + 1), c = std::cos(at) / (k + 1);
-          p += radius / 3.0 * (s * wave[k][0] + c * wave[k][1]);
-          turn += 0.3 * (s * wave[k][2] + c * wave[k][3]);
-        }
-        const double angle = turn.norm();
-        const Pose X(p,
-                     angle > 0.0 ? Quat(Eigen::AngleAxisd(angle, turn / angle)) : Quat::Identity());
-        EffectWrenches now;
-        if (!effects.Step(X, X, Vec3::Zero(), state, now))
-          return std::numeric_limits<double>::infinity();
-        const Wrench total{now.passive.force + now.active.force,
-                           now.passive.torque + now.active.torque};
-        if (i > 0) {
-          Quat step = X.q * before.q.conjugate();
-          if (step.w() < 0.0) step.coeffs() = -step.coeffs();
-          const double work = 0.5 * (total.force + held.force).dot(X.p - before.p) +
-                              (total.torque + held.torque).dot(step.vec());
-          given += work;
-          moved += std::abs(work);
-        }
-        before = X;
-        held = total;
+    EffectState state = effects.Begin();
+    Pose before;
+    Wrench held;
+    double given = 0.0, moved = 0.0;
+    for (int i = 0; i <= kSteps; ++i) {
+      const Pose X(centre + places[i], RotationExp(turns[i]));
+      EffectWrenches now;
+      if (!effects.Step(X, X, Vec3::Zero(), state, now)) {
+        return std::numeric_limits<double>::infinity();
       }
-      if (moved > 0.0) worst = std::max(worst, given / moved);
+      const Wrench all{now.passive.force + now.active.force,
+                       now.passive.torque + now.active.torque};
+      if (i > 0) {
+        const double work =
+            0.5 * ((all.force + held.force).dot(X.p - before.p) +
+                   (all.torque + held.torque).dot(RotationLog(X.q * before.q.conjugate())));
+        given += work;
+        moved += std::abs(work);
+      }
+      before = X;
+      held = all;
     }
+    if (moved > 0.0) worst = std::max(worst, given / moved);
   }
   return worst;
 }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,9 @@ struct Effect {
   /// What the file defines; null where it is not loaded, for who only draws a scene.
   const palpate_effect* of = nullptr;
 };
+
+/// Those that have a name.
+std::span<const palpate_effect_parameter> ParametersOf(const palpate_effect& effect);
 
 /// What effects remember from step to step.
 struct EffectState {

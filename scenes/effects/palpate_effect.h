@@ -34,10 +34,10 @@
 #define PALPATE_EFFECT_MOST 1e4 /**< of each number of a wrench [N, N m] */
 
 typedef enum {
-  PALPATE_NUMBER = 0, /**< 2.5 */
-  PALPATE_POINT = 1,  /**< [x, y, z] */
-  PALPATE_POINTS = 2, /**< [[x, y, z], ...], two at least */
-  PALPATE_KIND_ANY_INT = 0x7fffffff
+  PALPATE_EFFECT_NUMBER = 0, /**< 2.5 */
+  PALPATE_EFFECT_POINT = 1,  /**< [x, y, z] */
+  PALPATE_EFFECT_POINTS = 2, /**< [[x, y, z], ...], two at least */
+  PALPATE_EFFECT_KIND_ANY_INT = 0x7fffffff
 } palpate_effect_kind;
 
 /** What a scene file gives, in the unit that its name says. */

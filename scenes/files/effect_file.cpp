@@ -22,7 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t kLargestEffect = std::uint64_t{64} << 20;
-constexpr std::size_t kMostPoints = 10'000;
 
 struct Symbols {
   const palpate_effect* effect = nullptr;
@@ -64,9 +63,10 @@ void Load(const fs::path& file, const std::string& who, Effect& effect) {
   effect.file = file.filename().string();
   const bool is_name =
       effect.file.size() <= kLongestName && std::ranges::all_of(effect.file, IsOfName);
-  if (!is_name)
+  if (!is_name) {
     throw Error(who + ": " + effect.file +
                 " is no name for an effect's file; give it one of letters, digits, - _ and .");
+  }
   // Without a slash the loader would look elsewhere.
   const fs::path full = fs::absolute(file);
   effect.of =
@@ -81,9 +81,8 @@ void Load(const fs::path& file, const std::string& who, Effect& effect) {
   RefuseWhatHasChanged(full, effect.hash, who);
   CheckAbi(effect.of->abi, PALPATE_EFFECT_ABI, who, full.string() + ": palpate_the_effect.abi",
            "palpate_effect.h");
-  if (effect.of->step == nullptr)
-    throw Error(who + ": " + full.string() +
-                ": palpate_the_effect.step is NULL; give the function");
+  if (effect.of->step != nullptr) return;
+  throw Error(who + ": " + full.string() + ": palpate_the_effect.step is NULL; give the function");
 }
 
 /// By its name in a scene file.
@@ -91,26 +90,27 @@ fs::path Find(const JsonNode& entry, const fs::path& folder) {
   const JsonNode node = entry.At("name");
   const std::string name = node.String();
   const fs::path shipped = ShippedFolder();
-  if (name.find('/') == std::string::npos && !name.ends_with(".so")) {
-    const fs::path file = shipped / (name + ".so");
-    if (Exists(file)) return file;
-    std::string names;
-    std::error_code ignored;
-    for (const auto& other : fs::directory_iterator(shipped, ignored))
-      names += " " + other.path().stem().string();
-    node.Fail("there is no effect \"" + name + "\" in " + shipped.string() + ":" + names +
-              "; the file of one of your own has a / or ends in .so");
+  std::vector<fs::path> places{shipped / (name + ".so")};
+  if (name.find('/') != std::string::npos || name.ends_with(".so")) {
+    places = {folder / name, shipped / name};
   }
-  for (const fs::path& file : {folder / name, shipped / name}) {
+  std::string looked, names;
+  for (const fs::path& file : places) {
     if (Exists(file)) return file;
+    looked += " " + file.string();
   }
-  node.Fail(
-      "there is no " + (folder / name).string() + ", nor " + (shipped / name).string() +
-      "; build it (scenes/effects/README.md), or mend its path, which counts from the scene file");
+  std::error_code ignored;
+  for (const auto& other : fs::directory_iterator(shipped, ignored)) {
+    names += " " + other.path().stem().string();
+  }
+  node.Fail("there is no effect \"" + name + "\", looked for as" + looked + "; there are" + names +
+            ", and the file of one of your own has a / or ends in .so, and counts from the scene "
+            "file (scenes/effects/README.md)");
 }
 
 std::vector<double> Read(const JsonNode& node, const palpate_effect_parameter& parameter) {
-  if (parameter.kind == PALPATE_NUMBER) return {node.Number(parameter.least, parameter.most)};
+  if (parameter.kind == PALPATE_EFFECT_NUMBER)
+    return {node.Number(parameter.least, parameter.most)};
   std::vector<double> numbers;
   const auto read = [&](const JsonNode& point) {
     const std::vector<JsonNode> xyz = point.Items();
@@ -118,13 +118,11 @@ std::vector<double> Read(const JsonNode& node, const palpate_effect_parameter& p
     for (const JsonNode& number : xyz)
       numbers.push_back(number.Number(parameter.least, parameter.most));
   };
-  if (parameter.kind == PALPATE_POINT) {
+  if (parameter.kind == PALPATE_EFFECT_POINT) {
     read(node);
     return numbers;
   }
-  const std::vector<JsonNode> points = node.Items(2);
-  if (points.size() > kMostPoints) node.Fail("are too many; give at most 10000");
-  for (const JsonNode& point : points) read(point);
+  for (const JsonNode& point : node.Items(2)) read(point);
   return numbers;
 }
 
@@ -133,18 +131,18 @@ std::vector<double> Read(const JsonNode& node, const palpate_effect_parameter& p
 Effect LoadEffect(const JsonNode& entry, const fs::path& folder) {
   Effect effect;
   Load(Find(entry, folder), entry.At("name").Where(), effect);
+  const auto parameters = ParametersOf(*effect.of);
   std::vector<std::string_view> fields{"name"};
-  for (const palpate_effect_parameter& parameter : effect.of->parameters) {
-    if (parameter.name == nullptr) break;
-    fields.push_back(parameter.name);
-    const bool may_lack = !std::isnan(parameter.usual) && parameter.kind != PALPATE_POINTS;
+  for (const palpate_effect_parameter& parameter : parameters) fields.push_back(parameter.name);
+  entry.AllowOnly(fields);
+  for (const palpate_effect_parameter& parameter : parameters) {
+    const bool may_lack = !std::isnan(parameter.usual) && parameter.kind != PALPATE_EFFECT_POINTS;
     if (may_lack && !entry.Has(parameter.name)) {
-      effect.values.emplace_back(parameter.kind == PALPATE_POINT ? 3 : 1, parameter.usual);
+      effect.values.emplace_back(parameter.kind == PALPATE_EFFECT_POINT ? 3 : 1, parameter.usual);
     } else {
       effect.values.push_back(Read(entry.At(parameter.name), parameter));
     }
   }
-  entry.AllowOnly(fields);
   return effect;
 }
 

@@ -10,6 +10,7 @@
 #include "devices/plugin/plugin_device.h"
 #include "server/library/scenes.h"
 #include "tests/support/complaint.h"
+#include "tests/support/effects_scene.h"
 #include "tests/support/folder.h"
 #include "tests/support/program.h"
 
@@ -104,10 +105,8 @@ TEST_F(Installed, EffectsOfOnesOwnBuildWithoutEigenAndAreFelt) {
           " -D CMAKE_PREFIX_PATH=" + Prefix() + " && " PALPATE_CMAKE " --build " + own + "/build"),
       0)
       << said_;
-  std::string cube;
-  std::getline(std::ifstream(PALPATE_SOURCE_DIR "/scenes/catalogue/cube.json"), cube, '\0');
-  std::ofstream(own + "/mine.json") << cube.insert(
-      1, R"("effects": [{"name": "build/vibration.so", "along": [0, 0, 1], "rate_Hz": 0.1}],)");
+  std::ofstream(own + "/mine.json")
+      << CubeWithEffects(R"({"name": "build/vibration.so", "along": [0, 0, 1], "rate_Hz": 0.1})");
   const Scene scene = LoadScene(own + "/mine.json");
   const HapticModel model = MakeModel(scene, scene.tools[0], MakeObjects(scene));
   EXPECT_EQ(Proxy(model, scene.tools[0].X_WB).Step(scene.tools[0].X_WB).wrench.force.z(), 0.3);

@@ -11,6 +11,7 @@
 #include "common/dds/wire.h"
 #include "server/library/palpate.h"
 #include "server/session/session.h"
+#include "tests/support/effects_scene.h"
 #include "tests/support/folder.h"
 
 namespace palpate::test {
@@ -86,24 +87,15 @@ TEST_P(LoadedScene, GivesTheBitsOfTheServer) {
   EXPECT_GT(touched, 300);
 }
 
-/// The cube with six effects, beside its hand.
-std::string CubeWithEffects(const std::string& folder) {
-  const std::string catalogue = PALPATE_SOURCE_DIR "/scenes/catalogue/",
-                    file = folder + "/six.json";
-  std::string text;
-  std::getline(std::ifstream(catalogue + "cube.json"), text, '\0');
-  std::ofstream(file) << text.insert(1, R"("effects": [
+TEST(LoadedWithEffects, GivesTheBitsOfTheServerInCxxAndInC) {
+  const Folder folder;
+  const std::string name = folder / "six.json";
+  std::ofstream(name) << CubeWithEffects(R"(
       {"name": "viscous"}, {"name": "stick"}, {"name": "vibration"},
       {"name": "forbidden", "centre_mm": [0, 20, 0], "radius_mm": 8},
       {"name": "magnet", "curve_mm": [[-20, 30, 0], [20, 30, 0]]},
-      {"name": "moving_spring", "from_mm": [0, 40, 0], "to_mm": [9, 40, 0]}],)");
-  std::filesystem::copy(catalogue + "cube.path.json", folder + "/six.path.json");
-  return file;
-}
-
-TEST(LoadedWithEffects, GivesTheBitsOfTheServerInCxxAndInC) {
-  const Folder folder;
-  const std::string name = CubeWithEffects(folder.path());
+      {"name": "moving_spring", "from_mm": [0, 40, 0], "to_mm": [9, 40, 0]})");
+  std::filesystem::copy(ScriptFileBeside("cube"), folder / "six.path.json");
   const Scene scene = LoadScene(name);
   ASSERT_EQ(scene.effects.size(), 6u);
   const HapticModel model = MakeModel(scene, scene.tools[0], MakeObjects(scene));

@@ -22,7 +22,7 @@ static int step(const palpate_effect_input* in, double* state, palpate_effect_wr
 const palpate_effect palpate_the_effect = {
     .abi = PALPATE_EFFECT_ABI,
     .passive = 1,
-    .parameters = {[kCentre] = {"centre_mm", PALPATE_POINT, -1e4, 1e4, 0.0},
-                   [kRadius] = {"radius_mm", PALPATE_NUMBER, 0.1, 1e4, NAN},
-                   [kStiffness] = {"stiffness_N_per_m", PALPATE_NUMBER, 0.0, 5000.0, 500.0}},
+    .parameters = {[kCentre] = {"centre_mm", PALPATE_EFFECT_POINT, -1e4, 1e4, 0.0},
+                   [kRadius] = {"radius_mm", PALPATE_EFFECT_NUMBER, 0.1, 1e4, NAN},
+                   [kStiffness] = {"stiffness_N_per_m", PALPATE_EFFECT_NUMBER, 0.0, 5000.0, 500.0}},
     .step = step};

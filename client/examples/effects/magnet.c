@@ -31,7 +31,7 @@ static int step(const palpate_effect_input* in, double* state, palpate_effect_wr
 }
 const palpate_effect palpate_the_effect = {
     .abi = PALPATE_EFFECT_ABI,
-    .parameters = {{"curve_mm", PALPATE_POINTS, -1e4, 1e4, NAN},
-                   {"reach_mm", PALPATE_NUMBER, 0.1, 1000.0, 10.0},
-                   {"force_N", PALPATE_NUMBER, 0.0, 20.0, 0.8}},
+    .parameters = {{"curve_mm", PALPATE_EFFECT_POINTS, -1e4, 1e4, NAN},
+                   {"reach_mm", PALPATE_EFFECT_NUMBER, 0.1, 1000.0, 10.0},
+                   {"force_N", PALPATE_EFFECT_NUMBER, 0.0, 20.0, 0.8}},
     .step = step};

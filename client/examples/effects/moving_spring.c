@@ -23,9 +23,9 @@ static int step(const palpate_effect_input* in, double* state, palpate_effect_wr
 
 const palpate_effect palpate_the_effect = {
     .abi = PALPATE_EFFECT_ABI,
-    .parameters = {[kFrom] = {"from_mm", PALPATE_POINT, -1e4, 1e4, NAN},
-                   [kTo] = {"to_mm", PALPATE_POINT, -1e4, 1e4, NAN},
-                   [kPeriod] = {"period_s", PALPATE_NUMBER, 0.1, 1000.0, 4.0},
-                   [kStiffness] = {"stiffness_N_per_m", PALPATE_NUMBER, 0.0, 2000.0, 100.0},
-                   [kMost] = {"most_N", PALPATE_NUMBER, 0.0, 20.0, 0.8}},
+    .parameters = {[kFrom] = {"from_mm", PALPATE_EFFECT_POINT, -1e4, 1e4, NAN},
+                   [kTo] = {"to_mm", PALPATE_EFFECT_POINT, -1e4, 1e4, NAN},
+                   [kPeriod] = {"period_s", PALPATE_EFFECT_NUMBER, 0.1, 1000.0, 4.0},
+                   [kStiffness] = {"stiffness_N_per_m", PALPATE_EFFECT_NUMBER, 0.0, 2000.0, 100.0},
+                   [kMost] = {"most_N", PALPATE_EFFECT_NUMBER, 0.0, 20.0, 0.8}},
     .step = step};

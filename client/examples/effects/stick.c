@@ -27,6 +27,7 @@ static int step(const palpate_effect_input* in, double* state, palpate_effect_wr
 const palpate_effect palpate_the_effect = {
     .abi = PALPATE_EFFECT_ABI,
     .passive = 1,
-    .parameters = {[kForce] = {"force_N", PALPATE_NUMBER, 0.0, 20.0, 0.5},
-                   [kStiffness] = {"stiffness_N_per_m", PALPATE_NUMBER, 10.0, 5000.0, 1000.0}},
+    .parameters = {[kForce] = {"force_N", PALPATE_EFFECT_NUMBER, 0.0, 20.0, 0.5},
+                   [kStiffness] = {"stiffness_N_per_m", PALPATE_EFFECT_NUMBER, 10.0, 5000.0,
+                                   1000.0}},
     .step = step};

@@ -20,7 +20,7 @@ static int step(const palpate_effect_input* in, double* state, palpate_effect_wr
 
 const palpate_effect palpate_the_effect = {
     .abi = PALPATE_EFFECT_ABI,
-    .parameters = {[kAlong] = {"along", PALPATE_POINT, -1.0, 1.0, 1.0},
-                   [kForce] = {"force_N", PALPATE_NUMBER, 0.0, 5.0, 0.3},
-                   [kRate] = {"rate_Hz", PALPATE_NUMBER, 0.1, 400.0, 100.0}},
+    .parameters = {[kAlong] = {"along", PALPATE_EFFECT_POINT, -1.0, 1.0, 1.0},
+                   [kForce] = {"force_N", PALPATE_EFFECT_NUMBER, 0.0, 5.0, 0.3},
+                   [kRate] = {"rate_Hz", PALPATE_EFFECT_NUMBER, 0.1, 400.0, 100.0}},
     .step = step};

@@ -13,6 +13,6 @@ static int step(const palpate_effect_input* in, double* state, palpate_effect_wr
 const palpate_effect palpate_the_effect = {
     .abi = PALPATE_EFFECT_ABI,
     .passive = 1,
-    .parameters = {{"damping_N_s_per_m", PALPATE_NUMBER, 0.0, 20.0, 3.0},
-                   {"damping_Nm_s_per_rad", PALPATE_NUMBER, 0.0, 0.02, 0.0}},
+    .parameters = {{"damping_N_s_per_m", PALPATE_EFFECT_NUMBER, 0.0, 20.0, 3.0},
+                   {"damping_Nm_s_per_rad", PALPATE_EFFECT_NUMBER, 0.0, 0.02, 0.0}},
     .step = step};

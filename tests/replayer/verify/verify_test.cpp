@@ -22,6 +22,7 @@
 #include "server/session/servo_loop.h"
 #include "tests/common/recording/samples.h"
 #include "tests/support/complaint.h"
+#include "tests/support/effects_scene.h"
 #include "tests/support/milliseconds.h"
 
 namespace palpate::test {
@@ -225,11 +226,8 @@ TEST_F(VerifyTest, ComputesEffectsAgainAndRefusesAnotherSharedObject) {
   const std::string scene = folder_ / "own/sticky.json", mine = folder_ / "own/mine.so";
   fs::create_directory(folder_ / "own");
   fs::copy(PALPATE_BIN_DIR "/effects/stick.so", mine);
-  std::string text;
-  std::getline(std::ifstream(PALPATE_SOURCE_DIR "/scenes/catalogue/cube.json"), text, '\0');
-  std::ofstream(scene) << text.insert(
-      1, R"("effects": [{"name": "mine.so"}, {"name": "moving_spring", "from_mm": [0, 30, 0],
-                         "to_mm": [5, 30, 0]}],)");
+  std::ofstream(scene) << CubeWithEffects(R"({"name": "mine.so"},
+      {"name": "moving_spring", "from_mm": [0, 30, 0], "to_mm": [5, 30, 0]})");
   Record({.scene = scene, .server_misses = {77}}, file_);
   const auto complaint = [&] { return ComplaintOf([&] { Verify({file_}, {}); }); };
   EXPECT_THAT(complaint(),

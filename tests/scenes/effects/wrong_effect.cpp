@@ -46,6 +46,6 @@ int Step(const palpate_effect_input* in, double* state, palpate_effect_wrench* o
 extern const palpate_effect palpate_the_effect = {
     .abi = WRONG_ABI,
     .passive = 1,
-    .parameters = {{"way", PALPATE_NUMBER, 0.0, 10.0, 0.0},
-                   {"from_cycle", PALPATE_NUMBER, 0.0, 1e6, 0.0}},
+    .parameters = {{"way", PALPATE_EFFECT_NUMBER, 0.0, 10.0, 0.0},
+                   {"from_cycle", PALPATE_EFFECT_NUMBER, 0.0, 1e6, 0.0}},
     .step = &Step};
