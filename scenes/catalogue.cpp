@@ -686,10 +686,12 @@ Scene LoadScene(const std::string& name_or_path, const LoadOptions& options) {
   if (LooksLikeBundle(text)) return LoadBundle(text, file, options);
   RefuseWhatIsNoScene(file, text);
   const SceneDescription description = Describe(text, file, options);
-  Scene scene = CompileOnce(description, text, options);
+  std::vector<Effect> effects;  // soonest: what follows may take a minute
   for (const JsonNode& effect : description.effects) {
-    scene.effects.push_back(LoadEffect(effect, fs::path(file).parent_path()));
+    effects.push_back(LoadEffect(effect, fs::path(file).parent_path()));
   }
+  Scene scene = CompileOnce(description, text, options);
+  scene.effects = std::move(effects);
   return scene;
 }
 

@@ -265,8 +265,9 @@ TEST_F(EffectsTest, SaysWithLineAndFieldWhatAnEntryLacks) {
   EXPECT_THAT(LoadError(R"({"name": "magnet", "curve_mm": [[1, 2, 3]]})"),
               HasSubstr("effects[0].curve_mm"));
   EXPECT_THAT(LoadError(R"({"damping_N_s_per_m": 1})"), HasSubstr("effects[0]"));
-  EXPECT_THAT(LoadError(R"({"name": "sub/mine.so"})"),
-              AllOf(HasSubstr(folder_.path() + "/sub/mine.so"), HasSubstr("counts from the scene file")));
+  EXPECT_THAT(
+      LoadError(R"({"name": "sub/mine.so"})"),
+      AllOf(HasSubstr(folder_.path() + "/sub/mine.so"), HasSubstr("counts from the scene file")));
 }
 
 TEST_F(EffectsTest, SaysWhyAFileIsNoEffect) {
