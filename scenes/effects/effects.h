@@ -54,7 +54,7 @@ class Effects {
     return {std::vector<EffectState::Memory>(effects_.size()), 0, {}, {}};
   }
   /// The next cycle: adds up their wrenches.  False where one failed in it.
-  /// @param reference  where the wrenches are to act, in the tool's frame [m].
+  /// `reference`: where the wrenches are to act, in the tool's frame [m].
   /// Real-time, as far as the effects are.
   bool Step(const Pose& X_WH, const Pose& X_WG, const Vec3& reference, EffectState& state,
             EffectWrenches& wrenches) const noexcept;
@@ -66,7 +66,7 @@ class Effects {
 
 /// What an effect gives a hand along closed paths, as a share of all that goes to and fro: of
 /// the worst of some that are smooth and random, each gone both ways.
-/// @param centre, radius  where they lead [m].
+/// `centre`, `radius`: where they lead [m].
 double EnergyGiven(const Effect& effect, const Vec3& centre, double radius);
 /// Up to here it is the error of the sum, and not energy.
 inline constexpr double kNoEnergy = 1e-3;
