@@ -30,7 +30,8 @@ def ball_on_block(**options):
 def cube_with_effects(folder):
     catalogue = pathlib.Path(os.environ["PALPATE_SOURCE_DIR"], "scenes/catalogue")
     effects = '{ "effects": [{"name": "stick"}, {"name": "vibration"}],'
-    (folder / "own.json").write_text((catalogue / "cube.json").read_text().replace("{", effects, 1))
+    cube = (catalogue / "cube.json").read_text().replace(',\n      "leaves": 4096', "")
+    (folder / "own.json").write_text(cube.replace("{", effects, 1))
     (folder / "own.path.json").write_text((catalogue / "cube.path.json").read_text())
     return str(folder / "own.json")
 
