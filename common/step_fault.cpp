@@ -14,6 +14,7 @@ constexpr Fault kFaults[] = {
     {kFaultRowsFull, "rows full", "more contacts at once than are computed; the tightest count"},
     {kFaultJammed, "jammed", "the tool was wedged between surfaces"},
     {kFaultUnsolved, "unsolved", "a contact problem was not solved, and the tool stood still"},
+    {kFaultEffect, "effect off", "a force of one's own failed, and is off from then on"},
     {kFaultPoseRejected, "pose rejected", "the hand leapt further than a hand comes"},
     {kFaultNotStarted, "not started", "no force yet: the tool just came, or is inside an object"}};
 

@@ -24,6 +24,9 @@ enum StepFault : std::uint32_t {
   /// A QP did not end within its iterations, or not with numbers; the tool stays, and the wrench
   /// is the spring's from there.  Should never happen: keep the dump (`palpate-bench qp --dump`).
   kFaultUnsolved = 1u << 4,
+  /// A force of one's own failed, or gave no number that a force can have.  It is zero, and off for
+  /// the rest of the session.  Remedy: mend the effect.
+  kFaultEffect = 1u << 5,
   // Set by the servo loop (server/session), not by the step:
   /// The pose was further from the last than a hand comes: the wrench fades as for kFaultBadPose,
   /// until poses that agree with each other show that the hand is there.

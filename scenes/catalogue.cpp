@@ -25,6 +25,7 @@
 #include "common/text/nearest_word.h"
 #include "common/text/quoted.h"
 #include "scenes/files/cache_folder.h"
+#include "scenes/files/effect_file.h"
 #include "scenes/files/mesh_scene.h"
 #include "scenes/files/scene_bundle.h"
 #include "scenes/files/scene_file.h"
@@ -576,7 +577,50 @@ Scene LoadBundle(const std::string& bytes, const std::string& file, const LoadOp
                  : options.leaves ? "tolerance out"
                                   : "tree's file out"));
   }
-  return UnpackScene(Bytes(bytes), file);
+  Scene scene = UnpackScene(Bytes(bytes), file);
+  LoadEffects(scene.effects, fs::path(file).parent_path(), file);
+  return scene;
+}
+
+/// From the cache, if it is there; without its effects, which need not be compiled.
+Scene CompileOnce(const SceneDescription& description, const std::string& text,
+                  const LoadOptions& options) {
+  if (!options.use_cache || options.tree_file) return Compile(description, options);
+
+  const auto warn = [&](const std::string& what) { Warn(options, what); };
+  const std::string folder = options.cache_dir.empty() ? DefaultCacheFolder() : options.cache_dir;
+  if (folder.empty()) return Compile(description, options);
+  try {
+    PrepareCacheFolder(folder);
+  } catch (const Error& error) {
+    warn(std::string(error.what()) + " (the scene is used without being cached)");
+    return Compile(description, options);
+  }
+  std::uint64_t key = KeyOf(description, text, options.models_dir);
+  // What the text does not tell.
+  if (options.leaves) key = HashBytes(ToText(*options.leaves), key);
+  std::ostringstream name;
+  name << description.name << '-' << std::hex << std::setw(16) << std::setfill('0') << key
+       << ".palpate";
+  const std::string cached = (fs::path(folder) / name.str()).string();
+  std::error_code ignored;
+  if (fs::exists(cached, ignored)) {
+    try {
+      if (!IsOwnFile(cached)) throw Error(cached + ": is not a file of this user's");
+      const std::string bundle = ReadWholeFile(cached, kLargestSceneFile);
+      if (ContentKey(Bytes(bundle), cached) != key) throw Error(cached + ": is of another scene");
+      return UnpackScene(Bytes(bundle), cached);
+    } catch (const Error& error) {
+      warn(std::string(error.what()) + " (a cached scene: it is being rebuilt)");
+    }
+  }
+  Scene scene = Compile(description, options);
+  try {
+    WriteFileAtomically(cached, PackScene(scene, key, Remarks::kKeep));
+  } catch (const Error& error) {
+    warn(std::string(error.what()) + " (the scene is used without being cached)");
+  }
+  return scene;
 }
 
 }  // namespace
@@ -643,41 +687,12 @@ Scene LoadScene(const std::string& name_or_path, const LoadOptions& options) {
   if (LooksLikeBundle(text)) return LoadBundle(text, file, options);
   RefuseWhatIsNoScene(file, text);
   const SceneDescription description = Describe(text, file, options);
-  if (!options.use_cache || options.tree_file) return Compile(description, options);
-
-  const auto warn = [&](const std::string& what) { Warn(options, what); };
-  const std::string folder = options.cache_dir.empty() ? DefaultCacheFolder() : options.cache_dir;
-  if (folder.empty()) return Compile(description, options);
-  try {
-    PrepareCacheFolder(folder);
-  } catch (const Error& error) {
-    warn(std::string(error.what()) + " (the scene is used without being cached)");
-    return Compile(description, options);
+  std::vector<Effect> effects;  // soonest: what follows may take a minute
+  for (const JsonNode& effect : description.effects) {
+    effects.push_back(LoadEffect(effect, fs::path(file).parent_path()));
   }
-  std::uint64_t key = KeyOf(description, text, options.models_dir);
-  // What the text does not tell.
-  if (options.leaves) key = HashBytes(ToText(*options.leaves), key);
-  std::ostringstream name;
-  name << description.name << '-' << std::hex << std::setw(16) << std::setfill('0') << key
-       << ".palpate";
-  const std::string cached = (fs::path(folder) / name.str()).string();
-  std::error_code ignored;
-  if (fs::exists(cached, ignored)) {
-    try {
-      if (!IsOwnFile(cached)) throw Error(cached + ": is not a file of this user's");
-      const std::string bundle = ReadWholeFile(cached, kLargestSceneFile);
-      if (ContentKey(Bytes(bundle), cached) != key) throw Error(cached + ": is of another scene");
-      return UnpackScene(Bytes(bundle), cached);
-    } catch (const Error& error) {
-      warn(std::string(error.what()) + " (a cached scene: it is being rebuilt)");
-    }
-  }
-  Scene scene = Compile(description, options);
-  try {
-    WriteFileAtomically(cached, PackScene(scene, key, Remarks::kKeep));
-  } catch (const Error& error) {
-    warn(std::string(error.what()) + " (the scene is used without being cached)");
-  }
+  Scene scene = CompileOnce(description, text, options);
+  scene.effects = std::move(effects);
   return scene;
 }
 

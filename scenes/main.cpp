@@ -160,7 +160,11 @@ void PrintMesh(const std::string& file) {
 void Check(const Arguments& arguments) {
   if (IsMeshFile(arguments.scene)) PrintMesh(arguments.scene);
   const Scene scene = Load(arguments);
-  Verdict verdict;
+  for (const Effect& effect : scene.effects) {
+    std::printf("effect %s: %s\n", effect.file.c_str(),
+                effect.of->passive != 0 ? "passive" : "active, at an arm 1 N at most");
+  }
+  Verdict verdict = JudgeEffects(scene);
   for (const auto* bodies : {&scene.tools, &scene.objects}) {
     for (const Body& body : *bodies) verdict.Add(CheckBody(scene, body, bodies == &scene.tools));
   }

@@ -9,6 +9,7 @@
 
 #include "common/math/pose.h"
 #include "common/step_tuning.h"
+#include "scenes/effects/effects.h"
 #include "scenes/sphere_tree.h"
 
 namespace palpate {
@@ -142,6 +143,7 @@ struct Scene {
   Coupling coupling;
   StepTuning tuning;
   Features features;
+  std::vector<Effect> effects;            ///< forces of one's own
   std::optional<FirstSight> first_sight;  ///< none: all the objects
 };
 

@@ -79,6 +79,21 @@ bool Yields(const Material& material) {
   return std::isfinite(material.stiffness);
 }
 
+/// An effect that says of itself that it is passive.
+void JudgeEffect(const Effect& effect, const Vec3& centre, double radius, Verdict& verdict) {
+  if (effect.of == nullptr || effect.of->passive == 0) return;
+  const double given = EnergyGiven(effect, centre, radius);
+  if (given <= kNoEnergy) return;
+  char share[32];
+  std::snprintf(share, sizeof share, "%.2g", given);
+  verdict.faults.push_back(
+      "effect " + effect.file +
+      (std::isfinite(given)
+           ? std::string(": says that it is passive, and gives the hand ") + share +
+                 " of what goes to and fro along a closed path; mend it, or leave .passive out"
+           : std::string(": failed; mend it, or its parameters")));
+}
+
 }  // namespace
 
 void Verdict::Add(const Verdict& other) {
@@ -153,8 +168,20 @@ BodyFindings JudgeBody(const Scene& scene, const Body& body, bool is_tool, Measu
   return found;
 }
 
-Verdict JudgeScene(const Scene& scene) {
+Verdict JudgeEffects(const Scene& scene) {
   Verdict verdict;
+  Eigen::AlignedBox3d box;
+  for (const Body& body : scene.objects) {
+    for (const Vec3& v : body.mesh.vertices) box.extend(body.X_WB * v);
+  }
+  for (const Effect& effect : scene.effects) {
+    JudgeEffect(effect, box.center(), 0.5 * box.diagonal().norm(), verdict);
+  }
+  return verdict;
+}
+
+Verdict JudgeScene(const Scene& scene) {
+  Verdict verdict = JudgeEffects(scene);
   for (const auto* bodies : {&scene.tools, &scene.objects}) {
     for (const Body& body : *bodies) {
       const bool is_tool = bodies == &scene.tools;

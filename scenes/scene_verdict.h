@@ -43,7 +43,11 @@ struct BodyFindings {
 enum class MeasureGaps { kWhereFelt, kAlways };
 BodyFindings JudgeBody(const Scene& scene, const Body& body, bool is_tool, MeasureGaps measure);
 
-/// Of all its bodies: what palpate-scene says of a scene, and palpate-server before it serves it.
+/// Whether its effects are as passive as they say, along closed paths about its objects.
+Verdict JudgeEffects(const Scene& scene);
+
+/// Of all its bodies and effects: what palpate-scene says of a scene, and palpate-server before it
+/// serves it.
 Verdict JudgeScene(const Scene& scene);
 
 /// For people, to end a report with: "verdict: good to touch", or the limits or faults, a line

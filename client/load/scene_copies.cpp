@@ -37,6 +37,12 @@ void WriteSceneWithCopies(const std::string& scene, std::size_t copies, const st
   const fs::path folder = fs::path(from).parent_path();
   MakeMeshPathsAbsolute(json["tools"], folder);
   MakeMeshPathsAbsolute(json["objects"], folder);
+  if (json.contains("effects")) {
+    for (Json& effect : json["effects"]) {
+      const std::string name = effect["name"].get<std::string>();
+      if (fs::exists(folder / name)) effect["name"] = fs::absolute(folder / name).string();
+    }
+  }
   const Json tool = json["tools"][0];
   json["tools"] = Json::array();
   for (std::size_t i = 1; i <= copies; ++i) {

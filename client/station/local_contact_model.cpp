@@ -39,10 +39,6 @@ Wrench Scaled(double factor, const Wrench& wrench) noexcept {
   return {factor * wrench.force, factor * wrench.torque};
 }
 
-Wrench Sum(const Wrench& a, const Wrench& b) noexcept {
-  return {a.force + b.force, a.torque + b.torque};
-}
-
 }  // namespace
 
 void LocalContactModel::SetSpring(const CouplingSpring& spring) noexcept {

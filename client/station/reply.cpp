@@ -7,6 +7,14 @@ namespace palpate {
 
 static_assert(std::size(decltype(wire::Wrench::row){}) == LocalRows::kMost);
 
+namespace {
+
+Wrench WrenchOf(const double (&row)[6]) noexcept {
+  return {{row[0], row[1], row[2]}, {row[3], row[4], row[5]}};
+}
+
+}  // namespace
+
 Reply ToReply(const wire::Wrench& sample, std::int64_t received_ns) noexcept {
   Reply reply;
   reply.pose_sequence = sample.pose_sequence;
@@ -23,6 +31,14 @@ Reply ToReply(const wire::Wrench& sample, std::int64_t received_ns) noexcept {
     const double(&row)[6] = sample.row[i];
     reply.local.row[static_cast<std::size_t>(i)] = {
         {row[0], row[1], row[2]}, {row[3], row[4], row[5]}, sample.row_offset_m[i]};
+  }
+  if (sample.rows <= wire::kContactRows) {
+    reply.passive = WrenchOf(sample.row[wire::kContactRows]);
+    reply.active = WrenchOf(sample.row[wire::kContactRows + 1]);
+    // As the server added them up: without contact nothing is left.
+    const Wrench given = Sum(reply.passive, reply.active);
+    reply.wrench.force -= given.force;
+    reply.wrench.torque -= given.torque;
   }
   reply.local.region_m = sample.region_m;
   reply.local.region_rad = sample.region_rad;

@@ -33,11 +33,12 @@ struct Reply {
   std::int64_t pose_time_ns = 0;    ///< when that was sampled, by this station's clock
   std::int64_t received_ns = 0;     ///< by the same clock
   Pose X_WG;                        ///< the graphic tool
-  Wrench wrench;                    ///< on the hand, at the tool's reference point, in W
-  double step_time_s = 0.0;         ///< the server's, from take to write
+  Wrench wrench;             ///< of contacts, on the hand, at the tool's reference point, in W
+  double step_time_s = 0.0;  ///< the server's, from take to write
   std::uint32_t contacts = 0;
   std::uint32_t faults = 0;
   LocalRows local = {};
+  Wrench passive = {}, active = {};  ///< of effects, likewise: what they gave at that pose
 };
 
 /// Replies on their way from DDS's receiving thread to the servo thread: a quarter of a second of
@@ -45,6 +46,10 @@ struct Reply {
 /// lost, and is counted so.  Where it is full, the servo thread has not read for that long: its
 /// device renders nothing then, whatever comes.
 using ReplyRing = Ring<Reply, 256>;
+
+inline Wrench Sum(const Wrench& a, const Wrench& b) noexcept {
+  return {a.force + b.force, a.torque + b.torque};
+}
 
 /// Nothing is checked.  Real-time.
 Reply ToReply(const wire::Wrench& sample, std::int64_t received_ns) noexcept;

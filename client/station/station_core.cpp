@@ -96,8 +96,13 @@ void StationCore::Act(std::int64_t now_ns) noexcept {
   totals_.evaluations += contact.evaluated;
   totals_.beyond_region += contact.beyond_region;
   in.entering = now_ns < entered_until_ns_;
-  in.wanted = ShiftToHandle(contact.wrench, sample_.X_WH.q, tool_reference_);
-  in.led = guide_.Pull(now_ns, in.dt_s, sample_.X_WH, sample_.V_WH);
+  // Effects, like the guide, are no contacts: they are not held against the newest pose, and those
+  // that are not passive go where the guide's force goes.
+  const auto at_handle = [this](const Wrench& wrench) {
+    return ShiftToHandle(wrench, sample_.X_WH.q, tool_reference_);
+  };
+  in.wanted = at_handle(Sum(contact.wrench, newest_.passive));
+  in.led = Sum(guide_.Pull(now_ns, in.dt_s, sample_.X_WH, sample_.V_WH), at_handle(newest_.active));
   device_.Shape(in.wanted, in.led);
   asked_ = in;
   const LimitedWrench limited = limiter_.Limit(in);

@@ -57,6 +57,10 @@ using ReplayMark = palpate_ReplayMark;
 using ReplayGap = palpate_ReplayGap;
 using ReplayWish = palpate_ReplayWish;
 
+/// Rows of a Wrench that stand for contacts where effects are at work: the two after these are what
+/// effects give, those that are passive and those that are not.
+inline constexpr int kContactRows = 4;
+
 // Loop types have no padding, so that the C struct is the CDR payload byte for byte (a test
 // compares them) and shared memory carries it as it is.
 static_assert(sizeof(HapticPose) == 2 * 8 + 13 * 8 + 2 * 4);

@@ -3,15 +3,15 @@
 #include <string>
 #include <vector>
 
+#include "common/files/shared_library.h"
 #include "devices/forcedimension/dhd_abi.h"
-#include "devices/vendor_library.h"
 
 namespace palpate::dhd {
 
 inline constexpr const char* kLibraryVariable = "PALPATE_FORCEDIMENSION_LIBRARY";
 
-inline const VendorLibraryWords kLibraryWords{
-    .device = "forcedimension",
+inline const SharedLibraryWords kLibraryWords{
+    .who = "forcedimension",
     .library = "DHD library",
     .install =
         "install Force Dimension's SDK, 3.7 or later, so that libdhd.so.3 is where the "
@@ -23,9 +23,9 @@ inline const VendorLibraryWords kLibraryWords{
       return dependency.starts_with("libusb") ? "apt-get install libusb-1.0-0" : "";
     }};
 
-using Library = VendorLibrary<Functions>;
+using Library = SharedLibrary<Functions>;
 
-/// Throws Error as VendorLibrary::Load does.
+/// Throws Error as SharedLibrary::Load does.
 inline Library LoadLibrary(
     const std::vector<std::string>& candidates = kLibraryWords.Candidates()) {
   return Library::Load(candidates, kLibraryWords);

@@ -13,9 +13,10 @@ namespace palpate {
 /// What a limiter is told once per tick; anything at all may be in it.
 struct LimiterInput {
   Wrench wanted;  ///< contact wrench at the handle, in W
-  Wrench led;     ///< what a guide adds: active by design, so bounded apart and in no account
-  Pose X_WH;      ///< the handle as measured just now
-  Twist V_WH;     ///< as the driver says; no stage relies on it
+  Wrench led;  ///< what a guide or an effect adds that is active by design: bounded apart, and in
+               ///< no account
+  Pose X_WH;   ///< the handle as measured just now
+  Twist V_WH;  ///< as the driver says; no stage relies on it
   double silence_s = std::numeric_limits<double>::infinity();  ///< AgeStage
   double age_s = std::numeric_limits<double>::infinity();      ///< AgeStage
   double dt_s = 0.0;                                           ///< since the last call

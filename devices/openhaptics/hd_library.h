@@ -3,15 +3,15 @@
 #include <string>
 #include <vector>
 
+#include "common/files/shared_library.h"
 #include "devices/openhaptics/hd_abi.h"
-#include "devices/vendor_library.h"
 
 namespace palpate::hd {
 
 inline constexpr const char* kLibraryVariable = "PALPATE_OPENHAPTICS_LIBRARY";
 
-inline const VendorLibraryWords kLibraryWords{
-    .device = "openhaptics",
+inline const SharedLibraryWords kLibraryWords{
+    .who = "openhaptics",
     .library = "HD library",
     .install = "install OpenHaptics 3.0 or later and the arm's driver",
     .variable = kLibraryVariable,
@@ -23,9 +23,9 @@ inline const VendorLibraryWords kLibraryWords{
              "for";
     }};
 
-using Library = VendorLibrary<Functions>;
+using Library = SharedLibrary<Functions>;
 
-/// Throws Error as VendorLibrary::Load does.
+/// Throws Error as SharedLibrary::Load does.
 inline Library LoadLibrary(
     const std::vector<std::string>& candidates = kLibraryWords.Candidates()) {
   return Library::Load(candidates, kLibraryWords);

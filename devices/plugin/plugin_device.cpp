@@ -12,13 +12,13 @@
 #include <pthread.h>
 
 #include "common/error.h"
+#include "common/files/shared_library.h"
 #include "common/math/pose_check.h"
 #include "common/realtime/latest_mailbox.h"
 #include "common/realtime/sleep_until.h"
 #include "common/realtime/steady_clock.h"
 #include "devices/arm_parts.h"
 #include "devices/plugin/palpate_device.h"
-#include "devices/vendor_library.h"
 #include "devices/wrench_limiter.h"
 
 namespace palpate {
@@ -54,20 +54,17 @@ struct Functions {
 Functions LoadDriver(const std::string& file) {
   const std::string device = "--device " + file;
   const Functions functions =
-      VendorLibrary<Functions>::Load(
+      SharedLibrary<Functions>::Load(
           // Without a slash the loader would look elsewhere.
           {file.find('/') == std::string::npos ? "./" + file : file},
-          {.device = device,
+          {.who = device,
            .library = "driver",
            .install = "build it as a shared object ('An arm of your own' in devices/arm.md)",
            .files = {},
            .not_it = "define every function of palpate_device.h, with its PALPATE_DEVICE_API"})
           .functions;
-  const std::uint32_t version = functions.abi();
-  if (version > 0 && version <= PALPATE_DEVICE_ABI) return functions;
-  throw Error(device + ": palpate_device_abi returns " + std::to_string(version) +
-              ", and this station knows 1 to " + std::to_string(PALPATE_DEVICE_ABI) +
-              "; build the driver with the palpate_device.h of this version of palpate");
+  CheckAbi(functions.abi(), PALPATE_DEVICE_ABI, device, "palpate_device_abi", "palpate_device.h");
+  return functions;
 }
 
 /// Throws Error where a figure is none: forces in grams and lengths in millimetres show here.

@@ -147,6 +147,21 @@ flatbuffers::Offset<wire::Bur> PackBur(const Body& body, flatbuffers::FlatBuffer
                          edge ? &at : nullptr, edge ? &along : nullptr, edge ? &sense : nullptr);
 }
 
+auto PackEffects(const Scene& scene, flatbuffers::FlatBufferBuilder& out) {
+  std::vector<flatbuffers::Offset<wire::Effect>> packed;
+  for (const Effect& effect : scene.effects) {
+    std::vector<std::uint32_t> sizes;
+    std::vector<double> numbers;
+    for (const std::vector<double>& values : effect.values) {
+      sizes.push_back(static_cast<std::uint32_t>(values.size()));
+      numbers.insert(numbers.end(), values.begin(), values.end());
+    }
+    packed.push_back(
+        wire::CreateEffectDirect(out, effect.file.c_str(), effect.hash, &sizes, &numbers));
+  }
+  return packed.empty() ? 0 : out.CreateVector(packed);
+}
+
 void Require(bool holds, const char* what) {
   if (!holds) throw Error(what);
 }
@@ -427,6 +442,20 @@ void ReadBur(const wire::Bur* in, Body& out) {
   out.bur->edge = edge;
 }
 
+Effect FromWire(const wire::Effect& in) {
+  Effect effect;
+  effect.file = ReadName(*in.file());
+  effect.hash = in.hash();
+  auto numbers = All(in.numbers());
+  for (const std::uint32_t size : All(in.sizes())) {
+    Require(size <= numbers.size(), "an effect's numbers do not add up");
+    effect.values.emplace_back(numbers.begin(), numbers.begin() + size);
+    numbers = numbers.subspan(size);
+  }
+  Require(numbers.empty(), "an effect's numbers do not add up");
+  return effect;
+}
+
 Features FromWire(const wire::Features& in) {
   if (in.contact() > wire::Contact::MAX || in.friction() > wire::Friction::MAX) {
     throw Error("its features are not known");
@@ -489,6 +518,9 @@ Scene ReadScene(const wire::Scene& in) {
                   in.iterates(),   in.looks(),       in.still_cycles()};
   if (const std::string fault = TuningFault(scene.tuning); !fault.empty()) throw Error(fault);
   scene.features = FromWire(*in.features());
+  if (in.effects() != nullptr) {
+    for (const wire::Effect* effect : *in.effects()) scene.effects.push_back(FromWire(*effect));
+  }
   if (const wire::FirstSight* sight = in.first_sight()) {
     scene.first_sight = {FromWire(sight->centre()), sight->radius(), FromWire(sight->from())};
     if (!positive(sight->radius()) || !scene.first_sight->centre.allFinite() ||
@@ -590,18 +622,19 @@ std::vector<std::uint8_t> PackScene(const Scene& scene, std::uint64_t content_ke
   const auto objects = pack_bodies(scene.objects);
   const auto geometries_at = out.CreateVector(geometries);
   const auto name = out.CreateString(scene.name);
+  const auto effects = PackEffects(scene, out);
   const wire::Features features = ToWire(scene.features);
   std::optional<wire::FirstSight> sight;
   if (scene.first_sight) {
     sight.emplace(ToWire(scene.first_sight->centre), scene.first_sight->radius,
                   ToWire(scene.first_sight->from));
   }
-  out.Finish(
-      wire::CreateScene(out, name, geometries_at, tools, objects, scene.coupling.stiffness,
-                        scene.coupling.torsional_stiffness, &features, sight ? &*sight : nullptr,
-                        scene.tuning.separation, scene.tuning.widest_step, scene.tuning.sub_steps,
-                        scene.tuning.iterates, scene.tuning.looks, scene.tuning.still_cycles),
-      wire::SceneIdentifier());
+  out.Finish(wire::CreateScene(
+                 out, name, geometries_at, tools, objects, scene.coupling.stiffness,
+                 scene.coupling.torsional_stiffness, &features, sight ? &*sight : nullptr,
+                 scene.tuning.separation, scene.tuning.widest_step, scene.tuning.sub_steps,
+                 scene.tuning.iterates, scene.tuning.looks, scene.tuning.still_cycles, effects),
+             wire::SceneIdentifier());
 
   Header header{};
   std::memcpy(header.magic, kMagic, sizeof kMagic);

@@ -681,7 +681,7 @@ void ReadTuning(const JsonNode& node, StepTuning& tuning) {
 SceneDescription ParseScene(std::string_view text, const std::string& file) {
   const JsonNode root = JsonNode::Parse(text, file);
   root.AllowOnly({"name", "description", "tools", "objects", "coupling", "contact", "friction",
-                  "first_sight", "step", "whole_at_start"});
+                  "first_sight", "step", "effects", "whole_at_start"});
   SceneDescription scene;
   const fs::path path(file);
   scene.name = SceneNameOf(path);
@@ -703,6 +703,7 @@ SceneDescription ParseScene(std::string_view text, const std::string& file) {
   }
   if (auto step = root.Find("step")) ReadTuning(*step, scene.tuning);
   if (auto sight = root.Find("first_sight")) scene.first_sight = ReadFirstSight(*sight);
+  if (auto effects = root.Find("effects")) scene.effects = effects->Items();
   scene.features = ReadFeatures(root, scene);
   ChooseModes(scene);
   CheckCurved(root, scene);

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/json/json_file.h"
 #include "scenes/mesh/curved_mesh.h"
 #include "scenes/mesh/mesh_import.h"
 #include "scenes/mesh/units.h"
@@ -99,7 +100,8 @@ struct SceneDescription {
   std::string coupling_where;  ///< "file:line: field" of its torsional stiffness
   Features features;           ///< compliance follows from the materials
   std::optional<FirstSight> first_sight;
-  bool whole_at_start = false;  ///< a session begins with what former ones have cut
+  std::vector<JsonNode> effects;  ///< what each may say, its shared object knows: LoadEffect
+  bool whole_at_start = false;    ///< a session begins with what former ones have cut
 };
 
 /// What a scene or a body may be called: so many bytes at most, all of them letters, digits, - _ .

@@ -58,7 +58,9 @@ class HandWalk {
     }
     size_ = box.isEmpty() ? 0.0 : box.sizes().maxCoeff();
     scale_ = size_ < 0.01 ? size_ / 0.01 : size_ > 1.0 ? size_ : 1.0;
-    state_.friction.suspended = true;  // the walk asks where surfaces are, not what drags on them
+    // The walk asks where surfaces are, not what drags on the hand.
+    state_.friction.suspended = true;
+    state_.effects = {};
   }
 
   std::optional<PoseScript> Make() {

@@ -47,8 +47,11 @@ const Material& SceneObjects::MaterialOf(std::size_t solid, std::uint8_t materia
 
 HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObjects> objects,
                          const StepParameters& parameters, const TriangleMesh* tool_mesh,
-                         std::optional<Cutting> cutting)
-    : parameters_(parameters), objects_(std::move(objects)), cutting_(std::move(cutting)) {
+                         std::optional<Cutting> cutting, Effects effects)
+    : parameters_(parameters),
+      objects_(std::move(objects)),
+      cutting_(std::move(cutting)),
+      effects_(std::move(effects)) {
   const auto positive = [](double value, const char* name) {
     if (!(value > 0.0) || !std::isfinite(value)) {
       throw Error(std::string("step parameters: ") + name + " is " + std::to_string(value) +

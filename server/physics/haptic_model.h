@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/math/pose.h"
+#include "scenes/effects/effects.h"
 #include "scenes/sphere_tree.h"
 #include "server/physics/contact_id.h"
 #include "server/physics/cut/cutting.h"
@@ -59,11 +60,12 @@ class SceneObjects {
 class HapticModel {
  public:
   /// `tool_mesh`: needed for ContactModel::kSurface only.  `cutting`: where the tool is a bur.
+  /// `effects`: forces of one's own, which the step adds.
   /// Throws Error where a parameter is out of range, the tool's tree is empty or not finite, or its
   /// mesh is lacking.
   HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObjects> objects,
               const StepParameters& parameters, const TriangleMesh* tool_mesh = nullptr,
-              std::optional<Cutting> cutting = std::nullopt);
+              std::optional<Cutting> cutting = std::nullopt, Effects effects = {});
 
   const StepParameters& parameters() const { return parameters_; }  ///< derived values filled in
   const ToolTree& tool() const { return *tool_; }
@@ -78,6 +80,7 @@ class HapticModel {
   const SoftLeaves* soft_leaves() const { return soft_.get(); }
   /// Null where the tool is no bur.
   const Cutting* cutting() const { return cutting_ ? &*cutting_ : nullptr; }
+  const Effects& effects() const { return effects_; }
   /// What burs can cut, and whether the tool is one that may.
   std::span<const CutSolid> solids() const { return objects_->solids(); }
   bool cuts() const { return cutting_ && !solids().empty(); }
@@ -107,6 +110,7 @@ class HapticModel {
   std::optional<Cutting> cutting_;
   std::vector<BurSample> bur_samples_;
   double bur_lever_ = 0.0;
+  Effects effects_;
 };
 
 }  // namespace palpate

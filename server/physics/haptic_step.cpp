@@ -279,6 +279,20 @@ void Hum(StepContext& context) {
   context.report.wrench.force += shake * context.report.bur_force;
 }
 
+/// What forces of one's own give, whatever the tool touches.  The sum of both comes first: without
+/// contact the wrench is that sum, exactly.
+void AddEffects(StepContext& context) {
+  const Effects& effects = context.model.effects();
+  if (effects.empty()) return;
+  StepState& state = context.state;
+  EffectWrenches& given = context.report.effects;
+  if (!effects.Step(state.X_WH, state.X_WG, context.model.reference(), state.effects, given)) {
+    context.report.faults |= kFaultEffect;
+  }
+  context.report.wrench.force += given.passive.force + given.active.force;
+  context.report.wrench.torque += given.passive.torque + given.active.torque;
+}
+
 /// What the next step starts from, and what friction by the chapter's rule makes of this one.
 void End(const Pose& X_WH, StepContext& context) {
   const Features& features = context.model.parameters().features;
@@ -302,11 +316,13 @@ void End(const Pose& X_WH, StepContext& context) {
   if (!state.felt.empty()) state.felt.Follow(state.cuts, state.front);
   TakeDrag(context);
   Hum(context);
+  AddEffects(context);
   // Whatever the numbers that came in: nothing else than numbers goes out.
   if (!IsFinite(report)) {
     state.X_WG = report.X_WG = X_before;
     state.ForgetContact();
     report.wrench = report.soft_wrench = Wrench{};
+    report.effects = {};
     report.contacts = report.soft_contacts = 0;
     report.bur_force.setZero();
     report.faults |= kFaultUnsolved;

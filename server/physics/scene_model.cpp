@@ -76,7 +76,8 @@ HapticModel MakeModel(const Scene& scene, const Body& tool,
   parameters.still_cycles = tuning.still_cycles;
   parameters.features = scene.features;
   return HapticModel(tool.tree, std::move(objects), parameters, &tool.mesh,
-                     tool.bur ? std::optional(CuttingOf(*tool.bur)) : std::nullopt);
+                     tool.bur ? std::optional(CuttingOf(*tool.bur)) : std::nullopt,
+                     Effects(scene.effects));
 }
 
 }  // namespace palpate

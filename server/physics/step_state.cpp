@@ -4,7 +4,7 @@
 
 namespace palpate {
 
-StepState::StepState(const HapticModel& model) {
+StepState::StepState(const HapticModel& model) : effects(model.effects().Begin()) {
   if (model.tool_body() != nullptr) {
     front.Reserve();
     if (!model.boxes().empty()) felt = FeltSolids(model.uncut());

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/math/pose.h"
+#include "scenes/effects/effects.h"
 #include "scenes/grid/cut_field.h"
 #include "server/physics/contact_id.h"
 #include "server/physics/haptic_model.h"
@@ -70,7 +71,8 @@ struct StepState {
   std::vector<CutField> cuts;  ///< what is gone of each solid
   /// What material drags the tool by where its bur spins, of the last 20 ms, of [v; rho phi] [m].
   std::array<double, 6> drag{};
-  double tooth = 0.0;  ///< how far a bur's next tooth has come that hums, 0 to 1
+  double tooth = 0.0;   ///< how far a bur's next tooth has come that hums, 0 to 1
+  EffectState effects;  ///< of a state made without its model: none act
 
   /// To be called where the graphic tool is set to another place, or `cuts` are: nothing held it
   /// there.

@@ -71,6 +71,7 @@ struct ActiveRow {
 /// Result of one step.  force and torque act on the hand, at the tool's centroid, in W.
 struct StepReport {
   Wrench wrench;
+  EffectWrenches effects;  ///< what of it forces of one's own are
   Pose X_WG;
   /// The first `contacts` are set: rigid ones, at most six, seven in a jam; then soft ones, as many
   /// as fit, those of the greatest force.  A soft leaf entered to its rigid core is both.

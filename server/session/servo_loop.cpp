@@ -53,9 +53,17 @@ void Clear(wire::Wrench& answer) noexcept {
   answer.valid_s = kWrenchValid_s;
 }
 
-void SetScaled(const Wrench& full, double gain, wire::Wrench& answer) noexcept {
+void SetScaled(const Wrench& full, const EffectWrenches& effects, double gain,
+               wire::Wrench& answer) noexcept {
   wire::FromVec3(gain * full.force, answer.force_N);
   wire::FromVec3(gain * full.torque, answer.torque_Nm);
+  const Wrench* const of_effects[] = {&effects.passive, &effects.active};
+  for (int i = 0; i < 2; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      answer.row[wire::kContactRows + i][k] = gain * of_effects[i]->force[k];
+      answer.row[wire::kContactRows + i][3 + k] = gain * of_effects[i]->torque[k];
+    }
+  }
 }
 
 }  // namespace
@@ -178,7 +186,8 @@ void ServoLoop::Step(wire::Wrench& answer) noexcept {
   if (report.faults != kFaultNone) ++counters_.faulted_steps;
   gain_ = gain_ + kGainUp < 1.0 ? gain_ + kGainUp : 1.0;
   full_ = report.wrench;
-  SetScaled(full_, gain_, answer);
+  effects_ = report.effects;
+  SetScaled(full_, effects_, gain_, answer);
   answer.faults = report.faults;
   int rigid = 0;
   while (rigid < report.contacts && std::isinf(report.active[rigid].stiffness)) ++rigid;
@@ -193,9 +202,10 @@ void ServoLoop::Step(wire::Wrench& answer) noexcept {
     snapshot_.point[snapshot_.points++] = {report.bur_W, gain_ * report.bur_force};
   }
   // A station computes the full force from the rows: none are given while less is due, nor where
-  // they are not all that pushes: soft ones, and a jam's seventh.
-  constexpr int kRows = std::size(decltype(answer.row_force_N){});
-  if (gain_ < 1.0 || report.soft_contacts > 0 || rigid > kRows) return;
+  // they are not all that pushes: soft ones, a jam's seventh, and where effects need the room.
+  constexpr int kAll = std::size(decltype(answer.row_force_N){});
+  const int most = model_.effects().empty() ? kAll : wire::kContactRows;
+  if (gain_ < 1.0 || report.soft_contacts > 0 || rigid > most) return;
   answer.rows = answer.contacts;
   answer.region_m = kRegion_m;
   answer.region_rad = model_.degrees_of_freedom() == 3
@@ -247,7 +257,7 @@ void ServoLoop::TellCuts(std::uint64_t pose_sequence) noexcept {
 
 void ServoLoop::Hold(std::uint32_t fault, wire::Wrench& answer) noexcept {
   gain_ = gain_ > kGainDown ? gain_ - kGainDown : 0.0;
-  SetScaled(full_, gain_, answer);
+  SetScaled(full_, effects_, gain_, answer);
   answer.faults = started_ ? fault : fault | kFaultNotStarted;
 }
 

@@ -141,6 +141,7 @@ class ServoLoop {
   bool started_ = false;
   double gain_ = 0.0;  // 0 to 1: the part of the wrench that is sent
   Wrench full_;        // the last step's wrench, unscaled
+  EffectWrenches effects_;
   LoopSnapshot snapshot_;
 
   std::uint32_t answers_ = 0;

@@ -71,7 +71,7 @@ const std::vector<Rule> kRules = {
     // A pure function of tree, state and pose: no transport, no log, no files.
     {"server/physics",
      {"common", "server/physics", "scenes/scene.h", "scenes/sphere_tree.h",
-      "scenes/sphere_packet.h", "scenes/grid"},
+      "scenes/sphere_packet.h", "scenes/grid", "scenes/effects"},
      {"common/dds"},
      {"Eigen"}},
     // scene.h and no more of scenes: a session's model is made from a scene's trees and coupling,
@@ -182,6 +182,7 @@ const std::vector<Floors> kFloors = {
      false},
     {"scenes",
      {
+         {"scenes/effects"},
          {"scenes/scene", "scenes/sphere_tree", "scenes/sphere_packet", "scenes/progress"},
          {"scenes/mesh"},
          {"scenes/grid", "scenes/importer", "scenes/shapes"},

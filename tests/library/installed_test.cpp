@@ -8,7 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "devices/plugin/plugin_device.h"
+#include "server/library/scenes.h"
 #include "tests/support/complaint.h"
+#include "tests/support/effects_scene.h"
 #include "tests/support/folder.h"
 #include "tests/support/program.h"
 
@@ -92,6 +94,26 @@ TEST_F(Installed, DriverOfOnesOwnBuildsWithoutEigenAndIsLoaded) {
   };
   EXPECT_LE(lines("/virtual_arm.c"), 100);
   EXPECT_LE(lines("/CMakeLists.txt"), 5);
+}
+
+TEST_F(Installed, EffectsOfOnesOwnBuildWithoutEigenAndAreFelt) {
+  const std::string source = PALPATE_SOURCE_DIR "/client/examples/effects",
+                    own = (folder_ / "own").string();
+  ASSERT_EQ(
+      Run("cp -r " + source + " " + own + " && " PALPATE_CMAKE " -S " + own + " -B " + own +
+          "/build -D CMAKE_C_COMPILER_LAUNCHER= -D CMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON" +
+          " -D CMAKE_PREFIX_PATH=" + Prefix() + " && " PALPATE_CMAKE " --build " + own + "/build"),
+      0)
+      << said_;
+  std::ofstream(own + "/mine.json")
+      << CubeWithEffects(R"({"name": "build/vibration.so", "along": [0, 0, 1], "rate_Hz": 0.1})");
+  const Scene scene = LoadScene(own + "/mine.json");
+  const HapticModel model = MakeModel(scene, scene.tools[0], MakeObjects(scene));
+  EXPECT_EQ(Proxy(model, scene.tools[0].X_WB).Step(scene.tools[0].X_WB).wrench.force.z(), 0.3);
+  for (const auto& file : fs::directory_iterator(source)) {
+    const auto text = BytesOf(file.path().string());
+    EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 40) << file.path();
+  }
 }
 
 TEST_F(Installed, FirstForceTakesThirtyLinesAtMost) {

@@ -1,6 +1,8 @@
 #include "server/library/scenes.h"
 
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <memory>
 #include <string>
 
@@ -9,6 +11,8 @@
 #include "common/dds/wire.h"
 #include "server/library/palpate.h"
 #include "server/session/session.h"
+#include "tests/support/effects_scene.h"
+#include "tests/support/folder.h"
 
 namespace palpate::test {
 namespace {
@@ -81,6 +85,46 @@ TEST_P(LoadedScene, GivesTheBitsOfTheServer) {
     touched += answer.contacts > 0;
   }
   EXPECT_GT(touched, 300);
+}
+
+TEST(LoadedWithEffects, GivesTheBitsOfTheServerInCxxAndInC) {
+  const Folder folder;
+  const std::string name = folder / "six.json";
+  std::ofstream(name) << CubeWithEffects(R"(
+      {"name": "viscous"}, {"name": "stick"}, {"name": "vibration"},
+      {"name": "forbidden", "centre_mm": [0, 20, 0], "radius_mm": 8},
+      {"name": "magnet", "curve_mm": [[-20, 30, 0], [20, 30, 0]]},
+      {"name": "moving_spring", "from_mm": [0, 40, 0], "to_mm": [9, 40, 0]})");
+  std::filesystem::copy(ScriptFileBeside("cube"), folder / "six.path.json");
+  const Scene scene = LoadScene(name);
+  ASSERT_EQ(scene.effects.size(), 6u);
+  const HapticModel model = MakeModel(scene, scene.tools[0], MakeObjects(scene));
+  const PoseScript hand = PoseScript::Load(ScriptFileBeside(name));
+  Served served(scene);
+  served.Step(hand.At(0.0));
+  Proxy proxy(model, hand.At(0.0));
+  palpate_scene* loaded = palpate_scene_load(name.c_str());
+  ASSERT_NE(loaded, nullptr) << palpate_last_error();
+  palpate_model* c_model = palpate_model_new(loaded, 0);
+  palpate_pose pose;
+  palpate_scene_hand(loaded, 0.0, &pose);
+  palpate_proxy* c_proxy = palpate_proxy_new(c_model, &pose);
+  for (int ms = 1; ms < 5000; ++ms) {
+    const wire::Wrench answer = served.Step(hand.At(1e-3 * ms));
+    const StepReport report = proxy.Step(hand.At(1e-3 * ms));
+    palpate_scene_hand(loaded, 1e-3 * ms, &pose);
+    palpate_report in_c;
+    palpate_proxy_step(c_proxy, &pose, &in_c);
+    if (ms <= 210) continue;  // until then the server lets the force in
+    ASSERT_EQ(Vec3(answer.force_N), report.wrench.force) << ms;
+    ASSERT_EQ(Vec3(answer.torque_Nm), report.wrench.torque) << ms;
+    ASSERT_EQ(Vec3(in_c.force_N), report.wrench.force) << ms;
+    ASSERT_FALSE(report.effects.passive.force.isZero(0.0));
+    ASSERT_FALSE(report.effects.active.force.isZero(0.0));
+  }
+  palpate_proxy_free(c_proxy);
+  palpate_model_free(c_model);
+  palpate_scene_free(loaded);
 }
 
 TEST(LoadedInC, GivesTheBitsOfCxxWithTheParametersThatAreSet) {

@@ -27,6 +27,15 @@ def ball_on_block(**options):
     return palpate.Model([block], palpate.ball("ball", 0.005), contact=options.get("contact", "surface"))
 
 
+def cube_with_effects(folder):
+    catalogue = pathlib.Path(os.environ["PALPATE_SOURCE_DIR"], "scenes/catalogue")
+    effects = '{ "effects": [{"name": "stick"}, {"name": "vibration"}],'
+    cube = (catalogue / "cube.json").read_text().replace(',\n      "leaves": 4096', "")
+    (folder / "own.json").write_text(cube.replace("{", effects, 1))
+    (folder / "own.path.json").write_text((catalogue / "cube.path.json").read_text())
+    return str(folder / "own.json")
+
+
 def wandering_path(steps, seed):
     """Poses of a hand that wanders about in the upper face, and turns."""
     random = numpy.random.default_rng(seed)
@@ -132,10 +141,15 @@ class Bits(unittest.TestCase):
         c = ctypes.CDLL(os.environ["PALPATE_C_LIBRARY"])
         for name in ("palpate_scene_load", "palpate_model_new", "palpate_proxy_new"):
             getattr(c, name).restype = ctypes.c_void_p
-        loaded = ctypes.c_void_p(c.palpate_scene_load(b"cube"))
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ("cube", cube_with_effects(pathlib.Path(folder))):
+                self.same_as_in_c(c, name)
+
+    def same_as_in_c(self, c, name):
+        loaded = ctypes.c_void_p(c.palpate_scene_load(name.encode()))
         self.assertEqual(c.palpate_scene_set_parameter(loaded, b"friction", ctypes.c_double(0.3)), 0)
         model = ctypes.c_void_p(c.palpate_model_new(loaded, ctypes.c_size_t(0)))
-        scene = palpate.load("cube")
+        scene = palpate.load(name)
         path = scene.path()[2000:6000]
         pose = Pose()
 

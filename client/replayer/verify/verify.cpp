@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstring>
 #include <deque>
+#include <filesystem>
 #include <map>
 #include <set>
 
@@ -21,6 +22,7 @@
 #include "common/recording/recording_reader.h"
 #include "common/text/quoted.h"
 #include "scenes/catalogue.h"
+#include "scenes/files/effect_file.h"
 #include "scenes/files/scene_bundle.h"
 #include "server/physics/scene_model.h"
 #include "server/session/servo_loop.h"
@@ -98,7 +100,9 @@ std::string ToText(const std::byte* at, Number number) {
 /// same.
 class Scenes {
  public:
-  explicit Scenes(const VerifyOptions& options) : options_(options) {}
+  /// @param folder  of the recording.
+  Scenes(const VerifyOptions& options, std::filesystem::path folder)
+      : options_(options), folder_(std::move(folder)) {}
 
   /// Throws Error where it is not the one that its hash names.
   void AddBundle(const wire::SceneBundle& bundle) {
@@ -139,8 +143,10 @@ class Scenes {
     loaded = std::make_unique<Loaded>();
     if (const auto bundle = bundles_.find(name);
         options_.scene.empty() && bundle != bundles_.end()) {
-      loaded->scene = std::make_shared<const Scene>(
-          UnpackScene(bundle->second, "the recording's scene '" + name + "'"));
+      const std::string source = "the recording's scene '" + name + "'";
+      Scene scene = UnpackScene(bundle->second, source);
+      LoadEffects(scene.effects, folder_, source);
+      loaded->scene = std::make_shared<const Scene>(std::move(scene));
     } else {
       LoadOptions load;
       load.models_dir = options_.models_dir;
@@ -159,6 +165,7 @@ class Scenes {
   }
 
   const VerifyOptions& options_;
+  const std::filesystem::path folder_;
   std::map<std::string, std::vector<std::uint8_t>> bundles_;
   std::map<std::string, std::string> hashes_;
   std::map<std::string, std::unique_ptr<Loaded>> loaded_;
@@ -454,7 +461,10 @@ void Merge(const CutField& from, CutField& to) {
 class Verifier {
  public:
   Verifier(const std::vector<std::string>& files, const VerifyOptions& options)
-      : file_(files.front()), options_(options), reader_(files), scenes_(options) {
+      : file_(files.front()),
+        options_(options),
+        reader_(files),
+        scenes_(options, std::filesystem::path(file_).parent_path()) {
     sessions_ = Gather(reader_, scenes_, began_ns_, last_samples_, logs_);
     for (const auto& facts : sessions_) {
       if (facts->scene.empty()) continue;  // its states are in another split

@@ -216,8 +216,8 @@ TEST_F(PluginDeviceTest, SaysWhyAFileIsNoDriver) {
                     HasSubstr("has no palpate_device_stop; define every function")));
   EXPECT_THAT(OpeningError(PALPATE_DRIVER_OF_TOMORROW),
               AllOf(HasSubstr(PALPATE_DRIVER_OF_TOMORROW),
-                    HasSubstr("palpate_device_abi returns 1000, and this station knows 1 to"),
-                    HasSubstr("build the driver with the palpate_device.h of this version")));
+                    HasSubstr("palpate_device_abi is 1000, and 1 to 1 are known here"),
+                    HasSubstr("build it with the palpate_device.h of this version")));
   EXPECT_THAT(ComplaintOf([] { CheckDriver(PALPATE_DRIVER_WITHOUT_STOP); }),
               HasSubstr("palpate_device_stop"))
       << "before a server is asked";

@@ -21,6 +21,8 @@
 #include "server/physics/start_pose.h"
 #include "server/session/servo_loop.h"
 #include "tests/common/recording/samples.h"
+#include "tests/support/complaint.h"
+#include "tests/support/effects_scene.h"
 #include "tests/support/milliseconds.h"
 
 namespace palpate::test {
@@ -217,6 +219,26 @@ TEST_F(VerifyTest, ComputesAgainWhatAnEdgeScrapes) {
   const SessionVerdict verdict = VerdictOf({.scene = "calculus"});
   EXPECT_TRUE(verdict.good()) << verdict.ends;
   EXPECT_EQ(verdict.verified, kPoses);
+}
+
+TEST_F(VerifyTest, ComputesEffectsAgainAndRefusesAnotherSharedObject) {
+  namespace fs = std::filesystem;
+  const std::string scene = folder_ / "own/sticky.json", mine = folder_ / "own/mine.so";
+  fs::create_directory(folder_ / "own");
+  fs::copy(PALPATE_BIN_DIR "/effects/stick.so", mine);
+  std::ofstream(scene) << CubeWithEffects(R"({"name": "mine.so"},
+      {"name": "moving_spring", "from_mm": [0, 30, 0], "to_mm": [5, 30, 0]})");
+  Record({.scene = scene, .server_misses = {77}}, file_);
+  const auto complaint = [&] { return ComplaintOf([&] { Verify({file_}, {}); }); };
+  EXPECT_THAT(complaint(),
+              testing::AllOf(HasSubstr("the recording's scene 'sticky'"),
+                             HasSubstr("effect mine.so"), HasSubstr("put that one beside it")));
+  fs::copy(PALPATE_BIN_DIR "/effects/viscous.so", folder_ / "mine.so");
+  EXPECT_THAT(complaint(), HasSubstr("mine.so is another one (hash "));
+  fs::copy(mine, folder_ / "mine.so", fs::copy_options::overwrite_existing);
+  const SessionVerdict verdict = Only(Verify({file_}, {}));
+  EXPECT_TRUE(verdict.good()) << verdict.ends;
+  EXPECT_EQ(verdict.verified, kPoses - 1);
 }
 
 TEST_F(VerifyTest, MakesTheSceneWholeBeforeTheSamePose) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -9,9 +10,10 @@
 
 namespace palpate {
 
-/// What the messages about a vendor's library say.
-struct VendorLibraryWords {
-  std::string device;   ///< as after --device; begins each message
+/// What the messages about a library say that is loaded while a program runs: a vendor's, or one of
+/// somebody's own.
+struct SharedLibraryWords {
+  std::string who;      ///< wants it: "--device NAME", "file:line: field"; begins each message
   std::string library;  ///< "HD library"
   std::string install;  ///< the remedy where there is none: "install ..."
   /// Of the environment: names another file, which is then tried alone; null: there is none.
@@ -34,21 +36,26 @@ struct VendorLibraryWords {
 /// own.  Throws Error: no such file (every name that was tried, with the loader's own words), or a
 /// library that it needs in its turn is missing.
 /// @param file  as it was found.
-void* LoadVendorLibrary(const std::vector<std::string>& candidates, const VendorLibraryWords& words,
+void* LoadSharedLibrary(const std::vector<std::string>& candidates, const SharedLibraryWords& words,
                         std::string& file);
 
-/// Such a library, with its functions.
+/// Throws Error where it was built for another version of its interface: not of 1 to `known`.
+/// @param symbol  what told the version.   @param header  what it is to be built with.
+void CheckAbi(std::uint32_t version, std::uint32_t known, const std::string& who,
+              const std::string& symbol, const std::string& header);
+
+/// Such a library, with its symbols.
 /// @tparam Table  has them as members, and tells each with its name: ForEach(visit).
 template <class Table>
-struct VendorLibrary {
+struct SharedLibrary {
   std::string file;  ///< as it was found
   Table functions;
 
-  /// Throws Error as LoadVendorLibrary does, and where functions are missing, which it names.
-  static VendorLibrary Load(const std::vector<std::string>& candidates,
-                            const VendorLibraryWords& words) {
-    VendorLibrary library;
-    void* const handle = LoadVendorLibrary(candidates, words, library.file);
+  /// Throws Error as LoadSharedLibrary does, and where functions are missing, which it names.
+  static SharedLibrary Load(const std::vector<std::string>& candidates,
+                            const SharedLibraryWords& words) {
+    SharedLibrary library;
+    void* const handle = LoadSharedLibrary(candidates, words, library.file);
     std::string missing;
     library.functions.ForEach([&]<class Function>(Function*& function, const char* name) {
       function = reinterpret_cast<Function*>(dlsym(handle, name));
@@ -56,7 +63,7 @@ struct VendorLibrary {
     });
     if (missing.empty()) return library;
     dlclose(handle);
-    throw Error(words.device + ": " + library.file + " has no " + missing + "; " + words.not_it +
+    throw Error(words.who + ": " + library.file + " has no " + missing + "; " + words.not_it +
                 words.OrVariable());
   }
 };

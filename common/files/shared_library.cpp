@@ -1,4 +1,4 @@
-#include "devices/vendor_library.h"
+#include "common/files/shared_library.h"
 
 #include <cstdlib>
 
@@ -14,7 +14,7 @@ std::string MissingDependency(const std::string& message, const std::string& fil
   return message.substr(0, end);
 }
 
-std::string RemedyFor(const std::string& dependency, const VendorLibraryWords& words) {
+std::string RemedyFor(const std::string& dependency, const SharedLibraryWords& words) {
   const std::string remedy = words.remedy_for ? words.remedy_for(dependency) : "";
   if (!remedy.empty()) return remedy;
   return "install the package that has " + dependency + " ('apt-file search " + dependency + "')";
@@ -22,12 +22,12 @@ std::string RemedyFor(const std::string& dependency, const VendorLibraryWords& w
 
 }  // namespace
 
-std::vector<std::string> VendorLibraryWords::Candidates() const {
+std::vector<std::string> SharedLibraryWords::Candidates() const {
   if (const char* file = std::getenv(variable); file && *file) return {file};
   return files;
 }
 
-void* LoadVendorLibrary(const std::vector<std::string>& candidates, const VendorLibraryWords& words,
+void* LoadSharedLibrary(const std::vector<std::string>& candidates, const SharedLibraryWords& words,
                         std::string& file) {
   std::string tried;
   for (const std::string& candidate : candidates) {
@@ -39,13 +39,21 @@ void* LoadVendorLibrary(const std::vector<std::string>& candidates, const Vendor
     const char* said = dlerror();
     const std::string message = said ? said : "no reason given";
     if (const std::string needs = MissingDependency(message, candidate); !needs.empty()) {
-      throw Error(words.device + ": " + candidate + " is there, but needs " + needs +
+      throw Error(words.who + ": " + candidate + " is there, but needs " + needs +
                   ", which is missing; " + RemedyFor(needs, words) + " (dlopen: " + message + ")");
     }
     tried += (tried.empty() ? " " : "; ") + candidate + ": " + message;
   }
-  throw Error(words.device + ": no " + words.library + " could be loaded; " + words.install +
+  throw Error(words.who + ": no " + words.library + " could be loaded; " + words.install +
               words.OrVariable() + ".  Tried:" + tried);
+}
+
+void CheckAbi(std::uint32_t version, std::uint32_t known, const std::string& who,
+              const std::string& symbol, const std::string& header) {
+  if (version > 0 && version <= known) return;
+  throw Error(who + ": " + symbol + " is " + std::to_string(version) + ", and 1 to " +
+              std::to_string(known) + " are known here; build it with the " + header +
+              " of this version of palpate");
 }
 
 }  // namespace palpate

@@ -1,0 +1,172 @@
+#include "scenes/files/effect_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <mutex>
+#include <sstream>
+#include <string_view>
+
+#include "common/error.h"
+#include "common/files/project_files.h"
+#include "common/files/shared_library.h"
+#include "common/files/whole_file.h"
+#include "common/text/hex16.h"
+#include "scenes/files/scene_bundle.h"
+#include "scenes/files/scene_file.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t kLargestEffect = std::uint64_t{64} << 20;
+
+struct Symbols {
+  const palpate_effect* effect = nullptr;
+
+  template <class Visit>
+  void ForEach(Visit visit) {
+    visit(effect, "palpate_the_effect");
+  }
+};
+
+fs::path ShippedFolder() {
+  const fs::path programs = ProgramFolder(), beside = programs / "effects";
+  std::error_code ignored;
+  return fs::exists(beside, ignored) ? beside
+                                     : (programs / "../lib/palpate/effects").lexically_normal();
+}
+
+bool Exists(const fs::path& file) {
+  std::error_code ignored;
+  return fs::exists(file, ignored);
+}
+
+std::uint64_t HashOf(const fs::path& file) {
+  return HashBytes(ReadWholeFile(file.string(), kLargestEffect), 0);
+}
+
+/// What was loaded stays, and the loader gives it again whatever its file holds by now.
+void RefuseWhatHasChanged(const fs::path& file, std::uint64_t hash, const std::string& who) {
+  static std::mutex mutex;
+  static std::map<std::string, std::uint64_t> loaded;
+  const std::lock_guard lock(mutex);
+  if (loaded.try_emplace(fs::canonical(file).string(), hash).first->second == hash) return;
+  throw Error(who + ": " + file.string() +
+              " has changed since this program loaded it; start the program anew");
+}
+
+/// @param who  begins messages.
+void Load(const fs::path& file, const std::string& who, Effect& effect) {
+  effect.file = file.filename().string();
+  const bool is_name =
+      effect.file.size() <= kLongestName && std::ranges::all_of(effect.file, IsOfName);
+  if (!is_name) {
+    throw Error(who + ": " + effect.file +
+                " is no name for an effect's file; give it one of letters, digits, - _ and .");
+  }
+  // Without a slash the loader would look elsewhere.
+  const fs::path full = fs::absolute(file);
+  effect.of =
+      SharedLibrary<Symbols>::Load(
+          {full.string()}, {.who = who,
+                            .library = "effect",
+                            .install = "build it as a shared object (scenes/effects/README.md)",
+                            .files = {},
+                            .not_it = "define that, as palpate_effect.h declares it"})
+          .functions.effect;
+  effect.hash = HashOf(full);
+  RefuseWhatHasChanged(full, effect.hash, who);
+  CheckAbi(effect.of->abi, PALPATE_EFFECT_ABI, who, full.string() + ": palpate_the_effect.abi",
+           "palpate_effect.h");
+  if (effect.of->step != nullptr) return;
+  throw Error(who + ": " + full.string() + ": palpate_the_effect.step is NULL; give the function");
+}
+
+/// By its name in a scene file.
+fs::path Find(const JsonNode& entry, const fs::path& folder) {
+  const JsonNode node = entry.At("name");
+  const std::string name = node.String();
+  const fs::path shipped = ShippedFolder();
+  std::vector<fs::path> places{shipped / (name + ".so")};
+  if (name.find('/') != std::string::npos || name.ends_with(".so")) {
+    places = {folder / name, shipped / name};
+  }
+  std::string looked, names;
+  for (const fs::path& file : places) {
+    if (Exists(file)) return file;
+    looked += " " + file.string();
+  }
+  std::error_code ignored;
+  for (const auto& other : fs::directory_iterator(shipped, ignored)) {
+    names += " " + other.path().stem().string();
+  }
+  node.Fail("there is no effect \"" + name + "\", looked for as" + looked + "; there are" + names +
+            ", and the file of one of your own has a / or ends in .so, and counts from the scene "
+            "file (scenes/effects/README.md)");
+}
+
+std::vector<double> Read(const JsonNode& node, const palpate_effect_parameter& parameter) {
+  if (parameter.kind == PALPATE_EFFECT_NUMBER)
+    return {node.Number(parameter.least, parameter.most)};
+  std::vector<double> numbers;
+  const auto read = [&](const JsonNode& point) {
+    const std::vector<JsonNode> xyz = point.Items();
+    if (xyz.size() != 3) point.Fail("is no point; give [x, y, z]");
+    for (const JsonNode& number : xyz)
+      numbers.push_back(number.Number(parameter.least, parameter.most));
+  };
+  if (parameter.kind == PALPATE_EFFECT_POINT) {
+    read(node);
+    return numbers;
+  }
+  for (const JsonNode& point : node.Items(2)) read(point);
+  return numbers;
+}
+
+}  // namespace
+
+Effect LoadEffect(const JsonNode& entry, const fs::path& folder) {
+  Effect effect;
+  Load(Find(entry, folder), entry.At("name").Where(), effect);
+  const auto parameters = ParametersOf(*effect.of);
+  std::vector<std::string_view> fields{"name"};
+  for (const palpate_effect_parameter& parameter : parameters) fields.push_back(parameter.name);
+  entry.AllowOnly(fields);
+  for (const palpate_effect_parameter& parameter : parameters) {
+    const bool may_lack = !std::isnan(parameter.usual) && parameter.kind != PALPATE_EFFECT_POINTS;
+    if (may_lack && !entry.Has(parameter.name)) {
+      effect.values.emplace_back(parameter.kind == PALPATE_EFFECT_POINT ? 3 : 1, parameter.usual);
+    } else {
+      effect.values.push_back(Read(entry.At(parameter.name), parameter));
+    }
+  }
+  return effect;
+}
+
+void LoadEffects(std::vector<Effect>& effects, const fs::path& folder, const std::string& source) {
+  std::vector<fs::path> folders{folder};
+  const char* named = std::getenv("PALPATE_EFFECTS");
+  std::istringstream path(named ? named : "");
+  for (std::string other; std::getline(path, other, ':');) folders.emplace_back(other);
+  folders.push_back(ShippedFolder());
+  for (Effect& effect : effects) {
+    const std::uint64_t hash = effect.hash;
+    std::string found;
+    for (const fs::path& other : folders) {
+      const fs::path file = other / effect.file;
+      if (effect.of != nullptr || !Exists(file)) continue;
+      const std::uint64_t its = HashOf(file);
+      found += "; " + file.string() + " is another one (hash " + Hex16(its) + ")";
+      if (its == hash) Load(file, source + ": effect " + effect.file, effect);
+    }
+    if (effect.of != nullptr) continue;
+    throw Error(source + ": was made with an effect " + effect.file + " of the hash " +
+                Hex16(hash) + ", which is not there" + found +
+                "; put that one beside it, or name its folder in PALPATE_EFFECTS");
+  }
+}
+
+}  // namespace palpate

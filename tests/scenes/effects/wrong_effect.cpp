@@ -1,0 +1,51 @@
+// An effect for tests, which does whatever an effect should not.
+#include <limits>
+#include <stdexcept>
+
+#include "scenes/effects/palpate_effect.h"
+
+#ifndef WRONG_ABI
+#define WRONG_ABI PALPATE_EFFECT_ABI
+#endif
+
+namespace {
+
+enum Way { kRight, kNaN, kInfinite, kHuge, kFails, kThrows, kSwirls };
+
+int Step(const palpate_effect_input* in, double* state, palpate_effect_wrench* out) {
+  const int way = static_cast<int>(in->values[0].numbers[0]);
+  out->force_N[0] = 0.25;
+  if (in->cycle < in->values[1].numbers[0]) return 0;
+  state[0] += 1.0;
+  switch (way) {
+    case kNaN:
+      out->torque_Nm[2] = std::numeric_limits<double>::quiet_NaN();
+      break;
+    case kInfinite:
+      out->force_N[1] = std::numeric_limits<double>::infinity();
+      break;
+    case kHuge:
+      out->force_N[1] = -1e30;
+      break;
+    case kFails:
+      return 3;
+    case kThrows:
+      throw std::runtime_error("no");
+    case kSwirls:
+      out->force_N[0] = 10.0 * in->position_m[1];
+      out->force_N[1] = -10.0 * in->position_m[0];
+      break;
+    default:
+      break;
+  }
+  return 0;
+}
+
+}  // namespace
+
+extern const palpate_effect palpate_the_effect = {
+    .abi = WRONG_ABI,
+    .passive = 1,
+    .parameters = {{"way", PALPATE_EFFECT_NUMBER, 0.0, 10.0, 0.0},
+                   {"from_cycle", PALPATE_EFFECT_NUMBER, 0.0, 1e6, 0.0}},
+    .step = &Step};

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <fstream>
+#include <string>
+#include <string_view>
+
+namespace palpate::test {
+
+/// The cube of the catalogue with effects, as text; felt by its mesh, so that it loads at once.
+inline std::string CubeWithEffects(const std::string& effects) {
+  std::string text;
+  std::getline(std::ifstream(PALPATE_SOURCE_DIR "/scenes/catalogue/cube.json"), text, '\0');
+  constexpr std::string_view kLeaves = ",\n      \"leaves\": 4096";
+  text.erase(text.find(kLeaves), kLeaves.size());
+  return text.insert(1, "\n\"effects\": [" + effects + "],");
+}
+
+}  // namespace palpate::test
