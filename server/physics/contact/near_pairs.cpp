@@ -1,12 +1,9 @@
 #include "server/physics/contact/near_pairs.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace palpate {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using namespace limits::mesh;
 

@@ -2,15 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "server/physics/contact/touch_rows.h"
 #include "server/physics/limits.h"
 
 namespace palpate {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using namespace limits::mesh;
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 
@@ -14,6 +15,8 @@
 #include "server/physics/surface/triangle_distance.h"
 
 namespace palpate {
+
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The straight motion of the tool in one sub-step; a trial, until it is taken.
 struct Motion {

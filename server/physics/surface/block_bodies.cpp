@@ -10,7 +10,7 @@ namespace {
 using limits::mesh::kMostOfBlock;
 using Box = HullTree::Box;
 
-constexpr int kSide = SparseField::kSide;
+constexpr int kAcross = SparseField::kSide;
 /// Vertices of a block lie up to so far before its first point and beyond its last, and so far from
 /// a solid one of its own or the next ones (solid_surface.cpp), but for rounding [h].
 constexpr double kBefore = 2.0, kBeyond = 2.0, kFromSolid = 2.0, kRounded = 1e-6;
@@ -20,16 +20,17 @@ constexpr double kBefore = 2.0, kBeyond = 2.0, kFromSolid = 2.0, kRounded = 1e-6
 std::optional<Box> BoxOf(const SparseField& field, std::size_t block) {
   const Lattice& lattice = field.lattice();
   const std::array<int, 3> at = lattice.BlockAt(block);
-  const Vec3 first = kSide * Vec3(at[0], at[1], at[2]);
-  Vec3 low = Vec3::Constant(kSide), high = Vec3::Constant(-1);
+  const Vec3 first = kAcross * Vec3(at[0], at[1], at[2]);
+  Vec3 low = Vec3::Constant(kAcross), high = Vec3::Constant(-1);
   if (field.entry(block) == SparseField::kBelow) {
     low.setZero();
-    high.setConstant(kSide);
+    high.setConstant(kAcross);
   } else {
-    for (int n = 0; n < (kSide + 1) * (kSide + 1) * (kSide + 1); ++n) {
-      const int p[3] = {n % (kSide + 1), n / (kSide + 1) % (kSide + 1),
-                        n / ((kSide + 1) * (kSide + 1))};
-      if (!(field.At(kSide * at[0] + p[0], kSide * at[1] + p[1], kSide * at[2] + p[2]) < 0.0f)) {
+    for (int n = 0; n < (kAcross + 1) * (kAcross + 1) * (kAcross + 1); ++n) {
+      const int p[3] = {n % (kAcross + 1), n / (kAcross + 1) % (kAcross + 1),
+                        n / ((kAcross + 1) * (kAcross + 1))};
+      if (!(field.At(kAcross * at[0] + p[0], kAcross * at[1] + p[1], kAcross * at[2] + p[2]) <
+            0.0f)) {
         continue;
       }
       low = low.cwiseMin(Vec3(p[0], p[1], p[2]));
@@ -38,7 +39,7 @@ std::optional<Box> BoxOf(const SparseField& field, std::size_t block) {
   }
   if ((low.array() > high.array()).any()) return std::nullopt;
   low = (low.array() - kFromSolid).cwiseMax(-kBefore) - kRounded;
-  high = (high.array() + kFromSolid).cwiseMin(kSide - 1 + kBeyond) + kRounded;
+  high = (high.array() + kFromSolid).cwiseMin(kAcross - 1 + kBeyond) + kRounded;
   const Vec3 origin = lattice.Point(0, 0, 0);
   return Box{origin + lattice.spacing * (first + low), origin + lattice.spacing * (first + high),
              static_cast<std::uint32_t>(block)};
@@ -59,7 +60,7 @@ ContactBody BlocksOf(const CutSolid& solid) {
 void BlockBody::Scratch::Reserve() {
   mesh.Reserve(kMostOfBlock);
   tree.Reserve(kMostOfBlock);
-  constexpr std::size_t kMostAndRim = 4 * 3 * (kSide + 3) * (kSide + 3) * (kSide + 3);
+  constexpr std::size_t kMostAndRim = 4 * 3 * (kAcross + 3) * (kAcross + 3) * (kAcross + 3);
   surface.vertices.reserve(kMostAndRim);
   surface.numbers.reserve(kMostAndRim);
   surface.triangles.reserve(kMostAndRim);
