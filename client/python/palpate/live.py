@@ -15,7 +15,13 @@ import atexit
 import os
 import weakref
 
-from palpate import _live, _prose
+from palpate import _prose
+
+try:
+    from palpate import _live
+except ImportError as error:  # of a wheel, which brings no libraries
+    raise ImportError(f"palpate.live: {error}; apt-get install libddsc0debian libspdlog1.10 libspnav0 libxxhash0, "
+                      "which are Debian 12's") from None
 from palpate._live import Felt, Silence, tool_dtype, wrench_dtype
 
 __all__ = ["Felt", "Session", "Silence", "Station", "tool_dtype", "wrench_dtype"]
