@@ -402,8 +402,14 @@ Steps Follow(const Shared& shared, const py::object& given, int threads, bool de
       std::optional<Proxy> proxy;
       for (py::ssize_t path; (path = next.fetch_add(1)) < count;) {
         const double* poses = data + path * length * width;
-        // Made anew: what one path scrapes off is whole for the next, whoever walks it.
-        proxy.emplace(*shared.model, ToPose(poses, width));
+        const Pose start = ToPose(poses, width);
+        // Where it cuts, made anew: what is gone for one path is whole for the next, whoever walks
+        // it.
+        if (proxy && !shared.model->cuts()) {
+          proxy->Restart(start);
+        } else {
+          proxy.emplace(*shared.model, start);
+        }
         Walk(*proxy, poses, length, width, all.From(path * length));
       }
     } catch (...) {
