@@ -314,6 +314,19 @@ class Scenes(unittest.TestCase):
         self.assertEqual(model.follow(path[None]).parameters, model.parameters)
         self.assertIn("separation_um=2,", repr(model))
 
+    def test_tell_which_library_their_reader_lacks(self):
+        with tempfile.TemporaryDirectory() as folder:
+            reader = pathlib.Path(folder, "palpate-import")
+            reader.write_text("#!/bin/sh\necho $0: libassimp.so.5: cannot open >&2\nexit 127\n")
+            reader.chmod(0o755)
+            mesh = pathlib.Path(folder, "corner.obj")
+            mesh.write_text("v 0 0 0\n")
+            with mock.patch.dict(os.environ, PALPATE_PROGRAMS=folder):
+                with self.assertRaisesRegex(palpate.Error, "libassimp.so.5: cannot open"):
+                    palpate.load(mesh)
+                with self.assertRaisesRegex(palpate.Error, "libassimp.so.5: cannot open"):
+                    palpate.read_mesh(mesh)
+
     def test_tell_what_is_wrong(self):
         scene = palpate.load("cube")
         for words, wrong in {

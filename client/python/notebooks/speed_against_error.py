@@ -1,9 +1,9 @@
 # %% [markdown]
 # # Speed against error
 #
-# A ball slides over a box, 1 mm deep, and should feel 1 N upwards. The box is felt by more and more spheres, which
-# its faces show through the less the more there are; and by its mesh, which is off by what contact keeps between
-# meshes: the separation of 1 µm, 1 mN.
+# A ball slides over a box, 1 mm deep, and should feel 1 N upwards. The box is felt by spheres, whose bumps are the
+# smaller the more of them there are, and by its mesh. What the mesh is off by is the separation that contact keeps
+# between meshes: 1 µm, which at 1 N/mm is 1 mN.
 
 # %%
 import time

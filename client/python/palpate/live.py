@@ -36,6 +36,13 @@ def _close_all():
         opened.close()
 
 
+def _felt(felt):
+    return f"<palpate.live.Felt force {felt.force} N, torque {felt.torque} N m>"
+
+
+Felt.__repr__ = _felt
+
+
 class _Opened:
     def __enter__(self):
         return self
@@ -63,6 +70,9 @@ class Station(_Opened):
 
     def close(self):
         self._live.close()
+
+    def __repr__(self):
+        return f"<palpate.live.Station {self.name} in {self.scene}: {self.phase}>"
 
     felt = property(lambda self: self._live.felt)
     phase = property(lambda self: self._live.phase)
@@ -97,6 +107,9 @@ class Session(_Opened):
 
     def close(self):
         self._live.close()
+
+    def __repr__(self):
+        return f"<palpate.live.Session of {self.stations}>"
 
     stations = property(lambda self: self._live.phases)
     dropped = property(lambda self: self._live.dropped)
