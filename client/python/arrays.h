@@ -16,8 +16,8 @@ namespace palpate {
 namespace py = pybind11;
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-/// As numbers are given, which become others for numpy without a word where they are complex,
-/// masked, or written out; Error says so.
+/// As numbers are given: whole ones and floats, which a double holds.  Those that numpy would make
+/// others of without a word, as complex, masked, longer or written-out ones, are an Error.
 /// @param what  for the message.
 inline py::array ToNumbers(const py::object& given, const std::string& what) {
   py::array array;
@@ -31,15 +31,26 @@ inline py::array ToNumbers(const py::object& given, const std::string& what) {
     throw Error(what + ": is no array of numbers (" + py::str(error.value()).cast<std::string>() +
                 ")");
   }
-  if (std::string_view("fiu").find(array.dtype().kind()) == std::string_view::npos) {
-    throw Error(what + ": is an array of " + py::str(array.dtype()).cast<std::string>() +
-                "; give real numbers, all of one type");
+  const py::dtype dtype = array.dtype();
+  if (std::string_view("fiu").find(dtype.kind()) == std::string_view::npos ||
+      dtype.itemsize() > 8) {
+    throw Error(what + ": is an array of " + py::str(py::handle(dtype)).cast<std::string>() +
+                "; give real numbers, as numpy.asarray(it, dtype=float) makes them of what it can");
   }
   return array;
 }
 
 inline Doubles ToDoubles(const py::object& given, const std::string& what) {
   return Doubles(ToNumbers(given, what));
+}
+
+/// Throws Error where an array is of another shape than is wanted.
+/// @param what, wanted  for the message.
+inline void RequireShape(bool is_so, const py::array& array, const std::string& what,
+                         const std::string& wanted) {
+  if (is_so) return;
+  throw Error(what + ": must be " + wanted + "; its shape is " +
+              std::string(py::str(array.attr("shape"))));
 }
 
 inline py::array_t<double> FromNumbers(const double* numbers, py::ssize_t count) {
@@ -64,10 +75,8 @@ inline Pose ToPose(const double* row, py::ssize_t width) {
 /// @param what   for the message.
 inline Pose ToCheckedPose(const py::object& given, const char* what = "pose") {
   const Doubles array = ToDoubles(given, what);
-  if (array.ndim() != 1 || (array.shape(0) != 3 && array.shape(0) != 7)) {
-    throw Error(std::string(what) +
-                ": must be x y z, or x y z w x y z, in metres and as a unit quaternion");
-  }
+  RequireShape(array.ndim() == 1 && (array.shape(0) == 3 || array.shape(0) == 7), array, what,
+               "x y z, or x y z w x y z, in metres and as a unit quaternion");
   Pose X = ToPose(array.data(), array.shape(0));
   if (!IsPose(X)) {
     throw Error(std::string(what) + ": must be finite, its quaternion w x y z of length 1");

@@ -5,6 +5,8 @@
 #include <cstring>
 #include <exception>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <memory>
@@ -14,6 +16,7 @@
 #include <string>
 #include <string_view>
 #include <thread>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -22,6 +25,7 @@
 #include <pybind11/stl.h>
 
 #include "client/python/arrays.h"
+#include "client/python/report_record.h"
 #include "server/library/scenes.h"
 
 // The module palpate._physics: palpate/__init__.pyi says what each of these is for, also to help().
@@ -30,13 +34,9 @@
 namespace palpate {
 namespace {
 
-using Indices = py::array_t<std::uint32_t, py::array::c_style | py::array::forcecast>;
-
 Vec3 ToVec3(const py::object& given, const char* what) {
   const Doubles array = ToDoubles(given, what);
-  if (array.ndim() != 1 || array.shape(0) != 3) {
-    throw Error(std::string(what) + ": must be three numbers");
-  }
+  RequireShape(array.ndim() == 1 && array.shape(0) == 3, array, what, "three numbers");
   return Vec3::Map(array.data());
 }
 
@@ -54,10 +54,10 @@ TriangleMesh ToMesh(const py::object& given_vertices, const py::object& given_tr
   const Doubles vertices = ToDoubles(given_vertices, "vertices");
   // Beyond 2^53 they lose digits, and are no vertices.
   const Doubles triangles = ToDoubles(given_triangles, "triangles");
-  if (vertices.ndim() != 2 || vertices.shape(1) != 3 || triangles.ndim() != 2 ||
-      triangles.shape(1) != 3) {
-    throw Error("mesh: vertices must be an array (n, 3), triangles one (m, 3) of vertices from 0");
-  }
+  const auto is_rows_of_three = [](const py::array& a) { return a.ndim() == 2 && a.shape(1) == 3; };
+  RequireShape(is_rows_of_three(vertices), vertices, "vertices", "an array (n, 3)");
+  RequireShape(is_rows_of_three(triangles), triangles, "triangles",
+               "an array (m, 3) of vertices from 0");
   TriangleMesh mesh;
   mesh.vertices.resize(static_cast<std::size_t>(vertices.shape(0)));
   std::memcpy(static_cast<void*>(mesh.vertices.data()), vertices.data(),
@@ -79,6 +79,16 @@ void WarnOfUnit(const Body& body) {
   }
 }
 
+template <class T, std::size_t N>
+py::array_t<T> FromRows(const std::vector<std::array<T, N>>& rows) {
+  return py::array_t<T>({static_cast<py::ssize_t>(rows.size()), py::ssize_t{N}},
+                        rows.data()->data());
+}
+py::array_t<double> FromRows(const std::vector<Vec3>& rows) {
+  return py::array_t<double>({static_cast<py::ssize_t>(rows.size()), py::ssize_t{3}},
+                             rows.data()->data());
+}
+
 /// A view of numbers that live as long as `owner`: nothing is copied, and nothing can be written.
 py::array View(py::handle owner, const double* data, std::vector<py::ssize_t> shape) {
   py::array_t<double> array(std::move(shape), data, owner);
@@ -92,17 +102,21 @@ ContactModel ToContact(const std::string& contact) {
   throw Error("contact: '" + contact + "' is neither 'surface' nor 'spheres'");
 }
 
+/// What something was made with.
+using Used = std::shared_ptr<const std::vector<Parameter>>;
+
 /// A model, which proxies keep when Python has let it go, and what it was made with.
 struct Shared {
   std::shared_ptr<const HapticModel> model;
   std::string scene, tool;
-  std::vector<Parameter> parameters;
+  Used parameters;
 };
 
 Shared Share(const Scene& scene, const Body& tool) {
   const py::gil_scoped_release free;
   return {std::make_shared<const HapticModel>(MakeModel(scene, tool, MakeObjects(scene))),
-          scene.name, tool.name, ParametersOf(scene)};
+          scene.name, tool.name,
+          std::make_shared<const std::vector<Parameter>>(ParametersOf(scene))};
 }
 
 py::dict ToDict(const std::vector<Parameter>& parameters) {
@@ -111,13 +125,68 @@ py::dict ToDict(const std::vector<Parameter>& parameters) {
   return values;
 }
 
-/// @field hand  of the script beside the scene's file; none: there is none.
-/// @field said  what was assumed and mended: a sentence each.
+Used FromDict(const py::dict& values) {
+  std::vector<Parameter> parameters = ParametersOf(Scene{});
+  for (Parameter& p : parameters) p.value = values[p.name].cast<double>();
+  return std::make_shared<const std::vector<Parameter>>(std::move(parameters));
+}
+
+/// What Python keeps of something as bytes, and sends to other processes (pickle).
+py::bytes ToBytes(const Scene& scene) {
+  CheckPackable(scene);
+  const std::vector<std::uint8_t> bytes = PackScene(scene, 0, Remarks::kKeep);
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+Scene ToScene(const py::bytes& bytes) {
+  const auto text = std::string_view(bytes);
+  return UnpackScene({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, "pickle");
+}
+
+/// @field script  of the hand, beside the scene's file; empty: there is none.
+/// @field said    what was assumed and mended: a sentence each.
 struct Loaded {
   Scene scene;
-  std::optional<PoseScript> hand;
+  std::string script;
   std::vector<std::string> said;
 };
+
+/// A scene of bodies, with the features that follow from their materials, as in a scene's file.
+Scene ToScene(const std::vector<Body>& objects, const std::vector<Body>& tools,
+              const std::string& contact) {
+  Scene scene;
+  scene.objects = objects;
+  scene.tools = tools;
+  scene.features.contact = ToContact(contact);
+  for (const Body& object : objects) {
+    for (const Material& material : object.materials) {
+      if (material.static_friction > 0.0) scene.features.friction = FrictionModel::kCoulomb;
+      if (std::isfinite(material.stiffness)) scene.features.compliance = true;
+    }
+  }
+  return scene;
+}
+
+void SetParameters(Scene& scene, const py::kwargs& parameters) {
+  for (const auto& [name, value] : parameters) {
+    const py::float_ number(py::reinterpret_borrow<py::object>(value));  // or Python's TypeError
+    SetParameter(scene, name.cast<std::string>(), number);
+  }
+}
+
+std::unique_ptr<Loaded> MakeScene(const std::vector<Body>& objects, const std::vector<Body>& tools,
+                                  const std::string& name, const std::string& contact,
+                                  const py::kwargs& parameters) {
+  auto made = std::make_unique<Loaded>(Loaded{ToScene(objects, tools, contact), "", {}});
+  made->scene.name = name;
+  CheckPackable(made->scene);
+  SetParameters(made->scene, parameters);
+  return made;
+}
+
+void Save(const Loaded& loaded, const std::string& file) {
+  SaveScene(loaded.scene, file);
+  if (!loaded.script.empty()) std::ofstream(ScriptFileBeside(file)) << loaded.script;
+}
 
 std::unique_ptr<Loaded> Load(const std::string& name, const std::optional<std::string>& contact,
                              const std::optional<double>& tolerance_um, const std::string& unit) {
@@ -141,8 +210,16 @@ std::unique_ptr<Loaded> Load(const std::string& name, const std::optional<std::s
   const py::gil_scoped_release free;
   loaded->scene = LoadScene(name, options);
   const std::string script = ScriptFileBeside(name);
-  if (std::filesystem::exists(script)) loaded->hand = PoseScript::Load(script);
+  if (std::filesystem::exists(script)) {
+    PoseScript::Load(script);  // says what is wrong
+    std::ifstream file(script);
+    loaded->script.assign(std::istreambuf_iterator<char>(file), {});
+  }
   return loaded;
+}
+
+std::string ToPath(const py::object& file) {
+  return py::module_::import("os").attr("fspath")(file).cast<std::string>();
 }
 
 std::string NamesOf(const std::vector<Body>& bodies) {
@@ -153,10 +230,7 @@ std::string NamesOf(const std::vector<Body>& bodies) {
 
 Shared ModelOf(const Loaded& loaded, const py::object& which, const py::kwargs& parameters) {
   Scene scene = loaded.scene;
-  for (const auto& [name, value] : parameters) {
-    const py::float_ number(py::reinterpret_borrow<py::object>(value));  // or Python's TypeError
-    SetParameter(scene, name.cast<std::string>(), number);
-  }
+  SetParameters(scene, parameters);
   for (std::size_t i = 0; i < scene.tools.size(); ++i) {
     const Body& tool = scene.tools[i];
     if (which.equal(py::int_(i)) || which.equal(py::str(tool.name))) return Share(scene, tool);
@@ -166,12 +240,15 @@ Shared ModelOf(const Loaded& loaded, const py::object& which, const py::kwargs& 
 }
 
 py::array_t<double> PathOf(const Loaded& loaded, double rate) {
-  if (!loaded.hand) throw Error(loaded.scene.name + ": has no script of a hand; give poses");
+  if (loaded.script.empty()) {
+    throw Error(loaded.scene.name + ": has no script of a hand; give poses");
+  }
+  const PoseScript hand = PoseScript::Parse(loaded.script, loaded.scene.name);
   if (!(rate > 0.0 && rate <= 1e5)) throw Error("rate: must be above 0, and at most 100000");
-  const auto count = static_cast<py::ssize_t>(rate * loaded.hand->duration() + 1e-6) + 1;
+  const auto count = static_cast<py::ssize_t>(rate * hand.duration() + 1e-6) + 1;
   py::array_t<double> path({count, py::ssize_t{7}});
   for (py::ssize_t i = 0; i < count; ++i) {
-    FromPose(loaded.hand->At(static_cast<double>(i) / rate), path.mutable_data(i, 0));
+    FromPose(hand.At(static_cast<double>(i) / rate), path.mutable_data(i, 0));
   }
   return path;
 }
@@ -215,20 +292,23 @@ class Busy {
   Hand& hand_;
 };
 
-int Contacts(const StepReport& report) {
-  int rigid = 0;
-  while (rigid < report.contacts && std::isinf(report.active[rigid].stiffness)) ++rigid;
-  return rigid + report.soft_contacts;
-}
+/// What came of one step.
+struct Report {
+  ReportRecord record;
+  Used parameters;
+};
 
 /// What came of a path of poses, a row each.
 struct Steps {
-  Steps(const std::vector<py::ssize_t>& leading, const Shared& shared)
+  using Records = py::array_t<ReportRecord>;
+  Steps() = default;
+  Steps(const std::vector<py::ssize_t>& leading, const Shared& shared, bool detailed)
       : wrench(With(leading, 6)),
         pose(With(leading, 7)),
         contacts(leading),
         faults(leading),
-        parameters(ToDict(shared.parameters)) {}
+        details(detailed ? py::object(Records(leading)) : py::none()),
+        parameters(ToDict(*shared.parameters)) {}
   static std::vector<py::ssize_t> With(std::vector<py::ssize_t> shape, py::ssize_t last) {
     shape.push_back(last);
     return shape;
@@ -236,24 +316,45 @@ struct Steps {
   py::array_t<double> wrench, pose;
   py::array_t<std::int32_t> contacts;
   py::array_t<std::uint32_t> faults;
+  py::object details;  // Records, or None
   py::dict parameters;
 };
 
 /// Where the steps of one path go.
 struct Rows {
+  explicit Rows(Steps& steps)
+      : wrench(steps.wrench.mutable_data()),
+        pose(steps.pose.mutable_data()),
+        contacts(steps.contacts.mutable_data()),
+        faults(steps.faults.mutable_data()),
+        details(steps.details.is_none() ? nullptr : Steps::Records(steps.details).mutable_data()) {}
+  /// From that step on.
+  Rows From(py::ssize_t step) const {
+    Rows rows = *this;
+    rows.wrench += 6 * step;
+    rows.pose += 7 * step;
+    rows.contacts += step;
+    rows.faults += step;
+    if (details) rows.details += step;
+    return rows;
+  }
   double *wrench, *pose;
   std::int32_t* contacts;
   std::uint32_t* faults;
+  ReportRecord* details;  // or null
 };
 
 void Walk(Proxy& proxy, const double* poses, py::ssize_t count, py::ssize_t width, Rows out) {
   for (py::ssize_t i = 0; i < count; ++i) {
-    const StepReport report = proxy.Step(ToPose(poses + i * width, width));
+    StageTimes times;
+    const StepReport report =
+        proxy.Step(ToPose(poses + i * width, width), out.details ? &times : nullptr);
     Vec3::Map(out.wrench + 6 * i) = report.wrench.force;
     Vec3::Map(out.wrench + 6 * i + 3) = report.wrench.torque;
     FromPose(report.X_WG, out.pose + 7 * i);
     out.contacts[i] = Contacts(report);
     out.faults[i] = report.faults;
+    if (out.details) out.details[i] = ToRecord(report, times);
   }
 }
 
@@ -261,9 +362,8 @@ void Walk(Proxy& proxy, const double* poses, py::ssize_t count, py::ssize_t widt
 Doubles ToPoses(const py::object& given, py::ssize_t dimensions, const char* shape) {
   Doubles poses = ToDoubles(given, "poses");
   const py::ssize_t width = poses.ndim() > 0 ? poses.shape(poses.ndim() - 1) : 0;
-  if (poses.ndim() != dimensions || (width != 3 && width != 7)) {
-    throw Error(std::string("poses: must be an array ") + shape);
-  }
+  RequireShape(poses.ndim() == dimensions && (width == 3 || width == 7), poses, "poses",
+               std::string("an array ") + shape);
   for (const double* row = poses.data(); row < poses.data() + poses.size(); row += width) {
     const Pose X = ToPose(row, width);
     if (X.p.allFinite() && X.q.coeffs().allFinite() && !IsPose(X)) {
@@ -274,25 +374,23 @@ Doubles ToPoses(const py::object& given, py::ssize_t dimensions, const char* sha
   return poses;
 }
 
-Steps StepAll(Hand& hand, const py::object& given) {
+Steps StepAll(Hand& hand, const py::object& given, bool details) {
   const Doubles poses = ToPoses(given, 2, "(steps, 3) or (steps, 7)");
   const Busy busy(hand);
-  Steps steps({poses.shape(0)}, hand.shared);
-  const Rows rows{steps.wrench.mutable_data(), steps.pose.mutable_data(),
-                  steps.contacts.mutable_data(), steps.faults.mutable_data()};
+  Steps steps({poses.shape(0)}, hand.shared, details);
+  const Rows rows(steps);
   const py::gil_scoped_release free;
   Walk(hand.proxy, poses.data(), poses.shape(0), poses.shape(1), rows);
   return steps;
 }
 
 /// Each path by a proxy of its own, which begins at its first pose.
-Steps Follow(const Shared& shared, const py::object& given, int threads) {
+Steps Follow(const Shared& shared, const py::object& given, int threads, bool details) {
   const Doubles paths = ToPoses(given, 3, "(paths, steps, 3) or (paths, steps, 7)");
   if (threads < 0) throw Error("threads: must be 0, for all cores, or more");
   const py::ssize_t count = paths.shape(0), length = paths.shape(1), width = paths.shape(2);
-  Steps steps({count, length}, shared);
-  const Rows all{steps.wrench.mutable_data(), steps.pose.mutable_data(),
-                 steps.contacts.mutable_data(), steps.faults.mutable_data()};
+  Steps steps({count, length}, shared, details);
+  const Rows all(steps);
   if (count == 0 || length == 0) return steps;
   const double* data = paths.data();
   const py::gil_scoped_release free;
@@ -304,11 +402,15 @@ Steps Follow(const Shared& shared, const py::object& given, int threads) {
       std::optional<Proxy> proxy;
       for (py::ssize_t path; (path = next.fetch_add(1)) < count;) {
         const double* poses = data + path * length * width;
-        // Made anew: what one path scrapes off is whole for the next, whoever walks it.
-        proxy.emplace(*shared.model, ToPose(poses, width));
-        Walk(*proxy, poses, length, width,
-             {all.wrench + 6 * path * length, all.pose + 7 * path * length,
-              all.contacts + path * length, all.faults + path * length});
+        const Pose start = ToPose(poses, width);
+        // Where it cuts, made anew: what is gone for one path is whole for the next, whoever walks
+        // it.
+        if (proxy && !shared.model->cuts()) {
+          proxy->Restart(start);
+        } else {
+          proxy.emplace(*shared.model, start);
+        }
+        Walk(*proxy, poses, length, width, all.From(path * length));
       }
     } catch (...) {
       const std::lock_guard lock(wrong_mutex);
@@ -336,18 +438,9 @@ Material ToMaterial(double static_friction, double dynamic_friction, double stif
 Shared MakeShared(const std::vector<Body>& objects, const Body& tool, const std::string& contact,
                   double stiffness, double torsional_stiffness,
                   const std::map<std::string, double>& step) {
-  Scene scene;
-  scene.objects = objects;
-  scene.tools = {tool};
+  Scene scene = ToScene(objects, {tool}, contact);
   scene.coupling = {stiffness, torsional_stiffness};
   for (const auto& [field, value] : step) SetParameter(scene, field, value);
-  scene.features.contact = ToContact(contact);
-  // Features follow from the materials, as in a scene's file.
-  for (const Body& object : objects) {
-    const Material& material = object.materials[0];
-    if (material.static_friction > 0.0) scene.features.friction = FrictionModel::kCoulomb;
-    if (std::isfinite(material.stiffness)) scene.features.compliance = true;
-  }
   return Share(scene, scene.tools[0]);
 }
 
@@ -367,6 +460,127 @@ class Prose {
 };
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// As Python shows it: "<palpate.Body tooth: ...>".
+template <class... Parts>
+std::string Shown(const char* kind, const Parts&... parts) {
+  std::ostringstream text;
+  text << "<palpate." << kind << ' ';
+  (text << ... << parts);
+  return text.str() + ">";
+}
+std::string Row(const double* x, int count) {
+  std::ostringstream text;
+  for (int i = 0; i < count; ++i) text << (i > 0 ? " " : "[") << x[i];
+  return text.str() + "]";
+}
+
+/// What holds memory of a running hand, or is soonest made anew, is not for pickle, which says so.
+template <class Class>
+void RefusePickle(Class& of, const char* why) {
+  of.def("__reduce__",
+         [why](const typename Class::type&) -> py::object { throw py::type_error(why); });
+}
+
+template <class Record>
+py::object ToVoid(const Record& record) {
+  return py::array_t<Record>(1, &record)[py::int_(0)];
+}
+
+Report ToReport(const py::bytes& bytes, const py::dict& parameters) {
+  Report report{{}, FromDict(parameters)};
+  const auto text = std::string_view(bytes);
+  if (text.size() != sizeof report.record) throw Error("pickle: is of another version's Report");
+  std::memcpy(&report.record, text.data(), text.size());
+  return report;
+}
+
+py::array_t<double> PointsOf(const ReportRecord& r) {
+  py::array_t<double> points({py::ssize_t{r.listed}, py::ssize_t{6}});
+  for (int i = 0; i < r.listed; ++i) {
+    const RowRecord& row = r.rows[i];
+    double* out = points.mutable_data(i, 0);
+    Vec3::Map(out) = Vec3::Map(row.point_m);
+    Vec3::Map(out + 3) = row.force_N * Vec3::Map(row.normal) + Vec3::Map(row.friction_N);
+  }
+  return points;
+}
+
+void DefineReports(py::module_& module) {
+  PYBIND11_NUMPY_DTYPE(RowRecord, body, tool_part, object_part, row, object_leaf, point_m, normal,
+                       lever_cross_normal_m, offset_m, force_N, friction_N, stiffness_N_per_m,
+                       static_friction, dynamic_friction);
+  PYBIND11_NUMPY_DTYPE(ReportRecord, force_N, torque_Nm, tool, soft_force_N, soft_torque_Nm,
+                       bur_force_N, bur_m, cut_volume_m3, faults, contacts, soft_contacts, listed,
+                       substeps, predicted_pairs, qp_iterations, friction_iterations,
+                       friction_lowered, friction_unsolved, friction_resets, truncation_m,
+                       prediction_ns, rows_ns, solve_ns, response_ns, rows);
+  module.attr("report_dtype") = py::dtype::of<ReportRecord>();
+  py::class_<Report>(module, "Report")
+      .def_property_readonly("force",
+                             [](const Report& r) { return FromNumbers(r.record.force_N, 3); })
+      .def_property_readonly("torque",
+                             [](const Report& r) { return FromNumbers(r.record.torque_Nm, 3); })
+      .def_property_readonly("pose", [](const Report& r) { return FromNumbers(r.record.tool, 7); })
+      .def_property_readonly("contacts", [](const Report& r) { return r.record.contacts; })
+      .def_property_readonly("points", [](const Report& r) { return PointsOf(r.record); })
+      .def_property_readonly(
+          "rows",
+          [](const Report& r) { return py::array_t<RowRecord>(r.record.listed, r.record.rows); })
+      .def_property_readonly("details", [](const Report& r) { return ToVoid(r.record); })
+      .def_property_readonly("faults", [](const Report& r) { return r.record.faults; })
+      .def_property_readonly("substeps", [](const Report& r) { return r.record.substeps; })
+      .def_property_readonly("parameters", [](const Report& r) { return ToDict(*r.parameters); })
+      .def("__repr__",
+           [](const Report& r) {
+             return Shown("Report", "force ", Row(r.record.force_N, 3), " N, torque ",
+                          Row(r.record.torque_Nm, 3), " N m, contacts ", r.record.contacts,
+                          ", faults ", FaultWords(r.record.faults));
+           })
+      .def(py::pickle(
+          [](const Report& r) {
+            return py::make_tuple(
+                py::bytes(reinterpret_cast<const char*>(&r.record), sizeof r.record),
+                ToDict(*r.parameters));
+          },
+          [](const py::tuple& state) { return ToReport(state[0], state[1]); }));
+  py::class_<Steps>(module, "Steps")
+      .def_readonly("wrench", &Steps::wrench)
+      .def_readonly("pose", &Steps::pose)
+      .def_readonly("contacts", &Steps::contacts)
+      .def_readonly("faults", &Steps::faults)
+      .def_readonly("details", &Steps::details)
+      .def_readonly("parameters", &Steps::parameters)
+      .def("__repr__",
+           [](const Steps& steps) {
+             const auto shape = py::str(steps.contacts.attr("shape")).cast<std::string>();
+             const std::int32_t* const c = steps.contacts.data();
+             const std::uint32_t* const f = steps.faults.data();
+             std::uint32_t faults = 0;
+             for (py::ssize_t i = 0; i < steps.faults.size(); ++i) faults |= f[i];
+             const auto touch =
+                 std::count_if(c, c + steps.contacts.size(), [](int n) { return n > 0; });
+             return Shown("Steps", "of shape ", shape, ": ", touch, " in contact, faults ",
+                          FaultWords(faults));
+           })
+      .def(py::pickle(
+          [](const Steps& s) {
+            return py::make_tuple(s.wrench, s.pose, s.contacts, s.faults, s.details, s.parameters);
+          },
+          [](const py::tuple& state) {
+            Steps s;
+            const auto take = [&](auto& field, int i) {
+              field = state[i].cast<std::remove_reference_t<decltype(field)>>();
+            };
+            take(s.wrench, 0);
+            take(s.pose, 1);
+            take(s.contacts, 2);
+            take(s.faults, 3);
+            take(s.details, 4);
+            take(s.parameters, 5);
+            return s;
+          }));
+}
 
 }  // namespace
 
@@ -399,31 +613,35 @@ PYBIND11_MODULE(_physics, module) {
                                return View(self, mesh.vertices[0].data(),
                                            {static_cast<py::ssize_t>(mesh.vertices.size()), 3});
                              })
-      .def_property_readonly(
-          "triangles",
-          [](const Body& body) {
-            Indices triangles(
-                {static_cast<py::ssize_t>(body.mesh.triangles.size()), py::ssize_t{3}});
-            std::memcpy(triangles.mutable_data(), body.mesh.triangles.data(),
-                        12 * body.mesh.triangles.size());
-            return triangles;
-          })
+      .def_property_readonly("triangles",
+                             [](const Body& body) { return FromRows(body.mesh.triangles); })
       .def_property_readonly("leaf_centres",
                              [](const Body& body) {
-                               const auto n = static_cast<py::ssize_t>(body.tree.leaves());
-                               py::array_t<double> centres({n, py::ssize_t{3}});
-                               auto at = centres.mutable_unchecked<2>();
-                               for (py::ssize_t i = 0; i < n; ++i) {
-                                 at(i, 0) = body.tree.leaf_x[static_cast<std::size_t>(i)];
-                                 at(i, 1) = body.tree.leaf_y[static_cast<std::size_t>(i)];
-                                 at(i, 2) = body.tree.leaf_z[static_cast<std::size_t>(i)];
+                               std::vector<Vec3> centres;
+                               for (std::size_t i = 0; i < body.tree.leaves(); ++i) {
+                                 centres.emplace_back(body.tree.leaf_x[i], body.tree.leaf_y[i],
+                                                      body.tree.leaf_z[i]);
                                }
-                               return centres;
+                               return FromRows(centres);
                              })
-      .def_property_readonly("leaf_radii", [](py::object self) {
-        const auto& radii = self.cast<const Body&>().tree.leaf_radius;
-        return View(self, radii.data(), {static_cast<py::ssize_t>(radii.size())});
-      });
+      .def_property_readonly("leaf_radii",
+                             [](py::object self) {
+                               const auto& radii = self.cast<const Body&>().tree.leaf_radius;
+                               return View(self, radii.data(),
+                                           {static_cast<py::ssize_t>(radii.size())});
+                             })
+      .def("__repr__",
+           [](const Body& body) {
+             return Shown("Body", body.name, ": ", body.mesh.triangles.size(), " triangles, ",
+                          body.tree.leaves(), " leaves, at ", Row(body.X_WB.p.data(), 3), " m");
+           })
+      .def(py::pickle(
+          [](const Body& body) {
+            Scene alone = ToScene({body}, {body}, "surface");
+            alone.name = "body";
+            return ToBytes(alone);
+          },
+          [](const py::bytes& state) { return std::move(ToScene(state).objects[0]); }));
 
   module.def(
       "body",
@@ -455,11 +673,7 @@ PYBIND11_MODULE(_physics, module) {
       },
       py::arg("name"), py::arg("radius"), prose("ball"));
   const auto arrays = [](const TriangleMesh& mesh) {
-    py::array_t<double> vertices({static_cast<py::ssize_t>(mesh.vertices.size()), py::ssize_t{3}});
-    std::memcpy(vertices.mutable_data(), mesh.vertices.data(), 24 * mesh.vertices.size());
-    Indices triangles({static_cast<py::ssize_t>(mesh.triangles.size()), py::ssize_t{3}});
-    std::memcpy(triangles.mutable_data(), mesh.triangles.data(), 12 * mesh.triangles.size());
-    return py::make_tuple(vertices, triangles);
+    return py::make_tuple(FromRows(mesh.vertices), FromRows(mesh.triangles));
   };
   module.def(
       "box", [=](const py::object& size) { return arrays(MakeBox(ToVec3(size, "size"))); },
@@ -474,8 +688,15 @@ PYBIND11_MODULE(_physics, module) {
       .def_readonly("name", &Material::name)
       .def_readonly("stiffness", &Material::stiffness)
       .def_readonly("static_friction", &Material::static_friction)
-      .def_readonly("dynamic_friction", &Material::dynamic_friction);
+      .def_readonly("dynamic_friction", &Material::dynamic_friction)
+      .def("__repr__", [](const Material& m) {
+        return Shown("Material", m.name.empty() ? "" : m.name + ": ", "stiffness ", m.stiffness,
+                     " N/m, friction ", m.static_friction, " static, ", m.dynamic_friction,
+                     " dynamic");
+      });
   py::class_<Loaded>(module, "Scene")
+      .def(py::init(&MakeScene), py::arg("objects"), py::arg("tools"), py::kw_only(),
+           py::arg("name") = "scene", py::arg("contact") = "surface", prose("Scene.__init__"))
       .def_property_readonly("name", [](const Loaded& loaded) { return loaded.scene.name; })
       .def_property_readonly("hash", [](const Loaded& loaded) { return SceneHash(loaded.scene); })
       .def_property_readonly(
@@ -488,52 +709,36 @@ PYBIND11_MODULE(_physics, module) {
       .def("__repr__",
            [](const Loaded& loaded) {
              const Scene& scene = loaded.scene;
-             return "<palpate.Scene " + scene.name + ": tools " + NamesOf(scene.tools) +
-                    "; objects " + NamesOf(scene.objects) + ">";
+             return Shown("Scene", scene.name, ": tools ", NamesOf(scene.tools), "; objects ",
+                          NamesOf(scene.objects));
            })
+      .def(py::pickle(
+          [](const Loaded& loaded) {
+            return py::make_tuple(ToBytes(loaded.scene), loaded.script, loaded.said);
+          },
+          [](const py::tuple& state) {
+            return Loaded{ToScene(py::bytes(state[0])), state[1].cast<std::string>(),
+                          state[2].cast<std::vector<std::string>>()};
+          }))
+      .def(
+          "save", [](const Loaded& loaded, const py::object& file) { Save(loaded, ToPath(file)); },
+          py::arg("file"), prose("Scene.save"))
       .def("path", &PathOf, py::arg("rate") = 1000.0, prose("Scene.path"))
       .def("model", &ModelOf, py::arg("tool") = 0, prose("Scene.model"));
   module.def(
       "load",
       [](const py::object& name, const std::optional<std::string>& contact,
-         const std::optional<double>& tolerance_um, const std::string& unit) {
-        const py::object path = py::module_::import("os").attr("fspath")(name);
-        return Load(path.cast<std::string>(), contact, tolerance_um, unit);
-      },
+         const std::optional<double>& tolerance_um,
+         const std::string& unit) { return Load(ToPath(name), contact, tolerance_um, unit); },
       py::arg("name"), py::kw_only(), py::arg("contact") = py::none(),
       py::arg("tolerance_um") = py::none(), py::arg("unit") = "", prose("load"));
   module.def("parameters", &Table, prose("parameters"));
   module.def("fault_words", &FaultWords, py::arg("faults"), prose("fault_words"));
+  module.def("_offer_programs", &OfferProgramFolder);
+  DefineReports(module);
 
-  py::class_<StepReport>(module, "Report")
-      .def_property_readonly("force", [](const StepReport& r) { return FromVec3(r.wrench.force); })
-      .def_property_readonly("torque",
-                             [](const StepReport& r) { return FromVec3(r.wrench.torque); })
-      .def_property_readonly("pose", [](const StepReport& r) { return FromPose(r.X_WG); })
-      .def_property_readonly("contacts", &Contacts)
-      .def_property_readonly(
-          "points",
-          [](const StepReport& r) {
-            py::array_t<double> points({py::ssize_t{r.contacts}, py::ssize_t{6}});
-            for (int i = 0; i < r.contacts; ++i) {
-              double* row = points.mutable_data(i, 0);
-              const ActiveRow& active = r.active[static_cast<std::size_t>(i)];
-              Vec3::Map(row) = active.contact_W;
-              Vec3::Map(row + 3) = active.force * active.normal + active.friction;
-            }
-            return points;
-          })
-      .def_readonly("faults", &StepReport::faults)
-      .def_readonly("substeps", &StepReport::substeps);
-
-  py::class_<Steps>(module, "Steps")
-      .def_readonly("wrench", &Steps::wrench)
-      .def_readonly("pose", &Steps::pose)
-      .def_readonly("contacts", &Steps::contacts)
-      .def_readonly("faults", &Steps::faults)
-      .def_readonly("parameters", &Steps::parameters);
-
-  py::class_<Shared>(module, "Model")
+  py::class_<Shared> model(module, "Model");
+  model
       .def(py::init([](const std::vector<Body>& objects, const Body& tool,
                        const std::string& contact, double stiffness, double torsional_stiffness,
                        const std::map<std::string, double>& step) {
@@ -544,19 +749,21 @@ PYBIND11_MODULE(_physics, module) {
            py::arg("torsional_stiffness") = Coupling{}.torsional_stiffness,
            py::arg("step") = std::map<std::string, double>{}, prose("Model.__init__"))
       .def_property_readonly("parameters",
-                             [](const Shared& shared) { return ToDict(shared.parameters); })
+                             [](const Shared& shared) { return ToDict(*shared.parameters); })
       .def("__repr__",
            [](const Shared& shared) {
              std::ostringstream text;
-             text << "<palpate.Model of " << shared.tool << " in "
-                  << (shared.scene.empty() ? "a scene" : shared.scene);
-             for (const Parameter& p : shared.parameters) text << ", " << p.name << "=" << p.value;
-             return text.str() + ">";
+             for (const Parameter& p : *shared.parameters) text << ", " << p.name << "=" << p.value;
+             return Shown("Model", "of ", shared.tool, " in ",
+                          shared.scene.empty() ? "a scene" : shared.scene, text.str());
            })
       .def("follow", &Follow, py::arg("paths"), py::kw_only(), py::arg("threads") = 0,
-           prose("Model.follow"));
+           py::arg("details") = false, prose("Model.follow"));
+  RefusePickle(model,
+               "a Model is not pickled: pickle its scene or bodies, and make it of them there");
 
-  py::class_<Hand>(module, "Proxy")
+  py::class_<Hand> proxy(module, "Proxy");
+  proxy
       .def(py::init([](const Shared& shared, const py::object& pose) {
              return std::make_unique<Hand>(shared, ToCheckedPose(pose));
            }),
@@ -578,10 +785,14 @@ PYBIND11_MODULE(_physics, module) {
             const Pose X_WH = ToPose(row.data(), row.size());
             const Busy busy(hand);
             const py::gil_scoped_release free;
-            return hand.proxy.Step(X_WH);
+            return Report{ToRecord(hand.proxy.Step(X_WH)), hand.shared.parameters};
           },
           py::arg("pose"), prose("Proxy.step"))
-      .def("steps", &StepAll, py::arg("poses"), prose("Proxy.steps"));
+      .def("steps", &StepAll, py::arg("poses"), py::kw_only(), py::arg("details") = false,
+           prose("Proxy.steps"))
+      .def("__repr__", [](const Hand& hand) { return Shown("Proxy", "of ", hand.shared.tool); });
+  RefusePickle(proxy,
+               "a Proxy is not pickled: what it remembers is of this process; pickle its poses");
 }
 
 }  // namespace palpate

@@ -35,7 +35,16 @@ Places PlacesOf(ProjectFile file) {
   return {};
 }
 
+std::string& Offered() {
+  static std::string folder;  // and a colon
+  return folder;
+}
+
 }  // namespace
+
+void OfferProgramFolder(const std::string& folder) {
+  Offered() = folder + ':';
+}
 
 std::string ProgramFolder() {
   const auto from = [](const char* variable) {
@@ -45,7 +54,7 @@ std::string ProgramFolder() {
   if (const std::string named = from("PALPATE_PROGRAMS"); !named.empty()) return named;
   std::error_code error;
   const std::string own = fs::read_symlink("/proc/self/exe", error).parent_path().string();
-  std::istringstream path(own + ':' + from("PATH"));
+  std::istringstream path(Offered() + own + ':' + from("PATH"));
   for (std::string folder; std::getline(path, folder, ':');) {
     const fs::path import = fs::path(folder) / "palpate-import";
     if (fs::exists(import, error)) return fs::canonical(import, error).parent_path().string();

@@ -17,9 +17,12 @@ enum class ProjectFile {
 };
 
 /// Folder of the programs: what $PALPATE_PROGRAMS names, else that of the running one.  A program
-/// of somebody else's, who links the library, or Python, has none of them beside it: then the PATH
-/// is asked where palpate-import is.
+/// of somebody else's, who links the library, or Python, has none of them beside it: then what was
+/// offered and the PATH are asked where palpate-import is.
 std::string ProgramFolder();
+
+/// Where a wheel of Python has brought palpate-import.  To be called before there are threads.
+void OfferProgramFolder(const std::string& folder);
 
 /// Empty where it is gone.
 std::string WorkingFolder();

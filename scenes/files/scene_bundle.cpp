@@ -359,11 +359,13 @@ void ReadMargin(const wire::Body& in, Body& out) {
 }
 
 /// Names end up in file names, topics, command lines and on terminals, as those of scene files do.
+bool IsName(const std::string& name) {
+  return name.size() <= kLongestName && std::ranges::all_of(name, IsOfName);
+}
+
 std::string ReadName(const flatbuffers::String& in) {
   std::string name = in.str();
-  if (name.size() > kLongestName || !std::ranges::all_of(name, IsOfName)) {
-    throw Error(Quoted(name) + " is not a name");
-  }
+  if (!IsName(name)) throw Error(Quoted(name) + " is not a name");
   return name;
 }
 
@@ -719,6 +721,28 @@ void WriteFileAtomically(const std::string& file, std::span<const std::uint8_t> 
     fs::remove(temporary, error);
     throw Error(file + ": cannot be written; check the rights and the space left on the disk");
   }
+}
+
+void CheckPackable(const Scene& scene) {
+  if (scene.tools.empty() || scene.objects.empty()) {
+    throw Error(scene.name + ": has no tool, or no object; a scene file has both");
+  }
+  const auto check = [](const std::string& name) {
+    if (!name.empty() && IsName(name)) return;
+    throw Error(Quoted(name) + ": is no name in a scene file; give letters, digits, - _ and ., " +
+                std::to_string(kLongestName) + " at most");
+  };
+  check(scene.name);
+  for (const auto* bodies : {&scene.tools, &scene.objects}) {
+    for (const Body& body : *bodies) check(body.name);
+  }
+}
+
+void SaveScene(Scene scene, const std::string& file) {
+  if (!file.ends_with(".palpate")) throw Error(file + ": give a name that ends in .palpate");
+  if (scene.name.empty()) scene.name = SceneNameOf(file);
+  CheckPackable(scene);
+  WriteFileAtomically(file, PackScene(scene, 0, Remarks::kKeep));
 }
 
 }  // namespace palpate

@@ -129,6 +129,10 @@ class Child {
     said.remove_prefix(prefix.size());
     throw Error(std::string(said.substr(0, said.find_last_not_of('\n') + 1)));
   }
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 127 && !said.empty()) {  // what loads it says so
+    throw Error("palpate-import, which reads meshes, cannot be started (" +
+                std::string(said.substr(0, said.find('\n'))) + "); install what it lacks");
+  }
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
     if (signal == SIGINT || signal == SIGTERM) throw Error(file + ": its reading was interrupted");

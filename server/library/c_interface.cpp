@@ -21,11 +21,15 @@ struct palpate_scene {
   std::function<palpate::Pose(double)> hand;  // of a script of so many seconds, or none
   double duration = 0.0;
 };
+struct palpate_shared {
+  palpate::HapticModel model;
+  std::vector<palpate_parameter> parameters;
+};
 struct palpate_model {
-  std::shared_ptr<const palpate::HapticModel> model;
+  std::shared_ptr<const palpate_shared> shared;
 };
 struct palpate_proxy {
-  std::shared_ptr<const palpate::HapticModel> model;  // outlives the proxy below
+  std::shared_ptr<const palpate_shared> shared;  // outlives the proxy below
   palpate::Proxy proxy;
 };
 
@@ -74,6 +78,14 @@ Pose ToChecked(const palpate_pose& pose) {
   Require(IsPose(X), "pose.orientation_wxyz: is no unit quaternion; no rotation is 1 0 0 0");
   X.q.normalize();
   return X;
+}
+
+std::vector<palpate_parameter> ToC(const std::vector<Parameter>& parameters) {
+  std::vector<palpate_parameter> all;
+  for (const Parameter& p : parameters) {
+    all.push_back({p.name, p.unit, p.what, p.least, p.most, p.usual, p.value});
+  }
+  return all;
 }
 
 int Add(palpate_scene* scene, palpate_role role, const palpate_body& given,
@@ -167,6 +179,19 @@ palpate_scene* palpate_scene_load(const char* name_or_path) {
   });
 }
 
+int palpate_scene_save(const palpate_scene* scene, const char* file) {
+  return Guarded(-1, [&] {
+    Require(scene != nullptr && file != nullptr, "scene or file: is NULL");
+#ifdef PALPATE_READS_SCENES
+    SaveScene(scene->scene, file);
+    return 0;
+#else
+    throw Error("this libpalpate was built without scenes: build it with PALPATE_PROGRAMS=ON");
+    return -1;
+#endif
+  });
+}
+
 const char* palpate_scene_tool(const palpate_scene* scene, size_t tool, palpate_pose* start) {
   if (scene == nullptr || tool >= scene->scene.tools.size()) return nullptr;
   if (start != nullptr) *start = FromPose(scene->scene.tools[tool].X_WB);
@@ -182,10 +207,9 @@ double palpate_scene_hand(const palpate_scene* scene, double seconds, palpate_po
 int palpate_scene_parameter(const palpate_scene* scene, size_t index, palpate_parameter* into) {
   return Guarded(-1, [&] {
     Require(scene != nullptr && into != nullptr, "scene or parameter: is NULL");
-    const std::vector<Parameter> all = ParametersOf(scene->scene);
+    const std::vector<palpate_parameter> all = ToC(ParametersOf(scene->scene));
     Require(index < all.size(), "index: there are no more parameters");
-    const Parameter& p = all[index];
-    *into = {p.name, p.unit, p.what, p.least, p.most, p.usual, p.value};
+    *into = all[index];
     return 0;
   });
 }
@@ -238,10 +262,9 @@ palpate_model* palpate_model_new(const palpate_scene* scene, size_t tool) {
       throw Error("tool: there is no tool " + std::to_string(tool) + ", the scene has " +
                   std::to_string(scene->scene.tools.size()) + "; add one as PALPATE_TOOL");
     }
-    auto model = std::make_unique<palpate_model>();
-    model->model = std::make_shared<const HapticModel>(
-        MakeModel(scene->scene, scene->scene.tools[tool], MakeObjects(scene->scene)));
-    return model.release();
+    const Scene& whole = scene->scene;
+    return new palpate_model{std::make_shared<const palpate_shared>(palpate_shared{
+        MakeModel(whole, whole.tools[tool], MakeObjects(whole)), ToC(ParametersOf(whole))})};
   });
 }
 
@@ -253,7 +276,7 @@ palpate_proxy* palpate_proxy_new(const palpate_model* model, const palpate_pose*
   return Guarded<palpate_proxy*>(nullptr, [&] {
     Require(model != nullptr && hand != nullptr, "model or hand: is NULL");
     ToChecked(*hand);
-    return new palpate_proxy{model->model, Proxy(*model->model, ToPose(*hand))};
+    return new palpate_proxy{model->shared, Proxy(model->shared->model, ToPose(*hand))};
   });
 }
 
@@ -284,6 +307,8 @@ uint32_t palpate_proxy_step(palpate_proxy* proxy, const palpate_pose* hand,
   while (rigid < step.contacts && std::isinf(step.active[rigid].stiffness)) ++rigid;
   report->contacts = rigid + step.soft_contacts;
   report->points = step.contacts;
+  report->parameter = proxy->shared->parameters.data();
+  report->parameters = proxy->shared->parameters.size();
   for (int i = 0; i < PALPATE_POINTS; ++i) {
     palpate_point& point = report->point[i];
     if (i >= step.contacts) {

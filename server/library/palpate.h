@@ -67,6 +67,16 @@ typedef struct {
   double force_N[3]; /**< on the tool */
 } palpate_point;
 
+/** What may be varied of a scene, by its name in scene files. */
+typedef struct {
+  const char* name;
+  const char* unit; /**< empty: a count or a ratio */
+  const char* what;
+  double least, most;
+  double usual; /**< of a scene that does not say */
+  double value; /**< of this scene; not a number where its materials differ */
+} palpate_parameter;
+
 #define PALPATE_POINTS 7
 
 typedef struct {
@@ -77,6 +87,9 @@ typedef struct {
   int32_t contacts;    /**< all; of them `points` are listed */
   int32_t points;
   palpate_point point[PALPATE_POINTS];
+  const palpate_parameter*
+      parameter;     /**< what the step was made with, as long as its proxy lives */
+  size_t parameters; /**< how many there are */
 } palpate_report;
 
 /** "0.1.0". */
@@ -94,6 +107,8 @@ PALPATE_API palpate_scene* palpate_scene_new(palpate_contact contact);
  * mesh; as the server has it, bit for bit.  Takes a minute or two where it is read for the first
  * time. What was assumed of a mesh is said on standard error. */
 PALPATE_API palpate_scene* palpate_scene_load(const char* name_or_path);
+/** Into a file *.palpate, which palpate_scene_load and palpate-server read. */
+PALPATE_API int palpate_scene_save(const palpate_scene* scene, const char* file);
 PALPATE_API void palpate_scene_free(palpate_scene* scene);
 /** The name of a tool, from 0, as long as the scene is not changed; NULL: there are no more.
  * `start`: NULL, or gets where the scene places it. */
@@ -103,17 +118,7 @@ PALPATE_API const char* palpate_scene_tool(const palpate_scene* scene, size_t to
  * seconds it has; 0: there is no script. */
 PALPATE_API double palpate_scene_hand(const palpate_scene* scene, double seconds,
                                       palpate_pose* hand);
-/** What may be varied of a scene, by its name in scene files. */
-typedef struct {
-  const char* name;
-  const char* unit; /**< empty: a count or a ratio */
-  const char* what;
-  double least, most;
-  double usual; /**< of a scene that does not say */
-  double value; /**< of this scene; not a number where its materials differ */
-} palpate_parameter;
-
-/** The one of that index, from 0.  Not 0: there are no more. */
+/** The parameter of that index, from 0.  Not 0: there are no more. */
 PALPATE_API int palpate_scene_parameter(const palpate_scene* scene, size_t index,
                                         palpate_parameter* parameter);
 /** As "stiffness_N_per_m", "separation_um" or "friction", in its unit; before a model is made. */

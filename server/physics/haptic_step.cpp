@@ -334,6 +334,7 @@ void End(const Pose& X_WH, StepContext& context) {
 StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& state,
                       StepWorkspace& workspace, StageTimes* times) noexcept {
   StepReport report;
+  report.parameters = &model.parameters();
   StepContext context(model, state, workspace.buffers(), report);
   context.times = times;
   if (!Begin(X_WH, context)) return report;

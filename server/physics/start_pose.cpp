@@ -70,16 +70,26 @@ double StrideOf(const HapticModel& model) {
   return stride;
 }
 
-/// Shortest way out along `direction`, to within a sub-step's length: walks outward until free.
-double WayOut(const HapticModel& model, const Pose& X_WH, const Vec3& direction, double longest,
-              std::span<const CutField> cuts, StepWorkspace& workspace) {
+struct WayOut {
+  Vec3 direction;
+  double length;
+};
+
+/// The shortest along the 26 directions of a cube's faces, edges and corners, to within a stride:
+/// all of them outward together, until one is free.  Every object ends within `longest`.
+WayOut FindWayOut(const HapticModel& model, const Pose& X_WH, double longest,
+                  std::span<const CutField> cuts, StepWorkspace& workspace) {
   const double stride = StrideOf(model);
   for (double s = stride; s < longest; s += stride) {
-    Pose X = X_WH;
-    X.p += s * direction;
-    if (IsFree(model, X, cuts, workspace)) return s;
+    for (int i = 0; i < 27; ++i) {
+      if (i == 13) continue;  // the middle
+      const Vec3 d = Vec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1).normalized();
+      Pose X = X_WH;
+      X.p += s * d;
+      if (IsFree(model, X, cuts, workspace)) return {d, s};
+    }
   }
-  return longest;
+  return {Vec3::UnitZ(), longest};
 }
 
 }  // namespace
@@ -96,19 +106,8 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
   Pose X_start{X_WH.p, X_WH.q.normalized()};
   if (IsFree(model, X_start, cuts, workspace)) return {X_start, 0.0};
 
-  // Out along the 26 directions of a cube's faces, edges and corners, whichever is shortest; every
-  // object ends within `shortest`, so there is always a way.
-  double shortest = LongestWayOut(model, X_start * model.reference());
-  Vec3 way = Vec3::UnitZ();
-  for (int i = 0; i < 27; ++i) {
-    const Vec3 d(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
-    if (d.squaredNorm() == 0.0) continue;
-    const double out = WayOut(model, X_start, d.normalized(), shortest, cuts, workspace);
-    if (out < shortest) {
-      shortest = out;
-      way = d.normalized();
-    }
-  }
+  auto [way, shortest] = FindWayOut(
+      model, X_start, LongestWayOut(model, X_start * model.reference()), cuts, workspace);
   // Then back as near as contact lets it: the step itself walks there and cannot enter an object.
   // A bur could, so it comes back to what is free by halving the last stride.
   if (model.cuts()) {

@@ -92,6 +92,8 @@ struct StepReport {
   int friction_unsolved = 0;    ///< sub-steps whose friction did not converge
   int friction_resets = 0;      ///< chapter 2.34: consecutive steps reset, this one included
   double truncation = 0.0;      ///< bound on the linearisation error, 1/2 |phi|^2 lever [m], worst
+  /// What the step was made with, as long as the model lives; friction is of each row's material.
+  const StepParameters* parameters = nullptr;
 };
 
 /// Times of the step's stages, for benchmarks: [ns], summed over sub-steps.

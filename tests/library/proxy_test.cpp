@@ -105,6 +105,18 @@ TEST_P(ProxyOf, BeginsFreeWhereTheHandIsInside) {
   EXPECT_EQ(proxy.Step(X_WH).wrench.force, Vec3::Zero());
 }
 
+TEST_P(ProxyOf, ReportsWhatItsStepsAreMadeWithAndTheirTimes) {
+  const HapticModel model = BoxInBox(GetParam());
+  Pose X_WH;
+  X_WH.p = {0.0, 0.022, 0.0};
+  Proxy proxy(model, X_WH), timed(model, X_WH);
+  StageTimes times;
+  const StepReport report = proxy.Step(X_WH);
+  EXPECT_EQ(report.parameters, &model.parameters());
+  EXPECT_TRUE(SameBits(report, timed.Step(X_WH, &times)));
+  EXPECT_GT(times.solve, 0);
+}
+
 TEST(Proxy, RefusesPosesThatAreNone) {
   Scene scene;
   scene.objects.push_back(MakeBody("block", MakeBox({0.04, 0.04, 0.04}), {.leaves = 64}));

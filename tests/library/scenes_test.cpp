@@ -160,6 +160,18 @@ TEST(LoadedInC, GivesTheBitsOfCxxWithTheParametersThatAreSet) {
     touched += report.contacts > 0;
   }
   EXPECT_GT(touched, 300);
+  palpate_report report;
+  palpate_proxy_step(c_proxy, &pose, &report);
+  ASSERT_EQ(report.parameters, count);
+  EXPECT_STREQ(report.parameter[count - 1].name, "friction");
+  EXPECT_EQ(report.parameter[count - 1].value, 0.4);
+
+  const std::string file = testing::TempDir() + "saved_in_c.palpate";
+  ASSERT_EQ(palpate_scene_save(loaded, file.c_str()), 0) << palpate_last_error();
+  EXPECT_EQ(PackScene(LoadScene(file)), PackScene(scene));
+  EXPECT_NE(palpate_scene_save(loaded, "saved_in_c.json"), 0);
+  EXPECT_STREQ(palpate_last_error(), "saved_in_c.json: give a name that ends in .palpate");
+  std::filesystem::remove(file);
   palpate_proxy_free(c_proxy);
   palpate_model_free(c_model);
   palpate_scene_free(loaded);

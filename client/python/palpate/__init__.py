@@ -12,11 +12,14 @@
     print(proxy.step([0, 0.022, 0]).force)          # 3 N upwards
 
 Lengths are metres, forces newtons, torques newton metres; a pose is x y z, or x y z and the unit
-quaternion w x y z.  Arrays are numpy's.  What is wrong is told by palpate.Error, a ValueError.
+quaternion w x y z.  Arrays are numpy's: what comes out is float64; whole numbers and floats of up to
+64 bits go in everywhere, all others nowhere.  What is wrong is told by palpate.Error, a ValueError.
 Equal poses give equal bits, those of C++.
+
+Scenes, bodies, reports and steps are pickled; models and proxies are made of them.
 """
 
-from palpate import _prose
+from palpate import _prose, _tables
 from palpate._physics import (
     Body,
     Error,
@@ -34,6 +37,7 @@ from palpate._physics import (
     fault_words,
     load,
     parameters,
+    report_dtype,
 )
 from palpate.files import read_mesh, read_recording
 
@@ -56,6 +60,9 @@ __all__ = [
     "parameters",
     "read_mesh",
     "read_recording",
+    "report_dtype",
 ]
+
+Steps.to_pandas, Steps.to_xarray = _tables.to_pandas, _tables.to_xarray
 
 _prose.dress(globals(), "__init__.pyi")

@@ -2,9 +2,17 @@ from os import PathLike
 from typing import Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy
+import pandas
+import xarray
 from numpy.typing import ArrayLike, NDArray
 
 __version__: str
+
+report_dtype: numpy.dtype
+"""Columns of details, with their units in their names; rows (7) are the contacts that a report lists, `listed` of
+them: force_N is the multiplier, offset_m what the linearised gap lacks, body the object that is felt by its mesh,
+-1: a leaf, tool_part, object_part and row what touches there.  prediction_ns, rows_ns, solve_ns and response_ns are
+the stages of the step; qp_iterations and others count what it took."""
 
 class Error(ValueError):
     """What was wrong with what was given, and what to do."""
@@ -48,8 +56,24 @@ class Body:
         """Metres, one of each leaf."""
 
 class Scene:
-    """What load has read: tools, and the objects that they touch."""
+    """Tools, and the objects that they touch: what load has read, or bodies put together.
 
+    contact     "surface" or "spheres"
+    parameters  what is to differ from the defaults, by the names of parameters()
+    """
+
+    def __init__(
+        self,
+        objects: Sequence[Body],
+        tools: Sequence[Body],
+        *,
+        name: str = "scene",
+        contact: str = "surface",
+        **parameters: float,
+    ) -> None:
+        """Copies of the bodies.  Names are letters, digits, - _ and ."""
+    def save(self, file: Union[str, PathLike[str]]) -> None:
+        """Into a file *.palpate, which load and palpate-server read, and the script of the hand beside it."""
     @property
     def name(self) -> str: ...
     @property
@@ -152,6 +176,15 @@ class Report:
     @property
     def substeps(self) -> int:
         """Into how many parts the step's way was divided."""
+    @property
+    def rows(self) -> NDArray[numpy.void]:
+        """The contacts listed, as the solver had them: columns are those of report_dtype["rows"]."""
+    @property
+    def details(self) -> numpy.void:
+        """All of it, as a record of report_dtype.  Stage times are 0: Proxy.steps takes them."""
+    @property
+    def parameters(self) -> Dict[str, float]:
+        """As the model's: what the step was made with."""
 
 class Steps:
     """What came of many steps: arrays with a row for each."""
@@ -164,8 +197,15 @@ class Steps:
     """How many places touched."""
     faults: NDArray[numpy.uint32]
     """As a report's."""
+    details: Optional[NDArray[numpy.void]]
+    """Where it was asked for: all that each step reports, with its stage times, as report_dtype."""
     parameters: Dict[str, float]
     """As the model's: what these steps were made with."""
+    def to_pandas(self) -> pandas.DataFrame:
+        """A row for each step (and path), a column for each number, details' among them but for rows; pandas is needed
+        for this alone."""
+    def to_xarray(self) -> xarray.Dataset:
+        """The same with dimensions path, step, axis and pose; xarray is needed for this alone."""
 
 class Model:
     """One tool against all objects; never changes, and may be used by all threads.
@@ -187,11 +227,11 @@ class Model:
     @property
     def parameters(self) -> Dict[str, float]:
         """What it was made with, by name; not a number where the objects' friction differs."""
-    def follow(self, paths: ArrayLike, *, threads: int = 0) -> Steps:
+    def follow(self, paths: ArrayLike, *, threads: int = 0, details: bool = False) -> Steps:
         """Lets a hand follow each of many paths, (paths, steps, 3 or 7), on all cores (threads=0).
 
         Each has a proxy of its own, that begins at its first pose; what comes out is the same for
-        any number of threads.
+        any number of threads.  details: Steps.details, of 1.4 kB a step, and its stages are timed.
         """
 
 class Proxy:
@@ -209,8 +249,11 @@ class Proxy:
         The tool moves towards the hand until objects stop it.  A hand that leaps some centimetres in one
         step has its tool arrive some steps later.
         """
-    def steps(self, poses: ArrayLike) -> Steps:
-        """One step after the other, (steps, 3 or 7): as step for each, without Python in between."""
+    def steps(self, poses: ArrayLike, *, details: bool = False) -> Steps:
+        """One step after the other, (steps, 3 or 7): as step for each, without Python in between.
+
+        details: Steps.details, of 1.4 kB a step, and its stages are timed.
+        """
 
 def read_mesh(
     file: Union[str, PathLike[str]], unit: str = "m"

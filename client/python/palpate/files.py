@@ -1,6 +1,7 @@
 """Meshes and recordings, as the programs palpate-import and palpate-replay read them."""
 
 import os
+import pathlib
 import shutil
 import struct
 import subprocess
@@ -8,16 +9,20 @@ import tempfile
 
 import numpy
 
-from palpate._physics import Error
+from palpate._physics import Error, _offer_programs
 
 _METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
 _MESH_MAGIC = b"palpmsh1"  # scenes/mesh/mesh_packet.cpp
+_OWN = pathlib.Path(__file__).with_name("programs") / "bin"  # of a wheel
+
+if _OWN.exists():
+    _offer_programs(str(_OWN))
 
 
 def _program(name):
-    """A program of Palpate: in $PALPATE_PROGRAMS, or else on the PATH."""
+    """A program of Palpate: in $PALPATE_PROGRAMS, or else beside this module or on the PATH."""
     folder = os.environ.get("PALPATE_PROGRAMS")
-    found = shutil.which(name, path=folder) if folder else shutil.which(name)
+    found = shutil.which(name, path=folder or f"{_OWN}{os.pathsep}{os.environ.get('PATH', os.defpath)}")
     if not found:
         raise Error(
             f"{name}: is not {'in ' + folder if folder else 'on the PATH'}; install palpate-common and "

@@ -15,7 +15,13 @@ import atexit
 import os
 import weakref
 
-from palpate import _live, _prose
+from palpate import _prose
+
+try:
+    from palpate import _live
+except ImportError as error:  # of a wheel, which brings no libraries
+    raise ImportError(f"palpate.live: {error}; apt-get install libddsc0debian libspdlog1.10 libspnav0 libxxhash0, "
+                      "which are Debian 12's") from None
 from palpate._live import Felt, Silence, tool_dtype, wrench_dtype
 
 __all__ = ["Felt", "Session", "Silence", "Station", "tool_dtype", "wrench_dtype"]
@@ -28,6 +34,13 @@ def _close_all():
     """Before Python ends: threads that DDS runs are not to outlive it."""
     for opened in list(_open):
         opened.close()
+
+
+def _felt(felt):
+    return f"<palpate.live.Felt force {felt.force} N, torque {felt.torque} N m>"
+
+
+Felt.__repr__ = _felt
 
 
 class _Opened:
@@ -57,6 +70,9 @@ class Station(_Opened):
 
     def close(self):
         self._live.close()
+
+    def __repr__(self):
+        return f"<palpate.live.Station {self.name} in {self.scene}: {self.phase}>"
 
     felt = property(lambda self: self._live.felt)
     phase = property(lambda self: self._live.phase)
@@ -91,6 +107,9 @@ class Session(_Opened):
 
     def close(self):
         self._live.close()
+
+    def __repr__(self):
+        return f"<palpate.live.Session of {self.stations}>"
 
     stations = property(lambda self: self._live.phases)
     dropped = property(lambda self: self._live.dropped)
