@@ -46,6 +46,10 @@ struct LoadOptions {
 /// (mesh_scene.h). What must be built is kept in the cache.  Throws Error.
 Scene LoadScene(const std::string& name_or_path, const LoadOptions& options = {});
 
+/// Packs what a program has put together into a file *.palpate, which LoadScene and the server
+/// read, with remarks; a scene without a name gets the file's.  Throws Error.
+void SaveScene(Scene scene, const std::string& file);
+
 /// The scene file that a name stands for: NAME.json in $PALPATE_CATALOGUE, else in
 /// the catalogue that comes with the programs (common/files/project_files.h).
 std::string FindSceneFile(const std::string& name_or_path);

@@ -26,6 +26,8 @@
 
 #include "client/python/arrays.h"
 #include "client/python/report_record.h"
+#include "common/files/project_files.h"
+#include "scenes/files/scene_bundle.h"
 #include "server/library/scenes.h"
 
 // The module palpate._physics: palpate/__init__.pyi says what each of these is for, also to help().

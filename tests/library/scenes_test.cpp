@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "common/dds/wire.h"
+#include "scenes/files/scene_bundle.h"
 #include "server/library/palpate.h"
 #include "server/session/session.h"
 
