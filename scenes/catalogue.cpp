@@ -665,6 +665,13 @@ std::string FindSceneFile(const std::string& name_or_path) {
   throw Error(message + "; the path of a scene or a mesh has a / or an ending, as .json or .stl)");
 }
 
+void SaveScene(Scene scene, const std::string& file) {
+  if (!file.ends_with(".palpate")) throw Error(file + ": give a name that ends in .palpate");
+  if (scene.name.empty()) scene.name = SceneNameOf(file);
+  CheckPackable(scene);
+  WriteFileAtomically(file, PackScene(scene, 0, Remarks::kKeep));
+}
+
 std::string ScriptFileBeside(const std::string& name_or_path) {
   return fs::path(FindSceneFile(name_or_path)).replace_extension(".path.json").string();
 }

@@ -48,6 +48,9 @@ Scene LoadScene(const std::string& name_or_path, const LoadOptions& options = {}
 
 /// What names a scene by its content: as servers, recordings and reports write it, 16 digits.
 std::string SceneHash(const Scene& scene);
+/// Packs what a program has put together into a file *.palpate, which LoadScene and the server
+/// read, with remarks; a scene without a name gets the file's.  Throws Error.
+void SaveScene(Scene scene, const std::string& file);
 
 /// The scene file that a name stands for: NAME.json in $PALPATE_CATALOGUE, else in
 /// the catalogue that comes with the programs (common/files/project_files.h).

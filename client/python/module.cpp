@@ -26,6 +26,8 @@
 
 #include "client/python/arrays.h"
 #include "client/python/report_record.h"
+#include "common/files/project_files.h"
+#include "scenes/files/scene_bundle.h"
 #include "server/library/scenes.h"
 
 // The module palpate._physics: palpate/__init__.pyi says what each of these is for, also to help().
@@ -511,10 +513,10 @@ void DefineReports(py::module_& module) {
                        lever_cross_normal_m, offset_m, force_N, friction_N, stiffness_N_per_m,
                        static_friction, dynamic_friction);
   PYBIND11_NUMPY_DTYPE(ReportRecord, force_N, torque_Nm, tool, soft_force_N, soft_torque_Nm,
-                       bur_force_N, bur_m, cut_volume_m3, faults, contacts, soft_contacts, listed,
-                       substeps, predicted_pairs, qp_iterations, friction_iterations,
-                       friction_lowered, friction_unsolved, friction_resets, truncation_m,
-                       prediction_ns, rows_ns, solve_ns, response_ns, rows);
+                       bur_force_N, bur_m, faults, contacts, soft_contacts, listed, substeps,
+                       predicted_pairs, qp_iterations, friction_iterations, friction_lowered,
+                       friction_unsolved, friction_resets, truncation_m, prediction_ns, rows_ns,
+                       solve_ns, response_ns, rows);
   module.attr("report_dtype") = py::dtype::of<ReportRecord>();
   py::class_<Report>(module, "Report")
       .def_property_readonly("force",

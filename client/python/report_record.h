@@ -21,7 +21,7 @@ struct RowRecord {
 /// All that a StepReport and its StageTimes say.
 struct ReportRecord {
   double force_N[3], torque_Nm[3], tool[7];
-  double soft_force_N[3], soft_torque_Nm[3], bur_force_N[3], bur_m[3], cut_volume_m3;
+  double soft_force_N[3], soft_torque_Nm[3], bur_force_N[3], bur_m[3];
   std::uint32_t faults;
   std::int32_t contacts, soft_contacts, listed, substeps, qp_iterations;
   std::int32_t friction_iterations, friction_lowered, friction_unsolved, friction_resets;
@@ -61,7 +61,6 @@ inline RowRecord ToRecord(const ActiveRow& row) {
 
 inline ReportRecord ToRecord(const StepReport& report, const StageTimes& times = {}) {
   ReportRecord out{};
-  out.cut_volume_m3 = report.cut_volume;
   out.faults = report.faults;
   out.contacts = Contacts(report);
   out.soft_contacts = report.soft_contacts;

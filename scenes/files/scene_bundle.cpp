@@ -738,11 +738,4 @@ void CheckPackable(const Scene& scene) {
   }
 }
 
-void SaveScene(Scene scene, const std::string& file) {
-  if (!file.ends_with(".palpate")) throw Error(file + ": give a name that ends in .palpate");
-  if (scene.name.empty()) scene.name = SceneNameOf(file);
-  CheckPackable(scene);
-  WriteFileAtomically(file, PackScene(scene, 0, Remarks::kKeep));
-}
-
 }  // namespace palpate

@@ -41,10 +41,6 @@ std::uint64_t ContentKey(std::span<const std::uint8_t> bytes, const std::string&
 /// tool or object, a name that is none.
 void CheckPackable(const Scene& scene);
 
-/// Packs what a program has put together into a file *.palpate, with remarks; a scene without a
-/// name gets the file's.  Throws Error.
-void SaveScene(Scene scene, const std::string& file);
-
 /// True where the bytes begin as a bundle does.
 bool LooksLikeBundle(std::string_view bytes);
 

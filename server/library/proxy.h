@@ -29,6 +29,7 @@ class Proxy {
 
   /// One cycle, to be called once for each new pose of the hand: 1 kHz, say (HapticStep).
   /// Real-time: no allocation, lock, log or clock.  Deterministic: equal poses, equal bits.
+  /// @param X_WH   pose of the hand in W.
   /// @param times  where given, the stages are timed by a clock; the bits are the same.
   StepReport Step(const Pose& X_WH, StageTimes* times = nullptr) noexcept {
     return HapticStep(model_, Unit(X_WH), state_, workspace_, times);

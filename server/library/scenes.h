@@ -14,9 +14,7 @@
 ///
 /// Meshes are read by palpate-import, and catalogue and models are found beside it: where
 /// $PALPATE_PROGRAMS names its folder, or it is on the PATH (Debian's package palpate-common).
-#include "common/files/project_files.h"  // IWYU pragma: export
-#include "common/json/pose_script.h"     // IWYU pragma: export
-#include "scenes/catalogue.h"            // IWYU pragma: export
-#include "scenes/files/scene_bundle.h"   // IWYU pragma: export
-#include "scenes/progress_line.h"        // IWYU pragma: export
-#include "server/library/physics.h"      // IWYU pragma: export
+#include "common/json/pose_script.h"  // IWYU pragma: export
+#include "scenes/catalogue.h"         // IWYU pragma: export
+#include "scenes/progress_line.h"     // IWYU pragma: export
+#include "server/library/physics.h"   // IWYU pragma: export

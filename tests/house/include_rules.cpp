@@ -115,7 +115,8 @@ const std::vector<Rule> kRules = {
     // The library of server/library, for Python.
     {"client/python",
      {"server/library/scenes.h", "common/error.h", "common/math/pose.h", "common/math/pose_check.h",
-      "client/python/arrays.h", "client/python/report_record.h"},
+      "common/files/project_files.h", "scenes/files/scene_bundle.h", "client/python/arrays.h",
+      "client/python/report_record.h"},
      {},
      {"pybind11"}},
     // A station like any other, whose hand a program of Python's moves: it runs the station's own

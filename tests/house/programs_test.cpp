@@ -107,10 +107,10 @@ TEST(Programs, EndWithTwoWhereTheCommandLineIsWrong) {
 
 TEST(Scripts, TeachAndRefuseLikeThePrograms) {
   for (const std::string script :
-       {"deploy/demo", "deploy/setup", "deploy/package", "deploy/container/run", "tests/run",
-        "tests/deploy/try_packages", "tests/deploy/try_containers", "tests/deploy/try_pod",
-        "tests/deploy/try_services", "tests/benchmarks/capacity_model", "tests/benchmarks/publish",
-        "tests/benchmarks/page"}) {
+       {"deploy/demo", "deploy/setup", "deploy/package", "deploy/wheel", "deploy/container/run",
+        "tests/run", "tests/deploy/try_packages", "tests/deploy/try_containers",
+        "tests/deploy/try_pod", "tests/deploy/try_services", "tests/benchmarks/capacity_model",
+        "tests/benchmarks/publish", "tests/benchmarks/page"}) {
     const std::string path = std::string(PALPATE_SOURCE_DIR) + "/" + script;
     const Output help = RunCommand({path, "--help"});
     EXPECT_EQ(help.exit_code, 0) << script;

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "common/dds/wire.h"
+#include "scenes/files/scene_bundle.h"
 #include "server/library/palpate.h"
 #include "server/session/session.h"
 #include "tests/support/effects_scene.h"
