@@ -88,6 +88,7 @@ const kFaults: readonly (readonly [number, string])[] = [
   [1 << 2, "more contacts at once than are computed; the tightest were kept"],
   [1 << 3, "the tool was jammed between surfaces"],
   [1 << 4, "a contact problem was not solved; the tool stood still"],
+  [1 << 5, "an added force of the scene failed, and is off from then on"],
   [1 << 9, "a pose was further from the last than a hand comes, and the force faded"],
   [1 << 10, "no force yet: the tool has just come, or is inside an object"],
 ];
