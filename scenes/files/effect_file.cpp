@@ -103,7 +103,10 @@ fs::path Find(const JsonNode& entry, const fs::path& folder) {
   for (const auto& other : fs::directory_iterator(shipped, ignored)) {
     names += " " + other.path().stem().string();
   }
-  node.Fail("there is no effect \"" + name + "\", looked for as" + looked + "; there are" + names +
+  const std::string there = names.empty() ? "none are in that folder (install palpate-common, or "
+                                            "let PALPATE_PROGRAMS name the programs' folder)"
+                                          : "there are" + names;
+  node.Fail("there is no effect \"" + name + "\", looked for as" + looked + "; " + there +
             ", and the file of one of your own has a / or ends in .so, and counts from the scene "
             "file (scenes/effects/README.md)");
 }

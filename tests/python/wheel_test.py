@@ -17,6 +17,14 @@ proxy = palpate.Proxy(scene.model(), path[0])
 report = next(report for report in map(proxy.step, path) if report.contacts)
 print(palpate.__file__, report.force)
 from palpate import live
+import json
+with open("honey.json", "w") as file:
+    json.dump({"tools": [{"name": "ball", "mesh": {"shape": "sphere", "radius_m": 0.005}, "leaves": 1}],
+               "objects": [{"name": "cube", "mesh": {"shape": "box", "size_m": [0.05, 0.05, 0.05]}, "leaves": 64}],
+               "effects": [{"name": "viscous"}]}, file)
+proxy = palpate.Proxy(palpate.load("./honey.json").model(), (0, 0.040, 0))
+proxy.step((0, 0.040, 0))
+assert proxy.step((0, 0.041, 0)).force[1] < 0
 """
 
 
@@ -37,6 +45,7 @@ class Wheel(unittest.TestCase):
         self.assertLess(self.wheel.stat().st_size, 10e6)
         held = set(zipfile.ZipFile(self.wheel).namelist())
         for file in ("palpate/__init__.pyi", "palpate/programs/bin/palpate-import",
+                     "palpate/programs/lib/palpate/effects/viscous.so",
                      "palpate/programs/share/palpate/catalogue/bunny-bunny.path.json"):
             self.assertIn(file, held)
 

@@ -3,10 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <xxhash.h>
 
 #include "common/dds/cdr.h"
 #include "common/dds/topics.h"
+#include "common/files/bundle_hash.h"
 #include "tests/support/eventually.h"
 #include "tests/support/test_domain.h"
 
@@ -24,7 +24,7 @@ struct Server {
     wire::SceneBundle sample{};
     wire::FromText(scene, sample.scene);
     sample.server_run = run;
-    sample.hash = XXH3_64bits(bytes.data(), bytes.size()) + forged;
+    sample.hash = BundleHash(bytes) + forged;
     sample.bundle._buffer = bytes.data();
     sample.bundle._length = sample.bundle._maximum = static_cast<std::uint32_t>(bytes.size());
     ASSERT_TRUE(bundles.Write(sample));
@@ -116,7 +116,7 @@ TEST_F(TopicFeedTest, FindsTheBundleInTheBytesThatTravelled) {
     server_.WriteBundle(name, 1, bytes);
     ASSERT_TRUE(PollUntil([&] { return feed_.scenes().contains(name); }));
     const SceneBytes& scene = feed_.scenes().at(name);
-    EXPECT_EQ(scene.hash, XXH3_64bits(bytes.data(), bytes.size()));
+    EXPECT_EQ(scene.hash, BundleHash(bytes));
     EXPECT_EQ(std::vector(scene.bundle.begin(), scene.bundle.end()), bytes);
   }
 }
