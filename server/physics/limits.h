@@ -116,7 +116,7 @@ namespace cutting {
 inline constexpr double kLookAhead = 1.5;
 /// What a cycle's removal costs at most, in distances to the bur (CutAway::looks), some 30 ns each:
 /// a further sub-step begins only where one like the last stays within it, 0.45 ms.  A ball of 1.4
-/// mm that is all in the material takes 10,000 in a sub-step at 50 um.  Taken.
+/// mm that is all in the material takes 8,000 in a sub-step of 75 um at 50 um.  Taken.
 inline constexpr int kMostLooks = 15000;
 /// Of the drag of a bur that spins, what a cycle takes over: 20 ms.  A drag f presses a ball
 /// against the walls of its cavity by g f at most, a quarter turn on, with g some 1.5 mu_c; shares
@@ -262,7 +262,7 @@ inline constexpr double kSetFar = kMaxSubsteps * kMaxTranslation;
 /// given up at once where there is no room.  Taken.
 inline constexpr std::size_t kBlocks = 256, kMostOfBlock = 1024, kGivenUp = 32;
 /// Blocks that are followed at once: what a bur of 1.4 mm changes in some milliseconds at 50 um.
-/// And how many bodies a cycle makes anew for that, 0.1 ms each.
+/// And up to how many bodies of its own a cycle makes others anew for that, 0.1 ms each.
 inline constexpr std::size_t kMostFollowed = 256;
 inline constexpr int kMadeACycle = 1;
 /// What making a body counts, in looks: 0.09 ms.  So a cycle makes four.

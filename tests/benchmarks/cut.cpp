@@ -183,7 +183,6 @@ Way GoTheWay(const Case& c, const SolidGrid& block, Times& times) {
   const int rise = static_cast<int>(0.05 / dt);
   const double feed_end = 0.6e-3;
   bool down = true;
-  // The rise goes through what is clear.
   const double whole = test::TotalLeft(cut);
   for (int count = 0, risen = 0; hand.x() < feed_end; ++count) {
     const bool rising = !down && risen < rise;
@@ -216,10 +215,10 @@ Way GoTheWay(const Case& c, const SolidGrid& block, Times& times) {
     way.turns.push_back(step.iterations);
     way.unsolved += step.status != QpStatus::kSolved;
     bur_at += v;
+    way.rows_volume += rows.VolumeOf(x, 3);
     if (rising) continue;  // through what it has cleared
     const Vec3 force = kStiffness * (v - t), exact = ExactForce(c, fine, bur_at, v / dt);
     const double work = rows.WorkOf(x, 3);
-    way.rows_volume += rows.VolumeOf(x, 3);
     way.work += kStiffness * work;
     way.least_work = std::min(way.least_work, kStiffness * work);
     way.law_work -= exact.dot(v);

@@ -43,7 +43,7 @@ struct BlockBody {
 };
 
 /// Bodies of all blocks of a scene's solids as they are before anything is cut: most of a solid
-/// never is.  Of a tooth of 10 mm at 50 um some 60 MB, which the sessions of a scene share.
+/// never is.  Of a tooth of 10 mm at 50 um 78 MB, which the sessions of a scene share.
 class UncutBodies {
  public:
   UncutBodies() = default;

@@ -15,10 +15,10 @@ namespace palpate {
 ///
 /// Of a block that is cut, or beside one, a body is made when a pair of the front first has to look
 /// into its box.  They are of one time, so that their triangles join: of a copy of what was cut,
-/// which follows it.  What lies
-/// between is still an obstacle, and so what was proven apart is apart.  To follow, those blocks
-/// that have changed are copied all at once, the bodies that they change are made anew, a few in
-/// each cycle, and then take the old ones' places together.
+/// which follows it.  What lies between is still an obstacle, and so what was proven apart is
+/// apart.  To follow, those blocks that have changed are copied all at once, the bodies that they
+/// change are made anew, where a cycle has made none, and then take the old ones' places together.
+/// All other blocks have the bodies that were made with the scene.
 ///
 /// A value: copied, it goes on alike.  Real-time but for the constructor, as long as no block has
 /// more than limits::mesh::kMostOfBlock triangles: a block that has is closed to tools.
@@ -34,7 +34,7 @@ class FeltSolids {
   void Forget() { forgotten_ = true; }
   /// Where a cycle begins, and before anything else is asked.
   void Begin(std::span<const CutField> cuts, SeparationFront& front) noexcept;
-  /// Follows what was cut, where a cycle ends: bodies are made anew where it made few itself.
+  /// Follows what was cut, where a cycle ends.
   void Follow(std::span<const CutField> cuts, SeparationFront& front) noexcept;
 
   /// The body of a block by its number, which is not that of any of the scene's own.
