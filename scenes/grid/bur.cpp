@@ -115,67 +115,6 @@ double Bur::Distance(const Vec3& p_T, Vec3& gradient_T) const noexcept {
   return distance - rounding_;
 }
 
-double Bur::DistanceToWay(const Vec3& p_T, const Vec3& step_T, double within) const noexcept {
-  // The end first: before a bur that goes ahead, most points are nearest to that.
-  Vec3 gradient;
-  double high = Distance(p_T - step_T, gradient);
-  const double beyond = high - within;
-  if (beyond > 0.0 && beyond * beyond > step_T.squaredNorm()) return high;
-  double high_slope = -gradient.dot(step_T);
-  if (high_slope <= 0.0 || beyond > high_slope) return high;
-  double low = Distance(p_T, gradient);
-  double low_slope = -gradient.dot(step_T);
-  if (low_slope >= 0.0) return low;
-  double from = 0.0, to = 1.0;
-  for (int turn = 0; turn < 3; ++turn) {
-    const double t = from + (to - from) * low_slope / (low_slope - high_slope);
-    const double distance = Distance(p_T - t * step_T, gradient);
-    const double slope = -gradient.dot(step_T);
-    if (slope < 0.0) {
-      from = t;
-      low_slope = slope;
-      low = std::min(low, distance);
-    } else {
-      to = t;
-      high_slope = slope;
-      high = std::min(high, distance);
-      if (slope == 0.0) break;
-    }
-  }
-  return std::min(low, high);
-}
-
-int Bur::DistancesToWay(const Vec3& first_T, const Vec3& apart_T, const Vec3& step_T,
-                        const std::array<double, 8>& within,
-                        std::array<double, 8>& distance) const noexcept {
-  if (count_ > 1) {
-    const double apart = apart_T.norm(), step = step_T.norm();
-    int looks = 0;
-    double known = -1e300;
-    for (std::size_t n = 0; n < 8; ++n, known -= apart) {
-      // It falls no faster than the row goes on.
-      if (known - step <= within[n]) {
-        known = DistanceToWay(first_T + double(n) * apart_T, step_T, within[n]);
-        ++looks;
-      }
-      distance[n] = known;
-    }
-    return looks;
-  }
-  // A ball sweeps a capsule: of its axis a point sees the place it is beside, or an end.
-  const double squared = step_T.squaredNorm(), inverse = squared > 0.0 ? 1.0 / squared : 0.0;
-  const double x = first_T.x(), y = first_T.y(), z = first_T.z() - points_[0].z;
-  for (std::size_t n = 0; n < 8; ++n) {
-    const double at = static_cast<double>(n);
-    const double px = x + at * apart_T.x(), py = y + at * apart_T.y(), pz = z + at * apart_T.z();
-    const double along = px * step_T.x() + py * step_T.y() + pz * step_T.z();
-    const double t = std::min(std::max(along * inverse, 0.0), 1.0);
-    const double dx = px - t * step_T.x(), dy = py - t * step_T.y(), dz = pz - t * step_T.z();
-    distance[n] = std::sqrt(dx * dx + dy * dy + dz * dz) - rounding_;
-  }
-  return 2;
-}
-
 std::vector<BurSample> Bur::Samples(int count) const {
   Require(count > 0, "samples: " + std::to_string(count) + " are not allowed; give at least 1");
   // The surface's curve, in pieces from tip to top: a point of the curve, and the normal there.

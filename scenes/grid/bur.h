@@ -43,22 +43,6 @@ class Bur {
   /// Distance of a point of T to the surface, below 0 within, and its gradient.  Exact.  Real-time.
   double Distance(const Vec3& p_T, Vec3& gradient_T) const noexcept;
 
-  /// Distance of a point to all that the bur passes on its way x + t step, 0 <= t <= 1, without
-  /// turning: t -> distance is convex, for the bur is, and so two distances with their slopes tell
-  /// whether the nearest place lies between, where regula falsi on the slope finds it.  Never below
-  /// the truth.  Outside of a ball within 1e-4 of the step's length above it, and within a
-  /// twentieth where slopes leap: deep within, below sharp edges.  Exact at the way's ends.
-  /// Real-time.
-  /// `within`: farther points get their distance to the way's end.
-  double DistanceToWay(const Vec3& p_T, const Vec3& step_T, double within = 1e300) const noexcept;
-
-  /// The same of eight points in a row, `apart_T` from each other; one that is farther than
-  /// `within` says may get less than its distance, but no less than `within`.  Below 0, `within`
-  /// may be any. Returns how many distances that took; of a ball all eight take as long as one.
-  int DistancesToWay(const Vec3& first_T, const Vec3& apart_T, const Vec3& step_T,
-                     const std::array<double, 8>& within,
-                     std::array<double, 8>& distance) const noexcept;
-
   /// `count` samples of the same area on a spiral of golden angles (Swinbank & Purser, Q. J. Royal
   /// Meteorological Soc. 132 (2006) 1769-1793).  Deterministic.  Set-up.
   std::vector<BurSample> Samples(int count) const;
@@ -73,6 +57,7 @@ class Bur {
   double radius() const { return radius_; }
 
  private:
+  friend class BurSweep;
   struct Point {
     double rho, z;
     bool operator==(const Point&) const = default;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/error.h"
+#include "scenes/grid/bur_sweep.h"
 #include "scenes/mesh/figure.h"
 
 namespace palpate {
@@ -13,6 +14,8 @@ constexpr int kSide = SparseField::kSide;
 constexpr int kRows = kSide * kSide;
 /// Farther than any value lasts: every row is looked at again [m].
 constexpr double kFar = 1e3;
+/// Of a bur that is no ball a row takes as long as so many of a ball: measured.
+constexpr int kLooksOfRow = 3;
 /// For what sums of ways and distances lose by rounding [m].
 constexpr double kRounding = 1e-12;
 /// Columns of a voxel, for its share: a Fibonacci lattice (Niederreiter & Sloan, J. Comp. Appl.
@@ -191,23 +194,30 @@ void CutField::Store(std::size_t block) noexcept {
   std::fill_n(still_.data() + static_cast<std::size_t>(entry) * kRows, kRows, 0.0);
 }
 
-bool CutField::TakeStorage(const int low[3], const int high[3], const Bur& bur, const Pose& X_TB,
-                           const Vec3& step_T) noexcept {
+bool CutField::TakeStorage(const int low[3], const int high[3], const BurSweep& sweep,
+                           const Pose& X_TB) noexcept {
   const Lattice& lattice = field_.lattice();
   // From a block's middle to its farthest point, and the band beyond the bur.
   const double reach = field_.band() + 3.5 * std::sqrt(3.0) * lattice.spacing;
+  const Vec3 apart = X_TB.q * (kSide * lattice.spacing * Vec3::UnitX());
+  BurSweep::Row within, distance;
+  within.fill(reach);
   std::size_t wanted = 0;
   for (int k = low[2]; k <= high[2]; ++k) {
     for (int j = low[1]; j <= high[1]; ++j) {
       for (int i = low[0]; i <= high[0]; ++i) {
+        const int n = (i - low[0]) % BurSweep::kRow;
+        if (n == 0) {
+          sweep.Distances(X_TB * (lattice.Point(kSide * i, kSide * j, kSide * k) +
+                                  Vec3::Constant(3.5 * lattice.spacing)),
+                          apart, within, distance);
+        }
         const std::size_t block = field_.BlockIndex(i, j, k);
         if (field_.entry(block) == SparseField::kAbove ||
-            solid_->field().entry(block) == SparseField::kAbove) {
+            solid_->field().entry(block) == SparseField::kAbove ||
+            distance[static_cast<std::size_t>(n)] > reach) {
           continue;
         }
-        const Vec3 middle =
-            lattice.Point(8 * i, 8 * j, 8 * k) + Vec3::Constant(3.5 * lattice.spacing);
-        if (bur.DistanceToWay(X_TB * middle, step_T) > reach) continue;
         const bool stored = field_.entry(block) >= 0;
         if (!stored && ++wanted > field_.free_blocks()) return false;
         touched_.push_back({block, {i, j, k}});
@@ -231,38 +241,26 @@ double CutField::GoneSince(const Bur& bur, const Pose& X_BT) const noexcept {
 
 /// A point whose value is v, and the bur d away at a step's end, can change no sooner than the bur
 /// has gone d + v farther: so rows behind the bur, and far ahead of it, are left out.
-bool CutField::Raise(const Touched& touched, const Bur& bur, const Pose& X_TB,
-                     const Vec3& step_T) noexcept {
+bool CutField::Raise(const Touched& touched, const BurSweep& sweep, const Pose& X_TB) noexcept {
   const Lattice& lattice = field_.lattice();
   const Mat3 R_TB = X_TB.q.toRotationMatrix();
   const Vec3 first = X_TB * lattice.Point(8 * touched.at[0], 8 * touched.at[1], 8 * touched.at[2]);
   const Vec3 along = lattice.spacing * R_TB.col(0);
-  const float band = field_.band();
   const std::int32_t entry = field_.entry(touched.block);
   float* values = field_.values(entry);
   double* still = still_.data() + static_cast<std::size_t>(entry) * kRows;
   bool changed = false;
-  for (int n = 0; n < SparseField::kPoints; n += kSide) {
-    if (gone_ <= still[n / kSide]) continue;
-    const int y = n >> 3 & 7, z = n >> 6;
-    const Vec3 row = first + lattice.spacing * (y * R_TB.col(1) + z * R_TB.col(2));
-    float* value = values + n;
-    std::array<double, kSide> within, distance;
-    // Only a distance below -value raises a point, and none what is clear.
-    for (std::size_t x = 0; x < kSide; ++x) {
-      within[x] = value[x] < band ? static_cast<double>(-value[x]) : -HUGE_VAL;
-    }
-    looks_ += bur.DistancesToWay(row, along, step_T, within, distance);
-    double room = kFar;
-    for (std::size_t x = 0; x < kSide; ++x) {
-      const auto depth = static_cast<float>(-distance[x]);
-      const float before = value[x];
-      value[x] = std::min(std::max(depth, before), band);
-      changed = changed || value[x] > before;
-      if (value[x] < band) room = std::min(room, distance[x] + value[x]);
-    }
-    still[n / kSide] = gone_ + room - kRounding;
+  int rows = 0;
+  for (int row = 0; row < kRows; ++row) {
+    if (gone_ <= still[row]) continue;
+    const Vec3 from =
+        first + lattice.spacing * (row % kSide * R_TB.col(1) + row / kSide * R_TB.col(2));
+    const BurSweep::Raised raised = sweep.Raise(from, along, field_.band(), values + row * kSide);
+    changed = changed || raised.any;
+    ++rows;
+    still[row] = gone_ + std::min(raised.room, kFar) - kRounding;
   }
+  looks_ += rows * (sweep.IsOfBall() ? 1 : kLooksOfRow);
   return changed;
 }
 
@@ -280,7 +278,7 @@ CutAway CutField::Remove(const Bur& bur, const Pose& X_BT, const Vec3& step_B) n
   touched_.clear();
   const Lattice& lattice = field_.lattice();
   const Pose X_TB = X_BT.Inverse();
-  const Vec3 step_T = X_TB.q * step_B;
+  const BurSweep sweep(bur, X_TB.q * step_B);
   // The box of the bur's two ends of the axis, wherever it points, and of its way.
   const Vec3 z = X_BT.q * Vec3::UnitZ();
   const Vec3 margin = Vec3::Constant(field_.band() + bur.radius());
@@ -299,7 +297,7 @@ CutAway CutField::Remove(const Bur& bur, const Pose& X_BT, const Vec3& step_B) n
     low[d] = static_cast<int>(std::max(0.0, min[d] / block));
     high[d] = static_cast<int>(std::min(blocks - 1.0, max[d] / block));
   }
-  if (!TakeStorage(low, high, bur, X_TB, step_T)) {
+  if (!TakeStorage(low, high, sweep, X_TB)) {
     touched_.clear();
     removal.full = true;
     return removal;
@@ -310,7 +308,7 @@ CutAway CutField::Remove(const Bur& bur, const Pose& X_BT, const Vec3& step_B) n
   end_ = {X_BT.p + step_B, X_BT.q};
   looks_ = 0;
   for (const Touched& touched : touched_) {
-    if (!Raise(touched, bur, X_TB, step_T)) continue;
+    if (!Raise(touched, sweep, X_TB)) continue;
     Wait(touched.block);
     ReleaseIfClear(touched.block);
   }

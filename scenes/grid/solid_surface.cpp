@@ -1,6 +1,7 @@
 #include "scenes/grid/solid_surface.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <optional>
 #include <span>
@@ -16,7 +17,7 @@ constexpr int kSide = SparseField::kSide;
 /// the latter the farthest corners are those of the eights of cells from -4 and from 8; and one
 /// more for gradients.
 constexpr int kBefore = 5, kBehind = 4;
-constexpr int kWide = kBefore + kSide + kBehind;
+constexpr int kWide = kBefore + kSide + kBehind, kPoints = kWide * kWide * kWide;
 /// Eights of cells in a row: the first begins one before the first point.
 constexpr int kEights = (kWide + 1) / 2;
 /// A gradient's square misses 1 by rounding alone where a face is flat, by some h^2 / 3R^2 where it
@@ -130,6 +131,10 @@ constexpr std::array<int, 27> MakeCornersRound() {
   return all;
 }
 constexpr std::array<int, 27> kCornersRound = MakeCornersRound();
+/// How far the next of them along an axis is, and which have one.
+constexpr int kNextOf27[3] = {1, 3, 9};
+constexpr std::uint32_t kHasNext[3] = {0b011011011'011011011'011011011,
+                                       0b000111111'000111111'000111111, (1u << 18) - 1};
 
 /// A point of the block or round it, from 0 in the margin's corner.
 struct Place {
@@ -152,7 +157,11 @@ constexpr int kStride[3] = {1, kWide, kWide* kWide};
 class Contour {
  public:
   Contour(const SolidFields& fields, std::size_t block, SolidSurface& surface)
-      : fields_of_(fields), grid_(fields.solid), surface_(surface), lattice_(fields.cut.lattice()) {
+      : fields_of_(fields),
+        grid_(fields.solid),
+        surface_(surface),
+        lattice_(fields.cut.lattice()),
+        scale_(static_cast<float>(1.0 / lattice_.spacing)) {
     const std::array<int, 3> at = lattice_.BlockAt(block);
     for (std::size_t k = 0; k < 3; ++k) first_[k] = kSide * at[k];
   }
@@ -176,18 +185,25 @@ class Contour {
   }
 
   void Load() {
-    for (int n = 0; n < 27; ++n) {
-      const int b[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
-      Load(grid_.field(), b, fields_[0]);
-      Load(CutAt(b), b, fields_[1]);
+    for (int n = 0; n < 9; ++n) {
+      const int y = n % 3 - 1, z = n / 3 - 1;
+      for (const bool of_cut : {false, true}) LoadRows(y, z, of_cut);
     }
-    for (int n = 0; n < kWide * kWide * kWide; ++n) {
-      solid_[n] = (fields_[0][n] < 0.0f) & (fields_[1][n] < 0.0f);
+    for (int n = 0; n < kPoints; ++n) {
+      solid_[n] = static_cast<std::uint8_t>((fields_[0][n] < 0.0f) & (fields_[1][n] < 0.0f));
+    }
+    // Of cells that end beyond the margin it is not that, and nobody asks.
+    constexpr int kLast = kStride[0] + kStride[1] + kStride[2];
+    for (int n = 0; n < kPoints - kLast; ++n) {
+      int corners = 0;
+      for (int c = 0; c < 8; ++c) {
+        corners |= solid_[n + (c & 1) + (c >> 1 & 1) * kStride[1] + (c >> 2) * kStride[2]] << c;
+      }
+      corners_[n] = static_cast<std::uint8_t>(corners);
     }
     std::ranges::fill(eight_, kUnknown);
-    std::fill_n(&vertex_[0][0], kWide * kWide * kWide * 4, std::int16_t{-1});
-    std::fill_n(&crossing_[0][0], kWide * kWide * kWide * 3, std::int16_t{-1});
-    std::ranges::fill(kept_number_, std::int16_t{-1});
+    std::ranges::fill(vertex_, kNone);
+    std::ranges::fill(kept_number_, kNone);
   }
 
   /// The block's own triangles.
@@ -195,8 +211,9 @@ class Contour {
     for (int k = kBefore; k < kBefore + kSide; ++k) {
       for (int j = kBefore; j < kBefore + kSide; ++j) {
         for (int i = kBefore; i < kBefore + kSide; ++i) {
+          const Place p{{i, j, k}};
+          if (IsUniform(p)) continue;
           for (int d = 0; d < 3; ++d) {
-            const Place p{{i, j, k}};
             if (Crosses(p, d)) AddAcross(p, d);
           }
         }
@@ -213,6 +230,7 @@ class Contour {
         for (int i = first; i <= last; ++i) {
           if (std::min({i, j, k}) >= kBefore && std::max({i, j, k}) < last) continue;
           const Place p{{i, j, k}};
+          if (IsUniform(p)) continue;
           for (int d = 0; d < 3; ++d) {
             if (Crosses(p, d) && HasVertexBefore(own, p, d)) AddAcross(p, d);
           }
@@ -242,39 +260,45 @@ class Contour {
     return is_later ? *fields_of_.later : fields_of_.cut;
   }
 
-  /// Of a block, what lies within the margins.
-  void Load(const SparseField& field, const int b[3], float* values) const {
-    const auto scale = static_cast<float>(1.0 / lattice_.spacing);
-    const auto block = BlockAt(b);
-    int low[3], high[3];
-    for (int a = 0; a < 3; ++a) {
-      low[a] = b[a] < 0 ? kSide - kBefore : 0;
-      high[a] = b[a] > 0 ? kBehind : kSide;
+  /// Of three blocks in a row along x, what lies within the margins.
+  void LoadRows(int y, int z, bool of_cut) {
+    constexpr int kFirst[3] = {kSide - kBefore, 0, 0}, kCount[3] = {kBefore, kSide, kBehind};
+    constexpr int kAt[3] = {0, kBefore, kBefore + kSide};
+    const float* from[3];
+    float all[3];
+    for (int n = 0; n < 3; ++n) {
+      const int b[3] = {n - 1, y, z};
+      const SparseField& field = of_cut ? CutAt(b) : grid_.field();
+      const auto block = BlockAt(b);
+      const std::int32_t entry = block ? field.entry(*block) : field.around();
+      from[n] = entry >= 0 ? field.values(entry) + kFirst[n] : nullptr;
+      all[n] = entry == SparseField::kBelow ? -field.band() : field.band();
     }
-    const int at_first = ((kBefore + kSide * b[2]) * kWide + kBefore + kSide * b[1]) * kWide +
-                         kBefore + kSide * b[0];
-    const std::int32_t entry = block ? field.entry(*block) : field.around();
-    const float all = entry == SparseField::kBelow ? -field.band() : field.band();
-    for (int k = low[2]; k < high[2]; ++k) {
-      for (int j = low[1]; j < high[1]; ++j) {
-        float* const row = values + at_first + (k * kWide + j) * kWide;
-        const float* from =
-            entry >= 0 ? field.values(entry) + SparseField::PointIndex(0, j, k) : nullptr;
-        for (int i = low[0]; i < high[0]; ++i) row[i] = scale * (from != nullptr ? from[i] : all);
+    for (int k = 0; k < kCount[z + 1]; ++k) {
+      for (int j = 0; j < kCount[y + 1]; ++j) {
+        float* const row = fields_[of_cut] + ((kAt[z + 1] + k) * kWide + kAt[y + 1] + j) * kWide;
+        const int at = SparseField::PointIndex(0, kFirst[y + 1] + j, kFirst[z + 1] + k);
+        Copy<kBefore>(from[0], at, all[0], row);
+        Copy<kSide>(from[1], at, all[1], row + kBefore);
+        Copy<kBehind>(from[2], at, all[2], row + kBefore + kSide);
       }
     }
   }
 
-  /// Solid corners of the cell whose lowest is p, or of several cells' cube.
-  int CornersOf(const Place& p, int side = 1) const {
-    int corners = 0;
-    for (int c = 0; c < 8; ++c) {
-      const int at =
-          p.index() + side * ((c & 1) + (c >> 1 & 1) * kStride[1] + (c >> 2) * kStride[2]);
-      corners |= int{solid_[at]} << c;
+  template <int count>
+  static void Copy(const float* from, int at, float all, float* to) {
+    if (from != nullptr) {
+      std::copy_n(from + at, count, to);
+    } else {
+      std::fill_n(to, count, all);
     }
-    return corners;
   }
+
+  /// A field's value at a point [h].
+  float At(int field, int point) const { return scale_ * fields_[field][point]; }
+
+  /// Solid corners of the cell whose lowest is p.
+  int CornersOf(const Place& p) const { return corners_[p.index()]; }
 
   int SheetOf(const Place& cell, int edge) const {
     return kSheets[static_cast<std::size_t>(CornersOf(cell))].of[static_cast<std::size_t>(edge)];
@@ -283,12 +307,12 @@ class Contour {
   /// Where max(phi_0, phi_c) crosses 0 on the edge from a point along d, 0 to 1, and which field
   /// does: interpolated, the one that does so first coming from the solid.
   double Cross(const Place& lower, int d, int& field) const {
-    const bool up = solid_[lower.index()];
+    const bool up = solid_[lower.index()] != 0;
     const int upper = lower.index() + kStride[d];
     const int solid = up ? lower.index() : upper, free = up ? upper : lower.index();
     double t = 2.0;
     for (int f = 0; f < 2; ++f) {
-      const double a = fields_[f][solid], b = fields_[f][free];
+      const double a = At(f, solid), b = At(f, free);
       if (b < 0.0 || a / (a - b) >= t) continue;
       t = a / (a - b);
       field = f;
@@ -315,11 +339,12 @@ class Contour {
   /// where the nearest face changes, differences to one side each, those that agree best.
   /// Of a convex edge a solid point sees one face or the other, and a free one a plane through the
   /// edge; of a hollow one it is the other way round.
-  Face FaceAt(const float* field, int at) const {
+  Face FaceAt(int field, int at) const {
+    const double here = At(field, at);
     Vec3 back, ahead;
     for (int a = 0; a < 3; ++a) {
-      back[a] = double{field[at]} - field[at - kStride[a]];
-      ahead[a] = double{field[at + kStride[a]]} - field[at];
+      back[a] = here - At(field, at - kStride[a]);
+      ahead[a] = At(field, at + kStride[a]) - here;
     }
     Vec3 best = 0.5 * (back + ahead);
     double off = std::abs(best.squaredNorm() - 1.0);
@@ -331,7 +356,7 @@ class Contour {
         best = g;
       }
     }
-    return {best.normalized(), field[at], kLeast + 1.0 / (1.0 + off * off / (kDoubt * kDoubt))};
+    return {best.normalized(), here, kLeast + 1.0 / (1.0 + off * off / (kDoubt * kDoubt))};
   }
 
   /// Up to four cells ask for each: those of late are kept.
@@ -343,8 +368,8 @@ class Contour {
     kept_number_[slot] = static_cast<std::int16_t>(number);
     int field = 0;
     edge.t = Cross(lower, d, field);
-    Face& one = edge.face[0] = FaceAt(fields_[field], lower.index());
-    Face& other = edge.face[1] = FaceAt(fields_[field], lower.index() + kStride[d]);
+    Face& one = edge.face[0] = FaceAt(field, lower.index());
+    Face& other = edge.face[1] = FaceAt(field, lower.index() + kStride[d]);
     edge.is_one = one.normal.dot(other.normal) >= kSame;
     if (edge.is_one) {
       one.normal = other.normal = (one.normal + other.normal).normalized();
@@ -442,7 +467,7 @@ class Contour {
     }
     const Sheets& sheets = kSheets[static_cast<std::size_t>(CornersOf(cell))];
     const int sheet = sheets.of[static_cast<std::size_t>(edge)];
-    std::int16_t& known = vertex_[cell.index()][sheet];
+    std::int16_t& known = OfSheet(cell, sheet);
     if (known >= 0) return static_cast<std::uint32_t>(known);
     Planes planes;
     for (int e = 0; e < 12; ++e) {
@@ -453,6 +478,14 @@ class Contour {
     known = static_cast<std::int16_t>(
         Add(PointOf(cell, planes.Meet(1.0, kBeyond, kPull)), NumberOf(cell, sheet)));
     return static_cast<std::uint32_t>(known);
+  }
+
+  /// The vertex of a cell's sheet, or kNone.
+  std::int16_t& OfSheet(const Place& cell, int sheet) {
+    if (sheet == 0) return vertex_[cell.index()];
+    if (!has_sheets_) std::fill_n(&sheet_[0][0], 3 * kPoints, kNone);
+    has_sheets_ = true;
+    return sheet_[cell.index()][sheet - 1];
   }
 
   static std::size_t EightOf(const Place& cell) {
@@ -471,13 +504,20 @@ class Contour {
     known = kAlone;
     Place first = cell;
     for (int& at : first.at) at = (at + 1) / 2 * 2 - 1;
-    if (!IsPlain(first)) return known;
+    const std::uint32_t solid = PointsOfEight(first);
+    if (!IsPlain(first, solid)) return known;
     Planes planes;
     std::optional<std::uint8_t> material;
-    for (int n = 0; n < 27; ++n) {
-      const Place lower{{first.at[0] + n % 3, first.at[1] + n / 3 % 3, first.at[2] + n / 9}};
+    // Points of which the next one along an axis differs.
+    std::uint32_t crossed[3], any = 0;
+    for (int d = 0; d < 3; ++d) {
+      any |= crossed[d] = (solid ^ solid >> kNextOf27[d]) & kHasNext[d];
+    }
+    for (; any != 0; any &= any - 1) {
+      const int n = std::countr_zero(any);
+      const Place lower = OfEight(first, n);
       for (int d = 0; d < 3; ++d) {
-        if (lower.at[d] == first.at[d] + 2 || !Crosses(lower, d)) continue;
+        if ((crossed[d] >> n & 1) == 0) continue;
         const Edge& edge = EdgeAt(lower, d);
         const std::uint8_t behind = MaterialAt(solid_[lower.index()] ? lower : lower.Moved(d, 1));
         if (!edge.is_one || material.value_or(behind) != behind) return known;
@@ -492,23 +532,42 @@ class Contour {
 
   /// Whether the surface of a cube of eight cells is that of one cell of twice the side, but for
   /// its shape (Ju et al., sec. 4.1): no point between has a sign that none of those round it have.
-  bool IsPlain(const Place& first) const {
-    const int corners = CornersOf(first, 2);
-    if (corners == 0 || corners == 255 || !kPlain[static_cast<std::size_t>(corners)]) return false;
-    for (int n = 0; n < 27; ++n) {
-      const bool solid =
-          solid_[first.index() + n % 3 + n / 3 % 3 * kStride[1] + n / 9 * kStride[2]];
-      if (((solid ? corners : ~corners) & kCornersRound[static_cast<std::size_t>(n)]) == 0) {
-        return false;
-      }
-    }
+  bool IsPlain(const Place& first, std::uint32_t solid) const {
+    const int corners = CornersOfEight(solid);
+    if (!kPlain[static_cast<std::size_t>(corners)]) return false;
     for (int c = 0; c < 8; ++c) {
       if (!kPlain[static_cast<std::size_t>(CornersOf(first.Corner(c)))]) return false;
+    }
+    for (std::size_t n = 0; n < 27; ++n) {
+      if ((((solid >> n & 1) != 0 ? corners : ~corners) & kCornersRound[n]) == 0) return false;
     }
     return true;
   }
 
+  /// The 27 points of a cube of eight cells, a bit each: which are solid.
+  std::uint32_t PointsOfEight(const Place& first) const {
+    std::uint32_t solid = 0;
+    for (int n = 0; n < 27; ++n) {
+      const int at = first.index() + n % 3 + n / 3 % 3 * kStride[1] + n / 9 * kStride[2];
+      solid |= std::uint32_t{solid_[at]} << n;
+    }
+    return solid;
+  }
+  static Place OfEight(const Place& first, int n) {
+    return {{first.at[0] + n % 3, first.at[1] + n / 3 % 3, first.at[2] + n / 9}};
+  }
+  static int CornersOfEight(std::uint32_t solid) {
+    int corners = 0;
+    for (int c = 0; c < 8; ++c) {
+      const int n = 2 * (c & 1) + 6 * (c >> 1 & 1) + 18 * (c >> 2);
+      corners |= static_cast<int>(solid >> n & 1) << c;
+    }
+    return corners;
+  }
+
   std::uint32_t CrossingOf(const Place& lower, int d) {
+    if (!has_crossings_) std::fill_n(&crossing_[0][0], 3 * kPoints, kNone);
+    has_crossings_ = true;
     std::int16_t& known = crossing_[lower.index()][d];
     if (known >= 0) return static_cast<std::uint32_t>(known);
     const Vec3 place = PointOf(lower, EdgeAt(lower, d).t * Vec3::Unit(d));
@@ -523,6 +582,7 @@ class Contour {
     surface_.materials.push_back(material);
   }
 
+  bool IsUniform(const Place& p) const { return CornersOf(p) == 0 || CornersOf(p) == 255; }
   bool Crosses(const Place& p, int d) const {
     return solid_[p.index()] != solid_[p.index() + kStride[d]];
   }
@@ -533,7 +593,8 @@ class Contour {
     const auto is_before = [&](std::int16_t vertex) { return vertex >= 0 && vertex < number; };
     for (const Place& cell : {p, p.Moved(u, -1), p.Moved(u, -1).Moved(v, -1), p.Moved(v, -1)}) {
       if (is_before(eight_[EightOf(cell)])) return true;
-      if (std::ranges::any_of(vertex_[cell.index()], is_before)) return true;
+      if (is_before(vertex_[cell.index()])) return true;
+      if (has_sheets_ && std::ranges::any_of(sheet_[cell.index()], is_before)) return true;
     }
     return false;
   }
@@ -559,7 +620,7 @@ class Contour {
   ///        +----> u             c2 ---- c3     p c0 q here, and q c1 p from there
   void AddAcross(const Place& p, int d) {
     const int u = (d + 1) % 3, v = (d + 2) % 3;
-    const bool up = solid_[p.index()];
+    const bool up = solid_[p.index()] != 0;
     const Place cells[4] = {p, p.Moved(u, -1), p.Moved(u, -1).Moved(v, -1), p.Moved(v, -1)};
     const int edges[4] = {4 * d, 4 * d + 1, 4 * d + 3, 4 * d + 2};
     const Place solid = up ? p : p.Moved(d, 1);
@@ -573,7 +634,7 @@ class Contour {
       const Place other = p.Moved(axis, by);
       const int lower = other.index(), upper = lower + kStride[d];
       shared[n] = false;
-      if (solid_[lower] == up || solid_[upper] != up) continue;  // not crossed twice
+      if ((solid_[lower] != 0) == up || (solid_[upper] != 0) != up) continue;  // not crossed twice
       const int flip = axis == u ? 1 : 2;
       const int next = (n + 1) % 4;
       shared[n] = SheetOf(cells[n], edges[n]) == SheetOf(cells[n], edges[n] ^ flip) &&
@@ -618,20 +679,24 @@ class Contour {
                             SparseField::PointIndex(i, j, k));
   }
 
+  static constexpr std::int16_t kNone = -1, kUnknown = -2, kAlone = -1;
+
   const SolidFields fields_of_;
   const SolidGrid& grid_;
   SolidSurface& surface_;
   const Lattice& lattice_;
+  const float scale_;
   int first_[3];
-  float fields_[2][kWide * kWide * kWide];
-  bool solid_[kWide * kWide * kWide];
-  static constexpr std::int16_t kUnknown = -2, kAlone = -1;
+  float fields_[2][kPoints];
+  std::uint8_t solid_[kPoints], corners_[kPoints];
   std::array<std::int16_t, static_cast<std::size_t>(kEights* kEights* kEights)> eight_;
-  std::int16_t vertex_[kWide * kWide * kWide][4];    ///< of a cell's sheets, or -1
-  std::int16_t crossing_[kWide * kWide * kWide][3];  ///< of an edge, or -1
+  std::int16_t vertex_[kPoints];                     ///< of a cell's first sheet, or kNone
+  bool has_sheets_ = false, has_crossings_ = false;  ///< else the next two are not set
+  std::int16_t sheet_[kPoints][3];                   ///< of its other sheets
+  std::int16_t crossing_[kPoints][3];                ///< of an edge, or kNone
   static constexpr std::size_t kKept = 512;
   Edge kept_[kKept];
-  std::int16_t kept_number_[kKept];  ///< 3 times the lower end's index, and the axis; or -1
+  std::int16_t kept_number_[kKept];  ///< 3 times the lower end's index, and the axis; or kNone
 };
 
 }  // namespace

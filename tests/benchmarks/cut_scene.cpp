@@ -12,6 +12,7 @@
 #include "common/error.h"
 #include "common/math/rotation.h"
 #include "scenes/catalogue.h"
+#include "scenes/grid/bur_sweep.h"
 #include "scenes/grid/solid_surface.h"
 #include "scenes/shapes/shape_kinds.h"
 #include "server/physics/haptic_step.h"
@@ -165,7 +166,8 @@ Swept SweptOf(const HapticModel& model, const Cut& cut, const CutSolid& solid) {
           const auto at = static_cast<std::size_t>((k * size.y() + j) * size.x() + i);
           if (gone[at]) continue;
           const Vec3 p = low + fine * (Vec3(double(i), double(j), double(k)) + Within(at));
-          if (!(model.cutting()->bur.DistanceToWay(piece.X_TB * p, piece.step_T) < 0.0)) continue;
+          if (!(BurSweep(model.cutting()->bur, piece.step_T).Distance(piece.X_TB * p) < 0.0))
+            continue;
           gone[at] = true;
           if (!(solid.grid->Sample(p).distance < 0.0)) continue;
           const double cell = fine * fine * fine;
@@ -223,7 +225,8 @@ std::vector<double> SurfaceErrors(const HapticModel& model, const Cut& cut, std:
       const Vec3 margin = Vec3::Constant(2.0 * h);
       if ((p.array() < (piece.low - margin).array()).any()) continue;
       if ((p.array() > (piece.high + margin).array()).any()) continue;
-      least = std::min(least, model.cutting()->bur.DistanceToWay(piece.X_TB * p, piece.step_T));
+      least =
+          std::min(least, BurSweep(model.cutting()->bur, piece.step_T).Distance(piece.X_TB * p));
     }
     return least;
   };

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "scenes/grid/bur_sweep.h"
 #include "tests/support/complaint.h"
 #include "tests/support/random.h"
 
@@ -83,7 +84,7 @@ TEST(Bur, WayOfABallIsACapsule) {
     const Vec3 p = random.InCube(0.5e-3), step = random.Uniform(0.0, 0.15e-3) * random.Direction();
     const double t = std::clamp(p.dot(step) / std::max(step.squaredNorm(), 1e-300), 0.0, 1.0);
     const double truth = (p - t * step).norm() - 0.25e-3;
-    const double distance = kBall.DistanceToWay(p, step);
+    const double distance = BurSweep(kBall, step).Distance(p);
     EXPECT_GE(distance, truth - 1e-17);
     // Away from the centre, where slopes turn within the step and no bur's band reaches.
     if (truth > -0.1e-3) {
@@ -101,10 +102,39 @@ TEST(Bur, WayIsTheNearestOfManyPlacesOnIt) {
       double truth = 1e300;
       for (int i = 0; i <= 200; ++i)
         truth = std::min(truth, DistanceOf(*bur, p - i / 200.0 * step));
-      const double distance = bur->DistanceToWay(p, step);
-      EXPECT_LE(distance, std::min(DistanceOf(*bur, p), DistanceOf(*bur, p - step)));
+      const double distance = BurSweep(*bur, step).Distance(p);
+      EXPECT_LE(distance, std::min(DistanceOf(*bur, p), DistanceOf(*bur, p - step)) + 1e-17);
       if (truth > -0.1e-3) {
         EXPECT_NEAR(distance, truth, 0.05 * step.norm());
+      }
+    }
+  }
+}
+
+// Whatever instructions a processor has: recordings are verified on others.
+TEST(Bur, RaisesARowToTheSameBitsByWhateverInstructions) {
+  if (!BurSweep::IsWide()) GTEST_SKIP() << "there is one kind only";
+  Random random(6);
+  const float band = 0.2e-3f;
+  for (const Bur* bur : kAll) {
+    for (int n = 0; n < 5000; ++n) {
+      const Vec3 step = random.Uniform(0.0, 0.1e-3) * random.Direction();
+      const BurSweep sweep(*bur, step);
+      const Vec3 first = random.InCube(1.5e-3), apart = 50e-6 * random.Direction();
+      std::array<float, 8> phi;
+      for (float& value : phi) value = static_cast<float>(random.Uniform(-0.25e-3, 0.25e-3));
+      std::array<float, 8> narrow = phi, wide = phi;
+      const BurSweep::Raised one = sweep.Raise(first, apart, band, narrow.data(), false);
+      const BurSweep::Raised other = sweep.Raise(first, apart, band, wide.data(), true);
+      ASSERT_EQ(narrow, wide);
+      ASSERT_EQ(one.any, other.any);
+      ASSERT_EQ(one.room, other.room);
+      for (std::size_t i = 0; i < 8; ++i) {
+        const double distance = sweep.Distance(first + double(i) * apart);
+        const float truth = std::min(std::max(static_cast<float>(-distance), phi[i]), band);
+        ASSERT_NEAR(narrow[i], truth, 1e-10);
+        const double end = DistanceOf(*bur, first + double(i) * apart - step);
+        ASSERT_LE(one.room, narrow[i] < band ? end + narrow[i] + 1e-10 : 1e300);
       }
     }
   }

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+
+#include "scenes/grid/bur.h"
+
+namespace palpate {
+
+/// What a bur passes on its way x + t step, 0 <= t <= 1, without turning.  Frame T is that of its
+/// beginning.  Real-time.  The same bits by whatever instructions.
+class BurSweep {
+ public:
+  /// Points of a lattice in a row.
+  static constexpr int kRow = 8;
+  using Row = std::array<double, kRow>;
+
+  BurSweep(const Bur& bur, const Vec3& step_T);
+
+  /// Distances of points in a row, `apart_T` from each other, to all that the bur passes: t ->
+  /// distance is convex, for the bur is, and so two distances with their slopes tell whether the
+  /// nearest place lies between, where regula falsi on the slope finds it.  Never below the truth.
+  /// Outside of a ball within 1e-4 of the step's length above it, and within a twentieth where
+  /// slopes leap: deep within, below sharp edges.  Exact at the way's ends.
+  /// `within`: farther points get their distance to the way's end.
+  void Distances(const Vec3& first_T, const Vec3& apart_T, const Row& within,
+                 Row& distance) const noexcept;
+  double Distance(const Vec3& p_T) const noexcept {
+    Row within, distance;
+    within.fill(1e300);
+    Distances(p_T, Vec3::Zero(), within, distance);
+    return distance[0];
+  }
+
+  /// phi <- max(phi, -distance), up to the band, at the points of a row.
+  /// `room`: by which no point below the band is sooner raised than the bur has gone so much
+  /// farther than this step's end [m].
+  struct Raised {
+    bool any;
+    double room;
+  };
+  Raised Raise(const Vec3& first_T, const Vec3& apart_T, float band, float* phi,
+               bool wide = IsWide()) const noexcept;
+  bool IsOfBall() const { return curve_.count == 1; }
+  /// Whether the processor has AVX2, by which rows take half as long.
+  static bool IsWide();
+
+  /// Its curve, as Bur has it, and its step.
+  struct Curve {
+    double rho[Bur::kMostPoints], z[Bur::kMostPoints];
+    double rho_normal[Bur::kMostPoints], z_normal[Bur::kMostPoints];
+    double inverse_squared[Bur::kMostPoints];
+    int count;
+    double rounding, step[3], step_squared, inverse_step_squared;
+  };
+
+ private:
+  Curve curve_;
+};
+
+}  // namespace palpate
