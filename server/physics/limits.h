@@ -262,9 +262,7 @@ inline constexpr double kSetFar = kMaxSubsteps * kMaxTranslation;
 /// given up at once where there is no room.  Taken.
 inline constexpr std::size_t kBlocks = 256, kMostOfBlock = 1024, kGivenUp = 32;
 /// Blocks that are followed at once: what a bur of 1.4 mm changes in some milliseconds at 50 um.
-/// And up to how many bodies of its own a cycle makes others anew for that, 0.1 ms each.
 inline constexpr std::size_t kMostFollowed = 256;
-inline constexpr int kMadeACycle = 1;
 /// What making a body counts, in looks: 0.09 ms.  So a cycle makes four.
 inline constexpr int kLooksOfBlock = 700;
 /// Pairs that a sub-step of so many looks can come to: as many near ones as it brings up to date,

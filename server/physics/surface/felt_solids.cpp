@@ -57,6 +57,7 @@ FeltSolids::Solid::Solid(const CutSolid& cut_solid)
       later_place(place) {
   felt.Reserve(cut_solid.grid->solid_blocks());
   later.Reserve(kMostFollowed);
+  affected_blocks.reserve(27 * kMostFollowed);
 }
 
 FeltSolids::FeltSolids(const UncutBodies& uncut)
@@ -88,14 +89,17 @@ void FeltSolids::Begin(std::span<const CutField> cuts, SeparationFront& front) n
 }
 
 void FeltSolids::Follow(std::span<const CutField> cuts, SeparationFront& front) noexcept {
-  if (changed_.empty()) Gather(cuts, front);
-  if (changed_.empty()) return;
-  while (made_in_cycle_ < kMadeACycle && made_ < to_make_.size()) {
+  // One thing a cycle: each takes about as long as making a body.
+  if (made_in_cycle_ > 0) return;
+  if (changed_.empty()) {
+    Gather(cuts, front);
+  } else if (made_ == to_make_.size()) {
+    Commit(front);
+  } else {
     const Block& block = to_make_[made_++];
     SolidOf(block).later_place[static_cast<std::size_t>(block.block)] =
         Make(block, Use::kLater, front);
   }
-  if (made_ == to_make_.size()) Commit(front);
 }
 
 void FeltSolids::TakeAll(std::span<const CutField> cuts) noexcept {
@@ -107,6 +111,7 @@ void FeltSolids::TakeAll(std::span<const CutField> cuts) noexcept {
     Solid& solid = solids_[s];
     const CutField& cut = cuts[s];
     solid.later.Clear();
+    solid.affected_blocks.clear();
     std::fill(solid.place.begin(), solid.place.end(), kNone);
     for (std::size_t block = 0; block < solid.followed.size(); ++block) {
       if (cut.ChangedAt(block) == solid.followed[block]) continue;
@@ -186,7 +191,10 @@ void FeltSolids::MarkAffected(Solid& solid, std::size_t block) noexcept {
       reaches = reaches && to >= 0 && to < lattice.blocks[a] && (layers[a] & beside) != 0;
     }
     if (!reaches) continue;
-    solid.affected[solid.felt.BlockIndex(at[0] + by[0], at[1] + by[1], at[2] + by[2])] = turn_;
+    const std::size_t reached = solid.felt.BlockIndex(at[0] + by[0], at[1] + by[1], at[2] + by[2]);
+    if (solid.affected[reached] == turn_) continue;
+    solid.affected[reached] = turn_;
+    solid.affected_blocks.push_back(static_cast<std::uint32_t>(reached));
   }
 }
 
@@ -233,11 +241,10 @@ void FeltSolids::Commit(SeparationFront& front) noexcept {
     if (SolidOf(of).affected[static_cast<std::size_t>(of.block)] == turn_) Free(place);
   }
   for (Solid& solid : solids_) {
-    for (std::size_t block = 0; block < solid.place.size(); ++block) {
-      if (solid.affected[block] == turn_ && solid.place[block] < kNone) {
-        solid.place[block] = kNone;
-      }
+    for (const std::uint32_t block : solid.affected_blocks) {
+      if (solid.place[block] < kNone) solid.place[block] = kNone;
     }
+    solid.affected_blocks.clear();
   }
   for (const Block& block : to_make_) {
     Solid& solid = SolidOf(block);

@@ -73,9 +73,10 @@ class FeltSolids {
     SparseField later;          ///< of blocks that are being followed, what comes next
     std::uint32_t changes = 0;  ///< CutField::changes that are followed
     // Of each block.
-    std::vector<std::uint32_t> followed;  ///< CutField::ChangedAt of what is or will be felt
-    std::vector<std::uint32_t> affected;  ///< the last turn in which its surface changes
-    std::vector<std::uint32_t> listed;    ///< the last turn for which it is to be made
+    std::vector<std::uint32_t> followed;         ///< CutField::ChangedAt of what is or will be felt
+    std::vector<std::uint32_t> affected;         ///< the last turn in which its surface changes
+    std::vector<std::uint32_t> affected_blocks;  ///< for which that is this turn
+    std::vector<std::uint32_t> listed;           ///< the last turn for which it is to be made
     std::vector<std::int16_t> place, later_place;  ///< kNone, kNothing, kUncut
   };
 
