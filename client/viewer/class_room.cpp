@@ -147,7 +147,9 @@ void ClassRoom::Say(std::int64_t id, const std::string& text) {
     throw Error(fmt::format("nobody of this course has the number {}", id));
   }
   for (const Person& person : roster_.people()) {
-    if (!person.here() || (id != 0 && person.id != id)) continue;
+    // What a teacher says to all is for those who are taught.
+    const bool is_meant = id == 0 ? person.role != Access::kOperate : person.id == id;
+    if (!person.here() || !is_meant) continue;
     Told& told = told_[person.id];
     told.line = text;
     ++told.lines;

@@ -49,7 +49,8 @@ export class ClassRoom {
     private readonly events: ClassEvents,
   ) {
     this.wall = new ClassWall({
-      begin: (scene) => this.begin(scene),
+      begin: (scene, goal) => this.begin(scene, goal),
+      end: () => this.ask({op: "begin", scene: ""}),
       say: (person, name, text) =>
         this.ask({op: "say", person, text}, () => this.tell(classWord("said", {name}))),
       watch: (scene, station) => {
@@ -178,10 +179,12 @@ export class ClassRoom {
     this.events.publish(kTopics.operate, {op, station});
   }
 
-  private begin(scene: string): void {
+  private begin(scene: string, goal: {text: string; limitN: number}): void {
+    this.events.publish(kTopics.operate, {
+      ...{op: "goal", scene, text: goal.text, limit_N: goal.limitN},
+    });
     this.ask({op: "begin", scene}, ({note}) => {
-      this.tell(note !== "" ? note : scene === "" ? "" : classWord("begun"));
-      if (scene === "") return;
+      this.tell(note !== "" ? note : classWord("begun"));
       for (const [id, {session}] of this.world.stations)
         if (session?.phase === "held") this.operate("admit", id);
     });

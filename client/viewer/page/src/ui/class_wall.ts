@@ -17,7 +17,8 @@ export interface OnWall {
 }
 
 export interface WallWishes {
-  begin(scene: string): void;
+  begin(scene: string, goal: {text: string; limitN: number}): void;
+  end(): void;
   say(person: number, name: string, text: string): void;
   watch(scene: string, station: string): void;
   operate(op: OperateOp, station: string): void;
@@ -27,6 +28,7 @@ interface Card {
   readonly item: HTMLLIElement;
   readonly doing: HTMLElement;
   readonly seat: HTMLElement;
+  readonly force: HTMLElement; // bar and figure
   readonly bar: HTMLElement;
   readonly limit: HTMLElement;
   readonly figure: HTMLElement;
@@ -48,11 +50,17 @@ export class ClassWall {
   readonly body = make("div", {className: "class-wall"});
   private readonly scene = make("select", {id: "class-scene"});
   private readonly begin = make("button", {
-    ...{type: "button", className: "primary", textContent: classWord("begin")},
+    ...{type: "submit", className: "primary", textContent: classWord("begin")},
     title: classWord("beginTitle"),
   });
   private readonly end = make("button", {
     ...{type: "button", textContent: classWord("end"), title: classWord("endTitle")},
+  });
+  private readonly goal = make("input", {
+    ...{type: "text", id: "class-goal", maxLength: 120, placeholder: classWord("goalHint")},
+  });
+  private readonly limit = make("input", {
+    ...{type: "number", id: "class-limit", min: "0", step: "0.05", placeholder: "–"},
   });
   private readonly to = make("select", {id: "class-to"});
   private readonly line = make("input", {
@@ -64,8 +72,7 @@ export class ClassWall {
   private readonly cards = new Map<string, Card>();
 
   constructor(private readonly wish: WallWishes) {
-    this.begin.addEventListener("click", () => wish.begin(this.scene.value));
-    this.end.addEventListener("click", () => wish.begin(""));
+    this.end.addEventListener("click", () => wish.end());
     const say = make(
       "form",
       {
@@ -83,9 +90,19 @@ export class ClassWall {
       make("button", {type: "submit", textContent: classWord("say")}),
     );
     const start = make(
-      "div",
-      {className: "start"},
+      "form",
+      {
+        className: "start",
+        onsubmit: (event) => {
+          event.preventDefault();
+          const limitN = Math.max(0, Number.parseFloat(this.limit.value) || 0);
+          wish.begin(this.scene.value, {text: this.goal.value.trim(), limitN});
+        },
+      },
       make("label", {htmlFor: this.scene.id}, `${classWord("scene")} `, this.scene),
+      make("label", {htmlFor: this.goal.id, textContent: classWord("goal")}),
+      this.goal,
+      make("label", {}, `${classWord("atMost")} `, this.limit, ` ${classWord("newton")}`),
       this.begin,
       this.end,
     );
@@ -144,10 +161,10 @@ export class ClassWall {
     card.goal.hidden = now.goal === "";
     card.watch.disabled = now.scene === "";
     card.admit.hidden = tone !== "held";
-    card.mute.hidden = tone === "held";
+    card.mute.hidden = tone === "held" || station === "";
+    card.back.hidden = card.force.hidden = station === "";
     setText(card.mute, classWord(tone === "muted" ? "unmute" : "mute"));
-    card.mute.disabled = card.back.disabled = station === "";
-    card.sayTo.hidden = now.person === 0;
+    card.sayTo.hidden = now.person === 0 || tone === "away";
   }
 
   private addCard(now: OnWall): Card {
@@ -161,6 +178,7 @@ export class ClassWall {
     ];
     const card: Card = {
       item: make("li"),
+      force: make("div"),
       doing: make("span", {className: "doing"}),
       seat: make("span", {className: "seat"}),
       figure: make("output", {className: "figure", ariaLabel: classWord("force")}),
@@ -180,12 +198,15 @@ export class ClassWall {
       }),
     };
     card.figure.ariaLive = "off";
+    card.force.append(
+      make("div", {className: "force-bar", ariaHidden: "true"}, bar, limit),
+      card.figure,
+    );
     card.admit.className = "primary";
     card.item.append(
       make("p", {className: "top"}, make("b"), card.seat),
       make("p", {}, card.doing),
-      make("div", {className: "force-bar", ariaHidden: "true"}, bar, limit),
-      card.figure,
+      card.force,
       card.goal,
       make(
         "span",
