@@ -100,8 +100,7 @@ export class ClassWall {
         },
       },
       make("label", {htmlFor: this.scene.id}, `${classWord("scene")} `, this.scene),
-      make("label", {htmlFor: this.goal.id, textContent: classWord("goal")}),
-      this.goal,
+      make("label", {className: "goal"}, classWord("goal"), this.goal),
       make("label", {}, `${classWord("atMost")} `, this.limit, ` ${classWord("newton")}`),
       this.begin,
       this.end,
@@ -158,7 +157,7 @@ export class ClassWall {
       forceN === undefined ? "–" : isOver ? `${figure}: ${classWord("tooMuch")}` : figure,
     );
     setText(card.goal, now.goal);
-    card.goal.hidden = now.goal === "";
+    card.goal.hidden = now.goal === "" || tone === "away";
     card.watch.disabled = now.scene === "";
     card.admit.hidden = tone !== "held";
     card.mute.hidden = tone === "held" || station === "";
