@@ -98,11 +98,16 @@ const std::vector<Rule> kRules = {
      {"common/dds"},
      {"Eigen", "spdlog", "nlohmann-json", "Boost"}},
     {"devices/spacemouse", {"common", "devices"}, {"common/dds"}, {"Eigen", "spdlog", "spacenav"}},
+    // Neither DDS nor a socket: what a course's people may and did, in SQLite; OpenSSL for tokens.
+    {"client/course",
+     {"common", "scenes", "client/course"},
+     {"common/dds"},
+     {"Eigen", "spdlog", "nlohmann-json", "OpenSSL", "SQLite"}},
     // Never the server or another client; own folder added below.
-    // Boost for its HTTP server and WebSockets (Asio, Beast); OpenSSL for TLS and tokens; zlib to
-    // give a scene compressed.
+    // Boost for its HTTP server and WebSockets (Asio, Beast); OpenSSL for TLS; zlib to give a scene
+    // compressed.
     {"client/viewer",
-     {"common", "client/viewer"},
+     {"common", "client/course", "client/viewer"},
      {},
      {"Eigen", "spdlog", "nlohmann-json", "Boost", "OpenSSL", "zlib"}},
     // A simulated station is what the load consists of, so this client may use another: the
@@ -229,6 +234,8 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {
     {"boost/", "Boost"},
     // Hashes and random keys.
     {"openssl/", "OpenSSL"},
+    {"SQLiteCpp/", "SQLite"},
+    {"sqlite3.h", "SQLite"},
     {"fmt/", "spdlog"},
     {"HD/", "OpenHaptics"},
     {"HDU/", "OpenHaptics"},
@@ -252,7 +259,7 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {
 };
 
 // Slow to compile: in .cpp files only.
-const Paths kNotInHeaders = {"CLI11", "assimp", "nlohmann-json", "spdlog"};
+const Paths kNotInHeaders = {"CLI11", "assimp", "nlohmann-json", "spdlog", "SQLite"};
 
 /// Headers of the C++ library have no dot; those of C and POSIX have no folder or a system one.
 bool IsSystemHeader(const std::string& header) {

@@ -12,6 +12,7 @@
 #include <new>
 
 #include "client/viewer/foxglove.h"
+#include "client/viewer/class_room.h"
 #include "client/viewer/page_messages.h"
 #include "common/dds/cdr.h"
 #include "common/dds/cdr_reader.h"
@@ -336,6 +337,7 @@ bool Client(const std::uint8_t* bytes, std::size_t size) {
   read([](std::string_view text) { foxglove::ParseRequest(text); });
   read([&](std::string_view) { foxglove::ParseMessage({bytes, size}); });
   read([](std::string_view text) { ParseOperateCommand(text); });
+  read([](std::string_view text) { ParseClassCommand(text); });
   read([](std::string_view text) {
     if (!ParseMouseCommand(text).X_WT.p.allFinite()) Fault("a pose that is no number");
   });

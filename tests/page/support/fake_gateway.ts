@@ -44,7 +44,12 @@ export const kChannels: readonly Channel[] = [
   jsonChannel("replay_state"),
   jsonChannel("replay_answer"),
   jsonChannel("goal"),
+  jsonChannel("me"),
+  jsonChannel("people"),
+  jsonChannel("class_answer"),
 ].map((channel, i) => ({...channel, id: i + 1}));
+
+const kOfCourse = new Set(["/palpate/me", "/palpate/people", "/palpate/class_answer"]);
 
 const kWriters = new Map(
   kChannels
@@ -156,6 +161,7 @@ export class FakeGateway {
   health: object = {}; // what it says besides its scenes
   takesMessages = true;
   allowsSteering = true; // of a replay
+  hasCourse = false;
   turnsAway = false; // who wants to attach
   role = ""; // of each client; empty: as a gateway of before there were roles
   token = ""; // that it wants of all but the page's files; empty: none
@@ -237,7 +243,9 @@ export class FakeGateway {
       }),
     );
     const channels = kChannels.filter(
-      ({topic}) => this.allowsSteering || topic !== "/palpate/replay_answer",
+      ({topic}) =>
+        (this.allowsSteering || topic !== "/palpate/replay_answer") &&
+        (this.hasCourse || !kOfCourse.has(topic)),
     );
     socket.send(JSON.stringify({op: "advertise", channels}));
     socket.on("message", (data: Buffer, isBinary) => {

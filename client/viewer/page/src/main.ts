@@ -1,5 +1,6 @@
 import "uplot/dist/uPlot.min.css";
 import "./style.css";
+import "./class.css";
 
 import {App} from "./app";
 import type {Probe} from "./parts/probe";

@@ -40,6 +40,10 @@ export const kTopics = {
   replayAnswer: "/palpate/replay_answer",
   operate: "/palpate/operate",
   goal: "/palpate/goal",
+  class: "/palpate/class",
+  classAnswer: "/palpate/class_answer",
+  people: "/palpate/people",
+  me: "/palpate/me",
 } as const;
 
 /// What the page itself publishes.
@@ -47,6 +51,7 @@ export const kOwnTopics: ReadonlySet<string> = new Set([
   kTopics.mouse,
   kTopics.replay,
   kTopics.operate,
+  kTopics.class,
 ]);
 
 /// Seconds that the plots look back.

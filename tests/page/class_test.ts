@@ -1,0 +1,123 @@
+// A course on the page, in a real browser at a gateway that does what a test says.
+import {afterEach, expect} from "vitest";
+
+import {appears, atGateway, gateway, open, page, reads, text} from "./support/at_gateway";
+import {eventually, probe} from "./support/browser";
+import {pressed, sessionState} from "./support/fake_gateway";
+import {kTestScene} from "./support/scene_bytes";
+import {browserTest as test} from "./support/skip";
+
+const kSeat = {...kTestScene, name: `${kTestScene.name}-1`};
+let moving: NodeJS.Timeout | undefined;
+
+atGateway(kTestScene, kSeat);
+afterEach(() => clearInterval(moving));
+
+const person = (id: number, name: string, more: object = {}): object => ({
+  ...{person: id, name, role: "drive", station: name, here: 1, seat: ""},
+  ...more,
+});
+const tellPeople = (...people: object[]): void =>
+  gateway.retain("/palpate/people", {scene: "", people});
+const card = (name: string) =>
+  page.locator(".wall li").filter({has: page.locator("b", {hasText: name})});
+const press = (name: string): Promise<void> =>
+  page.getByRole("button", {name, exact: true}).click();
+
+/// A teacher's page with the class open, at a gateway that answers with `people`.
+async function openClass(answer: object): Promise<void> {
+  gateway.role = "operate";
+  gateway.hasCourse = true;
+  gateway.onPublish = ({tag}) => {
+    const usual = {tag, refusal: "", note: "", people: []};
+    if (tag !== undefined) gateway.send("/palpate/class_answer", {...usual, ...answer});
+  };
+  await open();
+  await press("Class");
+}
+
+test("a teacher pastes names and has a link and a QR code for each, once", async () => {
+  const made = ["Anna", "Ben"].map((name, i) => ({person: i + 2, name, token: `palpate_${name}`}));
+  tellPeople(person(1, "teacher", {role: "operate"}));
+  await openClass({people: made});
+  await page.fill("#class-names", " Anna \n\nBen\n");
+  await press("Make their links");
+  await page.locator(".link-cards li").nth(1).waitFor();
+  expect(gateway.published).toEqual([
+    {tag: 1, op: "person_make", names: ["Anna", "Ben"], role: "drive"},
+  ]);
+  expect(await page.locator(".link-cards a").allInnerTexts()).toEqual(
+    made.map(({token}) => `${gateway.url}#token=${token}`),
+  );
+  await page.getByRole("img", {name: "QR code of Ben's link"}).waitFor();
+  await press("Close");
+  await press("Class");
+  expect(await page.locator(".link-cards li").count()).toBe(0);
+});
+
+test("a refusal is told in the gateway's words, and who is withdrawn is asked about twice", async () => {
+  tellPeople(person(1, "teacher", {role: "operate"}));
+  await openClass({refusal: "'teacher' is the last who may operate"});
+  await press("Withdraw");
+  expect(gateway.published).toEqual([]);
+  await press("Really withdraw?");
+  await reads("#class-dialog .word", "'teacher' is the last who may operate");
+  expect(gateway.published).toEqual([{tag: 1, op: "person_withdraw", person: 1}]);
+});
+
+test("the wall shows who presses too hard, and a teacher begins, speaks, mutes and watches", async () => {
+  const tell = (station: string, phase: string): void =>
+    gateway.retain("/palpate/session_state", sessionState(station, phase, kSeat.name, "ball"));
+  tellPeople(person(1, "Anna", {seat: kSeat.name}), person(2, "Ben"), person(3, "Cleo", {here: 0}));
+  gateway.retain("/palpate/goal", {scene: kSeat.name, text: "Gently", limit_N: 0.25});
+  tell("Anna", "active");
+  tell("Ben", "held");
+  let sequence = 0;
+  moving = setInterval(() => {
+    const state = {...pressed("Anna", (sequence += 33), 2), scene: kSeat.name};
+    gateway.send("/palpate/tool_state", state);
+  }, 33);
+  await openClass({});
+  await eventually("too much", async () =>
+    /2\.00 of 0\.25 N: too much/.test(await card("Anna").innerText()),
+  );
+  // Those who wait come first, those who are away last.
+  expect(await page.locator(".wall b").allInnerTexts()).toEqual(["Ben", "Anna", "Cleo"]);
+  expect(await card("Cleo").innerText()).toMatch(/not here/);
+  expect(await text("#class-dialog .count")).toBe("2 of 3 are here");
+  await page.fill("#class-goal", "Six sites");
+  await page.fill("#class-limit", "0.25");
+  await press("Begin for all");
+  await eventually("three wishes", () => gateway.published.length === 3);
+  await card("Anna").getByRole("button", {name: "Mute"}).click();
+  await card("Anna").getByRole("button", {name: "Say…"}).click();
+  await page.keyboard.type("Lighter");
+  await page.keyboard.press("Enter");
+  await eventually("five wishes", () => gateway.published.length === 5);
+  expect(gateway.published).toEqual([
+    {op: "goal", scene: kTestScene.name, text: "Six sites", limit_N: 0.25},
+    {tag: 1, op: "begin", scene: kTestScene.name},
+    {op: "admit", station: "Ben"},
+    {op: "mute", station: "Anna"},
+    {tag: 2, op: "say", person: 1, text: "Lighter"},
+  ]);
+  await card("Anna").getByRole("button", {name: "Watch"}).click();
+  await eventually("her seat", async () => (await probe(page)).scene === kSeat.name);
+  expect(new URL(page.url()).searchParams.get("station")).toBe("Anna");
+});
+
+test("a student goes to the own seat, reads the teacher's line, and has no class", async () => {
+  gateway.role = "drive";
+  gateway.hasCourse = true;
+  const me = {person: 2, name: "Anna", role: "drive", seat: "", line: "", lines: 0};
+  gateway.retain("/palpate/me", me);
+  await open();
+  gateway.send("/palpate/me", {...me, seat: kSeat.name, line: "Gently", lines: 1});
+  await appears(".said");
+  expect(await text(".said span")).toBe("Gently");
+  await eventually("the seat", async () => (await probe(page)).scene === kSeat.name);
+  await press("Hide");
+  gateway.send("/palpate/me", {...me, seat: kSeat.name, line: "Gently", lines: 1});
+  gateway.send("/palpate/me", {...me, seat: kSeat.name, line: "Well done", lines: 2});
+  await reads(".said span", "Well done");
+});
