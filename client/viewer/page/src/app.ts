@@ -1,3 +1,4 @@
+import {say} from "./messages/say";
 import {Choice} from "./parts/choice";
 import {Figures} from "./parts/figures";
 import {GatewayLink} from "./parts/gateway_link";
@@ -212,7 +213,7 @@ export class App {
   }
 
   private showTitle(): void {
-    const parts = [this.replay.isOn ? "Replay" : "", this.choice.scene, "Palpate"];
+    const parts = [this.replay.isOn ? say("replay.word") : "", this.choice.scene, "Palpate"];
     document.title = parts.filter((part) => part !== "").join(" · ");
   }
 

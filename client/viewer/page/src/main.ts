@@ -3,6 +3,7 @@ import "./style.css";
 
 import {App} from "./app";
 import type {Probe} from "./parts/probe";
+import {speakToReader} from "./ui/language";
 
 declare global {
   interface Window {
@@ -10,4 +11,5 @@ declare global {
   }
 }
 
+await speakToReader();
 window.palpate = new App();

@@ -1,3 +1,4 @@
+import {say} from "../messages/say";
 import type {SceneModel} from "../model/bundle";
 import type {LinkReport} from "../model/link_report";
 import {norm} from "../model/pose";
@@ -85,7 +86,8 @@ export class Figures {
     const note = stationNote(station?.session, station !== undefined && station.id === own);
     setText(this.note, note);
     this.note.hidden = note === "";
-    const sentence = [statusSentence(state, depthM), note].filter((one) => one !== "").join(" ");
+    const status = statusSentence(state, depthM);
+    const sentence = note === "" ? status : say("list.sentences", {first: status, second: note});
     this.lesson.show(state ? norm(state.forceN) : 0);
     this.announcer.offer(report.tone === "alarm" ? report.text : sentence, 1000 * nowS);
     this.plots.update(station, time);
@@ -93,7 +95,7 @@ export class Figures {
     showLines(this.loop, this.loopNone, statistics ? statisticsLines(statistics) : []);
     const device = station?.deviceNow(nowS);
     showLines(this.arm, this.armNone, device ? deviceLines(device) : []);
-    if (device) setText(this.armNone, "No figures now.");
+    if (device) setText(this.armNone, say("panel.no_figures_now"));
   }
 
   /// @param mouse  the station that this page's mouse is, or was last
@@ -103,9 +105,10 @@ export class Figures {
     this.staleWho = false;
     const rows = listed.flatMap(({id, session, holdsTool}) => {
       if (!session) return [];
-      const item = make("li", {}, make("b", {textContent: id}), ` ${sessionWords(session)}`);
+      const name = make("b", {textContent: id});
+      if (id === mouse) name.dataset.you = say("panel.you");
+      const item = make("li", {}, name, ` ${sessionWords(session)}`);
       item.classList.toggle("gone", !holdsTool);
-      item.classList.toggle("own", id === mouse);
       return [item];
     });
     this.whoNone.hidden = rows.length > 0;

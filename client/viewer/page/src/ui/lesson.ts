@@ -1,3 +1,4 @@
+import {say, sayList} from "../messages/say";
 import type {SceneGoal} from "../protocol/messages";
 import {rememberInAddress} from "./address";
 import {element, setText} from "./elements";
@@ -46,16 +47,17 @@ export class Lesson {
   showGoal(scene: string, goal: SceneGoal | undefined): void {
     const another = scene !== this.scene;
     this.scene = scene;
-    setText(this.title, scene === "" ? "The goal" : `The goal of ${scene}`);
+    setText(this.title, scene === "" ? say("goal.title") : say("goal.title_of", {scene}));
     const text = goal?.text ?? "";
     this.limitN = goal && goal.limitN > 0 ? goal.limitN : Infinity;
     const limit = Number.isFinite(this.limitN) ? String(this.limitN) : "";
     // What somebody is writing just now is his.
     if (another || document.activeElement !== this.text) this.text.value = text;
     if (another || document.activeElement !== this.limit) this.limit.value = limit;
-    const words = [text, limit === "" ? "" : `at most ${limit} N`].filter((part) => part !== "");
-    this.goal.hidden = words.length === 0;
-    setText(this.goal, words.length === 0 ? "" : `Goal: ${words.join(", ")}`);
+    const atMost = limit === "" ? "" : say("goal.at_most", {limit: this.limitN});
+    const words = sayList("list.separator", [text, atMost]);
+    this.goal.hidden = words === "";
+    setText(this.goal, words === "" ? "" : say("goal.is", {goal: words}));
   }
 
   private setStudent(student: boolean): void {
