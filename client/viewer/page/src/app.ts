@@ -18,6 +18,7 @@ import {element} from "./ui/elements";
 import {listenForKeys} from "./ui/keys";
 import {Notice} from "./ui/notice";
 import {listenToPanel} from "./ui/panel";
+import {listenToSetting} from "./ui/settings";
 import {ThemeSwitch} from "./ui/theme";
 import {readPalette} from "./view/palette";
 
@@ -40,10 +41,11 @@ export class App {
 
   constructor() {
     const {world, notice} = this;
-    const theme = new ThemeSwitch(element("theme", HTMLButtonElement), () => {
+    const repaint = (): void => {
       this.picture.view.paint(readPalette());
       this.figures.plots.build();
-    });
+    };
+    const theme = new ThemeSwitch(element("theme", HTMLButtonElement), repaint);
     this.picture = new Picture({
       mover: (tool) => world.lastMoverOf(this.choice.scene, tool),
       station: () => this.station(nowS()),
@@ -100,6 +102,9 @@ export class App {
       w: () => this.whole.press(),
       t: () => theme.toggle(),
     });
+    listenToSetting("left-handed");
+    listenToSetting("projector", repaint);
+    listenToSetting("force-sound", (on) => this.figures.sound.want(on));
     this.hold.show();
     this.link.start();
     window.setInterval(() => this.tick(), kTickMs);

@@ -2,7 +2,7 @@ import {say} from "../messages/say";
 import type {SceneModel} from "../model/bundle";
 import type {LinkReport} from "../model/link_report";
 import {norm} from "../model/pose";
-import {probingDepthM, tellsProbingDepth} from "../model/probing";
+import {isProbe, kProbeLimitN, probingDepthM, tellsProbingDepth} from "../model/probing";
 import {touchedObjects} from "../model/touched";
 import {
   deviceLines,
@@ -20,13 +20,17 @@ import type {ToolState} from "../protocol/messages";
 import {Announcer} from "../ui/announcer";
 import {Console} from "../ui/console";
 import {element, make, setText} from "../ui/elements";
+import {ForceBar} from "../ui/force_bar";
 import {Lesson} from "../ui/lesson";
+import {OverSound} from "../ui/over_sound";
 import {Plots, type PlotTime} from "../ui/plots";
 
 /// Figures, plots and words on stations, and what a teacher does about them.
 export class Figures {
   readonly lesson: Lesson;
   readonly plots = new Plots(element("plots", HTMLDivElement));
+  readonly sound = new OverSound();
+  private readonly bar = new ForceBar();
   private readonly box = element("readout", HTMLDivElement);
   private readonly force = element("force", HTMLOutputElement);
   private readonly torque = element("torque", HTMLOutputElement);
@@ -53,7 +57,6 @@ export class Figures {
     this.announcer = new Announcer((sentence) => setText(spoken, sentence));
     this.console = new Console((op, station) => operate({op, station}));
     this.lesson = new Lesson(
-      this.box,
       (student) => this.plots.showFor(student),
       (goal) => operate({op: "goal", ...goal}),
     );
@@ -87,8 +90,10 @@ export class Figures {
     setText(this.note, note);
     this.note.hidden = note === "";
     const status = statusSentence(state, depthM);
-    const sentence = note === "" ? status : say("list.sentences", {first: status, second: note});
-    this.lesson.show(state ? norm(state.forceN) : 0);
+    const tooMuch = this.showLimit(state, model);
+    const sentence = [tooMuch, status, note]
+      .filter((one) => one !== "")
+      .reduce((first, second) => say("list.sentences", {first, second}));
     this.announcer.offer(report.tone === "alarm" ? report.text : sentence, 1000 * nowS);
     this.plots.update(station, time);
     const {statistics} = station ?? {};
@@ -113,6 +118,17 @@ export class Figures {
     });
     this.whoNone.hidden = rows.length > 0;
     this.who.replaceChildren(...rows);
+  }
+
+  /// Whether it is too much force: by the goal or, of a probe, what a periodontist presses with.
+  /// @return what is to be said of that
+  private showLimit(state: ToolState | undefined, model: SceneModel | undefined): string {
+    const tool = state?.tool ?? model?.tools[0]?.name ?? "";
+    const forProbe = model && isProbe(model, tool) ? kProbeLimitN : undefined;
+    const words = this.bar.show(state && norm(state.forceN), this.lesson.limitN ?? forProbe);
+    this.box.classList.toggle("over", words !== "");
+    this.sound.update(words !== "");
+    return words;
   }
 
   /// The figures above the picture.   @return the probing depth, where there is one
