@@ -37,6 +37,7 @@ export interface TestBody {
   readonly pose?: Pose;
   readonly materials?: readonly {stiffness: number}[];
   readonly cutColours?: readonly number[]; // of what burs cut
+  readonly look?: string;
 }
 export interface TestScene {
   readonly name: string;
@@ -150,13 +151,14 @@ function geometryOf({mesh, leaves}: TestBody): GeometryT {
 const kRigid = [{stiffness: Infinity}];
 
 function bodyOf(
-  {name, leaves, pose, materials = kRigid, cutColours}: TestBody,
+  {name, leaves, pose, materials = kRigid, cutColours, look = ""}: TestBody,
   geometry: number,
 ): BodyT {
   const {p, q} = pose ?? {p: [0, 0, 0], q: [1, 0, 0, 0]};
   const isPainted = leaves.some(({material}) => material !== undefined);
   return Object.assign(new BodyT(), {
     name,
+    look,
     geometry,
     pose: new PoseT(new Vec3T(...p), ...q),
     materials: materials.map(({stiffness}) => new MaterialT(stiffness, 0, 0, Infinity)),

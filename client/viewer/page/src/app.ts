@@ -1,3 +1,4 @@
+import {say} from "./messages/say";
 import {Choice} from "./parts/choice";
 import {ClassRoom} from "./parts/class_room";
 import {Figures} from "./parts/figures";
@@ -18,6 +19,7 @@ import {element} from "./ui/elements";
 import {listenForKeys} from "./ui/keys";
 import {Notice} from "./ui/notice";
 import {listenToPanel} from "./ui/panel";
+import {listenToSetting} from "./ui/settings";
 import {ThemeSwitch} from "./ui/theme";
 import {readPalette} from "./view/palette";
 
@@ -41,10 +43,11 @@ export class App {
 
   constructor() {
     const {world, notice} = this;
-    const theme = new ThemeSwitch(element("theme", HTMLButtonElement), () => {
+    const repaint = (): void => {
       this.picture.view.paint(readPalette());
       this.figures.plots.build();
-    });
+    };
+    const theme = new ThemeSwitch(element("theme", HTMLButtonElement), repaint);
     this.picture = new Picture({
       mover: (tool) => world.lastMoverOf(this.choice.scene, tool),
       station: () => this.station(nowS()),
@@ -105,6 +108,9 @@ export class App {
       w: () => this.whole.press(),
       t: () => theme.toggle(),
     });
+    listenToSetting("left-handed");
+    listenToSetting("projector", repaint);
+    listenToSetting("force-sound", (on) => this.figures.sound.want(on));
     this.hold.show();
     this.link.start();
     window.setInterval(() => this.tick(), kTickMs);
@@ -218,7 +224,7 @@ export class App {
   }
 
   private showTitle(): void {
-    const parts = [this.replay.isOn ? "Replay" : "", this.choice.scene, "Palpate"];
+    const parts = [this.replay.isOn ? say("replay.word") : "", this.choice.scene, "Palpate"];
     document.title = parts.filter((part) => part !== "").join(" · ");
   }
 

@@ -4,6 +4,7 @@ import "./class.css";
 
 import {App} from "./app";
 import type {Probe} from "./parts/probe";
+import {speakToReader} from "./ui/language";
 
 declare global {
   interface Window {
@@ -11,4 +12,5 @@ declare global {
   }
 }
 
+await speakToReader();
 window.palpate = new App();

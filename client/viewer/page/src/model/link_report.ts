@@ -1,6 +1,8 @@
+import {say} from "../messages/say";
 import type {LinkState} from "../protocol/connection";
 import type {Compiling} from "../protocol/scene_fetch";
 import type {ReplayPhase} from "./replay";
+import {percent} from "./words";
 
 /// What the banner says of the way from the server to this page.
 export interface LinkReport {
@@ -53,25 +55,19 @@ const alarm = (text: string): LinkReport => ({tone: "alarm", text});
 
 export function linkReport(facts: LinkFacts): LinkReport {
   if (facts.link !== "open") return closedReport(facts);
-  if (facts.replay === "ended") {
-    return info(`The replay of ${facts.recording} has ended. What you see is the last of it.`);
-  }
+  const {recording} = facts;
+  if (facts.replay === "ended") return info(say("link.replay_ended", {recording}));
   if (facts.replay === "silent") {
-    return alarm(
-      `The replay of ${facts.recording} has not been heard of for ` +
-        `${Math.floor(facts.replaySilenceS)} s: its program has stopped, or cannot be reached. ` +
-        "What you see is the last of it.",
-    );
+    const seconds = Math.floor(facts.replaySilenceS);
+    return alarm(say("link.replay_silent", {recording, seconds}));
   }
   if (facts.compiling && (facts.scenes === 0 || !facts.serverLives)) {
     const {scene, stage, done} = facts.compiling;
-    return info(
-      `The server compiles ${scene} for the first time: ${Math.floor(100 * done)} %, ${stage}. ` +
-        "It shows as soon as it is done.",
-    );
+    const share = percent(Math.floor(100 * done) / 100);
+    return info(say("link.compiles", {scene, share, stage}));
   }
   if (facts.replay === "none" && facts.scenes > 0 && !facts.serverLives) {
-    return alarm("No server is there: the last one has gone. What you see is the last of it.");
+    return alarm(say("link.no_server"));
   }
   const since = Math.max(facts.lastStateS, facts.openedS);
   // A replay may stand still, and hold moments at which nothing moved.
@@ -79,44 +75,29 @@ export function linkReport(facts: LinkFacts): LinkReport {
   // What came meanwhile waits until the page runs again: only then is it known who was silent.
   const busy = facts.nowS - facts.busyS < kSilenceS;
   if (quiet && busy) {
-    return info(
-      "This browser draws slowly, and is behind: a smaller window helps, or a browser with " +
-        "hardware acceleration.",
-    );
+    return info(say("link.slow"));
   }
   if (quiet && facts.sessions > 0) {
-    return alarm(
-      `No data for ${Math.floor(facts.nowS - since)} s: the gateway is there, ` +
-        "the server or its station is silent.",
-    );
+    return alarm(say("link.no_data", {seconds: Math.floor(facts.nowS - since)}));
   }
-  if (!facts.draws) return info("No picture: this browser has no WebGL. The figures are live.");
+  if (!facts.draws) return info(say("link.no_picture"));
   if (!quiet || facts.takes) return {tone: "none", text: ""};
   if (facts.scenes === 0) {
-    return info("The gateway is there and waits: no server has told it of a scene yet.");
+    return info(say("link.no_scene"));
   }
-  const how = facts.mayTake ? "Start one, or take the tool with the mouse." : "Start one.";
-  return info(`No station is moving. ${how}`);
+  return info(say(facts.mayTake ? "link.idle_may_take" : "link.idle"));
 }
 
 function closedReport({link, refusal, wasOpen}: LinkFacts): LinkReport {
   switch (refusal) {
     case "full":
-      return alarm("The gateway has as many viewers as it takes. Trying again…");
+      return alarm(say("link.full"));
     case "token":
-      return alarm(
-        "The gateway lets in who has a token: open this page by the link that you were given, " +
-          "which ends in #token=…",
-      );
+      return alarm(say("link.token"));
     case "this page":
-      return alarm(
-        "The gateway is there and does not let this page attach: does it know the page's " +
-          "address (--allow-origin)? Trying again…",
-      );
+      return alarm(say("link.this_page"));
     case "none":
-      if (wasOpen) return alarm("The link to the gateway is lost. Trying again…");
-      return link === "lost"
-        ? alarm("The gateway does not answer. Trying again…")
-        : info("Connecting…");
+      if (wasOpen) return alarm(say("link.lost"));
+      return link === "lost" ? alarm(say("link.no_answer")) : info(say("link.connecting"));
   }
 }

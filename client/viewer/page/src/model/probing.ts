@@ -15,10 +15,15 @@ import {
 /// How deep a probe's tip is below the gingival margin, as its own marks tell it: along the probe, whose
 /// tip is at its origin and points to -y (the look "probe", scenes/catalogue/README.md).
 
+/// 25 g, with which periodontal probes are used [N].
+export const kProbeLimitN = 0.245;
+
+export const isProbe = (model: SceneModel, tool: string): boolean =>
+  model.tools.some(({name, look}) => name === tool && look === "probe");
+
 /// True where a tool's probing depth can be told: it is a probe, and a gum's margin is known.
 export const tellsProbingDepth = (model: SceneModel, tool: string): boolean =>
-  model.tools.some(({name, look}) => name === tool && look === "probe") &&
-  model.objects.some(({margin}) => margin.length >= 3);
+  isProbe(model, tool) && model.objects.some(({margin}) => margin.length >= 3);
 
 /// 0 where the tip is below no margin.   @param graphic  of the probe
 export function probingDepthM(model: SceneModel, graphic: Pose): number {

@@ -1,4 +1,6 @@
+import {say, sayList} from "../messages/say";
 import {Ladder} from "./ladder";
+import {percent} from "./words";
 
 /// How well pictures are drawn.  Two ladders, since a picture in which only tools move costs a machine
 /// without a graphics card a tenth of one in which all is seen from elsewhere.
@@ -84,20 +86,22 @@ export class PictureQuality {
   }
 }
 
-const percent = (share: number): string => `${Math.round(100 * share)} %`;
-
 /// What the page says of it.
 export function qualityWords(quality: PictureQuality): string {
   const {rest, motion} = quality.names;
   const {canvas, share, samples, detail} = quality.inMotion;
   const pixels = (of: number): string =>
-    of === 1 ? "all of the screen's pixels" : `${percent(of)} of the screen's pixels a side`;
-  const less = [
+    of === 1 ? say("quality.all_pixels") : say("quality.share_of_pixels", {share: percent(of)});
+  const less = sayList("list.separator", [
     canvas < quality.share ? pixels(canvas) : "",
-    share < canvas ? `${percent(share)} for the objects` : "",
-    samples === 0 ? "rougher edges" : "",
-    detail > 0 ? "fewer triangles" : "",
-  ].filter((word) => word !== "");
-  const turning = less.length === 0 ? "as at rest" : less.join(", ");
-  return `At rest ${rest}: ${pixels(quality.share)}. While the view turns ${motion}: ${turning}.`;
+    share < canvas ? say("quality.objects", {share: percent(share)}) : "",
+    samples === 0 ? say("quality.rougher") : "",
+    detail > 0 ? say("quality.fewer") : "",
+  ]);
+  return say("quality.words", {
+    rest: say(`quality.${rest}`),
+    pixels: pixels(quality.share),
+    motion: say(`quality.${motion}`),
+    turning: less || say("quality.as_at_rest"),
+  });
 }

@@ -1,3 +1,4 @@
+import {say} from "../messages/say";
 import type {ReplayContents, ReplayMark, ReplayState} from "../protocol/messages";
 
 /// Replayers speak five times a second: one that is silent for this long has stopped [s].
@@ -26,7 +27,7 @@ export class Replay {
   }
   /// The recording's name, for those who read it.
   get name(): string {
-    return this.contents?.recording ?? "a recording";
+    return this.contents?.recording ?? say("replay.a_recording");
   }
   get lengthS(): number {
     return Math.max(this.contents?.lengthS ?? 0, this.state?.atS ?? 0);

@@ -1,3 +1,4 @@
+import {say} from "../messages/say";
 import type {ReplayAnswer, ReplayState} from "../protocol/messages";
 
 export type WishName = "play" | "pause" | "seek" | "rate" | "add_bookmark" | "drop_bookmark";
@@ -81,7 +82,7 @@ export class Wishes {
       const tag = this.nextTag++;
       lane.asked = {tag, request: "", wish};
       lane.sentS = nowS;
-      if (!this.publish({replay, tag, ...wish})) this.end(lane, "the link to the gateway is lost");
+      if (!this.publish({replay, tag, ...wish})) this.end(lane, say("replay.link_lost"));
     }
   }
 

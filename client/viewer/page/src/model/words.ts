@@ -1,3 +1,4 @@
+import {type Key, locale, say, sayList, sayNumber} from "../messages/say";
 import {
   kLimiterStages,
   type LimiterStage,
@@ -21,10 +22,13 @@ export const handPastM = (state: ToolState): number =>
 export function figure(value: number, digits = 2): string {
   const magnitude = Math.abs(value);
   if (!Number.isFinite(value)) return "–";
-  if (magnitude >= 100) return value.toFixed(0);
-  if (magnitude >= 10) return value.toFixed(Math.min(1, digits));
-  return value.toFixed(digits);
+  if (magnitude >= 100) return sayNumber(value, 0);
+  return sayNumber(value, magnitude >= 10 ? Math.min(1, digits) : digits);
 }
+
+/// A share of a whole.
+export const percent = (share: number): string =>
+  say("unit.percent", {value: sayNumber(100 * share, 0)});
 
 /// A time of a recording, as players show it: 1:05, 1:02:03.
 export function clock(seconds: number): string {
@@ -39,8 +43,9 @@ export function clock(seconds: number): string {
 export function spokenTime(seconds: number): string {
   const whole = Math.max(0, Math.floor(seconds + 1e-6));
   const minutes = Math.floor(whole / 60);
-  const rest = plural(whole % 60, "second");
-  return minutes > 0 ? `${plural(minutes, "minute")} ${rest}` : rest;
+  const rest = say("replay.seconds", {count: whole % 60});
+  if (minutes === 0) return rest;
+  return say("list.sentences", {first: say("replay.minutes", {count: minutes}), second: rest});
 }
 
 /// A text that has so many bytes at most, cut between letters.
@@ -56,45 +61,41 @@ export function fitBytes(text: string, most: number): string {
   return text;
 }
 
-const plural = (count: number, one: string, many = `${one}s`): string =>
-  `${count.toLocaleString("en")} ${count === 1 ? one : many}`;
-
 /// What pushes the tool; a tooth by its number and not as one of twenty-eight.
 export function touchedWords(names: readonly string[]): string {
-  if (names.length === 0) return "nothing";
+  if (names.length === 0) return say("touched.nothing");
   const [first, second] = names.map((name) => name.replace(/[-_]/g, " "));
   if (second === undefined) return first!;
-  return names.length === 2 ? `${first}, ${second}` : `${first} and ${names.length - 1} more`;
+  return names.length === 2
+    ? say("touched.two", {first: first!, second})
+    : say("touched.more", {first: first!, count: names.length - 1});
 }
 
 /// One sentence for those who do not see the picture.
 /// @param probingM  how deep a probe's tip is below the gum's margin; undefined: it is no probe
 export function statusSentence(state: ToolState | undefined, probingM?: number): string {
-  if (!state) return "No tool is moving.";
-  if (state.contacts === 0) return "The tool is free.";
-  const force = norm(state.forceN);
-  const past = `hand ${figure(1000 * handPastM(state), 1)} millimetres past the surface`;
-  const probing =
-    probingM === undefined
-      ? ""
-      : `, tip ${figure(1000 * probingM, 1)} millimetres below the margin`;
-  return `Contact, ${figure(force, 1)} newtons, ${past}${probing}.`;
+  if (!state) return say("sentence.none");
+  if (state.contacts === 0) return say("sentence.free");
+  const force = figure(norm(state.forceN), 1);
+  const past = figure(1000 * handPastM(state), 1);
+  if (probingM === undefined) return say("sentence.contact", {force, past});
+  return say("sentence.probing", {force, past, depth: figure(1000 * probingM, 1)});
 }
 
 /// common/step_fault.h, with what it means to who holds the tool.
-const kFaults: readonly (readonly [number, string])[] = [
-  [1 << 0, "the device sent a pose that is no pose, and the force faded"],
-  [1 << 1, "the hand was quicker than the tool, which followed"],
-  [1 << 2, "more contacts at once than are computed; the tightest were kept"],
-  [1 << 3, "the tool was jammed between surfaces"],
-  [1 << 4, "a contact problem was not solved; the tool stood still"],
-  [1 << 5, "an added force of the scene failed, and is off from then on"],
-  [1 << 9, "a pose was further from the last than a hand comes, and the force faded"],
-  [1 << 10, "no force yet: the tool has just come, or is inside an object"],
+const kFaults: readonly (readonly [number, Key])[] = [
+  [1 << 0, "fault.no_pose"],
+  [1 << 1, "fault.quick"],
+  [1 << 2, "fault.many"],
+  [1 << 3, "fault.jammed"],
+  [1 << 4, "fault.unsolved"],
+  [1 << 5, "fault.effect"],
+  [1 << 9, "fault.leap"],
+  [1 << 10, "fault.inside"],
 ];
 
 export function faultWords(faults: number): string[] {
-  return kFaults.filter(([bit]) => (faults & bit) !== 0).map(([, words]) => words);
+  return kFaults.filter(([bit]) => (faults & bit) !== 0).map(([, key]) => say(key));
 }
 
 export interface Line {
@@ -104,12 +105,12 @@ export interface Line {
   readonly tone: "good" | "plain" | "bad";
 }
 
-const line = (
-  label: string,
-  value: string,
-  remark: string,
-  tone: Line["tone"] = "plain",
-): Line => ({label, value, remark, tone});
+const line = (label: Key, value: string, remark: string, tone: Line["tone"] = "plain"): Line => ({
+  label: say(label),
+  value,
+  remark,
+  tone,
+});
 
 const kRateHz = 1000;
 /// Of the poses that may be late or missing before a load no longer holds, as palpate-load has it.
@@ -122,32 +123,43 @@ export function statisticsLines(statistics: LoopStatistics): Line[] {
   const onTime = Math.abs(rateHz - kRateHz) < kMostAmiss * kRateHz;
   const time = (us: number): string =>
     us >= 1000 ? `${figure(us / 1000, 1)} ms` : `${figure(us, 1)} µs`;
-  const rate = `${rateHz.toFixed(0)} / s`;
+  const rate = say("loop.rate_is", {rate: sayNumber(rateHz, 0)});
   const faults = faultWords(statistics.faults);
   // Of poses that were not used there is no step.
-  const faulted = faults.length === 0 ? "none" : plural(statistics.faultedSteps, "step");
+  const faulted =
+    faults.length === 0
+      ? say("loop.faults_none")
+      : say("loop.steps", {count: statistics.faultedSteps});
+  const poses = (count: number): string => say("loop.poses", {count});
   return [
     onTime
-      ? line("Rate", rate, "as it should be", "good")
-      : line("Rate", rate, "should be a thousand", "bad"),
-    line("Usual step", time(p50), "half are quicker"),
-    line("Slow step", time(p99), "1 in 100 takes longer"),
+      ? line("loop.rate", rate, say("loop.rate_good"), "good")
+      : line("loop.rate", rate, say("loop.rate_bad"), "bad"),
+    line("loop.usual", time(p50), say("loop.usual_is")),
+    line("loop.slow", time(p99), say("loop.slow_is")),
     p999 < 1000
-      ? line("Slower yet", time(p999), "1 in 1000 takes longer")
-      : line("Slower yet", time(p999), "more than the millisecond that there is", "bad"),
+      ? line("loop.slower", time(p999), say("loop.slower_is"))
+      : line("loop.slower", time(p999), say("loop.slower_bad"), "bad"),
     late === 0
-      ? line("Late", plural(late, "pose"), "all came in time", "good")
+      ? line("loop.late", poses(late), say("loop.late_none"), "good")
       : line(
-          "Late",
-          plural(late, "pose"),
-          "came too late",
+          "loop.late",
+          poses(late),
+          say("loop.late_some"),
           late > kMostAmiss * steps ? "bad" : "plain",
         ),
     lost === 0
-      ? line("Lost", plural(lost, "pose"), "none on the way", "good")
-      : line("Lost", plural(lost, "pose"), "never arrived", "bad"),
-    ...(rejected > 0 ? [line("Refused", plural(rejected, "pose"), "not usable", "bad")] : []),
-    line("Faults", faulted, faults.join("; "), faults.length === 0 ? "good" : "plain"),
+      ? line("loop.lost", poses(lost), say("loop.lost_none"), "good")
+      : line("loop.lost", poses(lost), say("loop.lost_some"), "bad"),
+    ...(rejected > 0
+      ? [line("loop.refused", poses(rejected), say("loop.refused_some"), "bad")]
+      : []),
+    line(
+      "loop.faults",
+      faulted,
+      sayList("list.clauses", faults),
+      faults.length === 0 ? "good" : "plain",
+    ),
   ];
 }
 
@@ -156,55 +168,54 @@ const kDeviceCalibrating = 1 << 1;
 const kDeviceFault = 1 << 2;
 const kDeviceForcesIgnored = 1 << 3;
 
-/// What each stage of the limiter keeps from the hand, and why.
-const kStageWords: Readonly<Record<LimiterStage, string>> = {
-  nonfinite: "what is no number",
-  clamped: "what is more than the arm may give",
-  slewed: "leaps of the force",
-  braked: "energy that delay would add",
-  warm: "peaks, while the motors are warm",
-  faded: "force, while replies are late or missing",
-  disabled: "force, until it is enabled at the station",
-};
 /// Of sums of energy [J].
 const kRoundingJ = 1e-6;
 
 function deviceLine({device, deviceStatus}: StationStatistics): Line {
-  if (deviceStatus & kDeviceFault) return line("Device", "fault: no force", device, "bad");
-  if (deviceStatus & kDeviceCalibrating) return line("Device", "calibrates", device);
-  if (deviceStatus & kDeviceForcesIgnored) return line("Device", "renders no force", device);
-  return line("Device", "in order", device, "good");
+  if (deviceStatus & kDeviceFault) return line("arm.device", say("arm.fault"), device, "bad");
+  if (deviceStatus & kDeviceCalibrating) return line("arm.device", say("arm.calibrates"), device);
+  if (deviceStatus & kDeviceForcesIgnored) return line("arm.device", say("arm.ignored"), device);
+  return line("arm.device", say("arm.in_order"), device, "good");
 }
 
 function limiterLine({limiter, ticks}: StationStatistics): Line {
   const share = (stage: LimiterStage): string => {
-    const percent = (100 * limiter[stage]) / Math.max(ticks, limiter[stage]);
-    return percent < 1 ? "< 1 %" : `${percent.toFixed(0)} %`;
+    const share = limiter[stage] / Math.max(ticks, limiter[stage]);
+    return share < 0.01 ? say("arm.less_than_one") : percent(share);
   };
   const acting = kLimiterStages.filter((stage) => limiter[stage] > 0);
-  if (acting.length === 0) return line("Held back", "nothing", "all force arrives", "good");
+  if (acting.length === 0)
+    return line("arm.held_back", say("arm.nothing"), say("arm.all_arrives"), "good");
   // The one that acts most of the time first.
   acting.sort((a, b) => limiter[b] - limiter[a]);
   const most = acting[0]!;
-  const all = acting.map(
-    (stage) => kStageWords[stage] + (stage === most ? "" : ` (${share(stage)})`),
-  );
+  // What each stage keeps from the hand, and why.
+  const all = acting.map((stage) => {
+    const words = say(`arm.${stage}`);
+    return stage === most ? words : say("arm.stage_share", {stage: words, share: share(stage)});
+  });
+  const stages = sayList("list.clauses", all);
   const isBad = limiter.nonfinite > 0 || most === "faded";
-  return line("Held back", share(most), `of the time: ${all.join("; ")}`, isBad ? "bad" : "plain");
+  return line(
+    "arm.held_back",
+    share(most),
+    say("arm.of_the_time", {stages}),
+    isBad ? "bad" : "plain",
+  );
 }
 
 function silenceLine({silenceS, replies, late, lost, limiter}: StationStatistics): Line {
   const milliseconds = 1000 * silenceS;
   const value = milliseconds >= 1000 ? `${figure(silenceS, 1)} s` : `${figure(milliseconds, 1)} ms`;
   if (replies === 0) {
-    return line("Silence", value, "no answer from the server: no force", "bad");
+    return line("arm.silence", value, say("arm.silence_bad"), "bad");
   }
-  const missed = [
-    late > 0 ? `${plural(late, "reply", "replies")} late` : "",
-    lost > 0 ? `${lost.toLocaleString("en")} lost` : "",
-  ].filter((words) => words !== "");
-  const longest = ["the longest without a reply", ...missed].join("; ");
-  return line("Silence", value, longest, limiter.faded > 0 ? "bad" : "plain");
+  const longest = sayList("list.clauses", [
+    say("arm.silence_is"),
+    late > 0 ? say("arm.late", {count: late}) : "",
+    lost > 0 ? say("arm.lost", {count: lost}) : "",
+  ]);
+  return line("arm.silence", value, longest, limiter.faded > 0 ? "bad" : "plain");
 }
 
 /// What becomes of the force at the arm, in the last second, as lines of a table.
@@ -215,17 +226,17 @@ export function deviceLines(device: StationStatistics): Line[] {
     const active = energyLeastJ < -kRoundingJ;
     const whole = appliedForceN > 0.99 * wantedForceN;
     const strongest = whole
-      ? "as it was computed"
-      : `of ${figure(wantedForceN)} N that were computed`;
-    const kWarm = "warm; from 100 % on, only the force that they stand for ever";
+      ? say("arm.as_computed")
+      : say("arm.of_computed", {force: `${figure(wantedForceN)} N`});
+    const isWarm = limiter.warm > 0 ? "bad" : "plain";
     const energy = `${figure(1000 * (active ? -energyLeastJ : energyJ), 1)} mJ`;
     lines.push(
       limiterLine(device),
-      line("Strongest", `${figure(appliedForceN)} N`, strongest),
-      line("Motors", `${(100 * warmth).toFixed(0)} %`, kWarm, limiter.warm > 0 ? "bad" : "plain"),
+      line("arm.strongest", `${figure(appliedForceN)} N`, strongest),
+      line("arm.motors", percent(warmth), say("arm.motors_are"), isWarm),
       active
-        ? line("Energy", energy, "that the arm gave and the hand had not put in", "bad")
-        : line("Energy", energy, "put in by the hand and not given back"),
+        ? line("arm.energy", energy, say("arm.energy_bad"), "bad")
+        : line("arm.energy", energy, say("arm.energy_is")),
     );
   }
   lines.push(silenceLine(device));
@@ -234,38 +245,40 @@ export function deviceLines(device: StationStatistics): Line[] {
 
 /// What a mark of a replay is, in the replayer's words where it has some.
 export function markWords(mark: ReplayMark): string {
-  return mark.text || (mark.kind === "whole" ? "made whole" : mark.kind);
+  return mark.text || say(`mark.${mark.kind}`);
 }
 
 export function gapWords({station, reason}: ReplayGap): string {
-  return `nothing of ${station}${reason === "" ? "" : `: ${reason}`}`;
+  return reason === ""
+    ? say("replay.gap", {station})
+    : say("replay.gap_because", {station, reason});
 }
 
 /// When something was recorded, in the reader's own time; empty where that is not known.
 export function recordedWhen(begunS: number): string {
   if (begunS <= 0) return "";
   const when = new Date(1000 * begunS);
-  return `recorded ${when.toLocaleString("en-GB", {dateStyle: "medium", timeStyle: "short"})}`;
+  const written = when.toLocaleString(locale(), {dateStyle: "medium", timeStyle: "short"});
+  return say("replay.recorded", {when: written});
 }
 
 export function sessionWords(session: SessionState): string {
-  const tool = session.tool === "" ? "a tool" : `the ${session.tool}`;
+  const {scene, reason} = session;
+  const tool =
+    session.tool === "" ? say("session.a_tool") : say("session.the_tool", {tool: session.tool});
   switch (session.phase) {
     case "active":
-      return `drives ${tool} of ${session.scene}`;
+      return say("session.drives", {tool, scene});
     case "refused":
-      return `was refused ${tool} of ${session.scene}: ${session.reason}`;
+      return say("session.refused", {tool, scene, reason});
     case "acquiring":
-      return (
-        `starts with ${tool} of ${session.scene} ${figure(1000 * session.startDepthM, 1)} mm ` +
-        "inside an object: no force until it is out"
-      );
+      return say("session.acquiring", {tool, scene, depth: figure(1000 * session.startDepthM, 1)});
     case "waiting":
-      return `waits for its first sample (${tool} of ${session.scene})`;
+      return say("session.waits", {tool, scene});
     case "ended":
-      return `has left (${tool} of ${session.scene})`;
+      return say("session.left", {tool, scene});
     case "held":
-      return `waits to be admitted (${tool} of ${session.scene})`;
+      return say("session.held", {tool, scene});
   }
 }
 
@@ -273,21 +286,19 @@ export function sessionWords(session: SessionState): string {
 /// @param own  it is this page's
 export function stationNote(session: SessionState | undefined, own: boolean): string {
   if (!session) return "";
-  const who = own ? "You are" : `${session.station} is`;
-  const hand = own ? "your hand" : "that hand";
-  if (session.phase === "held")
-    return `${who} waiting for a teacher to admit ${own ? "you" : "it"}.`;
+  const {station} = session;
+  if (session.phase === "held") return own ? say("note.you_wait") : say("note.it_waits", {station});
   if (!holdsTool(session)) return "";
-  if (session.muted) return `${who} muted by a teacher: no force reaches ${hand}.`;
-  if (session.phase === "acquiring") {
-    return `The tool starts ${figure(1000 * session.startDepthM, 1)} mm inside an object: no force until it is out.`;
-  }
+  if (session.muted) return own ? say("note.you_muted") : say("note.it_muted", {station});
+  if (session.phase === "acquiring")
+    return say("note.inside", {depth: figure(1000 * session.startDepthM, 1)});
   return "";
 }
 
 /// The same for who decides about it.
 export function consoleWords(session: SessionState): string {
-  return sessionWords(session) + (session.muted ? ", without forces" : "");
+  const what = sessionWords(session);
+  return session.muted ? say("session.without_forces", {what}) : what;
 }
 
 /// True for a session that has its tool.
@@ -296,8 +307,11 @@ export const holdsTool = (session: SessionState): boolean =>
 
 /// What the picture shows, for those who do not see it.
 export function pictureWords(model: SceneModel): string {
-  const tools = model.tools.map(({name}) => name).join(", ");
-  const [first] = model.objects;
-  const objects = model.objects.length === 1 ? first!.name : `${model.objects.length} objects`;
-  return `${model.name} in three dimensions: ${tools} touching ${objects}`;
+  const tools = sayList(
+    "list.separator",
+    model.tools.map(({name}) => name),
+  );
+  const {length: count} = model.objects;
+  const objects = count === 1 ? model.objects[0]!.name : say("stage.objects", {count});
+  return say("stage.picture_of", {scene: model.name, tools, objects});
 }

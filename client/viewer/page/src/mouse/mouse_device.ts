@@ -1,3 +1,4 @@
+import {say} from "../messages/say";
 import {type Pose, samePose, type Vec3} from "../model/pose";
 import type {MouseState} from "../protocol/messages";
 import {leash, push, roll, slide, turn, type ViewFrame} from "./tool_motion";
@@ -55,12 +56,12 @@ export class MouseDevice {
     this.tool = tool;
     this.station = "";
     if (!this.host.publish({op: "take", scene, tool})) {
-      this.end("The gateway takes no tools from this page.");
+      this.end(say("tool.not_from_here"));
       return;
     }
     this.hold = "asking";
     this.message = "";
-    this.waitFor("The gateway did not answer.", kAnswerWithinMs);
+    this.waitFor(say("tool.no_gateway_answer"), kAnswerWithinMs);
     this.host.changed();
   }
 
@@ -78,7 +79,7 @@ export class MouseDevice {
   }
 
   linkLost(): void {
-    if (this.hold !== "none") this.end("The link was lost, and with it the tool.");
+    if (this.hold !== "none") this.end(say("tool.link_lost"));
   }
 
   /// The gateway's answer, or what became of the session since.
@@ -87,7 +88,7 @@ export class MouseDevice {
     if (state.station !== "") this.station = state.station;
     switch (state.phase) {
       case "refused":
-        this.end(state.reason === "" ? "The tool was refused." : state.reason);
+        this.end(state.reason === "" ? say("tool.refused") : state.reason);
         break;
       case "ended":
         if (this.hold === "holding") this.end(state.reason);
@@ -102,11 +103,11 @@ export class MouseDevice {
       case "held":
         // It is a teacher's to say when.
         window.clearTimeout(this.patience);
-        this.message = "Waiting until a teacher admits you…";
+        this.message = say("tool.waits");
         this.host.changed();
         break;
       case "":
-        if (this.hold === "asking") this.waitFor("The server did not answer.", kSessionWithinMs);
+        if (this.hold === "asking") this.waitFor(say("tool.no_server_answer"), kSessionWithinMs);
         break;
     }
   }

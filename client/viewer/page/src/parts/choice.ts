@@ -1,3 +1,4 @@
+import {say} from "../messages/say";
 import type {Station, World} from "../model/world";
 import {rememberInAddress} from "../ui/address";
 import {element, setOptions} from "../ui/elements";
@@ -69,8 +70,8 @@ export class Choice {
     const scenes = [...this.world.scenes].sort();
     const stations = this.stationsHere(nowS).map(({id}) => id);
     const named = (names: string[]) => names.map((name) => ({value: name, text: name}));
-    setOptions(this.scenePick, named(scenes), this.scene, "none yet");
-    setOptions(this.stationPick, named(stations), station?.id ?? "", "nobody");
+    setOptions(this.scenePick, named(scenes), this.scene, say("bar.no_scene"));
+    setOptions(this.stationPick, named(stations), station?.id ?? "", say("bar.no_station"));
   }
 
   private enter(scene: string): void {

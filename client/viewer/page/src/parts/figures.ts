@@ -1,7 +1,8 @@
+import {say} from "../messages/say";
 import type {SceneModel} from "../model/bundle";
 import type {LinkReport} from "../model/link_report";
 import {norm} from "../model/pose";
-import {probingDepthM, tellsProbingDepth} from "../model/probing";
+import {isProbe, kProbeLimitN, probingDepthM, tellsProbingDepth} from "../model/probing";
 import {touchedObjects} from "../model/touched";
 import {
   deviceLines,
@@ -19,13 +20,17 @@ import type {ToolState} from "../protocol/messages";
 import {Announcer} from "../ui/announcer";
 import {Console} from "../ui/console";
 import {element, make, setText} from "../ui/elements";
+import {ForceBar} from "../ui/force_bar";
 import {Lesson} from "../ui/lesson";
+import {OverSound} from "../ui/over_sound";
 import {Plots, type PlotTime} from "../ui/plots";
 
 /// Figures, plots and words on stations, and what a teacher does about them.
 export class Figures {
   readonly lesson: Lesson;
   readonly plots = new Plots(element("plots", HTMLDivElement));
+  readonly sound = new OverSound();
+  private readonly bar = new ForceBar();
   private readonly box = element("readout", HTMLDivElement);
   private readonly force = element("force", HTMLOutputElement);
   private readonly torque = element("torque", HTMLOutputElement);
@@ -52,7 +57,6 @@ export class Figures {
     this.announcer = new Announcer((sentence) => setText(spoken, sentence));
     this.console = new Console((op, station) => operate({op, station}));
     this.lesson = new Lesson(
-      this.box,
       (student) => this.plots.showFor(student),
       (goal) => operate({op: "goal", ...goal}),
     );
@@ -85,15 +89,18 @@ export class Figures {
     const note = stationNote(station?.session, station !== undefined && station.id === own);
     setText(this.note, note);
     this.note.hidden = note === "";
-    const sentence = [statusSentence(state, depthM), note].filter((one) => one !== "").join(" ");
-    this.lesson.show(state ? norm(state.forceN) : 0);
+    const status = statusSentence(state, depthM);
+    const tooMuch = this.showLimit(state, model);
+    const sentence = [tooMuch, status, note]
+      .filter((one) => one !== "")
+      .reduce((first, second) => say("list.sentences", {first, second}));
     this.announcer.offer(report.tone === "alarm" ? report.text : sentence, 1000 * nowS);
     this.plots.update(station, time);
     const {statistics} = station ?? {};
     showLines(this.loop, this.loopNone, statistics ? statisticsLines(statistics) : []);
     const device = station?.deviceNow(nowS);
     showLines(this.arm, this.armNone, device ? deviceLines(device) : []);
-    if (device) setText(this.armNone, "No figures now.");
+    if (device) setText(this.armNone, say("panel.no_figures_now"));
   }
 
   /// @param mouse  the station that this page's mouse is, or was last
@@ -103,13 +110,25 @@ export class Figures {
     this.staleWho = false;
     const rows = listed.flatMap(({id, session, holdsTool}) => {
       if (!session) return [];
-      const item = make("li", {}, make("b", {textContent: id}), ` ${sessionWords(session)}`);
+      const name = make("b", {textContent: id});
+      if (id === mouse) name.dataset.you = say("panel.you");
+      const item = make("li", {}, name, ` ${sessionWords(session)}`);
       item.classList.toggle("gone", !holdsTool);
-      item.classList.toggle("own", id === mouse);
       return [item];
     });
     this.whoNone.hidden = rows.length > 0;
     this.who.replaceChildren(...rows);
+  }
+
+  /// Whether it is too much force: by the goal or, of a probe, what a periodontist presses with.
+  /// @return what is to be said of that
+  private showLimit(state: ToolState | undefined, model: SceneModel | undefined): string {
+    const tool = state?.tool ?? model?.tools[0]?.name ?? "";
+    const forProbe = model && isProbe(model, tool) ? kProbeLimitN : undefined;
+    const words = this.bar.show(state && norm(state.forceN), this.lesson.limitN ?? forProbe);
+    this.box.classList.toggle("over", words !== "");
+    this.sound.update(words !== "");
+    return words;
   }
 
   /// The figures above the picture.   @return the probing depth, where there is one

@@ -1,3 +1,4 @@
+import {say} from "../messages/say";
 import type {SceneModel} from "../model/bundle";
 import type {Pose} from "../model/pose";
 import {looksTheSame} from "../model/pose_track";
@@ -98,7 +99,7 @@ export class Picture {
     this.quality.restart();
     this.view.setScene(model, remains, poseOf);
     this.view.resize();
-    const words = model ? pictureWords(model) : "The scene in three dimensions";
+    const words = model ? pictureWords(model) : say("stage.view");
     this.canvas.setAttribute("aria-label", words);
   }
 
@@ -170,7 +171,11 @@ export class Picture {
       this.tools.findIndex(({name}) => name === own),
     );
     const end = this.view.draws ? this.view.endOf(index) : undefined;
-    this.toolPointer.update(this.view.camera.eye, end, this.tools[index]?.name ?? "tool");
+    this.toolPointer.update(
+      this.view.camera.eye,
+      end,
+      this.tools[index]?.name ?? say("tools.tool"),
+    );
   }
 
   /// @return whether the eye follows the tool from now on

@@ -1,6 +1,7 @@
+import {say} from "../messages/say";
 import {kHereS, markAfter, markBefore, type Replay, type ReplayPhase} from "../model/replay";
 import {type Wish, Wishes} from "../model/wishes";
-import {clock, fitBytes, markWords, recordedWhen, spokenTime} from "../model/words";
+import {clock, fitBytes, markWords, percent, recordedWhen, spokenTime} from "../model/words";
 import {kTopics, type Station} from "../model/world";
 import type {ReplayAnswer, ReplayContents} from "../protocol/messages";
 import {element, setOptions, setText} from "../ui/elements";
@@ -55,7 +56,7 @@ export class ReplayMode {
   ) {
     this.wishes = new Wishes(
       (message) => link.publish(kTopics.replay, message),
-      (_wish, reason) => notice.say(`It is not done: ${reason}.`, {alarm: true}),
+      (_wish, reason) => notice.say(say("replay.not_done", {reason}), {alarm: true}),
     );
     this.bar = new ScrubBar((atS) => this.seek(atS));
     this.list = new MarkList(
@@ -144,7 +145,8 @@ export class ReplayMode {
   private showSign(phase: ReplayPhase): void {
     const contents = this.replay.contents;
     this.sign.dataset.phase = phase;
-    setText(this.word, phase === "playing" ? "Replay" : `Replay, ${phase}`);
+    const isMoving = phase === "playing" || phase === "none";
+    setText(this.word, say(isMoving ? "replay.word" : `replay.${phase}`));
     setText(this.name, contents?.recording ?? "");
     this.name.title = contents?.recording ?? "";
     setText(this.when, contents ? recordedWhen(contents.begunS) : "");
@@ -159,11 +161,12 @@ export class ReplayMode {
       this.list.setMarks(contents.marks);
     }
     const atS = this.atS;
-    this.bar.show(atS, `${spokenTime(atS)} of ${spokenTime(this.replay.lengthS)}`);
+    const length = spokenTime(this.replay.lengthS);
+    this.bar.show(atS, say("replay.at_of", {at: spokenTime(atS), length}));
     this.list.show(atS);
     const playing = this.isPlaying;
     this.playButton.classList.toggle("playing", playing);
-    this.playButton.setAttribute("aria-label", playing ? "Pause" : "Play");
+    this.playButton.setAttribute("aria-label", say(playing ? "replay.pause" : "replay.play"));
     this.after.disabled = markAfter(contents.marks, atS) === undefined;
     const rate = this.rateNow;
     const rates = [...new Set([...kRates, rate])].sort((a, b) => a - b);
@@ -183,7 +186,8 @@ export class ReplayMode {
     if (this.seekingSinceS === undefined || this.nowS - this.seekingSinceS < kSeekShownAfterS) {
       return `${at} / ${clock(this.replay.lengthS)}`;
     }
-    return sought < 1 ? `to ${at}: ${Math.floor(100 * sought)} %` : `to ${at}…`;
+    const share = percent(Math.floor(100 * sought) / 100);
+    return sought < 1 ? say("replay.seeking", {at, share}) : say("replay.seeking_soon", {at});
   }
 
   // What the reader has wished for is shown as if it were so: the replay's answer takes its time.
@@ -234,9 +238,12 @@ export class ReplayMode {
   private nameBookmark(): void {
     if (!this.steers || this.dialog.open) return;
     this.bookmarkAtS = this.atS;
-    setText(element("bookmark-title", HTMLHeadingElement), `A bookmark at ${clock(this.atS)}`);
+    setText(
+      element("bookmark-title", HTMLHeadingElement),
+      say("bookmark.title_at", {at: clock(this.atS)}),
+    );
     this.bookmarkName.value = "";
-    this.bookmarkName.placeholder = `Bookmark at ${clock(this.atS)}`;
+    this.bookmarkName.placeholder = say("bookmark.default", {at: clock(this.atS)});
     this.dialog.returnValue = "";
     this.dialog.showModal();
     this.bookmarkName.focus();

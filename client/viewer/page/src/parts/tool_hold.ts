@@ -1,3 +1,4 @@
+import {say} from "../messages/say";
 import type {SceneModel} from "../model/bundle";
 import {kTopics, type Station, type World} from "../model/world";
 import {MouseDevice, type MouseHost} from "../mouse/mouse_device";
@@ -68,7 +69,12 @@ export class ToolHold {
   showTools(tools: SceneModel["tools"]): void {
     const options = tools.map(({name}) => ({value: name, text: name}));
     const [first] = options;
-    setOptions(this.toolPick, options, this.toolPick.value || (first?.value ?? ""), "no tool");
+    setOptions(
+      this.toolPick,
+      options,
+      this.toolPick.value || (first?.value ?? ""),
+      say("tools.no_tool"),
+    );
     if (first && this.toolPick.selectedIndex < 0) this.toolPick.selectedIndex = 0;
     element("tool-pick", HTMLLabelElement).hidden = options.length < 2;
     this.show();
@@ -81,18 +87,18 @@ export class ToolHold {
     this.picture.canvas.classList.toggle("holding", holding);
     this.button.classList.toggle("holding", holding);
     this.button.disabled = hold === "none" && !this.isSceneHere();
-    const words = {holding: "Give it back", asking: "Cancel", none: "Take the tool"};
-    setText(this.button, words[hold]);
+    const words = {holding: "tool.give_back", asking: "tool.cancel", none: "tool.take"} as const;
+    setText(this.button, say(words[hold]));
     this.picture.view.camera.controls.enableZoom = !holding;
     const help = matchMedia("(pointer: coarse)").matches
-      ? "Drag to move, two fingers to push, pull and turn."
-      : "Drag to move, wheel to push and pull, Shift-drag to turn, Esc to give it back.";
+      ? say("tool.how_by_touch")
+      : say("tool.how");
     if (hold === "none" && message !== "") {
       const {scene} = this.choice;
       const whileSo = (): boolean => !this.isBusy && this.choice.scene === scene;
       this.notice.say(message, {alarm: true, whileSo});
     }
-    this.notice.rest(hold === "none" ? "" : message || (holding ? help : "Asking…"));
+    this.notice.rest(hold === "none" ? "" : message || (holding ? help : say("tool.asking")));
     this.notice.update(true);
     this.changed();
     if (holding) this.picture.canvas.focus({preventScroll: true});
@@ -106,7 +112,7 @@ export class ToolHold {
     if (!this.mayTake()) return;
     if (!this.isSceneHere()) {
       const whileSo = (): boolean => !this.isSceneHere();
-      this.notice.say("There is no tool yet: no server has told of its scene.", {whileSo});
+      this.notice.say(say("tool.none_yet"), {whileSo});
       return;
     }
     if (this.isBusy) {
@@ -129,16 +135,17 @@ export class ToolHold {
       this.choice.scene === scene &&
       holder.isMoving(nowS()) &&
       this.world.holderOf(scene, tool) === holder;
-    const who = `'${holder.id}' holds the ${tool}.`;
+    const who = say("tool.held", {station: holder.id, tool});
     if (!this.link.may.operate) {
-      this.notice.say(`${who} It is free once that station ends.`, {alarm: true, whileSo});
+      const words = say("list.sentences", {first: who, second: say("tool.free_later")});
+      this.notice.say(words, {alarm: true, whileSo});
       return;
     }
     const run = (): void => {
       this.link.publish(kTopics.operate, {op: "take_back", station: holder.id});
-      this.notice.say("Asking the server to take it back…");
+      this.notice.say(say("tool.taking_back"));
     };
-    this.notice.say(who, {alarm: true, whileSo, action: {text: "Take it back", run}});
+    this.notice.say(who, {alarm: true, whileSo, action: {text: say("tool.take_it_back"), run}});
   }
 
   private whereIs(scene: string, tool: string): ReturnType<MouseHost["tool"]> {

@@ -1,3 +1,4 @@
+import {say} from "../messages/say";
 import {element, setText} from "../ui/elements";
 import type {Picture} from "./picture";
 
@@ -74,7 +75,9 @@ export class ViewControls {
     const level = Number(this.level.value);
     this.picture.view.setSphereLevel(this.showsSpheres ? level : undefined);
     const isLeaves = this.level.value === this.level.max;
-    const text = isLeaves ? "leaves" : `level ${level + 1} of ${Number(this.level.max) + 1}`;
+    const text = isLeaves
+      ? say("tools.leaves")
+      : say("tools.level_of", {level: level + 1, levels: Number(this.level.max) + 1});
     setText(element("level-text", HTMLOutputElement), text);
     this.level.setAttribute("aria-valuetext", text);
   }

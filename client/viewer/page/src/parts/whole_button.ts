@@ -1,22 +1,7 @@
+import {say} from "../messages/say";
 import type {SceneWhole, WholeWish} from "../protocol/messages";
 import {element} from "../ui/elements";
 import type {Notice} from "../ui/notice";
-
-const kAsking = {
-  whole: "Asking the server to make it whole…",
-  bookmark: "Asking the server to keep how it stands…",
-  back: "Asking the server to make it as it stood at the bookmark…",
-};
-const kDone = {
-  whole: "is whole again",
-  bookmark: "is bookmarked as it stands",
-  back: "is as it stood at the bookmark",
-};
-const kNot = {
-  whole: "It is not made whole",
-  bookmark: "It is not bookmarked",
-  back: "It is not brought back to a bookmark",
-};
 
 /// Has the server make whole what has been cut, or as it stood at a bookmark, and says what became of
 /// that.
@@ -47,7 +32,7 @@ export class WholeButton {
 
   private wish(wish: WholeWish): void {
     this.asked = true;
-    this.notice.say(kAsking[wish]);
+    this.notice.say(say(`whole.asking_${wish}`));
     this.ask(wish);
   }
 
@@ -56,7 +41,9 @@ export class WholeButton {
     if (!isNews && !this.asked) return;
     this.asked = false;
     const text =
-      refusal === "" ? `The ${scene} ${kDone[wish]} (${by}).` : `${kNot[wish]}: ${refusal}.`;
+      refusal === ""
+        ? say(`whole.done_${wish}`, {scene, by})
+        : say(`whole.not_${wish}`, {reason: refusal});
     this.notice.say(text, {alarm: refusal !== ""});
   }
 }

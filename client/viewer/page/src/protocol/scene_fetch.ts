@@ -1,3 +1,4 @@
+import {say} from "../messages/say";
 import {readBundle, type SceneModel} from "../model/bundle";
 
 /// A scene and the tag of the bytes that it was read from.
@@ -18,10 +19,11 @@ export async function fetchScene(
   const path = `scene/${encodeURIComponent(name)}.bundle`;
   const response = await fetch(path, {cache: "no-cache", headers});
   if (response.status === 404) {
-    throw new Error(`The gateway does not have the scene '${name}' yet.`);
+    throw new Error(say("scene.not_yet", {scene: name}));
   }
   if (!response.ok) {
-    throw new Error(`The scene '${name}' could not be fetched (HTTP ${response.status}).`);
+    const status = String(response.status);
+    throw new Error(say("scene.not_fetched", {scene: name, status}));
   }
   const tag = response.headers.get("ETag") ?? "";
   if (have && tag !== "" && tag === have.tag) {

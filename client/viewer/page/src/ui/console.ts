@@ -1,3 +1,4 @@
+import {say, sayList} from "../messages/say";
 import type {Station} from "../model/world";
 import {consoleWords, faultWords} from "../model/words";
 import type {SessionState} from "../protocol/messages";
@@ -10,6 +11,7 @@ const kAnswerWithinMs = 4000;
 
 interface Row {
   readonly item: HTMLLIElement;
+  readonly name: HTMLElement;
   readonly words: HTMLElement;
   readonly faults: HTMLElement;
   readonly admit: HTMLButtonElement;
@@ -73,19 +75,17 @@ export class Console {
     if (asked && (answers(asked.of, session) || nowMs > asked.untilMs)) row.asked = undefined;
     setText(row.words, consoleWords(session));
     const faults = station.isMoving(nowMs / 1000) ? (station.statistics?.faults ?? 0) : 0;
-    const told = faultWords(faults).join("; ");
+    const told = sayList("list.clauses", faultWords(faults));
     setText(row.faults, told);
     row.faults.hidden = told === "";
     row.item.classList.toggle("held", isHeld);
-    row.item.classList.toggle("muted", muted);
+    row.name.dataset.muted = muted ? say("console.muted") : "";
     row.admit.hidden = !isHeld;
     row.mute.hidden = isHeld;
-    setText(row.mute, muted ? "Unmute" : "Mute");
-    row.mute.title = muted
-      ? "Let forces come back"
-      : "Fade the forces to zero and keep them there; the tool still follows the hand";
-    setText(row.back, isHeld ? "Refuse" : "Take back");
-    row.back.title = isHeld ? "Do not let it begin" : "End its session, and free its tool";
+    setText(row.mute, say(muted ? "console.unmute" : "console.mute"));
+    row.mute.title = say(muted ? "console.unmute_title" : "console.mute_title");
+    setText(row.back, say(isHeld ? "console.refuse" : "console.take_back"));
+    row.back.title = say(isHeld ? "console.refuse_title" : "console.take_back_title");
     for (const button of [row.admit, row.mute, row.back]) button.disabled = row.asked !== undefined;
     row.item.setAttribute("aria-busy", String(row.asked !== undefined));
   }
@@ -95,16 +95,17 @@ export class Console {
     const faults = make("span", {className: "faults"});
     const button = (text: string, op: () => OperateOp): HTMLButtonElement =>
       make("button", {type: "button", textContent: text, onclick: () => this.ask(id, op())});
-    const admit = button("Admit", () => "admit");
-    const mute = button("Mute", () => (row.session?.muted ? "unmute" : "mute"));
-    const back = button("Take back", () => "take_back");
-    Object.assign(admit, {className: "primary", title: "Let it begin"});
+    const admit = button(say("console.admit"), () => "admit");
+    const mute = button(say("console.mute"), () => (row.session?.muted ? "unmute" : "mute"));
+    const back = button(say("console.take_back"), () => "take_back");
+    Object.assign(admit, {className: "primary", title: say("console.admit_title")});
     const choices = make("span", {className: "choices", role: "group"}, admit, mute, back);
-    choices.ariaLabel = `Decide about ${id}`;
-    const who = make("p", {}, make("b", {textContent: id}), " ", words);
+    choices.ariaLabel = say("console.decide", {station: id});
+    const name = make("b", {textContent: id});
+    const who = make("p", {}, name, " ", words);
     const item = make("li", {}, who, faults, choices);
     const row: Row = {
-      ...{item, words, faults, admit, mute, back},
+      ...{item, name, words, faults, admit, mute, back},
       session: undefined,
       asked: undefined,
     };

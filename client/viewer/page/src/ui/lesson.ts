@@ -1,3 +1,4 @@
+import {say, sayList} from "../messages/say";
 import type {SceneGoal} from "../protocol/messages";
 import {rememberInAddress} from "./address";
 import {element, setText} from "./elements";
@@ -13,10 +14,10 @@ export class Lesson {
   private readonly text = element("goal-text", HTMLInputElement);
   private readonly limit = element("goal-limit", HTMLInputElement);
   private scene = "";
-  private limitN = Infinity;
+  /// Of force, by the goal; undefined: it names none.
+  limitN: number | undefined;
 
   constructor(
-    private readonly readout: HTMLElement,
     private readonly audienceChanged: (student: boolean) => void,
     private readonly set: (goal: {scene: string; text: string; limit_N: number}) => void,
   ) {
@@ -38,24 +39,21 @@ export class Lesson {
     this.section.hidden = !may;
   }
 
-  show(forceN: number): void {
-    this.readout.classList.toggle("over", forceN > this.limitN);
-  }
-
   /// @param goal  of that scene; undefined: it has none
   showGoal(scene: string, goal: SceneGoal | undefined): void {
     const another = scene !== this.scene;
     this.scene = scene;
-    setText(this.title, scene === "" ? "The goal" : `The goal of ${scene}`);
+    setText(this.title, scene === "" ? say("goal.title") : say("goal.title_of", {scene}));
     const text = goal?.text ?? "";
-    this.limitN = goal && goal.limitN > 0 ? goal.limitN : Infinity;
-    const limit = Number.isFinite(this.limitN) ? String(this.limitN) : "";
+    this.limitN = goal && goal.limitN > 0 ? goal.limitN : undefined;
+    const limit = this.limitN?.toString() ?? "";
     // What somebody is writing just now is his.
     if (another || document.activeElement !== this.text) this.text.value = text;
     if (another || document.activeElement !== this.limit) this.limit.value = limit;
-    const words = [text, limit === "" ? "" : `at most ${limit} N`].filter((part) => part !== "");
-    this.goal.hidden = words.length === 0;
-    setText(this.goal, words.length === 0 ? "" : `Goal: ${words.join(", ")}`);
+    const atMost = this.limitN === undefined ? "" : say("goal.at_most", {limit: this.limitN});
+    const words = sayList("list.separator", [text, atMost]);
+    this.goal.hidden = words === "";
+    setText(this.goal, words === "" ? "" : say("goal.is", {goal: words}));
   }
 
   private setStudent(student: boolean): void {

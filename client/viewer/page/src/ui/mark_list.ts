@@ -1,3 +1,4 @@
+import {say} from "../messages/say";
 import {kHereS} from "../model/replay";
 import {clock, markWords} from "../model/words";
 import type {ReplayMark} from "../protocol/messages";
@@ -31,8 +32,7 @@ export class MarkList {
     this.current = undefined;
     this.list.replaceChildren(...this.rows.map(({item}) => item));
     this.none.hidden = listed.length > 0 && !tooMany;
-    const left = `${contacts.toLocaleString("en")} contacts are on the bar alone.`;
-    setText(this.none, tooMany ? left : "None yet: a bookmark (B) names a moment.");
+    setText(this.none, tooMany ? say("mark.on_bar_alone", {count: contacts}) : say("mark.none"));
   }
 
   /// Marks the one that was passed last.
@@ -60,8 +60,8 @@ export class MarkList {
     const item = make("li", {className: mark.kind}, go);
     if (mark.kind === "bookmark") {
       const drop = make("button", {type: "button", className: "drop", textContent: "×"});
-      drop.title = "Take this bookmark away, for everybody";
-      drop.ariaLabel = `Take away the bookmark ${said}`;
+      drop.title = say("mark.drop_title");
+      drop.ariaLabel = say("mark.drop", {name: said});
       drop.addEventListener("click", () => this.dropped(mark));
       item.append(drop);
     }

@@ -1,6 +1,6 @@
 import {element} from "./elements";
 
-/// The panel of figures and the help, by button and by the keys that it returns, for listenForKeys.
+/// The panel of figures, the help and the settings, by button and by the keys that it returns, for listenForKeys.
 export function listenToPanel(): Readonly<Record<string, () => void>> {
   const panel = element("panel", HTMLElement);
   const button = element("panel-toggle", HTMLButtonElement);
@@ -8,8 +8,11 @@ export function listenToPanel(): Readonly<Record<string, () => void>> {
     panel.hidden = !panel.hidden;
     button.setAttribute("aria-expanded", String(!panel.hidden));
   };
-  const help = (): void => element("help-dialog", HTMLDialogElement).showModal();
+  const opener = (name: string) => {
+    const open = (): void => element(`${name}-dialog`, HTMLDialogElement).showModal();
+    element(name, HTMLButtonElement).addEventListener("click", open);
+    return open;
+  };
   button.addEventListener("click", toggle);
-  element("help", HTMLButtonElement).addEventListener("click", help);
-  return {p: toggle, "?": help};
+  return {p: toggle, "?": opener("help"), o: opener("settings")};
 }

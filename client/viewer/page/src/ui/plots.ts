@@ -1,11 +1,12 @@
 import uPlot from "uplot";
 
+import {type Key, locale, say} from "../messages/say";
 import {kFigures, kHistoryS, type Station} from "../model/world";
 import {clock, figure} from "../model/words";
 import {make, setText} from "./elements";
 
 interface PlotKind {
-  readonly title: string;
+  readonly title: Key;
   readonly unit: string;
   readonly colour: string; // of the style sheet
   readonly least: number; // the axis goes at least this far, so that noise does not fill it
@@ -13,10 +14,10 @@ interface PlotKind {
 
 /// In the order of kFigures.
 const kKinds: Readonly<Record<(typeof kFigures)[number], PlotKind>> = {
-  force: {title: "Force", unit: "N", colour: "force", least: 0.5},
-  torque: {title: "Torque", unit: "mN·m", colour: "torque", least: 5},
-  past: {title: "Hand past the surface", unit: "mm", colour: "past", least: 0.5},
-  step: {title: "Time for a step", unit: "µs", colour: "step", least: 20},
+  force: {title: "figure.force", unit: "N", colour: "force", least: 0.5},
+  torque: {title: "figure.torque", unit: "mN·m", colour: "torque", least: 5},
+  past: {title: "figure.past_long", unit: "mm", colour: "past", least: 0.5},
+  step: {title: "figure.step", unit: "µs", colour: "step", least: 20},
 };
 
 /// The plots' time: this page's own, which ends now, or a recording's.
@@ -54,9 +55,10 @@ export class Plots {
       const isLast = i === this.wanted.length - 1;
       const value = make("output", {ariaLive: "off"}); // the announcer speaks
       value.style.color = colour(kind.colour);
-      const header = make("header", {}, make("h3", {textContent: kind.title}), value);
+      const title = say(kind.title);
+      const header = make("header", {}, make("h3", {textContent: title}), value);
       const chart = make("div", {className: "chart", role: "img"});
-      chart.ariaLabel = `${kind.title} over the last ${kHistoryS} seconds`;
+      chart.ariaLabel = say("figure.last_seconds", {figure: title, seconds: kHistoryS});
       this.parent.append(make("div", {className: isLast ? "plot last" : "plot"}, header, chart));
       const plot = new uPlot(
         options(kind, chart, isLast, colour, () => this.time),
@@ -142,7 +144,11 @@ function options(
         splits: () => (time().isRecorded ? fullSeconds(time().nowS) : [-10, -5, 0]),
         values: (_plot, splits) =>
           splits.map((split) =>
-            time().isRecorded ? clock(split + time().nowS) : split === 0 ? "now" : `${split} s`,
+            time().isRecorded
+              ? clock(split + time().nowS)
+              : split === 0
+                ? say("figure.now")
+                : `${split} s`,
           ),
       },
       {
@@ -153,6 +159,7 @@ function options(
         grid: line,
         ticks: {show: false},
         space: 26,
+        values: (_plot, splits) => splits.map((split) => split.toLocaleString(locale())),
       },
     ],
     series: [

@@ -1,3 +1,4 @@
+import {say} from "../messages/say";
 import {kQualities, type PictureQuality, qualityOf, qualityWords} from "../model/quality";
 import {rememberInAddress} from "./address";
 import {element, setText} from "./elements";
@@ -11,8 +12,8 @@ export class QualityPick {
     private readonly quality: PictureQuality,
     changed: () => void,
   ) {
-    this.select.add(new Option("what 30 a second allow", ""));
-    for (const name of kQualities) this.select.add(new Option(`always ${name}`, name));
+    this.select.add(new Option(say("quality.by_pace"), ""));
+    for (const name of kQualities) this.select.add(new Option(say(`quality.always_${name}`), name));
     this.select.value = quality.fixed ?? "";
     this.select.addEventListener("change", () => {
       quality.fixed = qualityOf(this.select.value);

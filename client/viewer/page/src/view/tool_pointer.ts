@@ -1,5 +1,6 @@
 import {MathUtils, type PerspectiveCamera, Vector3} from "three";
 
+import {say} from "../messages/say";
 import {edgePlace} from "../model/edge_place";
 import type {Vec3} from "../model/pose";
 
@@ -25,7 +26,7 @@ export class ToolPointer {
     const place = at && edgePlace([at.x, at.y, at.z], tan, room, height, kHalf);
     this.button.hidden = place === undefined;
     if (!place) return;
-    const words = `The ${name} is out of the picture: show it`;
+    const words = say("stage.out_of_picture", {tool: name});
     if (this.button.title !== words) this.button.title = this.button.ariaLabel = words;
     this.button.style.transform =
       `translate(${(place.x - kHalf).toFixed(1)}px, ${(place.y - kHalf).toFixed(1)}px) ` +

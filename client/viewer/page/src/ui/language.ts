@@ -1,0 +1,52 @@
+import {chooseLanguage, type Key, kLanguages, say, speak} from "../messages/say";
+import {rememberInAddress} from "./address";
+import {element} from "./elements";
+import {keep, recall} from "./kept";
+
+const kKey = "palpate-language";
+const kInAddress = "lang";
+
+/// What of an element of index.html is said, by the attribute that has the message's key.
+const kParts = {
+  "data-say": "text",
+  "data-say-title": "title",
+  "data-say-label": "aria-label",
+  "data-say-placeholder": "placeholder",
+} as const;
+
+/// Has the page speak the reader's language: the chosen one, the address's, or the browser's.
+export async function speakToReader(): Promise<void> {
+  const asked = new URLSearchParams(location.search).get(kInAddress);
+  const chosen = recall("localStorage", kKey);
+  const wanted = [chosen, asked, ...navigator.languages].filter((tag) => tag !== null);
+  const language = chooseLanguage(wanted);
+  await speak(language);
+  document.documentElement.lang = language;
+  for (const [attribute, part] of Object.entries(kParts)) {
+    for (const found of document.querySelectorAll(`[${attribute}]`)) {
+      const text = say(found.getAttribute(attribute) as Key);
+      if (part === "text") found.textContent = text;
+      else found.setAttribute(part, text);
+    }
+  }
+  offerLanguages(language);
+}
+
+/// In their own names.  The page begins anew with another one: what has been said is all over it.
+function offerLanguages(language: string): void {
+  const select = element("language", HTMLSelectElement);
+  for (const tag of kLanguages) {
+    const name = new Intl.DisplayNames([tag], {type: "language"}).of(tag) ?? tag;
+    const option = new Option(name, tag);
+    option.lang = tag;
+    select.add(option);
+  }
+  select.value = language;
+  select.addEventListener("change", () => {
+    keep("localStorage", kKey, select.value);
+    // Where the browser keeps nothing, the address does.
+    const isKept = recall("localStorage", kKey) === select.value;
+    rememberInAddress(kInAddress, isKept ? "" : select.value);
+    location.reload();
+  });
+}

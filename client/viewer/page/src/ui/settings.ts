@@ -1,0 +1,22 @@
+import {element} from "./elements";
+import {keep, recall} from "./kept";
+
+/// A switch of the settings, kept for the next visit: a class of the page of the same name, for the style
+/// sheet, and what else depends on it.
+export function listenToSetting(
+  name: "left-handed" | "projector" | "force-sound",
+  changed: (on: boolean) => void = () => {},
+): void {
+  const box = element(name, HTMLInputElement);
+  const key = `palpate-${name}`;
+  const show = (): void => {
+    document.documentElement.classList.toggle(name, box.checked);
+    changed(box.checked);
+  };
+  box.checked = recall("localStorage", key) === "on";
+  if (box.checked) show();
+  box.addEventListener("change", () => {
+    keep("localStorage", key, box.checked ? "on" : "off");
+    show();
+  });
+}
