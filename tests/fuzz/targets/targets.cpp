@@ -11,8 +11,8 @@
 #include <iterator>
 #include <new>
 
-#include "client/viewer/foxglove.h"
 #include "client/viewer/class_room.h"
+#include "client/viewer/foxglove.h"
 #include "client/viewer/page_messages.h"
 #include "common/dds/cdr.h"
 #include "common/dds/cdr_reader.h"
