@@ -29,8 +29,8 @@
 #include "scenes/picture.h"
 #include "scenes/progress_line.h"
 #include "scenes/scene_verdict.h"
-#include "scenes/tree/coverage.h"
 #include "scenes/tree/leaf_count.h"
+#include "scenes/tree/tree_error.h"
 #include "scenes/tree/tree_export.h"
 #include "scenes/tree/tree_mode.h"
 
@@ -122,7 +122,7 @@ void PrintReport(const MeshReport& r) {
 }
 
 /// @param allowed  of p99 [m]; 0: the spheres are not felt.
-void PrintSpread(const char* name, const Spread& s, double allowed) {
+void PrintSpread(const char* name, const Distribution& s, double allowed) {
   std::printf("    %s mean %.1f  p99 %.1f  max %.1f um", name, 1e6 * s.mean, 1e6 * s.p99,
               1e6 * s.max);
   allowed > 0.0 ? std::printf("  (p99 should be at most %.0f)\n", 1e6 * allowed)
