@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <set>
 #include <type_traits>
-#include <utility>
 
 #include "common/error.h"
 #include "common/json/json_file.h"
