@@ -157,10 +157,9 @@ void PaintLeaves(const BodyDescription& description, const std::vector<MeshGroup
           region.where + ": paints no leaf of \"" + body.name +
           (region.kind == RegionDescription::Kind::kGroup
                ? "\"; all of the part may lie inside others, where nothing touches it "
-                 "('palpate-scene check' tells); leave the region out, or give the body "
-                 "more leaves"
-               : "\"; move or enlarge it (its frame is the body's, in mm), or give the body "
-                 "more leaves"));
+                 "('palpate-scene check' tells); leave the region out, or give the body more leaves"
+               : "\"; move or enlarge it (its frame is the body's, in mm), or give the body more "
+                 "leaves"));
     }
     const auto index = static_cast<std::uint8_t>(written.size());
     written.push_back(&region.material);

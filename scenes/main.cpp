@@ -29,8 +29,8 @@
 #include "scenes/picture.h"
 #include "scenes/progress_line.h"
 #include "scenes/scene_verdict.h"
-#include "scenes/tree/coverage.h"
 #include "scenes/tree/leaf_count.h"
+#include "scenes/tree/tree_error.h"
 #include "scenes/tree/tree_export.h"
 #include "scenes/tree/tree_mode.h"
 
@@ -122,7 +122,7 @@ void PrintReport(const MeshReport& r) {
 }
 
 /// @param allowed  of p99 [m]; 0: the spheres are not felt.
-void PrintSpread(const char* name, const Spread& s, double allowed) {
+void PrintSpread(const char* name, const Distribution& s, double allowed) {
   std::printf("    %s mean %.1f  p99 %.1f  max %.1f um", name, 1e6 * s.mean, 1e6 * s.p99,
               1e6 * s.max);
   allowed > 0.0 ? std::printf("  (p99 should be at most %.0f)\n", 1e6 * allowed)
@@ -233,14 +233,14 @@ void AddToleranceOptions(const CommandLine& app, std::optional<LeafTolerance>& l
     };
   };
   const Option um =
-      app.AddNumber("--tolerance-um", sets(LeafTolerance::Of::kHeight, 1e-6),
-                    "As many leaves as it takes for their surface to lie within so many um "
-                    "of the mesh's at 95 of 100 places, whatever the scene file says; a "
-                    "tool of one leaf stays")
+      app.AddNumber(
+             "--tolerance-um", sets(LeafTolerance::Of::kHeight, 1e-6),
+             "As many leaves as it takes for their surface to lie within so many um of the mesh's "
+             "at 95 of 100 places, whatever the scene file says; a tool of one leaf stays")
           .Range(kLeastTolerance_um, kMostTolerance_um);
   app.AddNumber("--tolerance-deg", sets(LeafTolerance::Of::kLean, M_PI / 180.0),
-                "Likewise, for it to lean by at most so many degrees on average, "
-                "as the force of a touch does")
+                "Likewise, for it to lean by at most so many degrees on average, as the force of a "
+                "touch does")
       .Range(kLeastTolerance_deg, kMostTolerance_deg)
       .Excludes(um);
 }
@@ -282,8 +282,8 @@ int Main(int argc, char** argv) {
   build.Add("-o,--output", arguments.output, "Bundle to write (.palpate)");
   build
       .Add("--mode", arguments.mode,
-           "How the leaves of all trees stand for their meshes, whatever the scene file "
-           "says; those that it has from a .sph file stay")
+           "How the leaves of all trees stand for their meshes, whatever the scene file says; "
+           "those that it has from a .sph file stay")
       .OneOf({kTreeModes.begin(), kTreeModes.end()});
   AddToleranceOptions(build, arguments.leaves);
   const CommandLine info =
@@ -306,9 +306,9 @@ int Main(int argc, char** argv) {
                                  scene_help, "bunny-bunny --error -o error.png");
   render.Add("-o,--output", arguments.output, "Picture to write (.png)").Required();
   render.Add("--level", arguments.level, "Only this level, from 1");
-  render.AddFlag("--error", arguments.error,
-                 "How far the spheres of a body's last levels are from its mesh, in colours with "
-                 "a scale");
+  render.AddFlag(
+      "--error", arguments.error,
+      "How far the spheres of a body's last levels are from its mesh, in colours with a scale");
   render.Add("--body", arguments.body,
              "Of --error: tool or object by its name (default: the first object)");
   const CommandLine make =
@@ -333,12 +333,11 @@ int Main(int argc, char** argv) {
   export_tree.Add("--body", arguments.body,
                   "Tool or object by its name (default: the first object)");
   export_tree.Add("--level", arguments.level,
-                  "From 1, the coarsest, as info counts: of a .ply or .glb the one that is "
-                  "written (default: the leaves), of a .sph the last one (default: all)");
+                  "From 1, the coarsest, as info counts: of a .ply or .glb the one that is written "
+                  "(default: the leaves), of a .sph the last one (default: all)");
   export_tree
       .Add("--unit", arguments.unit,
-           "What a number in a .sph or .ply is to mean (default: mm; a .sph has six "
-           "decimals)")
+           "What a number in a .sph or .ply is to mean (default: mm; a .sph has six decimals)")
       .OneOf({kUnits.begin(), kUnits.end()});
 
   const CommandLine list = app.AddCommand("list", "Lists the scenes of the catalogue");

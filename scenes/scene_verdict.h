@@ -5,7 +5,7 @@
 
 #include "scenes/mesh/mesh_report.h"
 #include "scenes/scene.h"
-#include "scenes/tree/coverage.h"
+#include "scenes/tree/tree_error.h"
 
 namespace palpate {
 

@@ -64,10 +64,9 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
       .TypeName("NAME");
   const Option arm = app.Add("--device-name", options.arm,
                              "with a driver of your own: which arm, if there are several");
-  const Option push = app.AddFlag(
-      "--push", options.push,
-      "with a driver of your own: push its arm by 1 N along each axis, and see that the "
-      "handle gives way; hold it loosely meanwhile");
+  const Option push = app.AddFlag("--push", options.push,
+                                  "with a driver of your own: push its arm by 1 N along each axis, "
+                                  "and see that the handle gives way; hold it loosely meanwhile");
   AddTransportOption(app, options.transport);
   app.AddFlag("--json", options.json, "print one JSON object in place of the report");
   AddNetworkOptions(app, "the other host", options.network);

@@ -149,8 +149,8 @@ Finding CheckRouDi(const RouDiState& roudi, dds::Transport wanted, long long use
     return {.status = missing,
             .found = found,
             .remedy =
-                "run RouDi, server and stations as one user, or sudo adduser $USER palpate "
-                "where RouDi runs as the service palpate-roudi, and log in again"};
+                "run RouDi, server and stations as one user, or sudo adduser $USER palpate where "
+                "RouDi runs as the service palpate-roudi, and log in again"};
   }
   if (roudi.answers && !roudi.lock_held) {
     return {.status = needed ? Status::kFault : Status::kWarning,
@@ -235,10 +235,9 @@ Finding CheckPorts(const HostFiles& host, int domain, bool server_runs) {
   }
   if (why.empty()) return Ok(which + ": free");
   if (server_runs) return Ok(which + ": a palpate-server of this host has them");
-  return Warning(
-      which + ": taken, and no palpate-server of this host runs in it; " + why,
-      "end what has them, unless it is a palpate-viewer or a station that waits for its server "
-      "(sudo ss -ulpn names it), or give another --domain");
+  return Warning(which + ": taken, and no palpate-server of this host runs in it; " + why,
+                 "end what has them, unless it is a palpate-viewer or a station that waits for its "
+                 "server (sudo ss -ulpn names it), or give another --domain");
 }
 
 }  // namespace palpate::doctor

@@ -88,8 +88,7 @@ std::optional<LoadRunOptions> ParseLoadOptions(int argc, const char* const* argv
       .Range(1.0, 60.0)
       .ShowDefault();
   app.Add("--scene", options.scene,
-          "scene that the stations drive, by name or file; default: all that the server "
-          "has");
+          "scene that the stations drive, by name or file; default: all that the server has");
   app.Add("--script", options.script,
           "poses of the hands (JSON); default: the server's script of the scene");
   app.Add("--name", options.name, "first part of the stations' names; a number follows")
@@ -104,8 +103,7 @@ std::optional<LoadRunOptions> ParseLoadOptions(int argc, const char* const* argv
   app.Add("--json", options.json, "write the figures as JSON to this file; - is stdout");
   app.Add("--report", options.report, "write the capacity table to this file (Markdown)");
   app.Add("--make-scene", make_scene,
-          "N FILE: write a scene file like --scene (default: cube) but with N of its tool, "
-          "and end")
+          "N FILE: write a scene file like --scene (default: cube) but with N of its tool, and end")
       .Words(2);
   AddServerOptions(app, options);
 

@@ -65,8 +65,7 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
   const Option verify_option =
       app.AddFlag("--verify", verify, "compute every wrench again and compare all bits");
   app.Add("--scene", options.verify.scene,
-          "with --verify: scene to compute with; default: the recorded one, else the "
-          "catalogue's")
+          "with --verify: scene to compute with; default: the recorded one, else the catalogue's")
       .Needs(verify_option);
   app.Add("--models", options.verify.models_dir,
           "with --verify: folder of the meshes that no package installs; the variable "
@@ -92,10 +91,9 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
       .ShowDefault();
   const Option loop =
       app.AddFlag("--loop", options.playback.loop, "repeat until Ctrl-C").Excludes(verify_option);
-  app.AddFlag(
-         "--stay", options.play.stays,
-         "wait at the end until Ctrl-C, so that viewers can go back; without it, the replay ends "
-         "there unless a viewer has steered it")
+  app.AddFlag("--stay", options.play.stays,
+              "wait at the end until Ctrl-C, so that viewers can go back; without it, the replay "
+              "ends there unless a viewer has steered it")
       .Excludes(verify_option)
       .Excludes(guide)
       .Excludes(loop);

@@ -148,8 +148,7 @@ int RunStation(const StationOptions& given) {
   spdlog::info("real-time: {}", link.realtime().summary);
   if (!forces) {
     spdlog::info(
-        "forces are off; they are on while the first button is held, or with "
-        "--enable-forces");
+        "forces are off; they are on while the first button is held, or with --enable-forces");
   }
 
   std::optional<GuideLink> guide;

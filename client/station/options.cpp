@@ -71,14 +71,12 @@ std::optional<StationOptions> ParseStationOptions(int argc, const char* const* a
   app.Add("--tool", options.link.tool, "tool of the scene; needed only if the scene has several");
   app.Add("--id", options.link.station, "name of this station: 1 to 32 letters, digits or _")
       .Required();
-  app.Add(
-      "--script", options.script,
-      "poses that the simulated hand follows (JSON); default: the script that the server has for "
-      "the scene, or makes for it");
-  app.Add(
-      "--workspace", options.workspace,
-      "file that says how the device lies in the scene (JSON): calibration, frame, scale, clutch, "
-      "walls");
+  app.Add("--script", options.script,
+          "poses that the simulated hand follows (JSON); default: the script that the server has "
+          "for the scene, or makes for it");
+  app.Add("--workspace", options.workspace,
+          "file that says how the device lies in the scene (JSON): calibration, frame, scale, "
+          "clutch, walls");
   app.Add("--scale", options.scale,
           "millimetres that the tool moves for each millimetre of the hand; default: the "
           "workspace's, else 1")
@@ -92,25 +90,24 @@ std::optional<StationOptions> ParseStationOptions(int argc, const char* const* a
               "let forces out to a real device all the time, not only while its first button is "
               "held; simulated devices always get them");
   app.Add("--max-force", options.max_force_N,
-          "greatest force, in N, where that is less than the device's own; its torque goes "
-          "down by the same share; default: the device's own")
+          "greatest force, in N, where that is less than the device's own; its torque goes down by "
+          "the same share; default: the device's own")
       .Positive();
   app.Add("--device-name", options.device.arm,
-          "which arm, if there are several: its name in the vendor's set-up program, its "
-          "serial number, or its id; default: the first");
+          "which arm, if there are several: its name in the vendor's set-up program, its serial "
+          "number, or its id; default: the first");
   app.AddFlag("--calibrate", options.device.calibrate,
               "calibrate the arm even if it is calibrated; put it into its reset position first, "
               "if it has one");
   app.Add("--local-model", local_model,
-          "on: compute the force of a reply's contacts at the newest pose, and ask ahead "
-          "where the server is more than 2 ms away; off: apply each wrench as it came")
+          "on: compute the force of a reply's contacts at the newest pose, and ask ahead where the "
+          "server is more than 2 ms away; off: apply each wrench as it came")
       .OneOf({"on", "off"})
       .ShowDefault();
   const Option accept_guide = app.AddFlag("--accept-guide", options.accept_guide,
                                           "let 'palpate-replay --guide ID' lead the hand gently");
   app.Add("--guide-force", options.guide_force_N,
-          "greatest force of a guide, in N; its greatest torque, in N m, is a hundredth of "
-          "that")
+          "greatest force of a guide, in N; its greatest torque, in N m, is a hundredth of that")
       .Range(0.0, GuideLimits::kMostForce_N)
       .Needs(accept_guide)
       .ShowDefault();

@@ -54,8 +54,7 @@ constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 20;
 Bytes Open(const fs::path& file, const FileCheck& check = {}) {
   if (access(file.c_str(), R_OK) != 0) {
     Refuse(file, std::string(": ") + std::strerror(errno) +
-                     "; 'palpate-identities add' makes a folder with all that belongs to "
-                     "one");
+                     "; 'palpate-identities add' makes a folder with all that belongs to one");
   }
   const std::string content = ReadWholeFile(file.string(), kMostBytes, "--identity:", check);
   Bytes bytes(BIO_new(BIO_s_mem()));
@@ -244,8 +243,8 @@ void CheckGovernance(const fs::path& file, const std::string& document) {
   if (!leaves("rtps") || !leaves("metadata")) return;
   Refuse(file,
          ": these rules, an earlier version's, let anybody send again what he has heard; "
-         "'palpate-identities renew FOLDER' makes them anew, where FOLDER/authority is, for "
-         "all FOLDER/identities, to be carried to their hosts again");
+         "'palpate-identities renew FOLDER' makes them anew, where FOLDER/authority is, for all "
+         "FOLDER/identities, to be carried to their hosts again");
 }
 
 }  // namespace

@@ -142,23 +142,20 @@ std::string DiscoveryConfig(int domain_id, const Network& network) {
 ///   two containers that share memory would then get every sample twice.
 std::string DomainConfig(int domain_id, bool shared_memory, const Network& network) {
   std::string xml =
-      "<CycloneDDS><Domain id=\"any\">"
-      "<General><Interfaces><NetworkInterface name=" +
+      "<CycloneDDS><Domain id=\"any\"><General><Interfaces><NetworkInterface name=" +
       Quoted(network.interface) +
-      " multicast=\"true\"/></Interfaces>"
-      "<AllowMulticast>spdp</AllowMulticast></General>" +
+      " multicast=\"true\"/></Interfaces><AllowMulticast>spdp</AllowMulticast></General>" +
       DiscoveryConfig(domain_id, network) +
       // Refusals in a secured domain are warnings.
       "<Tracing><Verbosity>" + (network.secured() ? "warning" : "severe") +
       "</Verbosity><OutputFile>stderr</OutputFile></Tracing>";
   if (network.secured()) xml += SecurityConfig(network.identity);
-  xml += shared_memory ? "<SharedMemory><Enable>true</Enable><LogLevel>warn</LogLevel>"
-                         "<Prefix>palpate_" +
-                             std::to_string(domain_id) +
-                             "</Prefix>"
-                             "<Locator>70:61:6c:70:61:74:65:00:00:00:00:00:00:00:00:01</Locator>"
-                             "</SharedMemory>"
-                       : "<SharedMemory><Enable>false</Enable></SharedMemory>";
+  xml += shared_memory
+             ? "<SharedMemory><Enable>true</Enable><LogLevel>warn</LogLevel><Prefix>palpate_" +
+                   std::to_string(domain_id) +
+                   "</Prefix><Locator>70:61:6c:70:61:74:65:00:00:00:00:00:00:00:00:01</Locator></"
+                   "SharedMemory>"
+             : "<SharedMemory><Enable>false</Enable></SharedMemory>";
   return xml + "</Domain></CycloneDDS>";
 }
 

@@ -45,8 +45,7 @@ std::string Named(const char* element, const fs::path& folder, const char* file)
   // It stands in an XML text, in which Cyclone DDS looks for ${VARIABLES}, too.
   if (whole.find_first_of("<&$\\") != std::string::npos) {
     throw Error("--identity: " + Quoted(whole) +
-                ": DDS takes no path with one of < & $ \\; carry the identity to another "
-                "folder");
+                ": DDS takes no path with one of < & $ \\; carry the identity to another folder");
   }
   return std::string("<") + element + ">file:" + whole + "</" + element + ">";
 }

@@ -4,7 +4,6 @@
 #include <fstream>
 
 #include <prometheus/text_serializer.h>
-#include <unistd.h>
 
 #include "common/text/quoted.h"
 

@@ -243,9 +243,9 @@ void AddCommonOptions(const CommandLine& app, const std::string& domain_help, in
 
 void AddNetworkOptions(const CommandLine& app, const std::string& peer, dds::Network& network) {
   app.Add("--network", network.interface,
-          "network interface, as eth0, over which server, stations and viewers talk.  Give "
-          "it to all of them, also to the server.  lo: programs of this host alone.  Only "
-          "--identity encrypts what is sent")
+          "network interface, as eth0, over which server, stations and viewers talk.  Give it to "
+          "all of them, also to the server.  lo: programs of this host alone.  Only --identity "
+          "encrypts what is sent")
       .TypeName("INTERFACE")
       .ShowDefault();
   app.Add("--peer", network.peers,
@@ -253,10 +253,9 @@ void AddNetworkOptions(const CommandLine& app, const std::string& peer, dds::Net
               ", needed where the network carries no multicast; may be given again")
       .TypeName("ADDRESS");
   app.Add("--identity", network.identity,
-          "folder that 'palpate-identities add' made: who this program is in a secured "
-          "domain.  What it sends is then encrypted, and goes over UDP.  It hears only "
-          "programs with an identity of the same authority, and each may do what its role "
-          "allows")
+          "folder that 'palpate-identities add' made: who this program is in a secured domain.  "
+          "What it sends is then encrypted, and goes over UDP.  It hears only programs with an "
+          "identity of the same authority, and each may do what its role allows")
       .TypeName("FOLDER")
       .ExistingFolder();
 }
@@ -285,9 +284,9 @@ void AddHostNameOption(const CommandLine& app, const std::string& what,
   // Validators run from the last to the first.
   app.Add("--host-name", names,
           "name of this host, as lab.example, under which browsers may ask for " + what +
-              ".  Without it they must use an address in numbers or localhost: other names "
-              "are refused, because a foreign web page can point a name at this host.  May "
-              "be given again")
+              ".  Without it they must use an address in numbers or localhost: other names are "
+              "refused, because a foreign web page can point a name at this host.  May be given "
+              "again")
       .TypeName("NAME")
       .Transform([](const std::string& name) { return LowerCase(name); })
       .Check([](const std::string& name) {

@@ -89,15 +89,13 @@ std::string HaplyDevice::Attend() {
   const Condition condition = condition_.load(std::memory_order_relaxed);
   if (condition != told_) {
     if (condition == Condition::kStalled) {
-      AddLine(
-          news,
-          "the Inverse Service does not answer in time: no force; end what loads the machine, or "
-          "start the service again ('sudo systemctl restart haply-inverse-service')");
+      AddLine(news,
+              "the Inverse Service does not answer in time: no force; end what loads the machine, "
+              "or start the service again ('sudo systemctl restart haply-inverse-service')");
     } else if (condition == Condition::kNotCalibrated) {
-      AddLine(
-          news,
-          "forces are off; to calibrate the device: put the grip on its inkwell and wait until the "
-          "light is steady");
+      AddLine(news,
+              "forces are off; to calibrate the device: put the grip on its inkwell and wait until "
+              "the light is steady");
     } else if (condition == Condition::kReady) {
       AddLine(news, "the device is ready: forces come in by a ramp");
     }
@@ -125,8 +123,8 @@ const char* HaplyDevice::activity() const noexcept {
 DeviceKind HaplyKind() {
   return {.name = "haply",
           .what =
-              "Haply Inverse3 with VerseGrip, through its Inverse Service at "
-              "ws://localhost:10001; --device-name ID",
+              "Haply Inverse3 with VerseGrip, through its Inverse Service at ws://localhost:10001; "
+              "--device-name ID",
           .max_rate_Hz = 2000.0,
           .check_host = [](const std::string&) { haply::CheckService(haply::ServiceAddress()); },
           .make = [](const DeviceOptions& options) -> std::unique_ptr<Device> {

@@ -249,9 +249,8 @@ class PluginDevice::Arm {
       AddLine(news, file_ + ": " + now.symbol + now.words + now.said);
     }
     if (stop_failed_.exchange(false) && !std::exchange(told_stop_, true)) {
-      AddLine(news, file_ +
-                        ": palpate_device_stop failed: forces may still be on; switch the arm "
-                        "off");
+      AddLine(news,
+              file_ + ": palpate_device_stop failed: forces may still be on; switch the arm off");
     }
     return news;
   }

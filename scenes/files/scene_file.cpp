@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <set>
 #include <type_traits>
-#include <utility>
 
 #include "common/error.h"
 #include "common/json/json_file.h"
@@ -366,17 +365,15 @@ void CheckCurved(const JsonNode& root, const SceneDescription& scene) {
       }
       if (FeltByLeaves(bodies[i])) {
         curved.Fail(
-            "has no effect on an object that is soft, which is felt by its leaves; "
-            "drop it");
+            "has no effect on an object that is soft, which is felt by its leaves; drop it");
       }
     }
   };
   for (const BodyDescription& tool : scene.tools) {
     if (tool.mesh.curved && tool.tolerance && tool.mesh.kind == MeshSource::Kind::kSphere) {
-      throw Error(
-          tool.mesh.where +
-          ".curved: leaves it open whether the ball is felt as a mesh or as one leaf, which "
-          "a tolerance may choose; drop it, or give \"leaves\" a number");
+      throw Error(tool.mesh.where +
+                  ".curved: leaves it open whether the ball is felt as a mesh or as one leaf, "
+                  "which a tolerance may choose; drop it, or give \"leaves\" a number");
     }
     if (tool.mesh.curved && tool.leaves == 1) {
       throw Error(
@@ -400,8 +397,8 @@ TreeSource ReadTree(const JsonNode& node, const fs::path& folder) {
   tree.file = (folder / file.String()).lexically_normal().string();
   if (fs::path(tree.file).extension() != ".sph") {
     file.Fail(
-        "is no .sph file; give one of the Sphere-Tree Construction Toolkit, or of "
-        "palpate-scene export");
+        "is no .sph file; give one of the Sphere-Tree Construction Toolkit, or of palpate-scene "
+        "export");
   }
   if (auto level = node.Find("level")) {
     tree.level = static_cast<int>(level->Integer(1, kMaxSphLevels));
@@ -467,8 +464,8 @@ void ReadGrid(const JsonNode& node, BodyDescription& body) {
     check(region.material);
     if (region.kind == RegionDescription::Kind::kGroup) {
       throw Error(region.where +
-                  ": a group paints a surface, and a body that burs cut needs its "
-                  "inside painted; give \"box\", \"sphere\" or \"mesh\"");
+                  ": a group paints a surface, and a body that burs cut needs its inside painted; "
+                  "give \"box\", \"sphere\" or \"mesh\"");
     }
   }
   if (body.regions.size() >= SolidGrid::kMaterials) {
@@ -543,8 +540,8 @@ BurSpin ReadSpin(const JsonNode& tool) {
   spin.tooth_Hz = static_cast<double>(teeth.Integer(1, 40)) * rpm / 60.0;
   if (!(spin.tooth_Hz > 0.0 && spin.tooth_Hz <= kHighestHum)) {
     teeth.Fail("pass " + std::to_string(std::lround(spin.tooth_Hz)) +
-               " times a second, and a hum is told from 1 to 400 times; give another "
-               "speed_rpm, or drop the hum");
+               " times a second, and a hum is told from 1 to 400 times; give another speed_rpm, or "
+               "drop the hum");
   }
   return spin;
 }

@@ -73,10 +73,9 @@ class TextStl {
 
   ImportedMesh Read() && {
     if (Word() != "solid") {
-      throw Error(
-          std::string("it is no STL: a text begins with \"solid\", and a binary one has its "
-                      "count of facets behind 80 bytes") +
-          kExportAgain);
+      throw Error(std::string("it is no STL: a text begins with \"solid\", and a binary one has "
+                              "its count of facets behind 80 bytes") +
+                  kExportAgain);
     }
     do {
       ReadSolid();

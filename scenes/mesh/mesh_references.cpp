@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <utility>
 
-#include "common/error.h"
 #include "common/json/json_file.h"
 #include "scenes/mesh/mesh_format.h"
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <map>
 #include <set>
 #include <vector>
@@ -294,11 +293,10 @@ MeshSolid SolidOf(const TriangleMesh& mesh) {
 std::string SolidRemark(const MeshSolid& solid, double scale, const std::string& unit) {
   std::string remark;
   if (solid.opening > 0.0) {
-    remark =
-        "its spheres fill it as if a flat lid closed each opening, the widest " +
-        Figure(scale * solid.opening, 3) + " " + unit +
-        " wide; close it in a mesh editor, or give \"thickness_mm\" in the scene file where it "
-        "should be a thin shell";
+    remark = "its spheres fill it as if a flat lid closed each opening, the widest " +
+             Figure(scale * solid.opening, 3) + " " + unit +
+             " wide; close it in a mesh editor, or give \"thickness_mm\" in the scene file where "
+             "it should be a thin shell";
   }
   if (solid.thickness > 0.0) {
     remark += std::string(remark.empty() ? "" : "; a part of ") +

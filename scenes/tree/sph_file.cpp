@@ -4,7 +4,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <system_error>
 
@@ -105,8 +104,8 @@ SphTree ReadHeader(LineReader& lines, std::size_t bytes) {
   const auto nodes = NodesOf(*levels, *degree, bytes / kShortestLine + 1);
   if (!nodes) {
     lines.Fail(
-        fmt::format("declares {} levels of degree {}, which are more nodes than its {} bytes "
-                    "can hold; it is cut short or damaged: write it again",
+        fmt::format("declares {} levels of degree {}, which are more nodes than its {} bytes can "
+                    "hold; it is cut short or damaged: write it again",
                     *levels, *degree, bytes));
   }
   tree.levels = *levels;
@@ -121,8 +120,8 @@ SphTree::Node ReadNode(LineReader& lines, double metres_per_unit) {
     const auto read = lines.Take<double>();
     if (!read || !std::isfinite(*read)) {
       lines.Fail(
-          "is no node, which is \"x y z radius importance\", finite numbers; the file is cut "
-          "short or damaged: write it again");
+          "is no node, which is \"x y z radius importance\", finite numbers; the file is cut short "
+          "or damaged: write it again");
     }
     n = *read * metres_per_unit;
     if (!(std::abs(n) <= kFurthest)) {
@@ -134,8 +133,8 @@ SphTree::Node ReadNode(LineReader& lines, double metres_per_unit) {
   const auto importance = lines.Take<double>();
   if (!importance || !std::isfinite(*importance)) {
     lines.Fail(
-        "has something else than a finite number after x y z radius; the file is damaged: "
-        "write it again");
+        "has something else than a finite number after x y z radius; the file is damaged: write it "
+        "again");
   }
   node.importance = *importance;
   return node;
@@ -197,10 +196,9 @@ SphTree SphOf(const SphereTree& tree, int levels) {
   sph.levels = below + 1;
   const auto slots = NodesOf(sph.levels, sph.degree, kMostSlots);
   if (!slots) {
-    throw Error(
-        fmt::format("a .sph file of {} levels of degree {} would have more than {} lines; "
-                    "give fewer levels",
-                    sph.levels, sph.degree, kMostSlots));
+    throw Error(fmt::format(
+        "a .sph file of {} levels of degree {} would have more than {} lines; give fewer levels",
+        sph.levels, sph.degree, kMostSlots));
   }
   sph.nodes.reserve(*slots);
   const std::vector<Sphere> leaves = BallsByLevel(tree).back();

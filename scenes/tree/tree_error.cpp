@@ -182,4 +182,15 @@ std::vector<UnionError> MeasureLevels(const TriangleMesh& mesh, const SphereTree
   return levels;
 }
 
+Coverage MeasureCoverage(const TriangleMesh& mesh, const SphereTree& tree, std::size_t samples) {
+  const MeshQuery query(mesh);
+  const std::vector<Sphere> balls = BallsByLevel(tree).back();
+  const SphereQuery nearest(balls);
+  std::vector<double> uncovered;
+  for (const SurfaceSample& s : ScatterSamples(mesh, InspectMesh(mesh), query, samples)) {
+    uncovered.push_back(std::max(0.0, nearest.Nearest(s.point).distance));
+  }
+  return {DistributionOf(Protrusions(query, balls)), DistributionOf(std::move(uncovered))};
+}
+
 }  // namespace palpate

@@ -82,4 +82,15 @@ std::vector<std::vector<Sphere>> BallsByLevel(const SphereTree& tree);
 std::vector<UnionError> MeasureLevels(const TriangleMesh& mesh, const SphereTree& tree,
                                       std::size_t samples = 100003);
 
+/// How well a sphere tree's leaves stand for its mesh [m]: of UnionError what takes the least time.
+struct Coverage {
+  Distribution outside;    ///< of each leaf: how far it sticks out of the solid
+  Distribution uncovered;  ///< of points all over the surface: distance to the nearest leaf
+};
+
+/// Set-up only.  Deterministic.
+/// @param samples  points of the surface.
+Coverage MeasureCoverage(const TriangleMesh& mesh, const SphereTree& tree,
+                         std::size_t samples = 100000);
+
 }  // namespace palpate

@@ -2,37 +2,26 @@
 
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
+#include "tests/support/folder.h"
 #include "tests/support/program.h"
+#include "tests/support/read_file.h"
 
 namespace palpate::test {
 
 /// palpate-bench in a folder of its own, which goes with the test.
 class PalpateBench : public testing::Test {
  protected:
-  PalpateBench() : folder_(std::filesystem::temp_directory_path() / ("palpate-bench-" + Unique())) {
-    std::filesystem::create_directory(folder_);
-  }
-  ~PalpateBench() override { std::filesystem::remove_all(folder_); }
-
-  std::string File(const std::string& name) const { return (folder_ / name).string(); }
+  std::string File(const std::string& name) const { return folder_ / name; }
+  std::string Read(const std::string& name) const { return ReadWholeFile(File(name)); }
   nlohmann::json Json(const std::string& name) const {
     return nlohmann::json::parse(std::ifstream(File(name)));
-  }
-  std::string Read(const std::string& name) const {
-    const std::ifstream file(File(name));
-    EXPECT_TRUE(file) << name;
-    std::stringstream text;
-    text << file.rdbuf();
-    return text.str();
   }
   /// Runs it to its end; what it said is in said_.
   int Run(std::vector<std::string> arguments) {
@@ -40,6 +29,12 @@ class PalpateBench : public testing::Test {
     const int status = program.Exit(100.0);
     said_ = program.Output();
     return status;
+  }
+  /// What it measures, as it writes it to figures.json.
+  nlohmann::json Figures(std::vector<std::string> arguments) {
+    std::filesystem::remove(File("figures.json"));  // nobody takes a former run's for these
+    EXPECT_EQ(Run(Joined(std::move(arguments), {"--json", File("figures.json")})), 0) << said_;
+    return Json("figures.json");
   }
   /// The picture that plots.py draws of a file with figures.
   std::string Drawn(const std::string& name) {
@@ -49,13 +44,7 @@ class PalpateBench : public testing::Test {
   }
 
   std::string said_;
-  std::filesystem::path folder_;
-
- private:
-  static std::string Unique() {
-    return std::to_string(getpid()) + "-" +
-           testing::UnitTest::GetInstance()->current_test_info()->name();
-  }
+  const Folder folder_;
 };
 
 }  // namespace palpate::test

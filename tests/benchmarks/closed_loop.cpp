@@ -155,8 +155,7 @@ Json ToJson(const std::vector<DelayedSlides>& all) {
 std::string TableOf(const std::vector<DelayedSlides>& all) {
   std::string text =
       "| delay [ms] | path | late wrench, mean | p50 | p99 | max | local model, mean | p50 | p99 | "
-      "max | in "
-      "contact |\n|---:|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n";
+      "max | in contact |\n|---:|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n";
   const auto row = [&](double delay_ms, const std::string& name, const SlideErrors& e) {
     const auto cells = [](const SlideError& error) {
       return fmt::format("{:.1f} % | {:.1f} % | {:.1f} % | {:.1f} %", 100 * error.mean,
@@ -180,8 +179,7 @@ std::string TableOf(const std::vector<Curve>& curves, double stiffness_N_per_m) 
   }
   std::string text =
       "Stiffest stable coupling [N/m]; in brackets the most that the hand is held by, where that "
-      "is "
-      "less.\n\n| |" +
+      "is less.\n\n| |" +
       heads + "\n|---|" + rules;
   for (const Curve& curve : curves) {
     text += "\n| " + curve.name() + " |";
@@ -217,16 +215,16 @@ void WriteReport(const Options& options, const std::vector<Curve>& curves,
   WriteOutput(
       "--out", (folder / "report.md").string(),
       fmt::format(
-          "# A contact across a network\n\n{}"
-          "Scene `{}`, arm `{}`, hand `{}` ({}), jitter {:g} ms, loss {:g} each way, seed {}. "
-          "Delays are there and back; a reply is never there before the tick after its pose.\n\n"
+          "# A contact across a network\n\n{}Scene `{}`, arm `{}`, hand `{}` ({}), jitter {:g} ms, "
+          "loss {:g} each way, seed {}. Delays are there and back; a reply is never there before "
+          "the tick after its pose.\n\n"
           "Stable is what comes to rest after a tap: in the last {:g} of {:g} s the handle moves "
           "and turns by no more than two steps of its encoders. At most {:.0f} N/m are tried. "
           "Beyond 2 f / q, dry friction over the encoder's step, for this arm {:.0f} N/m, "
           "quantisation alone feeds the hand (Diolaiti, Niemeyer, Barbagli & Salisbury, IEEE T. "
           "Robotics 22 (2006) 256-268). The torsional spring goes with the other.\n\n{}\n"
-          "## Sliding\n\nA hand slides on the bunny at 0.1 m/s: error of the force against that "
-          "of a server which answers at once, of that force.\n\n{}",
+          "## Sliding\n\nA hand slides on the bunny at 0.1 m/s: error of the force against that of "
+          "a server which answers at once, of that force.\n\n{}",
           all ? "" : "**Not all is measured: the run goes on, or was ended.**\n\n", options.scene,
           options.loop.arm, hand.name, hand.source, options.loop.jitter_ms, options.loop.loss,
           options.loop.seed, kClosedLoopCycle_s, kClosedLoopWatch_s, kStiffest,
@@ -246,8 +244,7 @@ void Run(Options options) {
              "{} at {:g} N/m, {:g} ms of delay: {}\n"
              "  limit cycle            {:.3f} mm, {:.4f} deg\n"
              "  energy given           {:.3g} J at the most, {:.3g} J in the end; by the encoders "
-             "{:.3g} J at "
-             "the most\n"
+             "{:.3g} J at the most\n"
              "  force                  {:.2f} N, {:.0f} % of what the station asked for\n"
              "  max stable stiffness   {:.0f} N/m{}; the hand is held by {:.0f} N/m at the most\n",
              options.scene, options.loop.stiffness_N_per_m, options.loop.delay_ms,
@@ -284,10 +281,10 @@ void Run(Options options) {
         MeasureSlides(options, [&](const std::vector<DelayedSlides>& some) {
           if (report) WriteReport(options, {}, some);
         });
-    fmt::print(stderr,
-               "\nsliding on the bunny at 0.1 m/s, error of the force against the undelayed "
-               "step's\n{}",
-               TableOf(slides));
+    fmt::print(
+        stderr,
+        "\nsliding on the bunny at 0.1 m/s, error of the force against the undelayed step's\n{}",
+        TableOf(slides));
     json["slide"] = ToJson(slides);
     if (report) {
       const std::vector<Curve> curves = MeasureCurves(
@@ -345,8 +342,8 @@ void AddClosedLoop(const CommandLine& app) {
   Add(command, "--seed", loop.seed, "Of the link and the slides");
   AddJson(command, options->json);
   Add(command, "--out", options->out,
-      "Write DIR/report.md, and into --json: stiffness, energy and limit cycle "
-      "against delay, each way of closing the loop");
+      "Write DIR/report.md, and into --json: stiffness, energy and limit cycle against delay, each "
+      "way of closing the loop");
   command.Run([options] { Run(*options); });
 }
 

@@ -26,11 +26,9 @@ TEST_F(CutCommand, MeasuresASceneAgainstTheExactSweep) {
   std::ofstream poses(File("poses.csv"));
   for (int n = 0; n < 400; ++n) poses << "0," << 2.01e-3 - 3e-6 * n << ",0,1,0,0,0\n";
   poses.close();
-  ASSERT_EQ(Run({"cut", "--scene", File("block.json"), "--poses", File("poses.csv"), "--repeats",
-                 "1", "--json", File("cut.json"), "--surface", File("left.stl")}),
-            0)
-      << said_;
-  const nlohmann::json cut = Json("cut.json");
+  const nlohmann::json cut =
+      Figures({"cut", "--scene", File("block.json"), "--poses", File("poses.csv"), "--repeats", "1",
+               "--surface", File("left.stl")});
   EXPECT_EQ(cut["steps"], 400);
   EXPECT_EQ(cut["unsolved"], 0);
   // A ball of 1.4 mm, pressed by up to 1 N into 0.2 MPa.

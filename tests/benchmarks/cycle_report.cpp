@@ -51,9 +51,9 @@ class ContactReport {
     json_["finite"] = f.finite;
     Line("meshes meet", fmt::format("at {:.2f} % of the poses, deeper than 1 um at {:.2f} %",
                                     1e2 * f.meeting_fraction(), 1e2 * over_1um / checked));
-    Line("arrived", fmt::format("{:.2f} % of the steps; {} of {} answers had not ended after "
-                                "200 more",
-                                1e2 * f.arrived_fraction(), f.unconverged, f.force_error.size()));
+    Line("arrived",
+         fmt::format("{:.2f} % of the steps; {} of {} answers had not ended after 200 more",
+                     1e2 * f.arrived_fraction(), f.unconverged, f.force_error.size()));
     Line("hand, force",
          fmt::format("{:.3f} m/s on average, {:.2f} N rms", f.mean_speed, f.force_rms));
     AddArrivals(f);
@@ -70,8 +70,8 @@ class ContactReport {
                        {"never", s.never},
                        {"limit_cycle_mm", 1e3 * s.cycle_m},
                        {"limit_cycle_N", s.cycle_N}};
-    Line("hand still", fmt::format("settled within 10 ms {:.2f} %, 50 ms {:.2f} % of {}; {} "
-                                   "never, up to {:.4f} mm, {:.3f} N",
+    Line("hand still", fmt::format("settled within 10 ms {:.2f} %, 50 ms {:.2f} % of {}; {} never, "
+                                   "up to {:.4f} mm, {:.3f} N",
                                    1e2 * share(s.within_10ms), 1e2 * share(s.within_50ms), s.poses,
                                    s.never, 1e3 * s.cycle_m, s.cycle_N));
   }
@@ -107,8 +107,8 @@ class ContactReport {
     Group("late force error", "N", 1.0, held.force_error, late);
     Line("not arrived",
          fmt::format(
-             "{} steps, up to {} in a row; held still, {} {} never arrive in {} more "
-             "({} without a force, {} of these for good), half of the others in {}",
+             "{} steps, up to {} in a row; held still, {} {} never arrive in {} more ({} without a "
+             "force, {} of these for good), half of the others in {}",
              not_arrived, f.longest_behind, held.never,
              held.tried == not_arrived ? std::string("of them")
                                        : fmt::format("of {} of them, evenly spread,", held.tried),
@@ -135,10 +135,10 @@ class ContactReport {
     Line("notches",
          shape.notches.empty()
              ? "none"
-             : fmt::format("{}, the deepest from {:.3f} to {:.3f} N (step {}), the longest {} ms "
-                           "(step {})",
-                           shape.notches.size(), deepest.before, deepest.least, deepest.begin,
-                           longest_ms, longest.begin));
+             : fmt::format(
+                   "{}, the deepest from {:.3f} to {:.3f} N (step {}), the longest {} ms (step {})",
+                   shape.notches.size(), deepest.before, deepest.least, deepest.begin, longest_ms,
+                   longest.begin));
     Line("ledges beside them",
          fmt::format("{} up to {:.3f} N (step {}); {} changes that pass, up to {:.3f} N (step {})",
                      shape.ledges.size(), ledge.size, ledge.step, shape.passing.size(),
@@ -249,8 +249,7 @@ Json ReportCycle(SceneRun& run, const CycleOptions& options) {
   const Features& features = run.scene().features;
   const char* stage_name[4] = {"prediction", "rows", "solve", "response"};
   Table table(fmt::format(
-      "{}, contact {}, friction {}: {} tool spheres, {} object spheres, {} "
-      "steps, best of {} ({})",
+      "{}, contact {}, friction {}: {} tool spheres, {} object spheres, {} steps, best of {} ({})",
       options.name, NameOf(features.contact), NameOf(features.friction), run.tool().tree.leaves(),
       run.object_spheres(), steps, options.repeats, ActiveKernels().name));
   Json json{{"scene", options.name},

@@ -2,17 +2,15 @@
 // chapter's Fig. 2.23c).
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <memory>
 #include <optional>
 
 #include <spdlog/fmt/fmt.h>
 
 #include "common/error.h"
-#include "scenes/catalogue.h"
 #include "scenes/progress_line.h"
-#include "scenes/tree/coverage.h"
 #include "scenes/tree/sphere_tree_builder.h"
+#include "scenes/tree/tree_error.h"
 #include "server/physics/simd/kernels.h"
 #include "tests/benchmarks/commands.h"
 #include "tests/benchmarks/features.h"
@@ -46,8 +44,6 @@ struct Level {
   std::vector<double> pairs, solve_us, prediction_us;
   std::vector<Wrench> wrenches;
   int unsolved = 0, overflowed = 0;
-  // Against the finest level.
-  double force_error = 0.0, torque_error = 0.0;
 };
 
 /// The body with a tree of `leaves`.  A single ball is what it is at any level.
@@ -82,21 +78,16 @@ Level Measure(const Options& options, const Scene& original, const std::vector<P
   SceneRun run(std::move(scene), poses);
   level.tool_spheres = run.tool().tree.leaves();
   level.object_spheres = static_cast<std::size_t>(run.object_spheres());
+  std::vector<StepReport> reports;
   for (int r = 0; r < options.repeats; ++r) {
     Progress(fmt::format("{} leaves: repeat {} of {} ...", leaves, r + 1, options.repeats));
-    StepState state = run.Start();
-    std::vector<double> us;
-    for (const Pose& X_WH : poses) {
-      const auto begin = Clock::now();
-      const StepReport report = HapticStep(run.model(), X_WH, state, run.workspace());
-      us.push_back(std::chrono::duration<double, std::micro>(Clock::now() - begin).count());
-      if (r > 0) continue;
-      level.pairs.push_back(report.predicted_pairs);
-      level.wrenches.push_back(report.wrench);
-      level.unsolved += (report.faults & kFaultUnsolved) != 0;
-      level.overflowed += (report.faults & kFaultRowsFull) != 0;
-    }
-    level.step_us.Add(us);
+    level.step_us.Add(run.Time(&reports));
+  }
+  for (const StepReport& report : reports) {
+    level.pairs.push_back(report.predicted_pairs);
+    level.wrenches.push_back(report.wrench);
+    level.unsolved += (report.faults & kFaultUnsolved) != 0;
+    level.overflowed += (report.faults & kFaultRowsFull) != 0;
   }
   // Once more with the stages timed, as the chapter shows detection and optimisation apart.
   StepState state = run.Start();
@@ -110,28 +101,8 @@ Level Measure(const Options& options, const Scene& original, const std::vector<P
   return level;
 }
 
-/// Mean difference of the wrenches from the finest level's, over the mean of that one's.
-void Compare(Level& level, const Level& finest) {
-  double force = 0.0, torque = 0.0, force_apart = 0.0, torque_apart = 0.0;
-  for (std::size_t i = 0; i < level.wrenches.size(); ++i) {
-    const Wrench &a = level.wrenches[i], &b = finest.wrenches[i];
-    force += b.force.norm();
-    torque += b.torque.norm();
-    force_apart += (a.force - b.force).norm();
-    torque_apart += (a.torque - b.torque).norm();
-  }
-  level.force_error = force > 0.0 ? force_apart / force : 0.0;
-  level.torque_error = torque > 0.0 ? torque_apart / torque : 0.0;
-}
-
 void Run(Options options) {
-  LoadOptions load;
-  load.models_dir = options.models;
-  load.contact = options.features.contact_model();
-  load.progress = [text = ProgressText()](std::string_view stage, double done) mutable {
-    Progress(text(stage, done));
-  };
-  Scene scene = LoadScene(options.scene, load);
+  Scene scene = LoadForBench(options.scene, options.models, options.features.contact_model());
   options.features.ApplyTo(scene);
   options.features = {NameOf(scene.features.contact), NameOf(scene.features.friction)};
   const std::vector<Pose> poses = ScriptPoses(options.scene, options.steps);
@@ -141,7 +112,6 @@ void Run(Options options) {
   for (const std::size_t count : leaves) {
     levels.push_back(Measure(options, scene, poses, count));
   }
-  for (Level& level : levels) Compare(level, levels.back());
 
   std::string table = fmt::format(
       "{}, {} contact: {} steps, best of {} ({})\n"
@@ -164,13 +134,14 @@ void Run(Options options) {
     const Percentiles detection = PercentilesOf(level.prediction_us);
     const Percentiles solving = PercentilesOf(level.solve_us);
     const Percentiles pairs = PercentilesOf(level.pairs);
-    const Spread& bare = level.coverage.uncovered;
+    const Distribution& bare = level.coverage.uncovered;
+    const ForceDifference off = DifferenceOf(level.wrenches, levels.back().wrenches);
     table += fmt::format(
         "  {:>8} {:>8}  {:>8.2f} {:>9.2f} {:>9.2f}  {:>10.2f} {:>10.2f}  {:>6.0f} {:>6.0f}  "
         "{:>7.1f} {:>8.1f}  {:>7.4f} {:>7.4f}  {:>8.2f}\n",
         level.tool_spheres, level.object_spheres, best.p50, best.p99, best.p999, detection.p999,
-        solving.p999, pairs.p50, pairs.max, 1e6 * bare.mean, 1e6 * bare.max, level.force_error,
-        level.torque_error, level.build_s);
+        solving.p999, pairs.p50, pairs.max, 1e6 * bare.mean, 1e6 * bare.max, off.force, off.torque,
+        level.build_s);
     json["levels"].push_back(
         {{"leaves", level.leaves},
          {"tool_spheres", level.tool_spheres},
@@ -182,7 +153,7 @@ void Run(Options options) {
          {"pairs", ToJson(pairs)},
          {"uncovered_um",
           {{"mean", 1e6 * bare.mean}, {"p99", 1e6 * bare.p99}, {"max", 1e6 * bare.max}}},
-         {"against_finest", {{"force", level.force_error}, {"torque", level.torque_error}}},
+         {"against_finest", {{"force", off.force}, {"torque", off.torque}}},
          {"unsolved", level.unsolved},
          {"rows_full", level.overflowed}});
   }

@@ -2,7 +2,6 @@
 // samples over the same transport.
 #include <atomic>
 #include <chrono>
-#include <cmath>
 #include <csignal>
 #include <memory>
 #include <optional>

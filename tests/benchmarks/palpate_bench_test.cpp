@@ -31,11 +31,8 @@ using testing::HasSubstr;
 namespace fs = std::filesystem;
 
 TEST_F(PalpateBench, CycleMeasuresAScenesPathAndItsPenetration) {
-  ASSERT_EQ(Run({"cycle", "--scene", "cube", "--steps", "3000", "--repeats", "2", "--json",
-                 File("cycle.json")}),
-            0)
-      << said_;
-  const nlohmann::json json = Json("cycle.json");
+  const nlohmann::json json =
+      Figures({"cycle", "--scene", "cube", "--steps", "3000", "--repeats", "2"});
   EXPECT_EQ(json["scene"], "cube");
   EXPECT_EQ(json["steps"], 3000);
   EXPECT_EQ(json["tool_spheres"], 1);
@@ -55,11 +52,8 @@ TEST_F(PalpateBench, CycleMeasuresAScenesPathAndItsPenetration) {
 
 TEST_F(PalpateBench, CycleJudgesSpheresByTheirMeshesToo) {
   // The leaves lie inside the meshes, which meet first.
-  ASSERT_EQ(Run({"cycle", "--scene", "cube", "--steps", "3000", "--repeats", "1", "--contact",
-                 "spheres", "--json", File("cycle.json")}),
-            0)
-      << said_;
-  const nlohmann::json json = Json("cycle.json");
+  const nlohmann::json json = Figures(
+      {"cycle", "--scene", "cube", "--steps", "3000", "--repeats", "1", "--contact", "spheres"});
   EXPECT_LT(json["penetration_um"]["max"], 1.0);
   EXPECT_GT(json["mesh_penetration_um"]["max"], 1.0);
   EXPECT_GT(json["mesh_intersecting_fraction"], 0.0);
@@ -70,18 +64,14 @@ TEST_F(PalpateBench, CycleJudgesSpheresByTheirMeshesToo) {
 // taken back, the tool went to and fro, short of arriving, for 600 cycles, and the force was 40 %
 // off.
 TEST_F(PalpateBench, CycleArrivesWhereGumYieldsBesideATooth) {
-  ASSERT_EQ(Run({"cycle", "--scene", "periodontal", "--contact", "surface", "--friction", "chapter",
-                 "--steps", "17300", "--repeats", "1", "--check-every", "100000", "--json",
-                 File("cycle.json")}),
-            0)
-      << said_;
-  EXPECT_GT(Json("cycle.json")["arrived_fraction"], 0.995);
+  const nlohmann::json json =
+      Figures({"cycle", "--scene", "periodontal", "--contact", "surface", "--friction", "chapter",
+               "--steps", "17300", "--repeats", "1", "--check-every", "100000"});
+  EXPECT_GT(json["arrived_fraction"], 0.995);
 }
 
 TEST_F(PalpateBench, CutHoldsItsBoundsOnACoarseGrid) {
-  ASSERT_EQ(Run({"cut", "--grid-um", "100", "--repeats", "1", "--json", File("cut.json")}), 0)
-      << said_;
-  const nlohmann::json json = Json("cut.json");
+  const nlohmann::json json = Figures({"cut", "--grid-um", "100", "--repeats", "1"});
   ASSERT_EQ(json["volume"].size(), 4u);
   for (const nlohmann::json& volume : json["volume"]) {
     EXPECT_LT(std::abs(volume["plunge_error"].get<double>()), 0.01) << volume;
@@ -99,10 +89,8 @@ TEST_F(PalpateBench, CutHoldsItsBoundsOnACoarseGrid) {
 }
 
 TEST_F(PalpateBench, CycleTracesEveryStepSoThatItsPosesReadBack) {
-  ASSERT_EQ(Run({"cycle", "--scene", "cube", "--steps", "1200", "--repeats", "1", "--trace",
-                 File("trace.csv"), "--json", File("cycle.json")}),
-            0)
-      << said_;
+  const nlohmann::json json = Figures({"cycle", "--scene", "cube", "--steps", "1200", "--repeats",
+                                       "1", "--trace", File("trace.csv")});
   std::ifstream trace(File("trace.csv"));
   std::string line;
   std::getline(trace, line);
@@ -132,21 +120,17 @@ TEST_F(PalpateBench, CycleTracesEveryStepSoThatItsPosesReadBack) {
   poses.close();
   EXPECT_EQ(rows, 1200);
   EXPECT_GT(before[0] * before[0] + before[1] * before[1] + before[2] * before[2], 0.01);
-  EXPECT_NEAR(Json("cycle.json")["jump"]["force_N_max"], jump, 1e-12);
-  ASSERT_EQ(Run({"cycle", "--scene", "cube", "--poses", File("poses.csv"), "--repeats", "1",
-                 "--json", File("again.json")}),
-            0)
-      << said_;
-  EXPECT_EQ(Json("again.json")["jump"], Json("cycle.json")["jump"]);
+  EXPECT_NEAR(json["jump"]["force_N_max"], jump, 1e-12);
+  const nlohmann::json again =
+      Figures({"cycle", "--scene", "cube", "--poses", File("poses.csv"), "--repeats", "1"});
+  EXPECT_EQ(again["jump"], json["jump"]);
 }
 
 TEST_F(PalpateBench, CycleTakesPosesFromAFileAndNamesTheLineThatIsWrong) {
   std::ofstream(File("poses.csv")) << "x,y,z,qw,qx,qy,qz\n0,0.05,0,1,0,0,0\n0,0.049,0,1,0,0,0\n";
-  ASSERT_EQ(Run({"cycle", "--scene", "cube", "--poses", File("poses.csv"), "--repeats", "1",
-                 "--json", File("cycle.json")}),
-            0)
-      << said_;
-  EXPECT_EQ(Json("cycle.json")["steps"], 2);
+  const nlohmann::json json =
+      Figures({"cycle", "--scene", "cube", "--poses", File("poses.csv"), "--repeats", "1"});
+  EXPECT_EQ(json["steps"], 2);
   std::ofstream(File("short.csv")) << "0,0.05,0,1,0,0,0\n0,0.05,0\n";
   EXPECT_EQ(Run({"cycle", "--scene", "cube", "--poses", File("short.csv")}), 1);
   EXPECT_THAT(said_, HasSubstr("short.csv:2: needs seven numbers"));
@@ -156,11 +140,9 @@ TEST_F(PalpateBench, CycleTakesPosesFromAFileAndNamesTheLineThatIsWrong) {
 }
 
 TEST_F(PalpateBench, CycleSaysWhetherTheToolArrivesAndTheCauseOfEveryJump) {
-  ASSERT_EQ(Run({"cycle", "--scene", "cube", "--steps", "3000", "--repeats", "1", "--check-every",
-                 "5", "--settle-every", "300", "--subsample", "--json", File("cycle.json")}),
-            0)
-      << said_;
-  const nlohmann::json json = Json("cycle.json");
+  const nlohmann::json json =
+      Figures({"cycle", "--scene", "cube", "--steps", "3000", "--repeats", "1", "--check-every",
+               "5", "--settle-every", "300", "--subsample"});
   EXPECT_EQ(json["arrived_fraction"], 1.0);
   EXPECT_EQ(json["lag_mm"]["max"], 0.0);
   EXPECT_LT(json["force_error_N"]["max"], 1e-3);
@@ -180,31 +162,23 @@ TEST_F(PalpateBench, CycleSaysWhetherTheToolArrivesAndTheCauseOfEveryJump) {
 }
 
 TEST_F(PalpateBench, HandsDriveAnySceneAndTheirPosesReadBack) {
-  ASSERT_EQ(
-      Run({"hands", "--scene", "cube", "--seed", "4", "--speed", "0.2", "--steps", "1500",
-           "--check-every", "10", "--poses-out", File("hand.csv"), "--json", File("hand.json")}),
-      0)
-      << said_;
-  const nlohmann::json hand = Json("hand.json");
+  const nlohmann::json hand =
+      Figures({"hands", "--scene", "cube", "--seed", "4", "--speed", "0.2", "--steps", "1500",
+               "--check-every", "10", "--poses-out", File("hand.csv")});
   EXPECT_EQ(hand["scene"], "cube");
   EXPECT_EQ(hand["seed"], 4);
   EXPECT_EQ(hand["steps"], 1500);
   EXPECT_GT(hand["force_rms_N"], 0.1) << "the hand never pressed";
   EXPECT_TRUE(hand["settle"].contains("within_50ms"));
   EXPECT_TRUE(hand.contains("force_4khz_rms_fraction"));
-  ASSERT_EQ(Run({"cycle", "--scene", "cube", "--poses", File("hand.csv"), "--repeats", "1",
-                 "--check-every", "10", "--json", File("cycle.json")}),
-            0)
-      << said_;
-  EXPECT_EQ(Json("cycle.json")["jump"], hand["jump"]);
+  const nlohmann::json cycle = Figures({"cycle", "--scene", "cube", "--poses", File("hand.csv"),
+                                        "--repeats", "1", "--check-every", "10"});
+  EXPECT_EQ(cycle["jump"], hand["jump"]);
 }
 
 TEST_F(PalpateBench, HandsDriveBodiesMadeFromASeed) {
-  ASSERT_EQ(Run({"hands", "--scene", "sharp-dice:5", "--press-mm", "8", "--steps", "300",
-                 "--settle-every", "0", "--json", File("hand.json")}),
-            0)
-      << said_;
-  const nlohmann::json hand = Json("hand.json");
+  const nlohmann::json hand = Figures({"hands", "--scene", "sharp-dice:5", "--press-mm", "8",
+                                       "--steps", "300", "--settle-every", "0"});
   EXPECT_EQ(hand["scene"], "sharp-dice:5");
   EXPECT_EQ(hand["press_mm"], 8.0);
   EXPECT_EQ(hand["mesh_intersecting_fraction"], 0.0);
@@ -212,11 +186,9 @@ TEST_F(PalpateBench, HandsDriveBodiesMadeFromASeed) {
 }
 
 TEST_F(PalpateBench, HandsOfSeveralSeedsPutTheWorstFirst) {
-  ASSERT_EQ(Run({"hands", "--scene", "cube", "--seeds", "1..3", "--steps", "800", "--check-every",
-                 "10", "--contact", "spheres", "--json", File("hands.json")}),
-            0)
-      << said_;
-  const nlohmann::json seeds = Json("hands.json")["seeds"];
+  const nlohmann::json seeds =
+      Figures({"hands", "--scene", "cube", "--seeds", "1..3", "--steps", "800", "--check-every",
+               "10", "--contact", "spheres"})["seeds"];
   ASSERT_EQ(seeds.size(), 3u);
   const auto worse = [](const nlohmann::json& a, const nlohmann::json& b) {
     return std::make_pair(a["mesh_intersecting_fraction"] > 0.0, a["mesh_penetration_um"]["max"]) >=
@@ -242,8 +214,7 @@ TEST_F(PalpateBench, QpReadsBackWhatItDumped) {
   put(A, sizeof A);
   put(b, sizeof b);
   file.close();
-  ASSERT_EQ(Run({"qp", "--load", File("two.pqp"), "--json", File("qp.json")}), 0) << said_;
-  const nlohmann::json json = Json("qp.json");
+  const nlohmann::json json = Figures({"qp", "--load", File("two.pqp")});
   EXPECT_EQ(json["problems"], 1);
   EXPECT_EQ(json["unsolved"], 0);
   EXPECT_LE(json["kkt_residual_max"], 1e-12);
@@ -262,11 +233,8 @@ TEST_F(PalpateBench, QpReadsBackWhatItDumped) {
 TEST_F(PalpateBench, CycleRunsWithTheFrictionThatIsAskedFor) {
   std::vector<double> jump;
   for (const std::string friction : {"off", "chapter", "coulomb"}) {
-    ASSERT_EQ(Run({"cycle", "--scene", "cube", "--steps", "3000", "--repeats", "1", "--contact",
-                   "spheres", "--friction", friction, "--json", File("cycle.json")}),
-              0)
-        << said_;
-    const nlohmann::json json = Json("cycle.json");
+    const nlohmann::json json = Figures({"cycle", "--scene", "cube", "--steps", "3000", "--repeats",
+                                         "1", "--contact", "spheres", "--friction", friction});
     EXPECT_EQ(json["friction"], friction);
     EXPECT_EQ(json["contact"], "spheres");
     EXPECT_LT(json["penetration_um"]["max"], 1.0) << friction;
@@ -277,12 +245,9 @@ TEST_F(PalpateBench, CycleRunsWithTheFrictionThatIsAskedFor) {
 }
 
 TEST_F(PalpateBench, AccuracyFindsSmallerErrorsWithMoreSpheresAndNoneOnAFlatFace) {
-  ASSERT_EQ(
-      Run({"accuracy", "--object", "cube", "--spheres", "64,512", "--contact", "spheres", "--steps",
-           "400", "--repeats", "1", "--json", File("cube.json"), "--errors", File("cube.csv")}),
-      0)
-      << said_;
-  const nlohmann::json spheres = Json("cube.json");
+  const nlohmann::json spheres =
+      Figures({"accuracy", "--object", "cube", "--spheres", "64,512", "--contact", "spheres",
+               "--steps", "400", "--repeats", "1", "--errors", File("cube.csv")});
   ASSERT_EQ(spheres["results"].size(), 2u);
   double error = 1.1;
   for (const nlohmann::json& row : spheres["results"]) {
@@ -295,13 +260,11 @@ TEST_F(PalpateBench, AccuracyFindsSmallerErrorsWithMoreSpheresAndNoneOnAFlatFace
   EXPECT_EQ(std::count(errors.begin(), errors.end(), '\n'), 1 + 2 * 400);
   EXPECT_THAT(errors, HasSubstr("\n512,399,"));
   EXPECT_THAT(Drawn("cube.csv"), HasSubstr(">512 spheres<"));
-  EXPECT_THAT(Drawn("cube.json"), HasSubstr(">cube, sphere contact<"));
+  EXPECT_THAT(Drawn("figures.json"), HasSubstr(">cube, sphere contact<"));
 
-  ASSERT_EQ(Run({"accuracy", "--object", "cube", "--spheres", "64", "--contact", "surface",
-                 "--steps", "400", "--repeats", "1", "--json", File("cube.json")}),
-            0)
-      << said_;
-  const nlohmann::json surface = Json("cube.json");
+  const nlohmann::json surface =
+      Figures({"accuracy", "--object", "cube", "--spheres", "64", "--contact", "surface", "--steps",
+               "400", "--repeats", "1"});
   EXPECT_EQ(surface["spheres"], 64);
   // The ball keeps limits::mesh::kSeparation from the face: a thousandth of 1 mm of depth.
   EXPECT_LE(surface["force_error"]["magnitude"]["mean"], 0.001 + 1e-9);
@@ -312,12 +275,8 @@ TEST_F(PalpateBench, AccuracyFindsSmallerErrorsWithMoreSpheresAndNoneOnAFlatFace
 
 TEST_F(PalpateBench, AccuracySetsTheTrianglesOfAMeshBesideTheSpheres) {
   const auto measure = [&](const std::string& tolerance_um) {
-    EXPECT_EQ(Run({"accuracy", "--object", "ellipsoid", "--spheres", "512", "--triangles", "4000",
-                   "--tolerance-um", tolerance_um, "--contact", "surface", "--repeats", "1",
-                   "--json", File("ellipsoid.json")}),
-              0)
-        << said_;
-    return Json("ellipsoid.json");
+    return Figures({"accuracy", "--object", "ellipsoid", "--spheres", "512", "--triangles", "4000",
+                    "--tolerance-um", tolerance_um, "--contact", "surface", "--repeats", "1"});
   };
   const nlohmann::json flat = measure("0");
   EXPECT_EQ(flat["triangles"], 5120);
@@ -347,14 +306,11 @@ std::string EllipsoidTree(const std::string& file) {
 
 TEST_F(PalpateBench, AccuracySetsATreeFromAFileBesideOurs) {
   const std::string tree = EllipsoidTree(File("e.sph"));
-  ASSERT_EQ(Run({"accuracy", "--object", "ellipsoid", "--spheres", "512", "--contact", "spheres",
-                 "--mode", "inside", "--steps", "400", "--repeats", "1", "--tree", tree, "--unit",
-                 "mm", "--json", File("e.json")}),
-            0)
-      << said_;
+  const nlohmann::json json = Figures({"accuracy", "--object", "ellipsoid", "--spheres", "512",
+                                       "--contact", "spheres", "--mode", "inside", "--steps", "400",
+                                       "--repeats", "1", "--tree", tree, "--unit", "mm"});
   EXPECT_THAT(said_, HasSubstr("level 4 of 4, 512 balls, moved by (-70."));
   EXPECT_THAT(said_, HasSubstr("512, of the file"));
-  const nlohmann::json json = Json("e.json");
   EXPECT_EQ(json["tree_file"]["spheres"], 512);
   EXPECT_EQ(json["tree_file"]["file"], tree);
   // The same leaves but for a shift of some micrometres.
@@ -369,12 +325,8 @@ TEST_F(PalpateBench, AccuracySetsATreeFromAFileBesideOurs) {
 TEST_F(PalpateBench, TreeSetsATreeFromAFileBesideOurs) {
   const std::string tree = EllipsoidTree(File("e.sph"));
   const auto run = [&](const std::string& modes, const std::string& level) {
-    EXPECT_EQ(
-        Run({"tree", "--scene", "ellipsoid", "--modes", modes, "--samples", "2003", "--no-force",
-             "--tree", tree, "--level", level, "--unit", "mm", "--json", File("t.json")}),
-        0)
-        << said_;
-    return Json("t.json")["modes"];
+    return Figures({"tree", "--scene", "ellipsoid", "--modes", modes, "--samples", "2003",
+                    "--no-force", "--tree", tree, "--level", level, "--unit", "mm"})["modes"];
   };
   const nlohmann::json modes = run("octree,inside", "4");
   ASSERT_EQ(modes.size(), 3u);
@@ -389,11 +341,8 @@ TEST_F(PalpateBench, TreeSetsATreeFromAFileBesideOurs) {
 }
 
 TEST_F(PalpateBench, StabilityRunsACaseByItsNameAndExitsWithOneWhereItDoesNotHold) {
-  ASSERT_EQ(Run({"stability", "--case", "no-drift", "--contact", "spheres", "--steps", "4000",
-                 "--json", File("drift.json")}),
-            0)
-      << said_;
-  const nlohmann::json json = Json("drift.json");
+  const nlohmann::json json =
+      Figures({"stability", "--case", "no-drift", "--contact", "spheres", "--steps", "4000"});
   EXPECT_EQ(json["held"], 1);
   EXPECT_EQ(json["total"], 1);
   const nlohmann::json& drift = json["cases"][0];
@@ -408,11 +357,8 @@ TEST_F(PalpateBench, StabilityRunsACaseByItsNameAndExitsWithOneWhereItDoesNotHol
 }
 
 TEST_F(PalpateBench, LevelsShowFinerTreesCloserToTheFinest) {
-  ASSERT_EQ(Run({"levels", "--scene", "cube", "--leaves", "512,64,4096", "--contact", "spheres",
-                 "--repeats", "1", "--json", File("levels.json")}),
-            0)
-      << said_;
-  const nlohmann::json levels = Json("levels.json")["levels"];
+  const nlohmann::json levels = Figures({"levels", "--scene", "cube", "--leaves", "512,64,4096",
+                                         "--contact", "spheres", "--repeats", "1"})["levels"];
   ASSERT_EQ(levels.size(), 3u);
   EXPECT_EQ(levels[0]["object_spheres"], 64);
   EXPECT_EQ(levels[2]["object_spheres"], 4096);
@@ -421,7 +367,7 @@ TEST_F(PalpateBench, LevelsShowFinerTreesCloserToTheFinest) {
   EXPECT_GT(levels[1]["against_finest"]["force"], 0.0);
   EXPECT_EQ(levels[2]["against_finest"]["force"], 0.0);
   EXPECT_GT(levels[0]["uncovered_um"]["mean"], levels[2]["uncovered_um"]["mean"]);
-  EXPECT_THAT(Drawn("levels.json"), HasSubstr(">Cost by level of detail: cube, sphere contact<"));
+  EXPECT_THAT(Drawn("figures.json"), HasSubstr(">Cost by level of detail: cube, sphere contact<"));
 }
 
 TEST_F(PalpateBench, ParetoWritesAReportTableAndJsonOfAllThatItMeasured) {

@@ -8,7 +8,6 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "common/error.h"
 #include "common/files/output.h"
 #include "common/files/project_files.h"
 #include "common/text/quoted.h"
@@ -223,8 +222,7 @@ void Head(Markdown& md, const ParetoResults& r) {
   if (r.quick) {
     md.Paragraph(
         "**A quick look:** few scenes, the beginning of each path, few repeats. Leave out "
-        "`--quick` "
-        "for figures to quote.");
+        "`--quick` for figures to quote.");
   }
   if (!r.complete) {
     md.Paragraph(
@@ -255,9 +253,8 @@ void Slides(Markdown& md, const ParetoResults& r) {
   md.Heading(2, "Force error");
   md.Paragraph(
       "The experiment of chapter 2.5.1: a ball of 5 mm radius, commanded 1 mm deep at 1 N/mm, "
-      "slides "
-      "along a cube of 50 mm side and along an ellipsoid of semi-axes 40, 25 and 30 mm. The error "
-      "is that of the force (2.36) against the analytic object, as a part of 1 N.");
+      "slides along a cube of 50 mm side and along an ellipsoid of semi-axes 40, 25 and 30 mm. The "
+      "error is that of the force (2.36) against the analytic object, as a part of 1 N.");
   Rows rows;
   for (const SlideResult& s : r.slides) {
     const MeanMax error = s.slide.value_or(MeanMax{});
@@ -282,13 +279,12 @@ void Scenes(Markdown& md, const ParetoResults& r) {
   md.Paragraph(
       "Every scene's own path, friction off; *slowest* is the slowest of all contact and friction "
       "models, which `pareto.csv` has one by one. *Deepest* is the penetration of the meshes at "
-      "the "
-      "reported pose, on every n-th step: the deepest vertex inside a closed mesh, or the shortest "
-      "way that takes two triangles apart, whichever is more. With sphere contact the meshes may "
-      "meet where the spheres, which lie inside them, do not yet: that is the model's error. "
-      "Objects of scenes with ¹ are soft: what the tool pressed in "
-      "counts as penetration of the meshes, which are as they were. Where a scene has no friction "
-      "of its own, its objects have μ_s 0.8 and μ_d 0.3 where a friction model is named.");
+      "the reported pose, on every n-th step: the deepest vertex inside a closed mesh, or the "
+      "shortest way that takes two triangles apart, whichever is more. With sphere contact the "
+      "meshes may meet where the spheres, which lie inside them, do not yet: that is the model's "
+      "error. Objects of scenes with ¹ are soft: what the tool pressed in counts as penetration of "
+      "the meshes, which are as they were. Where a scene has no friction of its own, its objects "
+      "have μ_s 0.8 and μ_d 0.3 where a friction model is named.");
   Rows rows;
   for (const SceneResult& s : r.scenes) {
     const std::string name = "`" + s.scene + "`" + (s.yields ? " ¹" : "");
@@ -330,10 +326,8 @@ void Features(Markdown& md, const ParetoResults& r) {
   }
   md.Paragraph(
       fmt::format("The path of `{}`, the same steps for each line, their repeats taken in turns. "
-                  "*Undeclared* is "
-                  "the bare step on objects that have friction and stiffness which the "
-                  "scene does not "
-                  "declare: it should cost nothing, a ratio of 1.",
+                  "*Undeclared* is the bare step on objects that have friction and stiffness which "
+                  "the scene does not declare: it should cost nothing, a ratio of 1.",
                   r.feature_scene));
   Rows rows;
   for (const FeatureCost& f : r.features) {
@@ -347,12 +341,12 @@ void Features(Markdown& md, const ParetoResults& r) {
 void Peers(Markdown& md, const ParetoResults& r) {
   md.Heading(2, "Peers");
   md.Paragraph(
-      "Each in the same run, on the same meshes and hand poses. A peer moves a body "
-      "of 0.1 kg that a spring and damper (1000 N/m, 1 N·m/rad, critically damped, 6 degrees of "
-      "freedom) tie to the hand, one step a millisecond, without friction and gravity; its force "
-      "is the spring's. A ball is the peer's own exact sphere. Times hold the peer's collision "
-      "detection and its step. Where a peer does not do the same again from a new start, its best "
-      "times are raw ones, marked *raw*.");
+      "Each in the same run, on the same meshes and hand poses. A peer moves a body of 0.1 kg that "
+      "a spring and damper (1000 N/m, 1 N·m/rad, critically damped, 6 degrees of freedom) tie to "
+      "the hand, one step a millisecond, without friction and gravity; its force is the spring's. "
+      "A ball is the peer's own exact sphere. Times hold the peer's collision detection and its "
+      "step. Where a peer does not do the same again from a new start, its best times are raw "
+      "ones, marked *raw*.");
   std::vector<std::string> items;
   for (const PeerKind& kind : PeerKinds()) {
     const bool asked =
@@ -380,11 +374,11 @@ void Peers(Markdown& md, const ParetoResults& r) {
     rows.Print(md, "lrrrrrrrr",
                {"", "best p50", "best p99.9", "penetration p50 [µm]", "p99 [µm]", "max [µm]",
                 "force, RMS [N]", "force in free space [N]", "greatest jump [N]"});
-    md.Paragraph(fmt::format(
-        "{} steps. *Force in free space* is the mean where the hand's own pose is free: force of a "
-        "mesh that is not there, of a margin, or of inertia; or of a tool caught behind the "
-        "object.",
-        Thousands(r.peer_steps)));
+    md.Paragraph(
+        fmt::format("{} steps. *Force in free space* is the mean where the hand's own pose is "
+                    "free: force of a mesh that is not there, of a margin, or of inertia; or of a "
+                    "tool caught behind the object.",
+                    Thousands(r.peer_steps)));
   }
   if (!r.peer_slide.empty()) {
     md.Heading(3, "A slide with a known force");
@@ -546,9 +540,8 @@ Json ToJson(const ParetoResults& r) {
 
 std::string ToCsv(const ParetoResults& r) {
   std::string csv =
-      "part,name,contact,friction,tool_spheres,spheres,triangles,steps,repeatable,"
-      "best_p50_us,best_p999_us,error_mean,error_max,penetration_p50_um,penetration_p99_um,"
-      "penetration_max_um,"
+      "part,name,contact,friction,tool_spheres,spheres,triangles,steps,repeatable,best_p50_us,best_"
+      "p999_us,error_mean,error_max,penetration_p50_um,penetration_p99_um,penetration_max_um,"
       "sphere_overlap_um,free_force_N,force_jump_N\n";
   // Nothing of what is 0 because nobody counted it.
   const auto count = [](std::size_t n) { return n == 0 ? "" : std::to_string(n); };

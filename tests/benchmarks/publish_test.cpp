@@ -56,7 +56,7 @@ std::vector<std::vector<std::string>> TableRows(const std::string& markdown) {
 }
 
 TEST_F(Publish, WritesEachReportWithItsFiguresAndWhatTheyWereMeasuredOn) {
-  ASSERT_EQ(Run({"--smoke", "--out", folder_.string()}), 0) << said_;
+  ASSERT_EQ(Run({"--smoke", "--out", folder_.path()}), 0) << said_;
   for (const std::string& name : kReports) {
     SCOPED_TRACE(name);
     const std::string report = Read(name + ".md");
@@ -89,7 +89,7 @@ TEST_F(Publish, WritesEachReportWithItsFiguresAndWhatTheyWereMeasuredOn) {
   }
   // Tables and plots are where a report names them, and nothing else is left behind.
   std::size_t files = 0;
-  for (const auto& entry : fs::directory_iterator(folder_)) files += !entry.path().empty();
+  for (const auto& entry : fs::directory_iterator(folder_.path())) files += !entry.path().empty();
   EXPECT_EQ(files, kReports.size() + 7);
   for (const std::string name : {"pareto", "accuracy"}) {
     EXPECT_THAT(Read(name + ".md"), HasSubstr("](" + name + ".svg)"));
@@ -107,14 +107,14 @@ TEST_F(Publish, LeavesFormerReportsWholeWhenItIsEnded) {
   for (const char* name : {"stability.md", "pareto.md"}) std::ofstream(File(name)) << "former\n";
   const std::string preset = fs::path(PALPATE_BIN_DIR).parent_path().filename();
   test::Program program(kScript, {"--only", "stability,pareto", "--smoke", "--no-build", "--preset",
-                                  preset, "--out", folder_.string()});
+                                  preset, "--out", folder_.path()});
   ASSERT_TRUE(program.Says("palpate-bench pareto")) << program.Output();
   program.Signal(SIGINT);
   EXPECT_EQ(program.Exit(20.0), 130) << program.Output();
   EXPECT_THAT(Read("stability.md"), HasSubstr("# Hard cases"));
   EXPECT_EQ(Read("pareto.md"), "former\n");
   std::size_t files = 0;
-  for (const auto& entry : fs::directory_iterator(folder_)) files += !entry.path().empty();
+  for (const auto& entry : fs::directory_iterator(folder_.path())) files += !entry.path().empty();
   EXPECT_EQ(files, 3U) << "what was begun is taken away";
 }
 
@@ -150,13 +150,13 @@ TEST_F(Publish, DrawsALineForEachWayOfClosingTheLoopAndNothingOfOtherFiles) {
 }
 
 TEST_F(Publish, RefusesWhatItDoesNotKnowAndSmokeAmongTheResults) {
-  EXPECT_EQ(Run({"--only", "accuracy,speed", "--out", folder_.string()}), 2);
+  EXPECT_EQ(Run({"--only", "accuracy,speed", "--out", folder_.path()}), 2);
   EXPECT_THAT(said_,
               HasSubstr("--only speed is not one of pareto accuracy stability levels qp peers"));
   EXPECT_EQ(Run({"--smoke"}), 2);
   EXPECT_THAT(said_, HasSubstr("--smoke needs --out DIR"));
   EXPECT_EQ(Run({"--only"}), 2);
-  EXPECT_TRUE(fs::is_empty(folder_));
+  EXPECT_TRUE(fs::is_empty(folder_.path()));
 }
 
 }  // namespace

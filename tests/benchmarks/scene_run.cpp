@@ -1,8 +1,7 @@
 #include "tests/benchmarks/scene_run.h"
 
+#include <algorithm>
 #include <chrono>
-
-#include <spdlog/fmt/fmt.h>
 
 #include "scenes/catalogue.h"
 #include "scenes/progress_line.h"
@@ -27,6 +26,23 @@ Scene LoadForBench(const std::string& scene, const std::string& models_dir,
     Progress(text(stage, fraction));
   };
   return LoadScene(scene, options);
+}
+
+ForceDifference DifferenceOf(const std::vector<Wrench>& felt, const std::vector<Wrench>& truth) {
+  ForceDifference apart;
+  double force = 0.0, torque = 0.0;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    force += truth[i].force.norm();
+    torque += truth[i].torque.norm();
+    const double off = (felt[i].force - truth[i].force).norm();
+    apart.force += off;
+    apart.force_max = std::max(apart.force_max, off);
+    apart.torque += (felt[i].torque - truth[i].torque).norm();
+  }
+  apart.force = force > 0.0 ? apart.force / force : 0.0;
+  apart.force_max *= force > 0.0 ? static_cast<double>(truth.size()) / force : 1.0;
+  apart.torque = torque > 0.0 ? apart.torque / torque : 0.0;
+  return apart;
 }
 
 SceneRun::SceneRun(Scene scene, std::vector<Pose> poses)

@@ -46,4 +46,10 @@ class SceneRun {
 Scene LoadForBench(const std::string& scene, const std::string& models_dir,
                    std::optional<ContactModel> contact = {}, const TreeSource& tree_file = {});
 
+/// How far the forces of a path are from the true ones, of the mean of those; 0 where that is 0.
+struct ForceDifference {
+  double force = 0.0, force_max = 0.0, torque = 0.0;
+};
+ForceDifference DifferenceOf(const std::vector<Wrench>& felt, const std::vector<Wrench>& truth);
+
 }  // namespace palpate::bench

@@ -1,6 +1,5 @@
 // palpate-bench stability: every hard case, each with the number it must hold.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include <spdlog/fmt/fmt.h>

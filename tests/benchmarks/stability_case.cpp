@@ -1,7 +1,6 @@
 #include "tests/benchmarks/stability_case.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <map>

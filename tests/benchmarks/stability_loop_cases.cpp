@@ -1,6 +1,5 @@
 // The step within its loops: the servo loop with a bad link, and an arm and hand with delay.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <deque>
 #include <limits>
@@ -183,9 +182,8 @@ std::vector<StabilityCase> LoopCases() {
     cases.push_back(
         {.name = fmt::format("closed-loop-{}ms", delay_ms),
          .what = fmt::format("motion of a hand that holds still, at {:.0f} N/m", stiffness),
-         .reason =
-             "two steps of the encoder: a limit cycle would be felt.  The stiffness is at most "
-             "half of b / T, beyond which delay alone makes any loop unstable",
+         .reason = "two steps of the encoder: a limit cycle would be felt.  The stiffness is at "
+                   "most half of b / T, beyond which delay alone makes any loop unstable",
          .bound = 2e6 * PhantomPremium30().info.position_resolution_m,
          .unit = "um",
          .share = 0.5,

@@ -165,8 +165,7 @@ std::vector<StabilityCase> TouchCases() {
   cases.push_back(
       {.name = "encoder-noise",
        .what = "greatest change of force, over stiffness times greatest move of the hand",
-       .reason = "a projection never moves further than what it projects; 1 % for "
-                 "bumps",
+       .reason = "a projection never moves further than what it projects; 1 % for bumps",
        .bound = 1.01,
        .unit = "",
        .share = 1,

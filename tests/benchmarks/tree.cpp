@@ -41,7 +41,6 @@ struct ModeResult {
   std::string mode;
   std::optional<double> build_s;  ///< none of a tree from a file
   std::vector<BodyTreeError> bodies;
-  double force = 0.0, force_max = 0.0, torque = 0.0;  ///< off the surface's, of its mean
 };
 
 using Clock = std::chrono::steady_clock;
@@ -91,24 +90,6 @@ std::vector<Wrench> WrenchesOf(const Scene& scene, ContactModel contact,
   std::vector<Wrench> wrenches;
   for (const StepReport& report : reports) wrenches.push_back(report.wrench);
   return wrenches;
-}
-
-void Compare(ModeResult& result, const std::vector<Wrench>& felt,
-             const std::vector<Wrench>& truth) {
-  double force = 0.0, torque = 0.0, force_apart = 0.0, torque_apart = 0.0;
-  for (std::size_t i = 0; i < truth.size(); ++i) {
-    force += truth[i].force.norm();
-    torque += truth[i].torque.norm();
-    const double apart = (felt[i].force - truth[i].force).norm();
-    force_apart += apart;
-    result.force_max = std::max(result.force_max, apart);
-    torque_apart += (felt[i].torque - truth[i].torque).norm();
-  }
-  if (force > 0.0) {
-    result.force = force_apart / force;
-    result.force_max *= static_cast<double>(truth.size()) / force;
-  }
-  if (torque > 0.0) result.torque = torque_apart / torque;
 }
 
 void MeasureBodies(const Scene& scene, std::size_t samples, ModeResult& result) {
@@ -251,14 +232,15 @@ void RunScene(const Options& options, std::vector<std::string> modes) {
     Json entry = report.Add(options.scene, result, false);
     if (!options.no_force) {
       Progress("forces ...");
-      Compare(result, WrenchesOf(scene, ContactModel::kSpheres, poses), truth);
+      const ForceDifference off =
+          DifferenceOf(WrenchesOf(scene, ContactModel::kSpheres, poses), truth);
       Progress("");
       report.text += fmt::format(
           "  force off that of the meshes' surface, of its mean: mean {:.4f}, max {:.3f}; torque "
           "mean {:.4f}; {} steps\n",
-          result.force, result.force_max, result.torque, poses.size());
+          off.force, off.force_max, off.torque, poses.size());
       entry["against_surface"] = {
-          {"force", result.force}, {"force_max", result.force_max}, {"torque", result.torque}};
+          {"force", off.force}, {"force_max", off.force_max}, {"torque", off.torque}};
     }
     report.json["modes"].push_back(std::move(entry));
   }

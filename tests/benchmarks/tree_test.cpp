@@ -1,7 +1,6 @@
 // palpate-bench tree, as people and other programs run it.
 
 #include <algorithm>
-#include <cmath>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -98,11 +97,9 @@ double Mean(const std::vector<double>& values) {
 TEST_F(PalpateBench, TreeMeasuresAMeshAsBruteForceDoesByTheLeavesThatItWrites) {
   WriteBox(File("box.obj"));
   for (const std::string mode : {"inside", "balanced", "cover"}) {
-    ASSERT_EQ(Run({"tree", "--mesh", File("box.obj"), "--unit", "mm", "--spheres", "64", "--mode",
-                   mode, "--samples", "40009", "--out", File("leaves"), "--json", File("t.json")}),
-              0)
-        << said_;
-    const nlohmann::json json = Json("t.json");
+    const nlohmann::json json =
+        Figures({"tree", "--mesh", File("box.obj"), "--unit", "mm", "--spheres", "64", "--mode",
+                 mode, "--samples", "40009", "--out", File("leaves")});
     EXPECT_GT(json.at("build_s"), 0.0);
     const nlohmann::json& levels = json.at("levels");
     ASSERT_EQ(levels.size(), 2u) << "64 leaves in eight packets";
@@ -137,22 +134,20 @@ TEST_F(PalpateBench, TreeMeasuresAMeshAsBruteForceDoesByTheLeavesThatItWrites) {
 
 TEST_F(PalpateBench, TreeTakesAMeshAsItIsAndSeveralModesAtOnce) {
   WriteBox(File("box.obj"));
-  ASSERT_EQ(Run({"tree", "--mesh", File("box.obj"), "--spheres", "20", "--samples", "1009", "--out",
-                 File("leaves"), "--json", File("t.json")}),
-            0)
-      << said_;
-  EXPECT_EQ(Json("t.json").at("mode"), "inside");
+  const nlohmann::json json = Figures({"tree", "--mesh", File("box.obj"), "--spheres", "20",
+                                       "--samples", "1009", "--out", File("leaves")});
+  EXPECT_EQ(json.at("mode"), "inside");
   EXPECT_THAT(said_, HasSubstr("the leaves are what is felt"));
   for (const Sphere& ball : ReadBalls(File("leaves"))) {
     EXPECT_LE(HeightOverBox(1e-3 * ball.centre) + 1e-3 * ball.radius, 1e-12) << "not in metres";
   }
-  ASSERT_EQ(Run({"tree", "--mesh", File("box.obj"), "--spheres", "20", "--samples", "1009",
-                 "--modes", "inside,cover", "--csv", File("t.csv"), "--json", File("t.json")}),
-            0)
-      << said_;
-  ASSERT_EQ(Json("t.json").at("modes").size(), 2u);
-  EXPECT_EQ(Json("t.json").at("modes")[1].at("mode"), "cover");
-  EXPECT_EQ(Json("t.json").at("modes")[1].at("levels").back().at("spheres"), 20);
+  const nlohmann::json modes =
+      Figures({"tree", "--mesh", File("box.obj"), "--spheres", "20", "--samples", "1009", "--modes",
+               "inside,cover", "--csv", File("t.csv")})
+          .at("modes");
+  ASSERT_EQ(modes.size(), 2u);
+  EXPECT_EQ(modes[1].at("mode"), "cover");
+  EXPECT_EQ(modes[1].at("levels").back().at("spheres"), 20);
   const std::string csv = Read("t.csv");
   EXPECT_THAT(csv, testing::StartsWith("body,mode,level,kind,spheres,outside_um_mean,"));
   EXPECT_EQ(std::ranges::count(csv, '\n'), 5) << csv;
@@ -162,11 +157,10 @@ TEST_F(PalpateBench, TreeSetsATreeFromAFileBesideThatOfAMesh) {
   WriteBox(File("box.obj"));
   std::ofstream(File("box.sph")) << ToSph(SphOf(BuildSphereTree(MakeBox(1e-3 * kSides_mm), 64)),
                                           1e-3);
-  ASSERT_EQ(Run({"tree", "--mesh", File("box.obj"), "--unit", "mm", "--spheres", "64", "--samples",
-                 "4001", "--tree", File("box.sph"), "--json", File("t.json")}),
-            0)
-      << said_;
-  const nlohmann::json modes = Json("t.json").at("modes");
+  const nlohmann::json modes =
+      Figures({"tree", "--mesh", File("box.obj"), "--unit", "mm", "--spheres", "64", "--samples",
+               "4001", "--tree", File("box.sph")})
+          .at("modes");
   ASSERT_EQ(modes.size(), 2u);
   EXPECT_EQ(modes[1].at("mode"), File("box.sph"));
   // Ours, too, but brought here from elsewhere.

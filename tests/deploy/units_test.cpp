@@ -1,5 +1,4 @@
 // The units of deploy/systemd, by systemd's own words.
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <regex>

@@ -33,9 +33,9 @@ std::string MessageOf(const DeviceOptions& options) {
 }
 
 TEST(DeviceFactory, MakesWhatItNames) {
-  EXPECT_EQ(DeviceNames(),
-            "forcedimension, haply, mouse, openhaptics, ./DRIVER.so, scripted, simulated, "
-            "spacemouse");
+  EXPECT_EQ(
+      DeviceNames(),
+      "forcedimension, haply, mouse, openhaptics, ./DRIVER.so, scripted, simulated, spacemouse");
   for (const char* name : {"simulated", "scripted"}) {
     const auto device = MakeDevice(Of(name));
     EXPECT_NE(device->info().model.find(name), std::string::npos);
@@ -54,14 +54,12 @@ TEST(DeviceFactory, HelpsWithALineForEachDeviceAndItsModels) {
 TEST(DeviceFactory, NamesWhatThereIsWhereItIsAskedForWhatThereIsNot) {
   EXPECT_EQ(MessageOf(Of("omega")),
             "--device omega: no such device; have: forcedimension, haply, mouse, openhaptics, "
-            "./DRIVER.so, "
-            "scripted, simulated, "
-            "spacemouse");
+            "./DRIVER.so, scripted, simulated, spacemouse");
   DeviceOptions options = Of("simulated");
   options.model = "omni";
-  EXPECT_EQ(MessageOf(options),
-            "--model omni: no such model of --device simulated; have: premium-3.0, premium-1.5, "
-            "touch");
+  EXPECT_EQ(
+      MessageOf(options),
+      "--model omni: no such model of --device simulated; have: premium-3.0, premium-1.5, touch");
   options = Of("scripted");
   options.model = "touch";
   EXPECT_EQ(MessageOf(options), "--model touch: --device scripted has no models; leave it out");

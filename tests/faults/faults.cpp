@@ -5,7 +5,6 @@
 
 #include <spdlog/fmt/fmt.h>
 #include <sys/mount.h>
-#include <unistd.h>
 
 #include "client/recorder/file_summary.h"
 #include "common/error.h"
@@ -18,6 +17,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
+void Freeze(const test::Program& program, double seconds) {
+  program.Signal(SIGSTOP);
+  Wait(seconds);
+  program.Signal(SIGCONT);
+}
+
 Findings ServerKilled(int domain) {
   Lab lab(domain);
   lab.StartServer();
@@ -26,9 +31,7 @@ Findings ServerKilled(int domain) {
   lab.server->Signal(SIGKILL);
   Wait(1.0);
   lab.StartServer();
-  Findings findings{Resumes(lab), LoopRuns(lab)};
-  findings.push_back(lab.JudgeTheHand());
-  return findings;
+  return {Resumes(lab), LoopRuns(lab), lab.JudgeTheHand()};
 }
 
 Findings ServerFrozen(int domain) {
@@ -36,12 +39,8 @@ Findings ServerFrozen(int domain) {
   lab.StartServer();
   lab.StartStation();
   Wait(1.5);
-  lab.server->Signal(SIGSTOP);
-  Wait(5.0);
-  lab.server->Signal(SIGCONT);
-  Findings findings{LoopRuns(lab), Lives("the server", *lab.server)};
-  findings.push_back(lab.JudgeTheHand());
-  return findings;
+  Freeze(*lab.server, 5.0);
+  return {LoopRuns(lab), Lives("the server", *lab.server), lab.JudgeTheHand()};
 }
 
 Findings StationKilled(int domain) {
@@ -68,16 +67,11 @@ Findings StationFrozen(int domain) {
   lab.StartServer();
   lab.StartStation();
   Wait(1.5);
-  lab.station->Signal(SIGSTOP);
-  Wait(4.0);
-  lab.station->Signal(SIGCONT);
-  Findings findings{
-      Says("the server says why it ended the session", *lab.server,
-           "no pose came for more than 100 ms"),
-      Says("the station has its tool back", *lab.station, "session resumed: forces ramp in"),
-      LoopRuns(lab)};
-  findings.push_back(lab.JudgeTheHand());
-  return findings;
+  Freeze(*lab.station, 4.0);
+  return {Says("the server says why it ended the session", *lab.server,
+               "no pose came for more than 100 ms"),
+          Says("the station has its tool back", *lab.station, "session resumed: forces ramp in"),
+          LoopRuns(lab), lab.JudgeTheHand()};
 }
 
 Findings GatewayKilledAndFrozen(int domain) {
@@ -87,9 +81,7 @@ Findings GatewayKilledAndFrozen(int domain) {
   lab.StartGateway();
   Wait(1.0);
   const std::string before = lab.station->Output();
-  lab.gateway->Signal(SIGSTOP);
-  Wait(5.0);
-  lab.gateway->Signal(SIGCONT);
+  Freeze(*lab.gateway, 5.0);
   Wait(0.5);
   lab.gateway->Signal(SIGKILL);
   lab.gateway->Exit();
@@ -116,9 +108,7 @@ Findings RecorderFrozen(int domain) {
   lab.StartStation();
   Wait(1.0);
   const std::string before = lab.station->Output();
-  lab.recorder->Signal(SIGSTOP);
-  Wait(4.0);
-  lab.recorder->Signal(SIGCONT);
+  Freeze(*lab.recorder, 4.0);
   Wait(1.0);
   return {Undisturbed(lab, before), EndsInOrder("the recorder", *lab.recorder), lab.JudgeTheHand()};
 }
@@ -276,12 +266,10 @@ Findings SceneSwapped(int domain) {
   const std::string before = lab.station->Output();
   std::ofstream(scene) << "{ this is no scene";
   Wait(1.0);
-  Findings findings{Undisturbed(lab, before), Lives("the server", *lab.server)};
   const auto other = lab.AnotherStation("late", "own");
-  findings.push_back(
-      Says("who comes later is told of the scene as it is served", *other, "driven by"));
-  findings.push_back(lab.JudgeTheHand());
-  return findings;
+  return {Undisturbed(lab, before), Lives("the server", *lab.server),
+          Says("who comes later is told of the scene as it is served", *other, "driven by"),
+          lab.JudgeTheHand()};
 }
 
 Findings TwoServers(int domain) {
@@ -361,18 +349,13 @@ std::vector<Finding> RandomFaults(int domain, std::uint64_t seed, int rounds) {
         Wait(random.Uniform(0.0, 1.0));
         lab.StartServer();
         break;
-      case 1: {
+      case 1:
         done += " freeze-server";
-        lab.server->Signal(SIGSTOP);
-        Wait(random.Uniform(0.01, 4.0));
-        lab.server->Signal(SIGCONT);
+        Freeze(*lab.server, random.Uniform(0.01, 4.0));
         break;
-      }
       case 2:
         done += " freeze-station";
-        lab.station->Signal(SIGSTOP);
-        Wait(random.Uniform(0.01, 2.0));
-        lab.station->Signal(SIGCONT);
+        Freeze(*lab.station, random.Uniform(0.01, 2.0));
         break;
       case 3:
         done += " kill-gateway";

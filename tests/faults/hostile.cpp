@@ -4,9 +4,7 @@
 #include <chrono>
 #include <cstring>
 #include <limits>
-#include <memory>
 #include <thread>
-#include <vector>
 
 #include <arpa/inet.h>
 #include <netinet/in.h>

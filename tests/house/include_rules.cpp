@@ -61,8 +61,7 @@ const std::vector<Rule> kRules = {
      {"common/dds"},
      {"Eigen", "spdlog", "nlohmann-json", "FlatBuffers", "xxHash", "libpng"}},
     // Readers stay in one small program; zlib for meshes that come as .gz.  assimp's headers and
-    // its
-    // many formats are there for 3DS alone.
+    // its many formats are there for 3DS alone.
     {"scenes/importer", {"common", "scenes"}, {"common/dds"}, {"Eigen", "spdlog", "zlib"}},
     {"scenes/importer/3ds_reader.cpp",
      {"common/error.h", "scenes/importer"},

@@ -10,6 +10,7 @@
 #include "common/dds/topics.h"
 #include "common/realtime/steady_clock.h"
 #include "tests/integration/rig.h"
+#include "tests/session/session_request.h"
 
 namespace palpate::test {
 
@@ -79,14 +80,7 @@ class QuickStation {
   }
 
  private:
-  void Ask(bool leave) {
-    wire::SessionRequest request{};
-    wire::FromText(name_, request.station);
-    request.run = run_;
-    wire::FromText(scene_, request.scene);
-    request.leave = leave;
-    requests_.Write(request);
-  }
+  void Ask(bool leave) { requests_.Write(MakeRequest(name_, run_, scene_, "", leave)); }
   wire::SessionPhase Phase() {
     wire::SessionState state;
     while (states_.Take(state)) {

@@ -1,7 +1,6 @@
 #include "server/offer/generated_hand.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <vector>
 

@@ -3,6 +3,7 @@
 #include "tests/recorder/others_readers.h"
 
 #include "tests/common/recording/samples.h"
+#include "tests/session/session_request.h"
 
 namespace palpate::test {
 namespace {
@@ -64,12 +65,8 @@ TEST_F(OthersReadersTest, FindEverySampleOfEveryTopicAsItWas) {
   }
   Put(dds::kSessionStateTopic, SampleState("hand", 5), ValuesOf(SampleState("hand", 5)));
 
-  wire::SessionRequest request{};
-  wire::FromText("hand", request.station);
-  request.run = 5;
-  wire::FromText("cube", request.scene);
+  wire::SessionRequest request = MakeRequest("hand", 5, "cube", "", true);
   wire::FromText("simulated", request.device);
-  request.leave = true;
   request.leave_seal[0] = 9;  // the sum of bytes is told
   Put(dds::kSessionRequestTopic, request,
       {"hand", "5", "cube", "", "simulated", true, 32, 9, 32, 0});

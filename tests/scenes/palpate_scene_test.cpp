@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <map>
-#include <memory>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,7 +12,7 @@
 
 #include "scenes/catalogue.h"
 #include "scenes/scene_verdict.h"
-#include "scenes/tree/coverage.h"
+#include "scenes/tree/tree_error.h"
 #include "tests/scenes/support.h"
 #include "tests/support/dirty_mesh.h"
 #include "tests/support/program.h"

@@ -1,19 +1,21 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "scenes/shapes/shapes.h"
 #include "server/physics/scene_model.h"
 #include "server/session/session.h"
 #include "tests/support/test_scenes.h"
+#include "tests/support/test_trees.h"
 
 namespace palpate::test {
 
 inline constexpr double kBurRadius = 0.7e-3;
 
 /// A block whose upper face is z = 0, and ball burs on pins that nothing but the block meets.
-inline Scene BlockScene() {
+inline Scene BlockScene(const std::vector<std::string>& burs = {"bur", "other"}) {
   Scene scene;
   scene.name = "block";
   TriangleMesh mesh = MakeBox(Vec3(6e-3, 3e-3, 2e-3));
@@ -22,7 +24,7 @@ inline Scene BlockScene() {
   block.grid = BodyGrid{.spacing = 100e-6, .regions = {}};
   block.materials = {Material{.cutting_pressure = 0.1e6, .cutting_viscosity = 0.01e9}};
   scene.objects = {block};
-  for (const char* name : {"bur", "other"}) {
+  for (const std::string& name : burs) {
     Body& bur = scene.tools.emplace_back();
     bur.name = name;
     const Ball ball{Vec3(0, kBurRadius, 0), 0.5 * kBurRadius};
@@ -32,8 +34,8 @@ inline Scene BlockScene() {
   return scene;
 }
 
-inline std::vector<std::shared_ptr<const ServedTool>> BlockTools(bool whole_at_start = false) {
-  const Scene scene = BlockScene();
+inline std::vector<std::shared_ptr<const ServedTool>> ToolsOf(const Scene& scene,
+                                                              bool whole_at_start = false) {
   const auto objects = MakeObjects(scene);
   std::vector<std::shared_ptr<const ServedTool>> tools;
   for (const Body& tool : scene.tools) {
@@ -41,6 +43,10 @@ inline std::vector<std::shared_ptr<const ServedTool>> BlockTools(bool whole_at_s
         ServedTool{scene.name, tool.name, MakeModel(scene, tool, objects), whole_at_start}));
   }
   return tools;
+}
+
+inline std::vector<std::shared_ptr<const ServedTool>> BlockTools(bool whole_at_start = false) {
+  return ToolsOf(BlockScene(), whole_at_start);
 }
 
 }  // namespace palpate::test

@@ -8,6 +8,7 @@
 #include "server/session/session_table.h"
 #include "tests/session/ball_tool.h"
 #include "tests/session/block_scene.h"
+#include "tests/session/session_request.h"
 #include "tests/support/allocation_counter.h"
 
 namespace palpate::test {
@@ -17,17 +18,6 @@ using testing::IsEmpty;
 
 constexpr std::int64_t kMs = 1'000'000;
 constexpr std::uint64_t kServerRun = 99;
-
-wire::SessionRequest RequestOf(const std::string& station, const std::string& tool,
-                               bool leave = false) {
-  wire::SessionRequest request{};
-  wire::FromText(station, request.station);
-  request.run = 1;
-  wire::FromText("block", request.scene);
-  wire::FromText(tool, request.tool);
-  request.leave = leave;
-  return request;
-}
 
 wire::WholeRequest WholeRequestOf(const std::string& scene) {
   wire::WholeRequest request{};
@@ -43,7 +33,7 @@ class SceneChangesTest : public testing::Test {
   explicit SceneChangesTest(bool whole_at_start = false)
       : table_(BlockTools(whole_at_start), kServerRun) {}
   void Ask(const std::string& station, const std::string& tool, bool leave = false) {
-    table_.Request(RequestOf(station, tool, leave), now_);
+    table_.Request(MakeRequest(station, 1, "block", tool, leave), now_);
     table_.RetireEnded(now_);
     if (!leave) table_.Begin(*table_.sessions().at(station));
   }

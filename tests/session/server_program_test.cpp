@@ -10,7 +10,6 @@
 #include <unistd.h>
 
 #include "tests/support/program.h"
-#include "tests/support/roudi.h"
 #include "tests/support/test_domain.h"
 
 namespace palpate::test {

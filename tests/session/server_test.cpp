@@ -15,6 +15,7 @@
 #include "common/realtime/steady_clock.h"
 #include "scenes/files/scene_bundle.h"
 #include "tests/session/ball_tool.h"
+#include "tests/session/session_request.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/test_domain.h"
 
@@ -64,13 +65,8 @@ class ServerTest : public testing::Test {
           poses(loop, dds::PoseTopic(name, run), dds::Qos::kLoop) {}
 
     void Ask(const std::string& scene, const std::string& tool = "", bool leave = false) {
-      wire::SessionRequest request{};
-      wire::FromText(name, request.station);
-      request.run = run;
-      wire::FromText(scene, request.scene);
-      wire::FromText(tool, request.tool);
+      wire::SessionRequest request = MakeRequest(name, run, scene, tool, leave);
       wire::FromText(device, request.device);
-      request.leave = leave;
       requests.Write(request);
     }
     /// The server's latest word.
@@ -221,12 +217,7 @@ TEST_F(ServerTest, RemembersNoNamesThatSomebodyMakesUp) {
   std::int64_t now_ns = SteadyNanoseconds();
   const auto flood = [&](int first, int count) {
     for (int i = first; i < first + count; ++i) {
-      wire::SessionRequest request{};
-      const std::string number = std::to_string(i);
-      wire::FromText("s" + number, request.station);
-      request.run = 1;
-      wire::FromText("nowhere", request.scene);
-      requests.Write(request);
+      requests.Write(MakeRequest(std::to_string(i), 1, "nowhere"));
       if (i % 100 == 0) server_->Poll(now_ns += 50'000'000);
     }
   };

@@ -7,6 +7,7 @@
 
 #include "tests/session/ball_tool.h"
 #include "tests/session/block_scene.h"
+#include "tests/session/session_request.h"
 
 namespace palpate::test {
 namespace {
@@ -16,16 +17,6 @@ using testing::IsEmpty;
 
 constexpr std::int64_t kMs = 1'000'000;
 constexpr std::uint64_t kServerRun = 99;
-
-wire::SessionRequest MakeRequest(const std::string& station, std::uint64_t run,
-                                 const std::string& scene, const std::string& tool = "") {
-  wire::SessionRequest request{};
-  wire::FromText(station, request.station);
-  request.run = run;
-  wire::FromText(scene, request.scene);
-  wire::FromText(tool, request.tool);
-  return request;
-}
 
 std::string NumberedName(std::size_t number) {
   const std::string text = std::to_string(number);

@@ -2,17 +2,16 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <map>
 #include <thread>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "scenes/grid/surface_code.h"
 #include "server/session/session_table.h"
 #include "tests/session/ball_tool.h"
 #include "tests/session/block_scene.h"
+#include "tests/session/session_request.h"
 #include "tests/support/allocation_counter.h"
 
 namespace palpate::test {
@@ -24,13 +23,7 @@ constexpr std::uint64_t kServerRun = 99;
 constexpr double kDepth = 0.2e-3;
 
 wire::SessionRequest RequestOf(const std::string& station, bool leave = false) {
-  wire::SessionRequest request{};
-  wire::FromText(station, request.station);
-  request.run = 1;
-  wire::FromText("block", request.scene);
-  wire::FromText("bur", request.tool);
-  request.leave = leave;
-  return request;
+  return MakeRequest(station, 1, "block", "bur", leave);
 }
 
 class SolidChangesTest : public testing::Test {

@@ -1,7 +1,5 @@
 #include "tests/support/jump_cause.h"
 
-#include <cstdint>
-
 #include <gtest/gtest.h>
 
 #include "common/math/rotation.h"

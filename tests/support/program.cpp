@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
-#include <utility>
 
 #include <fcntl.h>
 #include <poll.h>

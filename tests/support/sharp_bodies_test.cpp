@@ -1,7 +1,6 @@
 #include "tests/support/sharp_bodies.h"
 
 #include <map>
-#include <string>
 #include <utility>
 
 #include <gtest/gtest.h>

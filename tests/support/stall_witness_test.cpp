@@ -1,6 +1,5 @@
 #include "tests/support/stall_witness.h"
 
-#include <chrono>
 #include <vector>
 
 #include <sched.h>

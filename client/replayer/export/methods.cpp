@@ -159,8 +159,8 @@ std::string Methods::ToJson(const std::vector<std::string>& recording,
 
 std::string Methods::ToMarkdown(const std::vector<std::string>& recording) const {
   std::string text =
-      "# Methods\n\nWhat a paper's methods section needs of this recording; the same "
-      "for programs is in `methods.json`.\n\n| | |\n|---|---|\n";
+      "# Methods\n\nWhat a paper's methods section needs of this recording; the same for programs "
+      "is in `methods.json`.\n\n| | |\n|---|---|\n";
   const auto line = [&](const char* what, const std::string& value) {
     text += fmt::format("| {} | {} |\n", what, Cell(value));
   };
@@ -188,8 +188,7 @@ std::string Methods::ToMarkdown(const std::vector<std::string>& recording) const
   }
   text +=
       "\n## Sessions\n\n| station | run | scene | tool | device | spring | pose rate | wrench rate "
-      "| "
-      "missing | largest force wanted, applied | limiter: calls "
+      "| missing | largest force wanted, applied | limiter: calls "
       "|\n|---|---|---|---|---|---|---|---|---|---|---|\n";
   for (const Session& s : sessions_) {
     const auto find = [&](const std::string& topic) {
@@ -204,8 +203,7 @@ std::string Methods::ToMarkdown(const std::vector<std::string>& recording) const
     }
     text += fmt::format(
         "| {} | `{}` | {} | {} | {} | {:g} N/m, {:g} N m/rad | {:.1f} Hz | {:.1f} Hz | {} | {:.3f} "
-        "N, "
-        "{:.3f} N | {} |\n",
+        "N, {:.3f} N | {} |\n",
         Cell(s.station), Hex16(s.run), Cell(s.scene), Cell(s.tool), Cell(s.device),
         s.stiffness_N_per_m, s.torsional_stiffness_Nm_per_rad, poses.rate_hz, wrenches.rate_hz,
         poses.sequence.missing() + wrenches.sequence.missing(), s.wanted_force_N, s.applied_force_N,
@@ -214,10 +212,9 @@ std::string Methods::ToMarkdown(const std::vector<std::string>& recording) const
                                : calls);
   }
   return text +
-         "\nThe limiter's bounds are those of the device's data sheet "
-         "(Palpate's page \"Devices\" has them), tightened where the station was told so; a "
-         "recording "
-         "holds what was wanted and applied, and how often each stage acted.\n";
+         "\nThe limiter's bounds are those of the device's data sheet (Palpate's page \"Devices\" "
+         "has them), tightened where the station was told so; a recording holds what was wanted "
+         "and applied, and how often each stage acted.\n";
 }
 
 }  // namespace palpate

@@ -18,10 +18,9 @@ constexpr double kFont = 13.0, kLine = 18.0;
 constexpr std::size_t kColours = 8;  // --series-1 and on of the palette
 
 constexpr const char* kCss =
-    "svg{font-family:var(--font)}.paper{fill:var(--paper)}.ink{fill:var(--ink)}"
-    ".quiet{fill:var(--quiet)}.bold{font-weight:600}.grid{stroke:var(--line)}"
-    ".frame{stroke:var(--quiet);fill:none}"
-    ".curve{fill:none;stroke-width:1.6;stroke-linejoin:round}\n";
+    "svg{font-family:var(--font)}.paper{fill:var(--paper)}.ink{fill:var(--ink)}.quiet{fill:var(--"
+    "quiet)}.bold{font-weight:600}.grid{stroke:var(--line)}.frame{stroke:var(--quiet);fill:none}."
+    "curve{fill:none;stroke-width:1.6;stroke-linejoin:round}\n";
 
 /// About what a sans-serif takes; a little more rather than less.
 double WidthOf(const std::string& text) {

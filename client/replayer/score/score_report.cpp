@@ -230,14 +230,14 @@ const TissueCut& TissueOf(const std::vector<TissueCut>& cut, const std::string& 
 std::string PictureHtml(const Report& report) {
   if (report.pictures.empty()) return "";
   return "<canvas id=\"cut\" role=\"img\" aria-label=\"What is left, coloured by how it differs "
-         "from what the expert left; drag to look from elsewhere\"></canvas>\n<div class=\"at\">"
-         "<label for=\"whose\">Of</label><select id=\"whose\"></select><label><input id=\"plain\" "
-         "type=\"checkbox\"> tissues alone</label></div>\n<p class=\"scale\"><span>went, and "
-         "should "
-         "have stayed</span><i></i><span>stays, and should have gone</span></p>\n" +
+         "from what the expert left; drag to look from elsewhere\"></canvas>\n<div "
+         "class=\"at\"><label for=\"whose\">Of</label><select id=\"whose\"></select><label><input "
+         "id=\"plain\" type=\"checkbox\"> tissues alone</label></div>\n<p "
+         "class=\"scale\"><span>went, and should have stayed</span><i></i><span>stays, and should "
+         "have gone</span></p>\n" +
          fmt::format(
-             "<p class=\"quiet\">Full colour from {:g} mm on. Drag to look from elsewhere, "
-             "wheel to come nearer.</p>\n",
+             "<p class=\"quiet\">Full colour from {:g} mm on. Drag to look from elsewhere, wheel "
+             "to come nearer.</p>\n",
              1e3 * kMostOff);
 }
 
@@ -531,12 +531,11 @@ std::string ToHtml(const Report& report) {
   html += CutHtml(report);
   html +=
       "<h2>The paths in space</h2>\n<canvas id=\"space\" role=\"img\" aria-label=\"The hands' "
-      "paths; drag to look from elsewhere\"></canvas>\n<div class=\"at\"><label "
-      "for=\"time\">Time of the expert</label><input id=\"time\" type=\"range\" min=\"0\" "
-      "max=\"1\" value=\"0\"><output id=\"clock\" for=\"time\"></output></div>\n<ul id=\"now\" "
+      "paths; drag to look from elsewhere\"></canvas>\n<div class=\"at\"><label for=\"time\">Time "
+      "of the expert</label><input id=\"time\" type=\"range\" min=\"0\" max=\"1\" "
+      "value=\"0\"><output id=\"clock\" for=\"time\"></output></div>\n<ul id=\"now\" "
       "class=\"now\"></ul>\n<p class=\"quiet\">Drag to look from elsewhere, wheel to come nearer. "
-      "The paths are "
-      "aligned in time: where the slider stands, each is where it is nearest to the "
+      "The paths are aligned in time: where the slider stands, each is where it is nearest to the "
       "expert's.</p>\n<h2>Over time</h2>\n" +
       ToSvg(PlotsOf(trials)) + "\n" + FiguresHtml(report);
   if (report.criteria) {

@@ -1,6 +1,5 @@
 #include "common/dds/ports.h"
 
-#include <iterator>
 #include <set>
 #include <sstream>
 #include <string>

@@ -262,6 +262,8 @@ TEST(NearestPoint, IsTheSameFromAnyGuess) {
     ASSERT_NO_FATAL_FAILURE(ExpectSound(problem, warm, trial));
     EXPECT_LT(KktResidual(problem, warm), kSolvedResidual) << trial;
     EXPECT_LT((PointOf(warm) - PointOf(cold)).norm(), 1e-12) << trial;
+    const QpResult known = SolverOf(problem, {cold.row, cold.row + cold.active});
+    EXPECT_LE(known.iterations, cold.iterations) << trial;
   }
 }
 

@@ -1,6 +1,5 @@
 // The whole of it: a driver of somebody's own in palpate-doctor, and in palpate-station at a
 // palpate-server.
-#include <algorithm>
 #include <csignal>
 
 #include <gmock/gmock.h>
@@ -86,10 +85,8 @@ TEST(PluginStation, SaysWhichFunctionHangsAndStillEnds) {
   Program server = Server();
   ASSERT_TRUE(server.Says("ready: ", 60.0)) << server.Output();
   Program station = Station(PALPATE_WRONG_DRIVER, {"--device-name", "hangs"});
-  EXPECT_TRUE(
-      station.Says("palpate_device_read did not return for 20 ms; palpate_device_stop took "
-                   "the force off",
-                   60.0))
+  EXPECT_TRUE(station.Says(
+      "palpate_device_read did not return for 20 ms; palpate_device_stop took the force off", 60.0))
       << station.Output();
   station.Signal(SIGINT);
   EXPECT_EQ(station.Exit(), 0) << station.Output();

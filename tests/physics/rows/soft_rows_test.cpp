@@ -1,7 +1,6 @@
 #include "server/physics/rows/soft_rows.h"
 
 #include <cmath>
-#include <cstring>
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,7 @@
 #include "server/physics/surface/separating_plane.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <span>
 #include <vector>
 
 #include <gtest/gtest.h>

@@ -15,15 +15,13 @@
 #include "common/dds/topics.h"
 #include "common/recording/recording_reader.h"
 #include "scenes/files/scene_bundle.h"
-#include "scenes/shapes/shapes.h"
-#include "server/physics/scene_model.h"
 #include "server/session/session_table.h"
 #include "tests/common/recording/samples.h"
+#include "tests/session/block_scene.h"
+#include "tests/session/session_request.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/milliseconds.h"
 #include "tests/support/random.h"
-#include "tests/support/test_scenes.h"
-#include "tests/support/test_trees.h"
 
 namespace palpate::test {
 namespace {
@@ -31,41 +29,15 @@ namespace {
 using testing::HasSubstr;
 
 constexpr std::uint64_t kServerRun = 99;
-constexpr double kBurRadius = 0.7e-3;
-
-/// A block whose upper face is z = 0, and ball burs on pins that nothing but the block meets.
-Scene BlockWithBurs(int burs) {
-  Scene scene;
-  scene.name = "block";
-  TriangleMesh mesh = MakeBox(Vec3(5e-3, 3e-3, 2e-3));
-  for (Vec3& v : mesh.vertices) v.z() -= 1e-3;
-  Body block = MakeBody("block", mesh, 16);
-  block.grid = BodyGrid{.spacing = 100e-6, .regions = {}};
-  block.materials = {Material{.cutting_pressure = 0.1e6, .cutting_viscosity = 0.01e9}};
-  scene.objects = {block};
-  for (int i = 0; i < burs; ++i) {
-    Body bur;
-    bur.name = "bur" + std::to_string(i);
-    const Ball ball{Vec3(0, kBurRadius, 0), 0.5 * kBurRadius};
-    bur.tree = MakeTree({&ball, 1});
-    bur.bur = BurProfile{{{0.0, 0.0}}, kBurRadius};
-    scene.tools.push_back(bur);
-  }
-  return scene;
-}
+const std::vector<std::string> kTwo{"left", "right"};
 
 /// A server without DDS, stations that cut in one groove, and a recorder that hears all of it, each
 /// topic in its own time.
 class Workshop {
  public:
-  Workshop(std::uint64_t seed, int burs) : random_(seed), scene_(BlockWithBurs(burs)) {
-    const auto objects = MakeObjects(scene_);
-    for (const Body& tool : scene_.tools) {
-      tools_.push_back(std::make_shared<const ServedTool>(
-          ServedTool{scene_.name, tool.name, MakeModel(scene_, tool, objects)}));
-    }
-    table_.emplace(tools_, kServerRun);
-    hands_.resize(tools_.size());
+  Workshop(std::uint64_t seed, const std::vector<std::string>& burs)
+      : random_(seed), scene_(BlockScene(burs)), table_(ToolsOf(scene_), kServerRun) {
+    hands_.resize(burs.size());
     std::vector<std::uint8_t> bundle = PackScene(scene_);
     Hear(dds::kSceneBundleTopic, SampleBundle(bundle, scene_.name, kServerRun));
   }
@@ -75,13 +47,13 @@ class Workshop {
     its.run = ++runs_;
     its.sends = true;
     its.sequence = 0;
-    table_->Request(RequestOf(hand), now_);
+    table_.Request(RequestOf(hand), now_);
   }
   void Leave(std::size_t hand) {
     hands_[hand].sends = false;
     wire::SessionRequest request = RequestOf(hand);
     request.leave = true;
-    table_->Request(request, now_);
+    table_.Request(request, now_);
   }
   /// Without a word.
   void Kill(std::size_t hand) { hands_[hand].sends = false; }
@@ -90,8 +62,8 @@ class Workshop {
     wire::FromText(scene_.name, request.scene);
     request.request = ++requests_;
     request.wish = wish;
-    table_->Request(request);
-    const wire::SceneWhole answer = table_->TakeWholes().back();
+    table_.Request(request);
+    const wire::SceneWhole answer = table_.TakeWholes().back();
     Hear(dds::kSceneWholeTopic, answer, 1);
     return answer;
   }
@@ -110,7 +82,7 @@ class Workshop {
   /// The server stops.
   void End() {
     links_.clear();
-    table_->EndAll("the server stops");
+    table_.EndAll("the server stops");
     Publish();
   }
 
@@ -131,8 +103,8 @@ class Workshop {
     if (files != nullptr) *files = writer.files();
   }
 
-  Session& session(std::size_t hand) { return *table_->sessions().at(NameOf(hand)); }
-  bool is_here(std::size_t hand) { return table_->sessions().contains(NameOf(hand)); }
+  Session& session(std::size_t hand) { return *table_.sessions().at(NameOf(hand)); }
+  bool is_here(std::size_t hand) { return table_.sessions().contains(NameOf(hand)); }
   double force_N(std::size_t hand) const { return hands_[hand].force_N; }
   Random& random() { return random_; }
   /// Of a block: whether it is cut, and its surface.
@@ -157,12 +129,7 @@ class Workshop {
 
   static std::string NameOf(std::size_t hand) { return "hand" + std::to_string(hand); }
   wire::SessionRequest RequestOf(std::size_t hand) const {
-    wire::SessionRequest request{};
-    wire::FromText(NameOf(hand), request.station);
-    request.run = hands_[hand].run;
-    wire::FromText(scene_.name, request.scene);
-    wire::FromText(scene_.tools[hand].name, request.tool);
-    return request;
+    return MakeRequest(NameOf(hand), hands_[hand].run, scene_.name, scene_.tools[hand].name);
   }
 
   template <class T>
@@ -203,23 +170,23 @@ class Workshop {
   }
 
   void Poll() {
-    table_->Update(now_);
+    table_.Update(now_);
     std::erase_if(links_, [&](const auto& link) {
-      const auto session = table_->sessions().find(link.first);
-      return session == table_->sessions().end() || session->second != link.second;
+      const auto session = table_.sessions().find(link.first);
+      return session == table_.sessions().end() || session->second != link.second;
     });
-    table_->RetireEnded(now_);
-    for (const auto& [name, session] : table_->sessions()) {
+    table_.RetireEnded(now_);
+    for (const auto& [name, session] : table_.sessions()) {
       if (links_.contains(name)) continue;
-      table_->Begin(*session);
+      table_.Begin(*session);
       links_[name] = session;
     }
     Publish();
   }
   void Publish() {
-    for (const auto& state : table_->TakeChanges()) Hear(dds::kSessionStateTopic, state);
-    for (const auto& whole : table_->TakeLoopWholes()) Hear(dds::kLoopWholeTopic, whole, 1);
-    for (CutLogNews& news : table_->TakeCutLogs(now_)) {
+    for (const auto& state : table_.TakeChanges()) Hear(dds::kSessionStateTopic, state);
+    for (const auto& whole : table_.TakeLoopWholes()) Hear(dds::kLoopWholeTopic, whole, 1);
+    for (CutLogNews& news : table_.TakeCutLogs(now_)) {
       for (const wire::CutEvent& event : news.events) {
         held_ += event.step == palpate_CUT_HELD;
         merged_ += event.step == palpate_CUT_MERGED ? event.count : 0;
@@ -228,7 +195,7 @@ class Workshop {
       news.sample.events._length = static_cast<std::uint32_t>(news.events.size());
       Hear(dds::kCutLogTopic, news.sample, random_.Below(20));
     }
-    for (SolidBlockNews& news : table_->TakeCuts(now_)) {
+    for (SolidBlockNews& news : table_.TakeCuts(now_)) {
       news.sample.surface._buffer = news.surface.data();
       news.sample.surface._length = static_cast<std::uint32_t>(news.surface.size());
       Hear(dds::kSolidBlockTopic, news.sample, 1);
@@ -238,8 +205,7 @@ class Workshop {
 
   Random random_;
   Scene scene_;
-  std::vector<std::shared_ptr<const ServedTool>> tools_;
-  std::optional<SessionTable> table_;
+  SessionTable table_;
   std::map<std::string, std::shared_ptr<Session>> links_;
   std::vector<Hand> hands_;
   std::vector<Heard> heard_;
@@ -271,7 +237,7 @@ class TwoHands : public testing::TestWithParam<std::uint64_t> {
 };
 
 TEST_F(TwoHands, FeelEachOthersCutsAndInTheEndTheSame) {
-  Workshop workshop(1, 2);
+  Workshop workshop(1, kTwo);
   workshop.Ask(0);
   workshop.Run(2500);
   const double alone_N = workshop.force_N(0);
@@ -296,7 +262,7 @@ TEST_F(TwoHands, FeelEachOthersCutsAndInTheEndTheSame) {
 // Hands come, leave and are killed, the scene is made whole, the service thread stands still: of
 // each session every wrench is the same bits again.
 TEST_P(TwoHands, AreTheSameBitsAgainWhateverComesBetween) {
-  Workshop workshop(GetParam(), 3);
+  Workshop workshop(GetParam(), {"left", "right", "late"});
   Random& random = workshop.random();
   for (std::size_t hand = 0; hand < 2; ++hand) workshop.Ask(hand);
   for (int round = 0; round < 9; ++round) {
@@ -345,7 +311,7 @@ TEST_P(TwoHands, AreTheSameBitsAgainWhateverComesBetween) {
 INSTANTIATE_TEST_SUITE_P(Seeds, TwoHands, testing::Range<std::uint64_t>(1, 5));
 
 TEST_F(TwoHands, ALoopWithoutRoomTellsLaterAndIsTheSameAgain) {
-  Workshop workshop(3, 2);
+  Workshop workshop(3, kTwo);
   workshop.Ask(0);
   workshop.Ask(1);
   for (int i = 0; i < 4; ++i) {
@@ -361,7 +327,7 @@ TEST_F(TwoHands, ALoopWithoutRoomTellsLaterAndIsTheSameAgain) {
 }
 
 TEST_F(TwoHands, GoBackToABookmarkWhichIsFeltShownAndTheSameAgain) {
-  Workshop workshop(7, 2);
+  Workshop workshop(7, kTwo);
   EXPECT_THAT(workshop.Whole(palpate_WHOLE_BACK).refusal, HasSubstr("no bookmark"));
   workshop.Ask(0);
   workshop.Ask(1);
@@ -405,7 +371,7 @@ TEST_F(TwoHands, GoBackToABookmarkWhichIsFeltShownAndTheSameAgain) {
 }
 
 TEST_F(TwoHands, ARecordingThatLacksAPartOfTheLogSaysSoAndGuessesNothing) {
-  Workshop workshop(5, 2);
+  Workshop workshop(5, kTwo);
   workshop.Ask(0);
   workshop.Ask(1);
   workshop.Run(1500);

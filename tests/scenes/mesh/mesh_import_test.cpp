@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
-#include <memory>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

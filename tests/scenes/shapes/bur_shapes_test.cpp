@@ -1,6 +1,5 @@
 #include "scenes/shapes/bur_shapes.h"
 
-#include <array>
 #include <cmath>
 #include <string>
 

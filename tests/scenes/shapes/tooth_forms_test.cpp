@@ -8,7 +8,6 @@
 #include "scenes/catalogue.h"
 #include "scenes/files/scene_file.h"
 #include "scenes/mesh/mesh_query.h"
-#include "scenes/mesh/mesh_report.h"
 #include "tests/support/read_file.h"
 
 namespace palpate {

@@ -1,7 +1,5 @@
 #include "scenes/tree/inner_balls.h"
 
-#include <cmath>
-
 #include <gtest/gtest.h>
 
 #include "tests/scenes/support.h"

@@ -1,6 +1,5 @@
 #include "scenes/tree/sphere_hierarchy.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numeric>
 

@@ -13,7 +13,6 @@
 #include "scenes/mesh/mesh_query.h"
 #include "scenes/mesh/mesh_report.h"
 #include "scenes/mesh/surface_samples.h"
-#include "scenes/tree/coverage.h"
 #include "scenes/tree/tree_error.h"
 #include "tests/scenes/support.h"
 

@@ -1,8 +1,6 @@
 #include "scenes/tree/tree_export.h"
 
-#include <cmath>
 #include <cstdint>
-#include <memory>
 #include <set>
 #include <tuple>
 
