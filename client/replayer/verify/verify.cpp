@@ -20,6 +20,7 @@
 #include "common/files/output.h"
 #include "common/realtime/steady_clock.h"
 #include "common/recording/recording_reader.h"
+#include "common/text/hex16.h"
 #include "common/text/quoted.h"
 #include "scenes/catalogue.h"
 #include "scenes/files/effect_file.h"
@@ -108,6 +109,7 @@ class Scenes {
   void AddBundle(const wire::SceneBundle& bundle) {
     CheckBundleHash({bundle.bundle._buffer, bundle.bundle._length}, bundle.hash,
                     "the recording's scene " + Quoted(bundle.scene));
+    AddHash(bundle.scene, Hex16(bundle.hash));
     bundles_[bundle.scene] = {bundle.bundle._buffer, bundle.bundle._buffer + bundle.bundle._length};
   }
   void AddHash(const std::string& scene, const std::string& hash) { hashes_[scene] = hash; }
@@ -137,6 +139,23 @@ class Scenes {
     std::map<std::string, std::unique_ptr<HapticModel>> models;
   };
 
+  /// What of that is known to differ.
+  std::string WhatEffects(const std::string& name, const std::vector<Effect>& of_scene) const {
+    const auto bundle = bundles_.find(name);
+    if (bundle == bundles_.end()) return "";
+    const auto words = [](const std::vector<Effect>& effects) {
+      std::string text;
+      for (const Effect& effect : effects) {
+        text += fmt::format("{}{} (hash {}) of {}", text.empty() ? "" : ", ", effect.file,
+                            Hex16(effect.hash), nlohmann::json(effect.values).dump());
+      }
+      return text.empty() ? std::string("none") : text;
+    };
+    const std::string its = words(of_scene);
+    const std::string recorded = words(UnpackScene(bundle->second, name).effects);
+    return its == recorded ? "" : ", which had the effects " + recorded + ", and it has " + its;
+  }
+
   Loaded& Load(const std::string& name) {
     auto& loaded = loaded_[name];
     if (loaded) return *loaded;
@@ -156,8 +175,9 @@ class Scenes {
       const auto recorded = hashes_.find(name);
       if (recorded != hashes_.end() && recorded->second != hash) {
         throw Error("scene '" + name + "' (hash " + hash +
-                    ") is not the one that was recorded (hash " + recorded->second +
-                    "): give that one with --scene, or record again");
+                    ") is not the one that was recorded (hash " + recorded->second + ")" +
+                    WhatEffects(name, loaded->scene->effects) +
+                    ": give that one with --scene, or record again");
       }
     }
     loaded->objects = MakeObjects(*loaded->scene);
