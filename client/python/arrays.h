@@ -1,11 +1,14 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <string_view>
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include "client/python/held_wrench.h"
 #include "common/error.h"
 #include "common/math/pose.h"
 #include "common/math/pose_check.h"
@@ -100,6 +103,70 @@ inline py::array_t<double> FromPose(const Pose& X) {
   double row[7];
   FromPose(X, row);
   return FromNumbers(row, 7);
+}
+
+inline py::array_t<double> FromTwist(const Twist& V) {
+  const double six[6] = {V.v.x(), V.v.y(), V.v.z(), V.w.x(), V.w.y(), V.w.z()};
+  return FromNumbers(six, 6);
+}
+
+/// What holds for a force in Python, before it is asked.  Throws Error where it is none.
+inline HeldWrench ToHeld(const py::object& effect, double rate_Hz, double max_force_N,
+                         double max_torque_Nm) {
+  if (!effect.is_none() && PyCallable_Check(effect.ptr()) == 0) {
+    throw Error("effect: is no function; give one of hand, twist and tool, or None");
+  }
+  const double every = std::round(1000.0 / rate_Hz);
+  if (!(every >= 1.0 && every <= 1e6 && std::abs(every * rate_Hz - 1000.0) < 1e-6)) {
+    throw Error("rate_hz: must be 1000 over a whole number of milliseconds, as 500, 100 or 40");
+  }
+  const auto is_bound = [](double most) { return most >= 0.0 && most <= 1e4; };
+  if (!is_bound(max_force_N) || !is_bound(max_torque_Nm)) {
+    throw Error("max_force, max_torque: must be from 0 to 10000");
+  }
+  HeldWrench held;
+  held.max_force_N = max_force_N;
+  held.max_torque_Nm = max_torque_Nm;
+  held.every = static_cast<std::uint64_t>(every);
+  return held;
+}
+
+/// Asks a force in Python, which says a wrench or a pair of that and its stiffness.  Throws Error
+/// where that is of another shape or not finite, and whatever it raises.
+/// @param held  of ToHeld; takes what is said, and where.
+inline void Ask(const py::object& effect, const Pose& X_WH, const Twist& V_WH, const Pose& X_WG,
+                HeldWrench& held) {
+  py::object wrench = effect(FromPose(X_WH), FromTwist(V_WH), FromPose(X_WG));
+  py::object stiffness = py::none();
+  if (py::isinstance<py::tuple>(wrench) && py::len(wrench) == 2) {
+    const auto both = py::reinterpret_borrow<py::tuple>(wrench);
+    wrench = both[0];
+    stiffness = both[1];
+  }
+  const py::object name = py::getattr(effect, "__name__", py::repr(effect));
+  const std::string what = "effect " + py::str(name).cast<std::string>() + ": ";
+  const auto numbers = [&](const py::object& given, const std::string& name) {
+    Doubles array = ToDoubles(given, what + name);
+    const bool is_finite = std::all_of(array.data(), array.data() + array.size(),
+                                       [](double number) { return std::isfinite(number); });
+    if (!is_finite) throw Error(what + name + " is not finite");
+    return array;
+  };
+  const Doubles w = numbers(wrench, "its wrench");
+  const py::ssize_t size = w.size();
+  RequireShape(w.ndim() == 1 && (size == 3 || size == 6), w, what + "its wrench",
+               "a force x y z in N, or that and a torque in N m");
+  held.X_WH = X_WH;
+  held.wrench.force = Vec3::Map(w.data());
+  held.wrench.torque = size == 6 ? Vec3(Vec3::Map(w.data() + 3)) : Vec3(Vec3::Zero());
+  held.stiffness.setZero();
+  if (stiffness.is_none()) return;
+  const Doubles k = numbers(stiffness, "its stiffness");
+  RequireShape(k.ndim() == 2 && k.shape(0) == size && k.shape(1) == size, k, what + "its stiffness",
+               "(3, 3) beside a force, (6, 6) beside force and torque");
+  for (py::ssize_t i = 0; i < size; ++i) {
+    for (py::ssize_t j = 0; j < size; ++j) held.stiffness(i, j) = k.at(i, j);
+  }
 }
 
 }  // namespace palpate

@@ -271,11 +271,54 @@ py::list Table() {
   return rows;
 }
 
+/// A force in Python beside a proxy: asked at one step in so many, held in the others.
+struct SlowEffect {
+  py::object ask;
+  HeldWrench held;
+  EffectState motion{};  // of the hand, and how many steps it was there
+};
+
 struct Hand {
   Hand(Shared m, const Pose& X_WH) : shared(std::move(m)), proxy(*shared.model, X_WH) {}
+
+  void Restart(const Pose& X_WH) {
+    proxy.Restart(X_WH);
+    if (effect) effect->motion = {};
+  }
+  /// Without Python's lock, which an effect takes when it is asked.  Throws what that raises: it is
+  /// off then, and no step was taken.
+  StepReport Step(const Pose& X_WH, StageTimes* times = nullptr) {
+    const bool acts = effect && IsPose(X_WH);
+    if (acts) LookAt(X_WH);
+    StepReport report = proxy.Step(X_WH, times);
+    if (!acts) return report;
+    const Pose& X = effect->motion.X_WH;
+    Wrench given = effect->held.At(X);
+    given.torque -= (X.q * shared.model->reference()).cross(given.force);
+    for (Wrench* sum : {&report.wrench, &report.effects.active}) {
+      *sum = {sum->force + given.force, sum->torque + given.torque};
+    }
+    return report;
+  }
+
   Shared shared;  // outlives the proxy
   Proxy proxy;
+  std::optional<SlowEffect> effect{};
   std::atomic_flag busy{};
+
+ private:
+  void LookAt(const Pose& X_WH) {
+    auto& [ask, held, motion] = *effect;
+    Follow({X_WH.p, X_WH.q.normalized()}, motion);
+    if (motion.cycle++ % held.every != 0) return;
+    const py::gil_scoped_acquire lock;
+    try {
+      Ask(ask, motion.X_WH, motion.V_WH, proxy.X_WG(), held);
+    } catch (...) {
+      effect.reset();
+      throw;
+    }
+  }
 };
 
 /// While a step has let Python's lock go, no other thread may step the same hand.
@@ -346,11 +389,11 @@ struct Rows {
   ReportRecord* details;  // or null
 };
 
-void Walk(Proxy& proxy, const double* poses, py::ssize_t count, py::ssize_t width, Rows out) {
+void Walk(Hand& hand, const double* poses, py::ssize_t count, py::ssize_t width, Rows out) {
   for (py::ssize_t i = 0; i < count; ++i) {
     StageTimes times;
     const StepReport report =
-        proxy.Step(ToPose(poses + i * width, width), out.details ? &times : nullptr);
+        hand.Step(ToPose(poses + i * width, width), out.details ? &times : nullptr);
     Vec3::Map(out.wrench + 6 * i) = report.wrench.force;
     Vec3::Map(out.wrench + 6 * i + 3) = report.wrench.torque;
     FromPose(report.X_WG, out.pose + 7 * i);
@@ -376,18 +419,26 @@ Doubles ToPoses(const py::object& given, py::ssize_t dimensions, const char* sha
   return poses;
 }
 
+void SetEffect(Hand& hand, const py::object& effect, double rate_Hz, double max_force_N,
+               double max_torque_Nm) {
+  const HeldWrench held = ToHeld(effect, rate_Hz, max_force_N, max_torque_Nm);
+  const Busy busy(hand);
+  hand.effect.reset();
+  if (!effect.is_none()) hand.effect = SlowEffect{effect, held};
+}
+
 Steps StepAll(Hand& hand, const py::object& given, bool details) {
   const Doubles poses = ToPoses(given, 2, "(steps, 3) or (steps, 7)");
   const Busy busy(hand);
   Steps steps({poses.shape(0)}, hand.shared, details);
   const Rows rows(steps);
   const py::gil_scoped_release free;
-  Walk(hand.proxy, poses.data(), poses.shape(0), poses.shape(1), rows);
+  Walk(hand, poses.data(), poses.shape(0), poses.shape(1), rows);
   return steps;
 }
 
 /// Each path by a proxy of its own, which begins at its first pose.
-Steps Follow(const Shared& shared, const py::object& given, int threads, bool details) {
+Steps FollowAll(const Shared& shared, const py::object& given, int threads, bool details) {
   const Doubles paths = ToPoses(given, 3, "(paths, steps, 3) or (paths, steps, 7)");
   if (threads < 0) throw Error("threads: must be 0, for all cores, or more");
   const py::ssize_t count = paths.shape(0), length = paths.shape(1), width = paths.shape(2);
@@ -401,18 +452,18 @@ Steps Follow(const Shared& shared, const py::object& given, int threads, bool de
   std::mutex wrong_mutex;
   const auto work = [&] {
     try {
-      std::optional<Proxy> proxy;
+      std::optional<Hand> hand;
       for (py::ssize_t path; (path = next.fetch_add(1)) < count;) {
         const double* poses = data + path * length * width;
         const Pose start = ToPose(poses, width);
         // Where it cuts, made anew: what is gone for one path is whole for the next, whoever walks
         // it.
-        if (proxy && !shared.model->cuts()) {
-          proxy->Restart(start);
+        if (hand && !shared.model->cuts()) {
+          hand->Restart(start);
         } else {
-          proxy.emplace(*shared.model, start);
+          hand.emplace(shared, start);
         }
-        Walk(*proxy, poses, length, width, all.From(path * length));
+        Walk(*hand, poses, length, width, all.From(path * length));
       }
     } catch (...) {
       const std::lock_guard lock(wrong_mutex);
@@ -759,7 +810,7 @@ PYBIND11_MODULE(_physics, module) {
              return Shown("Model", "of ", shared.tool, " in ",
                           shared.scene.empty() ? "a scene" : shared.scene, text.str());
            })
-      .def("follow", &Follow, py::arg("paths"), py::kw_only(), py::arg("threads") = 0,
+      .def("follow", &FollowAll, py::arg("paths"), py::kw_only(), py::arg("threads") = 0,
            py::arg("details") = false, prose("Model.follow"));
   RefusePickle(model,
                "a Model is not pickled: pickle its scene or bodies, and make it of them there");
@@ -777,7 +828,7 @@ PYBIND11_MODULE(_physics, module) {
           [](Hand& hand, const py::object& pose) {
             const Pose X_WH = ToCheckedPose(pose);
             const Busy busy(hand);
-            hand.proxy.Restart(X_WH);
+            hand.Restart(X_WH);
           },
           py::arg("pose"), prose("Proxy.restart"))
       .def(
@@ -787,9 +838,12 @@ PYBIND11_MODULE(_physics, module) {
             const Pose X_WH = ToPose(row.data(), row.size());
             const Busy busy(hand);
             const py::gil_scoped_release free;
-            return Report{ToRecord(hand.proxy.Step(X_WH)), hand.shared.parameters};
+            return Report{ToRecord(hand.Step(X_WH)), hand.shared.parameters};
           },
           py::arg("pose"), prose("Proxy.step"))
+      .def("set_effect", &SetEffect, py::arg("effect"), py::kw_only(), py::arg("rate_hz") = 100.0,
+           py::arg("max_force") = HeldWrench{}.max_force_N,
+           py::arg("max_torque") = HeldWrench{}.max_torque_Nm, prose("Proxy.set_effect"))
       .def("steps", &StepAll, py::arg("poses"), py::kw_only(), py::arg("details") = false,
            prose("Proxy.steps"))
       .def("__repr__", [](const Hand& hand) { return Shown("Proxy", "of ", hand.shared.tool); });

@@ -27,21 +27,6 @@ void Copy(const Quat& q, double wxyz[4]) noexcept {
   std::memcpy(wxyz + 1, q.coeffs().data(), sizeof(double[3]));
 }
 
-void Follow(const Pose& X_WH, EffectState& state) noexcept {
-  const Vec3 way = X_WH.p - state.X_WH.p;
-  Quat turn = X_WH.q * state.X_WH.q.conjugate();
-  if (turn.w() < 0.0) turn.coeffs() = -turn.coeffs();
-  state.X_WH = X_WH;
-  if (state.cycle == 0 || !(way.squaredNorm() <= kFarthest_m * kFarthest_m) ||
-      !(turn.vec().squaredNorm() <= kHalfTurn * kHalfTurn)) {
-    state.V_WH = {};
-    return;
-  }
-  // The sine of half the angle for that: right to 0.05 % at the fastest.
-  state.V_WH.v += kShare * (way / kPeriod_s - state.V_WH.v);
-  state.V_WH.w += kShare * (2.0 / kPeriod_s * turn.vec() - state.V_WH.w);
-}
-
 /// False: it failed.
 bool Call(const palpate_effect& effect, const palpate_effect_input& input, double* state,
           palpate_effect_wrench& wrench) noexcept {
@@ -67,6 +52,21 @@ bool Fits(const palpate_effect_parameter& parameter, const std::vector<double>& 
 }
 
 }  // namespace
+
+void Follow(const Pose& X_WH, EffectState& state) noexcept {
+  const Vec3 way = X_WH.p - state.X_WH.p;
+  Quat turn = X_WH.q * state.X_WH.q.conjugate();
+  if (turn.w() < 0.0) turn.coeffs() = -turn.coeffs();
+  state.X_WH = X_WH;
+  if (state.cycle == 0 || !(way.squaredNorm() <= kFarthest_m * kFarthest_m) ||
+      !(turn.vec().squaredNorm() <= kHalfTurn * kHalfTurn)) {
+    state.V_WH = {};
+    return;
+  }
+  // The sine of half the angle for that: right to 0.05 % at the fastest.
+  state.V_WH.v += kShare * (way / kPeriod_s - state.V_WH.v);
+  state.V_WH.w += kShare * (2.0 / kPeriod_s * turn.vec() - state.V_WH.w);
+}
 
 std::span<const palpate_effect_parameter> ParametersOf(const palpate_effect& effect) {
   const std::span all(effect.parameters);

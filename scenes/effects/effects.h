@@ -35,6 +35,9 @@ struct EffectState {
   Twist V_WH;
 };
 
+/// The hand is there in this cycle: what it moves by, smoothed.  Real-time.
+void Follow(const Pose& X_WH, EffectState& state) noexcept;
+
 /// On the hand, at the tool's reference point, in W.
 struct EffectWrenches {
   Wrench passive, active;

@@ -118,15 +118,16 @@ const std::vector<Rule> kRules = {
      {"Eigen", "spdlog", "nlohmann-json", "Boost"}},
     // The library of server/library, for Python.
     {"client/python",
-     {"server/library/scenes.h", "common/error.h", "common/math/pose.h", "common/math/pose_check.h",
-      "common/files/project_files.h", "scenes/files/scene_bundle.h", "client/python/arrays.h",
+     {"server/library/scenes.h", "common/error.h", "common/math", "common/files/project_files.h",
+      "scenes/files/scene_bundle.h", "client/python/arrays.h", "client/python/held_wrench.h",
       "client/python/report_record.h"},
      {},
      {"pybind11"}},
     // A station like any other, whose hand a program of Python's moves: it runs the station's own
     // loop.
     {"client/python/live",
-     {"common", "devices", "client/station", "client/python/arrays.h", "client/python/live"},
+     {"common", "devices", "client/station", "client/python/arrays.h",
+      "client/python/held_wrench.h", "client/python/live"},
      {},
      {"Eigen", "pybind11"}},
     // Programs of other people's.

@@ -106,6 +106,28 @@ class Station(Served):
         other.join()
         self.assertGreater(counted, 50)
 
+    def test_is_led_by_a_force_in_python_until_that_fails(self):
+        with opened() as hand:
+            hand.move([0, 0.04, 0], 0.1)
+            hand.set_effect(lambda hand, twist, tool: 20 * ([0, 0.04, 0.01] - hand[:3]), rate_hz=50)
+            self.assertTrue(eventually(lambda: abs(hand.felt.force[2] - 0.2) < 1e-6), hand.felt)
+            hand.set_effect(lambda hand, twist, tool: [0, 0, 5, *tool[3:6]], max_force=3)
+            self.assertTrue(eventually(lambda: hand.felt.wanted_force[2] == 3 and abs(hand.felt.force[2] - 1) < 1e-6))
+
+            def fails(hand, twist, tool):
+                if twist[1] > 0.01:
+                    raise RuntimeError("enough")
+                return [0, 0, 0.5]
+
+            hand.set_effect(fails)
+            with self.assertRaisesRegex(palpate.Error, "the effect is off: RuntimeError: enough"):
+                hand.move([0, 0.06, 0], 0.5)
+                self.fail("went all the way")
+            self.assertTrue(eventually(lambda: not hand.felt.wanted_force.any() and not hand.felt.force.any()))
+            with self.assertRaisesRegex(palpate.Error, "its wrench: must be"):
+                hand.set_effect(lambda *_: [1, 2])
+            hand.move([0, 0.04, 0], 0.1)
+
     def test_tells_what_is_wrong_in_the_stations_words(self):
         for words, wrong in {
             "give 1 to 32 letters": lambda: opened("no name!"),

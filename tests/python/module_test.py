@@ -184,6 +184,95 @@ class Bits(unittest.TestCase):
             self.assertEqual(report.torque.tobytes(), one.wrench[4, i, 3:].tobytes())
 
 
+class Effects(unittest.TestCase):
+    AIR = numpy.array([0, 0.04, 0])
+
+    def setUp(self):
+        self.proxy = palpate.Proxy(ball_on_block(), self.AIR)
+
+    def test_act_as_one_in_c_does_and_to_the_same_bits_in_one_call_and_many(self):
+        moves = self.AIR + numpy.linspace([0, 0, 0], [0, -0.015, 0.003], 400)
+        with tempfile.TemporaryDirectory() as folder:
+            file = cube_with_effects(pathlib.Path(folder))
+            text = pathlib.Path(file).read_text().replace('{"name": "vibration"}', '{"name": "viscous"}')
+            pathlib.Path(file).write_text(text.replace('{"name": "stick"}, ', ""))
+            viscous = palpate.Proxy(palpate.load(file).model(), moves[0]).steps(moves).wrench
+        for steps in (lambda proxy: proxy.steps(moves).wrench,
+                      lambda proxy: numpy.array([numpy.r_[(now := proxy.step(pose)).force, now.torque] for pose in moves])):
+            proxy = palpate.Proxy(palpate.load("cube").model(), moves[0])
+            proxy.set_effect(lambda hand, twist, tool: -3 * twist[:3], rate_hz=1000)
+            self.assertEqual(steps(proxy).tobytes(), viscous.tobytes())
+        self.assertGreater(viscous[-1, 1], 1)
+
+    def test_are_asked_at_their_rate_and_held_or_go_on_as_a_spring(self):
+        asked = []
+
+        def spring(stiffness):
+            def effect(hand, twist, tool):
+                asked.append((hand, tool))
+                force = 20 * (self.AIR - hand[:3])
+                return force if stiffness is None else (numpy.r_[force, 0, 0, 0], stiffness)
+            return effect
+
+        moves = self.AIR + numpy.linspace([0, 0, 0], [0.02, 0, 0.01], 95)
+        truth = 20 * (self.AIR - moves)
+        for stiffness in (None, numpy.diag([20, 20, 20, 0, 0, 0])):
+            asked.clear()
+            self.proxy.restart(moves[0])
+            self.proxy.set_effect(spring(stiffness), rate_hz=100)
+            force = self.proxy.steps(moves).wrench[:, :3]
+            numpy.testing.assert_array_equal([hand[:3] for hand, _ in asked], moves[::10])
+            numpy.testing.assert_array_equal([tool[:3] for _, tool in asked[1:]], moves[9:-1:10])
+            numpy.testing.assert_allclose(force, truth if stiffness is not None else truth[numpy.arange(95) // 10 * 10],
+                                          atol=1e-12)
+        self.proxy.restart(moves[0])  # which counts anew
+        self.proxy.step(moves[0])
+        self.assertEqual(len(asked), 11)
+
+    def test_turn_about_the_tools_origin_and_stay_within_their_bounds(self):
+        vertices, triangles = palpate.box(SIZE)
+        block = palpate.body("block", vertices, triangles)
+        model = palpate.Model([block], palpate.body("lever", vertices + [0.1, 0, 0], triangles))
+        proxy = palpate.Proxy(model, [0, 0.2, 0])
+        proxy.set_effect(lambda *_: [0, 3, 4, 0, 0, 0.5], max_force=1)
+        report = proxy.step([0, 0.2, 0])
+        numpy.testing.assert_allclose(report.force, [0, 0.6, 0.8], atol=1e-15)
+        numpy.testing.assert_allclose(report.torque, [0, 0.08, -0.06 + 0.01], atol=1e-12)  # at its centroid
+        proxy.set_effect(None)
+        self.assertFalse(proxy.step([0, 0.2, 0]).torque.any())
+
+    def test_that_fail_say_so_and_act_no_more(self):
+        for words, what in {
+            "<lambda>: its wrench is not finite": lambda *_: [0, math.nan, 0],
+            "its stiffness is not finite": lambda *_: ([0, 0, 0], numpy.full((3, 3), math.inf)),
+            r"its wrench: must be a force x y z in N, .*; its shape is \(2,\)": lambda *_: numpy.zeros(2),
+            r"its stiffness: must be \(3, 3\) beside a force": lambda *_: ([0, 0, 0], numpy.eye(6)),
+            "its wrench: is an array of object": lambda *_: None,
+            "another thread is stepping": lambda *_: self.proxy.step(self.AIR),
+        }.items():
+            self.proxy.set_effect(what)
+            with self.subTest(words), self.assertRaisesRegex(palpate.Error, words):
+                self.proxy.step(self.AIR)
+            self.assertFalse(self.proxy.step(self.AIR).force.any())
+        times = []
+
+        def enough(*_):
+            times.append(0)
+            if len(times) > 3:
+                raise RuntimeError("enough")
+            return [1, 0, 0]
+
+        self.proxy.set_effect(enough, rate_hz=500)
+        with self.assertRaisesRegex(RuntimeError, "enough"):
+            self.proxy.steps(numpy.tile(self.AIR, (20, 1)))
+        self.assertFalse(self.proxy.step(self.AIR).force.any())
+        for words, wrong in {"rate_hz: must be 1000 over": {"rate_hz": 300}, "max_force, ": {"max_force": -1}}.items():
+            with self.assertRaisesRegex(palpate.Error, words):
+                self.proxy.set_effect(enough, **wrong)
+        with self.assertRaisesRegex(palpate.Error, "effect: is no function"):
+            self.proxy.set_effect(3)
+
+
 class Reports(unittest.TestCase):
     def test_have_all_that_the_step_says_and_the_same_bits_with_and_without(self):
         model = ball_on_block(static_friction=0.5, dynamic_friction=0.3)
@@ -534,6 +623,12 @@ class Examples(unittest.TestCase):
         done = subprocess.run([sys.executable, example, "cube"], capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertRegex(done.stdout, r"ball feels \[.*\d.*\] N")
+
+    def test_lead_into_a_groove_by_a_force_of_ones_own(self):
+        example = pathlib.Path(os.environ["PALPATE_SOURCE_DIR"], "client/python/examples/own_effect.py")
+        done = subprocess.run([sys.executable, example], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertRegex(done.stdout, r"(?s) 8\.9 mm beside it: -0\.4\d\d N to it, 0\.000 .* 0\.020 N to it, 2\.00\d N")
 
     def test_give_a_first_force_in_twenty_lines(self):
         example = pathlib.Path(os.environ["PALPATE_SOURCE_DIR"], "client/python/examples/first_force.py")

@@ -97,5 +97,26 @@ TEST(PosedDevice, TellsWhatWasWantedAndWhatTheLimiterLetThrough) {
   EXPECT_FALSE(loop.device.felt().sees_tool);
 }
 
+TEST(PosedDevice, IsLedWithinBoundsAndNoLongerThanSomebodySaysSo) {
+  Loop loop;
+  HeldWrench held{.wrench = {Vec3(0.0, 0.5, 0.0), Vec3::Zero()}, .X_WH = kStart, .every = 20};
+  held.stiffness(0, 0) = 100.0;
+  held.stiffness(5, 5) = 0.1;
+  loop.device.Lead(held);
+  loop.Tick();
+  EXPECT_EQ(loop.device.felt().wanted.force, Vec3(0.0, 0.5, 0.0));
+  loop.device.Go({kStart.p + Vec3(0.005, 0.0, 0.0), RotationExp(Vec3(0.0, 0.0, 0.05))}, 0.01);
+  for (int i = 0; i < 10; ++i) loop.Tick();
+  const Wrench pulls = loop.device.felt().wanted;
+  EXPECT_TRUE(pulls.force.isApprox(Vec3(-0.5, 0.5, 0.0), 1e-9)) << pulls.force;
+  EXPECT_TRUE(pulls.torque.isApprox(Vec3(0.0, 0.0, -0.005), 1e-9)) << pulls.torque;
+  loop.device.Go({kStart.p + Vec3(1.0, 0.0, 0.0), Quat::Identity()}, 0.01);
+  for (int i = 11; i < 80; ++i) loop.Tick();
+  EXPECT_NEAR(loop.device.felt().wanted.force.norm(), 1.0, 1e-12);
+  EXPECT_NEAR(loop.device.felt().V_WH.v.x(), BlindHand::kMaxSpeed_m_s, 1e-12);
+  loop.Tick();
+  EXPECT_TRUE(loop.device.felt().wanted.force.isZero(0.0)) << "four times as late as it should be";
+}
+
 }  // namespace
 }  // namespace palpate::test

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "tests/support/effects_scene.h"
 #include "tests/support/program.h"
 #include "tests/support/test_domain.h"
 
@@ -16,6 +17,7 @@ namespace palpate::test {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 using testing::StartsWith;
 
 const int kDomain = OwnDomain();
@@ -61,6 +63,18 @@ TEST(ServerProgram, ServesWhatIsNotUsableOnlyWhereItIsToldTo) {
   Program served = Server(Here({"--scene", scene, "--transport", "udp", "--unusable-too"}));
   EXPECT_TRUE(served.Says("ready: scenes bare", 60.0)) << served.Output();
   EXPECT_THAT(served.Output(), HasSubstr("bare: not usable: object thing: "));
+}
+
+TEST(ServerProgram, RefusesAnEffectThatIsNotAsPassiveAsItSays) {
+  const std::string scene = testing::TempDir() + "swirls.json";
+  std::ofstream(scene) << CubeWithEffects(R"({"name": "viscous"}, {"name": ")" PALPATE_WRONG_EFFECT
+                                          R"(", "way": 6})");
+  Program refused = Server(Here({"--scene", scene, "--transport", "udp"}));
+  EXPECT_EQ(refused.Exit(), 1);
+  EXPECT_THAT(refused.Output(),
+              HasSubstr("swirls.json: is not usable: effect libpalpate_wrong_effect.so: says that "
+                        "it is passive, and gives the hand"));
+  EXPECT_THAT(refused.Output(), Not(HasSubstr("viscous")));
 }
 
 TEST(ServerProgram, SaysWhatAMeshThatItServesIsNot) {

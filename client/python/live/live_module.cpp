@@ -145,6 +145,7 @@ PYBIND11_MODULE(_live, module) {
       .def_property_readonly("wanted_torque",
                              [](const Felt& f) { return FromVec3(f.wanted.torque); })
       .def_property_readonly("hand", [](const Felt& f) { return FromPose(f.X_WH); })
+      .def_property_readonly("twist", [](const Felt& f) { return FromTwist(f.V_WH); })
       .def_property_readonly("tool", [](const Felt& f) -> py::object {
         if (!f.sees_tool) return py::none();
         return FromPose(f.X_WG);
@@ -158,6 +159,17 @@ PYBIND11_MODULE(_live, module) {
              const py::gil_scoped_release free;
              Waiting waiting;
              return station.Move(X_WH, seconds, timeout, std::ref(waiting));
+           })
+      .def("lead",
+           [](LiveStation& station, const py::object& effect, double rate, double max_force,
+              double max_torque) {
+             HeldWrench held = ToHeld(effect, rate, max_force, max_torque);
+             const Felt felt = station.felt();
+             if (!effect.is_none()) {
+               if (!felt.sees_tool) return;
+               Ask(effect, felt.X_WH, felt.V_WH, felt.X_WG, held);
+             }
+             station.Lead(held);
            })
       .def_property_readonly("felt", &LiveStation::felt)
       .def_property_readonly("phase", &LiveStation::phase)

@@ -55,6 +55,8 @@ class LiveStation {
   ///                    is on its way.
   /// Throws Silence where no answer comes, and Error where the session is over for good.
   Felt Move(const Pose& X_WH, double seconds, double patience_s, const WaitOrStop& wait);
+  /// Leads the hand (PosedDevice::Lead).
+  void Lead(const HeldWrench& held) { device_->Lead(held); }
   /// Of the newest tick; without a true reply its forces are zero.
   Felt felt() { return device_->felt(); }
   /// SessionLink::PhaseText; "closed", or "over" where `Move` would throw.

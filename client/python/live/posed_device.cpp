@@ -32,6 +32,11 @@ Felt PosedDevice::felt() {
   return newest_;
 }
 
+void PosedDevice::Lead(const HeldWrench& held) {
+  const std::lock_guard lock(callers_);
+  leads_.Write(held);
+}
+
 void PosedDevice::Begin(const Move& move) noexcept {
   move_ = move;
   X_W0_ = now_.X_WH;
@@ -60,12 +65,17 @@ DeviceSample PosedDevice::Read() noexcept {
       now_.arrived_ns = SteadyNanoseconds();
     }
   }
-  Twist V_WH;
-  if (under_way) V_WH = {v_, phi_ / (ticks_ * kTick_s)};
-  return {now_.X_WH, V_WH, 0, kDeviceForcesIgnored};
+  now_.V_WH = under_way ? Twist{v_, phi_ / (ticks_ * kTick_s)} : Twist{};
+  return {now_.X_WH, now_.V_WH, 0, kDeviceForcesIgnored};
 }
 
 void PosedDevice::Shape(Wrench& contact, Wrench& led) noexcept {
+  if (leads_.Read(held_)) held_ticks_ = std::max<std::uint64_t>(50, 4 * held_.every);
+  if (held_ticks_ > 0) {
+    --held_ticks_;
+    const Wrench given = held_.At(now_.X_WH);
+    led = {led.force + given.force, led.torque + given.torque};
+  }
   now_.wanted = {contact.force + led.force, contact.torque + led.torque};
 }
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <mutex>
 
+#include "client/python/held_wrench.h"
 #include "common/math/pose.h"
 #include "common/realtime/latest_mailbox.h"
 #include "devices/device.h"
@@ -14,6 +15,7 @@ struct Felt {
   std::uint64_t move = 0;       ///< newest one whose end the hand has reached; 0: none yet
   std::int64_t arrived_ns = 0;  ///< when that was, by the steady clock
   Pose X_WH;                    ///< the hand, as it was read in this tick
+  Twist V_WH;                   ///< of the move
   Pose X_WG;                    ///< the graphic tool, at the newest reply
   bool sees_tool = false;       ///< X_WG is known
   Wrench wanted;                ///< before the limiter
@@ -22,7 +24,7 @@ struct Felt {
 
 /// A hand that goes where a program says, tick by tick and at bounded speed, and rests there.  No
 /// motor moves it; the limiter's figures are those that it is made with.
-/// Thread contract: as Device; Go and felt from any other threads.
+/// Thread contract: as Device; Go, felt and Lead from any other threads.
 class PosedDevice final : public Device {
  public:
   static constexpr double kTick_s = 1e-3;
@@ -38,6 +40,9 @@ class PosedDevice final : public Device {
   std::uint64_t Go(const Pose& X_WT, double seconds);
   /// Of the newest tick.
   Felt felt();
+  /// Leads the hand by that until there is another, where one comes in time: four times as late as
+  /// it should, and 50 ms at least, it leads no more.
+  void Lead(const HeldWrench& held);
 
   const DeviceInfo& info() const override { return info_; }
   DeviceSample Read() noexcept override;
@@ -58,6 +63,7 @@ class PosedDevice final : public Device {
   std::mutex callers_;  // of those who move and look, never of the servo thread
   std::uint64_t moves_ = 0;
   LatestMailbox<Move> orders_;
+  LatestMailbox<HeldWrench> leads_;
   LatestMailbox<Felt> felt_;
   Felt newest_;  // read from felt_
 
@@ -69,6 +75,8 @@ class PosedDevice final : public Device {
   Pose X_W0_;                // where it began
   int ticks_ = 0;            // that it takes
   int tick_ = 0;
+  HeldWrench held_;
+  std::uint64_t held_ticks_ = 0;  // that it leads the hand yet
 };
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 from os import PathLike
-from typing import Dict, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy
 import pandas
@@ -13,6 +13,9 @@ report_dtype: numpy.dtype
 them: force_N is the multiplier, offset_m what the linearised gap lacks, body the object that is felt by its mesh,
 -1: a leaf, tool_part, object_part and row what touches there.  prediction_ns, rows_ns, solve_ns and response_ns are
 the stages of the step; qp_iterations and others count what it took."""
+
+Effect = Callable[[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]], Any]
+"""What Proxy.set_effect takes."""
 
 class Error(ValueError):
     """What was wrong with what was given, and what to do."""
@@ -243,6 +246,24 @@ class Proxy:
         """How far the tool was from the hand at the start, in metres."""
     def restart(self, pose: ArrayLike) -> None:
         """Begins anew with the hand at this pose, as a new proxy would."""
+    def set_effect(
+        self, effect: Optional[Effect], *, rate_hz: float = 100.0, max_force: float = 1.0, max_torque: float = 0.01
+    ) -> None:
+        """Adds a force of one's own to what contacts give, in place of the one before; None: no more.
+
+        effect      effect(hand, twist, tool) is given where the hand is (x y z w x y z), its velocity in m/s and
+                    turning in rad/s (6, smoothed over 4 ms), and where the tool was a step before.  It returns the
+                    force on the hand in N (3), or force and torque in N m (6), at the origin of the tool's frame; or
+                    a pair of that and its stiffness, (3, 3) or (6, 6): what it loses per metre and rad on the way to
+                    the next time.  Of an energy these are minus the gradient, and the Hessian
+        rate_hz     how often it is asked, 1000 over a whole number: at the first step, then at every 1000 / rate_hz-th.
+                    In between the wrench is held, or goes on by its stiffness
+        max_force, max_torque
+                    N and N m: longer ones are shortened.  At an arm 1 N and 10 mN m is all that gets through
+
+        Where it raises something, no step is taken, and it is off; so it is where what it returns is no such wrench or
+        not finite, which is an Error.
+        """
     def step(self, pose: ArrayLike) -> Report:
         """One step of a millisecond: the hand is at this pose now; returns what it feels.
 

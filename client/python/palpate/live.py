@@ -13,9 +13,11 @@ of them that may pass: nobody answers any more, and forces are zero.
 
 import atexit
 import os
+import threading
+import time
 import weakref
 
-from palpate import _prose
+from palpate import Error, _prose
 
 try:
     from palpate import _live
@@ -51,7 +53,29 @@ class _Opened:
         self.close()
 
 
+class _Asking(threading.Thread):
+    """Asks an effect at its rate, until it is told that this is over or the effect raises something."""
+
+    def __init__(self, live, effect, *terms):
+        super().__init__(daemon=True)
+        self.over, self.error = threading.Event(), None
+        self._live, self._effect, self._terms = live, effect, terms
+
+    def run(self):
+        period, due = 1 / self._terms[0], time.monotonic()
+        try:
+            while not self.over.is_set():
+                self._live.lead(self._effect, *self._terms)
+                due = max(due + period, time.monotonic())  # what comes late is left out
+                self.over.wait(due - time.monotonic())
+        except BaseException as error:  # for who moves the hand
+            self.error = error
+        self._live.lead(None, *self._terms)
+
+
 class Station(_Opened):
+    _asking = None
+
     def __init__(self, scene="", name="python", *, tool="", domain=0, network="lo", peers=(), identity="",
                  transport="auto", start=None, max_force=100.0, max_torque=10.0, local_model=True, patience=10.0):
         self._live = _live.Station(scene, name, tool, domain, network, list(peers), os.fspath(identity),
@@ -59,16 +83,37 @@ class Station(_Opened):
         _open.add(self)
 
     def move(self, pose, seconds=0.0, *, timeout=1.0):
-        return self._live.move(pose, seconds, timeout)
+        self._complain()
+        felt = self._live.move(pose, seconds, timeout)
+        self._complain()
+        return felt
 
     def follow(self, poses, period=0.01, *, timeout=1.0):
         for pose in poses:
-            yield self._live.move(pose, period, timeout)
+            yield self.move(pose, period, timeout=timeout)
+
+    def set_effect(self, effect, *, rate_hz=100.0, max_force=1.0, max_torque=0.01):
+        terms = rate_hz, max_force, max_torque
+        if self._asking:
+            self._asking.over.set()
+            self._asking.join(1)  # one that never returns is not waited for
+            self._asking = None
+        self._live.lead(effect, *terms)
+        if effect is not None:
+            self._asking = _Asking(self._live, effect, *terms)
+            weakref.finalize(self, self._asking.over.set)
+            self._asking.start()
+
+    def _complain(self):
+        if self._asking and (error := self._asking.error):
+            self._asking = None
+            raise Error(f"the effect is off: {type(error).__name__}: {error}") from error
 
     def news(self):
         return self._live.news()
 
     def close(self):
+        self.set_effect(None)
         self._live.close()
 
     def __repr__(self):

@@ -5,7 +5,7 @@ from typing import Dict, Iterable, Iterator, List, Optional, Sequence, Type, Uni
 import numpy
 from numpy.typing import ArrayLike, NDArray
 
-from palpate import Error
+from palpate import Effect, Error
 
 tool_dtype: numpy.dtype
 wrench_dtype: numpy.dtype
@@ -31,6 +31,9 @@ class Felt:
     @property
     def hand(self) -> NDArray[numpy.float64]:
         """Where the hand was: x y z w x y z."""
+    @property
+    def twist(self) -> NDArray[numpy.float64]:
+        """The hand's velocity in m/s and its turning in rad/s."""
     @property
     def tool(self) -> Optional[NDArray[numpy.float64]]:
         """Where the graphic tool was, which enters nothing; None before the first reply."""
@@ -81,6 +84,16 @@ class Station:
         """
     def follow(self, poses: Iterable[ArrayLike], period: float = 0.01, *, timeout: float = 1.0) -> Iterator[Felt]:
         """One move after the other, each of `period` seconds."""
+    def set_effect(
+        self, effect: Optional[Effect], *, rate_hz: float = 100.0, max_force: float = 1.0, max_torque: float = 0.01
+    ) -> None:
+        """Adds a force of one's own, as Proxy.set_effect: asked in a thread of Python's at that rate, once there is a
+        tool, and held in between by the loop, which never waits for it.
+
+        It goes where a guide's force goes: the limiter lets 1 N and 10 mN m of it through, and `wanted_force` has it
+        whole.  What is four times as late as it should be, and by 50 ms, acts no more.  What it raises puts it off,
+        and comes out of set_effect or the next `move`.
+        """
     def news(self) -> List[str]:
         """What was told of the session since the last call, a line each."""
     def close(self) -> None:

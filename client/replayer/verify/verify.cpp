@@ -20,6 +20,7 @@
 #include "common/files/output.h"
 #include "common/realtime/steady_clock.h"
 #include "common/recording/recording_reader.h"
+#include "common/text/hex16.h"
 #include "common/text/quoted.h"
 #include "scenes/catalogue.h"
 #include "scenes/files/effect_file.h"
@@ -106,11 +107,12 @@ class Scenes {
 
   /// Throws Error where it is not the one that its hash names.
   void AddBundle(const wire::SceneBundle& bundle) {
-    bundle_hashes_[bundle.scene] = bundle.hash;
+    const std::string hash = Hex16(bundle.hash);
+    AddHash(bundle.scene, hash);
     if (bundle.bundle._length == 0) return;  // a seat: of that hash there is another
     CheckBundleHash({bundle.bundle._buffer, bundle.bundle._length}, bundle.hash,
                     "the recording's scene " + Quoted(bundle.scene));
-    bundles_[bundle.hash] = {bundle.bundle._buffer, bundle.bundle._buffer + bundle.bundle._length};
+    bundles_[hash] = {bundle.bundle._buffer, bundle.bundle._buffer + bundle.bundle._length};
   }
   void AddHash(const std::string& scene, const std::string& hash) { hashes_[scene] = hash; }
 
@@ -139,11 +141,33 @@ class Scenes {
     std::map<std::string, std::unique_ptr<HapticModel>> models;
   };
 
+  std::string HashOf(const std::string& name) const {
+    const auto found = hashes_.find(name);
+    return found == hashes_.end() ? "" : found->second;
+  }
+
+  /// What of that is known to differ.
+  std::string WhatEffects(const std::string& name, const std::vector<Effect>& of_scene) const {
+    const auto bundle = bundles_.find(HashOf(name));
+    if (bundle == bundles_.end()) return "";
+    const auto words = [](const std::vector<Effect>& effects) {
+      std::string text;
+      for (const Effect& effect : effects) {
+        text += fmt::format("{}{} (hash {}) of {}", text.empty() ? "" : ", ", effect.file,
+                            Hex16(effect.hash), nlohmann::json(effect.values).dump());
+      }
+      return text.empty() ? std::string("none") : text;
+    };
+    const std::string its = words(of_scene);
+    const std::string recorded = words(UnpackScene(bundle->second, name).effects);
+    return its == recorded ? "" : ", which had the effects " + recorded + ", and it has " + its;
+  }
+
   Loaded& Load(const std::string& name) {
     auto& loaded = loaded_[name];
     if (loaded) return *loaded;
     loaded = std::make_unique<Loaded>();
-    if (const auto bundle = bundles_.find(bundle_hashes_[name]);
+    if (const auto bundle = bundles_.find(HashOf(name));
         options_.scene.empty() && bundle != bundles_.end()) {
       const std::string source = "the recording's scene '" + name + "'";
       Scene scene = UnpackScene(bundle->second, source);
@@ -158,8 +182,9 @@ class Scenes {
       const auto recorded = hashes_.find(name);
       if (recorded != hashes_.end() && recorded->second != hash) {
         throw Error("scene '" + name + "' (hash " + hash +
-                    ") is not the one that was recorded (hash " + recorded->second +
-                    "): give that one with --scene, or record again");
+                    ") is not the one that was recorded (hash " + recorded->second + ")" +
+                    WhatEffects(name, loaded->scene->effects) +
+                    ": give that one with --scene, or record again");
       }
     }
     loaded->objects = MakeObjects(*loaded->scene);
@@ -168,9 +193,8 @@ class Scenes {
 
   const VerifyOptions& options_;
   const std::filesystem::path folder_;
-  std::map<std::string, std::uint64_t> bundle_hashes_;          // by scene
-  std::map<std::uint64_t, std::vector<std::uint8_t>> bundles_;  // by hash
-  std::map<std::string, std::string> hashes_;
+  std::map<std::string, std::string> hashes_;                 // by scene
+  std::map<std::string, std::vector<std::uint8_t>> bundles_;  // by hash
   std::map<std::string, std::unique_ptr<Loaded>> loaded_;
 };
 

@@ -125,6 +125,28 @@ void Copy(const std::string& from, const std::string& to, Change change) {
   writer.Close("");
 }
 
+/// Copies a recording's samples, and nothing that its recorder says of them; `change` may alter the
+/// schema and a sample's bytes.
+template <class Change>
+void CopySamples(const std::string& from, const std::string& to, Change change) {
+  RecordingReader reader({from});
+  mcap::Writer writer(to, "test");
+  std::map<std::string, std::uint16_t> channels;
+  RecordedSample sample{};
+  while (reader.Next(sample)) {
+    std::string schema = SchemaName(sample.type);
+    std::vector<std::uint8_t> cdr(sample.cdr.begin(), sample.cdr.end());
+    change(sample, schema, cdr);
+    const auto [channel, is_new] = channels.try_emplace(*sample.topic);
+    if (is_new) {
+      channel->second =
+          writer.AddChannel(writer.AddSchema(schema, "omgidl", "of before"), *sample.topic, "cdr");
+    }
+    writer.Write(channel->second, 0, sample.log_time_ns, sample.log_time_ns, cdr);
+  }
+  writer.Close();
+}
+
 class VerifyTest : public testing::Test {
  protected:
   /// Of a whole recording in which `change` has altered each sample of a type, where it says so.
@@ -236,9 +258,33 @@ TEST_F(VerifyTest, ComputesEffectsAgainAndRefusesAnotherSharedObject) {
   fs::copy(PALPATE_BIN_DIR "/effects/viscous.so", folder_ / "mine.so");
   EXPECT_THAT(complaint(), HasSubstr("mine.so is another one (hash "));
   fs::copy(mine, folder_ / "mine.so", fs::copy_options::overwrite_existing);
-  const SessionVerdict verdict = Only(Verify({file_}, {}));
+  SessionVerdict verdict = Only(Verify({file_}, {}));
   EXPECT_TRUE(verdict.good()) << verdict.ends;
   EXPECT_EQ(verdict.verified, kPoses - 1);
+  verdict = Only(Verify({file_}, {.scene = scene}));
+  EXPECT_TRUE(verdict.good()) << verdict.ends;
+}
+
+TEST_F(VerifyTest, RefusesASceneWhoseEffectsAreNotThoseThatWereRecorded) {
+  const std::string scene = folder_ / "own.json";
+  const auto write = [&](const std::string& effects) {
+    std::ofstream(scene) << CubeWithEffects(effects);
+  };
+  write(R"({"name": "viscous", "damping_N_s_per_m": 5})");
+  Record({.scene = scene}, file_);
+  const std::string bare = folder_ / "bare.mcap";
+  CopySamples(file_, bare, [](const RecordedSample&, std::string&, std::vector<std::uint8_t>&) {});
+  EXPECT_TRUE(Only(Verify({bare}, {.scene = scene})).good());
+  for (const char* other : {"", R"({"name": "viscous", "damping_N_s_per_m": 4})",
+                            R"({"name": "viscous", "damping_N_s_per_m": 5}, {"name": "stick"})"}) {
+    write(other);
+    for (const std::string& file : {file_, bare}) {
+      EXPECT_THAT(ComplaintOf([&] { Verify({file}, {.scene = scene}); }),
+                  testing::AllOf(HasSubstr("is not the one that was recorded"),
+                                 HasSubstr("which had the effects viscous.so (hash "),
+                                 HasSubstr("[[5.0],[0.0]], and it has ")));
+    }
+  }
 }
 
 TEST_F(VerifyTest, MakesTheSceneWholeBeforeTheSamePose) {
@@ -256,23 +302,13 @@ TEST_F(VerifyTest, MakesTheSceneWholeBeforeTheSamePose) {
 TEST_F(VerifyTest, MakesTheSceneWholeWhereARecordingOfBeforeSaysSo) {
   Record({.scene = Block(), .whole_before = 150}, file_);
   const std::string former = folder_ / "former.mcap";
-  RecordingReader reader({file_});
-  mcap::Writer writer(former, "test");
-  std::map<std::string, std::uint16_t> channels;
-  RecordedSample sample{};
-  while (reader.Next(sample)) {
-    const bool is_whole = sample.type == RecordedType::kLoopWhole;
-    const auto [channel, is_new] = channels.try_emplace(*sample.topic);
-    if (is_new) {
-      const std::string name = is_whole ? "palpate::LeafTaken" : SchemaName(sample.type);
-      channel->second =
-          writer.AddChannel(writer.AddSchema(name, "omgidl", "of before"), *sample.topic, "cdr");
-    }
-    std::vector<std::uint8_t> cdr(sample.cdr.begin(), sample.cdr.end());
-    if (is_whole) cdr.insert(cdr.end(), {0, 0, 0, 0, 0xff, 0xff, 0xff, 0xff});
-    writer.Write(channel->second, 0, sample.log_time_ns, sample.log_time_ns, cdr);
-  }
-  writer.Close();
+  CopySamples(
+      file_, former,
+      [](const RecordedSample& sample, std::string& schema, std::vector<std::uint8_t>& cdr) {
+        if (sample.type != RecordedType::kLoopWhole) return;
+        schema = "palpate::LeafTaken";
+        cdr.insert(cdr.end(), {0, 0, 0, 0, 0xff, 0xff, 0xff, 0xff});
+      });
   const SessionVerdict verdict = Only(Verify({former}, {}));
   EXPECT_TRUE(verdict.good()) << verdict.ends;
   EXPECT_EQ(verdict.verified, kPoses);

@@ -1,6 +1,7 @@
 // Forces of one's own: loaded by scene files, run by the step, whatever they do.
 #include "scenes/effects/effects.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -12,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "common/files/bundle_hash.h"
+#include "common/math/rotation.h"
 #include "scenes/catalogue.h"
 #include "scenes/files/effect_file.h"
 #include "scenes/files/scene_bundle.h"
@@ -108,6 +110,39 @@ TEST_F(EffectsTest, ShippedOnesActByTheirParameters) {
     ASSERT_NEAR(pushes.row[wire::kContactRows][1], 2.0, 1e-9);
     ASSERT_NEAR(draws.row[wire::kContactRows + 1][1], 2.0, 1e-9);
     ASSERT_EQ(draws.row[wire::kContactRows][1], 0.0);
+  }
+}
+
+TEST_F(EffectsTest, StandInTheRowOfWhatTheyPromiseAndRampInAndFadeWithTheForce) {
+  Loop loop(Load(R"({"name": "viscous", "damping_N_s_per_m": 5, "damping_Nm_s_per_rad": 0.02},
+      {"name": "moving_spring", "from_mm": [0, 40, 0], "to_mm": [10, 40, 0], "period_s": 1,
+       "stiffness_N_per_m": 100, "most_N": 5})"));
+  constexpr double kTurn_rad_s = 0.5;
+  wire::Wrench answer{};
+  const auto at = [&](int i, double z) {
+    wire::HapticPose pose = loop.hand.At(Vec3(0.0, 0.04 + 2e-5 * i, z));
+    wire::FromPose({wire::ToVec3(pose.position_m), RotationExp({0.0, 0.0, 1e-3 * kTurn_rad_s * i})},
+                   pose.position_m, pose.orientation_wxyz);
+    EXPECT_TRUE(loop.loop.OnPose(pose, answer));
+  };
+  const auto expect = [&](int i, double gain) {
+    const double s = 1.0 - std::abs(2e-3 * i - 1.0), share = s * s * (3.0 - 2.0 * s);
+    const double passive[6] = {0.0, -5.0 * 0.02, 0.0, 0.0, 0.0, -0.02 * kTurn_rad_s};
+    const double active[6] = {100.0 * 0.01 * share, -100.0 * 2e-5 * i, 0.0, 0.0, 0.0, 0.0};
+    for (int k = 0; k < 6; ++k) {
+      ASSERT_NEAR(answer.row[wire::kContactRows][k], gain * passive[k], 1e-8) << k;
+      ASSERT_NEAR(answer.row[wire::kContactRows + 1][k], gain * active[k], 1e-12) << k;
+      const double sum = k < 3 ? answer.force_N[k] : answer.torque_Nm[k - 3];
+      ASSERT_NEAR(sum, gain * (passive[k] + active[k]), 1e-8) << k;
+    }
+  };
+  for (int i = 0; i < 600; ++i) {
+    at(i, 0.0);
+    if (i > 100) expect(i, std::min(1.0, (i + 1) / 200.0));
+  }
+  for (int n = 1; n <= 3; ++n) {
+    at(600, 1e9);  // no pose of a hand: the last wrench fades
+    expect(599, 1.0 - n / 20.0);
   }
 }
 
