@@ -141,7 +141,7 @@ void Hub::Tick(std::int64_t now_ns) {
 
 void Hub::ReadTokensAnew(std::int64_t now_ns) {
   if (!options_.asks_for_tokens()) {
-    return spdlog::info("there are no --tokens and no --course to read anew");
+    return spdlog::info("there are no --tokens to read anew, and no --course");
   }
   try {
     if (class_room_) class_room_->roster().Read();
