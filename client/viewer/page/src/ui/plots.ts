@@ -119,7 +119,9 @@ function options(
   colour: (name: string) => string,
   time: () => PlotTime,
 ): uPlot.Options {
-  const font = `11px ${getComputedStyle(document.body).fontFamily}`;
+  const {fontFamily, fontSize} = getComputedStyle(document.body);
+  const px = Math.max(11, 0.72 * Number.parseFloat(fontSize));
+  const font = `${px}px ${fontFamily}`;
   const line = {stroke: colour("line"), width: 1};
   return {
     width: Math.max(1, chart.clientWidth),
@@ -137,7 +139,7 @@ function options(
         show: isLast,
         stroke: colour("quiet"),
         font,
-        size: 20,
+        size: 1.8 * px,
         gap: 2,
         grid: {show: false},
         ticks: {show: false},
@@ -154,7 +156,7 @@ function options(
       {
         stroke: colour("quiet"),
         font,
-        size: 40,
+        size: 3.6 * px,
         gap: 6,
         grid: line,
         ticks: {show: false},
