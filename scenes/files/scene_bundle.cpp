@@ -56,17 +56,17 @@ wire::Vec3 ToWire(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
 }
 
-/// Its vertices and its triangles.
-auto PackMesh(const TriangleMesh& mesh, flatbuffers::FlatBufferBuilder& out) {
+/// A mesh's numbers, three of each vertex and of each triangle.
+struct FlatMesh {
+  explicit FlatMesh(const TriangleMesh& mesh) {
+    vertices.reserve(3 * mesh.vertices.size());
+    for (const Vec3& v : mesh.vertices) vertices.insert(vertices.end(), v.begin(), v.end());
+    triangles.reserve(3 * mesh.triangles.size());
+    for (const auto& t : mesh.triangles) triangles.insert(triangles.end(), t.begin(), t.end());
+  }
   std::vector<double> vertices;
-  vertices.reserve(3 * mesh.vertices.size());
-  for (const Vec3& v : mesh.vertices) vertices.insert(vertices.end(), v.begin(), v.end());
   std::vector<std::uint32_t> triangles;
-  triangles.reserve(3 * mesh.triangles.size());
-  for (const auto& t : mesh.triangles) triangles.insert(triangles.end(), t.begin(), t.end());
-  const auto vertices_at = out.CreateVector(vertices);
-  return std::pair(vertices_at, out.CreateVector(triangles));
-}
+};
 
 flatbuffers::Offset<wire::Geometry> PackGeometry(const Body& body,
                                                  flatbuffers::FlatBufferBuilder& out) {
@@ -78,25 +78,17 @@ flatbuffers::Offset<wire::Geometry> PackGeometry(const Body& body,
     for (const SpherePacket& p : tree.packets) {
       all.insert(all.end(), std::begin(p.*member), std::end(p.*member));
     }
-    return out.CreateVector(all);
+    return all;
   };
-  const auto [vertices_at, triangles_at] = PackMesh(body.mesh, out);
-  const auto leaf_x = out.CreateVector(tree.leaf_x);
-  const auto leaf_y = out.CreateVector(tree.leaf_y);
-  const auto leaf_z = out.CreateVector(tree.leaf_z);
-  const auto leaf_radius = out.CreateVector(tree.leaf_radius);
-  const auto leaf_triangle_begin = out.CreateVector(tree.leaf_triangle_begin);
-  const auto leaf_triangle = out.CreateVector(tree.leaf_triangle);
-  const auto node_x = nodes(&SpherePacket::x);
-  const auto node_y = nodes(&SpherePacket::y);
-  const auto node_z = nodes(&SpherePacket::z);
-  const auto node_radius = nodes(&SpherePacket::radius);
-  const auto node_child = nodes(&SpherePacket::child);
-  const auto level_begin = out.CreateVector(tree.level_begin);
+  const FlatMesh mesh(body.mesh);
+  const auto x = nodes(&SpherePacket::x), y = nodes(&SpherePacket::y), z = nodes(&SpherePacket::z);
+  const auto radius = nodes(&SpherePacket::radius);
+  const auto child = nodes(&SpherePacket::child);
   const wire::Vec3 centroid = ToWire(tree.centroid);
-  return wire::CreateGeometry(out, vertices_at, triangles_at, leaf_x, leaf_y, leaf_z, leaf_radius,
-                              leaf_triangle_begin, leaf_triangle, node_x, node_y, node_z,
-                              node_radius, node_child, level_begin, &centroid);
+  return wire::CreateGeometryDirect(out, &mesh.vertices, &mesh.triangles, &tree.leaf_x,
+                                    &tree.leaf_y, &tree.leaf_z, &tree.leaf_radius,
+                                    &tree.leaf_triangle_begin, &tree.leaf_triangle, &x, &y, &z,
+                                    &radius, &child, &tree.level_begin, &centroid);
 }
 
 flatbuffers::Offset<wire::Grid> PackGrid(const Body& body, flatbuffers::FlatBufferBuilder& out) {
@@ -123,8 +115,8 @@ flatbuffers::Offset<wire::Grid> PackGrid(const Body& body, flatbuffers::FlatBuff
   for (const MaterialRegion& r : body.grid->regions) {
     regions.emplace_back(ToWire(r.low), ToWire(r.high), r.radius, r.material);
     if (!meshed) continue;
-    const auto [vertices, triangles] = PackMesh(r.mesh, out);
-    meshes.push_back(wire::CreateRegionMesh(out, vertices, triangles));
+    const FlatMesh mesh(r.mesh);
+    meshes.push_back(wire::CreateRegionMeshDirect(out, &mesh.vertices, &mesh.triangles));
   }
   const auto pressures_at = out.CreateVector(pressures);
   const auto viscosities_at = out.CreateVector(viscosities);
@@ -138,13 +130,13 @@ flatbuffers::Offset<wire::Bur> PackBur(const Body& body, flatbuffers::FlatBuffer
   if (!body.bur) return 0;
   std::vector<double> curve;
   for (const auto& point : body.bur->curve) curve.insert(curve.end(), point.begin(), point.end());
-  const auto curve_at = out.CreateVector(curve);
   const std::optional<EdgePlace>& edge = body.bur->edge;
   const EdgePlace place = edge.value_or(EdgePlace{});
   const wire::Vec3 at = ToWire(place.at), along = ToWire(place.along), sense = ToWire(place.sense);
-  return wire::CreateBur(out, curve_at, body.bur->rounding, body.bur->dead_tip, body.bur->cutting,
-                         body.bur->spin.speed, body.bur->spin.tooth_Hz, body.bur->spin.hum,
-                         edge ? &at : nullptr, edge ? &along : nullptr, edge ? &sense : nullptr);
+  return wire::CreateBurDirect(out, &curve, body.bur->rounding, body.bur->dead_tip,
+                               body.bur->cutting, body.bur->spin.speed, body.bur->spin.tooth_Hz,
+                               body.bur->spin.hum, edge ? &at : nullptr, edge ? &along : nullptr,
+                               edge ? &sense : nullptr);
 }
 
 auto PackEffects(const Scene& scene, flatbuffers::FlatBufferBuilder& out) {
@@ -304,13 +296,10 @@ Vec3 FromWire(const wire::Vec3& in) {
 }
 
 Pose FromWire(const wire::Pose* in) {
-  if (in == nullptr) throw Error("a body has no pose");
-  Pose pose;
-  pose.p = {in->p().x(), in->p().y(), in->p().z()};
-  pose.q = Quat(in->qw(), in->qx(), in->qy(), in->qz());
-  if (!pose.p.allFinite() || !(std::abs(pose.q.squaredNorm() - 1.0) < 1e-6)) {
-    throw Error("a body's pose is none");
-  }
+  Require(in != nullptr, "a body has no pose");
+  const Pose pose{FromWire(in->p()), Quat(in->qw(), in->qx(), in->qy(), in->qz())};
+  Require(pose.p.allFinite() && std::abs(pose.q.squaredNorm() - 1.0) < 1e-6,
+          "a body's pose is none");
   return pose;
 }
 
@@ -318,20 +307,18 @@ void ReadMaterials(const wire::Body& in, Body& out) {
   const auto count = [](const auto* list) { return list == nullptr ? 0 : list->size(); };
   out.materials.clear();
   for (const wire::Material* m : *in.materials()) {
-    const bool fine = m->stiffness() > 0.0 && m->dynamic_friction() >= 0.0 &&
-                      m->dynamic_friction() <= m->static_friction() &&
-                      std::isfinite(m->static_friction());
-    if (!fine) throw Error("a material is none");
+    Require(m->stiffness() > 0.0 && m->dynamic_friction() >= 0.0 &&
+                m->dynamic_friction() <= m->static_friction() &&
+                std::isfinite(m->static_friction()),
+            "a material is none");
     out.materials.push_back({m->stiffness(), m->static_friction(), m->dynamic_friction()});
   }
-  if (out.materials.empty()) throw Error("a body is made of nothing");
+  Require(!out.materials.empty(), "a body is made of nothing");
   out.leaf_material.clear();
   if (count(in.leaf_material()) == 0) return;
-  if (count(in.leaf_material()) != out.tree.leaves()) {
-    throw Error("the leaves' materials do not add up");
-  }
+  Require(count(in.leaf_material()) == out.tree.leaves(), "the leaves' materials do not add up");
   for (const std::uint8_t m : *in.leaf_material()) {
-    if (m >= out.materials.size()) throw Error("a leaf names no material");
+    Require(m < out.materials.size(), "a leaf names no material");
     out.leaf_material.push_back(m);
   }
 }
@@ -345,9 +332,7 @@ TreeOrigin FromWire(wire::TreeOrigin origin) {
 void ReadAmbient(const wire::Body& in, Body& out) {
   if (in.ambient() == nullptr) return;
   out.ambient.assign(in.ambient()->begin(), in.ambient()->end());
-  if (out.ambient.size() != out.mesh.vertices.size()) {
-    throw Error("the vertices' light does not add up");
-  }
+  Require(out.ambient.size() == out.mesh.vertices.size(), "the vertices' light does not add up");
 }
 
 void ReadMargin(const wire::Body& in, Body& out) {
@@ -374,17 +359,16 @@ void ReadGrid(const wire::Grid* in, Body& out) {
   const auto all_of_materials = [&](const auto* list) {
     return list != nullptr && list->size() == out.materials.size();
   };
-  const bool fine = in->spacing() > 24e-6 && in->spacing() < 201e-6 &&
-                    out.materials.size() <= SolidGrid::kMaterials &&
-                    all_of_materials(in->pressures()) && all_of_materials(in->viscosities());
-  if (!fine) throw Error("a grid is none");
+  Require(in->spacing() > 24e-6 && in->spacing() < 201e-6 &&
+              out.materials.size() <= SolidGrid::kMaterials && all_of_materials(in->pressures()) &&
+              all_of_materials(in->viscosities()),
+          "a grid is none");
   out.grid.emplace().spacing = in->spacing();
   for (unsigned m = 0; m < out.materials.size(); ++m) {
     const double pressure = in->pressures()->Get(m), viscosity = in->viscosities()->Get(m);
-    if (!(pressure > 0.0 && std::isfinite(pressure) && viscosity >= 0.0 &&
-          std::isfinite(viscosity))) {
-      throw Error("a material that is cut is none");
-    }
+    Require(
+        pressure > 0.0 && std::isfinite(pressure) && viscosity >= 0.0 && std::isfinite(viscosity),
+        "a material that is cut is none");
     out.materials[m].cutting_pressure = pressure;
     out.materials[m].cutting_viscosity = viscosity;
   }
@@ -415,10 +399,9 @@ void ReadGrid(const wire::Grid* in, Body& out) {
     MaterialRegion region{FromWire(r->low()), FromWire(r->high()), r->radius(), r->material(), {}};
     if (meshes != nullptr) ReadMesh(*meshes->Get(i), region.mesh);
     if (!region.mesh.triangles.empty()) CheckEncloses(region.mesh, "a region");
-    if (!region.low.allFinite() || !region.high.allFinite() || !std::isfinite(region.radius) ||
-        region.material >= out.materials.size()) {
-      throw Error("a region is none");
-    }
+    Require(region.low.allFinite() && region.high.allFinite() && std::isfinite(region.radius) &&
+                region.material < out.materials.size(),
+            "a region is none");
     out.grid->regions.push_back(std::move(region));
   }
 }
@@ -426,7 +409,7 @@ void ReadGrid(const wire::Grid* in, Body& out) {
 void ReadBur(const wire::Bur* in, Body& out) {
   if (in == nullptr) return;
   const auto* curve = in->curve();
-  if (curve == nullptr || curve->size() < 2 || curve->size() % 2 != 0) throw Error("a bur is none");
+  Require(curve != nullptr && curve->size() >= 2 && curve->size() % 2 == 0, "a bur is none");
   for (const double number :
        {in->dead_tip(), in->cutting(), in->speed(), in->tooth_Hz(), in->hum()}) {
     Require(number >= 0.0 && std::isfinite(number), "a bur is none");
@@ -459,9 +442,8 @@ Effect FromWire(const wire::Effect& in) {
 }
 
 Features FromWire(const wire::Features& in) {
-  if (in.contact() > wire::Contact::MAX || in.friction() > wire::Friction::MAX) {
-    throw Error("its features are not known");
-  }
+  Require(in.contact() <= wire::Contact::MAX && in.friction() <= wire::Friction::MAX,
+          "its features are not known");
   return {static_cast<ContactModel>(in.contact()), static_cast<FrictionModel>(in.friction()),
           in.compliance()};
 }
@@ -481,9 +463,9 @@ Scene ReadScene(const wire::Scene& in) {
   }
   SceneSize size;  // before any copy is made
   for (const auto* list : {in.tools(), in.objects()}) {
-    if (list->size() == 0) throw Error("it has no tool, or no object");
+    Require(list->size() > 0, "it has no tool, or no object");
     for (const wire::Body* body : *list) {
-      if (body->geometry() >= geometries.size()) throw Error("a body names no geometry");
+      Require(body->geometry() < geometries.size(), "a body names no geometry");
       const Body& geometry = geometries[body->geometry()];
       size.Add(body->name()->str(), geometry.mesh, geometry.tree);
     }
@@ -513,9 +495,8 @@ Scene ReadScene(const wire::Scene& in) {
   scene.objects = read_bodies(*in.objects());
   scene.coupling = {in.stiffness(), in.torsional_stiffness()};
   const auto positive = [](double k) { return std::isfinite(k) && k > 0.0; };
-  if (!positive(scene.coupling.stiffness) || !positive(scene.coupling.torsional_stiffness)) {
-    throw Error("the coupling is not positive");
-  }
+  Require(positive(scene.coupling.stiffness) && positive(scene.coupling.torsional_stiffness),
+          "the coupling is not positive");
   scene.tuning = {in.separation(), in.widest_step(), in.sub_steps(),
                   in.iterates(),   in.looks(),       in.still_cycles()};
   if (const std::string fault = TuningFault(scene.tuning); !fault.empty()) throw Error(fault);
@@ -525,10 +506,9 @@ Scene ReadScene(const wire::Scene& in) {
   }
   if (const wire::FirstSight* sight = in.first_sight()) {
     scene.first_sight = {FromWire(sight->centre()), sight->radius(), FromWire(sight->from())};
-    if (!positive(sight->radius()) || !scene.first_sight->centre.allFinite() ||
-        !(std::abs(scene.first_sight->from.squaredNorm() - 1.0) < 1e-6)) {
-      throw Error("the first sight is none");
-    }
+    Require(positive(sight->radius()) && scene.first_sight->centre.allFinite() &&
+                std::abs(scene.first_sight->from.squaredNorm() - 1.0) < 1e-6,
+            "the first sight is none");
   }
   return scene;
 }
@@ -673,10 +653,9 @@ Scene UnpackScene(std::span<const std::uint8_t> bytes, const std::string& source
   }
   const wire::Scene& scene = *wire::GetScene(payload.data());
   if (scene.features()->removal()) {
-    throw Error(
-        source +
-        ": what is scraped off goes leaf by leaf in it, which is not done any more; build it "
-        "again of a scene file that has it cut (\"grid_um\")");
+    throw Error(source +
+                ": what is scraped off goes leaf by leaf in it, which is not done any more; build "
+                "it again of a scene file that has it cut (\"grid_um\")");
   }
   try {
     return ReadScene(scene);
