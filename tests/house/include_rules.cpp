@@ -131,9 +131,15 @@ const std::vector<Rule> kRules = {
     {"client/crtk", {"common", "client/crtk", "client/station/guide.h"}, {}, {"Eigen", "spdlog"}},
     {"client/igtl", {"common", "client/igtl"}, {}, {"Eigen", "spdlog", "OpenIGTLink"}},
     {"client", {"common", "scenes", "devices"}, {}, {"Eigen", "spdlog", "nlohmann-json"}},
+    // Beneath the clients that serve, check and grade what a teacher sets.
+    {"client/course",
+     {"common", "scenes", "client/course"},
+     {"common/dds"},
+     {"Eigen", "spdlog", "nlohmann-json", "SQLiteCpp"}},
+    {"client/lesson", {"common", "client/lesson", "client/course"}, {}, {"Eigen", "spdlog"}},
     // The one client that knows the server's insides: to verify a recording is to run its loop.
     {"client/replayer",
-     {"common", "scenes", "client/replayer", "server/physics", "server/session"},
+     {"common", "scenes", "client/course", "client/replayer", "server/physics", "server/session"},
      {},
      {"Eigen", "spdlog", "nlohmann-json"}},
 };
@@ -234,6 +240,7 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {
     {"HDU/", "OpenHaptics"},
     {"HL/", "OpenHaptics"},
     {"spnav.h", "spacenav"},
+    {"SQLiteCpp/", "SQLiteCpp"},
     {"prometheus/", "Prometheus"},
     {"pybind11/", "pybind11"},
     {"palpate", "Palpate"},  // as it is installed
