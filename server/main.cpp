@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <malloc.h>
 #include <spdlog/spdlog.h>
 
@@ -57,6 +58,7 @@ palpate-station --device simulated --scene tooth.stl --id left)";
 
 struct Options {
   std::vector<std::string> scenes;
+  int seats = 0;  // of each
   std::string transport = "auto";
   dds::Network network;
   RealtimeOptions realtime;
@@ -83,6 +85,23 @@ void Judge(const std::string& name, const Scene& scene, bool unusable_too) {
                   " ('palpate-scene check' tells more; --unusable-too serves it all the same)");
     }
     spdlog::warn("{}: not usable: {}", scene.name, fault);
+  }
+}
+
+/// A scene and its seats, which share its models: NAME, NAME-1, NAME-2, ...
+void AddToOffer(ServedScene scene, int seats, std::vector<ServedScene>& offer,
+                std::vector<std::shared_ptr<const ServedTool>>& tools,
+                std::vector<std::string>& seat_names) {
+  for (int number = 0; number <= seats; ++number) {
+    const std::string name = number == 0 ? scene.name : fmt::format("{}-{}", scene.name, number);
+    if (std::ranges::find(offer, name, &ServedScene::name) != offer.end()) {
+      throw UsageError("--scene " + name +
+                       ": a seat of another scene has that name already; give "
+                       "fewer --seats, or a file of another name");
+    }
+    if (number > 0) seat_names.push_back(name);
+    offer.push_back(number == 0 ? scene : SeatOf(scene, name));
+    for (const ServedScene::Tool& tool : offer.back().tools) tools.push_back(tool.served);
   }
 }
 
@@ -167,6 +186,7 @@ int Serve(const Options& options) {
   std::vector<std::shared_ptr<const ServedTool>> tools;
   std::vector<ServedScene> offer;
   std::map<std::string, std::vector<std::uint8_t>> bundles;
+  std::map<std::string, std::vector<std::string>> seats;  // of each
   std::string names;
   for (const std::string& name : options.scenes) {
     ProgressLog log([&](const std::string& text) { spdlog::info("{}: {}", name, text); });
@@ -182,10 +202,11 @@ int Serve(const Options& options) {
           "' is served already, and stations know scenes by their names alone; give it once, or a "
           "file of another name");
     }
-    offer.push_back(ServeScene(scene, name, options.hand_seed));
-    for (const ServedScene::Tool& tool : offer.back().tools) tools.push_back(tool.served);
+    AddToOffer(ServeScene(scene, name, options.hand_seed), options.seats, offer, tools,
+               seats[scene.name]);
     bundles[scene.name] = PackScene(scene);
     names += (names.empty() ? "" : ", ") + scene.name;
+    if (options.seats > 0) names += fmt::format(" (seats: {})", options.seats);
   }
   news.reset();
   malloc_trim(0);  // what the models were made from: as much again
@@ -198,7 +219,7 @@ int Serve(const Options& options) {
       },
       options.admit_by_hand);
   record.Follow(server);
-  for (auto& [name, bundle] : bundles) server.PublishScene(name, std::move(bundle));
+  for (auto& [name, bundle] : bundles) server.PublishScene(name, std::move(bundle), seats[name]);
   server.Offer(offer);
   std::printf("ready: scenes %s; transport %s; real-time %s; domain %d\n", names.c_str(),
               transport.reason.c_str(), realtime.summary.c_str(), options.domain);
@@ -219,6 +240,10 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
           "scenes to serve: names of the catalogue, scene files, or meshes (STL, OBJ, PLY, "
           "3DS, glTF).  A mesh becomes a scene with a ball as tool")
       .Required();
+  app.Add("--seats", options.seats,
+          "serve each scene so many times more, as NAME-1, NAME-2, ...: built once, one model in "
+          "memory, and each seat's work its own")
+      .Range(0, static_cast<int>(SessionTable::kMaxStations));
   AddMeshOptions(app, options.mesh);
   app.Add("--transport", options.transport,
           "auto: shared memory if RouDi answers, else UDP; shm or udp: that one, or fail")

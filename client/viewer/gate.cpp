@@ -21,12 +21,6 @@ Verdict Refused(int status, Refusal refusal, std::string reason) {
   return {Access::kNone, std::nullopt, status, refusal, std::move(reason)};
 }
 
-std::string_view Trimmed(std::string_view text) {
-  while (text.starts_with(' ') || text.starts_with('\t')) text.remove_prefix(1);
-  while (text.ends_with(' ') || text.ends_with('\t')) text.remove_suffix(1);
-  return text;
-}
-
 /// The tokens that a request presents, in whichever place.
 std::vector<std::string_view> Presented(const Asker& asker) {
   std::vector<std::string_view> tokens;

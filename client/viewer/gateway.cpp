@@ -111,9 +111,9 @@ void WarnOfNetwork(const ViewerOptions& options) {
     spdlog::warn(
         "all goes in the clear at {}: whoever is on the way can read it{}; --tls-cert and "
         "--tls-key encrypt it",
-        options.address, options.tokens.empty() ? "" : ", and use the tokens that he reads");
+        options.address, options.asks_for_tokens() ? ", and use the tokens that he reads" : "");
   }
-  if (options.tokens.empty()) {
+  if (!options.asks_for_tokens()) {
     spdlog::warn(
         "every host that reaches {} can look{}{}; --tokens lets in whom you give one, --bind "
         "127.0.0.1 is for this host alone",
@@ -131,9 +131,13 @@ void Announce(const ViewerOptions& options, Hub& hub, const tcp::endpoint& endpo
     spdlog::warn("the page is not built (looked for in {}); a page that says so stands in",
                  options.page);
   }
-  std::printf("ready: page %s; domain %d; up to %zu viewers, %d with a mouse\n",
-              Urls(endpoint, !options.tls_cert.empty()).c_str(), options.domain,
-              options.max_viewers, options.max_mice);
+  const std::string urls = Urls(endpoint, !options.tls_cert.empty());
+  if (const auto teacher = hub.MakeFirstTeacher()) {
+    std::printf("the teacher's link, which stands nowhere else: %s#token=%s\n",
+                urls.substr(0, urls.find(' ')).c_str(), teacher->token.c_str());
+  }
+  std::printf("ready: page %s; domain %d; up to %zu viewers, %d with a mouse\n", urls.c_str(),
+              options.domain, options.max_viewers, options.max_mice);
   std::fflush(stdout);
 }
 
@@ -213,12 +217,17 @@ void Serve(const ViewerOptions& options) {
 int RunGateway(const ViewerOptions& options) {
   if (options.make_token) {
     const auto& [role, name] = *options.make_token;
-    std::printf("%s\n", MakeToken(options.tokens, role, name).c_str());
+    if (options.course.empty()) {
+      std::printf("%s\n", MakeToken(options.tokens, role, name).c_str());
+    } else {
+      CourseFile file(options.course);
+      std::printf("%s\n", Roster(file).Make({name}, role).front().token.c_str());
+    }
     spdlog::info(
         "'{}' may {}; its token stands nowhere else, so keep it.  The page is opened with "
         "#token=TOKEN at the end of its address; gateways that run read {} anew at "
         "SIGHUP (systemctl reload palpate-viewer)",
-        name, RoleName(role), options.tokens);
+        name, RoleName(role), options.tokens + options.course);
   } else {
     Serve(options);
   }

@@ -1,5 +1,6 @@
 #include "client/viewer/hub.h"
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <random>
@@ -29,6 +30,16 @@ std::string RandomId() {
 /// palpate-station stands where this program does.
 std::string StationProgram() {
   return (std::filesystem::path(ProgramFolder()) / "palpate-station").string();
+}
+
+/// Where its recorders hear the mice.
+std::vector<std::string> RecorderWords(const ViewerOptions& options) {
+  std::vector<std::string> words{"--domain=" + std::to_string(options.domain),
+                                 "--transport=" + options.transport,
+                                 "--network=" + options.network.interface};
+  if (options.network.secured()) words.push_back("--identity=" + options.network.identity);
+  for (const std::string& peer : options.network.peers) words.push_back("--peer=" + peer);
+  return words;
 }
 
 std::string Joined(const std::vector<std::string>& names) {
@@ -61,8 +72,10 @@ std::vector<std::string> KeysOf(const Map& map) {
 
 Hub::Hub(boost::asio::io_context& io, const ViewerOptions& options)
     : options_(options),
+      class_room_(options.course.empty() ? nullptr : std::make_unique<ClassRoom>(options.course)),
+      listed_(options.tokens.empty() ? std::nullopt : std::optional(Tokens::Read(options.tokens))),
       gate_({options.host_names, options.origins},
-            options.tokens.empty() ? std::nullopt : std::optional(Tokens::Read(options.tokens))),
+            class_room_ ? class_room_->With(listed_.value_or(Tokens())) : listed_),
       places_(options.max_viewers),
       page_(options.page),
       feed_(options.domain, options.network),
@@ -79,7 +92,12 @@ Hub::Hub(boost::asio::io_context& io, const ViewerOptions& options)
              }},
             [this](const MouseRoom::News& news) { Tell(news); }),
       packer_(io),
-      logged_ns_(SteadyNanoseconds()) {}
+      logged_ns_(SteadyNanoseconds()) {
+  if (!class_room_) return;
+  trials_ = std::make_unique<TrialRoom>(
+      TrialRoom::Options{options.course, ProgramFolder(), RecorderWords(options)},
+      class_room_->file(), [this](const TrialRoom::News& news) { Tell(news); });
+}
 
 bool Hub::MakeRoom(const std::string& address) {
   const std::int64_t now_ns = SteadyNanoseconds();
@@ -97,6 +115,8 @@ bool Hub::MakeRoom(const std::string& address) {
 void Hub::Join(const std::shared_ptr<ViewerSession>& viewer) {
   viewers_[viewer->id()] = viewer;
   places_.Enter(viewer->id(), viewer->visitor().address, SteadyNanoseconds());
+  if (class_room_ && viewer->holder()) class_room_->Enter(viewer->holder()->person, Scenes());
+  class_changed_ = true;
 }
 
 void Hub::Leave(const ViewerSession& viewer) {
@@ -109,6 +129,8 @@ void Hub::Leave(const ViewerSession& viewer) {
   places_.Leave(id);
   wishes_.Leave(id);
   viewers_.erase(id);  // a handler may be the last to hold it
+  class_changed_ = true;
+  if (trials_) trials_->End(id, "its page has gone");
   mice_.Release(id, "its page has gone", SteadyNanoseconds());
 }
 
@@ -120,7 +142,9 @@ void Hub::Tick(std::int64_t now_ns) {
       },
       [&](const wire::SessionState& state) { mice_.OnSession(state, now_ns); });
   mice_.Poll(now_ns);
+  if (trials_) trials_->Poll(now_ns);
   refusals_.Poll(now_ns);
+  TellClass(now_ns);
   // Flushing may find that one has gone.
   std::vector<std::shared_ptr<ViewerSession>> viewers;
   viewers.reserve(viewers_.size());
@@ -133,38 +157,195 @@ void Hub::Tick(std::int64_t now_ns) {
 }
 
 void Hub::ReadTokensAnew(std::int64_t now_ns) {
-  if (options_.tokens.empty()) return spdlog::info("there are no --tokens to read anew");
-  std::size_t count = 0;
-  try {
-    Tokens tokens = Tokens::Read(options_.tokens);
-    count = tokens.size();
-    gate_.Replace(std::move(tokens));
-  } catch (const Error& error) {
-    return spdlog::error("{}; the tokens that were read before stay valid", error.what());
+  if (!options_.asks_for_tokens()) {
+    return spdlog::info("there are no --tokens and no --course to read anew");
   }
+  try {
+    if (class_room_) class_room_->roster().Read();
+    const std::size_t ended =
+        Renew(options_.tokens.empty() ? std::nullopt : std::optional(Tokens::Read(options_.tokens)),
+              now_ns);
+    spdlog::info("{} read anew: {} tokens are valid; connections that end for it: {}",
+                 options_.tokens + options_.course, gate_.tokens()->size(), ended);
+  } catch (const Error& error) {
+    spdlog::error("{}; the tokens that were read before stay valid", error.what());
+  }
+}
+
+std::size_t Hub::Renew(std::optional<Tokens> tokens, std::int64_t now_ns) {
+  gate_.Replace(class_room_ ? class_room_->With(tokens.value_or(Tokens())) : *tokens);
+  listed_ = std::move(tokens);
+  class_changed_ = true;
   std::size_t ended = 0;
   const auto viewers = viewers_;
   for (const auto& [id, viewer] : viewers) {
     if (viewer->holder() && gate_.tokens()->Has(*viewer->holder())) continue;
+    if (class_room_ && viewer->holder()) {
+      // Who has another name now goes on, with the tool in the hand.
+      const Person* const person = class_room_->roster().Find(viewer->holder()->person);
+      if (person != nullptr && person->hash == viewer->holder()->hash &&
+          person->role == viewer->holder()->role) {
+        viewer->Rename(person->name);
+        continue;
+      }
+    }
     ++ended;
     mice_.Release(id, "its token was taken back", now_ns);
     viewer->Say(foxglove::Level::kError,
                 "this connection ends: its token was taken back, or has another role now");
     viewer->Close(boost::beast::websocket::close_code::policy_error, "its token was taken back");
   }
-  spdlog::info("{} read anew: {} tokens are valid; connections that end for it: {}",
-               options_.tokens, count, ended);
+  return ended;
+}
+
+std::optional<Roster::Made> Hub::MakeFirstTeacher() {
+  if (!class_room_) return std::nullopt;
+  auto teacher = class_room_->MakeFirstTeacher();
+  if (teacher) Renew(listed_, SteadyNanoseconds());
+  return teacher;
+}
+
+ClassRoom::Here Hub::CountPages() const {
+  return [this](std::int64_t person) {
+    return static_cast<int>(std::ranges::count_if(viewers_, [&](const auto& entry) {
+      const auto& holder = entry.second->holder();
+      return holder && holder->person == person;
+    }));
+  };
+}
+
+ClassRoom::Scenes Hub::Scenes() const {
+  ClassRoom::Scenes scenes;
+  for (const auto& [name, scene] : feed_.scenes()) scenes.insert(name);
+  return scenes;
+}
+
+FramePtr Hub::Teach(const ClassCommand& command, ViewerSession& viewer) {
+  const std::int64_t now_ns = SteadyNanoseconds();
+  const std::string answer =
+      class_room_->Do(command, listed_.value_or(Tokens()), Scenes(), CountPages());
+  spdlog::info("{}: {}", viewer.Who(), ClassOpName(command.op));
+  class_changed_ = true;
+  if (ChangesTokens(command.op)) Renew(listed_, now_ns);
+  // Several may be on their way: none takes another's place, and there is a bound.
+  constexpr std::uint32_t kAnswersAtOnce = 16;
+  return OwnFrame(TopicFeed::kClassAnswer, command.tag % kAnswersAtOnce, answer);
+}
+
+FramePtr Hub::OwnFrameOf(const ViewerSession& viewer) const {
+  return OwnFrame(TopicFeed::kMe, 0, class_room_->OwnJson(viewer.holder()->person));
+}
+
+FramePtr Hub::PeopleFrame() const {
+  return OwnFrame(TopicFeed::kPeople, 0,
+                  class_room_->PeopleJson(CountPages(), mice_.named_prefix()));
+}
+
+void Hub::TellClass(std::int64_t now_ns) {
+  if (!class_room_ || !std::exchange(class_changed_, false)) return;
+  const FramePtr people = PeopleFrame();
+  for (const auto& [id, viewer] : viewers_) {
+    if (!viewer->holder()) continue;
+    viewer->Push(OwnFrameOf(*viewer), now_ns);
+    viewer->Push(people, now_ns);  // who may not hear it has not subscribed to it
+  }
 }
 
 void Hub::BeginToEnd(std::int64_t now_ns) {
   const auto viewers = viewers_;
   for (const auto& [id, viewer] : viewers) {
+    if (trials_) trials_->End(id, "the gateway ends");
     mice_.Release(id, "the gateway ends", now_ns);
     viewer->Close(boost::beast::websocket::close_code::going_away, "the gateway ends");
   }
 }
 
+std::string Hub::Try(const TrialCommand& command, ViewerSession& viewer, std::int64_t now_ns) {
+  try {
+    switch (command.op) {
+      case TrialCommand::Op::kBegin:
+        BeginTrial(command.exercise, viewer, now_ns);
+        break;
+      case TrialCommand::Op::kStop:
+        trials_->End(viewer.id(), "stopped");
+        break;
+      case TrialCommand::Op::kSubmit:
+        trials_->Submit(viewer.id(), viewer.holder()->person, command.exercise, command.n);
+        viewer.Push(ExercisesFrameOf(viewer), now_ns);
+        break;
+    }
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+void Hub::BeginTrial(const std::string& name, ViewerSession& viewer, std::int64_t now_ns) {
+  if (const std::string why = RefuseWish(Wish::kTake, viewer, now_ns); !why.empty()) {
+    throw Error(why);
+  }
+  const Exercise* const exercise = trials_->Find(name);
+  if (exercise == nullptr) throw Error("there is no exercise '" + name + "'");
+  // The own seat, where it is one of that scene.
+  const std::string seat = class_room_->SeatOf(viewer.holder()->person);
+  const bool has_seat = seat.starts_with(exercise->scene_name + "-");
+  const MouseCommand take{
+      MouseCommand::Op::kTake, has_seat ? seat : exercise->scene_name, exercise->tool, {}};
+  if (!seat.empty() && !has_seat) throw Error("your seat is '" + seat + "', another scene's");
+  if (const std::string absent = WhyAbsent(take.scene); !absent.empty()) throw Error(absent);
+  if (trials_->is_at_one(viewer.id())) throw Error("you are at a trial; end it first");
+  mice_.Release(viewer.id(), "a trial begins", now_ns);
+  if (AsksForCuts(exercise->criteria) && exercise->start != Exercise::Start::kAsItIs) {
+    AskForWhole(
+        take.scene,
+        exercise->start == Exercise::Start::kWhole ? palpate_WHOLE_AGAIN : palpate_WHOLE_BACK,
+        viewer.Who());
+  }
+  // Its recorder first: the first pose counts.
+  const std::string station =
+      mice_.Take(viewer.id(), viewer.holder()->name, take, "", now_ns, true);
+  if (station.empty()) return;  // which its page has been told
+  try {
+    trials_->Begin(viewer.id(), viewer.holder()->person, name, station, now_ns);
+  } catch (const Error& error) {
+    mice_.Release(viewer.id(), error.what(), now_ns);
+    throw;
+  }
+}
+
+FramePtr Hub::ExercisesFrameOf(const ViewerSession& viewer) const {
+  return OwnFrame(TopicFeed::kExercises, 0, trials_->ListJson(viewer.holder()->person));
+}
+
+void Hub::Tell(const TrialRoom::News& news) {
+  const std::int64_t now_ns = SteadyNanoseconds();
+  if (news.phase == "running") mice_.Go(news.holder, now_ns);
+  if (news.phase == "ending" || news.phase == "scoring") {
+    mice_.Release(news.holder, "the trial ends: " + news.reason, now_ns);
+  }
+  nlohmann::json json = {{"exercise", news.exercise}, {"n", news.n},
+                         {"phase", news.phase},       {"reason", news.reason},
+                         {"whole", news.whole},       {"points", nullptr},
+                         {"passed", news.passed},     {"submitted", news.submitted},
+                         {"page", news.page},         {"left_s", news.left_s}};
+  if (news.points) json["points"] = *news.points;
+  const bool is_over = news.phase == "scored" || news.phase == "unscored";
+  spdlog::info("trial {} of '{}' by person {}: {}{}{}", news.n, news.exercise, news.person,
+               news.phase, news.reason.empty() ? "" : ", ", news.reason);
+  // All pages of that person: the one that began it may be gone.
+  for (const auto& [id, viewer] : viewers_) {
+    if (!viewer->holder() || viewer->holder()->person != news.person) continue;
+    viewer->Push(OwnFrame(TopicFeed::kTrial, 0, ToText(json)), now_ns);
+    if (is_over) viewer->Push(ExercisesFrameOf(*viewer), now_ns);
+  }
+}
+
 void Hub::Tell(const MouseRoom::News& news) {
+  if (trials_ && (news.phase == "ended" || news.phase == "refused")) {
+    trials_->End(news.holder, "the tool is " +
+                                  std::string(news.phase == "ended" ? "given back" : "refused") +
+                                  (news.reason.empty() ? "" : ": " + news.reason));
+  }
   const auto viewer = viewers_.find(news.holder);
   if (viewer == viewers_.end()) return;
   const std::shared_ptr<ViewerSession> keep = viewer->second;
@@ -222,12 +403,16 @@ std::string Hub::Operate(const OperateCommand& command, const std::string& by) {
     const auto& [scene, text, limit] = *command.goal;
     // Of these there are few: nobody fills the memory with others.
     if (!feed_.scenes().contains(scene)) return "scene '" + scene + "' is not served here";
-    const nlohmann::json json = {{"scene", scene}, {"text", text}, {"limit_N", limit}};
-    const FramePtr frame =
-        OwnFrame(TopicFeed::kGoal, std::hash<std::string>{}(scene), ToText(json));
-    goals_[scene] = frame;
-    const std::int64_t now_ns = SteadyNanoseconds();
-    for (const auto& [id, viewer] : viewers_) viewer->Push(frame, now_ns);
+    std::vector<std::string> all = SeatsOf(scene, Scenes());
+    all.push_back(scene);
+    for (const std::string& one : all) {
+      const nlohmann::json json = {{"scene", one}, {"text", text}, {"limit_N", limit}};
+      const FramePtr frame =
+          OwnFrame(TopicFeed::kGoal, std::hash<std::string>{}(one), ToText(json));
+      goals_[one] = frame;
+      const std::int64_t now_ns = SteadyNanoseconds();
+      for (const auto& [id, viewer] : viewers_) viewer->Push(frame, now_ns);
+    }
     spdlog::info("{}: the goal of '{}' is set", by, scene);
     return "";
   }
@@ -252,11 +437,15 @@ std::string Hub::WhyAbsent(const std::string& scene) const {
 }
 
 void Hub::Take(ViewerSession& viewer, const MouseCommand& command, std::int64_t now_ns) {
-  const std::string refusal = RefuseWish(Wish::kTake, viewer, now_ns);
+  std::string refusal = RefuseWish(Wish::kTake, viewer, now_ns);
+  const std::optional<Tokens::Holder>& holder = viewer.holder();
+  const std::string seat = class_room_ && holder ? class_room_->SeatOf(holder->person) : "";
+  if (refusal.empty() && !seat.empty() && seat != command.scene) {
+    refusal = "your seat is '" + seat + "'; take the tool there";
+  }
   if (refusal.empty()) {
-    const std::optional<Tokens::Holder>& holder = viewer.holder();
-    return mice_.Take(viewer.id(), holder ? holder->name : "", command, WhyAbsent(command.scene),
-                      now_ns);
+    mice_.Take(viewer.id(), holder ? holder->name : "", command, WhyAbsent(command.scene), now_ns);
+    return;
   }
   // The page waits for a word on each; of these the newest alone waits for the page.
   TellState(viewer, {viewer.id(), "", command.scene, command.tool, "refused", refusal});

@@ -4,11 +4,14 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <boost/asio/io_context.hpp>
 
+#include "client/course/trial.h"
+#include "client/viewer/class_room.h"
 #include "client/viewer/gate.h"
 #include "client/viewer/mouse_room.h"
 #include "client/viewer/options.h"
@@ -33,12 +36,15 @@ class Hub {
 
   /// Passes on what has come; 120 times a second.
   void Tick(std::int64_t now_ns);
-  /// Reads --tokens anew: new ones are valid, and connections whose token is gone, or has another
-  /// role, end now.  A file that is not as it should be changes nothing; the log says so.
+  /// Reads --tokens and --course anew: new ones are valid, and connections whose token is gone, or
+  /// has another role, end now.  A file that is not as it should be changes nothing; the log says
+  /// so.
   void ReadTokensAnew(std::int64_t now_ns);
   /// Bids viewers and mice farewell; their going is seen in later ticks.
   void BeginToEnd(std::int64_t now_ns);
-  bool ended() const { return viewers_.empty() && mice_.size() == 0; }
+  bool ended() const {
+    return viewers_.empty() && mice_.size() == 0 && (!trials_ || trials_->size() == 0);
+  }
 
   const ViewerOptions& options() const { return options_; }
   PageFiles& page() { return page_; }
@@ -59,6 +65,20 @@ class Hub {
   /// teacher decides about a station.  Returns why not; empty: it has.
   std::string Operate(const OperateCommand& command, const std::string& by);
   const std::map<std::string, FramePtr>& goals() const { return goals_; }
+  /// Null without a --course.
+  const ClassRoom* class_room() const { return class_room_.get(); }
+  std::optional<Roster::Made> MakeFirstTeacher();
+  /// Does what a teacher wants of the people, and makes what the page is answered.
+  FramePtr Teach(const ClassCommand& command, ViewerSession& viewer);
+  /// What a viewer is told of itself, and, one who may operate, of all.
+  FramePtr OwnFrameOf(const ViewerSession& viewer) const;
+  FramePtr PeopleFrame() const;
+  /// Does what a person wants of a trial.  Returns why not; empty: it is done.
+  std::string Try(const TrialCommand& command, ViewerSession& viewer, std::int64_t now_ns);
+  /// What there is to do, for that person.  @param viewer  one of a course.
+  FramePtr ExercisesFrameOf(const ViewerSession& viewer) const;
+  /// Null without a --course.
+  const TrialRoom* trials() const { return trials_.get(); }
   /// Gives a viewer a tool, unless it takes them too often.
   void Take(ViewerSession& viewer, const MouseCommand& command, std::int64_t now_ns);
   MouseRoom& mice() { return mice_; }
@@ -87,6 +107,14 @@ class Hub {
     std::uint64_t lost = 0;  // of viewers that have left
   };
   void Tell(const MouseRoom::News& news);
+  void Tell(const TrialRoom::News& news);
+  void BeginTrial(const std::string& exercise, ViewerSession& viewer, std::int64_t now_ns);
+  /// From now on these are valid, and those of the course; returns how many connections end.
+  std::size_t Renew(std::optional<Tokens> tokens, std::int64_t now_ns);
+  ClassRoom::Here CountPages() const;
+  ClassRoom::Scenes Scenes() const;
+  /// Pages of the course are told what has changed there, once a tick.
+  void TellClass(std::int64_t now_ns);
   /// Why a scene's tools cannot be had now; empty: they can.
   std::string WhyAbsent(const std::string& scene) const;
   void TellState(ViewerSession& viewer, const MouseRoom::News& news);
@@ -95,6 +123,10 @@ class Hub {
   Traffic AllTraffic() const;
 
   ViewerOptions options_;
+  std::unique_ptr<ClassRoom> class_room_;
+  std::optional<Tokens> listed_;  // of --tokens
+  std::unique_ptr<TrialRoom> trials_;
+  bool class_changed_ = false;
   Gate gate_;
   RefusalLog refusals_;
   ViewerPlaces places_;

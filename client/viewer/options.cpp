@@ -33,6 +33,8 @@ constexpr const char* kExamples =
       prints a teacher's token once; then the page at https://lab.example:8765/#token=TOKEN is for
       those who have one: watch sees, drive takes tools and steers replays, operate decides about
       stations, too
+  palpate-viewer --http 8765 --course anatomy
+      a class: prints a teacher's link once; on the page the teacher makes people and their links
   palpate-viewer --http 8765 --network eth0
       of a server on another host, which runs with --network too
 
@@ -40,6 +42,9 @@ Each viewer has a queue of its own that holds the newest messages only: one that
 frames and disturbs nobody.  GET /healthz tells how it goes, GET /scene/NAME.bundle gives a scene.
 Where all places are taken, the address that has most of them makes room for one that has fewer.
 Exit status: 0 done, 1 failed, 2 wrong usage.)";
+
+/// As many as a server has stations.
+constexpr int kMostMice = 32;
 
 boost::asio::ip::address ToAddress(const char* flag, const std::string& text) {
   boost::system::error_code error;
@@ -57,7 +62,9 @@ ViewerOptions::NewToken ToNewToken(const std::vector<std::string>& words, const 
     throw UsageError("--make-token " + words[0] +
                      ": is no role; give watch, drive or operate, and a name");
   }
-  if (file.empty()) throw UsageError("--make-token: --tokens FILE says where it is entered");
+  if (file.empty()) {
+    throw UsageError("--make-token: --tokens FILE or --course FOLDER says where it is entered");
+  }
   return {*role, words.at(1)};
 }
 
@@ -81,10 +88,11 @@ std::optional<ViewerOptions> ParseViewerOptions(int argc, const char* const* arg
   app.Add("--max-viewers", options.max_viewers, "viewers at once; more are refused")
       .Range(1, 10000)
       .ShowDefault();
-  app.Add("--max-mice", options.max_mice,
-          "tools that viewers may hold with the mouse at once; 0: none")
-      .Range(0, 16)
-      .ShowDefault();
+  const Option mice = app.Add("--max-mice", options.max_mice,
+                              "tools that viewers may hold with the mouse at once; 0: none.  With "
+                              "a --course 32")
+                          .Range(0, kMostMice)
+                          .ShowDefault();
   app.AddFlag("--no-steering", options.no_steering,
               "viewers may not steer a replay at this gateway; 'palpate-replay --locked' forbids "
               "it at all of them");
@@ -102,11 +110,16 @@ std::optional<ViewerOptions> ParseViewerOptions(int argc, const char* const* arg
           "file of access tokens: all but the page's own files then needs a token.  SIGHUP "
           "(systemctl reload palpate-viewer) reads it again.  Connections end at once whose "
           "token is gone or has another role; a file with a mistake changes nothing");
+  const Option course =
+      app.Add("--course", options.course,
+              "folder of a course: its people have tokens, too, which a teacher makes on the page. "
+              "Made where it is not there; the first start prints a teacher's link, once")
+          .TypeName("FOLDER");
   std::vector<std::string> make_token;
   const Option make =
       app.Add("--make-token", make_token,
               "ROLE NAME: print a new token (watch, drive or operate) of this name, add it to the "
-              "--tokens file, and end")
+              "--tokens file or the --course, and end")
           .Words(2);
   app.Add("--tls-cert", options.tls_cert,
           "certificate chain of this host (PEM), as 'palpate-identities certificate' makes "
@@ -119,9 +132,14 @@ std::optional<ViewerOptions> ParseViewerOptions(int argc, const char* const* arg
   AddServerOptions(app, options);
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
   if (make.given()) {
-    options.make_token = ToNewToken(make_token, options.tokens);
+    options.make_token = ToNewToken(make_token, options.tokens + options.course);
+    if (!options.tokens.empty() && !options.course.empty()) {
+      throw UsageError("--make-token: give --tokens or --course, where it is to be entered");
+    }
     return options;
   }
+  // A seat for each.
+  if (course.given() && !mice.given()) options.max_mice = kMostMice;
   if (!port.given()) {
     throw UsageError("--http is missing: the port of page and WebSocket, as --http 8765");
   }

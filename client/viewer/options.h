@@ -24,8 +24,10 @@ struct ViewerOptions : ServerOptions {
   std::vector<std::string> host_names;            ///< of this host, in small letters
   std::vector<boost::asio::ip::address> proxies;  ///< that say for whom they ask
   std::string tokens;                             ///< file; empty: none are asked for
+  std::string course;                             ///< folder; empty: there is none
   std::string tls_cert;                           ///< file; empty: in the clear
   std::string tls_key;
+  bool asks_for_tokens() const { return !tokens.empty() || !course.empty(); }
   /// Makes a token in place of serving.
   struct NewToken {
     Access role = Access::kNone;

@@ -11,8 +11,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <openssl/crypto.h>
-#include <openssl/rand.h>
-#include <openssl/sha.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -24,12 +22,7 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t kRandomBytes = 32;
-/// So that one that has got into a log or a repository is known for what it is.
-constexpr std::string_view kPrefix = "palpate_";
-constexpr std::size_t kTokenLength = kPrefix.size() + 2 * kRandomBytes;
 constexpr std::size_t kLongestName = 32;
-constexpr std::size_t kLongestStation = 32;  // IsStationName (common/dds/topics.h)
 /// Of the file: some nine thousand tokens.
 constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 20;
 
@@ -54,37 +47,11 @@ bool FromHex(const std::string& hex, std::span<unsigned char> bytes) {
          OPENSSL_hexstr2buf_ex(bytes.data(), bytes.size(), &size, hex.c_str(), '\0') == 1;
 }
 
-/// What tokens consist of besides letters and digits, and how long they are: other text is none,
-/// and is hashed nowhere.  They fit an Authorization header (RFC 6750), a WebSocket's subprotocol
-/// and a URL's fragment as they are.
-bool LooksLikeToken(std::string_view text) {
-  return text.size() == kTokenLength && text.starts_with(kPrefix) &&
-         std::ranges::all_of(text.substr(kPrefix.size()), IsLetterOrDigit);
-}
-
 std::string TextOf(const std::string& path) {
   return ReadWholeFile(path, kMostBytes, "--tokens", IsPrivate("--tokens", path));
 }
 
 }  // namespace
-
-const char* RoleName(Access access) {
-  static constexpr const char* kNames[] = {"none", "watch", "drive", "operate"};
-  return kNames[static_cast<std::size_t>(access)];
-}
-
-std::optional<Access> ParseRole(std::string_view name) {
-  for (const Access role : {Access::kWatch, Access::kDrive, Access::kOperate}) {
-    if (name == RoleName(role)) return role;
-  }
-  return std::nullopt;
-}
-
-Tokens::Hash Tokens::HashOf(std::string_view token) {
-  Hash hash;
-  SHA256(reinterpret_cast<const unsigned char*>(token.data()), token.size(), hash.data());
-  return hash;
-}
 
 Tokens Tokens::Parse(const std::string& path, const std::string& text) {
   Tokens tokens;
@@ -102,7 +69,7 @@ Tokens Tokens::Parse(const std::string& path, const std::string& text) {
     };
     Holder entry;
     if (const auto known = ParseRole(role)) {
-      entry = {*known, name, {}};
+      entry = {*known, name, {}, 0};
     } else {
       refuse("role " + Quoted(role) + " is none of watch, drive and operate");
     }
@@ -134,9 +101,19 @@ Tokens Tokens::Read(const std::string& path) {
   return tokens;
 }
 
+void Tokens::Add(Holder holder) {
+  const std::string station = StationNameOf(holder.name);
+  for (const Holder& other : holders_) {
+    if (StationNameOf(other.name) != station) continue;
+    throw Error("--course: " + Quoted(holder.name) + " is called as " + Quoted(other.name) +
+                " of --tokens; take that line out, or rename one of them");
+  }
+  holders_.push_back(std::move(holder));
+}
+
 std::optional<Tokens::Holder> Tokens::Find(std::string_view token) const {
   if (!LooksLikeToken(token)) return std::nullopt;
-  const Hash hash = HashOf(token);
+  const TokenHash hash = HashOfToken(token);
   std::optional<Holder> found;
   for (const Holder& holder : holders_) {
     if (CRYPTO_memcmp(holder.hash.data(), hash.data(), hash.size()) == 0) found = holder;
@@ -153,13 +130,6 @@ bool Tokens::NamesAnother(const std::string& station, const std::string& prefix,
   return std::ranges::any_of(holders_, [&](const Holder& holder) {
     return holder.name != own && StationNameOf(prefix + holder.name) == station;
   });
-}
-
-std::string StationNameOf(std::string name, int number) {
-  std::ranges::replace_if(
-      name, [](char c) { return !IsLetterOrDigit(c); }, '_');
-  const std::string after = number > 1 ? "_" + std::to_string(number) : "";
-  return name.substr(0, kLongestStation - after.size()) + after;
 }
 
 std::string MakeToken(const std::string& path, Access role, const std::string& name) {
@@ -180,15 +150,10 @@ std::string MakeToken(const std::string& path, Access role, const std::string& n
                       Quoted(holder.name), path));
     }
   }
-  unsigned char random[kRandomBytes];
-  if (RAND_bytes(random, sizeof random) != 1) {
-    throw Error("--make-token: there are no random numbers");
-  }
-  const std::string token = std::string(kPrefix) + ToHex(random);
+  const std::string token = RandomToken();
   std::ofstream end(path, std::ios::app);
   end << (before.empty() || before.ends_with('\n') ? "" : "\n")
-      << fmt::format("{} {} {}\n", RoleName(role), name, ToHex(Tokens::HashOf(token)))
-      << std::flush;
+      << fmt::format("{} {} {}\n", RoleName(role), name, ToHex(HashOfToken(token))) << std::flush;
   if (!end) throw Error(fmt::format("--tokens {}: {}", path, std::strerror(errno)));
   return token;
 }

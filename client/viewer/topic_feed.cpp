@@ -29,6 +29,7 @@ constexpr const char* kAnswerSchema =
     R"("refusal":{"type":"string"}}})";
 constexpr const char* kReplaySchema =
     R"({"type":"object","properties":{"replay":{"type":"string"}}})";
+constexpr const char* kObjectSchema = R"({"type":"object"})";
 /// Replayers speak five times a second.
 constexpr std::int64_t kReplaySilent_ns = 5'000'000'000;
 constexpr std::int64_t kLook_ns = 100'000'000;
@@ -56,7 +57,8 @@ std::span<const std::uint8_t> BundleIn(const std::vector<std::uint8_t>& cdr,
 
 }  // namespace
 
-std::vector<foxglove::Channel> TopicFeed::Channels(bool mice, bool steers) {
+std::vector<foxglove::Channel> TopicFeed::Channels(bool mice, bool steers, bool of_course,
+                                                   bool teaches) {
   std::vector<foxglove::Channel> channels = {
       CdrChannel<wire::ToolState>(kToolState, dds::kToolStateTopic),
       CdrChannel<wire::LoopStatistics>(kLoopStatistics, dds::kLoopStatisticsTopic),
@@ -73,6 +75,15 @@ std::vector<foxglove::Channel> TopicFeed::Channels(bool mice, bool steers) {
   }
   if (steers) {
     channels.push_back(JsonChannel(kReplayAnswer, "replay_answer", "ReplayAnswer", kAnswerSchema));
+  }
+  if (of_course) channels.push_back(JsonChannel(kMe, "me", "Me", kObjectSchema));
+  if (of_course && mice) {
+    channels.push_back(JsonChannel(kExercises, "exercises", "Exercises", kObjectSchema));
+    channels.push_back(JsonChannel(kTrial, "trial_state", "TrialState", kObjectSchema));
+  }
+  if (teaches) {
+    channels.push_back(JsonChannel(kPeople, "people", "People", kObjectSchema));
+    channels.push_back(JsonChannel(kClassAnswer, "class_answer", "ClassAnswer", kObjectSchema));
   }
   return channels;
 }
@@ -201,6 +212,19 @@ void TopicFeed::Drain(dds::CdrReader<T>& reader, std::uint32_t channel, Use use,
   dds::FreeContents(sample);
 }
 
+void TopicFeed::TakeSeat(const FramePtr& frame, const wire::SceneBundle& seat,
+                         const std::function<void(const FramePtr&)>& on_frame) {
+  const auto scene = std::ranges::find_if(
+      scenes_, [&](const auto& entry) { return entry.second.hash == seat.hash; });
+  if (scene == scenes_.end()) {
+    return spdlog::warn("seat '{}' comes before its scene, and is not shown", seat.scene);
+  }
+  Keep(frame, seat.scene, 0);
+  const SceneBytes bytes = scene->second;  // also what of it is packed
+  scenes_[seat.scene] = bytes;
+  on_frame(frame);
+}
+
 void TopicFeed::Poll(const std::function<void(const FramePtr&)>& on_frame,
                      const std::function<void(const wire::SessionState&)>& on_session) {
   Succeed();
@@ -209,6 +233,7 @@ void TopicFeed::Poll(const std::function<void(const FramePtr&)>& on_frame,
   Drain(readers_->bundles, kSceneBundle,
         [&](const FramePtr& frame, const wire::SceneBundle& sample) {
           if (!IsCurrent(sample.server_run, frame->origin)) return;
+          if (sample.bundle._length == 0) return TakeSeat(frame, sample, on_frame);
           const std::span<const std::uint8_t> bundle = BundleIn(frame->payload, sample);
           if (BundleHash(bundle) != sample.hash) {
             return spdlog::warn("a scene's bundle is not what its hash says, and is not shown");

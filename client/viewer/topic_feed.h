@@ -51,11 +51,20 @@ class TopicFeed {
     kReplayAnswer,  ///< not of DDS: the gateway's own, to each viewer of its own wishes
     kGoal,          ///< not of DDS: the gateway's own, what a teacher has set for a scene
     kSolidBlock,
+    // Not of DDS: the gateway's own, of a --course.
+    kMe,           ///< to each viewer, of itself
+    kPeople,       ///< to those who may operate
+    kClassAnswer,  ///< to each of those, of its own wishes
+    kExercises,    ///< to each who may have a mouse there: what there is to do, and what was done
+    kTrial,        ///< to each of those, of the own trial
   };
   /// What viewers are offered.
   /// @param mice    who may have a mouse hears of it.
   /// @param steers  who may steer a replay is answered.
-  static std::vector<foxglove::Channel> Channels(bool mice, bool steers);
+  /// @param of_course  who is one of a course hears of itself.
+  /// @param teaches  and, who may operate there, of all.
+  static std::vector<foxglove::Channel> Channels(bool mice, bool steers, bool of_course = false,
+                                                 bool teaches = false);
 
   /// Throws Error where DDS refuses.
   explicit TopicFeed(int domain, const dds::Network& network = {});
@@ -116,6 +125,9 @@ class TopicFeed {
   void Succeed();
   void Keep(const FramePtr& frame, const std::string& name, std::uint64_t number,
             std::uint64_t change = 0);
+  /// A scene's other name: it comes after the scene.
+  void TakeSeat(const FramePtr& frame, const wire::SceneBundle& seat,
+                const std::function<void(const FramePtr&)>& on_frame);
   void PollReplays(const std::function<void(const FramePtr&)>& on_frame);
   /// Of this number, new or known.  A new one takes the place of those that are silent.
   Replay& ReplayOf(std::uint64_t number);

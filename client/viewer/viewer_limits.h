@@ -50,7 +50,7 @@ struct ViewerLimits {
   /// Tools taken with the mouse: each starts a process, and ends one before long.  A hand takes a
   /// tool, gives it back and takes another within seconds now and then; of an address as many as
   /// there may be mice at once.
-  static constexpr Wish kTake{{5, 2'000'000'000}, {16, 500'000'000}};
+  static constexpr Wish kTake{{5, 2'000'000'000}, {32, 500'000'000}};
   /// Scenes made whole, which the server does once a second.
   static constexpr Wish kWhole{{3, 2'000'000'000}, {16, 1'000'000'000}};
   /// Of a replay: the page seeks five times a second while its bar is dragged.

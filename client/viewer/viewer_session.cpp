@@ -28,6 +28,8 @@ constexpr int kReceiveBuffer = 64 * 1024;
 constexpr const char* kMouseTopic = "/palpate/mouse";
 constexpr const char* kReplayTopic = "/palpate/replay";
 constexpr const char* kOperateTopic = "/palpate/operate";
+constexpr const char* kClassTopic = "/palpate/class";
+constexpr const char* kTrialTopic = "/palpate/trial";
 
 }  // namespace
 
@@ -41,7 +43,13 @@ ViewerSession::ViewerSession(WebStream stream, Hub& hub, std::uint64_t id, Visit
       holder_(verdict.holder),
       mouse_(access_ >= Access::kDrive && hub.options().max_mice > 0),
       steers_(access_ >= Access::kDrive && !hub.options().no_steering),
+      of_course_(hub.class_room() && holder_ && holder_->person != 0),
+      teaches_(hub.class_room() && access_ == Access::kOperate),
       rest_(socket_.get_executor()) {}
+
+std::vector<foxglove::Channel> ViewerSession::Channels() const {
+  return TopicFeed::Channels(mouse_, steers_, of_course_, teaches_);
+}
 
 void ViewerSession::Accept(const Request& request, std::string_view subprotocol) {
   beast::tcp_stream& stream = socket_.next_layer().next_layer();
@@ -80,7 +88,7 @@ void ViewerSession::Open() {
   spdlog::debug("viewer {} has come", Who());
   const bool publishes = mouse_ || steers_ || access_ == Access::kOperate;
   Send(foxglove::ServerInfo(hub_.session_id(), publishes, RoleName(access_)));
-  Send(foxglove::Advertise(TopicFeed::Channels(mouse_, steers_)));
+  Send(foxglove::Advertise(Channels()));
   Read();
 }
 
@@ -166,6 +174,8 @@ std::string ViewerSession::OnText(std::string_view text) {
 void ViewerSession::Publish(const foxglove::ClientChannel& channel) {
   const bool may = (mouse_ && channel.topic == kMouseTopic) ||
                    (steers_ && channel.topic == kReplayTopic) ||
+                   (teaches_ && channel.topic == kClassTopic) ||
+                   (of_course_ && mouse_ && channel.topic == kTrialTopic) ||
                    (access_ == Access::kOperate && channel.topic == kOperateTopic);
   if (may && channel.encoding == "json") {
     published_.insert_or_assign(channel.id, channel.topic);
@@ -191,8 +201,10 @@ std::string ViewerSession::WhatIsOfUse() const {
   }
   const bool operates = access_ == Access::kOperate;
   std::string use;
-  for (const auto& [may, topic] : {std::pair(steers_, kReplayTopic), std::pair(mouse_, kMouseTopic),
-                                   std::pair(operates, kOperateTopic)}) {
+  for (const auto& [may, topic] :
+       {std::pair(steers_, kReplayTopic), std::pair(mouse_, kMouseTopic),
+        std::pair(operates, kOperateTopic), std::pair(teaches_, kClassTopic),
+        std::pair(of_course_ && mouse_, kTrialTopic)}) {
     if (may) use += (use.empty() ? "give " : " or ") + std::string(topic);
   }
   if (!use.empty()) use += ", encoding json";
@@ -213,7 +225,7 @@ std::string ViewerSession::WhatIsOfUse() const {
 
 void ViewerSession::Subscribe(const foxglove::Request& request) {
   const std::int64_t now_ns = SteadyNanoseconds();
-  const std::vector<foxglove::Channel> channels = TopicFeed::Channels(mouse_, steers_);
+  const std::vector<foxglove::Channel> channels = Channels();
   for (const foxglove::Subscription& wanted : request.subscriptions) {
     const bool known =
         std::ranges::find(channels, wanted.channel, &foxglove::Channel::id) != channels.end();
@@ -234,6 +246,11 @@ void ViewerSession::Subscribe(const foxglove::Request& request) {
     if (wanted.channel == TopicFeed::kGoal) {
       for (const auto& [scene, goal] : hub_.goals()) queue_.Push(goal, now_ns);
     }
+    if (wanted.channel == TopicFeed::kMe) queue_.Push(hub_.OwnFrameOf(*this), now_ns);
+    if (wanted.channel == TopicFeed::kExercises) {
+      queue_.Push(hub_.ExercisesFrameOf(*this), now_ns);
+    }
+    if (wanted.channel == TopicFeed::kPeople) queue_.Push(hub_.PeopleFrame(), now_ns);
     if (wanted.channel == TopicFeed::kMouseState && mouse_state_) queue_.Push(mouse_state_, now_ns);
   }
 }
@@ -250,6 +267,10 @@ std::string ViewerSession::OnBinary(std::span<const std::uint8_t> bytes) {
       OnMouse(ParseMouseCommand(message.payload));
     } else if (channel->second == kOperateTopic) {
       OnOperate(ParseOperateCommand(message.payload));
+    } else if (channel->second == kClassTopic) {
+      OnClass(ParseClassCommand(message.payload));
+    } else if (channel->second == kTrialTopic) {
+      OnTrial(ParseTrialCommand(message.payload));
     } else {
       OnReplay(ParseReplayWish(message.payload));
     }
@@ -293,6 +314,17 @@ void ViewerSession::OnOperate(const OperateCommand& command) {
   if (!hub_.RefuseWish(Wish::kOperate, *this, SteadyNanoseconds()).empty()) return;
   const std::string refusal = hub_.Operate(command, Who());
   if (!refusal.empty()) Say(foxglove::Level::kError, std::string(kOperateTopic) + ": " + refusal);
+}
+
+void ViewerSession::OnClass(const ClassCommand& command) {
+  const std::int64_t now_ns = SteadyNanoseconds();
+  if (!hub_.RefuseWish(Wish::kOperate, *this, now_ns).empty()) return;
+  queue_.Push(hub_.Teach(command, *this), now_ns);
+}
+
+void ViewerSession::OnTrial(const TrialCommand& command) {
+  const std::string refusal = hub_.Try(command, *this, SteadyNanoseconds());
+  if (!refusal.empty()) Say(foxglove::Level::kError, std::string(kTrialTopic) + ": " + refusal);
 }
 
 void ViewerSession::Watch(std::int64_t now_ns) {

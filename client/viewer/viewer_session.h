@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
@@ -42,6 +43,8 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
   std::uint64_t id() const { return id_; }
   const Visitor& visitor() const { return visitor_; }
   const std::optional<Tokens::Holder>& holder() const { return holder_; }
+  /// From now on its token has this name.
+  void Rename(const std::string& name) { holder_->name = name; }
   std::uint64_t frames_lost() const { return queue_.lost(); }
   std::uint64_t frames_sent() const { return frames_sent_; }
 
@@ -77,6 +80,10 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
   std::string WhatIsOfUse() const;
   void OnMouse(const MouseCommand& command);
   void OnReplay(const ReplayWish& wish);
+  void OnClass(const ClassCommand& command);
+  void OnTrial(const TrialCommand& command);
+  /// What it is offered.
+  std::vector<foxglove::Channel> Channels() const;
   void OnOperate(const OperateCommand& command);
   void Send(std::string text);
   void Write();
@@ -90,6 +97,8 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
   std::optional<Tokens::Holder> holder_;  // of its token
   bool mouse_;                            // it may have one
   bool steers_;                           // it may steer a replay
+  bool of_course_;                        // its token is a person's
+  bool teaches_;                          // it may decide about people
   boost::beast::flat_buffer input_;
   TokenBucket messages_{ViewerLimits::kMessagesPerSecond, ViewerLimits::kMessagesAtOnce};
   RateLimit complaints_{ViewerLimits::kComplaints.period_ns, ViewerLimits::kComplaints.at_once};

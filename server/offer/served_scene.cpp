@@ -51,4 +51,13 @@ ServedScene ServeScene(const Scene& scene, const std::string& name_or_path,
   return served;
 }
 
+ServedScene SeatOf(const ServedScene& scene, const std::string& name) {
+  ServedScene seat = scene;
+  seat.name = name;
+  for (ServedScene::Tool& tool : seat.tools) {
+    tool.served = std::make_shared<const ServedTool>(tool.served->In(name));
+  }
+  return seat;
+}
+
 }  // namespace palpate

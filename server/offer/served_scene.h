@@ -34,4 +34,7 @@ struct ServedScene {
 ServedScene ServeScene(const Scene& scene, const std::string& name_or_path,
                        std::uint64_t hand_seed);
 
+/// One more of it under another name, with the same models.
+ServedScene SeatOf(const ServedScene& scene, const std::string& name);
+
 }  // namespace palpate

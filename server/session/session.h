@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/dds/leave_seal.h"
@@ -17,10 +18,23 @@ namespace palpate {
 
 /// A tool that a station can drive.  Immutable, shared.
 struct ServedTool {
+  ServedTool(std::string of_scene, std::string name, HapticModel made, bool whole = false)
+      : scene(std::move(of_scene)),
+        tool(std::move(name)),
+        whole_at_start(whole),
+        shared(std::make_shared<const HapticModel>(std::move(made))) {}
+  /// The same in a scene of another name, with the one model.
+  ServedTool In(std::string other_scene) const {
+    ServedTool other = *this;
+    other.scene = std::move(other_scene);
+    return other;
+  }
+
   std::string scene;
   std::string tool;
-  HapticModel model;
-  bool whole_at_start = false;  ///< made whole for whoever is the first, or alone, to begin there
+  bool whole_at_start;  ///< made whole for whoever is the first, or alone, to begin there
+  std::shared_ptr<const HapticModel> shared;
+  const HapticModel& model = *shared;
 };
 
 /// What counts of who asks for a session.

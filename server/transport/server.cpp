@@ -154,7 +154,8 @@ Server::~Server() {
   PublishChanges(0);
 }
 
-void Server::PublishScene(const std::string& name, std::vector<std::uint8_t> bundle) {
+void Server::PublishScene(const std::string& name, std::vector<std::uint8_t> bundle,
+                          const std::vector<std::string>& seats) {
   wire::SceneBundle sample{};
   wire::FromText(name, sample.scene);
   sample.server_run = server_run_;
@@ -163,6 +164,11 @@ void Server::PublishScene(const std::string& name, std::vector<std::uint8_t> bun
   if (!scene_bundles_.Write(sample)) {
     throw Error("scene '" + name + "': DDS does not take its bundle of " +
                 std::to_string(bundle.size()) + " bytes; is the memory used up?");
+  }
+  sample.bundle = {};
+  for (const std::string& seat : seats) {
+    wire::FromText(seat, sample.scene);
+    if (!scene_bundles_.Write(sample)) throw Error("scene '" + seat + "': DDS does not take it");
   }
 }
 

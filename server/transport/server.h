@@ -43,7 +43,10 @@ class Server {
 
   /// Gives viewers the scene, those of now and those that come later.
   /// @param bundle  the scene as PackScene makes it.  Throws Error where DDS refuses it.
-  void PublishScene(const std::string& name, std::vector<std::uint8_t> bundle);
+  /// @param seats  names under which the scene is served, too: these get its hash without the
+  /// bytes.
+  void PublishScene(const std::string& name, std::vector<std::uint8_t> bundle,
+                    const std::vector<std::string>& seats = {});
 
   /// Tells stations, those of now and those that come later, what they can drive, and what a hand
   /// does there.  All of it in one: a second one takes the first's place.  Throws Error where DDS

@@ -98,11 +98,16 @@ const std::vector<Rule> kRules = {
      {"common/dds"},
      {"Eigen", "spdlog", "nlohmann-json", "Boost"}},
     {"devices/spacemouse", {"common", "devices"}, {"common/dds"}, {"Eigen", "spdlog", "spacenav"}},
+    // Neither DDS nor a socket: what a course's people may and did, in SQLite; OpenSSL for tokens.
+    {"client/course",
+     {"common", "scenes", "client/course"},
+     {"common/dds"},
+     {"Eigen", "spdlog", "nlohmann-json", "OpenSSL", "SQLite"}},
     // Never the server or another client; own folder added below.
-    // Boost for its HTTP server and WebSockets (Asio, Beast); OpenSSL for TLS and tokens; zlib to
-    // give a scene compressed.
+    // Boost for its HTTP server and WebSockets (Asio, Beast); OpenSSL for TLS; zlib to give a scene
+    // compressed.
     {"client/viewer",
-     {"common", "client/viewer"},
+     {"common", "client/course", "client/viewer"},
      {},
      {"Eigen", "spdlog", "nlohmann-json", "Boost", "OpenSSL", "zlib"}},
     // A simulated station is what the load consists of, so this client may use another: the
@@ -131,11 +136,6 @@ const std::vector<Rule> kRules = {
     {"client/crtk", {"common", "client/crtk", "client/station/guide.h"}, {}, {"Eigen", "spdlog"}},
     {"client/igtl", {"common", "client/igtl"}, {}, {"Eigen", "spdlog", "OpenIGTLink"}},
     {"client", {"common", "scenes", "devices"}, {}, {"Eigen", "spdlog", "nlohmann-json"}},
-    // Beneath the clients that serve, check and grade what a teacher sets.
-    {"client/course",
-     {"common", "scenes", "client/course"},
-     {"common/dds"},
-     {"Eigen", "spdlog", "nlohmann-json", "SQLiteCpp"}},
     {"client/lesson", {"common", "client/lesson", "client/course"}, {}, {"Eigen", "spdlog"}},
     // The one client that knows the server's insides: to verify a recording is to run its loop.
     {"client/replayer",
@@ -235,12 +235,13 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {
     {"boost/", "Boost"},
     // Hashes and random keys.
     {"openssl/", "OpenSSL"},
+    {"SQLiteCpp/", "SQLite"},
+    {"sqlite3.h", "SQLite"},
     {"fmt/", "spdlog"},
     {"HD/", "OpenHaptics"},
     {"HDU/", "OpenHaptics"},
     {"HL/", "OpenHaptics"},
     {"spnav.h", "spacenav"},
-    {"SQLiteCpp/", "SQLiteCpp"},
     {"prometheus/", "Prometheus"},
     {"pybind11/", "pybind11"},
     {"palpate", "Palpate"},  // as it is installed
@@ -259,7 +260,7 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {
 };
 
 // Slow to compile: in .cpp files only.
-const Paths kNotInHeaders = {"CLI11", "assimp", "nlohmann-json", "spdlog"};
+const Paths kNotInHeaders = {"CLI11", "assimp", "nlohmann-json", "spdlog", "SQLite"};
 
 /// Headers of the C++ library have no dot; those of C and POSIX have no folder or a system one.
 bool IsSystemHeader(const std::string& header) {

@@ -235,6 +235,17 @@ TEST_F(SessionTableTest, TellsOnceMoreFromWhichPoseAndPlaceForcesAreComputed) {
   EXPECT_EQ(LastChange().run, 0u) << "told again though nothing is new";
 }
 
+TEST_F(SessionTableTest, ServesASceneAsOftenAsItHasSeatsWithOneModel) {
+  const auto first = BallTool("one");
+  const auto second = std::make_shared<const ServedTool>(first->In("one-1"));
+  EXPECT_EQ(&first->model, &second->model);
+  SessionTable table({first, second}, kServerRun);
+  table.Request(MakeRequest("a", 1, "one"), now_);
+  table.Request(MakeRequest("b", 2, "one-1"), now_);
+  EXPECT_EQ(table.sessions().size(), 2u);
+  EXPECT_EQ(table.TakeChanges().back().scene, std::string("one-1"));
+}
+
 TEST_F(SessionTableTest, HoldsItsMostStationsAndNoMore) {
   std::vector<std::shared_ptr<const ServedTool>> tools;
   constexpr int kTools = SessionTable::kMaxStations + 1;

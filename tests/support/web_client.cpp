@@ -217,6 +217,10 @@ void WebClient::SendOperate(const Json& command) {
   SendOn(3, "/palpate/operate", command);
 }
 
+void WebClient::SendClass(const Json& command) {
+  SendOn(4, "/palpate/class", command);
+}
+
 void WebClient::SendOn(std::uint32_t channel, const std::string& topic, const Json& message) {
   if (advertised_.insert(channel).second) {
     SendText(Json{{"op", "advertise"},

@@ -74,6 +74,8 @@ class WebClient {
   void SendReplay(const nlohmann::json& wish);
   /// On its channel 3.
   void SendOperate(const nlohmann::json& command);
+  /// On its channel 4.
+  void SendClass(const nlohmann::json& command);
 
   /// The next JSON message with this `op`; earlier ones of others are passed over.  Null: none
   /// came.

@@ -70,7 +70,8 @@ class Gateway {
 /// Says that there is a scene, and notes who wants to drive a tool of it.
 class StandIn {
  public:
-  StandIn() {
+  /// @param seats  of the scene.
+  explicit StandIn(int seats = 0) {
     static std::uint8_t byte = 1;
     wire::SceneBundle bundle{};
     wire::FromText("cube", bundle.scene);
@@ -79,6 +80,11 @@ class StandIn {
     bundle.bundle._buffer = &byte;
     bundle.bundle._length = bundle.bundle._maximum = 1;
     EXPECT_TRUE(bundles_.Write(bundle));
+    bundle.bundle = {};
+    for (int seat = 1; seat <= seats; ++seat) {
+      wire::FromText("cube-" + std::to_string(seat), bundle.scene);
+      EXPECT_TRUE(bundles_.Write(bundle));
+    }
   }
   std::optional<wire::OperateRequest> Asked() {
     wire::OperateRequest request{};

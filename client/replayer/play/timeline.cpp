@@ -182,8 +182,11 @@ void Timeline::AddBundle(const RecordedSample& sample) {
   dds::Owned<wire::SceneBundle> owned;
   if (!sample.To(owned.value)) return;
   const wire::SceneBundle& bundle = owned.value;
-  CheckBundleHash({bundle.bundle._buffer, bundle.bundle._length}, bundle.hash,
-                  "the recording's scene " + Quoted(bundle.scene));
+  // A seat has none of its own.
+  if (bundle.bundle._length > 0) {
+    CheckBundleHash({bundle.bundle._buffer, bundle.bundle._length}, bundle.hash,
+                    "the recording's scene " + Quoted(bundle.scene));
+  }
   const bool is_first = !last_.contains({sample.type, bundle.scene, 0});
   if (is_first && last_ns_ - first_ns_ <= kTold_ns) opening_ns_ = last_ns_;
   Keep(sample, bundle.server_run, bundle.scene, 0);

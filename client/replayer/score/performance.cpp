@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <utility>
+#include <vector>
 
 #include "common/dds/cdr_reader.h"
 #include "common/dds/wire.h"
@@ -61,15 +63,24 @@ Performance Perform(const std::shared_ptr<const Scene>& scene, const std::string
 }
 
 std::shared_ptr<const Scene> SceneIn(const std::string& recording, const std::string& name) {
+  const std::string source = "the scene '" + name + "' of " + recording;
   RecordingReader reader({recording});
+  std::map<std::uint64_t, std::vector<std::uint8_t>> bundles;  // by hash
+  std::optional<std::uint64_t> wanted;
   for (RecordedSample sample{}; reader.Next(sample);) {
     dds::Owned<wire::SceneBundle> bundle;
-    if (!sample.To(bundle.value) || bundle.value.scene != name) continue;
-    const std::span bytes(bundle.value.bundle._buffer, bundle.value.bundle._length);
-    const std::string source = "the scene '" + name + "' of " + recording;
-    CheckBundleHash(bytes, bundle.value.hash, source);
-    Scene scene = UnpackScene(bytes, source);
+    if (!sample.To(bundle.value)) continue;
+    const wire::SceneBundle& of = bundle.value;
+    if (of.scene == name) wanted = of.hash;
+    // A seat has no bytes of its own: its scene has them, under the same hash.
+    if (of.bundle._length > 0) {
+      bundles[of.hash] = {of.bundle._buffer, of.bundle._buffer + of.bundle._length};
+    }
+    if (!wanted || !bundles.contains(*wanted)) continue;
+    CheckBundleHash(bundles.at(*wanted), *wanted, source);
+    Scene scene = UnpackScene(bundles.at(*wanted), source);
     LoadEffects(scene.effects, std::filesystem::path(recording).parent_path(), source);
+    scene.name = name;
     return std::make_shared<const Scene>(std::move(scene));
   }
   throw Error(recording + ": does not hold its scene '" + name +

@@ -106,9 +106,11 @@ class Scenes {
 
   /// Throws Error where it is not the one that its hash names.
   void AddBundle(const wire::SceneBundle& bundle) {
+    bundle_hashes_[bundle.scene] = bundle.hash;
+    if (bundle.bundle._length == 0) return;  // a seat: of that hash there is another
     CheckBundleHash({bundle.bundle._buffer, bundle.bundle._length}, bundle.hash,
                     "the recording's scene " + Quoted(bundle.scene));
-    bundles_[bundle.scene] = {bundle.bundle._buffer, bundle.bundle._buffer + bundle.bundle._length};
+    bundles_[bundle.hash] = {bundle.bundle._buffer, bundle.bundle._buffer + bundle.bundle._length};
   }
   void AddHash(const std::string& scene, const std::string& hash) { hashes_[scene] = hash; }
 
@@ -141,7 +143,7 @@ class Scenes {
     auto& loaded = loaded_[name];
     if (loaded) return *loaded;
     loaded = std::make_unique<Loaded>();
-    if (const auto bundle = bundles_.find(name);
+    if (const auto bundle = bundles_.find(bundle_hashes_[name]);
         options_.scene.empty() && bundle != bundles_.end()) {
       const std::string source = "the recording's scene '" + name + "'";
       Scene scene = UnpackScene(bundle->second, source);
@@ -166,7 +168,8 @@ class Scenes {
 
   const VerifyOptions& options_;
   const std::filesystem::path folder_;
-  std::map<std::string, std::vector<std::uint8_t>> bundles_;
+  std::map<std::string, std::uint64_t> bundle_hashes_;          // by scene
+  std::map<std::uint64_t, std::vector<std::uint8_t>> bundles_;  // by hash
   std::map<std::string, std::string> hashes_;
   std::map<std::string, std::unique_ptr<Loaded>> loaded_;
 };

@@ -40,6 +40,13 @@ export const kTopics = {
   replayAnswer: "/palpate/replay_answer",
   operate: "/palpate/operate",
   goal: "/palpate/goal",
+  class: "/palpate/class",
+  classAnswer: "/palpate/class_answer",
+  people: "/palpate/people",
+  me: "/palpate/me",
+  exercises: "/palpate/exercises",
+  trial: "/palpate/trial",
+  trialState: "/palpate/trial_state",
 } as const;
 
 /// What the page itself publishes.
@@ -47,6 +54,8 @@ export const kOwnTopics: ReadonlySet<string> = new Set([
   kTopics.mouse,
   kTopics.replay,
   kTopics.operate,
+  kTopics.class,
+  kTopics.trial,
 ]);
 
 /// Seconds that the plots look back.

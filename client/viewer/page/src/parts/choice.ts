@@ -41,6 +41,15 @@ export class Choice {
     if (mover && this.world.scenes.has(mover.scene)) this.enter(mover.scene);
   }
 
+  /// As if the reader had chosen them.
+  show(scene: string, station: string): void {
+    this.chosenScene = scene;
+    this.chosenStation = station;
+    this.chooseScene();
+    rememberInAddress("scene", scene);
+    rememberInAddress("station", station);
+  }
+
   /// In this scene, whoever moves elsewhere, and with no station chosen.
   stay(): void {
     this.chosenScene = this.scene;

@@ -1,0 +1,240 @@
+import {classWord} from "../model/class_words";
+import {norm} from "../model/pose";
+import {kTopics, type Station, type World} from "../model/world";
+import {
+  type ClassAnswer,
+  type MadePerson,
+  type Me,
+  type People,
+  type Person,
+  toClassAnswer,
+  toMe,
+  toPeople,
+} from "../protocol/class_messages";
+import {ClassPeople} from "../ui/class_people";
+import {ClassWall, type OnWall} from "../ui/class_wall";
+import type {OperateOp} from "../ui/console";
+import {element, make, setText} from "../ui/elements";
+
+export interface ClassEvents {
+  publish(topic: string, message: object): boolean;
+  show(scene: string, station: string): void;
+}
+
+const kAnswerWithinMs = 4000;
+const kSeat = /^(.+)-\d+$/;
+
+/// A course on the page: a teacher's wall and people, and what a person is told of the own seat.
+export class ClassRoom {
+  private readonly button = make("button", {
+    ...{type: "button", id: "class-open", hidden: true},
+    ...{textContent: classWord("open"), title: classWord("openTitle")},
+    onclick: () => this.open(),
+  });
+  private readonly dialog = make("dialog", {id: "class-dialog"});
+  private readonly count = make("span", {className: "quiet count"});
+  private readonly word = make("p", {className: "word", role: "status"});
+  private readonly said = make("p", {className: "said", role: "status", hidden: true});
+  private readonly saidText = make("span");
+  private readonly tabs: Readonly<Record<"wall" | "people", HTMLButtonElement>>;
+  private readonly wall: ClassWall;
+  private readonly roster: ClassPeople;
+  private class: People = {scene: "", people: []};
+  private me: Me | undefined;
+  private tag = 0;
+  private readonly waiting = new Map<number, (answer: ClassAnswer) => void>();
+
+  constructor(
+    private readonly world: World,
+    private readonly events: ClassEvents,
+  ) {
+    this.wall = new ClassWall({
+      begin: (scene) => this.begin(scene),
+      say: (person, name, text) =>
+        this.ask({op: "say", person, text}, () => this.tell(classWord("said", {name}))),
+      watch: (scene, station) => {
+        this.dialog.close();
+        events.show(scene, station);
+      },
+      operate: (op, station) => this.operate(op, station),
+    });
+    this.roster = new ClassPeople({
+      make: (names, role) => this.askForLinks({op: "person_make", names, role}),
+      rename: (person, name) => this.ask({op: "person_rename", person, name}),
+      renew: (person) => this.askForLinks({op: "person_link", person}),
+      withdraw: (person) => this.ask({op: "person_withdraw", person}),
+    });
+    const tab = (of: "wall" | "people"): HTMLButtonElement =>
+      make("button", {type: "button", textContent: classWord(of), onclick: () => this.turn(of)});
+    this.tabs = {wall: tab("wall"), people: tab("people")};
+    const close = make("button", {
+      ...{type: "button", className: "close", textContent: classWord("close")},
+      onclick: () => this.dialog.close(),
+    });
+    const title = make("h2", {id: "class-title", textContent: classWord("title")});
+    this.dialog.setAttribute("aria-labelledby", title.id);
+    this.dialog.append(
+      make(
+        "header",
+        {},
+        title,
+        make("span", {className: "group", role: "group"}, this.tabs.wall, this.tabs.people),
+        this.count,
+        close,
+      ),
+      this.word,
+      this.wall.body,
+      this.roster.body,
+    );
+    this.dialog.addEventListener("close", () => this.roster.forget());
+    element("audience", HTMLButtonElement).before(this.button);
+    const hide = make("button", {
+      ...{type: "button", textContent: classWord("hide")},
+      onclick: () => void (this.said.hidden = true),
+    });
+    this.said.append(make("b", {textContent: classWord("from")}), this.saidText, hide);
+    document.querySelector(".picture")?.append(this.said);
+    document.body.append(this.dialog);
+    this.turn("wall");
+  }
+
+  /// The scene that this person has for itself; empty: none.
+  get seat(): string {
+    return this.me?.seat ?? "";
+  }
+
+  /// @param may  this page may decide about people
+  allow(may: boolean): void {
+    this.button.hidden = !may;
+    if (!may && this.dialog.open) this.dialog.close();
+  }
+
+  /// True where it was for this part of the page.
+  receive(topic: string, value: unknown): boolean {
+    if (topic === kTopics.people) this.class = toPeople(value);
+    else if (topic === kTopics.me) this.receiveMe(toMe(value));
+    else if (topic === kTopics.classAnswer) this.receiveAnswer(toClassAnswer(value));
+    else return false;
+    return true;
+  }
+
+  tick(nowS: number): void {
+    if (!this.dialog.open) return;
+    const {people, scene} = this.class;
+    const here = people.filter(({here}) => here > 0).length;
+    setText(this.count, classWord("here", {here, all: people.length}));
+    this.roster.show(people);
+    const scenes = [...this.world.scenes];
+    const seated = scenes.filter((name) => scenes.includes(`${name}-1`)).sort();
+    this.wall.show(this.onWall(nowS), seated, scene);
+  }
+
+  /// Those who need a teacher come first, then those who work, then the rest, by name.
+  private onWall(nowS: number): OnWall[] {
+    const stations = new Map(
+      [...this.world.stations].filter(
+        ([, {session}]) =>
+          session !== undefined && session.phase !== "ended" && session.phase !== "refused",
+      ),
+    );
+    const all = this.class.people.map((person) => {
+      const station = stations.get(person.station);
+      stations.delete(person.station);
+      return this.personOnWall(person, station, nowS);
+    });
+    for (const [id, station] of stations) {
+      const person = {person: 0, name: id, role: "drive", station: id, here: 1, seat: ""} as const;
+      all.push(this.personOnWall(person, station, nowS));
+    }
+    const rank = {held: 0, works: 1, muted: 1, idle: 2, away: 3};
+    return all.sort((a, b) => rank[a.tone] - rank[b.tone] || a.name.localeCompare(b.name));
+  }
+
+  private personOnWall(person: Person, station: Station | undefined, nowS: number): OnWall {
+    const scene = station?.session?.scene ?? person.seat;
+    const goal = this.world.goals.get(scene);
+    const state = station?.isMoving(nowS) ? station.track.latest : undefined;
+    const {tone, doing} = doingOf(person, station);
+    return {
+      key: person.person === 0 ? person.name : String(person.person),
+      person: person.person,
+      ...{name: person.name, scene, tone, doing},
+      station: station?.id ?? "",
+      forceN: state ? norm(state.forceN) : undefined,
+      limitN: goal && goal.limitN > 0 ? goal.limitN : Infinity,
+      goal: goal?.text ?? "",
+    };
+  }
+
+  private open(): void {
+    this.tell("");
+    this.turn(this.class.people.length > 1 ? "wall" : "people");
+    this.dialog.showModal();
+  }
+
+  private turn(to: "wall" | "people"): void {
+    this.wall.body.hidden = to !== "wall";
+    this.roster.body.hidden = to !== "people";
+    for (const of of ["wall", "people"] as const)
+      this.tabs[of].setAttribute("aria-pressed", String(of === to));
+  }
+
+  private operate(op: OperateOp, station: string): void {
+    this.events.publish(kTopics.operate, {op, station});
+  }
+
+  private begin(scene: string): void {
+    this.ask({op: "begin", scene}, ({note}) => {
+      this.tell(note !== "" ? note : scene === "" ? "" : classWord("begun"));
+      if (scene === "") return;
+      for (const [id, {session}] of this.world.stations)
+        if (session?.phase === "held") this.operate("admit", id);
+    });
+  }
+
+  private askForLinks(wish: object): void {
+    this.ask(wish, ({people}: {people: readonly MadePerson[]}) => this.roster.handOut(people));
+  }
+
+  private ask(wish: object, done: (answer: ClassAnswer) => void = () => {}): void {
+    const tag = (this.tag += 1);
+    this.tell("");
+    this.waiting.set(tag, done);
+    setTimeout(() => {
+      if (this.waiting.delete(tag)) this.tell(classWord("noAnswer"));
+    }, kAnswerWithinMs);
+    this.events.publish(kTopics.class, {tag, ...wish});
+  }
+
+  private receiveAnswer(answer: ClassAnswer): void {
+    const done = this.waiting.get(answer.tag);
+    if (!done || !this.waiting.delete(answer.tag)) return;
+    if (answer.refusal !== "") this.tell(answer.refusal, true);
+    else done(answer);
+  }
+
+  private tell(text: string, isAlarm = false): void {
+    setText(this.word, text);
+    this.word.classList.toggle("alarm", isAlarm);
+  }
+
+  private receiveMe(me: Me): void {
+    const before = this.me;
+    this.me = me;
+    if (me.seat && me.seat !== before?.seat) this.events.show(me.seat, "");
+    if (!me.line || me.lines === before?.lines) return;
+    setText(this.saidText, me.line);
+    this.said.hidden = false;
+  }
+}
+
+function doingOf(person: Person, station: Station | undefined): Pick<OnWall, "tone" | "doing"> {
+  const session = station?.session;
+  if (session?.phase === "held") return {tone: "held", doing: classWord("waits")};
+  if (session?.muted) return {tone: "muted", doing: classWord("muted")};
+  if (session?.phase === "acquiring") return {tone: "works", doing: classWord("acquiring")};
+  if (session) return {tone: "works", doing: classWord("works", {tool: session.tool})};
+  if (person.here > 1) return {tone: "idle", doing: classWord("pages", {count: person.here})};
+  if (person.here === 0) return {tone: "away", doing: classWord("away")};
+  return {tone: "idle", doing: classWord(person.role === "operate" ? "teaches" : "looksOn")};
+}

@@ -1,0 +1,38 @@
+export type Role = "watch" | "drive" | "operate";
+
+export interface Person {
+  readonly person: number;
+  readonly name: string;
+  readonly role: Role;
+  readonly station: string;
+  readonly here: number; // pages that are open
+  readonly seat: string; // a scene; empty: none
+}
+/// Everybody, for who may operate.
+export interface People {
+  readonly scene: string; // whose seats are given; empty: none are
+  readonly people: readonly Person[];
+}
+/// What a person's page is told of itself.
+export interface Me {
+  readonly name: string;
+  readonly seat: string;
+  readonly line: string;
+  readonly lines: number;
+}
+export interface MadePerson {
+  readonly person: number;
+  readonly name: string;
+  readonly token: string;
+}
+export interface ClassAnswer {
+  readonly tag: number;
+  readonly refusal: string;
+  readonly note: string;
+  readonly people: readonly MadePerson[];
+}
+
+// The gateway's own words: what is no such thing was sent by no gateway.
+export const toPeople = (value: unknown): People => value as People;
+export const toMe = (value: unknown): Me => value as Me;
+export const toClassAnswer = (value: unknown): ClassAnswer => value as ClassAnswer;

@@ -1,0 +1,155 @@
+import {classWord} from "../model/class_words";
+import type {MadePerson, Person, Role} from "../protocol/class_messages";
+import {make} from "./elements";
+import {qrSvg} from "./qr";
+
+export interface PeopleWishes {
+  make(names: string[], role: Role): void;
+  rename(person: number, name: string): void;
+  renew(person: number): void;
+  withdraw(person: number): void;
+}
+
+const kRoles: readonly [Role, string][] = [
+  ["drive", classWord("drive")],
+  ["watch", classWord("watchOnly")],
+  ["operate", classWord("operate")],
+];
+const roleWord = (role: Role): string => kRoles.find(([of]) => of === role)?.[1] ?? role;
+const isLocal = (host: string): boolean => /^(localhost|127\.|\[::1\])/.test(host);
+
+/// The link by which a person opens this page: no browser sends the fragment to anybody.
+function linkOf(token: string): string {
+  const url = new URL(".", location.href);
+  url.hash = new URLSearchParams({token}).toString();
+  return url.href;
+}
+
+/// Who is in the class: added, handed a link, renamed, withdrawn.
+export class ClassPeople {
+  readonly body = make("div", {className: "class-people"});
+  private readonly names = make("textarea", {
+    ...{id: "class-names", rows: 6, placeholder: classWord("namesHint"), spellcheck: false},
+  });
+  private readonly role = make("select", {id: "class-role"});
+  private readonly links = make("section", {className: "links", hidden: true});
+  private readonly cards = make("ul", {className: "link-cards"});
+  private readonly list = make("ul", {className: "roster"});
+  private listed = "";
+
+  constructor(private readonly wish: PeopleWishes) {
+    this.role.append(...kRoles.map(([role, word]) => new Option(word, role)));
+    const add = make(
+      "form",
+      {
+        className: "add",
+        onsubmit: (event) => {
+          event.preventDefault();
+          const names = this.names.value.split(/\r?\n/).map((name) => name.trim());
+          const given = names.filter((name) => name !== "");
+          if (given.length > 0) wish.make(given, this.role.value as Role);
+          else this.names.focus();
+        },
+      },
+      make("h3", {textContent: classWord("addTitle")}),
+      make("label", {htmlFor: this.names.id, textContent: classWord("names")}),
+      this.names,
+      make("label", {htmlFor: this.role.id}, `${classWord("role")} `, this.role),
+      make("button", {type: "submit", className: "primary", textContent: classWord("make")}),
+    );
+    this.links.append(
+      make("h3", {textContent: classWord("links")}),
+      make("p", {className: "quiet", textContent: classWord("linksOnce")}),
+      make("p", {
+        ...{className: "warn", textContent: classWord("linksLocal")},
+        hidden: !isLocal(location.hostname),
+      }),
+      make("button", {type: "button", textContent: classWord("print"), onclick: () => print()}),
+      this.cards,
+    );
+    const roster = make("section", {}, make("h3", {textContent: classWord("inClass")}), this.list);
+    this.body.append(make("div", {className: "left"}, add, roster), this.links);
+  }
+
+  /// Links that the gateway has just made; those of before are shown no more.
+  handOut(made: readonly MadePerson[]): void {
+    this.names.value = "";
+    this.cards.replaceChildren(...made.map((one) => this.card(one)));
+    this.links.hidden = false;
+    this.links.scrollIntoView({block: "nearest"});
+  }
+  /// Closed: who looks over a shoulder later sees none.
+  forget(): void {
+    this.links.hidden = true;
+    this.cards.replaceChildren();
+  }
+
+  show(people: readonly Person[]): void {
+    const now = JSON.stringify(people.map(({person, name, role}) => [person, name, role]));
+    if (now === this.listed) return; // what somebody is writing stays
+    this.listed = now;
+    this.list.replaceChildren(...people.map((person) => this.row(person)));
+  }
+
+  private card({name, token}: MadePerson): HTMLLIElement {
+    const link = linkOf(token);
+    const copy = make("button", {
+      ...{type: "button", textContent: classWord("copy")},
+      onclick: () => {
+        void navigator.clipboard?.writeText(link).then(() => {
+          copy.textContent = classWord("copied");
+        });
+      },
+    });
+    const address = make("a", {href: link, textContent: link});
+    address.addEventListener("click", (event) => event.preventDefault()); // it would be this page's own
+    return make(
+      "li",
+      {},
+      make("b", {textContent: name}),
+      qrSvg(link, classWord("qr", {name})),
+      address,
+      copy,
+    );
+  }
+
+  private row({person, name, role}: Person): HTMLLIElement {
+    const words = make("span", {className: "name", textContent: name});
+    const button = (text: string, title: string, onclick: () => void): HTMLButtonElement =>
+      make("button", {type: "button", textContent: text, title, onclick});
+    const rename = button(classWord("rename"), classWord("rename"), () => {
+      const input = make("input", {value: name, maxLength: 64, ariaLabel: classWord("rename")});
+      const keep = make("button", {type: "submit", textContent: classWord("keep")});
+      const form = make("form", {className: "rename"}, input, keep);
+      form.addEventListener("submit", (event) => {
+        event.preventDefault();
+        if (input.value.trim() !== "") this.wish.rename(person, input.value);
+        form.replaceWith(words);
+      });
+      words.replaceWith(form);
+      input.select();
+    });
+    const renew = button(classWord("newLink"), classWord("newLinkTitle", {name}), () =>
+      this.wish.renew(person),
+    );
+    let isSure = false;
+    const withdraw = button(classWord("withdraw"), classWord("withdrawTitle", {name}), () => {
+      if (isSure) this.wish.withdraw(person);
+      isSure = !isSure;
+      withdraw.textContent = classWord(isSure ? "sure" : "withdraw");
+      withdraw.classList.toggle("alarm", isSure);
+    });
+    withdraw.addEventListener("blur", () => {
+      isSure = false;
+      withdraw.textContent = classWord("withdraw");
+      withdraw.classList.remove("alarm");
+    });
+    const choices = make("span", {className: "choices"}, rename, renew, withdraw);
+    return make(
+      "li",
+      {},
+      make("p", {}, words, " ", make("span", {className: "quiet", textContent: roleWord(role)})),
+      choices,
+    );
+  }
+}

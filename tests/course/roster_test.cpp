@@ -1,0 +1,180 @@
+#include "client/course/roster.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "common/error.h"
+#include "tests/support/complaint.h"
+#include "tests/support/folder.h"
+#include "tests/support/read_file.h"
+
+namespace palpate {
+namespace {
+
+using test::ComplaintOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class RosterTest : public testing::Test {
+ protected:
+  /// The file as another process finds it.
+  static std::vector<std::string> NamesIn(const std::string& folder) {
+    CourseFile file(folder);
+    std::vector<std::string> names;
+    const Roster roster(file);
+    for (const Person& person : roster.people()) names.push_back(person.name);
+    return names;
+  }
+  std::string ComplaintOfMaking(const std::string& name) {
+    return ComplaintOf([&] { roster_.Make({name}, Access::kDrive); });
+  }
+
+  const test::Folder folder_;
+  const std::string course_ = folder_ / "course";
+  CourseFile file_{course_};
+  Roster roster_{file_};
+};
+
+TEST_F(RosterTest, KnowsPeopleByTheirTokensAndKeepsOnlyTheirHashes) {
+  const auto made = roster_.Make({"Anna", " Ben Müller "}, Access::kDrive);
+  const auto teacher = roster_.Make({"teacher"}, Access::kOperate).front();
+  ASSERT_EQ(made.size(), 2u);
+  EXPECT_EQ(roster_.FindToken(made[1].token)->name, "Ben Müller");
+  EXPECT_EQ(roster_.FindToken(teacher.token)->role, Access::kOperate);
+  EXPECT_EQ(roster_.FindToken(RandomToken()), nullptr);
+  EXPECT_EQ(roster_.FindToken("Anna"), nullptr);
+  EXPECT_THAT(NamesIn(course_), ElementsAre("Anna", "Ben Müller", "teacher"));
+  for (const char* name : {"course.sqlite", "course.sqlite-wal"}) {
+    EXPECT_THAT(ReadWholeFile(course_ + "/" + name), Not(HasSubstr(teacher.token.substr(8))));
+  }
+  EXPECT_EQ(std::filesystem::status(course_).permissions(), std::filesystem::perms::owner_all);
+}
+
+TEST_F(RosterTest, RenamesRenewsAndWithdrawsAndNeverGivesAnIdAgain) {
+  const auto anna = roster_.Make({"Anna"}, Access::kDrive).front();
+  const auto ben = roster_.Make({"Ben"}, Access::kDrive).front();
+  roster_.Rename(anna.person.id, "Anne");
+  EXPECT_EQ(roster_.FindToken(anna.token)->name, "Anne");
+  const auto renewed = roster_.Renew(anna.person.id);
+  EXPECT_EQ(roster_.FindToken(anna.token), nullptr);
+  EXPECT_EQ(roster_.FindToken(renewed.token)->id, anna.person.id);
+  roster_.Withdraw(ben.person.id);
+  EXPECT_EQ(roster_.FindToken(ben.token), nullptr);
+  EXPECT_EQ(roster_.Find(ben.person.id), nullptr);
+  EXPECT_THAT(ComplaintOf([&] { roster_.Rename(ben.person.id, "Bert"); }),
+              HasSubstr("nobody of this course has the number 2"));
+  const auto again = roster_.Make({"Ben"}, Access::kDrive).front();
+  EXPECT_EQ(again.person.id, 3);
+  EXPECT_EQ(roster_.people().size(), 3u);
+}
+
+TEST_F(RosterTest, TellsPeopleApartByTheirStations) {
+  roster_.Make({"Anna", "Müller", "王伟"}, Access::kDrive);
+  EXPECT_EQ(ComplaintOfMaking("Anna"),
+            "there is a 'Anna' already; tell them apart by a letter or a number");
+  EXPECT_THAT(ComplaintOfMaking("anna"), HasSubstr("'anna' and 'Anna' would be one station"));
+  EXPECT_THAT(ComplaintOfMaking("Muller"), HasSubstr("would be one station, 'Muller'"));
+  roster_.Make({"李娜"}, Access::kDrive);
+  // All or none, also where two of them are one.
+  EXPECT_THAT(ComplaintOf([&] {
+                roster_.Make({"Cleo", "Dora", "cleo"}, Access::kDrive);
+              }),
+              HasSubstr("one station"));
+  EXPECT_EQ(roster_.people().size(), 4u);
+  EXPECT_EQ(NamesIn(course_).size(), 4u);
+  EXPECT_THAT(ComplaintOf([&] { roster_.Rename(1, "muller"); }), HasSubstr("one station"));
+  roster_.Rename(1, "anna");  // her own name is nobody else's
+}
+
+TEST_F(RosterTest, RefusesNamesThatAreNone) {
+  EXPECT_THAT(ComplaintOfMaking("  "), HasSubstr("has a name"));
+  EXPECT_THAT(ComplaintOfMaking("---"), HasSubstr("no letter and no digit"));
+  EXPECT_THAT(ComplaintOfMaking("a\nb"), HasSubstr("signs that nobody sees"));
+  EXPECT_THAT(ComplaintOfMaking("a\xff"), HasSubstr("signs that nobody sees"));
+  EXPECT_THAT(ComplaintOfMaking(std::string(65, 'a')), HasSubstr("more than 64 bytes"));
+  EXPECT_TRUE(roster_.people().empty());
+}
+
+TEST_F(RosterTest, KeepsTheLastWhoMayOperate) {
+  const auto teacher = roster_.Make({"teacher"}, Access::kOperate).front();
+  EXPECT_THAT(ComplaintOf([&] { roster_.Withdraw(teacher.person.id); }),
+              HasSubstr("'teacher' is the last who may operate"));
+  roster_.Make({"tutor"}, Access::kOperate);
+  roster_.Withdraw(teacher.person.id);
+  EXPECT_TRUE(roster_.has_operator());
+}
+
+TEST_F(RosterTest, ChangesNothingOnAFullDiskAndSaysSo) {
+  roster_.Make({"Anna"}, Access::kDrive);
+  file_.Use([](SQLite::Database& database) { database.exec("PRAGMA max_page_count=1"); });
+  std::vector<std::string> many;
+  for (int i = 0; i < 200; ++i) many.push_back("student " + std::to_string(i));
+  EXPECT_THAT(ComplaintOf([&] { roster_.Make(many, Access::kDrive); }),
+              AllOf(HasSubstr("course.sqlite"), HasSubstr("the disk is full: free some space")));
+  EXPECT_EQ(roster_.people().size(), 1u);
+  EXPECT_THAT(NamesIn(course_), ElementsAre("Anna"));
+}
+
+TEST_F(RosterTest, IsThereAfterItsProcessWasKilled) {
+  const std::string course = folder_ / "killed";
+  int told[2];
+  ASSERT_EQ(pipe(told), 0);
+  const pid_t child = fork();
+  if (child == 0) {
+    CourseFile file(course);
+    Roster roster(file);
+    for (int i = 0;; ++i) {
+      roster.Make({"student " + std::to_string(i)}, Access::kDrive);
+      if (write(told[1], "x", 1) != 1) _exit(1);
+    }
+  }
+  close(told[1]);
+  char answers[20];
+  std::size_t answered = 0;
+  while (answered < sizeof answers) {
+    const ssize_t more = read(told[0], answers, sizeof answers - answered);
+    ASSERT_GT(more, 0);
+    answered += static_cast<std::size_t>(more);
+  }
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+  close(told[0]);
+  EXPECT_GE(NamesIn(course).size(), answered);
+}
+
+TEST(CourseFile, IsRefusedWhereItIsNewerDamagedOrCannotBeWritten) {
+  const test::Folder folder;
+  const auto complaint = [](const std::string& course) {
+    return ComplaintOf([&] { CourseFile file(course); });
+  };
+  {
+    CourseFile file(folder / "newer");
+    file.Use([](SQLite::Database& database) { database.exec("PRAGMA user_version=7"); });
+  }
+  EXPECT_THAT(complaint(folder / "newer"), HasSubstr("is of a newer Palpate (version 7"));
+  {
+    CourseFile file(folder / "damaged");
+    Roster(file).Make({"Anna"}, Access::kDrive);
+  }
+  std::fstream damaged(folder / "damaged/course.sqlite", std::ios::in | std::ios::out);
+  damaged.seekp(4096) << std::string(4096, 'x') << std::flush;
+  EXPECT_THAT(complaint(folder / "damaged"), HasSubstr("it is damaged: put a copy in its place"));
+  std::filesystem::create_directory(folder / "text");
+  std::ofstream(folder / "text/course.sqlite") << std::string(4096, 'x');
+  EXPECT_THAT(complaint(folder / "text"), HasSubstr("it is damaged"));
+  std::ofstream(folder / "file") << "x";
+  EXPECT_THAT(complaint(folder / "file"), HasSubstr("the folder cannot be made"));
+  EXPECT_THAT(complaint("/proc/course"), HasSubstr("the folder cannot be made"));
+  // A folder that root cannot write either.
+  EXPECT_THAT(complaint("/proc/self"), HasSubstr("must be able to write the file and its folder"));
+}
+
+}  // namespace
+}  // namespace palpate
