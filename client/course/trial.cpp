@@ -221,8 +221,9 @@ bool TrialRoom::PollOne(Running& trial, std::int64_t now_ns) {
     }
     const bool in_time =
         1e-9 * static_cast<double>(now_ns - trial.began_ns) < trial.exercise->most_s;
-    if (trial.news.phase == "running" && !in_time) BeginToEnd(trial, "the time is over");
-    if (trial.news.phase != "running" && now_ns - trial.asked_ns > kPatience_ns) {
+    if (trial.news.phase == "running") {
+      if (!in_time) BeginToEnd(trial, "the time is over");
+    } else if (now_ns - trial.asked_ns > kPatience_ns) {
       trial.child->Signal(SIGKILL);
     }
     return true;
@@ -364,7 +365,7 @@ std::string TrialRoom::ListJson(std::int64_t person) {
       }
     }
   });
-  return list.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return Json({{"exercises", list}}).dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 }  // namespace palpate

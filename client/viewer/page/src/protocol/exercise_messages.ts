@@ -31,5 +31,6 @@ export interface TrialState extends DoneTrial {
 }
 
 // The gateway's own words: what is no such thing was sent by no gateway.
-export const toExercises = (value: unknown): readonly Exercise[] => value as readonly Exercise[];
+export const toExercises = (value: unknown): readonly Exercise[] =>
+  (value as {readonly exercises: readonly Exercise[]}).exercises;
 export const toTrialState = (value: unknown): TrialState => value as TrialState;
