@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "client/course/exercise.h"
 #include "common/dds/cdr_reader.h"
 #include "common/dds/endpoint.h"
 #include "common/dds/random_run.h"
@@ -26,7 +27,7 @@ constexpr std::int64_t kPatience_ns = 5'000'000'000;
 constexpr const char* kAbout =
     R"(Gives a lesson again: 'whole' makes scenes whole that were cut, for all who feel and see them;
 'back' makes them as they stood at their 'bookmark'.  Forces are off for a moment, and come back once
-the tool is free of what has come back.
+the tool is free of what has come back.  'check' reads exercises that a teacher has written.
 )";
 
 constexpr const char* kExample =
@@ -34,11 +35,18 @@ constexpr const char* kExample =
 The page has buttons for it, and a scene file's "whole_at_start" does it whenever a session begins
 where no other works.
 
+          palpate-lesson check mine.exercise.json
+Copy one of those that come with the programs (client/course/exercises, or
+/usr/share/palpate/exercises) and edit it: what students read, limits of force and time, criteria.
+Its page there, README.md, has every field.  What is wrong is named by file, line and field, with
+what would be right.
+
 Exit status: 0 done, 1 failed, 2 wrong usage.)";
 
 struct Options : ServerOptions {
   std::vector<std::string> scenes;
   wire::WholeWish wish = palpate_WHOLE_AGAIN;
+  std::vector<std::string> exercises;  ///< to check, in place of all that
 };
 
 /// What a server says that it serves; none before one is heard.
@@ -94,8 +102,29 @@ const char* DoneText(wire::WholeWish wish) {
   }
 }
 
+/// 1 where one has a mistake.
+int Check(const std::vector<std::string>& files) {
+  bool good = true;
+  for (const std::string& file : files) {
+    try {
+      const Exercise exercise = LoadExercise(file);
+      std::printf("%s: good: scene %s, tool %s, %.0f s, criteria %zu, trials %d, expert %s\n",
+                  Printable(file).c_str(), Printable(exercise.scene).c_str(),
+                  Printable(exercise.tool).c_str(), exercise.most_s,
+                  exercise.criteria.criteria.size(), exercise.trials,
+                  Printable(exercise.expert).c_str());
+    } catch (const Error& error) {
+      std::fprintf(stderr, "palpate-lesson: %s\n", error.what());
+      good = false;
+    }
+  }
+  if (good) std::puts("whether the expert passes: palpate-replay rehearse FILE");
+  return good ? 0 : 1;
+}
+
 /// 1 where the user ended it.
-int Ask(const Options& options) {
+int Run(const Options& options) {
+  if (!options.exercises.empty()) return Check(options.exercises);
   StopSignal stop;
   const dds::Participant service = dds::Participant::Service(options.domain, options.network);
   Served served(service);
@@ -149,10 +178,14 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   const CommandLine bookmark =
       add("bookmark", "keep how scenes stand that burs cut", "bookmark caries");
   const CommandLine back = add("back", "make them as they stood at their bookmark", "back caries");
+  const CommandLine check = app.AddCommand("check", "say what is wrong with exercises' files");
+  check.Footer("Example: palpate-lesson check mine.exercise.json");
+  check.Add("FILE", options.exercises, "NAME.exercise.json").Required();
   app.RequireCommands(0, 1);
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
-  if (!whole.given() && !bookmark.given() && !back.given()) {
-    throw UsageError("say what to do: 'palpate-lesson whole SCENE', 'bookmark', 'back', or --help");
+  if (!whole.given() && !bookmark.given() && !back.given() && !check.given()) {
+    throw UsageError(
+        "say what to do: 'palpate-lesson whole SCENE', 'bookmark', 'back', 'check', or --help");
   }
   if (bookmark.given()) options.wish = palpate_WHOLE_BOOKMARK;
   if (back.given()) options.wish = palpate_WHOLE_BACK;
@@ -166,5 +199,5 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
 }  // namespace palpate
 
 int main(int argc, char** argv) {
-  return palpate::RunProgram("palpate-lesson", argc, argv, palpate::ParseOptions, palpate::Ask);
+  return palpate::RunProgram("palpate-lesson", argc, argv, palpate::ParseOptions, palpate::Run);
 }

@@ -172,6 +172,7 @@ HandPath ReadHandPath(const std::vector<std::string>& files, const SessionChoice
   path.run = session.run;
   path.cuts = cuts;
   path.scene = session.scene;
+  path.tool_name = session.tool;
   for (const HandSample& at : hand) {
     path.time_s.push_back(SecondsBetween(hand.front().time_ns, at.time_ns));
     path.X_WH.push_back(at.X_WH);
@@ -206,9 +207,9 @@ HandPath TrialIn(const HandPath& path, const std::string& file) {
     const auto at = [&](std::size_t i) { return all.begin() + static_cast<std::ptrdiff_t>(i); };
     return All(at(begin), at(end));
   };
-  HandPath trial{path.station,    path.scene,         path.run,
-                 path.cuts,       part(path.time_s),  part(path.X_WH),
-                 part(path.X_WG), part(path.force_N), part(path.torque_Nm)};
+  HandPath trial{path.station,         path.scene,      path.run,        path.cuts,
+                 part(path.time_s),    part(path.X_WH), part(path.X_WG), part(path.force_N),
+                 part(path.torque_Nm), path.tool_name};
   for (double& t : trial.time_s) t -= path.time_s[begin];
   return trial;
 }

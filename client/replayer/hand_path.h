@@ -18,6 +18,7 @@ struct HandPath {
   std::vector<Pose> X_WG;     ///< of the answer to that pose; empty: not known
   std::vector<Vec3> force_N;  ///< on the hand, of the answer to that pose; 0 where there is none
   std::vector<Vec3> torque_Nm;
+  std::string tool_name = {};
 
   /// Where the tool was: as objects stopped it, if that is known.
   const std::vector<Pose>& tool() const { return X_WG.empty() ? X_WH : X_WG; }

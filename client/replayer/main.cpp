@@ -34,15 +34,18 @@ int Run(const ReplayOptions& options) {
       Guide(options.playback, options.guide, stop);
       return 0;
     }
+    case ReplayOptions::What::kRehearse:
     case ReplayOptions::What::kScore: {
-      const Report report = MakeReport(options.score);
+      const bool scores = options.what == ReplayOptions::What::kScore;
+      const Report report =
+          scores ? MakeReport(options.score) : Rehearse(LoadExercise(options.exercise));
       if (options.json != "-") std::fputs(ToText(report).c_str(), stdout);
       if (!options.json.empty()) WriteJson(report, options.json);
       if (!options.out.empty()) {
         WriteReport(report, options.out);
         std::fprintf(stderr, "open %s\n", ShellWord(options.out + "/score.html").c_str());
       }
-      return 0;
+      return scores || Passed(report) ? 0 : 1;
     }
     case ReplayOptions::What::kExport: {
       StopSignal stop;

@@ -39,6 +39,11 @@ constexpr const char* kScoreExamples =
       report/score.html: paths in space, distance, forces, marks and their average
   palpate-replay score class.mcap class.mcap --expert-station teacher --station anna
       both of one recording; without these options it says whose sessions there are to choose from)";
+constexpr const char* kRehearseExamples =
+    R"(Example:
+  palpate-replay rehearse mine.exercise.json --out report
+      as quickly as it computes, with no server; report/score.html shows what a trial's page will.
+Exit status: 0 he passes, 1 he does not, or the exercise has a mistake; 2 wrong usage.)";
 constexpr const char* kCriteriaExamples =
     R"(Example:
   palpate-replay criteria mine.json
@@ -117,7 +122,11 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
   const CommandLine score = app.AddCommand(
       "score", "how near a trainee came to an expert, trial by trial and on average");
   score.Footer(kScoreExamples);
-  score.Add("expert", options.score.expert, "recording of the expert").Required();
+  score
+      .Add("expert", options.score.expert,
+           "recording of the expert; or his script, NAME.path.json, which is done in the trials' "
+           "scene")
+      .Required();
   score
       .Add("trials", options.score.trials,
            "recordings of the trainee; several, because one predicts nothing")
@@ -130,10 +139,20 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
       .OneAtATime();
   score.Add("--expert-station", options.score.expert_station, "the same of the expert's recording")
       .TypeName("NAME");
-  score.Add("--criteria", options.score.criteria,
-            "file to grade by; 'palpate-replay criteria FILE' writes one to begin with");
+  score.Add(
+      "--criteria", options.score.criteria,
+      "file to grade by: criteria, of which 'palpate-replay criteria FILE' writes some to begin "
+      "with, or an exercise");
   score.Add("--out", options.out, "folder for the report: score.html, and its figures");
   score.Add("--json", options.json, "write the score as JSON to this file; - is stdout");
+
+  const CommandLine rehearse = app.AddCommand(
+      "rehearse",
+      "have an exercise's expert do it, and grade him: whether its criteria can be met");
+  rehearse.Footer(kRehearseExamples);
+  rehearse.Add("exercise", options.exercise, "NAME.exercise.json").Required();
+  rehearse.Add("--out", options.out, "folder for the report: score.html, and its figures");
+  rehearse.Add("--json", options.json, "write the score as JSON to this file; - is stdout");
 
   const CommandLine criteria =
       app.AddCommand("criteria", "write a file to grade by, for you to edit");
@@ -179,7 +198,7 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
     options.what = solids ? ReplayOptions::What::kExportSolids : ReplayOptions::What::kExport;
     return options;
   }
-  if (score.given() || criteria.given()) {
+  if (score.given() || criteria.given() || rehearse.given()) {
     if (!options.playback.files.empty() || verify || guide.given()) {
       throw UsageError("score takes its recordings alone: 'palpate-replay score --help'");
     }
@@ -187,7 +206,9 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
     if (stations > 1 && stations != options.score.trials.size()) {
       throw UsageError("--station: give it once for all trials, or once for each");
     }
-    options.what = score.given() ? ReplayOptions::What::kScore : ReplayOptions::What::kCriteria;
+    options.what = score.given()      ? ReplayOptions::What::kScore
+                   : rehearse.given() ? ReplayOptions::What::kRehearse
+                                      : ReplayOptions::What::kCriteria;
     return options;
   }
   if (options.playback.files.empty()) {

@@ -14,7 +14,7 @@
 namespace palpate {
 
 struct ReplayOptions {
-  enum class What { kPlay, kVerify, kGuide, kScore, kCriteria, kExport, kExportSolids };
+  enum class What { kPlay, kVerify, kGuide, kScore, kRehearse, kCriteria, kExport, kExportSolids };
   What what = What::kPlay;
   Playback playback;  ///< of kPlay and kGuide; kVerify takes its files
   PlayOptions play;
@@ -23,6 +23,7 @@ struct ReplayOptions {
   ScoreOptions score;
   std::string out;           ///< of kScore: folder for the report; empty: none
   std::string json;          ///< of kVerify and kScore: file or "-"; empty: none
+  std::string exercise;      ///< of kRehearse: file
   std::string new_criteria;  ///< of kCriteria: file to write
   std::string criteria_of;   ///< of kCriteria: the scene; empty: periodontal probing
   ExportOptions columns;

@@ -56,6 +56,7 @@ class ClassRoom {
   /// Throws Error, as CourseFile does.
   explicit ClassRoom(const std::string& folder) : file_(folder), roster_(file_) {}
 
+  CourseFile& file() { return file_; }
   Roster& roster() { return roster_; }
   /// A teacher's token, where nobody may operate yet.
   std::optional<Roster::Made> MakeFirstTeacher();

@@ -50,6 +50,12 @@ constexpr std::string_view kHealth = "/healthz";
 constexpr std::string_view kMetrics = "/metrics";
 constexpr std::string_view kScene = "/scene/";
 constexpr std::string_view kBundle = ".bundle";
+constexpr std::string_view kScore = "/score/";
+constexpr std::string_view kExercise = "/exercise/";
+/// A score page brings its scripts with it, and nothing else may run there or be asked for.
+constexpr const char* kScorePolicy =
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; "
+    "frame-ancestors 'none'; sandbox allow-scripts";
 
 std::string_view View(beast::string_view text) {
   return {text.data(), text.size()};
@@ -219,7 +225,28 @@ void HttpSession::Answer(const Request& request) {
     return GiveScene(request,
                      path->substr(kScene.size(), path->size() - kScene.size() - kBundle.size()));
   }
+  // By a key that its person alone was told, as a link that opens in a tab of its own.
+  if (path->starts_with(kScore)) {
+    return GiveOfCourse(request, &TrialRoom::PageOf, path->substr(kScore.size()));
+  }
+  if (path->starts_with(kExercise)) {
+    return GiveOfCourse(request, &TrialRoom::PictureOf, path->substr(kExercise.size()));
+  }
   GiveFile(request, *path);
+}
+
+void HttpSession::GiveOfCourse(const Request& request,
+                               std::string (TrialRoom::*find)(const std::string&) const,
+                               const std::string& name) {
+  const TrialRoom* const trials = hub_.trials();
+  const std::string path = trials != nullptr ? (trials->*find)(name) : "";
+  PageFile file{path, ContentTypeOf(path)};
+  const auto content = path.empty() ? nullptr : hub_.page().Read(file);
+  if (!content) return GiveText(request, http::status::not_found, "there is no such file\n");
+  Response response = ResponseOf(http::status::ok, "no-store");
+  response.set(http::field::content_type, file.content_type);
+  if (find == &TrialRoom::PageOf) response.set("Content-Security-Policy", kScorePolicy);
+  Send(std::move(response), request, BytesOf(*content), content);
 }
 
 void HttpSession::Upgrade(const Request& request) {
@@ -248,7 +275,9 @@ void HttpSession::Send(Response response, const Request& request,
   response.body() = {bytes.data(), bytes.size()};
   response.prepare_payload();
   response.set(http::field::server, "palpate-viewer/" PALPATE_VERSION);
-  for (const auto& [name, value] : kSafeHeaders) response.set(name, value);
+  for (const auto& [name, value] : kSafeHeaders) {
+    if (response.count(name) == 0) response.set(name, value);
+  }
   if (stream_.is_secure()) response.set("Strict-Transport-Security", kOnlyTls);
   if (response.result() == http::status::unauthorized) {
     response.set(http::field::www_authenticate, "Bearer realm=\"palpate\"");

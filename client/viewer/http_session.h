@@ -50,6 +50,10 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
                 const char* type = "text/plain; charset=utf-8");
   void GiveFile(const Request& request, const std::string& path);
   void GiveScene(const Request& request, const std::string& name);
+  /// What a course has by that name: a score page, or a picture.
+  void GiveOfCourse(const Request& request,
+                    std::string (TrialRoom::*find)(const std::string&) const,
+                    const std::string& name);
   static Response ResponseOf(boost::beast::http::status status, const char* cache);
   static Response SceneResponse(boost::beast::http::status status, const std::string& etag);
   /// @param owner  keeps the bytes alive.

@@ -32,6 +32,16 @@ std::string StationProgram() {
   return (std::filesystem::path(ProgramFolder()) / "palpate-station").string();
 }
 
+/// Where its recorders hear the mice.
+std::vector<std::string> RecorderWords(const ViewerOptions& options) {
+  std::vector<std::string> words{"--domain=" + std::to_string(options.domain),
+                                 "--transport=" + options.transport,
+                                 "--network=" + options.network.interface};
+  if (options.network.secured()) words.push_back("--identity=" + options.network.identity);
+  for (const std::string& peer : options.network.peers) words.push_back("--peer=" + peer);
+  return words;
+}
+
 std::string Joined(const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
@@ -82,7 +92,12 @@ Hub::Hub(boost::asio::io_context& io, const ViewerOptions& options)
              }},
             [this](const MouseRoom::News& news) { Tell(news); }),
       packer_(io),
-      logged_ns_(SteadyNanoseconds()) {}
+      logged_ns_(SteadyNanoseconds()) {
+  if (!class_room_) return;
+  trials_ = std::make_unique<TrialRoom>(
+      TrialRoom::Options{options.course, ProgramFolder(), RecorderWords(options)},
+      class_room_->file(), [this](const TrialRoom::News& news) { Tell(news); });
+}
 
 bool Hub::MakeRoom(const std::string& address) {
   const std::int64_t now_ns = SteadyNanoseconds();
@@ -115,6 +130,7 @@ void Hub::Leave(const ViewerSession& viewer) {
   wishes_.Leave(id);
   viewers_.erase(id);  // a handler may be the last to hold it
   class_changed_ = true;
+  if (trials_) trials_->End(id, "its page has gone");
   mice_.Release(id, "its page has gone", SteadyNanoseconds());
 }
 
@@ -126,6 +142,7 @@ void Hub::Tick(std::int64_t now_ns) {
       },
       [&](const wire::SessionState& state) { mice_.OnSession(state, now_ns); });
   mice_.Poll(now_ns);
+  if (trials_) trials_->Poll(now_ns);
   refusals_.Poll(now_ns);
   TellClass(now_ns);
   // Flushing may find that one has gone.
@@ -237,12 +254,98 @@ void Hub::TellClass(std::int64_t now_ns) {
 void Hub::BeginToEnd(std::int64_t now_ns) {
   const auto viewers = viewers_;
   for (const auto& [id, viewer] : viewers) {
+    if (trials_) trials_->End(id, "the gateway ends");
     mice_.Release(id, "the gateway ends", now_ns);
     viewer->Close(boost::beast::websocket::close_code::going_away, "the gateway ends");
   }
 }
 
+std::string Hub::Try(const TrialCommand& command, ViewerSession& viewer, std::int64_t now_ns) {
+  try {
+    switch (command.op) {
+      case TrialCommand::Op::kBegin:
+        BeginTrial(command.exercise, viewer, now_ns);
+        break;
+      case TrialCommand::Op::kStop:
+        trials_->End(viewer.id(), "stopped");
+        break;
+      case TrialCommand::Op::kSubmit:
+        trials_->Submit(viewer.id(), viewer.holder()->person, command.exercise, command.n);
+        viewer.Push(ExercisesFrameOf(viewer), now_ns);
+        break;
+    }
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+void Hub::BeginTrial(const std::string& name, ViewerSession& viewer, std::int64_t now_ns) {
+  if (const std::string why = RefuseWish(Wish::kTake, viewer, now_ns); !why.empty()) {
+    throw Error(why);
+  }
+  const Exercise* const exercise = trials_->Find(name);
+  if (exercise == nullptr) throw Error("there is no exercise '" + name + "'");
+  // The own seat, where it is one of that scene.
+  const std::string seat = class_room_->SeatOf(viewer.holder()->person);
+  const bool has_seat = seat.starts_with(exercise->scene_name + "-");
+  const MouseCommand take{
+      MouseCommand::Op::kTake, has_seat ? seat : exercise->scene_name, exercise->tool, {}};
+  if (!seat.empty() && !has_seat) throw Error("your seat is '" + seat + "', another scene's");
+  if (const std::string absent = WhyAbsent(take.scene); !absent.empty()) throw Error(absent);
+  if (trials_->is_at_one(viewer.id())) throw Error("you are at a trial; end it first");
+  mice_.Release(viewer.id(), "a trial begins", now_ns);
+  if (AsksForCuts(exercise->criteria) && exercise->start != Exercise::Start::kAsItIs) {
+    AskForWhole(
+        take.scene,
+        exercise->start == Exercise::Start::kWhole ? palpate_WHOLE_AGAIN : palpate_WHOLE_BACK,
+        viewer.Who());
+  }
+  // Its recorder first: the first pose counts.
+  const std::string station =
+      mice_.Take(viewer.id(), viewer.holder()->name, take, "", now_ns, true);
+  if (station.empty()) return;  // which its page has been told
+  try {
+    trials_->Begin(viewer.id(), viewer.holder()->person, name, station, now_ns);
+  } catch (const Error& error) {
+    mice_.Release(viewer.id(), error.what(), now_ns);
+    throw;
+  }
+}
+
+FramePtr Hub::ExercisesFrameOf(const ViewerSession& viewer) const {
+  return OwnFrame(TopicFeed::kExercises, 0, trials_->ListJson(viewer.holder()->person));
+}
+
+void Hub::Tell(const TrialRoom::News& news) {
+  const std::int64_t now_ns = SteadyNanoseconds();
+  if (news.phase == "running") mice_.Go(news.holder, now_ns);
+  if (news.phase == "ending" || news.phase == "scoring") {
+    mice_.Release(news.holder, "the trial ends: " + news.reason, now_ns);
+  }
+  nlohmann::json json = {{"exercise", news.exercise}, {"n", news.n},
+                         {"phase", news.phase},       {"reason", news.reason},
+                         {"whole", news.whole},       {"points", nullptr},
+                         {"passed", news.passed},     {"submitted", news.submitted},
+                         {"page", news.page},         {"left_s", news.left_s}};
+  if (news.points) json["points"] = *news.points;
+  const bool is_over = news.phase == "scored" || news.phase == "unscored";
+  spdlog::info("trial {} of '{}' by person {}: {}{}{}", news.n, news.exercise, news.person,
+               news.phase, news.reason.empty() ? "" : ", ", news.reason);
+  // All pages of that person: the one that began it may be gone.
+  for (const auto& [id, viewer] : viewers_) {
+    if (!viewer->holder() || viewer->holder()->person != news.person) continue;
+    viewer->Push(OwnFrame(TopicFeed::kTrial, 0, ToText(json)), now_ns);
+    if (is_over) viewer->Push(ExercisesFrameOf(*viewer), now_ns);
+  }
+}
+
 void Hub::Tell(const MouseRoom::News& news) {
+  if (trials_ && (news.phase == "ended" || news.phase == "refused")) {
+    trials_->End(news.holder, "the tool is " +
+                                  std::string(news.phase == "ended" ? "given back" : "refused") +
+                                  (news.reason.empty() ? "" : ": " + news.reason));
+  }
   const auto viewer = viewers_.find(news.holder);
   if (viewer == viewers_.end()) return;
   const std::shared_ptr<ViewerSession> keep = viewer->second;
@@ -341,8 +444,8 @@ void Hub::Take(ViewerSession& viewer, const MouseCommand& command, std::int64_t 
     refusal = "your seat is '" + seat + "'; take the tool there";
   }
   if (refusal.empty()) {
-    return mice_.Take(viewer.id(), holder ? holder->name : "", command, WhyAbsent(command.scene),
-                      now_ns);
+    mice_.Take(viewer.id(), holder ? holder->name : "", command, WhyAbsent(command.scene), now_ns);
+    return;
   }
   // The page waits for a word on each; of these the newest alone waits for the page.
   TellState(viewer, {viewer.id(), "", command.scene, command.tool, "refused", refusal});

@@ -10,6 +10,7 @@
 
 #include <boost/asio/io_context.hpp>
 
+#include "client/course/trial.h"
 #include "client/viewer/class_room.h"
 #include "client/viewer/gate.h"
 #include "client/viewer/mouse_room.h"
@@ -41,7 +42,9 @@ class Hub {
   void ReadTokensAnew(std::int64_t now_ns);
   /// Bids viewers and mice farewell; their going is seen in later ticks.
   void BeginToEnd(std::int64_t now_ns);
-  bool ended() const { return viewers_.empty() && mice_.size() == 0; }
+  bool ended() const {
+    return viewers_.empty() && mice_.size() == 0 && (!trials_ || trials_->size() == 0);
+  }
 
   const ViewerOptions& options() const { return options_; }
   PageFiles& page() { return page_; }
@@ -70,6 +73,12 @@ class Hub {
   /// What a viewer is told of itself, and, one who may operate, of all.
   FramePtr OwnFrameOf(const ViewerSession& viewer) const;
   FramePtr PeopleFrame() const;
+  /// Does what a person wants of a trial.  Returns why not; empty: it is done.
+  std::string Try(const TrialCommand& command, ViewerSession& viewer, std::int64_t now_ns);
+  /// What there is to do, for that person.  @param viewer  one of a course.
+  FramePtr ExercisesFrameOf(const ViewerSession& viewer) const;
+  /// Null without a --course.
+  const TrialRoom* trials() const { return trials_.get(); }
   /// Gives a viewer a tool, unless it takes them too often.
   void Take(ViewerSession& viewer, const MouseCommand& command, std::int64_t now_ns);
   MouseRoom& mice() { return mice_; }
@@ -98,6 +107,8 @@ class Hub {
     std::uint64_t lost = 0;  // of viewers that have left
   };
   void Tell(const MouseRoom::News& news);
+  void Tell(const TrialRoom::News& news);
+  void BeginTrial(const std::string& exercise, ViewerSession& viewer, std::int64_t now_ns);
   /// From now on these are valid, and those of the course; returns how many connections end.
   std::size_t Renew(std::optional<Tokens> tokens, std::int64_t now_ns);
   ClassRoom::Here CountPages() const;
@@ -114,6 +125,7 @@ class Hub {
   ViewerOptions options_;
   std::unique_ptr<ClassRoom> class_room_;
   std::optional<Tokens> listed_;  // of --tokens
+  std::unique_ptr<TrialRoom> trials_;
   bool class_changed_ = false;
   Gate gate_;
   RefusalLog refusals_;

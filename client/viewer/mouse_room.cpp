@@ -32,10 +32,11 @@ std::string MouseRoom::NameFor(const std::string& who, const Mouse& wanted) cons
   }
 }
 
-void MouseRoom::Take(Holder holder, const std::string& who, const MouseCommand& command,
-                     const std::string& absent, std::int64_t now_ns) {
+std::string MouseRoom::Take(Holder holder, const std::string& who, const MouseCommand& command,
+                            const std::string& absent, std::int64_t now_ns, bool waits) {
   const auto refuse = [&](const std::string& reason) {
     tell_({holder, "", command.scene, command.tool, "refused", reason});
+    return std::string();
   };
   if (const Mouse* held = Find(holder)) {
     return refuse("you hold a tool of scene '" + held->scene + "' already; release it first");
@@ -51,11 +52,21 @@ void MouseRoom::Take(Holder holder, const std::string& who, const MouseCommand& 
   mouse.scene = command.scene;
   mouse.tool = command.tool;
   mouse.moved_ns = now_ns;
+  mouse.waits = waits;
   mouse.name = NameFor(who, mouse);
   spdlog::info("{} takes a tool of scene '{}'", mouse.name, command.scene);
   tell_({holder, mouse.name, command.scene, command.tool, "", ""});
+  std::string name = mouse.name;
   mice_.push_back(std::move(mouse));
-  if (!StillHeld(mice_.back())) Start(mice_.back(), now_ns);
+  if (!waits && !StillHeld(mice_.back())) Start(mice_.back(), now_ns);
+  return name;
+}
+
+void MouseRoom::Go(Holder holder, std::int64_t now_ns) {
+  Mouse* const mouse = Find(holder);
+  if (mouse == nullptr) return;
+  mouse->waits = false;
+  mouse->moved_ns = now_ns;
 }
 
 bool MouseRoom::Leaves(const Mouse& mouse, const Mouse& wanted) {
@@ -132,7 +143,8 @@ void MouseRoom::Poll(std::int64_t now_ns) {
     if (mouse.holder != 0 && !mouse.held && now_ns - mouse.moved_ns > kIdle_ns) {
       LetGo(mouse, "ended", "nobody has moved it for 5 minutes", now_ns);
     }
-    if (!mouse.station && mouse.holder != 0 && !StillHeld(mouse)) Start(mouse, now_ns);
+    const bool may_start = !mouse.station && mouse.holder != 0 && !mouse.waits;
+    if (may_start && !StillHeld(mouse)) Start(mouse, now_ns);
     const bool waits = !mouse.station && mouse.holder != 0;
     if (waits || (mouse.station && mouse.station->Poll(now_ns))) {
       ++it;

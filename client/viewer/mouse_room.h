@@ -49,8 +49,11 @@ class MouseRoom {
 
   /// @param who        the name of the viewer's token, which becomes its station's; empty: it has
   ///                   none.   @param absent  why the scene cannot be had now; empty: it can.
-  void Take(Holder holder, const std::string& who, const MouseCommand& command,
-            const std::string& absent, std::int64_t now_ns);
+  /// @param waits      its station is started by Go.
+  /// Returns the station's name; empty: it is refused.
+  std::string Take(Holder holder, const std::string& who, const MouseCommand& command,
+                   const std::string& absent, std::int64_t now_ns, bool waits = false);
+  void Go(Holder holder, std::int64_t now_ns);
   /// Of no effect where the viewer holds nothing: poses may come late, after a release.
   void Drag(Holder holder, const Pose& X_WT, std::int64_t now_ns);
   /// Also when the viewer has gone.
@@ -72,7 +75,8 @@ class MouseRoom {
     std::string scene, tool;
     std::uint64_t run = 0;  // of its session; 0: it never had one
     std::int64_t moved_ns = 0;
-    bool held = false;  // until a teacher admits it: nobody can move it
+    bool waits = false;  // until Go
+    bool held = false;   // until a teacher admits it: nobody can move it
   };
   Mouse* Find(Holder holder);
   /// A station's name that nobody has: anna, anna_2, ...; without a name mouse_1, mouse_2, ... That

@@ -4,9 +4,8 @@
 #include <string>
 #include <vector>
 
-#include <sys/types.h>
-
 #include "common/math/pose.h"
+#include "common/program/child_program.h"
 
 namespace palpate {
 
@@ -22,30 +21,19 @@ class MouseStation {
   /// @param program  path of palpate-station.   @param arguments  without the program's name.
   /// Throws Error where no process can be made.
   MouseStation(const std::string& program, const std::vector<std::string>& arguments);
-  ~MouseStation();
-  MouseStation(const MouseStation&) = delete;
-  MouseStation& operator=(const MouseStation&) = delete;
-
   /// The newest pose counts: one that the child is too busy to read is passed over.
-  void Drag(const Pose& X_WT);
+  void Drag(const Pose& X_WT) { child_.Write(ToMouseLine(X_WT)); }
   /// Ends its input; it leaves its session and ends within a second, or is killed after three.
   void LetGo(std::int64_t now_ns);
 
   /// Looks after it, some 100 times a second.  False once it has ended.
   bool Poll(std::int64_t now_ns);
   /// Once it has ended: what it complained of last; empty where it ended in order.
-  const std::string& complaint() const { return complaint_; }
+  const std::string& complaint() const { return child_.complaint(); }
 
  private:
-  void ReadOutput();
-
-  pid_t pid_ = -1;
-  int input_ = -1;
-  int output_ = -1;
+  ChildProgram child_;
   std::int64_t let_go_ns_ = 0;
-  std::string last_line_;
-  std::string line_;
-  std::string complaint_;
 };
 
 }  // namespace palpate

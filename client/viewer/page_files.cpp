@@ -15,19 +15,16 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t kLargestFile = std::uint64_t{64} << 20;  // the page has 2 MB
 
-/// What Vite builds the page of.
-constexpr std::array<std::pair<std::string_view, const char*>, 3> kContentTypes = {{
+/// What Vite builds the page of, and exercises' pictures.
+constexpr std::array<std::pair<std::string_view, const char*>, 7> kContentTypes = {{
     {".html", "text/html; charset=utf-8"},
     {".js", "text/javascript; charset=utf-8"},
     {".css", "text/css; charset=utf-8"},
+    {".png", "image/png"},
+    {".jpg", "image/jpeg"},
+    {".svg", "image/svg+xml"},
+    {".webp", "image/webp"},
 }};
-
-std::string ContentTypeOf(const fs::path& path) {
-  for (const auto& [extension, type] : kContentTypes) {
-    if (path.extension() == extension) return type;
-  }
-  return "application/octet-stream";
-}
 
 bool IsBelow(const fs::path& path, const fs::path& folder) {
   return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first ==
@@ -35,6 +32,13 @@ bool IsBelow(const fs::path& path, const fs::path& folder) {
 }
 
 }  // namespace
+
+std::string ContentTypeOf(const fs::path& path) {
+  for (const auto& [extension, type] : kContentTypes) {
+    if (path.extension() == extension) return type;
+  }
+  return "application/octet-stream";
+}
 
 std::optional<std::string> PathOfTarget(std::string_view target) {
   target = target.substr(0, target.find_first_of("?#"));

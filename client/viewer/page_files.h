@@ -13,6 +13,9 @@ namespace palpate {
 /// where it is none: a bad %xx, a zero, a backslash, or a '..' as one of its names.
 std::optional<std::string> PathOfTarget(std::string_view target);
 
+/// By its name's ending.
+std::string ContentTypeOf(const std::filesystem::path& path);
+
 /// True where an Accept-Encoding header allows gzip.
 bool AcceptsGzip(std::string_view accept_encoding);
 

@@ -23,6 +23,8 @@ using Words = std::vector<std::string_view>;
 const Words kMouseOps = {"take", "pose", "release", "whole", "bookmark", "back"};
 /// In the order of idl/session.idl, and a goal.
 const Words kOperateOps = {"admit", "take_back", "mute", "unmute", "goal"};
+/// In the order of TrialCommand::Op.
+const Words kTrialOps = {"begin", "stop", "submit"};
 /// In the order of idl/replay.idl, as the marks.
 const Words kWishes = {"play", "pause", "seek", "rate", "add_bookmark", "drop_bookmark"};
 constexpr std::array kMarks = {"bookmark", "session", "contact", "fault", "whole"};
@@ -108,6 +110,27 @@ OperateCommand ParseOperateCommand(std::string_view text) {
   command.station = station.Text();
   if (!dds::IsStationName(command.station)) station.Fail("names no station");
   command.wish = static_cast<wire::OperateWish>(op);
+  return command;
+}
+
+TrialCommand ParseTrialCommand(std::string_view text) {
+  const JsonNode json = JsonNode::Parse(text, "/palpate/trial");
+  TrialCommand command;
+  command.op = static_cast<TrialCommand::Op>(IndexIn(kTrialOps, json.At("op")));
+  switch (command.op) {
+    case TrialCommand::Op::kBegin:
+      json.AllowOnly({"op", "exercise"});
+      command.exercise = Name(json.At("exercise"));
+      break;
+    case TrialCommand::Op::kStop:
+      json.AllowOnly({"op"});
+      break;
+    case TrialCommand::Op::kSubmit:
+      json.AllowOnly({"op", "exercise", "n"});
+      command.exercise = Name(json.At("exercise"));
+      command.n = static_cast<int>(json.At("n").Integer(0, 1'000'000));
+      break;
+  }
   return command;
 }
 

@@ -57,6 +57,18 @@ OperateCommand ParseOperateCommand(std::string_view json);
 /// "admit", "take_back", "mute", "unmute".
 std::string_view OperateWishName(wire::OperateWish wish);
 
+/// Of a person of a course, on the channel /palpate/trial, these fields and no others:
+///   {"op": "begin", "exercise": NAME}
+///   {"op": "stop"}
+///   {"op": "submit", "exercise": NAME, "n": NUMBER}    hands it in; one that is running ends
+struct TrialCommand {
+  enum class Op { kBegin, kStop, kSubmit };
+  Op op = Op::kStop;
+  std::string exercise;
+  int n = 0;
+};
+TrialCommand ParseTrialCommand(std::string_view json);
+
 /// On the channel /palpate/replay.  64 bits that are a name travel as text in hexadecimal digits,
 /// here and below: a number of JavaScript has 53.
 ///   {"replay": "5f3a…", "tag": 7, "wish": "play"}         or "pause"

@@ -77,6 +77,10 @@ std::vector<foxglove::Channel> TopicFeed::Channels(bool mice, bool steers, bool 
     channels.push_back(JsonChannel(kReplayAnswer, "replay_answer", "ReplayAnswer", kAnswerSchema));
   }
   if (of_course) channels.push_back(JsonChannel(kMe, "me", "Me", kObjectSchema));
+  if (of_course && mice) {
+    channels.push_back(JsonChannel(kExercises, "exercises", "Exercises", kObjectSchema));
+    channels.push_back(JsonChannel(kTrial, "trial_state", "TrialState", kObjectSchema));
+  }
   if (teaches) {
     channels.push_back(JsonChannel(kPeople, "people", "People", kObjectSchema));
     channels.push_back(JsonChannel(kClassAnswer, "class_answer", "ClassAnswer", kObjectSchema));

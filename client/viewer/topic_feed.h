@@ -55,6 +55,8 @@ class TopicFeed {
     kMe,           ///< to each viewer, of itself
     kPeople,       ///< to those who may operate
     kClassAnswer,  ///< to each of those, of its own wishes
+    kExercises,    ///< to each who may have a mouse there: what there is to do, and what was done
+    kTrial,        ///< to each of those, of the own trial
   };
   /// What viewers are offered.
   /// @param mice    who may have a mouse hears of it.

@@ -29,6 +29,7 @@ constexpr const char* kMouseTopic = "/palpate/mouse";
 constexpr const char* kReplayTopic = "/palpate/replay";
 constexpr const char* kOperateTopic = "/palpate/operate";
 constexpr const char* kClassTopic = "/palpate/class";
+constexpr const char* kTrialTopic = "/palpate/trial";
 
 }  // namespace
 
@@ -174,6 +175,7 @@ void ViewerSession::Publish(const foxglove::ClientChannel& channel) {
   const bool may = (mouse_ && channel.topic == kMouseTopic) ||
                    (steers_ && channel.topic == kReplayTopic) ||
                    (teaches_ && channel.topic == kClassTopic) ||
+                   (of_course_ && mouse_ && channel.topic == kTrialTopic) ||
                    (access_ == Access::kOperate && channel.topic == kOperateTopic);
   if (may && channel.encoding == "json") {
     published_.insert_or_assign(channel.id, channel.topic);
@@ -201,7 +203,8 @@ std::string ViewerSession::WhatIsOfUse() const {
   std::string use;
   for (const auto& [may, topic] :
        {std::pair(steers_, kReplayTopic), std::pair(mouse_, kMouseTopic),
-        std::pair(operates, kOperateTopic), std::pair(teaches_, kClassTopic)}) {
+        std::pair(operates, kOperateTopic), std::pair(teaches_, kClassTopic),
+        std::pair(of_course_ && mouse_, kTrialTopic)}) {
     if (may) use += (use.empty() ? "give " : " or ") + std::string(topic);
   }
   if (!use.empty()) use += ", encoding json";
@@ -244,6 +247,9 @@ void ViewerSession::Subscribe(const foxglove::Request& request) {
       for (const auto& [scene, goal] : hub_.goals()) queue_.Push(goal, now_ns);
     }
     if (wanted.channel == TopicFeed::kMe) queue_.Push(hub_.OwnFrameOf(*this), now_ns);
+    if (wanted.channel == TopicFeed::kExercises) {
+      queue_.Push(hub_.ExercisesFrameOf(*this), now_ns);
+    }
     if (wanted.channel == TopicFeed::kPeople) queue_.Push(hub_.PeopleFrame(), now_ns);
     if (wanted.channel == TopicFeed::kMouseState && mouse_state_) queue_.Push(mouse_state_, now_ns);
   }
@@ -263,6 +269,8 @@ std::string ViewerSession::OnBinary(std::span<const std::uint8_t> bytes) {
       OnOperate(ParseOperateCommand(message.payload));
     } else if (channel->second == kClassTopic) {
       OnClass(ParseClassCommand(message.payload));
+    } else if (channel->second == kTrialTopic) {
+      OnTrial(ParseTrialCommand(message.payload));
     } else {
       OnReplay(ParseReplayWish(message.payload));
     }
@@ -312,6 +320,11 @@ void ViewerSession::OnClass(const ClassCommand& command) {
   const std::int64_t now_ns = SteadyNanoseconds();
   if (!hub_.RefuseWish(Wish::kOperate, *this, now_ns).empty()) return;
   queue_.Push(hub_.Teach(command, *this), now_ns);
+}
+
+void ViewerSession::OnTrial(const TrialCommand& command) {
+  const std::string refusal = hub_.Try(command, *this, SteadyNanoseconds());
+  if (!refusal.empty()) Say(foxglove::Level::kError, std::string(kTrialTopic) + ": " + refusal);
 }
 
 void ViewerSession::Watch(std::int64_t now_ns) {

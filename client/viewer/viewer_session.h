@@ -81,6 +81,7 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
   void OnMouse(const MouseCommand& command);
   void OnReplay(const ReplayWish& wish);
   void OnClass(const ClassCommand& command);
+  void OnTrial(const TrialCommand& command);
   /// What it is offered.
   std::vector<foxglove::Channel> Channels() const;
   void OnOperate(const OperateCommand& command);

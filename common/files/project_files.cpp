@@ -19,6 +19,8 @@ Places PlacesOf(ProjectFile file) {
   switch (file) {
     case ProjectFile::kCatalogue:
       return {"catalogue", "scenes/catalogue"};
+    case ProjectFile::kExercises:
+      return {"exercises", "client/course/exercises"};
     case ProjectFile::kPage:
       return {"page", "build/page"};
     case ProjectFile::kModels:

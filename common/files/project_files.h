@@ -8,6 +8,7 @@ namespace palpate {
 /// fixed when they are built, so a package, a prefix of one's own and a checkout work alike.
 enum class ProjectFile {
   kCatalogue,     ///< folder of the scenes' files
+  kExercises,     ///< folder of the exercises that come with them
   kPage,          ///< folder of the built web page
   kModels,        ///< folder of npm's packages with meshes
   kSharedMemory,  ///< iox-roudi's pools

@@ -255,6 +255,14 @@ std::optional<JsonNode> JsonNode::Find(std::string_view field) const {
   return std::nullopt;
 }
 
+std::vector<std::string> JsonNode::Fields() const {
+  std::vector<std::string> names;
+  for (const auto& member : Expect(Value::kObject, "an object { ... }").members) {
+    names.push_back(member.first);
+  }
+  return names;
+}
+
 bool JsonNode::Has(std::string_view field) const {
   return Find(field).has_value();
 }

@@ -34,6 +34,7 @@ class JsonNode {
   bool Has(std::string_view field) const;
   JsonNode At(std::string_view field) const;  ///< throws where the field is missing
   std::optional<JsonNode> Find(std::string_view field) const;
+  std::vector<std::string> Fields() const;  ///< an object's, by name
   std::vector<JsonNode> Items(std::size_t at_least = 0) const;
 
   std::string String() const;  ///< not empty, and not longer than kMostText

@@ -136,9 +136,10 @@ const std::vector<Rule> kRules = {
     {"client/crtk", {"common", "client/crtk", "client/station/guide.h"}, {}, {"Eigen", "spdlog"}},
     {"client/igtl", {"common", "client/igtl"}, {}, {"Eigen", "spdlog", "OpenIGTLink"}},
     {"client", {"common", "scenes", "devices"}, {}, {"Eigen", "spdlog", "nlohmann-json"}},
+    {"client/lesson", {"common", "client/lesson", "client/course"}, {}, {"Eigen", "spdlog"}},
     // The one client that knows the server's insides: to verify a recording is to run its loop.
     {"client/replayer",
-     {"common", "scenes", "client/replayer", "server/physics", "server/session"},
+     {"common", "scenes", "client/course", "client/replayer", "server/physics", "server/session"},
      {},
      {"Eigen", "spdlog", "nlohmann-json"}},
 };

@@ -174,7 +174,7 @@ TargetDifference DifferenceTo(const SolidsCut& target, const SolidsCut& cut,
   return difference;
 }
 
-CutShape::CutShape(const SolidsCut& cut) : cut_(cut) {
+CutShape::CutShape(const SolidsCut& cut) : cut_(cut), tissues_(TissuesOf(cut)) {
   for (std::size_t s = 0; s < cut.after.size(); ++s) {
     const CutSolid& solid = cut.objects->solids()[s];
     const SolidSurface surface = WholeSurface(cut.after[s]);

@@ -6,12 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "client/course/criteria_file.h"
 #include "client/replayer/verify/verify.h"
 
 namespace palpate {
-
-/// A box or a ball in W; none: everywhere.
-using Place = std::optional<MaterialRegion>;
 
 /// What there was and what a session's bur left of a tissue: of all materials of that name.
 struct TissueCut {
@@ -59,6 +57,8 @@ class CutShape {
   std::optional<double> ThicknessOver(const std::string& tissue, const Place& place) const;
   /// @param axis  unit, W: out of the solid.
   Preparation PreparationAlong(const Vec3& axis, const Place& place) const;
+  /// TissuesOf the whole trial, counted once.
+  const std::vector<TissueCut>& tissues() const { return tissues_; }
 
  private:
   struct Triangle {
@@ -78,6 +78,7 @@ class CutShape {
   void AddBorder(const Vec3& axis, const std::vector<bool>& inside, Preparation& found) const;
 
   const SolidsCut& cut_;
+  std::vector<TissueCut> tissues_;
   std::vector<Vec3> vertices_;  ///< W [m]
   std::vector<Triangle> triangles_;
   std::vector<Edge> edges_;

@@ -10,6 +10,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "client/replayer/hand_path.h"
+#include "client/replayer/score/performance.h"
 #include "common/error.h"
 #include "common/files/output.h"
 #include "common/files/whole_file.h"
@@ -25,6 +26,8 @@ constexpr std::size_t kMostShown = 600;
 
 constexpr const char* kOneTrial =
     "One trial predicts nothing: give several, and go by their average.";
+/// Of a hand's script.
+constexpr std::string_view kScriptEnding = ".path.json";
 constexpr const char* kUntouched = "nothing was touched";
 
 /// What is told of each trial beside its marks.
@@ -75,10 +78,6 @@ std::optional<Average> AverageGrade(const Report& report,
 }
 std::optional<Average> PointsOf(const Report& report) {
   return AverageGrade(report, [](const Grade& grade) { return grade.points; });
-}
-bool Passed(const Report& report) {
-  const auto points = PointsOf(report);
-  return points && points->mean >= report.criteria->pass;
 }
 
 /// JSON as an expression in a script element, where HTML ends the script at "</script", and does
@@ -313,14 +312,20 @@ bool HaveEqualSolids(const SolidsCut& a, const SolidsCut& b) {
   });
 }
 
-/// Of the last trial: what its burs left beside what the expert's did, if he has cut; and its
-/// grade, if there are criteria.
-void AddCutAndGrade(const std::optional<SolidsCut>& expert, const HandPath& trial,
-                    const std::string& file, Report& report) {
-  std::optional<SolidsCut> cut;
+/// A trial, what its burs left beside what the expert's did, if he has cut; and its grade, if there
+/// are criteria.
+/// @param cut  none: it is computed again from the recording, if need be.
+void AddTrial(const Performance& done, const HandPath& trial, std::optional<SolidsCut> cut,
+              const std::string& file, const std::string& name, Report& report) {
+  if (trial.scene != done.path.scene) {
+    throw Error(file + ": is of scene '" + trial.scene + "', and the expert's of '" +
+                done.path.scene + "'; give recordings of one scene");
+  }
+  report.trials.push_back({name, ScorePath(done.path, trial)});
+  const std::optional<SolidsCut>& expert = done.cut;
   std::optional<CutShape> shape;
   if (expert) {
-    cut = CutIn(file, trial);
+    if (!cut) cut = CutIn(file, trial);
     report.cuts.push_back(TissuesOf(*cut));
     if (!HaveEqualSolids(*cut, *expert) ||
         !std::ranges::equal(report.cuts.back(), report.expert_cut, {}, &TissueCut::name,
@@ -339,6 +344,12 @@ void AddCutAndGrade(const std::optional<SolidsCut>& expert, const HandPath& tria
       *report.criteria, report.trials.back().score, trial, [&](const Criterion& criterion) {
         return MeasureCut(criterion, *expert, *cut, *shape, report.criteria->file);
       }));
+}
+
+void AddExpert(const Performance& expert, Report& report) {
+  if (!expert.cut) return;
+  report.expert_cut = TissuesOf(*expert.cut);
+  if (!report.expert_cut.empty()) report.pictures.push_back(PictureOf(*expert.cut, *expert.cut));
 }
 
 nlohmann::ordered_json JsonOf(const std::vector<TissueCut>& cut) {
@@ -436,6 +447,11 @@ std::string JsonText(const Report& report) {
 
 }  // namespace
 
+bool Passed(const Report& report) {
+  const auto points = PointsOf(report);
+  return points && points->mean >= report.criteria->pass;
+}
+
 Average AverageOf(const std::vector<double>& values) {
   Average average;
   const auto n = static_cast<double>(values.size());
@@ -454,26 +470,48 @@ Report MakeReport(const ScoreOptions& options) {
   const auto read = [](const std::string& file, const SessionChoice& choice) {
     return TrialIn(ReadHandPath({file}, choice), file);
   };
-  const HandPath expert = read(options.expert, {options.expert_station, "--expert-station"});
-  std::optional<SolidsCut> expert_cut;
-  if (expert.cuts || (report.criteria && AsksForCuts(*report.criteria))) {
-    expert_cut = CutIn(options.expert, expert);
-    report.expert_cut = TissuesOf(*expert_cut);
-    if (!report.expert_cut.empty()) report.pictures.push_back(PictureOf(*expert_cut, *expert_cut));
-  }
+  const auto station = [&](std::size_t i) {
+    return options.stations.empty()       ? ""
+           : options.stations.size() == 1 ? options.stations.front()
+                                          : options.stations[i];
+  };
+  std::vector<HandPath> trials;
   for (std::size_t i = 0; i < options.trials.size(); ++i) {
-    const std::string& file = options.trials[i];
-    const std::string station = options.stations.empty()       ? ""
-                                : options.stations.size() == 1 ? options.stations.front()
-                                                               : options.stations[i];
-    const HandPath trial = read(file, {station});
-    if (trial.scene != expert.scene) {
-      throw Error(file + ": is of scene '" + trial.scene + "', and the expert's of '" +
-                  expert.scene + "'; give recordings of one scene");
-    }
-    report.trials.push_back({NameOf(file, station), ScorePath(expert, trial)});
-    AddCutAndGrade(expert_cut, trial, file, report);
+    trials.push_back(read(options.trials[i], {station(i)}));
   }
+  Performance expert;
+  if (options.expert.ends_with(kScriptEnding)) {
+    const HandPath& first = trials.front();
+    expert = Perform(SceneIn(options.trials.front(), first.scene), first.tool_name,
+                     PoseScript::Load(options.expert));
+    expert.path = TrialIn(expert.path, options.expert);
+  } else {
+    expert.path = read(options.expert, {options.expert_station, "--expert-station"});
+    if (expert.path.cuts || (report.criteria && AsksForCuts(*report.criteria))) {
+      expert.cut = CutIn(options.expert, expert.path);
+    }
+  }
+  AddExpert(expert, report);
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    AddTrial(expert, trials[i], std::nullopt, options.trials[i],
+             NameOf(options.trials[i], station(i)), report);
+  }
+  return report;
+}
+
+Report Rehearse(const Exercise& exercise, double until_s) {
+  Report report;
+  report.expert = NameOf(exercise.expert, "");
+  report.criteria = exercise.criteria;
+  const auto scene = std::make_shared<const Scene>(LoadScene(exercise.scene));
+  const PoseScript script = PoseScript::Load(exercise.expert);
+  Performance expert = Perform(scene, exercise.tool, script);
+  expert.path = TrialIn(expert.path, exercise.expert);
+  AddExpert(expert, report);
+  const bool whole = until_s >= script.duration();
+  Performance trial = whole ? expert : Perform(scene, exercise.tool, script, until_s);
+  AddTrial(expert, whole ? trial.path : TrialIn(trial.path, exercise.expert), std::move(trial.cut),
+           exercise.expert, report.expert, report);
   return report;
 }
 

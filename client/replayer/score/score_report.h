@@ -1,9 +1,11 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "client/course/exercise.h"
 #include "client/replayer/score/criteria.h"
 #include "client/replayer/score/cut_picture.h"
 #include "client/replayer/score/score.h"
@@ -34,7 +36,8 @@ Average AverageOf(const std::vector<double>& values);
 
 /// What is to be set beside what.
 struct ScoreOptions {
-  std::string expert;               ///< recording
+  std::string
+      expert;  ///< recording; or a script, NAME.path.json, that is done in the trials' scene
   std::vector<std::string> trials;  ///< recordings of the trainee
   /// Whose session, as SessionChoice says; of the trials one for all, or one each.
   std::string expert_station;
@@ -44,6 +47,11 @@ struct ScoreOptions {
 
 /// Throws Error.
 Report MakeReport(const ScoreOptions& options);
+/// The expert of an exercise beside himself, as far as he comes in that time [s]: whether he passes
+/// by its criteria, and who does not get far fails.  Throws Error.
+Report Rehearse(const Exercise& exercise, double until_s = std::numeric_limits<double>::infinity());
+/// The average of the trials that have a grade is enough.
+bool Passed(const Report& report);
 std::string ToText(const Report& report);
 /// @param file  "-" is stdout.  Throws Error.
 void WriteJson(const Report& report, const std::string& file);

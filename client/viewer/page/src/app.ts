@@ -1,6 +1,7 @@
 import {say} from "./messages/say";
 import {Choice} from "./parts/choice";
 import {ClassRoom} from "./parts/class_room";
+import {Exercises} from "./parts/exercises";
 import {Figures} from "./parts/figures";
 import {GatewayLink} from "./parts/gateway_link";
 import {nowS} from "./parts/now";
@@ -40,6 +41,7 @@ export class App {
   private readonly figures: Figures;
   private readonly replay: ReplayMode;
   private readonly classRoom: ClassRoom;
+  private readonly exercises: Exercises;
 
   constructor() {
     const {world, notice} = this;
@@ -99,6 +101,19 @@ export class App {
       publish: (topic, message) => this.link.publish(topic, message),
       show: (scene, station) => this.choice.show(scene, station),
     });
+    this.exercises = new Exercises({
+      publish: (message) => this.link.publish(kTopics.trial, message),
+      served: (exercise) => {
+        const {seat} = this.classRoom;
+        const scene = seat.startsWith(`${exercise.scene}-`) ? seat : exercise.scene;
+        return this.scenes.model(scene) || world.scenes.has(scene) ? scene : "";
+      },
+      begin: (scene, tool, ask) => {
+        this.choice.show(scene, "");
+        this.choice.stay();
+        this.hold.mouse.take(scene, tool, ask);
+      },
+    });
     listenForKeys({
       ...this.viewControls.keys,
       ...this.hold.keys,
@@ -134,7 +149,7 @@ export class App {
       this.hold.mouse.receive(toMouseState(value));
     } else if (topic === kTopics.replayAnswer) {
       this.replay.answered(toReplayAnswer(value));
-    } else if (!this.classRoom.receive(topic, value)) {
+    } else if (!this.classRoom.receive(topic, value) && !this.exercises.receive(topic, value)) {
       this.world.receive(topic, value, stampS, nowS());
     }
   }
@@ -233,6 +248,7 @@ export class App {
     // Of a replay nothing is to be decided: it has been.
     this.figures.allowDeciding(this.link.may.operate && !this.replay.isOn);
     this.classRoom.allow(this.link.may.teach && !this.replay.isOn);
+    this.exercises.allow(this.link.may.try && !this.replay.isOn);
     this.showWhole();
   }
 
@@ -260,5 +276,6 @@ export class App {
     this.figures.showStations(this.world.listed(now), this.hold.mouse.station, now);
     this.choice.showLists(station, now);
     this.classRoom.tick(now);
+    this.exercises.tick(now);
   }
 }

@@ -44,6 +44,9 @@ export const kTopics = {
   classAnswer: "/palpate/class_answer",
   people: "/palpate/people",
   me: "/palpate/me",
+  exercises: "/palpate/exercises",
+  trial: "/palpate/trial",
+  trialState: "/palpate/trial_state",
 } as const;
 
 /// What the page itself publishes.
@@ -52,6 +55,7 @@ export const kOwnTopics: ReadonlySet<string> = new Set([
   kTopics.replay,
   kTopics.operate,
   kTopics.class,
+  kTopics.trial,
 ]);
 
 /// Seconds that the plots look back.

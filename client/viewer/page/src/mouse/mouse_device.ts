@@ -51,11 +51,16 @@ export class MouseDevice {
 
   constructor(private readonly host: MouseHost) {}
 
-  take(scene: string, tool: string): void {
+  /// @param ask  for it in another way: a trial's tool comes with the trial.
+  take(
+    scene: string,
+    tool: string,
+    ask = (): boolean => this.host.publish({op: "take", scene, tool}),
+  ): void {
     this.scene = scene;
     this.tool = tool;
     this.station = "";
-    if (!this.host.publish({op: "take", scene, tool})) {
+    if (!ask()) {
       this.end(say("tool.not_from_here"));
       return;
     }

@@ -99,6 +99,11 @@ export class ClassRoom {
     this.turn("wall");
   }
 
+  /// The scene that this person has for itself; empty: none.
+  get seat(): string {
+    return this.me?.seat ?? "";
+  }
+
   /// @param may  this page may decide about people
   allow(may: boolean): void {
     this.button.hidden = !may;

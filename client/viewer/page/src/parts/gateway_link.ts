@@ -30,8 +30,8 @@ export class GatewayLink {
   readonly pulse = new Pulse();
   readonly token = new AccessToken();
   /// Of this page: to take a tool, until the gateway says otherwise; to steer a replay; to decide about
-  /// stations; and about the people of a course.
-  may = {publish: false, take: true, steer: false, operate: false, teach: false};
+  /// stations; about the people of a course; and to do its exercises.
+  may = {publish: false, take: true, steer: false, operate: false, teach: false, try: false};
   private losses = 0; // since the link was last open: the loss itself, and tries that failed
   private lostS = -Infinity; // the first of them
   private gateway = {saidS: -Infinity, full: false, wantsToken: false, silences: 0};
@@ -58,8 +58,13 @@ export class GatewayLink {
         offers: (topics) => {
           const offered = (topic: string): boolean => this.may.publish && topics.has(topic);
           const [take, steer] = [offered(kTopics.mouseState), offered(kTopics.replayAnswer)];
-          const teach = this.may.operate && offered(kTopics.classAnswer);
-          this.may = {...this.may, take, steer, teach};
+          this.may = {
+            ...this.may,
+            take,
+            steer,
+            teach: this.may.operate && offered(kTopics.classAnswer),
+            try: offered(kTopics.exercises),
+          };
           events.rights();
         },
       },

@@ -1,0 +1,191 @@
+#include "client/course/criteria_file.h"
+
+#include <algorithm>
+
+#include "client/course/exercise.h"
+
+namespace palpate {
+namespace {
+
+std::vector<std::string_view> MeasureNames() {
+  std::vector<std::string_view> names;
+  for (const Measure& measure : kMeasures) names.emplace_back(measure.name);
+  return names;
+}
+
+Vec3 ReadDirection(const JsonNode& node) {
+  const Vec3 direction = node.Vector();
+  if (!(direction.norm() > 1e-6)) node.Fail("is no direction; give one that is not 0");
+  return direction.normalized();
+}
+
+MaterialRegion ReadPlace(const JsonNode& node) {
+  node.AllowOnly({"box", "sphere"});
+  const auto box = node.Find("box"), sphere = node.Find("sphere");
+  if (box.has_value() == sphere.has_value()) {
+    node.Fail("must be one place; give \"box\" or \"sphere\"");
+  }
+  MaterialRegion place;
+  if (box) {
+    box->AllowOnly({"min_mm", "max_mm"});
+    place.low = 1e-3 * box->At("min_mm").Vector();
+    place.high = 1e-3 * box->At("max_mm").Vector();
+    if (!(place.low.array() < place.high.array()).all()) {
+      box->Fail("is empty; each entry of min_mm must be below max_mm's");
+    }
+  } else {
+    sphere->AllowOnly({"centre_mm", "radius_mm"});
+    place.low = 1e-3 * sphere->At("centre_mm").Vector();
+    place.radius = 1e-3 * sphere->At("radius_mm").PositiveNumber();
+  }
+  return place;
+}
+
+/// What goes with some measures alone.
+void ReadWhatItIsAbout(const JsonNode& node, Criterion& criterion) {
+  const Measure& measure = MeasureOf(criterion.measure);
+  const auto refuse = [&](const JsonNode& field) {
+    field.Fail("does not go with \"" + criterion.measure + "\"; drop it");
+  };
+  if (criterion.measure == "force_over_share") {
+    criterion.limit_N = node.At("limit_N").PositiveNumber();
+  } else if (auto limit = node.Find("limit_N")) {
+    refuse(*limit);
+  }
+  const auto tissue = measure.tissue == Measure::Tissue::kMustName
+                          ? std::optional(node.At("tissue"))
+                          : node.Find("tissue");
+  if (tissue && measure.tissue == Measure::Tissue::kNone) refuse(*tissue);
+  if (tissue) criterion.tissue = tissue->String();
+  if (auto axis = node.Find("axis")) {
+    if (!measure.along_axis) refuse(*axis);
+    criterion.axis = ReadDirection(*axis);
+  }
+  if (auto place = node.Find("region")) {
+    if (!measure.in_a_place) refuse(*place);
+    criterion.place = ReadPlace(*place);
+  }
+}
+
+Criterion ReadCriterion(const JsonNode& node, bool has_sites) {
+  node.AllowOnly(
+      {"name", "why", "measure", "limit_N", "tissue", "axis", "region", "best", "worst", "weight"});
+  Criterion criterion;
+  criterion.name = node.At("name").String();
+  if (auto why = node.Find("why")) criterion.why = why->String();
+  criterion.measure = node.At("measure").OneOf(MeasureNames());
+  ReadWhatItIsAbout(node, criterion);
+  if (criterion.measure == "sites_right_share" && !has_sites) {
+    node.At("measure").Fail("needs \"sites\"; add them, or take another measure");
+  }
+  criterion.best = node.At("best").Number();
+  criterion.worst = node.At("worst").Number();
+  if (criterion.best == criterion.worst) {
+    node.At("worst").Fail("is the same as best; give another number");
+  }
+  if (auto weight = node.Find("weight")) criterion.weight = weight->PositiveNumber();
+  return criterion;
+}
+
+ProbingSite ReadSite(const JsonNode& node) {
+  node.AllowOnly({"name", "margin_mm", "into", "radius_mm", "depth_mm", "tolerance_mm"});
+  ProbingSite site;
+  site.name = node.At("name").String();
+  site.margin = 1e-3 * node.At("margin_mm").Vector();
+  site.into = ReadDirection(node.At("into"));
+  site.radius = 1e-3 * node.At("radius_mm").PositiveNumber();
+  site.depth = 1e-3 * node.At("depth_mm").PositiveNumber();
+  site.tolerance = 1e-3 * node.At("tolerance_mm").PositiveNumber();
+  return site;
+}
+
+}  // namespace
+
+using Tissue = Measure::Tissue;
+const std::vector<Measure> kMeasures = {
+    {.name = "force_over_share",
+     .unit = "%",
+     .text = "share of the time in contact with more force than the limit",
+     .in_a_place = true},
+    {"force_peak_N", "N", "greatest force"},
+    {"force_rms_N", "N", "difference of the force from the expert's (rms)"},
+    {"path_mean_mm", "mm", "mean distance from the expert's path"},
+    {"path_max_mm", "mm", "greatest distance from the expert's path"},
+    {"turn_mean_deg", "°", "mean difference of rotation"},
+    {.name = "time_s", .unit = "s", .text = "time taken", .in_a_place = true},
+    {"time_ratio", "×", "time taken, as a multiple of the expert's"},
+    {"sites_right_share", "%", "share of the sites whose depth was probed rightly"},
+    {"removed_mm3", "mm³", "removed by the bur", Tissue::kMustName, true},
+    {"left_share", "%", "share that the bur left", Tissue::kMustName, true},
+    {"missed_mm3", "mm³", "gone at the expert's and still there", Tissue::kMayName, true},
+    {"excess_mm3", "mm³", "there at the expert's and gone", Tissue::kMayName, true},
+    {"thickness_mm", "mm", "least thickness left over a tissue", Tissue::kMustName, true},
+    {"taper_deg", "°", "angle of the walls to the axis", Tissue::kNone, true, true},
+    {"undercut_share", "%", "share of the walls that are undercut", Tissue::kNone, true, true},
+    {"margin_width_mm", "mm", "width of the shoulder at the border", Tissue::kNone, true, true},
+    {"margin_spread_mm", "mm", "how the width of the shoulder varies (standard deviation)",
+     Tissue::kNone, true, true},
+    {"margin_roughness_mm", "mm", "unevenness of the border (rms)", Tissue::kNone, true, true},
+};
+
+const Measure& MeasureOf(const std::string& name) {
+  return *std::ranges::find_if(kMeasures, [&](const Measure& m) { return name == m.name; });
+}
+
+const char* const kCriteriaToBeginWith =
+    R"({
+  // What palpate-replay score grades by.  Change what you like; comments are allowed.
+  "title": "Periodontal probing",
+  "pass": 70,                            // of 100 points
+  "tip_mm": [0, 0, 0],                   // of the tool, in its own frame
+  // "best" earns all of a criterion's points, "worst" none, what lies between its share.
+  // Measures: force_over_share, force_peak_N, force_rms_N, path_mean_mm, path_max_mm,
+  // turn_mean_deg, time_s, time_ratio, sites_right_share; of what a bur cuts, with "tissue":
+  // removed_mm3, left_share, thickness_mm, missed_mm3, excess_mm3; of a preparation along "axis":
+  // taper_deg, undercut_share, margin_width_mm, margin_spread_mm, margin_roughness_mm.  Shares are
+  // from 0 to 1.
+  "criteria": [
+    {"name": "No more than 25 g", "measure": "force_over_share", "limit_N": 0.245,
+     "best": 0, "worst": 0.5, "weight": 2,
+     "why": "25 g on the probe find the bottom of a pocket; more hurts, and goes through it"},
+    {"name": "Depths found", "measure": "sites_right_share", "best": 1, "worst": 0, "weight": 2,
+     "why": "Within 1 mm, as far apart as two examiners are"},
+    {"name": "The expert's way", "measure": "path_mean_mm", "best": 1, "worst": 8}
+  ],
+  // Depth counts from margin_mm along "into", both in the scene's frame, as far as the tip stays
+  // within radius_mm of that line.
+  "sites": [
+    {"name": "36 buccal", "margin_mm": [2.2, 0, 4.6], "into": [0, -1, -0.25], "radius_mm": 2.5,
+     "depth_mm": 6, "tolerance_mm": 1}
+  ]
+}
+)";
+
+bool AsksForCuts(const Criteria& criteria) {
+  return std::ranges::any_of(criteria.criteria, [](const Criterion& criterion) {
+    return MeasureOf(criterion.measure).of_cut;
+  });
+}
+
+Criteria LoadCriteria(const std::string& file) {
+  if (file.ends_with(kExerciseEnding)) return LoadExercise(file).criteria;
+  return ReadCriteria(JsonNode::Load(file), file);
+}
+
+Criteria ReadCriteria(const JsonNode& root, const std::string& file, const std::string& title) {
+  root.AllowOnly({"title", "pass", "tip_mm", "criteria", "sites"});
+  Criteria criteria;
+  criteria.file = file;
+  criteria.title = title.empty() || root.Has("title") ? root.At("title").String() : title;
+  criteria.pass = root.At("pass").Number(0.0, 100.0);
+  if (auto tip = root.Find("tip_mm")) criteria.tip = 1e-3 * tip->Vector();
+  if (auto sites = root.Find("sites")) {
+    for (const JsonNode& site : sites->Items()) criteria.sites.push_back(ReadSite(site));
+  }
+  for (const JsonNode& node : root.At("criteria").Items(1)) {
+    criteria.criteria.push_back(ReadCriterion(node, !criteria.sites.empty()));
+  }
+  return criteria;
+}
+
+}  // namespace palpate

@@ -1,0 +1,253 @@
+#include "client/course/exercise.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include "common/error.h"
+#include "common/files/whole_file.h"
+#include "common/json/json_file.h"
+#include "common/json/pose_script.h"
+#include "scenes/catalogue.h"
+#include "scenes/files/scene_file.h"
+#include "scenes/shapes/shape_kinds.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kLongest_s = 3600.0;
+constexpr int kMostTrials = 100;
+
+LocalText ReadText(const JsonNode& node) {
+  if (node.IsString()) return {{"en", node.String()}};
+  LocalText text;
+  for (const std::string& language : node.Fields()) {
+    const JsonNode at = node.At(language);
+    const bool is_code = language.size() >= 2 && language.size() <= 16 &&
+                         std::ranges::all_of(language, [](unsigned char c) {
+                           return c == '-' || (std::isalnum(c) != 0);
+                         });
+    if (!is_code) at.Fail("is no language; give its code, as \"en\", \"de\" or \"zh\"");
+    text[language] = at.String();
+  }
+  if (text.empty()) node.Fail("says nothing; give it in a language: {\"en\": \"...\"}");
+  return text;
+}
+
+/// A file beside the exercise, or in a folder there.
+std::string ReadBeside(const JsonNode& node, const std::string& folder) {
+  const fs::path path = fs::path(node.String()).lexically_normal();
+  if (path.is_absolute() || *path.begin() == "..") {
+    node.Fail("lies elsewhere; put it beside the exercise and name it from there");
+  }
+  std::error_code ignored;
+  if (!fs::is_regular_file(folder / path, ignored)) {
+    node.Fail("there is no file " + (folder / path).string() + "; put it there, or name another");
+  }
+  return path.string();
+}
+
+Exercise::Picture ReadPicture(const JsonNode& node, const std::string& folder) {
+  node.AllowOnly({"file", "text"});
+  const JsonNode file = node.At("file");
+  static const std::set<std::string> kKinds = {".png", ".jpg", ".svg", ".webp"};
+  Exercise::Picture picture{ReadBeside(file, folder), ReadText(node.At("text"))};
+  if (!kKinds.contains(fs::path(picture.file).extension().string())) {
+    file.Fail("is no picture that browsers show; give a .png, .jpg, .svg or .webp");
+  }
+  return picture;
+}
+
+/// What an exercise must know of its scene.
+struct SceneFacts {
+  SceneDescription scene;
+  std::vector<std::string> tissues;  ///< what can be cut, by name
+  std::vector<std::string> painted;  ///< of these, what regions paint
+
+  explicit SceneFacts(const std::string& file)
+      : scene(ParseScene(ReadWholeFile(file, JsonNode::kMostBytes), file)) {
+    for (const BodyDescription& body : scene.objects) {
+      if (!body.grid) continue;
+      const auto name = [&](const MaterialDescription& of) {
+        return of.material.name.empty() ? body.name : of.material.name;
+      };
+      tissues.push_back(name(body.material));
+      for (const RegionDescription& region : body.regions) {
+        painted.push_back(name(region.material));
+        tissues.push_back(painted.back());
+      }
+    }
+  }
+  const BodyDescription* Find(const std::string& tool) const {
+    const auto found = std::ranges::find(scene.tools, tool, &BodyDescription::name);
+    return found == scene.tools.end() ? nullptr : &*found;
+  }
+};
+
+std::string Listed(const std::vector<std::string>& names) {
+  std::string list;
+  for (const std::string& name : std::set(names.begin(), names.end())) {
+    list += (list.empty() ? "" : ", ") + name;
+  }
+  return list.empty() ? "nothing" : list;
+}
+
+bool Cuts(const BodyDescription& tool) {
+  const ShapeKind* kind =
+      tool.mesh.kind == MeshSource::Kind::kShape ? FindShapeKind(tool.mesh.what) : nullptr;
+  return tool.edge || (kind != nullptr && kind->bur);
+}
+
+/// A scene without what a criterion measures would give its worst to everybody.
+void CheckMeasures(const JsonNode& criteria, const SceneFacts& facts, const std::string& tool) {
+  for (const JsonNode& node : criteria.At("criteria").Items()) {
+    const JsonNode measure = node.At("measure");
+    if (!MeasureOf(measure.String()).of_cut) continue;
+    if (facts.tissues.empty() || !Cuts(*facts.Find(tool))) {
+      measure.Fail("is of what is cut, and tool '" + tool + "' of scene '" + facts.scene.name +
+                   "' cuts nothing; take another measure, tool or scene");
+    }
+    const auto tissue = node.Find("tissue");
+    if (!tissue) continue;
+    const auto& there = measure.String() == "thickness_mm" ? facts.painted : facts.tissues;
+    if (std::ranges::find(there, tissue->String()) == there.end()) {
+      tissue->Fail("scene '" + facts.scene.name + "' has no such tissue" +
+                   (measure.String() == "thickness_mm" ? " in a region" : "") +
+                   "; there is: " + Listed(there));
+    }
+  }
+}
+
+/// A scene file, by its catalogue's name or by its path from the exercise's folder.
+std::string SceneFileOf(const JsonNode& node, const std::string& folder) {
+  std::string scene = node.String();
+  if (scene.find('/') != std::string::npos || fs::path(scene).has_extension()) {
+    scene = (fs::path(folder) / scene).lexically_normal().string();
+    if (!scene.ends_with(".json")) node.Fail("is no scene file; give NAME.json, or a scene's name");
+  }
+  try {
+    const std::string file = FindSceneFile(scene);
+    std::error_code ignored;
+    if (!fs::exists(file, ignored)) throw Error("there is no file " + file + "; name another");
+  } catch (const Error& error) {
+    node.Fail(error.what());
+  }
+  return scene;
+}
+
+void ReadLimits(const JsonNode& limits, Exercise& exercise) {
+  limits.AllowOnly({"force_N", "time_s"});
+  if (auto force = limits.Find("force_N")) exercise.most_N = force->PositiveNumber();
+  exercise.most_s = limits.At("time_s").Number(1.0, kLongest_s);
+}
+
+/// What is to be seen and read of it.
+void ReadTexts(const JsonNode& root, Exercise& exercise) {
+  exercise.title = ReadText(root.At("title"));
+  exercise.goal = ReadText(root.At("goal"));
+  const JsonNode instruction = root.At("instruction");
+  instruction.AllowOnly({"text", "pictures"});
+  exercise.instruction = ReadText(instruction.At("text"));
+  if (auto pictures = instruction.Find("pictures")) {
+    for (const JsonNode& picture : pictures->Items()) {
+      exercise.pictures.push_back(ReadPicture(picture, exercise.folder()));
+    }
+  }
+  if (auto sources = root.Find("sources")) {
+    for (const JsonNode& source : sources->Items()) exercise.sources.push_back(source.String());
+  }
+}
+
+void ReadCriteriaOf(const JsonNode& node, const SceneFacts& facts, Exercise& exercise) {
+  std::string file = exercise.file;
+  JsonNode criteria = node;
+  if (node.IsString()) {
+    file = (fs::path(exercise.folder()) / ReadBeside(node, exercise.folder())).string();
+    criteria = JsonNode::Load(file);
+  }
+  const std::string title =
+      exercise.title.contains("en") ? exercise.title.at("en") : exercise.title.begin()->second;
+  exercise.criteria = ReadCriteria(criteria, file, title);
+  CheckMeasures(criteria, facts, exercise.tool);
+}
+
+}  // namespace
+
+std::string Exercise::folder() const {
+  const fs::path parent = fs::path(file).parent_path();
+  return parent.empty() ? "." : parent.string();
+}
+
+Exercise LoadExercise(const std::string& file) {
+  if (!file.ends_with(kExerciseEnding)) {
+    throw Error(file + ": an exercise's file is NAME" + kExerciseEnding + "; name it so");
+  }
+  const JsonNode root = JsonNode::Load(file);
+  root.AllowOnly({"title", "scene", "tool", "start", "instruction", "goal", "limits", "trials",
+                  "expert", "criteria", "sources"});
+  Exercise exercise;
+  exercise.file = file;
+  exercise.name = fs::path(file).filename().string();
+  exercise.name.resize(exercise.name.size() - std::string_view(kExerciseEnding).size());
+  if (exercise.name.empty() || exercise.name.size() > kLongestName ||
+      !std::ranges::all_of(exercise.name, IsOfName)) {
+    throw Error(file +
+                ": trials are kept by the file's name, which must be at most 64 letters, "
+                "digits, - _ or .; rename it");
+  }
+  ReadTexts(root, exercise);
+  exercise.scene = SceneFileOf(root.At("scene"), exercise.folder());
+  const SceneFacts facts(FindSceneFile(exercise.scene));
+  exercise.scene_name = facts.scene.name;
+  const JsonNode tool = root.At("tool");
+  exercise.tool = tool.String();
+  if (facts.Find(exercise.tool) == nullptr) {
+    std::vector<std::string> tools;
+    for (const BodyDescription& of : facts.scene.tools) tools.push_back(of.name);
+    tool.Fail("scene '" + facts.scene.name + "' has no such tool; there is: " + Listed(tools));
+  }
+  if (auto start = root.Find("start")) {
+    const std::string word = start->OneOf({"whole", "bookmark", "as_it_is"});
+    exercise.start = word == "whole"      ? Exercise::Start::kWhole
+                     : word == "bookmark" ? Exercise::Start::kBookmark
+                                          : Exercise::Start::kAsItIs;
+  }
+  ReadLimits(root.At("limits"), exercise);
+  exercise.trials = static_cast<int>(root.At("trials").Integer(1, kMostTrials));
+  ReadCriteriaOf(root.At("criteria"), facts, exercise);
+  if (auto expert = root.Find("expert")) {
+    exercise.expert =
+        (fs::path(exercise.folder()) / ReadBeside(*expert, exercise.folder())).string();
+  } else {
+    exercise.expert = ScriptFileBeside(exercise.scene);
+    if (!fs::exists(exercise.expert)) {
+      root.Fail("no script comes with scene '" + facts.scene.name +
+                "'; add \"expert\", the script of a hand that does it (NAME.path.json)");
+    }
+  }
+  PoseScript::Load(exercise.expert);
+  return exercise;
+}
+
+std::vector<Exercise> LoadExercises(const std::string& folder,
+                                    const std::function<void(const std::string&)>& refused) {
+  std::vector<std::string> files;
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(folder, none)) {
+    if (entry.path().string().ends_with(kExerciseEnding)) files.push_back(entry.path().string());
+  }
+  std::ranges::sort(files);
+  std::vector<Exercise> exercises;
+  for (const std::string& file : files) {
+    try {
+      exercises.push_back(LoadExercise(file));
+    } catch (const Error& error) {
+      refused(error.what());
+    }
+  }
+  return exercises;
+}
+
+}  // namespace palpate

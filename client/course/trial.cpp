@@ -1,0 +1,371 @@
+#include "client/course/trial.h"
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <random>
+#include <utility>
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <spdlog/spdlog.h>
+
+#include "common/error.h"
+#include "common/files/project_files.h"
+#include "common/files/whole_file.h"
+#include "common/text/quoted.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+/// A recorder that has not begun by then, or has not ended, never will.
+constexpr std::int64_t kPatience_ns = 10'000'000'000;
+constexpr std::size_t kLargestScore = std::size_t{16} << 20;
+constexpr const char* kTrialsTable =
+    "CREATE TABLE IF NOT EXISTS trials(person INTEGER NOT NULL, exercise TEXT NOT NULL, "
+    "n INTEGER NOT NULL, begun_s INTEGER NOT NULL, ended_s INTEGER, reason TEXT, "
+    "whole INTEGER, points REAL, passed INTEGER, marks TEXT, submitted_s INTEGER, seal TEXT, "
+    "PRIMARY KEY(person, exercise, n))";
+
+std::int64_t Now_s() {
+  return std::chrono::duration_cast<std::chrono::seconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+Json JsonOf(const LocalText& text) {
+  Json json = Json::object();
+  for (const auto& [language, words] : text) json[language] = words;
+  return json;
+}
+
+Json JsonOf(const Exercise& exercise) {
+  Json pictures = Json::array();
+  for (const Exercise::Picture& picture : exercise.pictures) {
+    pictures.push_back({{"path", "exercise/" + exercise.name + "/" + picture.file},
+                        {"text", JsonOf(picture.text)}});
+  }
+  const char* const starts[] = {"whole", "bookmark", "as_it_is"};
+  return {{"name", exercise.name},
+          {"title", JsonOf(exercise.title)},
+          {"scene", exercise.scene_name},
+          {"tool", exercise.tool},
+          {"start", starts[static_cast<int>(exercise.start)]},
+          {"instruction", JsonOf(exercise.instruction)},
+          {"goal", JsonOf(exercise.goal)},
+          {"pictures", pictures},
+          {"most_N", exercise.most_N},
+          {"most_s", exercise.most_s},
+          {"trials", exercise.trials},
+          {"pass", exercise.criteria.pass},
+          {"sources", exercise.sources},
+          {"done", Json::array()}};
+}
+
+}  // namespace
+
+TrialRoom::TrialRoom(Options options, CourseFile& file, std::function<void(const News&)> tell)
+    : options_(std::move(options)), file_(file), tell_(std::move(tell)) {
+  const auto refused = [](const std::string& why) {
+    spdlog::error("{} (this exercise is left out)", Printable(why));
+  };
+  exercises_ = LoadExercises(options_.folder + "/exercises", refused);
+  for (Exercise& shipped : LoadExercises(PlaceOf(ProjectFile::kExercises), refused)) {
+    if (Find(shipped.name) == nullptr) exercises_.push_back(std::move(shipped));
+  }
+  file_.Use([](SQLite::Database& database) { database.exec(kTrialsTable); });
+  MarkCutShort();
+}
+
+void TrialRoom::MarkCutShort() {
+  file_.Use([](SQLite::Database& database) {
+    SQLite::Statement cut(database, "SELECT person, exercise, n FROM trials WHERE ended_s IS NULL");
+    while (cut.executeStep()) {
+      spdlog::warn(
+          "trial {} of '{}' by person {} was cut short, for the gateway was killed; its "
+          "recording is whole but for the last half second",
+          cut.getColumn(2).getInt(), cut.getColumn(1).getString(), cut.getColumn(0).getInt64());
+    }
+    SQLite::Statement mark(database,
+                           "UPDATE trials SET ended_s=?, whole=0, reason='cut short: the gateway "
+                           "was killed' WHERE ended_s IS NULL");
+    mark.bind(1, Now_s());
+    mark.exec();
+  });
+}
+
+const Exercise* TrialRoom::Find(const std::string& exercise) const {
+  const auto found = std::ranges::find(exercises_, exercise, &Exercise::name);
+  return found == exercises_.end() ? nullptr : &*found;
+}
+
+std::string TrialRoom::FolderOf(std::int64_t person, const std::string& exercise) const {
+  return fmt::format("{}/trials/{}/{}", options_.folder, person, exercise);
+}
+
+bool TrialRoom::is_at_one(Holder holder) const {
+  return std::ranges::any_of(
+      trials_, [&](const Running& trial) { return trial.news.holder == holder && trial.records; });
+}
+
+bool TrialRoom::has_ended(Holder holder) const {
+  return std::ranges::none_of(trials_, [&](const Running& trial) {
+    return trial.news.holder == holder &&
+           (trial.news.phase == "preparing" || trial.news.phase == "running");
+  });
+}
+
+void TrialRoom::Begin(Holder holder, std::int64_t person, const std::string& exercise,
+                      const std::string& station, std::int64_t now_ns) {
+  Running trial;
+  trial.exercise = Find(exercise);
+  if (trial.exercise == nullptr) throw Error("there is no exercise " + Quoted(exercise));
+  if (std::ranges::any_of(trials_, [&](const Running& one) { return one.news.person == person; })) {
+    throw Error("a trial of yours is running, or is being scored; end it first");
+  }
+  trial.news.holder = holder;
+  trial.news.person = person;
+  trial.news.exercise = exercise;
+  trial.station = station;
+  trial.asked_ns = now_ns;
+  const std::string folder = FolderOf(person, exercise);
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw Error(folder + ": " + error.message() + "; nothing can be recorded there");
+  file_.Use([&](SQLite::Database& database) {
+    SQLite::Statement last(database,
+                           "SELECT IFNULL(MAX(n), 0) FROM trials WHERE person=? AND exercise=?");
+    last.bind(1, person);
+    last.bind(2, exercise);
+    last.executeStep();
+    trial.news.n = last.getColumn(0).getInt() + 1;
+    SQLite::Statement row(database,
+                          "INSERT INTO trials(person, exercise, n, begun_s) VALUES(?, ?, ?, ?)");
+    row.bind(1, person);
+    row.bind(2, exercise);
+    row.bind(3, trial.news.n);
+    row.bind(4, Now_s());
+    row.exec();
+  });
+  std::vector<std::string> arguments{fmt::format("--output={}/{}.mcap", folder, trial.news.n),
+                                     "--station=" + station};
+  arguments.insert(arguments.end(), options_.network.begin(), options_.network.end());
+  trials_.push_back(std::move(trial));
+  Running& begun = trials_.back();
+  begun.records = true;
+  begun.child =
+      std::make_unique<ChildProgram>(options_.programs + "/palpate-record", arguments,
+                                     "the trial's recorder", [&begun](const std::string& line) {
+                                       spdlog::debug("recorder: {}", line);
+                                       if (line.starts_with("recording to ") && begun.began_ns == 0)
+                                         begun.began_ns = -1;
+                                     });
+  Tell(begun, "preparing");
+}
+
+void TrialRoom::BeginToEnd(Running& trial, const std::string& reason) {
+  if (!trial.records || trial.news.phase == "ending") return;
+  trial.news.reason = reason;
+  trial.asked_ns = 0;
+  trial.child->Signal(SIGINT);
+  Tell(trial, "ending");
+}
+
+void TrialRoom::End(Holder holder, const std::string& reason) {
+  for (Running& trial : trials_) {
+    if (trial.news.holder == holder) BeginToEnd(trial, reason);
+  }
+}
+
+void TrialRoom::Submit(Holder holder, std::int64_t person, const std::string& exercise, int n) {
+  for (Running& trial : trials_) {
+    if (trial.news.holder != holder || trial.news.exercise != exercise) continue;
+    trial.submits = true;
+    return BeginToEnd(trial, "submitted");
+  }
+  file_.Use([&](SQLite::Database& database) {
+    SQLite::Statement row(database,
+                          "UPDATE trials SET submitted_s=? WHERE person=? AND exercise=? AND n=? "
+                          "AND ended_s IS NOT NULL AND submitted_s IS NULL");
+    row.bind(1, Now_s());
+    row.bind(2, person);
+    row.bind(3, exercise);
+    row.bind(4, n);
+    if (row.exec() != 1) throw Error("there is no such trial that could be submitted");
+  });
+}
+
+void TrialRoom::Tell(Running& trial, const std::string& phase) {
+  trial.news.phase = phase;
+  tell_(trial.news);
+}
+
+bool TrialRoom::PollOne(Running& trial, std::int64_t now_ns) {
+  if (trial.asked_ns == 0) trial.asked_ns = now_ns;
+  const bool runs = trial.child && trial.child->Poll();
+  if (!trial.records) {
+    if (runs) return true;
+    TakeScore(trial);
+    return false;
+  }
+  if (runs) {
+    if (trial.began_ns == -1) {
+      trial.began_ns = now_ns;
+      trial.news.left_s = trial.exercise->most_s;
+      Tell(trial, "running");
+    }
+    const bool in_time =
+        1e-9 * static_cast<double>(now_ns - trial.began_ns) < trial.exercise->most_s;
+    if (trial.news.phase == "running") {
+      if (!in_time) BeginToEnd(trial, "the time is over");
+    } else if (now_ns - trial.asked_ns > kPatience_ns) {
+      trial.child->Signal(SIGKILL);
+    }
+    return true;
+  }
+  const std::string& complaint = trial.child->complaint();
+  if (trial.news.phase != "ending" || !complaint.empty()) {
+    trial.news.whole = false;
+    trial.news.reason = "not whole: " + (complaint.empty() ? "its recorder ended" : complaint);
+    spdlog::error("trial {} of '{}' by person {}: {}", trial.news.n, trial.news.exercise,
+                  trial.news.person, Printable(trial.news.reason));
+  }
+  Score(trial);
+  return true;
+}
+
+void TrialRoom::Score(Running& trial) {
+  const News& news = trial.news;
+  trial.records = false;
+  file_.Use([&](SQLite::Database& database) {
+    SQLite::Statement row(database,
+                          "UPDATE trials SET ended_s=?, reason=?, whole=?, submitted_s=? WHERE "
+                          "person=? AND exercise=? AND n=?");
+    row.bind(1, Now_s());
+    row.bind(2, news.reason);
+    row.bind(3, news.whole ? 1 : 0);
+    if (trial.submits) row.bind(4, Now_s());
+    row.bind(5, news.person);
+    row.bind(6, news.exercise);
+    row.bind(7, news.n);
+    row.exec();
+  });
+  trial.news.submitted = trial.submits;
+  const std::string stem = fmt::format("{}/{}", FolderOf(news.person, news.exercise), news.n);
+  trial.child = std::make_unique<ChildProgram>(
+      options_.programs + "/palpate-replay",
+      std::vector<std::string>{"score", trial.exercise->expert, stem + ".mcap",
+                               "--criteria=" + trial.exercise->file, "--station=" + trial.station,
+                               "--out=" + stem},
+      "what scores the trial");
+  Tell(trial, "scoring");
+}
+
+void TrialRoom::TakeScore(Running& trial) {
+  News& news = trial.news;
+  const std::string stem = fmt::format("{}/{}", FolderOf(news.person, news.exercise), news.n);
+  std::string marks;
+  try {
+    if (!trial.child->complaint().empty()) throw Error(trial.child->complaint());
+    const Json score = Json::parse(ReadWholeFile(stem + "/score.json", kLargestScore));
+    news.passed = score.at("passed");
+    const Json& done = score.at("trials").at(0);
+    if (!done.at("points").is_null()) news.points = done.at("points");
+    marks = done.value("marks", Json::array()).dump();
+    news.page = KeyOf(stem + "/score.html");
+    file_.Use([&](SQLite::Database& database) {
+      SQLite::Statement row(database,
+                            "UPDATE trials SET points=?, passed=?, marks=? WHERE person=? AND "
+                            "exercise=? AND n=?");
+      if (news.points) row.bind(1, *news.points);
+      row.bind(2, news.passed ? 1 : 0);
+      row.bind(3, marks);
+      row.bind(4, news.person);
+      row.bind(5, news.exercise);
+      row.bind(6, news.n);
+      row.exec();
+    });
+    Tell(trial, "scored");
+  } catch (const std::exception& error) {
+    news.reason += (news.reason.empty() ? "" : "; ") + std::string("no score: ") + error.what();
+    spdlog::error("trial {} of '{}' by person {}: {}", news.n, news.exercise, news.person,
+                  Printable(news.reason));
+    Tell(trial, "unscored");
+  }
+}
+
+void TrialRoom::Poll(std::int64_t now_ns) {
+  for (auto it = trials_.begin(); it != trials_.end();) {
+    bool goes_on = false;
+    try {
+      goes_on = PollOne(*it, now_ns);
+    } catch (const Error& error) {
+      it->news.whole = false;
+      it->news.reason = error.what();
+      Tell(*it, "unscored");
+    }
+    it = goes_on ? std::next(it) : trials_.erase(it);
+  }
+}
+
+std::string TrialRoom::KeyOf(const std::string& page) {
+  const auto known =
+      std::ranges::find(pages_, page, [](const auto& entry) { return entry.second; });
+  if (known != pages_.end()) return known->first;
+  std::random_device random;
+  std::string key;
+  for (int i = 0; i < 4; ++i) key += fmt::format("{:08x}", random());
+  return pages_.emplace(key, page).first->first;
+}
+
+std::string TrialRoom::PageOf(const std::string& key) const {
+  const auto page = pages_.find(key);
+  return page == pages_.end() ? "" : page->second;
+}
+
+std::string TrialRoom::PictureOf(const std::string& path) const {
+  for (const Exercise& exercise : exercises_) {
+    for (const Exercise::Picture& picture : exercise.pictures) {
+      if (exercise.name + "/" + picture.file == path) {
+        return exercise.folder() + "/" + picture.file;
+      }
+    }
+  }
+  return "";
+}
+
+std::string TrialRoom::ListJson(std::int64_t person) {
+  Json list = Json::array();
+  for (const Exercise& exercise : exercises_) list.push_back(JsonOf(exercise));
+  file_.Use([&](SQLite::Database& database) {
+    SQLite::Statement rows(database,
+                           "SELECT exercise, n, points, passed, whole, submitted_s, reason FROM "
+                           "trials WHERE person=? AND ended_s IS NOT NULL ORDER BY n");
+    rows.bind(1, person);
+    while (rows.executeStep()) {
+      const std::string name = rows.getColumn(0).getString();
+      const int n = rows.getColumn(1).getInt();
+      const std::string page = fmt::format("{}/{}/score.html", FolderOf(person, name), n);
+      std::error_code none;
+      Json trial = {{"n", n},
+                    {"points", nullptr},
+                    {"passed", rows.getColumn(3).getInt() == 1},
+                    {"whole", rows.getColumn(4).getInt() == 1},
+                    {"submitted", !rows.getColumn(5).isNull()},
+                    {"reason", rows.getColumn(6).getString()},
+                    {"page", fs::exists(page, none) ? KeyOf(page) : ""}};
+      if (!rows.getColumn(2).isNull()) trial["points"] = rows.getColumn(2).getDouble();
+      for (Json& exercise : list) {
+        if (exercise["name"] == name) exercise["done"].push_back(trial);
+      }
+    }
+  });
+  return Json({{"exercises", list}}).dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace palpate

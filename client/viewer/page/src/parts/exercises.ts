@@ -1,0 +1,223 @@
+import {exerciseWord, localText} from "../model/exercise_words";
+import {kTopics} from "../model/world";
+import {
+  type DoneTrial,
+  type Exercise,
+  type LocalText,
+  toExercises,
+  toTrialState,
+  type TrialState,
+} from "../protocol/exercise_messages";
+import {element, make, setText} from "../ui/elements";
+
+export interface ExerciseEvents {
+  publish(message: object): boolean;
+  /// The scene that it is to be done in; empty: none is served.
+  served(exercise: Exercise): string;
+  begin(scene: string, tool: string, ask: () => boolean): void;
+}
+
+const own = (text: LocalText): string => localText(text, document.documentElement.lang || "en");
+
+function verdictOf(trial: DoneTrial): string {
+  const words = trial.points === null ? "noPoints" : trial.passed ? "passed" : "notYet";
+  return exerciseWord(words) + (trial.whole ? "" : `, ${exerciseWord("notWhole")}`);
+}
+
+/// What there is to do, a trial of it, and how that went.
+export class Exercises {
+  private readonly button = make("button", {
+    ...{type: "button", id: "exercises-open", hidden: true},
+    ...{textContent: exerciseWord("open"), title: exerciseWord("openTitle")},
+    onclick: () => this.open(),
+  });
+  private readonly dialog = make("dialog", {id: "exercises-dialog"});
+  private readonly list = make("ul", {className: "list"});
+  private readonly about = make("div", {className: "about"});
+  private readonly bar = make("section", {id: "trial-bar", hidden: true});
+  private readonly what = make("b");
+  private readonly word = make("span", {role: "status"});
+  private readonly clock = make("span", {className: "clock"});
+  private readonly stop = this.wish("stop", () => void this.events.publish({op: "stop"}));
+  private readonly submit = this.wish("submit", () => this.handIn(this.trial));
+  private readonly score = make("a", {target: "_blank", textContent: exerciseWord("score")});
+  private readonly again = this.wish("again", () => this.beginShown());
+  private readonly next = this.wish("next", () => this.showNext());
+  private exercises: readonly Exercise[] = [];
+  private shown = "";
+  private trial: TrialState | undefined;
+  private endsS: number | undefined; // by the page's clock
+
+  constructor(private readonly events: ExerciseEvents) {
+    const title = make("h2", {id: "exercises-title", textContent: exerciseWord("title")});
+    const close = this.wish("close", () => this.dialog.close());
+    this.dialog.setAttribute("aria-labelledby", title.id);
+    const columns = make("div", {className: "columns"}, this.list, this.about);
+    this.dialog.append(make("header", {}, title, close), columns);
+    this.bar.setAttribute("aria-label", exerciseWord("title"));
+    const {what, word, clock, stop, submit, score, again, next} = this;
+    this.bar.append(what, word, clock, stop, submit, score, again, next);
+    element("audience", HTMLButtonElement).before(this.button);
+    document.querySelector(".picture")?.append(this.bar);
+    document.body.append(this.dialog);
+  }
+
+  /// @param may  this page may do exercises
+  allow(may: boolean): void {
+    this.button.hidden = !may;
+    if (!may && this.dialog.open) this.dialog.close();
+  }
+
+  /// True where it was for this part of the page.
+  receive(topic: string, value: unknown): boolean {
+    if (topic === kTopics.exercises) this.exercises = toExercises(value);
+    else if (topic === kTopics.trialState) this.trial = toTrialState(value);
+    else return false;
+    if (topic === kTopics.trialState) this.endsS = undefined;
+    this.showBar();
+    if (this.dialog.open) this.show();
+    return true;
+  }
+
+  tick(nowS: number): void {
+    const {trial} = this;
+    if (trial?.phase !== "running") return setText(this.clock, "");
+    this.endsS ??= nowS + trial.left_s;
+    const time = Math.max(0, Math.ceil(this.endsS - nowS));
+    setText(this.clock, exerciseWord("left", {time}));
+  }
+
+  private wish(
+    word: "stop" | "submit" | "again" | "next" | "close" | "begin",
+    onclick: () => void,
+  ): HTMLButtonElement {
+    return make("button", {type: "button", textContent: exerciseWord(word), onclick});
+  }
+
+  private open(): void {
+    if (this.shown === "") this.shown = this.exercises[0]?.name ?? "";
+    this.show();
+    this.dialog.showModal();
+  }
+
+  private show(): void {
+    const items = this.exercises.map((exercise) => {
+      const done = exercise.done.filter(({points}) => points !== null).length;
+      const pick = make(
+        "button",
+        {type: "button", onclick: () => this.choose(exercise.name)},
+        make("b", {textContent: own(exercise.title)}),
+        make("span", {
+          className: "quiet",
+          textContent: exerciseWord("trialsOf", {done, all: exercise.trials}),
+        }),
+      );
+      pick.setAttribute("aria-pressed", String(exercise.name === this.shown));
+      return make("li", {}, pick);
+    });
+    this.list.replaceChildren(...items);
+    const exercise = this.exercises.find(({name}) => name === this.shown);
+    if (exercise) this.about.replaceChildren(...this.aboutOf(exercise));
+  }
+
+  private choose(name: string): void {
+    this.shown = name;
+    this.show();
+  }
+
+  private aboutOf(exercise: Exercise): HTMLElement[] {
+    const served = this.events.served(exercise) !== "";
+    const [force, time] = [exercise.most_N, exercise.most_s];
+    const begin = this.wish("begin", () => this.beginShown());
+    begin.title = exerciseWord("beginTitle");
+    begin.className = "begin";
+    begin.disabled = !served || this.isBusy;
+    const pictures = exercise.pictures.map(({path, text}) =>
+      make(
+        "figure",
+        {},
+        make("img", {src: path, alt: own(text)}),
+        make("figcaption", {textContent: own(text)}),
+      ),
+    );
+    const limits = exerciseWord(force > 0 ? "limits" : "limitTime", {force, time});
+    return [
+      make("h3", {textContent: own(exercise.title)}),
+      make("p", {textContent: own(exercise.instruction)}),
+      ...pictures,
+      make("p", {className: "goal", textContent: own(exercise.goal)}),
+      make("p", {className: "quiet", textContent: limits}),
+      begin,
+      make("p", {className: "quiet", textContent: served ? "" : exerciseWord("notServed")}),
+      make("ol", {className: "done"}, ...exercise.done.map((trial) => this.rowOf(exercise, trial))),
+      make("p", {className: "quiet", textContent: exerciseWord("one")}),
+    ];
+  }
+
+  private rowOf(exercise: Exercise, trial: DoneTrial): HTMLLIElement {
+    const {n, points} = trial;
+    const row = make("li", {}, make("span", {textContent: exerciseWord("trial", {n})}));
+    const said = points === null ? "" : exerciseWord("points", {points: Math.round(points)});
+    row.append(
+      make("b", {textContent: said}),
+      make("span", {textContent: verdictOf(trial), title: trial.reason}),
+    );
+    if (trial.page !== "") row.append(this.linkTo(trial.page));
+    if (trial.submitted) row.append(make("span", {textContent: exerciseWord("submitted")}));
+    else row.append(this.wish("submit", () => this.handIn({exercise: exercise.name, n})));
+    return row;
+  }
+
+  private linkTo(page: string): HTMLAnchorElement {
+    return make("a", {
+      ...{href: `score/${page}`, target: "_blank", textContent: exerciseWord("score")},
+    });
+  }
+
+  private get isBusy(): boolean {
+    const phase = this.trial?.phase;
+    return phase !== undefined && phase !== "scored" && phase !== "unscored";
+  }
+
+  private beginShown(): void {
+    const exercise = this.exercises.find(({name}) => name === this.shown);
+    const scene = exercise ? this.events.served(exercise) : "";
+    if (!exercise || scene === "") return;
+    this.dialog.close();
+    this.events.begin(scene, exercise.tool, () =>
+      this.events.publish({op: "begin", exercise: exercise.name}),
+    );
+  }
+
+  private handIn(trial: {readonly exercise: string; readonly n: number} | undefined): void {
+    if (trial) this.events.publish({op: "submit", exercise: trial.exercise, n: trial.n});
+  }
+
+  private showNext(): void {
+    const at = this.exercises.findIndex(({name}) => name === this.shown);
+    this.shown = this.exercises[(at + 1) % this.exercises.length]?.name ?? "";
+    this.open();
+  }
+
+  private showBar(): void {
+    const {trial} = this;
+    const exercise = this.exercises.find(({name}) => name === trial?.exercise);
+    this.bar.hidden = !trial || !exercise;
+    if (!trial || !exercise) return;
+    this.shown = exercise.name;
+    const done = exercise.done.find(({n}) => n === trial.n);
+    const over = !this.isBusy;
+    setText(this.what, `${own(exercise.title)}: ${own(exercise.goal)}`);
+    const points = Math.round(trial.points ?? 0);
+    const {reason} = trial;
+    const verdict = verdictOf(trial);
+    setText(this.word, exerciseWord(trial.phase, {points, verdict, reason}));
+    this.bar.dataset["verdict"] = trial.phase !== "scored" ? "" : trial.passed ? "good" : "poor";
+    const submitted = trial.submitted || done?.submitted === true;
+    this.stop.hidden = trial.phase !== "running";
+    this.submit.hidden = submitted || !(over || trial.phase === "running");
+    this.score.hidden = trial.page === "";
+    this.score.href = `score/${trial.page}`;
+    this.again.hidden = this.next.hidden = !over;
+  }
+}

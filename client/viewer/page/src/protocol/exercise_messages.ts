@@ -1,0 +1,36 @@
+export type LocalText = Readonly<Record<string, string>>;
+
+export interface DoneTrial {
+  readonly n: number;
+  readonly points: number | null;
+  readonly passed: boolean;
+  readonly whole: boolean;
+  readonly submitted: boolean;
+  readonly reason: string;
+  readonly page: string; // of the score, below /score/; empty: there is none
+}
+export interface Exercise {
+  readonly name: string;
+  readonly title: LocalText;
+  readonly scene: string;
+  readonly tool: string;
+  readonly instruction: LocalText;
+  readonly pictures: readonly {readonly path: string; readonly text: LocalText}[];
+  readonly goal: LocalText;
+  readonly most_N: number;
+  readonly most_s: number;
+  readonly trials: number;
+  readonly pass: number;
+  readonly done: readonly DoneTrial[];
+}
+export type TrialPhase = "preparing" | "running" | "ending" | "scoring" | "scored" | "unscored";
+export interface TrialState extends DoneTrial {
+  readonly exercise: string;
+  readonly phase: TrialPhase;
+  readonly left_s: number;
+}
+
+// The gateway's own words: what is no such thing was sent by no gateway.
+export const toExercises = (value: unknown): readonly Exercise[] =>
+  (value as {readonly exercises: readonly Exercise[]}).exercises;
+export const toTrialState = (value: unknown): TrialState => value as TrialState;

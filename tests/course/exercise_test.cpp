@@ -1,0 +1,150 @@
+#include "client/course/exercise.h"
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "client/replayer/score/score_report.h"
+#include "common/files/project_files.h"
+#include "common/files/whole_file.h"
+#include "common/json/json_file.h"
+#include "tests/support/complaint.h"
+#include "tests/support/folder.h"
+
+namespace palpate::test {
+namespace {
+
+using testing::HasSubstr;
+
+const std::string kShipped = PALPATE_SOURCE_DIR "/client/course/exercises";
+
+constexpr const char* kExercise = R"({
+  "title": {"en": "A light hand", "de": "Leichte Hand"},
+  "scene": "caries",
+  "tool": "bur",
+  "instruction": {"text": "Open the tooth."},
+  "goal": "No more than 2 N",
+  "limits": {"force_N": 2, "time_s": 60},
+  "trials": 3,
+  "criteria": {
+    "pass": 60,
+    "criteria": [
+      {"name": "Decay", "measure": "left_share", "tissue": "caries", "best": 0, "worst": 1}
+    ]
+  }
+})";
+
+class ExerciseTest : public testing::Test {
+ protected:
+  /// What is said of the exercise with that replaced in it.
+  std::string Complaint(const std::string& what, const std::string& by) {
+    std::string text = kExercise;
+    const std::size_t at = text.find(what);
+    EXPECT_NE(at, std::string::npos) << what;
+    std::ofstream(file_) << text.replace(at, what.size(), by);
+    return ComplaintOf([&] { LoadExercise(file_); });
+  }
+  const Folder folder_;
+  const std::string file_ = folder_ / "light.exercise.json";
+};
+
+TEST_F(ExerciseTest, IsReadWithItsTextsByLanguageAndTheScenesScriptAsItsExpert) {
+  std::ofstream(file_) << kExercise;
+  const Exercise exercise = LoadExercise(file_);
+  EXPECT_EQ(exercise.name, "light");
+  EXPECT_EQ(exercise.title.at("de"), "Leichte Hand");
+  EXPECT_EQ(exercise.instruction.at("en"), "Open the tooth.");
+  EXPECT_EQ(exercise.scene_name, "caries");
+  EXPECT_EQ(exercise.most_N, 2.0);
+  EXPECT_EQ(exercise.most_s, 60.0);
+  EXPECT_THAT(exercise.expert, testing::EndsWith("caries.path.json"));
+  EXPECT_EQ(exercise.criteria.title, "A light hand");
+  EXPECT_EQ(LoadCriteria(file_).criteria.size(), 1u) << "palpate-replay score takes it as it is";
+}
+
+TEST_F(ExerciseTest, NamesFileLineAndFieldOfWhatIsWrong) {
+  EXPECT_THAT(Complaint("\"tool\"", "\"tol\""),
+              testing::AllOf(HasSubstr("light.exercise.json:4: tol"), HasSubstr("tool")));
+  EXPECT_THAT(Complaint("\"caries\",", "\"carries\","),
+              testing::AllOf(HasSubstr(":3: scene: there is no scene"), HasSubstr("caries")));
+  EXPECT_THAT(Complaint("\"bur\"", "\"probe\""), HasSubstr("no such tool; there is: bur"));
+  EXPECT_THAT(Complaint("\"time_s\": 60", "\"time_s\": 0"), HasSubstr("limits.time_s"));
+  EXPECT_THAT(Complaint("\"trials\": 3", "\"trials\": 0"), HasSubstr("trials"));
+  EXPECT_THAT(Complaint("{\"en\": \"A light hand\", \"de\": \"Leichte Hand\"}", "{}"),
+              HasSubstr("title: says nothing"));
+  EXPECT_THAT(Complaint("\"instruction\": {", R"("instruction": {"pictures":
+                        [{"file": "../a.png", "text": "x"}], )"),
+              HasSubstr("pictures[0].file: lies elsewhere"));
+  EXPECT_THAT(Complaint("\"goal\"", R"("expert": "mine.path.json", "goal")"),
+              HasSubstr("expert: there is no file"));
+}
+
+TEST_F(ExerciseTest, RefusesASceneWithoutWhatACriterionMeasures) {
+  EXPECT_THAT(
+      Complaint("\"tissue\": \"caries\"", "\"tissue\": \"bone\""),
+      HasSubstr("criteria.criteria[0].tissue: scene 'caries' has no such tissue; there is: caries, "
+                "dentine, enamel, pulp"));
+  EXPECT_THAT(Complaint("\"left_share\", \"tissue\": \"caries\"",
+                        "\"thickness_mm\", \"tissue\": \"enamel\""),
+              HasSubstr("has no such tissue in a region; there is: caries, dentine, pulp"));
+  EXPECT_THAT(
+      Complaint("\"caries\",\n  \"tool\": \"bur\"", "\"periodontal\",\n  \"tool\": \"probe\""),
+      HasSubstr("criteria.criteria[0].measure: is of what is cut, and tool 'probe' of scene "
+                "'periodontal' cuts nothing"));
+}
+
+TEST_F(ExerciseTest, LeavesOutOfAFolderWhatHasAMistakeAndSaysSo) {
+  std::ofstream(file_) << kExercise;
+  std::ofstream(folder_ / "bad.exercise.json") << "{}";
+  std::vector<std::string> refused;
+  const auto found =
+      LoadExercises(folder_ / "", [&](const std::string& why) { refused.push_back(why); });
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].name, "light");
+  EXPECT_THAT(refused, testing::ElementsAre(HasSubstr("title is missing")));
+  EXPECT_TRUE(LoadExercises(folder_ / "none", {}).empty());
+}
+
+TEST(ShippedExercises, AreWholeInThreeLanguagesAndNameTheirSources) {
+  const auto all = LoadExercises(kShipped, [](const std::string& why) { ADD_FAILURE() << why; });
+  EXPECT_GE(all.size(), 5u);
+  const std::string page = ReadWholeFile(kShipped + "/README.md", JsonNode::kMostBytes);
+  for (const Exercise& exercise : all) {
+    for (const LocalText* text : {&exercise.title, &exercise.instruction, &exercise.goal}) {
+      for (const char* language : {"en", "de", "zh"}) {
+        EXPECT_TRUE(text->contains(language)) << exercise.name << ": " << language;
+      }
+    }
+    EXPECT_FALSE(exercise.sources.empty()) << exercise.name;
+    EXPECT_THAT(page, HasSubstr("`" + exercise.name + "`"));
+  }
+}
+
+/// Those whose scenes are not cut, and take a second each: `palpate-replay rehearse` is for the
+/// others, a minute's work.
+class Rehearsal : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Shipped, Rehearsal,
+                         testing::Values("light-force", "pocket-depth", "margin-walking"),
+                         [](const auto& name) {
+                           std::string text = name.param;
+                           std::erase(text, '-');
+                           return text;
+                         });
+
+TEST_P(Rehearsal, HasItsExpertPassAndFailsWhoOnlyBegins) {
+  const Exercise exercise = LoadExercise(kShipped + "/" + GetParam() + kExerciseEnding);
+  const Report expert = Rehearse(exercise);
+  ASSERT_TRUE(expert.grades.at(0));
+  EXPECT_GE(expert.grades[0]->points, 90.0);
+  const Report begun = Rehearse(exercise, 3.2);
+  EXPECT_TRUE(begun.grades.at(0)) << "it has touched";
+  EXPECT_FALSE(Passed(begun));
+  const Report idle = Rehearse(exercise, 1.2);
+  EXPECT_FALSE(idle.grades.at(0)) << "it touches nothing";
+}
+
+}  // namespace
+}  // namespace palpate::test

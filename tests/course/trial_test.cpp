@@ -1,0 +1,139 @@
+#include "client/course/trial.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "common/realtime/steady_clock.h"
+#include "tests/support/complaint.h"
+#include "tests/support/eventually.h"
+#include "tests/support/folder.h"
+
+namespace palpate::test {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+/// Programs of the recorder's and the replayer's names that do as those do.
+constexpr const char* kRecorder =
+    "#!/bin/sh\ntrap 'exit 0' INT\necho \"recording to $1\"\nwhile :; do sleep 0.01; done\n";
+constexpr const char* kReplayer = R"(#!/bin/sh
+for word; do case $word in --out=*) out=${word#--out=};; esac; done
+mkdir -p $out && echo page > $out/score.html
+echo '{"passed": true, "trials": [{"points": 81.5, "marks": [{"criterion": "a"}]}]}' > $out/score.json
+)";
+
+class TrialTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    SetProgram("palpate-record", kRecorder);
+    SetProgram("palpate-replay", kReplayer);
+    Open();
+  }
+  void SetProgram(const std::string& name, const std::string& text) {
+    std::ofstream(folder_ / name) << text;
+    std::filesystem::permissions(folder_ / name, std::filesystem::perms::owner_all);
+  }
+  void Open() {
+    room_.reset();
+    file_.reset();
+    file_ = std::make_unique<CourseFile>(folder_ / "course");
+    room_ = std::make_unique<TrialRoom>(
+        TrialRoom::Options{folder_ / "course", folder_.path(), {}}, *file_,
+        [this](const TrialRoom::News& news) { news_.push_back(news); });
+  }
+  void Begin() { room_->Begin(7, 3, "light-force", "anna", now_ns_); }
+  bool Comes(const std::string& phase) {
+    return Eventually([&] {
+      room_->Poll(now_ns_);
+      return !news_.empty() && news_.back().phase == phase;
+    });
+  }
+  /// What the person's page is told of that trial.
+  nlohmann::json Done(std::size_t at) {
+    for (const auto& exercise : nlohmann::json::parse(room_->ListJson(3))["exercises"]) {
+      if (exercise["name"] == "light-force") return exercise["done"].at(at);
+    }
+    return {};
+  }
+  const Folder folder_;
+  std::unique_ptr<CourseFile> file_;
+  std::unique_ptr<TrialRoom> room_;
+  std::vector<TrialRoom::News> news_;
+  std::int64_t now_ns_ = SteadyNanoseconds();
+};
+
+TEST_F(TrialTest, IsRecordedThenScoredAndMayBeSubmitted) {
+  Begin();
+  EXPECT_EQ(news_.back().phase, "preparing");
+  ASSERT_TRUE(Comes("running"));
+  EXPECT_EQ(news_.back().left_s, 90.0);
+  EXPECT_THAT(ComplaintOf([&] { Begin(); }), HasSubstr("a trial of yours is running"));
+  room_->End(8, "another's");
+  room_->End(7, "stopped");
+  ASSERT_TRUE(Comes("scored"));
+  EXPECT_EQ(room_->size(), 0u);
+  EXPECT_EQ(news_.back().reason, "stopped");
+  EXPECT_TRUE(news_.back().whole && news_.back().passed);
+  EXPECT_EQ(news_.back().points, 81.5);
+  const std::string page = room_->PageOf(news_.back().page);
+  EXPECT_THAT(page, HasSubstr("/trials/3/light-force/1/score.html"));
+  EXPECT_EQ(room_->PageOf("0"), "");
+  EXPECT_EQ(Done(0)["points"], 81.5);
+  EXPECT_EQ(Done(0)["submitted"], false);
+  room_->Submit(7, 3, "light-force", 1);
+  EXPECT_EQ(Done(0)["submitted"], true);
+  EXPECT_THAT(ComplaintOf([&] { room_->Submit(7, 3, "light-force", 1); }),
+              HasSubstr("no such trial"));
+  EXPECT_THAT(ComplaintOf([&] { room_->Begin(7, 3, "none", "anna", now_ns_); }),
+              HasSubstr("there is no exercise"));
+}
+
+TEST_F(TrialTest, EndsByItsTimeAndWhereItIsSubmitted) {
+  Begin();
+  ASSERT_TRUE(Comes("running"));
+  now_ns_ += 91'000'000'000;
+  ASSERT_TRUE(Comes("scored"));
+  EXPECT_EQ(news_.back().reason, "the time is over");
+  Begin();
+  ASSERT_TRUE(Comes("running"));
+  room_->Submit(7, 3, "light-force", 0);
+  ASSERT_TRUE(Comes("scored"));
+  EXPECT_EQ(news_.back().n, 2);
+  EXPECT_EQ(Done(1)["submitted"], true);
+}
+
+TEST_F(TrialTest, IsNotWholeWhereItsRecorderFailsOrDies) {
+  SetProgram("palpate-record",
+             "#!/bin/sh\necho 'recording to x'\nsleep 0.1\n"
+             "echo 'palpate-record: 1.mcap: No space left on device' >&2\nexit 1\n");
+  Begin();
+  ASSERT_TRUE(Comes("scored")) << "what there is counts for what it is";
+  EXPECT_FALSE(news_.back().whole);
+  EXPECT_THAT(news_.back().reason, HasSubstr("No space left on device"));
+  SetProgram("palpate-record", "#!/bin/sh\necho 'recording to x'\nkill -9 $$\n");
+  SetProgram("palpate-replay",
+             "#!/bin/sh\necho 'palpate-replay: 2.mcap: holds no hand' >&2\nexit 1\n");
+  Begin();
+  ASSERT_TRUE(Comes("unscored"));
+  EXPECT_EQ(Done(1)["whole"], false);
+  EXPECT_THAT(Done(1)["reason"].get<std::string>(), HasSubstr("recorder was killed"));
+  EXPECT_THAT(news_.back().reason, HasSubstr("2.mcap: holds no hand"));
+}
+
+TEST_F(TrialTest, IsMarkedAsCutShortWhereTheGatewayWasKilled) {
+  Begin();
+  ASSERT_TRUE(Comes("running"));
+  Open();
+  EXPECT_EQ(Done(0)["whole"], false);
+  EXPECT_THAT(Done(0)["reason"].get<std::string>(), HasSubstr("cut short"));
+  Begin();
+  EXPECT_EQ(news_.back().n, 2);
+}
+
+}  // namespace
+}  // namespace palpate::test
