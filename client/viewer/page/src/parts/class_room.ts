@@ -1,4 +1,4 @@
-import {classWord} from "../model/class_words";
+import {say} from "../messages/say";
 import {norm} from "../model/pose";
 import {kTopics, type Station, type World} from "../model/world";
 import {
@@ -28,7 +28,7 @@ const kSeat = /^(.+)-\d+$/;
 export class ClassRoom {
   private readonly button = make("button", {
     ...{type: "button", id: "class-open", hidden: true},
-    ...{textContent: classWord("open"), title: classWord("openTitle")},
+    ...{textContent: say("class.open"), title: say("class.open_title")},
     onclick: () => this.open(),
   });
   private readonly dialog = make("dialog", {id: "class-dialog"});
@@ -52,7 +52,7 @@ export class ClassRoom {
       begin: (scene, goal) => this.begin(scene, goal),
       end: () => this.ask({op: "begin", scene: ""}),
       say: (person, name, text) =>
-        this.ask({op: "say", person, text}, () => this.tell(classWord("said", {name}))),
+        this.ask({op: "say", person, text}, () => this.tell(say("class.said", {name}))),
       watch: (scene, station) => {
         this.dialog.close();
         events.show(scene, station);
@@ -66,13 +66,17 @@ export class ClassRoom {
       withdraw: (person) => this.ask({op: "person_withdraw", person}),
     });
     const tab = (of: "wall" | "people"): HTMLButtonElement =>
-      make("button", {type: "button", textContent: classWord(of), onclick: () => this.turn(of)});
+      make("button", {
+        type: "button",
+        textContent: say(of === "wall" ? "class.wall" : "class.people"),
+        onclick: () => this.turn(of),
+      });
     this.tabs = {wall: tab("wall"), people: tab("people")};
     const close = make("button", {
-      ...{type: "button", className: "close", textContent: classWord("close")},
+      ...{type: "button", className: "close", textContent: say("class.close")},
       onclick: () => this.dialog.close(),
     });
-    const title = make("h2", {id: "class-title", textContent: classWord("title")});
+    const title = make("h2", {id: "class-title", textContent: say("class.title")});
     this.dialog.setAttribute("aria-labelledby", title.id);
     this.dialog.append(
       make(
@@ -90,10 +94,10 @@ export class ClassRoom {
     this.dialog.addEventListener("close", () => this.roster.forget());
     element("audience", HTMLButtonElement).before(this.button);
     const hide = make("button", {
-      ...{type: "button", textContent: classWord("hide")},
+      ...{type: "button", textContent: say("class.hide")},
       onclick: () => void (this.said.hidden = true),
     });
-    this.said.append(make("b", {textContent: classWord("from")}), this.saidText, hide);
+    this.said.append(make("b", {textContent: say("class.from")}), this.saidText, hide);
     document.querySelector(".picture")?.append(this.said);
     document.body.append(this.dialog);
     this.turn("wall");
@@ -123,7 +127,7 @@ export class ClassRoom {
     if (!this.dialog.open) return;
     const {people, scene} = this.class;
     const here = people.filter(({here}) => here > 0).length;
-    setText(this.count, classWord("here", {here, all: people.length}));
+    setText(this.count, say("class.here", {here, all: people.length}));
     this.roster.show(people);
     const scenes = [...this.world.scenes];
     const seated = scenes.filter((name) => scenes.includes(`${name}-1`)).sort();
@@ -189,7 +193,7 @@ export class ClassRoom {
       ...{op: "goal", scene, text: goal.text, limit_N: goal.limitN},
     });
     this.ask({op: "begin", scene}, ({note}) => {
-      this.tell(note !== "" ? note : classWord("begun"));
+      this.tell(note !== "" ? note : say("class.begun"));
       for (const [id, {session}] of this.world.stations)
         if (session?.phase === "held") this.operate("admit", id);
     });
@@ -204,7 +208,7 @@ export class ClassRoom {
     this.tell("");
     this.waiting.set(tag, done);
     setTimeout(() => {
-      if (this.waiting.delete(tag)) this.tell(classWord("noAnswer"));
+      if (this.waiting.delete(tag)) this.tell(say("class.no_answer"));
     }, kAnswerWithinMs);
     this.events.publish(kTopics.class, {tag, ...wish});
   }
@@ -233,11 +237,11 @@ export class ClassRoom {
 
 function doingOf(person: Person, station: Station | undefined): Pick<OnWall, "tone" | "doing"> {
   const session = station?.session;
-  if (session?.phase === "held") return {tone: "held", doing: classWord("waits")};
-  if (session?.muted) return {tone: "muted", doing: classWord("muted")};
-  if (session?.phase === "acquiring") return {tone: "works", doing: classWord("acquiring")};
-  if (session) return {tone: "works", doing: classWord("works", {tool: session.tool})};
-  if (person.here > 1) return {tone: "idle", doing: classWord("pages", {count: person.here})};
-  if (person.here === 0) return {tone: "away", doing: classWord("away")};
-  return {tone: "idle", doing: classWord(person.role === "operate" ? "teaches" : "looksOn")};
+  if (session?.phase === "held") return {tone: "held", doing: say("class.waits")};
+  if (session?.muted) return {tone: "muted", doing: say("class.muted")};
+  if (session?.phase === "acquiring") return {tone: "works", doing: say("class.acquiring")};
+  if (session) return {tone: "works", doing: say("class.works", {tool: session.tool})};
+  if (person.here > 1) return {tone: "idle", doing: say("class.pages", {count: person.here})};
+  if (person.here === 0) return {tone: "away", doing: say("class.away")};
+  return {tone: "idle", doing: say(person.role === "operate" ? "class.teaches" : "class.looks_on")};
 }

@@ -1,4 +1,5 @@
-import {exerciseWord, localText} from "../model/exercise_words";
+import {say} from "../messages/say";
+import {localText} from "../model/local_text";
 import {kTopics} from "../model/world";
 import {
   type DoneTrial,
@@ -20,15 +21,18 @@ export interface ExerciseEvents {
 const own = (text: LocalText): string => localText(text, document.documentElement.lang || "en");
 
 function verdictOf(trial: DoneTrial): string {
-  const words = trial.points === null ? "noPoints" : trial.passed ? "passed" : "notYet";
-  return exerciseWord(words) + (trial.whole ? "" : `, ${exerciseWord("notWhole")}`);
+  const passed = trial.passed ? "exercises.passed" : "exercises.not_yet";
+  return (
+    say(trial.points === null ? "exercises.no_points" : passed) +
+    (trial.whole ? "" : `, ${say("exercises.not_whole")}`)
+  );
 }
 
 /// What there is to do, a trial of it, and how that went.
 export class Exercises {
   private readonly button = make("button", {
     ...{type: "button", id: "exercises-open", hidden: true},
-    ...{textContent: exerciseWord("open"), title: exerciseWord("openTitle")},
+    ...{textContent: say("exercises.open"), title: say("exercises.open_title")},
     onclick: () => this.open(),
   });
   private readonly dialog = make("dialog", {id: "exercises-dialog"});
@@ -40,7 +44,7 @@ export class Exercises {
   private readonly clock = make("span", {className: "clock"});
   private readonly stop = this.wish("stop", () => void this.events.publish({op: "stop"}));
   private readonly submit = this.wish("submit", () => this.handIn(this.trial));
-  private readonly score = make("a", {target: "_blank", textContent: exerciseWord("score")});
+  private readonly score = make("a", {target: "_blank", textContent: say("exercises.score")});
   private readonly again = this.wish("again", () => this.beginShown());
   private readonly next = this.wish("next", () => this.showNext());
   private exercises: readonly Exercise[] = [];
@@ -49,12 +53,12 @@ export class Exercises {
   private endsS: number | undefined; // by the page's clock
 
   constructor(private readonly events: ExerciseEvents) {
-    const title = make("h2", {id: "exercises-title", textContent: exerciseWord("title")});
+    const title = make("h2", {id: "exercises-title", textContent: say("exercises.title")});
     const close = this.wish("close", () => this.dialog.close());
     this.dialog.setAttribute("aria-labelledby", title.id);
     const columns = make("div", {className: "columns"}, this.list, this.about);
     this.dialog.append(make("header", {}, title, close), columns);
-    this.bar.setAttribute("aria-label", exerciseWord("title"));
+    this.bar.setAttribute("aria-label", say("exercises.title"));
     const {what, word, clock, stop, submit, score, again, next} = this;
     this.bar.append(what, word, clock, stop, submit, score, again, next);
     element("audience", HTMLButtonElement).before(this.button);
@@ -84,14 +88,14 @@ export class Exercises {
     if (trial?.phase !== "running") return setText(this.clock, "");
     this.endsS ??= nowS + trial.left_s;
     const time = Math.max(0, Math.ceil(this.endsS - nowS));
-    setText(this.clock, exerciseWord("left", {time}));
+    setText(this.clock, say("exercises.left", {time}));
   }
 
   private wish(
     word: "stop" | "submit" | "again" | "next" | "close" | "begin",
     onclick: () => void,
   ): HTMLButtonElement {
-    return make("button", {type: "button", textContent: exerciseWord(word), onclick});
+    return make("button", {type: "button", textContent: say(`exercises.${word}`), onclick});
   }
 
   private open(): void {
@@ -109,7 +113,7 @@ export class Exercises {
         make("b", {textContent: own(exercise.title)}),
         make("span", {
           className: "quiet",
-          textContent: exerciseWord("trialsOf", {done, all: exercise.trials}),
+          textContent: say("exercises.trials_of", {done, all: exercise.trials}),
         }),
       );
       pick.setAttribute("aria-pressed", String(exercise.name === this.shown));
@@ -129,7 +133,7 @@ export class Exercises {
     const served = this.events.served(exercise) !== "";
     const [force, time] = [exercise.most_N, exercise.most_s];
     const begin = this.wish("begin", () => this.beginShown());
-    begin.title = exerciseWord("beginTitle");
+    begin.title = say("exercises.begin_title");
     begin.className = "begin";
     begin.disabled = !served || this.isBusy;
     const pictures = exercise.pictures.map(({path, text}) =>
@@ -140,7 +144,7 @@ export class Exercises {
         make("figcaption", {textContent: own(text)}),
       ),
     );
-    const limits = exerciseWord(force > 0 ? "limits" : "limitTime", {force, time});
+    const limits = say(force > 0 ? "exercises.limits" : "exercises.limit_time", {force, time});
     return [
       make("h3", {textContent: own(exercise.title)}),
       make("p", {textContent: own(exercise.instruction)}),
@@ -148,29 +152,29 @@ export class Exercises {
       make("p", {className: "goal", textContent: own(exercise.goal)}),
       make("p", {className: "quiet", textContent: limits}),
       begin,
-      make("p", {className: "quiet", textContent: served ? "" : exerciseWord("notServed")}),
+      make("p", {className: "quiet", textContent: served ? "" : say("exercises.not_served")}),
       make("ol", {className: "done"}, ...exercise.done.map((trial) => this.rowOf(exercise, trial))),
-      make("p", {className: "quiet", textContent: exerciseWord("one")}),
+      make("p", {className: "quiet", textContent: say("exercises.one")}),
     ];
   }
 
   private rowOf(exercise: Exercise, trial: DoneTrial): HTMLLIElement {
     const {n, points} = trial;
-    const row = make("li", {}, make("span", {textContent: exerciseWord("trial", {n})}));
-    const said = points === null ? "" : exerciseWord("points", {points: Math.round(points)});
+    const row = make("li", {}, make("span", {textContent: say("exercises.trial", {n})}));
+    const said = points === null ? "" : say("exercises.points", {points: Math.round(points)});
     row.append(
       make("b", {textContent: said}),
       make("span", {textContent: verdictOf(trial), title: trial.reason}),
     );
     if (trial.page !== "") row.append(this.linkTo(trial.page));
-    if (trial.submitted) row.append(make("span", {textContent: exerciseWord("submitted")}));
+    if (trial.submitted) row.append(make("span", {textContent: say("exercises.submitted")}));
     else row.append(this.wish("submit", () => this.handIn({exercise: exercise.name, n})));
     return row;
   }
 
   private linkTo(page: string): HTMLAnchorElement {
     return make("a", {
-      ...{href: `score/${page}`, target: "_blank", textContent: exerciseWord("score")},
+      ...{href: `score/${page}`, target: "_blank", textContent: say("exercises.score")},
     });
   }
 
@@ -211,7 +215,7 @@ export class Exercises {
     const points = Math.round(trial.points ?? 0);
     const {reason} = trial;
     const verdict = verdictOf(trial);
-    setText(this.word, exerciseWord(trial.phase, {points, verdict, reason}));
+    setText(this.word, say(`exercises.${trial.phase}`, {points, verdict, reason}));
     this.bar.dataset["verdict"] = trial.phase !== "scored" ? "" : trial.passed ? "good" : "poor";
     const submitted = trial.submitted || done?.submitted === true;
     this.stop.hidden = trial.phase !== "running";

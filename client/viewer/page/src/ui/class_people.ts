@@ -1,4 +1,4 @@
-import {classWord} from "../model/class_words";
+import {say} from "../messages/say";
 import type {MadePerson, Person, Role} from "../protocol/class_messages";
 import {make} from "./elements";
 import {qrSvg} from "./qr";
@@ -11,9 +11,9 @@ export interface PeopleWishes {
 }
 
 const kRoles: readonly [Role, string][] = [
-  ["drive", classWord("drive")],
-  ["watch", classWord("watchOnly")],
-  ["operate", classWord("operate")],
+  ["drive", say("class.drive")],
+  ["watch", say("class.watch_only")],
+  ["operate", say("class.operate")],
 ];
 const roleWord = (role: Role): string => kRoles.find(([of]) => of === role)?.[1] ?? role;
 const isLocal = (host: string): boolean => /^(localhost|127\.|\[::1\])/.test(host);
@@ -29,7 +29,7 @@ function linkOf(token: string): string {
 export class ClassPeople {
   readonly body = make("div", {className: "class-people"});
   private readonly names = make("textarea", {
-    ...{id: "class-names", rows: 6, placeholder: classWord("namesHint"), spellcheck: false},
+    ...{id: "class-names", rows: 6, placeholder: say("class.names_hint"), spellcheck: false},
   });
   private readonly role = make("select", {id: "class-role"});
   private readonly links = make("section", {className: "links", hidden: true});
@@ -51,23 +51,23 @@ export class ClassPeople {
           else this.names.focus();
         },
       },
-      make("h3", {textContent: classWord("addTitle")}),
-      make("label", {htmlFor: this.names.id, textContent: classWord("names")}),
+      make("h3", {textContent: say("class.add_title")}),
+      make("label", {htmlFor: this.names.id, textContent: say("class.names")}),
       this.names,
-      make("label", {htmlFor: this.role.id}, `${classWord("role")} `, this.role),
-      make("button", {type: "submit", className: "primary", textContent: classWord("make")}),
+      make("label", {htmlFor: this.role.id}, `${say("class.role")} `, this.role),
+      make("button", {type: "submit", className: "primary", textContent: say("class.make")}),
     );
     this.links.append(
-      make("h3", {textContent: classWord("links")}),
-      make("p", {className: "quiet", textContent: classWord("linksOnce")}),
+      make("h3", {textContent: say("class.links")}),
+      make("p", {className: "quiet", textContent: say("class.links_once")}),
       make("p", {
-        ...{className: "warn", textContent: classWord("linksLocal")},
+        ...{className: "warn", textContent: say("class.links_local")},
         hidden: !isLocal(location.hostname),
       }),
-      make("button", {type: "button", textContent: classWord("print"), onclick: () => print()}),
+      make("button", {type: "button", textContent: say("class.print"), onclick: () => print()}),
       this.cards,
     );
-    const roster = make("section", {}, make("h3", {textContent: classWord("inClass")}), this.list);
+    const roster = make("section", {}, make("h3", {textContent: say("class.in_class")}), this.list);
     this.body.append(make("div", {className: "left"}, add, roster), this.links);
   }
 
@@ -94,10 +94,10 @@ export class ClassPeople {
   private card({name, token}: MadePerson): HTMLLIElement {
     const link = linkOf(token);
     const copy = make("button", {
-      ...{type: "button", textContent: classWord("copy")},
+      ...{type: "button", textContent: say("class.copy")},
       onclick: () => {
         void navigator.clipboard?.writeText(link).then(() => {
-          copy.textContent = classWord("copied");
+          copy.textContent = say("class.copied");
         });
       },
     });
@@ -107,7 +107,7 @@ export class ClassPeople {
       "li",
       {},
       make("b", {textContent: name}),
-      qrSvg(link, classWord("qr", {name})),
+      qrSvg(link, say("class.qr", {name})),
       address,
       copy,
     );
@@ -117,9 +117,9 @@ export class ClassPeople {
     const words = make("span", {className: "name", textContent: name});
     const button = (text: string, title: string, onclick: () => void): HTMLButtonElement =>
       make("button", {type: "button", textContent: text, title, onclick});
-    const rename = button(classWord("rename"), classWord("rename"), () => {
-      const input = make("input", {value: name, maxLength: 64, ariaLabel: classWord("rename")});
-      const keep = make("button", {type: "submit", textContent: classWord("keep")});
+    const rename = button(say("class.rename"), say("class.rename"), () => {
+      const input = make("input", {value: name, maxLength: 64, ariaLabel: say("class.rename")});
+      const keep = make("button", {type: "submit", textContent: say("class.keep")});
       const form = make("form", {className: "rename"}, input, keep);
       form.addEventListener("submit", (event) => {
         event.preventDefault();
@@ -129,19 +129,19 @@ export class ClassPeople {
       words.replaceWith(form);
       input.select();
     });
-    const renew = button(classWord("newLink"), classWord("newLinkTitle", {name}), () =>
+    const renew = button(say("class.new_link"), say("class.new_link_title", {name}), () =>
       this.wish.renew(person),
     );
     let isSure = false;
-    const withdraw = button(classWord("withdraw"), classWord("withdrawTitle", {name}), () => {
+    const withdraw = button(say("class.withdraw"), say("class.withdraw_title", {name}), () => {
       if (isSure) this.wish.withdraw(person);
       isSure = !isSure;
-      withdraw.textContent = classWord(isSure ? "sure" : "withdraw");
+      withdraw.textContent = say(isSure ? "class.sure" : "class.withdraw");
       withdraw.classList.toggle("alarm", isSure);
     });
     withdraw.addEventListener("blur", () => {
       isSure = false;
-      withdraw.textContent = classWord("withdraw");
+      withdraw.textContent = say("class.withdraw");
       withdraw.classList.remove("alarm");
     });
     const choices = make("span", {className: "choices"}, rename, renew, withdraw);

@@ -1,4 +1,4 @@
-import {classWord} from "../model/class_words";
+import {say} from "../messages/say";
 import {make, setOptions, setText} from "./elements";
 import type {OperateOp} from "./console";
 
@@ -50,30 +50,30 @@ export class ClassWall {
   readonly body = make("div", {className: "class-wall"});
   private readonly scene = make("select", {id: "class-scene"});
   private readonly begin = make("button", {
-    ...{type: "submit", className: "primary", textContent: classWord("begin")},
-    title: classWord("beginTitle"),
+    ...{type: "submit", className: "primary", textContent: say("class.begin")},
+    title: say("class.begin_title"),
   });
   private readonly end = make("button", {
-    ...{type: "button", textContent: classWord("end"), title: classWord("endTitle")},
+    ...{type: "button", textContent: say("class.end"), title: say("class.end_title")},
   });
   private readonly goal = make("input", {
-    ...{type: "text", id: "class-goal", maxLength: 120, placeholder: classWord("goalHint")},
+    ...{type: "text", id: "class-goal", maxLength: 120, placeholder: say("class.goal_hint")},
   });
   private readonly limit = make("input", {
     ...{type: "number", id: "class-limit", min: "0", step: "0.05", placeholder: "–"},
   });
   private readonly to = make("select", {id: "class-to"});
   private readonly line = make("input", {
-    ...{type: "text", id: "class-line", maxLength: 120, placeholder: classWord("line")},
-    ariaLabel: classWord("line"),
+    ...{type: "text", id: "class-line", maxLength: 120, placeholder: say("class.line")},
+    ariaLabel: say("class.line"),
   });
-  private readonly none = make("p", {className: "quiet", textContent: classWord("nobody")});
+  private readonly none = make("p", {className: "quiet", textContent: say("class.nobody")});
   private readonly list = make("ul", {className: "wall"});
   private readonly cards = new Map<string, Card>();
 
   constructor(private readonly wish: WallWishes) {
     this.end.addEventListener("click", () => wish.end());
-    const say = make(
+    const lineForm = make(
       "form",
       {
         className: "say",
@@ -85,9 +85,9 @@ export class ClassWall {
           this.line.value = "";
         },
       },
-      make("label", {htmlFor: this.to.id}, `${classWord("to")} `, this.to),
+      make("label", {htmlFor: this.to.id}, `${say("class.to")} `, this.to),
       this.line,
-      make("button", {type: "submit", textContent: classWord("say")}),
+      make("button", {type: "submit", textContent: say("class.say")}),
     );
     const start = make(
       "form",
@@ -99,13 +99,13 @@ export class ClassWall {
           wish.begin(this.scene.value, {text: this.goal.value.trim(), limitN});
         },
       },
-      make("label", {htmlFor: this.scene.id}, `${classWord("scene")} `, this.scene),
-      make("label", {className: "goal"}, classWord("goal"), this.goal),
-      make("label", {}, `${classWord("atMost")} `, this.limit, ` ${classWord("newton")}`),
+      make("label", {htmlFor: this.scene.id}, `${say("class.scene")} `, this.scene),
+      make("label", {className: "goal"}, say("class.goal"), this.goal),
+      make("label", {}, `${say("class.at_most")} `, this.limit, ` ${say("class.newton")}`),
       this.begin,
       this.end,
     );
-    this.body.append(make("div", {className: "class-bar"}, start, say), this.none, this.list);
+    this.body.append(make("div", {className: "class-bar"}, start, lineForm), this.none, this.list);
   }
 
   /// @param scenes  that have seats
@@ -113,13 +113,13 @@ export class ClassWall {
   show(all: readonly OnWall[], scenes: readonly string[], begun: string): void {
     const chosen = scenes.includes(this.scene.value) ? this.scene.value : (scenes[0] ?? "");
     const option = (name: string) => ({value: name, text: name});
-    setOptions(this.scene, scenes.map(option), chosen, classWord("noSeats"));
+    setOptions(this.scene, scenes.map(option), chosen, say("class.no_seats"));
     this.begin.disabled = scenes.length === 0;
     this.end.hidden = begun === "";
     const people = all.filter(({person}) => person > 0);
     const reach = people.map(({person, name}) => ({value: String(person), text: name}));
     const wanted = reach.some(({value}) => value === this.to.value) ? this.to.value : "0";
-    setOptions(this.to, [{value: "0", text: classWord("all")}, ...reach], wanted, "");
+    setOptions(this.to, [{value: "0", text: say("class.all")}, ...reach], wanted, "");
     this.none.hidden = all.length > 0;
     const keys = new Set(all.map(({key}) => key));
     for (const [key, {item}] of this.cards) {
@@ -150,11 +150,11 @@ export class ClassWall {
     card.limit.style.left = `${100 / kFullLimits}%`;
     const force = (forceN ?? 0).toFixed(2);
     const figure = Number.isFinite(limitN)
-      ? classWord("ofLimit", {force, limit: limitN})
-      : classWord("newtons", {force});
+      ? say("class.of_limit", {force, limit: limitN})
+      : say("class.newtons", {force});
     setText(
       card.figure,
-      forceN === undefined ? "–" : isOver ? `${figure}: ${classWord("tooMuch")}` : figure,
+      forceN === undefined ? "–" : isOver ? `${figure}: ${say("class.too_much")}` : figure,
     );
     setText(card.goal, now.goal);
     card.goal.hidden = now.goal === "" || tone === "away";
@@ -162,7 +162,7 @@ export class ClassWall {
     card.admit.hidden = tone !== "held";
     card.mute.hidden = tone === "held" || station === "";
     card.back.hidden = card.force.hidden = station === "";
-    setText(card.mute, classWord(tone === "muted" ? "unmute" : "mute"));
+    setText(card.mute, say(tone === "muted" ? "class.unmute" : "class.mute"));
     card.sayTo.hidden = now.person === 0 || tone === "away";
   }
 
@@ -180,18 +180,18 @@ export class ClassWall {
       force: make("div"),
       doing: make("span", {className: "doing"}),
       seat: make("span", {className: "seat"}),
-      figure: make("output", {className: "figure", ariaLabel: classWord("force")}),
+      figure: make("output", {className: "figure", ariaLabel: say("class.force")}),
       goal: make("p", {className: "goal-words"}),
       ...{bar, limit, now},
-      watch: button(classWord("watch"), classWord("watchTitle", {name}), () =>
+      watch: button(say("class.watch"), say("class.watch_title", {name}), () =>
         this.wish.watch(card.now.scene, card.now.station),
       ),
-      admit: button(classWord("admit"), classWord("admit"), () => operate("admit")),
-      mute: button(classWord("mute"), classWord("mute"), () =>
+      admit: button(say("class.admit"), say("class.admit"), () => operate("admit")),
+      mute: button(say("class.mute"), say("class.mute"), () =>
         operate(card.now.tone === "muted" ? "unmute" : "mute"),
       ),
-      back: button(classWord("takeBack"), classWord("takeBack"), () => operate("take_back")),
-      sayTo: button(classWord("sayTo"), classWord("sayToTitle", {name}), () => {
+      back: button(say("class.take_back"), say("class.take_back"), () => operate("take_back")),
+      sayTo: button(say("class.say_to"), say("class.say_to_title", {name}), () => {
         this.to.value = String(card.now.person);
         this.line.focus();
       }),
