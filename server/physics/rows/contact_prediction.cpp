@@ -6,28 +6,54 @@
 #include "server/physics/stage_clock.h"
 
 namespace palpate {
+namespace {
+
+/// The reach for the tightest rows over that of the step before: taken.
+constexpr double kNear = 1.1;
+
+}  // namespace
 
 ContactPrediction::ContactPrediction(const HapticModel& model) {
   if (model.objects().any()) query_.emplace(model.tool(), model.objects());
   if (model.insides() != nullptr) insides_.emplace(model.tool(), *model.insides());
 }
 
+void ContactPrediction::Gather(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
+                               const Vec3& p_W, const StepBounds& bounds, ContactRows& rows,
+                               StageTimes* times) noexcept {
+  rows.Clear();
+  StageClock clock(times);
+  query_->Run(kernels, R_WG, p_W, bounds, [&](NodePair* pairs, int count) {
+    clock.Lap(&StageTimes::prediction);
+    rows.Add(kernels, model.tool().leaves().data(), model.objects().leaves().data(), R_WG, p_W,
+             pairs, count);
+    clock.Lap(&StageTimes::rows);
+    return true;
+  });
+  clock.Lap(&StageTimes::prediction);
+  rows.Finish();
+  clock.Lap(&StageTimes::rows);
+}
+
+// Two smooth bodies that lie along each other bring many times more pairs within the bounds than
+// there is room for.  The tightest are then those of a shorter reach, once it has more than there
+// is room for: it finds all pairs up to that gap, in the same order.
 void ContactPrediction::Predict(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
                                 const Vec3& p_W, const StepBounds& bounds, ContactRows& rows,
                                 StageTimes* times) noexcept {
-  rows.Clear();
-  if (query_) {
-    StageClock clock(times);
-    query_->Run(kernels, R_WG, p_W, bounds, [&](NodePair* pairs, int count) {
-      clock.Lap(&StageTimes::prediction);
-      rows.Add(kernels, model.tool().leaves().data(), model.objects().leaves().data(), R_WG, p_W,
-               pairs, count);
-      clock.Lap(&StageTimes::rows);
-      return true;
-    });
-    clock.Lap(&StageTimes::prediction);
+  if (!query_) {
+    rows.Clear();
+    rows.Finish();
+    return;
   }
-  rows.Finish();
+  bool has_tightest = false;
+  if (near_ > 0.0 && near_ < bounds.translation) {
+    Gather(model, kernels, R_WG, p_W, {near_, 0.0}, rows, times);
+    has_tightest = rows.overflowed() && rows.loosest() <= near_;
+  }
+  if (!has_tightest) Gather(model, kernels, R_WG, p_W, bounds, rows, times);
+  near_ = rows.overflowed() ? kNear * rows.loosest() : 0.0;
+  if (rows.overflowed()) overflows_ += limits::kMaxTested;
 }
 
 bool ContactPrediction::Overlaps(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,

@@ -24,8 +24,9 @@ class ContactPrediction {
   void Predict(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
                const StepBounds& bounds, ContactRows& rows, StageTimes* times) noexcept;
 
-  /// Packet pairs tested so far in the life of this prediction: what it costs, as a count.
-  std::int64_t tested() const { return query_ ? query_->tested() : 0; }
+  /// Packet pairs tested so far in the life of this prediction: what it costs, as a count.  Where
+  /// there were more rows than there is room for, that is more than a cycle has.
+  std::int64_t tested() const { return query_ ? query_->tested() + overflows_ : 0; }
 
   /// True where any two leaves overlap, of soft ones their cores, of objects that are felt by their
   /// meshes by kCoreDepth.  `rows` is scratch.  Real-time.
@@ -33,7 +34,14 @@ class ContactPrediction {
                 ContactRows& rows) noexcept;
 
  private:
-  std::optional<PairQuery> query_;    ///< where any leaf can touch
+  void Gather(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
+              const StepBounds& bounds, ContactRows& rows, StageTimes* times) noexcept;
+
+  std::optional<PairQuery> query_;  ///< where any leaf can touch
+  /// Where rows overflowed last: a gap that the tightest are likely within [m]; else 0.  A guess,
+  /// which changes no bit.
+  double near_ = 0.0;
+  std::int64_t overflows_ = 0;        ///< kMaxTested for each
   std::optional<PairQuery> insides_;  ///< where objects are felt by their meshes
 };
 

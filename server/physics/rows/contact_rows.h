@@ -53,6 +53,8 @@ class ContactRows {
   int count() const { return count_; }
   int max_rows() const { return max_rows_; }
   bool overflowed() const { return overflowed_; }
+  /// Once overflowed, and after Finish: the greatest gap that is kept [m].
+  double loosest() const { return -loosest_; }
   QpRows view() const;
   const ContactId& id(int row) const { return columns_.id[row]; }
   /// Gap of a row [m].
