@@ -48,12 +48,15 @@ void ContactPrediction::Predict(const HapticModel& model, const Kernels& kernels
   }
   bool has_tightest = false;
   if (near_ > 0.0 && near_ < bounds.translation) {
+    const std::int64_t before = query_->tested();
     Gather(model, kernels, R_WG, p_W, {near_, 0.0}, rows, times);
     has_tightest = rows.overflowed() && rows.loosest() <= near_;
+    // A workspace that has guessed nothing has to count the same: it decides about sub-steps.
+    if (!has_tightest) counted_ -= query_->tested() - before;
   }
   if (!has_tightest) Gather(model, kernels, R_WG, p_W, bounds, rows, times);
   near_ = rows.overflowed() ? kNear * rows.loosest() : 0.0;
-  if (rows.overflowed()) overflows_ += limits::kMaxTested;
+  if (rows.overflowed()) counted_ += limits::kMaxTested;
 }
 
 bool ContactPrediction::Overlaps(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,

@@ -26,7 +26,7 @@ class ContactPrediction {
 
   /// Packet pairs tested so far in the life of this prediction: what it costs, as a count.  Where
   /// there were more rows than there is room for, that is more than a cycle has.
-  std::int64_t tested() const { return query_ ? query_->tested() + overflows_ : 0; }
+  std::int64_t tested() const { return query_ ? query_->tested() + counted_ : 0; }
 
   /// True where any two leaves overlap, of soft ones their cores, of objects that are felt by their
   /// meshes by kCoreDepth.  `rows` is scratch.  Real-time.
@@ -41,7 +41,7 @@ class ContactPrediction {
   /// Where rows overflowed last: a gap that the tightest are likely within [m]; else 0.  A guess,
   /// which changes no bit.
   double near_ = 0.0;
-  std::int64_t overflows_ = 0;        ///< kMaxTested for each
+  std::int64_t counted_ = 0;          ///< kMaxTested for each overflow, less what guesses took
   std::optional<PairQuery> insides_;  ///< where objects are felt by their meshes
 };
 
