@@ -55,7 +55,8 @@ class TrialTest : public testing::Test {
   }
   /// What the person's page is told of that trial.
   nlohmann::json Done(std::size_t at) {
-    for (const auto& exercise : nlohmann::json::parse(room_->ListJson(3))["exercises"]) {
+    const auto list = nlohmann::json::parse(room_->ListJson(3));
+    for (const auto& exercise : list["exercises"]) {
       if (exercise["name"] == "light-force") return exercise["done"].at(at);
     }
     return {};
