@@ -20,6 +20,9 @@
 namespace palpate {
 namespace {
 
+/// Why a trial ends that its person has stopped.
+constexpr const char* kStopped = "stopped";
+
 constexpr std::int64_t kStatistics_ns = 5'000'000'000;
 
 std::string RandomId() {
@@ -267,7 +270,7 @@ std::string Hub::Try(const TrialCommand& command, ViewerSession& viewer, std::in
         BeginTrial(command.exercise, viewer, now_ns);
         break;
       case TrialCommand::Op::kStop:
-        trials_->End(viewer.id(), "stopped");
+        trials_->End(viewer.id(), kStopped);
         break;
       case TrialCommand::Op::kSubmit:
         trials_->Submit(viewer.id(), viewer.holder()->person, command.exercise, command.n);
@@ -321,7 +324,9 @@ void Hub::Tell(const TrialRoom::News& news) {
   const std::int64_t now_ns = SteadyNanoseconds();
   if (news.phase == "running") mice_.Go(news.holder, now_ns);
   if (news.phase == "ending" || news.phase == "scoring") {
-    mice_.Release(news.holder, "the trial ends: " + news.reason, now_ns);
+    // What a person has asked for needs no message.
+    mice_.Release(news.holder, news.reason == kStopped ? "" : "the trial ends: " + news.reason,
+                  now_ns);
   }
   nlohmann::json json = {{"exercise", news.exercise}, {"n", news.n},
                          {"phase", news.phase},       {"reason", news.reason},
