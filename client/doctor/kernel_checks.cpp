@@ -9,6 +9,7 @@
 #include <sys/resource.h>
 
 #include "client/doctor/checks.h"
+#include "common/error.h"
 
 namespace palpate::doctor {
 namespace {

@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include <prometheus/text_serializer.h>
+#include <unistd.h>
 
 #include "common/text/quoted.h"
 

@@ -1,5 +1,8 @@
 #include "scenes/files/mesh_options.h"
 
+#include <string>
+#include <vector>
+
 #include "common/program/command_line.h"
 #include "scenes/files/scene_file.h"
 

@@ -1,5 +1,6 @@
 #include "scenes/files/mesh_scene.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <set>
 #include <type_traits>
+#include <utility>
 
 #include "common/error.h"
 #include "common/json/json_file.h"

@@ -1,5 +1,6 @@
 #include "scenes/importer/mesh_text.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cstdlib>
 #include <system_error>

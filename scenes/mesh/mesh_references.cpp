@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "common/error.h"
 #include "common/json/json_file.h"
 #include "scenes/mesh/mesh_format.h"
 

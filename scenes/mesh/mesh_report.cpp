@@ -1,6 +1,7 @@
 #include "scenes/mesh/mesh_report.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <span>
 

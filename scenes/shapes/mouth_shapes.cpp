@@ -1,6 +1,7 @@
 #include "scenes/shapes/mouth_shapes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 

@@ -1,6 +1,7 @@
 #include "scenes/tree/cover_balls.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>

@@ -1,6 +1,7 @@
 // palpate-bench accuracy: force against analytic truth, the chapter's 2.5.1 (eq. 2.36,
 // Figs. 2.16-2.18).
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 

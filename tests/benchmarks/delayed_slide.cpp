@@ -1,6 +1,7 @@
 #include "tests/benchmarks/delayed_slide.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "client/station/local_contact_model.h"
 #include "client/station/pose_lead.h"

@@ -2,6 +2,7 @@
 // samples over the same transport.
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <memory>
 #include <optional>

@@ -1,6 +1,7 @@
 // palpate-bench pareto: speed against error, for every scene, contact and friction model, and for
 // the peers that are installed.
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <optional>

@@ -8,6 +8,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "common/error.h"
 #include "common/files/output.h"
 #include "common/files/project_files.h"
 #include "common/text/quoted.h"

@@ -1,5 +1,6 @@
 // palpate-bench stability: every hard case, each with the number it must hold.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include <spdlog/fmt/fmt.h>

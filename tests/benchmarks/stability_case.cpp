@@ -1,6 +1,7 @@
 #include "tests/benchmarks/stability_case.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>

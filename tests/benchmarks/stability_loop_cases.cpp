@@ -1,5 +1,6 @@
 // The step within its loops: the servo loop with a bad link, and an arm and hand with delay.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <limits>

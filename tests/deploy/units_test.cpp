@@ -1,4 +1,5 @@
 // The units of deploy/systemd, by systemd's own words.
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <regex>

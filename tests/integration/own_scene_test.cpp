@@ -1,4 +1,5 @@
 // A scene that only the server has: what stations and mice know of it comes from there.
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <string>

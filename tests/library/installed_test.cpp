@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "devices/plugin/plugin_device.h"
+#include "server/library/scenes.h"
 #include "tests/support/complaint.h"
 #include "tests/support/effects_scene.h"
 #include "tests/support/folder.h"

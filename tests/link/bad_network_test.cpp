@@ -1,7 +1,9 @@
 // The programs on two hosts with a bad network between them: real UDP, real discovery.
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>

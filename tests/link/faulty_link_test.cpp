@@ -1,6 +1,8 @@
 // A station and a server with a bad link between them, in virtual time: what must hold whatever the
 // link, the server and the device do.
+#include <cmath>
 #include <limits>
+#include <vector>
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,7 @@
 #include "server/offer/generated_hand.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <vector>
 

@@ -11,6 +11,7 @@
 
 #include "tests/support/effects_scene.h"
 #include "tests/support/program.h"
+#include "tests/support/roudi.h"
 #include "tests/support/test_domain.h"
 
 namespace palpate::test {

@@ -1,9 +1,11 @@
 #include "tests/support/hand_path.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "common/error.h"

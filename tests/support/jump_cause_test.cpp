@@ -1,5 +1,7 @@
 #include "tests/support/jump_cause.h"
 
+#include <cstdint>
+
 #include <gtest/gtest.h>
 
 #include "common/math/rotation.h"

@@ -1,6 +1,7 @@
 #include "tests/support/sharp_bodies.h"
 
 #include <map>
+#include <string>
 #include <utility>
 
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
 #include "tests/support/stall_witness.h"
 
+#include <chrono>
 #include <vector>
 
 #include <sched.h>

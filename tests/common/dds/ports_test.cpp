@@ -1,5 +1,6 @@
 #include "common/dds/ports.h"
 
+#include <iterator>
 #include <set>
 #include <sstream>
 #include <string>

@@ -1,5 +1,6 @@
 // The whole of it: a driver of somebody's own in palpate-doctor, and in palpate-station at a
 // palpate-server.
+#include <algorithm>
 #include <csignal>
 
 #include <gmock/gmock.h>

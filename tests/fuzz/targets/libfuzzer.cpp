@@ -1,5 +1,6 @@
 // A target under libFuzzer, which goes by coverage: cmake --preset fuzz (clang).  The first word
 // may be --seeds FOLDER, which writes the target's whole inputs there.
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>

@@ -1,6 +1,7 @@
 // Rows between meshes against gaps in closed form: what a row says near the trial that it was made
 // for is what the contact's geometry says.
 #include <functional>
+#include <span>
 
 #include <gtest/gtest.h>
 

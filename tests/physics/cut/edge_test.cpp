@@ -1,7 +1,9 @@
 // An edge, as a scaler's: drawn in its sense it cuts by the law of burs, else it is rigid.
 
 #include <cmath>
+#include <memory>
 #include <optional>
+#include <vector>
 
 #include <gtest/gtest.h>
 

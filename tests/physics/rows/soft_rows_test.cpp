@@ -1,6 +1,7 @@
 #include "server/physics/rows/soft_rows.h"
 
 #include <cmath>
+#include <cstring>
 
 #include <gtest/gtest.h>
 

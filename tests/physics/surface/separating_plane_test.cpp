@@ -1,7 +1,9 @@
 #include "server/physics/surface/separating_plane.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include <gtest/gtest.h>

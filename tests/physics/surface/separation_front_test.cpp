@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/math/rotation.h"
 #include "scenes/shapes/shapes.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/optimised.h"

@@ -1,8 +1,10 @@
 #include "server/physics/surface/triangle_distance.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include <gtest/gtest.h>
 

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "client/replayer/verify/verify.h"
+#include "common/error.h"
 #include "scenes/grid/solid_grid.h"
 #include "tests/replayer/cut_recording.h"
 #include "tests/support/complaint.h"

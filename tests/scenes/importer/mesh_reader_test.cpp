@@ -2,6 +2,9 @@
 // with the true cause.
 #include "scenes/importer/mesh_reader.h"
 
+#include <algorithm>
+#include <cstring>
+#include <functional>
 #include <sstream>
 
 #include <gmock/gmock.h>

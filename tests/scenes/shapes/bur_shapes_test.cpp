@@ -1,5 +1,6 @@
 #include "scenes/shapes/bur_shapes.h"
 
+#include <array>
 #include <cmath>
 #include <string>
 

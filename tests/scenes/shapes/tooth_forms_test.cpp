@@ -8,6 +8,7 @@
 #include "scenes/catalogue.h"
 #include "scenes/files/scene_file.h"
 #include "scenes/mesh/mesh_query.h"
+#include "scenes/mesh/mesh_report.h"
 #include "tests/support/read_file.h"
 
 namespace palpate {

@@ -1,5 +1,7 @@
 #include "scenes/tree/inner_balls.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "tests/scenes/support.h"

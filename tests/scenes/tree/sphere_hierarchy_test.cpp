@@ -1,5 +1,6 @@
 #include "scenes/tree/sphere_hierarchy.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 

@@ -1,6 +1,8 @@
 #include "scenes/tree/tree_export.h"
 
+#include <cmath>
 #include <cstdint>
+#include <memory>
 #include <set>
 #include <tuple>
 
