@@ -38,6 +38,10 @@ afterEach(() => clearInterval(moving));
 /// What axe has against the page as it is now, with where.
 async function violations(): Promise<string[]> {
   await page.evaluate(kAxe);
+  // Colours on their way to another theme have no contrast that counts.
+  await page.evaluate(() =>
+    Promise.allSettled(document.getAnimations().map((one) => one.finished)),
+  );
   const {violations: found} = await page.evaluate(() =>
     (window as unknown as {axe: {run(options: object): Promise<AxeResults>}}).axe.run({
       resultTypes: ["violations"],

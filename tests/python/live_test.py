@@ -83,9 +83,12 @@ class Station(Served):
         with opened(max_force=3) as hand:
             felt = hand.move([0, TOUCH - 0.005, 0], 0.3)
             self.assertAlmostEqual(felt.wanted_force[1], 5, delta=0.02)
-            self.assertLessEqual(numpy.linalg.norm(felt.force), 3 + 1e-9)
-            time.sleep(0.3)
-            self.assertAlmostEqual(hand.felt.force[1], 3, delta=0.02)
+            until = time.monotonic() + 5  # a host that is held up fades it for a while
+            while abs(felt.force[1] - 3) > 0.02 and time.monotonic() < until:
+                self.assertLessEqual(numpy.linalg.norm(felt.force), 3 + 1e-9)
+                time.sleep(0.01)
+                felt = hand.felt
+            self.assertAlmostEqual(felt.force[1], 3, delta=0.02)
 
     def test_lets_other_threads_run_while_it_waits(self):
         counted = 0

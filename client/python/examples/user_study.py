@@ -89,7 +89,8 @@ def run(study, participant, network):
 
 def felt(file):
     """What the table has of a trial: put here what the study is about."""
-    session = next(iter(palpate.read_recording(f"{file}.mcap").values()))
+    # A server still tells of the trial before: a session without data.
+    session = next(one for one in palpate.read_recording(f"{file}.mcap").values() if "wrenches" in one)
     wrenches = session["wrenches"]
     force = numpy.linalg.norm([wrenches[f"force_{axis}_N"] for axis in "xyz"], axis=0)
     way = numpy.linalg.norm([numpy.diff(wrenches[f"tool_{axis}_m"]) for axis in "xyz"], axis=0)

@@ -198,7 +198,7 @@ export class ClassWall {
     };
     card.figure.ariaLive = "off";
     card.force.append(
-      make("div", {className: "force-bar", ariaHidden: "true"}, bar, limit),
+      make("div", {className: "wall-force", ariaHidden: "true"}, bar, limit),
       card.figure,
     );
     card.admit.className = "primary";
