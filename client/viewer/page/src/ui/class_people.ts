@@ -1,4 +1,4 @@
-import {say} from "../messages/say";
+import {type Key, say} from "../messages/say";
 import type {MadePerson, Person, Role} from "../protocol/class_messages";
 import {make} from "./elements";
 import {qrSvg} from "./qr";
@@ -10,12 +10,12 @@ export interface PeopleWishes {
   withdraw(person: number): void;
 }
 
-const kRoles: readonly [Role, string][] = [
-  ["drive", say("class.drive")],
-  ["watch", say("class.watch_only")],
-  ["operate", say("class.operate")],
-];
-const roleWord = (role: Role): string => kRoles.find(([of]) => of === role)?.[1] ?? role;
+const kRoles = {
+  drive: "class.drive",
+  watch: "class.watch_only",
+  operate: "class.operate",
+} as const satisfies Record<Role, Key>;
+const roleWord = (role: Role): string => say(kRoles[role]);
 const isLocal = (host: string): boolean => /^(localhost|127\.|\[::1\])/.test(host);
 
 /// The link by which a person opens this page: no browser sends the fragment to anybody.
@@ -38,7 +38,8 @@ export class ClassPeople {
   private listed = "";
 
   constructor(private readonly wish: PeopleWishes) {
-    this.role.append(...kRoles.map(([role, word]) => new Option(word, role)));
+    const roles = Object.keys(kRoles) as Role[];
+    this.role.append(...roles.map((role) => new Option(roleWord(role), role)));
     const add = make(
       "form",
       {
