@@ -89,17 +89,14 @@ void FeltSolids::Begin(std::span<const CutField> cuts, SeparationFront& front) n
 }
 
 void FeltSolids::Follow(std::span<const CutField> cuts, SeparationFront& front) noexcept {
-  // One thing a cycle: each takes about as long as making a body.
-  if (made_in_cycle_ > 0) return;
-  if (changed_.empty()) {
-    Gather(cuts, front);
-  } else if (made_ == to_make_.size()) {
-    Commit(front);
-  } else {
+  if (changed_.empty()) Gather(cuts, front);
+  if (changed_.empty()) return;
+  if (made_in_cycle_ == 0 && made_ < to_make_.size()) {
     const Block& block = to_make_[made_++];
     SolidOf(block).later_place[static_cast<std::size_t>(block.block)] =
         Make(block, Use::kLater, front);
   }
+  if (made_ == to_make_.size()) Commit(front);
 }
 
 void FeltSolids::TakeAll(std::span<const CutField> cuts) noexcept {
