@@ -55,13 +55,12 @@ TEST(MouseStation, IsToldPosesToTheBit) {
 }
 
 TEST(MouseStation, TellsWhatItComplainedOfWhereItFailed) {
-  MouseStation failing("/bin/sh",
-                       Script("echo one; echo 'palpate-station: the tool is taken' >&2; exit 1"));
+  MouseStation failing("/bin/sh", Script("echo one; echo 'sh: the tool is taken' >&2; exit 1"));
   EXPECT_TRUE(Ends(failing));
   EXPECT_EQ(failing.complaint(), "the tool is taken");
   MouseStation missing("/no/such/program", {});
   EXPECT_TRUE(Ends(missing));
-  EXPECT_EQ(missing.complaint(), "palpate-station could not be run (exit 127)");
+  EXPECT_EQ(missing.complaint(), "program could not be run (exit 127)");
 }
 
 TEST(MouseStation, PassesOverPosesWhileTheStationDoesNotRead) {
