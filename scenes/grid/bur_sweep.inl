@@ -1,4 +1,5 @@
-// Of bur_sweep.cpp, for one instruction set.  `Four` are four points' numbers; Root, Are.
+// The search of bur_sweep.cpp, compiled there once for each instruction set.  That gives a Four, a
+// number of each of four points; Root, of all four; and Are, whether something holds for all.
 
 inline Four Min(Four a, Four b) {
   return a < b ? a : b;
