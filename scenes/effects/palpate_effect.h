@@ -2,9 +2,8 @@
 #define PALPATE_EFFECT_H
 
 /** @file
- * The interface of an added force: a shared object that defines palpate_the_effect, in C or in any
- * language that exports C symbols.  A scene file names it in "effects".  It links against nothing
- * of Palpate.
+ * An added force: a shared object that defines palpate_the_effect, in C or a language that exports
+ * C symbols.  A scene file names it in "effects".  It links against nothing of Palpate.
  *
  * Metres, newtons, newton metres, seconds; quaternions are w x y z; all in the scene's frame.  The
  * wrench acts on the hand, at the origin of the tool's frame where the hand holds it.
@@ -76,8 +75,7 @@ typedef struct {
    * `palpate-scene check` tests.  At an arm, a passive effect may use all of the arm's force and is
    * part of the limiter's energy balance; any other is limited to 1 N, like a guide. */
   int passive;
-  palpate_effect_parameter
-      parameters[PALPATE_EFFECT_PARAMETERS]; /**< end at the first without a name */
+  palpate_effect_parameter parameters[PALPATE_EFFECT_PARAMETERS]; /**< to one without a name */
   /** @param state  zero in the session's first step; later as the last step left it. */
   int (*step)(const palpate_effect_input* input, double state[PALPATE_EFFECT_STATES],
               palpate_effect_wrench* wrench);

@@ -120,7 +120,7 @@ TEST(Repository, LinksOnlyToFilesAndHeadingsThatExist) {
     for (std::sregex_iterator it(text.begin(), text.end(), kLink), end; it != end; ++it) {
       const std::string target = (*it)[1], heading = (*it)[2];
       const std::string linked =
-          target.empty() ? page : std::filesystem::path(page).parent_path() / target;
+          target.empty() ? page : (std::filesystem::path(page).parent_path() / target).string();
       EXPECT_TRUE(std::filesystem::exists(linked)) << file << " links to " << target;
       if (heading.empty() || !linked.ends_with(".md")) continue;
       EXPECT_TRUE(Anchors(ReadWholeFile(linked)).contains(heading))
