@@ -230,9 +230,7 @@ test("a replayer that dies, or ends, leaves no doubt of it", async () => {
   replay.die();
   await page.clock.runFor(3000);
   await reads("#replay-word", "Replay, silent");
-  expect(await text("#banner")).toMatch(
-    /lesson-3.mcap has been silent for \d+ s: its program/,
-  );
+  expect(await text("#banner")).toMatch(/lesson-3.mcap has been silent for \d+ s: its program/);
   expect(await isVisible("#replay-controls")).toBe(false);
   expect(await isVisible("#take")).toBe(false);
   replay.start();
