@@ -400,7 +400,7 @@ test("a student's view has force, what is touched, the scene's goal and a help, 
     expect(student).not.toMatch(other);
   await page.locator("#audience").click();
   const all = await help();
-  for (const more of [/sphere tree/, /Time for a step/, /what a student sees/, /Mute/])
+  for (const more of [/sphere tree/, /Time for a step/, /student.s view, and back/, /Mute/])
     expect(all).toMatch(more);
   for (const shown of ["#torque", "#contacts", "#goal-text"])
     expect(await page.locator(shown).isVisible()).toBe(true);
@@ -530,7 +530,7 @@ test("who has gone without a word holds a tool no more", async () => {
   gateway.retained.length = 0;
   gateway.health = {server_run: "2"};
   await page.clock.runFor(4000); // until the gateway is asked again
-  await reads("#banner", /No station/);
+  await reads("#banner", /Nobody moves a tool/);
   giveTools();
   await page.locator("#take").click();
   await until(page, "the tool", ({hold}) => hold === "holding");
