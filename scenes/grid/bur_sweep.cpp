@@ -57,6 +57,7 @@ bool Are(Holds holds) {
 
 BurSweep::BurSweep(const Bur& bur, const Vec3& step_T) {
   curve_.count = bur.count_;
+  curve_.hollow = bur.is_hollow();
   curve_.rounding = static_cast<float>(bur.rounding_);
   for (std::size_t n = 0; n < Bur::kMostPoints; ++n) {
     curve_.rho[n] = static_cast<float>(bur.points_[n].rho);

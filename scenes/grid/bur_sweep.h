@@ -20,6 +20,7 @@ class BurSweep {
   /// Distances of points in a row, `apart_T` from each other, to all that the bur passes: t ->
   /// distance is convex, for the bur is, and so two distances with their slopes tell whether the
   /// nearest place lies between, where regula falsi on the slope finds it.  Never below the truth.
+  /// Of a trephine it is convex as far as one side of its wall is the nearest: steps are short.
   /// Outside of a ball within 1e-4 of the step's length above it, and within a twentieth where
   /// slopes leap: deep within, below sharp edges.  Exact at the way's ends.
   /// `within`: farther points get their distance to the way's end.
@@ -50,6 +51,7 @@ class BurSweep {
     float rho_normal[Bur::kMostPoints], z_normal[Bur::kMostPoints];
     float inverse_squared[Bur::kMostPoints];
     int count;
+    bool hollow;
     float rounding, step[3], step_squared, inverse_step_squared;
   };
 

@@ -68,10 +68,13 @@ inline Eight ToWay(const SweptCurve& bur, const Points& p, Eight within) {
   const Far end = To(bur, p, to);
   const Eight beyond = end.distance - within;
   const auto is_far = (beyond > 0.0f) & (beyond * beyond > bur.step_squared);
-  if (Are(is_far | (end.slope <= 0.0f) | (beyond > end.slope))) return end.distance;
+  const auto is_last = (end.slope <= 0.0f) | (beyond > end.slope);
+  // In a bore it may come nearer to the other side.
+  if (Are(bur.hollow ? is_far : is_far | is_last)) return end.distance;
   const Far begin = To(bur, p, from);
   const Eight ends = Min(begin.distance, end.distance);
-  if (Are((begin.slope >= 0.0f) | (end.slope <= 0.0f))) return ends;
+  const auto is_between = (begin.slope < 0.0f) & (end.slope > 0.0f);
+  if (Are(is_between == 0)) return ends;
   Eight least = ends, low = begin.slope, high = end.slope;
   for (int turn = 0; turn < kTurns; ++turn) {
     const Eight rise = high - low;
@@ -83,7 +86,7 @@ inline Eight ToWay(const SweptCurve& bur, const Points& p, Eight within) {
     low = is_before ? there.slope : low;
     to = is_before ? to : inside;
     high = is_before ? high : there.slope;
-    least = Min(least, there.distance);
+    least = is_between ? Min(least, there.distance) : least;
   }
   return least;
 }
