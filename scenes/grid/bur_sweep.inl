@@ -1,5 +1,5 @@
-// The search of bur_sweep.cpp, compiled there once for each instruction set.  That gives an Eight, a
-// number of each point of a row; Root, of all of them; and Are, whether something holds for all.
+// The search of bur_sweep.cpp, compiled there once for each instruction set.  That gives an Eight,
+// a number of each point of a row; Root, of all of them; and Are, whether something holds for all.
 
 inline Eight Min(Eight a, Eight b) {
   return a < b ? a : b;

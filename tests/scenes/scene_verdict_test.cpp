@@ -45,14 +45,16 @@ TEST(SceneVerdict, SaysWhatANumberShouldBe) {
 TEST(SceneVerdict, WhereTheToolFallsInTheSceneIsNotUsable) {
   const Verdict verdict = JudgeCoverage("object cheek", BoxReport(0.1), Bare(0.011), 2);
   EXPECT_FALSE(verdict.usable());
-  EXPECT_THAT(ToText(verdict), HasSubstr("verdict: not usable:\n  - object cheek: 1 % of its surface"));
+  EXPECT_THAT(ToText(verdict),
+              HasSubstr("verdict: not usable:\n  - object cheek: 1 % of its surface"));
 }
 
 TEST(SceneVerdict, SpheresThatStickOutAreALimit) {
   Coverage coverage;
   coverage.outside.p99 = 0.003;
   EXPECT_THAT(JudgeCoverage("tool probe", BoxReport(0.1), coverage, 64).limits,
-              ElementsAre(HasSubstr("tool probe: 1 % of its spheres' surface sticks out by more than 3 mm")));
+              ElementsAre(HasSubstr(
+                  "tool probe: 1 % of its spheres' surface sticks out by more than 3 mm")));
 }
 
 TEST(SceneVerdict, MeshThatIsRefusedIsAFaultAndARemarkALimit) {
