@@ -1,6 +1,7 @@
 #include "scenes/grid/cut_field.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "common/error.h"
@@ -249,18 +250,19 @@ bool CutField::Raise(const Touched& touched, const BurSweep& sweep, const Pose& 
   const std::int32_t entry = field_.entry(touched.block);
   float* values = field_.values(entry);
   double* still = still_.data() + static_cast<std::size_t>(entry) * kRows;
+  // Rows to look at, a bit each: which they are cannot be foretold.
+  std::uint64_t rows = 0;
+  for (int row = 0; row < kRows; ++row) rows |= std::uint64_t{gone_ > still[row]} << row;
+  looks_ += std::popcount(rows) * (sweep.IsOfBall() ? 1 : kLooksOfRow);
   bool changed = false;
-  int rows = 0;
-  for (int row = 0; row < kRows; ++row) {
-    if (gone_ <= still[row]) continue;
+  for (; rows != 0; rows &= rows - 1) {
+    const int row = std::countr_zero(rows);
     const Vec3 from =
         first + lattice.spacing * (row % kSide * R_TB.col(1) + row / kSide * R_TB.col(2));
     const BurSweep::Raised raised = sweep.Raise(from, along, field_.band(), values + row * kSide);
     changed = changed || raised.any;
-    ++rows;
     still[row] = gone_ + std::min(double{raised.room}, kFar) - kRounding;
   }
-  looks_ += rows * (sweep.IsOfBall() ? 1 : kLooksOfRow);
   return changed;
 }
 

@@ -337,6 +337,7 @@ class Contour {
   /// The nearest face of a field's surface, as a point sees it by its distance and gradient.  That
   /// has length 1 wherever there is one.  Central differences where they agree; beside an edge,
   /// where the nearest face changes, differences to one side each, those that agree best.
+  /// The normal's length is the gradient's.
   /// Of a convex edge a solid point sees one face or the other, and a free one a plane through the
   /// edge; of a hollow one it is the other way round.
   Face FaceAt(int field, int at) const {
@@ -356,7 +357,7 @@ class Contour {
         best = g;
       }
     }
-    return {best.normalized(), here, kLeast + 1.0 / (1.0 + off * off / (kDoubt * kDoubt))};
+    return {best, here, kLeast + 1.0 / (1.0 + off * off / (kDoubt * kDoubt))};
   }
 
   /// Up to four cells ask for each: those of late are kept.
@@ -370,10 +371,16 @@ class Contour {
     edge.t = Cross(lower, d, field);
     Face& one = edge.face[0] = FaceAt(field, lower.index());
     Face& other = edge.face[1] = FaceAt(field, lower.index() + kStride[d]);
-    edge.is_one = one.normal.dot(other.normal) >= kSame;
+    const double together = one.normal.dot(other.normal);
+    edge.is_one =
+        together > 0.0 && together * together >=
+                              kSame * kSame * one.normal.squaredNorm() * other.normal.squaredNorm();
     if (edge.is_one) {
       one.normal = other.normal = (one.normal + other.normal).normalized();
       one.weight += other.weight;
+    } else {
+      one.normal.normalize();
+      other.normal.normalize();
     }
     return edge;
   }
