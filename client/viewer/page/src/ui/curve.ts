@@ -21,13 +21,9 @@ export interface CurveData {
   readonly others?: readonly {readonly key: number; readonly points: readonly CurvePoint[]}[];
 }
 
-const kHeight = 220; // CSS pixels
-const kMargin = {left: 34, right: 12, top: 12, bottom: 26};
+const kLevels = [0, 25, 50, 75, 100];
 /// More lines than these are a carpet.
 const kMostOthers = 60;
-
-const path = (points: readonly CurvePoint[]): string =>
-  points.map(([x, y], i) => `${i === 0 ? "M" : "L"}${x.toFixed(1)} ${y.toFixed(1)}`).join("");
 
 /// A curve in the width that it has.
 export class Curve {
@@ -53,92 +49,99 @@ export class Curve {
     const {data} = this;
     const width = this.body.clientWidth;
     if (!data || width === 0) return;
+    const frame = new Frame(width, data);
     const svg = makeSvg("svg", {
       ...{role: "img", "aria-label": data.label},
-      ...{width: String(width), height: String(kHeight), viewBox: `0 0 ${width} ${kHeight}`},
+      ...{width: String(width), height: String(frame.height)},
     });
-    const all = [
-      ...data.own.map(([n]) => n),
-      ...data.spread.map(({n}) => n),
-      ...(data.others ?? []).flatMap(({points}) => points.map(([n]) => n)),
-    ];
-    const last = all.reduce((most, n) => Math.max(most, n), 1);
-    const inner = width - kMargin.left - kMargin.right;
-    // A single trial stands in the middle.
-    const x = (n: number): number =>
-      kMargin.left + (last === 1 ? inner / 2 : (inner * (n - 1)) / (last - 1));
-    const y = (points: number): number =>
-      kMargin.top + (kHeight - kMargin.top - kMargin.bottom) * (1 - points / 100);
-    const at = ([n, points]: CurvePoint): CurvePoint => [x(n), y(points)];
-    const add = (
-      tag: "path" | "line" | "circle" | "rect",
-      of: Record<string, string>,
-    ): SVGElement => svg.appendChild(makeSvg(tag, of));
-    this.addAxes(svg, width, last, x, y);
+    const add = (tag: "path" | "line" | "circle" | "rect", of: Attributes): SVGElement =>
+      svg.appendChild(makeSvg(tag, textOf(of)));
+    const line = (name: string, points: number, [x1, x2]: readonly [number, number]): void => {
+      const level = frame.y(points);
+      add("line", {class: name, x1, x2, y1: level, y2: level});
+    };
+    const path = (name: string, points: readonly CurvePoint[], end = ""): SVGElement =>
+      add("path", {class: name, d: frame.path(points) + end});
     const {spread, pass, own, grade} = data;
-    if (spread.length > 0) {
-      const band = [
-        ...spread.map(({n, high}) => at([n, high])),
-        ...[...spread].reverse().map(({n, low}) => at([n, low])),
-      ];
-      add("path", {class: "band", d: `${path(band)}Z`});
-    }
-    const others = (data.others ?? []).slice(0, kMostOthers);
-    for (const {key, points} of others)
-      add("path", {class: "other", d: path(points.map(at))}).dataset["key"] = String(key);
+    for (const points of kLevels) line("grid", points, frame.ends);
+    frame.label(svg);
+    const high = spread.map((at): CurvePoint => [at.n, at.high]);
+    const low = spread.map((at): CurvePoint => [at.n, at.low]).reverse();
+    if (spread.length > 0) path("band", [...high, ...low], "Z");
+    for (const {key, points} of (data.others ?? []).slice(0, kMostOthers))
+      path("other", points).dataset["key"] = String(key);
     if (spread.length > 0)
-      add("path", {class: "median", d: path(spread.map(({n, median}) => at([n, median])))});
-    if (pass !== null) {
-      const level = String(y(pass));
-      add("line", {
-        ...{class: "pass", x1: String(kMargin.left), x2: String(width - kMargin.right)},
-        ...{y1: level, y2: level},
-      });
-    }
+      path(
+        "median",
+        spread.map(({n, median}) => [n, median]),
+      );
+    if (pass !== null) line("pass", pass, frame.ends);
     if (grade) {
-      const [x1, x2] = [x(grade.from) - 5, x(grade.to) + 5];
-      if (grade.low !== null && grade.high !== null)
-        add("rect", {
-          ...{class: "interval", x: String(x1), y: String(y(grade.high)), rx: "3"},
-          ...{width: String(x2 - x1), height: String(y(grade.low) - y(grade.high))},
-        });
-      const level = String(y(grade.mean));
-      add("line", {class: "mean", x1: String(x1), x2: String(x2), y1: level, y2: level});
+      const ends = [frame.x(grade.from) - 5, frame.x(grade.to) + 5] as const;
+      const [x, width] = [ends[0], ends[1] - ends[0]];
+      if (grade.low !== null && grade.high !== null) {
+        const y = frame.y(grade.high);
+        add("rect", {class: "interval", x, y, width, height: frame.y(grade.low) - y, rx: 3});
+      }
+      line("mean", grade.mean, ends);
     }
-    add("path", {class: "own", d: path(own.map(at))});
-    for (const point of own) {
-      const [cx, cy] = at(point);
-      add("circle", {class: "dot", cx: cx.toFixed(1), cy: cy.toFixed(1), r: "4"});
-    }
+    path("own", own);
+    for (const [n, points] of own)
+      add("circle", {class: "dot", cx: frame.x(n), cy: frame.y(points), r: 4});
     this.body.replaceChildren(svg);
   }
+}
 
-  private addAxes(
-    svg: SVGSVGElement,
-    width: number,
-    last: number,
-    x: (n: number) => number,
-    y: (points: number) => number,
-  ): void {
-    const word = (text: string, of: Record<string, string>): void => {
-      svg.appendChild(makeSvg("text", of)).textContent = text;
+type Attributes = Readonly<Record<string, string | number>>;
+const textOf = (of: Attributes): Record<string, string> =>
+  Object.fromEntries(
+    Object.entries(of).map(([name, value]) => [
+      name,
+      typeof value === "number" ? String(Math.round(10 * value) / 10) : value,
+    ]),
+  );
+
+/// Where trials and points stand in a width, in the page's letters: a projector's are as large.
+class Frame {
+  private readonly rem = Number.parseFloat(getComputedStyle(document.documentElement).fontSize);
+  readonly height = 14.5 * this.rem;
+  readonly ends: readonly [number, number];
+  private readonly last: number;
+
+  constructor(width: number, {own, spread, others = []}: CurveData) {
+    this.ends = [2.2 * this.rem, width - 0.8 * this.rem];
+    const all = [...own, ...others.flatMap(({points}) => points)].map(([n]) => n);
+    this.last = [...all, ...spread.map(({n}) => n)].reduce((most, n) => Math.max(most, n), 1);
+  }
+
+  x(n: number): number {
+    const [left, right] = this.ends;
+    // A single trial stands in the middle.
+    return left + (right - left) * (this.last === 1 ? 0.5 : (n - 1) / (this.last - 1));
+  }
+  y(points: number): number {
+    return 0.7 * this.rem + (this.height - 2.4 * this.rem) * (1 - points / 100);
+  }
+  path(points: readonly CurvePoint[]): string {
+    return points
+      .map(
+        ([n, value], i) =>
+          `${i > 0 ? "L" : "M"}${this.x(n).toFixed(1)} ${this.y(value).toFixed(1)}`,
+      )
+      .join("");
+  }
+
+  label(svg: SVGSVGElement): void {
+    const word = (text: number, of: Attributes): void => {
+      svg.appendChild(makeSvg("text", textOf(of))).textContent = String(text);
     };
-    for (const points of [0, 25, 50, 75, 100]) {
-      const level = String(y(points));
-      svg.append(
-        makeSvg("line", {
-          ...{class: "grid", x1: String(kMargin.left), x2: String(width - kMargin.right)},
-          ...{y1: level, y2: level},
-        }),
-      );
-      word(String(points), {
-        ...{x: String(kMargin.left - 8), y: String(y(points) + 4), "text-anchor": "end"},
-      });
-    }
-    const room = (width - kMargin.left - kMargin.right) / Math.max(1, last - 1);
-    const step = Math.max(1, Math.ceil(26 / room));
-    for (let n = 1; n <= last; n += step)
-      word(String(n), {x: String(x(n)), y: String(kHeight - 6), "text-anchor": "middle"});
+    const {rem} = this;
+    const [left, right] = this.ends;
+    for (const points of kLevels)
+      word(points, {x: left - 0.5 * rem, y: this.y(points) + 0.28 * rem, "text-anchor": "end"});
+    const step = Math.max(1, Math.ceil((1.8 * rem * (this.last - 1)) / (right - left)));
+    for (let n = 1; n <= this.last; n += step)
+      word(n, {x: this.x(n), y: this.height - 0.4 * rem, "text-anchor": "middle"});
   }
 }
 

@@ -88,7 +88,13 @@ function articleOf(exercise: OwnExercise, title: string, isOwn: boolean): HTMLEl
     make(
       "div",
       {className: "side-by-side"},
-      make("div", {}, curve.body, legend(...keys)),
+      make(
+        "div",
+        {},
+        make("h4", {textContent: say("history.points_over_trials")}),
+        curve.body,
+        legend(...keys),
+      ),
       make(
         "div",
         {},
@@ -140,13 +146,13 @@ function tableOf(done: readonly HistoryTrial[]): HTMLElement {
       "tr",
       {},
       make("th", {scope: "row", textContent: String(trial.n)}),
-      make("td", {textContent: whenWords(trial.begun_s)}),
+      make("td", {className: "number", textContent: whenWords(trial.begun_s)}),
       figure(trial.points),
+      page,
+      how,
       ...criteria.map((name) =>
         figure(trial.marks.find((mark) => mark.criterion === name)?.points),
       ),
-      how,
-      page,
     );
   });
   const table = make(
@@ -158,11 +164,10 @@ function tableOf(done: readonly HistoryTrial[]): HTMLElement {
       make(
         "tr",
         {},
-        ...[say("history.trial"), say("history.when"), say("history.points"), ...criteria].map(
-          head,
-        ),
-        head(say("history.state")),
-        head(say("history.page")),
+        ...[
+          ...[say("history.trial"), say("history.when"), say("history.points")],
+          ...[say("history.page"), say("history.state"), ...criteria],
+        ].map(head),
       ),
     ),
     make("tbody", {}, ...rows),
