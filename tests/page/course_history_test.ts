@@ -31,6 +31,11 @@ test("a teacher sees everybody, who needs help first, and opens a person's trial
   await page.locator("#history-dialog thead").getByRole("button", {name: "Grade"}).click();
   await reads("#history-dialog [aria-sort=ascending]", /Grade/);
   expect(await names()).toEqual(["Zoe", "Ben", "Cleo"]);
+  expect(await page.locator("#history-exercise option").allInnerTexts()).toEqual([
+    "Walking along the margin (margin-walking)",
+    "Walking along the margin (two)", // told apart by their names
+    "old-one",
+  ]);
   await reads("#history-dialog tbody tr:nth-child(2) .grade", "75 ± 39");
   await reads("#history-dialog tbody tr:nth-child(1) .grade", /^40 below/);
   await reads("#history-dialog .losses li:first-child", /Floor felt all along\s+−12/);

@@ -20,7 +20,7 @@ const person = (id: number, name: string, done: ClassHistory["people"][number]["
 });
 
 export const kClassHistory: ClassHistory = {
-  exercises: [{...margin, lost: [floor, force]}, gone],
+  exercises: [{...margin, lost: [floor, force]}, {...gone, name: "two", title: kMargin}, gone],
   people: [
     person(2, "Ben", did([[1, 60], [2, 75], [3, 91]], grade(3, 75.3, 38.5))), // prettier-ignore
     person(3, "Zoe", did([[1, 30], [3, 50]], grade(2, 40), [force])), // prettier-ignore
