@@ -108,8 +108,12 @@ function articleOf(exercise: OwnExercise, title: string, isOwn: boolean): HTMLEl
           }),
         ),
         make("p", {className: "quiet", textContent: words}),
-        make("h4", {textContent: say("history.loses")}),
-        lossBars(exercise.lost, say("history.loses")),
+        ...(grade.of === 0
+          ? []
+          : [
+              make("h4", {textContent: say("history.loses")}),
+              lossBars(exercise.lost, say("history.loses")),
+            ]),
       ),
     ),
     make(
