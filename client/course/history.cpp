@@ -348,13 +348,10 @@ std::string History::PersonJson(std::int64_t id, bool for_teacher, const PageOf&
 std::string History::Csv(std::int64_t id) const {
   const TrialRows rows = id == 0 ? TrialRows(rows_) : RowsOf(id);
   std::set<std::pair<std::string, std::string>> columns;  // exercise, criterion
-  std::vector<std::map<std::pair<std::string, std::string>, double>> marks;
+  std::vector<std::vector<std::pair<std::string, double>>> marks;
   for (const TrialRow& row : rows) {
-    auto& of_row = marks.emplace_back();
-    for (const auto& [criterion, points] : MarksOf(row)) {
-      of_row[{row.exercise, criterion}] = points;
-      columns.emplace(row.exercise, criterion);
-    }
+    marks.push_back(MarksOf(row));
+    for (const auto& [criterion, points] : marks.back()) columns.emplace(row.exercise, criterion);
   }
   // Spreadsheets take it for UTF-8 by the mark at its beginning.
   std::string csv =
@@ -371,8 +368,11 @@ std::string History::Csv(std::int64_t id) const {
                        row.n, WhenOf(row.begun_s), WhenOf(row.ended_s), YesOf(row.whole),
                        CsvField(row.reason), row.points ? fmt::format("{:.2f}", *row.points) : "",
                        YesOf(row.passed), row.submitted_s ? WhenOf(*row.submitted_s) : "");
-    for (const auto& column : columns) {
-      const auto mark = marks[i].find(column);
+    for (const auto& [exercise, criterion] : columns) {
+      const auto mark =
+          exercise == row.exercise
+              ? std::ranges::find(marks[i], criterion, &std::pair<std::string, double>::first)
+              : marks[i].end();
       csv += mark == marks[i].end() ? "," : fmt::format(",{:.2f}", mark->second);
     }
     csv += "\r\n";
