@@ -263,7 +263,7 @@ int Main(int argc, char** argv) {
   app.Fallthrough();
   app.Add("--models", arguments.models, "Folder to look in first for model files");
   app.Add("--cache", arguments.cache, "Cache folder (default: ~/.cache/palpate)");
-  AddCommonOptions(app, "Taken as by the other programs, and not used: this one talks to none",
+  AddCommonOptions(app, "Accepted for consistency, and not used: this program talks to no other",
                    arguments.domain, arguments.log_level);
 
   std::string names;

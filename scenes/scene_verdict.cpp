@@ -127,11 +127,13 @@ Verdict JudgeCoverage(const std::string& whose, const MeshReport& report, const 
                       std::size_t leaves) {
   Verdict verdict;
   const std::string more = std::to_string(leaves) + " leaves";
-  JudgeGap(whose + ": a hundredth of its surface lies bare of spheres by", coverage.uncovered.p99,
-           "; the tool sinks in so far there: give it more than " + more, report, verdict);
-  JudgeGap(whose + ": a hundredth of its spheres stick out by", coverage.outside.p99,
-           "; the tool is stopped so far in the air: close the mesh, or give it more than " + more,
+  JudgeGap(whose + ": 1 % of its surface is outside its spheres by more than",
+           coverage.uncovered.p99, "; the tool sinks in that far there: give it more than " + more,
            report, verdict);
+  JudgeGap(
+      whose + ": 1 % of its spheres' surface sticks out by more than", coverage.outside.p99,
+      "; the tool is stopped that far in the air: close the mesh, or give it more than " + more,
+      report, verdict);
   return verdict;
 }
 

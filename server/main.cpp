@@ -255,8 +255,7 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   app.AddFlag("--unusable-too", options.unusable_too,
               "also serve scenes that 'palpate-scene check' calls not usable, with a warning");
   app.AddFlag("--admit-by-hand", options.admit_by_hand,
-              "each station waits until somebody admits it on the web page, with a token that "
-              "operates");
+              "each station waits until somebody who may operate admits it on the web page");
   app.Add("--hand-seed", options.hand_seed,
           "number that chooses the generated hand of a scene without a script "
           "(NAME.path.json)")

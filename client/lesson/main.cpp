@@ -25,21 +25,20 @@ constexpr std::chrono::milliseconds kPoll{5};
 constexpr std::int64_t kPatience_ns = 5'000'000'000;
 
 constexpr const char* kAbout =
-    R"(Gives a lesson again: 'whole' makes scenes whole that were cut, for all who feel and see them;
-'back' makes them as they stood at their 'bookmark'.  Forces are off for a moment, and come back once
-the tool is free of what has come back.  'check' reads exercises that a teacher has written.
+    R"(Resets scenes that were cut, for everybody who feels and sees them: 'whole' restores them, 'bookmark'
+saves their state, 'back' returns to it.  Forces are off for a moment, and return once the tool is clear
+of the restored material.  'check' checks exercises that a teacher has written.
 )";
 
 constexpr const char* kExample =
     R"(Example: palpate-lesson whole calculus
-The page has buttons for it, and a scene file's "whole_at_start" does it whenever a session begins
-where no other works.
+The page has buttons for it.  With "whole_at_start" in its file, a scene is restored whenever a session
+begins and nobody else works in it.
 
           palpate-lesson check mine.exercise.json
 Copy one of those that come with the programs (client/course/exercises, or
 /usr/share/palpate/exercises) and edit it: what students read, limits of force and time, criteria.
-Its page there, README.md, has every field.  What is wrong is named by file, line and field, with
-what would be right.
+README.md there explains every field.  Mistakes are reported by file, line and field, with the remedy.
 
 Exit status: 0 done, 1 failed, 2 wrong usage.)";
 
@@ -176,9 +175,9 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   };
   const CommandLine whole = add("whole", "make scenes whole again", "whole calculus periodontal");
   const CommandLine bookmark =
-      add("bookmark", "keep how scenes stand that burs cut", "bookmark caries");
-  const CommandLine back = add("back", "make them as they stood at their bookmark", "back caries");
-  const CommandLine check = app.AddCommand("check", "say what is wrong with exercises' files");
+      add("bookmark", "save the state of scenes that burs cut", "bookmark caries");
+  const CommandLine back = add("back", "return them to their bookmark", "back caries");
+  const CommandLine check = app.AddCommand("check", "check the files of exercises");
   check.Footer("Example: palpate-lesson check mine.exercise.json");
   check.Add("FILE", options.exercises, "NAME.exercise.json").Required();
   app.RequireCommands(0, 1);

@@ -10,7 +10,7 @@ namespace palpate {
 namespace {
 
 constexpr const char* kAbout =
-    R"(Puts a load on a palpate-server that runs, and on its palpate-viewer: simulated stations at 1 kHz
+    R"(Puts a load on a running palpate-server and its palpate-viewer: simulated stations at 1 kHz
 and viewers, over WebSocket and over DDS.  Says what rate and round trip held, how many poses were
 late, what the viewers got, and what each process cost.
 )";

@@ -54,14 +54,14 @@ std::optional<RecorderOptions> ParseRecorderOptions(int argc, const char* const*
       .Positive();
   app.Add("--for", options.seconds, "end after this many seconds; default: at Ctrl-C").Positive();
   app.Add("--station", options.stations,
-          "record of all stations this one's hand and session alone; scenes, and what is "
-          "cut of them, are always recorded.  May be given again.  Default: all")
+          "record only this station's hand and session; scenes, and what is cut of them, are "
+          "always recorded.  May be given again.  Default: all stations")
       .TypeName("NAME")
       .OneAtATime()
       .Check([](const std::string& name) {
         return dds::IsStationName(name) ? "" : "'" + name + "' is no station's name, as its --id";
       });
-  app.AddFlag("--no-loop", no_loop, "leave out poses and wrenches: record what viewers see alone");
+  app.AddFlag("--no-loop", no_loop, "leave out poses and wrenches: record only what viewers see");
   app.AddFlag("--no-bundle", no_bundle,
               "leave out the scenes; a replay then takes them from the catalogue");
   AddTransportOption(app, options.transport);

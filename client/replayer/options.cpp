@@ -147,8 +147,7 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
   score.Add("--json", options.json, "write the score as JSON to this file; - is stdout");
 
   const CommandLine rehearse = app.AddCommand(
-      "rehearse",
-      "have an exercise's expert do it, and grade him: whether its criteria can be met");
+      "rehearse", "let the expert's hand do an exercise, and grade it: can its criteria be met?");
   rehearse.Footer(kRehearseExamples);
   rehearse.Add("exercise", options.exercise, "NAME.exercise.json").Required();
   rehearse.Add("--out", options.out, "folder for the report: score.html, and its figures");

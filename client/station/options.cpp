@@ -124,7 +124,7 @@ std::optional<StationOptions> ParseStationOptions(int argc, const char* const* a
   app.Add("--json", options.json, "write the summary as JSON to this file; - is stdout");
   app.Add("--trace", options.trace,
           "write a row for every tick to this file (CSV): replies, their age, forces");
-  AddCommonOptions(app, "the server's domain: the number that it was given", options.link.domain,
+  AddCommonOptions(app, "the server's domain: the number after its --domain", options.link.domain,
                    options.log_level);
 
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;

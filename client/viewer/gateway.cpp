@@ -96,16 +96,22 @@ class Listener {
   std::shared_ptr<Lobby> lobby_ = std::make_shared<Lobby>(kHttpConnections, kHttpConnections / 2);
 };
 
-/// Where the page is, for who is told to open it.
-std::string Urls(const tcp::endpoint& endpoint, bool secure) {
+/// Where the page is, for who is told to open it: by name first, which is what a certificate is
+/// for.
+std::string Urls(const ViewerOptions& options, const tcp::endpoint& endpoint) {
+  const std::string scheme = options.tls_cert.empty() ? "http://" : "https://";
   const net::ip::address address = endpoint.address();
   std::ostringstream urls;
+  for (const std::string& name : options.host_names) {
+    urls << scheme << name << ':' << endpoint.port() << "/ ";
+  }
   for (const net::ip::address& host :
        address.is_unspecified() ? HostAddresses(address.is_v6()) : std::vector{address}) {
-    urls << (urls.tellp() > 0 ? " " : "") << (secure ? "https://" : "http://")
-         << tcp::endpoint(host, endpoint.port()) << '/';
+    urls << scheme << tcp::endpoint(host, endpoint.port()) << "/ ";
   }
-  return urls.str();
+  std::string all = urls.str();
+  all.pop_back();
+  return all;
 }
 
 /// What it means that other hosts reach this gateway.
@@ -134,9 +140,9 @@ void Announce(const ViewerOptions& options, Hub& hub, const tcp::endpoint& endpo
     spdlog::warn("the page is not built (looked for in {}); a page that says so stands in",
                  options.page);
   }
-  const std::string urls = Urls(endpoint, !options.tls_cert.empty());
+  const std::string urls = Urls(options, endpoint);
   if (const auto teacher = hub.MakeFirstTeacher()) {
-    std::printf("the teacher's link, which stands nowhere else: %s#token=%s\n",
+    std::printf("the teacher's link, shown only now: %s#token=%s\n",
                 urls.substr(0, urls.find(' ')).c_str(), teacher->token.c_str());
   }
   std::printf("ready: page %s; domain %d; up to %zu viewers, %d with a mouse\n", urls.c_str(),
@@ -241,7 +247,7 @@ int RunGateway(const ViewerOptions& options) {
       std::printf("%s\n", Roster(file).Make({name}, role).front().token.c_str());
     }
     spdlog::info(
-        "'{}' may {}; its token stands nowhere else, so keep it.  The page is opened with "
+        "'{}' may {}; the token is shown only now, so keep it.  The page is opened with "
         "#token=TOKEN at the end of its address; gateways that run read {} anew at "
         "SIGHUP (systemctl reload palpate-viewer)",
         name, RoleName(role), options.tokens + options.course);

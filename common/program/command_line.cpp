@@ -262,7 +262,7 @@ void AddNetworkOptions(const CommandLine& app, const std::string& peer, dds::Net
 
 void AddServerOptions(const CommandLine& app, ServerOptions& options) {
   AddNetworkOptions(app, "the server", options.network);
-  AddCommonOptions(app, "the server's domain: the number that it was given", options.domain,
+  AddCommonOptions(app, "the server's domain: the number after its --domain", options.domain,
                    options.log_level);
 }
 

@@ -46,17 +46,17 @@ std::string AboutUnit(const Vec3& size, const std::string& unit, bool guessed) {
   return text + " (--unit m, cm, mm or inch says what a number in the file means)";
 }
 
-/// To three digits: it is read by people.
+/// To three digits, and written with three: people read it.
 double Rounded(double value) {
-  const double step = std::pow(10.0, std::floor(std::log10(value)) - 2.0);
-  return step * std::round(value / step);
+  const double places = std::pow(10.0, 2.0 - std::floor(std::log10(value)));
+  return std::round(places * value) / places;
 }
 
 nlohmann::ordered_json ToJson(const std::string& name, const std::string& file,
                               const std::string& unit, const Vec3& size_m, double ball_m) {
   const double height_mm = Rounded(1e3 * (0.5 * size_m.y() + ball_m + 0.25 * size_m.maxCoeff()));
   return {{"name", name},
-          {"description", "A mesh as it was brought, and a ball to feel it with."},
+          {"description", "A mesh, and a ball to touch it with."},
           {"tools",
            {{{"name", "ball"},
              {"mesh", {{"shape", "sphere"}, {"radius_m", ball_m}}},

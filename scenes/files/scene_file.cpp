@@ -488,9 +488,9 @@ void CheckBur(const JsonNode& node, const BurProfile& profile, const BodyDescrip
     node.Fail(error.what());
   }
   const auto um = [](double metres) { return std::to_string(std::lround(1e6 * metres)) + " um"; };
-  if (bur->radius() < *cut->grid) {
-    node.Fail("is " + name + " of " + um(2.0 * bur->radius()) + ", finer than two cells of \"" +
-              cut->name + "\"; give that a \"grid_um\" of " + um(bur->radius()) +
+  if (bur->half_width() < *cut->grid) {
+    node.Fail("is " + name + " of " + um(2.0 * bur->half_width()) + ", finer than two cells of \"" +
+              cut->name + "\"; give that a \"grid_um\" of " + um(bur->half_width()) +
               " at most, or the tool a wider " + (profile.edge ? "edge" : "bur"));
   }
   const double head = bur->high() - bur->low();

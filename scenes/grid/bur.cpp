@@ -50,8 +50,11 @@ Bur::Bur(const std::vector<std::array<double, 2>>& curve, double rounding) : rou
   Require(!curve.empty() && curve.size() <= kMostPoints,
           "a curve of " + std::to_string(curve.size()) + " points is not allowed; give 1 to " +
               std::to_string(kMostPoints));
-  Require(curve.front()[0] == 0.0 && curve.back()[0] == 0.0,
-          "its curve has to begin and to end on the axis, at radius 0");
+  const bool hollow = curve.size() > 1 && curve.front() == curve.back() && curve[0][0] != 0.0;
+  Require(
+      hollow || (curve.front()[0] == 0.0 && curve.back()[0] == 0.0),
+      "its curve has to begin and to end on the axis, at radius 0, or to end where it began, as "
+      "a trephine's wall");
   count_ = static_cast<int>(curve.size());
   for (std::size_t i = 0; i < curve.size(); ++i) {
     const auto& [rho, z] = curve[i];
@@ -60,6 +63,7 @@ Bur::Bur(const std::vector<std::array<double, 2>>& curve, double rounding) : rou
     points_[i] = {rho, z};
     reach_ = std::max(reach_, std::sqrt(rho * rho + z * z) + rounding);
     radius_ = std::max(radius_, rho + rounding);
+    high_ = std::max(high_, z + rounding);
     if (i == 0) continue;
     const double along = rho - points_[i - 1].rho, up = z - points_[i - 1].z;
     const double length = std::sqrt(along * along + up * up);
@@ -69,12 +73,22 @@ Bur::Bur(const std::vector<std::array<double, 2>>& curve, double rounding) : rou
     normals_[i - 1] = {up / length, -along / length};
     inverse_squared_[i - 1] = 1.0 / (length * length);
     if (i == 1) continue;
-    Require(normals_[i - 2].rho * normals_[i - 1].z > normals_[i - 2].z * normals_[i - 1].rho,
-            "its curve is not convex at point " + std::to_string(i - 1) +
-                "; give the points of its hull, from the tip outwards");
+    RequireConvex(i - 2, i - 1);
+  }
+  if (hollow) {
+    RequireConvex(curve.size() - 2, 0);
+    bore_ = std::ranges::min(curve)[0] - rounding;
+    Require(bore_ > 0.0, "its wall leaves no bore; give a thinner one, or a greater diameter");
   }
   Require(rounding >= 0.0 && std::isfinite(rounding) && radius_ > 0.0,
           "a radius of " + Millimetres(radius_) + " is not allowed; give one above 0");
+}
+
+/// Of two pieces of the curve, one after the other.
+void Bur::RequireConvex(std::size_t a, std::size_t b) const {
+  Require(normals_[a].rho * normals_[b].z > normals_[a].z * normals_[b].rho,
+          "its curve is not convex at point " + std::to_string(b) +
+              "; give the points of its hull, from the tip outwards");
 }
 
 double Bur::Distance(const Vec3& p_T, Vec3& gradient_T) const noexcept {
@@ -145,9 +159,11 @@ std::vector<BurSample> Bur::Samples(int count) const {
       stations.push_back({core, n, area});
     }
   };
-  for (int i = 0; i < count_; ++i) {
+  const Point last =
+      is_hollow() ? normals_[static_cast<std::size_t>(count_ - 2)] : Point{0.0, -1.0};
+  for (int i = 0; i < (is_hollow() ? count_ - 1 : count_); ++i) {
     const auto n = static_cast<std::size_t>(i);
-    const Point before = i == 0 ? Point{0.0, -1.0} : normals_[n - 1];
+    const Point before = i == 0 ? last : normals_[n - 1];
     const Point after = i + 1 == count_ ? Point{0.0, 1.0} : normals_[n];
     // In two where it is longer than a quarter circle.
     const Point middle = before.z < 0.0 && after.z > 0.0 ? Point{1.0, 0.0} : after;

@@ -27,6 +27,7 @@ struct BurSample {
 ///         |    p1        |            |     the surface lies `rounding` outside of it
 ///         +---p0--------p4----> z
 ///
+/// Of a trephine the curve is closed: it goes round the wall, and within lies the bore.
 class Bur {
  public:
   static constexpr int kMostPoints = 8;
@@ -37,7 +38,8 @@ class Bur {
   static Bur Cylinder(double radius, double length, double rounding);
   /// Tapered fissure bur, inverted where the tip is the wider.
   static Bur Cone(double tip_radius, double base_radius, double length, double rounding);
-  /// `curve`: (rho, z) [m], convex, from the axis outwards and back to it; one point: a ball.
+  /// `curve`: (rho, z) [m], convex, from the axis outwards and back to it; one point: a ball.  Or a
+  /// wall's: from its inner edge at the tip outwards, and round to where it began.
   Bur(const std::vector<std::array<double, 2>>& curve, double rounding);
 
   /// Distance of a point of T to the surface, below 0 within, and its gradient.  Exact.  Real-time.
@@ -53,11 +55,14 @@ class Bur {
   double reach() const { return reach_; }
   /// z from tip to top [m].
   double low() const { return points_[0].z - rounding_; }
-  double high() const { return points_[static_cast<std::size_t>(count_ - 1)].z + rounding_; }
+  double high() const { return high_; }
   double radius() const { return radius_; }
+  /// Half of what it is wide, or its wall where it is hollow [m].
+  double half_width() const { return is_hollow() ? 0.5 * (radius_ - bore_) : radius_; }
 
  private:
   friend class BurSweep;
+  void RequireConvex(std::size_t a, std::size_t b) const;
   struct Point {
     double rho, z;
     bool operator==(const Point&) const = default;
@@ -66,7 +71,10 @@ class Bur {
   std::array<Point, kMostPoints> normals_{};  ///< outward, of the piece from point i to the next
   std::array<double, kMostPoints> inverse_squared_{};  ///< of its length
   int count_ = 0;
-  double rounding_ = 0.0, reach_ = 0.0, radius_ = 0.0;
+  double rounding_ = 0.0, reach_ = 0.0, radius_ = 0.0, high_ = 0.0;
+  double bore_ = 0.0;  ///< its radius; 0: there is none
+
+  bool is_hollow() const { return bore_ > 0.0; }
 };
 
 }  // namespace palpate

@@ -11,25 +11,27 @@
 namespace palpate {
 namespace {
 
-constexpr int kFour = 4;
-using Four = double __attribute__((vector_size(kFour * sizeof(double))));
-using FourFloats = float __attribute__((vector_size(kFour * sizeof(float))));
+using Eight = float __attribute__((vector_size(sizeof(BurSweep::Row))));
 using SweptCurve = BurSweep::Curve;
 /// Places on a bur's way that are tried between its ends: taken.
 constexpr int kTurns = 3;
 
-inline Four All(double v) {
-  return Four{} + v;
+constexpr float kHuge = 1e18f;  // its square is a number, too
+
+inline Eight All(float v) {
+  return Eight{} + v;
 }
 
 namespace any {
-inline Four Root(Four v) {
-  for (int n = 0; n < kFour; ++n) v[n] = std::sqrt(v[n]);
+inline Eight Root(Eight v) {
+  for (int n = 0; n < BurSweep::kRow; ++n) v[n] = std::sqrt(v[n]);
   return v;
 }
 template <class Holds>
 bool Are(Holds holds) {
-  return (holds[0] & holds[1] & holds[2] & holds[3]) != 0;
+  bool all = true;
+  for (int n = 0; n < BurSweep::kRow; ++n) all = all && holds[n] != 0;
+  return all;
 }
 #include "scenes/grid/bur_sweep.inl"
 }  // namespace any
@@ -39,12 +41,12 @@ bool Are(Holds holds) {
 #pragma GCC push_options
 #pragma GCC target("avx2")
 namespace avx2 {
-inline Four Root(Four v) {
-  return _mm256_sqrt_pd(v);
+inline Eight Root(Eight v) {
+  return _mm256_sqrt_ps(v);
 }
 template <class Holds>
 bool Are(Holds holds) {
-  return _mm256_movemask_pd(reinterpret_cast<__m256d>(holds)) == 15;
+  return _mm256_movemask_ps(reinterpret_cast<__m256>(holds)) == 255;
 }
 #include "scenes/grid/bur_sweep.inl"
 }  // namespace avx2
@@ -55,17 +57,20 @@ bool Are(Holds holds) {
 
 BurSweep::BurSweep(const Bur& bur, const Vec3& step_T) {
   curve_.count = bur.count_;
-  curve_.rounding = bur.rounding_;
+  curve_.hollow = bur.is_hollow();
+  curve_.rounding = static_cast<float>(bur.rounding_);
   for (std::size_t n = 0; n < Bur::kMostPoints; ++n) {
-    curve_.rho[n] = bur.points_[n].rho;
-    curve_.z[n] = bur.points_[n].z;
-    curve_.rho_normal[n] = bur.normals_[n].rho;
-    curve_.z_normal[n] = bur.normals_[n].z;
-    curve_.inverse_squared[n] = bur.inverse_squared_[n];
+    curve_.rho[n] = static_cast<float>(bur.points_[n].rho);
+    curve_.z[n] = static_cast<float>(bur.points_[n].z);
+    curve_.rho_normal[n] = static_cast<float>(bur.normals_[n].rho);
+    curve_.z_normal[n] = static_cast<float>(bur.normals_[n].z);
+    curve_.inverse_squared[n] = static_cast<float>(bur.inverse_squared_[n]);
   }
-  std::copy_n(step_T.data(), 3, curve_.step);
-  curve_.step_squared = step_T.squaredNorm();
-  curve_.inverse_step_squared = curve_.step_squared > 0.0 ? 1.0 / curve_.step_squared : 0.0;
+  for (int a = 0; a < 3; ++a) curve_.step[a] = static_cast<float>(step_T[a]);
+  const double squared = step_T.squaredNorm();
+  curve_.step_squared = static_cast<float>(squared);
+  // Shorter than a nanometre it is none.
+  curve_.inverse_step_squared = squared > 1e-18 ? static_cast<float>(1.0 / squared) : 0.0f;
 }
 
 bool BurSweep::IsWide() {
@@ -76,7 +81,7 @@ bool BurSweep::IsWide() {
 #endif
 }
 
-void BurSweep::Distances(const Vec3& first_T, const Vec3& apart_T, const Row& within,
+void BurSweep::Distances(const Vec3& first_T, const Vec3& apart_T, float within,
                          Row& distance) const noexcept {
 #if defined(__x86_64__)
   if (IsWide()) return avx2::Distances(curve_, first_T, apart_T, within, distance);

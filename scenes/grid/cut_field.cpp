@@ -16,8 +16,9 @@ constexpr int kRows = kSide * kSide;
 constexpr double kFar = 1e3;
 /// Of a bur that is no ball a row takes as long as so many of a ball: measured.
 constexpr int kLooksOfRow = 3;
-/// For what sums of ways and distances lose by rounding [m].
-constexpr double kRounding = 1e-12;
+/// For what distances lose by rounding: they are floats, of points within some 10 mm of the bur
+/// [m].
+constexpr double kRounding = 1e-8;
 /// Columns of a voxel, for its share: a Fibonacci lattice (Niederreiter & Sloan, J. Comp. Appl.
 /// Math. 51 (1994) 57-70), of which no two are in line with an axis, as most faces of solids are.
 constexpr int kColumns = 377, kStride = 233;
@@ -200,8 +201,7 @@ bool CutField::TakeStorage(const int low[3], const int high[3], const BurSweep& 
   // From a block's middle to its farthest point, and the band beyond the bur.
   const double reach = field_.band() + 3.5 * std::sqrt(3.0) * lattice.spacing;
   const Vec3 apart = X_TB.q * (kSide * lattice.spacing * Vec3::UnitX());
-  BurSweep::Row within, distance;
-  within.fill(reach);
+  BurSweep::Row distance;
   std::size_t wanted = 0;
   for (int k = low[2]; k <= high[2]; ++k) {
     for (int j = low[1]; j <= high[1]; ++j) {
@@ -210,7 +210,7 @@ bool CutField::TakeStorage(const int low[3], const int high[3], const BurSweep& 
         if (n == 0) {
           sweep.Distances(X_TB * (lattice.Point(kSide * i, kSide * j, kSide * k) +
                                   Vec3::Constant(3.5 * lattice.spacing)),
-                          apart, within, distance);
+                          apart, static_cast<float>(reach), distance);
         }
         const std::size_t block = field_.BlockIndex(i, j, k);
         if (field_.entry(block) == SparseField::kAbove ||
@@ -258,7 +258,7 @@ bool CutField::Raise(const Touched& touched, const BurSweep& sweep, const Pose& 
     const BurSweep::Raised raised = sweep.Raise(from, along, field_.band(), values + row * kSide);
     changed = changed || raised.any;
     ++rows;
-    still[row] = gone_ + std::min(raised.room, kFar) - kRounding;
+    still[row] = gone_ + std::min(double{raised.room}, kFar) - kRounding;
   }
   looks_ += rows * (sweep.IsOfBall() ? 1 : kLooksOfRow);
   return changed;

@@ -71,7 +71,7 @@ int Main(int argc, char** argv) {
   std::string log_level = "info";
   int domain = 0;
   app.Add("MESH", file, "Mesh file, which may be gzipped (.gz)").Required();
-  AddCommonOptions(app, "Taken as by the other programs, and not used: this one talks to none",
+  AddCommonOptions(app, "Accepted for consistency, and not used: this program talks to no other",
                    domain, log_level);
   if (!ParseCommandLine(app, argc, argv)) return 0;
   SetUpLog("palpate-import", log_level);

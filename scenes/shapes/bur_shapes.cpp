@@ -116,6 +116,13 @@ BurProfile FlameBur(double radius, double length) {
           rounding};
 }
 
+BurProfile TrephineBur(double radius, double wall, double length, double rounding) {
+  rounding = std::min({rounding, 0.4 * wall, 0.4 * length});
+  const double outer = radius - rounding, inner = radius - wall + rounding;
+  const double top = length - 2.0 * rounding;
+  return {{{inner, 0.0}, {outer, 0.0}, {outer, top}, {inner, top}, {inner, 0.0}}, rounding};
+}
+
 NamedBur BurOfIso(const std::string& name) {
   const auto shape = std::ranges::find_if(
       kIsoShapes, [&](const IsoShape& s) { return name.substr(0, 3) == s.number; });
@@ -151,16 +158,23 @@ NamedBur BurOfIso(const std::string& name) {
 }
 
 TriangleMesh MakeBur(const BurProfile& bur, double handle) {
-  std::vector<Vec3> curve;
-  std::vector<double> radii;
-  const auto add = [&](double y, double radius) {
-    // Flat ends: a rod's points are all different.
-    if (!curve.empty()) y = std::max(y, curve.back().y() + 1e-6);
-    curve.emplace_back(0.0, y, 0.0);
-    radii.push_back(radius);
-  };
+  std::vector<std::array<double, 2>> curve;
   const double widest = Farthest(bur, 0.0)[0], top = Farthest(bur, 0.5 * M_PI)[1];
   const double shank = std::min(kShank, 0.6 * widest);
+  // A bore's roof, wall and inner edge come first.
+  const bool hollow = bur.curve.size() > 1 && bur.curve.front()[0] > 0.0;
+  if (hollow) {
+    const double bore = Farthest(bur, -M_PI)[0];
+    curve.push_back({bore, top - (widest - bore)});
+    for (int i = 0; i < kQuarter; ++i)
+      curve.push_back(Farthest(bur, 0.5 * M_PI * (static_cast<double>(i) / kQuarter - 2.0)));
+  }
+  const std::size_t outside = curve.size();
+  const auto add = [&](double y, double radius) {
+    // Flat ends go up by a little: no point is another's.
+    if (curve.size() > outside) y = std::max(y, curve.back()[1] + 1e-6);
+    curve.push_back({radius, y});
+  };
   for (int i = 1; i <= 2 * kQuarter; ++i) {
     const double angle = 0.5 * M_PI * (static_cast<double>(i) / kQuarter - 1.0);
     const auto [rho, y] = Farthest(bur, angle);
@@ -174,7 +188,7 @@ TriangleMesh MakeBur(const BurProfile& bur, double handle) {
   add(top + 16e-3, 0.6 * kHandle);
   add(top + 20e-3, kHandle);
   add(std::max(handle, top + 22e-3), kHandle);
-  return MakeRod(curve, radii, kSides);
+  return MakeTurned(curve, kSides);
 }
 
 }  // namespace palpate

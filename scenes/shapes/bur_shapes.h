@@ -18,6 +18,9 @@ BurProfile PearBur(double radius, double length);
 /// [m]
 BurProfile FlameBur(double radius, double length);
 
+/// A hollow cylinder.  Its bore is as deep as it is long, but for a roof as thick as its wall.  [m]
+BurProfile TrephineBur(double radius, double wall, double length, double rounding);
+
 /// A tool: the bur at the origin, its axis along y, on a shank in a handle.
 /// @param handle  where the handle ends [m].
 TriangleMesh MakeBur(const BurProfile& bur, double handle);

@@ -35,9 +35,19 @@ ToothSize SizeFrom(ToothKind kind, std::span<const double> values) {
 using Values = std::span<const double>;
 
 /// What the numbers of burs are; behind them stands the curve (rho, z) where the file gives one.
-enum : std::size_t { kDiameter, kLength, kTip, kRounding, kHandle, kDeadTip, kCutting, kCurve };
-const std::vector<std::string_view> kBurs{"ball",          "cylinder", "cone",
-                                          "inverted_cone", "pear",     "flame"};
+enum : std::size_t {
+  kDiameter,
+  kLength,
+  kTip,
+  kRounding,
+  kHandle,
+  kDeadTip,
+  kCutting,
+  kWall,
+  kCurve
+};
+const std::vector<std::string_view> kBurs{"ball", "cylinder", "cone",    "inverted_cone",
+                                          "pear", "flame",    "trephine"};
 
 /// A ball has its diameter alone; a cone is half as wide at its finer end where the file leaves its
 /// tip out, an inverted one three quarters.
@@ -52,6 +62,7 @@ BurProfile FormFrom(std::size_t variant, Values v) {
   if (kBurs[variant] == "cylinder") return ConeBur(radius, radius, length, rounding);
   if (kBurs[variant] == "pear") return PearBur(radius, length);
   if (kBurs[variant] == "flame") return FlameBur(radius, length);
+  if (kBurs[variant] == "trephine") return TrephineBur(radius, v[kWall], length, rounding);
   if (kBurs[variant] == "inverted_cone") return ConeBur(radius, 0.75 * radius, length, rounding);
   return ConeBur(v[kTip] > 0.0 ? 0.5 * v[kTip] : 0.5 * radius, radius, length, rounding);
 }
@@ -141,7 +152,7 @@ std::span<const ShapeKind> ShapeKinds() {
        {Millimetres("diameter_mm", 1.4, 0.3, 10), Millimetres("length_mm", 4, 0.5, 20),
         Millimetres("tip_diameter_mm", 0, 0.2, 10), Millimetres("rounding_mm", 0.1, 0.02, 5),
         Millimetres("handle_mm", 60, 30, 150), Millimetres("dead_tip_mm", 0, 0, 20),
-        Millimetres("cutting_mm", 0, 0.05, 20)},
+        Millimetres("cutting_mm", 0, 0.05, 20), Millimetres("wall_mm", 0.4, 0.1, 4)},
        [](std::size_t variant, Values v) { return MakeBur(ProfileFrom(variant, v), v[kHandle]); },
        nullptr,
        ProfileFrom},

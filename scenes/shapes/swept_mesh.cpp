@@ -26,6 +26,13 @@ class Sweep {
     }
   }
 
+  /// Round points of one axis, in whatever order.
+  Sweep(const std::vector<Vec3>& curve, int sides, const Vec3& axis)
+      : curve_(curve),
+        sides_(std::uint32_t(sides)),
+        u_(curve.size(), axis.unitOrthogonal()),
+        v_(curve.size(), axis.cross(u_[0])) {}
+
   /// Returns the first of the ring's vertices.
   std::uint32_t AddRing(std::size_t point, double radius) {
     const auto first = std::uint32_t(mesh.vertices.size());
@@ -57,6 +64,19 @@ class Sweep {
     }
   }
 
+  /// Rings of these radii, joined, and the first and the last one closed.
+  TriangleMesh Closed(const std::vector<double>& radii) {
+    std::uint32_t ring = AddRing(0, radii[0]);
+    Close(ring, 0, false);
+    for (std::size_t i = 1; i < curve_.size(); ++i) {
+      const std::uint32_t next = AddRing(i, radii[i]);
+      Join(ring, next);
+      ring = next;
+    }
+    Close(ring, curve_.size() - 1, true);
+    return std::move(mesh);
+  }
+
   TriangleMesh mesh;
 
  private:
@@ -74,16 +94,17 @@ class Sweep {
 }  // namespace
 
 TriangleMesh MakeRod(const std::vector<Vec3>& curve, const std::vector<double>& radii, int sides) {
-  Sweep sweep(curve, sides);
-  std::uint32_t ring = sweep.AddRing(0, radii[0]);
-  sweep.Close(ring, 0, false);
-  for (std::size_t i = 1; i < curve.size(); ++i) {
-    const std::uint32_t next = sweep.AddRing(i, radii[i]);
-    sweep.Join(ring, next);
-    ring = next;
+  return Sweep(curve, sides).Closed(radii);
+}
+
+TriangleMesh MakeTurned(const std::vector<std::array<double, 2>>& curve, int sides) {
+  std::vector<Vec3> axis;
+  std::vector<double> radii;
+  for (const auto& [rho, y] : curve) {
+    axis.emplace_back(0.0, y, 0.0);
+    radii.push_back(rho);
   }
-  sweep.Close(ring, curve.size() - 1, true);
-  return std::move(sweep.mesh);
+  return Sweep(axis, sides, Vec3::UnitY()).Closed(radii);
 }
 
 TriangleMesh MakePipe(const std::vector<Vec3>& curve, double inner_radius, double wall, int sides) {

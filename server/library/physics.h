@@ -13,11 +13,11 @@
 /// @endcode
 ///
 /// Lengths are metres, forces newtons, angles radians; X_AB is the pose of frame B in frame A: W
-/// the world, H the haptic tool (the hand), G the graphic tool, which never enters an object.  What
-/// is set up throws palpate::Error; a step never throws, and reports faults (StepReport::faults).
+/// the world, H the haptic tool (the hand), G the graphic tool, which never enters an object.
+/// Setting up may throw palpate::Error; a step never throws, but reports StepReport::faults.
 ///
-/// What is declared here, and what these headers say of it, is kept from one minor version to the
-/// next; headers that are not included here may change, as may the bits of a result (CHANGELOG.md).
+/// What is declared here, and its documentation, is kept from one minor version to the next.
+/// Other headers may change, and so may the bits of a result (CHANGELOG.md).
 #include "common/error.h"                     // IWYU pragma: export
 #include "common/math/pose.h"                 // IWYU pragma: export
 #include "common/math/rotation.h"             // IWYU pragma: export

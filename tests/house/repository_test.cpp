@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -93,15 +94,37 @@ TEST(Repository, ShowsOnePosesWayThroughSixFilesThatExist) {
   }
 }
 
-TEST(Repository, LinksOnlyToFilesThatExist) {
-  static const std::regex kLink(R"(\]\(([^)#:\s]+)(#[^)]*)?\))");
+/// What a link may name after '#': a page's headings, as Git hosts spell them.
+std::set<std::string> Anchors(const std::string& page) {
+  std::set<std::string> anchors;
+  std::istringstream lines(page);
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t begin = line.find_first_not_of("# ");
+    if (!line.starts_with('#') || begin == line.npos) continue;
+    std::string anchor;
+    for (const unsigned char c : line.substr(begin)) {
+      if (c == ' ') anchor += '-';
+      if (std::isalnum(c) || c == '-' || c == '_') anchor += static_cast<char>(std::tolower(c));
+    }
+    anchors.insert("#" + anchor);
+  }
+  return anchors;
+}
+
+TEST(Repository, LinksOnlyToFilesAndHeadingsThatExist) {
+  static const std::regex kLink(R"(\]\(([^)#:\s]*)(#[^)\s]*)?\))");
   for (const std::string& file : SourceFiles(kRoot)) {
     if (!file.ends_with(".md")) continue;
-    const std::string text = ReadWholeFile(kRoot + "/" + file);
+    const std::string page = kRoot + "/" + file;
+    const std::string text = ReadWholeFile(page);
     for (std::sregex_iterator it(text.begin(), text.end(), kLink), end; it != end; ++it) {
-      const std::string target = (*it)[1];
-      const auto path = std::filesystem::path(kRoot) / std::filesystem::path(file).parent_path();
-      EXPECT_TRUE(std::filesystem::exists(path / target)) << file << " links to " << target;
+      const std::string target = (*it)[1], heading = (*it)[2];
+      const std::string linked =
+          target.empty() ? page : (std::filesystem::path(page).parent_path() / target).string();
+      EXPECT_TRUE(std::filesystem::exists(linked)) << file << " links to " << target;
+      if (heading.empty() || !linked.ends_with(".md")) continue;
+      EXPECT_TRUE(Anchors(ReadWholeFile(linked)).contains(heading))
+          << file << " links to " << target << heading;
     }
   }
 }

@@ -109,7 +109,9 @@ TEST_F(DeployScripts, SayWhatAPackageLacksBeforeCPackDoes) {
   Write("build/page/index.html", "");
   Write("build/release/bin/palpate-server", "");
   Write("build/release/manuals/palpate-server.1.gz", "");
-  StandIn("ninja", "printf '%s\\n' server/main.cpp.o bin/palpate-server bin/palpate-bench\n");
+  StandIn("ninja",
+          "printf '%s\\n' server/main.cpp.o bin/palpate-server bin/palpate-bench "
+          "bin/effects/stick.so\n");
   EXPECT_EQ(package(),
             "package: not built in build/release yet: palpate-bench; leave out --no-build "
             "(--no-bench goes without palpate-bench)\n");

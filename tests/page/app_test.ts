@@ -123,7 +123,7 @@ test("the panel says what becomes of the force at the arm, also when the server 
   say({slewed: 20n, warmth: 0.31});
   await eventually("the motors", async () => (await row("Motors")).includes("31 %"));
   expect(await row("Held back")).toContain("2 %");
-  expect(await row("Held back")).toContain("leaps of the force");
+  expect(await row("Held back")).toContain("jumps of the force");
   expect(await page.locator("#arm-none").isHidden()).toBe(true);
   // The server dies: the station alone goes on.
   clearInterval(moving);
@@ -334,12 +334,12 @@ test("what burs cut is bookmarked, and brought back to how it stood then", async
   };
   const before = await stillPicture();
   await page.locator("#keep-cut").click();
-  await reads("#hint", "The cut is bookmarked as it stands (the page here).");
+  await reads("#hint", "The present state of cut is bookmarked (the page here).");
   for (const block of [...aroundPit("cut", 1), solidBlock("cut", kPitBlock, 1, pit())])
     gateway.send("/palpate/solid_block", block);
   await eventually("the pit", async () => (await picture()) !== before);
   await page.locator("#back-to-cut").click();
-  await reads("#hint", "The cut is as it stood at the bookmark (the page here).");
+  await reads("#hint", "The cut is back at its bookmark (the page here).");
   // As the server tells it: blocks that are the mesh's again.
   const none = new Uint8Array(6);
   for (const block of [...aroundPit("cut", 2), solidBlock("cut", kPitBlock, 2, none)])
@@ -400,7 +400,7 @@ test("a student's view has force, what is touched, the scene's goal and a help, 
     expect(student).not.toMatch(other);
   await page.locator("#audience").click();
   const all = await help();
-  for (const more of [/sphere tree/, /Time for a step/, /what a student sees/, /Mute/])
+  for (const more of [/sphere tree/, /Time for a step/, /student.s view, and back/, /Mute/])
     expect(all).toMatch(more);
   for (const shown of ["#torque", "#contacts", "#goal-text"])
     expect(await page.locator(shown).isVisible()).toBe(true);
@@ -502,7 +502,7 @@ test("a tool that leaves the picture is pointed to, and comes back", async () =>
   expect(await pointer.isVisible()).toBe(false);
   for (let i = 0; i < 12; i++) await page.keyboard.press("+");
   await pointer.waitFor();
-  expect(await pointer.getAttribute("aria-label")).toBe("The ball is out of the picture: show it");
+  expect(await pointer.getAttribute("aria-label")).toBe("The ball is outside the view: show it");
   await pointer.click();
   await pointer.waitFor({state: "hidden"});
 });
@@ -530,7 +530,7 @@ test("who has gone without a word holds a tool no more", async () => {
   gateway.retained.length = 0;
   gateway.health = {server_run: "2"};
   await page.clock.runFor(4000); // until the gateway is asked again
-  await reads("#banner", /No station/);
+  await reads("#banner", /Nobody moves a tool/);
   giveTools();
   await page.locator("#take").click();
   await until(page, "the tool", ({hold}) => hold === "holding");
@@ -572,7 +572,7 @@ test("a gateway that gives no tools is not asked for one", async () => {
   gateway.takesMessages = false;
   await open();
   await vanishes("#take");
-  await reads("#banner", "No station is moving. Start one.");
+  await reads("#banner", "Nobody moves a tool. Start a station.");
   await page.keyboard.press("m");
   await page.keyboard.press("?");
   expect(await isVisible("#help-dialog")).toBe(true);
@@ -587,7 +587,7 @@ test("who is turned away is told so", async () => {
   await open({ownClock: true}); // scenes come without a link
   const askAgain = (): Promise<void> => page.clock.runFor(4000);
   await askAgain();
-  await reads("#banner", /does not let this page attach/);
+  await reads("#banner", /refuses this page/);
   gateway.health = {viewers: 300, max_viewers: 300};
   await askAgain();
   await reads("#banner", /as many viewers as/);

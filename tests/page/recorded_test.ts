@@ -80,5 +80,5 @@ test("a recording is replayed to the page, which steers it, until the replayer i
   await page.locator("#marks li.bookmark", {hasText: "Hier fängt es an"}).waitFor();
   expect(readFileSync(join(folder, "lesson.bookmarks.json"), "utf8")).toContain("fängt es an");
   await replayer.stop("SIGKILL");
-  await reads("#banner", /lesson.mcap has not been heard of/);
+  await reads("#banner", /lesson.mcap has been silent/);
 });

@@ -230,16 +230,14 @@ test("a replayer that dies, or ends, leaves no doubt of it", async () => {
   replay.die();
   await page.clock.runFor(3000);
   await reads("#replay-word", "Replay, silent");
-  expect(await text("#banner")).toMatch(
-    /lesson-3.mcap has not been heard of for \d+ s: its program/,
-  );
+  expect(await text("#banner")).toMatch(/lesson-3.mcap has been silent for \d+ s: its program/);
   expect(await isVisible("#replay-controls")).toBe(false);
   expect(await isVisible("#take")).toBe(false);
   replay.start();
   await appears("#replay-controls");
   replay.end();
   await reads("#replay-word", "Replay, ended");
-  await reads("#banner", "The replay of lesson-3.mcap has ended. What you see is the last of it.");
+  await reads("#banner", "The replay of lesson-3.mcap has ended. You see its last state.");
   expect(await isVisible("#replay-controls")).toBe(false);
 });
 

@@ -38,21 +38,23 @@ TEST(SceneVerdict, SaysWhatANumberShouldBe) {
   EXPECT_EQ(
       ToText(limited),
       "verdict: usable with these limits:\n"
-      "  - object cheek: a hundredth of its surface lies bare of spheres by 2 mm, which "
-      "should be at most 1 mm; the tool sinks in so far there: give it more than 64 leaves\n");
+      "  - object cheek: 1 % of its surface is outside its spheres by more than 2 mm, which "
+      "should be at most 1 mm; the tool sinks in that far there: give it more than 64 leaves\n");
 }
 
 TEST(SceneVerdict, WhereTheToolFallsInTheSceneIsNotUsable) {
   const Verdict verdict = JudgeCoverage("object cheek", BoxReport(0.1), Bare(0.011), 2);
   EXPECT_FALSE(verdict.usable());
-  EXPECT_THAT(ToText(verdict), HasSubstr("verdict: not usable:\n  - object cheek: a hundredth"));
+  EXPECT_THAT(ToText(verdict),
+              HasSubstr("verdict: not usable:\n  - object cheek: 1 % of its surface"));
 }
 
 TEST(SceneVerdict, SpheresThatStickOutAreALimit) {
   Coverage coverage;
   coverage.outside.p99 = 0.003;
   EXPECT_THAT(JudgeCoverage("tool probe", BoxReport(0.1), coverage, 64).limits,
-              ElementsAre(HasSubstr("tool probe: a hundredth of its spheres stick out by 3 mm")));
+              ElementsAre(HasSubstr(
+                  "tool probe: 1 % of its spheres' surface sticks out by more than 3 mm")));
 }
 
 TEST(SceneVerdict, MeshThatIsRefusedIsAFaultAndARemarkALimit) {

@@ -45,6 +45,7 @@ Headers Bearing(const std::string& token) {
 TEST(Host, IsCheckedOfEveryRequestWhateverTheGatewayIsBoundTo) {
   for (const char* bound : {"127.0.0.1", "0.0.0.0"}) {
     Gateway gateway({"--bind", bound, "--host-name", "lab.example"});
+    EXPECT_THAT(gateway.program().Output(), HasSubstr("ready: page http://lab.example:"));
     const auto socket_at = [&](const std::string& host) {
       return Handshake(gateway.port(), kV1, "http://" + host, {{"Host", host}}).status;
     };

@@ -14,7 +14,9 @@ namespace {
 /// asked about from ahead, where the field is the bur's own distance or that of the older
 /// cut, not of both, and the distance is led back from there.
 double GapAhead(const CutField& cut, const Vec3& p, const Vec3& n) {
-  if (cut.Distance(p) <= 0.0) return 0.0;
+  const double here = cut.Distance(p);
+  if (here <= 0.0) return 0.0;
+  if (here >= cut.field().band()) return here;
   const double s = limits::cutting::kLookAhead * cut.field().lattice().spacing;
   const FieldSample ahead = cut.Sample(p + s * n);
   const double nears = -ahead.gradient.dot(n), gap = ahead.distance + s * nears;

@@ -127,7 +127,7 @@ describe("the arm's lines", () => {
     const good = lines({});
     expect(good.Device).toMatchObject({value: "in order", remark: "PHANTOM Premium 3.0"});
     expect(good["Held back"]).toMatchObject({value: "nothing", tone: "good"});
-    expect(good.Strongest).toMatchObject({value: "2.00 N", remark: "as it was computed"});
+    expect(good.Strongest).toMatchObject({value: "2.00 N", remark: "as computed"});
     expect(good.Motors).toMatchObject({value: "21 %", tone: "plain"});
     expect(good.Energy).toMatchObject({value: "12.5 mJ", tone: "plain"});
     expect(good.Silence).toMatchObject({value: "1.2 ms", tone: "plain"});
@@ -139,10 +139,10 @@ describe("the arm's lines", () => {
       value: "40 %",
       remark:
         "of the time: force, while replies are late or missing; energy that delay would add (2 %); " +
-        "leaps of the force (< 1 %)",
+        "jumps of the force (< 1 %)",
       tone: "bad",
     });
-    expect(late.Strongest?.remark).toBe("of 2.00 N that were computed");
+    expect(late.Strongest?.remark).toBe("of 2.00 N computed");
     expect(late.Silence).toMatchObject({
       remark: "the longest without a reply; 3 lost",
       tone: "bad",
@@ -233,8 +233,8 @@ test("a text is cut by its bytes, and between letters", () => {
 
 test("a gap says whose it is, and why where that is known", () => {
   const gap = {fromS: 1, toS: 2, station: "hand", reason: "silent"};
-  expect(gapWords(gap)).toBe("nothing of hand: silent");
-  expect(gapWords({...gap, reason: ""})).toBe("nothing of hand");
+  expect(gapWords(gap)).toBe("nothing from hand: silent");
+  expect(gapWords({...gap, reason: ""})).toBe("nothing from hand");
 });
 
 test("a mark says what took place, and a bookmark its name", () => {

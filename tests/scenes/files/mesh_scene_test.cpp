@@ -70,6 +70,13 @@ TEST(MeshScene, TakesTheUnitAndTheBallThatAreGiven) {
   EXPECT_THAT(scene.assumptions, Contains(HasSubstr("unit: cm, as given, so it is 200 x 200")));
 }
 
+TEST(MeshScene, WritesNumbersAsPeopleDo) {
+  const std::string folder = FreshFolder();
+  const std::string mesh = WriteFile(folder + "/tooth.obj", Tetrahedron("20.474"));
+  EXPECT_THAT(MakeMeshScene(mesh, {}, folder).text,
+              testing::AllOf(HasSubstr("0.00102\n"), HasSubstr("16.4,\n")));
+}
+
 TEST(MeshScene, SaysWhereTheSizeIsUnusual) {
   const std::string folder = FreshFolder();
   const std::string mesh = WriteFile(folder + "/hall.obj", Tetrahedron("20"));

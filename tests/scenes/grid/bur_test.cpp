@@ -22,7 +22,11 @@ const Bur kFissure = Bur::Cylinder(0.5e-3, 3e-3, 0.05e-3);
 const Bur kSharp = Bur::Cylinder(0.5e-3, 3e-3, 0.0);
 const Bur kTaper = Bur::Cone(0.3e-3, 0.6e-3, 3e-3, 0.1e-3);
 const Bur kInverted = Bur::Cone(0.6e-3, 0.3e-3, 1e-3, 0.0);
-const Bur* const kAll[] = {&kBall, &kFissure, &kSharp, &kTaper, &kInverted};
+const double kWall[] = {0.65e-3, 0.95e-3, 1.9e-3, 0.05e-3};  // inner, outer, high, rounding
+const Bur kTrephine(
+    {{kWall[0], 0}, {kWall[1], 0}, {kWall[1], kWall[2]}, {kWall[0], kWall[2]}, {kWall[0], 0}},
+    kWall[3]);
+const Bur* const kAll[] = {&kBall, &kFissure, &kSharp, &kTaper, &kInverted, &kTrephine};
 
 double DistanceOf(const Bur& bur, const Vec3& p) {
   Vec3 gradient;
@@ -48,6 +52,41 @@ TEST(Bur, SharpCylinderHasTheDistanceOfACylinder) {
     const double outside = std::hypot(std::max(side, 0.0), std::max(end, 0.0));
     EXPECT_NEAR(DistanceOf(kSharp, p), outside > 0.0 ? outside : std::max(side, end), 1e-17);
   }
+}
+
+TEST(Bur, TrephineHasTheDistanceOfARoundedRectangleInTheHalfPlane) {
+  Random random(7);
+  const auto& [inner, outer, high, rounding] = kWall;
+  for (int n = 0; n < 10000; ++n) {
+    const Vec3 p = random.InCube(2.5e-3);
+    const double rho = std::hypot(p.x(), p.y());
+    const double side = std::max(inner - rho, rho - outer), end = std::max(-p.z(), p.z() - high);
+    const double outside = std::hypot(std::max(side, 0.0), std::max(end, 0.0));
+    const double truth = (outside > 0.0 ? outside : std::max(side, end)) - rounding;
+    EXPECT_NEAR(DistanceOf(kTrephine, p), truth, 1e-17);
+  }
+  EXPECT_NEAR(kTrephine.half_width(), 0.2e-3, 1e-12);
+}
+
+// Samples stand for its surface: in the bore, outside and on both rims, all of it.
+TEST(Bur, TrephinesSamplesLieOnItAndHaveItsArea) {
+  const auto& [inner, outer, high, rounding] = kWall;
+  // Walls, rims and, by Pappus, four quarter circles, whose middles are 2/pi of a rounding away.
+  const double area =
+      2.0 * M_PI *
+      (high * (inner - rounding + outer + rounding) + (outer - inner) * (outer + inner) +
+       M_PI * rounding * (inner - M_2_PI * rounding + outer + M_2_PI * rounding));
+  double all = 0.0;
+  int in_bore = 0;
+  for (const BurSample& sample : kTrephine.Samples(500)) {
+    all += sample.area;
+    Vec3 gradient;
+    EXPECT_NEAR(kTrephine.Distance(sample.point, gradient), 0.0, 2e-7);
+    EXPECT_GT(gradient.dot(sample.normal), 0.9999);
+    in_bore += std::hypot(sample.point.x(), sample.point.y()) < inner - 0.5 * rounding;
+  }
+  EXPECT_NEAR(all / area, 1.0, 1e-3);
+  EXPECT_GT(in_bore, 100);
 }
 
 TEST(Bur, ConeHasTheSlantOfItsRadii) {
@@ -78,6 +117,9 @@ TEST(Bur, GradientIsThatOfTheDistance) {
   }
 }
 
+/// What a sweep's distances, which are floats, lose within 3 mm of the bur [m].
+constexpr double kFloats = 1e-9;
+
 TEST(Bur, WayOfABallIsACapsule) {
   Random random(4);
   for (int n = 0; n < 20000; ++n) {
@@ -85,10 +127,10 @@ TEST(Bur, WayOfABallIsACapsule) {
     const double t = std::clamp(p.dot(step) / std::max(step.squaredNorm(), 1e-300), 0.0, 1.0);
     const double truth = (p - t * step).norm() - 0.25e-3;
     const double distance = BurSweep(kBall, step).Distance(p);
-    EXPECT_GE(distance, truth - 1e-17);
+    EXPECT_GE(distance, truth - kFloats);
     // Away from the centre, where slopes turn within the step and no bur's band reaches.
     if (truth > -0.1e-3) {
-      EXPECT_LE(distance, truth + 1e-4 * step.norm());
+      EXPECT_LE(distance, truth + 1e-4 * step.norm() + kFloats);
     }
   }
 }
@@ -103,7 +145,7 @@ TEST(Bur, WayIsTheNearestOfManyPlacesOnIt) {
       for (int i = 0; i <= 200; ++i)
         truth = std::min(truth, DistanceOf(*bur, p - i / 200.0 * step));
       const double distance = BurSweep(*bur, step).Distance(p);
-      EXPECT_LE(distance, std::min(DistanceOf(*bur, p), DistanceOf(*bur, p - step)) + 1e-17);
+      EXPECT_LE(distance, std::min(DistanceOf(*bur, p), DistanceOf(*bur, p - step)) + kFloats);
       if (truth > -0.1e-3) {
         EXPECT_NEAR(distance, truth, 0.05 * step.norm());
       }
@@ -132,9 +174,9 @@ TEST(Bur, RaisesARowToTheSameBitsByWhateverInstructions) {
       for (std::size_t i = 0; i < 8; ++i) {
         const double distance = sweep.Distance(first + double(i) * apart);
         const float truth = std::min(std::max(static_cast<float>(-distance), phi[i]), band);
-        ASSERT_NEAR(narrow[i], truth, 1e-10);
+        ASSERT_NEAR(narrow[i], truth, kFloats);
         const double end = DistanceOf(*bur, first + double(i) * apart - step);
-        ASSERT_LE(one.room, narrow[i] < band ? end + narrow[i] + 1e-10 : 1e300);
+        ASSERT_LE(one.room, narrow[i] < band ? end + narrow[i] + kFloats : 1e18);
       }
     }
   }

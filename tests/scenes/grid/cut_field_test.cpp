@@ -80,6 +80,17 @@ TEST(CutField, TakesTheVolumeOfASlotThatAFissureBurMills) {
   }
 }
 
+// What it goes round stays, as in life.
+TEST(CutField, ATrephineTakesARingAndLeavesTheCore) {
+  const double inner = 0.5e-3, outer = 0.8e-3, depth = 0.3e-3;
+  const Bur bur({{inner, 0}, {outer, 0}, {outer, 2e-3}, {inner, 2e-3}, {inner, 0}}, 0.0);
+  for (const Quat& q : {Quat::Identity(), kTurned, kTilted}) {
+    CutBlock block(50e-6, q);
+    const double volume = block.Move(bur, Vec3(0, 0, 0.02e-3), Vec3(0, 0, -depth), 10e-6).total();
+    EXPECT_NEAR(volume / (M_PI * (outer * outer - inner * inner) * depth), 1.0, 0.01);
+  }
+}
+
 // The steps of a straight way are convex together: what is between lattice points lies within.
 TEST(CutField, HoldsTheDistanceToTheWayAtItsPointsAndLessBetweenThem) {
   CutBlock block(50e-6, kTilted);

@@ -105,6 +105,23 @@ TEST(BurShapes, TheToolOfEachNameIsAClosedMeshAboutItsHead) {
   }
 }
 
+TEST(BurShapes, ATrephineIsAClosedMeshAboutItsBore) {
+  const BurProfile profile = TrephineBur(1.5e-3, 0.4e-3, 6e-3, 0.1e-3);
+  const Bur bur(profile.curve, profile.rounding);
+  const TriangleMesh mesh = MakeBur(profile, 60e-3);
+  const MeshReport report = InspectMesh(mesh);
+  EXPECT_TRUE(report.closed() && report.manifold() && report.oriented());
+  int in_bore = 0;
+  for (const Vec3& v : mesh.vertices) {
+    const double rho = std::hypot(v.x(), v.z());
+    if (v.y() > 5.6e-3 - 1e-9) continue;  // the bore's roof is as thick as the wall
+    Vec3 gradient;
+    EXPECT_LT(std::abs(bur.Distance(Vec3(v.x(), -v.z(), v.y() + bur.low()), gradient)), 5e-6);
+    in_bore += rho < 1.2e-3;
+  }
+  EXPECT_GT(in_bore, 100);
+}
+
 TEST(BurShapes, WhatIsNotKnownIsToldWhatIs) {
   const std::string complaint = ComplaintOf([] { BurNamed("999/014"); });
   EXPECT_THAT(complaint, AllOf(HasSubstr("'999/014' is no bur that is known; give SHAPE/SIZE"),
