@@ -137,8 +137,9 @@ void Roster::Rename(std::int64_t id, const std::string& name) {
   Read();
 }
 
-void Roster::Withdraw(std::int64_t id) {
-  const Person& person = Known(id);
+const Person& Roster::MayGo(std::int64_t id) const {
+  const auto found = std::ranges::find(people_, id, &Person::id);
+  const Person& person = found == people_.end() ? Known(id) : *found;
   const auto operates = [](const Person& one) {
     return one.here() && one.role == Access::kOperate;
   };
@@ -147,6 +148,11 @@ void Roster::Withdraw(std::int64_t id) {
         "{} is the last who may operate, and nobody could undo it; make another one first",
         Quoted(person.name)));
   }
+  return person;
+}
+
+void Roster::Withdraw(std::int64_t id) {
+  MayGo(Known(id).id);
   file_.Use([&](SQLite::Database& database) {
     SQLite::Statement update(database, "UPDATE person SET withdrawn_s = ? WHERE id = ?");
     update.bind(1, static_cast<std::int64_t>(std::time(nullptr)));

@@ -22,11 +22,11 @@ struct Person {
   bool here() const { return withdrawn_s == 0; }
 };
 
-/// The people of a course, in its file: who they are and what they may.  Nobody is deleted: what
-/// was done under an id keeps its name.  Of those who are not withdrawn no two have names that are
-/// one station's (StationNameOf), in small or capital letters.
-/// Everything throws Error with a remedy, for whoever asked, and then has changed nothing.
-/// Thread contract: one thread.
+/// The people of a course, in its file: who they are and what they may.  Who is withdrawn
+/// keeps id and name, under which trials are filed.  Of those who are not withdrawn no two have
+/// names that are one station's (StationNameOf), in small or capital letters. Everything throws
+/// Error with a remedy, for whoever asked, and then has changed nothing. Thread contract: one
+/// thread.
 class Roster {
  public:
   static constexpr std::size_t kLongestName = 64;  ///< bytes
@@ -45,6 +45,8 @@ class Roster {
   void Rename(std::int64_t id, const std::string& name);
   /// Ends the token.  The last one who may operate stays.
   void Withdraw(std::int64_t id);
+  /// Whoever it is, the withdrawn too.  Throws Error where there is nobody, or who must stay.
+  const Person& MayGo(std::int64_t id) const;
   /// Another token in the former's place, which is lost or known to others.
   Made Renew(std::int64_t id);
 

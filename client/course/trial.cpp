@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
+#include "client/course/history.h"
 #include "common/error.h"
 #include "common/files/project_files.h"
 #include "common/files/whole_file.h"
@@ -113,6 +114,11 @@ bool TrialRoom::is_at_one(Holder holder) const {
       trials_, [&](const Running& trial) { return trial.news.holder == holder && trial.records; });
 }
 
+bool TrialRoom::has_one_of(std::int64_t person) const {
+  return std::ranges::any_of(trials_,
+                             [&](const Running& trial) { return trial.news.person == person; });
+}
+
 bool TrialRoom::has_ended(Holder holder) const {
   return std::ranges::none_of(trials_, [&](const Running& trial) {
     return trial.news.holder == holder &&
@@ -125,7 +131,7 @@ void TrialRoom::Begin(Holder holder, std::int64_t person, const std::string& exe
   Running trial;
   trial.exercise = Find(exercise);
   if (trial.exercise == nullptr) throw Error("there is no exercise " + Quoted(exercise));
-  if (std::ranges::any_of(trials_, [&](const Running& one) { return one.news.person == person; })) {
+  if (has_one_of(person)) {
     throw Error("a trial of yours is running, or is being scored; end it first");
   }
   trial.news.holder = holder;
@@ -321,6 +327,16 @@ std::string TrialRoom::KeyOf(const std::string& page) {
   std::string key;
   for (int i = 0; i < 4; ++i) key += fmt::format("{:08x}", random());
   return pages_.emplace(key, page).first->first;
+}
+
+std::map<std::pair<std::string, int>, std::string> TrialRoom::PagesOf(std::int64_t person) {
+  std::map<std::pair<std::string, int>, std::string> pages;
+  for (const TrialRow& row : ReadTrials(file_, person)) {
+    const std::string page = fmt::format("{}/{}/score.html", FolderOf(person, row.exercise), row.n);
+    std::error_code none;
+    if (fs::exists(page, none)) pages[{row.exercise, row.n}] = KeyOf(page);
+  }
+  return pages;
 }
 
 std::string TrialRoom::PageOf(const std::string& key) const {

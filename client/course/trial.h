@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "client/course/course_file.h"
@@ -60,6 +61,8 @@ class TrialRoom {
   /// Hands a trial in; one that is running ends.  Throws Error where there is none.
   void Submit(Holder holder, std::int64_t person, const std::string& exercise, int n);
   bool is_at_one(Holder holder) const;
+  /// One of that person's is recorded or scored.
+  bool has_one_of(std::int64_t person) const;
   /// A trial's recorder has died, say, and its tool is to be given back.
   bool has_ended(Holder holder) const;
   /// Looks after them, some 100 times a second.
@@ -69,6 +72,8 @@ class TrialRoom {
 
   /// For a person's page: the exercises, and of each its trials so far.
   std::string ListJson(std::int64_t person);
+  /// Keys of a person's score pages, by exercise and number, of those that there are.
+  std::map<std::pair<std::string, int>, std::string> PagesOf(std::int64_t person);
   /// The score page that a key of News stands for; empty: none.
   std::string PageOf(const std::string& key) const;
   /// An exercise's picture, "EXERCISE/FILE"; empty: none.

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "client/course/person_data.h"
 #include "client/viewer/page_messages.h"
 #include "common/error.h"
 #include "common/json/json_file.h"
@@ -20,7 +21,8 @@ using Json = nlohmann::json;
 
 /// In the order of ClassCommand::Op.
 const std::vector<std::string_view> kOps = {"person_make", "person_rename", "person_withdraw",
-                                            "person_link", "say",           "begin"};
+                                            "person_link", "person_delete", "say",
+                                            "begin"};
 
 std::string ShortText(const JsonNode& node, std::size_t most) {
   std::string text = node.Text();
@@ -72,6 +74,7 @@ ClassCommand ParseClassCommand(std::string_view text) {
       break;
     case ClassCommand::Op::kWithdraw:
     case ClassCommand::Op::kLink:
+    case ClassCommand::Op::kDelete:
       json.AllowOnly({"tag", "op", "person"});
       command.person = IdIn(json, 1);
       break;
@@ -88,6 +91,10 @@ ClassCommand ParseClassCommand(std::string_view text) {
   return command;
 }
 
+ClassRoom::ClassRoom(const std::string& folder) : folder_(folder), file_(folder), roster_(file_) {
+  FinishDeletions(file_, folder_);
+}
+
 std::optional<Roster::Made> ClassRoom::MakeFirstTeacher() {
   if (roster_.has_operator()) return std::nullopt;
   return roster_.Make({"teacher"}, Access::kOperate).front();
@@ -101,7 +108,7 @@ Tokens ClassRoom::With(Tokens others) const {
 }
 
 std::string ClassRoom::Do(const ClassCommand& command, const Tokens& others, const Scenes& scenes,
-                          const Here& here) {
+                          const Here& here, const Busy& busy) {
   std::string refusal, note;
   Json people = Json::array();
   const auto hand_out = [&](const Roster::Made& made) {
@@ -128,6 +135,9 @@ std::string ClassRoom::Do(const ClassCommand& command, const Tokens& others, con
       case ClassCommand::Op::kLink:
         hand_out(roster_.Renew(command.person));
         break;
+      case ClassCommand::Op::kDelete:
+        Delete(command.person, busy);
+        break;
       case ClassCommand::Op::kSay:
         Say(command.person, command.text);
         break;
@@ -140,6 +150,21 @@ std::string ClassRoom::Do(const ClassCommand& command, const Tokens& others, con
   }
   return ToText(
       Json({{"tag", command.tag}, {"refusal", refusal}, {"note", note}, {"people", people}}));
+}
+
+void ClassRoom::Delete(std::int64_t id, const Busy& busy) {
+  const std::string name = roster_.MayGo(id).name;
+  if (busy(id)) {
+    throw Error("a trial of " + Quoted(name) + " is running, or is being scored; end it first");
+  }
+  told_.erase(id);
+  try {
+    DeletePerson(file_, folder_, id);
+  } catch (const Error&) {
+    roster_.Read();  // files may be left where the person is gone
+    throw;
+  }
+  roster_.Read();
 }
 
 void ClassRoom::Say(std::int64_t id, const std::string& text) {

@@ -19,10 +19,11 @@ namespace palpate {
 ///   {"tag": 2, "op": "person_rename", "person": ID, "name": NAME}
 ///   {"tag": 3, "op": "person_withdraw", "person": ID}
 ///   {"tag": 4, "op": "person_link", "person": ID}               another token
-///   {"tag": 5, "op": "say", "person": ID, "text": TEXT}         0: to all
-///   {"tag": 6, "op": "begin", "scene": NAME}                    gives seats; "": takes them back
+///   {"tag": 5, "op": "person_delete", "person": ID}             with all that they did
+///   {"tag": 6, "op": "say", "person": ID, "text": TEXT}         0: to all
+///   {"tag": 7, "op": "begin", "scene": NAME}                    gives seats; "": takes them back
 struct ClassCommand {
-  enum class Op { kMake, kRename, kWithdraw, kLink, kSay, kBegin };
+  enum class Op { kMake, kRename, kWithdraw, kLink, kDelete, kSay, kBegin };
   static constexpr std::size_t kMostNames = 200;
   static constexpr std::size_t kLongestText = 480;  ///< bytes
   std::uint32_t tag = 0;                            ///< by which the page knows the answer
@@ -52,9 +53,11 @@ class ClassRoom {
   using Scenes = std::set<std::string>;
   /// How many pages somebody has open.
   using Here = std::function<int(std::int64_t person)>;
+  /// A trial of theirs is recorded or scored.
+  using Busy = std::function<bool(std::int64_t person)>;
 
   /// Throws Error, as CourseFile does.
-  explicit ClassRoom(const std::string& folder) : file_(folder), roster_(file_) {}
+  explicit ClassRoom(const std::string& folder);
 
   CourseFile& file() { return file_; }
   Roster& roster() { return roster_; }
@@ -66,7 +69,7 @@ class ClassRoom {
   /// Does it, and returns what the page that asked is answered: {tag, refusal, note, people}.
   /// @param others  the tokens of --tokens, whose names are taken.
   std::string Do(const ClassCommand& command, const Tokens& others, const Scenes& scenes,
-                 const Here& here);
+                 const Here& here, const Busy& busy);
   /// Somebody has come: a free seat is theirs, where the class has begun.
   void Enter(std::int64_t person, const Scenes& scenes);
   /// Where they are to drive; empty: wherever they like.
@@ -84,9 +87,11 @@ class ClassRoom {
     std::uint64_t lines = 0;
   };
   void Say(std::int64_t person, const std::string& text);
+  void Delete(std::int64_t person, const Busy& busy);
   /// Returns what a teacher should know of it.
   std::string Begin(const std::string& scene, const Scenes& scenes, const Here& here);
 
+  const std::string folder_;
   CourseFile file_;
   Roster roster_;
   std::string scene_;  // whose seats are given; empty: none are

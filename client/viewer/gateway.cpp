@@ -2,6 +2,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -17,6 +18,7 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include "client/course/history.h"
 #include "client/viewer/http_session.h"
 #include "client/viewer/hub.h"
 #include "client/viewer/options.h"
@@ -25,6 +27,7 @@
 #include "client/viewer/visitor.h"
 #include "client/viewer/web_stream.h"
 #include "common/error.h"
+#include "common/files/output.h"
 #include "common/http/lobby.h"
 #include "common/program/command_line.h"
 #include "common/program/stop_signal.h"
@@ -220,7 +223,21 @@ void Serve(const ViewerOptions& options) {
   io.run();
 }
 
+/// What a terminal has of a course's history.  Throws Error.
+void ExportCsv(const ViewerOptions& options) {
+  if (!std::filesystem::exists(std::filesystem::path(options.course) / "course.sqlite")) {
+    throw Error("--course " + options.course + ": there is no course; give its folder");
+  }
+  CourseFile file(options.course);
+  WriteOutput("--export-csv", options.export_csv,
+              History({}, Roster(file).people(), ReadTrials(file)).Csv());
+}
+
 int RunGateway(const ViewerOptions& options) {
+  if (!options.export_csv.empty()) {
+    ExportCsv(options);
+    return 0;
+  }
   if (options.make_token) {
     const auto& [role, name] = *options.make_token;
     if (options.course.empty()) {

@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <functional>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "client/viewer/foxglove.h"
 #include "client/viewer/viewer_session.h"
@@ -52,6 +56,7 @@ constexpr std::string_view kScene = "/scene/";
 constexpr std::string_view kBundle = ".bundle";
 constexpr std::string_view kScore = "/score/";
 constexpr std::string_view kExercise = "/exercise/";
+constexpr std::string_view kHistory = "/history/";
 /// A score page brings its scripts with it, and nothing else may run there or be asked for.
 constexpr const char* kScorePolicy =
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; "
@@ -208,9 +213,10 @@ void HttpSession::Answer(const Request& request) {
   const auto path = PathOfTarget(View(request.target()));
   if (!path) return Refuse(request, 400, Refusal::kRequest, "no path");
   // The page's own files are the same for everybody, and what a page needs to hand over a token.
-  const bool is_of_page = *path != kHealth && *path != kMetrics && !path->starts_with(kScene);
-  if (const Verdict verdict = hub_.gate().JudgeToken(asker);
-      !is_of_page && verdict.access == Access::kNone) {
+  const bool is_of_page = *path != kHealth && *path != kMetrics && !path->starts_with(kScene) &&
+                          !path->starts_with(kHistory);
+  const Verdict verdict = hub_.gate().JudgeToken(asker);
+  if (!is_of_page && verdict.access == Access::kNone) {
     return Refuse(request, verdict.status, verdict.refusal, verdict.reason);
   }
   if (*path == kHealth) {
@@ -225,7 +231,11 @@ void HttpSession::Answer(const Request& request) {
     return GiveScene(request,
                      path->substr(kScene.size(), path->size() - kScene.size() - kBundle.size()));
   }
-  // By a key that its person alone was told, as a link that opens in a tab of its own.
+  if (path->starts_with(kHistory)) {
+    return GiveHistory(request, path->substr(kHistory.size()), verdict);
+  }
+  // By a key that its person and teachers alone were told, as a link that opens in a tab of its
+  // own.
   if (path->starts_with(kScore)) {
     return GiveOfCourse(request, &TrialRoom::PageOf, path->substr(kScore.size()));
   }
@@ -247,6 +257,49 @@ void HttpSession::GiveOfCourse(const Request& request,
   response.set(http::field::content_type, file.content_type);
   if (find == &TrialRoom::PageOf) response.set("Content-Security-Policy", kScorePolicy);
   Send(std::move(response), request, BytesOf(*content), content);
+}
+
+struct HttpSession::Rest {
+  Rest(int of, std::uint64_t bytes) : file(of), left(bytes) {}
+  ~Rest() { close(file); }
+  Rest(const Rest&) = delete;
+  Rest& operator=(const Rest&) = delete;
+
+  const int file;
+  std::uint64_t left;
+  std::vector<std::uint8_t> piece = std::vector<std::uint8_t>(std::size_t{1} << 18);
+  /// Empty: it cannot be read.
+  std::span<const std::uint8_t> Next() {
+    const ssize_t count = read(file, piece.data(), std::min<std::uint64_t>(piece.size(), left));
+    if (count <= 0) return {};
+    left -= static_cast<std::uint64_t>(count);
+    return {piece.data(), static_cast<std::size_t>(count)};
+  }
+};
+
+void HttpSession::GiveHistory(const Request& request, const std::string& name,
+                              const Verdict& verdict) {
+  const auto wish = ParseHistoryWish(name);
+  if (!wish) return GiveText(request, http::status::not_found, "there is no such history\n");
+  if (!MayRead(*wish, verdict.access, verdict.holder ? verdict.holder->person : 0)) {
+    return Refuse(request, 403, Refusal::kRole, "what others did is for who teaches to read");
+  }
+  stream_.next_layer().expires_never();
+  hub_.AskHistory(*wish, verdict.access == Access::kOperate,
+                  [self = shared_from_this(), request](HistoryDesk::Answer answer) {
+                    Response response =
+                        ResponseOf(static_cast<http::status>(answer.status), "no-store");
+                    response.set(http::field::content_type, answer.type);
+                    if (answer.file < 0) {
+                      const auto text = std::make_shared<const std::string>(std::move(answer.text));
+                      return self->Send(std::move(response), request, BytesOf(*text), text);
+                    }
+                    struct stat about {};
+                    fstat(answer.file, &about);
+                    const auto rest = std::make_shared<Rest>(
+                        answer.file, static_cast<std::uint64_t>(about.st_size));
+                    self->Send(std::move(response), request, rest->Next(), rest, rest);
+                  });
 }
 
 void HttpSession::Upgrade(const Request& request) {
@@ -271,9 +324,17 @@ void HttpSession::Upgrade(const Request& request) {
 }
 
 void HttpSession::Send(Response response, const Request& request,
-                       std::span<const std::uint8_t> bytes, std::shared_ptr<const void> owner) {
-  response.body() = {bytes.data(), bytes.size()};
-  response.prepare_payload();
+                       std::span<const std::uint8_t> bytes, std::shared_ptr<const void> owner,
+                       std::shared_ptr<Rest> rest) {
+  const std::uint64_t all = bytes.size() + (rest ? rest->left : 0);
+  const auto fill = [](Response::body_type::value_type& body, std::span<const std::uint8_t> next,
+                       bool more) {
+    body.data = next.empty() ? nullptr : const_cast<std::uint8_t*>(next.data());
+    body.size = next.size();
+    body.more = more;
+  };
+  fill(response.body(), bytes, all > bytes.size());
+  if (response.result() != http::status::not_modified) response.content_length(all);
   response.set(http::field::server, "palpate-viewer/" PALPATE_VERSION);
   for (const auto& [name, value] : kSafeHeaders) {
     if (response.count(name) == 0) response.set(name, value);
@@ -286,8 +347,8 @@ void HttpSession::Send(Response response, const Request& request,
                       response.result_int() < 400);
   answered_ = true;
   // In pieces: a large scene over a slow line may take longer than the patience for one of them.
-  const auto end = std::chrono::steady_clock::now() + kPatience +
-                   std::chrono::seconds(bytes.size() / kLeastRate);
+  const auto end =
+      std::chrono::steady_clock::now() + kPatience + std::chrono::seconds(all / kLeastRate);
   struct Sending {
     explicit Sending(Response of) : response(std::move(of)) {}
     Response response;
@@ -297,9 +358,15 @@ void HttpSession::Send(Response response, const Request& request,
   const auto sending = std::make_shared<Sending>(std::move(response));
   const bool is_head = request.method() == http::verb::head;
   sending->serializer.split(is_head);
-  sending->step = [self = shared_from_this(), owner, end, is_head, weak = std::weak_ptr(sending)](
-                      beast::error_code error, std::size_t) {
+  sending->step = [self = shared_from_this(), owner, rest, fill, end, is_head,
+                   weak = std::weak_ptr(sending)](beast::error_code error, std::size_t) {
     const auto its = weak.lock();
+    if (error == http::error::need_buffer && rest) {
+      const std::span<const std::uint8_t> next = rest->Next();
+      if (next.empty()) return self->stream_.next_layer().close();
+      fill(its->response.body(), next, rest->left > 0);
+      error = {};
+    }
     if (!error && !its->serializer.is_done() && !(is_head && its->serializer.is_header_done())) {
       self->stream_.next_layer().expires_at(
           std::min(end, std::chrono::steady_clock::now() + kPatience));

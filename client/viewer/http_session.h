@@ -32,7 +32,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
  private:
   using Request = boost::beast::http::request<boost::beast::http::empty_body>;
   // Of one type, whatever it holds: what Beast makes of each is much to compile.
-  using Response = boost::beast::http::response<boost::beast::http::span_body<const std::uint8_t>>;
+  using Response = boost::beast::http::response<boost::beast::http::buffer_body>;
 
   /// Shakes hands with who wants TLS; who does not is told that it is spoken here.
   void Secure();
@@ -56,9 +56,13 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
                     const std::string& name);
   static Response ResponseOf(boost::beast::http::status status, const char* cache);
   static Response SceneResponse(boost::beast::http::status status, const std::string& etag);
+  /// What a course has of a person's trials, or of all.
+  void GiveHistory(const Request& request, const std::string& name, const Verdict& verdict);
+  /// What is sent from a file, a piece at a time, behind the bytes.
+  struct Rest;
   /// @param owner  keeps the bytes alive.
   void Send(Response response, const Request& request, std::span<const std::uint8_t> bytes = {},
-            std::shared_ptr<const void> owner = nullptr);
+            std::shared_ptr<const void> owner = nullptr, std::shared_ptr<Rest> rest = nullptr);
 
   WebStream stream_;
   Hub& hub_;

@@ -100,6 +100,7 @@ Hub::Hub(boost::asio::io_context& io, const ViewerOptions& options)
   trials_ = std::make_unique<TrialRoom>(
       TrialRoom::Options{options.course, ProgramFolder(), RecorderWords(options)},
       class_room_->file(), [this](const TrialRoom::News& news) { Tell(news); });
+  history_ = std::make_unique<HistoryDesk>(io, options.course, trials_->exercises());
 }
 
 bool Hub::MakeRoom(const std::string& address) {
@@ -226,7 +227,8 @@ ClassRoom::Scenes Hub::Scenes() const {
 FramePtr Hub::Teach(const ClassCommand& command, ViewerSession& viewer) {
   const std::int64_t now_ns = SteadyNanoseconds();
   const std::string answer =
-      class_room_->Do(command, listed_.value_or(Tokens()), Scenes(), CountPages());
+      class_room_->Do(command, listed_.value_or(Tokens()), Scenes(), CountPages(),
+                      [this](std::int64_t person) { return trials_->has_one_of(person); });
   spdlog::info("{}: {}", viewer.Who(), ClassOpName(command.op));
   class_changed_ = true;
   if (ChangesTokens(command.op)) Renew(listed_, now_ns);
@@ -314,6 +316,14 @@ void Hub::BeginTrial(const std::string& name, ViewerSession& viewer, std::int64_
     mice_.Release(viewer.id(), error.what(), now_ns);
     throw;
   }
+}
+
+void Hub::AskHistory(const HistoryWish& wish, bool for_teacher,
+                     std::function<void(HistoryDesk::Answer)> use) {
+  if (!history_) return use({404, "text/plain; charset=utf-8", "there is no course here\n"});
+  const bool is_page = wish.as == HistoryWish::As::kJson && wish.person != 0;
+  history_->Ask(wish, for_teacher, is_page ? trials_->PagesOf(wish.person) : HistoryDesk::Pages(),
+                std::move(use));
 }
 
 FramePtr Hub::ExercisesFrameOf(const ViewerSession& viewer) const {

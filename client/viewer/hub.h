@@ -13,6 +13,7 @@
 #include "client/course/trial.h"
 #include "client/viewer/class_room.h"
 #include "client/viewer/gate.h"
+#include "client/viewer/history_desk.h"
 #include "client/viewer/mouse_room.h"
 #include "client/viewer/options.h"
 #include "client/viewer/page_files.h"
@@ -79,6 +80,9 @@ class Hub {
   FramePtr ExercisesFrameOf(const ViewerSession& viewer) const;
   /// Null without a --course.
   const TrialRoom* trials() const { return trials_.get(); }
+  /// Answers what MayRead allows; 404 without a --course.
+  void AskHistory(const HistoryWish& wish, bool for_teacher,
+                  std::function<void(HistoryDesk::Answer)> use);
   /// Gives a viewer a tool, unless it takes them too often.
   void Take(ViewerSession& viewer, const MouseCommand& command, std::int64_t now_ns);
   MouseRoom& mice() { return mice_; }
@@ -126,6 +130,7 @@ class Hub {
   std::unique_ptr<ClassRoom> class_room_;
   std::optional<Tokens> listed_;  // of --tokens
   std::unique_ptr<TrialRoom> trials_;
+  std::unique_ptr<HistoryDesk> history_;
   bool class_changed_ = false;
   Gate gate_;
   RefusalLog refusals_;

@@ -35,6 +35,8 @@ constexpr const char* kExamples =
       stations, too
   palpate-viewer --http 8765 --course anatomy
       a class: prints a teacher's link once; on the page the teacher makes people and their links
+  palpate-viewer --course anatomy --export-csv anatomy.csv
+      all trials of that class so far, for a spreadsheet
   palpate-viewer --http 8765 --network eth0
       of a server on another host, which runs with --network too
 
@@ -121,6 +123,11 @@ std::optional<ViewerOptions> ParseViewerOptions(int argc, const char* const* arg
               "ROLE NAME: print a new token (watch, drive or operate) of this name, add it to the "
               "--tokens file or the --course, and end")
           .Words(2);
+  app.Add(
+         "--export-csv", options.export_csv,
+         "write every trial of the --course as CSV, a line each, and end; '-': to the terminal.  A "
+         "gateway may be using the course")
+      .TypeName("FILE");
   app.Add("--tls-cert", options.tls_cert,
           "certificate chain of this host (PEM), as 'palpate-identities certificate' makes "
           "it; the port then speaks HTTPS and wss, TLS 1.2 or newer");
@@ -136,6 +143,10 @@ std::optional<ViewerOptions> ParseViewerOptions(int argc, const char* const* arg
     if (!options.tokens.empty() && !options.course.empty()) {
       throw UsageError("--make-token: give --tokens or --course, where it is to be entered");
     }
+    return options;
+  }
+  if (!options.export_csv.empty()) {
+    if (!course.given()) throw UsageError("--export-csv: --course FOLDER says of which course");
     return options;
   }
   // A seat for each.

@@ -34,6 +34,7 @@ struct ViewerOptions : ServerOptions {
     std::string name;
   };
   std::optional<NewToken> make_token;
+  std::string export_csv;          ///< file to write in place of serving; "-": stdout
   std::string transport = "auto";  ///< of the mice's stations
 };
 

@@ -97,11 +97,12 @@ const std::vector<Rule> kRules = {
      {"common/dds"},
      {"Eigen", "spdlog", "nlohmann-json", "Boost"}},
     {"devices/spacemouse", {"common", "devices"}, {"common/dds"}, {"Eigen", "spdlog", "spacenav"}},
-    // Neither DDS nor a socket: what a course's people may and did, in SQLite; OpenSSL for tokens.
+    // Neither DDS nor a socket: what a course's people may and did, in SQLite; OpenSSL for tokens,
+    // minizip for what is given to a person.
     {"client/course",
      {"common", "scenes", "client/course"},
      {"common/dds"},
-     {"Eigen", "spdlog", "nlohmann-json", "OpenSSL", "SQLite"}},
+     {"Eigen", "spdlog", "nlohmann-json", "OpenSSL", "SQLite", "minizip"}},
     // Never the server or another client; own folder added below.
     // Boost for its HTTP server and WebSockets (Asio, Beast); OpenSSL for TLS; zlib to give a scene
     // compressed.
@@ -237,6 +238,7 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {
     {"openssl/", "OpenSSL"},
     {"SQLiteCpp/", "SQLite"},
     {"sqlite3.h", "SQLite"},
+    {"minizip/", "minizip"},
     {"fmt/", "spdlog"},
     {"HD/", "OpenHaptics"},
     {"HDU/", "OpenHaptics"},

@@ -19,6 +19,7 @@ import {
 } from "./support/at_gateway";
 import {eventually, until} from "./support/browser";
 import {FakeReplay} from "./support/fake_replay";
+import {kClassHistory, kPersonHistory} from "./support/made_up_history";
 import {pressed, sessionState} from "./support/fake_gateway";
 import {kTestScene, type TestScene} from "./support/scene_bytes";
 import {browserTest as test} from "./support/skip";
@@ -94,6 +95,24 @@ test("axe finds no violation in a replay, nor in a bookmark's dialogue", async (
   await page.keyboard.press("b");
   expect(await violations(), "bookmark").toEqual([]);
   replay.die();
+});
+
+test("axe finds no violation in a class's history, nor in a person's", async () => {
+  gateway.role = "operate";
+  gateway.hasCourse = true;
+  gateway.files.set("/history/class.json", JSON.stringify(kClassHistory));
+  gateway.files.set("/history/2.json", JSON.stringify(kPersonHistory));
+  await open({viewport: {width: 1280, height: 800}});
+  await page.locator("#history-open").click();
+  await page.locator("#history-dialog tbody tr").first().waitFor();
+  expect(await violations(), "class").toEqual([]);
+  await page.locator("#history-dialog .name", {hasText: "Ben"}).click();
+  await page.locator("#history-dialog summary").first().click();
+  await page.getByRole("button", {name: "Delete…"}).click();
+  expect(await violations(), "person, asked").toEqual([]);
+  await page.evaluate(() => (document.documentElement.dataset["theme"] = "dark"));
+  await page.setViewportSize({width: 390, height: 844});
+  expect(await violations(), "a phone, dark").toEqual([]);
 });
 
 const focused = (): Promise<string> => page.evaluate(() => document.activeElement?.id ?? "");

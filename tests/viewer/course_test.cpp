@@ -1,11 +1,16 @@
 // A course at the real palpate-viewer: who is made, renamed and withdrawn, and what is left of it
 // when the gateway is killed.
 #include <csignal>
+#include <filesystem>
+#include <fstream>
 
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "client/viewer/topic_feed.h"
 #include "tests/support/folder.h"
+#include "tests/support/read_file.h"
 #include "tests/viewer/gateway.h"
 
 namespace palpate::test {
@@ -44,7 +49,7 @@ class Pupil {
 
 class Teacher : public Pupil {
  public:
-  Teacher(Gateway& gateway, const std::string& token) : Pupil(gateway, token) {
+  Teacher(Gateway& gateway, const std::string& token) : Pupil(gateway, token), token_(token) {
     client_.Subscribe(2, TopicFeed::kClassAnswer);
   }
   CourseJson Ask(CourseJson wish) {
@@ -54,11 +59,13 @@ class Teacher : public Pupil {
     EXPECT_EQ(answer["tag"], tag_);
     return answer;
   }
+  const std::string& token() const { return token_; }
   std::string Make(const std::string& name) {
     return Ask({{"op", "person_make"}, {"names", {name}}, {"role", "drive"}})["people"][0]["token"];
   }
 
  private:
+  const std::string token_;
   int tag_ = 0;
 };
 
@@ -115,6 +122,85 @@ TEST(Course, IsThereWithAllThatWasAnsweredAfterTheGatewayWasKilled) {
   for (const std::string& token : tokens) {
     EXPECT_EQ(Get(gateway.port(), "/healthz", {{"Authorization", "Bearer " + token}}).status, 200);
   }
+}
+
+/// As a trial that was recorded and scored.
+void AddTrial(const std::string& course, int person, const std::string& exercise, int n) {
+  const std::string folder = fmt::format("{}/trials/{}/{}/{}", course, person, exercise, n);
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder + "/score.html") << "the page of " << person;
+  std::ofstream(folder + ".mcap") << std::string(1'000'000, 'r');
+  SQLite::Database(course + "/course.sqlite", SQLite::OPEN_READWRITE, 5000)
+      .exec(fmt::format("INSERT INTO trials(person, exercise, n, begun_s, ended_s, whole, points) "
+                        "VALUES({}, '{}', {}, 1, 2, 1, {})",
+                        person, exercise, n, 10 * person));
+}
+
+TEST(Course, TellsHistoryToTeachersAndToEachTheirOwn) {
+  const Folder folder;
+  Gateway gateway({"--course", folder / "course"});
+  Teacher teacher(gateway, FirstLink(gateway));
+  const std::string anna = teacher.Make("Anna"), ben = teacher.Make("Ben");
+  AddTrial(folder / "course", 2, "light-force", 1);
+  AddTrial(folder / "course", 3, "light-force", 1);
+  const auto get = [&](const std::string& token, const std::string& path) {
+    return Get(gateway.port(), path, {{"Authorization", "Bearer " + token}});
+  };
+  EXPECT_EQ(Get(gateway.port(), "/history/2.json", {}).status, 401);
+  for (const char* others : {"/history/3.json", "/history/3.csv", "/history/3.zip",
+                             "/history/class.json", "/history/class.csv"}) {
+    EXPECT_EQ(get(anna, others).status, 403) << others;
+    EXPECT_EQ(get(ben, "/history/2.json").status, 403);
+  }
+  const CourseJson own = CourseJson::parse(get(anna, "/history/2.json").body);
+  EXPECT_EQ(own["name"], "Anna");
+  EXPECT_EQ(own["exercises"][0]["done"][0]["points"], 20.0);
+  EXPECT_EQ(own["exercises"][0]["spread"].size(), 0u) << "two are too few to hide in";
+  const std::string page = own["exercises"][0]["done"][0]["page"];
+  EXPECT_EQ(Get(gateway.port(), "/score/" + page, {}).body, "the page of 2");
+
+  const std::string link = teacher.token();
+  const CourseJson all = CourseJson::parse(get(link, "/history/class.json").body);
+  EXPECT_EQ(all["people"].size(), 2u);
+  EXPECT_EQ(all["exercises"][0]["spread"][0]["people"], 2);
+  const CourseJson bens = CourseJson::parse(get(link, "/history/3.json").body);
+  const std::string bens_page = bens["exercises"][0]["done"][0]["page"];
+  EXPECT_EQ(Get(gateway.port(), "/score/" + bens_page, {}).body, "the page of 3");
+  EXPECT_NE(page, bens_page);
+  Program csv(PALPATE_BIN_DIR "/palpate-viewer",
+              {"--course", folder / "course", "--export-csv", folder / "class.csv"});
+  EXPECT_EQ(csv.Exit(), 0) << "beside a gateway that runs";
+  EXPECT_EQ(ReadWholeFile(folder / "class.csv"), get(link, "/history/class.csv").body);
+  EXPECT_THAT(get(link, "/history/class.csv").body, testing::HasSubstr("\r\n3,Ben,light-force,1,"));
+  const auto zip = get(anna, "/history/2.zip");
+  EXPECT_THAT(zip.body, testing::StartsWith("PK"));
+  EXPECT_GT(zip.body.size(), 1'000'000u) << "in more pieces than one";
+  EXPECT_THAT(zip.body, testing::HasSubstr("the page of 2"));
+  EXPECT_THAT(zip.body, testing::Not(testing::HasSubstr("the page of 3")));
+  EXPECT_EQ(get(link, "/history/9.zip").status, 404);
+  EXPECT_EQ(get(link, "/history/none").status, 404);
+}
+
+TEST(Course, DeletesAPersonWithAllThatTheyDid) {
+  const Folder folder;
+  Gateway gateway({"--course", folder / "course"});
+  Teacher teacher(gateway, FirstLink(gateway));
+  Pupil anna(gateway, teacher.Make("Anna"));
+  AddTrial(folder / "course", 2, "light-force", 1);
+  const std::string link = teacher.token();
+  const auto history = [&] {
+    return CourseJson::parse(
+        Get(gateway.port(), "/history/class.json", {{"Authorization", "Bearer " + link}}).body);
+  };
+  EXPECT_EQ(history()["people"].size(), 1u);
+  EXPECT_THAT(teacher.Ask({{"op", "person_delete"}, {"person", 1}})["refusal"].get<std::string>(),
+              testing::HasSubstr("is the last who may operate"));
+  EXPECT_EQ(teacher.Ask({{"op", "person_delete"}, {"person", 2}})["refusal"], "");
+  EXPECT_EQ(anna.client().closed(), kPolicyViolation);
+  EXPECT_EQ(history()["people"].size(), 0u);
+  EXPECT_FALSE(std::filesystem::exists(folder / "course/trials/2"));
+  EXPECT_THAT(teacher.Ask({{"op", "person_delete"}, {"person", 2}})["refusal"].get<std::string>(),
+              testing::HasSubstr("nobody of this course"));
 }
 
 TEST(Course, GivesEachASeatAndKeepsOthersOut) {

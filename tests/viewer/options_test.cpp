@@ -50,6 +50,8 @@ TEST(ViewerOptions, NameWhatIsWrongWithWhoMay) {
   EXPECT_THAT(Complaint({"--make-token", "admin", "x", "--tokens", "f"}),
               HasSubstr("watch, drive or operate"));
   EXPECT_THAT(Complaint({"--make-token", "watch", "x"}), HasSubstr("--tokens FILE"));
+  EXPECT_THAT(Complaint({"--export-csv", "-"}), HasSubstr("--course FOLDER"));
+  EXPECT_EQ(Parse({"--export-csv", "-", "--course", "anatomy"})->export_csv, "-");
 }
 
 TEST(ViewerOptions, AreForAHostsNamesInSmallLettersAndForANewTokenInPlaceOfAPort) {

@@ -47,9 +47,12 @@ export const kChannels: readonly Channel[] = [
   jsonChannel("me"),
   jsonChannel("people"),
   jsonChannel("class_answer"),
+  jsonChannel("exercises"),
 ].map((channel, i) => ({...channel, id: i + 1}));
 
-const kOfCourse = new Set(["/palpate/me", "/palpate/people", "/palpate/class_answer"]);
+const kOfCourse = new Set(
+  ["me", "people", "class_answer", "exercises"].map((name) => `/palpate/${name}`),
+);
 
 const kWriters = new Map(
   kChannels
@@ -159,6 +162,7 @@ export class FakeGateway {
   readonly retained: {topic: string; value: object}[] = [];
   readonly published: Record<string, unknown>[] = []; // what clients sent on their channels
   health: object = {}; // what it says besides its scenes
+  readonly files = new Map<string, string>(); // others that it has, by path
   takesMessages = true;
   allowsSteering = true; // of a replay
   hasCourse = false;
@@ -287,6 +291,11 @@ export class FakeGateway {
       const usual = {server_run: "0", server_lives: true, compiling: null};
       const said = {...usual, viewers: 1, max_viewers: 300, scenes: [...this.scenes.keys()]};
       response.end(JSON.stringify({...said, ...this.health}));
+      return;
+    }
+    const text = this.files.get(path);
+    if (text !== undefined) {
+      response.end(text);
       return;
     }
     const file = join(kPage, path === "/" ? "index.html" : path);

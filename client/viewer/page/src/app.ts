@@ -4,6 +4,7 @@ import {ClassRoom} from "./parts/class_room";
 import {Exercises} from "./parts/exercises";
 import {Figures} from "./parts/figures";
 import {GatewayLink} from "./parts/gateway_link";
+import {HistoryRoom} from "./parts/history";
 import {nowS} from "./parts/now";
 import {Picture} from "./parts/picture";
 import {type Probe, probeStations} from "./parts/probe";
@@ -42,6 +43,7 @@ export class App {
   private readonly replay: ReplayMode;
   private readonly classRoom: ClassRoom;
   private readonly exercises: Exercises;
+  private readonly history: HistoryRoom;
 
   constructor() {
     const {world, notice} = this;
@@ -113,6 +115,11 @@ export class App {
         this.choice.stay();
         this.hold.mouse.take(scene, tool, ask);
       },
+    });
+    this.history = new HistoryRoom({
+      headers: () => this.link.token.headers,
+      me: () => this.classRoom.person,
+      remove: (person, done) => this.classRoom.remove(person, done),
     });
     listenForKeys({
       ...this.viewControls.keys,
@@ -249,6 +256,7 @@ export class App {
     this.figures.allowDeciding(this.link.may.operate && !this.replay.isOn);
     this.classRoom.allow(this.link.may.teach && !this.replay.isOn);
     this.exercises.allow(this.link.may.try && !this.replay.isOn);
+    this.history.allow(this.link.may.try, this.link.may.teach);
     this.showWhole();
   }
 
@@ -277,5 +285,6 @@ export class App {
     this.choice.showLists(station, now);
     this.classRoom.tick(now);
     this.exercises.tick(now);
+    this.history.tick(now);
   }
 }

@@ -2,6 +2,7 @@ import "uplot/dist/uPlot.min.css";
 import "./style.css";
 import "./class.css";
 import "./exercises.css";
+import "./history.css";
 
 import {App} from "./app";
 import type {Probe} from "./parts/probe";

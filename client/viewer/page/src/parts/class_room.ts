@@ -108,6 +108,16 @@ export class ClassRoom {
     return this.me?.seat ?? "";
   }
 
+  /// This page's own person; 0: nobody's.
+  get person(): number {
+    return this.me?.person ?? 0;
+  }
+
+  /// Deletes a person and all that there is of them.  @param done  is told a refusal, or nothing
+  remove(person: number, done: (refusal: string) => void): void {
+    this.ask({op: "person_delete", person}, () => done(""), done);
+  }
+
   /// @param may  this page may decide about people
   allow(may: boolean): void {
     this.button.hidden = !may;
@@ -203,21 +213,26 @@ export class ClassRoom {
     this.ask(wish, ({people}: {people: readonly MadePerson[]}) => this.roster.handOut(people));
   }
 
-  private ask(wish: object, done: (answer: ClassAnswer) => void = () => {}): void {
+  private ask(
+    wish: object,
+    done: (answer: ClassAnswer) => void = () => {},
+    refused: (why: string) => void = (why) => this.tell(why, true),
+  ): void {
     const tag = (this.tag += 1);
     this.tell("");
-    this.waiting.set(tag, done);
+    this.waiting.set(tag, (answer) => {
+      if (answer.refusal !== "") refused(answer.refusal);
+      else done(answer);
+    });
     setTimeout(() => {
-      if (this.waiting.delete(tag)) this.tell(say("class.no_answer"));
+      if (this.waiting.delete(tag)) refused(say("class.no_answer"));
     }, kAnswerWithinMs);
     this.events.publish(kTopics.class, {tag, ...wish});
   }
 
   private receiveAnswer(answer: ClassAnswer): void {
     const done = this.waiting.get(answer.tag);
-    if (!done || !this.waiting.delete(answer.tag)) return;
-    if (answer.refusal !== "") this.tell(answer.refusal, true);
-    else done(answer);
+    if (done && this.waiting.delete(answer.tag)) done(answer);
   }
 
   private tell(text: string, isAlarm = false): void {

@@ -15,6 +15,7 @@ export interface People {
 }
 /// What a person's page is told of itself.
 export interface Me {
+  readonly person: number;
   readonly name: string;
   readonly seat: string;
   readonly line: string;

@@ -1,0 +1,391 @@
+#include "client/course/history.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <ctime>
+#include <numeric>
+#include <set>
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace palpate {
+namespace {
+
+using Json = nlohmann::json;
+
+/// How many trials make a grade where nobody can say any more: the exercise is gone.
+constexpr int kLastWithoutExercise = 5;
+
+Json JsonOf(const TermGrade& grade) {
+  const auto number = [](const std::optional<double>& value) {
+    return value ? Json(*value) : Json(nullptr);
+  };
+  return {{"of", grade.of},
+          {"mean", grade.of > 0 ? Json(grade.mean) : Json(nullptr)},
+          {"error", number(grade.error)},
+          {"low", number(grade.low)},
+          {"high", number(grade.high)}};
+}
+
+Json JsonOf(const std::vector<TrialSpread>& spread, int least) {
+  Json json = Json::array();
+  for (const TrialSpread& at : spread) {
+    if (at.people < least) continue;
+    json.push_back({{"n", at.n},
+                    {"people", at.people},
+                    {"low", at.low},
+                    {"median", at.median},
+                    {"high", at.high}});
+  }
+  return json;
+}
+
+Json JsonOf(const std::vector<CriterionLoss>& losses) {
+  Json json = Json::array();
+  for (const CriterionLoss& loss : losses) {
+    json.push_back({{"criterion", loss.criterion}, {"points", loss.points}, {"of", loss.of}});
+  }
+  return json;
+}
+
+Json JsonOf(const std::string& name, const Exercise* exercise, int last) {
+  Json title = Json::object();
+  if (exercise != nullptr) title = exercise->title;
+  return {{"name", name},
+          {"title", title},
+          {"trials", last},
+          {"pass", exercise != nullptr ? Json(exercise->criteria.pass) : Json(nullptr)}};
+}
+
+std::string TextOf(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+/// The trials that make the grade.
+std::vector<const TrialRow*> LastThatCount(TrialRows rows, int last) {
+  std::vector<const TrialRow*> counted;
+  for (const TrialRow& row : rows) {
+    if (row.counts()) counted.push_back(&row);
+  }
+  const auto most = static_cast<std::size_t>(std::max(last, 1));
+  if (counted.size() > most) counted.erase(counted.begin(), counted.end() - std::ptrdiff_t(most));
+  return counted;
+}
+
+/// Weights as the exercise has them now; what it does not ask for has none.
+double WeightOf(const std::string& criterion, const Exercise* exercise) {
+  if (exercise == nullptr) return 1.0;
+  const auto& all = exercise->criteria.criteria;
+  const auto found = std::ranges::find(all, criterion, &Criterion::name);
+  return found == all.end() ? 0.0 : found->weight;
+}
+
+std::vector<CriterionLoss> MostFirst(const std::map<std::string, std::pair<double, int>>& sums) {
+  std::vector<CriterionLoss> losses;
+  for (const auto& [criterion, sum] : sums) {
+    losses.push_back({criterion, sum.first / sum.second, sum.second});
+  }
+  std::ranges::stable_sort(losses, std::greater(), &CriterionLoss::points);
+  return losses;
+}
+
+/// As spreadsheets read it, in UTC.
+std::string WhenOf(std::int64_t time_s) {
+  const std::time_t time = time_s;
+  std::tm utc{};
+  std::array<char, 32> text{};
+  if (gmtime_r(&time, &utc) == nullptr) return "";
+  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text.data();
+}
+
+const char* YesOf(bool is) {
+  return is ? "yes" : "no";
+}
+
+}  // namespace
+
+std::vector<TrialRow> ReadTrials(CourseFile& file, std::int64_t person) {
+  std::vector<TrialRow> rows;
+  file.Use([&](SQLite::Database& database) {
+    if (!database.tableExists("trials")) return;  // nobody has done anything
+    SQLite::Statement read(
+        database,
+        "SELECT person, exercise, n, begun_s, ended_s, reason, whole, points, passed, marks, "
+        "submitted_s FROM trials WHERE ended_s IS NOT NULL AND (?1 = 0 OR person = ?1) "
+        "ORDER BY person, exercise, n");
+    read.bind(1, person);
+    while (read.executeStep()) {
+      TrialRow row;
+      row.person = read.getColumn(0).getInt64();
+      row.exercise = read.getColumn(1).getString();
+      row.n = read.getColumn(2).getInt();
+      row.begun_s = read.getColumn(3).getInt64();
+      row.ended_s = read.getColumn(4).getInt64();
+      row.reason = read.getColumn(5).getString();
+      row.whole = read.getColumn(6).getInt() == 1;
+      if (!read.isColumnNull(7)) row.points = read.getColumn(7).getDouble();
+      row.passed = read.getColumn(8).getInt() == 1;
+      row.marks = read.getColumn(9).getString();
+      if (!read.isColumnNull(10)) row.submitted_s = read.getColumn(10).getInt64();
+      rows.push_back(std::move(row));
+    }
+  });
+  return rows;
+}
+
+std::vector<std::pair<std::string, double>> MarksOf(const TrialRow& row) {
+  std::vector<std::pair<std::string, double>> marks;
+  const Json json = Json::parse(row.marks, nullptr, false);
+  if (!json.is_array()) return marks;
+  for (const Json& mark : json) {
+    if (!mark.is_object()) continue;
+    const auto name = mark.find("criterion");
+    const auto points = mark.find("points");
+    if (name == mark.end() || !name->is_string() || points == mark.end() || !points->is_number()) {
+      continue;
+    }
+    marks.emplace_back(name->get<std::string>(), points->get<double>());
+  }
+  return marks;
+}
+
+double StudentT95(int freedom) {
+  // Tabulated where the expansion is not within 0.001 of it.
+  constexpr std::array kFew = {12.7062, 4.3027, 3.1824, 2.7764};
+  if (freedom <= static_cast<int>(kFew.size())) {
+    return kFew.at(static_cast<std::size_t>(std::max(freedom, 1) - 1));
+  }
+  // Abramowitz & Stegun, Handbook of Mathematical Functions, 26.7.5, at the normal's 97.5th
+  // percentile.
+  constexpr std::array kTerms = {1.959963985, 2.372271, 2.822499, 2.555850, 1.589534};
+  double t = 0.0;
+  for (auto term = kTerms.rbegin(); term != kTerms.rend(); ++term) t = t / freedom + *term;
+  return t;
+}
+
+TermGrade GradeOf(TrialRows rows, int last) {
+  const std::vector<const TrialRow*> counted = LastThatCount(rows, last);
+  TermGrade grade;
+  grade.of = static_cast<int>(counted.size());
+  if (counted.empty()) return grade;
+  double sum = 0.0, squares = 0.0;
+  for (const TrialRow* row : counted) sum += *row->points;
+  const double n = grade.of;
+  grade.mean = sum / n;
+  if (grade.of < 2) return grade;
+  for (const TrialRow* row : counted) squares += std::pow(*row->points - grade.mean, 2);
+  grade.error = std::sqrt(squares / (n - 1.0) / n);
+  if (grade.of < TermGrade::kLeastForInterval) return grade;
+  const double half = StudentT95(grade.of - 1) * *grade.error;
+  grade.low = std::max(0.0, grade.mean - half);
+  grade.high = std::min(100.0, grade.mean + half);
+  return grade;
+}
+
+double QuantileOf(std::vector<double> values, double share) {
+  std::ranges::sort(values);
+  const double at = share * static_cast<double>(values.size() - 1);
+  const auto below = static_cast<std::size_t>(at);
+  const std::size_t above = std::min(below + 1, values.size() - 1);
+  return values[below] + (at - static_cast<double>(below)) * (values[above] - values[below]);
+}
+
+std::vector<TrialSpread> SpreadOf(const PointsByTrial& points) {
+  std::vector<TrialSpread> spread;
+  for (const auto& [n, values] : points) {
+    spread.push_back({n, static_cast<int>(values.size()), QuantileOf(values, 0.25),
+                      QuantileOf(values, 0.5), QuantileOf(values, 0.75)});
+  }
+  return spread;
+}
+
+std::vector<CriterionLoss> LossesOf(TrialRows rows, const Exercise* exercise, int last) {
+  std::map<std::string, std::pair<double, int>> sums;
+  for (const TrialRow* row : LastThatCount(rows, last)) {
+    const auto marks = MarksOf(*row);
+    double weights = 0.0;
+    for (const auto& [criterion, points] : marks) weights += WeightOf(criterion, exercise);
+    for (const auto& [criterion, points] : marks) {
+      const double weight = WeightOf(criterion, exercise);
+      if (weight <= 0.0) continue;
+      auto& [lost, of] = sums[criterion];
+      lost += weight / weights * (100.0 - points);
+      ++of;
+    }
+  }
+  return MostFirst(sums);
+}
+
+std::vector<CriterionLoss> ClassLossesOf(const std::vector<std::vector<CriterionLoss>>& losses) {
+  std::map<std::string, std::pair<double, int>> sums;
+  for (const auto& of_one : losses) {
+    for (const CriterionLoss& loss : of_one) {
+      auto& [lost, of] = sums[loss.criterion];
+      lost += loss.points;
+      ++of;
+    }
+  }
+  return MostFirst(sums);
+}
+
+History::History(std::vector<Exercise> exercises, std::vector<Person> people,
+                 std::vector<TrialRow> rows)
+    : exercises_(std::move(exercises)), people_(std::move(people)), rows_(std::move(rows)) {}
+
+const Exercise* History::Find(const std::string& exercise) const {
+  const auto found = std::ranges::find(exercises_, exercise, &Exercise::name);
+  return found == exercises_.end() ? nullptr : &*found;
+}
+
+int History::LastOf(const std::string& exercise) const {
+  const Exercise* const found = Find(exercise);
+  return found != nullptr ? found->trials : kLastWithoutExercise;
+}
+
+const Person* History::PersonOf(std::int64_t person) const {
+  const auto found = std::ranges::lower_bound(people_, person, {}, &Person::id);
+  return found == people_.end() || found->id != person ? nullptr : &*found;
+}
+
+TrialRows History::RowsOf(std::int64_t person) const {
+  const auto [begin, end] = std::ranges::equal_range(rows_, person, {}, &TrialRow::person);
+  return {begin, end};
+}
+
+std::map<std::string, PointsByTrial> History::ClassPoints() const {
+  std::map<std::string, PointsByTrial> points;
+  ForEachSeries(rows_, [&](TrialRows series) {
+    const Person* const person = PersonOf(series.front().person);
+    if (person == nullptr || person->role == Access::kOperate) return;
+    PointsByTrial& of_exercise = points[series.front().exercise];
+    for (const TrialRow& row : series) {
+      if (row.counts()) of_exercise[row.n].push_back(*row.points);
+    }
+  });
+  return points;
+}
+
+std::string History::ClassJson() const {
+  std::map<std::string, std::vector<std::vector<CriterionLoss>>> lost;
+  Json people = Json::array();
+  for (const Person& person : people_) {
+    Json did = Json::array();
+    ForEachSeries(RowsOf(person.id), [&](TrialRows series) {
+      const std::string& name = series.front().exercise;
+      auto losses = LossesOf(series, Find(name), LastOf(name));
+      Json points = Json::array();
+      for (const TrialRow& row : series) {
+        // As far as a curve shows it.
+        if (row.counts()) points.push_back({row.n, std::round(10.0 * *row.points) / 10.0});
+      }
+      did.push_back({{"exercise", name},
+                     {"done", series.size()},
+                     {"points", points},
+                     {"grade", JsonOf(GradeOf(series, LastOf(name)))},
+                     {"lost", JsonOf({losses.begin(), losses.begin() + !losses.empty()})}});
+      if (person.role != Access::kOperate) lost[name].push_back(std::move(losses));
+    });
+    // Who teaches is one of the class only by what they have tried.
+    if (person.role == Access::kOperate && did.empty() && person.here()) continue;
+    people.push_back({{"person", person.id},
+                      {"name", person.name},
+                      {"role", RoleName(person.role)},
+                      {"here", person.here()},
+                      {"did", did}});
+  }
+  Json exercises = Json::array();
+  for (const auto& [name, points] : ClassPoints()) {
+    Json exercise = JsonOf(name, Find(name), LastOf(name));
+    exercise["spread"] = JsonOf(SpreadOf(points), 1);
+    exercise["lost"] = JsonOf(ClassLossesOf(lost[name]));
+    exercises.push_back(exercise);
+  }
+  return TextOf({{"exercises", exercises}, {"people", people}});
+}
+
+std::string History::PersonJson(std::int64_t id, bool for_teacher, const PageOf& page) const {
+  const auto class_points = ClassPoints();
+  Json exercises = Json::array();
+  ForEachSeries(RowsOf(id), [&](TrialRows series) {
+    const std::string& name = series.front().exercise;
+    Json done = Json::array();
+    for (const TrialRow& row : series) {
+      Json marks = Json::array();
+      for (const auto& [criterion, points] : MarksOf(row)) {
+        marks.push_back({{"criterion", criterion}, {"points", points}});
+      }
+      done.push_back({{"n", row.n},
+                      {"begun_s", row.begun_s},
+                      {"points", row.points ? Json(*row.points) : Json(nullptr)},
+                      {"passed", row.passed},
+                      {"whole", row.whole},
+                      {"submitted", row.submitted_s.has_value()},
+                      {"reason", row.reason},
+                      {"page", page(row)},
+                      {"marks", marks}});
+    }
+    const auto of_class = class_points.find(name);
+    Json exercise = JsonOf(name, Find(name), LastOf(name));
+    exercise["done"] = done;
+    exercise["grade"] = JsonOf(GradeOf(series, LastOf(name)));
+    exercise["lost"] = JsonOf(LossesOf(series, Find(name), LastOf(name)));
+    exercise["spread"] = JsonOf(
+        of_class == class_points.end() ? std::vector<TrialSpread>{} : SpreadOf(of_class->second),
+        for_teacher ? 1 : kLeastForOthers);
+    exercises.push_back(exercise);
+  });
+  const Person* const person = PersonOf(id);
+  return TextOf({{"person", id},
+                 {"name", person != nullptr ? person->name : ""},
+                 {"here", person != nullptr && person->here()},
+                 {"exercises", exercises}});
+}
+
+std::string History::Csv(std::int64_t id) const {
+  const TrialRows rows = id == 0 ? TrialRows(rows_) : RowsOf(id);
+  std::set<std::pair<std::string, std::string>> columns;  // exercise, criterion
+  std::vector<std::vector<std::pair<std::string, double>>> marks;
+  for (const TrialRow& row : rows) {
+    marks.push_back(MarksOf(row));
+    for (const auto& [criterion, points] : marks.back()) columns.emplace(row.exercise, criterion);
+  }
+  // Spreadsheets take it for UTF-8 by the mark at its beginning.
+  std::string csv =
+      "\xEF\xBB\xBFperson,name,exercise,trial,begun,ended,whole,reason,points,passed,submitted";
+  for (const auto& [exercise, criterion] : columns) {
+    csv += "," + CsvField(exercise + ": " + criterion);
+  }
+  csv += "\r\n";
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const TrialRow& row = rows[i];
+    const Person* const person = PersonOf(row.person);
+    csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{}", row.person,
+                       CsvField(person != nullptr ? person->name : ""), CsvField(row.exercise),
+                       row.n, WhenOf(row.begun_s), WhenOf(row.ended_s), YesOf(row.whole),
+                       CsvField(row.reason), row.points ? fmt::format("{:.2f}", *row.points) : "",
+                       YesOf(row.passed), row.submitted_s ? WhenOf(*row.submitted_s) : "");
+    for (const auto& [exercise, criterion] : columns) {
+      const auto mark =
+          exercise == row.exercise
+              ? std::ranges::find(marks[i], criterion, &std::pair<std::string, double>::first)
+              : marks[i].end();
+      csv += mark == marks[i].end() ? "," : fmt::format(",{:.2f}", mark->second);
+    }
+    csv += "\r\n";
+  }
+  return csv;
+}
+
+std::string CsvField(const std::string& text) {
+  const bool would_run = text.find_first_of("=+-@\t\r") == 0;
+  if (!would_run && text.find_first_of(",\"\r\n") == text.npos) return text;
+  std::string field = would_run ? "\"'" : "\"";
+  for (const char c : text) field += c == '"' ? "\"\"" : std::string(1, c);
+  return field + "\"";
+}
+
+}  // namespace palpate

@@ -1,0 +1,202 @@
+#include "client/course/person_data.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <minizip/zip.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include "common/error.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kDeletedTable =
+    "CREATE TABLE IF NOT EXISTS deleted(person INTEGER PRIMARY KEY)";
+
+constexpr const char* kReadMe = R"(What this course has of you.
+
+trials.csv            a line for each trial: when, how it ended, points, marks by criterion
+EXERCISE/N.mcap       the recording of trial N: the hand's poses and forces, a thousand a second
+EXERCISE/N/score.html its score page, which any browser opens
+
+MCAP is an open format (https://mcap.dev).  'palpate-replay N.mcap' plays a recording.
+)";
+
+fs::path TrialsOf(const std::string& folder, std::int64_t person) {
+  return fs::path(folder) / "trials" / std::to_string(person);
+}
+
+/// A ZIP in the making.
+class Zip {
+ public:
+  explicit Zip(const std::string& path) : zip_(zipOpen64(path.c_str(), APPEND_STATUS_CREATE)) {
+    Check(zip_ != nullptr);
+  }
+  ~Zip() {
+    if (zip_ != nullptr) zipClose(zip_, nullptr);
+  }
+  Zip(const Zip&) = delete;
+  Zip& operator=(const Zip&) = delete;
+
+  void Begin(const std::string& name, std::time_t time_s, bool is_large) {
+    zip_fileinfo info{};
+    std::tm local{};
+    if (localtime_r(&time_s, &local) != nullptr) {
+      info.tmz_date = {unsigned(local.tm_sec),  unsigned(local.tm_min), unsigned(local.tm_hour),
+                       unsigned(local.tm_mday), unsigned(local.tm_mon), unsigned(local.tm_year)};
+    }
+    constexpr unsigned long kUtf8 = 1 << 11;
+    // Stored: recordings are compressed already.
+    Check(zipOpenNewFileInZip4_64(zip_, name.c_str(), &info, nullptr, 0, nullptr, 0, nullptr, 0, 0,
+                                  0, -MAX_WBITS, DEF_MEM_LEVEL, Z_DEFAULT_STRATEGY, nullptr, 0, 0,
+                                  kUtf8, is_large ? 1 : 0) == ZIP_OK);
+  }
+  void Add(const char* bytes, std::size_t count) {
+    Check(zipWriteInFileInZip(zip_, bytes, static_cast<unsigned>(count)) == ZIP_OK);
+  }
+  void End() { Check(zipCloseFileInZip(zip_) == ZIP_OK); }
+  void Close() { Check(zipClose(std::exchange(zip_, nullptr), nullptr) == ZIP_OK); }
+
+ private:
+  static void Check(bool good) {
+    if (!good) throw Error("the ZIP cannot be written; look whether the course's disk is full");
+  }
+  zipFile zip_;
+};
+
+void AddText(Zip& zip, const std::string& name, const std::string& text) {
+  zip.Begin(name, std::time(nullptr), false);
+  zip.Add(text.data(), text.size());
+  zip.End();
+}
+
+void AddFile(Zip& zip, const std::string& name, const fs::path& path) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(std::fopen(path.c_str(), "rb"),
+                                                           std::fclose);
+  if (!in) throw Error(path.string() + ": " + std::strerror(errno) + "; make it readable");
+  constexpr std::uintmax_t kLarge = 0xF0000000;
+  const auto when = fs::last_write_time(path) - fs::file_time_type::clock::now() +
+                    std::chrono::system_clock::now();
+  zip.Begin(name,
+            std::chrono::system_clock::to_time_t(
+                std::chrono::time_point_cast<std::chrono::system_clock::duration>(when)),
+            fs::file_size(path) > kLarge);
+  std::vector<char> piece(std::size_t{1} << 18);
+  while (const std::size_t count = std::fread(piece.data(), 1, piece.size(), in.get())) {
+    zip.Add(piece.data(), count);
+  }
+  if (std::ferror(in.get()) != 0) throw Error(path.string() + ": cannot be read to its end");
+  zip.End();
+}
+
+/// In every table, so that no part of a course need be known here.
+std::vector<std::string> TablesOfPeople(SQLite::Database& database) {
+  std::vector<std::string> tables;
+  SQLite::Statement names(database,
+                          "SELECT m.name FROM sqlite_master m JOIN pragma_table_info(m.name) c "
+                          "WHERE m.type = 'table' AND c.name = 'person' AND m.name <> 'deleted'");
+  while (names.executeStep()) tables.push_back(names.getColumn(0).getString());
+  return tables;
+}
+
+void RemoveFiles(CourseFile& file, const std::string& folder, std::int64_t person) {
+  std::error_code error;
+  fs::remove_all(TrialsOf(folder, person), error);
+  if (error) {
+    throw Error(
+        fmt::format("{}: {}; what is left of a deleted person's recordings is removed at "
+                    "the next start that may, or by you",
+                    TrialsOf(folder, person).string(), error.message()));
+  }
+  file.Use([&](SQLite::Database& database) {
+    SQLite::Statement done(database, "DELETE FROM deleted WHERE person = ?");
+    done.bind(1, person);
+    done.exec();
+    // The former pages of the file's log hold the name.
+    database.exec("PRAGMA wal_checkpoint(TRUNCATE)");
+  });
+}
+
+}  // namespace
+
+int GiveData(const std::string& folder, const Person& person, const std::string& csv) {
+  // No name: two who ask at once do not meet, and a killed process leaves nothing.
+  std::string path = folder + "/.given-XXXXXX";
+  const int file = mkostemp(path.data(), O_CLOEXEC);
+  if (file < 0)
+    throw Error(folder + ": " + std::strerror(errno) + "; nothing can be written there");
+  unlink(path.c_str());
+  try {
+    Zip zip(fmt::format("/proc/self/fd/{}", file));
+    const std::string top = StationNameOf(person.name) + "/";
+    AddText(zip, top + "README.txt", kReadMe);
+    AddText(zip, top + "trials.csv", csv);
+    const fs::path trials = TrialsOf(folder, person.id);
+    std::error_code none;
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::recursive_directory_iterator(trials, none)) {
+      if (entry.is_regular_file()) files.push_back(entry.path());
+    }
+    std::ranges::sort(files);
+    for (const fs::path& one : files)
+      AddFile(zip, top + one.lexically_relative(trials).string(), one);
+    zip.Close();
+  } catch (...) {
+    close(file);
+    throw;
+  }
+  return file;
+}
+
+void DeletePerson(CourseFile& file, const std::string& folder, std::int64_t person) {
+  file.Use([&](SQLite::Database& database) {
+    database.exec("PRAGMA secure_delete=ON");
+    database.exec(kDeletedTable);
+    SQLite::Transaction transaction(database);
+    const auto run = [&](const std::string& sql) {
+      SQLite::Statement statement(database, sql);
+      statement.bind(1, person);
+      statement.exec();
+    };
+    for (const std::string& table : TablesOfPeople(database)) {
+      run("DELETE FROM \"" + table + "\" WHERE person = ?");
+    }
+    run("DELETE FROM person WHERE id = ?");
+    run("INSERT OR IGNORE INTO deleted(person) VALUES(?)");
+    transaction.commit();
+  });
+  RemoveFiles(file, folder, person);
+}
+
+void FinishDeletions(CourseFile& file, const std::string& folder) {
+  std::vector<std::int64_t> left;
+  file.Use([&](SQLite::Database& database) {
+    database.exec(kDeletedTable);
+    SQLite::Statement rows(database, "SELECT person FROM deleted");
+    while (rows.executeStep()) left.push_back(rows.getColumn(0).getInt64());
+  });
+  for (const std::int64_t person : left) {
+    try {
+      RemoveFiles(file, folder, person);
+    } catch (const Error& error) {
+      spdlog::error("{}", error.what());  // the course goes on
+    }
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,90 @@
+#include "client/viewer/history_desk.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include <boost/asio/post.hpp>
+#include <spdlog/spdlog.h>
+#include <sys/resource.h>
+
+#include "client/course/history.h"
+#include "client/course/person_data.h"
+#include "client/course/roster.h"
+#include "common/error.h"
+
+namespace palpate {
+
+std::optional<HistoryWish> ParseHistoryWish(std::string_view name) {
+  HistoryWish wish;
+  const std::size_t dot = std::min(name.find('.'), name.size());
+  const std::string_view who = name.substr(0, dot), as = name.substr(dot);
+  if (as == ".csv") {
+    wish.as = HistoryWish::As::kCsv;
+  } else if (as == ".zip") {
+    wish.as = HistoryWish::As::kZip;
+  } else if (as != ".json") {
+    return std::nullopt;
+  }
+  if (who == "class") {
+    return wish.as == HistoryWish::As::kZip ? std::nullopt : std::optional(wish);
+  }
+  const auto [end, error] = std::from_chars(who.data(), who.data() + who.size(), wish.person);
+  if (error != std::errc() || end != who.data() + who.size() || wish.person < 1) {
+    return std::nullopt;
+  }
+  return wish;
+}
+
+bool MayRead(const HistoryWish& wish, Access access, std::int64_t reader) {
+  if (access == Access::kOperate) return true;
+  return access != Access::kNone && wish.person != 0 && wish.person == reader;
+}
+
+void HistoryDesk::Ask(HistoryWish wish, bool for_teacher, Pages pages,
+                      std::function<void(Answer)> use) {
+  if (waiting_ == kMostWaiting) {
+    return use({503, "text/plain; charset=utf-8", "many read the history now; ask again\n"});
+  }
+  ++waiting_;
+  boost::asio::post(
+      reader_, [this, wish, for_teacher, pages = std::move(pages), use = std::move(use)] {
+        // It may take its time: the servo loops' host has little to spare.
+        setpriority(PRIO_PROCESS, 0, 10);  // of this thread alone, on Linux
+        Answer answer;
+        try {
+          answer = Read(wish, for_teacher, pages);
+        } catch (const std::exception& error) {
+          spdlog::error("history: {}", error.what());
+          answer = {500, "text/plain; charset=utf-8", std::string(error.what()) + "\n"};
+        }
+        boost::asio::post(io_, [this, use, answer = std::move(answer)]() mutable {
+          --waiting_;
+          use(std::move(answer));
+        });
+      });
+}
+
+HistoryDesk::Answer HistoryDesk::Read(const HistoryWish& wish, bool for_teacher,
+                                      const Pages& pages) {
+  if (!file_) file_ = std::make_unique<CourseFile>(folder_);
+  const std::vector<Person> people = Roster(*file_).people();
+  const auto person = std::ranges::find(people, wish.person, &Person::id);
+  if (wish.person != 0 && person == people.end()) {
+    return {404, "text/plain; charset=utf-8", "nobody of this course has that number\n"};
+  }
+  const History history(exercises_, people, ReadTrials(*file_));
+  if (wish.as == HistoryWish::As::kCsv) {
+    return {200, "text/csv; charset=utf-8", history.Csv(wish.person)};
+  }
+  if (wish.as == HistoryWish::As::kZip) {
+    return {200, "application/zip", "", GiveData(folder_, *person, history.Csv(wish.person))};
+  }
+  if (wish.person == 0) return {200, "application/json", history.ClassJson()};
+  const auto page_of = [&](const TrialRow& row) {
+    const auto page = pages.find({row.exercise, row.n});
+    return page == pages.end() ? std::string() : page->second;
+  };
+  return {200, "application/json", history.PersonJson(wish.person, for_teacher, page_of)};
+}
+
+}  // namespace palpate

@@ -1,0 +1,169 @@
+import {say} from "../messages/say";
+import {
+  type ClassHistory,
+  fetchHistory,
+  type PersonHistory,
+  saveHistory,
+} from "../protocol/history_messages";
+import {element, make, setText} from "../ui/elements";
+import {HistoryClass} from "../ui/history_class";
+import {personHistory} from "../ui/history_person";
+
+export interface HistoryEvents {
+  headers(): Record<string, string>;
+  /// Of this page's person; 0: of none.
+  me(): number;
+  /// Deletes all that there is of somebody; `done` is told a refusal, or nothing.
+  remove(person: number, done: (refusal: string) => void): void;
+}
+
+/// An open page follows what is done meanwhile.
+const kAskAgainS = 10;
+
+/// What was done so far: a class's for who teaches, and each person's own.
+export class HistoryRoom {
+  private readonly button = make("button", {
+    ...{type: "button", id: "history-open", hidden: true},
+    ...{textContent: say("history.open"), title: say("history.open_title")},
+    onclick: () => this.open(),
+  });
+  private readonly dialog = make("dialog", {id: "history-dialog"});
+  private readonly title = make("h2", {id: "history-title"});
+  private readonly back = this.press("history.back", () => this.turn(0));
+  private readonly csv = this.press("history.csv", () => void this.save("csv"));
+  private readonly zip = this.press("history.zip", () => void this.save("zip"));
+  private readonly remove = this.press("history.delete", () => this.ask());
+  private readonly word = make("p", {className: "word", role: "status"});
+  private readonly question = make("section", {className: "question", role: "alert", hidden: true});
+  private readonly ofClass: HistoryClass;
+  private readonly ofPerson = make("div", {className: "of-person"});
+  private teaches = false;
+  private person = 0; // who is shown; 0: the class
+  private name = "";
+  private shown = "";
+  private askedS = -Infinity;
+
+  constructor(private readonly events: HistoryEvents) {
+    this.ofClass = new HistoryClass((person) => this.turn(person));
+    const close = this.press("history.close", () => this.dialog.close());
+    close.className = "close";
+    this.dialog.setAttribute("aria-labelledby", this.title.id);
+    const files = make("span", {className: "choices"}, this.csv, this.zip, this.remove);
+    this.dialog.append(
+      make("header", {}, this.back, this.title, files, close),
+      ...[this.word, this.question, this.ofClass.body, this.ofPerson],
+    );
+    element("audience", HTMLButtonElement).before(this.button);
+    document.body.append(this.dialog);
+  }
+
+  /// @param own      this page is a person's who may try exercises
+  /// @param teaches  it may see everybody's
+  allow(own: boolean, teaches: boolean): void {
+    this.teaches = teaches;
+    this.button.hidden = !own && !teaches;
+    if (this.button.hidden && this.dialog.open) this.dialog.close();
+  }
+
+  tick(nowS: number): void {
+    if (!this.dialog.open || nowS - this.askedS < kAskAgainS) return;
+    this.askedS = nowS;
+    void this.load();
+  }
+
+  private press(
+    word: `history.${"back" | "csv" | "zip" | "delete" | "close" | "keep" | "yes" | "for_good"}`,
+    onclick: () => void,
+  ): HTMLButtonElement {
+    return make("button", {type: "button", textContent: say(word), onclick});
+  }
+
+  private open(): void {
+    this.turn(this.teaches ? 0 : this.events.me());
+    this.dialog.showModal();
+  }
+
+  private turn(person: number): void {
+    this.person = person;
+    this.shown = "";
+    this.askedS = -Infinity;
+    this.tell("");
+    this.question.hidden = true;
+    const isClass = person === 0;
+    this.ofClass.body.hidden = this.ofPerson.hidden = true;
+    this.back.hidden = isClass || !this.teaches;
+    this.zip.hidden = isClass;
+    this.remove.hidden = isClass || !this.teaches;
+    setText(this.title, isClass ? say("history.class_title") : say("history.title"));
+    this.dialog.scrollTop = 0;
+  }
+
+  private async load(): Promise<void> {
+    const {person} = this;
+    const of = person === 0 ? "class" : String(person);
+    const found = await fetchHistory<ClassHistory | PersonHistory>(of, this.events.headers());
+    if (person !== this.person) return; // another one is looked at by now
+    if (!found) return this.tell(say("history.not_had"), true);
+    const now = JSON.stringify(found);
+    if (now === this.shown) return; // what somebody reads stays
+    this.shown = now;
+    const isClass = "people" in found;
+    this.ofClass.body.hidden = !isClass;
+    this.ofPerson.hidden = isClass;
+    if (isClass) return this.ofClass.show(found);
+    this.name = found.name;
+    const isOwn = person === this.events.me();
+    setText(this.title, isOwn ? say("history.title") : found.name);
+    const open = [...this.ofPerson.querySelectorAll("details")].map((one) => one.open);
+    this.ofPerson.replaceChildren(...personHistory(found, isOwn));
+    this.ofPerson.querySelectorAll("details").forEach((one, i) => (one.open = open[i] ?? false));
+  }
+
+  private async save(as: "csv" | "zip"): Promise<void> {
+    const of = this.person === 0 ? "class" : String(this.person);
+    this.tell(say("history.wait"));
+    const name = `palpate-${this.person === 0 ? "class" : this.name}.${as}`;
+    const had = await saveHistory(`${of}.${as}`, name, this.events.headers());
+    this.tell(had ? "" : say("history.not_had"), !had);
+  }
+
+  /// Twice: what is gone is gone.
+  private ask(): void {
+    const {name} = this;
+    const put = (words: string, ...choices: HTMLButtonElement[]): void => {
+      const keep = this.press("history.keep", () => {
+        this.question.hidden = true;
+        this.remove.focus();
+      });
+      this.question.replaceChildren(
+        make("p", {textContent: words}),
+        make("p", {className: "choices"}, keep, ...choices),
+      );
+      this.question.hidden = false;
+      keep.focus();
+    };
+    const alarm = (button: HTMLButtonElement): HTMLButtonElement =>
+      Object.assign(button, {className: "alarm"});
+    const again = (): void =>
+      put(
+        say("history.sure", {name}),
+        alarm(this.press("history.for_good", () => this.removeNow())),
+      );
+    put(say("history.deletes", {name}), alarm(this.press("history.yes", again)));
+  }
+
+  private removeNow(): void {
+    this.question.hidden = true;
+    const {name} = this;
+    this.events.remove(this.person, (refusal) => {
+      if (refusal !== "") return this.tell(refusal, true);
+      this.turn(0);
+      this.tell(say("history.deleted", {name}));
+    });
+  }
+
+  private tell(text: string, isAlarm = false): void {
+    setText(this.word, text);
+    this.word.classList.toggle("alarm", isAlarm);
+  }
+}

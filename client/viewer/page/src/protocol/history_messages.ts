@@ -1,0 +1,100 @@
+import type {LocalText} from "./exercise_messages";
+
+/// What `GET /history/…` tells, field by field as client/course/history.cpp writes it.
+export interface TermGrade {
+  readonly of: number; // trials; 0: there is no grade
+  readonly mean: number | null;
+  readonly error: number | null;
+  readonly low: number | null; // 95 %; of three trials or more
+  readonly high: number | null;
+}
+export interface TrialSpread {
+  readonly n: number;
+  readonly people: number;
+  readonly low: number; // quartiles
+  readonly median: number;
+  readonly high: number;
+}
+export interface CriterionLoss {
+  readonly criterion: string;
+  readonly points: number; // of 100
+  readonly of: number; // trials, or people
+}
+export interface HistoryExercise {
+  readonly name: string;
+  readonly title: LocalText; // empty: the exercise is gone
+  readonly trials: number; // that make a grade
+  readonly pass: number | null;
+  readonly spread: readonly TrialSpread[];
+  readonly lost: readonly CriterionLoss[];
+}
+export interface DoneSeries {
+  readonly exercise: string;
+  readonly done: number;
+  readonly points: readonly (readonly [n: number, points: number])[];
+  readonly grade: TermGrade;
+  readonly lost: readonly CriterionLoss[]; // the first
+}
+export interface HistoryPerson {
+  readonly person: number;
+  readonly name: string;
+  readonly role: string;
+  readonly here: boolean; // not withdrawn
+  readonly did: readonly DoneSeries[];
+}
+export interface ClassHistory {
+  readonly exercises: readonly HistoryExercise[];
+  readonly people: readonly HistoryPerson[];
+}
+export interface HistoryTrial {
+  readonly n: number;
+  readonly begun_s: number;
+  readonly points: number | null;
+  readonly passed: boolean;
+  readonly whole: boolean;
+  readonly submitted: boolean;
+  readonly reason: string;
+  readonly page: string; // of the score, below /score/; empty: there is none
+  readonly marks: readonly {readonly criterion: string; readonly points: number}[];
+}
+export interface OwnExercise extends HistoryExercise {
+  readonly done: readonly HistoryTrial[];
+  readonly grade: TermGrade;
+}
+export interface PersonHistory {
+  readonly person: number;
+  readonly name: string;
+  readonly here: boolean;
+  readonly exercises: readonly OwnExercise[];
+}
+
+/// "class" or a person's number.  undefined: it cannot be had.
+export async function fetchHistory<T>(
+  of: string,
+  headers: Record<string, string>,
+): Promise<T | undefined> {
+  try {
+    const response = await fetch(`history/${of}.json`, {cache: "no-store", headers});
+    return response.ok ? ((await response.json()) as T) : undefined;
+  } catch {
+    return undefined;
+  }
+}
+
+/// Has the browser keep a file of it; false where it cannot be had.  A link could bring no token.
+export async function saveHistory(
+  file: string,
+  as: string,
+  headers: Record<string, string>,
+): Promise<boolean> {
+  try {
+    const response = await fetch(`history/${file}`, {cache: "no-store", headers});
+    if (!response.ok) return false;
+    const href = URL.createObjectURL(await response.blob());
+    Object.assign(document.createElement("a"), {href, download: as}).click();
+    setTimeout(() => URL.revokeObjectURL(href), 60_000);
+    return true;
+  } catch {
+    return false;
+  }
+}

@@ -1,0 +1,178 @@
+import {say, sayNumber} from "../messages/say";
+import type {ClassHistory, DoneSeries, HistoryPerson} from "../protocol/history_messages";
+import {Curve, legend, lossBars} from "./curve";
+import {make, makeSvg, setOptions} from "./elements";
+import {gradeFigure, gradeWords, titlesOf} from "./history_words";
+
+interface Row {
+  readonly person: HistoryPerson;
+  readonly did: DoneSeries | undefined;
+}
+
+/// A class in one exercise: its spread, what costs it most, and everybody's grade.
+export class HistoryClass {
+  readonly body = make("div", {className: "of-class"});
+  private readonly pick = make("select", {id: "history-exercise"});
+  private readonly curve = new Curve();
+  private readonly losses = make("div");
+  private readonly head = make("tr");
+  private readonly rows = make("tbody");
+  private readonly none = make("p", {className: "quiet", textContent: say("history.none")});
+  private readonly figures: HTMLElement;
+  private history: ClassHistory = {exercises: [], people: []};
+  private byGrade = false;
+
+  constructor(private readonly open: (person: number) => void) {
+    this.pick.addEventListener("change", () => this.draw());
+    const label = make("label", {htmlFor: this.pick.id}, `${say("history.exercise")} `, this.pick);
+    const spread = make(
+      "section",
+      {},
+      make("h3", {textContent: say("history.points_over_trials")}),
+      this.curve.body,
+      legend(
+        ["band", say("history.half")],
+        ["median", say("history.median")],
+        ["other", say("history.each")],
+        ["pass", say("history.pass")],
+      ),
+    );
+    const lost = make(
+      "section",
+      {},
+      make("h3", {textContent: say("history.class_loses")}),
+      this.losses,
+    );
+    const table = make("table", {}, make("thead", {}, this.head), this.rows);
+    this.figures = make(
+      "div",
+      {},
+      make("p", {className: "pick-exercise"}, label),
+      make("div", {className: "side-by-side"}, spread, lost),
+      make("div", {className: "table", tabIndex: 0, role: "region"}, table),
+    );
+    this.figures.lastElementChild!.setAttribute("aria-label", say("history.everybody"));
+    this.body.append(this.none, this.figures);
+  }
+
+  show(history: ClassHistory): void {
+    this.history = history;
+    const titles = titlesOf(history.exercises);
+    const options = [...titles].map(([value, text]) => ({value, text}));
+    const chosen = titles.has(this.pick.value) ? this.pick.value : (options[0]?.value ?? "");
+    setOptions(this.pick, options, chosen, say("history.none"));
+    this.draw();
+  }
+
+  private draw(): void {
+    const {people, exercises} = this.history;
+    const exercise = exercises.find(({name}) => name === this.pick.value);
+    this.none.hidden = people.length > 0;
+    this.figures.hidden = people.length === 0;
+    const rows: Row[] = people.map((person) => ({
+      person,
+      did: person.did.find((one) => one.exercise === exercise?.name),
+    }));
+    this.curve.show({
+      label: say("history.class_curve", {people: rows.filter(({did}) => did).length}),
+      spread: exercise?.spread ?? [],
+      pass: exercise?.pass ?? null,
+      own: [],
+      others: rows.flatMap(({person, did}) =>
+        did && person.role !== "operate" ? [{key: person.person, points: did.points}] : [],
+      ),
+    });
+    this.losses.replaceChildren(lossBars(exercise?.lost ?? [], say("history.class_loses")));
+    this.head.replaceChildren(
+      this.sorter("history.person", false),
+      make("th", {scope: "col", textContent: say("history.course_of")}),
+      this.sorter("history.grade", true),
+      make("th", {scope: "col", className: "wide", textContent: say("history.trials")}),
+      make("th", {scope: "col", className: "wide", textContent: say("history.costs_most")}),
+    );
+    const rank = ({did}: Row): number => did?.grade.mean ?? Infinity;
+    rows.sort(
+      (a, b) =>
+        Number(b.person.here) - Number(a.person.here) ||
+        (this.byGrade ? rank(a) - rank(b) || 0 : 0) ||
+        a.person.name.localeCompare(b.person.name),
+    );
+    this.rows.replaceChildren(
+      ...rows.map((row) => this.rowOf(row, exercise?.pass ?? null, exercise?.trials ?? 1)),
+    );
+  }
+
+  private sorter(word: "history.person" | "history.grade", byGrade: boolean): HTMLElement {
+    const isSorted = this.byGrade === byGrade;
+    const press = make("button", {
+      ...{type: "button", className: "sort", textContent: say(word)},
+      onclick: () => {
+        this.byGrade = byGrade;
+        this.draw();
+        this.head.querySelectorAll("button")[byGrade ? 1 : 0]?.focus();
+      },
+    });
+    const cell = make("th", {scope: "col"}, press);
+    cell.setAttribute("aria-sort", isSorted ? "ascending" : "none");
+    return cell;
+  }
+
+  private rowOf({person, did}: Row, pass: number | null, trials: number): HTMLElement {
+    const name = make("button", {
+      ...{type: "button", className: "name", textContent: person.name},
+      onclick: () => this.open(person.person),
+    });
+    const who = make("th", {scope: "row"}, name);
+    if (!person.here)
+      who.append(" ", make("span", {className: "quiet", textContent: say("history.left")}));
+    const grade = make("td", {className: "grade"});
+    if (did) {
+      const {mean} = did.grade;
+      const isPoor = pass !== null && mean !== null && mean < pass;
+      grade.append(
+        make("b", {textContent: gradeFigure(did.grade), className: isPoor ? "poor" : ""}),
+      );
+      grade.title = gradeWords(did.grade, trials);
+      if (isPoor)
+        grade.append(" ", make("span", {className: "quiet", textContent: say("history.below")}));
+    }
+    const lost = did?.lost[0];
+    const row = make(
+      "tr",
+      {},
+      who,
+      make("td", {}, did ? sparkline(did.points) : ""),
+      grade,
+      make("td", {className: "wide", textContent: did ? sayNumber(did.done, 0) : ""}),
+      make("td", {
+        className: "wide",
+        textContent: lost
+          ? say("history.costs", {criterion: lost.criterion, points: Math.round(lost.points)})
+          : "",
+      }),
+    );
+    const light = (on: boolean): void => this.curve.light(on ? person.person : undefined);
+    row.addEventListener("pointerenter", () => light(true));
+    row.addEventListener("pointerleave", () => light(false));
+    name.addEventListener("focus", () => light(true));
+    name.addEventListener("blur", () => light(false));
+    return row;
+  }
+}
+
+/// The course of the points in a word's size; what it says stands beside it.
+function sparkline(points: DoneSeries["points"]): SVGSVGElement {
+  const [width, height] = [96, 24];
+  const last = points.at(-1)?.[0] ?? 1;
+  const at = (points as readonly (readonly [number, number])[]).map(([n, value]) => [
+    last === 1 ? width / 2 : 3 + ((width - 6) * (n - 1)) / (last - 1),
+    3 + (height - 6) * (1 - value / 100),
+  ]);
+  const svg = makeSvg("svg", {
+    ...{class: "spark", viewBox: `0 0 ${width} ${height}`, "aria-hidden": "true"},
+  });
+  svg.append(makeSvg("polyline", {points: at.map((one) => one.join(",")).join(" ")}));
+  const end = at.at(-1);
+  if (end) svg.append(makeSvg("circle", {cx: String(end[0]), cy: String(end[1]), r: "2.5"}));
+  return svg;
+}

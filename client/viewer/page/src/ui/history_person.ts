@@ -1,0 +1,182 @@
+import {say, sayNumber} from "../messages/say";
+import type {HistoryTrial, OwnExercise, PersonHistory} from "../protocol/history_messages";
+import {Curve, legend, lossBars} from "./curve";
+import {make} from "./elements";
+import {gradeFigure, gradeWords, titlesOf, whenWords} from "./history_words";
+
+/// So many things to practise next: more are none.
+const kMostNext = 3;
+/// What costs less is within what two trials differ by.
+const kLeastLoss = 2;
+
+/// What a person did: what to practise next, and of each exercise curve, grade and trials.
+export function personHistory(history: PersonHistory, isOwn: boolean): HTMLElement[] {
+  const {exercises} = history;
+  const titles = titlesOf(exercises);
+  if (exercises.length === 0)
+    return [make("p", {className: "quiet", textContent: say("history.none")})];
+  return [
+    nextOf(exercises, titles),
+    ...exercises.map((exercise) => articleOf(exercise, titles.get(exercise.name)!, isOwn)),
+  ];
+}
+
+function nextOf(
+  exercises: readonly OwnExercise[],
+  titles: ReadonlyMap<string, string>,
+): HTMLElement {
+  const next = exercises
+    .flatMap(({name, lost}) => lost.map((loss) => ({...loss, title: titles.get(name)!})))
+    .filter(({points}) => points >= kLeastLoss)
+    .sort((a, b) => b.points - a.points)
+    .slice(0, kMostNext)
+    .map(({criterion, points, title}) =>
+      make(
+        "li",
+        {},
+        make("b", {
+          className: "cost",
+          textContent: say("history.lost", {points: Math.round(points)}),
+        }),
+        make("span", {className: "criterion", textContent: criterion}),
+        make("span", {className: "quiet", textContent: title}),
+      ),
+    );
+  return make(
+    "section",
+    {className: "next"},
+    make("h3", {textContent: say("history.next")}),
+    next.length > 0
+      ? make("ol", {}, ...next)
+      : make("p", {className: "quiet", textContent: say("history.no_loss")}),
+    make("p", {className: "quiet", textContent: say("history.next_why")}),
+  );
+}
+
+function articleOf(exercise: OwnExercise, title: string, isOwn: boolean): HTMLElement {
+  const {grade, pass, trials, spread, done} = exercise;
+  const counted = done.filter(({whole, points}) => whole && points !== null);
+  const last = counted.slice(-Math.max(1, grade.of));
+  const curve = new Curve();
+  const words = gradeWords(grade, trials);
+  curve.show({
+    label: say("history.curve", {title, words}),
+    ...{spread, pass},
+    own: counted.map(({n, points}) => [n, points!]),
+    ...(grade.mean === null
+      ? {}
+      : {
+          grade: {
+            ...{from: last[0]!.n, to: last.at(-1)!.n, mean: grade.mean},
+            ...{low: grade.low, high: grade.high},
+          },
+        }),
+  });
+  const isPassed = pass !== null && grade.mean !== null && grade.mean >= pass;
+  const verdict = isPassed ? "exercises.passed" : "exercises.not_yet";
+  const keys: [string, string][] = [
+    ["own", say(isOwn ? "history.you" : "history.them")],
+    ["interval", say("history.mean")],
+  ];
+  if (spread.length > 0)
+    keys.push(["band", say("history.half")], ["median", say("history.median")]);
+  if (pass !== null) keys.push(["pass", say("history.pass")]);
+  return make(
+    "article",
+    {},
+    make("h3", {textContent: title}),
+    make(
+      "div",
+      {className: "side-by-side"},
+      make(
+        "div",
+        {},
+        make("h4", {textContent: say("history.points_over_trials")}),
+        curve.body,
+        legend(...keys),
+      ),
+      make(
+        "div",
+        {},
+        make(
+          "p",
+          {className: "figure"},
+          make("b", {textContent: gradeFigure(grade)}),
+          make("span", {
+            className: isPassed ? "verdict good" : "verdict",
+            textContent: pass === null || grade.of === 0 ? "" : say(verdict),
+          }),
+        ),
+        make("p", {className: "quiet", textContent: words}),
+        ...(grade.of === 0
+          ? []
+          : [
+              make("h4", {textContent: say("history.loses")}),
+              lossBars(exercise.lost, say("history.loses")),
+            ]),
+      ),
+    ),
+    make(
+      "details",
+      {},
+      make("summary", {textContent: say("history.all_trials", {count: done.length})}),
+      tableOf(done),
+    ),
+  );
+}
+
+function tableOf(done: readonly HistoryTrial[]): HTMLElement {
+  const criteria = [...new Set(done.flatMap(({marks}) => marks.map(({criterion}) => criterion)))];
+  const head = (textContent: string): HTMLElement => make("th", {scope: "col", textContent});
+  const figure = (points: number | null | undefined): HTMLElement =>
+    make("td", {className: "number", textContent: points == null ? "–" : sayNumber(points, 0)});
+  const rows = [...done].reverse().map((trial) => {
+    const how = make("td", {title: trial.reason});
+    how.textContent = [
+      trial.whole ? "" : say("exercises.not_whole"),
+      trial.submitted ? say("exercises.submitted") : "",
+    ]
+      .filter((word) => word !== "")
+      .join(", ");
+    const page = make("td");
+    if (trial.page !== "")
+      page.append(
+        make("a", {
+          ...{href: `score/${trial.page}`, target: "_blank", textContent: say("exercises.score")},
+          ariaLabel: say("history.score_of", {n: trial.n}),
+        }),
+      );
+    return make(
+      "tr",
+      {},
+      make("th", {scope: "row", textContent: String(trial.n)}),
+      make("td", {className: "number", textContent: whenWords(trial.begun_s)}),
+      figure(trial.points),
+      page,
+      how,
+      ...criteria.map((name) =>
+        figure(trial.marks.find((mark) => mark.criterion === name)?.points),
+      ),
+    );
+  });
+  const table = make(
+    "table",
+    {},
+    make(
+      "thead",
+      {},
+      make(
+        "tr",
+        {},
+        ...[
+          ...[say("history.trial"), say("history.when"), say("history.points")],
+          ...[say("history.page"), say("history.state"), ...criteria],
+        ].map(head),
+      ),
+    ),
+    make("tbody", {}, ...rows),
+  );
+  const region = make("div", {className: "table", tabIndex: 0, role: "region"}, table);
+  region.ariaLabel = say("history.trials");
+  return region;
+}
