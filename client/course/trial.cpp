@@ -120,8 +120,9 @@ bool TrialRoom::has_ended(Holder holder) const {
   });
 }
 
-void TrialRoom::Begin(Holder holder, std::int64_t person, const std::string& exercise,
-                      const std::string& station, std::int64_t now_ns) {
+int TrialRoom::Begin(Holder holder, std::int64_t person, const std::string& exercise,
+                     const std::string& station, std::int64_t now_ns,
+                     std::optional<double> exam_s) {
   Running trial;
   trial.exercise = Find(exercise);
   if (trial.exercise == nullptr) throw Error("there is no exercise " + Quoted(exercise));
@@ -133,6 +134,8 @@ void TrialRoom::Begin(Holder holder, std::int64_t person, const std::string& exe
   trial.news.exercise = exercise;
   trial.station = station;
   trial.asked_ns = now_ns;
+  trial.is_exam = trial.submits = exam_s.has_value();
+  trial.most_s = exam_s.value_or(trial.exercise->most_s);
   const std::string folder = FolderOf(person, exercise);
   std::error_code error;
   fs::create_directories(folder, error);
@@ -166,6 +169,7 @@ void TrialRoom::Begin(Holder holder, std::int64_t person, const std::string& exe
                                          begun.began_ns = -1;
                                      });
   Tell(begun, "preparing");
+  return begun.news.n;
 }
 
 void TrialRoom::BeginToEnd(Running& trial, const std::string& reason) {
@@ -179,6 +183,12 @@ void TrialRoom::BeginToEnd(Running& trial, const std::string& reason) {
 void TrialRoom::End(Holder holder, const std::string& reason) {
   for (Running& trial : trials_) {
     if (trial.news.holder == holder) BeginToEnd(trial, reason);
+  }
+}
+
+void TrialRoom::EndOf(const std::set<std::int64_t>& people, const std::string& reason) {
+  for (Running& trial : trials_) {
+    if (people.contains(trial.news.person)) BeginToEnd(trial, reason);
   }
 }
 
@@ -216,11 +226,10 @@ bool TrialRoom::PollOne(Running& trial, std::int64_t now_ns) {
   if (runs) {
     if (trial.began_ns == -1) {
       trial.began_ns = now_ns;
-      trial.news.left_s = trial.exercise->most_s;
+      trial.news.left_s = trial.most_s;
       Tell(trial, "running");
     }
-    const bool in_time =
-        1e-9 * static_cast<double>(now_ns - trial.began_ns) < trial.exercise->most_s;
+    const bool in_time = 1e-9 * static_cast<double>(now_ns - trial.began_ns) < trial.most_s;
     if (trial.news.phase == "running") {
       if (!in_time) BeginToEnd(trial, "the time is over");
     } else if (now_ns - trial.asked_ns > kPatience_ns) {
@@ -235,11 +244,16 @@ bool TrialRoom::PollOne(Running& trial, std::int64_t now_ns) {
     spdlog::error("trial {} of '{}' by person {}: {}", trial.news.n, trial.news.exercise,
                   trial.news.person, Printable(trial.news.reason));
   }
+  Keep(trial);
+  if (trial.is_exam) {
+    Tell(trial, "kept");
+    return false;
+  }
   Score(trial);
   return true;
 }
 
-void TrialRoom::Score(Running& trial) {
+void TrialRoom::Keep(Running& trial) {
   const News& news = trial.news;
   trial.records = false;
   file_.Use([&](SQLite::Database& database) {
@@ -256,6 +270,23 @@ void TrialRoom::Score(Running& trial) {
     row.exec();
   });
   trial.news.submitted = trial.submits;
+}
+
+void TrialRoom::Score(std::int64_t person, const std::string& exercise, int n,
+                      const std::string& station) {
+  Running trial;
+  trial.exercise = Find(exercise);
+  trial.news.person = person;
+  trial.news.exercise = exercise;
+  trial.news.n = n;
+  trial.news.submitted = true;
+  trial.station = station;
+  trials_.push_back(std::move(trial));
+  Score(trials_.back());
+}
+
+void TrialRoom::Score(Running& trial) {
+  const News& news = trial.news;
   const std::string stem = fmt::format("{}/{}", FolderOf(news.person, news.exercise), news.n);
   trial.child = std::make_unique<ChildProgram>(
       options_.programs + "/palpate-replay",
@@ -337,6 +368,10 @@ std::string TrialRoom::PictureOf(const std::string& path) const {
     }
   }
   return "";
+}
+
+std::string TrialRoom::DescribeJson(const std::string& exercise) const {
+  return JsonOf(*Find(exercise)).dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 std::string TrialRoom::ListJson(std::int64_t person) {

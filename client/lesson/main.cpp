@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "client/course/exam.h"
 #include "client/course/exercise.h"
 #include "common/dds/cdr_reader.h"
 #include "common/dds/endpoint.h"
@@ -27,7 +28,8 @@ constexpr std::int64_t kPatience_ns = 5'000'000'000;
 constexpr const char* kAbout =
     R"(Gives a lesson again: 'whole' makes scenes whole that were cut, for all who feel and see them;
 'back' makes them as they stood at their 'bookmark'.  Forces are off for a moment, and come back once
-the tool is free of what has come back.  'check' reads exercises that a teacher has written.
+the tool is free of what has come back.  'check' reads exercises and exams that a
+teacher has written.
 )";
 
 constexpr const char* kExample =
@@ -107,6 +109,14 @@ int Check(const std::vector<std::string>& files) {
   bool good = true;
   for (const std::string& file : files) {
     try {
+      if (file.ends_with(kExamEnding)) {
+        const Exam exam = LoadExam(file);
+        std::printf(
+            "%s: good: tasks %zu, %.0f s, people %s\n", Printable(file).c_str(), exam.tasks.size(),
+            exam.time_s,
+            exam.people.empty() ? "all who drive" : std::to_string(exam.people.size()).c_str());
+        continue;
+      }
       const Exercise exercise = LoadExercise(file);
       std::printf("%s: good: scene %s, tool %s, %.0f s, criteria %zu, trials %d, expert %s\n",
                   Printable(file).c_str(), Printable(exercise.scene).c_str(),
@@ -178,9 +188,10 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   const CommandLine bookmark =
       add("bookmark", "keep how scenes stand that burs cut", "bookmark caries");
   const CommandLine back = add("back", "make them as they stood at their bookmark", "back caries");
-  const CommandLine check = app.AddCommand("check", "say what is wrong with exercises' files");
+  const CommandLine check =
+      app.AddCommand("check", "say what is wrong with files of exercises and exams");
   check.Footer("Example: palpate-lesson check mine.exercise.json");
-  check.Add("FILE", options.exercises, "NAME.exercise.json").Required();
+  check.Add("FILE", options.exercises, "NAME.exercise.json, or NAME.exam.json").Required();
   app.RequireCommands(0, 1);
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
   if (!whole.given() && !bookmark.given() && !back.given() && !check.given()) {
