@@ -44,6 +44,10 @@ CREATE TABLE IF NOT EXISTS exam_trials(
   n INTEGER NOT NULL, station TEXT NOT NULL, scene TEXT NOT NULL, scene_hash TEXT NOT NULL,
   counts INTEGER NOT NULL DEFAULT 1, PRIMARY KEY(person, exercise, n)))";
 
+std::string Text(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
 /// Binds all in their order.
 template <class... Values>
 void Bind(SQLite::Statement& statement, const Values&... values) {
@@ -107,7 +111,8 @@ void ExamRoom::ReadTrials() {
     SQLite::Statement rows(
         database,
         "SELECT e.person, task, e.exercise, e.n, station, scene, scene_hash, counts, begun_s, "
-        "IFNULL(ended_s, 0), IFNULL(whole, 1), IFNULL(reason, ''), IFNULL(seal, ''), points FROM "
+        "IFNULL(ended_s, 0), IFNULL(whole, 1), IFNULL(reason, ''), IFNULL(seal, ''), points, "
+        "passed FROM "
         "exam_trials e JOIN trials t ON t.person=e.person AND t.exercise=e.exercise AND t.n=e.n "
         "WHERE exam=? ORDER BY e.person, task, e.n");
     rows.bind(1, newest_.number);
@@ -129,6 +134,7 @@ void ExamRoom::ReadTrials() {
       trial.sealed = !seal.empty();
       if (trial.sealed) trial.sha256 = Json::parse(seal).at("sealed").at("sha256");
       if (!rows.getColumn(13).isNull()) trial.points = rows.getColumn(13).getDouble();
+      trial.scored = !rows.getColumn(14).isNull();
       newest_.trials.push_back(std::move(trial));
     }
   });
@@ -188,8 +194,7 @@ std::string ExamRoom::Do(std::string_view wish, std::int64_t now_s) {
   } catch (const Error& error) {
     refusal = error.what();
   }
-  return Json({{"tag", tag}, {"refusal", refusal}})
-      .dump(-1, ' ', false, Json::error_handler_t::replace);
+  return Text({{"tag", tag}, {"refusal", refusal}});
 }
 
 std::set<std::int64_t> ExamRoom::PeopleOf(const Exam& exam) const {
@@ -321,6 +326,10 @@ void ExamRoom::Begin(const Beginning& of, std::int64_t now_s, std::int64_t now_n
   Read();
 }
 
+void ExamRoom::EndTrials(const std::string& reason) {
+  if (newest_.is_open()) trials_.EndOf(newest_.people, reason);
+}
+
 void ExamRoom::Heard(const TrialRoom::News& news) {
   if (newest_.people.contains(news.person)) Read();
 }
@@ -400,7 +409,7 @@ void ExamRoom::TakeSeal() {
 void ExamRoom::ScoreNext() {
   if (trials_.size() > 0) return;
   for (const Trial& trial : newest_.trials) {
-    if (trial.points || trial.sha256.empty() || !tried_.insert(trial.key()).second) continue;
+    if (trial.scored || trial.sha256.empty() || !tried_.insert(trial.key()).second) continue;
     const ExamTask& task = newest_.exam.tasks.at(static_cast<std::size_t>(trial.task));
     const Exercise* const exercise = trials_.Find(trial.exercise);
     if (exercise == nullptr || Sha256OfFile(exercise->file).sha256 != task.exercise_sha256 ||
@@ -466,7 +475,7 @@ bool ExamRoom::Poll(std::int64_t now_s) {
       if (!std::exchange(has_roll_, true)) WriteRoll();
       ScoreNext();
     }
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {
     if (trouble_ != error.what()) spdlog::error("exam '{}': {}", newest_.exam.name, error.what());
     trouble_ = error.what();
     retry_s_ = now_s + kRetry_s;
@@ -485,9 +494,8 @@ std::string ExamRoom::CutOf(const Trial& trial) {
                                                                                   : "";
 }
 
-void ExamRoom::AddClass(Json& json) const {
-  json["down_s"] = newest_.down_s;
-  json["people"] = Json::array();
+std::string ExamRoom::ClassJson() const {
+  Json json = {{"down_s", newest_.down_s}, {"people", Json::array()}};
   for (const std::int64_t person : newest_.people) {
     Json trials = Json::array();
     for (const Trial& trial : newest_.trials) {
@@ -497,6 +505,7 @@ void ExamRoom::AddClass(Json& json) const {
                         {"running", trial.ended_s == 0},
                         {"cut", CutOf(trial)},
                         {"sealed", trial.sealed},
+                        {"scored", trial.scored},
                         {"points", trial.points ? Json(*trial.points) : Json()}});
     }
     json["people"].push_back({{"person", person},
@@ -504,21 +513,28 @@ void ExamRoom::AddClass(Json& json) const {
                               {"task", TaskOf(person)},
                               {"trials", trials}});
   }
+  return Text(json);
 }
 
-void ExamRoom::AddOwn(std::int64_t person, Json& json) const {
-  const std::size_t at = TaskOf(person);
-  json["task"] = at;
+std::string ExamRoom::OwnJson(std::int64_t person) const {
+  Json json;
+  std::size_t at = TaskOf(person);
+  bool runs = false;
   json["cut"] = "";
   for (const Trial& trial : newest_.trials) {
-    if (trial.person == person && trial.counts) json["cut"] = CutOf(trial);
+    if (trial.person != person || !trial.counts) continue;
+    json["cut"] = CutOf(trial);
+    runs = trial.ended_s == 0;
+    if (runs) at = static_cast<std::size_t>(trial.task);
   }
-  if (at == newest_.exam.tasks.size()) return;
+  json["task"] = at;
+  if (at == newest_.exam.tasks.size()) return Text(json);
   const ExamTask& task = newest_.exam.tasks[at];
-  json["trial"] = DoneOf(person, at) + 1;
+  json["trial"] = DoneOf(person, at) + (runs ? 0 : 1);
   json["trials"] = task.trials;
   json["time_s"] = task.time_s;
   json["exercise"] = Json::parse(trials_.DescribeJson(task.exercise));
+  return Text(json);
 }
 
 std::string ExamRoom::StateJson(std::int64_t person, bool teaches, std::int64_t now_s) const {
@@ -530,7 +546,7 @@ std::string ExamRoom::StateJson(std::int64_t person, bool teaches, std::int64_t 
             {"closed", !newest_.is_open()},
             {"left_s", std::max<std::int64_t>(0, newest_.ends_s - now_s)},
             {"tasks", newest_.exam.tasks.size()}};
-    teaches ? AddClass(open) : AddOwn(person, open);
+    open.update(Json::parse(teaches ? ClassJson() : OwnJson(person)));
   }
   if (teaches) {
     json["exams"] = Json::array();
@@ -543,7 +559,7 @@ std::string ExamRoom::StateJson(std::int64_t person, bool teaches, std::int64_t 
     }
     json["trouble"] = trouble_;
   }
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return Text(json);
 }
 
 }  // namespace palpate

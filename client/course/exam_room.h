@@ -11,8 +11,6 @@
 #include <tuple>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "client/course/course_file.h"
 #include "client/course/exam.h"
 #include "client/course/roster.h"
@@ -54,6 +52,8 @@ class ExamRoom {
   bool Sits(std::int64_t person) const;
   /// Throws Error, for the person, where it is not the next task, or the time is over.
   void Begin(const Beginning& beginning, std::int64_t now_s, std::int64_t now_ns);
+  /// Where there is no server any more: nobody's time is to run without one.
+  void EndTrials(const std::string& reason);
   /// A trial has ended, or was scored.
   void Heard(const TrialRoom::News& news);
   /// Seals and scores, some 100 times a second.  True where pages are to be told anew.
@@ -73,6 +73,7 @@ class ExamRoom {
     bool whole = true;
     std::string reason;
     bool sealed = false;
+    bool scored = false;  // a trial in which nothing is touched has no points
     std::optional<double> points;
     std::string sha256;  // of a sealed one
     std::tuple<std::int64_t, std::string, int> key() const { return {person, exercise, n}; }
@@ -106,8 +107,9 @@ class ExamRoom {
   void WriteRoll();
   /// Why a trial ended that its person did not end, and no time; empty: it ended in order.
   static std::string CutOf(const Trial& trial);
-  void AddClass(nlohmann::json& json) const;
-  void AddOwn(std::int64_t person, nlohmann::json& json) const;
+  /// What of the newest exam is for who teaches, and for who sits it.
+  std::string ClassJson() const;
+  std::string OwnJson(std::int64_t person) const;
 
   const std::string folder_;
   CourseFile& file_;

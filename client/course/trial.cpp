@@ -25,6 +25,7 @@ using Json = nlohmann::json;
 
 /// A recorder that has not begun by then, or has not ended, never will.
 constexpr std::int64_t kPatience_ns = 10'000'000'000;
+constexpr std::int64_t kRetry_ns = 2'000'000'000;
 constexpr std::size_t kLargestScore = std::size_t{16} << 20;
 constexpr const char* kTrialsTable =
     "CREATE TABLE IF NOT EXISTS trials(person INTEGER NOT NULL, exercise TEXT NOT NULL, "
@@ -238,13 +239,13 @@ bool TrialRoom::PollOne(Running& trial, std::int64_t now_ns) {
     return true;
   }
   const std::string& complaint = trial.child->complaint();
-  if (trial.news.phase != "ending" || !complaint.empty()) {
+  if (trial.retry_ns == 0 && (trial.news.phase != "ending" || !complaint.empty())) {
     trial.news.whole = false;
     trial.news.reason = "not whole: " + (complaint.empty() ? "its recorder ended" : complaint);
     spdlog::error("trial {} of '{}' by person {}: {}", trial.news.n, trial.news.exercise,
                   trial.news.person, Printable(trial.news.reason));
   }
-  Keep(trial);
+  if (!Keep(trial, now_ns)) return true;
   if (trial.is_exam) {
     Tell(trial, "kept");
     return false;
@@ -253,9 +254,9 @@ bool TrialRoom::PollOne(Running& trial, std::int64_t now_ns) {
   return true;
 }
 
-void TrialRoom::Keep(Running& trial) {
+bool TrialRoom::Keep(Running& trial, std::int64_t now_ns) try {
+  if (now_ns < trial.retry_ns) return false;
   const News& news = trial.news;
-  trial.records = false;
   file_.Use([&](SQLite::Database& database) {
     SQLite::Statement row(database,
                           "UPDATE trials SET ended_s=?, reason=?, whole=?, submitted_s=? WHERE "
@@ -269,7 +270,18 @@ void TrialRoom::Keep(Running& trial) {
     row.bind(7, news.n);
     row.exec();
   });
+  trial.records = false;
   trial.news.submitted = trial.submits;
+  return true;
+} catch (const Error& error) {
+  // A full disk may have space again.  What was recorded is there.
+  if (std::exchange(trial.retry_ns, now_ns + kRetry_ns) != 0) return false;
+  trial.news.whole = false;
+  trial.news.reason += fmt::format("{}{}", trial.news.reason.empty() ? "" : "; ", error.what());
+  spdlog::error("trial {} of '{}' by person {}: {}", trial.news.n, trial.news.exercise,
+                trial.news.person, Printable(error.what()));
+  Tell(trial, "ending");
+  return false;
 }
 
 void TrialRoom::Score(std::int64_t person, const std::string& exercise, int n,

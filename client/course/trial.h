@@ -94,6 +94,7 @@ class TrialRoom {
     bool submits = false;
     bool is_exam = false;
     double most_s = 0.0;
+    std::int64_t retry_ns = 0;  // to enter its end; 0: it has not been tried
     std::int64_t asked_ns = 0;  // to begin, or to end
     std::int64_t began_ns = 0;
   };
@@ -102,8 +103,8 @@ class TrialRoom {
   /// False once it is done with.
   bool PollOne(Running& trial, std::int64_t now_ns);
   void BeginToEnd(Running& trial, const std::string& reason);
-  /// Enters in the course's file how it ended.
-  void Keep(Running& trial);
+  /// Enters in the course's file how it ended.  False where that cannot be written now.
+  bool Keep(Running& trial, std::int64_t now_ns);
   void Score(Running& trial);
   void TakeScore(Running& trial);
   void Tell(Running& trial, const std::string& phase);

@@ -20,11 +20,11 @@ using testing::HasSubstr;
 using Json = nlohmann::json;
 
 /// Programs of the recorder's and the replayer's names that do as those do.
-constexpr const char* kRecorder =
+constexpr const char* kExamRecorder =
     "#!/bin/sh\nfor word; do case $word in --output=*) out=${word#--output=};; esac; done\n"
     "echo hand > $out; trap 'exit 0' INT\necho \"recording to $out\"\nwhile :; do sleep 0.01; "
     "done\n";
-constexpr const char* kReplayer = R"(#!/bin/sh
+constexpr const char* kExamReplayer = R"(#!/bin/sh
 for word; do case $word in --out=*) out=${word#--out=};; esac; done
 mkdir -p $out && echo page > $out/score.html
 echo '{"passed": true, "trials": [{"points": 81.5}]}' > $out/score.json
@@ -59,8 +59,8 @@ TEST(ExamFile, IsReadAndRefusedWithFileLineAndRemedy) {
 class ExamTest : public testing::Test {
  protected:
   void SetUp() override {
-    SetProgram("palpate-record", kRecorder);
-    SetProgram("palpate-replay", kReplayer);
+    SetProgram("palpate-record", kExamRecorder);
+    SetProgram("palpate-replay", kExamReplayer);
     std::filesystem::create_directory(folder_ / "course");
     std::ofstream(folder_ / "course/midterm.exam.json") << kExam;
     Start();
@@ -189,6 +189,7 @@ TEST_F(ExamTest, EndsByItsTimeAndHasMoreWhereTheExaminerGivesIt) {
   EXPECT_THAT(Do("close"), HasSubstr("no exam is open"));
   ASSERT_EQ(Open(), "");
   ASSERT_EQ(Begin("light-force"), "");
+  EXPECT_EQ(Own()["trial"], 1) << "that which runs";
   ASSERT_TRUE(Comes([&] { return phase_ == "running"; }));
   now_s_ += 600;
   ASSERT_TRUE(Comes([&] { return phase_ == "kept"; }));

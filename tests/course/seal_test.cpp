@@ -58,13 +58,14 @@ TEST(SealKey, IsMadeOnceForItsOwnerAloneAndIsRefusedWhereOthersMayReadIt) {
 TEST(Seal, SaysWhatWasSealedWhereNoByteOfItHasChanged) {
   const Folder folder;
   const SealKey key = SealKey::OfCourse(folder.path());
+  const SealKey open = PublicOf(folder);
   const std::string text = SealText(AnExample(), key);
-  EXPECT_EQ(OpenSeal(text, PublicOf(folder), "it").name, "王伟");
+  EXPECT_EQ(OpenSeal(text, open, "it").name, "王伟");
   // Each byte, one bit of it: also those that JSON or hexadecimal digits would read the same.
   for (std::size_t i = 0; i < text.size(); ++i) {
     std::string spoilt = text;
     spoilt[i] = static_cast<char>(spoilt[i] ^ (1 << (i % 8)));
-    EXPECT_NE(ComplaintOf([&] { OpenSeal(spoilt, PublicOf(folder), "it"); }), "") << i;
+    EXPECT_NE(ComplaintOf([&] { OpenSeal(spoilt, open, "it"); }), "") << i;
   }
   for (const std::string& other :
        {text.substr(0, text.size() - 1), " " + text, text + "\n", text + text}) {

@@ -1,6 +1,9 @@
 // A course at the real palpate-viewer: who is made, renamed and withdrawn, and what is left of it
 // when the gateway is killed.
 #include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <utility>
 
 #include <gmock/gmock.h>
 
@@ -32,6 +35,11 @@ class Pupil {
   WebClient& client() { return client_; }
   /// What it hears of itself next.
   CourseJson Me() { return Read(1); }
+  /// And of an exam.
+  CourseJson Exam() {
+    if (!std::exchange(hears_exam_, true)) client_.Subscribe(4, TopicFeed::kExam);
+    return Read(4);
+  }
 
  protected:
   CourseJson Read(std::uint32_t subscription) {
@@ -40,6 +48,7 @@ class Pupil {
     return CourseJson::parse(message->payload.begin(), message->payload.end());
   }
   WebClient client_;
+  bool hears_exam_ = false;
 };
 
 class Teacher : public Pupil {
@@ -115,6 +124,39 @@ TEST(Course, IsThereWithAllThatWasAnsweredAfterTheGatewayWasKilled) {
   for (const std::string& token : tokens) {
     EXPECT_EQ(Get(gateway.port(), "/healthz", {{"Authorization", "Bearer " + token}}).status, 200);
   }
+}
+
+TEST(Course, HoldsAnExamWithWhichTheNextGatewayGoesOnWhereOneWasKilled) {
+  const Folder folder;
+  std::filesystem::create_directory(folder / "course");
+  std::ofstream(folder / "course/midterm.exam.json")
+      << R"({"title": "Midterm", "time_s": 600, "tasks": [{"exercise": "light-force"}]})";
+  std::string token;
+  {
+    Gateway gateway({"--course", folder / "course"});
+    Teacher teacher(gateway, FirstLink(gateway));
+    token = teacher.Make("Anna");
+    Pupil anna(gateway, token);
+    EXPECT_EQ(anna.Exam()["open"], nullptr);
+    // To hold one is not for those who sit it.
+    anna.client().SendExam({{"tag", 1}, {"op", "open"}, {"exam", "midterm"}});
+    EXPECT_EQ(anna.client().closed(), kPolicyViolation);
+    teacher.client().SendExam({{"tag", 1}, {"op", "open"}, {"exam", "midterm"}});
+    Pupil again(gateway, token);
+    EXPECT_TRUE(
+        Eventually([&] { return again.Exam()["open"]["exercise"]["name"] == "light-force"; }));
+    again.client().SendMouse({{"op", "take"}, {"scene", "cube"}});
+    again.client().Subscribe(3, TopicFeed::kMouseState);
+    const auto told = again.client().Next(3);
+    ASSERT_TRUE(told);
+    EXPECT_THAT(std::string(told->payload.begin(), told->payload.end()),
+                testing::HasSubstr("an exam is open"));
+    gateway.program().Signal(SIGKILL);
+    EXPECT_EQ(gateway.program().Exit(), -SIGKILL);
+  }
+  Gateway gateway({"--course", folder / "course"});
+  Pupil anna(gateway, token);
+  EXPECT_EQ(anna.Exam()["open"]["name"], "midterm");
 }
 
 TEST(Course, GivesEachASeatAndKeepsOthersOut) {

@@ -135,7 +135,7 @@ export class Exam {
   private wordOf(open: OpenExam): string {
     const phase = this.trial?.phase;
     if (phase === "preparing" || phase === "running" || phase === "ending")
-      return say(`exercises.${phase}`);
+      return say(`exercises.${phase}`) + (this.trial?.whole ? "" : ` ${this.trial?.reason}`);
     if (open.cut) return say("exam.cut", {reason: open.cut});
     if (!open.exercise) return say("exam.done");
     if (this.events.served(open.exercise) === "") return say("exercises.not_served");

@@ -6,7 +6,8 @@ export interface ExamTrial {
   readonly running: boolean;
   readonly cut: string; // why, where neither its person nor a time ended it
   readonly sealed: boolean;
-  readonly points: number | null; // once the exam is closed
+  readonly scored: boolean; // once the exam is closed
+  readonly points: number | null; // null where nothing was touched
 }
 export interface ExamPerson {
   readonly person: number;

@@ -83,7 +83,7 @@ export class ExamDesk {
     if (closed) {
       const verify = `palpate-replay verify-exam COURSE --exam ${name} --key COURSE/exam-key.pub.pem --out certificate`;
       const words = make("p", {textContent: say("exam.closed")});
-      return [title, words, make("pre", {tabIndex: 0, textContent: verify}), table];
+      return [title, words, make("pre", {textContent: verify}), table];
     }
     const more = press(say("exam.more", {minutes: kMoreS / 60}), () =>
       this.wish({op: "more", s: kMoreS}),
@@ -114,13 +114,14 @@ export class ExamDesk {
   }
 }
 
-function wordsOf({task, counts, running, cut, sealed, points}: ExamTrial): string {
+function wordsOf({task, counts, running, cut, sealed, scored, points}: ExamTrial): string {
   const words = [say("exam.task", {task: task + 1})];
   if (running) words.push(say("exam.runs"));
   if (cut !== "") words.push(say("exam.cut", {reason: cut}));
   if (!counts) words.push(say("exam.void"));
   if (sealed) words.push(say("exam.sealed"));
   if (points !== null) words.push(say("exercises.points", {points: Math.round(points)}));
+  else if (scored) words.push(say("exercises.no_points"));
   return words.join(", ");
 }
 
