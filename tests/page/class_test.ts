@@ -159,7 +159,7 @@ test("who sits an exam sees its next task and the time, no exercises, and hands 
   await open();
   await page.getByRole("button", {name: "Exercises"}).waitFor();
   gateway.send("/palpate/exam_state", ownExam());
-  await reads("#exam-bar .times span", "Task 1 of 3, trial 1 of 2");
+  await reads("#exam-bar .times span:first-child", "Task 1 of 3, trial 1 of 2");
   expect(await page.getByRole("button", {name: "Exercises"}).isVisible()).toBe(false);
   expect(await page.locator("#scene").isVisible()).toBe(false);
   await press("Begin this task");
