@@ -154,11 +154,11 @@ void JudgeAll(std::vector<SealedVerdict>& trials,
   work();
 }
 
-/// One recording is one person's, and one trial's.
+/// One recording is one person's, and one trial's.  A copy that is refused anyway spoils nothing.
 void RefuseTwice(std::vector<SealedVerdict>& trials) {
   std::map<std::string, std::vector<SealedVerdict*>> by_content;
   for (SealedVerdict& trial : trials) {
-    if (!trial.seal || trial.seal->recording.empty()) continue;
+    if (!trial.refused.empty() || trial.seal->recording.empty()) continue;
     std::set<std::string> keys = {trial.seal->sha256};
     for (const auto& [station, run] : trial.sessions)
       keys.insert(fmt::format("{} {}", station, run));

@@ -23,7 +23,15 @@ export const trialState = (phase: string): object => ({
 
 /// And as its examiner does.
 export const heldExam = (more: object = {}): object => {
-  const trial = {task: 0, counts: true, running: false, cut: "", sealed: true, scored: false, points: null};
+  const trial = {
+    task: 0,
+    counts: true,
+    running: false,
+    cut: "",
+    sealed: true,
+    scored: false,
+    points: null,
+  };
   const cut = {...trial, task: 1, cut: "the gateway was killed", sealed: false};
   return {
     open: {

@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-constexpr std::uint64_t kPoses = 50;
+constexpr std::uint64_t kSealedPoses = 50;
 const std::string kAnna = "trials/3/press/1", kBen = "trials/4/press/1";
 
 /// Two people's trials of pressing into a cube, handed in in an exam.
@@ -48,7 +48,7 @@ class SealedTest : public testing::Test {
     hash_ = Hex16(bundle.hash);
     Add(writer, dds::kSceneBundleTopic, bundle, kMs);
     ServoLoop loop(model_);
-    for (std::uint64_t i = 1; i <= kPoses; ++i) {
+    for (std::uint64_t i = 1; i <= kSealedPoses; ++i) {
       const std::int64_t now_ns = static_cast<std::int64_t>(i + 1) * kMs;
       wire::HapticPose pose{};
       pose.pose_sequence = i;
@@ -124,7 +124,7 @@ TEST_F(SealedTest, IsVerifiedInEveryBitAndTheCertificateSaysWhatWasNot) {
   EXPECT_TRUE(certificate.good()) << ToText(certificate);
   EXPECT_EQ(certificate.exam, "midterm-1");
   ASSERT_EQ(certificate.trials.size(), 2u);
-  EXPECT_EQ(certificate.trials[0].wrenches, kPoses);
+  EXPECT_EQ(certificate.trials[0].wrenches, kSealedPoses);
   EXPECT_THAT(ToText(certificate), HasSubstr("VERIFIED: 2 of 2"));
   EXPECT_THAT(ToText(certificate), HasSubstr("Who held the stylus"));
   EXPECT_THAT(ToText(certificate), HasSubstr("there is none, so whether something was left out"));
@@ -189,6 +189,7 @@ TEST_F(SealedTest, OfAnotherPersonIsRefusedUnderWhateverName) {
   // Also where it was put there before it was sealed.
   SealIt(kAnna, 3, "Anna");
   EXPECT_THAT(Refused(), HasSubstr("of station 'Ben', and not of 'Anna'"));
+  EXPECT_EQ(Verified().trials.at(1).refused, "");
 }
 
 TEST_F(SealedTest, HandedInForTwoIsRefusedForBoth) {
