@@ -1,5 +1,7 @@
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <memory>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
