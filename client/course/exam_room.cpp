@@ -422,7 +422,14 @@ void ExamRoom::ScoreNext() {
       changed_ = true;
       continue;
     }
-    return trials_.Score(trial.person, trial.exercise, trial.n, trial.station);
+    TrialRoom::News kept;
+    kept.person = trial.person;
+    kept.exercise = trial.exercise;
+    kept.n = trial.n;
+    kept.reason = trial.reason;
+    kept.whole = trial.whole;
+    kept.submitted = true;
+    return trials_.Score(kept, trial.station);
   }
 }
 

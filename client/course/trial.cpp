@@ -284,14 +284,10 @@ bool TrialRoom::Keep(Running& trial, std::int64_t now_ns) try {
   return false;
 }
 
-void TrialRoom::Score(std::int64_t person, const std::string& exercise, int n,
-                      const std::string& station) {
+void TrialRoom::Score(const News& kept, const std::string& station) {
   Running trial;
-  trial.exercise = Find(exercise);
-  trial.news.person = person;
-  trial.news.exercise = exercise;
-  trial.news.n = n;
-  trial.news.submitted = true;
+  trial.news = kept;
+  trial.exercise = Find(kept.exercise);
   trial.station = station;
   trials_.push_back(std::move(trial));
   Score(trials_.back());
@@ -383,7 +379,9 @@ std::string TrialRoom::PictureOf(const std::string& path) const {
 }
 
 std::string TrialRoom::DescribeJson(const std::string& exercise) const {
-  return JsonOf(*Find(exercise)).dump(-1, ' ', false, Json::error_handler_t::replace);
+  Json json = JsonOf(*Find(exercise));
+  json.erase("guide");  // a hint, where there is one
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 std::string TrialRoom::ListJson(std::int64_t person) {

@@ -63,8 +63,8 @@ class TrialRoom {
   void End(Holder holder, const std::string& reason);
   /// Ends what they are at.
   void EndOf(const std::set<std::int64_t>& people, const std::string& reason);
-  /// Scores a trial of an exam that is closed.
-  void Score(std::int64_t person, const std::string& exercise, int n, const std::string& station);
+  /// Scores a trial of an exam that is closed.  @param kept  what was told of it.
+  void Score(const News& kept, const std::string& station);
   /// Hands a trial in; one that is running ends.  Throws Error where there is none.
   void Submit(Holder holder, std::int64_t person, const std::string& exercise, int n);
   bool is_at_one(Holder holder) const;
@@ -77,7 +77,7 @@ class TrialRoom {
 
   /// For a person's page: the exercises, and of each its trials so far.
   std::string ListJson(std::int64_t person);
-  /// An exercise alone.  @param exercise  one that there is.
+  /// An exercise alone, without hints.  @param exercise  one that there is.
   std::string DescribeJson(const std::string& exercise) const;
   /// The score page that a key of News stands for; empty: none.
   std::string PageOf(const std::string& key) const;
