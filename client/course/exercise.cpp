@@ -20,22 +20,6 @@ namespace fs = std::filesystem;
 constexpr double kLongest_s = 3600.0;
 constexpr int kMostTrials = 100;
 
-LocalText ReadText(const JsonNode& node) {
-  if (node.IsString()) return {{"en", node.String()}};
-  LocalText text;
-  for (const std::string& language : node.Fields()) {
-    const JsonNode at = node.At(language);
-    const bool is_code = language.size() >= 2 && language.size() <= 16 &&
-                         std::ranges::all_of(language, [](unsigned char c) {
-                           return c == '-' || (std::isalnum(c) != 0);
-                         });
-    if (!is_code) at.Fail("is no language; give its code, as \"en\", \"de\" or \"zh\"");
-    text[language] = at.String();
-  }
-  if (text.empty()) node.Fail("says nothing; give it in a language: {\"en\": \"...\"}");
-  return text;
-}
-
 /// A file beside the exercise, or in a folder there.
 std::string ReadBeside(const JsonNode& node, const std::string& folder) {
   const fs::path path = fs::path(node.String()).lexically_normal();
@@ -53,7 +37,7 @@ Exercise::Picture ReadPicture(const JsonNode& node, const std::string& folder) {
   node.AllowOnly({"file", "text"});
   const JsonNode file = node.At("file");
   static const std::set<std::string> kKinds = {".png", ".jpg", ".svg", ".webp"};
-  Exercise::Picture picture{ReadBeside(file, folder), ReadText(node.At("text"))};
+  Exercise::Picture picture{ReadBeside(file, folder), ReadLocalText(node.At("text"))};
   if (!kKinds.contains(fs::path(picture.file).extension().string())) {
     file.Fail("is no picture that browsers show; give a .png, .jpg, .svg or .webp");
   }
@@ -145,11 +129,11 @@ void ReadLimits(const JsonNode& limits, Exercise& exercise) {
 
 /// What is to be seen and read of it.
 void ReadTexts(const JsonNode& root, Exercise& exercise) {
-  exercise.title = ReadText(root.At("title"));
-  exercise.goal = ReadText(root.At("goal"));
+  exercise.title = ReadLocalText(root.At("title"));
+  exercise.goal = ReadLocalText(root.At("goal"));
   const JsonNode instruction = root.At("instruction");
   instruction.AllowOnly({"text", "pictures"});
-  exercise.instruction = ReadText(instruction.At("text"));
+  exercise.instruction = ReadLocalText(instruction.At("text"));
   if (auto pictures = instruction.Find("pictures")) {
     for (const JsonNode& picture : pictures->Items()) {
       exercise.pictures.push_back(ReadPicture(picture, exercise.folder()));
@@ -174,6 +158,22 @@ void ReadCriteriaOf(const JsonNode& node, const SceneFacts& facts, Exercise& exe
 }
 
 }  // namespace
+
+LocalText ReadLocalText(const JsonNode& node) {
+  if (node.IsString()) return {{"en", node.String()}};
+  LocalText text;
+  for (const std::string& language : node.Fields()) {
+    const JsonNode at = node.At(language);
+    const bool is_code = language.size() >= 2 && language.size() <= 16 &&
+                         std::ranges::all_of(language, [](unsigned char c) {
+                           return c == '-' || (std::isalnum(c) != 0);
+                         });
+    if (!is_code) at.Fail("is no language; give its code, as \"en\", \"de\" or \"zh\"");
+    text[language] = at.String();
+  }
+  if (text.empty()) node.Fail("says nothing; give it in a language: {\"en\": \"...\"}");
+  return text;
+}
 
 std::string Exercise::folder() const {
   const fs::path parent = fs::path(file).parent_path();

@@ -12,6 +12,8 @@ namespace palpate {
 /// What people read, by language ("en", "de", "zh"); what a file has as a mere string is English.
 using LocalText = std::map<std::string, std::string>;
 
+LocalText ReadLocalText(const JsonNode& node);
+
 /// What a student is given to do: a file that a teacher edits (exercises/README.md has every
 /// field).
 struct Exercise {

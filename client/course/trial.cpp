@@ -26,6 +26,7 @@ using Json = nlohmann::json;
 
 /// A recorder that has not begun by then, or has not ended, never will.
 constexpr std::int64_t kPatience_ns = 10'000'000'000;
+constexpr std::int64_t kRetry_ns = 2'000'000'000;
 constexpr std::size_t kLargestScore = std::size_t{16} << 20;
 constexpr const char* kTrialsTable =
     "CREATE TABLE IF NOT EXISTS trials(person INTEGER NOT NULL, exercise TEXT NOT NULL, "
@@ -126,8 +127,9 @@ bool TrialRoom::has_ended(Holder holder) const {
   });
 }
 
-void TrialRoom::Begin(Holder holder, std::int64_t person, const std::string& exercise,
-                      const std::string& station, std::int64_t now_ns) {
+int TrialRoom::Begin(Holder holder, std::int64_t person, const std::string& exercise,
+                     const std::string& station, std::int64_t now_ns,
+                     std::optional<double> exam_s) {
   Running trial;
   trial.exercise = Find(exercise);
   if (trial.exercise == nullptr) throw Error("there is no exercise " + Quoted(exercise));
@@ -139,6 +141,8 @@ void TrialRoom::Begin(Holder holder, std::int64_t person, const std::string& exe
   trial.news.exercise = exercise;
   trial.station = station;
   trial.asked_ns = now_ns;
+  trial.is_exam = trial.submits = exam_s.has_value();
+  trial.most_s = exam_s.value_or(trial.exercise->most_s);
   const std::string folder = FolderOf(person, exercise);
   std::error_code error;
   fs::create_directories(folder, error);
@@ -172,6 +176,7 @@ void TrialRoom::Begin(Holder holder, std::int64_t person, const std::string& exe
                                          begun.began_ns = -1;
                                      });
   Tell(begun, "preparing");
+  return begun.news.n;
 }
 
 void TrialRoom::BeginToEnd(Running& trial, const std::string& reason) {
@@ -185,6 +190,12 @@ void TrialRoom::BeginToEnd(Running& trial, const std::string& reason) {
 void TrialRoom::End(Holder holder, const std::string& reason) {
   for (Running& trial : trials_) {
     if (trial.news.holder == holder) BeginToEnd(trial, reason);
+  }
+}
+
+void TrialRoom::EndOf(const std::set<std::int64_t>& people, const std::string& reason) {
+  for (Running& trial : trials_) {
+    if (people.contains(trial.news.person)) BeginToEnd(trial, reason);
   }
 }
 
@@ -222,11 +233,10 @@ bool TrialRoom::PollOne(Running& trial, std::int64_t now_ns) {
   if (runs) {
     if (trial.began_ns == -1) {
       trial.began_ns = now_ns;
-      trial.news.left_s = trial.exercise->most_s;
+      trial.news.left_s = trial.most_s;
       Tell(trial, "running");
     }
-    const bool in_time =
-        1e-9 * static_cast<double>(now_ns - trial.began_ns) < trial.exercise->most_s;
+    const bool in_time = 1e-9 * static_cast<double>(now_ns - trial.began_ns) < trial.most_s;
     if (trial.news.phase == "running") {
       if (!in_time) BeginToEnd(trial, "the time is over");
     } else if (now_ns - trial.asked_ns > kPatience_ns) {
@@ -235,19 +245,24 @@ bool TrialRoom::PollOne(Running& trial, std::int64_t now_ns) {
     return true;
   }
   const std::string& complaint = trial.child->complaint();
-  if (trial.news.phase != "ending" || !complaint.empty()) {
+  if (trial.retry_ns == 0 && (trial.news.phase != "ending" || !complaint.empty())) {
     trial.news.whole = false;
     trial.news.reason = "not whole: " + (complaint.empty() ? "its recorder ended" : complaint);
     spdlog::error("trial {} of '{}' by person {}: {}", trial.news.n, trial.news.exercise,
                   trial.news.person, Printable(trial.news.reason));
   }
+  if (!Keep(trial, now_ns)) return true;
+  if (trial.is_exam) {
+    Tell(trial, "kept");
+    return false;
+  }
   Score(trial);
   return true;
 }
 
-void TrialRoom::Score(Running& trial) {
+bool TrialRoom::Keep(Running& trial, std::int64_t now_ns) try {
+  if (now_ns < trial.retry_ns) return false;
   const News& news = trial.news;
-  trial.records = false;
   file_.Use([&](SQLite::Database& database) {
     SQLite::Statement row(database,
                           "UPDATE trials SET ended_s=?, reason=?, whole=?, submitted_s=? WHERE "
@@ -261,7 +276,31 @@ void TrialRoom::Score(Running& trial) {
     row.bind(7, news.n);
     row.exec();
   });
+  trial.records = false;
   trial.news.submitted = trial.submits;
+  return true;
+} catch (const Error& error) {
+  // A full disk may have space again.  What was recorded is there.
+  if (std::exchange(trial.retry_ns, now_ns + kRetry_ns) != 0) return false;
+  trial.news.whole = false;
+  trial.news.reason += fmt::format("{}{}", trial.news.reason.empty() ? "" : "; ", error.what());
+  spdlog::error("trial {} of '{}' by person {}: {}", trial.news.n, trial.news.exercise,
+                trial.news.person, Printable(error.what()));
+  Tell(trial, "ending");
+  return false;
+}
+
+void TrialRoom::Score(const News& kept, const std::string& station) {
+  Running trial;
+  trial.news = kept;
+  trial.exercise = Find(kept.exercise);
+  trial.station = station;
+  trials_.push_back(std::move(trial));
+  Score(trials_.back());
+}
+
+void TrialRoom::Score(Running& trial) {
+  const News& news = trial.news;
   const std::string stem = fmt::format("{}/{}", FolderOf(news.person, news.exercise), news.n);
   trial.child = std::make_unique<ChildProgram>(
       options_.programs + "/palpate-replay",
@@ -353,6 +392,12 @@ std::string TrialRoom::PictureOf(const std::string& path) const {
     }
   }
   return "";
+}
+
+std::string TrialRoom::DescribeJson(const std::string& exercise) const {
+  Json json = JsonOf(*Find(exercise));
+  json.erase("guide");  // a hint, where there is one
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 std::string TrialRoom::ListJson(std::int64_t person) {

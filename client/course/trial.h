@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -34,7 +35,8 @@ class TrialRoom {
     std::int64_t person = 0;
     std::string exercise;
     int n = 0;
-    /// "preparing", "running", "ending", "scoring", "scored"; "unscored" where that failed.
+    /// "preparing", "running", "ending", "scoring", "scored"; "unscored" where that failed.  Of an
+    /// exam "kept" in place of the last three.
     std::string phase;
     std::string reason;  ///< why it ended, and what is wrong
     bool whole = true;   ///< nothing of it is missing
@@ -54,10 +56,16 @@ class TrialRoom {
   /// Starts its recorder; "running" tells that the tool may now be taken.  Throws Error, for the
   /// person, where it cannot be.
   /// @param station  that the person's hand will have.
-  void Begin(Holder holder, std::int64_t person, const std::string& exercise,
-             const std::string& station, std::int64_t now_ns);
+  /// @param exam_s   of an exam: its time, in place of the exercise's.  It is not scored then.
+  /// Returns its number.
+  int Begin(Holder holder, std::int64_t person, const std::string& exercise,
+            const std::string& station, std::int64_t now_ns, std::optional<double> exam_s = {});
   /// Ends the trial that a viewer is at, if it is.
   void End(Holder holder, const std::string& reason);
+  /// Ends what they are at.
+  void EndOf(const std::set<std::int64_t>& people, const std::string& reason);
+  /// Scores a trial of an exam that is closed.  @param kept  what was told of it.
+  void Score(const News& kept, const std::string& station);
   /// Hands a trial in; one that is running ends.  Throws Error where there is none.
   void Submit(Holder holder, std::int64_t person, const std::string& exercise, int n);
   bool is_at_one(Holder holder) const;
@@ -74,6 +82,8 @@ class TrialRoom {
   std::string ListJson(std::int64_t person);
   /// Keys of a person's score pages, by exercise and number, of those that there are.
   std::map<std::pair<std::string, int>, std::string> PagesOf(std::int64_t person);
+  /// An exercise alone, without hints.  @param exercise  one that there is.
+  std::string DescribeJson(const std::string& exercise) const;
   /// The score page that a key of News stands for; empty: none.
   std::string PageOf(const std::string& key) const;
   /// An exercise's picture, "EXERCISE/FILE"; empty: none.
@@ -87,6 +97,9 @@ class TrialRoom {
     std::unique_ptr<ChildProgram> child;  // the recorder, then the replayer
     bool records = false;
     bool submits = false;
+    bool is_exam = false;
+    double most_s = 0.0;
+    std::int64_t retry_ns = 0;  // to enter its end; 0: it has not been tried
     std::int64_t asked_ns = 0;  // to begin, or to end
     std::int64_t began_ns = 0;
   };
@@ -95,6 +108,8 @@ class TrialRoom {
   /// False once it is done with.
   bool PollOne(Running& trial, std::int64_t now_ns);
   void BeginToEnd(Running& trial, const std::string& reason);
+  /// Enters in the course's file how it ended.  False where that cannot be written now.
+  bool Keep(Running& trial, std::int64_t now_ns);
   void Score(Running& trial);
   void TakeScore(Running& trial);
   void Tell(Running& trial, const std::string& phase);

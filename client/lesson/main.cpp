@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "client/course/exam.h"
 #include "client/course/exercise.h"
 #include "common/dds/cdr_reader.h"
 #include "common/dds/endpoint.h"
@@ -27,7 +28,7 @@ constexpr std::int64_t kPatience_ns = 5'000'000'000;
 constexpr const char* kAbout =
     R"(Resets scenes that were cut, for everybody who feels and sees them: 'whole' restores them, 'bookmark'
 saves their state, 'back' returns to it.  Forces are off for a moment, and return once the tool is clear
-of the restored material.  'check' checks exercises that a teacher has written.
+of the restored material.  'check' checks exercises and exams that a teacher has written.
 )";
 
 constexpr const char* kExample =
@@ -106,6 +107,14 @@ int Check(const std::vector<std::string>& files) {
   bool good = true;
   for (const std::string& file : files) {
     try {
+      if (file.ends_with(kExamEnding)) {
+        const Exam exam = LoadExam(file);
+        std::printf(
+            "%s: good: tasks %zu, %.0f s, people %s\n", Printable(file).c_str(), exam.tasks.size(),
+            exam.time_s,
+            exam.people.empty() ? "all who drive" : std::to_string(exam.people.size()).c_str());
+        continue;
+      }
       const Exercise exercise = LoadExercise(file);
       std::printf("%s: good: scene %s, tool %s, %.0f s, criteria %zu, trials %d, expert %s\n",
                   Printable(file).c_str(), Printable(exercise.scene).c_str(),
@@ -177,9 +186,9 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   const CommandLine bookmark =
       add("bookmark", "save the state of scenes that burs cut", "bookmark caries");
   const CommandLine back = add("back", "return them to their bookmark", "back caries");
-  const CommandLine check = app.AddCommand("check", "check the files of exercises");
+  const CommandLine check = app.AddCommand("check", "check the files of exercises and exams");
   check.Footer("Example: palpate-lesson check mine.exercise.json");
-  check.Add("FILE", options.exercises, "NAME.exercise.json").Required();
+  check.Add("FILE", options.exercises, "NAME.exercise.json, or NAME.exam.json").Required();
   app.RequireCommands(0, 1);
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
   if (!whole.given() && !bookmark.given() && !back.given() && !check.given()) {

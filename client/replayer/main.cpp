@@ -6,6 +6,7 @@
 #include "client/replayer/options.h"
 #include "client/replayer/play/player.h"
 #include "client/replayer/score/score_report.h"
+#include "client/replayer/verify/sealed.h"
 #include "client/replayer/verify/verify.h"
 #include "common/files/private_file.h"
 #include "common/program/command_line.h"
@@ -23,6 +24,16 @@ int Run(const ReplayOptions& options) {
       if (options.json != "-") std::fputs(ToText(verification).c_str(), stdout);
       if (!options.json.empty()) WriteJson(verification, options.json);
       return verification.good() ? 0 : 1;
+    }
+    case ReplayOptions::What::kVerifySealed: {
+      const Certificate certificate = VerifySealed(options.sealed);
+      if (options.json != "-") std::fputs(ToText(certificate).c_str(), stdout);
+      if (!options.json.empty()) WriteJson(certificate, options.json);
+      if (!options.out.empty()) {
+        WriteCertificate(certificate, options.out);
+        std::fprintf(stderr, "open %s\n", ShellWord(options.out + "/certificate.html").c_str());
+      }
+      return certificate.good() ? 0 : 1;
     }
     case ReplayOptions::What::kPlay: {
       StopSignal stop;

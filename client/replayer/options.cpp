@@ -27,11 +27,20 @@ constexpr const char* kExamples =
       for an examination: it is steered by the keys of this terminal alone
   palpate-replay lesson.mcap --verify
       computes every wrench again and compares all bits
+  palpate-replay 1.mcap --verify --key anatomy/exam-key.pub.pem
+      and that it is what was sealed in an exam: its seal 1.seal.json lies beside it
   palpate-replay expert.mcap --guide trainee
       leads the hand at station 'trainee', which accepts it with --accept-guide
   palpate-replay score --help
       examples of score; likewise of criteria and export)";
 constexpr const char* kStatus = "Exit status: 0 done, 1 failed or not verified, 2 wrong usage.";
+
+constexpr const char* kExamExamples =
+    R"(Example:
+  palpate-replay verify-exam anatomy --key anatomy/exam-key.pub.pem --out certificate
+      all that was handed in, on all processors; certificate/certificate.html can be printed.  Have
+      the key from when the course began, not from whoever gives you the folder.
+Exit status: 0 all is verified, 1 something is refused or missing, 2 wrong usage.)";
 
 constexpr const char* kScoreExamples =
     R"(Examples:
@@ -78,6 +87,12 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
       .Needs(verify_option);
   const Option json =
       app.Add("--json", options.json, "with --verify: write the result as JSON; - is stdout");
+  const Option seal_key =
+      app.Add(
+             "--key", options.sealed.key,
+             "with --verify: public key of the course that sealed the recording, exam-key.pub.pem; "
+             "checks its seal, too")
+          .Needs(verify_option);
   const Option guide =
       app.Add("--guide", options.guide.led, "lead the hand at this station along the recorded path")
           .Excludes(verify_option);
@@ -146,6 +161,17 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
   score.Add("--out", options.out, "folder for the report: score.html, and its figures");
   score.Add("--json", options.json, "write the score as JSON to this file; - is stdout");
 
+  const CommandLine exam = app.AddCommand(
+      "verify-exam", "verify all that was handed in in an exam, and write a certificate");
+  exam.Footer(kExamExamples);
+  exam.Add("folder", options.sealed.folder, "of the course, or a copy of it").Required();
+  exam.Add("--key", options.sealed.key, "the course's public key, exam-key.pub.pem").Required();
+  exam.Add("--exam", options.sealed.exam,
+           "NAME, or NAME-NUMBER as its roll is named; may be left out where there is one");
+  exam.Add("--models", options.sealed.verify.models_dir, "as with --verify");
+  exam.Add("--out", options.out, "folder for the certificate: text, JSON, and a page to print");
+  exam.Add("--json", options.json, "write it as JSON to this file; - is stdout");
+
   const CommandLine rehearse = app.AddCommand(
       "rehearse", "let the expert's hand do an exercise, and grade it: can its criteria be met?");
   rehearse.Footer(kRehearseExamples);
@@ -197,6 +223,13 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
     options.what = solids ? ReplayOptions::What::kExportSolids : ReplayOptions::What::kExport;
     return options;
   }
+  if (exam.given()) {
+    if (!options.playback.files.empty() || verify || guide.given()) {
+      throw UsageError("verify-exam takes a folder alone: 'palpate-replay verify-exam --help'");
+    }
+    options.what = ReplayOptions::What::kVerifySealed;
+    return options;
+  }
   if (score.given() || criteria.given() || rehearse.given()) {
     if (!options.playback.files.empty() || verify || guide.given()) {
       throw UsageError("score takes its recordings alone: 'palpate-replay score --help'");
@@ -214,6 +247,14 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
     throw UsageError("a recording is missing; 'palpate-replay --help' shows how");
   }
   if (verify) options.what = ReplayOptions::What::kVerify;
+  if (seal_key.given()) {
+    if (options.playback.files.size() != 1) {
+      throw UsageError("--key: a sealed recording is one file; give it alone");
+    }
+    options.what = ReplayOptions::What::kVerifySealed;
+    options.sealed.recording = options.playback.files.front();
+    options.sealed.verify = options.verify;
+  }
   if (json.given() && !verify) throw UsageError("--json goes with --verify or score");
   if (!options.guide.led.empty()) {
     options.what = ReplayOptions::What::kGuide;

@@ -9,20 +9,32 @@
 #include "client/replayer/play/player.h"
 #include "client/replayer/playback.h"
 #include "client/replayer/score/score_report.h"
+#include "client/replayer/verify/sealed.h"
 #include "client/replayer/verify/verify.h"
 
 namespace palpate {
 
 struct ReplayOptions {
-  enum class What { kPlay, kVerify, kGuide, kScore, kRehearse, kCriteria, kExport, kExportSolids };
+  enum class What {
+    kPlay,
+    kVerify,
+    kVerifySealed,
+    kGuide,
+    kScore,
+    kRehearse,
+    kCriteria,
+    kExport,
+    kExportSolids
+  };
   What what = What::kPlay;
   Playback playback;  ///< of kPlay and kGuide; kVerify takes its files
   PlayOptions play;
   VerifyOptions verify;
+  SealedOptions sealed;
   GuideOptions guide;
   ScoreOptions score;
-  std::string out;           ///< of kScore: folder for the report; empty: none
-  std::string json;          ///< of kVerify and kScore: file or "-"; empty: none
+  std::string out;           ///< of kScore and kVerifySealed: folder; empty: none
+  std::string json;          ///< of these and kVerify: file or "-"; empty: none
   std::string exercise;      ///< of kRehearse: file
   std::string new_criteria;  ///< of kCriteria: file to write
   std::string criteria_of;   ///< of kCriteria: the scene; empty: periodontal probing

@@ -284,6 +284,9 @@ void HttpSession::GiveHistory(const Request& request, const std::string& name,
   if (!MayRead(*wish, verdict.access, verdict.holder ? verdict.holder->person : 0)) {
     return Refuse(request, 403, Refusal::kRole, "what others did is for who teaches to read");
   }
+  if (verdict.holder && hub_.SitsExam(verdict.holder->person)) {
+    return Refuse(request, 403, Refusal::kRole, Hub::kInExam);
+  }
   stream_.next_layer().expires_never();
   hub_.AskHistory(*wish, verdict.access == Access::kOperate,
                   [self = shared_from_this(), request](HistoryDesk::Answer answer) {

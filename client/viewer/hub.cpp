@@ -25,6 +25,13 @@ constexpr const char* kStopped = "stopped";
 
 constexpr std::int64_t kStatistics_ns = 5'000'000'000;
 
+/// Since 1970: what a course's file keeps must be true in the gateway's next run, too.
+std::int64_t WallClock_s() {
+  return std::chrono::duration_cast<std::chrono::seconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
 std::string RandomId() {
   std::random_device random;
   return fmt::format("{:08x}{:08x}", random(), random());
@@ -101,6 +108,8 @@ Hub::Hub(boost::asio::io_context& io, const ViewerOptions& options)
       TrialRoom::Options{options.course, ProgramFolder(), RecorderWords(options)},
       class_room_->file(), [this](const TrialRoom::News& news) { Tell(news); });
   history_ = std::make_unique<HistoryDesk>(io, options.course, trials_->exercises());
+  exams_ = std::make_unique<ExamRoom>(options_.course, class_room_->file(), class_room_->roster(),
+                                      *trials_, WallClock_s());
 }
 
 bool Hub::MakeRoom(const std::string& address) {
@@ -147,6 +156,8 @@ void Hub::Tick(std::int64_t now_ns) {
       [&](const wire::SessionState& state) { mice_.OnSession(state, now_ns); });
   mice_.Poll(now_ns);
   if (trials_) trials_->Poll(now_ns);
+  if (exams_ && !feed_.server_lives()) exams_->EndTrials("the server has gone");
+  if (exams_ && exams_->Poll(WallClock_s())) TellExam(now_ns);
   refusals_.Poll(now_ns);
   TellClass(now_ns);
   // Flushing may find that one has gone.
@@ -228,7 +239,7 @@ FramePtr Hub::Teach(const ClassCommand& command, ViewerSession& viewer) {
   const std::int64_t now_ns = SteadyNanoseconds();
   const std::string answer =
       class_room_->Do(command, listed_.value_or(Tokens()), Scenes(), CountPages(),
-                      [this](std::int64_t person) { return trials_->has_one_of(person); });
+                      [this](std::int64_t person) { return trials_->has_one_of(person) || SitsExam(person); });
   spdlog::info("{}: {}", viewer.Who(), ClassOpName(command.op));
   class_changed_ = true;
   if (ChangesTokens(command.op)) Renew(listed_, now_ns);
@@ -311,7 +322,14 @@ void Hub::BeginTrial(const std::string& name, ViewerSession& viewer, std::int64_
       mice_.Take(viewer.id(), viewer.holder()->name, take, "", now_ns, true);
   if (station.empty()) return;  // which its page has been told
   try {
-    trials_->Begin(viewer.id(), viewer.holder()->person, name, station, now_ns);
+    const std::int64_t person = viewer.holder()->person;
+    if (exams_->Sits(person)) {
+      exams_->Begin(
+          {viewer.id(), person, name, station, take.scene, feed_.scenes().at(take.scene).hash},
+          WallClock_s(), now_ns);
+    } else {
+      trials_->Begin(viewer.id(), person, name, station, now_ns);
+    }
   } catch (const Error& error) {
     mice_.Release(viewer.id(), error.what(), now_ns);
     throw;
@@ -327,13 +345,46 @@ void Hub::AskHistory(const HistoryWish& wish, bool for_teacher,
 }
 
 FramePtr Hub::ExercisesFrameOf(const ViewerSession& viewer) const {
-  return OwnFrame(TopicFeed::kExercises, 0, trials_->ListJson(viewer.holder()->person));
+  return OwnFrame(
+      TopicFeed::kExercises, 0,
+      IsInExam(viewer) ? R"({"exercises": []})" : trials_->ListJson(viewer.holder()->person));
+}
+
+bool Hub::IsInExam(const ViewerSession& viewer) const {
+  return viewer.holder() && SitsExam(viewer.holder()->person);
+}
+
+FramePtr Hub::ExamFrameOf(const ViewerSession& viewer) const {
+  const std::int64_t person = viewer.holder() ? viewer.holder()->person : 0;
+  return OwnFrame(TopicFeed::kExam, 0, exams_->StateJson(person, viewer.teaches(), WallClock_s()));
+}
+
+FramePtr Hub::Examine(std::string_view wish, std::int64_t now_ns) {
+  const FramePtr answer = OwnFrame(TopicFeed::kExamAnswer, 0, exams_->Do(wish, WallClock_s()));
+  for (const auto& [id, viewer] : viewers_) {
+    if (IsInExam(*viewer) && !trials_->is_at_one(id)) {
+      mice_.Release(id, "an exam begins", now_ns);
+    }
+    // An exam that is open hides all that, and one that is closed shows it.
+    if (viewer->holder()) viewer->Push(ExercisesFrameOf(*viewer), now_ns);
+  }
+  return answer;
+}
+
+void Hub::TellExam(std::int64_t now_ns) {
+  for (const auto& [id, viewer] : viewers_) {
+    if (viewer->holder()) viewer->Push(ExamFrameOf(*viewer), now_ns);
+  }
 }
 
 void Hub::Tell(const TrialRoom::News& news) {
   const std::int64_t now_ns = SteadyNanoseconds();
   if (news.phase == "running") mice_.Go(news.holder, now_ns);
-  if (news.phase == "ending" || news.phase == "scoring") {
+  if (exams_ && (news.phase == "kept" || news.phase == "scored" || news.phase == "unscored")) {
+    exams_->Heard(news);
+  }
+  // One of an exam is scored when nobody holds its tool any more.
+  if (news.holder != 0 && (news.phase == "ending" || news.phase == "scoring")) {
     // What a person has asked for needs no message.
     mice_.Release(news.holder, news.reason == kStopped ? "" : "the trial ends: " + news.reason,
                   now_ns);
@@ -344,7 +395,7 @@ void Hub::Tell(const TrialRoom::News& news) {
                          {"passed", news.passed},     {"submitted", news.submitted},
                          {"page", news.page},         {"left_s", news.left_s}};
   if (news.points) json["points"] = *news.points;
-  const bool is_over = news.phase == "scored" || news.phase == "unscored";
+  const bool is_over = news.phase == "scored" || news.phase == "unscored" || news.phase == "kept";
   spdlog::info("trial {} of '{}' by person {}: {}{}{}", news.n, news.exercise, news.person,
                news.phase, news.reason.empty() ? "" : ", ", news.reason);
   // All pages of that person: the one that began it may be gone.
@@ -458,6 +509,7 @@ void Hub::Take(ViewerSession& viewer, const MouseCommand& command, std::int64_t 
   if (refusal.empty() && !seat.empty() && seat != command.scene) {
     refusal = "your seat is '" + seat + "'; take the tool there";
   }
+  if (refusal.empty() && IsInExam(viewer)) refusal = kInExam;
   if (refusal.empty()) {
     mice_.Take(viewer.id(), holder ? holder->name : "", command, WhyAbsent(command.scene), now_ns);
     return;

@@ -10,6 +10,7 @@
 
 #include <boost/asio/io_context.hpp>
 
+#include "client/course/exam_room.h"
 #include "client/course/trial.h"
 #include "client/viewer/class_room.h"
 #include "client/viewer/gate.h"
@@ -78,6 +79,13 @@ class Hub {
   std::string Try(const TrialCommand& command, ViewerSession& viewer, std::int64_t now_ns);
   /// What there is to do, for that person.  @param viewer  one of a course.
   FramePtr ExercisesFrameOf(const ViewerSession& viewer) const;
+  /// Why somebody who sits an exam may do nothing but its tasks.
+  static constexpr const char* kInExam = "an exam is open: begin its next task";
+  bool SitsExam(std::int64_t person) const { return exams_ && exams_->Sits(person); }
+  bool IsInExam(const ViewerSession& viewer) const;
+  /// Does what a teacher wants of an exam, and makes what the page is answered.  Throws Error.
+  FramePtr Examine(std::string_view wish, std::int64_t now_ns);
+  FramePtr ExamFrameOf(const ViewerSession& viewer) const;
   /// Null without a --course.
   const TrialRoom* trials() const { return trials_.get(); }
   /// Answers what MayRead allows; 404 without a --course.
@@ -119,6 +127,7 @@ class Hub {
   ClassRoom::Scenes Scenes() const;
   /// Pages of the course are told what has changed there, once a tick.
   void TellClass(std::int64_t now_ns);
+  void TellExam(std::int64_t now_ns);
   /// Why a scene's tools cannot be had now; empty: they can.
   std::string WhyAbsent(const std::string& scene) const;
   void TellState(ViewerSession& viewer, const MouseRoom::News& news);
@@ -131,6 +140,7 @@ class Hub {
   std::optional<Tokens> listed_;  // of --tokens
   std::unique_ptr<TrialRoom> trials_;
   std::unique_ptr<HistoryDesk> history_;
+  std::unique_ptr<ExamRoom> exams_;
   bool class_changed_ = false;
   Gate gate_;
   RefusalLog refusals_;

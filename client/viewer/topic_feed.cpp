@@ -77,6 +77,9 @@ std::vector<foxglove::Channel> TopicFeed::Channels(bool mice, bool steers, bool 
     channels.push_back(JsonChannel(kReplayAnswer, "replay_answer", "ReplayAnswer", kAnswerSchema));
   }
   if (of_course) channels.push_back(JsonChannel(kMe, "me", "Me", kObjectSchema));
+  if ((of_course && mice) || teaches) {
+    channels.push_back(JsonChannel(kExam, "exam_state", "ExamState", kObjectSchema));
+  }
   if (of_course && mice) {
     channels.push_back(JsonChannel(kExercises, "exercises", "Exercises", kObjectSchema));
     channels.push_back(JsonChannel(kTrial, "trial_state", "TrialState", kObjectSchema));
@@ -84,6 +87,7 @@ std::vector<foxglove::Channel> TopicFeed::Channels(bool mice, bool steers, bool 
   if (teaches) {
     channels.push_back(JsonChannel(kPeople, "people", "People", kObjectSchema));
     channels.push_back(JsonChannel(kClassAnswer, "class_answer", "ClassAnswer", kObjectSchema));
+    channels.push_back(JsonChannel(kExamAnswer, "exam_answer", "ExamAnswer", kObjectSchema));
   }
   return channels;
 }

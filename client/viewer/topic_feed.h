@@ -57,6 +57,8 @@ class TopicFeed {
     kClassAnswer,  ///< to each of those, of its own wishes
     kExercises,    ///< to each who may have a mouse there: what there is to do, and what was done
     kTrial,        ///< to each of those, of the own trial
+    kExam,         ///< to each of a course: the open exam; to those who operate, all of it
+    kExamAnswer,   ///< to each of those, of its own wishes
   };
   /// What viewers are offered.
   /// @param mice    who may have a mouse hears of it.

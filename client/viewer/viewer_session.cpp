@@ -30,6 +30,7 @@ constexpr const char* kReplayTopic = "/palpate/replay";
 constexpr const char* kOperateTopic = "/palpate/operate";
 constexpr const char* kClassTopic = "/palpate/class";
 constexpr const char* kTrialTopic = "/palpate/trial";
+constexpr const char* kExamTopic = "/palpate/exam";
 
 }  // namespace
 
@@ -172,11 +173,11 @@ std::string ViewerSession::OnText(std::string_view text) {
 }
 
 void ViewerSession::Publish(const foxglove::ClientChannel& channel) {
-  const bool may = (mouse_ && channel.topic == kMouseTopic) ||
-                   (steers_ && channel.topic == kReplayTopic) ||
-                   (teaches_ && channel.topic == kClassTopic) ||
-                   (of_course_ && mouse_ && channel.topic == kTrialTopic) ||
-                   (access_ == Access::kOperate && channel.topic == kOperateTopic);
+  const bool may =
+      (mouse_ && channel.topic == kMouseTopic) || (steers_ && channel.topic == kReplayTopic) ||
+      (teaches_ && channel.topic == kClassTopic) || (teaches_ && channel.topic == kExamTopic) ||
+      (of_course_ && mouse_ && channel.topic == kTrialTopic) ||
+      (access_ == Access::kOperate && channel.topic == kOperateTopic);
   if (may && channel.encoding == "json") {
     published_.insert_or_assign(channel.id, channel.topic);
     return;
@@ -204,7 +205,7 @@ std::string ViewerSession::WhatIsOfUse() const {
   for (const auto& [may, topic] :
        {std::pair(steers_, kReplayTopic), std::pair(mouse_, kMouseTopic),
         std::pair(operates, kOperateTopic), std::pair(teaches_, kClassTopic),
-        std::pair(of_course_ && mouse_, kTrialTopic)}) {
+        std::pair(teaches_, kExamTopic), std::pair(of_course_ && mouse_, kTrialTopic)}) {
     if (may) use += (use.empty() ? "give " : " or ") + std::string(topic);
   }
   if (!use.empty()) use += ", encoding json";
@@ -250,6 +251,7 @@ void ViewerSession::Subscribe(const foxglove::Request& request) {
     if (wanted.channel == TopicFeed::kExercises) {
       queue_.Push(hub_.ExercisesFrameOf(*this), now_ns);
     }
+    if (wanted.channel == TopicFeed::kExam) queue_.Push(hub_.ExamFrameOf(*this), now_ns);
     if (wanted.channel == TopicFeed::kPeople) queue_.Push(hub_.PeopleFrame(), now_ns);
     if (wanted.channel == TopicFeed::kMouseState && mouse_state_) queue_.Push(mouse_state_, now_ns);
   }
@@ -269,6 +271,8 @@ std::string ViewerSession::OnBinary(std::span<const std::uint8_t> bytes) {
       OnOperate(ParseOperateCommand(message.payload));
     } else if (channel->second == kClassTopic) {
       OnClass(ParseClassCommand(message.payload));
+    } else if (channel->second == kExamTopic) {
+      OnExam(message.payload);
     } else if (channel->second == kTrialTopic) {
       OnTrial(ParseTrialCommand(message.payload));
     } else {
@@ -294,6 +298,7 @@ void ViewerSession::OnMouse(const MouseCommand& command) {
     case MouseCommand::Op::kBookmark:
     case MouseCommand::Op::kBack: {
       if (!hub_.RefuseWish(Wish::kWhole, *this, now_ns).empty()) return;
+      if (hub_.IsInExam(*this)) return Say(foxglove::Level::kError, Hub::kInExam);
       const wire::WholeWish wish = command.op == MouseCommand::Op::kWhole  ? palpate_WHOLE_AGAIN
                                    : command.op == MouseCommand::Op::kBack ? palpate_WHOLE_BACK
                                                                            : palpate_WHOLE_BOOKMARK;
@@ -320,6 +325,12 @@ void ViewerSession::OnClass(const ClassCommand& command) {
   const std::int64_t now_ns = SteadyNanoseconds();
   if (!hub_.RefuseWish(Wish::kOperate, *this, now_ns).empty()) return;
   queue_.Push(hub_.Teach(command, *this), now_ns);
+}
+
+void ViewerSession::OnExam(std::string_view wish) {
+  const std::int64_t now_ns = SteadyNanoseconds();
+  if (!hub_.RefuseWish(Wish::kOperate, *this, now_ns).empty()) return;
+  queue_.Push(hub_.Examine(wish, now_ns), now_ns);
 }
 
 void ViewerSession::OnTrial(const TrialCommand& command) {

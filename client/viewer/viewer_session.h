@@ -42,6 +42,8 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
 
   std::uint64_t id() const { return id_; }
   const Visitor& visitor() const { return visitor_; }
+  /// It may decide about people.
+  bool teaches() const { return teaches_; }
   const std::optional<Tokens::Holder>& holder() const { return holder_; }
   /// From now on its token has this name.
   void Rename(const std::string& name) { holder_->name = name; }
@@ -81,6 +83,7 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
   void OnMouse(const MouseCommand& command);
   void OnReplay(const ReplayWish& wish);
   void OnClass(const ClassCommand& command);
+  void OnExam(std::string_view wish);
   void OnTrial(const TrialCommand& command);
   /// What it is offered.
   std::vector<foxglove::Channel> Channels() const;
@@ -98,7 +101,7 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
   bool mouse_;                            // it may have one
   bool steers_;                           // it may steer a replay
   bool of_course_;                        // its token is a person's
-  bool teaches_;                          // it may decide about people
+  bool teaches_;
   boost::beast::flat_buffer input_;
   TokenBucket messages_{ViewerLimits::kMessagesPerSecond, ViewerLimits::kMessagesAtOnce};
   RateLimit complaints_{ViewerLimits::kComplaints.period_ns, ViewerLimits::kComplaints.at_once};

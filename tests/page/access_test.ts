@@ -18,6 +18,7 @@ import {
   text,
 } from "./support/at_gateway";
 import {eventually, until} from "./support/browser";
+import {heldExam, ownExam, trialState} from "./support/exam_state";
 import {FakeReplay} from "./support/fake_replay";
 import {kClassHistory, kPersonHistory} from "./support/made_up_history";
 import {pressed, sessionState} from "./support/fake_gateway";
@@ -83,6 +84,27 @@ test("axe finds no violation: nothing taken, a tool held, teacher's and student'
   await page.setViewportSize({width: 390, height: 844});
   await page.keyboard.press("v");
   expect(await violations(), "a student's phone").toEqual([]);
+});
+
+test("axe finds no violation in an exam, for who sits it and who holds it", async () => {
+  gateway.hasCourse = true;
+  gateway.role = "drive";
+  gateway.retain("/palpate/exam_state", ownExam({cut: "the gateway was killed"}));
+  await open({viewport: {width: 390, height: 844}});
+  await page.locator("#exam-bar").waitFor();
+  expect(await violations(), "a task, on a phone").toEqual([]);
+  gateway.send("/palpate/trial_state", trialState("running"));
+  await page.getByRole("button", {name: "Hand in"}).waitFor();
+  expect(await violations(), "at it").toEqual([]);
+  gateway.role = "operate";
+  gateway.retain("/palpate/exam_state", heldExam());
+  await open({viewport: {width: 1280, height: 800}});
+  await page.getByRole("button", {name: "Exam", exact: true}).click();
+  expect(await violations(), "an examiner's desk").toEqual([]);
+  gateway.send("/palpate/exam_state", heldExam({closed: true}));
+  await page.locator("#exam-dialog pre").waitFor();
+  await page.keyboard.press("t");
+  expect(await violations(), "closed, dark").toEqual([]);
 });
 
 test("axe finds no violation in a replay, nor in a bookmark's dialogue", async () => {

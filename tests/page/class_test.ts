@@ -3,6 +3,7 @@ import {afterEach, expect} from "vitest";
 
 import {appears, atGateway, gateway, open, page, reads, text} from "./support/at_gateway";
 import {eventually, probe} from "./support/browser";
+import {heldExam, ownExam, trialState} from "./support/exam_state";
 import {pressed, sessionState} from "./support/fake_gateway";
 import {kTestScene} from "./support/scene_bytes";
 import {browserTest as test} from "./support/skip";
@@ -120,4 +121,57 @@ test("a student goes to the own seat, reads the teacher's line, and has no class
   gateway.send("/palpate/me", {...me, seat: kSeat.name, line: "Gently", lines: 1});
   gateway.send("/palpate/me", {...me, seat: kSeat.name, line: "Well done", lines: 2});
   await reads(".said span", "Well done");
+});
+
+test("an examiner opens an exam, gives time and another trial, and closes it", async () => {
+  gateway.retain("/palpate/exam_state", {...heldExam(), open: null});
+  gateway.role = "operate";
+  gateway.hasCourse = true;
+  await open();
+  await press("Exam");
+  await press("Open the exam");
+  await press("Really: Open the exam?");
+  gateway.send("/palpate/exam_answer", {tag: 2, refusal: "nobody who drives is in the course"});
+  await reads("#exam-dialog .word", "nobody who drives is in the course");
+  gateway.send("/palpate/exam_state", heldExam());
+  await press("Give the 41 s back");
+  await press("5 min more for all");
+  await press("Once more");
+  await press("Really: Once more?");
+  expect(await text("#exam-dialog tbody li:last-child")).toMatch(/cut short: the gateway was/);
+  await press("Close the exam");
+  await press("Really: Close the exam?");
+  await eventually("six wishes", () => gateway.published.length === 6);
+  expect(gateway.published).toEqual([
+    {tag: 1, op: "look"},
+    {tag: 2, op: "open", exam: "midterm"},
+    {tag: 3, op: "give_back"},
+    {tag: 4, op: "more", s: 300},
+    {tag: 5, op: "again", person: 2},
+    {tag: 6, op: "close"},
+  ]);
+});
+
+test("who sits an exam sees its next task and the time, no exercises, and hands in", async () => {
+  gateway.role = "drive";
+  gateway.hasCourse = true;
+  gateway.retain("/palpate/exercises", {exercises: []});
+  await open();
+  await page.getByRole("button", {name: "Exercises"}).waitFor();
+  gateway.send("/palpate/exam_state", ownExam());
+  await reads("#exam-bar .times span:first-child", "Task 1 of 3, trial 1 of 2");
+  expect(await page.getByRole("button", {name: "Exercises"}).isVisible()).toBe(false);
+  expect(await page.locator("#scene").isVisible()).toBe(false);
+  await press("Begin this task");
+  await eventually("a wish", () => gateway.published.length === 1);
+  gateway.send("/palpate/trial_state", trialState("running"));
+  await press("Hand in");
+  await eventually("another", () => gateway.published.length === 2);
+  expect(gateway.published).toEqual([{op: "begin", exercise: "light-force"}, {op: "stop"}]);
+  gateway.send("/palpate/trial_state", trialState("kept"));
+  gateway.send("/palpate/exam_state", ownExam({task: 3, exercise: undefined}));
+  await reads(
+    "#exam-bar .word",
+    "You have done all tasks. The points come when the exam is closed.",
+  );
 });

@@ -217,6 +217,10 @@ void WebClient::SendOperate(const Json& command) {
   SendOn(3, "/palpate/operate", command);
 }
 
+void WebClient::SendExam(const Json& wish) {
+  SendOn(5, "/palpate/exam", wish);
+}
+
 void WebClient::SendClass(const Json& command) {
   SendOn(4, "/palpate/class", command);
 }

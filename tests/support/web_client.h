@@ -76,6 +76,8 @@ class WebClient {
   void SendOperate(const nlohmann::json& command);
   /// On its channel 4.
   void SendClass(const nlohmann::json& command);
+  /// On its channel 5.
+  void SendExam(const nlohmann::json& wish);
 
   /// The next JSON message with this `op`; earlier ones of others are passed over.  Null: none
   /// came.

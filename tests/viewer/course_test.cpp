@@ -3,6 +3,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <utility>
 
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>
@@ -37,6 +38,11 @@ class Pupil {
   WebClient& client() { return client_; }
   /// What it hears of itself next.
   CourseJson Me() { return Read(1); }
+  /// And of an exam.
+  CourseJson Exam() {
+    if (!std::exchange(hears_exam_, true)) client_.Subscribe(4, TopicFeed::kExam);
+    return Read(4);
+  }
 
  protected:
   CourseJson Read(std::uint32_t subscription) {
@@ -45,6 +51,7 @@ class Pupil {
     return CourseJson::parse(message->payload.begin(), message->payload.end());
   }
   WebClient client_;
+  bool hears_exam_ = false;
 };
 
 class Teacher : public Pupil {
@@ -201,6 +208,39 @@ TEST(Course, DeletesAPersonWithAllThatTheyDid) {
   EXPECT_FALSE(std::filesystem::exists(folder / "course/trials/2"));
   EXPECT_THAT(teacher.Ask({{"op", "person_delete"}, {"person", 2}})["refusal"].get<std::string>(),
               testing::HasSubstr("nobody of this course"));
+}
+
+TEST(Course, HoldsAnExamWithWhichTheNextGatewayGoesOnWhereOneWasKilled) {
+  const Folder folder;
+  std::filesystem::create_directory(folder / "course");
+  std::ofstream(folder / "course/midterm.exam.json")
+      << R"({"title": "Midterm", "time_s": 600, "tasks": [{"exercise": "light-force"}]})";
+  std::string token;
+  {
+    Gateway gateway({"--course", folder / "course"});
+    Teacher teacher(gateway, FirstLink(gateway));
+    token = teacher.Make("Anna");
+    Pupil anna(gateway, token);
+    EXPECT_EQ(anna.Exam()["open"], nullptr);
+    // To hold one is not for those who sit it.
+    anna.client().SendExam({{"tag", 1}, {"op", "open"}, {"exam", "midterm"}});
+    EXPECT_EQ(anna.client().closed(), kPolicyViolation);
+    teacher.client().SendExam({{"tag", 1}, {"op", "open"}, {"exam", "midterm"}});
+    Pupil again(gateway, token);
+    EXPECT_TRUE(
+        Eventually([&] { return again.Exam()["open"]["exercise"]["name"] == "light-force"; }));
+    again.client().SendMouse({{"op", "take"}, {"scene", "cube"}});
+    again.client().Subscribe(3, TopicFeed::kMouseState);
+    const auto told = again.client().Next(3);
+    ASSERT_TRUE(told);
+    EXPECT_THAT(std::string(told->payload.begin(), told->payload.end()),
+                testing::HasSubstr("an exam is open"));
+    gateway.program().Signal(SIGKILL);
+    EXPECT_EQ(gateway.program().Exit(), -SIGKILL);
+  }
+  Gateway gateway({"--course", folder / "course"});
+  Pupil anna(gateway, token);
+  EXPECT_EQ(anna.Exam()["open"]["name"], "midterm");
 }
 
 TEST(Course, GivesEachASeatAndKeepsOthersOut) {

@@ -116,6 +116,10 @@ class Scenes {
   }
   void AddHash(const std::string& scene, const std::string& hash) { hashes_[scene] = hash; }
 
+  std::string HashOf(const std::string& name) const {
+    const auto found = hashes_.find(name);
+    return found == hashes_.end() ? "" : found->second;
+  }
   std::shared_ptr<const Scene> SceneOf(const std::string& name) { return Load(name).scene; }
   std::shared_ptr<const SceneObjects> ObjectsOf(const std::string& name) {
     return Load(name).objects;
@@ -140,11 +144,6 @@ class Scenes {
     std::shared_ptr<const SceneObjects> objects;
     std::map<std::string, std::unique_ptr<HapticModel>> models;
   };
-
-  std::string HashOf(const std::string& name) const {
-    const auto found = hashes_.find(name);
-    return found == hashes_.end() ? "" : found->second;
-  }
 
   /// What of that is known to differ.
   std::string WhatEffects(const std::string& name, const std::vector<Effect>& of_scene) const {
@@ -643,6 +642,7 @@ class Verifier {
   /// And what it leaves to others.
   void TakeVerdict(Replayed& session) {
     session.verdict = session.replay->Verdict();
+    session.verdict->scene_hash = scenes_.HashOf(session.facts->scene);
     const std::vector<CutField>& cuts = session.replay->loop().cuts();
     if (!options_.keep_left || cuts.empty()) return;
     const auto [left, is_first] = left_.try_emplace(session.scene, cuts);

@@ -47,6 +47,7 @@ struct WrenchDifference {
 /// What became of one station's session.
 struct SessionVerdict {
   std::string station, scene, tool;
+  std::string scene_hash{};  ///< of the recorded one; empty: unknown
   std::uint64_t run = 0;
   std::uint64_t poses = 0;      ///< in the recording
   std::uint64_t recorded = 0;   ///< wrenches in the recording

@@ -48,10 +48,15 @@ export const kChannels: readonly Channel[] = [
   jsonChannel("people"),
   jsonChannel("class_answer"),
   jsonChannel("exercises"),
+  jsonChannel("trial_state"),
+  jsonChannel("exam_state"),
+  jsonChannel("exam_answer"),
 ].map((channel, i) => ({...channel, id: i + 1}));
 
 const kOfCourse = new Set(
-  ["me", "people", "class_answer", "exercises"].map((name) => `/palpate/${name}`),
+  [
+    ...["me", "people", "class_answer", "exercises", "trial_state", "exam_state", "exam_answer"],
+  ].map((name) => `/palpate/${name}`),
 );
 
 const kWriters = new Map(

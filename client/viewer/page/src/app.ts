@@ -1,6 +1,7 @@
 import {say} from "./messages/say";
 import {Choice} from "./parts/choice";
 import {ClassRoom} from "./parts/class_room";
+import {Exam} from "./parts/exam";
 import {Exercises} from "./parts/exercises";
 import {Figures} from "./parts/figures";
 import {GatewayLink} from "./parts/gateway_link";
@@ -16,6 +17,7 @@ import {WholeButton} from "./parts/whole_button";
 import type {SceneModel} from "./model/bundle";
 import type {LinkReport} from "./model/link_report";
 import {type Change, kTopics, type Station, World} from "./model/world";
+import type {Exercise} from "./protocol/exercise_messages";
 import {toMouseState, toReplayAnswer} from "./protocol/messages";
 import {element} from "./ui/elements";
 import {listenForKeys} from "./ui/keys";
@@ -44,6 +46,7 @@ export class App {
   private readonly classRoom: ClassRoom;
   private readonly exercises: Exercises;
   private readonly history: HistoryRoom;
+  private readonly exam: Exam;
 
   constructor() {
     const {world, notice} = this;
@@ -103,18 +106,26 @@ export class App {
       publish: (topic, message) => this.link.publish(topic, message),
       show: (scene, station) => this.choice.show(scene, station),
     });
-    this.exercises = new Exercises({
-      publish: (message) => this.link.publish(kTopics.trial, message),
-      served: (exercise) => {
+    const trials = {
+      served: (exercise: Exercise) => {
         const {seat} = this.classRoom;
         const scene = seat.startsWith(`${exercise.scene}-`) ? seat : exercise.scene;
         return this.scenes.model(scene) || world.scenes.has(scene) ? scene : "";
       },
-      begin: (scene, tool, ask) => {
+      begin: (scene: string, tool: string, ask: () => boolean) => {
         this.choice.show(scene, "");
         this.choice.stay();
         this.hold.mouse.take(scene, tool, ask);
       },
+    };
+    this.exercises = new Exercises({
+      publish: (message) => this.link.publish(kTopics.trial, message),
+      ...trials,
+    });
+    this.exam = new Exam({
+      publish: (topic, message) => this.link.publish(topic, message),
+      changed: () => this.showRights(),
+      ...trials,
     });
     this.history = new HistoryRoom({
       headers: () => this.link.token.headers,
@@ -156,7 +167,11 @@ export class App {
       this.hold.mouse.receive(toMouseState(value));
     } else if (topic === kTopics.replayAnswer) {
       this.replay.answered(toReplayAnswer(value));
-    } else if (!this.classRoom.receive(topic, value) && !this.exercises.receive(topic, value)) {
+    } else if (
+      !this.exam.receive(topic, value) &&
+      !this.classRoom.receive(topic, value) &&
+      !this.exercises.receive(topic, value)
+    ) {
       this.world.receive(topic, value, stampS, nowS());
     }
   }
@@ -255,8 +270,9 @@ export class App {
     // Of a replay nothing is to be decided: it has been.
     this.figures.allowDeciding(this.link.may.operate && !this.replay.isOn);
     this.classRoom.allow(this.link.may.teach && !this.replay.isOn);
-    this.exercises.allow(this.link.may.try && !this.replay.isOn);
-    this.history.allow(this.link.may.try, this.link.may.teach);
+    this.history.allow(this.link.may.try && !this.exam.isOn, this.link.may.teach);
+    this.exam.allow(this.link.may.teach && !this.replay.isOn);
+    this.exercises.allow(this.link.may.try && !this.replay.isOn && !this.exam.isOn);
     this.showWhole();
   }
 
@@ -286,5 +302,6 @@ export class App {
     this.classRoom.tick(now);
     this.exercises.tick(now);
     this.history.tick(now);
+    this.exam.tick(now);
   }
 }

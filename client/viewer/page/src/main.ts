@@ -1,6 +1,7 @@
 import "uplot/dist/uPlot.min.css";
 import "./style.css";
 import "./class.css";
+import "./exam.css";
 import "./exercises.css";
 import "./history.css";
 

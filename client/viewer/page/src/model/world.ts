@@ -47,6 +47,9 @@ export const kTopics = {
   exercises: "/palpate/exercises",
   trial: "/palpate/trial",
   trialState: "/palpate/trial_state",
+  exam: "/palpate/exam",
+  examState: "/palpate/exam_state",
+  examAnswer: "/palpate/exam_answer",
 } as const;
 
 /// What the page itself publishes.
@@ -56,6 +59,7 @@ export const kOwnTopics: ReadonlySet<string> = new Set([
   kTopics.operate,
   kTopics.class,
   kTopics.trial,
+  kTopics.exam,
 ]);
 
 /// Seconds that the plots look back.

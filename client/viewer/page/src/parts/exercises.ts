@@ -180,7 +180,7 @@ export class Exercises {
 
   private get isBusy(): boolean {
     const phase = this.trial?.phase;
-    return phase !== undefined && phase !== "scored" && phase !== "unscored";
+    return phase !== undefined && !["scored", "unscored", "kept"].includes(phase);
   }
 
   private beginShown(): void {

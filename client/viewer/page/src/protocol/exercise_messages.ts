@@ -23,7 +23,14 @@ export interface Exercise {
   readonly pass: number;
   readonly done: readonly DoneTrial[];
 }
-export type TrialPhase = "preparing" | "running" | "ending" | "scoring" | "scored" | "unscored";
+export type TrialPhase =
+  | "preparing"
+  | "running"
+  | "ending"
+  | "scoring"
+  | "scored"
+  | "unscored"
+  | "kept"; // of an exam: handed in, and not scored yet
 export interface TrialState extends DoneTrial {
   readonly exercise: string;
   readonly phase: TrialPhase;

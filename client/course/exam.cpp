@@ -1,0 +1,93 @@
+#include "client/course/exam.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include "client/course/seal.h"
+#include "common/error.h"
+#include "common/files/project_files.h"
+#include "common/files/whole_file.h"
+#include "scenes/files/scene_file.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kLongestTask_s = 3600.0, kLongestExam_s = 8 * kLongestTask_s;
+constexpr std::size_t kMostTasks = 50;
+constexpr int kMostTrialsOfTask = 20;
+
+ExamTask ReadTask(const JsonNode& node, const std::string& folder) {
+  node.AllowOnly({"exercise", "time_s", "trials"});
+  ExamTask task;
+  const JsonNode name = node.At("exercise");
+  task.exercise = name.String();
+  if (!std::ranges::all_of(task.exercise, IsOfName)) name.Fail("is no exercise's name");
+  const std::string own = folder + "/exercises/" + task.exercise + kExerciseEnding;
+  const std::string file =
+      fs::exists(own) ? own
+                      : PlaceOf(ProjectFile::kExercises) + "/" + task.exercise + kExerciseEnding;
+  if (!fs::exists(file)) {
+    name.Fail("there is no such exercise; put " + own + " there, or name another");
+  }
+  const Exercise exercise = LoadExercise(file);
+  task.exercise_sha256 = Sha256OfFile(exercise.file).sha256;
+  task.criteria_sha256 = Sha256OfFile(exercise.criteria.file).sha256;
+  task.time_s = exercise.most_s;
+  if (const auto time = node.Find("time_s")) task.time_s = time->Number(1.0, kLongestTask_s);
+  if (const auto trials = node.Find("trials")) {
+    task.trials = static_cast<int>(trials->Integer(1, kMostTrialsOfTask));
+  }
+  return task;
+}
+
+}  // namespace
+
+Exam LoadExam(const std::string& file) {
+  if (!file.ends_with(kExamEnding)) {
+    throw Error(file + ": an exam's file is NAME" + kExamEnding + "; name it so");
+  }
+  const std::string text = ReadWholeFile(file, JsonNode::kMostBytes);
+  const JsonNode root = JsonNode::Parse(text, file);
+  root.AllowOnly({"title", "tasks", "time_s", "people"});
+  Exam exam;
+  exam.sha256 = Sha256(text);
+  exam.name = fs::path(file).filename().string();
+  exam.name.resize(exam.name.size() - std::string_view(kExamEnding).size());
+  if (exam.name.empty() || exam.name.size() > kLongestName ||
+      !std::ranges::all_of(exam.name, IsOfName)) {
+    throw Error(file +
+                ": the file's name is the exam's, and must be at most 64 letters, digits, "
+                "- _ or .; rename it");
+  }
+  exam.title = ReadLocalText(root.At("title"));
+  exam.time_s = root.At("time_s").Number(1.0, kLongestExam_s);
+  const fs::path parent = fs::path(file).parent_path();
+  const JsonNode tasks = root.At("tasks");
+  for (const JsonNode& node : tasks.Items(1)) {
+    exam.tasks.push_back(ReadTask(node, parent.empty() ? "." : parent.string()));
+  }
+  if (exam.tasks.size() > kMostTasks) tasks.Fail("has more than 50; make two exams of it");
+  if (const auto people = root.Find("people")) {
+    std::set<std::string> names;
+    for (const JsonNode& name : people->Items(1)) {
+      exam.people.push_back(name.String());
+      if (!names.insert(name.String()).second) name.Fail("stands there twice; leave one out");
+    }
+  }
+  return exam;
+}
+
+std::vector<std::string> ExamFiles(const std::string& folder) {
+  std::vector<std::string> files;
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(folder, none)) {
+    if (entry.path().string().ends_with(kExamEnding)) files.push_back(entry.path().string());
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+}  // namespace palpate

@@ -1,0 +1,572 @@
+#include "client/course/exam_room.h"
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <utility>
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <spdlog/spdlog.h>
+
+#include "common/error.h"
+#include "common/files/output.h"
+#include "common/json/json_file.h"
+#include "common/text/hex16.h"
+#include "common/text/lower_case.h"
+#include "common/text/quoted.h"
+#include "scenes/files/scene_file.h"
+
+namespace palpate {
+
+using Json = nlohmann::json;
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExamTask, exercise, time_s, trials, exercise_sha256,
+                                   criteria_sha256)
+
+namespace {
+
+/// How exactly a killed gateway knows when it died [s]: each beat waits for the disk.
+constexpr std::int64_t kBeat_s = 5;
+constexpr std::int64_t kRetry_s = 10;  // a full disk may have space again
+constexpr std::int64_t kMostMore_s = 8 * 3600;
+
+constexpr const char* kTimeIsOver = "the exam's time is over";
+constexpr const char* kClosed = "the exam is closed";
+constexpr const char* kTables = R"(CREATE TABLE IF NOT EXISTS exams(
+  id INTEGER PRIMARY KEY AUTOINCREMENT, name TEXT NOT NULL, sha256 TEXT NOT NULL,
+  title TEXT NOT NULL, tasks TEXT NOT NULL, opened_s INTEGER NOT NULL, ends_s INTEGER NOT NULL,
+  closed_s INTEGER NOT NULL DEFAULT 0, alive_s INTEGER NOT NULL, down_s INTEGER NOT NULL DEFAULT 0);
+CREATE TABLE IF NOT EXISTS exam_people(
+  exam INTEGER NOT NULL, person INTEGER NOT NULL, PRIMARY KEY(exam, person));
+CREATE TABLE IF NOT EXISTS exam_trials(
+  exam INTEGER NOT NULL, person INTEGER NOT NULL, task INTEGER NOT NULL, exercise TEXT NOT NULL,
+  n INTEGER NOT NULL, station TEXT NOT NULL, scene TEXT NOT NULL, scene_hash TEXT NOT NULL,
+  counts INTEGER NOT NULL DEFAULT 1, PRIMARY KEY(person, exercise, n)))";
+
+std::string Text(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+/// Binds all in their order.
+template <class... Values>
+void Bind(SQLite::Statement& statement, const Values&... values) {
+  int at = 0;
+  (statement.bind(++at, values), ...);
+}
+
+}  // namespace
+
+ExamRoom::ExamRoom(std::string folder, CourseFile& file, Roster& roster, TrialRoom& trials,
+                   std::int64_t now_s)
+    : folder_(std::move(folder)),
+      file_(file),
+      roster_(roster),
+      trials_(trials),
+      key_(SealKey::OfCourse(folder_)) {
+  file_.Use([](SQLite::Database& database) { database.exec(kTables); });
+  Read();
+  Do(R"({"tag": 0, "op": "look"})", now_s);
+  if (!newest_.is_open()) return;
+  const std::int64_t down_s = now_s - newest_.alive_s;
+  if (down_s > 2 * kBeat_s) Set("down_s", newest_.down_s + down_s);
+  spdlog::warn("exam '{}' is open and goes on; for {} s there was no gateway, while its clock ran",
+               newest_.exam.name, down_s);
+}
+
+ExamRoom::~ExamRoom() = default;
+
+void ExamRoom::Read() try {
+  newest_ = {};
+  changed_ = true;
+  file_.Use([&](SQLite::Database& database) {
+    SQLite::Statement exam(database,
+                           "SELECT id, name, sha256, title, tasks, opened_s, ends_s, closed_s, "
+                           "alive_s, down_s FROM exams ORDER BY id DESC LIMIT 1");
+    if (!exam.executeStep()) return;
+    newest_.number = exam.getColumn(0).getInt64();
+    newest_.exam.name = exam.getColumn(1).getString();
+    newest_.exam.sha256 = exam.getColumn(2).getString();
+    newest_.exam.title = Json::parse(exam.getColumn(3).getString()).get<LocalText>();
+    newest_.exam.tasks = Json::parse(exam.getColumn(4).getString()).get<std::vector<ExamTask>>();
+    newest_.opened_s = exam.getColumn(5).getInt64();
+    newest_.ends_s = exam.getColumn(6).getInt64();
+    newest_.closed_s = exam.getColumn(7).getInt64();
+    newest_.alive_s = exam.getColumn(8).getInt64();
+    newest_.down_s = exam.getColumn(9).getInt64();
+    SQLite::Statement people(database, "SELECT person FROM exam_people WHERE exam=?");
+    people.bind(1, newest_.number);
+    while (people.executeStep()) newest_.people.insert(people.getColumn(0).getInt64());
+  });
+  if (newest_.number != 0) ReadTrials();
+} catch (const Json::exception& error) {
+  throw Error(
+      fmt::format("course.sqlite: exam {}: {}; it was changed by hand: put a copy in its "
+                  "place",
+                  newest_.number, error.what()));
+}
+
+void ExamRoom::ReadTrials() {
+  file_.Use([&](SQLite::Database& database) {
+    SQLite::Statement rows(
+        database,
+        "SELECT e.person, task, e.exercise, e.n, station, scene, scene_hash, counts, begun_s, "
+        "IFNULL(ended_s, 0), IFNULL(whole, 1), IFNULL(reason, ''), IFNULL(seal, ''), points, "
+        "passed FROM "
+        "exam_trials e JOIN trials t ON t.person=e.person AND t.exercise=e.exercise AND t.n=e.n "
+        "WHERE exam=? ORDER BY e.person, task, e.n");
+    rows.bind(1, newest_.number);
+    while (rows.executeStep()) {
+      Trial trial;
+      trial.person = rows.getColumn(0).getInt64();
+      trial.task = rows.getColumn(1).getInt();
+      trial.exercise = rows.getColumn(2).getString();
+      trial.n = rows.getColumn(3).getInt();
+      trial.station = rows.getColumn(4).getString();
+      trial.scene = rows.getColumn(5).getString();
+      trial.scene_hash = rows.getColumn(6).getString();
+      trial.counts = rows.getColumn(7).getInt() == 1;
+      trial.begun_s = rows.getColumn(8).getInt64();
+      trial.ended_s = rows.getColumn(9).getInt64();
+      trial.whole = rows.getColumn(10).getInt() == 1;
+      trial.reason = rows.getColumn(11).getString();
+      const std::string seal = rows.getColumn(12).getString();
+      trial.sealed = !seal.empty();
+      if (trial.sealed) trial.sha256 = Json::parse(seal).at("sealed").at("sha256");
+      if (!rows.getColumn(13).isNull()) trial.points = rows.getColumn(13).getDouble();
+      trial.scored = !rows.getColumn(14).isNull();
+      newest_.trials.push_back(std::move(trial));
+    }
+  });
+}
+
+void ExamRoom::Set(const char* column, std::int64_t value) {
+  file_.Use([&](SQLite::Database& database) {
+    SQLite::Statement row(database, fmt::format("UPDATE exams SET {}=? WHERE id=?", column));
+    Bind(row, value, newest_.number);
+    row.exec();
+  });
+  Read();
+}
+
+// --- what a teacher does ---
+
+std::string ExamRoom::Do(std::string_view wish, std::int64_t now_s) {
+  const JsonNode json = JsonNode::Parse(wish, "/palpate/exam");
+  const std::string op =
+      json.At("op").OneOf({"look", "open", "more", "give_back", "again", "close"});
+  const std::int64_t tag = json.At("tag").Integer(0, 0xffffffff);
+  const auto number = [&](const char* field, std::int64_t most) {
+    json.AllowOnly({"tag", "op", field});
+    return json.At(field).Integer(1, most);
+  };
+  std::string refusal;
+  try {
+    if (op != "look" && op != "open" && !newest_.is_open()) throw Error("no exam is open");
+    if (op == "look") {
+      exams_.clear();
+      for (const std::string& file : ExamFiles(folder_)) {
+        try {
+          exams_.emplace_back(LoadExam(file), "");
+        } catch (const Error& error) {
+          Exam none;
+          none.name = std::filesystem::path(file).filename().string();
+          exams_.emplace_back(none, error.what());
+        }
+      }
+      changed_ = true;
+    } else if (op == "open") {
+      json.AllowOnly({"tag", "op", "exam"});
+      Open(json.At("exam").String(), now_s);
+    } else if (op == "more") {
+      Set("ends_s", std::max(newest_.ends_s, now_s) + number("s", kMostMore_s));
+      time_was_over_ = false;
+    } else if (op == "give_back") {
+      Set("ends_s", newest_.ends_s + newest_.down_s);
+      Set("down_s", 0);
+      time_was_over_ = false;
+    } else if (op == "again") {
+      Again(number("person", 0x7fffffff));
+    } else {
+      Close(now_s);
+    }
+    if (op != "look") spdlog::info("exam '{}': {}", newest_.exam.name, op);
+  } catch (const Error& error) {
+    refusal = error.what();
+  }
+  return Text({{"tag", tag}, {"refusal", refusal}});
+}
+
+std::set<std::int64_t> ExamRoom::PeopleOf(const Exam& exam) const {
+  std::set<std::int64_t> people;
+  for (const Person& person : roster_.people()) {
+    if (exam.people.empty() && person.here() && person.role == Access::kDrive) {
+      people.insert(person.id);
+    }
+  }
+  for (const std::string& name : exam.people) {
+    const auto found = std::ranges::find_if(roster_.people(), [&](const Person& person) {
+      return person.here() && person.role == Access::kDrive && person.name == name;
+    });
+    if (found == roster_.people().end()) {
+      throw Error(
+          fmt::format("people: nobody who drives has the name {}; make that person under "
+                      "Class, or change the exam's file",
+                      Quoted(name)));
+    }
+    people.insert(found->id);
+  }
+  if (people.empty()) throw Error("nobody who drives is in the course; make people under Class");
+  return people;
+}
+
+void ExamRoom::Open(const std::string& name, std::int64_t now_s) {
+  if (newest_.is_open()) {
+    throw Error(fmt::format("exam '{}' is open; close it first", newest_.exam.name));
+  }
+  if (std::ranges::any_of(newest_.trials, [](const Trial& trial) { return !trial.sealed; })) {
+    throw Error("the last exam's trials are being sealed; wait a moment" +
+                (trouble_.empty() ? "" : ": " + trouble_));
+  }
+  if (!std::ranges::all_of(name, IsOfName)) throw Error("there is no exam " + Quoted(name));
+  const Exam exam = LoadExam(folder_ + "/" + name + kExamEnding);
+  for (const ExamTask& task : exam.tasks) {
+    if (trials_.Find(task.exercise) != nullptr) continue;
+    throw Error(
+        fmt::format("exercise '{}' was not there when this gateway was started; start it "
+                    "anew",
+                    task.exercise));
+  }
+  const std::set<std::int64_t> people = PeopleOf(exam);
+  file_.Use([&](SQLite::Database& database) {
+    SQLite::Transaction whole(database);
+    SQLite::Statement row(database,
+                          "INSERT INTO exams(name, sha256, title, tasks, opened_s, ends_s, "
+                          "alive_s) VALUES(?, ?, ?, ?, ?, ?, ?)");
+    Bind(row, exam.name, exam.sha256, Json(exam.title).dump(), Json(exam.tasks).dump(), now_s,
+         now_s + static_cast<std::int64_t>(exam.time_s), now_s);
+    row.exec();
+    const std::int64_t number = database.getLastInsertRowid();
+    for (const std::int64_t person : people) {
+      SQLite::Statement one(database, "INSERT INTO exam_people(exam, person) VALUES(?, ?)");
+      Bind(one, number, person);
+      one.exec();
+    }
+    whole.commit();
+  });
+  Read();
+  time_was_over_ = has_roll_ = false;
+  trials_.EndOf(people, "an exam begins");
+}
+
+void ExamRoom::Again(std::int64_t person) {
+  const auto last = std::ranges::max_element(newest_.trials, {}, [&](const Trial& trial) {
+    return trial.person == person && trial.counts ? std::pair(trial.task, trial.n)
+                                                  : std::pair(-1, 0);
+  });
+  if (last == newest_.trials.end() || last->person != person || !last->counts) {
+    throw Error("there is no trial of that person to do again");
+  }
+  if (last->ended_s == 0) throw Error("that trial is running; it may be done again once it ended");
+  file_.Use([&](SQLite::Database& database) {
+    SQLite::Statement row(database,
+                          "UPDATE exam_trials SET counts=0 WHERE person=? AND exercise=? AND n=?");
+    Bind(row, last->person, last->exercise, last->n);
+    row.exec();
+  });
+  Read();
+}
+
+void ExamRoom::Close(std::int64_t now_s) {
+  Set("closed_s", now_s);
+  trials_.EndOf(newest_.people, kClosed);
+}
+
+// --- what a student does ---
+
+bool ExamRoom::Sits(std::int64_t person) const {
+  return newest_.is_open() && newest_.people.contains(person);
+}
+
+int ExamRoom::DoneOf(std::int64_t person, std::size_t task) const {
+  return static_cast<int>(std::ranges::count_if(newest_.trials, [&](const Trial& trial) {
+    return trial.person == person && trial.counts && trial.task == static_cast<int>(task);
+  }));
+}
+
+std::size_t ExamRoom::TaskOf(std::int64_t person) const {
+  std::size_t task = 0;
+  while (task < newest_.exam.tasks.size() &&
+         DoneOf(person, task) >= newest_.exam.tasks[task].trials) {
+    ++task;
+  }
+  return task;
+}
+
+void ExamRoom::Begin(const Beginning& of, std::int64_t now_s, std::int64_t now_ns) {
+  const std::size_t at = TaskOf(of.person);
+  if (at == newest_.exam.tasks.size()) throw Error("you have done all of the exam's tasks");
+  const ExamTask& task = newest_.exam.tasks[at];
+  if (of.exercise != task.exercise) throw Error("this is not the exam's next task");
+  if (now_s >= newest_.ends_s) throw Error(kTimeIsOver);
+  const int n = trials_.Begin(of.holder, of.person, of.exercise, of.station, now_ns, task.time_s);
+  try {
+    file_.Use([&](SQLite::Database& database) {
+      SQLite::Statement row(database,
+                            "INSERT INTO exam_trials(exam, person, task, exercise, n, station, "
+                            "scene, scene_hash) VALUES(?, ?, ?, ?, ?, ?, ?, ?)");
+      Bind(row, newest_.number, of.person, static_cast<int>(at), of.exercise, n, of.station,
+           of.scene, Hex16(of.scene_hash));
+      row.exec();
+    });
+  } catch (const Error&) {
+    trials_.End(of.holder, "the exam's file cannot be written");
+    throw;
+  }
+  Read();
+}
+
+void ExamRoom::EndTrials(const std::string& reason) {
+  if (newest_.is_open()) trials_.EndOf(newest_.people, reason);
+}
+
+void ExamRoom::Heard(const TrialRoom::News& news) {
+  if (newest_.people.contains(news.person)) Read();
+}
+
+// --- sealing and scoring ---
+
+std::string ExamRoom::NameOf(std::int64_t person) const {
+  const auto found = std::ranges::find(roster_.people(), person, &Person::id);
+  return found == roster_.people().end() ? "" : found->name;
+}
+
+std::string ExamRoom::RecordingOf(const Trial& trial) const {
+  return fmt::format("trials/{}/{}/{}.mcap", trial.person, trial.exercise, trial.n);
+}
+
+Seal ExamRoom::SealOf(const Trial& trial, std::int64_t now_s) const {
+  const ExamTask& task = newest_.exam.tasks.at(static_cast<std::size_t>(trial.task));
+  Seal seal;
+  seal.recording = RecordingOf(trial);
+  seal.person = trial.person;
+  seal.name = NameOf(trial.person);
+  seal.station = trial.station;
+  seal.scene = trial.scene;
+  seal.scene_hash = trial.scene_hash;
+  seal.exam = newest_.exam.name;
+  seal.exam_number = newest_.number;
+  seal.exam_sha256 = newest_.exam.sha256;
+  seal.task = trial.task + 1;
+  seal.exercise = trial.exercise;
+  seal.n = trial.n;
+  seal.exercise_sha256 = task.exercise_sha256;
+  seal.criteria_sha256 = task.criteria_sha256;
+  seal.begun_s = trial.begun_s;
+  seal.ended_s = trial.ended_s;
+  seal.sealed_s = now_s;
+  seal.whole = trial.whole;
+  seal.reason = Printable(trial.reason);
+  return seal;
+}
+
+void ExamRoom::SealNext(std::int64_t now_s) {
+  const auto next = std::ranges::find_if(
+      newest_.trials, [](const Trial& trial) { return trial.ended_s != 0 && !trial.sealed; });
+  if (next == newest_.trials.end() || now_s < retry_s_) return;
+  sealed_ = next->key();
+  // In a thread: of ten minutes there are many bytes to read.
+  sealing_ = std::async(std::launch::async, [this, seal = SealOf(*next, now_s)]() mutable {
+    const std::string file = folder_ + "/" + seal.recording;
+    const std::string stem = file.substr(0, file.size() - std::string_view(".mcap").size());
+    std::error_code none;
+    if (std::filesystem::exists(file, none)) {
+      const HashedFile hashed = Sha256OfFile(file);
+      seal.sha256 = hashed.sha256;
+      seal.bytes = hashed.bytes;
+    } else {
+      seal.recording.clear();
+    }
+    std::string text = SealText(seal, key_);
+    WriteOutput("seal", stem + kSealEnding, text);
+    return text;
+  });
+}
+
+void ExamRoom::TakeSeal() {
+  const std::string text = sealing_.get();
+  const auto& [person, exercise, n] = sealed_;
+  file_.Use([&](SQLite::Database& database) {
+    SQLite::Statement row(database,
+                          "UPDATE trials SET seal=? WHERE person=? AND exercise=? AND n=?");
+    Bind(row, text, person, exercise, n);
+    row.exec();
+  });
+  trouble_.clear();
+  Read();
+}
+
+void ExamRoom::ScoreNext() {
+  if (trials_.size() > 0) return;
+  for (const Trial& trial : newest_.trials) {
+    if (trial.scored || trial.sha256.empty() || !tried_.insert(trial.key()).second) continue;
+    const ExamTask& task = newest_.exam.tasks.at(static_cast<std::size_t>(trial.task));
+    const Exercise* const exercise = trials_.Find(trial.exercise);
+    if (exercise == nullptr || Sha256OfFile(exercise->file).sha256 != task.exercise_sha256 ||
+        Sha256OfFile(exercise->criteria.file).sha256 != task.criteria_sha256) {
+      trouble_ = fmt::format(
+          "'{}' is not scored: its file or that of its criteria was changed "
+          "since the exam was opened; put that one back, and start the gateway "
+          "anew",
+          trial.exercise);
+      changed_ = true;
+      continue;
+    }
+    TrialRoom::News kept;
+    kept.person = trial.person;
+    kept.exercise = trial.exercise;
+    kept.n = trial.n;
+    kept.reason = trial.reason;
+    kept.whole = trial.whole;
+    kept.submitted = true;
+    return trials_.Score(kept, trial.station);
+  }
+}
+
+void ExamRoom::WriteRoll() {
+  const std::string folder = folder_ + "/exams";
+  const std::string file =
+      fmt::format("{}/{}-{}{}", folder, newest_.exam.name, newest_.number, kRollEnding);
+  std::error_code error;
+  if (std::filesystem::exists(file, error)) return;
+  std::filesystem::create_directories(folder, error);
+  Roll roll;
+  roll.exam = newest_.exam.name;
+  roll.exam_number = newest_.number;
+  roll.exam_sha256 = newest_.exam.sha256;
+  roll.opened_s = newest_.opened_s;
+  roll.closed_s = newest_.closed_s;
+  roll.tasks = static_cast<int>(newest_.exam.tasks.size());
+  for (const Trial& trial : newest_.trials) {
+    roll.trials.push_back({trial.person, NameOf(trial.person), trial.task + 1,
+                           trial.sha256.empty() ? "" : RecordingOf(trial), trial.sha256,
+                           trial.counts});
+  }
+  WriteOutput("roll", file, SealText(roll, key_));
+}
+
+bool ExamRoom::Poll(std::int64_t now_s) {
+  try {
+    if (newest_.is_open()) {
+      if (now_s >= newest_.alive_s + kBeat_s && now_s >= retry_s_) {
+        file_.Use([&](SQLite::Database& database) {
+          SQLite::Statement row(database, "UPDATE exams SET alive_s=? WHERE id=?");
+          Bind(row, now_s, newest_.number);
+          row.exec();
+        });
+        newest_.alive_s = now_s;
+      }
+      if (now_s >= newest_.ends_s && !std::exchange(time_was_over_, true)) {
+        trials_.EndOf(newest_.people, kTimeIsOver);
+        changed_ = true;
+      }
+    }
+    if (sealing_.valid()) {
+      if (sealing_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) TakeSeal();
+    } else {
+      SealNext(now_s);
+    }
+    const bool all_sealed =
+        std::ranges::all_of(newest_.trials, [](const Trial& trial) { return trial.sealed; });
+    if (newest_.closed_s != 0 && all_sealed && now_s >= retry_s_) {
+      if (!std::exchange(has_roll_, true)) WriteRoll();
+      ScoreNext();
+    }
+  } catch (const std::exception& error) {
+    if (trouble_ != error.what()) spdlog::error("exam '{}': {}", newest_.exam.name, error.what());
+    trouble_ = error.what();
+    retry_s_ = now_s + kRetry_s;
+    has_roll_ = false;
+    changed_ = true;
+  }
+  return std::exchange(changed_, false);
+}
+
+// --- what pages are told ---
+
+std::string ExamRoom::CutOf(const Trial& trial) {
+  static const std::set<std::string> kInOrder = {"submitted", "stopped", "the time is over",
+                                                 kTimeIsOver, kClosed};
+  return trial.ended_s != 0 && (!trial.whole || !kInOrder.contains(trial.reason)) ? trial.reason
+                                                                                  : "";
+}
+
+std::string ExamRoom::ClassJson() const {
+  Json json = {{"down_s", newest_.down_s}, {"people", Json::array()}};
+  for (const std::int64_t person : newest_.people) {
+    Json trials = Json::array();
+    for (const Trial& trial : newest_.trials) {
+      if (trial.person != person) continue;
+      trials.push_back({{"task", trial.task},
+                        {"counts", trial.counts},
+                        {"running", trial.ended_s == 0},
+                        {"cut", CutOf(trial)},
+                        {"sealed", trial.sealed},
+                        {"scored", trial.scored},
+                        {"points", trial.points ? Json(*trial.points) : Json()}});
+    }
+    json["people"].push_back({{"person", person},
+                              {"name", NameOf(person)},
+                              {"task", TaskOf(person)},
+                              {"trials", trials}});
+  }
+  return Text(json);
+}
+
+std::string ExamRoom::OwnJson(std::int64_t person) const {
+  Json json;
+  std::size_t at = TaskOf(person);
+  bool runs = false;
+  json["cut"] = "";
+  for (const Trial& trial : newest_.trials) {
+    if (trial.person != person || !trial.counts) continue;
+    json["cut"] = CutOf(trial);
+    runs = trial.ended_s == 0;
+    if (runs) at = static_cast<std::size_t>(trial.task);
+  }
+  json["task"] = at;
+  if (at == newest_.exam.tasks.size()) return Text(json);
+  const ExamTask& task = newest_.exam.tasks[at];
+  json["trial"] = DoneOf(person, at) + (runs ? 0 : 1);
+  json["trials"] = task.trials;
+  json["time_s"] = task.time_s;
+  json["exercise"] = Json::parse(trials_.DescribeJson(task.exercise));
+  return Text(json);
+}
+
+std::string ExamRoom::StateJson(std::int64_t person, bool teaches, std::int64_t now_s) const {
+  Json json = {{"open", nullptr}};
+  if (newest_.number != 0 && (teaches || Sits(person))) {
+    Json& open = json["open"];
+    open = {{"name", newest_.exam.name},
+            {"title", Json(newest_.exam.title)},
+            {"closed", !newest_.is_open()},
+            {"left_s", std::max<std::int64_t>(0, newest_.ends_s - now_s)},
+            {"tasks", newest_.exam.tasks.size()}};
+    open.update(Json::parse(teaches ? ClassJson() : OwnJson(person)));
+  }
+  if (teaches) {
+    json["exams"] = Json::array();
+    for (const auto& [exam, wrong] : exams_) {
+      json["exams"].push_back({{"name", exam.name},
+                               {"title", Json(exam.title)},
+                               {"tasks", exam.tasks.size()},
+                               {"time_s", exam.time_s},
+                               {"wrong", wrong}});
+    }
+    json["trouble"] = trouble_;
+  }
+  return Text(json);
+}
+
+}  // namespace palpate

@@ -1,0 +1,260 @@
+#include "client/course/seal.h"
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <openssl/evp.h>
+#include <openssl/pem.h>
+#include <unistd.h>
+
+#include "common/error.h"
+#include "common/files/output.h"
+#include "common/files/private_file.h"
+#include "common/files/whole_file.h"
+
+namespace palpate {
+
+using Json = nlohmann::json;
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Seal, format, software, recording, sha256, bytes, person, name,
+                                   station, scene, scene_hash, exam, exam_number, exam_sha256, task,
+                                   exercise, n, exercise_sha256, criteria_sha256, begun_s, ended_s,
+                                   sealed_s, whole, reason)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Roll::Entry, person, name, task, recording, sha256, counts)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Roll, format, software, exam, exam_number, exam_sha256, opened_s,
+                                   closed_s, tasks, trials)
+
+namespace {
+
+constexpr std::size_t kLargestKey = 16 * 1024;
+constexpr std::size_t kSignatureBytes = 64;
+constexpr const char* kSoftware = "palpate " PALPATE_VERSION;
+
+using Key = std::shared_ptr<evp_pkey_st>;
+using Bio = std::unique_ptr<BIO, decltype(&BIO_free)>;
+using Digest = std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)>;
+
+std::string Hex(const unsigned char* bytes, std::size_t count) {
+  std::string text;
+  for (std::size_t i = 0; i < count; ++i) text += fmt::format("{:02x}", bytes[i]);
+  return text;
+}
+
+/// Of what has lower-case digits alone; else empty.
+std::string FromHex(std::string_view text) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string bytes;
+  for (std::size_t i = 0; i + 1 < text.size(); i += 2) {
+    const std::size_t high = kDigits.find(text[i]), low = kDigits.find(text[i + 1]);
+    if (high == kDigits.npos || low == kDigits.npos) return "";
+    bytes += static_cast<char>(16 * high + low);
+  }
+  return 2 * bytes.size() == text.size() ? bytes : "";
+}
+
+const unsigned char* Bytes(std::string_view text) {
+  return reinterpret_cast<const unsigned char*>(text.data());
+}
+
+class Sha256Sum {
+ public:
+  Sha256Sum() { EVP_DigestInit_ex(sum_.get(), EVP_sha256(), nullptr); }
+  void Add(const void* bytes, std::size_t count) { EVP_DigestUpdate(sum_.get(), bytes, count); }
+  std::string Hex() {
+    std::array<unsigned char, 32> hash{};
+    EVP_DigestFinal_ex(sum_.get(), hash.data(), nullptr);
+    return palpate::Hex(hash.data(), hash.size());
+  }
+
+ private:
+  Digest sum_{EVP_MD_CTX_new(), EVP_MD_CTX_free};
+};
+
+/// What a writer puts into memory that is read again.
+template <class Write>
+std::string PemOf(Write write) {
+  const Bio bio(BIO_new(BIO_s_mem()), BIO_free);
+  if (write(bio.get()) != 1) throw Error("OpenSSL makes no Ed25519 key; is it a FIPS build?");
+  char* data = nullptr;
+  const long size = BIO_get_mem_data(bio.get(), &data);
+  return {data, static_cast<std::size_t>(size)};
+}
+
+/// Whole and for its owner alone before it has its name; one that is there stays.
+void WriteNewKey(const std::string& file) {
+  const Key key(EVP_PKEY_Q_keygen(nullptr, nullptr, "ED25519"), EVP_PKEY_free);
+  const std::string pem = PemOf([&](BIO* bio) {
+    return key ? PEM_write_bio_PrivateKey(bio, key.get(), nullptr, nullptr, 0, nullptr, nullptr)
+               : 0;
+  });
+  const std::string made = fmt::format("{}.{}.new", file, getpid());
+  const int out = open(made.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
+  bool good = out >= 0 && write(out, pem.data(), pem.size()) == static_cast<ssize_t>(pem.size()) &&
+              fsync(out) == 0;
+  if (out >= 0) close(out);
+  good = good && (link(made.c_str(), file.c_str()) == 0 || errno == EEXIST);
+  const int error = errno;
+  unlink(made.c_str());
+  if (good) return;
+  throw Error(
+      fmt::format("{}: the key cannot be made ({}); the course's folder must be writable, "
+                  "and its disk must have space",
+                  file, std::strerror(error)));
+}
+
+template <class Sealed>
+std::string TextOf(const Sealed& sealed, const SealKey& key) {
+  const Json json = sealed;
+  return Json({{"key", key.name()}, {"sealed", json}, {"signature", key.Sign(json.dump())}})
+             .dump() +
+         "\n";
+}
+
+template <class Sealed>
+Sealed Open(std::string_view text, const SealKey& key, const std::string& file) {
+  const auto refuse = [&](const std::string& why) { throw Error(file + ": " + why); };
+  Json json;
+  Sealed sealed;
+  std::string signed_by, signature, body;
+  try {
+    json = Json::parse(text);
+    signed_by = json.at("key");
+    signature = json.at("signature");
+    if (json.at("sealed").at("format") != Sealed::kFormat) {
+      refuse("is of format " + json.at("sealed").at("format").dump() + ", and this program knows " +
+             Sealed::kFormat +
+             ": verify it with the Palpate that made it, where it has not been changed");
+    }
+    sealed = json.at("sealed");
+    const Json again = sealed;
+    body = again.dump();
+    // Nothing beside what is signed: a byte more or less, or another order, has been changed.
+    const Json all = {{"key", signed_by}, {"sealed", again}, {"signature", signature}};
+    if (all.dump() + "\n" != text) refuse("the seal has been changed since it was made");
+  } catch (const Json::exception&) {
+    refuse("is no seal, or has been changed since it was made");
+  }
+  if (signed_by != key.name()) {
+    refuse(
+        fmt::format("is sealed by the key {}..., and not by {}...: another course's, or it has "
+                    "been changed",
+                    std::string_view(signed_by).substr(0, 16), key.name().substr(0, 16)));
+  }
+  if (!key.Signed(body, signature)) refuse("the seal has been changed: its signature is not of it");
+  if (sealed.software != kSoftware) {
+    refuse(
+        fmt::format("is of {}, and this is {}, whose physics may give other bits: verify it with "
+                    "that version",
+                    sealed.software, kSoftware));
+  }
+  return sealed;
+}
+
+}  // namespace
+
+SealKey::SealKey(Key key) : key_(std::move(key)) {
+  std::array<unsigned char, 32> bytes{};
+  std::size_t size = bytes.size();
+  if (!key_ || EVP_PKEY_get_id(key_.get()) != EVP_PKEY_ED25519 ||
+      EVP_PKEY_get_raw_public_key(key_.get(), bytes.data(), &size) != 1) {
+    key_.reset();
+    return;
+  }
+  name_ = Sha256({reinterpret_cast<const char*>(bytes.data()), size});
+}
+
+SealKey SealKey::OfCourse(const std::string& folder) {
+  const std::string file = folder + "/" + kFile;
+  if (!std::filesystem::exists(file)) WriteNewKey(file);
+  const std::string pem = ReadWholeFile(file, kLargestKey, "", IsPrivate("the exams' key", file));
+  const Bio bio(BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())), BIO_free);
+  SealKey key(Key(PEM_read_bio_PrivateKey(bio.get(), nullptr, nullptr, nullptr), EVP_PKEY_free));
+  if (!key.key_) {
+    throw Error(file +
+                ": is no Ed25519 key (PEM); put a copy in its place, or move it away: then "
+                "another is made, which does not verify what was sealed before");
+  }
+  const std::string written =
+      PemOf([&](BIO* out) { return PEM_write_bio_PUBKEY(out, key.key_.get()); });
+  const std::string beside = folder + "/" + kPublicFile;
+  if (TryReadWholeFile(beside, kLargestKey) != written) WriteOutput("public key", beside, written);
+  return key;
+}
+
+SealKey SealKey::ReadPublic(const std::string& file) {
+  const std::string pem = ReadWholeFile(file, kLargestKey, "--key");
+  const Bio bio(BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())), BIO_free);
+  SealKey key(Key(PEM_read_bio_PUBKEY(bio.get(), nullptr, nullptr, nullptr), EVP_PKEY_free));
+  if (!key.key_) {
+    throw Error("--key " + file + ": is no public key of a course; give its " + kPublicFile);
+  }
+  return key;
+}
+
+std::string SealKey::Sign(std::string_view text) const {
+  const Digest digest(EVP_MD_CTX_new(), EVP_MD_CTX_free);
+  std::array<unsigned char, kSignatureBytes> signature{};
+  std::size_t size = signature.size();
+  if (EVP_DigestSignInit(digest.get(), nullptr, nullptr, nullptr, key_.get()) != 1 ||
+      EVP_DigestSign(digest.get(), signature.data(), &size, Bytes(text), text.size()) != 1) {
+    throw Error("OpenSSL does not sign with the course's key; is it a FIPS build?");
+  }
+  return Hex(signature.data(), size);
+}
+
+bool SealKey::Signed(std::string_view text, const std::string& signature) const {
+  const std::string bytes = FromHex(signature);
+  const Digest digest(EVP_MD_CTX_new(), EVP_MD_CTX_free);
+  return bytes.size() == kSignatureBytes &&
+         EVP_DigestVerifyInit(digest.get(), nullptr, nullptr, nullptr, key_.get()) == 1 &&
+         EVP_DigestVerify(digest.get(), Bytes(bytes), bytes.size(), Bytes(text), text.size()) == 1;
+}
+
+std::string Sha256(std::string_view text) {
+  Sha256Sum sum;
+  sum.Add(text.data(), text.size());
+  return sum.Hex();
+}
+
+HashedFile Sha256OfFile(const std::string& file) {
+  const int in = OpenRegularFile(file, ~std::uint64_t{0} >> 1);
+  Sha256Sum sum;
+  HashedFile hashed;
+  std::vector<char> buffer(std::size_t{1} << 20);
+  ssize_t got = 0;
+  while ((got = read(in, buffer.data(), buffer.size())) > 0) {
+    sum.Add(buffer.data(), static_cast<std::size_t>(got));
+    hashed.bytes += got;
+  }
+  const int error = errno;
+  close(in);
+  if (got < 0) throw Error(file + ": cannot be read (" + std::strerror(error) + ")");
+  hashed.sha256 = sum.Hex();
+  return hashed;
+}
+
+std::string SealText(const Seal& seal, const SealKey& key) {
+  Seal mine = seal;
+  mine.software = kSoftware;
+  return TextOf(mine, key);
+}
+
+std::string SealText(const Roll& roll, const SealKey& key) {
+  Roll mine = roll;
+  mine.software = kSoftware;
+  return TextOf(mine, key);
+}
+
+Seal OpenSeal(std::string_view text, const SealKey& key, const std::string& file) {
+  return Open<Seal>(text, key, file);
+}
+
+Roll OpenRoll(std::string_view text, const SealKey& key, const std::string& file) {
+  return Open<Roll>(text, key, file);
+}
+
+}  // namespace palpate

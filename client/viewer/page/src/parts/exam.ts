@@ -1,0 +1,176 @@
+import {say} from "../messages/say";
+import {localText} from "../model/local_text";
+import {kTopics} from "../model/world";
+import {type ExamState, type OpenExam, toExamAnswer, toExamState} from "../protocol/exam_messages";
+import {
+  type Exercise,
+  type LocalText,
+  toTrialState,
+  type TrialState,
+} from "../protocol/exercise_messages";
+import {make, setText} from "../ui/elements";
+import {ExamDesk} from "../ui/exam_desk";
+
+export interface ExamEvents {
+  publish(topic: string, message: object): boolean;
+  /// The scene that it is to be done in; empty: none is served.
+  served(exercise: Exercise): string;
+  begin(scene: string, tool: string, ask: () => boolean): void;
+  /// Whether an exam is all that there is to do has changed.
+  changed(): void;
+}
+
+const own = (text: LocalText): string => localText(text, document.documentElement.lang || "en");
+
+/// As 12:34.
+export function clockText(seconds: number): string {
+  const s = Math.max(0, Math.ceil(seconds));
+  return `${Math.floor(s / 60)}:${String(s % 60).padStart(2, "0")}`;
+}
+
+/// An exam: its next task for who sits it, and the desk of who holds it.
+export class Exam {
+  private readonly bar = make("section", {id: "exam-bar", hidden: true});
+  private readonly title = make("h2");
+  private readonly where = make("span");
+  private readonly clock = make("span", {className: "clock", role: "timer"});
+  private readonly trialClock = make("span", {className: "clock", role: "timer"});
+  private readonly goal = make("p", {className: "goal"});
+  private readonly task = make("div", {className: "task"});
+  private readonly word = make("p", {className: "word", role: "status"});
+  private readonly begin = make("button", {
+    ...{type: "button", className: "primary", textContent: say("exam.begin")},
+    onclick: () => this.beginTask(),
+  });
+  private readonly handIn = make("button", {
+    ...{type: "button", textContent: say("exam.hand_in")},
+    onclick: () => void this.events.publish(kTopics.trial, {op: "stop"}),
+  });
+  private readonly desk = new ExamDesk((wish) => this.ask(wish));
+  private state: ExamState = {open: null};
+  private trial: TrialState | undefined;
+  private endsS: number | undefined; // of the exam, by the page's clock
+  private trialEndsS: number | undefined;
+  private teaches = false;
+  private tag = 0;
+
+  constructor(private readonly events: ExamEvents) {
+    this.bar.setAttribute("aria-label", say("exam.title"));
+    const times = make("p", {className: "times"}, this.where, this.clock, this.trialClock);
+    const choices = make("p", {className: "choices"}, this.begin, this.handIn);
+    this.bar.append(this.title, times, this.goal, this.task, this.word, choices);
+    document.querySelector(".picture")?.append(this.bar);
+  }
+
+  /// @param teaches  this page may hold an exam
+  allow(teaches: boolean): void {
+    this.teaches = teaches;
+    this.desk.allow(teaches);
+  }
+
+  /// This page's person sits one: there is nothing else to do.
+  get isOn(): boolean {
+    return this.state.open !== null && !this.teaches && !this.state.open.closed;
+  }
+
+  /// True where it was for this part of the page alone.
+  receive(topic: string, value: unknown): boolean {
+    if (topic === kTopics.trialState) {
+      this.trial = toTrialState(value);
+      this.trialEndsS = undefined;
+      this.show();
+      return false;
+    }
+    if (topic === kTopics.examAnswer) this.desk.tell(toExamAnswer(value).refusal);
+    else if (topic === kTopics.examState) this.receiveState(toExamState(value));
+    else return false;
+    return true;
+  }
+
+  tick(nowS: number): void {
+    const {open} = this.state;
+    if (!open) return;
+    this.endsS ??= nowS + open.left_s;
+    const left = clockText(this.endsS - nowS);
+    if (this.teaches) return this.desk.tick(left);
+    setText(this.clock, say("exam.left", {time: left}));
+    const runs = this.trial?.phase === "running";
+    if (runs) this.trialEndsS ??= nowS + (this.trial?.left_s ?? 0);
+    const ownLeft = runs ? clockText((this.trialEndsS ?? nowS) - nowS) : "";
+    setText(this.trialClock, runs ? say("exam.trial_left", {time: ownLeft}) : "");
+    this.begin.hidden = runs || this.isBusy || !open.exercise || this.endsS <= nowS;
+  }
+
+  private receiveState(state: ExamState): void {
+    const was = this.isOn;
+    this.state = state;
+    this.endsS = undefined;
+    this.desk.show(state);
+    this.show();
+    document.body.classList.toggle("in-exam", this.isOn);
+    if (was !== this.isOn) this.events.changed();
+  }
+
+  private get isBusy(): boolean {
+    const phase = this.trial?.phase;
+    return phase === "preparing" || phase === "running" || phase === "ending";
+  }
+
+  private show(): void {
+    const {open} = this.state;
+    this.bar.hidden = !this.isOn;
+    if (!open || !this.isOn) return;
+    const {exercise} = open;
+    setText(this.title, own(open.title));
+    setText(this.where, whereIn(open));
+    const shown = exercise ?? undefined;
+    setText(this.goal, shown ? `${own(shown.title)}: ${own(shown.goal)}` : "");
+    this.bar.classList.toggle("works", this.isBusy);
+    this.handIn.hidden = this.trial?.phase !== "running";
+    this.begin.hidden = this.isBusy || !shown;
+    this.task.replaceChildren(...(shown && !this.isBusy ? aboutOf(shown, open) : []));
+    setText(this.word, this.wordOf(open));
+  }
+
+  private wordOf(open: OpenExam): string {
+    const phase = this.trial?.phase;
+    if (phase === "preparing" || phase === "running" || phase === "ending")
+      return say(`exercises.${phase}`) + (this.trial?.whole ? "" : ` ${this.trial?.reason}`);
+    if (open.cut) return say("exam.cut", {reason: open.cut});
+    if (!open.exercise) return say("exam.done");
+    if (this.events.served(open.exercise) === "") return say("exercises.not_served");
+    return phase === "kept" ? say("exercises.kept") : "";
+  }
+
+  private beginTask(): void {
+    const exercise = this.state.open?.exercise;
+    const scene = exercise ? this.events.served(exercise) : "";
+    if (!exercise || scene === "") return this.show();
+    this.events.begin(scene, exercise.tool, () =>
+      this.events.publish(kTopics.trial, {op: "begin", exercise: exercise.name}),
+    );
+  }
+
+  private ask(wish: object): void {
+    this.events.publish(kTopics.exam, {tag: (this.tag += 1), ...wish});
+  }
+}
+
+function whereIn({tasks, task = 0, trial = 1, trials = 1}: OpenExam): string {
+  if (task >= tasks) return "";
+  const at = say("exam.task_of", {task: task + 1, tasks});
+  return trials > 1 ? `${at}, ${say("exam.trial_of", {trial, trials})}` : at;
+}
+
+function aboutOf(exercise: Exercise, {time_s = 0}: OpenExam): HTMLElement[] {
+  const {most_N: force} = exercise;
+  const limits = {force, time: time_s};
+  return [
+    make("p", {textContent: own(exercise.instruction)}),
+    ...exercise.pictures.map(({path, text}) => make("img", {src: path, alt: own(text)})),
+    make("p", {
+      textContent: say(force > 0 ? "exercises.limits" : "exercises.limit_time", limits),
+    }),
+    make("p", {className: "quiet", textContent: say("exam.once")}),
+  ];
+}

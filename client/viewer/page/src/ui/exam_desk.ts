@@ -1,0 +1,146 @@
+import {say} from "../messages/say";
+import {localText} from "../model/local_text";
+import type {ExamFile, ExamPerson, ExamState, ExamTrial, OpenExam} from "../protocol/exam_messages";
+import {element, make, setText} from "./elements";
+
+const kMoreS = 300;
+
+const own = (text: Readonly<Record<string, string>>): string =>
+  localText(text, document.documentElement.lang || "en");
+
+/// Where a teacher opens an exam, sees how far all are, and closes it.
+export class ExamDesk {
+  private readonly button = make("button", {
+    ...{type: "button", id: "exam-open", hidden: true},
+    ...{textContent: say("exam.title"), title: say("exam.desk_title")},
+    onclick: () => {
+      this.wish({op: "look"});
+      this.dialog.showModal();
+    },
+  });
+  private readonly dialog = make("dialog", {id: "exam-dialog"});
+  private readonly word = make("p", {className: "word alarm", role: "alert", hidden: true});
+  private readonly clock = make("span", {className: "clock", role: "timer"});
+  private readonly running = make("section");
+  private readonly files = make("ul", {className: "exam-files"});
+  private shown = "";
+
+  constructor(private readonly wish: (wish: object) => void) {
+    const title = make("h2", {id: "exam-title", textContent: say("exam.title")});
+    const close = press(say("class.close"), () => this.dialog.close());
+    this.dialog.setAttribute("aria-labelledby", title.id);
+    this.dialog.append(make("header", {}, title, close), this.word, this.running, this.files);
+    element("audience", HTMLButtonElement).before(this.button);
+    document.body.append(this.dialog);
+  }
+
+  allow(may: boolean): void {
+    this.button.hidden = !may;
+    if (!may && this.dialog.open) this.dialog.close();
+  }
+
+  tell(refusal: string): void {
+    setText(this.word, refusal);
+    this.word.hidden = refusal === "";
+  }
+
+  tick(left: string): void {
+    setText(this.clock, say("exam.left", {time: left}));
+  }
+
+  show({open, exams = [], trouble = ""}: ExamState): void {
+    // Without the time, which goes by: what has the focus stays.
+    const now = JSON.stringify([{...open, left_s: 0}, exams, trouble]);
+    if (now === this.shown) return;
+    this.shown = now;
+    this.tell(trouble);
+    this.running.replaceChildren(...(open?.people ? this.aboutOf(open, open.people) : []));
+    const isOpen = open !== null && !open.closed;
+    const rows = exams.map((exam) => this.rowOf(exam, isOpen));
+    if (rows.length === 0) rows.push(make("li", {className: "quiet"}, say("exam.none")));
+    this.files.replaceChildren(...rows);
+  }
+
+  private rowOf({name, title, tasks, time_s, wrong}: ExamFile, isOpen: boolean): HTMLLIElement {
+    if (wrong !== "") return make("li", {className: "alarm"}, `${name}: ${wrong}`);
+    const about = say("exam.file", {tasks, minutes: Math.round(time_s / 60)});
+    const open = sure(say("exam.open"), () => this.wish({op: "open", exam: name}));
+    open.disabled = isOpen;
+    const text = make("span", {}, make("b", {textContent: own(title)}), ` ${name}, ${about}`);
+    return make("li", {}, text, open);
+  }
+
+  private aboutOf(open: OpenExam, people: readonly ExamPerson[]): HTMLElement[] {
+    const {down_s = 0, closed, name} = open;
+    const title = make("h3", {textContent: own(open.title)});
+    const head = ["exam.person", "exam.at", "exam.trials", "exam.do"] as const;
+    const table = make(
+      "table",
+      {},
+      make("thead", {}, make("tr", {}, ...head.map((key) => make("th", {textContent: say(key)})))),
+      make("tbody", {}, ...people.map((person) => this.personRow(person, open))),
+    );
+    if (closed) {
+      const verify = `palpate-replay verify-exam COURSE --exam ${name} --key COURSE/exam-key.pub.pem --out certificate`;
+      const words = make("p", {textContent: say("exam.closed")});
+      return [title, words, make("pre", {textContent: verify}), table];
+    }
+    const more = press(say("exam.more", {minutes: kMoreS / 60}), () =>
+      this.wish({op: "more", s: kMoreS}),
+    );
+    const close = sure(say("exam.close"), () => this.wish({op: "close"}));
+    const bar = make("p", {className: "choices"}, this.clock, more, close);
+    if (down_s === 0) return [title, bar, table];
+    const back = press(say("exam.give_back", {seconds: down_s}), () =>
+      this.wish({op: "give_back"}),
+    );
+    const down = make("p", {className: "word"}, say("exam.down", {seconds: down_s}), " ", back);
+    return [title, down, bar, table];
+  }
+
+  private personRow({person, name, task, trials}: ExamPerson, open: OpenExam): HTMLElement {
+    const {tasks, closed} = open;
+    const isDone = task >= tasks;
+    const at = isDone ? say("exam.all_done") : say("exam.task_of", {task: task + 1, tasks});
+    const list = make("ul", {}, ...trials.map((trial) => make("li", {}, wordsOf(trial))));
+    const choice = make("td");
+    if (!closed && trials.some(({counts, running}) => counts && !running))
+      choice.append(
+        sure(say("exam.again"), () => this.wish({op: "again", person}), say("exam.again_title")),
+      );
+    const cells = [make("td", {textContent: at}), make("td", {}, list), choice];
+    const who = make("th", {scope: "row", textContent: name});
+    return make("tr", {}, who, ...cells);
+  }
+}
+
+function wordsOf({task, counts, running, cut, sealed, scored, points}: ExamTrial): string {
+  const words = [say("exam.task", {task: task + 1})];
+  if (running) words.push(say("exam.runs"));
+  if (cut !== "") words.push(say("exam.cut", {reason: cut}));
+  if (!counts) words.push(say("exam.void"));
+  if (sealed) words.push(say("exam.sealed"));
+  if (points !== null) words.push(say("exercises.points", {points: Math.round(points)}));
+  else if (scored) words.push(say("exercises.no_points"));
+  return words.join(", ");
+}
+
+function press(textContent: string, onclick: () => void): HTMLButtonElement {
+  return make("button", {type: "button", textContent, onclick});
+}
+
+/// A button that asks once more.
+function sure(text: string, wish: () => void, title = ""): HTMLButtonElement {
+  let isSure = false;
+  const turn = (to: boolean): void => {
+    isSure = to;
+    setText(button, to ? say("exam.sure", {what: text}) : text);
+  };
+  const button = press(text, () => {
+    if (isSure) wish();
+    turn(!isSure);
+  });
+  button.title = title;
+  button.addEventListener("blur", () => turn(false));
+  return button;
+}

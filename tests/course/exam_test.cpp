@@ -1,0 +1,222 @@
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <memory>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "client/course/exam_room.h"
+#include "common/files/whole_file.h"
+#include "common/realtime/steady_clock.h"
+#include "tests/support/complaint.h"
+#include "tests/support/eventually.h"
+#include "tests/support/folder.h"
+
+namespace palpate::test {
+namespace {
+
+using testing::HasSubstr;
+using Json = nlohmann::json;
+
+/// Programs of the recorder's and the replayer's names that do as those do.
+constexpr const char* kExamRecorder =
+    "#!/bin/sh\nfor word; do case $word in --output=*) out=${word#--output=};; esac; done\n"
+    "echo hand > $out; trap 'exit 0' INT\necho \"recording to $out\"\nwhile :; do sleep 0.01; "
+    "done\n";
+constexpr const char* kExamReplayer = R"(#!/bin/sh
+for word; do case $word in --out=*) out=${word#--out=};; esac; done
+mkdir -p $out && echo page > $out/score.html
+echo '{"passed": true, "trials": [{"points": 81.5}]}' > $out/score.json
+)";
+/// What ComplaintOf says of what has none.
+constexpr const char* kGood = "no complaint";
+constexpr const char* kExam = R"({"title": {"en": "Midterm"}, "time_s": 600, "tasks": [
+  {"exercise": "light-force", "time_s": 60, "trials": 2}, {"exercise": "pocket-depth"}]})";
+
+TEST(ExamFile, IsReadAndRefusedWithFileLineAndRemedy) {
+  const Folder folder;
+  const std::string file = folder / "midterm.exam.json";
+  const auto complaint = [&](const std::string& text) {
+    std::ofstream(file) << text;
+    return ComplaintOf([&] { LoadExam(file); });
+  };
+  EXPECT_EQ(complaint(kExam), kGood);
+  const Exam exam = LoadExam(file);
+  EXPECT_EQ(exam.name, "midterm");
+  EXPECT_EQ(exam.tasks.at(0).time_s, 60.0);
+  EXPECT_EQ(exam.tasks.at(1).trials, 1);
+  EXPECT_EQ(exam.tasks.at(1).exercise_sha256.size(), 64u);
+  EXPECT_THAT(complaint(R"({"title": "A", "time_s": 60, "tasks": [{"exercise": "none"}]})"),
+              HasSubstr("midterm.exam.json:1: tasks[0].exercise: there is no such exercise; put "));
+  EXPECT_THAT(complaint(R"({"title": "A", "time_s": 60, "tasks": [], "hints": true})"),
+              HasSubstr("hints"));
+  EXPECT_THAT(complaint(R"({"title": "A", "time_s": 1e6, "tasks": [{"exercise": "light-force"}]})"),
+              HasSubstr("time_s"));
+  EXPECT_THAT(complaint(R"({"title": "A", "time_s": 60, "people": ["A", "A"],
+                            "tasks": [{"exercise": "light-force"}]})"),
+              HasSubstr("people[1]: stands there twice"));
+}
+
+class ExamTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    SetProgram("palpate-record", kExamRecorder);
+    SetProgram("palpate-replay", kExamReplayer);
+    std::filesystem::create_directory(folder_ / "course");
+    std::ofstream(folder_ / "course/midterm.exam.json") << kExam;
+    Start();
+    anna_ = roster_->Make({"Anna"}, Access::kDrive).front().person.id;
+    roster_->Make({"teacher"}, Access::kOperate);
+  }
+  void SetProgram(const std::string& name, const std::string& text) {
+    std::ofstream(folder_ / name) << text;
+    std::filesystem::permissions(folder_ / name, std::filesystem::perms::owner_all);
+  }
+  /// Also anew, as after a kill.
+  void Start() {
+    exams_.reset();
+    trials_.reset();
+    roster_.reset();
+    file_.reset();
+    file_ = std::make_unique<CourseFile>(folder_ / "course");
+    roster_ = std::make_unique<Roster>(*file_);
+    trials_ =
+        std::make_unique<TrialRoom>(TrialRoom::Options{folder_ / "course", folder_.path(), {}},
+                                    *file_, [this](const TrialRoom::News& news) {
+                                      phase_ = news.phase;
+                                      if (exams_ && news.phase != "preparing") exams_->Heard(news);
+                                    });
+    exams_ = std::make_unique<ExamRoom>(folder_ / "course", *file_, *roster_, *trials_, now_s_);
+  }
+  std::string Do(const std::string& op, Json wish = Json::object()) {
+    wish["op"] = op;
+    wish["tag"] = 1;
+    return Json::parse(exams_->Do(wish.dump(), now_s_))["refusal"];
+  }
+  std::string Open() { return Do("open", {{"exam", "midterm"}}); }
+  std::string Begin(const std::string& exercise) {
+    return ComplaintOf([&] {
+      exams_->Begin({7, anna_, exercise, "Anna", "periodontal", 0x5f3a}, now_s_,
+                    SteadyNanoseconds());
+    });
+  }
+  bool Comes(const std::function<bool()>& what) {
+    return Eventually([&] {
+      trials_->Poll(SteadyNanoseconds());
+      exams_->Poll(now_s_);
+      return what();
+    });
+  }
+  /// A trial, to its end.
+  void Try(const std::string& exercise) {
+    ASSERT_EQ(Begin(exercise), kGood);
+    ASSERT_TRUE(Comes([&] { return phase_ == "running"; }));
+    trials_->End(7, "stopped");
+    ASSERT_TRUE(Comes([&] { return phase_ == "kept"; }));
+  }
+  Json Own() { return Json::parse(exams_->StateJson(anna_, false, now_s_))["open"]; }
+  Json Trials() {
+    return Json::parse(exams_->StateJson(0, true, now_s_))["open"]["people"][0]["trials"];
+  }
+
+  const Folder folder_;
+  std::unique_ptr<CourseFile> file_;
+  std::unique_ptr<Roster> roster_;
+  std::unique_ptr<TrialRoom> trials_;
+  std::unique_ptr<ExamRoom> exams_;
+  std::string phase_;
+  std::int64_t anna_ = 0, now_s_ = 1'800'000'000;
+};
+
+TEST_F(ExamTest, GivesItsTasksInOrderWithoutScoreAndSealsWhatIsHandedIn) {
+  EXPECT_FALSE(exams_->Sits(anna_));
+  ASSERT_EQ(Open(), "");
+  EXPECT_TRUE(exams_->Sits(anna_));
+  EXPECT_THAT(Open(), HasSubstr("is open; close it first"));
+  EXPECT_EQ(Own()["exercise"]["name"], "light-force");
+  EXPECT_EQ(Own()["left_s"], 600);
+  EXPECT_THAT(Begin("pocket-depth"), HasSubstr("not the exam's next task"));
+  Try("light-force");
+  EXPECT_EQ(Own()["trial"], 2);
+  Try("light-force");
+  EXPECT_EQ(Own()["task"], 1);
+  EXPECT_THAT(Begin("light-force"), HasSubstr("not the exam's next task"));
+  Try("pocket-depth");
+  EXPECT_EQ(Own()["task"], 2);
+  EXPECT_THAT(Begin("pocket-depth"), HasSubstr("all of the exam's tasks"));
+  ASSERT_TRUE(Comes([&] { return Trials()[2]["sealed"] == true; }));
+  EXPECT_TRUE(Trials()[0]["points"].is_null());
+
+  const std::string stem = folder_ / fmt::format("course/trials/{}/light-force/1", anna_);
+  const SealKey key = SealKey::ReadPublic(folder_ / "course/exam-key.pub.pem");
+  const Seal seal = OpenSeal(ReadWholeFile(stem + ".seal.json", kLargestSeal), key, "it");
+  EXPECT_EQ(seal.sha256, Sha256("hand\n"));
+  EXPECT_EQ(seal.name, "Anna");
+  EXPECT_EQ(seal.scene_hash, "0000000000005f3a");
+  EXPECT_EQ(seal.reason, "stopped");
+
+  ASSERT_EQ(Do("close"), "");
+  EXPECT_FALSE(exams_->Sits(anna_));
+  ASSERT_TRUE(Comes([&] { return Trials()[2]["points"] == 81.5; }));
+  const Roll roll = OpenRoll(
+      ReadWholeFile(folder_ / "course/exams/midterm-1.roll.json", kLargestSeal), key, "it");
+  EXPECT_EQ(roll.trials.size(), 3u);
+  EXPECT_EQ(roll.trials[0].sha256, seal.sha256);
+}
+
+TEST_F(ExamTest, GoesOnWhereItWasAfterTheGatewayWasKilled) {
+  ASSERT_EQ(Open(), "");
+  Try("light-force");
+  ASSERT_EQ(Begin("light-force"), kGood);
+  ASSERT_TRUE(Comes([&] { return phase_ == "running"; }));
+  now_s_ += 100;
+  Start();
+  EXPECT_TRUE(exams_->Sits(anna_));
+  EXPECT_EQ(Own()["task"], 1) << "what was begun counts, until an examiner has it done again";
+  EXPECT_THAT(Own()["cut"].get<std::string>(), HasSubstr("the gateway was killed"));
+  ASSERT_TRUE(
+      Comes([&] { return Trials()[0]["sealed"] == true && Trials()[1]["sealed"] == true; }));
+  EXPECT_THAT(Trials()[1]["cut"].get<std::string>(), HasSubstr("the gateway was killed"));
+  EXPECT_EQ(Own()["left_s"], 500);
+  EXPECT_EQ(Json::parse(exams_->StateJson(0, true, now_s_))["open"]["down_s"], 100);
+  ASSERT_EQ(Do("give_back"), "");
+  EXPECT_EQ(Own()["left_s"], 600);
+  ASSERT_EQ(Do("again", {{"person", anna_}}), "");
+  EXPECT_EQ(Own()["task"], 0);
+  EXPECT_EQ(Own()["trial"], 2);
+}
+
+TEST_F(ExamTest, EndsByItsTimeAndHasMoreWhereTheExaminerGivesIt) {
+  EXPECT_THAT(Do("close"), HasSubstr("no exam is open"));
+  ASSERT_EQ(Open(), "");
+  ASSERT_EQ(Begin("light-force"), kGood);
+  EXPECT_EQ(Own()["trial"], 1) << "that which runs";
+  ASSERT_TRUE(Comes([&] { return phase_ == "running"; }));
+  now_s_ += 600;
+  ASSERT_TRUE(Comes([&] { return phase_ == "kept"; }));
+  EXPECT_EQ(Own()["cut"], "") << "time ended it, as it was to";
+  EXPECT_THAT(Begin("light-force"), HasSubstr("time is over"));
+  ASSERT_EQ(Do("more", {{"s", 60}}), "");
+  EXPECT_EQ(Own()["left_s"], 60);
+  EXPECT_EQ(Begin("light-force"), kGood);
+}
+
+TEST_F(ExamTest, IsNotScoredByOtherCriteriaThanThoseItWasOpenedWith) {
+  const std::string own = folder_ / "course/exercises";
+  std::filesystem::copy(PALPATE_SOURCE_DIR "/client/course/exercises", own);
+  Start();
+  ASSERT_EQ(Open(), "");
+  Try("light-force");
+  std::ofstream(own + "/light-force.exercise.json", std::ios::app) << "\n";
+  ASSERT_EQ(Do("close"), "");
+  ASSERT_TRUE(
+      Comes([&] { return Json::parse(exams_->StateJson(0, true, now_s_))["trouble"] != ""; }));
+  EXPECT_THAT(exams_->StateJson(0, true, now_s_), HasSubstr("'light-force' is not scored"));
+  EXPECT_TRUE(Trials()[0]["points"].is_null());
+}
+
+}  // namespace
+}  // namespace palpate::test

@@ -1,0 +1,48 @@
+import {kTestScene} from "./scene_bytes";
+
+const kTitle = {en: "Midterm", de: "Zwischenprüfung"};
+const kExercise = {
+  ...{name: "light-force", title: {en: "Light force"}, scene: kTestScene.name, tool: "ball"},
+  ...{instruction: {en: "Rest on the floor."}, goal: {en: "Ten seconds"}, pictures: []},
+  ...{most_N: 0.245, most_s: 90, trials: 5, pass: 70, start: "whole", sources: [], done: []},
+};
+
+/// An exam as who sits it hears of it.
+export const ownExam = (more: object = {}): object => ({
+  open: {
+    ...{name: "midterm", title: kTitle, closed: false, left_s: 600, tasks: 3},
+    ...{task: 0, trial: 1, trials: 2, time_s: 90, exercise: kExercise, cut: ""},
+    ...more,
+  },
+});
+
+export const trialState = (phase: string): object => ({
+  ...{exercise: "light-force", n: 1, phase, reason: "", whole: true, points: null},
+  ...{passed: false, submitted: true, page: "", left_s: 90},
+});
+
+/// And as its examiner does.
+export const heldExam = (more: object = {}): object => {
+  const trial = {
+    task: 0,
+    counts: true,
+    running: false,
+    cut: "",
+    sealed: true,
+    scored: false,
+    points: null,
+  };
+  const cut = {...trial, task: 1, cut: "the gateway was killed", sealed: false};
+  return {
+    open: {
+      ...{name: "midterm", title: kTitle, closed: false, left_s: 600, tasks: 2, down_s: 41},
+      people: [{person: 2, name: "Anna", task: 2, trials: [trial, cut]}],
+      ...more,
+    },
+    exams: [
+      {name: "midterm", title: kTitle, tasks: 2, time_s: 600, wrong: ""},
+      {name: "bad.exam.json", title: {}, tasks: 0, time_s: 0, wrong: "bad.exam.json:1: no"},
+    ],
+    trouble: "",
+  };
+};

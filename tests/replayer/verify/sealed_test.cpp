@@ -1,0 +1,246 @@
+#include "client/replayer/verify/sealed.h"
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/files/whole_file.h"
+#include "common/text/hex16.h"
+#include "scenes/catalogue.h"
+#include "scenes/files/scene_bundle.h"
+#include "server/physics/scene_model.h"
+#include "server/session/servo_loop.h"
+#include "tests/common/recording/samples.h"
+#include "tests/support/complaint.h"
+#include "tests/support/folder.h"
+#include "tests/support/milliseconds.h"
+
+namespace palpate::test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+constexpr std::uint64_t kSealedPoses = 50;
+const std::string kAnna = "trials/3/press/1", kBen = "trials/4/press/1";
+
+/// Two people's trials of pressing into a cube, handed in in an exam.
+class SealedTest : public testing::Test {
+ protected:
+  SealedTest()
+      : scene_(LoadScene("cube")),
+        model_(MakeModel(scene_, scene_.tools.front(), MakeObjects(scene_))) {
+    Record(kAnna, "Anna", 9);
+    Record(kBen, "Ben", 10);
+    SealIt(kAnna, 3, "Anna");
+    SealIt(kBen, 4, "Ben");
+  }
+
+  void Record(const std::string& stem, const std::string& station, std::uint64_t run) {
+    fs::create_directories(fs::path(folder_ / stem).parent_path());
+    RecordingWriter writer({.file = folder_ / (stem + ".mcap"), .overwrite = true});
+    std::vector<std::uint8_t> bytes = PackScene(scene_);
+    const wire::SceneBundle bundle = SampleBundle(bytes, scene_.name);
+    hash_ = Hex16(bundle.hash);
+    Add(writer, dds::kSceneBundleTopic, bundle, kMs);
+    ServoLoop loop(model_);
+    for (std::uint64_t i = 1; i <= kSealedPoses; ++i) {
+      const std::int64_t now_ns = static_cast<std::int64_t>(i + 1) * kMs;
+      wire::HapticPose pose{};
+      pose.pose_sequence = i;
+      pose.sample_time_ns = now_ns;
+      const Pose X{Vec3(1e-5 * static_cast<double>(i * run), 0.029, 0.0), Quat::Identity()};
+      wire::FromPose(X, pose.position_m, pose.orientation_wxyz);
+      if (i == 1) {
+        loop.Start(X);
+        wire::SessionState state = SampleState(station, run);
+        wire::FromText(scene_.name, state.scene);
+        wire::FromText(scene_.tools.front().name, state.tool);
+        state.start_sequence = 1;
+        wire::FromPose(X, state.start_position_m, state.start_orientation_wxyz);
+        Add(writer, dds::kSessionStateTopic, state, now_ns);
+      }
+      wire::Wrench wrench{};
+      loop.OnPose(pose, wrench);
+      if (i == 20) wrench.force_N[0] += lie_N_;
+      Add(writer, dds::PoseTopic(station, run), pose, now_ns);
+      Add(writer, dds::WrenchTopic(station, run), wrench, now_ns);
+    }
+    writer.Close("");
+  }
+  Seal SealOf(const std::string& stem, std::int64_t person, const std::string& name) const {
+    const HashedFile hashed = Sha256OfFile(folder_ / (stem + ".mcap"));
+    Seal seal;
+    seal.recording = stem + ".mcap";
+    seal.sha256 = hashed.sha256;
+    seal.bytes = hashed.bytes;
+    seal.person = person;
+    seal.name = seal.station = name;
+    seal.scene = scene_.name;
+    seal.scene_hash = hash_;
+    seal.exam = "midterm";
+    seal.exam_number = 1;
+    seal.task = seal.n = 1;
+    return seal;
+  }
+  void Write(const std::string& file, const std::string& text) const {
+    std::ofstream(folder_ / file, std::ios::binary) << text;
+  }
+  void SealIt(const std::string& stem, std::int64_t person, const std::string& name) {
+    Write(stem + kSealEnding, SealText(SealOf(stem, person, name), key_));
+  }
+  void WriteRoll(const std::vector<Seal>& seals) {
+    fs::create_directory(folder_ / "exams");
+    Roll roll;
+    for (const Seal& seal : seals) {
+      roll.trials.push_back({seal.person, seal.name, seal.task, seal.recording, seal.sha256, true});
+    }
+    Write("exams/midterm-1.roll.json", SealText(roll, key_));
+  }
+  std::string Read(const std::string& file) const { return ReadWholeFile(folder_ / file, 1 << 24); }
+  Certificate Verified() const {
+    SealedOptions options;
+    options.folder = folder_.path();
+    options.key = folder_ / SealKey::kPublicFile;
+    return VerifySealed(options);
+  }
+  /// Why the first, Anna's, is refused.
+  std::string Refused() const { return Verified().trials.at(0).refused; }
+
+  const Folder folder_;
+  const SealKey key_ = SealKey::OfCourse(folder_.path());
+  const Scene scene_;
+  const HapticModel model_;
+  std::string hash_;
+  double lie_N_ = 0.0;
+};
+
+TEST_F(SealedTest, IsVerifiedInEveryBitAndTheCertificateSaysWhatWasNot) {
+  const Certificate certificate = Verified();
+  EXPECT_TRUE(certificate.good()) << ToText(certificate);
+  EXPECT_EQ(certificate.exam, "midterm-1");
+  ASSERT_EQ(certificate.trials.size(), 2u);
+  EXPECT_EQ(certificate.trials[0].wrenches, kSealedPoses);
+  EXPECT_THAT(ToText(certificate), HasSubstr("VERIFIED: 2 of 2"));
+  EXPECT_THAT(ToText(certificate), HasSubstr("Who held the stylus"));
+  EXPECT_THAT(ToText(certificate), HasSubstr("there is none, so whether something was left out"));
+  WriteCertificate(certificate, folder_ / "out");
+  EXPECT_THAT(Read("out/certificate.html"), HasSubstr("<td>Anna (3)<td>1: "));
+  EXPECT_THAT(Read("out/certificate.json"), HasSubstr("\"good\": true"));
+}
+
+TEST_F(SealedTest, OneRecordingIsVerifiedByItself) {
+  SealedOptions options;
+  options.recording = folder_ / (kAnna + ".mcap");
+  options.key = folder_ / SealKey::kPublicFile;
+  EXPECT_TRUE(VerifySealed(options).good());
+}
+
+TEST_F(SealedTest, OfWhichAnyByteIsFlippedIsRefused) {
+  std::mt19937 random(20261127);
+  for (const char* ending : {".mcap", kSealEnding}) {
+    const std::string file = kAnna + ending, good = Read(file);
+    for (int i = 0; i < 60; ++i) {
+      std::string spoilt = good;
+      const std::size_t at = random() % spoilt.size();
+      spoilt[at] = static_cast<char>(spoilt[at] ^ (1 << (random() % 8)));
+      Write(file, spoilt);
+      EXPECT_THAT(Refused(), HasSubstr("changed")) << ending << " at " << at;
+    }
+    Write(file, good);
+  }
+  EXPECT_TRUE(Verified().good());
+}
+
+TEST_F(SealedTest, ThatIsCutIsRefused) {
+  fs::resize_file(folder_ / (kAnna + ".mcap"), 1000);
+  EXPECT_THAT(Refused(), HasSubstr("is cut: 1000 of "));
+  fs::remove(folder_ / (kAnna + ".mcap"));
+  EXPECT_THAT(Refused(), HasSubstr("is not there"));
+}
+
+TEST_F(SealedTest, OfAnotherCourseIsRefused) {
+  const Folder other;
+  Write(kAnna + kSealEnding, SealText(SealOf(kAnna, 3, "Anna"), SealKey::OfCourse(other.path())));
+  EXPECT_THAT(Refused(), HasSubstr("another course's"));
+}
+
+TEST_F(SealedTest, OfAnotherVersionIsRefused) {
+  // As a version before this one had sealed it.
+  std::string text = Read(kAnna + kSealEnding);
+  const std::size_t begin = text.find("\"sealed\":") + 9, end = text.rfind(",\"signature\"");
+  std::string body = text.substr(begin, end - begin);
+  body.replace(body.find(PALPATE_VERSION), std::string_view(PALPATE_VERSION).size(), "0.0.1");
+  Write(kAnna + kSealEnding, "{\"key\":\"" + key_.name() + "\",\"sealed\":" + body +
+                                 ",\"signature\":\"" + key_.Sign(body) + "\"}\n");
+  EXPECT_THAT(Refused(), HasSubstr("is of palpate 0.0.1"));
+}
+
+TEST_F(SealedTest, OfAnotherPersonIsRefusedUnderWhateverName) {
+  for (const char* ending : {".mcap", kSealEnding}) {
+    fs::copy_file(folder_ / (kBen + ending), folder_ / (kAnna + ending),
+                  fs::copy_options::overwrite_existing);
+  }
+  EXPECT_THAT(Refused(), HasSubstr("it is the seal of trials/4/press/1.mcap, and lies beside"));
+  // Also where it was put there before it was sealed.
+  SealIt(kAnna, 3, "Anna");
+  EXPECT_THAT(Refused(), HasSubstr("of station 'Ben', and not of 'Anna'"));
+  EXPECT_EQ(Verified().trials.at(1).refused, "");
+}
+
+TEST_F(SealedTest, HandedInForTwoIsRefusedForBoth) {
+  // The bytes are the same, then the session alone.
+  fs::copy_file(folder_ / (kAnna + ".mcap"), folder_ / (kBen + ".mcap"),
+                fs::copy_options::overwrite_existing);
+  SealIt(kBen, 4, "Anna");
+  Certificate certificate = Verified();
+  EXPECT_THAT(certificate.trials[0].refused, HasSubstr("the same recording is handed in for"));
+  EXPECT_THAT(certificate.trials[1].refused, HasSubstr("the same recording is handed in for"));
+  std::ofstream(folder_ / (kBen + ".mcap"), std::ios::app) << ' ';
+  SealIt(kBen, 4, "Anna");
+  certificate = Verified();
+  EXPECT_NE(certificate.trials[0].refused, "");
+  EXPECT_NE(certificate.trials[1].refused, "");
+}
+
+TEST_F(SealedTest, OfAnotherSceneOrOfForcesThatNoPhysicsGaveIsRefused) {
+  Seal seal = SealOf(kAnna, 3, "Anna");
+  seal.scene_hash = "0000000000000001";
+  Write(kAnna + kSealEnding, SealText(seal, key_));
+  EXPECT_THAT(Refused(), HasSubstr("and not in 'cube' of 0000000000000001"));
+  lie_N_ = 1e-12;
+  Record(kAnna, "Anna", 9);
+  SealIt(kAnna, 3, "Anna");
+  EXPECT_THAT(Refused(), HasSubstr("not what the physics gives"));
+}
+
+TEST_F(SealedTest, ThatIsLeftOutIsMissedAndWhatWasNotHandedInIsRefused) {
+  const Seal anna = SealOf(kAnna, 3, "Anna"), ben = SealOf(kBen, 4, "Ben");
+  WriteRoll({anna, ben});
+  EXPECT_TRUE(Verified().good());
+  fs::remove(folder_ / (kBen + kSealEnding));
+  EXPECT_THAT(Verified().missing.at(0), HasSubstr("Ben, task 1: trials/4/press/1.mcap was handed"));
+  WriteRoll({ben});
+  EXPECT_THAT(Refused(), HasSubstr("not on the exam's roll"));
+  Write("exams/midterm-1.roll.json", "{}");
+  EXPECT_FALSE(Verified().good());
+}
+
+TEST_F(SealedTest, OfSeveralExamsIsVerifiedForTheOneThatIsNamed) {
+  Seal seal = SealOf(kBen, 4, "Ben");
+  seal.exam = "final";
+  Write(kBen + kSealEnding, SealText(seal, key_));
+  EXPECT_THAT(ComplaintOf([&] { Verified(); }), HasSubstr("final-1, midterm-1; choose"));
+  SealedOptions options;
+  options.folder = folder_.path();
+  options.key = folder_ / SealKey::kPublicFile;
+  options.exam = "final";
+  EXPECT_EQ(VerifySealed(options).trials.size(), 1u);
+}
+
+}  // namespace
+}  // namespace palpate::test
