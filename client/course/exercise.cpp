@@ -7,7 +7,6 @@
 #include "common/error.h"
 #include "common/files/whole_file.h"
 #include "common/json/json_file.h"
-#include "common/json/pose_script.h"
 #include "scenes/catalogue.h"
 #include "scenes/files/scene_file.h"
 #include "scenes/shapes/shape_kinds.h"
@@ -186,7 +185,7 @@ Exercise LoadExercise(const std::string& file) {
   }
   const JsonNode root = JsonNode::Load(file);
   root.AllowOnly({"title", "scene", "tool", "start", "instruction", "goal", "limits", "trials",
-                  "expert", "criteria", "sources"});
+                  "expert", "guide", "criteria", "sources"});
   Exercise exercise;
   exercise.file = file;
   exercise.name = fs::path(file).filename().string();
@@ -227,7 +226,9 @@ Exercise LoadExercise(const std::string& file) {
                 "'; add \"expert\", the script of a hand that does it (NAME.path.json)");
     }
   }
-  PoseScript::Load(exercise.expert);
+  const PoseScript script = PoseScript::Load(exercise.expert);
+  const auto guide = root.Find("guide");
+  if (!guide || guide->Boolean()) exercise.guide = script.keys();
   return exercise;
 }
 

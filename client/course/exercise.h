@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "client/course/criteria_file.h"
+#include "common/json/pose_script.h"
 
 namespace palpate {
 
@@ -33,11 +34,12 @@ struct Exercise {
   Start start = Start::kWhole;
   LocalText instruction;
   std::vector<Picture> pictures;
-  LocalText goal;       ///< in a line
-  double most_N = 0.0;  ///< limit of force; 0: none
-  double most_s = 0.0;  ///< limit of time
-  int trials = 0;       ///< how many make a grade
-  std::string expert;   ///< the script of a hand that does it as it should be done
+  LocalText goal;                      ///< in a line
+  double most_N = 0.0;                 ///< limit of force; 0: none
+  double most_s = 0.0;                 ///< limit of time
+  int trials = 0;                      ///< how many make a grade
+  std::string expert;                  ///< the script of a hand that does it as it should be done
+  std::vector<PoseScript::Key> guide;  ///< of that, where pages may show it; else empty
   Criteria criteria;
   std::vector<std::string> sources;  ///< of its limits and criteria: publications
 

@@ -27,7 +27,12 @@ using Json = nlohmann::json;
 /// A recorder that has not begun by then, or has not ended, never will.
 constexpr std::int64_t kPatience_ns = 10'000'000'000;
 constexpr std::int64_t kRetry_ns = 2'000'000'000;
+/// Trials that are scored while they run; one of a solid at 50 um takes some 400 MB meanwhile.  The
+/// others are scored when they have ended.
+constexpr int kMostFollowing = 4;
 constexpr std::size_t kLargestScore = std::size_t{16} << 20;
+/// Of palpate-replay's complaint where the station has lost its server and come again.
+constexpr std::string_view kSeveralSessions = "sessions; choose one";
 constexpr const char* kTrialsTable =
     "CREATE TABLE IF NOT EXISTS trials(person INTEGER NOT NULL, exercise TEXT NOT NULL, "
     "n INTEGER NOT NULL, begun_s INTEGER NOT NULL, ended_s INTEGER, reason TEXT, "
@@ -52,6 +57,10 @@ Json JsonOf(const Exercise& exercise) {
     pictures.push_back({{"path", "exercise/" + exercise.name + "/" + picture.file},
                         {"text", JsonOf(picture.text)}});
   }
+  Json guide = Json::array();
+  for (const auto& [t, X, label] : exercise.guide) {
+    guide.push_back({t, X.p.x(), X.p.y(), X.p.z(), X.q.w(), X.q.x(), X.q.y(), X.q.z()});
+  }
   const char* const starts[] = {"whole", "bookmark", "as_it_is"};
   return {{"name", exercise.name},
           {"title", JsonOf(exercise.title)},
@@ -66,6 +75,7 @@ Json JsonOf(const Exercise& exercise) {
           {"trials", exercise.trials},
           {"pass", exercise.criteria.pass},
           {"sources", exercise.sources},
+          {"guide", guide},
           {"done", Json::array()}};
 }
 
@@ -168,7 +178,7 @@ int TrialRoom::Begin(Holder holder, std::int64_t person, const std::string& exer
   trials_.push_back(std::move(trial));
   Running& begun = trials_.back();
   begun.records = true;
-  begun.child =
+  begun.recorder =
       std::make_unique<ChildProgram>(options_.programs + "/palpate-record", arguments,
                                      "the trial's recorder", [&begun](const std::string& line) {
                                        spdlog::debug("recorder: {}", line);
@@ -183,7 +193,7 @@ void TrialRoom::BeginToEnd(Running& trial, const std::string& reason) {
   if (!trial.records || trial.news.phase == "ending") return;
   trial.news.reason = reason;
   trial.asked_ns = 0;
-  trial.child->Signal(SIGINT);
+  trial.recorder->Signal(SIGINT);
   Tell(trial, "ending");
 }
 
@@ -224,27 +234,36 @@ void TrialRoom::Tell(Running& trial, const std::string& phase) {
 
 bool TrialRoom::PollOne(Running& trial, std::int64_t now_ns) {
   if (trial.asked_ns == 0) trial.asked_ns = now_ns;
-  const bool runs = trial.child && trial.child->Poll();
+  const bool is_scoring = trial.scorer && trial.scorer->Poll();
   if (!trial.records) {
-    if (runs) return true;
+    if (trial.cuts_short && trial.follows) {
+      trial.cuts_short = false;
+      trial.scorer->Signal(SIGINT);
+    }
+    if (is_scoring) return true;
     TakeScore(trial);
     return false;
   }
+  const bool runs = trial.recorder->Poll();
   if (runs) {
     if (trial.began_ns == -1) {
       trial.began_ns = now_ns;
       trial.news.left_s = trial.most_s;
+      // One of an exam is scored when that is closed.
+      const auto following = std::ranges::count_if(
+          trials_, [](const Running& other) { return other.records && other.scorer; });
+      if (!trial.is_exam && following < kMostFollowing) BeginScoring(trial, true);
       Tell(trial, "running");
     }
     const bool in_time = 1e-9 * static_cast<double>(now_ns - trial.began_ns) < trial.most_s;
     if (trial.news.phase == "running") {
       if (!in_time) BeginToEnd(trial, "the time is over");
     } else if (now_ns - trial.asked_ns > kPatience_ns) {
-      trial.child->Signal(SIGKILL);
+      trial.recorder->Signal(SIGKILL);
     }
     return true;
   }
-  const std::string& complaint = trial.child->complaint();
+  const std::string& complaint = trial.recorder->complaint();
   if (trial.retry_ns == 0 && (trial.news.phase != "ending" || !complaint.empty())) {
     trial.news.whole = false;
     trial.news.reason = "not whole: " + (complaint.empty() ? "its recorder ended" : complaint);
@@ -300,15 +319,26 @@ void TrialRoom::Score(const News& kept, const std::string& station) {
 }
 
 void TrialRoom::Score(Running& trial) {
-  const News& news = trial.news;
-  const std::string stem = fmt::format("{}/{}", FolderOf(news.person, news.exercise), news.n);
-  trial.child = std::make_unique<ChildProgram>(
-      options_.programs + "/palpate-replay",
-      std::vector<std::string>{"score", trial.exercise->expert, stem + ".mcap",
-                               "--criteria=" + trial.exercise->file, "--station=" + trial.station,
-                               "--out=" + stem},
-      "what scores the trial");
+  trial.cuts_short = trial.scorer && !trial.news.whole;
+  if (!trial.scorer) BeginScoring(trial, false);
   Tell(trial, "scoring");
+}
+
+void TrialRoom::BeginScoring(Running& trial, bool follows) {
+  const std::string stem =
+      fmt::format("{}/{}", FolderOf(trial.news.person, trial.news.exercise), trial.news.n);
+  std::vector<std::string> arguments{"score",
+                                     trial.exercise->expert,
+                                     stem + ".mcap",
+                                     "--criteria=" + trial.exercise->file,
+                                     "--station=" + trial.station,
+                                     "--out=" + stem};
+  if (follows) arguments.emplace_back("--follow");
+  trial.scorer =
+      std::make_unique<ChildProgram>(options_.programs + "/palpate-replay", arguments,
+                                     "what scores the trial", [&trial](const std::string& line) {
+                                       if (line.starts_with("following ")) trial.follows = true;
+                                     });
 }
 
 void TrialRoom::TakeScore(Running& trial) {
@@ -316,7 +346,7 @@ void TrialRoom::TakeScore(Running& trial) {
   const std::string stem = fmt::format("{}/{}", FolderOf(news.person, news.exercise), news.n);
   std::string marks;
   try {
-    if (!trial.child->complaint().empty()) throw Error(trial.child->complaint());
+    if (!trial.scorer->complaint().empty()) throw Error(trial.scorer->complaint());
     const Json score = Json::parse(ReadWholeFile(stem + "/score.json", kLargestScore));
     news.passed = score.at("passed");
     const Json& done = score.at("trials").at(0);
@@ -337,7 +367,21 @@ void TrialRoom::TakeScore(Running& trial) {
     });
     Tell(trial, "scored");
   } catch (const std::exception& error) {
-    news.reason += (news.reason.empty() ? "" : "; ") + std::string("no score: ") + error.what();
+    const std::string why = error.what();
+    // What its station did between two of its sessions nobody knows.
+    news.whole = news.whole && why.find(kSeveralSessions) == std::string::npos;
+    news.reason += (news.reason.empty() ? "" : "; ") + ("no score: " + why);
+    file_.Use([&](SQLite::Database& database) {
+      SQLite::Statement row(database,
+                            "UPDATE trials SET whole=?, reason=? WHERE person=? AND exercise=? "
+                            "AND n=?");
+      row.bind(1, news.whole ? 1 : 0);
+      row.bind(2, news.reason);
+      row.bind(3, news.person);
+      row.bind(4, news.exercise);
+      row.bind(5, news.n);
+      row.exec();
+    });
     spdlog::error("trial {} of '{}' by person {}: {}", news.n, news.exercise, news.person,
                   Printable(news.reason));
     Tell(trial, "unscored");

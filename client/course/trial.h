@@ -17,9 +17,10 @@
 
 namespace palpate {
 
-/// The trials of a course's people: each is recorded by a palpate-record of its own, scored by
-/// palpate-replay, and has a row in the course's file.  In FOLDER/trials/PERSON/EXERCISE/ trial N
-/// is N.mcap, and its score page N/score.html. Thread contract: one thread.  Time is given [ns].
+/// The trials of a course's people: each is recorded by a palpate-record of its own, scored by a
+/// palpate-replay that follows the recording, and has a row in the course's file.  In
+/// FOLDER/trials/PERSON/EXERCISE/ trial N is N.mcap, and its score page N/score.html. Thread
+/// contract: one thread.  Time is given [ns].
 class TrialRoom {
  public:
   using Holder = std::uint64_t;  ///< a viewer
@@ -94,8 +95,10 @@ class TrialRoom {
     News news;
     const Exercise* exercise = nullptr;
     std::string station;
-    std::unique_ptr<ChildProgram> child;  // the recorder, then the replayer
+    std::unique_ptr<ChildProgram> recorder, scorer;
     bool records = false;
+    bool follows = false;     // the scorer has said so: it may be interrupted
+    bool cuts_short = false;  // the recording has no end, of which it is to be told
     bool submits = false;
     bool is_exam = false;
     double most_s = 0.0;
@@ -110,6 +113,7 @@ class TrialRoom {
   void BeginToEnd(Running& trial, const std::string& reason);
   /// Enters in the course's file how it ended.  False where that cannot be written now.
   bool Keep(Running& trial, std::int64_t now_ns);
+  void BeginScoring(Running& trial, bool follows);
   void Score(Running& trial);
   void TakeScore(Running& trial);
   void Tell(Running& trial, const std::string& phase);

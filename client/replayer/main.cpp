@@ -1,4 +1,7 @@
 #include <cstdio>
+#include <optional>
+
+#include <unistd.h>
 
 #include "client/replayer/export/export.h"
 #include "client/replayer/export/solid_export.h"
@@ -15,6 +18,8 @@
 
 namespace palpate {
 namespace {
+
+constexpr int kPolite = 10;
 
 int Run(const ReplayOptions& options) {
   KeepFilesPrivate();
@@ -48,8 +53,15 @@ int Run(const ReplayOptions& options) {
     case ReplayOptions::What::kRehearse:
     case ReplayOptions::What::kScore: {
       const bool scores = options.what == ReplayOptions::What::kScore;
-      const Report report =
-          scores ? MakeReport(options.score) : Rehearse(LoadExercise(options.exercise));
+      std::optional<StopSignal> stop;
+      if (options.score.follow) {
+        stop.emplace();
+        std::fprintf(stderr, "following %s\n", Printable(options.score.trials.front()).c_str());
+        // While it waits the class has hands that must not.
+        (void)!nice(kPolite);
+      }
+      const Report report = scores ? MakeReport(options.score, stop ? &*stop : nullptr)
+                                   : Rehearse(LoadExercise(options.exercise));
       if (options.json != "-") std::fputs(ToText(report).c_str(), stdout);
       if (!options.json.empty()) WriteJson(report, options.json);
       if (!options.out.empty()) {

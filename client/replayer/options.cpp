@@ -158,6 +158,9 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
       "--criteria", options.score.criteria,
       "file to grade by: criteria, of which 'palpate-replay criteria FILE' writes some to begin "
       "with, or an exercise");
+  score.AddFlag("--follow", options.score.follow,
+                "the trial is being recorded: have all ready that can be, and score it as soon as "
+                "its recording ends, or at Ctrl-C");
   score.Add("--out", options.out, "folder for the report: score.html, and its figures");
   score.Add("--json", options.json, "write the score as JSON to this file; - is stdout");
 
@@ -237,6 +240,9 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
     const std::size_t stations = options.score.stations.size();
     if (stations > 1 && stations != options.score.trials.size()) {
       throw UsageError("--station: give it once for all trials, or once for each");
+    }
+    if (options.score.follow && options.score.trials.size() > 1) {
+      throw UsageError("--follow: one trial is recorded at a time; give that one");
     }
     options.what = score.given()      ? ReplayOptions::What::kScore
                    : rehearse.given() ? ReplayOptions::What::kRehearse

@@ -250,6 +250,14 @@ void Reader::GoTo(std::size_t offset) {
   ended_ = false;
 }
 
+void Reader::Grow(std::span<const std::uint8_t> bytes) {
+  bytes_ = bytes;
+  if (complete_ || damaged_) return;
+  problems_.clear();
+  read_once_ = false;
+  GoTo(offset_);
+}
+
 bool Reader::Next(Message& message) {
   Record record{};
   while (!ended_) {

@@ -53,6 +53,8 @@ class Reader {
   /// Goes on from an offset that it has given, or from kMagicSize, the beginning.  What is met
   /// again is not told again: neither problems nor metadata.
   void GoTo(std::size_t offset);
+  /// The file has grown, after Next has returned false for it had no end: goes on from there.
+  void Grow(std::span<const std::uint8_t> bytes);
 
   /// Once Next has returned false: true where the file has its end (a footer).
   bool complete() const { return complete_; }

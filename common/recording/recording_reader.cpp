@@ -44,6 +44,13 @@ void RecordingReader::GoTo(const Place& place) {
   readers_[place.file]->GoTo(place.offset);
 }
 
+void RecordingReader::Grow() {
+  auto grown = std::make_unique<mcap::MappedFile>(names_.back());
+  complete_ = true;
+  readers_.back()->Grow(grown->bytes());
+  files_.back() = std::move(grown);
+}
+
 bool RecordingReader::Next(RecordedSample& sample) {
   mcap::Message message;
   for (;;) {

@@ -53,6 +53,8 @@ class RecordingReader {
   /// Goes on from a place that it has given since it last began anew.  What is read again counts
   /// again in unknown().
   void GoTo(const Place& place);
+  /// After Next has returned false: what its recorder has written to the last file since.
+  void Grow();
 
   // Of what has been read; so, of all of it once Next has returned false.
   bool complete() const { return complete_; }  ///< every file has its end

@@ -55,6 +55,16 @@ HalfSpace PlaneOf(const SparseField& field, int i, int j, int k, double value) {
   return {(value + bend / 24.0) / h, Vec3(x1 - x0, y1 - y0, z1 - z0) / (2.0 * h)};
 }
 
+/// Where the columns are in a voxel, from -1/2 to 1/2 across both ways.
+constexpr std::array<std::array<double, 2>, kColumns> kAcross = [] {
+  std::array<std::array<double, 2>, kColumns> across{};
+  for (int n = 0; n < kColumns; ++n) {
+    across[static_cast<std::size_t>(n)] = {(n + 0.5) / kColumns - 0.5,
+                                           (n * kStride % kColumns + 0.5) / kColumns - 0.5};
+  }
+  return across;
+}();
+
 /// Volume of the unit voxel that lies in a half-space, and in another where there is one: exact
 /// along columns, which run as the first's normal does.
 double ShareIn(const HalfSpace& q, const HalfSpace& other) {
@@ -63,9 +73,7 @@ double ShareIn(const HalfSpace& q, const HalfSpace& other) {
   if (!(steepest > 0.0)) return q.a < 0.0 ? 1.0 : 0.0;
   const int u = (w + 1) % 3, v = (w + 2) % 3;
   double sum = 0.0;
-  for (int n = 0; n < kColumns; ++n) {
-    const double a = (n + 0.5) / kColumns - 0.5,
-                 b = (n * kStride % kColumns + 0.5) / kColumns - 0.5;
+  for (const auto& [a, b] : kAcross) {
     double low = -0.5, high = 0.5;
     for (const HalfSpace* half : {&q, &other}) {
       const double base = half->a + a * half->g[u] + b * half->g[v], slope = half->g[w];

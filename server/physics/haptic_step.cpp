@@ -28,16 +28,8 @@ StepWorkspace::StepWorkspace(const HapticModel& model)
 StepWorkspace::~StepWorkspace() = default;
 StepWorkspace::StepWorkspace(StepWorkspace&&) noexcept = default;
 
-namespace {
-
-bool IsFinite(const StepReport& report) {
-  return report.wrench.force.allFinite() && report.wrench.torque.allFinite() &&
-         report.X_WG.p.allFinite() && report.X_WG.q.coeffs().allFinite();
-}
-
-/// Whether the tool cuts in this step.  An edge does so as long as the hand draws it in its sense;
-/// the way that the sense takes to turn keeps a hand at rest from turning it.
-bool Cuts(const HapticModel& model, const Pose& X_WH, StepState& state) {
+/// The way that the sense takes to turn keeps a hand at rest from turning it.
+bool CutsInStep(const HapticModel& model, const Pose& X_WH, StepState& state) noexcept {
   const Cutting* cutting = model.cutting();
   if (cutting == nullptr || !cutting->sense) return state.spins;
   const Vec3 moved = X_WH * cutting->X_TB.p - state.X_WH * cutting->X_TB.p;
@@ -45,6 +37,13 @@ bool Cuts(const HapticModel& model, const Pose& X_WH, StepState& state) {
       std::clamp(state.drawn + moved.dot(X_WH.q * *cutting->sense), 0.0, limits::cutting::kDraw);
   const double turned = state.cutting ? 0.0 : limits::cutting::kDraw;
   return state.drawn == turned ? !state.cutting : state.cutting;
+}
+
+namespace {
+
+bool IsFinite(const StepReport& report) {
+  return report.wrench.force.allFinite() && report.wrench.torque.allFinite() &&
+         report.X_WG.p.allFinite() && report.X_WG.q.coeffs().allFinite();
 }
 
 /// Where the tools are, and the first bounds.  False where the pose that came is none: the tool
@@ -69,7 +68,7 @@ bool Begin(const Pose& X_WH, StepContext& context) {
   bounds = FirstBounds(context.model, hand_step);
   bounds.translation = std::max(bounds.translation, state.behind.translation);
   bounds.rotation = std::max(bounds.rotation, state.behind.rotation);
-  const bool cuts = Cuts(context.model, {X_WH.p, tools.q_H}, state);
+  const bool cuts = CutsInStep(context.model, {X_WH.p, tools.q_H}, state);
   state.X_WH = {X_WH.p, tools.q_H};
   if (cuts != state.cutting) state.front.Clear();
   state.cutting = cuts;

@@ -11,6 +11,10 @@ namespace palpate {
 
 struct StepBuffers;  // solve/step_buffers.h
 
+/// Whether the tool cuts in a step to X_WH: what each step asks first.  An edge does so as long as
+/// the hand draws it in its sense, which of the state changes `drawn`.
+bool CutsInStep(const HapticModel& model, const Pose& X_WH, StepState& state) noexcept;
+
 /// Buffers that a step needs, allocated once.  One per thread that steps, of any number of tools of
 /// one model; holds no state from step to step.
 class StepWorkspace {

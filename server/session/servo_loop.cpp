@@ -28,8 +28,6 @@ constexpr std::int64_t kLate_ns = 2'000'000;
 /// Blocks of solids that a pose's answer may copy for viewers, 2 kB each: in 15 ms those that a bur
 /// of 1.4 mm is at.  Others wait, and are told as they stand by then.
 constexpr int kMostCutBlocks = 4;
-/// The second button: while it is down a bur stands still.  (The first may enable forces.)
-constexpr std::uint32_t kStopBur = 1u << 1;
 /// Blocks of others' that a pose may merge, some 10 us each; and while there are no forces.
 constexpr int kMostMerged = 2, kMostMergedAtRest = 16;
 

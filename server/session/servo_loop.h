@@ -16,6 +16,9 @@
 
 namespace palpate {
 
+/// The second button: while it is down a bur stands still.  (The first may enable forces.)
+inline constexpr std::uint32_t kStopBur = 1u << 1;
+
 /// What the loop counts between two reports; faults of poses and of steps alike.
 struct LoopCounters {
   Histogram step;  ///< take to write [ns]

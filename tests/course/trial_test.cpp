@@ -131,6 +131,18 @@ TEST_F(TrialTest, IsNotWholeWhereItsRecorderFailsOrDies) {
   EXPECT_THAT(news_.back().reason, HasSubstr("2.mcap: holds no hand"));
 }
 
+TEST_F(TrialTest, IsNotWholeWhereItsStationHasComeAgain) {
+  SetProgram("palpate-replay",
+             "#!/bin/sh\necho 'palpate-replay: 1.mcap: holds 2 sessions; choose one: --station "
+             "anna/1' >&2\nexit 1\n");
+  Begin();
+  ASSERT_TRUE(Comes("running"));
+  room_->End(7, "stopped");
+  ASSERT_TRUE(Comes("unscored"));
+  EXPECT_EQ(Done(0)["whole"], false);
+  EXPECT_THAT(Done(0)["reason"].get<std::string>(), HasSubstr("holds 2 sessions"));
+}
+
 TEST_F(TrialTest, IsMarkedAsCutShortWhereTheGatewayWasKilled) {
   Begin();
   ASSERT_TRUE(Comes("running"));

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "common/error.h"
-#include "scenes/grid/solid_surface.h"
 #include "scenes/mesh/mesh_query.h"
 
 namespace palpate {
@@ -30,27 +29,35 @@ const std::string& NameOf(const Body& body, std::size_t material) {
   return name.empty() ? body.name : name;
 }
 
-/// Calls visit(solid, material, i, j, k) for each lattice point in a place.
+/// Calls visit(material, i, j, k) for each lattice point of a solid's block in a place.
 template <class Visit>
-void EachPoint(const SolidsCut& cut, const Place& place, Visit visit) {
-  for (std::size_t s = 0; s < cut.after.size(); ++s) {
-    const CutSolid& solid = cut.objects->solids()[s];
-    const SparseField& field = solid.grid->field();
-    const Lattice& lattice = field.lattice();
-    for (std::size_t block = 0; block < lattice.block_count(); ++block) {
-      if (field.entry(block) == SparseField::kAbove) continue;
-      const auto [bi, bj, bk] = lattice.BlockAt(block);
-      for (int n = 0; n < SparseField::kPoints; ++n) {
-        const int i = 8 * bi + (n & 7), j = 8 * bj + (n >> 3 & 7), k = 8 * bk + (n >> 6);
-        if (place && !place->Holds(solid.X_WB * lattice.Point(i, j, k))) continue;
-        visit(s, solid.grid->MaterialOf(block, n), i, j, k);
-      }
-    }
+void EachPoint(const CutSolid& solid, std::size_t block, const Place& place, Visit visit) {
+  const Lattice& lattice = solid.grid->field().lattice();
+  const auto [bi, bj, bk] = lattice.BlockAt(block);
+  for (int n = 0; n < SparseField::kPoints; ++n) {
+    const int i = 8 * bi + (n & 7), j = 8 * bj + (n >> 3 & 7), k = 8 * bk + (n >> 6);
+    if (place && !place->Holds(solid.X_WB * lattice.Point(i, j, k))) continue;
+    visit(solid.grid->MaterialOf(block, n), i, j, k);
   }
 }
 
-double VoxelOf(const SolidsCut& cut, std::size_t solid) {
-  return 1e9 * std::pow(cut.objects->solids()[solid].grid->field().lattice().spacing, 3);
+double VoxelOf(const CutSolid& solid) {
+  return 1e9 * std::pow(solid.grid->field().lattice().spacing, 3);
+}
+
+using Volumes = std::array<double, SolidGrid::kMaterials>;  // [voxels]
+
+Volumes VolumesOf(const CutSolid& solid, const CutField& left, std::size_t block,
+                  const Place& place) {
+  Volumes volumes{};
+  EachPoint(solid, block, place, [&](std::size_t material, int i, int j, int k) {
+    volumes[material] += left.Left(i, j, k);
+  });
+  return volumes;
+}
+
+bool IsWhole(const CutField& left, std::size_t block) {
+  return left.field().entry(block) == SparseField::kBelow;
 }
 
 /// Mean of what is seen in each direction round an axis.
@@ -141,7 +148,7 @@ std::vector<Region> RegionsOf(const Body& body, const std::string& tissue) {
 
 }  // namespace
 
-std::vector<TissueCut> TissuesOf(const SolidsCut& cut, const Place& place) {
+std::vector<TissueCut> TissuesOf(const SolidsCut& cut, const Place& place, WholeVolumes* whole) {
   std::vector<TissueCut> tissues;
   std::vector<std::array<std::size_t, SolidGrid::kMaterials>> places(cut.after.size());
   for (std::size_t s = 0; s < cut.after.size(); ++s) {
@@ -153,31 +160,61 @@ std::vector<TissueCut> TissuesOf(const SolidsCut& cut, const Place& place) {
       places[s][m] = static_cast<std::size_t>(tissue - tissues.begin());
     }
   }
-  EachPoint(cut, place, [&](std::size_t s, std::size_t material, int i, int j, int k) {
-    TissueCut& tissue = tissues[places[s][material]];
-    const double voxel = VoxelOf(cut, s);
-    tissue.before_mm3 += voxel * cut.before[s].Left(i, j, k);
-    tissue.after_mm3 += voxel * cut.after[s].Left(i, j, k);
-  });
+  WholeVolumes once;
+  WholeVolumes& known = whole != nullptr && !place ? *whole : once;
+  known.resize(cut.after.size());
+  for (std::size_t s = 0; s < cut.after.size(); ++s) {
+    const CutSolid& solid = cut.objects->solids()[s];
+    const auto volumes = [&](const CutField& left, std::size_t block) {
+      if (!IsWhole(left, block)) return VolumesOf(solid, left, block, place);
+      const auto [at, is_new] = known[s].try_emplace(block);
+      if (is_new) at->second = VolumesOf(solid, left, block, place);
+      return at->second;
+    };
+    const double voxel = VoxelOf(solid);
+    for (std::size_t block = 0; block < solid.grid->field().lattice().block_count(); ++block) {
+      if (solid.grid->field().entry(block) == SparseField::kAbove) continue;
+      const Volumes before = volumes(cut.before[s], block), after = volumes(cut.after[s], block);
+      for (std::size_t m = 0; m < BodyOf(cut, s).materials.size(); ++m) {
+        tissues[places[s][m]].before_mm3 += voxel * before[m];
+        tissues[places[s][m]].after_mm3 += voxel * after[m];
+      }
+    }
+  }
   return tissues;
+}
+
+std::vector<SolidSurface> SurfacesOf(const SolidsCut& cut) {
+  std::vector<SolidSurface> surfaces;
+  for (const CutField& left : cut.after) surfaces.push_back(WholeSurface(left));
+  return surfaces;
 }
 
 TargetDifference DifferenceTo(const SolidsCut& target, const SolidsCut& cut,
                               const std::string& tissue, const Place& place) {
   TargetDifference difference;
-  EachPoint(cut, place, [&](std::size_t s, std::size_t material, int i, int j, int k) {
-    if (!tissue.empty() && NameOf(BodyOf(cut, s), material) != tissue) return;
-    const double more =
-        VoxelOf(cut, s) * (cut.after[s].Left(i, j, k) - target.after[s].Left(i, j, k));
-    (more > 0.0 ? difference.missed_mm3 : difference.excess_mm3) += std::abs(more);
-  });
+  for (std::size_t s = 0; s < cut.after.size(); ++s) {
+    const CutSolid& solid = cut.objects->solids()[s];
+    const double voxel = VoxelOf(solid);
+    for (std::size_t block = 0; block < solid.grid->field().lattice().block_count(); ++block) {
+      const bool differs = !IsWhole(cut.after[s], block) || !IsWhole(target.after[s], block);
+      if (!differs || solid.grid->field().entry(block) == SparseField::kAbove) continue;
+      EachPoint(solid, block, place, [&](std::size_t material, int i, int j, int k) {
+        if (!tissue.empty() && NameOf(BodyOf(cut, s), material) != tissue) return;
+        const double more = voxel * (cut.after[s].Left(i, j, k) - target.after[s].Left(i, j, k));
+        (more > 0.0 ? difference.missed_mm3 : difference.excess_mm3) += std::abs(more);
+      });
+    }
+  }
   return difference;
 }
 
-CutShape::CutShape(const SolidsCut& cut) : cut_(cut), tissues_(TissuesOf(cut)) {
+CutShape::CutShape(const SolidsCut& cut, const std::vector<SolidSurface>& surfaces,
+                   std::vector<TissueCut> tissues)
+    : cut_(cut), tissues_(std::move(tissues)) {
   for (std::size_t s = 0; s < cut.after.size(); ++s) {
     const CutSolid& solid = cut.objects->solids()[s];
-    const SolidSurface surface = WholeSurface(cut.after[s]);
+    const SolidSurface& surface = surfaces[s];
     const auto first = static_cast<std::uint32_t>(vertices_.size());
     for (const Vec3& p_B : surface.vertices) vertices_.push_back(solid.X_WB * p_B);
     for (const auto& [a, b, c] : surface.triangles) {

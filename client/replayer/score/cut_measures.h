@@ -2,12 +2,14 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "client/course/criteria_file.h"
 #include "client/replayer/verify/verify.h"
+#include "scenes/grid/solid_surface.h"
 
 namespace palpate {
 
@@ -18,8 +20,14 @@ struct TissueCut {
   /// While the session ran, by others' burs too.
   double removed_mm3() const { return before_mm3 - after_mm3; }
 };
+/// Of a scene's solids, while they are whole, by block: counted once.  Empty at first.
+using WholeVolumes = std::vector<std::map<std::size_t, std::array<double, SolidGrid::kMaterials>>>;
 /// In the order of solids and materials.
-std::vector<TissueCut> TissuesOf(const SolidsCut& cut, const Place& place = std::nullopt);
+/// @param whole  of the same scene; null: all is counted.
+std::vector<TissueCut> TissuesOf(const SolidsCut& cut, const Place& place = std::nullopt,
+                                 WholeVolumes* whole = nullptr);
+/// WholeSurface of each solid that is left.
+std::vector<SolidSurface> SurfacesOf(const SolidsCut& cut);
 
 /// Beside what a target left.
 struct TargetDifference {
@@ -48,7 +56,10 @@ struct Preparation {
 /// The surface of all solids of a trial, for measures of its shape.
 class CutShape {
  public:
-  explicit CutShape(const SolidsCut& cut);
+  /// @param surfaces  its SurfacesOf.   @param tissues  its TissuesOf.
+  CutShape(const SolidsCut& cut, const std::vector<SolidSurface>& surfaces,
+           std::vector<TissueCut> tissues);
+  explicit CutShape(const SolidsCut& cut) : CutShape(cut, SurfacesOf(cut), TissuesOf(cut)) {}
 
   /// Of what is left between the surface that burs made, or all of it where they made none, and a
   /// tissue that regions of the scene paint: least distance [mm], 0 where it is opened.  Parts that

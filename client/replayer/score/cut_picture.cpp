@@ -10,7 +10,6 @@
 
 #include <Eigen/Geometry>
 
-#include "scenes/grid/solid_surface.h"
 #include "scenes/mesh/mesh_query.h"
 
 namespace palpate {
@@ -71,14 +70,13 @@ void AddThinned(const SolidSurface& surface, const CutSolid& solid, const Body& 
 /// How far a point is off the surface of what was left of a solid, with its sign.
 class Target {
  public:
-  explicit Target(const CutField& left) : left_(left) {}
+  Target(const CutField& left, const SolidSurface& surface) : left_(left), surface_(surface) {}
   double Off(const Vec3& p_B) {
     const double near = left_.Sample(p_B).distance;
     const double band = 0.9 * left_.field().band();
     if (std::abs(near) < band) return near;
     if (!query_) {
-      SolidSurface surface = WholeSurface(left_);
-      mesh_ = {std::move(surface.vertices), std::move(surface.triangles)};
+      mesh_ = {surface_.vertices, surface_.triangles};
       query_.emplace(mesh_);
     }
     return std::copysign(std::min(query_->Nearest(p_B, kMostOff).distance, kMostOff), near);
@@ -86,6 +84,7 @@ class Target {
 
  private:
   const CutField& left_;
+  const SolidSurface& surface_;
   TriangleMesh mesh_;
   std::optional<MeshQuery> query_;  // what is beyond the field's band asks for it
 };
@@ -114,18 +113,17 @@ std::string Base64(const std::vector<T>& numbers) {
 
 }  // namespace
 
-CutPicture PictureOf(const SolidsCut& trial, const SolidsCut& target) {
-  std::vector<SolidSurface> surfaces;
-  for (const CutField& left : trial.after) surfaces.push_back(WholeSurface(left));
+CutPicture PictureOf(const SolidsCut& trial, const std::vector<SolidSurface>& surfaces,
+                     const SolidsCut& target, const std::vector<SolidSurface>& of_target) {
   const double width = std::sqrt(AreaOf(surfaces) / kMostVertices);
   CutPicture picture;
   for (std::size_t s = 0; s < surfaces.size(); ++s) {
     const CutSolid& solid = trial.objects->solids()[s];
     AddThinned(surfaces[s], solid, trial.scene->objects[solid.object], width, picture);
-    Target of_target(target.after[s]);
+    Target beside(target.after[s], of_target[s]);
     const Pose X_BW = solid.X_WB.Inverse();
     for (std::size_t v = picture.off.size(); v < picture.vertices.size(); ++v) {
-      picture.off.push_back(of_target.Off(X_BW * picture.vertices[v]));
+      picture.off.push_back(beside.Off(X_BW * picture.vertices[v]));
     }
   }
   return picture;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "client/replayer/verify/verify.h"
+#include "scenes/grid/solid_surface.h"
 
 namespace palpate {
 
@@ -23,7 +24,9 @@ struct CutPicture {
 inline constexpr double kMostOff = 0.5e-3;
 
 /// Vertices of cells that are so wide that about 12,000 are left, each the mean of its own.
-CutPicture PictureOf(const SolidsCut& trial, const SolidsCut& target);
+/// @param surfaces  of each solid that the trial left.   @param of_target  the target's.
+CutPicture PictureOf(const SolidsCut& trial, const std::vector<SolidSurface>& surfaces,
+                     const SolidsCut& target, const std::vector<SolidSurface>& of_target);
 
 /// The same for score_cut.js: arrays as base64 of little-endian bytes.
 struct PackedPicture {

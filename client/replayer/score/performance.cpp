@@ -19,14 +19,14 @@
 
 namespace palpate {
 
-Performance Perform(const std::shared_ptr<const Scene>& scene, const std::string& tool,
-                    const PoseScript& script, double until_s) {
+Performance Perform(const PlayedScene& played, const std::string& tool, const PoseScript& script,
+                    double until_s) {
+  const auto& [scene, objects] = played;
   const auto found = std::ranges::find(scene->tools, tool, &Body::name);
   if (found == scene->tools.end()) {
     throw Error("scene '" + scene->name + "' has no tool '" + tool +
                 "' that the expert could hold");
   }
-  const auto objects = MakeObjects(*scene);
   const HapticModel model = MakeModel(*scene, *found, objects);
   ServoLoop loop(model);
   StepWorkspace workspace(model);
@@ -62,7 +62,7 @@ Performance Perform(const std::shared_ptr<const Scene>& scene, const std::string
   return done;
 }
 
-std::shared_ptr<const Scene> SceneIn(const std::string& recording, const std::string& name) {
+PlayedScene SceneIn(const std::string& recording, const std::string& name) {
   const std::string source = "the scene '" + name + "' of " + recording;
   RecordingReader reader({recording});
   std::map<std::uint64_t, std::vector<std::uint8_t>> bundles;  // by hash
@@ -81,10 +81,11 @@ std::shared_ptr<const Scene> SceneIn(const std::string& recording, const std::st
     Scene scene = UnpackScene(bundles.at(*wanted), source);
     LoadEffects(scene.effects, std::filesystem::path(recording).parent_path(), source);
     scene.name = name;
-    return std::make_shared<const Scene>(std::move(scene));
+    const auto held = std::make_shared<const Scene>(std::move(scene));
+    return {held, MakeObjects(*held)};
   }
   throw Error(recording + ": does not hold its scene '" + name +
-              "', in which the expert's script is to be done; record it without --no-bundle");
+              "', in which it is to be scored; record it without --no-bundle");
 }
 
 }  // namespace palpate

@@ -11,12 +11,14 @@
 
 #include "client/replayer/hand_path.h"
 #include "client/replayer/score/performance.h"
+#include "client/replayer/score/trial_cut.h"
 #include "common/error.h"
 #include "common/files/output.h"
 #include "common/files/whole_file.h"
 #include "common/json/json_file.h"
 #include "common/text/quoted.h"
 #include "scenes/catalogue.h"
+#include "server/physics/scene_model.h"
 
 namespace palpate {
 namespace {
@@ -289,22 +291,6 @@ std::string CutHtml(const Report& report) {
   return html + "</table></div>\n" + PictureHtml(report);
 }
 
-/// What a recorded session's bur left: the physics computes it again.  Throws Error where that is
-/// not what was recorded.
-SolidsCut CutIn(const std::string& file, const HandPath& path) {
-  VerifyOptions options;
-  options.whose = {path.station, path.run};
-  for (SessionVerdict& session : Verify({file}, options).sessions) {
-    if (session.station != path.station || session.run != path.run) continue;
-    if (session.good()) return *std::move(session.cut);
-    throw Error(file + ": what station '" + path.station + "' cut cannot be computed again: " +
-                (session.ends.empty() ? "this version gives other forces than were recorded; score "
-                                        "it with the version that recorded it"
-                                      : session.ends));
-  }
-  throw Error(file + ": has no wrench of station '" + path.station + "'; record it anew");
-}
-
 bool HaveEqualSolids(const SolidsCut& a, const SolidsCut& b) {
   return std::ranges::equal(a.after, b.after, [](const CutField& one, const CutField& other) {
     const Lattice &l = one.field().lattice(), &m = other.field().lattice();
@@ -312,44 +298,78 @@ bool HaveEqualSolids(const SolidsCut& a, const SolidsCut& b) {
   });
 }
 
+/// What the trials are set beside, and what of it all of them need.
+struct Expert {
+  Performance done{};
+  std::vector<SolidSurface> surfaces{};
+  WholeVolumes whole{};
+};
+
 /// A trial, what its burs left beside what the expert's did, if he has cut; and its grade, if there
 /// are criteria.
-/// @param cut  none: it is computed again from the recording, if need be.
-void AddTrial(const Performance& done, const HandPath& trial, std::optional<SolidsCut> cut,
+/// @param cut  none: it is had from the recording, if need be.
+void AddTrial(Expert& expert, const HandPath& trial, std::optional<SolidsCut> cut,
               const std::string& file, const std::string& name, Report& report) {
+  const Performance& done = expert.done;
   if (trial.scene != done.path.scene) {
     throw Error(file + ": is of scene '" + trial.scene + "', and the expert's of '" +
                 done.path.scene + "'; give recordings of one scene");
   }
   report.trials.push_back({name, ScorePath(done.path, trial)});
-  const std::optional<SolidsCut>& expert = done.cut;
+  const std::optional<SolidsCut>& target = done.cut;
   std::optional<CutShape> shape;
-  if (expert) {
+  if (target) {
     if (!cut) cut = CutIn(file, trial);
-    report.cuts.push_back(TissuesOf(*cut));
-    if (!HaveEqualSolids(*cut, *expert) ||
+    report.cuts.push_back(TissuesOf(*cut, std::nullopt, &expert.whole));
+    if (!HaveEqualSolids(*cut, *target) ||
         !std::ranges::equal(report.cuts.back(), report.expert_cut, {}, &TissueCut::name,
                             &TissueCut::name)) {
       throw Error(file + ": its scene '" + trial.scene +
                   "' has other tissues than the expert's; give recordings of one scene");
     }
+    const std::vector<SolidSurface> surfaces = SurfacesOf(*cut);
     if (!report.expert_cut.empty()) {
-      report.differences.push_back(DifferenceTo(*expert, *cut, "", std::nullopt));
-      report.pictures.push_back(PictureOf(*cut, *expert));
+      report.differences.push_back(DifferenceTo(*target, *cut, "", std::nullopt));
+      report.pictures.push_back(PictureOf(*cut, surfaces, *target, expert.surfaces));
+    }
+    if (report.criteria && AsksForCuts(*report.criteria)) {
+      shape.emplace(*cut, surfaces, report.cuts.back());
     }
   }
   if (!report.criteria) return;
-  if (expert && AsksForCuts(*report.criteria)) shape.emplace(*cut);
   report.grades.push_back(GradeTrial(
       *report.criteria, report.trials.back().score, trial, [&](const Criterion& criterion) {
-        return MeasureCut(criterion, *expert, *cut, *shape, report.criteria->file);
+        return MeasureCut(criterion, *target, *cut, *shape, report.criteria->file);
       }));
 }
 
-void AddExpert(const Performance& expert, Report& report) {
-  if (!expert.cut) return;
-  report.expert_cut = TissuesOf(*expert.cut);
-  if (!report.expert_cut.empty()) report.pictures.push_back(PictureOf(*expert.cut, *expert.cut));
+void AddExpert(Expert& expert, Report& report) {
+  const std::optional<SolidsCut>& cut = expert.done.cut;
+  if (!cut) return;
+  report.expert_cut = TissuesOf(*cut, std::nullopt, &expert.whole);
+  if (report.expert_cut.empty()) return;
+  expert.surfaces = SurfacesOf(*cut);
+  report.pictures.push_back(PictureOf(*cut, expert.surfaces, *cut, expert.surfaces));
+}
+
+HandPath PathIn(const std::string& file, const SessionChoice& choice) {
+  return TrialIn(ReadHandPath({file}, choice), file);
+}
+
+/// @param first  a trial: of its scene and tool.   @param played  that scene, if it is there.
+void SetExpert(const ScoreOptions& options, const HandPath& first,
+               const std::optional<PlayedScene>& played, Expert& expert, Report& report) {
+  if (options.expert.ends_with(kScriptEnding)) {
+    expert.done = Perform(played ? *played : SceneIn(options.trials.front(), first.scene),
+                          first.tool_name, PoseScript::Load(options.expert));
+    expert.done.path = TrialIn(expert.done.path, options.expert);
+  } else {
+    expert.done.path = PathIn(options.expert, {options.expert_station, "--expert-station"});
+    if (expert.done.path.cuts || (report.criteria && AsksForCuts(*report.criteria))) {
+      expert.done.cut = CutIn(options.expert, expert.done.path);
+    }
+  }
+  AddExpert(expert, report);
 }
 
 nlohmann::ordered_json JsonOf(const std::vector<TissueCut>& cut) {
@@ -463,37 +483,34 @@ Average AverageOf(const std::vector<double>& values) {
   return average;
 }
 
-Report MakeReport(const ScoreOptions& options) {
+Report MakeReport(const ScoreOptions& options, StopSignal* stop) {
   Report report;
   report.expert = NameOf(options.expert, options.expert_station);
   if (!options.criteria.empty()) report.criteria = LoadCriteria(options.criteria);
-  const auto read = [](const std::string& file, const SessionChoice& choice) {
-    return TrialIn(ReadHandPath({file}, choice), file);
-  };
   const auto station = [&](std::size_t i) {
     return options.stations.empty()       ? ""
            : options.stations.size() == 1 ? options.stations.front()
                                           : options.stations[i];
   };
-  std::vector<HandPath> trials;
-  for (std::size_t i = 0; i < options.trials.size(); ++i) {
-    trials.push_back(read(options.trials[i], {station(i)}));
-  }
-  Performance expert;
-  if (options.expert.ends_with(kScriptEnding)) {
-    const HandPath& first = trials.front();
-    expert = Perform(SceneIn(options.trials.front(), first.scene), first.tool_name,
-                     PoseScript::Load(options.expert));
-    expert.path = TrialIn(expert.path, options.expert);
-  } else {
-    expert.path = read(options.expert, {options.expert_station, "--expert-station"});
-    if (expert.path.cuts || (report.criteria && AsksForCuts(*report.criteria))) {
-      expert.cut = CutIn(options.expert, expert.path);
+  Expert expert;
+  std::optional<SolidsCut> cut;
+  if (stop != nullptr) {
+    const std::string& file = options.trials.front();
+    if (const auto begun = BegunIn(file, station(0), *stop)) {
+      const PlayedScene played = SceneIn(file, begun->scene);
+      SetExpert(options, *begun, played, expert, report);
+      cut = SweptIn(file, *begun, played, stop);
     }
   }
-  AddExpert(expert, report);
+  std::vector<HandPath> trials;
+  for (std::size_t i = 0; i < options.trials.size(); ++i) {
+    trials.push_back(PathIn(options.trials[i], {station(i)}));
+  }
+  if (expert.done.path.size() == 0) {
+    SetExpert(options, trials.front(), std::nullopt, expert, report);
+  }
   for (std::size_t i = 0; i < trials.size(); ++i) {
-    AddTrial(expert, trials[i], std::nullopt, options.trials[i],
+    AddTrial(expert, trials[i], std::exchange(cut, std::nullopt), options.trials[i],
              NameOf(options.trials[i], station(i)), report);
   }
   return report;
@@ -504,12 +521,13 @@ Report Rehearse(const Exercise& exercise, double until_s) {
   report.expert = NameOf(exercise.expert, "");
   report.criteria = exercise.criteria;
   const auto scene = std::make_shared<const Scene>(LoadScene(exercise.scene));
+  const PlayedScene played{scene, MakeObjects(*scene)};
   const PoseScript script = PoseScript::Load(exercise.expert);
-  Performance expert = Perform(scene, exercise.tool, script);
-  expert.path = TrialIn(expert.path, exercise.expert);
+  Expert expert{Perform(played, exercise.tool, script)};
+  expert.done.path = TrialIn(expert.done.path, exercise.expert);
   AddExpert(expert, report);
   const bool whole = until_s >= script.duration();
-  Performance trial = whole ? expert : Perform(scene, exercise.tool, script, until_s);
+  Performance trial = whole ? expert.done : Perform(played, exercise.tool, script, until_s);
   AddTrial(expert, whole ? trial.path : TrialIn(trial.path, exercise.expert), std::move(trial.cut),
            exercise.expert, report.expert, report);
   return report;

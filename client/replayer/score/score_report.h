@@ -9,6 +9,7 @@
 #include "client/replayer/score/criteria.h"
 #include "client/replayer/score/cut_picture.h"
 #include "client/replayer/score/score.h"
+#include "common/program/stop_signal.h"
 
 namespace palpate {
 
@@ -43,10 +44,13 @@ struct ScoreOptions {
   std::string expert_station;
   std::vector<std::string> stations;
   std::string criteria;  ///< file to grade by; empty: no grades
+  bool follow = false;   ///< the only trial is being recorded
 };
 
+/// @param stop  null: the trials are there.  Else the only one is being recorded, and all that can
+///              be is done before its end, or a signal.
 /// Throws Error.
-Report MakeReport(const ScoreOptions& options);
+Report MakeReport(const ScoreOptions& options, StopSignal* stop = nullptr);
 /// The expert of an exercise beside himself, as far as he comes in that time [s]: whether he passes
 /// by its criteria, and who does not get far fails.  Throws Error.
 Report Rehearse(const Exercise& exercise, double until_s = std::numeric_limits<double>::infinity());

@@ -178,12 +178,14 @@ TEST(CutPicture, TellsHowFarASurfaceIsOffItsTarget) {
     SolidsCut target = Stock(), deeper = Stock();
     Cut(target, ConeBur(0.7 * kMm, 0.7 * kMm, 4 * kMm, 0.1 * kMm), Plunge(0.0, 3.0));
     Cut(deeper, ConeBur(0.7 * kMm, 0.7 * kMm, 4 * kMm, 0.1 * kMm), Plunge(0.0, 3.0 - deeper_mm));
-    const CutPicture excess = PictureOf(deeper, target);
+    const CutPicture excess = PictureOf(deeper, SurfacesOf(deeper), target, SurfacesOf(target));
     ASSERT_EQ(excess.off.size(), excess.vertices.size());
     const double most = std::min(deeper_mm * kMm, kMostOff);
     EXPECT_NEAR(std::ranges::min(excess.off), -most, 0.01 * kMm);
     EXPECT_LT(std::ranges::max(excess.off), 0.05 * kMm) << "an edge's vertices are of both faces";
-    EXPECT_NEAR(std::ranges::max(PictureOf(target, deeper).off), most, 0.01 * kMm);
+    EXPECT_NEAR(
+        std::ranges::max(PictureOf(target, SurfacesOf(target), deeper, SurfacesOf(deeper)).off),
+        most, 0.01 * kMm);
     EXPECT_LT(excess.vertices.size(), 20'000u);
   }
 }

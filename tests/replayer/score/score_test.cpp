@@ -1,11 +1,13 @@
 #include "client/replayer/score/score.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <limits>
 #include <numbers>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,7 +16,9 @@
 #include "client/replayer/score/criteria.h"
 #include "client/replayer/score/score_report.h"
 #include "common/error.h"
+#include "common/files/whole_file.h"
 #include "common/math/rotation.h"
+#include "common/program/stop_signal.h"
 #include "tests/common/recording/samples.h"
 #include "tests/replayer/cut_recording.h"
 #include "tests/support/complaint.h"
@@ -381,6 +385,40 @@ TEST(ScoreReport, MeasuresAndShowsWhatATrialCutBesideTheExpert) {
   EXPECT_EQ(pictures[1]["places"].get<std::string>().size(),
             4 * ((6 * report.pictures[1].vertices.size() + 2) / 3));
   EXPECT_THAT(html, HasSubstr("there at the expert’s, and gone"));
+}
+
+// A trial that is scored while it is recorded, and the same afterwards, with what Verify computes.
+TEST(ScoreReport, FollowsATrialThatIsBeingRecordedToTheSameScore) {
+  const Folder folder;
+  RecordCut(folder / "expert.mcap", 160, Down(0.8));
+  RecordCut(folder / "trial.mcap", 250, Down(1.3));
+  ScoreOptions options;
+  options.expert = folder / "expert.mcap";
+  options.trials = {folder / "trial.mcap"};
+  options.criteria = folder / "c.json";
+  std::ofstream(options.criteria) << R"({"title": "t", "pass": 50, "criteria": [
+    {"name": "over", "measure": "excess_mm3", "best": 0, "worst": 1}]})";
+  const std::string after = ToHtml(MakeReport(options));
+  StopSignal stop;
+  EXPECT_EQ(ToHtml(MakeReport(options, &stop)), after) << "all of it is there already";
+
+  // As its recorder writes it: the first part while its scorer waits.
+  const std::string all = ReadWholeFile(folder / "trial.mcap", 1 << 24);
+  std::ofstream grown(folder / "growing.mcap", std::ios::binary);
+  grown.write(all.data(), static_cast<std::streamsize>(all.size() / 2)).flush();
+  options.trials = {folder / "growing.mcap"};
+  std::jthread recorder([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(150));
+    grown.write(all.data() + all.size() / 2,
+                static_cast<std::streamsize>(all.size() - all.size() / 2));
+    grown.close();
+  });
+  const Report report = MakeReport(options, &stop);
+  EXPECT_EQ(report.cuts[0][0].after_mm3, MakeReport(options).cuts[0][0].after_mm3);
+  VerifyOptions verify;
+  verify.whose = {"hand", 9};
+  const Verification again = Verify({folder / "trial.mcap"}, verify);
+  EXPECT_EQ(report.cuts[0][0].after_mm3, TissuesOf(*again.sessions[0].cut)[0].after_mm3);
 }
 
 TEST(ScoreReport, JudgesByTheAverageOfTheTrials) {

@@ -10,6 +10,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "client/replayer/score/cut_measures.h"
+#include "client/replayer/score/trial_cut.h"
 #include "client/replayer/verify/verify.h"
 #include "common/dds/cdr_reader.h"
 #include "common/dds/topics.h"
@@ -307,6 +309,24 @@ TEST_P(TwoHands, AreTheSameBitsAgainWhateverComesBetween) {
   const Verification verification = Verify(files, {});
   EXPECT_TRUE(verification.good()) << ToText(verification);
   EXPECT_GE(verification.sessions.size(), 2u);
+  // The way of one tool alone tells what it cut, or that others did too.
+  const std::string whole = folder_ / "whole.mcap";
+  workshop.Write(whole);
+  for (const SessionVerdict& session : verification.sessions) {
+    HandPath hand;
+    hand.station = session.station;
+    hand.run = session.run;
+    hand.tool_name = session.tool;
+    const auto swept = SweptIn(whole, hand, SceneIn(whole, session.scene));
+    if (!swept) continue;
+    VerifyOptions options;
+    options.whose = {session.station, session.run};
+    for (const SessionVerdict& again : Verify({whole}, options).sessions) {
+      if (again.cut) {
+        EXPECT_EQ(TissuesOf(*swept)[0].after_mm3, TissuesOf(*again.cut)[0].after_mm3);
+      }
+    }
+  }
 }
 INSTANTIATE_TEST_SUITE_P(Seeds, TwoHands, testing::Range<std::uint64_t>(1, 5));
 

@@ -59,6 +59,7 @@ export class App {
       mover: (tool) => world.lastMoverOf(this.choice.scene, tool),
       station: () => this.station(nowS()),
       ownTool: () => this.hold.tool,
+      lead: (now) => this.exercises.lead(now, this.station(now)?.shown(now)?.haptic.p),
     });
     this.viewControls = new ViewControls(this.picture);
     this.figures = new Figures((message) => this.link.publish(kTopics.operate, message));

@@ -1,5 +1,7 @@
 import {say} from "../messages/say";
+import {Guide} from "../model/guide";
 import {localText} from "../model/local_text";
+import type {Pose, Vec3} from "../model/pose";
 import {kTopics} from "../model/world";
 import {
   type DoneTrial,
@@ -44,6 +46,7 @@ export class Exercises {
   private readonly clock = make("span", {className: "clock"});
   private readonly stop = this.wish("stop", () => void this.events.publish({op: "stop"}));
   private readonly submit = this.wish("submit", () => this.handIn(this.trial));
+  private readonly guided = this.wish("guide", () => this.showGuide(!this.wantsGuide));
   private readonly score = make("a", {target: "_blank", textContent: say("exercises.score")});
   private readonly again = this.wish("again", () => this.beginShown());
   private readonly next = this.wish("next", () => this.showNext());
@@ -51,6 +54,8 @@ export class Exercises {
   private shown = "";
   private trial: TrialState | undefined;
   private endsS: number | undefined; // by the page's clock
+  private wantsGuide = false;
+  private guide: Guide | undefined; // of the trial that is running
 
   constructor(private readonly events: ExerciseEvents) {
     const title = make("h2", {id: "exercises-title", textContent: say("exercises.title")});
@@ -59,8 +64,9 @@ export class Exercises {
     const columns = make("div", {className: "columns"}, this.list, this.about);
     this.dialog.append(make("header", {}, title, close), columns);
     this.bar.setAttribute("aria-label", say("exercises.title"));
-    const {what, word, clock, stop, submit, score, again, next} = this;
-    this.bar.append(what, word, clock, stop, submit, score, again, next);
+    const {what, word, clock, guided, stop, submit, score, again, next} = this;
+    guided.title = say("exercises.guide_title");
+    this.bar.append(what, word, clock, guided, stop, submit, score, again, next);
     element("audience", HTMLButtonElement).before(this.button);
     document.querySelector(".picture")?.append(this.bar);
     document.body.append(this.dialog);
@@ -91,8 +97,19 @@ export class Exercises {
     setText(this.clock, say("exercises.left", {time}));
   }
 
+  /// Where the expert's tool is, for a hand that follows it; undefined: it is not shown.
+  lead(nowS: number, hand: Vec3 | undefined): Pose | undefined {
+    const {guide} = this;
+    return this.wantsGuide && guide && !guide.isOver ? guide.lead(nowS, hand) : undefined;
+  }
+
+  private showGuide(wants: boolean): void {
+    this.wantsGuide = wants;
+    this.showBar();
+  }
+
   private wish(
-    word: "stop" | "submit" | "again" | "next" | "close" | "begin",
+    word: "guide" | "stop" | "submit" | "again" | "next" | "close" | "begin",
     onclick: () => void,
   ): HTMLButtonElement {
     return make("button", {type: "button", textContent: say(`exercises.${word}`), onclick});
@@ -218,7 +235,12 @@ export class Exercises {
     setText(this.word, say(`exercises.${trial.phase}`, {points, verdict, reason}));
     this.bar.dataset["verdict"] = trial.phase !== "scored" ? "" : trial.passed ? "good" : "poor";
     const submitted = trial.submitted || done?.submitted === true;
-    this.stop.hidden = trial.phase !== "running";
+    const runs = trial.phase === "running";
+    if (!runs) this.guide = undefined;
+    else if (exercise.guide.length > 0) this.guide ??= new Guide(exercise.guide);
+    this.guided.hidden = !this.guide;
+    this.guided.setAttribute("aria-pressed", String(this.wantsGuide));
+    this.stop.hidden = !runs;
     this.submit.hidden = submitted || !(over || trial.phase === "running");
     this.score.hidden = trial.page === "";
     this.score.href = `score/${trial.page}`;

@@ -26,6 +26,8 @@ export interface PictureHost {
   station(): Station | undefined;
   /// The tool that this page may take, or has.
   ownTool(): string;
+  /// Where its hand is to go, while it is led.
+  lead(now: number): Pose | undefined;
 }
 
 export interface PictureProbe {
@@ -53,6 +55,7 @@ export class Picture {
   private drawn: ToolState[] = []; // of each tool
   private frameAsked = false;
   private dirty = true;
+  private leads = false;
   private before: {drawn: Drawn; atMs: number} | undefined; // in the frame before
   private settling: number | undefined; // timer
 
@@ -125,7 +128,8 @@ export class Picture {
     const startMs = performance.now();
     this.frameAsked = false;
     this.judge(atMs);
-    const catchingUp = this.moveTools(startMs / 1000);
+    const led = this.showLead(startMs / 1000);
+    const catchingUp = this.moveTools(startMs / 1000) || led;
     this.dirty = this.view.camera.controls.update() || this.dirty;
     if (this.dirty) {
       this.dirty = false;
@@ -162,6 +166,17 @@ export class Picture {
       this.dirty = true;
     });
     return catchingUp;
+  }
+
+  /// True while there is somebody to lead.
+  private showLead(now: number): boolean {
+    const lead = this.host.lead(now);
+    if (lead || this.leads) {
+      this.view.setLead(this.host.ownTool(), lead);
+      this.dirty = true;
+    }
+    this.leads = lead !== undefined;
+    return this.leads;
   }
 
   private pointToTool(): void {

@@ -21,6 +21,7 @@ export interface Exercise {
   readonly most_s: number;
   readonly trials: number;
   readonly pass: number;
+  readonly guide: readonly (readonly number[])[]; // keys of the expert's way; empty: not to be shown
   readonly done: readonly DoneTrial[];
 }
 export type TrialPhase =

@@ -23,6 +23,7 @@ const kMostPixelsPerPoint = 2;
 interface ToolView {
   readonly body: BodyMesh;
   readonly ghost: Ghost;
+  readonly lead: Ghost;
   readonly marks: ForceMarks;
 }
 
@@ -109,16 +110,18 @@ export class SceneView {
     this.objects = model.objects.map((body, i) => new BodyMesh(body, model, "object", i, cache));
     this.tools = model.tools.map((body, i) => {
       const solid = new BodyMesh(body, model, "tool", i, cache);
-      return {body: solid, ghost: new Ghost(solid.mesh.geometry), marks: new ForceMarks()};
+      const [ghost, lead] = [new Ghost(solid.mesh.geometry), new Ghost(solid.mesh.geometry)];
+      return {body: solid, ghost, lead, marks: new ForceMarks()};
     });
     for (const object of this.objects) {
       this.still.add(object.group);
       this.moving.add(object.over);
     }
     this.labels.setObjects(this.objects);
-    for (const {body, ghost, marks} of this.tools) {
-      this.moving.add(body.group, ghost.group, marks.group);
+    for (const {body, ghost, lead, marks} of this.tools) {
+      this.moving.add(body.group, ghost.group, lead.group, marks.group);
       ghost.setDistance(0);
+      lead.setDistance(0);
       marks.set([0, 0, 0], [0, 0, 0], [0, 0, 0], [], 1);
     }
     this.paint(this.palette);
@@ -150,9 +153,10 @@ export class SceneView {
     this.hemisphere.groundColor.copy(palette.ground);
     this.hemisphere.intensity = 1.6;
     for (const object of this.objects) object.paint(palette);
-    this.tools.forEach(({body, ghost, marks}) => {
+    this.tools.forEach(({body, ghost, lead, marks}) => {
       body.paint(palette);
       ghost.paint(palette.ghost);
+      lead.paint(palette.ink);
       marks.paint(palette);
     });
     this.paintClouds();
@@ -202,6 +206,15 @@ export class SceneView {
     // Where the objects push: a long tool's centroid is often out of the picture.
     const at = middleOfPush(state.points) ?? pointOf(state.graphic, centroid);
     tool.marks.set(at, state.forceN, state.torqueNm, state.points, this.radiusM);
+  }
+
+  /// Where a hand is to go with a tool, as a tool that is seen through; undefined: nowhere.
+  setLead(name: string, pose: Pose | undefined): void {
+    for (const {body, lead} of this.tools) {
+      const isLed = pose !== undefined && body.body.name === name;
+      if (isLed) place(lead.group, pose);
+      lead.setDistance(isLed ? 1 : 0);
+    }
   }
 
   /// The canvas, or how many pixels it should have at rest, may be another size: the next picture takes it.
@@ -352,10 +365,11 @@ export class SceneView {
       this.moving.remove(object.over);
       object.dispose();
     }
-    for (const {body, ghost, marks} of this.tools) {
-      this.moving.remove(body.group, ghost.group, marks.group);
+    for (const {body, ghost, lead, marks} of this.tools) {
+      this.moving.remove(body.group, ghost.group, lead.group, marks.group);
       body.dispose();
       ghost.dispose();
+      lead.dispose();
     }
     this.objects = [];
     this.tools = [];
