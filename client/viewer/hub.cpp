@@ -237,9 +237,9 @@ ClassRoom::Scenes Hub::Scenes() const {
 
 FramePtr Hub::Teach(const ClassCommand& command, ViewerSession& viewer) {
   const std::int64_t now_ns = SteadyNanoseconds();
-  const std::string answer =
-      class_room_->Do(command, listed_.value_or(Tokens()), Scenes(), CountPages(),
-                      [this](std::int64_t person) { return trials_->has_one_of(person) || SitsExam(person); });
+  const std::string answer = class_room_->Do(
+      command, listed_.value_or(Tokens()), Scenes(), CountPages(),
+      [this](std::int64_t person) { return trials_->has_one_of(person) || SitsExam(person); });
   spdlog::info("{}: {}", viewer.Who(), ClassOpName(command.op));
   class_changed_ = true;
   if (ChangesTokens(command.op)) Renew(listed_, now_ns);

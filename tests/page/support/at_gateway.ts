@@ -49,8 +49,11 @@ export async function load(options: WindowOptions = {}, query = ""): Promise<voi
   page = await openPage(browser!, gateway.url + query, {...kWindow, ...options});
 }
 
-export const firstPicture = (): Promise<unknown> =>
-  until(page, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined);
+export async function firstPicture(): Promise<void> {
+  // A language has to be fetched first.
+  await page.waitForFunction(() => "palpate" in window);
+  await until(page, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined);
+}
 
 export async function open(options: WindowOptions = {}, query = ""): Promise<void> {
   await load(options, query);
