@@ -107,7 +107,7 @@ test("the wall shows who presses too hard, and a teacher begins, speaks, mutes a
   expect(new URL(page.url()).searchParams.get("station")).toBe("Anna");
 });
 
-test("a student goes to the own seat, reads the teacher's line, and has no class", async () => {
+test("a student goes to the own seat in the own view, reads the teacher's line, and has no class", async () => {
   gateway.role = "drive";
   gateway.hasCourse = true;
   const me = {person: 2, name: "Anna", role: "drive", seat: "", line: "", lines: 0};
@@ -117,6 +117,7 @@ test("a student goes to the own seat, reads the teacher's line, and has no class
   await appears(".said");
   expect(await text(".said span")).toBe("Gently");
   await eventually("the seat", async () => (await probe(page)).scene === kSeat.name);
+  await page.locator("body.student").waitFor();
   await press("Hide");
   gateway.send("/palpate/me", {...me, seat: kSeat.name, line: "Gently", lines: 1});
   gateway.send("/palpate/me", {...me, seat: kSeat.name, line: "Well done", lines: 2});
@@ -165,6 +166,7 @@ test("who sits an exam sees its next task and the time, no exercises, and hands 
   await press("Begin this task");
   await eventually("a wish", () => gateway.published.length === 1);
   gateway.send("/palpate/trial_state", trialState("running"));
+  await reads("#force-bar-mass", "25 g"); // the task's limit
   await press("Hand in");
   await eventually("another", () => gateway.published.length === 2);
   expect(gateway.published).toEqual([{op: "begin", exercise: "light-force"}, {op: "stop"}]);

@@ -106,6 +106,7 @@ export class App {
     this.classRoom = new ClassRoom(world, {
       publish: (topic, message) => this.link.publish(topic, message),
       show: (scene, station) => this.choice.show(scene, station),
+      student: () => this.figures.lesson.greetStudent(),
     });
     const trials = {
       served: (exercise: Exercise) => {
@@ -297,7 +298,8 @@ export class App {
     this.replay.show(now);
     const station = this.station(now);
     const time = this.replay.plotTime(station, now);
-    this.figures.showStation(station, this.hold.station, this.model, time, report, now);
+    const taskN = this.exam.limitN ?? this.exercises.limitN;
+    this.figures.showStation(station, this.hold.station, taskN, this.model, time, report, now);
     this.figures.showStations(this.world.listed(now), this.hold.mouse.station, now);
     this.choice.showLists(station, now);
     this.classRoom.tick(now);

@@ -19,6 +19,8 @@ import {element, make, setText} from "../ui/elements";
 export interface ClassEvents {
   publish(topic: string, message: object): boolean;
   show(scene: string, station: string): void;
+  /// This page is a student's.
+  student(): void;
 }
 
 const kAnswerWithinMs = 4000;
@@ -243,6 +245,7 @@ export class ClassRoom {
   private receiveMe(me: Me): void {
     const before = this.me;
     this.me = me;
+    if (me.role === "drive") this.events.student();
     if (me.seat && me.seat !== before?.seat) this.events.show(me.seat, "");
     if (!me.line || me.lines === before?.lines) return;
     setText(this.saidText, me.line);

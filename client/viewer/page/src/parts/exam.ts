@@ -73,6 +73,12 @@ export class Exam {
     return this.state.open !== null && !this.teaches && !this.state.open.closed;
   }
 
+  /// Of force, in the task that is done just now; undefined: there is none, or it has none.
+  get limitN(): number | undefined {
+    const most_N = this.isOn ? (this.state.open?.exercise?.most_N ?? 0) : 0;
+    return this.trial?.phase === "running" && most_N > 0 ? most_N : undefined;
+  }
+
   /// True where it was for this part of the page alone.
   receive(topic: string, value: unknown): boolean {
     if (topic === kTopics.trialState) {

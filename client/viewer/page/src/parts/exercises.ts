@@ -97,6 +97,13 @@ export class Exercises {
     setText(this.clock, say("exercises.left", {time}));
   }
 
+  /// Of force, in the trial that runs; undefined: none does, or it has none.
+  get limitN(): number | undefined {
+    if (this.trial?.phase !== "running") return undefined;
+    const most_N = this.exercises.find(({name}) => name === this.trial?.exercise)?.most_N ?? 0;
+    return most_N > 0 ? most_N : undefined;
+  }
+
   /// Where the expert's tool is, for a hand that follows it; undefined: it is not shown.
   lead(nowS: number, hand: Vec3 | undefined): Pose | undefined {
     const {guide} = this;
@@ -116,7 +123,10 @@ export class Exercises {
   }
 
   private open(): void {
-    if (this.shown === "") this.shown = this.exercises[0]?.name ?? "";
+    if (this.shown === "") {
+      const served = this.exercises.find((exercise) => this.events.served(exercise) !== "");
+      this.shown = (served ?? this.exercises[0])?.name ?? "";
+    }
     this.show();
     this.dialog.showModal();
   }

@@ -75,10 +75,12 @@ export class Figures {
 
   /// @param station  whose figures are shown
   /// @param own      the station that this page's mouse is; empty: none
+  /// @param taskN    limit of force of what the person does just now; undefined: the goal's holds
   /// @param model    of the scene that is shown
   showStation(
     station: Station | undefined,
     own: string,
+    taskN: number | undefined,
     model: SceneModel | undefined,
     time: PlotTime,
     report: LinkReport,
@@ -90,7 +92,7 @@ export class Figures {
     setText(this.note, note);
     this.note.hidden = note === "";
     const status = statusSentence(state, depthM);
-    const tooMuch = this.showLimit(state, model);
+    const tooMuch = this.showLimit(state, model, taskN);
     const sentence = [tooMuch, status, note]
       .filter((one) => one !== "")
       .reduce((first, second) => say("list.sentences", {first, second}));
@@ -120,12 +122,18 @@ export class Figures {
     this.who.replaceChildren(...rows);
   }
 
-  /// Whether it is too much force: by the goal or, of a probe, what a periodontist presses with.
+  /// Whether it is too much force: by the task, the goal or, of a probe, what a periodontist presses
+  /// with.
   /// @return what is to be said of that
-  private showLimit(state: ToolState | undefined, model: SceneModel | undefined): string {
+  private showLimit(
+    state: ToolState | undefined,
+    model: SceneModel | undefined,
+    taskN: number | undefined,
+  ): string {
     const tool = state?.tool ?? model?.tools[0]?.name ?? "";
     const forProbe = model && isProbe(model, tool) ? kProbeLimitN : undefined;
-    const words = this.bar.show(state && norm(state.forceN), this.lesson.limitN ?? forProbe);
+    const limitN = taskN ?? this.lesson.limitN ?? forProbe;
+    const words = this.bar.show(state && norm(state.forceN), limitN);
     this.box.classList.toggle("over", words !== "");
     this.sound.update(words !== "");
     return words;

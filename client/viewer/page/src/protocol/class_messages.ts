@@ -17,6 +17,7 @@ export interface People {
 export interface Me {
   readonly person: number;
   readonly name: string;
+  readonly role: Role;
   readonly seat: string;
   readonly line: string;
   readonly lines: number;

@@ -13,6 +13,8 @@ export class Lesson {
   private readonly title = element("goal-title", HTMLHeadingElement);
   private readonly text = element("goal-text", HTMLInputElement);
   private readonly limit = element("goal-limit", HTMLInputElement);
+  private readonly asked = new URLSearchParams(location.search).get("view");
+  private isStudents = false;
   private scene = "";
   /// Of force, by the goal; undefined: it names none.
   limitN: number | undefined;
@@ -21,7 +23,7 @@ export class Lesson {
     private readonly audienceChanged: (student: boolean) => void,
     private readonly set: (goal: {scene: string; text: string; limit_N: number}) => void,
   ) {
-    this.setStudent(new URLSearchParams(location.search).get("view") === "student");
+    this.setStudent(this.asked === "student");
     this.button.addEventListener("click", () => this.switchAudience());
     for (const input of [this.text, this.limit]) {
       input.addEventListener("change", () => this.goalSet());
@@ -31,7 +33,14 @@ export class Lesson {
   switchAudience(): void {
     const student = !document.body.classList.contains("student");
     this.setStudent(student);
-    rememberInAddress("view", student ? "student" : "");
+    rememberInAddress("view", student ? "student" : this.isStudents ? "all" : "");
+  }
+
+  /// The page is one of a course's students, who begin with their own view.
+  greetStudent(): void {
+    if (this.isStudents) return;
+    this.isStudents = true;
+    if (this.asked === null) this.setStudent(true);
   }
 
   /// Whether this page may set a goal.
