@@ -218,7 +218,7 @@ TEST_F(PalpateScene, ChecksBuildsAndInformsAsFailuresOfWhatIsNotUsable) {
   for (const std::string& command :
        {std::string("check "), std::string("info "), "build -o " + bundle + " "}) {
     EXPECT_THAT(Run(command + scene, 1),
-                HasSubstr("verdict: not usable:\n  - object o: a hundredth"));
+                HasSubstr("verdict: not usable:\n  - object o: 1 % of its surface"));
   }
   EXPECT_FALSE(std::filesystem::exists(bundle));
 }
