@@ -26,10 +26,11 @@ ExamTask ReadTask(const JsonNode& node, const std::string& folder) {
   task.exercise = name.String();
   if (!std::ranges::all_of(task.exercise, IsOfName)) name.Fail("is no exercise's name");
   const std::string own = folder + "/exercises/" + task.exercise + kExerciseEnding;
-  const std::string file =
-      fs::exists(own) ? own
-                      : PlaceOf(ProjectFile::kExercises) + "/" + task.exercise + kExerciseEnding;
-  if (!fs::exists(file)) {
+  std::error_code none;  // a name that is too long, a link to itself: it is not there
+  const std::string file = fs::exists(own, none) ? own
+                                                 : PlaceOf(ProjectFile::kExercises) + "/" +
+                                                       task.exercise + kExerciseEnding;
+  if (!fs::exists(file, none)) {
     name.Fail("there is no such exercise; put " + own + " there, or name another");
   }
   const Exercise exercise = LoadExercise(file);
@@ -66,10 +67,11 @@ Exam LoadExam(const std::string& file) {
   exam.time_s = root.At("time_s").Number(1.0, kLongestExam_s);
   const fs::path parent = fs::path(file).parent_path();
   const JsonNode tasks = root.At("tasks");
-  for (const JsonNode& node : tasks.Items(1)) {
+  const std::vector<JsonNode> nodes = tasks.Items(1);
+  if (nodes.size() > kMostTasks) tasks.Fail("has more than 50; make two exams of it");
+  for (const JsonNode& node : nodes) {
     exam.tasks.push_back(ReadTask(node, parent.empty() ? "." : parent.string()));
   }
-  if (exam.tasks.size() > kMostTasks) tasks.Fail("has more than 50; make two exams of it");
   if (const auto people = root.Find("people")) {
     std::set<std::string> names;
     for (const JsonNode& name : people->Items(1)) {

@@ -168,7 +168,7 @@ std::string ExamRoom::Do(std::string_view wish, std::int64_t now_s) {
       for (const std::string& file : ExamFiles(folder_)) {
         try {
           exams_.emplace_back(LoadExam(file), "");
-        } catch (const Error& error) {
+        } catch (const std::exception& error) {  // whatever a file has: the others are told of
           Exam none;
           none.name = std::filesystem::path(file).filename().string();
           exams_.emplace_back(none, error.what());
@@ -191,7 +191,7 @@ std::string ExamRoom::Do(std::string_view wish, std::int64_t now_s) {
       Close(now_s);
     }
     if (op != "look") spdlog::info("exam '{}': {}", newest_.exam.name, op);
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {
     refusal = error.what();
   }
   return Text({{"tag", tag}, {"refusal", refusal}});
@@ -228,6 +228,12 @@ void ExamRoom::Open(const std::string& name, std::int64_t now_s) {
     throw Error("the last exam's trials are being sealed; wait a moment" +
                 (trouble_.empty() ? "" : ": " + trouble_));
   }
+  if (std::ranges::any_of(newest_.trials, [&](const Trial& trial) { return Waits(trial); })) {
+    throw Error(
+        "the last exam's trials are being scored, one after the other while nobody is at a trial; "
+        "wait a moment");
+  }
+  if (newest_.number != 0) WriteRoll();  // what was handed in is known of this exam alone
   if (!std::ranges::all_of(name, IsOfName)) throw Error("there is no exam " + Quoted(name));
   const Exam exam = LoadExam(folder_ + "/" + name + kExamEnding);
   for (const ExamTask& task : exam.tasks) {
@@ -257,6 +263,7 @@ void ExamRoom::Open(const std::string& name, std::int64_t now_s) {
   Read();
   time_was_over_ = has_roll_ = false;
   trials_.EndOf(people, "an exam begins");
+  trials_.ForgetPages(people);
 }
 
 void ExamRoom::Again(std::int64_t person) {
@@ -288,6 +295,14 @@ bool ExamRoom::Sits(std::int64_t person) const {
   return newest_.is_open() && newest_.people.contains(person);
 }
 
+bool ExamRoom::Needs(std::int64_t person) const {
+  return newest_.people.contains(person) &&
+         (newest_.is_open() || !has_roll_ ||
+          std::ranges::any_of(newest_.trials, [&](const Trial& trial) {
+            return trial.person == person && Waits(trial);
+          }));
+}
+
 int ExamRoom::DoneOf(std::int64_t person, std::size_t task) const {
   return static_cast<int>(std::ranges::count_if(newest_.trials, [&](const Trial& trial) {
     return trial.person == person && trial.counts && trial.task == static_cast<int>(task);
@@ -303,12 +318,18 @@ std::size_t ExamRoom::TaskOf(std::int64_t person) const {
   return task;
 }
 
-void ExamRoom::Begin(const Beginning& of, std::int64_t now_s, std::int64_t now_ns) {
-  const std::size_t at = TaskOf(of.person);
+std::size_t ExamRoom::TaskToBegin(std::int64_t person, const std::string& exercise,
+                                  std::int64_t now_s) const {
+  const std::size_t at = TaskOf(person);
   if (at == newest_.exam.tasks.size()) throw Error("you have done all of the exam's tasks");
-  const ExamTask& task = newest_.exam.tasks[at];
-  if (of.exercise != task.exercise) throw Error("this is not the exam's next task");
+  if (exercise != newest_.exam.tasks[at].exercise) throw Error("this is not the exam's next task");
   if (now_s >= newest_.ends_s) throw Error(kTimeIsOver);
+  return at;
+}
+
+void ExamRoom::Begin(const Beginning& of, std::int64_t now_s, std::int64_t now_ns) {
+  const std::size_t at = TaskToBegin(of.person, of.exercise, now_s);
+  const ExamTask& task = newest_.exam.tasks[at];
   const int n = trials_.Begin(of.holder, of.person, of.exercise, of.station, now_ns, task.time_s);
   try {
     file_.Use([&](SQLite::Database& database) {
@@ -406,10 +427,15 @@ void ExamRoom::TakeSeal() {
   Read();
 }
 
+bool ExamRoom::Waits(const Trial& trial) const {
+  return !trial.scored && !trial.sha256.empty() && !tried_.contains(trial.key());
+}
+
 void ExamRoom::ScoreNext() {
   if (trials_.size() > 0) return;
   for (const Trial& trial : newest_.trials) {
-    if (trial.scored || trial.sha256.empty() || !tried_.insert(trial.key()).second) continue;
+    if (!Waits(trial)) continue;
+    tried_.insert(trial.key());
     const ExamTask& task = newest_.exam.tasks.at(static_cast<std::size_t>(trial.task));
     const Exercise* const exercise = trials_.Find(trial.exercise);
     if (exercise == nullptr || Sha256OfFile(exercise->file).sha256 != task.exercise_sha256 ||

@@ -50,7 +50,15 @@ class ExamRoom {
 
   /// An exam is open, and theirs: all else of the course is closed to them.
   bool Sits(std::int64_t person) const;
-  /// Throws Error, for the person, where it is not the next task, or the time is over.
+  /// They do, or what they handed in is not on the roll yet, or not scored.
+  bool Needs(std::int64_t person) const;
+  /// Somebody was deleted.  Throws Error.
+  void Read();
+  /// The number of the next task, from 0.  Throws Error, for the person, where the exercise is not
+  /// that task's, or the time is over.
+  std::size_t TaskToBegin(std::int64_t person, const std::string& exercise,
+                          std::int64_t now_s) const;
+  /// Throws Error, as that does.
   void Begin(const Beginning& beginning, std::int64_t now_s, std::int64_t now_ns);
   /// Where there is no server any more: nobody's time is to run without one.
   void EndTrials(const std::string& reason);
@@ -88,7 +96,6 @@ class ExamRoom {
     bool is_open() const { return number != 0 && closed_s == 0; }
   };
 
-  void Read();
   void ReadTrials();
   void Set(const char* column, std::int64_t value);
   void Open(const std::string& name, std::int64_t now_s);
@@ -103,6 +110,8 @@ class ExamRoom {
   Seal SealOf(const Trial& trial, std::int64_t now_s) const;
   void SealNext(std::int64_t now_s);
   void TakeSeal();
+  /// To be scored.
+  bool Waits(const Trial& trial) const;
   void ScoreNext();
   void WriteRoll();
   /// Why a trial ended that its person did not end, and no time; empty: it ended in order.

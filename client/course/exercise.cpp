@@ -244,7 +244,7 @@ std::vector<Exercise> LoadExercises(const std::string& folder,
   for (const std::string& file : files) {
     try {
       exercises.push_back(LoadExercise(file));
-    } catch (const Error& error) {
+    } catch (const std::exception& error) {  // whatever a file has: the others are read
       refused(error.what());
     }
   }

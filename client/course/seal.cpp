@@ -172,7 +172,9 @@ SealKey SealKey::OfCourse(const std::string& folder) {
   if (!std::filesystem::exists(file)) WriteNewKey(file);
   const std::string pem = ReadWholeFile(file, kLargestKey, "", IsPrivate("the exams' key", file));
   const Bio bio(BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())), BIO_free);
-  SealKey key(Key(PEM_read_bio_PrivateKey(bio.get(), nullptr, nullptr, nullptr), EVP_PKEY_free));
+  // No terminal is asked for the password of one that has one.
+  char none[] = "";
+  SealKey key(Key(PEM_read_bio_PrivateKey(bio.get(), nullptr, nullptr, none), EVP_PKEY_free));
   if (!key.key_) {
     throw Error(file +
                 ": is no Ed25519 key (PEM); put a copy in its place, or move it away: then "

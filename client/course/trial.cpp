@@ -130,13 +130,6 @@ bool TrialRoom::has_one_of(std::int64_t person) const {
                              [&](const Running& trial) { return trial.news.person == person; });
 }
 
-bool TrialRoom::has_ended(Holder holder) const {
-  return std::ranges::none_of(trials_, [&](const Running& trial) {
-    return trial.news.holder == holder &&
-           (trial.news.phase == "preparing" || trial.news.phase == "running");
-  });
-}
-
 int TrialRoom::Begin(Holder holder, std::int64_t person, const std::string& exercise,
                      const std::string& station, std::int64_t now_ns,
                      std::optional<double> exam_s) {
@@ -420,6 +413,13 @@ std::map<std::pair<std::string, int>, std::string> TrialRoom::PagesOf(std::int64
     if (fs::exists(page, none)) pages[{row.exercise, row.n}] = KeyOf(page);
   }
   return pages;
+}
+
+void TrialRoom::ForgetPages(const std::set<std::int64_t>& people) {
+  for (const std::int64_t person : people) {
+    const std::string theirs = FolderOf(person, "");
+    std::erase_if(pages_, [&](const auto& entry) { return entry.second.starts_with(theirs); });
+  }
 }
 
 std::string TrialRoom::PageOf(const std::string& key) const {

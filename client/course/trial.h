@@ -72,8 +72,6 @@ class TrialRoom {
   bool is_at_one(Holder holder) const;
   /// One of that person's is recorded or scored.
   bool has_one_of(std::int64_t person) const;
-  /// A trial's recorder has died, say, and its tool is to be given back.
-  bool has_ended(Holder holder) const;
   /// Looks after them, some 100 times a second.
   void Poll(std::int64_t now_ns);
   /// Trials that are not done with.
@@ -85,6 +83,8 @@ class TrialRoom {
   std::map<std::pair<std::string, int>, std::string> PagesOf(std::int64_t person);
   /// An exercise alone, without hints.  @param exercise  one that there is.
   std::string DescribeJson(const std::string& exercise) const;
+  /// Ends the keys of their score pages.  Who asks for one later gets another.
+  void ForgetPages(const std::set<std::int64_t>& people);
   /// The score page that a key of News stands for; empty: none.
   std::string PageOf(const std::string& key) const;
   /// An exercise's picture, "EXERCISE/FILE"; empty: none.

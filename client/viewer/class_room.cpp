@@ -225,6 +225,15 @@ std::string ClassRoom::SeatOf(std::int64_t person) const {
   return told == told_.end() ? "" : told->second.seat;
 }
 
+std::string ClassRoom::WhyNotAt(std::int64_t person, const std::string& scene) const {
+  const std::string own = SeatOf(person);
+  if (own == scene) return "";
+  if (!own.empty()) return "your seat is '" + own + "'; take the tool there";
+  const bool is_others =
+      std::ranges::any_of(told_, [&](const auto& entry) { return entry.second.seat == scene; });
+  return is_others ? "'" + scene + "' is another's seat, and you have none; ask who teaches" : "";
+}
+
 std::string ClassRoom::PeopleJson(const Here& here, const std::string& prefix) const {
   Json people = Json::array();
   for (const Person& person : roster_.people()) {

@@ -74,6 +74,8 @@ class ClassRoom {
   void Enter(std::int64_t person, const Scenes& scenes);
   /// Where they are to drive; empty: wherever they like.
   std::string SeatOf(std::int64_t person) const;
+  /// Why they may do nothing in a scene; empty: they may.  @param person  none who teaches.
+  std::string WhyNotAt(std::int64_t person, const std::string& scene) const;
 
   /// For teachers: everybody.  @param prefix  of the stations that are named after tokens.
   std::string PeopleJson(const Here& here, const std::string& prefix) const;

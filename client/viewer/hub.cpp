@@ -239,10 +239,15 @@ FramePtr Hub::Teach(const ClassCommand& command, ViewerSession& viewer) {
   const std::int64_t now_ns = SteadyNanoseconds();
   const std::string answer = class_room_->Do(
       command, listed_.value_or(Tokens()), Scenes(), CountPages(),
-      [this](std::int64_t person) { return trials_->has_one_of(person) || SitsExam(person); });
+      [this](std::int64_t person) { return trials_->has_one_of(person) || exams_->Needs(person); });
   spdlog::info("{}: {}", viewer.Who(), ClassOpName(command.op));
   class_changed_ = true;
-  if (ChangesTokens(command.op)) Renew(listed_, now_ns);
+  if (ChangesTokens(command.op)) {
+    // A link that has ended opens no page any more.
+    if (command.op != ClassCommand::Op::kRename) trials_->ForgetPages({command.person});
+    Renew(listed_, now_ns);
+  }
+  if (command.op == ClassCommand::Op::kDelete) exams_->Read();
   // Several may be on their way: none takes another's place, and there is a bound.
   constexpr std::uint32_t kAnswersAtOnce = 16;
   return OwnFrame(TopicFeed::kClassAnswer, command.tag % kAnswersAtOnce, answer);
@@ -309,7 +314,12 @@ void Hub::BeginTrial(const std::string& name, ViewerSession& viewer, std::int64_
       MouseCommand::Op::kTake, has_seat ? seat : exercise->scene_name, exercise->tool, {}};
   if (!seat.empty() && !has_seat) throw Error("your seat is '" + seat + "', another scene's");
   if (const std::string absent = WhyAbsent(take.scene); !absent.empty()) throw Error(absent);
-  if (trials_->is_at_one(viewer.id())) throw Error("you are at a trial; end it first");
+  // Before anything is touched: a page more would have the scene whole in the middle of a trial.
+  const std::int64_t person = viewer.holder()->person;
+  if (trials_->has_one_of(person)) {
+    throw Error("a trial of yours is running, or is being scored; end it first");
+  }
+  if (exams_->Sits(person)) exams_->TaskToBegin(person, name, WallClock_s());
   mice_.Release(viewer.id(), "a trial begins", now_ns);
   if (AsksForCuts(exercise->criteria) && exercise->start != Exercise::Start::kAsItIs) {
     AskForWhole(
@@ -322,7 +332,6 @@ void Hub::BeginTrial(const std::string& name, ViewerSession& viewer, std::int64_
       mice_.Take(viewer.id(), viewer.holder()->name, take, "", now_ns, true);
   if (station.empty()) return;  // which its page has been told
   try {
-    const std::int64_t person = viewer.holder()->person;
     if (exams_->Sits(person)) {
       exams_->Begin(
           {viewer.id(), person, name, station, take.scene, feed_.scenes().at(take.scene).hash},
@@ -394,6 +403,7 @@ void Hub::Tell(const TrialRoom::News& news) {
                          {"whole", news.whole},       {"points", nullptr},
                          {"passed", news.passed},     {"submitted", news.submitted},
                          {"page", news.page},         {"left_s", news.left_s}};
+  if (SitsExam(news.person)) json["page"] = "";
   if (news.points) json["points"] = *news.points;
   const bool is_over = news.phase == "scored" || news.phase == "unscored" || news.phase == "kept";
   spdlog::info("trial {} of '{}' by person {}: {}{}{}", news.n, news.exercise, news.person,
@@ -502,14 +512,16 @@ std::string Hub::WhyAbsent(const std::string& scene) const {
   return feed_.scenes().contains(scene) ? "" : "no server serves scene '" + scene + "'";
 }
 
+std::string Hub::WhyNotAt(const ViewerSession& viewer, const std::string& scene) const {
+  if (IsInExam(viewer)) return kInExam;
+  if (!class_room_ || viewer.teaches()) return "";
+  return class_room_->WhyNotAt(viewer.holder() ? viewer.holder()->person : 0, scene);
+}
+
 void Hub::Take(ViewerSession& viewer, const MouseCommand& command, std::int64_t now_ns) {
   std::string refusal = RefuseWish(Wish::kTake, viewer, now_ns);
   const std::optional<Tokens::Holder>& holder = viewer.holder();
-  const std::string seat = class_room_ && holder ? class_room_->SeatOf(holder->person) : "";
-  if (refusal.empty() && !seat.empty() && seat != command.scene) {
-    refusal = "your seat is '" + seat + "'; take the tool there";
-  }
-  if (refusal.empty() && IsInExam(viewer)) refusal = kInExam;
+  if (refusal.empty()) refusal = WhyNotAt(viewer, command.scene);
   if (refusal.empty()) {
     mice_.Take(viewer.id(), holder ? holder->name : "", command, WhyAbsent(command.scene), now_ns);
     return;

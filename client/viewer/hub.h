@@ -83,6 +83,8 @@ class Hub {
   static constexpr const char* kInExam = "an exam is open: begin its next task";
   bool SitsExam(std::int64_t person) const { return exams_ && exams_->Sits(person); }
   bool IsInExam(const ViewerSession& viewer) const;
+  /// Why it may do nothing in a scene: an exam, or another's seat.  Empty: it may.
+  std::string WhyNotAt(const ViewerSession& viewer, const std::string& scene) const;
   /// Does what a teacher wants of an exam, and makes what the page is answered.  Throws Error.
   FramePtr Examine(std::string_view wish, std::int64_t now_ns);
   FramePtr ExamFrameOf(const ViewerSession& viewer) const;

@@ -298,7 +298,9 @@ void ViewerSession::OnMouse(const MouseCommand& command) {
     case MouseCommand::Op::kBookmark:
     case MouseCommand::Op::kBack: {
       if (!hub_.RefuseWish(Wish::kWhole, *this, now_ns).empty()) return;
-      if (hub_.IsInExam(*this)) return Say(foxglove::Level::kError, Hub::kInExam);
+      if (const std::string why = hub_.WhyNotAt(*this, command.scene); !why.empty()) {
+        return Say(foxglove::Level::kError, why);
+      }
       const wire::WholeWish wish = command.op == MouseCommand::Op::kWhole  ? palpate_WHOLE_AGAIN
                                    : command.op == MouseCommand::Op::kBack ? palpate_WHOLE_BACK
                                                                            : palpate_WHOLE_BOOKMARK;

@@ -56,7 +56,8 @@ std::vector<std::string> FilesBelow(const std::string& folder, const char* endin
   std::error_code error;
   for (const auto& entry : fs::recursive_directory_iterator(folder, error)) {
     const std::string path = entry.path().string();
-    if (path.ends_with(ending)) files.push_back(fs::relative(path, folder).string());
+    if (!path.ends_with(ending)) continue;
+    files.push_back(entry.path().lexically_relative(folder).string());  // a link is no other place
   }
   if (error) throw Error(folder + ": cannot be read (" + error.message() + "); give a course's");
   std::ranges::sort(files);
