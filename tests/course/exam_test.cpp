@@ -53,6 +53,17 @@ TEST(ExamFile, IsReadAndRefusedWithFileLineAndRemedy) {
               HasSubstr("midterm.exam.json:1: tasks[0].exercise: there is no such exercise; put "));
   EXPECT_THAT(complaint(R"({"title": "A", "time_s": 60, "tasks": [], "hints": true})"),
               HasSubstr("hints"));
+  // Longer than a file's name may be, and what leads nowhere.
+  const auto of_task = [](const std::string& name) {
+    return R"({"title": "A", "time_s": 60, "tasks": [{"exercise": ")" + name + "\"}]}";
+  };
+  EXPECT_THAT(complaint(of_task(std::string(300, 'a'))), HasSubstr("there is no such exercise"));
+  std::filesystem::create_directory(folder / "exercises");
+  std::filesystem::create_symlink("loop.exercise.json", folder / "exercises/loop.exercise.json");
+  EXPECT_THAT(complaint(of_task("loop")), HasSubstr("there is no such exercise"));
+  std::string many = R"({"title": "A", "time_s": 60, "tasks": [{"exercise": "light-force"})";
+  for (int i = 0; i < 50; ++i) many += R"(, {"exercise": "none"})";
+  EXPECT_THAT(complaint(many + "]}"), HasSubstr("more than 50")) << "before any is read";
   EXPECT_THAT(complaint(R"({"title": "A", "time_s": 1e6, "tasks": [{"exercise": "light-force"}]})"),
               HasSubstr("time_s"));
   EXPECT_THAT(complaint(R"({"title": "A", "time_s": 60, "people": ["A", "A"],
@@ -202,6 +213,35 @@ TEST_F(ExamTest, EndsByItsTimeAndHasMoreWhereTheExaminerGivesIt) {
   ASSERT_EQ(Do("more", {{"s", 60}}), "");
   EXPECT_EQ(Own()["left_s"], 60);
   EXPECT_EQ(Begin("light-force"), kGood);
+}
+
+TEST_F(ExamTest, OpensNoOtherBeforeAllThatWasHandedInIsScoredAndOnTheRoll) {
+  ASSERT_EQ(Open(), "");
+  Try("light-force");
+  ASSERT_TRUE(Comes([&] { return Trials()[0]["sealed"] == true; }));
+  ASSERT_EQ(Do("close"), "");
+  EXPECT_THAT(Open(), HasSubstr("being scored"));
+  EXPECT_TRUE(exams_->Needs(anna_)) << "so nobody deletes her";
+  ASSERT_TRUE(Comes([&] { return Trials()[0]["points"] == 81.5; }));
+  EXPECT_FALSE(exams_->Needs(anna_));
+  ASSERT_EQ(Open(), "");
+  ASSERT_EQ(Do("close"), "");
+  ASSERT_EQ(Open(), "") << "at once";
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "course/exams/midterm-2.roll.json"));
+}
+
+TEST_F(ExamTest, EndsTheKeysOfScorePagesOfThoseWhoSitIt) {
+  const std::string theirs = folder_ / fmt::format("course/trials/{}/light-force", anna_);
+  trials_->Begin(7, anna_, "light-force", "Anna", SteadyNanoseconds());
+  ASSERT_TRUE(Comes([&] { return phase_ == "running"; }));
+  trials_->End(7, "stopped");
+  ASSERT_TRUE(Comes([&] { return phase_ == "scored"; }));
+  const auto key = [&] { return trials_->PagesOf(anna_).at({"light-force", 1}); };
+  const std::string before = key();
+  EXPECT_EQ(trials_->PageOf(before), theirs + "/1/score.html");
+  ASSERT_EQ(Open(), "");
+  EXPECT_EQ(trials_->PageOf(before), "");
+  EXPECT_EQ(trials_->PageOf(key()), theirs + "/1/score.html") << "for who teaches";
 }
 
 TEST_F(ExamTest, IsNotScoredByOtherCriteriaThanThoseItWasOpenedWith) {

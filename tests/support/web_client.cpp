@@ -221,6 +221,10 @@ void WebClient::SendExam(const Json& wish) {
   SendOn(5, "/palpate/exam", wish);
 }
 
+void WebClient::SendTrial(const Json& command) {
+  SendOn(6, "/palpate/trial", command);
+}
+
 void WebClient::SendClass(const Json& command) {
   SendOn(4, "/palpate/class", command);
 }

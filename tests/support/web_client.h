@@ -78,6 +78,8 @@ class WebClient {
   void SendClass(const nlohmann::json& command);
   /// On its channel 5.
   void SendExam(const nlohmann::json& wish);
+  /// On its channel 6.
+  void SendTrial(const nlohmann::json& command);
 
   /// The next JSON message with this `op`; earlier ones of others are passed over.  Null: none
   /// came.

@@ -243,6 +243,27 @@ TEST(Course, HoldsAnExamWithWhichTheNextGatewayGoesOnWhereOneWasKilled) {
   EXPECT_EQ(anna.Exam()["open"]["name"], "midterm");
 }
 
+TEST(Course, TouchesNoSceneWhereATrialMayNotBegin) {
+  StandIn server(0, "calculus");
+  const Folder folder;
+  std::filesystem::create_directory(folder / "course");
+  std::ofstream(folder / "course/midterm.exam.json")
+      << R"({"title": "Midterm", "time_s": 600, "tasks": [{"exercise": "light-force"}]})";
+  Gateway gateway({"--course", folder / "course"});
+  const std::string link = FirstLink(gateway);
+  ASSERT_TRUE(gateway.KnowsScenes(1, {{"Authorization", "Bearer " + link}}));
+  Teacher teacher(gateway, link);
+  Pupil anna(gateway, teacher.Make("Anna"));
+  teacher.client().SendExam({{"tag", 1}, {"op", "open"}, {"exam", "midterm"}});
+  ASSERT_TRUE(Eventually([&] { return anna.Exam()["open"].is_object(); }));
+  anna.client().SendTrial({{"op", "begin"}, {"exercise", "supragingival-calculus"}});
+  EXPECT_THAT(anna.client().NextStatus(), testing::HasSubstr("not the exam's next task"));
+  teacher.client().SendMouse({{"op", "whole"}, {"scene", "calculus"}});
+  const auto wish = server.Wished();
+  ASSERT_TRUE(wish);
+  EXPECT_THAT(std::string(wish->by), testing::StartsWith("teacher")) << "and not Anna's";
+}
+
 TEST(Course, GivesEachASeatAndKeepsOthersOut) {
   StandIn server(2);
   const Folder folder;
@@ -262,11 +283,20 @@ TEST(Course, GivesEachASeatAndKeepsOthersOut) {
   // Who comes later has the next; then there is none.
   Pupil ben(gateway, teacher.Make("Ben"));
   EXPECT_TRUE(Eventually([&] { return ben.Me()["seat"] == "cube-2"; }));
-  teacher.Make("Cleo");
+  Pupil cleo(gateway, teacher.Make("Cleo"));
   EXPECT_THAT(teacher.Ask({{"op", "begin"}, {"scene", "cube"}})["note"].get<std::string>(),
               testing::HasSubstr("1 of 3 have no seat"));
   EXPECT_THAT(teacher.Ask({{"op", "begin"}, {"scene", "cube-1"}})["refusal"].get<std::string>(),
               testing::HasSubstr("--seats"));
+  // Who has none has not another's; and nobody makes another's whole.
+  cleo.client().SendMouse({{"op", "take"}, {"scene", "cube-1"}});
+  cleo.client().Subscribe(3, TopicFeed::kMouseState);
+  const auto refused = cleo.client().Next(3);
+  ASSERT_TRUE(refused);
+  EXPECT_THAT(std::string(refused->payload.begin(), refused->payload.end()),
+              testing::HasSubstr("is another's seat"));
+  anna.client().SendMouse({{"op", "whole"}, {"scene", "cube-2"}});
+  EXPECT_THAT(anna.client().NextStatus(), testing::HasSubstr("your seat is 'cube-1'"));
 }
 
 }  // namespace

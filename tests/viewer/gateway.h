@@ -71,10 +71,10 @@ class Gateway {
 class StandIn {
  public:
   /// @param seats  of the scene.
-  explicit StandIn(int seats = 0) {
+  explicit StandIn(int seats = 0, const std::string& scene = "cube") {
     static std::uint8_t byte = 1;
     wire::SceneBundle bundle{};
-    wire::FromText("cube", bundle.scene);
+    wire::FromText(scene, bundle.scene);
     bundle.server_run = kRun;
     bundle.hash = BundleHash({&byte, 1});
     bundle.bundle._buffer = &byte;
@@ -82,7 +82,7 @@ class StandIn {
     EXPECT_TRUE(bundles_.Write(bundle));
     bundle.bundle = {};
     for (int seat = 1; seat <= seats; ++seat) {
-      wire::FromText("cube-" + std::to_string(seat), bundle.scene);
+      wire::FromText(scene + "-" + std::to_string(seat), bundle.scene);
       EXPECT_TRUE(bundles_.Write(bundle));
     }
   }
@@ -90,6 +90,12 @@ class StandIn {
     wire::OperateRequest request{};
     return Eventually([&] { return operations_.Take(request); }) ? std::optional(request)
                                                                  : std::nullopt;
+  }
+  /// Who wants a scene whole.
+  std::optional<wire::WholeRequest> Wished() {
+    wire::WholeRequest request{};
+    return Eventually([&] { return wishes_.Take(request); }) ? std::optional(request)
+                                                             : std::nullopt;
   }
   /// How many more have come by the time that none has come for a fifth of a second.
   int CountAsked() {
@@ -109,6 +115,8 @@ class StandIn {
   dds::Writer<wire::SceneBundle> bundles_{participant_, dds::kSceneBundleTopic, dds::Qos::kSession};
   dds::Reader<wire::OperateRequest> operations_{participant_, dds::kOperateRequestTopic,
                                                 dds::Qos::kRecordSession};
+  dds::Reader<wire::WholeRequest> wishes_{participant_, dds::kWholeRequestTopic,
+                                          dds::Qos::kRecordSession};
 };
 
 }  // namespace palpate::test

@@ -595,7 +595,8 @@ std::string ToHtml(const Report& report) {
       "expert's.</p>\n<h2>Over time</h2>\n" +
       ToSvg(PlotsOf(trials)) + "\n" + FiguresHtml(report);
   if (report.criteria) {
-    html += "<p class=\"quiet\">Graded by " + Escaped(std::filesystem::path(report.criteria->file).filename().string()) + "</p>\n";
+    html += "<p class=\"quiet\">Graded by " +
+            Escaped(std::filesystem::path(report.criteria->file).filename().string()) + "</p>\n";
   }
   html += "<script>\nconst score = " + Embedded(TracksOf(report)) + ";\n" + kScorePageJs +
           "</script>\n";

@@ -230,6 +230,15 @@ TEST_F(SealedTest, ThatIsLeftOutIsMissedAndWhatWasNotHandedInIsRefused) {
   EXPECT_FALSE(Verified().good());
 }
 
+TEST_F(SealedTest, BesideALinkToNowhereIsVerifiedStill) {
+  fs::create_symlink("loop.seal.json", folder_ / "loop.seal.json");
+  const Certificate certificate = Verified();
+  ASSERT_EQ(certificate.trials.size(), 3u);
+  EXPECT_EQ(certificate.trials[0].file, "loop.seal.json");
+  EXPECT_THAT(certificate.trials[0].refused, HasSubstr("loop.seal.json"));
+  EXPECT_EQ(certificate.trials[1].refused, "");
+}
+
 TEST_F(SealedTest, OfSeveralExamsIsVerifiedForTheOneThatIsNamed) {
   Seal seal = SealOf(kBen, 4, "Ben");
   seal.exam = "final";
