@@ -66,6 +66,7 @@ void MouseRoom::Go(Holder holder, std::int64_t now_ns) {
   Mouse* const mouse = Find(holder);
   if (mouse == nullptr) return;
   mouse->waits = false;
+  mouse->recorded = true;
   mouse->moved_ns = now_ns;
 }
 
@@ -87,6 +88,7 @@ void MouseRoom::Start(Mouse& mouse, std::int64_t now_ns) {
                                      "--transport=" + options_.transport,
                                      "--network=" + options_.network.interface,
                                      "--no-table"};
+  if (mouse.recorded) arguments.emplace_back("--await-recorder");
   if (options_.network.secured()) arguments.push_back("--identity=" + options_.network.identity);
   for (const std::string& peer : options_.network.peers) arguments.push_back("--peer=" + peer);
   if (!mouse.tool.empty()) arguments.push_back("--tool=" + mouse.tool);

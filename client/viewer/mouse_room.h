@@ -49,7 +49,7 @@ class MouseRoom {
 
   /// @param who        the name of the viewer's token, which becomes its station's; empty: it has
   ///                   none.   @param absent  why the scene cannot be had now; empty: it can.
-  /// @param waits      its station is started by Go.
+  /// @param waits      its station is started by Go, once a recorder is there.
   /// Returns the station's name; empty: it is refused.
   std::string Take(Holder holder, const std::string& who, const MouseCommand& command,
                    const std::string& absent, std::int64_t now_ns, bool waits = false);
@@ -75,8 +75,9 @@ class MouseRoom {
     std::string scene, tool;
     std::uint64_t run = 0;  // of its session; 0: it never had one
     std::int64_t moved_ns = 0;
-    bool waits = false;  // until Go
-    bool held = false;   // until a teacher admits it: nobody can move it
+    bool waits = false;     // until Go
+    bool recorded = false;  // its station waits for the recorder's reader
+    bool held = false;      // until a teacher admits it: nobody can move it
   };
   Mouse* Find(Holder holder);
   /// A station's name that nobody has: anna, anna_2, ...; without a name mouse_1, mouse_2, ... That
