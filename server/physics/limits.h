@@ -263,8 +263,8 @@ inline constexpr double kSetFar = kMaxSubsteps * kMaxTranslation;
 inline constexpr std::size_t kBlocks = 256, kMostOfBlock = 1024, kGivenUp = 32;
 /// Blocks that are followed at once: what a bur of 1.4 mm changes in some milliseconds at 50 um.
 inline constexpr std::size_t kMostFollowed = 256;
-/// What making a body counts, in looks: 0.09 ms.  So a cycle makes four.
-inline constexpr int kLooksOfBlock = 700;
+/// What making a body counts, in looks: 0.15 ms.  So a cycle makes three at most.
+inline constexpr int kLooksOfBlock = 1200;
 /// Pairs that a sub-step of so many looks can come to: as many near ones as it brings up to date,
 /// and two for each look that splits one.  The next power of two.
 constexpr std::size_t RoomForNear(int looks) {

@@ -91,12 +91,20 @@ void FeltSolids::Begin(std::span<const CutField> cuts, SeparationFront& front) n
 void FeltSolids::Follow(std::span<const CutField> cuts, SeparationFront& front) noexcept {
   if (changed_.empty()) Gather(cuts, front);
   if (changed_.empty()) return;
-  if (made_in_cycle_ == 0 && made_ < to_make_.size()) {
-    const Block& block = to_make_[made_++];
-    SolidOf(block).later_place[static_cast<std::size_t>(block.block)] =
-        Make(block, Use::kLater, front);
-  }
+  if (made_in_cycle_ == 0 && made_ < to_make_.size()) FollowOne(to_make_[made_], front);
   if (made_ == to_make_.size()) Commit(front);
+}
+
+/// Its surface in one cycle, and in the next a body of that.
+void FeltSolids::FollowOne(const Block& block, const SeparationFront& front) noexcept {
+  if (!own_of_next_) {
+    own_of_next_ = TakeSurfaceOf(block, Use::kLater);
+    if (*own_of_next_ > 0) return;
+  }
+  SolidOf(block).later_place[static_cast<std::size_t>(block.block)] =
+      MakeOfSurface(block, *own_of_next_, Use::kLater, front);
+  own_of_next_.reset();
+  ++made_;
 }
 
 void FeltSolids::TakeAll(std::span<const CutField> cuts) noexcept {
@@ -120,6 +128,7 @@ void FeltSolids::TakeAll(std::span<const CutField> cuts) noexcept {
   changed_.clear();
   to_make_.clear();
   made_ = 0;
+  own_of_next_.reset();
 }
 
 /// Copies blocks that have changed, and finds the bodies that have to be made anew for them.
@@ -253,6 +262,7 @@ void FeltSolids::Commit(SeparationFront& front) noexcept {
   changed_.clear();
   to_make_.clear();
   made_ = 0;
+  own_of_next_.reset();
 }
 
 FeltSolids::Block FeltSolids::BlockOf(const SeparationFront::Pair& entry) const {
@@ -285,10 +295,19 @@ FeltSolids::Taken FeltSolids::Take(const Block& block, const SeparationFront& fr
 
 std::int16_t FeltSolids::Make(const Block& block, Use use, const SeparationFront& front) noexcept {
   ++made_in_cycle_;
-  Solid& solid = SolidOf(block);
-  const std::size_t own = TakeSurfaceAndRim(
+  own_of_next_.reset();  // the scratch had it
+  return MakeOfSurface(block, TakeSurfaceOf(block, use), use, front);
+}
+
+std::size_t FeltSolids::TakeSurfaceOf(const Block& block, Use use) noexcept {
+  const Solid& solid = SolidOf(block);
+  return TakeSurfaceAndRim(
       {*solid.solid->grid, solid.felt, use == Use::kLater ? &solid.later : nullptr},
       static_cast<std::size_t>(block.block), scratch_.surface);
+}
+
+std::int16_t FeltSolids::MakeOfSurface(const Block& block, std::size_t own, Use use,
+                                       const SeparationFront& front) noexcept {
   if (own == 0) return kNothing;
   if (scratch_.surface.triangles.size() > kMostOfBlock) return kNoRoom;
   if (free_.empty() && !MakeRoom(front)) return kNoRoom;
@@ -296,7 +315,7 @@ std::int16_t FeltSolids::Make(const Block& block, Use use, const SeparationFront
   free_.pop_back();
   Place& place = bodies_[static_cast<std::size_t>(at)];
   place.use = use;
-  place.body.Assign(block, own, solid.solid->X_WB, scratch_);
+  place.body.Assign(block, own, SolidOf(block).solid->X_WB, scratch_);
   return at;
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -17,7 +18,8 @@ namespace palpate {
 /// into its box.  They are of one time, so that their triangles join: of a copy of what was cut,
 /// which follows it.  What lies between is still an obstacle, and so what was proven apart is
 /// apart.  To follow, those blocks that have changed are copied all at once, the bodies that they
-/// change are made anew, where a cycle has made none, and then take the old ones' places together.
+/// change are made anew, one in two cycles that have made none, and then take the old ones' places
+/// together.
 /// All other blocks have the bodies that were made with the scene.
 ///
 /// A value: copied, it goes on alike.  Real-time but for the constructor, as long as no block has
@@ -99,6 +101,11 @@ class FeltSolids {
   void List(const Block& block) noexcept;
   void Commit(SeparationFront& front) noexcept;
   Block BlockOf(const SeparationFront::Pair& entry) const;
+  void FollowOne(const Block& block, const SeparationFront& front) noexcept;
+  /// Into the scratch; how many triangles are its own.
+  std::size_t TakeSurfaceOf(const Block& block, Use use) noexcept;
+  std::int16_t MakeOfSurface(const Block& block, std::size_t own, Use use,
+                             const SeparationFront& front) noexcept;
   /// Its place; kNothing, kNoRoom.
   std::int16_t Make(const Block& block, Use use, const SeparationFront& front) noexcept;
   bool MakeRoom(const SeparationFront& front) noexcept;
@@ -121,6 +128,7 @@ class FeltSolids {
   std::vector<Changed> changed_;
   std::vector<Block> to_make_;
   std::size_t made_ = 0;
+  std::optional<std::size_t> own_of_next_;  ///< triangles, where the scratch has its surface
   int made_in_cycle_ = 0;
 
   // Scratch.
