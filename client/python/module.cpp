@@ -27,7 +27,6 @@
 #include "client/python/arrays.h"
 #include "client/python/report_record.h"
 #include "common/files/project_files.h"
-#include "common/text/joined.h"
 #include "scenes/files/scene_bundle.h"
 #include "server/library/scenes.h"
 
@@ -226,7 +225,9 @@ std::string ToPath(const py::object& file) {
 }
 
 std::string NamesOf(const std::vector<Body>& bodies) {
-  return Joined(bodies, &Body::name);
+  std::string names;
+  for (const Body& body : bodies) names += (names.empty() ? "" : ", ") + body.name;
+  return names;
 }
 
 Shared ModelOf(const Loaded& loaded, const py::object& which, const py::kwargs& parameters) {
