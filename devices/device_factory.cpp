@@ -5,20 +5,10 @@
 #include <utility>
 
 #include "common/error.h"
+#include "common/text/joined.h"
 
 namespace palpate {
 namespace {
-
-template <class Range, class Name>
-std::string Joined(const Range& range, Name name) {
-  std::string text;
-  for (const auto& item : range) text.append(text.empty() ? "" : ", ").append(name(item));
-  return text;
-}
-
-std::string Joined(const std::vector<std::string_view>& names) {
-  return Joined(names, [](std::string_view name) { return name; });
-}
 
 DeviceKind Find(const std::string& name) {
   for (DeviceKind& kind : AllDeviceKinds()) {
@@ -55,7 +45,7 @@ PoseScript Seen(const PoseScript& script, const Workspace& workspace) {
 }  // namespace
 
 std::string DeviceNames() {
-  return Joined(AllDeviceKinds(), [](const DeviceKind& kind) { return kind.name; });
+  return Joined(AllDeviceKinds(), &DeviceKind::name);
 }
 
 std::string DeviceHelp() {

@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
-#include <functional>
 #include <iomanip>
 #include <iostream>
 #include <map>
@@ -26,7 +25,6 @@
 #include "common/text/quoted.h"
 #include "scenes/files/cache_folder.h"
 #include "scenes/files/effect_file.h"
-#include "scenes/files/mesh_scene.h"
 #include "scenes/files/scene_bundle.h"
 #include "scenes/files/scene_file.h"
 #include "scenes/files/scene_size.h"

@@ -1,7 +1,6 @@
 #include "scenes/leaf_paint.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -9,6 +8,7 @@
 #include "common/json/json_file.h"
 #include "common/text/nearest_word.h"
 #include "scenes/mesh/hidden_surface.h"
+#include "scenes/mesh/triangle.h"
 
 namespace palpate {
 namespace {
@@ -31,10 +31,7 @@ std::vector<double> LeafAreas(const Body& body, Counts counts) {
     for (auto k = tree.leaf_triangle_begin[leaf]; k < tree.leaf_triangle_begin[leaf + 1]; ++k) {
       const std::uint32_t t = tree.leaf_triangle[k];
       if (!counts(leaf, t)) continue;
-      const auto& [a, b, c] = body.mesh.triangles[t];
-      const Vec3& v = body.mesh.vertices[a];
-      areas[leaf] +=
-          0.5 * (body.mesh.vertices[b] - v).cross(body.mesh.vertices[c] - v).norm() / owners[t];
+      areas[leaf] += TriangleOf(body.mesh, t).Area() / owners[t];
     }
   }
   return areas;

@@ -13,6 +13,7 @@
 #include "common/error.h"
 #include "common/program/command_line.h"
 #include "common/program/log.h"
+#include "common/text/joined.h"
 #include "common/text/quoted.h"
 #include "scenes/catalogue.h"
 #include "scenes/compiler/body_lines.h"
@@ -266,8 +267,7 @@ int Main(int argc, char** argv) {
   AddCommonOptions(app, "Accepted for consistency, and not used: this program talks to no other",
                    arguments.domain, arguments.log_level);
 
-  std::string names;
-  for (const std::string& name : CatalogueNames()) names += (names.empty() ? "" : ", ") + name;
+  const std::string names = Joined(CatalogueNames());
   const auto add = [&](const char* command, const char* help, const std::string& scene_help,
                        const char* arguments_of_example) {
     const CommandLine sub = app.AddCommand(command, help);

@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "scenes/mesh/triangle.h"
+
 namespace palpate {
 namespace {
 
@@ -120,11 +122,9 @@ void Tile::Paint(
       const std::uint32_t t = triangle_[y * kFine + x];
       std::uint32_t& point = asked[cell_of(x, y)];
       if (t == kNothing || point != kNothing) continue;
-      const auto& [i, j, k] = mesh.triangles[t];
-      const Vec3& a = mesh.vertices[i];
       SurfaceSample s;
       s.point = FromPixels(x, y, depth_[y * kFine + x]);
-      s.outward = (mesh.vertices[j] - a).cross(mesh.vertices[k] - a).normalized();
+      s.outward = TriangleOf(mesh, t).Across().normalized();
       s.triangle = t;
       point = static_cast<std::uint32_t>(points.size());
       points.push_back(s);

@@ -7,6 +7,7 @@
 #include "common/error.h"
 #include "common/files/whole_file.h"
 #include "common/json/json_file.h"
+#include "common/text/joined.h"
 #include "scenes/catalogue.h"
 #include "scenes/files/scene_file.h"
 #include "scenes/shapes/shape_kinds.h"
@@ -70,11 +71,7 @@ struct SceneFacts {
 };
 
 std::string Listed(const std::vector<std::string>& names) {
-  std::string list;
-  for (const std::string& name : std::set(names.begin(), names.end())) {
-    list += (list.empty() ? "" : ", ") + name;
-  }
-  return list.empty() ? "nothing" : list;
+  return names.empty() ? "nothing" : Joined(std::set(names.begin(), names.end()));
 }
 
 bool Cuts(const BodyDescription& tool) {

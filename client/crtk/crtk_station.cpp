@@ -1,11 +1,10 @@
 #include "client/crtk/crtk_station.h"
 
-#include <chrono>
-
 #include <spdlog/spdlog.h>
 
 #include "common/dds/random_run.h"
 #include "common/dds/topics.h"
+#include "common/realtime/wall_clock.h"
 #include "common/text/quoted.h"
 
 namespace palpate {
@@ -17,12 +16,6 @@ constexpr std::int64_t kLinger_ns = 500'000'000;
 constexpr std::int64_t kTellAgain_ns = 500'000'000;
 /// A guide's aims need not come faster: a station looks for them every few milliseconds.
 constexpr std::int64_t kAimPeriod_ns = 4'000'000;
-
-std::int64_t SystemNanoseconds() noexcept {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 template <class Vector>
 void Put(const double (&from)[3], Vector& to) noexcept {
@@ -132,7 +125,7 @@ void CrtkStation::Stamp(Message& message, std::int64_t sample_ns) const noexcept
 }
 
 void CrtkStation::OnPose(const wire::HapticPose& pose) noexcept {
-  clock_.Hear(pose.sample_time_ns, SystemNanoseconds());
+  clock_.Hear(pose.sample_time_ns, WallClock_ns());
   Stamp(cp_message_, pose.sample_time_ns);
   Put(pose.position_m, cp_message_.pose.position);
   auto& q = cp_message_.pose.orientation;
@@ -218,7 +211,7 @@ void CrtkStation::TellState(std::int64_t now_ns) {
   told_ = state;
   told_ns_ = now_ns;
   ros2::OperatingState message{};
-  StampAt(message.header, SystemNanoseconds());
+  StampAt(message.header, WallClock_ns());
   message.header.frame_id = const_cast<char*>(frame_.c_str());
   message.state = const_cast<char*>(state.state);
   message.is_homed = state.homed;

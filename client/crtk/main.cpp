@@ -10,6 +10,7 @@
 
 #include "client/crtk/crtk_station.h"
 #include "common/dds/participant.h"
+#include "common/dds/phase_name.h"
 #include "common/dds/ros2.h"
 #include "common/dds/topics.h"
 #include "common/program/command_line.h"
@@ -126,8 +127,7 @@ int Bridge(const Options& options) {
     for (wire::SessionState state; states.Take(state);) {
       auto it = stations.find(state.station);
       if (it == stations.end()) {
-        if (state.phase == palpate_SESSION_ENDED || state.phase == palpate_SESSION_REFUSED)
-          continue;
+        if (IsOver(state)) continue;
         if (const std::string why = WhyLeftOut(state.station, stations); !why.empty()) {
           if (left_out.size() < kMostStations && left_out.contains(state.station)) continue;
           if (words.Pass(now_ns)) {

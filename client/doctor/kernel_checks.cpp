@@ -9,7 +9,6 @@
 #include <sys/resource.h>
 
 #include "client/doctor/checks.h"
-#include "common/error.h"
 
 namespace palpate::doctor {
 namespace {

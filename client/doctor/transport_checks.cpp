@@ -67,9 +67,10 @@ std::optional<std::string> PoolsOfRunning(const HostFiles& host) {
   return std::nullopt;
 }
 
-/// What it means that RouDi, or what it needs, is not there.
-Status Missing(dds::Transport wanted) {
-  return wanted == dds::Transport::kSharedMemory ? Status::kFault : Status::kWarning;
+/// A fault where it must be right, else a warning.
+Finding Found(bool must, std::string found, std::string remedy) {
+  return must ? Fault(std::move(found), std::move(remedy))
+              : Warning(std::move(found), std::move(remedy));
 }
 
 }  // namespace
@@ -102,22 +103,21 @@ RouDiState LookAtRouDi(const HostFiles& host) {
 Finding CheckSharedMemory(const std::optional<Space>& space, bool roudi_runs,
                           dds::Transport wanted) {
   if (!space) {
-    return {.status = wanted == dds::Transport::kUdp ? Status::kWarning : Status::kFault,
-            .found = "is not there",
-            .remedy = "sudo mount -t tmpfs tmpfs /dev/shm"};
+    return Found(wanted != dds::Transport::kUdp, "is not there",
+                 "sudo mount -t tmpfs tmpfs /dev/shm");
   }
   const std::string found =
       std::to_string(space->free_MB) + " of " + std::to_string(space->size_MB) + " MB free";
   const bool enough = roudi_runs || space->free_MB >= kSharedMemoryNeeded_MB;
   if (enough || wanted == dds::Transport::kUdp) return Ok(found);
-  return {.status = Missing(wanted),
-          .found = found + ": RouDi needs " + std::to_string(kSharedMemoryNeeded_MB) +
+  return Found(wanted == dds::Transport::kSharedMemory,
+               found + ": RouDi needs " + std::to_string(kSharedMemoryNeeded_MB) +
                    " MB, and dies of less (SIGBUS)",
-          .remedy = space->size_MB < kSharedMemoryNeeded_MB
-                        ? "sudo mount -o remount,size=256m /dev/shm; in a container, --ipc host or "
-                          "--shm-size 256m"
-                        : "'ls -l /dev/shm' shows who has it: end those programs, and remove files "
-                          "of programs that have ended (iceoryx_*, where no RouDi runs)"};
+               space->size_MB < kSharedMemoryNeeded_MB
+                   ? "sudo mount -o remount,size=256m /dev/shm; in a container, --ipc host or "
+                     "--shm-size 256m"
+                   : "'ls -l /dev/shm' shows who has it: end those programs, and remove files "
+                     "of programs that have ended (iceoryx_*, where no RouDi runs)");
 }
 
 Finding CheckRouDi(const RouDiState& roudi, dds::Transport wanted, long long user,
@@ -126,37 +126,34 @@ Finding CheckRouDi(const RouDiState& roudi, dds::Transport wanted, long long use
       "sudo systemctl start palpate-roudi (package palpate-server), or iox-roudi -c " +
       ShellWord(pools) + " as the user of the server and the stations";
   const bool needed = wanted != dds::Transport::kUdp;
-  const Status missing = Missing(wanted);
+  const bool must = wanted == dds::Transport::kSharedMemory;
   const std::string owner = std::to_string(roudi.owner);
   if (!roudi.closed.empty() && !roudi.socket && needed) {
-    return {
-        .status = missing,
-        .found = "another user's has left" + roudi.closed +
-                 ", or runs in another /tmp: none can be started as this user",
-        .remedy = "where 'pgrep iox-roudi' names none: sudo rm" + roudi.closed + "; then " + start};
+    return Found(must,
+                 "another user's has left" + roudi.closed +
+                     ", or runs in another /tmp: none can be started as this user",
+                 "where 'pgrep iox-roudi' names none: sudo rm" + roudi.closed + "; then " + start);
   }
   if (!roudi.answers && !roudi.lock_held) {
     const std::string found = roudi.socket
                                   ? "does not run; a killed one has left its socket, /tmp/roudi"
                                   : "does not run";
     if (!needed) return Ok(found);
-    return {.status = missing, .found = found + ": programs meet over UDP", .remedy = start};
+    return Found(must, found + ": programs meet over UDP", start);
   }
   if (roudi.socket && !roudi.may_connect) {
     const std::string found =
         "runs as another user (id " + owner + "), whose socket this one may not open";
     if (!needed) return Ok(found);
-    return {.status = missing,
-            .found = found,
-            .remedy =
-                "run RouDi, server and stations as one user, or sudo adduser $USER palpate where "
-                "RouDi runs as the service palpate-roudi, and log in again"};
+    return Found(must, found,
+                 "run RouDi, server and stations as one user, or sudo adduser $USER palpate where "
+                 "RouDi runs as the service palpate-roudi, and log in again");
   }
   if (roudi.answers && !roudi.lock_held) {
-    return {.status = needed ? Status::kFault : Status::kWarning,
-            .found = "something that is no RouDi (it holds no " + std::string(kLock) +
+    return Found(needed,
+                 "something that is no RouDi (it holds no " + std::string(kLock) +
                      ") listens at /tmp/roudi, of user id " + owner,
-            .remedy = "sudo ss -xlp | grep /tmp/roudi names the process: end it; then " + start};
+                 "sudo ss -xlp | grep /tmp/roudi names the process: end it; then " + start);
   }
   if (!roudi.answers) {
     const std::string found = "holds its lock, but does not answer at /tmp/roudi";

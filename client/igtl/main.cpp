@@ -11,6 +11,7 @@
 #include "common/program/command_line.h"
 #include "common/program/stop_signal.h"
 #include "common/realtime/steady_clock.h"
+#include "common/realtime/wall_clock.h"
 
 namespace palpate {
 namespace {
@@ -56,12 +57,6 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   return options;
 }
 
-std::int64_t SystemNanoseconds() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
-
 /// Sends each station's newest state, where there is a new one.
 int Serve(const Options& options) {
   StopSignal stop;
@@ -84,7 +79,7 @@ int Serve(const Options& options) {
     const std::int64_t now_ns = SteadyNanoseconds();
     server.Poll(now_ns);
     for (const auto& [station, state] : newest) {
-      server.Send(IgtlMessages(state, SystemNanoseconds()), now_ns);
+      server.Send(IgtlMessages(state, WallClock_ns()), now_ns);
     }
   }
   return 0;

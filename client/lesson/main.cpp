@@ -17,6 +17,7 @@
 #include "common/program/command_line.h"
 #include "common/program/stop_signal.h"
 #include "common/realtime/steady_clock.h"
+#include "common/text/joined.h"
 #include "common/text/quoted.h"
 
 namespace palpate {
@@ -78,9 +79,7 @@ class Served {
 
 void RefuseUnserved(const std::string& scene, const std::vector<std::string>& served) {
   if (std::ranges::find(served, scene) != served.end()) return;
-  std::string list;
-  for (const std::string& name : served) list += (list.empty() ? "" : ", ") + name;
-  throw Error("scene '" + scene + "' is not served here; served are: " + list);
+  throw Error("scene '" + scene + "' is not served here; served are: " + Joined(served));
 }
 
 std::string Silence(const Options& options, bool heard) {

@@ -1,7 +1,6 @@
 #include "client/load/capacity.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <map>
 
 #include <spdlog/fmt/fmt.h>

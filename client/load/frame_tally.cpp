@@ -1,10 +1,11 @@
 #include "client/load/frame_tally.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <string_view>
 #include <utility>
+
+#include "common/text/number_of.h"
 
 namespace palpate {
 
@@ -17,12 +18,8 @@ std::size_t FrameTally::StationOf(const char* name) const {
   if (!text.starts_with(ours) || text.size() < ours.size() + 2 || text[ours.size()] != '_') {
     return setup_.stations;
   }
-  std::size_t number = 0;
-  const char* const end = text.data() + text.size();
-  const auto [at, error] = std::from_chars(text.data() + ours.size() + 1, end, number);
-  const bool one_of_ours =
-      error == std::errc() && at == end && number >= 1 && number <= setup_.stations;
-  return one_of_ours ? number - 1 : setup_.stations;
+  const std::size_t number = NumberOf<std::size_t>(text.substr(ours.size() + 1)).value_or(0);
+  return number >= 1 && number <= setup_.stations ? number - 1 : setup_.stations;
 }
 
 std::vector<std::uint64_t> FrameTally::NewestSequences() const {

@@ -1,10 +1,9 @@
 #include "client/load/options.h"
 
-#include <charconv>
-
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/program/realtime.h"
+#include "common/text/number_of.h"
 
 namespace palpate {
 namespace {
@@ -49,11 +48,9 @@ ViewerUrl ParseViewerUrl(const std::string& url) {
   if (rest.ends_with('/')) rest.pop_back();
   const std::size_t colon = rest.rfind(':');
   if (colon == 0 || colon == std::string::npos) throw wrong();
-  ViewerUrl parsed{rest.substr(0, colon), 0};
-  const char* const end = rest.data() + rest.size();
-  const auto [at, error] = std::from_chars(rest.data() + colon + 1, end, parsed.port);
-  if (error != std::errc() || at != end || parsed.port < 1 || parsed.port > 65535) throw wrong();
-  return parsed;
+  const int port = NumberOf<int>(rest.substr(colon + 1)).value_or(0);
+  if (port < 1 || port > 65535) throw wrong();
+  return {rest.substr(0, colon), port};
 }
 
 std::optional<LoadRunOptions> ParseLoadOptions(int argc, const char* const* argv) {
@@ -114,9 +111,8 @@ std::optional<LoadRunOptions> ParseLoadOptions(int argc, const char* const* argv
   }
   if (!make_scene.empty()) {
     const std::string& n = make_scene[0];
-    const auto [at, error] = std::from_chars(n.data(), n.data() + n.size(), options.copies);
-    if (error != std::errc() || at != n.data() + n.size() || options.copies < 1 ||
-        options.copies > 1000) {
+    options.copies = NumberOf<std::size_t>(n).value_or(0);
+    if (options.copies < 1 || options.copies > 1000) {
       throw UsageError("--make-scene " + n + ": give a number of tools, 1 to 1000, and a file");
     }
     options.copies_file = make_scene[1];

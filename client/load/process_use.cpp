@@ -1,7 +1,6 @@
 #include "client/load/process_use.h"
 
 #include <array>
-#include <charconv>
 #include <filesystem>
 #include <set>
 #include <sstream>
@@ -12,6 +11,7 @@
 #include "common/dds/socket_owner.h"
 #include "common/files/whole_file.h"
 #include "common/realtime/steady_clock.h"
+#include "common/text/number_of.h"
 
 namespace palpate {
 namespace {
@@ -23,13 +23,6 @@ constexpr std::uint64_t kMostBytes = std::uint64_t{16} << 20;
 
 std::string TextOf(const fs::path& file) {
   return TryReadWholeFile(file, kMostBytes).value_or("");
-}
-
-std::optional<int> NumberOf(const std::string& text) {
-  int number = 0;
-  const auto [at, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || at != text.data() + text.size()) return std::nullopt;
-  return number;
 }
 
 double Seconds(std::uint64_t ticks) {
@@ -80,7 +73,7 @@ std::optional<ProcessTimes> TimesOf(int pid) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder / "task", error)) {
     const auto thread = ParseStatLine(TextOf(entry.path() / "stat"));
-    const auto id = NumberOf(entry.path().filename().string());
+    const auto id = NumberOf<int>(entry.path().filename().string());
     if (thread && id) times.threads[*id] = {thread->name, Seconds(thread->ticks)};
   }
   return times;

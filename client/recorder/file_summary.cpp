@@ -1,7 +1,6 @@
 #include "client/recorder/file_summary.h"
 
 #include <algorithm>
-#include <cctype>
 #include <ctime>
 
 #include <nlohmann/json.hpp>

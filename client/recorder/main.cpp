@@ -19,6 +19,7 @@
 #include "common/program/machine.h"
 #include "common/program/stop_signal.h"
 #include "common/realtime/steady_clock.h"
+#include "common/text/joined.h"
 #include "common/text/quoted.h"
 
 namespace palpate {
@@ -87,10 +88,7 @@ void Record(const RecorderOptions& options) {
   recording_options.about["cpu"] = host.cpu;
   recording_options.about["cores"] = std::to_string(host.cores);
   if (utsname system{}; uname(&system) == 0) recording_options.about["kernel"] = system.release;
-  for (const std::string& station : options.stations) {
-    std::string& stations = recording_options.about["stations"];
-    stations += (stations.empty() ? "" : ", ") + station;
-  }
+  if (!options.stations.empty()) recording_options.about["stations"] = Joined(options.stations);
   recording_options.about["loop"] = options.loop ? transport.reason : "not recorded";
 
   SampleQueue queue(kQueue);

@@ -10,6 +10,7 @@
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/realtime/steady_clock.h"
+#include "common/text/joined.h"
 
 namespace palpate {
 namespace {
@@ -94,13 +95,12 @@ std::vector<OfferedTool> AskForTools(const dds::Participant& service, const AskO
     if (wait(std::chrono::milliseconds(10))) return {};
   }
   std::vector<OfferedTool> tools;
-  std::string names;
   for (const wire::OfferedScene& offered : offer.scenes()) {
-    names += (names.empty() ? "" : ", ") + std::string(offered.scene);
     if (IsMeant(offered, scene)) AddTools(offered, tools);
   }
   if (tools.empty()) {
-    throw Error("scene '" + scene + "' is not served here; give --scene with one of: " + names +
+    throw Error("scene '" + scene + "' is not served here; give --scene with one of: " +
+                Joined(offer.scenes(), [](const auto& offered) { return offered.scene; }) +
                 ", or start palpate-server with yours (--domain " + std::to_string(options.domain) +
                 ")");
   }

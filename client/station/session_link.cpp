@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "client/station/served_tools.h"
+#include "common/dds/phase_name.h"
 #include "common/dds/random_run.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
@@ -55,8 +56,7 @@ SessionLink::SessionLink(LinkOptions options, ReplyRing& replies,
 SessionLink::~SessionLink() {
   // Without a pose the server takes the station for cut off after 100 ms: it is told first.
   servo_->SetPath(nullptr);
-  const bool held =
-      state_ && state_->phase != palpate_SESSION_REFUSED && state_->phase != palpate_SESSION_ENDED;
+  const bool held = state_ && !IsOver(*state_);
   WriteRequest(true);
   for (int i = 0; held && i < 30 && state_->phase != palpate_SESSION_ENDED; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -238,10 +238,7 @@ void SessionLink::MakeReader() {
 }
 
 void SessionLink::PollMatching(std::int64_t now_ns) {
-  if (server_restarted_ || state_->phase == palpate_SESSION_ENDED ||
-      state_->phase == palpate_SESSION_REFUSED) {
-    return Ask(now_ns);
-  }
+  if (server_restarted_ || IsOver(*state_)) return Ask(now_ns);
   if (now_ns - phase_since_ns_ > kMatchPatience_ns) {
     if (wrenches_ && wrenches_.matched_writers() == 0 &&
         dds::WriterDiscovered(*loop_, dds::WrenchTopic(options_.station, run_))) {

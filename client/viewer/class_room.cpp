@@ -1,7 +1,6 @@
 #include "client/viewer/class_room.h"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <utility>
 

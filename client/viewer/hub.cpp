@@ -1,7 +1,6 @@
 #include "client/viewer/hub.h"
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <random>
 #include <utility>
@@ -16,6 +15,8 @@
 #include "common/files/project_files.h"
 #include "common/metrics/metrics_page.h"
 #include "common/realtime/steady_clock.h"
+#include "common/realtime/wall_clock.h"
+#include "common/text/joined.h"
 
 namespace palpate {
 namespace {
@@ -24,13 +25,6 @@ namespace {
 constexpr const char* kStopped = "stopped";
 
 constexpr std::int64_t kStatistics_ns = 5'000'000'000;
-
-/// Since 1970: what a course's file keeps must be true in the gateway's next run, too.
-std::int64_t WallClock_s() {
-  return std::chrono::duration_cast<std::chrono::seconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 std::string RandomId() {
   std::random_device random;
@@ -52,9 +46,7 @@ std::vector<std::string> RecorderWords(const ViewerOptions& options) {
   return words;
 }
 
-std::string Joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+std::string OrNone(const std::string& text) {
   return text.empty() ? "none" : text;
 }
 
@@ -63,9 +55,7 @@ FramePtr OwnFrame(TopicFeed::Channel channel, std::uint64_t instance, const std:
   auto frame = std::make_shared<Frame>();
   frame->channel = channel;
   frame->instance = instance;
-  frame->time_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(
-                       std::chrono::system_clock::now().time_since_epoch())
-                       .count();
+  frame->time_ns = WallClock_ns();
   frame->payload.assign(json.begin(), json.end());
   frame->state = true;
   return frame;
@@ -583,7 +573,8 @@ void Hub::LogStatistics(std::int64_t now_ns) {
       "viewers {}  frames in {:.0f}/s  out {:.0f}/s  {:.2f} MB/s  lost {} (+{})  stations {}  "
       "scenes {}",
       viewers_.size(), rate(&Traffic::taken), rate(&Traffic::sent), 1e-6 * rate(&Traffic::bytes),
-      now.lost, now.lost - logged_.lost, Joined(feed_.stations()), Joined(KeysOf(feed_.scenes())));
+      now.lost, now.lost - logged_.lost, OrNone(Joined(feed_.stations())),
+      OrNone(Joined(KeysOf(feed_.scenes()))));
   logged_ = now;
   logged_ns_ = now_ns;
 }

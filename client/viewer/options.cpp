@@ -2,8 +2,6 @@
 
 #include <filesystem>
 
-#include <boost/asio/ip/address.hpp>
-
 #include "common/dds/participant.h"
 #include "common/error.h"
 #include "common/files/project_files.h"

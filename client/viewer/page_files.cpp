@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <system_error>
 #include <utility>
 
 #include "common/files/whole_file.h"
+#include "common/text/number_of.h"
 
 namespace palpate {
 namespace {
@@ -48,11 +48,9 @@ std::optional<std::string> PathOfTarget(std::string_view target) {
     char c = target[i];
     if (c == '%') {
       if (i + 2 >= target.size()) return std::nullopt;
-      unsigned value = 0;
-      const char* hex = target.data() + i + 1;
-      const auto [end, error] = std::from_chars(hex, hex + 2, value, 16);
-      if (error != std::errc{} || end != hex + 2) return std::nullopt;
-      c = static_cast<char>(value);
+      const auto value = NumberOf<unsigned>(target.substr(i + 1, 2), 16);
+      if (!value) return std::nullopt;
+      c = static_cast<char>(*value);
       i += 2;
     }
     if (c == '\0' || c == '\\') return std::nullopt;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <limits>
 #include <span>
 #include <vector>
@@ -12,6 +11,7 @@
 
 #include "common/dds/topics.h"
 #include "common/json/json_file.h"
+#include "common/text/number_of.h"
 
 namespace palpate {
 namespace {
@@ -52,10 +52,8 @@ std::string Hex(std::uint64_t id) {
 /// 1 to 16 digits, as Hex writes them, and not 0.
 std::uint64_t ReadId(const JsonNode& node) {
   const std::string text = node.String();
-  std::uint64_t id = 0;
-  const char* end = text.data() + text.size();
-  const auto [stopped, error] = std::from_chars(text.data(), end, id, 16);
-  if (error != std::errc{} || stopped != end || id == 0 || Hex(id) != text) {
+  const std::uint64_t id = NumberOf<std::uint64_t>(text, 16).value_or(0);
+  if (id == 0 || Hex(id) != text) {
     node.Fail("is not the replay's number as its state gives it, in hexadecimal digits");
   }
   return id;

@@ -1,9 +1,7 @@
 #include "client/viewer/viewer_session.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
-#include <vector>
 
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/post.hpp>
@@ -25,12 +23,8 @@ constexpr int kSendBuffer = 64 * 1024;
 /// And of what it sends that is not read yet: one message of the largest, with which a flood ends a
 /// second after who sent it has gone.
 constexpr int kReceiveBuffer = 64 * 1024;
-constexpr const char* kMouseTopic = "/palpate/mouse";
-constexpr const char* kReplayTopic = "/palpate/replay";
 constexpr const char* kOperateTopic = "/palpate/operate";
-constexpr const char* kClassTopic = "/palpate/class";
 constexpr const char* kTrialTopic = "/palpate/trial";
-constexpr const char* kExamTopic = "/palpate/exam";
 
 }  // namespace
 
@@ -172,14 +166,19 @@ std::string ViewerSession::OnText(std::string_view text) {
   return "";
 }
 
+std::array<ViewerSession::Topic, 6> ViewerSession::Topics() const {
+  return {{{"/palpate/replay", steers_, &ViewerSession::OnReplay},
+           {"/palpate/mouse", mouse_, &ViewerSession::OnMouse},
+           {kOperateTopic, access_ == Access::kOperate, &ViewerSession::OnOperate},
+           {"/palpate/class", teaches_, &ViewerSession::OnClass},
+           {"/palpate/exam", teaches_, &ViewerSession::OnExam},
+           {kTrialTopic, of_course_ && mouse_, &ViewerSession::OnTrial}}};
+}
+
 void ViewerSession::Publish(const foxglove::ClientChannel& channel) {
-  const bool may =
-      (mouse_ && channel.topic == kMouseTopic) || (steers_ && channel.topic == kReplayTopic) ||
-      (teaches_ && channel.topic == kClassTopic) || (teaches_ && channel.topic == kExamTopic) ||
-      (of_course_ && mouse_ && channel.topic == kTrialTopic) ||
-      (access_ == Access::kOperate && channel.topic == kOperateTopic);
-  if (may && channel.encoding == "json") {
-    published_.insert_or_assign(channel.id, channel.topic);
+  for (const Topic& topic : Topics()) {
+    if (!topic.may || channel.topic != topic.name || channel.encoding != "json") continue;
+    published_.insert_or_assign(channel.id, topic.take);
     return;
   }
   const std::string why =
@@ -202,11 +201,8 @@ std::string ViewerSession::WhatIsOfUse() const {
   }
   const bool operates = access_ == Access::kOperate;
   std::string use;
-  for (const auto& [may, topic] :
-       {std::pair(steers_, kReplayTopic), std::pair(mouse_, kMouseTopic),
-        std::pair(operates, kOperateTopic), std::pair(teaches_, kClassTopic),
-        std::pair(teaches_, kExamTopic), std::pair(of_course_ && mouse_, kTrialTopic)}) {
-    if (may) use += (use.empty() ? "give " : " or ") + std::string(topic);
+  for (const Topic& topic : Topics()) {
+    if (topic.may) use += (use.empty() ? "give " : " or ") + std::string(topic.name);
   }
   if (!use.empty()) use += ", encoding json";
   const auto add = [&](const char* reason) {
@@ -265,26 +261,15 @@ std::string ViewerSession::OnBinary(std::span<const std::uint8_t> bytes) {
            ", which it has not advertised";
   }
   try {
-    if (channel->second == kMouseTopic) {
-      OnMouse(ParseMouseCommand(message.payload));
-    } else if (channel->second == kOperateTopic) {
-      OnOperate(ParseOperateCommand(message.payload));
-    } else if (channel->second == kClassTopic) {
-      OnClass(ParseClassCommand(message.payload));
-    } else if (channel->second == kExamTopic) {
-      OnExam(message.payload);
-    } else if (channel->second == kTrialTopic) {
-      OnTrial(ParseTrialCommand(message.payload));
-    } else {
-      OnReplay(ParseReplayWish(message.payload));
-    }
+    (this->*channel->second)(message.payload);
   } catch (const Error& error) {
     Say(foxglove::Level::kWarning, error.what());
   }
   return "";
 }
 
-void ViewerSession::OnMouse(const MouseCommand& command) {
+void ViewerSession::OnMouse(std::string_view payload) {
+  const MouseCommand command = ParseMouseCommand(payload);
   MouseRoom& mice = hub_.mice();
   const std::int64_t now_ns = SteadyNanoseconds();
   switch (command.op) {
@@ -312,31 +297,33 @@ void ViewerSession::OnMouse(const MouseCommand& command) {
   }
 }
 
-void ViewerSession::OnReplay(const ReplayWish& wish) {
+void ViewerSession::OnReplay(std::string_view payload) {
   const std::int64_t now_ns = SteadyNanoseconds();
-  queue_.Push(hub_.AskReplay(wish, *this, now_ns), now_ns);  // OnRead flushes
+  queue_.Push(hub_.AskReplay(ParseReplayWish(payload), *this, now_ns), now_ns);  // OnRead flushes
 }
 
-void ViewerSession::OnOperate(const OperateCommand& command) {
+void ViewerSession::OnOperate(std::string_view payload) {
+  const OperateCommand command = ParseOperateCommand(payload);
   if (!hub_.RefuseWish(Wish::kOperate, *this, SteadyNanoseconds()).empty()) return;
   const std::string refusal = hub_.Operate(command, Who());
   if (!refusal.empty()) Say(foxglove::Level::kError, std::string(kOperateTopic) + ": " + refusal);
 }
 
-void ViewerSession::OnClass(const ClassCommand& command) {
+void ViewerSession::OnClass(std::string_view payload) {
+  const ClassCommand command = ParseClassCommand(payload);
   const std::int64_t now_ns = SteadyNanoseconds();
   if (!hub_.RefuseWish(Wish::kOperate, *this, now_ns).empty()) return;
   queue_.Push(hub_.Teach(command, *this), now_ns);
 }
 
-void ViewerSession::OnExam(std::string_view wish) {
+void ViewerSession::OnExam(std::string_view payload) {
   const std::int64_t now_ns = SteadyNanoseconds();
   if (!hub_.RefuseWish(Wish::kOperate, *this, now_ns).empty()) return;
-  queue_.Push(hub_.Examine(wish, now_ns), now_ns);
+  queue_.Push(hub_.Examine(payload, now_ns), now_ns);
 }
 
-void ViewerSession::OnTrial(const TrialCommand& command) {
-  const std::string refusal = hub_.Try(command, *this, SteadyNanoseconds());
+void ViewerSession::OnTrial(std::string_view payload) {
+  const std::string refusal = hub_.Try(ParseTrialCommand(payload), *this, SteadyNanoseconds());
   if (!refusal.empty()) Say(foxglove::Level::kError, std::string(kTrialTopic) + ": " + refusal);
 }
 

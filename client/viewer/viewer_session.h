@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -80,14 +81,22 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
   void Publish(const foxglove::ClientChannel& channel);
   /// What a client may publish instead, or why it may not.
   std::string WhatIsOfUse() const;
-  void OnMouse(const MouseCommand& command);
-  void OnReplay(const ReplayWish& wish);
-  void OnClass(const ClassCommand& command);
-  void OnExam(std::string_view wish);
-  void OnTrial(const TrialCommand& command);
+  using Take = void (ViewerSession::*)(std::string_view payload);
+  /// What clients may publish on.
+  struct Topic {
+    const char* name;
+    bool may;  ///< this one
+    Take take;
+  };
+  std::array<Topic, 6> Topics() const;
+  void OnMouse(std::string_view payload);
+  void OnReplay(std::string_view payload);
+  void OnClass(std::string_view payload);
+  void OnExam(std::string_view payload);
+  void OnTrial(std::string_view payload);
   /// What it is offered.
   std::vector<foxglove::Channel> Channels() const;
-  void OnOperate(const OperateCommand& command);
+  void OnOperate(std::string_view payload);
   void Send(std::string text);
   void Write();
   void OnWritten(boost::beast::error_code error);
@@ -122,7 +131,7 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
   FrameQueue::Next frame_;
   foxglove::MessageHeader header_{};
 
-  std::map<std::uint32_t, std::string> published_;  // topics, by the client's channels
+  std::map<std::uint32_t, Take> published_;  // by the client's channels
   FramePtr mouse_state_;
   SignsOfLife signs_;
   bool pinging_ = false;

@@ -8,7 +8,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <map>
-#include <new>
 #include <utility>
 
 #include <fcntl.h>

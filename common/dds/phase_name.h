@@ -10,6 +10,10 @@ namespace palpate {
 inline constexpr std::array kLivePhases = {palpate_SESSION_WAITING, palpate_SESSION_ACQUIRING,
                                            palpate_SESSION_ACTIVE};
 
+inline bool IsOver(const wire::SessionState& state) {
+  return state.phase == palpate_SESSION_ENDED || state.phase == palpate_SESSION_REFUSED;
+}
+
 /// A phase as a word, for programs.
 constexpr const char* PhaseName(wire::SessionPhase phase) {
   switch (phase) {

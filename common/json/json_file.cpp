@@ -12,29 +12,20 @@
 #include "common/error.h"
 #include "common/files/whole_file.h"
 #include "common/math/rotation.h"
+#include "common/text/joined.h"
 #include "common/text/nearest_word.h"
 
 namespace palpate {
 
 struct JsonNode::Value {
   enum Kind { kNull, kBool, kNumber, kString, kArray, kObject };
-  // Defined below, where a pair that holds one is complete; clang asks for that.
-  Value();
-  Value(Value&& other) noexcept;
-  Value& operator=(Value&& other) noexcept;
-  ~Value();
-
   Kind kind = kNull;
   int line = 1;
   double number = 0.0;
   std::string string;
-  std::vector<std::pair<std::string, Value>> members;  // of arrays, too, with empty names
+  std::string name;  // as a member of an object
+  std::vector<Value> members;
 };
-
-JsonNode::Value::Value() = default;
-JsonNode::Value::Value(Value&& other) noexcept = default;
-JsonNode::Value& JsonNode::Value::operator=(Value&& other) noexcept = default;
-JsonNode::Value::~Value() = default;
 
 struct JsonNode::Document {
   std::string file;
@@ -131,7 +122,7 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
     if (!names_.back().insert(name).second) {
       FailAt(file_, position_.line, name + ": stands twice; keep one of the two");
     }
-    open_.back()->members.emplace_back(std::move(name), Value{});
+    open_.back()->members.emplace_back().name = std::move(name);
     return true;
   }
   bool parse_error(std::size_t position, const std::string&,
@@ -166,9 +157,11 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
       return &root;
     }
     Value& parent = *open_.back();
-    if (parent.kind == Value::kArray) parent.members.emplace_back("", Value{});
-    parent.members.back().second = std::move(value);
-    return &parent.members.back().second;
+    if (parent.kind == Value::kArray) parent.members.emplace_back();
+    Value& place = parent.members.back();
+    value.name = std::move(place.name);
+    place = std::move(value);
+    return &place;
   }
   bool Add(Value value) {
     Place(std::move(value));
@@ -239,26 +232,24 @@ const Value& JsonNode::Expect(int kind, const char* what) const {
 }
 
 void JsonNode::AllowOnly(const std::vector<std::string_view>& fields) const {
-  for (const auto& [name, value] : Expect(Value::kObject, "an object { ... }").members) {
-    if (std::find(fields.begin(), fields.end(), name) != fields.end()) continue;
-    JsonNode(document_, &value, path_.empty() ? name : path_ + "." + name)
-        .Fail("there is no such field" + DidYouMeanOneOf(name, fields));
+  for (const Value& member : Expect(Value::kObject, "an object { ... }").members) {
+    if (std::find(fields.begin(), fields.end(), member.name) != fields.end()) continue;
+    Find(member.name)->Fail("there is no such field" + DidYouMeanOneOf(member.name, fields));
   }
 }
 
 std::optional<JsonNode> JsonNode::Find(std::string_view field) const {
-  for (const auto& [name, value] : Expect(Value::kObject, "an object { ... }").members) {
-    if (name == field) {
-      return JsonNode(document_, &value, path_.empty() ? name : path_ + "." + name);
-    }
+  for (const Value& member : Expect(Value::kObject, "an object { ... }").members) {
+    if (member.name != field) continue;
+    return JsonNode(document_, &member, path_.empty() ? member.name : path_ + "." + member.name);
   }
   return std::nullopt;
 }
 
 std::vector<std::string> JsonNode::Fields() const {
   std::vector<std::string> names;
-  for (const auto& member : Expect(Value::kObject, "an object { ... }").members) {
-    names.push_back(member.first);
+  for (const Value& member : Expect(Value::kObject, "an object { ... }").members) {
+    names.push_back(member.name);
   }
   return names;
 }
@@ -279,7 +270,7 @@ std::vector<JsonNode> JsonNode::Items(std::size_t at_least) const {
          std::to_string(at_least));
   }
   std::vector<JsonNode> items;
-  for (const auto& [name, value] : list.members) {
+  for (const Value& value : list.members) {
     items.push_back(JsonNode(document_, &value, path_ + "[" + std::to_string(items.size()) + "]"));
   }
   return items;
@@ -302,9 +293,7 @@ std::string JsonNode::Text() const {
 std::string JsonNode::OneOf(const std::vector<std::string_view>& words) const {
   const std::string word = String();
   if (std::find(words.begin(), words.end(), word) != words.end()) return word;
-  std::string list;
-  for (std::string_view w : words) list += (list.empty() ? "" : ", ") + std::string(w);
-  Fail("\"" + word + "\" is not known; give one of " + list);
+  Fail("\"" + word + "\" is not known; give one of " + Joined(words));
 }
 
 double JsonNode::Number(double min, double max) const {

@@ -1,6 +1,5 @@
 #include "common/metrics/metrics_port.h"
 
-#include <charconv>
 #include <chrono>
 #include <exception>
 #include <optional>
@@ -22,6 +21,7 @@
 #include "common/http/lobby.h"
 #include "common/realtime/rate_limit.h"
 #include "common/realtime/steady_clock.h"
+#include "common/text/number_of.h"
 #include "common/text/quoted.h"
 
 namespace palpate {
@@ -59,11 +59,10 @@ MetricsEndpoint ParseMetricsEndpoint(const std::string& text) {
   };
   MetricsEndpoint endpoint;
   const std::size_t colon = text.rfind(':');
-  const std::string port = colon == std::string::npos ? text : text.substr(colon + 1);
-  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), endpoint.port);
-  const bool is_port = error == std::errc() && end == port.data() + port.size() &&
-                       endpoint.port >= 0 && endpoint.port <= 65535;
-  if (!is_port) refuse("is no [ADDRESS:]PORT");
+  const auto port = NumberOf<std::uint16_t>(
+      colon == std::string::npos ? text : std::string_view(text).substr(colon + 1));
+  if (!port) refuse("is no [ADDRESS:]PORT");
+  endpoint.port = *port;
   if (colon == std::string::npos) return endpoint;
   std::string address = text.substr(0, colon);
   const bool in_brackets = address.starts_with('[') && address.ends_with(']');

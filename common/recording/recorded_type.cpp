@@ -1,6 +1,5 @@
 #include "common/recording/recorded_type.h"
 
-#include <algorithm>
 #include <array>
 
 #include "common/recording/idl_texts.h"

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <tuple>
+#include <type_traits>
 
 #include "common/dds/wire.h"
 
@@ -26,44 +29,26 @@ enum class RecordedType {
   kSolidBlock,
   kCutLog,
 };
-inline constexpr int kRecordedTypes = 15;
+/// Their types, in the same order.
+using RecordedWires =
+    std::tuple<wire::HapticPose, wire::Wrench, wire::SessionRequest, wire::SessionState,
+               wire::LoopWhole, wire::ToolState, wire::LoopStatistics, wire::SceneBundle,
+               wire::GuideTarget, wire::StationStatistics, wire::SceneOffer, wire::WholeRequest,
+               wire::SceneWhole, wire::SolidBlock, wire::CutLog>;
+inline constexpr int kRecordedTypes = std::tuple_size_v<RecordedWires>;
+
+/// @tparam T  one of them.
+template <class T>
+inline constexpr RecordedType kTypeOf = []<class... Each>(const std::tuple<Each...>*) {
+  const bool is[] = {std::is_same_v<T, Each>...};
+  return static_cast<RecordedType>(std::ranges::find(is, true) - is);
+}(static_cast<const RecordedWires*>(nullptr));
 
 /// "palpate::HapticPose"
 const char* SchemaName(RecordedType type);
 /// The type's schema: IDL that stands alone (the file of idl/ that declares it).
 const std::string& SchemaText(RecordedType type);
 std::optional<RecordedType> TypeOfSchema(const std::string& schema_name);
-
-template <class T>
-constexpr RecordedType kTypeOf = RecordedType::kHapticPose;
-template <>
-inline constexpr RecordedType kTypeOf<wire::Wrench> = RecordedType::kWrench;
-template <>
-inline constexpr RecordedType kTypeOf<wire::SessionRequest> = RecordedType::kSessionRequest;
-template <>
-inline constexpr RecordedType kTypeOf<wire::SessionState> = RecordedType::kSessionState;
-template <>
-inline constexpr RecordedType kTypeOf<wire::LoopWhole> = RecordedType::kLoopWhole;
-template <>
-inline constexpr RecordedType kTypeOf<wire::ToolState> = RecordedType::kToolState;
-template <>
-inline constexpr RecordedType kTypeOf<wire::LoopStatistics> = RecordedType::kLoopStatistics;
-template <>
-inline constexpr RecordedType kTypeOf<wire::SceneBundle> = RecordedType::kSceneBundle;
-template <>
-inline constexpr RecordedType kTypeOf<wire::GuideTarget> = RecordedType::kGuideTarget;
-template <>
-inline constexpr RecordedType kTypeOf<wire::StationStatistics> = RecordedType::kStationStatistics;
-template <>
-inline constexpr RecordedType kTypeOf<wire::SceneOffer> = RecordedType::kSceneOffer;
-template <>
-inline constexpr RecordedType kTypeOf<wire::WholeRequest> = RecordedType::kWholeRequest;
-template <>
-inline constexpr RecordedType kTypeOf<wire::SceneWhole> = RecordedType::kSceneWhole;
-template <>
-inline constexpr RecordedType kTypeOf<wire::SolidBlock> = RecordedType::kSolidBlock;
-template <>
-inline constexpr RecordedType kTypeOf<wire::CutLog> = RecordedType::kCutLog;
 
 /// Counts what a topic's samples number themselves by, so that each hole is known.
 class SequenceCount {

@@ -1,7 +1,8 @@
 #include "common/recording/recording_reader.h"
 
 #include <algorithm>
-#include <charconv>
+
+#include "common/text/number_of.h"
 
 namespace palpate {
 namespace {
@@ -18,11 +19,8 @@ constexpr std::uint64_t kMostCount = std::uint64_t{1} << 47;
 std::optional<std::uint64_t> CountIn(const mcap::StringMap& metadata, const std::string& key) {
   const auto found = metadata.find(key);
   if (found == metadata.end()) return 0;
-  const std::string& text = found->second;
-  std::uint64_t count = 0;
-  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), count);
-  const bool is_count = problem == std::errc() && end == text.data() + text.size();
-  return is_count && count < kMostCount ? std::optional(count) : std::nullopt;
+  const auto count = NumberOf<std::uint64_t>(found->second);
+  return count < kMostCount ? count : std::nullopt;
 }
 
 RecordingReader::RecordingReader(const std::vector<std::string>& files) : names_(files) {

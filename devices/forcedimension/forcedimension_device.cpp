@@ -1,11 +1,11 @@
 #include "devices/forcedimension/forcedimension_device.h"
 
-#include <charconv>
 #include <limits>
 #include <optional>
 #include <utility>
 
 #include "common/error.h"
+#include "common/text/number_of.h"
 #include "devices/forcedimension/dhd_frame.h"
 #include "devices/wrench_limiter.h"
 
@@ -58,9 +58,8 @@ void ForceDimensionDevice::Open() {
     id_ = dhd_.dhdOpen();
   } else {
     const std::string& text = options_.arm;
-    int serial = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), serial);
-    if (error != std::errc() || end != text.data() + text.size() || serial < 0) {
+    const int serial = NumberOf<int>(text).value_or(-1);
+    if (serial < 0) {
       throw UsageError("--device-name '" + text +
                        "': give the arm's serial number, as on its label: digits alone");
     }

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <cstdint>
 
 #include <poll.h>
@@ -11,6 +10,7 @@
 #include <unistd.h>
 
 #include "common/error.h"
+#include "common/text/number_of.h"
 #include "devices/device_factory.h"
 
 namespace palpate {
@@ -41,10 +41,9 @@ std::optional<MouseLine> ParseMouseLine(std::string_view line, std::string& comp
   for (std::size_t i = 0; i < number.size(); ++i) {
     const std::string_view word = TakeWord(rest);
     if (i == 0 && word == "release" && TakeWord(rest).empty()) return MouseLine{};
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number[i]);
-    if (word.empty() || error != std::errc{} || end != word.data() + word.size()) {
-      return refuse("give 'x y z qw qx qy qz', seven numbers, or 'release'");
-    }
+    const auto value = NumberOf<double>(word);
+    if (!value) return refuse("give 'x y z qw qx qy qz', seven numbers, or 'release'");
+    number[i] = *value;
   }
   if (!TakeWord(rest).empty()) return refuse("more than seven numbers");
   Pose X;

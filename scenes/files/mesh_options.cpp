@@ -1,8 +1,5 @@
 #include "scenes/files/mesh_options.h"
 
-#include <string>
-#include <vector>
-
 #include "common/program/command_line.h"
 #include "scenes/files/scene_file.h"
 

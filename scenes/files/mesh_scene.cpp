@@ -1,6 +1,5 @@
 #include "scenes/files/mesh_scene.h"
 
-#include <algorithm>
 #include <cmath>
 #include <filesystem>
 

@@ -3,13 +3,10 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <filesystem>
 #include <set>
 #include <type_traits>
-#include <utility>
 
 #include "common/error.h"
-#include "common/json/json_file.h"
 #include "scenes/grid/bur.h"
 #include "scenes/grid/solid_grid.h"
 #include "scenes/shapes/shape_kinds.h"
@@ -243,20 +240,19 @@ MaterialDescription ReadMaterial(const JsonNode& node) {
   }
   const auto pressure = node.Find("cutting_pressure_MPa");
   if (pressure) material.cutting_pressure = 1e6 * pressure->Number(1e-3, 1e5);
-  if (auto viscosity = node.Find("cutting_viscosity_MPa_s_per_mm")) {
-    if (!pressure) viscosity->Fail("belongs to a pressure; add cutting_pressure_MPa or drop it");
+  const auto beside_pressure = [&](const char* field, const std::string& why) {
+    const auto found = node.Find(field);
+    if (found && !pressure) found->Fail(why + "; add cutting_pressure_MPa or drop it");
+    return found;
+  };
+  if (auto viscosity = beside_pressure("cutting_viscosity_MPa_s_per_mm", "belongs to a pressure")) {
     material.cutting_viscosity = 1e9 * viscosity->Number(0.0, 1e4);
   }
-  if (auto friction = node.Find("cutting_friction")) {
-    if (!pressure) friction->Fail("belongs to a pressure; add cutting_pressure_MPa or drop it");
+  if (auto friction = beside_pressure("cutting_friction", "belongs to a pressure")) {
     material.cutting_friction = friction->Number(0.0, 1.0);
   }
-  if (auto name = node.Find("name")) {
-    if (!pressure) name->Fail("is of what burs cut; add cutting_pressure_MPa or drop it");
-    material.name = ReadName(*name);
-  }
-  if (auto colour = node.Find("colour")) {
-    if (!pressure) colour->Fail("is of what burs cut; add cutting_pressure_MPa or drop it");
+  if (auto name = beside_pressure("name", "is of what burs cut")) material.name = ReadName(*name);
+  if (auto colour = beside_pressure("colour", "is of what burs cut")) {
     material.colour = ReadColour(*colour);
   }
   return read;
@@ -313,22 +309,22 @@ FirstSight ReadFirstSight(const JsonNode& node) {
   return sight;
 }
 
-/// As HapticModel has it: a finite stiffness anywhere.
-bool FeltByLeaves(const BodyDescription& body) {
-  const auto gives = [](const MaterialDescription& m) {
-    return m.youngs_modulus > 0.0 || std::isfinite(m.material.stiffness);
-  };
-  return gives(body.material) ||
-         std::any_of(body.regions.begin(), body.regions.end(),
-                     [&](const RegionDescription& region) { return gives(region.material); });
+bool AnyMaterial(const BodyDescription& body, bool (*holds)(const MaterialDescription&)) {
+  return holds(body.material) ||
+         std::ranges::any_of(body.regions, holds, &RegionDescription::material);
 }
 
-bool AnyMaterial(const SceneDescription& scene, bool (*holds)(const MaterialDescription&)) {
-  return std::any_of(scene.objects.begin(), scene.objects.end(), [&](const BodyDescription& body) {
-    return holds(body.material) ||
-           std::any_of(body.regions.begin(), body.regions.end(),
-                       [&](const RegionDescription& region) { return holds(region.material); });
-  });
+bool Yields(const MaterialDescription& m) {
+  return m.youngs_modulus > 0.0 || std::isfinite(m.material.stiffness);
+}
+
+bool Rubs(const MaterialDescription& m) {
+  return m.material.static_friction > 0.0;
+}
+
+/// As HapticModel has it: a finite stiffness anywhere.
+bool FeltByLeaves(const BodyDescription& body) {
+  return AnyMaterial(body, Yields);
 }
 
 Features ReadFeatures(const JsonNode& root, const SceneDescription& scene) {
@@ -342,15 +338,12 @@ Features ReadFeatures(const JsonNode& root, const SceneDescription& scene) {
     features.friction = model == "off"       ? FrictionModel::kOff
                         : model == "chapter" ? FrictionModel::kChapter
                                              : FrictionModel::kCoulomb;
-    if (model != "off" && !AnyMaterial(scene, [](const MaterialDescription& m) {
-          return m.material.static_friction > 0.0;
-        })) {
+    const auto rubs = [](const BodyDescription& body) { return AnyMaterial(body, Rubs); };
+    if (model != "off" && std::ranges::none_of(scene.objects, rubs)) {
       friction->Fail("no object's material has friction; add static_friction, or take \"off\"");
     }
   }
-  features.compliance = AnyMaterial(scene, [](const MaterialDescription& m) {
-    return m.youngs_modulus > 0.0 || std::isfinite(m.material.stiffness);
-  });
+  features.compliance = std::ranges::any_of(scene.objects, FeltByLeaves);
   return features;
 }
 
@@ -454,7 +447,7 @@ void ReadGrid(const JsonNode& node, BodyDescription& body) {
     if (!(m.cutting_pressure > 0.0)) {
       throw Error(where + ": says not what it takes to cut it; add cutting_pressure_MPa");
     }
-    if (of.youngs_modulus > 0.0 || std::isfinite(m.stiffness)) {
+    if (Yields(of)) {
       throw Error(
           where +
           ": a body that burs cut does not yield; drop grid_um, or the stiffness and modulus");

@@ -1,7 +1,5 @@
 #include "scenes/files/scene_size.h"
 
-#include <string>
-
 #include "common/error.h"
 
 namespace palpate {

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <cstring>
 #include <new>
-#include <optional>
 #include <utility>
 #include <vector>
 

@@ -1,6 +1,5 @@
 #include "scenes/importer/mesh_text.h"
 
-#include <algorithm>
 #include <charconv>
 #include <cstdlib>
 #include <system_error>

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "common/error.h"
+#include "common/text/number_of.h"
 #include "common/text/quoted.h"
 #include "scenes/importer/mesh_text.h"
 #include "scenes/importer/polygons.h"
@@ -115,12 +115,11 @@ class Ply {
     } else if (what == "element") {
       Element element;
       element.name = words.Word();
-      const std::string_view count = words.Word();
-      const auto [end, error] =
-          std::from_chars(count.data(), count.data() + count.size(), element.count);
-      if (error != std::errc() || end != count.data() + count.size()) {
+      const auto count = NumberOf<decltype(element.count)>(words.Word());
+      if (!count) {
         Refuse("its PLY header does not say how many " + Quoted(element.name) + " there are");
       }
+      element.count = *count;
       elements_.push_back(std::move(element));
     } else if (what == "property") {
       ReadProperty(words);

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
-#include <span>
 #include <unordered_map>
 #include <utility>
 

@@ -1,11 +1,11 @@
 #include "scenes/mesh/hidden_surface.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 
 #include "scenes/mesh/mesh_report.h"
+#include "scenes/mesh/triangle.h"
 
 namespace palpate {
 namespace {
@@ -21,17 +21,6 @@ constexpr double kHidden = 0.25;
 constexpr double kWorthSaying = 1e-4;
 constexpr std::size_t kMostTriangles = 20000;  // that are looked at, evenly over the mesh
 
-struct Corners {
-  Vec3 a, b, c;
-  Vec3 middle() const { return (a + b + c) / 3.0; }
-  double area() const { return 0.5 * (b - a).cross(c - a).norm(); }
-};
-
-Corners CornersOf(const TriangleMesh& mesh, std::uint32_t triangle) {
-  const auto& [i, j, k] = mesh.triangles[triangle];
-  return {mesh.vertices[i], mesh.vertices[j], mesh.vertices[k]};
-}
-
 // Triangles that are asked whether one solid piece passes through itself.
 constexpr std::size_t kProbes = 128;
 
@@ -46,20 +35,20 @@ HiddenSurface::HiddenSurface(const TriangleMesh& mesh)
   bool folds = false;
   for (std::size_t i = 0; !folds && i < probes; ++i) {
     const auto t = static_cast<std::uint32_t>(i * count / probes);
-    const Corners corners = CornersOf(mesh, t);
+    const Triangle corners = TriangleOf(mesh, t);
     folds = Places(t, {corners.a, corners.b, corners.c}) == kAllPlaces;
   }
   possible_ = folds;
 }
 
 bool HiddenSurface::HiddenAt(std::uint32_t triangle, const Vec3& p) const {
-  const double area = CornersOf(mesh_, triangle).area();
+  const double area = TriangleOf(mesh_, triangle).Area();
   const Vec3 step = kStep * std::sqrt(area) * query_.FaceNormal(triangle);
   return query_.WindingNumber(p + step) > kHidden && query_.WindingNumber(p - step) > kHidden;
 }
 
 int HiddenSurface::Places(std::uint32_t triangle, const std::array<Vec3, 3>& part) const {
-  if (!possible_ || !(CornersOf(mesh_, triangle).area() > 0.0)) return 0;
+  if (!possible_ || !(TriangleOf(mesh_, triangle).Area() > 0.0)) return 0;
   const Vec3 middle = (part[0] + part[1] + part[2]) / 3.0;
   int places = HiddenAt(triangle, middle);
   for (const Vec3& corner : part) {
@@ -70,11 +59,11 @@ int HiddenSurface::Places(std::uint32_t triangle, const std::array<Vec3, 3>& par
 
 bool HiddenSurface::At(std::uint32_t triangle, const Vec3& near) const {
   if (!possible_) return false;
-  return HiddenAt(triangle, near + kFromTheEdge * (CornersOf(mesh_, triangle).middle() - near));
+  return HiddenAt(triangle, near + kFromTheEdge * (TriangleOf(mesh_, triangle).Middle() - near));
 }
 
 bool HiddenSurface::NearestTo(std::uint32_t triangle, const Vec3& p) const {
-  const Corners corners = CornersOf(mesh_, triangle);
+  const Triangle corners = TriangleOf(mesh_, triangle);
   return At(triangle, NearestOnTriangle(p, corners.a, corners.b, corners.c));
 }
 
@@ -86,9 +75,9 @@ HiddenParts FindHiddenParts(const TriangleMesh& mesh, const std::vector<MeshGrou
   double inside = 0.0;
   const std::size_t stride = 1 + mesh.triangles.size() / kMostTriangles;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); t += std::uint32_t(stride)) {
-    const Corners corners = CornersOf(mesh, t);
-    const std::array<Vec3, 4> points{corners.middle(), corners.a, corners.b, corners.c};
-    const double area = corners.area();
+    const Triangle corners = TriangleOf(mesh, t);
+    const std::array<Vec3, 4> points{corners.Middle(), corners.a, corners.b, corners.c};
+    const double area = corners.Area();
     looked_at += area;
     if (!(area > 0.0)) continue;
     const auto is_hidden = [&](const Vec3& p) { return surface.At(t, p); };

@@ -1,7 +1,6 @@
 #include "scenes/mesh/mesh_crumbs.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 
 #include "scenes/mesh/mesh_edges.h"

@@ -13,6 +13,7 @@
 #include "scenes/mesh/mesh_pieces.h"
 #include "scenes/mesh/mesh_query.h"
 #include "scenes/mesh/mesh_report.h"
+#include "scenes/mesh/triangle.h"
 
 namespace palpate {
 namespace {
@@ -96,14 +97,11 @@ double WindingAcross(const MeshPiece& patch, const MeshQuery& all) {
   std::size_t samples = 0;
   const std::size_t count = patch.mesh.triangles.size();
   for (std::size_t t = 0; t < count; t += 1 + count / kMostSamples) {
-    const auto& [i, j, k] = patch.mesh.triangles[t];
-    const Vec3& a = patch.mesh.vertices[i];
-    const Vec3& b = patch.mesh.vertices[j];
-    const Vec3& c = patch.mesh.vertices[k];
+    const Triangle triangle = TriangleOf(patch.mesh, t);
     // Half of a triangle's size away, a hole of its size hides little of what surrounds it.
-    const double away = 0.5 * std::sqrt(0.5 * (b - a).cross(c - a).norm());
+    const double away = 0.5 * std::sqrt(triangle.Area());
     const Vec3 step = away * own.FaceNormal(static_cast<std::uint32_t>(t));
-    const Vec3 middle = (a + b + c) / 3.0;
+    const Vec3 middle = triangle.Middle();
     const auto rest = [&](const Vec3& p) { return all.WindingNumber(p) - own.WindingNumber(p); };
     sum += rest(middle + step) - rest(middle - step);
     ++samples;
@@ -168,9 +166,7 @@ std::size_t OrientTriangles(TriangleMesh& mesh) {
     for (std::size_t next = 0; next < patch.size(); ++next) {
       const std::uint32_t t = patch[next];
       patch_of[t] = patches;
-      const auto& [i, j, k] = mesh.triangles[t];
-      const Vec3& a = mesh.vertices[i];
-      area[turned[t]] += (mesh.vertices[j] - a).cross(mesh.vertices[k] - a).norm();
+      area[turned[t]] += TriangleOf(mesh, t).Across().norm();
       for (const Neighbour& n : neighbours[t]) {
         if (n.triangle == kNone) break;
         if (seen[n.triangle]) continue;

@@ -6,6 +6,7 @@
 
 #include "scenes/mesh/disjoint_sets.h"
 #include "scenes/mesh/mesh_edges.h"
+#include "scenes/mesh/triangle.h"
 
 namespace palpate {
 namespace {
@@ -125,13 +126,11 @@ double Enclosure(const TriangleMesh& piece, const MeshQuery& whole) {
   double sum = 0.0, total = 0.0;
   const std::size_t count = piece.triangles.size();
   for (std::size_t t = 0; t < count; t += 1 + count / kMostSamples) {
-    const auto& [i, j, k] = piece.triangles[t];
-    const Vec3& a = piece.vertices[i];
-    const Vec3 normal = (piece.vertices[j] - a).cross(piece.vertices[k] - a);
-    const double area = 0.5 * normal.norm();
+    const Triangle triangle = TriangleOf(piece, t);
+    const double area = triangle.Area();
     if (!(area > 0.0)) continue;
-    const Vec3 middle = (a + piece.vertices[j] + piece.vertices[k]) / 3.0;
-    sum += area * whole.WindingNumber(middle - kBehind * std::sqrt(area) * normal.normalized());
+    const Vec3 behind = kBehind * std::sqrt(area) * triangle.Across().normalized();
+    sum += area * whole.WindingNumber(triangle.Middle() - behind);
     total += area;
   }
   return total > 0.0 ? sum / total : 0.5;

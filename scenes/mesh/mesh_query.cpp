@@ -70,14 +70,11 @@ MeshQuery::MeshQuery(const TriangleMesh& mesh) : mesh_(mesh) {
   std::vector<Facet> facets(count);
   vertex_normals_.assign(mesh.vertices.size(), Vec3::Zero());
   for (std::uint32_t t = 0; t < count; ++t) {
-    const auto& [i, j, k] = mesh.triangles[t];
-    const Vec3& a = mesh.vertices[i];
-    const Vec3& b = mesh.vertices[j];
-    const Vec3& c = mesh.vertices[k];
-    const Vec3 area = (b - a).cross(c - a);
-    for (std::uint32_t v : {i, j, k}) vertex_normals_[v] += area;
+    const Triangle triangle = TriangleOf(mesh, t);
+    const Vec3 area = triangle.Across();
+    for (const std::uint32_t v : mesh.triangles[t]) vertex_normals_[v] += area;
     Facet& facet = facets[t];
-    facet.centroid = (a + b + c) / 3.0;
+    facet.centroid = triangle.Middle();
     facet.area = 0.5 * area;
     facet.size = facet.area.norm();
     facet.weighted = facet.size * facet.centroid;
@@ -88,10 +85,7 @@ MeshQuery::MeshQuery(const TriangleMesh& mesh) : mesh_(mesh) {
   std::vector<Along> along(count);
   Build(0, facets, along);
   corners_.reserve(count);
-  for (std::uint32_t t : order_) {
-    const auto& [i, j, k] = mesh.triangles[t];
-    corners_.push_back({mesh.vertices[i], mesh.vertices[j], mesh.vertices[k]});
-  }
+  for (std::uint32_t t : order_) corners_.push_back(TriangleOf(mesh, t));
 }
 
 void MeshQuery::Build(std::int32_t index, const std::vector<Facet>& facets,
@@ -159,7 +153,7 @@ MeshQuery::Hit MeshQuery::Nearest(const Vec3& p, double within) const {
     const Node& node = nodes_[entry.node];
     if (node.child < 0) {
       for (std::uint32_t i = node.begin; i < node.end; ++i) {
-        const Corners& t = corners_[i];
+        const Triangle& t = corners_[i];
         const Vec3 q = NearestOnTriangle(p, t.a, t.b, t.c);
         const double distance2 = (q - p).squaredNorm();
         if (distance2 < best) {
@@ -197,7 +191,7 @@ double MeshQuery::WindingNumber(const Vec3& p) const {
       angle += node.dipole.dot(to_centre) / (distance2 * std::sqrt(distance2));
     } else if (node.child < 0) {
       for (std::uint32_t i = node.begin; i < node.end; ++i) {
-        const Corners& t = corners_[i];
+        const Triangle& t = corners_[i];
         angle += SolidAngle(t.a - p, t.b - p, t.c - p);
       }
     } else {
@@ -209,9 +203,7 @@ double MeshQuery::WindingNumber(const Vec3& p) const {
 }
 
 Vec3 MeshQuery::FaceNormal(std::uint32_t triangle) const {
-  const auto& [i, j, k] = mesh_.triangles[triangle];
-  const Vec3& a = mesh_.vertices[i];
-  const Vec3 n = (mesh_.vertices[j] - a).cross(mesh_.vertices[k] - a);
+  const Vec3 n = TriangleOf(mesh_, triangle).Across();
   const double length = n.norm();
   return length > 0.0 ? Vec3(n / length) : Vec3(Vec3::Zero());
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/math/pose.h"
+#include "scenes/mesh/triangle.h"
 #include "scenes/scene.h"
 
 namespace palpate {
@@ -51,9 +52,6 @@ class MeshQuery {
     Vec3 dipole, centre;
     double reach = 0.0;
   };
-  struct Corners {
-    Vec3 a, b, c;
-  };
   struct Facet;
   using Along = std::pair<double, std::uint32_t>;  // where a triangle lies along an axis
   void Build(std::int32_t node, const std::vector<Facet>& facets, std::vector<Along>& along);
@@ -61,7 +59,7 @@ class MeshQuery {
   const TriangleMesh& mesh_;
   std::vector<Node> nodes_;
   std::vector<std::uint32_t> order_;  ///< triangle of each entry of corners_
-  std::vector<Corners> corners_;
+  std::vector<Triangle> corners_;
   std::vector<Vec3> vertex_normals_;
 };
 

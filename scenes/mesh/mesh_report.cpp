@@ -1,7 +1,6 @@
 #include "scenes/mesh/mesh_report.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <span>
 

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <map>
 #include <set>
-#include <vector>
 
 #include "scenes/mesh/figure.h"
 #include "scenes/mesh/hidden_surface.h"

@@ -7,6 +7,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "scenes/mesh/triangle.h"
+
 namespace palpate {
 namespace {
 
@@ -64,11 +66,9 @@ class RolledSurface {
     std::vector<Vec3> normals;
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
       const auto& [i, j, k] = mesh.triangles[t];
-      const Vec3& a = mesh.vertices[i];
       normals.push_back(query.FaceNormal(t));
       if (normals[t].isZero()) continue;
-      Add({RolledOver::Kind::kFace, t},
-          0.5 * (mesh.vertices[j] - a).cross(mesh.vertices[k] - a).norm());
+      Add({RolledOver::Kind::kFace, t}, TriangleOf(mesh, t).Area());
       for (const auto& [v, w] : {std::pair{i, j}, std::pair{j, k}, std::pair{k, i}}) {
         sides.push_back({std::min(v, w), std::max(v, w), t});
         axes[v] += normals[t];
@@ -196,9 +196,7 @@ std::vector<SurfaceSample> ScatterSamples(const TriangleMesh& mesh, const MeshRe
   std::vector<double> area_to(mesh.triangles.size());
   double total = 0.0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto& [i, j, k] = mesh.triangles[t];
-    const Vec3& a = mesh.vertices[i];
-    total += 0.5 * (mesh.vertices[j] - a).cross(mesh.vertices[k] - a).norm();
+    total += TriangleOf(mesh, t).Area();
     area_to[t] = total;
   }
   const bool no_walls = report.solid() && report.components == 1;

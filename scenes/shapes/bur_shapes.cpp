@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/error.h"
+#include "common/text/joined.h"
 #include "common/text/quoted.h"
 #include "scenes/shapes/swept_mesh.h"
 
@@ -65,11 +66,9 @@ constexpr int kSmallest = 5, kLargest = 50;        ///< sizes, 1/10 mm
 constexpr double kFinestTip = 0.2e-3;              ///< of a taper, its diameter [m]
 
 [[noreturn]] void RefuseName(const std::string& name) {
-  std::string known;
-  for (const IsoShape& shape : kIsoShapes) {
-    known += (known.empty() ? "" : ", ") + std::string(shape.number) + " (" +
-             std::string(shape.what) + ")";
-  }
+  const std::string known = Joined(kIsoShapes, [](const IsoShape& shape) {
+    return std::string(shape.number) + " (" + std::string(shape.what) + ")";
+  });
   throw Error(Quoted(name) +
               " is no bur that is known; give SHAPE/SIZE after ISO 6360, as \"237/014\": "
               "the size in 1/10 mm from 005 to 050, and of the shapes " +

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <vector>
 
 #include "scenes/mesh/mesh_simplify.h"
 #include "scenes/shapes/implicit_mesh.h"

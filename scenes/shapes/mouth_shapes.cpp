@@ -1,7 +1,6 @@
 #include "scenes/shapes/mouth_shapes.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <vector>
 

@@ -1,7 +1,6 @@
 #include "scenes/tree/cover_balls.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>

@@ -1,14 +1,13 @@
 #include "scenes/tree/sphere_tree_builder.h"
 
 #include <algorithm>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "common/error.h"
 #include "scenes/mesh/mesh_report.h"
 #include "scenes/mesh/mesh_solid.h"
 #include "scenes/mesh/surface_samples.h"
+#include "scenes/mesh/triangle.h"
 #include "scenes/tree/inner_balls.h"
 #include "scenes/tree/leaf_maker.h"
 #include "scenes/tree/sphere_hierarchy.h"
@@ -33,9 +32,7 @@ void ShareOutTriangles(const TriangleMesh& mesh, const std::vector<SurfaceSample
     pairs.push_back({query.Nearest(s.point).ball, s.triangle});
   }
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto& [i, j, k] = mesh.triangles[t];
-    const Vec3 middle = (mesh.vertices[i] + mesh.vertices[j] + mesh.vertices[k]) / 3.0;
-    pairs.push_back({query.Nearest(middle).ball, t});
+    pairs.push_back({query.Nearest(TriangleOf(mesh, t).Middle()).ball, t});
   }
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());

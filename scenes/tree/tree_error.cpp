@@ -146,11 +146,6 @@ UnionError SurfaceGauge::Measure(const std::vector<Sphere>& balls, Figures figur
   return error;
 }
 
-UnionError MeasureUnion(const TriangleMesh& mesh, const std::vector<Sphere>& balls,
-                        std::size_t samples) {
-  return SurfaceGauge(mesh, samples).Measure(balls);
-}
-
 std::vector<std::vector<Sphere>> BallsByLevel(const SphereTree& tree) {
   std::vector<std::vector<Sphere>> levels;
   for (int l = 0; l < tree.levels(); ++l) {

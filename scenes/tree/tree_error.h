@@ -70,15 +70,12 @@ class SurfaceGauge {
   std::vector<SurfaceSample> points_;
 };
 
-/// The same for one union.
-UnionError MeasureUnion(const TriangleMesh& mesh, const std::vector<Sphere>& balls,
-                        std::size_t samples = 100003);
-
 /// The balls of each level of a tree, coarsest first; the last are its leaves.  The others bound
 /// what is below them.
 std::vector<std::vector<Sphere>> BallsByLevel(const SphereTree& tree);
 
-/// MeasureUnion of each level, against the solid that the mesh stands for (mesh_solid.h).
+/// What SurfaceGauge measures of each level, against the solid that the mesh stands for
+/// (mesh_solid.h).
 std::vector<UnionError> MeasureLevels(const TriangleMesh& mesh, const SphereTree& tree,
                                       std::size_t samples = 100003);
 

@@ -1,8 +1,7 @@
 #include "server/observation/server_metrics.h"
 
-#include <chrono>
-
 #include "common/dds/phase_name.h"
+#include "common/realtime/wall_clock.h"
 #include "common/step_fault.h"
 
 namespace palpate {
@@ -26,8 +25,7 @@ const std::map<std::uint32_t, std::string>& NamedFaults() {
 ServerMetrics::ServerMetrics(const dds::TransportChoice& transport, const RealtimeReport& realtime)
     : transport_(transport),
       realtime_(realtime),
-      start_s_(std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch())
-                   .count()) {}
+      start_s_(1e-9 * static_cast<double>(WallClock_ns())) {}
 
 void ServerMetrics::OnSession(const wire::SessionState& state) {
   const std::lock_guard lock(mutex_);

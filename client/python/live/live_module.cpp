@@ -40,6 +40,14 @@ class Waiting {
   std::int64_t looked_ns_ = SteadyNanoseconds();
 };
 
+/// What comes of it, while others have Python's lock.
+template <class Call>
+auto Meanwhile(Call call) {
+  const py::gil_scoped_release free;
+  Waiting waiting;
+  return call(waiting);
+}
+
 void RequireDomain(int domain) {
   if (domain < 0 || domain > dds::kMaxDomain) {
     throw Error("domain: must be 0 to " + std::to_string(dds::kMaxDomain));
@@ -102,9 +110,9 @@ Held<LiveStation> MakeStation(const std::string& scene, const std::string& name,
   options.max_force_N = max_force;
   options.max_torque_Nm = max_torque;
   options.local_model = local_model;
-  const py::gil_scoped_release free;
-  Waiting waiting;
-  return Held<LiveStation>(new LiveStation(std::move(options), std::ref(waiting)));
+  return Meanwhile([&](Waiting& wait) {
+    return Held<LiveStation>(new LiveStation(std::move(options), std::ref(wait)));
+  });
 }
 
 Held<LiveSession> MakeSession(int domain, const std::string& interface,
@@ -156,9 +164,9 @@ PYBIND11_MODULE(_live, module) {
       .def("move",
            [](LiveStation& station, const py::object& pose, double seconds, double timeout) {
              const Pose X_WH = ToUnitPose(pose);
-             const py::gil_scoped_release free;
-             Waiting waiting;
-             return station.Move(X_WH, seconds, timeout, std::ref(waiting));
+             return Meanwhile([&](Waiting& wait) {
+               return station.Move(X_WH, seconds, timeout, std::ref(wait));
+             });
            })
       .def("lead",
            [](LiveStation& station, const py::object& effect, double rate, double max_force,
@@ -192,21 +200,14 @@ PYBIND11_MODULE(_live, module) {
       .def(py::init(&MakeSession))
       .def("tools",
            [](LiveSession& session, double timeout) {
-             {
-               const py::gil_scoped_release free;
-               Waiting waiting;
-               session.AwaitTools(timeout, std::ref(waiting));
-             }
-             return ToArray(session.TakeTools());
+             return ToArray(Meanwhile(
+                 [&](Waiting& wait) { return session.TakeTools(timeout, std::ref(wait)); }));
            })
       .def("wrenches",
            [](LiveSession& session, const std::string& station, double timeout) {
-             {
-               const py::gil_scoped_release free;
-               Waiting waiting;
-               session.AwaitWrenches(station, timeout, std::ref(waiting));
-             }
-             return ToArray(session.TakeWrenches(station));
+             return ToArray(Meanwhile([&](Waiting& wait) {
+               return session.TakeWrenches(station, timeout, std::ref(wait));
+             }));
            })
       .def("latest_tool",
            [](const LiveSession& session, const std::string& station) {

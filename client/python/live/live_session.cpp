@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstring>
 #include <exception>
 
 #include "client/python/live/live_station.h"
@@ -106,8 +105,7 @@ void LiveSession::Run() {
           Station& station = stations_[name];
           station.phase = PhaseName(state.phase);
           station.run = state.run;
-          station.over =
-              state.phase == palpate_SESSION_ENDED || state.phase == palpate_SESSION_REFUSED;
+          station.over = IsOver(state);
         }
         for (wire::ToolState state; tools_.Take(state);) {
           const auto station = stations_.find(state.station);
@@ -174,69 +172,66 @@ std::string LiveSession::WhySilent() const {
              : "no station is in a session; start a palpate-station, or a palpate.live.Station";
 }
 
-void LiveSession::AwaitTools(double patience_s, const WaitOrStop& wait) const {
+/// @param queue_of  gives where they wait; null: nowhere yet.   @param why  nothing came.
+template <class Record, class QueueOf, class Why>
+std::vector<Record> LiveSession::Take(double patience_s, const WaitOrStop& wait, QueueOf queue_of,
+                                      Why why) {
   const double until = SteadySeconds() + patience_s;
   for (;;) {
     {
       const std::lock_guard lock(mutex_);
-      if (!queue_.empty()) return;
+      if (std::deque<Record>* const queue = queue_of(); queue != nullptr && !queue->empty()) {
+        std::vector<Record> taken(queue->begin(), queue->end());
+        queue->clear();
+        return taken;
+      }
       if (stop_.load()) throw Error("the session is closed");
-      if (SteadySeconds() > until) throw Silence("no tool's state came: " + WhySilent());
+      if (SteadySeconds() > until) throw Silence(why());
     }
     wait(kLook);
   }
 }
 
-void LiveSession::AwaitWrenches(const std::string& name, double patience_s,
-                                const WaitOrStop& wait) const {
+std::vector<ToolRecord> LiveSession::TakeTools(double patience_s, const WaitOrStop& wait) {
+  return Take<ToolRecord>(
+      patience_s, wait, [this] { return &queue_; },
+      [this] { return "no tool's state came: " + WhySilent(); });
+}
+
+std::vector<WrenchRecord> LiveSession::TakeWrenches(const std::string& name, double patience_s,
+                                                    const WaitOrStop& wait) {
   if (!options_.wrenches) {
     throw Error("wrenches: the session was opened without them; give Session(wrenches=True)");
   }
-  const double until = SteadySeconds() + patience_s;
-  for (;;) {
-    {
-      const std::lock_guard lock(mutex_);
-      const auto station = stations_.find(name);
-      if (station != stations_.end() && !station->second.wrenches.empty()) return;
-      if (stop_.load()) throw Error("the session is closed");
-      if (SteadySeconds() > until) {
-        throw Silence(
-            "no wrench of station '" + name + "' came: " +
-            (station == stations_.end() || station->second.over
-                 ? (states_.matched_writers() == 0 ? WhySilent() : "it is in no session here")
-                 : "its session is " + station->second.phase));
-      }
-    }
-    wait(kLook);
-  }
+  const auto queue_of = [&] {
+    const auto station = stations_.find(name);
+    return station == stations_.end() ? nullptr : &station->second.wrenches;
+  };
+  return Take<WrenchRecord>(patience_s, wait, queue_of, [&] {
+    const Station* const station = Find(name);
+    return "no wrench of station '" + name + "' came: " +
+           (station != nullptr && !station->over ? "its session is " + station->phase
+            : states_.matched_writers() == 0     ? WhySilent()
+                                                 : "it is in no session here");
+  });
 }
 
-std::vector<ToolRecord> LiveSession::TakeTools() {
-  const std::lock_guard lock(mutex_);
-  std::vector<ToolRecord> taken(queue_.begin(), queue_.end());
-  queue_.clear();
-  return taken;
-}
-
-std::vector<WrenchRecord> LiveSession::TakeWrenches(const std::string& name) {
-  const std::lock_guard lock(mutex_);
+/// With the lock held.
+const LiveSession::Station* LiveSession::Find(const std::string& name) const {
   const auto station = stations_.find(name);
-  if (station == stations_.end()) return {};
-  std::vector<WrenchRecord> taken(station->second.wrenches.begin(), station->second.wrenches.end());
-  station->second.wrenches.clear();
-  return taken;
+  return station == stations_.end() ? nullptr : &station->second;
 }
 
 std::optional<ToolRecord> LiveSession::LatestTool(const std::string& name) const {
   const std::lock_guard lock(mutex_);
-  const auto station = stations_.find(name);
-  return station == stations_.end() ? std::nullopt : station->second.latest_tool;
+  const Station* const station = Find(name);
+  return station != nullptr ? station->latest_tool : std::nullopt;
 }
 
 std::optional<WrenchRecord> LiveSession::LatestWrench(const std::string& name) const {
   const std::lock_guard lock(mutex_);
-  const auto station = stations_.find(name);
-  return station == stations_.end() ? std::nullopt : station->second.latest_wrench;
+  const Station* const station = Find(name);
+  return station != nullptr ? station->latest_wrench : std::nullopt;
 }
 
 std::map<std::string, std::string> LiveSession::phases() const {

@@ -66,13 +66,11 @@ class LiveSession {
   LiveSession(const LiveSession&) = delete;
   LiveSession& operator=(const LiveSession&) = delete;
 
-  /// Waits until there are tool states that have not been taken.
-  /// Throws Silence where none comes within `patience_s`: why not, as far as is known.
-  void AwaitTools(double patience_s, const WaitOrStop& wait) const;
-  void AwaitWrenches(const std::string& station, double patience_s, const WaitOrStop& wait) const;
-  /// All that came since the last call, oldest first.
-  std::vector<ToolRecord> TakeTools();
-  std::vector<WrenchRecord> TakeWrenches(const std::string& station);
+  /// All that came since the last call, oldest first; waits until there is something.
+  /// Throws Silence where nothing comes within `patience_s`: why not, as far as is known.
+  std::vector<ToolRecord> TakeTools(double patience_s, const WaitOrStop& wait);
+  std::vector<WrenchRecord> TakeWrenches(const std::string& station, double patience_s,
+                                         const WaitOrStop& wait);
   std::optional<ToolRecord> LatestTool(const std::string& station) const;
   std::optional<WrenchRecord> LatestWrench(const std::string& station) const;
   /// What the server last said of each station's session: PhaseName.
@@ -92,6 +90,9 @@ class LiveSession {
   };
   void Run();
   void OpenWrenches();
+  template <class Record, class QueueOf, class Why>
+  std::vector<Record> Take(double patience_s, const WaitOrStop& wait, QueueOf queue_of, Why why);
+  const Station* Find(const std::string& station) const;
   std::string WhySilent() const;
 
   const LiveSessionOptions options_;

@@ -108,25 +108,17 @@ void ColumnFile::Add(const char* name, std::string_view text, std::size_t width)
 }
 
 void ColumnFile::AddVector(const char* quantity, const char* unit, const double (&xyz)[3]) {
-  constexpr const char* kAxes = "xyz";
   for (int i = 0; i < 3; ++i) {
-    if (rows_ == 0) {
-      Add(fmt::format("{}_{}_{}", quantity, kAxes[i], unit).c_str(), xyz[i]);
-    } else {
-      Add("", xyz[i]);
-    }
+    if (rows_ == 0) Name(fmt::format("{}_{}_{}", quantity, "xyz"[i], unit), "<f8");
+    Put(xyz[i]);
   }
 }
 
 void ColumnFile::AddPose(const char* quantity, const double (&p)[3], const double (&wxyz)[4]) {
   AddVector(quantity, "m", p);
-  constexpr const char* kParts = "wxyz";
   for (int i = 0; i < 4; ++i) {
-    if (rows_ == 0) {
-      Add(fmt::format("{}_q{}", quantity, kParts[i]).c_str(), wxyz[i]);
-    } else {
-      Add("", wxyz[i]);
-    }
+    if (rows_ == 0) Name(fmt::format("{}_q{}", quantity, "wxyz"[i]), "<f8");
+    Put(wxyz[i]);
   }
 }
 

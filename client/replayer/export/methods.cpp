@@ -11,6 +11,7 @@
 
 #include "common/dds/topics.h"
 #include "common/text/hex16.h"
+#include "common/text/joined.h"
 #include "common/text/quoted.h"
 
 namespace palpate {
@@ -164,9 +165,7 @@ std::string Methods::ToMarkdown(const std::vector<std::string>& recording) const
   const auto line = [&](const char* what, const std::string& value) {
     text += fmt::format("| {} | {} |\n", what, Cell(value));
   };
-  std::string names;
-  for (const std::string& file : recording) names += (names.empty() ? "" : ", ") + file;
-  line("recording", names);
+  line("recording", Joined(recording));
   line("begun", TimeText(all_.first_ns));
   line("length", fmt::format("{:.3f} s{}", all_.duration_s, all_.complete ? "" : ", cut off"));
   line("recorded with", "palpate " + Value(all_.about, "build"));

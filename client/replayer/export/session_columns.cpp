@@ -86,12 +86,9 @@ void SessionColumns::Write(const Waiting& answer, double pose_s) {
   t.AddPose("tool", w.graphic_position_m, w.graphic_orientation_wxyz);
   t.Add("contacts", std::uint32_t{w.contacts});
   t.Add("rows", std::uint32_t{w.rows});
-  t.Add("row_0_force_N", w.row_force_N[0]);
-  t.Add("row_1_force_N", w.row_force_N[1]);
-  t.Add("row_2_force_N", w.row_force_N[2]);
-  t.Add("row_3_force_N", w.row_force_N[3]);
-  t.Add("row_4_force_N", w.row_force_N[4]);
-  t.Add("row_5_force_N", w.row_force_N[5]);
+  static constexpr const char* kRows[] = {"row_0_force_N", "row_1_force_N", "row_2_force_N",
+                                          "row_3_force_N", "row_4_force_N", "row_5_force_N"};
+  for (std::size_t i = 0; i < std::size(kRows); ++i) t.Add(kRows[i], w.row_force_N[i]);
   t.Add("region_m", w.region_m);
   t.Add("region_rad", w.region_rad);
   t.Add("valid_s", w.valid_s);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/dds/cdr_reader.h"
+#include "common/dds/phase_name.h"
 #include "common/dds/topics.h"
 #include "common/files/bundle_hash.h"
 #include "common/step_fault.h"
@@ -143,7 +144,7 @@ void Timeline::AddSession(const RecordedSample& sample) {
   if (!sample.To(state)) return;
   Keep(sample, state.server_run, state.station, 0);
   Station& station = StationOf(state.station);
-  if (state.phase == palpate_SESSION_ENDED || state.phase == palpate_SESSION_REFUSED) {
+  if (IsOver(state)) {
     // Where another of the same name is refused, the session goes on.
     if (station.run != 0 && state.run != station.run) return;
     station.ended = station.over = state.reason[0] == '\0' ? "it ended" : state.reason;

@@ -7,6 +7,7 @@
 
 #include "common/dds/cdr.h"
 #include "common/dds/cdr_reader.h"
+#include "common/dds/phase_name.h"
 #include "common/dds/random_run.h"
 #include "common/realtime/steady_clock.h"
 
@@ -118,7 +119,7 @@ bool Voice::Insist(dds::Writer<T>& writer, const T& value) {
 }
 
 void Voice::Keep(const wire::SessionState& state) {
-  if (state.phase == palpate_SESSION_ENDED || state.phase == palpate_SESSION_REFUSED) {
+  if (IsOver(state)) {
     standing_.erase(state.station);
   } else {
     standing_[state.station] = state;

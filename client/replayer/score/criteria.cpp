@@ -5,6 +5,7 @@
 #include <map>
 
 #include "common/error.h"
+#include "common/text/joined.h"
 
 namespace palpate {
 namespace {
@@ -41,11 +42,10 @@ double OfTissue(const Criterion& criterion, const SolidsCut& trial, const CutSha
       criterion.place ? TissuesOf(trial, criterion.place) : shape.tissues();
   const auto tissue = std::ranges::find(cut, criterion.tissue, &TissueCut::name);
   if (tissue == cut.end()) {
-    std::string names;
-    for (const TissueCut& one : cut) names += (names.empty() ? "" : ", ") + one.name;
-    throw Error(file + ": criterion '" + criterion.name + "': nothing that is cut is called '" +
-                criterion.tissue + "'; " +
-                (names.empty() ? "the scene has no solid" : "there is: " + names));
+    throw Error(
+        file + ": criterion '" + criterion.name + "': nothing that is cut is called '" +
+        criterion.tissue + "'; " +
+        (cut.empty() ? "the scene has no solid" : "there is: " + Joined(cut, &TissueCut::name)));
   }
   if (criterion.measure == "removed_mm3") return tissue->removed_mm3();
   return tissue->before_mm3 > 0.0 ? tissue->after_mm3 / tissue->before_mm3 : 0.0;

@@ -16,6 +16,7 @@
 #include "common/files/output.h"
 #include "common/files/whole_file.h"
 #include "common/json/json_file.h"
+#include "common/text/joined.h"
 #include "common/text/quoted.h"
 #include "scenes/catalogue.h"
 #include "server/physics/scene_model.h"
@@ -573,8 +574,7 @@ void WriteJson(const Report& report, const std::string& file) {
 std::string ToHtml(const Report& report) {
   std::vector<Trial> trials = report.trials;
   const std::string title = report.criteria ? report.criteria->title : "Trainee beside expert";
-  std::string names;
-  for (const Trial& trial : trials) names += (names.empty() ? "" : ", ") + trial.name;
+  const std::string names = Joined(trials, &Trial::name);
   std::string html =
       "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"

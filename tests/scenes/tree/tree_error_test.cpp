@@ -21,7 +21,7 @@ using testing::HasSubstr;
 TEST(TreeError, FindsABallAsHighAsItIsOverItsMesh) {
   const TriangleMesh mesh = MakeSphere(0.03, 20480);
   for (const double radius : {0.029, 0.0305}) {
-    const UnionError error = MeasureUnion(mesh, {{Vec3::Zero(), radius}}, 5003);
+    const UnionError error = SurfaceGauge(mesh, 5003).Measure({{Vec3::Zero(), radius}});
     // The mesh lies up to 10 um below its sphere, and its facets lean by 0.024 rad at most.
     EXPECT_NEAR(error.offset.mean, radius - 0.03, 12e-6);
     EXPECT_NEAR(error.offset.max, error.offset.min, 30e-6);
@@ -38,7 +38,8 @@ TEST(TreeError, FindsABallAsHighAsItIsOverItsMesh) {
 TEST(TreeError, FollowsTheNormalOfABoxIntoTheBallWithin) {
   // Over a face, at (x, y) from its middle: the height sqrt(r^2 - x^2 - y^2) - h below the face,
   // and the tilt asin(sqrt(x^2 + y^2) / r); outside the ball's shadow there is nothing.
-  const UnionError error = MeasureUnion(MakeBox(Vec3(2, 2, 2)), {{Vec3::Zero(), 1.0}}, 40009);
+  const UnionError error =
+      SurfaceGauge(MakeBox(Vec3(2, 2, 2)), 40009).Measure({{Vec3::Zero(), 1.0}});
   EXPECT_NEAR(error.missed_share, 1.0 - M_PI / 4.0, 0.01);
   EXPECT_NEAR(error.offset.mean, -1.0 / 3.0, 0.01);  // of 1 - sqrt(1 - q^2) over the disc
   EXPECT_NEAR(error.tilt.mean, M_PI / 4.0, 0.01);
@@ -81,7 +82,7 @@ TEST(TreeError, IsATableOfOneUnitThatFitsATerminal) {
 TEST(TreeError, FollowsTheUnionThroughBallsThatOverlap) {
   // On a side of the rod, at the height of the large ball's middle, 0.01 from its axis.
   const std::vector<Sphere> balls{{Vec3(0, 0, 0.5), 0.2}, {Vec3(0, 0, 0.3), 0.6}};
-  const UnionError error = MeasureUnion(MakeBox(Vec3(0.02, 0.02, 1)), balls, 20011);
+  const UnionError error = SurfaceGauge(MakeBox(Vec3(0.02, 0.02, 1)), 20011).Measure(balls);
   EXPECT_NEAR(error.offset.max, 0.59, 1e-4);
   EXPECT_GT(error.protrusion.max, 0.39);
 }

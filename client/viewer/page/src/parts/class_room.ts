@@ -1,20 +1,11 @@
 import {say} from "../messages/say";
 import {norm} from "../model/pose";
 import {kTopics, type Station, type World} from "../model/world";
-import {
-  type ClassAnswer,
-  type MadePerson,
-  type Me,
-  type People,
-  type Person,
-  toClassAnswer,
-  toMe,
-  toPeople,
-} from "../protocol/class_messages";
+import type {ClassAnswer, MadePerson, Me, People, Person} from "../protocol/class_messages";
 import {ClassPeople} from "../ui/class_people";
 import {ClassWall, type OnWall} from "../ui/class_wall";
 import type {OperateOp} from "../ui/console";
-import {element, make, setText} from "../ui/elements";
+import {element, make, press, setText} from "../ui/elements";
 
 export interface ClassEvents {
   publish(topic: string, message: object): boolean;
@@ -28,10 +19,8 @@ const kSeat = /^(.+)-\d+$/;
 
 /// A course on the page: a teacher's wall and people, and what a person is told of the own seat.
 export class ClassRoom {
-  private readonly button = make("button", {
-    ...{type: "button", id: "class-open", hidden: true},
-    ...{textContent: say("class.open"), title: say("class.open_title")},
-    onclick: () => this.open(),
+  private readonly button = press(say("class.open"), () => this.open(), {
+    ...{id: "class-open", hidden: true, title: say("class.open_title")},
   });
   private readonly dialog = make("dialog", {id: "class-dialog"});
   private readonly count = make("span", {className: "quiet count"});
@@ -67,17 +56,11 @@ export class ClassRoom {
       renew: (person) => this.askForLinks({op: "person_link", person}),
       withdraw: (person) => this.ask({op: "person_withdraw", person}),
     });
-    const tab = (of: "wall" | "people"): HTMLButtonElement =>
-      make("button", {
-        type: "button",
-        textContent: say(of === "wall" ? "class.wall" : "class.people"),
-        onclick: () => this.turn(of),
-      });
-    this.tabs = {wall: tab("wall"), people: tab("people")};
-    const close = make("button", {
-      ...{type: "button", className: "close", textContent: say("class.close")},
-      onclick: () => this.dialog.close(),
-    });
+    this.tabs = {
+      wall: press(say("class.wall"), () => this.turn("wall")),
+      people: press(say("class.people"), () => this.turn("people")),
+    };
+    const close = press(say("class.close"), () => this.dialog.close(), {className: "close"});
     const title = make("h2", {id: "class-title", textContent: say("class.title")});
     this.dialog.setAttribute("aria-labelledby", title.id);
     this.dialog.append(
@@ -95,10 +78,7 @@ export class ClassRoom {
     );
     this.dialog.addEventListener("close", () => this.roster.forget());
     element("audience", HTMLButtonElement).before(this.button);
-    const hide = make("button", {
-      ...{type: "button", textContent: say("class.hide")},
-      onclick: () => void (this.said.hidden = true),
-    });
+    const hide = press(say("class.hide"), () => void (this.said.hidden = true));
     this.said.append(make("b", {textContent: say("class.from")}), this.saidText, hide);
     document.querySelector(".picture")?.append(this.said);
     document.body.append(this.dialog);
@@ -128,9 +108,9 @@ export class ClassRoom {
 
   /// True where it was for this part of the page.
   receive(topic: string, value: unknown): boolean {
-    if (topic === kTopics.people) this.class = toPeople(value);
-    else if (topic === kTopics.me) this.receiveMe(toMe(value));
-    else if (topic === kTopics.classAnswer) this.receiveAnswer(toClassAnswer(value));
+    if (topic === kTopics.people) this.class = value as People;
+    else if (topic === kTopics.me) this.receiveMe(value as Me);
+    else if (topic === kTopics.classAnswer) this.receiveAnswer(value as ClassAnswer);
     else return false;
     return true;
   }

@@ -1,14 +1,10 @@
 import {say} from "../messages/say";
-import {localText} from "../model/local_text";
+import {ownText} from "../model/local_text";
+import {clock} from "../model/words";
 import {kTopics} from "../model/world";
-import {type ExamState, type OpenExam, toExamAnswer, toExamState} from "../protocol/exam_messages";
-import {
-  type Exercise,
-  type LocalText,
-  toTrialState,
-  type TrialState,
-} from "../protocol/exercise_messages";
-import {make, setText} from "../ui/elements";
+import type {ExamAnswer, ExamState, OpenExam} from "../protocol/exam_messages";
+import type {Exercise, TrialState} from "../protocol/exercise_messages";
+import {make, press, setText} from "../ui/elements";
 import {ExamDesk} from "../ui/exam_desk";
 
 export interface ExamEvents {
@@ -18,14 +14,6 @@ export interface ExamEvents {
   begin(scene: string, tool: string, ask: () => boolean): void;
   /// Whether an exam is all that there is to do has changed.
   changed(): void;
-}
-
-const own = (text: LocalText): string => localText(text, document.documentElement.lang || "en");
-
-/// As 12:34.
-export function clockText(seconds: number): string {
-  const s = Math.max(0, Math.ceil(seconds));
-  return `${Math.floor(s / 60)}:${String(s % 60).padStart(2, "0")}`;
 }
 
 /// An exam: its next task for who sits it, and the desk of who holds it.
@@ -38,14 +26,11 @@ export class Exam {
   private readonly goal = make("p", {className: "goal"});
   private readonly task = make("div", {className: "task"});
   private readonly word = make("p", {className: "word", role: "status"});
-  private readonly begin = make("button", {
-    ...{type: "button", className: "primary", textContent: say("exam.begin")},
-    onclick: () => this.beginTask(),
-  });
-  private readonly handIn = make("button", {
-    ...{type: "button", textContent: say("exam.hand_in")},
-    onclick: () => void this.events.publish(kTopics.trial, {op: "stop"}),
-  });
+  private readonly begin = press(say("exam.begin"), () => this.beginTask(), {className: "primary"});
+  private readonly handIn = press(
+    say("exam.hand_in"),
+    () => void this.events.publish(kTopics.trial, {op: "stop"}),
+  );
   private readonly desk = new ExamDesk((wish) => this.ask(wish));
   private state: ExamState = {open: null};
   private trial: TrialState | undefined;
@@ -82,13 +67,13 @@ export class Exam {
   /// True where it was for this part of the page alone.
   receive(topic: string, value: unknown): boolean {
     if (topic === kTopics.trialState) {
-      this.trial = toTrialState(value);
+      this.trial = value as TrialState;
       this.trialEndsS = undefined;
       this.show();
       return false;
     }
-    if (topic === kTopics.examAnswer) this.desk.tell(toExamAnswer(value).refusal);
-    else if (topic === kTopics.examState) this.receiveState(toExamState(value));
+    if (topic === kTopics.examAnswer) this.desk.tell((value as ExamAnswer).refusal);
+    else if (topic === kTopics.examState) this.receiveState(value as ExamState);
     else return false;
     return true;
   }
@@ -97,12 +82,12 @@ export class Exam {
     const {open} = this.state;
     if (!open) return;
     this.endsS ??= nowS + open.left_s;
-    const left = clockText(this.endsS - nowS);
+    const left = clock(Math.ceil(this.endsS - nowS));
     if (this.teaches) return this.desk.tick(left);
     setText(this.clock, say("exam.left", {time: left}));
     const runs = this.trial?.phase === "running";
     if (runs) this.trialEndsS ??= nowS + (this.trial?.left_s ?? 0);
-    const ownLeft = runs ? clockText((this.trialEndsS ?? nowS) - nowS) : "";
+    const ownLeft = runs ? clock(Math.ceil((this.trialEndsS ?? nowS) - nowS)) : "";
     setText(this.trialClock, runs ? say("exam.trial_left", {time: ownLeft}) : "");
     this.begin.hidden = runs || this.isBusy || !open.exercise || this.endsS <= nowS;
   }
@@ -127,10 +112,10 @@ export class Exam {
     this.bar.hidden = !this.isOn;
     if (!open || !this.isOn) return;
     const {exercise} = open;
-    setText(this.title, own(open.title));
+    setText(this.title, ownText(open.title));
     setText(this.where, whereIn(open));
     const shown = exercise ?? undefined;
-    setText(this.goal, shown ? `${own(shown.title)}: ${own(shown.goal)}` : "");
+    setText(this.goal, shown ? `${ownText(shown.title)}: ${ownText(shown.goal)}` : "");
     this.bar.classList.toggle("works", this.isBusy);
     this.handIn.hidden = this.trial?.phase !== "running";
     this.begin.hidden = this.isBusy || !shown;
@@ -172,8 +157,8 @@ function aboutOf(exercise: Exercise, {time_s = 0}: OpenExam): HTMLElement[] {
   const {most_N: force} = exercise;
   const limits = {force, time: time_s};
   return [
-    make("p", {textContent: own(exercise.instruction)}),
-    ...exercise.pictures.map(({path, text}) => make("img", {src: path, alt: own(text)})),
+    make("p", {textContent: ownText(exercise.instruction)}),
+    ...exercise.pictures.map(({path, text}) => make("img", {src: path, alt: ownText(text)})),
     make("p", {
       textContent: say(force > 0 ? "exercises.limits" : "exercises.limit_time", limits),
     }),

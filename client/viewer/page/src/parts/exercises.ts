@@ -1,17 +1,10 @@
 import {say} from "../messages/say";
 import {Guide} from "../model/guide";
-import {localText} from "../model/local_text";
+import {ownText} from "../model/local_text";
 import type {Pose, Vec3} from "../model/pose";
 import {kTopics} from "../model/world";
-import {
-  type DoneTrial,
-  type Exercise,
-  type LocalText,
-  toExercises,
-  toTrialState,
-  type TrialState,
-} from "../protocol/exercise_messages";
-import {element, make, setText} from "../ui/elements";
+import type {DoneTrial, Exercise, ExerciseList, TrialState} from "../protocol/exercise_messages";
+import {element, make, press, setText} from "../ui/elements";
 
 export interface ExerciseEvents {
   publish(message: object): boolean;
@@ -19,8 +12,6 @@ export interface ExerciseEvents {
   served(exercise: Exercise): string;
   begin(scene: string, tool: string, ask: () => boolean): void;
 }
-
-const own = (text: LocalText): string => localText(text, document.documentElement.lang || "en");
 
 function verdictOf(trial: DoneTrial): string {
   const passed = trial.passed ? "exercises.passed" : "exercises.not_yet";
@@ -32,10 +23,8 @@ function verdictOf(trial: DoneTrial): string {
 
 /// What there is to do, a trial of it, and how that went.
 export class Exercises {
-  private readonly button = make("button", {
-    ...{type: "button", id: "exercises-open", hidden: true},
-    ...{textContent: say("exercises.open"), title: say("exercises.open_title")},
-    onclick: () => this.open(),
+  private readonly button = press(say("exercises.open"), () => this.open(), {
+    ...{id: "exercises-open", hidden: true, title: say("exercises.open_title")},
   });
   private readonly dialog = make("dialog", {id: "exercises-dialog"});
   private readonly list = make("ul", {className: "list"});
@@ -44,12 +33,15 @@ export class Exercises {
   private readonly what = make("b");
   private readonly word = make("span", {role: "status"});
   private readonly clock = make("span", {className: "clock"});
-  private readonly stop = this.wish("stop", () => void this.events.publish({op: "stop"}));
-  private readonly submit = this.wish("submit", () => this.handIn(this.trial));
-  private readonly guided = this.wish("guide", () => this.showGuide(!this.wantsGuide));
+  private readonly stop = press(
+    say("exercises.stop"),
+    () => void this.events.publish({op: "stop"}),
+  );
+  private readonly submit = press(say("exercises.submit"), () => this.handIn(this.trial));
+  private readonly guided = press(say("exercises.guide"), () => this.showGuide(!this.wantsGuide));
   private readonly score = make("a", {target: "_blank", textContent: say("exercises.score")});
-  private readonly again = this.wish("again", () => this.beginShown());
-  private readonly next = this.wish("next", () => this.showNext());
+  private readonly again = press(say("exercises.again"), () => this.beginShownText());
+  private readonly next = press(say("exercises.next"), () => this.showNext());
   private exercises: readonly Exercise[] = [];
   private shown = "";
   private trial: TrialState | undefined;
@@ -59,7 +51,7 @@ export class Exercises {
 
   constructor(private readonly events: ExerciseEvents) {
     const title = make("h2", {id: "exercises-title", textContent: say("exercises.title")});
-    const close = this.wish("close", () => this.dialog.close());
+    const close = press(say("exercises.close"), () => this.dialog.close());
     this.dialog.setAttribute("aria-labelledby", title.id);
     const columns = make("div", {className: "columns"}, this.list, this.about);
     this.dialog.append(make("header", {}, title, close), columns);
@@ -80,8 +72,8 @@ export class Exercises {
 
   /// True where it was for this part of the page.
   receive(topic: string, value: unknown): boolean {
-    if (topic === kTopics.exercises) this.exercises = toExercises(value);
-    else if (topic === kTopics.trialState) this.trial = toTrialState(value);
+    if (topic === kTopics.exercises) ({exercises: this.exercises} = value as ExerciseList);
+    else if (topic === kTopics.trialState) this.trial = value as TrialState;
     else return false;
     if (topic === kTopics.trialState) this.endsS = undefined;
     this.showBar();
@@ -115,13 +107,6 @@ export class Exercises {
     this.showBar();
   }
 
-  private wish(
-    word: "guide" | "stop" | "submit" | "again" | "next" | "close" | "begin",
-    onclick: () => void,
-  ): HTMLButtonElement {
-    return make("button", {type: "button", textContent: say(`exercises.${word}`), onclick});
-  }
-
   private open(): void {
     if (this.shown === "") {
       const served = this.exercises.find((exercise) => this.events.served(exercise) !== "");
@@ -137,7 +122,7 @@ export class Exercises {
       const pick = make(
         "button",
         {type: "button", onclick: () => this.choose(exercise.name)},
-        make("b", {textContent: own(exercise.title)}),
+        make("b", {textContent: ownText(exercise.title)}),
         make("span", {
           className: "quiet",
           textContent: say("exercises.trials_of", {done, all: exercise.trials}),
@@ -159,7 +144,7 @@ export class Exercises {
   private aboutOf(exercise: Exercise): HTMLElement[] {
     const served = this.events.served(exercise) !== "";
     const [force, time] = [exercise.most_N, exercise.most_s];
-    const begin = this.wish("begin", () => this.beginShown());
+    const begin = press(say("exercises.begin"), () => this.beginShownText());
     begin.title = say("exercises.begin_title");
     begin.className = "begin";
     begin.disabled = !served || this.isBusy;
@@ -167,16 +152,16 @@ export class Exercises {
       make(
         "figure",
         {},
-        make("img", {src: path, alt: own(text)}),
-        make("figcaption", {textContent: own(text)}),
+        make("img", {src: path, alt: ownText(text)}),
+        make("figcaption", {textContent: ownText(text)}),
       ),
     );
     const limits = say(force > 0 ? "exercises.limits" : "exercises.limit_time", {force, time});
     return [
-      make("h3", {textContent: own(exercise.title)}),
-      make("p", {textContent: own(exercise.instruction)}),
+      make("h3", {textContent: ownText(exercise.title)}),
+      make("p", {textContent: ownText(exercise.instruction)}),
       ...pictures,
-      make("p", {className: "goal", textContent: own(exercise.goal)}),
+      make("p", {className: "goal", textContent: ownText(exercise.goal)}),
       make("p", {className: "quiet", textContent: limits}),
       begin,
       make("p", {className: "quiet", textContent: served ? "" : say("exercises.not_served")}),
@@ -195,7 +180,8 @@ export class Exercises {
     );
     if (trial.page !== "") row.append(this.linkTo(trial.page));
     if (trial.submitted) row.append(make("span", {textContent: say("exercises.submitted")}));
-    else row.append(this.wish("submit", () => this.handIn({exercise: exercise.name, n})));
+    else
+      row.append(press(say("exercises.submit"), () => this.handIn({exercise: exercise.name, n})));
     return row;
   }
 
@@ -210,7 +196,7 @@ export class Exercises {
     return phase !== undefined && !["scored", "unscored", "kept"].includes(phase);
   }
 
-  private beginShown(): void {
+  private beginShownText(): void {
     const exercise = this.exercises.find(({name}) => name === this.shown);
     const scene = exercise ? this.events.served(exercise) : "";
     if (!exercise || scene === "") return;
@@ -238,7 +224,7 @@ export class Exercises {
     this.shown = exercise.name;
     const done = exercise.done.find(({n}) => n === trial.n);
     const over = !this.isBusy;
-    setText(this.what, `${own(exercise.title)}: ${own(exercise.goal)}`);
+    setText(this.what, `${ownText(exercise.title)}: ${ownText(exercise.goal)}`);
     const points = Math.round(trial.points ?? 0);
     const {reason} = trial;
     const verdict = verdictOf(trial);

@@ -33,8 +33,3 @@ export interface ClassAnswer {
   readonly note: string;
   readonly people: readonly MadePerson[];
 }
-
-// The gateway's own words: what is no such thing was sent by no gateway.
-export const toPeople = (value: unknown): People => value as People;
-export const toMe = (value: unknown): Me => value as Me;
-export const toClassAnswer = (value: unknown): ClassAnswer => value as ClassAnswer;

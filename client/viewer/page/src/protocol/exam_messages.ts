@@ -44,8 +44,6 @@ export interface ExamState {
   readonly exams?: readonly ExamFile[];
   readonly trouble?: string;
 }
-
-// The gateway's own words: what is no such thing was sent by no gateway.
-export const toExamState = (value: unknown): ExamState => value as ExamState;
-export const toExamAnswer = (value: unknown): {readonly refusal: string} =>
-  value as {readonly refusal: string};
+export interface ExamAnswer {
+  readonly refusal: string;
+}

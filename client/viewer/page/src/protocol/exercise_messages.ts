@@ -1,3 +1,5 @@
+// What travels, as the gateway writes it: what is no such thing was sent by no gateway.
+
 export type LocalText = Readonly<Record<string, string>>;
 
 export interface DoneTrial {
@@ -24,6 +26,9 @@ export interface Exercise {
   readonly guide: readonly (readonly number[])[]; // keys of the expert's way; empty: not to be shown
   readonly done: readonly DoneTrial[];
 }
+export interface ExerciseList {
+  readonly exercises: readonly Exercise[];
+}
 export type TrialPhase =
   | "preparing"
   | "running"
@@ -37,8 +42,3 @@ export interface TrialState extends DoneTrial {
   readonly phase: TrialPhase;
   readonly left_s: number;
 }
-
-// The gateway's own words: what is no such thing was sent by no gateway.
-export const toExercises = (value: unknown): readonly Exercise[] =>
-  (value as {readonly exercises: readonly Exercise[]}).exercises;
-export const toTrialState = (value: unknown): TrialState => value as TrialState;

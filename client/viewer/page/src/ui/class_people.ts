@@ -1,6 +1,6 @@
 import {type Key, say} from "../messages/say";
 import type {MadePerson, Person, Role} from "../protocol/class_messages";
-import {make} from "./elements";
+import {make, press, sure} from "./elements";
 import {qrSvg} from "./qr";
 
 export interface PeopleWishes {
@@ -65,7 +65,7 @@ export class ClassPeople {
         ...{className: "warn", textContent: say("class.links_local")},
         hidden: !isLocal(location.hostname),
       }),
-      make("button", {type: "button", textContent: say("class.print"), onclick: () => print()}),
+      press(say("class.print"), () => print()),
       this.cards,
     );
     const roster = make("section", {}, make("h3", {textContent: say("class.in_class")}), this.list);
@@ -94,13 +94,10 @@ export class ClassPeople {
 
   private card({name, token}: MadePerson): HTMLLIElement {
     const link = linkOf(token);
-    const copy = make("button", {
-      ...{type: "button", textContent: say("class.copy")},
-      onclick: () => {
-        void navigator.clipboard?.writeText(link).then(() => {
-          copy.textContent = say("class.copied");
-        });
-      },
+    const copy = press(say("class.copy"), () => {
+      void navigator.clipboard?.writeText(link).then(() => {
+        copy.textContent = say("class.copied");
+      });
     });
     const address = make("a", {href: link, textContent: link});
     address.addEventListener("click", (event) => event.preventDefault()); // it would be this page's own
@@ -116,9 +113,7 @@ export class ClassPeople {
 
   private row({person, name, role}: Person): HTMLLIElement {
     const words = make("span", {className: "name", textContent: name});
-    const button = (text: string, title: string, onclick: () => void): HTMLButtonElement =>
-      make("button", {type: "button", textContent: text, title, onclick});
-    const rename = button(say("class.rename"), say("class.rename"), () => {
+    const beginToRename = (): void => {
       const input = make("input", {value: name, maxLength: 64, ariaLabel: say("class.rename")});
       const keep = make("button", {type: "submit", textContent: say("class.keep")});
       const form = make("form", {className: "rename"}, input, keep);
@@ -129,22 +124,17 @@ export class ClassPeople {
       });
       words.replaceWith(form);
       input.select();
+    };
+    const rename = press(say("class.rename"), beginToRename, {title: say("class.rename")});
+    const renew = press(say("class.new_link"), () => this.wish.renew(person), {
+      title: say("class.new_link_title", {name}),
     });
-    const renew = button(say("class.new_link"), say("class.new_link_title", {name}), () =>
-      this.wish.renew(person),
+    const withdraw = sure(
+      say("class.withdraw"),
+      say("class.sure"),
+      () => this.wish.withdraw(person),
+      say("class.withdraw_title", {name}),
     );
-    let isSure = false;
-    const withdraw = button(say("class.withdraw"), say("class.withdraw_title", {name}), () => {
-      if (isSure) this.wish.withdraw(person);
-      isSure = !isSure;
-      withdraw.textContent = say(isSure ? "class.sure" : "class.withdraw");
-      withdraw.classList.toggle("alarm", isSure);
-    });
-    withdraw.addEventListener("blur", () => {
-      isSure = false;
-      withdraw.textContent = say("class.withdraw");
-      withdraw.classList.remove("alarm");
-    });
     const choices = make("span", {className: "choices"}, rename, renew, withdraw);
     return make(
       "li",

@@ -2,7 +2,7 @@ import {say, sayList} from "../messages/say";
 import type {Station} from "../model/world";
 import {consoleWords, faultWords} from "../model/words";
 import type {SessionState} from "../protocol/messages";
-import {element, make, setText} from "./elements";
+import {element, make, press, setText} from "./elements";
 
 export type OperateOp = "admit" | "take_back" | "mute" | "unmute";
 
@@ -94,7 +94,7 @@ export class Console {
     const words = make("span", {className: "words"});
     const faults = make("span", {className: "faults"});
     const button = (text: string, op: () => OperateOp): HTMLButtonElement =>
-      make("button", {type: "button", textContent: text, onclick: () => this.ask(id, op())});
+      press(text, () => this.ask(id, op()));
     const admit = button(say("console.admit"), () => "admit");
     const mute = button(say("console.mute"), () => (row.session?.muted ? "unmute" : "mute"));
     const back = button(say("console.take_back"), () => "take_back");

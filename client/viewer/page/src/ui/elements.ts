@@ -16,6 +16,37 @@ export function make<Tag extends keyof HTMLElementTagNameMap>(
   return made;
 }
 
+/// A button that does this.
+export function press(
+  textContent: string,
+  onclick: () => void,
+  more: Partial<HTMLButtonElement> = {},
+): HTMLButtonElement {
+  return make("button", {type: "button", textContent, onclick, ...more});
+}
+
+/// One that asks once more, in these words.
+export function sure(
+  text: string,
+  question: string,
+  wish: () => void,
+  title = "",
+): HTMLButtonElement {
+  let isSure = false;
+  const turn = (to: boolean): void => {
+    isSure = to;
+    setText(button, to ? question : text);
+    button.classList.toggle("alarm", to);
+  };
+  const wishOrAsk = (): void => {
+    if (isSure) wish();
+    turn(!isSure);
+  };
+  const button = press(text, wishOrAsk, {title});
+  button.addEventListener("blur", () => turn(false));
+  return button;
+}
+
 export function makeSvg<Tag extends keyof SVGElementTagNameMap>(
   tag: Tag,
   attributes: Readonly<Record<string, string>> = {},

@@ -1,22 +1,14 @@
 import {say} from "../messages/say";
-import {localText} from "../model/local_text";
+import {ownText} from "../model/local_text";
 import type {ExamFile, ExamPerson, ExamState, ExamTrial, OpenExam} from "../protocol/exam_messages";
-import {element, make, setText} from "./elements";
+import {element, make, press, setText, sure} from "./elements";
 
 const kMoreS = 300;
 
-const own = (text: Readonly<Record<string, string>>): string =>
-  localText(text, document.documentElement.lang || "en");
-
 /// Where a teacher opens an exam, sees how far all are, and closes it.
 export class ExamDesk {
-  private readonly button = make("button", {
-    ...{type: "button", id: "exam-open", hidden: true},
-    ...{textContent: say("exam.title"), title: say("exam.desk_title")},
-    onclick: () => {
-      this.wish({op: "look"});
-      this.dialog.showModal();
-    },
+  private readonly button = press(say("exam.title"), () => this.open(), {
+    ...{id: "exam-open", hidden: true, title: say("exam.desk_title")},
   });
   private readonly dialog = make("dialog", {id: "exam-dialog"});
   private readonly word = make("p", {className: "word alarm", role: "alert", hidden: true});
@@ -32,6 +24,11 @@ export class ExamDesk {
     this.dialog.append(make("header", {}, title, close), this.word, this.running, this.files);
     element("audience", HTMLButtonElement).before(this.button);
     document.body.append(this.dialog);
+  }
+
+  private open(): void {
+    this.wish({op: "look"});
+    this.dialog.showModal();
   }
 
   allow(may: boolean): void {
@@ -64,15 +61,15 @@ export class ExamDesk {
   private rowOf({name, title, tasks, time_s, wrong}: ExamFile, isOpen: boolean): HTMLLIElement {
     if (wrong !== "") return make("li", {className: "alarm"}, `${name}: ${wrong}`);
     const about = say("exam.file", {tasks, minutes: Math.round(time_s / 60)});
-    const open = sure(say("exam.open"), () => this.wish({op: "open", exam: name}));
+    const open = ask("exam.open", () => this.wish({op: "open", exam: name}));
     open.disabled = isOpen;
-    const text = make("span", {}, make("b", {textContent: own(title)}), ` ${name}, ${about}`);
+    const text = make("span", {}, make("b", {textContent: ownText(title)}), ` ${name}, ${about}`);
     return make("li", {}, text, open);
   }
 
   private aboutOf(open: OpenExam, people: readonly ExamPerson[]): HTMLElement[] {
     const {down_s = 0, closed, name} = open;
-    const title = make("h3", {textContent: own(open.title)});
+    const title = make("h3", {textContent: ownText(open.title)});
     const head = ["exam.person", "exam.at", "exam.trials", "exam.do"] as const;
     const table = make(
       "table",
@@ -88,7 +85,7 @@ export class ExamDesk {
     const more = press(say("exam.more", {minutes: kMoreS / 60}), () =>
       this.wish({op: "more", s: kMoreS}),
     );
-    const close = sure(say("exam.close"), () => this.wish({op: "close"}));
+    const close = ask("exam.close", () => this.wish({op: "close"}));
     const bar = make("p", {className: "choices"}, this.clock, more, close);
     if (down_s === 0) return [title, bar, table];
     const back = press(say("exam.give_back", {seconds: down_s}), () =>
@@ -106,7 +103,7 @@ export class ExamDesk {
     const choice = make("td");
     if (!closed && trials.some(({counts, running}) => counts && !running))
       choice.append(
-        sure(say("exam.again"), () => this.wish({op: "again", person}), say("exam.again_title")),
+        ask("exam.again", () => this.wish({op: "again", person}), say("exam.again_title")),
       );
     const cells = [make("td", {textContent: at}), make("td", {}, list), choice];
     const who = make("th", {scope: "row", textContent: name});
@@ -125,22 +122,8 @@ function wordsOf({task, counts, running, cut, sealed, scored, points}: ExamTrial
   return words.join(", ");
 }
 
-function press(textContent: string, onclick: () => void): HTMLButtonElement {
-  return make("button", {type: "button", textContent, onclick});
-}
-
-/// A button that asks once more.
-function sure(text: string, wish: () => void, title = ""): HTMLButtonElement {
-  let isSure = false;
-  const turn = (to: boolean): void => {
-    isSure = to;
-    setText(button, to ? say("exam.sure", {what: text}) : text);
-  };
-  const button = press(text, () => {
-    if (isSure) wish();
-    turn(!isSure);
-  });
-  button.title = title;
-  button.addEventListener("blur", () => turn(false));
-  return button;
-}
+const ask = (
+  key: "exam.open" | "exam.close" | "exam.again",
+  wish: () => void,
+  title = "",
+): HTMLButtonElement => sure(say(key), say("exam.sure", {what: say(key)}), wish, title);

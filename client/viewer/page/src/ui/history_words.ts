@@ -1,14 +1,12 @@
 import {locale, say, sayNumber} from "../messages/say";
-import {localText} from "../model/local_text";
+import {ownText} from "../model/local_text";
 import type {HistoryExercise, TermGrade} from "../protocol/history_messages";
-
-const language = (): string => document.documentElement.lang || "en";
 
 /// By name; one that is gone has no title, and of two with one title each has its name as well.
 export function titlesOf(
   exercises: readonly Pick<HistoryExercise, "name" | "title">[],
 ): ReadonlyMap<string, string> {
-  const titles = exercises.map(({name, title}) => localText(title, language()) || name);
+  const titles = exercises.map(({name, title}) => ownText(title) || name);
   return new Map(
     exercises.map(({name}, i) => {
       const title = titles[i]!;
