@@ -89,6 +89,9 @@ std::optional<StationOptions> ParseStationOptions(int argc, const char* const* a
   app.AddFlag("--enable-forces", options.enable_forces,
               "let forces out to a real device all the time, not only while its first button is "
               "held; simulated devices always get them");
+  app.AddFlag("--await-recorder", options.link.awaits_recorder,
+              "send no pose before a palpate-record reads it, for up to 3 s, so that the recording "
+              "has the first and can be verified");
   app.Add("--max-force", options.max_force_N,
           "greatest force, in N, where that is less than the device's own; its torque goes down by "
           "the same share; default: the device's own")

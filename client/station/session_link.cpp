@@ -23,6 +23,8 @@ constexpr std::int64_t kSettle_ns = 100'000'000;
 constexpr std::chrono::milliseconds kLastTaken{100};
 /// A match that does not come about is tried anew, under a new run.
 constexpr std::int64_t kMatchPatience_ns = 5 * kSecond_ns;
+/// A recorder that does not come: the server ends a session that has no pose for 5 s.
+constexpr std::int64_t kRecorderPatience_ns = 3 * kSecond_ns;
 constexpr std::int64_t kSilence_ns = kSecond_ns;
 constexpr std::int64_t kAskAgain_ns = 2 * kSecond_ns;
 /// Readers that may stay deaf in one run before the transport is to blame.
@@ -251,7 +253,13 @@ void SessionLink::PollMatching(std::int64_t now_ns) {
   if (!wrenches_ && dds::WriterDiscovered(*loop_, dds::WrenchTopic(options_.station, run_))) {
     if (!Try([this] { MakeReader(); }, now_ns)) return;
   }
-  if (!wrenches_ || path_->writer.matched_readers() == 0) return;
+  const int readers = path_->writer.matched_readers();
+  if (!wrenches_ || readers == 0) return;
+  // Forces follow from all poses since the first: a recording without it cannot be verified.
+  if (options_.awaits_recorder && readers == 1) {
+    if (now_ns - phase_since_ns_ < kRecorderPatience_ns) return;
+    if (matched_since_ns_ == 0) say_("no recorder came in 3 s: poses go out unrecorded");
+  }
   if (matched_since_ns_ == 0) matched_since_ns_ = now_ns;
   if (now_ns - matched_since_ns_ < kSettle_ns) return;
 

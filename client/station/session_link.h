@@ -27,6 +27,8 @@ struct LinkOptions {
   dds::Network network;
   RealtimeOptions realtime;
   double patience_s = 10.0;  ///< how long the first answer of a server may take
+  /// No pose goes out before a recorder reads it, too: for 3 s.
+  bool awaits_recorder = false;
 };
 
 /// The station's session with a server: asks for it, makes the loop's endpoints in the order that

@@ -319,8 +319,14 @@ void Hub::BeginTrial(const std::string& name, ViewerSession& viewer, std::int64_
   const std::int64_t person = viewer.holder()->person;
   trials_->CheckMayBegin(person);
   if (exams_->Sits(person)) exams_->TaskToBegin(person, name, WallClock_s());
+  const bool is_reset =
+      AsksForCuts(exercise->criteria) && exercise->start != Exercise::Start::kAsItIs;
+  if (mice_.IsTaken(take.scene, is_reset ? "" : take.tool, viewer.id())) {
+    throw Error("somebody is at work in scene '" + take.scene +
+                "'; wait, or have your teacher give you a seat of your own");
+  }
   mice_.Release(viewer.id(), "a trial begins", now_ns);
-  if (AsksForCuts(exercise->criteria) && exercise->start != Exercise::Start::kAsItIs) {
+  if (is_reset) {
     AskForWhole(
         take.scene,
         exercise->start == Exercise::Start::kWhole ? palpate_WHOLE_AGAIN : palpate_WHOLE_BACK,

@@ -62,10 +62,18 @@ std::string MouseRoom::Take(Holder holder, const std::string& who, const MouseCo
   return name;
 }
 
+bool MouseRoom::IsTaken(const std::string& scene, const std::string& tool, Holder holder) const {
+  return std::ranges::any_of(mice_, [&](const Mouse& mouse) {
+    return mouse.holder != 0 && mouse.holder != holder && mouse.scene == scene &&
+           (tool.empty() || mouse.tool.empty() || mouse.tool == tool);
+  });
+}
+
 void MouseRoom::Go(Holder holder, std::int64_t now_ns) {
   Mouse* const mouse = Find(holder);
   if (mouse == nullptr) return;
   mouse->waits = false;
+  mouse->recorded = true;
   mouse->moved_ns = now_ns;
 }
 
@@ -87,6 +95,7 @@ void MouseRoom::Start(Mouse& mouse, std::int64_t now_ns) {
                                      "--transport=" + options_.transport,
                                      "--network=" + options_.network.interface,
                                      "--no-table"};
+  if (mouse.recorded) arguments.emplace_back("--await-recorder");
   if (options_.network.secured()) arguments.push_back("--identity=" + options_.network.identity);
   for (const std::string& peer : options_.network.peers) arguments.push_back("--peer=" + peer);
   if (!mouse.tool.empty()) arguments.push_back("--tool=" + mouse.tool);

@@ -49,7 +49,7 @@ class MouseRoom {
 
   /// @param who        the name of the viewer's token, which becomes its station's; empty: it has
   ///                   none.   @param absent  why the scene cannot be had now; empty: it can.
-  /// @param waits      its station is started by Go.
+  /// @param waits      its station is started by Go, once a recorder is there.
   /// Returns the station's name; empty: it is refused.
   std::string Take(Holder holder, const std::string& who, const MouseCommand& command,
                    const std::string& absent, std::int64_t now_ns, bool waits = false);
@@ -59,6 +59,8 @@ class MouseRoom {
   /// Also when the viewer has gone.
   void Release(Holder holder, const std::string& reason, std::int64_t now_ns);
   bool holds(Holder holder) { return Find(holder) != nullptr; }
+  /// Another holder has a tool of that scene.  @param tool  that one; empty: any.
+  bool IsTaken(const std::string& scene, const std::string& tool, Holder holder) const;
 
   void OnSession(const wire::SessionState& state, std::int64_t now_ns);
   /// Looks after the stations, some 100 times a second.
@@ -75,8 +77,9 @@ class MouseRoom {
     std::string scene, tool;
     std::uint64_t run = 0;  // of its session; 0: it never had one
     std::int64_t moved_ns = 0;
-    bool waits = false;  // until Go
-    bool held = false;   // until a teacher admits it: nobody can move it
+    bool waits = false;     // until Go
+    bool recorded = false;  // its station waits for the recorder's reader
+    bool held = false;      // until a teacher admits it: nobody can move it
   };
   Mouse* Find(Holder holder);
   /// A station's name that nobody has: anna, anna_2, ...; without a name mouse_1, mouse_2, ... That

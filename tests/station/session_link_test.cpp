@@ -1,5 +1,6 @@
 #include "client/station/session_link.h"
 
+#include <atomic>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -33,7 +34,7 @@ struct Station {
   std::unique_ptr<SessionLink> link;
   StationSnapshot snapshot;
 
-  explicit Station(double patience_s = 10.0) {
+  explicit Station(double patience_s = 10.0, bool awaits_recorder = false) {
     device.sample.X_WH.p = Vec3(0, 0, -0.002);
     core = std::make_unique<StationCore>(device);
     core->EnableForces(true);
@@ -44,6 +45,7 @@ struct Station {
     options.transport = dds::Transport::kUdp;
     options.realtime.mode = RealtimeMode::kOff;
     options.patience_s = patience_s;
+    options.awaits_recorder = awaits_recorder;
     link = std::make_unique<SessionLink>(
         options, replies,
         [this]() -> ServoThread& {
@@ -95,6 +97,29 @@ TEST(SessionLink, LosesNoPoseAtTheStart) {
   Station station;
   ASSERT_TRUE(station.Until([&] { return server.poses > 100; }));
   EXPECT_EQ(server.last_sequence.load(), server.poses + server.gaps);
+}
+
+TEST(SessionLink, SendsNoPoseBeforeARecorderReadsIt) {
+  FakeServer server(kDomain, kUdp);
+  Station station(10.0, true);
+  EXPECT_FALSE(station.Until([&] { return server.poses > 0; }, 1.0));
+  const dds::Participant participant = dds::Participant::Loop(kDomain, kUdp);
+  std::atomic<std::uint64_t> first = 0;
+  const dds::Reader<wire::HapticPose> recorder(
+      participant, dds::PoseTopic("hand", station.link->run()), dds::Qos::kRecord,
+      [&](const wire::HapticPose& pose) {
+        std::uint64_t none = 0;
+        first.compare_exchange_strong(none, pose.pose_sequence);
+      });
+  ASSERT_TRUE(station.UntilForce(2.0));
+  EXPECT_EQ(first, 1u);
+}
+
+TEST(SessionLink, SendsPosesWhereNoRecorderComes) {
+  FakeServer server(kDomain, kUdp);
+  Station station(10.0, true);
+  ASSERT_TRUE(station.UntilForce(2.0));
+  EXPECT_THAT(station.said, testing::Contains("no recorder came in 3 s: poses go out unrecorded"));
 }
 
 TEST(SessionLink, SaysWhyTheServerRefuses) {
