@@ -229,9 +229,7 @@ void ExamRoom::Open(const std::string& name, std::int64_t now_s) {
                 (trouble_.empty() ? "" : ": " + trouble_));
   }
   if (std::ranges::any_of(newest_.trials, [&](const Trial& trial) { return Waits(trial); })) {
-    throw Error(
-        "the last exam's trials are being scored, one after the other while nobody is at a trial; "
-        "wait a moment");
+    throw Error("the last exam's trials are being scored; wait a moment");
   }
   if (newest_.number != 0) WriteRoll();  // what was handed in is known of this exam alone
   if (!std::ranges::all_of(name, IsOfName)) throw Error("there is no exam " + Quoted(name));
@@ -428,14 +426,14 @@ void ExamRoom::TakeSeal() {
 }
 
 bool ExamRoom::Waits(const Trial& trial) const {
-  return !trial.scored && !trial.sha256.empty() && !tried_.contains(trial.key());
+  return !trial.scored && !trial.sha256.empty() &&
+         (!tried_.contains(trial.key()) || trials_.Has(trial.person, trial.exercise, trial.n));
 }
 
-void ExamRoom::ScoreNext() {
-  if (trials_.size() > 0) return;
+void ExamRoom::ScoreAll() {
+  std::vector<TrialRoom::News> all;  // what is heard of one has the trials read anew
   for (const Trial& trial : newest_.trials) {
-    if (!Waits(trial)) continue;
-    tried_.insert(trial.key());
+    if (!Waits(trial) || !tried_.insert(trial.key()).second) continue;
     const ExamTask& task = newest_.exam.tasks.at(static_cast<std::size_t>(trial.task));
     const Exercise* const exercise = trials_.Find(trial.exercise);
     if (exercise == nullptr || Sha256OfFile(exercise->file).sha256 != task.exercise_sha256 ||
@@ -455,8 +453,9 @@ void ExamRoom::ScoreNext() {
     kept.reason = trial.reason;
     kept.whole = trial.whole;
     kept.submitted = true;
-    return trials_.Score(kept, trial.station);
+    all.push_back(std::move(kept));
   }
+  for (const TrialRoom::News& kept : all) trials_.Score(kept);
 }
 
 void ExamRoom::WriteRoll() {
@@ -506,7 +505,7 @@ bool ExamRoom::Poll(std::int64_t now_s) {
         std::ranges::all_of(newest_.trials, [](const Trial& trial) { return trial.sealed; });
     if (newest_.closed_s != 0 && all_sealed && now_s >= retry_s_) {
       if (!std::exchange(has_roll_, true)) WriteRoll();
-      ScoreNext();
+      ScoreAll();
     }
   } catch (const std::exception& error) {
     if (trouble_ != error.what()) spdlog::error("exam '{}': {}", newest_.exam.name, error.what());

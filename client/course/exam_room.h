@@ -112,7 +112,7 @@ class ExamRoom {
   void TakeSeal();
   /// To be scored.
   bool Waits(const Trial& trial) const;
-  void ScoreNext();
+  void ScoreAll();
   void WriteRoll();
   /// Why a trial ended that its person did not end, and no time; empty: it ended in order.
   static std::string CutOf(const Trial& trial);

@@ -9,6 +9,7 @@
 
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 namespace palpate {
@@ -345,7 +346,7 @@ std::string History::PersonJson(std::int64_t id, bool for_teacher, const PageOf&
                  {"exercises", exercises}});
 }
 
-std::string History::Csv(std::int64_t id) const {
+std::string History::Csv(std::int64_t id, CsvAs as) const {
   const TrialRows rows = id == 0 ? TrialRows(rows_) : RowsOf(id);
   std::set<std::pair<std::string, std::string>> columns;  // exercise, criterion
   std::vector<std::vector<std::pair<std::string, double>>> marks;
@@ -353,36 +354,50 @@ std::string History::Csv(std::int64_t id) const {
     marks.push_back(MarksOf(row));
     for (const auto& [criterion, points] : marks.back()) columns.emplace(row.exercise, criterion);
   }
-  // Spreadsheets take it for UTF-8 by the mark at its beginning.
-  std::string csv =
-      "\xEF\xBB\xBFperson,name,exercise,trial,begun,ended,whole,reason,points,passed,submitted";
+  const auto number = [as](double value) {
+    std::string text = fmt::format("{:.2f}", value);
+    if (as == CsvAs::kDecimalComma) std::ranges::replace(text, '.', ',');
+    return text;
+  };
+  const auto line = [as](const std::vector<std::string>& fields) {
+    return fmt::format("{}\r\n", fmt::join(fields, as == CsvAs::kDecimalComma ? ";" : ","));
+  };
+  std::vector<std::string> head{"person", "name",   "exercise", "trial",  "begun",    "ended",
+                                "whole",  "reason", "points",   "passed", "submitted"};
   for (const auto& [exercise, criterion] : columns) {
-    csv += "," + CsvField(exercise + ": " + criterion);
+    head.push_back(CsvField(exercise + ": " + criterion));
   }
-  csv += "\r\n";
+  // Spreadsheets take it for UTF-8 by the mark at its beginning.
+  std::string csv = "\xEF\xBB\xBF" + line(head);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const TrialRow& row = rows[i];
     const Person* const person = PersonOf(row.person);
-    csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{}", row.person,
-                       CsvField(person != nullptr ? person->name : ""), CsvField(row.exercise),
-                       row.n, WhenOf(row.begun_s), WhenOf(row.ended_s), YesOf(row.whole),
-                       CsvField(row.reason), row.points ? fmt::format("{:.2f}", *row.points) : "",
-                       YesOf(row.passed), row.submitted_s ? WhenOf(*row.submitted_s) : "");
+    std::vector<std::string> fields{std::to_string(row.person),
+                                    CsvField(person != nullptr ? person->name : ""),
+                                    CsvField(row.exercise),
+                                    std::to_string(row.n),
+                                    WhenOf(row.begun_s),
+                                    WhenOf(row.ended_s),
+                                    YesOf(row.whole),
+                                    CsvField(row.reason),
+                                    row.points ? number(*row.points) : "",
+                                    YesOf(row.passed),
+                                    row.submitted_s ? WhenOf(*row.submitted_s) : ""};
     for (const auto& [exercise, criterion] : columns) {
       const auto mark =
           exercise == row.exercise
               ? std::ranges::find(marks[i], criterion, &std::pair<std::string, double>::first)
               : marks[i].end();
-      csv += mark == marks[i].end() ? "," : fmt::format(",{:.2f}", mark->second);
+      fields.push_back(mark == marks[i].end() ? "" : number(mark->second));
     }
-    csv += "\r\n";
+    csv += line(fields);
   }
   return csv;
 }
 
 std::string CsvField(const std::string& text) {
   const bool would_run = text.find_first_of("=+-@\t\r") == 0;
-  if (!would_run && text.find_first_of(",\"\r\n") == text.npos) return text;
+  if (!would_run && text.find_first_of(",;\"\r\n") == text.npos) return text;
   std::string field = would_run ? "\"'" : "\"";
   for (const char c : text) field += c == '"' ? "\"\"" : std::string(1, c);
   return field + "\"";

@@ -97,6 +97,10 @@ std::vector<CriterionLoss> LossesOf(TrialRows rows, const Exercise* exercise, in
 /// Of a class: the mean over those who have been marked by it, each counting once.
 std::vector<CriterionLoss> ClassLossesOf(const std::vector<std::vector<CriterionLoss>>& losses);
 
+/// As programs read it; or with semicolons and decimal commas, which spreadsheets expect where
+/// numbers are written with these.
+enum class CsvAs { kRfc4180, kDecimalComma };
+
 /// A course's trials and who did them; what pages and files tell of it.  Pure.
 class History {
  public:
@@ -112,8 +116,8 @@ class History {
   /// Of a person: all trials with marks, grades, what to practise next, and the class's spread, for
   /// the person only where it is of at least kLeastForOthers: fewer would tell who had what.
   std::string PersonJson(std::int64_t person, bool for_teacher, const PageOf& page) const;
-  /// RFC 4180, a line each trial (README.md has the columns).  @param person  0: of everybody.
-  std::string Csv(std::int64_t person = 0) const;
+  /// A line each trial (README.md has the columns).  @param person  0: of everybody.
+  std::string Csv(std::int64_t person = 0, CsvAs as = CsvAs::kRfc4180) const;
 
   static constexpr int kLeastForOthers = 5;
 
@@ -131,8 +135,8 @@ class History {
   std::vector<TrialRow> rows_;
 };
 
-/// A CSV field: quoted where RFC 4180 asks for it; with ' before a text that a spreadsheet would
-/// run (one that begins with = + - @, a tab or a carriage return).
+/// A CSV field: quoted where RFC 4180, or a list apart by semicolons, asks for it; with ' before a
+/// text that a spreadsheet would run (one that begins with = + - @, a tab or a carriage return).
 std::string CsvField(const std::string& text);
 
 }  // namespace palpate

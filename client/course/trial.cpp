@@ -5,6 +5,7 @@
 #include <csignal>
 #include <filesystem>
 #include <random>
+#include <thread>
 #include <utility>
 
 #include <SQLiteCpp/SQLiteCpp.h>
@@ -28,11 +29,13 @@ using Json = nlohmann::json;
 constexpr std::int64_t kPatience_ns = 10'000'000'000;
 constexpr std::int64_t kRetry_ns = 2'000'000'000;
 /// Trials that are scored while they run; one of a solid at 50 um takes some 400 MB meanwhile.  The
-/// others are scored when they have ended.
+/// others are scored when they have ended, so many at a time as there are processors, but no more
+/// than these.
 constexpr int kMostFollowing = 4;
 constexpr std::size_t kLargestScore = std::size_t{16} << 20;
 /// Of palpate-replay's complaint where the station has lost its server and come again.
 constexpr std::string_view kSeveralSessions = "sessions; choose one";
+constexpr std::string_view kNoScore = "no score: ";
 constexpr const char* kTrialsTable =
     "CREATE TABLE IF NOT EXISTS trials(person INTEGER NOT NULL, exercise TEXT NOT NULL, "
     "n INTEGER NOT NULL, begun_s INTEGER NOT NULL, ended_s INTEGER, reason TEXT, "
@@ -130,19 +133,30 @@ bool TrialRoom::has_one_of(std::int64_t person) const {
                              [&](const Running& trial) { return trial.news.person == person; });
 }
 
+bool TrialRoom::Has(std::int64_t person, const std::string& exercise, int n) const {
+  return std::ranges::any_of(trials_, [&](const Running& trial) {
+    return trial.news.person == person && trial.news.exercise == exercise && trial.news.n == n;
+  });
+}
+
+void TrialRoom::CheckMayBegin(std::int64_t person) const {
+  if (std::ranges::any_of(trials_, [&](const Running& trial) {
+        return trial.news.person == person && trial.news.holder != 0;
+      })) {
+    throw Error("a trial of yours is running, or is being scored; end it first");
+  }
+}
+
 int TrialRoom::Begin(Holder holder, std::int64_t person, const std::string& exercise,
                      const std::string& station, std::int64_t now_ns,
                      std::optional<double> exam_s) {
   Running trial;
   trial.exercise = Find(exercise);
   if (trial.exercise == nullptr) throw Error("there is no exercise " + Quoted(exercise));
-  if (has_one_of(person)) {
-    throw Error("a trial of yours is running, or is being scored; end it first");
-  }
+  CheckMayBegin(person);
   trial.news.holder = holder;
   trial.news.person = person;
   trial.news.exercise = exercise;
-  trial.station = station;
   trial.asked_ns = now_ns;
   trial.is_exam = trial.submits = exam_s.has_value();
   trial.most_s = exam_s.value_or(trial.exercise->most_s);
@@ -204,7 +218,7 @@ void TrialRoom::EndOf(const std::set<std::int64_t>& people, const std::string& r
 
 void TrialRoom::Submit(Holder holder, std::int64_t person, const std::string& exercise, int n) {
   for (Running& trial : trials_) {
-    if (trial.news.holder != holder || trial.news.exercise != exercise) continue;
+    if (!trial.records || trial.news.holder != holder || trial.news.exercise != exercise) continue;
     trial.submits = true;
     return BeginToEnd(trial, "submitted");
   }
@@ -233,7 +247,7 @@ bool TrialRoom::PollOne(Running& trial, std::int64_t now_ns) {
       trial.cuts_short = false;
       trial.scorer->Signal(SIGINT);
     }
-    if (is_scoring) return true;
+    if (is_scoring || !trial.scorer) return true;
     TakeScore(trial);
     return false;
   }
@@ -302,30 +316,66 @@ bool TrialRoom::Keep(Running& trial, std::int64_t now_ns) try {
   return false;
 }
 
-void TrialRoom::Score(const News& kept, const std::string& station) {
+void TrialRoom::Score(const News& kept) {
   Running trial;
   trial.news = kept;
   trial.exercise = Find(kept.exercise);
-  trial.station = station;
   trials_.push_back(std::move(trial));
   Score(trials_.back());
 }
 
+void TrialRoom::ScoreLeftovers() {
+  std::vector<News> leftovers;
+  file_.Use([&](SQLite::Database& database) {
+    SQLite::Statement rows(
+        database,
+        "SELECT person, exercise, n, IFNULL(reason, ''), whole, submitted_s FROM trials t WHERE "
+        "ended_s IS NOT NULL AND passed IS NULL AND NOT EXISTS (SELECT 1 FROM exam_trials e WHERE "
+        "e.person=t.person AND e.exercise=t.exercise AND e.n=t.n) ORDER BY ended_s");
+    while (rows.executeStep()) {
+      News news;
+      news.person = rows.getColumn(0).getInt64();
+      news.exercise = rows.getColumn(1).getString();
+      news.n = rows.getColumn(2).getInt();
+      news.reason = rows.getColumn(3).getString();
+      news.whole = rows.getColumn(4).getInt() == 1;
+      news.submitted = !rows.getColumn(5).isNull();
+      leftovers.push_back(std::move(news));
+    }
+  });
+  for (News& news : leftovers) {
+    if (Find(news.exercise) == nullptr) continue;
+    // What failed is tried again: its disk may have been full.
+    const std::size_t failed = news.reason.find(kNoScore);
+    if (failed != news.reason.npos) news.reason.erase(failed < 2 ? 0 : failed - 2);
+    Score(news);
+  }
+}
+
 void TrialRoom::Score(Running& trial) {
   trial.cuts_short = trial.scorer && !trial.news.whole;
-  if (!trial.scorer) BeginScoring(trial, false);
   Tell(trial, "scoring");
+}
+
+void TrialRoom::ScoreNext() {
+  const auto waits = [](const Running& trial) { return !trial.records && !trial.scorer; };
+  const auto at_work = std::ranges::count_if(
+      trials_, [](const Running& trial) { return !trial.records && trial.scorer; });
+  const auto most =
+      std::clamp<int>(static_cast<int>(std::thread::hardware_concurrency()), 1, kMostFollowing);
+  if (at_work >= most) return;
+  // First those whose person waits.
+  auto next = std::ranges::find_if(
+      trials_, [&](const Running& trial) { return waits(trial) && trial.news.holder != 0; });
+  if (next == trials_.end()) next = std::ranges::find_if(trials_, waits);
+  if (next != trials_.end()) BeginScoring(*next, false);
 }
 
 void TrialRoom::BeginScoring(Running& trial, bool follows) {
   const std::string stem =
       fmt::format("{}/{}", FolderOf(trial.news.person, trial.news.exercise), trial.news.n);
-  std::vector<std::string> arguments{"score",
-                                     trial.exercise->expert,
-                                     stem + ".mcap",
-                                     "--criteria=" + trial.exercise->file,
-                                     "--station=" + trial.station,
-                                     "--out=" + stem};
+  std::vector<std::string> arguments{"score", trial.exercise->expert, stem + ".mcap",
+                                     "--criteria=" + trial.exercise->file, "--out=" + stem};
   if (follows) arguments.emplace_back("--follow");
   trial.scorer =
       std::make_unique<ChildProgram>(options_.programs + "/palpate-replay", arguments,
@@ -348,14 +398,15 @@ void TrialRoom::TakeScore(Running& trial) {
     news.page = KeyOf(stem + "/score.html");
     file_.Use([&](SQLite::Database& database) {
       SQLite::Statement row(database,
-                            "UPDATE trials SET points=?, passed=?, marks=? WHERE person=? AND "
-                            "exercise=? AND n=?");
+                            "UPDATE trials SET points=?, passed=?, marks=?, reason=? WHERE "
+                            "person=? AND exercise=? AND n=?");
       if (news.points) row.bind(1, *news.points);
       row.bind(2, news.passed ? 1 : 0);
       row.bind(3, marks);
-      row.bind(4, news.person);
-      row.bind(5, news.exercise);
-      row.bind(6, news.n);
+      row.bind(4, news.reason);
+      row.bind(5, news.person);
+      row.bind(6, news.exercise);
+      row.bind(7, news.n);
       row.exec();
     });
     Tell(trial, "scored");
@@ -363,7 +414,7 @@ void TrialRoom::TakeScore(Running& trial) {
     const std::string why = error.what();
     // What its station did between two of its sessions nobody knows.
     news.whole = news.whole && why.find(kSeveralSessions) == std::string::npos;
-    news.reason += (news.reason.empty() ? "" : "; ") + ("no score: " + why);
+    news.reason += fmt::format("{}{}{}", news.reason.empty() ? "" : "; ", kNoScore, why);
     file_.Use([&](SQLite::Database& database) {
       SQLite::Statement row(database,
                             "UPDATE trials SET whole=?, reason=? WHERE person=? AND exercise=? "
@@ -392,6 +443,10 @@ void TrialRoom::Poll(std::int64_t now_ns) {
       Tell(*it, "unscored");
     }
     it = goes_on ? std::next(it) : trials_.erase(it);
+  }
+  try {
+    ScoreNext();
+  } catch (const Error&) {  // no process can be made now: it goes on waiting
   }
 }
 

@@ -32,7 +32,7 @@ class TrialRoom {
   };
   /// What became of a trial.
   struct News {
-    Holder holder = 0;
+    Holder holder = 0;  ///< 0: nobody is at it any more
     std::int64_t person = 0;
     std::string exercise;
     int n = 0;
@@ -65,13 +65,20 @@ class TrialRoom {
   void End(Holder holder, const std::string& reason);
   /// Ends what they are at.
   void EndOf(const std::set<std::int64_t>& people, const std::string& reason);
-  /// Scores a trial of an exam that is closed.  @param kept  what was told of it.
-  void Score(const News& kept, const std::string& station);
+  /// Scores what has ended: of an exam that is closed, or of an earlier run of the gateway.
+  /// @param kept  what was told of it.
+  void Score(const News& kept);
+  /// Scores what has no score yet and is of no exam.  @pre The exam's tables are there.
+  void ScoreLeftovers();
   /// Hands a trial in; one that is running ends.  Throws Error where there is none.
   void Submit(Holder holder, std::int64_t person, const std::string& exercise, int n);
   bool is_at_one(Holder holder) const;
   /// One of that person's is recorded or scored.
   bool has_one_of(std::int64_t person) const;
+  /// That trial is not done with.
+  bool Has(std::int64_t person, const std::string& exercise, int n) const;
+  /// Throws Error, for the person, while one that they have begun is not done with.
+  void CheckMayBegin(std::int64_t person) const;
   /// Looks after them, some 100 times a second.
   void Poll(std::int64_t now_ns);
   /// Trials that are not done with.
@@ -94,7 +101,6 @@ class TrialRoom {
   struct Running {
     News news;
     const Exercise* exercise = nullptr;
-    std::string station;
     std::unique_ptr<ChildProgram> recorder, scorer;
     bool records = false;
     bool follows = false;     // the scorer has said so: it may be interrupted
@@ -115,6 +121,7 @@ class TrialRoom {
   bool Keep(Running& trial, std::int64_t now_ns);
   void BeginScoring(Running& trial, bool follows);
   void Score(Running& trial);
+  void ScoreNext();
   void TakeScore(Running& trial);
   void Tell(Running& trial, const std::string& phase);
   std::string KeyOf(const std::string& page);

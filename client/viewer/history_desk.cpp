@@ -20,6 +20,8 @@ std::optional<HistoryWish> ParseHistoryWish(std::string_view name) {
   const std::string_view who = name.substr(0, dot), as = name.substr(dot);
   if (as == ".csv") {
     wish.as = HistoryWish::As::kCsv;
+  } else if (as == ".comma.csv") {
+    wish.as = HistoryWish::As::kCommaCsv;
   } else if (as == ".zip") {
     wish.as = HistoryWish::As::kZip;
   } else if (as != ".json") {
@@ -73,8 +75,9 @@ HistoryDesk::Answer HistoryDesk::Read(const HistoryWish& wish, bool for_teacher,
     return {404, "text/plain; charset=utf-8", "nobody of this course has that number\n"};
   }
   const History history(exercises_, people, ReadTrials(*file_));
-  if (wish.as == HistoryWish::As::kCsv) {
-    return {200, "text/csv; charset=utf-8", history.Csv(wish.person)};
+  if (wish.as == HistoryWish::As::kCsv || wish.as == HistoryWish::As::kCommaCsv) {
+    const auto as = wish.as == HistoryWish::As::kCsv ? CsvAs::kRfc4180 : CsvAs::kDecimalComma;
+    return {200, "text/csv; charset=utf-8", history.Csv(wish.person, as)};
   }
   if (wish.as == HistoryWish::As::kZip) {
     return {200, "application/zip", "", GiveData(folder_, *person, history.Csv(wish.person))};

@@ -19,9 +19,10 @@
 
 namespace palpate {
 
-/// What is asked of a course's history: /history/class.json, class.csv, 7.json, 7.csv or 7.zip.
+/// What is asked of a course's history: /history/class.json, class.csv, 7.json, 7.csv,
+/// 7.comma.csv (CsvAs::kDecimalComma) or 7.zip.
 struct HistoryWish {
-  enum class As { kJson, kCsv, kZip };
+  enum class As { kJson, kCsv, kCommaCsv, kZip };
   std::int64_t person = 0;  ///< 0: the class
   As as = As::kJson;
 };

@@ -100,6 +100,7 @@ Hub::Hub(boost::asio::io_context& io, const ViewerOptions& options)
   history_ = std::make_unique<HistoryDesk>(io, options.course, trials_->exercises());
   exams_ = std::make_unique<ExamRoom>(options_.course, class_room_->file(), class_room_->roster(),
                                       *trials_, WallClock_s());
+  trials_->ScoreLeftovers();
 }
 
 bool Hub::MakeRoom(const std::string& address) {
@@ -306,12 +307,16 @@ void Hub::BeginTrial(const std::string& name, ViewerSession& viewer, std::int64_
   if (const std::string absent = WhyAbsent(take.scene); !absent.empty()) throw Error(absent);
   // Before anything is touched: a page more would have the scene whole in the middle of a trial.
   const std::int64_t person = viewer.holder()->person;
-  if (trials_->has_one_of(person)) {
-    throw Error("a trial of yours is running, or is being scored; end it first");
-  }
+  trials_->CheckMayBegin(person);
   if (exams_->Sits(person)) exams_->TaskToBegin(person, name, WallClock_s());
+  const bool is_reset =
+      AsksForCuts(exercise->criteria) && exercise->start != Exercise::Start::kAsItIs;
+  if (mice_.IsTaken(take.scene, is_reset ? "" : take.tool, viewer.id())) {
+    throw Error("somebody is at work in scene '" + take.scene +
+                "'; wait, or have your teacher give you a seat of your own");
+  }
   mice_.Release(viewer.id(), "a trial begins", now_ns);
-  if (AsksForCuts(exercise->criteria) && exercise->start != Exercise::Start::kAsItIs) {
+  if (is_reset) {
     AskForWhole(
         take.scene,
         exercise->start == Exercise::Start::kWhole ? palpate_WHOLE_AGAIN : palpate_WHOLE_BACK,
@@ -401,7 +406,7 @@ void Hub::Tell(const TrialRoom::News& news) {
   // All pages of that person: the one that began it may be gone.
   for (const auto& [id, viewer] : viewers_) {
     if (!viewer->holder() || viewer->holder()->person != news.person) continue;
-    viewer->Push(OwnFrame(TopicFeed::kTrial, 0, ToText(json)), now_ns);
+    if (news.holder != 0) viewer->Push(OwnFrame(TopicFeed::kTrial, 0, ToText(json)), now_ns);
     if (is_over) viewer->Push(ExercisesFrameOf(*viewer), now_ns);
   }
 }

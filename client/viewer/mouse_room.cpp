@@ -62,6 +62,13 @@ std::string MouseRoom::Take(Holder holder, const std::string& who, const MouseCo
   return name;
 }
 
+bool MouseRoom::IsTaken(const std::string& scene, const std::string& tool, Holder holder) const {
+  return std::ranges::any_of(mice_, [&](const Mouse& mouse) {
+    return mouse.holder != 0 && mouse.holder != holder && mouse.scene == scene &&
+           (tool.empty() || mouse.tool.empty() || mouse.tool == tool);
+  });
+}
+
 void MouseRoom::Go(Holder holder, std::int64_t now_ns) {
   Mouse* const mouse = Find(holder);
   if (mouse == nullptr) return;

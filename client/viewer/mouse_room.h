@@ -59,6 +59,8 @@ class MouseRoom {
   /// Also when the viewer has gone.
   void Release(Holder holder, const std::string& reason, std::int64_t now_ns);
   bool holds(Holder holder) { return Find(holder) != nullptr; }
+  /// Another holder has a tool of that scene.  @param tool  that one; empty: any.
+  bool IsTaken(const std::string& scene, const std::string& tool, Holder holder) const;
 
   void OnSession(const wire::SessionState& state, std::int64_t now_ns);
   /// Looks after the stations, some 100 times a second.

@@ -66,8 +66,7 @@ void ViewerSession::Accept(const Request& request, std::string_view subprotocol)
   socket_.read_message_max(ViewerLimits::kLargestMessage);
   socket_.next_layer().LimitReading(ViewerLimits::kBytesPerSecond, ViewerLimits::kBytesAtOnce);
   socket_.auto_fragment(false);  // a message is one frame, written from where it lies
-  socket_.control_callback(
-      [this](websocket::frame_type, beast::string_view) { signs_.Heard(SteadyNanoseconds()); });
+  socket_.control_callback([this](websocket::frame_type, beast::string_view) { signs_.Heard(); });
   socket_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
     if (error) {
       self->Gone();
@@ -79,7 +78,7 @@ void ViewerSession::Accept(const Request& request, std::string_view subprotocol)
 
 void ViewerSession::Open() {
   open_ = true;
-  signs_.Heard(SteadyNanoseconds());
+  signs_.Heard();
   spdlog::debug("viewer {} has come", Who());
   const bool publishes = mouse_ || steers_ || access_ == Access::kOperate;
   Send(foxglove::ServerInfo(hub_.session_id(), publishes, RoleName(access_)));
@@ -110,7 +109,7 @@ void ViewerSession::OnRead(beast::error_code error) {
     return Gone();
   }
   const std::int64_t now_ns = SteadyNanoseconds();
-  signs_.Heard(now_ns);
+  signs_.Heard();
   if (closing_) return input_.clear();
   const auto data = input_.cdata();
   std::string wrong;
@@ -330,10 +329,10 @@ void ViewerSession::OnTrial(std::string_view payload) {
 void ViewerSession::Watch(std::int64_t now_ns) {
   if (closing_ && now_ns - closing_ns_ > ViewerLimits::kFarewell_ns) return Gone();
   if (!open_ || !hub_.mice().holds(id_)) return;
-  if (signs_.gone(now_ns)) {
+  if (!signs_.Look(now_ns)) {
     return hub_.mice().Release(id_, "nothing was heard of this page for 3 s", now_ns);
   }
-  if (pinging_ || !signs_.Ask(now_ns)) return;
+  if (pinging_ || !signs_.Ask()) return;
   pinging_ = true;
   socket_.async_ping({}, [self = shared_from_this()](beast::error_code) {
     self->pinging_ = false;  // a failure shows when reading

@@ -212,6 +212,20 @@ Vec3 SlopeOf(const Field& field, const Vec3& p) {
   return slope;
 }
 
+/// Depth of a pocket that goes all round, towards a point [mm]: from site to site without a step.
+double DepthTowards(const Vec3& p, const ToothSize& size, const std::array<double, 6>& sites,
+                    double mesial) {
+  // Clockwise seen from above where mesial is +x, from the middle outside on: the corners of a
+  // crown are at 60 degrees of an ellipse.
+  const double angle = std::atan2(mesial * p.x() / size.width, p.z() / size.depth);
+  const double at = std::fmod(angle / (kPi / 3.0) + 6.0, 6.0);
+  constexpr std::array<std::size_t, 6> kRound = {1, 0, 3, 4, 5, 2};
+  const auto before = static_cast<std::size_t>(at) % 6;
+  const double t = at - std::floor(at);
+  const double a = sites[kRound[before]], b = sites[kRound[(before + 1) % 6]];
+  return (a + (b - a) * t * t * (3.0 - 2.0 * t)) / kMillimetre;
+}
+
 GumFields FieldsOfGum(ToothKind kind, const ToothSize& metres, const GumSize& gum_metres) {
   const ToothSize size = InMillimetres(metres);
   const double depth = gum_metres.pocket_depth / kMillimetre;
@@ -230,13 +244,19 @@ GumFields FieldsOfGum(ToothKind kind, const ToothSize& metres, const GumSize& gu
   const Field tooth = ToothField(kind, size);
   const Field socket = [=](const Vec3& p) { return tooth(p) + 0.1; };  // gum grips the tooth
   const double reach = 0.32 * size.width;
+  const bool all_round = std::ranges::any_of(gum_metres.sites, [](double d) { return d > 0.0; });
+  const double mesial =
+      kind >= ToothKind::kFirstByNumber && NumberOfKind(kind).quadrant % 2 != 0 ? -1.0 : 1.0;
   // The tooth's field counts lengths along z short; here the width matters.
   const auto from_tooth = [=](const Vec3& p) {
     return tooth(p) / std::max(SlopeOf(tooth, p).norm(), 0.3);
   };
   // Its box: what the pocket is at least.
-  const auto beside = [=](const Vec3& p) { return std::abs(p.x()) - reach; };
-  const auto end = [=](const Vec3& p) {
+  const auto beside = [=](const Vec3& p) {
+    return all_round ? -2.0 * size.width : std::abs(p.x()) - reach;
+  };
+  const auto end = [=, sites = gum_metres.sites](const Vec3& p) {
+    if (all_round) return -DepthTowards(p, size, sites, mesial) - p.y();
     return SmoothMax(-depth - p.y(), 0.15 * size.depth - p.z(), 0.6);
   };
   const Field pocket = [=](const Vec3& p) {

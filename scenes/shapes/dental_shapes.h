@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -41,10 +42,14 @@ struct GumSize {
   double pocket_depth = 0.0;  ///< below the neck [m]
   double pocket_width = 0.0;  ///< [m]
   double recession = 0.0;     ///< how far the margin has gone down from the neck [m]
+  /// Where one is not 0 the pocket goes all round, and these are its depths at the six sites that
+  /// are probed: mesial, middle and distal outside, then inside [m].
+  std::array<double, 6> sites{};
 };
 
 /// Piece of a jaw with the gum round that tooth, in the tooth's frame: it lies close to it but for
-/// a pocket at the outer side (z > 0), and rises towards the neighbours, from which it is cut.
+/// a pocket, at the outer side (z > 0) unless it has sites, and rises towards the neighbours, from
+/// which it is cut.
 TriangleMesh MakeGingiva(ToothKind kind, const ToothSize& size, const GumSize& gum);
 /// The crest of that gum round the tooth, pocket and all: a closed curve, counter-clockwise seen
 /// from above.

@@ -34,6 +34,16 @@ ToothSize SizeFrom(ToothKind kind, std::span<const double> values) {
 
 using Values = std::span<const double>;
 
+/// Where the file has the depth of one site, the pocket is as deep as elsewhere at those left out.
+GumSize GumFrom(Values v) {
+  GumSize gum{v[4], v[5], v[6]};
+  const Values sites = v.subspan(7, gum.sites.size());
+  if (std::ranges::all_of(sites, [](double depth) { return depth == 0.0; })) return gum;
+  std::ranges::transform(sites, gum.sites.begin(),
+                         [&](double depth) { return depth > 0.0 ? depth : gum.pocket_depth; });
+  return gum;
+}
+
 /// What the numbers of burs are; behind them stands the curve (rho, z) where the file gives one.
 enum : std::size_t {
   kDiameter,
@@ -91,16 +101,19 @@ std::span<const ShapeKind> ShapeKinds() {
          return MakeDentine(kind, SizeFrom(kind, v), v[4]);
        }},
       {"gingiva", kTeeth,
-       WithToothSize({Millimetres("pocket_depth_mm", 6, 1, 12),
-                      Millimetres("pocket_width_mm", 1.2, 0.4, 4),
-                      Millimetres("recession_mm", 0, 0, 4)}),
+       WithToothSize(
+           {Millimetres("pocket_depth_mm", 6, 1, 12), Millimetres("pocket_width_mm", 1.2, 0.4, 4),
+            Millimetres("recession_mm", 0, 0, 4), Millimetres("mesial_outside_mm", 0, 1, 12),
+            Millimetres("outside_mm", 0, 1, 12), Millimetres("distal_outside_mm", 0, 1, 12),
+            Millimetres("mesial_inside_mm", 0, 1, 12), Millimetres("inside_mm", 0, 1, 12),
+            Millimetres("distal_inside_mm", 0, 1, 12)}),
        [](std::size_t variant, Values v) {
          const auto kind = static_cast<ToothKind>(variant);
-         return MakeGingiva(kind, SizeFrom(kind, v), {v[4], v[5], v[6]});
+         return MakeGingiva(kind, SizeFrom(kind, v), GumFrom(v));
        },
        [](std::size_t variant, Values v) {
          const auto kind = static_cast<ToothKind>(variant);
-         return GingivalMargin(kind, SizeFrom(kind, v), {v[4], v[5], v[6]});
+         return GingivalMargin(kind, SizeFrom(kind, v), GumFrom(v));
        }},
       {"calculus", kTeeth, WithToothSize({Millimetres("across_mm", 4, 1, 10)}),
        [](std::size_t variant, Values v) {

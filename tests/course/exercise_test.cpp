@@ -110,7 +110,7 @@ TEST_F(ExerciseTest, LeavesOutOfAFolderWhatHasAMistakeAndSaysSo) {
 
 TEST(ShippedExercises, AreWholeInThreeLanguagesAndNameTheirSources) {
   const auto all = LoadExercises(kShipped, [](const std::string& why) { ADD_FAILURE() << why; });
-  EXPECT_EQ(all.size(), 10u);
+  EXPECT_EQ(all.size(), 12u);
   const std::string page = ReadWholeFile(kShipped + "/README.md", JsonNode::kMostBytes);
   for (const Exercise& exercise : all) {
     for (const LocalText* text : {&exercise.title, &exercise.instruction, &exercise.goal}) {
@@ -128,7 +128,7 @@ TEST(ShippedExercises, AreWholeInThreeLanguagesAndNameTheirSources) {
 class Rehearsal : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Shipped, Rehearsal,
                          testing::Values("light-force", "pocket-depth", "margin-walking",
-                                         "calculus-detection", "nodule-palpation"),
+                                         "calculus-detection", "nodule-palpation", "six-sites"),
                          [](const auto& name) {
                            std::string text = name.param;
                            std::erase(text, '-');

@@ -262,6 +262,7 @@ TEST(History, IsReadFromTheCourseWithItsGaps) {
 TEST(Csv, IsThatOfRfc4180AndRunsInNoSpreadsheet) {
   EXPECT_EQ(CsvField("plain"), "plain");
   EXPECT_EQ(CsvField("a, \"b\""), "\"a, \"\"b\"\"\"");
+  EXPECT_EQ(CsvField("a; b"), "\"a; b\"");
   EXPECT_EQ(CsvField("two\nlines"), "\"two\nlines\"");
   for (const char* text : {"=1+1", "+1", "-1", "@x", "\tx", "\rx"}) {
     EXPECT_EQ(CsvField(text), "\"'" + std::string(text) + "\"");
@@ -279,6 +280,8 @@ TEST(Csv, IsThatOfRfc4180AndRunsInNoSpreadsheet) {
       "2,\"'=cmd|' /C calc'!A0\",walk,2,1970-01-01T00:16:40Z,1970-01-01T00:17:40Z,yes,stopped,"
       ",no,,\r\n");
   EXPECT_EQ(history.Csv(2), history.Csv());
+  EXPECT_THAT(history.Csv(2, CsvAs::kDecimalComma),
+              HasSubstr(";yes;stopped;60,00;no;1970-01-02T00:00:00Z;60,00\r\n"));
 }
 
 }  // namespace

@@ -1,8 +1,10 @@
 #include "client/course/trial.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
+#include <SQLiteCpp/SQLiteCpp.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -42,6 +44,10 @@ class TrialTest : public testing::Test {
     room_.reset();
     file_.reset();
     file_ = std::make_unique<CourseFile>(folder_ / "course");
+    file_->Use([](SQLite::Database& database) {  // as an exam makes it
+      database.exec(
+          "CREATE TABLE IF NOT EXISTS exam_trials(person INTEGER, exercise TEXT, n INTEGER)");
+    });
     room_ = std::make_unique<TrialRoom>(
         TrialRoom::Options{folder_ / "course", folder_.path(), {}}, *file_,
         [this](const TrialRoom::News& news) { news_.push_back(news); });
@@ -143,14 +149,91 @@ TEST_F(TrialTest, IsNotWholeWhereItsStationHasComeAgain) {
   EXPECT_THAT(Done(0)["reason"].get<std::string>(), HasSubstr("holds 2 sessions"));
 }
 
-TEST_F(TrialTest, IsMarkedAsCutShortWhereTheGatewayWasKilled) {
+TEST_F(TrialTest, IsMarkedAsCutShortWhereTheGatewayWasKilledAndScoredByTheNext) {
   Begin();
   ASSERT_TRUE(Comes("running"));
   Open();
   EXPECT_EQ(Done(0)["whole"], false);
   EXPECT_THAT(Done(0)["reason"].get<std::string>(), HasSubstr("cut short"));
+  room_->ScoreLeftovers();
   Begin();
-  EXPECT_EQ(news_.back().n, 2);
+  EXPECT_EQ(news_.back().n, 2) << "nobody waits for an old one";
+  ASSERT_TRUE(Comes("running"));
+  room_->End(7, "stopped");
+  ASSERT_TRUE(Eventually([&] {
+    room_->Poll(now_ns_);
+    return room_->size() == 0;
+  }));
+  EXPECT_EQ(Done(0)["points"], 81.5);
+  EXPECT_EQ(Done(0)["whole"], false);
+  EXPECT_EQ(Done(1)["points"], 81.5);
+}
+
+TEST_F(TrialTest, IsScoredByTheNextGatewayWhereScoringFailedOrWasCutOff) {
+  SetProgram("palpate-replay", "#!/bin/sh\necho 'palpate-replay: No space left' >&2\nexit 1\n");
+  Begin();
+  ASSERT_TRUE(Comes("running"));
+  room_->End(7, "stopped");
+  ASSERT_TRUE(Comes("unscored"));
+  SetProgram("palpate-replay", "#!/bin/sh\nsleep 100\n");
+  Begin();
+  ASSERT_TRUE(Comes("running"));
+  room_->End(7, "stopped");
+  ASSERT_TRUE(Comes("scoring"));
+  SetProgram("palpate-replay", kReplayer);
+  Open();
+  file_->Use([](SQLite::Database& database) {
+    database.exec("INSERT INTO exam_trials VALUES(3, 'light-force', 3)");
+    database.exec(
+        "INSERT INTO trials(person, exercise, n, begun_s, ended_s, whole) "
+        "VALUES(3, 'light-force', 3, 1, 2, 1), (4, 'no-more', 1, 1, 2, 1)");
+  });
+  room_->ScoreLeftovers();
+  ASSERT_TRUE(Eventually([&] {
+    room_->Poll(now_ns_);
+    return room_->size() == 0;
+  }));
+  for (const std::size_t at : {0u, 1u}) {
+    EXPECT_EQ(Done(at)["points"], 81.5);
+    EXPECT_EQ(Done(at)["reason"], "stopped");
+    EXPECT_EQ(Done(at)["whole"], true);
+  }
+  EXPECT_TRUE(Done(2)["points"].is_null()) << "an exam's waits for its end";
+}
+
+TEST_F(TrialTest, IsScoredInItsTurnWhereManyEndAtOnce) {
+  SetProgram("palpate-record", "#!/bin/sh\necho 'recording to x'\nexit 0\n");
+  // Counts how many are at work, each with a file of its own.
+  SetProgram("palpate-replay", "#!/bin/sh\ncd " + folder_.path() +
+                                   "\ntouch work.$$; ls work.* | wc -l >> most; sleep 0.02; "
+                                   "rm work.$$\n" +
+                                   (kReplayer + sizeof("#!/bin/sh")));
+  for (int person = 1; person <= 12; ++person) {
+    TrialRoom::News ended;
+    ended.person = person;
+    ended.exercise = "light-force";
+    ended.n = 1;
+    room_->Score(ended);
+  }
+  ASSERT_TRUE(Eventually([&] {
+    room_->Poll(now_ns_);
+    return room_->size() == 0;
+  }));
+  EXPECT_EQ(std::ranges::count(news_, "scored", &TrialRoom::News::phase), 12);
+  std::ifstream most(folder_ / "most");
+  for (int at_work = 0; most >> at_work;) EXPECT_LE(at_work, 4);
+}
+
+TEST_F(TrialTest, MayBeSubmittedWhileItIsScored) {
+  SetProgram("palpate-replay",
+             std::string("#!/bin/sh\nsleep 0.2\n") + (kReplayer + sizeof("#!/bin/sh")));
+  Begin();
+  ASSERT_TRUE(Comes("running"));
+  room_->End(7, "stopped");
+  ASSERT_TRUE(Comes("scoring"));
+  room_->Submit(7, 3, "light-force", 1);
+  ASSERT_TRUE(Comes("scored"));
+  EXPECT_EQ(Done(0)["submitted"], true);
 }
 
 }  // namespace

@@ -154,6 +154,17 @@ TEST_F(MouseRoomTest, RefusesASecondToolOneTooManyAndScenesThatNobodyServes) {
   EXPECT_EQ(news_.back().reason, "no server serves scene 'nowhere'");
 }
 
+TEST_F(MouseRoomTest, KnowsWhichToolsOfASceneOthersHave) {
+  Take(7, "cube", "", "ball");
+  EXPECT_TRUE(room_.IsTaken("cube", "ball", 8));
+  EXPECT_TRUE(room_.IsTaken("cube", "", 8));
+  EXPECT_FALSE(room_.IsTaken("cube", "stick", 8));
+  EXPECT_FALSE(room_.IsTaken("cube", "ball", 7)) << "the own one";
+  EXPECT_FALSE(room_.IsTaken("other", "", 8));
+  room_.Release(7, "", 0);
+  EXPECT_FALSE(room_.IsTaken("cube", "ball", 8)) << "it is on its way out";
+}
+
 TEST_F(MouseRoomTest, LetsGoWhenTheServerRefusesAndPassesOnWhy) {
   Take(7);
   Session("mouse_1", palpate_SESSION_REFUSED, "tool 'ball' is driven by station 'a'");

@@ -5,33 +5,38 @@
 namespace palpate {
 namespace {
 
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
+constexpr std::int64_t kMillisecond_ns = 1'000'000, kBegin_ns = 100'000 * kMillisecond_ns;
 
 TEST(SignsOfLife, AreAskedForOnceASecondAndKeepAViewerThatAnswers) {
   SignsOfLife signs;
-  signs.Heard(100 * kSecond_ns);
   int asked = 0;
   for (std::int64_t ms = 0; ms < 60'000; ++ms) {
-    const std::int64_t now_ns = 100 * kSecond_ns + ms * 1'000'000;
-    ASSERT_FALSE(signs.gone(now_ns)) << ms;
-    if (!signs.Ask(now_ns)) continue;
+    ASSERT_TRUE(signs.Look(kBegin_ns + ms * kMillisecond_ns)) << ms;
+    if (!signs.Ask()) continue;
     ++asked;
-    signs.Heard(now_ns + 1'000'000);
+    signs.Heard();
   }
   EXPECT_NEAR(asked, 60, 1);
 }
 
 TEST(SignsOfLife, AreGivenUpAfterThreeSecondsOfSilence) {
   SignsOfLife signs;
-  signs.Heard(100 * kSecond_ns);
+  signs.Look(kBegin_ns);
+  signs.Heard();
   int asked = 0;
   for (std::int64_t ms = 0; ms <= 3000; ++ms) {
-    const std::int64_t now_ns = 100 * kSecond_ns + ms * 1'000'000;
-    ASSERT_FALSE(signs.gone(now_ns));
-    asked += signs.Ask(now_ns);
+    ASSERT_TRUE(signs.Look(kBegin_ns + ms * kMillisecond_ns));
+    asked += signs.Ask();
   }
   EXPECT_EQ(asked, 3);
-  EXPECT_TRUE(signs.gone(103 * kSecond_ns + 1));
+  EXPECT_FALSE(signs.Look(kBegin_ns + 3001 * kMillisecond_ns));
+}
+
+TEST(SignsOfLife, AreNotMissedWhileNobodyLooks) {
+  SignsOfLife signs;
+  EXPECT_TRUE(signs.Look(kBegin_ns)) << "it has just taken a tool";
+  EXPECT_TRUE(signs.Look(kBegin_ns + 10'000 * kMillisecond_ns)) << "the gateway was held up";
+  EXPECT_FALSE(signs.Ask()) << "what came meanwhile is yet to be read";
 }
 
 }  // namespace

@@ -11,13 +11,9 @@
 #include <thread>
 #include <utility>
 
-#include <nlohmann/json.hpp>
-#include <spdlog/fmt/chrono.h>
 #include <spdlog/fmt/fmt.h>
 
-#include "client/replayer/score/score_plot.h"
 #include "common/error.h"
-#include "common/files/output.h"
 #include "common/files/whole_file.h"
 #include "common/realtime/steady_clock.h"
 #include "common/text/quoted.h"
@@ -26,25 +22,6 @@ namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
-
-const std::vector<const char*> kVerified = {
-    "Each seal bears the signature of the key that is named above, and says whose trial it is.",
-    "Each recording is the one that was sealed: its SHA-256 is the seal's.",
-    "Each force that the server answered was computed again by this version, from the recorded "
-    "motion and scene, and is the same in every bit.",
-    "No recording and no session was handed in twice."};
-const std::vector<const char*> kNotVerified = {
-    "Who held the stylus or the mouse: a seal says with whose link the page was opened.",
-    "Where the motion came from: the server believes what a station says of its hand.",
-    "That only the server has the key: it lies in the course's folder, and who reads that folder "
-    "can "
-    "seal what he likes.  The teacher, and whoever runs the server, are trusted.",
-    "The times: they are those of the server's clock.",
-    "Points: they are computed from the recordings, by palpate-replay score."};
-
-std::string TimeText(std::int64_t s) {
-  return fmt::format("{:%F %T} UTC", fmt::gmtime(static_cast<std::time_t>(s)));
-}
 
 std::string EndsIn(const std::string& text, const char* ending) {
   return text.substr(0, text.size() - std::string_view(ending).size());
@@ -208,121 +185,6 @@ void CompareToRoll(const std::string& folder, const SealKey& key, Certificate& c
   }
 }
 
-std::string WordsOf(const SealedVerdict& trial) {
-  std::string text = trial.refused.empty() ? "" : trial.refused;
-  if (!trial.seal || !text.empty()) return text;
-  if (trial.seal->recording.empty()) {
-    text = "nothing was recorded";
-  } else if (trial.wrenches == 0) {
-    text = "nothing was done in it";
-  } else {
-    text = fmt::format("{:.1f} s, {} forces, every bit", trial.recorded_s, trial.wrenches);
-  }
-  if (!trial.seal->whole) text += "; cut short (" + trial.seal->reason + ")";
-  if (!trial.counts) text += "; does not count: it was done again";
-  return text;
-}
-
-std::string Sentence(const Certificate& certificate) {
-  const auto refused = std::ranges::count_if(
-      certificate.trials, [](const SealedVerdict& trial) { return !trial.refused.empty(); });
-  return fmt::format(
-      "{}: {} of {} trials verified{}", certificate.good() ? "VERIFIED" : "NOT VERIFIED",
-      static_cast<std::ptrdiff_t>(certificate.trials.size()) - refused, certificate.trials.size(),
-      certificate.missing.empty() ? "" : fmt::format(", {} missing", certificate.missing.size()));
-}
-
-std::vector<std::string> Facts(const Certificate& certificate) {
-  std::vector<std::string> facts = {
-      "exam: " + (certificate.exam.empty() ? "none" : certificate.exam), "key: " + certificate.key,
-      "by: palpate " PALPATE_VERSION ", " + TimeText(certificate.verified_s)};
-  const std::optional<Roll>& roll = certificate.roll;
-  facts.push_back(roll ? fmt::format("roll: {} trials, open from {} to {}", roll->trials.size(),
-                                     TimeText(roll->opened_s), TimeText(roll->closed_s))
-                       : "roll: there is none, so whether something was left out is not verified");
-  return facts;
-}
-
-nlohmann::ordered_json JsonOf(const Certificate& certificate) {
-  nlohmann::ordered_json json{{"good", certificate.good()},
-                              {"exam", certificate.exam},
-                              {"key", certificate.key},
-                              {"version", PALPATE_VERSION},
-                              {"verified_s", certificate.verified_s},
-                              {"took_s", certificate.took_s},
-                              {"roll", certificate.roll.has_value()},
-                              {"missing", certificate.missing},
-                              {"verified", kVerified},
-                              {"not_verified", kNotVerified},
-                              {"trials", nlohmann::ordered_json::array()}};
-  for (const SealedVerdict& trial : certificate.trials) {
-    nlohmann::ordered_json one{{"file", trial.file},
-                               {"refused", trial.refused},
-                               {"wrenches", trial.wrenches},
-                               {"recorded_s", trial.recorded_s},
-                               {"counts", trial.counts}};
-    if (const auto& seal = trial.seal) {
-      one["person"] = seal->person;
-      one["name"] = seal->name;
-      one["task"] = seal->task;
-      one["exercise"] = seal->exercise;
-      one["n"] = seal->n;
-      one["recording"] = seal->recording;
-      one["sha256"] = seal->sha256;
-      one["exercise_sha256"] = seal->exercise_sha256;
-      one["criteria_sha256"] = seal->criteria_sha256;
-      one["begun_s"] = seal->begun_s;
-      one["ended_s"] = seal->ended_s;
-      one["whole"] = seal->whole;
-      one["reason"] = seal->reason;
-    }
-    json["trials"].push_back(one);
-  }
-  return json;
-}
-
-std::string Html(const Certificate& certificate) {
-  std::string page = fmt::format(
-      "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>Certificate: {0}</title>"
-      "<style>{1}body {{ font: 14px/1.45 system-ui, sans-serif; max-width: 60rem; margin: 2rem "
-      "auto; "
-      "padding: 0 1rem; background: var(--paper); color: var(--ink) }} table {{ border-collapse: "
-      "collapse; width: 100% }} th, td {{ text-align: left; padding: .3rem .6rem; border-bottom: "
-      "1px "
-      "solid var(--line); vertical-align: top }} td:last-child {{ overflow-wrap: anywhere }} "
-      ".refused "
-      "{{ color: var(--alarm) }} @media print {{ body {{ background: #fff; color: #000 }} "
-      "}}</style>"
-      "<h1>Certificate</h1><p><b>{2}</b></p><ul>",
-      Escaped(certificate.exam), kScorePagePalette, Escaped(Sentence(certificate)));
-  const auto add_list = [&](const auto& lines) {
-    for (const auto& line : lines) page += "<li>" + Escaped(line);
-    page += "</ul>\n";
-  };
-  add_list(Facts(certificate));
-  page += "<table><tr><th>Person<th>Task<th>Handed in<th>SHA-256<th>Verdict\n";
-  for (const SealedVerdict& trial : certificate.trials) {
-    const Seal seal = trial.seal.value_or(Seal{});
-    page += fmt::format(
-        "<tr><td>{}<td>{}<td>{}<td><code>{}</code><td{}>{}\n",
-        Escaped(trial.seal ? fmt::format("{} ({})", seal.name, seal.person) : trial.file),
-        trial.seal ? fmt::format("{}: {}", seal.task, Escaped(seal.exercise)) : "",
-        trial.seal ? TimeText(seal.ended_s) : "", seal.sha256.substr(0, 16),
-        trial.refused.empty() ? "" : " class=\"refused\"",
-        Escaped((trial.refused.empty() ? "verified: " : "refused: ") + WordsOf(trial)));
-  }
-  page += "</table>";
-  if (!certificate.missing.empty()) {
-    page += "<h2>Missing</h2><ul class=\"refused\">";
-    add_list(certificate.missing);
-  }
-  page += "<h2>What was verified</h2><ul>";
-  add_list(kVerified);
-  page += "<h2>What was not</h2><ul>";
-  add_list(kNotVerified);
-  return page + "</html>\n";
-}
-
 }  // namespace
 
 bool Certificate::good() const {
@@ -362,43 +224,6 @@ Certificate VerifySealed(const SealedOptions& options) {
   if (!is_one) CompareToRoll(options.folder, key, certificate);
   certificate.took_s = 1e-9 * static_cast<double>(SteadyNanoseconds() - began_ns);
   return certificate;
-}
-
-std::string ToText(const Certificate& certificate) {
-  std::string text = Sentence(certificate) + "\n";
-  for (const std::string& fact : Facts(certificate)) text += "  " + Printable(fact) + "\n";
-  text += "\n";
-  for (const SealedVerdict& trial : certificate.trials) {
-    text +=
-        fmt::format("{:<9} {}: {}\n", trial.refused.empty() ? "verified" : "REFUSED",
-                    trial.seal ? fmt::format("{} (person {}), task {} {}, trial {}",
-                                             trial.seal->name, trial.seal->person, trial.seal->task,
-                                             trial.seal->exercise, trial.seal->n)
-                               : Printable(trial.file),
-                    Printable(WordsOf(trial)));
-  }
-  for (const std::string& line : certificate.missing) text += "MISSING   " + Printable(line) + "\n";
-  text += "\nWhat was verified\n";
-  for (const char* line : kVerified) text += fmt::format("  - {}\n", line);
-  text += "What was not\n";
-  for (const char* line : kNotVerified) text += fmt::format("  - {}\n", line);
-  return text;
-}
-
-void WriteJson(const Certificate& certificate, const std::string& file) {
-  WriteOutput(
-      "--json", file,
-      JsonOf(certificate).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) +
-          "\n");
-}
-
-void WriteCertificate(const Certificate& certificate, const std::string& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw Error(folder + ": " + error.message() + "; give --out another place");
-  WriteOutput("--out", folder + "/certificate.txt", ToText(certificate));
-  WriteOutput("--out", folder + "/certificate.html", Html(certificate));
-  WriteJson(certificate, folder + "/certificate.json");
 }
 
 }  // namespace palpate

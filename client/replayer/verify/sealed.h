@@ -48,10 +48,4 @@ struct Certificate {
 /// there is no exam.
 Certificate VerifySealed(const SealedOptions& options);
 
-std::string ToText(const Certificate& certificate);
-/// @param file  "-" is stdout.  Throws Error.
-void WriteJson(const Certificate& certificate, const std::string& file);
-/// certificate.txt, .json and .html, which prints, into a folder, which is made.  Throws Error.
-void WriteCertificate(const Certificate& certificate, const std::string& folder);
-
 }  // namespace palpate

@@ -1,13 +1,15 @@
-#include "client/replayer/verify/sealed.h"
-
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <random>
+#include <regex>
+#include <set>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
+#include "client/replayer/verify/certificate.h"
 #include "common/files/whole_file.h"
 #include "common/text/hex16.h"
 #include "scenes/catalogue.h"
@@ -130,6 +132,11 @@ TEST_F(SealedTest, IsVerifiedInEveryBitAndTheCertificateSaysWhatWasNot) {
   EXPECT_THAT(ToText(certificate), HasSubstr("there is none, so whether something was left out"));
   WriteCertificate(certificate, folder_ / "out");
   EXPECT_THAT(Read("out/certificate.html"), HasSubstr("<td>Anna (3)<td>1: "));
+  EXPECT_THAT(Read("out/certificate.html"),
+              HasSubstr("<a href=\"certificate.de.html\" lang=\"de\""));
+  EXPECT_THAT(Read("out/certificate.de.html"), HasSubstr("GEPRÜFT: 2 von 2"));
+  EXPECT_THAT(Read("out/certificate.de.html"), HasSubstr("bestätigt: 0,0 s, 50 Kräfte"));
+  EXPECT_THAT(Read("out/certificate.zh.html"), HasSubstr("2 次操作中 2 次已验证"));
   EXPECT_THAT(Read("out/certificate.json"), HasSubstr("\"good\": true"));
 }
 
@@ -249,6 +256,25 @@ TEST_F(SealedTest, OfSeveralExamsIsVerifiedForTheOneThatIsNamed) {
   options.key = folder_ / SealKey::kPublicFile;
   options.exam = "final";
   EXPECT_EQ(VerifySealed(options).trials.size(), 1u);
+}
+
+TEST(CertificateCatalogues, SayAllThatTheEnglishOneSays) {
+  const auto placeholders = [](const std::string& text) {
+    static const std::regex kPlaceholder("\\{\\w+\\}");
+    return std::set<std::string>(std::sregex_token_iterator(text.begin(), text.end(), kPlaceholder),
+                                 std::sregex_token_iterator());
+  };
+  const auto english = nlohmann::json::parse(kCertificateCatalogues.front().second);
+  for (const auto& [tag, text] : kCertificateCatalogues) {
+    const auto catalogue = nlohmann::json::parse(text);
+    EXPECT_EQ(catalogue.size(), english.size()) << tag;
+    for (const auto& [key, words] : english.items()) {
+      ASSERT_TRUE(catalogue.contains(key)) << tag << ": " << key;
+      EXPECT_EQ(catalogue[key].size(), words.size()) << tag << ": " << key;
+      EXPECT_EQ(placeholders(catalogue[key].dump()), placeholders(words.dump()))
+          << tag << ": " << key;
+    }
+  }
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-import {say} from "../messages/say";
+import {locale, say} from "../messages/say";
 import {
   type ClassHistory,
   fetchHistory,
@@ -123,7 +123,10 @@ export class HistoryRoom {
     const of = this.person === 0 ? "class" : String(this.person);
     this.tell(say("history.wait"));
     const name = `palpate-${this.person === 0 ? "class" : this.name}.${as}`;
-    const had = await saveHistory(`${of}.${as}`, name, this.events.headers());
+    // Spreadsheets take a comma for what stands between two numbers only where it is not within them.
+    const isComma = as === "csv" && (0.5).toLocaleString(locale()).includes(",");
+    const file = `${of}.${isComma ? "comma." : ""}${as}`;
+    const had = await saveHistory(file, name, this.events.headers());
     this.tell(had ? "" : say("history.not_had"), !had);
   }
 
