@@ -52,7 +52,7 @@ inline constexpr double kJamCompliance = 1e-5;
 /// @param rows    any count, all finite.  Duplicates, parallels and zero rows are allowed; one
 ///                shorter than 1e-75 is a zero row.
 /// @param guess,guesses  rows that were active last time, most useful first; may repeat.
-/// Plain C++; for many rows server/physics/solve/qp_solver.h has it by the processor's widest
+/// Plain C++; for many rows Kernels::solve (server/physics/simd) has it by the processor's widest
 /// vectors.
 /// Real-time: no allocation, lock, log or clock.  Deterministic: equal inputs, equal bits.
 QpResult SolveNearestPoint(const double* t, const QpRows& rows, const int* guess,

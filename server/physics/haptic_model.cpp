@@ -60,8 +60,8 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObje
   };
   positive(parameters_.stiffness, "stiffness");
   positive(parameters_.torsional_stiffness, "torsional_stiffness");
-  positive(parameters_.max_translation, "max_translation");
-  positive(parameters_.max_substeps, "max_substeps");
+  positive(parameters_.widest_step, "widest_step");
+  positive(parameters_.sub_steps, "sub_steps");
   positive(parameters_.max_rows, "max_rows");
   positive(parameters_.separation, "separation");
   positive(parameters_.iterates, "iterates");
@@ -90,9 +90,6 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObje
     const double longest = std::max(lever, limits::kShortestLever);
     parameters_.max_rotation =
         std::min(std::sqrt(2.0 * parameters_.max_truncation / longest), limits::kMostRotation);
-  }
-  if (parameters_.features.compliance) {
-    soft_ = SoftLeaves::Make(this->objects(), parameters_.stiffness);
   }
   if (cutting_) SetCutting();
   if (!cutting_ && !solids().empty() && boxes().empty()) {

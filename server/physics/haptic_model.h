@@ -14,7 +14,6 @@
 #include "server/physics/surface/block_bodies.h"
 #include "server/physics/surface/contact_bodies.h"
 #include "server/physics/surface/felt_solids.h"
-#include "server/physics/tree/soft_leaves.h"
 #include "server/physics/tree/sphere_tree_query.h"
 
 namespace palpate {
@@ -76,8 +75,8 @@ class HapticModel {
   std::span<const ContactBody> boxes() const { return objects_->boxes(); }
   const UncutBodies& uncut() const { return objects_->uncut(); }
   const ObjectForest* insides() const { return objects_->insides(); }
-  /// Null unless the features name compliance and some leaf is soft.
-  const SoftLeaves* soft_leaves() const { return soft_.get(); }
+  /// Whether the features name compliance and some leaf is soft.
+  bool yields() const { return parameters_.features.compliance && objects().yields(); }
   /// Null where the tool is no bur.
   const Cutting* cutting() const { return cutting_ ? &*cutting_ : nullptr; }
   const Effects& effects() const { return effects_; }
@@ -106,7 +105,6 @@ class HapticModel {
   std::unique_ptr<const ToolTree> tool_;
   std::unique_ptr<const ContactBody> tool_body_;
   std::shared_ptr<const SceneObjects> objects_;
-  std::unique_ptr<const SoftLeaves> soft_;
   std::optional<Cutting> cutting_;
   std::vector<BurSample> bur_samples_;
   double bur_lever_ = 0.0;

@@ -9,15 +9,12 @@
 #include "server/physics/contact/sub_step.h"
 #include "server/physics/contact/touch_rows.h"
 #include "server/physics/limits.h"
-#include "server/physics/solve/chapter_friction.h"
 #include "server/physics/solve/clear_way.h"
 #include "server/physics/solve/contact_report.h"
-#include "server/physics/solve/coulomb_friction.h"
+#include "server/physics/solve/friction.h"
 #include "server/physics/solve/nearest_step.h"
 #include "server/physics/solve/response.h"
-#include "server/physics/solve/round_creases.h"
 #include "server/physics/solve/step_bounds.h"
-#include "server/physics/solve/step_buffers.h"
 #include "server/physics/solve/step_context.h"
 #include "server/physics/stage_clock.h"
 
@@ -83,9 +80,9 @@ bool Begin(const Pose& X_WH, StepContext& context) {
 
 /// The rows of a bur where a sub-step begins.
 void BeginCutting(StepContext& context, double reach) {
-  Energies& energies = *context.buffers.energies;
-  if (!context.state.cutting) return energies.BeginAtRest();
-  energies.Begin(context.tools.p_G, context.tools.q_G, context.state.cuts, reach);
+  const std::span cuts =
+      context.state.cutting ? std::span(context.state.cuts) : std::span<CutField>();
+  context.buffers.energies->Begin(context.tools.p_G, context.tools.q_G, cuts, reach);
 }
 
 /// A further sub-step between leaves, or of a bur, is taken to cost what the last one did.
@@ -95,7 +92,7 @@ bool GoesOn(const StepContext& context) {
     return false;
   }
   if (parameters.looks - context.cost.looks < parameters.looks / 4) return false;
-  return context.report.substeps < parameters.max_substeps && !context.arrived &&
+  return context.report.substeps < parameters.sub_steps && !context.arrived &&
          context.cost.packet_pairs + context.cost.last <= limits::kMaxTested &&
          !context.IsUnsolved();
 }

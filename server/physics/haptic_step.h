@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-struct StepBuffers;  // solve/step_buffers.h
+struct StepBuffers;  // solve/step_context.h
 
 /// Whether the tool cuts in a step to X_WH: what each step asks first.  An edge does so as long as
 /// the hand draws it in its sense, which of the state changes `drawn`.

@@ -71,7 +71,7 @@ inline constexpr double kRadiusMargin = 1e-6;
 /// a coordinate, sqrt(3) for three of them, 5e-7; four times that.
 inline constexpr double kPoseMargin = 2e-6;
 
-// --- Soft leaves (tree/soft_leaves.h). ---
+// --- Soft leaves (rows/soft_rows.h). ---
 
 /// How far a soft leaf lets itself be entered, as a share of its radius: inside is a rigid core
 /// with the same centre.  The force goes on without a jump where the core is met, only its slope
@@ -86,8 +86,7 @@ namespace energy {
 /// of x times this, for each row.
 inline constexpr double kRigid = 1e8;
 /// Turns of Newton's method.  Two or three are usual; 60,000 random problems of soft rows, up to
-/// 10^7 times as stiff as the coupling, took fewer than 60, and 16,000 with thresholds TURNS at
-/// most.
+/// 10^7 times as stiff as the coupling, took fewer than 60, and 16,000 with thresholds 39 at most.
 inline constexpr int kTurns = 100;
 /// Turns before springs are made softer, and with springs of one softness: taken.  A bur that moves
 /// on as it did takes one or two.
@@ -133,7 +132,7 @@ inline constexpr double kRelief = 0.25881904510252074;
 inline constexpr double kDraw = 40e-6;
 }  // namespace cutting
 
-/// Friction (solve/coulomb_friction.h, solve/chapter_friction.h).  Forces are over k_t, so lengths
+/// Friction (solve/friction.h).  Forces are over k_t, so lengths
 /// [m]; "size" is the length of the hand's offset and what the contacts take off it.
 namespace friction {
 /// Cycles without slip [ms at 1 kHz] after which a contact holds with mu_s again.  Static friction
@@ -278,7 +277,7 @@ inline constexpr double kCoreDepth = 1e-4;
 
 // --- A start inside an object (start_pose.h).  Not on the servo path. ---
 
-/// Strides outward over max_translation: 1 mm, which the walk back makes good.
+/// Strides outward over the widest step: 1 mm, which the walk back makes good.
 inline constexpr double kStartStride = 2.0;
 /// Steps back at most: 2.5 m with a sub-step each, 20 m in free space with eight.
 inline constexpr int kLongestWalk = 5000;

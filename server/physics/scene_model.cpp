@@ -63,17 +63,11 @@ std::shared_ptr<const SceneObjects> MakeObjects(const Scene& scene) {
 
 HapticModel MakeModel(const Scene& scene, const Body& tool,
                       std::shared_ptr<const SceneObjects> objects) {
-  StepParameters parameters;
+  if (const std::string fault = TuningFault(scene.tuning); !fault.empty())
+    throw Error("step: " + fault);
+  StepParameters parameters{scene.tuning};
   parameters.stiffness = scene.coupling.stiffness;
   parameters.torsional_stiffness = scene.coupling.torsional_stiffness;
-  const StepTuning& tuning = scene.tuning;
-  if (const std::string fault = TuningFault(tuning); !fault.empty()) throw Error("step: " + fault);
-  parameters.separation = tuning.separation;
-  parameters.max_translation = tuning.widest_step;
-  parameters.max_substeps = tuning.sub_steps;
-  parameters.iterates = tuning.iterates;
-  parameters.looks = tuning.looks;
-  parameters.still_cycles = tuning.still_cycles;
   parameters.features = scene.features;
   return HapticModel(tool.tree, std::move(objects), parameters, &tool.mesh,
                      tool.bur ? std::optional(CuttingOf(*tool.bur)) : std::nullopt,

@@ -4,7 +4,7 @@
 
 #include "server/physics/contact/sub_step.h"
 #include "server/physics/limits.h"
-#include "server/physics/solve/step_buffers.h"
+#include "server/physics/solve/step_context.h"
 #include "server/physics/tree/sphere_tree_query.h"
 
 namespace palpate {
@@ -63,7 +63,7 @@ double LongestWayOut(const HapticModel& model, const Vec3& from) {
 
 /// Between two places on a way out [m].
 double StrideOf(const HapticModel& model) {
-  double stride = limits::kStartStride * model.parameters().max_translation;
+  double stride = limits::kStartStride * model.parameters().widest_step;
   for (const CutSolid& solid : model.solids()) {
     stride = std::min<double>(stride, solid.grid->field().band());
   }

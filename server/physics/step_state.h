@@ -2,6 +2,7 @@
 
 #include <array>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "common/math/pose.h"
@@ -46,7 +47,16 @@ struct StepState {
   /// Allocates what the model's features need: objects are whole, and nothing is known of what
   /// keeps their meshes from the tool's.  A state made without its model cuts nothing, and its
   /// first step between meshes allocates.
-  explicit StepState(const HapticModel& model);
+  explicit StepState(const HapticModel& model) : effects(model.effects().Begin()) {
+    if (model.tool_body() != nullptr) {
+      front.Reserve();
+      if (!model.boxes().empty()) felt = FeltSolids(model.uncut());
+    }
+    cutting = model.cutting() == nullptr || !model.cutting()->sense;
+    for (const CutSolid& solid : model.solids()) {
+      cuts.emplace_back(*solid.grid, kMostGridBytes, "solid " + std::to_string(cuts.size()));
+    }
+  }
 
   Pose X_WG;                            ///< graphic tool
   Pose X_WH;                            ///< haptic tool: how far the hand moved sets the bounds

@@ -7,6 +7,7 @@
 
 #include "common/math/pose.h"
 #include "common/step_fault.h"
+#include "common/step_tuning.h"
 #include "scenes/scene.h"
 #include "scenes/sphere_tree.h"
 #include "server/physics/contact_id.h"
@@ -24,23 +25,15 @@ struct PlacedTree {
   bool is_cut = false;                            ///< felt as a CutSolid
 };
 
-/// Constants of the step that a scene or a benchmark may set; limits.h derives them.  Zero means
-/// "derived", by the rule in the comment.
-struct StepParameters {
+/// Constants of the step that a scene or a benchmark may set (StepTuning has those that a
+/// researcher may vary); limits.h derives them.  Zero means "derived", by the rule in the comment.
+struct StepParameters : StepTuning {
   double stiffness = limits::kStiffness;                     ///< k_t [N/m]
   double torsional_stiffness = limits::kTorsionalStiffness;  ///< k_r [N m/rad]
-  /// Greatest bound on |v| of one sub-step [m].
-  double max_translation = limits::kMaxTranslation;
   /// Greatest bound on |phi| of one sub-step [rad].  0: sqrt(2 e / L) with e = max_truncation and L
   /// the tool's longest lever arm, so that linearising a rotation is never off by more than e.
   double max_rotation = 0.0;
-  double max_truncation = 0.0;              ///< [m]; 0: kMaxTruncation of the contact (limits.h)
-  int max_substeps = limits::kMaxSubsteps;  ///< per cycle; a count, never a clock
-  /// Between meshes (StepTuning): what contact keeps [m]; iterates of a sub-step, looks of a cycle.
-  double separation = limits::mesh::kSeparation;
-  int iterates = limits::mesh::kIterates;
-  int looks = limits::mesh::kMaxLooks;
-  int still_cycles = limits::friction::kStillCycles;  ///< without slip, until mu_s holds again
+  double max_truncation = 0.0;  ///< [m]; 0: kMaxTruncation of the contact (limits.h)
   int max_rows = limits::kMaxRows;
   Features features{.contact = ContactModel::kSpheres};
 };

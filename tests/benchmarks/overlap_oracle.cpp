@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "server/physics/tree/soft_leaves.h"
+#include "server/physics/tree/sphere_tree_query.h"
 
 namespace palpate::bench {
 

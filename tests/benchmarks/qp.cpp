@@ -11,7 +11,7 @@
 #include "common/error.h"
 #include "server/physics/rows/contact_prediction.h"
 #include "server/physics/rows/contact_rows.h"
-#include "server/physics/solve/qp_solver.h"
+#include "server/physics/simd/kernels.h"
 #include "server/physics/solve/response.h"
 #include "tests/benchmarks/commands.h"
 #include "tests/benchmarks/figures.h"
@@ -111,7 +111,7 @@ std::vector<Problem> ProblemsOf(const Options& options) {
   }
   ContactPrediction prediction(model);
   ContactRows rows(model.parameters().max_rows, PairQuery::kMaxBatch, 6, model.rotation_length());
-  const StepBounds widest{model.parameters().max_translation, model.parameters().max_rotation};
+  const StepBounds widest{model.parameters().widest_step, model.parameters().max_rotation};
   StepState state = run.Start();
   std::vector<Problem> problems;
   for (const Pose& X_WH : run.poses()) {
@@ -221,16 +221,15 @@ void Measure(const Options& options, std::vector<Problem>& problems, bool warm_f
   int unsolved = 0, relaxed = 0;
   for (Problem& problem : problems) {
     const QpRows& rows = columns.Write(problem);
-    const QpResult result = SolveNearestPoint<6>(ActiveKernels(), problem.target, rows, nullptr, 0);
+    const QpResult result = ActiveKernels().solve(problem.target, 6, rows, nullptr, 0);
     residual = std::max(residual, KktResidual(problem, result));
     unsolved += result.status == QpStatus::kIterationLimit;
     relaxed += result.status == QpStatus::kRelaxed;
     row_counts.push_back(problem.rows());
     iterations.push_back(result.iterations);
     if (!warm_from_step) problem.guess.assign(result.row, result.row + result.active);
-    const QpResult warm =
-        SolveNearestPoint<6>(ActiveKernels(), problem.target, rows, problem.guess.data(),
-                             static_cast<int>(problem.guess.size()));
+    const QpResult warm = ActiveKernels().solve(problem.target, 6, rows, problem.guess.data(),
+                                                static_cast<int>(problem.guess.size()));
     residual = std::max(residual, KktResidual(problem, warm));
   }
   BestOf cold_us, warm_us;
@@ -243,8 +242,8 @@ void Measure(const Options& options, std::vector<Problem>& problems, bool warm_f
         const QpRows& rows = columns.Write(problem);
         const auto begin = std::chrono::steady_clock::now();
         const QpResult result =
-            SolveNearestPoint<6>(ActiveKernels(), problem.target, rows, problem.guess.data(),
-                                 warm ? static_cast<int>(problem.guess.size()) : 0);
+            ActiveKernels().solve(problem.target, 6, rows, problem.guess.data(),
+                                  warm ? static_cast<int>(problem.guess.size()) : 0);
         const auto end = std::chrono::steady_clock::now();
         sink += result.x[0];
         us.push_back(std::chrono::duration<double, std::micro>(end - begin).count());

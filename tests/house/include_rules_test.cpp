@@ -45,7 +45,7 @@ std::vector<std::string> Check(const std::string& path, const std::string& text)
                                                "server/physics/start_pose.h",
                                                "server/physics/step_types.h",
                                                "server/physics/surface/contact_bodies.h",
-                                               "server/physics/tree/soft_leaves.h",
+                                               "server/physics/tree/sphere_tree_query.h",
                                                "server/session/servo_loop.h"};
   return IncludeViolations(path, text, [](const std::string& f) { return kFiles.contains(f); });
 }
@@ -105,7 +105,7 @@ TEST(IncludeRules, KeepEachFolderToWhatItsRuleNamesAndSayFileAndLine) {
 TEST(IncludeRules, LetEachFloorLookDownAndNoneUp) {
   const std::vector<std::vector<std::string>> houses_from_the_bottom_up = {
       {"server/physics/limits.h", "server/physics/simd/kernels.h", "server/physics/step_types.h",
-       "server/physics/tree/soft_leaves.h", "server/physics/surface/contact_bodies.h",
+       "server/physics/tree/sphere_tree_query.h", "server/physics/surface/contact_bodies.h",
        "server/physics/haptic_model.h", "server/physics/rows/contact_rows.h",
        "server/physics/solve/response.h", "server/physics/haptic_step.h",
        "server/physics/start_pose.h"},

@@ -244,8 +244,7 @@ class FailingSolver {
     real_ = &ActiveKernels();
     left_ = call;
     with_nan_ = with_nan;
-    spoilt_.solve_6 = [](auto... args) { return Spoil(real_->solve_6(args...)); };
-    spoilt_.solve_3 = [](auto... args) { return Spoil(real_->solve_3(args...)); };
+    spoilt_.solve = [](auto... args) { return Spoil(real_->solve(args...)); };
     UseKernels(spoilt_);
   }
   ~FailingSolver() { UseKernels(*real_); }

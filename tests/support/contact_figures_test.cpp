@@ -67,7 +67,7 @@ struct SlowTool {
     return MeasureContact(ContactPath{scene, model, workspace, start, hand}, checks);
   }
   static StepParameters Slow(StepParameters parameters) {
-    parameters.max_substeps = 1;
+    parameters.sub_steps = 1;
     return parameters;
   }
 

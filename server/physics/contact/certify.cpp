@@ -1,11 +1,10 @@
-#include "server/physics/contact/certify.h"
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <functional>
 #include <limits>
 
+#include "server/physics/contact/sub_step.h"
 #include "server/physics/limits.h"
 #include "server/physics/surface/separating_plane.h"
 

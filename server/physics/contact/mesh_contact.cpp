@@ -1,7 +1,5 @@
 #include "server/physics/contact/mesh_contact.h"
 
-#include <utility>
-
 namespace palpate {
 namespace {
 
@@ -37,16 +35,6 @@ Touch& MeshContact::TouchOf(NearPairs::Index k) {
     touches.push_back(TouchAt(meshes, pair.nodes, motion.from));
   }
   return touches[static_cast<std::size_t>(pair.touch)];
-}
-
-const Touch* MeshContact::TouchOfRow(int row) const {
-  const auto r = static_cast<std::size_t>(row);
-  if (r >= of_rows.touch.size() || of_rows.touch[r] < 0) return nullptr;
-  return &touches[static_cast<std::size_t>(of_rows.touch[r])];
-}
-
-Touch* MeshContact::TouchOfRow(int row) {
-  return const_cast<Touch*>(std::as_const(*this).TouchOfRow(row));
 }
 
 }  // namespace palpate

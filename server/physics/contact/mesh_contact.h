@@ -10,9 +10,9 @@ namespace palpate {
 
 /// Which rows of a ContactRows belong to touches, and what they ask for.
 struct TouchRows {
-  std::vector<std::int32_t> touch;  ///< of each row: its touch; -1 or beyond the end: of leaves
-  std::vector<double> regain;       ///< of each row: asked for beyond what its pair has [m]
-  bool regains = true;              ///< whether rows ask for more than their pairs have
+  std::vector<Touch*> touch;   ///< of each row: its touch; null or beyond the end: of leaves
+  std::vector<double> regain;  ///< of each row: asked for beyond what its pair has [m]
+  bool regains = true;         ///< whether rows ask for more than their pairs have
 };
 
 /// A row that was taken out of its touch, and can be put back.
@@ -24,7 +24,7 @@ struct ReleasedRow {
 };
 
 /// What one sub-step between a tool and bodies knows: data, which the functions of this folder read
-/// and write (certify.h, touch_rows.h, reconcile.h), in the order that sub_step.h gives them.  All
+/// and write (touch_rows.h, reconcile.h), in the order that sub_step.h gives them.  All
 /// its memory is allocated when it is made.
 struct MeshContact {
   /// @param max_rows    of the ContactRows that it is going to fill.
@@ -53,8 +53,10 @@ struct MeshContact {
     return pair.touch >= 0 || touches.size() < touches.capacity();
   }
   /// The touch whose row this is; null of leaves.
-  const Touch* TouchOfRow(int row) const;
-  Touch* TouchOfRow(int row);
+  Touch* TouchOfRow(int row) const {
+    const auto r = static_cast<std::size_t>(row);
+    return r < of_rows.touch.size() ? of_rows.touch[r] : nullptr;
+  }
 };
 
 }  // namespace palpate

@@ -10,9 +10,8 @@ using namespace limits::mesh;
 }  // namespace
 
 NearPairs::NearPairs(int looks)
-    : room_(std::min(RoomForNear(looks), SeparationFront::kMaxSlots)), storage_(9, room_) {
-  pairs_.reserve(room_);
-  after_.resize(room_);
+    : after_(std::min(RoomForNear(looks), SeparationFront::kMaxSlots)), storage_(9, after_.size()) {
+  pairs_.reserve(after_.size());
   seen_.resize(SeparationFront::kMaxSlots);
   found_.resize(SeparationFront::kMaxSlots + 8);
   for (std::size_t c = 0; c < 6; ++c) planes_.along[c] = storage_[c];
@@ -32,10 +31,12 @@ void NearPairs::Begin(const ToolAndBodies& meshes, SeparationFront& front, const
     std::fill(seen_.begin(), seen_.end(), 0u);
     substep_ = 1;
   }
-  if (front.empty()) front.Restart(meshes.tool, meshes.bodies, from, meshes.ForSolids());
-  if (from.p != front.now().p || from.q.coeffs() != front.now().q.coeffs()) {  // the pose was set
-    const double way = front.Move(from, meshes.tool.mesh.reach());
-    if (way > kSetFar) front.Restart(meshes.tool, meshes.bodies, from, meshes.ForSolids());
+  const auto was_set_far = [&] {
+    const bool is_there = from.p == front.now().p && from.q.coeffs() == front.now().q.coeffs();
+    return !is_there && front.Move(from, meshes.tool.mesh.reach()) > kSetFar;
+  };
+  if (front.empty() || was_set_far()) {
+    front.Restart(meshes.tool, meshes.bodies, from, meshes.ForSolids());
   }
 }
 
@@ -57,7 +58,7 @@ void NearPairs::Cover(double translation, double rotation, Looks& looks) {
   }
   for (int done = 0; done < count; done += kBatch) {
     // Those that are not brought up to date any more are not known to be apart.
-    full_ = looks.AreSpent() || pairs_.size() + kBatch > room_;
+    full_ = looks.AreSpent() || pairs_.size() + kBatch > after_.size();
     if (full_) return;
     Add(found_.data() + done, std::min(kBatch, count - done), way, looks);
   }
@@ -114,8 +115,21 @@ void NearPairs::SetPlanes(Index k, const Vec3& n_before, double before, const Ve
   after_[static_cast<std::size_t>(k)] = {n_after, after};
 }
 
+/// Its own plane now holds at every trial: its parts are looked at in its place.
+void NearPairs::Close(Index k) {
+  (*this)[k].split = true;
+  planes_.slack[k] = kInfinity;
+}
+
+void NearPairs::AddPart(SeparationFront::Index in_front, double radius, const Vec3& n,
+                        double slack) {
+  planes_.radius[size()] = radius;
+  Add(in_front);
+  SetPlane(size() - 1, n, slack);
+}
+
 bool NearPairs::Split(Index k, Looks& looks) {
-  if (pairs_.size() + 2 > room_) return false;
+  if (pairs_.size() + 2 > after_.size()) return false;
   const NodesOfPair& nodes = (*this)[k].nodes;
   const std::int32_t block = nodes.body->tree.BlockOf(nodes.object);
   if (block >= 0 && !meshes_->tool.tree.IsLarger(nodes.tool, nodes.body->tree, nodes.object)) {
@@ -126,14 +140,10 @@ bool NearPairs::Split(Index k, Looks& looks) {
   const SeparationFront::Index child =
       front_->Split((*this)[k].in_front, meshes_->tool.tree, (*this)[k].nodes.body->tree, n, slack);
   if (child < 0) return false;
-  // Its own plane now holds at every trial: its children are looked at in its place.
-  (*this)[k].split = true;
+  Close(k);
   for (int side = 0; side < 2; ++side) {
-    planes_.radius[size()] = front_->plane(child + side).radius;
-    Add(child + side);
-    SetPlane(size() - 1, n, slack);
+    AddPart(child + side, front_->plane(child + side).radius, n, slack);
   }
-  planes_.slack[k] = kInfinity;
   return true;
 }
 
@@ -148,16 +158,13 @@ bool NearPairs::Enter(Index k, std::int32_t block, Looks& looks) {
   const Vec3 n = Normal(k);
   const double slack = planes_.slack[k], radius = planes_.radius[k];
   front_->Set(i, n, slack);
-  (*this)[k].split = true;
-  planes_.slack[k] = kInfinity;
+  Close(k);
   if (felt.IsNothing(taken.body)) {
     front_->Enter(i, taken.body, std::nullopt);
     return true;
   }
   front_->Enter(i, taken.body, felt.Body(taken.body).tree.root());
-  planes_.radius[size()] = radius;
-  Add(i);
-  SetPlane(size() - 1, n, slack);
+  AddPart(i, radius, n, slack);
   return true;
 }
 

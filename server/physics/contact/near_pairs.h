@@ -47,7 +47,7 @@ class NearPairs {
   /// known, for a trial is mostly far shorter than the sub-step may be.
   void Cover(double translation, double rotation, Looks& looks);
   /// Most pairs that there can be: a power of two.
-  std::int64_t room() const { return static_cast<std::int64_t>(room_); }
+  std::int64_t room() const { return static_cast<std::int64_t>(after_.size()); }
   /// More pairs are near than may be brought up to date: none of the sub-step's trials is free.
   bool is_full() const { return full_; }
 
@@ -82,20 +82,21 @@ class NearPairs {
   };
   void Add(SeparationFront::Index in_front);
   void Add(const SeparationFront::Index* in_front, int count, double way, Looks& looks);
+  void AddPart(SeparationFront::Index in_front, double radius, const Vec3& n, double slack);
   void SetPlane(Index k, const Vec3& n, double slack);
+  void Close(Index k);
   void Merge(const ToolPose& at, Looks& looks);
   bool Enter(Index k, std::int32_t block, Looks& looks);
 
   const ToolAndBodies* meshes_ = nullptr;  ///< during a sub-step, as the front
   SeparationFront* front_ = nullptr;
   ToolPose from_{Vec3::Zero(), Quat::Identity()};
-  std::size_t room_;
   bool full_ = false;
   double covered_ = 0.0;  ///< way for which all pairs are here [m]
   std::uint32_t substep_ = 0;
   std::vector<std::uint32_t> seen_;  ///< of each of the front's slots: the sub-step it is near in
+  std::vector<Plane> after_;         ///< of each pair that there may be, at the trial's end
   std::vector<Pair> pairs_;
-  std::vector<Plane> after_;  ///< of each pair, at the trial's end
   AlignedColumns storage_;
   PlaneColumns planes_{};  ///< of each pair, at the beginning
   std::vector<std::int32_t> found_;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "server/physics/contact/certify.h"
 #include "server/physics/contact/touch_rows.h"
 #include "server/physics/limits.h"
 #include "server/physics/surface/separating_plane.h"

@@ -39,6 +39,25 @@ void FindLeastDepth(const ToolAndBodies& meshes, const ToolPose& at, Touch& touc
   }
 }
 
+/// Of planes that keep a touch apart by `least` at the motion's beginning, the one that it has most
+/// room along at the end.
+struct BestPlane {
+  const ToolAndBodies& meshes;
+  const Touch& touch;
+  const Motion& motion;
+  double least;
+  double room = -kInfinity;  ///< what a plane has to exceed at the end
+  ContactPlane plane{};
+
+  void Consider(const ContactPlane& other) {
+    if (!(GapAt(meshes, touch.nodes, touch, other, motion.from) >= least)) return;
+    const double gap = GapAt(meshes, touch.nodes, touch, other, motion.to);
+    if (gap <= room) return;
+    room = gap;
+    plane = other;
+  }
+};
+
 }  // namespace
 
 Corners ToolAndBodies::CornersAt(const NodesOfPair& triangles, const ToolPose& at) const {
@@ -102,16 +121,10 @@ ContactPlane ChoosePlane(const ToolAndBodies& meshes, const Touch& touch, const 
   if (touch.distance <= 0.0) return plane;
   if (!touch.in_cone) {
     // The touch is a neighbour's: its face, where that separates this pair as well.
-    const double least = meshes.margins.LeastAfter(touch.distance);
-    double best = -kInfinity;
-    ForEachFace(meshes, touch.nodes, touch.nearest, trial.from, [&](const ContactPlane& face) {
-      if (!(GapAt(meshes, touch.nodes, touch, face, trial.from) >= least)) return;
-      const double gap = GapAt(meshes, touch.nodes, touch, face, trial.to);
-      if (gap <= best) return;
-      best = gap;
-      plane = face;
-    });
-    if (best > -kInfinity) return plane;
+    BestPlane best{meshes, touch, trial, meshes.margins.LeastAfter(touch.distance)};
+    ForEachFace(meshes, touch.nodes, touch.nearest, trial.from,
+                [&](const ContactPlane& face) { best.Consider(face); });
+    if (best.plane.of != ContactPlane::Of::kNone) return best.plane;
   }
   if (b.kind == Feature::kVertex && a.kind != Feature::kVertex) {
     plane = {ContactPlane::Of::kTool, trial.from.R.transpose() * touch.u};
@@ -131,16 +144,10 @@ ContactPlane ChoosePlane(const ToolAndBodies& meshes, const Touch& touch, const 
 
 ContactPlane OtherPlane(const ToolAndBodies& meshes, const Touch& touch,
                         const NearestPoints& nearest, const Vec3& u, const Motion& trial) {
-  ContactPlane other;
   const double enough = meshes.margins.separation - meshes.margins.witness;
-  double best = enough;
+  BestPlane best{meshes, touch, trial, enough, enough};
   const auto consider = [&](const ContactPlane& plane) {
-    if (plane.of == touch.plane.of && plane.n == touch.plane.n) return;
-    if (!(GapAt(meshes, touch.nodes, touch, plane, trial.from) > enough)) return;
-    const double gap = GapAt(meshes, touch.nodes, touch, plane, trial.to);
-    if (gap <= best) return;
-    best = gap;
-    other = plane;
+    if (plane.of != touch.plane.of || plane.n != touch.plane.n) best.Consider(plane);
   };
   ForEachFace(meshes, touch.nodes, touch.nearest, trial.from, consider);
   ForEachFace(meshes, touch.nodes, nearest, trial.from, consider);
@@ -148,7 +155,7 @@ ContactPlane OtherPlane(const ToolAndBodies& meshes, const Touch& touch,
     consider(ContactPlane{ContactPlane::Of::kObject, n});
     consider(ContactPlane{ContactPlane::Of::kTool, trial.from.R.transpose() * n});
   }
-  return other;
+  return best.plane;
 }
 
 double TurnLoss(const ToolAndBodies& meshes, const Touch& touch, const ContactPlane& plane,

@@ -126,9 +126,8 @@ void SetRow(MeshContact& contact, Touch& touch, const TouchRow& of, ContactRows&
     if (rows.count() >= rows.max_rows()) return;
     row = rows.count();
     rows.AddRow(of.n, of.lever, of.before, IdOf(touch.nodes, of.slot));
-    of_rows.touch.resize(static_cast<std::size_t>(rows.count()), -1);
-    of_rows.touch[static_cast<std::size_t>(row)] =
-        static_cast<std::int32_t>(&touch - contact.touches.data());
+    of_rows.touch.resize(static_cast<std::size_t>(rows.count()), nullptr);
+    of_rows.touch[static_cast<std::size_t>(row)] = &touch;
   }
   const double before = GapBefore(contact, touch);
   const double asked = Asked(contact, before);

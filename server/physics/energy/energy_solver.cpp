@@ -169,7 +169,7 @@ class Newton {
     rows.b = transformed_[6];
     kernels_.transform_rows(rigid_, N, L_, inverse_diagonal_, scale, column, transformed_[6]);
     for (double& value : y) value *= scale;
-    result = (N == 6 ? kernels_.solve_6 : kernels_.solve_3)(y, rows, guess, guesses);
+    result = kernels_.solve(y, N, rows, guess, guesses);
     for (int r = 0; r < N; ++r) y[r] = result.x[r] / scale;
     Back(y, result.x);
     result.slack /= scale;

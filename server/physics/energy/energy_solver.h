@@ -15,10 +15,7 @@ namespace palpate {
 /// its least point is a nearest point, under the rows L^-1 a.  Where the same pieces count there,
 /// that is the solution.  Where a step overshoots, a search along it ends in less (Pang & Qi, J.
 /// Optim. Theory Appl. 85 (1995) 633-648), so that no cycle is possible.
-///
-/// Thresholds make a fold of each row, and Newton's method sees only those folds that it is on: it
-/// zigzags between hundreds.  Where it is not done in a few turns, the springs that stand for them
-/// (Springs) are made softer, so that it is on many at once, and by stages stiffer from the result.
+/// Thresholds are taken by stages of springs (README.md).
 class EnergySolver {
  public:
   /// @param rows  rigid ones at most.  Set-up.

@@ -71,17 +71,20 @@ bool ContactPrediction::Overlaps(const HapticModel& model, const Kernels& kernel
         rows.Add(kernels, model.tool().leaves().data(), forest.leaves().data(), R_WG, p_W,
                  pairs + i, std::min(kFew, count - i));
         for (int r = 0; r < rows.count() && !overlaps; ++r) {
-          overlaps = rows.gap(r) + depth_of(rows.id(r)) < 0.0;
+          overlaps = rows.gap(r) + depth_of(rows.id(r).object) < 0.0;
         }
       }
       return !overlaps;
     });
   };
-  const SoftLeaves* soft = model.soft_leaves();
-  const auto core_depth = [&](const ContactId& id) { return soft ? soft->of(id).depth : 0.0; };
-  if (query_) look(*query_, model.objects(), core_depth);
+  const ObjectForest& objects = model.objects();
+  const auto core_depth = [&](std::int32_t leaf) {
+    const double radius = objects.leaves()[static_cast<std::size_t>(leaf)].radius;
+    return model.yields() ? CoreDepth(objects.MaterialOf(leaf), radius) : 0.0;
+  };
+  if (query_) look(*query_, objects, core_depth);
   if (insides_ && !overlaps) {
-    look(*insides_, *model.insides(), [](const ContactId&) { return limits::kCoreDepth; });
+    look(*insides_, *model.insides(), [](std::int32_t) { return limits::kCoreDepth; });
   }
   return overlaps;
 }

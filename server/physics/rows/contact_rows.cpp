@@ -9,11 +9,11 @@ namespace palpate {
 ContactRows::ContactRows(int max_rows, int max_batch, int degrees_of_freedom, double rho)
     : max_rows_(max_rows),
       room_(max_rows / 2),
-      degrees_of_freedom_(degrees_of_freedom),
       rho_(rho),
       storage_(10, static_cast<std::size_t>(max_rows + room_ + max_batch + 16)),
       ids_(static_cast<std::size_t>(max_rows + room_ + max_batch + 31)),
       gaps_(ids_.size()) {
+  columns_.unknowns = degrees_of_freedom;
   for (std::size_t c = 0; c < 6; ++c) columns_.a[c] = storage_[c];
   columns_.b = storage_[6];
   for (std::size_t c = 0; c < 3; ++c) columns_.lever[c] = storage_[7 + c];
@@ -25,8 +25,7 @@ void ContactRows::Add(const Kernels& kernels, const LeafSphere* tool, const Leaf
                       int count) noexcept {
   const double R[9] = {R_WG(0, 0), R_WG(0, 1), R_WG(0, 2), R_WG(1, 0), R_WG(1, 1),
                        R_WG(1, 2), R_WG(2, 0), R_WG(2, 1), R_WG(2, 2)};
-  const auto build = degrees_of_freedom_ == 6 ? kernels.build_rows_6 : kernels.build_rows_3;
-  build(tool, object, R, p_W.data(), 1.0 / rho_, pairs, count, count_, columns_);
+  kernels.build_rows(tool, object, R, p_W.data(), 1.0 / rho_, pairs, count, count_, columns_);
   count_ += count;
   Limit(count);
 }
@@ -44,7 +43,7 @@ void ContactRows::SetRow(int row, const Vec3& normal, const Vec3& lever, const V
   const Vec3 turned = by_turning / rho_;
   for (int c = 0; c < 3; ++c) {
     columns_.a[c][row] = normal[c];
-    if (degrees_of_freedom_ == 6) columns_.a[3 + c][row] = turned[c];
+    if (columns_.unknowns == 6) columns_.a[3 + c][row] = turned[c];
     columns_.lever[c][row] = lever[c];
   }
   columns_.b[row] = -gap;
@@ -68,7 +67,7 @@ void ContactRows::DropLooser(int from) noexcept {
 }
 
 void ContactRows::Move(int from, int to) noexcept {
-  for (int c = 0; c < degrees_of_freedom_; ++c) columns_.a[c][to] = columns_.a[c][from];
+  for (int c = 0; c < columns_.unknowns; ++c) columns_.a[c][to] = columns_.a[c][from];
   for (double* column : columns_.lever) column[to] = column[from];
   columns_.b[to] = columns_.b[from];
   columns_.id[to] = columns_.id[from];
@@ -95,9 +94,15 @@ void ContactRows::KeepTightest() noexcept {
 void ContactRows::Finish() noexcept {
   if (count_ > max_rows_) KeepTightest();
   for (int i = count_; i % 16 != 0; ++i) {
-    for (int c = 0; c < degrees_of_freedom_; ++c) columns_.a[c][i] = 0.0;
+    for (int c = 0; c < columns_.unknowns; ++c) columns_.a[c][i] = 0.0;
     columns_.b[i] = -1e300;
   }
+}
+
+Vec3 ContactRows::LeverOf(int row, std::span<const LeafSphere> tool, const Mat3& R_WG) const {
+  if (!id(row).IsOfLeaves()) return lever(row);
+  const LeafSphere& leaf = tool[static_cast<std::size_t>(id(row).tool)];
+  return R_WG * Vec3(leaf.x, leaf.y, leaf.z) - leaf.radius * normal(row);
 }
 
 QpRows ContactRows::view() const {
@@ -109,14 +114,14 @@ QpRows ContactRows::view() const {
 }
 
 Vec3 ContactRows::lever_cross_normal(int row) const {
-  if (degrees_of_freedom_ == 3) return Vec3::Zero();
+  if (columns_.unknowns == 3) return Vec3::Zero();
   return rho_ * Vec3(columns_.a[3][row], columns_.a[4][row], columns_.a[5][row]);
 }
 
 double ContactRows::Turned(int row, const Vec3& n, const Vec3& by_turning) const {
   return std::hypot(
       (n - normal(row)).norm(),
-      degrees_of_freedom_ == 3 ? 0.0 : (by_turning - lever_cross_normal(row)).norm() / rho_);
+      columns_.unknowns == 3 ? 0.0 : (by_turning - lever_cross_normal(row)).norm() / rho_);
 }
 
 int ContactRows::Find(std::span<const ContactId> ids, int* row) const noexcept {

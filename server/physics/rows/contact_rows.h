@@ -75,6 +75,9 @@ class ContactRows {
   Vec3 lever(int row) const {
     return {columns_.lever[0][row], columns_.lever[1][row], columns_.lever[2][row]};
   }
+  /// From the tool's reference point to the point where a row touches, in W [m].
+  /// @param tool  its leaves.   @param R_WG  its orientation.
+  Vec3 LeverOf(int row, std::span<const LeafSphere> tool, const Mat3& R_WG) const;
   /// Index of the row of each id, or left out; returns how many were found, in the ids' order.
   int Find(std::span<const ContactId> ids, int* row) const noexcept;
 
@@ -87,7 +90,6 @@ class ContactRows {
 
   int max_rows_;
   int room_;  // rows beyond max_rows_ that are gathered before the loosest are dropped
-  int degrees_of_freedom_;
   double rho_;
   AlignedColumns storage_;
   std::vector<ContactId> ids_;

@@ -1,19 +1,27 @@
 #include "server/physics/rows/soft_rows.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace palpate {
 
-void SoftRows::Set(const SoftLeaves& leaves, const ContactRows& rows) noexcept {
+void SoftRows::Set(const ObjectForest& objects, double coupling_stiffness,
+                   const ContactRows& rows) noexcept {
   any_ = false;
   rows_ = rows.view();
   double *weight = columns_[kWeight], *rigid_b = columns_[kRigidB];
   const int count = rows.count();
   for (int i = 0; i < count; ++i) {
-    const SoftLeaves::Leaf& leaf = leaves.of(rows.id(i));
-    weight[i] = leaf.weight;
-    rigid_b[i] = -rows.gap(i) - leaf.depth;
-    any_ |= leaf.weight > 0.0;
+    weight[i] = 0.0;
+    rigid_b[i] = -rows.gap(i);
+    const ContactId& id = rows.id(i);
+    if (!id.IsOfLeaves()) continue;
+    const Material& material = objects.MaterialOf(id.object);
+    if (std::isinf(material.stiffness)) continue;
+    const double radius = objects.leaves()[static_cast<std::size_t>(id.object)].radius;
+    weight[i] = material.stiffness / coupling_stiffness;
+    rigid_b[i] -= CoreDepth(material, radius);
+    any_ = true;
   }
   for (int i = count; i % 16 != 0; ++i) {
     weight[i] = 0.0;

@@ -4,7 +4,7 @@
 #include "server/physics/energy/energy.h"
 #include "server/physics/rows/contact_rows.h"
 #include "server/physics/simd/aligned_columns.h"
-#include "server/physics/tree/soft_leaves.h"
+#include "server/physics/tree/sphere_tree_query.h"
 
 namespace palpate {
 
@@ -24,8 +24,10 @@ class SoftRows : public Energy {
   /// @param rows  at most.  Set-up.
   explicit SoftRows(int rows) : columns_(3, static_cast<std::size_t>(rows) + 16) {}
 
-  /// Looks up the rows' leaves.  To be called after ContactRows::Finish.
-  void Set(const SoftLeaves& leaves, const ContactRows& rows) noexcept;
+  /// Looks up the rows' leaves.  A row that is not between leaves is rigid.  To be called after
+  /// ContactRows::Finish.
+  void Set(const ObjectForest& objects, double coupling_stiffness,
+           const ContactRows& rows) noexcept;
   /// True where any of the rows is soft.
   bool any() const { return any_; }
   /// Those that push at the optimum which the solver found last.

@@ -109,8 +109,9 @@ struct LevelView {
 };
 
 /// Rows a . x >= b as columns of `capacity` values; columns start 64-byte aligned.  x = [v; rho
-/// phi].
+/// phi], or v alone.
 struct RowColumns {
+  int unknowns;  ///< 6, or 3
   double* a[6];
   double* b;
   double* lever[3];  ///< of the contact point [m], in W; rows between meshes only
@@ -156,12 +157,9 @@ struct Kernels {
 
   /// Linearised non-penetration (chapter 2.10-2.17) of `count` leaf pairs, appended at row `first`.
   /// R: R_WG row by row; p: centroid in W.  May write up to 7 rows beyond the last.
-  void (*build_rows_6)(const LeafSphere* tool, const LeafSphere* object, const double* R,
-                       const double* p, double inverse_rho, const NodePair* pairs, int count,
-                       int first, const RowColumns& rows);
-  void (*build_rows_3)(const LeafSphere* tool, const LeafSphere* object, const double* R,
-                       const double* p, double inverse_rho, const NodePair* pairs, int count,
-                       int first, const RowColumns& rows);
+  void (*build_rows)(const LeafSphere* tool, const LeafSphere* object, const double* R,
+                     const double* p, double inverse_rho, const NodePair* pairs, int count,
+                     int first, const RowColumns& rows);
 
   /// Indices of the values below a limit; the column is aligned and padded as PlaneColumns.  May
   /// write up to 8 beyond the last.  Returns how many.
@@ -193,9 +191,9 @@ struct Kernels {
   int (*find_used_up)(const PlaneColumns& planes, int first, int count, const PlaneMotion& motion,
                       std::int32_t* out);
 
-  /// Nearest point of a polyhedron, see SolveNearestPoint in solve/qp_solver.h.
-  QpResult (*solve_6)(const double* t, const QpRows& rows, const int* guess, int guesses);
-  QpResult (*solve_3)(const double* t, const QpRows& rows, const int* guess, int guesses);
+  /// SolveNearestPoint (common/qp), in 3 or 6 unknowns; the first columns of so many are used.
+  QpResult (*solve)(const double* t, int unknowns, const QpRows& rows, const int* guess,
+                    int guesses);
 
   /// Whether all rows hold at x, but for `tolerance`.
   bool (*rows_hold)(const QpRows& rows, int unknowns, const double* x, double tolerance);

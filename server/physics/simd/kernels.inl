@@ -74,7 +74,6 @@ int ExpandPairs(const LevelView& level, const QueryPose& pose, std::uint32_t now
   return found;
 }
 
-template <int N>
 void BuildRows(const LeafSphere* tool, const LeafSphere* object, const double* R, const double* p,
                double inverse_rho, const NodePair* pairs, int count, int first,
                const RowColumns& rows) {
@@ -105,7 +104,7 @@ void BuildRows(const LeafSphere* tool, const LeafSphere* object, const double* R
                      SelectLess(distance, tiny, zero, d[1] * inverse),
                      SelectLess(distance, tiny, one, d[2] * inverse)};
     for (int c = 0; c < 3; ++c) Store(rows.a[c] + first + i, n[c]);
-    if constexpr (N == 6) {
+    if (rows.unknowns == 6) {
       const D8 scale = Set1(inverse_rho);
       for (int c = 0; c < 3; ++c) {
         const int u = (c + 1) % 3, w = (c + 2) % 3;
@@ -520,38 +519,27 @@ void AddYieldingHessian(const YieldingRows& yielding, const double* x, const Spr
   for (int k = 0; k < kEntries; ++k) at.hessian[k] += SumOfLanes(sum[k]);
 }
 
+/// A kernel that is told how many unknowns there are, of those that know.
+template <auto kOf6, auto kOf3>
+constexpr auto kOf = [](auto first, int unknowns, auto... rest) {
+  return unknowns == 6 ? kOf6(first, rest...) : kOf3(first, rest...);
+};
+
 constexpr Kernels MakeKernels(const char* name) {
   return {name,
           ExpandPairs,
-          BuildRows<6>,
-          BuildRows<3>,
+          BuildRows,
           FindBelow,
           LowestPoint,
           NearestEdges,
           AdvanceSimplices,
           RefreshPlanes,
           FindUsedUp,
-          Solve<6>,
-          Solve<3>,
-          [](const QpRows& rows, int unknowns, const double* x, double tolerance) {
-            return unknowns == 6 ? RowsHold<6>(rows, x, tolerance)
-                                 : RowsHold<3>(rows, x, tolerance);
-          },
-          [](const QpRows& rows, int unknowns, const double* L, const double* inverse_diagonal,
-             double scale, double* const a[6], double* b) {
-            unknowns == 6 ? TransformRows<6>(rows, L, inverse_diagonal, scale, a, b)
-                          : TransformRows<3>(rows, L, inverse_diagonal, scale, a, b);
-          },
-          [](const YieldingRows& rows, int unknowns, const double* x, const Springs& springs,
-             EnergyAt& at) {
-            return unknowns == 6 ? AddYielding<6>(rows, x, springs, at)
-                                 : AddYielding<3>(rows, x, springs, at);
-          },
-          [](const YieldingRows& rows, int unknowns, const double* x, const Springs& springs,
-             EnergyAt& at) {
-            unknowns == 6 ? AddYieldingHessian<6>(rows, x, springs, at)
-                          : AddYieldingHessian<3>(rows, x, springs, at);
-          }};
+          kOf<Solve<6>, Solve<3>>,
+          kOf<RowsHold<6>, RowsHold<3>>,
+          kOf<TransformRows<6>, TransformRows<3>>,
+          kOf<AddYielding<6>, AddYielding<3>>,
+          kOf<AddYieldingHessian<6>, AddYieldingHessian<3>>};
 }
 
 }  // namespace

@@ -1,11 +1,10 @@
-#include "server/physics/solve/chapter_friction.h"
-
 #include <algorithm>
 #include <limits>
 #include <span>
 
 #include "common/math/rotation.h"
 #include "server/physics/limits.h"
+#include "server/physics/solve/friction.h"
 
 namespace palpate {
 namespace {

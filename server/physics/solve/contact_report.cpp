@@ -1,7 +1,6 @@
 #include "server/physics/solve/contact_report.h"
 
 #include "common/math/rotation.h"
-#include "server/physics/rows/contact_place.h"
 
 namespace palpate {
 
@@ -41,7 +40,7 @@ void ReportContacts(const StepContext& context, const Way& way) noexcept {
     row.lever_cross_normal = rows.lever_cross_normal(i);
     row.offset = offset - row.normal.dot(way.v) - row.lever_cross_normal.dot(way.phi);
     row.force = force;
-    const Vec3 lever = LeverOf(context.model, rows, i, R_WG);
+    const Vec3 lever = rows.LeverOf(i, context.model.tool().leaves(), R_WG);
     row.contact_W =
         context.tools.p_G + (row.id.IsOfLeaves() ? lever : RotationExp(way.phi) * lever);
     row.object_leaf = context.model.LeafOf(row.id, context.state.felt);

@@ -1,13 +1,10 @@
-#include "server/physics/solve/coulomb_friction.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "common/math/rotation.h"
 #include "server/physics/limits.h"
-#include "server/physics/rows/contact_place.h"
+#include "server/physics/solve/friction.h"
 #include "server/physics/solve/linear_system.h"
-#include "server/physics/solve/qp_solver.h"
 
 namespace palpate {
 
@@ -29,13 +26,7 @@ class FrictionalContacts {
  public:
   /// @param t  N, the target.
   FrictionalContacts(const StepContext& context, const Optimum& frictionless, const double* t)
-      : model_(context.model),
-        felt_(context.state.felt),
-        R_WG_(context.tools.R_WG),
-        rows_(context.buffers.rows),
-        rigid_(context.sub_step.rigid),
-        slack_(frictionless.qp.slack),
-        still_(context.state.friction.still >= context.model.parameters().still_cycles) {
+      : context_(context), slack_(frictionless.qp.slack) {
     const QpResult& qp = frictionless.qp;
     double tt = 0.0, moved = 0.0;
     for (int c = 0; c < N; ++c) {
@@ -56,32 +47,34 @@ class FrictionalContacts {
     }
     if (count_ == kMaxActiveRows) Drop([](const Contact& c) { return c.lambda == 0.0; }, 1);
     if (count_ == kMaxActiveRows) return false;
+    const HapticModel& model = context_.model;
+    const ContactRows& rows = context_.buffers.rows;
     Contact& contact = contact_[count_++];
     contact.row = row;
-    contact.normal = rows_.normal(row);
-    const Material& material = model_.MaterialOf(rows_.id(row), felt_);
-    contact.lever = LeverOf(model_, rows_, row, R_WG_);
+    contact.normal = rows.normal(row);
+    const Material& material = model.MaterialOf(rows.id(row), context_.state.felt);
+    contact.lever = rows.LeverOf(row, model.tool().leaves(), context_.tools.R_WG);
     contact.mu_s = material.static_friction;
     contact.mu_d = material.dynamic_friction;
-    contact.sliding = !still_;
+    contact.sliding = context_.state.friction.still < model.parameters().still_cycles;
     // Any basis of the tangential plane, free of cancellation.
     const Vec3& n = contact.normal;
     contact.tangent[0] =
         (std::fabs(n.x()) < 0.7 ? Vec3(0.0, -n.z(), n.y()) : Vec3(-n.z(), 0.0, n.x())).normalized();
     contact.tangent[1] = n.cross(contact.tangent[0]);
-    const double per_rho = 1.0 / model_.rotation_length();
+    const double per_rho = 1.0 / model.rotation_length();
     const auto fill = [per_rho](const Vec3& direction, const Vec3& turn, double* out) {
       for (int c = 0; c < 3; ++c) {
         out[c] = direction[c];
         if constexpr (N == 6) out[3 + c] = turn[c] * per_rho;
       }
     };
-    fill(n, rows_.lever_cross_normal(row), contact.a);
+    fill(n, rows.lever_cross_normal(row), contact.a);
     for (int k = 0; k < 2; ++k) {
       fill(contact.tangent[k], contact.lever.cross(contact.tangent[k]), contact.s[k]);
       contact.force[k] = contact.tangent[k].dot(force);
     }
-    contact.b = rigid_.b[row] - slack_;
+    contact.b = context_.sub_step.rigid.b[row] - slack_;
     contact.frictionless = frictionless;
     contact.lambda = lambda;
     contact.slips = false;
@@ -178,7 +171,7 @@ class FrictionalContacts {
       qp.row[k] = contact.row;
       qp.multiplier[k] = std::max(0.0, contact.lambda);  // may miss 0 by rounding
       forces[k] = -contact.force[0] * contact.tangent[0] - contact.force[1] * contact.tangent[1];
-      state.id[k] = rows_.id(contact.row);
+      state.id[k] = context_.buffers.rows.id(contact.row);
       state.normal_force[k] = qp.multiplier[k];
       state.force[k] = -forces[k];
     }
@@ -186,27 +179,31 @@ class FrictionalContacts {
   }
 
  private:
-  /// Its row a . x >= b with multiplier lambda, and its slip (s[0] . x, s[1] . x) along two
-  /// tangents, which `force` opposes.
-  struct Contact {
+  /// Where a contact is: its row a . x >= b, and its slip (s[0] . x, s[1] . x) along two tangents.
+  struct Place {
     int row;
     Vec3 normal, lever, tangent[2];
     double a[N], s[2][N], b;
+  };
+  /// What it does in one step of either method.
+  struct Step {
+    bool presses = false;
+    double limit;                ///< of friction
+    double direction[2], ratio;  ///< where it slips: unit vector along u, and limit / |u|
+    double across[N], base, stiffness;
+  };
+  /// With the row's multiplier lambda, and `force`, which opposes the slip.
+  struct Contact : Place, Step {
     double mu_s, mu_d;
     bool sliding = false;  ///< mu_d counts
     double frictionless;   ///< lambda without friction
     double lambda, force[2];
     bool slips = false;  ///< friction is at its limit
-    // Of one step:
-    bool presses = false;
-    double limit;                ///< of friction
-    double direction[2], ratio;  ///< where it slips: unit vector along u, and limit / |u|
-    double across[N], base, stiffness;
     double mu() const { return sliding ? mu_d : mu_s; }
     double friction() const { return std::sqrt(force[0] * force[0] + force[1] * force[1]); }
     /// Row of the slip along (d0, d1).
     void Slip(double d0, double d1, double (&out)[N]) const {
-      for (int c = 0; c < N; ++c) out[c] = d0 * s[0][c] + d1 * s[1][c];
+      for (int c = 0; c < N; ++c) out[c] = d0 * this->s[0][c] + d1 * this->s[1][c];
     }
   };
 
@@ -482,13 +479,8 @@ class FrictionalContacts {
     return any;
   }
 
-  const HapticModel& model_;
-  const FeltSolids& felt_;
-  const Mat3& R_WG_;
-  const ContactRows& rows_;
-  const QpRows& rigid_;
+  const StepContext& context_;
   double slack_;
-  bool still_;
   double t_[N], x_[N];
   double size_;  ///< of the problem: tolerances are relative to it
   int count_ = 0;
@@ -532,7 +524,7 @@ bool Solve(StepContext& context, Optimum& optimum, const double* t) {
     int guess[kMaxActiveRows];
     contacts.ShiftedTarget(target);
     const int guesses = contacts.Pressed(guess);
-    shifted = SolveNearestPoint<N>(context.kernels, target, context.sub_step.rigid, guess, guesses);
+    shifted = context.kernels.solve(target, N, context.sub_step.rigid, guess, guesses);
     report.qp_iterations += shifted.iterations;
     return shifted.status != QpStatus::kIterationLimit;
   };

@@ -13,7 +13,7 @@ int CutRowsOf(const HapticModel& model) {
 
 Energies::Energies(const HapticModel& model)
     : model_(&model), solver_(static_cast<std::size_t>(model.parameters().max_rows) + 16) {
-  if (model.soft_leaves() != nullptr) soft_.emplace(model.parameters().max_rows);
+  if (model.yields()) soft_.emplace(model.parameters().max_rows);
   if (model.cuts()) cut_.emplace(CutRowsOf(model));
 }
 
@@ -50,7 +50,7 @@ void Energies::Begin(const Vec3& p_G, const Quat& q_WG, std::span<const CutField
 void Energies::Collect(const ContactRows& rows, QpRows& rigid) noexcept {
   acting_ = 0;
   if (soft_) {
-    soft_->Set(*model_->soft_leaves(), rows);
+    soft_->Set(model_->objects(), model_->parameters().stiffness, rows);
     if (soft_->any()) {
       rigid = soft_->rigid();
       energies_[acting_++] = &*soft_;

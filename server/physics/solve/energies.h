@@ -25,13 +25,10 @@ class Energies {
   /// come to a solid they are narrower, for its rows are right within the grid's band.
   StepBounds Narrow(StepBounds bounds, const Vec3& p_G, const Quat& q_WG) const noexcept;
   /// That sub-step begins.
+  /// @param cuts   what is gone of each solid; none where the bur stands still: it cuts nothing.
   /// @param reach  how far ahead a bur knows of material [m].
   void Begin(const Vec3& p_G, const Quat& q_WG, std::span<const CutField> cuts,
              double reach) noexcept;
-  /// The same of a bur that stands still: it cuts nothing.
-  void BeginAtRest() noexcept {
-    if (cut_) cut_->Clear();
-  }
   /// To be called before each solve: collects those that act among these rows, and takes what
   /// yields out of those that no step may violate.
   void Collect(const ContactRows& rows, QpRows& rigid) noexcept;

@@ -8,7 +8,7 @@ namespace palpate {
 namespace {
 
 StepBounds Narrowed(const StepBounds& bounds, const StepParameters& parameters) {
-  return {std::min(bounds.translation, parameters.max_translation),
+  return {std::min(bounds.translation, parameters.widest_step),
           std::min(bounds.rotation, parameters.max_rotation)};
 }
 
@@ -21,7 +21,7 @@ StepBounds FirstBounds(const HapticModel& model, const Target& hand_step) noexce
   const double across = model.tool_body() == nullptr ? limits::kBoundsAcross : 0.0;
   constexpr double over = limits::kBoundsOverHand;
   return Narrowed(
-      {over * (v + across * rho * phi) + limits::kLeastBounds * parameters.max_translation,
+      {over * (v + across * rho * phi) + limits::kLeastBounds * parameters.widest_step,
        over * (phi + across * v / rho) + limits::kLeastBounds * parameters.max_rotation},
       parameters);
 }

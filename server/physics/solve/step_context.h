@@ -1,13 +1,17 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "common/math/pose.h"
 #include "common/qp/nearest_point.h"
+#include "server/physics/contact/mesh_contact.h"
 #include "server/physics/haptic_model.h"
+#include "server/physics/rows/contact_prediction.h"
+#include "server/physics/rows/contact_rows.h"
 #include "server/physics/simd/kernels.h"
+#include "server/physics/solve/energies.h"
 #include "server/physics/solve/response.h"
-#include "server/physics/solve/step_buffers.h"
 #include "server/physics/step_state.h"
 #include "server/physics/step_types.h"
 
@@ -75,6 +79,26 @@ struct SubStep {
   FrictionState friction_before;  ///< as it found it
   int iterates = 0;               ///< rows between meshes come on violation
   TrustRegion trust{};
+};
+
+/// The scratch of a step, allocated once: what a StepWorkspace holds.
+struct StepBuffers {
+  explicit StepBuffers(const HapticModel& model)
+      : prediction(model),
+        rows(model.parameters().max_rows, PairQuery::kMaxBatch, model.degrees_of_freedom(),
+             model.rotation_length()) {
+    if (model.tool_body() != nullptr) {
+      meshes.emplace(*model.tool_body(), model.bodies(), model.parameters().max_rows,
+                     model.parameters().separation, model.parameters().looks);
+    }
+    if (model.yields() || model.cuts()) {
+      energies.emplace(model);
+    }
+  }
+  ContactPrediction prediction;
+  ContactRows rows;
+  std::optional<MeshContact> meshes;  ///< where objects are felt by their meshes
+  std::optional<Energies> energies;   ///< where any acts beside the coupling
 };
 
 /// What the stages of a step share, from the pose that comes in to the report that goes out.  One

@@ -15,15 +15,9 @@ namespace palpate {
 /// taken as it is, and felt from either side: open, folded and non-manifold ones need no special
 /// case.
 ///
-/// Normal cones.  Let n be the unit direction from the nearest point of the mesh to the nearest
-/// point of another.  The distance has a local minimum there only if no way along the mesh leads
-/// nearer: n . m <= 0 for the directions m that lead into the faces of an edge (its cone is an arc)
-/// or along the edges of a vertex (a fan).  Where one of them is positive, a neighbour is nearer,
-/// and the touch is the neighbour's.
-///
-///        m1      m2             m1, m2: in the faces, across the edge
-///     <-----o-----> .           the arc between the faces' normals is the edge's cone
-///          / \                  (flat: one direction; hollow: none)
+/// Normal cone of an edge or vertex: the unit directions n, away from the mesh, along which it can
+/// be the nearest place of the mesh, for no way along the mesh leads nearer (../contact/README.md
+/// draws them).
 ///
 /// Frame F: W for objects, the tool's frame about its reference point for a tool.
 class ContactMesh {

@@ -14,16 +14,18 @@ constexpr std::size_t kPoints = SparseField::kPoints;
 /// that beyond it, too.
 constexpr int kOfBefore = 4, kOfBeyond = 5;
 
+/// Makes a block all alike.
+void Fill(SparseField& field, std::size_t block, std::int32_t entry) noexcept {
+  if (field.entry(block) >= 0) {
+    field.Release(block, entry);
+  } else {
+    field.Fill(block, entry);
+  }
+}
+
 void Copy(const SparseField& from, std::size_t block, SparseField& to) noexcept {
   const std::int32_t source = from.entry(block);
-  if (source < 0) {
-    if (to.entry(block) >= 0) {
-      to.Release(block, source);
-    } else {
-      to.Fill(block, source);
-    }
-    return;
-  }
+  if (source < 0) return Fill(to, block, source);
   std::int32_t target = to.entry(block);
   if (target < 0) target = to.Acquire(block);
   std::copy_n(from.values(source), kPoints, to.values(target));
@@ -76,8 +78,8 @@ FeltSolids::FeltSolids(const UncutBodies& uncut)
     bodies_[place].body.Reserve();
   }
   scratch_.Reserve();
-  changed_.reserve(kMostFollowed);
-  to_make_.reserve(kBlocks);
+  followed_.changed.reserve(kMostFollowed);
+  followed_.to_make.reserve(kBlocks);
 }
 
 void FeltSolids::Begin(std::span<const CutField> cuts, SeparationFront& front) noexcept {
@@ -89,27 +91,30 @@ void FeltSolids::Begin(std::span<const CutField> cuts, SeparationFront& front) n
 }
 
 void FeltSolids::Follow(std::span<const CutField> cuts, SeparationFront& front) noexcept {
-  if (changed_.empty()) Gather(cuts, front);
-  if (changed_.empty()) return;
-  if (made_in_cycle_ == 0 && made_ < to_make_.size()) FollowOne(to_make_[made_], front);
-  if (made_ == to_make_.size()) Commit(front);
+  if (!followed_.any()) Gather(cuts, front);
+  if (!followed_.any()) return;
+  if (made_in_cycle_ == 0 && followed_.made < followed_.to_make.size()) {
+    FollowOne(followed_.to_make[followed_.made], front);
+  }
+  if (followed_.made == followed_.to_make.size()) Commit(front);
 }
 
 /// Its surface in one cycle, and in the next a body of that.
 void FeltSolids::FollowOne(const Block& block, const SeparationFront& front) noexcept {
-  if (!own_of_next_) {
-    own_of_next_ = TakeSurfaceOf(block, Use::kLater);
-    if (*own_of_next_ > 0) return;
+  std::optional<std::size_t>& own = followed_.own_of_next;
+  if (!own) {
+    own = TakeSurfaceOf(block, Use::kLater);
+    if (*own > 0) return;
   }
   SolidOf(block).later_place[static_cast<std::size_t>(block.block)] =
-      MakeOfSurface(block, *own_of_next_, Use::kLater, front);
-  own_of_next_.reset();
-  ++made_;
+      MakeOfSurface(block, *own, Use::kLater, front);
+  own.reset();
+  ++followed_.made;
 }
 
 void FeltSolids::TakeAll(std::span<const CutField> cuts) noexcept {
   for (std::size_t place = 0; place < bodies_.size(); ++place) Free(place);
-  for (const Changed& changed : changed_) {  // not copied yet
+  for (const Changed& changed : followed_.changed) {  // not copied yet
     solids_[static_cast<std::size_t>(changed.solid)].followed[changed.block] = ~0u;
   }
   for (std::size_t s = 0; s < solids_.size(); ++s) {
@@ -125,10 +130,7 @@ void FeltSolids::TakeAll(std::span<const CutField> cuts) noexcept {
     }
     solid.changes = cut.changes();
   }
-  changed_.clear();
-  to_make_.clear();
-  made_ = 0;
-  own_of_next_.reset();
+  followed_.Clear();
 }
 
 /// Copies blocks that have changed, and finds the bodies that have to be made anew for them.
@@ -136,7 +138,8 @@ void FeltSolids::Gather(std::span<const CutField> cuts, const SeparationFront& f
   for (std::size_t s = 0; s < solids_.size(); ++s) {
     Solid& solid = solids_[s];
     const CutField& cut = cuts[s];
-    for (; solid.changes != cut.changes() && changed_.size() < kMostFollowed; ++solid.changes) {
+    for (; solid.changes != cut.changes() && followed_.changed.size() < kMostFollowed;
+         ++solid.changes) {
       const std::size_t block = cut.Changed(solid.changes + 1);
       if (cut.ChangedAt(block) == solid.followed[block]) continue;
       solid.followed[block] = cut.ChangedAt(block);
@@ -144,13 +147,14 @@ void FeltSolids::Gather(std::span<const CutField> cuts, const SeparationFront& f
         Copy(cut.field(), block, solid.felt);
         continue;
       }
-      if (changed_.empty()) ++turn_;
+      if (!followed_.any()) ++followed_.turn;
       Copy(cut.field(), block, solid.later);
       MarkAffected(solid, block);
-      changed_.push_back({static_cast<std::int32_t>(s), static_cast<std::uint32_t>(block)});
+      followed_.changed.push_back(
+          {static_cast<std::int32_t>(s), static_cast<std::uint32_t>(block)});
     }
   }
-  if (changed_.empty()) return;
+  if (!followed_.any()) return;
   front.ForEachEntry(first_block_, [&](SeparationFront::Index, const SeparationFront::Pair& pair) {
     List(BlockOf(pair));
   });
@@ -198,8 +202,8 @@ void FeltSolids::MarkAffected(Solid& solid, std::size_t block) noexcept {
     }
     if (!reaches) continue;
     const std::size_t reached = solid.felt.BlockIndex(at[0] + by[0], at[1] + by[1], at[2] + by[2]);
-    if (solid.affected[reached] == turn_) continue;
-    solid.affected[reached] = turn_;
+    if (solid.affected[reached] == followed_.turn) continue;
+    solid.affected[reached] = followed_.turn;
     solid.affected_blocks.push_back(static_cast<std::uint32_t>(reached));
   }
 }
@@ -216,35 +220,31 @@ bool FeltSolids::IsFollowed(std::span<const CutField> cuts) const noexcept {
 void FeltSolids::List(const Block& block) noexcept {
   Solid& solid = SolidOf(block);
   const auto b = static_cast<std::size_t>(block.block);
-  if (solid.affected[b] != turn_ || solid.listed[b] == turn_) return;
-  if (to_make_.size() == kBlocks) return;
-  solid.listed[b] = turn_;
-  to_make_.push_back(block);
+  if (solid.affected[b] != followed_.turn || solid.listed[b] == followed_.turn) return;
+  if (followed_.to_make.size() == kBlocks) return;
+  solid.listed[b] = followed_.turn;
+  followed_.to_make.push_back(block);
 }
 
 void FeltSolids::Commit(SeparationFront& front) noexcept {
-  for (const Changed& changed : changed_) {
+  for (const Changed& changed : followed_.changed) {
     Solid& solid = solids_[static_cast<std::size_t>(changed.solid)];
     Copy(solid.later, changed.block, solid.felt);
-    if (solid.later.entry(changed.block) >= 0) {
-      solid.later.Release(changed.block, SparseField::kBelow);
-    } else {
-      solid.later.Fill(changed.block, SparseField::kBelow);
-    }
+    Fill(solid.later, changed.block, SparseField::kBelow);
   }
-  front.CloseEntries(first_block_,
-                     [&](const SeparationFront::Pair& pair, SeparationFront::Pair& outside) {
-                       const Block of = BlockOf(pair);
-                       if (SolidOf(of).affected[static_cast<std::size_t>(of.block)] != turn_)
-                         return false;
-                       outside.body = of.solid;
-                       outside.object = of.node;
-                       return true;
-                     });
+  front.CloseEntries(
+      first_block_, [&](const SeparationFront::Pair& pair, SeparationFront::Pair& outside) {
+        const Block of = BlockOf(pair);
+        if (SolidOf(of).affected[static_cast<std::size_t>(of.block)] != followed_.turn)
+          return false;
+        outside.body = of.solid;
+        outside.object = of.node;
+        return true;
+      });
   for (std::size_t place = 0; place < bodies_.size(); ++place) {
     const Block& of = bodies_[place].body.of;
     if (bodies_[place].use != Use::kFelt) continue;
-    if (SolidOf(of).affected[static_cast<std::size_t>(of.block)] == turn_) Free(place);
+    if (SolidOf(of).affected[static_cast<std::size_t>(of.block)] == followed_.turn) Free(place);
   }
   for (Solid& solid : solids_) {
     for (const std::uint32_t block : solid.affected_blocks) {
@@ -252,17 +252,14 @@ void FeltSolids::Commit(SeparationFront& front) noexcept {
     }
     solid.affected_blocks.clear();
   }
-  for (const Block& block : to_make_) {
+  for (const Block& block : followed_.to_make) {
     Solid& solid = SolidOf(block);
     std::int16_t& later = solid.later_place[static_cast<std::size_t>(block.block)];
     if (later >= 0) bodies_[static_cast<std::size_t>(later)].use = Use::kFelt;
     if (later != kNoRoom) solid.place[static_cast<std::size_t>(block.block)] = later;
     later = kNone;
   }
-  changed_.clear();
-  to_make_.clear();
-  made_ = 0;
-  own_of_next_.reset();
+  followed_.Clear();
 }
 
 FeltSolids::Block FeltSolids::BlockOf(const SeparationFront::Pair& entry) const {
@@ -282,12 +279,12 @@ FeltSolids::Taken FeltSolids::Take(const Block& block, const SeparationFront& fr
   const std::int32_t whole = uncut_->PlaceOf(s, static_cast<std::size_t>(block.block));
   if (place == kNone && IsUncut(solid.felt, static_cast<std::size_t>(block.block))) {
     place = whole < 0 ? kNothing : kUncut;
-    if (!changed_.empty()) List(block);
+    if (followed_.any()) List(block);
   }
   if (place == kUncut) return {first_uncut_ + whole, false};
   if (place == kNothing) return {nothing, false};
   const std::int16_t made = Make(block, Use::kFelt, front);
-  if (!changed_.empty()) List(block);
+  if (followed_.any()) List(block);
   if (made == kNoRoom) return {-1, true};
   place = made;
   return made == kNothing ? Taken{nothing, false} : Taken{first_block_ + made, true};
@@ -295,7 +292,7 @@ FeltSolids::Taken FeltSolids::Take(const Block& block, const SeparationFront& fr
 
 std::int16_t FeltSolids::Make(const Block& block, Use use, const SeparationFront& front) noexcept {
   ++made_in_cycle_;
-  own_of_next_.reset();  // the scratch had it
+  followed_.own_of_next.reset();  // the scratch had it
   return MakeOfSurface(block, TakeSurfaceOf(block, use), use, front);
 }
 

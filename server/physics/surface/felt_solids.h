@@ -15,12 +15,8 @@ namespace palpate {
 /// What is left of a scene's solids as contact feels it: bodies of their blocks.
 ///
 /// Of a block that is cut, or beside one, a body is made when a pair of the front first has to look
-/// into its box.  They are of one time, so that their triangles join: of a copy of what was cut,
-/// which follows it.  What lies between is still an obstacle, and so what was proven apart is
-/// apart.  To follow, those blocks that have changed are copied all at once, the bodies that they
-/// change are made anew, one in two cycles that have made none, and then take the old ones' places
-/// together.
-/// All other blocks have the bodies that were made with the scene.
+/// into its box: of a copy of what was cut, which follows it in turns, so that all bodies are of
+/// one time and join (README.md).  All other blocks have the bodies that were made with the scene.
 ///
 /// A value: copied, it goes on alike.  Real-time but for the constructor, as long as no block has
 /// more than limits::mesh::kMostOfBlock triangles: a block that has is closed to tools.
@@ -119,16 +115,26 @@ class FeltSolids {
   std::size_t next_given_up_ = 0;
   bool forgotten_ = true;
 
-  // What is being followed.
-  std::uint32_t turn_ = 0;
   struct Changed {
     std::int32_t solid;
     std::uint32_t block;
   };
-  std::vector<Changed> changed_;
-  std::vector<Block> to_make_;
-  std::size_t made_ = 0;
-  std::optional<std::size_t> own_of_next_;  ///< triangles, where the scratch has its surface
+  /// Blocks that have changed and are not felt so yet, and the bodies that are made for them.
+  struct Followed {
+    std::uint32_t turn = 0;
+    std::vector<Changed> changed;
+    std::vector<Block> to_make;
+    std::size_t made = 0;
+    std::optional<std::size_t> own_of_next;  ///< triangles, where the scratch has its surface
+
+    bool any() const { return !changed.empty(); }
+    void Clear() {
+      changed.clear();
+      to_make.clear();
+      made = 0;
+      own_of_next.reset();
+    }
+  } followed_;
   int made_in_cycle_ = 0;
 
   // Scratch.

@@ -149,7 +149,7 @@ class HullTree::Builder {
   Builder(HullTree& tree, const ContactMesh& mesh, Scratch& scratch, const Mat3* axes = nullptr)
       : tree_(tree), mesh_(mesh), scratch_(scratch), axes_(axes) {}
 
-  void Build(std::size_t count, const std::vector<bool>* set = nullptr) {
+  void Build(std::size_t count, const std::vector<bool>& set = {}) {
     MakeLeaves(count);
     tree_.points_.clear();
     tree_.inner_.resize(std::max(count, std::size_t{1}) - 1);
@@ -162,9 +162,9 @@ class HullTree::Builder {
       scratch_.dealt.resize(count);
       scratch_.ends.resize(count);
     }
-    if (set != nullptr) {
+    if (!set.empty()) {
       const auto rest = std::ranges::stable_partition(
-          scratch_.order, [&](std::uint32_t triangle) { return (*set)[triangle]; });
+          scratch_.order, [&](std::uint32_t triangle) { return set[triangle]; });
       first_half_ = (count - rest.size()) % count;
     }
     const FewCorners all = BuildBelow({scratch_.order, 0}, tree_.points_);
@@ -362,14 +362,9 @@ class HullTree::Builder {
   std::size_t first_half_ = 0;  ///< of the root; 0: one half of it
 };
 
-HullTree::HullTree(const ContactMesh& mesh) {
-  Scratch scratch;
-  Builder(*this, mesh, scratch).Build(mesh.triangles().size());
-}
-
 HullTree::HullTree(const ContactMesh& mesh, const std::vector<bool>& set) {
   Scratch scratch;
-  Builder(*this, mesh, scratch).Build(mesh.triangles().size(), &set);
+  Builder(*this, mesh, scratch).Build(mesh.triangles().size(), set);
 }
 
 void HullTree::Reserve(std::size_t triangles) {

@@ -59,10 +59,9 @@ class HullTree {
   };
 
   HullTree() = default;
-  explicit HullTree(const ContactMesh& mesh);
-  /// The root's children are the triangles in a set and those that are not; both of a tree where
-  /// there are any.
-  HullTree(const ContactMesh& mesh, const std::vector<bool>& set);
+  /// `set`: the root's children are the triangles in it and those that are not, where there are
+  /// both.
+  explicit HullTree(const ContactMesh& mesh, const std::vector<bool>& set = {});
   /// Storage for so many triangles.
   void Reserve(std::size_t triangles);
   /// Makes the tree anew over the first `count` triangles, with boxes along the columns of a

@@ -21,10 +21,8 @@ namespace palpate {
 /// triangles lies below exactly one pair of the front, and each of these has a plane and a slack
 /// (Ehmann & Lin, Computer Graphics Forum 20 (2001) 500-510).
 ///
-/// Expiry.  A motion takes off a slack what the tool's node moves against the plane's normal, and
-/// what it turns times its radius.  That is never more than the way of the tool's farthest point.
-/// So a pair need not be looked at before that way has grown by its slack; the way at which it has
-/// is the pair's expiry.  Refresh then tells what is really left, which is mostly more.
+/// No slack falls by more than the way of the tool's farthest point.  So a pair need not be looked
+/// at before that way has grown by its slack: its expiry.  Refresh then tells what is really left.
 ///
 /// A value: copied, it goes on alike.  Real-time: once Reserve has been called, nothing allocates.
 class SeparationFront {

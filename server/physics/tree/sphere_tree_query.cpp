@@ -192,6 +192,13 @@ void ObjectForest::AddMaterials(const PlacedTree& object) {
   } else {
     materials_.insert(materials_.end(), object.materials.begin(), object.materials.end());
   }
+  for (const Material& material : object.materials) {
+    if (!(material.stiffness > 0.0)) {
+      throw Error("materials: stiffness " + std::to_string(material.stiffness) + " N/m of object " +
+                  std::to_string(first_leaf_.size() - 1) +
+                  "; give a positive number, or none for a rigid material");
+    }
+  }
   const std::size_t leaves = object.tree->leaves();
   if (!object.leaf_material.empty() && object.leaf_material.size() != leaves) {
     throw Error("materials: " + std::to_string(object.leaf_material.size()) + " are given for " +
@@ -204,6 +211,7 @@ void ObjectForest::AddMaterials(const PlacedTree& object) {
                   std::to_string(own) + ", which is not in the list");
     }
     leaf_material_.push_back(static_cast<std::uint32_t>(first + own));
+    yields_ = yields_ || !std::isinf(materials_[first + own].stiffness);
   }
 }
 

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "scenes/sphere_tree.h"
+#include "server/physics/limits.h"
 #include "server/physics/simd/kernels.h"
 #include "server/physics/step_types.h"
 
@@ -18,6 +20,12 @@ struct PacketLevels {
   std::vector<std::int32_t> level_begin;  ///< levels + 1 entries
   int levels() const { return static_cast<int>(level_begin.size()) - 1; }
 };
+
+/// Depth of a soft leaf's rigid core (limits::kSoftShare) below the leaf's surface [m]; 0 where the
+/// material is rigid.
+inline double CoreDepth(const Material& material, double leaf_radius) {
+  return std::isinf(material.stiffness) ? 0.0 : limits::kSoftShare * leaf_radius;
+}
 
 /// All objects of a scene as one tree in W: a few levels over the objects, then their own trees.
 /// Immutable.
@@ -35,6 +43,8 @@ class ObjectForest {
   int leaf_count() const { return static_cast<int>(leaves_.size()); }
   /// Index of the object that a leaf belongs to.
   int ObjectOf(int leaf) const;
+  /// Whether any leaf is soft.
+  bool yields() const { return yields_; }
   /// Where the leaves of an object begin.
   int FirstLeafOf(int object) const { return first_leaf_[static_cast<std::size_t>(object)]; }
   const Material& MaterialOf(int leaf) const {
@@ -54,7 +64,7 @@ class ObjectForest {
   std::vector<int> first_leaf_;
   std::vector<Material> materials_;
   std::vector<std::uint32_t> leaf_material_;  ///< index into materials_, of each leaf
-  bool any_ = false;
+  bool any_ = false, yields_ = false;
   SpherePacket above_;
   Vec3 center_ = Vec3::Zero();
   double radius_ = 0.0;

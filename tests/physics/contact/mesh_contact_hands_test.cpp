@@ -411,7 +411,7 @@ TEST(MeshContactHands, KeepOutAtTenMetres) {
 void ExpectFreeWays(const Scene& scene, const Pose& start, const std::vector<Pose>& X_WH) {
   StepParameters parameters;
   parameters.features = scene.features;
-  parameters.max_substeps = 1;
+  parameters.sub_steps = 1;
   const Body& tool = scene.tools.front();
   const HapticModel model(tool.tree, MakeObjects(scene), parameters, &tool.mesh);
   StepWorkspace workspace(model);

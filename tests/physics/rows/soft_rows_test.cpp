@@ -171,7 +171,7 @@ TEST(SoftRows, AddUpToTheWrenchWithRigidOnesAndAllocateNothing) {
 TEST(SoftRows, CountForNothingWhereComplianceIsNotDeclared) {
   Bench rigid({{Vec3::Zero(), 0.005}}, kGround);
   Bench undeclared({{Vec3::Zero(), 0.005}}, kGround, {}, AllOf({.stiffness = 100.0}));
-  EXPECT_EQ(undeclared.model().soft_leaves(), nullptr);
+  EXPECT_FALSE(undeclared.model().yields());
   rigid.state().X_WG = undeclared.state().X_WG = At(0.0, 0.0, 0.006);
   for (int i = 0; i < 100; ++i) {
     const Pose X = At(1e-5 * i, 0.0, 0.006 - 4e-5 * i);

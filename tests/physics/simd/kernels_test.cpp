@@ -46,7 +46,7 @@ TEST(Kernels, GiveTheSameBitsAtEverySimdLevel) {
         return true;
       });
       rows[k].Finish();
-      solved[k] = level[k]->solve_6(t, rows[k].view(), nullptr, 0);
+      solved[k] = level[k]->solve(t, 6, rows[k].view(), nullptr, 0);
       ASSERT_EQ(pairs[k], pairs[0]) << level[k]->name;
       const QpRows got = rows[k].view(), want = rows[0].view();
       const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(want.count);

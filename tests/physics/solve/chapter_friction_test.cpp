@@ -1,11 +1,10 @@
-#include "server/physics/solve/chapter_friction.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "common/math/rotation.h"
+#include "server/physics/solve/friction.h"
 #include "tests/physics/solve/friction_bench.h"
 
 namespace palpate {

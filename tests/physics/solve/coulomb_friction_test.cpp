@@ -1,13 +1,10 @@
-#include "server/physics/solve/coulomb_friction.h"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "common/error.h"
 #include "common/math/rotation.h"
-#include "server/physics/solve/qp_solver.h"
-#include "server/physics/solve/step_buffers.h"
+#include "server/physics/solve/friction.h"
 #include "tests/physics/solve/friction_bench.h"
 #include "tests/support/optimised.h"
 
@@ -358,8 +355,7 @@ TEST(Friction, MinimisesAsABruteForceSolverDoes) {
         problem.b.push_back(-rows.gap(j));
       }
       const QpResult frictionless =
-          turns ? SolveNearestPoint<6>(ActiveKernels(), problem.t.data(), rows.view(), nullptr, 0)
-                : SolveNearestPoint<3>(ActiveKernels(), problem.t.data(), rows.view(), nullptr, 0);
+          ActiveKernels().solve(problem.t.data(), turns ? 6 : 3, rows.view(), nullptr, 0);
       if (frictionless.status != QpStatus::kSolved || frictionless.active == 0) return;
       StepState state;
       StepReport counts;

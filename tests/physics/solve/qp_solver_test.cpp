@@ -1,5 +1,3 @@
-#include "server/physics/solve/qp_solver.h"
-
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -45,9 +43,8 @@ struct RigidProblem {
 
 QpResult SolveProblem(RigidProblem& problem) {
   const QpRows rows = problem.Rows();
-  return problem.t.size() == 6
-             ? SolveNearestPoint<6>(ActiveKernels(), problem.t.data(), rows, nullptr, 0)
-             : SolveNearestPoint<3>(ActiveKernels(), problem.t.data(), rows, nullptr, 0);
+  const int unknowns = static_cast<int>(problem.t.size());
+  return ActiveKernels().solve(problem.t.data(), unknowns, rows, nullptr, 0);
 }
 
 /// Largest violation of the Karush-Kuhn-Tucker conditions, which are sufficient for the optimum.

@@ -35,7 +35,7 @@ TEST(StepBounds, FollowTheHandUpToTheWidest) {
   EXPECT_NEAR(bounds.rotation, 0.04 * parameters.max_rotation + 2.0 * (2e-5 + 0.5 * 50e-6 / rho),
               1e-12);
   const StepBounds fast = FirstBounds(bench.model(), {Vec3(1.0, 0.0, 0.0), Vec3::UnitX()});
-  EXPECT_EQ(fast.translation, parameters.max_translation);
+  EXPECT_EQ(fast.translation, parameters.widest_step);
   EXPECT_EQ(fast.rotation, parameters.max_rotation);
 }
 
@@ -51,9 +51,9 @@ TEST(StepBounds, AreTheWidestInTheThirdSubStepAtTheLatest) {
   const StepParameters& parameters = bench.model().parameters();
   StepBounds bounds = FirstBounds(bench.model(), Target{});
   bounds = WiderBounds(bench.model(), bounds);
-  EXPECT_LT(bounds.translation, parameters.max_translation);
+  EXPECT_LT(bounds.translation, parameters.widest_step);
   bounds = WiderBounds(bench.model(), bounds);
-  EXPECT_EQ(bounds.translation, parameters.max_translation);
+  EXPECT_EQ(bounds.translation, parameters.widest_step);
   EXPECT_EQ(bounds.rotation, parameters.max_rotation);
 }
 
