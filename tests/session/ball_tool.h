@@ -10,6 +10,8 @@
 
 namespace palpate::test {
 
+inline constexpr std::int64_t kMs = 1'000'000;
+inline constexpr std::uint64_t kServerRun = 99;
 inline constexpr double kBallRadius = 0.050;
 inline constexpr double kToolRadius = 0.005;
 /// Where the tool's centre is when it touches the ball from above [m].

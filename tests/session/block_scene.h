@@ -34,19 +34,20 @@ inline Scene BlockScene(const std::vector<std::string>& burs = {"bur", "other"})
   return scene;
 }
 
-inline std::vector<std::shared_ptr<const ServedTool>> ToolsOf(const Scene& scene,
-                                                              bool whole_at_start = false) {
+inline std::vector<std::shared_ptr<const ServedTool>> ToolsOf(const Scene& scene) {
   const auto objects = MakeObjects(scene);
   std::vector<std::shared_ptr<const ServedTool>> tools;
   for (const Body& tool : scene.tools) {
     tools.push_back(std::make_shared<const ServedTool>(
-        ServedTool{scene.name, tool.name, MakeModel(scene, tool, objects), whole_at_start}));
+        ServedTool{scene.name, tool.name, MakeModel(scene, tool, objects)}));
   }
   return tools;
 }
 
-inline std::vector<std::shared_ptr<const ServedTool>> BlockTools(bool whole_at_start = false) {
-  return ToolsOf(BlockScene(), whole_at_start);
+/// Made once in a process: they do not change, and to make them takes longer than most tests.
+inline std::vector<std::shared_ptr<const ServedTool>> BlockTools() {
+  static const auto tools = ToolsOf(BlockScene());
+  return tools;
 }
 
 }  // namespace palpate::test

@@ -16,9 +16,6 @@ namespace {
 
 using testing::IsEmpty;
 
-constexpr std::int64_t kMs = 1'000'000;
-constexpr std::uint64_t kServerRun = 99;
-
 wire::WholeRequest WholeRequestOf(const std::string& scene) {
   wire::WholeRequest request{};
   wire::FromText(scene, request.scene);
@@ -31,7 +28,16 @@ wire::WholeRequest WholeRequestOf(const std::string& scene) {
 class SceneChangesTest : public testing::Test {
  protected:
   explicit SceneChangesTest(bool whole_at_start = false)
-      : table_(BlockTools(whole_at_start), kServerRun) {}
+      : table_(Tools(whole_at_start), kServerRun) {}
+  static std::vector<std::shared_ptr<const ServedTool>> Tools(bool whole_at_start) {
+    auto tools = BlockTools();
+    for (auto& tool : tools) {
+      ServedTool changed = *tool;
+      changed.whole_at_start = whole_at_start;
+      tool = std::make_shared<const ServedTool>(std::move(changed));
+    }
+    return tools;
+  }
   void Ask(const std::string& station, const std::string& tool, bool leave = false) {
     table_.Request(MakeRequest(station, 1, "block", tool, leave), now_);
     table_.RetireEnded(now_);

@@ -15,9 +15,6 @@ namespace {
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-constexpr std::int64_t kMs = 1'000'000;
-constexpr std::uint64_t kServerRun = 99;
-
 std::string NumberedName(std::size_t number) {
   const std::string text = std::to_string(number);
   return "s" + text;

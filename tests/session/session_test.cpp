@@ -10,8 +10,6 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr std::int64_t kMs = 1'000'000;
-
 class SessionTest : public testing::Test {
  protected:
   wire::Wrench Send(double z) {

@@ -17,8 +17,6 @@
 namespace palpate::test {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
-constexpr std::uint64_t kServerRun = 99;
 /// How deep strokes go, with the ball's middle below the face.
 constexpr double kDepth = 0.2e-3;
 
