@@ -107,8 +107,8 @@ class Pareto {
       WritePareto(options_.out, results_);
     }
     Progress("");
-    if (!DrawPareto(options_.out, results_))
-      fmt::print(stderr, "the picture is not drawn; the rest is there\n");
+    if (!ReportPareto(options_.out, results_))
+      fmt::print(stderr, "what is missing of the report pareto_report.py makes of its JSON\n");
     fmt::print(stderr, "{}{}/report.md\n",
                results_.complete ? "" : "ended early; so far: ", options_.out);
   }
@@ -471,9 +471,9 @@ void AddPareto(const CommandLine& app) {
   const CommandLine command = app.AddCommand(
       "pareto",
       "Speed against error of every scene, contact and friction model, and of the peers that are\n"
-      "installed: report.md, pareto.svg, pareto.csv and pareto.json.  Written anew after each\n"
-      "measurement, and drawn in the end, so that Ctrl-C keeps what there is.  Pictures need\n"
-      "matplotlib (python3-matplotlib).\n"
+      "installed: pareto.json, written anew after each measurement, and in the end, also of\n"
+      "Ctrl-C, report.md, pareto.csv and pareto.svg.  Pictures need matplotlib "
+      "(python3-matplotlib).\n"
       "Example: palpate-bench pareto --out build/pareto --peers bullet,ode");
   command.AddFlag("--quick", options->quick, "Few scenes, short paths, few repeats");
   AddPeerOptions(command, *options);
