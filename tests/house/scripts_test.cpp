@@ -23,7 +23,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 namespace fs = std::filesystem;
 
-const fs::path kRoot = PALPATE_SOURCE_DIR;
+const fs::path kProject = PALPATE_SOURCE_DIR;
 
 /// A repository with the scripts alone, and programs that a test writes.
 class DeployScripts : public testing::Test {
@@ -32,11 +32,11 @@ class DeployScripts : public testing::Test {
     fs::create_directories(folder_ / "bin");
     fs::create_directories(folder_ / "deploy");
     for (const std::string part : {"deploy/container", "deploy/cyclonedds"}) {
-      fs::copy(kRoot / part, folder_ / part);
+      fs::copy(kProject / part, folder_ / part);
     }
     for (const std::string file :
          {"deploy/lib.sh", "deploy/setup", "deploy/demo", "deploy/package"}) {
-      fs::copy(kRoot / file, folder_ / file);
+      fs::copy(kProject / file, folder_ / file);
     }
   }
   ~DeployScripts() override { fs::remove_all(folder_); }
@@ -70,8 +70,8 @@ TEST_F(DeployScripts, TeachFromWhateverFolderTheyAreCalled) {
                                           {"tests/benchmarks", "./publish"},
                                           {"tests/benchmarks", "../benchmarks/page"},
                                           {"", "deploy/demo"}}) {
-    const Output help =
-        RunCommand({"sh", "-c", "cd '" + (kRoot / folder).string() + "' && " + script + " --help"});
+    const Output help = RunCommand(
+        {"sh", "-c", "cd '" + (kProject / folder).string() + "' && " + script + " --help"});
     EXPECT_EQ(help.exit_code, 0) << script << ": " << help.text;
     EXPECT_THAT(help.text, HasSubstr("usage: ")) << script;
   }
@@ -119,7 +119,7 @@ TEST_F(DeployScripts, SayWhatAPackageLacksBeforeCPackDoes) {
 
 TEST(ApiPages, SayWhatTheyNeed) {
   const Output output = RunCommand({"/usr/bin/env", "PATH=/nowhere", "/usr/bin/cmake", "-P",
-                                    (kRoot / "server/library/pages/make.cmake").string()});
+                                    (kProject / "server/library/pages/make.cmake").string()});
   EXPECT_NE(output.exit_code, 0);
   EXPECT_THAT(output.text, HasSubstr("deploy/setup --for tests installs it"));
 }
@@ -223,11 +223,11 @@ esac
 }
 
 TEST(Demo, BuildsTheProgramsThatAreDocumented) {
-  const std::string demo = ReadWholeFile((kRoot / "deploy/demo").string());
+  const std::string demo = ReadWholeFile((kProject / "deploy/demo").string());
   static const std::regex kBuild("build release (palpate-.*?) \\|\\|");
   std::smatch built;
   ASSERT_TRUE(std::regex_search(demo, built, kBuild));
-  const std::string page = ReadWholeFile((kRoot / "deploy/programs.md").string());
+  const std::string page = ReadWholeFile((kProject / "deploy/programs.md").string());
   static const std::regex kSaid("`deploy/demo` builds ([^;]*);");
   std::smatch said;
   ASSERT_TRUE(std::regex_search(page, said, kSaid));
@@ -240,18 +240,19 @@ TEST(Demo, BuildsTheProgramsThatAreDocumented) {
 }
 
 TEST(SharedMemory, IsOneFigureWhereverItIsNamed) {
-  const Output needed =
-      RunCommand({"bash", "-c",
-                  "source '" + (kRoot / "deploy/lib.sh").string() + "'; shared_memory_needed_MB"});
+  const Output needed = RunCommand(
+      {"bash", "-c",
+       "source '" + (kProject / "deploy/lib.sh").string() + "'; shared_memory_needed_MB"});
   ASSERT_EQ(needed.exit_code, 0) << needed.text;
   const std::string figure = std::to_string(std::stoi(needed.text));
   for (const auto& [file, begin] : std::map<std::string, std::string>{
            {"deploy/REALTIME.md", "`/dev/shm` needs "},
            {"deploy/container/compose.yaml", "The host's must have "},
            {"deploy/cyclonedds/roudi.toml", "/dev/shm must have "}}) {
-    EXPECT_THAT(ReadWholeFile((kRoot / file).string()), HasSubstr(begin + figure + " MB")) << file;
+    EXPECT_THAT(ReadWholeFile((kProject / file).string()), HasSubstr(begin + figure + " MB"))
+        << file;
   }
-  EXPECT_THAT(ReadWholeFile((kRoot / "client/doctor/checks.h").string()),
+  EXPECT_THAT(ReadWholeFile((kProject / "client/doctor/checks.h").string()),
               HasSubstr("kSharedMemoryNeeded_MB = " + figure + ";"));
 }
 
