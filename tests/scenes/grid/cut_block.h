@@ -28,6 +28,19 @@ struct CutBlock {
   }
 
   /// Along a straight way in steps of `length` at most; the bur's axis is P's z, turned by `tilt`.
+  /// @returns whether there was no room for all of it.
+  bool Go(const Bur& bur, const Vec3& from_P, const Vec3& to_P, double length = 3e-6,
+          const Quat& tilt = Quat::Identity()) {
+    bool full = false;
+    const int steps = std::max(1, static_cast<int>(std::ceil((to_P - from_P).norm() / length)));
+    const Vec3 step = q * ((to_P - from_P) / steps);
+    for (int n = 0; n < steps; ++n) {
+      full |= cut.Remove(bur, {q * from_P + n * step, q * tilt}, step).full;
+    }
+    return full;
+  }
+
+  /// As Go, and counts what went, which takes longer.
   struct Moved {
     std::array<double, SolidGrid::kMaterials> volume;  ///< that went, of each material [m^3]
     bool full = false;
@@ -36,12 +49,7 @@ struct CutBlock {
   Moved Move(const Bur& bur, const Vec3& from_P, const Vec3& to_P, double length = 3e-6,
              const Quat& tilt = Quat::Identity()) {
     Moved moved{cut.VolumeLeft()};
-    const int steps = std::max(1, static_cast<int>(std::ceil((to_P - from_P).norm() / length)));
-    const Vec3 step = q * ((to_P - from_P) / steps);
-    for (int n = 0; n < steps; ++n) {
-      const CutAway away = cut.Remove(bur, {q * from_P + n * step, q * tilt}, step);
-      moved.full = moved.full || away.full;
-    }
+    moved.full = Go(bur, from_P, to_P, length, tilt);
     const auto left = cut.VolumeLeft();
     for (std::size_t m = 0; m < left.size(); ++m) moved.volume[m] -= left[m];
     return moved;

@@ -95,7 +95,7 @@ TEST(CutField, ATrephineTakesARingAndLeavesTheCore) {
 TEST(CutField, HoldsTheDistanceToTheWayAtItsPointsAndLessBetweenThem) {
   CutBlock block(50e-6, kTilted);
   const Vec3 from(-0.3e-3, 0.1e-3, 0.1e-3), to(0.4e-3, -0.1e-3, -0.15e-3);
-  block.Move(Bur::Ball(kRadius), from, to, 20e-6);
+  block.Go(Bur::Ball(kRadius), from, to, 20e-6);
   const auto depth = [&](const Vec3& p_B) {
     const Vec3 p = block.q.conjugate() * p_B, way = to - from;
     const double t = std::clamp((p - from).dot(way) / way.squaredNorm(), 0.0, 1.0);
@@ -127,7 +127,7 @@ TEST(CutField, HoldsTheDistanceToTheWayAtItsPointsAndLessBetweenThem) {
 
 TEST(CutField, RimBetweenCutAndOldSurfaceStaysSharp) {
   CutBlock block(50e-6, Quat::Identity());
-  block.Move(Bur::Ball(kRadius), Vec3(0, 0, 0.3e-3), Vec3(0, 0, -0.1e-3));
+  block.Go(Bur::Ball(kRadius), Vec3(0, 0, 0.3e-3), Vec3(0, 0, -0.1e-3));
   // Five micrometres below the old surface, and as far outside of the hole.
   for (const double angle : {0.0, 0.3, 0.8, 2.0, 4.0}) {
     const double r = kRadius + 5e-6;
@@ -272,7 +272,7 @@ TEST(CutField, WhoTakesTheBlocksThatChangedAFewAtATimeHasAllInTheEnd) {
   Vec3 at(0, 0, 0.4e-3);
   for (int n = 0; n < 40; ++n) {
     const Vec3 to = random.InCube(0.7e-3) - Vec3(0, 0, 0.3e-3);
-    block.Move(Bur::Ball(0.2e-3), at, to, 60e-6);
+    block.Go(Bur::Ball(0.2e-3), at, to, 60e-6);
     at = to;
     Follow(block.cut, copy, 5);
   }
@@ -285,7 +285,7 @@ TEST(CutField, WhoTakesTheBlocksThatChangedAFewAtATimeHasAllInTheEnd) {
 TEST(CutField, MadeWholeIsAsNew) {
   CutBlock used(50e-6, kTilted), fresh(50e-6, kTilted);
   const Bur bur = Bur::Cylinder(0.3e-3, 1e-3, 0.05e-3);
-  used.Move(bur, Vec3(-1e-3, 0, -0.2e-3), Vec3(0, 0.3e-3, -0.9e-3), 30e-6);
+  used.Go(bur, Vec3(-1e-3, 0, -0.2e-3), Vec3(0, 0.3e-3, -0.9e-3), 30e-6);
   used.cut.MakeWhole();
   std::size_t changed = 0;
   EXPECT_FALSE(used.cut.TakeChanged(changed));
@@ -318,7 +318,7 @@ TEST(CutField, StorageOfWhatIsClearIsUsedAgain) {
   const SparseField& field = block.cut.field();
   const std::size_t before = field.free_blocks();
   const Bur bur = Bur::Cylinder(0.7e-3, 3e-3, 0.0);
-  block.Move(bur, Vec3(0, 0, 0.1e-3), Vec3(0, 0, -1.2e-3), 20e-6);
+  block.Go(bur, Vec3(0, 0, 0.1e-3), Vec3(0, 0, -1.2e-3), 20e-6);
   // Right through the block, and wider than two of the grid's.
   std::size_t clear = 0, stored = 0;
   for (std::size_t n = 0; n < field.lattice().block_count(); ++n) {
@@ -414,8 +414,7 @@ TEST(CutField, HoldsTheSameBitsInWhateverOrderItMergesWhatOthersCut) {
       const std::size_t hand = below(3);
       const Vec3 to = random.InCube(0.4e-3) - Vec3(0, 0, 0.2e-3);
       const Vec3 next = at[hand] + 30e-6 * (to - at[hand]).normalized();
-      hands[hand].Move(bur, at[hand], next);
-      all.Move(bur, at[hand], next);
+      for (CutBlock* block : {&hands[hand], &all}) block->Go(bur, at[hand], next);
       at[hand] = next;
       for (std::size_t block = 0; hands[hand].cut.TakeChanged(block);) {
         for (std::size_t other = 0; other < 3; ++other) {
@@ -437,7 +436,7 @@ TEST(CutField, HoldsTheSameBitsInWhateverOrderItMergesWhatOthersCut) {
 
 TEST(CutField, MergesWithoutAskingForMemory) {
   CutBlock one(50e-6, kTilted), other(50e-6, kTilted);
-  one.Move(Bur::Ball(kRadius), Vec3(-0.4e-3, 0, -0.1e-3), Vec3(0.4e-3, 0, -0.1e-3), 20e-6);
+  one.Go(Bur::Ball(kRadius), Vec3(-0.4e-3, 0, -0.1e-3), Vec3(0.4e-3, 0, -0.1e-3), 20e-6);
   const std::uint64_t before = test::AllocationsOfThisThread();
   for (std::size_t block = 0; one.cut.TakeChanged(block);) Tell(one.cut, other.cut, block);
   EXPECT_EQ(test::AllocationsOfThisThread(), before);

@@ -163,7 +163,7 @@ TEST(SolidSurface, OfAGrooveLiesAtTheExactSweep) {
     for (const Quat& q : {kAlong, kQuarter, kAskew}) {
       CutBlock block(50e-6, q);
       const Vec3 a(-0.4e-3, 0, -depth), b(0.4e-3, 0, -depth);
-      block.Move(Bur::Ball(kBallRadius), a, b);
+      block.Go(Bur::Ball(kBallRadius), a, b);
       const SolidSurface surface = WholeSurface(block.cut);
       const auto sweep = [&](const Vec3& p) {
         return (p - Vec3(std::clamp(p.x(), a.x(), b.x()), 0, -depth)).norm() - kBallRadius;
@@ -270,7 +270,7 @@ TEST(SolidSurface, VerticesOfTwoBlocksAreTheSameBits) {
 TEST(SolidSurface, KnowsWhatLiesBehindIt) {
   const auto layers = [](const Vec3& p) { return std::uint8_t(p.z() > -0.1e-3 ? 1 : 3); };
   CutBlock block(50e-6, kAlong, layers);
-  block.Move(Bur::Ball(kBallRadius), Vec3(0, 0, kBallRadius), Vec3(0, 0, -0.1e-3));
+  block.Go(Bur::Ball(kBallRadius), Vec3(0, 0, kBallRadius), Vec3(0, 0, -0.1e-3));
   const SolidSurface surface = WholeSurface(block.cut);
   std::size_t of[2] = {};
   for (std::size_t n = 0; n < surface.triangles.size(); ++n) {

@@ -83,7 +83,7 @@ void ExpectSame(const SolidSurface& surface, const Vec3& begin, double spacing) 
 
 TEST(SurfaceCode, SaysWhatIsLeftOfEachBlockOfACut) {
   CutBlock block(50e-6, Quat::Identity());
-  block.Move(Bur::Ball(0.5e-3), Vec3(-1e-3, 0.0, 0.0), Vec3(0.0, 0.0, -0.1e-3), 20e-6);
+  block.Go(Bur::Ball(0.5e-3), Vec3(-1e-3, 0.0, 0.0), Vec3(0.0, 0.0, -0.1e-3), 20e-6);
   const Lattice& lattice = block.solid.field().lattice();
   std::size_t with_triangles = 0;
   SolidSurface surface;
