@@ -4,14 +4,9 @@
 #include <cstring>
 #include <functional>
 #include <string>
-#include <vector>
 
 #include "scenes/catalogue.h"
-#include "scenes/files/scene_bundle.h"
-#include "server/physics/scene_model.h"
-#include "server/session/servo_loop.h"
-#include "tests/common/recording/samples.h"
-#include "tests/support/milliseconds.h"
+#include "tests/replayer/hand_recording.h"
 
 namespace palpate::test {
 
@@ -36,31 +31,8 @@ inline void RecordCut(const std::string& file, std::uint64_t poses,
   options.use_cache = false;
   const Scene scene = LoadScene(folder / "block.json", options);
   const HapticModel model = MakeModel(scene, scene.tools.front(), MakeObjects(scene));
-  RecordingWriter writer({.file = file});
-  std::vector<std::uint8_t> bytes = PackScene(scene);
-  Add(writer, dds::kSceneBundleTopic, SampleBundle(bytes, scene.name), kMs);
-  ServoLoop loop(model);
-  for (std::uint64_t i = 1; i <= poses; ++i) {
-    const std::int64_t now_ns = static_cast<std::int64_t>(i + 1) * kMs;
-    wire::HapticPose pose{};
-    pose.pose_sequence = i;
-    pose.sample_time_ns = now_ns;
-    wire::FromPose({hand(i), Quat::Identity()}, pose.position_m, pose.orientation_wxyz);
-    if (i == 1) {
-      loop.Start(wire::ToPose(pose));
-      wire::SessionState state = SampleState("hand", 9);
-      wire::FromText(scene.name, state.scene);
-      wire::FromText(scene.tools.front().name, state.tool);
-      state.start_sequence = 1;
-      wire::FromPose(wire::ToPose(pose), state.start_position_m, state.start_orientation_wxyz);
-      Add(writer, dds::kSessionStateTopic, state, now_ns);
-    }
-    wire::Wrench wrench{};
-    loop.OnPose(pose, wrench);
-    Add(writer, dds::PoseTopic("hand", 9), pose, now_ns);
-    Add(writer, dds::WrenchTopic("hand", 9), wrench, now_ns + kMs / 4);
-  }
-  writer.Close("");
+  const auto at = [&](std::uint64_t i) { return Pose{hand(i), Quat::Identity()}; };
+  RecordHand(scene, model, {.poses = poses, .at = at}, file);
 }
 
 /// A tip that comes down on the block's middle from 0.5 mm above it at 10 mm/s, to a depth [mm].

@@ -11,13 +11,9 @@
 #include "common/files/whole_file.h"
 #include "common/text/hex16.h"
 #include "scenes/catalogue.h"
-#include "scenes/files/scene_bundle.h"
-#include "server/physics/scene_model.h"
-#include "server/session/servo_loop.h"
-#include "tests/common/recording/samples.h"
+#include "tests/replayer/hand_recording.h"
 #include "tests/support/complaint.h"
 #include "tests/support/folder.h"
-#include "tests/support/milliseconds.h"
 
 namespace palpate::test {
 namespace {
@@ -42,35 +38,14 @@ class SealedTest : public testing::Test {
 
   void Record(const std::string& stem, const std::string& station, std::uint64_t run) {
     fs::create_directories(fs::path(folder_ / stem).parent_path());
-    RecordingWriter writer({.file = folder_ / (stem + ".mcap"), .overwrite = true});
-    std::vector<std::uint8_t> bytes = PackScene(scene_);
-    const wire::SceneBundle bundle = SampleBundle(bytes, scene_.name);
-    hash_ = Hex16(bundle.hash);
-    Add(writer, dds::kSceneBundleTopic, bundle, kMs);
-    ServoLoop loop(model_);
-    for (std::uint64_t i = 1; i <= kSealedPoses; ++i) {
-      const std::int64_t now_ns = static_cast<std::int64_t>(i + 1) * kMs;
-      wire::HapticPose pose{};
-      pose.pose_sequence = i;
-      pose.sample_time_ns = now_ns;
-      const Pose X{Vec3(1e-5 * static_cast<double>(i * run), 0.029, 0.0), Quat::Identity()};
-      wire::FromPose(X, pose.position_m, pose.orientation_wxyz);
-      if (i == 1) {
-        loop.Start(X);
-        wire::SessionState state = SampleState(station, run);
-        wire::FromText(scene_.name, state.scene);
-        wire::FromText(scene_.tools.front().name, state.tool);
-        state.start_sequence = 1;
-        wire::FromPose(X, state.start_position_m, state.start_orientation_wxyz);
-        Add(writer, dds::kSessionStateTopic, state, now_ns);
-      }
-      wire::Wrench wrench{};
-      loop.OnPose(pose, wrench);
+    const auto at = [&](std::uint64_t i) {
+      return Pose{Vec3(1e-5 * static_cast<double>(i * run), 0.029, 0.0), Quat::Identity()};
+    };
+    const auto lie = [&](std::uint64_t i, wire::Wrench& wrench) {
       if (i == 20) wrench.force_N[0] += lie_N_;
-      Add(writer, dds::PoseTopic(station, run), pose, now_ns);
-      Add(writer, dds::WrenchTopic(station, run), wrench, now_ns);
-    }
-    writer.Close("");
+    };
+    hash_ = Hex16(RecordHand(scene_, model_, {station, run, kSealedPoses, at, lie},
+                             folder_ / (stem + ".mcap")));
   }
   Seal SealOf(const std::string& stem, std::int64_t person, const std::string& name) const {
     const HashedFile hashed = Sha256OfFile(folder_ / (stem + ".mcap"));
