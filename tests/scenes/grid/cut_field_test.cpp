@@ -434,6 +434,32 @@ TEST(CutField, HoldsTheSameBitsInWhateverOrderItMergesWhatOthersCut) {
   }
 }
 
+// A bur that is larger than a block of the grid leaves nothing of some.
+TEST(CutField, MergesWhatIsGoneAltogether) {
+  CutBlock one(100e-6, kTilted), other(100e-6, kTilted);
+  one.Go(Bur::Ball(1.2e-3), Vec3(-0.5e-3, 0, -0.2e-3), Vec3(0.5e-3, 0, -0.2e-3), 50e-6);
+  std::vector<std::size_t> told;
+  for (std::size_t block = 0; one.cut.TakeChanged(block);) told.push_back(block);
+  int clear = 0;
+  for (const std::size_t block : told) {
+    const bool is_clear = one.cut.field().entry(block) == SparseField::kAbove;
+    clear += is_clear;
+    const std::uint32_t before = other.cut.changes();
+    Tell(one.cut, other.cut, block);
+    EXPECT_EQ(other.cut.changes(), before + 1);
+    EXPECT_EQ(other.cut.ChangedAt(block), before + 1) << "for contact to follow";
+    if (is_clear) {
+      EXPECT_EQ(other.cut.field().entry(block), SparseField::kAbove);
+    }
+    Tell(one.cut, other.cut, block);
+    EXPECT_EQ(other.cut.changes(), before + 1) << "it knew that";
+  }
+  EXPECT_GT(clear, 0);
+  EXPECT_FALSE(other.cut.has_changed()) << "what came from others is not told";
+  ExpectSamePoints(other.cut.field(), one.cut.field());
+  EXPECT_EQ(other.cut.VolumeLeft()[0], one.cut.VolumeLeft()[0]);
+}
+
 TEST(CutField, MergesWithoutAskingForMemory) {
   CutBlock one(50e-6, kTilted), other(50e-6, kTilted);
   one.Go(Bur::Ball(kRadius), Vec3(-0.4e-3, 0, -0.1e-3), Vec3(0.4e-3, 0, -0.1e-3), 20e-6);
