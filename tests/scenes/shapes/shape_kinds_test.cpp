@@ -278,10 +278,11 @@ TEST(ShapeKinds, SceneFilesGiveTheirParametersAndLeaveOutWhatIsUsual) {
   EXPECT_EQ(mesh.kind, MeshSource::Kind::kShape);
   EXPECT_EQ(mesh.what, "gingiva");
   EXPECT_EQ(mesh.variant, 1u);
-  ASSERT_EQ(mesh.values.size(), 7u);
+  ASSERT_EQ(mesh.values.size(), 13u);
   EXPECT_EQ(mesh.values[0], 0.0);
   EXPECT_EQ(mesh.values[4], 0.005);
   EXPECT_EQ(mesh.values[5], 0.0012);
+  EXPECT_EQ(mesh.values[7], 0.0) << "of the first of six sites: as deep as the pocket";
   const SceneDescription bent =
       ParseScene(SceneWith(R"({"shape": "pipe", "bend_deg": 180})"), "f.json");
   EXPECT_NEAR(bent.objects[0].mesh.values[3], M_PI, 1e-15);
