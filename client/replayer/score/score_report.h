@@ -37,8 +37,7 @@ Average AverageOf(const std::vector<double>& values);
 
 /// What to compare with what.
 struct ScoreOptions {
-  std::string
-      expert;  ///< recording; or a script, NAME.path.json, that is done in the trials' scene
+  std::string expert;  ///< recording, or a script (NAME.path.json) performed in the trials' scene
   std::vector<std::string> trials;  ///< recordings of the trainee
   /// Sessions, as in SessionChoice; for the trials, one for all or one each.
   std::string expert_station;
