@@ -11,7 +11,8 @@ namespace palpate {
 
 /// The progress of a guide along its path: at the recorded pace while the hand keeps up, slower the
 /// further the hand lags behind, and stopped from kFar_m on until it comes.  Otherwise the aim
-/// would run away from a hand that resists, and a station ignores an aim that is out of reach.
+/// would run away from a hand that resists, and a station stops pulling towards an aim that stays
+/// out of reach.
 /// Pure: time is an argument.
 class GuidePace {
  public:

@@ -40,7 +40,7 @@ class Timeline {
     std::int64_t time_ns;
     std::uint64_t server_run;
     std::string name;      ///< station or scene
-    std::uint64_t number;  ///< a SceneChange's number, a SceneWhole's last change; otherwise 0
+    std::uint64_t number;  ///< SolidBlock's change, or SceneWhole's last change; otherwise 0
     std::uint64_t place;   ///< index if a name has several; otherwise 0
     std::vector<std::uint8_t> cdr;
   };

@@ -21,9 +21,10 @@ namespace palpate {
 /// tool's path in each cycle from the solids as the step did, without solving a step.  It takes a
 /// tenth of the time of Verify, which alone checks that the answers are the physics' own.
 ///
-/// The result is not known if a cycle had several sub-steps (the tool moved farther in it than half
-/// the grid's band, or stayed behind its hand), if others cut in the scene, or if anything was cut
-/// before the recording.  Finish then returns none, and Verify has to be used.
+/// The result is not known if the tool may have cut in a cycle of several sub-steps (it moved
+/// farther in it than half the grid's band, or stayed behind its hand), if others cut in the
+/// scene, or if anything was cut before the recording.  Finish then returns none, and Verify has
+/// to be used.
 class CutSweep {
  public:
   /// @param tool  name of a tool of the scene.  Throws Error if there is none of that name.
