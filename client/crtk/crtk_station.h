@@ -171,7 +171,7 @@ class CrtkStation {
 
   wire::SessionState session_{};
   std::int64_t ended_ns_ = 0;  // 0: it has not ended
-  std::string frame_;          // changes only while nobody hears the loop
+  std::string frame_;          // changes only while nobody reads the loop
   CrtkState told_;
   std::int64_t told_ns_ = 0;
   wire::GuideTarget target_{};

@@ -55,7 +55,7 @@ std::optional<std::string> PoolsOfRunning(const HostFiles& host) {
   for (const std::string& process : host.Names("/proc")) {
     if (host.Read("/proc/" + process + "/comm") != "iox-roudi") continue;
     const std::string words = host.Read("/proc/" + process + "/cmdline").value_or("");
-    // Each word ends with a zero.
+    // Each argument ends with a zero byte.
     for (const char* name : {"-c", "--config-file"}) {
       const std::string option = std::string(1, '\0') + name + std::string(1, '\0');
       if (const std::size_t at = words.find(option); at != std::string::npos) {

@@ -16,7 +16,7 @@
 namespace palpate {
 namespace {
 
-/// As many as a server admits.
+/// As many stations as a server admits.
 constexpr std::size_t kMostStations = 32;
 
 constexpr const char* kAbout =

@@ -40,7 +40,7 @@ struct LinkOptions {
 ///   linked    the servo thread sends poses
 ///
 /// Each round has its own run number, topics named for it (common/dds/topics.h), and a key without
-/// which nobody else can end its session (common/dds/leave_seal.h).
+/// which nobody can end its session (common/dds/leave_seal.h).
 /// Thread contract: one thread, not the servo thread.
 class SessionLink {
  public:

@@ -31,9 +31,8 @@ struct StationTotals {
   std::uint64_t ticks = 0;
   std::uint64_t sent = 0;
   std::uint64_t replies = 0;
-  std::uint64_t strays =
-      0;                   ///< replies to no pose that was sent, and out-of-order replies: not used
-  std::uint64_t late = 0;  ///< replies that took more than 1 ms
+  std::uint64_t strays = 0;  ///< replies to no sent pose, or out of order; not used
+  std::uint64_t late = 0;    ///< replies that took more than 1 ms
   std::uint64_t contact_replies = 0;
   std::uint32_t max_contacts = 0;
   std::uint32_t faults = 0;  ///< union of all fault bits
@@ -58,7 +57,7 @@ struct StationSnapshot {
   double force_N = 0.0;        ///< applied to the device at the end of the period
   double torque_Nm = 0.0;
   double peak_force_N = 0.0;  ///< of the period
-  std::uint64_t sent = 0;     ///< from here on: since the start
+  std::uint64_t sent = 0;     ///< from here on: totals, not of the period
   std::uint64_t late = 0;
   std::uint64_t lost = 0;  ///< poses without an answer, except those still in flight
   std::uint64_t fades = 0;
