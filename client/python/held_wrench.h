@@ -16,7 +16,7 @@ struct HeldWrench {
   Eigen::Matrix<double, 6, 6> stiffness = Eigen::Matrix<double, 6, 6>::Zero();  ///< of [x; turn]
   Pose X_WH;                                       ///< the hand's pose at that call
   double max_force_N = 1.0, max_torque_Nm = 0.01;  ///< limits; longer vectors are shortened
-  std::uint64_t every = 10;  ///< calls the function at each such step of a millisecond
+  std::uint64_t every = 10;  ///< number of 1 ms steps from one call to the next
 
   /// Returns the wrench at the hand's present pose; zero if that is not finite.  Real-time.
   Wrench At(const Pose& X_WN) const noexcept {

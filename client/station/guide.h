@@ -22,7 +22,7 @@ struct GuideLimits {
   double torque_Nm = 0.0;
 
   /// Returns the limits for a force; the torque limit is 10 mN m per newton.  A force above
-  /// kMostForce_N becomes kMostForce_N; NaN becomes zero.
+  /// kMostForce_N becomes kMostForce_N; a negative one, or NaN, becomes zero.
   static GuideLimits OfForce(double force_N);
 };
 
