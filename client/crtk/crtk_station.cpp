@@ -10,11 +10,11 @@
 namespace palpate {
 namespace {
 
-/// What is still on its way when a session ends.
+/// Loop topics stay open this long after a session ends, for samples still in flight.
 constexpr std::int64_t kLinger_ns = 500'000'000;
-/// Who comes later learns the state by then.
+/// The state is published again after this time, for subscribers that come later.
 constexpr std::int64_t kTellAgain_ns = 500'000'000;
-/// A guide's aims need not come faster: a station looks for them every few milliseconds.
+/// Aims need not come faster: a station looks for them every few milliseconds.
 constexpr std::int64_t kAimPeriod_ns = 4'000'000;
 
 template <class Vector>
@@ -29,7 +29,7 @@ void StampAt(ros2::Header& header, std::int64_t system_ns) noexcept {
   header.stamp.nanosec = static_cast<std::uint32_t>(system_ns % 1'000'000'000);
 }
 
-/// A frame that is not said is the scene's.
+/// Returns whether the frame is the station's; an empty name means the scene's frame.
 bool IsFrame(const ros2::Header& header, const std::string& frame) {
   return header.frame_id == nullptr || header.frame_id[0] == '\0' || frame == header.frame_id;
 }
@@ -63,7 +63,7 @@ CrtkStation::CrtkStation(const ros2::Participant& ros, const std::string& statio
   wire::FromText(station, target_.station);
   target_.run = RandomRun();
   if (read_only_) return;
-  // Late is as bad as lost, and whoever is only best effort is heard too.
+  // A late wrench is as bad as a lost one, and a best-effort writer has to match too.
   servo_.emplace(ros, namespace_ + "/servo_cf", ros2::Wants::kNewest);
   commands_.emplace(ros, namespace_ + "/state_command", ros2::Wants::kAll);
 }
@@ -99,7 +99,7 @@ void CrtkStation::Hear(const wire::SessionState& state, std::int64_t now_ns) {
 void CrtkStation::Poll(const dds::Participant& loop, std::int64_t now_ns) {
   if (ended_ns_ != 0 && now_ns - ended_ns_ > kLinger_ns && (poses_ || wrenches_)) LeaveLoop();
   if (session_.phase != palpate_SESSION_ENDED) {
-    // Over shared memory a reader that is there before it knows the writer loses chunks for ever.
+    // Over shared memory, a reader made before it has discovered the writer leaks chunks for good.
     const std::string pose_topic = dds::PoseTopic(station_, session_.run);
     if (!poses_ && dds::WriterDiscovered(loop, pose_topic)) {
       poses_ = {loop, pose_topic, dds::Qos::kRecord,

@@ -19,15 +19,16 @@
 
 namespace palpate {
 
-/// A station as CRTK's operating_state tells of it.
+/// The state of a station, as CRTK's operating_state reports it.
 struct CrtkState {
   const char* state = "DISABLED";  ///< DISABLED, ENABLED, PAUSED or FAULT
-  bool homed = false;              ///< its poses are those of a hand in the scene
-  bool busy = false;               ///< on its way to a state where forces are computed
+  bool homed = false;              ///< true while its poses are those of a hand in the scene
+  bool busy = false;               ///< on its way to a state in which forces are computed
   bool operator==(const CrtkState&) const = default;
 };
 
-/// @param faults  of the newest wrench.
+/// Returns the CRTK state for a session's phase.
+/// @param faults  the fault bits of the newest wrench.
 inline CrtkState CrtkStateOf(wire::SessionPhase phase, bool muted, std::uint32_t faults) {
   switch (phase) {
     case palpate_SESSION_WAITING:
@@ -45,8 +46,9 @@ inline CrtkState CrtkStateOf(wire::SessionPhase phase, bool muted, std::uint32_t
   }
 }
 
-/// What a state_command asks of the server; none where a station has no such thing (it homes its
-/// device itself) or the word is none of CRTK's.
+/// Returns the request to the server that a state_command stands for.  Returns none for a
+/// command that a station does not have (it homes its device itself) and for a word that CRTK
+/// does not define.
 inline std::optional<wire::OperateWish> WishOf(std::string_view command, wire::SessionPhase phase) {
   if (command == "pause") return palpate_OPERATE_MUTE;
   if (command == "resume" || command == "unpause") return palpate_OPERATE_UNMUTE;
@@ -57,14 +59,14 @@ inline std::optional<wire::OperateWish> WishOf(std::string_view command, wire::S
   return std::nullopt;
 }
 
-/// Turns the times of a station's steady clock into those of this host's system clock, which ROS
-/// stamps with.  What is added is the least that a sample took to come here, seen lately: on one
-/// host some tens of microseconds.  It may grow by 100 us a second, faster than two clocks drift
-/// apart, and begins anew where a clock was set by more than a second.
+/// Converts times of a station's steady clock into times of this host's system clock, which ROS
+/// uses for its stamps.  Adds the smallest delay between sampling and arrival seen lately: some
+/// tens of microseconds on one host.  It may grow by 100 us per second, faster than two clocks
+/// drift apart, and starts anew when a clock was set by more than a second.
 /// Thread contract: Hear one thread, ToSystem any.
 class SampleClock {
  public:
-  /// A sample of that time has come.
+  /// Takes the time of a sample that has just arrived.
   void Hear(std::int64_t sample_ns, std::int64_t system_ns) noexcept {
     const std::int64_t offset_ns = system_ns - sample_ns;
     const std::int64_t known_ns = offset_ns_.load(std::memory_order_relaxed);
@@ -86,10 +88,10 @@ class SampleClock {
   std::int64_t heard_ns_ = 0;
 };
 
-/// Where a guide has to aim so that a station pulls a hand at rest with this wrench: a station
-/// pulls in proportion to the distance, up to its whole force at Guide::kReach_m, so an aim within
-/// that reach is a force.  What is more than the limits is shortened to them, direction kept.
-/// None where a number is not finite.
+/// Returns the aim with which a guide makes a station pull a hand at rest with the wanted wrench.
+/// A station pulls in proportion to the distance, up to its full force at Guide::kReach_m, so an
+/// aim within that reach sets a force.  A wrench beyond the limits is shortened to them, keeping
+/// its direction.  Returns none if a number is not finite.
 /// @param wanted  force and torque on the hand, in W.
 /// @param limits  those of the station (its --guide-force).
 inline std::optional<Pose> ServoAim(const Pose& X_WH, const Wrench& wanted,
@@ -97,7 +99,7 @@ inline std::optional<Pose> ServoAim(const Pose& X_WH, const Wrench& wanted,
   if (!wanted.force.allFinite() || !wanted.torque.allFinite() || !(limits.force_N > 0.0)) {
     return std::nullopt;
   }
-  // Beyond the reach, by a rounding error even, a guide takes a hand at rest for one that resists.
+  // A guide treats a hand beyond the reach, even by a rounding error, as one that resists.
   constexpr double kWithin = 1.0 - 1e-9;
   const auto part = [](const Vec3& v, double limit, double reach) {
     const double norm = v.stableNorm();
@@ -108,20 +110,21 @@ inline std::optional<Pose> ServoAim(const Pose& X_WH, const Wrench& wanted,
   return Pose{X_WH.p + step, (RotationExp(turn) * X_WH.q).normalized()};
 }
 
-/// "/hand": a station's name as a namespace of ROS, whose names begin with no digit.
+/// Returns the ROS namespace of a station, such as "/hand".  ROS names must not begin with a digit.
 std::string RosNamespace(const std::string& station);
 
-/// Why a station's name cannot be a name of ROS 2, and what to do; empty where it can.  Names of
-/// ROS have no two underscores side by side (design.ros2.org, "Topic and Service name mapping to
-/// DDS"). They are refused and not made one, or two stations could come to have one name.
+/// Returns why a station's name cannot be a ROS 2 name, and what to do; empty if it can.  ROS
+/// names have no two adjacent underscores (design.ros2.org, "Topic and Service name mapping to
+/// DDS").  Such names are refused rather than changed, since two stations could otherwise get the
+/// same name.
 std::string WhyNoRosName(const std::string& station);
 
-/// One station on ROS 2: each pose and wrench of its loop goes out in the thread that received it,
-/// so that nothing waits for another thread; what comes from ROS waits for Poll.
-/// Thread contract: all but the loop's callbacks one thread.
+/// One station on ROS 2.  Each pose and wrench of its loop is published in the thread that received
+/// it, so no sample waits for another thread; messages from ROS wait for Poll.
+/// Thread contract: all methods in one thread; the loop's callbacks run in others.
 class CrtkStation {
  public:
-  /// @param guide  where what servo_cf asks for goes; not looked at where `read_only`.
+  /// @param guide  receives the aims that servo_cf asks for; not used if `read_only`.
   /// Throws Error.
   CrtkStation(const ros2::Participant& ros, const std::string& station, bool read_only,
               const GuideLimits& limits, dds::Writer<wire::GuideTarget>& guide,
@@ -130,14 +133,14 @@ class CrtkStation {
   CrtkStation(const CrtkStation&) = delete;
   CrtkStation& operator=(const CrtkStation&) = delete;
 
-  /// What the server says of its session.
+  /// Takes a state that the server reports of its session.
   void Hear(const wire::SessionState& state, std::int64_t now_ns);
-  /// To be called every few milliseconds: opens the loop's topics once their writers are known,
-  /// tells of the state, takes what came from ROS.
+  /// Opens the loop's topics once their writers are known, publishes the state and handles messages
+  /// from ROS.  Call it every few milliseconds.
   void Poll(const dds::Participant& loop, std::int64_t now_ns);
 
-  /// In all its sessions: samples of the loop that came, that their numbers say are missing, and
-  /// messages that DDS refused.
+  /// Counts over all sessions: samples of the loop that arrived, samples missing by their sequence
+  /// numbers, and messages that DDS refused.
   struct Counts {
     std::uint64_t poses = 0, wrenches = 0, missing = 0, refused = 0;
   };
@@ -167,8 +170,8 @@ class CrtkStation {
   std::optional<ros2::Reader<ros2::StringStamped>> commands_;
 
   wire::SessionState session_{};
-  std::int64_t ended_ns_ = 0;  // 0: it has not
-  std::string frame_;          // changes only while nobody hears the loop
+  std::int64_t ended_ns_ = 0;  // 0: it has not ended
+  std::string frame_;          // changes only while nobody reads the loop
   CrtkState told_;
   std::int64_t told_ns_ = 0;
   wire::GuideTarget target_{};
@@ -179,7 +182,7 @@ class CrtkStation {
   std::mutex hand_mutex_;
   std::optional<Pose> hand_;
   std::atomic<std::uint32_t> faults_{0};
-  // Of one callback each.
+  // Each used by one callback only.
   std::uint64_t next_pose_ = 0;
   std::uint32_t next_answer_ = 0;
   ros2::PoseStamped cp_message_{};
@@ -187,7 +190,7 @@ class CrtkStation {
   ros2::WrenchStamped cf_message_{};
   std::atomic<std::uint64_t> pose_count_{0}, wrench_count_{0}, missing_{0}, refused_{0};
 
-  // Last: their callbacks use what stands before them.
+  // Last members: their callbacks use the members above.
   dds::Reader<wire::HapticPose> poses_;
   dds::Reader<wire::Wrench> wrenches_;
 };

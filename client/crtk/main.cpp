@@ -22,7 +22,7 @@ namespace palpate {
 namespace {
 
 constexpr std::chrono::milliseconds kPoll{2};
-/// As many as a server admits; of strangers' names no more are made into topics.
+/// As many stations as a server admits; further names, from unknown senders, get no topics.
 constexpr std::size_t kMostStations = 32;
 
 constexpr const char* kAbout =
@@ -57,7 +57,7 @@ struct Options : ServerOptions {
   std::optional<double> seconds;
 };
 
-/// Nothing where --help or --version was asked for.  Throws UsageError.
+/// Returns nothing after --help or --version.  Throws UsageError.
 std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   Options options;
   const CommandLine app(kAbout, "palpate-crtk", kExamples);
@@ -84,7 +84,7 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
 
 using Stations = std::map<std::string, std::unique_ptr<CrtkStation>>;
 
-/// Why a station cannot be brought to ROS; empty where it can.
+/// Returns why a station cannot be bridged to ROS; empty if it can.
 std::string WhyLeftOut(const std::string& name, const Stations& stations) {
   if (!dds::IsStationName(name)) return "no such name";
   if (std::string why = WhyNoRosName(name); !why.empty()) return why;
@@ -96,7 +96,7 @@ std::string WhyLeftOut(const std::string& name, const Stations& stations) {
   return stations.size() == kMostStations ? "32 are here already" : "";
 }
 
-/// Brings the stations of one server to ROS 2 until it is stopped.  Throws Error.
+/// Bridges the stations of one server to ROS 2 until it is stopped.  Throws Error.
 int Bridge(const Options& options) {
   StopSignal stop;
   const dds::TransportChoice transport = dds::ChooseTransport(options.transport, options.network);
@@ -105,7 +105,7 @@ int Bridge(const Options& options) {
   const ros2::Participant ros(options.ros_domain, options.ros_network);
   dds::Reader<wire::SessionState> states(service, dds::kSessionStateTopic,
                                          dds::Qos::kRecordSession);
-  // Only who may command needs the right to (deploy/security/identities).
+  // Only a bridge that may command needs this right (deploy/security/identities).
   dds::Writer<wire::GuideTarget> guide;
   dds::Writer<wire::OperateRequest> wishes;
   if (!options.read_only) {
@@ -114,7 +114,7 @@ int Bridge(const Options& options) {
   }
   const GuideLimits limits = GuideLimits::OfForce(options.guide_force_N);
   Stations stations;
-  std::set<std::string> left_out;  // of which it has been told
+  std::set<std::string> left_out;  // already reported
   std::printf("ready: domain %d to ROS domain %d on %s; poses and wrenches: %s\n", options.domain,
               options.ros_domain, options.ros_network.interface.c_str(), transport.reason.c_str());
   std::fflush(stdout);

@@ -21,16 +21,16 @@ namespace palpate::doctor {
 
 enum class Status {
   kOk,
-  kWarning,  ///< holds 1 kHz, less well than it could, or not for everybody
+  kWarning,  ///< holds 1 kHz, but less well than it could, or not for every user
   kFault,    ///< does not hold 1 kHz, or does not work at all
 };
 
-/// What one check has to say.
+/// The result of one check.
 struct Finding {
-  std::string check{};  ///< its name, as a script looks for it: "idle states"; Examine gives it
+  std::string check{};  ///< name that a script looks for: "idle states"; set by Examine
   Status status = Status::kOk;
   std::string found{};
-  std::string remedy{};  ///< what to do, with the command or file; empty where it is ok
+  std::string remedy{};  ///< what to do, with the command or file; empty if ok
 };
 
 inline Finding Ok(std::string found) {
@@ -43,7 +43,7 @@ inline Finding Fault(std::string found, std::string remedy) {
   return {.status = Status::kFault, .found = std::move(found), .remedy = std::move(remedy)};
 }
 
-/// How a kernel gets an option, in a remedy's words.
+/// Returns the remedy's text for setting a kernel option.
 inline std::string GrubLine(const std::string& option) {
   return "add " + option + " to GRUB_CMDLINE_LINUX in /etc/default/grub, run sudo update-grub";
 }
@@ -55,12 +55,13 @@ inline Status Worst(const std::vector<Finding>& findings) {
   return worst;
 }
 
-/// How soon the kernel lets a real-time thread in: PREEMPT_RT, else its mode of preemption.
+/// Checks how soon the kernel schedules a real-time thread: with PREEMPT_RT, or else by its
+/// preemption mode.
 Finding CheckKernel(const HostFiles& host);
-/// Whether the clock is read without a system call.
+/// Checks whether the clock is read without a system call.
 Finding CheckClockSource(const HostFiles& host);
 
-/// What the kernel gave this user when asked, as a program's loop asks.
+/// The rights that the kernel granted this user when asked as a program's loop asks.
 struct Rights {
   bool fifo = false;
   bool memory_locked = false;
@@ -68,62 +69,64 @@ struct Rights {
   std::optional<long long> memlock_kB{};  ///< ulimit -l; nothing: unlimited
 };
 
-/// Tries, in a thread of its own: SCHED_FIFO ends with it, locked memory stays.
+/// Tries to get the rights in a thread of its own: SCHED_FIFO ends with that thread, locked
+/// memory stays.
 Rights TryRights(const RealtimeOptions& realtime);
 
-/// May a loop preempt everything ordinary?  Where not, which of the four that can refuse it does.
+/// Checks whether a loop may preempt all ordinary threads; if not, says which of the four possible
+/// causes refuses it.
 Finding CheckScheduling(const HostFiles& host, const Rights& rights, int priority);
 Finding CheckLockedMemory(const Rights& rights);
-/// The kernel's net under a real-time thread that spins.
+/// Checks the kernel's throttling of real-time threads that spin.
 Finding CheckThrottling(const HostFiles& host);
 
-/// Cores as the kernel lists them: "2-3,6".  What is no number ("(null)", where there is none) is
-/// left out.
+/// Parses a list of cores in the kernel's format: "2-3,6".  Skips what is not a number ("(null)"
+/// for an empty list).
 std::set<int> ParseCores(const std::string& list);
 std::string ToText(const std::set<int>& cores);
 
-/// Whether cores run at their full frequency at once.
+/// Checks whether cores run at full frequency without a delay.
 Finding CheckGovernor(const HostFiles& host);
-/// Whether cores fall so fast asleep that a pose has to wait until they are awake.
+/// Checks whether cores enter sleep states so deep that a pose has to wait for the wake-up.
 Finding CheckIdleStates(const HostFiles& host);
-/// Whether a core is kept for the loops.
+/// Checks whether a core is reserved for the loops.
 Finding CheckIsolatedCores(const HostFiles& host);
-/// Whether a loop shares its core's units with another thread.
+/// Checks whether a loop shares its core's execution units with another thread.
 Finding CheckHyperThreading(const HostFiles& host);
 
-/// What RouDi needs in /dev/shm with the project's pools; a test compares it with them.
+/// Space that RouDi needs in /dev/shm with the project's pools; a test compares the two.
 inline constexpr long long kSharedMemoryNeeded_MB = 117;
 
 struct Space {
   long long size_MB = 0;
   long long free_MB = 0;
 };
-/// Of the file system that the folder is on; nothing where there is no such folder.
+/// Returns the space of the file system that holds the folder; nothing if there is no such folder.
 std::optional<Space> SpaceIn(const HostFiles& host, const std::string& folder);
 
-/// RouDi, the keeper of the shared memory, as this host shows it.
+/// The state of RouDi, the daemon that manages the shared memory, on this host.
 struct RouDiState {
   bool socket = false;   ///< /tmp/roudi is there
-  bool answers = false;  ///< and a process holds it open
-  /// As a living RouDi holds it, or where that cannot be seen, the socket answers.
+  bool answers = false;  ///< a process holds the socket open
+  /// The lock is held as by a living RouDi or, if that cannot be seen, the socket answers.
   bool lock_held = false;
-  /// Its files that are another user's, who alone may start a RouDi while they are there; each with
-  /// a space before it.
+  /// RouDi files that belong to another user; while they exist, only that user can start a RouDi.
+  /// Each is preceded by a space.
   std::string closed{};
   long long owner = -1;                ///< user id of the socket's owner
   bool may_connect = false;            ///< this user may open the socket
-  std::optional<std::string> pools{};  ///< file that it was started with; "" without one
+  std::optional<std::string> pools{};  ///< file that it was started with; "" if none
 };
 RouDiState LookAtRouDi(const HostFiles& host);
 
-/// @param wanted  kUdp: it is not needed.
+/// @param wanted  with kUdp, shared memory is not needed.
 Finding CheckSharedMemory(const std::optional<Space>& space, bool roudi_runs,
                           dds::Transport wanted);
-/// @param pools  file to start it with, for the remedy.
+/// @param pools  file to start RouDi with, for the remedy.
 Finding CheckRouDi(const RouDiState& roudi, dds::Transport wanted, long long user,
                    const std::string& pools);
 
-/// A network interface with an address of IPv4.
+/// A network interface with an IPv4 address.
 struct Interface {
   std::string name;
   bool up = false;
@@ -131,26 +134,26 @@ struct Interface {
 };
 std::vector<Interface> InterfacesOfThisHost();
 
-/// Whether programs can meet over --network.
+/// Checks whether programs can find each other over --network.
 Finding CheckNetwork(const std::vector<Interface>& interfaces, const dds::Network& network);
 
-/// Whether the UDP ports of --domain are free, or a palpate-server's.
-/// @param server_runs  in this domain, on this host.
+/// Checks whether the UDP ports of --domain are free, or used by a palpate-server.
+/// @param server_runs  a server runs in this domain on this host.
 Finding CheckPorts(const HostFiles& host, int domain, bool server_runs);
-/// A palpate-server of this host has this domain.
+/// Returns whether a palpate-server of this host uses this domain.
 bool ServerRuns(const HostFiles& host, int domain);
 
-/// What two processes found that sent poses and echoed wrenches as a station and a server do. Plain
-/// data: it comes through a pipe.
+/// The result of a trial in which two processes exchanged poses and wrenches as a station and a
+/// server do.  Plain data: it is passed through a pipe.
 struct LoopTrial {
-  bool finished = false;  ///< all below counts
+  bool finished = false;  ///< the figures below are valid
   bool shared_memory = false;
   std::uint64_t sent = 0;
   std::uint64_t lost = 0;
   double p50_us = 0.0;  ///< round trip
   double p99_us = 0.0;
   double max_us = 0.0;
-  char error[512] = {};  ///< why not finished; empty where it hung or died
+  char error[512] = {};  ///< why it did not finish; empty if it hung or died
 };
 
 struct LoopOptions {
@@ -160,19 +163,19 @@ struct LoopOptions {
   RealtimeOptions realtime{};
 };
 
-/// Tries it for about a second, in two processes of its own, which a hanging RouDi, or a library
-/// that aborts, may take with it.  To be called while this process has no other thread.
-/// @param stop  ends it early; made before, so that both processes see a signal, too.
+/// Runs the trial for about a second in two processes of its own, so that a hanging RouDi or an
+/// aborting library ends only those.  Call it while this process has no other thread.
+/// @param stop  ends the trial early; created before the processes, so that both see a signal.
 LoopTrial TryLoop(const LoopOptions& options, StopSignal& stop);
 
-/// @param expected  shared memory, or UDP, as ChooseTransport chose.
+/// @param expected  shared memory or UDP, as ChooseTransport chose.
 Finding CheckLoop(const LoopTrial& trial, dds::Transport expected);
 
-/// Whether what an arm needs beside the kernel answers: what was found, in a few words; throws
-/// Error.
+/// Tests whether something that an arm needs besides the kernel answers.  Returns in a few words
+/// what was found; throws Error.
 using Probe = std::function<std::string()>;
 
-/// Of the vendors' libraries and services, so that a test needs none of them.
+/// Probes of the vendors' libraries and services, replaceable so that a test needs none of them.
 struct ArmProbes {
   Probe openhaptics;     ///< loads the library
   Probe forcedimension;  ///< loads the library
@@ -180,26 +183,27 @@ struct ArmProbes {
 };
 ArmProbes RealArmProbes();
 
-/// Whether palpate-station --device could open the device.
-/// @param device  as after --device, known; empty: none is named, and what is missing is no fault.
+/// Checks whether palpate-station --device could open the device.
+/// @param device  a known name, as after --device; if empty, no device is named and a missing one
+///                is no fault.
 Finding CheckDevice(const HostFiles& host, const std::string& device, const ArmProbes& probes);
 
-/// Opens an arm by a driver of one's own, and has it do for some seconds what a station does,
-/// behind the limiter: whether every call and reading is in order, and in time.  Without a force,
-/// but where it is to `push`: 1 N there and back along each axis, to see that the handle gives way.
+/// Opens an arm by a user's own driver and runs it for some seconds as a station does, behind the
+/// limiter.  Checks that every call and reading is valid and in time.  Commands no force unless
+/// `push`: then 1 N forwards and back along each axis, to see that the handle yields.
 std::vector<Finding> TryDriver(const DeviceOptions& options, bool push, StopSignal& stop);
 
-/// How late a loop of 1 kHz woke up.
+/// The wake-up latency of a 1 kHz loop.
 struct Jitter {
   Histogram lateness;        ///< [ns]
   std::uint64_t missed = 0;  ///< milliseconds that had passed before the loop woke up for them
 };
 
-/// Sleeps until each millisecond of the monotonic clock, in a thread with the rights of a loop.
-/// Throws UsageError where realtime.cpu does not exist.
+/// Measures jitter: sleeps until each millisecond of the monotonic clock, in a thread with the
+/// rights of a loop.  Throws UsageError if realtime.cpu does not exist.
 Jitter MeasureJitter(double seconds, const RealtimeOptions& realtime, StopSignal& stop);
 
-/// Whether that leaves a pose its time.
+/// Checks whether this jitter leaves enough time to handle a pose.
 Finding CheckJitter(const Jitter& jitter);
 
 }  // namespace palpate::doctor

@@ -17,7 +17,7 @@ constexpr const char* kDelta = "forcedimension";
 constexpr const char* kInverse = "haply";
 constexpr const char* kPuck = "spacemouse";
 
-/// The page about a kind of arm, where the reader finds it.
+/// Returns the path of the page about a kind of arm, as the reader finds it.
 std::string PageOf(const char* device) {
   return "(" + ShownPlaceOf(ProjectFile::kDevicePages) + "/" + device + "/README.md)";
 }
@@ -28,7 +28,7 @@ std::string Listed(const HostFiles& host, const std::vector<std::string>& nodes)
   return text;
 }
 
-/// What the probe found, or a fault with this remedy.
+/// Returns what the probe found, or a fault with this remedy.
 Finding Probed(const char* device, const Probe& probe, const std::string& remedy) {
   try {
     return Ok(std::string(device) + ": " + probe());
@@ -51,14 +51,14 @@ Finding CheckArm(const HostFiles& host, const Probe& probe) {
                  "in again; or install the driver's udev rules");
   }
   if (nodes.open.empty()) {
-    // No fault: an arm on the network has no node.
+    // Not a fault: an arm on the network has no device node.
     return Warning(finding.found + "; no arm is plugged in (no /dev/ttyACM*, fw* or parport*)",
                    "check its cable and power; an arm on the network needs neither");
   }
   return Ok(finding.found + "; may be opened:" + Listed(host, nodes.open));
 }
 
-/// Nodes of the USB devices of Force Dimension's that are plugged in.
+/// Returns the device nodes of the plugged-in USB devices of Force Dimension.
 std::vector<std::string> DeltaNodes(const HostFiles& host) {
   std::vector<std::string> nodes;
   const std::string folder = "/sys/bus/usb/devices";
@@ -105,7 +105,7 @@ Finding CheckInverse(const Probe& probe) {
           haply::kServiceVariable);
 }
 
-/// True where a puck of 3Dconnexion's (or of Logitech's, as they were sold before) is plugged in.
+/// Returns whether a puck of 3Dconnexion (or of Logitech, which sold them before) is plugged in.
 bool PuckIsPluggedIn(const HostFiles& host) {
   for (const std::string& node : host.Names("/sys/class/hidraw", "hidraw")) {
     const std::string text = host.Read("/sys/class/hidraw/" + node + "/device/uevent").value_or("");

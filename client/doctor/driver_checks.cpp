@@ -18,14 +18,14 @@
 namespace palpate::doctor {
 namespace {
 
-/// An arm that is in order is ready 0.1 s after it is opened.
+/// A working arm is ready 0.1 s after it is opened.
 constexpr double kReady_s = 0.3;
 constexpr double kTrial_s = 2.0;
-/// Until an arm that a hand holds has given way.
+/// Time that an arm in a hand needs to yield.
 constexpr double kPush_s = 0.25;
-/// As much as the limiter lets a guide have, which is active by design as a push is.
+/// The limiter's bound for a guide, which, like this push, is active by design.
 constexpr double kPush_N = 1.0;
-/// Less than that is not told from a hand's own motion.
+/// A smaller motion cannot be distinguished from the hand's own.
 constexpr double kGaveWay_m = 0.5e-3;
 constexpr double kLongTurn_ms = 3.0;
 
@@ -34,7 +34,7 @@ class DriverLoop {
  public:
   DriverLoop(Device& device, const RealtimeOptions& realtime, StopSignal& stop)
       : device_(device), limiter_(WrenchLimits::Of(device.info())), stop_(stop) {
-    EnterRealtime(realtime);  // which its threads inherit
+    EnterRealtime(realtime);  // inherited by its threads
     device_.StartTicks([this] { Tick(); });
     LeaveRealtime();
   }
@@ -57,12 +57,12 @@ class DriverLoop {
 
   struct Seen {
     int ticks = 0;
-    double longest_ms = 0.0;  ///< from tick to tick
+    double longest_ms = 0.0;  ///< between two ticks
     Vec3 p = Vec3::Zero();
   };
   Seen seen;
-  bool ready = false;    ///< once
-  bool faulted = false;  ///< since then
+  bool ready = false;    ///< was ready once
+  bool faulted = false;  ///< faulted after that
   std::string news;
   Vec3 least = Vec3::Constant(HUGE_VAL), most = Vec3::Constant(-HUGE_VAL);
 
@@ -90,13 +90,14 @@ class DriverLoop {
   StopSignal& stop_;
   LatestMailbox<Vec3> pushes_;
   LatestMailbox<Seen> seens_;
-  // Of the loop.
+  // Used by the loop only.
   Seen now_;
   std::int64_t before_ns_ = 0;
   Vec3 push_ = Vec3::Zero();
 };
 
-/// Whether it gives way along each axis, less what a hand does meanwhile: there, back, back, there.
+/// Checks that the arm yields along each axis, less the hand's own motion: pushes forwards, back,
+/// back, forwards.
 Finding Pushed(DriverLoop& loop) {
   Vec3 way = Vec3::Zero();
   for (int axis = 0; axis < 3; ++axis) {

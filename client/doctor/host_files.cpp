@@ -12,7 +12,7 @@
 namespace palpate::doctor {
 namespace {
 
-/// What the kernel tells of itself and of a process has some kB, a table of mounts more.
+/// The kernel's files about itself and about a process have some kB, a mount table more.
 constexpr std::uint64_t kMostBytes = std::uint64_t{4} << 20;
 
 }  // namespace

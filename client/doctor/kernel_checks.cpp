@@ -16,8 +16,8 @@ namespace {
 constexpr const char* kRealtimeKernel =
     "sudo apt-get install linux-image-rt-amd64, then restart into it";
 
-/// The mode that a kernel of PREEMPT_DYNAMIC runs in: "full", from "none voluntary (full)" where
-/// debugfs may be read (by root), else from its command line; empty where neither says.
+/// Returns the mode of a PREEMPT_DYNAMIC kernel: "full", from "none voluntary (full)" if debugfs is
+/// readable (by root), or else from its command line; empty if neither says.
 std::string PreemptMode(const HostFiles& host) {
   if (const auto modes = host.Read("/sys/kernel/debug/sched/preempt")) {
     const std::size_t open = modes->find('(');
@@ -59,8 +59,8 @@ bool HasCapability(const HostFiles& host, int capability) {
   return false;
 }
 
-/// Of cgroup v1 with CONFIG_RT_GROUP_SCHED: the file that gives this process's group its real-time
-/// share, where there is one.
+/// Returns the file that sets the real-time share of this process's group, under cgroup v1 with
+/// CONFIG_RT_GROUP_SCHED, if there is one.
 std::optional<std::string> GroupShareFile(const HostFiles& host) {
   std::istringstream groups(host.Read("/proc/self/cgroup").value_or(""));
   for (std::string line; std::getline(groups, line);) {
@@ -110,7 +110,7 @@ Finding CheckKernel(const HostFiles& host) {
 
 Finding CheckClockSource(const HostFiles& host) {
   constexpr const char* kFile = "/sys/devices/system/clocksource/clocksource0/current_clocksource";
-  // Those that the vDSO reads, without a system call.
+  // Clock sources that the vDSO reads without a system call.
   constexpr std::array<std::string_view, 4> kFast = {
       "tsc", "kvm-clock", "hyperv_clocksource_tsc_page", "arch_sys_counter"};
   const std::string clock = host.Read(kFile).value_or("");

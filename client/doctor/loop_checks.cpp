@@ -31,18 +31,19 @@ constexpr const char* kStation = "palpate_doctor";
 constexpr std::int64_t kPeriod_ns = 1'000'000;
 constexpr int kPoses = 1000;
 constexpr int kMeetWithin_ms = 5000;
-// As stations do before their first pose: a reader over shared memory leaks what comes earlier.
+// Wait as stations do before their first pose: over shared memory, a reader leaks samples that
+// come earlier.
 constexpr milliseconds kSettle{100};
 constexpr int kAllWithin_ms = 15'000;
-// A round trip beyond the millisecond is a late wrench.  Of a thousand wake-ups a second, p99.9 is
-// what comes once a second.  A pose's way takes some tens of microseconds of its millisecond: with
-// half of it lost it still arrives, and a station does not age its wrench for a millisecond or two
-// that come now and then.
+// A round trip beyond a millisecond makes a wrench late.  With a thousand wake-ups per second,
+// p99.9 is what occurs once a second.  A pose needs some tens of microseconds of its millisecond,
+// so it still arrives if half of that is lost, and a station does not age its wrench for a late
+// millisecond or two now and then.
 constexpr double kGood_us = 100.0;
 constexpr double kBearable_us = 500.0;
 constexpr double kOneTick_us = 1000.0;
 
-/// Participant with the loop's rights: its receiving threads inherit them.
+/// Opens a participant with the loop's rights, which its receiving threads inherit.
 dds::Participant Open(const LoopOptions& options) {
   const dds::TransportChoice choice = dds::ChooseTransport(options.transport, options.network);
   EnterRealtime(options.realtime);
@@ -59,7 +60,7 @@ void Await(const char* what, const std::function<bool()>& condition) {
   throw Error(std::string(what) + " was not found within 5 s");
 }
 
-/// As the server does: answers in the thread that received the pose, until it is told to end.
+/// Acts as the server: answers in the thread that received the pose, until told to end.
 void Echo(const LoopOptions& options, std::uint64_t run, StopSignal& stop) {
   const dds::Participant participant = Open(options);
   dds::Writer<wire::Wrench> wrenches(participant, dds::WrenchTopic(kStation, run), dds::Qos::kLoop);
@@ -76,15 +77,15 @@ void Echo(const LoopOptions& options, std::uint64_t run, StopSignal& stop) {
   }
 }
 
-/// As the station does.
+/// Acts as the station.
 LoopTrial Ask(const LoopOptions& options, std::uint64_t run, const StopSignal& stop) {
   LoopTrial trial;
   const dds::Participant participant = Open(options);
   dds::Writer<wire::HapticPose> poses(participant, dds::PoseTopic(kStation, run), dds::Qos::kLoop);
   const std::string wrench_topic = dds::WrenchTopic(kStation, run);
   Await("the echo", [&] { return dds::WriterDiscovered(participant, wrench_topic); });
-  Histogram round_trip;             // of the receiving thread, until the reader has gone
-  std::atomic<bool> counts{false};  // the first poses find caches cold
+  Histogram round_trip;             // used by the receiving thread until the reader has ended
+  std::atomic<bool> counts{false};  // false for the first poses, which find caches cold
   std::atomic<std::uint64_t> first{0};
   dds::Reader<wire::Wrench> wrenches(participant, wrench_topic, dds::Qos::kLoop,
                                      [&](const wire::Wrench& wrench) {
@@ -119,7 +120,7 @@ LoopTrial Ask(const LoopOptions& options, std::uint64_t run, const StopSignal& s
   return trial;
 }
 
-/// A process that does the work, and sends how it ended into the pipe.
+/// Starts a process that does the work and writes its result into the pipe.
 pid_t Start(int pipe, const std::function<LoopTrial()>& work) {
   const pid_t parent = getpid();
   const pid_t child = fork();
@@ -133,10 +134,10 @@ pid_t Start(int pipe, const std::function<LoopTrial()>& work) {
     std::snprintf(trial.error, sizeof trial.error, "%s", error.what());
   }
   [[maybe_unused]] const auto written = write(pipe, &trial, sizeof trial);
-  std::exit(0);  // in order: iceoryx takes its leave of RouDi
+  std::exit(0);  // regular exit, so that iceoryx deregisters from RouDi
 }
 
-/// Asks first: a client that is killed in the middle of a write leaves RouDi a lock.
+/// Asks the child to end before killing it: a client killed during a write leaves a lock in RouDi.
 void End(pid_t child) {
   if (child <= 0) return;
   kill(child, SIGTERM);
@@ -166,7 +167,7 @@ LoopTrial TryLoop(const LoopOptions& options, StopSignal& stop) {
   LoopTrial trial;
   int ends[2];
   if (pipe(ends) != 0) return trial;
-  std::fflush(nullptr);  // or the children would say it again
+  std::fflush(nullptr);  // so that the children do not print it again
   const std::uint64_t run = RandomRun();
   const pid_t echo = Start(ends[1], [&] {
     Echo(options, run, stop);
@@ -174,7 +175,7 @@ LoopTrial TryLoop(const LoopOptions& options, StopSignal& stop) {
   });
   const pid_t station = Start(ends[1], [&] { return Ask(options, run, stop); });
   close(ends[1]);
-  // The first to say something is the station, or the one that failed.
+  // The first to report is the station, or the process that failed.
   pollfd readable{.fd = ends[0], .events = POLLIN, .revents = 0};
   if (poll(&readable, 1, kAllWithin_ms) > 0 &&
       read(ends[0], &trial, sizeof trial) != static_cast<ssize_t>(sizeof trial)) {

@@ -51,7 +51,7 @@ constexpr const char* kExamples =
 
 Exit status: 0 fit (there may be warnings), 1 not fit, 2 wrong usage.)";
 
-/// Nothing where --help or --version was asked for.  Throws UsageError.
+/// Returns nothing after --help or --version.  Throws UsageError.
 std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   Options options;
   const CommandLine app(kAbout, "palpate-doctor", kExamples);
@@ -74,8 +74,7 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   AddCommonOptions(app, "domain whose ports are checked, and in which the loop is tried",
                    options.domain, options.log_level);
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
-  if (!options.device.empty())
-    DeviceNeedsScript(options.device);  // refuses a name that there is not
+  if (!options.device.empty()) DeviceNeedsScript(options.device);  // throws for an unknown name
   if ((push.given() || arm.given()) && !IsDriverFile(options.device)) {
     throw UsageError(std::string(push.given() ? "--push" : "--device-name") +
                      " is for a driver of your own; name its file with --device");
@@ -86,7 +85,7 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   return options;
 }
 
-/// What the loop that is tried is to be carried by.
+/// Returns the transport that the trial loop should use.
 dds::Transport Expected(const Options& options, const RouDiState& roudi) {
   if (options.transport == dds::Transport::kUdp || !options.network.this_host()) {
     return dds::Transport::kUdp;
@@ -95,7 +94,7 @@ dds::Transport Expected(const Options& options, const RouDiState& roudi) {
   return roudi.answers && roudi.lock_held ? dds::Transport::kSharedMemory : dds::Transport::kUdp;
 }
 
-/// "lab-3: AMD Ryzen 7 5700G, 8 cores".
+/// Returns, for instance, "lab-3: AMD Ryzen 7 5700G, 8 cores".
 std::string HostLine() {
   char name[256] = "this host";
   gethostname(name, sizeof name - 1);
@@ -104,10 +103,10 @@ std::string HostLine() {
                      machine.cores == 1 ? "" : "s");
 }
 
-/// All checks of this host, in the order in which a person would mend things; nothing where the
-/// user stopped it.  To be called while this process has no other thread.
-/// @param found      called with each finding as it comes.
-/// @param measuring  called before what takes its time, with what it is.
+/// Runs all checks of this host, in the order in which to fix their faults; returns nothing if the
+/// user stopped it.  Call it while this process has no other thread.
+/// @param found      called with each finding.
+/// @param measuring  called with the name of each slow check before it starts.
 std::optional<Report> Examine(const Options& options, StopSignal& stop,
                               const std::function<void(const Finding&)>& found,
                               const std::function<void(const std::string&)>& measuring) {
@@ -181,7 +180,7 @@ Style StyleOfOutput() {
   return style;
 }
 
-/// A line that gives way to the next thing said.
+/// Prints a line that the next output replaces.
 void SayForNow(const std::string& what) {
   if (isatty(STDERR_FILENO) == 1) std::fprintf(stderr, "  measuring %s ...\r", what.c_str());
 }

@@ -10,19 +10,19 @@ namespace {
 
 constexpr int kMostCores = 8192;  // NR_CPUS of the largest kernels
 constexpr const char* kCores = "/sys/devices/system/cpu";
-/// A sleep that takes longer to leave is a tenth of what a pose's whole way takes, and comes twice.
+/// A sleep state that takes longer to leave costs over a tenth of a pose's whole round trip, twice.
 constexpr long long kMostWakeUp_us = 10;
-/// With fewer, none can be given away: sessions, log and viewers need one, DDS and interrupts
-/// another.
+/// With fewer cores none can be reserved: sessions, log and viewers need one, DDS and
+/// interrupts another.
 constexpr std::size_t kEnoughCores = 4;
 
-/// Those that a file below kCores lists; `otherwise` where it is not there.
+/// Returns the cores listed in a file below kCores; `otherwise` if the file does not exist.
 std::set<int> CoresIn(const HostFiles& host, const std::string& file,
                       const std::string& otherwise = "") {
   return ParseCores(host.Read(std::string(kCores) + "/" + file).value_or(otherwise));
 }
 
-/// Its folders, as "/sys/devices/system/cpu/cpu0", for those that run.
+/// Returns the folders of the cores that run, such as "/sys/devices/system/cpu/cpu0".
 std::vector<std::string> CoreFolders(const HostFiles& host) {
   std::vector<std::string> folders;
   for (const int core : CoresIn(host, "online", "0")) {
@@ -31,8 +31,8 @@ std::vector<std::string> CoreFolders(const HostFiles& host) {
   return folders;
 }
 
-/// The longest time [us] that all may take to wake up, as programs ask for it by holding
-/// /dev/cpu_dma_latency open: 4 bytes, and 2,000,000,000 where nobody asks.
+/// Returns the longest wake-up latency [us] that programs allow all cores.  Programs set it by
+/// holding /dev/cpu_dma_latency open: 4 bytes, 2,000,000,000 if no program does.
 std::optional<std::int32_t> AllowedWakeUp_us(const HostFiles& host) {
   const auto bytes = host.Read("/dev/cpu_dma_latency");
   std::int32_t latency = 0;
@@ -46,7 +46,7 @@ struct SleepState {
   long long wake_up_us = 0;
 };
 
-/// The deepest that any core may take.
+/// Returns the deepest sleep state that any core may enter.
 std::optional<SleepState> DeepestState(const HostFiles& host) {
   std::optional<SleepState> deepest;
   for (const std::string& core : CoreFolders(host)) {
@@ -155,7 +155,7 @@ Finding CheckHyperThreading(const HostFiles& host) {
   if (host.ReadNumber(std::string(kCores) + "/smt/active").value_or(0) == 0) {
     return Ok("off, or not there");
   }
-  // An isolated core whose other half is isolated too has its units for itself.
+  // An isolated core whose sibling is isolated too has its execution units for itself.
   const auto isolated = CoresIn(host, "isolated");
   const bool whole = std::ranges::any_of(isolated, [&](int core) {
     const auto siblings =

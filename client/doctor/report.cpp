@@ -22,7 +22,7 @@ std::string Coloured(const char* code, const std::string& text, const Style& sty
   return style.colours ? fmt::format("\x1b[{}m{}\x1b[0m", code, text) : text;
 }
 
-/// By status.
+/// The words for each status.
 struct Words {
   const char *name, *colour, *verdict;
 };
@@ -32,7 +32,7 @@ const Words& Of(Status status) {
   return kWords[static_cast<int>(status)];
 }
 
-/// Lines of at most `width` letters, broken at spaces; a longer word (a path) stays whole.
+/// Returns lines of at most `width` letters, broken at spaces; keeps a longer word (a path) whole.
 std::vector<std::string> Wrapped(const std::string& text, int width) {
   std::vector<std::string> lines(1);
   std::string_view rest = text;
@@ -125,7 +125,7 @@ std::string ToJson(const Report& report) {
                       {"max_us", Quantile_us(*report.jitter, 1.0)}};
   }
   json["verdict"] = Verdict(report);
-  // What others have said, as a kernel's file, need not be UTF-8.
+  // Text from elsewhere, such as a kernel's file, need not be UTF-8.
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 

@@ -7,19 +7,19 @@ namespace palpate::doctor {
 struct Report {
   std::string host{};  ///< name, processor and cores, in a line
   std::vector<Finding> findings{};
-  std::optional<Jitter> jitter{};  ///< where it was measured
+  std::optional<Jitter> jitter{};  ///< present if it was measured
 };
 
-/// "fit", "fit, with warnings", "not fit".
+/// Returns "fit", "fit, with warnings" or "not fit".
 const char* Verdict(const Report& report);
 
 struct Style {
   bool colours = false;
   int columns = 100;  ///< of the terminal
 };
-/// A finding, with its remedy below it.
+/// Returns the text of a finding, with its remedy below it.
 std::string ToText(const Finding& finding, const Style& style);
-/// What comes after all findings: the table of lateness and the verdict.
+/// Returns the text after all findings: the table of wake-up latency and the verdict.
 std::string Summary(const Report& report, const Style& style);
 std::string ToJson(const Report& report);
 

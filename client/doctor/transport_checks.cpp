@@ -24,11 +24,11 @@ namespace palpate::doctor {
 namespace {
 
 constexpr const char* kSocket = "/tmp/roudi";                 // iceoryx 2.0: IPC channel "roudi"
-constexpr const char* kLock = "/tmp/iox-unique-roudi.lock";   // held as long as RouDi lives
-constexpr const char* kManagement = "/dev/shm/iceoryx_mgmt";  // RouDi's books
+constexpr const char* kLock = "/tmp/iox-unique-roudi.lock";   // held while RouDi lives
+constexpr const char* kManagement = "/dev/shm/iceoryx_mgmt";  // RouDi's management data
 constexpr long long kMega = 1'000'000;
 
-/// True where the user may open the socket; `answers`, where a process holds it open.
+/// Returns whether the user may open the socket; sets `answers` if a process holds it open.
 bool Connects(const std::string& path, bool& answers) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
@@ -44,18 +44,18 @@ bool Connects(const std::string& path, bool& answers) {
 
 bool IsLocked(const std::string& path) {
   const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (fd < 0) return false;  // another user's: it is there, and nobody else's business
+  if (fd < 0) return false;  // the file belongs to another user
   const bool locked = flock(fd, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
   close(fd);
   return locked;
 }
 
-/// What iox-roudi was started with as its pools, from its command line.
+/// Returns the pools with which iox-roudi was started, from its command line.
 std::optional<std::string> PoolsOfRunning(const HostFiles& host) {
   for (const std::string& process : host.Names("/proc")) {
     if (host.Read("/proc/" + process + "/comm") != "iox-roudi") continue;
     const std::string words = host.Read("/proc/" + process + "/cmdline").value_or("");
-    // Each word ends with a zero.
+    // Each argument ends with a zero byte.
     for (const char* name : {"-c", "--config-file"}) {
       const std::string option = std::string(1, '\0') + name + std::string(1, '\0');
       if (const std::size_t at = words.find(option); at != std::string::npos) {
@@ -67,7 +67,7 @@ std::optional<std::string> PoolsOfRunning(const HostFiles& host) {
   return std::nullopt;
 }
 
-/// A fault where it must be right, else a warning.
+/// Returns a fault if the item must be right, otherwise a warning.
 Finding Found(bool must, std::string found, std::string remedy) {
   return must ? Fault(std::move(found), std::move(remedy))
               : Warning(std::move(found), std::move(remedy));
@@ -163,7 +163,7 @@ Finding CheckRouDi(const RouDiState& roudi, dds::Transport wanted, long long use
                  "PrivateTmp=no), or stop it and start it again, with server and stations");
   }
   const std::string found = roudi.owner == user ? "answers" : "answers, as user id " + owner;
-  if (!roudi.pools) return Ok(found);  // in another process namespace: nobody can see
+  if (!roudi.pools) return Ok(found);  // unknown: it runs in another process namespace
   if (!roudi.pools->empty()) return Ok(found + ", with the pools of " + *roudi.pools);
   return Warning(found + ", with pools of its own (149 MB): it was started without -c",
                  "end it, and server and stations with it; then " + start);
@@ -196,7 +196,7 @@ Finding CheckNetwork(const std::vector<Interface>& interfaces, const dds::Networ
   if (!found->up) {
     return Fault(network.interface + " is down", "sudo ip link set " + network.interface + " up");
   }
-  // lo never says that it carries multicast, and does; the loop that is tried shows it.
+  // lo does not report that it carries multicast, but does; the trial loop shows it.
   if (network.this_host() || found->multicast) return Ok(network.interface + " is up");
   const std::string poor = network.interface + " is up, without multicast";
   if (!network.peers.empty()) return Ok(poor);

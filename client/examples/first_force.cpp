@@ -10,8 +10,8 @@ int main() {
   scene.tools.push_back(MakeBody("probe", MakeBox({0.01, 0.01, 0.01})));
   const HapticModel model = MakeModel(scene, scene.tools[0], MakeObjects(scene));
 
-  Pose X_WH;                   // the hand: where the probe would be without the block
-  X_WH.p = {0.0, 0.030, 0.0};  // 5 mm above its upper face
+  Pose X_WH;                   // the hand's pose, where the probe would be without the block
+  X_WH.p = {0.0, 0.030, 0.0};  // 5 mm above the block's upper face
   Proxy proxy(model, X_WH);
   StepReport report;
   for (int ms = 0; ms < 1000; ++ms) {  // down at 8 mm/s

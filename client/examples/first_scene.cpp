@@ -1,4 +1,5 @@
-// A scene as the server reads it, felt along the path that comes with it: first_scene [SCENE]
+// Loads a scene as the server does, and feels it along the path that comes with it:
+// first_scene [SCENE]
 #include <algorithm>
 #include <cstdio>
 

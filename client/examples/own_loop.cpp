@@ -1,6 +1,6 @@
-// A servo loop of one's own, at 1 kHz by the absolute clock.  Where this reads a made-up hand and
-// throws the force away, read your arm and command it - through a limiter: a proxy gives the force
-// of its spring, whatever an arm can bear.
+// Your own servo loop, at 1 kHz by the absolute clock.  It simulates a hand and discards the force.
+// Replace these by reading and commanding your arm, through a limiter: a proxy returns the force of
+// its spring, however large it is for the arm.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -15,11 +15,11 @@ int main(int argc, char** argv) {
   Scene scene;
   scene.objects.push_back(MakeBody("egg", MakeEllipsoid({0.03, 0.02, 0.02}, 5000)));
   scene.tools.push_back(MakeBall("ball", 0.004));
-  scene.coupling.stiffness = 800.0;  // N/m: what your arm holds without humming
+  scene.coupling.stiffness = 800.0;  // N/m: as stiff as your arm holds without vibrating
   const HapticModel model = MakeModel(scene, scene.tools[0], MakeObjects(scene));
   Pose X_WH;
   X_WH.p = {0.0, 0.03, 0.0};
-  Proxy proxy(model, X_WH);  // all that allocates is behind us
+  Proxy proxy(model, X_WH);  // all allocations are done by here
 
   using Clock = std::chrono::steady_clock;
   auto next = Clock::now();
@@ -33,7 +33,8 @@ int main(int argc, char** argv) {
     const auto before = Clock::now();
     const StepReport report = proxy.Step(X_WH);
     worst = std::max<decltype(worst)>(worst, Clock::now() - before);
-    strongest_N = std::max(strongest_N, report.wrench.force.norm());  // to your arm's limiter
+    // Send report.wrench to your arm's limiter.
+    strongest_N = std::max(strongest_N, report.wrench.force.norm());
     if (report.faults != kFaultNone) std::printf("%s\n", FaultWords(report.faults).c_str());
   }
   std::printf("%d steps, longest %.0f us, strongest force %.2f N\n", steps, worst.count(),

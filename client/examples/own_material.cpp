@@ -1,5 +1,5 @@
-// A material of one's own: the same block hard and smooth, hard and rough, and soft.  Soft leaves
-// are felt by their spheres.
+// Your own material: the same block hard and smooth, hard and rough, and soft.  Contact with soft
+// leaves uses their spheres.
 #include <cstdio>
 
 #include <palpate/physics.h>

@@ -13,7 +13,8 @@ namespace {
 constexpr std::size_t kNameLetters = 13;
 constexpr std::size_t kNameBegin = 9;
 
-/// From the scene's frame W, y up and z forward, to RAS: right, anterior, superior.
+/// Returns the rotation from the scene's frame W, y up and z forward, to RAS: right,
+/// anterior, superior.
 Eigen::Matrix3d SceneToRas() {
   Eigen::Matrix3d C;
   C << -1, 0, 0, 0, 0, 1, 0, 1, 0;

@@ -17,9 +17,9 @@
 namespace palpate {
 namespace {
 
-/// Read of one client between two sendings: more than any that is honest has to say.
+/// Bytes read from one client between two sendings: more than any well-behaved client sends.
 constexpr std::size_t kMostRead = 65'536;
-/// New clients that are looked at between two sendings.
+/// New clients that are accepted between two sendings.
 constexpr int kMostAccepted = 32;
 
 bool WouldBlock(int error) {
@@ -125,7 +125,7 @@ bool IgtlServer::MakeRoom(std::uint32_t address) {
   const auto most =
       *std::ranges::max_element(places, {}, [](const auto& entry) { return entry.second; });
   const std::size_t own = places[address];
-  // One more here and one fewer there must not turn the tables.
+  // A difference of one connection must not make two addresses take places from each other in turn.
   const std::uint32_t gives = most.second > own + 1 ? most.first : address;
   if (gives == address && own == 0) return false;
   Client* leaves = nullptr;

@@ -8,38 +8,38 @@
 
 namespace palpate {
 
-/// Sends the same bytes to all who have connected, over TCP, and lets none of them hold it up:
-///   many    beyond kMostClients the address that has most of the places gives one of them to an
-///           address that has fewer, and else the newcomer's own does: first of one that takes
-///           nothing, then the oldest; who connects and only sits there shuts nobody out
-///   slow    gets whole messages or none: while it has not taken the last ones, newer ones are
-///           passed over; after kPatience_ns without taking a byte it is closed
-///   hostile what it sends is read and thrown away, a little at a time
+/// Sends the same bytes to all connected clients over TCP, such that no client can delay it:
+///   many    beyond kMostClients, the address with the most connections gives one up to an address
+///           that has fewer; otherwise the newcomer's own address does.  A client that reads
+///           nothing goes first, then the oldest, so idle connections lock nobody out
+///   slow    a client gets whole messages or none: until it has taken the last ones, newer ones are
+///           skipped; after kPatience_ns without taking a byte it is closed
+///   hostile what a client sends is read in small amounts and discarded
 /// Thread contract: one thread.
 class IgtlServer {
  public:
   static constexpr std::size_t kMostClients = 16;
   static constexpr std::int64_t kPatience_ns = 10'000'000'000;
 
-  /// @param address  of this host, in numbers.   @param port  0: any that is free.
+  /// @param address  numeric address of this host.   @param port  0: any free port.
   /// Throws Error (address and port, the system's reason).
   IgtlServer(const std::string& address, int port);
   ~IgtlServer();
   IgtlServer(const IgtlServer&) = delete;
   IgtlServer& operator=(const IgtlServer&) = delete;
 
-  /// Takes in who wants to come, and throws away what clients have sent.  Never waits.
+  /// Accepts new clients and discards what clients have sent.  Never blocks.
   void Poll(std::int64_t now_ns);
-  /// @param messages  whole ones.   Never waits.
+  /// @param messages  whole messages.  Never blocks.
   void Send(std::span<const std::uint8_t> messages, std::int64_t now_ns);
 
   int port() const { return port_; }
   std::size_t clients() const { return clients_.size(); }
   struct Counts {
-    std::uint64_t refused = 0;      ///< came where each place was another address's
-    std::uint64_t displaced = 0;    ///< gave its place to a newcomer
-    std::uint64_t closed = 0;       ///< took nothing for too long
-    std::uint64_t passed_over = 0;  ///< times that a client was too slow for
+    std::uint64_t refused = 0;      ///< refused because other addresses hold all places
+    std::uint64_t displaced = 0;    ///< gave up its place to a newcomer
+    std::uint64_t closed = 0;       ///< closed because it took nothing for too long
+    std::uint64_t passed_over = 0;  ///< times that messages were skipped for a slow client
   };
   const Counts& counts() const { return counts_; }
 
@@ -47,18 +47,18 @@ class IgtlServer {
   struct Client {
     int socket = -1;
     std::uint32_t address = 0;
-    std::vector<std::uint8_t> rest;  ///< of messages whose beginning it has
+    std::vector<std::uint8_t> rest;  ///< the rest of messages whose beginning was sent
     std::int64_t took_ns = 0;
     bool gone = false;
   };
   void Write(Client& client, std::span<const std::uint8_t> bytes, std::int64_t now_ns);
   void DropGone();
-  /// False where a newcomer of that address has to go.
+  /// Returns false if a newcomer from that address has to be refused.
   bool MakeRoom(std::uint32_t address);
 
   int listener_ = -1;
   int port_ = 0;
-  std::vector<Client> clients_;  // in the order of their coming
+  std::vector<Client> clients_;  // in order of connection
   Counts counts_;
 };
 

@@ -16,7 +16,7 @@
 namespace palpate {
 namespace {
 
-/// As many as a server admits.
+/// As many stations as a server admits.
 constexpr std::size_t kMostStations = 32;
 
 constexpr const char* kAbout =
@@ -41,7 +41,7 @@ struct Options : ServerOptions {
   double rate_Hz = 60.0;
 };
 
-/// Nothing where --help or --version was asked for.  Throws UsageError.
+/// Returns nothing after --help or --version.  Throws UsageError.
 std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   Options options;
   const CommandLine app(kAbout, "palpate-igtl", kExamples);
@@ -57,7 +57,7 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   return options;
 }
 
-/// Sends each station's newest state, where there is a new one.
+/// Sends each station's newest state, if it is new.
 int Serve(const Options& options) {
   StopSignal stop;
   const dds::Participant service = dds::Participant::Service(options.domain, options.network);

@@ -47,10 +47,10 @@ Exit status: 0 done, 1 failed, 2 wrong usage.)";
 struct Options : ServerOptions {
   std::vector<std::string> scenes;
   wire::WholeWish wish = palpate_WHOLE_AGAIN;
-  std::vector<std::string> exercises;  ///< to check, in place of all that
+  std::vector<std::string> exercises;  ///< to check, without asking a server
 };
 
-/// What a server says that it serves; none before one is heard.
+/// The scenes that a server reports to serve; none before a server is heard.
 class Served {
  public:
   explicit Served(const dds::Participant& service)
@@ -101,7 +101,7 @@ const char* DoneText(wire::WholeWish wish) {
   }
 }
 
-/// 1 where one has a mistake.
+/// Returns 1 if a file has a mistake.
 int Check(const std::vector<std::string>& files) {
   bool good = true;
   for (const std::string& file : files) {
@@ -129,7 +129,7 @@ int Check(const std::vector<std::string>& files) {
   return good ? 0 : 1;
 }
 
-/// 1 where the user ended it.
+/// Returns 1 if the user ended it.
 int Run(const Options& options) {
   if (!options.exercises.empty()) return Check(options.exercises);
   StopSignal stop;
@@ -137,7 +137,7 @@ int Run(const Options& options) {
   Served served(service);
   dds::Reader<wire::SceneWhole> wholes(service, dds::kSceneWholeTopic, dds::Qos::kRecordSession);
   dds::Writer<wire::WholeRequest> requests(service, dds::kWholeRequestTopic, dds::Qos::kSession);
-  std::map<std::uint64_t, std::string> asked;  // and not answered
+  std::map<std::uint64_t, std::string> asked;  // not yet answered
   bool any_asked = false;
   for (const std::int64_t began_ns = SteadyNanoseconds();;) {
     const auto& names = served.Take();
@@ -169,7 +169,7 @@ int Run(const Options& options) {
   }
 }
 
-/// Nothing where --help or --version was asked for.  Throws UsageError.
+/// Returns nothing after --help or --version.  Throws UsageError.
 std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   Options options;
   const CommandLine app(kAbout, "palpate-lesson", kExample);

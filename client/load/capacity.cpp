@@ -60,7 +60,7 @@ Capacity FindCapacity(std::size_t most, int attempts,
 FoundLoad FindLoad(std::size_t most, int attempts,
                    const std::function<std::optional<LoadFigures>(std::size_t n)>& run) {
   FoundLoad found;
-  // By number: the last that failed may have held at its second attempt.
+  // By number of n, as the last failed run may have held at its second attempt.
   std::map<std::size_t, LoadFigures> failed;
   std::size_t refused = SIZE_MAX;
   found.capacity = FindCapacity(most, attempts, [&](std::size_t n) {
@@ -74,7 +74,7 @@ FoundLoad FindLoad(std::size_t most, int attempts,
       }
       failed.insert_or_assign(n, *figures);
     } catch (const Error& error) {
-      // Where less has worked, server and gateway are there.
+      // If a smaller load has run, server and gateway are there.
       if (!found.held) throw;
       refused = n;
       found.refusal = error.what();

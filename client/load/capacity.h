@@ -11,48 +11,49 @@
 
 namespace palpate {
 
-/// A largest load.
+/// The largest load that holds.
 struct Capacity {
-  std::size_t holds = 0;  ///< 0: not even one
-  /// The least that was seen not to hold; 0: all there was to try held.
+  std::size_t holds = 0;  ///< 0: not even one holds
+  /// The smallest load seen to fail; 0: every load tried held.
   std::size_t fails = 0;
 };
 
-/// The largest n of 1 to `most` that holds, where what is less than that holds, too: by doubling,
-/// then bisection.  A load that does not hold is tried `attempts` times, because a machine that had
-/// something else to do for a moment says no more than that.
-/// @param holds  runs a load; what it throws comes through.
+/// Finds the largest n from 1 to `most` that holds, by doubling and then bisection; assumes that
+/// every smaller load holds too.  Tries a load that fails up to `attempts` times, since one failure
+/// may only mean that the machine was busy for a moment.
+/// @param holds  runs a load; its exceptions pass through.
 Capacity FindCapacity(std::size_t most, int attempts,
                       const std::function<bool(std::size_t n)>& holds);
 
-/// A largest load, and the runs that show it.
+/// The largest load, with the runs that show it.
 struct FoundLoad {
   Capacity capacity;
-  std::optional<LoadFigures> held;    ///< of capacity.holds
-  std::optional<LoadFigures> failed;  ///< of capacity.fails, where that was run
-  std::string refusal;  ///< of capacity.fails, where server or gateway did not take it
+  std::optional<LoadFigures> held;    ///< figures at capacity.holds
+  std::optional<LoadFigures> failed;  ///< figures at capacity.fails, if that was run
+  std::string refusal;                ///< why server or gateway refused capacity.fails, if they did
 };
 
-/// FindCapacity by runs that Holds() judges.
-/// @param run  figures of n; nothing: it was stopped.  Where less has held, its Error means that
-///             server or gateway do not take n, nor more; before that it comes through.
+/// Runs FindCapacity with loads that Holds() judges.
+/// @param run  returns the figures of n; nothing if it was stopped.  After a smaller load has held,
+///             an Error from it means that server or gateway accept neither n nor more; before
+///             that, the Error passes through.
 FoundLoad FindLoad(std::size_t most, int attempts,
                    const std::function<std::optional<LoadFigures>(std::size_t n)>& run);
 
-/// What runs have shown, as a document.
+/// The results of several runs, as a document.
 struct CapacityReport {
   HostMachine machine;
-  std::string time;  ///< when it was begun, UTC
+  std::string time;  ///< UTC time at which it began
   std::string command;
   std::string scene;
-  std::string realtime;  ///< what the stations' loops were granted
+  std::string realtime;  ///< real-time rights that the stations' loops were granted
   std::vector<LoadFigures> runs;
-  std::vector<std::string> limits;  ///< sentences that a search has ended with
+  std::vector<std::string> limits;  ///< one sentence for the end of each search
 };
 
-/// One line of the table for each run, without its heading.
+/// Returns a line of the table for one run, without the heading.
 std::string TableRow(const LoadFigures& figures);
-/// Markdown.
+/// Returns the report as Markdown.
 std::string ToMarkdown(const CapacityReport& report);
 
 }  // namespace palpate

@@ -13,41 +13,42 @@
 
 namespace palpate {
 
-/// What several viewers have got from Begin() to End(): tool states, how many more were due, and
-/// how old they were.
-/// Thread contract: Add in one thread, Begin and End in another; what is counted is read when no
-/// more is added, but frames(), which may be read at any time.
+/// Counts the tool states that several viewers received between Begin() and End(), those that they
+/// should have received, and their ages.
+/// Thread contract: Add in one thread, Begin and End in another.  Read the results after the last
+/// Add; frames() may be read at any time.
 class FrameTally {
  public:
   struct Setup {
     std::size_t viewers = 0;
     std::size_t stations = 0;
-    std::string name;       ///< stations are NAME_1, NAME_2, ...; others' frames only count
-    double rate_hz = 30.0;  ///< at which each station's frames come
-    /// The newest pose that a station (from 0) has sent; 0: none yet.
+    std::string name;       ///< stations are NAME_1, NAME_2, ...; frames of others are only counted
+    double rate_hz = 30.0;  ///< rate of each station's frames
+    /// Returns the sequence number of the newest pose sent by a station (from 0); 0: none yet.
     std::function<std::uint64_t(std::size_t station)> newest_sequence;
-    /// When a station sampled a pose [ns]; 0: too long ago to be remembered.
+    /// Returns when a station sampled a pose [ns]; 0: too long ago to be remembered.
     std::function<std::int64_t(std::size_t station, std::uint64_t sequence)> sample_time_ns;
   };
-  /// What a frame counts as that is older than its station remembers [ns]: at least so old.
+  /// Age assumed for a frame that is older than its station remembers [ns]: a lower bound.
   static constexpr std::int64_t kForgotten_ns = 4'000'000'000;
 
   explicit FrameTally(Setup setup);
 
   void Begin(std::int64_t now_ns);
   void End(std::int64_t now_ns);
-  /// A frame that a viewer got at a time; counted from Begin() to End().
+  /// Takes a frame that a viewer received at now_ns; counts it between Begin() and End().
   void Add(std::size_t viewer, const wire::ToolState& frame, std::int64_t now_ns);
 
   std::uint64_t frames() const { return frames_.load(std::memory_order_relaxed); }
-  /// That all viewers should have got of all stations: poses are a millisecond apart, so a viewer's
-  /// frames at R a second are one for each 1000/R poses that the station has sent; of which one
-  /// less, as it may be on its way.
+  /// Returns the number of frames that all viewers should have received from all stations.  Poses
+  /// are a millisecond apart, so at R frames per second a viewer should receive one frame for each
+  /// 1000/R poses that the station has sent, less one that may be in flight.
   std::uint64_t due() const;
-  /// Those of them that a viewer did not get, each viewer and station by itself: more of one do not
-  /// make good for less of another.  A pose that is shown again is no frame got.
+  /// Returns the number of due frames that were not received, summed over each viewer and station
+  /// separately: a surplus of one does not make up for a loss of another.  A repeated pose does not
+  /// count as received.
   std::uint64_t lost() const;
-  /// From the station's sample to the viewer [ns].
+  /// Returns the ages, from the station's sample to the viewer [ns].
   const Histogram& age() const { return age_; }
 
  private:
@@ -55,7 +56,7 @@ class FrameTally {
     std::uint64_t newest = 0;  // sequence
     std::uint64_t frames = 0;
   };
-  /// From 0; setup_.stations for what is none of ours.
+  /// Returns the station's index from 0; setup_.stations for a station that is not ours.
   std::size_t StationOf(const char* name) const;
   std::vector<std::uint64_t> NewestSequences() const;
   std::uint64_t DueOf(std::size_t station) const;
@@ -65,8 +66,9 @@ class FrameTally {
   Setup setup_;
   std::atomic<std::int64_t> begin_ns_{kNever_ns};
   std::atomic<std::int64_t> end_ns_{kNever_ns};
-  std::vector<std::uint64_t> first_, last_;  // of each station: newest sequence at begin and end
-  std::vector<Got> got_;                     // [viewer * stations + station]
+  // Of each station: newest sequence number at begin and end.
+  std::vector<std::uint64_t> first_, last_;
+  std::vector<Got> got_;  // [viewer * stations + station]
   std::atomic<std::uint64_t> frames_{0};
   Histogram age_;
 };

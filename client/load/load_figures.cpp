@@ -15,8 +15,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kMost = 0.01;        // late, and lost
-constexpr double kFullThread = 0.85;  // of a core: with the kernel's part of its work, that is all
+constexpr double kMost = 0.01;  // largest share of late poses, and of lost frames
+// Of a core: with the kernel's share of its work, the thread is then busy all the time.
+constexpr double kFullThread = 0.85;
 constexpr double kFullMachine = 0.9;
 constexpr double kToMs = 1e-6;
 
@@ -31,7 +32,7 @@ Json CpuJson(const std::optional<ProcessUse>& use) {
 }  // namespace
 
 void StationSum::Add(const StationTotals& totals, std::uint64_t missed, int reconnected) {
-  // The last pose's reply has no tick in which it could be taken.
+  // The last pose's reply has no further tick to take it.
   const std::uint64_t ticks = totals.ticks + missed;
   const std::uint64_t its_due = ticks > 0 ? ticks - 1 : 0;
   const std::uint64_t its_answered = std::min(totals.replies, its_due);

@@ -11,28 +11,28 @@
 
 namespace palpate {
 
-/// What all stations of a run have seen, together and the worst of them.
+/// The figures of all stations of a run: sums, and the worst station.
 struct StationSum {
-  std::uint64_t due = 0;      ///< poses that should have been sent: one a millisecond and station
+  std::uint64_t due = 0;      ///< poses that should have been sent: one per millisecond and station
   std::uint64_t on_time = 0;  ///< answered within a millisecond
   std::uint64_t answered = 0;
   std::uint64_t missed_ticks = 0;
   std::uint64_t reconnects = 0;
   double worst_late_fraction = 0.0;
-  double worst_hz = 0.0;  ///< answered
+  double worst_hz = 0.0;  ///< of answered poses
   std::uint32_t faults = 0;
   Histogram round_trip;  ///< [ns]
   Histogram server_step;
 
   void Add(const StationTotals& totals, std::uint64_t missed, int reconnected);
   double late_fraction() const;
-  double hz() const;  ///< answered, mean of the stations
+  double hz() const;  ///< answered poses per second, mean of the stations
 
  private:
   std::size_t stations_ = 0;
 };
 
-/// A run's result.
+/// The result of a run.
 struct LoadFigures {
   std::size_t stations = 0;
   std::size_t viewers = 0;  ///< over WebSocket
@@ -41,14 +41,14 @@ struct LoadFigures {
   double seconds = 0.0;
   double rate_hz = 0.0;  ///< of each station's frames at a viewer
   std::string transport;
-  std::string load_averages;  ///< before it
+  std::string load_averages;  ///< before the run
   StationSum sum;
   std::optional<ProcessUse> server, gateway;  ///< nothing: its process is not known
   ProcessUse self;
-  double machine_busy = 0.0;  ///< of all cores
+  double machine_busy = 0.0;  ///< fraction, of all cores
   std::uint64_t viewer_frames = 0;
-  std::uint64_t frames_due = 0;  ///< of our own stations; viewer_frames counts others', too
-  std::uint64_t lost = 0;        ///< of those that were due
+  std::uint64_t frames_due = 0;  ///< from our own stations; viewer_frames also counts others
+  std::uint64_t lost = 0;        ///< of the frames that were due
   std::size_t viewers_gone = 0;
   Histogram frame_age;
   std::uint64_t dds_frames = 0;
@@ -59,19 +59,21 @@ struct LoadFigures {
   double lost_fraction() const;
 };
 
-/// Under 1 % of the poses late, under 1 % of the frames lost, no viewer gone.
+/// Returns whether under 1 % of the poses were late, under 1 % of the frames were lost, and no
+/// viewer disconnected.
 bool Holds(const LoadFigures& figures);
 
-/// For people: "holds", or "does not hold, because" and each of those that it breaks.
+/// Returns the verdict for people: "holds", or "does not hold, because" and each criterion that
+/// it fails.
 std::string VerdictText(const LoadFigures& figures);
 
-/// The resource that sets the limit, where a run does not hold: a process's thread that fills a
-/// core, or the cores together, and who uses them; or neither.
+/// Returns the resource that sets the limit if a run does not hold: a thread that fills a core, or
+/// all cores together and the processes that use them; or neither.
 std::string LimitingResource(const LoadFigures& figures, int cores);
 
-/// For people; ends with the verdict.
+/// Returns the figures for people, ending with the verdict.
 std::string ToText(const LoadFigures& figures);
-/// For programs: one JSON object; percentile groups as in palpate-bench.
+/// Returns the figures for programs: one JSON object; percentile groups as in palpate-bench.
 std::string ToJson(const LoadFigures& figures);
 
 }  // namespace palpate

@@ -31,10 +31,10 @@ constexpr milliseconds kPoll{10};
 constexpr double kWarmUp_s = 1.0;
 constexpr double kServerFrames_hz = 60.0;
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
-/// Until every station has its session: a machine that takes longer is far beyond what it can do.
+/// Longest wait until every station has its session: a slower machine is far over its capacity.
 constexpr double kMatchPatience_s = 30.0;
 
-/// How often the progress line has new figures.
+/// Period of new figures in the progress line.
 constexpr double kSnapshot_s = 0.5;
 
 LinkOptions LinkOf(const std::string& name, const OfferedTool& tool,
@@ -52,13 +52,12 @@ LinkOptions LinkOf(const std::string& name, const OfferedTool& tool,
   return link;
 }
 
-/// A palpate-station but for its command line and table: the same core, loop and session, with a
-/// hand that follows a script again and again.  Several are threads of one process, for DDS then
-/// has one set of threads for all of them (README.md has figures). Thread contract: one thread,
-/// that of all stations.
+/// A palpate-station without command line and table: the same core, loop and session, with a hand
+/// that repeats a script.  All stations are threads of one process, so DDS has one set of threads
+/// for all of them (README.md has figures).  Thread contract: one thread, that of all stations.
 class LoadStation {
  public:
-  // Scripted and not simulated: an arm's dynamics are the cost of no real station.
+  // Scripted, not simulated: a real station does not compute an arm's dynamics.
   LoadStation(const std::string& name, const OfferedTool& tool, const PoseScript& script,
               const LoadRunOptions& options)
       : device_(MakeDevice({"scripted", script, true})), core_(*device_) {
@@ -72,12 +71,12 @@ class LoadStation {
         [name](const std::string& event) { spdlog::debug("{}: {}", name, event); });
   }
 
-  /// A hundred times a second.  Throws Error (SessionLink::Poll).
+  /// Call it a hundred times per second.  Throws Error (SessionLink::Poll).
   void Poll(std::int64_t now_ns) { link_->Poll(now_ns); }
   bool linked() const { return link_->phase() == SessionLink::Phase::kLinked; }
   ServoThread& servo() { return *servo_; }
   const SessionLink& link() const { return *link_; }
-  /// After servo().Stop().
+  /// Valid after servo().Stop().
   const StationTotals& totals() const { return core_.totals(); }
 
  private:
@@ -85,11 +84,10 @@ class LoadStation {
   StationCore core_;
   ReplyRing replies_;
   std::unique_ptr<ServoThread> servo_;
-  std::unique_ptr<SessionLink>
-      link_;  // ends first: it tells the loop that there is no path any more
+  std::unique_ptr<SessionLink> link_;  // destroyed first, so that the loop stops using the path
 };
 
-/// Viewers that read ToolState themselves, each a participant of its own; they share this process's
+/// Viewers that read ToolState over DDS, each with its own participant; they share this process's
 /// receiving thread.
 class DdsViewers {
  public:
@@ -118,7 +116,7 @@ void Poll(Stations& stations) {
   for (const auto& station : stations) station->Poll(SteadyNanoseconds());
 }
 
-/// False where a signal came before the condition.
+/// Returns false if a signal came before the condition held.
 template <class Condition>
 bool PollUntil(Stations& stations, StopSignal& stop, Condition condition) {
   while (!condition()) {
@@ -155,7 +153,7 @@ bool Link(const LoadSetting& setting, std::size_t count, Stations& stations, Sto
   });
 }
 
-/// The processes' times at a moment.
+/// The processor times of the processes at one moment.
 struct Times {
   std::optional<ProcessTimes> server, gateway, self;
   MachineTimes machine;
@@ -176,7 +174,7 @@ std::optional<ProcessUse> Use(const std::optional<ProcessTimes>& begin,
   return UseBetween(*begin, *end);
 }
 
-/// The latest half second of the stations, for the progress line.
+/// The stations' figures of the last half second, for the progress line.
 class Glance {
  public:
   explicit Glance(std::size_t stations) : latest_(stations) {}
@@ -212,10 +210,10 @@ std::optional<LoadFigures> RunOnce(const LoadSetting& setting, const LoadSize& s
   figures.rate_hz = options.rate_hz;
   figures.load_averages = LoadAverages();
 
-  // Viewers end before the stations, whose poses they ask for their age.
+  // Declared first, so that viewers end before the stations, which they ask for the poses' ages.
   Stations stations;
   FrameTally::Setup setup;
-  setup.viewers = size.viewers;  // no frame is due to the stalled, who read none
+  setup.viewers = size.viewers;  // no frame is due to stalled viewers
   setup.stations = size.stations;
   setup.name = options.name;
   setup.rate_hz = options.rate_hz;
@@ -233,7 +231,7 @@ std::optional<LoadFigures> RunOnce(const LoadSetting& setting, const LoadSize& s
   std::optional<DdsViewers> dds_viewers(std::in_place, options.domain, options.network,
                                         options.dds_viewers, dds_tally);
   std::optional<WebViewers> web_viewers;
-  // The stations are not polled while viewers attach; they go on by themselves.
+  // The stations are not polled while viewers connect; they keep running by themselves.
   web_viewers.emplace(options.viewer_url, size.viewers, options.stalled, options.patience_s,
                       web_tally, stop);
   setting.progress("warming up");

@@ -14,24 +14,24 @@
 
 namespace palpate {
 
-/// How much, of the options' kind.
+/// The size of a load, made of the stations and viewers that the options describe.
 struct LoadSize {
   std::size_t stations = 0;
   std::size_t viewers = 0;
   double seconds = 0.0;
 };
 
-/// What runs have in common.
+/// The settings that all runs share.
 struct LoadSetting {
   const LoadRunOptions& options;
   std::vector<OfferedTool> tools;
-  std::vector<PoseScript> scripts;  ///< of each tool
+  std::vector<PoseScript> scripts;  ///< one per tool
   std::function<void(const std::string&)> progress;
 };
 
-/// Puts the load on, measures it, and takes it away again.  Nothing where `stop` came before the
-/// measurement began; where it comes later, what there is until then.  Throws Error.
-/// @param realtime  where given, what the stations' loops were granted is put there.
+/// Applies the load, measures it, and removes it again.  Returns nothing if `stop` came before the
+/// measurement began; if it comes later, returns the figures up to then.  Throws Error.
+/// @param realtime  if given, receives the real-time rights that the stations' loops were granted.
 std::optional<LoadFigures> RunOnce(const LoadSetting& setting, const LoadSize& size,
                                    StopSignal& stop, std::string* realtime = nullptr);
 

@@ -23,8 +23,8 @@ constexpr double kFindSeconds = 3.0;
 constexpr int kFindAttempts = 2;
 constexpr std::size_t kMostViewers = 2000;
 
-/// On a terminal a line on stderr that the next one takes the place of; elsewhere, for a log, only
-/// each tenth second of a measurement.
+/// Shows progress: on a terminal, a line on stderr that the next one replaces; otherwise, for a
+/// log, only every tenth second of a measurement.
 void ShowProgress(const std::string& line) {
   static int lines = 0;
   if (isatty(STDERR_FILENO) == 1) {
@@ -35,7 +35,8 @@ void ShowProgress(const std::string& line) {
   std::fflush(stderr);
 }
 
-/// The hand's path for each tool: that given, the server's, or none: the tool stays at its start.
+/// Returns the hand's path for each tool: the given one, the server's, or none, and the tool stays
+/// at its start.
 std::vector<PoseScript> ScriptsOf(const LoadRunOptions& options,
                                   const std::vector<OfferedTool>& tools) {
   std::optional<PoseScript> given;
@@ -86,7 +87,7 @@ class Load {
     }
   }
 
-  /// Where a run failed, the figures of those before it, if there are any, stay of use.
+  /// Writes the figures of the runs before one that failed, if any.
   void WriteWhatThereIs() const {
     if (!report_.runs.empty()) Write();
   }
@@ -106,7 +107,7 @@ class Load {
     report_.runs.push_back(*figures);
   }
 
-  /// @param of  stations and viewers of a run with n of what is searched for.
+  /// @param of  returns the stations and viewers of a run with n of the quantity that is searched.
   template <class Of>
   void Search(const std::string& what, const std::string& at, std::size_t most,
               const std::string& no_more, Of of) {
@@ -149,7 +150,7 @@ class Load {
 
   void Say(const std::string& text) const {
     ShowProgress("");
-    // Standard output is a program's where the JSON goes there.
+    // If the JSON goes to standard output, a program reads that.
     std::FILE* const out = options_.json == "-" ? stderr : stdout;
     std::fputs(text.c_str(), out);
     std::fflush(out);
@@ -161,7 +162,7 @@ class Load {
   CapacityReport report_;
 };
 
-/// Does what the options ask for, until it is done or a signal comes.  Throws Error.
+/// Does what the options ask for, until it is complete or a signal comes.  Throws Error.
 int RunLoad(const LoadRunOptions& options) {
   StopSignal stop;
   if (options.copies > 0) {
@@ -172,12 +173,12 @@ int RunLoad(const LoadRunOptions& options) {
                 ShellWord(options.copies_file).c_str());
     return 0;
   }
-  // Before the runs, which may take hours.
+  // Checked before the runs, which may take hours.
   if (!options.json.empty()) CheckOutput("--json", options.json);
   if (!options.report.empty()) CheckOutput("--report", options.report);
   const std::size_t stations = *std::ranges::max_element(options.stations);
   LoadSetting setting{options, {}, {}, ShowProgress};
-  // Kept open, so that the domain is not made anew for each run.
+  // Kept open, so that the domain is not created anew for each run.
   const dds::Participant service = dds::Participant::Service(options.domain, options.network);
   if (stations > 0 || options.find) {
     setting.tools = AskForTools(service, {options.domain, options.network, options.patience_s},

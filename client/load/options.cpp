@@ -124,7 +124,7 @@ std::optional<LoadRunOptions> ParseLoadOptions(int argc, const char* const* argv
   options.viewer_url = ParseViewerUrl(url);
   ParseRealtimeMode(options.realtime);  // throws
   for (int i = 0; i < argc; ++i) {
-    // The program by its name: where it stands says nothing of the measurement.
+    // The program's name only: its folder says nothing about the measurement.
     const std::string word = argv[i];
     options.command += i == 0 ? word.substr(word.rfind('/') + 1) : " " + word;
   }

@@ -10,24 +10,24 @@
 
 namespace palpate {
 
-/// Where a gateway is.
+/// The address of a gateway.
 struct ViewerUrl {
   std::string host = "127.0.0.1";
   int port = 8765;
   std::string text() const { return "ws://" + host + ":" + std::to_string(port); }
 };
-/// Of "ws://HOST:PORT", with or without a slash behind it.  Throws UsageError.
+/// Parses "ws://HOST:PORT", with or without a final slash.  Throws UsageError.
 ViewerUrl ParseViewerUrl(const std::string& url);
 
 struct LoadRunOptions : ServerOptions {
   std::vector<std::size_t> stations{
-      1};  ///< several: each with each of `viewers`, one run after another
+      1};  ///< several: one run for each combination with an entry of `viewers`
   std::vector<std::size_t> viewers{0};
-  std::size_t stalled = 0;      ///< viewers beside these that read nothing
-  std::size_t dds_viewers = 0;  ///< readers of ToolState
+  std::size_t stalled = 0;      ///< additional viewers that read nothing
+  std::size_t dds_viewers = 0;  ///< readers of ToolState over DDS
   double seconds = 10.0;        ///< of each run, after its warm-up
   ViewerUrl viewer_url;
-  double rate_hz = 30.0;  ///< at which the gateway gives tool states
+  double rate_hz = 30.0;  ///< rate of the gateway's tool states
   std::string scene;      ///< name or file; empty: all that the server serves
   std::string script;     ///< file; empty: the scene's own
   std::string name = "load";
@@ -37,8 +37,8 @@ struct LoadRunOptions : ServerOptions {
   bool find = false;
   std::string json;        ///< file or "-"; empty: none
   std::string report;      ///< Markdown file; empty: none
-  std::string command;     ///< as it was given, for the report
-  std::size_t copies = 0;  ///< not 0: writes `copies_file` and ends
+  std::string command;     ///< as given, for the report
+  std::size_t copies = 0;  ///< if not 0: writes `copies_file` and exits
   std::string copies_file;
 };
 

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The longest is the table of sockets: 150 bytes for each of a hundred thousand.
+/// The longest file is the table of sockets: 150 bytes for each of a hundred thousand.
 constexpr std::uint64_t kMostBytes = std::uint64_t{16} << 20;
 
 std::string TextOf(const fs::path& file) {
@@ -30,7 +30,7 @@ double Seconds(std::uint64_t ticks) {
   return static_cast<double>(ticks) / kPerSecond;
 }
 
-/// Inodes of the sockets that listen at the port, from a table like /proc/net/tcp.
+/// Adds the inodes of the sockets that listen on the port, from a table like /proc/net/tcp.
 void AddListeners(const std::string& table, int port, std::set<std::string>& sockets) {
   std::istringstream lines(table);
   std::string line;
@@ -50,7 +50,7 @@ void AddListeners(const std::string& table, int port, std::set<std::string>& soc
 }  // namespace
 
 std::optional<StatLine> ParseStatLine(const std::string& line) {
-  // "PID (NAME) STATE ...": the name may hold blanks and brackets.  Times are fields 14 and 15.
+  // "PID (NAME) STATE ...": the name may contain blanks and brackets.  Times are fields 14 and 15.
   const std::size_t open = line.find('(');
   const std::size_t close = line.rfind(')');
   if (open == std::string::npos || close == std::string::npos || close < open) return std::nullopt;
@@ -99,7 +99,7 @@ MachineTimes ParseMachineTimes(const std::string& stat) {
   std::string cpu;
   line >> cpu;
   MachineTimes times;
-  // user nice system idle iowait irq softirq steal; guests are counted in user already.
+  // user nice system idle iowait irq softirq steal; user already includes guests.
   std::uint64_t ticks = 0;
   for (int field = 0; field < 8 && line >> ticks; ++field) {
     times.all += ticks;

@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// Mesh files are named from the scene's folder, which will be another.
+/// Mesh paths are relative to the scene's folder, and the copy is in another folder.
 void MakeMeshPathsAbsolute(Json& bodies, const fs::path& folder) {
   for (Json& body : bodies) {
     if (!body["mesh"].contains("file")) continue;
@@ -28,7 +28,7 @@ void MakeMeshPathsAbsolute(Json& bodies, const fs::path& folder) {
 }  // namespace
 
 void WriteSceneWithCopies(const std::string& scene, std::size_t copies, const std::string& file) {
-  LoadScene(scene);  // complains better than what follows could
+  LoadScene(scene);  // throws better error messages than the code below
   const std::string from = FindSceneFile(scene);
   Json json = Json::parse(ReadWholeFile(from, JsonNode::kMostBytes), nullptr, false, true);
   if (json.is_discarded()) {

@@ -5,9 +5,9 @@
 
 namespace palpate {
 
-/// Writes a scene file like `scene` (a name or a file), with `copies` of its first tool, and beside
-/// it the scene's script: a server that serves it can be driven by so many stations, which do not
-/// touch each other.  Throws Error.
+/// Writes a scene file like `scene` (a name or a file) with `copies` of its first tool, and the
+/// scene's script beside it.  A server that serves it can be driven by that many stations, whose
+/// tools do not touch each other.  Throws Error.
 /// @param file  ends with .json.
 void WriteSceneWithCopies(const std::string& scene, std::size_t copies, const std::string& file);
 

@@ -36,13 +36,14 @@ using net::ip::tcp;
 
 constexpr const char* kTopic = "/palpate/tool_state";
 constexpr std::uint32_t kSubscription = 1;
-/// A message's opcode, subscription and time, before its payload.
+/// Bytes of a message's opcode, subscription and time, before its payload.
 constexpr std::size_t kHeader = 13;
 constexpr std::uint8_t kMessageData = 1;
-/// That attach at the same time: a gateway has only so many places for who is no viewer yet.
+/// Viewers that connect at the same time: a gateway has few places for clients that have not
+/// yet subscribed.
 constexpr std::size_t kAtOnce = 32;
 
-/// A socket each, and some for DDS and files.
+/// Raises the limit of open files: one per socket, and some for DDS and files.
 void AllowFiles(std::size_t sockets) {
   rlimit limit{};
   if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
@@ -57,11 +58,11 @@ void AllowFiles(std::size_t sockets) {
   setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-/// Why viewers do not attach.
+/// Why viewers could not connect.
 enum class Trouble {
-  kNobody,    ///< there is nothing at the address
-  kStranger,  ///< what is there speaks otherwise than a gateway, or hangs up
-  kFull,      ///< the gateway wants no more
+  kNobody,    ///< nothing listens at the address
+  kStranger,  ///< the peer is not a gateway, or closes the connection
+  kFull,      ///< the gateway accepts no more
 };
 
 struct Shared {
@@ -70,12 +71,12 @@ struct Shared {
 
   FrameTally& tally;
   const std::string host_header;
-  std::function<void()> start_next;  ///< viewer; in the event loop
+  std::function<void()> start_next;  ///< starts the next viewer, in the event loop
   std::atomic<std::size_t> attached{0};
   std::atomic<std::size_t> gone{0};
   std::mutex mutex;
-  std::optional<Trouble> trouble;  // the first; guarded
-  std::string complaint;           // of it; guarded
+  std::optional<Trouble> trouble;  // the first; guarded by the mutex
+  std::string complaint;           // its text; guarded by the mutex
 
   void Complain(Trouble what, const std::string& why) {
     const std::lock_guard lock(mutex);
@@ -165,7 +166,7 @@ class Viewer {
     }
   }
 
-  websocket::stream<tcp::socket, false> socket_;  // false: nothing is deflated
+  websocket::stream<tcp::socket, false> socket_;  // false: no compression
   Shared& shared_;
   std::size_t index_;
   bool reads_;

@@ -9,21 +9,22 @@
 
 namespace palpate {
 
-/// Viewers over WebSocket that want tool states and nothing else, as pages do: all in one event
+/// Viewers over WebSocket that subscribe to tool states only, as pages do.  All run in one event
 /// loop, in a thread of its own.
 class WebViewers {
  public:
-  /// Returns when all are attached and have subscribed, or `stop` has come.  Throws Error where no
-  /// gateway answers, or it wants no more.
-  /// @param stalled  viewers more that then read nothing.   @param tally  must outlive it.
+  /// Returns when all viewers are connected and have subscribed, or when `stop` comes.  Throws
+  /// Error if no gateway answers, or it accepts no more viewers.
+  /// @param stalled  additional viewers that read nothing after that.
+  /// @param tally    must outlive it.
   WebViewers(const ViewerUrl& url, std::size_t viewers, std::size_t stalled, double wait_s,
              FrameTally& tally, StopSignal& stop);
-  /// Ends the thread; nothing is added to the tally any more.
+  /// Ends the thread; nothing is added to the tally after that.
   ~WebViewers();
   WebViewers(const WebViewers&) = delete;
   WebViewers& operator=(const WebViewers&) = delete;
 
-  /// Viewers whose socket has ended by itself.
+  /// Returns the number of viewers whose connection ended without our closing it.
   std::size_t gone() const;
 
  private:

@@ -13,14 +13,14 @@
 #include "common/math/pose.h"
 #include "common/math/pose_check.h"
 
-/// Numpy's arrays as the modules of Python take and give them.
+/// Conversion of NumPy arrays, for the Python modules.
 namespace palpate {
 
 namespace py = pybind11;
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-/// As numbers are given: whole ones and floats, which a double holds.  Those that numpy would make
-/// others of without a word, as complex, masked, longer or written-out ones, are an Error.
+/// Returns an array of integers or floats that a double can hold.  Throws Error for arrays that
+/// NumPy would convert silently: complex, masked, text, or of longer numbers.
 /// @param what  for the message.
 inline py::array ToNumbers(const py::object& given, const std::string& what) {
   py::array array;
@@ -47,7 +47,7 @@ inline Doubles ToDoubles(const py::object& given, const std::string& what) {
   return Doubles(ToNumbers(given, what));
 }
 
-/// Throws Error where an array is of another shape than is wanted.
+/// Throws Error if an array does not have the wanted shape.
 /// @param what, wanted  for the message.
 inline void RequireShape(bool is_so, const py::array& array, const std::string& what,
                          const std::string& wanted) {
@@ -72,8 +72,8 @@ inline Pose ToPose(const double* row, py::ssize_t width) {
   return X;
 }
 
-/// Throws Error where it has another shape, a number is not finite, or the quaternion is not of
-/// length 1.
+/// Throws Error if the shape differs, a number is not finite, or the quaternion is not of
+/// unit length.
 /// @param given  x y z, or x y z w x y z.
 /// @param what   for the message.
 inline Pose ToCheckedPose(const py::object& given, const char* what = "pose") {
@@ -110,7 +110,8 @@ inline py::array_t<double> FromTwist(const Twist& V) {
   return FromNumbers(six, 6);
 }
 
-/// What holds for a force in Python, before it is asked.  Throws Error where it is none.
+/// Checks the settings of a force in Python before its first call, and returns them.  Throws Error
+/// if one is invalid.
 inline HeldWrench ToHeld(const py::object& effect, double rate_Hz, double max_force_N,
                          double max_torque_Nm) {
   if (!effect.is_none() && PyCallable_Check(effect.ptr()) == 0) {
@@ -131,9 +132,9 @@ inline HeldWrench ToHeld(const py::object& effect, double rate_Hz, double max_fo
   return held;
 }
 
-/// Asks a force in Python, which says a wrench or a pair of that and its stiffness.  Throws Error
-/// where that is of another shape or not finite, and whatever it raises.
-/// @param held  of ToHeld; takes what is said, and where.
+/// Calls a force in Python, which returns a wrench, or a pair of wrench and stiffness.  Throws
+/// Error if a result has another shape or is not finite; passes on what the function raises.
+/// @param held  from ToHeld; receives the result and the hand's pose.
 inline void Ask(const py::object& effect, const Pose& X_WH, const Twist& V_WH, const Pose& X_WG,
                 HeldWrench& held) {
   py::object wrench = effect(FromPose(X_WH), FromTwist(V_WH), FromPose(X_WG));

@@ -8,17 +8,17 @@
 
 namespace palpate {
 
-/// What a force in Python said when it was last asked, until it is asked again: a wrench on the
-/// hand, at the origin of the tool's frame, in W, which goes on as a spring where it has a
-/// stiffness.
+/// The result of the last call of a force in Python, valid until the next call: a wrench on the
+/// hand, at the origin of the tool's frame, in W.  If it has a stiffness, it acts as a spring
+/// between calls.
 struct HeldWrench {
   Wrench wrench;
   Eigen::Matrix<double, 6, 6> stiffness = Eigen::Matrix<double, 6, 6>::Zero();  ///< of [x; turn]
-  Pose X_WH;                                       ///< where the hand was then
-  double max_force_N = 1.0, max_torque_Nm = 0.01;  ///< longer ones are shortened
-  std::uint64_t every = 10;                        ///< steps of a millisecond: when it is asked
+  Pose X_WH;                                       ///< the hand's pose at that call
+  double max_force_N = 1.0, max_torque_Nm = 0.01;  ///< limits; longer vectors are shortened
+  std::uint64_t every = 10;  ///< number of 1 ms steps from one call to the next
 
-  /// Where the hand is now; nothing where that is out of all numbers.  Real-time.
+  /// Returns the wrench at the hand's present pose; zero if that is not finite.  Real-time.
   Wrench At(const Pose& X_WN) const noexcept {
     Eigen::Matrix<double, 6, 1> way;
     way << X_WN.p - X_WH.p, RotationLog((X_WN.q * X_WH.q.conjugate()).normalized());

@@ -30,8 +30,8 @@
 #include "scenes/files/scene_bundle.h"
 #include "server/library/scenes.h"
 
-// The module palpate._physics: palpate/__init__.pyi says what each of these is for, also to help().
-// Arrays are numpy's, of double; poses are rows of x y z, or x y z and w x y z.
+// The module palpate._physics; palpate/__init__.pyi documents each function, also for help().
+// Arrays are NumPy's, of double; poses are rows of x y z, or of x y z and w x y z.
 
 namespace palpate {
 namespace {
@@ -42,7 +42,7 @@ Vec3 ToVec3(const py::object& given, const char* what) {
   return Vec3::Map(array.data());
 }
 
-/// Whole numbers, whatever their type; that each names a vertex is MakeBody's to see.
+/// Converts an integer of any type; MakeBody checks that it is a valid vertex index.
 std::uint32_t ToIndex(double index) {
   if (!(index >= 0.0 && index <= std::numeric_limits<std::uint32_t>::max()) ||
       index != std::floor(index)) {
@@ -54,7 +54,7 @@ std::uint32_t ToIndex(double index) {
 
 TriangleMesh ToMesh(const py::object& given_vertices, const py::object& given_triangles) {
   const Doubles vertices = ToDoubles(given_vertices, "vertices");
-  // Beyond 2^53 they lose digits, and are no vertices.
+  // Integers beyond 2^53 lose digits, but they are no valid vertices.
   const Doubles triangles = ToDoubles(given_triangles, "triangles");
   const auto is_rows_of_three = [](const py::array& a) { return a.ndim() == 2 && a.shape(1) == 3; };
   RequireShape(is_rows_of_three(vertices), vertices, "vertices", "an array (n, 3)");
@@ -72,7 +72,7 @@ TriangleMesh ToMesh(const py::object& given_vertices, const py::object& given_tr
   return mesh;
 }
 
-/// Said aloud, where other remarks wait to be asked for.
+/// Issues a Python warning; other remarks are returned only on request.
 void WarnOfUnit(const Body& body) {
   const std::string remark = MetresRemark(body.mesh);
   if (remark.empty()) return;
@@ -91,7 +91,7 @@ py::array_t<double> FromRows(const std::vector<Vec3>& rows) {
                              rows.data()->data());
 }
 
-/// A view of numbers that live as long as `owner`: nothing is copied, and nothing can be written.
+/// Returns a read-only view of numbers that live as long as `owner`, without a copy.
 py::array View(py::handle owner, const double* data, std::vector<py::ssize_t> shape) {
   py::array_t<double> array(std::move(shape), data, owner);
   py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
@@ -104,10 +104,10 @@ ContactModel ToContact(const std::string& contact) {
   throw Error("contact: '" + contact + "' is neither 'surface' nor 'spheres'");
 }
 
-/// What something was made with.
+/// The parameters that something was made with.
 using Used = std::shared_ptr<const std::vector<Parameter>>;
 
-/// A model, which proxies keep when Python has let it go, and what it was made with.
+/// A model and the parameters that it was made with; proxies keep it alive.
 struct Shared {
   std::shared_ptr<const HapticModel> model;
   std::string scene, tool;
@@ -133,7 +133,7 @@ Used FromDict(const py::dict& values) {
   return std::make_shared<const std::vector<Parameter>>(std::move(parameters));
 }
 
-/// What Python keeps of something as bytes, and sends to other processes (pickle).
+/// Returns the bytes that pickle stores or sends to other processes.
 py::bytes ToBytes(const Scene& scene) {
   CheckPackable(scene);
   const std::vector<std::uint8_t> bytes = PackScene(scene, 0, Remarks::kKeep);
@@ -144,15 +144,16 @@ Scene ToScene(const py::bytes& bytes) {
   return UnpackScene({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, "pickle");
 }
 
-/// @field script  of the hand, beside the scene's file; empty: there is none.
-/// @field said    what was assumed and mended: a sentence each.
+/// @field script  the hand's script beside the scene's file; empty: none.
+/// @field said    the assumptions and repairs, one sentence each.
 struct Loaded {
   Scene scene;
   std::string script;
   std::vector<std::string> said;
 };
 
-/// A scene of bodies, with the features that follow from their materials, as in a scene's file.
+/// Makes a scene of bodies, with the features that follow from their materials, as for a
+/// scene's file.
 Scene ToScene(const std::vector<Body>& objects, const std::vector<Body>& tools,
               const std::string& contact) {
   Scene scene;
@@ -170,7 +171,8 @@ Scene ToScene(const std::vector<Body>& objects, const std::vector<Body>& tools,
 
 void SetParameters(Scene& scene, const py::kwargs& parameters) {
   for (const auto& [name, value] : parameters) {
-    const py::float_ number(py::reinterpret_borrow<py::object>(value));  // or Python's TypeError
+    // Throws Python's TypeError.
+    const py::float_ number(py::reinterpret_borrow<py::object>(value));
     SetParameter(scene, name.cast<std::string>(), number);
   }
 }
@@ -213,7 +215,7 @@ std::unique_ptr<Loaded> Load(const std::string& name, const std::optional<std::s
   loaded->scene = LoadScene(name, options);
   const std::string script = ScriptFileBeside(name);
   if (std::filesystem::exists(script)) {
-    PoseScript::Load(script);  // says what is wrong
+    PoseScript::Load(script);  // throws if the script is invalid
     std::ifstream file(script);
     loaded->script.assign(std::istreambuf_iterator<char>(file), {});
   }
@@ -255,7 +257,7 @@ py::array_t<double> PathOf(const Loaded& loaded, double rate) {
   return path;
 }
 
-/// What may be varied, as a table: of a scene that says nothing.
+/// Returns a table of the parameters that can be varied, with the values of a default scene.
 py::list Table() {
   py::list rows;
   for (const Parameter& p : ParametersOf(Scene{})) {
@@ -271,11 +273,11 @@ py::list Table() {
   return rows;
 }
 
-/// A force in Python beside a proxy: asked at one step in so many, held in the others.
+/// A force in Python attached to a proxy: called once every few steps, held in between.
 struct SlowEffect {
   py::object ask;
   HeldWrench held;
-  EffectState motion{};  // of the hand, and how many steps it was there
+  EffectState motion{};  // of the hand, with the number of its steps
 };
 
 struct Hand {
@@ -285,8 +287,8 @@ struct Hand {
     proxy.Restart(X_WH);
     if (effect) effect->motion = {};
   }
-  /// Without Python's lock, which an effect takes when it is asked.  Throws what that raises: it is
-  /// off then, and no step was taken.
+  /// Takes a step, without Python's lock except while it calls an effect.  If the effect raises,
+  /// throws that, switches the effect off, and takes no step.
   StepReport Step(const Pose& X_WH, StageTimes* times = nullptr) {
     const bool acts = effect && IsPose(X_WH);
     if (acts) LookAt(X_WH);
@@ -301,7 +303,7 @@ struct Hand {
     return report;
   }
 
-  Shared shared;  // outlives the proxy
+  Shared shared;  // declared first: outlives the proxy
   Proxy proxy;
   std::optional<SlowEffect> effect{};
   std::atomic_flag busy{};
@@ -321,7 +323,7 @@ struct Hand {
   }
 };
 
-/// While a step has let Python's lock go, no other thread may step the same hand.
+/// Prevents other threads from stepping a hand while its step has released Python's lock.
 class Busy {
  public:
   explicit Busy(Hand& hand) : hand_(hand) {
@@ -337,13 +339,13 @@ class Busy {
   Hand& hand_;
 };
 
-/// What came of one step.
+/// The result of one step.
 struct Report {
   ReportRecord record;
   Used parameters;
 };
 
-/// What came of a path of poses, a row each.
+/// The results of a path of poses, one row per step.
 struct Steps {
   using Records = py::array_t<ReportRecord>;
   Steps() = default;
@@ -365,7 +367,7 @@ struct Steps {
   py::dict parameters;
 };
 
-/// Where the steps of one path go.
+/// Where to write the steps of one path.
 struct Rows {
   explicit Rows(Steps& steps)
       : wrench(steps.wrench.mutable_data()),
@@ -373,7 +375,7 @@ struct Rows {
         contacts(steps.contacts.mutable_data()),
         faults(steps.faults.mutable_data()),
         details(steps.details.is_none() ? nullptr : Steps::Records(steps.details).mutable_data()) {}
-  /// From that step on.
+  /// Returns the rows from that step on.
   Rows From(py::ssize_t step) const {
     Rows rows = *this;
     rows.wrench += 6 * step;
@@ -386,7 +388,7 @@ struct Rows {
   double *wrench, *pose;
   std::int32_t* contacts;
   std::uint32_t* faults;
-  ReportRecord* details;  // or null
+  ReportRecord* details;  // may be null
 };
 
 void Walk(Hand& hand, const double* poses, py::ssize_t count, py::ssize_t width, Rows out) {
@@ -403,7 +405,8 @@ void Walk(Hand& hand, const double* poses, py::ssize_t count, py::ssize_t width,
   }
 }
 
-/// A row that is not finite is a fault of its step; a quaternion of another length is a mistake.
+/// Converts an array to poses.  A row that is not finite becomes a fault of its step; a quaternion
+/// of another length is an error.
 Doubles ToPoses(const py::object& given, py::ssize_t dimensions, const char* shape) {
   Doubles poses = ToDoubles(given, "poses");
   const py::ssize_t width = poses.ndim() > 0 ? poses.shape(poses.ndim() - 1) : 0;
@@ -437,7 +440,7 @@ Steps StepAll(Hand& hand, const py::object& given, bool details) {
   return steps;
 }
 
-/// Each path by a proxy of its own, which begins at its first pose.
+/// Follows each path with a proxy of its own, which starts at the path's first pose.
 Steps FollowAll(const Shared& shared, const py::object& given, int threads, bool details) {
   const Doubles paths = ToPoses(given, 3, "(paths, steps, 3) or (paths, steps, 7)");
   if (threads < 0) throw Error("threads: must be 0, for all cores, or more");
@@ -456,8 +459,8 @@ Steps FollowAll(const Shared& shared, const py::object& given, int threads, bool
       for (py::ssize_t path; (path = next.fetch_add(1)) < count;) {
         const double* poses = data + path * length * width;
         const Pose start = ToPose(poses, width);
-        // Where it cuts, made anew: what is gone for one path is whole for the next, whoever walks
-        // it.
+        // A tool that cuts gets a new proxy for each path, so that every path meets the whole
+        // solid, whichever thread follows it.
         if (hand && !shared.model->cuts()) {
           hand->Restart(start);
         } else {
@@ -497,11 +500,11 @@ Shared MakeShared(const std::vector<Body>& objects, const Body& tool, const std:
   return Share(scene, scene.tools[0]);
 }
 
-/// What help() says of a function: the stub's words.
+/// The texts that help() shows for functions, from the stub.
 class Prose {
  public:
   Prose() : texts_(py::module_::import("palpate._prose").attr("read")("__init__.pyi")) {}
-  /// Lives as long as this.  Throws for a name that the stub has not.
+  /// Returns a text, valid while this object lives.  Throws for a name that the stub does not have.
   const char* operator()(const char* name) const {
     const char* text = PyUnicode_AsUTF8(texts_[name].ptr());
     if (!text) throw py::error_already_set();
@@ -514,7 +517,7 @@ class Prose {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// As Python shows it: "<palpate.Body tooth: ...>".
+/// Formats a Python repr: "<palpate.Body tooth: ...>".
 template <class... Parts>
 std::string Shown(const char* kind, const Parts&... parts) {
   std::ostringstream text;
@@ -528,7 +531,8 @@ std::string Row(const double* x, int count) {
   return text.str() + "]";
 }
 
-/// What holds memory of a running hand, or is soonest made anew, is not for pickle, which says so.
+/// Makes pickling a class an error that says why: its objects hold the state of a running hand, or
+/// are quickly made anew.
 template <class Class>
 void RefusePickle(Class& of, const char* why) {
   of.def("__reduce__",
@@ -642,7 +646,7 @@ PYBIND11_MODULE(_physics, module) {
   module.attr("__version__") = PALPATE_VERSION;
   const Prose prose;
   py::options help;
-  help.disable_function_signatures();  // the stub's say more: what an array is, what comes back
+  help.disable_function_signatures();  // the stub's signatures say more: array shapes and results
 
   py::class_<Body, std::shared_ptr<Body>>(module, "Body")
       .def_readonly("name", &Body::name)

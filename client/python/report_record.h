@@ -8,8 +8,8 @@
 
 namespace palpate {
 
-/// A contact that a report lists, as numpy holds it; client/python/palpate/__init__.pyi says what
-/// its columns are.  Neither record has room between its members: equal ones are equal bytes.
+/// A contact listed in a report, as a NumPy record; client/python/palpate/__init__.pyi describes
+/// its columns.  Neither record has padding, so equal records have equal bytes.
 struct RowRecord {
   std::int32_t body, tool_part, object_part, row;
   std::int64_t object_leaf;
@@ -18,7 +18,7 @@ struct RowRecord {
   double stiffness_N_per_m, static_friction, dynamic_friction;
 };
 
-/// All that a StepReport and its StageTimes say.
+/// All fields of a StepReport and its StageTimes.
 struct ReportRecord {
   double force_N[3], torque_Nm[3], tool[7];
   double soft_force_N[3], soft_torque_Nm[3], bur_force_N[3], bur_m[3];
@@ -31,7 +31,7 @@ struct ReportRecord {
   RowRecord rows[7];
 };
 
-/// All that touch, listed or not.
+/// Returns the number of contacts, listed or not.
 inline int Contacts(const StepReport& report) {
   int rigid = 0;
   while (rigid < report.contacts && std::isinf(report.active[rigid].stiffness)) ++rigid;

@@ -26,7 +26,7 @@ namespace palpate {
 namespace {
 
 constexpr std::chrono::milliseconds kPoll{5};
-/// How long the disk may stand still: more than a minute of one station, four seconds of sixteen.
+/// Buffer for a stalled disk: more than a minute of one station, four seconds of sixteen.
 constexpr std::size_t kQueue = std::size_t{64} << 20;
 
 class ProgressLine {
@@ -56,7 +56,7 @@ class ProgressLine {
   double shown_s_ = 0.0;
 };
 
-/// What to say where no server is heard, and where there would be one.
+/// Returns the message for when no server is heard, with hints where one may be.
 std::string Silence(const RecorderOptions& options, double seconds) {
   const bool here = options.network.this_host();
   std::string text =
@@ -74,16 +74,16 @@ std::string Silence(const RecorderOptions& options, double seconds) {
   return text + others;
 }
 
-/// Records until its time is over or a signal comes.  Throws Error, with what is recorded by then
-/// whole in the file.
+/// Records until its time is over or a signal comes.  Throws Error; what was recorded by then is
+/// intact in the file.
 void Record(const RecorderOptions& options) {
-  // A file that has grown to its limit (ulimit -f) is then an error of the write, as a full disk.
+  // A file at its size limit (ulimit -f) then fails as a write error, like a full disk.
   std::signal(SIGXFSZ, SIG_IGN);
   StopSignal stop;
   const dds::TransportChoice transport = dds::ChooseTransport(options.transport, options.network);
   RecordingOptions recording_options = options.recording;
   recording_options.about["domain"] = std::to_string(options.domain);
-  // For who writes of it (palpate-replay export).
+  // For palpate-replay export, which writes the methods text.
   const HostMachine host = ThisHost();
   recording_options.about["cpu"] = host.cpu;
   recording_options.about["cores"] = std::to_string(host.cores);
@@ -95,7 +95,7 @@ void Record(const RecorderOptions& options) {
   TappedTopics topics;
   Taps taps(options.domain, options.network, transport, options.loop, options.stations, queue,
             topics);
-  // Last: what it overwrites is lost only when there is something to record with.
+  // Made last: an existing file is overwritten only once everything else is ready.
   RecordingWriter recording(recording_options);
   WriterThread writer(recording, queue, topics);
   std::printf("recording to %s; domain %d; poses and wrenches: %s\n",

@@ -11,13 +11,13 @@
 namespace palpate {
 
 struct RecorderOptions : ServerOptions {
-  // `info` where there are files, else a recording.
+  // Files of `info`; empty: make a recording.
   std::vector<std::string> info_files;
-  std::string json;  ///< of info: file or "-"; empty: none
+  std::string json;  ///< output of `info`: file or "-"; empty: none
 
   RecordingOptions recording;
   bool loop = true;
-  std::vector<std::string> stations;  ///< these alone; empty: all
+  std::vector<std::string> stations;  ///< record only these; empty: all
   std::optional<double> seconds;
   dds::Transport transport = dds::Transport::kAuto;
 };

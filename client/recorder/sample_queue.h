@@ -14,19 +14,18 @@
 
 namespace palpate {
 
-/// A topic that is recorded.
+/// A recorded topic.
 struct TappedTopic {
   std::string name;
   RecordedType type;
-  std::atomic<std::uint64_t> dropped{0};  ///< came, and had no room in the queue
+  std::atomic<std::uint64_t> dropped{0};  ///< samples lost because the queue was full
 };
 
-/// The topics that are recorded, by the numbers that samples in the queue have.  A number is given
-/// once and stays.
+/// The recorded topics by number, as samples in the queue refer to them.  A number never changes.
 /// Thread contract: any.
 class TappedTopics {
  public:
-  /// The number of the topic of that name, which is entered where it is new.
+  /// Returns the number of the topic of that name; adds the topic if it is new.
   std::uint32_t NumberOf(const std::string& name, RecordedType type) {
     const std::lock_guard lock(mutex_);
     const auto [it, is_new] =
@@ -49,12 +48,12 @@ class TappedTopics {
 
  private:
   mutable std::mutex mutex_;
-  std::deque<TappedTopic> topics_;  // stays where it is as it grows
+  std::deque<TappedTopic> topics_;  // a deque: elements stay in place as it grows
   std::map<std::string, std::uint32_t> numbers_;
 };
 
-/// Samples on their way from the threads that receive them to the one that writes them: room for a
-/// disk that stands still.  Memory is had at first and used when it is needed.
+/// A queue of samples from the threads that receive them to the thread that writes them; it buffers
+/// while the disk stalls.  Memory is reserved at construction and touched when first used.
 /// Thread contract: Put from any thread, Swap from one.
 class SampleQueue {
  public:
@@ -66,8 +65,9 @@ class SampleQueue {
 
   explicit SampleQueue(std::size_t capacity) : capacity_(capacity) { filling_.reserve(capacity); }
 
-  /// False, keeping nothing, where there is no room.  Parts are put one behind the other.
-  /// @param now_ns  called under the lock, so that times grow in the queue's order.
+  /// Appends a sample of both parts, one after the other.  Returns false, storing nothing, if there
+  /// is no room.
+  /// @param now_ns  called under the lock, so that times increase in queue order.
   template <class Clock>
   bool Put(std::uint32_t channel, Clock now_ns, std::span<const std::uint8_t> first,
            std::span<const std::uint8_t> second = {}) {
@@ -82,7 +82,7 @@ class SampleQueue {
     return true;
   }
 
-  /// Exchanges what has come for an empty buffer.
+  /// Swaps the queued samples with an empty buffer.
   void Swap(std::vector<std::uint8_t>& drained) {
     drained.clear();
     if (drained.capacity() < capacity_) drained.reserve(capacity_);

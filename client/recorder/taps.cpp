@@ -11,7 +11,7 @@
 namespace palpate {
 namespace {
 
-/// What is still on its way when a session ends.
+/// Loop topics stay open this long after a session ends, for samples still in flight.
 constexpr std::int64_t kLinger_ns = 500'000'000;
 constexpr std::array<std::uint8_t, 4> kCdrHead = {0, 1, 0, 0};
 
@@ -57,7 +57,7 @@ void Taps::TapService(const char* name, dds::Qos qos) {
   drains_.push_back([this, reader, channel] { Drain(*reader, channel); });
 }
 
-// Readers first: their callbacks use what stands before them.
+// Ends the readers first: their callbacks use the members declared before them.
 Taps::~Taps() {
   sessions_.clear();
 }
@@ -97,7 +97,7 @@ void Taps::Drain(dds::CdrReader<T>& reader, std::uint32_t channel) {
 
 template <class T>
 void Taps::Tap(dds::Reader<T>& reader, const std::string& name) {
-  // Over shared memory a reader that is there before it knows the writer loses chunks for ever.
+  // Over shared memory, a reader made before it has discovered the writer leaks chunks for good.
   if (reader || !dds::WriterDiscovered(*loop_, name)) return;
   const std::uint32_t channel = topics_.NumberOf(name, kTypeOf<T>);
   TappedTopic* const tapped = &topics_[channel];
@@ -112,7 +112,7 @@ void Taps::Tap(dds::Reader<T>& reader, const std::string& name) {
 }
 
 void Taps::OnState(const wire::SessionState& state, std::int64_t now_ns) {
-  // No server gives a session to another name, of which a topic's is made.
+  // No server gives a session to a station with another name, and a topic's name contains it.
   if (!loop_ || state.phase == palpate_SESSION_REFUSED || !dds::IsStationName(state.station))
     return;
   const auto it = sessions_.find(state.station);

@@ -15,14 +15,13 @@
 
 namespace palpate {
 
-/// Everything that is heard of a server: readers on all service topics, and on the two loop topics
-/// of each session as sessions come and go.  All samples go into the queue; nothing else is done in
-/// the threads that receive them.
+/// Subscribes to all that a server publishes: all service topics, and the two loop topics of each
+/// session as sessions come and go.  The receiving threads only put samples into the queue.
 /// Thread contract: one thread.
 class Taps {
  public:
-  /// @param loop      false: service topics alone.
-  /// @param stations  whose sessions are recorded; empty: all.
+  /// @param loop      false: service topics only.
+  /// @param stations  stations whose sessions are recorded; empty: all.
   /// Throws Error.
   Taps(int domain, const dds::Network& network, const dds::TransportChoice& transport, bool loop,
        std::vector<std::string> stations, SampleQueue& queue, TappedTopics& topics);
@@ -30,11 +29,11 @@ class Taps {
   Taps(const Taps&) = delete;
   Taps& operator=(const Taps&) = delete;
 
-  /// To be called every few milliseconds.
+  /// Call it every few milliseconds.
   void Poll(std::int64_t now_ns);
-  /// Sessions whose loop topics are being read.
+  /// Returns the number of sessions whose loop topics are being read.
   int sessions() const;
-  /// True once a sample came from a server.
+  /// True once a sample has arrived from a server.
   bool heard() const { return heard_; }
 
  private:
@@ -60,14 +59,14 @@ class Taps {
   dds::Participant service_;
   std::unique_ptr<dds::Participant> loop_;
   std::vector<std::function<void()>>
-      drains_;  // of service topics: scenes first, then who uses them
+      drains_;  // of service topics: scenes first, then the topics that refer to them
   std::int64_t now_ns_ = 0;
   bool heard_ = false;
   std::map<std::string, Session> sessions_;  // by station
 };
 
-/// Nanoseconds since 1970 that never go back: the wall clock as it was at first, and the steady one
-/// since.
+/// Returns nanoseconds since 1970 that never decrease: the wall clock at the first call plus the
+/// steady clock's progress since.
 std::int64_t RecordingTime_ns();
 
 }  // namespace palpate

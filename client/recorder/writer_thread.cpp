@@ -11,8 +11,9 @@ namespace {
 
 constexpr std::chrono::milliseconds kDrain{20};
 constexpr std::int64_t kFlush_ns = 400'000'000;
-/// What a recorder that is killed may lose: what came since the last flush, which is this long ago
-/// at most, and a pass through the loop.  The rest is for the machine, and for the flush itself.
+/// A recorder that is killed loses at most the samples since the last flush: this period and
+/// one pass through the loop.  The rest of the half second is a margin for the machine and the
+/// flush itself.
 static_assert(kFlush_ns + std::chrono::nanoseconds(kDrain).count() <= 450'000'000,
               "at most half a second is lost, with a tenth of it to spare");
 
@@ -48,7 +49,7 @@ void WriterThread::Finish(const std::string& reason) {
     recording_.Close(reason);
     return;
   }
-  // To close it takes memory, too.
+  // Frees memory, since closing the file needs some.
   std::vector<std::uint8_t>().swap(drained_);
   std::string what = WordsOf(error_, recording_.files().back());
   try {
@@ -80,7 +81,7 @@ void WriterThread::Run() {
       }
     }
   } catch (...) {
-    // Out of a thread nothing may be thrown: Finish tells it.
+    // A thread must not throw: Finish rethrows it.
     error_ = std::current_exception();
     failed_ = true;
   }

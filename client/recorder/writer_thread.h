@@ -12,7 +12,7 @@
 
 namespace palpate {
 
-/// Writes what comes out of the queue, in a thread of its own: a disk may stand still for seconds.
+/// Writes the queued samples in a thread of its own, since a disk may stall for seconds.
 class WriterThread {
  public:
   struct Totals {
@@ -24,13 +24,13 @@ class WriterThread {
   WriterThread(const WriterThread&) = delete;
   WriterThread& operator=(const WriterThread&) = delete;
 
-  /// True once writing has failed, whatever it was; nothing more is written then.
+  /// True once writing has failed for any reason; nothing more is written then.
   bool failed() const { return failed_; }
   const Totals& totals() const { return totals_; }
 
-  /// Writes what is left, and closes the recording, also where writing has failed; then throws
-  /// Error, with what went wrong and in what state the file is.
-  /// @param reason  why it ends, in words.
+  /// Writes the remaining samples and closes the recording, even if writing has failed; in that
+  /// case throws Error with the cause and the state of the file.
+  /// @param reason  why the recording ends, in words.
   void Finish(const std::string& reason);
 
  private:

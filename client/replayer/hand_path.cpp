@@ -18,12 +18,12 @@
 namespace palpate {
 namespace {
 
-/// A hand that holds still trembles by less; the angle moves a tip that is 57 mm off as far.
+/// The tremor of a hand at rest is smaller; this angle moves a tip 57 mm away by as much.
 constexpr double kMoved_m = 1e-3, kTurned_rad = std::numbers::pi / 180.0;
-/// No arm reaches further, or presses harder: what a recording says beyond is no measurement.
+/// Bounds of a plausible measurement: no arm reaches further or presses harder.
 constexpr double kFarthest_m = 1e3, kHardest_N = 1e6, kHardest_Nm = 1e6;
-constexpr double kLongestPause_s = 86'400.0;  // no trial is left for a day
-/// A list of more is for palpate-record info.
+constexpr double kLongestPause_s = 86'400.0;  // no trial is interrupted for a day
+/// Longer lists are left to palpate-record info.
 constexpr std::size_t kMostListed = 20;
 
 struct Session {
@@ -57,8 +57,8 @@ void Answer(HandSample& at, const wire::Wrench& answer) {
                 .value_or(at.X_WH);
 }
 
-/// In their order and their time, each once; what leaps is no measurement either, and would shut
-/// out all that comes after.
+/// Returns whether a pose follows the last one in sequence and time.  A jump is rejected too, since
+/// it would shut out all later poses.
 bool GoesOn(const HandSample& last, const wire::HapticPose& pose) {
   const double after_s = SecondsBetween(last.time_ns, pose.sample_time_ns);
   return pose.pose_sequence > last.sequence &&
@@ -66,8 +66,8 @@ bool GoesOn(const HandSample& last, const wire::HapticPose& pose) {
          after_s < kLongestPause_s;
 }
 
-/// Those that have poses, by when they begin.
-/// @param began_ns  the recording's first sample.
+/// Returns the sessions that have poses, by their beginning.
+/// @param began_ns  receives the time of the recording's first sample.
 std::vector<Session> SessionsOf(RecordingReader& reader, std::int64_t& began_ns) {
   std::map<SessionKey, Session> sessions;
   RecordedSample sample{};
@@ -111,7 +111,7 @@ Session Choose(const std::string& file, const std::vector<Session>& sessions, st
   std::string list;
   std::size_t listed = 0;
   for (const Session& s : sessions) {
-    // All, where none fits.
+    // If none fits, lists all.
     if (first != sessions.end() && !fits(s)) continue;
     if (++listed > kMostListed) continue;
     const bool is_only = std::ranges::count(sessions, s.station, &Session::station) == 1;
@@ -138,9 +138,9 @@ HandPath ReadHandPath(const std::vector<std::string>& files, const SessionChoice
   const std::string poses = dds::PoseTopic(session.station, session.run);
   const std::string wrenches = dds::WrenchTopic(session.station, session.run);
 
-  // A second time, because whole sessions of a class do not fit into memory.
+  // A second pass, since all sessions of a class do not fit into memory.
   std::vector<HandSample> hand;
-  std::vector<wire::Wrench> early;  // wrenches that overtook their poses
+  std::vector<wire::Wrench> early;  // wrenches that came before their poses
   const auto take = [&](const wire::Wrench& wrench) {
     const auto at = std::ranges::lower_bound(hand, wrench.pose_sequence, {}, &HandSample::sequence);
     const bool is_there = at != hand.end() && at->sequence == wrench.pose_sequence;

@@ -57,7 +57,7 @@ int Run(const ReplayOptions& options) {
       if (options.score.follow) {
         stop.emplace();
         std::fprintf(stderr, "following %s\n", Printable(options.score.trials.front()).c_str());
-        // While it waits the class has hands that must not.
+        // While it waits, the class's servo loops must not be disturbed.
         (void)!nice(kPolite);
       }
       const Report report = scores ? MakeReport(options.score, stop ? &*stop : nullptr)

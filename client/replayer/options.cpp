@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-/// Faster, the aims of a quick hand would lie further apart than what a station takes for a leap.
+/// At a higher rate, a quick hand's aims would be so far apart that a station takes them for jumps.
 constexpr double kMostGuideRate = 2.0;
 
 constexpr const char* kAbout =

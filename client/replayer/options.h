@@ -33,11 +33,11 @@ struct ReplayOptions {
   SealedOptions sealed;
   GuideOptions guide;
   ScoreOptions score;
-  std::string out;           ///< of kScore and kVerifySealed: folder; empty: none
-  std::string json;          ///< of these and kVerify: file or "-"; empty: none
-  std::string exercise;      ///< of kRehearse: file
-  std::string new_criteria;  ///< of kCriteria: file to write
-  std::string criteria_of;   ///< of kCriteria: the scene; empty: periodontal probing
+  std::string out;           ///< folder of kScore and kVerifySealed; empty: none
+  std::string json;          ///< file or "-" of these and kVerify; empty: none
+  std::string exercise;      ///< file of kRehearse
+  std::string new_criteria;  ///< file that kCriteria writes
+  std::string criteria_of;   ///< scene of kCriteria; empty: periodontal probing
   ExportOptions columns;
   SolidExportOptions solids;
 

@@ -19,16 +19,16 @@ constexpr const char* kGreen = "32";
 constexpr const char* kYellow = "33";
 constexpr const char* kCyan = "36";
 constexpr int kBarCells = 30;
-constexpr std::size_t kHistoryCells = 60;  // 15 s at four a second
+constexpr std::size_t kHistoryCells = 60;  // 15 s at four per second
 
-/// The least of 1, 2, 5, 10, 20, ... times the unit that holds the value.
+/// Returns the least of 1, 2, 5, 10, 20, ... times the unit that is not below the value.
 double NiceScale(double value, double unit) {
   double scale = unit;
   for (int i = 0; scale < value && i < 30; ++i) scale *= i % 3 == 1 ? 2.5 : 2.0;
   return scale;
 }
 
-/// From here on the limiter may hold a peak back (MotorWarmth::kWarm).
+/// From here on the limiter may reduce a peak (MotorWarmth::kWarm).
 constexpr double kHot = MotorWarmth::kWarm;
 
 bool IsWell(const StationSnapshot& s) {
@@ -48,7 +48,7 @@ std::string Ailments(const StationSnapshot& snapshot) {
   return words;
 }
 
-/// A time in microseconds, "-" where none was measured.
+/// Returns a time in microseconds, "-" if none was measured.
 std::string Micros(double value, const StationSnapshot& snapshot, int decimals) {
   return snapshot.replies == 0 ? "-" : fmt::format("{:.{}f}", value, decimals);
 }
@@ -145,7 +145,7 @@ void LiveTable::Show(const StationView& view) {
     std::fflush(out_);
     return;
   }
-  // Written over the former table, line by line, so that nothing flickers.
+  // Overwrites the former table line by line, without flicker.
   std::string text = drawn_ > 0 ? fmt::format("\x1b[{}A", drawn_) : "";
   const std::vector<std::string> lines = Lines(view);
   for (const std::string& line : lines) text += "\r" + line + "\x1b[K\n";

@@ -10,35 +10,35 @@
 
 namespace palpate {
 
-/// A moment of the station, as a person sees it.
+/// The station's state at one moment, for display.
 struct StationView {
   double seconds = 0.0;
   std::string phase;  ///< SessionLink::PhaseText
   StationSnapshot snapshot;
 };
 
-/// Prints what the station does: a table refreshed in place on a terminal, and a line per moment
-/// elsewhere.
+/// Prints what the station does: on a terminal a table refreshed in place, elsewhere one line at
+/// a time.
 class LiveTable {
  public:
   enum class Style { kInPlace, kLines, kSilent };
 
-  /// @param colour  in the table; lines have none.
+  /// @param colour  colours the table; lines have none.
   LiveTable(std::FILE* out, Style style, bool colour = false)
       : out_(out), style_(style), colour_(colour) {}
-  /// Leaves the last table standing.
+  /// Leaves the last table on the screen.
   ~LiveTable() = default;
 
   /// How often Show should be called [s].
   double period_s() const { return style_ == Style::kInPlace ? 0.25 : 1.0; }
   void Show(const StationView& view);
-  /// Takes the table off the screen, so that something else can be printed; the next Show draws it
-  /// below.
+  /// Removes the table from the screen, so that something else can be printed; the next Show draws
+  /// it below.
   void Erase();
 
-  /// One line: time, rate, round trip and so on, in fixed columns.
+  /// Returns one line in fixed columns: time, rate, round trip and so on.
   static std::string Line(const StationView& view);
-  /// The table's lines, without the codes that move the cursor.
+  /// Returns the table's lines, without the codes that move the cursor.
   std::vector<std::string> Lines(const StationView& view);
 
  private:
@@ -48,32 +48,32 @@ class LiveTable {
   Style style_;
   bool colour_;
   std::size_t drawn_ = 0;  // lines on the screen
-  // Full scales of the bars: they grow with what was seen.
+  // Full scales of the bars: they grow with the largest value seen.
   double force_scale_N_ = 1.0;
   double torque_scale_Nm_ = 0.02;
   std::vector<double> history_;  // force, newest last
 };
 
-/// `width` cells, the first value/scale of them filled, to an eighth of a cell.
+/// Returns a bar of `width` cells, filled to value/scale in steps of an eighth of a cell.
 std::string Bar(double value, double scale, int width);
-/// One cell per value, as high as value/scale.
+/// Returns one cell per value, filled to a height of value/scale.
 std::string Sparkline(const std::vector<double>& values, double scale);
 
-/// A station's run, at its end.
+/// The figures of a whole run of a station.
 struct StationSummary {
   std::string station, device, scene, tool, transport;
   double seconds = 0.0;
-  double linked_ticks_s = 0.0;  ///< time that the loop ran [s]: ticks and those it missed
+  double linked_ticks_s = 0.0;  ///< time that the loop ran [s]: executed and missed ticks
   StationTotals totals;
   std::uint64_t missed_ticks = 0;
   int reconnects = 0;
-  WrenchLimits::Bounds limits;  ///< torque zero where the device renders none
+  WrenchLimits::Bounds limits;  ///< torque zero if the device renders none
   StationSnapshot end;          ///< the last moment
 };
 
-/// For people.
+/// Returns the summary for people.
 std::string ToText(const StationSummary& summary);
-/// For programs: one JSON object; percentile groups as in palpate-bench.
+/// Returns the summary for programs: one JSON object; percentile groups as in palpate-bench.
 std::string ToJson(const StationSummary& summary);
 /// Writes the JSON to a file, or to stdout for "-".  Throws Error.
 void WriteJson(const StationSummary& summary, const std::string& file);
@@ -82,10 +82,10 @@ inline double Fraction(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
 }
 
-/// For people, and the group that every program's JSON has for a time.
-/// @param unit  1e-3: in us.
+/// Returns the percentiles for people; PercentileJson is the group that every program's JSON uses.
+/// @param unit  factor from [ns]; 1e-3 gives us.
 std::string PercentileText(const Histogram& histogram, double unit = 1e-3, const char* name = "us");
-/// @tparam Json  one of nlohmann's.
+/// @tparam Json  a JSON type of nlohmann.
 template <class Json>
 Json PercentileJson(const Histogram& histogram, double unit = 1e-3) {
   const auto at = [&](double q) { return unit * static_cast<double>(histogram.Quantile(q)); };

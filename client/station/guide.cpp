@@ -8,10 +8,11 @@
 namespace palpate {
 namespace {
 
-constexpr double kLongestTick_s = 0.002;  // as the limiter's: after a stall, no more than this
+// As in the limiter: a tick after a stall counts as this long.
+constexpr double kLongestTick_s = 0.002;
 constexpr double kMaxCoordinate_m = 100.0;
 
-/// The limit in the direction of e, in proportion where e is within reach.
+/// Returns the limit in the direction of e, scaled down in proportion while e is within reach.
 Vec3 Spring(const Vec3& e, double reach, double limit) noexcept {
   const double length = e.norm();
   return length > reach ? Vec3(e * (limit / length)) : Vec3(e * (limit / reach));
@@ -35,7 +36,7 @@ void Guide::Take(std::int64_t now_ns, const GuideAim& aim) noexcept {
       !(std::abs(aim.X_WH.q.squaredNorm() - 1.0) <= 0.01)) {
     return;
   }
-  // What the hand has overruled stays so, whatever comes.
+  // A guide that the hand has overruled stays off, whatever aim comes.
   if (!has_aim_ || aim.run != aim_.run || Leaps(aim_.X_WH, aim.X_WH)) ramp_ = 0.0;
   aim_ = aim;
   aim_.X_WH.q.normalize();

@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// Hears the guide that leads this station, if there is one.
+/// Receives the aims of the guide that leads this station, if there is one.
 /// Thread contract: one thread, not the servo thread.
 class GuideLink {
  public:
@@ -18,7 +18,7 @@ class GuideLink {
   GuideLink(const dds::Participant& service, std::string station)
       : station_(std::move(station)), targets_(service, dds::kGuideTopic, dds::Qos::kStream) {}
 
-  /// Calls take(aim) for the newest that has come, if any.
+  /// Calls take(aim) with the newest aim that has arrived, if any.
   template <class Take>
   void Poll(Take take) {
     wire::GuideTarget target{};

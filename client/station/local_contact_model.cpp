@@ -10,24 +10,24 @@
 namespace palpate {
 namespace {
 
-/// The server's normals are units to rounding.
+/// The server's normals have unit length up to rounding.
 constexpr double kUnitTolerance = 1e-6;
 /// No tool is longer [m].
 constexpr double kMostLever_m = 100.0;
-/// The graphic tool keeps its rows to rounding; jammed, it leaves them violated by micrometres.
+/// The graphic tool satisfies its rows up to rounding; a jam leaves them violated by micrometres.
 constexpr double kMostViolation_m = 1e-4;
-/// Friction, by which a wrench differs from what its rows explain, is this many times the normal
-/// force at most; what is more is none, and would have to go too steeply where contact ends.
+/// Largest ratio of a wrench's unexplained part to the normal force.  That part is friction; a
+/// larger one is not, and would have to drop too steeply where contact ends.
 constexpr double kMostUnexplained = 2.0;
 constexpr double kRounding_N = 1e-6;
-/// A difference that is this small is gone [N, N m]: below what any motor renders.
+/// A difference below this is zero [N, N m]: less than any motor renders.
 constexpr double kGone = 1e-6;
 
 bool IsFinite(const Wrench& wrench) noexcept {
   return wrench.force.allFinite() && wrench.torque.allFinite();
 }
 
-/// 1 up to `reach`, 0 from twice as far, and smooth between.
+/// Returns 1 up to `reach`, 0 from twice as far, with a smooth transition.
 double Fade(double distance, double reach) noexcept {
   if (distance <= reach) return 1.0;
   if (!(distance < 2.0 * reach)) return 0.0;
@@ -71,7 +71,7 @@ void LocalContactModel::Remember(Contact& contact) noexcept {
   for (int i = 0; i < kept.count; ++i) {
     LocalRow& row = kept.row[static_cast<std::size_t>(i)];
     row.offset -= row.normal.dot(v) + row.lever_cross_normal.dot(phi);
-    // The server's tool is where this row says that it cannot be: what it was of has ended.
+    // The server's tool is where this row forbids it: the contact has ended.
     has_touched_ = has_touched_ && row.offset <= kMostViolation_m;
   }
   if (!has_touched_) return;
@@ -80,7 +80,7 @@ void LocalContactModel::Remember(Contact& contact) noexcept {
   contact.phi = -phi;
 }
 
-/// @param turn  past half a turn the spring goes on from it.
+/// @param turn  the spring's former rotation vector, which extends it past half a turn.
 LocalContactModel::Step LocalContactModel::Solve(const Reply& reply, const Pose& X_WH,
                                                  const Vec3& turn) const noexcept {
   Step step;
@@ -128,11 +128,11 @@ void LocalContactModel::Take(const Reply& reply, const Pose& X_WH) noexcept {
   has_next_ = true;
   const bool free = reply.local.count == 0 && reply.wrench.force.isZero(0.0) &&
                     reply.wrench.torque.isZero(0.0) && reply.faults == kFaultNone;
-  if (reply.faults & kFaultNotStarted) Forget();  // another session's
+  if (reply.faults & kFaultNotStarted) Forget();  // of a former session
   const bool remembers = has_touched_ && free;
   if (remembers) Remember(next_);
   if (!Usable(next_.reply)) return;
-  // The server's torque says on which side of half a turn its spring is.
+  // The server's torque determines the side of half a turn on which its spring is.
   next_.answered =
       Solve(next_.reply, X_WH, -next_.reply.wrench.torque / spring_.torsional_stiffness);
   if (!remembers) {
@@ -185,7 +185,7 @@ LocalContactModel::Evaluation LocalContactModel::At(std::int64_t now_ns,
     blend_ = Sum(before, Scaled(-1.0, after));
     if (!enabled_ || !IsFinite(blend_)) blend_ = Wrench{};
   }
-  // An implicit step, not libm's exp: the same bits on every processor.
+  // An implicit Euler step, not libm's exp: the same bits on every processor.
   blend_ = Scaled(kBlend_s / (kBlend_s + std::max(dt_s, 0.0)), blend_);
   if (blend_.force.norm() < kGone && blend_.torque.norm() < kGone) blend_ = Wrench{};
   if (!enabled_) return {contact_.reply.wrench};

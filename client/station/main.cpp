@@ -46,7 +46,7 @@ std::optional<Workspace> WorkspaceOf(const StationOptions& options) {
   return workspace;
 }
 
-/// What the command line says of the device, and the files that it names.
+/// Returns the device options of the command line, with the files that it names.
 DeviceOptions DeviceOf(const StationOptions& options) {
   DeviceOptions device = options.device;
   device.workspace = WorkspaceOf(options);
@@ -54,7 +54,7 @@ DeviceOptions DeviceOf(const StationOptions& options) {
   return device;
 }
 
-/// The rest is the server's word.
+/// Opens the device; the server determines what the command line leaves open.
 std::unique_ptr<Device> OpenDevice(DeviceOptions device, const OfferedTool& tool) {
   if (!device.script && DeviceNeedsScript(device.name)) device.script = HandOf(tool);
   device.start = device.script ? device.script->At(0.0) : tool.Start();
@@ -62,7 +62,7 @@ std::unique_ptr<Device> OpenDevice(DeviceOptions device, const OfferedTool& tool
 }
 
 LiveTable::Style StyleOf(const StationOptions& options) {
-  if (options.json == "-") return LiveTable::Style::kSilent;  // stdout is the program's then
+  if (options.json == "-") return LiveTable::Style::kSilent;  // a program reads stdout then
   const bool table = options.table.value_or(isatty(STDOUT_FILENO) == 1);
   return table ? LiveTable::Style::kInPlace : LiveTable::Style::kLines;
 }
@@ -94,15 +94,15 @@ StationSummary Summarise(const StationOptions& options, const Device& device,
 }
 
 /// Runs a station until its time is over or a signal comes, and prints its summary.  Throws Error;
-/// where a hand was served before, after the summary.
+/// if the loop has run, only after printing the summary.
 int RunStation(const StationOptions& given) {
   KeepFilesPrivate();
   StopSignal stop;
-  // What fails without a server fails at once.
+  // Fails at once for what needs no server.
   DeviceOptions device_options = DeviceOf(given);
   CheckDriver(given.device.name);
   dds::ChooseTransport(given.link.transport, given.link.network);
-  // Kept open, so that the domain is not made anew for the session.
+  // Kept open, so that the domain is not created anew for the session.
   const dds::Participant service = dds::Participant::Service(given.link.domain, given.link.network);
   const std::vector<OfferedTool> tools =
       AskForTools(service, {given.link.domain, given.link.network, given.link.patience_s},
@@ -110,7 +110,7 @@ int RunStation(const StationOptions& given) {
   if (stop.stopped()) return 0;
   const OfferedTool& tool = Meant(tools, given.link.tool);
   StationOptions options = given;
-  options.link.scene = tool.scene;  // it may have been named by its file
+  options.link.scene = tool.scene;  // the user may have named its file
 
   const std::unique_ptr<Device> device = OpenDevice(std::move(device_options), tool);
   StationCore core(*device, options.max_force_N);
@@ -121,7 +121,7 @@ int RunStation(const StationOptions& given) {
 
   LiveTable table(stdout, StyleOf(options), std::getenv("NO_COLOR") == nullptr);
   ReplyRing replies;
-  // First: its thread is not to inherit the loop's scheduling.
+  // Made first: its thread must not inherit the loop's scheduling.
   std::unique_ptr<Trace> trace;
   if (!options.trace.empty()) trace = std::make_unique<Trace>(options.trace);
   std::unique_ptr<ServoThread> servo;
@@ -162,7 +162,7 @@ int RunStation(const StationOptions& given) {
     if (figures) statistics.Write(*figures);
   };
 
-  // The time given is that of the loop: it begins when poses do.
+  // --seconds counts the loop's time, which begins with the first pose.
   std::int64_t began_ns = 0;
   StationView view;
   std::string phase;
@@ -195,7 +195,7 @@ int RunStation(const StationOptions& given) {
         tell_statistics(view.snapshot, false);
       }
     }
-  } catch (const Error&) {  // the hand has been served so far: that is told, too
+  } catch (const Error&) {  // the loop has run: print its summary before rethrowing
     if (began_ns == 0) throw;
     refused = std::current_exception();
   }

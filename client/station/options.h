@@ -11,10 +11,10 @@ namespace palpate {
 
 struct StationOptions {
   LinkOptions link;
-  DeviceOptions device;              ///< as far as the command line says
-  std::string workspace;             ///< file; empty: the device's frame is the scene's
-  std::optional<double> scale;       ///< in place of the file's
-  std::optional<int> clutch_button;  ///< in place of the file's
+  DeviceOptions device;              ///< as far as set on the command line
+  std::string workspace;             ///< file; empty: the scene's frame is the device's
+  std::optional<double> scale;       ///< overrides the file's
+  std::optional<int> clutch_button;  ///< overrides the file's
   std::string script;                ///< file; empty: the scene's own
   bool enable_forces = false;
   double max_force_N = std::numeric_limits<double>::infinity();
@@ -22,7 +22,7 @@ struct StationOptions {
   bool accept_guide = false;
   double guide_force_N = 0.5;
   std::optional<double> seconds;
-  std::optional<bool> table;  ///< empty: as stdout is a terminal or not
+  std::optional<bool> table;  ///< empty: a table if stdout is a terminal
   std::string json;           ///< file or "-"; empty: none
   std::string trace;          ///< file; empty: none
   std::string log_level = "info";

@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-/// At most so long, in its direction.
+/// Returns v, shortened to at most `most`.
 Vec3 Within(const Vec3& v, double most) noexcept {
   const double size = v.norm();
   return size > most ? Vec3(v * (most / size)) : v;
@@ -35,7 +35,7 @@ Pose PoseLead::Lead(std::int64_t now_ns, const Pose& X_WH) noexcept {
   const double times = lead / since_s;
   const Vec3 v = Within(times * (X_WH.p - then.X_WH.p), kMost_m);
   const Vec3 phi = Within(times * RotationLog(X_WH.q * then.X_WH.q.conjugate()), kMost_rad);
-  // What is no number is sent as it is, and refused by the server; what comes after it is not.
+  // Sends a pose that is not finite as it is; the server refuses it.  Later poses are not affected.
   if (!v.allFinite() || !phi.allFinite()) return X_WH;
   return {X_WH.p + v, (RotationExp(phi) * X_WH.q).normalized()};
 }

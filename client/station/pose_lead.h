@@ -7,31 +7,31 @@
 
 namespace palpate {
 
-/// Where the hand will be when the reply comes, for a server that is far away (README.md, The
-/// lead): straight on, with the velocity of the last poses that were sent. Real-time.  Pure: time
-/// comes in as an argument, equal inputs give equal bits.
+/// Predicts the hand's pose at the time when the reply arrives, for a distant server (README.md,
+/// The lead): linear extrapolation by the velocity of the last poses.  Real-time.  Pure: time is an
+/// argument; equal inputs give equal bits.
 class PoseLead {
  public:
-  /// A round trip of up to the one has no lead, from the other on its whole length.
+  /// A round trip of up to kNear_s has no lead; from kFar_s on the lead is its full length.
   static constexpr double kNear_s = 0.002;
   static constexpr double kFar_s = 0.004;
   static constexpr double kMost_s = 0.020;
-  /// A reply is held for a tick, and blended in.
+  /// Added to the round trip, since a reply is held for a tick and blended in.
   static constexpr double kHeld_s = 0.0015;
   static constexpr double kMost_m = 0.003;
   static constexpr double kMost_rad = 0.05;
-  /// Poses over which the velocity is taken: an encoder's step of 30 um counts as 4 mm/s.
+  /// Number of poses over which the velocity is taken: an encoder step of 30 um counts as 4 mm/s.
   static constexpr int kWindow = 8;
-  /// Time constant of the round trip's mean, in replies.
+  /// Time constant of the mean round trip, in replies.
   static constexpr double kReplies = 50.0;
 
-  /// A reply came, so long after its pose was sampled [s].
+  /// Takes the round trip of a reply: time since its pose was sampled [s].
   void Hear(double round_trip_s) noexcept;
-  /// For the next pose to be sent: it, as led.
+  /// Returns the predicted pose to send in place of X_WH.
   Pose Lead(std::int64_t now_ns, const Pose& X_WH) noexcept;
-  /// Poses from here on have nothing to do with those before.
+  /// Forgets earlier poses: later ones are unrelated to them.
   void Forget() noexcept { count_ = 0; }
-  /// [s]
+  /// Returns the present lead [s].
   double lead_s() const noexcept;
 
  private:
@@ -39,7 +39,7 @@ class PoseLead {
     std::int64_t time_ns = 0;
     Pose X_WH;
   };
-  std::array<Seen, kWindow> seen_;  // the last ones, in a ring
+  std::array<Seen, kWindow> seen_;  // the last poses, as a ring
   std::uint64_t count_ = 0;
   double round_trip_s_ = 0.0;
 };

@@ -25,7 +25,7 @@ Reply ToReply(const wire::Wrench& sample, std::int64_t received_ns) noexcept {
   reply.step_time_s = sample.step_time_s;
   reply.contacts = sample.contacts;
   reply.faults = sample.faults;
-  // More than there is room for stays more: LocalContactModel refuses it.
+  // A count beyond the array stays too large, so that LocalContactModel refuses it.
   reply.local.count = static_cast<int>(std::min<std::uint32_t>(sample.rows, LocalRows::kMost + 1));
   for (int i = 0; i < std::min(reply.local.count, LocalRows::kMost); ++i) {
     const double(&row)[6] = sample.row[i];
@@ -35,7 +35,7 @@ Reply ToReply(const wire::Wrench& sample, std::int64_t received_ns) noexcept {
   if (sample.rows <= wire::kContactRows) {
     reply.passive = WrenchOf(sample.row[wire::kContactRows]);
     reply.active = WrenchOf(sample.row[wire::kContactRows + 1]);
-    // As the server added them up: without contact nothing is left.
+    // The same sum as the server's, so that nothing remains without contact.
     const Wrench given = Sum(reply.passive, reply.active);
     reply.wrench.force -= given.force;
     reply.wrench.torque -= given.torque;

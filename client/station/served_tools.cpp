@@ -15,7 +15,7 @@
 namespace palpate {
 namespace {
 
-/// The offer of the newest server, once there is one.
+/// Reads the newest server's offer, once there is one.
 class OfferReader {
  public:
   explicit OfferReader(const dds::Participant& service)
@@ -28,7 +28,7 @@ class OfferReader {
     while (reader_.Take(raw, offer_)) any = true;
     return any;
   }
-  /// Somebody offers what this program cannot read.
+  /// Returns whether a server's offer cannot be read by this program's version.
   bool is_of_another_version() const {
     return reader_.matched_writers() == 0 && dds::WriterDiscovered(service_, dds::kSceneOfferTopic);
   }
@@ -42,7 +42,7 @@ class OfferReader {
   wire::SceneOffer offer_{};
 };
 
-/// Throws Error where the hand is none that could be followed.
+/// Throws Error if the scripted hand is not one that can be followed.
 template <class Sequence>
 std::optional<PoseScript> ToHand(const Sequence& sequence) {
   std::vector<PoseScript::Key> keys;
@@ -117,7 +117,7 @@ std::string NobodyAnswers(int domain, const dds::Network& network, const std::st
   const std::string number = std::to_string(domain);
   const std::string start =
       "palpate-server --scene " + (scene.empty() ? "cube" : scene) + " --domain " + number;
-  // Whoever has an identity and whoever has none, or another authority's, do not hear each other.
+  // Participants with an identity do not hear those without one, or with another authority's.
   const std::string identity = network.secured()
                                    ? "; a server without --identity, or with one of another "
                                      "authority, does not hear this one"

@@ -59,9 +59,9 @@ void ServoThread::Stop() {
 }
 
 std::int64_t ServoThread::sample_time_ns(std::uint64_t sequence) const noexcept {
-  // Acquire: the time of the newest pose is written.
+  // Acquire: makes the time of the newest pose visible.
   const std::uint64_t newest = newest_sequence_.load(std::memory_order_acquire);
-  // One short: the oldest may just be giving way to the next.
+  // One less, as the oldest entry may just be overwritten.
   if (sequence > newest || newest - sequence >= sample_times_ns_.size() - 1) return 0;
   return sample_times_ns_[sequence % sample_times_ns_.size()].load(std::memory_order_relaxed);
 }
@@ -70,13 +70,13 @@ void ServoThread::SetPath(PosePath* path) {
   const bool replaced = path_.exchange(path) != nullptr;
   if (path != nullptr && !started_.exchange(true)) started_.notify_one();
   if (!replaced) return;
-  // A tick that runs now may still hold the former path; one that begins from now on does not.
+  // A tick that runs now may still use the former path; later ones do not.
   const std::uint64_t edges = tick_edges_.load();
   if (edges % 2 == 0) return;
   while (tick_edges_.load() == edges) std::this_thread::sleep_for(std::chrono::microseconds(100));
 }
 
-/// How many ticks passed since `due_ns` without taking place.
+/// Returns how many ticks since `due_ns` did not take place.
 std::int64_t ServoThread::CountMissed(std::int64_t due_ns, std::int64_t now_ns) noexcept {
   const std::int64_t missed = std::max<std::int64_t>(0, (now_ns - due_ns - 1) / tick_ns_);
   missed_ticks_.fetch_add(static_cast<std::uint64_t>(missed), std::memory_order_relaxed);
@@ -86,7 +86,8 @@ std::int64_t ServoThread::CountMissed(std::int64_t due_ns, std::int64_t now_ns) 
 bool ServoThread::IsTimeToSend() noexcept {
   poses_due_ += kMostPoses_Hz / rate_Hz_;
   if (poses_due_ < 1.0) return false;
-  poses_due_ = std::min(poses_due_ - 1.0, 1.0);  // a slow device sends each tick, and owes nothing
+  // A slow device sends at each tick, without a backlog.
+  poses_due_ = std::min(poses_due_ - 1.0, 1.0);
   return true;
 }
 
@@ -112,7 +113,7 @@ void ServoThread::Tick(std::int64_t now_ns) noexcept {
   const OutgoingPose pose = core_.Sense(now_ns, sending);
   if (by_button_.load(std::memory_order_relaxed)) MindTheButton(pose.sample);
   core_.Mute(muted_.load(std::memory_order_relaxed));
-  // A device keeps what it was told last: that is to be nothing.
+  // A device keeps its last command, so that must be zero.
   const bool stopping = stop_.load(std::memory_order_relaxed);
   if (stopping) core_.EnableForces(false);
   if (sending) {
@@ -120,10 +121,10 @@ void ServoThread::Tick(std::int64_t now_ns) noexcept {
                                                                     std::memory_order_relaxed);
     newest_sequence_.store(pose.sequence, std::memory_order_release);
     core_.SetSpring(path->spring);
-    path->writer.Write(ToWire(pose));  // where DDS refuses it, the pose is lost and counted as such
+    path->writer.Write(ToWire(pose));  // if DDS refuses it, it counts as lost
   }
   Reply reply;
-  // As many as there can be at once: who floods does not hold the tick.
+  // At most as many as the ring holds, so that a flood of replies does not prolong the tick.
   for (std::size_t i = 0; i < ReplyRing::kCapacity && replies_.Pop(reply); ++i) core_.Take(reply);
   GuideAim aim;
   if (aims_.Read(aim)) core_.Take(now_ns, aim);
@@ -147,7 +148,7 @@ void ServoThread::Run() noexcept {
   while (!done()) {
     SleepUntil(due_ns_);
     const std::int64_t now_ns = SteadyNanoseconds();
-    // Held up: goes on from here, without a burst.
+    // After a delay, continues from here without a burst of ticks.
     due_ns_ += (1 + CountMissed(due_ns_, now_ns)) * tick_ns_;
     Tick(now_ns);
   }
@@ -162,7 +163,7 @@ void ServoThread::TickOfDevice() noexcept {
 
 void ServoThread::AwaitDevice() noexcept {
   stop_.wait(false);
-  // A device that has died ticks no more, and renders nothing.
+  // A dead device no longer ticks, and renders nothing.
   constexpr int kPatience_ms = 1000;
   std::uint64_t edges = tick_edges_.load();
   for (int silent_ms = 0; !done() && silent_ms < kPatience_ms; ++silent_ms) {

@@ -16,21 +16,21 @@ namespace palpate {
 namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
-/// From the match to the first sample: the other end may learn of it a little later, and over
-/// shared memory a sample from a writer that a reader does not know yet leaks a chunk.
+/// From the match to the first sample: the other end may notice the match a little later, and over
+/// shared memory a sample from a writer that the reader does not know yet leaks a chunk.
 constexpr std::int64_t kSettle_ns = 100'000'000;
-/// From the last sample to the writer's end.  Cyclone DDS ignores a sample whose writer it knows to
-/// be gone, so what a reader has not taken by then is lost to it: to a recorder, the last poses.
+/// From the last sample to the writer's end.  Cyclone DDS drops samples whose writer is known to be
+/// gone, so a reader (a recorder) would lose the last poses that it has not taken yet.
 constexpr std::chrono::milliseconds kLastTaken{100};
-/// A match that does not come about is tried anew, under a new run.
+/// After this time without a match, the session is requested anew, under a new run.
 constexpr std::int64_t kMatchPatience_ns = 5 * kSecond_ns;
-/// A recorder that does not come: the server ends a session that has no pose for 5 s.
+/// Longest wait for a recorder: the server ends a session that gets no pose for 5 s.
 constexpr std::int64_t kRecorderPatience_ns = 3 * kSecond_ns;
 constexpr std::int64_t kSilence_ns = kSecond_ns;
 constexpr std::int64_t kAskAgain_ns = 2 * kSecond_ns;
-/// Readers that may stay deaf in one run before the transport is to blame.
+/// Readers that may receive nothing in one run before the transport is blamed.
 constexpr int kReadersPerRun = 3;
-/// A server that refuses a station which it served before may still hold its former session.
+/// A server that refuses a station it has served before may still hold its former session.
 constexpr std::int64_t kRefusalPatience_ns = 10 * kSecond_ns;
 
 }  // namespace
@@ -41,7 +41,7 @@ SessionLink::SessionLink(LinkOptions options, ReplyRing& replies,
       replies_(replies),
       say_(std::move(say)),
       choice_(dds::ChooseTransport(options_.transport, options_.network)) {
-  // What is made in here inherits the real-time rights: DDS's receiving threads, and the loop.
+  // DDS's receiving threads and the loop, made in this scope, inherit the real-time rights.
   realtime_ = EnterRealtime(options_.realtime);
   loop_.emplace(dds::Participant::Loop(options_.domain, choice_, options_.network));
   servo_ = &make_servo_thread();
@@ -54,7 +54,7 @@ SessionLink::SessionLink(LinkOptions options, ReplyRing& replies,
 }
 
 SessionLink::~SessionLink() {
-  // Without a pose the server takes the station for cut off after 100 ms: it is told first.
+  // Leaves at once: after 100 ms without a pose the server would take the station for cut off.
   servo_->SetPath(nullptr);
   const bool held = state_ && !IsOver(*state_);
   WriteRequest(true);
@@ -87,8 +87,9 @@ void SessionLink::Close() {
 }
 
 void SessionLink::Ask(std::int64_t now_ns) {
-  // A run that got no reply has the name for seconds yet, and this one would wait for it.  One that
-  // did is silent by now, and is cut off, which the server remembers of a scene that wears.
+  // A run without replies would keep the station's name for seconds, and the new request would wait
+  // for it, so it leaves.  A run with replies is silent by now, and the server ends it as cut off,
+  // which it remembers for a scene with wear.
   const bool replied = phase_ == Phase::kLinked && servo_->newest_reply_ns() >= phase_since_ns_;
   if (run_ != 0 && !replied) WriteRequest(true);
   Close();
@@ -125,7 +126,8 @@ void SessionLink::TakeStates() {
       state_origin_ = raw.origin;
     } else if (state_ && state.server_run == server_run_ &&
                state.phase != palpate_SESSION_REFUSED) {
-      // Only the last word of each name is kept: what ended this run's session may be overwritten.
+      // DDS keeps only the last state of each name, so the end of this run's session may
+      // be overwritten.
       state_->phase = palpate_SESSION_ENDED;
       wire::FromText("another station took the name", state_->reason);
     }
@@ -134,9 +136,9 @@ void SessionLink::TakeStates() {
 }
 
 bool SessionLink::IsForeign(std::uint64_t origin) const {
-  // Who answers poses holds the session, whoever else speaks under the station's name and run,
-  // which are public.  A successor is heard once the server has gone, or has fallen silent: one
-  // that was killed passes for alive until its lease ends.
+  // The server that answers poses holds the session.  Others may also publish under the station's
+  // name and run, which are public.  A successor is accepted once the server has gone or fallen
+  // silent: a killed server counts as alive until its lease ends.
   return phase_ == Phase::kLinked && !silence_said_ && origin != server_origin_ &&
          states_->Hears(server_origin_);
 }
@@ -167,7 +169,7 @@ void SessionLink::PollAsking(std::int64_t now_ns) {
                       ? AnotherVersionIsThere(options_.domain)
                       : NobodyAnswers(options_.domain, options_.network, options_.scene));
     }
-    // A server that is flooded with requests answers some of them only.
+    // A server flooded with requests answers only some of them.
     if (AskAgain(now_ns) && asked_s > options_.patience_s && HearsAnotherVersion()) {
       throw Error(AnotherVersionIsThere(options_.domain));
     }
@@ -176,7 +178,7 @@ void SessionLink::PollAsking(std::int64_t now_ns) {
   if (state_->phase == palpate_SESSION_HELD) {
     if (!held_said_) say_(std::string("the session is held: ") + state_->reason);
     held_said_ = true;
-    AskAgain(now_ns);  // who does not ask passes for gone
+    AskAgain(now_ns);  // the server drops a station that stops asking
     return;
   }
   held_said_ = false;
@@ -229,7 +231,7 @@ bool SessionLink::HearsAnotherVersion() const {
 }
 
 void SessionLink::MakeReader() {
-  wrenches_ = {};  // the former one first: two readers would hold chunks of the same writer
+  wrenches_ = {};  // ends the former reader first: two would hold chunks of the same writer
   wrenches_ = {*loop_, dds::WrenchTopic(options_.station, run_), dds::Qos::kLoop,
                [this](const wire::Wrench& sample) noexcept {
                  replies_.Push(ToReply(sample, SteadyNanoseconds()));
@@ -252,7 +254,7 @@ void SessionLink::PollMatching(std::int64_t now_ns) {
   }
   const int readers = path_->writer.matched_readers();
   if (!wrenches_ || readers == 0) return;
-  // Forces follow from all poses since the first: a recording without it cannot be verified.
+  // Forces depend on all poses since the first: a recording without it cannot be verified.
   if (options_.awaits_recorder && readers == 1) {
     if (now_ns - phase_since_ns_ < kRecorderPatience_ns) return;
     if (matched_since_ns_ == 0) say_("no recorder came in 3 s: poses go out unrecorded");
@@ -269,7 +271,7 @@ void SessionLink::PollMatching(std::int64_t now_ns) {
 }
 
 void SessionLink::PollLinked(std::int64_t now_ns) {
-  // It answers poses, too: forces of two servers must not take turns.
+  // The other server answers poses, too: forces of two servers must not alternate.
   if (others_heard_ && wrenches_.matched_writers() > 1) server_restarted_ = true;
   if (server_restarted_) {
     say_("the server was restarted: asking for the session again");
@@ -291,9 +293,8 @@ void SessionLink::OnSilence(std::int64_t now_ns) {
   silent_since_ns_ = now_ns;
   if (!silence_said_) say_("no replies for 1 s: forces are zero until they come again");
   silence_said_ = true;
-  // What another server has answered to this run is lost: it is to answer the next.  And who has
-  // taken its writer away has no session of this run any more, whether or not its word on that
-  // came.
+  // Asks under a new run, since the other server's answer to this one was ignored.  A server
+  // without a writer has no session of this run any more, even if its message about that was lost.
   if (others_heard_ || wrenches_.matched_writers() == 0) return Ask(now_ns);
   if (readers_made_ < kReadersPerRun) {
     Try([this] { MakeReader(); }, now_ns);

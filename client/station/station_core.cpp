@@ -35,15 +35,15 @@ OutgoingPose StationCore::Sense(std::int64_t now_ns, bool sending) noexcept {
   if (!sending) return pose;
   pose.sequence = ++sequence_;
   ++totals_.sent;
-  // A reply that is taken as it comes is to be of the pose that was.
+  // A reply that is used unchanged must be for the hand's actual pose.
   if (local_model_.enabled()) pose.X_WH = lead_.Lead(now_ns, sample_.X_WH);
   sent_[sequence_ % kRemembered] = {now_ns, pose.X_WH};
   return pose;
 }
 
 void StationCore::Take(const Reply& reply) noexcept {
-  // Only a pose that was sent can be answered, as it was sent, and only forwards: what else arrives
-  // is not ours.  So the age of a reply is this station's own word.
+  // Accepts only a reply to a pose as it was sent, newer than the last reply: anything else is not
+  // ours.  So the age of a reply comes from this station's own clock.
   const SentPose& sent = sent_[reply.pose_sequence % kRemembered];
   if (reply.pose_sequence <= newest_.pose_sequence || reply.pose_sequence > sequence_ ||
       sequence_ - reply.pose_sequence >= kRemembered || reply.pose_time_ns != sent.time_ns) {
@@ -63,7 +63,7 @@ void StationCore::Take(const Reply& reply) noexcept {
   const auto step = static_cast<std::int64_t>(1e9 * step_s);
   totals_.server_step.Add(step);
   period_step_.Add(step);
-  // A session's force begins by a ramp of the server's.
+  // The server ramps a session's force in.
   if (reply.faults & kFaultNotStarted) {
     started_ = false;
   } else if (!started_) {
@@ -86,7 +86,7 @@ void StationCore::Act(std::int64_t now_ns) noexcept {
   if (last_act_ns_ > 0) in.dt_s = 1e-9 * static_cast<double>(now_ns - last_act_ns_);
   if (has_reply_) {
     in.silence_s = 1e-9 * static_cast<double>(std::max<std::int64_t>(
-                              0, now_ns - newest_.received_ns));  // it may arrive within the tick
+                              0, now_ns - newest_.received_ns));  // < 0 if it came in this tick
     in.age_s = 1e-9 * static_cast<double>(now_ns - newest_.pose_time_ns);
     period_.silence_s_max = std::max(period_.silence_s_max, in.silence_s);
   }
@@ -96,8 +96,8 @@ void StationCore::Act(std::int64_t now_ns) noexcept {
   totals_.evaluations += contact.evaluated;
   totals_.beyond_region += contact.beyond_region;
   in.entering = now_ns < entered_until_ns_;
-  // Effects, like the guide, are no contacts: they are not held against the newest pose, and those
-  // that are not passive go where the guide's force goes.
+  // Effects, like the guide, are not contacts, so the model does not move them to the newest pose.
+  // Effects that are not passive are added to the guide's force.
   const auto at_handle = [this](const Wrench& wrench) {
     return ShiftToHandle(wrench, sample_.X_WH.q, tool_reference_);
   };
@@ -126,7 +126,7 @@ void StationCore::Act(std::int64_t now_ns) noexcept {
 }
 
 std::uint64_t StationCore::lost() const noexcept {
-  // Up to the newest pose that was answered: each younger one may still be on its way.
+  // Counts up to the newest answered pose: later ones may still be in flight.
   return newest_.pose_sequence - answered_before_ - totals_.replies;
 }
 

@@ -5,7 +5,7 @@
 namespace palpate {
 namespace {
 
-/// What a count grew by; totals may have been restarted (StationCore::RestartTotals).
+/// Returns the growth of a count whose totals may have been restarted (StationCore::RestartTotals).
 unsigned long long Grown(std::uint64_t now, std::uint64_t before) {
   return now >= before ? now - before : now;
 }
@@ -30,11 +30,11 @@ std::optional<wire::StationStatistics> StatisticsPeriod::Add(const StationSnapsh
   f.applied_torque_Nm_max = std::max(f.applied_torque_Nm_max, s.peak_torque_Nm);
   f.device_status |= s.status;
   if (began_ns_ == 0) {
-    // The first snapshot counts as well: its period began so many ticks before it.
+    // The first snapshot counts too; its period began that many ticks earlier.
     const double period_s = s.rate_hz > 0.0 ? static_cast<double>(s.ticks) / s.rate_hz : 0.0;
     began_ns_ = s.time_ns - static_cast<std::int64_t>(1e9 * period_s);
   }
-  // Half a snapshot's time short is long enough: four of a quarter of a second are one second.
+  // Tolerates half a snapshot period: four quarters of a second make one second.
   if (!last && s.time_ns - began_ns_ < kPeriod_ns - 100'000'000) return std::nullopt;
 
   f.run = run;

@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-/// Makes the station's own statistics, once a second, of the snapshots that a display is shown.
+/// Makes the station's statistics, once per second, from the snapshots that a display shows.
 /// Thread contract: one thread, not the servo thread.
 class StatisticsPeriod {
  public:
@@ -18,9 +18,10 @@ class StatisticsPeriod {
   /// @param device  its model.
   StatisticsPeriod(const std::string& station, const std::string& device);
 
-  /// Takes the next snapshot; gives the figures of a period at its end.
-  /// @param missed_ticks  ServoThread::missed_ticks.  @param run  SessionLink::run.
-  /// @param last          the period ends here, however short: what is sent sums to the whole run.
+  /// Takes the next snapshot; returns the figures of a period at its end.
+  /// @param missed_ticks  ServoThread::missed_ticks.   @param run  SessionLink::run.
+  /// @param last          ends the period now, however short, so that all periods together cover
+  ///                      the whole run.
   std::optional<wire::StationStatistics> Add(const StationSnapshot& snapshot,
                                              std::uint64_t missed_ticks, std::uint64_t run,
                                              bool last = false);

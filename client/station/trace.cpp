@@ -30,7 +30,7 @@ void WriteVec3(std::FILE* out, const Vec3& v) {
   std::fprintf(out, "%.9g,%.9g,%.9g,", v.x(), v.y(), v.z());
 }
 
-/// The tick's time stands for its end too, so a reply that came within the tick is 0 old.
+/// The tick's time also stands for its end, so a reply that came within the tick has age 0.
 void WriteSince(std::FILE* out, std::int64_t now_ns, std::int64_t then_ns) {
   std::fprintf(out, "%.6f,", then_ns < now_ns ? 1e-6 * static_cast<double>(now_ns - then_ns) : 0.0);
 }

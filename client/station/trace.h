@@ -11,46 +11,46 @@
 
 namespace palpate {
 
-/// What one tick of the servo loop knew and did.
+/// The inputs and outputs of one tick of the servo loop.
 struct TickRecord {
   std::int64_t time_ns = 0;             ///< of the tick, by the station's steady clock
   std::uint64_t pose_sequence = 0;      ///< of the newest pose that was sent
   std::uint64_t reply_sequence = 0;     ///< of the newest reply that was used; 0 before the first
   std::int64_t reply_pose_time_ns = 0;  ///< when its pose was sampled
-  std::int64_t reply_received_ns = 0;   ///< when it came
-  Wrench wanted;                        ///< at the handle, in W: what the limiter was asked for
-  Wrench applied;                       ///< what it let through
+  std::int64_t reply_received_ns = 0;   ///< when that reply arrived
+  Wrench wanted;                        ///< at the handle, in W: the limiter's input
+  Wrench applied;                       ///< the limiter's output
   LimiterCounts limiter;                ///< since the station began
 };
 
-/// Writes every tick of a station to a CSV file: a row a tick, from which the safety figures are
-/// measured.  Columns, with vectors in W:
+/// Writes every tick of a station to a CSV file, one row per tick, from which the safety figures
+/// are computed.  Columns, with vectors in W:
 ///   time_ns          of the tick, steady clock
-///   tick             from 1; a gap is rows that were dropped
+///   tick             from 1; a gap means dropped rows
 ///   pose, reply      sequence of the newest pose sent and of the newest reply used
 ///   age_ms           since that reply's pose was sampled; empty before the first reply
 ///   silence_ms       since that reply came; empty before the first reply
 ///   wanted_fx_N ...  wrench that the limiter was asked for, at the handle
 ///   applied_fx_N ... wrench that the device was given
-///   limiter          its stages that acted since the row before, as in `slew+age`
-/// A thread of its own writes, with the scheduling of the one that made it; it is not to be
-/// real-time.  Between the two is room for kRoom ticks: those that do not fit are dropped, counted.
+///   limiter          its stages that acted since the previous row, as in `slew+age`
+/// A separate thread writes.  It inherits the scheduling of the thread that made it, which must not
+/// be real-time.  The queue between the two holds kRoom ticks: those that do not fit are dropped
+/// and counted.
 /// Thread contract: Add in the servo thread, all else in one other.
 class Trace {
  public:
   static constexpr std::size_t kRoom = 8192;  ///< 8 s at 1 kHz, 2 s at 4 kHz
 
-  /// Throws Error where the file cannot be made.
+  /// Throws Error if the file cannot be created.
   explicit Trace(std::string file);
-  /// Closes, and keeps an error to itself.
+  /// Closes the file, and ignores errors.
   ~Trace();
   Trace(const Trace&) = delete;
   Trace& operator=(const Trace&) = delete;
 
-  /// After a tick.  Real-time: wait-free.
+  /// Adds a tick.  Real-time: wait-free.
   void Add(const TickRecord& record) noexcept;
-  /// Writes what is left; nothing may be added any more.  Throws Error where the disk did not take
-  /// all rows.
+  /// Writes the remaining rows; no Add may follow.  Throws Error if the disk did not take all rows.
   void Close();
   std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
 
@@ -63,7 +63,7 @@ class Trace {
   Ring<TickRecord, kRoom> records_;
   std::atomic<std::uint64_t> dropped_{0};
   std::atomic<bool> stop_{false};
-  LimiterCounts before_;  // of the row before
+  LimiterCounts before_;  // of the previous row
   std::thread thread_;
 };
 

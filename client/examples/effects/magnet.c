@@ -1,4 +1,4 @@
-/* A magnet: draws the tool's origin to the nearest point of a curve, from within its reach. */
+/* A magnet: within its reach it pulls the tool's origin to the nearest point of a curve. */
 #include <math.h>
 #include <palpate_effect.h>
 

@@ -1,4 +1,4 @@
-/* A spring to a target that goes to and fro between two points: a hand that leads, of no arm. */
+/* A spring to a target that moves to and fro between two points, as a guiding hand does. */
 #include <math.h>
 #include <palpate_effect.h>
 

@@ -1,13 +1,13 @@
-/* Dry friction in the air: the hand is held by a spring to where it last stood, whose end slips
- * once it pulls by more than force_N.  Where the end is, is the state: the host keeps it, so that a
- * recording gives the same force again. */
+/* Dry friction in free space: a spring holds the hand at its last resting point, and the spring's
+ * end slips once it pulls by more than force_N.  The position of the end is the state, which the
+ * host keeps, so that a recording reproduces the same force. */
 #include <math.h>
 #include <palpate_effect.h>
 
 enum { kForce, kStiffness };
 
 static int step(const palpate_effect_input* in, double* state, palpate_effect_wrench* out) {
-  if (in->cycle == 0) { /* state[0] to [2]: where the spring's end is */
+  if (in->cycle == 0) { /* state[0] to [2]: position of the spring's end */
     for (int i = 0; i < 3; ++i) state[i] = in->position_m[i];
   }
   const double most_m = in->values[kForce].numbers[0] / in->values[kStiffness].numbers[0];

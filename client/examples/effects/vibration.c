@@ -1,5 +1,5 @@
-/* A vibration along a direction, to and fro by straight lines: the sine of a library is not the
- * same on every processor. */
+/* A vibration along a direction, as a triangle wave: a library's sine differs between
+ * processors. */
 #include <math.h>
 #include <palpate_effect.h>
 

@@ -1,4 +1,4 @@
-/* A viscous field: it brakes the hand wherever that is, as honey does. */
+/* A viscous field: it damps the hand's motion everywhere. */
 #include <palpate_effect.h>
 
 static int step(const palpate_effect_input* in, double* state, palpate_effect_wrench* out) {

@@ -1,5 +1,5 @@
-/* A driver of one's own, whose arm is virtual: a handle of 80 g with some friction, and a hand that
- * holds it by a spring and moves it up and down, from 38 mm above the origin to 26 mm.
+/* Your own driver, here for a virtual arm: a handle of 80 g with some friction, and a hand that
+ * holds it by a spring and moves it up and down between 38 mm and 26 mm above the origin.
  *
  *   cmake -S own_arm -B /tmp/own_arm && cmake --build /tmp/own_arm
  *   palpate-doctor --device /tmp/own_arm/libvirtual_arm.so
@@ -16,7 +16,7 @@ struct palpate_device {
   double tick_s, time_s;
   double position_m[3], velocity_m_s[3];
   double force_N[3];  /* of the motors */
-  atomic_int stopped; /* by a thread that need not be the loop's */
+  atomic_int stopped; /* set by any thread */
   uint64_t number;
 };
 
@@ -35,7 +35,7 @@ palpate_device* palpate_device_open(const char* name, double rate_Hz, palpate_de
     the_error = "there is one virtual arm alone: leave --device-name out";
     return NULL;
   }
-  /* Figures of an arm on a desk; a real arm's are those of its data sheet. */
+  /* Figures of a desktop arm; use the data sheet of a real one. */
   strcpy(info->model, "virtual arm");
   info->max_force_N = 5.0;
   info->continuous_force_N = 1.5;

@@ -10,6 +10,6 @@ thing = palpate.body("thing", vertices, triangles)
 model = palpate.Model([thing], palpate.ball("ball", 0.002))
 top = vertices[vertices[:, 2].argmax()]
 proxy = palpate.Proxy(model, top + [0, 0, 0.003])
-for lower in range(200):  # to 2 mm above the top, where the ball touches, and 1 mm on
+for lower in range(200):  # to 2 mm above the top, where the ball touches, and 1 mm further
     report = proxy.step(top + [0, 0, 0.003 - 1e-5 * lower])
 print("force", report.force, "N, faults", palpate.fault_words(report.faults))

@@ -21,7 +21,7 @@ options = arguments.parse_args()
 heard, wrenches = {}, {}
 with live.Session(options.domain, transport=options.transport, wrenches=True) as session:
     until = time.monotonic() + options.seconds
-    for state in session:  # palpate.live.Silence, where nobody plays
+    for state in session:  # raises palpate.live.Silence if nobody plays
         heard.setdefault(state["station"].decode(), []).append(state)
         if time.monotonic() > until:
             break

@@ -82,14 +82,14 @@ def run(study, participant, network):
         if answers.exists():
             continue
         file.parent.mkdir(parents=True, exist_ok=True)
-        input(f"{file.name}: press Enter to begin {study['seconds']} s ")  # what the participant is told is said here
+        input(f"{file.name}: press Enter to begin {study['seconds']} s ")  # change this to instruct the participant
         record(study, file, participant, condition, network)
         answers.write_text(json.dumps(ask(study["questions"])))
 
 
 def felt(file):
     """What the table has of a trial: put here what the study is about."""
-    # A server still tells of the trial before: a session without data.
+    # The server may still report the previous trial: a session without data.
     session = next(one for one in palpate.read_recording(f"{file}.mcap").values() if "wrenches" in one)
     wrenches = session["wrenches"]
     force = numpy.linalg.norm([wrenches[f"force_{axis}_N"] for axis in "xyz"], axis=0)

@@ -16,13 +16,13 @@
 #include "common/program/log.h"
 #include "common/realtime/steady_clock.h"
 
-// The module palpate._live, which palpate/live.py dresses: palpate/live.pyi says what each is for.
-// Where something is waited for Python's lock is free, and Ctrl-C ends it.
+// The module palpate._live, which palpate/live.py wraps; palpate/live.pyi documents each function.
+// All waiting is done without Python's lock, and Ctrl-C ends it.
 
 namespace palpate {
 namespace {
 
-/// Waits without Python's lock, and looks now and then whether Ctrl-C was pressed.
+/// Waits without Python's lock, and checks now and then for Ctrl-C.
 class Waiting {
  public:
   bool operator()(std::chrono::nanoseconds time) {
@@ -40,7 +40,7 @@ class Waiting {
   std::int64_t looked_ns_ = SteadyNanoseconds();
 };
 
-/// What comes of it, while others have Python's lock.
+/// Returns the result of a call that runs without Python's lock.
 template <class Call>
 auto Meanwhile(Call call) {
   const py::gil_scoped_release free;
@@ -73,14 +73,14 @@ py::array_t<Record> ToArray(const std::vector<Record>& records) {
   return py::array_t<Record>(static_cast<py::ssize_t>(records.size()), records.data());
 }
 
-/// A record of an array of one: numpy.void, or None.
+/// Returns an array's only record, as numpy.void, or None.
 template <class Record>
 py::object ToRecord(const std::optional<Record>& record) {
   if (!record) return py::none();
   return py::object(py::array_t<Record>(1, &*record)[py::int_(0)]);
 }
 
-/// What ends only once threads have ended is let go without Python's lock.
+/// Deletes, without Python's lock, an object whose destructor waits for threads.
 template <class T>
 struct Unlocked {
   void operator()(T* object) const {
@@ -132,9 +132,9 @@ PYBIND11_MODULE(_live, module) {
                        force_N, torque_Nm, step_time_s, contacts, faults, points, point);
   PYBIND11_NUMPY_DTYPE(WrenchRecord, time_s, pose_time_s, pose_sequence, answer, force_N, torque_Nm,
                        tool, step_time_s, contacts, faults);
-  // Errors are palpate.Error, whichever of the modules throws them.
+  // All modules throw the same error type, palpate.Error.
   static py::object error = py::module_::import("palpate._physics").attr("Error");
-  error.inc_ref();  // outlives the interpreter's end, as the translator may
+  error.inc_ref();  // must outlive the interpreter, as the translator may
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(thrown);
@@ -143,7 +143,7 @@ PYBIND11_MODULE(_live, module) {
     }
   });
   py::register_exception<Silence>(module, "Silence", error);
-  // What DDS has to say goes to stderr.
+  // Messages of DDS go to stderr.
   SetUpLog("palpate.live", "warn");
 
   py::class_<Felt>(module, "Felt")

@@ -14,9 +14,9 @@ namespace {
 
 constexpr std::chrono::milliseconds kPoll{2};
 constexpr std::chrono::milliseconds kLook{2};
-/// As many as a server admits; of strangers' names no more are remembered.
+/// As many stations as a server admits; further names, from unknown senders, are not stored.
 constexpr std::size_t kMostStations = 32;
-/// A minute of a full server's tools, and of one station's loop.
+/// A minute of a full server's tool states, and of one station's loop.
 constexpr std::size_t kMostTools = 60 * 60 * kMostStations / 4;
 constexpr std::size_t kMostWrenches = 60'000;
 
@@ -98,7 +98,7 @@ void LiveSession::Run() {
           const std::string name = state.station;
           if (!dds::IsStationName(name)) continue;
           if (!stations_.contains(name) && stations_.size() == kMostStations) {
-            // Who has gone makes room.
+            // Stations that have gone make room.
             std::erase_if(stations_, [](const auto& entry) { return entry.second.over; });
             if (stations_.size() == kMostStations) continue;
           }
@@ -125,7 +125,7 @@ void LiveSession::Run() {
     const std::lock_guard lock(mutex_);
     error_ = error.what();
   }
-  // Here, where no lock is held: a reader ends when its callbacks have.
+  // Cleared without the lock: a reader's end waits for its callbacks.
   taps_.clear();
 }
 
@@ -142,7 +142,7 @@ void LiveSession::OpenWrenches() {
     Tap& tap = taps_[name];
     if (tap.run != run) tap = {run, {}};
     const std::string topic = dds::WrenchTopic(name, run);
-    // Over shared memory a reader that is there before it knows the writer loses chunks for ever.
+    // Over shared memory, a reader made before it has discovered the writer leaks chunks for good.
     if (tap.reader || !dds::WriterDiscovered(*loop_, topic)) continue;
     tap.reader = {*loop_, topic, dds::Qos::kRecord,
                   [this, name = name](const wire::Wrench& wrench) {
@@ -172,7 +172,7 @@ std::string LiveSession::WhySilent() const {
              : "no station is in a session; start a palpate-station, or a palpate.live.Station";
 }
 
-/// @param queue_of  gives where they wait; null: nowhere yet.   @param why  nothing came.
+/// @param queue_of  returns the queue; null: none yet.   @param why  says why nothing came.
 template <class Record, class QueueOf, class Why>
 std::vector<Record> LiveSession::Take(double patience_s, const WaitOrStop& wait, QueueOf queue_of,
                                       Why why) {
@@ -216,7 +216,7 @@ std::vector<WrenchRecord> LiveSession::TakeWrenches(const std::string& name, dou
   });
 }
 
-/// With the lock held.
+/// Call it with the lock held.
 const LiveSession::Station* LiveSession::Find(const std::string& name) const {
   const auto station = stations_.find(name);
   return station == stations_.end() ? nullptr : &station->second;

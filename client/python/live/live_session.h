@@ -16,9 +16,9 @@
 
 namespace palpate {
 
-/// A tool's state as numpy holds it: a record of live.Session (client/python/palpate/live.pyi).
+/// A tool's state as a NumPy record of live.Session (client/python/palpate/live.pyi).
 struct ToolRecord {
-  double time_s;  ///< when it came, by the steady clock: Python's time.monotonic()
+  double time_s;  ///< when it arrived, by the steady clock: Python's time.monotonic()
   char station[33];
   char scene[65];
   char tool_name[65];
@@ -30,13 +30,13 @@ struct ToolRecord {
   double step_time_s;
   std::uint32_t contacts;
   std::uint32_t faults;
-  std::uint32_t points;  ///< how many of `point` count
-  double point[16][6];   ///< where, and the force on the tool
+  std::uint32_t points;  ///< number of valid entries of `point`
+  double point[16][6];   ///< position, and force on the tool
 };
 
-/// A sample of the loop.
+/// An answer of the loop.
 struct WrenchRecord {
-  double time_s;       ///< when it came
+  double time_s;       ///< when it arrived
   double pose_time_s;  ///< when the pose that it answers was sampled, by the station's steady clock
   std::uint64_t pose_sequence;
   std::uint32_t answer;
@@ -51,12 +51,12 @@ struct WrenchRecord {
 struct LiveSessionOptions {
   int domain = 0;
   dds::Network network;
-  dds::Transport transport = dds::Transport::kAuto;  ///< of wrenches, as the server's
-  bool wrenches = false;  ///< reads the loop, too: a thousand samples a second and station
+  dds::Transport transport = dds::Transport::kAuto;  ///< for wrenches, as the server's
+  bool wrenches = false;  ///< also reads the loop: a thousand samples per second and station
 };
 
-/// Hears what goes on at a server: tools' states, and wrenches where they are asked for.  A thread
-/// of its own takes what comes, and keeps a minute of it.
+/// Receives what a server publishes: tool states, and wrenches if asked for.  A thread of its own
+/// receives the samples and keeps a minute of them.
 /// Thread contract: any.
 class LiveSession {
  public:
@@ -66,16 +66,16 @@ class LiveSession {
   LiveSession(const LiveSession&) = delete;
   LiveSession& operator=(const LiveSession&) = delete;
 
-  /// All that came since the last call, oldest first; waits until there is something.
-  /// Throws Silence where nothing comes within `patience_s`: why not, as far as is known.
+  /// Returns all that came since the last call, oldest first; waits for at least one.  Throws
+  /// Silence with the likely reason if nothing comes within `patience_s`.
   std::vector<ToolRecord> TakeTools(double patience_s, const WaitOrStop& wait);
   std::vector<WrenchRecord> TakeWrenches(const std::string& station, double patience_s,
                                          const WaitOrStop& wait);
   std::optional<ToolRecord> LatestTool(const std::string& station) const;
   std::optional<WrenchRecord> LatestWrench(const std::string& station) const;
-  /// What the server last said of each station's session: PhaseName.
+  /// Returns the phase of each station's session that the server last reported (PhaseName).
   std::map<std::string, std::string> phases() const;
-  /// Records that nobody took in time.
+  /// Returns the number of records that were dropped because nobody took them in time.
   std::uint64_t dropped() const;
   void Close();
 
@@ -101,7 +101,7 @@ class LiveSession {
   dds::Reader<wire::SessionState> states_;
   dds::Reader<wire::ToolState> tools_;
 
-  mutable std::mutex mutex_;  // guards what follows; no servo loop of any process waits for it
+  mutable std::mutex mutex_;  // guards the members below; no process's servo loop waits for it
   std::map<std::string, Station> stations_;
   std::deque<ToolRecord> queue_;
   std::uint64_t dropped_ = 0;
@@ -112,7 +112,8 @@ class LiveSession {
     std::uint64_t run = 0;
     dds::Reader<wire::Wrench> reader;
   };
-  std::map<std::string, Tap> taps_;  // the thread's; their callbacks use what stands above
+  // Used by the thread only; their callbacks use the members above.
+  std::map<std::string, Tap> taps_;
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };

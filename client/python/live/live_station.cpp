@@ -49,7 +49,7 @@ LiveStation::LiveStation(LiveStationOptions options, const WaitOrStop& wait)
   scene_ = options.link.scene = meant.scene;
   device_ = std::make_unique<PosedDevice>(options.start.value_or(meant.Start()),
                                           options.max_force_N, options.max_torque_Nm);
-  WrenchLimits::Of(device_->info());  // throws here what the thread could only tell later
+  WrenchLimits::Of(device_->info());  // throws here, since the thread could only report it later
   options.link.device = device_->info().model;
   thread_ = std::thread([this, options = std::move(options)] { Run(options); });
   try {
@@ -96,7 +96,7 @@ void LiveStation::Run(const LiveStationOptions& options) {
     try {
       while (!stop_.load()) {
         {
-          // It makes a participant where shared memory fails.
+          // Makes a participant if shared memory fails.
           const std::lock_guard lock(MakingParticipants());
           link->Poll(SteadyNanoseconds());
         }
@@ -128,7 +128,7 @@ void LiveStation::Run(const LiveStationOptions& options) {
       servo_ = nullptr;
     }
     link.reset();
-    servo.reset();  // before the core, whose thread it is
+    servo.reset();  // before the core, which its thread uses
     if (over) std::rethrow_exception(over);
     const std::lock_guard lock(mutex_);
     phase_ = "closed";
@@ -176,7 +176,7 @@ Felt LiveStation::Move(const Pose& X_WH, double seconds, double patience_s,
     throw Error("pose: is more than 10 m from the scene's origin; give it in metres");
   }
   const std::uint64_t number = device_->Go(X_WH, seconds);
-  // Time without an answer counts, not that of the way.
+  // Only time without any answer counts, not the duration of the move.
   std::int64_t heard_ns = SteadyNanoseconds();
   for (;;) {
     std::int64_t reply_ns = 0;
@@ -186,7 +186,7 @@ Felt LiveStation::Move(const Pose& X_WH, double seconds, double patience_s,
       if (phase_ == "closed" || stop_.load()) throw Error("the station is closed");
       if (servo_ != nullptr) reply_ns = servo_->newest_reply_ns();
     }
-    const Felt felt = device_->felt();  // of the tick that took that reply, or a later one
+    const Felt felt = device_->felt();  // of the tick that took that reply, or of a later one
     if (felt.move > number) throw Error("another thread has moved the hand meanwhile");
     if (felt.move == number && reply_ns >= felt.arrived_ns) return felt;
     const std::int64_t now_ns = SteadyNanoseconds();

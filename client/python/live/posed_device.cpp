@@ -44,7 +44,7 @@ void PosedDevice::Begin(const Move& move) noexcept {
   phi_ = RotationLog((move.X_WT.q * X_W0_.q.conjugate()).normalized());
   const double least_s =
       std::max(way.norm() / BlindHand::kMaxSpeed_m_s, phi_.norm() / BlindHand::kMaxTurn_rad_s);
-  // An hour at most, which is a number of ticks that an int holds.
+  // At most an hour, so that the number of ticks fits into an int.
   const double seconds = std::clamp(std::max(move.seconds, least_s), kTick_s, 3600.0);
   ticks_ = static_cast<int>(std::ceil(seconds / kTick_s - 1e-6));
   tick_ = 0;
@@ -60,7 +60,7 @@ DeviceSample PosedDevice::Read() noexcept {
     now_.X_WH.p = X_W0_.p + share * (move_.X_WT.p - X_W0_.p);
     now_.X_WH.q = (RotationExp(share * phi_) * X_W0_.q).normalized();
     if (tick_ == ticks_) {
-      now_.X_WH = move_.X_WT;  // to the bit
+      now_.X_WH = move_.X_WT;  // exactly
       now_.move = move_.number;
       now_.arrived_ns = SteadyNanoseconds();
     }

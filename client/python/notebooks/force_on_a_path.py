@@ -1,9 +1,10 @@
 # %% [markdown]
 # # Force on a path, against the truth
 #
-# A ball is drawn across an egg, an ellipsoid of revolution. No friction: the tool rests where the hand is nearest
-# to, outside, and the spring of 1 N/mm pulls the hand there. So the true force is the depth of the hand's ball, along
-# the normal of the ellipsoid; both follow from the point of the ellipsoid that is nearest to the hand.
+# A ball is drawn across an egg, an ellipsoid of revolution, without friction. The tool rests at the point outside the
+# egg that is nearest to the hand, and a spring of 1 N/mm pulls the hand there. So the true force is 1 N/mm times the
+# depth of the hand's ball, along the normal of the ellipsoid; depth and normal follow from the point of the ellipsoid
+# that is nearest to the hand.
 
 # %%
 import matplotlib.pyplot as plt
@@ -52,7 +53,7 @@ figure.tight_layout()
 print(f"strongest {numpy.linalg.norm(truth, axis=1).max():.2f} N, error {error.mean():.1f} mN on average, {error.max():.1f} at most")
 
 # %% [markdown]
-# What is left is the facets': the mesh lies inside the ellipsoid by up to a hundredth of a millimetre.
+# The remaining error is due to the facets: the mesh lies inside the ellipsoid by up to a hundredth of a millimetre.
 
 # %%
 assert error.mean() < 10

@@ -1,8 +1,8 @@
 # %% [markdown]
 # # The friction cone
 #
-# A ball is pressed upon a rough face and drawn across it, in 16 directions and with four presses, all in one call on
-# all cores. Coulomb says: it sticks until the drag is $\mu_s N$, whatever the direction, and slides at $\mu_d N$.
+# A ball is pressed onto a rough face and drawn across it, in 16 directions and with four normal forces, all in one call
+# on all cores. By Coulomb's law it sticks until the drag is $\mu_s N$, in any direction, and slides at $\mu_d N$.
 
 # %%
 import matplotlib.pyplot as plt

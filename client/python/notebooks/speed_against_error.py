@@ -1,9 +1,9 @@
 # %% [markdown]
 # # Speed against error
 #
-# A ball slides over a box, 1 mm deep, and should feel 1 N upwards. The box is felt by spheres, whose bumps are the
-# smaller the more of them there are, and by its mesh. What the mesh is off by is the separation that contact keeps
-# between meshes: 1 µm, which at 1 N/mm is 1 mN.
+# A ball slides over a box, 1 mm deep, and should feel 1 N upwards. Contact with the box uses either spheres, whose bumps
+# become smaller as their number grows, or its mesh. The mesh's error is the separation that contact keeps between
+# meshes: 1 µm, which at 1 N/mm is 1 mN.
 
 # %%
 import time
@@ -52,7 +52,7 @@ for name, (us, error) in {**spheres, "mesh": by_mesh}.items():
     print(f"{name:>5} {us:6.2f} µs {error:7.1f} mN")
 
 # %% [markdown]
-# Times are of the machine that ran this; errors are the same everywhere.
+# Times depend on the machine that ran this; errors are the same everywhere.
 
 # %%
 errors = [error for _, error in spheres.values()]

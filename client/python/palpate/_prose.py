@@ -18,7 +18,7 @@ def _entries(body, prefix=""):
             else:
                 yield prefix + node.name, f"{node.name}({ast.unparse(node.args)}) -> {returns}\n\n{prose}".rstrip()
         elif isinstance(node, ast.AnnAssign):
-            # A string after an attribute is its prose.
+            # A string after an attribute documents it.
             text = after.value if isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant) else None
             kind = ast.unparse(node.annotation)
             yield prefix + node.target.id, f"{kind}: {text.value}" if text else kind

@@ -18,7 +18,7 @@ def _columns(steps):
     """Each column as an array: (..., steps), or with 3 or 7 numbers for each step."""
     columns = {"force_N": steps.wrench[..., :3], "torque_Nm": steps.wrench[..., 3:], "tool": steps.pose,
                "contacts": steps.contacts, "faults": steps.faults}
-    if steps.details is not None:  # rows are no columns: how many there are differs
+    if steps.details is not None:  # rows make no columns: their number varies
         columns |= {name: steps.details[name] for name in steps.details.dtype.names if name != "rows"}
     return columns
 

@@ -13,7 +13,7 @@ from palpate._physics import Error, _offer_programs
 
 _METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
 _MESH_MAGIC = b"palpmsh1"  # scenes/mesh/mesh_packet.cpp
-_OWN = pathlib.Path(__file__).with_name("programs") / "bin"  # of a wheel
+_OWN = pathlib.Path(__file__).with_name("programs") / "bin"  # in a wheel
 
 if _OWN.exists():
     _offer_programs(str(_OWN))

@@ -11,9 +11,9 @@ import numpy
 
 from palpate._physics import Error, Proxy
 
-_CLEARANCE = 0.005  # m between the balls round tool and objects where the hand is outside
-_STRIDE = 0.001  # m in a step, of the hand that looks for where it touches
-_LEAST_S = 0.15  # that a movement takes
+_CLEARANCE = 0.005  # m between the bounding balls of tool and objects when the hand is outside
+_STRIDE = 0.001  # m per step of the hand that searches for contact
+_LEAST_S = 0.15  # least duration of a movement, in s
 
 
 def _unit(vector):
@@ -83,7 +83,7 @@ class _Walk:
             q = _unit(self.q + turn * _unit(random.normal(size=4)))
             outside = numpy.concatenate([self.centre + self.outside * direction, q])
             found = self.touch(outside, self.points[random.integers(len(self.points))])
-            if found and found[1] @ direction > 0.3:  # else it would press past what it glances off
+            if found and found[1] @ direction > 0.3:  # otherwise a press would slip past the surface
                 break
         else:
             raise Error("hand: found no place of the objects that the tool can come to from outside")
@@ -110,7 +110,7 @@ def _between(keys, steps):
     u = numpy.clip((t - times[i]) / (times[i + 1] - times[i]), 0, 1)
     share = (u**3 * (10 - 15 * u + 6 * u**2))[:, None]
     between = (1 - share) * places[i] + share * places[i + 1]
-    between[:, 3:] /= numpy.linalg.norm(between[:, 3:], axis=1)[:, None]  # turns are small
+    between[:, 3:] /= numpy.linalg.norm(between[:, 3:], axis=1)[:, None]  # linear: rotations are small
     return between
 
 

@@ -21,7 +21,7 @@ from palpate import Error, _prose
 
 try:
     from palpate import _live
-except ImportError as error:  # of a wheel, which brings no libraries
+except ImportError as error:  # a wheel contains no libraries
     raise ImportError(f"palpate.live: {error}; apt-get install libddsc0debian libspdlog1.10 libspnav0 libxxhash0, "
                       "which are Debian 12's") from None
 from palpate._live import Felt, Silence, tool_dtype, wrench_dtype
@@ -66,9 +66,9 @@ class _Asking(threading.Thread):
         try:
             while not self.over.is_set():
                 self._live.lead(self._effect, *self._terms)
-                due = max(due + period, time.monotonic())  # what comes late is left out
+                due = max(due + period, time.monotonic())  # skips late calls
                 self.over.wait(due - time.monotonic())
-        except BaseException as error:  # for who moves the hand
+        except BaseException as error:  # raised to the caller that moves the hand
             self.error = error
         self._live.lead(None, *self._terms)
 
@@ -96,7 +96,7 @@ class Station(_Opened):
         terms = rate_hz, max_force, max_torque
         if self._asking:
             self._asking.over.set()
-            self._asking.join(1)  # one that never returns is not waited for
+            self._asking.join(1)  # does not wait for a function that never returns
             self._asking = None
         self._live.lead(effect, *terms)
         if effect is not None:

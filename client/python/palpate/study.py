@@ -75,7 +75,7 @@ _FACTORS = {
     "hand": "who felt it",
     "seed": "of the hand; none where it is the same for all",
 }
-_COLUMNS = {  # what it is, and how it comes out of a run's steps
+_COLUMNS = {  # description, and how to compute it from a run's steps
     "steps": ("of a millisecond each", lambda run: len(run.force)),
     "touching": ("share of the steps in which anything touched", lambda run: run.touching.mean()),
     "force_mean_N": ("mean strength of the force, over the steps that touched",
@@ -140,7 +140,7 @@ class Study:
         self.steps = self._take("steps", 20000, lambda x: type(x) is int and x > 1, "a whole number above 1")
         self.seeds = self._seeds()
         self.sources = {}  # hashes of the files that the study names
-        # Runs of one model follow each other.
+        # Runs of one model are consecutive.
         self.model = functools.lru_cache(2 + len(os.sched_getaffinity(0)))(
             lambda scene, tool, parameters: scene.model(tool, **dict(parameters)))
         self.measure = self._function("measures", self.said["measures"]) if "measures" in self.said else None
@@ -220,7 +220,7 @@ class Study:
             function = self._function(f"{at}.function", hand["function"])
             make = lambda scene, tool, seed: function(scene, numpy.random.default_rng(seed), self.steps)
         um = hand.get("tremor_um", 0)
-        # The same hand is felt again with other parameters: a megabyte each.
+        # Keeps hands for runs with other parameters: a megabyte each.
         return functools.lru_cache(64)(
             lambda scene, tool, seed: hands.trembling(make(scene, tool, seed), um=um, seed=seed) if um
             else numpy.asarray(make(scene, tool, seed)))

@@ -18,10 +18,10 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "NPY files are written as memory is");
 
-/// Of the count of rows in an NPY head: room for any, as the head is written before the rows are
-/// counted.
+/// Width of the row count in an NPY head, enough for any count: the head is written before the rows
+/// are counted.
 constexpr int kCountWidth = 20;
-/// NPY wants its data to begin at a multiple of this.
+/// NPY data begin at a multiple of this.
 constexpr std::size_t kNpyAlignment = 64;
 
 struct FileClose {
@@ -69,8 +69,7 @@ template <class T>
 void ColumnFile::Put(T value) {
   if (format_ == ColumnFormat::kCsv) {
     Separate();
-    // The shortest text that reads back to the same bits; "nan" and "inf", as pandas and MATLAB
-    // read them.
+    // The shortest text that reads back to the same bits; pandas and MATLAB read "nan" and "inf".
     fmt::format_to(std::back_inserter(pending_), "{}", value);
   } else {
     char bytes[sizeof value];
@@ -128,7 +127,8 @@ void ColumnFile::EndRow() {
   ++rows_;
 }
 
-/// CSV: the line of names.  NPY: format 1.0, whose length does not depend on the count.
+/// Returns CSV's line of names, or the head of NPY format 1.0, whose length does not depend on
+/// the count.
 std::string ColumnFile::Head(std::uint64_t rows) const {
   std::string text;
   if (format_ == ColumnFormat::kCsv) {

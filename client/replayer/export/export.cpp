@@ -28,9 +28,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Waiting rows of all tables together, before they are written.
+/// Writes the waiting rows when all tables together exceed this.
 constexpr std::size_t kMostPending = std::size_t{64} << 20;
-/// Samples between looks at the clock and at Ctrl-C.
+/// Samples between two checks of clock and Ctrl-C.
 constexpr std::uint64_t kLook = 4096;
 
 using SessionKey = std::pair<std::string, std::uint64_t>;  // station, run
@@ -68,10 +68,10 @@ class ExportProgress {
   std::int64_t shown_ns_ = SteadyNanoseconds();
 };
 
-/// Gives each sample to its session.
+/// Passes each sample to its session.
 class Sorter {
  public:
-  /// @param folder  for the sessions'.
+  /// @param folder  for the sessions' folders.
   Sorter(fs::path folder, ColumnFormat format, Methods& methods)
       : folder_(std::move(folder)), format_(format), methods_(methods) {}
 
@@ -102,7 +102,7 @@ class Sorter {
     }
   }
   std::size_t sessions() const { return sessions_.size(); }
-  /// The files that it wrote, within the folder.
+  /// Returns the files written, relative to the folder.
   std::vector<std::string> Finish() {
     std::vector<std::string> files;
     for (auto& [key, session] : sessions_) {
@@ -117,14 +117,14 @@ class Sorter {
 
  private:
   static std::string FolderOf(const SessionKey& key) { return key.first + "_" + Hex16(key.second); }
-  /// The session that a station has now; run 0 where the recording has not told of one.
+  /// Returns a station's present session; run 0 if the recording has not mentioned any.
   SessionKey Present(const std::string& station) const {
     const auto it = run_of_.find(station);
     return {station, it == run_of_.end() ? 0 : it->second};
   }
   template <class T>
   void Give(const std::optional<SessionKey>& key, const T& sample, double time_s) {
-    // A file's name is made of it.
+    // The key becomes part of a file's name.
     if (!key || !dds::IsStationName(key->first)) return methods_.CountLeftOut();
     std::unique_ptr<SessionColumns>& session = sessions_[*key];
     if (!session) {
@@ -133,7 +133,7 @@ class Sorter {
       session = std::make_unique<SessionColumns>(folder.string(), format_);
     }
     session->Add(sample, time_s);
-    // Rows are a few hundred bytes: to look at every one's table each time would be the work.
+    // Rows have a few hundred bytes: checking all tables for each one would dominate the time.
     if (++given_ % kLook != 0) return;
     std::size_t pending = 0;
     for (const auto& [each, columns] : sessions_) pending += columns->pending();

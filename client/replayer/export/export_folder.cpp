@@ -35,7 +35,7 @@ ExportFolder::~ExportFolder() {
 void ExportFolder::Finish() {
   is_whole_ = true;
   std::error_code problem;
-  fs::rename(part_, name_, problem);  // in the place of an empty folder alone
+  fs::rename(part_, name_, problem);  // replaces only an empty folder
   if (problem) {
     throw Error("-o " + name_.string() + ": something has come there meanwhile (" +
                 problem.message() + "); the export is whole in " + part_.string() +

@@ -5,20 +5,21 @@
 
 namespace palpate {
 
-/// The folder of an export.  It grows as FOLDER.part, and gets its name once it is whole; until
-/// then it is gone with this object.  Nothing that is there already gives way to it.
+/// The output folder of an export.  It is written as FOLDER.part and renamed once it is complete;
+/// if the export fails, the destructor removes it.  It replaces nothing that exists, except an
+/// empty folder of its name.
 /// Thread contract: one thread.
 class ExportFolder {
  public:
-  /// Throws Error where the name, or FOLDER.part, is taken: an empty folder takes no name.
+  /// Throws Error if FOLDER (unless it is an empty folder) or FOLDER.part exists.
   explicit ExportFolder(const std::string& folder);
   ~ExportFolder();
   ExportFolder(const ExportFolder&) = delete;
   ExportFolder& operator=(const ExportFolder&) = delete;
 
   const std::filesystem::path& path() const { return part_; }
-  /// Gives it its name.  Throws Error where something has come there meanwhile; then the export is
-  /// whole under the name that it grew under.
+  /// Renames the folder to its final name.  Throws Error if something has taken that name
+  /// meanwhile; the complete export then stays in FOLDER.part.
   void Finish();
 
  private:

@@ -17,7 +17,7 @@
 namespace palpate {
 namespace {
 
-/// What a recorder of before this version has not written.
+/// For what recorders of earlier versions did not write.
 constexpr const char* kNotRecorded = "not recorded";
 
 std::string Value(const mcap::StringMap& map, const std::string& key) {
@@ -34,7 +34,7 @@ nlohmann::ordered_json Finite(double value) {
   return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
 }
 
-/// A cell of a table in Markdown: text, in which nothing is markup.
+/// Returns a cell of a Markdown table: text without markup.
 std::string Cell(const std::string& text) {
   std::string cell;
   for (const char c : Printable(text)) {

@@ -10,11 +10,11 @@
 
 namespace palpate {
 
-/// In the methods.json of an export.
+/// The maker that an export's methods.json names.
 inline constexpr const char* kExportMaker = "palpate-replay export";
 
-/// What the methods section of a paper needs of a recording, gathered sample by sample: versions,
-/// scenes, machine, transport, rates, what was lost, springs, and what the limiter did.
+/// Collects, sample by sample, what the methods section of a paper needs to say about a recording:
+/// versions, scenes, machine, transport, rates, losses, springs, and the limiter's actions.
 /// Thread contract: one thread.
 class Methods {
  public:
@@ -22,8 +22,9 @@ class Methods {
     std::string station, scene, tool, device;
     std::uint64_t run = 0;
     double stiffness_N_per_m = 0.0, torsional_stiffness_Nm_per_rad = 0.0;
-    bool forces = false;  ///< began
-    // Of its limiter: what came, what the device was given, and in how many calls each stage acted.
+    bool forces = false;  ///< forces have begun
+    // Of the session's limiter: wrenches wanted and applied, and in how many calls each
+    // stage acted.
     double wanted_force_N = 0.0, wanted_torque_Nm = 0.0;
     double applied_force_N = 0.0, applied_torque_Nm = 0.0;
     std::map<std::string, std::uint64_t> limiter_calls;
@@ -31,17 +32,17 @@ class Methods {
     std::string folder;  ///< of its tables; empty: it has none
   };
 
-  /// @param sample  as the recording holds it, in its order.
+  /// @param sample  the next sample of the recording, in its order.
   void Add(const RecordedSample& sample);
-  /// Once there is no sample any more: what the recorder says of itself.
+  /// Adds what the recorder reports of itself.  Call it after the last sample.
   void Finish(const RecordingReader& reader) { all_.Finish(reader); }
 
-  /// That of a station's run; a new one where nothing has told of it.
+  /// Returns the session of a station's run; adds a new one if no sample has mentioned it.
   Session& SessionOf(const std::string& station, std::uint64_t run);
   void CountLeftOut() { ++left_out_; }
 
   /// @param recording  names of its files.
-  /// @param files       that were written, within the folder.
+  /// @param files      files written, relative to the folder.
   std::string ToJson(const std::vector<std::string>& recording,
                      const std::vector<std::string>& files) const;
   std::string ToMarkdown(const std::vector<std::string>& recording) const;

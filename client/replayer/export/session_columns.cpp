@@ -11,9 +11,9 @@
 namespace palpate {
 namespace {
 
-/// A wrench may overtake its pose in the recording, by what a burst holds.
+/// A wrench may precede its pose in the recording, by at most a burst of samples.
 constexpr std::size_t kMostAhead = 1000;
-/// Poses whose answers have not come: two seconds at 4 kHz, after which a station has long let go.
+/// Poses without an answer that are kept: two seconds at 4 kHz, longer than a station waits.
 constexpr std::size_t kMostUnanswered = 8192;
 
 constexpr std::size_t kWordWidth = 16;
@@ -67,7 +67,7 @@ void SessionColumns::WriteAnswered(bool last) {
     const bool known = pose != pose_times_s_.end();
     if (!known && !last && waiting_.size() <= kMostAhead) return;
     Write(waiting_.front(), known ? pose->second : std::numeric_limits<double>::quiet_NaN());
-    // A loop answers poses in their order.
+    // A loop answers poses in order.
     if (known) pose_times_s_.erase(pose_times_s_.begin(), std::next(pose));
     waiting_.pop_front();
   }

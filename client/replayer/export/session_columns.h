@@ -11,12 +11,12 @@
 
 namespace palpate {
 
-/// One station's session as tables, a row for each sample; client/replayer/README.md names their
-/// columns. `time_s` is everywhere when the recorder had the sample, in seconds from the
-/// recording's start. Thread contract: one thread.
+/// One station's session as tables with a row per sample; client/replayer/README.md lists their
+/// columns. `time_s` is always the time at which the recorder received the sample, in seconds from
+/// the recording's start.  Thread contract: one thread.
 class SessionColumns {
  public:
-  /// @param folder  of this session; it is there.
+  /// @param folder  of this session; it must exist.
   SessionColumns(const std::string& folder, ColumnFormat format);
 
   void Add(const wire::HapticPose& pose, double time_s);
@@ -29,9 +29,9 @@ class SessionColumns {
 
   std::size_t pending();
   void Flush();
-  /// Writes what still waits for its pose, and closes all tables.
+  /// Writes the wrenches that still wait for their poses, and closes all tables.
   void Close();
-  /// Those of the tables that have a row, once it is closed.
+  /// Returns the tables that have a row.  Call it after Close.
   std::vector<std::string> files();
 
  private:
@@ -40,14 +40,14 @@ class SessionColumns {
     double time_s;
   };
   std::vector<ColumnFile*> tables();
-  /// @param last  none is waited for any longer.
+  /// @param last  write all: no pose will come any more.
   void WriteAnswered(bool last);
   void Write(const Waiting& answer, double pose_s);
 
   ColumnFile poses_, wrenches_, faults_, tool_states_, contacts_, phases_, loop_, limiter_, guide_;
   std::map<std::uint64_t, double>
-      pose_times_s_;             // by sequence; those that an answer may still want
-  std::deque<Waiting> waiting_;  // came before their poses
+      pose_times_s_;             // by sequence; those that an answer may still need
+  std::deque<Waiting> waiting_;  // wrenches that came before their poses
   std::int64_t first_sample_ns_ = 0;
   std::uint32_t faults_before_ = 0;
 };

@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 
 static_assert(std::endian::native == std::endian::little);
 
-constexpr std::uint32_t kPlain = 0xe6dfd0;  // of a material without colour
+constexpr std::uint32_t kPlain = 0xe6dfd0;  // for a material without colour
 constexpr double kMillimetre = 1e-3;
 
 template <class T>
@@ -39,7 +39,7 @@ void Put(std::string& bytes, const Vec3& v) {
   for (const double x : {v.x(), v.y(), v.z()}) Put(bytes, static_cast<float>(x));
 }
 
-/// Binary, with normals.
+/// Returns a binary STL with normals.
 std::string ToStl(const SolidSurface& surface) {
   std::string bytes = "what is left, in mm";
   bytes.resize(80, ' ');
@@ -57,8 +57,8 @@ void PutColour(std::string& bytes, std::uint32_t colour) {
   for (const int shift : {16, 8, 0}) Put(bytes, static_cast<std::uint8_t>(colour >> shift));
 }
 
-/// Binary; each face has its material's colour, and so has each vertex, for programs that read
-/// these alone, that of one of its faces.
+/// Returns a binary PLY.  Each face has its material's colour; each vertex, for programs that read
+/// only those, has the colour of one of its faces.
 std::string ToPly(const SolidSurface& surface, const std::vector<Material>& materials) {
   const auto colour_of = [&](std::size_t triangle) {
     const std::uint32_t colour = materials[surface.materials[triangle]].colour;
@@ -88,7 +88,7 @@ std::string ToPly(const SolidSurface& surface, const std::vector<Material>& mate
   return bytes;
 }
 
-/// What is made, file by file, and looks at Ctrl-C before each.
+/// Writes the files one by one, and checks for Ctrl-C before each.
 class Files {
  public:
   Files(fs::path folder, const std::string& name, const StopSignal& stop)
@@ -116,7 +116,7 @@ void WriteSolids(const SolidsCut& left, const fs::path& folder, Files& files) {
   for (std::size_t s = 0; s < left.after.size(); ++s) {
     Body& body = scene.objects[left.objects->solids()[s].object];
     SolidSurface surface = WholeSurface(left.after[s]);
-    if (surface.triangles.empty()) continue;  // all of it is gone
+    if (surface.triangles.empty()) continue;  // nothing of it is left
     files.Write(folder / (body.name + ".stl"), ToStl(surface));
     files.Write(folder / (body.name + ".ply"), ToPly(surface, body.materials));
     body.mesh = {std::move(surface.vertices), std::move(surface.triangles)};

@@ -17,18 +17,18 @@ namespace palpate {
 namespace {
 
 constexpr std::chrono::milliseconds kPeriod{10};
-/// Where a hand was longer ago than this, nobody knows where it is.
+/// A hand's pose older than this counts as unknown.
 constexpr double kKnown_s = 0.5;
-/// A guide that was held up itself (stopped, say) does not leap.
+/// Longest step of the pace, so that a guide that was itself suspended does not jump.
 constexpr double kLongestStep_s = 0.1;
 
-/// Where the led hand is, as its server publishes it.
+/// The led hand, as its server publishes it.
 class LedHand {
  public:
   LedHand(const dds::Participant& service, std::string station)
       : states_(service, dds::kToolStateTopic, dds::Qos::kRecord), station_(std::move(station)) {}
 
-  /// From the hand to `aim` [m]; none where the hand has not been heard of lately.
+  /// Returns the distance from the hand to `aim` [m]; none without a recent pose of the hand.
   std::optional<double> Behind(const Vec3& aim, double now_s) {
     wire::ToolState state;
     while (states_.Take(state)) {
@@ -47,7 +47,7 @@ class LedHand {
   double heard_s_ = -std::numeric_limits<double>::infinity();
 };
 
-/// The sample of the path that holds at a time.
+/// Returns the path's pose at a time: that of the last sample up to it.
 const Pose& AimAt(const HandPath& path, double time_s) {
   const auto next = std::ranges::upper_bound(path.time_s, time_s);
   return path
@@ -91,7 +91,7 @@ void Guide(const Playback& playback, const GuideOptions& options, StopSignal& st
       heard = heard || listens;
       const double now_s = Now_s();
       const std::optional<double> behind = hand.Behind(aim.p, now_s);
-      // Who does not listen is not waited for.
+      // The guide does not wait for a station that does not receive its aims.
       pace.Advance(std::min(now_s - last_s, kLongestStep_s), listens ? behind : std::nullopt);
       last_s = now_s;
       if (pace.waiting() == said) continue;

@@ -15,7 +15,7 @@ namespace palpate {
 namespace {
 
 constexpr double kLongest_s = 1e6;
-/// 200 of 100 bytes each, every one of which may be written as six letters, and room for layout.
+/// 200 names of 100 bytes, each byte escaped as up to six characters, plus layout.
 constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 20;
 
 bool IsUtf8(const std::string& text) {
@@ -27,8 +27,8 @@ bool IsUtf8(const std::string& text) {
   }
 }
 
-/// As a list can show it: without control characters, and without spaces at its ends.  Throws Error
-/// where nothing is left, or too much.
+/// Returns a name fit for a list: without control characters, and without spaces at its ends.
+/// Throws Error if nothing is left, or too much.
 std::string Shown(std::string name) {
   std::ranges::replace_if(
       name, [](unsigned char c) { return c < ' ' || c == 0x7f; }, ' ');
@@ -39,7 +39,7 @@ std::string Shown(std::string name) {
     throw Error("a bookmark's name has " + std::to_string(Bookmarks::kLongestName) +
                 " bytes at most; shorten it");
   }
-  // A file could not hold it, and would be refused the next time.
+  // The file's next reader would refuse it.
   if (!IsUtf8(name)) throw Error("a bookmark's name is text in UTF-8; write it anew");
   return name;
 }

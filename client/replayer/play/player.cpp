@@ -30,7 +30,7 @@
 namespace palpate {
 namespace {
 
-/// The next byte; -1 where none has come.
+/// Returns the next byte; -1 if none has come.
 int NextByte() {
   pollfd input{STDIN_FILENO, POLLIN, 0};
   unsigned char byte = 0;
@@ -38,15 +38,15 @@ int NextByte() {
 }
 
 constexpr std::chrono::milliseconds kPoll{2};
-/// So often viewers hear where the replay is, and the terminal shows it.
+/// Period of the replay's state for viewers and terminal.
 constexpr std::int64_t kTell_ns = 200'000'000;
 constexpr std::int64_t kShow_ns = 100'000'000;
-/// While it is paused, viewers who come then are shown the tools too.
+/// While paused, tools are repeated at this period, for viewers that come then.
 constexpr std::int64_t kRepeat_ns = 1'000'000'000;
-/// An arrow key's way.
+/// Distance that an arrow key moves.
 constexpr std::int64_t kArrow_ns = 5'000'000'000;
-/// From a mark that has only just passed, the way back leads to the one before it; and one at which
-/// the replay stands is not the next.  [s], as on the page.
+/// `p` skips a mark that was passed less than kJustPassed_s ago, and `n` a mark at the present
+/// position (within kHere_s).  [s], as on the page.
 constexpr double kJustPassed_s = 0.8, kHere_s = 0.05;
 constexpr std::array<double, 7> kRates = {0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0};
 
@@ -58,7 +58,7 @@ Timeline Look(RecordingReader& reader, const StopSignal& stop) {
   return timeline;
 }
 
-/// A recording that has been looked through, and the part of it that is to be played.
+/// An indexed recording, and the part of it to play.
 struct RecordedLesson {
   RecordedLesson(const Playback& playback, const StopSignal& stop)
       : reader(playback.files), timeline(Look(reader, stop)) {
@@ -91,7 +91,7 @@ struct RecordedLesson {
   std::int64_t from_ns = 0, to_ns = 0;
 };
 
-/// Of a replay's state, what its clock does not say.
+/// The part of a replay's state that its clock does not hold.
 struct Now {
   double sought = 1.0;
   bool ended = false;
@@ -117,16 +117,16 @@ class Player {
     }
     voice_.EndSessions("the replay has ended");
     Tell(SteadyNanoseconds(), {.ended = true});
-    // Who listens is to have it all.
+    // Lets the last samples reach the viewers.
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
   std::uint64_t said() const { return said_; }
 
  private:
-  /// How a wait for a time ends: it has come, the replay is elsewhere now, or over.
+  /// How a wait for a time ended: the time has come, the replay has moved elsewhere, or it is over.
   enum class Wait { kCome, kElsewhere, kOver };
 
-  /// False where it was ended before the recording did.
+  /// Returns false if it ended before the recording's end.
   bool PlayOnce() {
     if (!Go(material_.from_ns, true)) return false;
     for (;;) {
@@ -146,7 +146,7 @@ class Player {
     }
   }
 
-  /// The next for viewers; false where there is none before the end.
+  /// Returns the next sample for viewers; false if there is none before the end.
   bool Next(RecordedSample& sample) {
     return playhead_.Next(sample) && playhead_.passed_ns() <= material_.to_ns;
   }
@@ -156,9 +156,10 @@ class Player {
     return voice_.Say(type, cdr);
   }
 
-  /// To a moment: viewers hear what holds then, and what streamed last.
-  /// @param anew  they are to forget what they know; they also are where it cannot lead there.
-  /// False where the replay is stopped meanwhile.
+  /// Moves to a moment: publishes the state that holds then, and the last streamed samples.
+  /// @param anew  viewers are to forget their state; they also are if it cannot lead to
+  ///              that moment.
+  /// Returns false if the replay is stopped meanwhile.
   bool Go(std::int64_t time_ns, bool anew) {
     const Timeline::Moment wanted = timeline_.At(time_ns);
     Timeline::Moment told;
@@ -181,7 +182,7 @@ class Player {
              !voice_.has_session(station);
     });
     for (const auto& [source, cdr] : latest_) Say(source.first, cdr);
-    // What came before takes its time.
+    // Publishing the state takes time: the clock starts after it.
     const std::int64_t now_ns = SteadyNanoseconds();
     clock_.Begin(time_ns, now_ns);
     repeated_ns_ = now_ns;
@@ -189,8 +190,8 @@ class Player {
     return !stop_.stopped();
   }
 
-  /// Until a time has come.
-  /// @param moves  there a tool moves: a step ends.
+  /// Waits until a time.
+  /// @param moves  a tool moves at that time, which ends a step.
   Wait Await(std::int64_t time_ns, bool moves) {
     for (;;) {
       const std::int64_t now_ns = SteadyNanoseconds();
@@ -208,7 +209,7 @@ class Player {
     }
   }
 
-  /// Who steers it may want to see something again: then it waits, paused.
+  /// Waits at the end, paused, if a viewer who steers may want to go back.
   Wait AwaitEnd() {
     Wait wait = Await(material_.to_ns, true);
     const bool is_left = playback_.loop || !(options_.stays || steering_.steered());
@@ -225,7 +226,7 @@ class Player {
     return wait;
   }
 
-  /// Does what the terminal and viewers wish, and tells where the replay is.
+  /// Handles requests of terminal and viewers, and publishes the position.
   Wait Attend(std::int64_t now_ns) {
     sought_ns_.reset();
     const int key = keyboard_.Read();
@@ -238,7 +239,7 @@ class Player {
       changed = true;
     }
     if (sought_ns_) {
-      // Of several only the last counts, as where a bar is dragged.
+      // Only the last of several seeks counts, as when a viewer drags the bar.
       const std::int64_t first_ns = std::min(timeline_.opening_ns(), material_.to_ns);
       const bool gone = Go(std::clamp(*sought_ns_, first_ns, material_.to_ns), false);
       return gone ? Wait::kElsewhere : Wait::kOver;
@@ -264,7 +265,7 @@ class Player {
         sought_ns_ = clock_.At(now_ns) - kArrow_ns;
         return;
       case Keyboard::kRight:
-        // While paused, to the next that moves: what comes before it goes along.
+        // While paused, advances to the next sample that moves a tool, including those before it.
         step_ = clock_.paused();
         if (!step_) sought_ns_ = clock_.At(now_ns) + kArrow_ns;
         return;
@@ -317,7 +318,7 @@ class Player {
       sought_ns_ = material_.Time(std::clamp(*at_s, 0.0, material_.Seconds(material_.to_ns)));
   }
 
-  /// At the end, to play is to begin again.
+  /// Play at the end starts again from the beginning.
   void SetPaused(bool paused, std::int64_t now_ns) {
     const bool at_end = clock_.At(now_ns) >= material_.to_ns;
     if (clock_.paused() && !paused && at_end && !sought_ns_) sought_ns_ = material_.from_ns;
@@ -366,11 +367,11 @@ class Player {
   Steering steering_;
   PlaybackClock clock_;
   Keyboard keyboard_;
-  std::optional<std::int64_t> sought_ns_;  // to where it is sent now
-  // Viewers have heard all up to the first, and perhaps some of the second.
+  std::optional<std::int64_t> sought_ns_;  // target of the present seek
+  // Viewers have received everything up to the first, and perhaps part of the second.
   std::int64_t told_up_to_ns_ = 0, told_some_of_ns_ = 0;
   std::int64_t shared_ns_ = 0, shown_ns_ = 0, repeated_ns_ = 0;
-  Playhead::Streams latest_;  // what viewers were shown last of what streams
+  Playhead::Streams latest_;  // the last samples of streams shown to viewers
   bool step_ = false;
   const bool terminal_ = isatty(STDERR_FILENO) == 1;
   std::uint64_t said_ = 0;
@@ -379,7 +380,7 @@ class Player {
 }  // namespace
 
 Keyboard::Keyboard() {
-  // A program in the background may not change the terminal: it would be stopped.
+  // A background process that changes the terminal would be stopped.
   terminal_ = isatty(STDIN_FILENO) == 1 && tcgetpgrp(STDIN_FILENO) == getpgrp() &&
               tcgetattr(STDIN_FILENO, &former_) == 0;
   if (!terminal_) return;

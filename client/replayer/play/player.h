@@ -7,13 +7,14 @@
 
 namespace palpate {
 
-/// Single keys from the terminal on standard input, without Enter; silent where that is none.
+/// Reads single keys from the terminal on standard input, without Enter; returns none if standard
+/// input is no terminal.
 class Keyboard {
  public:
   /// A key is its character, or one of these.
   enum : int { kNone = -1, kLeft = 256, kRight };
 
-  /// What they do, for people who read it.
+  /// Help text for the keys.
   static constexpr const char* kHelp =
       R"(Keys: space pauses and goes on    <- 5 s back    -> 5 s on, or a step while paused
       p, n to the mark before, after    -, + slower, faster    b sets a bookmark    q ends)";
@@ -23,7 +24,7 @@ class Keyboard {
   Keyboard(const Keyboard&) = delete;
   Keyboard& operator=(const Keyboard&) = delete;
 
-  /// The next key that was pressed; never waits.
+  /// Returns the next key that was pressed, or kNone; never blocks.
   int Read();
 
  private:
@@ -37,9 +38,9 @@ struct PlayOptions {
   bool stays = false;     ///< waits at the end
 };
 
-/// Publishes a recording's service topics to viewers as a server would, at the pace that they had,
-/// until its end, a signal or `q`.  Poses and wrenches stay in the recording.  Throws Error: where
-/// a server runs in the domain, or nothing in the recording is for viewers.
+/// Publishes a recording's service topics to viewers as a server would, at the recorded pace, until
+/// its end, a signal or `q`.  Does not publish poses and wrenches.  Throws Error if a server runs
+/// in the domain, or nothing in the recording is for viewers.
 void Play(const Playback& playback, const PlayOptions& options, StopSignal& stop);
 
 }  // namespace palpate

@@ -10,13 +10,13 @@
 
 namespace palpate {
 
-/// Where a replay is in its recording: goes with the clock times a rate, pauses, and steps.  Time
-/// is given, so that tests need no clock.
+/// The position of a replay in its recording: follows the clock times a rate, pauses, and steps.
+/// Time is an argument, so that tests need no clock.
 class PlaybackClock {
  public:
   PlaybackClock(double rate, bool paused) : rate_(rate), paused_(paused) {}
 
-  /// Begins at a time of the recording.
+  /// Starts at a time of the recording.
   void Begin(std::int64_t recording_ns, std::int64_t now_ns) {
     recording_ns_ = recording_ns;
     since_ns_ = now_ns;
@@ -43,34 +43,34 @@ class PlaybackClock {
   std::int64_t recording_ns_ = 0, since_ns_ = 0;
 };
 
-/// Reads a recording from any moment of its timeline on.
+/// Reads a recording from any moment of its timeline.
 class Playhead {
  public:
-  /// What streams, by its source: the latest of each.
+  /// The latest sample of each source that streams.
   using Streams = std::map<Timeline::Source, std::vector<std::uint8_t>>;
 
-  /// Both must outlive it; the timeline is finished, and of what the reader reads.
+  /// Both must outlive it; the timeline must be finished and made from the reader's recording.
   Playhead(RecordingReader& reader, const Timeline& timeline)
       : reader_(reader), timeline_(timeline) {}
 
-  /// To a moment: the next sample is the first after it.
-  /// Returns what streamed last up to then, however long before: it is what who has played up to
-  /// there still sees.
+  /// Moves to a moment: the next sample is the first after it.  Returns the latest streamed
+  /// sample of each source up to then, however old, since a viewer of the whole replay would
+  /// still show it.
   Streams GoTo(std::int64_t time_ns);
-  /// The next for viewers, until the playhead moves; false where there is none.
+  /// Reads the next sample for viewers; returns false if there is none.
   bool Next(RecordedSample& sample);
-  /// The turn of the sample that was read last.
+  /// Returns the turn (Timeline) of the last sample read.
   std::int64_t passed_ns() const { return passed_ns_; }
 
  private:
-  /// Reads from before `from_ns` up to and with `to_ns`.
-  /// @param only  of this source; null: of all.
+  /// Reads from before `from_ns` up to and including `to_ns`.
+  /// @param only  this source only; null: all.
   void Gather(std::int64_t from_ns, std::int64_t to_ns, const Timeline::Source* only,
               Streams& streams);
 
   RecordingReader& reader_;
   const Timeline& timeline_;
-  std::optional<RecordedSample> ahead_;  // read already
+  std::optional<RecordedSample> ahead_;  // already read, not yet returned
   std::int64_t passed_ns_ = 0;
 };
 

@@ -72,11 +72,11 @@ void Steering::TellContents() {
   contents.marks._length = contents.marks._maximum = static_cast<std::uint32_t>(marks_.size());
   contents.gaps._buffer = gaps.data();
   contents.gaps._length = contents.gaps._maximum = static_cast<std::uint32_t>(gaps.size());
-  // Where DDS refuses it, with the next state.
+  // If DDS refuses it, it is sent with the next state.
   contents_told_ = contents_.Write(contents);
 }
 
-/// DDS gives them kind by kind; of a play and a pause it matters which was last.
+/// DDS delivers requests kind by kind, but the order of a play and a pause matters: sorts by time.
 void Steering::TakeWishes() {
   dds::CdrSample raw;
   wire::ReplayRequest request{};

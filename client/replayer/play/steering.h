@@ -15,7 +15,7 @@
 
 namespace palpate {
 
-/// What a replay tells viewers of itself, and what they wish of it (idl/replay.idl).
+/// Reports a replay's state to viewers and receives their requests (idl/replay.idl).
 class Steering {
  public:
   struct State {
@@ -26,23 +26,23 @@ class Steering {
     bool ended = false;
   };
 
-  /// @param timeline  finished; must outlive it, as the participant.
-  /// @param locked    viewers may look, and not steer.
-  /// Throws Error where the bookmarks beside the recording cannot be read.
+  /// @param timeline  finished; must outlive it, as must the participant.
+  /// @param locked    viewers may watch, but not steer.
+  /// Throws Error if the bookmarks beside the recording cannot be read.
   Steering(const dds::Participant& service, const std::string& recording, const Timeline& timeline,
            bool locked);
 
-  /// The next wish that is play, pause, seek or rate, in the order of their writing.  Bookmarks are
-  /// kept, and what is of no use is refused, here.  False where there is none.
-  /// @param now  told with the answers that are given here.
+  /// Returns the next play, pause, seek or rate request, in the order written; false if there is
+  /// none.  Handles bookmark requests and refuses invalid ones itself.
+  /// @param now  the state to report with those answers.
   bool Take(const State& now, wire::ReplayRequest& request);
   void Tell(const State& state);
-  /// True once a viewer has been listened to.
+  /// True once a viewer's request has been accepted.
   bool steered() const { return steered_; }
 
-  /// One of this terminal's.  Throws Error (why not, remedy).
+  /// Adds a bookmark set at this terminal.  Throws Error (reason, remedy).
   void AddBookmark(double at_s, const std::string& name);
-  /// The next bookmark or mark; none where there is none.
+  /// Returns the next bookmark or mark after at_s; none if there is none.
   std::optional<double> MarkAfter(double at_s) const;
   std::optional<double> MarkBefore(double at_s) const;
 
@@ -56,9 +56,9 @@ class Steering {
   void GatherMarks();
   void TellContents();
   void TakeWishes();
-  /// Throws Error with the reason.
+  /// Throws Error with the reason to refuse it.
   void Check(const wire::ReplayRequest& request) const;
-  /// True where the wish was one of bookmarks, and is done.
+  /// Returns true if the request was about bookmarks, which is then done.
   bool KeepBookmark(const wire::ReplayRequest& request);
 
   const Timeline& timeline_;

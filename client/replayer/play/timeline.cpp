@@ -12,17 +12,18 @@
 namespace palpate {
 namespace {
 
-/// Tool states come 60 times a second, and plots bridge less than this.
+/// Longest pause without a gap: tool states come 60 times a second, and plots bridge
+/// shorter pauses.
 constexpr std::int64_t kGap_ns = 500'000'000;
-/// A tool that was free for less is still in the same contact.
+/// After a shorter release a tool is still in the same contact.
 constexpr std::int64_t kFree_ns = 500'000'000;
-/// Of one fault after the other the first is worth a mark.
+/// Of faults in closer succession only the first gets a mark.
 constexpr std::int64_t kFaultApart_ns = 1'000'000'000;
-/// A hand that is quicker than the tool is no fault of anything, nor is a tool that waits.
+/// Faults that get no mark: a hand quicker than the tool, and a tool that waits.
 constexpr std::uint32_t kUsualFaults = kFaultTargetFar | kFaultNotStarted;
-/// What the recorder is told of the time before its own comes at once.
+/// The recorder receives the state from before its start within this time.
 constexpr std::int64_t kTold_ns = 200'000'000;
-/// Of a file without chunks each message is a place; one here and there will do.
+/// Least spacing of starts: in a file without chunks each message is a place, and a few suffice.
 constexpr std::int64_t kStartsApart_ns = 50'000'000;
 
 template <class T>
@@ -62,9 +63,9 @@ void Timeline::Add(const RecordedSample& sample, const RecordingReader::Place& p
   const std::int64_t passed_ns = last_ns_;
   last_ns_ = TurnOf(sample, passed_ns);
   if (!any_) first_ns_ = opening_ns_ = last_ns_;
-  // Half a gap or more: else it is not why a gap is one.
+  // Shorter silences are never the reason of a gap.
   if (any_ && 2 * (last_ns_ - passed_ns) > kGap_ns) silences_.emplace_back(passed_ns, last_ns_);
-  // At the first, nothing has passed.
+  // Before the first sample nothing has passed.
   if (!any_) {
     starts_.push_back({-1, place});
   } else if (place != starts_.back().place &&
@@ -105,7 +106,7 @@ std::vector<std::pair<Timeline::Source, std::int64_t>> Timeline::QuietAt(
     std::int64_t time_ns) const {
   std::vector<std::pair<Source, std::int64_t>> sources;
   for (const auto& [source, speech] : speeches_) {
-    // The first quiet time that ends later; after the last there is none but the rest.
+    // Finds the first pause that ends later; if none does, the time after the last sample remains.
     const auto quiet = std::ranges::upper_bound(speech.quiet, time_ns, {},
                                                 &std::pair<std::int64_t, std::int64_t>::second);
     const std::int64_t from_ns = quiet == speech.quiet.end() ? speech.last_ns : quiet->first;
@@ -118,7 +119,7 @@ bool Timeline::Keep(const RecordedSample& sample, std::uint64_t server_run, cons
                     std::uint64_t number, std::uint64_t place) {
   const Moment::Key key{sample.type, name, place};
   const auto found = last_.find(key);
-  // A recorder begins each split with what holds, again.
+  // A recorder repeats the present state at the beginning of each split.
   if (found != last_.end() && std::ranges::equal(states_[found->second].cdr, sample.cdr)) {
     return false;
   }
@@ -145,7 +146,7 @@ void Timeline::AddSession(const RecordedSample& sample) {
   Keep(sample, state.server_run, state.station, 0);
   Station& station = StationOf(state.station);
   if (IsOver(state)) {
-    // Where another of the same name is refused, the session goes on.
+    // If another client of the same name is refused, the session continues.
     if (station.run != 0 && state.run != station.run) return;
     station.ended = station.over = state.reason[0] == '\0' ? "it ended" : state.reason;
     return;
@@ -183,7 +184,7 @@ void Timeline::AddBundle(const RecordedSample& sample) {
   dds::Owned<wire::SceneBundle> owned;
   if (!sample.To(owned.value)) return;
   const wire::SceneBundle& bundle = owned.value;
-  // A seat has none of its own.
+  // A seat's sample has no bundle.
   if (bundle.bundle._length > 0) {
     CheckBundleHash({bundle.bundle._buffer, bundle.bundle._length}, bundle.hash,
                     "the recording's scene " + Quoted(bundle.scene));
@@ -234,7 +235,7 @@ void Timeline::Fail(const std::string& name, Station& station, std::uint32_t fau
   station.faults = faults;
 }
 
-/// The tool states between the station's last and now, where there should have been some.
+/// Adds a gap if the tool states since the station's last one are missing.
 void Timeline::CloseGap(const std::string& name, Station& station) {
   if (last_ns_ - station.tool_ns > kGap_ns) {
     if (gaps_.size() < kMost) {
@@ -245,7 +246,7 @@ void Timeline::CloseGap(const std::string& name, Station& station) {
   }
   station.tool_ns = last_ns_;
   station.poses = 0;
-  // A tool state may be later than the word that its session has ended.
+  // A tool state may come after the report that its session has ended.
   station.ended = station.over;
 }
 
@@ -258,7 +259,7 @@ std::string Timeline::ReasonOf(const Station& station) const {
   for (auto silence = since; silence != silences_.end(); ++silence) {
     if (silence->second - silence->first > length_ns / 2) return "nothing at all was recorded";
   }
-  // Of the loop's 1,000 a second, half.
+  // At least half of the loop's 1,000 poses per second.
   const bool has_poses =
       static_cast<double>(station.poses) > 0.5e-6 * static_cast<double>(length_ns);
   return has_poses ? "tool states were lost; the poses are there" : "the station was silent";
@@ -299,7 +300,7 @@ Timeline::Moment Timeline::At(std::int64_t time_ns) const {
     if (whole != nullptr && state.number <= whole->number) continue;
     moment.holds[{state.type, state.name, state.place}] = &state;
     if (state.type != RecordedType::kSceneWhole) continue;
-    // Of the scene's changes those up to the last that is undone.
+    // Drops the scene's changes that it undoes.
     auto held = moment.holds.lower_bound({RecordedType::kSolidBlock, state.name, 0});
     const auto end = moment.holds.upper_bound({RecordedType::kSolidBlock, state.name, UINT64_MAX});
     while (held != end) {
@@ -310,7 +311,7 @@ Timeline::Moment Timeline::At(std::int64_t time_ns) const {
 }
 
 Timeline::Start Timeline::StartFor(std::int64_t time_ns) const {
-  // The last before which all samples are earlier.
+  // The last start that has only earlier samples before it.
   const auto after = std::ranges::lower_bound(starts_, time_ns, {}, &Start::passed_ns);
   return after == starts_.begin() ? starts_.front() : *std::prev(after);
 }
@@ -326,7 +327,7 @@ bool LeadsTo(const Timeline::Moment& told, const Timeline::Moment& wanted) {
     if (is_block && held.number <= undone) return true;
     const auto later = wanted.holds.find(entry.first);
     if (later == wanted.holds.end()) return false;
-    // A block of a solid only loses.
+    // A solid's block only loses material.
     return !is_block || later->second->number >= held.number;
   });
 }
@@ -338,7 +339,7 @@ std::vector<const Timeline::State*> RestOf(const Timeline::Moment& wanted,
     const auto found = told.holds.find(key);
     if (found == told.holds.end() || found->second != state) rest.push_back(state);
   }
-  // They are elements of one vector.
+  // Pointers into one vector, so sorting gives the recording's order.
   std::ranges::sort(rest);
   return rest;
 }

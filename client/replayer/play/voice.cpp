@@ -14,8 +14,8 @@
 namespace palpate {
 namespace {
 
-/// DDS lets go of a viewer that has not been heard for 10 s; until then one that stands still may
-/// hold up the others, and after that nobody does.
+/// DDS drops a viewer that has sent nothing for 10 s; until then a stopped viewer may delay
+/// the others.
 constexpr std::int64_t kPatience_ns = 15'000'000'000;
 constexpr std::int64_t kNotice_ns = 1'000'000'000;
 constexpr std::chrono::milliseconds kBetweenWrites{5};
@@ -77,7 +77,7 @@ bool Voice::Say(std::span<const std::uint8_t> cdr, dds::Writer<T>& writer, bool 
   T value{};
   bool said = true;
   if (dds::FromCdr(cdr, value)) {
-    // Of one recording: its servers' runs stay apart.  Viewers ignore runs that they know as over.
+    // Keeps the recorded servers' runs distinct.  Viewers ignore runs that they know to be over.
     if constexpr (requires { value.server_run; }) value.server_run += run_;
     if (stays) {
       said = Insist(writer, value);
@@ -90,8 +90,9 @@ bool Voice::Say(std::span<const std::uint8_t> cdr, dds::Writer<T>& writer, bool 
   return said;
 }
 
-/// A write waits for at most 100 ms until viewers have taken what they were sent, and is refused
-/// then: where many changes come at once, say, or a viewer stands still.
+/// Repeats a write until DDS accepts it, for at most kPatience_ns; returns false if the replay is
+/// stopped.  A write waits up to 100 ms for viewers to take earlier samples and is then refused,
+/// for instance when many changes come at once, or a viewer has stopped.
 template <class T>
 bool Voice::Insist(dds::Writer<T>& writer, const T& value) {
   if (writer.Write(value)) return true;

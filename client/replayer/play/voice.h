@@ -13,27 +13,27 @@
 
 namespace palpate {
 
-/// Speaks as a server: the writers that viewers listen to.
+/// Publishes as a server: owns the writers that viewers listen to.
 class Voice {
  public:
   /// Both must outlive it.
   Voice(const dds::Participant& service, StopSignal& stop);
 
-  /// What comes from here on is another server's, which viewers take for a new one: its scenes are
-  /// whole again, and nobody holds a tool.  Before the first word, too.
+  /// Starts a round: what follows appears to come from another server, so viewers reset their
+  /// scenes and tools.  Call it before the first sample, too.
   void BeginRound();
-  /// Says a sample that stays until viewers have taken it, be it for seconds.  False where the
-  /// replay is stopped meanwhile.
+  /// Publishes a sample.  A sample that stays is retried until viewers have taken it, even for
+  /// seconds.  Returns false if the replay is stopped meanwhile.
   bool Say(RecordedType type, std::span<const std::uint8_t> cdr);
-  /// Ends every session that stands.
+  /// Ends every open session.
   void EndSessions(const std::string& reason);
   bool has_session(const std::string& station) const { return standing_.contains(station); }
-  /// True where viewers did not take something in this round, and lack it in their picture.
+  /// True if viewers missed a sample in this round, so that their picture is incomplete.
   bool lacks() const { return lacks_; }
 
  private:
-  /// The writers of what stays.  DDS keeps it for viewers that come later, and of a former round
-  /// they must hear nothing: so each round has its own.
+  /// The writers of states that stay.  DDS keeps their samples for viewers that come later, who
+  /// must not receive those of a former round, so each round has its own writers.
   struct Round {
     explicit Round(const dds::Participant& service);
     dds::Writer<wire::SessionState> states;

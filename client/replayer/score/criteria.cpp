@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-/// Of the time with the tool's tip in the criterion's place.
+/// The time that the tool's tip spent in the criterion's place.
 struct TimeThere {
   double all_s = 0.0, contact_s = 0.0;
   double over_s = 0.0;  ///< with more force than the limit

@@ -12,31 +12,31 @@
 
 namespace palpate {
 
-/// The deepest that the tool's tip has been in a site; none where it never was in it [m].
+/// Returns the greatest depth of the tool's tip in a site [m]; none if it was never inside.
 std::optional<double> DepthIn(const ProbingSite& site, const Vec3& tip, const HandPath& path);
 
-/// How a trial did.
+/// The grade of a trial.
 struct Grade {
   struct Mark {
-    std::optional<double> value;  ///< in the measure's unit; none: there was nothing to measure
+    std::optional<double> value;  ///< in the measure's unit; none: nothing to measure
     double points = 0.0;          ///< 0 to 100
   };
-  std::vector<Mark> marks;                    ///< as Criteria::criteria
-  std::vector<std::optional<double>> depths;  ///< as Criteria::sites [m]
-  double points = 0.0;                        ///< 0 to 100: the marks' mean by weight
+  std::vector<Mark> marks;                    ///< in the order of Criteria::criteria
+  std::vector<std::optional<double>> depths;  ///< in the order of Criteria::sites [m]
+  double points = 0.0;                        ///< 0 to 100: weighted mean of the marks
 };
 
-/// A measure of what was cut; none where there was nothing to measure.
+/// Returns a measure of what was cut; none if there was nothing to measure.
 using MeasureOfCut = std::function<std::optional<double>(const Criterion& criterion)>;
 
-/// Nothing where the trial touches nothing: least force is then no merit.
+/// Grades a trial.  Returns nothing if it touches nothing: a small force is no merit then.
 /// @param trainee  the trial (TrialIn) that the score is of.
-/// @param of_cut   needed where AsksForCuts.
+/// @param of_cut   needed if AsksForCuts.
 std::optional<Grade> GradeTrial(const Criteria& criteria, const Score& score,
                                 const HandPath& trainee, const MeasureOfCut& of_cut = nullptr);
-/// A criterion's measure of what a trial's burs left, beside what the expert's left.
-/// @param shape  of the trial.   @param file  of the criteria, for what is thrown.
-/// Throws Error where a criterion is about a tissue that the scene does not have.
+/// Returns a criterion's measure of what the trial's burs left, compared with the expert's result.
+/// @param shape  of the trial.   @param file  of the criteria, for error messages.
+/// Throws Error if a criterion names a tissue that the scene does not have.
 std::optional<double> MeasureCut(const Criterion& criterion, const SolidsCut& expert,
                                  const SolidsCut& trial, const CutShape& shape,
                                  const std::string& file);

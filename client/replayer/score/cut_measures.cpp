@@ -15,9 +15,10 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kSteepestShoulder = 45.0 * kDegree, kMostTaper = 30.0 * kDegree;
-constexpr double kUndercut = 1.0 * kDegree;  // less is how true a triangle of the grid is
-/// Directions round an axis, in which a border is measured; how many to either side smooth it, and
-/// how many the width of a shoulder is a mean of: edges of triangles do not lie in each.
+// A smaller angle is within the error of the grid's triangles.
+constexpr double kUndercut = 1.0 * kDegree;
+/// Directions round an axis in which a border is measured; number of neighbours on either side that
+/// smooth it; and those that average a shoulder's width, as not every direction has an edge.
 constexpr int kDirections = 360, kSmoothed = 10, kTogether = 3;
 
 const Body& BodyOf(const SolidsCut& cut, std::size_t solid) {
@@ -60,7 +61,7 @@ bool IsWhole(const CutField& left, std::size_t block) {
   return left.field().entry(block) == SparseField::kBelow;
 }
 
-/// Mean of what is seen in each direction round an axis.
+/// The mean of observations in each direction round an axis.
 class Round {
  public:
   Round(const Vec3& middle, const Vec3& axis) : middle_(middle), axis_(axis) {
@@ -79,7 +80,7 @@ class Round {
   struct At {
     double radius = 0.0, height = 0.0, weight = 0.0;
   };
-  /// Of a direction and so many to either side.  None: nothing was seen there.
+  /// Returns the mean over a direction and its neighbours; none without an observation there.
   std::optional<At> Mean(int direction, int beside = 0) const {
     At sum;
     for (int d = direction - beside; d <= direction + beside; ++d) {
@@ -98,7 +99,7 @@ class Round {
   std::array<At, kDirections> at_{};
 };
 
-/// Of a border, from its mean over some directions to either side (rms) [m].
+/// Returns the rms deviation of a border from its mean over neighbouring directions [m].
 double RoughnessOf(const Round& border) {
   double squares = 0.0;
   int count = 0;
@@ -114,13 +115,13 @@ double RoughnessOf(const Round& border) {
   return count > 0 ? std::sqrt(squares / count) : 0.0;
 }
 
-/// A region of a tissue: how far points outside of it are from it.
+/// A region of a tissue, for the distance of points outside it.
 class Region {
  public:
   explicit Region(const MaterialRegion& region) : region_(region) {
     if (!region.mesh.triangles.empty()) query_.emplace(region.mesh);
   }
-  /// No more than `within`; 0 inside.
+  /// Returns the distance, at most `within`; 0 inside.
   double DistanceTo(const Vec3& p_B, double within) const {
     if (query_) {
       const double distance = query_->Nearest(p_B, within).distance;
@@ -229,7 +230,7 @@ CutShape::CutShape(const SolidsCut& cut, const std::vector<SolidSurface>& surfac
                             is_cut});
     }
   }
-  std::unordered_map<std::uint64_t, std::uint32_t> open;  // by corners: the triangle before
+  std::unordered_map<std::uint64_t, std::uint32_t> open;  // by corners: the edge's first triangle
   for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
     for (int c = 0; c < 3; ++c) {
       const auto& corners = triangles_[t].corners;
@@ -334,7 +335,7 @@ void CutShape::AddWalls(const Vec3& axis, const std::vector<bool>& inside,
 void CutShape::AddBorder(const Vec3& axis, const std::vector<bool>& inside,
                          Preparation& found) const {
   const std::vector<bool> shoulder = ShoulderFrom(axis, inside);
-  std::vector<std::pair<Vec3, double>> border, foot;  // middles of edges, lengths
+  std::vector<std::pair<Vec3, double>> border, foot;  // midpoints and lengths of edges
   Vec3 middle = Vec3::Zero();
   double length = 0.0;
   for (const Edge& edge : edges_) {

@@ -13,62 +13,63 @@
 
 namespace palpate {
 
-/// What there was and what a session's bur left of a tissue: of all materials of that name.
+/// The volume of a tissue before and after a session; a tissue is all materials of one name.
 struct TissueCut {
-  std::string name;  ///< as the scene has it; "OBJECT" where it has none
+  std::string name;  ///< as in the scene; "OBJECT" if it has none
   double before_mm3 = 0.0, after_mm3 = 0.0;
-  /// While the session ran, by others' burs too.
+  /// Removed while the session ran, by others' burs too.
   double removed_mm3() const { return before_mm3 - after_mm3; }
 };
-/// Of a scene's solids, while they are whole, by block: counted once.  Empty at first.
+/// Cache of the volumes of a scene's whole solids, by block: each is counted once.
+/// Initially empty.
 using WholeVolumes = std::vector<std::map<std::size_t, std::array<double, SolidGrid::kMaterials>>>;
-/// In the order of solids and materials.
-/// @param whole  of the same scene; null: all is counted.
+/// Returns the tissues in the order of solids and materials.
+/// @param whole  of the same scene; null: counts all blocks.
 std::vector<TissueCut> TissuesOf(const SolidsCut& cut, const Place& place = std::nullopt,
                                  WholeVolumes* whole = nullptr);
-/// WholeSurface of each solid that is left.
+/// Returns the WholeSurface of each remaining solid.
 std::vector<SolidSurface> SurfacesOf(const SolidsCut& cut);
 
-/// Beside what a target left.
+/// The difference between a trial and its target.
 struct TargetDifference {
-  double missed_mm3 = 0.0;  ///< gone in the target, and still there
-  double excess_mm3 = 0.0;  ///< there in the target, and gone
+  double missed_mm3 = 0.0;  ///< removed in the target, but still there
+  double excess_mm3 = 0.0;  ///< present in the target, but removed
 };
 /// @param tissue  empty: all.   @param target  of the same scene.
 TargetDifference DifferenceTo(const SolidsCut& target, const SolidsCut& cut,
                               const std::string& tissue, const Place& place);
 
-/// A line of insertion, to which walls are to be parallel, and the border of a preparation.
+/// The measures of a preparation: its walls relative to an axis of insertion, and its margin.
 struct Preparation {
-  /// Angle of the walls to the axis, the median by area; above 0 where they narrow along it. Walls
-  /// lean by less than 30 degrees.  None: there are none.
+  /// Median by area of the angle of the walls to the axis, positive if they narrow along it.  A
+  /// wall leans by less than 30 degrees.  None: no walls.
   std::optional<double> taper_deg;
-  double undercut_share = 0.0;  ///< of the walls' area: widens along the axis by over 1 degree
-  /// Of the shoulder, from the border with what was not cut to where the wall begins, which is
-  /// steeper than 45 degrees; away from the middle of the border, mean over directions.  None:
-  /// there is no border.
+  /// Share of the walls' area that widens along the axis by over 1 degree.
+  double undercut_share = 0.0;
+  /// Mean width of the shoulder over all directions, away from the middle of the border: from the
+  /// border with uncut surface to the wall, which is steeper than 45 degrees.  None: no border.
   std::optional<double> width_mm;
-  double spread_mm = 0.0;  ///< of the width (standard deviation)
-  /// Of the border, from its mean over 10 degrees to either side (rms).
+  double spread_mm = 0.0;  ///< standard deviation of the width
+  /// Roughness (rms) of the border, relative to its mean over 10 degrees to either side.
   double roughness_mm = 0.0;
 };
 
-/// The surface of all solids of a trial, for measures of its shape.
+/// The surface of all solids of a trial, for shape measures.
 class CutShape {
  public:
-  /// @param surfaces  its SurfacesOf.   @param tissues  its TissuesOf.
+  /// @param surfaces  SurfacesOf(cut).   @param tissues  TissuesOf(cut).
   CutShape(const SolidsCut& cut, const std::vector<SolidSurface>& surfaces,
            std::vector<TissueCut> tissues);
   explicit CutShape(const SolidsCut& cut) : CutShape(cut, SurfacesOf(cut), TissuesOf(cut)) {}
 
-  /// Of what is left between the surface that burs made, or all of it where they made none, and a
-  /// tissue that regions of the scene paint: least distance [mm], 0 where it is opened.  Parts that
-  /// later regions painted over count, too.  None where no surface lies in the place.  Throws Error
-  /// where no region is of that name.
+  /// Returns the least distance [mm] from the surface that burs made to a tissue that regions of
+  /// the scene paint, 0 if the tissue is opened.  Uses the whole surface if burs made none.
+  /// Includes parts of the tissue that later regions painted over.  Returns none if no surface lies
+  /// in the place.  Throws Error if no region has that name.
   std::optional<double> ThicknessOver(const std::string& tissue, const Place& place) const;
-  /// @param axis  unit, W: out of the solid.
+  /// @param axis  unit, in W, pointing out of the solid.
   Preparation PreparationAlong(const Vec3& axis, const Place& place) const;
-  /// TissuesOf the whole trial, counted once.
+  /// Returns TissuesOf the whole trial, computed once.
   const std::vector<TissueCut>& tissues() const { return tissues_; }
 
  private:
@@ -76,14 +77,14 @@ class CutShape {
     std::array<std::uint32_t, 3> corners;
     Vec3 normal, middle;  ///< W
     double area;
-    bool is_cut;  ///< by a bur
+    bool is_cut;  ///< made by a bur
   };
-  /// Triangles on the two sides of an edge.
+  /// An edge and the triangles on its two sides.
   struct Edge {
     std::uint32_t a, b;
     std::array<std::uint32_t, 2> triangles;
   };
-  /// Triangles of the shoulder, of those that are inside.
+  /// Returns for each triangle whether it is of the shoulder; looks only at those inside.
   std::vector<bool> ShoulderFrom(const Vec3& axis, const std::vector<bool>& inside) const;
   void AddWalls(const Vec3& axis, const std::vector<bool>& inside, Preparation& found) const;
   void AddBorder(const Vec3& axis, const std::vector<bool>& inside, Preparation& found) const;

@@ -16,7 +16,7 @@ namespace palpate {
 namespace {
 
 constexpr double kMostVertices = 12'000.0;
-constexpr std::uint32_t kPlain = 0xe6dfd0;  // of a material without colour
+constexpr std::uint32_t kPlain = 0xe6dfd0;  // for a material without colour
 
 using Cube = std::array<int, 3>;
 
@@ -31,7 +31,7 @@ double AreaOf(const std::vector<SolidSurface>& surfaces) {
   return area;
 }
 
-/// Adds a surface, whose vertices within a cell of that width become one.
+/// Adds a surface, merging the vertices in each cell of that width into one.
 void AddThinned(const SolidSurface& surface, const CutSolid& solid, const Body& body, double width,
                 CutPicture& picture) {
   struct Sum {
@@ -67,7 +67,7 @@ void AddThinned(const SolidSurface& surface, const CutSolid& solid, const Body& 
   }
 }
 
-/// How far a point is off the surface of what was left of a solid, with its sign.
+/// The surface left of a solid, for the signed distance of points from it.
 class Target {
  public:
   Target(const CutField& left, const SolidSurface& surface) : left_(left), surface_(surface) {}
@@ -86,7 +86,7 @@ class Target {
   const CutField& left_;
   const SolidSurface& surface_;
   TriangleMesh mesh_;
-  std::optional<MeshQuery> query_;  // what is beyond the field's band asks for it
+  std::optional<MeshQuery> query_;  // answers for points beyond the field's band
 };
 
 std::string Base64(std::span<const std::byte> bytes) {

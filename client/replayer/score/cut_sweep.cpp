@@ -17,10 +17,9 @@
 namespace palpate {
 namespace {
 
-/// Poses, answers and the words of the session come on ways of their own: so many answers wait for
-/// the others.
+/// Number of answers that may wait: poses, answers and session messages arrive separately.
 constexpr std::size_t kWaiting = 1000;
-/// With these the loop took no step.
+/// Faults with which the loop took no step.
 constexpr std::uint32_t kNoStep = kFaultBadPose | kFaultPoseRejected | kFaultNotStarted;
 
 const Body& ToolOf(const Scene& scene, const std::string& name) {
@@ -43,7 +42,7 @@ CutSweep::CutSweep(const PlayedScene& played, const std::string& tool, std::stri
       model_(MakeModel(*played.scene, ToolOf(*played.scene, tool), played.objects)),
       state_(model_),
       cut_{played.scene, played.objects, state_.cuts, {}} {
-  // The chapter's rule of friction moves the tool once more after the step.
+  // Friction by the chapter's rule moves the tool again after the step.
   sure_ = played.scene->features.friction != FrictionModel::kChapter;
 }
 
@@ -57,7 +56,7 @@ void CutSweep::HearOfLoop(const RecordedSample& sample) {
   wire::Wrench wrench;
   if (sample.To(pose)) {
     Pose X_WH = wire::ToPose(pose);
-    // Twice, as the loop and the step do: for equal bits.
+    // Twice, as the loop and the step do, for equal bits.
     for (int i = 0; i < 2; ++i) X_WH.q.coeffs() /= std::sqrt(X_WH.q.squaredNorm());
     const auto at = std::ranges::upper_bound(hands_, pose.pose_sequence, {}, &Hand::pose_sequence);
     hands_.insert(at, {pose.pose_sequence, X_WH, (pose.buttons & kStopBur) == 0});
@@ -98,7 +97,7 @@ void CutSweep::Advance(std::size_t left) {
     }
     const bool is_there = !hands_.empty() && hands_.front().pose_sequence == answer.pose_sequence;
     const bool has_begun = !starts_.empty() && starts_.begin()->first < answer.pose_sequence;
-    // Of answers that are missing it is not known where the tool was.
+    // A missing answer leaves the tool's pose unknown.
     sure_ = is_there && (answer.answer == last_answer_ + 1 || !has_begun);
     if (sure_) Follow(hands_.front(), answer);
     last_answer_ = answer.answer;
@@ -126,7 +125,7 @@ void CutSweep::Follow(const Hand& hand, const wire::Wrench& answer) {
   }
 }
 
-/// As Energies::Cut does: straight, and without turning.
+/// Removes the tool's path as Energies::Cut does: straight, without rotation.
 void CutSweep::Sweep(const Pose& from, const Pose& to, bool stays_behind) {
   const Cutting& cutting = *model_.cutting();
   const Vec3 p_G = from * model_.reference();
@@ -147,7 +146,7 @@ void CutSweep::Sweep(const Pose& from, const Pose& to, bool stays_behind) {
   }
 }
 
-/// Whether nobody else cut there, before or meanwhile.
+/// Returns whether nobody else cut there, before or meanwhile.
 bool CutSweep::IsAlone() const {
   const auto log = scene_run_ ? logs_.find(*scene_run_) : logs_.end();
   if (log == logs_.end()) return logs_.empty() && !cut_before_;

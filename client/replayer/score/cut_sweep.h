@@ -17,22 +17,23 @@
 
 namespace palpate {
 
-/// What one hand of a recording cut, from where its answers say that the tool was: its way in each
-/// cycle is taken out of the solids as the step took it, and no step is solved again.  A tenth of
-/// the work of Verify, which alone says whether the answers are the physics' own.
+/// Computes what one recorded hand cut from the tool's poses in the recorded answers: removes the
+/// tool's path in each cycle from the solids as the step did, without solving a step.  It takes a
+/// tenth of the time of Verify, which alone checks that the answers are the physics' own.
 ///
-/// Not known so is what a tool cut in a cycle of several sub-steps, which it takes where it goes
-/// farther in one than half the grid's band or stays behind its hand; and what others cut in the
-/// scene, or anybody before the recording.  Then Finish says so, and Verify is to be asked.
+/// The result is not known if the tool may have cut in a cycle of several sub-steps (it moved
+/// farther in it than half the grid's band, or stayed behind its hand), if others cut in the
+/// scene, or if anything was cut before the recording.  Finish then returns none, and Verify has
+/// to be used.
 class CutSweep {
  public:
-  /// @param tool  the name of one of the scene's.   Throws Error where there is no such one.
+  /// @param tool  name of a tool of the scene.  Throws Error if there is none of that name.
   CutSweep(const PlayedScene& played, const std::string& tool, std::string station,
            std::uint64_t run);
 
-  /// A sample of the recording, in its order, while that is made or later.
+  /// Takes the next sample, in the recording's order, during the recording or later.
   void Hear(const RecordedSample& sample);
-  /// All has been heard.  None: it is not known here.
+  /// Returns the result after the last sample; none if it cannot be known here.
   std::optional<SolidsCut> Finish();
 
  private:
@@ -55,10 +56,10 @@ class CutSweep {
   HapticModel model_;
   StepState state_;
   SolidsCut cut_;
-  std::deque<Hand> hands_;                         ///< by their sequence; not yet used
+  std::deque<Hand> hands_;                         ///< by sequence; not yet used
   std::deque<wire::Wrench> answers_;               ///< not yet used
-  std::map<std::uint64_t, Pose> starts_;           ///< X_WG by the pose
-  std::map<std::uint64_t, std::uint64_t> wholes_;  ///< poses by their numbers
+  std::map<std::uint64_t, Pose> starts_;           ///< X_WG by the pose's sequence
+  std::map<std::uint64_t, std::uint64_t> wholes_;  ///< poses by the numbers of the wholes
   std::uint64_t wholes_done_ = 0;                  ///< the last number
   std::map<SceneRun, CutLogFacts> logs_;
   std::optional<SceneRun> scene_run_;

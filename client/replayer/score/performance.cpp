@@ -44,7 +44,7 @@ Performance Perform(const PlayedScene& played, const std::string& tool, const Po
     pose.pose_sequence = i + 1;
     pose.sample_time_ns = static_cast<std::int64_t>(i + 1) * 1'000'000;
     wire::FromPose(X_WH, pose.position_m, pose.orientation_wxyz);
-    // As in a session: the first pose is only looked at, the second begins the forces.
+    // As in a session: the first pose is only checked, forces start with the second.
     if (i == 1) loop.Start(ResolveStart(model, X_WH, workspace).X_WG);
     wire::Wrench answer{};
     loop.OnPose(pose, answer);
@@ -55,7 +55,7 @@ Performance Perform(const PlayedScene& played, const std::string& tool, const Po
         i == 0 ? X_WH : wire::ToPose(answer.graphic_position_m, answer.graphic_orientation_wxyz));
     done.path.force_N.push_back(wrench.force);
     done.path.torque_Nm.push_back(wrench.torque);
-    // Blocks that nobody takes would fill their ring, and be held back.
+    // Drains the blocks, which would otherwise fill their ring and be held back.
     for (CutBlock block; loop.TakeCut(block);) continue;
   }
   if (done.cut) done.cut->after = std::move(loop.cuts());
@@ -72,7 +72,7 @@ PlayedScene SceneIn(const std::string& recording, const std::string& name) {
     if (!sample.To(bundle.value)) continue;
     const wire::SceneBundle& of = bundle.value;
     if (of.scene == name) wanted = of.hash;
-    // A seat has no bytes of its own: its scene has them, under the same hash.
+    // A seat's sample has no bytes: the scene's own has them, under the same hash.
     if (of.bundle._length > 0) {
       bundles[of.hash] = {of.bundle._buffer, of.bundle._buffer + of.bundle._length};
     }

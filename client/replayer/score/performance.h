@@ -11,26 +11,26 @@
 
 namespace palpate {
 
-/// What a hand does in a scene, and what it leaves of it.
+/// The path of a hand in a scene, and what it left of the solids.
 struct Performance {
   HandPath path;
-  std::optional<SolidsCut> cut;  ///< where the scene has something to cut
+  std::optional<SolidsCut> cut;  ///< present if the scene has something to cut
 };
 
-/// A scene, and its objects as the step wants them.
+/// A scene, with its objects prepared for the step.
 struct PlayedScene {
   std::shared_ptr<const Scene> scene;
   std::shared_ptr<const SceneObjects> objects;
 };
 
-/// A scripted hand in a session of its own, a pose each millisecond, with the scene whole at first:
-/// what a recording of it would hold.
-/// @param tool  the name of one of the scene's.   @param until_s  no more of the script [s].
-/// Throws Error where there is no such tool.
+/// Simulates a scripted hand in a session of its own, one pose per millisecond, with the scene
+/// whole at first.  Returns what a recording of it would hold.
+/// @param tool  name of a tool of the scene.   @param until_s  end of the script [s].
+/// Throws Error if there is no such tool.
 Performance Perform(const PlayedScene& played, const std::string& tool, const PoseScript& script,
                     double until_s = std::numeric_limits<double>::infinity());
 
-/// A scene that a recording holds.  Throws Error where it does not.
+/// Returns a scene that a recording holds.  Throws Error if it holds none of that name.
 PlayedScene SceneIn(const std::string& recording, const std::string& name);
 
 }  // namespace palpate

@@ -20,7 +20,7 @@ struct Track {
   double duration_s = 0.0, peak_N = 0.0, contact_s = 0.0;
 };
 
-/// The trial, thinned.
+/// Returns the thinned trial.
 Track TrackOf(const HandPath& trial) {
   Track track;
   track.duration_s = trial.duration_s();
@@ -42,12 +42,13 @@ Track TrackOf(const HandPath& trial) {
   return track;
 }
 
-/// Least sum of distances over all monotone alignments (Sakoe & Chiba, IEEE ASSP 26 (1978) 43-49),
-/// as pairs of points from first to last.
+/// Returns the monotone alignment with the least sum of distances, as pairs of points from first to
+/// last (dynamic time warping: Sakoe & Chiba, IEEE ASSP 26 (1978) 43-49).
 std::vector<std::pair<std::size_t, std::size_t>> Align(const Track& a, const Track& b) {
   const std::size_t n = a.p.size(), m = b.p.size();
   std::vector<double> before(m), now(m);
-  std::vector<std::uint8_t> came(n * m);  // 0: from both, 1: from a's last, 2: from b's last
+  // 0: from both, 1: from a's previous point, 2: from b's previous point.
+  std::vector<std::uint8_t> came(n * m);
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = 0; j < m; ++j) {
       const double d = (a.p[i] - b.p[j]).norm();
@@ -82,7 +83,7 @@ std::vector<std::pair<std::size_t, std::size_t>> Align(const Track& a, const Tra
   return pairs;
 }
 
-/// Discrete Frechet distance (Eiter & Mannila, TU Wien report CD-TR 94/64, 1994).
+/// Returns the discrete Frechet distance (Eiter & Mannila, TU Wien report CD-TR 94/64, 1994).
 double Frechet(const Track& a, const Track& b) {
   const std::size_t n = a.p.size(), m = b.p.size();
   std::vector<double> before(m), now(m);
@@ -122,7 +123,7 @@ Score ScorePath(const HandPath& expert, const HandPath& trainee) {
     score.path_max_mm = std::max(score.path_max_mm, distance);
     score.turn_mean_deg += RotationLog(a.q[i] * b.q[j].conjugate()).norm();
     force2 += (a.force_N[i] - b.force_N[j]) * (a.force_N[i] - b.force_N[j]);
-    if (i == last) continue;  // the plots have one point for each of the expert's
+    if (i == last) continue;  // the plots have one point for each point of the expert
     last = i;
     score.time_s.push_back(a.time_s[i]);
     score.distance_mm.push_back(distance);

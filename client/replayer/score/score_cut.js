@@ -1,5 +1,5 @@
-// What is left, coloured by how far it is off what the expert left.  `pictures` is written before
-// this script.
+// Shows what a trial left, coloured by its distance from the expert's result.  The page defines
+// `pictures` before this script.
 {
   const canvas = document.getElementById("cut");
   const whose = document.getElementById("whose");

@@ -1,4 +1,4 @@
-// The paths in space, at the time that the slider says.  `score` is written before this script.
+// Shows the paths in space at the slider's time.  The page defines `score` before this script.
 const canvas = document.getElementById("space");
 const slider = document.getElementById("time");
 const now = document.getElementById("now");
@@ -6,7 +6,7 @@ const clock = document.getElementById("clock");
 const {time, tracks} = score;
 let azimuth = 0.6;
 let height = 0.45;
-let nearer = 1; // then about where the expert is
+let nearer = 1; // zoom; above 1 it is centred on the expert's hand
 
 const all = tracks.flatMap(({p}) => p);
 const middle = [0, 1, 2].map((i) => {
@@ -17,7 +17,7 @@ const reach = Math.max(1, ...all.map((p) => Math.hypot(...p.map((x, i) => x - mi
 const look = (name) => getComputedStyle(document.body).getPropertyValue(name);
 const series = (i) => `--series-${(i % 8) + 1}`;
 
-/// To the right and up, in millimetres from the middle: y is up, as in the scenes.
+/// Returns right and up coordinates on the screen, in millimetres from `about`; y is up, as in the scenes.
 function onPaper(p, about) {
   const [x, y, z] = p.map((value, i) => value - about[i]);
   const right = x * Math.cos(azimuth) - z * Math.sin(azimuth);
@@ -57,7 +57,7 @@ function draw() {
     pen.arc(...at(p[k]), 5, 0, 2 * Math.PI);
     pen.fill();
   });
-  // A length to measure by.
+  // The scale bar.
   const round = 10 ** Math.floor(Math.log10(reach / nearer));
   pen.strokeStyle = pen.fillStyle = look("--quiet");
   pen.lineWidth = 1.5;

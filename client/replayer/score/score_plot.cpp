@@ -11,18 +11,18 @@ namespace palpate {
 namespace {
 
 // In pixels.
-constexpr double kWidth = 960.0, kHeight = 300.0;  // of the picture; of a frame
+constexpr double kWidth = 960.0, kHeight = 300.0;  // of the picture; of one plot's frame
 constexpr double kLeft = 78.0, kRight = kWidth - 26.0;
 constexpr double kFont = 13.0, kLine = 18.0;
 
-constexpr std::size_t kColours = 8;  // --series-1 and on of the palette
+constexpr std::size_t kColours = 8;  // --series-1 to --series-8 of the palette
 
 constexpr const char* kCss =
     "svg{font-family:var(--font)}.paper{fill:var(--paper)}.ink{fill:var(--ink)}.quiet{fill:var(--"
     "quiet)}.bold{font-weight:600}.grid{stroke:var(--line)}.frame{stroke:var(--quiet);fill:none}."
     "curve{fill:none;stroke-width:1.6;stroke-linejoin:round}\n";
 
-/// About what a sans-serif takes; a little more rather than less.
+/// Returns the approximate width in a sans-serif font, rather too large than too small.
 double WidthOf(const std::string& text) {
   const auto letters = std::ranges::count_if(text, [](char c) { return (c & 0xC0) != 0x80; });
   return 0.58 * kFont * static_cast<double>(letters);
@@ -42,10 +42,10 @@ std::string Curve(std::size_t line, const std::string& points) {
       line % kColours + 1);
 }
 
-/// From 0 to a round number that is not below any value.
+/// An axis from 0 to a round number that is not below any value.
 class Scale {
  public:
-  /// @param from, to  of 0 and of the end [px]
+  /// @param from, to  positions of 0 and of the end [px]
   Scale(double greatest, double from, double to) : from_(from), to_(to) {
     const double raw = (greatest > 0.0 ? greatest : 1.0) / (std::abs(to - from) / 70.0);
     const double decade = std::pow(10.0, std::floor(std::log10(raw)));

@@ -24,22 +24,22 @@
 namespace palpate {
 namespace {
 
-/// Of a path on the page: more than a screen's pixels show nothing new.
+/// Points of a path on the page: more would not show on a screen.
 constexpr std::size_t kMostShown = 600;
 
 constexpr const char* kOneTrial =
     "One trial predicts nothing: give several, and go by their average.";
-/// Of a hand's script.
+/// Ending of a hand's script.
 constexpr std::string_view kScriptEnding = ".path.json";
 constexpr const char* kUntouched = "nothing was touched";
 
-/// What is told of each trial beside its marks.
+/// A figure listed for each trial beside its marks.
 struct Figure {
   const char* name;
   const char* unit;
   int digits;
   double Score::*trainee;
-  double Score::*expert;  ///< none: a difference from the expert
+  double Score::*expert;  ///< none: the figure is a difference from the expert
 };
 constexpr Figure kFigures[] = {
     {"Time", "s", 2, &Score::trainee_s, &Score::expert_s},
@@ -64,12 +64,12 @@ std::string ToText(const Average& average, int digits, const char* unit = "") {
   return *unit == '\0' ? text : text + " " + unit;
 }
 
-/// In the measure's own unit: shares as per cent.
+/// Returns the value in the measure's own unit; shares in per cent.
 double Shown(const Criterion& criterion, double value) {
   return MeasureOf(criterion.measure).unit == std::string("%") ? 100.0 * value : value;
 }
 
-/// Of the trials that have a grade; nothing where none has.
+/// Returns the mean of the trials that have a grade; nothing if none has.
 std::optional<Average> AverageGrade(const Report& report,
                                     const std::function<double(const Grade&)>& of) {
   std::vector<double> values;
@@ -83,8 +83,8 @@ std::optional<Average> PointsOf(const Report& report) {
   return AverageGrade(report, [](const Grade& grade) { return grade.points; });
 }
 
-/// JSON as an expression in a script element, where HTML ends the script at "</script", and does
-/// not end it after "<!--<script": no such letter is left, in what can be text alone.
+/// Returns JSON as an expression for a script element.  HTML ends a script at "</script", but not
+/// after "<!--<script", so <, > and & are escaped; they only occur in JSON strings.
 std::string Embedded(const nlohmann::ordered_json& json) {
   std::string script;
   for (const char c : json.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace)) {
@@ -96,8 +96,8 @@ std::string Embedded(const nlohmann::ordered_json& json) {
   return script;
 }
 
-/// By what a recording is called in a report, where it heads a column.
-/// @param station  as it was chosen; empty: it was not.
+/// Returns the name of a recording in a report, as the heading of a column.
+/// @param station  as chosen; empty: none was.
 std::string NameOf(const std::string& file, const std::string& station) {
   constexpr std::size_t kMost = 60;
   const std::string all = Printable(std::filesystem::path(file).stem().string());
@@ -223,12 +223,12 @@ std::string FiguresHtml(const Report& report) {
   return html + "</table></div>\n";
 }
 
-/// Of a tissue of the expert's; a trial is of the same scene.
+/// Returns the trial's tissue that the expert's report names; both are of the same scene.
 const TissueCut& TissueOf(const std::vector<TissueCut>& cut, const std::string& name) {
   return *std::ranges::find(cut, name, &TissueCut::name);
 }
 
-/// Where score_cut.js draws; the trials' pictures come after the expert's.
+/// Returns the element in which score_cut.js draws; the trials' pictures come after the expert's.
 std::string PictureHtml(const Report& report) {
   if (report.pictures.empty()) return "";
   return "<canvas id=\"cut\" role=\"img\" aria-label=\"What is left, coloured by how it differs "
@@ -299,16 +299,16 @@ bool HaveEqualSolids(const SolidsCut& a, const SolidsCut& b) {
   });
 }
 
-/// What the trials are set beside, and what of it all of them need.
+/// The expert's performance, with what all trials need of it.
 struct Expert {
   Performance done{};
   std::vector<SolidSurface> surfaces{};
   WholeVolumes whole{};
 };
 
-/// A trial, what its burs left beside what the expert's did, if he has cut; and its grade, if there
+/// Adds a trial: its cuts compared with the expert's, if he has cut, and its grade, if there
 /// are criteria.
-/// @param cut  none: it is had from the recording, if need be.
+/// @param cut  none: taken from the recording, if needed.
 void AddTrial(Expert& expert, const HandPath& trial, std::optional<SolidsCut> cut,
               const std::string& file, const std::string& name, Report& report) {
   const Performance& done = expert.done;
@@ -357,7 +357,7 @@ HandPath PathIn(const std::string& file, const SessionChoice& choice) {
   return TrialIn(ReadHandPath({file}, choice), file);
 }
 
-/// @param first  a trial: of its scene and tool.   @param played  that scene, if it is there.
+/// @param first  a trial, for scene and tool.   @param played  that scene, if loaded.
 void SetExpert(const ScoreOptions& options, const HandPath& first,
                const std::optional<PlayedScene>& played, Expert& expert, Report& report) {
   if (options.expert.ends_with(kScriptEnding)) {

@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-/// Between two looks at a recording that is being made.
+/// Time between two checks of a recording that is being made.
 constexpr std::chrono::milliseconds kLook{100};
 
 SolidsCut CutAgain(const std::string& file, const HandPath& path) {
@@ -46,7 +46,7 @@ SolidsCut CutIn(const std::string& file, const HandPath& path) {
   std::optional<SolidsCut> cut;
   try {
     cut = SweptIn(file, path, SceneIn(file, path.scene));
-  } catch (const Error&) {  // without its scene, say: Verify knows where to look for that
+  } catch (const Error&) {  // for instance without its scene, which Verify may find elsewhere
   }
   return cut ? *std::move(cut) : CutAgain(file, path);
 }
@@ -71,7 +71,7 @@ std::optional<HandPath> BegunIn(const std::string& file, const std::string& stat
       }
       if (has_scene && !begun.station.empty()) return begun;
       if (reader.complete()) return std::nullopt;
-    } catch (const Error&) {  // it has yet to be made
+    } catch (const Error&) {  // the file does not exist yet
     }
   } while (!stop.WaitFor(kLook));
   return std::nullopt;

@@ -10,20 +10,20 @@
 
 namespace palpate {
 
-/// What the tool of a recorded session cut, from where it was (CutSweep); none where that is not
-/// known so.  Throws Error where the file cannot be read.
-/// @param path  the session; its way is not asked for.   @param played  its scene.
-/// @param stop  null: all of the recording is there; else it is being made, and is waited for
-///              until its end, or a signal.
+/// Returns what the tool of a recorded session cut, computed from its poses (CutSweep); none if
+/// that does not suffice.  Throws Error if the file cannot be read.
+/// @param path    the session; its samples are not used.   @param played  its scene.
+/// @param stop    null: the recording is complete; otherwise it is being made, and its end, or a
+///                signal, is waited for.
 std::optional<SolidsCut> SweptIn(const std::string& file, const HandPath& path,
                                  const PlayedScene& played, StopSignal* stop = nullptr);
 
-/// The same, and where that is not known so, computed again by the physics.  Throws Error where
-/// that is not what was recorded.
+/// Returns the same result, recomputed by the physics if poses alone do not suffice.  Throws Error
+/// if that differs from the recorded wrenches.
 SolidsCut CutIn(const std::string& file, const HandPath& path);
 
-/// The session of a recording that is being made, without its way, as soon as that and its scene
-/// are there.  None where it ends before, or a signal comes.
+/// Returns the session of a recording that is being made, without samples, as soon as it and its
+/// scene have been recorded.  Returns none if the recording ends before, or a signal comes.
 /// @param station  as SessionChoice::wanted.
 std::optional<HandPath> BegunIn(const std::string& file, const std::string& station,
                                 StopSignal& stop);

@@ -19,11 +19,11 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Lines = std::vector<std::string>;
 
-/// What a certificate says, in one language.
+/// The texts of a certificate in one language.
 class Words {
  public:
   explicit Words(std::size_t at) : all_(Json::parse(kCertificateCatalogues.at(at).second)) {}
-  /// @param values  fmt::arg of what stands in braces.
+  /// @param values  fmt::arg for each name in braces.
   template <class... Values>
   std::string operator()(const char* key, const Values&... values) const {
     return fmt::format(fmt::runtime(all_.at(key).get_ref<const std::string&>()), values...);
@@ -48,7 +48,7 @@ std::string PageName(std::size_t at) {
                  : fmt::format("certificate.{}.html", kCertificateCatalogues[at].first);
 }
 
-/// Why a trial is refused is English: it quotes files and programs.
+/// Returns a trial's verdict.  Reasons of refusal are in English: they quote files and programs.
 std::string VerdictOf(const SealedVerdict& trial, const Words& words) {
   if (!trial.seal || !trial.refused.empty()) return trial.refused;
   std::string text;
@@ -155,7 +155,7 @@ std::string RowOf(const SealedVerdict& trial, const Words& words) {
       Escaped(VerdictOf(trial, words)));
 }
 
-/// @param at  of the language.
+/// @param at  index of the language.
 std::string Html(const Certificate& certificate, std::size_t at) {
   const Words words(at);
   std::string languages;

@@ -9,15 +9,15 @@
 
 namespace palpate {
 
-/// What certificates are written in, English first: BCP 47 tag and catalogue
-/// (certificate/TAG.json).
+/// The languages of certificates, English first: BCP 47 tag and catalogue (certificate/TAG.json).
 extern const std::vector<std::pair<std::string_view, std::string_view>> kCertificateCatalogues;
 
 std::string ToText(const Certificate& certificate);
 /// @param file  "-" is stdout.  Throws Error.
 void WriteJson(const Certificate& certificate, const std::string& file);
-/// Into a folder, which is made: certificate.txt and .json in English; certificate.html,
-/// certificate.de.html and so on, which print and name each other.  Throws Error.
+/// Writes the certificate into a folder, which it creates: certificate.txt and .json in
+/// English; certificate.html, certificate.de.html and so on, printable and linked to each
+/// other.  Throws Error.
 void WriteCertificate(const Certificate& certificate, const std::string& folder);
 
 }  // namespace palpate

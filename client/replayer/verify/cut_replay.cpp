@@ -31,7 +31,7 @@ std::map<std::pair<std::string, std::uint64_t>, CutFacts> CutLogFacts::Sessions(
   std::map<std::uint32_t, CutFacts> facts;
   std::map<std::pair<std::string, std::uint64_t>, std::uint32_t> numbers;
   struct Given {
-    std::uint64_t all = 0, merged = 0;  // blocks, up to this number
+    std::uint64_t all = 0, merged = 0;  // number of blocks
     std::uint64_t known = 0;            // up to this pose
   };
   std::map<std::uint32_t, Given> given;
@@ -60,7 +60,7 @@ std::map<std::pair<std::string, std::uint64_t>, CutFacts> CutLogFacts::Sessions(
           break;
         case palpate_CUT_WHOLE:
         case palpate_CUT_BACK:
-          // What was given before is void.
+          // Blocks given before are void.
           for (auto& [session, one] : given) one.merged = one.all;
           break;
         default:

@@ -17,26 +17,26 @@
 
 namespace palpate {
 
-/// What a server's log says of one session of a scene that burs cut.
+/// What a server's cut log says about one session of a scene that burs cut.
 struct CutFacts {
-  std::uint32_t session = 0;                   ///< its number; 0: the log does not know it
+  std::uint32_t session = 0;                   ///< its number; 0: not in the log
   std::map<std::uint64_t, CutMerge> merges{};  ///< by pose
-  /// Poses at which its loop had no room to tell blocks: from, and before.
+  /// Ranges of poses, [first, second), in which its loop had no room to report blocks.
   std::vector<std::pair<std::uint64_t, std::uint64_t>> held{};
   std::optional<wire::CutEvent> ended{};
-  /// What it merged is known up to this pose.
+  /// The merges are known up to this pose.
   std::uint64_t known = std::numeric_limits<std::uint64_t>::max();
 
   bool IsHeld(std::uint64_t pose_sequence) const;
 };
 
-/// The log of a scene in one run of a server, as far as it was recorded.
+/// The cut log of a scene in one run of a server, as far as it was recorded.
 class CutLogFacts {
  public:
   void Add(const wire::CutLog& sample);
-  /// After all: what it says of each session, by station and run.
+  /// Returns the facts of each session, by station and run.  Call it after the last Add.
   std::map<std::pair<std::string, std::uint64_t>, CutFacts> Sessions() const;
-  /// In their order; none where samples are missing.
+  /// Returns the events in order; none for each missing sample.
   std::vector<std::optional<wire::CutEvent>> Events() const;
 
  private:
@@ -47,18 +47,19 @@ class CutLogFacts {
   std::map<std::uint64_t, Sample> samples_;  // by number
 };
 
-/// A session's part in it: what its loop tells, and what it is given.
+/// A session's part in the replay: the blocks that its loop reports, and those that it receives.
 class CutSide {
  public:
   explicit CutSide(const CutFacts& facts) : facts_(facts) {}
   const CutFacts& facts() const { return facts_; }
 
   enum class Ready { kYes, kNotYet, kNever };
-  /// Whether all is there that its loop merges from this pose on.  kNever: why().
+  /// Returns whether all blocks are there that its loop merges from this pose on.  For kNever,
+  /// why() gives the reason.
   Ready IsReadyFor(std::uint64_t pose_sequence);
-  /// Gives it to the loop, before that pose.
+  /// Passes the blocks to the loop; call it before that pose.
   void Give(std::uint64_t pose_sequence, ServoLoop& loop);
-  /// Takes what the loop told, after it.
+  /// Takes the blocks that the loop reported; call it after the pose.
   void Take(ServoLoop& loop);
   const std::string& why() const { return why_; }
 
@@ -71,34 +72,35 @@ class CutSide {
   std::string why_;
 };
 
-/// A session that is computed again.
+/// A session that is recomputed.
 class CutSession {
  public:
   virtual ~CutSession() = default;
   virtual CutSide& side() = 0;
   virtual ServoLoop& loop() = 0;
   virtual std::span<const CutSolid> solids() const = 0;
-  /// No more of it will be computed; and the last pose that was.
+  /// True if no more of it will be computed.
   virtual bool is_done() const = 0;
   virtual std::uint64_t last_pose() const = 0;
   virtual const std::string& station() const = 0;
 };
 
-/// Does again what a server did with what burs of a scene cut: takes blocks from the sessions'
-/// loops and gives them to others, in the order of its log.  Each event waits until the session has
-/// come to where it was then; that ends, since what was given had been taken before.
+/// Repeats how a server shared what burs of a scene cut: takes blocks from the sessions' loops and
+/// gives them to others, in the order of its log.  Each event waits until its session has reached
+/// the same point.  This terminates, since every block was taken before it was given.
 class CutReplay {
  public:
-  /// @param open  a session by its number in the log, from the beginning; null: it is not recorded.
+  /// @param open  returns a session, from its beginning, by its number in the log; null:
+  ///              not recorded.
   CutReplay(std::vector<std::optional<wire::CutEvent>> events,
             std::function<CutSession*(std::uint32_t)> open)
       : events_(std::move(events)), open_(std::move(open)) {}
 
-  /// As many events as can be done now.  True where any was.
+  /// Does as many events as possible now.  Returns true if it did any.
   bool Advance();
-  /// The session has told all that it will, and the log needs it no more.
+  /// Returns true if the session has reported all blocks and the log no longer needs it.
   bool IsOver(std::uint32_t session) const { return over_.contains(session); }
-  /// The recording is at its end: who still waits for blocks waits in vain.
+  /// Ends waiting at the end of the recording: blocks still missing will never come.
   void GiveUp();
 
  private:
@@ -115,11 +117,11 @@ class CutReplay {
   std::vector<std::optional<wire::CutEvent>> events_;
   std::size_t next_ = 0;
   std::function<CutSession*(std::uint32_t)> open_;
-  std::optional<CutUnion> union_;  // with the first that is recorded
-  std::string unknown_;            // why what there is is not known; empty: it is
+  std::optional<CutUnion> union_;  // made with the first recorded session
+  std::string unknown_;            // why the union is not known; empty: it is
   std::string bookmark_unknown_;
   std::map<std::uint32_t, CutSession*> sessions_;
-  std::map<std::uint32_t, std::uint64_t> given_;  // blocks, by session
+  std::map<std::uint32_t, std::uint64_t> given_;  // number of blocks, by session
   std::map<std::uint32_t, bool> over_;
 };
 

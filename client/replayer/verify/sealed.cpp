@@ -27,14 +27,15 @@ std::string EndsIn(const std::string& text, const char* ending) {
   return text.substr(0, text.size() - std::string_view(ending).size());
 }
 
-/// The files below a folder with this ending, by their paths from there.
+/// Returns the files below a folder with this ending, by their relative paths.
 std::vector<std::string> FilesBelow(const std::string& folder, const char* ending) {
   std::vector<std::string> files;
   std::error_code error;
   for (const auto& entry : fs::recursive_directory_iterator(folder, error)) {
     const std::string path = entry.path().string();
     if (!path.ends_with(ending)) continue;
-    files.push_back(entry.path().lexically_relative(folder).string());  // a link is no other place
+    // Relative to the folder; does not follow links.
+    files.push_back(entry.path().lexically_relative(folder).string());
   }
   if (error) throw Error(folder + ": cannot be read (" + error.message() + "); give a course's");
   std::ranges::sort(files);
@@ -57,7 +58,8 @@ std::string NumberedName(const std::string& exam, std::int64_t number) {
   return fmt::format("{}-{}", exam, number);
 }
 
-/// Leaves one exam's.  What no key of ours has sealed may be of any, and stays.
+/// Keeps the trials of one exam.  Those that no key of ours has sealed may be of any exam,
+/// and stay.
 std::string ChooseExam(const std::string& wanted, std::vector<SealedVerdict>& trials) {
   std::set<std::string> exams;
   for (const SealedVerdict& trial : trials) {
@@ -80,7 +82,7 @@ std::string ChooseExam(const std::string& wanted, std::vector<SealedVerdict>& tr
   return exam;
 }
 
-/// What its bytes are, and what the physics says of them.  Returns why it is refused.
+/// Checks the recording's bytes, then its physics.  Returns why it is refused; empty if it is not.
 std::string Judge(const std::string& recording, const VerifyOptions& options,
                   SealedVerdict& verdict) {
   const Seal& seal = *verdict.seal;
@@ -106,7 +108,7 @@ std::string Judge(const std::string& recording, const VerifyOptions& options,
     verdict.recorded_s += session.recorded_s;
     verdict.sessions.emplace_back(session.station, session.run);
   }
-  // Where nobody has moved a tool there is nothing to compute.
+  // If no tool was moved, there is nothing to compute.
   const bool good = std::ranges::all_of(verification.sessions, [](const SessionVerdict& session) {
     return session.good() || session.recorded == 0;
   });
@@ -133,7 +135,8 @@ void JudgeAll(std::vector<SealedVerdict>& trials,
   work();
 }
 
-/// One recording is one person's, and one trial's.  A copy that is refused anyway spoils nothing.
+/// Refuses a recording that is used for two persons or two trials.  Copies that are refused anyway
+/// do not count.
 void RefuseTwice(std::vector<SealedVerdict>& trials) {
   std::map<std::string, std::vector<SealedVerdict*>> by_content;
   for (SealedVerdict& trial : trials) {
@@ -153,7 +156,7 @@ void RefuseTwice(std::vector<SealedVerdict>& trials) {
   }
 }
 
-/// Nothing is left out, and nothing is there that was not handed in.
+/// Compares the trials with the roll: nothing may be missing, and nothing may be added.
 void CompareToRoll(const std::string& folder, const SealKey& key, Certificate& certificate) {
   const std::string file = folder + "/exams/" + certificate.exam + kRollEnding;
   std::error_code none;

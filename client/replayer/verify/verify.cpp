@@ -31,11 +31,11 @@
 namespace palpate {
 namespace {
 
-/// A wrench may overtake its pose in the recording, by what a burst holds.
+/// A wrench may precede its pose in the recording, by at most a burst of samples.
 constexpr std::size_t kMostAhead = 1000;
-/// Samples between looks at Ctrl-C.
+/// Samples between two checks for Ctrl-C.
 constexpr std::uint64_t kLook = 4096;
-/// Of sessions; a server has 32, and a recording may be of several.
+/// Sessions at the same time; a server has 32, and a recording may be of several servers.
 constexpr std::size_t kMostAtOnce = 256;
 
 enum class Number { kDouble, kUint64, kInt64, kUint32 };
@@ -47,7 +47,7 @@ struct Field {
 };
 #define PALPATE_FIELD(name, count, columns, number) \
   { #name, offsetof(wire::Wrench, name), count, columns, Number::number }
-// All but step_time_s.
+// All fields but step_time_s.
 constexpr Field kFields[] = {
     PALPATE_FIELD(pose_sequence, 1, 0, kUint64),
     PALPATE_FIELD(pose_time_ns, 1, 0, kInt64),
@@ -97,19 +97,19 @@ std::string ToText(const std::byte* at, Number number) {
   }
 }
 
-/// The scenes of a recording: those in it, and for the others the catalogue's, if they are the
-/// same.
+/// The scenes of a recording: those that it holds, and for others the catalogue's, if their
+/// hashes agree.
 class Scenes {
  public:
-  /// @param folder  of the recording.
+  /// @param folder  that holds the recording.
   Scenes(const VerifyOptions& options, std::filesystem::path folder)
       : options_(options), folder_(std::move(folder)) {}
 
-  /// Throws Error where it is not the one that its hash names.
+  /// Throws Error if the bundle does not match its hash.
   void AddBundle(const wire::SceneBundle& bundle) {
     const std::string hash = Hex16(bundle.hash);
     AddHash(bundle.scene, hash);
-    if (bundle.bundle._length == 0) return;  // a seat: of that hash there is another
+    if (bundle.bundle._length == 0) return;  // a seat: another sample has the bytes of that hash
     CheckBundleHash({bundle.bundle._buffer, bundle.bundle._length}, bundle.hash,
                     "the recording's scene " + Quoted(bundle.scene));
     bundles_[hash] = {bundle.bundle._buffer, bundle.bundle._buffer + bundle.bundle._length};
@@ -145,7 +145,7 @@ class Scenes {
     std::map<std::string, std::unique_ptr<HapticModel>> models;
   };
 
-  /// What of that is known to differ.
+  /// Returns which of the effects are known to differ.
   std::string WhatEffects(const std::string& name, const std::vector<Effect>& of_scene) const {
     const auto bundle = bundles_.find(HashOf(name));
     if (bundle == bundles_.end()) return "";
@@ -197,16 +197,16 @@ class Scenes {
   std::map<std::string, std::unique_ptr<Loaded>> loaded_;
 };
 
-/// What a session's answers depend on besides its poses.
+/// The inputs of a session besides its poses.
 struct SessionFacts {
   std::string station, scene, tool;
   std::uint64_t run = 0, server_run = 0;
-  std::map<std::uint64_t, Pose> starts;           ///< X_WG by the pose that it begins with
+  std::map<std::uint64_t, Pose> starts;           ///< X_WG by the pose at which forces start
   std::map<std::uint64_t, std::uint64_t> wholes;  ///< LoopWhole.pose_sequence by its number
   CutFacts cuts{};
 };
 
-/// One session's loop, fed in the order that it was fed then.
+/// One session's loop, fed in the original order.
 class SessionReplay : public CutSession {
  public:
   SessionReplay(const SessionFacts& facts, const HapticModel& model, std::int64_t began_ns)
@@ -219,9 +219,9 @@ class SessionReplay : public CutSession {
     next_start_ = facts_.starts.begin();
   }
 
-  /// Before its first pose: the verdict is to have what of the solids is cut.
+  /// Makes the verdict keep the solids' cuts; call it before the first pose.
   void WantCut(SolidsCut cut) { verdict_.cut = std::move(cut); }
-  /// It is not known what it began with.
+  /// Ends the session, as its initial state is not known.
   void BeginUnknown() {
     Stop(
         "what burs had cut before the recording began is not in it; make the scene whole, then "
@@ -252,7 +252,7 @@ class SessionReplay : public CutSession {
     ++verdict_.recorded;
     ++verdict_.broken;
   }
-  /// No more of it comes.
+  /// Ends the input.
   /// @param cut_off  the recording has no end.
   void Close(bool cut_off) {
     if (cut_off) ForgetAfter(newest_pose_);
@@ -260,11 +260,11 @@ class SessionReplay : public CutSession {
     closed_ = true;
     Advance();
   }
-  /// As far as what it waits for is there.
+  /// Computes as far as the input allows.
   void Advance() {
     while (!waiting_.empty() && verdict_.ends.empty()) {
       const auto& [wrench, time_ns] = waiting_.front();
-      if (wrench.pose_sequence > facts_.cuts.known) return;  // forgotten with the end
+      if (wrench.pose_sequence > facts_.cuts.known) return;  // Close removes it
       if (wrench.answer <= taken_) return Stop(fmt::format("answer {} comes again", wrench.answer));
       if (!poses_.contains(wrench.pose_sequence)) {
         if (!closed_ && waiting_.size() < kMostAhead) return;
@@ -279,7 +279,7 @@ class SessionReplay : public CutSession {
     if (!verdict_.ends.empty()) poses_.clear();
     if (closed_) is_computed_ = is_computed_ || FeedUnanswered();
   }
-  /// Once it is done.
+  /// Returns the verdict; call it when is_done().
   SessionVerdict Verdict() {
     if (verdict_.cut) {
       if (verdict_.cut->before.empty()) verdict_.cut->before = loop_.cuts();
@@ -294,8 +294,9 @@ class SessionReplay : public CutSession {
   }
 
  private:
-  /// Poses, wrenches and what loops merged come to the recorder on ways of their own: it may have
-  /// been cut off between a wrench and the pose that it answers, or what was merged before it.
+  /// Drops the wrenches after a pose.  Poses, wrenches and merges reach the recorder separately,
+  /// so it may have been cut off after a wrench but before its pose, or before a merge that the
+  /// pose needs.
   void ForgetAfter(std::uint64_t pose_sequence) {
     while (!waiting_.empty() && waiting_.back().first.pose_sequence > pose_sequence) {
       waiting_.pop_back();
@@ -310,8 +311,8 @@ class SessionReplay : public CutSession {
     poses_.clear();
   }
 
-  /// Before it ended it had poses whose answers the recorder missed: what its bur cut with them,
-  /// others may have been given.  False where that must wait.
+  /// Feeds the poses before the end whose answers the recorder missed: other sessions may have
+  /// received what the bur cut at them.  Returns false if it must wait.
   bool FeedUnanswered() {
     if (!facts_.cuts.ended) return true;
     const wire::CutEvent& ended = *facts_.cuts.ended;
@@ -326,13 +327,13 @@ class SessionReplay : public CutSession {
     return true;
   }
 
-  /// False where that must wait.
+  /// Returns false if it must wait.
   bool Verify(const wire::Wrench& wrench, std::int64_t time_ns) {
     const auto end = poses_.find(wrench.pose_sequence);
     const std::uint32_t unseen = wrench.answer - taken_ - 1;
     const auto between = static_cast<std::uint64_t>(std::distance(poses_.begin(), end));
     if (unseen != 0 && unseen == between) {
-      // Their answers are not in the recording, but the loop has had every one of them.
+      // The recording lacks their answers, but the loop received every one of these poses.
       while (poses_.begin() != end) {
         wire::Wrench ignored;
         if (!Feed(poses_.begin()->second, ignored)) return !verdict_.ends.empty();
@@ -349,7 +350,7 @@ class SessionReplay : public CutSession {
     }
     wire::Wrench computed;
     if (!Feed(end->second, computed)) return !verdict_.ends.empty();
-    // Those that remain never reached the server.
+    // Poses that remain never reached the server.
     poses_.erase(poses_.begin(), std::next(end));
     if (auto difference = Difference(wrench, computed)) {
       if (verdict_.different++ == 0) {
@@ -362,7 +363,8 @@ class SessionReplay : public CutSession {
     return true;
   }
 
-  /// False where it must wait, or can never be: then the verdict says why.
+  /// Returns false if the input it needs has not arrived yet, or never will; the verdict then
+  /// says why.
   bool Feed(const wire::HapticPose& pose, wire::Wrench& answer) {
     if (const CutSide::Ready ready = side_.IsReadyFor(pose.pose_sequence);
         ready != CutSide::Ready::kYes) {
@@ -412,11 +414,11 @@ class SessionReplay : public CutSession {
   std::int64_t began_ns_, first_ns_ = 0, last_ns_ = 0, computed_ns_ = 0;
 };
 
-/// A scene, and the run of a server.
+/// A scene in one run of a server.
 using SceneRun = std::pair<std::string, std::uint64_t>;
 
-/// The first pass: what sessions there were, and the scenes.
-/// @param last_samples  the number of the last sample of each topic of a loop.
+/// The first pass: collects the sessions and the scenes.
+/// @param last_samples  receives the number of the last sample of each loop topic.
 std::vector<std::unique_ptr<SessionFacts>> Gather(
     RecordingReader& reader, Scenes& scenes, std::int64_t& began_ns,
     std::map<std::string, std::uint64_t>& last_samples, std::map<SceneRun, CutLogFacts>& logs) {
@@ -483,7 +485,7 @@ void Merge(const CutField& from, CutField& to) {
   }
 }
 
-/// The second pass: gives each session its samples, and all of them each other's cuts.
+/// The second pass: passes samples to their sessions, and cuts between sessions.
 class Verifier {
  public:
   Verifier(const std::vector<std::string>& files, const VerifyOptions& options)
@@ -540,7 +542,7 @@ class Verifier {
     for (auto& [topic, session] : replayed_) {
       if (!session.replay || session.is_closed) continue;
       session.is_closed = true;
-      session.replay->Close(true);  // where it was until then
+      session.replay->Close(true);  // as far as recorded
     }
     Finish();
     if (options_.keep_left) KeepLeft();
@@ -552,8 +554,8 @@ class Verifier {
     const SessionFacts* facts;
     SceneRun scene{};
     std::uint64_t last_sample = 0;  // by its number in the recording
-    // From its first sample to its last, and as long as others need it: a loop has a megabyte, and
-    // there may be many sessions.
+    // Exists from its first sample to its last, and while others need it: a loop takes a megabyte,
+    // and there may be many sessions.
     std::unique_ptr<SessionReplay> replay{};
     bool is_closed = false;
     std::optional<SessionVerdict> verdict{};
@@ -578,7 +580,7 @@ class Verifier {
     return *session.replay;
   }
 
-  /// By its number in the log of cuts; null where it is not recorded.
+  /// Returns a session by its number in the cut log; null if it is not recorded.
   CutSession* Find(const SceneRun& scene, std::uint32_t number) {
     for (Replayed* const session : by_scene_[scene]) {
       if (session->facts->cuts.session != number || session->last_sample == 0) continue;
@@ -599,7 +601,7 @@ class Verifier {
     }
   }
 
-  /// Of no session that is known.
+  /// Takes a sample that belongs to no known session.
   void HearOfScene(const RecordedSample& sample) {
     if (sample.type == RecordedType::kWrench) ++stray_[*sample.topic];
     wire::SceneWhole whole{};
@@ -611,7 +613,7 @@ class Verifier {
       left_.erase(scene);
     } else if (sample.To(block.value)) {
       const SceneRun scene(block.value.scene, block.value.server_run);
-      // Cut by nobody that was heard.  A split repeats blocks, those that are undone among them.
+      // Cut by a session that was not recorded.  A split repeats blocks, including undone ones.
       const bool is_heard =
           logs_.contains(scene) || std::ranges::any_of(by_scene_[scene], [](const Replayed* s) {
             return s->replay || s->verdict;
@@ -620,7 +622,7 @@ class Verifier {
     }
   }
 
-  /// What a session has done lets others of its scene go on, and those it.
+  /// Exchanges cuts between a scene's sessions until none can continue, and ends finished sessions.
   void Settle(const SceneRun& scene) {
     const auto exchange = cuts_.find(scene);
     const std::vector<Replayed*>& of = by_scene_[scene];
@@ -639,7 +641,7 @@ class Verifier {
     }
   }
 
-  /// And what it leaves to others.
+  /// Takes the verdict, and merges the session's cuts into what is left of the scene.
   void TakeVerdict(Replayed& session) {
     session.verdict = session.replay->Verdict();
     session.verdict->scene_hash = scenes_.HashOf(session.facts->scene);
@@ -649,7 +651,7 @@ class Verifier {
     for (std::size_t i = 0; !is_first && i < cuts.size(); ++i) Merge(cuts[i], left->second[i]);
   }
 
-  /// Of the scenes whose solids any session could cut by then.
+  /// Keeps the remaining solids of all scenes in which a recorded session could cut.
   void KeepLeft() {
     for (const auto& [scene, of] : by_scene_) {
       if (std::ranges::none_of(of, [](const Replayed* s) { return s->verdict.has_value(); }))
@@ -677,7 +679,7 @@ class Verifier {
       }
     }
     for (const auto& [topic, session] : replayed_) {
-      // A session that never came to send a pose has nothing to verify.
+      // A session without any sample has nothing to verify.
       const bool any =
           session.verdict &&
           session.verdict->poses + session.verdict->recorded + session.verdict->cut_off > 0;
@@ -701,13 +703,13 @@ class Verifier {
   std::map<std::string, std::uint64_t> last_samples_;
   std::map<SceneRun, CutLogFacts> logs_;
   std::vector<std::unique_ptr<SessionFacts>> sessions_;
-  std::map<std::string, Replayed> replayed_;   // by its poses' topic
-  std::map<std::string, Replayed*> by_topic_;  // both of a session
+  std::map<std::string, Replayed> replayed_;   // by its pose topic
+  std::map<std::string, Replayed*> by_topic_;  // both topics of a session
   std::map<SceneRun, std::vector<Replayed*>> by_scene_;
   std::map<SceneRun, CutReplay> cuts_;
-  std::set<SceneRun> unknown_;                      // solids cut by who is not in the recording
-  std::map<SceneRun, std::uint64_t> undone_;        // the last change that is
-  std::map<SceneRun, std::vector<CutField>> left_;  // by those that have ended
+  std::set<SceneRun> unknown_;                      // solids cut by an unrecorded session
+  std::map<SceneRun, std::uint64_t> undone_;        // the last undone change
+  std::map<SceneRun, std::vector<CutField>> left_;  // merged from ended sessions
   std::map<std::string, std::uint64_t> stray_;      // wrenches of sessions whose states are missing
   std::size_t open_ = 0;
 };

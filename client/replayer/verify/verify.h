@@ -18,46 +18,47 @@ namespace palpate {
 
 struct VerifyOptions {
   std::string scene;       ///< for recordings without scenes: name or file; empty: as recorded
-  std::string models_dir;  ///< as LoadOptions
-  /// Whose solids the result is to keep, station and run: a class's together do not fit into
-  /// memory.
+  std::string models_dir;  ///< as in LoadOptions
+  /// Station and run of the session whose solids the result keeps: those of a whole class do not
+  /// fit into memory.
   std::optional<std::pair<std::string, std::uint64_t>> whose = std::nullopt;
-  bool keep_left = false;  ///< Verification::left is wanted
-  /// Nothing later counts: from the recording's first sample [s].
+  bool keep_left = false;  ///< fill Verification::left
+  /// Ignores all later samples; time from the recording's first sample [s].
   double until_s = std::numeric_limits<double>::infinity();
-  const StopSignal* stop = nullptr;  ///< looked at now and then; then throws Error
+  const StopSignal* stop = nullptr;  ///< checked now and then; a signal makes it throw Error
 };
 
-/// The solids of a recorded scene, as burs left them.
+/// The solids of a recorded scene, before and after a session's cuts.
 struct SolidsCut {
   std::shared_ptr<const Scene> scene;
-  std::shared_ptr<const SceneObjects> objects;  ///< the solids that the fields are of
-  std::vector<CutField> before;                 ///< as objects->solids(): as a session found them
-  std::vector<CutField> after;                  ///< as it left them
+  std::shared_ptr<const SceneObjects> objects;  ///< the fields' solids
+  std::vector<CutField> before;  ///< as objects->solids(): at the session's beginning
+  std::vector<CutField> after;   ///< at the session's end
 };
 
-/// A field of a wrench that is not what the physics gives now.
+/// A field of a recorded wrench that differs from the recomputed one.
 struct WrenchDifference {
   std::uint64_t pose_sequence = 0;
   double time_s = 0.0;             ///< since the recording's first sample
   std::string field;               ///< "force_N[1]"
-  std::string recorded, computed;  ///< both as number and as bits
+  std::string recorded, computed;  ///< each as number and as bits
 };
 
-/// What became of one station's session.
+/// The result of verifying one session.
 struct SessionVerdict {
   std::string station, scene, tool;
   std::string scene_hash{};  ///< of the recorded one; empty: unknown
   std::uint64_t run = 0;
-  std::uint64_t poses = 0;      ///< in the recording
-  std::uint64_t recorded = 0;   ///< wrenches in the recording
-  std::uint64_t broken = 0;     ///< of these: bytes that are no wrench
-  std::uint64_t cut_off = 0;    ///< not of these: the last ones, whose poses were cut off
-  std::uint64_t verified = 0;   ///< computed again, the same bits
-  std::uint64_t different = 0;  ///< computed again, other bits
+  std::uint64_t poses = 0;     ///< in the recording
+  std::uint64_t recorded = 0;  ///< wrenches in the recording
+  std::uint64_t broken = 0;    ///< of these, not valid wrench samples
+  /// Not of these: the last ones, whose poses are missing because the recording was cut off.
+  std::uint64_t cut_off = 0;
+  std::uint64_t verified = 0;   ///< recomputed to the same bits
+  std::uint64_t different = 0;  ///< recomputed to other bits
   std::optional<WrenchDifference> first;
-  std::string ends;                ///< why no more could be computed; empty: all were
-  std::optional<SolidsCut> cut{};  ///< of whose it was asked for
+  std::string ends;                ///< why no more could be recomputed; empty: all were
+  std::optional<SolidsCut> cut{};  ///< if asked for by `whose`
   double recorded_s = 0.0, computed_s = 0.0;
   bool good() const { return recorded > 0 && verified == recorded; }
 };
@@ -66,19 +67,19 @@ struct Verification {
   std::vector<SessionVerdict> sessions;
   std::vector<std::string> problems;  ///< of the files
   bool damaged = false;               ///< they have changed since they were written
-  /// What is left at the end of each scene of each server's run; `before` is as it was at first.
+  /// The solids at the end of each scene of each server's run; `before` is their initial state.
   std::vector<SolidsCut> left{};
-  /// Every wrench of every session was computed again and is the same, and there is at least one.
-  /// A recording that was cut off can be good as far as it goes.
+  /// True if every wrench of every session was recomputed to the same bits, and there is at least
+  /// one.  A recording that was cut off can be good as far as it goes.
   bool good() const;
 };
 
-/// Gives the recorded poses to the server's own servo loop, and compares its wrenches with the
-/// recorded ones, bit for bit; all but step_time_s, which a clock gave.  Throws Error where a file
-/// or a scene cannot be had.
+/// Feeds the recorded poses to the server's own servo loop and compares its wrenches with the
+/// recorded ones, bit for bit, except step_time_s, which a clock gave.  Throws Error if a file or a
+/// scene is missing.
 Verification Verify(const std::vector<std::string>& files, const VerifyOptions& options);
 
-/// The first field in which the two differ, step_time_s left out; none where they are equal.
+/// Returns the first field in which the two differ, ignoring step_time_s; none if they are equal.
 std::optional<WrenchDifference> Difference(const wire::Wrench& recorded,
                                            const wire::Wrench& computed);
 
