@@ -33,7 +33,7 @@ class MouseRoom {
     std::string prefix = "mouse_";
     /// Prefix of the station names of viewers with a name.
     std::string named_prefix = "";
-    /// Returns whether a station name is reserved for somebody other than `who`.
+    /// Returns whether a station name is taken by, or reserved for, somebody other than `who`.
     std::function<bool(const std::string& station, const std::string& who)> is_others =
         [](const std::string&, const std::string&) { return false; };
   };
