@@ -23,9 +23,8 @@ struct Exam {
   std::string sha256;  ///< of the file
   LocalText title;
   std::vector<ExamTask> tasks;
-  double time_s = 0.0;  ///< total time from the opening of the exam
-  /// names of the students; empty: everybody with the role "drive"
-  std::vector<std::string> people;
+  double time_s = 0.0;              ///< total time from the opening of the exam
+  std::vector<std::string> people;  ///< names; empty: everybody with the role "drive"
 };
 
 inline constexpr const char* kExamEnding = ".exam.json";

@@ -19,8 +19,7 @@ struct ViewerOptions : ServerOptions {
   double rate_hz = 30.0;
   std::size_t max_viewers = 300;
   int max_mice = 4;
-  /// nobody may steer a replay through this gateway
-  bool no_steering = false;
+  bool no_steering = false;                       ///< nobody may steer a replay here
   std::vector<std::string> origins;               ///< of other pages that may attach; "*": any
   std::vector<std::string> host_names;            ///< of this host, in lower case
   std::vector<boost::asio::ip::address> proxies;  ///< proxies whose X-Forwarded-For is believed

@@ -46,7 +46,7 @@ class TopicFeed {
     kMouseState,  ///< the gateway's own, not DDS: to each viewer, about its mouse
     kStationStatistics,
     kSceneWhole,
-    // As JSON, so that pages need not decode CDR.
+    // As JSON, with 64-bit identifiers as text.
     kReplayContents,
     kReplayState,
     kReplayAnswer,  ///< the gateway's own, not DDS: to each viewer, about its wishes
@@ -112,8 +112,7 @@ class TopicFeed {
   using KeptKey = std::tuple<std::uint32_t, std::string, std::uint64_t>;  // channel, name, number
   struct KeptFrame {
     FramePtr frame;
-    // number of the change to its scene; void when that is undone; 0: none
-    std::uint64_t change = 0;
+    std::uint64_t change = 0;  // to its scene, by number: void once that is undone; 0: none
   };
 
   template <class T, class Use, class Over = Nothing>

@@ -25,9 +25,10 @@ class ViewerPlaces {
     bool is_there = false;
     std::optional<Id> leaves;  ///< whose place it is; that viewer must leave now
   };
-  /// Returns whether one more viewer of this address may come.  The place is taken from the longest
-  /// idle viewer, if any; else, from the latest viewer without a tool of the largest address; else
-  /// from its latest.  So a class that has been watching for an hour stays.
+  /// Returns whether one more viewer of this address may come.  If no place is free, it gets that
+  /// of the viewer that has been idle longest, if any; else that of the latest viewer of the
+  /// largest address, preferably one without a tool, if that address has at least two viewers more
+  /// than this one.  So a class that has been watching for an hour stays.
   Room RoomFor(const std::string& address, std::int64_t now_ns) const;
 
   void Enter(Id id, const std::string& address, std::int64_t now_ns);

@@ -52,7 +52,7 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
   std::uint64_t frames_sent() const { return frames_sent_; }
 
   void Push(const FramePtr& frame, std::int64_t now_ns) { queue_.Push(frame, now_ns); }
-  /// Writes a frame that is due, unless a write is in flight.
+  /// Writes a text or a frame that is due, unless a write is in flight.
   void Flush(std::int64_t now_ns);
   /// Sends the viewer a status message, within the rate of ViewerLimits; the next one tells how
   /// many were left out.
