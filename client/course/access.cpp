@@ -14,11 +14,11 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kRandomBytes = 32;
-/// So that one that has got into a log or a repository is known for what it is.
+/// Marks a token, so that one found in a log or a repository is recognised as such.
 constexpr std::string_view kPrefix = "palpate_";
 constexpr std::size_t kTokenLength = kPrefix.size() + 2 * kRandomBytes;
 constexpr std::size_t kLongestStation = 32;  // IsStationName (common/dds/topics.h)
-/// The letters from U+00C0 on without their accents.
+/// Unaccented letters for U+00C0 and the code points after it.
 constexpr std::uint32_t kFirstAccent = 0xc0;
 constexpr std::string_view kPlain =
     "AAAAAAACEEEEIIIIDNOOOOO_OUUUUYTsaaaaaaaceeeeiiiidnooooo_ouuuuyty";
@@ -27,7 +27,8 @@ bool IsLetterOrDigit(std::uint32_t c) {
   return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
 }
 
-/// The first letter of UTF-8, taken away; of other bytes it makes some letter or other.
+/// Removes the first code point of UTF-8 text and returns it; for malformed bytes,
+/// an arbitrary one.
 std::uint32_t TakeLetter(std::string_view& text) {
   const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
   const std::size_t size = byte(0) < 0xc0 ? 1 : byte(0) < 0xe0 ? 2 : byte(0) < 0xf0 ? 3 : 4;

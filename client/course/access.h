@@ -7,36 +7,38 @@
 
 namespace palpate {
 
-/// What a viewer may do; each includes those before it.  The last three are the roles of tokens.
+/// What a viewer may do.  Each level includes those before it; the last three are also the
+/// roles of tokens.
 enum class Access {
   kNone,
   kWatch,    ///< see
-  kDrive,    ///< take a tool with the mouse, make a scene whole, steer a replay
-  kOperate,  ///< decide about stations: admit, mute, take back
+  kDrive,    ///< take a tool with the mouse, restore a whole scene, steer a replay
+  kOperate,  ///< decide about stations: admit, mute, take back a tool
 };
 
-/// "watch", "drive", "operate", and "none".
+/// Returns "none", "watch", "drive" or "operate".
 const char* RoleName(Access access);
-/// Of a token's role; nothing for another word.
+/// Returns the role of that name, or nothing if it is no role of a token.
 std::optional<Access> ParseRole(std::string_view name);
 
-/// SHA-256.  A token is 256 random bits, so that one round of it keeps the token: there is nothing
-/// to guess, and who reads the hash cannot present the token.
+/// The SHA-256 of a token.  A token has 256 random bits, so one round is enough: it cannot be
+/// guessed, and whoever reads the hash cannot present the token.
 using TokenHash = std::array<unsigned char, 32>;
 TokenHash HashOfToken(std::string_view token);
-/// A new one.  Throws Error where there are no random numbers.
+/// Returns a new token.  Throws Error if the system gives no random numbers.
 std::string RandomToken();
-/// Other text is no token, and is hashed nowhere.  Tokens fit an Authorization header (RFC 6750), a
-/// WebSocket's subprotocol and a URL's fragment as they are.
+/// Returns whether the text has the form of a token; any other text is refused before hashing.
+/// A token can stand unescaped in an Authorization header (RFC 6750), a WebSocket subprotocol
+/// and a URL fragment.
 bool LooksLikeToken(std::string_view text);
 
-/// Without the white space at both ends.
+/// Returns the text without leading and trailing white space.
 std::string_view Trimmed(std::string_view text);
 
-/// What the station of who has a token of this name is called: [A-Za-z0-9_]{1,32}.  Letters of
-/// Western Europe lose their accents, other letters beyond ASCII become their number (x738b), and
-/// '_' replaces the rest.
-/// @param number  from the second one on it stands behind the name.
+/// Returns the station name [A-Za-z0-9_]{1,32} for the holder of a token with this name.  Letters
+/// of Western Europe lose their accents, other letters beyond ASCII become their code point
+/// (x738b), and '_' replaces everything else.
+/// @param number  appended to the name from 2 on.
 std::string StationNameOf(std::string_view name, int number = 1);
 
 }  // namespace palpate

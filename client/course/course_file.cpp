@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Another process writes for milliseconds only.
+/// Other processes write for milliseconds only.
 constexpr int kWait_ms = 5000;
 
 const char* RemedyOf(int code) {
@@ -40,7 +40,7 @@ const char* RemedyOf(int code) {
 std::string FileIn(const fs::path& folder) {
   std::error_code error;
   if (!fs::is_directory(folder, error) && fs::create_directories(folder, error)) {
-    fs::permissions(folder, fs::perms::owner_all, error);  // names and marks are nobody else's
+    fs::permissions(folder, fs::perms::owner_all, error);  // names and marks are private
   }
   if (error || !fs::is_directory(folder, error)) {
     throw Error(fmt::format("--course {}: the folder cannot be made{}; give one that can",
@@ -63,7 +63,7 @@ CourseFile::CourseFile(const fs::path& folder) : file_(FileIn(folder)) {
     database_->exec("PRAGMA journal_mode=WAL");
     database_->exec("PRAGMA synchronous=FULL");
     database_->exec("PRAGMA foreign_keys=ON");
-    // Also tells at once where nothing can be written.
+    // Also fails at once if the file cannot be written.
     database_->exec(fmt::format("PRAGMA user_version={}", kVersion));
   });
   if (version > kVersion) {

@@ -11,22 +11,22 @@ class Database;
 
 namespace palpate {
 
-/// A course's file, FOLDER/course.sqlite: its people, and what they did.  What has been written is
-/// on the disk (WAL, synchronous=FULL): a killed process, or a host without power, loses nothing
-/// that was answered.  Each part of a course makes tables of its own there.
-/// Thread contract: one thread.  Several processes may have it open.
+/// The file of a course, FOLDER/course.sqlite: its people and their results.  A completed write is
+/// on the disk (WAL, synchronous=FULL), so neither a killed process nor a power failure loses
+/// anything that was confirmed.  Each part of a course creates its own tables there.
+/// Thread contract: one thread.  Several processes may have the file open.
 class CourseFile {
  public:
-  /// Of the tables: a file of a newer one is refused, for what it means is not known here.
+  /// The version of the tables.  A file with a newer version is refused.
   static constexpr int kVersion = 1;
 
-  /// Makes folder and file where they are not there, for their owner alone.  Throws Error: the
-  /// file, what is wrong with it and the remedy.
+  /// Creates the folder and the file if they are missing, readable by their owner only.  Throws
+  /// Error that names the file, the fault and the remedy.
   explicit CourseFile(const std::filesystem::path& folder);
   ~CourseFile();
 
-  /// Calls it with the database.  What SQLite refuses becomes an Error that names the file and the
-  /// remedy; a transaction within is then undone.
+  /// Calls `action` with the database.  An SQLite failure becomes an Error that names the file and
+  /// the remedy; a transaction within `action` is then rolled back.
   void Use(const std::function<void(SQLite::Database&)>& action);
 
  private:

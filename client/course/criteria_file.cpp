@@ -41,7 +41,7 @@ MaterialRegion ReadPlace(const JsonNode& node) {
   return place;
 }
 
-/// What goes with some measures alone.
+/// Reads the fields that only some measures have.
 void ReadWhatItIsAbout(const JsonNode& node, Criterion& criterion) {
   const Measure& measure = MeasureOf(criterion.measure);
   const auto refuse = [&](const JsonNode& field) {

@@ -26,7 +26,7 @@ ExamTask ReadTask(const JsonNode& node, const std::string& folder) {
   task.exercise = name.String();
   if (!std::ranges::all_of(task.exercise, IsOfName)) name.Fail("is no exercise's name");
   const std::string own = folder + "/exercises/" + task.exercise + kExerciseEnding;
-  std::error_code none;  // a name that is too long, a link to itself: it is not there
+  std::error_code none;  // a name too long, or a link to itself, counts as missing
   const std::string file = fs::exists(own, none) ? own
                                                  : PlaceOf(ProjectFile::kExercises) + "/" +
                                                        task.exercise + kExerciseEnding;

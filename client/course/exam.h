@@ -7,33 +7,33 @@
 
 namespace palpate {
 
-/// One of an exam's tasks: an exercise, without its hints.
+/// One task of an exam: an exercise, without its hints.
 struct ExamTask {
   std::string exercise;
-  double time_s = 0.0;  ///< of each trial
-  int trials = 1;       ///< each of them counts
-  /// Of the exercise's file, and of that of its criteria, which may be the same.
+  double time_s = 0.0;  ///< time limit of each trial
+  int trials = 1;       ///< all of them count
+  /// Of the exercise's file and of its criteria's file, which may be the same file.
   std::string exercise_sha256, criteria_sha256;
 };
 
-/// What students do alone, in one order and within one time: a file that a teacher edits, in the
-/// course's folder (exercises/README.md has every field).
+/// An exam: tasks that students do alone, in a fixed order and within a total time.  It is a file
+/// in the course's folder that a teacher edits (exercises/README.md describes every field).
 struct Exam {
-  std::string name;    ///< of its file, without folder and ending
-  std::string sha256;  ///< of its file
+  std::string name;    ///< file name without folder and ending
+  std::string sha256;  ///< of the file
   LocalText title;
   std::vector<ExamTask> tasks;
-  double time_s = 0.0;              ///< in all, from when it is opened
-  std::vector<std::string> people;  ///< names; none: all who drive
+  double time_s = 0.0;              ///< total time from the opening of the exam
+  std::vector<std::string> people;  ///< names; empty: everybody with the role "drive"
 };
 
 inline constexpr const char* kExamEnding = ".exam.json";
 
-/// Reads an exam and checks all of it, its exercises too: those of the folder `exercises` beside
-/// it, else those that come with the programs.  Throws Error "file:line: field: what is wrong;
-/// remedy".
+/// Reads an exam and checks it with its exercises.  An exercise is looked up in the folder
+/// `exercises` beside the exam, then among those shipped with the programs.  Throws Error
+/// "file:line: field: what is wrong; remedy".
 Exam LoadExam(const std::string& file);
-/// The files of a course's exams, by their names.
+/// Returns the exam files of a course, sorted by name.
 std::vector<std::string> ExamFiles(const std::string& folder);
 
 }  // namespace palpate

@@ -26,7 +26,8 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExamTask, exercise, time_s, trials, exercise_
 
 namespace {
 
-/// How exactly a killed gateway knows when it died [s]: each beat waits for the disk.
+/// Interval [s] at which `alive_s` is stored, and so the accuracy of a killed gateway's time of
+/// death; each write waits for the disk.
 constexpr std::int64_t kBeat_s = 5;
 constexpr std::int64_t kRetry_s = 10;  // a full disk may have space again
 constexpr std::int64_t kMostMore_s = 8 * 3600;
@@ -48,7 +49,7 @@ std::string Text(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-/// Binds all in their order.
+/// Binds the values in order, from parameter 1.
 template <class... Values>
 void Bind(SQLite::Statement& statement, const Values&... values) {
   int at = 0;
@@ -168,7 +169,7 @@ std::string ExamRoom::Do(std::string_view wish, std::int64_t now_s) {
       for (const std::string& file : ExamFiles(folder_)) {
         try {
           exams_.emplace_back(LoadExam(file), "");
-        } catch (const std::exception& error) {  // whatever a file has: the others are told of
+        } catch (const std::exception& error) {  // of any kind: the other exams are still listed
           Exam none;
           none.name = std::filesystem::path(file).filename().string();
           exams_.emplace_back(none, error.what());
@@ -231,7 +232,7 @@ void ExamRoom::Open(const std::string& name, std::int64_t now_s) {
   if (std::ranges::any_of(newest_.trials, [&](const Trial& trial) { return Waits(trial); })) {
     throw Error("the last exam's trials are being scored; wait a moment");
   }
-  if (newest_.number != 0) WriteRoll();  // what was handed in is known of this exam alone
+  if (newest_.number != 0) WriteRoll();  // newest_ is about to be replaced
   if (!std::ranges::all_of(name, IsOfName)) throw Error("there is no exam " + Quoted(name));
   const Exam exam = LoadExam(folder_ + "/" + name + kExamEnding);
   for (const ExamTask& task : exam.tasks) {
@@ -394,7 +395,7 @@ void ExamRoom::SealNext(std::int64_t now_s) {
       newest_.trials, [](const Trial& trial) { return trial.ended_s != 0 && !trial.sealed; });
   if (next == newest_.trials.end() || now_s < retry_s_) return;
   sealed_ = next->key();
-  // In a thread: of ten minutes there are many bytes to read.
+  // In a thread: the recording of ten minutes takes long to read.
   sealing_ = std::async(std::launch::async, [this, seal = SealOf(*next, now_s)]() mutable {
     const std::string file = folder_ + "/" + seal.recording;
     const std::string stem = file.substr(0, file.size() - std::string_view(".mcap").size());
@@ -431,7 +432,7 @@ bool ExamRoom::Waits(const Trial& trial) const {
 }
 
 void ExamRoom::ScoreAll() {
-  std::vector<TrialRoom::News> all;  // what is heard of one has the trials read anew
+  std::vector<TrialRoom::News> all;  // Score's news reloads newest_.trials
   for (const Trial& trial : newest_.trials) {
     if (!Waits(trial) || !tried_.insert(trial.key()).second) continue;
     const ExamTask& task = newest_.exam.tasks.at(static_cast<std::size_t>(trial.task));

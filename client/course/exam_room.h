@@ -19,13 +19,13 @@
 
 namespace palpate {
 
-/// The exam of a course: opened and closed by a teacher, one at a time.  Its state is in the
-/// course's file, so that a gateway that was killed goes on with it.  What was handed in is sealed;
-/// it is scored once the exam is closed.
-/// Thread contract: one thread.  Seconds are those since 1970.
+/// The exam of a course, which a teacher opens and closes; at most one is open.  Its state is kept
+/// in the course's file, so a restarted gateway continues it.  Each trial is sealed when it ends
+/// and scored once the exam is closed.
+/// Thread contract: one thread.  Seconds count from 1970.
 class ExamRoom {
  public:
-  /// A trial that somebody begins.
+  /// A trial that a person begins.
   struct Beginning {
     TrialRoom::Holder holder = 0;
     std::int64_t person = 0;
@@ -33,40 +33,43 @@ class ExamRoom {
     std::uint64_t scene_hash = 0;
   };
 
-  /// Makes its tables, and goes on with an exam that was open.  Throws Error.
+  /// Creates the tables, and continues an exam that was open.  Throws Error.
   ExamRoom(std::string folder, CourseFile& file, Roster& roster, TrialRoom& trials,
            std::int64_t now_s);
   ~ExamRoom();
 
-  /// What a teacher's page wants, these fields and no others:
-  ///   {"tag": 1, "op": "look"}                   reads the exams' files again
+  /// Carries out a command of a teacher's page.  Only these fields are accepted:
+  ///   {"tag": 1, "op": "look"}                   reads the exam files again
   ///   {"tag": 2, "op": "open", "exam": NAME}
-  ///   {"tag": 3, "op": "more", "s": SECONDS}     gives all more time
-  ///   {"tag": 4, "op": "give_back"}              and what went by while there was no gateway
-  ///   {"tag": 5, "op": "again", "person": ID}    the last trial of that person does not count
+  ///   {"tag": 3, "op": "more", "s": SECONDS}     gives everybody more time
+  ///   {"tag": 4, "op": "give_back"}              adds the time during which no gateway ran
+  ///   {"tag": 5, "op": "again", "person": ID}    that person's last trial does not count
   ///   {"tag": 6, "op": "close"}
-  /// Returns what the page is answered: {tag, refusal}.  Throws Error for what is none of these.
+  /// Returns the answer for the page: {tag, refusal}.  Throws Error if it is no such command.
   std::string Do(std::string_view wish, std::int64_t now_s);
 
-  /// An exam is open, and theirs: all else of the course is closed to them.
+  /// Returns whether an exam is open that the person sits; the rest of the course is then
+  /// closed to them.
   bool Sits(std::int64_t person) const;
-  /// They do, or what they handed in is not on the roll yet, or not scored.
+  /// Returns whether the person sits the exam, or their trials are not yet on the roll or
+  /// not yet scored.
   bool Needs(std::int64_t person) const;
-  /// Somebody was deleted.  Throws Error.
+  /// Reads the newest exam again, e.g. after a person was deleted.  Throws Error.
   void Read();
-  /// The number of the next task, from 0.  Throws Error, for the person, where the exercise is not
-  /// that task's, or the time is over.
+  /// Returns the index of the person's next task, from 0.  Throws Error, worded for the person, if
+  /// it has another exercise or the exam's time is over.
   std::size_t TaskToBegin(std::int64_t person, const std::string& exercise,
                           std::int64_t now_s) const;
-  /// Throws Error, as that does.
+  /// Begins a trial of the next task.  Throws Error as TaskToBegin does.
   void Begin(const Beginning& beginning, std::int64_t now_s, std::int64_t now_ns);
-  /// Where there is no server any more: nobody's time is to run without one.
+  /// Ends all running trials of the exam, so that no trial time passes without a server.
   void EndTrials(const std::string& reason);
-  /// A trial has ended, or was scored.
+  /// Takes note that a trial has ended or was scored.
   void Heard(const TrialRoom::News& news);
-  /// Seals and scores, some 100 times a second.  True where pages are to be told anew.
+  /// Seals and scores; to be called some 100 times a second.  Returns whether pages
+  /// must be updated.
   bool Poll(std::int64_t now_s);
-  /// For a person's page; who teaches hears of all.
+  /// Returns the exam's state for a person's page; a teacher's page gets the state of all people.
   std::string StateJson(std::int64_t person, bool teaches, std::int64_t now_s) const;
 
  private:
@@ -77,16 +80,16 @@ class ExamRoom {
     int n = 0;
     std::string station, scene, scene_hash;
     bool counts = true;
-    std::int64_t begun_s = 0, ended_s = 0;  // 0: runs
+    std::int64_t begun_s = 0, ended_s = 0;  // 0: running
     bool whole = true;
     std::string reason;
     bool sealed = false;
-    bool scored = false;  // a trial in which nothing is touched has no points
+    bool scored = false;  // also true of a trial without points, in which nothing was touched
     std::optional<double> points;
-    std::string sha256;  // of a sealed one
+    std::string sha256;  // of a sealed trial
     std::tuple<std::int64_t, std::string, int> key() const { return {person, exercise, n}; }
   };
-  /// The newest exam, as the course's file has it; number 0: there was none.
+  /// The newest exam in the course's file; number 0: there is none.
   struct Newest {
     std::int64_t number = 0;
     Exam exam;
@@ -102,7 +105,7 @@ class ExamRoom {
   void Again(std::int64_t person);
   void Close(std::int64_t now_s);
   std::set<std::int64_t> PeopleOf(const Exam& exam) const;
-  /// From 0; as many as there are tasks: all is done.
+  /// Returns the index of the person's task, from 0; the number of tasks if all are done.
   std::size_t TaskOf(std::int64_t person) const;
   int DoneOf(std::int64_t person, std::size_t task) const;
   std::string NameOf(std::int64_t person) const;
@@ -110,13 +113,14 @@ class ExamRoom {
   Seal SealOf(const Trial& trial, std::int64_t now_s) const;
   void SealNext(std::int64_t now_s);
   void TakeSeal();
-  /// To be scored.
+  /// Returns whether the trial is still to be scored.
   bool Waits(const Trial& trial) const;
   void ScoreAll();
   void WriteRoll();
-  /// Why a trial ended that its person did not end, and no time; empty: it ended in order.
+  /// Returns the reason why a trial ended early, neither by its person nor by a time limit; empty:
+  /// it ended in order.
   static std::string CutOf(const Trial& trial);
-  /// What of the newest exam is for who teaches, and for who sits it.
+  /// The newest exam's state: for a teacher, and for a person who sits it.
   std::string ClassJson() const;
   std::string OwnJson(std::int64_t person) const;
 
@@ -126,11 +130,11 @@ class ExamRoom {
   TrialRoom& trials_;
   const SealKey key_;
   Newest newest_;
-  std::vector<std::pair<Exam, std::string>> exams_;  // of files, or why one is none
+  std::vector<std::pair<Exam, std::string>> exams_;  // with the error where a file cannot be read
   std::future<std::string> sealing_;
-  std::tuple<std::int64_t, std::string, int> sealed_;           // by that
-  std::set<std::tuple<std::int64_t, std::string, int>> tried_;  // to score
-  std::string trouble_;                                         // for a teacher
+  std::tuple<std::int64_t, std::string, int> sealed_;           // the trial that is being sealed
+  std::set<std::tuple<std::int64_t, std::string, int>> tried_;  // trials whose scoring was tried
+  std::string trouble_;                                         // shown to the teacher
   std::int64_t retry_s_ = 0;
   bool time_was_over_ = false;
   bool has_roll_ = false;

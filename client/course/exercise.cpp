@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 constexpr double kLongest_s = 3600.0;
 constexpr int kMostTrials = 100;
 
-/// A file beside the exercise, or in a folder there.
+/// Reads the path of a file in the exercise's folder or below.
 std::string ReadBeside(const JsonNode& node, const std::string& folder) {
   const fs::path path = fs::path(node.String()).lexically_normal();
   if (path.is_absolute() || *path.begin() == "..") {
@@ -44,11 +44,11 @@ Exercise::Picture ReadPicture(const JsonNode& node, const std::string& folder) {
   return picture;
 }
 
-/// What an exercise must know of its scene.
+/// The facts about its scene that an exercise is checked against.
 struct SceneFacts {
   SceneDescription scene;
-  std::vector<std::string> tissues;  ///< what can be cut, by name
-  std::vector<std::string> painted;  ///< of these, what regions paint
+  std::vector<std::string> tissues;  ///< names of what can be cut
+  std::vector<std::string> painted;  ///< those that regions paint
 
   explicit SceneFacts(const std::string& file)
       : scene(ParseScene(ReadWholeFile(file, JsonNode::kMostBytes), file)) {
@@ -80,7 +80,7 @@ bool Cuts(const BodyDescription& tool) {
   return tool.edge || (kind != nullptr && kind->bur);
 }
 
-/// A scene without what a criterion measures would give its worst to everybody.
+/// Fails if the scene lacks what a criterion measures, since everybody would then get its worst.
 void CheckMeasures(const JsonNode& criteria, const SceneFacts& facts, const std::string& tool) {
   for (const JsonNode& node : criteria.At("criteria").Items()) {
     const JsonNode measure = node.At("measure");
@@ -100,7 +100,7 @@ void CheckMeasures(const JsonNode& criteria, const SceneFacts& facts, const std:
   }
 }
 
-/// A scene file, by its catalogue's name or by its path from the exercise's folder.
+/// Finds a scene file by its catalogue name, or by its path relative to the exercise's folder.
 std::string SceneFileOf(const JsonNode& node, const std::string& folder) {
   std::string scene = node.String();
   if (scene.find('/') != std::string::npos || fs::path(scene).has_extension()) {
@@ -123,7 +123,7 @@ void ReadLimits(const JsonNode& limits, Exercise& exercise) {
   exercise.most_s = limits.At("time_s").Number(1.0, kLongest_s);
 }
 
-/// What is to be seen and read of it.
+/// Reads the texts and pictures shown to students.
 void ReadTexts(const JsonNode& root, Exercise& exercise) {
   exercise.title = ReadLocalText(root.At("title"));
   exercise.goal = ReadLocalText(root.At("goal"));
@@ -241,7 +241,7 @@ std::vector<Exercise> LoadExercises(const std::string& folder,
   for (const std::string& file : files) {
     try {
       exercises.push_back(LoadExercise(file));
-    } catch (const std::exception& error) {  // whatever a file has: the others are read
+    } catch (const std::exception& error) {  // of any kind: the other exercises are still read
       refused(error.what());
     }
   }

@@ -10,51 +10,51 @@
 
 namespace palpate {
 
-/// What people read, by language ("en", "de", "zh"); what a file has as a mere string is English.
+/// A text by language ("en", "de", "zh").  A plain string in a file is English.
 using LocalText = std::map<std::string, std::string>;
 
 LocalText ReadLocalText(const JsonNode& node);
 
-/// What a student is given to do: a file that a teacher edits (exercises/README.md has every
-/// field).
+/// An exercise for students, read from a file that a teacher edits (exercises/README.md
+/// describes every field).
 struct Exercise {
   struct Picture {
-    std::string file;  ///< beside the exercise, by that folder
+    std::string file;  ///< path relative to the exercise's folder
     LocalText text;    ///< what it shows
   };
-  /// How the scene stands as a trial begins, where it is one that is cut.
+  /// The state in which a cut scene begins a trial.
   enum class Start { kWhole, kBookmark, kAsItIs };
 
-  std::string name;  ///< of its file, without folder and ending: by which trials are kept
+  std::string name;  ///< file name without folder and ending; trials are stored under it
   std::string file;
   LocalText title;
   std::string scene;       ///< a name of the catalogue, or the path of a scene file
-  std::string scene_name;  ///< by which servers serve it
+  std::string scene_name;  ///< the name under which servers offer it
   std::string tool;
   Start start = Start::kWhole;
   LocalText instruction;
   std::vector<Picture> pictures;
-  LocalText goal;                      ///< in a line
-  double most_N = 0.0;                 ///< limit of force; 0: none
-  double most_s = 0.0;                 ///< limit of time
-  int trials = 0;                      ///< how many make a grade
-  std::string expert;                  ///< the script of a hand that does it as it should be done
-  std::vector<PoseScript::Key> guide;  ///< of that, where pages may show it; else empty
+  LocalText goal;                      ///< one line
+  double most_N = 0.0;                 ///< force limit; 0: none
+  double most_s = 0.0;                 ///< time limit
+  int trials = 0;                      ///< number of trials that make a grade
+  std::string expert;                  ///< the pose script of an expert's hand
+  std::vector<PoseScript::Key> guide;  ///< the expert's poses if pages may show them; else empty
   Criteria criteria;
-  std::vector<std::string> sources;  ///< of its limits and criteria: publications
+  std::vector<std::string> sources;  ///< publications behind its limits and criteria
 
   std::string folder() const;
 };
 
 inline constexpr const char* kExerciseEnding = ".exercise.json";
 
-/// Reads an exercise and checks all of it: its fields, that scene, tool, pictures and script are
-/// there, and that the scene has what the criteria measure.  Throws Error "file:line: field: what
-/// is wrong; remedy".
+/// Reads an exercise and checks all of it: its fields, that scene, tool, pictures and script
+/// exist, and that the scene provides what the criteria measure.  Throws Error "file:line: field:
+/// what is wrong; remedy".
 Exercise LoadExercise(const std::string& file);
 
-/// The exercises of a folder by their names; none where there is no such folder.
-/// @param refused  told of each file that is none, which is then left out.
+/// Returns the exercises of a folder by name; none if the folder does not exist.
+/// @param refused  told of each invalid file, which is left out.
 std::vector<Exercise> LoadExercises(const std::string& folder,
                                     const std::function<void(const std::string&)>& refused);
 

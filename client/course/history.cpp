@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// How many trials make a grade where nobody can say any more: the exercise is gone.
+/// How many trials make a grade if the exercise no longer exists.
 constexpr int kLastWithoutExercise = 5;
 
 Json JsonOf(const TermGrade& grade) {
@@ -76,7 +76,7 @@ std::vector<const TrialRow*> LastThatCount(TrialRows rows, int last) {
   return counted;
 }
 
-/// Weights as the exercise has them now; what it does not ask for has none.
+/// Returns a criterion's current weight in the exercise; 0 if the exercise no longer has it.
 double WeightOf(const std::string& criterion, const Exercise* exercise) {
   if (exercise == nullptr) return 1.0;
   const auto& all = exercise->criteria.criteria;
@@ -93,7 +93,7 @@ std::vector<CriterionLoss> MostFirst(const std::map<std::string, std::pair<doubl
   return losses;
 }
 
-/// As spreadsheets read it, in UTC.
+/// Formats a time in UTC so that spreadsheets recognise it.
 std::string WhenOf(std::int64_t time_s) {
   const std::time_t time = time_s;
   std::tm utc{};
@@ -112,7 +112,7 @@ const char* YesOf(bool is) {
 std::vector<TrialRow> ReadTrials(CourseFile& file, std::int64_t person) {
   std::vector<TrialRow> rows;
   file.Use([&](SQLite::Database& database) {
-    if (!database.tableExists("trials")) return;  // nobody has done anything
+    if (!database.tableExists("trials")) return;  // no trial has been done yet
     SQLite::Statement read(
         database,
         "SELECT person, exercise, n, begun_s, ended_s, reason, whole, points, passed, marks, "
@@ -155,7 +155,7 @@ std::vector<std::pair<std::string, double>> MarksOf(const TrialRow& row) {
 }
 
 double StudentT95(int freedom) {
-  // Tabulated where the expansion is not within 0.001 of it.
+  // Tabulated where the expansion's error exceeds 0.001.
   constexpr std::array kFew = {12.7062, 4.3027, 3.1824, 2.7764};
   if (freedom <= static_cast<int>(kFew.size())) {
     return kFew.at(static_cast<std::size_t>(std::max(freedom, 1) - 1));
@@ -280,7 +280,7 @@ std::string History::ClassJson() const {
       auto losses = LossesOf(series, Find(name), LastOf(name));
       Json points = Json::array();
       for (const TrialRow& row : series) {
-        // As far as a curve shows it.
+        // To the precision that a curve shows.
         if (row.counts()) points.push_back({row.n, std::round(10.0 * *row.points) / 10.0});
       }
       did.push_back({{"exercise", name},
@@ -290,7 +290,7 @@ std::string History::ClassJson() const {
                      {"lost", JsonOf({losses.begin(), losses.begin() + !losses.empty()})}});
       if (person.role != Access::kOperate) lost[name].push_back(std::move(losses));
     });
-    // Who teaches is one of the class only by what they have tried.
+    // A teacher is listed only with trials of their own.
     if (person.role == Access::kOperate && did.empty() && person.here()) continue;
     people.push_back({{"person", person.id},
                       {"name", person.name},
@@ -367,7 +367,7 @@ std::string History::Csv(std::int64_t id, CsvAs as) const {
   for (const auto& [exercise, criterion] : columns) {
     head.push_back(CsvField(exercise + ": " + criterion));
   }
-  // Spreadsheets take it for UTF-8 by the mark at its beginning.
+  // The byte-order mark tells spreadsheets that it is UTF-8.
   std::string csv = "\xEF\xBB\xBF" + line(head);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const TrialRow& row = rows[i];

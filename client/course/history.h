@@ -15,7 +15,7 @@
 
 namespace palpate {
 
-/// A trial that has ended, as the table `trials` has it.
+/// A trial that has ended, as stored in the table `trials`.
 struct TrialRow {
   std::int64_t person = 0;
   std::string exercise;
@@ -28,15 +28,16 @@ struct TrialRow {
   std::string marks;  ///< JSON, as palpate-replay score wrote it
   std::optional<std::int64_t> submitted_s;
 
-  /// Only what is whole and has points counts for grade, spread and losses.
+  /// Returns whether it counts for grade, spread and losses: it is complete and has points.
   bool counts() const { return whole && points.has_value(); }
 };
-/// Of one person, of one or more exercises, or of all: in the order of the table's key.
+/// Rows in the order of the table's key: of one person or of all, of one or more exercises.
 using TrialRows = std::span<const TrialRow>;
 
-/// By person, exercise and number.  @param person  0: of everybody.  Throws Error.
+/// Returns the ended trials, sorted by person, exercise and number.  @param person  0:
+/// everybody.  Throws Error.
 std::vector<TrialRow> ReadTrials(CourseFile& file, std::int64_t person = 0);
-/// Rows of one person and exercise stand together; calls it with each such group.
+/// Calls `action` with each group of adjacent rows that have the same person and exercise.
 template <class Action>
 void ForEachSeries(TrialRows rows, const Action& action) {
   for (std::size_t begin = 0, end = 0; begin < rows.size(); begin = end) {
@@ -48,29 +49,31 @@ void ForEachSeries(TrialRows rows, const Action& action) {
   }
 }
 
-/// Points by criterion, in their order; empty where the row has none that can be read.
+/// Returns the points by criterion, in the stored order; empty if the row has no readable marks.
 std::vector<std::pair<std::string, double>> MarksOf(const TrialRow& row);
 
-/// The mean of the last trials that count, and how far it can be trusted.
+/// The mean points of the last trials that count, and its uncertainty.
 struct TermGrade {
-  int of = 0;  ///< trials; 0: there is no grade
+  int of = 0;  ///< number of trials; 0: there is no grade
   double mean = 0.0;
-  /// Standard error of the mean: s / sqrt(of).  Of one trial there is none.
+  /// Standard error of the mean, s / sqrt(of); none for a single trial.
   std::optional<double> error;
-  /// 95 % t-interval about the mean (Student, Biometrika 6 (1908) 1), within 0 to 100.  None of
-  /// fewer than kLeastForInterval.
+  /// 95 % t-interval about the mean (Student, Biometrika 6 (1908) 1), clamped to 0 to 100.  None
+  /// for fewer than kLeastForInterval trials.
   std::optional<double> low, high;
 
-  /// Of two trials the interval's half is 9 of their standard deviations: it says nothing.
+  /// For two trials the interval's half-width is 9 of their standard deviations,
+  /// which tells nothing.
   static constexpr int kLeastForInterval = 3;
 };
-/// @param rows  one person's of one exercise.   @param last  how many of them make a grade.
+/// @param rows  one person's trials of one exercise.   @param last  how many trials make a grade.
 TermGrade GradeOf(TrialRows rows, int last);
-/// Two-sided 95 %: 97.5th percentile of Student's t.  @param freedom  at least 1
+/// Returns the 97.5th percentile of Student's t (two-sided 95 %).  @param freedom  degrees of
+/// freedom, at least 1.
 double StudentT95(int freedom);
 
-/// How a class did in its n-th trial of an exercise: quartiles by linear interpolation between
-/// order statistics (definition 7 of Hyndman & Fan, Am. Stat. 50 (1996) 361).
+/// The points of a class in the n-th trial of an exercise: quartiles by linear interpolation
+/// between order statistics (definition 7 of Hyndman & Fan, Am. Stat. 50 (1996) 361).
 struct TrialSpread {
   int n = 0;
   int people = 0;
@@ -78,56 +81,59 @@ struct TrialSpread {
 };
 /// @param values  at least one.   @param share  0 to 1
 double QuantileOf(std::vector<double> values, double share);
-/// What people got, by the trial's number.
+/// The points of all people, by trial number.
 using PointsByTrial = std::map<int, std::vector<double>>;
 std::vector<TrialSpread> SpreadOf(const PointsByTrial& points);
 
-/// What a criterion costs on the average, of 100 points of a trial.
+/// The points, of a trial's 100, that a criterion costs on average.
 struct CriterionLoss {
   std::string criterion;
   double points = 0.0;
-  int of = 0;  ///< trials, or people
+  int of = 0;  ///< number of trials or of people
 };
-/// Over the last trials that count, most first.  A criterion's share of the points is its weight
-/// over that of all; what the exercise does not ask for any more is left out, and a trial from
-/// before a criterion was asked for does not count for it.
-/// @param rows      one person's of one exercise.
-/// @param exercise  null: it is gone, and all criteria weigh the same.
+/// Returns the mean loss per criterion over the last trials that count, largest first.  A
+/// criterion's share of the points is its weight over the sum of all weights.  Criteria that the
+/// exercise no longer has are left out, and a trial older than a criterion does not count for it.
+/// @param rows      one person's trials of one exercise.
+/// @param exercise  null: it no longer exists, and all criteria weigh the same.
 std::vector<CriterionLoss> LossesOf(TrialRows rows, const Exercise* exercise, int last);
-/// Of a class: the mean over those who have been marked by it, each counting once.
+/// Returns the class's losses: for each criterion the mean over the people marked by it,
+/// each counted once.
 std::vector<CriterionLoss> ClassLossesOf(const std::vector<std::vector<CriterionLoss>>& losses);
 
-/// As programs read it; or with semicolons and decimal commas, which spreadsheets expect where
-/// numbers are written with these.
+/// How a CSV is written: for programs, or with semicolons and decimal commas for spreadsheets of
+/// countries that write numbers so.
 enum class CsvAs { kRfc4180, kDecimalComma };
 
-/// A course's trials and who did them; what pages and files tell of it.  Pure.
+/// The trials of a course with the people who did them, and the reports made from them.  Pure.
 class History {
  public:
-  /// A trial's score page as its address on the page; empty: it has none.
+  /// Returns the address of a trial's score page on the web page; empty: it has none.
   using PageOf = std::function<std::string(const TrialRow& row)>;
 
-  /// @param rows  as ReadTrials gives them; of everybody, for the class's spread.
+  /// @param rows  as ReadTrials returns them, of everybody: the class's spread needs all.
   History(std::vector<Exercise> exercises, std::vector<Person> people, std::vector<TrialRow> rows);
 
-  /// For a teacher: of each exercise the spread and what costs most, of each person the points,
-  /// the grade, and what to practise next.
+  /// Returns the teacher's report: for each exercise the spread and the costliest criteria; for
+  /// each person the points, the grade and what to practise next.
   std::string ClassJson() const;
-  /// Of a person: all trials with marks, grades, what to practise next, and the class's spread, for
-  /// the person only where it is of at least kLeastForOthers: fewer would tell who had what.
+  /// Returns a person's report: all trials with marks, grades, what to practise next, and the
+  /// class's spread.  The person gets a spread only if it covers at least kLeastForOthers people,
+  /// since a smaller one would reveal individual results.
   std::string PersonJson(std::int64_t person, bool for_teacher, const PageOf& page) const;
-  /// A line each trial (README.md has the columns).  @param person  0: of everybody.
+  /// Returns a CSV with one line per trial (README.md lists the columns).  @param
+  /// person  0: everybody.
   std::string Csv(std::int64_t person = 0, CsvAs as = CsvAs::kRfc4180) const;
 
   static constexpr int kLeastForOthers = 5;
 
  private:
   const Exercise* Find(const std::string& exercise) const;
-  /// How many trials make a grade.
+  /// Returns how many trials make a grade.
   int LastOf(const std::string& exercise) const;
   const Person* PersonOf(std::int64_t person) const;
   TrialRows RowsOf(std::int64_t person) const;
-  /// By exercise, of those who are taught.
+  /// Returns the points of people who are taught, by exercise.
   std::map<std::string, PointsByTrial> ClassPoints() const;
 
   std::vector<Exercise> exercises_;
@@ -135,8 +141,9 @@ class History {
   std::vector<TrialRow> rows_;
 };
 
-/// A CSV field: quoted where RFC 4180, or a list apart by semicolons, asks for it; with ' before a
-/// text that a spreadsheet would run (one that begins with = + - @, a tab or a carriage return).
+/// Returns a CSV field: quoted if RFC 4180 or the semicolon-separated form requires it, and
+/// with ' before a text that a spreadsheet would run as a formula (it begins with = + - @, a
+/// tab or a carriage return).
 std::string CsvField(const std::string& text);
 
 }  // namespace palpate

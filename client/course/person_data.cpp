@@ -41,7 +41,7 @@ fs::path TrialsOf(const std::string& folder, std::int64_t person) {
   return fs::path(folder) / "trials" / std::to_string(person);
 }
 
-/// A ZIP in the making.
+/// A ZIP that is being written.
 class Zip {
  public:
   explicit Zip(const std::string& path) : zip_(zipOpen64(path.c_str(), APPEND_STATUS_CREATE)) {
@@ -61,7 +61,7 @@ class Zip {
                        unsigned(local.tm_mday), unsigned(local.tm_mon), unsigned(local.tm_year)};
     }
     constexpr unsigned long kUtf8 = 1 << 11;
-    // Stored: recordings are compressed already.
+    // Stored without compression: recordings are compressed already.
     Check(zipOpenNewFileInZip4_64(zip_, name.c_str(), &info, nullptr, 0, nullptr, 0, nullptr, 0, 0,
                                   0, -MAX_WBITS, DEF_MEM_LEVEL, Z_DEFAULT_STRATEGY, nullptr, 0, 0,
                                   kUtf8, is_large ? 1 : 0) == ZIP_OK);
@@ -104,7 +104,7 @@ void AddFile(Zip& zip, const std::string& name, const fs::path& path) {
   zip.End();
 }
 
-/// In every table, so that no part of a course need be known here.
+/// Returns every table with a column `person`, so that each part of a course may have its own.
 std::vector<std::string> TablesOfPeople(SQLite::Database& database) {
   std::vector<std::string> tables;
   SQLite::Statement names(database,
@@ -127,7 +127,7 @@ void RemoveFiles(CourseFile& file, const std::string& folder, std::int64_t perso
     SQLite::Statement done(database, "DELETE FROM deleted WHERE person = ?");
     done.bind(1, person);
     done.exec();
-    // The former pages of the file's log hold the name.
+    // Earlier pages of the write-ahead log still contain the name.
     database.exec("PRAGMA wal_checkpoint(TRUNCATE)");
   });
 }
@@ -135,7 +135,7 @@ void RemoveFiles(CourseFile& file, const std::string& folder, std::int64_t perso
 }  // namespace
 
 int GiveData(const std::string& folder, const Person& person, const std::string& csv) {
-  // No name: two who ask at once do not meet, and a killed process leaves nothing.
+  // Unlinked: simultaneous requests do not collide, and a killed process leaves no file.
   std::string path = folder + "/.given-XXXXXX";
   const int file = mkostemp(path.data(), O_CLOEXEC);
   if (file < 0)

@@ -113,7 +113,7 @@ std::vector<Roster::Made> Roster::Make(const std::vector<std::string>& names, Ac
         insert.bind(5, static_cast<std::int64_t>(one.person.made_s));
         insert.exec();
         one.person.id = database.getLastInsertRowid();
-        people_.push_back(one.person);  // the next name must not be this one's
+        people_.push_back(one.person);  // so that the next name is checked against it too
         made.push_back(std::move(one));
       }
       transaction.commit();
@@ -184,7 +184,7 @@ const Person* Roster::FindToken(std::string_view token) const {
   if (!LooksLikeToken(token)) return nullptr;
   const TokenHash hash = HashOfToken(token);
   const Person* found = nullptr;
-  for (const Person& person : people_) {  // the same time for all of them
+  for (const Person& person : people_) {  // constant time: all are compared
     if (CRYPTO_memcmp(person.hash.data(), hash.data(), hash.size()) == 0) found = &person;
   }
   return found != nullptr && found->here() ? found : nullptr;

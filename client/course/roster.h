@@ -11,28 +11,28 @@
 
 namespace palpate {
 
-/// Somebody of a course.  Of the token only the hash is known.
+/// A person of a course.  Only the hash of the token is stored.
 struct Person {
-  std::int64_t id = 0;  ///< from 1, never another's
+  std::int64_t id = 0;  ///< from 1, never reused
   std::string name;     ///< printable UTF-8, at most Roster::kLongestName bytes
   Access role = Access::kDrive;
   TokenHash hash{};
   std::int64_t made_s = 0;       ///< since 1970
-  std::int64_t withdrawn_s = 0;  ///< 0: is one of the course
+  std::int64_t withdrawn_s = 0;  ///< 0: is in the course
   bool here() const { return withdrawn_s == 0; }
 };
 
-/// The people of a course, in its file: who they are and what they may.  Who is withdrawn
-/// keeps id and name, under which trials are filed.  Of those who are not withdrawn no two have
-/// names that are one station's (StationNameOf), in small or capital letters. Everything throws
-/// Error with a remedy, for whoever asked, and then has changed nothing. Thread contract: one
-/// thread.
+/// The people of a course, stored in its file, with their roles.  A withdrawn person keeps id and
+/// name, under which the trials are filed.  No two people who are not withdrawn may have names that
+/// give the same station name (StationNameOf), regardless of case.  Every failure throws an Error,
+/// worded with a remedy for whoever asked, and changes nothing.
+/// Thread contract: one thread.
 class Roster {
  public:
   static constexpr std::size_t kLongestName = 64;  ///< bytes
   static constexpr std::size_t kMost = 1000;       ///< people who are not withdrawn
 
-  /// The token is told here and nowhere else.
+  /// A new or renewed person with the token, which is available only here.
   struct Made {
     Person person;
     std::string token;
@@ -40,27 +40,29 @@ class Roster {
 
   explicit Roster(CourseFile& file);
 
-  /// All of them or, where one cannot be, none.  A name's spaces at both ends do not count.
+  /// Adds all of the people or, if one cannot be added, none.  White space at both ends of a
+  /// name is ignored.
   std::vector<Made> Make(const std::vector<std::string>& names, Access role);
   void Rename(std::int64_t id, const std::string& name);
-  /// Ends the token.  The last one who may operate stays.
+  /// Ends the person's token.  The last operator cannot be withdrawn.
   void Withdraw(std::int64_t id);
-  /// Whoever it is, the withdrawn too.  Throws Error where there is nobody, or who must stay.
+  /// Returns the person, withdrawn or not.  Throws Error if there is no such person, or if
+  /// they must stay.
   const Person& MayGo(std::int64_t id) const;
-  /// Another token in the former's place, which is lost or known to others.
+  /// Gives the person a new token in place of one that is lost or has become known to others.
   Made Renew(std::int64_t id);
 
-  /// Reads the file again, which another process may have changed.
+  /// Reads the file again, in case another process has changed it.
   void Read();
-  /// By id, the withdrawn too.
+  /// All people by id, including the withdrawn.
   const std::vector<Person>& people() const { return people_; }
-  /// Of those who are not withdrawn; null: nobody's.
+  /// Finds a person who is not withdrawn, by id or by token; null: there is none.
   const Person* Find(std::int64_t id) const;
   const Person* FindToken(std::string_view token) const;
   bool has_operator() const;
 
  private:
-  /// The name as it is kept.  @param id  whose it is to be; 0: a new one's
+  /// Returns the name as it is stored.  @param id  the person who is to have it; 0: a new one
   std::string Checked(std::string_view name, std::int64_t id) const;
   const Person& Known(std::int64_t id) const;
 

@@ -44,7 +44,7 @@ std::string Hex(const unsigned char* bytes, std::size_t count) {
   return text;
 }
 
-/// Of what has lower-case digits alone; else empty.
+/// Decodes lower-case hexadecimal digits; empty for any other text.
 std::string FromHex(std::string_view text) {
   constexpr std::string_view kDigits = "0123456789abcdef";
   std::string bytes;
@@ -74,7 +74,7 @@ class Sha256Sum {
   Digest sum_{EVP_MD_CTX_new(), EVP_MD_CTX_free};
 };
 
-/// What a writer puts into memory that is read again.
+/// Returns as text what `write` writes into a memory BIO.
 template <class Write>
 std::string PemOf(Write write) {
   const Bio bio(BIO_new(BIO_s_mem()), BIO_free);
@@ -84,7 +84,8 @@ std::string PemOf(Write write) {
   return {data, static_cast<std::size_t>(size)};
 }
 
-/// Whole and for its owner alone before it has its name; one that is there stays.
+/// Creates a key file, complete and readable by its owner only before it gets its name; an existing
+/// one is kept.
 void WriteNewKey(const std::string& file) {
   const Key key(EVP_PKEY_Q_keygen(nullptr, nullptr, "ED25519"), EVP_PKEY_free);
   const std::string pem = PemOf([&](BIO* bio) {
@@ -132,7 +133,7 @@ Sealed Open(std::string_view text, const SealKey& key, const std::string& file) 
     sealed = json.at("sealed");
     const Json again = sealed;
     body = again.dump();
-    // Nothing beside what is signed: a byte more or less, or another order, has been changed.
+    // The whole text must match: any other byte or order counts as a change.
     const Json all = {{"key", signed_by}, {"sealed", again}, {"signature", signature}};
     if (all.dump() + "\n" != text) refuse("the seal has been changed since it was made");
   } catch (const Json::exception&) {
@@ -172,7 +173,7 @@ SealKey SealKey::OfCourse(const std::string& folder) {
   if (!std::filesystem::exists(file)) WriteNewKey(file);
   const std::string pem = ReadWholeFile(file, kLargestKey, "", IsPrivate("the exams' key", file));
   const Bio bio(BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())), BIO_free);
-  // No terminal is asked for the password of one that has one.
+  // An encrypted key must not make the library ask a terminal for its password.
   char none[] = "";
   SealKey key(Key(PEM_read_bio_PrivateKey(bio.get(), nullptr, nullptr, none), EVP_PKEY_free));
   if (!key.key_) {

@@ -25,15 +25,14 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-/// A recorder that has not begun by then, or has not ended, never will.
+/// After this time a recorder that has not begun, or not ended, is killed.
 constexpr std::int64_t kPatience_ns = 10'000'000'000;
 constexpr std::int64_t kRetry_ns = 2'000'000'000;
-/// Trials that are scored while they run; one of a solid at 50 um takes some 400 MB meanwhile.  The
-/// others are scored when they have ended, so many at a time as there are processors, but no more
-/// than these.
+/// Trials scored while they run; a solid at 50 um takes some 400 MB each.  Other trials are scored
+/// after they end, at most one per processor and no more than this number at a time.
 constexpr int kMostFollowing = 4;
 constexpr std::size_t kLargestScore = std::size_t{16} << 20;
-/// Of palpate-replay's complaint where the station has lost its server and come again.
+/// In palpate-replay's complaint if the station lost its server and came again.
 constexpr std::string_view kSeveralSessions = "sessions; choose one";
 constexpr std::string_view kNoScore = "no score: ";
 constexpr const char* kTrialsTable =
@@ -256,7 +255,7 @@ bool TrialRoom::PollOne(Running& trial, std::int64_t now_ns) {
     if (trial.began_ns == -1) {
       trial.began_ns = now_ns;
       trial.news.left_s = trial.most_s;
-      // One of an exam is scored when that is closed.
+      // A trial of an exam is scored after the exam is closed.
       const auto following = std::ranges::count_if(
           trials_, [](const Running& other) { return other.records && other.scorer; });
       if (!trial.is_exam && following < kMostFollowing) BeginScoring(trial, true);
@@ -306,7 +305,7 @@ bool TrialRoom::Keep(Running& trial, std::int64_t now_ns) try {
   trial.news.submitted = trial.submits;
   return true;
 } catch (const Error& error) {
-  // A full disk may have space again.  What was recorded is there.
+  // A full disk may have space again.  The recording itself is kept.
   if (std::exchange(trial.retry_ns, now_ns + kRetry_ns) != 0) return false;
   trial.news.whole = false;
   trial.news.reason += fmt::format("{}{}", trial.news.reason.empty() ? "" : "; ", error.what());
@@ -345,7 +344,7 @@ void TrialRoom::ScoreLeftovers() {
   });
   for (News& news : leftovers) {
     if (Find(news.exercise) == nullptr) continue;
-    // What failed is tried again: its disk may have been full.
+    // A failed scoring is tried again: the disk may have been full.
     const std::size_t failed = news.reason.find(kNoScore);
     if (failed != news.reason.npos) news.reason.erase(failed < 2 ? 0 : failed - 2);
     Score(news);
@@ -364,7 +363,7 @@ void TrialRoom::ScoreNext() {
   const auto most =
       std::clamp<int>(static_cast<int>(std::thread::hardware_concurrency()), 1, kMostFollowing);
   if (at_work >= most) return;
-  // First those whose person waits.
+  // Those whose person is waiting come first.
   auto next = std::ranges::find_if(
       trials_, [&](const Running& trial) { return waits(trial) && trial.news.holder != 0; });
   if (next == trials_.end()) next = std::ranges::find_if(trials_, waits);
@@ -412,7 +411,7 @@ void TrialRoom::TakeScore(Running& trial) {
     Tell(trial, "scored");
   } catch (const std::exception& error) {
     const std::string why = error.what();
-    // What its station did between two of its sessions nobody knows.
+    // What the station did between its two sessions is unknown.
     news.whole = news.whole && why.find(kSeveralSessions) == std::string::npos;
     news.reason += fmt::format("{}{}{}", news.reason.empty() ? "" : "; ", kNoScore, why);
     file_.Use([&](SQLite::Database& database) {
@@ -446,7 +445,7 @@ void TrialRoom::Poll(std::int64_t now_ns) {
   }
   try {
     ScoreNext();
-  } catch (const Error&) {  // no process can be made now: it goes on waiting
+  } catch (const Error&) {  // no process can be created now: the trial waits
   }
 }
 
@@ -495,7 +494,7 @@ std::string TrialRoom::PictureOf(const std::string& path) const {
 
 std::string TrialRoom::DescribeJson(const std::string& exercise) const {
   Json json = JsonOf(*Find(exercise));
-  json.erase("guide");  // a hint, where there is one
+  json.erase("guide");  // the guide is a hint
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

@@ -17,84 +17,86 @@
 
 namespace palpate {
 
-/// The trials of a course's people: each is recorded by a palpate-record of its own, scored by a
-/// palpate-replay that follows the recording, and has a row in the course's file.  In
-/// FOLDER/trials/PERSON/EXERCISE/ trial N is N.mcap, and its score page N/score.html. Thread
-/// contract: one thread.  Time is given [ns].
+/// The trials of a course's people.  Each has its own palpate-record that records it, a
+/// palpate-replay that scores it by following the recording, and a row in the course's file.  Trial
+/// N is recorded in FOLDER/trials/PERSON/EXERCISE/N.mcap; its score page is N/score.html there.
+/// Thread contract: one thread.  Times are in nanoseconds.
 class TrialRoom {
  public:
   using Holder = std::uint64_t;  ///< a viewer
   struct Options {
     std::string folder;    ///< of the course
-    std::string programs;  ///< folder of palpate-record and palpate-replay
-    /// Of the recorder: where the stations are.
+    std::string programs;  ///< folder with palpate-record and palpate-replay
+    /// Command-line arguments by which the recorder reaches the stations' network.
     std::vector<std::string> network;
   };
-  /// What became of a trial.
+  /// A trial's state after a change.
   struct News {
-    Holder holder = 0;  ///< 0: nobody is at it any more
+    Holder holder = 0;  ///< 0: no viewer waits for it any more
     std::int64_t person = 0;
     std::string exercise;
     int n = 0;
-    /// "preparing", "running", "ending", "scoring", "scored"; "unscored" where that failed.  Of an
-    /// exam "kept" in place of the last three.
+    /// "preparing", "running", "ending", "scoring", "scored", or "unscored" if scoring failed.  In
+    /// an exam "kept" takes the place of the last three.
     std::string phase;
-    std::string reason;  ///< why it ended, and what is wrong
-    bool whole = true;   ///< nothing of it is missing
+    std::string reason;  ///< why it ended, and what went wrong
+    bool whole = true;   ///< its recording is complete
     std::optional<double> points;
     bool passed = false;
     bool submitted = false;
-    std::string page;  ///< of the score, below /score/; empty: there is none
+    std::string page;  ///< key of the score page, below /score/; empty: there is none
     double left_s = 0.0;
   };
 
-  /// Makes its table, and marks as cut short what a killed gateway left.  Throws Error.
+  /// Creates the table, and marks trials that a killed gateway left running as cut
+  /// short.  Throws Error.
   TrialRoom(Options options, CourseFile& file, std::function<void(const News&)> tell);
 
   const std::vector<Exercise>& exercises() const { return exercises_; }
   const Exercise* Find(const std::string& exercise) const;
 
-  /// Starts its recorder; "running" tells that the tool may now be taken.  Throws Error, for the
-  /// person, where it cannot be.
-  /// @param station  that the person's hand will have.
-  /// @param exam_s   of an exam: its time, in place of the exercise's.  It is not scored then.
-  /// Returns its number.
+  /// Starts a trial's recorder; the news "running" says that the tool may now be taken.  Throws
+  /// Error, worded for the person, if it cannot begin.
+  /// @param station  the station that the person's hand will use.
+  /// @param exam_s   time limit in an exam, in place of the exercise's; the trial is
+  /// then not scored.
+  /// Returns the trial's number.
   int Begin(Holder holder, std::int64_t person, const std::string& exercise,
             const std::string& station, std::int64_t now_ns, std::optional<double> exam_s = {});
-  /// Ends the trial that a viewer is at, if it is.
+  /// Ends the trial of that viewer, if it has one.
   void End(Holder holder, const std::string& reason);
-  /// Ends what they are at.
+  /// Ends the running trials of these people.
   void EndOf(const std::set<std::int64_t>& people, const std::string& reason);
-  /// Scores what has ended: of an exam that is closed, or of an earlier run of the gateway.
-  /// @param kept  what was told of it.
+  /// Scores an ended trial: of a closed exam, or of an earlier run of the gateway.
+  /// @param kept  the trial's last news.
   void Score(const News& kept);
-  /// Scores what has no score yet and is of no exam.  @pre The exam's tables are there.
+  /// Scores ended trials that have no score and belong to no exam.  @pre The exam's tables exist.
   void ScoreLeftovers();
-  /// Hands a trial in; one that is running ends.  Throws Error where there is none.
+  /// Submits a trial; a running one ends.  Throws Error if there is no such trial.
   void Submit(Holder holder, std::int64_t person, const std::string& exercise, int n);
   bool is_at_one(Holder holder) const;
-  /// One of that person's is recorded or scored.
+  /// Returns whether a trial of that person is being recorded or scored.
   bool has_one_of(std::int64_t person) const;
-  /// That trial is not done with.
+  /// Returns whether that trial is being recorded or scored.
   bool Has(std::int64_t person, const std::string& exercise, int n) const;
-  /// Throws Error, for the person, while one that they have begun is not done with.
+  /// Throws Error, worded for the person, while their last trial is being recorded or scored.
   void CheckMayBegin(std::int64_t person) const;
-  /// Looks after them, some 100 times a second.
+  /// Advances all trials; to be called some 100 times a second.
   void Poll(std::int64_t now_ns);
-  /// Trials that are not done with.
+  /// The number of trials that are being recorded or scored.
   std::size_t size() const { return trials_.size(); }
 
-  /// For a person's page: the exercises, and of each its trials so far.
+  /// Returns the exercises, each with the person's trials so far, for the person's page.
   std::string ListJson(std::int64_t person);
-  /// Keys of a person's score pages, by exercise and number, of those that there are.
+  /// Returns the keys of a person's existing score pages, by exercise and trial number.
   std::map<std::pair<std::string, int>, std::string> PagesOf(std::int64_t person);
-  /// An exercise alone, without hints.  @param exercise  one that there is.
+  /// Describes one exercise, without hints.  @param exercise  must exist.
   std::string DescribeJson(const std::string& exercise) const;
-  /// Ends the keys of their score pages.  Who asks for one later gets another.
+  /// Invalidates the keys of these people's score pages.  A later request creates new keys.
   void ForgetPages(const std::set<std::int64_t>& people);
-  /// The score page that a key of News stands for; empty: none.
+  /// Returns the path of the score page with that key (News::page); empty: there is none.
   std::string PageOf(const std::string& key) const;
-  /// An exercise's picture, "EXERCISE/FILE"; empty: none.
+  /// Returns the path of an exercise's picture, given as "EXERCISE/FILE"; empty: there is none.
   std::string PictureOf(const std::string& path) const;
 
  private:
@@ -103,21 +105,21 @@ class TrialRoom {
     const Exercise* exercise = nullptr;
     std::unique_ptr<ChildProgram> recorder, scorer;
     bool records = false;
-    bool follows = false;     // the scorer has said so: it may be interrupted
-    bool cuts_short = false;  // the recording has no end, of which it is to be told
+    bool follows = false;     // the scorer has begun to follow, so it may be interrupted
+    bool cuts_short = false;  // the recording has no end, so the scorer must be interrupted
     bool submits = false;
     bool is_exam = false;
     double most_s = 0.0;
-    std::int64_t retry_ns = 0;  // to enter its end; 0: it has not been tried
-    std::int64_t asked_ns = 0;  // to begin, or to end
+    std::int64_t retry_ns = 0;  // when to retry storing its end; 0: not tried yet
+    std::int64_t asked_ns = 0;  // when it was asked to begin, or to end
     std::int64_t began_ns = 0;
   };
   void MarkCutShort();
   std::string FolderOf(std::int64_t person, const std::string& exercise) const;
-  /// False once it is done with.
+  /// Returns false once the trial is finished.
   bool PollOne(Running& trial, std::int64_t now_ns);
   void BeginToEnd(Running& trial, const std::string& reason);
-  /// Enters in the course's file how it ended.  False where that cannot be written now.
+  /// Stores in the course's file how the trial ended.  Returns false if that cannot be written now.
   bool Keep(Running& trial, std::int64_t now_ns);
   void BeginScoring(Running& trial, bool follows);
   void Score(Running& trial);

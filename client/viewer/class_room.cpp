@@ -160,7 +160,7 @@ void ClassRoom::Delete(std::int64_t id, const Busy& busy) {
   try {
     DeletePerson(file_, folder_, id);
   } catch (const Error&) {
-    roster_.Read();  // files may be left where the person is gone
+    roster_.Read();  // the person may be gone although files are left
     throw;
   }
   roster_.Read();
@@ -171,7 +171,7 @@ void ClassRoom::Say(std::int64_t id, const std::string& text) {
     throw Error(fmt::format("nobody of this course has the number {}", id));
   }
   for (const Person& person : roster_.people()) {
-    // What a teacher says to all is for those who are taught.
+    // A line to all is meant for students.
     const bool is_meant = id == 0 ? person.role != Access::kOperate : person.id == id;
     if (!person.here() || !is_meant) continue;
     Told& told = told_[person.id];
@@ -191,7 +191,7 @@ std::string ClassRoom::Begin(const std::string& scene, const Scenes& scenes, con
   }
   scene_ = scene;
   if (scene.empty()) return "";
-  // Those who are here come first.
+  // Connected people come first.
   std::vector<std::int64_t> drivers;
   for (const bool first : {true, false}) {
     for (const Person& person : roster_.people()) {

@@ -59,7 +59,7 @@ FrameQueue::Next FrameQueue::Pop(std::int64_t now_ns) {
   if (wanted.period_ns == 0) {
     slots_.erase(slot);
   } else {
-    // By whole periods, or else the times at which frames come would make the rate a lower one.
+    // In whole periods: otherwise the arrival times of the frames would lower the rate.
     slot->second = {nullptr, false,
                     std::max(slot->second.next_ns + wanted.period_ns, now_ns - wanted.period_ns)};
   }

@@ -9,26 +9,26 @@
 
 namespace palpate {
 
-/// A message for viewers: serialised once, shared by all of them.
+/// A message for viewers, serialised once and shared by all of them.
 struct Frame {
   std::uint32_t channel = 0;
   std::uint64_t origin = 0;    ///< the participant that wrote it (common/dds/cdr_reader.h)
-  std::uint64_t instance = 0;  ///< of its topic's key: a station, a scene, ...
+  std::uint64_t instance = 0;  ///< identifies the key of its topic: a station, a scene, ...
   std::int64_t time_ns = 0;    ///< wall clock
   std::vector<std::uint8_t> payload;
-  /// False where a newer frame of the instance makes this one worthless; true where its viewer
-  /// must in the end have the newest, which then is no loss.
+  /// True if only the newest frame of the instance matters: one that it replaces is not
+  /// counted as lost.
   bool state = false;
 };
 using FramePtr = std::shared_ptr<const Frame>;
 
-/// What waits for one viewer: of each channel and instance the newest frame and no more, so that a
-/// viewer that stalls has bounded memory, and newest things when it is back.  First come, first
-/// served among instances.  Holds only channels that are subscribed to.
-/// Thread contract: one thread.  Time is given [ns].
+/// The frames that wait for one viewer: only the newest of each channel and instance.  A stalled
+/// viewer thus needs bounded memory, and gets current data when it reads again.  Instances are
+/// served first come, first served.  Frames of channels without a subscription are dropped.
+/// Thread contract: one thread.  Times are in nanoseconds.
 class FrameQueue {
  public:
-  /// @param period_ns  least time between two frames of an instance; those between are passed over.
+  /// @param period_ns  least time between two frames of an instance; frames in between are skipped.
   void Subscribe(std::uint32_t channel, std::uint32_t subscription, std::int64_t period_ns = 0);
   void Unsubscribe(std::uint32_t subscription);
   bool subscribed(std::uint32_t channel) const { return subscriptions_.contains(channel); }
@@ -41,9 +41,9 @@ class FrameQueue {
   };
   Next Pop(std::int64_t now_ns);
 
-  /// Frames that were due and that newer ones have taken the place of: the viewer was too slow.
+  /// Number of frames that were due but replaced by newer ones, because the viewer was too slow.
   std::uint64_t lost() const { return lost_; }
-  /// Frames that wait.
+  /// Number of waiting frames.
   std::size_t size() const { return due_.size() + early_.size(); }
 
  private:
@@ -55,7 +55,7 @@ class FrameQueue {
   struct Slot {
     FramePtr waiting;
     bool due = false;
-    std::int64_t next_ns = 0;  // not before
+    std::int64_t next_ns = 0;  // not due before
   };
 
   std::map<std::uint32_t, Wanted> subscriptions_;  // by channel

@@ -9,8 +9,8 @@
 namespace palpate {
 namespace {
 
-/// Before a token among a WebSocket's subprotocols, which is where a page can put one: browsers set
-/// no other header of it.
+/// Prefix of a token among a WebSocket's subprotocols, the only header that a browser lets
+/// a page set.
 constexpr std::string_view kTokenSubprotocol = "palpate.token.";
 
 constexpr int kBadRequest = 400;
@@ -21,7 +21,7 @@ Verdict Refused(int status, Refusal refusal, std::string reason) {
   return {Access::kNone, std::nullopt, status, refusal, std::move(reason)};
 }
 
-/// The tokens that a request presents, in whichever place.
+/// Returns the tokens that a request presents, wherever they stand.
 std::vector<std::string_view> Presented(const Asker& asker) {
   std::vector<std::string_view> tokens;
   constexpr std::string_view kScheme = "bearer ";
@@ -29,7 +29,7 @@ std::vector<std::string_view> Presented(const Asker& asker) {
   if (LowerCase(header.substr(0, kScheme.size())) == kScheme) {
     tokens.push_back(Trimmed(header.substr(kScheme.size())));
   } else if (!header.empty()) {
-    tokens.emplace_back();  // another scheme: no token that is known here
+    tokens.emplace_back();  // another scheme: counts as an unknown token
   }
   std::string_view rest = asker.subprotocols;
   while (!rest.empty()) {
@@ -56,7 +56,7 @@ Access AccessOfOrigin(std::string_view origin, std::string_view host, bool secur
   }
   if (from == "file://") return Access::kWatch;
   const std::string own = "://" + LowerCase(host);
-  // In the clear both: a proxy may speak TLS before this gateway.
+  // Compared without the scheme: a proxy in front of this gateway may provide TLS.
   if (host.empty()) return Access::kNone;
   if (from == "https" + own || (!secure && from == "http" + own)) return Access::kOperate;
   return Access::kNone;
@@ -82,7 +82,7 @@ Verdict Gate::JudgeToken(const Asker& asker) const {
   }
   const auto holder = tokens_->Find(presented.front());
   if (!holder) {
-    // What it presents is told to nobody: it may be a good one with a slip.
+    // The presented text is not logged: it may be a valid token with a typing error.
     return Refused(kUnauthorized, Refusal::kToken,
                    "its token is none of this gateway's (palpate-viewer --tokens)");
   }
@@ -97,7 +97,7 @@ Verdict Gate::JudgeSocket(const Asker& asker) const {
                        "; palpate-viewer --allow-origin lets it in");
   }
   Verdict verdict = JudgeToken(asker);
-  // Without tokens a teacher is who sits at this host.
+  // Without tokens, only a client on this host may operate.
   if (!tokens_ && !asker.is_local) verdict.access = Access::kDrive;
   verdict.access = std::min(verdict.access, page);
   return verdict;

@@ -40,7 +40,7 @@ namespace net = boost::asio;
 using net::ip::tcp;
 
 constexpr std::chrono::microseconds kTick{8333};
-/// Connections beside the viewers': browsers open some for the page's files.
+/// Connections in addition to the viewers': browsers open some for the page's files.
 constexpr std::size_t kHttpConnections = 200;
 
 class Listener {
@@ -75,7 +75,7 @@ class Listener {
     acceptor_.async_accept([this](boost::system::error_code error, tcp::socket socket) {
       if (error == net::error::operation_aborted || !acceptor_.is_open()) return;
       if (error) {
-        // Out of files, say: others will close some.
+        // For instance, no descriptor is free: other connections will close.
         spdlog::warn("a connection could not be taken: {}", error.message());
         retry_.expires_after(std::chrono::milliseconds(100));
         retry_.async_wait([this](boost::system::error_code stopped) {
@@ -96,8 +96,7 @@ class Listener {
   std::shared_ptr<Lobby> lobby_ = std::make_shared<Lobby>(kHttpConnections, kHttpConnections / 2);
 };
 
-/// Where the page is, for who is told to open it: by name first, which is what a certificate is
-/// for.
+/// Returns the addresses of the page: host names first, since certificates are issued for them.
 std::string Urls(const ViewerOptions& options, const tcp::endpoint& endpoint) {
   const std::string scheme = options.tls_cert.empty() ? "http://" : "https://";
   const net::ip::address address = endpoint.address();
@@ -114,7 +113,7 @@ std::string Urls(const ViewerOptions& options, const tcp::endpoint& endpoint) {
   return all;
 }
 
-/// What it means that other hosts reach this gateway.
+/// Warns what it means that other hosts can reach this gateway.
 void WarnOfNetwork(const ViewerOptions& options) {
   if (options.tls_cert.empty()) {
     spdlog::warn(
@@ -156,8 +155,8 @@ bool HasTerminal() {
   return terminal >= 0;
 }
 
-/// SIGHUP, by which a service is asked to read its files anew.  It also comes when a terminal goes,
-/// and then ends the gateway that was started there, as it would without this.
+/// Handles SIGHUP, the request to read files again.  SIGHUP also comes when a terminal closes; it
+/// then ends a gateway that was started there, as by default.
 class ReloadSignal {
  public:
   ReloadSignal(net::io_context& io, std::function<void()> reload)
@@ -187,13 +186,14 @@ class ReloadSignal {
   const bool had_terminal_ = HasTerminal();
 };
 
-/// Serves until a signal comes.  One thread does it all: HTTP, WebSockets, and 120 times a second
-/// what DDS's readers hold; each message is serialised once, by its writer, and shared by viewers.
+/// Serves until a signal arrives.  One thread does everything: HTTP, WebSockets and, 120 times
+/// a second, the DDS readers.  Each message was serialised once, by its writer, and is shared
+/// by all viewers.
 /// Throws Error.
 void Serve(const ViewerOptions& options) {
   StopSignal stop;
-  std::signal(SIGPIPE, SIG_IGN);  // a station's input may be gone
-  // Outlives the handlers that the io_context holds to its end.
+  std::signal(SIGPIPE, SIG_IGN);  // the input pipe of a station may be closed
+  // Must outlive the handlers, which the io_context holds until its end.
   std::optional<net::ssl::context> tls;
   if (!options.tls_cert.empty()) tls = MakeTls(options.tls_cert, options.tls_key);
   net::io_context io(1);
@@ -215,7 +215,7 @@ void Serve(const ViewerOptions& options) {
     hub.Tick(now_ns);
     if (ending_ns != 0 && (hub.ended() || now_ns - ending_ns > ViewerLimits::kFarewell_ns))
       return io.stop();
-    // By the absolute clock, and without a burst after being held up.
+    // By the absolute clock, but without a burst after a delay.
     timer.expires_at(std::max(timer.expiry() + kTick, std::chrono::steady_clock::now()));
     timer.async_wait(tick);
   };
@@ -223,7 +223,7 @@ void Serve(const ViewerOptions& options) {
   io.run();
 }
 
-/// What a terminal has of a course's history.  Throws Error.
+/// Writes a course's history as CSV, for use in a terminal.  Throws Error.
 void ExportCsv(const ViewerOptions& options) {
   if (!std::filesystem::exists(std::filesystem::path(options.course) / "course.sqlite")) {
     throw Error("--course " + options.course + ": there is no course; give its folder");

@@ -50,7 +50,7 @@ void HistoryDesk::Ask(HistoryWish wish, bool for_teacher, Pages pages,
   ++waiting_;
   boost::asio::post(
       reader_, [this, wish, for_teacher, pages = std::move(pages), use = std::move(use)] {
-        // It may take its time: the servo loops' host has little to spare.
+        // Low priority: the servo loops on this host have little time to spare.
         setpriority(PRIO_PROCESS, 0, 10);  // of this thread alone, on Linux
         Answer answer;
         try {

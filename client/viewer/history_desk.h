@@ -19,33 +19,33 @@
 
 namespace palpate {
 
-/// What is asked of a course's history: /history/class.json, class.csv, 7.json, 7.csv,
-/// 7.comma.csv (CsvAs::kDecimalComma) or 7.zip.
+/// A request for a course's history: /history/class.json, class.csv, 7.json, 7.csv, 7.comma.csv
+/// (CsvAs::kDecimalComma) or 7.zip.
 struct HistoryWish {
   enum class As { kJson, kCsv, kCommaCsv, kZip };
   std::int64_t person = 0;  ///< 0: the class
   As as = As::kJson;
 };
-/// @param name  what stands behind "/history/".  Nothing for another.
+/// @param name  the path behind "/history/".  Returns nothing if it is no such request.
 std::optional<HistoryWish> ParseHistoryWish(std::string_view name);
-/// A teacher reads all, anybody else what they did themselves.
-/// @param reader  the number of who asks; 0: nobody of the course
+/// Returns whether the request is allowed: a teacher may read everything, anybody else their own.
+/// @param reader  number of the person who asks; 0: nobody of the course.
 bool MayRead(const HistoryWish& wish, Access access, std::int64_t reader);
 
-/// Reads a course's history and answers what is asked of it, by a thread of its own with a
-/// connection of its own to the course's file: what takes a second keeps nobody's hand waiting.
-/// Thread contract: the thread that runs `io`.  The destructor waits for what is being read.
+/// Answers requests for a course's history in its own thread, with its own connection to the
+/// course's file, so that a slow query does not delay the network thread.
+/// Thread contract: the thread that runs `io`.  The destructor waits for a running query.
 class HistoryDesk {
  public:
   struct Answer {
-    int status = 200;  ///< of HTTP
+    int status = 200;  ///< HTTP status
     std::string type;
     std::string text;
-    int file = -1;  ///< in the text's place: the receiver's to close
+    int file = -1;  ///< descriptor in place of the text; the receiver closes it
   };
   /// Keys of score pages, by exercise and number (TrialRoom::PagesOf).
   using Pages = std::map<std::pair<std::string, int>, std::string>;
-  /// Of those who wait for an answer.
+  /// Limit of requests that wait for an answer.
   static constexpr int kMostWaiting = 16;
 
   /// @param folder  of the course.
@@ -53,7 +53,7 @@ class HistoryDesk {
       : io_(io), folder_(std::move(folder)), exercises_(std::move(exercises)) {}
   ~HistoryDesk() { reader_.join(); }
 
-  /// @param for_teacher  who asks.   @param pages  of that person.
+  /// @param for_teacher  a teacher asks.   @param pages  of the requested person.
   void Ask(HistoryWish wish, bool for_teacher, Pages pages, std::function<void(Answer)> use);
 
  private:
@@ -63,7 +63,7 @@ class HistoryDesk {
   const std::string folder_;
   const std::vector<Exercise> exercises_;
   int waiting_ = 0;
-  std::unique_ptr<CourseFile> file_;  // the reader's
+  std::unique_ptr<CourseFile> file_;  // used by the reader only
   boost::asio::thread_pool reader_{1};
 };
 

@@ -25,18 +25,17 @@ namespace http = beast::http;
 constexpr std::uint32_t kLargestHeader = 8 * 1024;
 constexpr std::chrono::seconds kPatience{15};  // for a request, and for a part of its answer
 constexpr std::chrono::seconds kIdle{2};       // between an answer and the next request
-/// An answer is given up where less of it is taken, on the whole [bytes/s].
+/// An answer is given up if the client takes less than this on average [bytes/s].
 constexpr std::uint64_t kLeastRate = 16 * 1024;
-/// The page needs nothing from elsewhere, and nobody's page may hold it in a frame and have a click
-/// take a tool.  Plots and the page that stands in for it set styles; what makes coarser meshes is
-/// WebAssembly.
+/// The page loads nothing from other hosts, and no page may frame it, so that no stolen click
+/// takes a tool.  Inline styles: the plots and the page for a missing build.  WebAssembly:
+/// the mesh coarsening.
 constexpr const char* kContentPolicy =
     "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; img-src 'self' data:; "
     "style-src 'self' 'unsafe-inline'; object-src 'none'; base-uri 'none'; form-action 'none'; "
     "frame-ancestors 'none'";
-/// What browsers are told with every answer: nothing guesses types, no other page frames, opens or
-/// embeds what is given here, no address of it (which may name a scene) goes elsewhere, and the
-/// page asks for no camera and the like.
+/// Security headers of every answer: no type sniffing; no framing, opening or embedding by other
+/// pages; no referrer, since an address may name a scene; no camera or other devices.
 constexpr std::array<std::pair<const char*, const char*>, 7> kSafeHeaders = {{
     {"X-Content-Type-Options", "nosniff"},
     {"X-Frame-Options", "DENY"},
@@ -47,8 +46,8 @@ constexpr std::array<std::pair<const char*, const char*>, 7> kSafeHeaders = {{
     {"Permissions-Policy",
      "camera=(), microphone=(), geolocation=(), usb=(), serial=(), hid=(), payment=()"},
 }};
-/// Of every port of this name; so a month and not a year: a host that gives up its certificate is
-/// reached in the clear again before the next course.
+/// HSTS applies to every port of this name; a month and not a year, so that a host that drops its
+/// certificate can be reached in the clear again before the next course.
 constexpr const char* kOnlyTls = "max-age=2592000";
 constexpr std::string_view kHealth = "/healthz";
 constexpr std::string_view kMetrics = "/metrics";
@@ -57,7 +56,7 @@ constexpr std::string_view kBundle = ".bundle";
 constexpr std::string_view kScore = "/score/";
 constexpr std::string_view kExercise = "/exercise/";
 constexpr std::string_view kHistory = "/history/";
-/// A score page brings its scripts with it, and nothing else may run there or be asked for.
+/// A score page contains its scripts; nothing else may run there or be requested.
 constexpr const char* kScorePolicy =
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; "
     "frame-ancestors 'none'; sandbox allow-scripts";
@@ -66,12 +65,12 @@ std::string_view View(beast::string_view text) {
   return {text.data(), text.size()};
 }
 
-/// Strong: it names the very bytes, so those of each encoding apart.
+/// A strong ETag: it differs for each encoding, since it names the exact bytes.
 std::string TagOf(std::uint64_t hash, bool gzip) {
   return fmt::format("\"{:016x}{}\"", hash, gzip ? "-gz" : "");
 }
 
-/// For whom a proxy says that it asks: what it has seen itself stands in the last line.
+/// Returns the header in which a proxy names its client; the last line is the proxy's own.
 std::string_view Forwarded(const http::fields& fields) {
   std::string_view last = View(fields[http::field::forwarded]);
   const auto [begin, end] = fields.equal_range("X-Forwarded-For");
@@ -106,7 +105,7 @@ void HttpSession::Begin() {
   const auto close = [weak = weak_from_this()] {
     if (const auto self = weak.lock()) self->stream_.next_layer().close();
   };
-  // A proxy asks for many: what is its share is to be settled there.
+  // A proxy forwards for many clients and must share its connections among them itself.
   const bool is_bounded = !visitor_.is_local && !IsProxy(peer_.address(), hub_.options().proxies);
   place_ = lobby_->Enter(is_bounded ? visitor_.address : "", close, SteadyNanoseconds());
   if (!place_) return;
@@ -181,7 +180,7 @@ void HttpSession::Refuse(const Request& request, int status, Refusal refusal,
 }
 
 void HttpSession::SendToTls(const Request& request) {
-  // What it sent has been in the clear already: with a token, or as a socket, it is to be told.
+  // Its token was already sent in the clear, or it wants a WebSocket: it must get an error.
   const bool is_plain_get =
       (request.method() == http::verb::get || request.method() == http::verb::head) &&
       !beast::websocket::is_upgrade(request) && request.count(http::field::authorization) == 0 &&
@@ -191,11 +190,11 @@ void HttpSession::SendToTls(const Request& request) {
                   "this port speaks TLS: ask https:// or wss://, and take a token that was sent in "
                   "the clear for known");
   }
-  // For now: a port that gives up its certificate is to be found again.
+  // Temporary: a port that drops its certificate must be found again.
   Response response{http::status::temporary_redirect, 11};
   response.set(http::field::location, "https://" + std::string(View(request[http::field::host])) +
                                           std::string(View(request.target())));
-  last_ = true;  // its next request is another connection's
+  last_ = true;  // its next request uses another connection
   Send(std::move(response), request);
 }
 
@@ -212,7 +211,7 @@ void HttpSession::Answer(const Request& request) {
   }
   const auto path = PathOfTarget(View(request.target()));
   if (!path) return Refuse(request, 400, Refusal::kRequest, "no path");
-  // The page's own files are the same for everybody, and what a page needs to hand over a token.
+  // The page's own files are the same for everybody, and needed before a page can present a token.
   const bool is_of_page = *path != kHealth && *path != kMetrics && !path->starts_with(kScene) &&
                           !path->starts_with(kHistory);
   const Verdict verdict = hub_.gate().JudgeToken(asker);
@@ -220,7 +219,7 @@ void HttpSession::Answer(const Request& request) {
     return Refuse(request, verdict.status, verdict.refusal, verdict.reason);
   }
   if (*path == kHealth) {
-    last_ = true;  // asked every few seconds by every page: none should hold a connection for that
+    last_ = true;  // every page asks every few seconds: none should hold a connection for that
     return GiveText(request, http::status::ok, hub_.Health(), "application/json");
   }
   if (*path == kMetrics) {
@@ -234,8 +233,8 @@ void HttpSession::Answer(const Request& request) {
   if (path->starts_with(kHistory)) {
     return GiveHistory(request, path->substr(kHistory.size()), verdict);
   }
-  // By a key that its person and teachers alone were told, as a link that opens in a tab of its
-  // own.
+  // Authorised by a key, told only to its person and to teachers: the link opens in a new tab,
+  // which has no token.
   if (path->starts_with(kScore)) {
     return GiveOfCourse(request, &TrialRoom::PageOf, path->substr(kScore.size()));
   }
@@ -268,7 +267,7 @@ struct HttpSession::Rest {
   const int file;
   std::uint64_t left;
   std::vector<std::uint8_t> piece = std::vector<std::uint8_t>(std::size_t{1} << 18);
-  /// Empty: it cannot be read.
+  /// Returns the next piece; empty: the file cannot be read.
   std::span<const std::uint8_t> Next() {
     const ssize_t count = read(file, piece.data(), std::min<std::uint64_t>(piece.size(), left));
     if (count <= 0) return {};
@@ -349,7 +348,7 @@ void HttpSession::Send(Response response, const Request& request,
   response.keep_alive(request.version() >= 11 && request.keep_alive() && !last_ &&
                       response.result_int() < 400);
   answered_ = true;
-  // In pieces: a large scene over a slow line may take longer than the patience for one of them.
+  // In pieces: a large scene on a slow line may take longer than the time limit of one piece.
   const auto end =
       std::chrono::steady_clock::now() + kPatience + std::chrono::seconds(all / kLeastRate);
   struct Sending {

@@ -15,50 +15,50 @@
 
 namespace palpate {
 
-/// One connection that speaks HTTP, over TLS where there is a certificate: gives files, or becomes
-/// a viewer's WebSocket.  Whoever is slow is given up: with shaking hands, with a request, between
-/// two of them, and with taking an answer. Thread contract: the network thread.  May outlive the
-/// hub, within a handler that never runs.
+/// One HTTP connection, over TLS if there is a certificate: serves files, or becomes a viewer's
+/// WebSocket.  A client that is too slow is dropped: in the handshake, in sending a request,
+/// between requests, and in reading an answer.
+/// Thread contract: the network thread.  May outlive the hub, held by a handler that never runs.
 class HttpSession : public std::enable_shared_from_this<HttpSession> {
  public:
-  /// @param tls  null: in the clear.  Outlives all sessions.
+  /// @param tls  null: in the clear.  Must outlive all sessions.
   HttpSession(boost::asio::ip::tcp::socket socket, Hub& hub, std::shared_ptr<Lobby> lobby,
               boost::asio::ssl::context* tls);
   ~HttpSession();
 
-  /// Serves the connection, where the lobby has room for it.
+  /// Serves the connection if the lobby has room for it.
   void Begin();
 
  private:
   using Request = boost::beast::http::request<boost::beast::http::empty_body>;
-  // Of one type, whatever it holds: what Beast makes of each is much to compile.
+  // One type for all bodies, since each instantiation of Beast is slow to compile.
   using Response = boost::beast::http::response<boost::beast::http::buffer_body>;
 
-  /// Shakes hands with who wants TLS; who does not is told that it is spoken here.
+  /// Performs the TLS handshake; a client that speaks plain HTTP is told that TLS is required.
   void Secure();
   void Read();
   void OnBegun(boost::beast::error_code error);
   void OnRead(boost::beast::error_code error);
   void Answer(const Request& request);
   Asker AskerOf(const Request& request) const;
-  /// Tells of a refusal: whoever asks, and the log.
+  /// Reports a refusal to the client and to the log.
   void Refuse(const Request& request, int status, Refusal refusal, const std::string& reason);
-  /// Where TLS is spoken, to who asked in the clear.
+  /// Redirects a plain request to TLS.
   void SendToTls(const Request& request);
   void Upgrade(const Request& request);
   void GiveText(const Request& request, boost::beast::http::status status, std::string text,
                 const char* type = "text/plain; charset=utf-8");
   void GiveFile(const Request& request, const std::string& path);
   void GiveScene(const Request& request, const std::string& name);
-  /// What a course has by that name: a score page, or a picture.
+  /// Sends a file of the course by name: a score page or a picture.
   void GiveOfCourse(const Request& request,
                     std::string (TrialRoom::*find)(const std::string&) const,
                     const std::string& name);
   static Response ResponseOf(boost::beast::http::status status, const char* cache);
   static Response SceneResponse(boost::beast::http::status status, const std::string& etag);
-  /// What a course has of a person's trials, or of all.
+  /// Sends the history of one person or of the class.
   void GiveHistory(const Request& request, const std::string& name, const Verdict& verdict);
-  /// What is sent from a file, a piece at a time, behind the bytes.
+  /// The part of a file still to be sent, piece by piece, after the bytes.
   struct Rest;
   /// @param owner  keeps the bytes alive.
   void Send(Response response, const Request& request, std::span<const std::uint8_t> bytes = {},
@@ -69,9 +69,9 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   std::shared_ptr<Lobby> lobby_;
   boost::asio::ssl::context* tls_;
   boost::asio::ip::tcp::endpoint peer_;
-  Visitor visitor_;  // of the last request: a proxy may ask for several over one connection
+  Visitor visitor_;  // of the last request: a proxy may forward several over one connection
   std::optional<Lobby::Id> place_;
-  bool answered_ = false;  // one request at least
+  bool answered_ = false;  // at least one request
   bool last_ = false;      // the connection ends with this answer
   boost::beast::flat_buffer input_;
   std::optional<boost::beast::http::request_parser<boost::beast::http::empty_body>> parser_;

@@ -21,7 +21,7 @@
 namespace palpate {
 namespace {
 
-/// Why a trial ends that its person has stopped.
+/// The reason of a trial that its person stopped.
 constexpr const char* kStopped = "stopped";
 
 constexpr std::int64_t kStatistics_ns = 5'000'000'000;
@@ -31,12 +31,12 @@ std::string RandomId() {
   return fmt::format("{:08x}{:08x}", random(), random());
 }
 
-/// palpate-station stands where this program does.
+/// palpate-station is installed beside this program.
 std::string StationProgram() {
   return (std::filesystem::path(ProgramFolder()) / "palpate-station").string();
 }
 
-/// Where its recorders hear the mice.
+/// The recorder's arguments for the network of the mouse stations.
 std::vector<std::string> RecorderWords(const ViewerOptions& options) {
   std::vector<std::string> words{"--domain=" + std::to_string(options.domain),
                                  "--transport=" + options.transport,
@@ -50,7 +50,7 @@ std::string OrNone(const std::string& text) {
   return text.empty() ? "none" : text;
 }
 
-/// What the gateway itself has to say.
+/// Makes a frame of the gateway's own.
 FramePtr OwnFrame(TopicFeed::Channel channel, std::uint64_t instance, const std::string& json) {
   auto frame = std::make_shared<Frame>();
   frame->channel = channel;
@@ -80,10 +80,10 @@ Hub::Hub(boost::asio::io_context& io, const ViewerOptions& options)
       page_(options.page),
       feed_(options.domain, options.network),
       session_id_(RandomId()),
-      // Their names are this gateway's alone: another one in the domain has mice of its own.
+      // A random prefix: another gateway in the domain has mice of its own.
       mice_({options.max_mice, options.domain, options.transport, options.network, StationProgram(),
              "mouse_" + session_id_.substr(0, 4) + "_",
-             // An identity's gateway may write the poses of its mice alone, which it knows by that.
+             // A gateway with an identity may write poses only under this prefix.
              options.network.secured() ? "mouse_" : "",
              [this](const std::string& station, const std::string& who) {
                return feed_.HasStation(station) ||
@@ -107,7 +107,7 @@ bool Hub::MakeRoom(const std::string& address) {
   const std::int64_t now_ns = SteadyNanoseconds();
   const ViewerPlaces::Room room = places_.RoomFor(address, now_ns);
   if (room.leaves) {
-    // At once: one that reads nothing would take its time to be told.
+    // At once: a viewer that reads nothing would delay an orderly close.
     const std::shared_ptr<ViewerSession> leaves = viewers_.at(*room.leaves);
     refusals_.Say(Refusal::kFull, leaves->visitor().name,
                   "its place is another address's, which has fewer (--max-viewers)", now_ns);
@@ -151,7 +151,7 @@ void Hub::Tick(std::int64_t now_ns) {
   if (exams_ && exams_->Poll(WallClock_s())) TellExam(now_ns);
   refusals_.Poll(now_ns);
   TellClass(now_ns);
-  // Flushing may find that one has gone.
+  // Flush may remove a viewer.
   std::vector<std::shared_ptr<ViewerSession>> viewers;
   viewers.reserve(viewers_.size());
   for (const auto& [id, viewer] : viewers_) viewers.push_back(viewer);
@@ -187,7 +187,7 @@ std::size_t Hub::Renew(std::optional<Tokens> tokens, std::int64_t now_ns) {
   for (const auto& [id, viewer] : viewers) {
     if (viewer->holder() && gate_.tokens()->Has(*viewer->holder())) continue;
     if (class_room_ && viewer->holder()) {
-      // Who has another name now goes on, with the tool in the hand.
+      // After a mere change of name the viewer continues, with the tool in the hand.
       const Person* const person = class_room_->roster().Find(viewer->holder()->person);
       if (person != nullptr && person->hash == viewer->holder()->hash &&
           person->role == viewer->holder()->role) {
@@ -234,12 +234,12 @@ FramePtr Hub::Teach(const ClassCommand& command, ViewerSession& viewer) {
   spdlog::info("{}: {}", viewer.Who(), ClassOpName(command.op));
   class_changed_ = true;
   if (ChangesTokens(command.op)) {
-    // A link that has ended opens no page any more.
+    // The score pages of a person whose link has ended are closed too.
     if (command.op != ClassCommand::Op::kRename) trials_->ForgetPages({command.person});
     Renew(listed_, now_ns);
   }
   if (command.op == ClassCommand::Op::kDelete) exams_->Read();
-  // Several may be on their way: none takes another's place, and there is a bound.
+  // Instances for answers in flight: none replaces another, and their number is bounded.
   constexpr std::uint32_t kAnswersAtOnce = 16;
   return OwnFrame(TopicFeed::kClassAnswer, command.tag % kAnswersAtOnce, answer);
 }
@@ -259,7 +259,7 @@ void Hub::TellClass(std::int64_t now_ns) {
   for (const auto& [id, viewer] : viewers_) {
     if (!viewer->holder()) continue;
     viewer->Push(OwnFrameOf(*viewer), now_ns);
-    viewer->Push(people, now_ns);  // who may not hear it has not subscribed to it
+    viewer->Push(people, now_ns);  // no effect on viewers that may not subscribe to it
   }
 }
 
@@ -298,14 +298,14 @@ void Hub::BeginTrial(const std::string& name, ViewerSession& viewer, std::int64_
   }
   const Exercise* const exercise = trials_->Find(name);
   if (exercise == nullptr) throw Error("there is no exercise '" + name + "'");
-  // The own seat, where it is one of that scene.
+  // The person's seat, if it belongs to that scene.
   const std::string seat = class_room_->SeatOf(viewer.holder()->person);
   const bool has_seat = seat.starts_with(exercise->scene_name + "-");
   const MouseCommand take{
       MouseCommand::Op::kTake, has_seat ? seat : exercise->scene_name, exercise->tool, {}};
   if (!seat.empty() && !has_seat) throw Error("your seat is '" + seat + "', another scene's");
   if (const std::string absent = WhyAbsent(take.scene); !absent.empty()) throw Error(absent);
-  // Before anything is touched: a page more would have the scene whole in the middle of a trial.
+  // Checked before anything changes: a second page must not restore the scene during a trial.
   const std::int64_t person = viewer.holder()->person;
   trials_->CheckMayBegin(person);
   if (exams_->Sits(person)) exams_->TaskToBegin(person, name, WallClock_s());
@@ -322,10 +322,10 @@ void Hub::BeginTrial(const std::string& name, ViewerSession& viewer, std::int64_
         exercise->start == Exercise::Start::kWhole ? palpate_WHOLE_AGAIN : palpate_WHOLE_BACK,
         viewer.Who());
   }
-  // Its recorder first: the first pose counts.
+  // The recorder first: it must record the first pose.
   const std::string station =
       mice_.Take(viewer.id(), viewer.holder()->name, take, "", now_ns, true);
-  if (station.empty()) return;  // which its page has been told
+  if (station.empty()) return;  // its page has been told
   try {
     if (exams_->Sits(person)) {
       exams_->Begin(
@@ -369,7 +369,7 @@ FramePtr Hub::Examine(std::string_view wish, std::int64_t now_ns) {
     if (IsInExam(*viewer) && !trials_->is_at_one(id)) {
       mice_.Release(id, "an exam begins", now_ns);
     }
-    // An exam that is open hides all that, and one that is closed shows it.
+    // An open exam hides the exercises, and closing it shows them again.
     if (viewer->holder()) viewer->Push(ExercisesFrameOf(*viewer), now_ns);
   }
   return answer;
@@ -387,9 +387,9 @@ void Hub::Tell(const TrialRoom::News& news) {
   if (exams_ && (news.phase == "kept" || news.phase == "scored" || news.phase == "unscored")) {
     exams_->Heard(news);
   }
-  // One of an exam is scored when nobody holds its tool any more.
+  // Trials of an exam are scored when their person has released the tool.
   if (news.holder != 0 && (news.phase == "ending" || news.phase == "scoring")) {
-    // What a person has asked for needs no message.
+    // The person's own request needs no message.
     mice_.Release(news.holder, news.reason == kStopped ? "" : "the trial ends: " + news.reason,
                   now_ns);
   }
@@ -403,7 +403,7 @@ void Hub::Tell(const TrialRoom::News& news) {
   const bool is_over = news.phase == "scored" || news.phase == "unscored" || news.phase == "kept";
   spdlog::info("trial {} of '{}' by person {}: {}{}{}", news.n, news.exercise, news.person,
                news.phase, news.reason.empty() ? "" : ", ", news.reason);
-  // All pages of that person: the one that began it may be gone.
+  // All pages of the person: the one that began the trial may be closed.
   for (const auto& [id, viewer] : viewers_) {
     if (!viewer->holder() || viewer->holder()->person != news.person) continue;
     if (news.holder != 0) viewer->Push(OwnFrame(TopicFeed::kTrial, 0, ToText(json)), now_ns);
@@ -464,7 +464,7 @@ FramePtr Hub::AskReplay(ReplayWish wish, ViewerSession& viewer, std::int64_t now
     wire::FromText(viewer.Who(), wish.request.by);
     refusal = feed_.Ask(wish.request);
   }
-  // Wishes of one kind wait for each other; those of another do not take their answer's place.
+  // One instance per kind of wish: an answer replaces only an answer to the same kind.
   return OwnFrame(TopicFeed::kReplayAnswer, wish.request.kind,
                   ReplayAnswer(wish.tag, wish.request.request, refusal));
 }
@@ -472,7 +472,7 @@ FramePtr Hub::AskReplay(ReplayWish wish, ViewerSession& viewer, std::int64_t now
 std::string Hub::Operate(const OperateCommand& command, const std::string& by) {
   if (command.goal) {
     const auto& [scene, text, limit] = *command.goal;
-    // Of these there are few: nobody fills the memory with others.
+    // The number of scenes is bounded, so goals cannot fill the memory.
     if (!feed_.scenes().contains(scene)) return "scene '" + scene + "' is not served here";
     std::vector<std::string> all = SeatsOf(scene, Scenes());
     all.push_back(scene);
@@ -521,7 +521,7 @@ void Hub::Take(ViewerSession& viewer, const MouseCommand& command, std::int64_t 
     mice_.Take(viewer.id(), holder ? holder->name : "", command, WhyAbsent(command.scene), now_ns);
     return;
   }
-  // The page waits for a word on each; of these the newest alone waits for the page.
+  // The page expects an answer to each; the newest one suffices.
   TellState(viewer, {viewer.id(), "", command.scene, command.tool, "refused", refusal});
 }
 

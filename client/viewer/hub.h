@@ -29,20 +29,20 @@ namespace palpate {
 
 class ViewerSession;
 
-/// What the gateway's connections share: the topics, the viewers, the mice, the page, and who may.
+/// The state that the gateway's connections share: topics, viewers, mouse stations, page files,
+/// and access rights.
 /// Thread contract: the network thread.
 class Hub {
  public:
-  /// Throws Error where DDS refuses, or a file of tokens is not as it should be.
+  /// Throws Error if DDS fails or a token file is invalid.
   Hub(boost::asio::io_context& io, const ViewerOptions& options);
 
-  /// Passes on what has come; 120 times a second.
+  /// Distributes what has arrived; to be called 120 times a second.
   void Tick(std::int64_t now_ns);
-  /// Reads --tokens and --course anew: new ones are valid, and connections whose token is gone, or
-  /// has another role, end now.  A file that is not as it should be changes nothing; the log says
-  /// so.
+  /// Reads --tokens and --course again.  New tokens are valid from now on; connections whose token
+  /// was removed or has another role end.  An invalid file changes nothing and is logged.
   void ReadTokensAnew(std::int64_t now_ns);
-  /// Bids viewers and mice farewell; their going is seen in later ticks.
+  /// Begins to close viewers and mouse stations; later ticks complete it.
   void BeginToEnd(std::int64_t now_ns);
   bool ended() const {
     return viewers_.empty() && mice_.size() == 0 && (!trials_ || trials_->size() == 0);
@@ -54,51 +54,52 @@ class Hub {
   const Gate& gate() const { return gate_; }
   RefusalLog& refusals() { return refusals_; }
   ScenePacker& packer() { return packer_; }
-  /// Whether a viewer may have this wish now; empty: it may.  Where it has it too often, that is
-  /// why, and the log and, once, the viewer are told.
+  /// Returns why a viewer may not have this wish now; empty: it may.  A wish that comes too often
+  /// is logged, and the viewer is told once.
   std::string RefuseWish(Wish wish, ViewerSession& viewer, std::int64_t now_ns);
-  /// Asks the server to make a scene whole again, or what else the wish is; false where there is no
-  /// such scene.
+  /// Asks the server to restore a scene, or for another WholeWish.  Returns false if there is
+  /// no such scene.
   bool AskForWhole(const std::string& scene, wire::WholeWish wish, const std::string& by);
-  /// Passes a page's wish on to its replay, unless it has them too often, and makes what the page
-  /// is answered.
+  /// Forwards a page's wish to its replay, unless wishes come too often.  Returns the answer
+  /// for the page.
   FramePtr AskReplay(ReplayWish wish, ViewerSession& viewer, std::int64_t now_ns);
-  /// Tells all viewers, those of now and those that come later, a scene's goal, or passes on what a
-  /// teacher decides about a station.  Returns why not; empty: it has.
+  /// Sets a scene's goal, which all present and later viewers are told, or forwards a teacher's
+  /// decision about a station.  Returns why it failed; empty: it is done.
   std::string Operate(const OperateCommand& command, const std::string& by);
   const std::map<std::string, FramePtr>& goals() const { return goals_; }
-  /// Null without a --course.
+  /// Null without --course.
   const ClassRoom* class_room() const { return class_room_.get(); }
   std::optional<Roster::Made> MakeFirstTeacher();
-  /// Does what a teacher wants of the people, and makes what the page is answered.
+  /// Carries out a teacher's command about people.  Returns the answer for the page.
   FramePtr Teach(const ClassCommand& command, ViewerSession& viewer);
-  /// What a viewer is told of itself, and, one who may operate, of all.
+  /// What a viewer is told about itself, and what an operator is told about all people.
   FramePtr OwnFrameOf(const ViewerSession& viewer) const;
   FramePtr PeopleFrame() const;
-  /// Does what a person wants of a trial.  Returns why not; empty: it is done.
+  /// Carries out a person's command about a trial.  Returns why it failed; empty: it is done.
   std::string Try(const TrialCommand& command, ViewerSession& viewer, std::int64_t now_ns);
-  /// What there is to do, for that person.  @param viewer  one of a course.
+  /// The exercises, for a person's page.  @param viewer  one with a person of the course.
   FramePtr ExercisesFrameOf(const ViewerSession& viewer) const;
   /// Why somebody who sits an exam may do nothing but its tasks.
   static constexpr const char* kInExam = "an exam is open: begin its next task";
   bool SitsExam(std::int64_t person) const { return exams_ && exams_->Sits(person); }
   bool IsInExam(const ViewerSession& viewer) const;
-  /// Why it may do nothing in a scene: an exam, or another's seat.  Empty: it may.
+  /// Returns why the viewer may do nothing in a scene, an exam or another's seat; empty: it may.
   std::string WhyNotAt(const ViewerSession& viewer, const std::string& scene) const;
-  /// Does what a teacher wants of an exam, and makes what the page is answered.  Throws Error.
+  /// Carries out a teacher's command about exams.  Returns the answer for the page.  Throws Error.
   FramePtr Examine(std::string_view wish, std::int64_t now_ns);
   FramePtr ExamFrameOf(const ViewerSession& viewer) const;
-  /// Null without a --course.
+  /// Null without --course.
   const TrialRoom* trials() const { return trials_.get(); }
-  /// Answers what MayRead allows; 404 without a --course.
+  /// Answers a request that MayRead allows; 404 without --course.
   void AskHistory(const HistoryWish& wish, bool for_teacher,
                   std::function<void(HistoryDesk::Answer)> use);
-  /// Gives a viewer a tool, unless it takes them too often.
+  /// Gives a viewer a tool, unless it takes tools too often.
   void Take(ViewerSession& viewer, const MouseCommand& command, std::int64_t now_ns);
   MouseRoom& mice() { return mice_; }
   const std::string& session_id() const { return session_id_; }
 
-  /// Makes room for one more viewer of this address, where it can; another may have to go for it.
+  /// Returns whether there is room for one more viewer of this address; another may be
+  /// dropped for it.
   bool MakeRoom(const std::string& address);
   void Join(const std::shared_ptr<ViewerSession>& viewer);
   ViewerPlaces& places() { return places_; }
@@ -108,9 +109,9 @@ class Hub {
     traffic_.bytes += bytes;
   }
 
-  /// What GET /healthz answers.
+  /// The answer to GET /healthz.
   std::string Health() const;
-  /// What GET /metrics answers, for Prometheus.
+  /// The answer to GET /metrics, for Prometheus.
   std::string Metrics() const;
 
  private:
@@ -123,18 +124,18 @@ class Hub {
   void Tell(const MouseRoom::News& news);
   void Tell(const TrialRoom::News& news);
   void BeginTrial(const std::string& exercise, ViewerSession& viewer, std::int64_t now_ns);
-  /// From now on these are valid, and those of the course; returns how many connections end.
+  /// Makes these tokens, with the course's, the valid ones.  Returns how many connections end.
   std::size_t Renew(std::optional<Tokens> tokens, std::int64_t now_ns);
   ClassRoom::Here CountPages() const;
   ClassRoom::Scenes Scenes() const;
-  /// Pages of the course are told what has changed there, once a tick.
+  /// Updates pages of the course about changes, once a tick.
   void TellClass(std::int64_t now_ns);
   void TellExam(std::int64_t now_ns);
-  /// Why a scene's tools cannot be had now; empty: they can.
+  /// Returns why a scene's tools are not available now; empty: they are.
   std::string WhyAbsent(const std::string& scene) const;
   void TellState(ViewerSession& viewer, const MouseRoom::News& news);
   void LogStatistics(std::int64_t now_ns);
-  /// With what viewers have lost that are there.
+  /// Includes the losses of viewers that are connected.
   Traffic AllTraffic() const;
 
   ViewerOptions options_;
@@ -156,7 +157,7 @@ class Hub {
   MouseRoom mice_;
   ScenePacker packer_;
   Traffic traffic_;
-  Traffic logged_;  // with those that are there
+  Traffic logged_;  // includes connected viewers
   std::int64_t logged_ns_ = 0;
 };
 

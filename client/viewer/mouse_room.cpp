@@ -87,7 +87,7 @@ bool MouseRoom::StillHeld(const Mouse& wanted) const {
 }
 
 void MouseRoom::Start(Mouse& mouse, std::int64_t now_ns) {
-  // In one word each: what a page sends is never an option.
+  // Each as one word, so that text from a page can never be an option.
   std::vector<std::string> arguments{"--device=mouse",
                                      "--scene=" + mouse.scene,
                                      "--id=" + mouse.name,
@@ -130,17 +130,17 @@ void MouseRoom::OnSession(const wire::SessionState& state, std::int64_t now_ns) 
     if (mouse.holder == 0 || !mouse.station || mouse.name != state.station) continue;
     const bool ended = state.phase == palpate_SESSION_ENDED;
     if (state.phase == palpate_SESSION_REFUSED) {
-      // One that has had its session asks again by itself, and says so where it gives up.
+      // A station that has had its session retries by itself, and reports when it gives up.
       if (mouse.run == 0) return LetGo(mouse, "refused", state.reason, now_ns);
       continue;
     }
-    // A session that it does not have cannot end: that was its predecessor's of the same name.
+    // The end of another run is that of a predecessor with the same name.
     if (ended && state.run != mouse.run) continue;
-    mouse.run = state.run;  // another one each time that it asks
+    mouse.run = state.run;  // it changes with each retry
     mouse.tool = state.tool;
     if (mouse.held) mouse.moved_ns = now_ns;
     mouse.held = state.phase == palpate_SESSION_HELD;
-    // A station whose session the server ended asks again by itself: its tool is not lost yet.
+    // A station whose session the server ended retries by itself: its tool is not lost yet.
     tell_({mouse.holder, mouse.name, mouse.scene, mouse.tool, ended ? "" : PhaseName(state.phase),
            state.reason});
   }

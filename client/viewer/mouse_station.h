@@ -9,26 +9,27 @@
 
 namespace palpate {
 
-/// The pose as a line for a station's mouse device (devices/mouse/mouse_device.h), to the bit.
+/// Returns the pose as an input line of a station's mouse device (devices/mouse/mouse_device.h),
+/// exact to the bit.
 std::string ToMouseLine(const Pose& X_WT);
 
-/// A palpate-station with the mouse device, run as a child: its hand follows what Drag says.  It is
-/// a station like any other, so the server's rules for sessions are its rules.  Ends by itself
-/// where its input does, also when this process is killed. Thread contract: one thread.  Nothing
-/// here blocks, but for the destructor: it kills.
+/// A palpate-station with the mouse device, run as a child process; its hand follows Drag.
+/// The server treats it as any other station.  It ends when its input ends, also if this
+/// process is killed.
+/// Thread contract: one thread.  Nothing blocks except the destructor, which kills the child.
 class MouseStation {
  public:
   /// @param program  path of palpate-station.   @param arguments  without the program's name.
-  /// Throws Error where no process can be made.
+  /// Throws Error if no process can be created.
   MouseStation(const std::string& program, const std::vector<std::string>& arguments);
-  /// The newest pose counts: one that the child is too busy to read is passed over.
+  /// Sends a pose.  Only the newest counts; one that the busy child has not read is skipped.
   void Drag(const Pose& X_WT) { child_.Write(ToMouseLine(X_WT)); }
-  /// Ends its input; it leaves its session and ends within a second, or is killed after three.
+  /// Closes its input; it leaves its session and ends within a second, or is killed after three.
   void LetGo(std::int64_t now_ns);
 
-  /// Looks after it, some 100 times a second.  False once it has ended.
+  /// To be called some 100 times a second.  Returns false once it has ended.
   bool Poll(std::int64_t now_ns);
-  /// Once it has ended: what it complained of last; empty where it ended in order.
+  /// Its last complaint, once it has ended; empty: it ended in order.
   const std::string& complaint() const { return child_.complaint(); }
 
  private:

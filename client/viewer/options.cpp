@@ -147,7 +147,7 @@ std::optional<ViewerOptions> ParseViewerOptions(int argc, const char* const* arg
     if (!course.given()) throw UsageError("--export-csv: --course FOLDER says of which course");
     return options;
   }
-  // A seat for each.
+  // One for each seat.
   if (course.given() && !mice.given()) options.max_mice = kMostMice;
   if (!port.given()) {
     throw UsageError("--http is missing: the port of page and WebSocket, as --http 8765");

@@ -13,29 +13,29 @@
 namespace palpate {
 
 struct ViewerOptions : ServerOptions {
-  int port = 0;  ///< 0: a free one
+  int port = 0;  ///< 0: any free port
   std::string address = "127.0.0.1";
   std::string page;  ///< folder
   double rate_hz = 30.0;
   std::size_t max_viewers = 300;
   int max_mice = 4;
-  bool no_steering = false;                       ///< nobody steers a replay from here
-  std::vector<std::string> origins;               ///< of other pages that may attach; "*": of any
-  std::vector<std::string> host_names;            ///< of this host, in small letters
-  std::vector<boost::asio::ip::address> proxies;  ///< that say for whom they ask
-  std::string tokens;                             ///< file; empty: none are asked for
-  std::string course;                             ///< folder; empty: there is none
+  bool no_steering = false;                       ///< nobody may steer a replay here
+  std::vector<std::string> origins;               ///< of other pages that may attach; "*": any
+  std::vector<std::string> host_names;            ///< of this host, in lower case
+  std::vector<boost::asio::ip::address> proxies;  ///< proxies whose X-Forwarded-For is believed
+  std::string tokens;                             ///< file; empty: no tokens are required
+  std::string course;                             ///< folder; empty: none
   std::string tls_cert;                           ///< file; empty: in the clear
   std::string tls_key;
   bool asks_for_tokens() const { return !tokens.empty() || !course.empty(); }
-  /// Makes a token in place of serving.
+  /// If set, makes a token instead of serving.
   struct NewToken {
     Access role = Access::kNone;
     std::string name;
   };
   std::optional<NewToken> make_token;
-  std::string export_csv;          ///< file to write in place of serving; "-": stdout
-  std::string transport = "auto";  ///< of the mice's stations
+  std::string export_csv;          ///< file to write instead of serving; "-": stdout
+  std::string transport = "auto";  ///< of the mouse stations
 };
 
 /// Reads the command line.  For --help and --version prints them and returns nothing.

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t kLargestFile = std::uint64_t{64} << 20;  // the page has 2 MB
 
-/// What Vite builds the page of, and exercises' pictures.
+/// The types of the files that Vite generates, and of exercises' pictures.
 constexpr std::array<std::pair<std::string_view, const char*>, 7> kContentTypes = {{
     {".html", "text/html; charset=utf-8"},
     {".js", "text/javascript; charset=utf-8"},
@@ -66,7 +66,7 @@ bool AcceptsGzip(std::string_view header) {
   if (at == std::string_view::npos) return false;
   std::string_view rest = header.substr(at + 4);
   rest = rest.substr(0, rest.find(','));
-  // "gzip;q=0" refuses it, in any number of digits.
+  // "gzip;q=0" refuses it, with any number of decimals.
   const std::size_t q = rest.find("q=");
   return q == std::string_view::npos ||
          rest.substr(q + 2).find_first_of("123456789") != std::string_view::npos;
@@ -93,7 +93,7 @@ std::optional<PageFile> PageFiles::Find(const std::string& path, bool gzip) cons
   if (path.ends_with('/')) wanted /= "index.html";
   PageFile file;
   file.content_type = ContentTypeOf(wanted);
-  file.hashed = path.starts_with("/assets/");  // as Vite names them
+  file.hashed = path.starts_with("/assets/");  // named so by Vite
   if (gzip) {
     fs::path packed = wanted;
     packed += ".gz";

@@ -21,11 +21,11 @@ using Words = std::vector<std::string_view>;
 
 /// In the order of MouseCommand::Op.
 const Words kMouseOps = {"take", "pose", "release", "whole", "bookmark", "back"};
-/// In the order of idl/session.idl, and a goal.
+/// In the order of idl/session.idl, then a goal.
 const Words kOperateOps = {"admit", "take_back", "mute", "unmute", "goal"};
 /// In the order of TrialCommand::Op.
 const Words kTrialOps = {"begin", "stop", "submit"};
-/// In the order of idl/replay.idl, as the marks.
+/// In the order of idl/replay.idl, like the kinds of marks.
 const Words kWishes = {"play", "pause", "seek", "rate", "add_bookmark", "drop_bookmark"};
 constexpr std::array kMarks = {"bookmark", "session", "contact", "fault", "whole"};
 
@@ -39,9 +39,9 @@ std::string TextOf(const JsonNode& node, std::size_t most) {
   return text;
 }
 
-/// Of a scene or a tool.
+/// Reads the name of a scene or a tool.
 std::string Name(const JsonNode& node) {
-  constexpr std::size_t kLongest = 64;  // as idl/session.idl has it
+  constexpr std::size_t kLongest = 64;  // as in idl/session.idl
   return TextOf(node, kLongest);
 }
 
@@ -49,7 +49,7 @@ std::string Hex(std::uint64_t id) {
   return fmt::format("{:x}", id);
 }
 
-/// 1 to 16 digits, as Hex writes them, and not 0.
+/// Reads 1 to 16 hexadecimal digits, as written by Hex, not 0.
 std::uint64_t ReadId(const JsonNode& node) {
   const std::string text = node.String();
   const std::uint64_t id = NumberOf<std::uint64_t>(text, 16).value_or(0);
@@ -146,7 +146,7 @@ ReplayWish ParseReplayWish(std::string_view text) {
   if (request.wish != palpate_REPLAY_ADD_BOOKMARK) return read;
   const JsonNode node = json.At("text");
   const std::string name = TextOf(node, sizeof request.text - 1);
-  // The rest of it would be cut off without a word.
+  // The text after it would be lost silently.
   if (name.find('\0') != std::string::npos) node.Fail("has a zero in it");
   wire::FromText(name, request.text);
   return read;

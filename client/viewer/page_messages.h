@@ -11,56 +11,57 @@
 
 namespace palpate {
 
-/// As text of one line.  Names come from elsewhere, and need not be UTF-8: what is none is
-/// replaced.
-/// @tparam Json  nlohmann::json, which is slow to compile and so in no header.
+/// Returns JSON as one line of text.  Bytes that are not UTF-8, as in names from
+/// elsewhere, are replaced.
+/// @tparam Json  nlohmann::json, which is slow to compile and therefore in no header.
 template <class Json>
 std::string ToText(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-// What pages publish, as JSON, and what they are told of a replay.  Each Parse throws Error for
-// what is none.
+// The JSON messages that pages publish, and those that tell them about a replay.  Each Parse
+// function throws Error if the message is invalid.
 
 /// On the channel /palpate/mouse:
 ///   {"op": "take", "scene": NAME, "tool": NAME}          the tool may be left out
 ///   {"op": "pose", "p": [x, y, z], "q": [w, x, y, z]}    where the tool is dragged to, in W
 ///   {"op": "release"}
-///   {"op": "whole", "scene": NAME}                       makes a cut scene whole again
-///   {"op": "bookmark" | "back", "scene": NAME}           keeps how it stands; makes it so again
+///   {"op": "whole", "scene": NAME}                       restores a scene that was cut
+///   {"op": "bookmark" | "back", "scene": NAME}           keeps its state; restores that state
 struct MouseCommand {
   enum class Op { kTake, kPose, kRelease, kWhole, kBookmark, kBack };
   Op op = Op::kRelease;
   std::string scene;
   std::string tool;
-  Pose X_WT;  ///< finite; its rotation need not be unit
+  Pose X_WT;  ///< finite; the rotation need not be a unit quaternion
 };
 MouseCommand ParseMouseCommand(std::string_view json);
 
-/// Of a teacher's page, on the channel /palpate/operate, these fields and no others:
+/// A command of a teacher's page, on the channel /palpate/operate.  Only these fields are accepted:
 ///   {"op": "admit" | "take_back" | "mute" | "unmute", "station": NAME}
 ///   {"op": "goal", "scene": NAME, "text": TEXT, "limit_N": NUMBER}
 struct OperateCommand {
-  /// What students are told of a scene.
+  /// A goal that students of a scene are told.
   struct Goal {
-    static constexpr std::size_t kLongest = 480;  ///< bytes: 120 letters of any script
+    static constexpr std::size_t kLongest = 480;  ///< bytes: 120 characters of any script
     std::string scene;
-    std::string text;    ///< empty, with no limit: there is no goal any more
-    double limit = 0.0;  ///< of the force [N]; 0: none
+    std::string text;    ///< empty without a limit: the goal is removed
+    double limit = 0.0;  ///< force limit [N]; 0: none
   };
   wire::OperateWish wish = palpate_OPERATE_ADMIT;
   std::string station;
-  std::optional<Goal> goal;  ///< then the rest does not count
+  std::optional<Goal> goal;  ///< if set, the other fields do not count
 };
 OperateCommand ParseOperateCommand(std::string_view json);
 
-/// "admit", "take_back", "mute", "unmute".
+/// Returns "admit", "take_back", "mute" or "unmute".
 std::string_view OperateWishName(wire::OperateWish wish);
 
-/// Of a person of a course, on the channel /palpate/trial, these fields and no others:
+/// A command of a person of a course, on the channel /palpate/trial.  Only these
+/// fields are accepted:
 ///   {"op": "begin", "exercise": NAME}
 ///   {"op": "stop"}
-///   {"op": "submit", "exercise": NAME, "n": NUMBER}    hands it in; one that is running ends
+///   {"op": "submit", "exercise": NAME, "n": NUMBER}    submits it; a running one ends
 struct TrialCommand {
   enum class Op { kBegin, kStop, kSubmit };
   Op op = Op::kStop;
@@ -69,26 +70,26 @@ struct TrialCommand {
 };
 TrialCommand ParseTrialCommand(std::string_view json);
 
-/// On the channel /palpate/replay.  64 bits that are a name travel as text in hexadecimal digits,
-/// here and below: a number of JavaScript has 53.
+/// A wish on the channel /palpate/replay.  Here and below, 64-bit identifiers are hexadecimal text,
+/// since a JavaScript number has 53 bits.
 ///   {"replay": "5f3a…", "tag": 7, "wish": "play"}         or "pause"
 ///   {"replay": "5f3a…", "tag": 8, "wish": "seek", "value": 12.5}
 ///   {"replay": "5f3a…", "tag": 9, "wish": "rate", "value": 0.5}
 ///   {"replay": "5f3a…", "tag": 10, "wish": "add_bookmark", "value": 12.5, "text": "the slip"}
 ///   {"replay": "5f3a…", "tag": 11, "wish": "drop_bookmark", "value": 3}
 struct ReplayWish {
-  std::uint32_t tag = 0;  ///< the page's own, by which it knows the answer
-  /// Without `request` and `by`, which the gateway gives.  Its value is finite.
+  std::uint32_t tag = 0;  ///< chosen by the page and repeated in the answer
+  /// Lacks `request` and `by`, which the gateway fills in.  Its value is finite.
   wire::ReplayRequest request{};
 };
 ReplayWish ParseReplayWish(std::string_view json);
 
-/// What the gateway answers at once, to this page alone: the number by which ReplayState answers,
-/// or why nobody is asked.
+/// Returns the gateway's immediate answer to this page only: the request number that ReplayState
+/// will answer, or why the wish was refused.
 std::string ReplayAnswer(std::uint32_t tag, std::uint64_t request, const std::string& refusal);
 
-/// idl/replay.idl, field by field; `begun_s` is the wall clock's time [s], kinds are words such as
-/// "bookmark".
+/// Fields as in idl/replay.idl; `begun_s` is wall-clock time [s], kinds are words
+/// such as "bookmark".
 std::string ToJson(const wire::ReplayContents& contents);
 std::string ToJson(const wire::ReplayState& state);
 

@@ -31,7 +31,7 @@ void RefusalLog::Poll(std::int64_t now_ns) {
     RateLimit& limit = limits_[i];
     if (!limit.OwesWord(now_ns)) continue;
     const std::uint64_t held_back = limit.TakeHeldBack();
-    limit.Pass(now_ns);  // this line is its second's
+    limit.Pass(now_ns);  // this line uses up its second
     spdlog::warn("refused ({}): {} more", kNames[i], held_back);
   }
 }

@@ -8,30 +8,31 @@
 
 namespace palpate {
 
-/// Why somebody is turned away; each kind has a line of the log a second at most.
+/// Why a client is refused; each kind is logged at most once a second.
 enum class Refusal {
-  kHost,     ///< a Host that is not this gateway's
-  kOrigin,   ///< a page from elsewhere
-  kToken,    ///< no token, or nobody's
-  kRole,     ///< a token, or a page, that may do less
-  kRequest,  ///< what is no request, or none that is understood
-  kTls,      ///< in the clear, where TLS is spoken
+  kHost,     ///< a Host other than this gateway's
+  kOrigin,   ///< a page from another origin
+  kToken,    ///< no token, or an unknown one
+  kRole,     ///< a token or page that may do less
+  kRequest,  ///< malformed or not understood
+  kTls,      ///< plain HTTP where TLS is required
   kFull,     ///< no room for one more viewer
   kTakes,    ///< tools taken too often
-  kWishes,   ///< anything else wished for too often
-  kFlood,    ///< messages faster than they are read
+  kWishes,   ///< anything else requested too often
+  kFlood,    ///< messages arriving faster than they are read
 };
 
-/// The log of those who are turned away: every one is counted there, and none can fill the disk.
-/// Thread contract: one thread.  Time is given [ns].
+/// Logs refusals: all of them are counted, and their lines are limited in rate so that they cannot
+/// fill the disk.
+/// Thread contract: one thread.  Times are in nanoseconds.
 class RefusalLog {
  public:
   static constexpr std::size_t kKinds = 10;
-  /// @param who   an address.   @param what  a sentence; what outsiders sent in it is Quoted.
+  /// @param who   an address.   @param what  a sentence; text from the client must be Quoted.
   void Say(Refusal kind, const std::string& who, const std::string& what, std::int64_t now_ns);
-  /// Tells how many were not told of, once a second has passed without one of their kind.
+  /// Logs the number of suppressed lines of a kind after a second without a new one.
   void Poll(std::int64_t now_ns);
-  /// Of all kinds, told of or not.
+  /// Refusals of all kinds, including those whose lines were suppressed.
   std::uint64_t count() const { return count_; }
 
  private:

@@ -10,8 +10,8 @@
 namespace palpate {
 namespace {
 
-/// As a gzip file, at zlib's fastest level: 20 ms a megabyte.  Null where memory is lacking, or the
-/// bytes are more than 4 GB.
+/// Returns the bytes as a gzip file, at zlib's fastest level: 20 ms per megabyte.  Null if memory
+/// is lacking or there are more than 4 GB.
 PackedScene::Bytes Gzip(std::span<const std::uint8_t> bytes) {
   z_stream stream{};
   constexpr int kGzipHeader = 16;
@@ -39,7 +39,7 @@ void ScenePacker::Pack(const SceneBytes& scene,
   packed.waiting.push_back(std::move(use));
   if (packed.waiting.size() > 1) return;
   boost::asio::post(packer_, [this, scene] {
-    // It may take its time: the servo loops' host has little to spare.
+    // Low priority: the servo loops on this host have little time to spare.
     setpriority(PRIO_PROCESS, 0, 10);  // of this thread alone, on Linux
     boost::asio::post(io_, [scene, bytes = Gzip(scene.bundle)] {
       if (!bytes)

@@ -9,14 +9,14 @@
 
 namespace palpate {
 
-/// Bundles of scenes, each compressed once, by a thread of its own.
-/// Thread contract: the thread that runs `io`.  The destructor waits for what is being compressed.
+/// Compresses scene bundles, each once, in its own thread.
+/// Thread contract: the thread that runs `io`.  The destructor waits for a running compression.
 class ScenePacker {
  public:
   explicit ScenePacker(boost::asio::io_context& io) : io_(io) {}
   ~ScenePacker() { packer_.join(); }
 
-  /// Gives `use` these very bytes as a gzip file: now, or once that is done.  Null: it failed.
+  /// Calls `use` with the bundle as a gzip file, at once or when it is ready.  Null: it failed.
   void Pack(const SceneBytes& scene, std::function<void(const PackedScene::Bytes&)> use);
 
  private:

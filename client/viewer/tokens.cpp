@@ -23,7 +23,7 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kLongestName = 32;
-/// Of the file: some nine thousand tokens.
+/// Largest file: some nine thousand tokens.
 constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 20;
 
 bool IsLetterOrDigit(char c) {
@@ -40,7 +40,7 @@ std::string ToHex(std::span<const unsigned char> bytes) {
   return fmt::format("{:02x}", fmt::join(bytes, ""));
 }
 
-/// False where it is not as many digits as these bytes have.
+/// Returns false unless the text has exactly the digits of these bytes.
 bool FromHex(const std::string& hex, std::span<unsigned char> bytes) {
   std::size_t size = 0;
   return hex.size() == 2 * bytes.size() &&
@@ -137,7 +137,7 @@ std::string MakeToken(const std::string& path, Access role, const std::string& n
     throw UsageError("--make-token: the name " + Quoted(name) +
                      " may have letters, digits, '_', '.' and '-', 32 at most");
   }
-  // For its owner alone, where it is not there yet.
+  // A new file is readable by its owner only.
   const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
   if (file < 0) throw Error(fmt::format("--tokens {}: {}", path, std::strerror(errno)));
   close(file);

@@ -10,33 +10,33 @@
 
 namespace palpate {
 
-/// Who may: tokens with a role and a name.  The file has a line for each,
+/// The valid tokens, each with a role and a name.  The file has one line per token,
 ///   ROLE NAME SHA256       operate teacher 9f86d081884c7d65…
-/// with the token's hash in hexadecimal digits; empty lines and those that begin with '#' are
-/// passed over.  No two names are one station's (StationNameOf).  Who reads the file cannot present
-/// what it holds (TokenHash).
+/// with the token's hash in hexadecimal digits; empty lines and lines that begin with '#' are
+/// skipped.  No two names may give the same station name (StationNameOf).  Whoever reads the file
+/// cannot present a token (TokenHash).
 class Tokens {
  public:
   struct Holder {
     Access role = Access::kNone;
     std::string name;
-    TokenHash hash{};         ///< of the token itself: a new one of the same name is another
-    std::int64_t person = 0;  ///< of a course; 0: of --tokens
+    TokenHash hash{};         ///< of the token itself: tells a new token of the same name apart
+    std::int64_t person = 0;  ///< of a course; 0: from --tokens
     bool operator==(const Holder&) const = default;
   };
 
-  /// Throws Error: the file, the line and the remedy.
+  /// Throws Error that names the file, the line and the remedy.
   static Tokens Read(const std::string& path);
 
-  /// One more.  Throws Error where another's station has the name of its.
+  /// Adds a token.  Throws Error if its station name is taken.
   void Add(Holder holder);
 
-  /// Whose token this is; nothing: nobody's.  Takes the same time for all of them.
+  /// Returns the holder of a token, or nothing; in constant time.
   std::optional<Holder> Find(std::string_view token) const;
-  /// What was found once is there still: the same token with the same role and name.
+  /// Returns whether a holder found earlier still has the same token, role and name.
   bool Has(const Holder& holder) const;
-  /// True for the name of a station that is the holder's of a token of another name.
-  /// @param prefix  before all that are named so.
+  /// Returns whether a station name belongs to a token with a name other than `own`.
+  /// @param prefix  of all stations that are named after tokens.
   bool NamesAnother(const std::string& station, const std::string& prefix,
                     const std::string& own) const;
   std::size_t size() const { return holders_.size(); }
@@ -49,9 +49,9 @@ class Tokens {
   std::vector<Holder> holders_;
 };
 
-/// Makes a token, enters its hash at the file's end and returns it: it is kept nowhere else.  A
-/// file that is not there is made, for its owner alone.
-/// @param name  [A-Za-z0-9_.-]{1,32}, that no other line has.
+/// Makes a token, appends its hash to the file and returns the token, which is stored nowhere.  A
+/// missing file is created, readable by its owner only.
+/// @param name  [A-Za-z0-9_.-]{1,32}, not yet in the file.
 /// Throws Error, UsageError.
 std::string MakeToken(const std::string& path, Access role, const std::string& name);
 

@@ -30,7 +30,7 @@ constexpr const char* kAnswerSchema =
 constexpr const char* kReplaySchema =
     R"({"type":"object","properties":{"replay":{"type":"string"}}})";
 constexpr const char* kObjectSchema = R"({"type":"object"})";
-/// Replayers speak five times a second.
+/// Replayers send their state five times a second.
 constexpr std::int64_t kReplaySilent_ns = 5'000'000'000;
 constexpr std::int64_t kLook_ns = 100'000'000;
 
@@ -45,8 +45,8 @@ foxglove::Channel JsonChannel(TopicFeed::Channel id, const std::string& topic,
   return {id, "/palpate/" + topic, "json", "palpate." + type, schema, "jsonschema"};
 }
 
-/// The bundle's bytes within those that travelled: the type's last member, before the filling up to
-/// a word that the encapsulation's options count.
+/// Returns the bundle's bytes within the CDR bytes: the type's last member, before the padding that
+/// the encapsulation options count.
 std::span<const std::uint8_t> BundleIn(const std::vector<std::uint8_t>& cdr,
                                        const wire::SceneBundle& sample) {
   const std::size_t length = sample.bundle._length;
@@ -92,7 +92,7 @@ std::vector<foxglove::Channel> TopicFeed::Channels(bool mice, bool steers, bool 
   return channels;
 }
 
-/// What a server, stations and a replayer say.
+/// The readers of what servers, stations and replayers send.
 struct TopicFeed::Readers {
   explicit Readers(const dds::Participant& participant) : on(participant) {}
 
@@ -103,7 +103,7 @@ struct TopicFeed::Readers {
                                                    dds::Qos::kStream};
   dds::CdrReader<wire::SessionState> sessions{on, dds::kSessionStateTopic, dds::Qos::kSession};
   dds::CdrReader<wire::SceneWhole> wholes{on, dds::kSceneWholeTopic, dds::Qos::kSession};
-  std::optional<dds::CdrReader<wire::SolidBlock>> blocks;  // none: it may not hear them
+  std::optional<dds::CdrReader<wire::SolidBlock>> blocks;  // none: this identity may not read them
   dds::CdrReader<wire::SceneBundle> bundles{on, dds::kSceneBundleTopic, dds::Qos::kSession};
   dds::CdrReader<wire::ReplayContents> replay_contents{on, dds::kReplayContentsTopic,
                                                        dds::Qos::kSession};
@@ -141,7 +141,7 @@ TopicFeed::~TopicFeed() = default;
 
 bool TopicFeed::IsCurrent(std::uint64_t server_run, std::uint64_t origin) {
   if (origin == origin_) {
-    // A participant may take another run's name, as a replayer does that goes elsewhere.
+    // A participant may change its run number, as a replayer that seeks does.
     if (server_run == server_run_) return true;
     if (former_runs_.contains(server_run)) return false;
   } else if (lives_) {
@@ -178,12 +178,12 @@ void TopicFeed::Succeed() {
   const std::int64_t now_ns = SteadyNanoseconds();
   if (now_ns - looked_ns_ < kLook_ns) return;
   looked_ns_ = now_ns;
-  // Servers and replayers have writers of all topics.  Not asked at each word: a stranger may
-  // flood.
+  // Servers and replayers have writers of all topics.  Checked at intervals, not per message, since
+  // a stranger may flood.
   lives_ = origin_ != 0 && readers_->sessions.Hears(origin_);
   if (lives_ || !others_heard_) return;
   others_heard_ = false;
-  // What was passed over has been taken; a new reader is told all that holds.
+  // The other server's ignored state has been taken from the readers; new ones receive it again.
   readers_ = std::make_unique<Readers>(participant_);
 }
 
@@ -192,8 +192,9 @@ void TopicFeed::Keep(const FramePtr& frame, const std::string& name, std::uint64
   kept_[{frame->channel, name, number}] = {frame, change};
 }
 
+/// Takes all samples of a reader.
 /// @param use   (frame, sample)   @param over  (origin, sample): its instance is disposed; the
-///              sample is its key.
+/// sample has the key only.
 template <class T, class Use, class Over>
 void TopicFeed::Drain(dds::CdrReader<T>& reader, std::uint32_t channel, Use use, Over over) {
   dds::CdrSample raw;
@@ -224,7 +225,7 @@ void TopicFeed::TakeSeat(const FramePtr& frame, const wire::SceneBundle& seat,
     return spdlog::warn("seat '{}' comes before its scene, and is not shown", seat.scene);
   }
   Keep(frame, seat.scene, 0);
-  const SceneBytes bytes = scene->second;  // also what of it is packed
+  const SceneBytes bytes = scene->second;  // shares the compressed bundle
   scenes_[seat.scene] = bytes;
   on_frame(frame);
 }
@@ -233,7 +234,7 @@ void TopicFeed::Poll(const std::function<void(const FramePtr&)>& on_frame,
                      const std::function<void(const wire::SessionState&)>& on_session) {
   Succeed();
   if (progress_) progress_.Take(compiling_);
-  // Scenes first: who hears of a station should know where it is.
+  // Scenes first: a station's scene must be known before the station.
   Drain(readers_->bundles, kSceneBundle,
         [&](const FramePtr& frame, const wire::SceneBundle& sample) {
           if (!IsCurrent(sample.server_run, frame->origin)) return;
@@ -254,11 +255,11 @@ void TopicFeed::Poll(const std::function<void(const FramePtr&)>& on_frame,
     on_frame(frame);
   };
   if (readers_->blocks) Drain(*readers_->blocks, kSolidBlock, take_block);
-  // After the changes: those that it undoes are forgotten.
+  // After the blocks: those that it undoes are forgotten.
   Drain(readers_->wholes, kSceneWhole, [&](const FramePtr& frame, const wire::SceneWhole& sample) {
     if (!IsCurrent(sample.server_run, frame->origin)) return;
     std::uint64_t& undone = undone_[sample.scene];
-    if (sample.last_change < undone) return;  // an older word, on a slower way
+    if (sample.last_change < undone) return;  // an older message that was delayed
     undone = sample.last_change;
     std::erase_if(kept_, [&](const auto& entry) {
       const std::uint64_t change = entry.second.change;
@@ -277,12 +278,12 @@ void TopicFeed::Poll(const std::function<void(const FramePtr&)>& on_frame,
         on_session(sample);
       },
       [&](std::uint64_t origin, const wire::SessionState& sample) {
-        // It was refused, or has ended, some time ago; who sees it there may go on seeing it.
+        // It was refused or ended some time ago; present viewers may keep showing it.
         if (origin != origin_) return;
         kept_.erase({kSessionState, sample.station, 0});
         phases_.erase(sample.station);
       });
-  // Before what it replays: who sees that should know what it is.
+  // Before the data that it replays: a viewer must know first that it is a replay.
   PollReplays(on_frame);
   const auto of_server = [&](const FramePtr& frame, const auto&) {
     if (!IsForeign(frame->origin)) on_frame(frame);
@@ -330,7 +331,7 @@ std::vector<FramePtr> TopicFeed::Kept(std::uint32_t channel) const {
   std::vector<FramePtr> frames;
   for (const auto& [number, replay] : replays_) {
     if (channel == kReplayContents && replay.contents) frames.push_back(replay.contents);
-    // What a replayer said that has died since would pass for news.
+    // The state of a replayer that has died would look current.
     const bool speaks = SteadyNanoseconds() - replay.heard_ns < kReplaySilent_ns;
     if (channel == kReplayState && replay.state && speaks) frames.push_back(replay.state);
   }
@@ -342,7 +343,7 @@ std::vector<FramePtr> TopicFeed::Kept(std::uint32_t channel) const {
 }
 
 const wire::SceneProgress* TopicFeed::compiling() const {
-  // Its writer is there as long as it compiles.
+  // The writer exists only while its server compiles.
   const bool is_there = progress_ && progress_.matched_writers() > 0;
   return is_there && compiling_.scene[0] != '\0' ? &compiling_ : nullptr;
 }

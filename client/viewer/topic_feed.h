@@ -16,14 +16,14 @@
 
 namespace palpate {
 
-/// What ScenePacker knows of a scene: its bundle compressed, or who waits for that.
+/// ScenePacker's state of a scene: the compressed bundle, or who waits for it.
 struct PackedScene {
   using Bytes = std::shared_ptr<const std::vector<std::uint8_t>>;
   Bytes bytes;
   std::vector<std::function<void(const Bytes&)>> waiting;
 };
 
-/// A scene as its server gave it.
+/// A scene as the server published it.
 struct SceneBytes {
   FramePtr frame;  ///< owns the bytes
   std::uint64_t hash = 0;
@@ -31,10 +31,11 @@ struct SceneBytes {
   std::shared_ptr<PackedScene> packed = std::make_shared<PackedScene>();
 };
 
-/// The topics that viewers see, from the service domain, as frames: what has a state is kept for
-/// those who come later.  One server is heard, the current one, for as long as it lives: what
-/// others say meanwhile counts for nothing.  Once it has gone, the next takes its place; while
-/// there is none, what is known stays. Thread contract: one thread.
+/// Turns the topics of the service domain into frames for viewers, and keeps those with state for
+/// viewers that connect later.  Only one server is heard, the current one, as long as it lives;
+/// messages of others are ignored meanwhile.  When it has gone, another may take its place; until
+/// then its last state is kept.
+/// Thread contract: one thread.
 class TopicFeed {
  public:
   enum Channel : std::uint32_t {
@@ -42,68 +43,68 @@ class TopicFeed {
     kLoopStatistics,
     kSessionState,
     kSceneBundle,
-    kMouseState,  ///< not of DDS: the gateway's own, to each viewer of the mouse that it has
+    kMouseState,  ///< the gateway's own, not DDS: to each viewer, about its mouse
     kStationStatistics,
     kSceneWhole,
-    // As JSON, since pages are to read their numbers.
+    // As JSON, with 64-bit identifiers as text.
     kReplayContents,
     kReplayState,
-    kReplayAnswer,  ///< not of DDS: the gateway's own, to each viewer of its own wishes
-    kGoal,          ///< not of DDS: the gateway's own, what a teacher has set for a scene
+    kReplayAnswer,  ///< the gateway's own, not DDS: to each viewer, about its wishes
+    kGoal,          ///< the gateway's own, not DDS: what a teacher has set for a scene
     kSolidBlock,
-    // Not of DDS: the gateway's own, of a --course.
-    kMe,           ///< to each viewer, of itself
-    kPeople,       ///< to those who may operate
-    kClassAnswer,  ///< to each of those, of its own wishes
-    kExercises,    ///< to each who may have a mouse there: what there is to do, and what was done
-    kTrial,        ///< to each of those, of the own trial
-    kExam,         ///< to each of a course: the open exam; to those who operate, all of it
-    kExamAnswer,   ///< to each of those, of its own wishes
+    // The gateway's own, not DDS, with --course.
+    kMe,           ///< to each viewer, about itself
+    kPeople,       ///< to operators
+    kClassAnswer,  ///< to each operator, about its commands
+    kExercises,    ///< to each person who may have a mouse: the exercises and trials so far
+    kTrial,        ///< to each of those people, about their own trial
+    kExam,         ///< to each of those people: the open exam; to operators: all of it
+    kExamAnswer,   ///< to each operator, about its commands
   };
-  /// What viewers are offered.
-  /// @param mice    who may have a mouse hears of it.
-  /// @param steers  who may steer a replay is answered.
-  /// @param of_course  who is one of a course hears of itself.
-  /// @param teaches  and, who may operate there, of all.
+  /// Returns the channels that a viewer is offered.
+  /// @param mice       it may have a mouse.
+  /// @param steers     it may steer a replay.
+  /// @param of_course  its token is a person's of the course.
+  /// @param teaches    it may operate in the course.
   static std::vector<foxglove::Channel> Channels(bool mice, bool steers, bool of_course = false,
                                                  bool teaches = false);
 
-  /// Throws Error where DDS refuses.
+  /// Throws Error if DDS fails.
   explicit TopicFeed(int domain, const dds::Network& network = {});
   ~TopicFeed();
 
-  /// Takes what has come.
-  /// @param on_frame  each new frame.   @param on_session  each new state of a session, too.
+  /// Takes all new messages.
+  /// @param on_frame  called for each frame.   @param on_session  also for each session state.
   void Poll(const std::function<void(const FramePtr&)>& on_frame,
             const std::function<void(const wire::SessionState&)>& on_session);
 
-  /// What who subscribes now must hear first, in the order in which it took place.
+  /// Returns the frames that a new subscriber must get first.
   std::vector<FramePtr> Kept(std::uint32_t channel) const;
-  /// Passes a wish on to the server.  False where DDS refuses.
+  /// Forwards a request to the server.  Returns false if DDS fails.
   bool Ask(const wire::WholeRequest& request) { return wishes_ && wishes_.Write(request); }
   bool Ask(const wire::OperateRequest& request) {
     return operate_requests_ && operate_requests_.Write(request);
   }
-  /// Passes a wish on to its replay.  Returns why not; empty: it has.
+  /// Forwards a request to its replay.  Returns why it failed; empty: it is sent.
   std::string Ask(const wire::ReplayRequest& request);
   const std::map<std::string, SceneBytes>& scenes() const { return scenes_; }
-  /// Stations that have a session, as the server last said.
+  /// Stations that have a session, as last reported by the server.
   std::vector<std::string> stations() const;
-  /// A station of that name is there, be it that it waits to be admitted.
+  /// Returns whether there is a station of that name, even if it still waits to be admitted.
   bool HasStation(const std::string& name) const;
-  /// False where there is no server, or the one that was heard last has gone.
+  /// False if there is no server, or the last one has gone.
   bool server_lives() const { return lives_; }
-  /// What a server compiles that serves nothing yet; null: none does so.
+  /// Returns the progress of a server that still compiles its scenes; null: none does.
   const wire::SceneProgress* compiling() const;
-  /// The server's that was heard last; 0: none has been.
+  /// The run number of the server that was heard last; 0: none.
   std::uint64_t server_run() const { return server_run_; }
 
  private:
-  /// What a replayer says of itself.
+  /// The last messages of a replayer.
   struct Replay {
     FramePtr contents;
     FramePtr state;
-    std::int64_t heard_ns = 0;  // its state, by the steady clock
+    std::int64_t heard_ns = 0;  // when its state was heard, steady clock
   };
   struct Nothing {
     void operator()(const auto&...) const {}
@@ -111,27 +112,27 @@ class TopicFeed {
   using KeptKey = std::tuple<std::uint32_t, std::string, std::uint64_t>;  // channel, name, number
   struct KeptFrame {
     FramePtr frame;
-    std::uint64_t change = 0;  // of its scene: void where that is undone; 0: none
+    std::uint64_t change = 0;  // to its scene, by number: void once that is undone; 0: none
   };
 
   template <class T, class Use, class Over = Nothing>
   void Drain(dds::CdrReader<T>& reader, std::uint32_t channel, Use use, Over over = {});
   struct Readers;
-  /// False for a word that is not the current server's.  A new one's first word clears the
-  /// former's.
+  /// Returns false for a message that is not the current server's.  The first message of a new
+  /// server clears the state of the former.
   bool IsCurrent(std::uint64_t server_run, std::uint64_t origin);
-  /// True for what is not the current server's, while that lives.
+  /// Returns whether a message is not the current server's while that lives.
   bool IsForeign(std::uint64_t origin) const;
-  /// Looks whether the current server lives.  Once it has gone, what another has said meanwhile is
-  /// heard anew.
+  /// Checks whether the current server lives.  Once it has gone, the ignored state of another
+  /// is read again.
   void Succeed();
   void Keep(const FramePtr& frame, const std::string& name, std::uint64_t number,
             std::uint64_t change = 0);
-  /// A scene's other name: it comes after the scene.
+  /// Takes another name of a scene, which must have arrived before.
   void TakeSeat(const FramePtr& frame, const wire::SceneBundle& seat,
                 const std::function<void(const FramePtr&)>& on_frame);
   void PollReplays(const std::function<void(const FramePtr&)>& on_frame);
-  /// Of this number, new or known.  A new one takes the place of those that are silent.
+  /// Finds or adds a replay.  A new one replaces those that are silent.
   Replay& ReplayOf(std::uint64_t number);
 
   dds::Participant participant_;
@@ -142,18 +143,17 @@ class TopicFeed {
   dds::Writer<wire::OperateRequest> operate_requests_;
 
   std::uint64_t server_run_ = 0;
-  std::uint64_t origin_ = 0;             // of the server: its participant
+  std::uint64_t origin_ = 0;             // the server's participant
   std::set<std::uint64_t> former_runs_;  // of that participant
-  bool others_heard_ = false;            // while it lives
-  bool lives_ = false;                   // when it was last looked at
+  bool others_heard_ = false;            // while the current server lives
+  bool lives_ = false;                   // when that was last checked
   std::int64_t looked_ns_ = 0;
   std::map<KeptKey, KeptFrame> kept_;
-  std::map<std::string, std::uint64_t> undone_;  // by scene: the last change that is void
+  std::map<std::string, std::uint64_t> undone_;  // by scene: the last change that was undone
   std::map<std::string, SceneBytes> scenes_;
   std::map<std::string, wire::SessionPhase> phases_;  // by station
   wire::SceneProgress compiling_{};
-  // By number.  Apart from what is kept: where a replay goes elsewhere, it speaks as another
-  // server.
+  // By number.  Not in kept_: a replay that seeks speaks as a new server.
   std::map<std::uint64_t, Replay> replays_;
 };
 

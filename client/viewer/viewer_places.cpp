@@ -6,7 +6,7 @@ namespace palpate {
 
 ViewerPlaces::Room ViewerPlaces::RoomFor(const std::string& address, std::int64_t now_ns) const {
   if (guests_.size() < most_) return {true, std::nullopt};
-  // By id, which is in the order of coming.
+  // In the order of ids, that is of arrival.
   for (const auto& [id, guest] : guests_) {
     if (!guest.subscribed && now_ns - guest.came_ns > kIdle_ns) return {true, id};
   }
@@ -14,7 +14,7 @@ ViewerPlaces::Room ViewerPlaces::RoomFor(const std::string& address, std::int64_
       std::ranges::max_element(counts_, {}, [](const auto& entry) { return entry.second; });
   const auto own = counts_.find(address);
   const std::size_t has = own == counts_.end() ? 0 : own->second;
-  // One more here and one fewer there must not turn the tables.
+  // Moving a place must not merely swap the two addresses' roles.
   if (largest == counts_.end() || largest->second <= has + 1) return {};
   std::optional<Id> last, last_that_holds;
   for (const auto& [id, guest] : guests_) {

@@ -7,32 +7,33 @@
 
 namespace palpate {
 
-/// The places of viewers: so many in all, shared out among addresses.  A fixed share of an address
-/// would be too little for a class behind one router, and too much for one that opens sockets until
-/// there are no more: so every address may have what nobody else wants, and where all places are
-/// taken those of the address that has most make room for an address that has fewer.
-/// An address that floods the gateway then shuts out nobody but itself.
-/// Thread contract: one thread.  Time is given [ns].
+/// Shares a fixed number of viewer places among addresses.  A fixed quota per address would be
+/// too little for a class behind one router and too much for a client that opens sockets without
+/// end.  So an address may use all free places; once none is free, an address with fewer viewers
+/// gets a place from the address with the most.  An address that floods the gateway thus only
+/// shuts out itself.
+/// Thread contract: one thread.  Times are in nanoseconds.
 class ViewerPlaces {
  public:
   using Id = std::uint64_t;
-  /// Who has not subscribed to anything by then only sits there.
+  /// A viewer that has not subscribed within this time counts as idle.
   static constexpr std::int64_t kIdle_ns = 5'000'000'000;
 
   explicit ViewerPlaces(std::size_t most) : most_(most) {}
 
   struct Room {
     bool is_there = false;
-    std::optional<Id> leaves;  ///< whose place it is: that one goes now
+    std::optional<Id> leaves;  ///< whose place it is; that viewer must leave now
   };
-  /// Whether one more of this address may come.  Of those that can make room, the first are any
-  /// that sit idle, longest first; then, of the address that has most, those that came last and
-  /// hold no tool: a class that has looked on for an hour stays.
+  /// Returns whether one more viewer of this address may come.  If no place is free, it gets that
+  /// of the viewer that has been idle longest, if any; else that of the latest viewer of the
+  /// largest address, preferably one without a tool, if that address has at least two viewers more
+  /// than this one.  So a class that has been watching for an hour stays.
   Room RoomFor(const std::string& address, std::int64_t now_ns) const;
 
   void Enter(Id id, const std::string& address, std::int64_t now_ns);
   void Subscribed(Id id);
-  /// It holds a tool, or has let it go.
+  /// Takes note that a viewer took a tool or released it.
   void Holds(Id id, bool holds);
   void Leave(Id id);
 

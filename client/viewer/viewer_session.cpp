@@ -18,10 +18,10 @@ namespace beast = boost::beast;
 namespace net = boost::asio;
 namespace websocket = beast::websocket;
 
-/// What the kernel may hold of what a stalled viewer does not read: some seconds of tool states.
+/// What the kernel buffers for a stalled viewer: some seconds of tool states.
 constexpr int kSendBuffer = 64 * 1024;
-/// And of what it sends that is not read yet: one message of the largest, with which a flood ends a
-/// second after who sent it has gone.
+/// What the kernel buffers of its unread input: one largest message, so that a flood is over a
+/// second after its sender has gone.
 constexpr int kReceiveBuffer = 64 * 1024;
 constexpr const char* kOperateTopic = "/palpate/operate";
 constexpr const char* kTrialTopic = "/palpate/trial";
@@ -48,7 +48,7 @@ std::vector<foxglove::Channel> ViewerSession::Channels() const {
 
 void ViewerSession::Accept(const Request& request, std::string_view subprotocol) {
   beast::tcp_stream& stream = socket_.next_layer().next_layer();
-  stream.expires_never();  // the WebSocket has times of its own
+  stream.expires_never();  // the WebSocket has its own timeouts
   boost::system::error_code ignored;
   stream.socket().set_option(net::ip::tcp::no_delay(true), ignored);
   stream.socket().set_option(net::socket_base::send_buffer_size(kSendBuffer), ignored);
@@ -65,7 +65,7 @@ void ViewerSession::Accept(const Request& request, std::string_view subprotocol)
       }));
   socket_.read_message_max(ViewerLimits::kLargestMessage);
   socket_.next_layer().LimitReading(ViewerLimits::kBytesPerSecond, ViewerLimits::kBytesAtOnce);
-  socket_.auto_fragment(false);  // a message is one frame, written from where it lies
+  socket_.auto_fragment(false);  // a message is one frame, written without a copy
   socket_.control_callback([this](websocket::frame_type, beast::string_view) { signs_.Heard(); });
   socket_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
     if (error) {
@@ -95,7 +95,7 @@ void ViewerSession::Gone() {
   hub_.Leave(*this);
 }
 
-// --- what it says ---
+// --- receiving ---
 
 void ViewerSession::Read() {
   socket_.async_read(input_, [self = shared_from_this()](beast::error_code error, std::size_t) {
@@ -105,7 +105,7 @@ void ViewerSession::Read() {
 
 void ViewerSession::OnRead(beast::error_code error) {
   if (error) {
-    // Beast has closed the socket for a frame that breaks RFC 6455, with the code for it.
+    // If a frame violated RFC 6455, Beast has already closed the socket with the matching code.
     return Gone();
   }
   const std::int64_t now_ns = SteadyNanoseconds();
@@ -134,7 +134,7 @@ void ViewerSession::ReadOn(std::int64_t now_ns) {
   messages_.Spend(1.0, now_ns);
   const std::int64_t wait_ns = messages_.WaitFor(1.0, now_ns);
   if (wait_ns == 0) return Read();
-  // What is beyond it waits in the network: nothing of it is kept here.
+  // Excess input waits in the network; nothing of it is stored here.
   const std::string why = "this client sends more than " +
                           std::to_string(static_cast<int>(ViewerLimits::kMessagesPerSecond)) +
                           " messages a second; they are read later";
@@ -335,11 +335,11 @@ void ViewerSession::Watch(std::int64_t now_ns) {
   if (pinging_ || !signs_.Ask()) return;
   pinging_ = true;
   socket_.async_ping({}, [self = shared_from_this()](beast::error_code) {
-    self->pinging_ = false;  // a failure shows when reading
+    self->pinging_ = false;  // a failure is seen when reading
   });
 }
 
-// --- what it hears ---
+// --- sending ---
 
 void ViewerSession::Say(foxglove::Level level, const std::string& message) {
   if (!complaints_.Pass(SteadyNanoseconds())) return;
@@ -358,7 +358,7 @@ void ViewerSession::TellMouseState(const FramePtr& frame) {
 
 void ViewerSession::Send(std::string text) {
   if (closing_ || !open_) return;
-  // Who asks and does not read what it is told is not waited for.
+  // A client that sends requests and does not read the answers is dropped.
   if (texts_.size() >= ViewerLimits::kMostTexts ||
       texts_size_ + text.size() > ViewerLimits::kMostTextBytes) {
     return Gone();

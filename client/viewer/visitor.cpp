@@ -16,7 +16,7 @@ namespace {
 
 namespace ip = boost::asio::ip;
 
-/// A host of IPv6 has as many addresses as it likes of a network of its own: 64 bits of it.
+/// An IPv6 host may use any number of addresses within its own /64 network.
 std::string ShareOf(const ip::address& address) {
   if (address.is_v4()) return address.to_string();
   auto bytes = address.to_v6().to_bytes();
@@ -24,7 +24,7 @@ std::string ShareOf(const ip::address& address) {
   return ip::address_v6(bytes).to_string() + "/64";
 }
 
-/// Where a socket of IPv6 takes IPv4, too, it says ::ffff:192.168.0.7.
+/// An IPv6 socket that also accepts IPv4 shows it as ::ffff:192.168.0.7.
 ip::address Plain(const ip::address& address) {
   if (address.is_v6() && address.to_v6().is_v4_mapped()) {
     return ip::make_address_v4(ip::v4_mapped, address.to_v6());

@@ -8,26 +8,26 @@
 
 namespace palpate {
 
-/// Who is at the other end of a connection, as shares, limits and the log name it.
+/// The peer of a connection, as shares, limits and the log name it.
 struct Visitor {
-  std::string name;       ///< for people: "192.168.0.7:50312"
-  std::string address;    ///< what a share is of: an IPv4 address, or a network of IPv6 (/64)
-  bool is_local = false;  ///< this host itself, and nobody whom a proxy of it speaks for
+  std::string name;       ///< for people to read: "192.168.0.7:50312"
+  std::string address;    ///< unit of shares: an IPv4 address, or an IPv6 network (/64)
+  bool is_local = false;  ///< this host itself, and not through a proxy
 };
 
-/// Where this host is reached: by others first, by itself last.  Link-local addresses of IPv6,
-/// which mean nothing without an interface of whoever asks, are left out.
-/// @param v6  also those of IPv6.
+/// Returns the addresses of this host: those that others can reach first, loopback last.  IPv6
+/// link-local addresses are left out, since they mean nothing without the client's interface.
+/// @param v6  include IPv6 addresses.
 std::vector<boost::asio::ip::address> HostAddresses(bool v6);
 
-/// True for the address of a proxy, also where a socket of IPv6 says it.
+/// Returns whether the address is a proxy's, also in the IPv4-mapped form of an IPv6 socket.
 bool IsProxy(const boost::asio::ip::address& address,
              const std::vector<boost::asio::ip::address>& proxies);
 
-/// @param forwarded  X-Forwarded-For (or Forwarded), as it came.  Believed of a proxy alone, and
-/// then the last address, which is the one that the proxy has seen; of others it only says that
-/// they are not local.
-/// @param proxies  addresses of those that are.  What comes from there is never local.
+/// @param forwarded  X-Forwarded-For (or Forwarded), as received.  Only a proxy's is believed, and
+/// of that only the last address, which the proxy has seen itself; from anybody else the header
+/// only shows that the visitor is not local.
+/// @param proxies  their addresses.  A connection from one is never local.
 Visitor VisitorAt(const boost::asio::ip::tcp::endpoint& peer, std::string_view forwarded,
                   const std::vector<boost::asio::ip::address>& proxies);
 

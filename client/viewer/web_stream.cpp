@@ -28,14 +28,14 @@ namespace net = boost::asio;
 
 net::ssl::context MakeTls(const std::string& certificate, const std::string& key) {
   namespace ssl = net::ssl;
-  // Of a chain of certificates, or a key: some kB each, with remarks before them.
+  // Largest certificate chain or key file; they have some kB, including leading remarks.
   constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 20;
-  // Both are read here, not by OpenSSL, so that the file that is looked at is the one that is used.
+  // Read here and not by OpenSSL, so that the checked file is the one that is used.
   const std::string chain = ReadWholeFile(certificate, kMostBytes, "--tls-cert");
   std::string key_text = ReadWholeFile(key, kMostBytes, "--tls-key", IsPrivate("--tls-key", key));
   ssl::context context(ssl::context::tls_server);
   SSL_CTX_set_min_proto_version(context.native_handle(), TLS1_2_VERSION);
-  // A client that asks for new keys again and again costs much and has no need to.
+  // Repeated renegotiation by a client is expensive and unnecessary.
   SSL_CTX_set_options(context.native_handle(), SSL_OP_NO_RENEGOTIATION);
   beast::error_code error;
   context.use_certificate_chain(net::buffer(chain), error);
@@ -45,7 +45,7 @@ net::ssl::context MakeTls(const std::string& certificate, const std::string& key
                     "and its root, as PEM",
                     certificate, error.message()));
   }
-  // A service has no terminal, and one that has would wait at it.
+  // A service has no terminal to ask for a password, and a program with one would block.
   context.set_password_callback(
       [](std::size_t, ssl::context::password_purpose) { return std::string(); });
   context.use_private_key(net::buffer(key_text), ssl::context::pem, error);
@@ -63,7 +63,7 @@ using Plain = beast::tcp_stream;
 using Secure = beast::ssl_stream<beast::tcp_stream>;
 
 struct WebStream::State {
-  /// What may be read, and who wakes up a reader that has to wait.
+  /// The limit of reading, and the timer of a reader that must wait.
   struct Rate {
     TokenBucket bytes;
     net::steady_timer rest;
@@ -72,7 +72,7 @@ struct WebStream::State {
   std::variant<Plain, Secure> stream;
   std::optional<Rate> rate = std::nullopt;
 
-  /// Calls it with the stream that there is.
+  /// Calls `use` with the stream, plain or TLS.
   template <class Use>
   void With(Use use) {
     std::visit([&](auto& there) { use(there); }, stream);
@@ -109,7 +109,7 @@ void WebStream::AsyncSecure(net::ssl::context& context, beast::flat_buffer& read
 }
 
 void WebStream::Read(std::vector<net::mutable_buffer> buffers, Done done) {
-  // A reader is held by its handler, and holds this stream.
+  // The reader's handler keeps the reader alive, which holds this stream.
   auto begin = [state = state_.get(), buffers = std::move(buffers),
                 done = std::move(done)]() mutable {
     if (state->rate) {

@@ -15,13 +15,13 @@
 
 namespace palpate {
 
-/// TLS 1.2 and newer, with a server's certificate chain and its key, both PEM.  Throws Error, which
-/// names the flag and the file.
+/// Returns a context for TLS 1.2 and newer, from a certificate chain and its key, both PEM.  Throws
+/// Error that names the flag and the file.
 boost::asio::ssl::context MakeTls(const std::string& certificate, const std::string& key);
 
-/// A connection of the gateway, in the clear or over TLS: an AsyncStream of Beast's, and the one
-/// place that knows which of the two it is.  Handlers and buffers are of one type below this class:
-/// HTTP and WebSockets are compiled for it alone, and TLS in its source file.
+/// A connection of the gateway, plain or over TLS: an AsyncStream of Beast, and the only place that
+/// knows which of the two it is.  Handlers and buffers are type-erased here, so HTTP and WebSockets
+/// are compiled once, and TLS only in this class's source file.
 /// Thread contract: the network thread.
 class WebStream {
  public:
@@ -35,19 +35,19 @@ class WebStream {
   ~WebStream();
 
   executor_type get_executor() noexcept { return next_layer().get_executor(); }
-  /// Below TLS: the socket with its times, and what Beast takes for the lowest layer.
+  /// The layer below TLS: the socket with its timeouts, Beast's lowest layer.
   next_layer_type& next_layer() noexcept;
   const next_layer_type& next_layer() const noexcept;
   bool is_secure() const noexcept;
 
-  /// From now on it speaks TLS, once the client has shaken hands.
-  /// @param context  outlives the stream.
-  /// @param read     what was read of it in the clear, to see that it wants TLS; consumed, and to
+  /// Switches to TLS; `done` is called after the handshake.
+  /// @param context  must outlive the stream.
+  /// @param read     what was already read in the clear, to detect TLS; is consumed, and must
   /// live until `done`.
   void AsyncSecure(boost::asio::ssl::context& context, boost::beast::flat_buffer& read,
                    std::function<void(boost::beast::error_code)> done);
 
-  /// From now on no more is read than this: what comes beyond it waits in the network.
+  /// Limits the reading rate; what exceeds it waits in the network.
   void LimitReading(double bytes_per_second, double at_once);
 
   template <class Buffers, class Handler>
@@ -60,7 +60,7 @@ class WebStream {
     Write({boost::asio::buffer_sequence_begin(buffers), boost::asio::buffer_sequence_end(buffers)},
           Shared(std::forward<Handler>(handler)));
   }
-  /// How Beast ends the connection below a WebSocket.
+  /// Called by Beast to end the connection below a WebSocket.
   template <class Handler>
   friend void async_teardown(boost::beast::role_type role, WebStream& stream, Handler&& handler) {
     stream.TearDown(role, Shared([handler = std::forward<Handler>(handler)](
@@ -72,7 +72,7 @@ class WebStream {
  private:
   struct State;
 
-  /// Handlers of Beast's can be moved and not copied.
+  /// Makes a handler copyable: Beast's can only be moved.
   template <class Handler>
   static Done Shared(Handler&& handler) {
     auto shared = std::make_shared<std::decay_t<Handler>>(std::forward<Handler>(handler));

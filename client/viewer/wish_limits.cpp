@@ -26,7 +26,7 @@ RateLimit LimitOf(const ViewerLimits::Rate& rate) {
 
 WishLimits::Verdict WishLimits::Ask(Wish wish, std::uint64_t viewer, const std::string& address,
                                     std::int64_t now_ns) {
-  // Those that have rested need not be remembered.
+  // Addresses that have rested need not be remembered.
   std::erase_if(addresses_, [&](const auto& entry) { return entry.second.IsRested(now_ns); });
   const auto [known, is_new] = viewers_.try_emplace(viewer);
   for (std::size_t i = 0; is_new && i < kKinds; ++i) {

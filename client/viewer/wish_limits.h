@@ -10,24 +10,24 @@
 
 namespace palpate {
 
-/// What viewers ask for that costs more than its bytes.
+/// Requests of viewers that cost more than their bytes.
 enum class Wish { kTake, kWhole, kReplay, kOperate, kSubscribe };
 
-/// How often viewers may have such a wish, by the figures of ViewerLimits: each of its own, and all
-/// of an address together.
-/// Thread contract: one thread.  Time is given [ns].
+/// Limits how often viewers may have a wish, with the rates of ViewerLimits: per viewer, and for
+/// all viewers of an address together.
+/// Thread contract: one thread.  Times are in nanoseconds.
 class WishLimits {
  public:
   struct Verdict {
     bool granted = false;
-    /// It is refused and has not been told so since it last rested: a loop is told once.
+    /// It is refused, and the viewer has not been told since it last rested: a loop is told once.
     bool tell = false;
   };
-  /// Whether this viewer may have this wish now, which then counts.
+  /// Decides whether this viewer may have this wish now, and counts it if so.
   Verdict Ask(Wish wish, std::uint64_t viewer, const std::string& address, std::int64_t now_ns);
   void Leave(std::uint64_t viewer) { viewers_.erase(viewer); }
 
-  /// Addresses that are remembered: those of the last seconds.
+  /// Number of addresses remembered: those of the last seconds.
   std::size_t addresses() const { return addresses_.size(); }
 
  private:
@@ -40,7 +40,7 @@ class WishLimits {
   std::map<std::pair<std::string, Wish>, RateLimit> addresses_;
 };
 
-/// Why a wish is refused, for who has it.
+/// Returns the reason of a refusal, for the viewer.
 const char* TooOften(Wish wish);
 
 }  // namespace palpate

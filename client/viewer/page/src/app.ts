@@ -28,9 +28,9 @@ import {ThemeSwitch} from "./ui/theme";
 import {readPalette} from "./view/palette";
 
 const kTickMs = 100; // plots and figures
-const kOldNewsS = 1; // what comes so soon after the link was opened was said before
+const kOldNewsS = 1; // messages this soon after the link opened are not news
 
-/// The page, put together of its parts (parts/): who hears of what.
+/// The page: connects its parts (parts/) to each other.
 export class App {
   private readonly world = new World((change, scene) => this.worldChanged(change, scene));
   private readonly notice = new Notice();
@@ -162,7 +162,7 @@ export class App {
     };
   }
 
-  // --- what comes in ---
+  // --- incoming messages ---
 
   private received(topic: string, value: unknown, stampS: number): void {
     if (topic === kTopics.mouseState) {
@@ -204,7 +204,7 @@ export class App {
         if (change === "whole") this.wholeAnswered(scene);
         break;
       case "serverRun":
-        // It may serve other scenes, or another one under the same name.
+        // The server may have other scenes, or a changed one under the same name.
         void this.link.askHealth();
         this.loadAgain();
         break;
@@ -217,7 +217,8 @@ export class App {
     if (this.choice.scene !== "") void this.scenes.load(this.choice.scene);
   }
 
-  /// In a replay it is of then, and a mark; who comes later need not be told.
+  /// During a replay the event is old and has a mark; a page that has just connected need
+  /// not be told.
   private wholeAnswered(scene: string): void {
     const whole = this.world.wholes.get(scene);
     if (!whole || this.replay.isOn) return;
@@ -233,7 +234,7 @@ export class App {
     const {hold, station} = this.hold.mouse;
     return this.choice.station(hold === "holding" ? station : "", now);
   }
-  /// A tool of a replay is in no one's reach.
+  /// A tool of a replay cannot be taken.
   private get mayTake(): boolean {
     return this.link.may.take && !this.replay.isOn;
   }
@@ -269,7 +270,7 @@ export class App {
 
   private showRights(): void {
     this.hold.offer(this.mayTake);
-    // Of a replay nothing is to be decided: it has been.
+    // In a replay there is nothing to decide.
     this.figures.allowDeciding(this.link.may.operate && !this.replay.isOn);
     this.classRoom.allow(this.link.may.teach && !this.replay.isOn);
     this.history.allow(this.link.may.try && !this.exam.isOn, this.link.may.teach);
@@ -291,9 +292,9 @@ export class App {
     const now = nowS();
     if (!this.hold.isBusy) this.choice.goWhereSomethingMoves(now);
     this.link.pulse.beat(now, !document.hidden);
-    this.picture.wake(); // where nothing comes any more, nothing else would draw that
+    this.picture.wake(); // if no message arrives any more, nothing else triggers a picture
     const report = this.showLink();
-    // What one can do with a tool is nothing where none of it arrives.
+    // Hints on using a tool are pointless while no data of it arrives.
     this.notice.update(report.tone !== "alarm");
     this.replay.show(now);
     const station = this.station(now);

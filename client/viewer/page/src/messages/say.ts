@@ -1,14 +1,15 @@
 import en from "./en.json";
 
-/// What the page says, in the reader's language: a catalogue for each, FLAT-KEY to text, in a file named by
-/// its BCP 47 tag beside this one.  `{name}` stands for a value, `{count, plural, one {# step} other {#
-/// steps}}` for a number with what it counts, by the plural rules of the catalogue's locale.
+/// The page's texts in the reader's language.  Each language has a catalogue, a map from flat key
+/// to text, in a file beside this one that is named by its BCP 47 tag.  `{name}` is replaced by a
+/// value, `{count, plural, one {# step} other {# steps}}` by a number with its noun, using the
+/// plural rules of the catalogue's locale.
 
 export type Key = keyof typeof en;
 export type Values = Readonly<Record<string, string | number>>;
 type Catalogue = Readonly<Record<string, string>>;
 
-/// A language more is a file more: the build finds it.
+/// The build finds every catalogue: a new language needs only a new file.
 const kOthers = import.meta.glob<Catalogue>(["./*.json", "!./en.json"], {import: "default"});
 const fileOf = (tag: string): string => `./${tag}.json`;
 
@@ -19,9 +20,9 @@ export const kLanguages: readonly string[] = [
 
 let catalogue: Catalogue = en;
 let plurals = new Intl.PluralRules(en.locale);
-let formats = new Map<number, Intl.NumberFormat>(); // by digits
+let formats = new Map<number, Intl.NumberFormat>(); // by number of digits
 
-/// The first of the reader's languages that there is: zh-Hant-TW finds zh where there is nothing nearer.
+/// Returns the first of the reader's languages that has a catalogue; zh-Hant-TW falls back to zh.
 export function chooseLanguage(wanted: readonly string[]): string {
   for (const tag of wanted) {
     const parts = tag.split("-");
@@ -34,14 +35,14 @@ export function chooseLanguage(wanted: readonly string[]): string {
   return "en";
 }
 
-/// What the page says from now on; what it has said stays.
+/// Loads a language for all later texts; texts already shown are not changed.
 export async function speak(language: string): Promise<void> {
   catalogue = (await kOthers[fileOf(language)]?.()) ?? en;
   plurals = new Intl.PluralRules(locale());
   formats = new Map();
 }
 
-/// That numbers and times are written by.
+/// The locale in which numbers and times are written.
 export const locale = (): string => catalogue.locale ?? en.locale;
 
 const kPlaceholder = /\{(\w+)(?:, plural, ((?:\w+ \{[^{}]*\}\s*)+))?\}/g;
@@ -63,7 +64,8 @@ function formOf(forms: string, count: number): string {
   return known.get(plurals.select(count)) ?? known.get("other") ?? "";
 }
 
-/// With so many digits after the point, and no thousands apart: a figure that is read while it moves.
+/// Returns a number with this many decimals and no thousands separators, for figures that change
+/// while they are read.
 export function sayNumber(value: number, digits: number): string {
   let format = formats.get(digits);
   if (!format) {
@@ -74,6 +76,6 @@ export function sayNumber(value: number, digits: number): string {
   return format.format(value);
 }
 
-/// Parts of a sentence, those that say nothing left out.
+/// Joins the non-empty parts of a sentence.
 export const sayList = (key: "list.separator" | "list.clauses", parts: readonly string[]): string =>
   parts.filter((part) => part !== "").join(say(key));

@@ -3,12 +3,13 @@ import {beginOf, type Block, kBeforeSteps, kSide, kSteps, type Solid} from "./so
 import type {Skin} from "./skin";
 import {type Faces, makeSurface, measure, type Surface} from "./surface";
 
-/// A block's triangles, and those of its neighbours that meet them.
+/// A block's triangles, and the neighbours' triangles that touch them.
 export interface Patch {
-  readonly vertices: readonly number[]; // x y z, x y z, ...: the block's, and then others [steps]
-  readonly corners: readonly number[]; // likewise
-  readonly own: number; // corners of the block
-  readonly beside: number; // another one where the neighbours' are others
+  // x y z, x y z, ...: the block's first, then the neighbours' [steps]
+  readonly vertices: readonly number[];
+  readonly corners: readonly number[]; // vertex indices, in the same order
+  readonly own: number; // number of the block's own corners
+  readonly beside: number; // hash of the neighbours' part: it changes with them
 }
 
 export function makePatch(solid: Solid, number: number, block: Block): Patch {
@@ -47,16 +48,16 @@ export function makePatch(solid: Solid, number: number, block: Block): Patch {
   return {vertices, corners, own: block.triangles.length, beside};
 }
 
-/// What is left of the mesh's surface, and what is not.
+/// Kinds of triangles: exposed by cutting, or left of the mesh's surface.
 const kCut = 0;
 const kLeft = 1;
 
 export interface BlockSurface extends Surface {
-  readonly onMesh: Int32Array; // of each vertex: the mesh's triangle that it is on, or -1
+  readonly onMesh: Int32Array; // for each vertex, the mesh's triangle that it is on, or -1
 }
 
-/// The block's triangles with normals that go by those of its neighbours, too, so that no border shows,
-/// and with an edge where cut and uncut meet.  In the object's frame [m].
+/// Returns the block's triangles, in the object's frame [m].  Normals include the neighbours'
+/// triangles, so that no border shows; cut and uncut parts meet in a sharp edge.
 export function makeBlockSurface(
   {lattice}: Solid,
   number: number,
@@ -84,7 +85,7 @@ export function makeBlockSurface(
   return {...surface, onMesh};
 }
 
-/// All corners of a triangle that is left of the mesh are on it, where it faces as the triangle does.
+/// A triangle is left of the mesh if all of its corners are on the mesh and it faces the same way.
 function kindsOf(
   number: number,
   places: Float64Array,
@@ -126,9 +127,9 @@ function placesOf(block: Block): Places {
   return places;
 }
 
-/// The vertices of a block by where they are: neighbours share them.
+/// Finds the vertices of a block by position: neighbouring blocks share them.
 class Places {
-  private readonly table: Int16Array; // of vertices, or -1; open addressing
+  private readonly table: Int16Array; // vertex indices, or -1; open addressing
   private readonly mask: number;
   private readonly low: Vec3;
   private readonly high: Vec3;
@@ -150,7 +151,8 @@ class Places {
     }
   }
 
-  /// Of each vertex of a neighbour, which of these is at the same place, or -1; undefined where none is.
+  /// For each vertex of a neighbour, returns the vertex at the same place, or -1; undefined if no
+  /// vertex is shared.
   find(other: Block, by: Vec3): Int32Array | undefined {
     let found: Int32Array | undefined;
     const {low, high} = this;
@@ -173,7 +175,7 @@ class Places {
     return found;
   }
 
-  /// Where it is in the table, or would be.
+  /// Returns the slot of a position in the table, or the free slot for it.
   private slotOf(x: number, y: number, z: number): number {
     const {vertices, table, mask} = this;
     let slot = (Math.imul(x, 73856093) ^ Math.imul(y, 19349663) ^ Math.imul(z, 83492791)) & mask;

@@ -22,10 +22,10 @@ export interface Geometry {
   readonly triangles: Uint32Array;
   readonly leafTriangleBegin: Uint32Array;
   readonly leafTriangle: Uint32Array;
-  readonly levels: readonly SphereLevel[]; // coarse to fine; the last one is the leaves
+  readonly levels: readonly SphereLevel[]; // coarse to fine; the last level is the leaves
   readonly centroid: Vec3;
   readonly centre: Vec3; // of the bounding box
-  readonly radiusM: number; // about that centre
+  readonly radiusM: number; // about the centre
 }
 
 export interface Material {
@@ -37,15 +37,15 @@ export interface Body {
   readonly geometry: Geometry;
   readonly pose: Pose; // X_WB
   readonly materials: readonly Material[];
-  readonly leafMaterial: Uint8Array; // empty: all leaves have the first
-  readonly look: string; // what it is to look like; empty: what its material is
-  readonly margin: readonly Vec3[]; // of gum: closed, in its frame; empty: not known
-  readonly ambient: Uint8Array; // share of the room that a vertex sees; empty: all see all
-  readonly cutColours: readonly number[]; // of each material, 0xrrggbb, or 0x1000000: viewers choose;
-  // empty: burs do not cut it
+  readonly leafMaterial: Uint8Array; // material of each leaf; empty: all have the first
+  readonly look: string; // name of its look; empty: drawn by its material
+  readonly margin: readonly Vec3[]; // closed curve of a gum's margin, in its frame; empty: unknown
+  readonly ambient: Uint8Array; // visible share of the surroundings at each vertex; empty: all
+  /// Of each material, 0xrrggbb, or 0x1000000: viewers choose.  Empty: burs do not cut the body.
+  readonly cutColours: readonly number[];
 }
 
-/// From where one looks at first: along -from at a ball, which fills the picture.
+/// The initial view: along -from at a ball that fills the picture.
 export interface FirstSight {
   readonly centre: Vec3;
   readonly radiusM: number;
@@ -56,20 +56,20 @@ export interface SceneModel {
   readonly name: string;
   readonly tools: readonly Body[];
   readonly objects: readonly Body[];
-  readonly soft: boolean; // finite stiffness counts
-  readonly isCut: boolean; // by burs, some of its objects
+  readonly soft: boolean; // has a finite stiffness
+  readonly isCut: boolean; // burs can cut some of its objects
   readonly firstSight: FirstSight | undefined;
 }
 
-/// A bundle file has a header of this length before the FlatBuffer, which the wire may leave out.
+/// Length of a bundle file's header before the FlatBuffer; messages may leave the header out.
 const kHeaderBytes = 40;
 const kMagic = "PALP";
 
-/// Throws where the bytes are no scene.
+/// Throws if the bytes are not a scene.
 export function readBundle(bytes: Uint8Array): SceneModel {
   const magic = String.fromCharCode(...bytes.subarray(0, kMagic.length));
   const content = magic === kMagic ? bytes.subarray(kHeaderBytes) : bytes;
-  // The readers below look at doubles in place, which must lie on multiples of 8.
+  // The readers below use doubles in place, which needs 8-byte alignment.
   const aligned = content.byteOffset % 8 === 0 ? content : content.slice();
   const buffer = new ByteBuffer(aligned);
   if (aligned.length < 8 || !WireScene.bufferHasIdentifier(buffer)) {
@@ -143,11 +143,11 @@ function readGeometry(geometry: WireGeometry): Geometry {
     levels: readLevels(geometry),
     centroid: centroid ? vec3(centroid) : [0, 0, 0],
     centre: bounds.center.toArray(),
-    radiusM: Math.max(0, bounds.radius), // three's of nothing is -1
+    radiusM: Math.max(0, bounds.radius), // three.js gives an empty sphere the radius -1
   };
 }
 
-/// The tree's inner nodes, level by level (lanes without a node hold NaN), and its leaves.
+/// Returns the tree's inner nodes level by level (lanes without a node hold NaN), then its leaves.
 function readLevels(geometry: WireGeometry): SphereLevel[] {
   const kLanes = 8;
   const levels: SphereLevel[] = [];

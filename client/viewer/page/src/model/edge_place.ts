@@ -1,16 +1,16 @@
-/// Where an arrow stands that points to what is out of the picture.
+/// The place of an arrow that points to something outside the picture.
 export interface EdgePlace {
   readonly x: number; // [pixels] from the left
   readonly y: number; // from the top
   readonly angle: number; // clockwise from the right [rad]
 }
 
-/// @param at      the point in the eye's frame: x to the right, y up, -z forward [m]
-/// @param tan     tangent of half the field of view, up
-/// @param room    of the picture, as far down as nothing covers it [pixels]
-/// @param height  of the whole picture [pixels]
-/// @param inset   from the room's edges: half of the arrow [pixels]
-/// Nothing where the point is in the room.
+/// @param at      the point in the camera's frame: x to the right, y up, -z forward [m]
+/// @param tan     tangent of half the vertical field of view
+/// @param room    size of the picture, down to what covers its lower part [pixels]
+/// @param height  height of the whole picture [pixels]
+/// @param inset   distance from the room's edges: half of the arrow [pixels]
+/// Returns undefined if the point is in the room.
 export function edgePlace(
   at: readonly [number, number, number],
   tan: number,
@@ -20,7 +20,7 @@ export function edgePlace(
 ): EdgePlace | undefined {
   const perTan = (0.5 * height) / tan;
   const [x, y, z] = at;
-  // From the middle of the picture.  What is behind the eye lies on the side on which it is.
+  // Offset from the middle of the picture.  A point behind the camera is projected to its own side.
   const forward = Math.max(-z, 1e-9 * Math.hypot(x, y, z));
   const right = (perTan * x) / forward;
   const down = (-perTan * y) / forward;

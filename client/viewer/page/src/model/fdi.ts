@@ -1,4 +1,4 @@
-/// A tooth's number after ISO 3950 (FDI): the quadrant, then the place from the middle.
+/// ISO 3950 (FDI) tooth numbers: the quadrant, then the position from the middle.
 const kQuadrants = ["upper-right", "upper-left", "lower-left", "lower-right"] as const;
 const kPlaces = [
   "central-incisor",
@@ -11,7 +11,7 @@ const kPlaces = [
   "third-molar",
 ] as const;
 
-/// @param name  a body's, such as upper-left-canine; undefined where it is no tooth's
+/// @param name  of a body, such as upper-left-canine.  Returns undefined if it is no tooth's.
 export function fdiOf(name: string): string | undefined {
   const quadrant = kQuadrants.findIndex((of) => name.startsWith(`${of}-`));
   if (quadrant < 0) return undefined;

@@ -14,27 +14,27 @@ import {
   type Vec3,
 } from "./pose";
 
-/// Where the eye is at first: from there one sees the work and the tools' near ends, and the tools
-/// from their side.
+/// The initial position of the camera: it shows the work area and the tools' near ends, and the
+/// tools from their side.
 
 interface Ball {
   readonly centre: Vec3;
   readonly radiusM: number;
 }
 
-/// From where one looks where the scene does not say: a little from the right and above.
+/// Direction of view if the scene has none: a little from the right and above.
 const kUsualSight: Vec3 = [0.32, 0.3, 1];
-/// A tool that is so many times as long as it is thick has a direction.
+/// A tool has a direction if it is this many times as long as it is thick.
 const kLong = 3;
-/// It is not seen more along its length than so: of what lies at 35 degrees more than half shows.
+/// Least angle between view and tool axis: at 35 degrees more than half of the tool's length shows.
 const kLeastAngle = (35 * Math.PI) / 180;
-/// Of a tool larger than the work by this factor
+/// If a tool is larger than the work area by this factor,
 const kLarge = 1.3;
-/// only so much from its near end on is looked at first, as a share of the work's radius: that tells where it
-/// is and comes from, and a handle would make the rest small.
+/// only this much from its near end is shown at first, as a share of the work area's radius: enough
+/// to see where it is and comes from, while a whole handle would make the rest small.
 const kReach = 0.6;
 
-/// What it is about: what the scene says, else all its objects.
+/// Returns the work area: the scene's, or else the ball around all objects.
 export function workOf(model: SceneModel): Ball {
   return (
     model.firstSight ??
@@ -47,7 +47,8 @@ export function workOf(model: SceneModel): Ball {
   );
 }
 
-/// Where a tool's end is that works, in its frame: what is nearest to the work at the start.
+/// Returns the working end of a tool, in its frame: the point nearest to the work area
+/// at the start.
 export function endOf(tool: Body, work: Ball): Vec3 {
   const target = pointIn(tool.pose, work.centre);
   let end: Vec3 = tool.geometry.centre;
@@ -61,7 +62,7 @@ export function endOf(tool: Body, work: Ball): Vec3 {
   return end;
 }
 
-/// @param poses  of the tools, as in the model
+/// @param poses  of the tools, in the model's order
 export function firstSight(model: SceneModel, poses: readonly Pose[]): FirstSight {
   const work = workOf(model);
   const balls: Ball[] = [work];
@@ -79,14 +80,15 @@ export function firstSight(model: SceneModel, poses: readonly Pose[]): FirstSigh
   return {...enclose(balls), from};
 }
 
-/// The direction nearest to `from` that is far enough from the axis.  Both are unit.
+/// Returns the direction nearest to `from` that is far enough from the axis.  Both
+/// are unit vectors.
 function across(from: Vec3, axis: Vec3): Vec3 {
   const along = dot(from, axis);
   if (Math.acos(Math.min(1, Math.abs(along))) >= kLeastAngle) return from;
   const towards = along < 0 ? scale(axis, -1) : axis;
   let aside = subtract(from, scale(towards, Math.abs(along)));
   if (norm(aside) < 1e-3) {
-    // Exactly along it: from above, or where that is along it, too, from the right.
+    // `from` is along the axis: look from above, or from the right if the axis is vertical.
     const up: Vec3 = Math.abs(axis[1]) < 0.9 ? [0, 1, 0] : [1, 0, 0];
     aside = subtract(up, scale(axis, dot(up, axis)));
   }
@@ -96,8 +98,8 @@ function across(from: Vec3, axis: Vec3): Vec3 {
   );
 }
 
-/// The direction in which a body is long, unit, in its frame; none where it is about as thick: that of
-/// the largest variance of its vertices, by power iteration.
+/// Returns the long axis of a body, a unit vector in its frame: the direction of largest variance
+/// of its vertices, by power iteration.  Undefined if it is about as thick as long.
 export function axisOf(body: Body): Vec3 | undefined {
   const vertices = [...verticesOf(body)];
   if (vertices.length === 0) return undefined;
@@ -116,7 +118,7 @@ export function axisOf(body: Body): Vec3 | undefined {
     long += along * along;
     thick += Math.max(0, dot(offset, offset) - along * along);
   }
-  // Thick in two directions.
+  // It is thick in two directions.
   return long > 0.5 * kLong * kLong * thick ? axis : undefined;
 }
 
@@ -128,8 +130,9 @@ function* verticesOf({geometry: {vertices}}: Body): Generator<Vec3> {
   }
 }
 
-/// A ball that holds them all: from the middle of the most distant two it grows until it does
-/// (Ritter, "An efficient bounding sphere", 1990), a twentieth larger than the smallest at most.
+/// Returns a ball that encloses all of them: it begins with the two most distant and grows until it
+/// contains the rest (Ritter, "An efficient bounding sphere", 1990).  It is at most a twentieth
+/// larger than the smallest.
 function enclose(balls: readonly Ball[]): Ball {
   const [first] = balls;
   if (!first) return {centre: [0, 0, 0], radiusM: 0.1};

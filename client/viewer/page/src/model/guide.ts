@@ -1,11 +1,12 @@
 import {mixPose, norm, type Pose, subtract, type Vec3} from "./pose";
 
-/// Of the hand behind the aim: up to the one the guide goes on as the expert did, from the other on
-/// it waits (client/replayer/guide).
+/// Distances of the hand from the guide: up to the first the guide moves at the expert's pace, from
+/// the second on it waits (client/replayer/guide).
 const [kNearM, kFarM] = [0.005, 0.015];
-const kLongestStepS = 0.1; // a page that was hidden does not catch up
+const kLongestStepS = 0.1; // after the page was hidden, the guide does not catch up
 
-/// The expert's way: keys [t, x, y, z, qw, qx, qy, qz] in s and m, joined by minimum-jerk motions.
+/// The expert's motion: keys [t, x, y, z, qw, qx, qy, qz] in s and m, joined
+/// by minimum-jerk motions.
 export class Guide {
   private atS = 0;
   private lastS: number | undefined;
@@ -16,7 +17,7 @@ export class Guide {
     return this.atS >= (this.keys.at(-1)?.[0] ?? 0);
   }
 
-  /// Where the expert's tool is now; at its pace while the hand keeps up with it.
+  /// Returns where the expert's tool is now; it slows down if the hand does not keep up.
   lead(nowS: number, hand: Vec3 | undefined): Pose {
     const aim = this.poseAt(this.atS);
     const behindM = hand ? norm(subtract(hand, aim.p)) : kFarM;

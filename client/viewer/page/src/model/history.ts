@@ -1,4 +1,4 @@
-/// The last seconds of some figures that are sampled together, for plots: column 0 is time [s].
+/// The last seconds of several figures sampled together, for plots: column 0 is time [s].
 export class History {
   private readonly columns: number[][];
 
@@ -17,7 +17,7 @@ export class History {
     figures.forEach((figure, i) => this.columns[i + 1]?.push(figure));
     let old = 0;
     while (times[old]! < timeS - this.keepS) old += 1;
-    // In batches: cutting the front of an array at every sample would copy it at every sample.
+    // In batches: removing the first entry at every sample would copy the array each time.
     if (old > 64) for (const column of this.columns) column.splice(0, old);
   }
 
@@ -25,7 +25,7 @@ export class History {
     for (const column of this.columns) column.length = 0;
   }
 
-  /// Times relative to `nowS` (at most 0), and figure `i`.
+  /// Returns times relative to `nowS` (at most 0), and figure `i`.
   series(i: number, nowS: number): [number[], number[]] {
     const times = this.columns[0]!;
     const first = times.findIndex((time) => time >= nowS - this.keepS);

@@ -1,5 +1,5 @@
-/// Where labels go so that each can be read: near where they are wanted, apart from each other and
-/// from what they must not hide.  All in pixels; equal inputs, equal places.
+/// Places labels so that each can be read: near their wanted place, apart from each other and from
+/// what they must not hide.  All in pixels; equal inputs give equal places.
 export interface Point {
   readonly x: number;
   readonly y: number;
@@ -13,7 +13,8 @@ export interface Box {
 }
 
 const kRounds = 60;
-const kBack = 0.04; // of the way to where it is wanted, each round but the last ones
+// share of the way back to the wanted place, in each round except the last ones
+const kBack = 0.04;
 const kSettle = 20;
 
 export function layOut(
@@ -51,7 +52,7 @@ function pushOff(place: {x: number; y: number}, from: Point, least: number): voi
   place.y = from.y + out * dy;
 }
 
-/// Half of the overlap each, along the shorter way out.
+/// Each moves by half of the overlap, along its smaller extent.
 function part(a: {x: number; y: number}, b: {x: number; y: number}, label: Box): void {
   const overX = label.width - Math.abs(a.x - b.x);
   const overY = label.height - Math.abs(a.y - b.y);

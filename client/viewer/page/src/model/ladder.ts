@@ -1,35 +1,35 @@
-/// Which of several qualities a machine draws fast enough: descends where pictures take too long, and
-/// climbs where there is time to spare.  Knows how long pictures took, and no clock.
+/// Chooses the best of several qualities that a machine draws fast enough: steps down if pictures
+/// take too long, and up if there is time to spare.  Knows the pictures' durations, but no clock.
 
-/// Thirty pictures a second are wanted; a screen of 60 Hz shows them at 33.3 ms sharp, or a little late.
+/// The aim is thirty pictures a second; a 60 Hz screen shows them every 33.3 ms or slightly later.
 const kSlowMs = 36;
-/// What one rung costs more than the one below it, about.
+/// Approximate cost of a rung relative to the one below it.
 const kRungCost = 1.5;
-/// So fast that the rung above should hold thirty.
+/// Fast enough for the rung above to reach thirty a second.
 const kFastMs = 33.4 / kRungCost;
-/// Judged by the median over so long, and so many pictures at the least: a single one may be late for
-/// what the machine did besides.
+/// Judged by the median over this time, and over a least number of pictures: a single one may be
+/// late because the machine did something else.
 const kJudgedMs = 500;
 const kJudged = 5;
-/// The first pictures of a rung make its buffers and shaders.
+/// The first pictures of a rung create its buffers and shaders.
 const kSettling = 2;
-/// A rung must be easy for so long before the next one is tried; for twice as long each time that a try
-/// had to be taken back soon.
+/// A rung must be easy for this long before the next one is tried; the time doubles each time that
+/// a try is soon taken back.
 const kPatienceMs = 3000;
 const kLongestPatienceMs = 60_000;
 const kSoonMs = 5000;
-/// What takes longer is a page that was hidden, and no time that a machine had to spare.
+/// A longer time means that the page was hidden.
 const kLongestMs = 1000;
 
 export class Ladder {
-  rung: number; // it stands on
+  rung: number; // the present one
   private took_: number[] = [];
   private settling = kSettling;
   private easyMs = 0;
   private patienceMs = kPatienceMs;
   private sinceClimbMs = Infinity;
 
-  /// @param rungs  from 0, the best, downwards.   @param start  where to begin
+  /// @param rungs  number of qualities; 0 is the best.   @param start  where to begin
   constructor(
     private readonly rungs: number,
     private readonly start = 0,
@@ -37,14 +37,14 @@ export class Ladder {
     this.rung = start;
   }
 
-  /// Something else is drawn from now on: what its pictures cost is not known.
+  /// Something else is drawn from now on, at an unknown cost.
   restart(): void {
     this.patienceMs = kPatienceMs;
     this.sinceClimbMs = Infinity;
     this.moveTo(this.start);
   }
 
-  /// @return whether the rung is another one now
+  /// @return whether the rung has changed
   took(pictureMs: number): boolean {
     const ms = Math.min(kLongestMs, pictureMs);
     this.sinceClimbMs += ms;
@@ -68,7 +68,7 @@ export class Ladder {
     if (this.sinceClimbMs < kSoonMs)
       this.patienceMs = Math.min(kLongestPatienceMs, 2 * this.patienceMs);
     this.sinceClimbMs = Infinity;
-    // What is much too slow need not be tried rung by rung.
+    // If it is much too slow, skip rungs.
     const rungs = 1 + Math.floor(Math.log(medianMs / kSlowMs) / Math.log(kRungCost));
     return this.moveTo(Math.min(this.rungs - 1, this.rung + rungs));
   }

@@ -4,7 +4,7 @@ import type {Compiling} from "../protocol/scene_fetch";
 import type {ReplayPhase} from "./replay";
 import {percent} from "./words";
 
-/// What the banner says of the way from the server to this page.
+/// What the banner reports about the path from the server to this page.
 export interface LinkReport {
   readonly tone: "none" | "info" | "alarm";
   readonly text: string;
@@ -12,38 +12,38 @@ export interface LinkReport {
 
 export interface LinkFacts {
   readonly link: LinkState;
-  readonly wasOpen: boolean; // at any time before
+  readonly wasOpen: boolean; // at any earlier time
   readonly nowS: number;
   readonly openedS: number; // when the link was last opened
-  readonly lastStateS: number; // when the last ToolState came; -Infinity: never
-  readonly sessions: number; // that have a tool
-  readonly scenes: number; // that are known
-  /// Why a gateway that answers lets no link come about, where that is so.
+  readonly lastStateS: number; // when the last ToolState arrived; -Infinity: never
+  readonly sessions: number; // sessions that have a tool
+  readonly scenes: number; // number of known scenes
+  /// Why a gateway that answers does not accept the link, if so.
   readonly refusal: "none" | "full" | "this page" | "token";
-  readonly serverLives: boolean; // the one that the gateway last heard
-  readonly compiling: Compiling | undefined; // by a server that serves nothing yet
+  readonly serverLives: boolean; // the server that the gateway heard last
+  readonly compiling: Compiling | undefined; // by a server that does not serve yet
   readonly mayTake: boolean; // a tool, with the mouse
-  readonly takes: boolean; // this page asks for a tool, or has one
+  readonly takes: boolean; // this page requests or holds a tool
   readonly draws: boolean; // the browser has WebGL
   readonly replay: ReplayPhase;
-  readonly recording: string; // its name, of a replay
+  readonly recording: string; // name of a replay's recording
   readonly replaySilenceS: number;
-  readonly busyS: number; // when this page last could not run for a while; -Infinity: never
+  readonly busyS: number; // when this page last resumed after a stall; -Infinity: never
 }
 
-/// Tool states come 30 times a second: silence of this length is one [s].
+/// Tool states arrive 30 times a second; a gap this long counts as silence [s].
 export const kSilenceS = 1.5;
 
-/// A page whose timer is later than this could not run: its browser was drawing [s].
+/// A timer later than this shows that the page was stalled by its browser's drawing [s].
 const kBusyS = 0.5;
 
-/// Tells when a page could not run for a while, from a timer that should go regularly.
+/// Detects stalls of the page with a timer that should fire regularly.
 export class Pulse {
   private lastS = Number.NaN;
-  /// When it last could not; -Infinity: never.
+  /// When the last stall ended; -Infinity: never.
   busyS = -Infinity;
 
-  /// @param visible  browsers slow down the timers of pages that nobody sees.
+  /// @param visible  browsers slow down the timers of hidden pages.
   beat(nowS: number, visible: boolean): void {
     if (visible && nowS - this.lastS > kBusyS) this.busyS = nowS;
     this.lastS = visible ? nowS : Number.NaN;
@@ -70,9 +70,9 @@ export function linkReport(facts: LinkFacts): LinkReport {
     return alarm(say("link.no_server"));
   }
   const since = Math.max(facts.lastStateS, facts.openedS);
-  // A replay may stand still, and hold moments at which nothing moved.
+  // A replay may be paused, or at moments in which nothing moved.
   const quiet = facts.replay === "none" && facts.nowS - since >= kSilenceS;
-  // What came meanwhile waits until the page runs again: only then is it known who was silent.
+  // Messages wait during a stall: only after it is known who was silent.
   const busy = facts.nowS - facts.busyS < kSilenceS;
   if (quiet && busy) {
     return info(say("link.slow"));

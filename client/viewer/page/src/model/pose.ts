@@ -1,7 +1,7 @@
 import {Quaternion, Vector3} from "three";
 
-/// Poses as the wire has them: metres, and unit quaternions w first.  X_AB takes what is given in
-/// frame B to frame A.
+/// Poses as in messages: metres, and unit quaternions with w first.  X_AB maps coordinates in frame
+/// B to frame A.
 export type Vec3 = readonly [number, number, number];
 export type Quat = readonly [number, number, number, number];
 
@@ -23,7 +23,7 @@ export const cross = (a: Vec3, b: Vec3): Vec3 => [
 ];
 export const norm = (a: Vec3): number => Math.hypot(a[0], a[1], a[2]);
 
-// Turns are three's.
+// three.js does the rotations.
 const turn = (q: Quat): Quaternion => new Quaternion(q[1], q[2], q[3], q[0]);
 const toQuat = ({w, x, y, z}: Quaternion): Quat => [w, x, y, z];
 
@@ -32,16 +32,16 @@ export const normalised = (q: Quat): Quat => toQuat(turn(q).normalize());
 export const rotate = (q: Quat, v: Vec3): Vec3 =>
   new Vector3(...v).applyQuaternion(turn(q)).toArray();
 
-/// What is given in the pose's own frame, in the frame that the pose is in; and the other way.
+/// Maps a point from the pose's own frame to its parent frame; and back.
 export const pointOf = (pose: Pose, point: Vec3): Vec3 => add(pose.p, rotate(pose.q, point));
 export const pointIn = (pose: Pose, point: Vec3): Vec3 =>
   rotate(toQuat(turn(pose.q).conjugate()), subtract(point, pose.p));
 
-/// Turns by `angle` [rad] about a unit axis.
+/// Rotation by `angle` [rad] about a unit axis.
 export const aboutAxis = (axis: Vec3, angle: number): Quat =>
   toQuat(new Quaternion().setFromAxisAngle(new Vector3(...axis), angle));
 
-/// Angle of the turn from a to b [rad], 0 to pi.
+/// Angle of the rotation from a to b [rad], 0 to pi.
 export const angleBetween = (a: Quat, b: Quat): number => turn(a).angleTo(turn(b));
 
 export const mixVec3 = (a: Vec3, b: Vec3, t: number): Vec3 => [
@@ -50,7 +50,7 @@ export const mixVec3 = (a: Vec3, b: Vec3, t: number): Vec3 => [
   a[2] + (b[2] - a[2]) * t,
 ];
 
-/// The shorter way round.
+/// Interpolates, along the shorter rotation.
 export const mixPose = (a: Pose, b: Pose, t: number): Pose => ({
   p: mixVec3(a.p, b.p, t),
   q: toQuat(turn(a.q).slerp(turn(b.q), t)),

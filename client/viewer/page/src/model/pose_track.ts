@@ -1,31 +1,31 @@
 import type {ToolState} from "../protocol/messages";
 import {mixPose, mixVec3} from "./pose";
 
-/// How far behind the newest frame the picture is, in intervals between frames: so that there is
-/// nearly always a frame on either side to interpolate between.
+/// Delay of the picture behind the newest frame, in frame intervals: with it there is nearly always
+/// a frame on either side to interpolate between.
 const kDelayIntervals = 1.5;
-/// Of 30 Hz, what a gateway sends unless it is told otherwise: the least that is waited for, since
-/// frames that come more often come no more evenly [s].
+/// Interval at 30 Hz, the gateway's default, and the least delay's: faster frames do not arrive
+/// more evenly [s].
 const kUsualIntervalS = 1 / 30;
-/// Frames that are older than this are forgotten [s].
+/// Older frames are dropped [s].
 const kKeepS = 1;
-/// After a gap of this length a tool jumps: a slow glide would show a motion that never was [s].
+/// After a gap this long a tool jumps: a slow glide would show a motion that never happened [s].
 const kGapS = 0.5;
 
-/// A frame that is later than this, or later for longer than that, is late because the clocks have
-/// parted and not because this page was busy [s].
+/// A frame later than this, or late for longer than this, shows that the clocks have diverged, not
+/// that this page was busy [s].
 const kPartedS = 10;
 const kLateForS = 3;
 
-/// Maps a sender's clock to ours by the frame that came fastest; forgets slowly, so that a clock
-/// that drifts is followed.  Frames that waited while the page was busy keep their true distances.
+/// Maps a sender's clock to this page's, using the frame that arrived fastest; forgets slowly, to
+/// follow a drifting clock.  Frames that waited while the page was busy keep their true intervals.
 export class StreamClock {
   private offset: number | undefined;
   private lastArrivalS = 0;
   private lateSinceS: number | undefined;
 
-  /// Our time at which a frame stamped `stampS` and received at `arrivalS` was sent, so far as one
-  /// can tell.
+  /// Returns the estimated local time at which a frame stamped `stampS` and received at
+  /// `arrivalS` was sent.
   toLocal(stampS: number, arrivalS: number): number {
     const offset = arrivalS - stampS;
     const late = offset - (this.offset ?? offset);
@@ -42,7 +42,8 @@ export class StreamClock {
   }
 }
 
-/// The frames of one station, and its state at any moment between them.  Never extrapolates.
+/// The frames of one station, and its interpolated state at any moment between
+/// them.  Never extrapolates.
 export class PoseTrack {
   private readonly frames: {timeS: number; state: ToolState}[] = [];
   private intervalS = kUsualIntervalS;
@@ -50,7 +51,7 @@ export class PoseTrack {
   push(timeS: number, state: ToolState): void {
     const last = this.frames.at(-1);
     if (last && timeS <= last.timeS) {
-      // Out of order or the same moment: the newer sample wins, time does not go back.
+      // Out of order, or the same moment: the newer sample wins, and time never goes back.
       if (state.poseSequence < last.state.poseSequence && timeS > last.timeS - kGapS) return;
       this.frames.length = 0;
     } else if (last && timeS - last.timeS < kGapS) {
@@ -63,7 +64,7 @@ export class PoseTrack {
   get latest(): ToolState | undefined {
     return this.frames.at(-1)?.state;
   }
-  /// How far behind the newest frame a picture should be [s].
+  /// Delay of the picture behind the newest frame [s].
   get delayS(): number {
     return kDelayIntervals * Math.max(kUsualIntervalS, this.intervalS);
   }
@@ -94,16 +95,16 @@ function between(a: ToolState, b: ToolState, t: number): ToolState {
   };
 }
 
-/// Nothing that is smaller shows [m, N, N m, and parts of a quaternion].
+/// Smaller changes are invisible [m, N, N m, and quaternion components].
 const kVisible = 1e-7;
 
-/// All that a picture shows of it.
+/// All values of a state that a picture shows.
 function numbersOf({haptic, graphic, forceN, torqueNm, points}: ToolState): number[] {
   const contacts = points.flatMap((point) => [point.positionM, point.forceN]);
   return [haptic.p, haptic.q, graphic.p, graphic.q, forceN, torqueNm, ...contacts].flat();
 }
 
-/// True where a picture of both would be the same.
+/// Returns whether both states give the same picture.
 export function looksTheSame(a: ToolState | undefined, b: ToolState | undefined): boolean {
   if (a === b) return true;
   if (a?.tool !== b?.tool || !a || !b) return false;

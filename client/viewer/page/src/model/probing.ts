@@ -12,39 +12,39 @@ import {
   type Vec3,
 } from "./pose";
 
-/// How deep a probe's tip is below the gingival margin, as its own marks tell it: along the probe, whose
-/// tip is at its origin and points to -y (the look "probe", scenes/catalogue/README.md).
+/// The depth of a probe's tip below the gingival margin, as its own marks show it: along the probe,
+/// whose tip is at its origin and points to -y (the look "probe", scenes/catalogue/README.md).
 
-/// 25 g, with which periodontal probes are used [N].
+/// 25 g, the force of periodontal probing [N].
 export const kProbeLimitN = 0.245;
 
 export const isProbe = (model: SceneModel, tool: string): boolean =>
   model.tools.some(({name, look}) => name === tool && look === "probe");
 
-/// True where a tool's probing depth can be told: it is a probe, and a gum's margin is known.
+/// Returns whether a tool has a probing depth: it is a probe, and a gum's margin is known.
 export const tellsProbingDepth = (model: SceneModel, tool: string): boolean =>
   isProbe(model, tool) && model.objects.some(({margin}) => margin.length >= 3);
 
-/// 0 where the tip is below no margin.   @param graphic  of the probe
+/// Returns 0 if the tip is below no margin.   @param graphic  pose of the probe
 export function probingDepthM(model: SceneModel, graphic: Pose): number {
   const along = rotate(graphic.q, [0, 1, 0]);
   let depth = 0;
   for (const {margin, pose} of model.objects) {
     if (margin.length < 3) continue;
     const curve = margin.map((point) => pointOf(pose, point));
-    // What is outside the margin leans on the gum's outer side.
+    // A tip outside the margin only leans on the gum's outer side.
     if (isInside(curve, graphic.p)) depth = Math.max(depth, depthBelow(curve, graphic.p, along));
   }
   return depth;
 }
 
-/// From the tip to where the probe passes nearest to the curve.
+/// Distance from the tip to the point of the probe nearest to the curve.
 function depthBelow(curve: readonly Vec3[], tip: Vec3, along: Vec3): number {
   let least = Infinity;
   let depth = 0;
   curve.forEach((point, i) => {
     const next = curve[(i + 1) % curve.length]!;
-    // The point of this piece that is nearest to the probe's line: seen along it, to the tip.
+    // The point of this piece nearest to the probe's line, as seen along that line.
     const a = sideways(subtract(point, tip), along);
     const b = subtract(sideways(subtract(next, tip), along), a);
     const t = Math.min(1, Math.max(0, -dot(a, b) / Math.max(1e-18, dot(b, b))));
@@ -58,8 +58,8 @@ function depthBelow(curve: readonly Vec3[], tip: Vec3, along: Vec3): number {
 
 const sideways = (a: Vec3, along: Vec3): Vec3 => subtract(a, scale(along, dot(a, along)));
 
-/// Seen along the curve's own axis, a point is within it: the sum of the angles at which its pieces
-/// are seen is a full turn.
+/// Seen along the curve's axis, a point is inside if the angles subtended by the curve's pieces add
+/// up to a full turn.
 function isInside(curve: readonly Vec3[], point: Vec3): boolean {
   const offsets = curve.map((corner) => subtract(corner, point));
   let normal: Vec3 = [0, 0, 0];

@@ -2,21 +2,21 @@ import {say, sayList} from "../messages/say";
 import {Ladder} from "./ladder";
 import {percent} from "./words";
 
-/// How well pictures are drawn.  Two ladders, since a picture in which only tools move costs a machine
-/// without a graphics card a tenth of one in which all is seen from elsewhere.
+/// The quality of pictures.  There are two ladders because, without a graphics card, a picture in
+/// which only tools move costs a tenth of a full redraw.
 
 export const kQualities = ["full", "good", "fair", "low"] as const;
 export type Quality = (typeof kQualities)[number];
 
-/// What pictures are drawn with while the eye moves, or while the objects are cut.
+/// How pictures are drawn while the camera moves or the objects are cut.
 export interface InMotion {
-  readonly canvas: number; // share of the screen's pixels, along a side
-  readonly share: number; // the same of the objects, which the canvas shows enlarged
-  readonly samples: number; // a pixel; 0: edges are not smoothed
-  readonly detail: number; // 0: all triangles; else which of kDetails
+  readonly canvas: number; // share of the screen's pixels, per side
+  readonly share: number; // likewise for the objects, which the canvas then shows enlarged
+  readonly samples: number; // samples per pixel; 0: no antialiasing
+  readonly detail: number; // 0: all triangles; else 1 + index into kDetails
 }
 
-/// Along a side, of the pixels that the screen has.
+/// Share of the screen's pixels, per side.
 const kAtRest: readonly number[] = [1, 0.8, 0.65, 0.5];
 const kInMotion: readonly InMotion[] = [
   {canvas: 1, share: 1, samples: 4, detail: 0},
@@ -24,11 +24,11 @@ const kInMotion: readonly InMotion[] = [
   {canvas: 0.8, share: 0.6, samples: 0, detail: 1},
   {canvas: 0.5, share: 0.3, samples: 0, detail: 2},
 ];
-/// How far a coarser surface may be from the surface, as a share of the radius of what is looked at:
-/// one and four pixels, where that fills 500.
+/// Largest error of a coarser surface, as a share of the viewed radius: one and four pixels if
+/// that fills 500.
 export const kDetails: readonly number[] = [0.004, 0.016];
 
-/// What has been drawn: with tools alone moved, or the objects anew; "else": neither tells a pace.
+/// What was drawn: only tools moved, or the objects too; "else": it tells nothing about the speed.
 export type Drawn = "tools" | "objects" | "else";
 
 export const qualityOf = (text: string): Quality | undefined =>
@@ -39,7 +39,7 @@ export class PictureQuality {
   private readonly motion: Ladder;
   private before: Drawn = "else";
 
-  /// @param slow  there is no graphics card, so that the eye's first turn need not show it
+  /// @param slow  there is no graphics card: camera motion starts at the lowest quality
   constructor(
     slow: boolean,
     public fixed: Quality | undefined,
@@ -64,17 +64,18 @@ export class PictureQuality {
     };
   }
 
-  /// Another scene is looked at.
+  /// Another scene is shown.
   restart(): void {
     this.rest.restart();
     this.motion.restart();
     this.before = "else";
   }
 
-  /// @param ms  from this picture until the browser was ready for another.
-  /// @return whether pictures are drawn otherwise from now on
+  /// @param ms  from this picture until the browser was ready for the next.
+  /// @return whether the quality has changed
   took(drawn: Drawn, ms: number): boolean {
-    // A card works on one picture while the next one is prepared: the time may be the former's.
+    // A graphics card works on one picture while the next is prepared: the time may belong
+    // to the former.
     const tells = drawn === this.before;
     this.before = drawn;
     if (!tells || drawn === "else" || this.fixed) return false;
@@ -86,7 +87,7 @@ export class PictureQuality {
   }
 }
 
-/// What the page says of it.
+/// Describes the quality to the reader.
 export function qualityWords(quality: PictureQuality): string {
   const {rest, motion} = quality.names;
   const {canvas, share, samples, detail} = quality.inMotion;

@@ -1,13 +1,13 @@
 import type {SolidBlock} from "../protocol/messages";
 import {countOf, latticeOf, readBlock, Solid} from "./solid";
 
-/// What has been cut of a scene's objects, in whatever order the blocks come, and whether they come
-/// before or after the word that they are undone.
+/// What has been cut of a scene's objects.  Blocks may come in any order, and before or after the
+/// message that undoes them.
 export class Remains {
-  private undone = 0; // the last change that is
+  private undone = 0; // the last change that was undone
   private solids = new Map<number, Solid>(); // by object
 
-  /// @return false where it is damaged, and nothing is taken of it
+  /// @return false if the block is damaged and was ignored
   cut(of: SolidBlock): boolean {
     if (of.change <= this.undone) return true;
     const lattice = latticeOf(of);
@@ -20,14 +20,14 @@ export class Remains {
     return true;
   }
 
-  /// The scene has been made whole: changes up to this one are void.
+  /// The scene was restored: changes up to this one are void.
   undo(lastChange: number): void {
     if (lastChange <= this.undone) return;
     this.undone = lastChange;
     for (const solid of this.solids.values()) solid.undo(lastChange);
   }
 
-  /// Another server's: nothing is known of it.
+  /// A new server: nothing is known of its scene.
   clear(): void {
     this.undone = 0;
     this.solids = new Map();

@@ -1,31 +1,31 @@
 import {say} from "../messages/say";
 import type {ReplayContents, ReplayMark, ReplayState} from "../protocol/messages";
 
-/// Replayers speak five times a second: one that is silent for this long has stopped [s].
+/// Replayers send their state five times a second: one silent for this long has stopped [s].
 export const kReplaySilentS = 3;
-/// Of the recording's time, back, and on beyond what went by: what is more was a leap [s].
+/// A change of recorded time beyond this, backwards or ahead of the elapsed time, is a jump [s].
 const kLeapBackS = 0.1;
 const kLeapS = 0.5;
-/// From a mark that has only just passed, the way back leads to the one before it [s].
+/// If a mark has only just passed, "back" goes to the one before it [s].
 const kJustPassedS = 0.8;
-/// A mark at which the replay stands is not the next one [s].
+/// "next" skips a mark at which the replay stands [s].
 export const kHereS = 0.05;
 
-/// none: what the page sees is live.
+/// none: the page shows live data.
 export type ReplayPhase = "none" | "playing" | "paused" | "silent" | "ended";
 
-/// What is known of the replay that this page sees.  Times of the recording are seconds from its
-/// beginning; `nowS` and `stampS` are this page's clock and the replayer's.
+/// The state of the replay that this page shows.  Times of the recording are in seconds from its
+/// beginning; `nowS` is this page's clock, `stampS` the replayer's.
 export class Replay {
-  private readonly known = new Map<string, ReplayContents>(); // by replay
-  state: ReplayState | undefined; // the last that was heard
+  private readonly known = new Map<string, ReplayContents>(); // by replay number
+  state: ReplayState | undefined; // the last one received
   private stampS = 0;
   private heardS = -Infinity;
 
   get contents(): ReplayContents | undefined {
     return this.state && this.known.get(this.state.replay);
   }
-  /// The recording's name, for those who read it.
+  /// The recording's name, for display.
   get name(): string {
     return this.contents?.recording ?? say("replay.a_recording");
   }
@@ -33,8 +33,8 @@ export class Replay {
     return Math.max(this.contents?.lengthS ?? 0, this.state?.atS ?? 0);
   }
 
-  /// @param sinceS  silence before this moment is none of the replay's: the link was not open, or
-  ///                this page could not run
+  /// @param sinceS  silence before this moment does not count: the link was closed, or this page
+  /// could not run
   phase(nowS: number, sinceS = -Infinity): ReplayPhase {
     if (!this.state) return "none";
     if (this.state.ended) return "ended";
@@ -49,11 +49,12 @@ export class Replay {
     this.known.set(contents.replay, contents);
   }
 
-  /// True where the recording's time has leapt: what was before does not lead here.
+  /// Returns whether the recording's time has jumped, so that earlier data is not
+  /// continuous with it.
   receiveState(state: ReplayState, stampS: number, nowS: number): boolean {
     const isOther = state.replay !== this.state?.replay;
     const phase = this.phase(nowS);
-    // Of two at once the first is shown until it is over.
+    // Of two replays at once, the first is shown until it ends.
     if (isOther && (phase === "playing" || phase === "paused")) return false;
     const beyondS = state.atS - this.timeOf(stampS);
     const backS = (this.state?.atS ?? 0) - state.atS;
@@ -64,14 +65,15 @@ export class Replay {
     return isOther || backS > kLeapBackS || beyondS > leapS;
   }
 
-  /// The recording's time of what the replayer sent at a moment of its clock.
+  /// Returns the recorded time of data sent at a time of the replayer's clock.
   timeOf(stampS: number): number {
     const {state} = this;
     if (!state) return 0;
     return state.atS + (state.playing ? state.rate * (stampS - this.stampS) : 0);
   }
 
-  /// Where the replay is now.  Between two states it goes on, and in a silence it stops.
+  /// Returns the replay's position: it advances between two states and stops when the
+  /// replayer is silent.
   atS(nowS: number): number {
     const {state} = this;
     if (!state) return 0;
@@ -79,7 +81,8 @@ export class Replay {
     return Math.min(state.atS + state.rate * goneS, this.lengthS);
   }
 
-  /// Who may steer is who the gateway takes messages from, where the replay is not locked.
+  /// Whether it can be steered: anybody may from whom the gateway takes messages, unless
+  /// it is locked.
   isSteered(nowS: number): boolean {
     const phase = this.phase(nowS);
     return (phase === "playing" || phase === "paused") && this.contents?.locked === false;

@@ -4,21 +4,23 @@ import type {Vec3} from "./pose";
 import {beginOf, kSide, type Lattice} from "./solid";
 import type {Surface} from "./surface";
 
-/// Farther from the mesh than this a place is not of it [h]: one row of triangles below a shallow rim.
+/// A point farther from the mesh than this does not belong to it [h]: one row of triangles below
+/// a shallow rim.
 const kNear = 0.2;
-/// Nor is what faces elsewhere.
+/// Nor does one whose normal differs more than this (cosine).
 const kSameWay = 0.8;
-/// Shares of a place in the next triangle, which rounding may have put there.
+/// Tolerance of barycentric coordinates, for a point that rounding has put into the next triangle.
 const kBeside = -0.02;
-/// A block's triangles, and those that meet them, reach so far beyond it [h].
+/// A block's triangles, and those touching them, extend this far beyond it [h].
 const kBesideH = 4;
-/// Its part of the mesh is looked for in that of so many blocks along each axis.
+/// The mesh's triangles near a block are looked up in cubes of this many blocks per side.
 const kWide = 8;
 
-/// What a mesh looked like before it was cut.
+/// The mesh before it was cut.
 export class Skin {
-  private readonly planes: Float32Array; // of each triangle: normal, and product with its places [m]
-  private readonly boxes: Float32Array; // low and high [m]
+  // for each triangle: normal, and its product with the corners [m]
+  private readonly planes: Float32Array;
+  private readonly boxes: Float32Array; // bounds, low and high [m]
   private readonly inBlock = new Map<number, readonly number[]>();
   private readonly inWide = new Map<string, readonly number[]>();
 
@@ -39,12 +41,12 @@ export class Skin {
     }
   }
 
-  /// @param block  that the place belongs to, or lies a little beside
+  /// Returns whether a point is on the mesh.  @param block  contains the point, or lies beside it
   isAt(block: number, x: number, y: number, z: number): boolean {
     return this.find(block, x, y, z, 0, 0, 0, -1) >= 0;
   }
 
-  /// The triangle that a place is on which faces that way (unit), or -1.
+  /// Returns the triangle that contains a point and faces that way (unit vector), or -1.
   at(block: number, x: number, y: number, z: number, nx: number, ny: number, nz: number): number {
     return this.find(block, x, y, z, nx, ny, nz, kSameWay);
   }
@@ -73,7 +75,7 @@ export class Skin {
     return -1;
   }
 
-  /// Of a triangle's corners in a place that is projected onto it.
+  /// Returns the barycentric coordinates of a point projected onto a triangle.
   sharesOf(t: number, x: number, y: number, z: number): Vec3 {
     const {index} = this.surface;
     const a = 3 * index[3 * t]!;
@@ -86,7 +88,7 @@ export class Skin {
     return [atA / all, atB / all, atC / all];
   }
 
-  /// Twice that which an edge and the place span, seen along the normal.
+  /// Twice the area spanned by an edge and the point, projected along the normal.
   private area(t: number, i: number, j: number, x: number, y: number, z: number): number {
     const {planes} = this;
     const {positions} = this.surface;
@@ -120,7 +122,7 @@ export class Skin {
     return inside;
   }
 
-  /// Those that a cube may have to do with, and what lies a little beside it.
+  /// Returns the triangles that may be in or near a cube.
   private among(triangles: readonly number[], begin: readonly number[], side: number): number[] {
     const {boxes} = this;
     const beside = kBesideH * this.lattice.spacingM;

@@ -1,37 +1,37 @@
 import type {SolidBlock} from "../protocol/messages";
 import type {Vec3} from "./pose";
 
-/// Points of the grid along a side of a block.
+/// Grid points along a side of a block.
 export const kSide = 8;
-/// What a block's coordinates count, of a spacing, and where they begin (scenes/grid/surface_code.h).
+/// Steps per grid spacing in a block's coordinates, and their offset (scenes/grid/surface_code.h).
 export const kSteps = 21;
 export const kBeforeSteps = 2 * kSteps;
 
 const kMostBlocks = 1 << 24;
-const kMostVertices = 5916; // of a block, as there
+const kMostVertices = 5916; // per block, as there
 const kMostTriangles = 6144;
 const kNarrow = 256; // vertices
 
-/// Where the blocks of a solid are.
+/// The grid of blocks of a solid.
 export interface Lattice {
   readonly origin: Vec3; // in the object's frame [m]
   readonly spacingM: number;
   readonly blocks: Vec3;
 }
 
-/// What is left of a solid in a block: lists that nobody changes.
+/// The remaining part of a solid in one block; immutable.
 export interface Block {
   readonly change: number;
-  readonly cut: boolean; // the object's mesh is not its surface any more
+  readonly cut: boolean; // the object's mesh is no longer its surface there
   readonly vertices: Uint8Array; // x y z, x y z, ... [steps]
-  readonly triangles: Uint16Array; // counter-clockwise seen from where it is free
-  readonly materials: Uint8Array; // of all triangles, or of each
+  readonly triangles: Uint16Array; // counter-clockwise, seen from outside
+  readonly materials: Uint8Array; // one for all triangles, or one for each
 }
 
-/// An object that burs have cut: blocks in whatever order they came, the newest of each.
+/// An object that burs have cut: the newest version of each block, received in any order.
 export class Solid {
   readonly blocks = new Map<number, Block>();
-  version = 0; // another one: something has changed
+  version = 0; // changes whenever something has changed
 
   constructor(readonly lattice: Lattice) {}
 
@@ -48,7 +48,7 @@ export class Solid {
     this.version += 1;
   }
 
-  /// @param use  (block, its number, where it begins after the one in the middle [blocks])
+  /// @param use  (block, its number, its offset from the block in the middle [blocks])
   forAround(number: number, use: (block: Block, number: number, by: Vec3) => void): void {
     const [nx, ny, nz] = this.lattice.blocks;
     const [x, y, z] = [number % nx, Math.floor(number / nx) % ny, Math.floor(number / nx / ny)];
@@ -64,7 +64,7 @@ export class Solid {
   }
 }
 
-/// Where a block begins [m].
+/// Returns the position of a block's origin [m].
 export function beginOf({origin, spacingM, blocks}: Lattice, number: number): Vec3 {
   const [nx, ny] = blocks;
   const side = kSide * spacingM;
@@ -77,7 +77,7 @@ export function beginOf({origin, spacingM, blocks}: Lattice, number: number): Ve
 
 export const countOf = ({blocks}: Lattice): number => blocks[0] * blocks[1] * blocks[2];
 
-/// undefined where there is no such lattice.
+/// Returns undefined if the message has no valid lattice.
 export function latticeOf({originM: origin, spacingM, blocks}: SolidBlock): Lattice | undefined {
   const lattice = {origin, spacingM, blocks};
   const count = countOf(lattice);
@@ -85,7 +85,7 @@ export function latticeOf({originM: origin, spacingM, blocks}: SolidBlock): Latt
   return isOne && count > 0 && count <= kMostBlocks ? lattice : undefined;
 }
 
-/// undefined where the bytes are damaged.
+/// Returns undefined if the bytes are damaged.
 export function readBlock({change, cut, surface}: SolidBlock): Block | undefined {
   const words = new DataView(surface.buffer, surface.byteOffset, surface.byteLength);
   if (words.byteLength < 6) return undefined;

@@ -1,29 +1,30 @@
-/// A mesh as a graphics card wants it: one normal a vertex, vertices split along creases, so that
-/// round things are smooth and edges stay sharp.  Triangles keep their places.
+/// A mesh for the graphics card: one normal per vertex; vertices are split along creases, so that
+/// round parts are smooth and edges stay sharp.  Triangles keep their order.
 export interface Surface {
   readonly positions: Float32Array;
   readonly normals: Float32Array;
   readonly index: Uint32Array;
-  readonly source: Uint32Array; // of each vertex: which of the mesh's it is
+  readonly source: Uint32Array; // for each vertex, its index in the mesh
 }
 
 export interface Faces {
-  readonly faceNormals: Float32Array; // unit, by triangle
-  readonly weights: Float32Array; // by corner: the angle there
+  readonly faceNormals: Float32Array; // unit normals, by triangle
+  readonly weights: Float32Array; // for each corner, the angle there
 }
 
 export interface Part {
-  readonly own: number; // corners that are wanted, the first ones; others count for their normals
-  readonly kinds: Uint8Array; // of each triangle: two kinds meet at an edge, at whatever angle
+  // number of corners wanted, the first ones; others only contribute to normals
+  readonly own: number;
+  readonly kinds: Uint8Array; // for each triangle; two kinds always meet in a sharp edge
   readonly faces: Faces;
 }
 
-/// Faces that meet at more than this are an edge.
+/// Faces that meet at a larger angle form an edge.
 const kCreaseDeg = 40;
-/// Normals that are nearer to each other are one.
+/// More similar normals are merged.
 const kSameCosine = 0.9995;
 
-/// @param part  of a larger one: all of it is wanted where there is none
+/// @param part  a part of a larger mesh; if left out, all of the mesh is wanted
 export function makeSurface(
   vertices: Float32Array | Float64Array,
   triangles: Uint32Array,
@@ -53,7 +54,8 @@ export function makeSurface(
     for (let i = begin[v]!; i < end; i++) {
       const corner = cornersOf[i]!;
       if (corner >= wanted) continue;
-      // The mean, by their angles here, of the faces that make no edge with the corner's own.
+      // The mean normal of the faces that form no edge with the corner's own, weighted by
+      // their angles here.
       const own = corner - (corner % 3);
       const kind = kinds?.[own / 3] ?? 0;
       const ownX = faceNormals[own]!;

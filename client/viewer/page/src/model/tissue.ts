@@ -1,6 +1,6 @@
 import type {Body, Material, SceneModel} from "./bundle";
 
-/// What a part of a body feels like, as far as the eye is told.
+/// How a part of a body feels, as far as it is shown by colour.
 export type Tissue = "rigid" | "soft";
 export const kTissues: readonly Tissue[] = ["rigid", "soft"];
 
@@ -9,8 +9,8 @@ export function tissueOf(material: Material | undefined, scene: SceneModel): Tis
   return "rigid";
 }
 
-/// The tissue at each vertex of a body's mesh, as an index into kTissues; undefined where it is all
-/// the same.  A vertex between two is of the later one in that list.
+/// Returns the tissue at each vertex of a body's mesh, as an index into kTissues; undefined if it
+/// is uniform.  A vertex between two tissues gets the later one of that list.
 export function tissueByVertex(body: Body, scene: SceneModel): Uint8Array | undefined {
   const ofMaterial = body.materials.map((material) => kTissues.indexOf(tissueOf(material, scene)));
   if (body.leafMaterial.length === 0 || new Set(ofMaterial).size < 2) return undefined;

@@ -2,11 +2,11 @@ import type {ContactPoint} from "../protocol/messages";
 import type {Body, SceneModel} from "./bundle";
 import {add, norm, pointIn, scale, subtract, type Vec3} from "./pose";
 
-/// A contact is at most this far from what it touches: soft surfaces give way [m].
+/// Largest distance of a contact from the object touched: soft surfaces give way [m].
 const kReachM = 3e-3;
 const kLeastN = 0.01;
 
-/// The objects that push the tool, by name, the one that pushes hardest first.
+/// Returns the names of the objects that push the tool, the strongest first.
 export function touchedObjects(model: SceneModel, points: readonly ContactPoint[]): string[] {
   const newtons = new Map<string, number>();
   for (const {positionM, forceN} of points) {
@@ -19,7 +19,7 @@ export function touchedObjects(model: SceneModel, points: readonly ContactPoint[
 }
 
 function nearest(objects: readonly Body[], at: Vec3): Body | undefined {
-  // Vertices stand apart: what lies between three of them is further from each than from the face.
+  // Measured to faces: a point in the middle of a face can be far from all vertices.
   let found: Body | undefined;
   let least = Infinity;
   for (const body of objects) {
@@ -40,7 +40,7 @@ function nearest(objects: readonly Body[], at: Vec3): Body | undefined {
   return found;
 }
 
-/// Where all contacts together push: their points' mean by force; none where nothing pushes.
+/// Returns the force-weighted mean of the contact points; undefined if nothing pushes.
 export function middleOfPush(points: readonly ContactPoint[]): Vec3 | undefined {
   let sum: Vec3 = [0, 0, 0];
   let newtons = 0;

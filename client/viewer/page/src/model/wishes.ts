@@ -3,20 +3,21 @@ import type {ReplayAnswer, ReplayState} from "../protocol/messages";
 
 export type WishName = "play" | "pause" | "seek" | "rate" | "add_bookmark" | "drop_bookmark";
 
-/// What a viewer wishes of a replay (client/viewer/page_messages.h).
+/// A viewer's request to a replay (client/viewer/page_messages.h).
 export interface Wish {
   readonly wish: WishName;
   readonly value?: number;
   readonly text?: string;
 }
 
-/// While a bar is dragged [s].
+/// Interval of seek requests while a bar is dragged [s].
 const kSeekEveryS = 0.2;
-/// An answer can be missed, where another viewer's comes right after it [s].
+/// An answer can be missed if another viewer's follows at once; after this time it counts
+/// as given [s].
 const kPatienceS = 2;
 const kHeardMost = 16;
 
-/// Of wishes of one lane, one is on its way.
+/// Each lane has at most one request in flight.
 type LaneName = "motion" | "seek" | "rate" | "add_bookmark" | "drop_bookmark";
 interface Lane {
   readonly waiting: Wish[];
@@ -26,18 +27,18 @@ interface Lane {
 
 const laneOf = (wish: Wish): LaneName =>
   wish.wish === "play" || wish.wish === "pause" ? "motion" : wish.wish;
-/// Each bookmark counts; of the others only what was wished last.
+/// Each bookmark request counts; of the others only the last.
 const everyOneCounts = (name: LaneName): boolean => name.endsWith("bookmark");
 
-/// Sends wishes so that none is lost: on their way, of two of a kind the later takes the place of
-/// the former.  So the next waits for the replay's answer; where a bar is dragged, which is a wish at
-/// every pixel, for a fifth of a second, and the last is always sent.
+/// Sends requests to a replay so that none is lost: the transport keeps only the newest of a kind.
+/// So a request waits for the answer to the former; while a bar is dragged, which makes one per
+/// pixel, for a fifth of a second.  The last one is always sent.
 export class Wishes {
   private readonly lanes = new Map<LaneName, Lane>();
   private readonly heard: {request: string; refusal: string}[] = [];
   private nextTag = 1;
 
-  /// @param publish  false where the gateway takes no message now
+  /// @param publish  returns false if the gateway takes no message now
   constructor(
     private readonly publish: (message: object) => boolean,
     private readonly refused: (wish: Wish, reason: string) => void,
@@ -50,7 +51,7 @@ export class Wishes {
     this.flush(replay, nowS);
   }
 
-  /// The gateway's answer: by which number the replay will answer, or why nobody is asked.
+  /// Takes the gateway's answer: the number that the replay's answer will have, or a refusal.
   answered({tag, request, refusal}: ReplayAnswer): void {
     for (const lane of this.lanes.values()) {
       const asked = lane.asked;
@@ -62,7 +63,7 @@ export class Wishes {
     }
   }
 
-  /// What the replay says: what was wished last has been answered.
+  /// Takes the replay's state, which may answer the last request.
   told({request, refusal}: ReplayState): void {
     if (request === this.heard.at(-1)?.request) return;
     this.heard.push({request, refusal});
@@ -72,7 +73,7 @@ export class Wishes {
     }
   }
 
-  /// Sends what may be sent by now.
+  /// Sends the requests that may be sent by now.
   flush(replay: string, nowS: number): void {
     for (const [name, lane] of this.lanes) {
       if (lane.asked && nowS - lane.sentS >= kPatienceS) lane.asked = undefined;
@@ -86,7 +87,7 @@ export class Wishes {
     }
   }
 
-  /// What was wished last and is not done yet: the page shows it as if it were.
+  /// The position last requested and not reached yet: the page shows it as if it were.
   get soughtS(): number | undefined {
     return this.latest("seek")?.value;
   }

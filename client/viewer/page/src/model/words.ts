@@ -12,13 +12,13 @@ import {
 import type {SceneModel} from "./bundle";
 import {norm, subtract} from "./pose";
 
-/// What the page says, in words that need no knowledge of the program.
+/// The page's sentences, worded for readers who do not know the program.
 
-/// How far the hand is past the surface that stops the tool [m].
+/// Returns how far the hand is beyond the surface that stops the tool [m].
 export const handPastM = (state: ToolState): number =>
   norm(subtract(state.graphic.p, state.haptic.p));
 
-/// Three figures at most, as a person would say them.
+/// At most three significant digits.
 export function figure(value: number, digits = 2): string {
   const magnitude = Math.abs(value);
   if (!Number.isFinite(value)) return "–";
@@ -26,11 +26,11 @@ export function figure(value: number, digits = 2): string {
   return sayNumber(value, magnitude >= 10 ? Math.min(1, digits) : digits);
 }
 
-/// A share of a whole.
+/// Formats a share as a percentage.
 export const percent = (share: number): string =>
   say("unit.percent", {value: sayNumber(100 * share, 0)});
 
-/// A time of a recording, as players show it: 1:05, 1:02:03.
+/// Formats a recorded time as players do: 1:05, 1:02:03.
 export function clock(seconds: number): string {
   const whole = Math.max(0, Math.floor(seconds + 1e-6));
   const two = (value: number): string => String(value).padStart(2, "0");
@@ -39,7 +39,7 @@ export function clock(seconds: number): string {
   return hours > 0 ? `${hours}:${two(minutes)}:${rest}` : `${minutes}:${rest}`;
 }
 
-/// The same for those who hear it.
+/// The same for a screen reader.
 export function spokenTime(seconds: number): string {
   const whole = Math.max(0, Math.floor(seconds + 1e-6));
   const minutes = Math.floor(whole / 60);
@@ -48,7 +48,7 @@ export function spokenTime(seconds: number): string {
   return say("list.sentences", {first: say("replay.minutes", {count: minutes}), second: rest});
 }
 
-/// A text that has so many bytes at most, cut between letters.
+/// Shortens a text to at most this many bytes, between characters.
 export function fitBytes(text: string, most: number): string {
   const encoder = new TextEncoder();
   let fit = "";
@@ -61,7 +61,7 @@ export function fitBytes(text: string, most: number): string {
   return text;
 }
 
-/// What pushes the tool; a tooth by its number and not as one of twenty-eight.
+/// Names what pushes the tool; teeth by their number.
 export function touchedWords(names: readonly string[]): string {
   if (names.length === 0) return say("touched.nothing");
   const [first, second] = names.map((name) => name.replace(/[-_]/g, " "));
@@ -71,8 +71,8 @@ export function touchedWords(names: readonly string[]): string {
     : say("touched.more", {first: first!, count: names.length - 1});
 }
 
-/// One sentence for those who do not see the picture.
-/// @param probingM  how deep a probe's tip is below the gum's margin; undefined: it is no probe
+/// Describes the state in one sentence, for a screen reader.
+/// @param probingM  depth of a probe's tip below the gum's margin; undefined: it is no probe
 export function statusSentence(state: ToolState | undefined, probingM?: number): string {
   if (!state) return say("sentence.none");
   if (state.contacts === 0) return say("sentence.free");
@@ -82,7 +82,7 @@ export function statusSentence(state: ToolState | undefined, probingM?: number):
   return say("sentence.probing", {force, past, depth: figure(1000 * probingM, 1)});
 }
 
-/// common/step_fault.h, with what it means to who holds the tool.
+/// The faults of common/step_fault.h, with their meaning for the user.
 const kFaults: readonly (readonly [number, Key])[] = [
   [1 << 0, "fault.no_pose"],
   [1 << 1, "fault.quick"],
@@ -113,10 +113,10 @@ const line = (label: Key, value: string, remark: string, tone: Line["tone"] = "p
 });
 
 const kRateHz = 1000;
-/// Of the poses that may be late or missing before a load no longer holds, as palpate-load has it.
+/// The share of late or missing poses beyond which a load is too much, as in palpate-load.
 const kMostAmiss = 0.01;
 
-/// The loop's last second as lines of a table.
+/// Describes the loop's last second, as lines of a table.
 export function statisticsLines(statistics: LoopStatistics): Line[] {
   const {rateHz, steps, late, lost, rejected} = statistics;
   const {p50, p99, p999} = statistics.stepUs;
@@ -125,7 +125,7 @@ export function statisticsLines(statistics: LoopStatistics): Line[] {
     us >= 1000 ? `${figure(us / 1000, 1)} ms` : `${figure(us, 1)} µs`;
   const rate = say("loop.rate_is", {rate: sayNumber(rateHz, 0)});
   const faults = faultWords(statistics.faults);
-  // Of poses that were not used there is no step.
+  // Unused poses had no step.
   const faulted =
     faults.length === 0
       ? say("loop.faults_none")
@@ -168,7 +168,7 @@ const kDeviceCalibrating = 1 << 1;
 const kDeviceFault = 1 << 2;
 const kDeviceForcesIgnored = 1 << 3;
 
-/// Of sums of energy [J].
+/// Rounding error of summed energies [J].
 const kRoundingJ = 1e-6;
 
 function deviceLine({device, deviceStatus}: StationStatistics): Line {
@@ -186,10 +186,10 @@ function limiterLine({limiter, ticks}: StationStatistics): Line {
   const acting = kLimiterStages.filter((stage) => limiter[stage] > 0);
   if (acting.length === 0)
     return line("arm.held_back", say("arm.nothing"), say("arm.all_arrives"), "good");
-  // The one that acts most of the time first.
+  // The stage that acts most of the time comes first.
   acting.sort((a, b) => limiter[b] - limiter[a]);
   const most = acting[0]!;
-  // What each stage keeps from the hand, and why.
+  // What each stage withholds from the hand, and why.
   const all = acting.map((stage) => {
     const words = say(`arm.${stage}`);
     return stage === most ? words : say("arm.stage_share", {stage: words, share: share(stage)});
@@ -218,7 +218,7 @@ function silenceLine({silenceS, replies, late, lost, limiter}: StationStatistics
   return line("arm.silence", value, longest, limiter.faded > 0 ? "bad" : "plain");
 }
 
-/// What becomes of the force at the arm, in the last second, as lines of a table.
+/// Describes how the arm's force was limited in the last second, as lines of a table.
 export function deviceLines(device: StationStatistics): Line[] {
   const lines = [deviceLine(device)];
   if (!(device.deviceStatus & kDeviceForcesIgnored)) {
@@ -243,7 +243,7 @@ export function deviceLines(device: StationStatistics): Line[] {
   return lines;
 }
 
-/// What a mark of a replay is, in the replayer's words where it has some.
+/// Names a mark of a replay, with the replayer's text if it has one.
 export function markWords(mark: ReplayMark): string {
   return mark.text || say(`mark.${mark.kind}`);
 }
@@ -254,7 +254,7 @@ export function gapWords({station, reason}: ReplayGap): string {
     : say("replay.gap_because", {station, reason});
 }
 
-/// When something was recorded, in the reader's own time; empty where that is not known.
+/// Formats the time of a recording in the reader's time zone; empty if it is unknown.
 export function recordedWhen(begunS: number): string {
   if (begunS <= 0) return "";
   const when = new Date(1000 * begunS);
@@ -282,8 +282,8 @@ export function sessionWords(session: SessionState): string {
   }
 }
 
-/// What of a session whoever feels, or sees, its forces has to know; empty: nothing.
-/// @param own  it is this page's
+/// Says what a user who feels or sees a session's forces must know; empty: nothing.
+/// @param own  it is this page's session
 export function stationNote(session: SessionState | undefined, own: boolean): string {
   if (!session) return "";
   const {station} = session;
@@ -295,17 +295,17 @@ export function stationNote(session: SessionState | undefined, own: boolean): st
   return "";
 }
 
-/// The same for who decides about it.
+/// The same for the teacher who decides about it.
 export function consoleWords(session: SessionState): string {
   const what = sessionWords(session);
   return session.muted ? say("session.without_forces", {what}) : what;
 }
 
-/// True for a session that has its tool.
+/// Returns whether a session has its tool.
 export const holdsTool = (session: SessionState): boolean =>
   session.phase === "waiting" || session.phase === "acquiring" || session.phase === "active";
 
-/// What the picture shows, for those who do not see it.
+/// Describes the picture for a screen reader.
 export function pictureWords(model: SceneModel): string {
   const tools = sayList(
     "list.separator",

@@ -52,7 +52,7 @@ export const kTopics = {
   examAnswer: "/palpate/exam_answer",
 } as const;
 
-/// What the page itself publishes.
+/// The topics on which the page publishes.
 export const kOwnTopics: ReadonlySet<string> = new Set([
   kTopics.mouse,
   kTopics.replay,
@@ -62,18 +62,18 @@ export const kOwnTopics: ReadonlySet<string> = new Set([
   kTopics.exam,
 ]);
 
-/// Seconds that the plots look back.
+/// Length of the plots [s].
 export const kHistoryS = 12;
-/// A station that has been silent for this long does not move its tool [s].
+/// A station silent for this long does not move its tool [s].
 const kAliveS = 1.5;
 
-/// Stations speak of their arms once a second.
+/// Stations report on their arms once a second.
 const kDeviceAliveS = 3;
 
-/// No server has been heard of yet.
+/// No server is known yet.
 const kNoRun = "0";
 
-/// The figures that a station's history keeps, in this order.
+/// The columns of a station's history after the time.
 export const kFigures = ["force", "torque", "past", "step"] as const;
 
 export class Station {
@@ -90,7 +90,7 @@ export class Station {
 
   constructor(readonly id: string) {}
 
-  /// @param recordedS  the recording's time, where this is a replay
+  /// @param recordedS  recorded time, if this is a replay
   push(state: ToolState, stampS: number, nowS: number, recordedS?: number): void {
     const timeS = this.clock.toLocal(stampS, nowS);
     this.track.push(timeS, state);
@@ -99,14 +99,14 @@ export class Station {
     this.keep(state, recordedS ?? timeS);
   }
 
-  /// Nothing moves a tool while a replay is paused, and yet it is not left alone, unless the replay
-  /// stands where nobody has it.
+  /// A paused replay moves no tool, yet its tool does not count as left alone, unless nobody held
+  /// it at that moment.
   hold(nowS: number): void {
     if (this.isMoving(nowS) && this.holdsTool) this.heldS = nowS;
   }
 
-  /// The plots begin anew, at a time of the recording where there is one.
-  /// @param sinceS  what came after this moment is of there already
+  /// Clears the plots, which continue at a recorded time if there is one.
+  /// @param sinceS  data sent after this moment already belongs there
   restartHistory(recordedS: number | undefined, sinceS: number): void {
     this.history.clear();
     const latest = this.track.latest;
@@ -128,8 +128,8 @@ export class Station {
     this.device = statistics;
     this.deviceS = nowS;
   }
-  /// What its program last said of its arm.  It says so when the server is silent, too; where both
-  /// are, nothing is known.
+  /// Returns the last report on the station's arm; undefined if neither tool states nor reports
+  /// arrive any more.
   deviceNow(nowS: number): StationStatistics | undefined {
     return this.isMoving(nowS) || nowS - this.deviceS < kDeviceAliveS ? this.device : undefined;
   }
@@ -137,13 +137,13 @@ export class Station {
   isMoving(nowS: number): boolean {
     return nowS - Math.max(this.lastArrivalS, this.heldS) < kAliveS;
   }
-  /// The picture's state now: a little in the past, between two frames.  A tool that nothing moves
-  /// any more stands where it was, and nothing is known of a force on it.
+  /// Returns the state for the picture: a little in the past, between two frames.  A tool that
+  /// nothing moves any more stays where it was, without forces.
   shown(nowS: number): ToolState | undefined {
     const state = this.track.at(nowS - this.track.delayS);
     return state && !this.isMoving(nowS) ? atRest(state) : state;
   }
-  /// True while there are frames that the picture has not reached.
+  /// Returns whether there are frames that the picture has not reached.
   isCatchingUp(nowS: number): boolean {
     return this.track.latestTimeS > nowS - this.track.delayS;
   }
@@ -164,7 +164,7 @@ const atRest = (state: ToolState): ToolState => ({
   points: [],
 });
 
-/// What changed, so that only that is drawn anew.
+/// What has changed, so that only that is redrawn.
 export type Change =
   | "tool"
   | "sessions"
@@ -176,22 +176,22 @@ export type Change =
   | "replay"
   | "serverRun";
 
-/// Everything that the gateway has told.  Knows no socket and no screen.
+/// Everything that the gateway has reported.  Knows neither socket nor screen.
 export class World {
   readonly stations = new Map<string, Station>();
-  scenes: ReadonlySet<string> = new Set(); // by name: those that the gateway has
+  scenes: ReadonlySet<string> = new Set(); // names of the gateway's scenes
   lastStateS = -Infinity;
-  serverLives = true; // as far as the gateway says
-  compiling: Compiling | undefined; // by a server that serves nothing yet
+  serverLives = true; // according to the gateway
+  compiling: Compiling | undefined; // by a server that does not serve yet
   readonly replay = new Replay();
   private readonly remains = new Map<string, Remains>(); // by scene
-  /// What a teacher has set there, and what was last said of making it whole, by scene.
+  /// By scene: the teacher's goal, and the last message about restoring it.
   readonly goals = new Map<string, SceneGoal>();
   readonly wholes = new Map<string, SceneWhole>();
-  private nowS = -Infinity; // when something was last heard
+  private nowS = -Infinity; // when a message last arrived
   private serverRun = "";
   private readonly formerRuns = new Set<string>();
-  private damaged = false; // a block was
+  private damaged = false; // a block was damaged
 
   constructor(private readonly changed: (change: Change, scene: string) => void) {}
 
@@ -246,7 +246,7 @@ export class World {
     }
   }
 
-  /// What the gateway says of itself: its scenes, and which server they are of.
+  /// Takes the gateway's report: its scenes, and the server that they belong to.
   receiveHealth(health: Health, nowS = this.nowS): void {
     const {scenes} = health;
     this.nowS = nowS;
@@ -260,20 +260,20 @@ export class World {
     this.changed("scenes", "");
   }
 
-  /// A new link: who drives what is told again from the start, by whoever is there now.
+  /// A new link: the state of all sessions is sent again by the present server.
   startLink(): void {
     this.formerRuns.clear();
     this.forgetSessions();
   }
 
-  /// What has been cut.
+  /// Returns what has been cut of a scene.
   remainsOf(scene: string): Remains {
     let remains = this.remains.get(scene);
     if (!remains) this.remains.set(scene, (remains = new Remains()));
     return remains;
   }
 
-  /// The stations that are of use to look at, those with a tool first.
+  /// Returns the stations worth looking at, those with a tool first.
   listed(nowS: number): Station[] {
     const listed = [...this.stations.values()].filter(
       (station) => station.holdsTool || station.isMoving(nowS) || station.session !== undefined,
@@ -289,7 +289,7 @@ export class World {
     );
   }
 
-  /// Who moved a tool last.
+  /// Returns the station that moved a tool last.
   lastMoverOf(scene: string, tool: string): Station | undefined {
     let mover: Station | undefined;
     for (const station of this.stations.values()) {
@@ -300,7 +300,7 @@ export class World {
     return mover;
   }
 
-  /// Once: others may follow at any rate.
+  /// Once only: more may follow at any rate.
   private sayDamaged({scene, objectIndex, block}: SolidBlock): void {
     if (this.damaged) return;
     this.damaged = true;
@@ -325,7 +325,7 @@ export class World {
     this.changed("replay", "");
   }
 
-  /// Somebody else speaks after a replay is over: what is seen from now on is not of it.
+  /// Another sender has appeared after a replay ended: what is shown from now on is not the replay.
   private forgetReplay(): void {
     const phase = this.replay.phase(this.nowS);
     if (phase !== "ended" && phase !== "silent") return;
@@ -340,8 +340,8 @@ export class World {
     this.changed("sessions", session.scene);
   }
 
-  /// False for what a former server said.  The first word of a new one makes all void that was its
-  /// predecessor's: sessions, what had been cut, perhaps the scenes.
+  /// Returns false for a message of a former server.  The first message of a new one clears the
+  /// state of its predecessor: sessions, cuts, and scenes if they differ.
   private isOfServer(run: string): boolean {
     if (run === this.serverRun || run === kNoRun) return true;
     if (this.formerRuns.has(run)) return false;

@@ -5,26 +5,26 @@ import {leash, push, roll, slide, turn, type ViewFrame} from "./tool_motion";
 
 export type Hold = "none" | "asking" | "holding";
 
-/// What the device needs of the page.
+/// What the device needs from the page.
 export interface MouseHost {
   publish(message: object): boolean;
   changed(): void;
   viewFrame(at: Vec3): ViewFrame;
-  /// Where the tool is now, if it touches, and its centroid in its own frame.
+  /// Returns the tool's present pose, whether it touches, and its centroid in its own frame.
   tool(scene: string, tool: string): {pose: Pose; touches: boolean; centroid: Vec3};
 }
 
-/// Poses are sent at most this often [ms].
+/// Least time between two poses sent [ms].
 const kSendEveryMs = 1000 / 60;
-/// A gateway that says nothing by then has nothing to say; one that has a station started for us
-/// may take longer, since that station first has to find the server [ms].
+/// Time to wait for the gateway's first answer; once it has a station started for this page it may
+/// take longer, since that station must first find the server [ms].
 const kAnswerWithinMs = 5000;
 const kSessionWithinMs = 20_000;
-/// How far a pointer gets past a surface: as far as the station's hand presses at most [m].
+/// Largest distance of the pointer beyond a surface: the most that a station's hand presses in [m].
 const kReachM = 0.02;
-const kWheelMetresPerPixel = 0.25; // of what a drag of as many pixels would do
+const kWheelMetresPerPixel = 0.25; // relative to a drag of as many pixels
 
-/// What keys do, to the right, down and away [pixels].
+/// Effect of the keys: to the right, down and away [pixels].
 const kSteps: Readonly<Record<string, readonly [number, number, number]>> = {
   ArrowLeft: [-8, 0, 0],
   ArrowRight: [8, 0, 0],
@@ -34,7 +34,7 @@ const kSteps: Readonly<Record<string, readonly [number, number, number]>> = {
   PageDown: [0, 0, -8],
 };
 
-/// A tool in the hand of who has none: takes one through the gateway and moves it by the pointer.
+/// A tool held by the pointer, without a haptic device: takes it through the gateway and moves it.
 export class MouseDevice {
   hold: Hold = "none";
   private message = "";
@@ -51,7 +51,7 @@ export class MouseDevice {
 
   constructor(private readonly host: MouseHost) {}
 
-  /// @param ask  for it in another way: a trial's tool comes with the trial.
+  /// @param ask  requests it in another way: a trial brings its own tool.
   take(
     scene: string,
     tool: string,
@@ -70,7 +70,7 @@ export class MouseDevice {
     this.host.changed();
   }
 
-  /// What is to be said of the tool that it has, asks for, or, once, no longer has.
+  /// Returns a message about the tool that it holds, requests or, once, has lost.
   takeMessage(): string {
     const message = this.message;
     if (this.hold === "none") this.message = "";
@@ -87,7 +87,7 @@ export class MouseDevice {
     if (this.hold !== "none") this.end(say("tool.link_lost"));
   }
 
-  /// The gateway's answer, or what became of the session since.
+  /// Takes the gateway's answer, or a later change of the session.
   receive(state: MouseState): void {
     if (this.hold === "none") return;
     if (state.station !== "") this.station = state.station;
@@ -106,7 +106,7 @@ export class MouseDevice {
         this.host.changed();
         break;
       case "held":
-        // It is a teacher's to say when.
+        // A teacher decides when.
         window.clearTimeout(this.patience);
         this.message = say("tool.waits");
         this.host.changed();
@@ -126,8 +126,8 @@ export class MouseDevice {
     }, withinMs);
   }
 
-  /// What a pointer, a wheel and keys do over the picture is the tool's while it is held, and else the
-  /// eye's.   @param controls  the camera's
+  /// Pointer, wheel and keys over the picture move the tool while it is held, else the camera.
+  /// @param controls  the camera's
   listenTo(canvas: HTMLCanvasElement, controls: {enabled: boolean}): void {
     // In the capture phase, before the camera's own listeners.
     const first = {capture: true, passive: false};
@@ -173,7 +173,7 @@ export class MouseDevice {
     if (this.hold !== "holding") return;
     event.preventDefault();
     const pixels = event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 30 * event.deltaY : event.deltaY;
-    // Away from oneself pushes.
+    // Wheel away from the user: push.
     this.move((pose, view) =>
       push(pose, view, -pixels * kWheelMetresPerPixel * view.metresPerPixel),
     );
@@ -191,7 +191,7 @@ export class MouseDevice {
     }
   }
 
-  /// Two fingers: apart pulls, together pushes, around each other rolls, both sideways turns.
+  /// Two fingers: spread pulls, pinch pushes, rotation rolls, moving both sideways turns.
   private pinch(last: Point, here: Point, other: Point): void {
     const before = {x: last.x - other.x, y: last.y - other.y};
     const after = {x: here.x - other.x, y: here.y - other.y};
@@ -240,7 +240,7 @@ export class MouseDevice {
     this.send();
   }
 
-  /// At once, or as soon as the last one is old enough: the newest pose is always sent.
+  /// Sends at once, or when the last pose is old enough: the newest pose is always sent.
   private send(): void {
     const waitMs = this.lastSentMs + kSendEveryMs - performance.now();
     if (waitMs > 0) {

@@ -12,12 +12,12 @@ import {
   type Vec3,
 } from "../model/pose";
 
-/// How a drag on the screen moves the haptic tool: in the plane of the picture, along the view, or
-/// about the tool's centroid.  Screen pixels: x to the right, y down.
+/// How a drag on the screen moves the haptic tool: in the picture's plane, along the view, or about
+/// the tool's centroid.  Screen pixels: x to the right, y down.
 export interface ViewFrame {
   readonly right: Vec3; // unit, in W
   readonly up: Vec3;
-  readonly forward: Vec3; // away from the eye
+  readonly forward: Vec3; // away from the camera
   readonly metresPerPixel: number; // at the tool
 }
 
@@ -36,14 +36,14 @@ export const push = (pose: Pose, view: ViewFrame, metres: number): Pose => ({
   q: pose.q,
 });
 
-/// The front of the tool follows the pointer.  @param centroid  in the tool's frame
+/// Rotates so that the tool's front follows the pointer.  @param centroid  in the tool's frame
 export function turn(pose: Pose, view: ViewFrame, centroid: Vec3, dx: number, dy: number): Pose {
   const yaw = aboutAxis(view.up, dx * kRadiansPerPixel);
   const pitch = aboutAxis(view.right, dy * kRadiansPerPixel);
   return turnBy(pose, centroid, multiply(yaw, pitch));
 }
 
-/// About the line of sight, clockwise as seen.
+/// Rotates about the line of sight, clockwise as seen.
 export const roll = (pose: Pose, view: ViewFrame, centroid: Vec3, radians: number): Pose =>
   turnBy(pose, centroid, aboutAxis(view.forward, radians));
 
@@ -53,8 +53,8 @@ function turnBy(pose: Pose, centroid: Vec3, by: readonly [number, number, number
   return {p: subtract(centre, rotate(q, centroid)), q};
 }
 
-/// The nearest pose that is no further than `reachM` from the graphic tool: a pointer feels no
-/// force that would stop it, and would otherwise pull as hard as the screen is wide.
+/// Returns the nearest pose at most `reachM` from the graphic tool: no force stops a pointer, which
+/// would otherwise pull as hard as the screen is wide.
 export function leash(pose: Pose, graphic: Pose, reachM: number): Pose {
   const away = subtract(pose.p, graphic.p);
   const distance = norm(away);

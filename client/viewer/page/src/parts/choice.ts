@@ -5,7 +5,7 @@ import {element, setOptions} from "../ui/elements";
 
 const chosen = (name: string): string => new URLSearchParams(location.search).get(name) ?? "";
 
-/// Which scene and which station are shown: the reader's choice, where there is it.
+/// Which scene and which station are shown: the reader's choice, if there is one.
 export class Choice {
   scene = "";
   private chosenScene = chosen("scene");
@@ -29,7 +29,8 @@ export class Choice {
     });
   }
 
-  /// The reader's choice where there is it, else the first scene, until a tool moves in another.
+  /// Chooses the reader's scene if there is it, else the first scene, until a tool
+  /// moves in another.
   chooseScene(): void {
     const known = this.world.scenes;
     const wanted = [this.chosenScene, this.scene, ...known].find((name) => known.has(name));
@@ -42,7 +43,7 @@ export class Choice {
     if (mover && this.world.scenes.has(mover.scene)) this.enter(mover.scene);
   }
 
-  /// As if the reader had chosen them.
+  /// Chooses as if the reader had done so.
   show(scene: string, station: string): void {
     this.chosenScene = scene;
     this.chosenStation = station;
@@ -51,14 +52,14 @@ export class Choice {
     rememberInAddress("station", station);
   }
 
-  /// In this scene, whoever moves elsewhere, and with no station chosen.
+  /// Stays in this scene even if a tool moves elsewhere, with no station chosen.
   stay(): void {
     this.chosenScene = this.scene;
     this.chosenStation = "";
   }
 
-  /// The station whose figures are shown: the reader's choice, else the page's own, else the one
-  /// that moves.
+  /// Returns the station whose figures are shown: the reader's choice, else the page's own, else
+  /// one that moves.
   station(own: string, nowS: number): Station | undefined {
     const here = this.stationsHere(nowS);
     return (

@@ -17,7 +17,7 @@ export interface ClassEvents {
 const kAnswerWithinMs = 4000;
 const kSeat = /^(.+)-\d+$/;
 
-/// A course on the page: a teacher's wall and people, and what a person is told of the own seat.
+/// A course on the page: for a teacher the wall and the people, for a person the assigned seat.
 export class ClassRoom {
   private readonly button = press(say("class.open"), () => this.open(), {
     ...{id: "class-open", hidden: true, title: say("class.open_title")},
@@ -85,17 +85,17 @@ export class ClassRoom {
     this.turn("wall");
   }
 
-  /// The scene that this person has for itself; empty: none.
+  /// The person's own scene; empty: none.
   get seat(): string {
     return this.me?.seat ?? "";
   }
 
-  /// This page's own person; 0: nobody's.
+  /// Number of this page's person; 0: none.
   get person(): number {
     return this.me?.person ?? 0;
   }
 
-  /// Deletes a person and all that there is of them.  @param done  is told a refusal, or nothing
+  /// Deletes a person with all of their data.  @param done  is given the refusal, or ""
   remove(person: number, done: (refusal: string) => void): void {
     this.ask({op: "person_delete", person}, () => done(""), done);
   }
@@ -106,7 +106,7 @@ export class ClassRoom {
     if (!may && this.dialog.open) this.dialog.close();
   }
 
-  /// True where it was for this part of the page.
+  /// Returns whether the message was for this part.
   receive(topic: string, value: unknown): boolean {
     if (topic === kTopics.people) this.class = value as People;
     else if (topic === kTopics.me) this.receiveMe(value as Me);
@@ -126,7 +126,7 @@ export class ClassRoom {
     this.wall.show(this.onWall(nowS), seated, scene);
   }
 
-  /// Those who need a teacher come first, then those who work, then the rest, by name.
+  /// People who need a teacher come first, then those who work, then the rest, by name.
   private onWall(nowS: number): OnWall[] {
     const stations = new Map(
       [...this.world.stations].filter(

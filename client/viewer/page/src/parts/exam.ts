@@ -9,14 +9,14 @@ import {ExamDesk} from "../ui/exam_desk";
 
 export interface ExamEvents {
   publish(topic: string, message: object): boolean;
-  /// The scene that it is to be done in; empty: none is served.
+  /// The scene in which an exercise can be done; empty: it is not served.
   served(exercise: Exercise): string;
   begin(scene: string, tool: string, ask: () => boolean): void;
-  /// Whether an exam is all that there is to do has changed.
+  /// Called when it changes whether the page is restricted to an exam.
   changed(): void;
 }
 
-/// An exam: its next task for who sits it, and the desk of who holds it.
+/// An exam: the next task for a candidate, and the examiner's desk.
 export class Exam {
   private readonly bar = make("section", {id: "exam-bar", hidden: true});
   private readonly title = make("h2");
@@ -34,7 +34,7 @@ export class Exam {
   private readonly desk = new ExamDesk((wish) => this.ask(wish));
   private state: ExamState = {open: null};
   private trial: TrialState | undefined;
-  private endsS: number | undefined; // of the exam, by the page's clock
+  private endsS: number | undefined; // end of the exam, page's clock
   private trialEndsS: number | undefined;
   private teaches = false;
   private tag = 0;
@@ -53,18 +53,18 @@ export class Exam {
     this.desk.allow(teaches);
   }
 
-  /// This page's person sits one: there is nothing else to do.
+  /// Whether this page's person sits an exam, so that nothing else may be done.
   get isOn(): boolean {
     return this.state.open !== null && !this.teaches && !this.state.open.closed;
   }
 
-  /// Of force, in the task that is done just now; undefined: there is none, or it has none.
+  /// Force limit of the present task; undefined: there is no task, or no limit.
   get limitN(): number | undefined {
     const most_N = this.isOn ? (this.state.open?.exercise?.most_N ?? 0) : 0;
     return this.trial?.phase === "running" && most_N > 0 ? most_N : undefined;
   }
 
-  /// True where it was for this part of the page alone.
+  /// Returns whether the message was for this part only.
   receive(topic: string, value: unknown): boolean {
     if (topic === kTopics.trialState) {
       this.trial = value as TrialState;

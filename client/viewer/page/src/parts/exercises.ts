@@ -8,7 +8,7 @@ import {element, make, press, setText} from "../ui/elements";
 
 export interface ExerciseEvents {
   publish(message: object): boolean;
-  /// The scene that it is to be done in; empty: none is served.
+  /// The scene in which an exercise can be done; empty: it is not served.
   served(exercise: Exercise): string;
   begin(scene: string, tool: string, ask: () => boolean): void;
 }
@@ -21,7 +21,7 @@ function verdictOf(trial: DoneTrial): string {
   );
 }
 
-/// What there is to do, a trial of it, and how that went.
+/// The exercises, the running trial, and its result.
 export class Exercises {
   private readonly button = press(say("exercises.open"), () => this.open(), {
     ...{id: "exercises-open", hidden: true, title: say("exercises.open_title")},
@@ -45,9 +45,9 @@ export class Exercises {
   private exercises: readonly Exercise[] = [];
   private shown = "";
   private trial: TrialState | undefined;
-  private endsS: number | undefined; // by the page's clock
+  private endsS: number | undefined; // end of the trial, page's clock
   private wantsGuide = false;
-  private guide: Guide | undefined; // of the trial that is running
+  private guide: Guide | undefined; // of the running trial
 
   constructor(private readonly events: ExerciseEvents) {
     const title = make("h2", {id: "exercises-title", textContent: say("exercises.title")});
@@ -70,7 +70,7 @@ export class Exercises {
     if (!may && this.dialog.open) this.dialog.close();
   }
 
-  /// True where it was for this part of the page.
+  /// Returns whether the message was for this part.
   receive(topic: string, value: unknown): boolean {
     if (topic === kTopics.exercises) ({exercises: this.exercises} = value as ExerciseList);
     else if (topic === kTopics.trialState) this.trial = value as TrialState;
@@ -89,14 +89,14 @@ export class Exercises {
     setText(this.clock, say("exercises.left", {time}));
   }
 
-  /// Of force, in the trial that runs; undefined: none does, or it has none.
+  /// Force limit of the running trial; undefined: none runs, or it has no limit.
   get limitN(): number | undefined {
     if (this.trial?.phase !== "running") return undefined;
     const most_N = this.exercises.find(({name}) => name === this.trial?.exercise)?.most_N ?? 0;
     return most_N > 0 ? most_N : undefined;
   }
 
-  /// Where the expert's tool is, for a hand that follows it; undefined: it is not shown.
+  /// Returns the expert's tool for a hand that follows it; undefined: it is not shown.
   lead(nowS: number, hand: Vec3 | undefined): Pose | undefined {
     const {guide} = this;
     return this.wantsGuide && guide && !guide.isOver ? guide.lead(nowS, hand) : undefined;

@@ -25,7 +25,7 @@ import {Lesson} from "../ui/lesson";
 import {OverSound} from "../ui/over_sound";
 import {Plots, type PlotTime} from "../ui/plots";
 
-/// Figures, plots and words on stations, and what a teacher does about them.
+/// Figures, plots and texts about stations, and a teacher's decisions about them.
 export class Figures {
   readonly lesson: Lesson;
   readonly plots = new Plots(element("plots", HTMLDivElement));
@@ -51,7 +51,7 @@ export class Figures {
   private readonly console: Console;
   private staleWho = true;
 
-  /// @param operate  sends what a teacher decides
+  /// @param operate  sends a teacher's decision
   constructor(operate: (message: object) => boolean) {
     const spoken = element("spoken", HTMLParagraphElement);
     this.announcer = new Announcer((sentence) => setText(spoken, sentence));
@@ -62,21 +62,21 @@ export class Figures {
     );
   }
 
-  /// Whether this page may decide about stations and goals.
+  /// Sets whether this page may decide about stations and goals.
   allowDeciding(may: boolean): void {
     this.console.setVisible(may);
     this.lesson.allow(may);
   }
 
-  /// Who drives what has changed.
+  /// Some session has changed.
   sessionsChanged(): void {
     this.staleWho = true;
   }
 
   /// @param station  whose figures are shown
-  /// @param own      the station that this page's mouse is; empty: none
-  /// @param taskN    limit of force of what the person does just now; undefined: the goal's holds
-  /// @param model    of the scene that is shown
+  /// @param own      station of this page's mouse; empty: none
+  /// @param taskN    force limit of the person's task; undefined: the goal's applies
+  /// @param model    of the shown scene
   showStation(
     station: Station | undefined,
     own: string,
@@ -105,7 +105,7 @@ export class Figures {
     if (device) setText(this.armNone, say("panel.no_figures_now"));
   }
 
-  /// @param mouse  the station that this page's mouse is, or was last
+  /// @param mouse  present or last station of this page's mouse
   showStations(listed: readonly Station[], mouse: string, nowS: number): void {
     this.console.update(listed, 1000 * nowS);
     if (!this.staleWho) return;
@@ -122,9 +122,9 @@ export class Figures {
     this.who.replaceChildren(...rows);
   }
 
-  /// Whether it is too much force: by the task, the goal or, of a probe, what a periodontist presses
-  /// with.
-  /// @return what is to be said of that
+  /// Shows whether the force is too high: by the task, the goal or, for a probe, the force
+  /// of periodontal probing.
+  /// @return a message about it
   private showLimit(
     state: ToolState | undefined,
     model: SceneModel | undefined,
@@ -139,7 +139,7 @@ export class Figures {
     return words;
   }
 
-  /// The figures above the picture.   @return the probing depth, where there is one
+  /// Shows the figures above the picture.   @return the probing depth, if there is one
   private showState(
     state: ToolState | undefined,
     model: SceneModel | undefined,
@@ -156,7 +156,7 @@ export class Figures {
     this.probingBox.hidden = !tells;
     const depthM = tells && state ? probingDepthM(model, state.graphic) : undefined;
     setText(this.probing, depthM === undefined ? "–" : figure(1000 * depthM, 1));
-    setText(this.sentence, statusSentence(state)); // the figure beside it tells the depth
+    setText(this.sentence, statusSentence(state)); // the figure beside it shows the depth
     return depthM;
   }
 }

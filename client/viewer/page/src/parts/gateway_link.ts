@@ -6,10 +6,10 @@ import {AccessToken} from "../protocol/token";
 import {element, setText} from "../ui/elements";
 import {nowS} from "./now";
 
-/// The gateway is asked how it is this often; that also tells a link that only looks open.
+/// Interval of health requests, which also detect a link that only looks open.
 const kAskHealthMs = 4000;
 const kAnswerWithinMs = 3000;
-/// A link on which nothing comes is given up once the gateway has been silent so many times.
+/// A link without messages is closed after this many unanswered health requests.
 const kMostSilences = 2;
 
 export interface LinkEvents {
@@ -18,22 +18,22 @@ export interface LinkEvents {
   rights(): void; // they may have changed
 }
 
-/// What this page does by itself, as far as the banner's words depend on it.
+/// This page's own state, as far as the banner depends on it.
 type OwnFacts = Pick<LinkFacts, "mayTake" | "takes" | "draws" | "replay">;
 
-/// The link to the gateway: whether it is open, what keeps it from opening, and what this page may do;
-/// and the banner above the picture, on the way from the server to this page.
+/// The link to the gateway: whether it is open, why it does not open, and this page's rights; also
+/// the banner above the picture, about the path from the server to this page.
 export class GatewayLink {
   state: LinkState = "connecting";
-  opened = 0; // times
+  opened = 0; // number of times
   openedS = -Infinity;
   readonly pulse = new Pulse();
   readonly token = new AccessToken();
-  /// Of this page: to take a tool, until the gateway says otherwise; to steer a replay; to decide about
-  /// stations; about the people of a course; and to do its exercises.
+  /// This page's rights: to take a tool, until the gateway denies it; to steer a replay; to decide
+  /// about stations; to decide about people of a course; to do its exercises.
   may = {publish: false, take: true, steer: false, operate: false, teach: false, try: false};
-  private losses = 0; // since the link was last open: the loss itself, and tries that failed
-  private lostS = -Infinity; // the first of them
+  private losses = 0; // since the link was last open: its loss and failed attempts
+  private lostS = -Infinity; // time of the first of them
   private gateway = {saidS: -Infinity, full: false, wantsToken: false, silences: 0};
   private readonly connection: Connection;
   private readonly banner = element("banner", HTMLParagraphElement);
@@ -70,7 +70,7 @@ export class GatewayLink {
       },
       (protocols) => new WebSocket(url.href, this.token.protocols(protocols)),
     );
-    // A link with another token, followed in this tab, changes the address and loads nothing.
+    // A link with another token, opened in this tab, changes only the address and loads nothing.
     addEventListener("hashchange", () => {
       if (!this.token.takeFromAddress()) return;
       this.connection.restart();
@@ -80,7 +80,7 @@ export class GatewayLink {
 
   start(): void {
     this.connection.open();
-    // Beside the socket's handshake: the first picture need not wait for it.
+    // In parallel with the socket's handshake, so that the first picture need not wait for it.
     void this.askHealth();
     window.setInterval(() => void this.watchGateway(), kAskHealthMs);
   }
@@ -89,12 +89,12 @@ export class GatewayLink {
     return this.connection.publish(topic, message);
   }
 
-  /// Since when this page hears what is said: the link is open, and the page runs.
+  /// Since when this page receives messages: the link is open, and the page runs.
   get heardSinceS(): number {
     return Math.max(this.openedS, this.pulse.busyS);
   }
 
-  /// What keeps the link from opening, where it is not the way to the gateway.
+  /// Why the link does not open, if the gateway can be reached.
   private get refusal(): LinkFacts["refusal"] {
     if (this.gateway.wantsToken) return "token";
     if (this.losses < 2 || this.gateway.saidS < this.lostS) return "none";
@@ -152,8 +152,8 @@ export class GatewayLink {
     this.events.link(state);
   }
 
-  /// A socket can look open long after the way to its other end is gone: where nothing comes and
-  /// the gateway does not answer either, the link is made anew.
+  /// A socket can look open long after its peer has become unreachable: if no message arrives and
+  /// the gateway does not answer either, the link is opened again.
   private async watchGateway(): Promise<void> {
     const askedS = nowS();
     await this.askHealth();

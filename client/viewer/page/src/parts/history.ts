@@ -11,16 +11,16 @@ import {personHistory} from "../ui/history_person";
 
 export interface HistoryEvents {
   headers(): Record<string, string>;
-  /// Of this page's person; 0: of none.
+  /// Number of this page's person; 0: none.
   me(): number;
-  /// Deletes all that there is of somebody; `done` is told a refusal, or nothing.
+  /// Deletes all data of a person; `done` is given the refusal, or "".
   remove(person: number, done: (refusal: string) => void): void;
 }
 
-/// An open page follows what is done meanwhile.
+/// An open page follows later changes.
 const kAskAgainS = 10;
 
-/// What was done so far: a class's for who teaches, and each person's own.
+/// The trials so far: a class's for teachers, and each person's own.
 export class HistoryRoom {
   private readonly button = make("button", {
     ...{type: "button", id: "history-open", hidden: true},
@@ -38,7 +38,7 @@ export class HistoryRoom {
   private readonly ofClass: HistoryClass;
   private readonly ofPerson = make("div", {className: "of-person"});
   private teaches = false;
-  private person = 0; // who is shown; 0: the class
+  private person = 0; // the person shown; 0: the class
   private name = "";
   private shown = "";
   private askedS = -Infinity;
@@ -57,7 +57,7 @@ export class HistoryRoom {
     document.body.append(this.dialog);
   }
 
-  /// @param own      this page is a person's who may try exercises
+  /// @param own      this page is a person's who may do exercises
   /// @param teaches  it may see everybody's
   allow(own: boolean, teaches: boolean): void {
     this.teaches = teaches;
@@ -102,10 +102,10 @@ export class HistoryRoom {
     const {person} = this;
     const of = person === 0 ? "class" : String(person);
     const found = await fetchHistory<ClassHistory | PersonHistory>(of, this.events.headers());
-    if (person !== this.person) return; // another one is looked at by now
+    if (person !== this.person) return; // another one has been chosen meanwhile
     if (!found) return this.tell(say("history.not_had"), true);
     const now = JSON.stringify(found);
-    if (now === this.shown) return; // what somebody reads stays
+    if (now === this.shown) return; // unchanged: what somebody reads stays
     this.shown = now;
     const isClass = "people" in found;
     this.ofClass.body.hidden = !isClass;
@@ -123,14 +123,14 @@ export class HistoryRoom {
     const of = this.person === 0 ? "class" : String(this.person);
     this.tell(say("history.wait"));
     const name = `palpate-${this.person === 0 ? "class" : this.name}.${as}`;
-    // Spreadsheets take a comma for what stands between two numbers only where it is not within them.
+    // Spreadsheets separate by commas only in languages whose numbers have none.
     const isComma = as === "csv" && (0.5).toLocaleString(locale()).includes(",");
     const file = `${of}.${isComma ? "comma." : ""}${as}`;
     const had = await saveHistory(file, name, this.events.headers());
     this.tell(had ? "" : say("history.not_had"), !had);
   }
 
-  /// Twice: what is gone is gone.
+  /// Asks twice: deletion cannot be undone.
   private ask(): void {
     const {name} = this;
     const put = (words: string, ...choices: HTMLButtonElement[]): void => {

@@ -15,32 +15,33 @@ import {type Cost, SceneView} from "../view/scene_view";
 import {ToolPointer} from "../view/tool_pointer";
 import {nowS} from "./now";
 
-/// The first pictures upload meshes and compile shaders: once, and not what a picture costs.
+/// The first pictures upload meshes and compile shaders, so they tell nothing about the cost
+/// of a picture.
 const kWarmUp = 3;
 
-/// Whom a frame shows: asked for in each.
+/// What a frame shows; queried in each frame.
 export interface PictureHost {
   /// Who moved a tool of the scene last.
   mover(tool: string): Station | undefined;
   /// The station whose figures are shown.
   station(): Station | undefined;
-  /// The tool that this page may take, or has.
+  /// The tool that this page may take or holds.
   ownTool(): string;
-  /// Where its hand is to go, while it is led.
+  /// Where the hand should go, while it is guided.
   lead(now: number): Pose | undefined;
 }
 
 export interface PictureProbe {
-  firstPictureMs: number | undefined; // since the page was asked for
+  firstPictureMs: number | undefined; // since the page was requested
   pictures: number;
-  scriptMs: number; // of a picture on average, without the card's time
+  scriptMs: number; // mean per picture, without the graphics card's time
   triangles: number;
-  costs: {still: Cost; moving: Cost}; // of what stands still, when it was drawn last, and of the rest
-  drawnAnew: number; // times that what stands still was drawn
+  costs: {still: Cost; moving: Cost}; // of the static layer when last drawn, and of the rest
+  drawnAnew: number; // number of times the static layer was drawn
   quality: {rest: string; motion: string};
 }
 
-/// The picture of the scene that is shown: drawn when something changes, and only then.
+/// The picture of the shown scene, drawn only when something changes.
 export class Picture {
   readonly canvas = element("view", HTMLCanvasElement);
   readonly view: SceneView;
@@ -52,11 +53,11 @@ export class Picture {
   private drawnAnew = 0;
   private scriptMs = 0; // of all pictures that count
   private tools: SceneModel["tools"] = [];
-  private drawn: ToolState[] = []; // of each tool
+  private drawn: ToolState[] = []; // state of each tool
   private frameAsked = false;
   private dirty = true;
   private leads = false;
-  private before: {drawn: Drawn; atMs: number} | undefined; // in the frame before
+  private before: {drawn: Drawn; atMs: number} | undefined; // the previous frame
   private settling: number | undefined; // timer
 
   constructor(private readonly host: PictureHost) {
@@ -73,7 +74,7 @@ export class Picture {
       below,
       readPalette(),
       this.quality,
-      !bySoftware || fixed === "full", // smoothed edges take a third of a processor's time
+      !bySoftware || fixed === "full", // antialiasing takes a third of a processor's time
       matchMedia("(prefers-reduced-motion: reduce)").matches,
       () => this.askFrame(),
     );
@@ -91,7 +92,7 @@ export class Picture {
   }
 
   /// @param remains  what is left of it
-  /// @param poseOf   of a tool, as far as that is known
+  /// @param poseOf   pose of a tool, if known
   setScene(
     model: SceneModel | undefined,
     remains: Remains,
@@ -111,13 +112,13 @@ export class Picture {
     this.askFrame();
   }
 
-  /// Something has changed that a picture shows.
+  /// Something visible has changed.
   askFrame(): void {
     this.dirty = true;
     this.wake();
   }
 
-  /// Something may have changed: the frame finds out, and draws only then.
+  /// Something may have changed: the next frame checks, and draws only if so.
   wake(): void {
     if (this.frameAsked) return;
     this.frameAsked = true;
@@ -138,7 +139,7 @@ export class Picture {
       this.before = {drawn, atMs};
       if (this.view.draws && !this.view.isEmpty) this.count(drawn, startMs);
       this.settleLater(startMs);
-      this.wake(); // it tells by when the browser was ready for another one
+      this.wake(); // its start shows when the browser was ready for another frame
     }
     if (catchingUp) this.wake();
   }
@@ -151,7 +152,7 @@ export class Picture {
     if (this.pictures > kWarmUp) this.scriptMs += nowMs - startMs;
   }
 
-  /// True while there are frames that the picture has not reached.
+  /// Returns whether there are frames that the picture has not reached.
   private moveTools(now: number): boolean {
     let catchingUp = false;
     this.tools.forEach(({name}, i) => {
@@ -168,7 +169,7 @@ export class Picture {
     return catchingUp;
   }
 
-  /// True while there is somebody to lead.
+  /// Returns whether a hand is being guided.
   private showLead(now: number): boolean {
     const lead = this.host.lead(now);
     if (lead || this.leads) {
@@ -193,7 +194,7 @@ export class Picture {
     );
   }
 
-  /// @return whether the eye follows the tool from now on
+  /// @return whether the camera follows the tool from now on
   followOrNot(): boolean {
     const on = !this.view.camera.following;
     this.view.camera.follow(on);
@@ -203,7 +204,7 @@ export class Picture {
     return on;
   }
 
-  /// Where the frame before drew, how long it took tells how well pictures can be drawn.
+  /// If the previous frame drew, its duration decides about the quality.
   private judge(atMs: number): void {
     const {before} = this;
     this.before = undefined;
@@ -212,7 +213,7 @@ export class Picture {
     this.qualityPick.show();
   }
 
-  /// What was drawn in haste, while the eye moved, is drawn well once it rests.
+  /// A picture of reduced quality, drawn while the camera moved, is redrawn once it rests.
   private settleLater(nowMs: number): void {
     window.clearTimeout(this.settling);
     const inMs = this.view.settlesInMs(nowMs);

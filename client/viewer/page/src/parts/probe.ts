@@ -5,10 +5,10 @@ import type {PictureProbe} from "./picture";
 
 type StationProbes = Record<string, ToolState & {frames: number}>;
 
-/// What tests and curious people can read: `palpate` in the browser's console.
+/// What tests and curious users can read: `palpate` in the browser's console.
 export interface Probe extends PictureProbe {
   link: LinkState;
-  links: number; // times that the link was opened
+  links: number; // number of times the link was opened
   scene: string;
   stations: StationProbes;
   hold: string;

@@ -12,14 +12,14 @@ import {ScrubBar} from "../ui/scrub_bar";
 import type {GatewayLink} from "./gateway_link";
 import {nowS} from "./now";
 
-/// As far as a replayer goes (client/replayer/play/steering.cpp).
+/// The rates that a replayer accepts (client/replayer/play/steering.cpp).
 const kRates = [0.1, 0.25, 0.5, 1, 2, 4, 8];
 /// client/replayer/play/bookmarks.h [bytes]
 const kLongestName = 100;
-/// What a replayer has done sooner need not be said.
+/// If the replayer is there sooner, no message is shown.
 const kSeekShownAfterS = 0.5;
 
-/// Whether what is seen is a replay: the sign that says so, and what steers it: a bar, buttons, keys, a
+/// The replay controls: the sign that a replay is shown, and its bar, buttons, keys and
 /// list of marks.
 export class ReplayMode {
   isOn = false;
@@ -40,14 +40,14 @@ export class ReplayMode {
   private readonly bar: ScrubBar;
   private readonly list: MarkList;
   private readonly wishes: Wishes;
-  private of = ""; // the replay that they are of
+  private of = ""; // the replay that they belong to
   private shown: ReplayContents | undefined;
   private steers = false;
   private nowS = 0;
   private seekingSinceS: number | undefined;
   private bookmarkAtS = 0;
 
-  /// @param switched  on or off
+  /// @param switched  called when a replay begins or ends
   constructor(
     private readonly replay: Replay,
     private readonly link: GatewayLink,
@@ -72,7 +72,7 @@ export class ReplayMode {
       this.dialog.close(""),
     );
     this.bookmarkName.addEventListener("input", (event) => {
-      // A letter that is still being composed is let be.
+      // An unfinished input of an input method is left alone.
       if (event instanceof InputEvent && event.isComposing) return;
       const fit = fitBytes(this.bookmarkName.value, kLongestName);
       if (fit !== this.bookmarkName.value) this.bookmarkName.value = fit;
@@ -103,7 +103,7 @@ export class ReplayMode {
     return this.replay.phase(nowS(), this.link.heardSinceS);
   }
 
-  /// The replayer has spoken.
+  /// Called when the replayer has sent a message.
   told(): void {
     const {state} = this.replay;
     if (state && state.replay !== this.of) {
@@ -114,7 +114,7 @@ export class ReplayMode {
     this.show(nowS());
   }
 
-  /// Figures of a replay stand at the recording's time, with what it lacks of their station.
+  /// Plots of a replay use recorded time, with the recording's gaps for their station.
   plotTime(station: Station | undefined, now: number): PlotTime {
     const {replay} = this;
     if (!this.isOn) return {nowS: now, isRecorded: false, gaps: []};
@@ -176,7 +176,7 @@ export class ReplayMode {
     setText(this.where, passed ? markWords(passed) : "");
   }
 
-  /// Where it is, or how far on the way to where it was sent.
+  /// The position, or the progress towards the one requested.
   private timeWords(): string {
     const sought = this.replay.state?.sought ?? 1;
     const isSeeking = this.wishes.soughtS !== undefined || sought < 1;
@@ -190,7 +190,7 @@ export class ReplayMode {
     return sought < 1 ? say("replay.seeking", {at, share}) : say("replay.seeking_soon", {at});
   }
 
-  // What the reader has wished for is shown as if it were so: the replay's answer takes its time.
+  // A requested position is shown as if reached, since the replay's answer takes time.
   private get atS(): number {
     return this.wishes.soughtS ?? this.replay.atS(this.nowS);
   }
@@ -201,7 +201,7 @@ export class ReplayMode {
     return this.wishes.rate ?? this.replay.state?.rate ?? 1;
   }
 
-  // --- wishes ---
+  // --- requests ---
 
   private ask(wish: Wish): void {
     if (!this.steers) return;
@@ -216,7 +216,7 @@ export class ReplayMode {
   }
   private toMarkBefore(): void {
     const marks = this.replay.contents?.marks ?? [];
-    // One that is only wished for does not go on meanwhile.
+    // A position that is only requested does not advance meanwhile.
     const rate = this.isPlaying && this.wishes.soughtS === undefined ? this.rateNow : 0;
     this.seek(markBefore(marks, this.atS, rate)?.atS ?? 0);
   }
@@ -234,7 +234,7 @@ export class ReplayMode {
     if (next !== undefined) this.setRate(next);
   }
 
-  /// Of the moment at which it was asked for, however long its name is thought about.
+  /// The bookmark is for the moment of the request, however long its naming takes.
   private nameBookmark(): void {
     if (!this.steers || this.dialog.open) return;
     this.bookmarkAtS = this.atS;

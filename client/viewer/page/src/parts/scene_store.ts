@@ -5,19 +5,19 @@ const kRetryMs = 1000;
 
 export interface SceneStoreHost {
   headers(): Record<string, string>;
-  isWanted(scene: string): boolean; // it is the one that is shown
+  isWanted(scene: string): boolean; // whether it is the shown scene
   loading(is: boolean): void;
-  /// The one that is shown.
-  /// @param anew  it is not what was there before
+  /// The shown scene is there.
+  /// @param anew  it differs from the former one
   loaded(anew: boolean): void;
-  /// @param whileSo  whether it still is wanted, and not there
+  /// @param whileSo  returns whether it is still wanted and missing
   failed(reason: string, whileSo: () => boolean): void;
 }
 
 /// The scenes that have been fetched.
 export class SceneStore {
   private readonly fetched = new Map<string, FetchedScene>();
-  private loading = ""; // the scene
+  private loading = ""; // name of the scene
   private loadAgain = false;
 
   constructor(private readonly host: SceneStoreHost) {}
@@ -29,7 +29,7 @@ export class SceneStore {
   async load(name: string): Promise<void> {
     const {host} = this;
     if (this.loading === name) {
-      this.loadAgain = true; // it may have changed since it was asked for
+      this.loadAgain = true; // it may have changed since it was requested
       return;
     }
     this.loading = name;
@@ -48,7 +48,7 @@ export class SceneStore {
         if (isMissing()) void this.load(name);
       }, kRetryMs);
     } finally {
-      // Another scene may have been entered meanwhile: then the rest is its load's.
+      // Another scene may have been chosen meanwhile, whose own load then does the rest.
       if (this.loading === name) {
         this.loading = "";
         host.loading(false);

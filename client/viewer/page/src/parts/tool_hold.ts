@@ -10,14 +10,14 @@ import {nowS} from "./now";
 import type {Picture} from "./picture";
 import type {SceneStore} from "./scene_store";
 
-/// A tool of the scene in the reader's hand: taken by button or key, moved by pointer and keys.
+/// The tool held by the reader: taken by button or key, moved by pointer and keys.
 export class ToolHold {
   readonly mouse: MouseDevice;
   private readonly button = element("take", HTMLButtonElement);
   private readonly toolPick = element("tool", HTMLSelectElement);
 
-  /// @param mayTake  this page may take a tool
-  /// @param changed  it has one, asks for one, or no longer
+  /// @param mayTake  returns whether this page may take a tool
+  /// @param changed  called when it takes, requests or releases one
   constructor(
     private readonly world: World,
     private readonly choice: Choice,
@@ -36,9 +36,9 @@ export class ToolHold {
       tool: (scene, tool) => this.whereIs(scene, tool),
     });
     this.button.addEventListener("click", () => this.takeOrRelease());
-    // The tool's keys come before the page's: while it is held, arrows move it and not the eye.
+    // The tool's keys take precedence: while it is held, arrows move it and not the camera.
     this.mouse.listenTo(canvas, view.camera.controls);
-    // A tool in the hand of a page that is gone would stay taken.
+    // Otherwise a closed page would keep its tool.
     addEventListener("pagehide", () => this.mouse.release());
   }
 
@@ -48,20 +48,20 @@ export class ToolHold {
     Escape: () => this.mouse.release(),
   };
 
-  /// It has a tool, or asks for one.
+  /// Whether it holds or requests a tool.
   get isBusy(): boolean {
     return this.mouse.hold !== "none";
   }
-  /// The station that this page's mouse is; empty: none.
+  /// The station of this page's mouse; empty: none.
   get station(): string {
     return this.isBusy ? this.mouse.station : "";
   }
-  /// The tool that is to be taken, or has been.
+  /// The tool to be taken, or taken.
   get tool(): string {
     return this.toolPick.value;
   }
 
-  /// Shows what takes a tool, or tells how, only where this page may.
+  /// Shows the controls for taking a tool, or the hint, only if this page may.
   offer(may: boolean): void {
     for (const part of document.querySelectorAll<HTMLElement>(".of-mouse")) part.hidden = !may;
   }
@@ -121,12 +121,12 @@ export class ToolHold {
     }
     const {scene} = this.choice;
     const holder = this.world.holderOf(scene, this.tool);
-    // What does not move may be gone, or this page's own a moment ago: the server decides.
+    // A tool that does not move may be free, or have been this page's own: the server decides.
     if (holder?.isMoving(nowS()) && holder.id !== this.mouse.station) {
       this.sayWhoHolds(holder, scene, this.tool);
       return;
     }
-    this.choice.stay(); // also when the tool is given back
+    this.choice.stay(); // also after the tool is released
     this.mouse.take(scene, this.tool);
   }
 
@@ -152,7 +152,7 @@ export class ToolHold {
     const body = this.scenes.model(scene)?.tools.find(({name}) => name === tool);
     const centroid = body?.geometry.centroid ?? [0, 0, 0];
     const state = this.world.lastMoverOf(scene, tool)?.track.latest;
-    // Where the tool is, not where the last hand had it: that may be deep inside.
+    // The graphic pose, not the last hand's, which may be deep inside an object.
     const pose = state?.graphic ?? body?.pose ?? {p: [0, 0, 0], q: [1, 0, 0, 0]};
     return {pose, touches: (state?.contacts ?? 0) > 0, centroid};
   }

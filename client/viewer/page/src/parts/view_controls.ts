@@ -2,9 +2,9 @@ import {say} from "../messages/say";
 import {element, setText} from "../ui/elements";
 import type {Picture} from "./picture";
 
-const kTurn = 0.12; // by a key [rad]
+const kTurn = 0.12; // per key press [rad]
 
-/// What changes how the scene is looked at: buttons and keys.
+/// Buttons and keys that change the view of the scene.
 export class ViewControls {
   private readonly followButton = element("follow", HTMLButtonElement);
   private readonly spheres = element("spheres", HTMLButtonElement);
@@ -35,7 +35,7 @@ export class ViewControls {
     "-": () => this.nudge(0, 0, 1 / 0.9),
   };
 
-  /// Another scene is looked at.
+  /// Another scene is shown.
   showScene(): void {
     const {view} = this.picture;
     this.numbers.hidden = !view.labels.any;

@@ -3,8 +3,7 @@ import type {SceneWhole, WholeWish} from "../protocol/messages";
 import {element} from "../ui/elements";
 import type {Notice} from "../ui/notice";
 
-/// Has the server make whole what has been cut, or as it stood at a bookmark, and says what became of
-/// that.
+/// Asks the server to restore a cut scene, or its state at a bookmark, and reports the result.
 export class WholeButton {
   private readonly button = element("whole", HTMLButtonElement);
   private readonly bookmark = element("keep-cut", HTMLButtonElement);
@@ -36,7 +35,8 @@ export class WholeButton {
     this.ask(wish);
   }
 
-  /// @param isNews  who looks on should know why the objects have changed; who has asked, anyway
+  /// @param isNews  spectators are told why the objects have changed; the page that asked
+  /// is always told
   answered({scene, by, refusal, wish}: SceneWhole, isNews: boolean): void {
     if (!isNews && !this.asked) return;
     this.asked = false;

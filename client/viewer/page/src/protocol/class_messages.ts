@@ -5,15 +5,15 @@ export interface Person {
   readonly name: string;
   readonly role: Role;
   readonly station: string;
-  readonly here: number; // pages that are open
+  readonly here: number; // number of open pages
   readonly seat: string; // a scene; empty: none
 }
-/// Everybody, for who may operate.
+/// All people, for operators.
 export interface People {
-  readonly scene: string; // whose seats are given; empty: none are
+  readonly scene: string; // whose seats are assigned; empty: none are
   readonly people: readonly Person[];
 }
-/// What a person's page is told of itself.
+/// What a person's page is told about that person.
 export interface Me {
   readonly person: number;
   readonly name: string;

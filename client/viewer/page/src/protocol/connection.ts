@@ -8,26 +8,26 @@ export interface ConnectionEvents {
   link(state: LinkState): void;
   message(topic: string, value: unknown, stampS: number): void;
   status(level: number, message: string): void;
-  /// The gateway takes messages of this page, or none; and the role that it gives it.
+  /// Whether the gateway takes messages of this page, and the role that it gives it.
   mayPublish(may: boolean, role: string): void;
-  /// The topics that it has for this page.
+  /// The topics that it offers this page.
   offers(topics: ReadonlySet<string>): void;
 }
 
 const kSubprotocols = [FoxgloveClient.SUPPORTED_SUBPROTOCOL, "foxglove.sdk.v1"];
 const kFirstRetryMs = 250;
 const kLastRetryMs = 2000;
-/// A gateway that does not answer by then is tried anew.
+/// Time limit for opening, before another attempt.
 const kOpenWithinMs = 3000;
 
-/// The wait before the n-th try after a loss, from 0.
+/// Delay of the n-th attempt after a loss, from 0.
 const retryMs = (attempt: number): number => Math.min(kLastRetryMs, kFirstRetryMs * 2 ** attempt);
 
-/// A WebSocket to the gateway that comes back by itself.  Subscribes to the topics that it was
-/// asked for as soon as, and each time that, the gateway advertises them.
+/// A WebSocket to the gateway that reconnects by itself.  It subscribes to the wanted topics
+/// whenever the gateway advertises them.
 export class Connection {
   private socket: WebSocket | undefined;
-  private client: FoxgloveClient | undefined; // of this socket, as all that follows
+  private client: FoxgloveClient | undefined; // of the present socket, like the following fields
   private canPublish = false;
   private readonly subscriptions = new Map<number, {channel: Channel; decode: Decode}>();
   private readonly published = new Map<string, number>(); // channel ids by topic
@@ -74,13 +74,13 @@ export class Connection {
     );
   }
 
-  /// Gives up a socket that looks open and is not, and tries at once.
+  /// Drops a socket that only looks open, and reconnects at once.
   restart(): void {
     this.lose();
     this.open();
   }
 
-  /// Sends on a JSON channel of this client; false where the gateway takes no messages now.
+  /// Sends on a JSON channel of this client; returns false if the gateway takes no messages now.
   publish(topic: string, value: object): boolean {
     const {client} = this;
     if (!client || this.socket?.readyState !== 1 || !this.canPublish) return false;
@@ -93,7 +93,7 @@ export class Connection {
     return true;
   }
 
-  /// Nothing of it is heard any more.
+  /// Ignores the socket from now on.
   private lose(): void {
     const {socket} = this;
     this.socket = this.client = undefined;

@@ -9,7 +9,7 @@ export type Decode = (payload: Uint8Array) => unknown;
 
 const kText = new TextDecoder();
 
-/// A JSON object; undefined where it is none.
+/// Returns a JSON object; undefined if the text is none.
 export function parseObject(source: string): Readonly<Record<string, unknown>> | undefined {
   try {
     const value: unknown = JSON.parse(source);
@@ -20,8 +20,8 @@ export function parseObject(source: string): Readonly<Record<string, unknown>> |
   }
 }
 
-/// Reads a channel's messages by the schema that it advertises, so that fields which a newer server
-/// adds are no obstacle.  undefined where the page cannot read the encoding.
+/// Makes a reader for a channel's messages from the schema that it advertises, so that fields added
+/// by a newer server do no harm.  Returns undefined if the page cannot read the encoding.
 export function makeDecoder(channel: Channel): Decode | undefined {
   if (channel.encoding === "json") return (payload) => parseObject(kText.decode(payload));
   if (channel.encoding !== "cdr") return undefined;

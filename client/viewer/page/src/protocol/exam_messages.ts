@@ -2,12 +2,12 @@ import type {Exercise, LocalText} from "./exercise_messages";
 
 export interface ExamTrial {
   readonly task: number; // from 0
-  readonly counts: boolean; // false: it is to be done again
+  readonly counts: boolean; // false: it is to be repeated
   readonly running: boolean;
-  readonly cut: string; // why, where neither its person nor a time ended it
+  readonly cut: string; // reason, if it ended neither by its person nor by a time limit
   readonly sealed: boolean;
-  readonly scored: boolean; // once the exam is closed
-  readonly points: number | null; // null where nothing was touched
+  readonly scored: boolean; // after the exam is closed
+  readonly points: number | null; // null if nothing was touched
 }
 export interface ExamPerson {
   readonly person: number;
@@ -21,15 +21,15 @@ export interface OpenExam {
   readonly closed: boolean;
   readonly left_s: number;
   readonly tasks: number;
-  // Of who sits it:
-  readonly task?: number; // as many as there are tasks: all is done
+  // For a candidate:
+  readonly task?: number; // the number of tasks: all are done
   readonly trial?: number;
   readonly trials?: number;
   readonly time_s?: number;
   readonly exercise?: Exercise;
   readonly cut?: string; // why the last trial was cut short; empty: it was not
-  // Of who teaches:
-  readonly down_s?: number; // for which there was no gateway
+  // For a teacher:
+  readonly down_s?: number; // time without a gateway
   readonly people?: readonly ExamPerson[];
 }
 export interface ExamFile {
@@ -40,7 +40,7 @@ export interface ExamFile {
   readonly wrong: string;
 }
 export interface ExamState {
-  readonly open: OpenExam | null; // or the last one, for who teaches
+  readonly open: OpenExam | null; // or the last one, for a teacher
   readonly exams?: readonly ExamFile[];
   readonly trouble?: string;
 }

@@ -1,4 +1,4 @@
-// What travels, as the gateway writes it: what is no such thing was sent by no gateway.
+// Messages as the gateway writes them.  They are not validated, since only the gateway sends them.
 
 export type LocalText = Readonly<Record<string, string>>;
 
@@ -9,7 +9,7 @@ export interface DoneTrial {
   readonly whole: boolean;
   readonly submitted: boolean;
   readonly reason: string;
-  readonly page: string; // of the score, below /score/; empty: there is none
+  readonly page: string; // key of the score page, below /score/; empty: there is none
 }
 export interface Exercise {
   readonly name: string;
@@ -23,7 +23,7 @@ export interface Exercise {
   readonly most_s: number;
   readonly trials: number;
   readonly pass: number;
-  readonly guide: readonly (readonly number[])[]; // keys of the expert's way; empty: not to be shown
+  readonly guide: readonly (readonly number[])[]; // keys of the expert's motion; empty: not shown
   readonly done: readonly DoneTrial[];
 }
 export interface ExerciseList {
@@ -36,7 +36,7 @@ export type TrialPhase =
   | "scoring"
   | "scored"
   | "unscored"
-  | "kept"; // of an exam: handed in, and not scored yet
+  | "kept"; // in an exam: stored, and not scored yet
 export interface TrialState extends DoneTrial {
   readonly exercise: string;
   readonly phase: TrialPhase;

@@ -1,11 +1,11 @@
 import type {LocalText} from "./exercise_messages";
 
-/// What `GET /history/…` tells, field by field as client/course/history.cpp writes it.
+/// Answers of `GET /history/…`, with the fields written by client/course/history.cpp.
 export interface TermGrade {
-  readonly of: number; // trials; 0: there is no grade
+  readonly of: number; // number of trials; 0: there is no grade
   readonly mean: number | null;
   readonly error: number | null;
-  readonly low: number | null; // 95 %; of three trials or more
+  readonly low: number | null; // 95 % interval, from three trials on
   readonly high: number | null;
 }
 export interface TrialSpread {
@@ -18,12 +18,12 @@ export interface TrialSpread {
 export interface CriterionLoss {
   readonly criterion: string;
   readonly points: number; // of 100
-  readonly of: number; // trials, or people
+  readonly of: number; // number of trials or of people
 }
 export interface HistoryExercise {
   readonly name: string;
-  readonly title: LocalText; // empty: the exercise is gone
-  readonly trials: number; // that make a grade
+  readonly title: LocalText; // empty: the exercise no longer exists
+  readonly trials: number; // how many make a grade
   readonly pass: number | null;
   readonly spread: readonly TrialSpread[];
   readonly lost: readonly CriterionLoss[];
@@ -33,7 +33,7 @@ export interface DoneSeries {
   readonly done: number;
   readonly points: readonly (readonly [n: number, points: number])[];
   readonly grade: TermGrade;
-  readonly lost: readonly CriterionLoss[]; // the first
+  readonly lost: readonly CriterionLoss[]; // the first one only
 }
 export interface HistoryPerson {
   readonly person: number;
@@ -54,7 +54,7 @@ export interface HistoryTrial {
   readonly whole: boolean;
   readonly submitted: boolean;
   readonly reason: string;
-  readonly page: string; // of the score, below /score/; empty: there is none
+  readonly page: string; // key of the score page, below /score/; empty: there is none
   readonly marks: readonly {readonly criterion: string; readonly points: number}[];
 }
 export interface OwnExercise extends HistoryExercise {
@@ -68,7 +68,7 @@ export interface PersonHistory {
   readonly exercises: readonly OwnExercise[];
 }
 
-/// "class" or a person's number.  undefined: it cannot be had.
+/// @param of "class" or a person's number.  Returns undefined if it is not available.
 export async function fetchHistory<T>(
   of: string,
   headers: Record<string, string>,
@@ -81,7 +81,8 @@ export async function fetchHistory<T>(
   }
 }
 
-/// Has the browser keep a file of it; false where it cannot be had.  A link could bring no token.
+/// Saves a history as a file; returns false if it is not available.  A plain link could
+/// send no token.
 export async function saveHistory(
   file: string,
   as: string,

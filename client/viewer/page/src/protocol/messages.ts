@@ -1,8 +1,7 @@
 import type {Pose, Quat, Vec3} from "../model/pose";
 
-/// What travels, as the page uses it: idl/teaching.idl, idl/session.idl, idl/solid.idl
-/// and idl/replay.idl.  A field that the
-/// sender does not have is zero or empty: an older server is no obstacle.
+/// The messages of idl/teaching.idl, idl/session.idl, idl/solid.idl and idl/replay.idl, as the page
+/// uses them.  A field that the sender lacks is zero or empty, so older servers work.
 
 type Fields = Readonly<Record<string, unknown>>;
 type Read<T> = (fields: Fields) => T;
@@ -19,7 +18,7 @@ const text =
   (name: string): Read<string> =>
   ({[name]: value}) =>
     typeof value === "string" ? value : "";
-/// 64 bits that are a name and not a quantity.
+/// A 64-bit identifier.
 const id =
   (name: string): Read<string> =>
   ({[name]: value}) =>
@@ -50,7 +49,7 @@ const list =
 
 type Message<R> = {readonly [Name in keyof R]: R[Name] extends Read<infer T> ? T : never};
 
-/// Reads a decoded message field by field, whatever it is.
+/// Reads a decoded message field by field, whatever its type.
 const message =
   <R extends Readonly<Record<string, Read<unknown>>>>(readers: R) =>
   (value: unknown): Message<R> => {
@@ -61,7 +60,7 @@ const message =
 
 const toContactPoint = message({
   positionM: vec3("position_m"), // in W
-  forceN: vec3("force_N"), // of the object on the tool, in W
+  forceN: vec3("force_N"), // force of the object on the tool, in W
 });
 export type ContactPoint = ReturnType<typeof toContactPoint>;
 
@@ -115,8 +114,8 @@ const kLimiter = {
 export type LimiterStage = keyof typeof kLimiter;
 export const kLimiterStages = Object.keys(kLimiter) as readonly LimiterStage[];
 
-/// What a station's program says of its arm: the last second's, in calls of its wrench limiter where
-/// a stage is named (devices/wrench_limiter.h).
+/// A station's report on its arm over the last second; where a stage is named, in calls of its
+/// wrench limiter (devices/wrench_limiter.h).
 export const toStationStatistics = message({
   station: text("station"),
   device: text("device"),
@@ -128,7 +127,7 @@ export const toStationStatistics = message({
   limiter: message(kLimiter),
   wantedForceN: number("wanted_force_N_max"),
   appliedForceN: number("applied_force_N_max"),
-  energyJ: number("energy_J"), // since the start, as the next
+  energyJ: number("energy_J"), // since the start, like the next one
   energyLeastJ: number("energy_J_min"),
   warmth: number("warmth"),
   deviceStatus: number("device_status"),
@@ -150,14 +149,14 @@ export const toSessionState = message({
 });
 export type SessionState = ReturnType<typeof toSessionState>;
 
-/// What burs leave of a block of an object's grid.
+/// The remaining part of a block of an object's grid.
 export const toSolidBlock = message({
   scene: text("scene"),
   objectIndex: number("object_index"),
   block: number("block"),
   change: number("change"),
   serverRun: id("server_run"),
-  originM: vec3("origin_m"), // of the grid, in the object's frame
+  originM: vec3("origin_m"), // origin of the grid, in the object's frame
   spacingM: number("spacing_m"),
   blocks: vec3("blocks"),
   cut: flag("cut"),
@@ -165,11 +164,11 @@ export const toSolidBlock = message({
 });
 export type SolidBlock = ReturnType<typeof toSolidBlock>;
 
-/// In their order on the wire.
+/// In the order of their numbers in messages.
 const kWholeWishes = ["whole", "bookmark", "back"] as const;
 export type WholeWish = (typeof kWholeWishes)[number];
 
-/// A cut scene has been made whole, or what else somebody wished, or why it has not.
+/// The answer to WholeWish: the scene was restored, or a bookmark set, or why not.
 export const toSceneWhole = message({
   wish: (fields): WholeWish => kWholeWishes[number("wish")(fields)] ?? "whole",
   hasBookmark: flag("has_bookmark"),
@@ -181,7 +180,7 @@ export const toSceneWhole = message({
 });
 export type SceneWhole = ReturnType<typeof toSceneWhole>;
 
-/// What a teacher has set for a scene, for everybody who looks at it.
+/// A teacher's goal for a scene, for all of its viewers.
 export const toSceneGoal = message({
   scene: text("scene"),
   text: text("text"),
@@ -189,7 +188,7 @@ export const toSceneGoal = message({
 });
 export type SceneGoal = ReturnType<typeof toSceneGoal>;
 
-/// What became of the page's own wish to take a tool.
+/// The state of the page's own request for a tool.
 export const toMouseState = message({
   station: text("station"),
   phase: (fields): SessionPhase | "" =>
@@ -202,7 +201,7 @@ export const kMarkKinds = ["bookmark", "session", "contact", "fault", "whole"] a
 export type MarkKind = (typeof kMarkKinds)[number];
 
 const toReplayMark = message({
-  atS: number("at_s"), // from the recording's beginning, as all that follow
+  atS: number("at_s"), // from the recording's beginning, like all that follow
   number: number("number"), // of a bookmark
   kind: (fields): MarkKind =>
     kMarkKinds.find((known) => known === text("kind")(fields)) ?? "session",
@@ -218,14 +217,14 @@ const toReplayGap = message({
 });
 export type ReplayGap = ReturnType<typeof toReplayGap>;
 
-/// What is played.
+/// What is being played.
 export const toReplayContents = message({
   replay: text("replay"),
   recording: text("recording"),
-  begunS: number("begun_s"), // wall clock, since 1970
+  begunS: number("begun_s"), // wall-clock time since 1970
   lengthS: number("length_s"),
   locked: flag("locked"),
-  marks: list("marks", toReplayMark), // by time
+  marks: list("marks", toReplayMark), // sorted by time
   gaps: list("gaps", toReplayGap),
 });
 export type ReplayContents = ReturnType<typeof toReplayContents>;
@@ -234,15 +233,15 @@ export const toReplayState = message({
   replay: text("replay"),
   atS: number("at_s"),
   rate: number("rate"),
-  sought: number("sought"), // of the way to where it was sent
+  sought: number("sought"), // progress towards the requested position
   playing: flag("playing"),
   ended: flag("ended"),
-  request: text("request"), // that it answered last
+  request: text("request"), // the last request answered
   refusal: text("refusal"),
 });
 export type ReplayState = ReturnType<typeof toReplayState>;
 
-/// The gateway's word on a wish of this page.
+/// The gateway's answer to a request of this page.
 export const toReplayAnswer = message({
   tag: number("tag"),
   request: text("request"),

@@ -1,16 +1,16 @@
 import {say} from "../messages/say";
 import {readBundle, type SceneModel} from "../model/bundle";
 
-/// A scene and the tag of the bytes that it was read from.
+/// A scene, with the ETag of the bytes that it was read from.
 export interface FetchedScene {
   readonly tag: string;
   readonly model: SceneModel;
 }
 
-/// The scene's bundle over HTTP, which the browser keeps and asks for anew only by its tag.
-/// @param headers  with the token, where there is one
-/// @param have     what the page shows already; given back as it is where nothing has changed
-/// Throws with a sentence for the reader.
+/// Fetches the scene's bundle over HTTP; the browser caches it and revalidates by its ETag.
+/// @param headers  with the token, if there is one
+/// @param have     what the page already has; returned if nothing has changed
+/// Throws an error whose message is for the reader.
 export async function fetchScene(
   name: string,
   headers: Record<string, string>,
@@ -33,24 +33,24 @@ export async function fetchScene(
   return {tag, model: readBundle(new Uint8Array(await response.arrayBuffer()))};
 }
 
-/// What a server does that serves nothing yet.
+/// The progress of a server that does not serve yet.
 export interface Compiling {
   readonly scene: string;
   readonly stage: string;
   readonly done: number; // 0 to 1
 }
 
-/// What the gateway says of itself, as far as the page uses it: both are of one version.
+/// The gateway's report about itself, as far as the page uses it; both have the same version.
 export interface Health {
   readonly scenes: readonly string[];
   readonly server_run: string;
-  readonly server_lives: boolean; // the one that it last heard
+  readonly server_lives: boolean; // the server heard last
   readonly compiling: Compiling | null;
   readonly viewers: number;
   readonly max_viewers: number;
 }
 
-/// undefined where no gateway answers; "token" where it wants one, or another one.
+/// Returns undefined if no gateway answers; "token" if it requires one, or another one.
 export async function fetchHealth(
   withinMs: number,
   headers: Record<string, string>,

@@ -1,12 +1,12 @@
 import {keep, recall} from "../ui/kept";
 
-/// The token by which a gateway knows who asks, where it asks for one.  It comes in the fragment of
-/// the page's address, `#token=…`, which browsers send to nobody; it is taken out of the address at
-/// once, and kept for this tab alone.
+/// The token by which the gateway authorises this page, if it requires one.  It comes in the
+/// fragment of the page's address, `#token=…`, which browsers never send; it is removed from the
+/// address at once, and kept for this tab only.
 const kKept = "palpate.token";
 const kFragment = "token";
 const kSubprotocol = "palpate.token.";
-/// What fits a header and a subprotocol as it is.
+/// Fits a header and a subprotocol unescaped.
 const kToken = /^[A-Za-z0-9_.~-]{1,200}$/;
 
 export class AccessToken {
@@ -18,7 +18,7 @@ export class AccessToken {
     this.takeFromAddress();
   }
 
-  /// Takes the token out of the address; true where there was one.
+  /// Takes the token out of the address; returns whether there was one.
   takeFromAddress(): boolean {
     const url = new URL(location.href);
     const fragment = new URLSearchParams(url.hash.replace(/^#/, ""));
@@ -33,11 +33,11 @@ export class AccessToken {
     return true;
   }
 
-  /// For what is fetched.
+  /// Headers for fetch.
   get headers(): Record<string, string> {
     return this.value === "" ? {} : {Authorization: `Bearer ${this.value}`};
   }
-  /// For a WebSocket, which takes no headers of a page's.
+  /// Subprotocols for a WebSocket, whose headers a page cannot set.
   protocols(offered: readonly string[]): string[] {
     return this.value === "" ? [...offered] : [...offered, kSubprotocol + this.value];
   }

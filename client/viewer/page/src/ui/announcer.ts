@@ -1,5 +1,5 @@
-/// Says what has changed to who does not see it: a sentence every few seconds at most, and none
-/// twice in a row.
+/// Announces changes to a screen reader: at most one sentence every few seconds, and none twice
+/// in a row.
 const kEveryMs = 4000;
 
 export class Announcer {

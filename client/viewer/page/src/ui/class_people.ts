@@ -18,14 +18,14 @@ const kRoles = {
 const roleWord = (role: Role): string => say(kRoles[role]);
 const isLocal = (host: string): boolean => /^(localhost|127\.|\[::1\])/.test(host);
 
-/// The link by which a person opens this page: no browser sends the fragment to anybody.
+/// Returns the link by which a person opens this page; browsers never send its fragment.
 function linkOf(token: string): string {
   const url = new URL(".", location.href);
   url.hash = new URLSearchParams({token}).toString();
   return url.href;
 }
 
-/// Who is in the class: added, handed a link, renamed, withdrawn.
+/// The people of the class: adds, renames and withdraws them, and hands out their links.
 export class ClassPeople {
   readonly body = make("div", {className: "class-people"});
   private readonly names = make("textarea", {
@@ -72,14 +72,14 @@ export class ClassPeople {
     this.body.append(make("div", {className: "left"}, add, roster), this.links);
   }
 
-  /// Links that the gateway has just made; those of before are shown no more.
+  /// Shows the links just made by the gateway; earlier ones are removed.
   handOut(made: readonly MadePerson[]): void {
     this.names.value = "";
     this.cards.replaceChildren(...made.map((one) => this.card(one)));
     this.links.hidden = false;
     this.links.scrollIntoView({block: "nearest"});
   }
-  /// Closed: who looks over a shoulder later sees none.
+  /// The dialog was closed: its links are removed, so that nobody sees them later.
   forget(): void {
     this.links.hidden = true;
     this.cards.replaceChildren();
@@ -87,7 +87,7 @@ export class ClassPeople {
 
   show(people: readonly Person[]): void {
     const now = JSON.stringify(people.map(({person, name, role}) => [person, name, role]));
-    if (now === this.listed) return; // what somebody is writing stays
+    if (now === this.listed) return; // unchanged: what somebody types stays
     this.listed = now;
     this.list.replaceChildren(...people.map((person) => this.row(person)));
   }
@@ -100,7 +100,8 @@ export class ClassPeople {
       });
     });
     const address = make("a", {href: link, textContent: link});
-    address.addEventListener("click", (event) => event.preventDefault()); // it would be this page's own
+    // Following it would give this page that person's token.
+    address.addEventListener("click", (event) => event.preventDefault());
     return make(
       "li",
       {},

@@ -2,17 +2,17 @@ import {say} from "../messages/say";
 import {make, setOptions, setText} from "./elements";
 import type {OperateOp} from "./console";
 
-/// Somebody as the wall shows them.
+/// A person or station as the wall shows it.
 export interface OnWall {
-  readonly key: string; // a person's number, or a station's name
-  readonly person: number; // 0: a station that is nobody's of the class
+  readonly key: string; // person's number or station's name
+  readonly person: number; // 0: a station of nobody in the class
   readonly name: string;
   readonly scene: string;
-  readonly station: string; // empty: none is there
+  readonly station: string; // empty: none
   readonly doing: string;
   readonly tone: "away" | "idle" | "works" | "held" | "muted";
   readonly forceN: number | undefined;
-  readonly limitN: number; // Infinity: none
+  readonly limitN: number; // Infinity: no limit
   readonly goal: string;
 }
 
@@ -41,11 +41,12 @@ interface Card {
   now: OnWall;
 }
 
-/// The bar is this long where there is no limit [N], and else so many limits: what is too much shows.
+/// Force at the full length of a bar without a limit [N], or else the multiple of the limit: an
+/// excess is visible.
 const kFullN = 1;
 const kFullLimits = 1.5;
 
-/// Who does what now, and what a teacher does about it.
+/// The wall: what everybody does now, and a teacher's commands.
 export class ClassWall {
   readonly body = make("div", {className: "class-wall"});
   private readonly scene = make("select", {id: "class-scene"});
@@ -108,8 +109,8 @@ export class ClassWall {
     this.body.append(make("div", {className: "class-bar"}, start, lineForm), this.none, this.list);
   }
 
-  /// @param scenes  that have seats
-  /// @param begun  the one whose seats are given; empty: none
+  /// @param scenes  those with seats
+  /// @param begun  the scene whose seats are assigned; empty: none
   show(all: readonly OnWall[], scenes: readonly string[], begun: string): void {
     const chosen = scenes.includes(this.scene.value) ? this.scene.value : (scenes[0] ?? "");
     const option = (name: string) => ({value: name, text: name});

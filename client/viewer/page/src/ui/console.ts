@@ -6,7 +6,7 @@ import {element, make, press, setText} from "./elements";
 
 export type OperateOp = "admit" | "take_back" | "mute" | "unmute";
 
-/// A wish that the server's next word on the station answers; given up where it says none [ms].
+/// Time limit for the station's state to change after a request [ms].
 const kAnswerWithinMs = 4000;
 
 interface Row {
@@ -17,15 +17,15 @@ interface Row {
   readonly admit: HTMLButtonElement;
   readonly mute: HTMLButtonElement;
   readonly back: HTMLButtonElement;
-  session: SessionState | undefined; // as the server last said
+  session: SessionState | undefined; // last received from the server
   asked: {readonly of: SessionState | undefined; readonly untilMs: number} | undefined;
 }
 
 const answers = (before: SessionState | undefined, now: SessionState): boolean =>
   before?.phase !== now.phase || before.muted !== now.muted;
 
-/// A teacher's console: every station with what it drives and how that goes, and what a teacher
-/// decides about it.  What is shown is what the server says; a wish greys its row until then.
+/// A teacher's console: every station with its tool and state, and the teacher's decisions.  It
+/// shows what the server reports; a request greys its row until then.
 export class Console {
   private readonly section = element("console-section", HTMLElement);
   private readonly list = element("console", HTMLUListElement);
@@ -39,10 +39,10 @@ export class Console {
     document.body.classList.toggle("operates", visible);
   }
 
-  /// @param stations  those to look at first come first
+  /// @param stations  sorted by importance
   update(stations: readonly Station[], nowMs: number): void {
     if (this.section.hidden) return;
-    // Those who have left are no one's to decide about.
+    // Nothing is to be decided about stations that have left.
     const here = stations.filter(
       ({session}) =>
         session !== undefined && session.phase !== "ended" && session.phase !== "refused",
@@ -54,7 +54,7 @@ export class Console {
       item.remove();
       this.rows.delete(id);
     }
-    // Those who wait at the door are seen first.
+    // Stations that wait to be admitted come first.
     const waits = ({session}: Station): number => (session!.phase === "held" ? 0 : 1);
     [...here]
       .sort((a, b) => waits(a) - waits(b) || a.id.localeCompare(b.id))

@@ -4,13 +4,13 @@ import {make, makeSvg} from "./elements";
 
 export type CurvePoint = readonly [n: number, points: number];
 
-/// Points over trials.
+/// Points by trial number.
 export interface CurveData {
-  readonly label: string; // for who does not see it
+  readonly label: string; // for a screen reader
   readonly spread: readonly TrialSpread[]; // of the class
   readonly pass: number | null;
   readonly own: readonly CurvePoint[];
-  /// The mean of the last trials and its interval, over those trials.
+  /// Mean of the last trials and its interval, drawn over those trials.
   readonly grade?: {
     from: number;
     to: number;
@@ -22,10 +22,10 @@ export interface CurveData {
 }
 
 const kLevels = [0, 25, 50, 75, 100];
-/// More lines than these are a carpet.
+/// More lines than these cannot be told apart.
 const kMostOthers = 60;
 
-/// A curve in the width that it has.
+/// A curve drawn for the available width.
 export class Curve {
   readonly body = make("div", {className: "curve"});
   private data: CurveData | undefined;
@@ -39,7 +39,7 @@ export class Curve {
     this.draw();
   }
 
-  /// One of the others stands out.
+  /// Highlights one of the other lines.
   light(key: number | undefined): void {
     for (const line of this.body.querySelectorAll<SVGElement>(".other"))
       line.classList.toggle("lit", line.dataset["key"] === String(key));
@@ -101,7 +101,7 @@ const textOf = (of: Attributes): Record<string, string> =>
     ]),
   );
 
-/// Where trials and points stand in a width, in the page's letters: a projector's are as large.
+/// Maps trials and points to positions within a width, in units of the page's letter size.
 class Frame {
   private readonly rem = Number.parseFloat(getComputedStyle(document.documentElement).fontSize);
   readonly height = 14.5 * this.rem;
@@ -116,7 +116,7 @@ class Frame {
 
   x(n: number): number {
     const [left, right] = this.ends;
-    // A single trial stands in the middle.
+    // A single trial is centred.
     return left + (right - left) * (this.last === 1 ? 0.5 : (n - 1) / (this.last - 1));
   }
   y(points: number): number {
@@ -145,7 +145,7 @@ class Frame {
   }
 }
 
-/// What the curve's lines are, each by how it is drawn.
+/// A legend of the curve's lines.
 export function legend(...of: readonly (readonly [line: string, words: string])[]): HTMLElement {
   return make(
     "ul",
@@ -156,7 +156,7 @@ export function legend(...of: readonly (readonly [line: string, words: string])[
   );
 }
 
-/// Criteria by what they cost, as bars.
+/// Bars of the points that each criterion costs.
 export function lossBars(
   lost: readonly {readonly criterion: string; readonly points: number}[],
   of = "",

@@ -1,11 +1,11 @@
-/// The element of index.html with this id; throws where page and script do not belong together.
+/// Returns the element of index.html with this id; throws if page and script do not match.
 export function element<T extends HTMLElement>(id: string, type: new () => T): T {
   const found = document.getElementById(id);
   if (!(found instanceof type)) throw new Error(`index.html has no ${type.name} #${id}`);
   return found;
 }
 
-/// A new one, with these properties and children.
+/// Makes an element with these properties and children.
 export function make<Tag extends keyof HTMLElementTagNameMap>(
   tag: Tag,
   properties: Partial<HTMLElementTagNameMap[Tag]> = {},
@@ -16,7 +16,7 @@ export function make<Tag extends keyof HTMLElementTagNameMap>(
   return made;
 }
 
-/// A button that does this.
+/// Makes a button with this action.
 export function press(
   textContent: string,
   onclick: () => void,
@@ -25,7 +25,7 @@ export function press(
   return make("button", {type: "button", textContent, onclick, ...more});
 }
 
-/// One that asks once more, in these words.
+/// Makes a button that asks for confirmation with this text.
 export function sure(
   text: string,
   question: string,
@@ -56,12 +56,12 @@ export function makeSvg<Tag extends keyof SVGElementTagNameMap>(
   return made;
 }
 
-/// Changes the document only where the text differs: a screen reader would read it again.
+/// Changes the document only if the text differs: otherwise a screen reader would read it again.
 export function setText(target: Element, text: string): void {
   if (target.textContent !== text) target.textContent = text;
 }
 
-/// A select's options, kept as they are where nothing has changed.
+/// Sets a select's options, unless they are unchanged.
 export function setOptions(
   select: HTMLSelectElement,
   options: readonly {value: string; text: string}[],

@@ -5,7 +5,7 @@ import {element, make, press, setText, sure} from "./elements";
 
 const kMoreS = 300;
 
-/// Where a teacher opens an exam, sees how far all are, and closes it.
+/// The desk where a teacher opens an exam, follows everybody's progress, and closes it.
 export class ExamDesk {
   private readonly button = press(say("exam.title"), () => this.open(), {
     ...{id: "exam-open", hidden: true, title: say("exam.desk_title")},
@@ -46,7 +46,7 @@ export class ExamDesk {
   }
 
   show({open, exams = [], trouble = ""}: ExamState): void {
-    // Without the time, which goes by: what has the focus stays.
+    // Without the changing time, so that the focused element stays.
     const now = JSON.stringify([{...open, left_s: 0}, exams, trouble]);
     if (now === this.shown) return;
     this.shown = now;

@@ -2,12 +2,12 @@ import {say} from "../messages/say";
 import {figure} from "../model/words";
 import {element, setText} from "./elements";
 
-/// The bar goes on beyond the limit, by half of it, so that one sees by how much it is exceeded.
+/// The bar extends to this multiple of the limit, so that the size of an excess shows.
 const kBeyond = 1.5;
 const kGravity = 9.80665; // [m/s²]
 
-/// A force against its limit, beside the picture on the hand's side: more than that is said by the bar's
-/// length, by stripes, by a frame and in words, and not by colour alone.
+/// Shows a force against its limit, beside the picture on the hand's side.  An excess is shown by
+/// the bar's length, stripes, a frame and a text, and not by colour only.
 export class ForceBar {
   private readonly bar = element("force-bar", HTMLDivElement);
   private readonly now = element("force-bar-now", HTMLSpanElement);
@@ -15,8 +15,8 @@ export class ForceBar {
   private readonly limit = element("force-bar-limit", HTMLSpanElement);
 
   /// @param forceN  undefined: no tool moves
-  /// @param limitN  undefined: there is none, and no bar
-  /// @return what is to be said of it to who does not see it; empty: nothing
+  /// @param limitN  undefined: there is no limit and no bar
+  /// @return the message for a screen reader; empty: none
   show(forceN: number | undefined, limitN: number | undefined): string {
     const {bar} = this;
     bar.hidden = limitN === undefined;

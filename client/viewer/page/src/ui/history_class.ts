@@ -9,7 +9,7 @@ interface Row {
   readonly did: DoneSeries | undefined;
 }
 
-/// A class in one exercise: its spread, what costs it most, and everybody's grade.
+/// A class in one exercise: its spread, its costliest criteria, and everybody's grade.
 export class HistoryClass {
   readonly body = make("div", {className: "of-class"});
   private readonly pick = make("select", {id: "history-exercise"});
@@ -160,7 +160,7 @@ export class HistoryClass {
   }
 }
 
-/// The course of the points in a word's size; what it says stands beside it.
+/// A curve of the points, as large as a word; its figures stand beside it.
 function sparkline(points: DoneSeries["points"]): SVGSVGElement {
   const [width, height] = [96, 24];
   const last = points.at(-1)?.[0] ?? 1;

@@ -4,12 +4,12 @@ import {Curve, legend, lossBars} from "./curve";
 import {make} from "./elements";
 import {gradeFigure, gradeWords, titlesOf, whenWords} from "./history_words";
 
-/// So many things to practise next: more are none.
+/// Most suggestions of what to practise next.
 const kMostNext = 3;
-/// What costs less is within what two trials differ by.
+/// A smaller loss is within the variation between two trials.
 const kLeastLoss = 2;
 
-/// What a person did: what to practise next, and of each exercise curve, grade and trials.
+/// A person's history: what to practise next, and for each exercise curve, grade and trials.
 export function personHistory(history: PersonHistory, isOwn: boolean): HTMLElement[] {
   const {exercises} = history;
   const titles = titlesOf(exercises);

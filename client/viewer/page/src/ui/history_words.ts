@@ -2,7 +2,8 @@ import {locale, say, sayNumber} from "../messages/say";
 import {ownText} from "../model/local_text";
 import type {HistoryExercise, TermGrade} from "../protocol/history_messages";
 
-/// By name; one that is gone has no title, and of two with one title each has its name as well.
+/// Returns titles by exercise name.  A missing exercise has its name; equal titles get
+/// the name added.
 export function titlesOf(
   exercises: readonly Pick<HistoryExercise, "name" | "title">[],
 ): ReadonlyMap<string, string> {
@@ -16,18 +17,18 @@ export function titlesOf(
   );
 }
 
-/// "78 ± 6": half of the interval where it is of enough trials.
+/// Returns "78 ± 6", with half of the interval if there are enough trials.
 export function gradeFigure({mean, low, high, error, of}: TermGrade): string {
   if (mean === null) return "–";
   if (low === null || high === null || error === null) return sayNumber(mean, 0);
-  // The interval ends at 0 and 100; its longer half is the one that is whole.
+  // The interval is clamped to 0 and 100; its longer half is complete.
   const half = Math.max(mean - low, high - mean);
   return of > 0
     ? say("history.plus_minus", {mean: sayNumber(mean, 0), half: sayNumber(half, 0)})
     : "";
 }
 
-/// What the figure is, in words.
+/// Explains the figure in words.
 export function gradeWords({of, low, high}: TermGrade, trials: number): string {
   if (of === 0) return say("history.no_grade");
   const what =

@@ -1,7 +1,7 @@
 type Where = "localStorage" | "sessionStorage";
 
-// A browser that keeps nothing for this page (private windows) is no reason to fail: what it was to keep
-// serves until the page goes.
+// Storage that also works in a browser that stores nothing (private windows): values are then kept
+// until the page closes.
 
 export function recall(where: Where, key: string): string | null {
   try {

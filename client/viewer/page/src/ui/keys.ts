@@ -1,10 +1,10 @@
-/// What they scroll is the panel.
+/// Keys that scroll the panel.
 const kScrolls = new Set(["Home", "End"]);
 const kMovesSlider = (key: string): boolean => key.length > 1;
 
-/// One key, one thing to do.  Keys that are typed into a control, or belong to the browser, are
-/// left alone; and those that scroll, as arrows do, to whatever else than the picture has the focus.
-/// A slider takes no letters, so that it keeps only those that move it.
+/// Calls one action per key.  Keys that are typed into a control or belong to the browser are left
+/// alone; scrolling keys, such as arrows, go to the focused element unless that is the picture.  A
+/// slider uses no letters, so it keeps only the keys that move it.
 export function listenForKeys(actions: Readonly<Record<string, () => void>>): void {
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
@@ -17,7 +17,7 @@ export function listenForKeys(actions: Readonly<Record<string, () => void>>): vo
     const isFree = target === document.body || target instanceof HTMLCanvasElement;
     if (event.key.startsWith("Arrow") && !isFree) return;
     if (kScrolls.has(event.key) && target instanceof Element && target.closest(".panel")) return;
-    // Space presses a button that has the focus, and scrolls elsewhere.
+    // Space presses a focused button, and scrolls elsewhere.
     if (event.key === " " && !isFree && !isSlider) return;
     const action = actions[event.key.length === 1 ? event.key.toLowerCase() : event.key];
     if (!action || (event.repeat && event.key === " ")) return;

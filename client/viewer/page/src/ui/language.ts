@@ -6,7 +6,7 @@ import {keep, recall} from "./kept";
 const kKey = "palpate-language";
 const kInAddress = "lang";
 
-/// What of an element of index.html is said, by the attribute that has the message's key.
+/// The part of an element of index.html that a text fills, by the attribute with the message's key.
 const kParts = {
   "data-say": "text",
   "data-say-title": "title",
@@ -14,7 +14,7 @@ const kParts = {
   "data-say-placeholder": "placeholder",
 } as const;
 
-/// Has the page speak the reader's language: the chosen one, the address's, or the browser's.
+/// Selects the page's language: the chosen one, the address's, or the browser's.
 export async function speakToReader(): Promise<void> {
   const asked = new URLSearchParams(location.search).get(kInAddress);
   const chosen = recall("localStorage", kKey);
@@ -32,7 +32,7 @@ export async function speakToReader(): Promise<void> {
   offerLanguages(language);
 }
 
-/// In their own names.  The page begins anew with another one: what has been said is all over it.
+/// In their own names.  Choosing one reloads the page, since its texts are everywhere.
 function offerLanguages(language: string): void {
   const select = element("language", HTMLSelectElement);
   for (const tag of kLanguages) {
@@ -44,7 +44,7 @@ function offerLanguages(language: string): void {
   select.value = language;
   select.addEventListener("change", () => {
     keep("localStorage", kKey, select.value);
-    // Where the browser keeps nothing, the address does.
+    // If the browser stores nothing, the address keeps the choice.
     const isKept = recall("localStorage", kKey) === select.value;
     rememberInAddress(kInAddress, isKept ? "" : select.value);
     location.reload();

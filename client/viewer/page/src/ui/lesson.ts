@@ -3,9 +3,9 @@ import type {SceneGoal} from "../protocol/messages";
 import {rememberInAddress} from "./address";
 import {element, setText} from "./elements";
 
-/// Who looks: a student, who needs force, what is touched and a goal, or a teacher, who sees all and
-/// sets the goal.  The view stands in the address, which hands it on; the goal is the scene's, and the
-/// gateway tells it to everybody.
+/// The two views: a student needs force, touched objects and a goal; a teacher sees everything and
+/// sets the goal.  The view is stored in the address, so links pass it on; the goal belongs to the
+/// scene, and the gateway tells it to everybody.
 export class Lesson {
   private readonly button = element("audience", HTMLButtonElement);
   private readonly goal = element("goal", HTMLParagraphElement);
@@ -16,7 +16,7 @@ export class Lesson {
   private readonly asked = new URLSearchParams(location.search).get("view");
   private isStudents = false;
   private scene = "";
-  /// Of force, by the goal; undefined: it names none.
+  /// The goal's force limit; undefined: it has none.
   limitN: number | undefined;
 
   constructor(
@@ -36,14 +36,14 @@ export class Lesson {
     rememberInAddress("view", student ? "student" : this.isStudents ? "all" : "");
   }
 
-  /// The page is one of a course's students, who begin with their own view.
+  /// The page is a student's of a course, for whom the student's view is the default.
   greetStudent(): void {
     if (this.isStudents) return;
     this.isStudents = true;
     if (this.asked === null) this.setStudent(true);
   }
 
-  /// Whether this page may set a goal.
+  /// Sets whether this page may set a goal.
   allow(may: boolean): void {
     this.section.hidden = !may;
   }
@@ -56,7 +56,7 @@ export class Lesson {
     const text = goal?.text ?? "";
     this.limitN = goal && goal.limitN > 0 ? goal.limitN : undefined;
     const limit = this.limitN?.toString() ?? "";
-    // What somebody is writing just now is his.
+    // Text that somebody is typing is kept.
     if (another || document.activeElement !== this.text) this.text.value = text;
     if (another || document.activeElement !== this.limit) this.limit.value = limit;
     const atMost = this.limitN === undefined ? "" : say("goal.at_most", {limit: this.limitN});

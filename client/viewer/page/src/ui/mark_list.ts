@@ -4,10 +4,10 @@ import {clock, markWords} from "../model/words";
 import type {ReplayMark} from "../protocol/messages";
 import {element, make, setText} from "./elements";
 
-/// More contacts than these are on the bar alone: nobody reads them all.
+/// More contacts than these are shown on the bar only: nobody reads them all.
 const kMostContacts = 100;
 
-/// A replay's marks by time: to go to, and bookmarks to take away.
+/// A replay's marks, sorted by time: to jump to, and bookmarks to remove.
 export class MarkList {
   private readonly section = element("marks-section", HTMLElement);
   private readonly list = element("marks", HTMLOListElement);
@@ -35,7 +35,7 @@ export class MarkList {
     setText(this.none, tooMany ? say("mark.on_bar_alone", {count: contacts}) : say("mark.none"));
   }
 
-  /// Marks the one that was passed last.
+  /// Highlights the mark passed last.
   show(atS: number): void {
     const current = this.rows.filter((row) => row.atS <= atS + kHereS).at(-1)?.item;
     if (current === this.current) return;
@@ -43,7 +43,7 @@ export class MarkList {
     current?.setAttribute("aria-current", "true");
     this.current = current;
     if (!current) return;
-    // Within the list: the page stays where the reader has it.
+    // Scrolls only within the list, not the page.
     const {list} = this;
     const top = current.offsetTop - list.offsetTop;
     const isAbove = top < list.scrollTop;

@@ -4,7 +4,7 @@ const kNewsMs = 5000;
 
 export interface NoticeOptions {
   readonly alarm?: boolean;
-  /// It is shown only as long as this holds; left out: for a few seconds.
+  /// The message is shown while this returns true; if left out, for a few seconds.
   readonly whileSo?: () => boolean;
   readonly action?: {readonly text: string; run(): void};
 }
@@ -14,8 +14,8 @@ interface Said extends NoticeOptions {
   readonly untilMs: number;
 }
 
-/// The one line above the buttons: what has just been said, as long as it is so, and else what the
-/// reader can do now.
+/// The one line above the buttons: the latest message while it applies, and otherwise a hint what
+/// the reader can do now.
 export class Notice {
   private readonly line = element("hint", HTMLDivElement);
   private readonly text = element("hint-text", HTMLParagraphElement);
@@ -38,12 +38,12 @@ export class Notice {
     this.update(true);
   }
 
-  /// What is shown where nothing has been said.
+  /// Sets the hint that is shown if there is no message.
   rest(help: string): void {
     this.help = help;
   }
 
-  /// @param helps  nothing worse stands above the picture than what the reader can do
+  /// @param helps  whether the hint may be shown: there is no alarm above the picture
   update(helps: boolean): void {
     const {said} = this;
     if (said && (performance.now() > said.untilMs || said.whileSo?.() === false)) {

@@ -1,8 +1,8 @@
 const kHz = 660;
 const kLoudness = 0.2;
-const kFadeS = 0.02; // at once, without a click
+const kFadeS = 0.02; // short, but long enough to avoid a click
 
-/// A tone as long as the force is beyond its limit, where the reader wants one.
+/// A tone while the force exceeds its limit, if the reader has enabled it.
 export class OverSound {
   private wanted = false;
   private sounds = false;
@@ -10,7 +10,7 @@ export class OverSound {
   private gain: GainNode | undefined;
 
   constructor() {
-    // Browsers let a page sound only once its reader has done something on it.
+    // Browsers allow sound only after the reader has interacted with the page.
     for (const event of ["pointerdown", "keydown"]) addEventListener(event, () => this.begin());
   }
 

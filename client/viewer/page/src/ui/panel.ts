@@ -1,6 +1,7 @@
 import {element} from "./elements";
 
-/// The panel of figures, the help and the settings, by button and by the keys that it returns, for listenForKeys.
+/// Opens and closes the panel of figures, the help and the settings, by button and by the returned
+/// keys, for listenForKeys.
 export function listenToPanel(): Readonly<Record<string, () => void>> {
   const panel = element("panel", HTMLElement);
   const button = element("panel-toggle", HTMLButtonElement);

@@ -8,8 +8,8 @@ import {make, setText} from "./elements";
 interface PlotKind {
   readonly title: Key;
   readonly unit: string;
-  readonly colour: string; // of the style sheet
-  readonly least: number; // the axis goes at least this far, so that noise does not fill it
+  readonly colour: string; // name in the style sheet
+  readonly least: number; // least range of the axis, so that noise does not fill it
 }
 
 /// In the order of kFigures.
@@ -20,14 +20,14 @@ const kKinds: Readonly<Record<(typeof kFigures)[number], PlotKind>> = {
   step: {title: "figure.step", unit: "µs", colour: "step", least: 20},
 };
 
-/// The plots' time: this page's own, which ends now, or a recording's.
+/// The time axis of the plots: this page's time, ending now, or a recording's.
 export interface PlotTime {
   readonly nowS: number;
   readonly isRecorded: boolean;
-  readonly gaps: readonly {readonly fromS: number; readonly toS: number}[]; // nothing was recorded
+  readonly gaps: readonly {readonly fromS: number; readonly toS: number}[]; // not recorded
 }
 
-/// Live plots of one station, one under the other on one axis of time.
+/// Live plots of one station, stacked, with a common time axis.
 export class Plots {
   private plots: {plot: uPlot; value: HTMLOutputElement; unit: string; figure: number}[] = [];
   private time: PlotTime = {nowS: 0, isRecorded: false, gaps: []};
@@ -38,13 +38,13 @@ export class Plots {
     new ResizeObserver(() => this.resize()).observe(parent);
   }
 
-  /// A student needs force and what it presses in alone.
+  /// A student needs only the force and the hand's distance past the surface.
   showFor(student: boolean): void {
     this.wanted = student ? ["force", "past"] : kFigures;
     this.build();
   }
 
-  /// Anew, in the style sheet's present colours.
+  /// Builds them again, in the style sheet's present colours.
   build(): void {
     for (const {plot} of this.plots) plot.destroy();
     const style = getComputedStyle(document.documentElement);
@@ -53,7 +53,7 @@ export class Plots {
     this.plots = this.wanted.map((name, i) => {
       const kind = kKinds[name];
       const isLast = i === this.wanted.length - 1;
-      const value = make("output", {ariaLive: "off"}); // the announcer speaks
+      const value = make("output", {ariaLive: "off"}); // the announcer does that
       value.style.color = colour(kind.colour);
       const title = say(kind.title);
       const header = make("header", {}, make("h3", {textContent: title}), value);
@@ -76,7 +76,7 @@ export class Plots {
     this.plots.forEach(({plot, value, unit, figure: i}) => {
       const [times, figures] = station?.history.series(i, time.nowS) ?? [[], []];
       plot.setData([times, figures]);
-      // Its axis goes along, while its range stays.
+      // The axis moves along, while its range stays.
       if (wasRecorded || time.isRecorded) plot.redraw(false, true);
       const last = figures.at(-1);
       setText(value, last === undefined ? "–" : `${figure(last)} ${unit}`);
@@ -92,7 +92,7 @@ export class Plots {
   }
 }
 
-/// Every five seconds of a recording that are in sight, counted from now.
+/// Every five visible seconds of a recording, relative to now.
 function fullSeconds(nowS: number): number[] {
   const seconds: number[] = [];
   for (let at = 5 * Math.ceil((nowS - kHistoryS) / 5); at <= nowS; at += 5) {
@@ -170,9 +170,9 @@ function options(
         stroke: colour(kind.colour),
         width: 1.75,
         fill: `color-mix(in srgb, ${colour(kind.colour)} 12%, transparent)`,
-        // One alone, as after a seek of a replay that is paused, is no line.
+        // A single point, as after a seek of a paused replay, is no line.
         points: {show: (plot) => plot.data[0].length === 1, size: 6},
-        // A pause of the data is a gap and not a line.
+        // A pause of the data is drawn as a gap.
         gaps: (plot, _series, first, last) => {
           const times = plot.data[0];
           const gaps: uPlot.Series.Gaps = [];

@@ -2,11 +2,12 @@ import qrcode from "qrcode-generator";
 
 import {makeSvg} from "./elements";
 
-const kQuiet = 4; // modules around it, as the standard has it
+const kQuiet = 4; // margin in modules, as the standard requires
 
-/// A text as a QR code, dark on light in every theme, because not all readers take the inverse.
+/// Draws a text as a QR code, dark on light in every theme, because not all readers
+/// accept the inverse.
 export function qrSvg(text: string, label: string): SVGSVGElement {
-  const code = qrcode(0, "M"); // the smallest that holds it
+  const code = qrcode(0, "M"); // the smallest size that holds the text
   code.addData(text, "Byte");
   code.make();
   const count = code.getModuleCount();

@@ -3,7 +3,7 @@ import {kQualities, type PictureQuality, qualityOf, qualityWords} from "../model
 import {rememberInAddress} from "./address";
 import {element, setText} from "./elements";
 
-/// Says how well pictures are drawn, and lets the reader settle it.
+/// Shows the pictures' quality, and lets the reader fix it.
 export class QualityPick {
   private readonly select = element("quality", HTMLSelectElement);
   private readonly words = element("quality-words", HTMLParagraphElement);

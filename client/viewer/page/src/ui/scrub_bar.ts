@@ -8,16 +8,16 @@ import {
 } from "../protocol/messages";
 import {element, makeSvg, setText} from "./elements";
 
-/// Of the picture of the marks, as index.html has it.
+/// Width of the marks' drawing, as in index.html.
 const kWide = 1000;
-/// A pointer so near a mark means it [px].
+/// A pointer this near a mark selects it [px].
 const kNearPx = 7;
-/// One that is held still at a place for longer has been left behind by the replay [s].
+/// A drag that has stood still for longer than this no longer matches the replay's position [s].
 const kHeldS = 0.3;
 const kArrowS = 1;
 const kPageS = 10;
 
-/// The bar of a replay's time: what is played, with its marks and gaps, and where it is.
+/// The bar of a replay's time, with its marks, gaps and position.
 export class ScrubBar {
   private readonly bar = element("scrub-bar", HTMLDivElement);
   private readonly input = element("scrub", HTMLInputElement);
@@ -44,7 +44,7 @@ export class ScrubBar {
       this.dragging = false;
     });
     for (const end of ["pointerup", "pointercancel", "blur"]) {
-      // After `change`, which comes last.
+      // After `change`, which is the last event.
       input.addEventListener(end, () => window.setTimeout(() => this.letGo()));
     }
     input.addEventListener("pointermove", (event) => {
@@ -76,7 +76,7 @@ export class ScrubBar {
       const d = all.map(({atS}) => `M${x(atS).toFixed(2)} ${line}`).join("");
       return makeSvg("path", {class: `mark ${name}`, d});
     };
-    // A path for each kind, however many there are: bookmarks above the bar, and on top.
+    // One path per kind, however many marks: bookmarks above the bar and on top.
     const paths = [...kMarkKinds]
       .reverse()
       .map((kind) => path(kind, kind, kind === "bookmark" ? "8V64" : "36V92"));
@@ -84,7 +84,7 @@ export class ScrubBar {
     this.picture.replaceChildren(...shapes, ...paths, heads);
   }
 
-  /// What the reader drags stays where it is dragged.
+  /// While the reader drags, the thumb stays there.
   show(atS: number, words: string): void {
     if (!this.dragging) this.input.value = String(atS);
     this.input.setAttribute("aria-valuetext", words);
@@ -118,7 +118,7 @@ export class ScrubBar {
     this.sought(Math.min(Math.max(0, Number(this.input.value) + step), this.lengthS));
   }
 
-  /// A thumb's middle goes from half its width to as much before the end.
+  /// The thumb's centre moves from half its width to as much before the end.
   private timeAt(clientX: number): number {
     const {left, width} = this.picture.getBoundingClientRect();
     return Math.min(Math.max(0, (clientX - left) / width), 1) * this.lengthS;

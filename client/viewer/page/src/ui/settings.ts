@@ -1,8 +1,8 @@
 import {element} from "./elements";
 import {keep, recall} from "./kept";
 
-/// A switch of the settings, kept for the next visit: a class of the page of the same name, for the style
-/// sheet, and what else depends on it.
+/// A switch in the settings, kept for the next visit: sets a class of the same name on the page,
+/// for the style sheet, and calls what else depends on it.
 export function listenToSetting(
   name: "left-handed" | "projector" | "force-sound",
   changed: (on: boolean) => void = () => {},

@@ -5,7 +5,7 @@ const kKey = "palpate-theme";
 
 const kSystem = matchMedia("(prefers-color-scheme: dark)");
 
-/// Light or dark: as the system has it, until the reader chooses.
+/// Light or dark: the system's preference, until the reader chooses.
 export class ThemeSwitch {
   private chosen = kThemes.find((theme) => theme === recall("localStorage", kKey));
 

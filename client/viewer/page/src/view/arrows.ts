@@ -15,10 +15,10 @@ import {
 import {norm, scale, subtract, type Vec3} from "../model/pose";
 import type {ContactPoint} from "../protocol/messages";
 
-/// Force and torque as arrows that show through everything, each with a halo that sets it off.  The
-/// tool shows through them in turn.  Lengths follow one rule, so that the contacts' arrows add up to
-/// the force's, up to the longest that a picture has room for.
-const kLengthPerNewton = 0.4; // of the first sight's radius
+/// Force and torque as arrows that show through everything, each with a halo for contrast; the tool
+/// in turn shows through them.  Lengths have one scale, up to the longest that fits the picture, so
+/// that the contacts' arrows add up to the force's.
+const kLengthPerNewton = 0.4; // share of the initial view's radius
 const kLongest = 0.6;
 const kOpacity = 0.72;
 const kHaloOpacity = 0.3;
@@ -27,7 +27,7 @@ const kUp = new Vector3(0, 1, 0);
 
 const kHalo = [true, false] as const;
 
-/// A part of an arrow, and the halo around it.
+/// A part of an arrow, with its halo.
 class Haloed {
   readonly group = new Group();
   private readonly colours: MeshBasicMaterial[] = [];
@@ -60,7 +60,7 @@ const kBall = new SphereGeometry(1, 20, 14);
 class Arrow extends Haloed {
   private readonly parts: {shaft: Mesh; head: Mesh; grown: number}[];
 
-  /// @param thickness  of the shaft, as a share of that radius
+  /// @param thickness  of the shaft, as a share of the initial view's radius
   constructor(
     private readonly thickness: number,
     order: number,
@@ -92,15 +92,16 @@ class Arrow extends Haloed {
   }
 }
 
-/// Of the torque's circle, as a share of that radius: it grows with the torque, and across it is
-/// no longer than the arrow of the force that a hand can tell, a third of a newton.
-const kRingAtOne = 0.09; // where a newton at that radius would give that torque
+/// Of the torque's circle, as a share of that radius: it grows with the torque, and its diameter is
+/// at most the length of the arrow of the smallest force that a hand notices, a third of a newton.
+const kRingAtOne = 0.09; // if the torque is that of a newton at that radius
 const kLeastRing = 0.05;
 const kLargestRing = 0.066;
-const kRingGap = 1.35; // from the force's foot to the circle's middle, of its radius
+// distance from the base of the force's arrow to the circle's centre, per radius
+const kRingGap = 1.35;
 
-/// Three quarters of a circle about the torque's axis, right-handed.  It stands behind the force's foot,
-/// so that neither covers the other.
+/// Three quarters of a circle about the torque's axis, right-handed.  It stands behind the base of
+/// the force's arrow, so that neither hides the other.
 class TorqueArrow extends Haloed {
   constructor(order: number) {
     super();
@@ -115,7 +116,7 @@ class TorqueArrow extends Haloed {
     }
   }
 
-  /// Area goes with torque.
+  /// Its area is proportional to the torque.
   set(at: Vec3, forceN: Vec3, torqueNm: Vec3, radiusM: number): void {
     const share = norm(torqueNm) / Math.max(1e-9, radiusM);
     this.group.visible = share > 0.003;
@@ -133,7 +134,7 @@ class TorqueArrow extends Haloed {
 
 const kMostContacts = 16;
 
-/// All that is drawn of a tool's forces.
+/// All drawings of a tool's forces.
 export class ForceMarks {
   readonly group = new Group();
   private readonly force = new Arrow(0.01, 30);
@@ -177,7 +178,7 @@ export class ForceMarks {
       dot.visible = point !== undefined;
       arrow.group.visible = false;
       if (!point) return;
-      // One contact's arrow would be the force's own.
+      // A single contact's arrow would equal the force's.
       if (points.length > 1) arrow.set(point.positionM, point.forceN, radiusM);
       dot.position.set(...point.positionM);
       dot.scale.setScalar(radiusM * (0.007 + 0.008 * Math.min(1, Math.sqrt(norm(point.forceN)))));

@@ -20,7 +20,7 @@ import {objectColour, type Palette} from "./palette";
 import {coarsen} from "./coarsen";
 import {paintForScreen} from "./still_layer";
 
-/// Buffers that bodies of one geometry share: uploaded once.
+/// Buffers shared by bodies of the same geometry: uploaded once.
 export class SurfaceCache {
   private readonly made = new Map<
     Geometry,
@@ -28,7 +28,7 @@ export class SurfaceCache {
   >();
   private readonly coarse = new Map<Surface, Promise<BufferAttribute[]>>();
 
-  /// @return indices of fewer triangles over the same vertices
+  /// @return index buffers with fewer triangles over the same vertices
   coarser(surface: Surface, distancesM: readonly number[]): Promise<BufferAttribute[]> {
     let made = this.coarse.get(surface);
     if (!made) this.coarse.set(surface, (made = coarsen(surface, distancesM)));
@@ -55,7 +55,7 @@ export class SurfaceCache {
   }
 }
 
-/// What lies under a look whose scene does not say.
+/// Colour below a look, if the scene has none.
 const kUnderLook = new Color(0xf3ead8);
 
 export function place(group: Group, pose: Pose): void {
@@ -63,17 +63,17 @@ export function place(group: Group, pose: Pose): void {
   group.quaternion.set(pose.q[1], pose.q[2], pose.q[3], pose.q[0]);
 }
 
-/// A body as a solid thing.
+/// A body drawn as a solid surface.
 export class BodyMesh {
   readonly group = new Group();
-  readonly over = new Group(); // at the same place, for what is drawn over tools, too
+  readonly over = new Group(); // at the same place, for what is drawn over tools
   readonly mesh: Mesh<BufferGeometry, MeshStandardMaterial | MeshMatcapMaterial>;
   private readonly surface: Surface;
   private readonly tissues: Uint8Array | undefined;
   private readonly look: Look | undefined;
   private readonly allTriangles: BufferAttribute;
   private coarse: readonly BufferAttribute[] = [];
-  private readonly cut: CutMesh | undefined; // where burs cut it
+  private readonly cut: CutMesh | undefined; // its cut part
   private solid: Solid | undefined;
 
   constructor(
@@ -111,7 +111,7 @@ export class BodyMesh {
 
   paint(palette: Palette): void {
     const material = this.mesh.material;
-    if (this.look) return; // by day and by night the same
+    if (this.look) return; // independent of the theme
     this.cut?.forgetColours();
     if (this.role === "tool") {
       material.color.copy(palette.tools[this.place_ % palette.tools.length]!);
@@ -135,13 +135,13 @@ export class BodyMesh {
     this.mesh.geometry.setAttribute("color", new BufferAttribute(values, 3));
   }
 
-  /// What burs have left of it.
+  /// Sets what burs have left of it.
   setCut(solid: Solid | undefined): boolean {
     this.solid = solid;
     return this.cut?.isBehind(solid) ?? false;
   }
 
-  /// Before it is drawn: many blocks may have come since, and one of them several times.
+  /// To be called before drawing: many blocks may have arrived, and some several times.
   catchUp(): void {
     if (this.mesh.visible) this.cut?.catchUp(this.solid, this.paintNow());
   }
@@ -161,9 +161,9 @@ export class BodyMesh {
     this.coarse = await this.cache.coarser(this.surface, distancesM);
   }
 
-  /// @param detail  0: all triangles, as where there are no others
+  /// @param detail  0: all triangles, also used if there are no coarser ones
   setDetail(detail: number): void {
-    // Beside a cut they would not meet what is left of it.
+    // Beside a cut, coarser triangles would leave gaps.
     if (this.coarse.length === 0 || this.solid) return;
     this.mesh.geometry.setIndex(this.coarse[detail - 1] ?? this.allTriangles);
   }

@@ -7,12 +7,12 @@ import type {ViewFrame} from "../mouse/tool_motion";
 
 const kFieldOfViewDeg = 32;
 
-/// The eye: orbits what it looks at, follows the tool if asked to, and comes back.
+/// The camera: orbits its target, follows the tool if asked to, and can be reset.
 export class Camera {
   readonly eye = new PerspectiveCamera(kFieldOfViewDeg);
   readonly controls: OrbitControls;
   following = false;
-  untouched = true; // nobody has turned it since it was framed
+  untouched = true; // nobody has moved it since it was framed
   private lastTool: Vector3 | undefined;
 
   constructor(
@@ -28,7 +28,7 @@ export class Camera {
     this.controls.addEventListener("start", () => (this.untouched = false));
   }
 
-  /// Sets what a reset shows.
+  /// Sets the view that a reset restores.
   frame({centre, radiusM, from}: FirstSight): void {
     this.controls.minDistance = 0.3 * radiusM;
     this.controls.maxDistance = 20 * radiusM;
@@ -53,7 +53,7 @@ export class Camera {
     this.eye.updateProjectionMatrix();
   }
 
-  /// Moves along with the tool, where it is to be followed.
+  /// Moves along with the tool, if it is to be followed.
   toolAt(position: Vec3): void {
     const here = new Vector3(...position);
     if (this.following) {
@@ -69,7 +69,7 @@ export class Camera {
     this.lastTool = undefined;
   }
 
-  /// Turns about the target, or comes nearer: for keys.
+  /// Orbits the target or moves nearer, by keys.
   nudge(azimuth: number, polar: number, zoom: number): void {
     this.untouched = false;
     const {target, minDistance, maxDistance} = this.controls;

@@ -2,9 +2,9 @@ import {BufferAttribute} from "three";
 
 import type {Surface} from "../model/surface";
 
-/// Fewer triangles over the same vertices, for machines that cannot draw all of them while the eye
-/// moves; the library comes only where that is so.
-/// @param distancesM  how far each of them may be from the surface, from fine to coarse
+/// Makes fewer triangles over the same vertices, for machines that cannot draw all of them while
+/// the camera moves; the library is loaded only then.
+/// @param distancesM  largest errors of the coarser surfaces, from fine to coarse
 export async function coarsen(
   surface: Surface,
   distancesM: readonly number[],

@@ -22,23 +22,23 @@ import {Skin} from "../model/skin";
 import {type Block, kSide, type Lattice, type Solid} from "../model/solid";
 import type {Surface} from "../model/surface";
 
-/// Blocks are written into pages of so many vertices and triangles, wherever one is free: what changes
-/// is sent to the card, and nothing else, and all of it is one call.
+/// Blocks are written into free pages of this many vertices and triangles: only changes are
+/// uploaded, and everything is one draw call.
 const kPageVertices = 64;
 const kPageCorners = 3 * 2 * kPageVertices;
 const kFirstPages = 32;
-/// Of a vertex: place, normal, colour and gloss.
+/// Per vertex: position, normal, colour and gloss.
 const kFloats = 10;
 const kPageFloats = kFloats * kPageVertices;
 
-/// How far behind the mesh the blocks' surface is seen where the mesh is still the surface [h]: the two
-/// differ by less.
+/// Depth offset of the blocks' surface behind the mesh where the mesh is still the surface [h]; the
+/// two differ by less.
 const kBehind = 0.5;
-/// Of what has been cut, against what was smooth.
+/// Gloss of a cut surface relative to the original.
 const kGloss = 0.25;
-/// A material's that leaves it to viewers (idl/scene.fbs).
+/// A material's colour if viewers choose it (idl/scene.fbs).
 const kNoColour = 0x1000000;
-/// Where the mesh is not its body's surface any more: for the shaders of both.
+/// Where the mesh is no longer its body's surface, for the shaders of both.
 class CutPlaces {
   readonly uniforms = {
     uCut: {value: new Data3DTexture(new Uint8Array(1), 1, 1, 1)},
@@ -64,7 +64,7 @@ class CutPlaces {
     const {uCut} = this.uniforms;
     uCut.value.dispose();
     this.cut = new Uint8Array(blocks[0] * blocks[1] * blocks[2]);
-    uCut.value = new Data3DTexture(this.cut, ...blocks); // nearest of its own accord
+    uCut.value = new Data3DTexture(this.cut, ...blocks); // filters "nearest" by default
     uCut.value.format = RedFormat;
     uCut.value.unpackAlignment = 1;
     uCut.value.needsUpdate = true;
@@ -77,7 +77,7 @@ class CutPlaces {
     this.uniforms.uCut.value.needsUpdate = true;
   }
 
-  /// The mesh is left out where its block is cut.
+  /// Makes a material discard the mesh where its block is cut.
   leaveOut(material: Material): void {
     this.extend(material, "left out where cut", (shader) => {
       shader.vertexShader = shader.vertexShader.replace(
@@ -98,8 +98,8 @@ void main() {
     });
   }
 
-  /// What lies in other blocks closes the seam, and the mesh hides the rest of it.  By depth alone, so
-  /// that no gap opens between the two.
+  /// Neighbouring blocks close the seam; the mesh hides the rest of them.  The offset changes only
+  /// the depth, so no gap opens between the two.
   putBehind(material: Material): void {
     this.extend(material, "behind where not cut", (shader) => {
       shader.vertexShader = shader.vertexShader
@@ -140,19 +140,19 @@ void main() {`,
 
 /// What the mesh looks like.
 export interface Paint {
-  /// Colour and gloss at one of the surface's vertices.
+  /// Returns colour and gloss at a vertex of the surface.
   at(vertex: number): readonly [number, number, number, number];
-  readonly under: Color; // what is below it
+  readonly under: Color; // colour below the surface
 }
 
 interface Drawn {
-  block: Block | undefined; // undefined: it is to be drawn anew
-  beside: number; // of its patch
+  block: Block | undefined; // undefined: it must be redrawn
+  beside: number; // hash of its patch
   readonly pages: number[];
 }
 
-/// What burs have left of a body.  Drawn with its mesh, which leaves out the blocks that are cut; what was
-/// the mesh's surface looks as it did.
+/// The remaining part of a body that was cut.  Drawn together with its mesh, which leaves out the
+/// blocks that are cut; the original surface keeps its look.
 export class CutMesh {
   readonly mesh: Mesh<BufferGeometry, Material>;
   private readonly places = new CutPlaces();
@@ -163,11 +163,11 @@ export class CutMesh {
   private readonly drawn = new Map<number, Drawn>();
   private lattice: Lattice | undefined;
   private skin: Skin | undefined;
-  private solid: Solid | undefined; // that is drawn
-  private version = 0; // of it
+  private solid: Solid | undefined; // the one drawn
+  private version = 0; // its version
 
   /// @param of        the body's material
-  /// @param material  another one like it
+  /// @param material  a copy of it
   constructor(
     private readonly body: Body,
     private readonly surface: Surface,
@@ -186,7 +186,7 @@ export class CutMesh {
     return solid !== this.solid || (solid?.version ?? 0) !== this.version;
   }
 
-  /// Its colours are others.
+  /// The colours have changed.
   forgetColours(): void {
     for (const drawn of this.drawn.values()) {
       drawn.block = undefined;
@@ -235,7 +235,7 @@ export class CutMesh {
     this.mesh.geometry.setDrawRange(0, this.pages * kPageCorners);
   }
 
-  /// Of each material: as its scene says, or else what is below the body's look.
+  /// Returns each material's colour: the scene's, or else the one below the body's look.
   private coloursOf(under: Color): Color[] {
     return this.body.cutColours.map((colour) => (colour < kNoColour ? new Color(colour) : under));
   }
@@ -256,7 +256,7 @@ export class CutMesh {
     while (pages.length > needed) this.clear(pages.pop()!);
     while (pages.length < needed) pages.push(this.take());
 
-    // A vertex between two materials is of both.
+    // A vertex between two materials gets both.
     const tints = new Float32Array(4 * count);
     index.forEach((vertex, corner) => {
       const {materials} = block;
@@ -295,8 +295,8 @@ export class CutMesh {
     this.vertices.needsUpdate = this.index.needsUpdate = true;
   }
 
-  /// Where the mesh's surface is left, its normal and colour.
-  /// @param at  where the vertex is in the list
+  /// Where the mesh's surface is left, copies its normal and colour.
+  /// @param at  position of the vertex in the list
   private asBefore(triangle: number, to: Float32Array, at: number, paint: Paint): void {
     const {index, normals} = this.surface;
     const shares = this.skin!.sharesOf(triangle, to[at]!, to[at + 1]!, to[at + 2]!);
@@ -325,7 +325,7 @@ export class CutMesh {
 
   private grow(pages: number): void {
     const {geometry} = this.mesh;
-    geometry.dispose(); // what the card has of it
+    geometry.dispose(); // frees it on the graphics card
     const floats = new Float32Array(pages * kPageFloats);
     floats.set(this.vertices.array as Float32Array);
     const corners = new Uint32Array(pages * kPageCorners);

@@ -18,7 +18,7 @@ void main() {
   gl_Position = projectionMatrix * eye;
 }`;
 
-// A rim that fades towards the middle, so that what is inside stays readable.
+// A rim that fades towards the middle, so that the inside stays readable.
 const kFragmentShader = `
 uniform vec3 uColour;
 uniform float uRim;
@@ -32,7 +32,7 @@ void main() {
   #include <colorspace_fragment>
 }`;
 
-/// Distances of the hand from the graphic tool between which the ghost appears [m].
+/// Distances of the hand from the graphic tool over which the ghost fades in [m].
 const kAppearsM = [0.0001, 0.001] as const;
 
 const makeMaterial = (more: ShaderMaterialParameters): ShaderMaterial =>
@@ -44,8 +44,8 @@ const makeMaterial = (more: ShaderMaterialParameters): ShaderMaterial =>
     ...more,
   });
 
-/// Where the hand has the tool: see-through, and fainter still where something hides it.  Gone
-/// while the hand and the tool that one sees are at the same place.
+/// The tool at the hand's pose: transparent, and fainter where it is hidden.  Invisible while the
+/// hand and the graphic tool coincide.
 export class Ghost {
   readonly group = new Group();
   private readonly materials: readonly ShaderMaterial[];
@@ -55,7 +55,7 @@ export class Ghost {
     const seen = makeMaterial({depthWrite: false});
     const hidden = makeMaterial({depthWrite: false, depthFunc: GreaterDepth});
     this.materials = [seen, hidden];
-    // Hidden parts first, then the depth of the front, then what is seen of it: no layer twice.
+    // The hidden parts first, then the front's depth, then the visible parts: no layer twice.
     [hidden, depthOnly, seen].forEach((material, order) => {
       const mesh = new Mesh(geometry, material);
       mesh.renderOrder = 1 + order;
@@ -67,7 +67,7 @@ export class Ghost {
     for (const material of this.materials) (material.uniforms.uColour!.value as Color).copy(colour);
   }
 
-  /// @param distanceM  of the hand from the graphic tool, a turn counted by its lever
+  /// @param distanceM  of the hand from the graphic tool, with rotation counted at its lever arm
   setDistance(distanceM: number): void {
     const [from, to] = kAppearsM;
     const t = Math.min(1, Math.max(0, (distanceM - from) / (to - from)));

@@ -15,13 +15,14 @@ import type {Surface} from "../model/surface";
 import type {Look} from "./looks";
 import {paintForScreen} from "./still_layer";
 
-// Gloss for what has a look, at the cost of one texture: the lights hang at the eye, so how bright a
-// place is follows from its normal in the eye's frame alone, and is looked up (a "matcap").  Physically
-// based materials with an environment came to less than a picture a second without a graphics card.
+// Gloss for bodies with a look, at the cost of one texture: the lights are fixed to the camera, so
+// brightness depends only on the normal in the camera's frame and is looked up (a "matcap").
+// Without a graphics card, physically based materials with an environment map reached less than one
+// picture a second.
 
 const kTexels = 192;
 
-/// A soft window that the surface mirrors, in the stereographic plane of mirrored directions.
+/// A soft window that the surface reflects, in the stereographic plane of reflected directions.
 interface Window {
   readonly x: number;
   readonly y: number;
@@ -35,7 +36,7 @@ const kWindows: readonly Window[] = [
 
 const clamp01 = (x: number): number => Math.min(1, Math.max(0, x));
 
-/// Light that is mirrored towards the eye by a normal in its frame.
+/// Returns the light reflected to the camera by a normal in its frame.
 function mirrored(n: Vec3, look: Look): number {
   const r: Vec3 = [2 * n[2] * n[0], 2 * n[2] * n[1], 2 * n[2] * n[2] - 1];
   const x = r[0] / (1.02 + r[2]);
@@ -56,7 +57,7 @@ function mirrored(n: Vec3, look: Look): number {
   return light + 0.22 * rim * (1 - look.roughness);
 }
 
-/// Light that a normal in the eye's frame receives, as its colour has it.
+/// Returns the diffuse light on a normal in the camera's frame.
 function received([x, y, z]: Vec3): number {
   const key = clamp01((0.3 * x + 0.52 * y + 0.8 * z + 0.15) / 1.15);
   const fill = clamp01(-0.85 * x + 0.1 * y + 0.5 * z);
@@ -92,7 +93,7 @@ export function glossy(look: Look): MeshMatcapMaterial {
   let matcap = kMatcaps.get(look);
   if (!matcap) kMatcaps.set(look, (matcap = matcapOf(look)));
   const material = new MeshMatcapMaterial({matcap, vertexColors: true});
-  // What is mirrored comes on top, where the room is seen at all: vColor.a.
+  // Reflections are added, scaled by the visibility of the surroundings: vColor.a.
   material.onBeforeCompile = (shader) => {
     paintForScreen(shader);
     shader.fragmentShader = shader.fragmentShader.replace(
@@ -104,8 +105,9 @@ export function glossy(look: Look): MeshMatcapMaterial {
   return material;
 }
 
-/// A probe's marks after UNC-15, as far as it is straight: a line at each millimetre from its tip, and
-/// bands from 4 to 5 and from 9 to 10.  By place and not by vertex: the mesh stays the one that is felt.
+/// Adds a probe's marks after UNC-15 to its straight part: a line at each millimetre from its tip,
+/// and bands from 4 to 5 and from 9 to 10.  By position and not by vertex, so the mesh stays the
+/// one that is felt.
 function addMarks(shader: WebGLProgramParametersWithUniforms): void {
   shader.vertexShader = shader.vertexShader.replace(
     "void main() {",
@@ -131,7 +133,8 @@ void main() {`,
     );
 }
 
-/// The look's colours at each vertex, and in the fourth place how much of the room it sees.
+/// Returns the look's colour at each vertex, and as fourth component the visibility
+/// of the surroundings.
 export function colourAt(look: Look, surface: Surface, ambient: Uint8Array): BufferAttribute {
   const {positions, normals, source} = surface;
   const mm = positions.map((value) => 1e3 * value);
@@ -155,9 +158,10 @@ export function colourAt(look: Look, surface: Surface, ambient: Uint8Array): Buf
   return new BufferAttribute(values, 4);
 }
 
-/// Light that reaches a place that sees the share `open` of the room: a lamp at the eye lights what
-/// one sees, the room the rest; and what the neighbours throw back has their colour (the polynomial of
-/// Jimenez et al., "Practical real-time strategies for accurate indirect occlusion", 2016).
+/// Returns the light at a place that sees the share `open` of the surroundings: the lamp at the
+/// camera lights what is seen, the surroundings the rest, and reflections from neighbours have
+/// their colour (the polynomial of Jimenez et al., "Practical real-time strategies for accurate
+/// indirect occlusion", 2016).
 function shaded(open: number, albedo: number): number {
   const kLamp = 0.3;
   const a = 2.0404 * albedo - 0.3324;

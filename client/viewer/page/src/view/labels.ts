@@ -15,7 +15,7 @@ interface Label {
   readonly wanted: Vector3; // W
 }
 
-/// The teeth's numbers, over the picture and clear of the tools, each with a line to its tooth.
+/// The teeth's numbers over the picture, clear of the tools, each with a line to its tooth.
 export class ToothLabels {
   private readonly lines = makeSvg("svg");
   private labels: Label[] = [];
@@ -39,7 +39,7 @@ export class ToothLabels {
     });
   }
 
-  /// Whether some of the objects are numbered teeth.
+  /// Whether any object is a numbered tooth.
   get any(): boolean {
     return this.labels.length > 0;
   }
@@ -80,7 +80,7 @@ export class ToothLabels {
     mesh.geometry.computeBoundingBox();
     const {min, max} = mesh.geometry.boundingBox!;
     group.updateMatrix();
-    // On the crown's outer side, and from there over the gum: where least is hidden.
+    // On the crown's outer side, then over the gum, where least is hidden.
     const inWorld = (y: number, z: number): Vector3 =>
       new Vector3(0, y, z).applyMatrix4(group.matrix);
     return {
@@ -92,7 +92,8 @@ export class ToothLabels {
   }
 }
 
-/// Circles that hold a tool in the picture: its tree's spheres, a level that follows its shape.
+/// Circles that cover a tool in the picture: from a level of its sphere tree that
+/// follows its shape.
 function circlesOf(
   tool: BodyMesh,
   eye: PerspectiveCamera,

@@ -2,26 +2,27 @@ import {Color} from "three";
 
 import {norm, scale, subtract, type Vec3} from "../model/pose";
 
-/// What bodies are drawn as whose scene file says so ("look"): colours by place, and gloss.  Places
-/// are in the body's frame, as scenes/catalogue/README.md has it for teeth, gums, tongues and faces.
+/// How bodies with a "look" in their scene file are drawn: colour by position, and gloss.
+/// Positions are in the body's frame, as scenes/catalogue/README.md defines it for teeth, gums,
+/// tongues and faces.
 export interface Look {
-  readonly roughness: number; // 0: mirrors sharply
-  readonly shine: number; // how much is mirrored
-  readonly metal?: boolean; // what it mirrors has its colour, and it has no other
-  readonly marks?: boolean; // the millimetres of a periodontal probe, from its tip along y
-  /// @param p  in mm.   @param n  unit.   @param highest  y of the body in mm
+  readonly roughness: number; // 0: sharp reflections
+  readonly shine: number; // strength of reflections
+  readonly metal?: boolean; // reflections have its colour, and it has no diffuse colour
+  readonly marks?: boolean; // a periodontal probe's millimetre marks, from its tip along y
+  /// @param p  in mm.   @param n  unit.   @param highest  largest y of the body in mm
   tint(p: Vec3, n: Vec3, highest: number, out: Color): void;
 }
 
 const hex = (value: number): Color => new Color(value);
 
-/// 0 below `from`, 1 above `to`, smooth between them; either way round.
+/// Smooth step: 0 below `from`, 1 above `to`; `from` may exceed `to`.
 function step(from: number, to: number, x: number): number {
   const t = Math.min(1, Math.max(0, (x - from) / (to - from)));
   return t * t * (3 - 2 * t);
 }
 
-/// From -1 to 1, about `grain` mm wide: enough that large areas do not look painted.
+/// Noise from -1 to 1 with features about `grain` mm wide, so that large areas do not look painted.
 function mottle([x, y, z]: Vec3, grain: number): number {
   const [a, b, c] = [x / grain, y / grain, z / grain];
   return (
@@ -75,7 +76,7 @@ const tongue: Look = {
 const kCheek = hex(0xc45e58);
 const kLip = hex(0xb85a5c);
 const kSkin = hex(0xdca886);
-/// About the middle of the cavity: what faces it is lining, what faces away is skin.
+/// Centre of the cavity: surfaces that face it are lining, those that face away are skin.
 const kCavity: Vec3 = [0, 0, -20];
 const face: Look = {
   roughness: 0.4,
@@ -113,5 +114,5 @@ const probe: Look = {...steel, marks: true};
 
 const kLooks: Readonly<Record<string, Look>> = {tooth, gum, tongue, face, calculus, steel, probe};
 
-/// Undefined where there is none of that name: the body is drawn as what its material is.
+/// Returns undefined if there is no such look: the body is drawn by its material.
 export const lookOf = (name: string): Look | undefined => kLooks[name];

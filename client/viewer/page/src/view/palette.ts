@@ -7,8 +7,8 @@ const kNames = [
   ...(["soft", "sky", "ground"] as const),
 ];
 
-/// The picture's colours: the style sheet has them, so that plots, figures and arrows agree and
-/// light and dark are told apart in one place.
+/// The picture's colours, read from the style sheet, so that plots, figures and arrows agree and
+/// light and dark are distinguished in one place.
 export type Palette = Readonly<Record<(typeof kNames)[number], Color>> & {
   readonly tools: readonly Color[];
   readonly objects: readonly Color[];
@@ -25,7 +25,7 @@ export function readPalette(): Palette {
   };
 }
 
-/// A few objects get a colour each; many (teeth) are alike.
+/// A few objects get one colour each; many (teeth) get the same.
 export function objectColour(
   palette: Palette,
   tissue: Tissue,
@@ -33,7 +33,7 @@ export function objectColour(
   rigid: number,
 ): Color {
   if (tissue === "soft") {
-    // Neighbours of the same tissue differ by a shade.
+    // Neighbours of the same tissue differ slightly in lightness.
     return palette.soft.clone().offsetHSL(0, 0, 0.035 * ((index % 3) - 1));
   }
   const {objects} = palette;

@@ -1,10 +1,10 @@
 import {WebGLRenderer} from "three";
 
-/// What browsers call the drawing of a processor.
+/// Names of software renderers in browsers.
 const kSoftware = /swiftshader|llvmpipe|softpipe|software|basic render/i;
 
-/// Whether the browser draws without a graphics card.  Asked of a canvas of its own: what a picture's
-/// canvas can do is settled when it is first asked for.
+/// Returns whether the browser draws without a graphics card.  Uses a separate canvas, because a
+/// canvas's context is fixed when it is first requested.
 export function drawsBySoftware(): boolean {
   const gl = document.createElement("canvas").getContext("webgl2");
   if (!gl) return false;
@@ -14,8 +14,8 @@ export function drawsBySoftware(): boolean {
   return kSoftware.test(String(name));
 }
 
-/// Opaque: the picture has its own background, and the page need not be mixed with it.
-/// @return undefined where the browser has no WebGL
+/// Opaque: the picture has its own background, so blending with the page is unnecessary.
+/// @return undefined if the browser has no WebGL
 export function makeRenderer(
   canvas: HTMLCanvasElement,
   antialias: boolean,

@@ -17,7 +17,7 @@ import {makeRenderer} from "./renderer";
 import {SphereCloud} from "./sphere_cloud";
 import {StillLayer} from "./still_layer";
 
-/// Phones with three pixels to a point would draw nine times as much for no visible gain.
+/// Phones with three pixels per point would draw nine times as much without visible gain.
 const kMostPixelsPerPoint = 2;
 
 interface ToolView {
@@ -33,8 +33,8 @@ export interface Cost {
   calls: number;
 }
 
-/// The picture.  Draws only when asked to; whoever changes something says so through `changed`.  What
-/// stands still is drawn anew only where it is seen from elsewhere, or has changed.
+/// The picture.  Draws only when asked to; whoever changes something calls `changed`.  Static
+/// objects are redrawn only if the camera moved or they have changed.
 export class SceneView {
   readonly camera: Camera;
   private readonly renderer: WebGLRenderer | undefined;
@@ -48,17 +48,18 @@ export class SceneView {
   private tools: ToolView[] = [];
   private clouds: {cloud: SphereCloud; body: BodyMesh}[] = [];
   private sphereLevel: number | undefined;
-  private ends: Vec3[] = []; // of the tools, in their frames
+  private ends: Vec3[] = []; // working ends of the tools, in their frames
   private poses: Pose[] = []; // of the tools
-  private readonly met = new Set<number>(); // the tools of which it is known where they are
-  private radiusM = 0.1; // of the first sight
-  private sightM = 0.1; // radius of the work
+  private readonly met = new Set<number>(); // the tools whose pose is known
+  private radiusM = 0.1; // of the initial view
+  private sightM = 0.1; // radius of the work area
   private coarserAsked = false;
   private sized = "";
-  private screen = {width: 1, height: 1, pixels: 1}; // [points], [points], a point along a side
-  private canvasShare = 0; // of the screen's pixels; 0: not yet sized
+  // [points], [points], pixels per point and side
+  private screen = {width: 1, height: 1, pixels: 1};
+  private canvasShare = 0; // share of the screen's pixels; 0: not sized yet
   private mayHaveResized = true;
-  /// Of what stands still, when it was drawn last, and of what is drawn in each picture.
+  /// Of the static layer when last drawn, and of what is drawn in each picture.
   readonly costs = {still: {triangles: 0, calls: 0}, moving: {triangles: 0, calls: 0}};
   private remains: Remains | undefined;
   readonly labels: ToothLabels;
@@ -80,7 +81,7 @@ export class SceneView {
     key.position.set(0.5, 0.9, 0.8);
     const fill = new DirectionalLight(0xffffff, 0.75);
     fill.position.set(-0.9, 0.1, 0.5);
-    // Lights that hang at the eye: whatever side one looks at is lit the same way.
+    // Lights fixed to the camera: every side that is looked at is lit the same way.
     this.camera.eye.add(key, key.target, fill, fill.target);
     this.scene.add(this.camera.eye, this.hemisphere, this.still, this.moving);
     if (this.renderer) {
@@ -88,14 +89,14 @@ export class SceneView {
       this.still.add(this.layer.background);
       this.moving.add(this.layer.copy);
     }
-    // Where a card has lost all that it was given it is given it again.
+    // A graphics card that has lost its data gets it again.
     canvas.addEventListener("webglcontextrestored", () => this.restartLayer());
     this.paint(palette);
     this.resize();
   }
 
   /// @param remains  what is left of it
-  /// @param toolNow  where a tool is, as far as that is known
+  /// @param toolNow  present pose of a tool, if known
   setScene(
     model: SceneModel | undefined,
     remains: Remains | undefined,
@@ -104,7 +105,7 @@ export class SceneView {
     this.clear();
     this.model = model;
     this.remains = remains;
-    this.restartLayer(); // what was there is another scene's
+    this.restartLayer(); // the old layer shows another scene
     if (!model) return;
     const cache = new SurfaceCache();
     this.objects = model.objects.map((body, i) => new BodyMesh(body, model, "object", i, cache));
@@ -136,12 +137,12 @@ export class SceneView {
     this.lookAtAll();
   }
 
-  /// As at first: the work and the tools where they are now.
+  /// The initial view, with the work area and the tools where they are now.
   lookAtAll(): void {
     if (this.model) this.camera.frame(firstSight(this.model, this.poses));
   }
 
-  /// Where the end of a tool is that works, in W.
+  /// Returns the working end of a tool, in W.
   endOf(tool: number): Vec3 | undefined {
     const [pose, end] = [this.poses[tool], this.ends[tool]];
     return pose && end && pointOf(pose, end);
@@ -173,7 +174,7 @@ export class SceneView {
     if (any) this.changeLayer();
   }
 
-  /// The levels that there are; the last one is the leaves.
+  /// Number of levels; the last one is the leaves.
   get sphereLevels(): number {
     const bodies = [...(this.model?.objects ?? []), ...(this.model?.tools ?? [])];
     return Math.max(0, ...bodies.map((body) => body.geometry.levels.length));
@@ -193,7 +194,7 @@ export class SceneView {
     if (!tool) return;
     this.poses[index] = state.graphic;
     if (!this.met.has(index) && this.camera.untouched) {
-      this.met.add(index); // before now it was only known where it starts
+      this.met.add(index); // until now only its start pose was known
       this.lookAtAll();
     }
     place(tool.body.group, state.graphic);
@@ -203,12 +204,12 @@ export class SceneView {
       norm(subtract(pointOf(state.haptic, centroid), pointOf(state.graphic, centroid))) +
       radiusM * angleBetween(state.haptic.q, state.graphic.q);
     tool.ghost.setDistance(apart);
-    // Where the objects push: a long tool's centroid is often out of the picture.
+    // Where the objects push: a long tool's centroid is often outside the picture.
     const at = middleOfPush(state.points) ?? pointOf(state.graphic, centroid);
     tool.marks.set(at, state.forceN, state.torqueNm, state.points, this.radiusM);
   }
 
-  /// Where a hand is to go with a tool, as a tool that is seen through; undefined: nowhere.
+  /// Shows where a hand should move a tool, as a transparent tool; undefined: nowhere.
   setLead(name: string, pose: Pose | undefined): void {
     for (const {body, lead} of this.tools) {
       const isLed = pose !== undefined && body.body.name === name;
@@ -217,7 +218,7 @@ export class SceneView {
     }
   }
 
-  /// The canvas, or how many pixels it should have at rest, may be another size: the next picture takes it.
+  /// The canvas, or its pixels at rest, may have another size: the next picture uses it.
   resize(): void {
     this.mayHaveResized = true;
     this.changed();
@@ -238,8 +239,8 @@ export class SceneView {
     this.layer?.restart();
   }
 
-  /// Only together with a picture: a canvas that is given another size is empty.
-  /// @param share  of the screen's pixels, along a side
+  /// Only together with a picture: resizing empties a canvas.
+  /// @param share  of the screen's pixels, per side
   private sizeCanvas(renderer: WebGLRenderer, share: number): void {
     if (share === this.canvasShare) return;
     this.canvasShare = share;
@@ -247,7 +248,7 @@ export class SceneView {
     renderer.setDrawingBufferSize(width, height, share * pixels);
   }
 
-  /// @return what was drawn anew
+  /// @return what was redrawn
   render(nowMs: number): Drawn {
     this.fit();
     const drawn = this.draw(nowMs);
@@ -258,12 +259,12 @@ export class SceneView {
     return drawn;
   }
 
-  /// When a better picture of the same will be due; undefined: it is as good as can be.
+  /// Returns when a better picture of the same view is due; undefined: it is at its best.
   settlesInMs(nowMs: number): number | undefined {
     return this.layer?.settlesInMs(nowMs);
   }
 
-  /// False where the browser has no WebGL: all but the picture goes on.
+  /// False if the browser has no WebGL: everything except the picture works.
   get draws(): boolean {
     return this.renderer !== undefined;
   }
@@ -318,14 +319,14 @@ export class SceneView {
     this.changed();
   }
 
-  /// One after the other, with pictures between.
+  /// One after the other, with pictures in between.
   private async makeCoarser(): Promise<void> {
     if (this.coarserAsked) return;
     this.coarserAsked = true;
     const objects = this.objects;
     const distances = kDetails.map((share) => share * this.sightM);
     for (const object of objects) {
-      if (this.objects !== objects) return; // another scene's
+      if (this.objects !== objects) return; // they belong to another scene
       await object.makeCoarser(distances);
       await new Promise((resolve) => setTimeout(resolve));
     }
@@ -339,7 +340,7 @@ export class SceneView {
     if (this.sphereLevel === undefined) return;
     for (const body of bodies) {
       const {levels} = body.body.geometry;
-      // Trees of one scene may differ in depth: their leaves are the same end of the slider.
+      // Trees of one scene may differ in depth: the leaves are at the same end of the slider.
       const fromLeaves = this.sphereLevels - 1 - this.sphereLevel;
       const level = Math.max(0, levels.length - 1 - fromLeaves);
       const isLeaves = level === levels.length - 1;

@@ -10,7 +10,7 @@ import {
 import type {SphereLevel} from "../model/bundle";
 import {paintForScreen} from "./still_layer";
 
-/// So many spheres are drawn rounder than more of them: the picture's triangles stay bounded.
+/// Few spheres are drawn rounder than many, so that the number of triangles stays bounded.
 const kRoundness = [
   {spheres: 200, detail: 4},
   {spheres: 2000, detail: 3},
@@ -18,7 +18,7 @@ const kRoundness = [
   {spheres: Infinity, detail: 1},
 ] as const;
 
-/// Clear in the middle, with a rim: so that spheres within spheres can be told apart.
+/// Clear in the middle, with a rim, so that nested spheres can be told apart.
 function asBubble(material: MeshStandardMaterial): void {
   material.onBeforeCompile = (shader) => {
     paintForScreen(shader);
@@ -42,7 +42,7 @@ export class SphereCloud {
   ) {
     const count = level.radii.length;
     const {detail} = kRoundness.find(({spheres}) => count <= spheres)!;
-    // The leaves are the body; the levels above them enclose it, and are seen through.
+    // The leaves represent the body; the levels above enclose it and are transparent.
     const material = new MeshStandardMaterial({
       roughness: 0.55,
       transparent: !isLeaves,
@@ -57,7 +57,7 @@ export class SphereCloud {
     parent.add(this.mesh);
   }
 
-  /// @param colour  of the body.   @param ink  what stands out from it
+  /// @param colour  of the body.   @param ink  a contrasting colour
   paint(colour: Color, ink: Color): void {
     this.mesh.material.color.copy(colour);
     if (!this.isLeaves) this.mesh.material.color.lerp(ink, 0.45);

@@ -19,14 +19,14 @@ import {
 import type {Drawn, InMotion} from "../model/quality";
 import type {Palette} from "./palette";
 
-// What stands still is drawn once, with its depth, and copied under each picture: without a graphics
-// card the mouth's 123,000 triangles cost ten times what the tool and the copy do.
+// Static objects are drawn once, with their depth, and copied under each picture: without a
+// graphics card the mouth's 123,000 triangles cost ten times as much as the tool and the copy.
 
-/// The eye has come to rest where it has not moved for so long.
+/// The camera is at rest if it has not moved for this long.
 const kRestMs = 300;
 const kSamples = 4;
 
-// Both fill the picture, from wherever it is seen.
+// Both fill the picture, whatever the camera.
 const kVertexShader = `
 varying vec2 vUv;
 void main() {
@@ -34,7 +34,7 @@ void main() {
   gl_Position = vec4(position.xy, 1.0, 1.0);
 }`;
 
-// As .picture in the style sheet, which shows where there is no WebGL.
+// Like .picture in the style sheet, which shows if there is no WebGL.
 const kBackgroundShader = `
 uniform vec3 uGlow;
 uniform vec3 uPaper;
@@ -53,8 +53,8 @@ void main() {
   gl_FragDepth = texture2D(uDepth, vUv).r;
 }`;
 
-/// Colours as a screen wants them, also where a material paints into the layer: 8 bits of linear light
-/// would show steps.  For a material's onBeforeCompile.
+/// Makes a material write sRGB also into the layer, since 8 bits of linear light would show steps.
+/// For a material's onBeforeCompile.
 export function paintForScreen(shader: WebGLProgramParametersWithUniforms): void {
   shader.fragmentShader = shader.fragmentShader.replace(
     "#include <colorspace_fragment>",
@@ -73,7 +73,7 @@ function fullPicture(fragmentShader: string, uniforms: Record<string, unknown>):
   });
   const mesh = new Mesh(new PlaneGeometry(2, 2), material);
   mesh.frustumCulled = false;
-  mesh.renderOrder = -1; // before all else
+  mesh.renderOrder = -1; // before everything else
   return mesh;
 }
 
@@ -91,23 +91,23 @@ function makeSheet(
   });
 }
 
-/// How well it is drawn: as well as can be, or in haste, while the eye moves.
+/// Quality of a layer: full, or reduced while the camera moves.
 export type Sheet = "whole" | "hurried";
 
-/// What a picture makes of it.
+/// What a picture does with the layer.
 export interface Step {
-  readonly sheet: Sheet; // that the picture shows
+  readonly sheet: Sheet; // the one that the picture shows
   readonly anew: boolean; // it is drawn first
   readonly drawn: Drawn;
 }
 
 export class StillLayer {
-  /// To be drawn with what stands still, and with what moves.
+  /// To be drawn with the static objects, and with the moving ones.
   readonly background = fullPicture(kBackgroundShader, {uGlow: new Color(), uPaper: new Color()});
   readonly copy = fullPicture(kCopyShader, {uColour: null, uDepth: null});
 
   private readonly whole = makeSheet(kSamples, NearestFilter);
-  private readonly hurried = makeSheet(0, LinearFilter); // while the eye moves
+  private readonly hurried = makeSheet(0, LinearFilter); // while the camera moves
   private shows: "nothing" | Sheet = "nothing";
   private stale = true;
   private changedMs = -Infinity;
@@ -125,18 +125,18 @@ export class StillLayer {
     this.restart();
   }
 
-  /// Something in it has changed.
+  /// A static object has changed.
   change(): void {
     this.stale = true;
   }
-  /// All of it has, and none of it should be seen in haste.
+  /// Everything has changed, and must not be shown at reduced quality.
   restart(): void {
     this.stale = true;
     this.shows = "nothing";
   }
 
-  /// It is drawn anew where it shows no longer what there is to see, and in full where it has shown that
-  /// in haste and the eye has come to rest.
+  /// Redraws the layer if it is out of date, and at full quality if it is reduced and the camera
+  /// has come to rest.
   next(eye: PerspectiveCamera, nowMs: number, inMotion: InMotion): Step {
     const {shows} = this;
     if (this.hasChanged(eye)) {
@@ -145,13 +145,13 @@ export class StillLayer {
       return {sheet: inMotion.samples > 0 ? "whole" : "hurried", anew: true, drawn: "objects"};
     }
     if (this.settlesInMs(nowMs) === 0) return {sheet: "whole", anew: true, drawn: "else"};
-    // With a canvas for haste a picture tells nothing of what it costs at rest.
+    // With a reduced canvas, a picture's time tells nothing about its cost at rest.
     return shows === "hurried"
       ? {sheet: "hurried", anew: false, drawn: "else"}
       : {sheet: "whole", anew: false, drawn: "tools"};
   }
 
-  /// @param share  of the canvas's pixels, along a side
+  /// @param share  of the canvas's pixels, per side
   draw(scene: Object3D, eye: PerspectiveCamera, how: Sheet, share: number): void {
     const sheet = this[how];
     const {x, y} = this.renderer.getDrawingBufferSize(new Vector2());
@@ -165,7 +165,8 @@ export class StillLayer {
     this.shows = how;
   }
 
-  /// When the eye will have come to rest and a better layer be due; undefined: it is as good as can be.
+  /// Returns when the camera will be at rest and a better layer is due; undefined: it is
+  /// at its best.
   settlesInMs(nowMs: number): number | undefined {
     if (this.shows !== "hurried") return undefined;
     return Math.max(0, this.changedMs + kRestMs - nowMs);

@@ -4,9 +4,10 @@ import {say} from "../messages/say";
 import {edgePlace} from "../model/edge_place";
 import type {Vec3} from "../model/pose";
 
-const kHalf = 22; // of the arrow [pixels], as style.css has it
+const kHalf = 22; // half the arrow's size [pixels], as in style.css
 
-/// An arrow at the picture's edge where the tool is beyond it; pressed, it brings it back.
+/// An arrow at the picture's edge if the tool is outside; pressing it brings the tool
+/// back into view.
 export class ToolPointer {
   /// @param buttons  along the picture's lower edge
   constructor(
@@ -17,7 +18,7 @@ export class ToolPointer {
     button.addEventListener("click", bringBack);
   }
 
-  /// @param end  of the tool, that works, in W; undefined: there is none
+  /// @param end  working end of the tool, in W; undefined: there is none
   update(eye: PerspectiveCamera, end: Vec3 | undefined, name: string): void {
     const {clientWidth: width, clientHeight: height} = this.button.parentElement!;
     const at = end && new Vector3(...end).applyMatrix4(eye.matrixWorldInverse);
