@@ -24,7 +24,7 @@ struct CutTool {
 };
 
 /// One row for each sample that has material ahead: the energy of cutting in a step
-/// x~=~[v;~rho~phi] of the tool.  Sample i advances delta_i = max(0, b_i~-~a_i~.~x) into the
+/// x = [v; rho phi] of the tool.  Sample i advances delta_i = max(0, b_i - a_i . x) into the
 /// material and pays
 ///
 ///    A_i (p_0 delta_i + kappa delta_i^2 / 2 dt)  =  k_t (P_i delta_i + c_i delta_i^2 / 2).
@@ -65,8 +65,8 @@ class CutRows : public Energy {
   /// The force of each row at the solver's result, over k_t [m].
   const double* forces() const { return columns_[kPush]; }
 
-  /// Returns the drag on the tool by the bur's spin at the solver's result, -~sum of
-  /// mu_c~f_i~[s_i;~(l_i~x~s_i)~/~rho], with f_i the force of a row and s_i the direction in which
+  /// Returns the drag on the tool by the bur's spin at the solver's result, - sum of
+  /// mu_c f_i [s_i; (l_i x s_i) / rho], with f_i the force of a row and s_i the direction in which
   /// the bur's surface moves; over k_t [m].
   std::array<double, 6> Drag() const noexcept;
 

@@ -12,7 +12,7 @@ namespace palpate {
 
 /// Contact constraint prediction (CCP, chapter 2.3.4): finds the rows that the next sub-step
 /// must respect.  The chapter enlarges every sphere of the graphic tool by one delta, from the
-/// hand's speed.  Here sphere i grows by delta_i~=~bounds.translation~+~bounds.rotation~*~|l_i|,
+/// hand's speed.  Here sphere i grows by delta_i = bounds.translation + bounds.rotation * |l_i|,
 /// and the sub-step stays inside those bounds.  So no omitted pair can collide in it, however
 /// far away the hand is.
 class ContactPrediction {

@@ -14,7 +14,7 @@
 namespace palpate {
 
 /// The linearised non-penetration constraints of one sub-step (chapter 2.10-2.17), in distance
-/// form: gap g~=~|c_T~-~c_O|~-~(r_T~+~r_O), n~=~(c_T~-~c_O)~/~|c_T~-~c_O|, and the row
+/// form: gap g = |c_T - c_O| - (r_T + r_O), n = (c_T - c_O) / |c_T - c_O|, and the row
 ///  [n; (l x n) / rho] . x >= -g   for   x = [v; rho phi],
 /// with l the leaf's lever arm about the reference point.  rho = sqrt(k_r / k_t) makes the
 /// objective |x - x_h|^2.  For translation the half-space lies inside the true free space; a

@@ -9,7 +9,7 @@ namespace palpate {
 ///  1/2 |x - t|^2 + sum_i mu_i lambda_i |S_i x|   subject to all rows.
 /// S_i x = (1 - n n^T)(v + phi x l_i) is the slip of contact i, with l_i the lever of the point
 /// where it touches.  lambda_i is the multiplier of its row at this same x, so that every force
-/// lies in its own cone: |f_i|~<=~mu_i~lambda_i, and f_i~=~-mu_i~lambda_i~S_i~x~/~|S_i~x| if it
+/// lies in its own cone: |f_i| <= mu_i lambda_i, and f_i = -mu_i lambda_i S_i x / |S_i x| if it
 /// slips. (With lambda from the frictionless solve, a contact that friction unloads would keep
 /// rubbing, and a lever that friction turns would rub too little.)
 ///

@@ -5,8 +5,8 @@
 
 namespace palpate {
 
-/// The linear system H x = g of one step of Newton's method.  It starts from the identity; forces a
-/// (base + k b . x) are added one by one.
+/// The linear system H x = g of one step.  H starts as the identity; forces a (base + k b . x) are
+/// added one by one.
 template <int N>
 class LinearSystem {
  public:

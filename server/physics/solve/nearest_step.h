@@ -20,7 +20,7 @@ Optimum NearestStep(const StepContext& context, const Target& target,
 /// sub-step: a millisecond later the force is still wrong by newtons.  With the rows' second order,
 ///  g_i(x) = g_i + n_i . x + 1/2 x . K_i x >= 0,   K_i = CurvatureOf,
 /// the multipliers l_i of the optimum give x - t = sum l_i (n_i + K_i x): x is nearest to the
-/// target t~+~sum~l_i~K_i~x.  This is a step of sequential quadratic programming (Nocedal & Wright,
+/// target t + sum l_i K_i x.  This is a step of sequential quadratic programming (Nocedal & Wright,
 /// Numerical Optimization, 2nd ed. (2006), 18.1); for a single edge its direction is exact.
 /// Real-time: no allocation, lock, log or clock.  Deterministic: equal inputs, equal bits.
 bool RoundCreases(const StepContext& context, Optimum& optimum) noexcept;

@@ -41,9 +41,8 @@ struct ContactBody {
 /// object has no mesh.
 std::vector<ContactBody> MakeBodies(std::span<const PlacedTree> objects);
 
-/// Returns whether a point of W, which lies on no surface, is inside a body: the winding
-/// number of the body's mesh is more than a half there, in size, which also decides for an
-/// open mesh.  Not real-time.
+/// Returns whether a point of W, which lies on no surface, is inside a body: the winding number of
+/// the body's mesh there exceeds one half, which also decides for an open mesh.  Not real-time.
 bool Hold(std::span<const ContactBody> bodies, const Vec3& p_W);
 
 /// Makes the body of a tool about its reference point: its mesh or, if the tool is a single ball,
