@@ -179,8 +179,8 @@ class FrictionalContacts {
   }
 
  private:
-  /// The geometry of a contact: its row a . x >= b, and its slip (s[0] . x, s[1] .
-  /// x) along two tangents.
+  /// The geometry of a contact: its row a . x >= b, and its slip
+  /// (s[0] . x, s[1] . x) along two tangents.
   struct Place {
     int row;
     Vec3 normal, lever, tangent[2];
@@ -241,9 +241,9 @@ class FrictionalContacts {
   }
 
   // Leap: Newton's method for the laws
-  //   lambda = max(0, lambda + kTrial (b - a x)),
-  //   f = the point of the disk of radius mu lambda nearest to f + kTrial S x,
-  // with x = t + A^T lambda - S^T f.  That is Coulomb's law with the true lambda, but no
+  //  lambda = max(0, lambda + kTrial (b - a x)),
+  //  f = the point of the disk of radius mu lambda nearest to f + kTrial S x,
+  // with x = t + A^T lambda - S^T f.  That is Coulomb's law with the true lambda, but not a
   // minimisation: it ends in a few steps or, seldom, not at all.
 
   /// Determines what a contact does by its law at x; returns the error of its forces.
@@ -363,12 +363,11 @@ class FrictionalContacts {
     return true;
   }
 
-  // Walk: where Leap fails, and where there may be nothing to find (a tool wedged deeper than its
-  // friction lets it out: the normal forces grow without end).  With limits that are held the
-  // problem is convex and the augmented Lagrangian's minimum sure to be found; the limits are those
-  // of the frictionless lambda first, then follow the lambda that they give (no
-  // contact's above the whole load's), and in the end are lowered only, until each lies in its
-  // cone.
+  // Walk: used when Leap fails, also when there may be no solution (a tool wedged deeper than its
+  // friction lets it out: the normal forces grow without bound).  With fixed limits the problem is
+  // convex, and the minimum of the augmented Lagrangian is sure to be found.  The limits are first
+  // those of the frictionless lambda, then follow the lambda that they give (none above the load of
+  // all contacts together), and in the end are only lowered, until each force lies in its cone.
 
   /// Computes the forces at x for the penalty c into `at`, by the laws of the contacts,
   /// and the gradient g.
