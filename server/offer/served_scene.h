@@ -28,7 +28,7 @@ struct ServedScene {
 
 /// Returns what stations can drive in a scene.  The scene itself (its meshes) is not kept.
 /// @param name_or_path  as LoadScene takes it.  A script of a hand may stand beside the scene's
-///                     file; if there is none, each tool gets a generated hand.
+///                      file; if there is none, each tool gets a generated hand.
 /// Throws Error if the script is wrong.
 ServedScene ServeScene(const Scene& scene, const std::string& name_or_path,
                        std::uint64_t hand_seed);

@@ -9,10 +9,10 @@ namespace palpate {
 
 // One sub-step between meshes, in this order:
 //
-//  BeginSubStep           finds near pairs, and adds the rows of what touched last
-//  CheckTrial, ...        repeated until a trial is free; adds rows for what is not
-//  Reconcile's functions  test whether those rows are the geometry's at the trial
-//  EndSubStep             moves the tool; the front keeps the planes
+//   BeginSubStep           finds near pairs, and adds the rows of what touched last
+//   CheckTrial, ...        repeated until a trial is free; adds rows for what is not
+//   Reconcile's functions  test whether those rows are the geometry's at the trial
+//   EndSubStep             moves the tool; the front keeps the planes
 //
 // Certify keeps the invariant.  Rows are added on violation.  The zero step changes no gap, so it
 // is always free.  Drawings: README.md, and ../surface/README.md.
@@ -39,7 +39,7 @@ int Certify(MeshContact& contact, const Vec3& v, const Vec3& phi, Until until) n
 /// includes pairs outside their cones; otherwise a tool at rest would find them again in each step,
 /// at slightly different places.
 /// @param most_looks  of the sub-step.  Once they are spent, pairs whose planes do not hold count
-///                   as not separate.
+///                    as not separate.
 void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront& front,
                   const ToolPose& from, std::span<const ContactId> active, std::int64_t most_looks,
                   ContactRows& rows) noexcept;

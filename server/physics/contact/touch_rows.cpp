@@ -13,7 +13,7 @@ using namespace limits::mesh;
 /// the trial.  The tool's lowest point moves, and n turns with the tool's edge, while that point
 /// and the object's highest point are d apart.  With w = (d - n (n . d)) / ((ea x eb) . n), the
 /// rate is
-///  (x - p) x n + ea x (eb x w).
+///   (x - p) x n + ea x (eb x w).
 /// If the edges themselves are nearest, it is l x n, with l the lever of the place where they
 /// cross. At a trial with a large rotation a corner has come past them, and that lever is wrong: in
 /// a peg's hole such a row shut out the tool's own place by 150 um.

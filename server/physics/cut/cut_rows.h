@@ -39,7 +39,7 @@ struct CutTool {
 class CutRows : public Energy {
  public:
   /// @param samples  most rows: the number of the bur's samples, once more for each further solid
-  ///                that it may touch at once.  Set-up.
+  ///                 that it may touch at once.  Set-up.
   explicit CutRows(int samples)
       : capacity_(samples),
         columns_(kColumns, static_cast<std::size_t>(samples)),

@@ -15,7 +15,7 @@ namespace palpate {
 
 /// The linearised non-penetration constraints of one sub-step (chapter 2.10-2.17), in distance
 /// form: gap g = |c_T - c_O| - (r_T + r_O), n = (c_T - c_O) / |c_T - c_O|, and the row
-///  [n; (l x n) / rho] . x >= -g   for   x = [v; rho phi],
+///   [n; (l x n) / rho] . x >= -g   for   x = [v; rho phi],
 /// with l the leaf's lever arm about the reference point.  rho = sqrt(k_r / k_t) makes the
 /// objective |x - x_h|^2.  For translation the half-space lies inside the true free space; a
 /// rotation adds at most 1/2 |phi|^2 |l| of penetration.
@@ -37,7 +37,7 @@ class ContactRows {
   void AddRow(const Vec3& normal, const Vec3& lever, double gap, const ContactId& id) noexcept;
   /// Changes a row, except its id.
   /// @param by_turning  rate of the gap as phi grows [m]: lever x normal, or another vector if the
-  ///                   normal turns, too
+  ///                    normal turns, too
   void SetRow(int row, const Vec3& normal, const Vec3& lever, const Vec3& by_turning,
               double gap) noexcept;
   void SetGap(int row, double gap) noexcept { columns_.b[row] = -gap; }

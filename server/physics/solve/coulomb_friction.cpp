@@ -241,8 +241,8 @@ class FrictionalContacts {
   }
 
   // Leap: Newton's method for the laws
-  //  lambda = max(0, lambda + kTrial (b - a x)),
-  //  f = the point of the disk of radius mu lambda nearest to f + kTrial S x,
+  //   lambda = max(0, lambda + kTrial (b - a x)),
+  //   f = the point of the disk of radius mu lambda nearest to f + kTrial S x,
   // with x = t + A^T lambda - S^T f.  That is Coulomb's law with the true lambda, but not a
   // minimisation: it ends in a few steps or, seldom, not at all.
 

@@ -6,7 +6,7 @@ namespace palpate {
 
 /// Computes the frictional optimum of a sub-step (FrictionModel::kCoulomb): x = [v; rho phi]
 /// minimises
-///  1/2 |x - t|^2 + sum_i mu_i lambda_i |S_i x|   subject to all rows.
+///   1/2 |x - t|^2 + sum_i mu_i lambda_i |S_i x|   subject to all rows.
 /// S_i x = (1 - n n^T)(v + phi x l_i) is the slip of contact i, with l_i the lever of the point
 /// where it touches.  lambda_i is the multiplier of its row at this same x, so that every force
 /// lies in its own cone: |f_i| <= mu_i lambda_i, and f_i = -mu_i lambda_i S_i x / |S_i x| if it
@@ -19,8 +19,8 @@ namespace palpate {
 /// QP over all rows, so friction never violates a row.  friction.md has the method and its reasons.
 ///
 /// @param optimum  in: the frictionless optimum, with at least one active row; if some rows are
-///                soft, the target is shifted by their push there (soft contacts are smooth).
-///                Out: its active rows are all those that carry force.
+///                 soft, the target is shifted by their push there (soft contacts are smooth).
+///                 Out: its active rows are all those that carry force.
 /// Changes the state's friction.  Counts cycles in the first sub-step of each.
 /// If it does not converge, the report counts that and the best iterate is used; rows hold and
 /// forces add up even then.
@@ -35,16 +35,16 @@ void AddCoulombFriction(StepContext& context, Optimum& optimum) noexcept;
 ///
 /// Where the text leaves a choice:
 /// - After a step that is not reset, the next one starts from the frictionless pose, not from p*_g,
-///  which 2.28 uses for the force alone.
+///   which 2.28 uses for the force alone.
 /// - mu_s and mu_d are means over the contacts, as the contact point is.
 /// - The rotation axis is the screw axis of the movement, with the distance from its nearest
 /// contact
-///  point (2.32).  p_g is the tool's reference point.
+///   point (2.32).  p_g is the tool's reference point.
 /// - k_e and k_tau are the coupling's stiffnesses, so that the models compare.
 /// - A single sphere has no rotation of its own: 2.31-2.33 do not apply.
 /// - What friction adds to the force is distributed over the contacts by their normal forces (for
 /// the
-///  report only: the chapter has no force per contact).
+///   report only: the chapter has no force per contact).
 /// @param X_before  graphic tool at the end of the last cycle
 /// @param state     in: the end of the cycle without friction.  Out: reset, if 2.34 requires it.
 /// @param report    wrench, contacts and friction_resets are changed

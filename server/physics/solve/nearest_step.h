@@ -18,7 +18,7 @@ Optimum NearestStep(const StepContext& context, const Target& target,
 /// Rows are straight within a sub-step and made anew in each.  Under such rows, a ball of radius r
 /// that is pressed d deep past an edge approaches its place only by the factor d / r in each
 /// sub-step: a millisecond later the force is still wrong by newtons.  With the rows' second order,
-///  g_i(x) = g_i + n_i . x + 1/2 x . K_i x >= 0,   K_i = CurvatureOf,
+///   g_i(x) = g_i + n_i . x + 1/2 x . K_i x >= 0,   K_i = CurvatureOf,
 /// the multipliers l_i of the optimum give x - t = sum l_i (n_i + K_i x): x is nearest to the
 /// target t + sum l_i K_i x.  This is a step of sequential quadratic programming (Nocedal & Wright,
 /// Numerical Optimization, 2nd ed. (2006), 18.1); for a single edge its direction is exact.

@@ -18,7 +18,7 @@ struct Feature {
 /// The nearest points of two triangles.
 /// @field p, q     nearest points of the first and the second [m]
 /// @field of_p     the feature of the first triangle on which p lies (not at an end of an edge, nor
-///                on the border of a face); likewise of_q
+///                 on the border of a face); likewise of_q
 /// @field squared  |p - q|^2 [m^2]
 struct NearestPoints {
   Vec3 p, q;
