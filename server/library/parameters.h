@@ -20,7 +20,7 @@ struct Parameter : Tunable {
 std::vector<Parameter> ParametersOf(const Scene& scene);
 
 /// Sets a parameter, in its unit.  Existing models do not change.
-/// Throws Error, which names the range or, for an unknown name, all parameters; nothing changes
+/// Throws Error, which names the range or, for an unknown name, all parameters; nothing is set
 /// then.
 void SetParameter(Scene& scene, std::string_view name, double value);
 

@@ -11,8 +11,8 @@
 
 namespace palpate {
 
-/// A scene as stations are told of it, so that they need no file of it, with the
-/// tools to be driven.
+/// A scene in the form in which it is offered to stations, which therefore need no scene file, with
+/// its tools as sessions drive them.
 struct ServedScene {
   struct Tool {
     std::shared_ptr<const ServedTool> served;

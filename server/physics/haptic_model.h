@@ -32,10 +32,9 @@ class SceneObjects {
   /// The leaves of all objects.  Leaves of an object that is felt by its mesh touch nothing.
   const ObjectForest& forest() const { return forest_; }
   ContactModel contact() const { return contact_; }
-  /// `bodies`: the objects that are felt by their meshes, then the block boxes of the solids
-  /// that burs can cut (surface/felt_solids.h), which are `boxes`.  `insides`: a forest of only
-  /// those objects' leaves, which shows fastest what lies deep inside (start_pose.h); null if
-  /// there is none.
+  /// `bodies`: the objects that are felt by their meshes, then `boxes`: those of the blocks of the
+  /// solids that burs can cut (surface/felt_solids.h).  `insides`: a forest of the former objects'
+  /// leaves only, which shows fastest what lies deep inside (start_pose.h); null if there are none.
   std::span<const ContactBody> bodies() const { return bodies_; }
   std::span<const ContactBody> boxes() const { return bodies().last(boxes_); }
   const UncutBodies& uncut() const { return uncut_; }

@@ -66,8 +66,7 @@ struct LoopSnapshot {
 /// from zero. It takes 200 samples to return to full force.  Samples are counted, not time: equal
 /// inputs give equal bits.
 ///
-/// Thread contract: OnPose in the servo thread; everything else in one other thread, the service
-/// thread.
+/// Thread contract: OnPose in the servo thread; all else in one other thread, the service thread.
 class ServoLoop {
  public:
   /// Allocates what the steps need.

@@ -10,7 +10,7 @@ namespace palpate {
 namespace {
 
 constexpr std::int64_t kTryAgain_ns = 100'000'000;  // the search takes up to as long
-// The search is in vain for a hand that rests inside an object, unless the objects have changed.
+// A further search is useless for a hand that rests inside an object, unless the objects changed.
 constexpr std::int64_t kTryAtRest_ns = 1'000'000'000;
 constexpr double kMoved_m = 2e-4;
 constexpr double kTurned_rad = 1e-3;

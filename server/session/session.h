@@ -32,7 +32,7 @@ struct ServedTool {
 
   std::string scene;
   std::string tool;
-  bool whole_at_start;  ///< the scene is made whole when the first or only session begins
+  bool whole_at_start;  ///< the scene is made whole if no other session is active
   std::shared_ptr<const HapticModel> shared;
   const HapticModel& model = *shared;
 };

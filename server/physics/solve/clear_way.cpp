@@ -34,9 +34,9 @@ Way WayToNewOptimum(StepContext& context) {
 }
 
 /// Returns the way to an optimum as far as the bounds allow.  If they end before it, takes the step
-/// under the same rows to a nearer target.  A merely scaled-down step would do only a part of what
-/// rows ask for: of a lift of 0.1 mm it would lack so much that the next trial, and each one after
-/// it, is as far from free as this one.
+/// under the same rows to a nearer target.  A merely scaled-down step would achieve only a part of
+/// what rows ask for: so little of a lift of 0.1 mm that the next trial, and each one after it, is
+/// as far from free as this one.
 Way WayWithin(StepContext& context, const Optimum& optimum) {
   double part = PartWithin(context, optimum);
   if (part == 1.0) return PartOfWay(optimum, 1.0);

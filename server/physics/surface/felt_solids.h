@@ -44,8 +44,8 @@ class FeltSolids {
   }
   using Block = BlockBody::Of;
   struct Taken {
-    std::int32_t body;  ///< -1 if there is no room
-    bool made;          ///< true if it was made, at a cost of about limits::mesh::kLooksOfBlock
+    std::int32_t body;  ///< -1: there is no room, or too many triangles
+    bool made;          ///< whether this cost some limits::mesh::kLooksOfBlock
   };
   /// Returns the body of a block, making it if needed.  If there is no room, it replaces a body
   /// that no pair of the front uses.
