@@ -40,7 +40,7 @@ namespace palpate {
 namespace {
 
 constexpr std::chrono::milliseconds kPoll{5};
-/// A session's buffers are larger, tens of megabytes in all.
+/// A session's buffers are larger than this, tens of megabytes in all.
 constexpr int kOwnMapping_bytes = 1 << 20;
 
 constexpr const char* kAbout =
@@ -58,7 +58,7 @@ palpate-station --device simulated --scene tooth.stl --id left)";
 
 struct Options {
   std::vector<std::string> scenes;
-  int seats = 0;  // of each
+  int seats = 0;  // of each scene
   std::string transport = "auto";
   dds::Network network;
   RealtimeOptions realtime;
@@ -68,14 +68,13 @@ struct Options {
   bool admit_by_hand = false;
   std::uint64_t hand_seed = 1;
   std::optional<MetricsEndpoint> metrics;
-  std::vector<std::string> host_names;  // by which metrics may be asked for
+  std::vector<std::string> host_names;  // under which metrics may be requested
   std::string event_log;
   int domain = 0;
   std::string log_level = "info";
 };
 
-/// Says what `palpate-scene check` says of a scene; refuses one that is not usable, unless it is
-/// wanted all the same.
+/// Logs what `palpate-scene check` says of a scene.  Refuses an unusable one unless `unusable_too`.
 void Judge(const std::string& name, const Scene& scene, bool unusable_too) {
   const Verdict verdict = JudgeScene(scene);
   for (const std::string& limit : verdict.limits) spdlog::warn("{}: {}", scene.name, limit);
@@ -88,7 +87,7 @@ void Judge(const std::string& name, const Scene& scene, bool unusable_too) {
   }
 }
 
-/// A scene and its seats, which share its models: NAME, NAME-1, NAME-2, ...
+/// Adds a scene and its seats, which share its models: NAME, NAME-1, NAME-2, ...
 void AddToOffer(ServedScene scene, int seats, std::vector<ServedScene>& offer,
                 std::vector<std::shared_ptr<const ServedTool>>& tools,
                 std::vector<std::string>& seat_names) {
@@ -105,7 +104,7 @@ void AddToOffer(ServedScene scene, int seats, std::vector<ServedScene>& offer,
   }
 }
 
-/// What is kept of a server's doings for those who run it: metrics and events, where asked for.
+/// The records of a server for those who run it, where requested: metrics and events.
 class Record {
  public:
   Record(const Options& options, const dds::TransportChoice& transport,
@@ -155,25 +154,25 @@ class Record {
   EventLog::Fields start_;
   ServerMetrics metrics_;
   std::unique_ptr<EventLog> events_;
-  std::unique_ptr<MetricsPort> port_;  // its thread asks metrics_
+  std::unique_ptr<MetricsPort> port_;  // its thread reads metrics_
 };
 
 int Serve(const Options& options) {
   StopSignal stop;
-  // Left to itself, malloc takes them from its heap once the first session has ended, and there
-  // they stay: with four stations that came and went the server grew from 161 to 228 MB in seven
-  // minutes.
+  // By default malloc takes them from its heap once the first session has ended, and
+  // they stay there: with four stations that came and went, the server grew from 161 to
+  // 228 MB in seven minutes.
   mallopt(M_MMAP_THRESHOLD, kOwnMapping_bytes);
   const ServerLock lock(options.domain);
   const dds::TransportChoice transport =
       dds::ChooseTransport(dds::ParseTransport(options.transport), options.network);
 
-  // The receiving threads, which are the servo loops, inherit what this thread has just now.
+  // The receiving threads, which are the servo loops, inherit what this thread has at this moment.
   const RealtimeReport realtime = EnterRealtime(options.realtime);
   dds::Participant loop_domain = dds::Participant::Loop(options.domain, transport, options.network);
   LeaveRealtime();
 
-  // Before scenes are built: what cannot be had is said at once, and viewers hear what is built.
+  // Before scenes are built, so that errors are reported at once and viewers hear what is built.
   Record record(options, transport, realtime);
   dds::Participant service_domain = dds::Participant::Service(options.domain, options.network);
   std::optional<CompileNews> news(service_domain);
@@ -186,7 +185,7 @@ int Serve(const Options& options) {
   std::vector<std::shared_ptr<const ServedTool>> tools;
   std::vector<ServedScene> offer;
   std::map<std::string, std::vector<std::uint8_t>> bundles;
-  std::map<std::string, std::vector<std::string>> seats;  // of each
+  std::map<std::string, std::vector<std::string>> seats;  // of each scene
   std::string names;
   for (const std::string& name : options.scenes) {
     ProgressLog log([&](const std::string& text) { spdlog::info("{}: {}", name, text); });
@@ -209,7 +208,7 @@ int Serve(const Options& options) {
     if (options.seats > 0) names += fmt::format(" (seats: {})", options.seats);
   }
   news.reset();
-  malloc_trim(0);  // what the models were made from: as much again
+  malloc_trim(0);  // what the models were made from is as large again
 
   Server server(
       std::move(loop_domain), std::move(service_domain), std::move(tools),
@@ -231,7 +230,7 @@ int Serve(const Options& options) {
   return 0;
 }
 
-/// Nothing where --help or --version was asked for.  Throws UsageError.
+/// Returns nothing for --help and --version.  Throws UsageError.
 std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   Options options;
   const CommandLine app(kAbout, "palpate-server");

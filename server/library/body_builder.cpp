@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t kBallTriangles = 5120;  // within 2 um of a ball of 10 mm
 
-/// Says which number is wrong, where InspectMesh speaks of a file.
+/// Throws an error that names the wrong number; InspectMesh would speak of a file.
 void CheckNumbers(const TriangleMesh& mesh) {
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     if (mesh.vertices[v].allFinite()) continue;

@@ -18,7 +18,7 @@
 
 struct palpate_scene {
   palpate::Scene scene;
-  std::function<palpate::Pose(double)> hand;  // of a script of so many seconds, or none
+  std::function<palpate::Pose(double)> hand;  // of a script, at a time [s]; may be empty
   double duration = 0.0;
 };
 struct palpate_shared {
@@ -29,21 +29,21 @@ struct palpate_model {
   std::shared_ptr<const palpate_shared> shared;
 };
 struct palpate_proxy {
-  std::shared_ptr<const palpate_shared> shared;  // outlives the proxy below
+  std::shared_ptr<const palpate_shared> shared;  // must outlive the proxy below
   palpate::Proxy proxy;
 };
 
 namespace palpate {
 namespace {
 
-/// Fixed, so that an error can be told where there is no memory.
+/// Fixed, so that an error can be reported even without memory.
 thread_local char last_error[512] = "nothing has gone wrong";
 
 void Tell(const char* what) {
   std::snprintf(last_error, sizeof last_error, "%s", what);
 }
 
-/// Calls what may throw; `failed` where it does.
+/// Calls a function that may throw; returns `failed` if it does.
 template <class Result, class Function>
 Result Guarded(Result failed, const Function& function) noexcept {
   try {
@@ -71,7 +71,7 @@ palpate_pose FromPose(const Pose& X) {
   return {{X.p.x(), X.p.y(), X.p.z()}, {X.q.w(), X.q.x(), X.q.y(), X.q.z()}};
 }
 
-/// Of where something stands, which is checked once, not in a step.
+/// For poses that are given once, not in a step: checks them.
 Pose ToChecked(const palpate_pose& pose) {
   Pose X = ToPose(pose);
   Require(X.p.allFinite() && X.q.coeffs().allFinite(), "pose: a number is not finite");
@@ -110,7 +110,7 @@ int Add(palpate_scene* scene, palpate_role role, const palpate_body& given,
       scene->scene.tools.push_back(std::move(body));
       return 0;
     }
-    // What a scene's file does, too: features follow from the materials.
+    // As in a scene file, features follow from the materials.
     if (given.static_friction > 0.0) features.friction = FrictionModel::kCoulomb;
     if (std::isfinite(given.stiffness_N_m)) features.compliance = true;
     scene->scene.objects.push_back(std::move(body));

@@ -1,8 +1,8 @@
-# Run when the library is installed.  Headers lie in the prefix as they do in the sources, below
-# include/palpate, and their include lines say so: nobody's own common/error.h is in the way.
-# Only what palpate/scenes.h leads to, which begins with palpate/physics.h, is installed.
+# Run when the library is installed.  The headers keep the folders of the sources, below include/palpate, and
+# their include lines are changed to match, so they cannot collide with a user's own common/error.h.  Only
+# palpate/scenes.h, which includes palpate/physics.h, and the headers that it includes are installed.
 #
-# Given: folders, where headers are looked for; include, the prefix's folder of headers.
+# Given: folders, which are searched for headers; include, the prefix's folder of headers.
 cmake_policy(PUSH)
 cmake_policy(SET CMP0057 NEW)  # if(IN_LIST)
 set(target "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/${include}/palpate")

@@ -5,16 +5,17 @@
  * Palpate for programs in C, and for everything that can load a C library: Unity, Unreal, Julia,
  * Python's ctypes.
  *
- * From meshes to a wrench: fill a scene, make a model of it, and a proxy for each hand.  Then step
- * the proxy once for each pose of the hand, for example a thousand times a second.
+ * From meshes to a wrench: fill a scene, make a model from it, and a proxy for each hand.  Then
+ * step the proxy once for each pose of the hand, for example a thousand times a second.
  *
- * Lengths are metres, forces newtons, torques newton metres; quaternions are w x y z.  Poses are of
- * a body's frame in the world.  Functions that fail return NULL or a number other than 0, and
- * palpate_last_error() says why, and what to do.  Nothing throws across this interface.  Data that
- * is passed in is copied; no pointer is kept.
+ * Lengths are metres, forces newtons, torques newton metres; quaternions are w x y z.  A
+ * palpate_pose is the pose of a body's frame in the world.  Functions that fail return NULL or a
+ * number other than 0; palpate_last_error() then says why, and what to do.  Nothing throws across
+ * this interface.  Data that is passed in is copied; no pointer is kept.
  *
- * Threads: a model never changes, and may be used by several threads at once; a scene or a proxy by
- * one at a time.  Only palpate_proxy_step is real-time: it does not allocate, lock or read a clock.
+ * Threads: a model never changes, and several threads may use it at once; only one thread at a time
+ * may use a scene or a proxy.  Only palpate_proxy_step is real-time: it does not allocate, lock or
+ * read a clock.
  */
 
 #include <stddef.h>
@@ -30,7 +31,7 @@
 extern "C" {
 #endif
 
-typedef struct palpate_scene palpate_scene; /**< tools and objects, while they are put together */
+typedef struct palpate_scene palpate_scene; /**< tools and objects, being assembled */
 typedef struct palpate_model
     palpate_model; /**< one tool of a scene against all objects; never changes */
 typedef struct palpate_proxy palpate_proxy; /**< the tool that follows one hand */
@@ -41,9 +42,9 @@ typedef struct {
 } palpate_pose;
 
 typedef enum {
-  PALPATE_SURFACE = 0, /**< meshes do not enter each other */
-  PALPATE_SPHERES = 1, /**< the leaves of sphere trees do not; objects may be soft */
-  PALPATE_CONTACT_ANY_INT = 0x7fffffff /**< so that a wrong number can be detected */
+  PALPATE_SURFACE = 0,                 /**< meshes do not enter each other */
+  PALPATE_SPHERES = 1,                 /**< leaves of sphere trees do not; objects may be soft */
+  PALPATE_CONTACT_ANY_INT = 0x7fffffff /**< lets an invalid value be detected */
 } palpate_contact;
 
 typedef enum {
@@ -55,8 +56,8 @@ typedef enum {
 /** Start from palpate_body_defaults(). */
 typedef struct {
   palpate_pose pose; /**< of an object, in the world */
-  size_t leaves; /**< of its sphere tree; 0: a few if its mesh is felt, else as many as its shape
-                    needs */
+  size_t leaves; /**< number in its sphere tree; 0: a few if its mesh is felt, otherwise as many as
+                    its shape needs */
   double static_friction;  /**< of an object */
   double dynamic_friction; /**< at most static_friction */
   double stiffness_N_m;    /**< of a leaf's contact, PALPATE_SPHERES; infinite: rigid */
@@ -73,81 +74,81 @@ typedef struct {
   const char* unit; /**< empty: a count or a ratio */
   const char* what;
   double least, most;
-  double usual; /**< of a scene that does not set it */
-  double value; /**< of this scene; NAN if its materials differ */
+  double usual; /**< value in a scene that does not set it */
+  double value; /**< value in this scene; NAN if its materials differ */
 } palpate_parameter;
 
 #define PALPATE_POINTS 7
 
 typedef struct {
   double force_N[3];   /**< on the hand, at the centroid of the tool */
-  double torque_Nm[3]; /**< about it */
-  palpate_pose tool;   /**< of the graphic tool: where to draw it */
-  uint32_t faults;     /**< 0: none; palpate_fault_words says what */
-  int32_t contacts;    /**< all; `points` of them are listed */
+  double torque_Nm[3]; /**< about that centroid */
+  palpate_pose tool;   /**< the graphic tool: where to draw it */
+  uint32_t faults;     /**< bits; 0: none; see palpate_fault_words */
+  int32_t contacts;    /**< number of all; `points` of them are listed */
   int32_t points;
   palpate_point point[PALPATE_POINTS];
   const palpate_parameter* parameter; /**< used in the step; valid as long as the proxy */
-  size_t parameters;                  /**< how many there are */
+  size_t parameters;                  /**< their number */
 } palpate_report;
 
-/** "0.1.0". */
+/** Returns the version, such as "0.1.0". */
 PALPATE_API const char* palpate_version(void);
-/** What went wrong last in this thread; valid until its next failure. Never NULL. */
+/** Returns the message of the last failure in this thread, valid until the next one; never NULL. */
 PALPATE_API const char* palpate_last_error(void);
-/** Writes the faults in words into `text` of `size` bytes; returns how many bytes it takes. */
+/** Writes the faults in words into `text` of `size` bytes; returns the size that they need. */
 PALPATE_API size_t palpate_fault_words(uint32_t faults, char* text, size_t size);
 
 PALPATE_API palpate_body palpate_body_defaults(void);
 
-/** NULL: out of memory. */
+/** Returns an empty scene; NULL if out of memory. */
 PALPATE_API palpate_scene* palpate_scene_new(palpate_contact contact);
-/** A scene of the catalogue by its name, as "bunny-bunny", or of a file: .json, .palpate, or a
- * mesh; the same bits as in the server.  The first time may take a minute or two.  What was assumed
- * of a mesh is printed on standard error. */
+/** Loads a scene of the catalogue by its name, such as "bunny-bunny", or from a file: .json,
+ * .palpate, or a mesh; gives the same bits as in the server.  The first time may take a minute or
+ * two.  Assumptions about a mesh are printed on standard error. */
 PALPATE_API palpate_scene* palpate_scene_load(const char* name_or_path);
 /** Writes a file *.palpate, which palpate_scene_load and palpate-server read. */
 PALPATE_API int palpate_scene_save(const palpate_scene* scene, const char* file);
 PALPATE_API void palpate_scene_free(palpate_scene* scene);
-/** The name of the tool of that index, from 0, valid until the scene is changed; NULL: there are no
- * more.  `start`: receives where the scene places it, if not NULL. */
+/** Returns the name of the tool with this index, from 0, valid until the scene changes; NULL if
+ * there are no more.  `start`, if not NULL, receives the pose at which the scene places it. */
 PALPATE_API const char* palpate_scene_tool(const palpate_scene* scene, size_t tool,
                                            palpate_pose* start);
-/** Where the hand is, `seconds` into the script beside a loaded scene's file.  Returns the script's
- * length in seconds; 0: there is no script. */
+/** Computes the hand's pose `seconds` into the script beside a loaded scene's file.  Returns the
+ * script's length in seconds; 0 if there is no script. */
 PALPATE_API double palpate_scene_hand(const palpate_scene* scene, double seconds,
                                       palpate_pose* hand);
-/** The parameter of that index, from 0.  Returns other than 0 if there are no more. */
+/** Writes the parameter with this index, from 0.  Returns other than 0 if there are no more. */
 PALPATE_API int palpate_scene_parameter(const palpate_scene* scene, size_t index,
                                         palpate_parameter* parameter);
-/** Sets "stiffness_N_per_m", "separation_um", "friction" or another, in its unit; call it before a
- * model is made. */
+/** Sets "stiffness_N_per_m", "separation_um", "friction" or another parameter, in its unit.  Call
+ * it before a model is made. */
 PALPATE_API int palpate_scene_set_parameter(palpate_scene* scene, const char* name, double value);
-/** `vertices_m`: x y z of each.  `triangles`: three vertices each, from 0, counter-clockwise seen
- * from outside.  `body`: NULL for the defaults.  Takes seconds for a mesh that needs thousands of
- * leaves. */
+/** Adds a mesh.  `vertices_m`: x y z of each.  `triangles`: indices of three vertices each, from 0,
+ * counter-clockwise seen from outside.  `body`: NULL for the defaults.  Takes seconds if the mesh
+ * needs thousands of leaves. */
 PALPATE_API int palpate_scene_add_mesh(palpate_scene* scene, palpate_role role, const char* name,
                                        const double* vertices_m, size_t vertex_count,
                                        const uint32_t* triangles, size_t triangle_count,
                                        const palpate_body* body);
 PALPATE_API int palpate_scene_add_box(palpate_scene* scene, palpate_role role, const char* name,
                                       const double size_m[3], const palpate_body* body);
-/** An exact ball: one leaf. */
+/** Adds an exact ball, of one leaf. */
 PALPATE_API int palpate_scene_add_ball(palpate_scene* scene, palpate_role role, const char* name,
                                        double radius_m, const palpate_body* body);
 
-/** `tool`: index of the tool in the scene, from 0.  The scene may be freed afterwards. */
+/** Makes a model.  `tool`: index in the scene, from 0.  The scene may be freed afterwards. */
 PALPATE_API palpate_model* palpate_model_new(const palpate_scene* scene, size_t tool);
 PALPATE_API void palpate_model_free(palpate_model* model); /**< its proxies remain valid */
 
-/** The tool starts at the hand, or at a free pose near it. */
+/** Makes a proxy, whose tool starts at the hand or at a free pose near it. */
 PALPATE_API palpate_proxy* palpate_proxy_new(const palpate_model* model, const palpate_pose* hand);
 PALPATE_API void palpate_proxy_free(palpate_proxy* proxy);
-/** How far the tool was from the hand at the start [m]: lead a hand that is deep inside an object
- * out before you apply forces. */
+/** Returns the distance of the tool from the hand at the start [m].  Lead a hand that is deep
+ * inside an object out before you apply forces. */
 PALPATE_API double palpate_proxy_start_depth(const palpate_proxy* proxy);
-/** One cycle.  A pose that is not finite, or whose quaternion is not of length 1, is a fault and
- * gives no force.  Returns report->faults. */
+/** Runs one cycle.  A pose that is not finite, or whose quaternion is not of length 1, sets a fault
+ * and gives no force.  Returns report->faults. */
 PALPATE_API uint32_t palpate_proxy_step(palpate_proxy* proxy, const palpate_pose* hand,
                                         palpate_report* report);
 

@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-/// Of all objects, static and dynamic; not a number where there is more than one.
+/// Returns the friction of all objects, static and dynamic; not a number if they differ.
 double FrictionOf(const Scene& scene) {
   if (scene.features.friction == FrictionModel::kOff || scene.objects.empty()) return 0.0;
   const double mu = scene.objects.front().materials.front().static_friction;
@@ -33,7 +33,7 @@ void SetFriction(Scene& scene, double mu) {
   if (mu > 0.0 && model == FrictionModel::kOff) model = FrictionModel::kCoulomb;
 }
 
-/// In its unit, without what its scale rounds.
+/// Returns a value in its unit, without the rounding of its scale.
 double NumberOf(const Tunable& tunable, double value) {
   return std::round(value / tunable.scale * 1e9) / 1e9;
 }
@@ -41,7 +41,7 @@ double NumberOf(const Tunable& tunable, double value) {
 constexpr Tunable kFriction{"friction", "",   1.0,
                             0.0,        10.0, "static and dynamic, of all that is touched"};
 
-/// As ForEachField, but for friction, which is no one number.
+/// ForEachField without friction, which is not a single number.
 template <class AnyScene, class Visit>
 void ForEachNumber(AnyScene& scene, Visit visit) {
   visit(Tunable{"stiffness_N_per_m", "N/m", 1.0, 0.01, 1e5, "k_t between hand and tool"},

@@ -8,18 +8,20 @@
 
 namespace palpate {
 
-/// What a paper varies of a scene, by its name in scene files, Python and C.
-/// @field usual  of a scene that does not say.
-/// @field value  of this one; not a number where its materials differ.
+/// A parameter of a scene that a study may vary, by its name in scene files, Python and C.
+/// @field usual  value in a scene that does not set it
+/// @field value  value in this scene; not a number if its materials differ
 struct Parameter : Tunable {
   double usual = 0.0, value = 0.0;
 };
 
-/// All that there are: the springs, the step's StepTuning, and the friction of all that is touched.
+/// Returns all parameters: the springs, the step's StepTuning, and the friction of
+/// everything that is touched.
 std::vector<Parameter> ParametersOf(const Scene& scene);
 
-/// Sets one, in its unit.  Models that have been made stay as they are.
-/// Throws Error that names it, or those that there are, and the range; then nothing is changed.
+/// Sets a parameter, in its unit.  Existing models do not change.
+/// Throws Error, which names the range or, for an unknown name, all parameters; nothing is set
+/// then.
 void SetParameter(Scene& scene, std::string_view name, double value);
 
 }  // namespace palpate

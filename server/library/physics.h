@@ -34,8 +34,7 @@
 #include "server/physics/scene_model.h"       // IWYU pragma: export
 #include "server/physics/start_pose.h"        // IWYU pragma: export
 
-// The library was built with 16: a program that is built for AVX would else lay poses out
-// differently.
+// The library was built with 16; a program that is built for AVX would lay out poses differently.
 static_assert(alignof(palpate::Pose) == 16,
               "Eigen aligns to more than palpate was built with: compile with "
               "-DEIGEN_MAX_STATIC_ALIGN_BYTES=16, as palpate::physics and palpate-physics.pc do");

@@ -17,7 +17,7 @@ void Proxy::Restart(const Pose& hand) {
   if (!IsPose(hand)) throw Error("hand: its pose must be finite, its quaternion of length 1");
   const Pose X_WH = Unit(hand);
   const StartPose start = ResolveStart(model_, X_WH, workspace_, state_.cuts);
-  StepState fresh(model_);  // that has seen no hand before, as a session's
+  StepState fresh(model_);  // fresh, as for a new session
   fresh.cuts = std::move(state_.cuts);
   state_ = std::move(fresh);
   state_.X_WG = start.X_WG;

@@ -1,7 +1,7 @@
 #pragma once
 
 /// @file
-/// All of palpate::scenes: what the server reads, for programs of one's own.
+/// All of palpate::scenes: what the server reads, for your own programs.
 ///
 /// @code
 /// const Scene scene = LoadScene("bunny-bunny");  // or a file: .json, .palpate, .stl, ...
@@ -9,11 +9,11 @@
 /// const PoseScript hand = PoseScript::Load(ScriptFileBeside("bunny-bunny"));
 /// Proxy proxy(model, hand.At(0.0));
 /// const StepReport report = proxy.Step(hand.At(0.001));  // the bits of the server
-/// SaveScene(scene, "mine.palpate");                      // of your own, too; the server reads it
+/// SaveScene(scene, "mine.palpate");                      // also of your own; the server reads it
 /// @endcode
 ///
-/// Meshes are read by palpate-import, and catalogue and models are found beside it: where
-/// $PALPATE_PROGRAMS names its folder, or it is on the PATH (Debian's package palpate-common).
+/// palpate-import reads the meshes; catalogue and models are found beside it: in the folder that
+/// $PALPATE_PROGRAMS names, or on the PATH (Debian's package palpate-common).
 #include "common/json/pose_script.h"  // IWYU pragma: export
 #include "scenes/catalogue.h"         // IWYU pragma: export
 #include "scenes/progress_line.h"     // IWYU pragma: export

@@ -17,7 +17,7 @@
 namespace palpate {
 namespace {
 
-/// As long as this no old entry is looked for.
+/// Up to this size no old entries are removed.
 constexpr std::size_t kMostTold = 1000;
 constexpr std::uint32_t kUsualFaults = kFaultTargetFar | kFaultNotStarted;
 
@@ -130,7 +130,7 @@ void EventLog::Write(const char* event, const Fields& fields) {
   }
 }
 
-/// All of it, or nothing.
+/// Writes the whole line or nothing.
 bool EventLog::Append(const std::string& line) {
   struct stat before {};
   const bool is_file = fstat(fd_, &before) == 0 && S_ISREG(before.st_mode);

@@ -10,39 +10,39 @@
 
 namespace palpate {
 
-/// What took place at a server, for those who look into a night afterwards: an object a line,
-/// appended to a file.  Of one kind and station at most one event a second is written, and of one
-/// kind at most 20; what was left out is counted in the next line ("left_out").  A file that takes
-/// no more is told once, and again when it does.
-/// Thread contract: one thread, which is none of the servo loops.
+/// A log of a server's events, for later analysis: one JSON object per line, appended to a file.
+/// At most one event a second is written of each kind and station, and at most 20 of each kind; the
+/// next line counts those left out ("left_out").  If the file cannot be written, that is reported
+/// once, and again when it can.
+/// Thread contract: one thread, not a servo loop's.
 class EventLog {
  public:
   using Fields = std::vector<std::pair<const char*, std::string>>;
 
   static constexpr std::int64_t kApart_ns = 1'000'000'000;
-  static constexpr int kMostOfAKind = 20;  ///< in that time
+  static constexpr int kMostOfAKind = 20;  ///< in kApart_ns
 
-  /// Throws Error where the file cannot be appended to.
+  /// Throws Error if the file cannot be appended to.
   explicit EventLog(const std::string& file);
   ~EventLog();
   EventLog(const EventLog&) = delete;
   EventLog& operator=(const EventLog&) = delete;
 
-  /// {"time":"...","event":"start","domain":"0",...}; the destructor then writes a "stop".
+  /// Writes {"time":"...","event":"start","domain":"0",...}; the destructor writes a "stop".
   void OnStart(const Fields& fields);
-  /// Events "held", "begun", "active", "acquiring", "muted", "unmuted", "ended", "refused": what is
-  /// said again is none.
+  /// Writes "held", "begun", "active", "acquiring", "muted", "unmuted", "ended" or "refused"; a
+  /// repeated state is not an event.
   void OnSession(const wire::SessionState& state, std::int64_t now_ns);
-  /// Refusals that nobody was told of: left out here, too.
+  /// Counts refusals that were not published; they are left out here, too.
   void OnUntold(std::uint64_t count) { left_out_ += count; }
-  /// "whole", "bookmark" or "back", or "refused" to do so.
+  /// Writes "whole", "bookmark", "back" or, if that was refused, "refused".
   void OnWhole(const wire::SceneWhole& whole, std::int64_t now_ns);
-  /// "fault", for bits that the station did not have the second before.  That a hand is quicker
-  /// than its tool, or a tool has only come, is none.
+  /// Writes "fault" for fault bits that the station did not have in the second before.  A hand that
+  /// is faster than its tool, or a tool that has just come, is not an event.
   void OnStatistics(const wire::LoopStatistics& statistics, std::int64_t now_ns);
 
  private:
-  /// Writes it unless there were too many.
+  /// Writes an event unless there were too many.
   void Tell(const char* event, const std::string& station, const Fields& fields,
             std::int64_t now_ns);
   void Write(const char* event, const Fields& fields);
@@ -57,7 +57,7 @@ class EventLog {
     friend bool operator==(const Session&, const Session&) = default;
   };
   std::map<std::string, Session> sessions_;      // by station
-  std::map<std::string, std::uint32_t> faults_;  // of the second before, by station
+  std::map<std::string, std::uint32_t> faults_;  // by station: faults of the second before
   std::map<std::pair<std::string, std::string>, std::int64_t> told_;  // by event and station
   struct Budget {
     std::int64_t since_ns = 0;

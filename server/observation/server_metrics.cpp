@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-/// The faults that have a name, by their bits.
+/// Returns the names of the faults, by their bits.
 const std::map<std::uint32_t, std::string>& NamedFaults() {
   static const std::map<std::uint32_t, std::string> faults = [] {
     std::map<std::uint32_t, std::string> named;

@@ -12,8 +12,8 @@
 
 namespace palpate {
 
-/// What a server's metrics say, from what it publishes: nothing is asked of the servo loops that
-/// the line of statistics does not have.
+/// A server's metrics, computed from what it publishes; the servo loops report nothing beyond the
+/// statistics.
 /// Thread contract: On... from the service thread, Fill from any.
 class ServerMetrics {
  public:
@@ -33,7 +33,7 @@ class ServerMetrics {
     bool muted = false;
     bool has_statistics = false;
     wire::LoopStatistics last{};  // of the last second
-    // Since the session began.
+    // Totals since the session began.
     std::uint64_t steps = 0, faulted = 0, late = 0, lost = 0;
     std::uint64_t nonfinite = 0, sequence = 0, speed = 0;
   };

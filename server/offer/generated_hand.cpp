@@ -14,38 +14,39 @@ namespace palpate {
 namespace {
 
 // In mm of an object of 10 mm to 1 m.
-/// A hand is soft (135 N/m) and an arm rubs (0.2 N): a simulated one comes to press only where its
+/// A hand is soft (135 N/m) and an arm has friction (0.2 N): a simulated one presses only if its
 /// path leads deeper than 1.5 mm.
 constexpr double kPress = 3.0;
 constexpr double kSlideLeast = 2.0, kSlideMost = 40.0;
 constexpr double kSlideShare = 0.2;  ///< of the objects' longest side
-constexpr int kSlidePlaces = 4;      ///< the hand rests at each: few
-constexpr double kOutside = 10.0;    ///< where it begins, of a tool that touches from the start
-constexpr double kStride = 0.1;      ///< of the hand in a cycle, 0.1 m/s
-/// The spring's stretch at which the tool counts as touching, and as pressed: what is soft gives
-/// way to most of a millimetre.
+constexpr int kSlidePlaces = 4;      ///< the hand rests at each, so there are few
+constexpr double kOutside = 10.0;    ///< where it begins if the tool touches at the start
+constexpr double kStride = 0.1;      ///< motion of the hand in a cycle: 0.1 m/s
+/// Stretch of the spring at which the tool counts as touching, and as pressed: something soft gives
+/// way by most of a millimetre.
 constexpr double kTouches = 0.01, kPushes = 0.02;
 
-// Speeds in mm/s of such an object, and the least time that a movement takes [s].
+// Speeds in mm/s for such an object, and the shortest time of a movement [s].
 constexpr double kComes = 40.0, kSlides = 15.0;
 constexpr double kLeast_s = 0.5;
-/// A station's session takes a moment to begin: a hand that pressed before would be in the object
-/// when forces come, and be let in on them softly.
+/// A station's session takes a moment to begin.  A hand that pressed earlier would be inside the
+/// object when forces begin, and they would rise slowly on it.
 constexpr double kWaits_s = 1.5;
 
 constexpr int kSettle = 60;                 ///< cycles
-constexpr std::size_t kToolSamples = 2000;  ///< vertices of the tool, for which face is nearest
+constexpr std::size_t kToolSamples = 2000;  ///< vertices of the tool that are tried
+                                            ///< for the nearest face
 
-/// Where the tool touches.
+/// A pose at which the tool touches.
 struct Touch {
-  Vec3 p;       ///< of the hand's frame, where it would be at the surface, in W
-  Vec3 normal;  ///< out of the object
+  Vec3 p;       ///< origin of the hand's frame, at the surface, in W
+  Vec3 normal;  ///< pointing out of the object
 };
 
-/// From the tool's surface, at a pose, to the objects' nearest point.
+/// The vector from the tool's surface, at a pose, to the objects' nearest point.
 struct Way {
   double distance = INFINITY;
-  Vec3 along = Vec3::Zero();  ///< unit
+  Vec3 along = Vec3::Zero();  ///< unit vector
 };
 
 class HandWalk {
@@ -58,7 +59,7 @@ class HandWalk {
     }
     size_ = box.isEmpty() ? 0.0 : box.sizes().maxCoeff();
     scale_ = size_ < 0.01 ? size_ / 0.01 : size_ > 1.0 ? size_ : 1.0;
-    // The walk asks where surfaces are, not what drags on the hand.
+    // The walk needs the surfaces, not the drag on the hand.
     state_.friction.suspended = true;
     state_.effects = {};
   }
@@ -84,7 +85,8 @@ class HandWalk {
 
   bool Free(const Pose& X) { return ResolveStart(model_, X, workspace_).depth == 0.0; }
 
-  /// Where the scene places the tool, if it is free there; else away from what it is in.
+  /// Returns where the scene places the tool, if it is free there; otherwise a place outside of
+  /// what it is in.
   Pose Outside() {
     const StartPose placed = ResolveStart(model_, tool_.X_WB, workspace_);
     if (placed.depth == 0.0) return placed.X_WG;
@@ -96,7 +98,7 @@ class HandWalk {
     return placed.X_WG;
   }
 
-  /// Points of the tool's surface, in its frame.
+  /// Returns points of the tool's surface, in its frame.
   std::vector<Vec3> ToolPoints() const {
     if (model_.degrees_of_freedom() == 3) return {tool_.tree.centroid};  // felt as a ball
     const std::vector<Vec3>& all = tool_.mesh.vertices;
@@ -135,7 +137,7 @@ class HandWalk {
     return report;
   }
 
-  /// Straight on until it is pushed back; then as deep as it presses.
+  /// Moves straight on until something pushes back, then presses.
   std::optional<Touch> Approach(const Way& way) {
     const double reach = way.distance + size_ + Mm(kOutside);
     const Vec3 from = hand_.p;
@@ -147,7 +149,7 @@ class HandWalk {
     return std::nullopt;
   }
 
-  /// Presses along the normal that the push has, and again along that which it has then.
+  /// Presses along the normal of the push, and again along the one that it then has.
   std::optional<Touch> Press(const StepReport& touching) {
     Touch touch = TouchOf(touching);
     const StepReport pressed = MoveTo(touch.p - Mm(kPress) * touch.normal);
@@ -155,13 +157,13 @@ class HandWalk {
     return touch;
   }
 
-  /// The hand does not turn with the graphic tool: what counts is where its centroid is.
+  /// The hand does not turn with the graphic tool, so the place of its centroid counts.
   Touch TouchOf(const StepReport& report) const {
     const Vec3& c = model_.reference();
     return {report.X_WG * c - q_ * c, report.wrench.force.normalized()};
   }
 
-  /// Further touching poses, one after the other; it ends where there is nothing to press on.
+  /// Returns further touching poses, one after the other; ends where there is nothing to press on.
   std::vector<Touch> Slide(const Touch& first) {
     const double length =
         std::clamp(kSlideShare * size_, Mm(kSlideLeast), Mm(kSlideMost)) / kSlidePlaces;

@@ -18,29 +18,30 @@
 
 namespace palpate {
 
-/// What the tools of a scene may touch: the objects' leaves as one tree, and the meshes of
-/// the objects that are felt by their mesh.  Immutable; shared by the models of all tools.
+/// The objects that the tools of a scene can touch: the leaves of all objects as one tree, and
+/// the meshes of those objects that are felt by their mesh.  Immutable; the models of all tools
+/// share it.
 class SceneObjects {
  public:
-  /// Throws Error where there is no object, a tree is empty or not finite, or a mesh is lacking for
-  /// ContactModel::kSurface.
+  /// Throws Error if there is no object, if a tree is empty or not finite, or if
+  /// ContactModel::kSurface needs a mesh that an object lacks.
   explicit SceneObjects(std::span<const PlacedTree> objects,
                         ContactModel contact = ContactModel::kSpheres,
                         std::vector<CutSolid> solids = {});
 
-  /// The leaves of all objects; those of objects that are felt by their meshes touch nothing.
+  /// The leaves of all objects.  Leaves of an object that is felt by its mesh touch nothing.
   const ObjectForest& forest() const { return forest_; }
   ContactModel contact() const { return contact_; }
-  /// The objects that are felt by their meshes, and the boxes of what burs can cut, which contact
-  /// looks into (surface/felt_solids.h); and a forest of the leaves of the former alone, null where
-  /// there is none, which tells soonest what is deep inside (start_pose.h).
+  /// `bodies`: the objects that are felt by their meshes, then `boxes`: those of the blocks of the
+  /// solids that burs can cut (surface/felt_solids.h).  `insides`: a forest of the former objects'
+  /// leaves only, which shows fastest what lies deep inside (start_pose.h); null if there are none.
   std::span<const ContactBody> bodies() const { return bodies_; }
   std::span<const ContactBody> boxes() const { return bodies().last(boxes_); }
   const UncutBodies& uncut() const { return uncut_; }
   const ObjectForest* insides() const { return insides_ ? &*insides_ : nullptr; }
-  /// What burs can cut.
+  /// The solids that burs can cut.
   std::span<const CutSolid> solids() const { return solids_; }
-  /// Of a solid, by its number there.
+  /// A material of the solid with this index in solids().
   const Material& MaterialOf(std::size_t solid, std::uint8_t material) const;
 
  private:
@@ -51,50 +52,53 @@ class SceneObjects {
   std::vector<CutSolid> solids_;
   std::size_t boxes_ = 0;
   UncutBodies uncut_;
-  std::vector<std::vector<Material>> materials_;  ///< of each solid
+  std::vector<std::vector<Material>> materials_;  ///< for each solid
 };
 
-/// What a step needs to know and never changes: one tool against the objects of a scene.
-/// Built when a scene loads; shared by threads.
+/// Everything that a step needs and never changes: one tool and the objects of a scene.  Built when
+/// a scene loads; threads share it.
 class HapticModel {
  public:
-  /// `tool_mesh`: needed for ContactModel::kSurface only.  `cutting`: where the tool is a bur.
-  /// `effects`: forces of one's own, which the step adds.
-  /// Throws Error where a parameter is out of range, the tool's tree is empty or not finite, or its
-  /// mesh is lacking.
+  /// `tool_mesh` is needed for ContactModel::kSurface only, `cutting` only if the tool is a bur or
+  /// an edge.  The step adds the forces of `effects`.
+  /// Throws Error if a parameter is out of range, if the tool's tree is empty or not finite, or if
+  /// its mesh is needed and missing.
   HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObjects> objects,
               const StepParameters& parameters, const TriangleMesh* tool_mesh = nullptr,
               std::optional<Cutting> cutting = std::nullopt, Effects effects = {});
 
-  const StepParameters& parameters() const { return parameters_; }  ///< derived values filled in
+  const StepParameters& parameters() const {
+    return parameters_;
+  }  ///< with derived values
+     ///< filled in
   const ToolTree& tool() const { return *tool_; }
   const ObjectForest& objects() const { return objects_->forest(); }
-  /// Null where nothing is felt by its mesh.
+  /// Null if nothing is felt by its mesh.
   const ContactBody* tool_body() const { return tool_body_.get(); }
   std::span<const ContactBody> bodies() const { return objects_->bodies(); }
   std::span<const ContactBody> boxes() const { return objects_->boxes(); }
   const UncutBodies& uncut() const { return objects_->uncut(); }
   const ObjectForest* insides() const { return objects_->insides(); }
-  /// Whether the features name compliance and some leaf is soft.
+  /// Returns whether compliance is among the features and some leaf is soft.
   bool yields() const { return parameters_.features.compliance && objects().yields(); }
-  /// Null where the tool is no bur.
+  /// Null if the tool cannot cut.
   const Cutting* cutting() const { return cutting_ ? &*cutting_ : nullptr; }
   const Effects& effects() const { return effects_; }
-  /// What burs can cut, and whether the tool is one that may.
+  /// The solids that burs can cut, and whether this tool may cut any of them.
   std::span<const CutSolid> solids() const { return objects_->solids(); }
   bool cuts() const { return cutting_ && !solids().empty(); }
-  /// Samples of the bur about the reference point, in the tool's frame.
+  /// The samples of the bur's surface, relative to the reference point, in the tool's frame.
   std::span<const BurSample> bur_samples() const { return bur_samples_; }
-  double bur_lever() const { return bur_lever_; }  ///< of the farthest of them [m]
-  /// What a row's contact is made of, and a leaf of the forest there; of a solid its object's
-  /// first.
+  double bur_lever() const { return bur_lever_; }  ///< lever arm of the farthest sample [m]
+  /// The material that a row touches, and a leaf of the forest at that contact (for a solid: the
+  /// first leaf of its object).
   const Material& MaterialOf(const ContactId& id, const FeltSolids& felt) const;
   std::int32_t LeafOf(const ContactId& id, const FeltSolids& felt) const;
-  /// 3 where the tool is a single sphere (no contact can turn it), else 6.
+  /// 3 if the tool is a single sphere, which no contact can turn; else 6.
   int degrees_of_freedom() const { return tool_->leaf_count() == 1 ? 3 : 6; }
-  /// Point that the step and the wrench refer to, in the tool's frame [m]: the centroid.
+  /// The point that the step and the wrench refer to, in the tool's frame [m]: the centroid.
   const Vec3& reference() const { return tool_->reference(); }
-  /// Characteristic length sqrt(k_r / k_t) [m] that makes a rotation a length.
+  /// The characteristic length sqrt(k_r / k_t) [m], which converts a rotation to a length.
   double rotation_length() const { return rotation_length_; }
 
  private:

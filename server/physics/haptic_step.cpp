@@ -25,7 +25,8 @@ StepWorkspace::StepWorkspace(const HapticModel& model)
 StepWorkspace::~StepWorkspace() = default;
 StepWorkspace::StepWorkspace(StepWorkspace&&) noexcept = default;
 
-/// The way that the sense takes to turn keeps a hand at rest from turning it.
+/// An edge starts or stops cutting only after it has been drawn some distance, so the tremor of a
+/// resting hand does not toggle it.
 bool CutsInStep(const HapticModel& model, const Pose& X_WH, StepState& state) noexcept {
   const Cutting* cutting = model.cutting();
   if (cutting == nullptr || !cutting->sense) return state.spins;
@@ -43,8 +44,8 @@ bool IsFinite(const StepReport& report) {
          report.X_WG.p.allFinite() && report.X_WG.q.coeffs().allFinite();
 }
 
-/// Where the tools are, and the first bounds.  False where the pose that came is none: the tool
-/// stays.
+/// Sets the poses of the tools, and the first bounds.  Returns false if the pose is not usable;
+/// the tool then stays.
 bool Begin(const Pose& X_WH, StepContext& context) {
   StepState& state = context.state;
   context.report.X_WG = state.X_WG;
@@ -78,14 +79,15 @@ bool Begin(const Pose& X_WH, StepContext& context) {
   return true;
 }
 
-/// The rows of a bur where a sub-step begins.
+/// Adds the rows of a bur at the beginning of a sub-step.
 void BeginCutting(StepContext& context, double reach) {
   const std::span cuts =
       context.state.cutting ? std::span(context.state.cuts) : std::span<CutField>();
   context.buffers.energies->Begin(context.tools.p_G, context.tools.q_G, cuts, reach);
 }
 
-/// A further sub-step between leaves, or of a bur, is taken to cost what the last one did.
+/// Returns whether another sub-step fits into the cycle.  Between leaves, and for a bur, it is
+/// assumed to cost as much as the last one.
 bool GoesOn(const StepContext& context) {
   const StepParameters& parameters = context.model.parameters();
   if (context.cost.cut_looks + context.cost.last_cut_looks > limits::cutting::kMostLooks) {
@@ -97,8 +99,8 @@ bool GoesOn(const StepContext& context) {
          !context.IsUnsolved();
 }
 
-/// The rows between leaves that the sub-step has to respect, rigid ones and those that first yield;
-/// and the triangles that it could bring together, with the rows of those that touched last.
+/// Finds the rows between leaves that the sub-step must respect, both rigid and soft ones; and the
+/// pairs of triangles that it could bring together, with the rows of those that touched last.
 void Predict(StepContext& context) {
   StepBuffers& buffers = context.buffers;
   Tools& tools = context.tools;
@@ -129,7 +131,8 @@ void Predict(StepContext& context) {
   if (buffers.rows.overflowed()) context.report.faults |= kFaultRowsFull;
 }
 
-/// The pose nearest to the hand's that the rows allow, along straight rows and without friction.
+/// Returns the nearest pose to the hand's that the rows allow, with straight
+/// rows and without friction.
 Optimum SolveWithoutFriction(StepContext& context) {
   StepBuffers& buffers = context.buffers;
   ++context.sub_step.iterates;
@@ -147,7 +150,7 @@ Optimum SolveWithoutFriction(StepContext& context) {
   return optimum;
 }
 
-/// Moves an optimum by friction, where the model has it and a row is active.
+/// Applies friction to an optimum, if the model has friction and a row is active.
 void Rub(StepContext& context, Optimum& optimum) {
   FrictionState& friction = context.state.friction;
   if (context.sub_step.iterates > 1) friction = context.sub_step.friction_before;
@@ -159,7 +162,8 @@ void Rub(StepContext& context, Optimum& optimum) {
   AddCoulombFriction(context, optimum);
 }
 
-/// The same; of a ball round creases, and with friction where the model has it.
+/// Returns the optimum, including the curvature of a ball's rows at creases, and friction if
+/// the model has it.
 Optimum Solve(StepContext& context) {
   Optimum optimum = SolveWithoutFriction(context);
   optimum.rounds = context.IsFreeBall() && RoundCreases(context, optimum);
@@ -169,7 +173,7 @@ Optimum Solve(StepContext& context) {
   return optimum;
 }
 
-/// Takes the tool there.
+/// Moves the tool; updates the front and the cut solids.
 void Move(StepContext& context, const Way& way) {
   StepBuffers& buffers = context.buffers;
   const bool meshes = buffers.meshes.has_value();
@@ -200,15 +204,15 @@ void Move(StepContext& context, const Way& way) {
   tools.q_G = (RotationExp(way.phi) * tools.q_G).normalized();
 }
 
-/// Between meshes, where the tool has not arrived, the optimum lies beyond what its rows are known
-/// for.  What is known is what they hold back of the spring from where the tool is: those of its
-/// contacts, and of what it would meet within the sub-step, material that a bur cuts too.  Where
-/// the tool has arrived this is the optimum's own wrench; without a row it is zero.
+/// Between meshes, if the tool has not arrived, the optimum lies beyond the region in which its
+/// rows are valid.  What is known is how far the rows hold back the spring from where the tool is:
+/// those of its contacts and of what it would meet within the sub-step, including material that a
+/// bur cuts.  If the tool has arrived, this is the optimum's own wrench; without a row it is zero.
 Way Lag(StepContext& context, const Way& went) {
   ContactRows& rows = context.buffers.rows;
   for (int i = 0; i < rows.count(); ++i) rows.SetGap(i, rows.Left(i, went.v, went.phi));
-  // The tool's place is free, whatever a row that was made for a trial elsewhere says of it.  So
-  // the wrench is never more than the spring's own.
+  // The tool's place is free, even if a row that was made for a trial elsewhere denies it.  So the
+  // wrench is never more than the spring's own.
   rows.AdmitZero();
   if (context.buffers.energies) BeginCutting(context, context.sub_step.bounds.translation);
   context.Aim();
@@ -219,9 +223,9 @@ Way Lag(StepContext& context, const Way& went) {
   return stays;
 }
 
-/// The wrench of the spring at the optimum, and the contacts.  Where the sub-step falls short of it
-/// the graphic tool is still on its way, and its distance from the hand is no contact: that part
-/// gives no force.  Then the bounds of the next sub-step.
+/// Reports the wrench of the spring at the optimum, and the contacts, and sets the next sub-step's
+/// bounds.  If the sub-step falls short of the optimum, the graphic tool is still on its way; the
+/// rest of its distance from the hand is not contact and gives no force.
 void Report(StepContext& context, const Way& way) {
   StepReport& report = context.report;
   const bool lags = context.buffers.meshes && !way.arrived;
@@ -234,8 +238,8 @@ void Report(StepContext& context, const Way& way) {
   context.sub_step.bounds = WiderBounds(context.model, context.sub_step.bounds);
 }
 
-/// A QP did not end, or not with numbers: the tool stays where it is, and the spring pulls.  What
-/// was found on the way belongs to no place, and nothing of it goes on.
+/// Called if a QP did not end, or its result is not finite: the tool stays where it is, and the
+/// spring pulls from there.  Intermediate results belong to no pose, so all of them are discarded.
 void GiveUp(StepContext& context) {
   StepReport& report = context.report;
   context.arrived = false;
@@ -248,8 +252,9 @@ void GiveUp(StepContext& context) {
   report.wrench = context.WrenchAfter(Vec3::Zero(), Vec3::Zero());
 }
 
-/// What the spin does to a bur that pushes, for the next step.  By a share in each, for else the
-/// drag that presses a bur against a wall beside it, and is turned by that to the next, grows.
+/// Computes the drag of the spin on a pushing bur, for the next step.  It is smoothed, because the
+/// drag presses the bur against a wall beside it, which turns the drag to the next wall;
+/// unsmoothed, this would grow.
 void TakeDrag(StepContext& context) {
   const auto& energies = context.buffers.energies;
   std::array<double, 6>& drag = context.state.drag;
@@ -263,8 +268,8 @@ void TakeDrag(StepContext& context) {
   }
 }
 
-/// The handle shakes as teeth pass, by a share of what the material does to the bur: to and fro
-/// along straight lines, for libm's sine differs between processors.  Nothing moves by it.
+/// Adds the vibration of the handle as teeth pass, as a share of the material's force on the bur.
+/// It is a triangle wave, because libm's sine differs between processors.  It moves nothing.
 void Hum(StepContext& context) {
   const Cutting* cutting = context.model.cutting();
   if (cutting == nullptr || cutting->spin.hum == 0.0 || !context.state.cutting) return;
@@ -275,8 +280,8 @@ void Hum(StepContext& context) {
   context.report.wrench.force += shake * context.report.bur_force;
 }
 
-/// What forces of one's own give, whatever the tool touches.  The sum of both comes first: without
-/// contact the wrench is that sum, exactly.
+/// Adds the effects' wrenches, whether the tool touches anything or not.  They are summed first, so
+/// that without contact the wrench is exactly their sum.
 void AddEffects(StepContext& context) {
   const Effects& effects = context.model.effects();
   if (effects.empty()) return;
@@ -289,7 +294,7 @@ void AddEffects(StepContext& context) {
   context.report.wrench.torque += given.passive.torque + given.active.torque;
 }
 
-/// What the next step starts from, and what friction by the chapter's rule makes of this one.
+/// Stores what the next step starts from, and applies friction by the chapter's rule.
 void End(const Pose& X_WH, StepContext& context) {
   const Features& features = context.model.parameters().features;
   StepState& state = context.state;
@@ -313,7 +318,7 @@ void End(const Pose& X_WH, StepContext& context) {
   TakeDrag(context);
   Hum(context);
   AddEffects(context);
-  // Whatever the numbers that came in: nothing else than numbers goes out.
+  // Whatever came in, only finite numbers go out.
   if (!IsFinite(report)) {
     state.X_WG = report.X_WG = X_before;
     state.ForgetContact();

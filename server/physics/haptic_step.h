@@ -11,12 +11,13 @@ namespace palpate {
 
 struct StepBuffers;  // solve/step_context.h
 
-/// Whether the tool cuts in a step to X_WH: what each step asks first.  An edge does so as long as
-/// the hand draws it in its sense, which of the state changes `drawn`.
+/// Returns whether the tool cuts in the step to X_WH; each step calls this first.  An edge starts
+/// and stops cutting only after the hand has drawn it some distance (limits::cutting::kDraw), which
+/// `state.drawn` counts, so the tremor of a resting hand does not toggle it.
 bool CutsInStep(const HapticModel& model, const Pose& X_WH, StepState& state) noexcept;
 
-/// Buffers that a step needs, allocated once.  One per thread that steps, of any number of tools of
-/// one model; holds no state from step to step.
+/// The buffers that a step needs, allocated once.  Each thread that steps needs its own, which
+/// serves any number of tools of one model.  It holds no state from step to step.
 class StepWorkspace {
  public:
   explicit StepWorkspace(const HapticModel& model);
@@ -28,13 +29,15 @@ class StepWorkspace {
   std::unique_ptr<StepBuffers> buffers_;
 };
 
-/// The haptic step, once per millisecond and tool: finds the pose of the graphic tool nearest to
-/// the haptic tool's without entering an object, and the wrench of the spring between the two.
-/// Chapter 2.3 and 2.4; README.md has the cycle, server/DECISIONS.md where it departs from them.
-/// `X_WH`: haptic tool, of the tool tree's frame.  Non-finite poses set kFaultBadPose.
-/// `times`: null in the servo loop; where given, the stages are timed (the result is the same).
-/// Real-time: no allocation, lock, log; a clock only where `times` is given.
-/// Deterministic: equal inputs, equal bits, whatever the build type, SIMD level or thread.
+/// The haptic step, once per millisecond and tool.  Finds the pose of the graphic tool that is
+/// nearest to the haptic tool's without entering an object, and the wrench of the spring between
+/// the two.  Chapter 2.3 and 2.4; README.md explains the cycle, server/DECISIONS.md lists where it
+/// departs from the chapter.
+/// `X_WH`: pose of the haptic tool (frame of the tool's tree).  A non-finite pose sets
+/// kFaultBadPose.
+/// `times`: null in the servo loop; otherwise receives the times of the stages (same result).
+/// Real-time: no allocation, lock or log; reads a clock only if `times` is given.
+/// Deterministic: equal inputs give equal bits, whatever the build type, SIMD level or thread.
 StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& state,
                       StepWorkspace& workspace, StageTimes* times = nullptr) noexcept;
 

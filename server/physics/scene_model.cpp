@@ -26,8 +26,9 @@ CutSolid SolidOf(const Body& body) {
   return solid;
 }
 
-/// The bur's axis is z in its own frame, from the tip's middle on, and y in the tool's, from the
-/// tip on.  A quarter turn about x, without a sine: libm's differs between processors.
+/// The bur's axis is z in its own frame and y in the tool's; both point away from
+/// the tip.  A quarter turn about x converts them, written without a sine because
+/// libm's differs between processors.
 Cutting CuttingOf(const BurProfile& profile) {
   constexpr double kHalf = 0.70710678118654752;
   const Quat z_to_y(kHalf, -kHalf, 0.0, 0.0);

@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-/// Times the stages of a step for benchmarks.  Reads no clock where there is nothing to fill.
+/// Times the stages of a step for benchmarks.  Reads no clock if `times` is null.
 class StageClock {
  public:
   explicit StageClock(StageTimes* times) : times_(times) {

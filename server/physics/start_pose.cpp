@@ -10,11 +10,12 @@
 namespace palpate {
 namespace {
 
-/// A cut's surface lies within the true one by what a chord of the bur does (CutField): so much, of
-/// a spacing, a bur that stands in its own cut is in the solid.
+/// How deep, over the grid's spacing, a bur in its own cut may be in the solid: the cut's surface
+/// lies within the true one by the error of the bur's chords (CutField).
 constexpr double kOwnCut = 1.0 / 16.0;
 
-/// Whether a bur is in what is left of a solid, or another tool's mesh as a whole.
+/// Returns whether a bur is inside what is left of a solid; for any other tool, whether its mesh,
+/// if it intersects none, lies inside.
 bool IsInSolid(const HapticModel& model, const ToolPose& at, std::span<const CutField> cuts) {
   for (std::size_t i = 0; i < model.solids().size(); ++i) {
     const CutSolid& solid = model.solids()[i];
@@ -37,12 +38,13 @@ bool IsFree(const HapticModel& model, const Pose& X_WT, std::span<const CutField
   if (buffers.prediction.Overlaps(model, ActiveKernels(), at.R, at.p, buffers.rows)) return false;
   if (IsInSolid(model, at, cuts)) return false;
   if (!buffers.meshes) return true;
-  // A tool whose mesh meets no other lies inside an object as a whole or not at all.
+  // A tool whose mesh intersects no other lies wholly inside an object or wholly outside.
   return IsFree(buffers.meshes->meshes, at) &&
          !Hold(model.bodies(), at.p + at.R * model.tool_body()->mesh.vertices()[0]);
 }
 
-/// What a tool goes from a place of its reference point at most until it is out of everything [m].
+/// Returns an upper bound on how far a tool must move, from a place of its reference point, to be
+/// outside of everything [m].
 double LongestWayOut(const HapticModel& model, const Vec3& from) {
   double reach = model.tool().reach();
   double farthest = (from - model.objects().center()).norm() + model.objects().radius();
@@ -61,7 +63,7 @@ double LongestWayOut(const HapticModel& model, const Vec3& from) {
   return farthest + reach;
 }
 
-/// Between two places on a way out [m].
+/// Returns the distance between two tried places on a way out [m].
 double StrideOf(const HapticModel& model) {
   double stride = limits::kStartStride * model.parameters().widest_step;
   for (const CutSolid& solid : model.solids()) {
@@ -75,8 +77,9 @@ struct WayOut {
   double length;
 };
 
-/// The shortest along the 26 directions of a cube's faces, edges and corners, to within a stride:
-/// all of them outward together, until one is free.  Every object ends within `longest`.
+/// Finds the shortest of 26 ways out, along the directions of a cube's faces, edges and
+/// corners, to within a stride: moves outward along all of them together until one is free.
+/// Every object ends within `longest`.
 WayOut FindWayOut(const HapticModel& model, const Pose& X_WH, double longest,
                   std::span<const CutField> cuts, StepWorkspace& workspace) {
   const double stride = StrideOf(model);
@@ -108,8 +111,8 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
 
   auto [way, shortest] = FindWayOut(
       model, X_start, LongestWayOut(model, X_start * model.reference()), cuts, workspace);
-  // Then back as near as contact lets it: the step itself walks there and cannot enter an object.
-  // A bur could, so it comes back to what is free by halving the last stride.
+  // Then the tool goes back as near as contact allows: the step itself walks there and cannot enter
+  // an object.  A bur could enter, so it instead returns by halving the last stride.
   if (model.cuts()) {
     double near = shortest - StrideOf(model);
     while (shortest - near > limits::kSettled) {

@@ -8,16 +8,17 @@
 
 namespace palpate {
 
-/// Where the graphic tool may start for a haptic pose: at X_WH itself if that is free, else at a
-/// free pose near it.
-/// @field depth  distance from X_WH to X_WG [m]; 0 where X_WH is free.
+/// The pose at which the graphic tool may start for a haptic pose: X_WH itself if that is free,
+/// else a free pose near it.
+/// @field depth  distance from X_WH to X_WG [m]; 0 if X_WH is free.
 struct StartPose {
   Pose X_WG;
   double depth = 0.0;
 };
 
-/// Resolves a start in penetration.  Not real-time (milliseconds): called before forces begin.
-/// `cuts`: what is gone of the solids, as in a StepState; empty: nothing is.
+/// Finds a start pose for a tool that may penetrate an object.  Not real-time (milliseconds);
+/// called before forces begin.
+/// `cuts`: what has been removed from the solids, as in StepState; empty means nothing.
 StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace& workspace,
                        std::span<const CutField> cuts = {});
 

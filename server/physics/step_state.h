@@ -19,19 +19,19 @@ namespace palpate {
 
 /// What friction remembers from step to step.
 struct FrictionState {
-  /// Cycles since a contact last slipped, up to still_cycles, where mu_s holds.  A tool that comes
-  /// to a surface has not slipped.
+  /// Cycles since a contact last slipped; from `still_cycles` on, mu_s applies.  A tool that has
+  /// just reached a surface counts as not having slipped.
   static constexpr int kNeverSlipped = 1 << 20;
   int still = kNeverSlipped;
-  int resets = 0;          ///< FrictionModel::kChapter: consecutive steps that 2.34 has reset
-  bool suspended = false;  ///< no friction: for the walk to a start pose
-  // The forces that the solver starts from, in metres (times k_t: newtons): coulomb.
+  int resets = 0;          ///< FrictionModel::kChapter: consecutive steps reset by 2.34
+  bool suspended = false;  ///< turns friction off, during the walk to a start pose
+  // FrictionModel::kCoulomb: the forces that the solver starts from [m]; times k_t, newtons.
   int contacts = 0;
   std::array<ContactId, 7> id;
   std::array<double, 7> normal_force;
   std::array<Vec3, 7> force;  ///< in W
 
-  /// To be called where no row is active: what touches next has not slipped.
+  /// Call when no row is active: the next contact has not slipped yet.
   void Forget() noexcept {
     still = kNeverSlipped;
     resets = 0;
@@ -39,14 +39,13 @@ struct FrictionState {
   }
 };
 
-/// What one step hands to the next: all the memory that the physics has.  Copying it and stepping
-/// again with the same pose gives the same bits; a copy has no room to spare, so that its first
-/// steps may allocate, unless it is assigned to a state that was made with the model.
+/// The state that one step passes to the next: all memory of the physics.  A copy that is stepped
+/// with the same poses gives the same bits.  A copy has no spare capacity, so its first steps may
+/// allocate, unless it is assigned to a state that was constructed from the model.
 struct StepState {
   StepState() = default;
-  /// Allocates what the model's features need: objects are whole, and nothing is known of what
-  /// keeps their meshes from the tool's.  A state made without its model cuts nothing, and its
-  /// first step between meshes allocates.
+  /// Allocates what the model's features need.  Nothing has been cut, and no separating planes are
+  /// known.  A default-constructed state cuts nothing, and its first step between meshes allocates.
   explicit StepState(const HapticModel& model) : effects(model.effects().Begin()) {
     if (model.tool_body() != nullptr) {
       front.Reserve();
@@ -58,34 +57,34 @@ struct StepState {
     }
   }
 
-  Pose X_WG;                            ///< graphic tool
-  Pose X_WH;                            ///< haptic tool: how far the hand moved sets the bounds
-  std::array<ContactId, 7> active_ids;  ///< rows that held it last, the solver's first guess
+  Pose X_WG;  ///< graphic tool
+  Pose X_WH;  ///< haptic tool: how far the hand moves from here sets the bounds
+  std::array<ContactId, 7> active_ids;  ///< rows that last held the tool: the solver's first guess
   int active = 0;
   std::span<const ContactId> Active() const {
     return {active_ids.data(), static_cast<std::size_t>(active)};
   }
-  /// Between meshes: bounds of the next sub-step where the last cycle ended before the tool had
+  /// Between meshes: bounds of the next sub-step if the last cycle ended before the tool had
   /// arrived; else 0.
   StepBounds behind{0.0, 0.0};
-  /// How far the hand is turned from a tool that something holds, in the tool's frame (TargetFrom).
+  /// Rotation of the hand relative to the tool while something holds the tool, in the tool's
+  /// frame (TargetFrom).
   Vec3 turn_G = Vec3::Zero();
-  SeparationFront front;  ///< where objects are felt by their meshes
-  FeltSolids felt;        ///< where what burs cut is
-  bool spins = true;      ///< a bur: else it is a rigid tool
-  /// Whether the tool cuts, in this step or the last: a bur that spins, an edge that is drawn.  Its
-  /// head is felt by its samples then, and all else of it by its mesh.
+  SeparationFront front;  ///< planes between the tool and objects that are felt by their meshes
+  FeltSolids felt;        ///< the solids that burs cut, as contact feels them
+  bool spins = true;      ///< whether the bur spins; if not, it is a rigid tool
+  /// Whether the tool cuts, in this step or the last: a bur while it spins, an edge while it is
+  /// drawn.  Its head is then felt by its samples, the rest of the tool by its mesh.
   bool cutting = true;
-  double drawn = 0.0;  ///< of an edge: what of kDraw a hand has drawn it in its sense [m]
+  double drawn = 0.0;  ///< edge: how far the hand has drawn it in its sense, at most kDraw [m]
   FrictionState friction;
-  std::vector<CutField> cuts;  ///< what is gone of each solid
-  /// What material drags the tool by where its bur spins, of the last 20 ms, of [v; rho phi] [m].
+  std::vector<CutField> cuts;  ///< what has been removed from each solid
+  /// Drag of the material on a spinning bur, smoothed over the last 20 ms, as [v; rho phi] [m].
   std::array<double, 6> drag{};
-  double tooth = 0.0;   ///< how far a bur's next tooth has come that hums, 0 to 1
-  EffectState effects;  ///< of a state made without its model: none act
+  double tooth = 0.0;   ///< phase of the tooth frequency that is felt as a hum, 0 to 1
+  EffectState effects;  ///< without effect in a default-constructed state
 
-  /// To be called where the graphic tool is set to another place, or `cuts` are: nothing held it
-  /// there.
+  /// Call when the graphic tool or `cuts` are set from outside: no contact is known any more.
   void ForgetContact() noexcept {
     active = 0;
     behind = {0.0, 0.0};

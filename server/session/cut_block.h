@@ -8,34 +8,35 @@
 
 namespace palpate {
 
-/// A block of a solid's grid as a field had it: one that burs were at.
+/// A copy of a block of a solid's grid that burs have changed.
 struct CutBlock {
-  std::uint32_t solid;   ///< of HapticModel::solids()
-  std::uint32_t block;   ///< of its lattice
-  std::uint32_t period;  ///< how often the loop had been told to be whole
-  std::int32_t entry;    ///< SparseField::kAbove: all of it is gone; else `points` tells
-  std::uint64_t number;  ///< given to a loop: counts those, from 1
-  /// Told by a loop: before the step of this pose, and from that of `held_from` on, it had blocks
-  /// to tell and no room.  0: it had.
+  std::uint32_t solid;   ///< index into HapticModel::solids()
+  std::uint32_t block;   ///< index into its lattice
+  std::uint32_t period;  ///< how often the loop had been told to make the scene whole
+  std::int32_t entry;    ///< SparseField::kAbove: all of it is gone; otherwise see `points`
+  std::uint64_t number;  ///< for a block given to a loop: counts these, from 1
+  /// For a block told by a loop: `pose_sequence` is the pose before whose step it was told;
+  /// `held_from` is the pose since whose step the loop had blocks to tell but no room, or 0
+  /// if it had room.
   std::uint64_t pose_sequence, held_from;
   std::array<float, SparseField::kPoints> points;
 
-  /// What is to be merged.
+  /// Returns the points to merge; null if all of the block is gone.
   const float* merged() const { return entry >= 0 ? points.data() : nullptr; }
 };
 
-/// Blocks that others' burs had changed, which a loop merged before a pose and those after it.
+/// Blocks changed by other sessions' burs, which a loop merges before a pose and the ones after it.
 struct CutMerge {
-  std::uint64_t pose_sequence;  ///< of the first
-  std::uint64_t number;         ///< CutBlock::number of the first
+  std::uint64_t pose_sequence;  ///< of the first pose
+  std::uint64_t number;         ///< CutBlock::number of the first block
   std::uint32_t count;
 };
 
-/// A block as a field has it; solid, period, number and pose are left alone.  Real-time.
+/// Copies a block of a field; leaves solid, period, number and pose unchanged.  Real-time.
 void CopyBlock(const SparseField& field, std::size_t block, CutBlock& copy) noexcept;
 
-/// The block that has waited longest to be told, of the first solid that has any; its period is
-/// left alone.  False where there is none.  Real-time.
+/// Takes the block that has waited longest to be told, from the first solid that has one; leaves
+/// its period unchanged.  Returns false if there is none.  Real-time.
 bool TakeChanged(std::span<CutField> cuts, CutBlock& told) noexcept;
 
 }  // namespace palpate

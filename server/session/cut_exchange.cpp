@@ -6,7 +6,7 @@ namespace palpate {
 
 void CutExchange::Log(wire::CutStep step, std::uint32_t session, std::uint64_t count,
                       std::uint64_t pose_sequence, std::uint64_t other) {
-  // A session's name is its sample's.
+  // A sample holds the name of only one session that begins.
   if (log_.empty() || step == palpate_CUT_BEGUN || log_.back().sample.begun_station[0] != '\0') {
     wire::CutLog& sample = log_.emplace_back().sample;
     sample.number = ++logged_;
@@ -29,7 +29,7 @@ void CutExchange::Log(wire::CutStep step, std::uint32_t session, std::uint64_t c
 
 void CutExchange::Begin(Session& session) {
   if (session.loop().cuts().empty()) return;
-  // One that has yet to make all whole would lose what it had: it is given that after.
+  // A loop that has yet to make all whole would lose the blocks; they are given afterwards.
   const bool is_ready = session.loop().made_whole();
   session.Begin(union_.cuts(), is_ready);
   const std::uint32_t number = ++begun_;
@@ -84,7 +84,7 @@ void CutExchange::End(Session& session, const Changed& changed) {
     Log(palpate_CUT_HELD, it->second, 0, loop.held_from(), loop.last_sequence() + 1);
   }
   std::uint64_t left = 0;
-  // One that has not heard that the scene is whole leaves nothing.
+  // A session whose loop has not made the scene whole contributes nothing.
   if (loop.made_whole()) {
     for (CutBlock block; TakeChanged(loop.cuts(), block); ++left) {
       if (union_.Take(it->second, block)) changed(block.solid, block.block);

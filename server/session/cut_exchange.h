@@ -13,50 +13,49 @@
 
 namespace palpate {
 
-/// A part of the log as it is to be published.  `sample.events` is empty: what it holds is in
-/// `events`.
+/// A part of the log, ready to be published.  `sample.events` is empty; the events are in `events`.
 struct CutLogNews {
   wire::CutLog sample{};
   std::vector<wire::CutEvent> events;
 };
 
-/// Takes from each session's loop what its bur changed, gives it to the loops of the others, and
-/// logs what a replay needs to do the same.  Loops never meet: a block that one cuts is felt by
-/// the others a poll or two later.
+/// Takes from each session's loop the blocks that its bur changed, gives them to the loops of the
+/// other sessions, and logs what a replay needs to do the same.  Loops never communicate directly:
+/// the others feel a block that one cuts a poll or two later.
 ///
 /// Thread contract: service thread.
 class CutExchange {
  public:
-  /// Called for each block that is another than it was.
+  /// Called for each block whose content has changed.
   using Changed = std::function<void(std::uint32_t solid, std::uint32_t block)>;
-  /// Samples that late recorders may still get.
+  /// Number of samples that late recorders can still get.
   static constexpr std::uint32_t kSlots = 4096;
 
-  /// The solids outlive this.
+  /// `solids` must outlive this.
   explicit CutExchange(std::span<const CutSolid> solids) : union_(solids) {}
 
   const CutUnion& cuts() const { return union_; }
-  /// Before a session's first pose: it is given all, and is one of those that exchange.
+  /// Adds a session before its first pose, and gives it everything cut so far.
   void Begin(Session& session);
-  /// Takes what its loop has told.
+  /// Takes the blocks that a session's loop has told.
   void Take(Session& session, const Changed& changed);
-  /// Gives its loop what others have changed, as far as there is room.
+  /// Gives a session's loop what others have changed, as far as there is room.
   void Give(Session& session);
-  /// No pose can come to it any more.
+  /// Removes a session to which no more poses can come.
   void End(Session& session, const Changed& changed);
-  /// To be called after every session's MakeWhole.
+  /// Call after MakeWhole of every session.
   void MakeWhole();
   void SetBookmark();
-  /// As MakeWhole; then all that the bookmark has waits for every session.
+  /// Does MakeWhole; then everything in the bookmark waits to be given to every session.
   void GoBack();
-  /// It has merged all that waited for it.
+  /// Returns whether the session has merged everything that waited for it.
   bool has_all(Session& session) const;
 
-  /// What is to be published now; scene and server are left to the caller.
+  /// Returns the log to publish now; the caller fills in scene and server.
   std::vector<CutLogNews> TakeLog(std::int64_t now_ns);
 
  private:
-  /// What one bur alone cuts need not be told at once: nobody is given it.
+  /// Interval of the log while there is only one session: nobody else is given its cuts.
   static constexpr std::int64_t kTakenAlone_ns = 1'000'000'000;
 
   void Log(wire::CutStep step, std::uint32_t session, std::uint64_t count = 0,
@@ -66,7 +65,7 @@ class CutExchange {
   std::map<const Session*, std::uint32_t> numbers_;
   std::uint32_t begun_ = 0;
   std::vector<CutLogNews> log_;
-  std::uint64_t logged_ = 0;  // samples
+  std::uint64_t logged_ = 0;  // number of samples
   std::int64_t published_ns_ = 0;
 };
 

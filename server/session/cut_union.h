@@ -12,31 +12,32 @@
 
 namespace palpate {
 
-/// What all burs of a scene have taken of its solids, and which sessions have not been given all of
-/// it yet.  A function of the calls alone: who makes them again in the same order is given the same
-/// blocks with the same bits.
+/// Everything that all burs of a scene have removed from its solids, and which sessions have not
+/// been given all of it yet.  Depends on the calls alone: the same calls in the same order give the
+/// same blocks with the same bits.
 class CutUnion {
  public:
-  /// The solids outlive this.  Throws Error where their fields do not fit into memory.
+  /// `solids` must outlive this.  Throws Error if their fields do not fit into memory.
   explicit CutUnion(std::span<const CutSolid> solids);
 
   const std::vector<CutField>& cuts() const { return cuts_; }
   bool is_whole() const { return whole_; }
-  /// A session that has all so far, and others' cuts from now on wait for it; or one that begins
-  /// with nothing, and all waits.
+  /// Adds a session.  If `has_all`, it has everything so far and only later cuts of others wait for
+  /// it; otherwise it begins with nothing, and everything waits.
   void Join(std::uint32_t session, bool has_all);
   void Leave(std::uint32_t session) { waiting_.erase(session); }
-  /// A session's bur has changed a block.  True where that is news.
+  /// Merges a block that a session's bur has changed.  Returns whether that changed anything.
   bool Take(std::uint32_t session, const CutBlock& block);
-  /// The next block that a session is to be given, as all have it now.
+  /// Takes the next block that a session is to be given, with its current content.  Returns
+  /// false if none waits.
   bool Give(std::uint32_t session, CutBlock& block);
   bool has_all(std::uint32_t session) const { return waiting_.at(session).line.empty(); }
-  /// All is there again, for all.
+  /// Restores all material for all sessions.
   void MakeWhole();
-  /// Keeps how it stands, in place of what was kept before.
+  /// Stores the current state as the bookmark, replacing an earlier one.
   void SetBookmark();
   bool has_bookmark() const { return has_bookmark_; }
-  /// Whole again, and then as it stood at the bookmark: that waits for every session.
+  /// Restores all material, then the state at the bookmark, which waits for every session.
   void GoBack();
 
  private:
@@ -47,11 +48,11 @@ class CutUnion {
     explicit Line(const CutUnion& all);
     void Wait(const Place& place);
     std::deque<Place> line;
-    std::vector<std::vector<bool>> waits;  ///< of a solid's block
+    std::vector<std::vector<bool>> waits;  ///< for each solid, for each block
     std::uint64_t given = 0;
   };
 
-  /// Calls use(place) for each block of the solids where anything was cut.
+  /// Calls use(place) for each block of the solids in which anything was cut.
   template <class Use>
   void ForEachCut(const Use& use) const;
 

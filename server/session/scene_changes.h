@@ -12,34 +12,35 @@
 
 namespace palpate {
 
-/// What burs have cut of one scene since the server began, or since it was made whole: the order
-/// that all sessions and viewers follow.  A session that begins later begins with what is left.
+/// What burs have cut of one scene since the server started or the scene was last made whole, in
+/// the order that all sessions and viewers follow.  A session that begins later begins with what is
+/// left.
 ///
 /// Thread contract: service thread.
 class SceneChanges {
  public:
-  /// @param solids  that burs cut; outlive this.
+  /// @param solids  that burs can cut; must outlive this
   SceneChanges(std::string scene, std::span<const CutSolid> solids, std::uint64_t server_run);
-  SceneChanges(const SceneChanges&) = delete;  // what is shown looks into what is cut
+  SceneChanges(const SceneChanges&) = delete;  // solids_ refers to cuts_
   SceneChanges& operator=(const SceneChanges&) = delete;
 
   CutExchange& cuts() { return cuts_; }
-  /// A block of a solid is another than it was.
+  /// Notes that a block of a solid has changed.
   void TakeCut(std::uint32_t solid, std::uint32_t block, std::int64_t now_ns) {
     solids_.Take(solid, block, now_ns);
   }
   void TellAgain(const wire::SolidBlock& block, std::int64_t now_ns) {
     solids_.TellAgain(block, now_ns);
   }
-  /// What is to be published of it now.
+  /// Return what is to be published now.
   std::vector<SolidBlockNews> TakeCuts(std::int64_t now_ns);
   std::vector<CutLogNews> TakeCutLog(std::int64_t now_ns);
   bool is_whole() const { return cuts_.cuts().is_whole(); }
-  /// As it stood at the bookmark of cuts().
+  /// Restores the state at the bookmark of cuts().
   void GoBack(std::int64_t now_ns);
-  /// All is there again.  Changes are numbered on.
+  /// Restores all material.  The numbers of changes continue.
   void MakeWhole();
-  /// Number of the last change that is undone.
+  /// Number of the last change that was undone.
   std::uint64_t undone() const { return undone_; }
 
  private:

@@ -12,33 +12,35 @@ namespace palpate {
 namespace {
 
 constexpr double kMaxCoordinate_m = 100.0;
-constexpr double kMaxSpeed_m_s = 5.0;  // a hand's fastest strokes stay below
+constexpr double kMaxSpeed_m_s = 5.0;  // above a hand's fastest strokes
 constexpr double kMaxTurn_rad_s = 100.0;
 constexpr int kJumpAgreement = 5;        // samples
 constexpr double kGainUp = 1.0 / 200.0;  // per sample: 200 ms from none to full force
 constexpr double kGainDown = 1.0 / 20.0;
-constexpr double kUnitTolerance = 1e-6;  // of |q|^2; what single-precision drivers give
+constexpr double kUnitTolerance = 1e-6;  // of |q|^2; as far as single-precision drivers are off
 constexpr double kWrenchValid_s = 0.05;
-/// How far the rows are given out to hold: kWrenchValid_s of a hand at 0.1 m/s.  No step vouches
-/// for that: what its prediction left out lies outside the bounds of its last sub-step, tenths of a
-/// millimetre, and a row is a tangent, off by d^2 / 2R at a distance d on a surface of radius R.
-/// Measured (palpate-bench closed-loop --slide), the force on the bunny is then 5 % off at 1 mm.
+/// The distance within which the rows are said to hold: kWrenchValid_s of a hand at 0.1 m/s.  No
+/// step guarantees that.  What its prediction left out lies outside the bounds of its last
+/// sub-step, tenths of a millimetre, and a row is a tangent, off by d^2 / 2R at a distance d on a
+/// surface of radius R.  Measured (palpate-bench closed-loop --slide), the force on the bunny is
+/// then 5 % off at 1 mm.
 constexpr double kRegion_m = 5e-3;
 constexpr std::int64_t kLate_ns = 2'000'000;
-/// Blocks of solids that a pose's answer may copy for viewers, 2 kB each: in 15 ms those that a bur
-/// of 1.4 mm is at.  Others wait, and are told as they stand by then.
+/// Most blocks of solids, 2 kB each, that a pose's answer may copy for viewers: in 15 ms all those
+/// that a bur of 1.4 mm touches.  Others wait, and are told with their content of that time.
 constexpr int kMostCutBlocks = 4;
-/// Blocks of others' that a pose may merge, some 10 us each; and while there are no forces.
+/// Most blocks of other sessions that a pose may merge, some 10 us each; and while
+/// there are no forces.
 constexpr int kMostMerged = 2, kMostMergedAtRest = 16;
 
 bool IsFinite(const Pose& X) noexcept {
-  // A sum of finite terms may overflow, but bounded ones cannot: comparisons with NaN are false.
+  // A sum of finite terms may overflow, but bounded terms cannot; comparisons with NaN are false.
   return (X.p.array().abs() <= kMaxCoordinate_m).all() && (X.q.coeffs().array().abs() <= 2.0).all();
 }
 
-/// True where a hand can be at A and, at a later time, at B.
+/// Returns whether a hand can be at A and, at a later time, at B.
 bool Reachable(const Pose& A, std::int64_t A_ns, const Pose& B, std::int64_t B_ns) noexcept {
-  // Unsigned, because a broken clock's difference may not fit a signed number.
+  // Unsigned, because the difference of a broken clock's times may not fit a signed number.
   const double dt = 1e-9 * static_cast<double>(static_cast<std::uint64_t>(B_ns) -
                                                static_cast<std::uint64_t>(A_ns));
   const Vec3 turn = RotationLog(B.q * A.q.conjugate());
@@ -100,9 +102,9 @@ bool ServoLoop::OnPose(const wire::HapticPose& pose, wire::Wrench& answer) noexc
     start_sequence_.store(pose.pose_sequence, std::memory_order_release);
   }
 
-  // Asked first: what was given after a MakeWhole is then seen after it.
+  // Read first, so that blocks given after a MakeWhole are seen after it.
   const std::size_t given = given_ ? given_->size() : 0;
-  // After the start: one that was found in the cut scene is void.
+  // After the start, because a start that was found in the cut scene is void.
   BecomeWhole(pose.pose_sequence);
   if (given > 0) MergeCuts(pose.pose_sequence, given);
 
@@ -128,13 +130,13 @@ bool ServoLoop::OnPose(const wire::HapticPose& pose, wire::Wrench& answer) noexc
 
 void ServoLoop::BecomeWhole(std::uint64_t pose_sequence) noexcept {
   const std::uint32_t newest = newest_.load(std::memory_order_acquire);
-  // What cannot be told of is not done.
+  // What cannot be recorded is not done.
   if (newest == period_ || !wholes_.Push(pose_sequence)) return;
   for (CutField& cut : state_.cuts) cut.MakeWhole();
   merging_ = 0;
   started_ = false;
   gain_ = 0.0;
-  // Last of all: the service thread takes it as done then.
+  // Last of all, because the service thread then takes it as done.
   period_.store(newest, std::memory_order_release);
 }
 
@@ -199,8 +201,8 @@ void ServoLoop::Step(wire::Wrench& answer) noexcept {
   if (!report.bur_force.isZero(0.0) && snapshot_.points < std::ssize(snapshot_.point)) {
     snapshot_.point[snapshot_.points++] = {report.bur_W, gain_ * report.bur_force};
   }
-  // A station computes the full force from the rows: none are given while less is due, nor where
-  // they are not all that pushes: soft ones, a jam's seventh, and where effects need the room.
+  // A station computes the full force from the rows.  None are given while the sent force is less,
+  // or while something else pushes too: soft rows, a jam's seventh row, effects that need the room.
   constexpr int kAll = std::size(decltype(answer.row_force_N){});
   const int most = model_.effects().empty() ? kAll : wire::kContactRows;
   if (gain_ < 1.0 || report.soft_contacts > 0 || rigid > most) return;
@@ -224,7 +226,7 @@ void ServoLoop::MergeCuts(std::uint64_t pose_sequence, std::size_t given) noexce
   if (merging_ == 0) {
     for (; given > 0 && given_->Front().period != period_; --given) given_->Drop();
     if (given == 0) return;
-    // What cannot be told of is not done.
+    // What cannot be recorded is not done.
     const CutMerge merge{pose_sequence, given_->Front().number, static_cast<std::uint32_t>(given)};
     if (!merges_->Push(merge)) return;
     merging_ = given;
@@ -239,7 +241,7 @@ void ServoLoop::MergeCuts(std::uint64_t pose_sequence, std::size_t given) noexce
 
 void ServoLoop::TellCuts(std::uint64_t pose_sequence) noexcept {
   if (std::ranges::none_of(state_.cuts, &CutField::has_changed)) return;
-  // All or none: of what there was room for, the pose alone is then to be known.
+  // All or none: a replay then needs only the pose since which there was no room.
   if (cuts_held_ || cut_blocks_->size() + kMostCutBlocks > cut_blocks_->kCapacity) {
     if (held_from_ == 0) held_from_ = pose_sequence;
     return;

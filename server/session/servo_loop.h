@@ -16,31 +16,31 @@
 
 namespace palpate {
 
-/// The second button: while it is down a bur stands still.  (The first may enable forces.)
+/// The second button: while it is held, a bur does not spin.  (The first may enable forces.)
 inline constexpr std::uint32_t kStopBur = 1u << 1;
 
-/// What the loop counts between two reports; faults of poses and of steps alike.
+/// Counters of the loop between two reports, for faults of poses and of steps.
 struct LoopCounters {
-  Histogram step;  ///< take to write [ns]
+  Histogram step;  ///< from taking a pose to writing the answer [ns]
   std::uint64_t poses = 0;
   std::uint64_t steps = 0;
-  std::uint64_t late = 0;  ///< came more than 2 ms after the one before
+  std::uint64_t late = 0;  ///< poses more than 2 ms after the one before
   std::uint64_t lost = 0;  ///< gaps in the sequence
   std::uint64_t rejected_nonfinite = 0;
   std::uint64_t rejected_sequence = 0;
   std::uint64_t rejected_speed = 0;
   std::uint64_t renormalised = 0;
   std::uint64_t faulted_steps = 0;
-  std::uint32_t faults = kFaultNone;  ///< every bit seen
+  std::uint32_t faults = kFaultNone;  ///< union of all fault bits
 };
 
-/// Where an object pushes the tool.
+/// A force with which an object pushes the tool.
 struct ContactForce {
   Vec3 point = Vec3::Zero();  ///< on the graphic tool, in W [m]
   Vec3 force = Vec3::Zero();  ///< on the tool, in W [N]
 };
 
-/// What the loop last did, for viewers and for the session's start.
+/// The latest step of the loop, for viewers and for the session's start.
 struct LoopSnapshot {
   std::uint64_t pose_sequence = 0;
   Pose X_WH;
@@ -48,88 +48,89 @@ struct LoopSnapshot {
   Wrench wrench;  ///< as sent: on the hand, at the tool's centroid, in W
   std::uint32_t contacts = 0;
   std::uint32_t faults = kFaultNone;
-  bool has_pose = false;  ///< false until a pose was fit to be used
-  double step_s = 0.0;    ///< from take on, but for this snapshot's own copy
-  /// The contacts that StepReport lists, with the part of their forces that is sent; none while the
-  /// tool is held.
+  bool has_pose = false;  ///< false until the first usable pose
+  double step_s = 0.0;    ///< from taking the pose, without the copying of this snapshot
+  /// The contacts that StepReport lists, each with the part of its force that is sent; none while
+  /// the tool is held.
   int points = 0;
   std::array<ContactForce, std::tuple_size_v<decltype(StepReport::active)>> point;
 };
 
-/// The servo loop of one session: turns each pose into a wrench, on the pose's arrival.
+/// The servo loop of one session: answers each pose with a wrench when the pose arrives.
 ///
-/// A pose is used where it is finite and within 100 m, its quaternion has a length, its sequence
-/// and time grow, and the hand did not move faster than 5 m/s or 100 rad/s since the last one used.
-/// A pose that repeats or comes late gets no answer.  Any other that is not used holds the graphic
-/// tool, and the force fades by a twentieth with each.  What looks like a jump is believed once
-/// five samples in a row agree on it, so that a hand which really is elsewhere is followed; the
-/// force then starts from zero.  The way back to full force takes 200 samples.  Samples count, not
-/// clocks: equal inputs give equal bits.
+/// A pose is used if it is finite and within 100 m, its quaternion has a length, its sequence and
+/// time grow, and the hand did not move faster than 5 m/s or 100 rad/s since the last used pose. A
+/// repeated or late pose gets no answer.  Any other unusable pose holds the graphic tool, and the
+/// force fades by a twentieth each time.  An apparent jump is accepted once five consecutive
+/// samples agree on it, so that a hand that really is elsewhere is followed; the force then starts
+/// from zero. It takes 200 samples to return to full force.  Samples are counted, not time: equal
+/// inputs give equal bits.
 ///
-/// Thread contract: OnPose in the servo thread; all else in one other thread (the service thread).
+/// Thread contract: OnPose in the servo thread; all else in one other thread, the service thread.
 class ServoLoop {
  public:
   /// Allocates what the steps need.
   explicit ServoLoop(const HapticModel& model);
 
-  /// Answers a pose.  False where there is nothing to send.
-  /// Real-time: no allocation, lock, log; the clock only feeds the statistics.
+  /// Answers a pose.  Returns false if there is nothing to send.
+  /// Real-time: no allocation, lock or log; the clock only feeds the statistics.
   bool OnPose(const wire::HapticPose& pose, wire::Wrench& answer) noexcept;
 
-  /// Puts the graphic tool there and lets forces begin, with the next pose.
+  /// Puts the graphic tool at X_WG and lets forces begin, from the next pose on.
   void Start(const Pose& X_WG) { start_.Write(X_WG); }
-  /// The pose that Start was taken with: the first whose wrench the physics computed.  0 before.
+  /// Sequence number of the first pose after Start, whose wrench is the first that the
+  /// physics computed; 0 before.
   std::uint64_t start_sequence() const { return start_sequence_.load(std::memory_order_acquire); }
-  /// Makes the scene whole again before the next pose's step.  What had gone may now be where the
-  /// tool is, so there are no forces from that pose on, until a Start that is called once
-  /// made_whole().
+  /// Makes the scene whole again before the next pose's step.  Restored material may lie where the
+  /// tool is, so there are no forces from that pose on, until a Start that follows made_whole().
   void MakeWhole();
-  /// The loop has done what the last MakeWhole said, or there was none.
+  /// Returns whether the loop has carried out the last MakeWhole, if any.
   bool made_whole() const {
     return period_.load(std::memory_order_acquire) == newest_.load(std::memory_order_relaxed);
   }
-  /// No block was given since the last MakeWhole; this loop's bur changes none, as long as no Start
-  /// is called.
+  /// Returns whether no block was given since the last MakeWhole.  Until the next Start, this
+  /// loop's own bur changes none either.
   bool was_given_nothing() const { return !was_given_; }
-  /// Before which pose the loop has made the scene whole, each time.
+  /// Returns, one at a time, the poses before which the loop made the scene whole.
   bool TakeWhole(std::uint64_t& pose_sequence) { return wholes_.Pop(pose_sequence); }
-  /// The next block that the loop's bur changed, or which it had changed before the last MakeWhole:
-  /// then is_current says no.  A block comes again as long as it changes, and some milliseconds
-  /// late: what comes last is how it stands.  Which come, and in what order, follows from the poses
-  /// and from CutBlock::held_from alone.
+  /// Takes the next block that the loop's bur changed.  A block is told again as long as it
+  /// changes, some milliseconds late; the last copy is the valid one.  is_current returns false for
+  /// a block that was changed before the last MakeWhole.  Which blocks come, and in what order,
+  /// depends only on the poses and CutBlock::held_from.
   bool TakeCut(CutBlock& block) { return cut_blocks_ && cut_blocks_->Pop(block); }
   bool is_current(const CutBlock& block) const {
     return block.period == newest_.load(std::memory_order_relaxed);
   }
-  /// For a replay: whether the loop is to find no room for such blocks.
+  /// For a replay: sets whether the loop shall find no room for such blocks.
   void HoldCuts(bool hold) { cuts_held_ = hold; }
-  /// Once no pose can come, and where blocks wait for room then: since which pose.  Else 0.
+  /// Once no pose can come: the pose since which blocks have been waiting for room; 0 if none wait.
   std::uint64_t held_from() const { return held_from_; }
-  /// Gives the loop a block that another's bur has changed, where it wants_cuts(): it merges a few
-  /// before each pose.  The block's period is left to the loop.
+  /// Gives the loop a block that another bur has changed, if wants_cuts(); the loop merges a few
+  /// before each pose and sets the block's period.
   void GiveCut(CutBlock& block);
   bool wants_cuts() const { return given_ && !given_->full(); }
-  /// It has merged all that it was given.
+  /// Returns whether the loop has merged all blocks that it was given.
   bool has_merged() const { return !given_ || given_->size() == 0; }
-  /// What the loop began to merge since.  With the poses, the starts, the wholes and the blocks the
-  /// same bits follow.
+  /// Takes the next record of what the loop began to merge.  The records, with the poses, starts,
+  /// wholes and blocks, reproduce the same bits.
   bool TakeMerge(CutMerge& merge) { return merges_ && merges_->Pop(merge); }
-  /// Before the first pose, or once no more can come: what burs took away of each solid.
+  /// What burs removed from each solid.  Use it only before the first pose, or once
+  /// no more can come.
   std::vector<CutField>& cuts() { return state_.cuts; }
-  /// Once no pose can come: the last, and how many were answered.
+  /// Valid once no pose can come: the last sequence number, and how many poses were answered.
   std::uint64_t last_sequence() const { return last_sequence_; }
   std::uint32_t answers() const { return answers_; }
-  /// The latest step, where one was made since the last call.
+  /// Reads the latest step.  Returns false if there was none since the last call.
   bool ReadSnapshot(LoopSnapshot& snapshot) { return snapshots_.Read(snapshot); }
-  /// Poses heard that were not mere repeats: stands still where the station is silent.
+  /// Number of poses heard, without mere repetitions; does not change while the station is silent.
   std::uint64_t heard() const { return heard_.load(std::memory_order_relaxed); }
-  /// Asks for the counters since the last report; they come with the next pose.
+  /// Requests the counters since the last report, which come with the next pose.
   void RequestCounters() { counters_wanted_.store(true, std::memory_order_relaxed); }
   bool ReadCounters(LoopCounters& counters) { return reports_.Read(counters); }
 
  private:
   bool InSequence(const wire::HapticPose& pose) noexcept;
-  /// Sets X_WH_ where the pose can be used; else returns the fault.
+  /// Sets X_WH_ if the pose can be used; otherwise returns the fault.
   std::uint32_t UsePose(const wire::HapticPose& pose) noexcept;
   void BecomeWhole(std::uint64_t pose_sequence) noexcept;
   void Step(wire::Wrench& answer) noexcept;
@@ -142,7 +143,7 @@ class ServoLoop {
   StepWorkspace workspace_;
   StepState state_;
   bool started_ = false;
-  double gain_ = 0.0;  // 0 to 1: the part of the wrench that is sent
+  double gain_ = 0.0;  // part of the wrench that is sent, 0 to 1
   Wrench full_;        // the last step's wrench, unscaled
   EffectWrenches effects_;
   LoopSnapshot snapshot_;
@@ -152,7 +153,7 @@ class ServoLoop {
   std::uint64_t last_sequence_ = 0;
   std::int64_t last_time_ns_ = 0;
 
-  // The last pose used, and the jump that is being considered.
+  // The last pose that was used, and the apparent jump.
   bool has_pose_ = false;
   Pose X_WH_;
   std::int64_t X_WH_time_ns_ = 0;
@@ -168,16 +169,17 @@ class ServoLoop {
   LatestMailbox<Pose> start_;
   LatestMailbox<LoopSnapshot> snapshots_;
   LatestMailbox<LoopCounters> reports_;
-  // Null where there is nothing to cut.
+  // Null if nothing can be cut.
   std::unique_ptr<Ring<CutBlock, 256>> cut_blocks_;  // loop -> service thread
   std::unique_ptr<Ring<CutBlock, 64>> given_;        // service thread -> loop
   std::unique_ptr<Ring<CutMerge, 64>> merges_;       // loop -> service thread
   std::uint64_t held_from_ = 0;
-  std::size_t merging_ = 0;  // of given_: what the last CutMerge has said, and is not merged
+  std::size_t merging_ = 0;  // blocks of given_ that the last CutMerge announced and that
+                             // are not merged yet
   bool cuts_held_ = false;
-  bool was_given_ = false;  // the service thread's: any block, since the last MakeWhole
-  std::atomic<std::uint32_t> newest_{0};  // how often MakeWhole was called
-  std::atomic<std::uint32_t> period_{0};  // the one of these that the loop has come to
+  bool was_given_ = false;  // service thread: whether any block was given since the last MakeWhole
+  std::atomic<std::uint32_t> newest_{0};  // number of calls of MakeWhole
+  std::atomic<std::uint32_t> period_{0};  // the call that the loop has carried out
   Ring<std::uint64_t, 16> wholes_;        // loop -> service thread
 };
 

@@ -9,12 +9,12 @@
 namespace palpate {
 namespace {
 
-constexpr std::int64_t kTryAgain_ns = 100'000'000;  // resolving takes up to as long
-// A hand that rests inside an object is tried for nothing, but where the objects have changed.
+constexpr std::int64_t kTryAgain_ns = 100'000'000;  // the search takes up to as long
+// A further search is useless for a hand that rests inside an object, unless the objects changed.
 constexpr std::int64_t kTryAtRest_ns = 1'000'000'000;
 constexpr double kMoved_m = 2e-4;
 constexpr double kTurned_rad = 1e-3;
-constexpr double kNews_m = 2e-3;  // what a person at the device can follow
+constexpr double kNews_m = 2e-3;  // a change that a person at the device can follow
 
 std::string InsideText(double depth_m) {
   return "the tool is " + std::to_string(std::lround(1e3 * depth_m)) +
@@ -48,7 +48,7 @@ bool Session::Update(std::int64_t now_ns, bool may_start) {
                       "it is cut");
     return true;
   }
-  // Before the start is looked at: of a start and a making whole, the loop does the start first.
+  // Read before the start: of a start and a MakeWhole, the loop does the start first.
   const bool made_whole = whole_wanted_ && loop_.made_whole();
   if (phase_ == palpate_SESSION_ACTIVE && !start_seen_ && loop_.start_sequence() != former_start_) {
     start_seen_ = true;
@@ -114,7 +114,7 @@ void Session::Leave() {
 
 void Session::MakeWhole() {
   if (whole_wanted_ && loop_.was_given_nothing())
-    return;  // asked again before the loop could begin anew
+    return;  // another was requested before the loop could begin again
   whole_wanted_ = true;
   loop_.MakeWhole();
 }

@@ -14,14 +14,14 @@ void AddName(std::string& list, const std::string& name) {
   list += name;
 }
 
-/// The device that palpate-station names so: its hand feels nothing.
+/// The device that palpate-station calls so; its hand feels nothing.
 constexpr const char* kMouse = "mouse";
 
 dds::LeaveKey ToSeal(const wire::SessionRequest& request) {
   return std::to_array(request.leave_seal);
 }
 
-/// Both are public: who repeats them keeps the other's place for it, and gains nothing.
+/// Both values are public: whoever repeats them keeps the place for the other, and gains nothing.
 bool IsSameRun(const wire::SessionRequest& one, const wire::SessionRequest& other) {
   return one.run == other.run && ToSeal(one) == ToSeal(other);
 }
@@ -31,7 +31,7 @@ bool IsSameRun(const wire::SessionRequest& one, const wire::SessionRequest& othe
 SessionTable::SessionTable(std::vector<std::shared_ptr<const ServedTool>> tools,
                            std::uint64_t server_run, bool admit_by_hand)
     : tools_(std::move(tools)), server_run_(server_run), admit_by_hand_(admit_by_hand) {
-  // Of a scene's tools some may cut nothing; solids are the same for those that do.
+  // Some of a scene's tools may cut nothing; the solids are the same for those that do.
   for (const auto& tool : tools_) {
     const auto solids = tool->model.solids();
     if (!solids.empty()) scenes_.try_emplace(tool->scene, tool->scene, solids, server_run_);
@@ -50,15 +50,15 @@ void SessionTable::Request(const wire::SessionRequest& request, std::int64_t now
   const auto held = held_.find(request.station);
   const auto session = sessions_.find(request.station);
   if (held != held_.end() && IsSameRun(held->second.request, request)) {
-    held->second.since_ns = now_ns;  // it is still there, and has been told that it is held
+    held->second.since_ns = now_ns;  // it still waits, and has been told so
   } else if (session != sessions_.end() && session->second->run() == request.run) {
     if (refusals_.Take(now_ns)) {
-      Publish(*session->second);  // asked again: told again what it has
+      Publish(*session->second);  // a repeated request gets the same answer again
     } else {
       ++untold_;
     }
   } else if (successor != waiting_.end()) {
-    // Who came first has the place; a third asks again once that one is answered.
+    // The first to ask has the place; a third asks again once that one is answered.
     if (!IsSameRun(successor->second.request, request)) ++untold_;
   } else if (held != held_.end() || session != sessions_.end()) {
     waiting_[request.station] = {request, now_ns};
@@ -156,7 +156,7 @@ void SessionTable::Update(std::int64_t now_ns) {
     CutExchange* const cuts = CutsOf(*session);
     if (session->start_is_held() && cuts->has_all(*session)) session->HoldStart(false);
   }
-  // One start pose at a time, by turns: all else that this thread does waits for it.
+  // One start pose at a time, in turn, because everything else in this thread waits for it.
   const Session* next = nullptr;
   for (const auto& [station, session] : sessions_) {
     if (session->wants_start(now_ns) && (!next || session->tried_ns() < next->tried_ns())) {
@@ -170,7 +170,7 @@ void SessionTable::Update(std::int64_t now_ns) {
       scene->second.cuts().Take(session, TakerOf(scene->second, now_ns));
       for (wire::LoopWhole whole{}; session.TakeWhole(whole);) loop_wholes_.push_back(whole);
     }
-    // One that has sent no pose has left the scene as it was before it.
+    // A session without a pose has left the scene as it was.
     if (session.ended() && session.has_heard()) {
       cut_off_[session.tool().scene] = session.left() ? "" : session.station();
     }
@@ -199,13 +199,13 @@ void SessionTable::Update(std::int64_t now_ns) {
 
 SessionTable::Name SessionTable::StateOfName(const Waiting& successor, std::int64_t now_ns) const {
   if (const auto session = sessions_.find(successor.request.station); session != sessions_.end()) {
-    // One that has sent no pose yet has the time for its first.
+    // A station without a pose yet has the time for its first one.
     const std::int64_t patience_ns =
         session->second->has_heard() ? kTakeOver_ns : Session::kFirstPose_ns + kTakeOver_ns;
     return now_ns - successor.since_ns > patience_ns ? Name::kTaken : Name::kUndecided;
   }
   if (const auto held = held_.find(successor.request.station); held != held_.end()) {
-    // It has asked since, as only one that lives does.
+    // It has asked since, so it is alive.
     return held->second.since_ns > successor.since_ns ? Name::kTaken : Name::kUndecided;
   }
   return Name::kFree;
@@ -219,7 +219,8 @@ void SessionTable::RefuseSuccessor(const wire::SessionRequest& request, std::int
              (session != sessions_.end() ? "' is connected and sends poses; give another --id"
                                          : "' waits to be admitted; give another --id"),
          now_ns);
-  // Who comes later must not take the refusal for the word on who has the name.
+  // Otherwise one that comes later would take the refusal for the state of the one
+  // who has the name.
   if (session != sessions_.end()) Publish(*session->second);
   if (held != held_.end()) TellHeld(held->second.request);
 }
@@ -412,7 +413,7 @@ void SessionTable::Admit(const wire::SessionRequest& request, std::int64_t now_n
   const auto session =
       std::make_shared<Session>(request.station, request.run, std::move(tool), now_ns, client);
   if (const auto scene = scenes_.find(session->tool().scene); scene != scenes_.end()) {
-    // Who works there already would find the work undone.
+    // A session that works there already would find its work undone.
     const bool alone = std::ranges::none_of(
         sessions_, [&](const auto& entry) { return entry.second->tool().scene == scene->first; });
     const bool resumes = cut_off_[scene->first] == session->station();

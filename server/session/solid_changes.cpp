@@ -10,10 +10,10 @@
 namespace palpate {
 namespace {
 
-/// What a sample takes besides its surface [bytes].
+/// Size of a sample besides its surface [bytes].
 constexpr double kHead = 110.0;
 
-/// A block and those beside it.
+/// Returns a block and those beside it.
 std::vector<std::uint32_t> Round(const Lattice& lattice, std::uint32_t block) {
   std::vector<std::uint32_t> round;
   const std::array<int, 3> at = lattice.BlockAt(block);
@@ -68,7 +68,7 @@ bool SolidChanges::Tell(const Place& place, SolidBlockNews& news) {
   const SparseField& field = at.cut->field();
   const Lattice& lattice = field.lattice();
   const bool cut = field.entry(place.block) != SparseField::kBelow;
-  // It closes the seam round a cut block; where there is none any more it is the mesh's again.
+  // It closes the seam round a cut block; if there is none any more, viewers see the mesh again.
   const bool is_seen = cut || std::ranges::any_of(Round(lattice, place.block), [&](auto block) {
                          return field.entry(block) != SparseField::kBelow;
                        });
@@ -77,7 +77,7 @@ bool SolidChanges::Tell(const Place& place, SolidBlockNews& news) {
   const std::array<int, 3> block = lattice.BlockAt(place.block);
   EncodeSurface(surface_, lattice.Point(8 * block[0], 8 * block[1], 8 * block[2]), lattice.spacing,
                 news.surface);
-  // Where there is no surface, and was none, nobody need be told.
+  // If it has no surface, and had none, nothing need be published.
   const bool bare = surface_.triangles.empty() && (!cut || grid.field().entry(place.block) < 0);
   if (bare && !at.told.contains(place.block)) return false;
   const std::uint64_t hash = BundleHash(news.surface) + (cut ? 1 : 0);
@@ -98,7 +98,7 @@ bool SolidChanges::Tell(const Place& place, SolidBlockNews& news) {
 void SolidChanges::AddNews(std::int64_t now_ns, std::uint64_t& count,
                            std::vector<SolidBlockNews>& news) {
   int made = 0;
-  // What the bur has left is to be seen first: the rest is below it.
+  // Blocks that the bur has left come first; the others are hidden by it.
   for (const bool left : {true, false}) {
     for (auto place = line_.begin(); place != line_.end();) {
       const auto waits = solids_[place->solid].waiting.find(place->block);

@@ -15,53 +15,54 @@
 
 namespace palpate {
 
-/// A block as it is to be published.  `sample.surface` is empty: what it holds is in `surface`.
+/// A block to be published.  `sample.surface` is empty; the surface is in `surface`.
 struct SolidBlockNews {
   wire::SolidBlock sample{};
   std::vector<std::uint8_t> surface;
 };
 
-/// What viewers are shown of what burs left of a scene's solids, block by block.
+/// Publishes to viewers, block by block, what burs left of a scene's solids.
 ///
-/// Loops tell blocks as their burs change them; the surface of each, and of the 26 round it, is
-/// made here and told where it is another than it was.  What is under the bur changes in each step
-/// and is hidden by it: a block is told once the bur has left it, and meanwhile a few times a
-/// second.  A bur that is too quick for the bytes that a viewer may cost is seen later and not
-/// less.
+/// Loops tell which blocks their burs change.  This class computes the surface of each such block
+/// and of the 26 around it, and publishes those that changed.  What lies under a bur changes in
+/// each step and is hidden by the bur, so a block is published once the bur has left it, and a few
+/// times a second until then.  If a bur cuts faster than the bytes that a viewer may cost allow,
+/// viewers see its cuts later, but completely.
 ///
 /// Thread contract: service thread.
 class SolidChanges {
  public:
-  /// A block that has not changed for so long is told, and one that changes after so long.
+  /// A block is published if it has not changed for kLeft_ns, or kUnderBur_ns
+  /// after its first change.
   static constexpr std::int64_t kLeft_ns = 20'000'000, kUnderBur_ns = 400'000'000;
-  /// What a viewer may cost: 600 kbit/s.
+  /// Most bytes for a viewer: 600 kbit/s.
   static constexpr double kBytesPerSecond = 75e3, kBytesAtOnce = 10e3;
-  /// Surfaces that one poll may make: some 40 us each.
+  /// Most surfaces computed in one poll, some 40 us each.
   static constexpr int kMostAtOnce = 24;
 
-  /// The solids, and what all burs took of them, outlive this.
+  /// `solids` and `cuts` (what all burs removed from them) must outlive this.
   SolidChanges(std::span<const CutSolid> solids, const std::vector<CutField>& cuts);
 
-  /// A block has changed.
+  /// Notes that a block has changed.
   void Take(std::uint32_t solid, std::uint32_t block, std::int64_t now_ns);
-  /// All is there again, and is no news.
+  /// Restores all material; this itself is not published.
   void MakeWhole();
 
-  /// A block that could not be published: it waits again.
+  /// Queues a block that could not be published.
   void TellAgain(const wire::SolidBlock& block, std::int64_t now_ns);
-  /// Adds what is to be published now; scene and server are left to the caller.
-  /// @param count  of the scene's changes: each gets the next number.
+  /// Appends what is to be published now; the caller fills in scene and server.
+  /// @param count  number of the scene's changes: each gets the next number
   void AddNews(std::int64_t now_ns, std::uint64_t& count, std::vector<SolidBlockNews>& news);
 
  private:
   struct Times {
-    std::int64_t first_ns, last_ns;  ///< of the changes that nobody has been told of
+    std::int64_t first_ns, last_ns;  ///< of the changes that were not published yet
   };
   struct Solid {
     const CutSolid* solid;
     const CutField* cut;
-    std::map<std::uint32_t, Times> waiting{};       ///< of blocks
-    std::map<std::uint32_t, std::uint64_t> told{};  ///< of a block: hash of what was published
+    std::map<std::uint32_t, Times> waiting{};       ///< by block
+    std::map<std::uint32_t, std::uint64_t> told{};  ///< by block: hash of what was published
   };
   struct Place {
     std::size_t solid;
@@ -72,7 +73,7 @@ class SolidChanges {
   bool Tell(const Place& place, SolidBlockNews& news);
 
   std::vector<Solid> solids_;
-  std::list<Place> line_;  // those that wait, the first to begin in front
+  std::list<Place> line_;  // blocks that wait, the first to begin in front
   TokenBucket bytes_{kBytesPerSecond, kBytesAtOnce};
   SolidSurface surface_;
 };

@@ -13,11 +13,11 @@
 namespace palpate {
 namespace {
 
-/// A tenth of an ordinary thread's weight where both want the same core: any thread that wakes goes
-/// before this one, and yet it is not starved on a busy host, as SCHED_IDLE would be.
+/// A tenth of an ordinary thread's weight on the same core: any thread that wakes preempts this
+/// one, yet it does not starve on a busy host, as it would with SCHED_IDLE.
 constexpr int kNice = 10;
 
-/// That this thread has had: it is often held up by others, which is not its doing.
+/// Returns the processor time of this thread: others often preempt it, which must not count.
 std::int64_t CpuNanoseconds() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
@@ -43,7 +43,7 @@ void BackgroundServo::Give(const wire::HapticPose& pose) noexcept {
 }
 
 void BackgroundServo::Run() {
-  // Of this thread alone, as Linux has it; whoever may do nothing may do this.
+  // On Linux this affects this thread alone, and lowering needs no rights.
   setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
   ServoBudget budget(kShare);
   wire::HapticPose pose{};
@@ -58,7 +58,7 @@ void BackgroundServo::Run() {
     answer_(pose);
     const std::int64_t now_ns = SteadyNanoseconds();
     budget.Took(CpuNanoseconds() - begun_ns, now_ns);
-    // At most tens of milliseconds: who ends this waits for it.
+    // At most tens of milliseconds, because the destructor waits for it.
     std::this_thread::sleep_for(std::chrono::nanoseconds(budget.WaitForTime(now_ns)));
   }
 }

@@ -10,23 +10,24 @@
 
 namespace palpate {
 
-/// Answers the poses of one session in a thread of its own, below all servo threads in priority:
-/// for mice, whose hand feels nothing, so that a late answer is no wrong one.  Of poses that come
-/// while one is answered, or while the thread rests for its share, the newest is answered; the
-/// others are dropped, as if the network had lost them.
+/// Answers the poses of one session in a thread of its own, with a priority below all servo
+/// threads. It is for mice, whose hand feels nothing, so that late answers do no harm.  Of the
+/// poses that come during an answer, or while the thread rests for its share, only the newest is
+/// answered; the others are dropped, as if the network had lost them.
 class BackgroundServo {
  public:
-  /// Of a core, for each mouse.
+  /// Share of a core for each mouse.
   static constexpr double kShare = 0.1;
 
-  /// @param answer  called in the thread, with each pose that is answered; must not throw.
+  /// @param answer  called in the thread for each pose that is answered; must not throw
   explicit BackgroundServo(std::function<void(const wire::HapticPose&)> answer);
-  /// Returns when no pose is being answered any more.
+  /// Returns once no pose is being answered.
   ~BackgroundServo();
   BackgroundServo(const BackgroundServo&) = delete;
   BackgroundServo& operator=(const BackgroundServo&) = delete;
 
-  /// From one thread.  Real-time: no allocation, lock or wait; it wakes the other thread.
+  /// Passes on a pose.  Call from one thread.  Real-time: no allocation, lock or wait; it
+  /// wakes the other thread.
   void Give(const wire::HapticPose& pose) noexcept;
 
  private:
@@ -36,7 +37,7 @@ class BackgroundServo {
   LatestMailbox<wire::HapticPose> poses_;
   std::atomic<std::uint32_t> given_{0};
   std::atomic<bool> stop_{false};
-  std::thread thread_;  // last: it uses all of these
+  std::thread thread_;  // last, because it uses all other members
 };
 
 }  // namespace palpate

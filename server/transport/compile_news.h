@@ -8,11 +8,11 @@
 
 namespace palpate {
 
-/// Tells viewers how far a scene is that is compiled before a server serves any: twice a second, as
-/// long as this object lives.
+/// Publishes to viewers, twice a second, the progress of a scene that is compiled before a server
+/// serves it, as long as this object exists.
 class CompileNews {
  public:
-  /// Where the identity may not say it, it is not said.
+  /// Publishes nothing if the participant's identity is not permitted to.
   explicit CompileNews(const dds::Participant& service_domain);
 
   void Tell(const std::string& scene, std::string_view stage, double done, std::int64_t now_ns);

@@ -22,9 +22,10 @@ namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 constexpr std::int64_t kFrame_ns = kSecond_ns / 60;
-/// Long enough for a station that asks, and for a viewer that has just come, to hear the reason.
+/// Long enough for a station that asks, and for a viewer that has just joined,
+/// to receive the reason.
 constexpr std::int64_t kKeepEnded_ns = 5 * kSecond_ns;
-constexpr int kMostRequests = 256;  // of one kind, in one poll
+constexpr int kMostRequests = 256;  // of each kind in one poll
 
 const char* PhaseText(wire::SessionPhase phase) {
   switch (phase) {
@@ -104,7 +105,7 @@ std::string StatisticsLine(const wire::LoopStatistics& s) {
   return line;
 }
 
-/// The strongest first.
+/// The strongest forces first.
 void SetContactPoints(const LoopSnapshot& snapshot, wire::ToolState& state) {
   std::vector<ContactForce> contacts(snapshot.point.begin(),
                                      snapshot.point.begin() + snapshot.points);
@@ -173,7 +174,7 @@ void Server::PublishScene(const std::string& name, std::vector<std::uint8_t> bun
 }
 
 void Server::Offer(const std::vector<ServedScene>& scenes) {
-  // What the sample's sequences point to.
+  // The sample's sequences point to these.
   std::deque<std::vector<wire::HandKey>> hands;
   std::deque<std::vector<wire::OfferedTool>> tools;
   std::vector<wire::OfferedScene> offered;
@@ -218,7 +219,7 @@ void Server::Poll(std::int64_t now_ns) {
   PublishChanges(now_ns);
   DisposeOfEnded(now_ns);
   CheckSharedMemory(now_ns);
-  // Steps of a sixtieth, or else polls of 5 ms would make it fifty a second.
+  // In steps of a sixtieth; otherwise polls of 5 ms would make it fifty a second.
   const bool tool_states_due = now_ns - tool_states_ns_ >= kFrame_ns;
   if (tool_states_due) tool_states_ns_ = std::max(tool_states_ns_ + kFrame_ns, now_ns - kFrame_ns);
   for (auto& [name, station] : stations_) {
@@ -236,14 +237,14 @@ void Server::LogWish(std::int64_t now_ns, const std::string& line) {
 }
 
 void Server::TakeRequests(std::int64_t now_ns) {
-  // No more than the readers hold: who floods them does not hold this thread.
+  // No more than the readers hold, so that a flood does not block this thread.
   wire::SessionRequest request;
   for (int i = 0; i < kMostRequests && requests_.Take(request); ++i) {
     table_.Request(request, now_ns);
   }
   wire::WholeRequest whole;
   for (int i = 0; i < kMostRequests && whole_requests_.Take(whole); ++i) {
-    // Each takes the forces from all tools of the scene, until they begin anew.
+    // Each request takes the forces from all tools of the scene until they begin again.
     if (wishes_to_make_whole_.Take(now_ns)) {
       table_.Request(whole);
     } else {
@@ -282,7 +283,7 @@ void Server::UpdateLinks(std::int64_t now_ns) {
       }
       station.link->Update(now_ns, arms <= 1);
     } catch (const Error& error) {
-      // DDS is out of something; the other stations go on.
+      // DDS has run out of something; the other stations go on.
       spdlog::error("station {}: {}", name, error.what());
       stations_.erase(name);
       session->End(error.what());
@@ -303,7 +304,7 @@ void Server::PublishChanges(std::int64_t now_ns) {
     states_.Write(state);
     if (events_.session) events_.session(state);
   }
-  // A write waits for at most 100 ms for viewers that stand still: once in a poll.
+  // If viewers have stalled, a write waits for up to 100 ms: allow that once in a poll.
   bool taken = true;
   for (SolidBlockNews& news : table_.TakeCuts(now_ns)) {
     PointTo(news.surface, news.sample.surface);

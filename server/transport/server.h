@@ -16,8 +16,8 @@
 
 namespace palpate {
 
-/// What a server tells whoever keeps a record of it, after it has published it: all in the thread
-/// that calls Poll, and in its destructor.  Any may be empty; none throws.
+/// Callbacks for those who record a server's events, called after it has published them: in the
+/// thread that calls Poll, and in the destructor.  Any may be empty; none may throw.
 struct ServerEvents {
   std::function<void(const wire::SessionState&)> session;
   std::function<void(std::uint64_t)> untold;  ///< refusals that were too many to be published
@@ -25,38 +25,36 @@ struct ServerEvents {
   std::function<void(const wire::LoopStatistics&)> statistics;  ///< per station and second
 };
 
-/// The server without its command line: requests in, states out, a link for each session, tool
-/// states at 60 Hz and statistics once a second.  All of that in the one thread that calls Poll, so
-/// that nothing here needs a lock; the servo loops run in DDS's receiving threads and are met only
-/// through mailboxes.
+/// The server without its command line: takes requests, publishes states, and keeps a link for each
+/// session; tool states go out at 60 Hz, statistics once a second.  All this happens in the one
+/// thread that calls Poll, so nothing here needs a lock.  The servo loops run in DDS's receiving
+/// threads and communicate only through mailboxes.
 class Server {
  public:
-  /// @param print_line  takes a line of text per station and second; may be empty.
-  /// @param admit_by_hand  stations wait until somebody admits them.
+  /// @param print_line  takes a line of text per station and second; may be empty
+  /// @param admit_by_hand  stations wait until somebody admits them
   Server(dds::Participant loop_domain, dds::Participant service_domain,
          std::vector<std::shared_ptr<const ServedTool>> tools,
          std::function<void(const std::string&)> print_line, bool admit_by_hand = false);
-  /// Ends every session and tells the stations so.
+  /// Ends every session and tells the stations.
   ~Server();
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  /// Gives viewers the scene, those of now and those that come later.
-  /// @param bundle  the scene as PackScene makes it.  Throws Error where DDS refuses it.
-  /// @param seats  names under which the scene is served, too: these get its hash without the
-  /// bytes.
+  /// Publishes the scene to present and later viewers.
+  /// @param bundle  the scene as PackScene makes it.  Throws Error if DDS refuses it.
+  /// @param seats  further names under which the scene is served; these get its hash only
   void PublishScene(const std::string& name, std::vector<std::uint8_t> bundle,
                     const std::vector<std::string>& seats = {});
 
-  /// Tells stations, those of now and those that come later, what they can drive, and what a hand
-  /// does there.  All of it in one: a second one takes the first's place.  Throws Error where DDS
-  /// refuses it.
+  /// Publishes to present and later stations what they can drive, and what a hand does there.  A
+  /// second call replaces the first.  Throws Error if DDS refuses it.
   void Offer(const std::vector<ServedScene>& scenes);
 
-  /// What it calls must outlive the server.
+  /// Whatever the callbacks use must outlive the server.
   void Observe(ServerEvents events) { events_ = std::move(events); }
 
-  /// To be called every 5 ms or so.
+  /// Call about every 5 ms.
   void Poll(std::int64_t now_ns);
   const SessionTable& table() const { return table_; }
 
@@ -65,21 +63,22 @@ class Server {
     std::unique_ptr<StationLink> link;
     std::int64_t reported_ns = 0;
     bool report_wanted = false;
-    std::uint64_t refused = 0;  // of link->refused(), said
+    std::uint64_t refused = 0;  // of link->refused(), already reported
   };
 
   void TakeRequests(std::int64_t now_ns);
-  /// Logs what others have asked for: so much of it a second, for they may ask without an end.
+  /// Logs what others have asked for, at a limited rate because they may ask without end.
   void LogWish(std::int64_t now_ns, const std::string& line);
   void PublishChanges(std::int64_t now_ns);
-  /// Of sessions that are over for some time: nobody needs to hear of them any more.
+  /// Disposes of the states of sessions that ended some time ago.
   void DisposeOfEnded(std::int64_t now_ns);
   void CheckSharedMemory(std::int64_t now_ns);
   void UpdateLinks(std::int64_t now_ns);
   void ForgetStreams(const std::string& station);
   void PublishToolState(Session& session);
   void ReportStatistics(Station& station, std::int64_t now_ns);
-  /// Each second, and when the session is over: a flood may be shorter.
+  /// Called each second, and at the end of the session, because a flood may be
+  /// shorter than a second.
   void TellUnheard(const std::string& name, Station& station);
 
   dds::Participant loop_domain_;
@@ -101,8 +100,8 @@ class Server {
   dds::Writer<wire::ToolState> tool_states_;
   dds::Writer<wire::LoopStatistics> statistics_;
   std::map<std::string, Station> stations_;
-  std::map<std::string, std::int64_t> over_since_ns_;  // by station: refused, or ended
-  TokenBucket lines_{50.0, 400.0};  // a class that starts at the same time is told of
+  std::map<std::string, std::int64_t> over_since_ns_;  // by station: since its refusal or end
+  TokenBucket lines_{50.0, 400.0};                     // enough for a class that starts all at once
   std::uint64_t lines_left_out_ = 0;
   TokenBucket wishes_to_make_whole_{1.0, 5.0};
   std::int64_t untold_said_ns_ = 0;

@@ -12,24 +12,24 @@
 
 namespace palpate {
 
-/// A session's two loop topics.  Poses in, wrenches out, in DDS's receiving thread, which is
-/// thereby the servo thread; a mouse's in a thread of its own, below it.  The reader is made once
-/// the station's writer is discovered, and wrenches are sent once the station's reader is matched
-/// and has had time to match us: over shared memory a sample that is early leaks a chunk.
+/// The two loop topics of a session: poses come in and wrenches go out in DDS's receiving thread,
+/// which thereby is the servo thread.  Poses of a mouse are answered in a thread of their own with
+/// a lower priority.  The reader is created once the station's writer is discovered.  Wrenches are
+/// sent once the station's reader is matched and has had time to match our writer, because over
+/// shared memory a sample sent too early leaks a chunk.
 ///
-/// Thread contract: service thread.  The destructor returns when no pose is being answered any
-/// more.
+/// Thread contract: service thread.  The destructor returns once no pose is being answered.
 class StationLink {
  public:
   StationLink(const dds::Participant& loop_domain, std::shared_ptr<Session> session);
   StationLink(const StationLink&) = delete;
   StationLink& operator=(const StationLink&) = delete;
 
-  /// Takes the next of those steps where it is time.
-  /// @param alone  no other session is answered by the servo thread.
+  /// Takes the next of these set-up steps if it is time.
+  /// @param alone  the servo thread answers no other session
   void Update(std::int64_t now_ns, bool alone);
   Session& session() { return *session_; }
-  /// Poses that were more than the station's share; not heard.
+  /// Number of poses dropped because they exceeded the station's share.
   std::uint64_t refused() const { return refused_.load(std::memory_order_relaxed); }
 
  private:
@@ -47,7 +47,7 @@ class StationLink {
   wire::Wrench answer_{};
   dds::Writer<wire::Wrench> wrench_writer_;
   std::optional<BackgroundServo> background_;
-  dds::Reader<wire::HapticPose> pose_reader_;  // last: the first to go
+  dds::Reader<wire::HapticPose> pose_reader_;  // last, so that it is destroyed first
 };
 
 }  // namespace palpate

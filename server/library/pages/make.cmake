@@ -1,9 +1,9 @@
-# Makes the pages of the library's interface: cmake --build --preset release --target api-pages.
+# Makes the reference pages of the library: cmake --build --preset release --target api-pages.
 #
-# Given: doxygen (looked for where it is not known), source, version; generated, where headers that are made lie; out, the folder to fill.
-# `also`: one more file to make pages of; the test of the warnings has one.
-# Headers are laid out as they are installed (install_headers.cmake), so that the pages' include lines are
-# those of a program.
+# Given: doxygen (searched if not given), source, version; generated, the folder of generated headers; out, the folder to fill.
+# `also`: one more file to make pages from, which the test of the warnings uses.
+# Headers are arranged as installed (install_headers.cmake), so that the pages show the include lines of a
+# program.
 find_program(doxygen doxygen)
 if(NOT doxygen)
   message(FATAL_ERROR "the pages need doxygen: deploy/setup --for tests installs it")
@@ -17,8 +17,8 @@ set(ENV{DESTDIR} "")
 include(${source}/server/library/install_headers.cmake)
 file(COPY ${source}/server/library/palpate.h DESTINATION ${out}/headers)
 
-# The map, the pages of the physics, and the decisions: each file, and the label of its page.  Links between these lead
-# from page to page; what they say of other files is kept without its link.
+# The map, the pages of the physics, and the decisions: each file, and the label of its page.  Links between these
+# become links between pages; links to other files become plain text.
 set(documents
     server/ARCHITECTURE.md architecture
     server/physics/README.md physics_step
@@ -55,7 +55,7 @@ function(make_page file label)
   endforeach()
   file(WRITE ${out}/${label}.md "${text}")
 endfunction()
-# Pages are named for their labels, not for the folder that they were made in.
+# Names pages after their labels, not after the folder in which they were made.
 set(pages "")
 list(LENGTH documents count)
 math(EXPR last "${count} - 1")
@@ -86,8 +86,8 @@ endfunction()
 
 pages(html "Palpate" NO ${out}/main_page.md ${out}/examples_page.md ${pages} ${out}/headers
       ${also})
-# Python's names are C++'s, so its pages are apart.  A module is named for its file: palpate itself is
-# __init__.pyi.
+# Python has the same names as C++, so its pages are separate.  A module is named after its file: palpate
+# itself is __init__.pyi.
 file(GLOB stubs ${source}/client/python/palpate/*.pyi)
 foreach(stub IN LISTS stubs)
   get_filename_component(name ${stub} NAME)

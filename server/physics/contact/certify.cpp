@@ -14,20 +14,21 @@ namespace {
 using namespace limits::mesh;
 using Index = NearPairs::Index;
 
-/// A near pair whose plane does not hold at a trial, and the gap that is left along it: one number,
-/// which is less where the gap is, so that sorting compares nothing else.  The index takes the
-/// place of the gap's last bits: `room` is a power of two above every index.
+/// Packs a near pair whose plane does not hold at a trial, and the gap that is left along it, into
+/// one number that sorts like the gap.  The index replaces the last bits of the gap: `room` is a
+/// power of two above every index.
 std::int64_t DoubtOf(double gap, Index near, std::int64_t room) {
   auto bits = std::bit_cast<std::int64_t>(gap);
-  bits ^= (bits >> 63) & std::numeric_limits<std::int64_t>::max();  // ordered as gaps are
+  bits ^= (bits >> 63) & std::numeric_limits<std::int64_t>::max();  // so that integers
+                                                                    // sort as gaps do
   return (bits & ~(room - 1)) | near;
 }
 Index NearOf(std::int64_t doubt, std::int64_t room) {
   return static_cast<Index>(doubt & (room - 1));
 }
 
-/// Takes the least out of a heap.  Without a branch on which of two is less, as std::pop_heap has:
-/// that cannot be foretold.
+/// Removes the least element of a heap.  Unlike std::pop_heap, it has no branch on which of two is
+/// less, which could not be predicted.
 std::int64_t PopLeast(std::vector<std::int64_t>& heap) {
   const std::int64_t least = heap.front(), last = heap.back();
   heap.back() = std::numeric_limits<std::int64_t>::max();
@@ -45,7 +46,8 @@ std::int64_t PopLeast(std::vector<std::int64_t>& heap) {
   return least;
 }
 
-/// Whether a unit direction keeps a pair apart throughout the trial; then it is the pair's plane.
+/// Returns whether a unit direction separates a pair throughout the trial; if so, sets it
+/// as the pair's plane.
 bool HoldsAlong(MeshContact& contact, Index k, const Vec3& n, double least_before,
                 double least_after) {
   const NodesOfPair& nodes = contact.near[k].nodes;
@@ -58,8 +60,8 @@ bool HoldsAlong(MeshContact& contact, Index k, const Vec3& n, double least_befor
   return true;
 }
 
-/// The same for a plane of a touch, which may move with the tool, and a pair that is `distance`
-/// apart at the sub-step's beginning: the touch's own, or a neighbour.
+/// HoldsAlong for a plane of a touch, which may move with the tool.  The pair, the touch's own or a
+/// neighbour, is `distance` apart at the beginning of the sub-step.
 bool HoldsAcross(MeshContact& contact, Index k, double distance, const Touch& touch,
                  const ContactPlane& plane) {
   const ToolAndBodies& meshes = contact.meshes;
@@ -83,18 +85,18 @@ bool HoldsAcross(MeshContact& contact, Index k, double distance, const Touch& to
   return true;
 }
 
-/// Pairs that are looked at one after the other, the deepest first.  Planes between patches are
-/// looked for some at once: what comes of a search does not depend on when it was made.
+/// Pairs that are examined one after the other, the deepest first.  Planes between patches are
+/// searched for several pairs at once; the result of a search does not depend on its time.
 struct Batch {
   Index pair[kBatch];
-  int pairs = 0, at = 0;  ///< at: the one that is looked at
+  int pairs = 0, at = 0;  ///< at: the pair being examined
   SeparatingPlane plane[kPlanesAtOnce];
   std::uint32_t found = 0;
-  int searched = 0, next = 0;  ///< planes that were looked for, and the one that comes next
+  int searched = 0, next = 0;  ///< number of planes searched, and the next to be used
   Index of[kPlanesAtOnce];     ///< their pairs
 
-  /// Looks for planes of the pair that is looked at, and of the next that will ask for one:
-  /// patches, and a ball's triangles that have no touch.
+  /// Searches planes for the current pair and for the next ones that will need one: patches, and
+  /// triangles of a ball that have no touch.
   void Search(const MeshContact& contact) {
     const ToolAndBodies& meshes = contact.meshes;
     PatchPair patches[kPlanesAtOnce];
@@ -115,7 +117,7 @@ struct Batch {
   }
 };
 
-/// Whether a plane separates the hulls of the pair that is looked at throughout the trial.
+/// Returns whether a plane separates the hulls of the current pair throughout the trial.
 bool IsSeparable(MeshContact& contact, Batch& batch) {
   const Index k = batch.pair[batch.at];
   if (batch.next == batch.searched || batch.of[batch.next] != k) batch.Search(contact);
@@ -126,8 +128,8 @@ bool IsSeparable(MeshContact& contact, Batch& batch) {
   return found;
 }
 
-/// Whether the plane of a contact keeps this pair apart too, which is out of its cones: it hinders
-/// nothing that the contact does not.
+/// Returns whether the plane of a neighbouring contact also separates this pair, which is outside
+/// its cones.  Such a plane restricts nothing that the contact does not.
 bool NeighbourHolds(MeshContact& contact, Index k, double distance) {
   return std::any_of(contact.touches.begin(), contact.touches.end(), [&](const Touch& touch) {
     return touch.in_cone && touch.plane.of != ContactPlane::Of::kNone &&
@@ -135,8 +137,8 @@ bool NeighbourHolds(MeshContact& contact, Index k, double distance) {
   });
 }
 
-/// Whether two triangles are apart, by the planes that may be those of a contact: no other one is
-/// looked for, for it would let the tool pass where the next sub-step finds that it may not.
+/// Returns whether two triangles are separate, by planes that can belong to a contact.  No other
+/// plane is tried, because it would let the tool pass where the next sub-step would then stop it.
 bool TrianglesApart(MeshContact& contact, Index k) {
   const ToolAndBodies& meshes = contact.meshes;
   const Motion& motion = contact.motion;
@@ -161,8 +163,8 @@ bool TrianglesApart(MeshContact& contact, Index k) {
   return touch.plane.of == ContactPlane::Of::kNone && across(ChoosePlane(meshes, touch, motion));
 }
 
-/// Whether a pair is apart at the trial, whatever the front's own plane says.  Patches that no
-/// plane separates are opened: their parts say.
+/// Returns whether a pair is separate at the trial, by any plane beside the front's.  Patches that
+/// no plane separates are split, and their parts decide.
 bool LookCloser(MeshContact& contact, Batch& batch, Until until) {
   const Index k = batch.pair[batch.at];
   NearPairs::Pair& pair = contact.near[k];
@@ -172,7 +174,7 @@ bool LookCloser(MeshContact& contact, Batch& batch, Until until) {
     return IsSeparable(contact, batch) || contact.near.Split(k, contact.looks);
   const double free = contact.meshes.margins.free;
   const bool has_plane = pair.touch >= 0 && contact.TouchOf(k).plane.of != ContactPlane::Of::kNone;
-  // A ball's row goes along the smooth surface and not along the pair's plane: any plane will do.
+  // A ball's row follows the smooth surface and not the pair's plane, so any plane will do.
   const bool apart =
       !has_plane &&
       (contact.meshes.IsBall() ? IsSeparable(contact, batch)
@@ -198,7 +200,7 @@ int Certify(MeshContact& contact, const Vec3& v, const Vec3& phi, Until until) n
   NearPairs& near = contact.near;
   Looks& looks = contact.looks;
   const double angle = phi.norm(), free = contact.meshes.margins.free;
-  // The rotation's second order is 1/2 |phi|^2 of a point's lever at most.
+  // The rotation's second order is at most 1/2 |phi|^2 of a point's lever.
   const double bend =
       0.5 * angle * angle * (contact.meshes.tool.mesh.reach() + contact.meshes.tool.radius);
   near.Cover(v.norm(), angle, looks);
@@ -209,11 +211,11 @@ int Certify(MeshContact& contact, const Vec3& v, const Vec3& phi, Until until) n
   doubts.clear();
   contact.open.clear();
   const int enough = until == Until::kEnough ? kEnough : 1;
-  // Pairs that there was no room for are not known to be apart.
+  // Pairs without room are not known to be separate.
   int apart_not = near.is_full() ? 1 : 0;
   for (Index collected = 0;;) {
-    // Those whose planes do not hold throughout the trial; patches that were split have added to
-    // them.
+    // Finds the pairs whose planes do not hold throughout the trial, including
+    // those added by splits.
     const auto found = near.FindUsedUp(collected, motion, looks);
     collected = near.size();
     if (looks.AreSpent()) return apart_not + static_cast<int>(found.size() + doubts.size());

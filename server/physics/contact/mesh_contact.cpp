@@ -5,9 +5,9 @@ namespace {
 
 limits::mesh::Margins MarginsOf(const ContactBody& tool, double separation) {
   limits::mesh::Margins margins{separation};
-  // h leaves of delta what a row may miss.  A ball has one row for each pair, which misses nothing
-  // along the pair's plane but by rounding.  With less it would roll about the edge that a face
-  // ends at, at delta, until it is h from a face that is flush with the first.
+  // Half of delta is left for the error of a row.  A ball has one row for each pair, whose only
+  // error along the pair's plane is rounding.  With a smaller h it would roll about the edge at
+  // which a face ends, at delta, until it is h from a face that is flush with the first.
   if (tool.radius > 0.0) margins.free = separation - limits::mesh::kRounding;
   return margins;
 }

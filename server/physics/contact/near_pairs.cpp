@@ -41,8 +41,8 @@ void NearPairs::Begin(const ToolAndBodies& meshes, SeparationFront& front, const
 }
 
 void NearPairs::Cover(double translation, double rotation, Looks& looks) {
-  // A trial needs room for the rotation's second order, 1/2 |phi|^2 of a lever, beside the linear
-  // part.
+  // A trial needs room for the rotation's second order, 1/2 |phi|^2 of a lever, in addition
+  // to the linear part.
   const double reach = meshes_->tool.mesh.reach();
   const double way =
       translation + rotation * reach * (1.0 + 0.5 * rotation) + meshes_->margins.free;
@@ -57,7 +57,7 @@ void NearPairs::Cover(double translation, double rotation, Looks& looks) {
     found_[static_cast<std::size_t>(count++)] = i;
   }
   for (int done = 0; done < count; done += kBatch) {
-    // Those that are not brought up to date any more are not known to be apart.
+    // Pairs that are not refreshed any more are not known to be separate.
     full_ = looks.AreSpent() || pairs_.size() + kBatch > after_.size();
     if (full_) return;
     Add(found_.data() + done, std::min(kBatch, count - done), way, looks);
@@ -70,8 +70,8 @@ void NearPairs::Add(SeparationFront::Index in_front) {
   seen_[static_cast<std::size_t>(in_front)] = substep_;
 }
 
-/// Adds those of some pairs of the front that a motion of such a length could bring together.  Most
-/// could not: an expiry counts every motion as one against the plane.
+/// Adds those of the given pairs of the front that a motion of this length could bring together.
+/// Most of them could not: an expiry counts every motion as one against the plane.
 void NearPairs::Add(const SeparationFront::Index* in_front, int count, double way, Looks& looks) {
   for (int i = 0; i < count; ++i) {
     if (front_->IsKept(in_front[i])) continue;
@@ -115,7 +115,7 @@ void NearPairs::SetPlanes(Index k, const Vec3& n_before, double before, const Ve
   after_[static_cast<std::size_t>(k)] = {n_after, after};
 }
 
-/// Its own plane now holds at every trial: its parts are looked at in its place.
+/// Makes its own plane hold at every trial, because its parts are examined instead.
 void NearPairs::Close(Index k) {
   (*this)[k].split = true;
   planes_.slack[k] = kInfinity;
@@ -169,7 +169,7 @@ bool NearPairs::Enter(Index k, std::int32_t block, Looks& looks) {
 }
 
 void NearPairs::Accept(const Motion& motion, std::int32_t trial, Looks& looks) {
-  // A pair that no closer look was taken at keeps the plane that the front has.
+  // A pair that was not examined closely keeps the front's plane.
   for (Index k = 0; k < size(); ++k) {
     const Pair& pair = (*this)[k];
     if (!pair.split && pair.replaced) front_->Set(pair.in_front, Normal(k), planes_.slack[k]);
@@ -185,9 +185,9 @@ void NearPairs::Accept(const Motion& motion, std::int32_t trial, Looks& looks) {
   Merge(motion.to, looks);
 }
 
-/// Merges pairs of the front that one plane keeps apart as a whole, with some room: one of the two
-/// that keep their parts apart.  Where neither does, the pair is tried again when the tool has gone
-/// as far as the better one lacks: no gap changes faster.
+/// Merges pairs of the front that one plane separates as a whole, with some room.  The planes that
+/// separate the two parts are tried.  If neither holds, the pair is tried again when the tool has
+/// gone as far as the better one lacks, because no gap changes faster.
 void NearPairs::Merge(const ToolPose& at, Looks& looks) {
   for (int i = 0; i < kBatch; ++i) {
     SeparationFront::Index index = front_->NextMergeable();

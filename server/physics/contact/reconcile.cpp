@@ -12,8 +12,8 @@ namespace {
 using namespace limits::mesh;
 
 /// Calls mend(row, touch) for the active rows at the trial, and returns how many it changed.  Pairs
-/// that meet at one corner have the same row each, and the QP takes one of them: where it changes
-/// that, it is called for the others too, or they would come one a trial.
+/// that meet at one corner have equal rows, of which the QP makes one active.  If that one changes,
+/// the others are mended too; otherwise one more would appear in each trial.
 template <class Mend>
 int MendRows(MeshContact& contact, std::span<const int> active, const ContactRows& rows,
              Mend mend) {
@@ -31,13 +31,13 @@ int MendRows(MeshContact& contact, std::span<const int> active, const ContactRow
   return changed;
 }
 
-/// What a row's own point has at the trial [m].
+/// Returns the gap of a row's own point at the trial [m].
 double GapOfRow(const MeshContact& contact, int row, const ContactRows& rows) {
   return rows.Left(row, contact.motion.v, contact.motion.phi) + contact.meshes.margins.separation;
 }
 
-/// A ball's row goes along the smooth surface's normal where the ball comes to, not where it was:
-/// true where that is another direction, which the force would feel.  A crease is not smooth: the
+/// Turns a ball's row to the smooth surface's normal where the ball arrives, not where it was.
+/// Returns whether the change is large enough to affect the force.  A crease is not smooth: the
 /// ball goes straight past it, and round it in the next sub-steps (Turned).
 bool TurnSmoothed(const MeshContact& contact, const Touch& touch, int row,
                   const NearestPoints& nearest, const Vec3& u, ContactRows& rows) {
@@ -115,7 +115,7 @@ int Release(MeshContact& contact, std::span<const int> active, ContactRows& rows
 void PutBack(MeshContact& contact, ContactRows& rows) noexcept {
   for (const ReleasedRow& released : contact.released) {
     int& row = released.touch->row[released.slot];
-    if (row >= 0) rows.Loosen(row);  // of the trial that is given up
+    if (row >= 0) rows.Loosen(row);  // removes the row that the discarded trial added
     row = released.row;
     rows.SetGap(row, released.gap);
   }
@@ -148,8 +148,8 @@ double Turned(const MeshContact& contact, std::span<const int> active,
   if (active.empty()) return 0.0;
   const ToolAndBodies& meshes = contact.meshes;
   const Vec3& v = contact.motion.v;
-  // The direction in which it touches is that of the nearest triangle: of one that it touches, but
-  // for what a straight way is off an arc.
+  // The ball touches along the direction of the nearest triangle.  This is a triangle that it
+  // touches, within the distance of a straight way from an arc.
   const double touching = meshes.margins.touching + 0.5 * v.squaredNorm() / meshes.tool.radius;
   double nearest = kInfinity;
   Vec3 u = Vec3::Zero();
@@ -170,7 +170,7 @@ double Turned(const MeshContact& contact, std::span<const int> active,
     const Vec3 n = rows.normal(row);
     least = std::min(least, (u - n).norm());
     most = std::max(most, (CurvatureOf(contact, row) * v).norm());
-    // Of two triangles that are as near one may be smooth there, and the other have a crease.
+    // Of two equally near triangles, one may be smooth there and the other have a crease.
     const Touch* touch = contact.TouchOfRow(row);
     if (touch == nullptr) continue;
     const NearestPoints own = meshes.NearestAt(touch->nodes, contact.motion.to);
@@ -178,7 +178,7 @@ double Turned(const MeshContact& contact, std::span<const int> active,
     const Vec3 along = touch->nodes.SmoothNormal(own, own.Direction());
     least = std::min(least, (along - n).norm());
   }
-  // Where it is smooth, Retract has turned the rows.
+  // On a smooth surface, Retract has turned the rows.
   return smooth || !(nearest < kInfinity) ? most : std::max(least, most);
 }
 

@@ -23,7 +23,7 @@ void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront&
   NearPairs& near = contact.near;
   near.Begin(contact.meshes, front, from);
 
-  // Opens the front as far as it must be to know the pairs that touched last.
+  // Splits the front as far as needed to find the pairs that touched last.
   near.Cover(contact.meshes.margins.touching, 0.0, contact.looks);
   Certify(contact, Vec3::Zero(), Vec3::Zero(), Until::kEnough);
   if (active.empty()) return;
@@ -58,7 +58,7 @@ void EndSubStep(MeshContact& contact) noexcept {
 
 namespace {
 
-/// A block that cannot be looked into counts as not free.
+/// Returns whether two nodes are apart.  A block whose body cannot be made counts as not apart.
 bool AreApart(const ToolAndBodies& meshes, const NodesOfPair& nodes, const ToolPose& at) {
   const HullTree &tools = meshes.tool.tree, &objects = nodes.body->tree;
   SeparatingPlane plane;

@@ -15,7 +15,7 @@ Vec3 EdgeOf(const ContactMesh& mesh, HullTree::Node node, int i) {
   return mesh.Corner(t, (i + 1) % 3) - mesh.Corner(t, i);
 }
 
-/// The direction in which two triangles intersect least.
+/// Finds the direction of least penetration of two triangles.
 void FindLeastDepth(const ToolAndBodies& meshes, const ToolPose& at, Touch& touch) {
   const Corners corners = meshes.CornersAt(touch.nodes, at);
   const auto consider = [&](const Vec3& axis) {
@@ -39,14 +39,14 @@ void FindLeastDepth(const ToolAndBodies& meshes, const ToolPose& at, Touch& touc
   }
 }
 
-/// Of planes that keep a touch apart by `least` at the motion's beginning, the one that it has most
-/// room along at the end.
+/// Of the planes that separate a touch by `least` at the motion's beginning, finds the one with the
+/// largest gap at the end.
 struct BestPlane {
   const ToolAndBodies& meshes;
   const Touch& touch;
   const Motion& motion;
   double least;
-  double room = -kInfinity;  ///< what a plane has to exceed at the end
+  double room = -kInfinity;  ///< gap that a plane must exceed at the end
   ContactPlane plane{};
 
   void Consider(const ContactPlane& other) {
@@ -120,7 +120,8 @@ ContactPlane ChoosePlane(const ToolAndBodies& meshes, const Touch& touch, const 
   ContactPlane plane{ContactPlane::Of::kObject, touch.u};
   if (touch.distance <= 0.0) return plane;
   if (!touch.in_cone) {
-    // The touch is a neighbour's: its face, where that separates this pair as well.
+    // The touch belongs to a neighbour: tries the neighbour's face, if that separates
+    // this pair as well.
     BestPlane best{meshes, touch, trial, meshes.margins.LeastAfter(touch.distance)};
     ForEachFace(meshes, touch.nodes, touch.nearest, trial.from,
                 [&](const ContactPlane& face) { best.Consider(face); });

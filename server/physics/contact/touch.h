@@ -18,7 +18,7 @@ namespace palpate {
 
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The straight motion of the tool in one sub-step; a trial, until it is taken.
+/// The straight motion of the tool in one sub-step; a trial until it is accepted.
 struct Motion {
   ToolPose from, to;
   Vec3 v = Vec3::Zero(), phi = Vec3::Zero();  ///< [m], [rad]
@@ -35,30 +35,30 @@ struct Motion {
   }
 };
 
-/// Nodes of two trees: triangles or patches, the tool's and a body's.
+/// Nodes of two trees, the tool's and a body's; each is a triangle or a patch.
 struct NodesOfPair {
   HullTree::Node tool, object;
   const ContactBody* body;
-  std::int32_t number;  ///< of the body
+  std::int32_t number;  ///< number of the body
   bool AreTriangles() const { return HullTree::IsLeaf(tool) && HullTree::IsLeaf(object); }
-  /// Of two triangles: ContactMesh::SmoothNormal of the body's, where it is touched along n.
+  /// For two triangles: ContactMesh::SmoothNormal of the body where it is touched along n.
   Vec3 SmoothNormal(const NearestPoints& nearest, const Vec3& n) const {
     return body->mesh.SmoothNormal(HullTree::TriangleOf(object), nearest.q, n);
   }
 };
 
-/// Corners of two triangles in W [m].
+/// The corners of two triangles, in W [m].
 struct Corners {
   Vec3 tool[3], object[3];
 };
 
-/// What contact keeps apart: a tool from each of the bodies.  Heights are along n, from body to
-/// tool, in W.
+/// A tool, and the bodies that contact keeps it apart from.  Heights are along n, from body
+/// to tool, in W.
 struct ToolAndBodies {
   const ContactBody& tool;              ///< about its reference point
   std::span<const ContactBody> bodies;  ///< in W
-  FeltSolids* felt = nullptr;  ///< of what bodies of blocks stand for; null where there are none
-  bool cuts = true;            ///< a bur or an edge, which solids are felt by its shank
+  FeltSolids* felt = nullptr;           ///< bodies of blocks; null if there are none
+  bool cuts = true;  ///< true for a bur or an edge that cuts: solids touch only its shank
   limits::mesh::Margins margins{};
   const Kernels* kernels = &ActiveKernels();
 
@@ -73,16 +73,17 @@ struct ToolAndBodies {
     return {pair.tool, pair.object,
             number < bodies.size() ? &bodies[number] : &felt->Body(pair.body), pair.body};
   }
-  /// What of the tool solids are felt by; none where nothing is.
+  /// The part of the tool that solids can touch; empty if they touch none of it.
   std::optional<HullTree::Node> ForSolids() const {
     return cuts ? tool.shank : std::optional(tool.tree.root());
   }
-  /// How far the one lies above the other [m]; negative where n does not separate them.
+  /// How far the tool's node lies above the body's along n [m]; negative if n
+  /// does not separate them.
   double Gap(const NodesOfPair& nodes, const Vec3& n, const ToolPose& at) const {
     return Low(nodes.tool, n, at) - High(nodes, n);
   }
   Corners CornersAt(const NodesOfPair& triangles, const ToolPose& at) const;
-  /// Of two triangles.
+  /// For two triangles.
   NearestPoints NearestAt(const NodesOfPair& triangles, const ToolPose& at) const {
     const Corners corners = CornersAt(triangles, at);
     return NearestOfTriangles(corners.tool, corners.object, *kernels);
@@ -90,45 +91,47 @@ struct ToolAndBodies {
   bool IsBall() const { return tool.radius > 0.0; }
 };
 
-/// A plane between two triangles, and what it moves with.
+/// A plane between two triangles, and the body that it moves with.
 struct ContactPlane {
   enum class Of : std::uint8_t { kNone, kObject, kTool, kEdges } of = Of::kNone;
-  Vec3 n = Vec3::Zero();  ///< unit, from object to tool; in W, of kTool in the tool's frame
+  Vec3 n = Vec3::Zero();  ///< unit, from object to tool; in W, but for kTool in the tool's frame
   std::uint8_t tool_edge = 0, object_edge = 0;
   double sign = 1.0;  ///< kEdges: n = sign * (tool's edge x object's edge), normalised
 };
 
-/// A pair of triangles that may touch: how they lie where the sub-step begins.
+/// A pair of triangles that may touch, as they lie at the beginning of the sub-step.
 struct Touch {
   NodesOfPair nodes;
   NearestPoints nearest;   ///< in W
   Vec3 u = Vec3::UnitZ();  ///< unit direction between them, from object to tool
   double distance;         ///< the gap along u [m]: negative where they intersect
-  bool in_cone;            ///< no neighbour is nearer
-  ContactPlane plane;      ///< of its rows; kNone where it has none
-  /// Once in a sub-step: two planes, or two directions, could be taken for each other in turn.
+  bool in_cone;            ///< no neighbouring triangle is nearer
+  ContactPlane plane;      ///< that its rows use; kNone if it has no rows
+  /// Each happens once at most in a sub-step; otherwise two planes, or two
+  /// directions, could alternate.
   bool retracted = false, relinearised = false;
-  int row[3] = {-1, -1, -1};  ///< of the corners, or the one row of kEdges; -1: none
+  int row[3] = {-1, -1, -1};  ///< for each corner (kEdges: only the first is used); -1: none
 };
 
-/// Two triangles as they lie at a pose.  Where they intersect, u is the direction of the least
-/// depth.
+/// Returns the touch of two triangles at a pose.  If they intersect, u is the direction
+/// of the least depth.
 Touch TouchAt(const ToolAndBodies& meshes, const NodesOfPair& triangles, const ToolPose& at);
 
-/// A plane's normal in W, at a pose.
+/// Returns a plane's normal in W at a pose.
 Vec3 NormalAt(const ToolAndBodies& meshes, const Touch& touch, const ContactPlane& plane,
               const ToolPose& at);
-/// Gap of nodes, the touch's own or others, along a plane of the touch at a pose [m].
+/// Returns the gap of a pair of nodes, the touch's own or others, along a plane of the touch
+/// at a pose [m].
 double GapAt(const ToolAndBodies& meshes, const NodesOfPair& nodes, const Touch& touch,
              const ContactPlane& plane, const ToolPose& at);
 
-/// Whether the direction u between two nearest points lies in the normal cones of both features:
-/// else a neighbour is nearer.
+/// Returns whether the direction u between two nearest points lies in the normal cones of both
+/// features; if not, a neighbouring triangle is nearer.
 bool InCone(const ToolAndBodies& meshes, const NodesOfPair& triangles, const NearestPoints& nearest,
             const Vec3& u, const ToolPose& at);
 
-/// Calls visit(plane) for the faces that meet at the nearest points, of either mesh, turned to look
-/// from object to tool at the motion's beginning.
+/// Calls visit(plane) for each face of either mesh that meets at the nearest points, with its
+/// normal turned to point from object to tool at the beginning of the motion.
 template <class Visit>
 void ForEachFace(const ToolAndBodies& meshes, const NodesOfPair& triangles,
                  const NearestPoints& nearest, const ToolPose& from, Visit visit) {
@@ -154,17 +157,17 @@ void ForEachFace(const ToolAndBodies& meshes, const NodesOfPair& triangles,
        [&](const Vec3& n) { give(ContactPlane::Of::kTool, n, from.R * n); });
 }
 
-/// The plane that a touch gives rows by, for a trial that no plane allows.
+/// Returns the plane that a touch uses for its rows after a trial in which no plane separates it.
 ContactPlane ChoosePlane(const ToolAndBodies& meshes, const Touch& touch, const Motion& trial);
-/// The plane that a touch has most room along at the trial's end, of those that keep it apart at
-/// the beginning too; none where there is no other one.
+/// Of the planes that separate a touch at the beginning, returns the one with the largest gap at
+/// the end of the trial; kNone if there is no other plane.
 /// @param nearest, u  of the triangles at the end.
 ContactPlane OtherPlane(const ToolAndBodies& meshes, const Touch& touch,
                         const NearestPoints& nearest, const Vec3& u, const Motion& trial);
 
-/// What a pair may come nearer by between the ends of a motion [m]: a plane of edges turns while
-/// the contact moves, and the gap in between is less by a quarter of the one times the other at
-/// most.
+/// Returns how much nearer a pair may come between the ends of a motion than at either end
+/// [m].  A plane of edges turns while the contact moves; this takes at most a quarter of
+/// the product of both.
 double TurnLoss(const ToolAndBodies& meshes, const Touch& touch, const ContactPlane& plane,
                 const Motion& motion);
 

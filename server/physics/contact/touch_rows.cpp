@@ -9,17 +9,18 @@ namespace {
 
 using namespace limits::mesh;
 
-/// How the gap along a plane of crossing edges grows by a rotation at the trial, exactly: what is
-/// lowest of the tool moves, and n turns with the tool's edge, while that and what is highest of
-/// the object are d apart.  With w = (d - n (n . d)) / ((ea x eb) . n), that is
+/// Returns the exact rate at which the gap along a plane of crossing edges grows with a rotation at
+/// the trial.  The tool's lowest point moves, and n turns with the tool's edge, while that point
+/// and the object's highest point are d apart.  With w = (d - n (n . d)) / ((ea x eb) . n), the
+/// rate is
 ///   (x - p) x n + ea x (eb x w).
-/// Where the edges themselves are nearest it is l x n, with l the lever of the place where they
-/// cross.  At a trial that turns far a corner has come past them, and that lever is not its own: in
-/// a peg's hole such a row shut the tool's own place out by 150 um.
+/// If the edges themselves are nearest, it is l x n, with l the lever of the place where they
+/// cross. At a trial with a large rotation a corner has come past them, and that lever is wrong: in
+/// a peg's hole such a row shut out the tool's own place by 150 um.
 Vec3 EdgesTurning(const MeshContact& contact, const Touch& touch, const Vec3& n) {
   const ToolPose& at = contact.motion.to;
   const Corners corners = contact.meshes.CornersAt(touch.nodes, at);
-  // Where a corner is but as near as the edges, the touch is theirs.
+  // If a corner is only as near as the edges, the touch belongs to the edges.
   const auto farthest = [&](const Vec3* corner, int edge, const Vec3& way) {
     Vec3 best = corner[edge];
     for (int c = 0; c < 3; ++c) {
@@ -37,19 +38,19 @@ Vec3 EdgesTurning(const MeshContact& contact, const Touch& touch, const Vec3& n)
   return (lowest - at.p).cross(n) + ea.cross(eb.cross(w));
 }
 
-/// The normal of a ball's row: that of the smooth surface that the mesh approximates.  The
+/// Returns the normal of a ball's row: that of the smooth surface that the mesh approximates.  The
 /// right-hand side is that of the triangles, which the ball may not enter.
 Vec3 SmoothedNormal(const MeshContact& contact, const Touch& touch, const Vec3& n) {
   if (!contact.meshes.IsBall()) return n;
   return touch.nodes.SmoothNormal(contact.meshes.NearestAt(touch.nodes, contact.motion.to), n);
 }
 
-/// What the plane of a touch leaves it at the sub-step's beginning [m].
+/// Returns the gap of a touch along its plane at the beginning of the sub-step [m].
 double GapBefore(const MeshContact& contact, const Touch& touch) {
   return GapAt(contact.meshes, touch.nodes, touch, touch.plane, contact.motion.from);
 }
 
-/// Adds or changes the rows of a touch for which `wanted` holds; true where there is one.
+/// Adds or changes the rows of a touch for which `wanted` holds; returns whether there was any.
 template <class Wanted>
 bool SetRows(MeshContact& contact, Touch& touch, ContactRows& rows, Wanted wanted) {
   const TouchRowsAtTrial of = RowsAt(contact, touch);
@@ -76,7 +77,7 @@ TouchRowsAtTrial RowsAt(const MeshContact& contact, const Touch& touch) {
   const NodesOfPair& nodes = touch.nodes;
   const Vec3 n_old = NormalAt(meshes, touch, plane, motion.from);
   const Vec3 n_new = NormalAt(meshes, touch, plane, motion.to);
-  // phi grows on the left of a rotation by phi: w . J_l(phi) dphi, with J_l = 1 + 1/2 [phi]x.
+  // phi is incremented on the left of a rotation by phi: w . J_l(phi) dphi, J_l = 1 + 1/2 [phi]x.
   const auto by_phi = [&](const Vec3& w) -> Vec3 { return w - 0.5 * motion.phi.cross(w); };
   TouchRowsAtTrial of;
   if (plane.of == ContactPlane::Of::kEdges) {

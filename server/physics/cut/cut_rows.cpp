@@ -7,12 +7,11 @@
 namespace palpate {
 namespace {
 
-/// How far ahead along n the material begins; beyond the band where it does not.
-///
-/// Where this cut meets an older one, the interpolation rounds the rim: it gives a point of the bur
-/// on it some h/8 of free space, and a bur moves less in a step.  So a point that seems free is
-/// asked about from ahead, where the field is the bur's own distance or that of the older
-/// cut, not of both, and the distance is led back from there.
+/// Returns how far ahead along n the material begins; a value beyond the band if there is none.
+/// Where this cut meets an older one, interpolation rounds the rim: it gives a point of the bur on
+/// the rim some h/8 of free space, more than a bur moves in a step.  So a point that seems free is
+/// evaluated from a point ahead, where the field is either the bur's own distance or the older
+/// cut's, but not both, and the distance is extrapolated back from there.
 double GapAhead(const CutField& cut, const Vec3& p, const Vec3& n) {
   const double here = cut.Distance(p);
   if (here <= 0.0) return 0.0;
@@ -99,7 +98,7 @@ void CutRows::AddSolid(const CutTool& tool, const CutField& cut, const Pose& X_W
     const Vec3 p_B = R_BW * p_W + X_BW.p, n_B = R_BW * n_W;
     const double gap = GapAhead(cut, p_B, n_B);
     if (gap >= band || gap > reach) continue;
-    // The one whose volume will be gone, by the same point of the lattice.
+    // The material whose volume will be removed, by the same point of the lattice.
     const CutMaterial& material = materials[cut.solid().Material(p_B)];
     const Vec3 turn = (p_W - tool.reference).cross(n_W) / tool.rotation_length;
     const double share = sample.area / tool.stiffness;

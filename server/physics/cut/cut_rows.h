@@ -13,32 +13,33 @@
 
 namespace palpate {
 
-/// A bur in the hand of a haptic step.  All in W but for the samples, which are in T.
+/// A bur during a haptic step.  All quantities are in W, except the samples, which are in T.
 struct CutTool {
   std::span<const BurSample> samples;
   Pose X_WT;
-  Vec3 reference = Vec3::Zero();  ///< about which x turns it [m]
+  Vec3 reference = Vec3::Zero();  ///< point about which x turns it [m]
   double stiffness = 0.0;         ///< k_t of the coupling [N/m]
   double rotation_length = 1.0;   ///< rho [m], sqrt(k_r / k_t)
   double dt = 1e-3;               ///< of the step [s]
 };
 
-/// One row for each sample that has material before it: the energy of a step x = [v; rho phi] of
-/// the tool.  Sample i goes delta_i = max(0, b_i - a_i . x) into it, at the price
+/// One row for each sample that has material ahead: the energy of cutting in a step
+/// x = [v; rho phi] of the tool.  Sample i advances delta_i = max(0, b_i - a_i . x) into the
+/// material and pays
 ///
-///     A_i (p_0 delta_i + kappa delta_i^2 / 2 dt)  =  k_t (P_i delta_i + c_i delta_i^2 / 2).
+///    A_i (p_0 delta_i + kappa delta_i^2 / 2 dt)  =  k_t (P_i delta_i + c_i delta_i^2 / 2).
 ///
 /// a_i = -[n_i; (l_i x n_i) / rho] with l_i from the reference to the sample, and b_i = -g_i.  The
-/// gap g_i >= 0 is how far the material lies ahead along n_i; below 0 it is taken for 0, for what a
-/// bur cleared it cleared, though the grid says some micrometre less.  What does not cut pays a
-/// p_0 that no hand has.
+/// gap g_i >= 0 is how far ahead the material lies along n_i.  A negative gap counts as 0: the bur
+/// has cleared that material, although the grid, some micrometre off, still shows it.  A sample
+/// that cannot cut has a p_0 that no hand can overcome.
 ///
-/// Passive: a row pushes only where -a_i . x >= g_i >= 0, so that its work on the material is >= 0,
-/// whatever x is.
+/// Passive: a row pushes only where -a_i . x >= g_i >= 0, so its work on the material is >= 0 for
+/// every x.
 class CutRows : public Energy {
  public:
-  /// @param samples  rows at most: the bur's samples, and those once more for each solid more that
-  ///                 it may touch at once.  Set-up.
+  /// @param samples  most rows: the number of the bur's samples, once more for each further solid
+  ///                 that it may touch at once.  Set-up.
   explicit CutRows(int samples)
       : capacity_(samples),
         columns_(kColumns, static_cast<std::size_t>(samples)),
@@ -46,9 +47,9 @@ class CutRows : public Energy {
 
   void Clear() { count_ = 0; }
   /// Adds the rows of what is left of a solid.
-  /// @param X_WB  of the solid.   @param materials  by their number in its grid; all of them.
-  /// @param reach  material that lies farther ahead has no row [m].
-  /// Right for steps of no more than the grid's band.  Real-time.
+  /// @param X_WB  of the solid.   @param materials  indexed by their number in its grid
+  /// @param reach  material that lies farther ahead gets no row [m]
+  /// Valid for steps no longer than the grid's band.  Real-time.
   void AddSolid(const CutTool& tool, const CutField& cut, const Pose& X_WB,
                 const std::array<CutMaterial, SolidGrid::kMaterials>& materials,
                 double reach = 1e300) noexcept;
@@ -59,21 +60,22 @@ class CutRows : public Energy {
   const double* threshold() const { return columns_[kThreshold]; }  ///< P_i [m]
   const double* viscous() const { return columns_[kViscous]; }      ///< c_i
   const double* area() const { return columns_[kArea]; }            ///< A_i [m^2]
-  /// Whether any of them pushes at the solver's result.
+  /// Returns whether any row pushes at the solver's result.
   bool pushes() const { return pushing_ > 0; }
-  /// Force of each row there, over k_t [m].
+  /// The force of each row at the solver's result, over k_t [m].
   const double* forces() const { return columns_[kPush]; }
 
-  /// Of the spin there: what the material drags the tool by, - sum of mu_c f_i [s_i; (l_i x s_i) /
-  /// rho], with f_i a row's force and s_i where the bur's surface goes; over k_t [m].
+  /// Returns the drag on the tool by the bur's spin at the solver's result, - sum of
+  /// mu_c f_i [s_i; (l_i x s_i) / rho], with f_i the force of a row and s_i the direction in which
+  /// the bur's surface moves; over k_t [m].
   std::array<double, 6> Drag() const noexcept;
 
-  /// What the rows say of a step x: sum of A_i delta_i [m^3].
+  /// Returns the volume that a step x removes according to the rows: sum of A_i delta_i [m^3].
   double VolumeOf(const double* x, int unknowns) const noexcept;
-  /// Work that the solver's forces do on the material in a step x, over k_t [m^2].
+  /// Returns the work of the solver's forces on the material in a step x, over k_t [m^2].
   double WorkOf(const double* x, int unknowns) const noexcept;
 
-  /// A row by itself, for tests and for rows of one's own; what does not fit is left out.
+  /// Adds a single row, for tests and for custom rows; a row beyond the capacity is dropped.
   void Add(const std::array<double, 6>& a, double b, double threshold, double viscous,
            double area) noexcept;
 
@@ -85,7 +87,7 @@ class CutRows : public Energy {
 
  private:
   enum : std::size_t { kB = 6, kThreshold, kViscous, kArea, kPush, kColumns };
-  /// To the end of the padding.
+  /// Sets a row; `row` may lie in the padding.
   void Set(std::size_t row, const std::array<double, 6>& a, double b, double threshold,
            double viscous, double area) noexcept;
   YieldingRows Yielding() const noexcept;
@@ -93,10 +95,10 @@ class CutRows : public Energy {
   int capacity_, count_ = 0, pushing_ = 0;
   AlignedColumns columns_;
   struct Slide {
-    double friction = 0.0;  ///< mu_c; 0: the others do not count
+    double friction = 0.0;  ///< mu_c; if 0, the other members are unused
     Vec3 along, turn;       ///< s_i and (l_i x s_i) / rho
   };
-  std::vector<Slide> slides_;  ///< of each row
+  std::vector<Slide> slides_;  ///< for each row
 };
 
 }  // namespace palpate

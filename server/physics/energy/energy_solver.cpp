@@ -10,7 +10,7 @@ namespace {
 
 using namespace limits::energy;
 
-/// What the common slack of rows that contradict each other costs: |slack|^2 / 2 over this.
+/// Compliance of the common slack of contradictory rows, which costs |slack|^2 / 2 over this.
 constexpr double kSlackCompliance = kJamCompliance;
 
 double Entry(const double* lower, int r, int c) {
@@ -46,7 +46,7 @@ class Newton {
     int warm[kMaxActiveRows], iterations = 0;
     int guesses = static_cast<int>(guess.size());
     std::copy(guess.begin(), guess.end(), warm);
-    // The first step also leads into the polyhedron, where a step may not be cut short.
+    // The first step also leads into the polyhedron, so it may not be shortened.
     bool leads_in = true;
     for (int turn = 0, of_stage = 0; turn < kTurns; ++turn, ++of_stage) {
       if (thresholds_ && turn == kTurnsAtOnce) {
@@ -73,9 +73,9 @@ class Newton {
         return result;
       }
       if (softened && (ends || of_stage >= kTurnsOfStage)) {
-        // The first turn of a stage takes those rows to be on their springs that were in the last
-        // one, for which it is exact; they are so no longer, by the stiffer springs, at the x of
-        // the softer.
+        // The first turn of a stage assumes on their springs those rows that were so in the
+        // last stage, for which it is exact.  With the stiffer springs they no longer are at
+        // the x of the softer ones.
         springs_.stiffness *= kStiffen;
         Evaluate(next);
         of_stage = -1;
@@ -115,7 +115,7 @@ class Newton {
         0.5 * (distance + point.energy.twice + point.slack * point.slack / kSlackCompliance);
   }
 
-  /// Only the next quadratic needs it.
+  /// Evaluated separately, because only the next quadratic needs it.
   void EvaluateHessian(Point& point) const {
     std::fill(point.energy.hessian, point.energy.hessian + kEntries, 0.0);
     for (const Energy* energy : energies_) {
@@ -130,7 +130,7 @@ class Newton {
     return sum;
   }
 
-  /// The quadratic at a point, 1/2 x . H x - q . x, and H = L L^T.
+  /// Computes the quadratic at a point, 1/2 x . H x - q . x, and H = L L^T.
   void Factorise(const Point& point, double* q) {
     for (int r = 0; r < N; ++r) {
       q[r] = HessianTimes(point, point.x, r) - point.x[r] + t_[r] + point.energy.force[r];
@@ -149,7 +149,7 @@ class Newton {
     }
   }
 
-  /// Least point of that quadratic under the rigid rows.
+  /// Minimises that quadratic under the rigid rows.
   QpResult Minimise(const double* q, const int* guess, int guesses) const {
     double y[N];
     for (int r = 0; r < N; ++r) {
@@ -159,8 +159,8 @@ class Newton {
     }
     QpResult result;
     Back(y, result.x);
-    // A threshold's spring is pressed by femtometres, and what rows may be violated by has to be
-    // less: their QP is solved in other units.
+    // Femtometres press a threshold's spring, and rows may be violated by less only: their QP is
+    // solved in other units.
     const double scale = thresholds_ ? kThresholdScale : 1.0;
     if (kernels_.rows_hold(rigid_, N, result.x, tolerance_ / scale)) return result;
     double* column[6] = {};
@@ -186,7 +186,7 @@ class Newton {
     }
   }
 
-  /// True where the gradient at `next` is that of the quadratic which led there.
+  /// Returns whether the gradient at `next` equals that of the quadratic that led there.
   bool SamePieces(const Point& now, const Point& next, const double* q) const {
     double stiffness = 1.0, size = 0.0, largest = 0.0;
     for (int r = 0; r < N; ++r) {
@@ -194,7 +194,7 @@ class Newton {
       size += std::fabs(q[r]);
       largest = std::max(largest, std::fabs(next.x[r]));
     }
-    // What the terms' rounding adds up to, where they nearly cancel.
+    // Sum of the rounding errors of terms that nearly cancel.
     const double rounding = tolerance_ + kRounding * (size + stiffness * largest);
     for (int r = 0; r < N; ++r) {
       const double gradient = next.x[r] - t_[r] - next.energy.force[r];
@@ -204,7 +204,7 @@ class Newton {
     return true;
   }
 
-  /// Slope at `at`, towards `to` from `from`.
+  /// Slope at `at`, in the direction from `from` to `to`.
   double Slope(const Point& at, const Point& from, const Point& to) const {
     double slope = at.slack * (to.slack - from.slack) / kSlackCompliance;
     for (int r = 0; r < N; ++r) {
@@ -218,8 +218,8 @@ class Newton {
            Slope(next, now, next) <= 0.0;
   }
 
-  /// Puts `next` where the sum falls no longer on the way from `now`: by halving, the slope being
-  /// monotone.
+  /// Puts `next` where the sum stops falling on the way from `now`, by bisection, since
+  /// the slope is monotone.
   void Search(const Point& now, Point& next) const {
     const Point end = next;
     const double enough = kSlopeLeft * Slope(now, now, end);

@@ -8,7 +8,7 @@
 namespace palpate {
 namespace {
 
-/// The reach for the tightest rows over that of the step before: taken.
+/// Ratio of the reach for the tightest rows to that of the step before.  Taken.
 constexpr double kNear = 1.1;
 
 }  // namespace
@@ -35,9 +35,10 @@ void ContactPrediction::Gather(const HapticModel& model, const Kernels& kernels,
   clock.Lap(&StageTimes::rows);
 }
 
-// Two smooth bodies that lie along each other bring many times more pairs within the bounds than
-// there is room for.  The tightest are then those of a shorter reach, once it has more than there
-// is room for: it finds all pairs up to that gap, in the same order.
+// Two smooth bodies that lie along each other can bring many times more pairs within the bounds
+// than there is room for.  The tightest of them are also within a shorter reach, as long as
+// that reach still finds more than there is room for: a search finds all pairs up to its gap,
+// in the same order.
 void ContactPrediction::Predict(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
                                 const Vec3& p_W, const StepBounds& bounds, ContactRows& rows,
                                 StageTimes* times) noexcept {
@@ -51,7 +52,7 @@ void ContactPrediction::Predict(const HapticModel& model, const Kernels& kernels
     const std::int64_t before = query_->tested();
     Gather(model, kernels, R_WG, p_W, {near_, 0.0}, rows, times);
     has_tightest = rows.overflowed() && rows.loosest() <= near_;
-    // A workspace that has guessed nothing has to count the same: it decides about sub-steps.
+    // The count decides about sub-steps, so a workspace that has not guessed must count the same.
     if (!has_tightest) counted_ -= query_->tested() - before;
   }
   if (!has_tightest) Gather(model, kernels, R_WG, p_W, bounds, rows, times);
@@ -64,7 +65,7 @@ bool ContactPrediction::Overlaps(const HapticModel& model, const Kernels& kernel
   bool overlaps = false;
   const auto look = [&](PairQuery& query, const ObjectForest& forest, const auto& depth_of) {
     query.Run(kernels, R_WG, p_W, {0.0, 0.0}, [&](NodePair* pairs, int count) {
-      // A few pairs at a time: deep inside, the first one tells.
+      // A few pairs at a time: deep inside an object, the first one decides.
       constexpr int kFew = 64;
       for (int i = 0; i < count && !overlaps; i += kFew) {
         rows.Clear();

@@ -49,10 +49,10 @@ void ContactRows::SetRow(int row, const Vec3& normal, const Vec3& lever, const V
   columns_.b[row] = -gap;
 }
 
-// To choose the tightest after every batch would cost a sort of all rows each time, 100 ms where a
-// peg's hole brings a million pairs within reach.  So rows gather in some room first; and once
-// max_rows are known, what is no tighter than the loosest of them goes at once.  A choice by (gap,
-// order) does not depend on when it is made: the rows are the same.
+// Choosing the tightest rows after every batch would cost a sort of all rows each time, 100 ms if a
+// peg's hole brings a million pairs within reach.  So rows first gather in some extra room.  Once
+// max_rows are known, any row no tighter than the loosest of them is dropped at once.  A choice by
+// (gap, order) does not depend on when it is made, so the rows are the same.
 void ContactRows::Limit(int added) noexcept {
   if (overflowed_) DropLooser(count_ - added);
   if (count_ > max_rows_ + room_) KeepTightest();
@@ -73,9 +73,9 @@ void ContactRows::Move(int from, int to) noexcept {
   columns_.id[to] = columns_.id[from];
 }
 
-// The tightest by (gap, order), in the order that they have: the gaps alone are partitioned, as
-// plain numbers, and one pass then keeps what is tighter than the loosest that stays, and of its
-// equals the first ones.
+// Keeps the tightest rows by (gap, order), in their order.  Only the gaps are partitioned, as
+// plain numbers; one pass then keeps all rows tighter than the loosest that stays, and the first
+// of those equal to it.
 void ContactRows::KeepTightest() noexcept {
   overflowed_ = true;
   const double* b = columns_.b;

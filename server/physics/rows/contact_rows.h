@@ -16,50 +16,50 @@ namespace palpate {
 /// The linearised non-penetration constraints of one sub-step (chapter 2.10-2.17), in distance
 /// form: gap g = |c_T - c_O| - (r_T + r_O), n = (c_T - c_O) / |c_T - c_O|, and the row
 ///   [n; (l x n) / rho] . x >= -g   for   x = [v; rho phi],
-/// l the leaf's lever arm about the reference point, rho = sqrt(k_r / k_t), which makes the
+/// with l the leaf's lever arm about the reference point.  rho = sqrt(k_r / k_t) makes the
 /// objective |x - x_h|^2.  For translation the half-space lies inside the true free space; a
 /// rotation adds at most 1/2 |phi|^2 |l| of penetration.
 class ContactRows {
  public:
-  /// Storage for max_rows rows, and for one batch more of `max_batch`.
+  /// Allocates storage for max_rows rows, and for one more batch of `max_batch`.
   ContactRows(int max_rows, int max_batch, int degrees_of_freedom, double rho);
 
   void Clear() noexcept {
     count_ = 0;
     overflowed_ = false;
   }
-  /// Adds the rows of leaf pairs.  Where they are more than max_rows, the tightest are kept: those
-  /// with the smallest gap, of equal gaps those that came first, which also keep their order.
+  /// Adds the rows of leaf pairs.  If there are more than max_rows, the tightest are kept: those
+  /// with the smallest gap and, of equal gaps, the first.  Their order does not change.
   void Add(const Kernels& kernels, const LeafSphere* tool, const LeafSphere* object,
            const Mat3& R_WG, const Vec3& p_W, const NodePair* pairs, int count) noexcept;
   /// Adds one row.
   /// @param lever  of the contact point [m], in W
   void AddRow(const Vec3& normal, const Vec3& lever, double gap, const ContactId& id) noexcept;
-  /// Changes a row: all but its id.
-  /// @param by_turning  what the gap grows by as phi grows [m]: lever x normal, or another where
-  ///                    the normal turns, too.
+  /// Changes a row, except its id.
+  /// @param by_turning  rate of the gap as phi grows [m]: lever x normal, or another vector if the
+  ///                    normal turns, too
   void SetRow(int row, const Vec3& normal, const Vec3& lever, const Vec3& by_turning,
               double gap) noexcept;
   void SetGap(int row, double gap) noexcept { columns_.b[row] = -gap; }
-  /// Lets a row always hold.
+  /// Makes a row hold for every step.
   void Loosen(int row) noexcept { columns_.b[row] = -1e300; }
-  /// Lets every row allow the zero step.
+  /// Makes every row allow the zero step.
   void AdmitZero() noexcept {
     for (int i = 0; i < count_; ++i) columns_.b[i] = std::min(columns_.b[i], 0.0);
   }
-  /// Fills up to a multiple of 16 with rows that always hold.  To be called after the last Add.
+  /// Pads to a multiple of 16 with rows that always hold.  Call after the last Add.
   void Finish() noexcept;
 
   int count() const { return count_; }
   int max_rows() const { return max_rows_; }
   bool overflowed() const { return overflowed_; }
-  /// Once overflowed, and after Finish: the greatest gap that is kept [m].
+  /// The largest gap that was kept [m]; valid after an overflow and Finish.
   double loosest() const { return -loosest_; }
   QpRows view() const;
   const ContactId& id(int row) const { return columns_.id[row]; }
   /// Gap of a row [m].
   double gap(int row) const { return -columns_.b[row]; }
-  /// What the row has to spare after a step.
+  /// Returns what a row has to spare after a step [m].
   double Left(int row, const Vec3& v, const Vec3& phi) const {
     return gap(row) + normal(row).dot(v) + lever_cross_normal(row).dot(phi);
   }
@@ -68,28 +68,29 @@ class ContactRows {
   }
   /// l x n [m]; zero where there are 3 degrees of freedom.
   Vec3 lever_cross_normal(int row) const;
-  /// How far the row's direction in the configuration space, [n; l x n / rho], is from another one
-  /// with these parts [rad, for small ones].
+  /// Returns how far the row's direction in configuration space, [n; l x n / rho], is from another
+  /// one with these parts [rad, if small].
   double Turned(int row, const Vec3& n, const Vec3& by_turning) const;
-  /// Lever arm of the contact point [m], in W: of rows from AddRow.
+  /// Lever arm of the contact point [m], in W; valid for rows from AddRow.
   Vec3 lever(int row) const {
     return {columns_.lever[0][row], columns_.lever[1][row], columns_.lever[2][row]};
   }
-  /// From the tool's reference point to the point where a row touches, in W [m].
+  /// Returns the vector from the tool's reference point to the point where a row touches, in W [m].
   /// @param tool  its leaves.   @param R_WG  its orientation.
   Vec3 LeverOf(int row, std::span<const LeafSphere> tool, const Mat3& R_WG) const;
-  /// Index of the row of each id, or left out; returns how many were found, in the ids' order.
+  /// Writes the index of each id's row, skipping ids without one; returns how many were found, in
+  /// the order of the ids.
   int Find(std::span<const ContactId> ids, int* row) const noexcept;
 
  private:
-  /// After `added` rows: holds their number within the storage.
+  /// Keeps the number of rows within the storage, after `added` rows.
   void Limit(int added) noexcept;
   void DropLooser(int from) noexcept;
   void KeepTightest() noexcept;
   void Move(int from, int to) noexcept;
 
   int max_rows_;
-  int room_;  // rows beyond max_rows_ that are gathered before the loosest are dropped
+  int room_;  // rows gathered beyond max_rows_ before the loosest are dropped
   double rho_;
   AlignedColumns storage_;
   std::vector<ContactId> ids_;

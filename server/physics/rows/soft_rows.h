@@ -10,32 +10,33 @@ namespace palpate {
 
 /// The soft rows that push at a step's optimum.
 struct SoftContacts {
-  int count = 0;   ///< all of them
-  int listed = 0;  ///< those of the greatest force, greatest first, of equals the first row
+  int count = 0;   ///< number of all of them
+  int listed = 0;  ///< number of those listed: the greatest forces, in falling order; of equal
+                   ///< ones, the first row
   int row[kMaxActiveRows];
   double push[kMaxActiveRows];  ///< force over the coupling's stiffness [m]
 };
 
-/// The compliance of the rows of one sub-step, column by column beside ContactRows: leaf springs in
-/// series with the coupling, a diagonal in the QP's dual.  Any number may yield at once, so they
-/// are not taken up one by one: they are an energy.
+/// The compliance of the rows of one sub-step, column by column beside ContactRows: springs of the
+/// leaves in series with the coupling, a diagonal in the QP's dual.  Since any number of rows may
+/// yield at once, they are treated as an energy, not as single constraints.
 class SoftRows : public Energy {
  public:
-  /// @param rows  at most.  Set-up.
+  /// @param rows  most rows.  Set-up.
   explicit SoftRows(int rows) : columns_(3, static_cast<std::size_t>(rows) + 16) {}
 
-  /// Looks up the rows' leaves.  A row that is not between leaves is rigid.  To be called after
-  /// ContactRows::Finish.
+  /// Looks up the rows' leaves.  A row that is not between leaves is rigid.
+  /// Call after ContactRows::Finish.
   void Set(const ObjectForest& objects, double coupling_stiffness,
            const ContactRows& rows) noexcept;
-  /// True where any of the rows is soft.
+  /// Returns whether any row is soft.
   bool any() const { return any_; }
-  /// Those that push at the optimum which the solver found last.
+  /// Returns the rows that push at the optimum that the solver found last.
   SoftContacts Contacts() const noexcept;
   bool pushes() const { return pushing_ > 0; }
-  /// Their sum there, of [v; rho phi], over the coupling's stiffness [m].
+  /// The sum of their forces there, on [v; rho phi], over the coupling's stiffness [m].
   const double* force() const { return force_; }
-  /// Weight of a row, 0 where it is rigid.
+  /// The weight of a row; 0 if it is rigid.
   double weight(int row) const { return columns_[kWeight][row]; }
   /// The rows that no step may violate: rigid ones, and the cores of soft ones.
   QpRows rigid() const;
@@ -50,7 +51,7 @@ class SoftRows : public Energy {
   YieldingRows Yielding() const { return {rows_, columns_[kWeight], nullptr, columns_[kPush]}; }
 
   AlignedColumns columns_;
-  QpRows rows_{};  ///< those of the sub-step
+  QpRows rows_{};  ///< the rows of the sub-step
   double force_[6] = {};
   int pushing_ = 0;
   bool any_ = false;

@@ -6,11 +6,12 @@
 
 namespace palpate {
 
-/// Columns of doubles for the kernels: each begins at a cache line, and they lie a cache line apart
-/// from a power of two, or all would share a cache set.  Zero at first.
+/// Columns of doubles for the kernels, initially zero.  Each column begins at a cache line.  The
+/// distance between columns is a cache line more than a power of two would be, so that they do not
+/// share a cache set.
 class AlignedColumns {
  public:
-  /// @param rows  of each column, to the next multiple of 16.  Set-up.
+  /// @param rows  of each column; rounded up to a multiple of 16.  Set-up.
   AlignedColumns(std::size_t columns, std::size_t rows)
       : stride_(((rows + 15) & ~std::size_t{15}) + 8),
         storage_(new (kCacheLine) double[columns * stride_]()) {}

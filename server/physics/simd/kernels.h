@@ -9,30 +9,30 @@
 
 namespace palpate {
 
-/// Indices of a tool packet and an object packet of the same level; below the last level, of
-/// leaves.
+/// Indices of a tool packet and an object packet of the same level or, below the last
+/// level, of two leaves.
 struct NodePair {
   std::int32_t tool;
   std::int32_t object;
   bool operator==(const NodePair&) const = default;
 };
 
-/// A leaf as the row kernel loads it: one 32-byte record.  Centres relative to the tool's centroid
-/// in the tool's frame, or in W for objects [m].
+/// A leaf as the row kernel loads it, one 32-byte record.  Centres are relative to the tool's
+/// centroid in the tool's frame, or in W for objects [m].
 struct alignas(32) LeafSphere {
   double x, y, z, radius;
 };
 
-/// Planes between pairs of nodes, column by column; columns start 64-byte aligned and go on to the
-/// next multiple of eight.  With n from object to tool and l the lever arm of the tool's node:
+/// Planes between pairs of nodes, as columns that start 64-byte aligned and are padded to a
+/// multiple of eight.  n points from object to tool; l is the lever arm of the tool's node.
 struct PlaneColumns {
   double* along[6];  ///< n, and l x n [m]
-  double* slack;     ///< how far the node lies above the other along n [m]
-  double* radius;    ///< of a ball round the end of l that holds the node [m]
-  double* left;      ///< of the slack, after a motion [m]
+  double* slack;     ///< how far the tool's node lies above the object's along n [m]
+  double* radius;    ///< of a ball about the end of l that holds the node [m]
+  double* left;      ///< what a motion leaves of the slack [m]
 };
 
-/// A plane between a pair of nodes, as it was known at an epoch: one cache line.
+/// A plane between a pair of nodes, as last known at an epoch: one cache line.
 struct alignas(64) PlaneRecord {
   double n[3];       ///< unit, from object to tool, in W
   double slack;      ///< how far the tool's node lay above the object's along n [m]
@@ -40,20 +40,20 @@ struct alignas(64) PlaneRecord {
   double radius;     ///< [m]
 };
 
-/// What the tool has moved by since an epoch.
+/// The motion of the tool since an epoch.
 struct alignas(32) EpochMotion {
-  double row[3][4];          ///< of R_now - R_then, and of p_now - p_then
+  double row[3][4];          ///< rows of R_now - R_then, then p_now - p_then
   double turned, unused[3];  ///< sum of the rotations in between [rad]
 };
 
-/// Epochs that are told apart: a power of two.
+/// Number of epochs that are distinguished: a power of two.
 inline constexpr std::uint32_t kPlaneEpochs = 64;
 
-/// A motion of the tool, and what it has to leave of a slack.
+/// A motion of the tool, and the slack that must be left.
 struct PlaneMotion {
   double step[6];               ///< v [m] and phi [rad], in W
   double angle;                 ///< |phi|
-  double least_old, least_new;  ///< [m], before and after
+  double least_old, least_new;  ///< before and after the motion [m]
 };
 
 /// Points of a convex hull [m]: x[coordinate][point].
@@ -61,38 +61,37 @@ struct alignas(64) EightPoints {
   double x[3][8];
 };
 
-/// The nearest points of two triangles' edges: s of the way along edge i of the one, from its
-/// corner i on, and t along edge j of the other.
+/// The nearest points of two triangles' edges: at the fraction s along edge i of the one, from its
+/// corner i, and at t along edge j of the other.
 struct EdgePair {
   double s, t, squared;  ///< squared: of their distance [m^2]
   int place;             ///< 3 i + j
   bool apart;            ///< nothing else of the triangles is nearer
 };
 
-/// Eight searches for the point of a hull that is nearest to the origin, a column each: points of
-/// the hull between which the nearest one known lies.
+/// Eight searches, one in each column, for the point of a hull that is nearest to the origin.  The
+/// points are those hull points between which the nearest known point lies.
 struct alignas(64) Simplices {
-  double point[3][3][8] = {};  ///< [which][coordinate]
+  double point[3][3][8] = {};  ///< [which][coordinate][search]
   double added[3][8] = {};     ///< a further point of the hull
-  double nearest[8] = {};      ///< distance of the nearest point known
-  double n[3][8] = {};         ///< unit, towards it
-  double radius[8] = {};       ///< that is taken off the distance
-  std::uint32_t with[3] = {};  ///< a bit for each that has one point, two, three
+  double nearest[8] = {};      ///< distance of the nearest known point
+  double n[3][8] = {};         ///< unit vector towards it
+  double radius[8] = {};       ///< subtracted from the distance
+  std::uint32_t with[3] = {};  ///< one bit for each search that has one, two, three points
 };
 
-/// A packet of the tool's tree, and how much each sphere grows with the rotation that is allowed
-/// for.
+/// A packet of the tool's tree, and how much each of its spheres grows with the allowed rotation.
 struct alignas(32) ToolPacket {
   SpherePacket sphere;
   float lever[kTreeArity];  ///< longest lever arm of a leaf below [m]
 };
 
-/// The spheres of a tool packet in W, enlarged; made once per sub-step, when first visited.
+/// The enlarged spheres of a tool packet in W; computed once per sub-step, at the first visit.
 struct alignas(32) WorldPacket {
   float x[kTreeArity], y[kTreeArity], z[kTreeArity], radius[kTreeArity];
 };
 
-/// Where the graphic tool is and how far it may go, in the precision of the query.
+/// The pose of the graphic tool and how far it may move, in the precision of the query.
 struct QueryPose {
   float R[9];             ///< R_WG, row by row
   float p[3];             ///< centroid in W [m]
@@ -103,108 +102,110 @@ struct QueryPose {
 /// One level of the tool's and of the forest's tree, for expand_pairs.
 struct LevelView {
   const ToolPacket* tool;
-  WorldPacket* tool_world;  ///< valid where stamp equals `now`
+  WorldPacket* tool_world;  ///< valid if its stamp equals `now`
   std::uint32_t* tool_stamp;
   const SpherePacket* object;
 };
 
-/// Rows a . x >= b as columns of `capacity` values; columns start 64-byte aligned.  x = [v; rho
+/// Rows a . x >= b as columns of `capacity` values that start 64-byte aligned.  x = [v; rho
 /// phi], or v alone.
 struct RowColumns {
   int unknowns;  ///< 6, or 3
   double* a[6];
   double* b;
-  double* lever[3];  ///< of the contact point [m], in W; rows between meshes only
+  double* lever[3];  ///< of the contact point [m], in W; only for rows between meshes
   ContactId* id;
 };
 
-/// Rows that yield: each pushes back where a . x < b, by its weight times s = b - a . x, and by its
-/// threshold, which is all there at once.  Columns as in QpRows; a row of weight 0 and without a
-/// threshold does nothing.
+/// Rows that yield.  Where a . x < b, each pushes back by its weight times s = b - a . x, and by
+/// its full threshold.  Columns as in QpRows; a row of weight 0 without a threshold does nothing.
 struct YieldingRows {
   QpRows rows;
   const double* weight;
-  const double* threshold;  ///< [m]; null: none has one
-  double* push;             ///< of each row, filled at each look to the end of the padding [m]
+  const double* threshold;  ///< [m]; null if no row has one
+  double* push;  ///< push of each row [m]; each evaluation fills it, including the padding
 };
 
-/// A row below its threshold is a spring that is so many times as stiff as the coupling.
-/// @field on  a row is on its spring where one so stiff has not reached the threshold
+/// A row below its threshold acts as a spring of this stiffness, over the coupling's.
+/// @field on  a row counts as on its spring if a spring this stiff has not reached the threshold
 struct Springs {
   double stiffness = limits::energy::kRigid;
   double on = limits::energy::kRigid;
 };
 
-/// What energies are at a place x, over the coupling's stiffness, summed over them.
+/// Sum of energies, with derivatives, at a place x; divided by the coupling's stiffness.
 struct EnergyAt {
-  double twice = 0.0;       ///< the energy [m^2]
-  double force[6] = {};     ///< the opposite of its gradient [m]
+  double twice = 0.0;       ///< twice the energy [m^2]
+  double force[6] = {};     ///< negative gradient [m]
   double hessian[21] = {};  ///< lower triangle, row by row
 };
 
-/// Pairs of packets that expand_pairs takes at a time.
+/// Most packet pairs that expand_pairs takes at a time.
 inline constexpr int kMaxExpanded = 256;
 
 /// The inner loops, compiled once per instruction set; all give the same bits.
 struct Kernels {
   const char* name;
 
-  /// Tests every child sphere of the tool packet against every one of the object packet for each of
-  /// `count` pairs; writes the children's pairs that touch.  out holds 64 * count.  Returns how
-  /// many.
+  /// For each of `count` pairs, tests every child sphere of the tool packet against every one of
+  /// the object packet; writes those pairs of children that touch to `out`, which holds 64 *
+  /// count. Returns their number.
   int (*expand_pairs)(const LevelView& level, const QueryPose& pose, std::uint32_t now,
                       const NodePair* in, int count, NodePair* out);
 
-  /// Linearised non-penetration (chapter 2.10-2.17) of `count` leaf pairs, appended at row `first`.
+  /// Appends the linearised non-penetration rows (chapter 2.10-2.17) of `count` leaf pairs at row
+  /// `first`.
   /// R: R_WG row by row; p: centroid in W.  May write up to 7 rows beyond the last.
   void (*build_rows)(const LeafSphere* tool, const LeafSphere* object, const double* R,
                      const double* p, double inverse_rho, const NodePair* pairs, int count,
                      int first, const RowColumns& rows);
 
-  /// Indices of the values below a limit; the column is aligned and padded as PlaneColumns.  May
-  /// write up to 8 beyond the last.  Returns how many.
+  /// Writes the indices of the values below a limit; the column is aligned and padded as in
+  /// PlaneColumns.  May write up to 8 beyond the last.  Returns their number.
   int (*find_below)(const double* value, int count, double limit, std::int32_t* out);
 
-  /// Index of the point that is lowest along m, of those whose place in their eight has its bit in
-  /// `lanes`; of several one that is the same everywhere.
+  /// Returns the index of the point that is lowest along m, among those whose lane is set in
+  /// `lanes`.  Of equally low points, every instruction set returns the same one.
   int (*lowest_point)(const EightPoints* eights, int count, std::uint32_t lanes, const double m[3]);
 
-  /// Of two triangles, given by their corners, the nearest points of a pair of edges that nothing
-  /// is nearer than, the first such; else those of the nearest pair.
+  /// For two triangles, given by their corners, returns the nearest points of the first
+  /// pair of edges such that nothing of the triangles is nearer; if there is none, those
+  /// of the nearest pair.
   EdgePair (*nearest_edges)(const double a[9], const double b[9]);
 
-  /// Takes the added points of `searches`, a bit each, into their simplices.  Returns those that go
-  /// on: whose nearest point has come nearer, and is `least` away at least.
+  /// Takes the added points of `searches` (one bit each) into their simplices.
+  /// Returns the searches that continue: those whose nearest point came nearer and is
+  /// still at least `least` away.
   std::uint32_t (*advance_simplices)(Simplices& simplices, std::uint32_t searches, double least);
 
-  /// The planes of `count` slots as they are now, as columns from `first` on: each slack less by
-  /// what its node moved against n since its epoch, and what it turned times its radius.
+  /// Computes the current planes of `count` slots, as columns from `first` on: each slack falls by
+  /// its node's motion against n since its epoch, and by its rotation times its radius.
   /// R: R_WG row by row.  May write up to 7 columns beyond the last.
   void (*refresh_planes)(const PlaneRecord* records, const std::uint32_t* epochs,
                          const std::int32_t* slots, int count, const EpochMotion* since,
                          const double* R, int first, const PlaneColumns& out);
 
-  /// Indices, from `first` on, of the planes that do not hold throughout a motion: slack <
-  /// least_old, or left = slack + n . v + (l x n) . phi - |phi| radius < least_new.  Fills the
-  /// column `left`, from the multiple of eight below `first` on.  May write up to 8 indices beyond
-  /// the last.  Returns how many.
+  /// Writes the indices, from `first` on, of the planes that do not hold throughout a motion:
+  /// slack < least_old, or left = slack + n . v + (l x n) . phi - |phi| radius < least_new.  Fills
+  /// the column `left`, from the multiple of eight below `first` on.  May write up to 8 indices
+  /// beyond the last. Returns their number.
   int (*find_used_up)(const PlaneColumns& planes, int first, int count, const PlaneMotion& motion,
                       std::int32_t* out);
 
-  /// SolveNearestPoint (common/qp), in 3 or 6 unknowns; the first columns of so many are used.
+  /// SolveNearestPoint (common/qp) in 3 or 6 unknowns, using as many of the first columns.
   QpResult (*solve)(const double* t, int unknowns, const QpRows& rows, const int* guess,
                     int guesses);
 
-  /// Whether all rows hold at x, but for `tolerance`.
+  /// Returns whether all rows hold at x, within `tolerance`.
   bool (*rows_hold)(const QpRows& rows, int unknowns, const double* x, double tolerance);
-  /// L^-1 a of each row, and its b by a scale, to the end of the padding.  L: lower triangle of
-  /// unknowns x unknowns, row by row.  a, b: columns to write.
+  /// Computes L^-1 a and b times a scale for each row, including the padding.
+  /// L: lower triangle of unknowns x unknowns, row by row.  a, b: columns to write.
   void (*transform_rows)(const QpRows& rows, int unknowns, const double* L,
                          const double* inverse_diagonal, double scale, double* const a[6],
                          double* b);
 
-  /// Adds the energy of rows and its force at x, or its Hessian.  The first returns how many rows
-  /// push.
+  /// Adds the energy of rows and its force at x, or its Hessian.  The first returns the number
+  /// of rows that push.
   int (*add_yielding)(const YieldingRows& rows, int unknowns, const double* x,
                       const Springs& springs, EnergyAt& at);
   void (*add_yielding_hessian)(const YieldingRows& rows, int unknowns, const double* x,
@@ -215,14 +216,15 @@ extern const Kernels kScalarKernels;
 extern const Kernels kAvx2Kernels;
 extern const Kernels kAvx512Kernels;
 
-/// The widest that this processor runs; PALPATE_SIMD=scalar|avx2|avx512 in the environment asks for
-/// a narrower one (for tests and comparisons).  Chosen once, at first use.
+/// Returns the widest kernels that this processor runs.  PALPATE_SIMD=scalar|avx2|avx512 in the
+/// environment selects narrower ones (for tests and comparisons).  Chosen once, at first use.
 const Kernels& ActiveKernels();
 
-/// Every level that this processor runs, the scalar one first.
+/// Writes the kernels of every level that this processor runs, the scalar ones
+/// first; returns their number.
 int AvailableKernels(const Kernels* out[3]);
 
-/// For tests: what ActiveKernels gives from now on.
+/// For tests: sets what ActiveKernels returns from now on.
 void UseKernels(const Kernels& kernels);
 
 }  // namespace palpate

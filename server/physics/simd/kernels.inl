@@ -41,8 +41,8 @@ void TransformPacket(const ToolPacket& tool, const QueryPose& X, WorldPacket& ou
 
 int ExpandPairs(const LevelView& level, const QueryPose& pose, std::uint32_t now,
                 const NodePair* in, int count, NodePair* out) {
-  // First the tests, without a branch on their outcome; then the outcome, without a branch on how
-  // many touch of each pair: neither can be foretold, and a wrong guess costs more than a test.
+  // First the tests, without a branch on their outcome; then the results, without a branch on how
+  // many of each pair touch.  Neither can be predicted, and a misprediction costs more than a test.
   std::uint64_t touching[kMaxExpanded + 1];
   NodePair parent[kMaxExpanded + 1];
   int some = 0, found = 0;
@@ -97,7 +97,7 @@ void BuildRows(const LeafSphere* tool, const LeafSphere* object, const double* R
     }
     const D8 distance = Sqrt(Fma(d[2], d[2], Fma(d[1], d[1], d[0] * d[0])));
     const D8 gap = distance - (t[3] + o[3]);
-    // Concentric spheres have no normal; any will do, and +z is the same everywhere.
+    // Concentric spheres have no normal; +z is used, the same in every instruction set.
     const D8 tiny = Set1(1e-12), one = Set1(1.0), zero = Set1(0.0);
     const D8 inverse = one / SelectLess(distance, tiny, one, distance);
     const D8 n[3] = {SelectLess(distance, tiny, zero, d[0] * inverse),
@@ -115,7 +115,7 @@ void BuildRows(const LeafSphere* tool, const LeafSphere* object, const double* R
   }
 }
 
-/// Of each byte, the places of the bits that are set, the lowest first.
+/// For each byte, the places of its set bits, the lowest first.
 struct PlacesOfBits {
   std::uint8_t place[256][8] = {};
   constexpr PlacesOfBits() {
@@ -129,8 +129,8 @@ struct PlacesOfBits {
 };
 constexpr PlacesOfBits kPlacesOfBits;
 
-/// Appends first + k for each bit k that is set, without a branch on how many are: that cannot be
-/// foretold.  Writes up to eight.
+/// Appends first + k for each set bit k, without a branch on their number, which cannot be
+/// predicted. Writes up to eight.
 [[gnu::always_inline]] inline int Append(std::uint32_t bits, int first, std::int32_t* out) {
   for (int k = 0; k < 8; ++k) out[k] = first + kPlacesOfBits.place[bits][k];
   return __builtin_popcount(bits);
@@ -223,14 +223,15 @@ struct EdgePairs {
     const auto along_u = [&](const D8& x) { return SelectLess(zero, uu, Clamp(x / uu), zero); };
     const D8 across = uu * ww - uw * uw, at_begin = along_u(Negative(ur));
     s = SelectLess(zero, across, Clamp((uw * wr - ur * ww) / across), zero);
-    s = SelectLess(zero, ww, s, SelectLess(zero, uu, at_begin, s));  // the second is a point
+    s = SelectLess(zero, ww, s, SelectLess(zero, uu, at_begin, s));  // if the second
+                                                                     // edge is a point
     t = SelectLess(zero, ww, (uw * s + wr) / ww, zero);
     s = SelectLess(t, zero, at_begin, SelectLess(one, t, along_u(uw - ur), s));
     t = Clamp(t);
     const Vectors to_p = s * u, to_q = t * w;
     const Vectors away = {r.x + to_p.x - to_q.x, r.y + to_p.y - to_q.y, r.z + to_p.z - to_q.z};
     squared = Dot(away, away);
-    // A slab across the way between keeps the third corners out too: nothing is nearer
+    // A slab across the shortest way also keeps the third corners out, so nothing is nearer
     // (Larsen, Gottschalk, Lin & Manocha, UNC TR99-018 (1999)).
     const Vectors third_a = corner(a, of_a.at[2]), third_b = corner(b, of_b.at[2]);
     const Vectors past_p = {third_a.x - (p.x + to_p.x), third_a.y - (p.y + to_p.y),
@@ -266,16 +267,16 @@ EdgePair NearestEdges(const double a[9], const double b[9]) {
   return pairs.Take(best, best, false);
 }
 
-/// The point of a simplex that is nearest to the origin, between a and, of the others, `second` and
-/// `third` where a bit is set.
+/// The point of a simplex nearest to the origin, between a and those of `second` and `third`
+/// whose bit is set.
 struct NearestOfSimplex {
   Vectors x, second, third;
   std::uint32_t two, three;
 };
 
-/// Of triangles a b c, where the origin is not beyond b c; of edges a b where a bit of `edges` is
-/// set (Ericson, Real-Time Collision Detection (2005), 5.1 and 9.5).  `outside`: whose plane the
-/// origin is not beyond as seen from d.
+/// For triangles a b c, if the origin is not beyond b c; for edges a b where a bit of `edges` is
+/// set (Ericson, Real-Time Collision Detection (2005), 5.1 and 9.5).  `outside`: bits of the
+/// triangles whose plane does not have the origin and d on the same side.
 NearestOfSimplex OfTriangles(const Vectors& a, const Vectors& b, const Vectors& c, const Vectors& d,
                              std::uint32_t edges, std::uint32_t& outside) {
   const D8 zero = Set1(0.0), one = Set1(1.0);
@@ -307,7 +308,7 @@ std::uint32_t AdvanceSimplices(Simplices& simplices, std::uint32_t searches, dou
   std::uint32_t outside;
   NearestOfSimplex best = OfTriangles(a, p[0], p[1], p[2], ~two, outside);
   if ((three & searches) != 0) {
-    // Of a tetrahedron, the nearest of the faces that the origin is outside of.
+    // For a tetrahedron: the nearest of the faces that the origin is outside of.
     std::uint32_t is_out = outside | ~three;
     for (int i = 1; i < 3; ++i) {
       const Vectors &b = p[i], &c = p[(i + 1) % 3], &d = p[(i + 2) % 3];
@@ -328,8 +329,8 @@ std::uint32_t AdvanceSimplices(Simplices& simplices, std::uint32_t searches, dou
   simplices.with[0] = ~0u;
   simplices.with[1] = one & best.two;
   simplices.with[2] = one & best.three;
-  // No direction tells the hulls apart by more than the nearest point's distance; nor does a search
-  // go on where rounding keeps it from coming nearer.
+  // No direction separates the hulls by more than the nearest point's distance.  A search also
+  // stops when rounding keeps it from coming nearer.
   const D8 length = Sqrt(Dot(best.x, best.x));
   const std::uint32_t nearer = Less(zero, length) & Less(length, Load(simplices.nearest));
   Store(simplices.nearest, length);
@@ -428,7 +429,7 @@ inline double SumOfLanes(D8 a) {
          ((lanes[4] + lanes[5]) + (lanes[6] + lanes[7]));
 }
 
-/// a, the overlap s, and the weight with which it counts: 0 of rows that do not overlap.
+/// a, the overlap s, and the weight that counts: 0 for rows that do not overlap.
 template <int N>
 struct Overlap {
   D8 a[N], s, weight;
@@ -446,8 +447,8 @@ struct Overlap {
   }
 };
 
-/// The force of rows up to their thresholds P: k s on their springs, and P beyond; and twice the
-/// energy, k s^2 and P (2 s - P / k).
+/// The force of rows up to their thresholds P: k s while on their springs, and P beyond; and twice
+/// the energy, k s^2 and P (2 s - P / k).
 struct BelowThreshold {
   D8 force, twice;
   std::uint32_t rows;
@@ -519,7 +520,7 @@ void AddYieldingHessian(const YieldingRows& yielding, const double* x, const Spr
   for (int k = 0; k < kEntries; ++k) at.hessian[k] += SumOfLanes(sum[k]);
 }
 
-/// A kernel that is told how many unknowns there are, of those that know.
+/// Wraps a kernel for 6 and one for 3 unknowns into one that takes the number.
 template <auto kOf6, auto kOf3>
 constexpr auto kOf = [](auto first, int unknowns, auto... rest) {
   return unknowns == 6 ? kOf6(first, rest...) : kOf3(first, rest...);

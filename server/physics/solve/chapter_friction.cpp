@@ -9,8 +9,8 @@
 namespace palpate {
 namespace {
 
-/// Distance of p from the screw axis of the movement that turns the tool by `turn` while its
-/// reference point goes from `from` by `way`.
+/// Returns the distance of p from the screw axis of the movement that rotates the tool by `turn`
+/// while its reference point moves from `from` by `way`.
 double DistanceFromAxis(const Vec3& p, const Quat& turn, const Vec3& from, const Vec3& way) {
   const double sine = turn.vec().norm();  // of half the angle
   const Vec3 axis = turn.vec() / sine;
@@ -19,7 +19,7 @@ double DistanceFromAxis(const Vec3& p, const Quat& turn, const Vec3& from, const
   return (p - on_axis).cross(axis).norm();
 }
 
-/// Means over the contacts, and how hard they press together.
+/// Means over the contacts, and the sum of their normal forces.
 struct MeanContact {
   Vec3 point = Vec3::Zero();  ///< 2.26, in W
   double mu_s = 0.0, mu_d = 0.0, pressed = 0.0;

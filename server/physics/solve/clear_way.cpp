@@ -12,19 +12,19 @@
 namespace palpate {
 namespace {
 
-/// The part of the way to an optimum that the bounds allow.
+/// Returns the part of the way to an optimum that the bounds allow.
 double PartWithin(const StepContext& context, const Optimum& optimum) {
   return PartWithin(context.sub_step.bounds, context.model.degrees_of_freedom(), optimum.v,
                     optimum.phi);
 }
 
-/// Some part of the way to an optimum.
+/// Returns a part of the way to an optimum.
 Way PartOfWay(const Optimum& optimum, double part) {
   return {optimum, part * optimum.v, part * optimum.phi, part == 1.0};
 }
 
-/// The way to the optimum under rows that have changed, as far as the bounds allow.  Where the QP
-/// does not end the tool stays, and has not arrived.
+/// Returns the way to the optimum under rows that have changed, as far as the bounds allow.  If the
+/// QP does not end, the tool stays and has not arrived.
 Way WayToNewOptimum(StepContext& context) {
   const Optimum optimum = NearestStep(context, context.sub_step.target);
   context.report.qp_iterations += optimum.qp.iterations;
@@ -33,16 +33,16 @@ Way WayToNewOptimum(StepContext& context) {
   return PartOfWay(optimum, context.IsUnsolved() ? 0.0 : PartWithin(context, optimum));
 }
 
-/// The way to an optimum as far as the bounds allow.  Where they end before it: the step under the
-/// same rows that is nearest to a nearer target.  A step that were only scaled down would make good
-/// only a part of what rows ask for: of a lift of 0.1 mm so little less that the next trial were as
-/// far from free as this one, and so each.
+/// Returns the way to an optimum as far as the bounds allow.  If they end before it, takes the step
+/// under the same rows to a nearer target.  A merely scaled-down step would achieve only a part of
+/// what rows ask for: so little of a lift of 0.1 mm that the next trial, and each one after it, is
+/// as far from free as this one.
 Way WayWithin(StepContext& context, const Optimum& optimum) {
   double part = PartWithin(context, optimum);
   if (part == 1.0) return PartOfWay(optimum, 1.0);
   for (int tries = 1;; ++tries) {
     part *= limits::kBoundShare;
-    // The way to where the soft rows balance the spring: they have no part in it.
+    // Soft rows balance the spring at the end of the way, so they take no part in this.
     const Optimum partial = NearestStep(context, {part * optimum.v, part * optimum.phi});
     context.report.qp_iterations += partial.qp.iterations;
     context.Require(partial);
@@ -54,41 +54,41 @@ Way WayWithin(StepContext& context, const Optimum& optimum) {
   }
 }
 
-/// How far a point of the tool's mesh goes at most.
+/// Returns how far a point of the tool's mesh moves at most.
 double LengthOf(const StepContext& context, const Way& way) {
   return way.v.norm() + context.buffers.meshes->meshes.tool.mesh.reach() * way.phi.norm();
 }
 
-/// With 3 degrees of freedom no rotation moves a mesh.
+/// With 3 degrees of freedom a rotation moves no mesh.
 Vec3 TurnOfMesh(const StepContext& context, const Way& way) {
   return context.model.degrees_of_freedom() == 6 ? way.phi : Vec3::Zero();
 }
 
-/// Whether the meshes are apart at the motion's end, and were on the way.
+/// Returns whether the meshes are apart at the motion's end and were apart on the way.
 bool IsFree(const StepContext& context, const Way& way) {
   return IsFree(*context.buffers.meshes, way.v, TurnOfMesh(context, way));
 }
 
-/// Of a tool that arrives: whether rows change because they are not true of that place.
+/// For a tool that arrives, returns whether rows changed because they are not true for that place.
 bool Mend(const StepContext& context, Way& way) {
   MeshContact& meshes = *context.buffers.meshes;
   ContactRows& rows = context.buffers.rows;
   const auto active = way.optimum.qp.ActiveRows();
   if (Retract(meshes, active, rows) != 0) return true;
   if (context.IsFreeBall()) {
-    // A ball's rows have the smooth surface's normals at the trial, so the ball rests there, though
-    // the facets on the way may have lifted it.  At a crease they have those of the beginning: the
-    // ball has not arrived, and goes on round it.
+    // A ball's rows have the smooth surface's normals at the trial, so the ball rests there, even
+    // if facets lifted it on the way.  At a crease they have the normals of the beginning: the ball
+    // has not arrived, and goes on round it.
     way.arrived = Turned(meshes, active, rows) <= limits::mesh::kTurned;
     return false;
   }
   return context.IsRigid() && Relinearise(meshes, active, rows) != 0;
 }
 
-/// Where pairs that do not touch hold the tool at a trial, it has not arrived: the next sub-step
-/// makes planes for them at the place that it comes to.  But without them the optimum may be free:
-/// then it goes there.  Else they are what holds it: the next sub-step looks once more, and
-/// where that finds no other place either, the tool has arrived.  None where nothing is free.
+/// Pairs that do not touch may hold the tool at a trial.  It has then not arrived: the next
+/// sub-step makes planes for them at the tool's new place.  If the optimum without their rows is
+/// free, the tool goes there.  Otherwise these rows hold it: the next sub-step examines them again,
+/// and if that finds no other place either, the tool has arrived.  Returns none if nothing is free.
 std::optional<Way> GoPast(StepContext& context, const Way& held) {
   MeshContact& meshes = *context.buffers.meshes;
   ContactRows& rows = context.buffers.rows;
@@ -110,24 +110,25 @@ std::optional<Way> GoPast(StepContext& context, const Way& held) {
   return again;
 }
 
-/// Whether a motion that is free ends no farther from the hand than it begins, but for rounding.
-/// What yields pushes as well: the optimum of both may lie farther from the hand.  So may a ball's:
-/// on its way to where the smooth surface holds it facets may lift it, and a straight way past a
-/// crease ends farther out than the arc.
+/// Returns whether a free motion ends no farther from the hand than it begins, except for rounding.
+/// Energies push too, so their optimum with the coupling may lie farther from the hand.  So may a
+/// ball's: facets may lift it on its way to where the smooth surface holds it, and a straight way
+/// past a crease ends farther out than the arc.
 bool Approaches(const StepContext& context, const Way& way) {
   return !context.IsRigid() || context.IsFreeBall() || context.Gain(way.v, way.phi) >= 0.0 ||
          LengthOf(context, way) <= limits::mesh::kRounding;
 }
 
-/// The sub-step begins anew with the rows as they are at its beginning; from the second time on the
-/// tool is to go a quarter as far.  Rows that follow each trial may do so in turn for ever, or let
-/// only such motions through as lead away from the hand; those of the beginning are true of a short
-/// enough one, and none that is nearest to the hand under them leads away.
+/// Begins the sub-step anew with the rows as they are at its beginning; from the second time on,
+/// the tool may go only a quarter as far.  Rows that follow each trial may alternate for ever, or
+/// allow only motions that lead away from the hand.  The rows of the beginning are true for a short
+/// enough motion, and under them no nearest motion to the hand leads away from it.
 void BeginAnew(StepContext& context) {
   MeshContact& meshes = *context.buffers.meshes;
   ContactRows& rows = context.buffers.rows;
   GiveUpRegain(meshes, rows);
-  // A ball's rows have the smooth surface's normals and not its facets': no motion is short enough.
+  // A ball's rows have the smooth surface's normals and not its facets', so no
+  // motion is short enough.
   if (meshes.meshes.IsBall()) {
     rows.AdmitZero();
     return;
@@ -144,11 +145,11 @@ void BeginAnew(StepContext& context) {
   RelineariseAtStart(meshes, rows);
 }
 
-/// The longest half, quarter, ... of a motion that is not free.
+/// Returns the longest half, quarter, ... of a motion that is free.
 Way Halve(const StepContext& context, Way way) {
   MeshContact& meshes = *context.buffers.meshes;
   way.arrived = false;
-  context.state.friction = context.sub_step.friction_before;  // of no trial
+  context.state.friction = context.sub_step.friction_before;  // discards those of the trials
   while (!meshes.near.is_full() && LengthOf(context, way) > limits::mesh::kRounding) {
     way.v *= 0.5;
     way.phi *= 0.5;
@@ -172,7 +173,7 @@ std::optional<Way> ClearWay(StepContext& context, const Optimum& optimum) noexce
   const bool is_free = CheckTrial(meshes, way.v, TurnOfMesh(context, way), context.buffers.rows);
   if (is_free && Approaches(context, way)) {
     if (way.arrived && goes_on && Mend(context, way)) return std::nullopt;
-    // Of a ball, Turned says whether it has arrived.
+    // For a ball, Turned decides whether it has arrived.
     const bool goes_past =
         way.arrived && context.IsRigid() && !meshes.meshes.IsBall() && !optimum.rounds;
     if (!goes_past) return way;

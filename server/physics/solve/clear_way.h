@@ -6,14 +6,14 @@
 
 namespace palpate {
 
-/// The motion of a sub-step towards an optimum, as far as the bounds and the meshes let it.  None
-/// where the rows had to change: then the optimum is to be solved for again.
+/// Computes the motion of a sub-step towards an optimum, as far as the bounds and the meshes allow
+/// it.  Returns none if rows changed: the optimum must then be solved again.
 ///
-/// Where leaves alone meet, the rows cover all that the bounds allow.  Between meshes they come on
-/// violation, so a motion is only made that has been checked: the meshes are apart at its end and
-/// were on the way.  Rows that follow the trials in vain begin anew, in a trust region a quarter as
-/// wide.  A motion that is still not free in the end is halved until it is; no motion at all always
-/// is.  The tool has arrived only where the pairs that hold it touch.
+/// If only leaves touch, the rows cover everything within the bounds.  Between meshes rows are
+/// added on violation, so a motion is made only after it was checked: the meshes are apart at its
+/// end and were apart on the way.  If rows follow the trials without success, they begin again in a
+/// trust region a quarter as wide.  If a motion is still not free in the end, it is halved until it
+/// is; the zero motion always is.  The tool counts as arrived only if the pairs that hold it touch.
 /// Real-time: no allocation, lock, log or clock.  Deterministic: equal inputs, equal bits.
 std::optional<Way> ClearWay(StepContext& context, const Optimum& optimum) noexcept;
 

@@ -4,9 +4,9 @@
 
 namespace palpate {
 
-/// Writes the contacts at a way's optimum into the context's report, as seen from where it has
-/// taken the tool: the force of each, what its row still allows from there, and where it touches.
-/// Real-time.
+/// Writes the contacts at a way's optimum into the context's report, relative to where the
+/// way has taken the tool: each contact's force, the gap that its row has left there, and
+/// where it touches. Real-time.
 void ReportContacts(const StepContext& context, const Way& way) noexcept;
 
 }  // namespace palpate

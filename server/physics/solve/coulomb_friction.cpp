@@ -19,12 +19,12 @@ double Dot(const double (&a)[N], const double (&b)[N]) {
   return sum;
 }
 
-/// The contacts of a sub-step, and two methods that find their forces.  Lengths in metres; forces
-/// too, over k_t.
+/// The contacts of a sub-step, and two methods that find their forces.  Lengths in metres, and
+/// forces too, divided by k_t.
 template <int N>
 class FrictionalContacts {
  public:
-  /// @param t  N, the target.
+  /// @param t  the target, N values
   FrictionalContacts(const StepContext& context, const Optimum& frictionless, const double* t)
       : context_(context), slack_(frictionless.qp.slack) {
     const QpResult& qp = frictionless.qp;
@@ -39,8 +39,8 @@ class FrictionalContacts {
 
   int count() const { return count_; }
 
-  /// False where the row is there already, or where there is no room.
-  /// @param frictionless, lambda, force  of its optimum; where Newton's method starts.
+  /// Adds a contact.  Returns false if the row is there already, or there is no room.
+  /// @param frictionless, lambda, force  from its optimum: where Newton's method starts
   bool Add(int row, double frictionless, double lambda, const Vec3& force) {
     for (int i = 0; i < count_; ++i) {
       if (contact_[i].row == row) return false;
@@ -57,7 +57,7 @@ class FrictionalContacts {
     contact.mu_s = material.static_friction;
     contact.mu_d = material.dynamic_friction;
     contact.sliding = context_.state.friction.still < model.parameters().still_cycles;
-    // Any basis of the tangential plane, free of cancellation.
+    // Any basis of the tangential plane, computed without cancellation.
     const Vec3& n = contact.normal;
     contact.tangent[0] =
         (std::fabs(n.x()) < 0.7 ? Vec3(0.0, -n.z(), n.y()) : Vec3(-n.z(), 0.0, n.x())).normalized();
@@ -81,7 +81,7 @@ class FrictionalContacts {
     return true;
   }
 
-  /// The frictional optimum over these contacts alone.  False where it was not found.
+  /// Finds the frictional optimum over these contacts alone.  Returns whether it was found.
   bool Solve(StepReport& report) {
     do {
       if (!Leap(kLeapSteps, report) && !Walk(report)) return false;
@@ -89,7 +89,7 @@ class FrictionalContacts {
     return true;
   }
 
-  /// t less the friction: the target of the QP over all rows.
+  /// Returns t less the friction: the target of the QP over all rows.
   void ShiftedTarget(double* t) const {
     for (int c = 0; c < N; ++c) {
       t[c] = t_[c];
@@ -100,7 +100,7 @@ class FrictionalContacts {
     }
   }
 
-  /// The rows that carry force; returns how many.
+  /// Writes the rows that carry force; returns their number.
   int Pressed(int* row) const {
     int pressed = 0;
     for (int i = 0; i < count_; ++i) {
@@ -115,8 +115,8 @@ class FrictionalContacts {
     return most <= kAgreed * size_;
   }
 
-  /// Takes the normal forces of the QP and draws friction into its cones.  True where that changed
-  /// anything, so that the QP has to be solved again.
+  /// Takes over the normal forces of the QP, and projects friction into its cones.  Returns whether
+  /// that changed anything, so that the QP must be solved again.
   bool DrawIn(const QpResult& qp) {
     bool drawn = false;
     for (int i = 0; i < count_; ++i) {
@@ -143,10 +143,10 @@ class FrictionalContacts {
                        [this](const Contact& c) { return Slides(c) && c.mu_s > 0.0; });
   }
 
-  /// A sticking point stays where it is when the tool turns about it by a finite angle, not just to
-  /// first order: what v has to make good for that, as the mean over the points that stick.
-  /// Without it, a stylus that trembles about its tip would creep by the second order, always the
-  /// same way.
+  /// Keeps a sticking point in place when the tool turns about it by a finite angle, not just
+  /// to first order: returns what v must compensate, as the mean over the sticking points.
+  /// Otherwise a stylus that trembles about its tip would creep by the second order, always
+  /// in the same direction.
   Vec3 Creep(const Vec3& phi) const {
     Vec3 sum = Vec3::Zero();
     int sticking = 0;
@@ -161,7 +161,7 @@ class FrictionalContacts {
     return sticking == 0 ? sum : Vec3(sum / sticking);
   }
 
-  /// The contacts that carry force.
+  /// Writes the contacts that carry force.
   void Write(FrictionState& state, QpResult& qp, FrictionForces& forces) const {
     qp.active = 0;
     for (int i = 0; i < count_; ++i) {
@@ -169,7 +169,7 @@ class FrictionalContacts {
       if (contact.lambda == 0.0 && contact.friction() == 0.0) continue;
       const auto k = static_cast<std::size_t>(qp.active++);
       qp.row[k] = contact.row;
-      qp.multiplier[k] = std::max(0.0, contact.lambda);  // may miss 0 by rounding
+      qp.multiplier[k] = std::max(0.0, contact.lambda);  // may be slightly negative by rounding
       forces[k] = -contact.force[0] * contact.tangent[0] - contact.force[1] * contact.tangent[1];
       state.id[k] = context_.buffers.rows.id(contact.row);
       state.normal_force[k] = qp.multiplier[k];
@@ -179,29 +179,30 @@ class FrictionalContacts {
   }
 
  private:
-  /// Where a contact is: its row a . x >= b, and its slip (s[0] . x, s[1] . x) along two tangents.
+  /// The geometry of a contact: its row a . x >= b, and its slip
+  /// (s[0] . x, s[1] . x) along two tangents.
   struct Place {
     int row;
     Vec3 normal, lever, tangent[2];
     double a[N], s[2][N], b;
   };
-  /// What it does in one step of either method.
+  /// Its state in one step of either method.
   struct Step {
     bool presses = false;
     double limit;                ///< of friction
-    double direction[2], ratio;  ///< where it slips: unit vector along u, and limit / |u|
+    double direction[2], ratio;  ///< if it slips: unit vector along u, and limit / |u|
     double across[N], base, stiffness;
   };
-  /// With the row's multiplier lambda, and `force`, which opposes the slip.
+  /// `lambda` is the row's multiplier; `force` opposes the slip.
   struct Contact : Place, Step {
     double mu_s, mu_d;
-    bool sliding = false;  ///< mu_d counts
+    bool sliding = false;  ///< whether mu_d applies
     double frictionless;   ///< lambda without friction
     double lambda, force[2];
-    bool slips = false;  ///< friction is at its limit
+    bool slips = false;  ///< whether friction is at its limit
     double mu() const { return sliding ? mu_d : mu_s; }
     double friction() const { return std::sqrt(force[0] * force[0] + force[1] * force[1]); }
-    /// Row of the slip along (d0, d1).
+    /// Computes the row of the slip along (d0, d1).
     void Slip(double d0, double d1, double (&out)[N]) const {
       for (int c = 0; c < N; ++c) out[c] = d0 * this->s[0][c] + d1 * this->s[1][c];
     }
@@ -213,7 +214,7 @@ class FrictionalContacts {
     return std::sqrt(s0 * s0 + s1 * s1) > kSlid * size_;
   }
 
-  /// Takes out the first `most` contacts that `is` picks.
+  /// Removes the first `most` contacts that `is` selects.
   template <class Pick>
   void Drop(Pick is, int most) {
     int kept = 0;
@@ -227,7 +228,7 @@ class FrictionalContacts {
     count_ = kept;
   }
 
-  /// u in the disk of the contact's limit: sets slips, direction and ratio.
+  /// Projects u onto the disk of the contact's limit: sets slips, direction and ratio.
   static void IntoDisk(Contact& contact, double& u0, double& u1) {
     const double length = std::sqrt(u0 * u0 + u1 * u1);
     contact.slips = length > contact.limit;
@@ -242,10 +243,10 @@ class FrictionalContacts {
   // Leap: Newton's method for the laws
   //   lambda = max(0, lambda + kTrial (b - a x)),
   //   f = the point of the disk of radius mu lambda nearest to f + kTrial S x,
-  // with x = t + A^T lambda - S^T f.  That is Coulomb's law with the true lambda, but no
+  // with x = t + A^T lambda - S^T f.  That is Coulomb's law with the true lambda, but not a
   // minimisation: it ends in a few steps or, seldom, not at all.
 
-  /// What a contact does by its law at x; returns by how much its forces miss it.
+  /// Determines what a contact does by its law at x; returns the error of its forces.
   double Judge(Contact& contact) const {
     const double pressure = contact.lambda + kTrial * (contact.b - Dot(contact.a, x_));
     contact.presses = pressure > 0.0;
@@ -258,9 +259,9 @@ class FrictionalContacts {
                      std::fabs(f1 - contact.force[1])});
   }
 
-  /// x and the forces where every contact goes on doing what it was judged to do.  A contact that
-  /// slips pushes back by mu lambda along u, and turns its force as Newton's step for the disk
-  /// says.
+  /// Solves for x and the forces with every contact in the state that Judge found.  A
+  /// contact that slips pushes back by mu lambda along u, and its force turns as Newton's
+  /// step for the disk says.
   void LeapStep() {
     LinearSystem<N> system(t_);
     for (int i = 0; i < count_; ++i) {
@@ -305,7 +306,7 @@ class FrictionalContacts {
     }
   }
 
-  /// x that the forces balance.
+  /// Computes the x that balances the forces.
   void Balance() {
     ShiftedTarget(x_);
     for (int i = 0; i < count_; ++i) {
@@ -319,10 +320,10 @@ class FrictionalContacts {
     return most;
   }
 
-  /// A step that misses the laws by more than each of the last three did is halved: x and forces go
-  /// together, so that they stay in balance.  Where two contacts hold the tool between them, rows
-  /// and sticking contradict each other by the rounding of the gaps; then the best that can be had
-  /// is kNear.
+  /// A step whose error is greater than in each of the last three is halved; x and forces
+  /// are scaled together, so that they stay in balance.  If two contacts hold the tool
+  /// between them, rows and sticking contradict each other by the rounding of the gaps; then
+  /// kNear is the best possible.
   bool Leap(int steps, StepReport& report) {
     Balance();
     double missed = JudgeAll(), before[3] = {};
@@ -362,14 +363,14 @@ class FrictionalContacts {
     return true;
   }
 
-  // Walk: where Leap fails, and where there may be nothing to find (a tool wedged deeper than its
-  // friction lets it out: the normal forces grow without end).  With limits that are held the
-  // problem is convex and the augmented Lagrangian's minimum sure to be found; the limits are those
-  // of the frictionless lambda first, then follow the lambda that they give (no
-  // contact's above the whole load's), and in the end are lowered only, until each lies in its
-  // cone.
+  // Walk: used when Leap fails, also when there may be no solution (a tool wedged deeper than its
+  // friction lets it out: the normal forces grow without bound).  With fixed limits the problem is
+  // convex, and the minimum of the augmented Lagrangian is sure to be found.  The limits are first
+  // those of the frictionless lambda, then follow the lambda that they give (none above the load of
+  // all contacts together), and in the end are only lowered, until each force lies in its cone.
 
-  /// Forces at x for the penalty c into `at`, whose laws are the contacts', and the gradient g.
+  /// Computes the forces at x for the penalty c into `at`, by the laws of the contacts,
+  /// and the gradient g.
   void Gradient(const double (&x)[N], double c, Contact* at, double (&g)[N]) const {
     for (int r = 0; r < N; ++r) g[r] = x[r] - t_[r];
     for (int i = 0; i < count_; ++i) {
@@ -385,8 +386,8 @@ class FrictionalContacts {
     }
   }
 
-  /// Newton's method; a step that overshoots is shortened by the secant of its slope, which in a
-  /// convex function leads down always.
+  /// Newton's method.  A step that overshoots is shortened by the secant of its slope, which always
+  /// leads down in a convex function.
   bool Minimise(double c, Contact* at, StepReport& report) {
     double g[N], d[N], next[N], next_g[N];
     Gradient(x_, c, at, g);
@@ -467,7 +468,7 @@ class FrictionalContacts {
     return false;
   }
 
-  /// Gives mu_d to the contacts that mu_s does not hold; false where that changes nothing.
+  /// Gives mu_d to the contacts that mu_s does not hold; returns whether that changes anything.
   bool LetSlip() {
     bool any = false;
     for (int i = 0; i < count_; ++i) {
@@ -487,9 +488,9 @@ class FrictionalContacts {
   Contact contact_[kMaxActiveRows];
 };
 
-/// The contacts of the last sub-step that are still near, with the forces that they had in it, and
-/// those of the frictionless optimum.  Where the last ones are there, the others start without
-/// force, for those together balanced the hand.
+/// Collects the contacts of the last sub-step that are still near, with their forces, and those of
+/// the frictionless optimum.  If there are any of the former, the others start without force,
+/// because the former balanced the hand.
 template <int N>
 void AddContacts(const StepContext& context, const QpResult& qp, FrictionalContacts<N>& contacts) {
   const FrictionState& state = context.state.friction;
@@ -510,8 +511,8 @@ void AddContacts(const StepContext& context, const QpResult& qp, FrictionalConta
   }
 }
 
-/// False where the frictionless optimum stays.
-/// @param t  N, the target.
+/// Returns false if the frictionless optimum stays.
+/// @param t  the target, N values
 template <int N>
 bool Solve(StepContext& context, Optimum& optimum, const double* t) {
   StepReport& report = context.report;
@@ -536,7 +537,7 @@ bool Solve(StepContext& context, Optimum& optimum, const double* t) {
     for (int i = 0; i < shifted.active; ++i) {
       added |= contacts.Add(shifted.row[i], 0.0, 0.0, Vec3::Zero());
     }
-    // Where the QP rests on these contacts alone, it has found the same x.
+    // If the QP's solution rests on these contacts alone, both have found the same x.
     solved = found && (!added || contacts.Agrees(shifted.x));
   }
   report.friction_unsolved += !solved;
@@ -564,7 +565,7 @@ void AddCoulombFriction(StepContext& context, Optimum& optimum) noexcept {
     ++state.still;
   }
   const double rho = context.model.rotation_length();
-  // The push of soft contacts counts as it is without friction.
+  // The push of soft contacts is taken as it is without friction.
   const Vec3 v = context.sub_step.target.v + optimum.push;
   const Vec3 phi = context.sub_step.target.phi + optimum.push_turn / (rho * rho);
   const double t[6] = {v.x(), v.y(), v.z(), rho * phi.x(), rho * phi.y(), rho * phi.z()};

@@ -61,7 +61,7 @@ void Energies::Collect(const ContactRows& rows, QpRows& rigid) noexcept {
 
 QpResult Energies::Solve(const Kernels& kernels, const double* t, const QpRows& rigid,
                          std::span<const int> guess) noexcept {
-  // From where the tool is: what overlaps there mostly does so after the step too.
+  // Starts from where the tool is: what overlaps there mostly still does after the step.
   constexpr double start[6] = {};
   return solver_.Solve(kernels, model_->degrees_of_freedom(), t, rigid, {energies_.data(), acting_},
                        start, guess);

@@ -15,40 +15,42 @@
 
 namespace palpate {
 
-/// The energies beside the coupling's that a model has: the one place that knows which there are.
-/// Real-time but for the constructor.
+/// The energies of a model beside the coupling's: the only place that knows which kinds exist.
+/// Real-time except for the constructor.
 class Energies {
  public:
   explicit Energies(const HapticModel& model);
 
-  /// Bounds of a sub-step that begins with the tool's reference point at p_G: where its bur may
-  /// come to a solid they are narrower, for its rows are right within the grid's band.
+  /// Returns the bounds of a sub-step that begins with the tool's reference point at p_G.
+  /// They are narrower where the bur may reach a solid, because its rows are valid only
+  /// within the grid's band.
   StepBounds Narrow(StepBounds bounds, const Vec3& p_G, const Quat& q_WG) const noexcept;
-  /// That sub-step begins.
-  /// @param cuts   what is gone of each solid; none where the bur stands still: it cuts nothing.
-  /// @param reach  how far ahead a bur knows of material [m].
+  /// Begins that sub-step.
+  /// @param cuts   what has been removed from each solid; empty if the bur does not cut
+  /// @param reach  how far ahead the bur finds material [m]
   void Begin(const Vec3& p_G, const Quat& q_WG, std::span<const CutField> cuts,
              double reach) noexcept;
-  /// To be called before each solve: collects those that act among these rows, and takes what
-  /// yields out of those that no step may violate.
+  /// Call before each solve: collects the energies that act among these rows, and removes the rows
+  /// that yield from the rigid ones.
   void Collect(const ContactRows& rows, QpRows& rigid) noexcept;
   bool acts() const { return acting_ > 0; }
 
-  /// The step nearest to t under rigid rows and the energies that act (EnergySolver).
+  /// Returns the step nearest to t under the rigid rows and the acting energies (EnergySolver).
   QpResult Solve(const Kernels& kernels, const double* t, const QpRows& rigid,
                  std::span<const int> guess) noexcept;
-  /// Whether any pushed there; what all did, of [v; rho phi], over the coupling's stiffness [m].
+  /// Whether any energy pushed at the result; and the sum of their forces, on [v; rho phi], over
+  /// the coupling's stiffness [m].
   bool pushes() const noexcept;
   bool bur_pushes() const noexcept { return cut_ && cut_->count() > 0 && cut_->pushes(); }
   const double* force() const { return solver_.force(); }
-  /// What the bur's spin does there (CutRows::Drag).
+  /// The drag of the bur's spin at the result (CutRows::Drag).
   std::array<double, 6> Drag() const noexcept {
     return bur_pushes() ? cut_->Drag() : std::array<double, 6>{};
   }
 
-  /// Null where no row is soft.
+  /// Null if no row is soft.
   const SoftRows* soft() const { return soft_ && soft_->any() ? &*soft_ : nullptr; }
-  /// Takes away what the bur passes in a motion of the tool from p_G.  Returns CutAway::looks.
+  /// Removes what the bur passes through in a motion of the tool from p_G.  Returns CutAway::looks.
   int Cut(const Vec3& p_G, const Quat& q_WG, const Vec3& v, const Vec3& phi,
           std::span<CutField> cuts) noexcept;
 

@@ -5,8 +5,8 @@
 
 namespace palpate {
 
-/// H x = g, for the linear part of a step: forces a (base + k b . x) are added one by one to the
-/// identity.
+/// The linear system H x = g of one step.  H starts as the identity; forces a (base + k b . x) are
+/// added one by one.
 template <int N>
 class LinearSystem {
  public:
@@ -23,7 +23,7 @@ class LinearSystem {
       for (int c = 0; c < N; ++c) H_[r][c] += part * b[c];
     }
   }
-  /// By elimination with row exchanges.
+  /// Solves by elimination with row exchanges.
   void Solve(double (&x)[N]) {
     for (int k = 0; k < N; ++k) {
       int pivot = k;

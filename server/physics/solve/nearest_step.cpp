@@ -16,7 +16,7 @@ Optimum NearestStep(const StepContext& context, const Target& target, bool with_
   const bool turns = context.model.degrees_of_freedom() == 6;
   if (with_energies) {
     const std::array<double, 6>& drag = context.state.drag;
-    // Of the last steps: a force that goes with what the rows push is no energy's.
+    // Drag of the last steps: it depends on the rows' push, so it is not an energy's force.
     const bool dragged = drag != std::array<double, 6>{};
     for (std::size_t c = 0; dragged && c < 6; ++c) t[c] += drag[c];
     optimum.qp = context.buffers.energies->Solve(context.kernels, t, context.sub_step.rigid,
@@ -44,12 +44,13 @@ bool RoundCreases(const StepContext& context, Optimum& optimum) noexcept {
   const QpResult& qp = optimum.qp;
   if (qp.status != QpStatus::kSolved) return false;
   Mat3 bend = Mat3::Zero();      // sum l_i K_i
-  Mat3 free = Mat3::Identity();  // projects onto the ways that no active row stops
-  double most = 0.0;             // bounds the bend's norm
+  Mat3 free = Mat3::Identity();  // projects onto the motions that no active row stops
+  double most = 0.0;             // upper bound on the norm of `bend`
   for (int i = 0; i < qp.active; ++i) {
     const Mat3 curvature = CurvatureOf(*context.buffers.meshes, qp.row[i]);
     bend += qp.multiplier[i] * curvature;
-    // A projector over the distance to the edge: its trace over its square's is that distance.
+    // The curvature is a projector over the distance to the edge, so its trace over its square's
+    // trace is that distance.
     const double trace = curvature.trace();
     if (trace > 0.0) most += qp.multiplier[i] * curvature.squaredNorm() / trace;
     const Vec3 stopped = free * context.buffers.rows.normal(qp.row[i]);
@@ -57,7 +58,7 @@ bool RoundCreases(const StepContext& context, Optimum& optimum) noexcept {
       free -= stopped * stopped.transpose() / stopped.squaredNorm();
   }
   if (most == 0.0) return false;
-  // A hand on the edge itself has no nearest place: it is taken to be a little outside.
+  // A hand on the edge itself has no nearest place; it is treated as slightly outside.
   if (most > limits::mesh::kMostBend) bend *= limits::mesh::kMostBend / most;
   const Vec3 straight = optimum.v;
   const Vec3 beyond =

@@ -18,70 +18,71 @@
 namespace palpate {
 
 /// Friction forces on the tool, one for each active row of a QpResult, perpendicular to its normal,
-/// in W [m]: times k_t, newtons.
+/// in W [m]; times k_t, newtons.
 using FrictionForces = std::array<Vec3, kMaxActiveRows>;
 
-/// A step [v; phi] of the tool's reference point, in W, that is nearest to a target under the rows.
+/// The step [v; phi] of the tool's reference point, in W, that is nearest to a
+/// target under the rows.
 struct Optimum {
   Vec3 v;    ///< [m]
   Vec3 phi;  ///< [rad]
   QpResult qp;
-  bool rubs = false;                                   ///< friction has moved it
-  FrictionForces friction;                             ///< where it rubs: of the QP's active rows
-  bool rounds = false;                                 ///< with the curvature of a ball's rows
-  bool is_pushed = false;                              ///< by energies
+  bool rubs = false;        ///< whether friction has changed it
+  FrictionForces friction;  ///< if it rubs: for each active row of the QP
+  bool rounds = false;      ///< whether it includes the curvature of a ball's rows
+  bool is_pushed = false;   ///< whether energies push
   Vec3 push = Vec3::Zero(), push_turn = Vec3::Zero();  ///< their force and torque [m], [m^2]
 
-  /// Whether anything holds the tool.
+  /// Returns whether anything holds the tool.
   bool IsHeld() const { return qp.active != 0 || is_pushed; }
 
-  /// To be called where a solver has written it: what is no number is no optimum.
+  /// Call after a solver has written it: an optimum that is not a number counts as unsolved.
   void RefuseNaN() {
     if (!v.allFinite() || !phi.allFinite()) qp.status = QpStatus::kIterationLimit;
   }
 };
 
-/// What a sub-step comes to: the motion [v; phi] towards an optimum, as far as that was free.
+/// The result of a sub-step: the motion [v; phi] towards an optimum, as far as it was free.
 struct Way {
   Optimum optimum;
   Vec3 v = Vec3::Zero(), phi = Vec3::Zero();  ///< [m], [rad]
-  bool arrived = false;                       ///< at the optimum
+  bool arrived = false;                       ///< whether it reaches the optimum
 };
 
 /// How far rows between meshes are trusted in a sub-step (ClearWay).
 struct TrustRegion {
-  int failures = 0;            ///< trials that were not free, since the sub-step began (anew)
+  int failures = 0;            ///< trials that were not free since the sub-step last began
   StepBounds first{0.0, 0.0};  ///< how far the first of them went
   bool begun_anew = false;
 };
 
-/// Where the tools are: reference points in W [m], and orientations.
+/// The poses of both tools: reference points in W [m], and orientations.
 struct Tools {
   Vec3 p_H, p_G;
   Quat q_H, q_G;
-  Mat3 R_WG;  ///< of q_G where the sub-step begins
+  Mat3 R_WG;  ///< of q_G at the beginning of the sub-step
 };
 
-/// What a cycle has cost so far, as counts.
+/// The cost of a cycle so far, as counts.
 struct CycleCost {
   std::int64_t packet_pairs = 0;  ///< between leaves
-  std::int64_t last = 0;          ///< of them, those of the last sub-step
+  std::int64_t last = 0;          ///< those of the last sub-step
   std::int64_t looks = 0;         ///< between meshes
-  int cut_looks = 0;              ///< of what was cut (CutAway::looks)
-  int last_cut_looks = 0;         ///< of them, those of the last sub-step
+  int cut_looks = 0;              ///< of removing material (CutAway::looks)
+  int last_cut_looks = 0;         ///< those of the last sub-step
 };
 
 /// A sub-step, from its first rows to its way.
 struct SubStep {
   StepBounds bounds{};            ///< how far it may go
-  Target target{};                ///< the hand, from where it begins
-  QpRows rigid{};                 ///< what it may not violate
-  FrictionState friction_before;  ///< as it found it
-  int iterates = 0;               ///< rows between meshes come on violation
+  Target target{};                ///< the hand, relative to where it begins
+  QpRows rigid{};                 ///< rows that it may not violate
+  FrictionState friction_before;  ///< friction state at its beginning
+  int iterates = 0;               ///< rounds so far: rows between meshes are added on violation
   TrustRegion trust{};
 };
 
-/// The scratch of a step, allocated once: what a StepWorkspace holds.
+/// The scratch memory of a step, allocated once: the contents of a StepWorkspace.
 struct StepBuffers {
   explicit StepBuffers(const HapticModel& model)
       : prediction(model),
@@ -97,27 +98,28 @@ struct StepBuffers {
   }
   ContactPrediction prediction;
   ContactRows rows;
-  std::optional<MeshContact> meshes;  ///< where objects are felt by their meshes
-  std::optional<Energies> energies;   ///< where any acts beside the coupling
+  std::optional<MeshContact> meshes;  ///< if objects are felt by their meshes
+  std::optional<Energies> energies;   ///< if any can act beside the coupling
 };
 
-/// What the stages of a step share, from the pose that comes in to the report that goes out.  One
-/// per step, on its stack; each stage fills what the next ones read, in the order of the fields.
+/// The data that the stages of a step share, from the incoming pose to the outgoing
+/// report.  Each step has one, on its stack; each stage fills what the next ones read, in
+/// the order of the fields.
 struct StepContext {
   StepContext(const HapticModel& the_model, StepState& the_state, StepBuffers& the_buffers,
               StepReport& the_report)
       : model(the_model), state(the_state), buffers(the_buffers), report(the_report) {}
 
-  /// Whether the model has friction by Coulomb's law.
+  /// Returns whether the model has friction by Coulomb's law.
   bool Rubs() const { return model.parameters().features.friction == FrictionModel::kCoulomb; }
-  /// Whether meshes may hold the tool, and nothing that does rubs or yields.
+  /// Returns whether meshes may hold the tool and nothing rubs or yields.
   bool IsRigid() const {
     return buffers.meshes && !(buffers.energies && buffers.energies->acts()) && !Rubs();
   }
-  /// The same of a ball.
+  /// Returns whether IsRigid holds and the tool is a ball.
   bool IsFreeBall() const { return IsRigid() && buffers.meshes->meshes.IsBall(); }
-  /// How much nearer to the hand a step ends than it begins: |t|^2 - |x - t|^2, with x = [v; rho
-  /// phi] and t the hand's [m^2].
+  /// Returns how much nearer to the hand a step ends than it begins: |t|^2 - |x - t|^2, with x =
+  /// [v; rho phi] and t the hand's [m^2].
   double Gain(const Vec3& step_v, const Vec3& step_phi) const {
     double length2 = step_v.squaredNorm(), along = step_v.dot(sub_step.target.v);
     if (model.degrees_of_freedom() == 6) {
@@ -127,11 +129,11 @@ struct StepContext {
     }
     return 2.0 * along - length2;
   }
-  /// Where the hand is from where the tool is.
+  /// Sets the target: the hand relative to the tool.
   void Aim() {
     sub_step.target = TargetFrom(tools.p_G, tools.q_G, tools.p_H, tools.q_H, state.turn_G);
   }
-  /// Of the spring once the tool has made a step towards the target.
+  /// Returns the spring's wrench after the tool has made a step towards the target.
   Wrench WrenchAfter(const Vec3& step_v, const Vec3& step_phi) const {
     const StepParameters& spring = model.parameters();
     Wrench wrench = SpringWrench(sub_step.target, step_v, step_phi, spring.stiffness,
@@ -139,7 +141,7 @@ struct StepContext {
     if (model.degrees_of_freedom() == 3) wrench.torque.setZero();
     return wrench;
   }
-  /// The step ends unsolved where such an optimum is none.
+  /// Sets kFaultUnsolved if the solver found no optimum; the step then ends.
   void Require(const Optimum& found) const {
     if (found.qp.status == QpStatus::kIterationLimit) report.faults |= kFaultUnsolved;
   }
@@ -150,13 +152,13 @@ struct StepContext {
   StepState& state;
   StepBuffers& buffers;
   StepReport& report;
-  StageTimes* times = nullptr;  ///< null where nobody times the stages
+  StageTimes* times = nullptr;  ///< null if the stages are not timed
   Tools tools;
   CycleCost cost;
   SubStep sub_step;
-  int stuck_at = -2;     ///< the last sub-step that found no way past what holds the tool
-  bool arrived = false;  ///< of the last sub-step's way
-  bool held = false;     ///< something kept the tool from the hand there
+  int stuck_at = -2;     ///< index of the last sub-step that found no way past what holds the tool
+  bool arrived = false;  ///< whether the last sub-step's way arrived
+  bool held = false;     ///< whether something then kept the tool from the hand
 };
 
 }  // namespace palpate

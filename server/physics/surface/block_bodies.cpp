@@ -11,12 +11,13 @@ using limits::mesh::kMostOfBlock;
 using Box = HullTree::Box;
 
 constexpr int kAcross = SparseField::kSide;
-/// Vertices of a block lie up to so far before its first point and beyond its last, and so far from
-/// a solid one of its own or the next ones (solid_surface.cpp), but for rounding [h].
+/// Vertices of a block lie up to kBefore before its first point and up to kBeyond beyond its last,
+/// and within kFromSolid of a solid point of its own or of the next blocks (solid_surface.cpp),
+/// except for rounding [h].
 constexpr double kBefore = 2.0, kBeyond = 2.0, kFromSolid = 2.0, kRounded = 1e-6;
 
-/// Where all surface lies that a block can ever have: round its solid points, for solid only
-/// shrinks.
+/// Returns a box for every surface that a block can ever have, around its solid points, because
+/// the solid only shrinks.
 std::optional<Box> BoxOf(const SparseField& field, std::size_t block) {
   const Lattice& lattice = field.lattice();
   const std::array<int, 3> at = lattice.BlockAt(block);
@@ -102,7 +103,7 @@ UncutBodies::UncutBodies(std::span<const CutSolid> solids, std::span<const Conta
       made.Assign({first_body_ + static_cast<std::int32_t>(s), node, block}, own, solids[s].X_WB,
                   scratch);
       place[static_cast<std::size_t>(block)] = static_cast<std::int32_t>(bodies_.size());
-      bodies_.push_back(made);  // a copy has no more storage than it needs
+      bodies_.push_back(made);  // a copy has no spare capacity
     }
   }
 }

@@ -10,17 +10,18 @@
 
 namespace palpate {
 
-/// Solids that burs cut are felt by the surface that viewers draw (scenes/grid/solid_surface.h),
-/// each block of their lattices by a body of its own.  Contact knows of a solid, whatever is cut,
-/// the boxes of its blocks, in W: what is left of a block lies in its box.
+/// The boxes of a solid's blocks, in W, as one body.  Contact sees a solid that a bur can cut
+/// through these boxes, because whatever is cut, what is left of a block lies in its box.
+/// What it then feels is the surface that viewers draw (scenes/grid/solid_surface.h), one
+/// body for each block.
 ContactBody BlocksOf(const CutSolid& solid);
 
-/// The surface of a block as a body in W: its triangles, and for their normal cones the neighbours'
-/// round them.
+/// The surface of one block, as a body in W.  It includes the neighbouring triangles, which only
+/// serve the normal cones of the block's own.
 struct BlockBody {
   struct Of {
-    std::int32_t solid;   ///< number of the solid's boxes among the scene's bodies
-    HullTree::Node node;  ///< of the block, among them
+    std::int32_t solid;   ///< index, among the scene's bodies, of the solid's boxes
+    HullTree::Node node;  ///< the block's node in their tree
     std::int32_t block;
   };
   struct Scratch {
@@ -31,31 +32,31 @@ struct BlockBody {
     HullTree::Scratch tree;
   };
 
-  /// Storage for limits::mesh::kMostOfBlock triangles.
+  /// Allocates storage for limits::mesh::kMostOfBlock triangles.
   void Reserve();
-  /// Made of the scratch's surface, whose first `own` triangles are the block's.  Real-time within
-  /// the storage.
+  /// Makes the body from the scratch's surface, whose first `own` triangles are the block's own.
+  /// Real-time if the storage suffices.
   void Assign(const Of& block, std::size_t own, const Pose& X_WB, Scratch& scratch);
 
   ContactBody body{ContactMesh(), HullTree()};
-  std::vector<std::uint8_t> materials;  ///< of the block's own triangles
+  std::vector<std::uint8_t> materials;  ///< for each of the block's own triangles
   Of of{};
 };
 
-/// Bodies of all blocks of a scene's solids as they are before anything is cut: most of a solid
-/// never is.  Of a tooth of 10 mm at 50 um 78 MB, which the sessions of a scene share.
+/// The bodies of all blocks of a scene's solids before anything is cut; most of a solid never is.
+/// The sessions of a scene share them: 78 MB for a tooth of 10 mm at 50 um.
 class UncutBodies {
  public:
   UncutBodies() = default;
-  /// `boxes`: of each solid (BlocksOf); `first_body`: number of the first of them among the scene's
-  /// bodies.  What it is given outlives it.
+  /// `boxes`: for each solid, its BlocksOf.  `first_body`: index of the first of them among the
+  /// scene's bodies.  `solids` and `boxes` must outlive this object.
   UncutBodies(std::span<const CutSolid> solids, std::span<const ContactBody> boxes,
               std::size_t first_body);
 
   std::span<const CutSolid> solids() const { return solids_; }
   std::span<const ContactBody> boxes() const { return boxes_; }
   std::int32_t first_body() const { return first_body_; }
-  /// The place of a block's body; -1 where there is nothing of it.
+  /// Returns the index of a block's body; -1 if the block is empty.
   std::int32_t PlaceOf(std::size_t solid, std::size_t block) const { return place_[solid][block]; }
   const BlockBody& operator[](std::size_t place) const { return bodies_[place]; }
 
@@ -63,7 +64,7 @@ class UncutBodies {
   std::span<const CutSolid> solids_;
   std::span<const ContactBody> boxes_;
   std::int32_t first_body_ = 0;
-  std::vector<std::vector<std::int32_t>> place_;  ///< of each solid's blocks
+  std::vector<std::vector<std::int32_t>> place_;  ///< for each solid, for each block
   std::vector<BlockBody> bodies_;
 };
 

@@ -17,7 +17,8 @@ ContactBody MakeBody(const PlacedTree* object, std::int32_t first_leaf) {
   const TriangleMesh& mesh = *object->mesh;
   const SphereTree& tree = *object->tree;
   ContactBody body(ContactMesh(mesh, object->X_WB));
-  // Of the leaves that list a triangle the one that is nearest to its middle, of equals the first.
+  // For each triangle, of the leaves that list it, the one nearest to its middle;
+  // of equals the first.
   body.leaf.assign(mesh.triangles.size(), first_leaf);
   std::vector<double> least(mesh.triangles.size(), std::numeric_limits<double>::infinity());
   for (std::size_t leaf = 0; leaf + 1 < tree.leaf_triangle_begin.size(); ++leaf) {
@@ -35,11 +36,12 @@ ContactBody MakeBody(const PlacedTree* object, std::int32_t first_leaf) {
   return body;
 }
 
-/// How far a corner of a bur's mesh lies outside of its profile at most, over the bur's radius: a
-/// mesh of a round body has its corners on it, but for a float's rounding.
+/// How far a corner of a bur's mesh may lie outside its profile, over the bur's radius: the corners
+/// of a round body's mesh lie on it, except for float rounding.
 constexpr double kOfHead = 1e-3;
 
-/// Triangles all of whose corners lie in the bur's profile: what it clears they never meet.
+/// Returns the triangles whose corners all lie in the bur's profile; they never
+/// meet what it clears.
 std::vector<bool> HeadOf(const TriangleMesh& mesh, const Cutting& cutting) {
   const Pose X_BT = cutting.X_TB.Inverse();
   const auto is_in = [&](std::uint32_t vertex) {
@@ -78,13 +80,13 @@ std::vector<ContactBody> MakeBodies(std::span<const PlacedTree> objects) {
   }
   std::vector<ContactBody> made;
   made.reserve(felt.size());
-  // As many at once as there are cores.
+  // One body for each core at a time.
   const std::size_t at_once = std::max(std::thread::hardware_concurrency(), 1u);
   std::deque<std::future<ContactBody>> making;
   std::size_t begun = 0;
   for (std::size_t body = 0; body < felt.size(); ++body) {
     for (; begun < std::min(felt.size(), body + at_once + 1); ++begun) {
-      // Where there is no thread: at get().
+      // If there is no thread for it, it runs at get().
       making.push_back(std::async(MakeBody, felt[begun], first_leaf[begun]));
     }
     made.push_back(making.front().get());

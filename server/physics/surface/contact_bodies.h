@@ -15,12 +15,12 @@
 
 namespace palpate {
 
-/// True where an object's mesh decides its contact: it is rigid.  What yields has its compliance by
-/// leaf, so its leaves decide.
+/// Returns whether an object's contact is decided by its mesh, which is so if it is rigid.  A soft
+/// object has a compliance for each leaf, so its leaves decide.
 bool IsFeltByMesh(const PlacedTree& object);
 
-/// What contact knows of a body: triangles with a tree over them, rounded by a radius [m], which is
-/// 0 but for a spherical tool, whose mesh is a point.
+/// A body as contact sees it: triangles with a tree over them, enlarged by a radius [m].  The
+/// radius is 0 except for a spherical tool, whose mesh is a single point.
 struct ContactBody {
   explicit ContactBody(ContactMesh m, double rounding = 0.0)
       : mesh(std::move(m)), tree(mesh), radius(rounding) {}
@@ -29,24 +29,25 @@ struct ContactBody {
   ContactMesh mesh;
   HullTree tree;
   double radius = 0.0;
-  /// Of a tool, the part that solids are felt by as long as it cuts: all of it but the head of a
-  /// bur or an edge.  None where it is all head.
+  /// For a tool: the part that solids touch as a mesh while the tool cuts, which is all but the
+  /// head of a bur or edge.  Empty if the tool is all head.
   std::optional<HullTree::Node> shank = tree.root();
-  /// Of each triangle of an object, the nearest leaf of the forest: its material is the triangle's.
+  /// For each triangle of an object, the index of the nearest leaf of the forest, which
+  /// gives the triangle's material.
   std::vector<std::int32_t> leaf;
 };
 
-/// The objects of a scene that are felt by their meshes, each a body in W.  Throws Error where such
-/// an object has no mesh.
+/// Makes a body in W of each object that is felt by its mesh.  Throws Error if such an
+/// object has no mesh.
 std::vector<ContactBody> MakeBodies(std::span<const PlacedTree> objects);
 
-/// Whether a point of W, on no surface, lies inside a body: its mesh winds round it, by more than
-/// half where it is open.  Not real-time.
+/// Returns whether a point of W, which lies on no surface, is inside a body: the winding number of
+/// the body's mesh there exceeds one half, which also decides for an open mesh.  Not real-time.
 bool Hold(std::span<const ContactBody> bodies, const Vec3& p_W);
 
-/// The mesh of a tool about its reference point; of a tool that is a single ball, its centre with
-/// its radius.  Throws Error where another tool has no mesh.
-/// `cutting`: of a bur; else null.
+/// Makes the body of a tool about its reference point: its mesh or, if the tool is a single ball,
+/// the centre with its radius.  Throws Error if any other tool has no mesh.
+/// `cutting`: of a bur or an edge; otherwise null.
 std::unique_ptr<const ContactBody> MakeToolBody(const TriangleMesh* mesh, const SphereTree& tree,
                                                 const Vec3& reference,
                                                 const Cutting* cutting = nullptr);

@@ -8,11 +8,11 @@
 namespace palpate {
 namespace {
 
-/// Slack of the cone tests.  Directions between points 1e-7 m apart or more are known to
-/// 1e-15 / 1e-7 = 1e-8 (coordinates of a metre are rounded to 1e-16); times a hundred.
+/// Tolerance of the cone tests.  Directions between points at least 1e-7 m apart are known to 1e-15
+/// / 1e-7 = 1e-8 (coordinates of a metre are rounded to 1e-16); a hundred times that.
 constexpr double kConeSlack = 1e-6;
 
-/// Two triangles that meet at a greater angle than this, 40 degrees, meet in a crease: taken.
+/// Two triangles that meet at a greater angle than this, 40 degrees, form a crease.  Taken.
 constexpr double kCreaseCosine = 0.766;
 
 Vec3 UnitOrZero(const Vec3& v) {
@@ -20,7 +20,7 @@ Vec3 UnitOrZero(const Vec3& v) {
   return length > 0.0 ? Vec3(v / length) : Vec3(Vec3::Zero());
 }
 
-/// Whether a way along the mesh leads nearer.
+/// Returns whether a way along the mesh leads nearer.
 bool LeadsTo(const Vec3& n, const Vec3& way) {
   return way.dot(n) > 0.0 && UnitOrZero(way).dot(n) > kConeSlack;
 }
@@ -82,7 +82,7 @@ ContactMesh ContactMesh::Point() {
   return point;
 }
 
-/// Vertices of the same place become one, so that neighbours are known as such.
+/// Merges vertices at the same place, so that neighbours are found.
 void ContactMesh::Weld(const TriangleMesh& mesh, const Pose& X_FB) {
   std::vector<std::uint32_t> order(mesh.vertices.size()), welded(mesh.vertices.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -145,8 +145,8 @@ void ContactMesh::Connect(Scratch& scratch) {
   }
 }
 
-/// The triangle across the edge from a corner to the next, if one is and no crease lies between;
-/// else the triangle itself.
+/// Returns the triangle across the edge from a corner to the next if there is one and no crease
+/// lies between; otherwise the triangle itself.
 std::uint32_t ContactMesh::Across(std::uint32_t triangle, std::uint32_t corner) const {
   const Triangle& t = triangles_[triangle];
   const auto faces = FacesAtEdge(t.edge[corner]);
@@ -158,8 +158,8 @@ std::uint32_t ContactMesh::Across(std::uint32_t triangle, std::uint32_t corner) 
   return winds_alike && t.normal.dot(other.normal) >= kCreaseCosine ? across : triangle;
 }
 
-/// Corners of a vertex that no crease separates share a normal: the faces' with the weights of Max
-/// (J. Graphics Tools 4 (1999) 1-6), which are exact on a sphere.
+/// Corners at a vertex that no crease separates share a normal: the mean of the faces' normals with
+/// the weights of Max (J. Graphics Tools 4 (1999) 1-6), which are exact on a sphere.
 std::array<Eigen::Vector3f, 3> ContactMesh::CornerNormals(std::uint32_t triangle) const {
   std::array<Eigen::Vector3f, 3> normals;
   const Triangle& t = triangles_[triangle];
@@ -174,7 +174,7 @@ std::array<Eigen::Vector3f, 3> ContactMesh::CornerNormals(std::uint32_t triangle
       const double weight = a.squaredNorm() * b.squaredNorm();
       if (weight > 0.0) sum += a.cross(b) / weight;
     };
-    // Round the vertex one way until a crease, a border or the beginning, and then the other way.
+    // Goes round the vertex one way until a crease, a border or the start, and then the other way.
     std::uint32_t first = triangle;
     add(triangle);
     for (const std::uint32_t behind : {2u, 0u}) {
@@ -187,7 +187,8 @@ std::array<Eigen::Vector3f, 3> ContactMesh::CornerNormals(std::uint32_t triangle
       first = face;
     }
     const Vec3 n = UnitOrZero(sum);
-    // Where the sum leaves the triangle's own normal as far as a crease, it keeps its own.
+    // If the sum differs from the triangle's own normal by as much as a crease,
+    // the triangle's is used.
     normals[c] = (n.dot(t.normal) >= kCreaseCosine ? n : t.normal).cast<float>();
   }
   return normals;
@@ -204,9 +205,9 @@ Vec3 ContactMesh::SmoothNormal(std::uint32_t triangle, const Vec3& place, const 
   const auto normal = normals_.empty() ? CornerNormals(triangle) : normals_[triangle];
   const Vec3 smooth = UnitOrZero((1.0 - y - z) * normal[0].cast<double>() +
                                  y * normal[1].cast<double>() + z * normal[2].cast<double>());
-  // Say the corners' normals leave the triangle's own by the angle a at most.  Then it meets its
-  // neighbours at about 2 a, and on a smooth surface the direction n of a touch here or beside lies
-  // within twice that, 4 a.  Beyond, it is a crease's.
+  // If the corners' normals differ from the triangle's own by at most the angle a, the triangle
+  // meets its neighbours at about 2 a.  On a smooth surface, the direction n of a touch here or
+  // nearby then lies within twice that, 4 a.  Beyond, it belongs to a crease.
   const double side = n.dot(smooth) < 0.0 ? -1.0 : 1.0;
   double bend = 1.0;
   for (const auto& corner : normal) bend = std::min(bend, t.normal.dot(corner.cast<double>()));

@@ -10,16 +10,15 @@
 
 namespace palpate {
 
-/// The triangles that contact with a body is decided by, with the features that can touch: faces,
-/// edges and vertices, and the cone of normals that each of them can touch along.  The mesh is
-/// taken as it is, and felt from either side: open, folded and non-manifold ones need no special
-/// case.
+/// The triangles that decide a body's contact, with the features that can touch (faces, edges and
+/// vertices) and, for each feature, the cone of normals along which it can touch.  The mesh is used
+/// as it is and felt from both sides; open, folded and non-manifold meshes need no special case.
 ///
-/// Normal cone of an edge or vertex: the unit directions n, away from the mesh, along which it can
-/// be the nearest place of the mesh, for no way along the mesh leads nearer (../contact/README.md
-/// draws them).
+/// The normal cone of an edge or vertex is the set of unit directions n, pointing away from the
+/// mesh, from which it can be the nearest place of the mesh, because no path along the mesh leads
+/// nearer (drawings in ../contact/README.md).
 ///
-/// Frame F: W for objects, the tool's frame about its reference point for a tool.
+/// Frame F: W for objects; for a tool, the tool's frame about its reference point.
 class ContactMesh {
  public:
   /// Corners in the order of the source; edge c leads from corner c to corner c + 1.
@@ -29,17 +28,18 @@ class ContactMesh {
     Vec3 normal;  ///< unit; zero for a triangle without area
   };
 
-  /// What making one takes, which may be used again.
+  /// Scratch memory for Assign, which may be reused.
   struct Scratch;
 
   ContactMesh() = default;
-  /// `X_FB` places the mesh into F.  Triangles are numbered as its own.
+  /// `X_FB`: pose of the mesh in F.  Triangles keep their numbers.
   ContactMesh(const TriangleMesh& mesh, const Pose& X_FB);
-  /// A single point at the origin: the centre of a spherical tool.
+  /// Returns a mesh of a single point at the origin: the centre of a spherical tool.
   static ContactMesh Point();
-  /// Storage for so many triangles, and as many vertices.
+  /// Allocates storage for this many triangles, and as many vertices.
   void Reserve(std::size_t triangles);
-  /// Makes the mesh anew, of triangles whose vertices all differ.  Real-time within the storage.
+  /// Rebuilds the mesh from triangles whose vertices all differ.  Real-time
+  /// if the storage suffices.
   void Assign(std::span<const Vec3> vertices,
               std::span<const std::array<std::uint32_t, 3>> triangles, const Pose& X_FB,
               Scratch& scratch);
@@ -51,10 +51,11 @@ class ContactMesh {
     return vertices_[triangles_[triangle].vertex[static_cast<std::size_t>(corner)]];
   }
 
-  /// Whether n, a unit direction in F away from the mesh, lies in the cone of an edge or vertex.
+  /// Returns whether n, a unit direction in F away from the mesh, lies in the normal cone of
+  /// an edge or vertex.
   bool EdgeConeHolds(std::uint32_t edge, const Vec3& n) const;
   bool VertexConeHolds(std::uint32_t vertex, const Vec3& n) const;
-  /// Triangles at an edge, at a vertex.
+  /// The triangles at an edge, and at a vertex.
   std::span<const std::uint32_t> FacesAtEdge(std::uint32_t edge) const {
     return {edge_faces_.data() + edge_begin_[edge], edge_faces_.data() + edge_begin_[edge + 1]};
   }
@@ -62,9 +63,9 @@ class ContactMesh {
     return {vertex_faces_.data() + vertex_begin_[vertex],
             vertex_faces_.data() + vertex_begin_[vertex + 1]};
   }
-  /// Unit normal of the smooth surface that the triangles approximate, at a place of a triangle
-  /// near which n is the direction of a touch; n itself where the mesh has a crease or is flat
-  /// there.
+  /// Returns the unit normal, at a point of a triangle, of the smooth surface that the triangles
+  /// approximate.  n is the direction of the touch there; it is returned unchanged if the mesh has
+  /// a crease there or is flat.
   Vec3 SmoothNormal(std::uint32_t triangle, const Vec3& place, const Vec3& n) const;
   /// Distance of the farthest vertex from the origin of F [m].
   double reach() const { return reach_; }
@@ -80,8 +81,8 @@ class ContactMesh {
   std::vector<Triangle> triangles_;
   std::vector<std::uint32_t> edge_begin_{0}, edge_faces_;
   std::vector<std::uint32_t> vertex_begin_{0}, vertex_faces_;
-  /// Of each triangle's corners; that of the triangle where the surface has a crease.  None where
-  /// the mesh was made anew: few of its triangles are asked about before it is again.
+  /// For each corner of each triangle, the smooth normal, or the triangle's own where the surface
+  /// has a crease.  Empty after Assign: few triangles are queried before the next one.
   std::vector<std::array<Eigen::Vector3f, 3>> normals_;
   double reach_ = 0.0;
 };

@@ -10,11 +10,11 @@ namespace {
 using namespace limits::mesh;
 constexpr int kSide = SparseField::kSide;
 constexpr std::size_t kPoints = SparseField::kPoints;
-/// Of a block that has changed, so many layers are of the triangles of the block before it, and of
-/// that beyond it, too.
+/// A change in the first kOfBefore layers of a block also affects triangles of the block before it;
+/// one in the last kOfBeyond layers, those of the block beyond it.
 constexpr int kOfBefore = 4, kOfBeyond = 5;
 
-/// Makes a block all alike.
+/// Gives all points of a block the same value.
 void Fill(SparseField& field, std::size_t block, std::int32_t entry) noexcept {
   if (field.entry(block) >= 0) {
     field.Release(block, entry);
@@ -31,7 +31,7 @@ void Copy(const SparseField& from, std::size_t block, SparseField& to) noexcept 
   std::copy_n(from.values(source), kPoints, to.values(target));
 }
 
-/// Whether something holds of a block and all those round it.
+/// Returns whether something holds for a block and all blocks round it.
 template <typename Holds>
 bool AllRound(const SparseField& field, std::size_t block, const Holds& holds) {
   const auto& blocks = field.lattice().blocks;
@@ -99,7 +99,7 @@ void FeltSolids::Follow(std::span<const CutField> cuts, SeparationFront& front) 
   if (followed_.made == followed_.to_make.size()) Commit(front);
 }
 
-/// Its surface in one cycle, and in the next a body of that.
+/// Computes its surface in one cycle, and a body from it in the next.
 void FeltSolids::FollowOne(const Block& block, const SeparationFront& front) noexcept {
   std::optional<std::size_t>& own = followed_.own_of_next;
   if (!own) {
@@ -133,7 +133,7 @@ void FeltSolids::TakeAll(std::span<const CutField> cuts) noexcept {
   followed_.Clear();
 }
 
-/// Copies blocks that have changed, and finds the bodies that have to be made anew for them.
+/// Copies blocks that have changed, and finds the bodies that must be remade for them.
 void FeltSolids::Gather(std::span<const CutField> cuts, const SeparationFront& front) noexcept {
   for (std::size_t s = 0; s < solids_.size(); ++s) {
     Solid& solid = solids_[s];
@@ -143,7 +143,7 @@ void FeltSolids::Gather(std::span<const CutField> cuts, const SeparationFront& f
       const std::size_t block = cut.Changed(solid.changes + 1);
       if (cut.ChangedAt(block) == solid.followed[block]) continue;
       solid.followed[block] = cut.ChangedAt(block);
-      if (!IsKnownRound(solid, block)) {  // no body goes by it
+      if (!IsKnownRound(solid, block)) {  // no body depends on it
         Copy(cut.field(), block, solid.felt);
         continue;
       }
@@ -160,21 +160,21 @@ void FeltSolids::Gather(std::span<const CutField> cuts, const SeparationFront& f
   });
 }
 
-/// Whether anything is known of a block, or of those whose triangles go by its points.
+/// Returns whether anything is known of a block, or of those whose triangles depend on its points.
 bool FeltSolids::IsKnownRound(const Solid& solid, std::size_t block) const noexcept {
   return !AllRound(solid.felt, block, [&](std::size_t n) { return solid.place[n] == kNone; });
 }
 
-/// Whether nothing is cut of a block, and of those whose points its triangles go by.
+/// Returns whether nothing is cut in a block or in those whose points its triangles depend on.
 bool FeltSolids::IsUncut(const SparseField& felt, std::size_t block) noexcept {
   return AllRound(felt, block, [&](std::size_t n) { return felt.entry(n) == SparseField::kBelow; });
 }
 
-/// The blocks whose triangles go by points that have changed.
+/// Marks the blocks whose triangles depend on points that have changed.
 void FeltSolids::MarkAffected(Solid& solid, std::size_t block) noexcept {
   const std::int32_t was = solid.felt.entry(block), is = solid.later.entry(block);
   const float all = was == SparseField::kAbove ? solid.felt.band() : -solid.felt.band();
-  // Bits of the layers along each axis in which any has.
+  // For each axis, bits of the layers that have a change.
   unsigned layers[3] = {};
   for (int n = 0; n < SparseField::kPoints; n += kSide) {
     unsigned along = 0;
@@ -208,7 +208,7 @@ void FeltSolids::MarkAffected(Solid& solid, std::size_t block) noexcept {
   }
 }
 
-/// False where the changes are more than are known.
+/// Returns false if there are more changes than can be followed.
 bool FeltSolids::IsFollowed(std::span<const CutField> cuts) const noexcept {
   for (std::size_t s = 0; s < solids_.size(); ++s) {
     if (cuts[s].changes() - solids_[s].changes > CutField::kChanges) return false;
@@ -216,7 +216,7 @@ bool FeltSolids::IsFollowed(std::span<const CutField> cuts) const noexcept {
   return true;
 }
 
-/// A block that is to be made anew in this turn, where it changes.
+/// Lists a block to be remade in this turn, if it changes.
 void FeltSolids::List(const Block& block) noexcept {
   Solid& solid = SolidOf(block);
   const auto b = static_cast<std::size_t>(block.block);
@@ -292,7 +292,7 @@ FeltSolids::Taken FeltSolids::Take(const Block& block, const SeparationFront& fr
 
 std::int16_t FeltSolids::Make(const Block& block, Use use, const SeparationFront& front) noexcept {
   ++made_in_cycle_;
-  followed_.own_of_next.reset();  // the scratch had it
+  followed_.own_of_next.reset();  // it was in the scratch
   return MakeOfSurface(block, TakeSurfaceOf(block, use), use, front);
 }
 
@@ -316,7 +316,7 @@ std::int16_t FeltSolids::MakeOfSurface(const Block& block, std::size_t own, Use 
   return at;
 }
 
-/// Gives up some bodies that no pair of the front has, going round all.
+/// Discards some bodies that no pair of the front uses, cycling through all.
 bool FeltSolids::MakeRoom(const SeparationFront& front) noexcept {
   std::fill(used_.begin(), used_.end(), false);
   front.ForEachEntry(first_block_, [&](SeparationFront::Index, const SeparationFront::Pair& pair) {

@@ -12,43 +12,45 @@
 
 namespace palpate {
 
-/// What is left of a scene's solids as contact feels it: bodies of their blocks.
+/// What is left of a scene's solids, as contact feels it: one body for each block.
 ///
-/// Of a block that is cut, or beside one, a body is made when a pair of the front first has to look
-/// into its box: of a copy of what was cut, which follows it in turns, so that all bodies are of
-/// one time and join (README.md).  All other blocks have the bodies that were made with the scene.
+/// A block that was cut, or lies beside one that was, gets a body when a pair of the front first
+/// looks into its box.  Bodies are made from a copy of what was cut, which is updated in turns, so
+/// that all bodies show the same moment and fit together (README.md).  All other blocks keep the
+/// bodies that were made with the scene.
 ///
-/// A value: copied, it goes on alike.  Real-time but for the constructor, as long as no block has
-/// more than limits::mesh::kMostOfBlock triangles: a block that has is closed to tools.
+/// A value: a copy behaves alike.  Real-time except for the constructor, as long as no block has
+/// more than limits::mesh::kMostOfBlock triangles; a block with more is closed to tools.
 class FeltSolids {
  public:
   FeltSolids() = default;
-  /// What it is given outlives it.  Blocks have the numbers after the boxes'.
+  /// `uncut` must outlive this object.  Bodies of blocks are numbered after those of the boxes.
   explicit FeltSolids(const UncutBodies& uncut);
 
   bool empty() const { return solids_.empty(); }
-  /// To be called before the first step, where what was cut is another's, or grows again: the next
-  /// Begin takes it all at once.
+  /// Call before the first step, when the cut fields are replaced, or when material grows back: the
+  /// next Begin then takes over all of them at once.
   void Forget() { forgotten_ = true; }
-  /// Where a cycle begins, and before anything else is asked.
+  /// Starts a cycle.  Call before any query.
   void Begin(std::span<const CutField> cuts, SeparationFront& front) noexcept;
-  /// Follows what was cut, where a cycle ends.
+  /// Ends a cycle: follows what was cut.
   void Follow(std::span<const CutField> cuts, SeparationFront& front) noexcept;
 
-  /// The body of a block by its number, which is not that of any of the scene's own.
+  /// Returns the body of a block by its number, which differs from those of the scene's own bodies.
   const ContactBody& Body(std::int32_t number) const { return BodyOf(number).body; }
-  /// Whether a number stands for blocks with nothing in them, and not for a body.
+  /// Returns whether a number stands for an empty block, which has no body.
   bool IsNothing(std::int32_t number) const {
     return number < first_uncut_ && PlaceOf(number) >= bodies_.size();
   }
   using Block = BlockBody::Of;
   struct Taken {
-    std::int32_t body;  ///< -1: there is no room
-    bool made;          ///< which costs about limits::mesh::kLooksOfBlock
+    std::int32_t body;  ///< -1: there is no room, or too many triangles
+    bool made;          ///< whether this cost some limits::mesh::kLooksOfBlock
   };
-  /// The body of a block, in place of one that no pair of the front has where there is no room.
+  /// Returns the body of a block, making it if needed.  If there is no room, it replaces a body
+  /// that no pair of the front uses.
   Taken Take(const Block& block, const SeparationFront& front) noexcept;
-  /// Material of a triangle's solid, and which solid that is.
+  /// The material of a triangle, and the index of the solid that it belongs to.
   std::uint8_t MaterialOf(std::int32_t number, std::int32_t triangle) const {
     return BodyOf(number).materials[static_cast<std::size_t>(triangle)];
   }
@@ -67,14 +69,14 @@ class FeltSolids {
     explicit Solid(const CutSolid& cut_solid);
 
     const CutSolid* solid;
-    SparseField felt;           ///< the copy
-    SparseField later;          ///< of blocks that are being followed, what comes next
-    std::uint32_t changes = 0;  ///< CutField::changes that are followed
-    // Of each block.
-    std::vector<std::uint32_t> followed;         ///< CutField::ChangedAt of what is or will be felt
-    std::vector<std::uint32_t> affected;         ///< the last turn in which its surface changes
-    std::vector<std::uint32_t> affected_blocks;  ///< for which that is this turn
-    std::vector<std::uint32_t> listed;           ///< the last turn for which it is to be made
+    SparseField felt;           ///< the copy that bodies show
+    SparseField later;          ///< blocks being followed: the content that comes next
+    std::uint32_t changes = 0;  ///< CutField::changes up to which this follows
+    // For each block:
+    std::vector<std::uint32_t> followed;  ///< CutField::ChangedAt of what is felt, or soon will be
+    std::vector<std::uint32_t> affected;  ///< the last turn in which its surface changes
+    std::vector<std::uint32_t> affected_blocks;  ///< (not by block) those affected in this turn
+    std::vector<std::uint32_t> listed;           ///< the last turn for which its body is to be made
     std::vector<std::int16_t> place, later_place;  ///< kNone, kNothing, kUncut
   };
 
@@ -98,11 +100,11 @@ class FeltSolids {
   void Commit(SeparationFront& front) noexcept;
   Block BlockOf(const SeparationFront::Pair& entry) const;
   void FollowOne(const Block& block, const SeparationFront& front) noexcept;
-  /// Into the scratch; how many triangles are its own.
+  /// Fills the scratch with a block's surface; returns how many triangles are its own.
   std::size_t TakeSurfaceOf(const Block& block, Use use) noexcept;
   std::int16_t MakeOfSurface(const Block& block, std::size_t own, Use use,
                              const SeparationFront& front) noexcept;
-  /// Its place; kNothing, kNoRoom.
+  /// Makes a block's body; returns its place, kNothing or kNoRoom.
   std::int16_t Make(const Block& block, Use use, const SeparationFront& front) noexcept;
   bool MakeRoom(const SeparationFront& front) noexcept;
   void Free(std::size_t place) noexcept;
@@ -111,7 +113,7 @@ class FeltSolids {
   const UncutBodies* uncut_ = nullptr;
   std::vector<Solid> solids_;
   std::vector<Place> bodies_;
-  std::vector<std::int16_t> free_;  ///< a stack
+  std::vector<std::int16_t> free_;  ///< a stack of unused places
   std::size_t next_given_up_ = 0;
   bool forgotten_ = true;
 
@@ -119,13 +121,14 @@ class FeltSolids {
     std::int32_t solid;
     std::uint32_t block;
   };
-  /// Blocks that have changed and are not felt so yet, and the bodies that are made for them.
+  /// Blocks that have changed but are not felt so yet, and the new bodies made for them.
   struct Followed {
     std::uint32_t turn = 0;
     std::vector<Changed> changed;
     std::vector<Block> to_make;
     std::size_t made = 0;
-    std::optional<std::size_t> own_of_next;  ///< triangles, where the scratch has its surface
+    std::optional<std::size_t> own_of_next;  ///< number of the next block's own triangles, once the
+                                             ///< scratch holds its surface
 
     bool any() const { return !changed.empty(); }
     void Clear() {

@@ -17,13 +17,14 @@ namespace {
 
 using Triangles = std::span<std::uint32_t>;
 
-/// A patch of more eights of corners has its box instead: to go through this many costs as much as
-/// two further looks at its halves, taken.
+/// A patch with more eights of corners gets a box instead: scanning this many costs as much as two
+/// further looks at its halves.  Taken.
 constexpr std::size_t kMostEights = 32;
-/// Half a patch of so many triangles is built in a thread of its own: a tenth of a second.  Taken.
+/// From this many triangles on, half a patch is built in a thread of its own: a tenth
+/// of a second. Taken.
 constexpr std::size_t kOwnThread = 1 << 16;
-/// So many triangles ahead of the one that is looked at are fetched: in a scene's larger patches
-/// each lies elsewhere in memory.  Taken.
+/// Prefetch distance in triangles: in the larger patches of a scene, each lies
+/// elsewhere in memory. Taken.
 constexpr std::size_t kAhead = 8;
 
 /// Calls `work` with the corners of each triangle of a patch.
@@ -39,7 +40,8 @@ void ForEach(Triangles patch, const std::vector<Mat3>& corners, const Work& work
   }
 }
 
-/// Principal axes of a patch, by the second moments of its area; of its corners where it has none.
+/// Returns the principal axes of a patch, by the second moments of its area or, if it has
+/// none, of its corners.
 Mat3 PrincipalAxes(const std::vector<Mat3>& corners, Triangles patch) {
   double moments[6] = {};  // xx, yx, zx, yy, zy, zz: the others are the same
   Vec3 sum = Vec3::Zero();
@@ -49,7 +51,7 @@ Mat3 PrincipalAxes(const std::vector<Mat3>& corners, Triangles patch) {
     const Vec3 a = x.col(0) - origin, b = x.col(1) - origin, c = x.col(2) - origin;
     const double weight = (b - a).cross(c - a).norm() + 1e-300;
     const Vec3 all = a + b + c;
-    // Of a uniform triangle: (9 m m^T + a a^T + b b^T + c c^T) / 12, m its middle.
+    // For a uniform triangle: (9 m m^T + a a^T + b b^T + c c^T) / 12, m its middle.
     const double third = weight / 3.0, share = 0.25 * third;
     for (int j = 0, entry = 0; j < 3; ++j) {
       for (int i = j; i < 3; ++i, ++entry) {
@@ -70,10 +72,10 @@ Mat3 PrincipalAxes(const std::vector<Mat3>& corners, Triangles patch) {
   return solver.info() == Eigen::Success ? Mat3(solver.eigenvectors()) : Mat3(Mat3::Identity());
 }
 
-/// A triangle and where its centre lies along an axis.
+/// A triangle, and the position of its centre along an axis.
 using Place = std::pair<double, std::uint32_t>;
 
-/// What it takes to sort a patch: as much of each as it has triangles.
+/// Buffers for sorting a patch, each as long as its number of triangles.
 struct Room {
   std::span<Place> places, dealt;
   std::span<std::uint32_t> ends;
@@ -84,10 +86,10 @@ std::span<const Place> Sorted(std::span<Place> places) {
   return places;
 }
 
-/// Returns the places sorted, and those at the same place by their triangles.  Triangles lie about
-/// evenly along a patch: they are dealt out to as many stretches of it first (bucket sort).
+/// Returns the places sorted, ties by triangle.  Triangles lie about evenly along a patch, so they
+/// are first distributed to as many intervals of it (bucket sort).
 std::span<const Place> Sorted(const Room& room) {
-  constexpr std::size_t kFew = 32;  // are sorted as fast without: taken
+  constexpr std::size_t kFew = 32;  // sorts these as fast without buckets; taken
   const std::span<Place> places = room.places;
   if (places.size() < kFew) return Sorted(places);
   const auto [low, high] = std::ranges::minmax(places | std::views::keys);
@@ -108,20 +110,20 @@ std::span<const Place> Sorted(const Room& room) {
   return room.dealt;
 }
 
-/// Up to eight corners, each once, by the numbers of the mesh's vertices.
+/// Up to eight distinct corners, by the numbers of the mesh's vertices.
 class FewCorners {
  public:
   bool empty() const { return count_ == 0; }
-  /// The last one from the count on.
+  /// From the count on, the last corner.
   std::uint32_t operator[](std::size_t i) const { return corners_[std::min(i, count_ - 1)]; }
-  /// Bits of the places at which one is.
+  /// Returns a bit for each place that holds the vertex.
   std::uint32_t LanesOf(std::uint32_t vertex) const {
     std::uint32_t lanes = 0;
     for (unsigned k = 0; k < corners_.size(); ++k)
       lanes |= std::uint32_t{(*this)[k] == vertex} << k;
     return lanes;
   }
-  /// False where it would be the ninth.
+  /// Returns false if it would be the ninth.
   bool Add(std::uint32_t vertex) {
     const auto end = corners_.begin() + static_cast<std::ptrdiff_t>(count_);
     if (std::find(corners_.begin(), end, vertex) != end) return true;
@@ -145,7 +147,7 @@ class FewCorners {
 
 class HullTree::Builder {
  public:
-  /// @param axes  of all boxes; null: each has its own.
+  /// @param axes  of all boxes; if null, each box has its own
   Builder(HullTree& tree, const ContactMesh& mesh, Scratch& scratch, const Mat3* axes = nullptr)
       : tree_(tree), mesh_(mesh), scratch_(scratch), axes_(axes) {}
 
@@ -198,8 +200,8 @@ class HullTree::Builder {
     }
   }
 
-  /// Makes the nodes of a patch, and adds the points of their hulls.  Returns all corners where
-  /// they are few and have not been added.
+  /// Makes the nodes of a patch, and adds the points of their hulls.  Returns all corners if they
+  /// are few and were not added.
   FewCorners BuildBelow(const Work& work, std::vector<EightPoints>& points) {
     FewCorners one, other;
     if (work.patch.size() == 1) {
@@ -213,7 +215,7 @@ class HullTree::Builder {
       other = BuildBelow(halves[1], points);
     } else {
       std::vector<EightPoints> others;
-      // Where there is no thread: at get().
+      // If there is no thread for it, it runs at get().
       std::future<FewCorners> making = std::async([&] { return BuildBelow(halves[1], others); });
       one = BuildBelow(halves[0], points);
       other = making.get();
@@ -227,12 +229,12 @@ class HullTree::Builder {
     return Join(work.inner, first, one, other, points);
   }
 
-  /// Makes the node, and halves its patch across its longest side.
+  /// Makes the node, and splits its patch across its longest side.
   std::array<Work, 2> Split(const Work& work) {
     Inner box{};
     const Mat3 axes = axes_ != nullptr ? *axes_ : PrincipalAxes(tree_.leaf_corners_, work.patch);
     const Bounds bounds = BoundsOf(work.patch, axes);
-    // A billionth of the size for the rounding of the axes, which are orthogonal to 1e-15.
+    // A billionth of the size covers the rounding of the axes, which are orthogonal to 1e-15.
     const Vec3 size = bounds.high - bounds.low;
     const Vec3 half = (0.5 * size).array() + 1e-9 * size.maxCoeff();
     std::array<int, 3> order_of{0, 1, 2};
@@ -299,7 +301,7 @@ class HullTree::Builder {
     std::ranges::copy(Sorted(room) | std::views::values, patch.begin());
   }
 
-  /// Only which are of which half is known after it, for less than it takes to sort them.
+  /// Determines only which triangles belong to which half, which takes less than sorting them.
   void HalveAlong(int axis, Triangles patch) {
     const auto place = [&](std::uint32_t t) {
       return Place(scratch_.bounds[t].low[axis] + scratch_.bounds[t].high[axis], t);
@@ -308,7 +310,7 @@ class HullTree::Builder {
                              {}, place);
   }
 
-  /// @param first  of the points below the node.
+  /// @param first  of the points below the node
   FewCorners Join(Node node, std::size_t first, const FewCorners& one, const FewCorners& other,
                   std::vector<EightPoints>& points) {
     if (!one.empty() && !other.empty()) {
@@ -325,7 +327,7 @@ class HullTree::Builder {
     return {};
   }
 
-  /// The last corner is repeated to make eight.
+  /// Repeats the last corner to make eight.
   void AddEight(Node node, const FewCorners& corners, std::vector<EightPoints>& points) {
     EightPoints& eight = points.emplace_back();
     for (std::size_t k = 0; k < 8; ++k) {
@@ -334,7 +336,7 @@ class HullTree::Builder {
     Assign(node, corners, static_cast<std::uint32_t>(points.size() - 1));
   }
 
-  /// To a node and all below it their lanes of an eight; returns the node's, a bit each.
+  /// Gives a node and all nodes below it their lanes of an eight; returns the node's, one bit each.
   std::uint32_t Assign(Node node, const FewCorners& eight, std::uint32_t number) {
     std::uint32_t lanes = 0;
     if (!IsLeaf(node)) {
@@ -359,7 +361,7 @@ class HullTree::Builder {
   const ContactMesh& mesh_;
   Scratch& scratch_;
   const Mat3* axes_;
-  std::size_t first_half_ = 0;  ///< of the root; 0: one half of it
+  std::size_t first_half_ = 0;  ///< triangles of the root's first half; 0: not given
 };
 
 HullTree::HullTree(const ContactMesh& mesh, const std::vector<bool>& set) {
@@ -388,7 +390,7 @@ void HullTree::Assign(const ContactMesh& mesh, std::size_t count, const Mat3& ax
 
 HullTree::HullTree(std::span<Box> boxes, const Pose& X_FB) {
   if (!boxes.empty()) AddBoxes(boxes, X_FB);
-  corners_.resize(inner_.size());  // none: the box counts
+  corners_.resize(inner_.size());  // no eights: the box is used
 }
 
 HullTree::Node HullTree::AddBoxes(std::span<Box> boxes, const Pose& X_FB) {

@@ -12,66 +12,66 @@
 
 namespace palpate {
 
-/// A binary tree of convex hulls over the triangles of a ContactMesh, which tells whether a whole
+/// A binary tree of convex hulls over the triangles of a ContactMesh.  It tells whether a whole
 /// patch, the triangles below a node, lies on one side of a plane (Ehmann & Lin, Computer Graphics
-/// Forum 20 (2001) 500-510).  The hull of a small patch is that of its corners; a larger one has
-/// an oriented box, for a patch that bends little is thin in its own box (Gottschalk, Lin &
-/// Manocha, SIGGRAPH 1996).  So two surfaces that run beside each other are told apart by a few
-/// wide patches, not by many pairs of triangles.
-/// A node is an index: inner nodes from 0, the root; triangle t is ~t.
+/// Forum 20 (2001) 500-510).  The hull of a small patch is that of its corners.  A larger patch has
+/// an oriented box, which is thin if the patch bends little (Gottschalk, Lin & Manocha, SIGGRAPH
+/// 1996).  So a few wide patches, rather than many pairs of triangles, separate two surfaces that
+/// run side by side.
+/// A node is an index: inner nodes count from 0, the root; triangle t is ~t.
 ///
-/// A tree over the blocks of a lattice has boxes alone.  What lies in a block's box is not known to
-/// it: both children of a block b's node are ~b.
+/// A tree over the blocks of a lattice has boxes only, and does not know what lies in a block's
+/// box. Both children of block b's node are ~b.
 class HullTree {
  public:
   using Node = std::int32_t;
-  /// Along the axes of a box [m].
+  /// A box along the axes [m].
   struct Bounds {
     Vec3 low, high;
   };
-  /// What making one takes, which may be used again.
+  /// Scratch memory for making a tree, which may be reused.
   struct Scratch {
-    /// For Assign.
+    /// Allocates what Assign needs for this many triangles.
     void Reserve(std::size_t triangles);
 
-    std::vector<std::uint32_t> order;  ///< the triangles, those of a patch beside each other
+    std::vector<std::uint32_t> order;  ///< the triangles; those of a patch are adjacent
     std::vector<std::pair<double, std::uint32_t>> places, dealt;
     std::vector<std::uint32_t> ends;
-    std::vector<Bounds> bounds;  ///< of each triangle, where all boxes have the same axes
+    std::vector<Bounds> bounds;  ///< for each triangle, if all boxes have the same axes
   };
   struct Inner {
-    Vec3 centre;    ///< of the box [m]
-    Mat3 sides;     ///< columns, orthogonal: from there to three sides, the shortest first [m]
+    Vec3 centre;    ///< centre of the box [m]
+    Mat3 sides;     ///< orthogonal columns, from the centre to three sides, the shortest first [m]
     double radius;  ///< of a ball about the centre that holds the triangles below [m]
     Node child[2];
   };
-  /// The hull of a node: one of the three.
+  /// The hull of a node, in one of three forms: leaf, eights or box.
   struct Hull {
-    const Mat3* leaf = nullptr;           ///< its corners [m]
-    const EightPoints* eights = nullptr;  ///< the corners of a patch, where they are few
+    const Mat3* leaf = nullptr;           ///< corners of a triangle [m]
+    const EightPoints* eights = nullptr;  ///< corners of a patch that has few
     int count = 0;
-    std::uint32_t lanes = 0;     ///< of one eight, those that count
-    const Inner* box = nullptr;  ///< of a patch that has more
+    std::uint32_t lanes = 0;     ///< if there is one eight, its lanes that count
+    const Inner* box = nullptr;  ///< of a patch with more corners
 
-    /// The point that is lowest along m, any vector; of two as low the first.  Without branches on
-    /// which it is: that cannot be foretold.
+    /// Returns the point that is lowest along m (any vector); of equally low points, the first.
+    /// The choice is made without branches, because they could not be predicted.
     Vec3 Lowest(const Vec3& m, const Kernels& kernels) const;
   };
 
   HullTree() = default;
-  /// `set`: the root's children are the triangles in it and those that are not, where there are
-  /// both.
+  /// `set`: if given, the root's children are the triangles in the set and the others,
+  /// unless either is empty.
   explicit HullTree(const ContactMesh& mesh, const std::vector<bool>& set = {});
-  /// Storage for so many triangles.
+  /// Allocates storage for this many triangles.
   void Reserve(std::size_t triangles);
-  /// Makes the tree anew over the first `count` triangles, with boxes along the columns of a
-  /// rotation.  Real-time within the storage.
+  /// Rebuilds the tree over the first `count` triangles, with boxes along the columns of the
+  /// rotation `axes`.  Real-time if the storage suffices.
   void Assign(const ContactMesh& mesh, std::size_t count, const Mat3& axes, Scratch& scratch);
   struct Box {
-    Vec3 low, high;  ///< B [m]
+    Vec3 low, high;  ///< in frame B [m]
     std::uint32_t block;
   };
-  /// Boxes of blocks, along the axes of B.
+  /// Makes a tree over the boxes of blocks, which lie along the axes of B.
   HullTree(std::span<Box> boxes, const Pose& X_FB);
 
   static bool IsLeaf(Node node) { return node < 0; }
@@ -79,25 +79,25 @@ class HullTree {
   Node root() const { return inner_.empty() ? ~0 : 0; }
   Node inner_count() const { return static_cast<Node>(inner_.size()); }
   const Inner& inner(Node node) const { return inner_[static_cast<std::size_t>(node)]; }
-  /// The block whose node it is; -1 of any other.
+  /// Returns the block that a node stands for, or -1.
   std::int32_t BlockOf(Node node) const {
     if (IsLeaf(node)) return -1;
     const Node child = inner(node).child[0];
     return IsLeaf(child) && child == inner(node).child[1] ? ~child : -1;
   }
   bool IsOfBlocks() const { return leaf_radius_.empty() && !inner_.empty(); }
-  /// Centre of a node, and radius about it of a ball that holds what is below [m].
+  /// The centre of a node, and the radius of a ball about it that holds what is below [m].
   const Vec3& Centre(Node node) const {
     return IsLeaf(node) ? leaf_centre_[TriangleOf(node)] : inner(node).centre;
   }
   double Radius(Node node) const {
     return IsLeaf(node) ? leaf_radius_[TriangleOf(node)] : inner(node).radius;
   }
-  /// Of a pair that is not of two triangles, whether this tree's node is the one to be opened.
+  /// Returns whether, of two nodes that are not both triangles, this tree's node is to be split.
   bool IsLarger(Node node, const HullTree& than, Node other) const {
     return !IsLeaf(node) && (IsLeaf(other) || inner(node).radius >= than.inner(other).radius);
   }
-  /// The most of n . x over a node's hull, n any vector [|n| m].
+  /// Returns the greatest n . x over a node's hull, with n any vector [|n| m].
   double Highest(Node node, const Vec3& n, const Kernels& kernels) const {
     if (!IsLeaf(node)) return n.dot(HullOf(node).Lowest(-n, kernels));
     const Mat3& x = leaf_corners_[TriangleOf(node)];
@@ -113,8 +113,8 @@ class HullTree {
   }
 
  private:
-  /// Where the corners of an inner node's patch are: those of its lanes if it has one eight, else
-  /// all of several; none where they are too many, and the box counts.
+  /// Where the corners of an inner node's patch are stored: the given lanes of one eight, or all of
+  /// several eights.  No eights if there are too many corners; the box is used then.
   struct Corners {
     std::uint32_t first, eights, lanes;
   };
@@ -123,8 +123,8 @@ class HullTree {
   Node AddBoxes(std::span<Box> boxes, const Pose& X_FB);
 
   std::vector<Inner> inner_;
-  std::vector<Corners> corners_;  ///< of each inner node
-  /// Corners beside each other as their patches are: a node shares those of the nodes below it.
+  std::vector<Corners> corners_;  ///< for each inner node
+  /// The corners, in the order of the patches: a node shares those of the nodes below it.
   std::vector<EightPoints> points_;
   std::vector<Mat3> leaf_corners_;  ///< columns [m]: beside each other, for speed
   std::vector<Vec3> leaf_centre_;

@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// A patch of the tool's mesh, in its frame, and one of the objects', in W.
+/// A patch of the tool's mesh, in its frame, and one of an object's, in W.
 struct PatchPair {
   PatchPair() = default;
   PatchPair(const HullTree& tools, HullTree::Node tool_node, double rounding,
@@ -18,10 +18,10 @@ struct PatchPair {
       : tool(tools.HullOf(tool_node)), object(objects.HullOf(object_node)), radius(rounding) {}
 
   HullTree::Hull tool, object;
-  double radius = 0.0;  ///< that rounds the tool [m]
+  double radius = 0.0;  ///< rounding of the tool [m]
 };
 
-/// A motion of the tool.
+/// A motion of the tool between two poses.
 struct ToolMotion {
   const ToolPose& from;
   const ToolPose& to;
@@ -30,27 +30,27 @@ struct ToolMotion {
 struct SeparatingPlane {
   Vec3 n = Vec3::Zero();             ///< unit, from object to tool, in W
   double before = 0.0, after = 0.0;  ///< how far the tool's hull lies above the object's [m]
-  int tries = 0;                     ///< directions that the search has tried
+  int tries = 0;                     ///< number of directions that the search has tried
 };
 
-/// Pairs that FindPlanes takes at a time.
+/// Number of pairs that FindPlanes takes at a time.
 inline constexpr int kPlanesAtOnce = 8;
 
-/// Looks for planes that keep the hulls of two patches apart by `least` [m] both before a motion
-/// and after it, for each of some pairs from the unit direction in its plane on.  Returns a bit for
-/// each that it found: where it finds none, mostly there is none.  A plane that is found is true
-/// whatever became of the search.
-/// Real-time, deterministic: what comes of a pair does not depend on the others.
+/// For each pair, searches for a plane that separates the hulls of both patches by `least` [m]
+/// before and after a motion, starting from the unit direction in planes[i].n.  Returns one bit for
+/// each pair for which it found a plane.  If it finds none, there mostly is none; a plane that it
+/// finds is always valid.
+/// Real-time, deterministic: the result for a pair does not depend on the other pairs.
 ///
-/// By the algorithm of Gilbert, Johnson & Keerthi (IEEE J. Robotics Automat. 4 (1988) 193-203) for
-/// the point of object-to-tool differences that is nearest to the origin, with the tool's hull
-/// taken in both places; it stops at the first direction that keeps them apart, as van den Bergen
-/// does (J. Graphics Tools 4(2) (1999) 7-25).  Several at once, because a search waits for each of
-/// its steps, and what they branch on cannot be foretold.
+/// The algorithm of Gilbert, Johnson & Keerthi (IEEE J. Robotics Automat. 4 (1988) 193-203) finds
+/// the point nearest to the origin among the differences of object and tool, with the tool's hull
+/// at both poses.  The search stops at the first direction that separates them, as van den Bergen's
+/// does (J. Graphics Tools 4(2) (1999) 7-25).  Several pairs are searched at once, because each
+/// step of a search waits for the one before, and its branches cannot be predicted.
 std::uint32_t FindPlanes(std::span<const PatchPair> pairs, const ToolMotion& motion, double least,
                          const Kernels& kernels, SeparatingPlane* planes) noexcept;
 
-/// The same for one pair.
+/// FindPlanes for one pair, starting from `guess`.
 inline bool FindPlane(const PatchPair& pair, const ToolMotion& motion, const Vec3& guess,
                       double least, const Kernels& kernels, SeparatingPlane& plane) noexcept {
   plane.n = guess;

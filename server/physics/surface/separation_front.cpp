@@ -10,7 +10,7 @@ namespace palpate {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-/// Pairs of siblings that NextMergeable looks at in a call.
+/// Pairs of siblings that NextMergeable examines in a call.
 constexpr int kMergeScan = 2 * limits::mesh::kBatch;
 
 constexpr SeparationFront::Eight kUnused{

@@ -15,16 +15,17 @@
 
 namespace palpate {
 
-/// Planes that show a tool and bodies apart, kept from step to step.  The pairs of nodes of the
-/// tool's tree and a body's form a tree themselves: a pair's children are those in which the larger
-/// of its nodes is split.  The front is a cut through those trees, one for each body: every pair of
-/// triangles lies below exactly one pair of the front, and each of these has a plane and a slack
-/// (Ehmann & Lin, Computer Graphics Forum 20 (2001) 500-510).
+/// Separating planes between a tool and bodies, kept from step to step.  The pairs of a node of the
+/// tool's tree and a node of a body's form a tree themselves: the children of a pair split the
+/// larger of its nodes.  The front is a cut through these trees, one for each body: every pair of
+/// triangles lies below exactly one pair of the front, and each pair of the front has a plane and a
+/// slack (Ehmann & Lin, Computer Graphics Forum 20 (2001) 500-510).
 ///
-/// No slack falls by more than the way of the tool's farthest point.  So a pair need not be looked
-/// at before that way has grown by its slack: its expiry.  Refresh then tells what is really left.
+/// A slack never falls by more than the tool's farthest point moves.  So a pair need not be looked
+/// at until that way has grown by the pair's slack; this way is its expiry.  Refresh then computes
+/// what is left of the slack.
 ///
-/// A value: copied, it goes on alike.  Real-time: once Reserve has been called, nothing allocates.
+/// A value: a copy behaves alike.  Real-time: nothing allocates after Reserve.
 class SeparationFront {
  public:
   using Index = std::int32_t;
@@ -32,7 +33,7 @@ class SeparationFront {
   struct Pair {
     HullTree::Node tool, object;
     std::int32_t body;
-    Index parent, child;  ///< child: the first of two; -1 where the pair is of the front
+    Index parent, child;  ///< child: the first of two; -1 if the pair is in the front
   };
   struct Epoch {
     Vec3 p = Vec3::Zero();
@@ -42,56 +43,60 @@ class SeparationFront {
   };
 
   static constexpr std::size_t kMaxSlots = 1 << 17;
-  /// Room for the most pairs that a front can have.
+  /// Allocates room for the largest front.
   void Reserve();
   bool empty() const { return pairs_.empty(); }
-  /// Places for pairs: of the front, open ones above it, and unused ones.
+  /// Number of places for pairs: those of the front, open ones above it, and unused ones.
   std::size_t slots() const { return pairs_.size(); }
-  /// Pairs of the front: a root for each body, and one more with each that is opened.
+  /// Number of pairs in the front: one root for each body, and one more for each
+  /// pair that is split.
   std::size_t size() const {
     return static_cast<std::size_t>(roots_) + (slots() - RootSlots()) / 2 - unused_.size();
   }
 
-  /// Nothing is known: it is to be restarted.
+  /// Forgets everything; Restart must follow.
   void Clear() { pairs_.clear(); }
-  /// The pair of roots of each body, not known to be apart, for the tool at `at`.
-  /// `for_solids`: what of the tool solids are felt by, of bodies whose trees are of blocks.
+  /// Starts again with the pair of roots of each body, for the tool at `at`, with no plane known.
+  /// `for_solids`: the part of the tool that meets bodies whose trees are of blocks.
   void Restart(const ContactBody& tool, std::span<const ContactBody> bodies, const ToolPose& at,
                std::optional<HullTree::Node> for_solids = std::nullopt);
-  /// The tool has gone to `at`.  `reach`: of its farthest point from the reference point [m].
-  /// Returns the way of that point at most [m].
+  /// Moves the tool to `at`.  `reach`: distance of its farthest point from the reference point [m].
+  /// Returns an upper bound on the way of that point [m].
   double Move(const ToolPose& at, double reach);
 
   const Pair& pair(Index i) const { return pairs_[static_cast<std::size_t>(i)]; }
-  /// Its plane, and the slack that it had at the pose where that was set or refreshed last; not
-  /// positive: no plane is known.  Of an open pair, `slack` is the way from which on a merge may be
-  /// tried.
+  /// The plane of a pair, with the slack that it had when last set or refreshed; if the slack is
+  /// not positive, no plane is known.  For an open pair, `slack` is the way from which on a
+  /// merge may be tried.
   const PlaneRecord& plane(Index i) const { return planes_[static_cast<std::size_t>(i)]; }
   Vec3 Normal(Index i) const { return Vec3::Map(plane(i).n); }
-  /// Way at which each slot's plane may be used up; infinite for pairs that are open or unused.
+  /// For each slot, the way at which its plane may be used up; infinite for pairs that
+  /// are open or unused.
   const double* expiry() const { return expiry_.empty() ? nullptr : expiry_[0].v; }
-  /// Way of the tool's farthest point so far [m]: what `expiry` is compared with.
+  /// Way of the tool's farthest point so far [m], to compare with `expiry`.
   double way() const { return way_; }
   const Epoch& now() const { return epochs_[epoch_ % kPlaneEpochs]; }
-  /// Whether the pose at which a pair's slack was known last is still kept.  If not, it is to be
-  /// set before it can be refreshed.
+  /// Returns whether the pose at which a pair's slack was last known is still stored.  If not, the
+  /// pair must be set before it can be refreshed.
   bool IsKept(Index i) const {
     return epoch_ - epoch_of_[static_cast<std::size_t>(i)] < kPlaneEpochs;
   }
-  /// Brings the planes of `count` pairs up to the pose of now, and gives them as columns from
-  /// `first` on.  The slack is what each has at least, by how its node has moved.
+  /// Updates the planes of `count` pairs to the current pose, and writes them as columns from
+  /// `first` on.  Each slack becomes a lower bound, from the motion of the pair's node.
   void Refresh(const Kernels& kernels, const Index* slots, int count, int first,
                const PlaneColumns& out);
-  /// Sets a pair's plane, at the pose of now.
+  /// Sets a pair's plane at the current pose.
   void Set(Index i, const Vec3& n, double slack);
-  /// Opens a pair of the front: its children take the plane that it has at the pose of now.  -1
-  /// where there is no room.
-  /// `body`: the pair's.
+  /// Splits a pair of the front: its children take the given plane, at the current pose.  Returns
+  /// the first child, or -1 if there is no room.
+  /// `body`: the tree of the pair's body.
   Index Split(Index i, const HullTree& tool, const HullTree& body, const Vec3& n, double slack);
-  /// A pair of a block's node goes on as one of that block's own body, and with its root; it keeps
-  /// its plane.  Where the block holds nothing it is apart for good.
+  /// Replaces the body of a pair that has reached a block's node by the block's own body,
+  /// from `root` on; the pair keeps its plane.  If the block is empty (no root), the pair
+  /// is separate for good.
   void Enter(Index i, std::int32_t body, std::optional<HullTree::Node> root);
-  /// Calls visit(index, pair) for the pairs that entered blocks, bodies from `first` on.
+  /// Calls visit(index, pair) for each pair at which the front entered a block, with a body
+  /// number from `first` on.
   template <class Visit>
   void ForEachEntry(std::int32_t first, Visit visit) const {
     for (Index i = 0; static_cast<std::size_t>(i) < pairs_.size(); ++i) {
@@ -100,8 +105,8 @@ class SeparationFront {
       if (of.parent < 0 || pair(of.parent).body != of.body) visit(i, of);
     }
   }
-  /// Closes those for which leaves(pair, outside) is true, which sets the body and the node that
-  /// they had before: they are not known to be apart.
+  /// Closes each such pair for which leaves(pair, outside) returns true; `leaves` sets the body and
+  /// node that the pair had before.  The pair is then not known to be separate.
   template <class Leaves>
   void CloseEntries(std::int32_t first, Leaves leaves) {
     ForEachEntry(first, [&](Index i, const Pair& of) {
@@ -113,17 +118,19 @@ class SeparationFront {
       Set(i, Normal(i), -1.0);
     });
   }
-  /// Closes a pair whose children are of the front; it has the plane (n, slack).
+  /// Merges the children of a pair, which are both in the front, into it; the pair gets
+  /// the plane (n, slack).
   void Merge(Index i, const Vec3& n, double slack);
-  /// Whether a pair is open and its children are both of the front.
+  /// Returns whether a pair is open and both its children are in the front.
   bool IsMergeable(Index i) const {
     const Index child = pair(i).child;
     return child >= 0 && pair(child).child < 0 && pair(child + 1).child < 0;
   }
-  /// The next pair for which that is so and which RetryAfter does not put off; the calls go round
-  /// all of them.  -1 at the end of a round, or where the next few dozen places hold none.
+  /// Returns the next mergeable pair that RetryAfter does not put off; successive calls
+  /// cycle through all of them.  Returns -1 at the end of a round, or if the next few
+  /// dozen places hold none.
   Index NextMergeable();
-  /// An open pair is not to be tried again before the way has grown by this [m].
+  /// Lets an open pair not be tried again before the way has grown by this [m].
   void RetryAfter(Index i, double way) {
     planes_[static_cast<std::size_t>(i)].slack = way_ + way;
     SetGate(i);
@@ -139,7 +146,7 @@ class SeparationFront {
   }
 
   double& GateOf(Index child) { return gate_[static_cast<std::size_t>(child) / 2]; }
-  /// Of an open pair.
+  /// For an open pair.
   void SetGate(Index i) {
     GateOf(pair(i).child) =
         IsMergeable(i) ? plane(i).slack : std::numeric_limits<double>::infinity();
@@ -150,13 +157,13 @@ class SeparationFront {
 
   std::vector<Pair> pairs_;  ///< roots first, in the bodies' order; then siblings beside each
                              ///< other, from an even index on
-  std::vector<PlaneRecord> planes_;      ///< of each pair
-  std::vector<std::uint32_t> epoch_of_;  ///< of each pair's slack
+  std::vector<PlaneRecord> planes_;      ///< for each pair
+  std::vector<std::uint32_t> epoch_of_;  ///< for each pair: the epoch of its slack
   std::vector<Eight> expiry_;            ///< infinite for pairs that are open or unused
-  /// Of each two siblings: the way from which on NextMergeable gives their parent; infinite where
-  /// they are not both of the front.  Beside each other, because it goes past most of them.
+  /// For each two siblings, the way from which on NextMergeable returns their parent; infinite if
+  /// not both are in the front.  In an array of its own, because the search skips most of them.
   std::vector<double> gate_;
-  std::vector<Index> unused_;  ///< first of two
+  std::vector<Index> unused_;  ///< the first of each two
   std::array<Epoch, kPlaneEpochs> epochs_;
   std::array<EpochMotion, kPlaneEpochs> since_;  ///< from each epoch until now
   std::uint32_t epoch_ = 0;

@@ -17,21 +17,21 @@ struct Feature {
 
 /// The nearest points of two triangles.
 /// @field p, q     nearest points of the first and the second [m]
-/// @field of_p     feature of the first triangle that p lies on, off the ends of an edge and the
-///                 border of a face; likewise of_q
+/// @field of_p     the feature of the first triangle on which p lies (not at an end of an edge, nor
+///                 on the border of a face); likewise of_q
 /// @field squared  |p - q|^2 [m^2]
 struct NearestPoints {
   Vec3 p, q;
   Feature of_p, of_q;
   double squared;
   double Distance() const { return std::sqrt(squared); }
-  /// Unit direction from q to p, where they are apart.
+  /// Returns the unit direction from q to p; the points must differ.
   Vec3 Direction() const { return (p - q) / Distance(); }
 };
 
-/// Nearest points of two triangles that do not intersect, given by their corners; triangles may be
-/// degenerate (edges or points).  Of triangles that intersect, some pair of points: the caller has
-/// to see whether the plane across them separates the two.
+/// Returns the nearest points of two triangles that do not intersect, given by their corners;
+/// triangles may be degenerate (edges or points).  For triangles that intersect, returns some pair
+/// of points: the caller must check whether the plane across them separates the two.
 /// Vertices against faces, and edges against edges (Ericson, Real-Time Collision Detection, 5.1).
 /// Real-time.  Deterministic.
 NearestPoints NearestOfTriangles(const Vec3 a[3], const Vec3 b[3],

@@ -32,8 +32,8 @@ struct Ball {
   double radius;
 };
 
-/// Puts a ball into a lane: the centre rounded to float, the radius grown by what that moved it and
-/// by the test's margin, and rounded up.
+/// Stores a ball in a lane: the centre is rounded to float; the radius grows by that rounding and
+/// by the test's margin, and is rounded up.
 void SetLane(SpherePacket& packet, int lane, const Ball& ball, std::int32_t child) {
   const Vec3& c = ball.center;
   packet.x[lane] = RoundToFloat(c.x());
@@ -55,7 +55,8 @@ Ball LaneBall(const SpherePacket& packet, int lane) {
   return {Vec3(packet.x[lane], packet.y[lane], packet.z[lane]), packet.radius[lane]};
 }
 
-/// A ball around balls: centre of their bounding box.  Only for the few levels over the objects.
+/// Returns a ball around balls, at the centre of their bounding box.  Used only for the few
+/// levels over the objects.
 Ball Around(std::span<const Ball> balls) {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
   Vec3 high = -low;
@@ -87,7 +88,7 @@ Vec3 LeafCentre(const SphereTree& tree, std::size_t i) {
   return {tree.leaf_x[i], tree.leaf_y[i], tree.leaf_z[i]};
 }
 
-/// The ball of a lane; below the last level, which lists leaves, the leaf's own.
+/// Returns the ball of a lane; at the last level, which lists leaves, the leaf's own.
 Ball BallOf(const SphereTree& tree, int level, const SpherePacket& packet, int lane) {
   if (level + 1 < tree.levels()) return LaneBall(packet, lane);
   const auto leaf = static_cast<std::size_t>(packet.child[lane]);
@@ -98,8 +99,8 @@ using Level = std::vector<SpherePacket>;
 
 /// Adds an object's packets to the levels that objects have in a forest; a shallower tree gets
 /// packets of one lane on top.  Returns a ball around the object.
-/// @param touches     else no lane leads to its leaves.
-/// @param first_leaf  the number that its own first one has in the forest.
+/// @param touches     if false, no lane leads to its leaves
+/// @param first_leaf  number of its first leaf in the forest
 Ball AddPackets(const PlacedTree& object, bool touches, int first_leaf, std::span<Level> levels) {
   const SphereTree& tree = *object.tree;
   const std::size_t chain = levels.size() - static_cast<std::size_t>(tree.levels());
@@ -127,8 +128,8 @@ Ball AddPackets(const PlacedTree& object, bool touches, int first_leaf, std::spa
   return root;
 }
 
-/// Fills the levels over the objects: these in the scene's order, eight to a packet.  Returns a
-/// ball around all.
+/// Fills the levels over the objects, which stay in the scene's order, eight to a packet.  Returns
+/// a ball around all.
 Ball AddTop(std::vector<Ball> roots, std::span<Level> levels) {
   for (std::size_t l = levels.size(); l-- > 0;) {
     std::vector<Ball> parents;
@@ -234,8 +235,8 @@ ToolTree::ToolTree(const SphereTree& tree, double world_extent, const Vec3& refe
     max_lever_ = std::max(max_lever_, l.norm());
     reach_ = std::max(reach_, l.norm() + tree.leaf_radius[i]);
   }
-  // What float rounding of the pose and of the rotated centre can move a sphere by, near the
-  // objects.
+  // Upper bound on how far the float rounding of the pose and of the rotated centre moves a
+  // sphere near the objects.
   const double rounding = limits::kPoseMargin * (world_extent + 2.0 * reach_);
   // The longest lever below each node, from the leaves up.
   levels_.packets.assign(tree.packets.size(), EmptyToolPacket());

@@ -13,7 +13,8 @@
 
 namespace palpate {
 
-/// Levels of packets, stored one after the other; a child index counts within the next level.
+/// The levels of a packet tree, stored one after the other; a child index counts
+/// within the next level.
 template <class Packet>
 struct PacketLevels {
   std::vector<Packet> packets;
@@ -21,21 +22,21 @@ struct PacketLevels {
   int levels() const { return static_cast<int>(level_begin.size()) - 1; }
 };
 
-/// Depth of a soft leaf's rigid core (limits::kSoftShare) below the leaf's surface [m]; 0 where the
-/// material is rigid.
+/// Depth of a soft leaf's rigid core (limits::kSoftShare) below the leaf's surface [m]; 0 if
+/// the material is rigid.
 inline double CoreDepth(const Material& material, double leaf_radius) {
   return std::isinf(material.stiffness) ? 0.0 : limits::kSoftShare * leaf_radius;
 }
 
-/// All objects of a scene as one tree in W: a few levels over the objects, then their own trees.
-/// Immutable.
+/// All objects of a scene as one tree in W: a few levels over the objects, then
+/// their own trees. Immutable.
 class ObjectForest {
  public:
   using Picks = bool (*)(const PlacedTree&);
-  /// `touches`: the objects whose leaves can; null: all.
+  /// `touches`: selects the objects whose leaves can touch; null: all.
   explicit ObjectForest(std::span<const PlacedTree> objects, Picks touches = nullptr);
 
-  /// False where no leaf can touch anything.
+  /// Returns whether any leaf can touch anything.
   bool any() const { return any_; }
 
   const PacketLevels<SpherePacket>& levels() const { return levels_; }
@@ -43,15 +44,15 @@ class ObjectForest {
   int leaf_count() const { return static_cast<int>(leaves_.size()); }
   /// Index of the object that a leaf belongs to.
   int ObjectOf(int leaf) const;
-  /// Whether any leaf is soft.
+  /// Returns whether any leaf is soft.
   bool yields() const { return yields_; }
-  /// Where the leaves of an object begin.
+  /// Index of the first leaf of an object.
   int FirstLeafOf(int object) const { return first_leaf_[static_cast<std::size_t>(object)]; }
   const Material& MaterialOf(int leaf) const {
     return materials_[leaf_material_[static_cast<std::size_t>(leaf)]];
   }
-  /// One lane around everything, whose only child is packet 0: stands above this tree where the
-  /// tool's is deeper, so that both always descend together.
+  /// A packet with one lane around everything, whose only child is packet 0.  It stands above this
+  /// tree if the tool's tree is deeper, so that both always descend together.
   const SpherePacket& above() const { return above_; }
   const Vec3& center() const { return center_; }  ///< of a ball around everything [m]
   double radius() const { return radius_; }
@@ -63,15 +64,15 @@ class ObjectForest {
   std::vector<LeafSphere> leaves_;
   std::vector<int> first_leaf_;
   std::vector<Material> materials_;
-  std::vector<std::uint32_t> leaf_material_;  ///< index into materials_, of each leaf
+  std::vector<std::uint32_t> leaf_material_;  ///< for each leaf, index into materials_
   bool any_ = false, yields_ = false;
   SpherePacket above_;
   Vec3 center_ = Vec3::Zero();
   double radius_ = 0.0;
 };
 
-/// The tool's tree, relative to its reference point, with the longest lever arm below each node:
-/// that of a leaf's centre, for a ball turns in place. Immutable.
+/// The tool's tree, relative to its reference point, with the longest lever arm below each node.
+/// Levers end at the centres of leaves, because a ball turns in place.  Immutable.
 class ToolTree {
  public:
   /// `world_extent`: how far the objects reach from W's origin [m], for the rounding margin
@@ -80,9 +81,10 @@ class ToolTree {
   const PacketLevels<ToolPacket>& levels() const { return levels_; }
   const std::vector<LeafSphere>& leaves() const { return leaves_; }
   int leaf_count() const { return static_cast<int>(leaves_.size()); }
-  /// Reference point of the step, in the tool's frame: the centroid; the centre of a single sphere.
+  /// Reference point of the step, in the tool's frame: the centroid, or the centre
+  /// of a single sphere.
   const Vec3& reference() const { return reference_; }
-  /// One lane around all leaves, as ObjectForest::above.
+  /// A packet with one lane around all leaves, as ObjectForest::above.
   const ToolPacket& above() const { return above_; }
   double max_lever() const { return max_lever_; }
   /// Distance from the reference point to the farthest point of any leaf [m].
@@ -99,22 +101,22 @@ class ToolTree {
   double reach_ = 0.0;
 };
 
-/// Finds every pair of leaves that a sub-step within given bounds could bring together: those whose
-/// gap is at most bounds.translation + bounds.rotation * lever of the tool's leaf.
-/// Walks both trees level by level and, so that no list can overflow, a chunk of pairs at a time
-/// depth first.  The order of the pairs depends on the trees alone.
+/// Finds every pair of leaves that a sub-step within given bounds could bring together: those with
+/// a gap of at most bounds.translation + bounds.rotation * lever of the tool's leaf.
+/// Walks both trees level by level, and depth first a chunk of pairs at a time, so that no list can
+/// overflow.  The order of the pairs depends on the trees alone.
 class PairQuery {
  public:
   PairQuery(const ToolTree& tool, const ObjectForest& objects);
 
-  /// Calls sink(NodePair* leaves, int count) for batches of at most kMaxBatch leaf pairs, which it
-  /// may overwrite, for as long as it returns true. Complete; float rounding is covered by a
-  /// margin, so a few more pairs may come. Real-time: no allocation.
+  /// Calls sink(NodePair* leaves, int count) with batches of at most kMaxBatch leaf pairs, which it
+  /// may overwrite, as long as it returns true.  No pair is missed; a margin for float rounding may
+  /// add a few.  Real-time: no allocation.
   template <class Sink>
   void Run(const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W, const StepBounds& bounds,
            Sink&& sink) noexcept;
 
-  /// Packet pairs tested so far in the life of this query: what it costs, as a count.
+  /// Packet pairs tested since construction: a measure of cost.
   std::int64_t tested() const { return tested_; }
 
   static constexpr int kChunk = kMaxExpanded;
