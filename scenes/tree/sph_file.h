@@ -12,7 +12,7 @@ namespace palpate {
 
 /// A sphere tree in the format of the Sphere-Tree Construction Toolkit (Bradshaw & O'Sullivan,
 /// ACM TOG 23 (2004) 1-26; isg.cs.tcd.ie/spheretree), a .sph file.  The format, as inferred from
-/// what the toolkit does:
+/// the sources of the toolkit:
 /// - the first line is "levels degree", the root being the first level;
 /// - then comes a line "x y z r importance" for each node, breadth first: a row for each level, and
 ///   in it `degree` slots for the children of each node of the row above, used or not.  Unused
