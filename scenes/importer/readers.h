@@ -29,7 +29,7 @@ FileContents ReadGltf(const std::string& file, std::string_view text);  ///< .gl
 /// Uses assimp, which a damaged file may crash.
 FileContents Read3ds(const std::string& file, std::string_view text);
 
-/// Returns the finite coordinate with the largest absolute value.
+/// Returns the largest absolute coordinate of the finite vertices.
 double FarthestOf(const TriangleMesh& mesh);
 
 }  // namespace palpate
