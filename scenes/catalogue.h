@@ -30,8 +30,8 @@ struct LoadOptions {
   /// name: stage".  Called only while something is built, or while a mesh that is named in place of
   /// a scene is read; from the threads that build, never by two at once.
   Progress progress;
-  /// Is told what went wrong and was repaired, such as a broken cache file.  Default:
-  /// to standard error.
+  /// Is told what went wrong and was repaired, such as a broken cache file.  Default: writes to
+  /// standard error.
   std::function<void(const std::string&)> warn;
   /// Number of bodies that are built at the same time, one thread each; 0: one per core.  The scene
   /// does not depend on it, nor do messages, warnings and errors: they come in the order of the
@@ -39,7 +39,7 @@ struct LoadOptions {
   std::size_t bodies_at_once = 0;
   MeshSceneOptions mesh;  ///< for a mesh file that is named in place of a scene
   /// Is told what was assumed about such a mesh, and how a tree from a file was aligned with its
-  /// mesh.  Default: to standard error.
+  /// mesh.  Default: writes to standard error.
   std::function<void(const std::string&)> tell;
 };
 

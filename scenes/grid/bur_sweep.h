@@ -22,9 +22,9 @@ class BurSweep {
   /// slopes tell whether the nearest place lies between them, and then regula falsi on the slope
   /// finds it.  For a trephine this holds as long as the same side of its wall stays nearest, so
   /// its steps must be short.
-  /// The result is never below the true distance.  It is exact for a ball, and at the ends of the
-  /// way; else it is too large by up to 1e-4 of the step's length, and by up to a twentieth where
-  /// the slope jumps: deep inside, below sharp edges.
+  /// The result is never below the true distance.  It is exact for a ball, whose way is a capsule,
+  /// and at the ends of the way.  For other burs it is too large by at most a twentieth of the
+  /// step's length, where the slope jumps: deep inside, below sharp edges.
   /// `within`: points farther away than this get their distance to the end of the way.
   void Distances(const Vec3& first_T, const Vec3& apart_T, float within,
                  Row& distance) const noexcept;

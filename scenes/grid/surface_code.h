@@ -16,8 +16,8 @@ namespace palpate {
 ///         u8 if V <= 256, else u16; counter-clockwise seen from the free side,
 ///     materials, u8, as in the solid's grid: one if all are the same, else Q + T.
 ///
-/// If there is no surface, only the three counts follow.  A step of h/21 is 2.4 um if h is 50 um; a
-/// block is 168 steps wide, so shared vertices of neighbouring blocks have equal places.
+/// If there is no surface, only the three counts are written.  A step of h/21 is 2.4 um if h is 50
+/// um; a block is 168 steps wide, so shared vertices of neighbouring blocks have equal places.
 /// @param begin  origin of the block in the solid's frame [m].   @param code  replaced.
 void EncodeSurface(const SolidSurface& surface, const Vec3& begin, double spacing,
                    std::vector<std::uint8_t>& code);

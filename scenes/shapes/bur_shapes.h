@@ -18,8 +18,8 @@ BurProfile PearBur(double radius, double length);
 /// narrows above.  [m]
 BurProfile FlameBur(double radius, double length);
 
-/// Returns a hollow cylinder: a bore as deep as the bur, except for a roof as thick as
-/// its wall. [m]
+/// Returns a hollow cylinder: a bore as deep as the bur, but for a roof as thick as its
+/// wall is.  [m]
 BurProfile TrephineBur(double radius, double wall, double length, double rounding);
 
 /// Makes the mesh of a tool: the bur at the origin, its axis along y, on a shank in a handle.

@@ -26,7 +26,7 @@ struct SurfaceToCover {
 /// ball with centre c sticks out by max |x - c| - d(c), where x are the corners of its bits and d
 /// is the distance to the surface.  So a bit goes best to the ball, among those with radii d(c),
 /// that is nearest to it, and a ball's centre best to where that difference is least.  Both steps
-/// alternate (Lloyd, IEEE Trans.  Inf. Theory 28 (1982) 129-137, for this measure); balls that are
+/// alternate (Lloyd, IEEE Trans. Inf. Theory 28 (1982) 129-137, for this measure); balls that are
 /// not needed move to where others stick out most.
 ///
 /// Set-up only.  Deterministic.

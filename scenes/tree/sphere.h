@@ -15,7 +15,7 @@ struct Sphere {
 
 /// Returns the smallest ball that contains all the given balls, to rounding; the list must not be
 /// empty.  Adds to a basis of at most four balls the one that sticks out most, as in LP-type
-/// problems (Fischer & Gärtner, Int.  J. Comput. Geom. Appl. 14 (2004) 341-378).
+/// problems (Fischer & Gärtner, Int. J. Comput. Geom. Appl. 14 (2004) 341-378).
 Sphere EnclosingSphere(const std::vector<Sphere>& balls);
 
 /// Finds which of many balls are nearest to a point.  Set-up only: not real-time.

@@ -75,8 +75,8 @@ class SurfaceGauge {
 /// bound what is below them.
 std::vector<std::vector<Sphere>> BallsByLevel(const SphereTree& tree);
 
-/// Measures each level with SurfaceGauge, against the solid that the
-/// mesh represents (mesh_solid.h).
+/// Measures each level with SurfaceGauge, against the solid that the mesh
+/// represents (mesh_solid.h).
 std::vector<UnionError> MeasureLevels(const TriangleMesh& mesh, const SphereTree& tree,
                                       std::size_t samples = 100003);
 
