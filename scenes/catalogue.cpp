@@ -50,7 +50,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A scene as text, or a bundle: what its bodies may hold, and their names, materials and remarks.
+/// Limit of a scene's text or bundle [bytes]: what its bodies may hold, and 64 MB for names,
+/// materials and remarks.
 constexpr std::uint64_t kLargestSceneFile = kMaxSceneBytes + (std::uint64_t{64} << 20);
 
 fs::path CatalogueFolder() {
@@ -58,7 +59,7 @@ fs::path CatalogueFolder() {
   return PlaceOf(ProjectFile::kCatalogue);
 }
 
-/// Says which body a complaint is about.
+/// Runs `work`, and adds to its errors which body they are about.
 template <class Work>
 auto About(const std::string& where, Work work) {
   try {
@@ -72,7 +73,7 @@ bool IsImported(const MeshSource& source) {
   return source.kind == MeshSource::Kind::kModel || source.kind == MeshSource::Kind::kFile;
 }
 
-/// Null where it is none of shape_kinds.h.
+/// Returns the kind of a shape; null if it is none of shape_kinds.h.
 const ShapeKind* ShapeOf(const MeshSource& source) {
   return source.kind == MeshSource::Kind::kShape ? FindShapeKind(source.what) : nullptr;
 }
@@ -88,12 +89,12 @@ struct Shape {
   SphereTree tree;
   std::vector<MeshGroup> groups;
   std::vector<std::string>
-      remarks;                   ///< of the file: what was mended, and what looks like a mistake
-  double metres_per_unit = 1.0;  ///< what a number in the mesh's file means
+      remarks;                   ///< what was repaired in the file, and what looks like a mistake
+  double metres_per_unit = 1.0;  ///< unit of the mesh's file
 };
 
-/// Complaints name the scene file's line.
-/// @param body  gets the named parts of a mesh file, what was mended of it, and its unit.
+/// Makes the body's mesh.  Errors name the scene file's line.
+/// @param body  receives the named parts of a mesh file, what was repaired, and the unit.
 TriangleMesh MakeMesh(const MeshSource& source, const std::string& models_dir, Shape& body) {
   switch (source.kind) {
     case MeshSource::Kind::kBox:
@@ -137,7 +138,7 @@ void Tell(const LoadOptions& options, const std::string& what) {
   options.tell ? options.tell(what) : void(std::cerr << Printable(what) << '\n');
 }
 
-/// Else nothing of the mesh would give way where the edge cuts.
+/// Throws Error if no triangle of the mesh lies in the edge, because then nothing would cut.
 void CheckEdge(const BurProfile& edge, const TriangleMesh& mesh, const std::string& where) {
   const Bur bur(edge.curve, edge.rounding);
   const Quat to_T = Quat::FromTwoVectors(edge.edge->along, Vec3::UnitZ());
@@ -153,8 +154,8 @@ void CheckEdge(const BurProfile& edge, const TriangleMesh& mesh, const std::stri
   }
 }
 
-/// Refines the body's mesh as its scene file asks.  What follows, trees, bundles, viewers, physics
-/// and oracles, knows only the refined mesh.
+/// Refines the body's mesh as its scene file asks.  All that follows, trees, bundles, viewers,
+/// physics and oracles, uses only the refined mesh.
 void Curve(const MeshSource& source, const LoadOptions& options, Shape& body) {
   CurvedMesh refined = RefineCurved(body.mesh, *source.curved);
   if (refined.tolerance > source.curved->tolerance) {
@@ -165,7 +166,7 @@ void Curve(const MeshSource& source, const LoadOptions& options, Shape& body) {
          << refined.mesh.triangles.size() << " (raise max_triangles or tolerance_um)";
     Warn(options, text.str());
   }
-  // Parts are ranges of triangles, and the triangles' order is kept.
+  // Named parts are ranges of triangles, and refining keeps the triangles' order.
   const auto first_of = [&](std::uint32_t triangle) {
     return static_cast<std::uint32_t>(
         std::lower_bound(refined.source.begin(), refined.source.end(), triangle) -
@@ -178,15 +179,15 @@ void Curve(const MeshSource& source, const LoadOptions& options, Shape& body) {
   body.mesh = std::move(refined.mesh);
 }
 
-/// About what the building of a body costs, in leaves that lie inside a mesh.
+/// The approximate cost of building a body, in units of one leaf inside a mesh.
 struct Work {
   double mesh = 0.0, tree = 0.0;
   double all() const { return mesh + tree; }
 };
 
-/// Of files, by their size.  As measured with 2,000,000 triangles (mesh-import.md) and a bunny of
-/// 70,000: a triangle takes a hundredth of what a leaf does to be read and mended, and half of that
-/// again in the building of the tree.
+/// Estimates the cost; for mesh files, from their size.  As measured with 2,000,000 triangles
+/// (mesh-import.md) and a bunny of 70,000, reading and repairing a triangle costs a hundredth of a
+/// leaf, and half of that again in building the tree.
 Work WorkOf(const BodyDescription& body, const std::string& models_dir) {
   constexpr double kBytesPerTriangle = 40.0;
   const bool ball = body.mesh.kind == MeshSource::Kind::kSphere;
@@ -197,14 +198,14 @@ Work WorkOf(const BodyDescription& body, const std::string& models_dir) {
     triangles = none ? 0.0 : double(bytes) / kBytesPerTriangle;
   }
   double leaves = double(body.leaves);
-  if (body.tolerance) leaves = ball ? 1.0 : 8192.0;  // of all counts together
+  if (body.tolerance) leaves = ball ? 1.0 : 8192.0;  // the sum over all counts that are tried
   if (!body.tree.built()) leaves = 2048.0;
   const bool moved = body.tree.built() &&
                      (body.tree.mode == TreeMode::kBalanced || body.tree.mode == TreeMode::kCover);
   return {1.0 + 0.01 * triangles, (moved ? 6.0 : 1.0) * leaves + 0.005 * triangles};
 }
 
-/// How much of a scene is done, whichever of its bodies are being built: never less than before.
+/// The share of a scene that is done, over all bodies that are being built; it never decreases.
 class SceneProgress {
  public:
   SceneProgress(const std::vector<const BodyDescription*>& bodies, const LoadOptions& options)
@@ -213,7 +214,7 @@ class SceneProgress {
       work_.push_back(WorkOf(*body, options.models_dir).all());
     }
   }
-  /// In any thread.
+  /// May be called from any thread.
   /// @param fraction  of the n-th body.
   void Tell(std::size_t n, std::string_view stage, double fraction) {
     if (!progress_) return;
@@ -245,7 +246,7 @@ Shape MakeShape(const BodyDescription& description, const LoadOptions& options,
   body.mesh = MakeMesh(description.mesh, options.models_dir, body);
   if (description.mesh.curved) Curve(description.mesh, options, body);
   const bool ball = description.mesh.kind == MeshSource::Kind::kSphere;
-  // No count is truer to a sphere than the ball that it is.
+  // The ball itself is more accurate than any number of leaves.
   if (ball && (description.leaves == 1 || description.tolerance)) {
     body.tree = SingleSphereTree(body.mesh, {Vec3::Zero(), description.mesh.size.x()});
     return body;
@@ -287,7 +288,7 @@ std::uint64_t HashOfMesh(const std::string& file) {
   return hash;
 }
 
-/// Hash of all that decides what a compiled scene holds.
+/// Returns the hash of everything that decides what a compiled scene contains.
 std::uint64_t KeyOf(const SceneDescription& scene, const std::string& text,
                     const std::string& models_dir) {
   std::uint64_t key = HashBytes(text, std::uint64_t{kMeshReadersVersion} << 48 |
@@ -295,7 +296,7 @@ std::uint64_t KeyOf(const SceneDescription& scene, const std::string& text,
                                           kShapesVersion << 16 | kSphereTreeBuilderVersion);
   key = HashBytes(scene.name, key + static_cast<std::uint64_t>(scene.features.contact));
   key = HashBytes(std::to_string(kCurvedMeshVersion), key + kRemarksVersion);
-  std::map<std::string, std::uint64_t> hashes;  // of each mesh file once
+  std::map<std::string, std::uint64_t> hashes;  // of each mesh file, computed once
   const auto add_file_of = [&](const MeshSource& mesh) {
     if (!IsImported(mesh)) return;
     const std::string file = MeshFile(mesh, models_dir);
@@ -341,7 +342,7 @@ bool SameGeometry(const BodyDescription& a, const BodyDescription& b) {
          a.tree == b.tree && SameMesh(a.mesh, b.mesh);
 }
 
-/// Those that are built: of several of one geometry the first.
+/// Returns the bodies to build: of several with the same geometry only the first.
 std::vector<const BodyDescription*> DistinctBodies(const SceneDescription& scene) {
   std::vector<const BodyDescription*> distinct;
   for (const auto* bodies : {&scene.tools, &scene.objects}) {
@@ -355,7 +356,7 @@ std::vector<const BodyDescription*> DistinctBodies(const SceneDescription& scene
   return distinct;
 }
 
-/// How far a tool that contacts can turn reaches from its centroid [m].
+/// Returns how far a tool reaches from its centroid [m]; 0 for a ball, which contacts cannot turn.
 double ReachOf(const Body& tool) {
   if (tool.tree.leaves() == 1) return 0.0;
   double reach = 0.0;
@@ -363,27 +364,27 @@ double ReachOf(const Body& tool) {
   return reach;
 }
 
-/// So that a core makes one.
+/// Returns the number of bodies to build at the same time: by default one per core.
 std::size_t BodiesAtOnce(const LoadOptions& options) {
   return options.bodies_at_once > 0 ? options.bodies_at_once
                                     : std::max(std::thread::hardware_concurrency(), 1u);
 }
 
-/// A body's shape as it was made in a thread, and what there is to say of it.
+/// A body's shape that a thread has made, and the messages about it.
 struct MadeShape {
   Shape shape;
   std::vector<std::function<void()>> said;
   std::exception_ptr failed;
 
-  /// Says it, and throws what the making threw.
+  /// Passes the messages on, and throws what was thrown in the thread.
   void Tell() {
     for (const auto& say : std::exchange(said, {})) say();
     if (failed) std::rethrow_exception(failed);
   }
 };
 
-/// Bodies have nothing to do with each other: several are made at once.  What comes after one that
-/// fails need not be there.
+/// Makes the shapes of bodies in several threads; bodies are independent.  Entries after one that
+/// fails may be missing.
 std::vector<MadeShape> MakeShapes(const std::vector<const BodyDescription*>& bodies,
                                   const LoadOptions& options) {
   struct NobodyTakesIt {};
@@ -423,10 +424,10 @@ std::vector<MadeShape> MakeShapes(const std::vector<const BodyDescription*>& bod
       helpers.emplace_back(make_some);
     }
   } catch (const std::system_error&) {
-    // Fewer will do.
+    // Go on with fewer threads.
   }
   make_some();
-  helpers.clear();  // waits for them
+  helpers.clear();  // joins them
   return all;
 }
 
@@ -444,14 +445,14 @@ Scene Compile(const SceneDescription& description, const LoadOptions& options) {
         distinct, [&](const BodyDescription* other) { return SameGeometry(body, *other); });
     return static_cast<std::size_t>(same - distinct.begin());
   };
-  std::vector<std::size_t> users(distinct.size(), 0);  // that are not made yet
+  std::vector<std::size_t> users(distinct.size(), 0);  // bodies that still need it
   for (const auto* bodies : {&description.tools, &description.objects}) {
     for (const BodyDescription& body : *bodies) ++users[number_of(body)];
   }
   SceneSize size;
   const auto compile = [&](const BodyDescription& from) {
     const std::size_t number = number_of(from);
-    MadeShape& made = shapes[number];  // two bunnies are built once
+    MadeShape& made = shapes[number];  // bodies of the same geometry share it
     made.Tell();
     Shape shape = --users[number] > 0 ? made.shape : std::move(made.shape);
     About(from.mesh.where, [&] { size.Add(from.name, shape.mesh, shape.tree); });
@@ -501,8 +502,8 @@ Scene Compile(const SceneDescription& description, const LoadOptions& options) {
   return scene;
 }
 
-/// What is brought from elsewhere, a CAD program say, is told what it should be, and not where its
-/// JSON is wrong.
+/// Throws Error for a file of another program, such as a CAD file: it says which files are
+/// accepted, instead of where the JSON is wrong.
 void RefuseWhatIsNoScene(const std::string& file, const std::string& text) {
   const std::size_t begin = text.find_first_not_of(" \t\r\n");
   const bool like_json = begin != std::string::npos && (text[begin] == '{' || text[begin] == '/');
@@ -521,7 +522,7 @@ std::string SceneTextOfMesh(const std::string& file, const LoadOptions& options)
   return scene.text;
 }
 
-/// What is to be compiled: the scene file, and what the options say otherwise.
+/// Returns what to compile: the scene file, with the changes that the options make.
 SceneDescription Describe(const std::string& text, const std::string& file,
                           const LoadOptions& options) {
   SceneDescription scene = ParseScene(text, file);
@@ -544,7 +545,7 @@ SceneDescription Describe(const std::string& text, const std::string& file,
   if (options.leaves) {
     for (auto* bodies : {&scene.tools, &scene.objects}) {
       for (BodyDescription& body : *bodies) {
-        // What one leaf is, it is meant to be.
+        // Keep a single leaf: it is the exact ball.
         if (!body.tree.built() || body.leaves == 1) continue;
         body.leaves = 0;
         body.tolerance = options.leaves;
@@ -580,7 +581,8 @@ Scene LoadBundle(const std::string& bytes, const std::string& file, const LoadOp
   return scene;
 }
 
-/// From the cache, if it is there; without its effects, which need not be compiled.
+/// Returns the compiled scene, from the cache if it is there; without effects, which
+/// need no compiling.
 Scene CompileOnce(const SceneDescription& description, const std::string& text,
                   const LoadOptions& options) {
   if (!options.use_cache || options.tree_file) return Compile(description, options);
@@ -595,7 +597,7 @@ Scene CompileOnce(const SceneDescription& description, const std::string& text,
     return Compile(description, options);
   }
   std::uint64_t key = KeyOf(description, text, options.models_dir);
-  // What the text does not tell.
+  // Options that the text does not include.
   if (options.leaves) key = HashBytes(ToText(*options.leaves), key);
   std::ostringstream name;
   name << description.name << '-' << std::hex << std::setw(16) << std::setfill('0') << key
@@ -628,7 +630,7 @@ std::vector<std::string> CatalogueNames() {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(CatalogueFolder(), ignored)) {
     const fs::path name = entry.path().stem();
-    // NAME.path.json is the hand's script for NAME, NAME.criteria.json what a trial is graded by.
+    // NAME.path.json is the hand's script for NAME, and NAME.criteria.json its grading criteria.
     if (entry.path().extension() == ".json" && name.extension() != ".path" &&
         name.extension() != ".criteria") {
       names.push_back(name.string());
@@ -692,7 +694,7 @@ Scene LoadScene(const std::string& name_or_path, const LoadOptions& options) {
   if (LooksLikeBundle(text)) return LoadBundle(text, file, options);
   RefuseWhatIsNoScene(file, text);
   const SceneDescription description = Describe(text, file, options);
-  std::vector<Effect> effects;  // soonest: what follows may take a minute
+  std::vector<Effect> effects;  // first, because what follows may take a minute
   for (const JsonNode& effect : description.effects) {
     effects.push_back(LoadEffect(effect, fs::path(file).parent_path()));
   }

@@ -13,66 +13,69 @@
 namespace palpate {
 
 struct LoadOptions {
-  std::string models_dir;  ///< looked in first for models; empty: model_files.h
+  std::string models_dir;  ///< searched for models first; empty: as model_files.h says
   std::string cache_dir;   ///< empty: $XDG_CACHE_HOME/palpate, else ~/.cache/palpate
   bool use_cache = true;
-  /// In place of the scene file's; trees whose mode it leaves open follow (ChooseModes).
+  /// Replaces the contact model of the scene file.  Trees whose mode the scene file leaves open get
+  /// the mode that suits it (ChooseModes).
   std::optional<ContactModel> contact;
-  /// Of every body whose tree is built; left out: as the scene file says.
+  /// Mode of every tree that is built; unset: as the scene file says.
   std::optional<TreeMode> tree;
-  /// Of every body whose tree is built of more than one leaf; left out: as the scene file says.
+  /// Tolerance of every tree that is built with more than one leaf; unset: as the scene file says.
   std::optional<LeafTolerance> leaves;
-  /// Of the first object and whoever has its mesh, whatever the scene file says; nothing of it is
-  /// cached.
+  /// Tree file of the first object, and of every body that has the same mesh, whatever the scene
+  /// file says.  The scene is then not cached.
   std::optional<TreeSource> tree_file;
-  /// Of the whole scene, never going back; stages are "body 2 of 5, name: stage".  Only while
-  /// something is built, or a mesh that is named in place of a scene is read.  In the threads that
-  /// build, one at a time.
+  /// Is told the progress of the whole scene, which never decreases; a stage reads "body 2 of 5,
+  /// name: stage".  Called only while something is built, or while a mesh that is named in place of
+  /// a scene is read; from the threads that build, never by two at once.
   Progress progress;
-  /// Told what went wrong and was mended, such as a broken cache file.  Default: to standard error.
+  /// Is told what went wrong and was repaired, such as a broken cache file.  Default: writes to
+  /// standard error.
   std::function<void(const std::string&)> warn;
-  /// So many are built at once, in threads; 0: as many as there are cores.  Whatever it is, the
-  /// scene is the same, and so is what is told of it, warned and complained of, in the order of the
-  /// scene file and in the caller's thread.
+  /// Number of bodies that are built at the same time, one thread each; 0: one per core.  The scene
+  /// does not depend on it, nor do messages, warnings and errors: they come in the order of the
+  /// scene file, in the caller's thread.
   std::size_t bodies_at_once = 0;
-  MeshSceneOptions mesh;  ///< where a mesh file is named in place of a scene
-  /// Told what was assumed of such a mesh, and how a tree from a file was brought to its mesh.
-  /// Default: to standard error.
+  MeshSceneOptions mesh;  ///< for a mesh file that is named in place of a scene
+  /// Is told what was assumed about such a mesh, and how a tree from a file was aligned with its
+  /// mesh.  Default: writes to standard error.
   std::function<void(const std::string&)> tell;
 };
 
-/// Loads a scene by its catalogue name ("bunny-bunny"), or from a scene file (.json), a bundle
-/// (.palpate), or a mesh (mesh_import.h), which makes a scene with a ball to feel it
-/// (mesh_scene.h). What must be built is kept in the cache.  Throws Error.
+/// Loads a scene by its catalogue name ("bunny-bunny"), from a scene file (.json), from a bundle
+/// (.palpate), or from a mesh (mesh_import.h), for which a scene with a ball to feel it is made
+/// (mesh_scene.h).  What had to be built is kept in the cache.  Throws Error.
 Scene LoadScene(const std::string& name_or_path, const LoadOptions& options = {});
 
-/// What names a scene by its content: as servers, recordings and reports write it, 16 digits.
+/// Returns the hash of a scene's content, 16 digits: servers, recordings and reports identify the
+/// scene by it.
 std::string SceneHash(const Scene& scene);
-/// Packs what a program has put together into a file *.palpate, which LoadScene and the server
-/// read, with remarks; a scene without a name gets the file's.  Throws Error.
+/// Writes a scene that a program has put together to a file *.palpate, with its remarks, for
+/// LoadScene and the server to read; a scene without a name gets the file's.  Throws Error.
 void SaveScene(Scene scene, const std::string& file);
 
-/// The scene file that a name stands for: NAME.json in $PALPATE_CATALOGUE, else in
-/// the catalogue that comes with the programs (common/files/project_files.h).
+/// Returns the scene file for a name: NAME.json in $PALPATE_CATALOGUE, else in the catalogue that
+/// comes with the programs (common/files/project_files.h).
 std::string FindSceneFile(const std::string& name_or_path);
 
-/// The scene file says that a session begins with the scene whole (SceneDescription).  False for
-/// what is no scene file: a mesh, a bundle.  Throws Error.
+/// Returns whether the scene file says that a session begins with the scene whole
+/// (SceneDescription).  False for a mesh or a bundle.  Throws Error.
 bool IsWholeAtStart(const std::string& name_or_path);
 
-/// The hand's script that stands, or would stand, beside that file: NAME.path.json.
+/// Returns the path of the hand's script beside that file, NAME.path.json, which need not exist.
 std::string ScriptFileBeside(const std::string& name_or_path);
 
-/// What palpate-replay score grades its trials by: NAME.criteria.json.
+/// Returns the path of the criteria that palpate-replay score grades by: NAME.criteria.json.
 std::string CriteriaFileBeside(const std::string& name_or_path);
 
-/// Names of the catalogue's scenes, sorted.
+/// Returns the names of the catalogue's scenes, sorted.
 std::vector<std::string> CatalogueNames();
 
 struct CatalogueEntry {
   std::string name, description;
 };
-/// The same, with what their files say of them.  Throws Error where a file is no JSON.
+/// Returns the names and the descriptions in their files.  Throws Error if a file is not JSON.
 std::vector<CatalogueEntry> ListCatalogue();
 
 }  // namespace palpate

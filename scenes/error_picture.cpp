@@ -17,22 +17,22 @@ namespace palpate {
 namespace {
 
 constexpr int kShownLevels = 3;
-constexpr int kDecades = 3;  // of the scale, between its end and what counts as none
+constexpr int kDecades = 3;  // of the scale, from its end to what counts as zero
 constexpr std::size_t kSamples = 10007;
 
 constexpr int kMargin = 16;
-constexpr int kLine = 22;  // from line to line of text
+constexpr int kLine = 22;  // height of a line of text
 constexpr int kHeading = 2 * kLine + kMargin;
 constexpr int kTitle = 3 * kLine + kMargin;
 constexpr int kBar = 26;
 constexpr int kScale = kBar + 7 * kLine;
 
-/// Where no sphere lies under the surface.
+/// The colour where no sphere lies under the surface.
 Colour BareColour() {
   return {0.55, 0.0, 0.6};
 }
 
-/// Blue below the mesh, red above it, pale where it is true: a hue for each decade.
+/// Blue below the mesh, red above it, pale on it; one hue for each decade.
 Colour ColourAt(double place) {
   static const std::array<Colour, kDecades + 2> kAbove{
       Colour(0.9, 0.9, 0.87), Colour(1.0, 0.85, 0.35), Colour(1.0, 0.45, 0.05),
@@ -46,7 +46,7 @@ Colour ColourAt(double place) {
   return stops[stop] + (at - double(stop)) * (stops[stop + 1] - stops[stop]);
 }
 
-/// The power of ten that holds all but the outermost hundredths.
+/// Returns the power of ten that includes all heights but the outermost hundredths.
 double EndOfScale(const std::vector<UnionError>& errors) {
   double largest = 1e-7;
   for (const UnionError& e : errors) {
@@ -95,7 +95,7 @@ void DrawScale(Canvas& picture, int middle, int y, double largest, bool bare) {
 
 double PlaceOnScale(double height, double largest) {
   const double decades = std::log10(std::max(std::abs(height) / largest, 1e-30)) + kDecades + 1;
-  // The smallest decade begins at 0, in proportion.
+  // The smallest decade is linear and begins at 0.
   const double smallest = largest * std::pow(10.0, -kDecades);
   const double place = decades >= 1.0 ? decades : std::abs(height) / smallest;
   return std::copysign(std::min(place / (kDecades + 1), 1.0), height);

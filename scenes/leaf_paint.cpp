@@ -19,8 +19,8 @@ Vec3 CentreOf(const SphereTree& tree, std::size_t leaf) {
   return {tree.leaf_x[leaf], tree.leaf_y[leaf], tree.leaf_z[leaf]};
 }
 
-/// Surface that each leaf stands for [m^2]: a triangle is shared evenly by the leaves that have it.
-/// @param counts  tells which triangles count for which leaf.
+/// Returns the area that each leaf represents [m^2]; leaves that have a triangle share it evenly.
+/// @param counts  returns whether a triangle counts for a leaf.
 template <class Counts>
 std::vector<double> LeafAreas(const Body& body, Counts counts) {
   const SphereTree& tree = body.tree;
@@ -54,8 +54,8 @@ std::vector<double> LeafAreas(const Body& body, Counts counts) {
   throw Error(message);
 }
 
-/// The exposed triangles of the leaves: what lies inside another part of the mesh is touched by
-/// nothing, and decides no material.  Only bodies of several materials, or of layers, ask for it.
+/// The exposed triangles of the leaves.  Surface inside another part of the mesh cannot be touched,
+/// so it decides no material.  Needed only for bodies with several materials or with layers.
 class Exposed {
  public:
   explicit Exposed(const Body& body) : body_(body), hidden_(body.mesh) {}
@@ -69,7 +69,7 @@ class Exposed {
   HiddenSurface hidden_;
 };
 
-/// Leaves most of whose exposed surface belongs to the part.
+/// Returns the leaves whose exposed surface belongs mostly to the part.
 LeafSet LeavesOfGroup(const RegionDescription& region, const std::vector<MeshGroup>& groups,
                       const Body& body, const std::vector<double>& areas, const Exposed& exposed) {
   std::vector<bool> named(body.mesh.triangles.size(), false);
@@ -102,20 +102,20 @@ LeafSet LeavesOf(const RegionDescription& region, const std::vector<MeshGroup>& 
   return leaves;
 }
 
-/// The material of the leaves that body.leaf_material gives `index`.
+/// Returns the material of the leaves that have `index` in body.leaf_material.
 Material Resolve(const MaterialDescription& description, std::uint8_t index, const Body& body,
                  const std::vector<double>& areas) {
   Material material = description.material;
   if (description.youngs_modulus <= 0.0) return material;
   double area = 0.0;
-  std::size_t bearing = 0;  // leaves that fill the inside stand for no surface
+  std::size_t bearing = 0;  // leaves with surface; those that fill the inside have none
   for (std::size_t i = 0; i < areas.size(); ++i) {
     const bool ours = (body.leaf_material.empty() ? 0 : body.leaf_material[i]) == index;
     if (!ours || areas[i] <= 0.0) continue;
     area += areas[i];
     ++bearing;
   }
-  // A material that others have painted over is of no leaf.
+  // Later regions may have painted over all leaves of this material.
   if (bearing == 0) return material;
   material.stiffness =
       description.youngs_modulus * (area / static_cast<double>(bearing)) / description.thickness;
@@ -128,7 +128,7 @@ void PaintLeaves(const BodyDescription& description, const std::vector<MeshGroup
                  Body& body) {
   body.materials = {description.material.material};
   if (description.grid) {
-    // Its points have materials, and not its leaves.
+    // Materials belong to its points, not to its leaves.
     body.grid.emplace().spacing = *description.grid;
     for (const RegionDescription& region : description.regions) {
       const auto material = static_cast<std::uint8_t>(body.materials.size());

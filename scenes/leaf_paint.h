@@ -9,20 +9,22 @@
 
 namespace palpate {
 
-/// Changes with what named parts paint, so that older cached scenes that have any are built anew.
+/// Changes whenever named parts paint differently, so that cached scenes that have any are built
+/// anew.
 inline constexpr std::uint32_t kGroupPaintVersion = 2;
 
 /// Gives every leaf of an object its material: fills body.materials and body.leaf_material.
 ///
-/// A named part of the mesh counts where it is exposed: gum inside a crown makes no leaf soft.
+/// Only the exposed surface of a named part of the mesh counts: gum inside a crown makes no leaf
+/// soft.
 ///
-/// A Young's modulus E of a layer of thickness L becomes the row stiffness E A / L of a leaf, A the
-/// exposed surface that a leaf of that material stands for (their mean): a leaf is an elastic
-/// column under its piece of surface, and many leaves pressed together are as stiff as the layer
-/// above them (the elastic foundation of Johnson, Contact Mechanics (1985), 4.3).  Along sharp
-/// edges, where leaves crowd, the layer comes out stiffer than it is.
+/// A Young's modulus E of a layer of thickness L becomes the row stiffness E A / L of a leaf, where
+/// A is the mean exposed surface per leaf of that material.  So a leaf is an elastic column under
+/// its piece of surface, and many leaves pressed together are as stiff as the layer above them (the
+/// elastic foundation of Johnson, Contact Mechanics (1985), 4.3).  Along sharp edges, where leaves
+/// are dense, the layer is stiffer than it should be.
 /// @param body  with mesh and tree.   @param groups  named parts of its mesh.
-/// Throws Error where a region paints no leaf, and names the region's line.
+/// Throws Error, which names the region's line, if a region paints no leaf.
 void PaintLeaves(const BodyDescription& description, const std::vector<MeshGroup>& groups,
                  Body& body);
 

@@ -1,4 +1,4 @@
-// palpate-scene: mesh -> sphere tree -> scene bundle, and what there is to know about one.
+// palpate-scene: compiles meshes to sphere trees and scene bundles, and reports on them.
 
 #include <chrono>
 #include <cmath>
@@ -39,7 +39,7 @@ namespace palpate {
 namespace {
 
 struct Arguments {
-  std::string scene;  ///< name, scene file, bundle; for check also a mesh
+  std::string scene;  ///< name, scene file or bundle; for check also a mesh
   std::string output;
   std::string models;
   std::string cache;
@@ -47,11 +47,11 @@ struct Arguments {
   std::optional<int> level;
   std::string mode;  ///< one of kTreeModes; empty: as the scene file says
   std::optional<LeafTolerance> leaves;
-  std::string body;  ///< whose tree is exported; empty: the first object's
-  std::string unit;  ///< of what is exported
+  std::string body;  ///< the body whose tree is exported; empty: the first object
+  std::string unit;  ///< of the exported file
   bool rebuild = false;
   bool whole = false;
-  bool error = false;  ///< what is drawn
+  bool error = false;  ///< whether to draw the error
   MeshSceneOptions mesh;
   InfoOptions info;
   int domain = 0;
@@ -81,7 +81,7 @@ Scene Load(const Arguments& arguments) {
   return LoadScene(arguments.scene, options);
 }
 
-/// Prints the verdict; a scene or mesh that is not usable is a failure.
+/// Prints the verdict; throws if the scene or mesh is not usable.
 void Conclude(const std::string& what, const Verdict& verdict, std::FILE* to = stdout) {
   std::fputs(ToText(verdict).c_str(), to);
   if (!verdict.usable()) throw Error(what + ": is not usable: " + verdict.faults.front());
@@ -104,7 +104,7 @@ void Build(const Arguments& arguments) {
 void Info(const Arguments& arguments) {
   const Scene scene = Load(arguments);
   const std::string text = SceneInfo(scene, arguments.info);
-  // What is for a program has standard output for itself.
+  // Output for a program needs standard output for itself.
   const bool piped = arguments.info.csv == "-" || arguments.info.json == "-";
   std::fputs(text.c_str(), piped ? stderr : stdout);
   Conclude(arguments.scene, JudgeScene(scene), piped ? stderr : stdout);
@@ -122,7 +122,7 @@ void PrintReport(const MeshReport& r) {
     std::printf("    note: %s\n", Printable(remark).c_str());
 }
 
-/// @param allowed  of p99 [m]; 0: the spheres are not felt.
+/// @param allowed  limit of p99 [m]; 0: the spheres are not felt.
 void PrintSpread(const char* name, const Distribution& s, double allowed) {
   std::printf("    %s mean %.1f  p99 %.1f  max %.1f um", name, 1e6 * s.mean, 1e6 * s.p99,
               1e6 * s.max);
@@ -141,7 +141,7 @@ Verdict CheckBody(const Scene& scene, const Body& body, bool is_tool) {
   return found.verdict;
 }
 
-/// What the file holds, before it is made a scene of as every program makes one.
+/// Prints the contents of a mesh file, before it is made into a scene.
 void PrintMesh(const std::string& file) {
   std::vector<MeshGroup> groups;
   TriangleMesh mesh = ImportMesh(file, &groups);
@@ -196,7 +196,7 @@ void Render(const Arguments& arguments) {
 }
 
 void Export(const Arguments& arguments) {
-  ExportFormatOf(arguments.output);  // before anything is built
+  ExportFormatOf(arguments.output);  // checked before anything is built
   const Scene scene = Load(arguments);
   const Body& body = FindBody(scene, arguments.body);
   const std::vector<std::uint8_t> bytes =
@@ -212,7 +212,7 @@ void List() {
   }
 }
 
-/// Never over a file that is there: somebody may have worked on it.
+/// Never overwrites a file: somebody may have worked on it.
 void New(const Arguments& arguments) {
   namespace fs = std::filesystem;
   if (fs::exists(arguments.output)) {

@@ -14,7 +14,7 @@
 namespace palpate {
 namespace {
 
-/// Colours of neighbours differ: hues step by the golden ratio.
+/// Returns colours that differ between neighbours: hues step by the golden ratio.
 Colour ColourOf(std::size_t index) {
   const double hue = std::fmod(0.08 + 0.618033988749895 * static_cast<double>(index), 1.0);
   Colour c;

@@ -7,13 +7,13 @@
 
 namespace palpate {
 
-/// Draws each of the scene's distinct bodies as a row of pictures: the mesh, then the spheres of
-/// every level of its tree (chapter 2, Fig. 2.10), or of one level only.  Writes a PNG.
-/// Throws UsageError where no body has the level, Error where the file cannot be written.
+/// Draws each distinct body of the scene as a row of pictures, as a PNG: the mesh, then the spheres
+/// of every level of its tree (chapter 2, Fig. 2.10), or of one level only.
+/// Throws UsageError if no body has the level, Error if the file cannot be written.
 void DrawScene(const Scene& scene, std::optional<int> level, const std::string& png_file);
 
-/// Draws the scene as it stands: the objects, each of its own colour, and the tools, orange, where
-/// they start.  Throws Error where the file cannot be written.
+/// Draws the scene as a whole: the objects, each in its own colour, and the tools, in orange, at
+/// their start poses.  Throws Error if the file cannot be written.
 void DrawWhole(const Scene& scene, const std::string& png_file);
 
 }  // namespace palpate

@@ -10,8 +10,8 @@
 namespace palpate {
 namespace {
 
-// Letters of 5 x 7 dots, and two rows for what hangs below the line; two pixels a dot.  Five bits a
-// row, top row first.
+// Letters of 5 x 7 dots, and two rows for descenders; a dot is two pixels wide.  Five bits per row,
+// top row first.
 constexpr std::string_view kLetters =
     "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ-abcdefghijklmnopqrstuvwxyz.,:+%()/=_";
 constexpr std::uint8_t kDots[][9] = {{14, 17, 19, 21, 25, 17, 14},

@@ -10,24 +10,24 @@
 
 namespace palpate {
 
-/// Tiles, bars and letters, as a PNG.
+/// A picture of tiles, bars and letters that is saved as a PNG.
 class Canvas {
  public:
   static constexpr int kLetterWidth = 12,
-                       kLetterHeight = 14;  ///< without what hangs below [pixels]
+                       kLetterHeight = 14;  ///< of a letter, without descenders [pixels]
 
-  /// White.
+  /// Begins with a white picture.
   Canvas(int width, int height);
 
-  /// @param x, y  of the left upper corner, here and below; what lies outside is left out.
+  /// @param x, y  the upper left corner, here and below; what lies outside the picture is cut off.
   void Place(const Tile& tile, int x, int y);
   void Fill(int x, int y, int width, int height, const Colour& colour);
-  /// Letters of ASCII; what has none is a gap.
+  /// Writes ASCII text; a character without a glyph leaves a gap.
   void Write(std::string_view text, int x, int y);
-  /// The same with its middle at x.
+  /// Writes the text centred at x.
   void WriteCentred(std::string_view text, int x, int y);
 
-  /// Throws Error where the file cannot be written.
+  /// Throws Error if the file cannot be written.
   void Save(const std::string& png_file) const;
 
  private:

@@ -11,7 +11,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kFill = 0.78;  // of a tile's side: the mesh's diameter
+constexpr double kFill = 0.78;  // diameter of the mesh, as a share of a tile's side
 constexpr std::uint32_t kNothing = 0xffffffffu;
 
 std::pair<int, int> Span(int size, double low, double high) {
@@ -42,7 +42,7 @@ Tile::Tile(const Vec3& centre, double radius)
   view_ << right.transpose(), to_eye.cross(right).transpose(), to_eye.transpose();
 }
 
-// Few meshes reach into the corners of their boxes.
+// Few meshes reach the corners of their boxes, so a smaller ball suffices.
 Tile::Tile(const TriangleMesh& mesh)
     : Tile(BoxOf(mesh).center(), 0.5 * 0.85 * BoxOf(mesh).diagonal().norm()) {}
 
@@ -63,7 +63,7 @@ void Tile::Draw(const TriangleMesh& mesh, const Colour& colour) {
         (mesh.vertices[triangle[1]] - a).cross(mesh.vertices[triangle[2]] - a).normalized();
     for (int c = 0; c < 3; ++c) {
       p[c] = ToPixels(mesh.vertices[triangle[c]]);
-      // Smooth where the surface is, sharp at edges of more than about 40 degrees.
+      // Smooth shading, but flat at edges of more than about 40 degrees.
       const Vec3 smooth = normals[triangle[c]].normalized();
       n[c] = view_ * (smooth.dot(facet) > 0.77 ? smooth : facet);
     }
@@ -113,7 +113,7 @@ void Tile::ShadeHollows() {
 void Tile::Paint(
     const TriangleMesh& mesh,
     const std::function<std::vector<Colour>(const std::vector<SurfaceSample>&)>& colours) {
-  // One point for all of a pixel: what is asked at it takes long.
+  // One point for each final pixel, because `colours` may take long.
   const auto cell_of = [](int x, int y) { return y / kOversampling * kSide + x / kOversampling; };
   std::vector<std::uint32_t> asked(kSide * kSide, kNothing);
   std::vector<SurfaceSample> points;
@@ -177,7 +177,7 @@ void Tile::DrawTriangle(std::uint32_t triangle, const std::array<Vec3, 3>& p,
       const double w = 1.0 - u - v;
       if (u < 0.0 || v < 0.0 || w < 0.0) continue;
       Vec3 normal = (u * n[0] + v * n[1] + w * n[2]).normalized();
-      if (normal.z() < 0.0) normal = -normal;  // the back of an open mesh
+      if (normal.z() < 0.0) normal = -normal;  // back of an open mesh
       if (Put(x, y, u * p[0].z() + v * p[1].z() + w * p[2].z(), normal, colour)) {
         triangle_[y * kFine + x] = triangle;
       }

@@ -11,33 +11,34 @@
 
 namespace palpate {
 
-using Colour = Eigen::Array3d;  ///< linear, 0 to 1
+using Colour = Eigen::Array3d;  ///< linear RGB, each 0 to 1
 
-/// One square picture of bodies, seen by a distant eye: x to the right, y down, z towards the eye.
+/// A square picture of bodies in parallel projection: x to the right, y down, z towards the eye.
 class Tile {
  public:
   static constexpr int kSide = 480;  ///< [pixels]
 
-  /// @param centre, radius  ball that fills most of the picture [m].
+  /// @param centre, radius  of the ball that fills most of the picture [m].
   Tile(const Vec3& centre, double radius);
-  /// The same of the ball round a mesh.
+  /// Uses the ball round a mesh.
   explicit Tile(const TriangleMesh& mesh);
 
   void Draw(const TriangleMesh& mesh, const Colour& colour);
   void DrawSphere(const Vec3& centre, double radius, const Colour& colour);
-  /// Darkens what lies in hollows: the share of points around that stand nearer to the eye.
+  /// Darkens hollows: each pixel by the share of points around it that are nearer to the eye.
   void ShadeHollows();
 
-  /// Gives what is seen of a mesh other colours, and less shade, so that colours can be compared.
-  /// @param mesh      the last that was drawn.
-  /// @param colours   of points of its surface, with their triangles' normals; as many.
+  /// Recolours the visible part of a mesh, with less shading, so that colours can be compared.
+  /// @param mesh      the one that was drawn last.
+  /// @param colours   returns one colour for each point of its surface; `outward` is
+  ///                  its triangle's normal.
   void Paint(const TriangleMesh& mesh,
              const std::function<std::vector<Colour>(const std::vector<SurfaceSample>&)>& colours);
 
   Colour At(int x, int y) const;
 
  private:
-  static constexpr int kOversampling = 2;  ///< each way, averaged away in the end
+  static constexpr int kOversampling = 2;  ///< in each direction; averaged at the end
   static constexpr int kFine = kSide * kOversampling;
 
   Vec3 ToPixels(const Vec3& p) const;
@@ -51,7 +52,8 @@ class Tile {
   Mat3 view_;
   std::vector<double> depth_;
   std::vector<Colour> colour_;
-  std::vector<std::uint32_t> triangle_;  ///< of the last mesh; kNothing: none of it is seen there
+  /// of the last mesh, at each pixel; kNothing: it is not visible there
+  std::vector<std::uint32_t> triangle_;
 };
 
 }  // namespace palpate

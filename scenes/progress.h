@@ -5,7 +5,7 @@
 
 namespace palpate {
 
-/// Names a stage of long work and how much of all of it is done, 0 to 1.
+/// Is told the stage that long work is in, and the share of all the work that is done, 0 to 1.
 using Progress = std::function<void(std::string_view stage, double fraction)>;
 
 }  // namespace palpate

@@ -15,7 +15,7 @@ constexpr double kSilent_s = 2.0;
 constexpr double kLeastDone = 0.02;
 constexpr double kLogEvery_s = 5.0;
 
-/// Coarser the longer it is: more would be guessed.
+/// Formats a duration, more coarsely the longer it is, because it is an estimate.
 std::string About(double seconds) {
   const auto rounded = [&](double step) {
     return step * std::max(1.0, std::round(seconds / step));

@@ -7,27 +7,27 @@
 
 namespace palpate {
 
-/// Seconds of a clock that never goes back; where it begins does not matter.
+/// Returns the seconds of a clock that never goes back, counted from any moment.
 using SecondsClock = std::function<double()>;
 double SteadySeconds();
 
-/// Long work as a line for people: " 43 %  part: touching balls, about 12 s left".
-/// How long it will take is what the past says: the time so far, times what is left over what is
-/// done.  Nothing is said of it in the first two seconds, which are over soon or tell too little,
-/// nor before a fiftieth is done, nor of less than a second.
+/// Formats the progress of long work for people: " 43 %  part: touching balls, about 12 s left".
+/// The time left is extrapolated from the time so far.  It is left out during the first two
+/// seconds, before a fiftieth is done, and when it is less than a second.
 class ProgressText {
  public:
   explicit ProgressText(SecondsClock clock = SteadySeconds) : clock_(std::move(clock)) {}
-  /// A fraction that is less than the one before begins other work.
+  /// A fraction smaller than the last one begins new work.
   std::string operator()(std::string_view stage, double fraction);
 
  private:
   SecondsClock clock_;
   double began_ = 0.0;
-  double fraction_ = 2.0;  ///< of the last call; before the first more than any
+  double fraction_ = 2.0;  ///< of the last call; larger than any before the first
 };
 
-/// The same on one line of standard error: rewritten on a terminal, one line a stage elsewhere.
+/// Shows it on standard error: one line that is rewritten on a terminal, one line
+/// per stage elsewhere.
 class ProgressLine {
  public:
   ~ProgressLine() { Clear(); }
@@ -40,7 +40,7 @@ class ProgressLine {
   bool shown_ = false;
 };
 
-/// The same for a log: told once the work has taken five seconds, and every five from then on.
+/// Writes it to a log: first after five seconds of work, and then every five seconds.
 class ProgressLog {
  public:
   using Tell = std::function<void(const std::string&)>;

@@ -20,106 +20,108 @@ struct TriangleMesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-/// What a part of a body is made of: properties of the leaves of its sphere tree (chapter 2.2.3).
-/// Only objects' count; a tool has none of its own.
+/// What a part of a body is made of: the properties of the leaves of its sphere tree (chapter
+/// 2.2.3).  Only the materials of objects count.
 struct Material {
-  /// Row stiffness of a leaf's contact [N/m]; infinite: rigid.
+  /// Stiffness of a leaf's contact row [N/m]; infinite: rigid.
   double stiffness = std::numeric_limits<double>::infinity();
   double static_friction = 0.0;   ///< mu_s
   double dynamic_friction = 0.0;  ///< mu_d <= mu_s
-  // Of bodies that burs cut (Body::grid; server/physics/cut/README.md has the law):
-  double cutting_pressure = 0.0;     ///< p_0 [Pa]: up to it an edge does not enter; 0: no such body
-  double cutting_viscosity = 0.0;    ///< kappa [Pa s/m]: what each m/s of the edge adds
-  double cutting_friction = 0.0;     ///< mu_c: of a bur that spins
-  std::string name{};                ///< what people call it, as "dentine"; several may have one
-  std::uint32_t colour = kNoColour;  ///< 0xRRGGBB of what a cut lays bare
-  static constexpr std::uint32_t kNoColour = 1u << 24;  ///< viewers choose
+  // For bodies that burs cut (Body::grid; server/physics/cut/README.md has the law):
+  double cutting_pressure = 0.0;     ///< p_0 [Pa]: up to it an edge does not cut in; 0: not cut
+  double cutting_viscosity = 0.0;    ///< kappa [Pa s/m]: pressure added per m/s of the edge's speed
+  double cutting_friction = 0.0;     ///< mu_c: friction of a spinning bur
+  std::string name{};                ///< for people, as "dentine"; several may share one
+  std::uint32_t colour = kNoColour;  ///< 0xRRGGBB of a surface that a cut exposes
+  static constexpr std::uint32_t kNoColour = 1u << 24;  ///< the viewer chooses
 };
 
-/// A part of a body that is of another material.
+/// A part of a body that has another material: a box, a ball or a closed mesh.
 struct MaterialRegion {
-  Vec3 low = Vec3::Zero(), high = Vec3::Zero();  ///< a box in frame B [m]; or, where radius > 0:
+  Vec3 low = Vec3::Zero(), high = Vec3::Zero();  ///< a box in frame B [m]; if radius > 0:
   double radius = 0.0;                           ///< a ball round `low`
   std::uint8_t material = 0;
-  TriangleMesh
-      mesh{};  ///< or, where it has triangles, what lies within it (CheckEncloses); frame B
+  TriangleMesh mesh{};  ///< if it has triangles: what lies within it (CheckEncloses); frame B
 
-  /// Of a box or a ball.
+  /// Returns whether a box or a ball contains the point.  Not for meshes.
   bool Holds(const Vec3& p_B) const {
     return radius > 0.0 ? (p_B - low).norm() <= radius
                         : (p_B.array() >= low.array()).all() && (p_B.array() <= high.array()).all();
   }
 };
 
-/// A body that burs cut is a distance grid (scenes/grid).
+/// The distance grid of a body that burs cut (scenes/grid).
 struct BodyGrid {
   double spacing = 50e-6;  ///< [m]
   std::vector<MaterialRegion>
-      regions;  ///< later ones over earlier ones; the rest is of materials[0]
+      regions;  ///< a later one overrides earlier ones; elsewhere materials[0]
 };
 
-/// How a bur turns.
+/// The rotation of a bur.
 struct BurSpin {
   double speed = 0.0;     ///< clockwise seen from its shank [rad/s]
-  double tooth_Hz = 0.0;  ///< how many of its teeth pass in a second
-  double hum = 0.0;       ///< with each, the handle shakes by this share of the cutting force
+  double tooth_Hz = 0.0;  ///< teeth that pass per second
+  double hum = 0.0;       ///< share of the cutting force by which each tooth shakes the handle
 };
 
-/// An edge, as a scaler's: a profile in a tool of any shape, which cuts where it is drawn in a
-/// sense.
+/// A cutting edge, as a scaler's: a profile in a tool of any shape that cuts when it is drawn
+/// in one direction.
 struct EdgePlace {
-  Vec3 at = Vec3::Zero();      ///< where the curve has z = 0, in frame B [m]
-  Vec3 along = Vec3::UnitY();  ///< unit: the axis, from the tip on
-  Vec3 sense = Vec3::UnitZ();  ///< unit: where the hand has to draw it
+  Vec3 at = Vec3::Zero();      ///< point of the axis where the profile has z = 0, in frame B [m]
+  Vec3 along = Vec3::UnitY();  ///< unit: direction of the axis, away from the tip
+  Vec3 sense = Vec3::UnitZ();  ///< unit: direction in which the hand has to draw it
 };
 
-/// The cutting part of a tool: what a convex curve (rho, z) sweeps that turns round its axis, made
-/// thicker by the rounding [m].  Of a bur the tip is the origin of frame B, and the axis is its y.
+/// The cutting part of a tool: the solid that a convex curve (rho, z) sweeps when it turns round
+/// its axis, thickened by the rounding [m].  For a bur the tip is the origin of frame B, and the
+/// axis is y.
 struct BurProfile {
   std::vector<std::array<double, 2>> curve;
   double rounding = 0.0;
-  double dead_tip = 0.0;  ///< what lies so near the tip, along the axis, does not cut [m]
-  double cutting = 0.0;   ///< nor what lies farther from it than this [m]; 0: all else cuts
+  double dead_tip = 0.0;  ///< the part this near the tip, along the axis, does not cut [m]
+  /// the part farther from the tip than this does not either [m]; 0: no limit
+  double cutting = 0.0;
   BurSpin spin{};
-  std::optional<EdgePlace> edge{};  ///< none: a bur
+  std::optional<EdgePlace> edge{};  ///< none: it is a bur
 };
 
-/// A rigid body of the scene: its mesh and its sphere tree share one frame B.
+/// A rigid body of the scene; its mesh and its sphere tree share one frame B.
 struct Body {
   std::string name;
   TriangleMesh mesh;  ///< frame B [m]
   SphereTree tree;    ///< frame B [m]
-  /// Material of each leaf, as an index into `materials`; empty: all are of materials[0].
+  /// Material of each leaf, as an index into `materials`; empty: all have materials[0].
   std::vector<std::uint8_t> leaf_material;
   std::vector<Material> materials{Material{}};
-  Pose X_WB{};         ///< objects: where they stand.  Tools: where the tool starts.
+  Pose X_WB{};         ///< objects: the pose.  Tools: the start pose.
   std::string look{};  ///< what viewers draw it as; empty: what its material is
-  /// Share of the room that each vertex sees, 0 to 255 (ambient_light.h); empty: all of it.
+  /// Share of the surrounding space that each vertex sees, 0 to 255 (ambient_light.h); empty: all.
   std::vector<std::uint8_t> ambient{};
-  /// Of gum: the margin round its tooth, closed, counter-clockwise seen from the chewing surface,
-  /// in frame B [m]; empty: not known.  What probing depth is measured from.
+  /// For gum: the margin round its tooth, from which probing depth is measured; a closed curve,
+  /// counter-clockwise seen from the chewing surface, in frame B [m]; empty: unknown.
   std::vector<Vec3> margin{};
-  std::optional<BodyGrid> grid{};   ///< objects: of one that burs cut
-  std::optional<BurProfile> bur{};  ///< tools: of one that cuts
-  /// What was mended of its mesh when it was read, for people: a sentence each.
+  std::optional<BodyGrid> grid{};   ///< only for objects that burs cut
+  std::optional<BurProfile> bur{};  ///< only for tools that cut
+  /// What was repaired in its mesh when it was read, for people: a sentence each.
   std::vector<std::string> remarks{};
 };
 
 enum class ContactModel : std::uint8_t {
-  kSpheres,  ///< the chapter's: the leaves of tool and objects must not overlap
-  kSurface,  ///< the meshes must not
+  kSpheres,  ///< chapter 2: the leaves of the tool's and the objects' trees must not overlap
+  kSurface,  ///< the tool's and the objects' meshes must not overlap
 };
 enum class FrictionModel : std::uint8_t {
   kOff,
-  kChapter,  ///< 2.25-2.34, for reproduction
-  kCoulomb,  ///< the frictional step
+  kChapter,  ///< chapter 2, eqs. 2.25-2.34, for reproduction
+  kCoulomb,  ///< Coulomb's law (server/physics/solve/friction.md)
 };
 
-/// What the step of a scene is composed of when the scene loads; what is off costs nothing.
+/// The parts of a scene's haptic step, chosen when the scene loads; a part that is off
+/// costs no time.
 struct Features {
   ContactModel contact = ContactModel::kSurface;
   FrictionModel friction = FrictionModel::kOff;
-  bool compliance = false;  ///< finite Material::stiffness counts
+  bool compliance = false;  ///< whether a finite Material::stiffness counts
 };
 
 /// The virtual coupling between haptic and graphic tool (chapter 2.3: G, eqs. 2.20-2.24).
@@ -128,14 +130,15 @@ struct Coupling {
   double torsional_stiffness = 1.0;  ///< k_r [N m/rad]
 };
 
-/// From where a viewer looks at first: along -from at a ball, which fills the picture.
+/// The first view of the scene: along -from, at a ball that fills the picture.
 struct FirstSight {
   Vec3 centre = Vec3::Zero();  ///< W [m]
   double radius = 0.0;         ///< [m]
   Vec3 from = Vec3::UnitZ();   ///< unit
 };
 
-/// A scene, compiled: what the server loads and the wire carries (scene_bundle.h).  Immutable.
+/// A compiled scene: what the server loads, and what is sent to others
+/// (scene_bundle.h).  Immutable.
 struct Scene {
   std::string name;
   std::vector<Body> tools;    ///< moved by hands, one station each
@@ -143,8 +146,8 @@ struct Scene {
   Coupling coupling;
   StepTuning tuning;
   Features features;
-  std::vector<Effect> effects;            ///< forces of one's own
-  std::optional<FirstSight> first_sight;  ///< none: all the objects
+  std::vector<Effect> effects;            ///< forces that the scene adds
+  std::optional<FirstSight> first_sight;  ///< none: a view of all objects
 };
 
 }  // namespace palpate

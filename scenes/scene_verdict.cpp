@@ -15,7 +15,7 @@ namespace palpate {
 namespace {
 
 constexpr double kAllowed = 0.01;  // of the longest side
-constexpr double kTooMuch = 0.10;  // of it: the tool stands visibly inside, or in the air
+constexpr double kTooMuch = 0.10;  // of it: then the tool is visibly inside, or in the air
 
 double LongestSide(const MeshReport& report) {
   return (report.box_max - report.box_min).maxCoeff();
@@ -28,8 +28,8 @@ std::string Millimetres(double metres) {
   return text;
 }
 
-/// A gap's finding, if it is one.
-/// @param what  "1 % of the surface lies over"   @param then  what is felt of it, and the remedy.
+/// Adds a finding about a gap, if it is too large.
+/// @param what  "1 % of the surface lies over"   @param then  what is felt there, and the remedy.
 void JudgeGap(const std::string& what, double gap, const std::string& then,
               const MeshReport& report, Verdict& verdict) {
   if (gap <= AllowedGap(report)) return;
@@ -39,10 +39,10 @@ void JudgeGap(const std::string& what, double gap, const std::string& then,
                  Millimetres(AllowedGap(report)) + then);
 }
 
-/// A body that is larger or smaller than these has hardly the unit that it was taken for [m].
+/// A body outside these sizes probably has another unit than was assumed [m].
 constexpr double kMost = 50.0, kLeast = kShortestByMesh;
 
-/// @param separation  that contact keeps between meshes [m]; 0 where they are not felt.
+/// @param separation  which contact keeps between meshes [m]; 0 if they are not felt.
 void JudgeSize(const std::string& whose, const MeshReport& report, double separation,
                Verdict& verdict) {
   const double longest = LongestSide(report);
@@ -54,8 +54,8 @@ void JudgeSize(const std::string& whose, const MeshReport& report, double separa
   verdict.limits.push_back(std::move(finding));
 }
 
-/// The physics takes no ball without a radius; where the builder found none larger, nothing is
-/// inside.
+/// Adds a fault for balls without a radius, which the physics rejects.  If the builder found no
+/// larger ones, the body has no inside.
 void JudgeBalls(const std::string& whose, const SphereTree& tree, Verdict& verdict) {
   const auto empty = std::ranges::count_if(tree.leaf_radius, [](double r) { return !(r > 0.0); });
   if (empty == 0) return;
@@ -65,7 +65,7 @@ void JudgeBalls(const std::string& whose, const SphereTree& tree, Verdict& verdi
       "vertex far away; give it a thickness in a mesh editor (Solidify), or remove the vertex");
 }
 
-/// What burs cut is to be closed, and to have room.
+/// Checks that a body that burs cut is closed, and fits into memory.
 void JudgeGrid(const Body& body, Verdict& verdict) {
   if (!body.grid) return;
   try {
@@ -79,7 +79,7 @@ bool Yields(const Material& material) {
   return std::isfinite(material.stiffness);
 }
 
-/// An effect that says of itself that it is passive.
+/// Checks an effect that claims to be passive.
 void JudgeEffect(const Effect& effect, const Vec3& centre, double radius, Verdict& verdict) {
   if (effect.of == nullptr || effect.of->passive == 0) return;
   const double given = EnergyGiven(effect, centre, radius);
@@ -102,7 +102,7 @@ void Verdict::Add(const Verdict& other) {
 }
 
 bool FeltBySpheres(const Scene& scene, const Body& body, bool is_tool) {
-  if (is_tool && body.tree.leaves() == 1) return false;  // it is that ball, exactly
+  if (is_tool && body.tree.leaves() == 1) return false;  // the leaf is exactly that ball
   if (scene.features.contact == ContactModel::kSpheres) return true;
   const auto yields = [](const Body& object) {
     return std::ranges::any_of(object.materials, Yields);

@@ -9,49 +9,50 @@
 
 namespace palpate {
 
-/// What a scene, or a mesh, is good for: findings, each a sentence with its remedy.
+/// What a scene or a mesh is fit for: findings, each a sentence with its remedy.
 struct Verdict {
-  std::vector<std::string> limits;  ///< it can be touched, but these show
-  std::vector<std::string> faults;  ///< it should not be
+  std::vector<std::string> limits;  ///< defects that show, though it can be touched
+  std::vector<std::string> faults;  ///< reasons not to touch it
 
   bool usable() const { return faults.empty(); }
   void Add(const Verdict& other);
 };
 
-/// Whether a body's spheres are what is felt of it, and not its mesh (catalogue/README.md,
-/// "contact").  Tools are asked for by what they touch.
+/// Returns whether a body is felt by its spheres and not by its mesh (catalogue/README.md,
+/// "contact").  For a tool that depends on the objects.
 bool FeltBySpheres(const Scene& scene, const Body& body, bool is_tool);
 
-/// How far spheres may stick out of a body whose spheres are felt, and its surface lie from them
-/// [m]: a hundredth of the longest side, which is five pixels where the body fills half a screen.
+/// Returns how far the spheres of a body that is felt by them may stick out of it, and its surface
+/// may lie from them [m]: a hundredth of the longest side, which is five pixels when the body fills
+/// half a screen.
 double AllowedGap(const MeshReport& report);
 
-/// @param whose  begins each finding: "object cheek".
+/// @param whose  the beginning of each finding: "object cheek".
 Verdict JudgeMesh(const std::string& whose, const MeshReport& report);
 Verdict JudgeCoverage(const std::string& whose, const MeshReport& report, const Coverage& coverage,
                       std::size_t leaves);
 
-/// What is known of a body that a scene holds.
+/// What is known about a body of a scene.
 struct BodyFindings {
   MeshReport report;
-  Coverage coverage;        ///< where it was measured
-  bool by_spheres = false;  ///< what is felt
-  std::string hidden;       ///< what parts of the mesh hide of each other; empty: nothing
+  Coverage coverage;        ///< if it was measured
+  bool by_spheres = false;  ///< whether its spheres are felt, not its mesh
+  std::string hidden;       ///< which parts of the mesh lie inside others; empty: none
   Verdict verdict;
 };
 
 enum class MeasureGaps { kWhereFelt, kAlways };
 BodyFindings JudgeBody(const Scene& scene, const Body& body, bool is_tool, MeasureGaps measure);
 
-/// Whether its effects are as passive as they say, along closed paths about its objects.
+/// Checks along closed paths round the objects that the scene's effects are as passive as they say.
 Verdict JudgeEffects(const Scene& scene);
 
-/// Of all its bodies and effects: what palpate-scene says of a scene, and palpate-server before it
-/// serves it.
+/// Judges all bodies and effects: what palpate-scene says of a scene, and what palpate-server says
+/// before it serves it.
 Verdict JudgeScene(const Scene& scene);
 
-/// For people, to end a report with: "verdict: good to touch", or the limits or faults, a line
-/// each.
+/// Returns the end of a report for people: "verdict: good to touch", or the limits or faults,
+/// one per line.
 std::string ToText(const Verdict& verdict);
 
 }  // namespace palpate

@@ -24,8 +24,8 @@ namespace {
 struct Measured {
   const char* kind;  ///< "tool" or "object"
   const Body* body;
-  BodyTreeError error;         ///< no levels: a ball, which is what it is
-  const Body* same = nullptr;  ///< an earlier one of the same geometry
+  BodyTreeError error;         ///< no levels: a ball, which is exact
+  const Body* same = nullptr;  ///< an earlier body of the same geometry
 };
 
 std::vector<Measured> MeasureBodies(const Scene& scene, std::size_t samples) {

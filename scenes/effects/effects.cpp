@@ -14,8 +14,8 @@ namespace palpate {
 namespace {
 
 constexpr double kPeriod_s = 1e-3;
-constexpr double kShare = 0.2;  // of a difference, that the velocity takes in
-// In a cycle.  No hand is faster; where the tool was set elsewhere it has no velocity.
+constexpr double kShare = 0.2;  // weight of a new difference in the velocity
+// Limits per cycle.  No hand is faster; after a jump of the tool the velocity is zero.
 constexpr double kFarthest_m = 5e-3, kHalfTurn = 0.05;
 
 void Copy(const Vec3& from, double to[3]) noexcept {
@@ -27,7 +27,7 @@ void Copy(const Quat& q, double wxyz[4]) noexcept {
   std::memcpy(wxyz + 1, q.coeffs().data(), sizeof(double[3]));
 }
 
-/// False: it failed.
+/// Returns false if the effect failed.
 bool Call(const palpate_effect& effect, const palpate_effect_input& input, double* state,
           palpate_effect_wrench& wrench) noexcept {
   try {
@@ -35,7 +35,7 @@ bool Call(const palpate_effect& effect, const palpate_effect_input& input, doubl
   } catch (...) {
     return false;
   }
-  // Comparisons with NaN are false.
+  // False also for NaN.
   const auto is_fine = [](double number) { return std::abs(number) <= PALPATE_EFFECT_MOST; };
   return std::ranges::all_of(wrench.force_N, is_fine) &&
          std::ranges::all_of(wrench.torque_Nm, is_fine);
@@ -63,7 +63,7 @@ void Follow(const Pose& X_WH, EffectState& state) noexcept {
     state.V_WH = {};
     return;
   }
-  // The sine of half the angle for that: right to 0.05 % at the fastest.
+  // Takes the sine of half the angle for the angle: right to 0.05 % at the fastest.
   state.V_WH.v += kShare * (way / kPeriod_s - state.V_WH.v);
   state.V_WH.w += kShare * (2.0 / kPeriod_s * turn.vec() - state.V_WH.w);
 }
@@ -97,7 +97,7 @@ bool Effects::Step(const Pose& X_WH, const Pose& X_WG, const Vec3& reference, Ef
   for (std::size_t i = 0; i < effects_.size(); ++i) {
     EffectState::Memory& memory = state.of[i];
     if (memory.is_off) continue;
-    // Anew for each: what one writes, by whatever mistake, is not what the next one reads.
+    // Filled again for each effect, so that one that writes to its input does not affect the next.
     Copy(X_WH.p, input.position_m);
     Copy(X_WH.q, input.orientation_wxyz);
     Copy(state.V_WH.v, input.velocity_m_s);
@@ -121,8 +121,8 @@ bool Effects::Step(const Pose& X_WH, const Pose& X_WG, const Vec3& reference, Ef
 
 namespace {
 
-/// A smooth random walk that ends where it began, as far as `reach` from its middle: of all
-/// frequencies that a hand may have.
+/// Returns a smooth random walk that ends where it began, reaches up to `reach` from its centre,
+/// and contains all frequencies of a hand.
 std::vector<Vec3> ClosedWalk(Random& random, int steps, double reach) {
   std::vector<Vec3> walk{Vec3::Zero()};
   Vec3 velocity = Vec3::Zero();

@@ -31,7 +31,7 @@ std::string DefaultCacheFolder() {
 }
 
 void PrepareCacheFolder(const std::string& folder) {
-  std::error_code ignored;  // mkdir says the same
+  std::error_code ignored;  // mkdir reports the same error
   if (const fs::path parent = fs::path(folder).parent_path(); !parent.empty()) {
     fs::create_directories(parent, ignored);
   }

@@ -4,16 +4,16 @@
 
 namespace palpate {
 
-/// Where built scenes are kept: $XDG_CACHE_HOME/palpate, else ~/.cache/palpate.  Empty where there
-/// is no home either: nothing is cached then.
+/// Returns the folder of built scenes: $XDG_CACHE_HOME/palpate, else ~/.cache/palpate.  Empty if
+/// there is no home either: then nothing is cached.
 std::string DefaultCacheFolder();
 
-/// Makes the folder where there is none, for this user alone.  What is read from it is felt, and
-/// nothing but its bytes says what it is of: so throws Error (folder, remedy) where the folder is
-/// another user's, or others may write to it.  Root's is as good as one's own.
+/// Creates the folder if needed, for this user alone.  What is read from the cache is felt, and is
+/// not checked against its source.  So throws Error (folder, remedy) if the folder belongs to
+/// another user, except root, or if others may write to it.
 void PrepareCacheFolder(const std::string& folder);
 
-/// True for a file of this user's or of root's.  False for all else, such as a link.
+/// Returns whether it is a regular file of this user or of root; false for a link.
 bool IsOwnFile(const std::string& file);
 
 }  // namespace palpate

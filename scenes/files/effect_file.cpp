@@ -48,7 +48,8 @@ std::uint64_t HashOf(const fs::path& file) {
   return HashBytes(ReadWholeFile(file.string(), kLargestEffect), 0);
 }
 
-/// What was loaded stays, and the loader gives it again whatever its file holds by now.
+/// Throws Error for a file that has changed since it was loaded: the loader would return
+/// the old one.
 void RefuseWhatHasChanged(const fs::path& file, std::uint64_t hash, const std::string& who) {
   static std::mutex mutex;
   static std::map<std::string, std::uint64_t> loaded;
@@ -58,7 +59,7 @@ void RefuseWhatHasChanged(const fs::path& file, std::uint64_t hash, const std::s
               " has changed since this program loaded it; start the program anew");
 }
 
-/// @param who  begins messages.
+/// @param who  the beginning of messages.
 void Load(const fs::path& file, const std::string& who, Effect& effect) {
   effect.file = file.filename().string();
   const bool is_name =
@@ -67,7 +68,7 @@ void Load(const fs::path& file, const std::string& who, Effect& effect) {
     throw Error(who + ": " + effect.file +
                 " is no name for an effect's file; give it one of letters, digits, - _ and .");
   }
-  // Without a slash the loader would look elsewhere.
+  // Without a slash the loader would search other folders.
   const fs::path full = fs::absolute(file);
   effect.of =
       SharedLibrary<Symbols>::Load(
@@ -85,7 +86,7 @@ void Load(const fs::path& file, const std::string& who, Effect& effect) {
   throw Error(who + ": " + full.string() + ": palpate_the_effect.step is NULL; give the function");
 }
 
-/// By its name in a scene file.
+/// Returns the path of an effect from its name in a scene file.
 fs::path Find(const JsonNode& entry, const fs::path& folder) {
   const JsonNode node = entry.At("name");
   const std::string name = node.String();

@@ -6,7 +6,7 @@ namespace palpate {
 
 class CommandLine;
 
-/// Adds --unit and --ball, which every program has that takes a mesh in place of a scene.
+/// Adds --unit and --ball, the options of every program that takes a mesh in place of a scene.
 void AddMeshOptions(const CommandLine& app, MeshSceneOptions& options);
 
 }  // namespace palpate

@@ -16,9 +16,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of what a hand feels [m]: a tooth, a tool, a statuette.
+/// The usual size of what a hand feels [m]: a tooth, a tool, a statuette.
 constexpr double kUsual_m = 0.05;
-/// A mesh that is larger or smaller than these has hardly the unit that it was taken for [m].
+/// A mesh outside these sizes probably has another unit than was assumed [m].
 constexpr double kLeast_m = 0.002, kMost_m = 2.0;
 constexpr double kBallShare = 0.05;
 
@@ -45,7 +45,7 @@ std::string AboutUnit(const Vec3& size, const std::string& unit, bool guessed) {
   return text + " (--unit m, cm, mm or inch says what a number in the file means)";
 }
 
-/// To three digits, and written with three: people read it.
+/// Returns the value with three significant digits, for people.
 double Rounded(double value) {
   const double places = std::pow(10.0, 2.0 - std::floor(std::log10(value)));
   return std::round(places * value) / places;

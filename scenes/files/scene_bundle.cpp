@@ -14,7 +14,7 @@
 #include <utility>
 
 #include <unistd.h>
-#define XXH_INLINE_ALL  // so that who links this needs no library of it
+#define XXH_INLINE_ALL  // so that no library must be linked
 #include <xxhash.h>
 
 #include "common/error.h"
@@ -34,16 +34,17 @@ struct Header {
   std::uint32_t version;
   std::uint32_t reserved;  ///< 0
   std::uint64_t content_key;
-  std::uint64_t size;      ///< of what follows
-  std::uint64_t checksum;  ///< XXH64 of what follows, seeded with the content key
+  std::uint64_t size;      ///< of the rest
+  std::uint64_t checksum;  ///< XXH64 of the rest, seeded with the content key
 };
 static_assert(sizeof(Header) == 40);
 
-// The second half shows at once where a transfer mangled line ends, as PNG's signature does.
+// The second half reveals a transfer that changed line ends, as PNG's signature does.
 constexpr char kMagic[8] = {'P', 'A', 'L', 'P', '\r', '\n', '\x1a', '\n'};
 
-/// A level of a tree that branches doubles the nodes at least, and a million leaves is the most.
-/// What takes a step through every level must not be given thirty thousand of one node each.
+/// Limit of a tree's levels.  In a tree that branches each level has at least twice the nodes of
+/// the one above, and there are at most a million leaves.  Rejects trees of thousands of levels
+/// with one node each, which would slow down code that visits every level.
 constexpr std::size_t kMaxLevels = 24;
 
 template <class T>
@@ -56,7 +57,7 @@ wire::Vec3 ToWire(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
 }
 
-/// A mesh's numbers, three of each vertex and of each triangle.
+/// A mesh's numbers as flat arrays, three for each vertex and for each triangle.
 struct FlatMesh {
   explicit FlatMesh(const TriangleMesh& mesh) {
     vertices.reserve(3 * mesh.vertices.size());
@@ -71,7 +72,7 @@ struct FlatMesh {
 flatbuffers::Offset<wire::Geometry> PackGeometry(const Body& body,
                                                  flatbuffers::FlatBufferBuilder& out) {
   const SphereTree& tree = body.tree;
-  // A member of all packets as one vector, eight entries a packet.
+  // Returns one member of all packets as one vector, eight entries per packet.
   const auto nodes = [&]<class T>(T(SpherePacket::*member)[kTreeArity]) {
     std::vector<T> all;
     all.reserve(tree.packets.size() * kTreeArity);
@@ -103,7 +104,7 @@ flatbuffers::Offset<wire::Grid> PackGrid(const Body& body, flatbuffers::FlatBuff
     colours.push_back(m.colour);
     names.push_back(m.name);
   }
-  // What no region has is left out: files that were made before are the same bytes.
+  // Omitted if no region has a mesh, so that older files keep the same bytes.
   const bool meshed = std::ranges::any_of(
       body.grid->regions, [](const MaterialRegion& r) { return !r.mesh.triangles.empty(); });
   const bool coloured = std::ranges::any_of(
@@ -163,7 +164,7 @@ std::span<const T> All(const flatbuffers::Vector<T>* vector) {
   return {vector->data(), vector->size()};
 }
 
-/// Of a Geometry or a RegionMesh.
+/// Writes the mesh of a Geometry or a RegionMesh.
 template <class Wire>
 void ReadMesh(const Wire& in, TriangleMesh& out) {
   const auto vertices = All(in.vertices());
@@ -183,7 +184,7 @@ void ReadMesh(const Wire& in, TriangleMesh& out) {
   }
 }
 
-/// Reads one geometry; what does not agree is thrown as text, and named by the caller.
+/// Reads one geometry.  Throws inconsistencies as text, to which the caller adds the name.
 class GeometryReader {
  public:
   GeometryReader(const wire::Geometry& in, Body& out) : in_(in), out_(out) {}
@@ -256,9 +257,9 @@ class GeometryReader {
     tree.packets.resize(packets);
     for (int l = 0; l < tree.levels(); ++l) {
       Require(level[l] < level[l + 1], "the levels do not add up");
-      // Every child is named once, in order: what the traversal and the leaves' bounds rest on.
+      // Every child is named once, in order: the traversal and the bounds of the leaves rely on it.
       const bool last = l + 1 == tree.levels();
-      std::int64_t next = 0;  // counts within the next level
+      std::int64_t next = 0;  // index in the next level
       for (std::int32_t p = level[l]; p < level[l + 1]; ++p) {
         for (int lane = 0; lane < kTreeArity; ++lane) {
           const std::size_t n = std::size_t(p) * kTreeArity + lane;
@@ -343,7 +344,8 @@ void ReadMargin(const wire::Body& in, Body& out) {
   }
 }
 
-/// Names end up in file names, topics, command lines and on terminals, as those of scene files do.
+/// Checks a name as in scene files, because it becomes part of file names, topics, command lines
+/// and terminal output.
 bool IsName(const std::string& name) {
   return name.size() <= kLongestName && std::ranges::all_of(name, IsOfName);
 }
@@ -448,7 +450,7 @@ Features FromWire(const wire::Features& in) {
           in.compliance()};
 }
 
-/// What a material's slot holds that is not used any more.
+/// The value of a slot of the material that is no longer used.
 constexpr double kHardness = std::numeric_limits<double>::infinity();
 
 wire::Features ToWire(const Features& f) {
@@ -513,7 +515,7 @@ Scene ReadScene(const wire::Scene& in) {
   return scene;
 }
 
-/// The checked header; what follows it has its size.
+/// Returns the header after checking it, and that the rest has the size it gives.
 Header ReadHeader(std::span<const std::uint8_t> bytes, const std::string& source) {
   const auto refuse = [&](const std::string& why) { throw Error(source + ": " + why); };
   const std::size_t magic = std::min(bytes.size(), sizeof kMagic);
@@ -641,7 +643,7 @@ Scene UnpackScene(std::span<const std::uint8_t> bytes, const std::string& source
       XXH64(payload.data(), payload.size(), header.content_key) != header.checksum) {
     throw Error(source + ": is damaged (its checksum does not match); build or copy it again");
   }
-  std::vector<std::uint64_t> aligned;  // a FlatBuffer wants its doubles on their boundaries
+  std::vector<std::uint64_t> aligned;  // a FlatBuffer needs its doubles aligned
   if (reinterpret_cast<std::uintptr_t>(payload.data()) % alignof(double) != 0) {
     aligned.resize(payload.size() / sizeof aligned[0] + 1);
     std::memcpy(aligned.data(), payload.data(), payload.size());
@@ -666,7 +668,7 @@ Scene UnpackScene(std::span<const std::uint8_t> bytes, const std::string& source
 
 namespace {
 
-/// Ctrl-C waits until it is gone.
+/// Delays Ctrl-C for its lifetime.
 class UndisturbedBySignals {
  public:
   UndisturbedBySignals() {

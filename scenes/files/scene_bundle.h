@@ -11,44 +11,44 @@
 
 namespace palpate {
 
-/// Version of the bundle's layout.  Bundles of another version are refused, never guessed at.
+/// Version of the bundle's layout.  Bundles of another version are rejected.
 inline constexpr std::uint32_t kBundleVersion = 2;
 
-/// Whether what is for people is packed, too, Body::remarks and SphereTree::origin: they are for
-/// those who read a file, and a scene that travels has the same bytes with and without them.
+/// Whether to pack the information for people, too: Body::remarks and SphereTree::origin.  It is
+/// kept in files that people read, and left out of a scene that is sent, whose bytes then do not
+/// depend on it.
 enum class Remarks { kLeaveOut, kKeep };
-/// Changes with what kKeep keeps, so that older cached scenes are built anew and say it.
+/// Changes whenever kKeep keeps something else, so that cached scenes are built anew.
 inline constexpr std::uint32_t kRemarksVersion = 1;
 
-/// A scene as bytes: a 40-byte header (magic, version, content key, size, XXH64) and a FlatBuffer
-/// (idl/scene.fbs), little-endian.  Equal scenes give equal bytes.
-/// @param content_key  what the scene was made from, kept for the cache; 0 where nobody asks.
+/// Packs a scene into bytes: a 40-byte header (magic, version, content key, size, XXH64) and a
+/// FlatBuffer (idl/scene.fbs), little-endian.  Equal scenes give equal bytes.
+/// @param content_key  hash of what the scene was made from, for the cache; 0 if not needed.
 std::vector<std::uint8_t> PackScene(const Scene& scene, std::uint64_t content_key = 0,
                                     Remarks remarks = Remarks::kLeaveOut);
 
-/// Checks everything before it believes anything: magic, version, size, checksum, the FlatBuffer's
-/// structure, and that all indices and counts agree.  Throws Error with what is wrong and a remedy.
+/// Unpacks a scene after checking everything: magic, version, size, checksum, the structure of the
+/// FlatBuffer, and that all indices and counts agree.  Throws Error with the defect and a remedy.
 /// @param source  names the bytes in messages.
 Scene UnpackScene(std::span<const std::uint8_t> bytes, const std::string& source);
 
-/// Whether two bodies are one geometry in a bundle: mesh and tree are the same bits.
+/// Returns whether two bodies share one geometry in a bundle: mesh and tree are bitwise equal.
 bool SameGeometry(const Body& a, const Body& b);
 
-/// The key that PackScene was given.  Throws Error like UnpackScene, for the header.
+/// Returns the key that PackScene was given.  Throws Error if the header is wrong, as UnpackScene.
 std::uint64_t ContentKey(std::span<const std::uint8_t> bytes, const std::string& source);
 
-/// Throws Error where no scene file could have the scene, which PackScene takes as it comes: no
-/// tool or object, a name that is none.
+/// Throws Error if no scene file could describe the scene, which PackScene does not check: it has
+/// no tool, no object, or an invalid name.
 void CheckPackable(const Scene& scene);
 
-/// True where the bytes begin as a bundle does.
+/// Returns whether the bytes begin as a bundle does.
 bool LooksLikeBundle(std::string_view bytes);
 
-/// Writes the whole file or, where that fails, leaves what was there; Ctrl-C waits for it.  Throws
-/// Error.
+/// Writes the whole file or, if that fails, leaves the old one; Ctrl-C waits for it.  Throws Error.
 void WriteFileAtomically(const std::string& file, std::span<const std::uint8_t> bytes);
 
-/// XXH64 of the bytes, chained by the seed.
+/// Returns the XXH64 of the bytes, with a seed to chain hashes.
 std::uint64_t HashBytes(std::string_view bytes, std::uint64_t seed);
 
 }  // namespace palpate

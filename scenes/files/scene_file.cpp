@@ -19,18 +19,18 @@ namespace fs = std::filesystem;
 
 enum class BodyKind { kTool, kObject };
 
-constexpr std::size_t kMaxMaterials = 256;  // of a body: Body::leaf_material is of bytes
+constexpr std::size_t kMaxMaterials = 256;  // of a body: Body::leaf_material holds bytes
 constexpr std::size_t kShapeTriangles = 5120;
-constexpr double kLongest = 1000.0;  // [m]: a length beyond it is a forgotten unit
+constexpr double kLongest = 1000.0;  // [m]: a greater length means a forgotten unit
 constexpr double kStrongestHum = 0.5;
-constexpr double kHighestHum = 400.0;  // [Hz]: at 1,000 poses a second half of that is no more told
+constexpr double kHighestHum = 400.0;      // [Hz]: below half of the 1,000 poses per second
 constexpr double kFastestBur = 500'000.0;  // [r/min]: the fastest air turbines turn at 450,000
 
 double ReadUnit(const JsonNode& node) {
   return MetresPerUnit(node.OneOf({kUnits.begin(), kUnits.end()}));
 }
 
-/// Names end up in file names, topics and command lines.
+/// Reads a name that is fit for file names, topics and command lines.
 std::string ReadName(const JsonNode& node) {
   std::string name = node.String();
   const bool fine = name.size() <= kLongestName && std::all_of(name.begin(), name.end(), IsOfName);
@@ -60,7 +60,7 @@ double ReadLength(const JsonNode& node) {
   return length;
 }
 
-/// What is left out or false: the mesh's triangles are what is felt.
+/// Returns nothing if the field is missing or false: then the mesh's own triangles are felt.
 std::optional<CurvedOptions> ReadCurved(const JsonNode& mesh) {
   const auto curved = mesh.Find("curved");
   if (!curved || curved->IsFalse()) return std::nullopt;
@@ -73,7 +73,7 @@ std::optional<CurvedOptions> ReadCurved(const JsonNode& mesh) {
   return options;
 }
 
-/// Of a bur, in place of a kind, or an edge: its curve [m].
+/// Reads the curve of a bur (in place of "kind") or of an edge [m].
 std::vector<std::array<double, 2>> ReadBurCurve(const JsonNode& node) {
   std::vector<std::array<double, 2>> curve;
   for (const JsonNode& point : node.Items(1)) {
@@ -116,7 +116,7 @@ MeshSource ReadShapeKind(const JsonNode& node, const ShapeKind& shape) {
   return source;
 }
 
-/// A tool that is a bur by its ISO 6360 number.
+/// Reads a tool that is a bur by its ISO 6360 number.
 MeshSource ReadNamedBur(const JsonNode& node) {
   MeshSource source;
   source.kind = MeshSource::Kind::kShape;
@@ -322,7 +322,7 @@ bool Rubs(const MaterialDescription& m) {
   return m.material.static_friction > 0.0;
 }
 
-/// As HapticModel has it: a finite stiffness anywhere.
+/// Returns whether a stiffness is finite anywhere, as HapticModel decides it.
 bool FeltByLeaves(const BodyDescription& body) {
   return AnyMaterial(body, Yields);
 }
@@ -347,7 +347,7 @@ Features ReadFeatures(const JsonNode& root, const SceneDescription& scene) {
   return features;
 }
 
-/// A finer mesh where nobody feels the mesh would cost and give nothing.
+/// Rejects a refined mesh where the mesh is not felt: it would cost time and change nothing.
 void CheckCurved(const JsonNode& root, const SceneDescription& scene) {
   const auto check = [&](const char* list, const std::vector<BodyDescription>& bodies) {
     const std::vector<JsonNode> nodes = root.At(list).Items();
@@ -423,7 +423,7 @@ LeafTolerance ReadTolerance(const JsonNode& node) {
   return tolerance;
 }
 
-/// 4096, "auto", {"tolerance_um": 100} or {"tolerance_deg": 5}.
+/// Reads 4096, "auto", {"tolerance_um": 100} or {"tolerance_deg": 5}.
 void ReadLeaves(const JsonNode& node, BodyDescription& body) {
   if (node.IsObject()) {
     body.tolerance = ReadTolerance(node);
@@ -438,7 +438,7 @@ void ReadLeaves(const JsonNode& node, BodyDescription& body) {
   }
 }
 
-/// What burs cut is made of such materials alone, each point of one.
+/// Reads the grid, and checks that all materials of the body can be cut.
 void ReadGrid(const JsonNode& node, BodyDescription& body) {
   body.grid = 1e-6 * node.Number(25.0, 200.0);
   const auto check = [&](const MaterialDescription& of) {
@@ -467,7 +467,8 @@ void ReadGrid(const JsonNode& node, BodyDescription& body) {
   }
 }
 
-/// What cannot be made of a bur or an edge, or is too coarse for it, is said where the file has it.
+/// Checks that a bur or an edge can be made, and is not too small for the grid; errors
+/// name its line.
 void CheckBur(const JsonNode& node, const BurProfile& profile, const BodyDescription* cut) {
   const std::string name = profile.edge ? "an edge" : "a bur";
   if (cut == nullptr) {
@@ -492,7 +493,7 @@ void CheckBur(const JsonNode& node, const BurProfile& profile, const BodyDescrip
   }
 }
 
-/// A bur feels what it can cut by its edge, and other tools by its surface alone.
+/// Checks contact and tools against the objects that burs cut, which are felt by their surface.
 void CheckCutting(const JsonNode& root, const SceneDescription& scene) {
   const auto coarsest = [](const BodyDescription& a, const BodyDescription& b) {
     return a.grid.value_or(0.0) < b.grid.value_or(0.0);

@@ -7,15 +7,15 @@
 
 namespace palpate {
 
-/// The most that the bodies of a scene may hold of meshes and trees, each counted as often as it
-/// stands there: many bodies of one geometry take little of a file and much of a server, whose
-/// models of contact take some three times as much again.
+/// The most bytes of meshes and trees in a scene's bodies, where each body counts in full.  Many
+/// bodies of one geometry make a small file but need much memory in a server, whose contact models
+/// take some three times as much again.
 inline constexpr std::size_t kMaxSceneBytes = std::size_t{1} << 30;
 
-/// Adds up bodies before they are copied.
+/// Adds up the sizes of bodies before they are copied.
 class SceneSize {
  public:
-  /// Throws Error, which names the body and the bound, where it is too much.
+  /// Throws Error, with the body and the limit, if the sum exceeds it.
   void Add(const std::string& body, const TriangleMesh& mesh, const SphereTree& tree);
 
  private:

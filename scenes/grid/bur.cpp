@@ -9,8 +9,8 @@
 namespace palpate {
 namespace {
 
-/// Pieces of an arc or a line of the curve, for samples: a quarter circle of so many chords is
-/// 2.5e-5 shorter than the arc.
+/// Number of segments in which an arc or a line of the curve is sampled.  A quarter circle of that
+/// many chords is 2.5e-5 shorter than the arc.
 constexpr int kPieces = 64;
 /// Cosine and sine of the golden angle, pi (3 - sqrt(5)).
 constexpr double kGoldenCos = -0.73736887807831990, kGoldenSin = 0.67549029426152364;
@@ -84,7 +84,7 @@ Bur::Bur(const std::vector<std::array<double, 2>>& curve, double rounding) : rou
           "a radius of " + Millimetres(radius_) + " is not allowed; give one above 0");
 }
 
-/// Of two pieces of the curve, one after the other.
+/// Throws Error unless the curve is convex between two consecutive segments.
 void Bur::RequireConvex(std::size_t a, std::size_t b) const {
   Require(normals_[a].rho * normals_[b].z > normals_[a].z * normals_[b].rho,
           "its curve is not convex at point " + std::to_string(b) +
@@ -93,7 +93,8 @@ void Bur::RequireConvex(std::size_t a, std::size_t b) const {
 
 double Bur::Distance(const Vec3& p_T, Vec3& gradient_T) const noexcept {
   const double rho = std::sqrt(p_T.x() * p_T.x() + p_T.y() * p_T.y()), z = p_T.z();
-  // Within the curve the nearest piece is the least deep; outside, the nearest point of any counts.
+  // Inside the curve, the nearest segment is the one with the least depth; outside, take the
+  // nearest point of all segments.
   double distance = count_ == 1 ? 0.0 : -1e300;
   Point normal{1.0, 0.0};
   for (std::size_t n = 0; n + 1 < static_cast<std::size_t>(count_); ++n) {
@@ -109,7 +110,7 @@ double Bur::Distance(const Vec3& p_T, Vec3& gradient_T) const noexcept {
     double nearest = away.rho * away.rho + away.z * away.z;
     for (std::size_t n = 0; n + 1 < static_cast<std::size_t>(count_); ++n) {
       const Point from{rho - points_[n].rho, z - points_[n].z};
-      // The curve is convex: the nearest point lies on a piece that faces this one.
+      // The curve is convex, so the nearest point lies on a segment that faces this one.
       if (from.rho * normals_[n].rho + from.z * normals_[n].z < 0.0) continue;
       const Point piece{points_[n + 1].rho - points_[n].rho, points_[n + 1].z - points_[n].z};
       const double t =
@@ -131,10 +132,10 @@ double Bur::Distance(const Vec3& p_T, Vec3& gradient_T) const noexcept {
 
 std::vector<BurSample> Bur::Samples(int count) const {
   Require(count > 0, "samples: " + std::to_string(count) + " are not allowed; give at least 1");
-  // The surface's curve, in pieces from tip to top: a point of the curve, and the normal there.
+  // The surface's profile in segments from tip to top: a point of the curve, and the normal there.
   struct Station {
     Point core, normal;
-    double area;  ///< of all below
+    double area;  ///< surface area below the point
   };
   std::vector<Station> stations;
   const auto rho_of = [&](const Point& core, const Point& n) {
@@ -165,7 +166,7 @@ std::vector<BurSample> Bur::Samples(int count) const {
     const auto n = static_cast<std::size_t>(i);
     const Point before = i == 0 ? last : normals_[n - 1];
     const Point after = i + 1 == count_ ? Point{0.0, 1.0} : normals_[n];
-    // In two where it is longer than a quarter circle.
+    // Split an arc longer than a quarter circle in two.
     const Point middle = before.z < 0.0 && after.z > 0.0 ? Point{1.0, 0.0} : after;
     add(points_[n], before, points_[n], middle);
     add(points_[n], middle, points_[n], after);

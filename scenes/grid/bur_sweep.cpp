@@ -13,10 +13,10 @@ namespace {
 
 using Eight = float __attribute__((vector_size(sizeof(BurSweep::Row))));
 using SweptCurve = BurSweep::Curve;
-/// Places on a bur's way that are tried between its ends: taken.
+/// Number of regula falsi steps along a bur's way; empirical.
 constexpr int kTurns = 3;
 
-constexpr float kHuge = 1e18f;  // its square is a number, too
+constexpr float kHuge = 1e18f;  // its square is finite, too
 
 inline Eight All(float v) {
   return Eight{} + v;
@@ -36,7 +36,7 @@ bool Are(Holds holds) {
 #include "scenes/grid/bur_sweep.inl"
 }  // namespace any
 
-// Without fused multiplication, and so with the same bits.
+// Without fused multiplication, so the bits are the same.
 #if defined(__x86_64__)
 #pragma GCC push_options
 #pragma GCC target("avx2")
@@ -69,7 +69,7 @@ BurSweep::BurSweep(const Bur& bur, const Vec3& step_T) {
   for (int a = 0; a < 3; ++a) curve_.step[a] = static_cast<float>(step_T[a]);
   const double squared = step_T.squaredNorm();
   curve_.step_squared = static_cast<float>(squared);
-  // Shorter than a nanometre it is none.
+  // A way shorter than a nanometre counts as zero.
   curve_.inverse_step_squared = squared > 1e-18 ? static_cast<float>(1.0 / squared) : 0.0f;
 }
 

@@ -6,24 +6,26 @@
 
 namespace palpate {
 
-/// What a bur passes on its way x + t step, 0 <= t <= 1, without turning.  Frame T is that of its
-/// beginning.  Real-time.  The same bits by whatever instructions.  In floats, as the fields that
-/// are cut: of points within 10 mm rounding takes some 1e-9 m.
+/// The volume that a bur sweeps on its way x + t step, 0 <= t <= 1, without turning.  Frame T is
+/// that of its start.  Real-time.  Gives the same bits with every instruction set.  Computes in
+/// floats, as the fields that are cut are stored: within 10 mm the rounding is some 1e-9 m.
 class BurSweep {
  public:
-  /// Points of a lattice in a row.
+  /// The number of lattice points in a row.
   static constexpr int kRow = 8;
   using Row = std::array<float, kRow>;
 
   BurSweep(const Bur& bur, const Vec3& step_T);
 
-  /// Distances of points in a row, `apart_T` from each other, to all that the bur passes: t ->
-  /// distance is convex, for the bur is, and so two distances with their slopes tell whether the
-  /// nearest place lies between, where regula falsi on the slope finds it.  Never below the truth.
-  /// Of a trephine it is convex as far as one side of its wall is the nearest: steps are short.
-  /// Outside of a ball within 1e-4 of the step's length above it, and within a twentieth where
-  /// slopes leap: deep within, below sharp edges.  Exact at the way's ends.
-  /// `within`: farther points get their distance to the way's end.
+  /// Computes the distances of a row of points, `apart_T` from each other, to the swept volume.
+  /// Because the bur is convex, t -> distance is convex: the distances at both ends and their
+  /// slopes tell whether the nearest place lies between them, and then regula falsi on the slope
+  /// finds it.  For a trephine this holds as long as the same side of its wall stays nearest, so
+  /// its steps must be short.
+  /// The result is never below the true distance.  It is exact for a ball, whose way is a capsule,
+  /// and at the ends of the way.  For other burs it is too large by at most a twentieth of the
+  /// step's length, where the slope jumps: deep inside, below sharp edges.
+  /// `within`: points farther away than this get their distance to the end of the way.
   void Distances(const Vec3& first_T, const Vec3& apart_T, float within,
                  Row& distance) const noexcept;
   double Distance(const Vec3& p_T) const noexcept {
@@ -33,8 +35,8 @@ class BurSweep {
   }
 
   /// phi <- max(phi, -distance), up to the band, at the points of a row.
-  /// `room`: by which no point below the band is sooner raised than the bur has gone so much
-  /// farther than this step's end [m].
+  /// `room`: no point below the band rises before the bur has gone this much farther than the end
+  /// of this step [m].
   struct Raised {
     bool any;
     float room;
@@ -42,10 +44,10 @@ class BurSweep {
   Raised Raise(const Vec3& first_T, const Vec3& apart_T, float band, float* phi,
                bool wide = IsWide()) const noexcept;
   bool IsOfBall() const { return curve_.count == 1; }
-  /// Whether the processor has AVX2, by which a row is one vector.
+  /// Returns whether the processor has AVX2, with which a row is one vector.
   static bool IsWide();
 
-  /// Its curve, as Bur has it, and its step.
+  /// The bur's curve, as in Bur, and its step.
   struct Curve {
     float rho[Bur::kMostPoints], z[Bur::kMostPoints];
     float rho_normal[Bur::kMostPoints], z_normal[Bur::kMostPoints];

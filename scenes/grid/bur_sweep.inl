@@ -1,5 +1,6 @@
-// The search of bur_sweep.cpp, compiled there once for each instruction set.  That gives an Eight,
-// a number of each point of a row; Root, of all of them; and Are, whether something holds for all.
+// The search of bur_sweep.cpp, which compiles it once for each instruction set.  It defines before:
+// Eight, a number for each point of a row; Root, the square roots; and Are, whether a condition
+// holds for all points.
 
 inline Eight Min(Eight a, Eight b) {
   return a < b ? a : b;
@@ -13,14 +14,15 @@ struct Points {
 };
 
 struct Far {
-  Eight distance, slope;  ///< and how that changes along the way
+  Eight distance, slope;  ///< `slope`: d distance / dt
 };
 
-/// To a bur that has gone a share t of its way.
+/// Returns the distance to a bur that has gone a share t of its way.
 inline Far To(const SweptCurve& bur, const Points& p, Eight t) {
   const Eight x = p.x - t * bur.step[0], y = p.y - t * bur.step[1], z = p.z - t * bur.step[2];
   const Eight rho = Root(x * x + y * y);
-  // Within the curve the nearest piece is the least deep; outside, the nearest point of any.
+  // Inside the curve, the nearest segment is the one with the least depth; outside, take the
+  // nearest point of all segments.
   Eight inner = All(bur.count == 1 ? 0.0f : -kHuge), rho_normal = All(1.0f), z_normal = All(0.0f);
   Eight rho_away = rho - bur.rho[0], z_away = z - bur.z[0];
   Eight nearest = rho_away * rho_away + z_away * z_away;
@@ -31,7 +33,7 @@ inline Far To(const SweptCurve& bur, const Points& p, Eight t) {
     inner = is_less_deep ? above : inner;
     rho_normal = is_less_deep ? All(bur.rho_normal[n]) : rho_normal;
     z_normal = is_less_deep ? All(bur.z_normal[n]) : z_normal;
-    // The curve is convex: the nearest point lies on a piece that faces this one.
+    // The curve is convex, so the nearest point lies on a segment that faces this one.
     const float rho_along = bur.rho[n + 1] - bur.rho[n], z_along = bur.z[n + 1] - bur.z[n];
     const Eight along = (r * rho_along + h * z_along) * bur.inverse_squared[n];
     const Eight share = Min(Max(along, All(0.0f)), All(1.0f));
@@ -52,7 +54,8 @@ inline Far To(const SweptCurve& bur, const Points& p, Eight t) {
             (is_away ? z_away * per : z_normal) * bur.step[2])};
 }
 
-/// A ball sweeps a capsule: of its axis a point sees the place it is beside, or an end.
+/// Returns the distance to the capsule that a ball sweeps: the distance to the nearest point of its
+/// axis, less the radius.
 inline Eight ToCapsule(const SweptCurve& bur, const Points& p) {
   const Eight z = p.z - bur.z[0];
   const Eight along = p.x * bur.step[0] + p.y * bur.step[1] + z * bur.step[2];
@@ -63,13 +66,13 @@ inline Eight ToCapsule(const SweptCurve& bur, const Points& p) {
 
 inline Eight ToWay(const SweptCurve& bur, const Points& p, Eight within) {
   if (bur.count == 1) return ToCapsule(bur, p);
-  // The end first: before a bur that goes ahead, most points are nearest to that.
+  // Try the end first: most points in front of an advancing bur are nearest to it.
   Eight from = All(0.0f), to = All(1.0f);
   const Far end = To(bur, p, to);
   const Eight beyond = end.distance - within;
   const auto is_far = (beyond > 0.0f) & (beyond * beyond > bur.step_squared);
   const auto is_last = (end.slope <= 0.0f) | (beyond > end.slope);
-  // In a bore it may come nearer to the other side.
+  // Inside a bore, the bur may on its way come nearer to the other side.
   if (Are(bur.hollow ? is_far : is_far | is_last)) return end.distance;
   const Far begin = To(bur, p, from);
   const Eight ends = Min(begin.distance, end.distance);
@@ -110,7 +113,7 @@ BurSweep::Raised Raise(const SweptCurve& bur, const Vec3& first, const Vec3& apa
   const Eight clear = All(band);
   Eight before;
   std::memcpy(&before, phi, sizeof before);
-  // Only a distance below -phi raises a point, and none what is clear.
+  // Only a distance below -phi raises a point; a point at the band (clear) cannot rise.
   const Eight distance = ToWay(bur, PointsOf(first, apart), before < clear ? -before : -kHuge);
   const Eight after = Min(Max(before, -distance), clear);
   std::memcpy(phi, &after, sizeof after);

@@ -13,20 +13,20 @@ namespace {
 
 constexpr int kSide = SparseField::kSide;
 constexpr int kRows = kSide * kSide;
-/// Farther than any value lasts: every row is looked at again [m].
+/// A distance beyond which no stored bound lasts: every row is examined again [m].
 constexpr double kFar = 1e3;
-/// Of a bur that is no ball a row takes as long as so many of a ball: measured.
+/// Cost of a row of another bur, in rows of a ball: measured.
 constexpr int kLooksOfRow = 3;
-/// For what distances lose by rounding: they are floats, of points within some 10 mm of the bur
-/// [m].
+/// Bound of the rounding of distances: they are floats, of points within some 10 mm of the bur [m].
 constexpr double kRounding = 1e-8;
-/// Columns of a voxel, for its share: a Fibonacci lattice (Niederreiter & Sloan, J. Comp. Appl.
-/// Math. 51 (1994) 57-70), of which no two are in line with an axis, as most faces of solids are.
+/// Columns of a voxel, to compute its share: a Fibonacci lattice (Niederreiter & Sloan, J. Comp.
+/// Appl. Math. 51 (1994) 57-70), in which no two columns are in line with an axis, as most faces
+/// of solids are.
 constexpr int kColumns = 377, kStride = 233;
-/// A plane farther from a voxel's middle than half its diagonal does not cross it.
+/// A plane farther from a voxel's centre than half its diagonal does not cross it.
 constexpr double kHalfDiagonal = 0.8660254037844386;
 
-/// The half-space a + g . u < 0 that a field is within a voxel, u in [-1/2, 1/2]^3.
+/// The half-space a + g . u < 0 that represents a field in a voxel, u in [-1/2, 1/2]^3.
 struct HalfSpace {
   double a;
   Vec3 g;
@@ -34,12 +34,12 @@ struct HalfSpace {
 
 const HalfSpace kAll{-1.0, Vec3::Zero()};
 
-/// From a point and its six neighbours.  The field's mean over the voxel is its value there and
-/// 1/24 of the second differences, exactly up to third order: so a sphere's voxels add up to its
-/// volume, though each is cut by a plane.
+/// Computes the half-space from a point and its six neighbours.  The field's mean over the voxel is
+/// its value plus 1/24 of the second differences, exact to third order.  So the voxels of a sphere
+/// add up to its volume, though each is cut by a plane.
 HalfSpace PlaneOf(const SparseField& field, int i, int j, int k, double value) {
   const double h = field.lattice().spacing;
-  // Of the block of the point, which is stored, without asking the table.
+  // The point's block is stored, so read it without the table.
   const float* at = field.values(field.entry(field.BlockIndex(i >> 3, j >> 3, k >> 3))) +
                     SparseField::PointIndex(i, j, k);
   const auto before = [&](int c, int stride, int x, int y, int z) -> double {
@@ -55,7 +55,7 @@ HalfSpace PlaneOf(const SparseField& field, int i, int j, int k, double value) {
   return {(value + bend / 24.0) / h, Vec3(x1 - x0, y1 - y0, z1 - z0) / (2.0 * h)};
 }
 
-/// Where the columns are in a voxel, from -1/2 to 1/2 across both ways.
+/// Positions of the columns in a voxel's cross-section, from -1/2 to 1/2 each way.
 constexpr std::array<std::array<double, 2>, kColumns> kAcross = [] {
   std::array<std::array<double, 2>, kColumns> across{};
   for (int n = 0; n < kColumns; ++n) {
@@ -65,8 +65,8 @@ constexpr std::array<std::array<double, 2>, kColumns> kAcross = [] {
   return across;
 }();
 
-/// Volume of the unit voxel that lies in a half-space, and in another where there is one: exact
-/// along columns, which run as the first's normal does.
+/// Returns the volume of the unit voxel inside a half-space, and inside another if there is one.
+/// Exact along columns, which are parallel to the axis that the first normal is nearest to.
 double ShareIn(const HalfSpace& q, const HalfSpace& other) {
   int w = 0;
   const double steepest = q.g.cwiseAbs().maxCoeff(&w);
@@ -146,7 +146,7 @@ void CutField::MakeWhole() noexcept {
   for (std::uint32_t& at : changed_at_) at = at == 0 ? 0 : changes_;
   std::fill(waits_.begin(), waits_.end(), false);
   first_waiting_ = waiting_count_ = 0;
-  gone_ = kFar;  // wherever the bur is: each row is looked at
+  gone_ = kFar;  // so that each row is examined, wherever the bur is
 }
 
 FieldSample CutField::Sample(const Vec3& p_B) const noexcept {
@@ -207,7 +207,7 @@ void CutField::Store(std::size_t block) noexcept {
 bool CutField::TakeStorage(const int low[3], const int high[3], const BurSweep& sweep,
                            const Pose& X_TB) noexcept {
   const Lattice& lattice = field_.lattice();
-  // From a block's middle to its farthest point, and the band beyond the bur.
+  // From a block's centre to its farthest point, and the band beyond the bur.
   const double reach = field_.band() + 3.5 * std::sqrt(3.0) * lattice.spacing;
   const Vec3 apart = X_TB.q * (kSide * lattice.spacing * Vec3::UnitX());
   BurSweep::Row distance;
@@ -239,17 +239,18 @@ bool CutField::TakeStorage(const int low[3], const int high[3], const BurSweep& 
   return true;
 }
 
-/// How far the bur went since the last step's end, at most, wherever on it.
+/// Returns a bound of the distance that any point of the bur has gone since the end of
+/// the last step.
 double CutField::GoneSince(const Bur& bur, const Pose& X_BT) const noexcept {
   if (!(bur == bur_)) return kFar;
-  // Of a turn by an angle t, points move by 2 sin(t/2) of their lever, and quaternions by 2
-  // sin(t/4).
+  // In a turn by an angle t, points move by 2 sin(t/2) of their lever, and quaternions
+  // by 2 sin(t/4).
   const double turn = (X_BT.q.coeffs() - end_.q.coeffs()).norm();
   return (X_BT.p - end_.p).norm() + 2.0 * turn * bur.reach();
 }
 
-/// A point whose value is v, and the bur d away at a step's end, can change no sooner than the bur
-/// has gone d + v farther: so rows behind the bur, and far ahead of it, are left out.
+/// A point with the value v, at a distance d from the bur at a step's end, cannot change before the
+/// bur has gone d + v farther.  So rows behind the bur, and far ahead of it, are skipped.
 bool CutField::Raise(const Touched& touched, const BurSweep& sweep, const Pose& X_TB) noexcept {
   const Lattice& lattice = field_.lattice();
   const Mat3 R_TB = X_TB.q.toRotationMatrix();
@@ -258,7 +259,7 @@ bool CutField::Raise(const Touched& touched, const BurSweep& sweep, const Pose& 
   const std::int32_t entry = field_.entry(touched.block);
   float* values = field_.values(entry);
   double* still = still_.data() + static_cast<std::size_t>(entry) * kRows;
-  // Rows to look at, a bit each: which they are cannot be foretold.
+  // The rows to examine, one bit each, because a branch per row is hard to predict.
   std::uint64_t rows = 0;
   for (int row = 0; row < kRows; ++row) rows |= std::uint64_t{gone_ > still[row]} << row;
   looks_ += std::popcount(rows) * (sweep.IsOfBall() ? 1 : kLooksOfRow);
@@ -274,7 +275,7 @@ bool CutField::Raise(const Touched& touched, const BurSweep& sweep, const Pose& 
   return changed;
 }
 
-/// What is clear throughout needs no storage any more.
+/// Takes the storage of a block that is free throughout.
 void CutField::ReleaseIfClear(std::size_t block) noexcept {
   const float* values = field_.values(field_.entry(block));
   if (std::all_of(values, values + SparseField::kPoints,
@@ -289,7 +290,7 @@ CutAway CutField::Remove(const Bur& bur, const Pose& X_BT, const Vec3& step_B) n
   const Lattice& lattice = field_.lattice();
   const Pose X_TB = X_BT.Inverse();
   const BurSweep sweep(bur, X_TB.q * step_B);
-  // The box of the bur's two ends of the axis, wherever it points, and of its way.
+  // The box of both ends of the bur's axis, for any direction, and of its way.
   const Vec3 z = X_BT.q * Vec3::UnitZ();
   const Vec3 margin = Vec3::Constant(field_.band() + bur.radius());
   const double bottom = std::min(0.0, bur.low() + bur.radius());
@@ -302,7 +303,7 @@ CutAway CutField::Remove(const Bur& bur, const Pose& X_BT, const Vec3& step_B) n
   for (int d = 0; d < 3; ++d) {
     const double blocks = lattice.blocks[static_cast<std::size_t>(d)];
     const double block = kSide * lattice.spacing;
-    // Also where a number is not finite: nothing is removed.
+    // Also if a number is not finite: nothing is removed.
     if (!(max[d] >= 0.0 && min[d] < blocks * block)) return removal;
     low[d] = static_cast<int>(std::max(0.0, min[d] / block));
     high[d] = static_cast<int>(std::min(blocks - 1.0, max[d] / block));
@@ -312,7 +313,7 @@ CutAway CutField::Remove(const Bur& bur, const Pose& X_BT, const Vec3& step_B) n
     removal.full = true;
     return removal;
   }
-  // To the step's end, and so for any point of its way.
+  // Bounds the way to the step's end, and so to any point of the step.
   gone_ += GoneSince(bur, X_BT) + step_B.norm();
   bur_ = bur;
   end_ = {X_BT.p + step_B, X_BT.q};

@@ -13,8 +13,8 @@ namespace palpate {
 namespace {
 
 constexpr double kLeastSpacing = 25e-6, kMostSpacing = 200e-6;
-/// The lattice begins by this share of a spacing off the mesh's box, so that faces of tidy
-/// coordinates run through none of its points: taken.
+/// The lattice is offset from the mesh's box by this share of a spacing, so that faces at round
+/// coordinates contain none of its points; empirical.
 constexpr double kOffset = 0.382;
 
 std::string MegaBytes(double bytes) {
@@ -23,14 +23,14 @@ std::string MegaBytes(double bytes) {
 
 void RefuseAbove(double bytes, const SolidGridOptions& options, const std::string& name) {
   if (bytes <= static_cast<double>(options.most_bytes)) return;
-  // The surface's blocks go by the square of the spacing, nearly all that a grid takes.
+  // Nearly all of a grid is surface blocks, whose number is proportional to 1 / spacing^2.
   throw Error(name + ": a grid of " + Figure(1e6 * options.spacing, 3) + " um takes " +
               MegaBytes(bytes) + ", and may take " +
               MegaBytes(static_cast<double>(options.most_bytes)) +
               "; give a greater spacing, or a smaller body");
 }
 
-/// The smallest lattice that holds the mesh and its band.
+/// Returns the smallest lattice that contains the mesh and its band.
 Lattice LatticeOf(const TriangleMesh& mesh, const SolidGridOptions& options,
                   const std::string& name) {
   const double h = options.spacing;
@@ -57,13 +57,13 @@ Lattice LatticeOf(const TriangleMesh& mesh, const SolidGridOptions& options,
     RefuseAbove(blocks * 2 * sizeof(std::int32_t), options, name);
     lattice.blocks[static_cast<std::size_t>(a)] = static_cast<int>(along);
   }
-  // For a while, the lines along z (Crossings).
+  // Needed temporarily: the lines along z (Crossings).
   const double lines = 64.0 * lattice.blocks[0] * lattice.blocks[1];
   RefuseAbove(lines * sizeof(std::size_t), options, name);
   return lattice;
 }
 
-/// The points of a lattice, or its blocks, within `reach` of a box: low to high, both included.
+/// The points or blocks of a lattice within `reach` of a box, from low to high, both included.
 struct Range {
   int low[3], high[3];
   Range(const Lattice& lattice, int side, const Vec3& min, const Vec3& max) {
@@ -100,7 +100,7 @@ template <class Visit>
 void EachBlockBeside(const Facet& corners, const SparseField& field, Visit visit) {
   const Lattice& lattice = field.lattice();
   const Vec3 margin = Vec3::Constant(field.band());
-  // From a block's middle to its farthest point, 3.5 spacings along each axis.
+  // From a block's centre to its farthest point: 3.5 spacings along each axis.
   const double reach = field.band() + 3.5 * std::sqrt(3.0) * lattice.spacing;
   Range(lattice, SparseField::kSide, corners.min() - margin - Vec3::Constant(lattice.spacing),
         corners.max() + margin)
@@ -111,10 +111,10 @@ void EachBlockBeside(const Facet& corners, const SparseField& field, Visit visit
       });
 }
 
-/// Where lines along z through the lattice's points cross the mesh.  Which side of an edge a line
-/// passes is asked of the edge, not of its triangles, and a line that meets one is moved aside by
-/// an infinitely small (e, e^2) (Edelsbrunner & Muecke, ACM T. Graphics 9 (1990) 66-104): so each
-/// line enters as often as it leaves.
+/// The points where lines along z through the lattice's points cross the mesh.  The side on which a
+/// line passes an edge is decided for the edge, not for its triangles, and a line that meets an
+/// edge is moved aside by an infinitely small (e, e^2) (Edelsbrunner & Muecke, ACM T. Graphics 9
+/// (1990) 66-104).  So each line enters as often as it leaves.
 class Crossings {
  public:
   Crossings(const TriangleMesh& mesh, const Lattice& lattice)
@@ -137,7 +137,7 @@ class Crossings {
     for (std::size_t n = 1; n < begin_.size(); ++n) begin_[n] += begin_[n - 1];
   }
 
-  /// Whether the mesh winds round the point.
+  /// Returns whether the mesh winds round the point.
   bool Inside(int i, int j, int k) const {
     const std::size_t line = LineOf(i, j);
     const double z = lattice_.Point(i, j, k).z();
@@ -151,7 +151,7 @@ class Crossings {
  private:
   struct Crossing {
     std::size_t line;
-    int enters;  ///< 1 going up into the solid, -1 out of it
+    int enters;  ///< 1 if the line, going up, enters the solid there; -1 if it leaves
     double z;
   };
 
@@ -159,7 +159,7 @@ class Crossings {
     return static_cast<std::size_t>(j) * columns_ + static_cast<std::size_t>(i);
   }
 
-  /// Twice the area of p and an edge, seen from above, and its sign; 0 of an edge along z.
+  /// Returns twice the signed area of p and an edge, seen from above; 0 for an edge along z.
   static double Side(const TriangleMesh& mesh, std::uint32_t from, std::uint32_t to, double x,
                      double y, int& sign) {
     const bool turn = from > to;
@@ -213,7 +213,7 @@ SolidGrid::SolidGrid(const TriangleMesh& mesh, const SolidGridOptions& options,
   for (std::size_t block = 0; block < beside.size(); ++block) {
     if (beside[block]) field_.Acquire(block);
   }
-  // How far, of every point within the band.
+  // The distance, at every point within the band.
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const Facet corners(mesh, t);
     const Vec3 margin = Vec3::Constant(field_.band());
@@ -232,7 +232,7 @@ SolidGrid::SolidGrid(const TriangleMesh& mesh, const SolidGridOptions& options,
       });
     });
   }
-  // On which side.
+  // The sign.
   const Crossings crossings(mesh, lattice);
   Range(lattice, SparseField::kSide, lattice.origin,
         lattice.Point(8 * lattice.blocks[0], 8 * lattice.blocks[1], 8 * lattice.blocks[2]))
@@ -307,7 +307,7 @@ void CheckEncloses(const TriangleMesh& mesh, const std::string& name) {
   for (const auto& [i, j, k] : mesh.triangles) {
     volume += mesh.vertices[i].dot(mesh.vertices[j].cross(mesh.vertices[k])) / 6.0;
   }
-  if (!(volume > 0.0)) {  // nor where a vertex is not finite
+  if (!(volume > 0.0)) {  // false, too, if a vertex is not finite
     throw Error(name +
                 ": the mesh encloses no volume as it is wound; turn its triangles so that "
                 "they run counter-clockwise seen from outside");
@@ -322,14 +322,14 @@ std::shared_ptr<const SolidGrid> MakeSolidGrid(const Body& body) {
   SolidGridOptions options{.spacing = body.grid->spacing, .most_bytes = kMostGridBytes};
   const std::vector<MaterialRegion>& regions = body.grid->regions;
   const Lattice lattice = LatticeOf(body.mesh, options, body.name);
-  std::vector<std::optional<Crossings>> windings(regions.size());  // of those that are meshes
+  std::vector<std::optional<Crossings>> windings(regions.size());  // for regions that are meshes
   for (std::size_t r = 0; r < regions.size(); ++r) {
     if (regions[r].mesh.triangles.empty()) continue;
     CheckEncloses(regions[r].mesh, body.name + ": region " + std::to_string(r));
     windings[r].emplace(regions[r].mesh, lattice);
   }
   options.material = [&](const Vec3& p_B) {
-    // Asked of points of the lattice alone.
+    // Called only for points of the lattice.
     const Eigen::Vector3i at =
         ((p_B - lattice.origin) / lattice.spacing).array().round().cast<int>();
     std::uint8_t material = 0;

@@ -13,35 +13,38 @@ namespace palpate {
 namespace {
 
 constexpr int kSide = SparseField::kSide;
-/// Points before and beyond a block that its triangles and its neighbours' beside them go by.  Of
-/// the latter the farthest corners are those of the eights of cells from -4 and from 8; and one
-/// more for gradients.
+/// Points before and beyond a block that its triangles, and its neighbours' beside them, depend on.
+/// The farthest corners of the latter are those of the cubes of eight cells at -4 and at 8;
+/// gradients need one point more.
 constexpr int kBefore = 5, kBehind = 4;
 constexpr int kWide = kBefore + kSide + kBehind, kPoints = kWide * kWide * kWide;
-/// Eights of cells in a row: the first begins one before the first point.
+/// Cubes of eight cells in a row: the first begins one point before the first.
 constexpr int kEights = (kWide + 1) / 2;
-/// A gradient's square misses 1 by rounding alone where a face is flat, by some h^2 / 3R^2 where it
-/// bends with R, and by half where two faces meet at a right angle.  From here on it is doubted.
+/// The deviation of a gradient's squared norm from 1 at which it is doubted.  It is rounding only
+/// at a flat face, some h^2 / 3R^2 where a face has the radius R, and a half where two faces meet
+/// at a right angle.
 constexpr double kDoubt = 0.003;
-/// What a doubtful plane still counts, of a sure one.  Less lets a bur's surface ripple.
+/// The least weight of a doubtful plane, relative to a sure one.  With less, a
+/// bur's surface ripples.
 constexpr double kLeast = 0.1;
-/// Two ends whose normals have this product (26 degrees) see one face: a ball of the radius 2.5 h.
+/// Two ends see the same face if the product of their normals is at least this (26 degrees): a ball
+/// of radius 2.5 h.
 constexpr double kSame = 0.9;
-/// Of the pull to the middle of a cell's crossings, against all planes': keeps a vertex where these
-/// leave it free, and holds it back from a right-angled edge by 2 % of its way.
+/// Weight of the pull to the mean of a cell's crossings, relative to all planes.  It fixes a vertex
+/// that the planes leave free, and keeps it from a right-angled edge by 2 % of its way.
 constexpr double kPull = 0.01;
-/// The same for eight cells' one vertex: an edge of the solid's mesh between faces that meet at
-/// some degrees has to hold it.
+/// The same for the one vertex of eight cells, which must stay on an edge of the solid's mesh
+/// between faces that meet at a few degrees.
 constexpr double kPullOfEight = 1e-4;
-/// From no plane of theirs may it be farther [h], or they have one each.  A ball of 27 h or more
-/// has one for eight.
+/// The largest distance of that vertex from any of their planes [h]; beyond it each cell gets its
+/// own.  A ball of 27 h or more has one vertex for eight cells.
 constexpr double kFlat = 0.05;
-/// How far a vertex may lie beyond its cell: an edge may pass between two lattice lines, so that
-/// only cells behind it are crossed [h].
+/// How far a vertex may lie outside its cell [h]: an edge may pass between two lattice lines, so
+/// that only cells behind it are crossed.
 constexpr double kBeyond = 1.0;
 
-/// Corners of a cell have bits x, y, z.  Its edge 4 d + n runs along d from the corner of which n
-/// has the bits of the next two axes.
+/// Bits 0 to 2 of a corner of a cell are its x, y and z.  Edge 4 d + n of a cell is parallel to
+/// axis d; n holds the bits of its lower end on the next two axes.
 constexpr int EdgeOf(int corner, int d) {
   return 4 * d + (corner >> (d + 1) % 3 & 1) + 2 * (corner >> (d + 2) % 3 & 1);
 }
@@ -50,8 +53,8 @@ constexpr int LowerEnd(int edge) {
   return (edge & 1) << (d + 1) % 3 | (edge >> 1 & 1) << (d + 2) % 3;
 }
 
-/// Of each set of solid corners, which sheet of the surface crosses an edge of the cell, or -1.
-/// On a face that the surface crosses twice, each solid corner is cut off alone.
+/// For each set of solid corners and each edge of the cell, the sheet of the surface that crosses
+/// the edge, or -1.  On a face that the surface crosses twice, each solid corner is cut off alone.
 struct Sheets {
   int count = 0;
   std::array<std::int8_t, 12> of{};
@@ -98,7 +101,7 @@ constexpr std::array<Sheets, 256> MakeSheets() {
 }
 constexpr std::array<Sheets, 256> kSheets = MakeSheets();
 
-/// Of each set of solid corners, whether one sheet crosses the cell, or none, and no face twice.
+/// For each set of solid corners, whether at most one sheet crosses the cell, and no face twice.
 constexpr std::array<bool, 256> MakePlain() {
   std::array<bool, 256> plain{};
   for (int solid = 0; solid < 256; ++solid) {
@@ -116,8 +119,8 @@ constexpr std::array<bool, 256> MakePlain() {
 }
 constexpr std::array<bool, 256> kPlain = MakePlain();
 
-/// Of each of the 27 points of a cube of eight cells, the cube's corners that are at the ends of
-/// its edge, its face or its diagonal through the point, a bit each.
+/// For each of the 27 points of a cube of eight cells, a bit mask of those of the cube's corners
+/// that are the ends of its edge, face or diagonal through the point.
 constexpr std::array<int, 27> MakeCornersRound() {
   std::array<int, 27> all{};
   for (int n = 0; n < 27; ++n) {
@@ -131,12 +134,12 @@ constexpr std::array<int, 27> MakeCornersRound() {
   return all;
 }
 constexpr std::array<int, 27> kCornersRound = MakeCornersRound();
-/// How far the next of them along an axis is, and which have one.
+/// Offset of the next point along each axis, and the mask of points that have one.
 constexpr int kNextOf27[3] = {1, 3, 9};
 constexpr std::uint32_t kHasNext[3] = {0b011011011'011011011'011011011,
                                        0b000111111'000111111'000111111, (1u << 18) - 1};
 
-/// A point of the block or round it, from 0 in the margin's corner.
+/// A point of the block or its margin, counted from 0 in the margin's corner.
 struct Place {
   int at[3];
   int index() const { return (at[2] * kWide + at[1]) * kWide + at[0]; }
@@ -145,7 +148,7 @@ struct Place {
     p.at[axis] += by;
     return p;
   }
-  /// Of the cell whose lowest point it is.
+  /// Returns a corner of the cell whose lowest point this is.
   Place Corner(int c) const { return {{at[0] + (c & 1), at[1] + (c >> 1 & 1), at[2] + (c >> 2)}}; }
   Vec3 From(const Place& p) const {
     return Vec3(at[0] - p.at[0], at[1] - p.at[1], at[2] - p.at[2]);
@@ -153,7 +156,7 @@ struct Place {
 };
 constexpr int kStride[3] = {1, kWide, kWide* kWide};
 
-/// Two fields round a block [h].
+/// Contours two fields round a block; lengths in [h].
 class Contour {
  public:
   Contour(const SolidFields& fields, std::size_t block, SolidSurface& surface)
@@ -166,7 +169,8 @@ class Contour {
     for (std::size_t k = 0; k < 3; ++k) first_[k] = kSide * at[k];
   }
 
-  /// Whether points of the block, or the next after it, are solid and others free; by the table.
+  /// Returns whether some points of the block, or the next after it, are solid and others free,
+  /// judged by the table.
   bool MayCross() const {
     bool free = false, solid = false;
     for (int n = 0; n < 8; ++n) {
@@ -192,7 +196,7 @@ class Contour {
     for (int n = 0; n < kPoints; ++n) {
       solid_[n] = static_cast<std::uint8_t>((fields_[0][n] < 0.0f) & (fields_[1][n] < 0.0f));
     }
-    // Of cells that end beyond the margin it is not that, and nobody asks.
+    // For cells that reach beyond the margin the result is wrong, but it is not used.
     constexpr int kLast = kStride[0] + kStride[1] + kStride[2];
     for (int n = 0; n < kPoints - kLast; ++n) {
       int corners = 0;
@@ -206,7 +210,7 @@ class Contour {
     std::ranges::fill(kept_number_, kNone);
   }
 
-  /// The block's own triangles.
+  /// Takes the block's own triangles.
   void Take() {
     for (int k = kBefore; k < kBefore + kSide; ++k) {
       for (int j = kBefore; j < kBefore + kSide; ++j) {
@@ -221,7 +225,7 @@ class Contour {
     }
   }
 
-  /// Those of the blocks round it that share a vertex with them.
+  /// Takes those triangles of the blocks round it that share a vertex with them.
   void TakeRim() {
     constexpr int first = kBefore - 2, last = kBefore + kSide;
     const auto own = static_cast<std::int16_t>(surface_.vertices.size());
@@ -240,7 +244,7 @@ class Contour {
   }
 
  private:
-  /// Blocks are counted from the one that is taken.
+  /// Returns a block from its offset to the one that is taken.
   std::optional<std::size_t> BlockAt(const int b[3]) const {
     int at[3];
     for (int a = 0; a < 3; ++a) {
@@ -260,7 +264,7 @@ class Contour {
     return is_later ? *fields_of_.later : fields_of_.cut;
   }
 
-  /// Of three blocks in a row along x, what lies within the margins.
+  /// Loads, of three blocks in a row along x, the part inside the margin.
   void LoadRows(int y, int z, bool of_cut) {
     constexpr int kFirst[3] = {kSide - kBefore, 0, 0}, kCount[3] = {kBefore, kSide, kBehind};
     constexpr int kAt[3] = {0, kBefore, kBefore + kSide};
@@ -294,18 +298,18 @@ class Contour {
     }
   }
 
-  /// A field's value at a point [h].
+  /// Returns a field's value at a point [h].
   float At(int field, int point) const { return scale_ * fields_[field][point]; }
 
-  /// Solid corners of the cell whose lowest is p.
+  /// Returns the bit mask of the solid corners of the cell whose lowest point is p.
   int CornersOf(const Place& p) const { return corners_[p.index()]; }
 
   int SheetOf(const Place& cell, int edge) const {
     return kSheets[static_cast<std::size_t>(CornersOf(cell))].of[static_cast<std::size_t>(edge)];
   }
 
-  /// Where max(phi_0, phi_c) crosses 0 on the edge from a point along d, 0 to 1, and which field
-  /// does: interpolated, the one that does so first coming from the solid.
+  /// Returns where max(phi_0, phi_c) crosses 0 on the edge from a point along d, 0 to 1, and the
+  /// field that crosses there: by interpolation, the first to do so from the solid end.
   double Cross(const Place& lower, int d, int& field) const {
     const bool up = solid_[lower.index()] != 0;
     const int upper = lower.index() + kStride[d];
@@ -320,7 +324,7 @@ class Contour {
     return up ? t : 1.0 - t;
   }
 
-  /// The face that a point sees: `distance` from there along -normal [h].
+  /// The face that a point sees, `distance` away along -normal [h].
   struct Face {
     Vec3 normal;
     double distance;
@@ -329,22 +333,22 @@ class Contour {
 
   /// A crossed edge, from a point along an axis.
   struct Edge {
-    double t;      ///< where it is crossed, from its lower end, 0 to 1
-    Face face[2];  ///< as the lower and the upper end see it
-    bool is_one;   ///< both see the same, which has the normal of face[0]
+    double t;      ///< place of the crossing, from its lower end, 0 to 1
+    Face face[2];  ///< seen from the lower and from the upper end
+    bool is_one;   ///< whether both see the same face, whose normal is that of face[0]
   };
 
-  /// The nearest face of a field's surface, as a point sees it by its distance and gradient.  That
-  /// has length 1 wherever there is one.  Central differences where they agree; beside an edge,
-  /// where the nearest face changes, differences to one side each, those that agree best.
-  /// The normal's length is the gradient's.
-  /// Of a convex edge a solid point sees one face or the other, and a free one a plane through the
-  /// edge; of a hollow one it is the other way round.
+  /// Returns the nearest face of a field's surface, as a point sees it by its distance and
+  /// gradient, whose length is 1 if there is a face.  Takes central differences if their length is
+  /// near 1; beside an edge, where the nearest face changes, the one-sided differences whose length
+  /// is nearest to 1.  The normal has the gradient's length.
+  /// Near a convex edge a solid point sees one of its faces, and a free one a plane through the
+  /// edge; near a concave edge it is the other way round.
   Face FaceAt(int field, int at) const {
     const double here = At(field, at);
     const auto back_along = [&](int a) { return here - At(field, at - kStride[a]); };
     const auto ahead_along = [&](int a) { return At(field, at + kStride[a]) - here; };
-    // Made at once: the processor waits where numbers that were stored one by one are read as two.
+    // Constructed at once: the processor stalls if numbers stored one by one are loaded in pairs.
     const Vec3 back(back_along(0), back_along(1), back_along(2));
     const Vec3 ahead(ahead_along(0), ahead_along(1), ahead_along(2));
     Vec3 best = 0.5 * (back + ahead);
@@ -360,7 +364,7 @@ class Contour {
     return {best, here, kLeast + 1.0 / (1.0 + off * off / (kDoubt * kDoubt))};
   }
 
-  /// Up to four cells ask for each: those of late are kept.
+  /// Returns a crossed edge.  Up to four cells need each, so recent ones are cached.
   const Edge& EdgeAt(const Place& lower, int d) {
     const int number = 3 * lower.index() + d;
     const auto slot = static_cast<std::size_t>(number) % kKept;
@@ -406,15 +410,16 @@ class Contour {
            lattice_.spacing * beyond;
   }
 
-  /// What crossings of a sheet see, from the lowest point of its cell or cells.
+  /// The planes that the crossings of a sheet see, relative to the lowest point of its
+  /// cell or cells.
   struct Planes {
     struct Plane {
       Vec3 normal;
       double offset, weight;
     };
-    std::array<Plane, 54> planes;  // 24 of a cell
+    std::array<Plane, 54> planes;  // a single cell has at most 24
     std::size_t count = 0;
-    Vec3 crossings = Vec3::Zero();  ///< their sum
+    Vec3 crossings = Vec3::Zero();  ///< sum of the crossings
     int crossed = 0;
 
     void Add(const Vec3& lower, int d, const Edge& edge) {
@@ -423,7 +428,7 @@ class Contour {
       ++crossed;
       const Face& face = edge.face[0];
       if (edge.is_one) {
-        // Of a face that bends, the crossing is nearer to it than what is touched at either end.
+        // If the face bends, the crossing is nearer to it than the tangent plane of either end.
         planes[count++] = {face.normal, face.normal.dot(crossing), face.weight};
         return;
       }
@@ -433,8 +438,8 @@ class Contour {
       }
     }
 
-    /// Where they meet, by least squares of the distances, from the crossings' middle; no farther
-    /// than `beyond` from the cube.
+    /// Returns the point where the planes meet, by least squares of the distances to them, starting
+    /// from the mean of the crossings; at most `beyond` outside the cube.
     Vec3 Meet(double side, double beyond, double pull_to_middle) const {
       const Vec3 middle = crossings / crossed;
       Mat3 metric = Mat3::Zero();
@@ -455,7 +460,8 @@ class Contour {
       return middle + t * way;
     }
 
-    /// Whether a vertex of all of them would do: they turn little, and it lies in all.
+    /// Returns whether one vertex represents all planes: their normals differ little, and it
+    /// lies on all.
     bool AllHold(const Vec3& at) const {
       Vec3 mean = Vec3::Zero();
       for (const Plane& plane : std::span(planes).first(count)) mean += plane.normal;
@@ -467,7 +473,7 @@ class Contour {
     }
   };
 
-  /// Of a cell and the sheet in it that crosses one of its edges.
+  /// Returns the vertex of the cell's sheet that crosses one of its edges.
   std::uint32_t VertexOf(const Place& cell, int edge) {
     if (const std::int16_t of_eight = VertexOfEight(cell); of_eight >= 0) {
       return static_cast<std::uint32_t>(of_eight);
@@ -487,7 +493,7 @@ class Contour {
     return static_cast<std::uint32_t>(known);
   }
 
-  /// The vertex of a cell's sheet, or kNone.
+  /// Returns the vertex of a cell's sheet, or kNone.
   std::int16_t& OfSheet(const Place& cell, int sheet) {
     if (sheet == 0) return vertex_[cell.index()];
     if (!has_sheets_) std::fill_n(&sheet_[0][0], 3 * kPoints, kNone);
@@ -503,8 +509,8 @@ class Contour {
     return eight;
   }
 
-  /// The vertex that a cell has together with seven others, or kAlone: of a cube of two cells a
-  /// side which the surface crosses as a plane does.
+  /// Returns the vertex that a cell shares with the seven others of its cube, if the surface
+  /// crosses the cube as a plane does; else kAlone.
   std::int16_t VertexOfEight(const Place& cell) {
     std::int16_t& known = eight_[EightOf(cell)];
     if (known != kUnknown) return known;
@@ -515,7 +521,7 @@ class Contour {
     if (!IsPlain(first, solid)) return known;
     Planes planes;
     std::optional<std::uint8_t> material;
-    // Points of which the next one along an axis differs.
+    // Points that differ from the next one along an axis.
     std::uint32_t crossed[3], any = 0;
     for (int d = 0; d < 3; ++d) {
       any |= crossed[d] = (solid ^ solid >> kNextOf27[d]) & kHasNext[d];
@@ -537,8 +543,9 @@ class Contour {
     return known = static_cast<std::int16_t>(Add(PointOf(first, at), NumberOf(first, 0)));
   }
 
-  /// Whether the surface of a cube of eight cells is that of one cell of twice the side, but for
-  /// its shape (Ju et al., sec. 4.1): no point between has a sign that none of those round it have.
+  /// Returns whether the surface in a cube of eight cells has the topology of that in one cell
+  /// of twice the side (Ju et al., sec. 4.1): each point between has the sign of one of the
+  /// corners round it.
   bool IsPlain(const Place& first, std::uint32_t solid) const {
     const int corners = CornersOfEight(solid);
     if (!kPlain[static_cast<std::size_t>(corners)]) return false;
@@ -551,7 +558,7 @@ class Contour {
     return true;
   }
 
-  /// The 27 points of a cube of eight cells, a bit each: which are solid.
+  /// Returns the bit mask of the solid points among the 27 of a cube of eight cells.
   std::uint32_t PointsOfEight(const Place& first) const {
     std::uint32_t solid = 0;
     for (int n = 0; n < 27; ++n) {
@@ -594,7 +601,7 @@ class Contour {
     return solid_[p.index()] != solid_[p.index() + kStride[d]];
   }
 
-  /// Whether one of the four cells round an edge has a vertex of a lower number.
+  /// Returns whether one of the four cells round an edge has a vertex with a lower number.
   bool HasVertexBefore(std::int16_t number, const Place& p, int d) const {
     const int u = (d + 1) % 3, v = (d + 2) % 3;
     const auto is_before = [&](std::int16_t vertex) { return vertex >= 0 && vertex < number; };
@@ -606,8 +613,7 @@ class Contour {
     return false;
   }
 
-  /// Where cells beside each other have one vertex, there is one triangle or none.  Returns whether
-  /// it is so.
+  /// If neighbouring cells share a vertex, adds one triangle or none, and returns true.
   bool AddWhereCellsAreOne(const std::uint32_t (&c)[4], bool turned, std::uint8_t material) {
     for (int n = 0; n < 4; ++n) {
       const std::uint32_t one = c[n], second = c[(n + 2) % 4], third = c[(n + 3) % 4];
@@ -618,11 +624,11 @@ class Contour {
     return false;
   }
 
-  /// The triangles across the edge from a point along d, seen from its upper end:
+  /// Adds the triangles across the edge from a point along d.  Seen from the edge's upper end:
   ///
-  ///        v                    c1 ____ c0     of four cells' vertices; and where two
-  ///        |    cell 1 | cell 0   |   /|       sheets would share the edge c0 c1, through
-  ///        |   --------+--------  |  / |       the crossings p of this edge and q of another
+  ///        v                    c1 ____ c0     of four cells' vertices; where two sheets
+  ///        |    cell 1 | cell 0   |   /|       would share the edge c0 c1, through the
+  ///        |   --------+--------  |  / |       crossings p of this edge and q of another
   ///        |    cell 2 | cell 3   | /  |       of the face between the cells:
   ///        +----> u             c2 ---- c3     p c0 q here, and q c1 p from there
   void AddAcross(const Place& p, int d) {
@@ -636,7 +642,7 @@ class Contour {
     bool shared[4], any = false;
     for (int n = 0; n < 4; ++n) c[n] = VertexOf(cells[n], edges[n]);
     for (int n = 0; n < 4; ++n) {
-      // The face between this cell and the next goes on along v, -u, -v, u.
+      // The face between this cell and the next continues along v, -u, -v, u.
       const int axis = n % 2 == 0 ? v : u, by = n == 0 || n == 3 ? 1 : -1;
       const Place other = p.Moved(axis, by);
       const int lower = other.index(), upper = lower + kStride[d];
@@ -650,7 +656,7 @@ class Contour {
     }
     if (!any) {
       if (AddWhereCellsAreOne(c, !up, material)) return;
-      // The diagonal of which both triangles face where the crossing does.
+      // Choose the diagonal with which both triangles face the way of the crossing's normal.
       const Vec3 normal = (up ? 1.0 : -1.0) * EdgeAt(p, d).face[up ? 0 : 1].normal;
       const auto facing = [&](int i, int j, int k) {
         const Vec3& a = surface_.vertices[c[i]];
@@ -674,7 +680,7 @@ class Contour {
       const int axis = n % 2 == 0 ? v : u;
       const bool ahead = n == 0 || n == 3;
       const std::uint32_t q = CrossingOf(ahead ? solid : solid.Moved(axis, -1), axis);
-      // Of the two, the one that comes before q, seen from where it is free.
+      // Of the two vertices, the one that comes before q, seen from the free side.
       AddTriangle(here, up ? c[n] : c[next], q, false, material);
     }
   }
@@ -698,12 +704,13 @@ class Contour {
   std::uint8_t solid_[kPoints], corners_[kPoints];
   std::array<std::int16_t, static_cast<std::size_t>(kEights* kEights* kEights)> eight_;
   std::int16_t vertex_[kPoints];                     ///< of a cell's first sheet, or kNone
-  bool has_sheets_ = false, has_crossings_ = false;  ///< else the next two are not set
+  bool has_sheets_ = false, has_crossings_ = false;  ///< if false, the next two are not set
   std::int16_t sheet_[kPoints][3];                   ///< of its other sheets
   std::int16_t crossing_[kPoints][3];                ///< of an edge, or kNone
   static constexpr std::size_t kKept = 512;
   Edge kept_[kKept];
-  std::int16_t kept_number_[kKept];  ///< 3 times the lower end's index, and the axis; or kNone
+  /// 3 times the index of the lower end, plus the axis; or kNone
+  std::int16_t kept_number_[kKept];
 };
 
 }  // namespace

@@ -22,7 +22,7 @@ Lattice::Place Lattice::PlaceOf(const Vec3& p_B) const noexcept {
   Place place;
   place.inside = false;
   for (int a = 0; a < 3; ++a) {
-    // Also false where the point is not finite: no integer holds that.
+    // False, too, for a point that is not finite, which no integer could represent.
     if (!(at[a] >= 0.0 && at[a] < 8 * blocks[static_cast<std::size_t>(a)])) return place;
     place.c[a] = static_cast<int>(at[a]);
     place.u[a] = at[a] - place.c[a];
@@ -49,7 +49,7 @@ bool SparseField::Cell(const Lattice::Place& at, double v[8]) const noexcept {
     for (int n = 0; n < 8; ++n) v[n] = first[(n & 1) + ((n & 2) << 2) + ((n & 4) << 4)];
     return true;
   }
-  // Some of the eight are the next blocks', of which there is none beyond the last.
+  // Some of the eight points are in the next blocks, if there are any.
   const std::size_t stride[3] = {1, static_cast<std::size_t>(lattice_.blocks[0]),
                                  BlockIndex(0, 0, 1)};
   std::size_t next[3];
@@ -80,7 +80,7 @@ double SparseField::Distance(const Lattice::Place& at) const noexcept {
 }
 
 FieldSample SparseField::Sample(const Lattice::Place& at) const noexcept {
-  double v[8];  // bits of the index: x, y, z
+  double v[8];  // the index has the bits x, y, z
   if (!Cell(at, v)) return {v[0], Vec3::Zero()};
   const double* u = at.u;
   const auto mix = [](double a, double b, double t) { return a + t * (b - a); };

@@ -8,12 +8,12 @@
 namespace palpate {
 namespace {
 
-constexpr double kSteps = 21.0;  // of a spacing
-constexpr double kBefore = 2.0;  // spacings
+constexpr double kSteps = 21.0;  // per spacing
+constexpr double kBefore = 2.0;  // in spacings
 constexpr std::size_t kNarrow = 256;
 
-/// Corners of the two triangles as those of a quad; false where they are not one: they have to
-/// share their first corner and an edge from it, and what lies behind them.
+/// Joins two triangles to a quad.  Returns false if they are not one: they must share their first
+/// corner, an edge from it, and their material.
 bool Join(const SolidSurface& surface, std::size_t first, std::array<std::uint32_t, 4>& quad) {
   if (first + 1 >= surface.triangles.size()) return false;
   const auto &a = surface.triangles[first], &b = surface.triangles[first + 1];

@@ -19,7 +19,7 @@
 namespace palpate {
 namespace {
 
-/// A 3DS is one chunk, of type 0x4d4d and with its length.
+/// Checks that a 3DS is one chunk, of type 0x4d4d and of the length that it gives.
 void CheckLength(std::string_view bytes) {
   constexpr std::size_t kHeader = 6;
   if (bytes.size() < kHeader || !bytes.starts_with("MM")) {
@@ -34,7 +34,7 @@ void CheckLength(std::string_view bytes) {
   }
 }
 
-/// A part has its mesh's name and its node's.
+/// Names the parts: each has the name of its mesh and that of its node.
 /// @param begin  first triangle of each of the scene's meshes, and the end.
 void NameParts(const aiScene& scene, const aiNode& node, const std::vector<std::uint32_t>& begin,
                std::vector<MeshGroup>& groups) {
@@ -52,8 +52,8 @@ void NameParts(const aiScene& scene, const aiNode& node, const std::vector<std::
   }
 }
 
-/// Leaves the importer of 3DS alone: assimp would try all that it has on a file that the one
-/// declines.
+/// Unregisters all importers but that of 3DS: assimp would otherwise try them all on a file that
+/// this one rejects.
 void KeepOnlyImporter(Assimp::Importer& importer) {
   std::vector<Assimp::BaseImporter*> others;
   for (std::size_t i = 0; i < importer.GetImporterCount(); ++i) {
@@ -103,7 +103,8 @@ FileContents Read3ds(const std::string&, std::string_view text) {
   Assimp::Importer importer;
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
                               aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  importer.SetPropertyBool(AI_CONFIG_PP_PTV_KEEP_HIERARCHY, true);  // else parts lose their names
+  // otherwise parts lose their names
+  importer.SetPropertyBool(AI_CONFIG_PP_PTV_KEEP_HIERARCHY, true);
   KeepOnlyImporter(importer);
   const aiScene* scene = importer.ReadFileFromMemory(
       text.data(), text.size(),
@@ -111,7 +112,7 @@ FileContents Read3ds(const std::string&, std::string_view text) {
   const std::string why = scene == nullptr              ? importer.GetErrorString()
                           : scene->mRootNode == nullptr ? "it holds no scene"
                                                         : "";
-  // assimp catches this one, but not every one.
+  // assimp catches some of these exceptions and reports their text.
   if (why == std::bad_alloc().what()) throw std::bad_alloc();
   if (!why.empty()) throw Error("cannot be read (" + why + ")" + kExportAgain);
   FileContents file{MeshOf(*scene)};

@@ -22,7 +22,7 @@
 namespace palpate {
 namespace {
 
-constexpr std::int64_t kMost = std::int64_t{1} << 32;  // of bytes, numbers and entries
+constexpr std::int64_t kMost = std::int64_t{1} << 32;  // limit of bytes, numbers and entries
 
 std::uint32_t NumberAt(std::string_view bytes, std::size_t at) {
   std::uint32_t number = 0;
@@ -30,8 +30,8 @@ std::uint32_t NumberAt(std::string_view bytes, std::size_t at) {
   return number;
 }
 
-/// A .glb begins with magic, version and length, and is chunks of length, type and contents: JSON
-/// first, then the first buffer.  What stands behind that length is nobody's.
+/// The chunks of a .glb: after magic, version and length, each has a length, a type and contents;
+/// JSON comes first, then the first buffer.  Bytes beyond the file's length are ignored.
 struct Chunks {
   std::string_view json, buffer;
 };
@@ -65,7 +65,7 @@ Chunks ChunksOf(std::string_view glb) {
   return chunks;
 }
 
-/// The bytes of "data:application/octet-stream;base64,AAEC".
+/// Decodes "data:application/octet-stream;base64,AAEC".
 std::string Decoded(const JsonNode& uri) {
   constexpr std::string_view kDigits =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -86,9 +86,9 @@ std::string Decoded(const JsonNode& uri) {
   return bytes;
 }
 
-/// glTF 2.0: all meshes of its scene where its nodes put them, quantised, sparse, in strips or
-/// fans. What moves vertices otherwise is refused by its name, and so is every extension that is
-/// required and not known to be of looks alone.
+/// Reads a glTF 2.0: all meshes of its scene in the poses of their nodes, quantised, sparse, in
+/// strips or fans.  Rejects by name what moves vertices in another way, and every required
+/// extension that is not known to concern appearance only.
 class Gltf {
  public:
   Gltf(const std::string& file, std::string_view text) : Gltf(file, ChunksIn(file, text)) {}
@@ -127,7 +127,7 @@ class Gltf {
     const auto number = node.Find(field);
     return number ? static_cast<std::size_t>(number->Integer(0, kMost)) : otherwise;
   }
-  /// The entry of a list whose number a field holds.
+  /// Returns the entry of a list whose index is in a field.
   template <class T>
   static const T& Entry(const std::vector<T>& list, const JsonNode& number) {
     if (list.empty()) number.Fail("names an entry of a list that is not there; export it again");
@@ -145,7 +145,7 @@ class Gltf {
     for (const JsonNode& extension : required->Items()) {
       const std::string name = extension.String();
       const auto about = [&](const char* what) { return name.find(what) != std::string::npos; };
-      // Whoever compresses by meshopt may leave a plain copy in the file: then there are its data.
+      // With meshopt compression there may be an uncompressed copy, whose data are used.
       if (name == "KHR_mesh_quantization" || name == "EXT_meshopt_compression" ||
           about("_materials_") || about("_texture_") || about("_lights_")) {
         continue;
@@ -198,8 +198,8 @@ class Gltf {
 
   static constexpr std::int64_t kByte = 5120, kFloat = 5126;
 
-  /// `count` entries of `width` numbers each, in the view that `holder` names.
-  /// @param take  is given each entry's number and its numbers.
+  /// Reads `count` entries of `width` numbers each, from the view that `holder` names.
+  /// @param take  called with each entry's index and numbers.
   template <class Take>
   void Walk(const JsonNode& holder, std::int64_t type, bool normalized, std::size_t width,
             std::size_t count, Take take) const {
@@ -249,7 +249,7 @@ class Gltf {
     }
   }
 
-  /// All numbers of an accessor, `width` for each entry.
+  /// Returns all numbers of an accessor, `width` for each entry.
   std::vector<double> Numbers(const JsonNode& accessor, std::size_t width) const {
     const std::string wanted = width == 1 ? "SCALAR" : "VEC3";
     if (accessor.At("type").String() != wanted) accessor.At("type").Fail("must be " + wanted);
@@ -261,7 +261,7 @@ class Gltf {
     if (!sparse && !accessor.Has("bufferView")) {
       accessor.Fail("has no data; export it uncompressed");
     }
-    // Zeros are declared without a byte for them; what is made of these takes three times as much.
+    // Zeros can be declared without any bytes, and what is made of them takes three times as much.
     if (count * width * sizeof(double) > ImportLimitsFor(name_).bytes / 4) throw std::bad_alloc();
     std::vector<double> all(count * width);
     const auto put = [&](std::size_t i, const std::array<double, 3>& numbers) {
@@ -308,15 +308,15 @@ class Gltf {
     return X;
   }
 
-  /// The nodes of the scene, with where they stand.  Without a default scene it is the first;
-  /// without any, all nodes that are in no other.
+  /// Returns the nodes of the scene with their poses.  Without a default scene, of the first scene;
+  /// without any scene, all nodes that are in no other.
   std::vector<std::pair<std::size_t, Matrix>> PlacedNodes() const {
     std::vector<bool> is_child(nodes_.size()), met(nodes_.size());
     std::vector<std::pair<std::size_t, Matrix>> placed;
     const auto place = [&](const JsonNode& number, const Matrix& parent) {
       const JsonNode& node = Entry(nodes_, number);
       const auto which = static_cast<std::size_t>(&node - nodes_.data());
-      // A tree: as a web, few nodes would stand for more than can be told.
+      // Must be a tree: in a graph, few nodes could stand for too many.
       if (met[which]) number.Fail("the node is named twice; export it again");
       met[which] = true;
       placed.emplace_back(which, parent * PlaceOf(node));
@@ -426,10 +426,10 @@ class Gltf {
       primitive.Fail("has " + std::to_string(corners.size()) +
                      " corners, which are no whole triangles; export it again");
     }
-    const bool mirrored = X.linear().determinant() < 0.0;  // then its faces run the other way
+    const bool mirrored = X.linear().determinant() < 0.0;  // then its faces are wound the other way
     for (std::size_t i = 0; i + 2 < corners.size(); i += mode == kTriangles ? 3 : 1) {
       std::array<std::uint32_t, 3> t{corners[mode == kFan ? 0 : i], corners[i + 1], corners[i + 2]};
-      // A strip leads on by triangles that have a corner twice.
+      // Strips contain triangles with a repeated corner, which only lead on.
       if (mode != kTriangles && (t[0] == t[1] || t[1] == t[2] || t[2] == t[0])) continue;
       if (mirrored != (mode == kStrip && i % 2 == 1)) std::swap(t[1], t[2]);
       mesh.triangles.push_back(t);

@@ -1,5 +1,5 @@
-// palpate-import: reads one mesh file for the program that started it, and dies in its place where
-// the file is damaged.
+// palpate-import: reads one mesh file for the program that started it, so that a damaged file
+// crashes this process and not that one.
 
 #include <algorithm>
 #include <cerrno>
@@ -22,7 +22,7 @@
 namespace palpate {
 namespace {
 
-/// No more than what its user has limited it to already, which nobody may raise.
+/// Sets a limit, but not above the one that its user has set already, which cannot be raised.
 void Limit(__rlimit_resource what, std::size_t most) {
   rlimit limit{};
   bool done = getrlimit(what, &limit) == 0;
@@ -34,17 +34,17 @@ void Limit(__rlimit_resource what, std::size_t most) {
   }
 }
 
-/// Before the file is looked at.
+/// Sets all limits, before the file is read.
 void LimitItself(const std::string& file) {
-  // What starts it may be killed: nobody would take the mesh.
+  // End with the parent, because nobody would take the mesh.
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  prctl(PR_SET_DUMPABLE, 0);  // no core, not by a handler either
+  prctl(PR_SET_DUMPABLE, 0);  // no core dump, not by a handler either
   const ImportLimits limits = ImportLimitsFor(file);
   Limit(RLIMIT_CORE, 0);
   Limit(RLIMIT_CPU, limits.cpu_s);
   Limit(RLIMIT_FSIZE, limits.bytes);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-  // The sanitizers lay out terabytes of address space that they never touch.
+  // The sanitizers reserve terabytes of address space that they never use.
   Limit(RLIMIT_AS, limits.bytes);
 #endif
 }

@@ -48,7 +48,7 @@ std::string Unpack(const std::string& file) {
   }
 }
 
-/// Which format is read by what.
+/// Reads a file with the reader of its format.
 FileContents ReadAsNamed(const std::string& file, std::string_view text) {
   static constexpr struct {
     const char* format;
@@ -66,7 +66,7 @@ FileContents ReadAsNamed(const std::string& file, std::string_view text) {
   }
 }
 
-/// How far from its origin a mesh lies, and how large it is.
+/// How far a mesh is from its origin, and how large it is.
 struct Place {
   double farthest = 0.0, longest = 0.0;
 };
@@ -81,7 +81,7 @@ Place PlaceOf(const TriangleMesh& mesh) {
           box.sizes().maxCoeff()};
 }
 
-/// Whether numbers lie further apart than a hand feels, so that triangles collapse.
+/// Returns whether neighbouring numbers are further apart than a hand feels, so triangles collapse.
 bool IsTooCoarse(double step, const Place& place) {
   constexpr double kCoarsest = 1e-4;  // of the longest side: 5 um of 50 mm
   return step > kCoarsest * place.longest;
@@ -92,8 +92,8 @@ bool IsTooCoarse(double step, const Place& place) {
   return static_cast<float>(x);
 }
 
-/// Leaves of each coordinate what single precision has, seen from near the mesh: corners that a
-/// program worked out in double, each for itself, differ in digits that nobody feels, and are one.
+/// Rounds each coordinate to single precision relative to a point near the mesh.  Corners that a
+/// program computed separately in double differ in digits that nobody feels, and become equal.
 void Round(const Place& place, TriangleMesh& mesh) {
   Vec3 by = Vec3::Zero();
   if (IsTooCoarse(kSingleStep * place.farthest, place)) {
@@ -105,7 +105,7 @@ void Round(const Place& place, TriangleMesh& mesh) {
   }
 }
 
-/// The bits of a place: of NaN, too, and the same of 0 and -0.
+/// Returns the bits of a place, also for NaN, and the same for 0 and -0.
 std::array<std::uint64_t, 3> BitsOf(const Vec3& place) {
   std::array<std::uint64_t, 3> bits;
   const Vec3 positive_zero = place + Vec3::Zero();
@@ -113,11 +113,11 @@ std::array<std::uint64_t, 3> BitsOf(const Vec3& place) {
   return bits;
 }
 
-/// Vertices at the same place become one; the order of first use stays.
+/// Merges vertices at the same place; keeps the order of first use.
 void Weld(TriangleMesh& mesh) {
   constexpr std::uint32_t kFree = 0xffffffffu;
-  // Those that are kept, in slots from where their bits lead to (Knuth's multiplicative hash, The
-  // Art of Computer Programming 3, 6.4), at most half of which are taken.
+  // An open hash table of the vertices that are kept, at most half full (Knuth's multiplicative
+  // hash, The Art of Computer Programming 3, 6.4).
   const int bits_of_slot = std::bit_width(2 * mesh.vertices.size() + 1);
   const std::size_t last = (std::size_t{1} << bits_of_slot) - 1;
   std::vector<std::uint32_t> slots(last + 1, kFree);

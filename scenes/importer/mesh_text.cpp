@@ -21,7 +21,7 @@ bool ReadNumber(std::string_view word, double& value) {
   if (word.starts_with('+')) return false;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (end != word.data() + word.size() || error == std::errc::invalid_argument) return false;
-  // Beyond what a double holds: infinite, or nothing.
+  // Out of the range of double: use infinity or zero.
   if (error != std::errc()) value = std::strtod(std::string(word).c_str(), nullptr);
   return true;
 }

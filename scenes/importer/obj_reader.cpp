@@ -14,8 +14,9 @@
 namespace palpate {
 namespace {
 
-/// Wavefront's OBJ, as others write it: any blanks before and between words, any line ends, colours
-/// or a weight behind a vertex.  Free-form surfaces are refused, for their body would be another.
+/// Reads Wavefront's OBJ as other programs write it: any blanks before and between words, any line
+/// ends, colours or a weight after a vertex.  Rejects free-form surfaces, without which the body
+/// would be another.
 class Obj {
  public:
   explicit Obj(std::string_view text) : text_(text) {}
@@ -35,7 +36,7 @@ class Obj {
       Vec3 v;
       for (double& number : v) number = ReadCoordinate();
       mesh_.vertices.push_back(v);
-    } else if (what == "f" || what == "fo") {  // fo: so called before version 3
+    } else if (what == "f" || what == "fo") {  // fo: its name before version 3
       ReadFace();
     } else if (what == "o") {
       Open(object_);
@@ -56,7 +57,8 @@ class Obj {
     return value;
   }
 
-  /// "1", "1/2", "1//3" or "1/2/3" for each corner, from 1; from the end where negative.
+  /// Reads "1", "1/2", "1//3" or "1/2/3" for each corner; indices count from 1, negative ones
+  /// from the end.
   void ReadFace() {
     face_.clear();
     for (std::string_view word = text_.WordOfLine(); !word.empty(); word = text_.WordOfLine()) {
@@ -75,7 +77,7 @@ class Obj {
     if (face_.size() >= 3) mesh_.Add(face_);
   }
 
-  /// An object and a group, both open until the next of its kind.
+  /// Ends an object or a group; both stay open until the next of their kind.
   void Close(MeshGroup& part) {
     part.end = mesh_.size();
     if (!part.name.empty() && part.end > part.begin) mesh_.groups.push_back(part);
@@ -90,7 +92,7 @@ class Obj {
     }
   }
 
-  /// The order of first use, without what no face uses: vertices stand there for colours, too.
+  /// Numbers vertices in the order of first use, and drops unused ones, which may hold colours.
   static void NumberByUse(TriangleMesh& mesh) {
     constexpr auto kNone = std::numeric_limits<std::uint32_t>::max();
     std::vector<std::uint32_t> number(mesh.vertices.size(), kNone);

@@ -41,12 +41,12 @@ constexpr std::array<TypeName, 8> kTypes{{{"char", "int8", Type::kInt8, 1},
   throw Error(why + kExportAgain);
 }
 
-/// What a property is to a mesh.
+/// The meaning of a property for a mesh.
 enum class Role { kNone, kX, kY, kZ, kCorners };
 
 struct Property {
   Role role = Role::kNone;
-  std::optional<Type> count;  ///< of a list
+  std::optional<Type> count;  ///< type of a list's length
   Type type = Type::kFloat;
 };
 struct Element {
@@ -58,12 +58,12 @@ struct Element {
   }
 };
 
-/// Faces and triangle strips, in text or in binary, of either byte order.
+/// Reads faces and triangle strips, in text or in binary of either byte order.
 class Ply {
  public:
   explicit Ply(std::string_view text) : text_(text) {
     ReadHeader();
-    // Of lines that end with CR alone the last one's LF is the first byte of the body.
+    // If lines end with CR alone, a LF after the last one is the first byte of the body.
     const std::size_t end = text.find_first_of("\r\n");
     const bool cr_alone =
         end != std::string_view::npos && text[end] == '\r' && text[end + 1] != '\n';
@@ -73,7 +73,7 @@ class Ply {
 
   FileContents Read() && {
     for (const Element& element : elements_) {
-      // Each of the others takes a byte at least, so the walk ends with the file.
+      // All other elements take at least a byte each, so the loop ends with the file.
       if (element.properties.empty() && element.count > 0) {
         Refuse("element " + Quoted(element.name) + " has no properties");
       }
@@ -177,7 +177,7 @@ class Ply {
 
   // --- body ---
 
-  /// False where the file ends before.
+  /// Returns false if the file ends before.
   bool ReadElement(const Element& element) {
     Vec3 v = Vec3::Zero();
     for (const Property& property : element.properties) {
@@ -211,7 +211,8 @@ class Ply {
     corners_.push_back(static_cast<std::uint32_t>(value));
   }
 
-  /// Of a strip every second triangle is turned; where two corners are one it only leads on.
+  /// Ends a face.  In a strip every second triangle is turned, and one with a repeated corner
+  /// only leads on.
   void EndFace(const Element& element) {
     if (element.name == "face") return mesh_.Add(corners_);
     for (std::size_t i = 0; i + 2 < corners_.size(); ++i) {

@@ -19,16 +19,16 @@ struct Corner {
   Vec2 p;
 };
 
-/// Twice the area of a triangle, positive where it turns left.
+/// Returns twice the signed area of a triangle, positive if it turns left.
 double Turn(const Vec2& a, const Vec2& b, const Vec2& c) {
   const Vec2 u = b - a, v = c - a;
   return u.x() * v.y() - u.y() * v.x();
 }
 
-/// A polygon along the axis that its normal has most of, so that it turns left.
+/// Projects a polygon along the main axis of its normal, so that it turns left.
 std::vector<Corner> Flattened(const std::vector<Vec3>& vertices,
                               std::span<const std::uint32_t> polygon) {
-  Vec3 normal = Vec3::Zero();  // after Newell
+  Vec3 normal = Vec3::Zero();  // by Newell's method
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const Vec3 a = vertices[polygon[i]] - vertices[polygon[0]];
     normal += a.cross(vertices[polygon[(i + 1) % polygon.size()]] - vertices[polygon[0]]);
@@ -42,7 +42,8 @@ std::vector<Corner> Flattened(const std::vector<Vec3>& vertices,
   return flat;
 }
 
-/// Whether a corner can be cut off: it turns left, and no other corner lies in its triangle.
+/// Returns whether a corner can be cut off: it turns left, and its triangle contains
+/// no other corner.
 bool IsEar(const std::vector<Corner>& polygon, std::size_t at) {
   const std::size_t n = polygon.size();
   const Vec2 &a = polygon[(at + n - 1) % n].p, &b = polygon[at].p, &c = polygon[(at + 1) % n].p;
@@ -54,7 +55,7 @@ bool IsEar(const std::vector<Corner>& polygon, std::size_t at) {
   });
 }
 
-/// By ears, from the second corner on: of a convex polygon a fan.
+/// Cuts off ears, beginning at the second corner; a convex polygon becomes a fan.
 void Cut(const std::vector<Vec3>& vertices, std::span<const std::uint32_t> polygon,
          TriangleMesh& mesh) {
   if (polygon.size() == 3) mesh.triangles.push_back({polygon[0], polygon[1], polygon[2]});
@@ -63,7 +64,7 @@ void Cut(const std::vector<Vec3>& vertices, std::span<const std::uint32_t> polyg
   std::size_t at = 1, passed = 0;
   while (left.size() > 3) {
     const std::size_t n = left.size();
-    // A polygon that crosses itself or has no area may have no ear: then any corner will do.
+    // A polygon that intersects itself or has no area may have no ear: then cut off any corner.
     if (!IsEar(left, at % n) && passed++ < n) {
       ++at;
       continue;
@@ -83,7 +84,7 @@ ImportedMesh TrianglesOf(Polygons&& polygons) {
   ImportedMesh read;
   read.mesh.vertices = std::move(polygons.vertices);
   const std::size_t vertices = read.mesh.vertices.size();
-  std::vector<std::uint32_t> first{0};  // triangle of each polygon, and the end
+  std::vector<std::uint32_t> first{0};  // first triangle of each polygon, and the end
   std::uint32_t begin = 0;
   for (const std::uint32_t end : polygons.ends) {
     const std::span polygon = std::span(polygons.corners).subspan(begin, end - begin);

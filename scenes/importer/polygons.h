@@ -8,13 +8,12 @@
 
 namespace palpate {
 
-/// What a mesh file says, before its polygons are cut into triangles: only then are all corners
-/// known.
+/// The polygons of a mesh file.  They are cut into triangles later, when all vertices are known.
 struct Polygons {
   std::vector<Vec3> vertices;
-  std::vector<std::uint32_t> corners;  ///< of one polygon after the other
-  std::vector<std::uint32_t> ends;     ///< of each polygon, in `corners`
-  std::vector<MeshGroup> groups;       ///< of polygons, not of triangles
+  std::vector<std::uint32_t> corners;  ///< of all polygons, one after the other
+  std::vector<std::uint32_t> ends;     ///< for each polygon, its end in `corners`
+  std::vector<MeshGroup> groups;       ///< ranges of polygons, not of triangles
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(ends.size()); }
   void Add(std::span<const std::uint32_t> polygon) {
@@ -23,8 +22,8 @@ struct Polygons {
   }
 };
 
-/// Cuts each polygon, convex or not, into two triangles fewer than it has corners; of one with two
-/// corners or fewer nothing is left.  Throws Error where one names a vertex that is not there.
+/// Cuts each polygon, convex or not, into two triangles fewer than it has corners; one with two
+/// corners or fewer gives none.  Throws Error if a polygon names a vertex that does not exist.
 ImportedMesh TrianglesOf(Polygons&& polygons);
 
 }  // namespace palpate

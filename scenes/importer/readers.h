@@ -5,31 +5,31 @@
 
 #include "scenes/mesh/mesh_packet.h"
 
-// A reader for each format.  Each takes a whole file and gives what it says, with the vertices as
-// they stand there, or throws Error with what is wrong and the remedy.  Nothing but geometry is
-// looked at: normals, colours and materials may be what they like.
+// A reader for each format.  Each reads a whole file and returns its contents, with the vertices as
+// they are in it, or throws Error with the defect and the remedy.  Only geometry is read: normals,
+// colours and materials are ignored.
 namespace palpate {
 
-/// What a file holds.
+/// The contents of a file.
 struct FileContents {
   ImportedMesh read;
-  /// How far apart neighbouring numbers of its coordinates are at the most, for the precision that
-  /// the file keeps them in; 0: for that of double or of text [file unit].
+  /// The largest distance between neighbouring values of the coordinates, at the precision of the
+  /// file; 0: the precision of double or of text [file unit].
   double step = 0.0;
 };
 
-/// From one number of single precision to the next, by its size.
+/// The relative distance from one number of single precision to the next.
 inline constexpr double kSingleStep = 0x1p-23;
 
-/// @param file  names it, for messages and for its buffers (mesh_references.h).
+/// @param file  for its name in messages, and the place of its buffers (mesh_references.h).
 FileContents ReadObj(const std::string& file, std::string_view text);
 FileContents ReadStl(const std::string& file, std::string_view text);
 FileContents ReadPly(const std::string& file, std::string_view text);
 FileContents ReadGltf(const std::string& file, std::string_view text);  ///< .gltf and .glb
-/// By assimp, which a damaged file may crash.
+/// Uses assimp, which a damaged file may crash.
 FileContents Read3ds(const std::string& file, std::string_view text);
 
-/// The number of the largest size among all finite ones.
+/// Returns the largest absolute coordinate of the finite vertices.
 double FarthestOf(const TriangleMesh& mesh);
 
 }  // namespace palpate

@@ -16,14 +16,15 @@ namespace {
 
 constexpr std::size_t kHeader = 84, kFacet = 50;
 
-/// A binary STL begins with 80 bytes of anything, "solid" too, and its count of facets.  Of all
-/// that may be read (kLargestMeshFile) that count is below 43 million, so its last byte is 2 or
-/// less: no byte of a text is.
+/// Returns whether an STL is binary.  A binary one begins with 80 arbitrary bytes, possibly
+/// "solid", and the count of facets.  In a file that may be read (kLargestMeshFile) the count is
+/// below 43 million, so its last byte is 2 or less, which no byte of a text is.
 bool IsBinary(std::string_view bytes) {
   return bytes.size() >= kHeader && static_cast<unsigned char>(bytes[kHeader - 1]) <= 2;
 }
 
-/// A facet is its normal, three corners of three floats each, and two bytes.
+/// Returns a facet's corners.  A facet is its normal and three corners, of three floats each,
+/// and two bytes.
 std::array<Vec3, 3> CornersOf(std::string_view bytes, std::size_t facet) {
   std::array<Vec3, 3> corners;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -56,7 +57,7 @@ FileContents ReadBinary(std::string_view bytes) {
   }
   file.step = kSingleStep * FarthestOf(mesh);
   if (there == declared) return file;
-  // What else stands behind is padding, a checksum or a maker's words; but one more facet is not.
+  // Other bytes after the end are padding, a checksum or a comment; but one more facet is an error.
   const auto next = CornersOf(bytes, declared);
   const double wide = declared > 0 ? box.diagonal().norm() : 0.0;
   const bool near =
@@ -65,8 +66,8 @@ FileContents ReadBinary(std::string_view bytes) {
   return file;
 }
 
-/// Words in any case, any blanks between them.  A solid's name is the rest of its line, whatever
-/// words it has.
+/// Reads a text STL: words in any case, with any blanks between them.  A solid's name is the rest
+/// of its line, whatever words it has.
 class TextStl {
  public:
   explicit TextStl(std::string_view text) : text_(text) {}
@@ -84,7 +85,7 @@ class TextStl {
   }
 
  private:
-  /// In small letters, with "end solid" as one word.
+  /// Reads a word in lower case, with "end solid" as one word.
   std::string Word() {
     std::string word = LowerCase(text_.Word());
     if (word == "end") word += LowerCase(text_.Word());
@@ -108,14 +109,14 @@ class TextStl {
     std::string word = Word();
     for (; word == "facet"; word = Word()) ReadFacet();
     if (word != "endsolid") FailAt(word, "endsolid");
-    text_.Line();  // the name once more
+    text_.Line();  // the name again
     solid.end = mesh_.size();
     if (!solid.name.empty()) mesh_.groups.push_back(std::move(solid));
   }
 
   void ReadFacet() {
     std::string word = Word();
-    if (word == "normal") {  // three words of any kind
+    if (word == "normal") {  // followed by any three words
       while (word != "outer" && word != "vertex" && word != "facet" && !word.empty()) word = Word();
     }
     if (word != "outer") FailAt(word, "outer");

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kDirections = 96;
 constexpr int kMapSize = 700;
-// Shares of the scene's radius.  A vertex is looked at from a little above its surface, so that
+// Shares of the scene's radius.  A vertex is examined from a little above its surface, so that
 // neighbouring triangles, drawn in pixels, do not hide it.
 constexpr double kLift = 4e-3;
 constexpr double kBias = 2e-3;
@@ -35,10 +35,10 @@ LitBody InWorld(const Body& body) {
   return lit;
 }
 
-/// Heights towards the light of what is nearest to it.
+/// The heights, towards the light, of the surface nearest to it.
 class DepthMap {
  public:
-  /// @param centre, radius  of a ball round all that is drawn.   @param towards  the light, unit.
+  /// @param centre, radius  of a ball round everything drawn.   @param towards  the light, unit.
   DepthMap(const Vec3& centre, double radius, const Vec3& towards)
       : centre_(centre),
         to_pixels_(0.5 * kMapSize / radius),
@@ -47,7 +47,7 @@ class DepthMap {
         up_(towards.cross(right_)),
         heights_(std::size_t{kMapSize} * kMapSize, -std::numeric_limits<double>::infinity()) {}
 
-  /// Column and row [pixels], and height [m].
+  /// Returns column and row [pixels], and height [m].
   Vec3 At(const Vec3& p) const {
     const Vec3 d = p - centre_;
     return {to_pixels_ * right_.dot(d) + 0.5 * kMapSize, to_pixels_ * up_.dot(d) + 0.5 * kMapSize,
@@ -86,12 +86,13 @@ class DepthMap {
   std::vector<double> heights_;
 };
 
-/// What is under it will be seen.  A body that burs cut and that is alone shades itself.
+/// Returns whether the surface under the body will become visible.  A single body that burs cut
+/// still shades itself.
 bool ShadesNothing(const Body& body, std::size_t objects) {
   return body.grid && objects > 1;
 }
 
-/// Directions that fill the sphere evenly: a spiral (Fibonacci).
+/// Returns one of many directions spread evenly over the sphere: a spiral (Fibonacci).
 Vec3 Direction(int i) {
   const double y = 1.0 - (2.0 * i + 1.0) / kDirections;
   const double turn = i * 3.14159265358979323846 * (3.0 - std::sqrt(5.0));

@@ -6,11 +6,11 @@
 
 namespace palpate {
 
-/// Gives each object's `ambient`: the share of the room that its vertices see past all objects, 0
-/// to 255, weighted by the cosine with the normal.  It is what makes a mouth dark towards its
-/// throat. Objects stand still, so it is found once, when the scene is compiled: by looking at them
-/// from many directions, a picture of depths each.  What can be scraped or cut off shades nothing
-/// else.
+/// Computes each object's `ambient`: for each vertex the share of the surrounding space that is
+/// visible past all objects, 0 to 255, weighted by the cosine with the normal.  It makes a mouth
+/// dark towards its throat.  Objects do not move, so this is done once, when the scene is
+/// compiled, with depth images from many directions.  What can be scraped or cut off casts no
+/// shade on the rest.
 void LightObjects(std::vector<Body>& objects);
 
 }  // namespace palpate

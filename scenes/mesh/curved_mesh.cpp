@@ -13,20 +13,20 @@
 namespace palpate {
 namespace {
 
-/// Triangles that meet at more than 40 degrees meet in a crease: taken, as in ContactMesh.
+/// Triangles that meet at more than 40 degrees form a crease: empirical, as in ContactMesh.
 constexpr double kCreaseCosine = 0.766;
-/// Sides of a crease whose normals are nearer than 10 degrees do not tell its direction: the two
-/// normals are known to some degrees.
+/// Sides of a crease whose normals differ by less than 10 degrees do not give its direction,
+/// because normals are only accurate to a few degrees.
 constexpr double kCreaseSine = 0.17;
-/// A triangle whose height is less than this part of its longest edge has no normal to be trusted:
-/// coordinates of files are rounded to 1e-7 of the mesh.
+/// A triangle whose height is less than this share of its longest edge has no reliable normal:
+/// coordinates in files are rounded to 1e-7 of the mesh.
 constexpr double kThin = 1e-5;
-/// A patch whose normal turns from its triangle's by more than 60 degrees is about to fold.
+/// A patch whose normal differs from its triangle's by more than 60 degrees is close to folding.
 constexpr double kFoldCosine = 0.5;
-/// Faces in a notch of less than 60 degrees stay flat: patches leave their triangles by up to 20
-/// degrees on either side, and cannot be told apart where they share a corner.
+/// Faces in a notch of less than 60 degrees stay flat: patches deviate from their triangles by up
+/// to 20 degrees on either side, and no plane can separate them where they share a corner.
 constexpr double kNotchCosine = -0.5;
-/// Sub-triangles are divided to this depth, which no patch comes near: each level halves an edge.
+/// Limit of the depth of division, which no patch comes near: each level halves an edge.
 constexpr int kDeepest = 48;
 
 using Indices = std::vector<std::uint32_t>;
@@ -36,7 +36,7 @@ Vec3 UnitOrZero(const Vec3& v) {
   return length > 0.0 ? Vec3(v / length) : Vec3(Vec3::Zero());
 }
 
-/// First vertex of each place: vertices of one place are one.
+/// Returns for each vertex the first vertex at the same place.
 Indices Weld(const std::vector<Vec3>& vertices) {
   Indices order(vertices.size()), first(vertices.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -53,17 +53,17 @@ Indices Weld(const std::vector<Vec3>& vertices) {
   return first;
 }
 
-/// The mesh as curved patches: for each edge the height of its parabola.
+/// The mesh as curved patches: the height of the parabola of each edge.
 class Patches {
  public:
   explicit Patches(const TriangleMesh& mesh);
 
   std::size_t edges() const { return rise_.size(); }
-  /// Edge from corner c of a triangle to the next.
+  /// Returns the edge from corner c of a triangle to the next.
   std::uint32_t edge(std::uint32_t t, std::size_t c) const { return edge_of_[t][c]; }
-  /// From the middle of the edge to that of its parabola [m].
+  /// Returns the vector from the middle of the edge to that of its parabola [m].
   const Vec3& rise(std::uint32_t e) const { return rise_[e]; }
-  /// True where corner c of the triangle is the end that the edge's points are counted from.
+  /// Returns whether corner c of the triangle is the end from which the edge's points are counted.
   bool Forward(std::uint32_t t, std::size_t c) const {
     return place_of_[mesh_.triangles[t][c]] <= place_of_[mesh_.triangles[t][(c + 1) % 3]];
   }
@@ -109,8 +109,8 @@ Patches::Patches(const TriangleMesh& mesh) : mesh_(mesh), place_of_(Weld(mesh.ve
   rise_.resize(kind_.size());
   for (std::uint32_t e = 0; e < rise_.size(); ++e) rise_[e] = Rise(e);
 
-  // What becomes straight changes its neighbours, too: until nothing does.  Each round straightens
-  // an edge at least.
+  // An edge that becomes straight affects its neighbours, so repeat until nothing changes.  Each
+  // round straightens at least one edge.
   for (bool again = true; again;) {
     again = false;
     for (std::uint32_t t = 0; t < face_.size(); ++t) {
@@ -157,8 +157,8 @@ void Patches::Connect() {
   }
 }
 
-/// Corners of a place that no crease separates share a normal: the faces' with the weights of Max
-/// (J. Graphics Tools 4 (1999) 1-6), which are exact on a sphere.
+/// Corners at a place that no crease separates share a normal: that of the faces with the weights
+/// of Max (J. Graphics Tools 4 (1999) 1-6), which are exact on a sphere.
 void Patches::SetNormals() {
   const auto& triangles = mesh_.triangles;
   const auto corner_at = [&](std::uint32_t t, std::uint32_t place) {
@@ -194,14 +194,14 @@ const Vec3& Patches::Normal(const Side& side, std::uint32_t place) const {
   return normal_[side.triangle][first ? side.corner : (side.corner + 1) % 3];
 }
 
-/// How far the middle of an edge rises to its curve; zero: the edge is straight.
+/// Returns how far the middle of an edge rises to its curve; zero: the edge is straight.
 ///
-///   turn  a .-----. b     What the tangents turn by towards each other bends the edge; what they
-///   lean  a .-. ,-' b     turn by alike is an inflection.
+///   turn  a .-----. b     The part by which the tangents turn towards each other bends the edge;
+///   lean  a .-. ,-' b     the part by which they turn alike is an inflection.
 ///
-/// On a smooth surface the lean is small against the turn where edges are short.  Noise at the
-/// corners gives as much of one as of the other.  So an edge that leans by more than half of its
-/// turn is bent less, and one that leans as much as it turns not at all.
+/// On a smooth surface the lean is small compared with the turn if edges are short.  Noise at the
+/// corners contributes equally to both.  So an edge that leans by more than half of its turn is
+/// bent less, and one that leans as much as it turns is not bent.
 Vec3 Patches::Rise(std::uint32_t e) const {
   const Vec3 straight = Vec3::Zero();
   if (kind_[e] == Kind::kStraight) return straight;
@@ -215,7 +215,7 @@ Vec3 Patches::Rise(std::uint32_t e) const {
     const std::uint32_t place = end == 0 ? a.low : a.high;
     const Vec3 &n = Normal(a, place), &m = Normal(b, place);
     for (const auto& [side, normal] : {std::pair(&a, &n), std::pair(&b, &m)}) {
-      // A normal that leaves a face as a crease does is of no smooth surface through it.
+      // A normal that differs from the face's as much as at a crease belongs to no smooth surface.
       if (normal->dot(face_[side->triangle]) < kCreaseCosine) return straight;
     }
     Vec3 t = along - along.dot(n) * n;
@@ -230,8 +230,8 @@ Vec3 Patches::Rise(std::uint32_t e) const {
       tangent[1].dot(along) < kCreaseCosine) {
     return straight;
   }
-  // Half of the turn, as its sine: of an arc of a circle over the chord L and with the half angle
-  // phi the height is L/2 tan(phi/2).
+  // Half of the turn, as its sine.  A circular arc over the chord L with the half angle phi has the
+  // height L/2 tan(phi/2).
   Vec3 turn = 0.5 * (tangent[0] - tangent[1]);
   turn -= turn.dot(along) * along;
   const double sine = turn.norm();
@@ -241,7 +241,7 @@ Vec3 Patches::Rise(std::uint32_t e) const {
   return 0.5 * length * trusted / (1.0 + cosine) * turn;
 }
 
-/// True where an edge of the triangle was not straight before.
+/// Makes the triangle's edges straight; returns whether one was not straight before.
 bool Patches::Straighten(std::uint32_t t) {
   bool changed = false;
   for (const std::uint32_t e : edge_of_[t]) {
@@ -251,7 +251,8 @@ bool Patches::Straighten(std::uint32_t t) {
   return changed;
 }
 
-/// Whether the patch's normal leaves the triangle's too far, at a corner or in the middle.
+/// Returns whether the patch's normal differs too much from the triangle's, at a corner or
+/// in the middle.
 bool Patches::Folds(std::uint32_t t) const {
   const auto& [i, j, k] = mesh_.triangles[t];
   const Vec3 &ab = rise_[edge_of_[t][0]], &bc = rise_[edge_of_[t][1]], &ca = rise_[edge_of_[t][2]];
@@ -266,7 +267,7 @@ bool Patches::Folds(std::uint32_t t) const {
          folds(u + 4.0 / 3.0 * (bc - ca), 4.0 / 3.0 * (bc - ab) - w);
 }
 
-/// Control points of the patch, whose convex hull holds it.
+/// Returns the control points of the patch, whose convex hull contains it.
 std::array<Vec3, 6> Patches::Hull(std::uint32_t t) const {
   const auto& [i, j, k] = mesh_.triangles[t];
   const auto& e = edge_of_[t];
@@ -289,9 +290,9 @@ bool ApartAlong(const std::array<Vec3, 6>& a, const std::array<Vec3, 6>& b, cons
   return a_max < b_min || b_max < a_min;
 }
 
-/// Patches must not come to meet.  Of triangles that share no corner, both become flat where no
-/// plane along an axis of their triangles tells their hulls apart; of those that share one, where
-/// they are the faces of a notch.  Boxes are swept along x.
+/// Keeps patches from meeting.  Two patches without a common corner both become flat if no plane
+/// along an axis of their triangles separates their hulls; two with a common corner, if they are
+/// the faces of a notch.  Finds pairs by sweeping boxes along x.
 bool Patches::StraightenWherePatchesMeet() {
   const auto& triangles = mesh_.triangles;
   struct Box {
@@ -374,8 +375,8 @@ class Divider {
   Divider(const TriangleMesh& mesh, const Patches& patches, double tolerance, std::size_t most)
       : from_(mesh),
         patches_(patches),
-        // A triangle of a patch leaves it by 4 sum(u_i u_j rise_ij) at most, u the place in the
-        // triangle; and the sum of the u_i u_j is at most 1/3.
+        // A triangle of a patch deviates from it by at most 4 sum(u_i u_j rise_ij), u being the
+        // place in the triangle; and the sum of the u_i u_j is at most 1/3.
         limit_(0.75 * tolerance),
         most_(most),
         points_(patches.edges()) {
@@ -383,7 +384,7 @@ class Divider {
     to_.tolerance = tolerance;
   }
 
-  /// Nothing where the triangles do not suffice.
+  /// Returns nothing if the triangles do not suffice.
   std::optional<CurvedMesh> Divide() {
     for (std::uint32_t t = 0; t < from_.triangles.size(); ++t) {
       parent_ = t;
@@ -398,11 +399,11 @@ class Divider {
   }
 
  private:
-  /// Where a vertex lies in the parent, in parts of its corners.
+  /// The place of a vertex in the parent, in barycentric coordinates.
   using Place = Vec3;
 
-  /// What is made is thrown away then.  One patch may be divided into 4096 x 4096 triangles, so it
-  /// is asked before as well as after.
+  /// Returns whether the limit is exceeded, and the result will be discarded.  One patch may be
+  /// divided into 4096 x 4096 triangles, so this is asked before as well as after a division.
   bool Full(std::size_t more = 0) const { return to_.mesh.triangles.size() + more > most_; }
 
   std::size_t Segments(double rise) const {
@@ -410,7 +411,7 @@ class Divider {
     return static_cast<std::size_t>(std::min(std::ceil(std::sqrt(rise / limit_)), 4096.0));
   }
 
-  /// The points of a parent's edge, which are the same seen from each of its triangles.
+  /// Returns the points of a parent's edge, the same ones for both of its triangles.
   Indices SideOf(std::uint32_t t, std::size_t c) {
     const auto& corners = from_.triangles[t];
     const std::uint32_t e = patches_.edge(t, c);
@@ -451,7 +452,7 @@ class Divider {
 
   const Vec3& RiseOf(std::size_t c) const { return patches_.rise(patches_.edge(parent_, c)); }
 
-  /// Of the patch's quadratic part at a place, or along a way between two places.
+  /// Returns the patch's quadratic part at a place, or along the difference of two places.
   Vec3 Quadratic(const Vec3& u) const {
     return u[0] * u[1] * RiseOf(0) + u[1] * u[2] * RiseOf(1) + u[2] * u[0] * RiseOf(2);
   }
@@ -465,17 +466,18 @@ class Divider {
     return made;
   }
 
-  /// How far the middle of a straight way through the patch lies from it at most.  The way rises by
-  /// -Q(way), Q the quadratic form: the second difference of the patch along the way.  What of it
-  /// lies in the triangle's plane, as all does in a cylinder's lid, takes the middle to another
-  /// place of the patch and away from it only as far as the patch is steep.
+  /// Returns a bound of the distance from the patch of the middle of a straight way through it.
+  /// The way rises by -Q(way), Q being the quadratic form: the second difference of the patch
+  /// along the way.  The part of the rise in the triangle's plane (all of it, in a cylinder's
+  /// lid) moves the middle to another place of the patch, and away from it only in proportion to
+  /// the patch's slope.
   double RiseAlong(const Vec3& way) const {
     const Vec3 rise = Quadratic(way);
     const double up = rise.dot(normal_);
     return std::abs(up) + steep_ * (rise - up * normal_).norm();
   }
 
-  /// Normal of the parent's plane, and the largest slope of its patch against that.
+  /// Computes the normal of the parent's plane, and the largest slope of its patch against it.
   void Lay() {
     normal_.setZero();
     steep_ = 0.0;
@@ -493,7 +495,7 @@ class Divider {
     }
   }
 
-  /// A new side between two vertices of the patch.
+  /// Makes a new side between two vertices of the patch.
   Indices Between(std::uint32_t a, std::uint32_t b, int depth) {
     const Place from = PlaceOf(a), to = PlaceOf(b);
     const std::size_t count = depth < kDeepest ? Segments(RiseAlong(to - from)) : 1;
@@ -520,7 +522,7 @@ class Divider {
   static std::uint32_t Middle(const Indices& side) { return side[side.size() / 2]; }
   static Indices Back(const Indices& side) { return {side.rbegin(), side.rend()}; }
 
-  /// Fills a triangle of the patch between sides that are divided already.
+  /// Fills a triangle of the patch between sides that are already divided.
   /// @param side  in turn, each from corner to corner.
   void Fill(std::array<Indices, 3> side, int depth) {
     if (Full()) return;
@@ -545,7 +547,7 @@ class Divider {
       Fill({First(side[0]), across, side[2]}, depth + 1);
       return Fill({Second(side[0]), side[1], Back(across)}, depth + 1);
     }
-    // Sides 0 and 2 are split: a triangle at their corner, and a quadrilateral.
+    // Sides 0 and 2 are split: make a triangle at their common corner, and a quadrilateral.
     while (side[1].size() > 2) std::rotate(side.begin(), side.begin() + 1, side.end());
     const std::uint32_t m = Middle(side[0]), n = Middle(side[2]);
     const Indices cut = Between(m, n, depth);
@@ -562,7 +564,8 @@ class Divider {
     }
   }
 
-  /// All sides have n segments: n rows of the patch's own grid, whose segments rise as the sides'.
+  /// Fills a triangle whose sides all have n segments with n rows of the patch's own grid, whose
+  /// segments rise as those of the sides.
   void Grid(const std::array<Indices, 3>& side) {
     const std::size_t n = side[0].size() - 1;
     if (Full(n * n)) {
@@ -599,7 +602,7 @@ class Divider {
   std::vector<Indices> points_;  ///< of each parent's edge, between its ends
   std::uint32_t parent_ = 0;
   Vec3 normal_ = Vec3::Zero();                      ///< of the parent
-  double steep_ = 0.0;                              ///< of its patch against it
+  double steep_ = 0.0;                              ///< largest slope of its patch against it
   std::unordered_map<std::uint32_t, Place> place_;  ///< of the vertices of the parent's patch
   CurvedMesh to_;
 };

@@ -8,54 +8,54 @@
 
 namespace palpate {
 
-/// Changes with every change of what a refined mesh looks like, so that cached scenes are built
-/// anew.
+/// Changes whenever a refined mesh comes out differently, so that cached scenes are built anew.
 inline constexpr std::uint32_t kCurvedMeshVersion = 1;
 
-/// The most that a scene file may ask for.
+/// The largest max_triangles that a scene file may give.
 inline constexpr std::size_t kMaxCurvedTriangles = 4'000'000;
 
 struct CurvedOptions {
-  /// How far a triangle may leave the curved patch that it stands for [m]; > 0.
+  /// The largest distance of a triangle from the curved patch that it approximates [m]; > 0.
   double tolerance = 3e-6;
-  /// The most triangles of the refined mesh.  Where more are needed, the tolerance is doubled until
-  /// they suffice.
+  /// The most triangles of the refined mesh.  If more are needed, the tolerance is doubled
+  /// until these suffice.
   std::size_t max_triangles = 400'000;
 
   bool operator==(const CurvedOptions&) const = default;
 };
 
 struct CurvedMesh {
-  /// The vertices that came, and after them the new ones.  The triangles in the order of those that
-  /// they come of.
+  /// The input's vertices, then the new ones.  Triangles come in the order of
+  /// their source triangles.
   TriangleMesh mesh;
-  std::vector<std::uint32_t> source;  ///< of each triangle: the one that it comes of
-  double tolerance = 0.0;  ///< that was kept [m]: what was asked for, or 2, 4, 8 ... of it
+  std::vector<std::uint32_t> source;  ///< for each triangle, the input triangle that it is part of
+  double tolerance = 0.0;             ///< that was kept [m]: the requested one times 1, 2, 4, 8 ...
 };
 
-/// Refines a coarse mesh of a smooth surface: each triangle stands for a curved patch, and is
-/// divided until no triangle leaves its patch by more than the tolerance.
+/// Refines a coarse mesh of a smooth surface.  Each triangle represents a curved patch, and is
+/// divided until no triangle is farther from its patch than the tolerance.
 ///
-///             m              An edge becomes a parabola through its ends a and b.  In a its
-///         .  - -  .          tangent is the edge, turned into the plane that the normal of a
-///       a --------- b        leaves; in b likewise.  The height of its middle, m, is that of an
-///                            arc of a circle that turns as much from a to b.
+///             m              An edge becomes a parabola through its ends a and b.  Its tangent
+///         .  - -  .          in a is the edge, turned into the tangent plane of the normal in
+///       a --------- b        a; likewise in b.  The height of its middle, m, is that of a
+///                            circular arc that turns as much from a to b.
 ///
 /// The patch is the quadratic one that the three parabolas bound, as in T. Nagata, CAGD 22 (2005)
-/// 327-347.  His parabola takes both tangents exactly and runs away where the normals are nearly
-/// parallel and lean the same way, an inflection; this one takes the difference of the tangents,
-/// which is all that a parabola can have, and is flat there.
+/// 327-347.  His parabola takes both tangents exactly, and diverges where the normals are nearly
+/// parallel and lean the same way, at an inflection.  This one takes only the difference of the
+/// tangents, which is all that a parabola can represent, and is flat there.
 ///
-/// Normals are Max's, as in ContactMesh, apart for each smooth sector of a corner.  What meets at
-/// more than 40 degrees is a crease, which stays sharp.  It curves along itself where both of its
-/// sides do: its tangent is common to both, so a cylinder's rim becomes round and its lid stays
-/// flat.  Edges stay straight that have not two triangles, or have one without area, or whose sides
-/// wind against each other.  So do those of a patch that would fold, or come into another part of
-/// the mesh, or face a neighbour across a notch of less than 60 degrees.
+/// Normals are Max's, as in ContactMesh, with one for each smooth sector of a corner.  Edges at
+/// which faces meet at more than 40 degrees are creases and stay sharp.  A crease curves along
+/// itself if both of its sides do: its tangent is common to both, so the rim of a cylinder
+/// becomes round and its lid stays flat.  An edge stays straight if it does not have two
+/// triangles, if one of them has no area, or if they wind against each other.  So do the edges of
+/// a patch that would fold, penetrate another part of the mesh, or face a neighbour across a
+/// notch of less than 60 degrees.
 ///
-/// All points of an edge come of the edge alone, so the refined mesh has no crack where the mesh
-/// has none.  A point moves by at most 0.12 of its patch's longest edge.  Flat meshes come back as
-/// they were, to the bit.  Deterministic.
+/// All points of an edge are computed from that edge alone, so refining adds no cracks.  A
+/// point moves by at most 0.12 of its patch's longest edge.  Flat meshes are returned bit
+/// for bit.  Deterministic.
 /// @param mesh  finite, with indices in range.
 CurvedMesh RefineCurved(const TriangleMesh& mesh, const CurvedOptions& options);
 

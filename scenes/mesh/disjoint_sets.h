@@ -7,13 +7,13 @@
 
 namespace palpate {
 
-/// Numbers 0 to count - 1, each in a set of its own until sets are joined.
+/// The numbers 0 to count - 1, each in its own set until sets are joined (union-find).
 class DisjointSets {
  public:
   explicit DisjointSets(std::size_t count) : parent_(count) {
     std::iota(parent_.begin(), parent_.end(), 0u);
   }
-  /// The number that stands for the set of v.
+  /// Returns the number that represents the set of v.
   std::uint32_t Find(std::uint32_t v) {
     while (parent_[v] != v) v = parent_[v] = parent_[parent_[v]];
     return v;

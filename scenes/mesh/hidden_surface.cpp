@@ -10,18 +10,19 @@
 namespace palpate {
 namespace {
 
-// Of the way to a triangle's middle: a point on an edge would be judged by the neighbours, too.
+// As a share of the way to a triangle's middle: on an edge, the neighbours would count, too.
 constexpr double kFromTheEdge = 0.1;
-// Of a triangle's size: how far from its plane the winding number is asked for.
+// As a share of a triangle's size: the distance from its plane at which the winding
+// number is taken.
 constexpr double kStep = 1e-3;
-// Outside a surface that is exposed the winding number is 0.  On either side of a sheet inside a
-// solid it is at least 1/2, for the sheet takes away at most half of the solid's 1.
+// Outside an exposed surface the winding number is 0.  On either side of a sheet inside a solid it
+// is at least 1/2, because the sheet removes at most half of the solid's 1.
 constexpr double kHidden = 0.25;
-// Of the surface: less is what neighbouring parts of one model share by rounding.
+// As a share of the surface: neighbouring parts of one model may overlap by less, from rounding.
 constexpr double kWorthSaying = 1e-4;
-constexpr std::size_t kMostTriangles = 20000;  // that are looked at, evenly over the mesh
+constexpr std::size_t kMostTriangles = 20000;  // examined at most, evenly spread over the mesh
 
-// Triangles that are asked whether one solid piece passes through itself.
+// Number of triangles to examine for whether a single solid piece passes through itself.
 constexpr std::size_t kProbes = 128;
 
 }  // namespace

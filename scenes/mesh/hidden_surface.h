@@ -11,25 +11,25 @@
 
 namespace palpate {
 
-/// Tells where a mesh's surface lies inside its own solid: gum inside a crown, a part that goes
-/// through another.  Nothing from outside touches it there.  Set-up only.
+/// Finds where a mesh's surface lies inside its own solid, so that nothing can touch it from
+/// outside: gum inside a crown, or a part that passes through another.  Set-up only.
 class HiddenSurface {
  public:
-  /// @param mesh  must outlive this, with finite numbers and oriented (mesh_orient.h).
+  /// @param mesh  must outlive this, be finite and oriented (mesh_orient.h).
   explicit HiddenSurface(const TriangleMesh& mesh);
 
-  /// Whether the triangle has solid on both sides near the point, by the winding number; near the
-  /// holes of an open mesh that is a matter of degree.
+  /// Returns whether both sides of the triangle are solid near the point, by the winding number.
+  /// Near the holes of an open mesh there is no sharp answer.
   /// @param near  a point of the triangle.
   bool At(std::uint32_t triangle, const Vec3& near) const;
-  /// At how many of four places of a part of the triangle it has: in the part's middle, and near
-  /// its corners.
+  /// Returns at how many of four places in a part of the triangle it is hidden: the part's middle,
+  /// and near its corners.
   int Places(std::uint32_t triangle, const std::array<Vec3, 3>& part) const;
   static constexpr int kAllPlaces = 4;
-  /// False where nothing can be hidden: of one closed piece that does not pass through itself.
+  /// False if nothing can be hidden: the mesh is one closed piece that does not intersect itself.
   bool possible() const { return possible_; }
   bool closed() const { return closed_; }
-  /// The same, at the point of the triangle that is nearest to p.
+  /// The same as At, at the point of the triangle that is nearest to p.
   bool NearestTo(std::uint32_t triangle, const Vec3& p) const;
 
  private:
@@ -40,18 +40,20 @@ class HiddenSurface {
   bool closed_, possible_;
 };
 
-/// What a mesh hides of itself.
+/// The surface that a mesh hides inside itself.
 struct HiddenParts {
-  double share = 0.0;           ///< of the surface, 0 to 1; triangles are told by a few points each
+  /// hidden share of the surface, 0 to 1, estimated from a few points per triangle
+  double share = 0.0;
   Vec3 at = Vec3::Zero();       ///< a hidden point, in the mesh's unit
-  std::vector<std::string> of;  ///< named parts that have hidden surface, each once
+  std::vector<std::string> of;  ///< names of the parts that have hidden surface, each once
 };
 
-/// @param groups  named parts of the mesh; may be empty.
+/// @param groups  the mesh's named parts; may be empty.
 HiddenParts FindHiddenParts(const TriangleMesh& mesh, const std::vector<MeshGroup>& groups = {});
 
-/// For people: "4.1 % of the surface lies inside ..."; empty where nothing is hidden.
-/// @param unit  of the mesh's numbers, as "mm", and what they are multiplied by for it.
+/// Returns a sentence for people: "4.1 % of the surface lies inside ..."; empty if
+/// nothing is hidden.
+/// @param scale, unit  factor from the mesh's numbers to the unit to write, and its name, as "mm".
 std::string HiddenRemark(const HiddenParts& hidden, double scale, const std::string& unit);
 
 }  // namespace palpate

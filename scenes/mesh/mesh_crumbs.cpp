@@ -10,20 +10,21 @@
 namespace palpate {
 namespace {
 
-/// Of the mesh's diagonal: 2 mm of a jaw's 70 mm.
+/// Size of a small piece, as a share of the mesh's diagonal: 2 mm of a jaw's 70 mm.
 constexpr double kSmall = 0.03;
-/// Of it, for a closed piece that is left out: 40 um of 40 mm, which no hand feels.
+/// Size of a closed piece that is removed, as a share of the same: 40 um of 40 mm, which
+/// no hand feels.
 constexpr double kDust = 1e-3;
-/// Of the surface, all crumbs together: more is something that was meant.
+/// Limit of all crumbs together, as a share of the surface: more was probably intended.
 constexpr double kHardlyAny = 0.01;
-/// Of a piece's own diagonal: a patch of the surface that nobody joined to it lies nearer.
+/// Least distance of a crumb, in its own diagonals: an unjoined patch of the surface lies nearer.
 constexpr double kApart = 0.25;
 
 double DiagonalOf(const MeshReport& report) {
   return (report.box_max - report.box_min).norm();
 }
 
-/// Whether every place of a piece lies apart from a mesh: told at its vertices.
+/// Returns whether a piece lies apart from a mesh, judged by its vertices.
 bool FloatsApart(const MeshPiece& piece, const MeshQuery& rest) {
   const double least = kApart * DiagonalOf(piece.report);
   return std::ranges::none_of(piece.mesh.vertices, [&](const Vec3& v) {
@@ -58,7 +59,7 @@ Corners Sorted(Corners corners) {
 
 void KeepTriangles(const std::vector<bool>& kept, TriangleMesh& mesh,
                    std::vector<MeshGroup>* groups) {
-  std::vector<std::uint32_t> before(kept.size() + 1, 0);  // kept ones before each triangle
+  std::vector<std::uint32_t> before(kept.size() + 1, 0);  // number of triangles kept before each
   for (std::size_t t = 0; t < kept.size(); ++t) before[t + 1] = before[t] + kept[t];
   for (std::size_t t = 0; t < kept.size(); ++t) {
     if (kept[t]) mesh.triangles[before[t]] = mesh.triangles[t];
@@ -77,7 +78,7 @@ std::size_t LeaveOutRepeatedTriangles(TriangleMesh& mesh, std::vector<MeshGroup>
   if (std::ranges::find(first, false) == first.end()) return 0;
   TriangleMesh once = mesh;
   KeepTriangles(first, once);
-  // Corners of the triangles of which a sheet would be left.
+  // Corners of the triangles that would be left as a sheet.
   std::vector<Corners> of_sheets;
   for (const MeshPiece& piece : PiecesOf(once)) {
     if (piece.report.closed()) continue;
@@ -100,7 +101,7 @@ Crumbs LeaveOutCrumbs(TriangleMesh& mesh, std::vector<MeshGroup>* groups) {
   if (pieces.empty()) return {};
   const auto main = std::ranges::max_element(
       pieces, {}, [](const MeshPiece& piece) { return piece.report.area; });
-  // Far-off crumbs would make the whole mesh's box a large one.
+  // Not the whole mesh's box, which distant crumbs would enlarge.
   const double diagonal = DiagonalOf(main->report);
   double area = 0.0, area_of_crumbs = 0.0;
   std::vector<const MeshPiece*> small;

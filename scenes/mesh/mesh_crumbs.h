@@ -8,29 +8,28 @@
 
 namespace palpate {
 
-/// Leaves out triangles; vertices stay where they are, in use or not.
-/// @param kept    of each triangle.
-/// @param groups  where given, its ranges go on meaning the same triangles.
+/// Removes triangles; vertices stay, used or not.
+/// @param kept    for each triangle, whether it stays.
+/// @param groups  if given, its ranges are adjusted to mean the same triangles.
 void KeepTriangles(const std::vector<bool>& kept, TriangleMesh& mesh,
                    std::vector<MeshGroup>* groups = nullptr);
 
-/// Of triangles with the same three corners, whichever way they wind, leaves the first, as where a
-/// converter wrote each face from both sides.  What would be a sheet without the second face stays
-/// as it came: two faces back to back have no thickness, and nobody knows which one was meant.
-/// Returns how many were left out.
+/// Removes all but the first of the triangles that have the same three corners, in either winding,
+/// as written by converters that store each face from both sides.  Both stay if a sheet would be
+/// left: two faces back to back have no thickness, and it is unknown which was meant.  Returns how
+/// many were removed.
 std::size_t LeaveOutRepeatedTriangles(TriangleMesh& mesh, std::vector<MeshGroup>* groups = nullptr);
 
-/// Pieces that are small, float apart from all that is not, and together are hardly any of the
-/// surface.
+/// Small pieces that are apart from all larger ones, and together have hardly any of the surface.
 struct Crumbs {
-  std::size_t left_out = 0;  ///< pieces
-  std::size_t kept = 0;      ///< closed ones
-  double largest = 0.0;      ///< of either kind: its box's diagonal [the mesh's unit]
+  std::size_t left_out = 0;  ///< number of pieces removed
+  std::size_t kept = 0;      ///< number of pieces kept, which are closed
+  double largest = 0.0;  ///< diagonal of the largest one's box, removed or kept [the mesh's unit]
 };
 
-/// Leaves out what a scanner sees in the air: crumbs that are open.  A closed one is left out only
-/// where it is dust, for pearls and dots may be what somebody modelled.  A soup, which consists of
-/// small pieces, stays.
+/// Removes crumbs that are open, as a scanner sees them in the air.  A closed crumb is removed only
+/// if it is tiny, because somebody may have modelled pearls or dots.  A mesh that consists only of
+/// small pieces (a soup) is left as it is.
 Crumbs LeaveOutCrumbs(TriangleMesh& mesh, std::vector<MeshGroup>* groups = nullptr);
 
 }  // namespace palpate

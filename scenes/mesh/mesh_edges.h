@@ -10,26 +10,25 @@
 
 namespace palpate {
 
-/// Numbers of a triangle's vertices.
+/// Indices of a triangle's vertices.
 using Corners = std::array<std::uint32_t, 3>;
 
-/// An edge as one of its triangles has it.
+/// An edge as a side of one of its triangles.
 struct Side {
   std::uint32_t low, high;  ///< its ends, the lower number first
   std::uint32_t triangle;
-  bool forward;  ///< the triangle runs from low to high
+  bool forward;  ///< whether the triangle runs from low to high
 };
 
-/// The sides of triangles, those of one edge beside each other.  Triangles with a corner twice have
-/// none.
+/// The sides of all triangles, grouped by edge.  A triangle that has a corner twice has no sides.
 class EdgeSides {
  public:
-  /// @param vertices  how many there are: above every corner.
+  /// @param vertices  the number of vertices: greater than every index.
   EdgeSides(std::span<const Corners> triangles, std::size_t vertices);
   explicit EdgeSides(const TriangleMesh& mesh) : EdgeSides(mesh.triangles, mesh.vertices.size()) {}
 
-  /// Calls `work` with each edge's sides, a span, in the order of their triangles.  Edges come in
-  /// the order of their lower, then of their higher ends.
+  /// Calls `work` with a span of the sides of each edge, in the order of their triangles.  Edges
+  /// come in ascending order of `low`, then of `high`.
   template <class Work>
   void ForEachEdge(const Work& work) const {
     const std::span<const Side> sides(sides_);
@@ -46,15 +45,15 @@ class EdgeSides {
   std::vector<Side> sides_;
 };
 
-/// An edge of one triangle only, which runs along it that way.
+/// An edge that has only one triangle, in that triangle's direction.
 struct OpenEdge {
   std::uint32_t from, to, triangle;
 };
 
-/// In the order of EdgeSides.
+/// Returns the open edges, in the order of EdgeSides.
 std::vector<OpenEdge> OpenEdges(const TriangleMesh& mesh);
 
-/// Which triangles have the same corners, in any order, as one before them.
+/// Returns for each triangle whether an earlier one has the same corners, in any order.
 std::vector<bool> FindRepeated(std::span<const Corners> triangles, std::size_t vertices);
 
 }  // namespace palpate

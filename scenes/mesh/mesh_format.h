@@ -5,19 +5,20 @@
 
 namespace palpate {
 
-/// The most that a mesh file may hold, unpacked: more is no mesh, but a mistake or an attack.
+/// The most bytes of a mesh file, unpacked: a larger one is a mistake or an attack.
 inline constexpr std::size_t kLargestMeshFile = std::size_t{2} << 30;
 
-/// "ply" for "dragon.PLY.gz": by the name alone.
+/// Returns a file's format by its name alone: "ply" for "dragon.PLY.gz".
 std::string MeshFormatOf(const std::string& file);
 
-/// True where the name ends as a mesh file's does.
+/// Returns whether the name ends as a mesh file's does.
 bool IsMeshFile(const std::string& file);
 
-/// The same where it is a mesh file's.  Throws Error with the remedy where it is none.
+/// Returns the format of a mesh file.  Throws Error, with the remedy, if the name is not
+/// that of one.
 std::string KnownMeshFormatOf(const std::string& file);
 
-/// True for "dragon.ply.gz".
+/// Returns true for "dragon.ply.gz".
 bool IsPackedMesh(const std::string& file);
 
 }  // namespace palpate

@@ -18,7 +18,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 extern "C" {
-#include <sys/pidfd.h>  // which glibc 2.36 leaves without C linkage
+#include <sys/pidfd.h>  // glibc 2.36 declares it without C linkage
 }
 
 #include "common/error.h"
@@ -41,8 +41,8 @@ namespace fs = std::filesystem;
               "); install palpate-common, or let PALPATE_PROGRAMS name the folder that holds it");
 }
 
-/// A file in memory that a child writes, and whose contents are read when it has ended: nobody
-/// waits for the other as at a pipe.
+/// A file in memory that a child writes, and whose contents are read after it has ended; unlike
+/// with a pipe, neither waits for the other.
 class MemoryFile {
  public:
   explicit MemoryFile(const char* name) : descriptor_(memfd_create(name, MFD_CLOEXEC)) {
@@ -57,7 +57,7 @@ class MemoryFile {
 
   int descriptor() const { return descriptor_; }
 
-  /// What was written; to be called once, when nobody writes any more.
+  /// Returns what was written.  Call once, after the writer has ended.
   std::string_view Contents() {
     struct stat status {};
     if (fstat(descriptor_, &status) != 0 || status.st_size == 0) return {};
@@ -75,11 +75,11 @@ class MemoryFile {
   std::size_t size_ = 0;
 };
 
-/// A program that has been started and is waited for, or killed.
+/// A program that was started, and is waited for or killed.
 class Child {
  public:
-  /// Signals as a program expects them, no other descriptors, and nothing that a thread of this
-  /// process could have left half done: posix_spawn is made for that.
+  /// Starts a program with default signals, no other descriptors, and no state that a thread of
+  /// this process could have left half done, as posix_spawn provides.
   Child(const std::string& program, const std::string& file, int output, int errors) {
     posix_spawn_file_actions_t files;
     posix_spawnattr_t attributes;
@@ -104,7 +104,7 @@ class Child {
     if (error != 0) FailToStart(program, error);
   }
 
-  /// Its wait status; kills it after `seconds`.
+  /// Returns its wait status; kills it after `seconds`.
   int Wait(std::size_t seconds) {
     const int handle = pidfd_open(pid_, 0);
     pollfd ended{handle, POLLIN, 0};
@@ -121,7 +121,7 @@ class Child {
   pid_t pid_ = -1;
 };
 
-/// Says why there is no mesh.
+/// Throws Error with the reason why there is no mesh.
 [[noreturn]] void Refuse(const std::string& file, const std::string& program, int status,
                          std::string_view said, const ImportLimits& limits) {
   const std::string prefix = "palpate-import: ";
@@ -129,7 +129,7 @@ class Child {
     said.remove_prefix(prefix.size());
     throw Error(std::string(said.substr(0, said.find_last_not_of('\n') + 1)));
   }
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 127 && !said.empty()) {  // what loads it says so
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 127 && !said.empty()) {  // from the loader
     throw Error("palpate-import, which reads meshes, cannot be started (" +
                 std::string(said.substr(0, said.find('\n'))) + "); install what it lacks");
   }
@@ -180,7 +180,7 @@ TriangleMesh ImportMesh(const std::string& file, std::vector<MeshGroup>* groups)
 
 std::vector<std::string> FilesOfMesh(const std::string& file) {
   std::vector<std::string> files{file};
-  // A packed mesh that refers to others is refused when it is read.
+  // A compressed mesh that refers to other files is rejected when it is read.
   const std::string format = MeshFormatOf(file);
   if (IsPackedMesh(file) || (format != "gltf" && format != "glb")) return files;
   for (const MeshReference& reference :

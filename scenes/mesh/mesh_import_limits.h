@@ -8,22 +8,22 @@
 
 namespace palpate {
 
-/// What the reading of a mesh file may take.
+/// Limits on the process that reads a mesh file.
 struct ImportLimits {
-  std::size_t bytes;    ///< of address space
-  std::size_t cpu_s;    ///< of processor time [s]
-  std::size_t clock_s;  ///< until it must have ended, on a machine that is busy otherwise [s]
+  std::size_t bytes;    ///< address space [bytes]
+  std::size_t cpu_s;    ///< processor time [s]
+  std::size_t clock_s;  ///< wall-clock time, for a machine that is busy otherwise [s]
 };
 
-/// A gigabyte and ten seconds, and more in proportion for large files.  Of 2 million triangles, a
-/// binary STL took 3.4 bytes for each of its own and an OBJ 2.7, and neither took two seconds
-/// (tests/benchmarks/results/mesh-import.md); by assimp, which reads 3DS, the OBJ took 9.1: twice
-/// that memory, and room for a slow machine.
+/// Returns a gigabyte and ten seconds, and more in proportion for large files.  For 2 million
+/// triangles, reading a binary STL took 3.4 bytes of memory per byte of the file, an OBJ 2.7, and
+/// neither two seconds (tests/benchmarks/results/mesh-import.md).  By assimp, which reads 3DS, the
+/// OBJ took 9.1: the limits allow twice that memory, and time for a slow machine.
 inline ImportLimits ImportLimitsFor(const std::string& file) {
   std::error_code error;
   const auto size = std::filesystem::file_size(file, error);
   std::size_t bytes = error ? 0 : static_cast<std::size_t>(size);
-  // DEFLATE packs a thousand times at most; meshes, some five times.
+  // DEFLATE compresses at most a thousand times; meshes compress some five times.
   if (file.ends_with(".gz")) bytes *= 8;
   constexpr std::size_t kGigabyte = std::size_t{1} << 30;
   const std::size_t cpu_s = 10 + bytes / 10'000'000;

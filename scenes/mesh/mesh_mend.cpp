@@ -8,7 +8,8 @@
 namespace palpate {
 namespace {
 
-/// "3 small pieces float apart from the rest, 0.5 of the file's unit across at most, and are".
+/// Returns "3 small pieces float apart from the rest, 0.5 of the file's unit across at
+/// most, and are".
 std::string AreApart(std::size_t count, double largest) {
   const bool one = count == 1;
   return (one ? "a small piece floats" : std::to_string(count) + " small pieces float") +

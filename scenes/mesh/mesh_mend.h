@@ -9,16 +9,16 @@
 
 namespace palpate {
 
-/// Changes with every change of what comes out, so that cached scenes are built anew.
+/// Changes whenever the result changes, so that cached scenes are built anew.
 inline constexpr std::uint32_t kMeshMendVersion = 2;
 
-/// Makes of a mesh as it was read what a body is made of: welds (mesh_weld.h), leaves out repeated
-/// triangles and crumbs (mesh_crumbs.h), and orients (mesh_orient.h).  A clean mesh stays as it is,
-/// to the bit.
+/// Repairs a mesh as it was read, for use as a body: welds it (mesh_weld.h), removes repeated
+/// triangles and crumbs (mesh_crumbs.h), and orients it (mesh_orient.h).  A clean mesh stays the
+/// same, bit for bit.
 /// @param mesh    not refused by InspectMesh.
-/// @param groups  where given, the mesh's named parts, which go on meaning the same triangles.
-/// Returns what was done, for people: a sentence each, with the remedy.  What stays as it was,
-/// holes say, InspectMesh tells of.
+/// @param groups  if given, the mesh's named parts, which are adjusted to mean the same triangles.
+/// Returns what was done, for people: a sentence each, with the remedy.  Defects that remain, such
+/// as holes, are reported by InspectMesh.
 std::vector<std::string> MendMesh(TriangleMesh& mesh, std::vector<MeshGroup>* groups = nullptr);
 
 }  // namespace palpate

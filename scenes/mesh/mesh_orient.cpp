@@ -22,10 +22,10 @@ constexpr std::uint32_t kNone = 0xffffffffu;
 
 struct Neighbour {
   std::uint32_t triangle = kNone;
-  bool agrees = true;  ///< runs along the shared edge the other way, as it should
+  bool agrees = true;  ///< whether it runs along the shared edge the other way, as it should
 };
 
-/// Each triangle's neighbours over edges of exactly two triangles; kNone behind the last.
+/// Each triangle's neighbours across edges of exactly two triangles; kNone after the last.
 using Neighbours = std::array<Neighbour, 3>;
 
 std::vector<Neighbours> FindNeighbours(const TriangleMesh& mesh) {
@@ -42,10 +42,10 @@ std::vector<Neighbours> FindNeighbours(const TriangleMesh& mesh) {
   return neighbours;
 }
 
-/// Of a piece's vertices so many tell whether another winds round it.
+/// Number of a piece's vertices that are tested for whether another piece winds round it.
 constexpr std::size_t kMostVerticesAsked = 64;
 
-/// Whether a piece lies in another as a whole: what the other's surface passes through does not.
+/// Returns whether a piece lies entirely in another, and does not intersect its surface.
 bool LiesIn(const MeshPiece& piece, const MeshQuery& other) {
   const auto& vertices = piece.mesh.vertices;
   for (std::size_t v = 0; v < vertices.size(); v += 1 + vertices.size() / kMostVerticesAsked) {
@@ -54,7 +54,7 @@ bool LiesIn(const MeshPiece& piece, const MeshQuery& other) {
   return true;
 }
 
-/// How many of the other pieces wind round this one.
+/// Returns how many of the other pieces wind round this one.
 std::size_t Depth(const MeshPiece& piece, const std::vector<MeshPiece>& pieces,
                   std::vector<std::unique_ptr<MeshQuery>>& queries) {
   std::size_t depth = 0;
@@ -70,7 +70,7 @@ std::size_t Depth(const MeshPiece& piece, const std::vector<MeshPiece>& pieces,
   return depth;
 }
 
-/// Closed pieces that wind the wrong way, by their numbers of triangles.
+/// Returns the triangles of closed pieces that are wound the wrong way.
 std::vector<std::uint32_t> TrianglesInsideOut(const TriangleMesh& mesh) {
   std::vector<std::uint32_t> wrong;
   const std::vector<MeshPiece> pieces = SeveralPiecesOf(mesh);
@@ -82,14 +82,14 @@ std::vector<std::uint32_t> TrianglesInsideOut(const TriangleMesh& mesh) {
   return wrong;
 }
 
-/// The most patches whose surroundings are asked: each takes a few winding numbers.
+/// The most patches whose surroundings are tested: each takes a few winding numbers.
 constexpr std::size_t kMostPatches = 200'000;
 constexpr std::size_t kMostOpenPieces = 1000;
-constexpr int kPasses = 3;  // a patch is judged by its neighbours, which may have to turn, too
+constexpr int kPasses = 3;  // a patch is judged by neighbours that may have to turn, too
 
-/// Winding number of all but a patch in front of it less that behind it, on average: near -1 where
-/// the others enclose what the patch is turned away from, near 1 where it is turned the wrong way,
-/// and near 0 where they say nothing of it.
+/// Returns the winding number of all but a patch in front of it, minus that behind it, on average:
+/// near -1 if the others enclose the space behind the patch, near 1 if it is turned the wrong way,
+/// and near 0 if they do not decide.
 double WindingAcross(const MeshPiece& patch, const MeshQuery& all) {
   constexpr std::size_t kMostSamples = 16;
   const MeshQuery own(patch.mesh);
@@ -98,7 +98,7 @@ double WindingAcross(const MeshPiece& patch, const MeshQuery& all) {
   const std::size_t count = patch.mesh.triangles.size();
   for (std::size_t t = 0; t < count; t += 1 + count / kMostSamples) {
     const Triangle triangle = TriangleOf(patch.mesh, t);
-    // Half of a triangle's size away, a hole of its size hides little of what surrounds it.
+    // At half of a triangle's size, a hole of its size hides little of what surrounds it.
     const double away = 0.5 * std::sqrt(triangle.Area());
     const Vec3 step = away * own.FaceNormal(static_cast<std::uint32_t>(t));
     const Vec3 middle = triangle.Middle();
@@ -109,7 +109,7 @@ double WindingAcross(const MeshPiece& patch, const MeshQuery& all) {
   return sum / static_cast<double>(samples);
 }
 
-/// Patches that no edge joins to the others, but which close a hole in them.
+/// Turns patches that share no edge with the others, but close a hole in them.
 template <class Turn>
 void TurnPatches(TriangleMesh& mesh, const std::vector<std::uint32_t>& patch_of, Turn turn) {
   for (int pass = 0; pass < kPasses; ++pass) {
@@ -124,16 +124,16 @@ void TurnPatches(TriangleMesh& mesh, const std::vector<std::uint32_t>& patch_of,
   }
 }
 
-/// How much nearer to 1, what it is behind the surface of a solid, the winding number behind an
-/// open piece would be if the piece were turned.  Where that is E, and E0 by the piece alone, it
-/// would be 1 - E0 + (E - E0): the sides change places, and what the others add stays.
+/// Returns how much nearer to 1, the value behind a solid's surface, the winding number behind an
+/// open piece would be if the piece were turned.  If that number is E, and E0 for the piece alone,
+/// it would become 1 - E0 + (E - E0): the piece's sides are swapped, and the rest stays.
 double GainOfTurning(const MeshPiece& piece, const MeshQuery& all) {
   const double now = Enclosure(piece.mesh, all);
   const double turned = 1.0 + now - 2.0 * Enclosure(piece.mesh, MeshQuery(piece.mesh));
   return std::abs(now - 1.0) - std::abs(turned - 1.0);
 }
 
-/// Open pieces that would enclose more if they were turned, the largest first.
+/// Turns open pieces that would enclose more afterwards, the largest first.
 template <class Turn>
 void TurnOpenShells(TriangleMesh& mesh, Turn turn) {
   std::vector<MeshPiece> pieces = PiecesOf(mesh);
@@ -162,7 +162,7 @@ std::size_t OrientTriangles(TriangleMesh& mesh) {
     if (seen[start]) continue;
     seen[start] = true;
     std::vector<std::uint32_t> patch{start};
-    double area[2] = {0.0, 0.0};  // as it was, turned
+    double area[2] = {0.0, 0.0};  // as it was, and turned
     for (std::size_t next = 0; next < patch.size(); ++next) {
       const std::uint32_t t = patch[next];
       patch_of[t] = patches;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
 
-/// Whether numbers, which count from 0, are those of one thing at most.
+/// Returns whether numbers, which count from 0, name at most one thing.
 bool IsOne(const std::vector<std::uint32_t>& numbers) {
   return std::ranges::all_of(numbers, [](std::uint32_t number) { return number == 0; });
 }
@@ -33,7 +33,7 @@ std::vector<std::uint32_t> PatchesBy(const EdgeSides& edges, std::size_t triangl
   return of;
 }
 
-/// Patches each of whose edges is one of two of its triangles, or of four: by their numbers.
+/// Returns by number which patches have only edges with two of their triangles, or with four.
 std::vector<bool> ClosedPatches(const EdgeSides& edges, const std::vector<std::uint32_t>& patch) {
   std::vector<bool> closed(patch.size(), false), open = closed;
   std::vector<std::uint32_t> at_edge;
@@ -41,7 +41,7 @@ std::vector<bool> ClosedPatches(const EdgeSides& edges, const std::vector<std::u
     at_edge.clear();
     for (const Side& side : sides) at_edge.push_back(patch[side.triangle]);
     for (const std::uint32_t p : at_edge) {
-      closed[p] = true;  // one that has no edges at all is not
+      closed[p] = true;  // except a patch without any edges
       if (std::ranges::count(at_edge, p) % 2 == 1) open[p] = true;
     }
   });
@@ -49,7 +49,7 @@ std::vector<bool> ClosedPatches(const EdgeSides& edges, const std::vector<std::u
   return closed;
 }
 
-/// Of each triangle the number of its piece.
+/// Returns for each triangle the number of its piece.
 std::vector<std::uint32_t> PieceNumbers(const TriangleMesh& mesh) {
   const EdgeSides edges(mesh);
   const std::vector<std::uint32_t> patch = PatchesBy(edges, mesh.triangles.size());
@@ -97,7 +97,7 @@ std::vector<MeshPiece> PiecesBy(const TriangleMesh& mesh,
     if (number[t] >= pieces.size()) pieces.resize(number[t] + 1);
     pieces[number[t]].triangle.push_back(t);
   }
-  // Only one piece has numbers for the vertices at a time.
+  // Holds the vertex numbers of one piece at a time.
   std::vector<std::uint32_t> piece_of(mesh.vertices.size(), kNone);
   std::vector<std::uint32_t> renamed(mesh.vertices.size());
   for (std::uint32_t n = 0; n < pieces.size(); ++n) {

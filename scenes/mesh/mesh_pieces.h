@@ -9,36 +9,39 @@
 
 namespace palpate {
 
-/// A piece of a mesh, with numbers of its own for its vertices.
+/// A piece of a mesh, with its own numbering of vertices.
 struct MeshPiece {
   TriangleMesh mesh;
-  std::vector<std::uint32_t> triangle;  ///< of the whole mesh, of each
-  std::vector<std::uint32_t> vertex;    ///< of the whole mesh, of each
+  std::vector<std::uint32_t> triangle;  ///< for each triangle, its index in the whole mesh
+  std::vector<std::uint32_t> vertex;    ///< for each vertex, its index in the whole mesh
   MeshReport report;
 };
 
-/// Pieces, in the order of their first triangles.  What edges of two triangles join, and is closed,
-/// is one, whatever touches it at a vertex or an edge: a body with a fin is a body and a sheet.  Of
-/// all else, pieces share no vertex.
+/// Returns the pieces, in the order of their first triangles.  Triangles that are joined by
+/// edges of two triangles and form a closed surface are one piece, whatever touches it at a
+/// vertex or an edge: a body with a fin is a body and a sheet.  All other pieces share no vertex
+/// with each other.
 std::vector<MeshPiece> PiecesOf(const TriangleMesh& mesh);
 
-/// The same of a mesh that has several; else none, for of most meshes the one piece is the whole.
+/// Returns the pieces of a mesh that has several; else none, to spare a copy of the whole mesh.
 std::vector<MeshPiece> SeveralPiecesOf(const TriangleMesh& mesh);
 
-/// Of each triangle the number of its patch, from 0: what edges of exactly two triangles join.  No
-/// patch is of two pieces.
+/// Returns for each triangle the number of its patch, from 0.  A patch is what edges of exactly two
+/// triangles join; it lies within one piece.
 std::vector<std::uint32_t> PatchesOf(const TriangleMesh& mesh);
 
-/// The triangles of each number 0, 1, ..., of which `number` gives one to each triangle.
+/// Returns one piece for each number 0, 1, ...: the triangles to which `number` assigns it.
 std::vector<MeshPiece> PiecesBy(const TriangleMesh& mesh, const std::vector<std::uint32_t>& number);
 
-/// Winding number just behind a piece's faces, on average: 1 of a closed one that is turned right,
-/// 1/2 of a flat sheet, 0 of a closed one that is inside out, and between them for open shells.
-/// @param whole  of the mesh that the piece is of, whose other pieces count, too.
+/// Returns the mean winding number just behind a piece's faces: 1 for a closed piece that is
+/// wound outwards, 1/2 for a flat sheet, 0 for a closed piece that is inside out, and values
+/// between for open shells.
+/// @param whole  the mesh that contains the piece; its other pieces count, too.
 double Enclosure(const TriangleMesh& piece, const MeshQuery& whole);
 
-/// Pieces below this are shells inside out, above that they are shells, and sheets between them.
-/// Half of a sphere without its lid has 0.76, and four sides of a cube 0.7.
+/// Bounds of Enclosure: pieces below the first are shells inside out, those above the second
+/// are shells, and sheets lie between.  Half a sphere without a lid has 0.76, and four sides of
+/// a cube 0.7.
 inline constexpr double kInsideOutShell = 0.3, kShell = 0.7;
 
 }  // namespace palpate

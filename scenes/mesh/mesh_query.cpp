@@ -15,7 +15,7 @@ double SquaredDistanceToBox(const Vec3& p, const Vec3& min, const Vec3& max) {
   return (min - p).cwiseMax(p - max).cwiseMax(0.0).squaredNorm();
 }
 
-/// Nearest point of segment ab; a where it has no length.
+/// Returns the nearest point of segment ab; a if its length is 0.
 Vec3 NearestOnSegment(const Vec3& p, const Vec3& a, const Vec3& b) {
   const Vec3 d = b - a;
   const double length2 = d.squaredNorm();
@@ -47,7 +47,7 @@ Vec3 NearestOnTriangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& 
   if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) return NearestOnSegment(p, b, c);
   const double sum = va + vb + vc;
   if (sum > 0.0) return a + (vb / sum) * ab + (vc / sum) * ac;
-  // Degenerate: the nearest of the three edges.
+  // Degenerate: take the nearest point of the three edges.
   Vec3 best = NearestOnSegment(p, a, b);
   for (const Vec3& q : {NearestOnSegment(p, b, c), NearestOnSegment(p, c, a)}) {
     if ((q - p).squaredNorm() < (best - p).squaredNorm()) best = q;
@@ -55,10 +55,10 @@ Vec3 NearestOnTriangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& 
   return best;
 }
 
-/// What a triangle adds to the nodes above it.
+/// The contribution of a triangle to the nodes above it.
 struct MeshQuery::Facet {
   Vec3 centroid;
-  Vec3 area;      ///< times the normal [m^2]
+  Vec3 area;      ///< area times unit normal [m^2]
   double size;    ///< |area|
   Vec3 weighted;  ///< size * centroid
 };
@@ -144,7 +144,7 @@ MeshQuery::Hit MeshQuery::Nearest(const Vec3& p, double within) const {
     double distance2;
     std::int32_t node;
   };
-  Entry stack[64];  // the tree halves its triangles: 2^32 of them are 32 deep
+  Entry stack[64];  // the tree halves its triangles, so 2^32 of them are 32 deep
   int top = 0;
   stack[top++] = {SquaredDistanceToBox(p, nodes_[0].min, nodes_[0].max), 0};
   while (top > 0) {
@@ -177,7 +177,7 @@ MeshQuery::Hit MeshQuery::Nearest(const Vec3& p, double within) const {
 }
 
 double MeshQuery::WindingNumber(const Vec3& p) const {
-  constexpr double kFar = 2.0;  // of the reach; Barill et al. use the same
+  constexpr double kFar = 2.0;  // in reaches, as Barill et al.
   constexpr double kPi = 3.14159265358979323846;
   double angle = 0.0;
   std::int32_t stack[64];

@@ -16,16 +16,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The JSON of a .glb: its first chunk.  Empty where it has none, which its importer complains of.
+/// Returns the JSON of a .glb, its first chunk; empty if there is none, which its importer reports.
 std::string_view JsonChunk(std::string_view glb) {
-  constexpr std::size_t kHeader = 20;  // the file's twelve bytes, and the chunk's eight
+  constexpr std::size_t kHeader = 20;  // the file's twelve bytes and the chunk's eight
   if (glb.size() < kHeader) return {};
   std::uint32_t length = 0;
   std::memcpy(&length, glb.data() + 12, sizeof length);
   return glb.substr(kHeader, length);
 }
 
-/// "my%20mesh.bin" is the URI of "my mesh.bin".
+/// Decodes a URI: "my%20mesh.bin" becomes "my mesh.bin".
 std::string Decoded(const std::string& uri) {
   std::string name;
   for (std::size_t i = 0; i < uri.size(); ++i) {
@@ -42,7 +42,8 @@ std::string Decoded(const std::string& uri) {
   return name;
 }
 
-/// A mesh from elsewhere must not make its reader open what only its reader may.
+/// Returns whether a name leads out of the mesh's folder: a mesh from elsewhere must not make the
+/// program open files that only its user may read.
 bool LeadsOut(const std::string& name) {
   const fs::path path(name);
   return path.is_absolute() || name.find("://") != std::string::npos ||
@@ -68,7 +69,7 @@ std::vector<MeshReference> FindMeshReferences(const std::string& file, std::stri
   const std::string format = MeshFormatOf(file);
   if (format != "gltf" && format != "glb") return {};
   if (format == "glb") text = JsonChunk(text);
-  // glTF pads its JSON with spaces; what is nothing else, its importer complains of.
+  // glTF pads its JSON with spaces.  If there is nothing else, its importer reports it.
   if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) return {};
   const JsonNode root = JsonNode::Parse(text, file);
   std::vector<MeshReference> references;

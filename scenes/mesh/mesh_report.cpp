@@ -88,7 +88,7 @@ MeshReport InspectMesh(const TriangleMesh& mesh) {
   Vec3 solid_moment = Vec3::Zero();
   Vec3 surface_moment = Vec3::Zero();
   Vec3 origin =
-      Vec3::Zero();  // near the mesh, so that volumes far from W's origin keep their digits
+      Vec3::Zero();  // near the mesh, so that volumes far from the origin of W keep their precision
   for (const auto& triangle : mesh.triangles) {
     const auto [i, j, k] = triangle;
     if (i >= r.vertices || j >= r.vertices || k >= r.vertices) {
@@ -111,7 +111,7 @@ MeshReport InspectMesh(const TriangleMesh& mesh) {
     const double area = 0.5 * (b - a).cross(c - a).norm();
     if (!(area > 0.0)) {
       ++r.degenerate_triangles;
-      if (i == j || j == k || k == i) continue;  // has no three edges to count
+      if (i == j || j == k || k == i) continue;  // it has no three edges
     }
     r.area += area;
     surface_moment += area / 3.0 * (a + b + c);

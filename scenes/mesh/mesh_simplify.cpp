@@ -13,10 +13,10 @@
 namespace palpate {
 namespace {
 
-constexpr double kLeastCosine = 0.6;     ///< of the angle by which a collapse may turn a triangle
-constexpr double kLeastRoundness = 0.1;  ///< of a triangle: 1 where it is equilateral
+constexpr double kLeastCosine = 0.6;     ///< cosine of the largest turn of a triangle in a collapse
+constexpr double kLeastRoundness = 0.1;  ///< of a triangle: 1 if it is equilateral
 
-/// Sum of squared distances from planes, each weighted by its triangle's area.
+/// The sum of squared distances from planes, each weighted by its triangle's area.
 struct Quadric {
   Eigen::Matrix4d form = Eigen::Matrix4d::Zero();
   double area = 0.0;
@@ -32,12 +32,12 @@ struct Quadric {
   }
 };
 
-/// Moves the vertex `from` onto its neighbour `to`; stale once either has changed since.
+/// A move of the vertex `from` onto its neighbour `to`; stale if either has changed since.
 struct Collapse {
   double cost;
   std::uint32_t from, to;
   std::uint32_t from_state, to_state;
-  /// Cheapest last, for priority_queue; equal meshes give equal orders.
+  /// Cheapest last, for priority_queue.  Ties are ordered, so equal meshes give equal results.
   bool operator<(const Collapse& o) const {
     return std::tie(cost, from, to) > std::tie(o.cost, o.from, o.to);
   }
@@ -80,7 +80,7 @@ class Simplifier {
   static bool Has(const Triangle& t, std::uint32_t v) {
     return t[0] == v || t[1] == v || t[2] == v;
   }
-  /// Its normal, as long as twice its area.
+  /// Returns the triangle's normal, whose length is twice its area.
   Vec3 NormalOf(const Triangle& t) const {
     const Vec3& a = mesh_.vertices[t[0]];
     return (mesh_.vertices[t[1]] - a).cross(mesh_.vertices[t[2]] - a);
@@ -130,7 +130,8 @@ class Simplifier {
   }
 
   bool IsAllowed(std::uint32_t from, std::uint32_t to) const {
-    // The ends of an edge of a manifold have two neighbours in common, and a third would pinch it.
+    // The ends of an edge of a manifold have two common neighbours; with a third, a collapse would
+    // pinch the surface.
     const auto a = NeighboursOf(from);
     const auto b = NeighboursOf(to);
     std::vector<std::uint32_t> common;
@@ -192,9 +193,9 @@ class Simplifier {
   const TriangleMesh& mesh_;
   double most_;
   std::vector<Triangle> triangles_;
-  std::vector<std::vector<std::uint32_t>> around_;  ///< triangles at each vertex; none: it is gone
+  std::vector<std::vector<std::uint32_t>> around_;  ///< triangles at each vertex; empty: it is gone
   std::vector<Quadric> quadrics_;
-  std::vector<std::uint32_t> state_;  ///< counts a vertex's changes
+  std::vector<std::uint32_t> state_;  ///< number of changes of each vertex
   std::priority_queue<Collapse> queue_;
 };
 

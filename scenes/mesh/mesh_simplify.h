@@ -4,12 +4,12 @@
 
 namespace palpate {
 
-/// The mesh with fewer triangles: flat parts get large ones, creases keep theirs.  Edges are
-/// collapsed onto one of their ends, cheapest first, as long as the end lies within about
-/// `tolerance` [the mesh's unit] of the surface that it then stands for (quadric error: Garland &
-/// Heckbert, "Surface simplification using quadric error metrics", SIGGRAPH 1997).  The vertices
-/// that are left stay where they were.  No collapse turns a triangle over, makes a needle of it, or
-/// makes a closed manifold anything else.
+/// Returns the mesh with fewer triangles: large ones in flat parts, the old ones at creases.
+/// Collapses edges onto one of their ends, cheapest first, as long as that end lies within about
+/// `tolerance` [the mesh's unit] of the surface that it then represents (quadric error: Garland
+/// & Heckbert, "Surface simplification using quadric error metrics", SIGGRAPH 1997).  The
+/// remaining vertices do not move.  No collapse flips a triangle, makes it a needle, or makes
+/// the mesh open or non-manifold.
 /// @param mesh  closed and manifold.
 TriangleMesh Simplified(const TriangleMesh& mesh, double tolerance);
 

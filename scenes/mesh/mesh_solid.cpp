@@ -15,15 +15,16 @@
 namespace palpate {
 namespace {
 
-/// Of the bounding box's diagonal: as thick as some 700 leaves over the sheet are far apart, so
-/// that they can cover it, and thin enough to be felt as one.
+/// Thickness of a plate, as a share of the bounding box's diagonal.  It equals the spacing of some
+/// 700 leaves over the sheet, so they can cover it, and is thin enough to feel like a sheet.
 constexpr double kSheetThickness = 0.02;
-/// Of it: a ball that rests on the rim of a hole sticks out by less than half of the hole's width.
+/// Width of a wide opening, as a share of the same: a ball on the rim of a hole protrudes by less
+/// than half of the hole's width.
 constexpr double kWideOpening = 0.05;
-/// More pieces are a soup, whose parts mean nothing alone.
+/// More pieces are a soup, whose parts have no meaning on their own.
 constexpr std::size_t kMostPieces = 1000;
 
-/// Adds the second face of an open piece, and the walls between.
+/// Adds the second face of an open piece, and the walls between both.
 void AddPlate(const MeshPiece& piece, double thickness, TriangleMesh& mesh) {
   std::vector<Vec3> normals(piece.mesh.vertices.size(), Vec3::Zero());
   for (const auto& t : piece.mesh.triangles) {
@@ -45,13 +46,13 @@ void AddPlate(const MeshPiece& piece, double thickness, TriangleMesh& mesh) {
   }
 }
 
-/// Open edges of a mesh, by their ends, the lower one first.
+/// Open edges of a mesh, each by its ends, the lower number first.
 using EdgeSet = std::set<std::pair<std::uint32_t, std::uint32_t>>;
 
-/// Open edges end to end, which pass no vertex twice.
+/// A chain of open edges that passes no vertex twice.
 using Loop = std::vector<OpenEdge>;
 
-/// @param open  edges of the whole mesh: others are none.
+/// @param open  the open edges of the whole mesh; other edges of the piece do not count.
 std::vector<Loop> LoopsOf(const MeshPiece& piece, const EdgeSet& open) {
   std::vector<OpenEdge> edges = OpenEdges(piece.mesh);
   std::erase_if(edges, [&](const OpenEdge& edge) {
@@ -62,14 +63,14 @@ std::vector<Loop> LoopsOf(const MeshPiece& piece, const EdgeSet& open) {
   std::vector<Loop> loops;
   while (!from.empty()) {
     Loop way;
-    std::map<std::uint32_t, std::size_t> passed;  // vertex: how much of the way leads to it
+    std::map<std::uint32_t, std::size_t> passed;  // for each vertex, the length of the way to it
     for (auto it = from.begin(); it != from.end(); it = from.find(way.back().to)) {
       passed.emplace(edges[it->second].from, way.size());
       way.push_back(edges[it->second]);
       from.erase(it);
       const auto again = passed.find(way.back().to);
       if (again == passed.end()) continue;
-      // Two openings that meet in a vertex, as in a chain of T-junctions, are two.
+      // Two openings that meet at a vertex, as in a chain of T-junctions, are separate.
       const auto begin = way.begin() + static_cast<std::ptrdiff_t>(again->second);
       loops.emplace_back(begin, way.end());
       for (const OpenEdge& edge : loops.back()) passed.erase(edge.from);
@@ -87,7 +88,7 @@ double WidthOf(const Loop& loop, const TriangleMesh& mesh) {
   return box.diagonal().norm();
 }
 
-/// The cone over an opening, its tip in the middle of the rim.
+/// A cone over an opening, with its tip in the middle of the rim.
 struct Lid {
   Vec3 tip = Vec3::Zero();
   const Loop* loop = nullptr;
@@ -105,8 +106,8 @@ Lid LidOver(const Loop& loop, const TriangleMesh& mesh) {
   return {length > 0.0 ? Vec3(middle / length) : mesh.vertices[loop.front().from], &loop};
 }
 
-/// Whether the solid goes on beyond an opening, as at a crack between two scans that were put
-/// together: a lid would be a wall inside.  In an opening that is one the winding number is 1/2.
+/// Returns whether the solid continues beyond an opening, as at a crack between two scans that were
+/// put together; a lid would be a wall inside.  In a real opening the winding number is 1/2.
 bool GoesOnBeyond(const Lid& lid, const TriangleMesh& mesh, const MeshQuery& all) {
   constexpr std::size_t kMostAsked = 16;
   constexpr double kGoesOn = 0.75;
@@ -131,27 +132,27 @@ void AddLids(const MeshPiece& piece, const std::vector<Lid>& lids, TriangleMesh&
   }
 }
 
-/// Triangles of a patch that are asked first: where none of them lies inside, none does.
+/// Number of triangles of a patch that are tested first: if none lies inside, the patch is outside.
 constexpr std::size_t kProbes = 128;
-/// Of all patches together.
+/// Limit for all patches together.
 constexpr std::size_t kMostProbes = 20'000;
 
-/// Takes surface that has solid on both sides.  Nothing touches it, and a ball inside would have to
-/// end there: the inner of two shells of which one was to thicken the other, what of two shells
-/// that pass through each other lies in the other, a wall inside.  A triangle of which a part is
-/// left becomes that part, with new triangles for what it does not hold; one of which nothing is
-/// left, a point of another one.  So the others keep their numbers.
+/// Removes surface that has solid on both sides, which nothing touches and at which a ball inside
+/// would have to end: the inner of two shells, one of which was to thicken the other; the parts of
+/// intersecting shells inside each other; a wall inside.  A triangle that is partly removed becomes
+/// one remaining part, and new triangles are added for the others; one that is wholly removed
+/// becomes a point.  So all other triangles keep their numbers.
 class WallTaker {
  public:
   /// @param mesh  must outlive this.
   explicit WallTaker(const TriangleMesh& mesh) : from_(mesh), surface_(mesh) {}
 
-  /// @param mesh     a copy of that one.
-  /// @param part_of  what triangles the new ones are parts of.
+  /// @param mesh     a copy of the constructor's.
+  /// @param part_of  for each new triangle, the one that it is a part of.
   void Run(TriangleMesh& mesh, std::vector<std::uint32_t>& part_of) {
     if (!surface_.possible()) return;
     const std::vector<std::vector<std::uint32_t>> patches = Patches();
-    // What an open surface has behind itself alone is a matter of degree, and no wall.
+    // What lies behind a single open surface is uncertain, and it is no wall.
     if (patches.size() > kMostProbes || (patches.size() == 1 && !surface_.closed())) return;
     for (const std::vector<std::uint32_t>& patch : patches) {
       if (!MayHide(patch, patches.size())) continue;
@@ -163,16 +164,16 @@ class WallTaker {
     std::vector<bool> gone(from_.triangles.size(), false);
     for (const std::uint32_t t : gone_) gone[t] = true;
     const auto left = std::ranges::find(gone, false);
-    if (left == gone.end()) return;  // of such a tangle nothing is known
+    if (left == gone.end()) return;  // such a tangle cannot be judged
     const std::uint32_t point = mesh.triangles[static_cast<std::size_t>(left - gone.begin())][0];
     for (const std::uint32_t t : gone_) mesh.triangles[t] = {point, point, point};
   }
 
  private:
-  /// Of the box's diagonal: parts of triangles that are smaller are not divided, for a ball that
-  /// ends there does so near the surface that is left.
+  /// Smallest part of a triangle that is divided, as a share of the box's diagonal: a ball that
+  /// ends at a smaller part ends near the remaining surface.
   static constexpr double kSmall = 0.01;
-  /// Of it: larger ones are, for more may lie inside than at four places.
+  /// Larger parts are always divided, because more may lie inside than at four places.
   static constexpr double kLarge = 0.1;
 
   std::vector<std::vector<std::uint32_t>> Patches() {
@@ -207,7 +208,7 @@ class WallTaker {
     const std::size_t vertices = mesh.vertices.size();
     kept_.clear();
     if (Divide(t, from_.triangles[t], mesh)) {
-      mesh.vertices.resize(vertices);  // none of it lies inside: it stays as it was
+      mesh.vertices.resize(vertices);  // none of it lies inside: leave it
     } else if (kept_.empty()) {
       gone_.push_back(t);
     } else {
@@ -216,7 +217,8 @@ class WallTaker {
     }
   }
 
-  /// Keeps what of a part of triangle t does not lie inside.  True where that is all of it.
+  /// Keeps the parts of a part of triangle t that do not lie inside.  Returns whether that is
+  /// all of it.
   bool Divide(std::uint32_t t, const std::array<std::uint32_t, 3>& part, TriangleMesh& mesh) {
     const std::array<Vec3, 3> corner = CornersOf(part, mesh);
     const int places = surface_.Places(t, corner);
@@ -259,16 +261,16 @@ MeshSolid SolidOf(const TriangleMesh& mesh) {
   const MeshQuery all(outside);
   const std::vector<MeshPiece> pieces = PiecesOf(outside);
   if (pieces.size() > kMostPieces) return solid;
-  // Where an inner wall was taken, nothing is open.
+  // Where an inner wall was removed, there is no opening.
   EdgeSet open;
   for (const OpenEdge& edge : OpenEdges(mesh)) open.insert(std::minmax(edge.from, edge.to));
   for (const MeshPiece& piece : pieces) {
-    // A scrap of which most edges are open is a part of a soup, unless it stands alone.
+    // A scrap with mostly open edges is part of a soup, unless it is the only piece.
     const bool scrap = piece.report.boundary_edges > piece.report.triangles && pieces.size() > 1;
     if (piece.report.closed() || !(piece.report.area > 0.0)) continue;
     const double enclosure = Enclosure(piece.mesh, all);
     if (enclosure <= kShell) {
-      if (enclosure < kInsideOutShell) continue;  // of a cavity, say
+      if (enclosure < kInsideOutShell) continue;  // a cavity, for example
       solid.thickness = kSheetThickness * diagonal;
       AddPlate(piece, solid.thickness, solid.mesh);
       continue;
@@ -311,7 +313,7 @@ bool Thicken(double thickness, TriangleMesh& mesh) {
   for (auto& triangle : mesh.triangles) {
     auto corners = triangle;
     std::ranges::sort(corners);
-    // Without area, it keeps the numbers of those behind it, which named parts go by.
+    // Without area, it keeps the numbers of later triangles, which named parts refer to.
     if (!seen.insert(corners).second) triangle = {triangle[0], triangle[0], triangle[0]};
   }
   bool any = false;

@@ -13,7 +13,7 @@ namespace {
 constexpr double kShorter = 2.0 / 3.0;
 constexpr double kOfMedianEdge = 10.0;
 
-/// The box of all used vertices but one.
+/// Returns the longest side of the box of all used vertices but one.
 double LongestWithout(const TriangleMesh& mesh, const std::vector<bool>& used, std::uint32_t v) {
   Eigen::AlignedBox3d box;
   for (std::uint32_t w = 0; w < mesh.vertices.size(); ++w) {
@@ -44,7 +44,7 @@ std::optional<Spike> FindSpike(const TriangleMesh& mesh) {
   if (lengths.empty()) return std::nullopt;
   const auto median = lengths.begin() + std::ssize(lengths) / 2;
   std::nth_element(lengths.begin(), median, lengths.end());
-  // What makes the box longer lies on one of its six sides.
+  // A vertex that enlarges the box lies on one of its six sides.
   std::array<std::uint32_t, 6> on_sides;
   on_sides.fill(0);
   std::array<bool, 6> found{};

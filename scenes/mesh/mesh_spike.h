@@ -9,23 +9,23 @@
 
 namespace palpate {
 
-/// A vertex far out of all others, as a scanner or a lost digit leaves one.
+/// A vertex far away from all others, as a scanner error or a lost digit produces one.
 struct Spike {
   Vec3 at = Vec3::Zero();  ///< [the mesh's unit]
-  double longest = 0.0;    ///< side of the mesh's box [the same]
-  double without = 0.0;    ///< what it would be without the vertex [the same]
+  double longest = 0.0;    ///< longest side of the mesh's box [the same]
+  double without = 0.0;    ///< what that side would be without the vertex [the same]
 
-  /// No body that a hand feels is so much longer than it is wide: it is a mistake for certain.
+  /// Returns whether it is certainly a mistake: no body that a hand feels is so elongated.
   bool certain() const { return longest > 1000.0 * without; }
 };
 
-/// The vertex without which the box would be most shorter, where that is a third of its longest
-/// side at least, and all of the vertex's edges are ten times as long as half of the mesh's are.
-/// A cone's tip is one, too: people have to tell.
+/// Returns the vertex whose removal shortens the bounding box most, if that is by at least a third
+/// of its longest side, and all of the vertex's edges are at least ten times the median edge.  The
+/// tip of a cone may be one, too: people have to decide.
 /// @param mesh  not refused by InspectMesh.
 std::optional<Spike> FindSpike(const TriangleMesh& mesh);
 
-/// For people, with the remedy.
+/// Returns the remark for people, with the remedy.
 std::string SpikeRemark(const Spike& spike);
 
 }  // namespace palpate

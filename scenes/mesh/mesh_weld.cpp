@@ -15,10 +15,11 @@ namespace {
 
 constexpr double kOfDiagonal = 1e-5;
 constexpr double kOfMedianEdge = 0.05;
-/// Of the farthest coordinate: what is less is rounding, and cells of it could not be counted.
+/// Least tolerance, as a share of the largest coordinate: less is rounding, and cells of that size
+/// could not be counted.
 constexpr double kRounding = 1e-15;
 
-/// Which vertices end an open edge; empty where there is none.
+/// Returns which vertices end an open edge; empty if there are no open edges.
 std::vector<bool> EndsOfOpenEdges(const TriangleMesh& mesh, std::size_t& open) {
   const std::vector<OpenEdge> edges = OpenEdges(mesh);
   open = edges.size();
@@ -28,7 +29,7 @@ std::vector<bool> EndsOfOpenEdges(const TriangleMesh& mesh, std::size_t& open) {
   return ends;
 }
 
-/// 0 where there is none.
+/// Returns the tolerance [the mesh's unit]; 0 if there is none.
 double ToleranceOf(const TriangleMesh& mesh) {
   Eigen::AlignedBox3d box;
   std::vector<double> lengths;
@@ -49,12 +50,12 @@ double ToleranceOf(const TriangleMesh& mesh) {
   return tolerance > kRounding * farthest ? tolerance : 0.0;
 }
 
-/// Vertices by cells of the tolerance's size.
+/// Vertices in a grid of cells of the tolerance's size.
 class Cells {
  public:
   Cells(const std::vector<Vec3>& vertices, double size) : vertices_(vertices), size_(size) {}
 
-  /// The first vertex within the tolerance that was put in before; none: puts this one in.
+  /// Returns the first vertex within the tolerance that was added before; else adds and returns v.
   std::uint32_t FirstNear(std::uint32_t v) {
     const Cell at = CellOf(vertices_[v]);
     std::uint32_t first = v;
@@ -77,7 +78,7 @@ class Cells {
             static_cast<std::int64_t>(std::floor(p.y() / size_)),
             static_cast<std::int64_t>(std::floor(p.z() / size_))};
   }
-  /// Cells that share a key are only looked at in vain.
+  /// Different cells may share a key, which only costs time.
   static std::uint64_t Key(const Cell& c) {
     return static_cast<std::uint64_t>(c[0]) * 73856093u ^
            static_cast<std::uint64_t>(c[1]) * 19349663u ^

@@ -5,8 +5,8 @@
 
 namespace palpate {
 
-/// Finds the mesh file of a well-known model, "bunny", "dragon" or "buddha", in these folders, in
-/// this order:
+/// Returns the mesh file of a well-known model, "bunny", "dragon" or "buddha", from the first of
+/// these folders that has it:
 ///   `models_dir` (--models), $PALPATE_MODELS, $PALPATE_MODELS_NPM,
 ///   models/node_modules of what comes with the programs (common/files/project_files.h),
 ///   build/models/node_modules of the working folder,

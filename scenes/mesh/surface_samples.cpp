@@ -12,7 +12,8 @@
 namespace palpate {
 namespace {
 
-/// splitmix64 (Steele, Lea & Flood, OOPSLA 2014): the same numbers with every standard library.
+/// Random numbers by splitmix64 (Steele, Lea & Flood, OOPSLA 2014), the same with
+/// every standard library.
 class Random {
  public:
   double Uniform() {  // [0, 1)
@@ -26,7 +27,7 @@ class Random {
   std::uint64_t state_ = 0;
 };
 
-/// Uniform over the triangle.
+/// Returns a point, uniformly distributed over the triangle.
 Vec3 PointOf(const TriangleMesh& mesh, std::size_t triangle, Random& random) {
   const double root = std::sqrt(random.Uniform());
   const double v = root * random.Uniform();
@@ -34,23 +35,23 @@ Vec3 PointOf(const TriangleMesh& mesh, std::size_t triangle, Random& random) {
   return (1.0 - root) * mesh.vertices[a] + (root - v) * mesh.vertices[b] + v * mesh.vertices[c];
 }
 
-/// A wall has solid on both sides, by the winding number a little to either side.
+/// Returns whether a sample is on a wall, with solid on both sides, by winding numbers `step` away.
 bool IsWall(const MeshQuery& query, const SurfaceSample& s, double step) {
   return query.Inside(s.point - step * s.outward) && query.Inside(s.point + step * s.outward);
 }
 
-/// What a ball can roll over: a face, the arc of directions of an edge, the cap of a corner.
+/// A place where a ball can roll: a face, the arc of directions at an edge, the cap at a corner.
 struct RolledOver {
   enum class Kind : std::uint8_t { kFace, kEdge, kCorner } kind;
   std::uint32_t triangle;
-  std::uint32_t from = 0, to = 0;  ///< vertices of an edge; `from` of a corner
-  Vec3 a = Vec3::Zero();           ///< normals on both sides of an edge; axis of a corner's cap
+  std::uint32_t from = 0, to = 0;  ///< vertices of an edge; for a corner, `from`
+  Vec3 a = Vec3::Zero();  ///< normals on both sides of an edge; for a corner, the axis of its cap
   Vec3 b = Vec3::Zero();
-  double cosine = 1.0;  ///< between a and b, or of the cap's half angle
+  double cosine = 1.0;  ///< of the angle between a and b, or of the cap's half angle
 };
 
-/// Each with the area of the ball's centres over it, or a little more: what is too much is refused
-/// when points are drawn.
+/// All such places, each with the area of the ball's centres over it, or a little more: the excess
+/// is rejected when points are drawn.
 class RolledSurface {
  public:
   RolledSurface(const TriangleMesh& mesh, const MeshQuery& query, double height)
@@ -84,8 +85,8 @@ class RolledSurface {
 
   double area() const { return area_to_.empty() ? 0.0 : area_to_.back(); }
 
-  /// @param at  of the area, 0 to 1, never less than the last time.
-  /// @returns false: the point counts too much, or is nowhere.
+  /// @param at  share of the area, 0 to 1, never less than in the last call.
+  /// @returns false: reject the point, because it counts too much or does not exist.
   bool Draw(double at, Random& random, SurfaceSample& sample) {
     while (next_ + 1 < area_to_.size() && area_to_[next_] <= at * area()) ++next_;
     const RolledOver& part = parts_[next_];
@@ -99,7 +100,7 @@ class RolledSurface {
       case RolledOver::Kind::kEdge: {
         const double share = random.Uniform();
         foot = (1.0 - share) * mesh_.vertices[part.from] + share * mesh_.vertices[part.to];
-        // On the chord between both normals, the middle of the arc is the densest: 1/|chord|^2.
+        // On the chord between both normals, the middle maps most densely to the arc: 1/|chord|^2.
         const double along = random.Uniform();
         const Vec3 chord = (1.0 - along) * part.a + along * part.b;
         const double squared = chord.squaredNorm();
@@ -136,7 +137,7 @@ class RolledSurface {
       }
     }
     if (!(cosine > -0.99)) return;  // a fold: the corners at its ends have caps
-    // Twice the tangent of half the angle is the arc's length, counted as its middle.
+    // Twice the tangent of half the angle: the arc's length, if it had the density of its middle.
     const double tangent = normals[s].cross(normals[t]).norm() / (1.0 + cosine);
     Add({RolledOver::Kind::kEdge, s, from, to, normals[s], normals[t], cosine},
         2.0 * tangent * height_ * along.norm());
@@ -147,7 +148,7 @@ class RolledSurface {
     std::vector<std::uint32_t> triangle(axes.size(), 0);
     for (Vec3& axis : axes) {
       axis.stableNormalize();
-      if (axis.isZero()) axis = Vec3::UnitZ();  // a fold: every direction is tried
+      if (axis.isZero()) axis = Vec3::UnitZ();  // a fold: try every direction
     }
     for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
       if (normals[t].isZero()) continue;
@@ -163,7 +164,7 @@ class RolledSurface {
     }
   }
 
-  /// Uniform over the cap.
+  /// Returns a direction, uniformly distributed over the cap.
   static Vec3 DirectionIn(const RolledOver& cap, Random& random) {
     const double z = 1.0 - random.Uniform() * (1.0 - cap.cosine);
     double x = 0.0, y = 0.0, squared = 0.0;
@@ -206,7 +207,7 @@ std::vector<SurfaceSample> ScatterSamples(const TriangleMesh& mesh, const MeshRe
   std::vector<SurfaceSample> walls;
   std::size_t t = 0;
   for (std::size_t k = 0; k < count; ++k) {
-    // One sample in every count-th part of the area: evener than independent ones.
+    // One sample in every count-th part of the area: more even than independent samples.
     const double at = (static_cast<double>(k) + random.Uniform()) / static_cast<double>(count);
     while (t + 1 < area_to.size() && area_to[t] <= at * total) ++t;
     SurfaceSample s;
@@ -224,7 +225,7 @@ std::vector<SurfaceSample> ScatterAbove(const TriangleMesh& mesh, const MeshRepo
   RolledSurface surface(mesh, query, height);
   const bool nothing_inside = report.solid() && report.components == 1;
   std::vector<SurfaceSample> samples;
-  // First few, to learn which share of the points drawn can be used; then enough.
+  // Draw a few to learn which share can be used, and then enough.
   std::size_t drawn = count / 8 + 1;
   for (int pass = 0; pass < 2; ++pass) {
     Random random;
@@ -252,7 +253,7 @@ std::vector<std::uint32_t> ThinOut(const std::vector<SurfaceSample>& samples, st
   const double ratio = static_cast<double>(keep) / static_cast<double>(count);
   const double nearest = 2.0 * radius * (1.0 - ratio * std::sqrt(ratio)) * 0.65;
 
-  // Samples by cells of the size of the reach, sorted; neighbours are in the 27 cells around.
+  // Sort samples into cells of the size of the reach; neighbours are in the 27 cells around.
   Vec3 low = samples[0].point;
   for (const SurfaceSample& s : samples) low = low.cwiseMin(s.point);
   const auto cell = [&](const Vec3& p) -> Eigen::Matrix<std::int64_t, 3, 1> {
@@ -301,7 +302,7 @@ std::vector<std::uint32_t> ThinOut(const std::vector<SurfaceSample>& samples, st
   }
   neighbours_begin[count] = static_cast<std::uint32_t>(neighbours.size());
 
-  // Weights only fall, so an entry whose weight has changed is put back where it now belongs.
+  // Weights only fall, so an entry whose weight has changed is inserted again at its new weight.
   std::priority_queue<std::pair<double, std::uint32_t>> crowded;
   for (std::uint32_t i = 0; i < count; ++i) crowded.push({weight[i], i});
   std::vector<bool> removed(count, false);

@@ -10,7 +10,7 @@ namespace palpate {
 struct Triangle {
   Vec3 a, b, c;
   Vec3 Middle() const { return (a + b + c) / 3.0; }
-  /// Outwards, and twice as long as the triangle is large.
+  /// Returns the outward normal, whose length is twice the area.
   Vec3 Across() const { return (b - a).cross(c - a); }
   double Area() const { return 0.5 * Across().norm(); }
 };

@@ -13,11 +13,12 @@ namespace palpate {
 namespace {
 
 constexpr int kSides = 32;
-/// Directions of a quarter of the outline: 16 leave a ball of 1.4 mm within 1 um.
+/// Directions in a quarter of the outline: with 16, a ball of 1.4 mm is accurate to 1 um.
 constexpr int kQuarter = 16;
 constexpr double kShank = 0.8e-3, kHandle = 4e-3;  ///< radii [m]; a shank after ISO 1797
 
-/// Where the outline, the curve made thicker, is farthest in a direction (cos a, sin a): (rho, y).
+/// Returns the point of the outline, the thickened curve, that is farthest in the direction (cos a,
+/// sin a): (rho, y).
 std::array<double, 2> Farthest(const BurProfile& bur, double angle) {
   const double c = std::cos(angle), s = std::sin(angle);
   const auto along = [&](const std::array<double, 2>& p) { return p[0] * c + p[1] * s; };
@@ -27,10 +28,10 @@ std::array<double, 2> Farthest(const BurProfile& bur, double angle) {
   return {p[0] + bur.rounding * c, p[1] + bur.rounding * (s + 1.0)};
 }
 
-/// What a shape number of ISO 6360-2 stands for.
+/// The form of a shape number of ISO 6360-2.
 struct IsoShape {
   std::string_view number, kind, what;
-  double shortest_mm = 0.0, longest_mm = 0.0;  ///< heads, as published; 0: as its diameter
+  double shortest_mm = 0.0, longest_mm = 0.0;  ///< length of heads, as published; 0: the diameter
   enum class Edge { kFlat, kRoundEdge, kRoundEnd } edge = Edge::kFlat;
 };
 constexpr IsoShape kIsoShapes[] = {
@@ -61,9 +62,9 @@ constexpr IsoShape kIsoShapes[] = {
     {"250", "flame", "flame", 10.0, 10.0},
 };
 constexpr double kTangentOfTaper = 0.03492076949;  // 2 degrees
-constexpr double kFlatEdge = 0.1e-3;               ///< rounding of a flat one's edge at most [m]
+constexpr double kFlatEdge = 0.1e-3;               ///< largest rounding of a flat end's edge [m]
 constexpr int kSmallest = 5, kLargest = 50;        ///< sizes, 1/10 mm
-constexpr double kFinestTip = 0.2e-3;              ///< of a taper, its diameter [m]
+constexpr double kFinestTip = 0.2e-3;              ///< least diameter of a taper's tip [m]
 
 [[noreturn]] void RefuseName(const std::string& name) {
   const std::string known = Joined(kIsoShapes, [](const IsoShape& shape) {
@@ -92,8 +93,8 @@ BurProfile ConeBur(double tip_radius, double top_radius, double length, double r
 }
 
 BurProfile PearBur(double radius, double length) {
-  // Half as thick as the ball at its tip; its middle line is then a quarter circle of that radius,
-  // in three chords, and a straight line.
+  // The rounding is half the radius of the ball at the tip.  The curve is then a quarter circle of
+  // that radius, in three chords, and a straight line.
   const double half = 0.5 * radius, c30 = 0.86602540378443865;
   return {{{0.0, 0.0},
            {0.5 * half, half * (1.0 - c30)},
@@ -160,7 +161,7 @@ TriangleMesh MakeBur(const BurProfile& bur, double handle) {
   std::vector<std::array<double, 2>> curve;
   const double widest = Farthest(bur, 0.0)[0], top = Farthest(bur, 0.5 * M_PI)[1];
   const double shank = std::min(kShank, 0.6 * widest);
-  // A bore's roof, wall and inner edge come first.
+  // For a trephine, the bore's roof, wall and inner edge come first.
   const bool hollow = bur.curve.size() > 1 && bur.curve.front()[0] > 0.0;
   if (hollow) {
     const double bore = Farthest(bur, -M_PI)[0];
@@ -170,7 +171,7 @@ TriangleMesh MakeBur(const BurProfile& bur, double handle) {
   }
   const std::size_t outside = curve.size();
   const auto add = [&](double y, double radius) {
-    // Flat ends go up by a little: no point is another's.
+    // Flat ends rise a little, so that no two points coincide.
     if (curve.size() > outside) y = std::max(y, curve.back()[1] + 1e-6);
     curve.push_back({radius, y});
   };

@@ -13,7 +13,7 @@
 namespace palpate {
 namespace {
 
-// Everything below is in millimetres, the unit of the trade, and scaled last.
+// All below is in millimetres, as usual in dentistry, and scaled at the end.
 constexpr double kMillimetre = 1e-3;
 constexpr double kPi = 3.14159265358979323846;
 
@@ -31,7 +31,7 @@ Eigen::AlignedBox3d Box(double x, double y_min, double y_max, double z_min, doub
   return {Vec3(-x, y_min, z_min), Vec3(x, y_max, z_max)};
 }
 
-/// How the crown's half width changes with height: at the neck, at the bulge, at the top.
+/// The crown's half width by height: at the neck, at the bulge, at the top.
 struct Outline {
   double neck, bulge, top;
   double At(double s) const {
@@ -47,8 +47,8 @@ struct Outline {
 struct CrownShape {
   Outline along, across;
   double squareness;                         ///< exponent of the superellipse
-  double rim;                                ///< height without cusps, of the crown's
-  double cusp_width;                         ///< of the crown's width
+  double rim;                                ///< height without cusps, as a share of the crown's
+  double cusp_width;                         ///< as a share of the crown's width
   std::vector<std::array<double, 2>> cusps;  ///< x, z in half widths and half depths
 };
 
@@ -73,7 +73,7 @@ ToothMeasures InTable(const ToothSize& size) {
   return {size.width, size.depth, size.crown, size.root};
 }
 
-/// A tooth of a size in mm.
+/// Returns the field of a tooth whose size is in mm.
 Field ToothField(ToothKind kind, const ToothSize& size) {
   if (kind >= ToothKind::kFirstByNumber) return ToothFormField(NumberOfKind(kind), InTable(size));
   const CrownShape& shape = ShapeOf(kind);
@@ -124,7 +124,7 @@ Eigen::AlignedBox3d ToothBox(const ToothSize& size, double margin) {
              -0.5 * size.depth - margin, 0.5 * size.depth + margin);
 }
 
-/// Number from -1 to 1 at a point of the whole-numbered lattice: of the bits of a hash.
+/// Returns a number from -1 to 1 at an integer lattice point, from the bits of a hash.
 double AtLattice(int i, int j, int k) {
   std::uint32_t h = std::uint32_t(i) * 0x8da6b343u ^ std::uint32_t(j) * 0xd8163841u ^
                     std::uint32_t(k) * 0xcb1ab31fu;
@@ -133,8 +133,8 @@ double AtLattice(int i, int j, int k) {
   return double(h >> 8) / double(1u << 23) - 1.0;
 }
 
-/// Smooth noise from -1 to 1 whose grains are about 1 wide: random numbers at the lattice's points,
-/// blended between them (Perlin, "An image synthesizer", SIGGRAPH 1985, as value noise).
+/// Returns smooth noise from -1 to 1 whose grains are about 1 wide: random numbers at lattice
+/// points, blended between them (Perlin, "An image synthesizer", SIGGRAPH 1985, as value noise).
 double Noise(const Vec3& p) {
   const Eigen::Vector3i cell = p.array().floor().cast<int>();
   const Vec3 t = p - cell.cast<double>();
@@ -153,13 +153,14 @@ double Noise(const Vec3& p) {
   return sum;
 }
 
-/// Curve of an instrument from the tip on, rounded at the corners of a polyline, with radii.
+/// Makes an instrument along a polyline from the tip on, rounded at its corners, with radii.
 TriangleMesh Instrument(const std::vector<Vec3>& corners, const std::vector<double>& radii,
                         double step) {
   std::vector<Vec3> curve;
   std::vector<double> thickness;
-  // Cubic Hermite pieces; the direction at a corner is that between its neighbours, as Catmull and
-  // Rom have it, as long as each piece, so that a short piece beside a long one does not overshoot.
+  // Cubic Hermite pieces.  The direction at a corner is that between its neighbours, as in
+  // Catmull-Rom splines, but as long as each piece, so that a short piece beside a long one
+  // does not overshoot.
   const auto direction = [&](std::size_t i) {
     const Vec3& before = corners[i == 0 ? 0 : i - 1];
     const Vec3& after = corners[std::min(i + 1, corners.size() - 1)];
@@ -180,7 +181,7 @@ TriangleMesh Instrument(const std::vector<Vec3>& corners, const std::vector<doub
   }
   curve.push_back(corners.back());
   thickness.push_back(radii.back());
-  // Round ends: half a ball of rings before the first and after the last point.
+  // Round ends: rings of half a ball before the first and after the last point.
   const Vec3 front = (curve[0] - curve[1]).normalized();
   const Vec3 back = (curve.back() - curve[curve.size() - 2]).normalized();
   const double r0 = thickness.front();
@@ -196,7 +197,7 @@ TriangleMesh Instrument(const std::vector<Vec3>& corners, const std::vector<doub
   return MakeRod(curve, thickness, 16);
 }
 
-/// A gum of a size in mm: what stands above a jaw, what is taken out of it, and what is left.
+/// A gum whose size is in mm: the ridge above a jaw, what is removed from it, and what is left.
 struct GumFields {
   Field block, hole, gum;
   Eigen::AlignedBox3d box;
@@ -212,11 +213,12 @@ Vec3 SlopeOf(const Field& field, const Vec3& p) {
   return slope;
 }
 
-/// Depth of a pocket that goes all round, towards a point [mm]: from site to site without a step.
+/// Returns the depth of a pocket that goes all round, towards a point [mm]; it varies
+/// smoothly between sites.
 double DepthTowards(const Vec3& p, const ToothSize& size, const std::array<double, 6>& sites,
                     double mesial) {
-  // Clockwise seen from above where mesial is +x, from the middle outside on: the corners of a
-  // crown are at 60 degrees of an ellipse.
+  // Clockwise seen from above if mesial is +x, from the middle outside on: the corners of a crown
+  // are at 60 degrees of an ellipse.
   const double angle = std::atan2(mesial * p.x() / size.width, p.z() / size.depth);
   const double at = std::fmod(angle / (kPi / 3.0) + 6.0, 6.0);
   constexpr std::array<std::size_t, 6> kRound = {1, 0, 3, 4, 5, 2};
@@ -234,7 +236,7 @@ GumFields FieldsOfGum(ToothKind kind, const ToothSize& metres, const GumSize& gu
   const double z = 0.5 * size.depth + 4.5;
   const double floor = -size.root - 2.0;
   const double margin = 0.8 - gum_metres.recession / kMillimetre;
-  // A ridge with round shoulders whose top rises between the teeth, as the papillae do.
+  // A ridge with round shoulders whose top rises between the teeth, like papillae.
   const Field block = [=](const Vec3& p) {
     const double rise = 2.2 * std::pow(std::min(std::abs(p.x()) / x, 1.0), 2.4);
     const double wall = std::abs(p.z()) - z - 0.06 * (margin - p.y());
@@ -242,16 +244,16 @@ GumFields FieldsOfGum(ToothKind kind, const ToothSize& metres, const GumSize& gu
     return SmoothMax(SmoothMax(ridge, std::abs(p.x()) - x, 3.0), floor - p.y(), 2.0);
   };
   const Field tooth = ToothField(kind, size);
-  const Field socket = [=](const Vec3& p) { return tooth(p) + 0.1; };  // gum grips the tooth
+  const Field socket = [=](const Vec3& p) { return tooth(p) + 0.1; };  // the gum overlaps the tooth
   const double reach = 0.32 * size.width;
   const bool all_round = std::ranges::any_of(gum_metres.sites, [](double d) { return d > 0.0; });
   const double mesial =
       kind >= ToothKind::kFirstByNumber && NumberOfKind(kind).quadrant % 2 != 0 ? -1.0 : 1.0;
-  // The tooth's field counts lengths along z short; here the width matters.
+  // The tooth's field underestimates lengths along z, but the width must be right.
   const auto from_tooth = [=](const Vec3& p) {
     return tooth(p) / std::max(SlopeOf(tooth, p).norm(), 0.3);
   };
-  // Its box: what the pocket is at least.
+  // A lower bound of the pocket's field: the distance to its box.
   const auto beside = [=](const Vec3& p) {
     return all_round ? -2.0 * size.width : std::abs(p.x()) - reach;
   };
@@ -309,7 +311,7 @@ TriangleMesh MakeTooth(ToothKind kind, const ToothSize& metres) {
 TriangleMesh MakeDentine(ToothKind kind, const ToothSize& metres, double enamel) {
   const ToothSize size = InMillimetres(metres);
   const Field dentine = [=, tooth = ToothField(kind, size)](const Vec3& p) {
-    constexpr double kBeyond = 0.1;  // four times what the tooth's mesh is true to
+    constexpr double kBeyond = 0.1;  // four times the tolerance of the tooth's mesh
     const double s = std::clamp(p.y() / (0.85 * size.crown), 0.0, 1.0);
     return tooth(p) + enamel / kMillimetre * s * (2.0 - s) - kBeyond;
   };
@@ -332,7 +334,7 @@ std::vector<Vec3> GingivalMargin(ToothKind kind, const ToothSize& size, const Gu
     // From +z towards +x: counter-clockwise seen from +y.
     const double angle = 2.0 * kPi * i / kPoints;
     const Vec3 outwards(std::sin(angle), 0.0, std::cos(angle));
-    // The edge of the hole at a height, from within.
+    // Find the edge of the hole at a height, from inside.
     const auto edge_at = [&](double y) {
       const auto at = [&](double r) { return Vec3(r * outwards + y * Vec3::UnitY()); };
       double r = 0.0;
@@ -344,7 +346,7 @@ std::vector<Vec3> GingivalMargin(ToothKind kind, const ToothSize& size, const Gu
       }
       return at(r);
     };
-    // Along it, down to where the block begins.
+    // Search along it, down to where the block begins.
     double low = fields.box.min().y();
     double high = fields.box.max().y();
     for (int k = 0; k < 12; ++k) {
@@ -352,7 +354,7 @@ std::vector<Vec3> GingivalMargin(ToothKind kind, const ToothSize& size, const Gu
       (fields.block(edge_at(middle)) < 0.0 ? low : high) = middle;
     }
     Vec3 edge = edge_at(low);
-    // The seam of the two is round.
+    // The seam of both is rounded.
     for (int k = 0; k < 3; ++k) {
       const Vec3 slope = SlopeOf(fields.gum, edge);
       edge -= fields.gum(edge) / slope.squaredNorm() * slope;
@@ -370,11 +372,11 @@ TriangleMesh MakeCalculus(ToothKind kind, const ToothSize& metres, double across
   double surface = 0.0;  // z of the tooth's outer side at that height
   while (tooth({0, y, surface}) < 0.0) surface += 0.01;
   const Field lump = [=](const Vec3& p) {
-    // Grains on lumps, and a rim that frays.
+    // Grains on lumps, and a frayed rim.
     const double lumps = Noise(1.3 * p);
     const double grains = Noise(3.1 * p + Vec3(7.3, 1.9, 4.1));
     const double e = std::hypot(p.x(), p.y() - y) / r + 0.16 * lumps;
-    // A crust that thins out towards its rim, a little of it inside the tooth.
+    // A crust that thins towards its rim, with a little of it inside the tooth.
     const double thickness = 0.5 * (1.0 - e * e) + 0.2 * lumps + 0.12 * grains;
     return SmoothMax(SmoothMax(tooth(p) - thickness, r * (e - 1.1), 0.4),
                      SmoothMax(-(tooth(p) + 0.6), -(p.z() - surface + 2.5), 0.3), 0.3);
@@ -386,7 +388,7 @@ TriangleMesh MakeCalculus(ToothKind kind, const ToothSize& metres, double across
 TriangleMesh MakeMandible(JawPart part, double length, double cortex) {
   const double half = 0.5 * length / kMillimetre, within = cortex / kMillimetre;
   constexpr double kHalfHeight = 8.0, kHalfThickness = 5.0, kBend = 45.0, kBeyond = 1.0;
-  // A section is egg-shaped, the lower border thicker.
+  // A section is egg-shaped, and thicker at the lower border.
   const auto section = [](const Vec3& p) {
     const double y = p.y() / kHalfHeight,
                  z = (p.z() + p.x() * p.x() / (2.0 * kBend)) / (kHalfThickness * (1.0 - 0.14 * y));

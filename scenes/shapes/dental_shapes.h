@@ -10,12 +10,12 @@
 
 namespace palpate {
 
-// Teeth, what is about them, and instruments: closed, manifold and oriented, in metres.
+// Teeth, the tissue about them, and instruments: closed, manifold and oriented meshes, in metres.
 
-/// A simple tooth of four kinds, which only stands for one; or, from kFirstByNumber on, the teeth
-/// of an adult in the order of ToothNames() (tooth_forms.h), true to form.
+/// A simple tooth of four kinds, a rough model; or, from kFirstByNumber on, an adult's tooth in the
+/// order of ToothNames() (tooth_forms.h), of natural form.
 enum class ToothKind { kIncisor, kCanine, kPremolar, kMolar, kFirstByNumber };
-/// What scene files call them.
+/// Returns the kinds' names in scene files.
 std::span<const std::string_view> ToothKindNames();
 
 struct ToothSize {
@@ -25,55 +25,56 @@ struct ToothSize {
   double root = 0.0;   ///< length of the roots below it, y < 0 [m]
 };
 
-/// An adult's tooth of the kind.
+/// Returns the size of an adult's tooth of the kind.
 ToothSize UsualSize(ToothKind kind);
 
-/// Frame of a tooth: origin in the middle of its neck, y towards the chewing surface, z outwards to
-/// lip or cheek.  A simple molar has four cusps and two roots, a premolar two cusps, a canine one;
-/// an incisor has an edge.
+/// Makes a tooth.  Frame: origin in the middle of its neck, y towards the chewing surface, z
+/// outwards to lip or cheek.  A simple molar has four cusps and two roots, a premolar two cusps, a
+/// canine one, and an incisor an edge.
 TriangleMesh MakeTooth(ToothKind kind, const ToothSize& size);
 
-/// What lies under that tooth's enamel, in the tooth's frame: the enamel is about `enamel` thick
-/// over the cusps, thinner towards the neck, where it ends; at the root, which has none, the mesh
-/// lies just outside of the tooth's.
+/// Makes the dentine of that tooth, in the tooth's frame.  The enamel over it is about `enamel`
+/// thick at the cusps and thins towards the neck, where it ends.  At the root, which has no enamel,
+/// the mesh lies just outside the tooth's.
 TriangleMesh MakeDentine(ToothKind kind, const ToothSize& size, double enamel);
 
 struct GumSize {
   double pocket_depth = 0.0;  ///< below the neck [m]
   double pocket_width = 0.0;  ///< [m]
-  double recession = 0.0;     ///< how far the margin has gone down from the neck [m]
-  /// Where one is not 0 the pocket goes all round, and these are its depths at the six sites that
-  /// are probed: mesial, middle and distal outside, then inside [m].
+  double recession = 0.0;     ///< distance of the margin below the neck [m]
+  /// If any is not 0, the pocket goes all round, and these are its depths at the six sites that are
+  /// probed: mesial, middle and distal outside, then inside [m].
   std::array<double, 6> sites{};
 };
 
-/// Piece of a jaw with the gum round that tooth, in the tooth's frame: it lies close to it but for
-/// a pocket, at the outer side (z > 0) unless it has sites, and rises towards the neighbours, from
-/// which it is cut.
+/// Makes a piece of jaw with the gum round that tooth, in the tooth's frame.  The gum lies close to
+/// the tooth except at a pocket, which is on the outer side (z > 0) unless `sites` are given.  It
+/// rises towards the neighbouring teeth, where it is cut off.
 TriangleMesh MakeGingiva(ToothKind kind, const ToothSize& size, const GumSize& gum);
-/// The crest of that gum round the tooth, pocket and all: a closed curve, counter-clockwise seen
-/// from above.
+/// Returns the crest of that gum round the tooth, pocket included: a closed curve,
+/// counter-clockwise seen from above.
 std::vector<Vec3> GingivalMargin(ToothKind kind, const ToothSize& size, const GumSize& gum);
 
-/// Rough lump that lies on that tooth's outer side just above its neck and reaches into it, in the
-/// tooth's frame; about `width` across.
+/// Makes a rough lump of calculus, about `width` across, on that tooth's outer side just above its
+/// neck, in the tooth's frame; it reaches into the tooth.
 TriangleMesh MakeCalculus(ToothKind kind, const ToothSize& size, double width);
 
-/// Parts of a lower jaw without teeth, from one cut across it to another.
+/// Parts of a lower jaw without teeth, between two cross-sections.
 enum class JawPart {
   kBone,    ///< all of it
-  kMarrow,  ///< what lies within the hard cortex: cancellous bone
+  kMarrow,  ///< the inside of the hard cortex: cancellous bone
   kNerve,   ///< the nerve in its canal, towards the lower border
 };
-/// One frame: origin in the middle, x along the jaw, which bends round its inner side, y up, z
-/// outwards; 16 mm high and 10 mm thick.  Marrow and nerve end beyond the bone's ends.
-/// @param cortex  about how thick it is [m].   @param length  along the jaw [m].
+/// Makes a part.  All share one frame: origin in the middle, x along the jaw, which bends towards
+/// its inner side, y up, z outwards.  The jaw is 16 mm high and 10 mm thick.  Marrow and nerve
+/// extend beyond the bone's ends.
+/// @param cortex  approximate thickness of it [m].   @param length  along the jaw [m].
 TriangleMesh MakeMandible(JawPart part, double length, double cortex);
 
-/// Periodontal probe: a thin tapered tip with a round end, bent off a shank, and a handle.
+/// Makes a periodontal probe: a thin tapered tip with a round end, bent off a shank with a handle.
 /// Frame: origin at the tip's end, the tip along +y; the handle leans towards +z.
 TriangleMesh MakeProbe(double tip_radius, double length);
-/// Scaler: as the probe, but its tip is a hook that points to -z and ends sharper.
+/// Makes a scaler: like the probe, but its tip is a hook that points to -z and is sharper.
 TriangleMesh MakeScaler(double tip_radius, double length);
 
 }  // namespace palpate

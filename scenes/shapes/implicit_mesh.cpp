@@ -12,12 +12,13 @@
 namespace palpate {
 namespace {
 
-// Where an edge is cut, at least so far from its ends: keeps triangles from shrinking to nothing.
+// Least distance of a vertex from the ends of its lattice edge, as a share: keeps
+// triangles from degenerating.
 constexpr double kNearestToEnd = 0.15;
 constexpr int kSmoothings = 4;
 constexpr int kNewtonSteps = 3;
 
-/// The field on a body-centred cubic lattice, and the surface through it.
+/// A field sampled on a body-centred cubic lattice, and its surface.
 class Lattice {
  public:
   Lattice(const Field& field, const Eigen::AlignedBox3d& box, double cell)
@@ -36,7 +37,8 @@ class Lattice {
     });
   }
 
-  /// Every tetrahedron joins the centres of two neighbouring cells to an edge of their common face.
+  /// Makes the surface.  Every tetrahedron joins the centres of two neighbouring cells to an edge
+  /// of their common face.
   TriangleMesh Surface() {
     ForEach(cells_[0], cells_[1], cells_[2], [&](int i, int j, int k) {
       for (int axis = 0; axis < 3; ++axis) {
@@ -82,7 +84,7 @@ class Lattice {
     return CornerAt(int(n) % nx, row % ny, row / ny) + Vec3::Constant(centre ? 0.5 * cell_ : 0.0);
   }
 
-  /// The surface's vertex on the edge from an inner to an outer point.
+  /// Returns the surface's vertex on the edge from an inner to an outer point.
   std::uint32_t VertexOn(std::uint32_t in, std::uint32_t out) {
     const std::uint64_t edge = std::uint64_t{in} << 32 | out;
     const auto [it, fresh] = vertex_.try_emplace(edge, std::uint32_t(mesh_.vertices.size()));
@@ -94,9 +96,10 @@ class Lattice {
     return it->second;
   }
 
+  /// Adds the triangles in a tetrahedron.
   /// @param tet  positively oriented: det(b - a, c - a, d - a) > 0.
   void Cut(std::array<std::uint32_t, 4> tet) {
-    // Inner points first; every swap turns the orientation.
+    // Sort inner points first; every swap reverses the orientation.
     const auto inner = [&](std::uint32_t p) { return values_[p] < 0.0; };
     bool positive = true;
     for (int end = 3; end > 0; --end) {
@@ -126,7 +129,7 @@ class Lattice {
   Vec3 origin_;
   std::array<int, 3> cells_;
   std::size_t corners_;
-  std::vector<double> values_;  ///< of corners, then of centres
+  std::vector<double> values_;  ///< at corners, then at centres
   std::unordered_map<std::uint64_t, std::uint32_t> vertex_;
   TriangleMesh mesh_;
 };
@@ -140,7 +143,8 @@ Vec3 Gradient(const Field& field, const Vec3& p, double step) {
   return g;
 }
 
-/// Nearby point of the surface; the steps are bounded, for the field is only about a distance.
+/// Returns a nearby point of the surface.  Steps are bounded, because the field is only
+/// roughly a distance.
 Vec3 OntoSurface(const Field& field, Vec3 p, double cell) {
   for (int i = 0; i < kNewtonSteps; ++i) {
     const Vec3 g = Gradient(field, p, 1e-3 * cell);
@@ -154,7 +158,7 @@ Vec3 OntoSurface(const Field& field, Vec3 p, double cell) {
   return p;
 }
 
-/// Moves every vertex towards the middle of its neighbours, and back onto the surface.
+/// Moves every vertex towards the centre of its neighbours, and then back onto the surface.
 void Smooth(const Field& field, double cell, TriangleMesh& mesh) {
   std::vector<Vec3> sum(mesh.vertices.size());
   std::vector<int> count(mesh.vertices.size());

@@ -11,7 +11,7 @@
 namespace palpate {
 namespace {
 
-// Everything below is in millimetres, the unit of the trade, and scaled last.
+// All below is in millimetres, as usual in dentistry, and scaled at the end.
 constexpr double kPi = 3.14159265358979323846;
 
 TriangleMesh SoftMesh(const Field& field, const Eigen::AlignedBox3d& box, double cell,
@@ -37,9 +37,9 @@ class Collar {
     papilla_ = tooth.number.place <= 3 ? 3.0 : 2.2;
   }
 
-  /// The gum with this round it.
+  /// Returns the field of the gum with this collar added.
   double AddedTo(double gum, const Vec3& p) const {
-    constexpr double kFar = 8.0;  // from the axis; no collar reaches as far
+    constexpr double kFar = 8.0;  // from the axis; no collar reaches so far
     constexpr double kBlend = 1.2;
     const double dx = p.x() - at_.x();
     const double dz = p.z() - at_.z();
@@ -51,12 +51,12 @@ class Collar {
     const double below = Step(0.5, -7.0, p.y());
     // The neck's section is 0.86 of the crown's; the gum thickens from its margin downwards.
     const double depth = 0.88 * half_depth_ + 0.65 + 1.3 * below;
-    constexpr double kReach = 1.14;  // over the middle between two teeth
+    constexpr double kReach = 1.14;  // beyond the middle between two teeth
     constexpr double kSquareness = 2.5;
     const double along = std::abs(u) / kReach;
     const double across = std::abs(w) / depth;
     const double size = std::min(kReach * half_width_, depth);
-    // What the collar is at least.
+    // Compare a lower bound of the collar's field.
     if (FarAbove((std::max(along, across) - 1.0) * size, gum, kBlend)) return gum;
     const double r =
         std::pow(std::pow(along, kSquareness) + std::pow(across, kSquareness), 1.0 / kSquareness);
@@ -68,7 +68,7 @@ class Collar {
     return SmoothMin(gum, SmoothMax(collar, -(p.y() + 13.0), 2.0), kBlend);
   }
 
-  static constexpr double kNone = 13.0;  // of no gum yet
+  static constexpr double kNone = 13.0;  // the value where there is no gum yet
 
  private:
   Vec3 at_;
@@ -87,7 +87,7 @@ Field GumField(bool upper) {
   };
 }
 
-/// The bone's ridge below the necks, along the arch.
+/// Returns the bone's ridge below the necks, along the arch.
 Field RidgeField(const ArchAxes& arch, double bottom) {
   std::vector<Vec3> curve;
   for (int i = 0; i <= 64; ++i) {
@@ -106,7 +106,8 @@ Field RidgeField(const ArchAxes& arch, double bottom) {
   };
 }
 
-/// What fills the arch: under an upper jaw's vault with its rugae, or a lower jaw's flat floor.
+/// Returns the filling of the arch: an upper jaw's vault with its rugae, or a lower
+/// jaw's flat floor.
 Field VaultField(const ArchAxes& arch, bool upper, double bottom) {
   return [=](const Vec3& p) {
     const double e = std::hypot(p.x() / arch.half_width, std::max(p.z(), 0.0) / arch.length);
@@ -138,7 +139,7 @@ TriangleMesh MakeJaw(bool upper) {
 }
 
 TriangleMesh MakeTongue(double length) {
-  const double l = 1e3 * length / 60.0;  // drawn 60 mm long
+  const double l = 1e3 * length / 60.0;  // the shape is modelled 60 mm long
   const Field body = UnionOf(
       {EllipsoidField({0, -4, -13}, {20, 12, 18}), EllipsoidField({0, -1.5, 4}, {18.5, 8, 20}),
        EllipsoidField({0, -1.5, 18}, {14, 5.5, 13})},
@@ -169,14 +170,14 @@ TriangleMesh MakeFace(double mouth_width, double mouth_height) {
   constexpr double kLips = 5.2;
   constexpr double kBlend = 5.0;
   const Field lips = RopeField(rim, kLips);
-  Eigen::AlignedBox3d near;  // the lips are no nearer than it
+  Eigen::AlignedBox3d near;  // the lips are at least as far as this box
   for (const Vec3& v : rim) near.extend(v);
   const Field uvula = ConeField({0, 26, -68}, 4.0, {0, 9, -66}, 2.6);
   const Field face = [=](const Vec3& p) {
     const double e = std::hypot(p.x() / half_width, p.y() / half_height);
     const double aperture =
         SmoothMax((e - 1.0) * std::min(half_width, half_height), -25.0 - p.z(), 6.0);
-    // The furrow under the nose.
+    // The furrow under the nose (philtrum).
     const double furrow =
         1.3 * std::exp(-p.x() * p.x() / 12.0) * Step(half_height + 3.0, half_height + 9.0, p.y());
     double flesh = skin(p) + furrow;

@@ -24,7 +24,7 @@ std::vector<ShapeParameter> WithToothSize(std::vector<ShapeParameter> more) {
   return all;
 }
 
-/// What the file leaves out is as usual for the kind of tooth.
+/// Returns the size; values that the file omits are usual for the kind of tooth.
 ToothSize SizeFrom(ToothKind kind, std::span<const double> values) {
   const ToothSize usual = UsualSize(kind);
   const auto or_usual = [](double value, double of_kind) { return value > 0.0 ? value : of_kind; };
@@ -34,7 +34,8 @@ ToothSize SizeFrom(ToothKind kind, std::span<const double> values) {
 
 using Values = std::span<const double>;
 
-/// Where the file has the depth of one site, the pocket is as deep as elsewhere at those left out.
+/// Returns the gum's size.  If the file gives the depth at one site, sites that it omits have
+/// the general depth.
 GumSize GumFrom(Values v) {
   GumSize gum{v[4], v[5], v[6]};
   const Values sites = v.subspan(7, gum.sites.size());
@@ -44,7 +45,7 @@ GumSize GumFrom(Values v) {
   return gum;
 }
 
-/// What the numbers of burs are; behind them stands the curve (rho, z) where the file gives one.
+/// The parameters of burs; if the file gives a curve (rho, z), it follows them.
 enum : std::size_t {
   kDiameter,
   kLength,
@@ -59,8 +60,8 @@ enum : std::size_t {
 const std::vector<std::string_view> kBurs{"ball", "cylinder", "cone",    "inverted_cone",
                                           "pear", "flame",    "trephine"};
 
-/// A ball has its diameter alone; a cone is half as wide at its finer end where the file leaves its
-/// tip out, an inverted one three quarters.
+/// Makes the profile.  A ball has only a diameter.  A cone whose tip the file omits is half as wide
+/// there; an inverted cone is always three quarters as wide at its top.
 BurProfile FormFrom(std::size_t variant, Values v) {
   const double radius = 0.5 * v[kDiameter], length = v[kLength], rounding = v[kRounding];
   if (variant >= kBurs.size()) {

@@ -81,7 +81,7 @@ TriangleMesh MakeBentPipe(double inner_radius, double wall, double length, doubl
   for (int i = 0; i <= steps; ++i) {
     const double s = double(i) / steps;
     const double a = bend * s;
-    // sin(a)/a and (1 - cos a)/a, for straight pipes, too.
+    // sin(a)/a and (1 - cos a)/a, also valid for straight pipes.
     const double along = a > 1e-9 ? std::sin(a) / a : 1.0;
     const double aside = a > 1e-9 ? (1.0 - std::cos(a)) / a : 0.0;
     curve.emplace_back(length * s * aside, 0.0, length * s * along);
@@ -90,7 +90,7 @@ TriangleMesh MakeBentPipe(double inner_radius, double wall, double length, doubl
 }
 
 TriangleMesh MakeMould(bool mould, double radius, double depth, double wave, double thickness) {
-  // The surface where the two meet, over a square that is bent to a disc.
+  // The surface where both meet, over a square that is bent to a disc.
   constexpr int kSteps = 56;
   const auto height = [&](double x, double z) {
     const double e = (x * x + z * z) / (radius * radius);
@@ -119,7 +119,7 @@ TriangleMesh MakeMould(bool mould, double radius, double depth, double wave, dou
   const std::uint32_t shaped = add_layer(true);
   const std::uint32_t plain = add_layer(false);
   for (const std::uint32_t layer : {shaped, plain}) {
-    const bool up = (layer == shaped) == mould;  // x to z turns to -y
+    const bool up = (layer == shaped) == mould;  // x cross z is -y
     for (std::uint32_t i = 0; i < kSteps; ++i) {
       for (std::uint32_t k = 0; k < kSteps; ++k) {
         const std::uint32_t a = layer + i * kRow + k;
@@ -128,7 +128,7 @@ TriangleMesh MakeMould(bool mould, double radius, double depth, double wave, dou
       }
     }
   }
-  // The wall round both: the rim's vertices in turn, counter-clockwise seen from -y.
+  // The wall between both: the rim's vertices in turn, counter-clockwise seen from -y.
   std::vector<std::uint32_t> rim;
   for (std::uint32_t s = 0; s < kSteps; ++s) rim.push_back(s * kRow);
   for (std::uint32_t s = 0; s < kSteps; ++s) rim.push_back(kSteps * kRow + s);

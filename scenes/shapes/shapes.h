@@ -8,28 +8,30 @@
 
 namespace palpate {
 
-/// Changes with every change of what a shape looks like, so that cached scenes are built anew.
+/// Changes whenever a shape comes out differently, so that cached scenes are built anew.
 inline constexpr std::uint32_t kShapesVersion = 8;
-/// Of the margins of those that have one.
+/// The same for gingival margins.
 inline constexpr std::uint32_t kMarginVersion = 1;
 
-// Closed meshes round the origin [m], wound counter-clockwise seen from outside.
+// Closed meshes about the origin [m], wound counter-clockwise seen from outside.
 
-/// Box of the given side lengths: 12 triangles.
+/// Makes a box of the given side lengths: 12 triangles.
 TriangleMesh MakeBox(const Vec3& size);
 
-/// Ellipsoid with vertices on its surface: an icosahedron, subdivided until it has at least
-/// `triangles` of them (20, 80, 320, 1,280, 5,120, ...).
+/// Makes an ellipsoid with vertices on its surface: an icosahedron, subdivided until it has at
+/// least `triangles` (20, 80, 320, 1,280, 5,120, ...).
 TriangleMesh MakeEllipsoid(const Vec3& semi_axes, std::size_t triangles);
 TriangleMesh MakeSphere(double radius, std::size_t triangles);
 
-/// Pipe from the origin along +z, its curve `length` long and bent by `bend` towards +x (an arc of
-/// a circle; 0: straight).  The bend must be wider than the pipe.  Not round the origin.
+/// Makes a pipe that begins at the origin along +z.  Its centre line is `length` long and bent by
+/// `bend` towards +x (a circular arc; 0: straight).  The bend must be wider than the pipe.  The
+/// mesh is not centred on the origin.
 TriangleMesh MakeBentPipe(double inner_radius, double wall, double length, double bend);
 
-/// Round mould that a tool fits exactly: a bowl `depth` deep with waves of the height `wave` in it.
-/// Frame: the bowl's rim lies in y = 0 and its axis is y; below it there are `thickness` of
-/// material, above it those of the tool, so that at one pose the two touch all over.
+/// Makes a round mould, or the tool that fits it exactly: a bowl `depth` deep with waves of
+/// height `wave` in it.  Frame: the bowl's rim lies in y = 0 and its axis is y.  The mould
+/// extends `thickness` below the bowl, the tool as far above it, so that at one pose the two
+/// touch all over.
 TriangleMesh MakeMould(bool mould, double radius, double depth, double wave, double thickness);
 
 }  // namespace palpate

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kTurn = 6.283185307179586;
 
-/// Rings round the curve's points, by a frame that does not twist.
+/// Makes rings round the curve's points, in a frame that does not twist.
 class Sweep {
  public:
   Sweep(const std::vector<Vec3>& curve, int sides) : curve_(curve), sides_(std::uint32_t(sides)) {
@@ -26,7 +26,7 @@ class Sweep {
     }
   }
 
-  /// Round points of one axis, in whatever order.
+  /// Makes rings round points of one axis, in any order.
   Sweep(const std::vector<Vec3>& curve, int sides, const Vec3& axis)
       : curve_(curve),
         sides_(std::uint32_t(sides)),
@@ -43,7 +43,7 @@ class Sweep {
     }
     return first;
   }
-  /// A band between two rings; seen from outside, the second lies ahead along the curve.
+  /// Adds a band between two rings; seen from outside, the second lies ahead along the curve.
   void Join(std::uint32_t back, std::uint32_t ahead) {
     for (std::uint32_t s = 0; s < sides_; ++s) {
       const std::uint32_t n = (s + 1) % sides_;
@@ -64,7 +64,7 @@ class Sweep {
     }
   }
 
-  /// Rings of these radii, joined, and the first and the last one closed.
+  /// Makes rings of these radii, joins them, and closes the first and the last one.
   TriangleMesh Closed(const std::vector<double>& radii) {
     std::uint32_t ring = AddRing(0, radii[0]);
     Close(ring, 0, false);
@@ -111,7 +111,7 @@ TriangleMesh MakePipe(const std::vector<Vec3>& curve, double inner_radius, doubl
   Sweep sweep(curve, sides);
   const std::uint32_t first_inner = sweep.AddRing(0, inner_radius);
   const std::uint32_t first_outer = sweep.AddRing(0, inner_radius + wall);
-  sweep.Join(first_inner, first_outer);  // the front ring: seen from before the pipe
+  sweep.Join(first_inner, first_outer);  // the front ring: seen from in front of the pipe
   std::uint32_t inner = first_inner;
   std::uint32_t outer = first_outer;
   for (std::size_t i = 1; i < curve.size(); ++i) {

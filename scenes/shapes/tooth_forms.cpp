@@ -12,7 +12,7 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kPlaces = 7;
 
-/// A measure of the crown at five heights from the neck to the top, joined smoothly.
+/// A dimension of the crown at five heights from the neck to the top, interpolated smoothly.
 using Profile = std::array<double, 5>;
 
 double At(const Profile& profile, double height) {
@@ -26,14 +26,14 @@ double At(const Profile& profile, double height) {
   return b + 0.5 * t * (c - a + t * (2 * a - 5 * b + 4 * c - d + t * (3 * (b - c) + d - a)));
 }
 
-/// Part of the chewing surface: a ridge from one point to another, or a cusp where they are one,
-/// that falls off with `slope`.  x is towards the middle of the arch, z outwards, in half widths
-/// and half depths; heights are shares of the crown's.
+/// Part of the chewing surface: a ridge from one point to another, or a cusp if they coincide, that
+/// falls off with `slope`.  x is towards the middle of the arch, z outwards, in half widths and
+/// half depths; heights are shares of the crown's.
 struct Ridge {
   double x0, z0, x1, z1, height, slope;
 };
 
-/// In shares of the size: where a root's tip lies, and its half widths at the neck.
+/// A root: where its tip lies, and its half widths at the neck, as shares of the size.
 struct Root {
   double x, z, tip_x, tip_z, half_width, half_depth, length;
 };
@@ -41,12 +41,12 @@ struct Root {
 struct Form {
   Profile mesial, distal;   ///< from the axis towards the arch's middle and away, in half widths
   Profile labial, lingual;  ///< from the axis outwards and inwards, in half depths
-  double squareness;        ///< exponent of the superellipse that a section is
+  double squareness;        ///< exponent of a section's superellipse
   std::vector<Ridge> ridges;
   std::vector<Root> roots;
 };
 
-// Where two ridges meet, the larger counts: so what runs between cusps is a fissure.
+// Where two ridges meet, the higher counts, so there are fissures between cusps.
 
 /// @param distal_height  of the edge's far end; its near end is at 1.
 Form Incisor(bool upper, double distal_height) {
@@ -86,7 +86,7 @@ Form Premolar(bool upper, bool second) {
 }
 
 Form UpperMolar(bool second) {
-  const double far = second ? 0.78 : 0.86;  // the cusp that dwindles towards the back
+  const double far = second ? 0.78 : 0.86;  // the cusp that shrinks towards the back
   return {{0.76, 0.94, 1.0, 0.95, 0.84},
           {0.76, 0.92, 0.98, 0.92, 0.78},
           {0.84, 0.99, 0.97, 0.88, 0.7},
@@ -143,7 +143,7 @@ Form FormOf(ToothNumber tooth) {
   }
 }
 
-/// Height of the chewing surface [mm].
+/// Returns the height of the chewing surface [mm].
 double TopAt(const Form& form, const ToothMeasures& size, double x, double z) {
   double top = 0.5 * size.crown;
   for (const Ridge& ridge : form.ridges) {
@@ -152,7 +152,7 @@ double TopAt(const Form& form, const ToothMeasures& size, double x, double z) {
     const Eigen::Vector2d along = half.cwiseProduct(Eigen::Vector2d(ridge.x1, ridge.z1)) - a;
     const Eigen::Vector2d from = Eigen::Vector2d(x, z) - a;
     const double t = std::clamp(from.dot(along) / std::max(along.squaredNorm(), 1e-9), 0.0, 1.0);
-    constexpr double kTip = 0.5;  // radius of what is pointed
+    constexpr double kTip = 0.5;  // radius of pointed parts
     const double off = (from - t * along).norm();
     const double height = ridge.height * size.crown;
     if (FarAbove(top, height - ridge.slope * (off - kTip), 0.25)) continue;
@@ -161,7 +161,7 @@ double TopAt(const Form& form, const ToothMeasures& size, double x, double z) {
   return top;
 }
 
-/// What the crown's field is at least.
+/// Returns a lower bound of the crown's field.
 double BelowNeck(const Vec3& p) {
   return -(p.y() + 1.5);
 }
@@ -169,7 +169,7 @@ double BelowNeck(const Vec3& p) {
 Field CrownField(const Form& form, const ToothMeasures& size) {
   return [=](const Vec3& p) {
     const double s = p.y() / size.crown;
-    // Neighbours turn away from each other round the arch, and are to touch none the less.
+    // Neighbours turn away from each other round the arch, but must touch.
     constexpr double kTouch = 1.04;
     const double towards =
         0.5 * kTouch * size.width * At(p.x() > 0.0 ? form.mesial : form.distal, s);
@@ -185,7 +185,7 @@ Field CrownField(const Form& form, const ToothMeasures& size) {
       return (r - 1.0) * std::min(towards, half);
     };
     const auto lid = [&] { return 0.8 * (p.y() - TopAt(form, size, p.x(), p.z())); };
-    const double low = 0.8 * (p.y() - 0.5 * size.crown);  // the lid is nowhere above it
+    const double low = 0.8 * (p.y() - 0.5 * size.crown);  // the lid is nowhere higher
     double walls;
     if (low < 0.0) {
       walls = side();
@@ -238,7 +238,7 @@ Field ToothFormField(ToothNumber tooth, const ToothMeasures& size) {
   const Form form = FormOf(tooth);
   constexpr double kBlend = 1.2;
   std::vector<Field> parts;
-  if (form.roots.size() > 1) {  // the trunk that they part from
+  if (form.roots.size() > 1) {  // the trunk above the furcation
     parts.push_back(EllipsoidField({0, -1.5, 0}, {0.4 * size.width, 3.0, 0.4 * size.depth}));
   }
   for (const Root& root : form.roots) parts.push_back(RootField(root, size));
@@ -253,7 +253,7 @@ Field ToothFormField(ToothNumber tooth, const ToothMeasures& size) {
 
 TriangleMesh MakeToothForm(ToothNumber tooth, const ToothMeasures& size) {
   constexpr double kCell = 0.55;        // half of a fissure's width
-  constexpr double kTolerance = 0.025;  // less than what a probe's tip tells apart
+  constexpr double kTolerance = 0.025;  // less than a probe's tip can distinguish
   const double x = 0.5 * size.width + 2.0;
   const double z = 0.5 * size.depth + 2.0;
   const Eigen::AlignedBox3d box(Vec3(-x, -size.root - 1.5, -z), Vec3(x, size.crown + 1.5, z));
@@ -277,7 +277,7 @@ std::vector<PlacedTooth> TeethOf(bool upper) {
   };
   for (int i = 1; i <= kSteps; ++i)
     length.push_back(length.back() + (point(i) - point(i - 1)).norm());
-  const int plus = upper ? 1 : 3;  // the quadrant at +x, an upper jaw being turned over about z
+  const int plus = upper ? 1 : 3;  // the quadrant at +x; an upper jaw is turned over about z
   const int minus = upper ? 2 : 4;
   double sum = 0.0;
   for (int place = 1; place <= kPlaces; ++place) sum += MeasuresOf({plus, place}).width;
@@ -290,7 +290,7 @@ std::vector<PlacedTooth> TeethOf(bool upper) {
     const int i = int(std::lower_bound(length.begin(), length.end(), along) - length.begin());
     at += half;
     const Eigen::Vector2d p = point(i);
-    // The ellipse's normal, which z follows.
+    // The direction of the ellipse's normal, which z follows.
     const double angle = std::atan2(p.x() / (arch.half_width * arch.half_width),
                                     p.y() / (arch.length * arch.length));
     teeth[kPlaces - place] = {{plus, place}, p.x(), p.y(), angle};

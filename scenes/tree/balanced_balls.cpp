@@ -13,19 +13,19 @@ namespace palpate {
 namespace {
 
 constexpr double kDepth = 0.15;        // of the spacing
-constexpr double kLost = 0.3;          // relative force error beyond which it is all the same
+constexpr double kLost = 0.3;          // relative force error at which a sample's cost saturates
 constexpr double kProtrusion = 0.025;  // of the spacing
 constexpr double kLargest = 10.0;      // spacings
 constexpr int kRounds = 12;
-constexpr int kMovingRounds = 8;      // of them: balls are moved to where they are worth more
-constexpr std::uint32_t kStride = 2;  // of the samples that these look at
+constexpr int kMovingRounds = 8;  // rounds in which balls are also moved to where they help more
+constexpr std::uint32_t kStride = 2;  // of the samples, in these rounds
 constexpr double kMovedShare = 0.04;  // of the balls, each round
-constexpr std::size_t kNear = 4;      // balls looked at for each sample
+constexpr std::size_t kNear = 4;      // nearest balls considered for each sample
 constexpr std::uint32_t kNone = 0xffffffffu;
 constexpr std::uint32_t kFewestSamples = 4;  // a ball has four unknowns
-constexpr int kTrials = 4;                   // of each step, shorter and shorter
+constexpr int kTrials = 4;                   // per step, shorter and shorter
 constexpr double kDamping = 0.01;
-// What a ball more is worth where there was one: halving the area of a cell halves tilt^2.
+// Share of a cell's cost that a second ball in it saves: half of the area has half of tilt^2.
 constexpr double kGainOfSplit = 0.5;
 
 using Vec4 = Eigen::Vector4d;
@@ -35,7 +35,8 @@ double Dull(double squared) {
   return squared / (1.0 + squared / (kLost * kLost));
 }
 
-/// Weight of a residual whose square is `squared` in a least-squares step: the slope of Dull.
+/// Returns the weight in a least-squares step of a residual whose square is `squared`: the
+/// slope of Dull.
 double DullSlope(double squared) {
   const double w = 1.0 / (1.0 + squared / (kLost * kLost));
   return w * w;
@@ -80,13 +81,13 @@ class Balancer {
     return offset * offset + (d / length - s.outward).squaredNorm();
   }
 
-  /// Of the union over the surface, less the same for every ball.
+  /// Returns the height of the union over the surface, minus the same for any ball.
   double Offset(const Sphere& ball, const SurfaceSample& s) const {
     return ball.radius - (s.point - ball.centre).norm();
   }
 
-  /// Cost of the samples that ball b is near to, were it `ball`: at each the outermost of the
-  /// sample's near balls is felt.
+  /// Returns the cost of the samples that ball b is near to, if it were `ball`.  At each sample the
+  /// outermost of its near balls is felt.
   double Cost(const Sphere& ball, std::uint32_t b) const {
     double sum = 0.0;
     for (const std::uint32_t s : NearTo(b)) {
@@ -106,7 +107,7 @@ class Balancer {
     return sum;
   }
 
-  /// Cost of the samples at which ball b is the one that is felt.
+  /// Returns the cost of the samples at which ball b is felt.
   double CostWhereFelt(std::uint32_t b) const {
     double sum = 0.0;
     for (const std::uint32_t s : FeltAt(b)) {
@@ -120,8 +121,8 @@ class Balancer {
   }
   std::span<const std::uint32_t> FeltAt(std::uint32_t b) const { return NearTo(b).first(felt_[b]); }
 
-  /// Tells for each sample its nearest balls, the first of which is the outermost and is felt; and
-  /// for each ball the samples that it is near to, first those at which it is felt.
+  /// Finds for each sample its nearest balls, the outermost first, which is felt; and for each ball
+  /// the samples that it is near to, beginning with those at which it is felt.
   /// @returns the mean cost.
   double Assign() {
     const SphereQuery query(balls_);
@@ -163,7 +164,7 @@ class Balancer {
     return none;
   }
 
-  /// The nearest balls of the last time bound how far the nearest are now.
+  /// Returns a bound of the distance of the nearest balls, from the last round's nearest balls.
   double WithinWhich(const NearBalls& last, const SurfaceSample& s) const {
     double within = 0.0;
     for (const std::uint32_t b : last) {
@@ -173,7 +174,7 @@ class Balancer {
     return within;
   }
 
-  /// Takes the balls that would be missed least to where one more helps most.
+  /// Moves the least useful balls to where one helps more.
   void Move() {
     std::vector<std::pair<double, std::uint32_t>> spare, needy;
     for (std::uint32_t b = 0; b < balls_.size(); ++b) {
@@ -216,7 +217,7 @@ class Balancer {
     return worst;
   }
 
-  /// The radius that is right on average for a ball at `centre`.
+  /// Returns the radius that is right on average for a ball at `centre`.
   double RadiusAt(const Vec3& centre, const Sphere& before, std::uint32_t b) const {
     double sum = 0.0, weights = 0.0;
     for (const std::uint32_t k : FeltAt(b)) {
@@ -228,29 +229,29 @@ class Balancer {
     return std::min(weights > 0.0 ? sum / weights : before.radius, largest_);
   }
 
-  /// No larger than a ball there may be to stick out nowhere too far.
+  /// Limits the radius so that the ball sticks out nowhere too far.
   double Within(const Vec3& centre, double radius) const {
     const double least = radius - protrusion_;
     return least > 0.0 ? std::min(work_.query.Nearest(centre, least).distance, least) + protrusion_
                        : radius;
   }
 
-  /// One damped Gauss-Newton step of a ball on the samples that it is felt at.
+  /// Makes one damped Gauss-Newton step of a ball, on the samples at which it is felt.
   void Fit(std::uint32_t b) {
     if (fresh_[b] || felt_[b] < kFewestSamples) return;
     const Sphere ball = balls_[b];
     const Vec3 step = StepOf(ball, b);
     const double cost = Cost(ball, b);
     double share = 1.0;
-    // Within its own radius the centre stays inside the solid.
+    // The centre moves less than the ball's radius, and so stays inside the solid.
     const double longest = 0.5 * ball.radius;
     if (step.norm() > longest) share = longest / step.norm();
-    // The last trial changes the radius alone.
+    // The last trial changes only the radius.
     for (int trial = 0; trial < kTrials; ++trial, share *= trial + 1 < kTrials ? 0.4 : 0.0) {
       Sphere moved{ball.centre + share * step, 0.0};
       moved.radius = RadiusAt(moved.centre, ball, b);
       const auto helps = [&] { return moved.radius > 0.0 && Cost(moved, b) < cost; };
-      if (!helps()) continue;  // before the dear question how much room there is
+      if (!helps()) continue;  // before the expensive question how much room there is
       const double wanted = moved.radius;
       moved.radius = Within(moved.centre, wanted);
       if (moved.radius < wanted && !helps()) continue;
@@ -286,12 +287,12 @@ class Balancer {
   const BallsToBalance& work_;
   std::vector<Sphere>& balls_;
   double depth_, protrusion_, largest_;
-  std::uint32_t stride_ = 1;                   ///< of the samples that a round looks at
-  std::vector<NearBalls> near_;                ///< of each sample
+  std::uint32_t stride_ = 1;                   ///< of the samples in a round
+  std::vector<NearBalls> near_;                ///< for each sample
   std::vector<std::uint32_t> begin_, member_;  ///< samples of each ball, by rank
-  std::vector<std::uint32_t> felt_;            ///< how many of these feel it
-  std::vector<double> loss_;                   ///< cost, were the ball not there
-  std::vector<bool> fresh_;                    ///< moved in this round: its samples are not known
+  std::vector<std::uint32_t> felt_;  ///< for each ball, the number of samples that feel it
+  std::vector<double> loss_;         ///< cost if the ball were not there
+  std::vector<bool> fresh_;          ///< moved in this round, so its samples are unknown
 };
 
 }  // namespace

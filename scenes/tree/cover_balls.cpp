@@ -13,18 +13,19 @@ namespace {
 
 constexpr double kBitSize = 0.3;  // of the spacing: the longest edge of a bit
 constexpr int kRounds = 40;
-constexpr int kWholeRounds = 4;                  // the last ones: of all bits
-constexpr std::size_t kBitsForABall = 60;        // in the others
-constexpr double kMovedShare = 0.04;             // of the balls, each round
-constexpr std::size_t kNear = 6;                 // balls looked at for each bit
-constexpr int kSteps = 8;                        // of a centre, each round
-constexpr double kFirstStep = 0.1;               // of the radius
-constexpr double kLonger = 1.3, kShorter = 0.4;  // the next one, after one that helped or did not
+constexpr int kWholeRounds = 4;            // the last rounds, which use all bits
+constexpr std::size_t kBitsForABall = 60;  // in the other rounds
+constexpr double kMovedShare = 0.04;       // of the balls, each round
+constexpr std::size_t kNear = 6;           // balls considered for each bit
+constexpr int kSteps = 8;                  // steps of a centre in each round
+constexpr double kFirstStep = 0.1;         // of the radius
+// factors of the step, after one that helped or did not
+constexpr double kLonger = 1.3, kShorter = 0.4;
 constexpr double kSoft =
     0.002;  // of the radius: corners nearly as far as the farthest count as well
 constexpr double kNegligible = 10.0;
-/// What a ball takes in beyond its bits, of its radius: a corner on its boundary is inside for
-/// whoever computes that otherwise.
+/// Extension of a ball beyond its bits, as a share of its radius: a corner on its boundary is then
+/// inside in other computations, too.
 constexpr double kMargin = 1e-9;
 constexpr std::uint32_t kNone = 0xffffffffu;
 
@@ -41,14 +42,14 @@ struct Bit {
   }
 };
 
-/// The most bits that a mesh is cut into.  One whose triangles are no needles has some 40 for each
-/// ball; a needle a thousand times as long as the balls are apart would have millions.
+/// Returns the most bits that a mesh is cut into.  A mesh without needles has some 40 per ball; a
+/// needle a thousand times as long as the balls' spacing would have millions.
 std::size_t MostBits(const TriangleMesh& mesh, std::size_t balls) {
   return (std::size_t{1} << 19) + 2 * mesh.triangles.size() + 100 * balls;
 }
 
-/// Halves across their longest edges until none is longer than `longest`; nothing where there would
-/// be more than `most`.
+/// Cuts triangles in halves across their longest edges until none is longer than `longest`; returns
+/// nothing if there would be more than `most`.
 std::optional<std::vector<Bit>> CutUp(const TriangleMesh& mesh, double longest, std::size_t most) {
   std::vector<Bit> bits, left;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -79,7 +80,7 @@ std::optional<std::vector<Bit>> CutUp(const TriangleMesh& mesh, double longest, 
   return bits;
 }
 
-/// As small as they need be, or as they may be many: larger ones are held by larger balls.
+/// Returns bits as small as needed, or as their number allows: larger bits need larger balls.
 std::vector<Bit> BitsOfMesh(const TriangleMesh& mesh, double longest, std::size_t balls) {
   for (;; longest *= 2.0) {
     if (auto bits = CutUp(mesh, longest, MostBits(mesh, balls))) return *std::move(bits);
@@ -113,7 +114,7 @@ class Coverer {
       done(double(round + 1) / kRounds);
     }
     balls_ = std::move(best);
-    Assign();  // of all bits
+    Assign();  // with all bits
     for (std::uint32_t b = 0; b < balls_.size(); ++b) {
       Sphere& ball = balls_[b];
       ball.radius = std::max(ball.radius, Reach(ball.centre, b)) * (1.0 + kMargin);
@@ -121,17 +122,18 @@ class Coverer {
   }
 
  private:
-  /// Where a ball's centre is.
+  /// The place of a ball's centre.
   struct Place {
-    Vec3 centre, nearest;  ///< place of the surface
-    double room;           ///< radius of the largest ball that sticks out nowhere; < 0 outside
+    Vec3 centre, nearest;  ///< `nearest`: the nearest point of the surface
+    double room;           ///< radius of the largest ball that does not stick out; negative outside
   };
   Place PlaceOf(const Vec3& centre) const { return PlaceOf(centre, work_.query.Inside(centre)); }
   Place PlaceOf(const Vec3& centre, bool inside) const {
     const MeshQuery::Hit hit = work_.query.Nearest(centre);
     return {centre, hit.point, inside ? hit.distance : -hit.distance};
   }
-  /// After a step: one that is shorter than the way to the surface does not pass it.
+  /// Returns the place after a step.  A step shorter than the distance to the surface does
+  /// not cross it.
   Place After(const Place& at, const Vec3& step) const {
     const Vec3 centre = at.centre + step;
     return at.room > step.norm() ? PlaceOf(centre, true) : PlaceOf(centre);
@@ -142,20 +144,20 @@ class Coverer {
     return {member_.data() + begin_[b], member_.data() + begin_[b + 1]};
   }
 
-  /// Radius of the ball about a point that holds the bits of ball b.
+  /// Returns the radius of the ball about a point that contains the bits of ball b.
   double Reach(const Vec3& centre, std::uint32_t b) const {
     double reach = 0.0;
     for (const std::uint32_t k : BitsOf(b)) reach = std::max(reach, bits_[k].Farthest(centre));
     return reach;
   }
 
-  /// Of so many bits one is enough to know where balls belong.
+  /// Returns the stride with which few enough bits remain to place the balls.
   std::size_t Sparse() const {
     return std::max<std::size_t>(bits_.size() / (kBitsForABall * balls_.size()), 1);
   }
 
-  /// Gives each bit to the ball that has to stick out least for it; tells how much each ball does,
-  /// which bit is the reason, and how much others would have to in its place.
+  /// Assigns each bit to the ball that sticks out least for it.  Finds how much each ball sticks
+  /// out, for which bit, and how much others would in its place.
   /// @returns the cost: the mean square of how far they stick out.
   double Assign() {
     const SphereQuery query(balls_);
@@ -194,7 +196,8 @@ class Coverer {
     return cost / static_cast<double>(balls);
   }
 
-  /// Takes balls that others could stand in for to where one sticks out more than these then would.
+  /// Moves balls that others can replace to where a ball sticks out more than those
+  /// others then would.
   void Move() {
     std::vector<std::pair<double, std::uint32_t>> spare, needy;
     for (std::uint32_t b = 0; b < balls_.size(); ++b) {
@@ -222,7 +225,7 @@ class Coverer {
     }
   }
 
-  /// Moves a ball's centre to where it has to stick out less for its bits.
+  /// Moves a ball's centre to where it sticks out less for its bits.
   void Fit(std::uint32_t b) {
     if (fresh_[b] || BitsOf(b).empty()) return;
     Place at = PlaceOf(balls_[b].centre, balls_[b].radius > 0.0);
@@ -242,8 +245,8 @@ class Coverer {
     balls_[b] = {at.centre, at.room};
   }
 
-  /// Against the gradient of max |x - c| - d(c): to the farthest corners, weighed softly, and away
-  /// from the nearest place of the surface.
+  /// Returns the direction against the gradient of max |x - c| - d(c): to the farthest corners,
+  /// with soft weights, and away from the nearest point of the surface.
   Vec3 Downhill(const Place& at, double reach, std::uint32_t b) const {
     Vec3 far = Vec3::Zero();
     double weights = 0.0;
@@ -264,15 +267,15 @@ class Coverer {
   }
 
   const SurfaceToCover& work_;
-  std::vector<Sphere>& balls_;  ///< while at work, of the radius d(c): less than zero outside
+  std::vector<Sphere>& balls_;  ///< during the work with radius d(c), negative outside
   std::vector<Bit> bits_;
-  std::size_t stride_ = 1;                     ///< of the bits that a round looks at
-  std::vector<std::uint32_t> owner_;           ///< of each of them: its ball
+  std::size_t stride_ = 1;                     ///< of the bits in a round
+  std::vector<std::uint32_t> owner_;           ///< for each of them, its ball
   std::vector<std::uint32_t> begin_, member_;  ///< bits of each ball
-  std::vector<double> sticks_out_;             ///< of each ball [m]
-  std::vector<double> without_;                ///< what others would, were it not there [m]
-  std::vector<std::uint32_t> worst_;           ///< of its bits
-  std::vector<bool> fresh_;                    ///< moved in this round: its bits are not known
+  std::vector<double> sticks_out_;             ///< for each ball [m]
+  std::vector<double> without_;                ///< how much others would, if it were not there [m]
+  std::vector<std::uint32_t> worst_;           ///< the bit for which it sticks out most
+  std::vector<bool> fresh_;                    ///< moved in this round, so its bits are unknown
 };
 
 }  // namespace

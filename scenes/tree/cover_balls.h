@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// What CoverWithBalls works on.  All must outlive the call.
+/// The input of CoverWithBalls.  All must outlive the call.
 struct SurfaceToCover {
   const TriangleMesh& mesh;
   const MeshQuery& query;
@@ -18,18 +18,19 @@ struct SurfaceToCover {
   double spacing;           ///< of neighbouring balls [m]
 };
 
-/// Moves and resizes balls, which lie inside a surface, until they hold all of it and stick out of
-/// it as little as they can.
+/// Moves and resizes balls, which lie inside a surface, until they contain all of it and stick out
+/// of it as little as possible.
 ///
-/// The surface is cut into bits, each a triangle or part of one, and each bit has a ball that holds
-/// its three corners, and so all of it: that is the certificate that nothing is uncovered.  A ball
-/// with the centre c that holds some bits sticks out by max |x - c| - d(c), x their corners and d
-/// the distance to the surface.  So a bit does least harm in the ball that is nearest to it of
-/// those with the radii d(c), and the centre of a ball goes where that difference is least.  By
-/// turns (Lloyd, IEEE Trans. Inf. Theory 28 (1982) 129-137, for this measure); balls that can be
-/// spared go where others stick out most.
+/// The surface is cut into bits, each a triangle or part of one.  Each bit is assigned to a ball
+/// that contains its three corners, and so all of it: this certifies that nothing is uncovered.  A
+/// ball with centre c sticks out by max |x - c| - d(c), where x are the corners of its bits and d
+/// is the distance to the surface.  So a bit goes best to the ball, among those with radii d(c),
+/// that is nearest to it, and a ball's centre best to where that difference is least.  Both steps
+/// alternate (Lloyd, IEEE Trans. Inf. Theory 28 (1982) 129-137, for this measure); balls that are
+/// not needed move to where others stick out most.
+///
 /// Set-up only.  Deterministic.
-/// @param done  told the share of the work, 0 to 1.
+/// @param done  is told the share of the work done, 0 to 1.
 void CoverWithBalls(const SurfaceToCover& work, std::vector<Sphere>& balls,
                     const std::function<void(double)>& done);
 

@@ -6,10 +6,11 @@
 namespace palpate {
 namespace {
 
-constexpr double kLeast = 1e-6;  // of the spacing: a smaller ball is none
+constexpr double kLeast = 1e-6;  // of the spacing: a smaller ball does not count
 constexpr double kFilled = 0.5;  // of the spacing: smaller voids count as filled
 
-/// How far the surface lies from the ball at half the spacing from where it should touch.
+/// Returns the distance of the surface from the ball, half the spacing away from where
+/// it should touch.
 double Gap(const Sphere& ball, const SurfaceSample& s, double spacing) {
   const double distance = (s.point - ball.centre).norm();
   return std::sqrt(distance * distance + 0.25 * spacing * spacing) - ball.radius;
@@ -27,8 +28,8 @@ InnerBalls::InnerBalls(const MeshReport& report, const MeshQuery& query, double 
 
 Sphere InnerBalls::Shrink(const Vec3& point, const Vec3& outward, double depth,
                           double largest) const {
-  // The ball of radius r - depth round point - r * outward: at first as large as can be, then as
-  // large as the surface point that stuck in furthest allows, until none sticks in.
+  // Takes the ball of radius r - depth about point - r * outward.  It begins as large as possible,
+  // and shrinks until the furthest surface point inside it touches it, until no point is inside.
   double r = largest;
   Vec3 centre = point - r * outward;
   for (int i = 0; i < 50; ++i) {
@@ -44,14 +45,14 @@ Sphere InnerBalls::Shrink(const Vec3& point, const Vec3& outward, double depth,
   }
   const double within = query_.Nearest(centre).distance;
   if (report_.closed()) return {centre, within};
-  // Through a hole, it leaves the solid, but not the mesh's box.
+  // Through a hole the ball could leave the solid, so keep it in the mesh's box.
   const double to_box = (centre - report_.box_min).cwiseMin(report_.box_max - centre).minCoeff();
   return {centre, std::clamp(to_box, 0.0, within)};
 }
 
 Sphere InnerBalls::Tangent(const SurfaceSample& s) const {
   // Next to an edge between two facets of a smooth surface, a ball that touches its facet exactly
-  // is tiny.  Lying a little deeper or leaning with the smooth normal, it may be far larger.
+  // is tiny.  If it lies a little deeper or leans with the smooth normal, it may be far larger.
   Sphere best = Shrink(s.point, s.outward, 0.0, largest_touching_);
   double best_gap = Gap(best, s, spacing_);
   Vec3 smooth = query_.SmoothNormal(s.triangle, s.point);
@@ -66,8 +67,8 @@ Sphere InnerBalls::Tangent(const SurfaceSample& s) const {
       }
     }
   }
-  // Where the surface folds over itself, a facet faces the wrong way: its ball would lie outside.
-  // Between two faces back to back only rounding leaves it a radius.
+  // Where the surface folds over itself, a facet faces the wrong way, and its ball would lie
+  // outside.  Between two faces back to back the ball has no radius except for rounding.
   if (best.radius < kLeast * spacing_ || !query_.Inside(best.centre)) return {s.point, 0.0};
   return best;
 }
@@ -76,7 +77,7 @@ std::vector<Sphere> InnerBalls::Fill(const std::vector<Sphere>& balls, std::size
                                      double places) const {
   struct Point {
     Vec3 at;
-    double bare;  ///< distance to the nearest ball; where there is none yet, to the surface
+    double bare;  ///< distance to the nearest ball; to the surface if there is no ball yet
   };
   std::vector<Point> points;
   const SphereQuery covered(balls);

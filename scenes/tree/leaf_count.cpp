@@ -11,18 +11,18 @@ namespace {
 
 constexpr int kHalvings = 3;  // of the last doubling: 2^(1/8), a tenth
 
-/// Between two counts by the logarithm, as errors fall by powers of the count.
+/// Returns the geometric mean of two counts, because errors fall by powers of the count.
 std::size_t Between(std::size_t low, std::size_t high) {
   return static_cast<std::size_t>(std::lround(std::sqrt(double(low) * double(high))));
 }
 
-/// How much is done, by leaves: what a count costs is about in proportion to it.
+/// The share of the work that is done, in leaves: a count costs about in proportion to it.
 class Work {
  public:
   Work(double tolerance, std::size_t most) : tolerance_(tolerance), most_(double(most)) {}
 
   void Tried(std::size_t count, double error) {
-    // How errors fall is known once there are two: as a power of the count, by half at first.
+    // Two counts tell the power by which errors fall; before that assume a half.
     if (before_count_ > 0.0 && error > 0.0 && before_ > error) {
       power_ =
           std::clamp(std::log(before_ / error) / std::log(double(count) / before_count_), 0.3, 2.0);
@@ -31,7 +31,7 @@ class Work {
     before_ = error;
     done_ += double(count);
   }
-  /// How much is done before and after `count` is tried, while counts are doubled.
+  /// Returns the shares done before and after `count` is tried, while counts are doubled.
   std::pair<double, double> Doubling(std::size_t count) {
     double last = double(count);
     if (before_count_ > 0.0) {
@@ -40,14 +40,14 @@ class Work {
     last = std::clamp(last, double(count), most_);
     return Share(double(count), 2.0 * last - 2.0 * double(count) + kHalvings * 0.75 * last);
   }
-  /// The same between two counts, of which so many are left, this one with them.
+  /// Returns the same for the bisection, of which `left` counts remain, this one included.
   std::pair<double, double> Halving(std::size_t count, int left) {
     return Share(double(count), (left - 1) * double(count));
   }
 
  private:
-  /// @param then  what is likely to come after `now`: a guess, which may grow; what is shown does
-  /// not fall for it.
+  /// @param then  an estimate of the work after `now`.  It may grow, but the share
+  ///              shown never falls.
   std::pair<double, double> Share(double now, double then) {
     const double all = done_ + now + std::max(then, 0.0);
     const double from = std::max(shown_, done_ / all);

@@ -17,20 +17,20 @@ namespace {
 
 constexpr std::size_t kCandidatesPerLeaf = 5;  // Yuksel's advice
 constexpr std::size_t kFewestCandidates = 2000;
-constexpr double kEvenShare = 0.8;    // of the leaves: touching points spread evenly
+constexpr double kEvenShare = 0.8;    // of the leaves: they touch at evenly spread points
 constexpr double kInsideShare = 0.1;  // at most
 constexpr std::size_t kSamplesPerBalancedLeaf = 24;
 constexpr double kLargestBalanced = 10.0;  // spacings
-constexpr double kProbe = 0.5;             // of the spacing: the radius that feels balanced leaves
+constexpr double kProbe = 0.5;  // radius of the probe for balanced leaves, of the spacing
 
-/// Surface samples and how far each lies from the nearest ball, kept as balls are added.
+/// Surface samples, and the distance of each to the nearest ball, updated as balls are added.
 class Bareness {
  public:
   Bareness(const std::vector<SurfaceSample>& samples, const std::vector<Sphere>& leaves)
       : samples_(samples), distance_(samples.size()) {
     const SphereQuery query(leaves);
-    // The samples as degenerate triangles would do for a box tree, but a sort along one axis is
-    // enough: a ball reaches few of them.
+    // A box tree over the samples is not needed: they are sorted along one axis, and a ball
+    // reaches only few.
     for (std::uint32_t i = 0; i < samples.size(); ++i) {
       distance_[i] = query.Nearest(samples[i].point).distance;
       largest_ = std::max(largest_, distance_[i]);
@@ -58,7 +58,7 @@ class Bareness {
   std::vector<std::pair<double, std::uint32_t>> along_;
 };
 
-/// Adds `count` tangent balls where the surface is barest.
+/// Adds `count` tangent balls where the surface is furthest from all others.
 void CoverBarest(const std::vector<SurfaceSample>& samples, const InnerBalls& inner, double spacing,
                  std::size_t count, std::vector<Sphere>& leaves) {
   Bareness bare(samples, leaves);
@@ -75,7 +75,7 @@ void CoverBarest(const std::vector<SurfaceSample>& samples, const InnerBalls& in
     const auto [score, i] = worst.top();
     worst.pop();
     if (!known[i]) known[i] = inner.Tangent(samples[i]);
-    if (!(known[i]->radius > 0.0)) continue;  // for good
+    if (!(known[i]->radius > 0.0)) continue;  // no ball fits there
     // A ball in a sharp edge is as small as its distance from the edge, and covers little.
     const double now = bare[i] * std::min(1.0, known[i]->radius / spacing);
     if (now < score && !(worst.empty() || now >= worst.top().first)) {
@@ -84,7 +84,7 @@ void CoverBarest(const std::vector<SurfaceSample>& samples, const InnerBalls& in
     }
     leaves.push_back(*known[i]);
     bare.Add(*known[i]);
-    worst.push({0.0, i});  // last resort, should all samples be taken
+    worst.push({0.0, i});  // last resort, if all samples are taken
     --count;
   }
 }
@@ -95,7 +95,7 @@ MeshReport RequireRenderable(const TriangleMesh& mesh) {
   return report;
 }
 
-/// The leaves of a tree in each mode that begins with balls that touch the surface from inside.
+/// Makes the leaves in each mode that begins with balls that touch the surface from inside.
 class BallFitter {
  public:
   BallFitter(const SampledSolid& solid, std::size_t count, TreeMode mode, const Progress& progress)
@@ -135,8 +135,8 @@ class BallFitter {
     if (progress_) progress_(stage, fraction);
   }
 
-  /// Balls for what those at the surface leave free inside.  Where they hold the surface there is
-  /// no way in.
+  /// Returns balls for the space inside that those at the surface leave.  If they cover the
+  /// surface, that space cannot be reached, and nothing is added.
   std::vector<Sphere> Fill(const std::vector<Sphere>& leaves) const {
     if (mode_ == TreeMode::kCover) return {};
     Tell("filling the inside", 0.5);
@@ -144,7 +144,7 @@ class BallFitter {
     return inner_.Fill(leaves, std::min(most, count_ - leaves.size()));
   }
 
-  /// Balls that touch the surface at points spread evenly.
+  /// Returns balls that touch the surface at evenly spread points.
   std::vector<Sphere> Touching() const {
     Tell("touching balls", 0.1);
     std::vector<Sphere> leaves;
@@ -187,7 +187,7 @@ std::vector<Sphere> MakeLeaves(const SampledSolid& solid, std::size_t count, Tre
     case TreeMode::kOctree:
       return OctreeBalls(solid.mesh, solid.query, count);
   }
-  throw Error("there is no such mode of a tree");  // a number that was made a TreeMode
+  throw Error("there is no such mode of a tree");  // an invalid number cast to TreeMode
 }
 
 }  // namespace palpate

@@ -13,11 +13,12 @@
 
 namespace palpate {
 
-/// A closed solid, with what all that fill it with balls, or share it out among them, ask of it.
+/// A closed solid with samples and queries, shared by all that fill it with balls or divide
+/// it among them.
 struct SampledSolid {
-  /// @param solid   closed as far as it can be (SolidOf, mesh_solid.h); must outlive this.
-  /// @param leaves  how many balls are to stand for it.
-  /// Throws Error where InspectMesh refuses the mesh.
+  /// @param solid   closed as far as possible (SolidOf, mesh_solid.h); must outlive this.
+  /// @param leaves  the number of balls that are to represent it.
+  /// Throws Error if InspectMesh refuses the mesh.
   SampledSolid(const TriangleMesh& solid, std::size_t leaves);
   SampledSolid(const SampledSolid&) = delete;
   SampledSolid& operator=(const SampledSolid&) = delete;
@@ -25,17 +26,18 @@ struct SampledSolid {
   const TriangleMesh& mesh;
   const MeshReport report;
   const MeshQuery query;
-  const std::vector<SurfaceSample> samples;  ///< five a leaf, and 2,000 at least
+  const std::vector<SurfaceSample> samples;  ///< five per leaf, but at least 2,000
 };
 
-/// The leaves of a sphere tree [m]: exactly `count` of them, or for TreeMode::kOctree at most.  The
-/// one place where a mode is turned into balls: whoever has another way to make them adds a
-/// TreeMode, and calls it here.
+/// Makes the leaves of a sphere tree [m]: exactly `count`, or at most that for TreeMode::kOctree.
+/// This is the only place where a mode is turned into balls: to make them in another way, add a
+/// TreeMode and call it here.
+///
 /// Set-up only.  Deterministic: equal inputs, equal bits.
-/// @param solid     made for as many leaves.
+/// @param solid     made for the same number of leaves.
 /// @param count     at least 1.
-/// @param progress  told fractions from 0.1 to 0.8: what comes before and after is the caller's.
-/// Throws Error where the solid encloses nothing.
+/// @param progress  is told fractions from 0.1 to 0.8; the rest is the caller's.
+/// Throws Error if the solid encloses nothing.
 std::vector<Sphere> MakeLeaves(const SampledSolid& solid, std::size_t count, TreeMode mode,
                                const Progress& progress = {});
 

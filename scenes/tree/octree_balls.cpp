@@ -12,18 +12,18 @@ namespace {
 
 constexpr int kDeepest = 20;
 constexpr double kRounding =
-    1e-12;  // of the root's half side: what touches a face is in both cells
+    1e-12;  // of the root's half side: what touches a common face belongs to both cells
 
 struct Cell {
   Vec3 middle = Vec3::Zero();
   double half = 0.0;  ///< of its side [m]
   int depth = 0;
-  std::vector<std::uint32_t> triangles;  ///< that touch it
+  std::vector<std::uint32_t> triangles;  ///< those that touch it
 };
 
-/// Whether triangle and cube have a point in common, by the axes that can keep them apart: those of
-/// the cube, the triangle's normal, and the products of their edges (Akenine-Möller, J. Graphics
-/// Tools 6 (2001) 29-33).
+/// Returns whether triangle and cube have a common point, by testing the axes that may separate
+/// them: those of the cube, the triangle's normal, and the products of their edges (Akenine-Möller,
+/// J. Graphics Tools 6 (2001) 29-33).
 bool Touches(const TriangleMesh& mesh, std::uint32_t triangle, const Vec3& middle, double half) {
   Vec3 corner[3];
   for (int k = 0; k < 3; ++k) corner[k] = mesh.vertices[mesh.triangles[triangle][k]] - middle;
@@ -70,7 +70,7 @@ class Octree {
       to_split_.pop();
       if (cells_[c].depth >= kDeepest) continue;
       std::vector<Cell> parts = PartsOf(cells_[c]);
-      // No part: rounding, where hardly anything touches the cell.  It stays.
+      // Without parts, by rounding, if hardly anything touches the cell: it stays.
       if (parts.empty() || kept_ - 1 + parts.size() > count) continue;
       cells_[c] = {};
       --kept_;
@@ -131,7 +131,7 @@ class Octree {
   const MeshQuery& query_;
   double margin_ = 0.0;
   std::size_t kept_ = 0;
-  std::vector<Cell> cells_;  ///< those with no side were split
+  std::vector<Cell> cells_;  ///< those with `half` 0 were split
   std::priority_queue<Turn> to_split_;
 };
 

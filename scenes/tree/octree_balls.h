@@ -9,17 +9,17 @@
 
 namespace palpate {
 
-/// The balls round the cells of an octree over a solid: the textbook's sphere tree (Liu, Noborio &
-/// Arimoto 1988; Hubbard, ACM TOG 15 (1996) 179-210), a baseline for the others.
+/// Returns the balls round the cells of an octree over a solid: the textbook's sphere tree (Liu,
+/// Noborio & Arimoto 1988; Hubbard, ACM TOG 15 (1996) 179-210), a baseline for the others.
 ///
-/// The root is the smallest cube about the middle of the mesh's box that holds it.  A cell counts
-/// where it meets the solid: a triangle touches it or, where none does, its middle lies inside.
-/// Cells that no triangle touches stay as large as they are.  The others are split into those of
-/// their eight parts that count: the largest first and, among those of a size, the one first whose
-/// ball sticks out of the solid most.  A split that would make more than `count` cells is passed
-/// over, so that at most six are missing at the end; and no cell is split more than 20 times.  Each
-/// ball is the smallest round its cell, so that together they hold the solid: nothing of it is
-/// uncovered, and much that is not of it is covered.
+/// The root is the smallest cube about the centre of the mesh's box that contains it.  A cell
+/// counts if it meets the solid: a triangle touches it or, if none does, its centre lies inside.
+/// Cells that no triangle touches are not split.  The others are split into those of their eight
+/// parts that count: the largest first and, among those of one size, first the one whose ball
+/// sticks out of the solid most.  A split that would make more than `count` cells is skipped, so at
+/// most six are missing at the end; and no cell is split more than 20 times.  Each ball is the
+/// smallest round its cell, so together they contain the solid, and much space outside it.
+///
 /// Set-up only.  Deterministic.
 /// @param mesh   closed, as SolidOf leaves it; `query` is over it.
 /// @param count  at least 1.

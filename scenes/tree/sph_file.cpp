@@ -17,21 +17,22 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kShortestLine = 8;  // "0 0 0 1\n"
-constexpr double kFurthest = 1e6;         // [m]: beyond it a unit was forgotten
+constexpr double kFurthest = 1e6;         // [m]: a greater distance means a wrong unit
 
-constexpr std::size_t kMostSlots = kLargestSphFile / 48;  // some 48 bytes each: can be read again
+// at some 48 bytes each the file can be read again
+constexpr std::size_t kMostSlots = kLargestSphFile / 48;
 
-/// What isspace says of a text without a locale.
+/// Returns the same as isspace in the C locale.
 bool IsBlank(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
 }
 
-/// The lines of a text that are not blank, and the numbers in them.
+/// Reads the non-blank lines of a text, and the numbers in them.
 class LineReader {
  public:
   LineReader(std::string_view text, const std::string& file) : text_(text), file_(file) {}
 
-  /// Goes to the next line that is not blank; false at the end.
+  /// Goes to the next line that is not blank; returns false at the end.
   bool Next() {
     while (!text_.empty()) {
       ++number_;
@@ -44,7 +45,7 @@ class LineReader {
     return false;
   }
 
-  /// Takes the next word of the line as a number; nullopt where there is none, or another word.
+  /// Reads the next word of the line as a number; nullopt if there is no word, or no number.
   template <class Number>
   std::optional<Number> Take() {
     while (!line_.empty() && IsBlank(line_.front())) line_.remove_prefix(1);
@@ -73,7 +74,7 @@ class LineReader {
   int number_ = 0;
 };
 
-/// Nodes of a tree with all slots; nullopt where they are more than `most`.
+/// Returns the number of slots of a tree; nullopt if there are more than `most`.
 std::optional<std::size_t> NodesOf(int levels, int degree, std::size_t most) {
   std::size_t row = 1, nodes = 1;
   for (int l = 1; l < levels; ++l) {
@@ -100,7 +101,7 @@ SphTree ReadHeader(LineReader& lines, std::size_t bytes) {
   }
   if (*degree < 1)
     lines.Fail(fmt::format("a degree of {} is not possible; it is 1 or more", *degree));
-  // Before memory is taken: every node has a line.
+  // Check this before allocating: every node has a line.
   const auto nodes = NodesOf(*levels, *degree, bytes / kShortestLine + 1);
   if (!nodes) {
     lines.Fail(
@@ -140,7 +141,7 @@ SphTree::Node ReadNode(LineReader& lines, double metres_per_unit) {
   return node;
 }
 
-/// First node of each row, and one past the last row.
+/// Returns the index of each row's first node, and of the end of the last row.
 std::vector<std::size_t> RowsOf(const SphTree& tree) {
   std::vector<std::size_t> rows{0, 1};
   for (int l = 1; l < tree.levels; ++l) {
@@ -182,7 +183,7 @@ std::string ToSph(const SphTree& tree, double metres_per_unit) {
   std::string text = fmt::format("{} {}\n", tree.levels, tree.degree);
   for (const SphTree::Node& node : tree.nodes) {
     const Vec3 p = node.ball.centre / metres_per_unit;
-    // Adding 0 leaves no -0.
+    // Adding 0 turns -0 into 0.
     fmt::format_to(std::back_inserter(text), "{:.6f} {:.6f} {:.6f} {:.6f} {:.6f}\n", p.x() + 0.0,
                    p.y() + 0.0, p.z() + 0.0, node.ball.radius / metres_per_unit, node.importance);
   }
@@ -204,7 +205,7 @@ SphTree SphOf(const SphereTree& tree, int levels) {
   const std::vector<Sphere> leaves = BallsByLevel(tree).back();
   const SphTree::Node unused{{Vec3::Zero(), -1.0}};
   sph.nodes.push_back({EnclosingSphere(leaves)});
-  std::vector<std::int32_t> packets{0};  // of the row; < 0: none
+  std::vector<std::int32_t> packets{0};  // for each slot of the row; < 0: none
   for (int l = 0; l < below; ++l) {
     std::vector<std::int32_t> children;
     for (const std::int32_t at : packets) {

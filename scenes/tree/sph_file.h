@@ -10,21 +10,21 @@
 
 namespace palpate {
 
-/// A sphere tree as the Sphere-Tree Construction Toolkit (Bradshaw & O'Sullivan, ACM TOG 23 (2004)
-/// 1-26; isg.cs.tcd.ie/spheretree) writes it into a .sph file.  Its format, as read from what the
-/// toolkit does:
+/// A sphere tree in the format of the Sphere-Tree Construction Toolkit (Bradshaw & O'Sullivan,
+/// ACM TOG 23 (2004) 1-26; isg.cs.tcd.ie/spheretree), a .sph file.  The format, as inferred from
+/// the sources of the toolkit:
 /// - the first line is "levels degree", the root being the first level;
-/// - then each node has a line "x y z r importance", breadth first: a row for each level, and in it
-///   `degree` slots for the children of each node of the row above, whether they are used or not.
-///   Unused slots have a radius of 0 or less.  Some versions leave the importance out, or have a
-///   second ball after it, which is not read;
-/// - whatever follows is not of the tree: the toolkit adds its options and its own measurements.
-/// Numbers have six decimals, in the unit of the mesh that the tree was made of.  The toolkit moves
-/// that mesh about the origin and writes the tree there: align it (tree_alignment.h).
+/// - then comes a line "x y z r importance" for each node, breadth first: a row for each level, and
+///   in it `degree` slots for the children of each node of the row above, used or not.  Unused
+///   slots have a radius of 0 or less.  Some versions omit the importance, or write a second ball
+///   after it, which is ignored;
+/// - what follows is not part of the tree: the toolkit appends its options and its measurements.
+/// Numbers have six decimals, in the unit of the source mesh.  The toolkit centres that mesh on the
+/// origin and writes the tree there: align it (tree_alignment.h).
 struct SphTree {
   struct Node {
     Sphere ball;              ///< [m]
-    double importance = 1.0;  ///< the toolkit's "occupancy"; kept, and of no other use here
+    double importance = 1.0;  ///< the toolkit's "occupancy": kept, but not used
     bool used() const { return ball.radius > 0.0; }
   };
   int levels = 0;  ///< at least 1
@@ -32,30 +32,29 @@ struct SphTree {
   std::vector<Node> nodes;
 };
 
-/// A tree is no deeper than this, and its file no larger: a million leaves of degree 8 fit.
+/// Limits of a tree's depth and of its file's size: a million leaves of degree 8 fit.
 inline constexpr int kMaxSphLevels = 24;
 inline constexpr std::size_t kLargestSphFile = std::size_t{128} << 20;
 
-/// Throws Error "file:line: what; remedy" where the file is damaged, cut short, not such a file, or
-/// too large; takes no more memory than six times the text's.
+/// Parses a .sph file.  Throws Error "file:line: what; remedy" if it is damaged, truncated, of
+/// another format, or too large.  Uses at most six times the text's memory.
 /// @param metres_per_unit  what a number in the file means.
 SphTree ParseSph(std::string_view text, const std::string& file, double metres_per_unit);
-/// The text of such a file, which is refused where it is too large.
+/// Returns the text of such a file.  Throws Error if it is too large.
 std::string ReadSphText(const std::string& file);
 SphTree ReadSph(const std::string& file, double metres_per_unit);
 
-/// The text of a .sph file: six decimals of the unit, so in millimetres to a nanometre.
+/// Returns the text of a .sph file, with six decimals: in millimetres, that is a nanometre.
 std::string ToSph(const SphTree& tree, double metres_per_unit);
 
-/// Of a tree of our own: its root is the ball that holds all leaves, and its degree is 8, so that
-/// it has a level more than the tree.  Balls of inner levels are those that bound what is below
-/// them.
-/// @param levels  how many levels of the tree below the root; 0: all.
-/// Throws Error where the slots of all nodes are too many.
+/// Converts one of Palpate's trees.  The root is the ball round all leaves, and the degree is 8, so
+/// the result has one level more than the tree.  Balls of inner levels bound what is below them.
+/// @param levels  number of levels below the root; 0: all.
+/// Throws Error if the nodes have too many slots.
 SphTree SphOf(const SphereTree& tree, int levels = 0);
 
-/// The balls that stand for the solid at a level: those of its row, and those of coarser rows that
-/// have no children, where the toolkit found nothing to refine.
+/// Returns the balls that represent the solid at a level: those of its row, and those of coarser
+/// rows without children, where the toolkit found nothing to refine.
 /// @param level  from 1, the root, to tree.levels.
 std::vector<Sphere> BallsOfLevel(const SphTree& tree, int level);
 

@@ -10,13 +10,14 @@
 namespace palpate {
 namespace {
 
-/// Sphere through whose surface all `count` balls touch from inside, its centre in the affine hull
-/// of theirs; a negative radius where there is none.
+/// Returns the sphere that all `count` balls touch from inside, with its centre in the affine hull
+/// of theirs; a negative radius if there is none.
 Sphere TangentSphere(const Sphere* const* b, int count) {
   const Sphere none{Vec3::Zero(), -1.0};
   if (count == 1) return *b[0];
-  // |c - c_i| = R - r_i.  With y = c - c_0 and s = R - r_0, subtracting the first equation leaves
-  // 2 d_i . y = |d_i|^2 + 2 s e_i - e_i^2, d_i = c_i - c_0, e_i = r_i - r_0: y is linear in s.
+  // |c - c_i| = R - r_i.  With y = c - c_0 and s = R - r_0, subtracting the first equation
+  // leaves 2 d_i . y = |d_i|^2 + 2 s e_i - e_i^2, with d_i = c_i - c_0 and e_i = r_i - r_0: y is
+  // linear in s.
   const int n = count - 1;
   Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 3, 3> d(n, 3);
   Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1> constant(n);
@@ -50,7 +51,7 @@ Sphere TangentSphere(const Sphere* const* b, int count) {
   if (roots[1] >= 0.0 && (roots[0] < 0.0 || roots[1] < roots[0])) std::swap(roots[0], roots[1]);
   for (const double s : roots) {
     if (!(s >= 0.0)) continue;
-    bool holds = true;  // roots of the squared equations that have R < r_i are no solutions
+    bool holds = true;  // false for roots of the squared equations with R < r_i
     for (int i = 0; i < count; ++i) holds &= s + b[0]->radius >= b[i]->radius * (1.0 - 1e-12);
     if (holds) return {b[0]->centre + y0 + y1 * s, s + b[0]->radius};
   }
@@ -80,7 +81,7 @@ Sphere EnclosingSphere(const std::vector<Sphere>& balls) {
       }
     }
     if (furthest == nullptr) return best;
-    // The new basis holds the ball that stuck out: try it with every part of the old one.
+    // The new basis contains the ball that stuck out: try it with every subset of the old one.
     basis[size] = furthest;
     Sphere found{Vec3::Zero(), std::numeric_limits<double>::infinity()};
     const Sphere* found_basis[5] = {};
@@ -104,7 +105,7 @@ Sphere EnclosingSphere(const std::vector<Sphere>& balls) {
       found_size = count;
       std::copy(part, part + count, found_basis);
     }
-    if (found_size == 0 || !(found.radius > best.radius)) break;  // rounding: near enough
+    if (found_size == 0 || !(found.radius > best.radius)) break;  // only rounding: close enough
     best = found;
     size = found_size;
     std::copy(found_basis, found_basis + found_size, basis);
@@ -166,7 +167,7 @@ double SphereQuery::Bound(const Node& node, const Vec3& p) const {
 template <class Visit>
 void SphereQuery::Walk(const Vec3& p, double within, Visit visit) const {
   if (balls_.empty()) return;
-  std::pair<double, std::int32_t> stack[64];  // the tree halves its balls: never so deep
+  std::pair<double, std::int32_t> stack[64];  // the tree halves its balls, so it is never so deep
   int top = 0;
   stack[top++] = {Bound(nodes_[0], p), 0};
   while (top > 0) {

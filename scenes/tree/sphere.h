@@ -13,22 +13,24 @@ struct Sphere {
   double radius = 0.0;
 };
 
-/// Smallest ball that holds all the given balls, to rounding; the list must not be empty.  Grows a
-/// basis of at most four balls by the one that sticks out most, as an LP-type problem (Fischer &
-/// Gärtner, Int. J. Comput. Geom. Appl. 14 (2004) 341-378).
+/// Returns the smallest ball that contains all the given balls, to rounding; the list must not be
+/// empty.  Adds to a basis of at most four balls the one that sticks out most, as in LP-type
+/// problems (Fischer & Gärtner, Int. J. Comput. Geom. Appl. 14 (2004) 341-378).
 Sphere EnclosingSphere(const std::vector<Sphere>& balls);
 
-/// Which of many balls is nearest to a point.  Set-up only: not real-time.
+/// Finds which of many balls are nearest to a point.  Set-up only: not real-time.
 class SphereQuery {
  public:
   explicit SphereQuery(std::vector<Sphere> balls);
 
   struct Hit {
     std::uint32_t ball = 0;
-    double distance = std::numeric_limits<double>::infinity();  ///< to its surface, < 0 inside
+    /// to the ball's surface, negative inside
+    double distance = std::numeric_limits<double>::infinity();
   };
   Hit Nearest(const Vec3& p) const;
-  /// The `count` nearest, nearest first; fewer where there are not as many nearer than `within`.
+  /// Returns the `count` nearest balls, nearest first; fewer if not as many are
+  /// nearer than `within`.
   std::vector<std::uint32_t> NearestFew(
       const Vec3& p, std::size_t count,
       double within = std::numeric_limits<double>::infinity()) const;
@@ -36,12 +38,13 @@ class SphereQuery {
  private:
   struct Node {
     Vec3 min, max;        ///< box of the centres
-    double radius = 0.0;  ///< largest
+    double radius = 0.0;  ///< largest radius
     std::int32_t child = -1;
     std::uint32_t begin = 0, end = 0;
   };
   void Build(std::int32_t node);
-  /// Shows visit(ball, distance) every ball nearer than `within`, which is then what it returned.
+  /// Calls visit(ball, distance) for every ball nearer than `within`, and then sets `within`
+  /// to its result.
   template <class Visit>
   void Walk(const Vec3& p, double within, Visit visit) const;
   double Bound(const Node& node, const Vec3& p) const;

@@ -14,15 +14,15 @@
 namespace palpate {
 namespace {
 
-using Range = std::pair<std::size_t, std::size_t>;  ///< of positions in the order of the leaves
+using Range = std::pair<std::size_t, std::size_t>;  ///< positions in the order of the leaves
 
-constexpr int kRefinements = 20;  // rounds; most groups settle sooner
+constexpr int kRefinements = 20;  // rounds; most groups converge sooner
 constexpr int kNeighbourRounds = 5;
-constexpr int kNeighbours = 8;          // groups that a group trades leaves with
-constexpr std::size_t kTradedAll = 64;  // groups up to this size trade beyond their parent
+constexpr int kNeighbours = 8;          // groups that a group exchanges leaves with
+constexpr std::size_t kTradedAll = 64;  // groups up to this size exchange beyond their parent
 
-/// Balls that lie close in their *centres* make tight nodes, wherever they touch the surface: on
-/// both sides of an ear the maximal inner balls are nearly the same.
+/// Groups balls whose *centres* are close, wherever they touch the surface, because that makes
+/// tight nodes: on both sides of an ear the maximal inner balls are nearly the same.
 class Arranger {
  public:
   explicit Arranger(const std::vector<Sphere>& leaves) : leaves_(leaves), order_(leaves.size()) {
@@ -30,9 +30,9 @@ class Arranger {
   }
 
   SphereHierarchy Run() {
-    std::size_t unit = 1;  // leaves below one lane of the present level
+    std::size_t unit = 1;  // number of leaves below one lane of the present level
     while (unit * kTreeArity < leaves_.size()) unit *= kTreeArity;
-    std::vector<std::vector<std::vector<Range>>> levels;  // of packets, of lanes
+    std::vector<std::vector<std::vector<Range>>> levels;  // levels, packets, lanes
     std::vector<Range> ranges{{0, leaves_.size()}};
     for (;; unit /= kTreeArity) {
       std::vector<Range> below;
@@ -75,7 +75,7 @@ class Arranger {
     return mean / static_cast<double>(range.second - range.first);
   }
 
-  /// Orders a range into lanes of `unit` leaves, the last one with the rest.
+  /// Orders a range into lanes of `unit` leaves, with the rest in the last one.
   void Split(Range range, std::size_t unit, std::vector<Range>& lanes) {
     const std::size_t size = range.second - range.first;
     const std::size_t groups = (size + unit - 1) / unit;
@@ -89,7 +89,7 @@ class Arranger {
     Split({middle, range.second}, unit, lanes);
   }
 
-  /// Parts a range in two, across the direction that gives the tighter balls.
+  /// Divides a range in two, in the direction that gives the tighter balls.
   void Part(Range range, std::size_t middle) {
     const auto begin = order_.begin() + range.first;
     const auto end = order_.begin() + range.second;
@@ -112,7 +112,7 @@ class Arranger {
     std::copy(best.begin(), best.end(), begin);
   }
 
-  /// Principal axes, both ways: the smaller part may lie at either end.
+  /// Returns the principal axes in both directions, because the smaller part may lie at either end.
   std::vector<Vec3> Directions(Range range) const {
     const Vec3 mean = Mean(range);
     Mat3 covariance = Mat3::Zero();
@@ -129,7 +129,7 @@ class Arranger {
     return directions;
   }
 
-  /// Leaves times the radius of a ball round them.
+  /// Returns the number of leaves times the radius of a ball round them.
   double Cost(std::span<const std::uint32_t> group) const {
     Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
     Vec3 high = -low;
@@ -145,13 +145,13 @@ class Arranger {
     return static_cast<double>(group.size()) * radius;
   }
 
-  /// Two groups trade leaves, as many one way as the other, while that brings their centres closer
-  /// together (k-means with fixed sizes).  Returns whether any changed hands.
+  /// Exchanges equal numbers of leaves between two groups while that reduces distances from their
+  /// centres (k-means with fixed sizes).  Returns whether any leaf was exchanged.
   bool Trade(Range a, Range b) {
     const Vec3 mean_a = Mean(a);
     const Vec3 mean_b = Mean(b);
     const auto eager = [&](Range from, const Vec3& here, const Vec3& there) {
-      std::vector<std::pair<double, std::size_t>> gains;  // negative: best first
+      std::vector<std::pair<double, std::size_t>> gains;  // negative, so that the best comes first
       for (std::size_t i = from.first; i < from.second; ++i) {
         gains.emplace_back((Centre(i) - there).squaredNorm() - (Centre(i) - here).squaredNorm(), i);
       }
@@ -180,7 +180,7 @@ class Arranger {
     }
   }
 
-  /// The same across parents: where two parents meet, their children need not be cut.
+  /// Exchanges leaves across parents, so that boundaries of parents need not separate close leaves.
   void TradeWithNeighbours(const std::vector<Range>& groups) {
     for (int round = 0; round < kNeighbourRounds; ++round) {
       std::vector<Sphere> means;

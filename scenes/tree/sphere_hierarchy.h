@@ -12,8 +12,8 @@ struct SphereHierarchy {
   std::vector<std::uint32_t> order;  ///< leaf i of the tree is leaves[order[i]] of the input
 };
 
-/// Arranges leaves under packets of eight.  All packets are full but the last of each level; the
-/// ball of a node is the smallest round its leaves, rounded up to float.
+/// Arranges leaves under packets of eight.  All packets are full, except the last of each level.
+/// The ball of a node is the smallest round its leaves, rounded up to float.
 SphereHierarchy ArrangeLeaves(const std::vector<Sphere>& leaves);
 
 }  // namespace palpate

@@ -16,8 +16,8 @@
 namespace palpate {
 namespace {
 
-/// Gives every leaf the triangles that it stands for: those that lie nearest to it, told by points
-/// all over the surface, of which every triangle has at least one.
+/// Assigns to every leaf the triangles that it represents: those that are nearest to it, judged at
+/// samples all over the surface, at least one in each triangle.
 /// @param samples  of the mesh's own triangles.
 void ShareOutTriangles(const TriangleMesh& mesh, const std::vector<SurfaceSample>& samples,
                        SphereTree& tree) {
@@ -46,7 +46,7 @@ void ShareOutTriangles(const TriangleMesh& mesh, const std::vector<SurfaceSample
   }
 }
 
-/// The one way from balls to a tree, wherever they come from.
+/// Makes a tree of balls, wherever they come from.
 SphereTree Assemble(const TriangleMesh& mesh, const std::vector<Sphere>& balls,
                     const std::vector<SurfaceSample>& samples, const Vec3& centroid,
                     const Progress& progress = {}) {
@@ -59,7 +59,7 @@ SphereTree Assemble(const TriangleMesh& mesh, const std::vector<Sphere>& balls,
   return tree;
 }
 
-/// The samples of what a mesh's solid has of the mesh itself, by the mesh's triangles.
+/// Returns those samples of a mesh's solid that lie on the mesh itself, with the mesh's triangles.
 std::vector<SurfaceSample> SamplesOfMesh(const MeshSolid& solid, const TriangleMesh& mesh,
                                          std::vector<SurfaceSample> samples) {
   for (SurfaceSample& s : samples) s.triangle = solid.OriginOf(s.triangle, mesh.triangles.size());
@@ -67,7 +67,7 @@ std::vector<SurfaceSample> SamplesOfMesh(const MeshSolid& solid, const TriangleM
   return samples;
 }
 
-/// Throws where the mesh cannot be rendered, before a solid is made of it.
+/// Returns the centroid; throws Error if the mesh cannot be rendered, before a solid is made of it.
 Vec3 CentroidOf(const TriangleMesh& mesh) {
   const MeshReport report = InspectMesh(mesh);
   if (!report.refusal.empty()) throw Error(report.refusal);
@@ -92,7 +92,7 @@ SphereTree BuildSphereTree(const TriangleMesh& mesh, std::size_t count, const Pr
 }
 
 SphereTree BuildInnerTree(const TriangleMesh& mesh) {
-  constexpr double kPlaces = 512.0;  // 8 to a side
+  constexpr double kPlaces = 512.0;  // 8 per side
   const MeshReport report = InspectMesh(mesh);
   if (!report.refusal.empty()) throw Error(report.refusal);
   const TriangleMesh solid = report.closed() ? mesh : SolidOf(mesh).mesh;
@@ -100,7 +100,7 @@ SphereTree BuildInnerTree(const TriangleMesh& mesh) {
   const MeshQuery query(solid);
   const std::vector<Sphere> balls =
       InnerBalls(of_solid, query, 0.0).Fill({}, kInnerLeaves, kPlaces);
-  if (balls.empty()) return BuildSphereTree(mesh, kInnerLeaves);  // no place lies inside
+  if (balls.empty()) return BuildSphereTree(mesh, kInnerLeaves);  // no lattice point lies inside
   SphereTree tree = Assemble(mesh, balls, {}, report.centroid);
   tree.origin = TreeOrigin::kInside;
   return tree;
@@ -118,8 +118,8 @@ TolerantTree BuildToTolerance(const TriangleMesh& mesh, const LeafTolerance& tol
   const double bound = tolerance.most > 0.0 ? tolerance.most : kAutoShare * gauge.diagonal();
   const std::size_t most = tolerance.most_leaves > 0 ? tolerance.most_leaves : kMostByTolerance;
 
-  // The best of what was tried is kept, so that nothing is made twice: the last that was enough, or
-  // the most there may be.
+  // Keep the best tree tried, so that none is made twice: the last one that was sufficient, or the
+  // one with the most leaves.
   std::vector<Sphere> best;
   std::vector<SurfaceSample> best_samples;
   std::size_t trying = 0;

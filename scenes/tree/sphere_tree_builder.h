@@ -14,40 +14,41 @@
 
 namespace palpate {
 
-/// Changes with every change of what the builder makes, so that older cached scenes are built anew.
+/// Changes whenever the builder's result changes, so that cached scenes are built anew.
 inline constexpr std::uint32_t kSphereTreeBuilderVersion = 4;
 
-/// Sphere tree of exactly `leaves` leaves over a mesh (chapter 2.2.3); TreeMode::kOctree may have a
-/// few less.
+/// Builds a sphere tree of exactly `leaves` leaves over a mesh (chapter 2.2.3); TreeMode::kOctree
+/// may give a few fewer.
 /// `mesh` may be open or not manifold, but must be oriented (mesh_orient.h).
 /// Deterministic: equal inputs, equal bits.  One thread; 22,332 leaves of the bunny take seconds.
-/// Throws Error where InspectMesh refuses the mesh or leaves is 0.
+/// Throws Error if InspectMesh refuses the mesh or `leaves` is 0.
 SphereTree BuildSphereTree(const TriangleMesh& mesh, std::size_t leaves,
                            const Progress& progress = {}, TreeMode mode = TreeMode::kInside);
 
-/// The same for a body of which nothing but the mesh is felt: up to kInnerLeaves of the largest
-/// balls that it holds, a picture of its inside.  Takes a few hundredths of the time.
+/// Builds a tree for a body that is felt by its mesh alone: up to kInnerLeaves of the largest balls
+/// inside it, a rough model of its interior.  Takes a few hundredths of the time.
 SphereTree BuildInnerTree(const TriangleMesh& mesh);
 inline constexpr std::size_t kInnerLeaves = 32;
 
-/// The same of as many leaves as a tolerance needs (leaf_count.h): the tree that BuildSphereTree
-/// makes of their count.
+/// The tree that BuildSphereTree makes with as many leaves as a tolerance needs (leaf_count.h).
 struct TolerantTree {
   SphereTree tree;
   LeafCount chosen;
-  std::string found;      ///< for people: ToText of what was chosen
-  std::string shortfall;  ///< for people: the tolerance was not reached, and what to do; or empty
+  std::string found;  ///< for people: ToText of `chosen`
+  /// for people: why the tolerance was not reached, and what to do; or empty
+  std::string shortfall;
 };
-/// Errors are measured at 10,007 points of the solid that the mesh stands for (mesh_solid.h).
+/// Builds such a tree.  Measures errors at 10,007 points of the solid that the
+/// mesh represents (mesh_solid.h).
 TolerantTree BuildToTolerance(const TriangleMesh& mesh, const LeafTolerance& tolerance,
                               const Progress& progress = {}, TreeMode mode = TreeMode::kInside);
 
-/// Tree whose leaves are balls that come from elsewhere, in any order [m].  The mesh's triangles
-/// are shared out among them as BuildSphereTree does.
+/// Builds a tree over given leaves, in any order [m].  The mesh's triangles are distributed among
+/// them as BuildSphereTree does.
 /// `balls`: at least one, finite, each with a radius above 0.
 SphereTree TreeOverBalls(const TriangleMesh& mesh, const std::vector<Sphere>& balls);
 
-/// Tree of one leaf that is exactly `ball`: a spherical tool.
+/// Builds a tree with one leaf that is exactly `ball`: a spherical tool.
 SphereTree SingleSphereTree(const TriangleMesh& mesh, const Sphere& ball);
 
 }  // namespace palpate

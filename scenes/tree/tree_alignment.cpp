@@ -38,14 +38,14 @@ Box BoxOf(const std::vector<Sphere>& balls) {
   return box;
 }
 
-/// Distances of the surface's points to the union, with the balls shifted.
+/// The distances of the surface's points to the union of the shifted balls.
 struct Fit {
   double residual = 0.0, mean = 0.0, uncovered_share = 0.0;
 };
 
 class Aligner {
  public:
-  /// @param low, high  between which each entry of the shift must be.
+  /// @param low, high  bounds of each component of the shift.
   Aligner(const std::vector<SurfaceSample>& samples, const std::vector<Sphere>& balls,
           const Vec3& low, const Vec3& high)
       : samples_(samples), balls_(balls), query_(balls), low_(low), high_(high) {}
@@ -68,7 +68,7 @@ class Aligner {
     return fit;
   }
 
-  /// From `shift` to the least residual near it.
+  /// Returns the shift with the least residual near `shift`.
   Vec3 Refine(Vec3 shift) const {
     shift = Allowed(shift);
     Fit fit = At(shift);
@@ -89,8 +89,8 @@ class Aligner {
  private:
   Vec3 Allowed(const Vec3& shift) const { return shift.cwiseMax(low_).cwiseMin(high_); }
 
-  /// Gauss-Newton for shift and mean: with p - shift outside a ball's middle by u, a unit vector,
-  /// the distance changes with the shift by -u.
+  /// Returns a Gauss-Newton step for shift and mean.  With u the unit vector from a ball's centre
+  /// to p - shift, the distance changes with the shift by -u.
   Vec3 Step(const Vec3& shift, double mean, double damping) const {
     Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
     Eigen::Vector4d right = Eigen::Vector4d::Zero();
@@ -116,17 +116,17 @@ class Aligner {
   Vec3 low_, high_;
 };
 
-/// A length for people.
+/// Formats a length for people.
 std::string Millimetres(double metres) {
   return fmt::format("{:.3g} mm", 1e3 * metres);
 }
 
-/// Balls of the unit that was meant are not beyond these [1]: one round ball over a rod is sqrt(3)
-/// times as large, and inch taken for cm is off by 2.54.
+/// Limits of the ratio of the boxes' diagonals if the unit is right: one ball round a rod is
+/// sqrt(3) times as large, and inches taken for cm are off by 2.54.
 constexpr double kLargest = 2.5, kSmallest = 0.4;
-/// The distance, in spacings, about its mean and about 0, from which on the balls hardly are those
-/// of the mesh: with 512 balls the right ones had at most 0.27 and 0.70 (of an octree) over ten
-/// shapes, wrong ones of the same size at least 0.58 or 0.8.  And from which on they are not.
+/// Distances, in spacings, about their mean and about 0, from which on the balls are probably of
+/// another mesh; and from which on they certainly are.  With 512 balls over ten shapes, the right
+/// balls had at most 0.27 and 0.70 (octree), wrong ones of the same size at least 0.58 or 0.8.
 constexpr double kDoubtful = 0.4, kDoubtfulWithMean = 0.8, kApart = 3.0;
 
 void RequireSize(const Box& mesh, const Box& balls) {
@@ -138,7 +138,7 @@ void RequireSize(const Box& mesh, const Box& balls) {
       Millimetres(balls.diagonal()), Millimetres(mesh.diagonal()), 1.0 / ratio));
 }
 
-/// What can be said against the fit.
+/// Writes what is wrong with the fit.
 void Judge(bool moved, TreeAlignment& fit) {
   const double all = std::hypot(fit.residual, fit.mean);
   const std::string how = fmt::format(
@@ -163,7 +163,7 @@ TreeAlignment AlignBalls(const TriangleMesh& mesh, const std::vector<Sphere>& ba
   RequireSize(box, round);
   const MeshQuery query(mesh);
   const std::vector<SurfaceSample> samples = ScatterSamples(mesh, report, query, kSamples);
-  // Of two boxes one holds the other where the balls are of the mesh, but for a margin.
+  // If the balls are of the mesh, one box contains the other, up to a margin.
   const Vec3 match = box.centre() - round.centre();
   const Vec3 slack = 0.5 * ((box.high - box.low) - (round.high - round.low)).cwiseAbs() +
                      Vec3::Constant(kMargin * box.diagonal());

@@ -38,16 +38,16 @@ struct Exit {
   std::uint32_t ball;
 };
 
-/// Where the line through a point leaves the union along the normal.  The distance to the nearest
-/// ball never steps over a boundary, from within (of the ball that is deepest there) as from
-/// outside.
+/// Returns where the line through a point leaves the union along the normal.  Steps by the distance
+/// to the nearest ball, which never crosses a boundary, from inside (of the ball that is deepest
+/// there) or outside.
 std::optional<Exit> FindExit(const SphereQuery& balls, const SurfaceSample& s, double furthest) {
   double height = 0.0;
   SphereQuery::Hit hit = balls.Nearest(s.point);
   const double direction = hit.distance > 0.0 ? -1.0 : 1.0;
   const double enough = 1e-9 * furthest;
   for (int i = 0; i < 10000 && std::abs(hit.distance) > enough; ++i) {
-    if ((hit.distance > 0.0) != (direction < 0.0)) break;  // to rounding, on the boundary
+    if ((hit.distance > 0.0) != (direction < 0.0)) break;  // on the boundary, up to rounding
     height += direction * std::abs(hit.distance);
     if (std::abs(height) > furthest) return std::nullopt;
     hit = balls.Nearest(s.point + height * s.outward);
@@ -66,7 +66,7 @@ std::vector<double> Protrusions(const MeshQuery& query, const std::vector<Sphere
   return protrusion;
 }
 
-/// Volume of the union, by points in its box.
+/// Returns the volume of the union, by points in its box.
 double VolumeOf(const std::vector<Sphere>& balls, const SphereQuery& query, std::size_t samples) {
   Vec3 low = balls.front().centre;
   Vec3 high = low;

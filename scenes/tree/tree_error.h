@@ -11,57 +11,58 @@
 
 namespace palpate {
 
-/// How a quantity is spread.
+/// Statistics of a set of values.
 struct Distribution {
   double mean = 0.0, rms = 0.0, p1 = 0.0, p50 = 0.0, p99 = 0.0, min = 0.0, max = 0.0;
 };
 
-/// All zero of no values.
+/// Returns the statistics of the values; all zero if there are none.
 Distribution DistributionOf(std::vector<double> values);
 
-/// How far a union of balls is from the solid that it stands for.  At points all over the surface,
-/// as many on equal areas, the line along the triangle's normal is followed to where it leaves the
-/// union: at once or from inside the solid where the union does not reach the point.
+/// The difference between a union of balls and the solid that it represents.  At points spread
+/// evenly over the surface, the line along the triangle's normal is followed to where it leaves the
+/// union; it starts at the point or, if the union does not reach that, inside the solid.
 struct UnionError {
   std::size_t spheres = 0;
-  Distribution offset;           ///< height of the union over the surface [m]; below it < 0
-  Distribution tilt;             ///< angle between both normals there [rad]
-  Distribution protrusion;       ///< of each ball: how far it sticks out of the solid [m]
-  Distribution bareness;         ///< of the surface: distance to the union, 0 within it [m]
-  double uncovered_share = 0.0;  ///< of the surface: lies in no ball
-  double missed_share = 0.0;     ///< of the surface: its normal meets no ball at all
-  /// What a finger that follows the surface is off by, up or down, at 95 of 100 places [m]: the
-  /// offset's size, and where the normal meets no ball the distance to the union.
+  Distribution offset;           ///< height of the union over the surface [m], negative below it
+  Distribution tilt;             ///< angle between the normals of surface and union [rad]
+  Distribution protrusion;       ///< for each ball, how far it sticks out of the solid [m]
+  Distribution bareness;         ///< of the surface, distance to the union, 0 within it [m]
+  double uncovered_share = 0.0;  ///< share of the surface that lies in no ball
+  double missed_share = 0.0;     ///< share of the surface whose normal meets no ball
+  /// Error in height for a finger that follows the surface, up or down, which 95 % of places do not
+  /// exceed [m]: |offset|, or the distance to the union if the normal meets no ball.
   double off_p95 = 0.0;
-  /// How far the force of a light touch leans, on average [rad]: the tilt, and a right angle where
+  /// Mean error in the direction of the force of a light touch [rad]: the tilt, or a right angle if
   /// the normal meets no ball.
   double mean_lean = 0.0;
-  /// Volume of the union over the solid's; 0 where the mesh encloses none.
+  /// Volume of the union over the solid's; 0 if the mesh encloses none.
   double volume_ratio = 0.0;
 };
 
-/// Heights of a union over the surface along its normals [m], one a point; NaN where the normal
-/// meets no ball.
-/// @param furthest  the length of a normal, up and down [m].
+/// Returns the height of a union over each point of the surface, along its normal [m]; NaN if the
+/// normal meets no ball.
+/// @param furthest  the length to which normals are followed, up and down [m].
 std::vector<double> OffsetsAt(const std::vector<SurfaceSample>& points, const SphereQuery& balls,
                               double furthest);
 
-/// A solid's surface, to measure unions of balls against: what they share is made once.
-/// Set-up only.  Deterministic; the points are others than those that a tree was built with.
+/// Measures unions of balls against a solid's surface; what the measurements share is made once.
+/// Set-up only.  Deterministic; uses other points than those that trees are built with.
 class SurfaceGauge {
  public:
   /// @param solid    must outlive this.
-  /// @param samples  points of the surface, and as many in the box for the volume.
+  /// @param samples  number of points on the surface, and of points in the box for the volume.
   SurfaceGauge(const TriangleMesh& solid, std::size_t samples);
   SurfaceGauge(const SurfaceGauge&) = delete;
   SurfaceGauge& operator=(const SurfaceGauge&) = delete;
 
   enum class Figures {
     kAll,
-    kSurface,  ///< neither protrusion nor volume_ratio, which take as long again
+    kSurface,  ///< all but protrusion and volume_ratio, which take as long again
   };
   UnionError Measure(const std::vector<Sphere>& balls, Figures figures = Figures::kAll) const;
-  double diagonal() const { return (report_.box_max - report_.box_min).norm(); }  ///< of its box
+  /// of the solid's box
+  double diagonal() const { return (report_.box_max - report_.box_min).norm(); }
 
  private:
   std::size_t samples_;
@@ -70,23 +71,23 @@ class SurfaceGauge {
   std::vector<SurfaceSample> points_;
 };
 
-/// The balls of each level of a tree, coarsest first; the last are its leaves.  The others bound
-/// what is below them.
+/// Returns the balls of each level of a tree, coarsest first, and the leaves last.  All others
+/// bound what is below them.
 std::vector<std::vector<Sphere>> BallsByLevel(const SphereTree& tree);
 
-/// What SurfaceGauge measures of each level, against the solid that the mesh stands for
-/// (mesh_solid.h).
+/// Measures each level with SurfaceGauge, against the solid that the mesh
+/// represents (mesh_solid.h).
 std::vector<UnionError> MeasureLevels(const TriangleMesh& mesh, const SphereTree& tree,
                                       std::size_t samples = 100003);
 
-/// How well a sphere tree's leaves stand for its mesh [m]: of UnionError what takes the least time.
+/// How well a tree's leaves represent its mesh [m]: the parts of UnionError that take least time.
 struct Coverage {
-  Distribution outside;    ///< of each leaf: how far it sticks out of the solid
-  Distribution uncovered;  ///< of points all over the surface: distance to the nearest leaf
+  Distribution outside;    ///< for each leaf, how far it sticks out of the solid
+  Distribution uncovered;  ///< for points all over the surface, the distance to the nearest leaf
 };
 
-/// Set-up only.  Deterministic.
-/// @param samples  points of the surface.
+/// Measures that.  Set-up only.  Deterministic.
+/// @param samples  number of points on the surface.
 Coverage MeasureCoverage(const TriangleMesh& mesh, const SphereTree& tree,
                          std::size_t samples = 100000);
 

@@ -13,18 +13,18 @@ namespace {
 constexpr double kDegrees = 180.0 / M_PI;
 constexpr double kMicro = 1e6;
 
-/// What a level is: the last is felt; those above bound it.
+/// Returns what a level is: the last one is felt, and those above bound it.
 const char* KindOf(const std::vector<UnionError>& levels, std::size_t level) {
   return level + 1 == levels.size() ? "leaves" : "bounds";
 }
 
 struct Figure {
-  const char* of;     ///< what the figure is of
-  const char* which;  ///< of its spread; empty: it is one number
+  const char* of;     ///< the quantity
+  const char* which;  ///< the statistic; empty: a single number
   double value;
 };
 
-/// Every figure of a level, in the order of the CSV's columns.
+/// Returns all figures of a level, in the order of the CSV's columns.
 std::vector<Figure> FiguresOf(const UnionError& e) {
   return {{"outside_um", "mean", kMicro * e.protrusion.mean},
           {"outside_um", "p99", kMicro * e.protrusion.p99},
@@ -67,7 +67,7 @@ std::string AboutLevelTable() {
 }
 
 LengthUnit UnitOf(const std::vector<BodyTreeError>& errors) {
-  // A sign and a narrower column cost a place.
+  // A sign and a narrower column each take a place.
   double high = 0.0, low = 0.0;
   for (const BodyTreeError& error : errors) {
     for (const UnionError& e : error.levels) {

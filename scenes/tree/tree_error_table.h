@@ -8,38 +8,38 @@
 
 namespace palpate {
 
-/// MeasureLevels of a body, as programs print and write it.
+/// The result of MeasureLevels for a body, for output.
 struct BodyTreeError {
   std::string body;
   std::vector<UnionError> levels;  ///< coarsest first; the last are the leaves
 };
 
-/// What the levels of a tree are, for people who read the figures.
+/// Explains the levels of a tree to readers of the figures.
 inline constexpr std::string_view kWhatLevelsAre =
     "levels 1 to N-1 bound the leaves below them (for the contact prediction); the leaves are what "
     "is felt";
 
-/// What the columns of a table are, a line each, and kWhatLevelsAre.
+/// Explains the columns of a table, one per line, and then kWhatLevelsAre.
 std::string AboutLevelTable();
 
-/// What a table's lengths are in.
+/// The unit of a table's lengths.
 struct LengthUnit {
   const char* name;
   double per_metre;
-  int digits;  ///< behind the point
+  int digits;  ///< after the decimal point
 };
-/// In which no length of the tables takes more than seven places: um, mm or m.
+/// Returns the unit in which all lengths fit into seven places: um, mm or m.
 LengthUnit UnitOf(const std::vector<BodyTreeError>& errors);
 
-/// A table for people, 109 columns wide: lengths, degrees, percent.
+/// Returns a table for people, 109 columns wide: lengths, degrees, percent.
 std::string LevelTable(const std::vector<UnionError>& levels, const LengthUnit& unit);
-/// The same under the body's name.
+/// Returns that table under the body's name.
 std::string ToText(const BodyTreeError& error);
-/// A line a level; every figure's name ends in its unit and what it is of the spread, as
-/// "signed_offset_um_p99".
-/// @param mode  of the tree.   @param heading  begin with the line of names.
+/// Returns one line per level.  Each figure's name ends with its unit and its
+/// statistic, as "signed_offset_um_p99".
+/// @param mode  of the tree.   @param heading  whether to begin with the line of names.
 std::string ToCsv(const BodyTreeError& error, std::string_view mode, bool heading);
-/// {"body": ..., "levels": [...]}, the same figures: "signed_offset_um": {"p99": ...}.
+/// Returns {"body": ..., "levels": [...]} with the same figures: "signed_offset_um": {"p99": ...}.
 std::string ToJsonText(const BodyTreeError& error);
 
 }  // namespace palpate

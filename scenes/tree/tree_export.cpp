@@ -26,7 +26,7 @@ using Colour = std::array<std::uint8_t, 3>;
 
 static_assert(std::endian::native == std::endian::little, "both formats are little-endian");
 
-constexpr std::size_t kManyBalls = 100000;  // beyond it an icosahedron each: 40 MB for 100,000
+constexpr std::size_t kManyBalls = 100000;  // for more, an icosahedron each: 40 MB for 100,000
 constexpr std::size_t kColours = 16;        // of a .glb
 
 template <class T>
@@ -44,7 +44,7 @@ void Put(Bytes& bytes, const Vec3& v) {
   for (int k = 0; k < 3; ++k) Put(bytes, static_cast<float>(v[k]));
 }
 
-/// Light hues a golden section of the circle apart, so that balls which follow each other differ.
+/// Returns light hues, a golden section of the circle apart, so that consecutive balls differ.
 Colour ColourOf(std::size_t ball) {
   const double turn = std::fmod(0.61803398875 * static_cast<double>(ball), 1.0);
   Colour colour{};
@@ -60,7 +60,7 @@ void PadTo4(Bytes& bytes, std::uint8_t with) {
   while (bytes.size() % 4 != 0) bytes.push_back(with);
 }
 
-/// The icosphere's corners, which are its normals, and its triangles.
+/// Returns the icosphere's vertices, which are also its normals, and its triangles.
 Bytes GlbBuffer(const TriangleMesh& ball) {
   Bytes buffer;
   for (const Vec3& v : ball.vertices) Put(buffer, v);
@@ -90,7 +90,7 @@ std::string GlbJson(const std::vector<Sphere>& balls, const std::string& name,
       float(low.x()), float(low.y()), float(low.z()), float(high.x()), float(high.y()),
       float(high.z()), 3 * ball.triangles.size());
   const auto out = std::back_inserter(json);
-  // A bundle's names may hold anything.
+  // Names in a bundle may contain anything.
   const std::string quoted =
       nlohmann::json(name).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
   const auto comma = [](std::size_t i) { return i == 0 ? "" : ","; };

@@ -10,29 +10,29 @@
 
 namespace palpate {
 
-/// Balls as a surface that any viewer shows, a ball a small icosphere in a colour of its own: a
-/// binary little-endian PLY.
-/// @param metres_per_unit  what a number in the file is to mean.
+/// Returns the balls as a surface that any viewer shows, each a small icosphere in its own colour:
+/// a binary little-endian PLY.
+/// @param metres_per_unit  the unit of the file.
 std::vector<std::uint8_t> ToPly(const std::vector<Sphere>& balls, double metres_per_unit);
 
-/// The same as binary glTF 2.0, in metres: a node for each ball, in one of sixteen colours, all of
-/// which show the same icosphere.
-/// @param name  of the node that has them all below it.
+/// Returns the balls as binary glTF 2.0, in metres: one node for each ball, in one of sixteen
+/// colours, which all share one icosphere.
+/// @param name  of the parent node.
 std::vector<std::uint8_t> ToGlb(const std::vector<Sphere>& balls, const std::string& name);
 
-/// What a tree is written as.
+/// How to write a tree.
 struct TreeExportOptions {
-  /// From 1, the coarsest below the root, as palpate-scene info counts; none: the finest of a .ply
-  /// or .glb, all levels of a .sph.
+  /// From 1, the coarsest below the root, as palpate-scene info counts.  None: the finest level for
+  /// a .ply or .glb, all levels for a .sph.
   std::optional<int> level{};
-  std::string unit{};  ///< of a .sph or .ply, one of kUnits; empty: mm
+  std::string unit{};  ///< for a .sph or .ply, one of kUnits; empty: mm
 };
 
-/// ".sph", ".ply" or ".glb", by the file's ending.  Throws UsageError where it is another.
+/// Returns the file's ending, ".sph", ".ply" or ".glb".  Throws UsageError for any other.
 std::string ExportFormatOf(const std::string& file);
 
-/// The bytes of a file of a body's tree, in its frame, in the format of the file's ending
-/// (sph_file.h).  Throws Error or UsageError.
+/// Returns the bytes of a file with a body's tree, in the body's frame, in the format of the file's
+/// ending (sph_file.h).  Throws Error or UsageError.
 std::vector<std::uint8_t> ExportTree(const Body& body, const TreeExportOptions& options,
                                      const std::string& file);
 

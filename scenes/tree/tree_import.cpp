@@ -29,7 +29,7 @@ ImportedTree ImportTree(const TreeSource& source, const TriangleMesh& mesh,
         fmt::format("{}: level {} has {} balls, and a body at most {}; give a coarser level", file,
                     level, balls.size(), kMaxLeaves));
   }
-  // The finest tells best where the mesh was, and whether it was this one.
+  // Align with the finest level, which shows best where the mesh was, and whether it was this one.
   int finest = sph.levels;
   while (BallsOfLevel(sph, finest).size() > kMaxLeaves) --finest;
   ImportedTree made;

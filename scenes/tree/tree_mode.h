@@ -10,23 +10,23 @@
 
 namespace palpate {
 
-/// How the leaves of a sphere tree stand for the solid.
+/// How the leaves of a sphere tree represent the solid.
 enum class TreeMode : std::uint8_t {
-  /// Every leaf inside it: most touch the surface at points spread evenly over it, some fill what
-  /// these leave free inside, and the rest goes where the surface lies furthest from all others.
+  /// All leaves lie inside it.  Most touch the surface, at evenly spread points; some fill the
+  /// space left inside; and the rest goes where the surface is furthest from all others.
   kInside,
-  /// Those at the surface moved and resized, until what a hand feels of them errs least
-  /// (balanced_balls.h): their surface lies outside the solid's as much as inside.
+  /// The leaves at the surface are moved and resized until the error that a hand feels is least
+  /// (balanced_balls.h): their union is as often above the surface as below it.
   kBalanced,
-  /// Those at the surface moved and resized, until they hold all of it and stick out least
-  /// (cover_balls.h): they bound it.
+  /// The leaves at the surface are moved and resized until they contain all of it and stick out
+  /// least (cover_balls.h): they bound the solid.
   kCover,
-  /// The circumscribed balls of an octree's cells (octree_balls.h): what textbooks begin with, to
-  /// compare the others with.
+  /// The leaves are the circumscribed balls of an octree's cells (octree_balls.h): the textbook
+  /// method, for comparison with the others.
   kOctree,
 };
 
-/// What scene files and programs call them, in the order of TreeMode.
+/// The modes' names in scene files and programs, in the order of TreeMode.
 inline constexpr std::array<std::string_view, 4> kTreeModes{"inside", "balanced", "cover",
                                                             "octree"};
 inline std::string_view NameOf(TreeMode mode) {
@@ -38,19 +38,19 @@ inline TreeMode TreeModeNamed(std::string_view name) {
                                kTreeModes.begin());
 }
 
-/// What suits a contact, where nobody says otherwise: balanced leaves where they are what is felt;
-/// else those inside, which never reach further than the mesh.
+/// Returns the default mode for a contact model: balanced if the leaves are felt, else inside,
+/// whose leaves never reach further than the mesh.
 inline TreeMode ModeFor(ContactModel contact) {
   return contact == ContactModel::kSpheres ? TreeMode::kBalanced : TreeMode::kInside;
 }
 
-/// Of a tree that was built in the mode.
+/// Returns the origin of a tree that was built in the mode.
 inline TreeOrigin OriginOf(TreeMode mode) {
   static_assert(static_cast<int>(TreeOrigin::kInside) == 1 + static_cast<int>(TreeMode::kInside) &&
                 static_cast<int>(TreeOrigin::kOctree) == 1 + static_cast<int>(TreeMode::kOctree));
   return static_cast<TreeOrigin>(1 + static_cast<int>(mode));
 }
-/// One of kTreeModes, "file", "ball" or "unknown".
+/// Returns one of kTreeModes, "file", "ball" or "unknown".
 inline std::string_view NameOf(TreeOrigin origin) {
   switch (origin) {
     case TreeOrigin::kUnknown:

@@ -9,20 +9,20 @@
 
 namespace palpate {
 
-/// Of one body, whatever they come from.
+/// The most leaves of one body, built or read.
 inline constexpr std::size_t kMaxLeaves = 1u << 20;
 
-/// Where a body's leaves come from: they are built over its mesh, or read from a file.
+/// Where a body's leaves come from: built over its mesh, or read from a file.
 struct TreeSource {
-  TreeMode mode = TreeMode::kInside;  ///< of those that are built
-  std::string file;                   ///< a .sph file's path (sph_file.h); empty: they are built
-  int level = 0;                      ///< of the file, from 1, its root; 0: its finest
-  std::optional<double> metres_per_unit;  ///< of the file; none: as of the body's mesh
-  bool align = true;                      ///< the file has lost where the mesh is: tree_alignment.h
-  std::string where;                      ///< "file:line: field", for complaints that come later
+  TreeMode mode = TreeMode::kInside;  ///< of leaves that are built
+  std::string file;  ///< path of a .sph file (sph_file.h); empty: the leaves are built
+  int level = 0;     ///< of the file, from 1, its root; 0: its finest
+  std::optional<double> metres_per_unit;  ///< unit of the file; none: that of the body's mesh
+  bool align = true;  ///< whether to find the file's lost offset from the mesh: tree_alignment.h
+  std::string where;  ///< "file:line: field", for later error messages
 
   bool built() const { return file.empty(); }
-  /// Makes the same leaves over the same mesh.
+  /// Equal sources give the same leaves over the same mesh; `where` does not count.
   bool operator==(const TreeSource& other) const {
     const auto all = [](const TreeSource& s) {
       return std::tie(s.mode, s.file, s.level, s.metres_per_unit, s.align);
