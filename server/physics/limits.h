@@ -268,8 +268,8 @@ inline constexpr double kSetFar = kMaxSubsteps * kMaxTranslation;
 inline constexpr std::size_t kBlocks = 256, kMostOfBlock = 1024, kGivenUp = 32;
 /// Most blocks followed at once: what a bur of 1.4 mm changes in some milliseconds at 50 um.
 inline constexpr std::size_t kMostFollowed = 256;
-/// Cost of making a body, in looks: 0.15 ms.  So a cycle makes at most three.
-inline constexpr int kLooksOfBlock = 1200;
+/// Cost of making a body, in looks: 0.09 ms.  So a cycle makes at most four.
+inline constexpr int kLooksOfBlock = 700;
 /// The most pairs that a sub-step with this many looks can reach: as many near ones as it
 /// refreshes, and two for each look that splits one; rounded up to the next power of two.
 constexpr std::size_t RoomForNear(int looks) {
