@@ -19,12 +19,12 @@ enum StepFault : std::uint32_t {
   /// There were more pairs within reach than rows; the tightest were kept.  Remedy: fewer leaves,
   /// or a larger StepParameters::max_rows.
   kFaultRowsFull = 1u << 2,
-  /// The rows contradicted each other (a jam): all were relaxed by the same amount, the least
-  /// possible.
+  /// The rows contradicted each other (a jam): all were relaxed by the same amount, the
+  /// least possible.
   kFaultJammed = 1u << 3,
-  /// A QP reached its iteration limit or gave numbers that are not finite.  The tool stays, and the
-  /// wrench is the spring's at that pose.  Should never happen: keep the dump (`palpate-bench qp
-  /// --dump`).
+  /// A QP reached its iteration limit or gave numbers that are not finite.  The tool stays, and
+  /// the wrench is the spring's at that pose.  Should never happen: keep the dump (`palpate-bench
+  /// qp --dump`).
   kFaultUnsolved = 1u << 4,
   /// An effect (a user's own force) failed, or returned a value that no force can have.  Its force
   /// is zero, and stays off for the rest of the session.  Remedy: correct the effect.
@@ -36,8 +36,8 @@ enum StepFault : std::uint32_t {
   kFaultNotStarted = 1u << 10,  ///< the tool starts inside an object, or no pose has come yet
 };
 
-/// Returns the bits in words, for people: "rows full, jammed"; "none" if no bit is set.  Not
-/// real-time.
+/// Returns the bits in words, for people: "rows full, jammed"; "none" if no bit is set.
+/// Not real-time.
 std::string FaultWords(std::uint32_t faults);
 
 /// Returns the bits in words, each with its meaning: "target far (the hand was quicker than the

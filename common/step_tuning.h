@@ -4,9 +4,9 @@
 
 namespace palpate {
 
-/// The parameters of the haptic step, beside its spring, that a researcher may vary.  The defaults
-/// are given here, the units and ranges by ForEachField, and what each derives from in
-/// server/physics/limits.h.
+/// The parameters of the haptic step, beside its spring, that a researcher may vary.  The
+/// defaults are given here, the units and ranges by ForEachField, and what each derives from
+/// in server/physics/limits.h.
 struct StepTuning {
   double separation = 1e-6;     ///< delta, the distance that contact keeps between meshes [m]
   double widest_step = 0.5e-3;  ///< upper limit of the bound on |v| of one sub-step [m]

@@ -16,9 +16,9 @@ namespace palpate::dds {
 template <class T>
 void ToCdr(const T& sample, std::vector<std::uint8_t>& out);
 
-/// Reads a sample from its bytes; false if they are not those of a T.  The sample must own nothing
-/// before; afterwards the caller must free what it owns (SceneBundle's bytes) with FreeContents
-/// (cdr_reader.h).
+/// Reads a sample from its bytes; false if they are not those of a T.  The sample must own
+/// nothing before; afterwards the caller must free what it owns (SceneBundle's bytes) with
+/// FreeContents (cdr_reader.h).
 template <class T>
 bool FromCdr(std::span<const std::uint8_t> bytes, T& sample);
 

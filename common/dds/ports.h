@@ -12,10 +12,10 @@ namespace palpate::dds {
 
 // The UDP ports of a DDS domain.  RTPS gives each domain 250 ports from 7400 on (RTPS 2.3,
 // 9.6.1.1).  From domain 102 on these lie in the kernel's ephemeral range (32768 to 60999 by
-// default), whose ports go to any connection that asks for one, so such a domain would now and then
-// fail to open.  With fewer ports each, every DDS domain of `--domain` lies below that range.  Only
-// the number of ports differs from the standard, so a foreign DDS tool needs one setting to join
-// (server/limits.md).
+// default), whose ports go to any connection that asks for one, so such a domain would now and
+// then fail to open.  With fewer ports each, every DDS domain of `--domain` lies below that range.
+// Only the number of ports differs from the standard, so a foreign DDS tool needs one setting to
+// join (server/limits.md).
 //
 //   first      first + 1     first + 10 + 2 i   first + 11 + 2 i     first + 108, + 109
 //   multicast: discovery,    each process i:    discovery, data      of a loop domain: its server's

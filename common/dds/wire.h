@@ -16,8 +16,8 @@
 #include "idl/solid.h"
 #include "idl/teaching.h"
 
-/// The structs that are sent over DDS, as idlc generates them from idl/*.idl, under the project's
-/// names.
+/// The structs that are sent over DDS, as idlc generates them from idl/*.idl, under the
+/// project's names.
 namespace palpate::wire {
 
 /// Topic descriptor of a wire type.
