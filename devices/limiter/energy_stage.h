@@ -63,15 +63,16 @@ class PassivityObserver {
 /// an active one (the resets of Hannaford & Ryu 2002, made continuous).
 ///
 /// The wrench is scaled by one factor, which keeps its line of action.  Two rules give the factor:
-///   reference  store / stored while the hand moves out, if the coupling's spring stores `stored` =
-///   f^2 / 2k and the store holds less.  A force that is held for a tick, or is late, costs a share
-///   of the energy at each release; this spreads the cost evenly over the release, so that the
-///   force does not break off at its end (a reference energy, as in Ryu, Preusche,
-///              Hannaford & Hirzinger, IEEE T. Control Systems Technology 13 (2005) 737-742; here
-///              it is the least energy that the spring must store)
+///   reference  store / stored while the hand moves out, if the coupling's spring stores
+///              `stored` = f^2 / 2k and the store holds less.  A force that is held for a tick, or
+///              is late, costs a share of the energy at each release; this spreads the cost evenly
+///              over the release, so that the force does not break off at its end (a reference
+///              energy, as in Ryu, Preusche, Hannaford & Hirzinger, IEEE T. Control Systems
+///              Technology 13 (2005) 737-742; here it is the least energy that the spring must
+///              store)
 ///   bound      such that the store suffices for the next tick and for the ticks in which the slew
-///   limit reduces the force, even if the handle accelerates outwards all the while, by kHandAccel
-///   and by the force on kLeastMass
+///              limit reduces the force, even if the handle accelerates outwards all the while, by
+///              kHandAccel and by the force on kLeastMass
 /// Neither factor divides by a velocity, so encoder noise at rest is not amplified (the problem
 /// that Ryu, Journal of Control, Automation and Systems Engineering 12 (2006) 380-388, solves for
 /// the classical damper); energy tanks, too, scale instead of damping (Franken, Stramigioli, Misra,
@@ -184,7 +185,7 @@ class EnergyStage {
   double budget_J_ = kBudget_J;
   double entry_most_J_ = 0.0, entry_granted_J_ = 0.0;  // of the present ramp
   Pose X_rest_;                                        // where the hand rests
-  double rest_s_ = 0.0;                                // ... ... and for how long [s]
+  double rest_s_ = 0.0;                                // ... and for how long [s]
   bool inside_ = false;         // the hand was in this contact when its force began
   bool moved_ = false;          // against or along what it held
   bool repaid_ = false;         // true once the seed was taken back
