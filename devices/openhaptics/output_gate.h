@@ -11,8 +11,7 @@ namespace palpate {
 /// the arm removes its force within one frame, while the limiter would ramp it out:
 ///   calibrating  closed until Open()
 ///   paused       closed until 0.1 s have passed without an error *and* the limiter's output is
-///   zero;
-///                the station treats a closed gate as a fault, so the limiter goes to zero by
+///                zero; the station treats a closed gate as a fault, so the limiter goes to zero by
 ///                itself, and the force returns by its ramp and never by a step
 ///   cooling      motors are hot: closed until all are below kCool and 2 s have passed, or for 60 s
 ///                if no temperature can be read; then paused
