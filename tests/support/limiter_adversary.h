@@ -23,12 +23,12 @@ struct LimiterTally {
   LimiterCounts counts;
 };
 
-/// Tries to get more out of a limiter than its limits allow, by three ways in turn:
+/// Tries to get more out of a limiter than its limits allow, in three ways in turn:
 ///   random   anything: not finite, denormal, huge, poses that leap, clocks that stand or run back
 ///   bang     a hand that is thrown about, forces along or against its velocity at ten times the
 ///            peak, guide likewise, and silence, age and enable switched when it hurts
-///   climb    of several next inputs always the one that brings the output nearest to a limit
-/// Deterministic.
+///   climb    of several next inputs always the one that brings the output nearest to a
+///   limit Deterministic.
 class LimiterAdversary {
  public:
   LimiterAdversary(const WrenchLimits& limits, std::uint64_t seed)
