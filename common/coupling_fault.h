@@ -4,12 +4,13 @@
 
 namespace palpate {
 
-/// What is wrong with the springs k_t [N/m] and k_r [N m/rad] between hand and tool, for a tool
-/// that reaches so far from its centroid [m], and the remedy; empty where they will do.
+/// Returns what is wrong with the springs k_t [N/m] and k_r [N m/rad] between hand and tool, and
+/// the remedy; empty if they are usable.
 ///
-/// The step counts a rotation as rho = sqrt(k_r / k_t) times its angle, a length.  Where the tool
-/// reaches beyond 1,000 rho, friction's penalty of 10^5 (server/physics/limits.h) times the square
-/// of that, 10^11, comes too near to what doubles hold, 10^16.
+/// The step measures a rotation as a length: its angle times rho = sqrt(k_r / k_t).  Friction has a
+/// penalty of 10^5 (server/physics/limits.h), which is multiplied by (reach / rho)^2.  For a reach
+/// of more than 1,000 rho the product, 10^11, comes too close to the precision of doubles, 10^16.
+/// @param reach  greatest distance of the tool's points from its centroid [m].
 std::string CouplingFault(double stiffness, double torsional_stiffness, double reach);
 
 }  // namespace palpate

@@ -18,7 +18,7 @@ constexpr Fault kFaults[] = {
     {kFaultPoseRejected, "pose rejected", "the hand leapt further than a hand comes"},
     {kFaultNotStarted, "not started", "no force yet: the tool just came, or is inside an object"}};
 
-/// @param say  makes text of a known fault.
+/// @param say  returns the text of a known fault.
 template <class Say>
 std::string Listed(std::uint32_t faults, Say say) {
   std::string words;

@@ -17,7 +17,8 @@ std::string RangeFault(const Tunable& tunable, double value, bool whole) {
 std::string TuningFault(const StepTuning& tuning) {
   std::string fault;
   ForEachField(tuning, [&](const Tunable& tunable, const auto& number) {
-    // To a billionth: what was set in its unit passes, whatever its scale's rounding.
+    // Rounds to a billionth, so that rounding by the scale does not reject a bound that a user
+    // has set.
     const double value = std::round(number / tunable.scale * 1e9) / 1e9;
     if (fault.empty()) fault = RangeFault(tunable, value, false);
   });

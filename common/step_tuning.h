@@ -4,25 +4,26 @@
 
 namespace palpate {
 
-/// What a researcher may vary of the haptic step, beside its spring.  What is left out has these
-/// values; ForEachField has units and ranges, and server/physics/limits.h what each derives from.
+/// The parameters of the haptic step, beside its spring, that a researcher may vary.  The
+/// defaults are given here, the units and ranges by ForEachField, and what each derives from
+/// in server/physics/limits.h.
 struct StepTuning {
-  double separation = 1e-6;     ///< delta that contact keeps between meshes [m]
-  double widest_step = 0.5e-3;  ///< greatest bound on |v| of one sub-step [m]
-  int sub_steps = 8;            ///< of a cycle at most
-  int iterates = 16;            ///< rounds of solve and check in a sub-step at most, between meshes
-  int looks = 3400;       ///< what a cycle's contact between meshes may cost; some 130 ns each
-  int still_cycles = 20;  ///< without slip, after which friction is static again
+  double separation = 1e-6;     ///< delta, the distance that contact keeps between meshes [m]
+  double widest_step = 0.5e-3;  ///< upper limit of the bound on |v| of one sub-step [m]
+  int sub_steps = 8;            ///< at most, in a cycle
+  int iterates = 16;            ///< at most, rounds of solve and check in a sub-step (meshes)
+  int looks = 3400;             ///< a cycle's budget for contact between meshes; about 130 ns each
+  int still_cycles = 20;        ///< cycles without slip after which friction is static again
 
   bool operator==(const StepTuning&) const = default;
 };
 
-/// What a number that may be varied is to those who vary it.
+/// Describes a parameter to the user who varies it.
 struct Tunable {
   const char* name;    ///< in scene files, Python and C
-  const char* unit;    ///< of the number there; empty: a count or a ratio
-  double scale;        ///< what the step has is this times the number there
-  double least, most;  ///< of the number there
+  const char* unit;    ///< of the user's number; empty: a count or a ratio
+  double scale;        ///< the step's value is the user's number times this
+  double least, most;  ///< bounds of the user's number
   const char* what;    ///< for people
 };
 
@@ -42,11 +43,11 @@ void ForEachField(Tuning& tuning, Visit visit) {
         tuning.still_cycles);
 }
 
-/// What is wrong with a number, in words; empty where it may be.
-/// `whole`: it is a count.
+/// Returns what is wrong with a number, in words; empty if it is allowed.
+/// @param whole  true if it must be an integer.
 std::string RangeFault(const Tunable& tunable, double value, bool whole);
 
-/// Which field is out of its range, in words; empty where none is.
+/// Returns which field is out of its range, in words; empty if none is.
 std::string TuningFault(const StepTuning& tuning);
 
 }  // namespace palpate

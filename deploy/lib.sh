@@ -1,8 +1,8 @@
 # shellcheck shell=bash
-# What the scripts share; sourced, after which the current folder is the repository's root and
-# an error ends the script.
+# Shared functions of the scripts.  After sourcing this file the current folder is the repository's
+# root, and any error ends the script.
 set -euo pipefail
-kScript=$(realpath "$0")  # which may be named from the folder that is left here
+kScript=$(realpath "$0")  # resolved before the folder changes, since it may be a relative path
 readonly kScript
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -13,8 +13,8 @@ wrong_usage() { printf '%s: %s (see --help)\n' "${0##*/}" "$*" >&2; exit 2; }
 # Prints the comment at the head of the script: its help, written once.
 print_help() { sed -n '2,/^$/s/^# \{0,1\}//p' "$kScript"; }
 
-# quietly TITLE LOG COMMAND...: runs the command with its output in the log; shows a line, and the
-# log's end where the command fails.
+# quietly TITLE LOG COMMAND...: runs the command with its output in the log; shows one line, and the
+# log's end if the command fails.
 quietly() {
   local title=$1 log=$2 start=$SECONDS status=0
   shift 2
@@ -30,18 +30,18 @@ quietly() {
   return "$status"
 }
 
-# ccache finds what another checkout of the same sources has compiled; and keeps what it compiles where
-# headers are precompiled, which without the sloppiness it does not.
+# Settings of ccache: share results between checkouts of the same sources, and cache compilations
+# with precompiled headers, for which it needs the sloppiness.
 export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros
 
-# configure PRESET OPTION...: where that has not been done, or options are given.
+# configure PRESET OPTION...: configures if that has not been done, or if options are given.
 configure() {
   if (($# > 1)) || [[ ! -f build/$1/build.ninja ]]; then
     quietly "configuring $1" "build/logs/configure-$1.log" cmake --preset "$@"
   fi
 }
 
-# build PRESET TARGET...: configures where needed and builds.
+# build PRESET TARGET...: configures if needed, and builds.
 build() {
   local preset=$1
   shift
@@ -55,16 +55,17 @@ build() {
 
 # --- processes that run beside a script ---
 
-# start LOG COMMAND...: in the background, out of the terminal's reach (Ctrl-C goes to this script,
-# which ends things in order), and ended by the kernel should this script be killed.
+# start LOG COMMAND...: runs the command in the background, detached from the terminal (Ctrl-C goes
+# to this script, which ends its processes in order); the kernel ends it if this script is killed.
 start() {
   local log=$1
   shift
-  : >"$log"  # at once: nobody may find the last run's lines
+  : >"$log"  # emptied at once, so that no lines of the last run are found
   setsid setpriv --pdeathsig TERM "$@" >"$log" 2>&1 </dev/null &
 }
 
-# stop PID NAME: asks, waits 5 s, insists; takes away the socket that a killed process leaves.
+# stop PID NAME: sends SIGTERM, waits 5 s, then kills; removes the socket that a killed
+# process leaves.
 stop() {
   local pid=$1 name=$2
   [[ -n $pid ]] || return 0
@@ -78,8 +79,8 @@ stop() {
   rm -f "/tmp/iceoryx_rt_${pid}_"*
 }
 
-# await_line REGEX LOG PID SECONDS: until the log has such a line; false where the process ends or
-# the time is over.
+# await_line REGEX LOG PID SECONDS: waits until the log has such a line; false if the process ends
+# or the time is over first.
 await_line() {
   local deadline=$((SECONDS + $4))
   until grep -qE "$1" "$2"; do
@@ -96,26 +97,28 @@ fail_with_log() {
 
 readonly kPools=deploy/cyclonedds/roudi.toml
 
-# What RouDi needs in /dev/shm: 66 MB of its own, and its pools, each chunk with a header of 40 B and
-# 64 B of RouDi's books.  REALTIME.md and others name the sum: a test compares.
+# The memory that RouDi needs in /dev/shm: 66 MB of its own, and its pools, each chunk with a header
+# of 40 B and 64 B of RouDi's management data.  REALTIME.md and others state the sum; a test
+# compares them.
 shared_memory_needed_MB() {
   awk -F= '/^size/ { size = $2 + 104 } /^count/ { bytes += size * $2 }
            END { print int(66 + bytes / 1e6 + 1) }' $kPools
 }
 
-# RouDi holds this lock as long as it lives.
+# RouDi holds this lock while it runs.
 readonly kRouDiLock=/tmp/iox-unique-roudi.lock
 roudi_runs() { [[ -e $kRouDiLock ]] && ! flock -n $kRouDiLock true; }
 
-# A RouDi that has ended leaves its lock, and one that was killed its books, which only its own user may
-# open: another's would not start.
+# A RouDi that has ended leaves its lock file, and one that was killed its management data.  Only
+# its own user may open these, so another user's RouDi would not start.
 forget_ended_roudi() {
   ((EUID == 0)) && ! roudi_runs || return 0
   rm -f $kRouDiLock /tmp/roudi /tmp/roudi.lock /dev/shm/iceoryx_mgmt
 }
 
-# Sets `as_user` to the words that run a command as that user and group, without any right of root's but
-# a loop's: by limits, or, where this root may not raise them, by two capabilities.
+# Sets `as_user` to the words that run a command as that user and group, without root's
+# rights except those that a loop needs: by limits, or by two capabilities if this root may
+# not raise limits.
 set_as_user() {
   as_user=(setpriv --reuid "$1" --regid "$2" --clear-groups --no-new-privs)
   if prlimit --rtprio=45 --memlock=unlimited true 2>/dev/null; then
@@ -126,12 +129,12 @@ set_as_user() {
   fi
 }
 
-# --- a Debian of one's own, for containers and for trying packages ---
+# --- a minimal Debian, for containers and for trying packages ---
 
 readonly kDebian=build/debian/bookworm.tar
 
-# A minimal Debian 12 in $kDebian, unless it is there: made with debootstrap from the mirror that this
-# host's own apt uses, or debootstrap's.
+# Makes a minimal Debian 12 in $kDebian unless it exists, with debootstrap, from the mirror of this
+# host's apt or debootstrap's default.
 make_debian() {
   local folder mirrors as_root=()
   [[ ! -f $kDebian ]] || return 0

@@ -6,7 +6,7 @@ namespace palpate {
 
 std::optional<Mat3> NearestRotation(const Mat3& matrix) noexcept {
   constexpr double kFarthest = 0.1;
-  // It doubles the correct digits each time: 0.1, 1e-2, 1e-4, 1e-8, 1e-16.
+  // Each iteration doubles the correct digits: 0.1, 1e-2, 1e-4, 1e-8, 1e-16.
   constexpr int kIterations = 5;
   if (!matrix.allFinite()) return std::nullopt;
   Mat3 R = matrix;

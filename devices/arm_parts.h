@@ -8,24 +8,25 @@
 
 namespace palpate {
 
-/// The rotation nearest to a matrix that is one but for noise, in the Frobenius norm: the
-/// orthogonal factor of its polar decomposition, by Newton's iteration (Higham, SIAM J. Sci. Stat.
-/// Comput. 7 (1986) 1160-1174).  Nothing where the matrix is farther than 0.1 from it, mirrors, or
-/// is not finite: that is no noise.  Real-time.  Deterministic: +, -, *, / alone.
+/// Returns the rotation nearest, in the Frobenius norm, to a matrix that is a rotation with noise:
+/// the orthogonal factor of its polar decomposition, by Newton's iteration (Higham, SIAM J. Sci.
+/// Stat. Comput. 7 (1986) 1160-1174).  Returns nothing if the matrix is further than 0.1 from it,
+/// is a reflection, or is not finite, which noise does not explain.  Real-time.  Deterministic: +,
+/// -, *, / alone.
 std::optional<Mat3> NearestRotation(const Mat3& matrix) noexcept;
 
-/// Angular velocity in W by differences of the rotations, with a first-order low-pass: for arms
-/// whose library gives none, or one whose frame is not documented.  Real-time.
+/// Estimates the angular velocity in W [rad/s] from successive rotations, with a first-order
+/// low-pass: for arms whose library gives none, or gives it in an undocumented frame.  Real-time.
 class TurnRate {
  public:
   explicit TurnRate(double rate_Hz) : rate_Hz_(rate_Hz) {}
-  /// Of a difference from one tick to the next, what the low-pass takes in.
+  /// Returns the weight that the low-pass gives to the newest difference.
   double share() const noexcept {
     const double k = kCutOff_rad_s / rate_Hz_;
     return k / (1.0 + k);
   }
 
-  /// Once per tick.
+  /// Takes the rotation of this tick and returns the velocity.  Call it once per tick.
   Vec3 Of(const Quat& q_WH) noexcept {
     if (has_last_) {
       const Vec3 w = RotationLog(q_WH * last_.conjugate()) * rate_Hz_;
@@ -35,7 +36,7 @@ class TurnRate {
     has_last_ = true;
     return w_;
   }
-  /// The next rotation is the first.
+  /// Forgets the past: the next rotation counts as the first.
   void Restart() noexcept {
     has_last_ = false;
     w_.setZero();
@@ -50,12 +51,12 @@ class TurnRate {
   bool has_last_ = false;
 };
 
-/// Whether an arm that has no frames of its own gets what the limiter let through.  Below the
-/// limiter, as a fault of the arm takes its force away in the same tick, where the limiter would
-/// ramp out.  Closed from the beginning, and from each Fault on, until 0.1 s without one have
-/// passed *and* the limiter asks for nothing at all: a closed gate is a fault to the station, so
-/// the limiter gets there by itself, and the force comes back by its ramp, never by a step.
-/// Counts ticks, reads no clock.  Real-time.  Not thread-safe: the tick's thread owns it.
+/// A gate behind the limiter, for arms whose library has no frames.  It is needed because a fault
+/// of the arm removes its force within the tick, while the limiter would ramp it out.  Closed at
+/// first, and after each Fault until 0.1 s have passed without one *and* the limiter's output is
+/// zero.  The station treats a closed gate as a fault, so the limiter goes to zero by itself, and
+/// the force returns by its ramp and never by a step.  Counts ticks, reads no clock.  Real-time.
+/// Not thread-safe: the tick's thread owns it.
 class ReturnGate {
  public:
   static constexpr double kQuiet_s = 0.1;
@@ -67,7 +68,7 @@ class ReturnGate {
     open_ = false;
     quiet_ticks_ = 0;
   }
-  /// Once per tick: whether this wrench may go out.
+  /// Returns whether this wrench may be rendered.  Call it once per tick.
   bool Passes(const Wrench& limited) noexcept {
     ++quiet_ticks_;
     const bool nothing = limited.force.isZero(0.0) && limited.torque.isZero(0.0);

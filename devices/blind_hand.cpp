@@ -5,7 +5,7 @@
 namespace palpate {
 namespace {
 
-/// Natural frequency [rad/s]: 95 % of a step within 120 ms, and the 60 Hz of a screen is not felt.
+/// Natural frequency [rad/s]: reaches 95 % of a step within 120 ms, and smooths the screen's 60 Hz.
 constexpr double kFrequency = 40.0;
 
 Vec3 Shortened(const Vec3& v, double bound) noexcept {
@@ -13,8 +13,8 @@ Vec3 Shortened(const Vec3& v, double bound) noexcept {
   return norm > bound ? Vec3(v * (bound / norm)) : v;
 }
 
-/// A critically damped spring of unit mass; semi-implicit Euler, stable at 1 kHz.  Starting at the
-/// bounded speed it does not overshoot.
+/// A critically damped spring of unit mass; semi-implicit Euler, stable at 1 kHz.  It does not
+/// overshoot when it starts at the bounded speed.
 void Pull(Vec3& velocity, const Vec3& way, double max_speed, double h) noexcept {
   const Vec3 faster = velocity + h * (kFrequency * kFrequency * way - 2.0 * kFrequency * velocity);
   velocity = Shortened(faster, max_speed);
@@ -34,10 +34,10 @@ void BlindHand::SeeGraphicTool(const Pose& X_WG, const Vec3& p_HT) noexcept {
 }
 
 void BlindHand::LoseGraphicTool() noexcept {
-  if (!X_WG_) return;  // it has not pressed anything
+  if (!X_WG_) return;  // it has not pressed on anything
   X_WH_ = *X_WG_;
   v_ = w_ = Vec3::Zero();
-  if (rate_) X_WT_ = X_WH_;  // nobody draws it there: it would press by itself
+  if (rate_) X_WT_ = X_WH_;  // no input draws it there, so it would press by itself
   held_back_ = false;
   lost_ = true;
 }

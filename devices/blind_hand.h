@@ -9,11 +9,12 @@
 
 namespace palpate {
 
-/// The hand behind a device that renders no force.  It follows where it is drawn to as a critically
-/// damped spring would, at bounded speed, so that it never jumps.  It cannot feel that it presses;
-/// so it presses no deeper than kMaxPress_m and kMaxTwist_rad from the graphic tool, wherever it is
-/// drawn. It is drawn to places (Follow: a mouse that drags) or at a velocity (Drive: a knob that
-/// is pushed). Real-time and deterministic: no allocation, lock, log or clock.
+/// The simulated hand of a device that renders no force.  It follows its target as a critically
+/// damped spring would, at bounded speed, so that it never jumps.  Because it cannot feel that it
+/// presses, it goes no further than kMaxPress_m and kMaxTwist_rad from the graphic tool, wherever
+/// the target is. The target is a pose (Follow: a dragging mouse) or a velocity (Drive: a knob that
+/// is pushed).
+/// Real-time and deterministic: no allocation, lock, log or clock.
 class BlindHand {
  public:
   static constexpr double kMaxSpeed_m_s = 0.5;  ///< of the tool's reference point
@@ -27,47 +28,49 @@ class BlindHand {
     X_WT_ = X_WT;
     rate_.reset();
   }
-  /// Where it is drawn to moves at this velocity, of the tool's reference point, in W, from now on,
-  /// and stays within reach of the graphic tool: who turns back does not have to come back first.
-  /// Until there is a graphic tool, it stands still.
+  /// Moves the target at this velocity (of the tool's reference point, in W) from now on.  The
+  /// target stays within reach of the graphic tool, so that a reversal acts at once.  The hand
+  /// stands still until there is a graphic tool.
   void Drive(const Twist& V_WT) noexcept { rate_ = V_WT; }
-  /// Lets go: the hand comes to rest where the graphic tool is now, so that no force is left.
+  /// Lets go: the hand comes to rest at the graphic tool's present pose, so that no force remains.
   void LetGo() noexcept;
-  /// What the scene's server says of the graphic tool.
-  /// @param p_HT  point that the server's wrench acts at, in the tool's frame [m].
+  /// Takes the graphic tool's pose from the scene's server.
+  /// @param p_HT  point at which the server's wrench acts, in the tool's frame [m].
   void SeeGraphicTool(const Pose& X_WG, const Vec3& p_HT) noexcept;
-  /// The session has ended.  The hand is put back to where the graphic tool was, and rests there
-  /// until it sees that again: a session that begins with a hand inside an object gives no force.
-  /// A place that it was drawn to counts again then; how far it was driven does not.
+  /// Ends the session.  The hand is put back to the graphic tool's last pose, and rests there until
+  /// it sees the graphic tool again, so that a session that begins with a hand inside an object
+  /// gives no force.  A target pose (Follow) then applies again; a distance driven by velocity
+  /// (Drive) does not.
   void LoseGraphicTool() noexcept;
-  /// Lets a time pass [s].
+  /// Advances by the time h [s].
   void Step(double h) noexcept;
 
   const Pose& pose() const noexcept { return X_WH_; }
-  /// Of the handle's origin, in W.
+  /// Velocity of the handle's origin, in W.
   Twist twist() const noexcept;
   bool follows() const noexcept { return X_WT_.has_value(); }
-  /// True while it is drawn farther from the graphic tool than it may press.
+  /// Returns true while the target is further from the graphic tool than the hand may press.
   bool held_back() const noexcept { return held_back_; }
 
  private:
   Pose X_WH_;
-  Vec3 v_ = Vec3::Zero();  // of the reference point, in W
+  Vec3 v_ = Vec3::Zero();  // velocity of the reference point, in W
   Vec3 w_ = Vec3::Zero();
   std::optional<Pose> X_WT_;
-  std::optional<Twist> rate_;  // of X_WT_
+  std::optional<Twist> rate_;  // velocity of X_WT_
   std::optional<Pose> X_WG_;
   Vec3 p_HT_ = Vec3::Zero();
   bool held_back_ = false;
   bool lost_ = false;
 };
 
-/// A device that is one.  What the hand can press stays below the bounds of its sheet.
+/// A device that consists of a BlindHand.  The force that the hand can exert stays below the bounds
+/// of the data sheet.
 class BlindDevice : public Device {
  public:
   static constexpr double kTick_s = 1e-3;
 
-  /// @param workspace_m  side of the cube that it reaches.
+  /// @param workspace_m  side of the cube within its reach.
   BlindDevice(std::string model, double workspace_m, const Pose& start)
       : info_(SheetWithoutForce(std::move(model), workspace_m)), hand_(start) {}
 

@@ -5,16 +5,15 @@
 
 namespace palpate {
 
-/// A PoseScript in the hands of a device: played once and held at its end, or again and again. When
-/// it repeats, a movement at hand speed leads from the last pose back to the first, because a jump
-/// is not something that a hand can do.
+/// Plays a PoseScript for a device: once, holding the last pose, or repeatedly.  When it repeats, a
+/// movement at hand speed leads from the last pose back to the first, because a hand cannot jump.
 class ScriptPlayer {
  public:
   ScriptPlayer(PoseScript script, bool loop);
 
-  /// Real-time.  @param t  since the start [s].
+  /// Returns the pose at time t since the start [s].  Real-time.
   Pose At(double t) const noexcept { return script_.At(Wrap(t)); }
-  /// Velocity at t, by central difference over 1 ms, both in W.  Real-time.
+  /// Returns the velocity at t, by central difference over 1 ms, in W.  Real-time.
   Twist VelocityAt(double t) const noexcept;
   const char* LabelAt(double t) const noexcept { return script_.LabelAt(Wrap(t)).c_str(); }
 

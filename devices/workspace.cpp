@@ -122,7 +122,7 @@ DeviceSample WorkspaceDevice::Read() noexcept {
   if (workspace_.clutch_button) {
     const std::uint32_t bit = std::uint32_t{1} << *workspace_.clutch_button;
     down = (raw_.buttons & bit) != 0;
-    seen.buttons &= ~bit;  // one button, one meaning
+    seen.buttons &= ~bit;  // the clutch button has no other function
   }
   if (down) {
     if (!clutched_) held_ = seen.X_WH.p + shift_;

@@ -14,7 +14,7 @@ constexpr std::array<std::uint8_t, 4> kLittleEndian = {0, 1, 0, 0};
 template <class T>
 constexpr bool kIsPayload = std::is_same_v<T, wire::HapticPose> || std::is_same_v<T, wire::Wrench>;
 
-/// What the stream functions look at of a type.
+/// The parts of a type's descriptor that the stream functions use.
 template <class T>
 ddsi_sertype_default TypeOf() {
   ddsi_sertype_default type{};
@@ -43,7 +43,7 @@ void ToCdr(const T& sample, std::vector<std::uint8_t>& out) {
 
 template <class T>
 bool FromCdr(std::span<const std::uint8_t> bytes, T& sample) {
-  // Of the options, the last two bits count the bytes that fill the payload up to a word.
+  // The last two bits of the options give the number of padding bytes at the payload's end.
   if (bytes.size() < kLittleEndian.size() || bytes[0] != 0 || bytes[1] != 1) return false;
   const std::size_t fill = bytes[3] & 3u;
   if (bytes.size() < kLittleEndian.size() + fill) return false;
@@ -52,7 +52,7 @@ bool FromCdr(std::span<const std::uint8_t> bytes, T& sample) {
     if (payload.size() != sizeof sample) return false;
     std::memcpy(&sample, payload.data(), sizeof sample);
   } else {
-    // The check may write to the bytes: it also turns a foreign order.
+    // A copy, because the check may write to the bytes: it also converts a foreign byte order.
     std::vector<char> copy(payload.begin(), payload.end());
     std::uint32_t size = 0;
     const auto count = static_cast<std::uint32_t>(copy.size());

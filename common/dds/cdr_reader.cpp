@@ -8,9 +8,9 @@
 namespace palpate::dds {
 namespace {
 
-constexpr std::size_t kMostWriters = 256;  // of one topic, that are remembered
+constexpr std::size_t kMostWriters = 256;  // greatest number remembered per topic
 
-/// 0 where the writer has gone.
+/// Returns the participant of a writer; 0 if the writer has left.
 std::uint64_t ParticipantOf(dds_entity_t reader, dds_instance_handle_t writer) {
   const std::unique_ptr<dds_builtintopic_endpoint_t, decltype(&dds_builtintopic_free_endpoint)>
       endpoint(dds_get_matched_publication_data(reader, writer), dds_builtintopic_free_endpoint);
@@ -27,7 +27,7 @@ bool CdrReader<T>::Take(CdrSample& raw, T& sample, bool overs) {
     FreeContents(sample);
     raw.over =
         overs && !info.valid_data && info.instance_state == DDS_NOT_ALIVE_DISPOSED_INSTANCE_STATE;
-    // Of what is over there is the key alone, in a form without a type.
+    // A disposed instance has its key only, in a form without a type.
     const bool taken =
         raw.over ? dds_instance_get_key(reader_.handle(), info.instance_handle, &sample) ==
                        DDS_RETCODE_OK
@@ -52,7 +52,7 @@ template <class T>
 std::uint64_t CdrReader<T>::OriginOf(dds_instance_handle_t writer) {
   if (const auto known = origins_.find(writer); known != origins_.end()) return known->second;
   const std::uint64_t origin = ParticipantOf(reader_.handle(), writer);
-  if (origins_.size() >= kMostWriters) origins_.clear();  // of those that have gone
+  if (origins_.size() >= kMostWriters) origins_.clear();  // drops entries of writers that have left
   if (origin != 0) origins_[writer] = origin;
   return origin;
 }

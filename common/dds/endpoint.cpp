@@ -24,13 +24,17 @@ int DepthOf(Qos role) {
 /// role      reliability   durability       history      why
 /// kLoop     best effort   volatile         keep last 8  late is as bad as lost; eight, because a
 ///                                                       burst must fit shared memory's queue
-/// kSession  reliable      transient-local  keep last 1  who comes later learns what holds now
-/// kStream   best effort   volatile         keep last 1  a viewer wants the newest, and must never
+///                                                       kSession  reliable      transient-local
+///                                                       keep last 1  who comes later learns what
+///                                                       holds now kStream   best effort   volatile
+///                                                       keep last 1  a viewer wants the newest,
+///                                                       and must never
 ///                                                       be able to slow the writer
 /// kRecord, kRecordSession: as those that they read, keep last 256
-/// Nothing is keep-all (a writer would block, and shared memory is off for it), and no deadline is
-/// finite (that too turns shared memory off).  Writers do not dispose what they leave behind: what
-/// a server said last is known while there is none; what is over they dispose themselves.
+/// Nothing is keep-all (a writer would block, and it disables shared memory), and no deadline is
+/// finite (which also disables shared memory).  A writer's end does not dispose its instances,
+/// so the last state of a server remains known while there is none; servers dispose ended
+/// instances explicitly.
 QosPtr MakeQos(const Participant& participant, Qos role) {
   QosPtr qos(dds_create_qos());
   if (role == Qos::kSession || role == Qos::kRecordSession) {
@@ -44,13 +48,14 @@ QosPtr MakeQos(const Participant& participant, Qos role) {
     dds_qset_durability(qos.get(), DDS_DURABILITY_VOLATILE);
   }
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, DepthOf(role));
-  // Not to hear endpoints of the own process is what iceoryx cannot do: Cyclone DDS then keeps this
-  // one off shared memory.
+  // iceoryx cannot ignore endpoints of its own process, so with this setting Cyclone DDS does not
+  // use shared memory for the endpoint.
   if (participant.shared_memory_lost()) dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PROCESS);
   return qos;
 }
 
-/// Why DDS makes no `what` of that name, and in a secured domain the remedy.
+/// Returns the error that DDS cannot make a `what` of that name, in a secured domain with
+/// the remedy.
 Error CannotMake(const std::string& what, const std::string& name, dds_return_t why) {
   std::string remedy;
   if (why == DDS_RETCODE_NOT_ALLOWED_BY_SECURITY) {
@@ -76,7 +81,7 @@ dds_entity_t Made(dds_entity_t endpoint, const char* what, const std::string& na
   throw CannotMake(std::string(what) + " of topic", name, endpoint);
 }
 
-/// Over the making or deleting of an endpoint, where that concerns shared memory.
+/// Returns a watchdog for making or deleting an endpoint, if shared memory is involved.
 std::optional<SharedMemoryWatch> Watch(bool shared_memory, const std::string& doing) {
   if (!shared_memory) return std::nullopt;
   return std::optional<SharedMemoryWatch>(std::in_place, doing);

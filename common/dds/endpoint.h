@@ -12,18 +12,18 @@
 
 namespace palpate::dds {
 
-/// Quality of service by role; the table with reasons is in endpoint.cpp.
+/// Quality of service by role; endpoint.cpp has the table with reasons.
 enum class Qos {
   kLoop,     ///< best effort, volatile, keep last (a few): HapticPose, Wrench
   kSession,  ///< reliable, transient-local, keep last 1 per instance: requests, states, changes
   kStream,   ///< best effort, volatile, keep last 1: ToolState, LoopStatistics and the like
-  // For readers that want every sample, and may be held up for a while (by a disk, say).
-  kRecord,         ///< of kLoop and kStream, keep last 256: the most that shared memory has
-  kRecordSession,  ///< of kSession, keep last 256
+  // For readers that need every sample but may be delayed for a while (by a disk, say).
+  kRecord,         ///< for kLoop and kStream, keep last 256: the most that shared memory allows
+  kRecordSession,  ///< for kSession, keep last 256
 };
 
-/// A writer or reader of DDS with its topic, which end together.  Move-only.  The participant must
-/// outlive it.
+/// A DDS writer or reader and its topic, which it deletes with itself.  Move-only.  The participant
+/// must outlive it.
 class Endpoint {
  public:
   Endpoint() = default;
@@ -38,7 +38,7 @@ class Endpoint {
   ~Endpoint();
 
   dds_entity_t topic_ = 0, endpoint_ = 0;
-  std::shared_ptr<void> listens_;  // what a callback uses; outlives the reader
+  std::shared_ptr<void> listens_;  // the callback's data; outlives the reader
 };
 
 /// Writer of T (a type of common/dds/wire.h) on one topic.
@@ -49,30 +49,32 @@ class Writer : public Endpoint {
   Writer(const Participant& participant, const std::string& topic, Qos qos);
   Writer() = default;
 
-  /// Real-time where the topic is a loop topic: one dds_write, no allocation of ours.
-  /// Returns false where DDS refuses (out of chunks, say); never throws.
+  /// Writes a sample; false if DDS refuses it (out of chunks, say).  Real-time for loop topics: one
+  /// dds_write, no allocation of our own.
   bool Write(const T& sample) noexcept;
-  /// Tells readers that this instance is over, and forgets it: who comes later hears nothing of it.
-  /// @param sample  its key fields count.   Not real-time.
+  /// Disposes the instance: tells the readers that it is over, and forgets it, so that later
+  /// readers do not get it.
+  /// @param sample  only its key fields are used.
+  /// Not real-time.
   void Dispose(const T& sample) noexcept;
   int matched_readers() const noexcept;
 };
 
-/// Reader of T.  With a callback, samples are handed over in DDS's own receiving thread as they
-/// arrive (half the round trip of a waitset); else Take() polls.
+/// Reader of T.  With a callback, DDS's own receiving thread delivers each sample on arrival, which
+/// halves the round trip of a waitset; without one, poll with Take().
 template <class T>
 class Reader : public Endpoint {
  public:
   /// Called once per valid sample, oldest first, in the receiving thread: no blocking, no throw.
   using Callback = std::function<void(const T&)>;
 
-  /// Its end returns only when no callback runs any more; hence not to be destroyed in a callback.
-  /// Throws Error (topic, DDS's reason).
+  /// Note that the destructor waits until no callback runs, so do not destroy a reader in its own
+  /// callback. Throws Error (topic, DDS's reason).
   Reader(const Participant& participant, const std::string& topic, Qos qos,
          Callback on_sample = nullptr);
   Reader() = default;
 
-  /// Takes the oldest sample not yet taken; false where there is none.
+  /// Takes the oldest sample not yet taken; false if there is none.
   bool Take(T& sample) noexcept;
   int matched_writers() const noexcept;
 
@@ -80,9 +82,9 @@ class Reader : public Endpoint {
   struct State;  // the callback, at an address that outlives moves
 };
 
-/// True once a writer of the topic has been discovered in the participant's domain: only then may a
-/// reader over shared memory be made (each sample from an undiscovered writer leaks a chunk, and
-/// after 257 the reader is dead for ever).  Not real-time.
+/// Returns true once a writer of the topic has been discovered in the participant's domain.  Only
+/// then may a reader over shared memory be made: each sample from an undiscovered writer leaks a
+/// chunk, and after 257 of them the reader receives nothing ever again.  Not real-time.
 bool WriterDiscovered(const Participant& participant, const std::string& topic);
 
 }  // namespace palpate::dds

@@ -47,10 +47,11 @@ constexpr const char* kMakeAnother =
   throw Error("--identity: " + file.string() + what);
 }
 
-/// Of each file of an identity: certificates, a key and signed permissions have some kB.
+/// Size limit of each file of an identity; certificates, keys and signed permissions have a few kB.
 constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 20;
 
-/// What a file holds.  Cyclone DDS reads it again by its name, and would wait for a pipe.
+/// Reads a file.  It must be regular, because Cyclone DDS opens it again by name, and would block
+/// on a pipe.
 Bytes Open(const fs::path& file, const FileCheck& check = {}) {
   if (access(file.c_str(), R_OK) != 0) {
     Refuse(file, std::string(": ") + std::strerror(errno) +
@@ -78,7 +79,7 @@ Key ReadKey(const fs::path& file) {
       Refuse(file, " may be read by others, who could then pass for this program; chmod 600 it");
     }
   });
-  // Without a call-back OpenSSL would ask the terminal for a password.
+  // Without a callback OpenSSL would ask for a password on the terminal.
   Key key(PEM_read_bio_PrivateKey(
       bytes.get(), nullptr, [](char*, int, int, void*) { return -1; }, nullptr));
   if (!key) {
@@ -92,12 +93,12 @@ std::string Utc(std::time_t time) {
   return fmt::format("{:%F %T} UTC", fmt::gmtime(time));
 }
 
-/// When something begins and ends to hold [s since 1970].
+/// A period of validity [s since 1970].
 struct Span {
   std::time_t begin, end;
 };
 
-/// @param what  of the file: "the certificate".
+/// @param what  what is valid in that period: "the certificate".
 void SeeThatItHolds(const fs::path& file, const std::string& what, const Span& span,
                     std::time_t now) {
   if (now < span.begin) {
@@ -124,7 +125,7 @@ void SeeThatItHolds(const fs::path& file, const X509* certificate, std::time_t n
       {Seconds(X509_get0_notBefore(certificate)), Seconds(X509_get0_notAfter(certificate))}, now);
 }
 
-/// The document in a file, once its signature is known to be the authority's.
+/// Returns the document in a signed file after verifying the authority's signature.
 std::string ReadSigned(const fs::path& file, const fs::path& authority, X509* certificate) {
   BIO* found = nullptr;
   const Signed document(SMIME_read_PKCS7(Open(file).get(), &found));
@@ -132,7 +133,8 @@ std::string ReadSigned(const fs::path& file, const fs::path& authority, X509* ce
   if (!document) Refuse(file, std::string(" is no signed document (S/MIME)") + kMakeAnother);
   const Store store(X509_STORE_new());
   X509_STORE_add_cert(store.get(), certificate);
-  // Dates have words of their own; the authority is the one that is given, whatever it is made for.
+  // Dates are checked elsewhere, with clearer messages.  The given authority is accepted for
+  // any purpose.
   X509_VERIFY_PARAM* const terms = X509_STORE_get0_param(store.get());
   X509_VERIFY_PARAM_set_flags(terms, X509_V_FLAG_NO_CHECK_TIME);
   X509_VERIFY_PARAM_set_purpose(terms, X509_PURPOSE_ANY);
@@ -148,7 +150,7 @@ std::string ReadSigned(const fs::path& file, const fs::path& authority, X509* ce
   return {data, static_cast<std::size_t>(std::max(size, 0L))};
 }
 
-/// "CN=left,O=palpate" in parts, whose order does not count.
+/// Splits "CN=left,O=palpate" into its parts, whose order does not matter.
 std::set<std::string> PartsOf(const std::string& name) {
   static const std::regex kPart(R"(\s*([^,]*[^,\s])\s*)");
   std::set<std::string> parts;
@@ -166,8 +168,8 @@ std::string SubjectOf(X509* certificate) {
   return {data, static_cast<std::size_t>(std::max(size, 0L))};
 }
 
-/// The text between two others, from `at` on, which is then behind both; nullopt where there is
-/// none.
+/// Returns the text between two others, searched from `at` on, and moves `at` behind both; nullopt
+/// if there is none.
 std::optional<std::string> Between(const std::string& text, const std::string& begin,
                                    const std::string& end, std::size_t& at) {
   const std::size_t first = text.find(begin, at);
@@ -194,7 +196,7 @@ std::string WithoutComments(const std::string& xml) {
   return text;
 }
 
-/// As XML Schema writes it, 2026-11-25T13:00:00, with Z, an offset or neither, which is UTC.
+/// Parses a date of XML Schema, 2026-11-25T13:00:00, with Z, an offset, or neither (UTC).
 std::optional<std::time_t> DateIn(const std::string& xml, const std::string& name) {
   const std::optional<std::string> text = Element(xml, name);
   if (!text) return std::nullopt;
@@ -233,8 +235,8 @@ void CheckPermissions(const fs::path& file, const std::string& document, X509* c
                    kMakeAnother);
 }
 
-/// Where neither whole messages nor submessages are authenticated, who has no identity can send
-/// what he has heard once again, under a sequence number that is new.
+/// Checks that messages or submessages are authenticated.  Otherwise an attacker without an
+/// identity could send a captured sample again, with a new sequence number.
 void CheckGovernance(const fs::path& file, const std::string& document) {
   const std::string xml = WithoutComments(document);
   const auto leaves = [&](const std::string& what) {

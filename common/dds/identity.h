@@ -5,13 +5,14 @@
 
 namespace palpate::dds {
 
-/// Looks at an identity's folder (common/dds/security.h) before Cyclone DDS does, which says of all
-/// that is wrong there no more than that it does not take it: the key is its owner's alone and the
-/// certificate's, the certificate is the given authority's, governance and permissions are signed
-/// by theirs, the governance has messages authenticated whole, the permissions are for the
-/// certificate's subject, and all hold now.
-/// Throws Error, with the file and what to do.
-/// @param now  the wall clock's, by which the dates are judged; Cyclone DDS goes by it, too.
+/// Checks an identity's folder (common/dds/security.h) before Cyclone DDS reads it, because Cyclone
+/// DDS only says that it rejects the folder, and not why.  Checks that the key matches the
+/// certificate and only its owner can read it; that the given authority issued the certificate;
+/// that the permissions authority signed governance and permissions; that the governance
+/// authenticates whole messages; that the permissions name the certificate's subject; and that all
+/// of them are valid now.
+/// Throws Error, with the file and the remedy.
+/// @param now  wall-clock time against which the dates are checked; Cyclone DDS uses it, too.
 void CheckIdentity(const std::string& identity, std::time_t now);
 
 }  // namespace palpate::dds

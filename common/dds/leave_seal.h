@@ -5,19 +5,20 @@
 
 namespace palpate::dds {
 
-/// What lets a station alone end its session, where everybody may write requests: with its request
-/// it gives a seal, which tells nothing of the key, and when it leaves the key, which is of no use
-/// to others any more (a hash commitment).  Not the secured profile's place: who may write poses at
-/// all is that one's matter.
+/// The key with which only the station itself can end its session, although anybody may write
+/// requests (a hash commitment).  With its request the station publishes a seal, the key's hash,
+/// which reveals nothing of the key; when it leaves it publishes the key, which is then of no
+/// more use to others.  This does not replace the secured profile, which decides who may write
+/// poses at all.
 using LeaveKey = std::array<std::uint8_t, 32>;
 
-/// A new one, which nobody can guess.  Throws Error where the system has no randomness.
+/// Returns a new key that nobody can guess.  Throws Error if the system supplies no random numbers.
 LeaveKey NewLeaveKey();
 
-/// The key's SHA-256.
+/// Returns the key's SHA-256.
 LeaveKey SealOf(const std::uint8_t (&key)[32]);
 
-/// True where the key is the seal's; a seal of zeros is open to any.
+/// Returns true if the key belongs to the seal; any key opens a seal of zeros.
 bool Opens(const std::uint8_t (&key)[32], const LeaveKey& seal);
 
 }  // namespace palpate::dds

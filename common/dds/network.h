@@ -5,13 +5,15 @@
 
 namespace palpate::dds {
 
-/// Where others are looked for, and as whom one speaks.  By default on this host alone: without an
-/// identity nothing that is sent is encrypted, and whoever can send may command a hand's forces.
+/// The network on which a program looks for others, and the identity that it uses.  The default is
+/// this host alone: without an identity nothing is encrypted, and anybody who can send packets may
+/// command the forces at a hand.
 struct Network {
   std::string interface = "lo";
-  /// Addresses at which to look as well, for networks that carry no multicast.
+  /// Further addresses to contact, for networks without multicast.
   std::vector<std::string> peers;
-  /// Folder of one's identity in a secured domain (common/dds/security.h); empty: it is not one.
+  /// Folder of the program's identity in a secured domain (common/dds/security.h); empty: the
+  /// domain is not secured.
   std::string identity;
 
   bool this_host() const { return interface == "lo"; }

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of a UDP socket; 0: it is none.
+/// Returns the port of a UDP socket; 0 if it is none.
 int PortOf(int fd) {
   int type = 0;
   socklen_t size = sizeof type;
@@ -49,7 +49,7 @@ void Attach(int fd, unsigned interface) {
   }
 }
 
-/// Those that this process has open.
+/// Returns the UDP sockets that this process has open.
 std::set<int> UdpSockets() {
   std::set<int> sockets;
   std::error_code error;
@@ -62,7 +62,7 @@ std::set<int> UdpSockets() {
   return sockets;
 }
 
-/// @param others  that were there before the domain.
+/// @param others  sockets that were open before the domain.
 void HearThisHostAlone(const PortRange& ports, const std::set<int>& others) {
   const unsigned loopback = if_nametoindex("lo");
   int filtered = 0;
@@ -78,11 +78,12 @@ void HearThisHostAlone(const PortRange& ports, const std::set<int>& others) {
   }
 }
 
-/// Cyclone DDS aborts, and says nothing of memory, where it gets none for itself or its threads.
+/// Throws std::bad_alloc if there is too little memory for a domain: Cyclone DDS would abort
+/// without naming the cause.
 void AskForMemory() {
   rlimit space{};
   if (getrlimit(RLIMIT_AS, &space) != 0 || space.rlim_cur == RLIM_INFINITY) return;
-  // Else each thread would take 64 MB for a heap of its own from what the next one's stack needs.
+  // Otherwise each thread would reserve a heap of 64 MB, which the next thread's stack may need.
   mallopt(M_ARENA_MAX, 1);
   constexpr std::size_t kDomain_bytes = std::size_t{128} << 20;  // a dozen stacks of 8 MB, and more
   void* const place = mmap(nullptr, kDomain_bytes, PROT_READ | PROT_WRITE,

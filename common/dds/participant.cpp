@@ -36,7 +36,7 @@ std::string StartRouDi() {
   return "start 'iox-roudi -c " + ShownPlaceOf(ProjectFile::kSharedMemory) + "'";
 }
 
-/// Tells one RouDi from the next: each makes its socket anew.
+/// Identifies a RouDi: each one creates a new socket.
 struct SocketIdentity {
   ino_t inode = 0;
   std::int64_t made_ns = 0;
@@ -50,8 +50,8 @@ SocketIdentity RouDiIdentity() {
           status.st_ctim.tv_sec * std::int64_t{1'000'000'000} + status.st_ctim.tv_nsec};
 }
 
-/// True for a socket of this user or root, or of a group of this process whose members alone may
-/// use it: who may open the shared memory could do as much harm there.
+/// Returns true if the socket belongs to this user or root, or only a group of this process may use
+/// it: the members of that group could do as much harm in the shared memory.
 bool IsTrusted(const struct stat& socket) {
   if (socket.st_uid == geteuid() || socket.st_uid == 0) return true;
   if ((socket.st_mode & S_IWOTH) != 0 || (socket.st_mode & S_IWGRP) == 0) return false;
@@ -62,20 +62,20 @@ bool IsTrusted(const struct stat& socket) {
          groups.begin() + std::max(count, 0);
 }
 
-/// True where a process of that user holds the lock file.
+/// Returns true if a process of that user holds the lock file.
 bool IsHeld(const char* lock_file, uid_t user) {
   struct stat status {};
   if (lstat(lock_file, &status) != 0 || !S_ISREG(status.st_mode) || status.st_uid != user) {
     return false;
   }
   const int fd = open(lock_file, O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
-  if (fd < 0) return errno == EACCES;  // another user's, who alone may look; it is there
+  if (fd < 0) return errno == EACCES;  // another user's, and exists, though we may not read it
   const bool held = flock(fd, LOCK_SH | LOCK_NB) != 0;
   close(fd);  // unlocks
   return held;
 }
 
-/// An attribute's value.
+/// Returns an attribute's value for XML.
 std::string Quoted(const std::string& text) {
   std::string quoted = "\"";
   for (const char c : text) {
@@ -88,7 +88,7 @@ std::string Quoted(const std::string& text) {
   return quoted + "\"";
 }
 
-/// True for an interface of this host that has an address of IPv4.
+/// Returns true if the interface exists on this host and has an IPv4 address.
 bool HasAddress(const std::string& interface) {
   ifaddrs* all = nullptr;
   if (getifaddrs(&all) != 0) return false;
@@ -126,19 +126,21 @@ std::string DiscoveryConfig(int domain_id, const Network& network) {
 }
 
 /// Why each line is there:
-/// - `lo` has no MULTICAST flag, so discovery over it must be told that it may; only discovery uses
+/// - `lo` has no MULTICAST flag, so multicast must be allowed explicitly for discovery; only
+/// discovery uses
 ///   multicast (`spdp`), data goes to each reader by itself.
 /// - A network loses announcements, and the next is due after 30 s by default.
-/// - Who has been killed is there until its lease ends: a gateway waits that long before it hears a
-///   server's successor.  Not so for the loop, where a peer that is frozen meanwhile would come
-///   back as a writer that nobody knows, whose samples leak chunks; there stations look at silence.
-/// - Peers are asked beside multicast, not instead of it.
+/// - A killed process counts as present until its lease ends, and a gateway waits that long before
+/// it receives from a server's successor.  The loop's lease is longer, because a peer that was
+/// frozen meanwhile would come back as an unknown writer, whose samples leak chunks; there the
+/// stations detect silence themselves.
+///   - Peers are contacted in addition to multicast.
 /// - A participant index gives fixed ports, those of common/dds/ports.h, so that a crowded domain
 ///   is an error at start.
 /// - Shared memory does not know domains: without a prefix per domain, another domain's writer on
 ///   the same topic fills our reader until it dies.
-/// - The locator says "same machine"; by default it is made of a network interface's address, and
-///   two containers that share memory would then get every sample twice.
+/// - The locator identifies the machine.  By default it is made from a network interface's address,
+/// and two containers that share memory would then get every sample twice.
 std::string DomainConfig(int domain_id, bool shared_memory, const Network& network) {
   std::string xml =
       "<CycloneDDS><Domain id=\"any\"><General><Interfaces><NetworkInterface name=" +
@@ -159,7 +161,7 @@ std::string DomainConfig(int domain_id, bool shared_memory, const Network& netwo
 }
 
 void WatchTheEnd() {
-  // Never destroyed: that would be before iceoryx takes its leave.
+  // Never destroyed, because that would happen before iceoryx disconnects.
   alignas(SharedMemoryWatch) static std::byte place[sizeof(SharedMemoryWatch)];
   new (place) SharedMemoryWatch("taking leave of RouDi");
 }
@@ -197,7 +199,7 @@ std::optional<std::string> WhyNoRouDi() {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   std::strcpy(address.sun_path, kRouDiSocket);
-  // A datagram socket that nobody holds open any more refuses the connection.
+  // A datagram socket that no process has open refuses the connection.
   const bool answers = connect(fd, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
   close(fd);
   if (!answers) return none;
@@ -234,7 +236,7 @@ TransportChoice ChooseTransport(Transport wanted, const Network& network) {
   return {Transport::kUdp, "UDP (" + *why_not + "; " + StartRouDi() + " first for shared memory)"};
 }
 
-/// A domain entity; one per process and id, because DDS allows no second.
+/// A domain entity; one per process and id, since DDS allows no second one.
 class Participant::Domain {
  public:
   Domain(int id, bool shared_memory, const Network& network)
@@ -246,7 +248,8 @@ class Participant::Domain {
       throw Error("DDS domain " + std::to_string(id) + " cannot be made (" +
                   dds_strretcode(entity_) + "): " + WhyNoDomain(id, network));
     }
-    // Runs before what iceoryx has registered by now: its leave of RouDi, which may hang too.
+    // Runs before the exit handler that iceoryx has registered: its disconnection from RouDi may
+    // hang, too.
     if (shared_memory) [[maybe_unused]]
       static const int registered = std::atexit(WatchTheEnd);
   }

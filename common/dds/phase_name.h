@@ -14,7 +14,7 @@ inline bool IsOver(const wire::SessionState& state) {
   return state.phase == palpate_SESSION_ENDED || state.phase == palpate_SESSION_REFUSED;
 }
 
-/// A phase as a word, for programs.
+/// Returns a phase as a word that programs can read.
 constexpr const char* PhaseName(wire::SessionPhase phase) {
   switch (phase) {
     case palpate_SESSION_WAITING:

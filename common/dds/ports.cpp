@@ -19,7 +19,7 @@ std::string ToText(const PortRange& ports) {
   return std::to_string(ports.first) + " to " + std::to_string(ports.last);
 }
 
-/// "--domain 1, 2 or 4"; empty where none is free.
+/// Returns the free domains as "--domain 1, 2 or 4"; empty if none is free.
 std::string FreeDomains(const std::set<int>& in_use) {
   std::vector<std::string> free;
   for (int domain = 0; domain <= kMaxDomain && free.size() < kFreeDomainsTold; ++domain) {
@@ -39,7 +39,7 @@ std::string FreeDomains(const std::set<int>& in_use) {
 std::vector<UdpSocket> UdpSocketsIn(std::istream& proc_net_udp) {
   std::vector<UdpSocket> sockets;
   std::string line;
-  std::getline(proc_net_udp, line);  // the heads of the columns
+  std::getline(proc_net_udp, line);  // column headings
   while (std::getline(proc_net_udp, line)) {
     // "12: 0100007F:1CE8 00000000:0000 07 0:0 00:0 0 1000 0 5678 ...": number, own address and port
     // in hexadecimal digits, ..., user, ..., inode.
@@ -73,7 +73,7 @@ std::set<int> PortsInUse() {
 }
 
 PortRange PortsOfAnyone(std::istream& ip_local_port_range) {
-  PortRange ports{32768, 60999};  // the kernel's own, where it does not say
+  PortRange ports{32768, 60999};  // the kernel's default, if it cannot be read
   if (PortRange read; ip_local_port_range >> read.first >> read.last) ports = read;
   return ports;
 }

@@ -10,12 +10,12 @@
 
 namespace palpate::dds {
 
-// Which UDP ports a DDS domain has.  RTPS gives each domain 250 ports from 7400 on (RTPS 2.3,
-// 9.6.1.1), so that those of domains from 102 on lie where the kernel puts any connection that asks
-// for a port (32768 to 60999 where nobody has changed it): such a domain fails to open now and
-// then.  With fewer ports each, every DDS domain of `--domain` lies below.  Only the number of
-// ports differs from the standard, so that a tool of DDS needs one setting to come in
-// (server/limits.md).
+// The UDP ports of a DDS domain.  RTPS gives each domain 250 ports from 7400 on (RTPS 2.3,
+// 9.6.1.1).  From domain 102 on these lie in the kernel's ephemeral range (32768 to 60999 by
+// default), whose ports go to any connection that asks for one, so such a domain would now and
+// then fail to open.  With fewer ports each, every DDS domain of `--domain` lies below that range.
+// Only the number of ports differs from the standard, so a foreign DDS tool needs one setting to
+// join (server/limits.md).
 //
 //   first      first + 1     first + 10 + 2 i   first + 11 + 2 i     first + 108, + 109
 //   multicast: discovery,    each process i:    discovery, data      of a loop domain: its server's
@@ -32,7 +32,7 @@ struct PortRange {
   bool Meets(const PortRange& other) const { return first <= other.last && other.first <= last; }
 };
 
-/// Of a DDS domain, by its own number (LoopDomainId, ServiceDomainId).
+/// Returns the ports of a DDS domain, given its own number (LoopDomainId, ServiceDomainId).
 constexpr PortRange PortsOf(int domain_id) {
   const int first = kFirstPort + kPortsPerDomain * domain_id;
   return {first, first + kPortsPerDomain - 1};
@@ -43,21 +43,21 @@ struct UdpSocket {
   std::uint32_t user = 0;
   std::uint64_t inode = 0;
 };
-/// Of all, from the text of /proc/net/udp.
+/// Returns all UDP sockets, from the text of /proc/net/udp.
 std::vector<UdpSocket> UdpSocketsIn(std::istream& proc_net_udp);
-/// UDP ports that somebody holds, from the same text.
+/// Returns the UDP ports in use, from the same text.
 std::set<int> PortsIn(std::istream& proc_net_udp);
 /// On this host.
 std::set<int> PortsInUse();
 
-/// Ports that the kernel gives to whoever asks for any, from the text of
-/// /proc/sys/net/ipv4/ip_local_port_range.
+/// Returns the ephemeral ports, which the kernel gives to sockets that ask for any, from the text
+/// of /proc/sys/net/ipv4/ip_local_port_range.
 PortRange PortsOfAnyone(std::istream& ip_local_port_range);
 /// On this host.
 PortRange PortsOfAnyone();
 
-/// Why a DDS domain could not be opened, as far as its ports tell, and which numbers of `--domain`
-/// have theirs free.  Empty where nobody holds any of its ports.
+/// Returns why a DDS domain could not be opened, judging by its ports, and which numbers of
+/// `--domain` have free ports.  Empty if none of its ports is in use.
 std::string WhyPortsFail(int domain_id, const std::set<int>& in_use, const PortRange& anyone);
 
 }  // namespace palpate::dds

@@ -7,15 +7,16 @@
 
 namespace palpate {
 
-/// Which requests have been heard, so that none is done twice: a writer that has been out of reach
-/// is asked for its last one again when it comes back, and whoever could replay one would have it
-/// done anew.  The newest kMost are remembered, far more than people ask for in a day.
+/// Remembers the requests that have been received, so that none is executed twice: a writer that
+/// was unreachable sends its last one again when it comes back, and an attacker could replay one.
+/// Keeps the newest kMost, far more than people send in a day.
 /// Thread contract: one thread.
 class RequestMemory {
  public:
   static constexpr std::size_t kMost = 4096;
 
-  /// @param request  its random number.   True the first time that it is heard.
+  /// @param request  its random number.
+  /// Returns true the first time that this request is received.
   bool IsNew(std::uint64_t request) {
     if (!heard_.insert(request).second) return false;
     order_.push_back(request);

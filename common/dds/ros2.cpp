@@ -6,13 +6,14 @@
 namespace palpate::ros2 {
 namespace {
 
-/// Of a reader, as ROS 2's default.
+/// A reader's history depth, ROS 2's default.
 constexpr int kDepth = 10;
-/// Of a writer: a second at 1 kHz, so that who is held up, or loses datagrams, gets them again.
-/// What readers have acknowledged is not kept, and a writer's depth need not be its reader's.
+/// A writer's history depth, one second at 1 kHz, so that a reader that is delayed or loses
+/// datagrams gets them again.  Acknowledged samples are not kept, and the depths of writer and
+/// reader may differ.
 constexpr int kWriterDepth = 1000;
-/// Numbers of domains within this process, apart from those of Palpate's own; on the wire a domain
-/// has ROS's number.
+/// First number of ROS domains within this process, distinct from those of Palpate's own; on the
+/// wire a domain has ROS's number.
 constexpr int kFirstLocal = 1000;
 
 template <class T>
@@ -60,8 +61,8 @@ dds_entity_t MakeTopic(const Participant& participant, const std::string& ros_na
 std::string Config(int domain, const dds::Network& network) {
   std::string peers;
   for (const std::string& peer : network.peers) peers += "<Peer Address=\"" + peer + "\"/>";
-  // `lo` has no MULTICAST flag, so discovery over it must be told that it may; data goes to each
-  // reader by itself.
+  // `lo` has no MULTICAST flag, so multicast must be allowed explicitly for discovery; data is sent
+  // by unicast.
   return "<CycloneDDS><Domain id=\"any\"><General><Interfaces><NetworkInterface name=\"" +
          network.interface +
          "\" multicast=\"true\"/></Interfaces><AllowMulticast>spdp</AllowMulticast></General>"
@@ -90,7 +91,7 @@ Participant::Participant(int domain, const dds::Network& network) {
   domain_ =
       dds::OpenDomain(local, Config(domain, network), network, {first_port, first_port + 249});
   if (domain_ < 0) throw Error(what + " cannot be joined: " + dds_strretcode(domain_) + remedy);
-  // By it ROS 2 knows a participant for one of its own.
+  // ROS 2 recognises its own participants by this.
   const QosPtr qos = MakeQos(Wants::kAll, kDepth, "enclave=/;");
   participant_ = dds_create_participant(local, qos.get(), nullptr);
   if (participant_ < 0) {
@@ -101,7 +102,7 @@ Participant::Participant(int domain, const dds::Network& network) {
 }
 
 Participant::~Participant() {
-  dds_delete(domain_);  // with all that is in it
+  dds_delete(domain_);  // deletes everything in it, too
 }
 
 template <class T>

@@ -10,15 +10,15 @@
 #include "common/dds/network.h"
 #include "idl/ros2.h"
 
-/// DDS as ROS 2 uses it, for a bridge (client/crtk): its names, its quality of service, its ports.
+/// DDS with the names, quality of service and ports of ROS 2, for a bridge (client/crtk).
 namespace palpate::ros2 {
 
 using Header = std_msgs_msg_dds__Header_;
 
-// The types of messages, each with its package and with what ROS 2 (Iron and later) publishes of it
-// in the USER_DATA of each endpoint, as "typehash=RIHS01_...;": SHA-256 of the type's description
-// as JSON (REP-2016).  A test computes them from the definitions and compares them with published
-// ones.
+// The message types, each with its package and its type hash, which ROS 2 (Iron and later)
+// publishes in the USER_DATA of each endpoint as "typehash=RIHS01_...;": SHA-256 of the type's
+// description as JSON (REP-2016).  A test computes them from the definitions and compares them with
+// published ones.
 #define PALPATE_ROS_TYPES(X)                                                   \
   X(geometry_msgs_msg, PoseStamped,                                            \
     "RIHS01_10f3786d7d40fd2b54367835614bff85d4ad3b5dab62bf8bca0cc232d73b4cd8") \
@@ -40,18 +40,18 @@ constexpr const char* kTypeHash = nullptr;
 PALPATE_ROS_TYPES(PALPATE_ROS_TYPE)
 #undef PALPATE_ROS_TYPE
 
-/// The DDS topic of a topic of ROS: "rt" before its full name, which begins with '/'.
+/// Returns the DDS topic of a ROS topic: "rt" before its full name, which begins with '/'.
 std::string DdsTopic(const std::string& ros_name);
 
-/// ROS_DOMAIN_ID: ports of higher domains lie beyond the last.
+/// The greatest ROS_DOMAIN_ID: the ports of a higher one would be beyond 65535.
 inline constexpr int kMaxDomain = 232;
 
-/// A participant in a domain of ROS 2, with the ports of the standard (7400 + 250 N), which are not
-/// those of Palpate's own domains, and never over shared memory.
+/// A participant in a ROS 2 domain.  It uses the standard's ports (7400 + 250 N), which are not
+/// those of Palpate's own domains, and never shared memory.
 class Participant {
  public:
   /// @param domain   ROS_DOMAIN_ID.
-  /// @param network  its interface and peers; ROS's side knows no identity.
+  /// @param network  its interface and peers; the identity is not used on the ROS side.
   /// Throws Error.
   Participant(int domain, const dds::Network& network);
   ~Participant();
@@ -63,30 +63,30 @@ class Participant {
   dds_entity_t domain_ = 0, participant_ = 0;
 };
 
-/// Reliable and volatile, as a publisher of ROS 2 that says nothing else, but keeps the last 1000.
-/// Never blocks: a reader that does not keep up for a second loses the oldest.
+/// Writer with the defaults of a ROS 2 publisher (reliable, volatile), except that it keeps the
+/// last 1000 samples.  Never blocks: a reader that falls behind by a second loses the oldest.
 template <class T>
 class Writer : public dds::Endpoint {
  public:
   /// Throws Error.
   Writer(const Participant& participant, const std::string& ros_name);
-  /// Thread contract: any.  False where DDS refuses.
+  /// Writes a message; false if DDS refuses it.  Thread contract: any thread.
   bool Write(const T& message) noexcept;
   int matched_readers() const noexcept;
 };
 
 enum class Wants {
   kAll,     ///< reliable, keep last 10
-  kNewest,  ///< best effort, keep last 1: takes what comes of reliable writers too
+  kNewest,  ///< best effort, keep last 1: also matches reliable writers
 };
 
-/// Takes messages that anybody in the domain may send.
+/// Reader of messages that any participant in the domain may send.
 template <class T>
 class Reader : public dds::Endpoint {
  public:
   /// Throws Error.
   Reader(const Participant& participant, const std::string& ros_name, Wants wants);
-  /// Calls take(message) for each that has come.  Its texts are valid within the call.
+  /// Calls take(message) for each message that has arrived.  Its strings are valid during the call.
   template <class Take>
   void Poll(Take take) {
     for (;;) {

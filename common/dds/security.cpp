@@ -20,7 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Debian keeps the plugins in a folder beside the library that loads them, off the loader's path.
+/// Returns the folder of the plugins, which in Debian is beside the library that loads them and not
+/// on the loader's path.
 fs::path PluginFolder() {
   Dl_info info{};
   if (dladdr(reinterpret_cast<const void*>(&dds_create_domain), &info) == 0) return {};
@@ -38,11 +39,11 @@ std::string Plugin(const char* name, const char* function) {
          "\" finalizeFunction=\"finalize_" + function + "\"/>";
 }
 
-/// An element that names a file of the identity.
+/// Returns an XML element that names a file of the identity.
 std::string Named(const char* element, const fs::path& folder, const char* file) {
   const fs::path path = folder / file;
   const std::string whole = fs::absolute(path).string();
-  // It stands in an XML text, in which Cyclone DDS looks for ${VARIABLES}, too.
+  // The name becomes part of an XML text, in which Cyclone DDS also expands ${VARIABLES}.
   if (whole.find_first_of("<&$\\") != std::string::npos) {
     throw Error("--identity: " + Quoted(whole) +
                 ": DDS takes no path with one of < & $ \\; carry the identity to another folder");
@@ -88,7 +89,8 @@ std::string SecurityConfig(const std::string& identity) {
 
 void LogWhatDdsSays() {
   dds_set_log_sink(&Log, nullptr);
-  dds_set_trace_sink([](void*, const dds_log_data_t*) {}, nullptr);  // the same once more
+  dds_set_trace_sink([](void*, const dds_log_data_t*) {}, nullptr);  // drops the same messages,
+                                                                     // sent to this sink again
 }
 
 }  // namespace palpate::dds

@@ -32,7 +32,7 @@ std::optional<int> ProcessOf(const dds::UdpSocket& socket) {
   return SocketOwner({"socket:[" + std::to_string(socket.inode) + "]"});
 }
 
-/// "palpate-server (pid 7)", or as much as this user may know.
+/// Returns "palpate-server (pid 7)", or as much of it as this user may know.
 std::string NameOf(const dds::UdpSocket& socket) {
   if (const std::optional<int> pid = ProcessOf(socket)) {
     std::string name;
@@ -43,8 +43,8 @@ std::string NameOf(const dds::UdpSocket& socket) {
   return "a program of user " + (user ? std::string(user->pw_name) : std::to_string(socket.user));
 }
 
-/// True where the holder of the server's port may serve: it is this user's or root's, or has more
-/// of the domain's ports.
+/// Returns true if the holder of the server's port may be a server: it belongs to this user or
+/// root, or holds more of the domain's ports.
 bool TakesPart(const dds::UdpSocket& holder, int domain,
                const std::vector<dds::UdpSocket>& sockets) {
   if (holder.user == geteuid() || holder.user == 0) return true;

@@ -9,14 +9,14 @@
 
 namespace palpate {
 
-/// One server per `--domain` and host: it has a UDP port of the domain (common/dds/ports.h) while
-/// this object lives.  As with the domain's other ports, that counts for all who share this host's
-/// network, in whichever folder or container they are, and ends with the process.  A replay to
-/// viewers takes it too: it speaks as a server.
+/// Ensures that there is only one server per `--domain` and host: while this object lives, it holds
+/// a UDP port of the domain (common/dds/ports.h).  Like the domain's other ports, the lock applies
+/// to all processes that share this host's network, in any folder or container, and ends with the
+/// process.  A replay to viewers takes it too, because it publishes what a server does.
 class ServerLock {
  public:
-  /// Where another user has that port, and none of those by which one takes part in the domain, it
-  /// says so in the log and goes on without: that one serves nobody.
+  /// Takes the lock.  If another user holds that port but no port of a participant in the domain,
+  /// that process serves nobody: this is logged, and the server goes on without the lock.
   /// Throws Error (who holds the domain, remedy).
   explicit ServerLock(int domain);
   ~ServerLock();
@@ -27,17 +27,17 @@ class ServerLock {
   int socket_ = -1;
 };
 
-/// The port of a domain that its server holds.
+/// Returns the port of a domain that its server holds.
 constexpr int ServerPort(int domain) {
   return dds::PortsOf(dds::LoopDomainId(domain)).last - 1;
 }
 
-/// The process that holds a domain's server port; nothing where none does, or it is another user's,
-/// or in a container.
+/// Returns the process that holds a domain's server port; nothing if there is none, or if it
+/// belongs to another user or runs in a container.
 std::optional<int> ServerProcess(int domain);
 
-/// The servers of this host, for who looks in the wrong domain: domains from 0 to `most`, each with
-/// who holds it ("palpate-server (pid 7)").
+/// Returns the servers of this host, as a hint for a user in the wrong domain: the domains from 0
+/// to `most` that have one, each with its holder ("palpate-server (pid 7)").
 std::vector<std::pair<int, std::string>> ServersOnThisHost(int most);
 
 }  // namespace palpate

@@ -6,8 +6,9 @@
 
 namespace palpate {
 
-/// The process that has one of these sockets open, each as /proc/PID/fd names it, "socket:[INODE]".
-/// Nothing where none does that this user may look at.
+/// Returns a process that has one of these sockets open; nothing if there is none that this user
+/// may inspect.
+/// @param sockets  as /proc/PID/fd names them: "socket:[INODE]".
 std::optional<int> SocketOwner(const std::set<std::string>& sockets);
 
 }  // namespace palpate

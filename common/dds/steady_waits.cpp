@@ -1,25 +1,26 @@
-// Timed waits of other people's libraries, by the steady clock.
+// Makes the timed waits of third-party libraries use the steady clock.
 //
 // Cyclone DDS 0.10.2 waits for its next event, and iceoryx 2.0.3 for its next sign of life, until a
-// time of the wall clock.  Where that is set back an hour, the wait lasts an hour longer: the
-// process announces itself no more and answers nobody who does, nothing lost is asked for again, no
-// lease ends; and RouDi takes a process that gives no sign of life for 1.5 s for dead, and its
-// memory from it.  So these two functions are the program's own, which the loader finds before the
-// C library's (the linker is told to show them, common/CMakeLists.txt): what is left until that
-// time is read once, and waited for by the clock that nobody sets.
+// time of the wall clock.  If that clock is set back by an hour, the wait takes an hour longer: the
+// process no longer announces itself or answers those that do, requests no lost samples, and no
+// lease ends; and RouDi takes a process without a sign of life for 1.5 s for dead, and frees its
+// memory.  So the program defines these two functions itself, and the loader finds them before the
+// C library's (the linker is told to export them, common/CMakeLists.txt): they compute once how
+// long to wait, and wait by the clock that nobody sets.
 //
-// Rejected: to look for steps and wake each library: one offers nothing to be woken by.
+// Rejected: detecting such a step and waking each library, because one of them offers no way to
+// wake it.
 #include <ctime>
 
 #include <pthread.h>
 #include <semaphore.h>
 
-// ThreadSanitizer has these names for itself, to see who waits for whom.
+// ThreadSanitizer defines these functions itself, to track who waits for whom.
 #ifndef __SANITIZE_THREAD__
 namespace {
 
-/// A condition variable does not tell which clock it waits by.  The steady one counts from the
-/// host's start, and is not that old.
+/// Times below this are of the steady clock, which counts from the host's start; a condition
+/// variable does not tell which clock it uses.
 constexpr std::time_t kSince1970_s = 1'000'000'000;
 
 timespec Steady(const timespec& wall) noexcept {

@@ -7,16 +7,17 @@
 
 namespace palpate::dds {
 
-// Every topic's name, in one place.
-// Loop topics are per station: over shared memory Cyclone DDS 0.10.2 matches neither partitions nor
-// QoS, counts history depth per reader and mixes up integer keys; names are what it gets right.
-// They are also per *run* (SessionRequest.run, which pairs one station process with one server
-// process: a station that meets another server_run, or an ended session, draws a new run and asks
-// again).  So neither side's reader ever hears a writer that it has not discovered, such as that of
-// a station restarted under the same name: each such sample would leak a chunk for ever.
+// The names of all topics.
+// Each station has its own loop topics: over shared memory Cyclone DDS 0.10.2 ignores partitions
+// and QoS when it matches, counts history depth per reader and mixes up integer keys, but it
+// matches names correctly.  Each *run* has its own topics, too (SessionRequest.run pairs one
+// station process with one server process: a station that meets another server_run, or whose
+// session has ended, draws a new run and asks again).  So neither side's reader ever receives from
+// a writer that it has not discovered, such as that of a station restarted under the same name:
+// each such sample would leak a chunk for ever.
 std::string PoseTopic(const std::string& station, std::uint64_t run);
 std::string WrenchTopic(const std::string& station, std::uint64_t run);
-/// Station and run of such a name; nothing where it is none.
+/// Returns station and run of a loop topic's name; nothing if it is not one.
 std::optional<std::pair<std::string, std::uint64_t>> SessionOfTopic(const std::string& topic);
 inline constexpr const char* kSessionRequestTopic = "palpate/session_request";
 inline constexpr const char* kSessionStateTopic = "palpate/session_state";
@@ -37,7 +38,7 @@ inline constexpr const char* kSceneProgressTopic = "palpate/scene_progress";
 inline constexpr const char* kLoopStatisticsTopic = "palpate/loop_statistics";
 inline constexpr const char* kStationStatisticsTopic = "palpate/station_statistics";
 
-/// True for what a station may be called: [A-Za-z0-9_]{1,32}.
+/// Returns true if a station may have this name: [A-Za-z0-9_]{1,32}.
 bool IsStationName(const std::string& name);
 
 /// `--domain N` (0 to 114) names a pair of DDS domains.

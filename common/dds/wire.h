@@ -16,15 +16,16 @@
 #include "idl/solid.h"
 #include "idl/teaching.h"
 
-/// The structs that travel, as idlc makes them of idl/*.idl, under the project's names.
+/// The structs that are sent over DDS, as idlc generates them from idl/*.idl, under the
+/// project's names.
 namespace palpate::wire {
 
 /// Topic descriptor of a wire type.
 template <class T>
 const dds_topic_descriptor_t& Descriptor();
 
-// Those that have topics: the loop's, and all others.  Who makes a template for each of them counts
-// them by these.
+// The types that have topics: those of the loop, and all others.  Use these lists to instantiate a
+// template for each type.
 // clang-format off
 #define PALPATE_LOOP_TYPES(X) X(HapticPose) X(Wrench)
 #define PALPATE_SERVICE_TYPES(X) \
@@ -44,7 +45,7 @@ PALPATE_LOOP_TYPES(PALPATE_WIRE_TYPE)
 PALPATE_SERVICE_TYPES(PALPATE_WIRE_TYPE)
 #undef PALPATE_WIRE_TYPE
 
-// Parts of them.
+// Types that are members of these.
 using SessionPhase = palpate_SessionPhase;
 using WholeWish = palpate_WholeWish;
 using CutEvent = palpate_CutEvent;
@@ -57,8 +58,8 @@ using ReplayMark = palpate_ReplayMark;
 using ReplayGap = palpate_ReplayGap;
 using ReplayWish = palpate_ReplayWish;
 
-/// Rows of a Wrench that stand for contacts where effects are at work: the two after these are what
-/// effects give, those that are passive and those that are not.
+/// The number of a Wrench's rows that stand for contacts if effects are active.  The two rows after
+/// them are the forces of passive effects and of those that are not.
 inline constexpr int kContactRows = 4;
 
 // Loop types have no padding, so that the C struct is the CDR payload byte for byte (a test

@@ -3,7 +3,7 @@
 #include <cinttypes>
 #include <cstdio>
 
-#define XXH_INLINE_ALL  // so that who links this needs no library of it
+#define XXH_INLINE_ALL  // so that programs need not link its library
 #include <xxhash.h>
 
 #include "common/error.h"

@@ -6,11 +6,11 @@
 
 namespace palpate {
 
-/// XXH3 (64 bits) of a scene bundle's bytes: what SceneBundle.hash names a scene by.
+/// Returns the XXH3 hash (64 bits) of a scene bundle's bytes, by which SceneBundle.hash identifies
+/// a scene.
 std::uint64_t BundleHash(std::span<const std::uint8_t> bytes);
 
-/// For wherever a bundle comes in with its hash: throws Error where that is not the hash of its
-/// bytes, so that none is taken for another.
+/// Checks a bundle that arrives with its hash: throws Error if the hash is not that of its bytes.
 /// @param source  names the bundle in the message.
 void CheckBundleHash(std::span<const std::uint8_t> bytes, std::uint64_t hash,
                      const std::string& source);

@@ -26,8 +26,8 @@ void WriteOutput(const std::string& option, const std::string& file, const std::
     if (std::fputs(text.c_str(), stdout) < 0 || std::fflush(stdout) != 0) Fail(option, file, errno);
     return;
   }
-  // Beside it first, then in its place: whoever reads it, or is cut off here, has one or the other.
-  // Not so a device, a pipe and what a link leads to.
+  // Writes a new file and renames it, so that the old or the new file is complete at any time.
+  // Devices, pipes and targets of links are written directly.
   std::error_code none;
   const auto type = std::filesystem::symlink_status(file, none).type();
   const bool in_place =

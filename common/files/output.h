@@ -4,14 +4,14 @@
 
 namespace palpate {
 
-/// Puts a program's result into a file, or on standard output where that is "-".  A file is whole
-/// at any time: who reads it meanwhile has the former one.  Throws Error (file, remedy), and leaves
-/// the former one.
-/// @param option  that named the file, as "--json".
+/// Writes a program's result to a file, or to standard output if the name is "-".  The file is
+/// replaced atomically: a concurrent reader sees the old one or the new one, complete.  Throws
+/// Error (file, remedy), and then leaves the old file unchanged.
+/// @param option  the one that named the file: "--json".
 void WriteOutput(const std::string& option, const std::string& file, const std::string& text);
 
-/// Throws what WriteOutput would, before the work that the result comes from.  What the file holds
-/// stays; a file that was not there is, empty.
+/// Throws what WriteOutput would throw, before the work whose result is to be written.  An existing
+/// file keeps its contents; a missing one is created empty.
 void CheckOutput(const std::string& option, const std::string& file);
 
 }  // namespace palpate

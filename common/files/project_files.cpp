@@ -10,7 +10,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// @field installed  below share/palpate.   @field checkout  below the repository's root.
+/// @field installed  path below share/palpate.
+/// @field checkout  path below the repository's root.
 struct Places {
   std::string_view installed, checkout;
 };
@@ -38,7 +39,7 @@ Places PlacesOf(ProjectFile file) {
 }
 
 std::string& Offered() {
-  static std::string folder;  // and a colon
+  static std::string folder;  // followed by a colon
   return folder;
 }
 

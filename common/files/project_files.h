@@ -4,40 +4,41 @@
 
 namespace palpate {
 
-/// Files that come with the programs, which find them by where they stand themselves: nothing is
-/// fixed when they are built, so a package, a prefix of one's own and a checkout work alike.
+/// Files that come with the programs.  A program finds them relative to its own location; no path
+/// is fixed at build time, so a package, a private prefix and a checkout work alike.
 enum class ProjectFile {
-  kCatalogue,     ///< folder of the scenes' files
-  kExercises,     ///< folder of the exercises that come with them
+  kCatalogue,     ///< folder of the scene files
+  kExercises,     ///< folder of the exercises that come with the scenes
   kPage,          ///< folder of the built web page
-  kModels,        ///< folder of npm's packages with meshes
+  kModels,        ///< folder of the npm packages with meshes
   kSharedMemory,  ///< iox-roudi's pools
-  kDevicePages,   ///< folder of the pages about arms, which messages name
-  kRealTimePage,  ///< page about what a host needs for 1 kHz
+  kDevicePages,   ///< folder of the pages about arms, to which messages refer
+  kRealTimePage,  ///< page on what a host needs for 1 kHz
   kPlots,         ///< script that draws the pictures of palpate-bench's reports
 };
 
-/// Folder of the programs: what $PALPATE_PROGRAMS names, else that of the running one.  A program
-/// of somebody else's, who links the library, or Python, has none of them beside it: then what was
-/// offered and the PATH are asked where palpate-import is.
+/// Returns the folder of the programs: $PALPATE_PROGRAMS if it is set, else that of the running
+/// program.  Python, or a user's program that links the library, has no programs beside it;
+/// palpate-import is then searched for in the folder given to OfferProgramFolder and on the PATH.
 std::string ProgramFolder();
 
-/// Where a wheel of Python has brought palpate-import.  To be called before there are threads.
+/// Sets the folder in which a Python wheel has installed palpate-import.  Call it before there
+/// are threads.
 void OfferProgramFolder(const std::string& folder);
 
-/// Empty where it is gone.
+/// Returns the working folder; empty if it has been deleted.
 std::string WorkingFolder();
 
-/// Its place: in ../share/palpate of the program's folder where it is there (installed), else in
-/// the checkout that the program was built in, of which its folder is build/<preset>/bin.  Need not
-/// be there.
-/// @param program_folder  ProgramFolder(), but for tests.
+/// Returns the path of a file: ../share/palpate, seen from the program's folder, if it is there
+/// (installed), else in the checkout in which the program was built, where the program's folder is
+/// build/<preset>/bin.  The file need not exist.
+/// @param program_folder  ProgramFolder(), except in tests.
 std::string PlaceOf(ProjectFile file, const std::string& program_folder = ProgramFolder());
 
-/// Its place for a message, in a form that a shell takes: from the working folder where it is below
-/// that, and from the repository's root where neither program nor package has it (Python's does
-/// not).
-/// @param program_folder, working_folder  the process's, but for tests.
+/// Returns the path of a file for a message, in a form that a shell accepts: relative to the
+/// working folder if it is below that, and relative to the repository's root if neither the program
+/// nor a package contains it (Python's does not).
+/// @param program_folder, working_folder  those of the process, except in tests.
 std::string ShownPlaceOf(ProjectFile file, const std::string& program_folder = ProgramFolder(),
                          const std::string& working_folder = WorkingFolder());
 

@@ -5,8 +5,8 @@
 namespace palpate {
 namespace {
 
-/// What else the loader asks for: "libncurses.so.5: cannot open shared object file: ..." while it
-/// was asked for another file.  Empty where that is not what it says.
+/// Returns the missing library in a loader's message such as "libncurses.so.5: cannot open shared
+/// object file: ..." about another file; empty if the message is a different one.
 std::string MissingDependency(const std::string& message, const std::string& file) {
   static const std::string kCannotOpen = ": cannot open shared object file";
   const std::size_t end = message.find(kCannotOpen);
@@ -31,7 +31,7 @@ void* LoadSharedLibrary(const std::vector<std::string>& candidates, const Shared
                         std::string& file) {
   std::string tried;
   for (const std::string& candidate : candidates) {
-    // NOW: a function that is missing shows here, and not within a tick.
+    // NOW: a missing function is detected here and not within a tick.
     if (void* handle = dlopen(candidate.c_str(), RTLD_NOW | RTLD_LOCAL)) {
       file = candidate;
       return handle;

@@ -10,48 +10,48 @@
 
 namespace palpate {
 
-/// What the messages about a library say that is loaded while a program runs: a vendor's, or one of
-/// somebody's own.
+/// The words for messages about a library that is loaded at run time: a vendor's, or a user's own.
 struct SharedLibraryWords {
-  std::string who;      ///< wants it: "--device NAME", "file:line: field"; begins each message
+  std::string who;      ///< what needs it: "--device NAME", "file:line: field"; begins each message
   std::string library;  ///< "HD library"
-  std::string install;  ///< the remedy where there is none: "install ..."
-  /// Of the environment: names another file, which is then tried alone; null: there is none.
+  std::string install;  ///< the remedy if it is missing: "install ..."
+  /// Environment variable that names another file, which alone is then tried; null: none.
   const char* variable = nullptr;
-  std::vector<std::string> files;  ///< to try without it, in their order
-  /// Where it has not all functions: what it is then, and the remedy: "it is not ...; install ...".
+  std::vector<std::string> files;  ///< to try, in this order, if the variable is not set
+  /// What the library is if functions are missing, and the remedy: "it is not ...; install ...".
   std::string not_it;
-  /// What brings a library that this one needs in its turn; empty: Debian does.
+  /// Returns how to install a library that this one depends on; empty: it is in Debian.
   std::string (*remedy_for)(const std::string& dependency) = nullptr;
 
-  /// The variable's file alone, or else those that there are.
+  /// Returns the files to try: the variable's alone if it is set, else `files`.
   std::vector<std::string> Candidates() const;
-  /// The end of a remedy.
+  /// Returns the end of a remedy that names the variable; empty if there is none.
   std::string OrVariable() const {
     return variable ? std::string(", or name the file in ") + variable : "";
   }
 };
 
-/// Loads the first of them that there is.  It stays loaded: such libraries have threads of their
-/// own.  Throws Error: no such file (every name that was tried, with the loader's own words), or a
-/// library that it needs in its turn is missing.
-/// @param file  as it was found.
+/// Loads the first candidate that exists.  It stays loaded, because such libraries have their own
+/// threads.  Throws Error if no candidate exists (names each one tried, with the loader's message),
+/// or if a library that it depends on is missing.
+/// @param file  out: the name that was loaded.
 void* LoadSharedLibrary(const std::vector<std::string>& candidates, const SharedLibraryWords& words,
                         std::string& file);
 
-/// Throws Error where it was built for another version of its interface: not of 1 to `known`.
-/// @param symbol  what told the version.   @param header  what it is to be built with.
+/// Throws Error if the library was built for a version of the interface that is not 1 to `known`.
+/// @param symbol  function that returned the version.
+/// @param header  the header to build it with.
 void CheckAbi(std::uint32_t version, std::uint32_t known, const std::string& who,
               const std::string& symbol, const std::string& header);
 
-/// Such a library, with its symbols.
-/// @tparam Table  has them as members, and tells each with its name: ForEach(visit).
+/// A library loaded at run time, with its functions.
+/// @tparam Table  has the functions as members; ForEach(visit) calls visit(member, name) for each.
 template <class Table>
 struct SharedLibrary {
-  std::string file;  ///< as it was found
+  std::string file;  ///< the name that was loaded
   Table functions;
 
-  /// Throws Error as LoadSharedLibrary does, and where functions are missing, which it names.
+  /// Throws Error as LoadSharedLibrary does, and if functions are missing, which it names.
   static SharedLibrary Load(const std::vector<std::string>& candidates,
                             const SharedLibraryWords& words) {
     SharedLibrary library;

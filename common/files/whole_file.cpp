@@ -15,7 +15,7 @@
 namespace palpate {
 namespace {
 
-/// Read at a time where a file does not tell how much it holds.
+/// Bytes read at a time if a file does not report its size.
 constexpr std::size_t kPiece = 64 * 1024;
 
 [[noreturn]] void Refuse(const std::string& flag, const std::string& file, const std::string& why,
@@ -27,7 +27,7 @@ constexpr std::size_t kPiece = 64 * 1024;
   Refuse(flag, file, std::generic_category().message(error), "check the name and the rights");
 }
 
-/// In words: what is no regular file.
+/// Returns in words what a file is that is not regular.
 const char* KindOf(mode_t mode) {
   if (S_ISDIR(mode)) return "is a folder";
   if (S_ISFIFO(mode)) return "is a pipe";
@@ -39,7 +39,7 @@ const char* KindOf(mode_t mode) {
   Refuse(flag, file, KindOf(mode), "give the name of a regular file");
 }
 
-/// "64 MiB", in the largest unit that divides it.
+/// Returns "64 MiB": a size in the largest unit that divides it.
 std::string InWords(std::uint64_t bytes) {
   const char* const units[] = {" bytes", " KiB", " MiB", " GiB"};
   std::size_t unit = 0;
@@ -72,12 +72,13 @@ class Descriptor {
 
 int OpenRegularFile(const std::string& file, std::uint64_t most, const std::string& flag,
                     const FileCheck& check) {
-  // A pipe without a writer would be waited for, a terminal would become this process's own.
+  // NONBLOCK: open would wait for the writer of a pipe.  NOCTTY: a terminal would become this
+  // process's controlling terminal.
   Descriptor fd(open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
   struct stat status {};
   if (fd.get() < 0) {
     const int error = errno;
-    // A socket cannot be opened at all, which "No such device or address" says to nobody.
+    // A socket cannot be opened at all; "No such device or address" would not explain that.
     if (stat(file.c_str(), &status) == 0 && S_ISSOCK(status.st_mode)) {
       RefuseKind(flag, file, status.st_mode);
     }
@@ -97,7 +98,7 @@ std::string ReadWholeFile(const std::string& file, std::uint64_t most, const std
   if (fstat(fd.get(), &status) != 0) RefuseUnreadable(flag, file, errno);
   std::string text;
   std::size_t size = 0;
-  // One byte more than it says, so that a file that does not grow is read without a second piece.
+  // One byte more than the reported size, so that a file that does not grow is read in one piece.
   text.resize(status.st_size > 0 ? static_cast<std::size_t>(status.st_size) + 1 : kPiece);
   for (;;) {
     if (size == text.size()) text.resize(size + std::max(kPiece, size / 2));

@@ -16,7 +16,7 @@ bool IsDigit(char c) {
   return c >= '0' && c <= '9';
 }
 
-/// Of "host" or "host:port" what stands before the port; nothing where the rest is no port.
+/// Returns the host of "host" or "host:port"; nothing if the rest is no port.
 std::optional<std::string_view> WithoutPort(std::string_view authority, std::size_t host_ends) {
   const std::string_view rest = authority.substr(host_ends);
   const bool is_port = rest.size() > 1 && rest.size() <= 6 && rest.front() == ':' &&
@@ -46,14 +46,14 @@ bool IsOwnHost(std::string_view authority, const std::vector<std::string>& names
     const auto host = WithoutPort(authority, end + 1);
     if (!host) return false;
     const std::string_view address = host->substr(1, end - 1);
-    // inet_pton reads up to a zero; without an interface (%eth0), which no browser sends.
+    // inet_pton stops at a zero byte.  A zone (%eth0) is not accepted; no browser sends one.
     return address.find('\0') == std::string_view::npos && IsAddress(AF_INET6, address);
   }
   const auto host = WithoutPort(authority, std::min(authority.find(':'), authority.size()));
   if (!host || !IsHostName(*host)) return false;
   const std::string name = LowerCase(*host);
   if (name == "localhost" || std::ranges::find(names, name) != names.end()) return true;
-  return IsAddress(AF_INET, name);  // four numbers: no other spelling of an address
+  return IsAddress(AF_INET, name);  // four numbers; other notations are not accepted
 }
 
 std::optional<HostRefusal> RefuseHost(int hosts, std::string_view authority,

@@ -7,30 +7,32 @@
 
 namespace palpate {
 
-/// True for the Host of a request that is meant for the program that it has reached: an address in
-/// numbers, `localhost`, or a name that its owner has configured; with any port, since proxies and
-/// containers map them.  Any other name may be one of somebody's page whose DNS leads here (DNS
-/// rebinding): to the browser all that is answered would be that page's own.
+/// Returns true if a request's Host header names this program: a numeric address, `localhost`, or a
+/// name that the owner has configured, with any port, since proxies and containers map ports.  Any
+/// other name might be that of an attacker's page whose DNS points here (DNS rebinding): the
+/// browser would then treat our answers as that page's own.
 ///
-/// The host's own name is not accepted by itself: DHCP may set it, and mDNS and LLMNR let
-/// everybody in the network answer for it.  `--host-name "$(hostname)"` says that it is trusted.
-/// @param authority  the header, as it came.   @param names  in small letters.
+/// The host's own name is not accepted by default: DHCP may set it, and with mDNS and LLMNR anybody
+/// in the network can answer for it.  `--host-name "$(hostname)"` declares it trusted.
+/// @param authority  the header as received.
+/// @param names  configured names, in lower case.
 bool IsOwnHost(std::string_view authority, const std::vector<std::string>& names);
 
-/// Why a request is refused for its Host.
+/// The answer to a request that is refused for its Host.
 struct HostRefusal {
-  int status = 0;      ///< of HTTP
-  std::string reason;  ///< for whoever asks, and for the log; names the flag
+  int status = 0;      ///< HTTP status
+  std::string reason;  ///< for the client and the log; names the flag
 };
 
-/// The rule of IsOwnHost for a request; nothing: it may go on.
-/// @param hosts    how many Host headers it has.   @param authority  the first of them.
-/// @param program  whose flag lets a name in: "palpate-viewer".
+/// Applies the rule of IsOwnHost to a request; nothing if it is accepted.
+/// @param hosts    number of its Host headers.
+/// @param authority  the first of them.
+/// @param program  the program whose flag allows a name: "palpate-viewer".
 std::optional<HostRefusal> RefuseHost(int hosts, std::string_view authority,
                                       const std::vector<std::string>& names,
                                       const std::string& program);
 
-/// A name as a Host has it: letters, digits, '-', '_' and '.', 253 at most.
+/// Returns true if a text can be a host name: letters, digits, '-', '_' and '.', at most 253.
 bool IsHostName(std::string_view name);
 
 }  // namespace palpate

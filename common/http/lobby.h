@@ -8,27 +8,28 @@
 
 namespace palpate {
 
-/// The connections that speak HTTP: bounded in all, and for each address from elsewhere.  When one
-/// more comes, the one that has waited longest for a request makes room for it: nobody shuts others
-/// out by holding connections open.
-/// Thread contract: one thread.  Time is given [ns].
+/// The HTTP connections of a server, limited in total and per remote address.  A newcomer displaces
+/// the connection that has waited longest for a request, so that nobody can lock others out by
+/// holding connections open.
+/// Thread contract: one thread.  The caller passes the time [ns].
 class Lobby {
  public:
   using Id = std::uint64_t;
 
-  /// @param most_of_an_address  half of all, say: a class may share one, behind a router.
+  /// @param most_of_an_address  limit per remote address.  Half of all, say: a class behind a
+  /// router shares one address.
   Lobby(std::size_t most, std::size_t most_of_an_address)
       : most_(most), most_of_an_address_(most_of_an_address) {}
 
-  /// Lets one in, which waits for its first request.  Nothing: there is no room, and all that could
-  /// make it are being answered.
-  /// @param address  empty: this host's own, which is not bounded apart.
-  /// @param close    called at most once, where it has to make room.
+  /// Admits a connection, which then waits for its first request.  Returns nothing if there is no
+  /// room and every connection that could be displaced is being answered.
+  /// @param address  empty: this host's own, which has no limit of its own.
+  /// @param close    called at most once, when the connection is displaced.
   std::optional<Id> Enter(const std::string& address, std::function<void()> close,
                           std::int64_t now_ns);
-  /// It waits for a request from now on.
+  /// Marks a connection as waiting for a request from now on.
   void Wait(Id id, std::int64_t now_ns);
-  /// It is being answered, and stays.
+  /// Marks a connection as being answered, so that it is not displaced.
   void Serve(Id id);
   void Leave(Id id) { guests_.erase(id); }
 
@@ -40,7 +41,8 @@ class Lobby {
     std::function<void()> close;
     std::optional<std::int64_t> waits_since_ns;
   };
-  /// Room for one more of these; makes it where it can.
+  /// Ensures room for one more of those that `counts` selects, by displacing one; false if
+  /// it cannot.
   bool MakeRoom(std::size_t most, const std::function<bool(const Guest&)>& counts);
 
   std::size_t most_;

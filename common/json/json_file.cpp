@@ -23,7 +23,7 @@ struct JsonNode::Value {
   int line = 1;
   double number = 0.0;
   std::string string;
-  std::string name;  // as a member of an object
+  std::string name;  // of a member of an object
   std::vector<Value> members;
 };
 
@@ -36,7 +36,8 @@ namespace {
 
 using Value = JsonNode::Value;
 constexpr std::size_t kMaxDepth = 32;  // far beyond any scene; bounds the recursion of destructors
-/// Each takes 112 bytes, however few of the text: so they take 200 MB at most.
+/// Limit on the number of values.  Each takes 112 bytes however short its text is, so 200 MB
+/// in all.
 constexpr std::size_t kMaxValues = 2'000'000;
 
 [[noreturn]] void FailAt(const std::string& file, int line, const std::string& message) {
@@ -49,13 +50,13 @@ const char* KindName(int kind) {
   return kNames[kind];
 }
 
-/// Where the parser has read to.
+/// The parser's present position.
 struct Position {
   int line = 1;
   bool at_line_end = false;  ///< the character read last ended a line
 };
 
-/// Counts lines as the parser reads on.
+/// Counts lines while the parser reads.
 class LineCounter {
  public:
   using iterator_category = std::input_iterator_tag;
@@ -109,7 +110,7 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
     v.string = std::move(value);
     return Add(std::move(v));
   }
-  bool binary(binary_t&) override { return false; }  // JSON text has none
+  bool binary(binary_t&) override { return false; }  // does not occur in JSON text
   bool start_object(std::size_t) override { return Open(Value::kObject); }
   bool start_array(std::size_t) override { return Open(Value::kArray); }
   bool end_object() override { return Close(); }
@@ -150,7 +151,8 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
           "has more than " + std::to_string(kMaxValues) + " values; no scene or mesh needs them");
     }
     value.line = position_.line;
-    // The end of a number shows only in the character after it, which may be the line's end.
+    // The parser notices the end of a number only at the next character, which may be the
+    // line's end.
     if (value.kind == Value::kNumber && position_.at_line_end) --value.line;
     if (open_.empty()) {
       root = std::move(value);
@@ -352,7 +354,7 @@ Vec3 JsonNode::Vector(double most) const {
 }
 
 Pose JsonNode::ReadPose() const {
-  // No server takes a pose further than 100 m away; beyond some 1e300 arithmetic ends.
+  // No server accepts a pose more than 100 m away; arithmetic overflows beyond some 1e300.
   constexpr double kFar_mm = 1e5, kMostTurns_deg = 1e5, kLongestAxis = 1e6;
   Pose pose;
   if (auto position = Find("position_mm")) pose.p = 1e-3 * position->Vector(kFar_mm);

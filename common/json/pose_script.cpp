@@ -28,7 +28,7 @@ PoseScript PoseScript::Parse(std::string_view text, const std::string& file) {
       time.Fail("is not after the key before; give keys in the order of their times");
     }
     key.X_WH = item.ReadPose();
-    // A key without position or rotation keeps that of the key before.
+    // A key without position or rotation keeps that of the previous key.
     if (!keys.empty() && !item.Has("position_mm")) key.X_WH.p = keys.back().X_WH.p;
     if (!keys.empty() && !item.Has("rotation_deg") && !item.Has("quaternion_wxyz")) {
       key.X_WH.q = keys.back().X_WH.q;

@@ -2,9 +2,9 @@
 
 namespace palpate {
 
-/// The float nearest to a double.  A function, because GCC 12's vectoriser takes double -> float ->
-/// double for nothing done, and so loses the rounding that a bounding radius must allow for; not
-/// through a volatile.
+/// Returns the float nearest to a double.  GCC 12's vectoriser removes a conversion double -> float
+/// -> double, and so loses the rounding for which a bounding radius must allow; the volatile
+/// prevents this.
 inline float RoundToFloat(double value) {
   const volatile float rounded = static_cast<float>(value);
   return rounded;

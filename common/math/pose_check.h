@@ -6,8 +6,8 @@
 
 namespace palpate {
 
-/// Whether all numbers are finite and the quaternion's length is 1, to the digits that people
-/// write.
+/// Returns whether all numbers are finite and the squared length of the quaternion is 1 within
+/// 1e-3, enough for numbers typed by people.
 inline bool IsPose(const Pose& X) {
   return X.p.allFinite() && std::abs(X.q.squaredNorm() - 1.0) < 1e-3;
 }

@@ -7,8 +7,8 @@
 
 namespace palpate {
 
-/// Deterministic random numbers, the same on every platform (the standard's distributions are not).
-/// splitmix64, Steele et al., OOPSLA 2014.
+/// Deterministic random numbers, the same on every platform (the standard library's distributions
+/// are not). splitmix64, Steele et al., OOPSLA 2014.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}

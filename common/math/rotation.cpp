@@ -7,8 +7,8 @@
 namespace palpate {
 namespace {
 
-/// atan(t) for 0 <= t <= 1: two half-angle steps bring t below 0.2, where the series to t^23 is
-/// exact to rounding.
+/// Returns atan(t) for 0 <= t <= 1: two half-angle steps bring t below 0.2, where the series to
+/// t^23 is exact to rounding.
 double AtanUnit(double t) noexcept {
   t = t / (1.0 + std::sqrt(1.0 + t * t));
   t = t / (1.0 + std::sqrt(1.0 + t * t));
@@ -18,7 +18,7 @@ double AtanUnit(double t) noexcept {
   return 4.0 * t * sum;
 }
 
-/// Angle of the vector (c, s), both >= 0 and not both 0, in [0, pi/2].
+/// Returns the angle of the vector (c, s), both >= 0 and not both 0, in [0, pi/2].
 double AngleFirstQuadrant(double s, double c) noexcept {
   constexpr double kHalfPi = 1.57079632679489661923;
   return s <= c ? AtanUnit(s / c) : kHalfPi - AtanUnit(c / s);
@@ -27,7 +27,7 @@ double AngleFirstQuadrant(double s, double c) noexcept {
 }  // namespace
 
 Quat RotationExp(const Vec3& phi) noexcept {
-  // Half the angle is halved until it is small, the series taken, and the quaternion squared back.
+  // Halves half the angle until it is small, evaluates the series, and squares the quaternion back.
   Vec3 h = 0.5 * phi;
   int doublings = 0;
   while (h.squaredNorm() > 0.0625 && doublings < 64) {
@@ -70,7 +70,8 @@ Quat RotationBetween(const Vec3& from, const Vec3& to) noexcept {
   const double s = std::sqrt((1.0 + cosine) * 2.0);  // twice the cosine of half the angle
   const Vec3 axis = a.cross(b) * (1.0 / s);
   const Quat q(0.5 * s, axis.x(), axis.y(), axis.z());
-  return cosine < 0.0 ? q.normalized() : q;  // where both are nearly opposite, s is a difference
+  return cosine < 0.0 ? q.normalized() : q;  // for nearly opposite vectors s suffers
+                                             // from cancellation
 }
 
 Vec3 RotationLogFrom(const Quat& q, Vec3& turn) noexcept {

@@ -6,9 +6,9 @@
 
 namespace palpate {
 
-/// Solid angle of a triangle seen from the origin, 4 pi at most: above 0 from behind it, where its
-/// corners run clockwise (Van Oosterom & Strackee, IEEE T. Biomedical Engineering 30 (1983)
-/// 125-126).
+/// Returns the signed solid angle of a triangle seen from the origin, at most 4 pi: positive from
+/// behind, where its corners run clockwise (Van Oosterom & Strackee, IEEE T. Biomedical Engineering
+/// 30 (1983) 125-126).
 inline double SolidAngle(const Vec3& a, const Vec3& b, const Vec3& c) {
   const double la = a.norm();
   const double lb = b.norm();

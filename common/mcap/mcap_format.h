@@ -8,9 +8,9 @@
 
 namespace palpate::mcap {
 
-// MCAP, the container of recordings, after its specification 0 (mcap.dev/spec).  Debian has no
-// library for it; of the format, what follows is used: schemas, channels, chunks of messages
-// compressed with zstd, message and chunk indexes, metadata, statistics, summary offsets.
+// MCAP, the container format of recordings, after its specification 0 (mcap.dev/spec).  Debian has
+// no library for it.  The following parts of the format are used: schemas, channels, chunks of
+// messages compressed with zstd, message and chunk indexes, metadata, statistics, summary offsets.
 
 inline constexpr char kMagic[] = "\x89MCAP0\r\n";
 inline constexpr std::size_t kMagicSize = 8;
@@ -21,8 +21,8 @@ inline constexpr std::size_t kRecordHead = 9;
 inline constexpr std::size_t kMostSchemas = 65'535;
 inline constexpr std::size_t kMostChannels = 65'535;
 
-/// Of what names something, and of what metadata say [bytes]: what is longer is no name of ours,
-/// and would fill terminals and pages.
+/// Size limit of names and of metadata [bytes]: we write no longer ones, and they would fill
+/// terminals and pages.
 inline constexpr std::size_t kMostText = 4096;
 
 enum Opcode : std::uint8_t {

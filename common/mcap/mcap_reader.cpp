@@ -18,13 +18,13 @@
 namespace palpate::mcap {
 namespace {
 
-/// No chunk of ours comes near; a file that says more is broken, or means to use up the memory.
+/// Size limit of a chunk.  Ours are far smaller; a file that claims more is broken or malicious.
 constexpr std::uint64_t kMaxChunk = std::uint64_t{1} << 30;
 constexpr std::size_t kMaxProblems = 20;
 constexpr std::uint64_t kLatest_ns = std::numeric_limits<std::int64_t>::max() / 2;
 
-/// Takes fields off a record; once one does not fit, or is a longer text than there may be, ok() is
-/// false and all further ones are empty.
+/// Reads the fields of a record.  Once one does not fit, or is too long a text, ok() is false and
+/// all further fields are empty.
 class Fields {
  public:
   explicit Fields(std::span<const std::uint8_t> bytes) : rest_(bytes) {}
@@ -70,7 +70,7 @@ class Fields {
   }
   std::span<const std::uint8_t> rest() const { return rest_; }
   bool ok() const { return ok_; }
-  /// What is wrong with the record where that is false.
+  /// Returns what is wrong with the record if ok() is false.
   std::string Problem() const {
     return too_long_ ? "has a name of more than " + std::to_string(kMostText) + " bytes: left out"
                      : "is too short for its fields: left out";
@@ -93,7 +93,7 @@ std::string At(std::size_t offset) {
 
 MappedFile::MappedFile(const std::string& file) {
   const int fd =
-      open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe would be waited for
+      open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // open would wait for a pipe's writer
   struct stat status {};
   if (fd < 0 || fstat(fd, &status) != 0) {
     const std::string why = std::strerror(errno);
@@ -134,7 +134,7 @@ bool Reader::TakeRecord(std::span<const std::uint8_t> bytes, std::size_t& at, Re
 
 void Reader::End() {
   ended_ = true;
-  // A reader of many splits keeps those that it has read.
+  // Frees the memory: a reader of many splits keeps a Reader for each.
   std::vector<std::uint8_t>().swap(chunk_);
   if (std::exchange(read_once_, true)) return;
   for (const auto& [channel, messages] : undeclared_) {
@@ -157,8 +157,8 @@ void Reader::AddProblem(const std::string& problem) {
   if (std::ranges::find(problems_, problem) == problems_.end()) problems_.push_back(problem);
 }
 
-/// A file may say again what it has said, but an id stands for one thing: else messages would be
-/// given out under another's name.
+/// Takes a declaration.  A file may repeat one, but not give its id a second meaning: messages
+/// would be returned under another's name.
 template <class Declared>
 void Reader::Declare(std::map<std::uint16_t, Declared>& all, Declared declared, const char* what,
                      std::string Declared::*name) {
@@ -208,14 +208,14 @@ bool Reader::TakeBasic(const Record& record, Message& message) {
 void Reader::OpenChunk(std::span<const std::uint8_t> content, std::size_t offset) {
   first_chunk_ = std::min(first_chunk_, offset);
   Fields fields(content);
-  fields.TakeBytes(16);  // the times of its messages, which they say themselves
+  fields.TakeBytes(16);  // times of its first and last message; not needed
   const auto size = fields.Take<std::uint64_t>();
   const auto crc = fields.Take<std::uint32_t>();
   const std::string compression = fields.TakeString();
   const auto records = fields.TakeBytes(fields.Take<std::uint64_t>());
 
   std::string problem;
-  bool changed = true;  // else it is whole, but of a kind that is not read
+  bool changed = true;  // false: intact, but of an unsupported kind
   if (!fields.ok() || size > kMaxChunk) {
     problem = "says impossible sizes";
   } else if (compression.empty()) {
@@ -292,7 +292,7 @@ bool Reader::Next(Message& message) {
     } else if (record.opcode == kDataEnd) {
       const auto crc = Fields(record.content).Take<std::uint32_t>();
       bool changed = crc != 0 && crc != Crc(bytes_.first(offset));
-      // What follows repeats; all that matters is that its end is there, and that it is as written.
+      // The summary repeats earlier records; check only that it is complete and unaltered.
       const auto index = bytes_.subspan(at_);
       complete_ = index.size() >= kMagicSize + sizeof crc &&
                   std::memcmp(&index[index.size() - kMagicSize], kMagic, kMagicSize) == 0;
@@ -309,7 +309,7 @@ bool Reader::Next(Message& message) {
       }
     } else if (record.opcode == 0 || record.opcode == kFooter ||
                (record.opcode == kMessage && offset > first_chunk_)) {
-      // Who writes chunks writes no messages outside of them.
+      // A writer of chunks writes no messages outside of them.
       damaged_ = true;
       Stop(source_ + ": has a record that cannot be there" + At(offset));
     } else if (TakeBasic(record, message)) {

@@ -14,14 +14,14 @@ namespace palpate::mcap {
 struct Message {
   const Channel* channel = nullptr;
   std::uint32_t sequence = 0;
-  // No earlier than 1970 and no later than 2116, so that no sum of two overflows, whatever a file
-  // says.
+  // Times are between 1970 and 2116, so that the sum of two cannot overflow, whatever a
+  // file contains.
   std::int64_t log_time_ns = 0;
   std::int64_t publish_time_ns = 0;
-  std::span<const std::uint8_t> data;  ///< until the next call
+  std::span<const std::uint8_t> data;  ///< valid until the next call
 };
 
-/// A file in memory, as the system pages it in.
+/// A memory-mapped file.
 class MappedFile {
  public:
   /// Throws Error (file, the system's reason).
@@ -36,33 +36,33 @@ class MappedFile {
   std::span<const std::uint8_t> bytes_;
 };
 
-/// Reads an MCAP file in order, from first byte to last, believing nothing: a file that was cut
-/// off, or whose bytes have changed, gives what of it is whole, and the reason why not more.
+/// Reads an MCAP file in order, from first byte to last, and trusts nothing in it: from a file that
+/// was cut off or altered it gives the part that is intact, and the reason why it stops there.
 class Reader {
  public:
-  /// @param bytes   the file; must outlive the reader.
+  /// @param bytes   the file's bytes; must outlive the reader.
   /// @param source  names it in messages.
-  /// Throws Error where it does not begin as an MCAP file does.
+  /// Throws Error if the file does not begin with MCAP's magic bytes.
   Reader(std::span<const std::uint8_t> bytes, std::string source);
 
-  /// The next message, in the file's order; false at the end, or where it cannot go on.
+  /// Reads the next message, in file order; false at the end, or if it cannot go on.
   bool Next(Message& message);
 
-  /// Where the chunk of the last message begins (or that message, where it is in none).
+  /// Returns the offset of the last message's chunk, or of the message itself if it is in none.
   std::size_t offset() const { return offset_; }
-  /// Goes on from an offset that it has given, or from kMagicSize, the beginning.  What is met
-  /// again is not told again: neither problems nor metadata.
+  /// Continues from an offset that offset() has returned, or from kMagicSize, the beginning.
+  /// Problems and metadata that are read a second time are not reported again.
   void GoTo(std::size_t offset);
-  /// The file has grown, after Next has returned false for it had no end: goes on from there.
+  /// Continues with a file that has grown, after Next has returned false because it had no end.
   void Grow(std::span<const std::uint8_t> bytes);
 
-  /// Once Next has returned false: true where the file has its end (a footer).
+  /// Valid after Next has returned false: true if the file has its end (a footer).
   bool complete() const { return complete_; }
-  /// True where bytes have changed, as opposed to being cut off.
+  /// Returns true if bytes were altered, as opposed to cut off.
   bool damaged() const { return damaged_; }
-  /// What is wrong with it, a sentence each; none where it is whole.
+  /// Returns what is wrong with the file, a sentence each; empty if it is intact.
   const std::vector<std::string>& problems() const { return problems_; }
-  /// Of what has been read so far.
+  /// Metadata, schemas and channels read so far.
   const std::vector<Metadata>& metadata() const { return metadata_; }
   const std::map<std::uint16_t, Schema>& schemas() const { return schemas_; }
   const std::map<std::uint16_t, Channel>& channels() const { return channels_; }
@@ -72,9 +72,9 @@ class Reader {
     std::uint8_t opcode;
     std::span<const std::uint8_t> content;
   };
-  /// The record at `at`, and moves on; false where none fits.
+  /// Reads the record at `at` and advances; false if no whole record is left.
   static bool TakeRecord(std::span<const std::uint8_t> bytes, std::size_t& at, Record& record);
-  /// Schema, Channel or Message; true for a message that can be given out.
+  /// Takes a Schema, Channel or Message record; true for a message that can be returned.
   bool TakeBasic(const Record& record, Message& message);
   template <class Declared>
   void Declare(std::map<std::uint16_t, Declared>& all, Declared declared, const char* what,
@@ -90,14 +90,14 @@ class Reader {
   std::size_t at_ = 0, offset_ = 0;
   std::vector<std::uint8_t> chunk_;
   std::size_t chunk_at_ = 0, chunk_offset_ = 0;
-  std::size_t first_chunk_ = std::numeric_limits<std::size_t>::max();  // its offset
-  std::size_t seen_ = 0;  // metadata up to here have been told
+  std::size_t first_chunk_ = std::numeric_limits<std::size_t>::max();  // offset of the first chunk
+  std::size_t seen_ = 0;  // metadata before this offset have been reported
   bool ended_ = false, read_once_ = false, complete_ = false, damaged_ = false;
   std::vector<std::string> problems_;
   std::vector<Metadata> metadata_;
   std::map<std::uint16_t, Schema> schemas_;
   std::map<std::uint16_t, Channel> channels_;
-  std::map<std::uint16_t, std::uint64_t> undeclared_;  // messages, by channel
+  std::map<std::uint16_t, std::uint64_t> undeclared_;  // number of messages, by channel
 };
 
 }  // namespace palpate::mcap

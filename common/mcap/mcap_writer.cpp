@@ -17,7 +17,8 @@
 namespace palpate::mcap {
 namespace {
 
-/// Of zstd's 22: at 1 kHz less than a hundredth of a core, and higher ones gain little on numbers.
+/// Compression level, of zstd's 22: it takes less than a hundredth of a core at 1 kHz, and higher
+/// levels gain little on numbers.
 constexpr int kLevel = 3;
 
 using Bytes = std::vector<std::uint8_t>;
@@ -36,8 +37,8 @@ void PutString(Bytes& out, const std::string& text) {
   PutInteger(out, static_cast<std::uint32_t>(text.size()));
   PutBytes(out, text.data(), text.size());
 }
-/// Values come from elsewhere: a file's name, a scene's, a reason.  Readers take them for UTF-8,
-/// and ours for no more than so long.
+/// Writes a map.  Its values come from outside (names of files and scenes, reasons): readers expect
+/// UTF-8, and ours a limited length.
 void PutMap(Bytes& out, const StringMap& map) {
   Bytes content;
   for (const auto& [key, value] : map) {
@@ -48,7 +49,7 @@ void PutMap(Bytes& out, const StringMap& map) {
   PutBytes(out, content.data(), content.size());
 }
 
-/// Opens a record; its length is set by the destructor.
+/// A record being written; the destructor sets its length.
 class Record {
  public:
   Record(Bytes& out, Opcode opcode) : out_(out) {
@@ -130,7 +131,7 @@ Writer::~Writer() {
   try {
     Close();
   } catch (...) {
-    // Close() is there for those who want to know.
+    // Call Close() to learn of errors.
   }
   ZSTD_freeCCtx(zstd_);
 }
@@ -142,7 +143,7 @@ void Writer::Put(std::span<const std::uint8_t> bytes) {
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) {
       const std::string why = n < 0 ? std::strerror(errno) : "nothing was written";
-      // Half a record would end the file for every reader.  A device has no size to set.
+      // Half a record would end the file for every reader.  The size of a device cannot be set.
       struct stat status {};
       if (fstat(fd_, &status) == 0 && S_ISREG(status.st_mode)) {
         if (ftruncate(fd_, static_cast<off_t>(size_)) == 0) lseek(fd_, 0, SEEK_END);
@@ -193,7 +194,7 @@ void Writer::Flush() {
   try {
     WritePending();
   } catch (...) {
-    // Memory, too, which may be what there was too little of.
+    // Frees memory, which may be what was lacking.
     index_.clear();
     Bytes().swap(chunk_);
     Bytes().swap(out_);
@@ -203,7 +204,7 @@ void Writer::Flush() {
 
 void Writer::WritePending() {
   out_.clear();
-  // Outside of the chunk, so that a chunk may be skipped, and is found before its messages.
+  // Written outside of the chunk, so that a reader that skips the chunk still finds them.
   for (std::size_t i = schemas_written_; i < schemas_.size(); ++i) PutSchema(out_, schemas_[i]);
   for (std::size_t i = channels_written_; i < channels_.size(); ++i) PutChannel(out_, channels_[i]);
   if (chunk_.empty()) {
@@ -360,7 +361,8 @@ void Writer::BuildSummary(Bytes& out) const {
     const Record record(out, kFooter);
     PutInteger(out, static_cast<std::uint64_t>(size_ + summary));
     PutInteger(out, static_cast<std::uint64_t>(size_ + offsets));
-    // Up to here, with the record's head: its length is set when it closes.
+    // The checksum covers all up to here, including this record's head, whose length is set at
+    // its end.
     Bytes covered(out.begin() + static_cast<std::ptrdiff_t>(summary), out.end());
     covered[covered.size() - 24] = 20;
     PutInteger(out, Crc(0, covered));
@@ -381,7 +383,7 @@ void Writer::Close() {
     end();
     throw;
   }
-  // Some file systems only tell now.
+  // Some file systems report write errors only on close.
   if (!end()) throw Error(file_ + ": " + std::strerror(errno) + "; record to another place");
 }
 

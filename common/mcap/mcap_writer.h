@@ -12,45 +12,47 @@ struct ZSTD_CCtx_s;
 
 namespace palpate::mcap {
 
-/// Writes one MCAP file: chunked, compressed, indexed.  What has been flushed is whole in the file
-/// whatever becomes of this process: each chunk goes out with one write(), and a write that fails
-/// is taken back.  What has been synchronised outlives the machine, too.  Thread contract: one
-/// thread.
+/// Writes one MCAP file: chunked, compressed, indexed.  Flushed data are intact in the file
+/// whatever happens to this process: each chunk is written by one write(), and a write that fails
+/// is undone. Synchronised data also survive a crash of the machine.
+/// Thread contract: one thread.
 class Writer {
  public:
-  /// @param library  who writes, for the header.
-  /// Throws Error where the file cannot be made, or is there already: with `overwrite` it is
-  /// replaced, and who reads the old one keeps it.  A file that could not be begun is not left.
+  /// @param library  name of the writing program, for the header.
+  /// Throws Error if the file cannot be made, or exists already.  With `overwrite` an existing file
+  /// is replaced; a program that has the old one open can go on reading it.  If the start fails, no
+  /// file is left behind.
   Writer(const std::string& file, const std::string& library, bool overwrite = false);
-  /// Closes, if Close was not called; what fails then is lost silently.
+  /// Closes the file if Close was not called; errors are then ignored.
   ~Writer();
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
 
-  /// Throws Error where the file has kMostSchemas.
+  /// Adds a schema.  Throws Error if the file already has kMostSchemas.
   std::uint16_t AddSchema(const std::string& name, const std::string& encoding,
                           const std::string& data);
-  /// Throws Error where the file has kMostChannels.
+  /// Adds a channel.  Throws Error if the file already has kMostChannels.
   std::uint16_t AddChannel(std::uint16_t schema, const std::string& topic,
                            const std::string& message_encoding, const StringMap& metadata = {});
-  /// Puts a message into the open chunk.  Times in ns since 1970.
+  /// Appends a message to the open chunk.  Times are in ns since 1970.
   void Write(std::uint16_t channel, std::uint32_t sequence, std::int64_t log_time_ns,
              std::int64_t publish_time_ns, std::span<const std::uint8_t> data);
-  /// Bytes of the open chunk, uncompressed.
+  /// Uncompressed size of the open chunk [bytes].
   std::size_t pending() const { return chunk_.size(); }
-  /// Closes the open chunk and writes it.  Throws Error (file, the system's reason) where that
-  /// fails, or bad_alloc; the file is then as it was before, and the chunk is dropped.
+  /// Closes the open chunk and writes it.  Throws Error (file, the system's reason) or bad_alloc if
+  /// that fails; the file is then as before, and the chunk is lost.
   void Flush();
-  /// Waits until the disk has what was flushed.  Throws Error where it does not take it.
+  /// Waits until the flushed data are on the disk.  Throws Error if the disk fails.
   void Synchronise();
   /// Flushes, and writes a metadata record.
   void WriteMetadata(const Metadata& metadata);
-  /// Flushes, writes summary and footer, and synchronises; nothing more once that is done.  Throws
-  /// Error as Flush does: the file then ends without them, which readers in order do not mind.
+  /// Flushes, writes summary and footer, and synchronises; does nothing if that is done already.
+  /// Throws Error as Flush does: the file then ends without summary and footer, which a sequential
+  /// reader does not need.
   void Close();
 
   const std::string& file() const { return file_; }
-  /// Bytes in the file.
+  /// Size of the file [bytes].
   std::uint64_t size() const { return size_; }
   std::uint64_t messages() const { return messages_; }
   std::size_t channels() const { return channels_.size(); }
@@ -72,14 +74,14 @@ class Writer {
   int fd_ = -1;
   ZSTD_CCtx_s* zstd_;
   std::uint64_t size_ = 0;
-  std::uint32_t crc_ = 0;  // of all bytes in the file
+  std::uint32_t crc_ = 0;  // over all bytes in the file
   std::vector<Schema> schemas_;
   std::vector<Channel> channels_;
   std::size_t schemas_written_ = 0, channels_written_ = 0;
   std::vector<std::uint8_t> chunk_, out_;
   std::uint64_t chunk_start_ns_ = 0, chunk_end_ns_ = 0;
   std::map<std::uint16_t, std::vector<IndexEntry>> index_;
-  // Of what is in the file.
+  // Describes what has been written to the file.
   std::vector<ChunkPlace> chunks_;
   std::vector<std::pair<std::string, std::pair<std::uint64_t, std::uint64_t>>> metadata_;
   std::map<std::uint16_t, std::uint64_t> channel_messages_;

@@ -2,7 +2,7 @@
 
 namespace palpate {
 
-/// A metric by the conventions of Prometheus: base units, and "_total" for what only grows.
+/// A metric after the conventions of Prometheus: base units, and "_total" for counters.
 struct Metric {
   enum class Kind { kGauge, kCounter };
   Kind kind;
@@ -10,8 +10,8 @@ struct Metric {
   const char* help;
 };
 
-// All metrics that programs of this project expose.  What is of a station has the labels `station`
-// and `scene`, and is there as long as its session is.
+// All metrics that programs of this project expose.  A station's metrics have the labels `station`
+// and `scene`, and exist as long as its session.
 namespace metric {
 
 inline constexpr Metric kServerBuild{Metric::Kind::kGauge, "palpate_server_build_info",

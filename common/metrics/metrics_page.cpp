@@ -21,7 +21,7 @@ void MetricsPage::Add(const Metric& metric, double value, const Labels& labels) 
     family = families_.end() - 1;
   }
   prometheus::ClientMetric& sample = family->metric.emplace_back();
-  // What is no UTF-8 would make the whole page unreadable.
+  // Invalid UTF-8 would make the whole page unreadable.
   for (const auto& [name, text] : labels) sample.label.push_back({name, Printable(text)});
   (counts ? sample.counter.value : sample.gauge.value) = value;
 }

@@ -11,17 +11,18 @@
 
 namespace palpate {
 
-/// Values of metrics on their way to who asks for them.
+/// Collects the values of metrics for one answer.
 class MetricsPage {
  public:
   using Labels = std::vector<std::pair<std::string, std::string>>;
 
-  /// Values of one metric stand together, in the order in which the metrics first come.
+  /// Adds a value.  The values of one metric are grouped; metrics keep the order of their
+  /// first value.
   void Add(const Metric& metric, double value, const Labels& labels = {});
   void Add(const Metric& metric, std::uint64_t value, const Labels& labels = {}) {
     Add(metric, static_cast<double>(value), labels);
   }
-  /// In Prometheus's text format.
+  /// Returns the page in Prometheus's text format.
   std::string ToText() const;
 
  private:
@@ -31,7 +32,7 @@ class MetricsPage {
 /// The content type of ToText's text.
 inline constexpr char kMetricsContentType[] = "text/plain; version=0.0.4; charset=utf-8";
 
-/// Of this process, as the kernel counts it now; 0 where it does not tell.
+/// Returns this process's resident memory as the kernel reports it now; 0 if it does not.
 std::uint64_t ResidentMemoryBytes();
 
 }  // namespace palpate

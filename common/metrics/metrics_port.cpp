@@ -32,10 +32,11 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 using net::ip::tcp;
 
-/// Prometheus asks from one place every few seconds; some may look at the same time.
+/// Limit on connections.  Prometheus asks from one host every few seconds; people may look at the
+/// same time.
 constexpr std::size_t kConnections = 32;
 constexpr std::uint32_t kLargestHeader = 8 * 1024;
-/// For a whole request, however its bytes come, and then for its whole answer.
+/// Time limit for a whole request, and then for its whole answer.
 constexpr std::chrono::seconds kPatience{5};
 constexpr std::chrono::milliseconds kRetry{100};
 constexpr std::string_view kPath = "/metrics";
@@ -75,8 +76,8 @@ MetricsEndpoint ParseMetricsEndpoint(const std::string& text) {
   return endpoint;
 }
 
-/// What the connections share.  Thread contract: made and destroyed by the owner, all else is of
-/// the thread.
+/// The state shared by all connections.  Thread contract: the owner makes and destroys it; all else
+/// runs in the service's thread.
 class MetricsPort::Service {
  public:
   Service(Options options, std::function<void(MetricsPage&)> fill)
@@ -105,7 +106,7 @@ class MetricsPort::Service {
 
   const Options& options() const { return options_; }
   Lobby& lobby() { return lobby_; }
-  /// Throws what whoever fills it throws.
+  /// Throws what the fill function throws.
   std::string Page() const {
     MetricsPage page;
     fill_(page);
@@ -126,7 +127,8 @@ class MetricsPort::Service {
   const Options options_;
   const std::function<void(MetricsPage&)> fill_;
   RateLimit refusals_;
-  // Connections, which handlers of the io_context hold, leave the lobby: it outlives them.
+  // The lobby must outlive the connections, which handlers of the io_context hold and which leave
+  // it when they end.
   Lobby lobby_;
   net::io_context io_{1};
   tcp::acceptor acceptor_;
@@ -146,7 +148,7 @@ class MetricsPort::Connection : public std::enable_shared_from_this<Connection> 
   void Begin() {
     beast::error_code error;
     const tcp::endpoint peer = stream_.socket().remote_endpoint(error);
-    if (error) return;  // it has gone
+    if (error) return;  // the client has left
     who_ = InUrl(peer);
     const auto close = [weak = weak_from_this()] {
       if (const auto self = weak.lock()) self->stream_.close();
@@ -157,7 +159,7 @@ class MetricsPort::Connection : public std::enable_shared_from_this<Connection> 
     if (!place_) return service_.TellRefusal(who_, "there are as many connections as are taken");
     parser_.header_limit(kLargestHeader);
     parser_.body_limit(0);
-    stream_.expires_after(kPatience);  // for all of it: a byte now and then wins no time
+    stream_.expires_after(kPatience);  // for the whole request: sending slowly gains no time
     http::async_read(stream_, input_, parser_,
                      [self = shared_from_this()](beast::error_code result, std::size_t) {
                        self->OnRead(result);
@@ -213,7 +215,9 @@ class MetricsPort::Connection : public std::enable_shared_from_this<Connection> 
     answer_.body() = std::move(text);
     answer_.keep_alive(false);
     answer_.prepare_payload();
-    if (parser_.get().method() == http::verb::head) answer_.body().clear();  // its length stays
+    if (parser_.get().method() == http::verb::head)
+      answer_.body().clear();  // its length
+                               // header remains
     service_.lobby().Serve(*place_);
     stream_.expires_after(kPatience);
     http::async_write(stream_, answer_,
@@ -251,7 +255,7 @@ void MetricsPort::Service::Accept() {
   acceptor_.async_accept([this](boost::system::error_code error, tcp::socket socket) {
     if (error == net::error::operation_aborted) return;
     if (error) {
-      // Out of files, say: others will close some.
+      // For example out of file descriptors, of which others will close some.
       retry_.expires_after(kRetry);
       retry_.async_wait([this](boost::system::error_code stopped) {
         if (!stopped) Accept();

@@ -9,31 +9,31 @@
 
 namespace palpate {
 
-/// Where metrics are to be had: http://ADDRESS:PORT/metrics.
+/// Where metrics are served: http://ADDRESS:PORT/metrics.
 struct MetricsEndpoint {
-  std::string address = "127.0.0.1";  ///< in numbers, of IPv6 without brackets
+  std::string address = "127.0.0.1";  ///< numeric; IPv6 without brackets
   int port = 0;                       ///< 0: a free one
 };
 
-/// "[ADDRESS:]PORT", an address of IPv6 in brackets, as [::1]:9464; without an address this host's
-/// own alone.  Throws UsageError.
+/// Parses "[ADDRESS:]PORT", with an IPv6 address in brackets, as [::1]:9464; without an address the
+/// port is open to this host alone.  Throws UsageError.
 MetricsEndpoint ParseMetricsEndpoint(const std::string& text);
 
-/// Gives metrics to who asks over HTTP.  Nobody who asks is believed or waited for: a request names
-/// a Host that is this one's (common/http/host_name.h), has no more than 8 kB and 5 s, is answered
-/// once and its connection closed; of 32 connections, half of them at most of one address from
-/// elsewhere, the one that has waited longest makes room for a newcomer.
-/// It has one thread, which is started here and so should not be in a servo loop's; nothing that it
-/// does meets one.
+/// Serves metrics over HTTP.  It neither trusts nor waits for clients: a request must name this
+/// host in its Host header (common/http/host_name.h) and has at most 8 kB and 5 s; it gets one
+/// answer, and the connection is closed.  There are at most 32 connections, at most half of them
+/// from one remote address; a newcomer displaces the one that has waited longest.
+/// Starts one thread, so do not create it in a servo loop's thread; it never interacts with a
+/// servo loop.
 class MetricsPort {
  public:
   struct Options {
     MetricsEndpoint endpoint;
-    std::vector<std::string> host_names = {};  ///< besides addresses, in small letters
-    std::string program = "palpate-server";    ///< whose --host-name takes more
+    std::vector<std::string> host_names = {};  ///< accepted besides addresses, in lower case
+    std::string program = "palpate-server";    ///< the program whose --host-name allows more names
   };
-  /// @param fill  makes the page; called from the thread of this object.
-  /// Throws Error where the port cannot be had.
+  /// @param fill  fills the page; called from this object's thread.
+  /// Throws Error if the port cannot be opened.
   MetricsPort(Options options, std::function<void(MetricsPage&)> fill);
   ~MetricsPort();
   MetricsPort(const MetricsPort&) = delete;

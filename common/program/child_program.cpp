@@ -23,14 +23,14 @@ void Close(int& file) {
   file = -1;
 }
 
-/// In the child, after fork: only what POSIX calls async-signal-safe.
+/// Runs in the child after fork, so it only calls async-signal-safe functions.
 [[noreturn]] void Become(char* const* argv, int input, int output) {
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   setsid();  // Ctrl-C at a terminal is the parent's to handle
   dup2(input, STDIN_FILENO);
   dup2(output, STDOUT_FILENO);
   dup2(output, STDERR_FILENO);
-  close_range(3, ~0u, 0);  // files and sockets, which would outlive their owner
+  close_range(3, ~0u, 0);  // closes files and sockets, which would otherwise outlive their owner
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
@@ -112,7 +112,7 @@ bool ChildProgram::Poll() {
   if (pid_ < 0) return false;
   int status = 0;
   const pid_t found = waitpid(pid_, &status, WNOHANG);
-  // Somebody else has waited for it: it has ended, and its number may be another process's by now.
+  // The child has ended and was waited for elsewhere; its pid may belong to another process by now.
   const bool taken = found < 0 && errno == ECHILD;
   ReadOutput();
   if (found != pid_ && !taken) return true;

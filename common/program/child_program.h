@@ -9,28 +9,31 @@
 
 namespace palpate {
 
-/// A program that runs as a child, with its input and all that it says at pipes.  Ends where this
-/// process does, also where that is killed.  Thread contract: one thread.  Nothing here blocks, but
-/// for the destructor: it kills.
+/// Runs a program as a child process, with pipes at its input and output.  The child ends with this
+/// process, even if that is killed.  Thread contract: one thread.  Nothing here blocks except the
+/// destructor, which kills the child.
 class ChildProgram {
  public:
-  /// @param program    its path.   @param arguments  without its name.
-  /// @param what       it is, for complaints.   @param on_line  told each line that it says.
-  /// Throws Error where no process can be made.
+  /// @param program    its path.
+  /// @param arguments  without the program's name.
+  /// @param what       what the program is, for complaints.
+  /// @param on_line  called with each line of its output.
+  /// Throws Error if the process cannot be created.
   ChildProgram(const std::string& program, const std::vector<std::string>& arguments,
                std::string what, std::function<void(const std::string&)> on_line = nullptr);
   ~ChildProgram();
   ChildProgram(const ChildProgram&) = delete;
   ChildProgram& operator=(const ChildProgram&) = delete;
 
-  /// Shorter than PIPE_BUF: a line is written whole, or, where the child is too busy to read, not.
+  /// Writes a line to the child, whole or, if the child is too busy to read, not at all.  The line
+  /// must be shorter than PIPE_BUF.
   void Write(std::string_view line);
   void CloseInput();
   void Signal(int signal);
 
-  /// Looks after it.  False once it has ended.
+  /// Reads the child's output and checks its state.  Returns false once it has ended.
   bool Poll();
-  /// Once it has ended: what it complained of last; empty where it ended in order.
+  /// After the end: the child's last complaint; empty if it ended normally.
   const std::string& complaint() const { return complaint_; }
 
  private:

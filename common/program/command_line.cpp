@@ -20,7 +20,8 @@
 namespace palpate {
 namespace {
 
-/// Comparisons, CLI11's ranges among them, let NaN pass.
+/// Makes all numeric options reject NaN and infinity: comparisons, and so CLI11's ranges,
+/// accept NaN.
 void MakeNumbersFinite(CLI::App& app) {
   const CLI::Validator finite(
       [](std::string& text) {
@@ -32,7 +33,7 @@ void MakeNumbersFinite(CLI::App& app) {
   }
 }
 
-/// The options and commands that may stand where the words of these apps do, as they are written.
+/// Returns the options or commands of these apps, spelled as on the command line.
 std::vector<std::string> WordsOf(const std::vector<const CLI::App*>& apps, bool options) {
   std::vector<std::string> words;
   for (const CLI::App* app : apps) {
@@ -49,8 +50,8 @@ std::vector<std::string> WordsOf(const std::vector<const CLI::App*>& apps, bool 
   return words;
 }
 
-/// Names the first word that nothing takes, an option before all else, and what it may have been
-/// meant to be; empty where there is none.
+/// Describes the first word that no option or command accepts, options first, with the likely
+/// intended one; empty if there is none.
 std::string UnknownWord(const CLI::App& app) {
   const std::vector<std::string> unknown = app.remaining(true);
   if (unknown.empty()) return "";
@@ -303,7 +304,7 @@ bool ParseCommandLine(const CommandLine& app, int argc, const char* const* argv)
     return false;
   } catch (const CLI::ParseError& error) {
     std::string what = error.what();
-    // What is missing may be there, misspelt.
+    // What is missing may be present, but misspelt.
     const bool words_left = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr ||
                             dynamic_cast<const CLI::RequiredError*>(&error) != nullptr;
     if (const std::string unknown = words_left ? UnknownWord(*app.app_) : ""; !unknown.empty()) {

@@ -20,20 +20,20 @@ Transport ParseTransport(const std::string& text);
 
 namespace palpate {
 
-// What a program takes on its command line: CLI11's, of which command_line.cpp alone reads the
-// headers, for whoever reads them is compiled for five seconds more.
+// The command line of a program: a wrapper of CLI11, whose headers are included by command_line.cpp
+// alone, because they add five seconds to the compilation of each file that includes them.
 
-/// An option.  A handle: copies are of the same.
+/// A handle of an option: copies refer to the same one.
 class Option {
  public:
   explicit Option(CLI::Option* option) : option_(option) {}
 
-  bool given() const;  ///< once it is parsed
+  bool given() const;  ///< valid after parsing
 
   Option Required() const;
-  Option ShowDefault() const;  ///< in --help: what its variable holds now
+  Option ShowDefault() const;  ///< shows the variable's present value in --help
   Option ShowDefault(const std::string& text) const;
-  Option TypeName(const std::string& name) const;  ///< of its value, in --help
+  Option TypeName(const std::string& name) const;  ///< name of the value's type in --help
   Option Needs(Option other) const;
   Option Excludes(Option other) const;
 
@@ -44,32 +44,33 @@ class Option {
   Option NotNegative() const;
   Option OneOf(const std::vector<std::string>& words) const;
   Option ExistingFolder() const;
-  /// @param complaint  of a value; empty where that is right.  Of several checks the last is first.
+  /// @param complaint  returns the complaint about a value; empty if it is valid.  Of several
+  /// checks, the one added last runs first.
   Option Check(const std::function<std::string(const std::string&)>& complaint) const;
   Option Transform(const std::function<std::string(std::string)>& transform) const;
 
-  // Of several values:
-  Option Words(int count) const;  ///< just so many
-  Option OneAtATime() const;      ///< each after the option's name
-  Option Commas() const;          ///< between them
+  // For options with several values:
+  Option Words(int count) const;  ///< exactly `count` values
+  Option OneAtATime() const;      ///< the option's name stands before each value
+  Option Commas() const;          ///< values are separated by commas
 
  private:
   CLI::Option* option_;
 };
 
-/// A command line, or that of one of its commands.  A handle: copies are of the same.
+/// A handle of a program's command line, or of one of its commands: copies refer to the same one.
 class CommandLine {
  public:
-  /// @param examples  after the options, in --help.
+  /// @param examples  shown after the options in --help.
   CommandLine(const std::string& about, const std::string& program,
               const std::string& examples = "");
 
   const std::string& name() const;
-  bool given() const;  ///< of a command, once all is parsed
+  bool given() const;  ///< for a command; valid after parsing
 
-  /// @param name   "-o,--output", or without dashes what stands by its place.
-  /// @param value  must outlive this.  T: a text or a number, an optional or a vector of them, as
-  ///               command_line.cpp instantiates it.
+  /// @param name   "-o,--output", or without dashes for a positional argument.
+  /// @param value  must outlive this.  T is a string, a number, or an optional or a vector of
+  /// these; command_line.cpp instantiates it.
   template <class T>
   Option Add(const std::string& name, T& value, const std::string& help = "") const;
   Option AddText(const std::string& name, const std::function<void(const std::string&)>& take,
@@ -81,11 +82,11 @@ class CommandLine {
 
   CommandLine AddCommand(const std::string& name, const std::string& about) const;
   void RequireCommands(std::size_t least, std::size_t most) const;
-  /// Options of the whole may stand behind a command.
+  /// Allows the program's options after a command, too.
   void Fallthrough() const;
-  void Hide() const;  ///< a command, from --help
+  void Hide() const;  ///< hides a command in --help
   void Footer(const std::string& text) const;
-  /// What is done where a command is given; and before that.
+  /// Run: sets the action of a command.  BeforeCommands: sets what is done before any command.
   void Run(const std::function<void()>& run) const;
   void BeforeCommands(const std::function<void()>& run) const;
 
@@ -98,29 +99,31 @@ class CommandLine {
   std::shared_ptr<CLI::App> app_;
 };
 
-// What every program owes its user on the command line, in one place.
+// The options that programs have in common.
 
-/// Adds --version, --domain, --log-level and --log-format, which holds for SetUpLog at once.
-/// @param app          named for the program.
-/// @param domain_help  what a domain is to it.
+/// Adds --version, --domain, --log-level and --log-format, which takes effect when it is parsed.
+/// @param app          has the program's name.
+/// @param domain_help  help text: what a domain is to the program.
 /// @param domain, log_level  defaults; must outlive the app.
 void AddCommonOptions(const CommandLine& app, const std::string& domain_help, int& domain,
                       std::string& log_level);
 
-/// Adds --network and --peer, for a program that may meet others across a network.
-/// @param peer  whose address --peer is: "the server".   @param network  must outlive the app.
+/// Adds --network and --peer, for a program that may communicate across a network.
+/// @param peer  whose address --peer is: "the server".
+/// @param network  must outlive the app.
 void AddNetworkOptions(const CommandLine& app, const std::string& peer, dds::Network& network);
 
-/// What a program is told that meets a server: a base of its options.
+/// The options of a program that connects to a server; a base of its own options.
 struct ServerOptions {
   int domain = 0;
   dds::Network network{};
   std::string log_level = "info";
 };
-/// Adds what AddCommonOptions and AddNetworkOptions do.   @param options  must outlive the app.
+/// Adds what AddCommonOptions and AddNetworkOptions add.
+/// @param options  must outlive the app.
 void AddServerOptions(const CommandLine& app, ServerOptions& options);
 
-/// Adds --transport, for a program that is linked with common/dds.
+/// Adds --transport, for a program that links common/dds.
 /// @param transport  must outlive the app.
 inline void AddTransportOption(const CommandLine& app, dds::Transport& transport) {
   app.AddText(
@@ -132,26 +135,28 @@ inline void AddTransportOption(const CommandLine& app, dds::Transport& transport
 }
 
 /// Adds --realtime and --cpu, for a program with a loop.
-/// @param loop  whose scheduling it is: "the servo loops".   @param realtime  must outlive the app.
+/// @param loop  what is scheduled: "the servo loops".
+/// @param realtime  must outlive the app.
 void AddRealtimeOptions(const CommandLine& app, const std::string& loop, RealtimeOptions& realtime);
 
-/// Adds --host-name, for a program that answers HTTP: names are then in small letters.
-/// @param what  browsers ask for: "the page".   @param names  must outlive the app.
+/// Adds --host-name, for a program that serves HTTP.  The names are converted to lower case.
+/// @param what  what browsers request: "the page".
+/// @param names  must outlive the app.
 void AddHostNameOption(const CommandLine& app, const std::string& what,
                        std::vector<std::string>& names);
 
-/// False where --help or --version was asked for, and is printed.  Numbers are finite then.  Throws
-/// UsageError (argument, where to look).
+/// Parses the command line; false if --help or --version was given, which it then prints.  All
+/// numbers are checked to be finite.  Throws UsageError (argument, where to find help).
 bool ParseCommandLine(const CommandLine& app, int argc, const char* const* argv);
 
-/// A program but for its name: what it throws is said on stderr, and its exit status is then 2 for
-/// a UsageError, 1 for all else.
+/// Runs a program: prints any exception on stderr and returns the exit status, 2 for a UsageError,
+/// 1 for any other exception.
 /// @param run  returns the exit status.
 int RunProgram(const std::string& program, const std::function<int()>& run) noexcept;
 
-/// A program with options, of which one is `log_level`.
-/// @param parse  of the command line; nothing where no more is to be done.
-/// @param run    does what they say, and returns the exit status.
+/// Runs a program whose options have a member `log_level`.
+/// @param parse  parses the command line; returns nothing if there is nothing more to do.
+/// @param run    does the work and returns the exit status.
 template <class Parse, class Run>
 int RunProgram(const std::string& program, int argc, char** argv, Parse parse, Run run) noexcept {
   return RunProgram(program, [&] {

@@ -18,7 +18,7 @@ namespace {
 
 LogFormat g_format = LogFormat::kText;
 
-/// The message, at the one place where lines are made of it.
+/// Formats the message safely, at the one place where log lines are made.
 class SafeMessage : public spdlog::custom_flag_formatter {
  public:
   explicit SafeMessage(LogFormat format) : format_(format) {}

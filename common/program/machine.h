@@ -4,11 +4,11 @@
 
 namespace palpate {
 
-/// The host that a figure was measured on, as far as it bears on times.
+/// The properties of a host that affect measured times.
 struct HostMachine {
-  std::string cpu;       ///< as the processor calls itself
-  int cores = 0;         ///< that this process may run on
-  std::string compiler;  ///< of this program, and whether it optimised
+  std::string cpu;       ///< model name, as the processor reports it
+  int cores = 0;         ///< number that this process may use
+  std::string compiler;  ///< that built this program, and whether it optimised
 };
 HostMachine ThisHost();
 

@@ -13,7 +13,7 @@
 namespace palpate {
 namespace {
 
-// Where this thread could run before it was pinned.
+// The cores on which this thread could run before it was pinned.
 thread_local cpu_set_t cores_before;
 thread_local bool pinned_before = false;
 
@@ -48,7 +48,7 @@ bool LimitBindsFutureMemory() {
   getrlimit(RLIMIT_MEMLOCK, &limit);
   if (limit.rlim_cur == RLIM_INFINITY) return false;
   const std::size_t beyond = limit.rlim_cur + 1;
-  // Of no access, and locked only once touched: it costs nothing.
+  // Inaccessible and locked only once touched, so it costs nothing.
   void* const probe =
       mmap(nullptr, beyond, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (probe == MAP_FAILED) return errno == EAGAIN;
@@ -56,8 +56,9 @@ bool LimitBindsFutureMemory() {
   return false;
 }
 
-/// 0, or why not.  All or nothing: under a limit it would be memory that is asked for later that is
-/// refused, and that ends a process (bad_alloc, a stack that cannot grow) with a hand on it.
+/// Locks the memory; returns 0 or the error.  All or nothing: under a limit, later requests for
+/// memory would be refused, and that would end the process (bad_alloc, a stack that cannot grow)
+/// while a hand is on the device.
 int LockMemory() {
   if (mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) != 0) return errno;
   if (!LimitBindsFutureMemory()) return 0;
@@ -65,7 +66,7 @@ int LockMemory() {
   return EAGAIN;
 }
 
-/// Touches the stack, page by page, so that no page fault waits there for the loop.
+/// Touches the stack page by page, so that the loop causes no page faults there.
 [[gnu::noinline]] void PrefaultStack() {
   volatile char stack[256 * 1024];
   for (std::size_t i = 0; i < sizeof stack; i += 4096) stack[i] = 0;

@@ -5,15 +5,15 @@
 namespace palpate {
 
 enum class RealtimeMode {
-  kRequire,  ///< fail where a right is missing
-  kPrefer,   ///< take what is granted and say what is not
+  kRequire,  ///< fail if a right is missing
+  kPrefer,   ///< use what is granted and report what is not
   kOff,
 };
 
 /// Parses "require", "prefer", "off"; throws UsageError.
 RealtimeMode ParseRealtimeMode(const std::string& text);
 
-/// @field cpu       core to stay on; -1: any.
+/// @field cpu       core to pin to; -1: any.
 /// @field priority  SCHED_FIFO, 1 to 99; below the kernel's interrupt threads, which run at 50.
 struct RealtimeOptions {
   RealtimeMode mode = RealtimeMode::kPrefer;
@@ -32,15 +32,15 @@ struct RealtimeReport {
 };
 
 /// Makes the calling thread, and every thread that it creates from now on, real-time: SCHED_FIFO,
-/// pinned to options.cpu.  Locks the process's memory, that which it asks for later too: pages stay
-/// once touched (so that a thread's untouched stack costs nothing), and 256 kB of this stack are
-/// touched.  Not where a limit (ulimit -l) would then refuse it memory.  With kRequire throws
-/// Error (limit, remedy) where a part is refused; kOff only pins; a core that does not exist is a
-/// UsageError in any mode.
+/// pinned to options.cpu.  Locks the process's present and future memory: pages stay resident once
+/// touched (so that the untouched part of a stack costs nothing), and 256 kB of this stack are
+/// touched.  Does not lock if a limit (ulimit -l) would then refuse further memory.  With kRequire
+/// it throws Error (limit, remedy) if any part is refused; kOff only pins.  A core that does not
+/// exist is a UsageError in any mode.
 RealtimeReport EnterRealtime(const RealtimeOptions& options);
 
-/// Puts the calling thread back to ordinary scheduling on its former cores, for the threads that it
-/// creates next.  Memory stays locked.
+/// Returns the calling thread to ordinary scheduling on its former cores, which the threads that it
+/// creates next inherit.  Memory stays locked.
 void LeaveRealtime();
 
 }  // namespace palpate

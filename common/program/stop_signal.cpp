@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-// What a signal handler may touch: a lock-free flag and a semaphore.
+// The data that the signal handler uses: a lock-free flag and a semaphore.
 std::atomic<bool> stop{false};
 sem_t wake;
 static_assert(std::atomic<bool>::is_always_lock_free);

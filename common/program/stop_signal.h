@@ -4,8 +4,9 @@
 
 namespace palpate {
 
-/// Ctrl-C and SIGTERM (which RouDi too sends when it ends) as a flag that a main loop waits on.  A
-/// second signal of the same kind kills at once.  One object per process, made by main.
+/// Turns Ctrl-C and SIGTERM (which RouDi also sends when it ends) into a flag on which a main loop
+/// can wait.  A second signal of the same kind kills the process at once.  One object per process,
+/// made by main.
 class StopSignal {
  public:
   StopSignal();
@@ -14,7 +15,7 @@ class StopSignal {
   StopSignal& operator=(const StopSignal&) = delete;
 
   bool stopped() const noexcept;
-  /// Sleeps, but no longer than until a signal comes.  Returns stopped().
+  /// Sleeps for the duration, or until a signal comes.  Returns stopped().
   bool WaitFor(std::chrono::nanoseconds duration) noexcept;
 };
 

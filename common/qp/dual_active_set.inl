@@ -10,19 +10,20 @@ namespace palpate {
 namespace {
 
 constexpr int kIterationLimit = 400;
-/// A row whose part outside the span of the active ones is shorter than this lies inside it.
+/// A row counts as dependent if its part outside the span of the active rows is shorter than this,
+/// relative to its length.
 constexpr double kDependent = 1e-9;
-/// A row shorter than this is none: what it asks for, over its length squared, has to be finite.
+/// A row shorter than this is ignored: its slack divided by its length squared must be finite.
 constexpr double kShortestRow = 1e-75;
-/// A projection that leaves less of |a|^2 than this is done again.
+/// A projection that leaves less than this share of |a|^2 is repeated.
 constexpr double kCancelled = 1e-2;
-/// Ratio test: an r_j below this is rounding.
+/// Ratio test: an r_j below this counts as rounding error.
 constexpr double kRatioZero = 1e-13;
 constexpr double kInfinity = __builtin_huge_val();
 /// Square root of kJamCompliance = 1e-5 (nearest_point.h).
 constexpr double kSlackEntry = 3.1622776601683795e-3;
 
-/// Eight doubles in memory, of which a few are used and the others are zero.
+/// Eight doubles in memory; unused ones are zero.
 struct alignas(64) Lanes {
   double v[8] = {};
   D8 Get() const { return Load(v); }
@@ -31,12 +32,13 @@ struct alignas(64) Lanes {
   double operator[](int i) const { return v[i]; }
 };
 
-/// Goldfarb and Idnani's method on D = N unknowns, or N + 1 where a common slack relaxes the rows:
-/// then every row has one more entry, sqrt(c), and x[N] is eta / sqrt(c).
+/// Goldfarb and Idnani's method on D = N unknowns, or N + 1 if a common slack relaxes the rows:
+/// every row then has one more entry, sqrt(c), and x[N] is eta / sqrt(c).
 ///
-/// The active rows, as columns A (D x k), are kept as A = Q S with Q orthonormal; of S only the
-/// inverse M (k x k) is stored.  S need not be a triangle (theirs is): what the method asks of it,
-/// multipliers of a direction, is a product with M, and products go eight lanes at a time.
+/// The active rows, as columns A (D x k), are factored as A = Q S with Q orthonormal; only the
+/// inverse M (k x k) of S is stored.  S need not be triangular, as theirs is: the method only needs
+/// the multipliers of a direction, which are a product with M, and products are vectorised over
+/// eight lanes.
 template <int N, bool kWithSlack>
 class DualActiveSet {
  public:
@@ -51,7 +53,7 @@ class DualActiveSet {
     tolerance_ = 1e-12 * (1.0 + largest);
   }
 
-  /// False where the rows contradict each other.
+  /// Returns false if the rows contradict each other.
   bool Solve(const int* guess, int guesses, QpResult& result) {
     if (guesses > 0) Guess(guess, guesses);
     bool feasible = true;
@@ -92,8 +94,8 @@ class DualActiveSet {
     return s;
   }
 
-  /// Step 1: the most violated row.  A pass over all rows leaves sixteen candidates, one per lane;
-  /// those are used up before the next pass, for any violated row will do.
+  /// Step 1: finds a strongly violated row.  A pass over all rows gives sixteen candidates, one per
+  /// lane, which are used before the next pass, since the method may take any violated row.
   bool NextViolated(int& row, double& slack) {
     if (candidates_ != 0 && FromCandidates(row, slack)) return true;
     if (rows_.count == 0) return false;
@@ -101,7 +103,7 @@ class DualActiveSet {
     return candidates_ != 0 && FromCandidates(row, slack);
   }
 
-  /// The row that holds least in each of sixteen lanes, the first of equals, where it is violated.
+  /// Finds the most violated row of each of sixteen lanes, the first of equals.
   void Scan() {
     D8 xs[N];
     for (int c = 0; c < N; ++c) xs[c] = Set1(x_[c]);
@@ -146,7 +148,7 @@ class DualActiveSet {
     }
   }
 
-  /// The candidate whose half-space is farthest off; those that hold by now are forgotten.
+  /// Returns the candidate whose half-space is farthest from x; discards those that hold by now.
   bool FromCandidates(int& row, double& slack) {
     const D8 shift = Set1(kWithSlack ? kSlackEntry * x_[D - 1] : 0.0);
     const D8 none = Set1(-tolerance_);
@@ -184,8 +186,8 @@ class DualActiveSet {
     return even + odd;
   }
 
-  /// Sum of weight[i] * vector[i] over i < n, even and odd ones apart: two short chains of
-  /// additions take half the time of a long one.
+  /// Returns the sum of weight[i] * vector[i] over i < n.  Even and odd i are added separately: two
+  /// short chains of additions take half the time of one long chain.
   static D8 Combine(const Lanes& weight, const Lanes* vector, int n) {
     D8 even = Set1(0.0), odd = even;
     int i = 0;
@@ -206,9 +208,9 @@ class DualActiveSet {
     d.Set(d.Get() + dot);
   }
 
-  /// d = Q^T a and z = a - Q d.  Orthogonalised a second time where the first cancelled much
-  /// ("twice is enough", Giraud & Langou 2005).  Returns |z|^2, 0 where a lies in the span of the
-  /// active rows, or is none.
+  /// d = Q^T a and z = a - Q d.  Orthogonalises a second time if the first cancelled much ("twice
+  /// is enough", Giraud & Langou 2005).  Returns |z|^2; 0 if a lies in the span of the active rows,
+  /// or is a zero row.
   double Project(const Lanes& a, Lanes& d, Lanes& z) const {
     z = a;
     const double aa = SumOfSquares(a);
@@ -223,10 +225,11 @@ class DualActiveSet {
     return active_ < D && zz > kDependent * kDependent * aa ? zz : 0.0;
   }
 
-  /// M y.
+  /// Returns M y.
   D8 Multipliers(const Lanes& y) const { return Combine(y, M_, active_); }
 
-  /// Q grows by z / |z|; S by the column (d, |z|), so M by (-M d, 1) / |z|.
+  /// Adds a row: Q gains the column z / |z|, S the column (d, |z|), and so M the column (-M d, 1)
+  /// / |z|.
   void Append(int row, const Lanes& z, double zz, D8 r, double multiplier) {
     const double inverse = 1.0 / __builtin_sqrt(zz);
     Q_[active_].Set(Set1(inverse) * z.Get());
@@ -238,8 +241,8 @@ class DualActiveSet {
     ++active_;
   }
 
-  /// Takes active row l out.  Row l of M, w, is the direction within the span that the other rows
-  /// are orthogonal to; a reflection turns it into the last basis vector, which then goes.
+  /// Removes active row l.  Row l of M, w, is the direction within the span that is orthogonal to
+  /// the other rows; a reflection turns it into the last basis vector, which is then removed.
   void Drop(int l) {
     const int last = active_ - 1;
     Lanes v;
@@ -275,8 +278,8 @@ class DualActiveSet {
     active_ = last;
   }
 
-  /// Step 2: moves until the row holds with equality, dropping active rows whose multiplier comes
-  /// to zero on the way.  False where it cannot be made to hold.
+  /// Step 2: moves x until the row holds with equality, and drops active rows whose multiplier
+  /// reaches zero on the way.  Returns false if the row cannot be made to hold.
   bool TakeUp(int row, double slack) {
     Lanes a;
     LoadRow(row, a);
@@ -314,7 +317,7 @@ class DualActiveSet {
     }
   }
 
-  /// Adds to x and u what makes the active rows hold with equality, from where x is now:
+  /// Corrects x and u so that the active rows hold with equality:
   /// A^T x = b means Q^T dx = M^T (b - A^T x), and du = M Q^T dx.
   void Equalise() {
     Lanes residual, y;
@@ -328,7 +331,7 @@ class DualActiveSet {
     u_.Set(u_.Get() + Multipliers(y));
   }
 
-  /// Start from last time's active rows: any subset whose multipliers are not negative is as good a
+  /// Starts from last time's active rows: any subset with non-negative multipliers is as valid a
   /// start as the empty one.
   void Guess(const int* guess, int guesses) {
     for (int i = 0; i < guesses && active_ < D; ++i) {
@@ -352,8 +355,8 @@ class DualActiveSet {
     x_ = t_;
   }
 
-  /// Removes the rounding that the steps have gathered: the multipliers anew from the gradient,
-  /// then what the active rows still miss.
+  /// Removes the rounding errors accumulated by the steps: recomputes the multipliers from the
+  /// gradient, then corrects the remaining residuals of the active rows.
   void Polish() {
     Lanes y;
     Lanes moved;
@@ -367,12 +370,12 @@ class DualActiveSet {
   const QpRows& rows_;
   Lanes t_, x_, u_;
   Lanes Q_[7];       ///< Q_[j]: j-th basis vector
-  Lanes Q_rows_[7];  ///< the same by rows: lane j of Q_rows_[c] is Q_[j][c]
+  Lanes Q_rows_[7];  ///< the transpose: lane j of Q_rows_[c] is Q_[j][c]
   Lanes M_[7];       ///< M_[j]: j-th column of S^-1
   int row_[7];
   int active_ = 0;
   int iterations_ = 0;
-  std::uint32_t candidates_ = 0;  ///< bit per lane
+  std::uint32_t candidates_ = 0;  ///< one bit per lane
   int candidate_row_[16];
   alignas(64) double candidate_a_[N][16] = {};
   alignas(64) double candidate_b_[16] = {};
@@ -386,7 +389,7 @@ QpResult Solve(const double* t, const QpRows& rows, const int* guess, int guesse
   if (DualActiveSet<N, false>(t, rows).Solve(guess, guesses, result)) return result;
   result.status = QpStatus::kRelaxed;
   if (!DualActiveSet<N, true>(t, rows).Solve(nullptr, 0, result)) {
-    result.status = QpStatus::kIterationLimit;  // cannot be: a slack satisfies any rows
+    result.status = QpStatus::kIterationLimit;  // cannot happen: a slack satisfies any rows
   }
   return result;
 }

@@ -6,9 +6,9 @@
 #include <immintrin.h>
 #endif
 
-// Sixteen floats or eight doubles at once, on whatever the including file is compiled for: AVX-512,
-// AVX2 with FMA, or plain C++.  Every operation is the IEEE operation lane by lane, a fused
-// multiply-add only where Fma is written, so all three give the same bits.
+// Vectors of sixteen floats or eight doubles, for the instruction set of the including file:
+// AVX-512, AVX2 with FMA, or plain C++.  Every operation is the IEEE operation lane by lane, a
+// fused multiply-add only where Fma is written, so all three give the same bits.
 //
 // Everything has internal linkage, and no header with inline functions of its own is included: a
 // COMDAT compiled for AVX-512 must never be the one that the linker keeps for an older processor.
@@ -35,14 +35,14 @@ inline F16 Fma(F16 a, F16 b, F16 c) {
 inline F16 Set1(float a) {
   return {_mm512_set1_ps(a)};
 }
-/// p[0..7] twice.
+/// Returns p[0..7] twice.
 inline F16 LoadTwice(const float* p) {
   return {_mm512_broadcast_f32x8(_mm256_load_ps(p))};
 }
 inline void StoreFirst8(float* p, F16 a) {
   _mm256_store_ps(p, _mm512_castps512_ps256(a.v));
 }
-/// p[2k] eight times, then p[2k + 1] eight times.
+/// Returns p[2k] eight times, then p[2k + 1] eight times.
 template <int k>
 inline F16 SpreadPair(F16 twice) {
   const __m512i index =
@@ -57,7 +57,7 @@ inline std::uint32_t LessEqual(F16 a, F16 b) {
 struct D8 {
   __m512d v;
 };
-/// p is aligned to 64 bytes; Store's need not be.
+/// p must be aligned to 64 bytes; that of Store need not be.
 inline D8 Load(const double* p) {
   return {_mm512_load_pd(p)};
 }
@@ -93,29 +93,29 @@ inline D8 Sqrt(D8 a) {
 inline D8 SelectLess(D8 a, D8 b, D8 x, D8 y) {
   return {_mm512_mask_blend_pd(_mm512_cmp_pd_mask(a.v, b.v, _CMP_LT_OQ), y.v, x.v)};
 }
-/// Lane by lane: a < b ? a : b.  Quicker than SelectLess by the length of a comparison.
+/// Lane by lane: a < b ? a : b.  Saves the comparison of SelectLess.
 inline D8 Min(D8 a, D8 b) {
   return {_mm512_min_pd(a.v, b.v)};
 }
-/// Bit i: lane i of a is less than that of b.
+/// Sets bit i if lane i of a is less than lane i of b.
 inline std::uint32_t Less(D8 a, D8 b) {
   return _mm512_cmp_pd_mask(a.v, b.v, _CMP_LT_OQ);
 }
-/// The lanes of a whose bits are set; of the others those of b.
+/// Returns a in the lanes whose bits are set, b in the others.
 inline D8 SelectLanes(std::uint32_t bits, D8 a, D8 b) {
   return {_mm512_mask_blend_pd(static_cast<__mmask8>(bits), b.v, a.v)};
 }
-/// The least of the lanes.
+/// Returns the least lane.
 inline double LeastLane(D8 a) {
   const __m256d four = _mm256_min_pd(_mm512_extractf64x4_pd(a.v, 1), _mm512_castpd512_pd256(a.v));
   const __m128d two = _mm_min_pd(_mm256_extractf128_pd(four, 1), _mm256_castpd256_pd128(four));
   return _mm_cvtsd_f64(_mm_min_sd(_mm_unpackhi_pd(two, two), two));
 }
-/// Lane i: p[at[i]], of 0 to 6.
+/// Lane i is p[at[i]]; at[i] is in 0 to 6.
 inline D8 Spread(const double* p, const long long* at) {
   return {_mm512_permutexvar_pd(_mm512_load_si512(at), _mm512_maskz_loadu_pd(0x7f, p))};
 }
-/// Eight records of four doubles each, to four vectors of one field each.
+/// Transposes eight records of four doubles into four vectors, one per field.
 inline void LoadTransposed(const double* const record[8], D8 field[4]) {
   const auto pair = [&](int i) {
     return _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_load_pd(record[i])),

@@ -7,9 +7,9 @@
 
 namespace palpate {
 
-/// Counts durations [ns] in buckets whose width grows with the value: exact below 64 ns, within
-/// 1/32 (3 %) above, up to 2^40 ns (18 minutes); the maximum is kept exactly.  Fixed size (9.5 kB),
-/// plain data: copied to hand it over.  One thread at a time.
+/// Counts durations [ns] in buckets that widen with the value: exact below 64 ns, within 1/32 (3 %)
+/// above, up to 2^40 ns (18 minutes); the maximum is kept exactly.  Fixed size (9.5 kB), plain
+/// data, passed to other threads by copy.  One thread at a time.
 /// Real-time: no allocation, lock, log or clock.
 class Histogram {
  public:
@@ -20,7 +20,7 @@ class Histogram {
     if (value > max_) max_ = value;
   }
 
-  /// As if each of the other's values had been added here.
+  /// Adds all values of another histogram.
   void Add(const Histogram& other) noexcept {
     for (std::size_t i = 0; i < kBuckets; ++i) bucket_[i] += other.bucket_[i];
     count_ += other.count_;
@@ -31,8 +31,8 @@ class Histogram {
   std::uint64_t count() const noexcept { return count_; }
   std::uint64_t max() const noexcept { return max_; }
 
-  /// Value [ns] that the fraction q of all values does not exceed (nearest rank), rounded up to its
-  /// bucket's end; 0 where nothing was counted.
+  /// Returns the value [ns] that the fraction q of all values does not exceed (nearest rank),
+  /// rounded up to its bucket's end; 0 if nothing was counted.
   std::uint64_t Quantile(double q) const noexcept {
     std::uint64_t rank = static_cast<std::uint64_t>(q * static_cast<double>(count_));
     if (static_cast<double>(rank) < q * static_cast<double>(count_)) ++rank;

@@ -6,8 +6,8 @@
 
 namespace palpate {
 
-/// Hands the latest value from one thread to one other; values that are not read in time are
-/// overwritten.  Three buffers: the writer owns one, the reader owns one, the third changes hands.
+/// Passes the latest value from one thread to another; values that are not read in time are
+/// overwritten.  Triple buffer: the writer owns one, the reader owns one, the third is exchanged.
 /// Thread contract: Write from one thread, Read from one thread; they may run at the same time.
 /// Real-time: wait-free on both sides, no allocation.
 template <class T>
@@ -22,7 +22,7 @@ class LatestMailbox {
     writer_ = middle_.exchange(writer_ | kFresh, std::memory_order_acq_rel) & kIndex;
   }
 
-  /// Takes the latest value; false, leaving `value` alone, where none came since the last Read.
+  /// Takes the latest value; false, with `value` unchanged, if none came since the last Read.
   bool Read(T& value) noexcept {
     if ((middle_.load(std::memory_order_relaxed) & kFresh) == 0) return false;
     reader_ = middle_.exchange(reader_, std::memory_order_acq_rel) & kIndex;

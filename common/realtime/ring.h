@@ -17,33 +17,34 @@ class Ring {
  public:
   static constexpr std::size_t kCapacity = N;
 
-  /// False, dropping the value, where it is full.
+  /// Appends a value; if the queue is full, drops the value and returns false.
   bool Push(const T& value) noexcept {
     const std::size_t end = end_.load(std::memory_order_relaxed);
-    // Acquire: what Pop has left is no longer being read.
+    // Acquire: the slot that Pop has freed is no longer being read.
     if (end - begin_.load(std::memory_order_acquire) == N) return false;
     values_[end % N] = value;
     end_.store(end + 1, std::memory_order_release);
     return true;
   }
 
-  /// True where a Push now might be dropped; false: it will not.  For who pushes.
+  /// For the pushing thread: true if a Push now might drop its value; false if it will not.
   bool full() const noexcept { return size() == N; }
 
-  /// How many there are, at least, for who pops; and at most, for who pushes.
+  /// Returns the number of values: a lower bound for the popping thread, an upper bound for the
+  /// pushing one.
   std::size_t size() const noexcept {
     const std::size_t begin = begin_.load(std::memory_order_acquire);
     return end_.load(std::memory_order_acquire) - begin;
   }
 
-  /// The oldest, of one or more that size() has told of: to be read in place until Drop().  For who
-  /// pops.
+  /// For the popping thread: the oldest value, to be read in place until Drop().  Requires size()
+  /// > 0.
   const T& Front() const noexcept { return values_[begin_.load(std::memory_order_relaxed) % N]; }
   void Drop() noexcept {
     begin_.store(begin_.load(std::memory_order_relaxed) + 1, std::memory_order_release);
   }
 
-  /// Takes the oldest; false where there is none.
+  /// Takes the oldest value; false if there is none.
   bool Pop(T& value) noexcept {
     const std::size_t begin = begin_.load(std::memory_order_relaxed);
     // Acquire: the value that Push announces is written.

@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-/// Waits until that time of SteadyNanoseconds' clock: a loop's pace.  Real-time.
+/// Sleeps until a time of SteadyNanoseconds' clock, to pace a loop.  Real-time.
 inline void SleepUntil(std::int64_t time_ns) noexcept {
   timespec at{};
   at.tv_sec = time_ns / 1'000'000'000;

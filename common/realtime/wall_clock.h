@@ -5,7 +5,8 @@
 
 namespace palpate {
 
-/// This host's calendar, since 1970.  It may be set back: what measures time asks steady_clock.h.
+/// Returns this host's calendar time since 1970.  It may be set back: to measure durations,
+/// use steady_clock.h.
 inline std::int64_t WallClock_ns() noexcept {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
              std::chrono::system_clock::now().time_since_epoch())

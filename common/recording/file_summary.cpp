@@ -19,8 +19,8 @@ std::string Value(const mcap::StringMap& map, const std::string& key) {
   return it == map.end() ? "" : it->second;
 }
 
-/// More often nothing is sent (a loop runs at most at 4 kHz): what is kept for those who come late
-/// reaches them all at once, and has no rate.
+/// No topic has a higher rate (a loop runs at most at 4 kHz).  Samples kept for late joiners arrive
+/// all at once, and give no rate.
 constexpr double kMostHz = 10'000.0;
 
 }  // namespace
@@ -42,7 +42,8 @@ bool FileSummary::whole() const {
          std::ranges::none_of(topics, begins_late);
 }
 
-/// The number that the sample gives itself, or a count.  False where its bytes are not of its type.
+/// Gets the sample's own sequence number, or a count.  Returns false if its bytes are not of
+/// its type.
 bool FileSummary::Look(const RecordedSample& sample, std::uint64_t& sequence) {
   switch (sample.type) {
     case RecordedType::kHapticPose: {
@@ -74,7 +75,7 @@ bool FileSummary::Look(const RecordedSample& sample, std::uint64_t& sequence) {
       const wire::SceneBundle& bundle = owned.value;
       if (!sample.To(owned.value)) return false;
       scenes[bundle.scene] = {Hex16(bundle.hash), true};
-      if (bundle.bundle._length == 0) return true;  // a seat: its scene's is there
+      if (bundle.bundle._length == 0) return true;  // a seat: the bundle is that of another scene
       try {
         CheckBundleHash({bundle.bundle._buffer, bundle.bundle._length}, bundle.hash,
                         "scene " + Quoted(bundle.scene));
@@ -133,7 +134,7 @@ void FileSummary::Finish(const RecordingReader& reader) {
       const std::uint64_t dropped = count("dropped");
       const std::string name = Value(values, "topic");
       no_channel += count("no_channel");
-      // Without a single message where all of its samples were dropped.
+      // The topic has no message if all of its samples were dropped.
       if (dropped > 0) topics[name].type = Value(values, "type");
       if (const auto it = topics.find(name); it != topics.end()) {
         it->second.dropped = dropped;

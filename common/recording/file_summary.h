@@ -10,17 +10,18 @@
 
 namespace palpate {
 
-/// What is in a recording, from its samples, and what its recorder said of it.
+/// Summary of a recording, from its samples and its recorder's metadata.
 struct FileSummary {
   struct Topic {
     std::string type;
     std::uint64_t messages = 0, bytes = 0, dropped = 0, broken = 0;
-    /// Between its first and last; 0 where there is none, as where what was said before came at
-    /// once.
+    /// Between its first and last sample; 0 if there is no rate, for example if all samples came at
+    /// once as history.
     double rate_hz = 0.0;
     std::int64_t first_ns = 0, last_ns = 0;
     SequenceCount sequence;
-    /// Answers of the server's loop before the first that is here: a loop counts from 1.
+    /// Returns how many answers of the server's loop preceded the first in the recording: a loop
+    /// counts from 1.
     std::uint64_t before() const;
   };
   struct Scene {
@@ -31,7 +32,8 @@ struct FileSummary {
     std::string station, scene, tool;
     std::uint64_t run = 0;
     std::uint64_t start_sequence = 0;  ///< 0: forces never began
-    /// In the recording; 0: the server still told of the session, which had ended before.
+    /// Number in the recording; 0: the session had ended before, but the server still published
+    /// its state.
     std::uint64_t poses = 0;
   };
 
@@ -39,30 +41,32 @@ struct FileSummary {
   std::uint64_t bytes = 0;
   double duration_s = 0.0;
   std::int64_t first_ns = 0;
-  mcap::StringMap about;  ///< what the recording says of itself
+  mcap::StringMap about;  ///< the recording's description of itself
   std::string build, end_reason;
-  bool complete = false;  ///< has its end
-  bool damaged = false;   ///< holds what no recorder wrote there
+  bool complete = false;  ///< the recording has its end
+  bool damaged = false;   ///< bytes were altered after recording
   std::vector<std::string> problems;
   std::map<std::string, Topic> topics;
   std::map<std::string, Scene> scenes;
   std::vector<Session> sessions;
   std::uint64_t messages = 0, missing = 0, dropped = 0;
-  std::uint64_t no_channel = 0;  ///< left out: the file had as many topics as MCAP allows
-  std::uint64_t broken = 0;      ///< not of their type
-  std::uint64_t astray = 0;      ///< with numbers that their topics' counts do not lead to
-  std::uint64_t unknown = 0;     ///< of types that this version does not know
+  std::uint64_t no_channel = 0;  ///< left out, because the file had as many topics as MCAP allows
+  std::uint64_t broken = 0;      ///< samples whose bytes do not fit their type
+  std::uint64_t astray = 0;      ///< samples whose number does not continue their topic's count
+  std::uint64_t unknown = 0;     ///< samples of types unknown to this version
 
-  /// How it is, in a word: "whole", where all that came while it was recorded is in it and nothing
-  /// else; "damaged", "cut off" or "incomplete", the first of these that is true.
+  /// Returns the recording's state in a word: "whole" if it contains everything that arrived while
+  /// it was recorded, and nothing else; otherwise the first of "damaged", "cut off" or "incomplete"
+  /// that applies.
   const char* verdict() const;
   bool whole() const;
-  /// As its recorder wrote it, whatever that had not.
+  /// Returns true if the file is as its recorder wrote it, even if the recorder missed samples.
   bool intact() const { return complete && !damaged; }
 
-  /// A sample, in the recording's order.
+  /// Adds a sample, in the recording's order.
   void Add(const RecordedSample& sample);
-  /// Once there is none any more: what its recorder said of it, and what follows from all.
+  /// Call it after the last sample: adds the recorder's metadata, and what follows from
+  /// all samples.
   void Finish(const RecordingReader& reader);
 
  private:
@@ -72,7 +76,7 @@ struct FileSummary {
   std::int64_t last_ns_ = 0;
 };
 
-/// Throws Error where a file cannot be read.
+/// Summarises a recording's files.  Throws Error if one cannot be read.
 FileSummary Summarise(const std::vector<std::string>& files);
 
 }  // namespace palpate

@@ -2,7 +2,7 @@
 
 namespace palpate {
 
-// The files of idl/ as text, put here by the build.
+// The files of idl/ as text, embedded by the build.
 extern const char* const kHapticsIdl;
 extern const char* const kOfferIdl;
 extern const char* const kSessionIdl;

@@ -46,8 +46,8 @@ const std::string& SchemaText(RecordedType type) {
 }
 
 std::optional<RecordedType> TypeOfSchema(const std::string& schema_name) {
-  // What its name was as long as it told of leaves of sphere trees, too, that were scraped off; no
-  // scene is read any more in which that happened.
+  // The former name, when the type also reported leaves of sphere trees that were scraped off;
+  // scenes with that feature are no longer supported.
   if (schema_name == "palpate::LeafTaken") return RecordedType::kLoopWhole;
   for (int i = 0; i < kRecordedTypes; ++i) {
     const auto type = static_cast<RecordedType>(i);
@@ -66,7 +66,7 @@ void SequenceCount::Add(std::uint64_t sequence) {
     ++astray_;
     return;
   }
-  // What comes again, as after a split, is not missing.
+  // A repeated sample, as after a split, is not a gap.
   if (sequence <= last_) return;
   if (sequence > last_ + 1) {
     ++holes_;

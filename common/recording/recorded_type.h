@@ -11,7 +11,7 @@
 
 namespace palpate {
 
-/// What recordings hold: the types of common/dds/wire.h.
+/// The types of samples in recordings; each is a type of common/dds/wire.h.
 enum class RecordedType {
   kHapticPose,
   kWrench,
@@ -29,7 +29,7 @@ enum class RecordedType {
   kSolidBlock,
   kCutLog,
 };
-/// Their types, in the same order.
+/// Their wire types, in the same order.
 using RecordedWires =
     std::tuple<wire::HapticPose, wire::Wrench, wire::SessionRequest, wire::SessionState,
                wire::LoopWhole, wire::ToolState, wire::LoopStatistics, wire::SceneBundle,
@@ -37,7 +37,7 @@ using RecordedWires =
                wire::SceneWhole, wire::SolidBlock, wire::CutLog>;
 inline constexpr int kRecordedTypes = std::tuple_size_v<RecordedWires>;
 
-/// @tparam T  one of them.
+/// @tparam T  a type of RecordedWires.
 template <class T>
 inline constexpr RecordedType kTypeOf = []<class... Each>(const std::tuple<Each...>*) {
   const bool is[] = {std::is_same_v<T, Each>...};
@@ -46,14 +46,14 @@ inline constexpr RecordedType kTypeOf = []<class... Each>(const std::tuple<Each.
 
 /// "palpate::HapticPose"
 const char* SchemaName(RecordedType type);
-/// The type's schema: IDL that stands alone (the file of idl/ that declares it).
+/// Returns the type's schema: self-contained IDL (the file of idl/ that declares it).
 const std::string& SchemaText(RecordedType type);
 std::optional<RecordedType> TypeOfSchema(const std::string& schema_name);
 
-/// Counts what a topic's samples number themselves by, so that each hole is known.
+/// Tracks the sequence numbers of a topic's samples, to find gaps.
 class SequenceCount {
  public:
-  /// Numbers that lie further apart are not of one count: a loop of 4 kHz takes three days to them.
+  /// The largest gap within one count; a loop of 4 kHz takes three days for it.
   static constexpr std::uint64_t kMostHole = std::uint64_t{1} << 30;
 
   void Add(std::uint64_t sequence);
@@ -61,7 +61,7 @@ class SequenceCount {
   std::uint64_t last() const { return last_; }
   std::uint64_t holes() const { return holes_; }
   std::uint64_t missing() const { return missing_; }
-  /// Samples whose number the count does not lead to; they are passed over.
+  /// Samples whose number does not continue the count; they are ignored.
   std::uint64_t astray() const { return astray_; }
 
  private:

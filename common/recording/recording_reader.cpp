@@ -7,11 +7,11 @@
 namespace palpate {
 namespace {
 
-/// Bytes that a type may have got since a recording was made; more than it has fields for are not
-/// looked at.
+/// Upper limit of the bytes that fields added since a recording can take; surplus bytes
+/// are ignored.
 constexpr std::size_t kMostAdded = 256;
 
-/// No recorder counts further in a lifetime, and 65,535 topics together do not overflow.
+/// No recorder reaches this count, and the sum over 65,535 topics does not overflow.
 constexpr std::uint64_t kMostCount = std::uint64_t{1} << 47;
 
 }  // namespace
@@ -26,7 +26,7 @@ std::optional<std::uint64_t> CountIn(const mcap::StringMap& metadata, const std:
 RecordingReader::RecordingReader(const std::vector<std::string>& files) : names_(files) {
   for (const std::string& file : files) {
     files_.push_back(std::make_unique<mcap::MappedFile>(file));
-    mcap::Reader(files_.back()->bytes(), file);  // is it one at all?
+    mcap::Reader(files_.back()->bytes(), file);  // throws if it is no MCAP file
   }
 }
 

@@ -13,52 +13,53 @@
 
 namespace palpate {
 
-/// A sample as a recording holds it; until the reader's next one.
+/// A sample in a recording; valid until the reader's next call.
 struct RecordedSample {
   RecordedType type;
   const std::string* topic;
   std::int64_t log_time_ns;
   std::span<const std::uint8_t> cdr;
 
-  /// False where it is of another type, or its bytes are not a T's.
+  /// Converts to a T; false if the sample has another type, or its bytes are not those of a T.
   template <class T>
   bool To(T& sample) const {
     return type == kTypeOf<T> && dds::FromCdr(cdr, sample);
   }
 };
 
-/// A count that its recorder says in metadata; 0 where it says none, nothing where it says what no
-/// count can be: not a number, or one of which a few more would overflow.
+/// Returns a count from the recorder's metadata; 0 if it is absent, nothing if it is no valid
+/// count: not a number, or so large that adding a few would overflow.
 std::optional<std::uint64_t> CountIn(const mcap::StringMap& metadata, const std::string& key);
 
-/// Reads a recording in order: a file, or its splits one after the other.  Samples that an older
-/// version recorded have zeros where a type has got fields since (idl/session.idl).
+/// Reads a recording in order: one file, or its splits one after the other.  In samples recorded by
+/// an older version, fields added since are zero (idl/session.idl).
 class RecordingReader {
  public:
-  /// Throws Error where a file cannot be read, or is no MCAP file.
+  /// Throws Error if a file cannot be read, or is not an MCAP file.
   explicit RecordingReader(const std::vector<std::string>& files);
 
-  /// Samples of types that this version does not know are passed over, and counted.
+  /// Reads the next sample; false at the end.  Samples of unknown types are skipped and counted.
   bool Next(RecordedSample& sample);
-  /// Begins anew.
+  /// Starts again from the beginning.
   void Restart();
 
-  /// Where to go to for the last sample, with those before it in its chunk.  To be asked for after
-  /// a Next that was true.
+  /// The position of the last sample: going there reads its chunk again from the chunk's start.
+  /// Valid after Next has returned true.
   struct Place {
     std::size_t file = 0, offset = 0;
     friend bool operator==(const Place&, const Place&) = default;
   };
   Place place() const { return {begun_ - 1, readers_[begun_ - 1]->offset()}; }
-  /// Goes on from a place that it has given since it last began anew.  What is read again counts
+  /// Continues from a place returned since the last Restart.  Samples that are read again count
   /// again in unknown().
   void GoTo(const Place& place);
-  /// After Next has returned false: what its recorder has written to the last file since.
+  /// Call it after Next has returned false: takes in what the recorder has appended to the
+  /// last file.
   void Grow();
 
-  // Of what has been read; so, of all of it once Next has returned false.
-  bool complete() const { return complete_; }  ///< every file has its end
-  bool damaged() const;                        ///< bytes of some have changed
+  // These describe what has been read so far, so the whole recording once Next has returned false.
+  bool complete() const { return complete_; }  ///< every file so far has its end
+  bool damaged() const;                        ///< bytes of some file were altered
   std::vector<std::string> problems() const;
   std::vector<mcap::Metadata> metadata() const;
   std::uint64_t unknown() const { return unknown_; }
@@ -67,9 +68,10 @@ class RecordingReader {
  private:
   std::vector<std::string> names_;
   std::vector<std::unique_ptr<mcap::MappedFile>> files_;
-  std::vector<std::unique_ptr<mcap::Reader>> readers_;  // of those that were ever begun
-  std::size_t begun_ = 0;                               // of them, on the present way
-  std::vector<std::uint8_t> older_;  // the last sample, where it needs more bytes
+  std::vector<std::unique_ptr<mcap::Reader>> readers_;  // of the files opened so far
+  std::size_t begun_ = 0;                               // number of files opened since the
+                                                        // last restart
+  std::vector<std::uint8_t> older_;                     // the last sample, if it had to be extended
   bool complete_ = true;
   std::uint64_t unknown_ = 0;
 };

@@ -14,7 +14,7 @@ namespace palpate {
 
 RecordingWriter::RecordingWriter(RecordingOptions options) : options_(std::move(options)) {
   if (splits()) {
-    // Whatever their number: a reader that takes all of them would mix two recordings.
+    // Splits of any number are refused: a reader of all of them would mix two recordings.
     if (const std::vector<NamedSplit> former = FindSplits(options_.file); !former.empty()) {
       throw Error(former.front().file + ": is there already, and a split of " + options_.file +
                   " may want that name; give another name, or move such files away");
@@ -58,7 +58,7 @@ void RecordingWriter::Finish(const std::string& reason) {
     }
     file_->WriteMetadata({"palpate.topic", figures});
   }
-  // Of all splits so far.
+  // These counts cover all splits so far.
   file_->WriteMetadata({"palpate.end",
                         {{"reason", reason},
                          {"messages", std::to_string(messages_)},
@@ -75,7 +75,7 @@ void RecordingWriter::Close(const std::string& reason) {
 
 void RecordingWriter::SetDropped(const std::string& topic, RecordedType type,
                                  std::uint64_t dropped) {
-  // A topic all of whose samples were dropped is known by that alone.
+  // Also lists a topic whose samples were all dropped.
   topics_.try_emplace(topic, Topic{type}).first->second.dropped = dropped;
 }
 
@@ -159,7 +159,8 @@ std::uint64_t RecordingWriter::Look(const std::string& name, Topic& topic,
       dds::Owned<wire::SolidBlock> owned;
       const wire::SolidBlock& block = owned.value;
       if (!dds::FromCdr(cdr, owned.value)) return count;
-      // Of the scene as it stands now: another run of the server finds it whole again.
+      // Changes are kept for the present scene only: with another server run, the scene is
+      // whole again.
       if (std::exchange(changes_run_, block.server_run) != block.server_run) kept_changes_.clear();
       keep(kept_changes_, std::string("/") + block.scene + "/" +
                               std::to_string(block.object_index) + "/" +

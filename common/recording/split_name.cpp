@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The number in a split's name; nothing where SplitName gives no such name.
+/// Returns the number in a split's name; nothing if SplitName gives no such name.
 std::optional<std::size_t> NumberIn(const fs::path& split, const fs::path& recording) {
   const std::string name = split.filename().string();
   const std::string begin = recording.stem().string() + "_", end = recording.extension().string();
@@ -27,12 +27,12 @@ std::optional<std::size_t> NumberIn(const fs::path& split, const fs::path& recor
   return exact.filename() == name ? std::optional(number) : std::nullopt;
 }
 
-/// Of palpate-record, as the file itself says.
+/// Returns true if the file itself shows that palpate-record made it.
 bool IsRecording(const std::string& file) {
   try {
     const mcap::MappedFile mapped(file);
     mcap::Reader reader(mapped.bytes(), file);
-    // It is written before any message.
+    // The metadata record precedes all messages.
     mcap::Message first;
     reader.Next(first);
     return std::ranges::find(reader.metadata(), kRecordingRecord, &mcap::Metadata::name) !=
@@ -55,7 +55,7 @@ std::string SplitName(const std::string& file, std::size_t number) {
 std::vector<NamedSplit> FindSplits(const std::string& file) {
   const fs::path path(file);
   std::vector<NamedSplit> found;
-  std::error_code none;  // where it cannot be listed, the writer says why
+  std::error_code none;  // if the folder cannot be listed, the writer reports why
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   for (const auto& entry : fs::directory_iterator(folder, none)) {
     if (const auto number = NumberIn(entry.path(), path)) {

@@ -6,27 +6,28 @@
 
 namespace palpate {
 
-/// More splits than this are not made: longer numbers would look like dates.
+/// Limit on the number of splits: longer numbers would look like dates.
 inline constexpr std::size_t kMostSplits = 100'000;
 
-/// The name of a recording's split: day.mcap's are day_000.mcap, ..., day_999.mcap, day_1000.mcap.
+/// Returns the name of a recording's split: for day.mcap day_000.mcap, ...,
+/// day_999.mcap, day_1000.mcap.
 /// @param number  below kMostSplits.
 std::string SplitName(const std::string& file, std::size_t number);
 
-/// The files that have a name that SplitName gives for this recording, by number.  Whatever is in
-/// them.
+/// A file whose name SplitName could have given, whatever it contains.  FindSplits returns those of
+/// a recording, ordered by number.
 struct NamedSplit {
   std::string file;
   std::size_t number;
 };
 std::vector<NamedSplit> FindSplits(const std::string& file);
 
-/// Throws Error where a new recording may not take this file's place: it is there, and has nothing
-/// in it that says that palpate-record made it.  An empty file, a pipe and a device hold nothing
-/// that could be lost.
+/// Throws Error if a new recording must not replace this file: it exists, and nothing in it
+/// shows that palpate-record made it.  An empty file, a pipe or a device may be replaced:
+/// nothing is lost.
 void CheckMayReplace(const std::string& file);
 
-/// What a recording says of itself with its first record.
+/// Name of the metadata record with which every recording begins.
 inline constexpr char kRecordingRecord[] = "palpate.recording";
 
 }  // namespace palpate

@@ -6,8 +6,8 @@
 
 namespace palpate {
 
-/// The texts of a range with `between` between them: "a, b, c".
-/// @param text_of  gives each one's text, or names the member that is it.
+/// Returns the texts of a range, separated by `between`: "a, b, c".
+/// @param text_of  gives an item's text: a function or a member.
 template <class Range, class TextOf = std::identity>
 std::string Joined(const Range& range, TextOf text_of = {}, std::string_view between = ", ") {
   std::string all;

@@ -5,8 +5,8 @@
 
 namespace palpate {
 
-/// ASCII's letters made small, whatever the locale: for hosts, schemes, headers and
-/// the endings of files.
+/// Returns a text with its ASCII letters in lower case, independent of the locale: for hosts,
+/// schemes, headers and file extensions.
 inline std::string LowerCase(std::string_view text) {
   std::string lower(text);
   for (char& c : lower) {

@@ -5,7 +5,7 @@
 namespace palpate {
 
 std::string_view NearestWord(std::string_view word, const std::vector<std::string_view>& words) {
-  // Levenshtein distance; a third of the word may be wrong.
+  // Levenshtein distance; up to a third of the word may be wrong.
   std::string_view best;
   std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
   for (std::string_view candidate : words) {

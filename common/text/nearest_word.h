@@ -6,12 +6,13 @@
 
 namespace palpate {
 
-/// Of `words`, the one that a person who wrote `word` most likely meant; empty where none is near.
+/// Returns the one of `words` that a person who wrote `word` most likely meant; empty if none
+/// is close.
 std::string_view NearestWord(std::string_view word, const std::vector<std::string_view>& words);
 
-/// For a complaint: `; did you mean "scene"?`; empty where none is near.
+/// Returns the end of a complaint: `; did you mean "scene"?`; empty if none is close.
 std::string DidYouMean(std::string_view word, const std::vector<std::string_view>& words);
-/// The same and all that there are: `; did you mean "scene"? (known: scene seed)`.
+/// The same, followed by all known words: `; did you mean "scene"? (known: scene seed)`.
 std::string DidYouMeanOneOf(std::string_view word, const std::vector<std::string_view>& words);
 
 }  // namespace palpate

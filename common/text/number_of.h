@@ -7,8 +7,9 @@
 
 namespace palpate {
 
-/// A text that is one number and nothing else, as std::from_chars takes it: no blanks, no plus.
-/// @param base  of a whole number alone.
+/// Parses a text that is one number and nothing else, as std::from_chars does: no blanks, no plus
+/// sign.  Returns nothing if it is not.
+/// @param base  for integers only.
 template <class Number, class... Base>
 std::optional<Number> NumberOf(std::string_view text, Base... base) {
   Number number{};

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kLongest = 40;
 
-/// The character at the beginning of a text; size 0 where its bytes are no UTF-8.
+/// The first character of a text; size 0 if its bytes are not UTF-8.
 struct Character {
   std::uint32_t code = 0;
   std::size_t size = 0;
@@ -25,7 +25,7 @@ Character FirstOf(std::string_view text) {
     if ((byte(i) & 0xc0) != 0x80) return {};
     code = code << 6 | (byte(i) & 0x3fu);
   }
-  // The least that needs so many bytes; below it are other spellings of the same.
+  // The least code point that needs this many bytes; below it the encoding is overlong.
   constexpr std::uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
   const bool is_surrogate = code >= 0xd800 && code < 0xe000;
   if (code < kLeast[size] || is_surrogate || code > 0x10ffff) return {};
@@ -76,7 +76,7 @@ std::string Printable(std::string_view text) {
 std::string_view BeginningOf(std::string_view text, std::size_t most) {
   if (text.size() <= most) return text;
   std::size_t end = most;
-  // Not within a character, which has four bytes at most.
+  // Does not cut within a character, which has at most four bytes.
   while (end > 0 && end + 3 > most && (static_cast<std::uint8_t>(text[end]) & 0xc0) == 0x80) --end;
   return text.substr(0, end);
 }

@@ -1,6 +1,6 @@
 #!/bin/sh
-# manual.sh PROGRAM PAGE.gz [NAME VERSION]: a manual of the program's own --help, and of each of its commands';
-# a script, which does not say them itself, has a name and a version.
+# manual.sh PROGRAM PAGE.gz [NAME VERSION]: writes a manual page from the --help of a program and of
+# each of its commands.  NAME and VERSION are for scripts, which do not print them.
 set -eu
 program=$1
 page=$2
@@ -8,7 +8,8 @@ command -v help2man >/dev/null || {
   echo "help2man is missing: deploy/setup --for packages installs it" >&2
   exit 1
 }
-# A section for each command, as it prints it: "Subcommands:" lists them, two letters in.
+# Writes a section for each command, from its --help; "Subcommands:" lists them, indented by
+# two spaces.
 commands=$page.commands
 "$program" --help | sed -n '/^Subcommands:/,/^$/s/^  \([a-z][a-z-]*\).*/\1/p' | while read -r command; do
   printf '[COMMAND %s]\n.nf\n' "$command"

@@ -9,9 +9,9 @@ namespace {
 constexpr double kMilli = 1e-3;
 constexpr double kDegree = 3.14159265358979 / 180.0;
 
-// [S] as the maker's data sheet is commonly quoted; none was at hand, so check it.  [C] what the
-// public driver of CHAI3D 3 takes for the arm.  Where both are known and differ, the lower bounds
-// the force.  The maker gives one force, as continuous; so the peak is no higher.  [E] estimate.
+// [S] as the maker's data sheet is commonly quoted; no sheet was available, so check it.  [C] the
+// value of CHAI3D 3's public driver.  If both are known and differ, the lower one bounds the force.
+// The maker gives a single force, as continuous, so the peak is no higher.  [E] estimate.
 struct Row {
   double force_N, torque_Nm;
   double across_m, along_m;  ///< diameter of the reach beside, and its depth towards the user

@@ -1,14 +1,14 @@
 #pragma once
 
-/// The binary interface of Force Dimension's DHD library (libdhd.so.3) on 64-bit Linux, in the
-/// project's own words: no vendor header is needed to build, and the library is looked for at run
-/// time (dhd_library.h).  The figures are those of the SDK's public documentation, 3.7 to 3.17.
-/// Units of the library: m, m/s, rad, N, N m.  Matrices are row by row.  A device is named by its
-/// number, `id`.  Most functions give a negative number where they fail, and
-/// dhdErrorGetLast then has the code, for the thread that called.
+/// The binary interface of Force Dimension's DHD library (libdhd.so.3) on 64-bit Linux, declared by
+/// the project itself: building needs no vendor header, and the library is loaded at run time
+/// (dhd_library.h).  The values are those of the SDK's public documentation, 3.7 to 3.17. Units of
+/// the library: m, m/s, rad, N, N m.  Matrices are row-major.  A device is identified by its
+/// number, `id`.  Most functions return a negative number if they fail; dhdErrorGetLast then has
+/// the code, for the calling thread.
 namespace palpate::dhd {
 
-// Those that the driver calls; the library has more.  X(result, name, arguments).
+// The functions that the driver calls; the library has more.  X(result, name, arguments).
 #define PALPATE_DHD_FUNCTIONS(X)                                                   \
   X(int, dhdErrorGetLast, (void))                                                  \
   X(void, dhdGetSDKVersion, (int* major, int* minor, int* release, int* revision)) \
@@ -54,27 +54,28 @@ struct Functions {
 inline constexpr unsigned char kOn = 1;
 inline constexpr unsigned char kOff = 0;
 
-// Positive answers, which are no errors: everything from zero up is success.
-inline constexpr int kTimeGuard = 1;       ///< asked again so soon that the arm was not read anew
+// Positive return values.  They are no errors: zero and above mean success.
+inline constexpr int kTimeGuard = 1;       ///< called again so soon that the arm was not read anew
 inline constexpr int kMotorSaturated = 2;  ///< a motor could not give all of the force
 
-/// What dhdGetStatus fills in, by place.  Releases since 3.7 know 16 or 17; room for later ones.
+/// Size of dhdGetStatus's array, with room for later releases: those since 3.7 have 16 or
+/// 17 values.
 inline constexpr int kStatusRoom = 32;
 enum StatusPlace {
   kStatusPower = 0,
   kStatusConnected = 1,
   kStatusStarted = 2,
-  kStatusReset = 3,  ///< 1: it waits to be calibrated
+  kStatusReset = 3,  ///< 1: the arm waits for calibration
   kStatusIdle = 4,
-  kStatusForce = 5,  ///< 1: motors follow what is set
-  kStatusBrake = 6,  ///< 1: motors are short-circuited: the arm is viscous and renders nothing
+  kStatusForce = 5,  ///< 1: the motors render the force that is set
+  kStatusBrake = 6,  ///< 1: the motors are short-circuited: the arm is viscous and renders no force
   kStatusWristDetected = 8,
   kStatusError = 9,
   kStatusWristInit = 12,
   kStatusForceOffCause = 14,
 };
 
-// dhdGetSystemType.
+// Return values of dhdGetSystemType.
 inline constexpr int kOmega3 = 33;
 inline constexpr int kOmega6 = 34;
 inline constexpr int kOmega7 = 35;

@@ -5,8 +5,8 @@
 namespace palpate::dhd {
 
 // The library's frame D has x towards the user, y to the right and z up; the device's frame W has
-// x to the right, y up and z towards the user.  Both have their origin in the middle of the reach,
-// so one rotation by 120 degrees about (1, 1, 1) leads from D to W:
+// x to the right, y up and z towards the user.  Both have their origin in the centre of the reach,
+// so a rotation by 120 degrees about (1, 1, 1) converts D to W:
 //
 //        z_D = y_W
 //         |
@@ -15,15 +15,16 @@ namespace palpate::dhd {
 //        /
 //   x_D = z_W  (towards the user)
 
-/// A vector of D, in W.
+/// Converts a vector from D to W.
 inline Vec3 ToW(const Vec3& v_D) noexcept {
   return {v_D.y(), v_D.z(), v_D.x()};
 }
-/// A vector of W, in D.
+/// Converts a vector from W to D.
 inline Vec3 ToD(const Vec3& v_W) noexcept {
   return {v_W.z(), v_W.x(), v_W.y()};
 }
-/// A rotation of D, in W: handle and arm are turned alike, so that no turn stays none.
+/// Converts a rotation from D to W.  The handle's frame is converted like the arm's, so that the
+/// identity remains the identity.
 inline Mat3 ToW(const Mat3& R_D) noexcept {
   Mat3 R_W;
   for (int column = 0; column < 3; ++column) {

@@ -145,7 +145,8 @@ Condition ConditionOf(const int* status) noexcept {
     return Condition::kWristNotCalibrated;
   }
   if (status[kStatusForce]) return Condition::kReady;
-  // The arm keeps the last cause when its force is back, so it counts only without.
+  // The arm still reports the last cause after its force has returned, so the cause counts only
+  // while forces are off.
   if (const int cause = status[kStatusForceOffCause]; cause != 0) {
     const int first = static_cast<int>(Condition::kOffByButton) - 1;
     return cause >= 1 && cause <= 6 ? static_cast<Condition>(first + cause)

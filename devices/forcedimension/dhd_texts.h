@@ -7,15 +7,15 @@
 
 namespace palpate::dhd {
 
-/// What an error asks of the driver.
+/// How the driver must react to an error.
 enum class ErrorClass {
   kNone,
-  kPause,  ///< passes by itself: no force until 0.1 s without one have passed, then a ramp
-  kLatch,  ///< no force until the station is started again
+  kPause,  ///< transient: no force until 0.1 s have passed without an error, then a ramp
+  kLatch,  ///< no force until the station is restarted
 };
 
 /// An error code of dhdErrorGetLast.
-/// @field remedy  what a person can do, as a clause that ends a message.
+/// @field remedy  what a user can do, as a clause that ends a message.
 struct ErrorText {
   int code;
   const char* name;
@@ -23,16 +23,18 @@ struct ErrorText {
   const char* remedy;
 };
 
-/// All codes that are documented, by code from zero up, for lists and tests.
+/// Returns all documented codes, in ascending order from zero, for lists and tests.
 std::span<const ErrorText> ErrorTexts() noexcept;
 
-/// kLatch for a code that is unknown: nobody knows what the arm does then.  Real-time.
+/// Returns an error's class; kLatch for an unknown code, because the arm's reaction is then
+/// unknown. Real-time.
 ErrorClass ClassOf(int code) noexcept;
 
 /// "DHD_ERROR_COM (2): check the cable ..."
 std::string DescribeError(int code);
 
-/// Why an arm renders no force, as its status says; the first that holds, in this order.
+/// The reason why an arm renders no force, according to its status; the first in this order
+/// that applies.
 enum class Condition {
   kReady,
   kNoPower,
@@ -41,36 +43,36 @@ enum class Condition {
   kError,
   kNotCalibrated,
   kWristNotCalibrated,
-  // Causes 1 to 6 for which the arm itself took its force away (DHD_STATUS_FORCEOFFCAUSE).
+  // Causes 1 to 6 for which the arm itself switched its force off (DHD_STATUS_FORCEOFFCAUSE).
   kOffByButton,
   kOffByVelocity,
   kOffByWatchdog,
   kOffBySoftware,
   kOffByUsb,
   kOffByDeadMan,
-  kOffUnknown,  ///< one that this driver does not know
+  kOffUnknown,  ///< a cause unknown to this driver
   kBrake,
   kIdle,
   kForceOff,  ///< for none of these reasons
 };
 
-/// @field name    what it is, for the station's table.
-/// @field remedy  how the force comes back, as a clause that ends a message.
+/// @field name    the condition, for the station's table.
+/// @field remedy  how to get the force back, as a clause that ends a message.
 struct ConditionText {
   Condition condition;
   const char* name;
   const char* remedy;
 };
 
-/// All of them, in their order.
+/// Returns all conditions, in their order.
 std::span<const ConditionText> ConditionTexts() noexcept;
 const ConditionText& TextOf(Condition condition) noexcept;
 
-/// Of what dhdGetStatus gave.  Real-time.
+/// Returns the condition that dhdGetStatus has reported.  Real-time.
 /// @param status  kStatusRoom values.
 Condition ConditionOf(const int* status) noexcept;
 
-/// "the arm's forces are off by its button: press ..."; "" where it is ready.
+/// "the arm's forces are off by its button: press ..."; "" if it is ready.
 std::string DescribeCondition(Condition condition);
 
 }  // namespace palpate::dhd

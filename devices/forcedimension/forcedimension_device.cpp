@@ -13,10 +13,10 @@ namespace palpate {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-/// Status is looked at a hundred times a second: an arm that took its force away is so seen to have
-/// done it before any finger gives it back.
+/// The status is read a hundred times a second, so that a cut of the force by the arm is seen
+/// before a user can restore it.
 constexpr std::uint64_t kTicksPerStatus = 10;
-/// No arm reaches so far: a position beyond it is none.
+/// Beyond the reach of any arm; a position further away is invalid.
 constexpr double kFarthest_m = 1.0;
 
 bool IsCalibrating(dhd::Condition condition) {
@@ -95,7 +95,7 @@ void ForceDimensionDevice::ReadDataSheet() {
 void ForceDimensionDevice::Configure() {
   const char id = static_cast<char>(id_);
   if (options_.calibrate) Check(dhd_.dhdReset(id), "dhdReset");
-  // With the weight of the handle that it came with: the library knows that one.
+  // For the weight of the original handle, which the library knows.
   Check(dhd_.dhdSetGravityCompensation(dhd::kOn, id), "dhdSetGravityCompensation");
   if (dhd_.dhdHasActiveGripper(id) && dhd_.dhdEmulateButton(dhd::kOn, id) < 0) {
     notes_ = "the gripper does not stand in for a button (" +
@@ -105,8 +105,8 @@ void ForceDimensionDevice::Configure() {
   if (state_.errors > 0) {
     throw Error("forcedimension: setting no force: " + dhd::DescribeError(state_.error));
   }
-  // A sigma's forces are off until they are enabled; with the others it does no harm.  One that is
-  // not calibrated refuses, and is asked again when it is.
+  // A sigma's forces are off until they are enabled; for other arms this does no harm.  An arm that
+  // is not calibrated refuses, and this is repeated once it is calibrated.
   LookAtStatus();
   enable_when_calibrated_ = IsCalibrating(state_.condition);
   if (!enable_when_calibrated_) {
@@ -132,18 +132,18 @@ void ForceDimensionDevice::Close() noexcept {
 // The station's loop: no allocation, lock, log or exception of ours.
 
 bool ForceDimensionDevice::Took(int answer) noexcept {
-  if (answer >= 0) return true;  // as are DHD_TIMEGUARD and DHD_MOTOR_SATURATED
+  if (answer >= 0) return true;  // includes DHD_TIMEGUARD and DHD_MOTOR_SATURATED
   state_.error = dhd_.dhdErrorGetLast();
   ++state_.errors;
   gate_.Fault();
-  // A failure without a code is one that nobody knows.
+  // A failure without a code counts as an unknown error.
   if (dhd::ClassOf(state_.error) != dhd::ErrorClass::kPause) state_.latched = true;
   return false;
 }
 
 bool ForceDimensionDevice::ReadPose() noexcept {
   const char id = static_cast<char>(id_);
-  // A getter that fails leaves its arguments alone: they must not look like a pose.
+  // A getter that fails does not change its arguments, so initialise them with no valid pose.
   Vec3 p(kNaN, kNaN, kNaN), v(kNaN, kNaN, kNaN);
   double rows[3][3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
   if (has_wrist_) {
@@ -223,7 +223,7 @@ const ForceDimensionState& ForceDimensionDevice::State() {
 std::string ForceDimensionDevice::Attend() {
   std::string news = std::exchange(notes_, {});
   const ForceDimensionState& state = State();
-  // An error of every tick is told once a second.
+  // An error in every tick is reported once a second.
   const bool another = state.error != error_told_ || state.ticks >= next_telling_ticks_;
   if (state.errors > errors_told_ && another) {
     const std::uint64_t times = state.errors - errors_told_;

@@ -12,34 +12,34 @@
 
 namespace palpate {
 
-/// The data sheet of an arm of Force Dimension's, by dhdGetSystemType; model, rate and torque axes
-/// are left to the driver, which asks the library.  Figures have their sources in arm_sheets.cpp.
-/// An arm that is not known gets the weakest bounds there are.
+/// Returns the data sheet of a Force Dimension arm, by its dhdGetSystemType.  The driver fills in
+/// model, rate and torque axes, for which it asks the library.  arm_sheets.cpp has the sources of
+/// the figures. An unknown arm gets the lowest bounds of all.
 DeviceInfo ForceDimensionSheet(int system_type);
 
-/// What the latest tick saw and did.
+/// The state after the latest tick.
 struct ForceDimensionState {
   std::uint64_t ticks = 0;
   dhd::Condition condition = dhd::Condition::kForceOff;
-  Wrench rendered;  ///< what the arm was told, in W; torque only where it has motors for that
-  int error = 0;    ///< the newest
+  Wrench rendered;  ///< the wrench commanded to the arm, in W; torque only if it has motors for it
+  int error = 0;    ///< the newest error code
   std::uint64_t errors = 0;
-  std::uint64_t bad_poses = 0;  ///< that were none; the pose before was held
+  std::uint64_t bad_poses = 0;  ///< invalid poses; the previous pose was kept
   bool latched = false;
 };
 
-/// An arm of Force Dimension's: omega, delta, sigma, lambda.  The library is loaded at run time.
-/// W is the arm's own frame as dhd_frame.h has it: x to the right, y up, z to the user.
+/// A Force Dimension arm: omega, delta, sigma, lambda.  The library is loaded at run time.  W is
+/// the arm's own frame, converted as dhd_frame.h says: x to the right, y up, z towards the user.
 ///
-/// Read and Apply each talk to the arm through the library, in the station's loop: the library has
-/// no thread that ticks.  The arm keeps what it was told last until its own watchdog lets go, so
-/// each tick tells it something, zero wherever the gate is closed.
+/// Read and Apply call the library in the station's loop, since the library has no thread that
+/// ticks. The arm holds its last command until its own watchdog ends it, so each tick sends a
+/// command, zero while the gate is closed.
 /// Thread contract: as Device.
 class ForceDimensionDevice final : public Device {
  public:
-  /// Opens the arm that the options name by its serial number, or the first, compensates its weight
-  /// and enables its forces, with none asked for.  Throws Error, with the remedy, where anything of
-  /// it fails.
+  /// Opens the arm with the serial number in the options, or the first arm, compensates its
+  /// weight and enables its forces, with a zero command.  Throws Error, with the remedy, if any
+  /// of this fails.
   explicit ForceDimensionDevice(const DeviceOptions& options);
   ~ForceDimensionDevice() override;
   ForceDimensionDevice(const ForceDimensionDevice&) = delete;
@@ -51,7 +51,7 @@ class ForceDimensionDevice final : public Device {
   std::string Attend() override;
   const char* activity() const noexcept override;
 
-  /// Of the latest tick.  From the thread that calls Attend.
+  /// Returns the state after the latest tick.  Call it from the thread that calls Attend.
   const ForceDimensionState& State();
 
  private:
@@ -59,10 +59,10 @@ class ForceDimensionDevice final : public Device {
   void ReadDataSheet();
   void Configure();
   void Close() noexcept;
-  /// Throws Error where the library's answer is negative.
+  /// Throws Error if the library returned a negative number.
   void Check(int answer, const char* what) const;
 
-  // The station's loop.
+  // Called by the station's loop.
   bool Took(int answer) noexcept;
   bool ReadPose() noexcept;
   void LookAtStatus() noexcept;
@@ -75,7 +75,7 @@ class ForceDimensionDevice final : public Device {
   bool has_wrist_ = false;
   DeviceInfo info_;
 
-  // Of the loop.
+  // Used by the station's loop.
   DeviceSample sample_;
   ReturnGate gate_;
   TurnRate turn_rate_;
@@ -86,9 +86,9 @@ class ForceDimensionDevice final : public Device {
   std::atomic<dhd::Condition> condition_{dhd::Condition::kForceOff};
   std::atomic<bool> latched_{false};
 
-  // Of the main thread.
+  // Used by the main thread.
   ForceDimensionState seen_;
-  std::string notes_;  // from opening, for the first Attend
+  std::string notes_;  // news from opening, for the first Attend
   bool told_any_ = false;
   dhd::Condition condition_told_ = dhd::Condition::kReady;
   int error_told_ = 0;

@@ -5,22 +5,24 @@
 namespace palpate {
 namespace {
 
-// No data sheet was at hand.  [I] 2 N is what Isaac Lab's driver for the Inverse3 allows by
-// default, and so taken for what it stands for ever; [E] the peak is twice that, and a Minverse
-// stands half.  Raise them only with the sheet of your device.
+// No data sheet was available.  [I] 2 N is the default limit of Isaac Lab's driver for the
+// Inverse3, used as the continuous force; [E] the peak is twice that, and a Minverse has half of
+// both.  Raise them only with the sheet of your device.
 constexpr double kContinuous_N = 2.0;
 constexpr double kPeak_N = 4.0;
 constexpr double kSmaller = 0.5;
-/// [D] The maker's tutorial for position control keeps within these radii of the reach's middle.
+/// [D] The maker's tutorial for position control stays within these radii of the centre of
+/// the reach.
 constexpr double kReach_m = 0.10;
 constexpr double kMinverseReach_m = 0.04;
-/// [E] Of the encoders at the cursor.
+/// [E] Resolution of the encoders at the cursor.
 constexpr double kResolution_m = 0.1e-3;
 constexpr double kResolution_rad = 2e-3;
-/// [D] Where the maker's example of a first message has the cursor: about the middle of the reach,
-/// in W, where no preset puts the origin there.
+/// [D] The cursor's position in the maker's example of a first message, in W: about the centre of
+/// the reach if no preset puts the origin there.
 const Vec3 kCentre_m(0.0, 0.15, 0.12);
-/// Between two replies.  No hand moves so far in a millisecond; a device that is calibrated does.
+/// Greatest motion between two replies.  No hand moves so far in a millisecond, but a device that
+/// is being calibrated may.
 constexpr double kJump_m = 0.05;
 
 }  // namespace
@@ -58,7 +60,7 @@ DeviceSample HaplyDevice::Read() noexcept {
   }
   condition_.store(condition, std::memory_order_relaxed);
   if (condition != Condition::kReady) {
-    // The pose is held, and nothing is pressed.
+    // Keeps the pose, and clears the buttons.
     gate_.Fault();
     sample_.V_WH = Twist{};
     turn_rate_.Restart();

@@ -9,16 +9,17 @@
 
 namespace palpate {
 
-/// Haply's Inverse3, Inverse3x or Minverse, through the Inverse Service; a VerseGrip, where there
-/// is one, gives orientation and buttons.  Three axes of force, no torque.  W has x to the right,
-/// y up and z to the user; its origin is the middle of the reach.
-/// Thread contract: as Device; a thread of its own speaks with the service (InverseClient).
+/// Haply's Inverse3, Inverse3x or Minverse, through the Inverse Service; a VerseGrip, if present,
+/// gives orientation and buttons.  Three axes of force, no torque.  W has x to the right, y up and
+/// z towards the user; its origin is the centre of the reach.
+/// Thread contract: as Device; a thread of its own communicates with the service (InverseClient).
 class HaplyDevice final : public Device {
  public:
-  /// Ticks without a reply after which the device is at fault, and gets nothing: at 1 kHz 10 ms.
+  /// Number of ticks without a reply after which the device counts as faulty and gets no force: 10
+  /// ms at 1 kHz.
   static constexpr int kStaleTicks = 10;
 
-  /// Throws Error, with the remedy, where there is no service or no device.
+  /// Throws Error, with the remedy, if there is no service or no device.
   explicit HaplyDevice(const DeviceOptions& options);
 
   const DeviceInfo& info() const override { return info_; }
@@ -27,7 +28,7 @@ class HaplyDevice final : public Device {
   std::string Attend() override;
   const char* activity() const noexcept override;
 
-  /// Of the newest tick; of the loop's thread.
+  /// The state at the newest tick.  Call it from the loop's thread.
   const haply::ServiceState& service() const noexcept { return state_; }
   const Vec3& sent_force() const noexcept { return sent_; }
 
@@ -36,7 +37,7 @@ class HaplyDevice final : public Device {
 
   DeviceInfo info_;
   Vec3 centre_ = Vec3::Zero();
-  // Of the loop.
+  // Used by the loop.
   haply::ServiceState state_;
   DeviceSample sample_;
   ReturnGate gate_;
@@ -45,7 +46,7 @@ class HaplyDevice final : public Device {
   int silent_ticks_ = 0;
 
   std::atomic<Condition> condition_{Condition::kStalled};
-  // Of the main thread.
+  // Used by the main thread.
   Condition told_ = Condition::kStalled;
   bool told_grip_ = false;
   haply::InverseClient client_;

@@ -24,14 +24,16 @@ namespace palpate::haply {
 namespace asio = boost::asio;
 namespace {
 
-/// Without a Send for so long, zero is sent, so that the pose stays new and no force stays on.
+/// After this time without a Send, zero is sent, so that poses keep coming and no force remains.
 constexpr int kKeepAlive_ms = 10;
-/// A service that does not answer for so long is dead; the device's forces are off long before.
+/// After this time without an answer the service counts as dead; the device's forces are off
+/// long before.
 constexpr std::chrono::milliseconds kDead{1000};
-/// To open a connection may take longer.
+/// Time limit for opening a connection, which may take longer.
 constexpr std::chrono::milliseconds kOpening{2000};
 constexpr int kRetry_ms = 500;
-/// A state of some devices is 2 kB; who sends more is no Inverse Service.
+/// Size limit of a message.  The state of some devices is 2 kB; anything larger is not from an
+/// Inverse Service.
 constexpr std::size_t kLongestMessage = 1 << 20;
 
 std::string Name(const Address& address) {
@@ -48,7 +50,7 @@ Error NoService(const Address& address, const std::string& why) {
 void Ring(int eventfd) noexcept {
   const std::uint64_t one = 1;
   if (write(eventfd, &one, sizeof one) < 0) {
-    // It rings already.
+    // The event is already signalled.
   }
 }
 
@@ -72,8 +74,8 @@ Address ServiceAddress() {
   return address;
 }
 
-/// One connection.  Its calls wait at most for a given time each, and no longer than until a
-/// descriptor becomes readable; they throw boost::system::system_error.
+/// One connection.  Each call waits at most for a given time, or until the stop descriptor becomes
+/// readable; calls throw boost::system::system_error.
 class InverseClient::Link {
  public:
   /// @param stop  descriptor; -1: none.
@@ -84,9 +86,9 @@ class InverseClient::Link {
   }
   void Connect(const Address& address) {
     const auto places = asio::ip::tcp::resolver(io_).resolve(address.host, address.port);
-    // localhost is two addresses: the service may listen at either.
+    // localhost has two addresses, and the service may listen at either.
     Await(kOpening, [&](auto done) { asio::async_connect(tcp(), places, done); });
-    tcp().set_option(asio::ip::tcp::no_delay(true));  // a message is not held back
+    tcp().set_option(asio::ip::tcp::no_delay(true));  // messages are sent without delay
   }
   /// Throws Error, with the remedy.
   void Open(const Address& address) {
@@ -103,7 +105,7 @@ class InverseClient::Link {
   void Write(const std::string& text) {
     Await(kDead, [&](auto done) { socket_.async_write(asio::buffer(text), done); });
   }
-  /// Waits for nothing.
+  /// Does not wait.
   void WriteLast(const std::string& text) {
     tcp().non_blocking(true);
     socket_.write(asio::buffer(text));
@@ -127,12 +129,12 @@ class InverseClient::Link {
     if (!ended) {
       boost::system::error_code ignored;
       tcp().close(ignored);
-      while (!ended) io_.run_one();  // what was begun ends with an error of its own
+      while (!ended) io_.run_one();  // the cancelled operation ends with an error
       ended = stopped_ ? asio::error::operation_aborted : asio::error::timed_out;
     }
     if (*ended) throw boost::system::system_error(*ended);
   }
-  // With the loop's own executor: Asio's any executor takes 1.4 s of 12 more to compile.
+  // Uses the loop's own executor, because Asio's any_io_executor adds 1.4 s to 12 s of compilation.
   using Executor = asio::io_context::executor_type;
   using Socket = asio::basic_stream_socket<asio::ip::tcp, Executor>;
 
@@ -205,10 +207,10 @@ void InverseClient::Run() {
       if (!opened && realtime_.mode != RealtimeMode::kOff) EnterRealtime(realtime_);
       Link link(stop_);
       link.Open(address_);
-      // The first message is the service's.
+      // The service sends the first message.
       const Inventory inventory = ParseInventory(link.Read(kOpening), wanted_);
       if (!opened) {
-        // Later it is to be the same again: who holds it knows no other.
+        // After a reconnection it must be the same device, because the user still holds that one.
         inventory_ = inventory;
         wanted_ = inventory.device_id;
         opened = true;
@@ -243,7 +245,7 @@ void InverseClient::Run() {
   }
 }
 
-/// Until it is to stop; throws boost::system::system_error where the connection ends.
+/// Serves until it is to stop; throws boost::system::system_error if the connection ends.
 void InverseClient::Serve(Link& link) {
   for (bool first = true;; first = false) {
     pollfd wait[2] = {{wake_, POLLIN, 0}, {stop_, POLLIN, 0}};

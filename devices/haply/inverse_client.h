@@ -12,48 +12,51 @@
 
 namespace palpate::haply {
 
-/// Names the service's address, as ws://HOST:PORT.
+/// Environment variable with the service's address, as ws://HOST:PORT.
 inline constexpr const char* kServiceVariable = "PALPATE_HAPLY_SERVICE";
 
 struct Address {
   std::string host = "localhost";
   std::string port = "10001";
 };
-/// The variable's, or else the service's own.  Throws UsageError for one that is none.
+/// Returns the variable's address, or else the service's default.  Throws UsageError if it
+/// is invalid.
 Address ServiceAddress();
-/// Whether somebody listens there.  Throws Error, with the remedy, where not.
+/// Throws Error, with the remedy, if nothing listens at the address.
 void CheckService(const Address& address);
 
-/// What the service said last.
+/// The latest state of the service.
 struct ServiceState {
   bool up = false;
   Lie lie = Lie::kNone;
-  Reading reading;  ///< the newest with which nothing was wrong
+  Reading reading;  ///< the newest valid one
   std::uint64_t replies = 0;
-  std::int64_t round_trip_ns = 0;  ///< of the newest reply: from its command's sending on
+  std::int64_t round_trip_ns = 0;  ///< of the newest reply, since its command was sent
 };
 
-/// Speaks with the Inverse Service over a WebSocket, in a thread that owns the socket: JSON
-/// allocates, and sockets wait.  Each Send is one message, and each message has one reply; the next
-/// is sent when that has come, so no more than one force is ever on its way, however long the
-/// service stalls.  A force is sent once: where no Send comes for 10 ms, zero is sent.  Where the
-/// service goes, the state says so at once, and the thread tries twice a second to have it back.
-/// Thread contract: Read and Send from one thread; the others from that which made it.
+/// A client of the Inverse Service over a WebSocket.  A thread owns the socket, because JSON
+/// allocates and sockets block.  Each Send is one message with one reply; the next is sent only
+/// after the reply, so at most one force is in transit, however long the service stalls.  A force
+/// is sent once: if no Send follows within 10 ms, zero is sent.  If the connection is lost, the
+/// state says so at once, and the thread tries to reconnect twice a second. Thread contract: Read
+/// and Send from one thread; the others from the thread that made it.
 class InverseClient {
  public:
   /// @param wanted    id of the device; empty: the first.
-  /// @param realtime  of its thread.   Throws Error, with the remedy.
+  /// @param realtime  for its thread.
+  /// Throws Error, with the remedy.
   InverseClient(Address address, std::string wanted, const RealtimeOptions& realtime);
   ~InverseClient();
   InverseClient(const InverseClient&) = delete;
   InverseClient& operator=(const InverseClient&) = delete;
 
   const Inventory& inventory() const { return inventory_; }
-  /// The newest state; false, leaving `state` alone, where nothing came since the last.  Real-time.
+  /// Reads the newest state; false, with `state` unchanged, if none came since the last
+  /// call.  Real-time.
   bool Read(ServiceState& state) noexcept { return states_.Read(state); }
-  /// Real-time: wakes the thread, and waits for nothing.
+  /// Sends a force [N, in W].  Real-time: wakes the thread without waiting for it.
   void Send(const Vec3& force_W) noexcept;
-  /// What happened since, for people, a line each.
+  /// Returns the news since the last call, for people, one line each.
   std::string TakeNews();
 
   class Link;
@@ -70,7 +73,7 @@ class InverseClient {
   Inventory inventory_;
   LatestMailbox<Vec3> forces_;
   LatestMailbox<ServiceState> states_;
-  ServiceState state_;  // the thread's
+  ServiceState state_;  // used by the thread
   std::mutex news_mutex_;
   std::string news_;
   std::promise<void> opened_;

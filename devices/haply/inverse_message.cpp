@@ -11,10 +11,10 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// No device of the family reaches so far, and no hand is so fast.
+/// Limits beyond the reach of these devices and the speed of a hand.
 constexpr double kFarthest_m = 1.0;
 constexpr double kFastest_m_s = 20.0;
-/// How far a quaternion's norm may be from one: floats are sent with few digits.
+/// Tolerance of a quaternion's norm: floats are sent with few digits.
 constexpr double kNormNoise = 0.05;
 
 const Json* Member(const Json& object, const char* name) {
@@ -66,7 +66,8 @@ bool Pressed(const Json* button) {
 }
 
 std::uint32_t ButtonsOf(const Json& state) {
-  std::uint32_t buttons = Pressed(Member(state, "button")) ? 1u : 0u;  // wired: but one
+  std::uint32_t buttons = Pressed(Member(state, "button")) ? 1u : 0u;  // the wired grip has
+                                                                       // only one
   if (const Json* several = Member(state, "buttons")) {
     std::uint32_t bit = 1;
     for (const char* name : {"a", "b", "c"}) {

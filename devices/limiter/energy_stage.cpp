@@ -8,7 +8,8 @@
 namespace palpate {
 namespace {
 
-/// Comparisons with NaN are false.  Larger numbers than these no device reaches.
+/// Returns false for NaN, too, since comparisons with NaN are false.  No device reaches
+/// larger numbers.
 bool Usable(const Pose& X) noexcept {
   return (X.p.array().abs() <= 1e3).all() && std::abs(X.q.squaredNorm() - 1.0) <= 0.01;
 }
@@ -18,7 +19,7 @@ bool Usable(const Pose& X) noexcept {
 double PassivityObserver::Move(const Pose& X_WH) noexcept {
   way_ = Way{};
   seen_ = Usable(X_WH);
-  if (!seen_) return 0.0;  // what was held meanwhile is booked with the next pose that is one
+  if (!seen_) return 0.0;  // the work is counted at the next valid pose
   const Pose now{X_WH.p, X_WH.q.normalized()};
   const Pose last = last_;
   last_ = now;
@@ -63,7 +64,7 @@ Wrench EnergyStage::Pass(const Wrench& asked, double gain, const Pose& X_WT, dou
   if (dt_s > 0.0) smooth_ += (way.p / dt_s - smooth_) * std::min(1.0, dt_s / kSmooth_s);
   inwards_ = foreseen < 0.0 ? std::min(inwards_ + 1, 2) : 0;
 
-  // What cannot be booked is not rendered.
+  // A wrench whose work cannot be counted is not rendered.
   const double factor = observer_.seen() ? Factor(wanted, foreseen, gain) : 0.0;
   count_ += factor < 1.0;
   if (factor < 1.0) {
@@ -83,14 +84,14 @@ void EnergyStage::Settle(double most_J, double dt_s) noexcept {
     store_J_ -= forgotten;
     budget_J_ = std::min(kBudget_J, budget_J_ + forgotten);
   }
-  // A debt is forgotten only as far as all that the hand ever put in covers it.
+  // A debt is forgotten only as far as the hand's total input covers it.
   const double covered =
       repaid_ ? std::min(0.0, observer_.energy_J() + lent_J() - kReserve_J) : store_J_;
   if (store_J_ < covered) store_J_ += share * (covered - store_J_);
 }
 
 bool EnergyStage::Rests(const Pose& X_WH, double dt_s) noexcept {
-  // Comparisons with NaN are false: what is no pose is no rest.
+  // Comparisons with NaN are false, so an invalid pose does not count as rest.
   const bool here =
       (X_WH.p - X_rest_.p).norm() <= 2.0 * position_resolution_m_ &&
       RotationLog(X_WH.q * X_rest_.q.conjugate()).norm() <= 2.0 * rotation_resolution_rad_;
@@ -129,8 +130,8 @@ double EnergyStage::Factor(const Wrench& wanted, double foreseen, double gain) c
     factor = 1.0 - counts * (1.0 - store / stored);
   }
 
-  // Sum over the ticks that letting go takes: the force falls in n equal steps, and the way of each
-  // is by one `unforeseen` longer than that of the one before.
+  // Sum over the ticks of the release: the force falls in n equal steps, and each tick's
+  // displacement exceeds the previous one by `unforeseen`.
   const double accel = kHandAccel_m_s2 + force / kLeastMass_kg;
   const double unforeseen_m = accel * tick_s_ * tick_s_ + position_resolution_m_;
   const double unforeseen_rad = kMostAccel_rad_s2 * tick_s_ * tick_s_ + rotation_resolution_rad_;
@@ -139,7 +140,7 @@ double EnergyStage::Factor(const Wrench& wanted, double foreseen, double gain) c
   const double more = force * unforeseen_m + torque * unforeseen_rad;
   const double spent = gain * (foreseen * (n + 1.0) / 2.0 + more * (n + 1.0) * (n + 2.0) / 6.0);
 
-  // A hand that plainly moves in works its debt off: without a force it could not.
+  // A hand that clearly moves in pays its debt; without a force it could not.
   const bool inwards = inwards_ > 1 || smooth_.dot(wanted.force) < -kInwards_m_s * force;
   const double budget = inwards ? store + kSeed_J : std::max(0.0, store_J_ + kSeed_J);
   return spent > budget ? std::min(factor, budget / spent) : factor;

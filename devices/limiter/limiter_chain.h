@@ -10,43 +10,43 @@
 
 namespace palpate {
 
-/// What a limiter is told once per tick; anything at all may be in it.
+/// The limiter's input, once per tick.  It may contain any values whatever.
 struct LimiterInput {
   Wrench wanted;  ///< contact wrench at the handle, in W
-  Wrench led;  ///< what a guide or an effect adds that is active by design: bounded apart, and in
-               ///< no account
-  Pose X_WH;   ///< the handle as measured just now
-  Twist V_WH;  ///< as the driver says; no stage relies on it
+  Wrench led;  ///< what a guide or an effect adds that is active by design: it has a bound of its
+               ///< own, and is not in the energy balance
+  Pose X_WH;   ///< pose of the handle as just measured
+  Twist V_WH;  ///< the driver's value; no stage relies on it
   double silence_s = std::numeric_limits<double>::infinity();  ///< AgeStage
   double age_s = std::numeric_limits<double>::infinity();      ///< AgeStage
   double dt_s = 0.0;                                           ///< since the last call
-  bool entering =
-      false;  ///< a hand that was inside already feels `wanted` grow by the server's ramp
+  bool entering = false;  ///< the hand was inside already: `wanted` grows by the server's ramp
   /// DeviceSample::motor_temperature.
   double motor_temperature = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// How often each stage had to act, in calls; `fades` counts events.
+/// The number of calls in which each stage acted; `fades` counts events.
 struct LimiterCounts {
   std::uint64_t calls = 0;
   std::uint64_t nonfinite = 0;
   std::uint64_t clamped = 0;
   std::uint64_t slewed = 0;
-  std::uint64_t braked = 0;    ///< held back by the energy stage
-  std::uint64_t warm = 0;      ///< held back by the temperature stage
+  std::uint64_t braked = 0;    ///< reduced by the energy stage
+  std::uint64_t warm = 0;      ///< reduced by the temperature stage
   std::uint64_t faded = 0;     ///< calls with less than the whole wrench because of age
-  std::uint64_t fades = 0;     ///< times that replies stopped, after they had begun
+  std::uint64_t fades = 0;     ///< number of times that replies stopped after they had begun
   std::uint64_t disabled = 0;  ///< calls with less than the whole wrench because of enable
 };
 
-/// Longest tick that counts: after a stall the next step is no larger than that of 2 ms.
+/// The longest time that a tick counts for: after a stall the next step is no larger than one of
+/// 2 ms.
 inline constexpr double kMaxTick_s = 0.002;
-/// Shortest: less than that is no tick, and no time.
+/// The shortest time of a tick; anything less counts as zero.
 inline constexpr double kMinTick_s = 1e-6;
 
-/// The stages of a limiter in their order; WrenchLimiter (wrench_limiter.h) says what they are and
-/// proves what they keep.  Its output is a plain Wrench, which no device takes.
-/// @tparam Energy  EnergyStage, or what a measurement puts in its place.
+/// The stages of a limiter in order; WrenchLimiter (wrench_limiter.h) describes them and proves
+/// their bounds.  The output is a plain Wrench, which no device accepts.
+/// @tparam Energy  EnergyStage, or a replacement for measurements.
 /// Real-time: no allocation, lock, log or clock.
 template <class Energy>
 class LimiterChain {
@@ -62,16 +62,18 @@ class LimiterChain {
 
   Wrench Limit(const LimiterInput& in) noexcept {
     ++calls_;
-    // NaN, backwards and next to nothing count as no time.
+    // NaN, negative and very small times count as zero.
     const double dt = in.dt_s >= kMinTick_s ? std::min(in.dt_s, kMaxTick_s) : 0.0;
-    // Of the clock alone; here because the energy stage must know what will be left.
+    // Depends on time alone; computed here because the energy stage must know what the later stages
+    // will leave.
     const double gain = age_.Gain(in.silence_s, in.age_s, dt) * enable_.Gain(dt);
-    // From a wrench that nobody felt no step can be felt: the force of a server that died is not
-    // what the next one's begins with.
+    // If the last wrench was not rendered, a jump from it cannot be felt, so the slew stage need
+    // not start from the force of a server that died.
     const bool felt = gain_ > 0.0;
 
     const Wrench slewed = slew_.Pass(clamp_.Pass(finite_.Pass(in.wanted)), dt, felt);
-    // A hand that is in contact already as the ramp begins; who comes later puts in what he gets.
+    // True for a hand that is in contact when the ramp begins; one that touches later puts in its
+    // own energy.
     const bool pressed = !slewed.force.isZero(0.0) || !slewed.torque.isZero(0.0);
     entering_ = gain > gain_ && (entering_ || (!felt && pressed));
     gain_ = gain;
@@ -118,8 +120,9 @@ class LimiterChain {
   TemperatureStage temperature_;
   AgeStage age_;
   EnableStage enable_;
-  double gain_ = 0.0;      // of the call before
-  bool entering_ = false;  // it grows, from zero on, and the hand was in contact then
+  double gain_ = 0.0;      // of the previous call
+  bool entering_ = false;  // the gain is growing from zero, and the hand was in contact when
+                           // that began
   std::uint64_t calls_ = 0;
 };
 

@@ -3,8 +3,8 @@
 namespace palpate {
 namespace {
 
-/// 1 up to `whole`, 0 from `none` on; 0 for what is no time at all (comparisons with NaN are
-/// false).
+/// Returns 1 up to `whole`, 0 from `none` on, and 0 for an invalid time (comparisons with NaN
+/// are false).
 double Left(double time_s, double whole, double none) noexcept {
   if (time_s >= 0.0 && time_s <= whole) return 1.0;
   if (!(time_s > whole && time_s < none)) return 0.0;
@@ -29,7 +29,7 @@ double AgeStage::Gain(double silence_s, double age_s, double dt_s) noexcept {
   } else {
     fades_ += armed_ && !stale_;
     stale_ = true;
-    // Never up while stale, and never faster down than the smoothstep is anywhere.
+    // Never rises while stale, and never falls faster than the smoothstep's steepest slope.
     gain_ = std::min(gain_, std::max(left, gain_ - kFastest_1_s * dt_s));
   }
   count_ += gain_ < 1.0;

@@ -10,17 +10,18 @@
 namespace palpate {
 namespace {
 
-/// The whole peak in 5 ms.
+/// Changes the whole peak in 5 ms.
 constexpr double kWholePeak_ms = 5.0;
-/// As much as a guide may ask for (client/station/guide.h), whatever the device could do.
+/// The most that a guide may request (client/station/guide.h), on any device.
 constexpr double kLedForce_N = 1.0;
 constexpr double kLedTorque_Nm = 0.01;
 constexpr double kNoTorque_Nm = 1e-9;
-/// What a guide adds comes and goes within this time: it never hurries.
+/// Time in which a guide's whole force comes or goes.
 constexpr double kLedWhole_s = 0.02;
-/// Rounding in the sums of the proof, some 1e-15 of the peak, beside a step of 1 us.
+/// Allowance for rounding in the sums of the proof, some 1e-15 of the peak, relative to a step of
+/// 1 us.
 constexpr double kRounding = 1.0 - 1e-6;
-// |d(a e y)| <= |dy| + |y| (|da| + |de|), and y itself moves with contact, guide and temperature.
+// |d(a e y)| <= |dy| + |y| (|da| + |de|), and y itself changes with contact, guide and temperature.
 constexpr double kFactors_1_s =
     AgeStage::kFastest_1_s + EnableStage::kFastest_1_s + TemperatureStage::kFastest_1_s;
 static_assert(1e3 / kWholePeak_ms * kRounding > kFactors_1_s + 1.0 / kLedWhole_s,
@@ -48,7 +49,7 @@ WrenchLimits::Rates WrenchLimits::rates() const noexcept {
 
 WrenchLimits WrenchLimits::Of(const DeviceInfo& info, double most_force_N) {
   DeviceInfo device = info;
-  // Without a motor there is nothing to bound, and a bound must be positive.
+  // Without a motor any bound will do, but it must be positive.
   if (device.torque_axes == 0) device.max_torque_Nm = device.continuous_torque_Nm = kNoTorque_Nm;
   CheckPositive(device.max_force_N, "max_force_N");
   CheckPositive(device.max_torque_Nm, "max_torque_Nm");

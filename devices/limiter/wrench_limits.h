@@ -6,28 +6,29 @@
 
 namespace palpate {
 
-/// Bounds of a WrenchLimiter: what the data sheet says, or less; a limiter cannot be told to allow
-/// more than its device does.  Force and torque are bounded as vectors, by their norm.
+/// The bounds of a WrenchLimiter: those of the data sheet or less, never more.  Force and torque
+/// are bounded by their norms.
 class WrenchLimits {
  public:
   struct Bounds {
     double force_N = 0.0;  ///< peak
     double torque_Nm = 0.0;
-    double continuous_force_N = 0.0;  ///< what is left when the motors are warm
+    double continuous_force_N = 0.0;  ///< what remains when the motors are warm
     double continuous_torque_Nm = 0.0;
-    /// On the change of the *output*, all stages together.
+    /// Bounds on the change of the *output*, all stages together.
     double force_slew_N_per_ms = 0.0;
     double torque_slew_Nm_per_ms = 0.0;
-    /// Of what a guide adds, within the peak: a hand may always overrule it.
+    /// Bounds on what a guide adds, within the peak; low, so that a hand can always overrule it.
     double led_force_N = 0.0;
     double led_torque_Nm = 0.0;
   };
 
-  /// The device's figures.  The whole peak may come or go in 5 ms, 4.4 N/ms for 22 N: a hand that
-  /// hits 1 N/mm at 0.5 m/s needs 0.5 N/ms, so a touch is never softened, a jump always is.
-  /// @param most_force_N  where it is less than the device's peak, that is the peak, and the
-  /// torque's goes down by the same share.
-  /// Throws Error where a figure is missing or is none.
+  /// Returns the limits of a device.  The whole peak may appear or vanish in 5 ms, 4.4 N/ms for 22
+  /// N.  A hand that hits 1 N/mm at 0.5 m/s needs 0.5 N/ms, so touches are never softened, but
+  /// jumps are.
+  /// @param most_force_N  if it is less than the device's peak, it replaces the peak, and the
+  /// torque's peak is reduced by the same factor.
+  /// Throws Error if a figure is missing or invalid.
   static WrenchLimits Of(const DeviceInfo& device,
                          double most_force_N = std::numeric_limits<double>::infinity());
 
@@ -43,8 +44,8 @@ class WrenchLimits {
   double position_resolution_m() const noexcept { return position_resolution_m_; }
   double rotation_resolution_rad() const noexcept { return rotation_resolution_rad_; }
 
-  /// How fast each stage may move what it hands on, in N/s and N m/s, so that their sum keeps the
-  /// slew limit (wrench_limiter.h has the proof).
+  /// The greatest rate of change of each stage's output [N/s, N m/s], chosen so that their sum
+  /// keeps the slew limit (proof in wrench_limiter.h).
   struct Rates {
     double contact_force, contact_torque;
     double led_force, led_torque;

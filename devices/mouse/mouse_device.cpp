@@ -49,7 +49,7 @@ std::optional<MouseLine> ParseMouseLine(std::string_view line, std::string& comp
   Pose X;
   X.p = Vec3(number[0], number[1], number[2]);
   X.q = Quat(number[3], number[4], number[5], number[6]);
-  // maxCoeff may pass over a NaN; comparisons with one are false.
+  // maxCoeff may ignore a NaN; comparisons with one are false.
   if (!X.p.allFinite() || X.p.cwiseAbs().maxCoeff() > kFarthest_m) {
     return refuse("a position beyond 10 m");
   }
@@ -70,7 +70,7 @@ MouseDevice::MouseDevice(int lines, const Pose& start)
 MouseDevice::~MouseDevice() {
   const std::uint64_t one = 1;
   if (write(stop_, &one, sizeof one) < 0) {
-    // It is at its end already.
+    // The stop event is already signalled.
   }
   reader_.join();
   close(stop_);
@@ -78,7 +78,7 @@ MouseDevice::~MouseDevice() {
 
 void MouseDevice::ReadLines() {
   std::string line;
-  bool skip = false;  // the rest of a line that is too long
+  bool skip = false;  // true during the rest of a line that is too long
   for (;;) {
     pollfd wait[2] = {{lines_, POLLIN, 0}, {stop_, POLLIN, 0}};
     if (poll(wait, 2, -1) < 0 && errno == EINTR) continue;
@@ -96,7 +96,7 @@ void MouseDevice::ReadLines() {
         line += c;
       } else if (!skip) {
         skip = true;
-        TakeLine(line);  // which complains
+        TakeLine(line);  // which reports it
       }
     }
   }

@@ -13,24 +13,24 @@
 
 namespace palpate {
 
-/// What a mouse's hand is told by a line of text.
+/// A command to the mouse's hand, from a line of text.
 struct MouseLine {
-  std::optional<Pose> X_WT;  ///< where the tool is dragged to; none: it is let go
+  std::optional<Pose> X_WT;  ///< pose to which the tool is dragged; none: release
 };
 
-/// Reads `x y z qw qx qy qz` (metres; a rotation, which need not be of unit length; in W) or
-/// `release`.  Nothing, with the reason, for anything else: not seven finite numbers, beyond 10 m,
-/// or a quaternion without length.
+/// Parses `x y z qw qx qy qz` (metres; a quaternion of any length but zero; in W) or `release`.
+/// Returns nothing, with the reason, for anything else: not seven finite numbers, a position beyond
+/// 10 m, or a zero quaternion.
 std::optional<MouseLine> ParseMouseLine(std::string_view line, std::string& complaint);
 
-/// A mouse, or whatever else writes such lines to a file descriptor: each says where the
-/// tool is dragged to.  The person sees what happens and feels nothing.  When the lines end, so
-/// does the device. Thread contract: as Device; a thread of its own reads the lines.
+/// A mouse, or anything else that writes such lines to a file descriptor: each is a pose to which
+/// the tool is dragged.  The user sees what happens but feels nothing.  The device ends when the
+/// lines end. Thread contract: as Device; a thread of its own reads the lines.
 class MouseDevice final : public BlindDevice {
  public:
-  /// Throws Error where no more files can be opened.
+  /// Throws Error if no more files can be opened.
   /// @param lines  file descriptor, not closed here.
-  /// @param start  where the tool is until the first line.
+  /// @param start  pose of the tool until the first line.
   MouseDevice(int lines, const Pose& start);
   ~MouseDevice() override;
 

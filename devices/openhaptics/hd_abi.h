@@ -2,9 +2,9 @@
 
 #include <cstdint>
 
-/// The binary interface of OpenHaptics' HD library (libHD.so) on 64-bit Linux, in the project's own
-/// words: no vendor header is needed to build, and the library is looked for at run time
-/// (hd_library.h).  The figures are those of OpenHaptics 3.0's public documentation.
+/// The binary interface of OpenHaptics' HD library (libHD.so) on 64-bit Linux, declared by the
+/// project itself: building needs no vendor header, and the library is loaded at run time
+/// (hd_library.h).  The values are those of OpenHaptics 3.0's public documentation.
 /// Units of the library: mm, mm/s, rad, N, mN m, s; matrices are column-major.
 namespace palpate::hd {
 
@@ -15,14 +15,14 @@ using SchedulerHandle = unsigned long;
 using CallbackCode = unsigned int;
 using Callback = CallbackCode (*)(void*);
 
-/// What hdGetError gives, by value.
+/// The result of hdGetError, by value.
 struct ErrorInfo {
   Code code;
   int internal_code;
   Handle device;
 };
 
-// Those that the driver calls; the library has more.  X(result, name, arguments).
+// The functions that the driver calls; the library has more.  X(result, name, arguments).
 #define PALPATE_HD_FUNCTIONS(X)                                                              \
   X(Handle, hdInitDevice, (const char* name))                                                \
   X(void, hdMakeCurrentDevice, (Handle device))                                              \
@@ -62,18 +62,19 @@ struct Functions {
 };
 
 inline constexpr Handle kInvalidHandle = 0xFFFFFFFF;
-inline constexpr CallbackCode kDone = 0;      ///< a callback that is not called again
-inline constexpr CallbackCode kContinue = 1;  ///< and one that is, every tick
+inline constexpr CallbackCode kDone = 0;      ///< returned by a callback to be removed
+inline constexpr CallbackCode kContinue = 1;  ///< returned by a callback to be called again at the
+                                              ///< next tick
 inline constexpr uint16_t kDefaultPriority = 32767;
 
-// State of the device, to be asked for within a frame.
+// State of the device; read it within a frame.
 inline constexpr Enum kCurrentButtons = 0x2000;        // int
 inline constexpr Enum kCurrentInkwellSwitch = 0x2002;  // boolean; 0 while docked
 inline constexpr Enum kCurrentVelocity = 0x2051;       // double x 3, mm/s
 inline constexpr Enum kCurrentTransform = 0x2052;      // double x 16, mm
 inline constexpr Enum kMotorTemperature = 0x2605;      // double x 3 or 6, 0 to 1
 
-// What the device is.
+// Properties of the device.
 inline constexpr Enum kVersion = 0x2500;          // string, of the library
 inline constexpr Enum kDeviceModelType = 0x2501;  // string
 inline constexpr Enum kDriverVersion = 0x2502;    // string
@@ -81,17 +82,17 @@ inline constexpr Enum kSerialNumber = 0x2504;     // string
 inline constexpr Enum kMaxWorkspace = 0x2550;     // double x 6: least x, y, z, greatest x, y, z; mm
 inline constexpr Enum kInputDof = 0x2553;         // int
 inline constexpr Enum kOutputDof = 0x2554;        // int
-inline constexpr Enum kCalibrationStyle = 0x2555;           // int, bits of the styles that it knows
-inline constexpr Enum kNominalMaxForce = 0x2603;            // double, N
-inline constexpr Enum kNominalMaxContinuousForce = 0x2604;  // double, N
-inline constexpr Enum kNominalMaxTorque = 0x2622;           // double, mN m
+inline constexpr Enum kCalibrationStyle = 0x2555;            // int, bits of the supported styles
+inline constexpr Enum kNominalMaxForce = 0x2603;             // double, N
+inline constexpr Enum kNominalMaxContinuousForce = 0x2604;   // double, N
+inline constexpr Enum kNominalMaxTorque = 0x2622;            // double, mN m
 inline constexpr Enum kNominalMaxContinuousTorque = 0x2623;  // double, mN m
 
-// What it is to render, within a frame: force in N, torque in mN m, Cartesian.
+// The command, set within a frame: force in N, torque in mN m, Cartesian.
 inline constexpr Enum kCurrentForce = 0x2700;
 inline constexpr Enum kCurrentTorque = 0x2701;
 
-// What can be switched.
+// Capabilities that can be switched.
 inline constexpr Enum kSoftwareVelocityLimit = 0x2606;
 inline constexpr Enum kSoftwareForceImpulseLimit = 0x2607;
 inline constexpr Enum kForceOutput = 0x4000;

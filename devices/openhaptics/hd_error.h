@@ -7,17 +7,17 @@
 
 namespace palpate::hd {
 
-/// What an error asks of the driver, mildest first.
+/// How the driver must react to an error, mildest first.
 enum class ErrorClass {
   kNone,
-  kForce,  ///< too much was asked of the arm: contact is dropped, forces ramp in again
+  kForce,  ///< the command exceeded a limit of the arm: the force is dropped and ramps in again
   kWarm,   ///< motors are hot: no force until they have cooled
-  kFatal,  ///< device, connection or scheduler: no force until the station is started anew
-  kUse,    ///< the library was called wrongly, or is another one: taken as fatal
+  kFatal,  ///< device, connection or scheduler failed: no force until the station is restarted
+  kUse,    ///< the library was called wrongly, or is a different one: treated as fatal
 };
 
 /// An error code of the library.
-/// @field remedy  what a person can do, as a clause that ends a message.
+/// @field remedy  what a user can do, as a clause that ends a message.
 struct ErrorText {
   Code code;
   const char* name;
@@ -25,10 +25,11 @@ struct ErrorText {
   const char* remedy;
 };
 
-/// All codes that are known, for lists and tests.
+/// Returns all known codes, for lists and tests.
 std::span<const ErrorText> ErrorTexts() noexcept;
 
-/// kUse for a code that is unknown: nobody knows what the arm does then.  Real-time.
+/// Returns an error's class; kUse for an unknown code, because the arm's reaction is then
+/// unknown. Real-time.
 ErrorClass ClassOf(Code code) noexcept;
 
 /// "HD_COMM_ERROR (0x302, internal 7): check the cable ..."

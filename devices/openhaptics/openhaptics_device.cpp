@@ -21,22 +21,23 @@ namespace {
 constexpr double kMetresPerMm = 1e-3;
 constexpr double kMilli = 1e3;  // mN m in one N m
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-/// More than the library's queue holds; one that tells the same error for ever does not hang a
-/// tick.
+/// More than the library's queue holds; ensures that a library that repeats an error for ever does
+/// not hang a tick.
 constexpr int kMostErrorsPerDrain = 64;
-/// A scheduler that has not ticked for so long is dead: who waits for it would wait for ever.
+/// A scheduler that has not ticked for this long counts as dead; waiting for it could last
+/// for ever.
 constexpr std::int64_t kDead_ns = 1'000'000'000;
-/// Above the strongest arm that there is (Premium 1.5 High Force: 37.5 N): a figure beyond it is
-/// in another unit.
+/// Above the force of the strongest arm (Premium 1.5 High Force: 37.5 N); a larger figure is in
+/// another unit.
 constexpr double kMostForce_N = 50.0;
 constexpr double kMostTorque_mNm = 2000.0;
-/// The library does not tell what an arm's encoders resolve, and the limiter's energy stage has to
-/// know.  Of the coarsest that there is, the Touch, 450 dpi by its data sheet; its gimbal has
-/// potentiometers, [estimate] ten bits of a turn, where one that is driven has encoders.
+/// The library does not report an arm's encoder resolution, which the limiter's energy stage needs.
+/// These are the values of the coarsest arm, the Touch: 450 dpi by its data sheet; its gimbal has
+/// potentiometers, [estimate] ten bits per turn, while driven gimbals have encoders.
 constexpr double kResolution_m = 0.055e-3;
 constexpr double kResolution_rad = 6e-3;
 constexpr double kDrivenResolution_rad = 1.4e-4;  // Premium 6DOF, roll: 0.0080 degrees
-/// The scheduler's, where it refuses another.
+/// The scheduler's rate if it refuses another.
 constexpr double kDefaultRate_Hz = 1000.0;
 constexpr std::uint16_t kLast = 0;  // priority: after the tick's frame
 
@@ -51,7 +52,7 @@ std::string StyleName(hd::Enum style) {
   return "no known style";
 }
 
-/// An arm may know several: the one that asks least of the user.
+/// Chooses the calibration style that demands least of the user; an arm may support several.
 hd::Enum EasiestStyle(hd::Enum styles) {
   for (const hd::Enum style : {hd::kAuto, hd::kInkwell, hd::kEncoderReset}) {
     if (styles & style) return style;
@@ -71,7 +72,7 @@ std::string WhatToDo(hd::Enum style) {
 
 }  // namespace
 
-// Opening.  Legal only while the library's scheduler stands still, up to Start().
+// Opening.  These calls are legal only while the library's scheduler is stopped, up to Start().
 
 OpenHapticsDevice::OpenHapticsDevice(const DeviceOptions& options)
     : options_(options), library_(hd::LoadLibrary()) {
@@ -103,7 +104,7 @@ void OpenHapticsDevice::Check(const std::string& what) {
 }
 
 void OpenHapticsDevice::Init(const std::string& name) {
-  // A name that was given is meant: no other arm takes its place.
+  // If a name was given, no other arm may be used instead.
   const std::vector<const char*> names =
       name.empty() ? std::vector<const char*>{nullptr, "Default Device", "Default PHANToM"}
                    : std::vector<const char*>{name.c_str()};
@@ -119,7 +120,7 @@ void OpenHapticsDevice::Init(const std::string& name) {
       return Check("making the arm current");
     }
     if (handle != kNone) hd_.hdDisableDevice(handle);
-    // No other name can help where the licence or the arm itself is not to be had.
+    // Another name cannot help if the licence or the arm itself is unavailable.
     const bool last_word =
         error.code == hd::kInvalidLicense || error.code == hd::kDeviceAlreadyInitiated;
     if (tried.empty() || last_word) first = error;
@@ -209,8 +210,8 @@ void OpenHapticsDevice::ReadDataSheet() {
 void OpenHapticsDevice::Configure() {
   hd_.hdDisable(hd::kForceOutput);
   Check("switching the motors off");
-  // The library's own bounds stand behind the limiter's.  One frame per tick is its default, and
-  // what this driver does.
+  // The library's own limits act after the limiter.  One frame per tick is its default, and what
+  // this driver uses.
   constexpr std::array<std::pair<hd::Enum, const char*>, 6> kBounds{
       {{hd::kMaxForceClamping, "HD_MAX_FORCE_CLAMPING"},
        {hd::kForceRamping, "HD_FORCE_RAMPING"},
@@ -237,7 +238,7 @@ void OpenHapticsDevice::Configure() {
       error.code != hd::kInvalidOperation && error.code != hd::kTimerError) {
     throw Error("openhaptics: hdSetSchedulerRate: " + hd::Describe(error));
   }
-  // HD_UPDATE_RATE is no help: it is measured, and the scheduler does not run yet.
+  // HD_UPDATE_RATE cannot be used: it is measured, and the scheduler does not run yet.
   info_.rate_Hz = error.code == hd::kSuccess ? options_.rate_Hz : kDefaultRate_Hz;
   if (info_.rate_Hz != options_.rate_Hz) {
     AddLine(notes_, "the arm does not take the rate asked for; it runs at 1000 Hz");
@@ -261,7 +262,7 @@ void OpenHapticsDevice::Start() {
   hd_.hdStartScheduler();
   Check("hdStartScheduler");
 
-  // Who asks a scheduler that does not run to call something waits for ever.
+  // A synchronous call to a scheduler that does not run would never return.
   for (const std::int64_t begun = SteadyNanoseconds(); last_tick_ns_.load() == 0;) {
     if (SteadyNanoseconds() - begun > kDead_ns) {
       throw Error(
@@ -272,7 +273,7 @@ void OpenHapticsDevice::Start() {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 
-  // The priority of the library's thread is the library's affair, and often nothing special.
+  // The library chooses its thread's priority, which is often an ordinary one.
   std::exception_ptr refused;
   InScheduler([&]() noexcept {
     int policy = SCHED_OTHER;
@@ -304,7 +305,7 @@ void OpenHapticsDevice::OnTick() noexcept {
   state_.rendered = Wrench{};
   ReadFrame();
   if (state_.ticks % slow_period_ == 0) ReadNowAndThen();
-  DrainErrors();  // before anything is computed from what they may have spoilt
+  DrainErrors();  // before anything is computed from data that the errors may have spoilt
   sample_.status = gate_.state() == OutputGate::State::kOn ? kDeviceOk
                    : gate_.state() == OutputGate::State::kCalibrating
                        ? kDeviceCalibrating | kDeviceFault
@@ -323,7 +324,7 @@ void OpenHapticsDevice::OnTick() noexcept {
 }
 
 void OpenHapticsDevice::ReadFrame() noexcept {
-  // A getter that fails leaves its argument alone: it must not look like a pose.
+  // A getter that fails does not change its argument, so initialise it with no valid pose.
   std::array<double, 16> transform;
   transform.fill(kNaN);
   std::array<double, 3> velocity{};
@@ -354,7 +355,7 @@ void OpenHapticsDevice::Ask(bool& has, Get get) noexcept {
   if (!has) return;
   DrainErrors();
   get();
-  // What this arm does not have is not asked for again, and no fault.
+  // A value that this arm lacks is not queried again, and is no fault.
   for (int i = 0; i < kMostErrorsPerDrain; ++i) {
     const hd::ErrorInfo error = hd_.hdGetError();
     if (error.code == hd::kSuccess) return;
@@ -380,10 +381,10 @@ void OpenHapticsDevice::ReadNowAndThen() noexcept {
   for (int i = 0; i < output_dof_; ++i) {
     const double t = state_.motor_temperature[static_cast<std::size_t>(i)];
     if (!(t <= hottest)) hottest = t;
-    if (std::isnan(hottest)) break;  // of one that is not known, no other says that it is cool
+    if (std::isnan(hottest)) break;  // if one is unknown, the others do not show that it is cool
   }
   gate_.SetTemperature(hottest);
-  sample_.motor_temperature = hottest;  // the limiter's model is corrected by it
+  sample_.motor_temperature = hottest;  // corrects the limiter's model
 }
 
 void OpenHapticsDevice::Apply(const LimitedWrench& wrench) noexcept {
@@ -454,9 +455,9 @@ bool OpenHapticsDevice::StartTicks(std::function<void()> tick) {
 }
 
 void OpenHapticsDevice::StopTicks() {
-  serving_.store(false);  // from the next frame on nothing is set: zero
+  serving_.store(false);  // from the next frame on no force is set, which means zero
   if (running_) {
-    // Not where nobody would answer: who waits for the scheduler then waits for ever.
+    // Only while the scheduler ticks; otherwise this call would wait for ever.
     if (SchedulerLives() && output_.load() != OutputGate::State::kLatched) {
       InScheduler([this]() noexcept {
         motors_on_ = false;
@@ -466,7 +467,7 @@ void OpenHapticsDevice::StopTicks() {
     }
     hd_.hdStopScheduler();
     running_ = false;
-    hd_.hdDisable(hd::kForceOutput);  // once more: the scheduler may not have taken the call
+    hd_.hdDisable(hd::kForceOutput);  // again, because the scheduler may not have run the call
   }
   if (scheduled_) hd_.hdUnschedule(callback_);
   scheduled_ = false;
@@ -506,8 +507,8 @@ std::string OpenHapticsDevice::Calibrate() {
   const bool pressed = seen_.presses != presses_used_;
   presses_used_ = seen_.presses;
   const bool reset = calibration_style_ == hd::kEncoderReset;
-  // Asked for, and the arm is where it has to be: with --calibrate the user says so of the reset
-  // position; the inkwell has a switch.
+  // Requested, and the arm is in position: for the reset position --calibrate asserts it; the
+  // inkwell has a switch.
   const bool in_place = calibration_style_ != hd::kInkwell || seen_.docked;
   const bool forced = options_.calibrate && in_place;
   const hd::Enum style = calibration_style_;
@@ -543,7 +544,7 @@ std::string OpenHapticsDevice::NewErrors() {
   for (std::size_t i = 0; i < errors_told_.size(); ++i) {
     const std::uint64_t errors = seen_.errors[i];
     const std::uint64_t new_ones = errors - errors_told_[i];
-    // An error of every tick is told once a second.
+    // An error in every tick is reported once a second.
     if (new_ones == 0 || (errors_told_[i] > 0 && seen_.ticks < told_at_ticks_[i])) continue;
     errors_told_[i] = errors;
     told_at_ticks_[i] = seen_.ticks + 10 * slow_period_;

@@ -14,38 +14,39 @@
 
 namespace palpate {
 
-/// What the latest tick saw and did.
+/// The state after the latest tick.
 struct OpenHapticsState {
   std::uint64_t ticks = 0;
   OutputGate::State output = OutputGate::State::kCalibrating;
-  Wrench rendered;  ///< what the arm was given: torque only where it has motors for that
+  Wrench rendered;  ///< the wrench commanded to the arm; torque only if it has motors for it
   std::uint32_t buttons = 0;
-  std::uint32_t presses = 0;     ///< of any button, so far
-  std::uint64_t bad_poses = 0;   ///< transforms that were none; the pose before was held
-  std::uint64_t long_ticks = 0;  ///< wrenches not set because their tick had taken too long
-  // Asked for ten times a second, as far as the arm has them.
+  std::uint32_t presses = 0;     ///< number of button presses so far, any button
+  std::uint64_t bad_poses = 0;   ///< invalid transforms; the previous pose was kept
+  std::uint64_t long_ticks = 0;  ///< number of wrenches not set because their tick took too long
+  // Read ten times a second, if the arm has them.
   std::array<double, 6> motor_temperature{};  ///< 0 to 1
   bool docked = false;                        ///< in its inkwell
-  // By hd::ErrorClass.
+  // Indexed by hd::ErrorClass.
   std::array<std::uint64_t, 5> errors{};
-  std::array<hd::ErrorInfo, 5> cause{};  ///< the first of the latest burst: others follow from it
+  std::array<hd::ErrorInfo, 5> cause{};  ///< the first error of the latest burst, which caused
+                                         ///< the others
 };
 
 /// An arm that OpenHaptics drives: PHANTOM Premium, Omni, Desktop, Touch.  The library is loaded at
-/// run time.  W is the arm's own frame: x to the right, y up, z to the user.
+/// run time.  W is the arm's own frame: x to the right, y up, z towards the user.
 ///
-/// The library's scheduler thread ticks.  In each tick one frame: state is read, the station's tick
-/// runs and sets the wrench that it has just computed, and the frame ends.  So nothing repeats an
-/// old force: where the station's tick is not there, or an error came, the frame sets nothing,
-/// which is zero force by the library's own rule. Thread contract: as Device.  Read and Apply only
-/// from within a tick.
+/// The library's scheduler thread ticks.  Each tick is one frame: it reads the state, runs the
+/// station's tick, which sets the wrench that it has just computed, and ends.  So no old force is
+/// repeated: if there is no station's tick, or after an error, the frame sets nothing, which by the
+/// library's rule is zero force.
+/// Thread contract: as Device.  Read and Apply only from within a tick.
 class OpenHapticsDevice final : public Device {
  public:
-  /// A wrench computed longer than that after its tick began is not set.
+  /// A wrench that is ready later than this after the start of its tick is not set.
   static constexpr double kLongestTick_s = 0.010;
 
-  /// Opens the arm with its motors off and begins to calibrate it (Attend goes on with that).
-  /// Throws Error, with the remedy, where anything of it fails.
+  /// Opens the arm with its motors off and begins its calibration, which Attend continues. Throws
+  /// Error, with the remedy, if any of this fails.
   explicit OpenHapticsDevice(const DeviceOptions& options);
   ~OpenHapticsDevice() override;
   OpenHapticsDevice(const OpenHapticsDevice&) = delete;
@@ -59,13 +60,13 @@ class OpenHapticsDevice final : public Device {
   std::string Attend() override;
   const char* activity() const noexcept override;
 
-  /// Of the latest tick.  From the thread that calls Attend.
+  /// Returns the state after the latest tick.  Call it from the thread that calls Attend.
   const OpenHapticsState& State();
 
  private:
   static constexpr hd::Handle kNone = hd::kInvalidHandle;
 
-  // Opening, in this order.
+  // The steps of opening, in this order.
   void Init(const std::string& name);
   void ReadDataSheet();
   void Configure();
@@ -74,11 +75,11 @@ class OpenHapticsDevice final : public Device {
   int Integer(hd::Enum what, const char* name);
   double Positive(hd::Enum what, const char* name, double largest);
   std::string Text(hd::Enum what);
-  /// Throws Error where the library has one to tell.
+  /// Throws Error if the library reports an error.
   void Check(const std::string& what);
   void DiscardErrors() noexcept;
 
-  // The scheduler's thread.
+  // Called by the scheduler's thread.
   void OnTick() noexcept;
   void ReadFrame() noexcept;
   void ReadNowAndThen() noexcept;
@@ -88,7 +89,7 @@ class OpenHapticsDevice final : public Device {
   template <class Get>
   void Ask(bool& has, Get get) noexcept;
 
-  // The station's main thread.
+  // Called by the station's main thread.
   template <class Call>
   void InScheduler(Call call);
   bool SchedulerLives() const noexcept;
@@ -102,18 +103,18 @@ class OpenHapticsDevice final : public Device {
   hd::SchedulerHandle callback_ = 0;
   bool scheduled_ = false;
   bool running_ = false;
-  int output_dof_ = 0;  // axes that it can render: 3 (force) or 6
+  int output_dof_ = 0;  // number of axes that it can drive: 3 (force) or 6
   hd::Enum calibration_style_ = 0;
   DeviceInfo info_;
-  std::string notes_;  // from opening, for the first Attend
+  std::string notes_;  // news from opening, for the first Attend
 
   std::function<void()> tick_;
-  std::atomic<bool> serving_{false};  // tick_ is there
+  std::atomic<bool> serving_{false};  // tick_ is set
   std::atomic<std::int64_t> last_tick_ns_{0};
   std::atomic<OutputGate::State> output_{OutputGate::State::kCalibrating};
   LatestMailbox<OpenHapticsState> states_;
 
-  // Of the scheduler's thread while it runs.
+  // Used by the scheduler's thread while it runs.
   OutputGate gate_{1000.0};
   TurnRate turn_rate_{1000.0};
   OpenHapticsState state_;
@@ -125,10 +126,10 @@ class OpenHapticsDevice final : public Device {
   bool has_temperature_ = true;
   bool has_inkwell_ = true;
 
-  // Of the main thread.
+  // Used by the main thread.
   OpenHapticsState seen_;
   std::uint64_t next_look_ticks_ = 0;
-  hd::Enum calibration_asked_ = 0;  // what the user was told to do about
+  hd::Enum calibration_asked_ = 0;  // the calibration that the user was told to do
   bool calibrated_ = false;
   std::uint32_t presses_used_ = 0;
   std::array<std::uint64_t, 5> errors_told_{};

@@ -38,7 +38,7 @@ void OutputGate::SetTemperature(double hottest) noexcept {
 bool OutputGate::Passes(const Wrench& limited) noexcept {
   ++quiet_ticks_;
   if (state_ == State::kCooling) {
-    // A temperature that is no number is not cool.
+    // NaN does not count as cool.
     if (knows_temperature_ ? hottest_ < kCool && Rested(kLeastRest_s) : Rested(kBlindRest_s)) {
       Enter(State::kPaused);
     }

@@ -7,15 +7,15 @@
 
 namespace palpate {
 
-/// Whether an arm's motors get what the limiter let through.  Below the limiter, as an error of the
-/// arm takes its force away within one frame, where the limiter would ramp out:
+/// A gate between the limiter and an arm's motors.  It is behind the limiter because an error of
+/// the arm removes its force within one frame, while the limiter would ramp it out:
 ///   calibrating  closed until Open()
-///   paused       closed until 0.1 s without an error have passed *and* the limiter asks for
-///                nothing at all: as a closed gate is a fault to the station, the limiter gets
-///                there by itself, and the force comes back by its ramp, never by a step
-///   cooling      motors are hot: closed until all are below kCool and 2 s have passed, or 60 s
-///                where no temperature can be read; then paused
-///   latched      closed for good
+///   paused       closed until 0.1 s have passed without an error *and* the limiter's output is
+///                zero; the station treats a closed gate as a fault, so the limiter goes to zero by
+///                itself, and the force returns by its ramp and never by a step
+///   cooling      motors are hot: closed until all are below kCool and 2 s have passed, or for 60 s
+///                if no temperature can be read; then paused
+///   latched      closed for ever
 /// Counts ticks, reads no clock.  Real-time.  Not thread-safe: the tick's thread owns it.
 class OutputGate {
  public:
@@ -23,22 +23,22 @@ class OutputGate {
   static constexpr double kQuiet_s = 0.1;
   static constexpr double kLeastRest_s = 2.0;
   static constexpr double kBlindRest_s = 60.0;
-  /// Of HD_MOTOR_TEMPERATURE, which is 1 where the library calls them warm.  An estimate: low
-  /// enough that the next contact is not the next error.
+  /// Value of HD_MOTOR_TEMPERATURE, which is 1 when the library reports warm motors.  An estimate:
+  /// low enough that the next contact does not cause the next error.
   static constexpr double kCool = 0.7;
 
   explicit OutputGate(double rate_Hz) : rate_Hz_(rate_Hz) {}
 
-  /// The arm is calibrated.
+  /// Opens the gate's calibrating state once the arm is calibrated.
   void Open() noexcept;
   void Report(hd::ErrorClass error) noexcept;
-  /// Of the hottest motor; never called: none can be read.
+  /// Sets the temperature of the hottest motor.  Never called if none can be read.
   void SetTemperature(double hottest) noexcept;
-  /// Once per tick: whether this wrench may go out.
+  /// Returns whether this wrench may be rendered.  Call it once per tick.
   bool Passes(const Wrench& limited) noexcept;
 
   State state() const noexcept { return state_; }
-  /// Whether the motors are to be on at all, HD_FORCE_OUTPUT.
+  /// Returns whether the motors are to be switched on (HD_FORCE_OUTPUT).
   bool motors_on() const noexcept { return state_ == State::kOn || state_ == State::kPaused; }
 
  private:

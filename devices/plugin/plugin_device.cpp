@@ -55,7 +55,7 @@ Functions LoadDriver(const std::string& file) {
   const std::string device = "--device " + file;
   const Functions functions =
       SharedLibrary<Functions>::Load(
-          // Without a slash the loader would look elsewhere.
+          // Without a slash the loader would search its own path.
           {file.find('/') == std::string::npos ? "./" + file : file},
           {.who = device,
            .library = "driver",
@@ -67,7 +67,7 @@ Functions LoadDriver(const std::string& file) {
   return functions;
 }
 
-/// Throws Error where a figure is none: forces in grams and lengths in millimetres show here.
+/// Throws Error if a figure is invalid; this detects forces in grams and lengths in millimetres.
 DeviceInfo SheetOf(const palpate_device_info& sheet, const std::string& begin) {
   const auto check = [&](const std::string& field, double value, double least, double most) {
     if (value >= least && value <= most) return value;
@@ -100,7 +100,7 @@ DeviceInfo SheetOf(const palpate_device_info& sheet, const std::string& begin) {
   return info;
 }
 
-/// Why an arm gives no force.
+/// The reason why an arm gives no force.
 struct Trouble {
   const char* words = nullptr;  ///< null: nothing has been told; behind the function's name
   const char* symbol = "";      ///< the driver's function
@@ -129,7 +129,7 @@ constexpr const char* kHeldUp =
 
 }  // namespace
 
-/// What the threads share.  Turn and all below it are the loop's.
+/// The state shared by the threads.  Turn and the members below it belong to the loop.
 class PluginDevice::Arm {
  public:
   explicit Arm(const DeviceOptions& options)
@@ -162,21 +162,21 @@ class PluginDevice::Arm {
   Arm(const Arm&) = delete;
   Arm& operator=(const Arm&) = delete;
 
-  /// Turns until Leave is called.
+  /// Runs the loop until Leave is called.
   void Run(const std::function<void()>& tick) noexcept {
     const auto tick_ns = static_cast<std::int64_t>(1e9 / info.rate_Hz);
     std::int64_t due_ns = SteadyNanoseconds();
     while (Turn(tick)) {
-      // Held up: goes on from here, without a burst.
+      // After a delay, continues from now, without a burst of ticks.
       due_ns = std::max(due_ns + tick_ns, SteadyNanoseconds());
       SleepUntil(due_ns);
     }
     ended = true;
   }
 
-  /// False: Leave was called.  Real-time, as far as the driver is.
+  /// Makes one turn; false if Leave was called.  Real-time if the driver is.
   bool Turn(const std::function<void()>& tick) noexcept {
-    if (!Sense()) {  // the pose is held
+    if (!Sense()) {  // keeps the last pose
       turn_rate_.Restart();
       sample.V_WH = {};
       sample.buttons = 0;
@@ -199,12 +199,12 @@ class PluginDevice::Arm {
     return true;
   }
 
-  /// Takes the force off where a turn takes too long.
+  /// Removes the force if a turn takes too long.
   void Watch() noexcept {
     int policy = 0;
     sched_param parameters{};
     pthread_getschedparam(pthread_self(), &policy, &parameters);
-    ++parameters.sched_priority;  // before a loop that spins
+    ++parameters.sched_priority;  // must preempt a loop that spins
     if (policy == SCHED_FIFO) pthread_setschedparam(pthread_self(), policy, &parameters);
     for (; watched; std::this_thread::sleep_for(5 * kMillisecond)) {
       const double silence_s = 1e-9 * static_cast<double>(SteadyNanoseconds() - alive_ns_);
@@ -220,7 +220,7 @@ class PluginDevice::Arm {
     ended = false;
     watched = true;
   }
-  /// When it returns, no tick runs, nor will.
+  /// Stops the ticks: none runs once it has returned.
   void Leave() noexcept {
     Phase phase = Phase::kDriver;
     while (!phase_.compare_exchange_strong(phase, Phase::kLeft) && phase != Phase::kLeft) {
@@ -277,7 +277,7 @@ class PluginDevice::Arm {
 
   bool Fault(const char* words, const char* symbol) noexcept {
     gate_.Fault();
-    // What comes of the first cause is not told in its place.
+    // Consequences of the first cause are not reported instead of it.
     if (trouble_.words != nullptr && trouble_.words != kReady) return false;
     trouble_ = {words, symbol};
     if (words == kFailed) {
@@ -292,7 +292,7 @@ class PluginDevice::Arm {
     return false;
   }
 
-  /// True once after each time that the force was taken off meanwhile.
+  /// Returns true once after each time that the other thread removed the force.
   bool WasHung() noexcept {
     const char* in = hung_in_.exchange(nullptr);
     if (in != nullptr) Fault(*in ? kHung : kHeldUp, in);
@@ -371,7 +371,7 @@ class PluginDevice::Arm {
   std::atomic<const char*> hung_in_{nullptr};  // until that call returns
   std::atomic<bool> stop_failed_{false};
   LatestMailbox<Trouble> troubles_;
-  // Of the main thread.
+  // Used by the main thread.
   Trouble seen_;
   Trouble told_;
   bool told_stop_ = false;

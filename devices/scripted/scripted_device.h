@@ -5,8 +5,8 @@
 
 namespace palpate {
 
-/// Plays a script exactly, one millisecond per Apply: no mass, no hand, no noise.  Forces move
-/// nothing (its status says so), so that every run sends the same poses to the bit.
+/// Plays a script exactly, one millisecond per Apply: no mass, no hand, no noise.  Forces have no
+/// effect (its status says so), so every run sends the same poses, bit for bit.
 class ScriptedDevice final : public Device {
  public:
   static constexpr double kTick_s = 1e-3;

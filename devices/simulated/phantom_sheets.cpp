@@ -8,12 +8,12 @@ namespace {
 constexpr double kDegree = 0.017453292519943295;
 
 // [sheet]    the maker's data sheet, named at each arm, as it is commonly quoted: to be checked
-//            against the sheet itself.  README.md has the figures side by side.
-// [estimate] everything the sheet is silent about; the reason stands beside it.
-// Not modelled: the linkage (mass and friction are taken as equal in all directions), its
-// elasticity, and the gimbal's stops (a scene may ask for whole turns).
+// against the sheet itself.  README.md lists the figures.
+// [estimate] not in the sheet; the reason is given beside it.
+// Not modelled: the linkage (mass and friction are the same in all directions), its elasticity, and
+// the gimbal's stops (a scene may need whole turns).
 
-/// The gimbal of both Premiums: encoders, motors and, as nothing is published, its dynamics.
+/// The gimbal of both Premiums: encoders, motors and its dynamics, for which nothing is published.
 void AddPremiumGimbal(PhantomSheet& sheet) {
   sheet.info.max_torque_Nm = 0.515;                       // [sheet] yaw and pitch
   sheet.info.continuous_torque_Nm = 0.188;                // [sheet] yaw and pitch
@@ -46,7 +46,7 @@ PhantomSheet PhantomPremium30() {
 
 PhantomSheet PhantomPremium15() {
   // "PHANTOM Premium 1.5/6DOF".  The High Force version (37.5 N, 0.007 mm) is another arm, with
-  // other motors and gears; of the ordinary one there are measured dynamics to hold these against.
+  // other motors and gears; for the ordinary one there are measured dynamics to compare with.
   PhantomSheet sheet;
   sheet.name = "premium-1.5";
   sheet.info.model = "PHANTOM Premium 1.5/6DOF (simulated)";

@@ -8,7 +8,8 @@
 
 namespace palpate {
 
-/// A rigid handle on a backdrivable mechanism: what a simulation needs beyond DeviceInfo.
+/// The dynamics of a rigid handle on a backdrivable mechanism, which a simulation needs
+/// beyond DeviceInfo.
 struct HandleDynamics {
   double mass_kg = 0.0;          ///< apparent mass at the handle, the same in every direction
   double inertia_kg_m2 = 0.0;    ///< about the handle's origin, the same about every axis
@@ -19,23 +20,23 @@ struct HandleDynamics {
   double max_roll_torque_Nm = 0.0;  ///< about the handle's own z axis, weaker than the other two
 };
 
-/// The data sheet of an arm of the PHANTOM family.  Each figure has its source in the .cpp.
+/// The data sheet of an arm of the PHANTOM family.  The .cpp cites the source of each figure.
 struct PhantomSheet {
-  std::string_view name;  ///< as after --model
+  std::string_view name;  ///< the argument of --model
   DeviceInfo info;
   HandleDynamics dynamics;
 };
 
-/// SensAble (now 3D Systems) PHANTOM Premium 3.0/6DOF, the device of the chapter's experiments.
+/// SensAble (now 3D Systems) PHANTOM Premium 3.0/6DOF, the device in the chapter's experiments.
 PhantomSheet PhantomPremium30();
 /// PHANTOM Premium 1.5/6DOF.
 PhantomSheet PhantomPremium15();
-/// Touch, formerly PHANTOM Omni: senses six axes and drives three, so that it renders no torque.
+/// Touch, formerly PHANTOM Omni: senses six axes and drives three, so it renders no torque.
 PhantomSheet PhantomTouch();
 
-/// All of them, the default first.
+/// Returns all sheets, the default first.
 std::vector<PhantomSheet> PhantomSheets();
-/// By name; throws UsageError, which names those that there are.
+/// Returns a sheet by its name; throws UsageError, which lists the valid names.
 PhantomSheet PhantomSheetOf(const std::string& name);
 
 }  // namespace palpate

@@ -19,8 +19,8 @@ double Quantise(double value, double step) noexcept {
   return step > 0.0 ? std::round(value / step) * step : value;
 }
 
-/// Momentum p after dry friction of impulse at most `limit` and after viscous drag: friction takes
-/// momentum away until there is none, and never turns it round.
+/// Returns momentum p after dry friction with an impulse of at most `limit` and after viscous drag.
+/// Friction reduces the momentum to zero at most, and never reverses it.
 Vec3 Brake(const Vec3& p, double limit, double drag_factor) noexcept {
   const double size = p.norm();
   if (size <= limit) return Vec3::Zero();
@@ -64,8 +64,8 @@ SimulatedPhantom::SimulatedPhantom(const PhantomSheet& sheet, std::optional<Simu
 Pose SimulatedPhantom::Encoded() const noexcept {
   Pose read;
   for (int i = 0; i < 3; ++i) read.p[i] = Quantise(X_WH_.p[i], info_.position_resolution_m);
-  // A quaternion's component changes by half the angle.  Rounding it has no singular direction, as
-  // gimbal angles or a rotation vector would have.
+  // A quaternion's component changes by half the angle.  Rounding it has no singular direction,
+  // unlike gimbal angles or a rotation vector.
   const double step = 0.5 * info_.rotation_resolution_rad;
   const Quat& q = X_WH_.q;
   read.q = Quat(Quantise(q.w(), step), Quantise(q.x(), step), Quantise(q.y(), step),
@@ -113,7 +113,7 @@ void SimulatedPhantom::Substep(const Wrench& motor, double t, double h) noexcept
             inertia_;
   X_WH_.p += h * V_WH_.v;
   X_WH_.q = (RotationExp(h * V_WH_.w) * X_WH_.q).normalized();
-  // The workspace ends at stops that give nothing back.
+  // The workspace ends at perfectly inelastic stops.
   for (int i = 0; i < 3; ++i) {
     const double half = 0.5 * info_.workspace_m[i];
     if (std::abs(X_WH_.p[i]) <= half) continue;

@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-/// Mechanical impedance of an arm and hand that hold a handle, the same in every direction.
+/// Mechanical impedance of a human arm and hand that hold a handle, the same in every direction.
 struct HandImpedance {
   // One participant's fit, perpendicular to the arm: van Beek, Bergmann Tiest, Mugge & Kappers,
   // "Haptic perception of force magnitude and its relation to postural arm dynamics in 3D",
@@ -17,21 +17,22 @@ struct HandImpedance {
   double mass_kg = 0.554;
   double damping_N_s_m = 6.45;
   double stiffness_N_m = 135.0;
-  // [estimate] A fist of 0.4 kg within 50 mm, and a wrist that is not held stiff (passive stiffness
-  // about 1 N m/rad); the damping gives half of critical.
+  // [estimate] A fist of 0.4 kg within 50 mm, and a relaxed wrist (passive stiffness about 1 N
+  // m/rad); the damping ratio is one half.
   double inertia_kg_m2 = 1e-3;
   double damping_Nm_s = 0.036;
   double stiffness_Nm_rad = 1.0;
 };
 
-/// A hand that wants to follow a script: a spring and a damper from where the script is to where
-/// the handle is.  Its mass rides on the handle (whoever integrates adds it to the handle's).
+/// A hand that follows a script: a spring and a damper between the script's pose and the handle's
+/// pose. Its mass is attached to the handle (the integrator must add it to the handle's).
 class SimulatedHand {
  public:
   SimulatedHand(ScriptPlayer script, const HandImpedance& impedance)
       : script_(std::move(script)), impedance_(impedance) {}
 
-  /// Wrench of the hand on the handle, at the handle's origin, in W.  Real-time; deterministic.
+  /// Returns the wrench of the hand on the handle, at the handle's origin, in W.
+  /// Real-time; deterministic.
   Wrench WrenchOn(const Pose& X_WH, const Twist& V_WH, double t) const noexcept;
 
   const HandImpedance& impedance() const { return impedance_; }
@@ -43,30 +44,30 @@ class SimulatedHand {
 };
 
 namespace test {
-class PastTheLimiter;  // tests/support: for measurements of what the limiter does
+class PastTheLimiter;  // tests/support: for measurements of the limiter's effect
 }
 
-/// A haptic device that exists only here: a rigid handle with mass, friction, motors that saturate,
-/// encoders that quantise and a workspace that ends, held by a simulated hand or by none.
-/// Each Apply lets one period of its rate pass, in sub-steps of at most kSubstep_s (semi-implicit
-/// Euler; friction implicit, so that it stops a handle and never drives it); so its time is a
-/// count, and a run repeats to the bit. The mechanism is balanced: no gravity.
+/// A simulated haptic device: a rigid handle with mass, friction, motors that saturate, encoders
+/// that quantise and a bounded workspace, held by a simulated hand or free.  Each Apply advances by
+/// one period of its rate, in sub-steps of at most kSubstep_s (semi-implicit Euler; friction is
+/// implicit, so that it stops a handle and never drives it).  Time is a count of ticks, so a run
+/// repeats bit for bit. The mechanism is balanced: no gravity.
 class SimulatedPhantom final : public Device {
  public:
   static constexpr double kSubstep_s = 0.125e-3;
   static constexpr double kMaxRate_Hz = 4000.0;
 
-  /// @param hand  none: the handle floats free from X_WH on.
-  /// Throws Error where the sheet's rate is not within 100 Hz to kMaxRate_Hz.
+  /// @param hand  none: the handle floats freely, starting at X_WH.
+  /// Throws Error if the sheet's rate is not within 100 Hz to kMaxRate_Hz.
   SimulatedPhantom(const PhantomSheet& sheet, std::optional<SimulatedHand> hand, const Pose& X_WH);
 
   const DeviceInfo& info() const override { return info_; }
-  /// The pose as the encoders give it, and its velocity as a driver estimates it from them.
+  /// Returns the pose that the encoders measure, and the velocity that a driver estimates from it.
   DeviceSample Read() noexcept override;
   void Apply(const LimitedWrench& wrench) noexcept override;
   const char* activity() const noexcept override;
 
-  // The truth behind the encoders, for tests and displays.
+  // The true state, without encoders, for tests and displays.
   const Pose& pose() const noexcept { return X_WH_; }
   const Twist& velocity() const noexcept { return V_WH_; }
   double time() const noexcept { return tick_s_ * static_cast<double>(ticks_); }
@@ -74,7 +75,7 @@ class SimulatedPhantom final : public Device {
 
  private:
   friend class test::PastTheLimiter;
-  /// The tick that Apply lets pass, under any wrench.
+  /// Advances by one tick, as Apply does, under any wrench.
   void Pass(const Wrench& commanded) noexcept;
   Pose Encoded() const noexcept;
   Wrench MotorWrench(const Wrench& commanded) const noexcept;
@@ -84,9 +85,9 @@ class SimulatedPhantom final : public Device {
   HandleDynamics dynamics_;
   double tick_s_;
   int substeps_;
-  double velocity_share_;  // of a new encoder difference in the estimate
+  double velocity_share_;  // weight of a new encoder difference in the estimate
   std::optional<SimulatedHand> hand_;
-  double mass_;     // handle and hand [kg]
+  double mass_;     // of handle and hand [kg]
   double inertia_;  // [kg m^2]
   Pose X_WH_;
   Twist V_WH_;

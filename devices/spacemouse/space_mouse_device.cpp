@@ -14,13 +14,13 @@ double RateControl::Share(double counts) noexcept {
 }
 
 Twist RateControl::Velocity(const std::array<int, 6>& axes) noexcept {
-  // libspnav turns z round in the same way, for rotations too (spnav_posrot_moveobj).
+  // libspnav negates z in the same way, also for rotations (spnav_posrot_moveobj).
   return {kTopSpeed_m_s * Vec3(Share(axes[0]), Share(axes[1]), -Share(axes[2])),
           kTopTurn_rad_s * Vec3(Share(axes[3]), Share(axes[4]), -Share(axes[5]))};
 }
 
 SpaceMouseDevice::SpaceMouseDevice(const Pose& start)
-    : BlindDevice("SpaceMouse (", 20.0, start) {  // it has no end of its own
+    : BlindDevice("SpaceMouse (", 20.0, start) {  // a SpaceMouse has no workspace limits
   info_.model += reader_.device_name() + ")";
 }
 

@@ -17,8 +17,8 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-// Debian's spnav.h asks for the headers of X11, by this file, for functions that are not used here;
-// libspnav-dev does not bring them.
+// Debian's spnav.h includes this X11 header for functions that are not used here, and libspnav-dev
+// does not depend on it.
 #define SPNAV_CONFIG_H_
 #include <spnav.h>
 
@@ -30,15 +30,16 @@ namespace {
 
 constexpr const char* kDefaultSocket = "/var/run/spnav.sock";
 constexpr const char* kConfiguration = "/etc/spnavrc";
-constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 20;  // of it: people write it
+constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 20;  // size limit of this
+                                                              // configuration file
 constexpr int kRetry_ms = 500;
 constexpr int kOpenings = 20;
-constexpr int kMostUnknown = 8;  // frames in a row
+constexpr int kMostUnknown = 8;  // unknown frames in succession
 constexpr ssize_t kFrameBytes = 32;
 
 std::atomic<bool> in_use{false};
 
-/// The sockets that libspnav tries, in its order.
+/// Returns the sockets that libspnav tries, in its order.
 std::vector<std::string> Sockets() {
   std::vector<std::string> sockets;
   if (const char* named = std::getenv("SPNAV_SOCKET")) sockets.push_back(named);
@@ -59,7 +60,7 @@ std::vector<std::string> Sockets() {
   return sockets;
 }
 
-/// 0, or the errno with which a connection fails.
+/// Tries to connect; returns 0 or the errno.
 int TryConnect(const std::string& path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
@@ -81,7 +82,9 @@ void FindSpacenavd() {
   for (const std::string& path : Sockets()) {
     const int now = TryConnect(path);
     if (now == 0) return;
-    if (error == ENOENT) error = now;  // a socket that is there says more than one that is not
+    if (error == ENOENT)
+      error = now;  // the error of an existing socket tells more than that of a
+                    // missing one
     tried += (tried.empty() ? "" : ", ") + path + " (" + std::strerror(now) + ")";
   }
   std::string remedy;
@@ -111,12 +114,12 @@ namespace {
 /// Opens libspnav's connection.  Throws Error.
 void OpenLibrary() {
   for (int i = 0; i < kOpenings; ++i) {
-    FindSpacenavd();  // spnav_open leaks where it fails, and says nothing of why
+    FindSpacenavd();  // spnav_open leaks if it fails, and does not tell why
     const auto began = std::chrono::steady_clock::now();
-    errno = 0;  // libspnav looks at it after calls that do not set it
+    errno = 0;  // libspnav reads errno after calls that do not set it
     if (spnav_open() < 0) continue;
-    // No answer at all, for 300 ms, is a daemon of before 1.0.  Version 0 as an answer is the first
-    // word of an event that was faster, and the rest of it would be taken for the next.
+    // No answer for 300 ms means a daemon before 1.0.  An answer of version 0 is the first word of
+    // an event that arrived first; the rest of it would be taken for the next answer.
     const bool answered = std::chrono::steady_clock::now() - began < std::chrono::milliseconds(300);
     if (spnav_protocol() > 0 || !answered) return;
     spnav_close();
@@ -126,11 +129,11 @@ void OpenLibrary() {
       "SpaceMouse alone while it is opened, or start spacenavd again");
 }
 
-/// Whether spacenavd has a device, and its name.  It cannot be asked before protocol 1.
+/// Finds out whether spacenavd has a device, and its name.  Needs protocol 1.
 bool FindDevice(std::string& name) {
   name = "its name is not known: spacenavd is older than 1.0";
   if (spnav_protocol() < 1) return true;
-  // An event that crosses the question spoils the answer.
+  // An event that arrives at the same time spoils the answer.
   for (int i = 0; i < 3; ++i) {
     char text[128] = "";
     errno = 0;
@@ -164,7 +167,7 @@ SpacenavReader::SpacenavReader() : stop_(eventfd(0, EFD_CLOEXEC)) {
 SpacenavReader::~SpacenavReader() {
   const std::uint64_t one = 1;
   if (write(stop_, &one, sizeof one) < 0) {
-    // It is set already.
+    // The stop event is already signalled.
   }
   thread_.join();
   close(stop_);
@@ -177,7 +180,7 @@ bool SpacenavReader::StopsWithin(int milliseconds) const {
 }
 
 void SpacenavReader::Run() {
-  // libspnav writes to its socket, also when nobody is there any more.
+  // libspnav writes to its socket even if the daemon has ended.
   sigset_t all;
   sigfillset(&all);
   pthread_sigmask(SIG_BLOCK, &all, nullptr);
@@ -229,7 +232,7 @@ void SpacenavReader::Lose(SpacenavState::Link link, const char* news) {
   spdlog::warn("spacemouse: {}: the tool stands still until it is back", news);
 }
 
-/// Until spacenavd closes the connection, sends what is no event, or the reader is to stop.
+/// Listens until spacenavd closes the connection or sends invalid events, or the reader must stop.
 void SpacenavReader::Listen() {
   int unknown = 0;
   for (;;) {
@@ -239,12 +242,12 @@ void SpacenavReader::Listen() {
     char frame[kFrameBytes];
     const ssize_t here = recv(wait[0].fd, frame, sizeof frame, MSG_PEEK | MSG_DONTWAIT);
     if (here <= 0) return;
-    if (here < kFrameBytes) {  // libspnav would take half a frame for a whole one
+    if (here < kFrameBytes) {  // libspnav would treat half a frame as a whole one
       if ((wait[0].revents & POLLHUP) != 0 || StopsWithin(1)) return;
       continue;
     }
     spnav_event event;
-    // Zero is an event that libspnav does not know, such as an answer that came too late.
+    // Zero means an event unknown to libspnav, such as an answer that came too late.
     if (spnav_poll_event(&event) == 0) {
       if (++unknown > kMostUnknown) return;
       continue;

@@ -10,36 +10,37 @@
 
 namespace palpate {
 
-/// What spacenavd said last.
+/// The latest state that spacenavd has reported.
 struct SpacenavState {
   enum class Link { kUp, kNoDaemon, kNoDevice };
   Link link = Link::kUp;
   std::array<int, 6> axes{};  ///< x, y, z, rx, ry, rz [counts], as spacenavd gives them
-  std::uint32_t buttons = 0;  ///< bit i: button i is down; those from 32 on are not told
+  std::uint32_t buttons = 0;  ///< bit i: button i is down; buttons from 32 on are not reported
 };
 
-/// Throws Error, with what to do, where nothing listens at spacenavd's socket, or this user may not
+/// Throws Error, with the remedy, if nothing listens at spacenavd's socket, or this user may not
 /// connect to it.
 void FindSpacenavd();
 
 /// Listens to spacenavd through libspnav, in a thread of its own: libspnav allocates, blocks while
-/// it opens, and keeps its one connection per process in globals that only this thread touches.
-/// Where the daemon goes, the state says so with all axes and buttons at rest, the log says it
-/// once, and the thread tries twice a second to have it back. Thread contract: Read from one
-/// thread; the others from that which made it.
+/// it opens, and keeps its one connection per process in globals that only this thread touches. If
+/// the daemon ends, the state says so with all axes and buttons at rest, one line goes to the log,
+/// and the thread tries to reconnect twice a second.
+/// Thread contract: Read from one thread; the others from the thread that made it.
 class SpacenavReader {
  public:
-  /// Opens the connection.  Throws Error, with what to do, where nothing listens at spacenavd's
-  /// socket (SPNAV_SOCKET, or what /etc/spnavrc says, or /var/run/spnav.sock), where the rights are
-  /// missing, where spacenavd has no device, or where this process has such a reader already.
+  /// Opens the connection.  Throws Error, with the remedy, if nothing listens at spacenavd's socket
+  /// (SPNAV_SOCKET, or the one in /etc/spnavrc, or /var/run/spnav.sock), if the rights are missing,
+  /// if spacenavd has no device, or if this process has such a reader already.
   SpacenavReader();
   ~SpacenavReader();
   SpacenavReader(const SpacenavReader&) = delete;
   SpacenavReader& operator=(const SpacenavReader&) = delete;
 
-  /// The device's name, as spacenavd gives it; spacenavd of before 1.0 gives none.
+  /// Returns the device's name from spacenavd; versions before 1.0 give none.
   const std::string& device_name() const { return device_name_; }
-  /// The newest state; false, leaving `state` alone, where nothing came since the last.  Real-time.
+  /// Reads the newest state; false, with `state` unchanged, if none came since the last
+  /// call.  Real-time.
   bool Read(SpacenavState& state) noexcept { return states_.Read(state); }
 
  private:
@@ -50,7 +51,7 @@ class SpacenavReader {
   bool StopsWithin(int milliseconds) const;
 
   LatestMailbox<SpacenavState> states_;
-  SpacenavState state_;  // the thread's
+  SpacenavState state_;  // used by the thread
   std::string device_name_;
   std::promise<void> opened_;
   int stop_;  // eventfd

@@ -51,9 +51,9 @@ std::string Columns(const ForceErrors& e) {
                      e.direction_deg.max);
 }
 
-/// The god-object on the mesh itself, flat triangles and all: the object is convex and the hand
-/// outside it (the ball's radius is 5 mm, its depth 1 mm), so the contact is the mesh's nearest
-/// point.
+/// The god-object on the mesh itself, with its flat triangles.  The object is convex and the hand's
+/// centre outside it (the ball's radius is 5 mm, its depth 1 mm), so the contact is the mesh's
+/// nearest point.
 ForceErrors OnMesh(const SlidingPath& path, const TriangleMesh& mesh) {
   const MeshQuery query(mesh);
   std::vector<Vec3> forces;
@@ -74,7 +74,7 @@ Json ToJson(const SlidingForce& m) {
   return json;
 }
 
-/// Of Figs. 2.17 and 2.18: the error of each component over time.
+/// Writes the data of Figs. 2.17 and 2.18: the error of each component over time.
 void WriteErrors(const std::string& file, const std::vector<SlidingForce>& rows) {
   std::string csv = "spheres,time_ms,error_x,error_y\n";
   for (const SlidingForce& row : rows) {

@@ -15,7 +15,7 @@
 
 namespace palpate::test {
 
-/// palpate-bench in a folder of its own, which goes with the test.
+/// Runs palpate-bench in a temporary folder, which is deleted after the test.
 class PalpateBench : public testing::Test {
  protected:
   std::string File(const std::string& name) const { return folder_ / name; }
@@ -23,20 +23,20 @@ class PalpateBench : public testing::Test {
   nlohmann::json Json(const std::string& name) const {
     return nlohmann::json::parse(std::ifstream(File(name)));
   }
-  /// Runs it to its end; what it said is in said_.
+  /// Runs it to its end; its output is in said_.
   int Run(std::vector<std::string> arguments) {
     Program program(PALPATE_BIN_DIR "/palpate-bench", std::move(arguments));
     const int status = program.Exit(100.0);
     said_ = program.Output();
     return status;
   }
-  /// What it measures, as it writes it to figures.json.
+  /// Returns its measurements, which it writes to figures.json.
   nlohmann::json Figures(std::vector<std::string> arguments) {
-    std::filesystem::remove(File("figures.json"));  // nobody takes a former run's for these
+    std::filesystem::remove(File("figures.json"));  // so that no former run's figures are read
     EXPECT_EQ(Run(Joined(std::move(arguments), {"--json", File("figures.json")})), 0) << said_;
     return Json("figures.json");
   }
-  /// The picture that plots.py draws of a file with figures.
+  /// Returns the picture that plots.py draws from a file of figures.
   std::string Drawn(const std::string& name) {
     Program program(PALPATE_SOURCE_DIR "/tests/benchmarks/plots.py", {File(name)});
     EXPECT_EQ(program.Exit(30.0), 0) << program.Output();

@@ -1,4 +1,5 @@
-// palpate-bench closed-loop: how stiff an object may be felt across a network, and how well.
+// palpate-bench closed-loop: the greatest stiffness that can be rendered across a network, and
+// the accuracy.
 #include <algorithm>
 #include <filesystem>
 
@@ -28,7 +29,7 @@ const std::vector<double> kDelays_ms{0.0, 5.0, 10.0, 20.0};
 
 constexpr std::size_t kCurves = 4;  // local model and passivity controller, each on and off
 
-/// One way of closing the loop, at each of kDelays_ms.
+/// The results of one configuration of the loop, at each of kDelays_ms.
 struct Curve {
   bool local_model, passivity;
   std::vector<ZWidth> width = {};
@@ -39,7 +40,7 @@ struct Curve {
   }
 };
 
-/// @param one_more  is told what there is after each curve.
+/// @param one_more  called with the results so far after each curve.
 template <class OneMore>
 std::vector<Curve> MeasureCurves(const ClosedLoopScene& scene, const ClosedLoopCase& asked,
                                  OneMore one_more) {
@@ -63,7 +64,7 @@ std::vector<Curve> MeasureCurves(const ClosedLoopScene& scene, const ClosedLoopC
   return curves;
 }
 
-/// A figure of each of kDelays_ms.
+/// One figure for each of kDelays_ms.
 template <class Rows, class Figure>
 std::vector<double> Each(const Rows& rows, Figure figure) {
   std::vector<double> values;
@@ -89,7 +90,7 @@ Json ToJson(const Curve& c, double stiffness_N_per_m) {
           {"rendered", Each(c.asked, &ClosedLoopFigures::rendered)}};
 }
 
-/// All slides with one delay.
+/// Runs all slides with one delay.
 struct DelayedSlides {
   double delay_ms;
   SlideErrors all;
@@ -101,7 +102,7 @@ struct DelayedSlides {
   }
 };
 
-/// @param one_more  is told what there is after each delay.
+/// @param one_more  called with the results so far after each delay.
 template <class OneMore>
 std::vector<DelayedSlides> MeasureSlides(const Options& options, OneMore one_more) {
   const Scene scene = LoadScene("bunny-bunny");
@@ -151,7 +152,7 @@ Json ToJson(const std::vector<DelayedSlides>& all) {
   return json;
 }
 
-/// As Markdown, which a terminal shows as well.
+/// Returns a table in Markdown, which is also readable on a terminal.
 std::string TableOf(const std::vector<DelayedSlides>& all) {
   std::string text =
       "| delay [ms] | path | late wrench, mean | p50 | p99 | max | local model, mean | p50 | p99 | "
@@ -204,7 +205,7 @@ std::string TableOf(const std::vector<Curve>& curves, double stiffness_N_per_m) 
   return text + "\n";
 }
 
-/// What there is so far, so that a run that is ended leaves what it has measured.
+/// Writes the results so far, so that an interrupted run keeps its measurements.
 void WriteReport(const Options& options, const std::vector<Curve>& curves,
                  const std::vector<DelayedSlides>& slides) {
   const std::filesystem::path folder = options.out;

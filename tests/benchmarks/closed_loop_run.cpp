@@ -26,8 +26,9 @@ constexpr std::int64_t kTick_ns = 1'000'000;
 constexpr double kTick_s = 1e-3;
 constexpr double kMillimetre = 1e-3;
 
-/// The arm under test, with the limiter's energy stage or without: then what the station asks for
-/// goes through the same chain but for that stage, and what the station's limiter made is left.
+/// The arm under test, with or without the limiter's energy stage.  Without it, the wrench that the
+/// station requests goes through the same chain except for that stage, and the output of the
+/// station's own limiter is ignored.
 class ArmUnderTest final : public Device {
  public:
   ArmUnderTest(SimulatedPhantom& phantom, bool passivity) : phantom_(phantom) {
@@ -52,7 +53,8 @@ class ArmUnderTest final : public Device {
   Wrench applied_;
 };
 
-/// Energy that a device gives a hand.  Exact: what is applied is held while the handle goes on.
+/// Measures the energy that a device gives a hand.  Exact, because the applied wrench is held while
+/// the handle moves.
 class PortEnergy {
  public:
   void Add(const Wrench& held, const Pose& from, const Pose& to) {
@@ -67,7 +69,8 @@ class PortEnergy {
   double given_J_ = 0.0, most_J_ = 0.0;
 };
 
-/// Way of a vector, peak to peak along the axis on which it is greatest, over a span of time.
+/// Measures the motion of a vector over a time span: peak to peak, along the axis with the
+/// greatest motion.
 class Span {
  public:
   void Add(const Vec3& p) {
@@ -104,7 +107,7 @@ ClosedLoopScene MakeClosedLoopScene(const std::string& name) {
   }
   if (name != "bunny") throw UsageError("closed-loop: --scene '" + name + "': give wall or bunny");
   out.scene = LoadScene("bunny-bunny");
-  // Where the scene's own script presses on the back.
+  // The place where the scene's own script presses on the back.
   const PoseScript script = PoseScript::Load(ScriptFileBeside("bunny-bunny"));
   out.above = script.At(0.4);
   out.touching = script.At(0.8);
@@ -115,8 +118,9 @@ ClosedLoopScene MakeClosedLoopScene(const std::string& name) {
 
 ClosedLoopFigures RunClosedLoop(const ClosedLoopScene& scene, const ClosedLoopCase& c) {
   Scene stiffened = scene.scene;
-  // Both springs by the same factor.  A contact beside the tool's reference point is as soft as the
-  // turning lets it be, and would else stay so however stiff the other spring became.
+  // Scales both springs by the same factor.  The stiffness of a contact beside the tool's reference
+  // point is limited by the torsional spring, and would otherwise stay soft however stiff the other
+  // one is.
   const double factor = c.stiffness_N_per_m / stiffened.coupling.stiffness;
   stiffened.coupling.stiffness *= factor;
   stiffened.coupling.torsional_stiffness *= factor;
@@ -169,8 +173,8 @@ ClosedLoopFigures RunClosedLoop(const ClosedLoopScene& scene, const ClosedLoopCa
   const int ticks = static_cast<int>(std::lround(end / kTick_s));
   for (int i = 1; i <= ticks; ++i) {
     const std::int64_t now_ns = kTick_ns * i;
-    // The server answers when a pose arrives; one that is sent in this tick is answered after it,
-    // as in life: a tick does not wait.
+    // The server answers when a pose arrives.  A pose sent in this tick is answered after the tick,
+    // as in reality, because a tick does not wait.
     while (const auto arrival_ns = link.up.next_arrival_ns()) {
       if (*arrival_ns > now_ns) break;
       const wire::HapticPose pose = *link.up.Receive(now_ns);
@@ -229,7 +233,8 @@ ZWidth MeasureZWidth(const ClosedLoopScene& scene, ClosedLoopCase c) {
     return figures.stable;
   };
   if (!stable(kLeastStiffness)) return width;
-  // Upwards until it fails, so that what lies above an instability does not count.
+  // Increases the stiffness until the loop is unstable, so that stable values above an instability
+  // do not count.
   double high = kLeastStiffness;
   do {
     if (high >= kStiffest) return width;

@@ -12,9 +12,9 @@ struct TreeSource;
 
 namespace palpate::bench {
 
-/// An option of a command, with its usual value in --help, unless that is none.
-/// @param value  must outlive the app.  T: as CommandLine::Add, of several with commas between
-/// them.
+/// Adds an option to a command, and shows its default in --help unless that is empty.
+/// @param value  must outlive the app.  T is as for CommandLine::Add; several values are separated
+/// by commas.
 template <class T>
 Option Add(const CommandLine& command, const char* name, T& value, const std::string& help = "") {
   const Option option = command.Add(name, value, help);
@@ -32,18 +32,18 @@ Option Add(const CommandLine& command, const char* name, T& value, const std::st
   return option;
 }
 
-// What several commands have.
+// Options of several commands.
 void AddJson(const CommandLine& command, std::string& file);
 void AddModels(const CommandLine& command, std::string& folder);
 void AddPathSteps(const CommandLine& command, std::optional<int>& steps);
 void AddRepeats(const CommandLine& command, int& repeats);
-/// --tree FILE.sph, --level and --unit, which bring a tree of the Sphere-Tree Construction Toolkit
-/// beside ours.
-/// @param usual_unit  what the file's numbers mean where --unit is left out, for --help.
-/// @returns --unit, for commands that have other files in it, or none.
+/// Adds --tree FILE.sph, --level and --unit, for a tree of the Sphere-Tree Construction Toolkit to
+/// compare with ours.
+/// @param usual_unit  default of --unit, for --help.
+/// @returns the option --unit, for commands whose other files also use it.
 Option AddTreeFile(const CommandLine& command, const char* usual_unit, TreeSource& source);
 
-// Each adds its command to palpate-bench.
+// Each function adds its command to palpate-bench.
 void AddAccuracy(const CommandLine& app);
 void AddClosedLoop(const CommandLine& app);
 void AddCut(const CommandLine& app);

@@ -1,4 +1,5 @@
-// palpate-bench cut: a ball bur in a flat block: volume, force, work and time against the truth.
+// palpate-bench cut: a ball bur in a flat block; volume, force, work and time compared with
+// exact values.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -28,17 +29,18 @@ struct Options : CutSceneOptions {
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kRadius = 0.25e-3, kStiffness = 1000.0;
 constexpr double kPlungeSpeed = 2e-3, kGrooveSpeed = 3e-3, kGroove = 0.8e-3;
-/// 0.4 N for all of the ball's front at no speed, and a third of it more at that of the plunge.
+/// The material's constants: 0.4 N on the whole front of the ball at zero speed, and a third more
+/// at the speed of the plunge.
 constexpr CutMaterial kMaterial{2e6, 0.5e9};
-/// Where the hand stops in the plunge, at which all of the bur's front is below the face; and where
-/// it draws the groove, at which about half of the bur is.
+/// Depth of the hand at the end of the plunge, where the bur's whole front is below the face, and
+/// in the groove, where about half of the bur is.
 constexpr double kPlungeDepth = 0.7e-3, kGrooveDepth = 0.42e-3;
-/// An older groove, of the same bur, beside the way: so far off, and its axis so far below the
-/// face.
+/// An older groove of the same bur beside the path: its distance, and the depth of its axis below
+/// the face.
 constexpr double kBeside = 0.3e-3, kOldDepth = 0.05e-3;
 constexpr std::size_t kMostBytes = 1u << 30;
 
-/// The block's frame P has the face in z = 0.
+/// The block's frame P has its face in z = 0.
 struct Direction {
   const char* name;
   Quat q_BP;
@@ -67,7 +69,7 @@ double PlungeVolume(double depth) {
   return kPi * kRadius * kRadius * depth + 2.0 / 3.0 * kPi * std::pow(kRadius, 3);
 }
 
-/// Below the face, of a capsule whose axis lies `depth` below it.
+/// Returns the volume below the face of a capsule whose axis lies `depth` below it.
 double GrooveVolume(double depth) {
   const double r = kRadius, height = r + depth;
   return (0.5 * kPi * r * r + depth * std::sqrt(r * r - depth * depth) +
@@ -87,7 +89,8 @@ double VolumeOf(const Case& c, CutField& cut, const Vec3& from_P, const Vec3& to
   return whole - test::TotalLeft(cut);
 }
 
-/// The bur led along straight ways: removed volume over the exact one of the capsule, less 1.
+/// Moves the bur along straight paths; returns the removed volume divided by the exact one of the
+/// capsule, minus 1.
 Json MeasureVolume(const Case& c) {
   const SolidGrid block = BlockOf(c);
   Json json{{"spacing_um", 1e6 * c.spacing}, {"direction", c.direction.name}};
@@ -111,8 +114,8 @@ Json MeasureVolume(const Case& c) {
   return json;
 }
 
-/// The law's force on the bur, over a fine quadrature of the ball's front below the face: exact but
-/// for the bend of the way.
+/// Returns the law's force on the bur by a fine quadrature over the ball's front below the face:
+/// exact except for the path's curvature.
 Vec3 ExactForce(const Case& c, const std::vector<BurSample>& fine, const Vec3& p_P,
                 const Vec3& velocity_P) {
   Vec3 sum = Vec3::Zero();
@@ -126,7 +129,7 @@ Vec3 ExactForce(const Case& c, const std::vector<BurSample>& fine, const Vec3& p
   return sum;
 }
 
-/// A part of the way at a steady feed.
+/// A part of the path with a steady feed.
 struct Steady {
   double change = 0.0;  ///< greatest of the force in a millisecond [N]
   double error = 0.0, force = 0.0;
@@ -149,7 +152,7 @@ struct Steady {
   }
 };
 
-/// What a hand's way gave; the times of several runs of it.
+/// The results of a hand's path, with the times of several runs.
 struct Way {
   Steady plunge, groove;
   double rows_volume = 0.0, removed = 0.0, work = 0.0, law_work = 0.0, least_work = 0.0;
@@ -160,7 +163,8 @@ struct Times {
   BestOf rows, solve, remove, step;
 };
 
-/// A hand that plunges, rises in 50 ms and draws a groove, the bur on its spring.
+/// Simulates a hand that plunges, rises in 50 ms and cuts a groove, with the bur on the
+/// coupling's spring.
 Way GoTheWay(const Case& c, const SolidGrid& block, Times& times) {
   CutField cut(block, kMostBytes, "block");
   if (c.beside) {
@@ -216,14 +220,14 @@ Way GoTheWay(const Case& c, const SolidGrid& block, Times& times) {
     way.unsolved += step.status != QpStatus::kSolved;
     bur_at += v;
     way.rows_volume += rows.VolumeOf(x, 3);
-    if (rising) continue;  // through what it has cleared
+    if (rising) continue;  // moves through space that it has cleared
     const Vec3 force = kStiffness * (v - t), exact = ExactForce(c, fine, bur_at, v / dt);
     const double work = rows.WorkOf(x, 3);
     way.work += kStiffness * work;
     way.least_work = std::min(way.least_work, kStiffness * work);
     way.law_work -= exact.dot(v);
     const bool on_millisecond = count % (c.rate / 1000) == 0;
-    // All of the front is below the face; and, in the groove, a bur's width has been gone.
+    // The whole front is below the face; in the groove, the bur has also moved by its width.
     if (down && bur_at.z() < 0.0) way.plunge.Add(force, exact, on_millisecond);
     if (!down && hand.x() > 0.4e-3) way.groove.Add(force, exact, on_millisecond);
   }
@@ -272,8 +276,8 @@ Json MeasureForce(const Case& c, int repeats) {
           {"raw_step_us", ToJson(PercentilesOf(times.step.all()))}};
 }
 
-/// Time of removing alone, of a ball (no length) or a straight fissure bur that mills sideways,
-/// sunk by three quarters of a block.
+/// Measures the time of removal alone, for a ball (length 0) or a straight fissure bur that mills
+/// sideways, at a depth of three quarters of a block.
 Json MeasureRemoval(double spacing, double radius, double length, int repeats) {
   TriangleMesh mesh = MakeBox(Vec3(4e-3, 4e-3, 3e-3));
   const SolidGrid block(mesh, {.spacing = spacing, .most_bytes = kMostBytes}, "block");
@@ -350,7 +354,7 @@ void Run(const Options& options) {
       stderr,
       "\nremoval by greater burs [us]: grid, diameter x length [mm] (0: a ball), p50, p99.9\n");
   for (const std::size_t um : options.grids_um) {
-    if (um < 50) continue;  // what fits into no millisecond
+    if (um < 50) continue;  // does not fit into a millisecond
     for (const auto& [radius, length] : {std::pair{0.25e-3, 2e-3}, {0.6e-3, 4e-3}, {0.7e-3, 0.0}}) {
       removals.push_back(
           MeasureRemoval(1e-6 * static_cast<double>(um), radius, length, options.repeats));

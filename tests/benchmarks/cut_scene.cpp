@@ -28,7 +28,7 @@ namespace {
 
 constexpr double kPlungeSpeed = 2e-3, kFeed = 3e-3, kPeriod = 1e-3;
 
-/// What a run of a hand over the scene gave.
+/// The results of a hand's run over the scene.
 struct Cut {
   std::vector<double> us;
   std::vector<Vec3> force;
@@ -78,8 +78,8 @@ Cut Run(const HapticModel& model, const std::vector<Pose>& hand, int repeats) {
   return cut;
 }
 
-/// Down into the middle of the left of the first solid's top, by a depth or by two thirds of the
-/// bur's width, and then to the right, over half of its width.
+/// Makes a path down into the middle of the left part of the first solid's top, by a depth or by
+/// two thirds of the bur's width, and then to the right, over half of the solid's width.
 std::vector<Pose> UsualHand(const Scene& scene, std::optional<double> depth = std::nullopt) {
   const Body& solid =
       *std::ranges::find_if(scene.objects, [](const Body& b) { return b.grid.has_value(); });
@@ -100,13 +100,13 @@ std::vector<Pose> UsualHand(const Scene& scene, std::optional<double> depth = st
   return hand;
 }
 
-/// A straight piece of the bur's way in a solid's frame, and a box that holds what it passes.
+/// A straight segment of the bur's path in a solid's frame, and a bounding box of its sweep.
 struct Piece {
   Pose X_TB;
   Vec3 step_T;
   Vec3 low, high;
 };
-/// In pieces of at least `shortest`.
+/// Splits a path into segments of at least `shortest`.
 std::vector<Piece> WayOf(const HapticModel& model, const Cut& cut, const CutSolid& solid,
                          double shortest) {
   const Pose X_BW = solid.X_WB.Inverse();
@@ -128,7 +128,7 @@ std::vector<Piece> WayOf(const HapticModel& model, const Cut& cut, const CutSoli
   return way;
 }
 
-/// A place in the unit cube, another one for each number (splitmix64).
+/// Returns a pseudo-random point in the unit cube for a number (splitmix64).
 Vec3 Within(std::uint64_t number) {
   Vec3 place;
   for (int c = 0; c < 3; ++c) {
@@ -140,8 +140,8 @@ Vec3 Within(std::uint64_t number) {
   return place;
 }
 
-/// The exact sweep within a solid, by counting points: one anywhere in each cell of a lattice, so
-/// that no face lies in line with them.
+/// Estimates the volume of the exact sweep within a solid by counting points: one random point in
+/// each cell of a lattice, so that no face is aligned with them.
 struct Swept {
   double volume = 0.0;
   double price = 0.0;  ///< sum of p_0 over the volume [J]
@@ -180,8 +180,8 @@ Swept SweptOf(const HapticModel& model, const Cut& cut, const CutSolid& solid) {
   return swept;
 }
 
-/// The solids before the cut, and the straight pieces of the bur's way in each: from the pose [x y
-/// z w x y z] on by a step.  A convex body that goes so sweeps the hull of its two ends.
+/// Writes the solids before the cut, and the straight segments of the bur's path in each: a pose [x
+/// y z w x y z] and a step.  A convex body that moves like this sweeps the hull of its two ends.
 void WriteSweep(const Scene& scene, const HapticModel& model, const Cut& cut,
                 const std::string& file) {
   const BurProfile& bur = *scene.tools.front().bur;
@@ -210,8 +210,8 @@ void WriteSweep(const Scene& scene, const HapticModel& model, const Cut& cut,
                    {"cut_m3", cut.volume}});
 }
 
-/// How far the surface of what is left is from the exact sweep, where a cut made it, at the places
-/// where it crosses the lattice [m].
+/// Measures the distance between the remaining surface and the exact sweep, for surface made by a
+/// cut, at its crossings with the lattice [m].
 std::vector<double> SurfaceErrors(const HapticModel& model, const Cut& cut, std::size_t number) {
   const CutSolid& solid = model.solids()[number];
   const CutField& field = cut.state.cuts[number];
@@ -237,7 +237,7 @@ std::vector<double> SurfaceErrors(const HapticModel& model, const Cut& cut, std:
         const double a = field.field().At(i, j, k), b = field.field().At(i + 1, j, k);
         if ((a < 0.0) == (b < 0.0)) continue;
         const Vec3 p = lattice.Point(i, j, k) + Vec3(h * a / (a - b), 0.0, 0.0);
-        // Where the old surface is nearer there is none of the cut's.
+        // If the old surface is nearer, this part was not made by the cut.
         if (solid.grid->Sample(p).distance > -h) continue;
         errors.push_back(std::abs(sweep(p)));
       }
@@ -246,8 +246,8 @@ std::vector<double> SurfaceErrors(const HapticModel& model, const Cut& cut, std:
   return errors;
 }
 
-/// The same solids in grids that are turned by 30 degrees in the world's plane y = 0; none where a
-/// box paints them.
+/// Makes the same solids in grids that are rotated by 30 degrees in the world's plane y = 0; none
+/// if a box assigns materials.
 std::optional<Scene> Turned(Scene scene) {
   const Quat turn(Eigen::AngleAxisd(M_PI / 6.0, Vec3::UnitY()));
   for (Body& body : scene.objects) {
@@ -266,7 +266,7 @@ std::optional<Scene> Turned(Scene scene) {
   return scene;
 }
 
-/// What is left of the solids, in W, as a binary STL.
+/// Writes the remaining solids, in W, as a binary STL.
 void WriteSurface(const HapticModel& model, const Cut& cut, const std::string& file) {
   TriangleMesh left;
   for (std::size_t i = 0; i < model.solids().size(); ++i) {
@@ -283,7 +283,7 @@ void WriteSurface(const HapticModel& model, const Cut& cut, const std::string& f
     throw Error(file + ": cannot be written; give a file in a folder that takes one");
 }
 
-/// Of a scene's first tool along a hand's way.
+/// Runs a scene's first tool along a hand's path.
 struct Figures {
   Percentiles us;
   double volume = 0.0, volume_error = 0.0, work_error = 0.0, jump = 0.0;
@@ -303,7 +303,8 @@ void AddSurface(const std::vector<double>& errors, Figures& figures) {
   if (!errors.empty()) figures.surface_rms = std::sqrt(squares / double(errors.size()));
 }
 
-/// Without viscosity the work is that of the pressures over what went: over that, less 1.
+/// Without viscosity the work equals the pressures times the removed volumes: returns the ratio
+/// minus 1.
 double WorkErrorOf(const Scene& scene, const std::vector<Pose>& hand) {
   Scene plastic = scene;
   for (Body& body : plastic.objects) {
@@ -366,14 +367,14 @@ Json ToJson(const Figures& f) {
           {"unsolved", f.unsolved}};
 }
 
-/// Down into it by half of the bur's head, 2.5 mm at most, and to the right.
+/// Makes a path down into it by half of the bur's head, at most 2.5 mm, and to the right.
 std::vector<Pose> MillingHand(const Scene& scene) {
   const BurProfile& profile = *scene.tools.front().bur;
   const Bur bur(profile.curve, profile.rounding);
   return UsualHand(scene, std::min(0.5 * (bur.high() - bur.low()), 2.5e-3));
 }
 
-/// The scene with another bur in its first tool's handle.
+/// Returns the scene with another bur in its first tool's handle.
 Scene WithBur(Scene scene, const std::string& name) {
   const ShapeKind& kind = *FindShapeKind("bur");
   const ShapeChoice bur = BurNamed(name);

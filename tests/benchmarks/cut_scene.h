@@ -7,13 +7,13 @@ namespace palpate::bench {
 
 struct CutSceneOptions {
   std::string scene, poses, json, surface, sweep;
-  std::vector<std::string> burs;  ///< ISO 6360 numbers, in place of the scene's own
+  std::vector<std::string> burs;  ///< ISO 6360 numbers, instead of the scene's own burs
   int repeats = 3;
 };
 
-/// `palpate-bench cut --scene`: the haptic step of a scene with a bur, over poses: time, force,
-/// removed volume and work against the exact sweep, the surface that is left, the ripple of the
-/// grid.
+/// `palpate-bench cut --scene`: runs the haptic step of a scene with a bur over poses, and reports
+/// time, force, removed volume and work compared with the exact sweep, the remaining surface, and
+/// the ripple of the grid.
 void RunCutScene(const CutSceneOptions& options);
 
 }  // namespace palpate::bench

@@ -1,4 +1,4 @@
-// palpate-bench cycle: the time of one haptic step, and what it is right by.
+// palpate-bench cycle: the time of one haptic step, and its errors.
 #include <optional>
 
 #include "tests/benchmarks/commands.h"

@@ -16,7 +16,7 @@
 namespace palpate::bench {
 namespace {
 
-/// One pass with the stages timed, which costs time of its own.
+/// Makes one pass with timed stages; the timing itself takes time.
 void StagedPass(SceneRun& run, BestOf stage[4]) {
   StepState state = run.Start();
   std::vector<double> us[4];
@@ -29,7 +29,7 @@ void StagedPass(SceneRun& run, BestOf stage[4]) {
   for (int s = 0; s < 4; ++s) stage[s].Add(us[s]);
 }
 
-/// Figures that hold of contact whatever makes it, into a table and a JSON object.
+/// Adds the figures of contact, which do not depend on the model, to a table and a JSON object.
 class ContactReport {
  public:
   ContactReport(Table* table, Json& json) : table_(table), json_(json) {}
@@ -216,10 +216,10 @@ Json ReportCycle(SceneRun& run, const CycleOptions& options) {
     StagedPass(run, stage);
   }
 
-  // Everything else comes from the reports and from an oracle that knows nothing of the trees.
+  // Everything else comes from the reports and from an oracle that does not use the trees.
   OverlapOracle oracle(run.tool().tree, run.scene().objects, run.scene().features);
   const test::ContactFigures contact = MeasureContact(run, options);
-  // Of spheres the contact is between leaves, of surfaces between meshes.
+  // Sphere contact is between leaves, surface contact between meshes.
   const bool surface = run.scene().features.contact == ContactModel::kSurface;
   std::vector<double> predicted, conventional, penetration, truncation, iterations, newton;
   int unsolved = 0, jammed = 0, far = 0, lowered = 0, rubs_unsolved = 0;

@@ -17,10 +17,10 @@ namespace {
 
 constexpr std::int64_t kTick_ns = 1'000'000;
 constexpr double kContact_N = 0.5;
-/// Until the servo loop has let the whole force in, and blends are over.
+/// Time until the servo loop has ramped in the whole force, and blends have ended.
 constexpr std::size_t kRest = 300;
 
-/// What a server answers to these poses, one a millisecond.
+/// Returns a server's answers to these poses, one per millisecond.
 std::vector<Reply> Answers(const HapticModel& model, const std::vector<Pose>& poses, int delay_ms) {
   ServoLoop loop(model);
   StepWorkspace workspace(model);
@@ -73,7 +73,7 @@ SlideTicks MeasureDelayedSlide(const HapticModel& model, const std::vector<Pose>
                                const DelayedSlide& slide) {
   std::vector<Pose> poses(kRest, hand.front());  // at rest first
   poses.insert(poses.end(), hand.begin(), hand.end());
-  // As StationCore sends them.
+  // The poses as StationCore sends them.
   PoseLead lead;
   std::vector<Pose> sent;
   for (const Pose& X_WH : poses) {
@@ -128,8 +128,8 @@ SlideErrors ErrorsOf(std::span<const SlideTicks> slides) {
 
 namespace {
 
-/// Slides by the physics itself: each pose of the hand is where the graphic tool was held last, a
-/// stride on along the surface, and pressed in along the normal that the force tells.
+/// Makes a slide with the physics itself: each pose of the hand is the graphic tool's last pose,
+/// moved by a stride along the surface and pressed in along the force's normal.
 SlidePath SeededPath(const HapticModel& model, std::uint64_t seed, double length_m) {
   constexpr double kFrom_m = 0.25;        // further than two bunnies reach
   constexpr double kStride_m = 1e-4;      // a millisecond at 0.1 m/s
@@ -166,7 +166,7 @@ SlidePath SeededPath(const HapticModel& model, std::uint64_t seed, double length
     if (force > 0.0)
       normal = (normal + kSmooth * (report.wrench.force / force - normal)).normalized();
     along = (along - along.dot(normal) * normal).normalized();
-    // Pressed in, and sought again where it was lost, a stride at a time.
+    // Presses in, or approaches the surface again if contact was lost, one stride at a time.
     depth = std::min(force / stiffness + kStride_m, kSlideDepth_m);
     hand = report.X_WG * model.reference() + kStride_m * along - depth * normal;
     path.hand.push_back({hand - arm, q});

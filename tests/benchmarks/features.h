@@ -10,21 +10,21 @@ namespace palpate::bench {
 
 /// The options --contact and --friction, the same for every command.
 struct FeatureOptions {
-  // Empty: as the scene says; of an experiment that is no scene, surface and off.
+  // Empty: the scene's; for an experiment without a scene, surface and off.
   std::string contact = {};
   std::string friction = {};
 
   void AddTo(const CommandLine& command);
-  /// None: as the scene says.
+  /// None: the scene's.
   std::optional<ContactModel> contact_model() const;
-  /// Of an experiment that is no scene.
+  /// The features for an experiment without a scene.
   Features features() const;
-  /// What they say replaces what the scene says.  Where friction is asked of a scene that names no
-  /// coefficient, its materials get those of the chapter's 2.5.6, 0.8 and 0.3.
+  /// Overrides the scene's features with the options.  If friction is requested and the scene has
+  /// no coefficients, its materials get those of chapter 2.5.6, 0.8 and 0.3.
   void ApplyTo(Scene& scene) const;
 };
 
-/// The names that the options and the JSON outputs use.
+/// Return the names in options and JSON outputs.
 const char* NameOf(ContactModel contact);
 const char* NameOf(FrictionModel friction);
 

@@ -8,17 +8,17 @@
 
 namespace palpate::bench {
 
-/// What a command writes: members stay in the order in which they came.
+/// The JSON output of a command; members keep their order of insertion.
 using Json = nlohmann::ordered_json;
 
-/// The four figures that stand for a sample: {"p50", "p99", "p999", "max"} by nearest rank.
+/// The four percentiles of a sample, by nearest rank: {"p50", "p99", "p999", "max"}.
 struct Percentiles {
   double p50 = 0.0, p99 = 0.0, p999 = 0.0, max = 0.0;
 };
 Percentiles PercentilesOf(std::vector<double> values);
 Json ToJson(const Percentiles& p);
 
-/// Least of the values at each index over all repeats of an identical run.
+/// The least value at each index over all repeats of an identical run.
 class BestOf {
  public:
   void Add(const std::vector<double>& run);
@@ -29,7 +29,7 @@ class BestOf {
   std::vector<double> best_, all_;
 };
 
-/// A table of percentile groups: one line per name.
+/// A table of percentiles, one line per name.
 class Table {
  public:
   explicit Table(std::string title) : title_(std::move(title)) {}
@@ -42,10 +42,10 @@ class Table {
   std::vector<std::string> lines_;
 };
 
-/// One line of progress on stderr, overwritten by the next; nothing where stderr is no terminal.
+/// One line of progress on stderr, overwritten by the next; nothing if stderr is no terminal.
 void Progress(const std::string& line);
 
-/// Writes one JSON object to a file, or to stdout for "-".  Throws Error where it cannot.
+/// Writes one JSON object to a file, or to stdout for "-".  Throws Error if it fails.
 void WriteJson(const std::string& file, const Json& json);
 
 }  // namespace palpate::bench

@@ -1,4 +1,4 @@
-// palpate-bench levels: what a finer sphere tree costs, and what a coarser one gets wrong (the
+// palpate-bench levels: the cost of finer sphere trees and the errors of coarser ones (the
 // chapter's Fig. 2.23c).
 #include <algorithm>
 #include <chrono>
@@ -24,8 +24,8 @@ namespace {
 
 struct Options {
   std::string scene = "dragon-buddha", models, json;
-  // What the chapter's trees have with eight children to a node, at most: levels 1 to 5 (level 4 of
-  // its bunny 3,917, level 5 of its dragon 22,332).
+  // The greatest numbers of leaves of the chapter's trees, with eight children per node: levels 1
+  // to 5 (its bunny has 3,917 at level 4, its dragon 22,332 at level 5).
   std::vector<std::size_t> leaves{8, 64, 512, 3917, 22332};
   bool objects_only = false;
   std::optional<int> steps;
@@ -46,7 +46,7 @@ struct Level {
   int unsolved = 0, overflowed = 0;
 };
 
-/// The body with a tree of `leaves`.  A single ball is what it is at any level.
+/// Returns the body with a tree of `leaves`.  A single ball is the same at any level.
 void Refine(Body& body, std::size_t leaves, TreeMode mode) {
   if (body.tree.leaves() == 1 || body.tree.leaves() == leaves) return;
   ProgressText text;
@@ -89,7 +89,7 @@ Level Measure(const Options& options, const Scene& original, const std::vector<P
     level.unsolved += (report.faults & kFaultUnsolved) != 0;
     level.overflowed += (report.faults & kFaultRowsFull) != 0;
   }
-  // Once more with the stages timed, as the chapter shows detection and optimisation apart.
+  // Runs again with timed stages, because the chapter shows detection and optimisation separately.
   StepState state = run.Start();
   for (const Pose& X_WH : poses) {
     StageTimes times;

@@ -1,5 +1,5 @@
-// palpate-bench loop: pose out to wrench in through the real server, beside a bare echo of the same
-// samples over the same transport.
+// palpate-bench loop: round trip from pose to wrench through the real server, compared with a bare
+// echo of the same samples over the same transport.
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -86,7 +86,7 @@ void Await(const std::string& what, Condition condition) {
   throw Error("loop: " + what + " did not come within 10 s");
 }
 
-/// A station's two loop topics with one peer, and the time that each answer took.
+/// A station's two loop topics with one peer, and the time of each answer.
 class Path {
  public:
   Path(const dds::Participant& participant, std::string station, std::size_t most)
@@ -95,7 +95,7 @@ class Path {
     counted_.resize(most, false);
   }
 
-  /// Meets the peer's endpoints of that run.
+  /// Waits for the peer's endpoints of that run.
   void Open(std::uint64_t run) {
     wrenches_ = {};
     const std::uint64_t asked_before = sequence_;
@@ -107,7 +107,7 @@ class Path {
                  [this](const wire::Wrench& wrench) { OnWrench(wrench); }};
     Await("a reader of poses", [&] { return poses_.matched_readers() > 0; });
     std::this_thread::sleep_for(kSettle);
-    // The peer answers once it has waited in its turn; until then poses keep it awake.
+    // The peer answers once its own wait is over; until then poses keep it awake.
     Await("the first answer of " + station_, [&] {
       Send({}, false);
       return answered_.load() > asked_before;
@@ -132,7 +132,7 @@ class Path {
     std::size_t lost = 0;
     double late_fraction = 0.0;
   };
-  /// Of the poses that were counted.  To be called when no answer is on its way.
+  /// Returns the times of the counted poses.  Call it when no answer is in transit.
   Figures Evaluate() {
     wrenches_ = {};
     Figures figures;
@@ -156,7 +156,7 @@ class Path {
   }
 
  private:
-  /// In DDS's receiving thread.
+  /// Called in DDS's receiving thread.
   void OnWrench(const wire::Wrench& wrench) noexcept {
     const std::int64_t now_ns = SteadyNanoseconds();
     const std::uint64_t i = wrench.pose_sequence;
@@ -177,7 +177,7 @@ class Path {
   dds::Reader<wire::Wrench> wrenches_;
 };
 
-/// The session with the server that the poses go through.
+/// The session with the server to which the poses go.
 class ServerSession {
  public:
   ServerSession(int domain, const dds::Network& network, std::string scene, Path& path)
@@ -198,8 +198,8 @@ class ServerSession {
     path_.Open(run_);
   }
 
-  /// False before it has begun, and after the server has ended it (this machine may have stood
-  /// still for longer than the server's patience).
+  /// Returns false before the session has begun, and after the server has ended it (the machine may
+  /// have stalled for longer than the server waits).
   bool Holds() {
     wire::SessionState state;
     while (states_.Take(state)) {
@@ -227,7 +227,7 @@ void SleepUntil(std::int64_t time_ns) {
   }
 }
 
-/// Forth and back over the scene's path, without a jump.
+/// Poses forth and back along the scene's path, without a jump.
 class Hand {
  public:
   explicit Hand(std::vector<Pose> poses) : poses_(std::move(poses)) {}
@@ -354,7 +354,7 @@ void Run(const Options& options) {
                            {"sessions_begun_anew", restarts}});
 }
 
-/// The other process of the bare echo: what a server is without sessions and physics.
+/// The other process of the bare echo: a server without sessions and physics.
 void Echo(const EchoOptions& options) {
   StopSignal stop;
   const dds::Participant loop =

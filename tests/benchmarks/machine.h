@@ -7,9 +7,9 @@
 
 namespace palpate::bench {
 
-/// What a figure was measured on, as far as it bears on a step's time.
+/// The properties of the machine that affect the time of a step.
 struct Machine : HostMachine {
-  std::string simd;  ///< level that the physics chose
+  std::string simd;  ///< instruction set that the physics chose
 };
 Machine ThisMachine();
 /// {"cpu", "cores", "simd", "compiler"}

@@ -7,18 +7,18 @@
 
 namespace palpate::bench {
 
-/// Deepest overlap of a tool's leaf balls with the objects', at any pose, to the last bit of
-/// double. Where the scene declares compliance, a soft leaf counts as its rigid core only. Shares
-/// nothing with the sphere trees or the query that it checks: balls are sorted into the cells of a
-/// plain grid, and cells into those of a coarser one; what is apart is passed over, and within the
-/// rest every pair is tried.
+/// Computes the deepest overlap of a tool's leaf balls with the objects' at any pose, to the last
+/// bit of a double.  If the scene declares compliance, a soft leaf counts only as its rigid core.
+/// Shares no code with the sphere trees or the query that it checks: balls are sorted into the
+/// cells of a plain grid, and cells into those of a coarser one; cells that are apart are skipped,
+/// and in the others every pair is tested.
 class OverlapOracle {
  public:
   OverlapOracle(const SphereTree& tool, const std::vector<Body>& objects, const Features& features);
 
   struct Overlap {
-    double depth = 0.0;  ///< deepest, 0 where nothing overlaps [m]
-    long pairs = 0;      ///< balls that overlap
+    double depth = 0.0;  ///< deepest overlap; 0 if there is none [m]
+    long pairs = 0;      ///< number of pairs of balls that overlap
   };
   Overlap At(const Pose& X_WT) const;
 

@@ -54,7 +54,8 @@ std::vector<Vec3> ForcesOf(const auto& steps) {
   return forces;
 }
 
-/// What the physics, a peer or the files refuse is a line of the report, not the end of the run.
+/// An error from the physics, a peer or a file becomes a line of the report and does not end
+/// the run.
 template <class Work>
 void OrReason(std::string& not_available, Work measure) {
   try {
@@ -81,7 +82,7 @@ class Pareto {
     scenes_ = !options.scenes.empty() ? options.scenes
               : options.quick         ? std::vector<std::string>{"cube", "ellipsoid", kPeerScene}
                                       : CatalogueNames();
-    // Felt by their grids: palpate-bench cut.
+    // Contact with their grids is measured by palpate-bench cut.
     for (const char* cut : {"calculus", "caries", "crown", "osteotomy"}) std::erase(scenes_, cut);
     for (const std::string& scene : scenes_) FindSceneFile(scene);  // complains before work is done
     ChoosePeers();
@@ -305,7 +306,8 @@ class Pareto {
         runs[v] = std::make_unique<SceneRun>(std::move(with), PathOf(name));
       });
     }
-    // In turns, so that what else the machine does meets all of them; often, for ratios are fine.
+    // Alternates between them, so that other load affects all equally; many repeats, because the
+    // ratios differ little.
     for (int r = 0; r < 2 * repeats(); ++r) {
       for (std::size_t v = 0; v < variants.size(); ++v) {
         if (stop_.stopped()) throw Stopped{};
@@ -386,7 +388,7 @@ class Pareto {
     return run;
   }
 
-  /// All of them over one object, whose triangles are the same for all.
+  /// Measures all peers over one object with the same triangles.
   void MeasurePeerSlide(const SlidingExperiment& experiment) {
     const SlidingPath path = bench::PathOf(experiment);
     const std::size_t spheres = options_.quick ? 512 : 4096;

@@ -13,17 +13,17 @@
 
 namespace palpate::bench {
 
-/// Thrown out of a measurement when Ctrl-C ends it.
+/// Thrown when Ctrl-C ends a measurement.
 struct Stopped {};
 
-/// Judges where a path's steps ended, by the meshes alone: the same judge for Palpate and peers.
+/// Judges the resulting poses of a path from the meshes alone; the same for Palpate and its peers.
 class PathJudge {
  public:
-  /// @param checks  about how many of the steps are looked at.
+  /// @param checks  approximate number of steps to check.
   /// `scene` and `stop` must outlive this.
   PathJudge(const Scene& scene, std::span<const Pose> X_WH, int checks, const StopSignal& stop);
 
-  /// Of as many poses and forces as the path has steps.  Throws Stopped.
+  /// Judges one pose and force per step of the path.  Throws Stopped.
   PathError Judge(std::span<const Pose> X_WG, std::span<const Vec3> force) const;
 
   std::size_t every() const { return every_; }
@@ -32,20 +32,21 @@ class PathJudge {
   test::MeshOracle oracle_;
   const StopSignal& stop_;
   std::size_t every_;
-  std::vector<bool> hand_is_free_;  ///< at the steps that are checked
+  std::vector<bool> hand_is_free_;  ///< at the checked steps
 };
 
-/// `repeats` passes over the run's path.  Throws Stopped.
+/// The result of `repeats` passes over the run's path.  Throws Stopped.
 struct TimedRun {
   Speed speed;
   std::vector<StepReport> steps;
 };
 TimedRun TimeRun(SceneRun& run, int repeats, const StopSignal& stop);
 
-/// A scene as peers take it; it must outlive them.
+/// Converts a scene for peers; it must outlive them.
 PeerScene ForPeers(const Scene& scene);
 
-/// `repeats` new peers over the path; what they did is of the first one.  Throws Error, Stopped.
+/// The result of `repeats` new peers over the path; the steps are those of the first one.  Throws
+/// Error, Stopped.
 struct TimedPeer {
   Speed speed;
   std::vector<PeerStep> steps;

@@ -6,12 +6,12 @@
 
 namespace palpate::bench {
 
-/// Writes what has been measured so far: `folder`/pareto.json, or peers.json of peers alone.
-/// Throws Error where it cannot be written.
+/// Writes the measurements so far to `folder`/pareto.json, or peers.json if only peers were
+/// measured. Throws Error if it cannot.
 void WritePareto(const std::string& folder, const ParetoResults& results);
 
-/// Has pareto_report.py make report.md, table and picture of what WritePareto wrote.  False where
-/// that failed: the script has said why.
+/// Runs pareto_report.py, which makes report.md, the table and the picture from WritePareto's file.
+/// Returns false if that failed; the script has then printed the reason.
 bool ReportPareto(const std::string& folder, const ParetoResults& results);
 
 }  // namespace palpate::bench

@@ -11,28 +11,29 @@
 
 namespace palpate::bench {
 
-// What palpate-bench pareto has measured.  Whatever was not reached is empty.
+// The measurements of palpate-bench pareto.  Those not yet made are empty.
 
 /// Time of a step [us].
 struct Speed {
   Percentiles best, raw;
-  /// False where repeats ended differently: `best` is then of single runs, the same as `raw`.
+  /// False if repeats gave different results: `best` is then that of single runs, the same
+  /// as `raw`.
   bool repeatable = true;
 };
 
-/// What a path's steps were right by, on every n-th of them.
+/// The errors of a path's steps, at every n-th step.
 struct PathError {
   Percentiles penetration_um;  ///< of the meshes, by MeshOracle
-  /// Mean force where the hand's own pose is free: what holds it there is not the objects, unless
-  /// the tool is caught behind them.
+  /// Mean force at steps at which the hand's own pose is free.  The objects cause none there,
+  /// unless the tool is caught behind them.
   double free_force_N = 0.0;
   double force_rms_N = 0.0;   ///< of all steps
   double force_jump_N = 0.0;  ///< greatest change from one step to the next, of all steps
 };
 
-/// One way of stepping: its speed and its errors, or why there are none.
+/// One method of stepping: its speed and errors, or the reason why there are none.
 struct Measured {
-  std::string not_available{};  ///< the reason; empty where it was measured
+  std::string not_available{};  ///< the reason; empty if it was measured
   Speed speed{};
   std::optional<MeanMax> slide{};  ///< |delta F| of (2.36), the experiment of chapter 2.5.1
   std::optional<PathError> path{};
@@ -41,18 +42,19 @@ struct Measured {
 /// Palpate with one choice of models.
 struct ModelRun : Measured {
   std::string contact{}, friction{};
-  std::optional<double> sphere_overlap_um{};  ///< deepest, of the spheres; sphere contact only
+  std::optional<double> sphere_overlap_um{};  ///< deepest overlap of the spheres; only with
+                                              ///< sphere contact
 };
 
 struct SceneResult {
   std::string scene;
   std::string not_available{};
   std::size_t tool_spheres = 0, object_spheres = 0, triangles = 0, steps = 0;
-  bool yields = false;  ///< objects are soft: a part of the penetration is meant
+  bool yields = false;  ///< objects are soft, so part of the penetration is intended
   std::vector<ModelRun> runs{};
 };
 
-/// Meshes of the ellipsoid that goals are set for, beside the experiment's own.
+/// Further meshes of the ellipsoid, for which there are goals.
 inline constexpr std::size_t kFewTriangles = 5120, kManyTriangles = 81920;
 
 /// The experiment of chapter 2.5.1 at one count of spheres.
@@ -61,16 +63,16 @@ struct SlideResult : ModelRun {
   std::size_t spheres = 0, triangles = 0;
 };
 
-/// One feature of the step beside the step without any, on the same path.
+/// A feature's cost, compared with the step without features on the same path.
 struct FeatureCost : Measured {
   std::string feature{};
   double ratio_p50 = 0.0, ratio_p999 = 0.0;
 };
 
 struct PeerRun : Measured {
-  std::string id{};      ///< of PeerKind; empty: Palpate
-  std::string name{};    ///< with what sets it apart, as "Bullet, 4 sub-steps"
-  std::string object{};  ///< of a slide: cube or ellipsoid
+  std::string id{};      ///< PeerKind::id; empty: Palpate
+  std::string name{};    ///< with its settings, as "Bullet, 4 sub-steps"
+  std::string object{};  ///< for a slide: cube or ellipsoid
 };
 
 struct ParetoResults {

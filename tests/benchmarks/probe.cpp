@@ -1,4 +1,4 @@
-// palpate-bench probe: a dental probe over what a bur cuts, whole and cut, and over its mesh.
+// palpate-bench probe: a dental probe on a solid for burs, whole and cut, and on its mesh.
 #include <algorithm>
 #include <chrono>
 #include <optional>
@@ -31,7 +31,7 @@ struct Options {
   std::string json;
 };
 
-/// A scene with a probe in place of its tools, and one object, of its solid or its mesh.
+/// Makes a scene with a probe instead of its tools, and one object, as a solid or as a mesh.
 Scene WithProbe(const Scene& of, const Body& solid) {
   Scene scene;
   scene.name = of.name;
@@ -47,7 +47,7 @@ Scene AsMesh(Scene scene, TriangleMesh mesh) {
   return scene;
 }
 
-/// What the scene's first tool removes that goes where its script says, through everything.
+/// Removes what the scene's first tool cuts if it follows its script exactly, through everything.
 void CutByScript(const Scene& scene, const CutSolid& solid, CutField& cut) {
   const HapticModel model = MakeModel(scene, scene.tools.front(), MakeObjects(scene));
   const Cutting& cutting = *model.cutting();

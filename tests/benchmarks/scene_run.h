@@ -10,14 +10,13 @@
 
 namespace palpate::bench {
 
-/// A scene's first tool, its model, and poses for it: what every measurement of the step starts
-/// from.
+/// The input of a measurement of the step: a scene's first tool, its model, and poses for it.
 class SceneRun {
  public:
-  /// With the scene's features.
+  /// Uses the scene's features.
   SceneRun(Scene scene, std::vector<Pose> poses);
 
-  /// One pass over all poses.  `reports` is filled where given.
+  /// Makes one pass over all poses.  Fills in `reports` if given.
   /// @returns the time of each step [us].
   std::vector<double> Time(std::vector<StepReport>* reports = nullptr);
 
@@ -26,8 +25,8 @@ class SceneRun {
   const HapticModel& model() const { return *model_; }
   const std::vector<Pose>& poses() const { return poses_; }
   int object_spheres() const;
-  /// State in which every repeat begins: the graphic tool at the first pose, or out of the object
-  /// that the first pose is in.
+  /// Returns the initial state of every repeat: the graphic tool at the first pose, moved out of
+  /// any object there.
   StepState Start() const;
   StepWorkspace& workspace() { return *workspace_; }
 
@@ -39,14 +38,15 @@ class SceneRun {
   StepState start_;
 };
 
-/// Loads a scene as LoadScene does, or makes one of test::kSharpScenes, and says so on stderr while
+/// Loads a scene as LoadScene does, or makes one of test::kSharpScenes, and reports on stderr while
 /// something is built.
 /// @param contact    LoadOptions::contact.
-/// @param tree_file  LoadOptions::tree_file, where it names one.
+/// @param tree_file  LoadOptions::tree_file, if it names one.
 Scene LoadForBench(const std::string& scene, const std::string& models_dir,
                    std::optional<ContactModel> contact = {}, const TreeSource& tree_file = {});
 
-/// How far the forces of a path are from the true ones, of the mean of those; 0 where that is 0.
+/// The differences between the forces of a path and the true ones, relative to the true mean; 0 if
+/// that is 0.
 struct ForceDifference {
   double force = 0.0, force_max = 0.0, torque = 0.0;
 };

@@ -22,45 +22,46 @@ struct MeanMax {
   double rms() const { return std::sqrt(mean_square); }
 };
 
-/// Errors of the forces felt on a sliding path, (2.36): delta = (F_gm - F_tm) / |F_gm|, gm the
-/// truth.
+/// Errors of the forces on a sliding path, (2.36): delta = (F_gm - F_tm) / |F_gm|, where gm is the
+/// true force.
 struct ForceErrors {
-  std::vector<double> x, y;    ///< delta of each steady sample, as the chapter plots it
+  std::vector<double> x, y;    ///< delta of each steady sample, as in the chapter's plots
   MeanMax axis[3], magnitude;  ///< |delta_x|, |delta_y|, |delta_z|; |delta|
-  MeanMax strength;            ///< ||F_tm| - |F_gm|| / |F_gm|: what the JND of 6-8 % is about
+  MeanMax strength;            ///< ||F_tm| - |F_gm|| / |F_gm|: to be compared with the JND of 6-8 %
   MeanMax direction_deg;
 
   ForceErrors(const SlidingPath& path, const std::vector<Vec3>& forces);
 };
 
-/// Which object the ball slides over, and how it is stepped.
+/// The object over which the ball slides, and the settings of the step.
 struct SlidingExperiment {
   std::string object = "cube";    ///< or ellipsoid
   std::size_t triangles = 20480;  ///< of the ellipsoid's mesh, at least
-  /// How truly that mesh stands for the ellipsoid (scenes/mesh/curved_mesh.h) where the contact is
-  /// of surfaces [m]; 0: its triangles are taken as they are.
+  /// Tolerance with which the refined mesh approximates the ellipsoid (scenes/mesh/curved_mesh.h),
+  /// for contact of surfaces [m]; 0: the triangles are not refined.
   double tolerance = 3e-6;
   Features features{.contact = ContactModel::kSpheres};
-  TreeSource tree{};  ///< of the object; a file's numbers are metres where it has no unit
-  int steps = 4000;   ///< of steady sliding
+  TreeSource tree{};  ///< tree of the object; a file without a unit is in metres
+  int steps = 4000;   ///< number of steps of steady sliding
   int repeats = 5;
 
   bool cube() const { return object == "cube"; }
 };
 SlidingPath PathOf(const SlidingExperiment& experiment);
-/// As made, not refined.
+/// Makes the object's mesh, without refinement.
 TriangleMesh ObjectMesh(const SlidingExperiment& experiment, std::size_t triangles);
-/// Ball and object; the object's tree has so many leaves, or those of its file.
+/// Makes the scene of ball and object; the object's tree has `spheres` leaves, or those of
+/// its file.
 Scene SlidingScene(const SlidingExperiment& experiment, std::size_t spheres);
 
 struct SlidingForce {
   std::size_t spheres = 0, triangles = 0;  ///< of the object
-  std::size_t felt_triangles = 0;          ///< what those are refined into
+  std::size_t felt_triangles = 0;          ///< number after refinement
   ForceErrors errors;
   MeanMax truncation_um;
   BestOf step_us;
 };
-/// Throws Error where the physics has not the features.
+/// Throws Error if the physics lacks the requested features.
 SlidingForce MeasureSlidingForce(const SlidingExperiment& experiment, std::size_t spheres);
 
 }  // namespace palpate::bench

@@ -7,26 +7,27 @@
 
 namespace palpate::bench {
 
-// The experiment of chapter 2.5.1 (Figs. 2.16-2.18): a ball, pressed 1 mm into an analytic object
-// and slid over it in the x-y plane, without rotation.
+// The experiment of chapter 2.5.1 (Figs. 2.16-2.18): a ball is pressed 1 mm into an analytic object
+// and slides over it in the x-y plane, without rotation.
 inline constexpr double kSlidingBallRadius = 0.005;     ///< [m]
 inline constexpr double kSlidingDepth = 1e-3;           ///< commanded [m]
-inline constexpr double kSlidingStiffness = 1000.0;     ///< k_t [N/m]: so the true force is 1 N
+inline constexpr double kSlidingStiffness = 1000.0;     ///< k_t [N/m], so that the true force is
+                                                        ///< 1 N
 inline constexpr double kCubeSide = 0.050;              ///< [m]
 inline const Vec3 kEllipsoidAxes{0.040, 0.025, 0.030};  ///< semi-axes [m]
 
-/// What the hand does, a sample a millisecond, and what it should feel: the ball's centre is
-/// commanded to lie kSlidingDepth below the object's offset surface, so the god-object of the
-/// analytic object is the point above it, and the true force 1 N along the exact normal.
+/// The hand's motion, one sample per millisecond, and the force that it should feel.  The ball's
+/// centre is commanded kSlidingDepth below the object's offset surface, so the god-object is the
+/// point above it on that surface, and the true force is 1 N along the exact normal.
 struct SlidingPath {
   std::vector<Vec3> hand;    ///< commanded centre of the ball, in W [m]
-  std::vector<Vec3> normal;  ///< exact, outward: the direction of the true force
-  std::size_t steady = 0;    ///< first sample of steady sliding; before it the ball comes down
+  std::vector<Vec3> normal;  ///< exact outward normal, the direction of the true force
+  std::size_t steady = 0;    ///< first sample of steady sliding; the ball comes down before it
 };
 
-/// Along the middle of the cube's top face, 20 mm to both sides.
+/// Slides along the middle of the cube's top face, 20 mm to both sides.
 SlidingPath SlideOverCube(int steady_steps);
-/// Over the top of the ellipsoid, between the parameters 150 and 30 degrees of its section.
+/// Slides over the top of the ellipsoid, between the parameters 150 and 30 degrees of its section.
 SlidingPath SlideOverEllipsoid(int steady_steps);
 
 }  // namespace palpate::bench

@@ -1,4 +1,4 @@
-// palpate-bench stability: every hard case, each with the number it must hold.
+// palpate-bench stability: all hard cases, each with the bound that it must keep.
 #include <algorithm>
 #include <chrono>
 #include <cmath>

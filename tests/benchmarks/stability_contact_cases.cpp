@@ -1,4 +1,4 @@
-// Hard geometry: the step alone, driven by hands that no careful user would have.
+// Cases of hard geometry: the step alone, driven by hands more violent than a careful user's.
 #include <algorithm>
 #include <cmath>
 
@@ -25,10 +25,10 @@ constexpr const char* kOverlap = "deepest overlap at the resulting pose";
 constexpr const char* kOverlapReason =
     "a pose without overlap exists, and 10 um is below what eye or hand can notice";
 
-/// A groove of the opening angle, its apex along z through the origin, open towards +y.
+/// Makes a groove with an opening angle, its apex along z through the origin, open towards +y.
 void Wedge(CaseRun& run, double degrees) {
   const double a = 0.5 * degrees * M_PI / 180.0;
-  // Each wall goes on for 2 mm beyond the apex, inside or below the other: no crack is left there.
+  // Each wall extends 2 mm beyond the apex, inside or below the other, so that there is no gap.
   constexpr double kBeyond = 2 * kMillimetre;
   const Vec3 sides(50 * kMillimetre, 4 * kMillimetre, 24 * kMillimetre);
   std::vector<Solid> walls;
@@ -128,7 +128,7 @@ void Slot(CaseRun& run) {
                Box(wall, 2048, {Vec3(-off, 0, 0), Quat::Identity()})});
   trial.Start({Vec3(0, 21 * kMillimetre, 0), Quat::Identity()});
   for (int i = 0; run.Goes(); ++i) {
-    // Wrenched only once it is in: it enters aligned.
+    // It enters aligned, and is wrenched only once it is inside.
     const double y = 6.5 + 14.5 * std::cos(0.004 * i);
     const double in = std::clamp((18.0 - y) / 4.0, 0.0, 1.0);
     const Vec3 at(0.5 * in * std::sin(0.11 * i), y, 3 * in * std::sin(0.013 * i));
@@ -161,13 +161,13 @@ void PegInHole(CaseRun& run) {
     run.tunnelled += std::abs(report.X_WG.p.x()) > kMillimetre;
   }
   FigureIsOverlap(run);
-  // Between meshes rows come on violation: there are never many.
+  // Between meshes rows are added when violated, so there are never many.
   const bool spheres = run.features.contact == ContactModel::kSpheres;
   if (spheres && most_rows < 2000) run.figure = 1e9;  // not what the case is about
 }
 
 /// An object of a thousand copies of one ball under a tool of eight copies each of two others:
-/// 8,000 equal rows.  Must feel as one copy of each does.
+/// 8,000 equal rows.  The force must be that of one copy of each.
 void Copies(CaseRun& run) {
   const test::Ball ball{Vec3::Zero(), 10 * kMillimetre}, probe{Vec3::Zero(), 5 * kMillimetre};
   const test::Ball far{Vec3(0, 60 * kMillimetre, 0), kMillimetre};  // gives it six freedoms
@@ -209,7 +209,7 @@ void Copies(CaseRun& run) {
 }
 
 /// A box on a plate, turned ten times and more about every axis, through beta = +-90 degrees, with
-/// q and -q for the same pose by turns: the sign must change nothing.
+/// q and -q for the same pose alternately: the sign must make no difference.
 void Orientations(CaseRun& run) {
   const Solid tool = Box({12 * kMillimetre, 6 * kMillimetre, 9 * kMillimetre}, 256);
   const Solid plate = Box({80 * kMillimetre, 10 * kMillimetre, 80 * kMillimetre}, 2048);
@@ -274,10 +274,10 @@ void StartInside(CaseRun& run) {
   FigureIsOverlap(run);
 }
 
-/// Drives a tool that is in a jam: wrenched for 400 ms, then drawn out along +y.  Where it lies
-/// deepest in both sides, it overlaps each by half of `excess`.  Between spheres the overlap is to
-/// be shared; between meshes none is let in, so the tool begins where the start is resolved to. The
-/// force is to be the spring's, and once out, the tool is free.
+/// Drives a jammed tool: wrenched for 400 ms, then drawn out along +y.  At its deepest in both
+/// sides it overlaps each by half of `excess`.  With sphere contact the overlap must be shared;
+/// with meshes none is allowed, so the tool begins at the resolved start pose.  The force must be
+/// the spring's, and once out the tool must be free.
 void DriveJam(CaseRun& run, Trial& trial, double excess) {
   trial.ExpectFree(false);
   Random random(52);
@@ -294,7 +294,7 @@ void DriveJam(CaseRun& run, Trial& trial, double excess) {
       const StepReport report = trial.Step(X_WH);
       run.Worst(1e6 * (trial.Overlap(report.X_WG) - (meshes ? 0.0 : 0.5 * excess)));
       const double way = (X_WH.p - report.X_WG.p).norm();
-      // On its way out of the overlap the tool may feel where it is going, a millimetre further.
+      // While it leaves the overlap, the tool may feel its target, a millimetre further.
       const bool arrived = (report.faults & kFaultTargetFar) == 0;
       run.tunnelled +=
           report.wrench.force.norm() > 1000.0 * (way + (arrived ? excess : kMillimetre));
@@ -397,7 +397,7 @@ std::vector<StabilityCase> ContactCases() {
                      .run = run,
                      .applies = applies});
   };
-  // Between meshes the tool is never let in: nothing is to be shared.
+  // Between meshes the tool never enters, so there is no overlap to share.
   jam("jam-between-ears", JamBetweenEars,
       [](const Features& f) { return f.contact == ContactModel::kSpheres; });
   jam("jam-in-slot", JamInSlot,

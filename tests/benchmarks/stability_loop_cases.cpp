@@ -1,4 +1,5 @@
-// The step within its loops: the servo loop with a bad link, and an arm and hand with delay.
+// Cases of the step within its loops: the servo loop with a bad link, and an arm and hand
+// with delay.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -38,9 +39,9 @@ wire::HapticPose Sample(std::uint64_t sequence, const Pose& X_WH) {
 }
 
 /// A hand presses a box on a plate, and each third of its poses comes late, twice, out of order,
-/// not finite, not normalised, from elsewhere, or not at all.  A force fades by a twentieth of the
-/// full one with each pose that cannot be used, comes back ten times slower, and else follows the
-/// hand: the figure is its change over what these allow.
+/// not finite, not normalised, from elsewhere, or not at all.  The force fades by a twentieth of
+/// its full value with each unusable pose, returns ten times slower, and otherwise follows the
+/// hand: the figure is its change relative to what these rules allow.
 void BadLink(CaseRun& run) {
   constexpr double kStiffness = 1000.0, kNaN = std::numeric_limits<double>::quiet_NaN();
   Trial trial(run, Box({12 * kMillimetre, 6 * kMillimetre, 9 * kMillimetre}, 256), {Floor()});
@@ -107,20 +108,20 @@ void BadLink(CaseRun& run) {
   }
 }
 
-/// Damping of the hand and the device together: what dissipates the energy that delay brings in.
+/// Damping of hand and device together, which dissipates the energy that delay generates.
 double LoopDamping() {
   return HandImpedance{}.damping_N_s_m + PhantomPremium30().dynamics.viscous_N_s_m;
 }
 
-/// A spring of stiffness k whose force comes T late puts energy in as a negative damper k T does
-/// (its phase at low frequency), so k T < b is needed; half of that is taken.
+/// A spring of stiffness k whose force is late by T generates energy like a negative damper k T
+/// (from its phase at low frequency), so k T < b is necessary; half of that is used.
 double StiffnessFor(double delay_s) {
   return std::min(1000.0, 0.5 * LoopDamping() / std::max(delay_s, 1e-3));
 }
 
 /// A simulated arm and hand behind the device's limiter, and answers that come `delay_ms` late: the
-/// hand comes down on a plate, presses with about 1 N and means to hold still.  The figure is how
-/// far it still moves in the second half.
+/// hand comes down on a plate, presses with about 1 N and tries to hold still.  The figure is its
+/// motion in the second half.
 void ClosedLoop(CaseRun& run, int delay_ms) {
   Trial trial(run, Box({12 * kMillimetre, 6 * kMillimetre, 9 * kMillimetre}, 256), {Floor()},
               StiffnessFor(1e-3 * delay_ms));
@@ -162,7 +163,7 @@ void ClosedLoop(CaseRun& run, int delay_ms) {
       high = std::max(high, phantom.pose().p.y());
     }
     run.Worst(1e6 * (high - low));
-    if (!(felt.force.y() > 0.2)) run.figure = 1e9;  // a hand that feels nothing shows nothing
+    if (!(felt.force.y() > 0.2)) run.figure = 1e9;  // without a force the case is meaningless
   }
 }
 

@@ -1,4 +1,4 @@
-// What a hand feels while nothing much happens: noise, drift, creep, friction, flatness.
+// Cases of a hand at rest or in slow motion: noise, drift, creep, friction, flatness.
 #include <algorithm>
 #include <cmath>
 
@@ -26,9 +26,9 @@ Solid Floor(std::size_t leaves = 4096) {
              {Vec3(0, -5 * kMillimetre, 0), Quat::Identity()});
 }
 
-/// Noise of the encoders at contact.  The god-object is the nearest free pose, and what is left
-/// over of a projection onto a convex set moves no further than what is projected: so the greatest
-/// change of force is no more than the stiffness times the greatest change of the hand.
+/// Encoder noise in contact.  The god-object is the nearest free pose, and the residual of a
+/// projection onto a convex set moves no further than the projected point.  So the greatest change
+/// of force is at most the stiffness times the greatest change of the hand.
 void Noise(CaseRun& run) {
   Trial trial(run, Ball(5 * kMillimetre), {Floor()});
   Random random(60);
@@ -47,8 +47,8 @@ void Noise(CaseRun& run) {
   run.figure = greatest_change / (kStiffness * greatest_move);
 }
 
-/// One round trip of 1,000 steps again and again, pressed, in six degrees of freedom: at the same
-/// place of each round the tool must be where it was in the second.
+/// Repeats a round trip of 1,000 steps, pressed, in six degrees of freedom: at each point of a
+/// round the tool must be where it was in the second round.
 void Drift(CaseRun& run) {
   Trial trial(run, Box({12 * kMillimetre, 6 * kMillimetre, 9 * kMillimetre}, 256), {Floor(2048)});
   constexpr int kRound = 1000;
@@ -77,7 +77,7 @@ void RestFlat(CaseRun& run, double speed) {
   Wrench last;
   for (int i = 0; run.Goes(); ++i) {
     const double down = std::min(1.0, static_cast<double>(i) / kDown);
-    // To and fro over 20 mm at the speed, along a line that is none of the mesh's.
+    // To and fro over 20 mm at the speed, along a line that is no edge of the mesh.
     const double way = speed * kMillimetre * std::max(0, i - kDown);
     const double to_and_fro = 10 * kMillimetre * std::sin(way / (10 * kMillimetre));
     const Vec3 at(0.8 * to_and_fro, touch + kMillimetre * (1.0 - 2.0 * down), 0.6 * to_and_fro);

@@ -1,5 +1,5 @@
-// palpate-bench tree: how well sphere trees stand for a mesh, or for those of a scene, level by
-// level, and what that is worth in the force on the scene's own path.
+// palpate-bench tree: how well sphere trees approximate a mesh, or those of a scene, level by
+// level, and the resulting error of the force on the scene's own path.
 #include <algorithm>
 #include <chrono>
 #include <memory>
@@ -54,13 +54,13 @@ SphereTree Build(const TriangleMesh& mesh, std::size_t leaves, TreeMode mode,
   return BuildSphereTree(mesh, leaves, tell, mode);
 }
 
-/// Builds each body anew; bodies of one mesh and count share a tree.
+/// Builds each body again; bodies with the same mesh and count share a tree.
 double Rebuild(Scene& scene, TreeMode mode, std::optional<std::size_t> leaves) {
   double seconds = 0.0;
   std::vector<const Body*> built;
   for (auto* bodies : {&scene.tools, &scene.objects}) {
     for (Body& body : *bodies) {
-      if (body.tree.leaves() == 1) continue;  // a ball is what it is
+      if (body.tree.leaves() == 1) continue;  // a ball needs no tree
       const std::size_t count = leaves.value_or(body.tree.leaves());
       const auto same = std::find_if(built.begin(), built.end(), [&](const Body* other) {
         return other->tree.leaves() == count && other->mesh.vertices == body.mesh.vertices &&
@@ -141,7 +141,7 @@ struct Report {
   }
 };
 
-/// In metres and in the frame of its file, so that what --out writes can be laid over it.
+/// In metres and in the frame of its file, so that the output of --out can be overlaid on it.
 TriangleMesh LoadMesh(const Options& options) {
   TriangleMesh mesh = ImportMesh(options.mesh);
   const MeshReport report = InspectMesh(mesh);

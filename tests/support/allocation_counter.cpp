@@ -5,7 +5,7 @@
 
 namespace palpate::test {
 namespace {
-// Of the executable itself and without a constructor, so that reading it asks for no memory.
+// In the executable itself and without a constructor, so that reading it allocates no memory.
 constinit thread_local std::uint64_t allocations = 0;
 }  // namespace
 std::uint64_t AllocationsOfThisThread() {
@@ -15,7 +15,7 @@ std::uint64_t AllocationsOfThisThread() {
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 extern "C" {
-// glibc's own, by the names that it keeps for those who replace malloc.
+// glibc's own functions, by the names that it provides for replacements of malloc.
 void* __libc_malloc(std::size_t size) noexcept;
 void* __libc_calloc(std::size_t count, std::size_t size) noexcept;
 void* __libc_realloc(void* p, std::size_t size) noexcept;

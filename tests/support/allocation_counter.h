@@ -4,12 +4,12 @@
 
 namespace palpate::test {
 
-/// Times that this thread has asked for memory since it began, whoever asked: operator new, Eigen
-/// (which calls malloc itself), a C library.  Linking this replaces malloc and its like, but for
-/// sanitizer builds, which bring an allocator of their own: there it counts nothing.
+/// Returns the number of allocations of this thread since it began, by any code: operator new,
+/// Eigen (which calls malloc itself), a C library.  Linking this file replaces malloc and related
+/// functions. Sanitizer builds have an allocator of their own, so there nothing is counted.
 std::uint64_t AllocationsOfThisThread();
 
-/// False where it counts nothing.
+/// False if nothing is counted.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 inline constexpr bool kCountsAllocations = false;
 #else

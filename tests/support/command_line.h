@@ -8,18 +8,18 @@
 
 namespace palpate::test {
 
-/// A program's own reading of its command line.
+/// A program's own parser of its command line.
 template <class Options>
 using OptionsParser = std::optional<Options> (*)(int argc, const char* const* argv);
 
-/// What it makes of the words behind the program's name.
+/// Returns the options that it parses from the words after the program's name.
 template <class Options>
 std::optional<Options> ParseWith(OptionsParser<Options> parse, std::vector<const char*> words) {
   words.insert(words.begin(), "/somewhere/bin/palpate");
   return parse(static_cast<int>(words.size()), words.data());
 }
 
-/// What it says against them; nothing where it takes them.
+/// Returns its complaint about the words; nothing if it accepts them.
 template <class Options>
 std::string ComplaintOf(OptionsParser<Options> parse, const std::vector<const char*>& words) {
   try {

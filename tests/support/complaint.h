@@ -6,7 +6,7 @@
 
 namespace palpate::test {
 
-/// The message of the Error that `work` throws; "no complaint" where it throws none.
+/// Returns the message of the Error that `work` throws; "no complaint" if it throws none.
 template <class Work>
 std::string ComplaintOf(Work work) {
   try {

@@ -19,22 +19,22 @@ constexpr int kConvergeSteps = 200;
 constexpr double kConverged = 1e-8;  // [m] a step
 constexpr int kSettleSteps = 2000;
 constexpr double kSettled = 1e-9;  // [m] a step
-constexpr int kCycleFrom = 1000;   // what still moves after a second is taken for a cycle
+constexpr int kCycleFrom = 1000;   // motion after a second counts as a cycle
 constexpr int kQuarters = 4;
 constexpr double kNoForce = 1e-3;  // [N]
 
-/// How far points of the tool move.
+/// Measures how far points of the tool move.
 class ToolMotion {
  public:
   ToolMotion(const Scene& scene, const HapticModel& model) : centroid_(model.reference()) {
     for (const Vec3& v : scene.tools.front().mesh.vertices) {
       lever_ = std::max(lever_, (v - centroid_).norm());
     }
-    // Nobody sees a ball turn.
+    // The rotation of a ball does not count.
     if (model.degrees_of_freedom() == 3) lever_ = 0.0;
   }
   Vec3 Centroid(const Pose& X) const { return X * centroid_; }
-  /// At least that of every point of the mesh.
+  /// An upper bound for all points of the mesh.
   double Between(const Pose& a, const Pose& b) const {
     return (Centroid(a) - Centroid(b)).norm() + lever_ * RotationLog(a.q * b.q.conjugate()).norm();
   }
@@ -75,8 +75,8 @@ void Settle(const ContactPath& path, const ToolMotion& motion, std::size_t step,
   Vec3 force_at_second = Vec3::Zero();
   double cycle_m = 0.0, cycle_N = 0.0;
   bool far = false;
-  // The step is a function of its state: one that has come back to the same bits a hundred times
-  // (friction counts twenty) stays there.
+  // The step is a function of its state, so a state that has repeated the same bits a hundred times
+  // (friction counts to twenty) stays there.
   for (int i = 0; i < kSettleSteps && same < 100; ++i) {
     const Pose before = state.X_WG;
     const StepReport report = HapticStep(path.model, X_WH, state, path.workspace);
@@ -105,8 +105,8 @@ void Settle(const ContactPath& path, const ToolMotion& motion, std::size_t step,
   }
 }
 
-/// Holds the hand at steps that did not arrive: at each of them, or once there are too many at each
-/// second, fourth and so on, so that what was tried is always evenly spread.
+/// Holds the hand at steps that did not arrive: at each one, or if there are too many at every
+/// second, fourth and so on, so that the tried steps are evenly spread.
 class Holder {
  public:
   void Add(const ContactPath& path, std::size_t step, const StepState& state, const Vec3& force) {

@@ -13,8 +13,8 @@
 #include "scenes/tree/sphere.h"
 #include "tests/support/random.h"
 
-// Ways in which meshes come out of scanners, CAD programs and converters, and what tells by brute
-// force whether a ball lies in the clean original.
+// Defects of meshes from scanners, CAD programs and converters, and brute-force tests of whether a
+// ball lies inside the clean original.
 namespace palpate::test {
 
 inline Vec3 Corner(const TriangleMesh& mesh, std::size_t triangle, int corner) {
@@ -25,7 +25,7 @@ inline void TurnTriangle(TriangleMesh& mesh, std::size_t triangle) {
   std::swap(mesh.triangles[triangle][1], mesh.triangles[triangle][2]);
 }
 
-/// Each triangle with three corners of its own, moved by at most `jitter` along each axis.
+/// Gives each triangle three corners of its own, moved by at most `jitter` along each axis.
 inline TriangleMesh Unwelded(const TriangleMesh& mesh, double jitter, Random& random) {
   TriangleMesh soup;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -38,7 +38,7 @@ inline TriangleMesh Unwelded(const TriangleMesh& mesh, double jitter, Random& ra
   return soup;
 }
 
-/// Turns that share of the triangles, 0 to 1.
+/// Reverses the winding of a share of the triangles, 0 to 1.
 inline void TurnSome(TriangleMesh& mesh, double share, Random& random) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (random.Uniform(0.0, 1.0) < share) TurnTriangle(mesh, t);
@@ -55,7 +55,7 @@ inline TriangleMesh Moved(TriangleMesh mesh, const Vec3& by) {
   return mesh;
 }
 
-/// Two meshes as one.
+/// Combines two meshes into one.
 inline TriangleMesh Both(TriangleMesh mesh, const TriangleMesh& other) {
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
   mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
@@ -65,7 +65,7 @@ inline TriangleMesh Both(TriangleMesh mesh, const TriangleMesh& other) {
   return mesh;
 }
 
-/// Without the triangles whose middle the predicate takes.
+/// Removes the triangles whose centre satisfies the predicate.
 template <class Predicate>
 TriangleMesh Without(TriangleMesh mesh, Predicate taken) {
   std::erase_if(mesh.triangles, [&](const std::array<std::uint32_t, 3>& t) {
@@ -94,7 +94,8 @@ TriangleMesh MakeSheet(double half, int n, Height height) {
   return sheet;
 }
 
-/// As an OBJ, to the last digit.  `before`: vertices of the file that stand before these.
+/// Returns the mesh as OBJ, with all digits.
+/// @param before  number of vertices in the file before these.
 inline std::string ObjOf(const TriangleMesh& mesh, std::uint32_t before = 0) {
   std::string text;
   char line[120];
@@ -110,7 +111,7 @@ inline std::string ObjOf(const TriangleMesh& mesh, std::uint32_t before = 0) {
   return text;
 }
 
-/// As a text STL, to the last digit.
+/// Returns the mesh as text STL, with all digits.
 inline std::string TextStlOf(const TriangleMesh& mesh) {
   std::string text = "solid mesh\n";
   char line[120];
@@ -126,7 +127,8 @@ inline std::string TextStlOf(const TriangleMesh& mesh) {
   return text + "endsolid mesh\n";
 }
 
-/// As a PLY with a property before its coordinates, as text or with doubles.
+/// Returns the mesh as PLY, with another property before the coordinates, as text or as
+/// binary doubles.
 inline std::string PlyOf(const TriangleMesh& mesh, bool binary) {
   std::string text = std::string("ply\nformat ") + (binary ? "binary_little_endian" : "ascii") +
                      " 1.0\nelement vertex " + std::to_string(mesh.vertices.size()) +
@@ -159,7 +161,7 @@ inline std::string PlyOf(const TriangleMesh& mesh, bool binary) {
   return text;
 }
 
-/// Winding number, triangle by triangle (Van Oosterom & Strackee 1983).
+/// Returns the winding number at p, summed over all triangles (Van Oosterom & Strackee 1983).
 inline double BruteWinding(const TriangleMesh& mesh, const Vec3& p) {
   double angle = 0.0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -171,7 +173,7 @@ inline double BruteWinding(const TriangleMesh& mesh, const Vec3& p) {
   return angle / (4.0 * 3.14159265358979323846);
 }
 
-/// How far a ball sticks out of a closed, clean mesh; 0 where it lies inside.
+/// Returns how far a ball sticks out of a closed, clean mesh; 0 if it lies inside.
 inline double SticksOut(const TriangleMesh& clean, const Sphere& ball) {
   double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t t = 0; t < clean.triangles.size(); ++t) {
@@ -183,8 +185,8 @@ inline double SticksOut(const TriangleMesh& clean, const Sphere& ball) {
   return std::max(0.0, ball.radius + (inside ? -nearest : nearest));
 }
 
-/// Whether any of 26 places of a ball, a thousandth of its radius below its surface, lies outside a
-/// closed mesh, which may pass through itself.
+/// Returns whether any of 26 points of a ball, a thousandth of its radius below its surface, lies
+/// outside a closed mesh, which may intersect itself.
 inline bool AnyPlaceOutside(const TriangleMesh& mesh, const Sphere& ball) {
   for (int n = 0; n < 27; ++n) {
     if (n == 13) continue;
@@ -194,7 +196,7 @@ inline bool AnyPlaceOutside(const TriangleMesh& mesh, const Sphere& ball) {
   return false;
 }
 
-/// Whether a closed mesh has solid on one side only of a point of a triangle.
+/// Returns whether a closed mesh is solid on only one side of a triangle at a point.
 inline bool IsExposed(const TriangleMesh& mesh, std::size_t triangle, const Vec3& at) {
   const Vec3 a = Corner(mesh, triangle, 0);
   const Vec3 area = (Corner(mesh, triangle, 1) - a).cross(Corner(mesh, triangle, 2) - a);
@@ -202,8 +204,8 @@ inline bool IsExposed(const TriangleMesh& mesh, std::size_t triangle, const Vec3
   return (BruteWinding(mesh, at + step) > 0.5) != (BruteWinding(mesh, at - step) > 0.5);
 }
 
-/// The triangles of a closed mesh that lie outside it as a whole, told at their middles and near
-/// their corners.
+/// Returns the triangles of a closed mesh that lie entirely on its outside, tested at their centres
+/// and near their corners.
 inline TriangleMesh Exposed(const TriangleMesh& mesh) {
   TriangleMesh exposed;
   exposed.vertices = mesh.vertices;

@@ -5,8 +5,8 @@
 
 namespace palpate::test {
 
-/// Asks each millisecond until it is so; false after a time that is long beside any stall of the
-/// machine.
+/// Tests a condition each millisecond until it holds; false after a time far longer than any stall
+/// of the machine.
 template <class Condition>
 bool Eventually(Condition condition, double seconds = 30.0) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);

@@ -16,7 +16,7 @@ int Sign(double x) {
   return (x > 0.0) - (x < 0.0);
 }
 
-/// An exact number as a sum of doubles, of at most N terms.  The terms do not overlap and grow in
+/// An exact number as a sum of at most N doubles.  The terms do not overlap and increase in
 /// magnitude (zeros are left out), so the last one has the sign of the sum.
 template <std::size_t N>
 struct Expansion {
@@ -67,7 +67,7 @@ Expansion<2 * N> Minus(const Expansion<N>& a, const Expansion<N>& b) {
   return out;
 }
 
-/// A point relative to another one, exactly.
+/// The exact difference of two points.
 using ExactVector = std::array<Expansion<2>, 3>;
 ExactVector Relative(const Vec3& a, const Vec3& origin) {
   return {Difference(a.x(), origin.x()), Difference(a.y(), origin.y()),

@@ -10,7 +10,7 @@
 
 namespace palpate::test {
 
-/// A box of 1 x 2 x 3, written by assimp in one of its formats.
+/// Returns a box of 1 x 2 x 3, written by assimp in one of its formats.
 inline std::string ExportBox(const std::string& format, const std::string& file) {
   const TriangleMesh box = MakeBox(Vec3(1, 2, 3));
   aiScene scene;  // owns what follows

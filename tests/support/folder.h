@@ -12,7 +12,7 @@
 
 namespace palpate::test {
 
-/// A folder of its own, gone with this object.
+/// A temporary folder, deleted with this object.
 class Folder {
  public:
   Folder() {

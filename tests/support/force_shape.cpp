@@ -28,7 +28,7 @@ class Trace {
   std::span<const double> by_hand_;
 };
 
-/// The notch that begins at a step and is below half for the first time at another.
+/// Returns the notch that begins at one step and is first below half at another.
 std::optional<ForceNotch> NotchOf(const Trace& trace, std::size_t begin, std::size_t fallen) {
   const double before = trace.At(begin);
   const auto low = [&](std::size_t i) { return trace.At(i) < kFallen * before; };
@@ -53,9 +53,9 @@ std::optional<ForceNotch> NotchOf(const Trace& trace, std::size_t begin, std::si
   return {};
 }
 
-/// A notch whose force is below half for the first time at a step.  It begins at the last step that
-/// makes it one, and before that where the force has jumped down to there: what the hand let go of
-/// by and by is no part of it.
+/// Returns a notch whose force is first below half at a given step.  It begins at the last step
+/// that qualifies, or earlier if the force jumped down to that step; a gradual release by the hand
+/// is not part of it.
 std::optional<ForceNotch> NotchAt(const Trace& trace, std::size_t earliest, std::size_t fallen) {
   const std::size_t first = std::max(earliest, fallen - std::min(fallen, kNotchSteps));
   std::optional<ForceNotch> found;
@@ -69,7 +69,7 @@ std::optional<ForceNotch> NotchAt(const Trace& trace, std::size_t earliest, std:
   return found;
 }
 
-/// What becomes of a change: neither is known of one just before the end.
+/// The outcome of a change; unknown for one just before the end.
 struct Fate {
   bool stays = false;
   std::optional<std::size_t> undone{};

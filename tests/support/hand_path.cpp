@@ -19,7 +19,7 @@ namespace {
 constexpr double kStep = 1e-3;       // [s] between samples
 constexpr double kQuickHand = 30.0;  // [m/s^2]
 
-/// The share of its way that a move has gone at a share of its time, with the least jerk.
+/// Returns the share of its path that a minimum-jerk move has covered at a share of its time.
 double Gone(double u) {
   return u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
 }
@@ -34,7 +34,7 @@ struct Bounds {
   double longest() const { return (high - low).maxCoeff(); }
 };
 
-/// Where the tool's middle is, and how it is turned.
+/// Position of the tool's centre, and its rotation.
 struct Place {
   Vec3 c = Vec3::Zero();
   Quat q = Quat::Identity();
@@ -43,30 +43,30 @@ Vec3 TurnFrom(const Quat& a, const Quat& b) {
   return RotationLog(b * a.conjugate());
 }
 
-/// A pose in which the tool touches, and where the object's surface looks to there.
+/// A pose in which the tool touches, and the surface normal there.
 struct Touch {
   Place place;
   Vec3 normal;   ///< from object to tool
   Vec3 on_tool;  ///< in W
 };
 
-/// From rest through places to rest.
+/// A move from rest through given poses to rest.
 struct Move {
   std::vector<Place> through;  ///< the first is where it begins
   double pace;                 ///< of the hand's speed
 };
 
-/// The curve of a move, by the share of its length.
+/// The curve of a move, parametrised by the share of its length.
 class Curve {
  public:
-  /// @param half_radius  what a turn of one radian is in length [m].
+  /// @param half_radius  length that stands for a rotation of one radian [m].
   Curve(const Move& move, double half_radius) : at_(move.through), along_(at_.size(), 0.0) {
     for (std::size_t i = 1; i < at_.size(); ++i) {
       const double v = (at_[i].c - at_[i - 1].c).norm();
       const double turn = half_radius * TurnFrom(at_[i - 1].q, at_[i].q).norm();
       along_[i] = along_[i - 1] + std::max(std::sqrt(v * v + turn * turn), 1e-12);
     }
-    // Velocities by the length: of the parabola through three neighbours, about.
+    // Derivatives by length: approximately those of the parabola through three neighbours.
     for (std::size_t i = 0; i < at_.size(); ++i) {
       Speed speed{Vec3::Zero(), Vec3::Zero()};
       int sides = 0;
@@ -81,7 +81,7 @@ class Curve {
       speed.w /= std::max(1, sides);
       speed_.push_back(speed);
     }
-    // The greatest acceleration of the tool's middle where the whole takes a second.
+    // The greatest acceleration of the tool's centre if the whole move takes a second.
     constexpr int kLooks = 200;
     for (int i = 0; i < kLooks; ++i) {
       const auto at = [&](int k) { return At(Gone(static_cast<double>(k) / (kLooks + 1))).c; };
@@ -90,7 +90,7 @@ class Curve {
     }
   }
   double length() const { return along_.back(); }
-  /// Seconds in which it is gone along at a mean speed, with no more than an acceleration.
+  /// Returns the duration of the move [s] at a mean speed, with a limited acceleration.
   double Duration(double speed, double acceleration) const {
     return std::max(length() / speed, std::sqrt(peak_ / acceleration));
   }
@@ -101,7 +101,7 @@ class Curve {
     if (at_.size() < 2) return at_.front();
     const double span = along_[k] - along_[k - 1];
     const double u = std::clamp((s - along_[k - 1]) / span, 0.0, 1.0);
-    // Hermite's cubics, relative to the place before.
+    // Cubic Hermite splines, relative to the previous pose.
     const double begin = u * (1.0 - u) * (1.0 - u) * span, value = u * u * (3.0 - 2.0 * u),
                  end = u * u * (u - 1.0) * span;
     const auto blend = [&](const Vec3& v0, const Vec3& way, const Vec3& v1) {
@@ -174,7 +174,7 @@ class HandMaker {
     length_ += Curve(moves_.back(), HalfRadius()).length();
   }
 
-  /// Along a direction from a free place to the first touch, `reach` away at most.
+  /// Moves in a direction from a free pose to the first touch, at most `reach` away.
   std::optional<Touch> Advance(Place place, const Vec3& along, double reach) const {
     const double near = Mm(0.001);
     double gone = 0.0;
@@ -190,7 +190,8 @@ class HandMaker {
     return std::nullopt;
   }
 
-  /// The touch below a place: up along the normal until the tool is free, and down again.
+  /// Returns the touch below a pose: moves up along the normal until the tool is free, and
+  /// down again.
   std::optional<Touch> TouchBelow(const Place& place, const Vec3& normal) const {
     for (double lift = Mm(4.0); lift <= Mm(33.0); lift *= 2.0) {
       const Place raised{place.c + lift * normal, place.q};
@@ -216,8 +217,9 @@ class HandMaker {
     return (mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3.0;
   }
 
-  /// Somewhere free above a touch that a straight way leads to from outside the scene.
-  /// @param near  prefers what is near this place; null: anywhere.
+  /// Returns a free pose above a touch that can be reached on a straight path from outside
+  /// the scene.
+  /// @param near  prefers a touch near this pose; null: anywhere.
   std::pair<Place, Touch> Approach(const Place* near) {
     const TriangleMesh& mesh = scene_.tools.front().mesh;
     std::optional<std::pair<Place, Touch>> best;
@@ -233,11 +235,11 @@ class HandMaker {
               ? middle_
               : MiddleOf(mesh, static_cast<std::size_t>(random_.Bits() % mesh.triangles.size()));
       const Vec3 aim = PlaceOnObjects() - q * (on_tool - middle_);
-      // Outside: nothing of the tool is in the ball round the objects.
+      // Outside: no part of the tool is in the ball round the objects.
       const double away = 2.0 * (scene_radius_ + tool_radius_);
       const Place outside{aim + away * from, q};
       const std::optional<Touch> touch = Advance(outside, -from, 2.0 * away);
-      // At a glancing blow the hand would press past it.
+      // At a grazing touch the hand would press past the object.
       if (!touch || touch->normal.dot(from) < 0.3) continue;
       ++found;
       const Place above{touch->place.c + std::min(Mm(20.0), away) * from, q};
@@ -251,7 +253,7 @@ class HandMaker {
     return *best;
   }
 
-  /// Through free space, round what is in the way.
+  /// Moves through free space, around obstacles.
   void Travel(const Place& to) {
     const auto clear = [&](const Place& a, const Place& b) {
       constexpr int kLooks = 12;
@@ -277,10 +279,10 @@ class HandMaker {
       Go({over, to}, 3.0);
       return;
     }
-    Go({to}, 3.0);  // a hand may also go astray, through what is there
+    Go({to}, 3.0);  // a hand may also miss the way, and pass through objects
   }
 
-  // ---- what a hand does once it touches
+  // ---- the actions of a hand in contact
 
   void Slide(Touch& touch, double depth) {
     Vec3 along = random_.Direction();
@@ -294,7 +296,7 @@ class HandMaker {
       const Place next{touch.place.c + length / places * along, touch.place.q};
       const std::optional<Touch> found = TouchBelow(next, touch.normal);
       if (!found) {
-        // Over an edge, and on in the air.
+        // Slides over an edge and on through the air.
         through.push_back({next.c - depth * touch.normal, next.q});
         break;
       }
@@ -322,7 +324,7 @@ class HandMaker {
   }
 
   void Squeeze(const Touch& touch, double depth) {
-    // To one side, against what stands there, and to and fro.
+    // Moves to one side, against what is there, and to and fro.
     Vec3 side = random_.Direction();
     side -= side.dot(touch.normal) * touch.normal;
     const Place pressed = Pressed(touch, depth);
@@ -360,7 +362,7 @@ class HandMaker {
     const bool anywhere = random_.Uniform(0.0, 1.0) < 0.3;
     const auto [above, first] = Approach(anywhere || moves_.empty() ? nullptr : &here_);
     if (moves_.empty()) {
-      here_ = above;  // the hand begins there
+      here_ = above;  // start of the hand
     } else {
       Travel(above);
     }
@@ -390,7 +392,7 @@ class HandMaker {
   std::vector<Pose> Sample(double wanted) const {
     std::vector<Curve> curves;
     for (const Move& move : moves_) curves.emplace_back(move, HalfRadius());
-    // The pace at which the wanted length takes the wanted time: slow moves are made up for.
+    // The speed at which the wanted length takes the wanted time, which compensates for slow moves.
     double acceleration = kQuickHand;
     const auto time_at = [&](double pace) {
       double time = 0.0, left = wanted;

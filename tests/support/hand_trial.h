@@ -9,11 +9,11 @@
 
 namespace palpate::test {
 
-/// Hands over a scene, and what must hold of each.
+/// Random hands in a scene, and the limits that each must keep.
 struct HandTrial {
   std::uint64_t first_seed = 1, last_seed = 5;
   double speed = 0.1;  ///< [m/s]
-  int steps = 2000;    ///< of each hand
+  int steps = 2000;    ///< samples of each hand
   ContactChecks checks{.oracle_every = 1,
                        .converge_every = 0,
                        .settle_every = 200,
@@ -23,10 +23,9 @@ struct HandTrial {
   ContactLimits limits;
 };
 
-/// Drives the scene's first tool by one hand after the other.
-/// @returns what does not hold, a paragraph for each seed, which it begins with; empty where all
-/// holds: EXPECT_EQ(TryHands(scene, {...}), "").  `palpate-bench hands --seed` runs such a hand
-/// again.
+/// Drives the scene's first tool with one hand after the other.
+/// @returns the broken limits, a paragraph per seed, which begins with the seed; empty if all hold:
+/// EXPECT_EQ(TryHands(scene, {...}), "").  `palpate-bench hands --seed` repeats such a hand.
 std::string TryHands(const Scene& scene, const HandTrial& trial);
 
 }  // namespace palpate::test

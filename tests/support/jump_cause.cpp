@@ -42,7 +42,7 @@ const char* NameOf(JumpCause cause) {
 JumpJudge::JumpJudge(const Scene& scene, const HapticModel& model)
     : centroid_(model.reference()),
       stiffness_(model.parameters().stiffness),
-      // No contact turns a ball, and no turn of the hand moves it.
+      // No contact rotates a ball, and rotating the hand does not move it.
       rotation_length_(model.degrees_of_freedom() == 3 ? 0.0 : model.rotation_length()),
       radius_(model.degrees_of_freedom() == 3 ? model.tool().leaves().front().radius : 0.0) {
   Vec3 low = Vec3::Constant(INFINITY), high = -low;
@@ -64,7 +64,8 @@ double JumpJudge::Stretch(const Wrench& wrench) const {
 }
 
 double JumpJudge::SpringFactor(double stretch) const {
-  // Pressed deeper than its radius a ball does not go round an edge: it leaves it at a ledge.
+  // A ball that is pressed deeper than its radius does not roll round an edge, but leaves it at
+  // a ledge.
   if (!(stretch < radius_)) return kSpringFactor;
   return std::max(kSpringFactor, radius_ / (radius_ - stretch));
 }

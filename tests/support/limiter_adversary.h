@@ -11,7 +11,8 @@
 
 namespace palpate::test {
 
-/// The most that was got out of a limiter, over what it may let through: 1 is the limit itself.
+/// The greatest outputs that were obtained from a limiter, relative to its limits: 1 is the
+/// limit itself.
 struct LimiterTally {
   std::uint64_t inputs = 0;
   std::uint64_t nonfinite = 0;  ///< outputs
@@ -22,12 +23,12 @@ struct LimiterTally {
   LimiterCounts counts;
 };
 
-/// Tries to get more out of a limiter than its limits allow, by three ways in turn:
+/// Tries to get more out of a limiter than its limits allow, in three ways in turn:
 ///   random   anything: not finite, denormal, huge, poses that leap, clocks that stand or run back
 ///   bang     a hand that is thrown about, forces along or against its velocity at ten times the
 ///            peak, guide likewise, and silence, age and enable switched when it hurts
-///   climb    of several next inputs always the one that brings the output nearest to a limit
-/// Deterministic.
+///   climb    of several next inputs always the one that brings the output nearest to a
+///   limit Deterministic.
 class LimiterAdversary {
  public:
   LimiterAdversary(const WrenchLimits& limits, std::uint64_t seed)
@@ -37,7 +38,7 @@ class LimiterAdversary {
     while (tally_.inputs < inputs) {
       AddCounts();
       limiter_ = WrenchLimiter(limits_);
-      // None is known at first; a session may say anything.
+      // The stiffness is unknown at first; a session may set any value.
       if (random_.Below(4) != 0) limiter_.SetStiffness(Stiffness());
       last_ = Wrench{};
       X_WH_ = Pose{};
@@ -45,7 +46,7 @@ class LimiterAdversary {
       silence_s_ = age_s_ = 0.0;
       aimed_at_ = random_.Below(4);
       const int way = random_.Below(3);
-      // Long enough for the ramps to be over, and the motors to be warm now and then.
+      // Long enough for the ramps to end, and sometimes for the motors to warm.
       const int stretch = 1000 + random_.Below(random_.Below(20) == 0 ? 60'000 : 3000);
       for (int i = 0; i < stretch && tally_.inputs < inputs; ++i) {
         if (way == 0) {
@@ -91,7 +92,7 @@ class LimiterAdversary {
 
   LimiterInput Anything() {
     if (random_.Below(300) == 0) limiter_.Enable(random_.Below(8) != 0);
-    const bool calm = random_.Below(4) != 0;  // else the ramps would never be over
+    const bool calm = random_.Below(4) != 0;  // otherwise the ramps would never end
     LimiterInput in;
     in.wanted = {Vector(), Vector()};
     if (random_.Below(2)) in.led = {Vector(), Vector()};
@@ -112,7 +113,8 @@ class LimiterAdversary {
     return in;
   }
 
-  /// A hand in virtual time, thrown about; sign of the force by its velocity.
+  /// Returns the input of a hand that is thrown about in virtual time; the sign of the force
+  /// follows its velocity.
   LimiterInput Thrown() {
     constexpr double kTick = 1e-3;
     if (random_.Below(50) == 0) velocity_ = 0.5 * random_.Direction();
@@ -127,7 +129,7 @@ class LimiterAdversary {
     if (random_.Below(4) == 0) age_s_ = 0.0;
     LimiterInput in;
     const double along =
-        random_.Below(5) == 0 ? 10.0 : -10.0;  // mostly against, which fills stores
+        random_.Below(5) == 0 ? 10.0 : -10.0;  // mostly against the motion, which fills the store
     const Vec3 direction = velocity_.norm() > 0.0 ? Vec3(2.0 * velocity_) : random_.Direction();
     in.wanted = {along * limits_.force_N() * direction, along * limits_.torque_Nm() * direction};
     const double led = random_.Below(2) ? 1e3 : -1e3;
@@ -152,7 +154,7 @@ class LimiterAdversary {
       last_ = last;
       limiter_.Enable(enabled);
       const std::array ratios = Try(in);
-      // One aim per stretch: to be largest, or to change most.
+      // One aim per stretch: the largest output, or the largest change.
       const double ratio = ratios[static_cast<std::size_t>(aimed_at_)] + 0.2 * ratios[0];
       if (ratio > best_ratio) {
         best_ratio = ratio;
@@ -180,7 +182,7 @@ class LimiterAdversary {
     last_ = best_output;
   }
 
-  /// Gives it to the limiter; force, torque and their changes over what is allowed.
+  /// Runs the limiter; returns force, torque and their changes relative to the limits.
   std::array<double, 4> Try(const LimiterInput& in) {
     const Wrench out = limiter_.Limit(in).wrench();
     ++tally_.inputs;
@@ -190,7 +192,7 @@ class LimiterAdversary {
     }
     const double dt = in.dt_s >= kMinTick_s ? std::min(in.dt_s, kMaxTick_s) : 0.0;
     const auto over = [](double amount, double limit) {
-      return amount == 0.0 ? 0.0 : amount / limit;  // no change in no time is well
+      return amount == 0.0 ? 0.0 : amount / limit;  // zero change in zero time is allowed
     };
     const std::array ratios = {
         out.force.norm() / limits_.force_N(), out.torque.norm() / limits_.torque_Nm(),

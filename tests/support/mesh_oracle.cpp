@@ -14,7 +14,7 @@ namespace {
 using Box = TriangleTree::Box;
 using Node = TriangleTree::Node;
 
-/// X_BT as a matrix, of poses whose quaternions may be off unit length by rounding.
+/// X_BT as a matrix, from poses whose quaternions may deviate from unit length by rounding.
 class Motion {
  public:
   Motion(const Pose& X_WB, const Pose& X_WT) {
@@ -25,10 +25,10 @@ class Motion {
   }
   Vec3 operator*(const Vec3& p) const { return R_ * p + p_; }
   Triangle operator*(const Triangle& t) const { return {*this * t[0], *this * t[1], *this * t[2]}; }
-  /// A box round the moved box.
+  /// Returns a bounding box of the moved box.
   Box operator*(const Box& box) const {
     const Vec3 center = *this * box.center;
-    // Of the corners that are inside, what rounding may take them out: some ulps.
+    // Adds some ulps, so that rounding does not put inner corners outside.
     const double slack =
         1e-14 * (p_.cwiseAbs().sum() + box.center.cwiseAbs().sum() + box.half.sum());
     return {center, absolute_ * box.half + Vec3::Constant(slack)};
@@ -54,7 +54,8 @@ bool VisitLeafPairs(const TriangleTree& a, const Motion& X_BA, const TriangleTre
   if (a.empty() || b.empty()) return false;
   const auto step = [&](const auto& self, const Node& na, const Box& moved_a,
                         const Node& nb) -> bool {
-    // By the axes of both: a turned box's box stands out at its corners.
+    // Tests the axes of both boxes, because the bounding box of a rotated box is too large at
+    // its corners.
     if (!moved_a.Overlaps(nb.box) || !(X_AB * nb.box).Overlaps(na.box)) return false;
     if (na.leaf() && nb.leaf()) return visit(na, nb);
     if (nb.leaf() || (!na.leaf() && na.box.half.sum() > nb.box.half.sum())) {
@@ -109,11 +110,12 @@ class VertexFans {
   std::vector<std::uint32_t> begin_, triangle_, parts_;
 };
 
-/// Distance of the deepest vertex of `mesh` inside a closed mesh.  Triangles that do not meet the
-/// other's surface are wholly on one side of it, so one vertex speaks for all that are connected
-/// by such triangles: those at the triangles that meet it, and one of each part, begin.
+/// Returns the depth of the deepest vertex of `mesh` inside a closed mesh.  Triangles that do not
+/// meet the other surface lie wholly on one side of it, so one vertex decides for all that are
+/// connected by such triangles.  The search starts at the vertices of triangles that meet the
+/// surface, and at one vertex of each connected part.
 /// @param crossing  triangles of `mesh` that meet the other's surface; sorted.
-/// @returns negative where none is inside.
+/// @returns negative if none is inside.
 double DeepestVertex(const TriangleTree& mesh, const VertexFans& fans, const Motion& X,
                      const TriangleTree& in, const std::vector<std::uint32_t>& crossing,
                      bool first_only) {
@@ -123,7 +125,7 @@ double DeepestVertex(const TriangleTree& mesh, const VertexFans& fans, const Mot
   std::vector<std::uint32_t> stack;
   const auto spread = [&](std::uint32_t from) {
     if (known[from]) return;
-    // A vertex outside is not spread from: its neighbours answer for themselves.
+    // Does not continue from a vertex outside; its neighbours are tested themselves.
     known[from] = true;
     const Vec3 place = X * mesh.vertices()[from];
     if (!in.Contains(place)) return;

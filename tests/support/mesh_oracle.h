@@ -13,25 +13,25 @@
 
 namespace palpate::test {
 
-/// Whether a tool's mesh and the objects' meshes are in each other at a pose, and how deep.  The
-/// judge of every contact model and every library: it takes triangles and poses, and shares no code
-/// with the physics, nor with what scenes use to query meshes.
+/// Computes whether a tool's mesh and the objects' meshes penetrate each other at a pose, and how
+/// deep. It is the reference for all contact models and libraries: it takes triangles and poses,
+/// and shares no code with the physics or with the mesh queries of scenes.
 ///
-/// What is exact: the tool's corners are taken into an object's frame in doubles (rounded by some
-/// 1e-16 of their coordinates); of these triangles `meet` is exact, for meshes that are open,
-/// folded, non-manifold or degenerate, and triangles count from both sides.
+/// Exactness: the tool's corners are transformed into an object's frame in doubles (with a relative
+/// rounding error of some 1e-16).  For these triangles `meet` is exact, even if meshes are open,
+/// folded, non-manifold or degenerate; triangles are two-sided.
 ///
-/// What depth means: the greatest of
-///  - over all pairs of triangles that meet, the shortest translation that takes the two apart
-///    (ShortestSeparation): a lower bound of how far the tool must move, of the order of the
-///    triangles' size at most;
-///  - where a mesh is closed, over the other one's vertices inside of it, the distance to its
-///    surface.  It sees also what is wholly inside, where no triangles meet.
-/// So of open meshes only the first counts.  Soft bodies count as rigid ones.
+/// The depth is the greatest of
+///  - the shortest translation that separates a pair (ShortestSeparation), over all pairs of
+///  triangles that meet: a lower bound on how far the tool must move, at most of the order of the
+///  triangles' size;
+///  - for a closed mesh, the distance to its surface, over the other mesh's vertices inside of it.
+///  This also detects a mesh that is wholly inside, where no triangles meet.
+/// For open meshes only the first applies.  Soft bodies count as rigid.
 ///
-/// A tool that the physics takes for a ball is one here: it meets a triangle that is nearer than
-/// its radius, and the depth is the radius less the exact distance, or plus it where its centre is
-/// inside a closed mesh.
+/// A tool that is a ball in the physics is a ball here, too: it meets a triangle that is nearer
+/// than its radius, and the depth is the radius minus the exact distance, or plus it if the centre
+/// is inside a closed mesh.
 class MeshOracle {
  public:
   struct PlacedMesh {
@@ -42,27 +42,28 @@ class MeshOracle {
     Vec3 center;  ///< in the tool's frame [m]
     double radius;
   };
-  /// Nothing of the meshes is kept.  A mesh without triangles meets nothing.
+  /// The meshes need not outlive this.  A mesh without triangles meets nothing.
   MeshOracle(const TriangleMesh& tool, std::span<const PlacedMesh> objects);
   MeshOracle(const ToolBall& tool, std::span<const PlacedMesh> objects);
-  /// Of a scene's first tool, a ball where it has one leaf, and all its objects.
+  /// For a scene's first tool, a ball if it has a single leaf, and all its objects.
   explicit MeshOracle(const Scene& scene);
   ~MeshOracle();
   MeshOracle(MeshOracle&&) noexcept;
 
   struct Overlap {
-    bool meet = false;   ///< a point in common, be it a touch; or one inside the closed other
+    bool meet = false;   ///< they have a common point, even if they only touch; or one is inside
+                         ///< the other, closed one
     double depth = 0.0;  ///< [m]
-    long pairs = 0;      ///< of triangles that meet; of a ball, triangles
+    long pairs = 0;      ///< of triangles that meet; for a ball, triangles that it meets
   };
   Overlap At(const Pose& X_WT) const;
-  /// Overlap::meet alone, which is known with the first pair.
+  /// Returns Overlap::meet alone; stops at the first pair.
   bool Meet(const Pose& X_WT) const;
 
-  /// Nearest points of tool and objects, in W; a distance of 0, without points, where Meet().  Of a
-  /// ball, of its surface.  In doubles.
+  /// The nearest points of tool and objects, in W; for a ball, those of its surface.  A distance of
+  /// 0, without points, if they meet.  Computed in doubles.
   struct Gap {
-    double distance;  ///< infinite where there is no triangle
+    double distance;  ///< infinite if there is no triangle
     Vec3 on_tool, on_object;
   };
   Gap Distance(const Pose& X_WT) const;
@@ -74,7 +75,7 @@ class MeshOracle {
   void FindMesh(const Object& object, const Pose& X_WT, bool first_only, Overlap& overlap) const;
   void FindBall(const Object& object, const Pose& X_WT, bool first_only, Overlap& overlap) const;
 
-  std::unique_ptr<const Mesh> tool_;  ///< null where the tool is a ball
+  std::unique_ptr<const Mesh> tool_;  ///< null if the tool is a ball
   ToolBall ball_{Vec3::Zero(), 0.0};
   std::vector<Object> objects_;
 };

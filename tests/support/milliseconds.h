@@ -4,7 +4,7 @@
 
 namespace palpate {
 
-/// A millisecond, in nanoseconds, which times are in.
+/// A millisecond in nanoseconds, the unit of times.
 inline constexpr std::int64_t kMs = 1'000'000;
 
 }  // namespace palpate

@@ -2,8 +2,8 @@
 
 namespace palpate::test {
 
-/// True where code runs at full speed, as in `release`: there a test of many random inputs runs in
-/// full, elsewhere, where each takes ten times and more, with a share of them.
+/// True if code runs at full speed, as in `release`.  Tests with many random inputs then use all of
+/// them; in other builds, where each takes ten times as long or more, only a share.
 #if defined(__OPTIMIZE__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 inline constexpr bool kOptimised = true;
 #else

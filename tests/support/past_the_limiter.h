@@ -4,8 +4,9 @@
 
 namespace palpate::test {
 
-/// Drives a simulated arm by a wrench that no WrenchLimiter made, to measure what a limiter does.
-/// There is no such way to any other device, and no product's code sees this header.
+/// Drives a simulated arm with a wrench that did not come from a WrenchLimiter, to measure a
+/// limiter's effect.  This is not possible for any other device, and no product code includes
+/// this header.
 class PastTheLimiter {
  public:
   static void Apply(SimulatedPhantom& arm, const Wrench& wrench) noexcept { arm.Pass(wrench); }

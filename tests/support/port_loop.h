@@ -12,29 +12,32 @@ namespace palpate::test {
 
 constexpr double kMostLateTick_s = 5e-3;
 
-/// A hand on an arm at a virtual wall, over a link that delays and loses, in virtual time.
+/// A simulation of a hand on an arm at a virtual wall, over a link with delay and loss, in
+/// virtual time.
 struct PortLoopCase {
-  int delay_ms = 0;   ///< from a pose to the force that answers it; 0: in the same tick
-  double loss = 0.0;  ///< share of the answers that never come
-  /// In the first half: share of the ticks that the machine holds up, by up to kMostLateTick_s;
-  /// those that fell due meanwhile follow at once.
+  int delay_ms = 0;   ///< from a pose to the force for it; 0: in the same tick
+  double loss = 0.0;  ///< share of the answers that are lost
+  /// In the first half: share of the ticks that the machine delays, by up to kMostLateTick_s; the
+  /// ticks that became due meanwhile follow at once.
   double late = 0.0;
   double stiffness_N_per_m = 1000.0;
   double resolution_m = 20e-6;  ///< of the encoders
   double seconds = 10.0;
   unsigned seed = 1;
-  /// The hand's spring is drawn to this height above the wall [m]: deep -+ stroke, at this rate.
+  /// Target height of the hand's spring above the wall [m]: deep -+ stroke, at this rate.
   double deep_m = -0.008;
   double stroke_m = 0.012;
   double rate_Hz = 1.0;
 };
 
 struct PortLoopFigures {
-  // Sum of applied wrench . way, held over each tick: positive is energy that the hand was given.
+  // Sum of the applied wrench times the displacement in each tick: positive is energy given to
+  // the hand.
   double generated_J = 0.0;       ///< at the end, by the encoders
-  double most_generated_J = 0.0;  ///< at its highest
-  double absorbed_J = 0.0;        ///< the part of the ticks in which the hand gave
-  double most_change_N = 0.0;     ///< applied beside wanted, in contact, once ramped in
+  double most_generated_J = 0.0;  ///< its greatest value
+  double absorbed_J = 0.0;        ///< the sum over the ticks in which the hand gave energy
+  double most_change_N = 0.0;     ///< difference of applied and wanted force, in contact, after
+                                  ///< the ramp
   double rms_change_N = 0.0;
   double rms_wanted_N = 0.0;
   double fastest_m_s = 0.0;  ///< of the handle
@@ -48,10 +51,10 @@ inline const Wrench& Plain(const LimitedWrench& wrench) {
   return wrench.wrench();
 }
 
-/// @param limiter  enabled here; a WrenchLimiter or an UncontrolledLimiter.
+/// @param limiter  a WrenchLimiter or an UncontrolledLimiter, which is enabled here.
 template <class Limiter>
 PortLoopFigures RunPortLoop(Limiter& limiter, const PortLoopCase& c) {
-  // As HandImpedance and PhantomPremium30 have it; one dimension, across the wall.
+  // The values of HandImpedance and PhantomPremium30; one dimension, normal to the wall.
   constexpr double kMass = 0.713, kSpring = 135.0, kDamper = 6.55, kFriction = 0.2;
   constexpr double kTick = 1e-3;
   constexpr double kSubstep = kTick / 8, kLeastTick = 30e-6;

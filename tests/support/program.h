@@ -7,26 +7,27 @@
 
 namespace palpate::test {
 
-/// A program that runs beside this one, with what it says on stdout and stderr together.  It is
-/// killed with this object, and with the thread that made it.
+/// Runs a program as a child process and collects its stdout and stderr together.  The program is
+/// killed when this object, or the thread that made it, ends.
 class Program {
  public:
-  /// @param file  its path.  A file that cannot be run exits with 127.
+  /// @param file  its path.  If it cannot be run, the exit status is 127.
   Program(const std::string& file, std::vector<std::string> arguments);
   ~Program();
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
 
-  /// Reads on until it has said `text`, from where the last call that found its text ended.  False
-  /// where it ends, or `seconds` pass, before.
+  /// Reads output until `text` appears, starting after the text found by the last call.  False if
+  /// the program ends, or `seconds` pass, before that.
   bool Says(const std::string& text, double seconds = 20.0);
-  /// All that it has said until now.  To be called now and then: a full pipe stops it.
+  /// Returns all output so far.  Call it now and then, because a full pipe blocks the program.
   const std::string& Output();
-  /// True until it has ended.
+  /// Returns true until the program has ended.
   bool Runs();
   void Signal(int signal) const;
   pid_t id() const { return pid_; }
-  /// Its exit status, or the negative signal that ended it.  Kills it after `seconds`.
+  /// Waits for the end; kills the program after `seconds`.  Returns its exit status, or the
+  /// negative signal that ended it.
   int Exit(double seconds = 20.0);
 
  private:
@@ -40,11 +41,11 @@ class Program {
   std::size_t searched_ = 0;
 };
 
-/// What a program is told, with more behind it.
+/// Returns the arguments with more appended.
 std::vector<std::string> Joined(std::vector<std::string> words,
                                 const std::vector<std::string>& more);
 
-/// The folder that this program stands in, where the others of the build stand too.
+/// Returns the folder of this program and of the build's other programs.
 std::string OwnFolder();
 
 }  // namespace palpate::test

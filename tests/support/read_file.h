@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// A file that a test has made, or that the repository holds: nothing to be bounded.
+/// Reads a file that a test has made, or that is in the repository, so its size needs no limit.
 inline std::string ReadWholeFile(const std::string& file) {
   return ReadWholeFile(file, std::numeric_limits<std::uint64_t>::max());
 }

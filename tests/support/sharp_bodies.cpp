@@ -18,12 +18,12 @@ namespace {
 
 using Outline = std::vector<Vec3>;
 
-/// Twice the area of a triangle in the plane, above zero where it runs counter-clockwise.
+/// Returns twice the signed area of a triangle in the plane, positive if counter-clockwise.
 double Turn(const Vec3& a, const Vec3& b, const Vec3& c) {
   return (b - a).cross(c - a).z();
 }
 
-/// Triangles of a simple polygon, by cutting off one corner after the other.
+/// Triangulates a simple polygon by ear clipping.
 std::vector<std::array<std::uint32_t, 3>> Triangulated(std::span<const Vec3> outline) {
   std::vector<std::uint32_t> left(outline.size());
   for (std::uint32_t i = 0; i < left.size(); ++i) left[i] = i;
@@ -57,10 +57,10 @@ void CentreBox(TriangleMesh& mesh) {
   for (Vec3& v : mesh.vertices) v -= 0.5 * (low + high);
 }
 
-/// A side of a plate from where it begins to where the next one does, with its notches.
+/// Makes a side of a plate, from its first corner up to the next side, with its notches.
 void AddSide(Outline& outline, const Vec3& from, const Vec3& to, Random& random) {
   const Vec3 along = (to - from).normalized(), inward(-along.y(), along.x(), 0.0);
-  // None nearer to a corner than any is deep, so that those of two sides do not meet.
+  // No notch is nearer to a corner than notches are deep, so that those of two sides do not meet.
   constexpr double kDeepest = 0.006, kRim = 1.2 * kDeepest;
   const int notches = 2 + random.Below(2);
   const double part = ((to - from).norm() - 2.0 * kRim) / notches;
@@ -233,7 +233,7 @@ std::optional<Scene> MakeSharpScene(std::string_view name) {
   const auto body = [](const char* called, TriangleMesh mesh) {
     Body made;
     made.name = called;
-    // The mode that takes the least time: what is felt are the meshes.
+    // The fastest mode, because contact is between the meshes.
     made.tree = BuildSphereTree(mesh, 64, {}, TreeMode::kOctree);
     made.mesh = std::move(mesh);
     return made;

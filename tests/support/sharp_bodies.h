@@ -12,9 +12,10 @@
 
 namespace palpate::test {
 
-// Bodies of sharp edges and narrow gaps, as made parts have them and scans do not [m]: 20 to 60 mm
-// long, closed, wound counter-clockwise seen from outside, round the origin.  Their numbers of
-// teeth, widths and slants come from a seed, so that there is always one that nobody tuned to.
+// Bodies with sharp edges and narrow gaps, like manufactured parts and unlike scans [m]: 20 to 60
+// mm long, closed, counter-clockwise seen from outside, centred at the origin.  Their numbers of
+// teeth, widths and slants depend on a seed, so that there is always one to which nobody has tuned
+// the code.
 //
 //     comb                 gear              notched plate           die
 //      _   _   _   _          _              __  ____   ___          _________
@@ -23,27 +24,29 @@ namespace palpate::test {
 //   |_________________|    \_   _/          |___/\____|~|__|       | o   o | /
 //                            \_/                                   |___o___|/
 
-/// Teeth of 1.5 to 4 mm on a back, gaps somewhat wider or narrower than they.
+/// Teeth of 1.5 to 4 mm on a back, with gaps a little wider or narrower than the teeth.
 TriangleMesh MakeComb(std::uint64_t seed);
 /// 8 to 20 teeth with straight flanks.
 TriangleMesh MakeGear(std::uint64_t seed);
-/// A plate 1 to 3 mm thick, each of its sides with notches, square ones and pointed ones.
+/// A plate 1 to 3 mm thick, with square and pointed notches on each side.
 TriangleMesh MakeNotchedPlate(std::uint64_t seed);
 /// A cube whose faces have 1 to 6 pits, each a pyramid.
 TriangleMesh MakeDie(std::uint64_t seed);
 
-/// A ball whose radius goes up and down in steps of an eighth, as terraces do: sharp edges that run
-/// every way, hollow and not.
+/// A ball whose radius rises and falls in steps of an eighth, like terraces: sharp convex and
+/// concave edges in every direction.
 TriangleMesh MakeTerraced(double radius, std::size_t triangles, std::uint64_t seed);
 
-/// `outline`: a simple polygon, counter-clockwise; z from -thickness / 2 to thickness / 2.
+/// Extrudes a simple polygon, counter-clockwise, to z from -thickness / 2 to thickness / 2.
 TriangleMesh Extruded(std::span<const Vec3> outline, double thickness);
 
-/// One body as the tool, one as the object, felt as surfaces; in the last a ball on terraces.
+/// Scenes with one body as the tool and one as the object, in contact as surfaces; the last is a
+/// ball on terraces.
 inline constexpr std::array<std::string_view, 6> kSharpScenes{
     "sharp-combs", "sharp-gears",     "sharp-plates",
     "sharp-dice",  "sharp-gear-comb", "sharp-terraces-ball"};
-/// Of such a name, or of one with a seed: "sharp-gears:17" (else 1).  Nothing of any other.
+/// Makes the scene of such a name, which may have a seed: "sharp-gears:17" (default 1).  Returns
+/// nothing for any other name.
 std::optional<Scene> MakeSharpScene(std::string_view name);
 
 }  // namespace palpate::test

@@ -10,21 +10,25 @@
 
 namespace palpate::test {
 
-/// What one way of a link does to what is sent along it.
+/// The conditions of one direction of a link.
 struct LinkConditions {
-  std::int64_t delay_ns = 0;   ///< least time on the way
-  std::int64_t jitter_ns = 0;  ///< further time, evenly from 0 to this; alone it keeps the order
-  double loss = 0.0;           ///< probability that a sample never arrives; 1: the way is cut
-  double duplication = 0.0;    ///< that one which arrives does so again, up to `straggle_ns` later
-  double reordering = 0.0;     ///< that one is held back by up to `straggle_ns`: others overtake it
+  std::int64_t delay_ns = 0;   ///< least transit time
+  std::int64_t jitter_ns = 0;  ///< additional time, uniform from 0 to this; it does not change
+                               ///< the order
+  double loss = 0.0;           ///< probability that a sample is lost; 1: the link is cut
+  double duplication = 0.0;    ///< probability that a sample arrives again, up to
+                               ///< `straggle_ns` later
+  double reordering = 0.0;     ///< probability that a sample is delayed by up to `straggle_ns`, so
+                               ///< that others overtake it
   std::int64_t straggle_ns = 5'000'000;
 };
 
-/// When samples arrive that are sent along one way, of no matter what: the dice of a LossyWay.
+/// Draws the arrival times of the samples of a LossyWay, of any type.
 ///
-/// Jitter queues, as it does in a router: a sample that is not held back on purpose never arrives
-/// before one that was sent earlier.  So `reordering` alone says how much is out of order.
-/// Pure: the n-th call's outcome depends on the seed, the conditions and the times given so far.
+/// Jitter queues samples, as a router does: a sample that is not reordered on purpose never
+/// arrives before one that was sent earlier, so `reordering` alone determines how much is out of
+/// order. Pure: the result of the n-th call depends on the seed, the conditions and the times
+/// given so far.
 class LinkDice {
  public:
   explicit LinkDice(std::uint64_t seed) : random_(seed) {}
@@ -33,22 +37,22 @@ class LinkDice {
     int count = 0;  ///< 0 to 2
     std::int64_t time_ns[2] = {};
   };
-  /// @param now_ns  never before that of the last call.
+  /// @param now_ns  not before that of the last call.
   Arrivals Send(std::int64_t now_ns, const LinkConditions& conditions);
 
  private:
   Random random_;
-  std::int64_t queue_ends_ns_ = 0;  // the latest arrival in order
+  std::int64_t queue_ends_ns_ = 0;  // the latest arrival among those in order
 };
 
-/// One way of a link in virtual time: what is sent comes out when and as often as the dice say.
+/// One direction of a link in virtual time: samples arrive when and as often as LinkDice says.
 template <typename T>
 class LossyWay {
  public:
   explicit LossyWay(std::uint64_t seed, const LinkConditions& conditions = {})
       : dice_(seed), conditions_(conditions) {}
 
-  /// May be changed at any time; holds for what is sent from then on.
+  /// The conditions, which may be changed at any time; they apply to samples sent later.
   LinkConditions& conditions() { return conditions_; }
 
   void Send(std::int64_t now_ns, const T& sample) {
@@ -57,14 +61,16 @@ class LossyWay {
       under_way_.push({arrivals.time_ns[i], sent_++, sample});
     }
   }
-  /// The next sample that has arrived by `now_ns`, earliest first; of equal times, as sent.
+  /// Returns the next sample that has arrived by `now_ns`, earliest first; equal times in
+  /// sending order.
   std::optional<T> Receive(std::int64_t now_ns) {
     if (under_way_.empty() || under_way_.top().time_ns > now_ns) return std::nullopt;
     T sample = under_way_.top().sample;
     under_way_.pop();
     return sample;
   }
-  /// When the next one arrives, where anything is under way: for who steps time by events.
+  /// Returns the time of the next arrival, if any sample is in transit, for
+  /// event-driven simulation.
   std::optional<std::int64_t> next_arrival_ns() const {
     if (under_way_.empty()) return std::nullopt;
     return under_way_.top().time_ns;
@@ -88,7 +94,7 @@ class LossyWay {
 /// A link between a station and a server in virtual time: equal seeds and equal calls, equal bits.
 template <typename Up, typename Down>
 struct SimulatedLink {
-  /// `each_way`: a round trip takes twice its delay.
+  /// @param each_way  conditions of each direction; a round trip takes twice its delay.
   explicit SimulatedLink(std::uint64_t seed, const LinkConditions& each_way = {})
       : up(2 * seed, each_way), down(2 * seed + 1, each_way) {}
   LossyWay<Up> up;

@@ -26,14 +26,13 @@ constexpr std::chrono::milliseconds kLook{10};
 constexpr std::chrono::milliseconds kWindow{100};
 constexpr int kMostAttempts = 5;
 
-/// A figure that only grows [ms]: by how much it did within the last kWindow.  What it was when it
-/// was first seen is not this witness's.
+/// The growth of a monotonic figure [ms] within the last kWindow.  Its first value does not count.
 class Growth {
  public:
   double To(double total_ms) {
     const Clock::time_point now = Clock::now();
     past_.emplace_back(now, total_ms);
-    // The first is the last one that lies before the window, where there is one.
+    // The first entry is the last one before the window, if any.
     while (past_.size() > 1 && past_[1].first <= now - kWindow) past_.pop_front();
     return total_ms - past_.front().second;
   }

@@ -11,23 +11,24 @@
 
 namespace palpate::test {
 
-/// Watches, beside real processes, whether the machine let them run.  It knows nothing of Palpate,
-/// so no defect of Palpate can look like a stall to it.  A stall is the most that was lost within
-/// 100 ms, at once or bit by bit, which is the same to a server that hears nothing meanwhile, by
-///   - a thread of its own that woke later than it was due,
-///   - a thread of a watched process that was ready to run, and waited for a processor
-///     (/proc/PID/task/TID/schedstat),
-///   - a processor that the host of a virtual machine gave to others (steal, in /proc/stat).
+/// Observes whether the machine lets real processes run.  It does not depend on Palpate's own
+/// data, so a defect of Palpate cannot look like a stall.  A stall is the time lost within 100
+/// ms, at once or in parts, which makes no difference to a server that receives nothing
+/// meanwhile.  It counts
+///   - the lateness of a thread of its own,
+///   - the time for which a thread of a watched process was ready to run, but waited for a
+///   processor (/proc/PID/task/TID/schedstat),
+///   - the time that the host of a virtual machine gave to others (steal, in /proc/stat).
 class StallWitness {
  public:
-  /// Watches this process, and those that are named later.
+  /// Watches this process, and those that are added later.
   StallWitness();
   ~StallWitness();
   StallWitness(const StallWitness&) = delete;
   StallWitness& operator=(const StallWitness&) = delete;
 
   void Watch(pid_t process);
-  /// The longest stall so far: what was lost within 100 ms [ms].
+  /// Returns the longest stall so far: the time lost within 100 ms [ms].
   double longest_ms() const { return longest_ms_.load(); }
 
  private:
@@ -40,21 +41,21 @@ class StallWitness {
   std::thread thread_;
 };
 
-/// A server ends a session after 100 ms without a pose (Session::kSilence_ns).  Between the hand
-/// and the server lie two threads that can be held up one after the other, the station's and the
-/// server's receiving one, and less than a tick beside: so one of them lost a third of it or more.
+/// A server ends a session after 100 ms without a pose (Session::kSilence_ns).  Between hand and
+/// server two threads can be delayed one after the other, the station's and the server's receiving
+/// thread, plus less than a tick; so one of them lost a third of the 100 ms or more.
 inline constexpr double kStallThatEndsASession_ms = 33.0;
 
-/// What one attempt of a test with real processes came to.
+/// The result of one attempt of a test with real processes.
 enum class Attempt {
-  kShown,   ///< the test has seen what it is about
-  kFailed,  ///< it has seen the contrary
-  kSpoilt,  ///< neither: a session was lost to silence, by what a program itself says of it
+  kShown,   ///< the test has observed what it expects
+  kFailed,  ///< it has observed the contrary
+  kSpoilt,  ///< neither: a program reports that a session was lost to silence
 };
 
-/// Makes an attempt, and another one only where the last was spoilt and the witness saw the machine
-/// stand still for `stall_ms` meanwhile.  A session that is lost while the machine let all
-/// processes run is a defect, and fails at once: no defect passes for a stall.
+/// Makes an attempt, and repeats it only if it was spoilt and the witness observed a stall of
+/// `stall_ms` meanwhile.  A session that is lost while the machine let all processes run is a
+/// defect, and fails at once, so no defect is mistaken for a stall.
 testing::AssertionResult Shown(const std::function<Attempt(StallWitness&)>& attempt,
                                double stall_ms = kStallThatEndsASession_ms);
 

@@ -17,7 +17,7 @@ inline Pose At(double x, double y, double z) {
   return {Vec3(x, y, z), Quat::Identity()};
 }
 
-/// Materials of an object's balls, by where they are.
+/// Assigns materials to an object's balls by position.
 struct Paint {
   std::vector<Material> materials{Material{}};
   std::function<int(const Vec3&)> of = [](const Vec3&) { return 0; };
@@ -27,7 +27,7 @@ inline Paint AllOf(const Material& material) {
   return {{material}, [](const Vec3&) { return 0; }};
 }
 
-/// One tool against one object, with the hand's pose as input.
+/// Runs steps of one tool against one object, with the hand's pose as input.
 class Bench {
  public:
   Bench(std::vector<Ball> tool, std::vector<Ball> object, StepParameters parameters = {},
@@ -47,7 +47,7 @@ class Bench {
     for (int i = 0; i < steps; ++i) report = Step(X_WH);
     return report;
   }
-  /// Deepest overlap of any two balls at the graphic tool's pose, by all pairs.
+  /// Returns the deepest overlap of any two balls at the graphic tool's pose, over all pairs.
   double Penetration() const {
     double deepest = 0.0;
     for (const Ball& t : tool_) {

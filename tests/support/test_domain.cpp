@@ -14,7 +14,7 @@
 namespace palpate::test {
 namespace {
 
-/// A socket that has the port to itself; -1 where another has it.
+/// Returns a socket bound to the port; -1 if another process has it.
 int Take(int port) {
   const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   sockaddr_in address{};
@@ -25,7 +25,7 @@ int Take(int port) {
   return -1;
 }
 
-/// True where nobody has one of the DDS domain's ports, but for the one that claims it.
+/// Returns true if none of the DDS domain's ports is in use, except the one that reserves it.
 bool NobodyIn(int domain_id, const std::set<int>& in_use) {
   const dds::PortRange ports = dds::PortsOf(domain_id);
   const auto next = in_use.lower_bound(ports.first);
@@ -35,13 +35,13 @@ bool NobodyIn(int domain_id, const std::set<int>& in_use) {
 }  // namespace
 
 int OwnDomain() {
-  // Not 0, which is the user's own, nor the last, which is palpate-bench's.
+  // Neither 0, which is for the user, nor the last, which is for palpate-bench.
   for (int domain = 1; domain < dds::kMaxDomain; ++domain) {
     const int loop = dds::LoopDomainId(domain);
     const int claim = Take(dds::PortsOf(loop).last);
     if (claim < 0) continue;
     const std::set<int> in_use = dds::PortsInUse();
-    // Never closed: the claim goes with this process.
+    // Never closed: the reservation ends with this process.
     if (NobodyIn(loop, in_use) && NobodyIn(dds::ServiceDomainId(domain), in_use)) return domain;
     close(claim);
   }

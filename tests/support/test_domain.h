@@ -2,10 +2,9 @@
 
 namespace palpate::test {
 
-/// A `--domain` that nobody else on this host has: no other test, of this run or of another, and no
-/// program that is at work.  Held until this process ends; another with each call.
-/// It is claimed by a UDP port, so that those who share the domain's ports share its claim too, in
-/// whichever folder, container or chroot they are.
+/// Returns a `--domain` that no other test or running program on this host uses, a new one with
+/// each call.  It is reserved until this process ends, by a UDP port, so that the reservation holds
+/// for all processes that share the domain's ports, in any folder, container or chroot.
 int OwnDomain();
 
 }  // namespace palpate::test

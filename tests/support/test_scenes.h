@@ -10,7 +10,7 @@
 
 namespace palpate::test {
 
-/// A body with its sphere tree, as a scene file would make it.
+/// Makes a body with its sphere tree, as a scene file would.
 inline Body MakeBody(std::string name, TriangleMesh mesh, std::size_t leaves,
                      const Pose& X_WB = {}) {
   Body body;
@@ -21,8 +21,8 @@ inline Body MakeBody(std::string name, TriangleMesh mesh, std::size_t leaves,
   return body;
 }
 
-/// A body to be felt by its mesh from outside: a leaf only says which part of it something is, and
-/// some of its vertices do for that.  To fit balls into it would take longer than most tests.
+/// Makes a body for contact with its mesh from outside.  A leaf only identifies a part of the mesh,
+/// for which some of its vertices suffice; fitting balls would take longer than most tests.
 inline Body MakeMeshBody(std::string name, TriangleMesh mesh, const Pose& X_WB = {}) {
   std::vector<Sphere> leaves;
   const std::size_t stride = mesh.vertices.size() / 64 + 1;
@@ -37,7 +37,7 @@ inline Body MakeMeshBody(std::string name, TriangleMesh mesh, const Pose& X_WB =
   return body;
 }
 
-/// A scene of one tool and one object.
+/// Makes a scene of one tool and one object.
 inline Scene MakeScene(TriangleMesh tool, std::size_t tool_leaves, TriangleMesh object,
                        std::size_t object_leaves, ContactModel contact) {
   Scene scene;
@@ -48,7 +48,7 @@ inline Scene MakeScene(TriangleMesh tool, std::size_t tool_leaves, TriangleMesh 
   return scene;
 }
 
-/// The same of bodies that are felt by their meshes.
+/// The same for contact between meshes.
 inline Scene MeshScene(TriangleMesh tool, TriangleMesh object) {
   Scene scene;
   scene.name = "test";
@@ -57,7 +57,7 @@ inline Scene MeshScene(TriangleMesh tool, TriangleMesh object) {
   return scene;
 }
 
-/// A tool that is felt as a ball.
+/// Makes a tool that is a ball for contact.
 inline Body BallBody(double radius) {
   Body ball;
   ball.name = "ball";

@@ -13,8 +13,8 @@ struct Ball {
   double radius;
 };
 
-/// Sphere tree over given balls, by plain halving along the longest axis: a second, simple builder,
-/// so that the physics is tested without the one that scenes use.
+/// Builds a sphere tree over given balls by halving along the longest axis: a second, simple
+/// builder, so that the physics is tested without the one that scenes use.
 SphereTree MakeTree(std::span<const Ball> balls);
 
 /// `count` balls of about `radius` in the cube of half side `half`.

@@ -10,13 +10,13 @@
 namespace palpate::test {
 namespace {
 
-/// Whether segments pq and ab meet where they are projected along `axis`.
+/// Returns whether segments pq and ab meet when projected along `axis`.
 bool SegmentsMeet2d(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, int axis) {
   const int pq_a = Orient2d(p, q, a, axis), pq_b = Orient2d(p, q, b, axis);
   const int ab_p = Orient2d(a, b, p, axis), ab_q = Orient2d(a, b, q, axis);
   if (pq_a * pq_b > 0 || ab_p * ab_q > 0) return false;
-  // Each line separates no two ends of the other: they meet, unless all lies on one line (a point
-  // is on the line of anything with it), where the ends decide.
+  // Neither line separates the ends of the other segment, so the segments meet, unless all points
+  // are collinear; then the ends decide.
   for (int i = 1; i <= 2; ++i) {
     const int c = (axis + i) % 3;
     if (std::max(p[c], q[c]) < std::min(a[c], b[c])) return false;
@@ -25,9 +25,9 @@ bool SegmentsMeet2d(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, 
   return true;
 }
 
-/// In space: the segments must lie in one plane, and then all three projections meet.  At least one
-/// of the three is one to one on that plane (or line), so it alone would not lie; the others never
-/// miss a meeting.
+/// The same in space: the segments must be coplanar, and all three projections must meet.  At least
+/// one projection is one-to-one on that plane (or line), so it gives no false result; the others
+/// never miss a meeting.
 bool SegmentsMeet(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b) {
   if (Orient3d(p, q, a, b) != 0) return false;
   for (int axis = 0; axis < 3; ++axis) {
@@ -43,8 +43,8 @@ bool IsDegenerate(const Triangle& t) {
   return true;
 }
 
-/// @param degenerate  whether t is.
-/// @param p_side, q_side  of t's plane.
+/// @param degenerate  whether t is degenerate.
+/// @param p_side, q_side  sides of t's plane on which p and q lie.
 bool SegmentMeets(const Vec3& p, const Vec3& q, const Triangle& t, bool degenerate, int p_side,
                   int q_side) {
   const auto meets_an_edge = [&] {
@@ -54,7 +54,7 @@ bool SegmentMeets(const Vec3& p, const Vec3& q, const Triangle& t, bool degenera
   if (degenerate) return meets_an_edge();
   if (p_side * q_side > 0) return false;
   if (p_side == 0 && q_side == 0) {
-    // In the triangle's plane: across an edge of it, or wholly inside.
+    // In the triangle's plane the segment crosses an edge, or lies wholly inside.
     if (meets_an_edge()) return true;
     for (int axis = 0; axis < 3; ++axis) {
       const int turn = Orient2d(t[0], t[1], t[2], axis);
@@ -64,14 +64,14 @@ bool SegmentMeets(const Vec3& p, const Vec3& q, const Triangle& t, bool degenera
     }
     return false;
   }
-  // One point of the line is in the plane: is it on the same side of all edges?
+  // One point of the line is in the plane: tests whether it is on the same side of all edges.
   const int s0 = Orient3d(p, q, t[0], t[1]), s1 = Orient3d(p, q, t[1], t[2]),
             s2 = Orient3d(p, q, t[2], t[0]);
   const bool positive = s0 > 0 || s1 > 0 || s2 > 0, negative = s0 < 0 || s1 < 0 || s2 < 0;
   return !(positive && negative);
 }
 
-/// Whether an edge of a meets b.
+/// Returns whether an edge of a meets b.
 struct Sides {
   bool degenerate;
   int of[3];
@@ -93,7 +93,8 @@ bool AnEdgeMeets(const Triangle& a, const Triangle& b, const Sides& sides) {
   return false;
 }
 
-/// Nearest points of segments pq and ab (Ericson, Real-Time Collision Detection, 5.1.9).
+/// Returns the nearest points of segments pq and ab (Ericson, Real-Time Collision
+/// Detection, 5.1.9).
 Nearest NearestOfSegments(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b) {
   const Vec3 d1 = q - p, d2 = b - a, r = p - a;
   const double A = d1.squaredNorm(), E = d2.squaredNorm(), f = d2.dot(r);
@@ -130,7 +131,8 @@ bool Meet(const Triangle& a, const Triangle& b) {
   if (a_of_b.apart()) return false;
   const Sides b_of_a(a, b);
   if (b_of_a.apart()) return false;
-  // What two convex bodies have in common is convex, and a corner of it lies on an edge of one.
+  // The intersection of two convex bodies is convex, and a corner of it lies on an edge of one
+  // of them.
   return AnEdgeMeets(a, b, a_of_b) || AnEdgeMeets(b, a, b_of_a);
 }
 
@@ -142,7 +144,7 @@ Separation ShortestSeparation(const Triangle& a, const Triangle& b) {
     // Parallel edges, no area: no axis.  Rounding leaves some 1e-16 of the scale.
     if (!(length > 1e-12 * scale)) return;
     const Vec3 n = axis / length;
-    // From a's first corner: small numbers, small rounding.
+    // Relative to a's first corner: small numbers have small rounding errors.
     double a_low = 0.0, a_high = 0.0, b_low = INFINITY, b_high = -INFINITY;
     for (const Vec3& p : a) {
       a_low = std::min(a_low, n.dot(p - a[0]));

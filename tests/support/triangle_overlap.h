@@ -6,36 +6,38 @@
 
 namespace palpate::test {
 
-/// Corners [m].  May be a needle, a segment or a point; either winding.
+/// The corners [m], in either winding.  A triangle may degenerate to a needle, a segment or
+/// a point.
 using Triangle = std::array<Vec3, 3>;
 
-/// Whether two closed triangles have a point in common: exact (exact_orientation.h), for crossing,
-/// touching, coplanar and degenerate ones alike.
+/// Returns whether two closed triangles have a common point.  Exact (exact_orientation.h), also for
+/// touching, coplanar and degenerate triangles.
 bool Meet(const Triangle& a, const Triangle& b);
 
-/// How deep two triangles that meet are in each other: the length of the shortest translation that
-/// takes them apart.
+/// The penetration depth of two triangles that meet: the length of the shortest translation that
+/// separates them.
 ///
 ///      |  a                 The shortest way out of a convex body is along a normal of a facet of
 ///   ___|___ b               the Minkowski difference: a face's normal, or the cross product of an
 ///      |} depth             edge of each.  So it is the least overlap of the two over these axes.
 ///
-/// 0 where one merely touches the other, and in one plane.  In doubles: right to some 1e-16 of the
-/// coordinates.
+/// 0 if they only touch, or are coplanar.  Computed in doubles, with a relative error of some 1e-16
+/// of the coordinates.
 struct Separation {
   double depth = 0.0;        ///< [m]
-  Vec3 axis = Vec3::Zero();  ///< unit; b moves along it by `depth`.  Zero where any way will do
+  Vec3 axis = Vec3::Zero();  ///< unit; b moves along it by `depth`.  Zero if any direction
+                             ///< is possible
 };
 Separation ShortestSeparation(const Triangle& a, const Triangle& b);
 
-/// Nearest points of two triangles that do not meet, in doubles.
+/// The nearest points of two triangles that do not meet, computed in doubles.
 struct Nearest {
   double distance;
   Vec3 on_a, on_b;
 };
 Nearest NearestPoints(const Triangle& a, const Triangle& b);
 
-/// Nearest point of a triangle; also of a degenerate one.
+/// Returns the point of a triangle nearest to p; the triangle may be degenerate.
 Vec3 NearestPoint(const Triangle& triangle, const Vec3& p);
 
 }  // namespace palpate::test

@@ -30,7 +30,7 @@ TriangleTree::Box TriangleTree::BoxOf(std::span<const Vec3> points) {
     low = low.cwiseMin(p);
     high = high.cwiseMax(p);
   }
-  // Halving rounds: a little more, so that no point is outside.
+  // Enlarged a little against rounding, so that no point is outside.
   const Vec3 slack = 1e-15 * low.cwiseAbs().cwiseMax(high.cwiseAbs());
   return {0.5 * low + 0.5 * high, 0.5 * (high - low) + slack};
 }
@@ -99,8 +99,8 @@ bool TriangleTree::IsClosed() const {
 
 bool TriangleTree::Contains(const Vec3& p) const {
   if (empty() || !root().box.Overlaps({p, Vec3::Zero()})) return false;
-  // A segment to a point outside: each triangle that it passes counts with its sign.  One through
-  // an edge or a corner says nothing, so there another direction is taken.
+  // Casts a segment to a point outside; each triangle that it crosses counts with its sign.  A
+  // segment through an edge or a corner is ambiguous, so another direction is tried.
   const double reach = 4.0 * (root().box.half.norm() + 1e-30);
   Random random(0x5eed);
   for (int tries = 0; tries < 1000; ++tries) {
@@ -149,7 +149,7 @@ bool TriangleTree::Contains(const Vec3& p) const {
     if (on_surface) return false;
     if (clear) return winding > 0;
   }
-  return false;  // a thousand directions through edges: p is as good as on one
+  return false;  // all of a thousand directions were ambiguous: p is practically on an edge
 }
 
 double TriangleTree::Distance(const Vec3& p, double within, Vec3* nearest) const {

@@ -22,17 +22,17 @@ class TriangleTree {
     bool Overlaps(const Box& other) const {
       return ((center - other.center).cwiseAbs() - half - other.half).maxCoeff() <= 0.0;
     }
-    /// Least distance between points of the two.
+    /// Returns the least distance between the two boxes.
     double Distance(const Box& other) const {
       return ((center - other.center).cwiseAbs() - half - other.half).cwiseMax(0.0).norm();
     }
   };
-  /// A box round points.
+  /// Returns the bounding box of points.
   static Box BoxOf(std::span<const Vec3> points);
   struct Node {
     Box box;
-    std::int32_t child = -1;           ///< the first of two, which are neighbours; < 0: a leaf
-    std::uint32_t begin = 0, end = 0;  ///< of order()
+    std::int32_t child = -1;           ///< index of the first of two adjacent children; < 0: a leaf
+    std::uint32_t begin = 0, end = 0;  ///< range in order()
     bool leaf() const { return child < 0; }
   };
   bool empty() const { return order_.empty(); }
@@ -41,7 +41,7 @@ class TriangleTree {
   const Node& second(const Node& node) const {
     return nodes_[static_cast<std::size_t>(node.child) + 1];
   }
-  /// Triangles of a node, as numbers of the mesh.
+  /// Indices of the mesh's triangles, grouped by node.
   std::span<const std::uint32_t> order() const { return order_; }
   std::span<const std::uint32_t> TrianglesOf(const Node& node) const {
     return order().subspan(node.begin, node.end - node.begin);
@@ -57,14 +57,14 @@ class TriangleTree {
     return {vertices_[t[0]], vertices_[t[1]], vertices_[t[2]]};
   }
 
-  /// Every edge is passed as often one way as the other, vertices at one place being one: then the
-  /// mesh winds a whole number of times round every point that is not on it.
+  /// Returns true if every edge is used equally often in both directions, with coincident vertices
+  /// counted as one: the winding number is then an integer at every point off the mesh.
   bool closed() const { return closed_; }
-  /// Whether a closed mesh winds round p, exactly; false on its surface.
+  /// Returns exactly whether a closed mesh has a nonzero winding number at p; false on its surface.
   bool Contains(const Vec3& p) const;
 
-  /// Nearest point of the surface, in doubles.
-  /// @returns the distance; infinite where no triangle is nearer than `within`.
+  /// Finds the nearest point of the surface, in doubles.
+  /// @returns the distance; infinite if no triangle is nearer than `within`.
   double Distance(const Vec3& p, double within, Vec3* nearest = nullptr) const;
 
  private:

@@ -4,7 +4,7 @@
 
 namespace palpate::test {
 
-/// In the energy stage's place: it observes, and holds nothing back.
+/// Replaces the energy stage: it observes the energy but does not reduce the wrench.
 class ObservedEnergy {
  public:
   explicit ObservedEnergy(const WrenchLimits&) {}
@@ -20,8 +20,8 @@ class ObservedEnergy {
   PassivityObserver observer_;
 };
 
-/// The limiter without its passivity controller, to measure what that does.  It gives a Wrench and
-/// no LimitedWrench: no device can be driven by it.
+/// The limiter without its passivity controller, to measure the controller's effect.  It returns a
+/// Wrench and not a LimitedWrench, so it cannot drive a device.
 using UncontrolledLimiter = LimiterChain<ObservedEnergy>;
 
 }  // namespace palpate::test

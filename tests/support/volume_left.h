@@ -6,7 +6,7 @@
 
 namespace palpate::test {
 
-/// Of all materials [m^3].  Goes through all points.
+/// Returns the remaining volume of all materials [m^3].  Visits all points.
 inline double TotalLeft(const CutField& cut) {
   const auto left = cut.VolumeLeft();
   return std::accumulate(left.begin(), left.end(), 0.0);

@@ -13,30 +13,31 @@
 
 namespace palpate::test {
 
-/// What a GET was answered.
+/// The answer to a GET request.
 struct HttpAnswer {
-  int status = 0;                              ///< 0: nobody answered
-  std::map<std::string, std::string> headers;  ///< names in small letters
+  int status = 0;                              ///< 0: no answer
+  std::map<std::string, std::string> headers;  ///< names in lower case
   std::string body;
 };
-/// @param target   sent as it is.
-/// @param headers  beside Host, which is the address unless it is given, and Connection.
+/// @param target   sent unchanged.
+/// @param headers  sent in addition to Connection and Host, which is the address unless it is
+/// given here.
 HttpAnswer Get(int port, const std::string& target,
                const std::map<std::string, std::string>& headers = {},
                const std::string& method = "GET");
 
-/// What a handshake is answered: status 101 where it succeeds.
+/// Returns the answer to a WebSocket handshake: status 101 if it succeeds.
 HttpAnswer Handshake(int port, const std::string& subprotocols, const std::string& origin = "",
                      std::map<std::string, std::string> headers = {});
 
-/// A connection that speaks HTTP, and is kept.
+/// An HTTP connection that is kept open.
 class KeptConnection {
  public:
   explicit KeptConnection(int port);
   ~KeptConnection();
-  /// Sends a GET and reads what it is answered; false where the gateway has closed.
+  /// Sends a GET and reads the answer; false if the gateway has closed the connection.
   bool Get(const std::string& target);
-  /// Waits until the gateway closes it, 20 s at most.
+  /// Waits until the gateway closes the connection, at most 20 s.
   bool Closed();
 
  private:
@@ -44,8 +45,7 @@ class KeptConnection {
   std::unique_ptr<State> state_;
 };
 
-/// A viewer: a WebSocket client that speaks the Foxglove protocol, for tests.  Waits at most 20 s
-/// for anything.
+/// A viewer for tests: a WebSocket client of the Foxglove protocol.  Every wait ends after 20 s.
 class WebClient {
  public:
   struct Message {
@@ -54,7 +54,7 @@ class WebClient {
     std::vector<std::uint8_t> payload;
   };
 
-  /// @param receive_buffer  what the kernel holds of what is not read [bytes]; 0: its own choice.
+  /// @param receive_buffer  size of the kernel's receive buffer [bytes]; 0: the default.
   explicit WebClient(int port, const std::string& subprotocols = "foxglove.websocket.v1",
                      const std::string& origin = "", int receive_buffer = 0,
                      const std::map<std::string, std::string>& headers = {});
@@ -62,13 +62,13 @@ class WebClient {
 
   bool open() const;
   std::string subprotocol() const;
-  /// Code that the server closed with; 0: it has not.
+  /// Returns the code with which the server closed the connection; 0: it has not.
   int closed();
 
   void SendText(const std::string& text);
   void SendBinary(const std::string& bytes);
   void Subscribe(std::uint32_t id, std::uint32_t channel);
-  /// On the client's channel 1, which it advertises first.
+  /// Sends on the client's channel 1, which it advertises first.
   void SendMouse(const nlohmann::json& command);
   /// On its channel 2.
   void SendReplay(const nlohmann::json& wish);
@@ -81,14 +81,13 @@ class WebClient {
   /// On its channel 6.
   void SendTrial(const nlohmann::json& command);
 
-  /// The next JSON message with this `op`; earlier ones of others are passed over.  Null: none
-  /// came.
+  /// Returns the next JSON message with this `op`, skipping others; null if none came.
   nlohmann::json NextJson(const std::string& op);
-  /// What the next status message says; empty: none came.
+  /// Returns the text of the next status message; empty if none came.
   std::string NextStatus();
-  /// The next message of a subscription.
+  /// Returns the next message of a subscription.
   std::optional<Message> Next(std::uint32_t subscription, double seconds = 20.0);
-  /// Takes what comes for some time; where not, the socket stalls.
+  /// Receives messages for some time, because the socket stalls otherwise.
   void Run(double seconds);
 
  private:

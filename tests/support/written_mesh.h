@@ -15,15 +15,14 @@
 #include "tests/support/dirty_mesh.h"
 #include "tests/support/random.h"
 
-// Mesh files as programs in the field write them: the same mesh in any layout that its format
-// allows.
+// Mesh files as real programs write them: the same mesh in any layout that its format allows.
 namespace palpate::test {
 
 inline TriangleMesh WrittenBox() {  // from (1, 2, 3) to (21, 14, 11)
   return Moved(MakeBox(Vec3(20, 12, 8)), Vec3(11, 8, 7));
 }
 
-/// A text with all that a pattern fits replaced.
+/// Returns a text with all matches of a pattern replaced.
 inline std::string With(const std::string& text, const std::string& pattern,
                         const std::string& by) {
   return std::regex_replace(text, std::regex(pattern), by);
@@ -48,8 +47,8 @@ inline std::string BinaryStlOf(const TriangleMesh& mesh, const std::string& head
   return bytes;
 }
 
-/// A .glb of that JSON, with a box of floats as its buffer: 8 corners [mm as m], 36 indices, then
-/// what follows.
+/// Returns a .glb with this JSON and a box of floats as its buffer: 8 corners [mm as m], 36
+/// indices, then `more`.
 inline std::string Glb(std::string json, std::string more = "", bool as_floats = true) {
   std::string buffer;
   const TriangleMesh box = WrittenBox();
@@ -73,7 +72,7 @@ inline std::string Glb(std::string json, std::string more = "", bool as_floats =
   return glb + std::string("BIN\0", 4) + buffer;
 }
 
-/// JSON of glTF that draws one mesh, in which some fields may be others.
+/// The fields of a glTF JSON with one mesh, which tests may change.
 struct GltfFields {
   std::string scene = R"("scene":0,"scenes":[{"nodes":[0]}])", nodes = R"({"mesh":0})",
               position = R"("bufferView":0,"componentType":5126,"count":8,"type":"VEC3")",
@@ -91,7 +90,8 @@ inline std::string Json(const GltfFields& f) {
          f.views + R"(],"buffers":[)" + f.buffers + "]" + f.more + "}";
 }
 
-/// Writes words as any program may: with blanks, signs, exponents and line ends of its own.
+/// Writes tokens in any style that a program may use: with various blanks, signs, exponents and
+/// line ends.
 class AnyHand {
  public:
   explicit AnyHand(std::uint32_t seed) : random_(seed) { end_ = OneOf({"\n", "\r\n", "\r"}); }
@@ -109,7 +109,7 @@ class AnyHand {
     std::snprintf(word, sizeof word, OneOf({"%.9g", "%.8e", "%+.9g", "%.9E"}).c_str(), x);
     return word;
   }
-  /// Three corners of their own for each triangle, in any order of the file's layout.
+  /// Gives each triangle three corners of its own, in any order.
   TriangleMesh Mesh() {
     TriangleMesh mesh;
     const int vertices = 3 + random_.Below(8);
@@ -134,7 +134,7 @@ class AnyHand {
 inline std::string AnyObj(const TriangleMesh& mesh, AnyHand& hand) {
   std::string text = hand.OneOf({"", "\xef\xbb\xbf", "# by hand"}) + hand.End();
   const std::string behind = hand.OneOf({"", " 0.5", " 1 0 0", " 1 0 0 1", " # here"});
-  const bool early = hand.Maybe();  // faces as soon as their corners are there
+  const bool early = hand.Maybe();  // writes faces as soon as their corners are written
   std::size_t next = 0;
   const auto faces = [&](std::size_t vertices) {
     for (; next < mesh.triangles.size(); ++next) {
@@ -227,7 +227,7 @@ inline std::string AnyPly(const TriangleMesh& mesh, AnyHand& hand) {
       end_row();
     }
   };
-  const auto strips = [&] {  // one, that begins anew for each triangle
+  const auto strips = [&] {  // one strip, restarted for each triangle
     header += "element tristrips 1" + hand.end();
     property("list int int vertex_indices");
     put(4.0 * static_cast<double>(mesh.triangles.size()), "int");
@@ -260,7 +260,7 @@ inline std::string AnyGlb(const TriangleMesh& mesh, AnyHand& hand) {
   const std::size_t stride = hand.Maybe() ? 12 : 20, begin = hand.Maybe() ? 0 : 8;
   const int index = std::stoi(hand.OneOf({"5121", "5123", "5125"}));
   std::string buffer(begin, '\x7f');
-  const bool sparse = hand.Maybe();  // the first one stands elsewhere
+  const bool sparse = hand.Maybe();  // the first one is stored elsewhere
   for (const Vec3& v : mesh.vertices) {
     for (const double x : v)
       Append(buffer, sparse && &v == &mesh.vertices[0] ? 0.f : static_cast<float>(x));

@@ -11,66 +11,66 @@
 
 namespace palpate::bench {
 
-/// What a peer is asked to simulate: one tool against fixed objects, as meshes.  What it points to
-/// must outlive the peer.
+/// The scene that a peer must simulate: one tool against fixed objects, as meshes.  The objects
+/// pointed to must outlive the peer.
 struct PeerScene {
   struct Object {
     const TriangleMesh* mesh = nullptr;
     Pose X_WB;
   };
   const TriangleMesh* tool = nullptr;  ///< frame T [m]
-  Vec3 centroid = Vec3::Zero();        ///< where coupling and wrench act, in T [m]
-  /// Where the tool is a ball round `centroid`, its radius [m]: a peer takes its own exact sphere
-  /// then, which it is better at than at any mesh of one.
+  Vec3 centroid = Vec3::Zero();        ///< point at which coupling and wrench act, in T [m]
+  /// The radius [m] if the tool is a ball round `centroid`: a peer then uses its own exact sphere,
+  /// which works better than a mesh.
   std::optional<double> ball{};
   std::vector<Object> objects{};
   Coupling coupling{};
 };
 
-/// What a peer may be set to, beside what its own file chooses and explains.
+/// Settings of a peer, besides those that its own file chooses and explains.
 struct PeerSettings {
   double mass = 0.1;  ///< of the tool [kg]
-  int substeps = 1;   ///< of the millisecond
+  int substeps = 1;   ///< number per millisecond
 };
 
-/// @field X_WG      where the peer's tool is after the step.
-/// @field wrench    of the spring between X_WH and X_WG, on the hand (chapter 2.20-2.24).
+/// @field X_WG      pose of the peer's tool after the step.
+/// @field wrench    wrench of the spring between X_WH and X_WG on the hand (chapter 2.20-2.24).
 struct PeerStep {
   Pose X_WG;
   Wrench wrench;
   int contacts = 0;
 };
 
-/// Another library's rendering of the same scene, one step a millisecond.
+/// Haptic rendering of the same scene by another library, one step per millisecond.
 class Peer {
  public:
   virtual ~Peer() = default;
   virtual PeerStep Step(const Pose& X_WH) = 0;
 };
 
-/// A library that Palpate is measured beside.
+/// A library to compare Palpate with.
 struct PeerKind {
-  std::string id;         ///< as --peers takes it
-  std::string name;       ///< as its authors write it
-  std::string package;    ///< Debian's, that it is built with
-  std::string version{};  ///< empty: the package was not there when this program was configured
-  /// What it does and how it is set, for the report.
+  std::string id;         ///< argument of --peers
+  std::string name;       ///< as spelled by its authors
+  std::string package;    ///< Debian package to build with
+  std::string version{};  ///< empty: the package was not installed when this program was configured
+  /// What it does and its settings, for the report.
   std::string settings{};
-  bool convex = false;  ///< it collides the convex hulls of meshes, not the meshes
-  /// A new one at rest at X_WG = `start`.  Throws Error.
+  bool convex = false;  ///< it uses the convex hulls of meshes for collisions, not the meshes
+  /// Makes a peer at rest at X_WG = `start`.  Throws Error.
   std::function<std::unique_ptr<Peer>(const PeerScene&, const Pose& start, const PeerSettings&)>
       make{};
 
   bool installed() const { return !version.empty(); }
 };
 
-/// All that this program knows, installed or not.
+/// Returns all kinds that this program supports, installed or not.
 const std::vector<PeerKind>& PeerKinds();
 
-/// Of a kind that is not installed: the package that brings it, and what to do then.
+/// Returns, for a kind that is not installed, the package to install and what to do then.
 std::string HowToInstall(const PeerKind& kind);
 
-// One for each file beside this one.
+// One function for each file in this folder.
 PeerKind BulletPeer();
 PeerKind OdePeer();
 PeerKind MujocoPeer();

@@ -6,7 +6,7 @@
 
 namespace palpate::bench {
 
-/// The spring and damper that tie a peer's tool to the hand (Colgate, Stanley & Brown, IROS 1995),
+/// The spring and damper between a peer's tool and the hand (Colgate, Stanley & Brown, IROS 1995),
 /// the same for all peers: 6 degrees of freedom, critically damped.
 ///
 /// The tool is a body of `mass` whose centre is the scene's centroid and whose inertia is
@@ -20,13 +20,14 @@ class VirtualCoupling {
   double mass() const { return mass_; }
   double inertia() const { return inertia_; }  ///< about the centroid, every axis [kg m^2]
 
-  /// Once a millisecond: the hand goes to X_WH, here that of the centroid's frame, at one speed.
+  /// Sets the hand's next pose X_WH (of the centroid's frame), which it reaches at constant speed.
+  /// Call it once per millisecond.
   void MoveHand(const Pose& X_WH);
-  /// Wrench on the tool about its centroid, for sub-step i of n.  Poses and twist are those before
-  /// it.
+  /// Returns the wrench on the tool about its centroid, for sub-step i of n.  Pose and twist are
+  /// those before the sub-step.
   Wrench Pull(const Pose& X_WG, const Twist& V_WG, int i, int n);
-  /// The spring's part of the last Pull, on the hand: what is compared.  The damper's would be
-  /// noise beside it.
+  /// Returns the spring's part of the last Pull, on the hand, which is compared.  The damper's part
+  /// would only add noise.
   const Wrench& on_hand() const { return on_hand_; }
 
  private:
