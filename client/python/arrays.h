@@ -146,11 +146,11 @@ inline void Ask(const py::object& effect, const Pose& X_WH, const Twist& V_WH, c
   }
   const py::object name = py::getattr(effect, "__name__", py::repr(effect));
   const std::string what = "effect " + py::str(name).cast<std::string>() + ": ";
-  const auto numbers = [&](const py::object& given, const std::string& name) {
-    Doubles array = ToDoubles(given, what + name);
+  const auto numbers = [&](const py::object& given, const std::string& part) {
+    Doubles array = ToDoubles(given, what + part);
     const bool is_finite = std::all_of(array.data(), array.data() + array.size(),
                                        [](double number) { return std::isfinite(number); });
-    if (!is_finite) throw Error(what + name + " is not finite");
+    if (!is_finite) throw Error(what + part + " is not finite");
     return array;
   };
   const Doubles w = numbers(wrench, "its wrench");
