@@ -44,7 +44,7 @@ void ForEachField(Tuning& tuning, Visit visit) {
 }
 
 /// Returns what is wrong with a number, in words; empty if it is allowed.
-/// @param whole  true if it must be an integer.
+/// `whole`: it must be an integer.
 std::string RangeFault(const Tunable& tunable, double value, bool whole);
 
 /// Returns which field is out of its range, in words; empty if none is.

@@ -21,7 +21,7 @@ class PoseScript {
 
   /// Throws Error (file, line, field, remedy).
   static PoseScript Load(const std::string& file);
-  /// @param file  name for messages only.
+  /// `file` is only named in messages.
   static PoseScript Parse(std::string_view text, const std::string& file);
   explicit PoseScript(std::vector<Key> keys);
 
