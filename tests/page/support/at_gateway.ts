@@ -77,6 +77,16 @@ export const appears = (selector: string): Promise<void> =>
 export const vanishes = (selector: string): Promise<void> =>
   page.locator(selector).waitFor({state: "hidden"});
 
+/// Chooses the page's language, as the settings do, and waits until the page has it.
+export async function chooseLanguage(language: string): Promise<void> {
+  await page.evaluate((tag) => {
+    const select = document.querySelector<HTMLSelectElement>("#language")!;
+    select.value = tag;
+    select.dispatchEvent(new Event("change"));
+  }, language);
+  await page.locator(`html[lang=${language}]`).waitFor({state: "attached"});
+}
+
 /// Whoever asks for a tool gets it.
 export function giveTools(): void {
   gateway.onPublish = ({op}) => {

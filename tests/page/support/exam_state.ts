@@ -1,7 +1,7 @@
 import {kTestScene} from "./scene_bytes";
 
 const kTitle = {en: "Midterm", de: "Zwischenprüfung"};
-const kExercise = {
+export const kExercise = {
   ...{name: "light-force", title: {en: "Light force"}, scene: kTestScene.name, tool: "ball"},
   ...{instruction: {en: "Rest on the floor."}, goal: {en: "Ten seconds"}, pictures: []},
   ...{most_N: 0.245, most_s: 90, trials: 5, pass: 70, start: "whole", sources: [], done: []},
@@ -16,9 +16,10 @@ export const ownExam = (more: object = {}): object => ({
   },
 });
 
-export const trialState = (phase: string): object => ({
+export const trialState = (phase: string, more: object = {}): object => ({
   ...{exercise: "light-force", n: 1, phase, reason: "", whole: true, points: null},
   ...{passed: false, submitted: true, page: "", left_s: 90},
+  ...more,
 });
 
 /// And as its examiner does.

@@ -24,6 +24,7 @@ import {listenForKeys} from "./ui/keys";
 import {Notice} from "./ui/notice";
 import {listenToPanel} from "./ui/panel";
 import {listenToSetting} from "./ui/settings";
+import {followLanguage} from "./ui/spoken";
 import {ThemeSwitch} from "./ui/theme";
 import {readPalette} from "./view/palette";
 
@@ -146,6 +147,7 @@ export class App {
     listenToSetting("left-handed");
     listenToSetting("projector", repaint);
     listenToSetting("force-sound", (on) => this.figures.sound.want(on));
+    followLanguage(() => this.showTitle());
     this.hold.show();
     this.link.start();
     window.setInterval(() => this.tick(), kTickMs);

@@ -9,6 +9,10 @@ export type Key = keyof typeof en;
 export type Values = Readonly<Record<string, string | number>>;
 type Catalogue = Readonly<Record<string, string>>;
 
+/// A text, or how it is said: the latter follows the page's language.
+export type Words = string | (() => string);
+export const textOf = (words: Words): string => (typeof words === "string" ? words : words());
+
 /// The build finds every catalogue: a new language needs only a new file.
 const kOthers = import.meta.glob<Catalogue>(["./*.json", "!./en.json"], {import: "default"});
 const fileOf = (tag: string): string => `./${tag}.json`;
@@ -35,9 +39,12 @@ export function chooseLanguage(wanted: readonly string[]): string {
   return "en";
 }
 
-/// Loads a language for all later texts; texts already shown are not changed.
-export async function speak(language: string): Promise<void> {
-  catalogue = (await kOthers[fileOf(language)]?.()) ?? en;
+/// Loads a language for all later texts; `sayAgain` (ui/spoken.ts) changes those already shown.
+/// @param isWanted  whether it still is, once it has been fetched
+export async function speak(language: string, isWanted = (): boolean => true): Promise<void> {
+  const fetched = (await kOthers[fileOf(language)]?.()) ?? en;
+  if (!isWanted()) return;
+  catalogue = fetched;
   plurals = new Intl.PluralRules(locale());
   formats = new Map();
 }

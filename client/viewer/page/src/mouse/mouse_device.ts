@@ -1,4 +1,4 @@
-import {say} from "../messages/say";
+import {say, type Words} from "../messages/say";
 import {type Pose, samePose, type Vec3} from "../model/pose";
 import type {MouseState} from "../protocol/messages";
 import {leash, push, roll, slide, turn, type ViewFrame} from "./tool_motion";
@@ -37,7 +37,7 @@ const kSteps: Readonly<Record<string, readonly [number, number, number]>> = {
 /// A tool held by the pointer, without a haptic device: takes it through the gateway and moves it.
 export class MouseDevice {
   hold: Hold = "none";
-  private message = "";
+  private message: Words = "";
   station = "";
   private scene = "";
   private tool = "";
@@ -61,17 +61,17 @@ export class MouseDevice {
     this.tool = tool;
     this.station = "";
     if (!ask()) {
-      this.end(say("tool.not_from_here"));
+      this.end(() => say("tool.not_from_here"));
       return;
     }
     this.hold = "asking";
     this.message = "";
-    this.waitFor(say("tool.no_gateway_answer"), kAnswerWithinMs);
+    this.waitFor(() => say("tool.no_gateway_answer"), kAnswerWithinMs);
     this.host.changed();
   }
 
   /// Returns a message about the tool that it holds, requests or, once, has lost.
-  takeMessage(): string {
+  takeMessage(): Words {
     const message = this.message;
     if (this.hold === "none") this.message = "";
     return message;
@@ -84,7 +84,7 @@ export class MouseDevice {
   }
 
   linkLost(): void {
-    if (this.hold !== "none") this.end(say("tool.link_lost"));
+    if (this.hold !== "none") this.end(() => say("tool.link_lost"));
   }
 
   /// Takes the gateway's answer, or a later change of the session.
@@ -93,7 +93,7 @@ export class MouseDevice {
     if (state.station !== "") this.station = state.station;
     switch (state.phase) {
       case "refused":
-        this.end(state.reason === "" ? say("tool.refused") : state.reason);
+        this.end(state.reason === "" ? () => say("tool.refused") : state.reason);
         break;
       case "ended":
         if (this.hold === "holding") this.end(state.reason);
@@ -108,16 +108,17 @@ export class MouseDevice {
       case "held":
         // A teacher decides when.
         window.clearTimeout(this.patience);
-        this.message = say("tool.waits");
+        this.message = () => say("tool.waits");
         this.host.changed();
         break;
       case "":
-        if (this.hold === "asking") this.waitFor(say("tool.no_server_answer"), kSessionWithinMs);
+        if (this.hold === "asking")
+          this.waitFor(() => say("tool.no_server_answer"), kSessionWithinMs);
         break;
     }
   }
 
-  private waitFor(complaint: string, withinMs: number): void {
+  private waitFor(complaint: Words, withinMs: number): void {
     window.clearTimeout(this.patience);
     this.patience = window.setTimeout(() => {
       if (this.hold !== "asking") return;
@@ -221,7 +222,7 @@ export class MouseDevice {
     this.send();
   }
 
-  private end(message: string): void {
+  private end(message: Words): void {
     this.hold = "none";
     this.message = message;
     this.pose = undefined;

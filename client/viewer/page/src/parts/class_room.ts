@@ -1,4 +1,4 @@
-import {say} from "../messages/say";
+import {say, type Words} from "../messages/say";
 import {norm} from "../model/pose";
 import {kTopics, type Station, type World} from "../model/world";
 import type {ClassAnswer, MadePerson, Me, People, Person} from "../protocol/class_messages";
@@ -6,6 +6,7 @@ import {ClassPeople} from "../ui/class_people";
 import {ClassWall, type OnWall} from "../ui/class_wall";
 import type {OperateOp} from "../ui/console";
 import {element, make, press, setText} from "../ui/elements";
+import {nowS} from "./now";
 
 export interface ClassEvents {
   publish(topic: string, message: object): boolean;
@@ -19,9 +20,13 @@ const kSeat = /^(.+)-\d+$/;
 
 /// A course on the page: for a teacher the wall and the people, for a person the assigned seat.
 export class ClassRoom {
-  private readonly button = press(say("class.open"), () => this.open(), {
-    ...{id: "class-open", hidden: true, title: say("class.open_title")},
-  });
+  private readonly button = press(
+    () => say("class.open"),
+    () => this.open(),
+    {
+      ...{id: "class-open", hidden: true, title: () => say("class.open_title")},
+    },
+  );
   private readonly dialog = make("dialog", {id: "class-dialog"});
   private readonly count = make("span", {className: "quiet count"});
   private readonly word = make("p", {className: "word", role: "status"});
@@ -43,7 +48,7 @@ export class ClassRoom {
       begin: (scene, goal) => this.begin(scene, goal),
       end: () => this.ask({op: "begin", scene: ""}),
       say: (person, name, text) =>
-        this.ask({op: "say", person, text}, () => this.tell(say("class.said", {name}))),
+        this.ask({op: "say", person, text}, () => this.tell(() => say("class.said", {name}))),
       watch: (scene, station) => {
         this.dialog.close();
         events.show(scene, station);
@@ -57,11 +62,21 @@ export class ClassRoom {
       withdraw: (person) => this.ask({op: "person_withdraw", person}),
     });
     this.tabs = {
-      wall: press(say("class.wall"), () => this.turn("wall")),
-      people: press(say("class.people"), () => this.turn("people")),
+      wall: press(
+        () => say("class.wall"),
+        () => this.turn("wall"),
+      ),
+      people: press(
+        () => say("class.people"),
+        () => this.turn("people"),
+      ),
     };
-    const close = press(say("class.close"), () => this.dialog.close(), {className: "close"});
-    const title = make("h2", {id: "class-title", textContent: say("class.title")});
+    const close = press(
+      () => say("class.close"),
+      () => this.dialog.close(),
+      {className: "close"},
+    );
+    const title = make("h2", {id: "class-title", textContent: () => say("class.title")});
     this.dialog.setAttribute("aria-labelledby", title.id);
     this.dialog.append(
       make(
@@ -78,8 +93,11 @@ export class ClassRoom {
     );
     this.dialog.addEventListener("close", () => this.roster.forget());
     element("audience", HTMLButtonElement).before(this.button);
-    const hide = press(say("class.hide"), () => void (this.said.hidden = true));
-    this.said.append(make("b", {textContent: say("class.from")}), this.saidText, hide);
+    const hide = press(
+      () => say("class.hide"),
+      () => void (this.said.hidden = true),
+    );
+    this.said.append(make("b", {textContent: () => say("class.from")}), this.saidText, hide);
     document.querySelector(".picture")?.append(this.said);
     document.body.append(this.dialog);
     this.turn("wall");
@@ -96,7 +114,7 @@ export class ClassRoom {
   }
 
   /// Deletes a person with all of their data.  @param done  is given the refusal, or ""
-  remove(person: number, done: (refusal: string) => void): void {
+  remove(person: number, done: (refusal: Words) => void): void {
     this.ask({op: "person_delete", person}, () => done(""), done);
   }
 
@@ -167,6 +185,7 @@ export class ClassRoom {
     this.tell("");
     this.turn(this.class.people.length > 1 ? "wall" : "people");
     this.dialog.showModal();
+    this.tick(nowS());
   }
 
   private turn(to: "wall" | "people"): void {
@@ -185,7 +204,7 @@ export class ClassRoom {
       ...{op: "goal", scene, text: goal.text, limit_N: goal.limitN},
     });
     this.ask({op: "begin", scene}, ({note}) => {
-      this.tell(note !== "" ? note : say("class.begun"));
+      this.tell(note !== "" ? note : () => say("class.begun"));
       for (const [id, {session}] of this.world.stations)
         if (session?.phase === "held") this.operate("admit", id);
     });
@@ -198,7 +217,7 @@ export class ClassRoom {
   private ask(
     wish: object,
     done: (answer: ClassAnswer) => void = () => {},
-    refused: (why: string) => void = (why) => this.tell(why, true),
+    refused: (why: Words) => void = (why) => this.tell(why, true),
   ): void {
     const tag = (this.tag += 1);
     this.tell("");
@@ -207,7 +226,7 @@ export class ClassRoom {
       else done(answer);
     });
     setTimeout(() => {
-      if (this.waiting.delete(tag)) refused(say("class.no_answer"));
+      if (this.waiting.delete(tag)) refused(() => say("class.no_answer"));
     }, kAnswerWithinMs);
     this.events.publish(kTopics.class, {tag, ...wish});
   }
@@ -217,7 +236,7 @@ export class ClassRoom {
     if (done && this.waiting.delete(answer.tag)) done(answer);
   }
 
-  private tell(text: string, isAlarm = false): void {
+  private tell(text: Words, isAlarm = false): void {
     setText(this.word, text);
     this.word.classList.toggle("alarm", isAlarm);
   }

@@ -6,6 +6,7 @@ import type {ExamAnswer, ExamState, OpenExam} from "../protocol/exam_messages";
 import type {Exercise, TrialState} from "../protocol/exercise_messages";
 import {make, press, setText} from "../ui/elements";
 import {ExamDesk} from "../ui/exam_desk";
+import {followLanguage, setWords} from "../ui/spoken";
 
 export interface ExamEvents {
   publish(topic: string, message: object): boolean;
@@ -26,9 +27,13 @@ export class Exam {
   private readonly goal = make("p", {className: "goal"});
   private readonly task = make("div", {className: "task"});
   private readonly word = make("p", {className: "word", role: "status"});
-  private readonly begin = press(say("exam.begin"), () => this.beginTask(), {className: "primary"});
+  private readonly begin = press(
+    () => say("exam.begin"),
+    () => this.beginTask(),
+    {className: "primary"},
+  );
   private readonly handIn = press(
-    say("exam.hand_in"),
+    () => say("exam.hand_in"),
     () => void this.events.publish(kTopics.trial, {op: "stop"}),
   );
   private readonly desk = new ExamDesk((wish) => this.ask(wish));
@@ -40,11 +45,12 @@ export class Exam {
   private tag = 0;
 
   constructor(private readonly events: ExamEvents) {
-    this.bar.setAttribute("aria-label", say("exam.title"));
+    setWords(this.bar, "ariaLabel", () => say("exam.title"));
     const times = make("p", {className: "times"}, this.where, this.clock, this.trialClock);
     const choices = make("p", {className: "choices"}, this.begin, this.handIn);
     this.bar.append(this.title, times, this.goal, this.task, this.word, choices);
     document.querySelector(".picture")?.append(this.bar);
+    followLanguage(() => this.show());
   }
 
   /// @param teaches  this page may hold an exam

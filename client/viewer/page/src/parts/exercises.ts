@@ -5,6 +5,7 @@ import type {Pose, Vec3} from "../model/pose";
 import {kTopics} from "../model/world";
 import type {DoneTrial, Exercise, ExerciseList, TrialState} from "../protocol/exercise_messages";
 import {element, make, press, setText} from "../ui/elements";
+import {followLanguage, setWords} from "../ui/spoken";
 
 export interface ExerciseEvents {
   publish(message: object): boolean;
@@ -23,9 +24,13 @@ function verdictOf(trial: DoneTrial): string {
 
 /// The exercises, the running trial, and its result.
 export class Exercises {
-  private readonly button = press(say("exercises.open"), () => this.open(), {
-    ...{id: "exercises-open", hidden: true, title: say("exercises.open_title")},
-  });
+  private readonly button = press(
+    () => say("exercises.open"),
+    () => this.open(),
+    {
+      ...{id: "exercises-open", hidden: true, title: () => say("exercises.open_title")},
+    },
+  );
   private readonly dialog = make("dialog", {id: "exercises-dialog"});
   private readonly list = make("ul", {className: "list"});
   private readonly about = make("div", {className: "about"});
@@ -34,14 +39,26 @@ export class Exercises {
   private readonly word = make("span", {role: "status"});
   private readonly clock = make("span", {className: "clock"});
   private readonly stop = press(
-    say("exercises.stop"),
+    () => say("exercises.stop"),
     () => void this.events.publish({op: "stop"}),
   );
-  private readonly submit = press(say("exercises.submit"), () => this.handIn(this.trial));
-  private readonly guided = press(say("exercises.guide"), () => this.showGuide(!this.wantsGuide));
-  private readonly score = make("a", {target: "_blank", textContent: say("exercises.score")});
-  private readonly again = press(say("exercises.again"), () => this.beginShownText());
-  private readonly next = press(say("exercises.next"), () => this.showNext());
+  private readonly submit = press(
+    () => say("exercises.submit"),
+    () => this.handIn(this.trial),
+  );
+  private readonly guided = press(
+    () => say("exercises.guide"),
+    () => this.showGuide(!this.wantsGuide),
+  );
+  private readonly score = make("a", {target: "_blank", textContent: () => say("exercises.score")});
+  private readonly again = press(
+    () => say("exercises.again"),
+    () => this.beginShownText(),
+  );
+  private readonly next = press(
+    () => say("exercises.next"),
+    () => this.showNext(),
+  );
   private exercises: readonly Exercise[] = [];
   private shown = "";
   private trial: TrialState | undefined;
@@ -50,18 +67,25 @@ export class Exercises {
   private guide: Guide | undefined; // of the running trial
 
   constructor(private readonly events: ExerciseEvents) {
-    const title = make("h2", {id: "exercises-title", textContent: say("exercises.title")});
-    const close = press(say("exercises.close"), () => this.dialog.close());
+    const title = make("h2", {id: "exercises-title", textContent: () => say("exercises.title")});
+    const close = press(
+      () => say("exercises.close"),
+      () => this.dialog.close(),
+    );
     this.dialog.setAttribute("aria-labelledby", title.id);
     const columns = make("div", {className: "columns"}, this.list, this.about);
     this.dialog.append(make("header", {}, title, close), columns);
-    this.bar.setAttribute("aria-label", say("exercises.title"));
+    setWords(this.bar, "ariaLabel", () => say("exercises.title"));
     const {what, word, clock, guided, stop, submit, score, again, next} = this;
-    guided.title = say("exercises.guide_title");
+    setWords(guided, "title", () => say("exercises.guide_title"));
     this.bar.append(what, word, clock, guided, stop, submit, score, again, next);
     element("audience", HTMLButtonElement).before(this.button);
     document.querySelector(".picture")?.append(this.bar);
     document.body.append(this.dialog);
+    followLanguage(() => {
+      this.showBar();
+      if (this.dialog.open) this.show();
+    });
   }
 
   /// @param may  this page may do exercises

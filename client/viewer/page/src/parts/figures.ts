@@ -24,6 +24,7 @@ import {ForceBar} from "../ui/force_bar";
 import {Lesson} from "../ui/lesson";
 import {OverSound} from "../ui/over_sound";
 import {Plots, type PlotTime} from "../ui/plots";
+import {followLanguage} from "../ui/spoken";
 
 /// Figures, plots and texts about stations, and a teacher's decisions about them.
 export class Figures {
@@ -60,6 +61,10 @@ export class Figures {
       (student) => this.plots.showFor(student),
       (goal) => operate({op: "goal", ...goal}),
     );
+    followLanguage(() => {
+      this.plots.build();
+      this.sessionsChanged();
+    });
   }
 
   /// Sets whether this page may decide about stations and goals.
@@ -102,7 +107,7 @@ export class Figures {
     showLines(this.loop, this.loopNone, statistics ? statisticsLines(statistics) : []);
     const device = station?.deviceNow(nowS);
     showLines(this.arm, this.armNone, device ? deviceLines(device) : []);
-    if (device) setText(this.armNone, say("panel.no_figures_now"));
+    if (device) setText(this.armNone, () => say("panel.no_figures_now"));
   }
 
   /// @param mouse  present or last station of this page's mouse

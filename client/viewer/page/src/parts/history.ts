@@ -1,4 +1,4 @@
-import {locale, say} from "../messages/say";
+import {locale, say, type Words} from "../messages/say";
 import {
   type ClassHistory,
   fetchHistory,
@@ -8,13 +8,14 @@ import {
 import {element, make, setText} from "../ui/elements";
 import {HistoryClass} from "../ui/history_class";
 import {personHistory} from "../ui/history_person";
+import {followLanguage} from "../ui/spoken";
 
 export interface HistoryEvents {
   headers(): Record<string, string>;
   /// Number of this page's person; 0: none.
   me(): number;
   /// Deletes all data of a person; `done` is given the refusal, or "".
-  remove(person: number, done: (refusal: string) => void): void;
+  remove(person: number, done: (refusal: Words) => void): void;
 }
 
 /// An open page follows later changes.
@@ -24,7 +25,7 @@ const kAskAgainS = 10;
 export class HistoryRoom {
   private readonly button = make("button", {
     ...{type: "button", id: "history-open", hidden: true},
-    ...{textContent: say("history.open"), title: say("history.open_title")},
+    ...{textContent: () => say("history.open"), title: () => say("history.open_title")},
     onclick: () => this.open(),
   });
   private readonly dialog = make("dialog", {id: "history-dialog"});
@@ -41,6 +42,7 @@ export class HistoryRoom {
   private person = 0; // the person shown; 0: the class
   private name = "";
   private shown = "";
+  private found: PersonHistory | undefined; // as it is drawn
   private askedS = -Infinity;
 
   constructor(private readonly events: HistoryEvents) {
@@ -55,6 +57,9 @@ export class HistoryRoom {
     );
     element("audience", HTMLButtonElement).before(this.button);
     document.body.append(this.dialog);
+    followLanguage(() => {
+      if (this.found) this.drawPerson(this.found);
+    });
   }
 
   /// @param own      this page is a person's who may do exercises
@@ -75,7 +80,7 @@ export class HistoryRoom {
     word: `history.${"back" | "csv" | "zip" | "delete" | "close" | "keep" | "yes" | "for_good"}`,
     onclick: () => void,
   ): HTMLButtonElement {
-    return make("button", {type: "button", textContent: say(word), onclick});
+    return make("button", {type: "button", textContent: () => say(word), onclick});
   }
 
   private open(): void {
@@ -86,6 +91,7 @@ export class HistoryRoom {
   private turn(person: number): void {
     this.person = person;
     this.shown = "";
+    this.found = undefined;
     this.askedS = -Infinity;
     this.tell("");
     this.question.hidden = true;
@@ -94,7 +100,7 @@ export class HistoryRoom {
     this.back.hidden = isClass || !this.teaches;
     this.zip.hidden = isClass;
     this.remove.hidden = isClass || !this.teaches;
-    setText(this.title, isClass ? say("history.class_title") : say("history.title"));
+    setText(this.title, () => say(isClass ? "history.class_title" : "history.title"));
     this.dialog.scrollTop = 0;
   }
 
@@ -103,17 +109,22 @@ export class HistoryRoom {
     const of = person === 0 ? "class" : String(person);
     const found = await fetchHistory<ClassHistory | PersonHistory>(of, this.events.headers());
     if (person !== this.person) return; // another one has been chosen meanwhile
-    if (!found) return this.tell(say("history.not_had"), true);
+    if (!found) return this.tell(() => say("history.not_had"), true);
     const now = JSON.stringify(found);
     if (now === this.shown) return; // unchanged: what somebody reads stays
     this.shown = now;
     const isClass = "people" in found;
     this.ofClass.body.hidden = !isClass;
     this.ofPerson.hidden = isClass;
-    if (isClass) return this.ofClass.show(found);
+    if (isClass) this.ofClass.show(found);
+    else this.drawPerson(found);
+  }
+
+  private drawPerson(found: PersonHistory): void {
+    this.found = found;
     this.name = found.name;
-    const isOwn = person === this.events.me();
-    setText(this.title, isOwn ? say("history.title") : found.name);
+    const isOwn = this.person === this.events.me();
+    setText(this.title, isOwn ? () => say("history.title") : found.name);
     const open = [...this.ofPerson.querySelectorAll("details")].map((one) => one.open);
     this.ofPerson.replaceChildren(...personHistory(found, isOwn));
     this.ofPerson.querySelectorAll("details").forEach((one, i) => (one.open = open[i] ?? false));
@@ -121,19 +132,19 @@ export class HistoryRoom {
 
   private async save(as: "csv" | "zip"): Promise<void> {
     const of = this.person === 0 ? "class" : String(this.person);
-    this.tell(say("history.wait"));
+    this.tell(() => say("history.wait"));
     const name = `palpate-${this.person === 0 ? "class" : this.name}.${as}`;
     // Spreadsheets separate by commas only in languages whose numbers have none.
     const isComma = as === "csv" && (0.5).toLocaleString(locale()).includes(",");
     const file = `${of}.${isComma ? "comma." : ""}${as}`;
     const had = await saveHistory(file, name, this.events.headers());
-    this.tell(had ? "" : say("history.not_had"), !had);
+    this.tell(had ? "" : () => say("history.not_had"), !had);
   }
 
   /// Asks twice: deletion cannot be undone.
   private ask(): void {
     const {name} = this;
-    const put = (words: string, ...choices: HTMLButtonElement[]): void => {
+    const put = (words: () => string, ...choices: HTMLButtonElement[]): void => {
       const keep = this.press("history.keep", () => {
         this.question.hidden = true;
         this.remove.focus();
@@ -149,10 +160,10 @@ export class HistoryRoom {
       Object.assign(button, {className: "alarm"});
     const again = (): void =>
       put(
-        say("history.sure", {name}),
+        () => say("history.sure", {name}),
         alarm(this.press("history.for_good", () => this.removeNow())),
       );
-    put(say("history.deletes", {name}), alarm(this.press("history.yes", again)));
+    put(() => say("history.deletes", {name}), alarm(this.press("history.yes", again)));
   }
 
   private removeNow(): void {
@@ -161,11 +172,11 @@ export class HistoryRoom {
     this.events.remove(this.person, (refusal) => {
       if (refusal !== "") return this.tell(refusal, true);
       this.turn(0);
-      this.tell(say("history.deleted", {name}));
+      this.tell(() => say("history.deleted", {name}));
     });
   }
 
-  private tell(text: string, isAlarm = false): void {
+  private tell(text: Words, isAlarm = false): void {
     setText(this.word, text);
     this.word.classList.toggle("alarm", isAlarm);
   }

@@ -9,6 +9,7 @@ import type {Station} from "../model/world";
 import type {ToolState} from "../protocol/messages";
 import {element} from "../ui/elements";
 import {QualityPick} from "../ui/quality_pick";
+import {setWords} from "../ui/spoken";
 import {readPalette} from "../view/palette";
 import {drawsBySoftware} from "../view/renderer";
 import {type Cost, SceneView} from "../view/scene_view";
@@ -103,8 +104,7 @@ export class Picture {
     this.quality.restart();
     this.view.setScene(model, remains, poseOf);
     this.view.resize();
-    const words = model ? pictureWords(model) : say("stage.view");
-    this.canvas.setAttribute("aria-label", words);
+    setWords(this.canvas, "ariaLabel", () => (model ? pictureWords(model) : say("stage.view")));
   }
 
   lookAtAll(): void {

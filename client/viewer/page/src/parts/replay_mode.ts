@@ -9,6 +9,7 @@ import {MarkList} from "../ui/mark_list";
 import type {Notice} from "../ui/notice";
 import type {PlotTime} from "../ui/plots";
 import {ScrubBar} from "../ui/scrub_bar";
+import {followLanguage} from "../ui/spoken";
 import type {GatewayLink} from "./gateway_link";
 import {nowS} from "./now";
 
@@ -56,8 +57,9 @@ export class ReplayMode {
   ) {
     this.wishes = new Wishes(
       (message) => link.publish(kTopics.replay, message),
-      (_wish, reason) => notice.say(say("replay.not_done", {reason}), {alarm: true}),
+      (_wish, reason) => notice.say(() => say("replay.not_done", {reason}), {alarm: true}),
     );
+    followLanguage(() => void (this.shown = undefined)); // the marks are listed again
     this.bar = new ScrubBar((atS) => this.seek(atS));
     this.list = new MarkList(
       (mark) => this.seek(mark.atS),

@@ -88,17 +88,17 @@ export class ToolHold {
     this.button.classList.toggle("holding", holding);
     this.button.disabled = hold === "none" && !this.isSceneHere();
     const words = {holding: "tool.give_back", asking: "tool.cancel", none: "tool.take"} as const;
-    setText(this.button, say(words[hold]));
+    setText(this.button, () => say(words[hold]));
     this.picture.view.camera.controls.enableZoom = !holding;
-    const help = matchMedia("(pointer: coarse)").matches
-      ? say("tool.how_by_touch")
-      : say("tool.how");
+    const help = (): string =>
+      say(matchMedia("(pointer: coarse)").matches ? "tool.how_by_touch" : "tool.how");
+    const asking = (): string => say("tool.asking");
     if (hold === "none" && message !== "") {
       const {scene} = this.choice;
       const whileSo = (): boolean => !this.isBusy && this.choice.scene === scene;
       this.notice.say(message, {alarm: true, whileSo});
     }
-    this.notice.rest(hold === "none" ? "" : message || (holding ? help : say("tool.asking")));
+    this.notice.rest(hold === "none" ? "" : message || (holding ? help : asking));
     this.notice.update(true);
     this.changed();
     if (holding) this.picture.canvas.focus({preventScroll: true});
@@ -112,7 +112,7 @@ export class ToolHold {
     if (!this.mayTake()) return;
     if (!this.isSceneHere()) {
       const whileSo = (): boolean => !this.isSceneHere();
-      this.notice.say(say("tool.none_yet"), {whileSo});
+      this.notice.say(() => say("tool.none_yet"), {whileSo});
       return;
     }
     if (this.isBusy) {
@@ -135,17 +135,22 @@ export class ToolHold {
       this.choice.scene === scene &&
       holder.isMoving(nowS()) &&
       this.world.holderOf(scene, tool) === holder;
-    const who = say("tool.held", {station: holder.id, tool});
+    const who = (): string => say("tool.held", {station: holder.id, tool});
     if (!this.link.may.operate) {
-      const words = say("list.sentences", {first: who, second: say("tool.free_later")});
+      const words = (): string =>
+        say("list.sentences", {first: who(), second: say("tool.free_later")});
       this.notice.say(words, {alarm: true, whileSo});
       return;
     }
     const run = (): void => {
       this.link.publish(kTopics.operate, {op: "take_back", station: holder.id});
-      this.notice.say(say("tool.taking_back"));
+      this.notice.say(() => say("tool.taking_back"));
     };
-    this.notice.say(who, {alarm: true, whileSo, action: {text: say("tool.take_it_back"), run}});
+    this.notice.say(who, {
+      alarm: true,
+      whileSo,
+      action: {text: () => say("tool.take_it_back"), run},
+    });
   }
 
   private whereIs(scene: string, tool: string): ReturnType<MouseHost["tool"]> {

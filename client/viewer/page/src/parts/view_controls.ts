@@ -1,5 +1,6 @@
 import {say} from "../messages/say";
 import {element, setText} from "../ui/elements";
+import {followLanguage} from "../ui/spoken";
 import type {Picture} from "./picture";
 
 const kTurn = 0.12; // per key press [rad]
@@ -16,6 +17,7 @@ export class ViewControls {
     this.spheres.addEventListener("click", () => this.switchSpheres());
     this.numbers.addEventListener("click", () => this.switchNumbers());
     this.level.addEventListener("input", () => this.showLevel());
+    followLanguage(() => this.showLevel());
     element("reset", HTMLButtonElement).addEventListener("click", () => picture.lookAtAll());
   }
 

@@ -31,7 +31,7 @@ export class WholeButton {
 
   private wish(wish: WholeWish): void {
     this.asked = true;
-    this.notice.say(say(`whole.asking_${wish}`));
+    this.notice.say(() => say(`whole.asking_${wish}`));
     this.ask(wish);
   }
 
@@ -40,7 +40,7 @@ export class WholeButton {
   answered({scene, by, refusal, wish}: SceneWhole, isNews: boolean): void {
     if (!isNews && !this.asked) return;
     this.asked = false;
-    const text =
+    const text = (): string =>
       refusal === ""
         ? say(`whole.done_${wish}`, {scene, by})
         : say(`whole.not_${wish}`, {reason: refusal});

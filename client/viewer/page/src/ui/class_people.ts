@@ -1,6 +1,6 @@
 import {type Key, say} from "../messages/say";
 import type {MadePerson, Person, Role} from "../protocol/class_messages";
-import {make, press, sure} from "./elements";
+import {make, option, press, setText, sure} from "./elements";
 import {qrSvg} from "./qr";
 
 export interface PeopleWishes {
@@ -29,7 +29,7 @@ function linkOf(token: string): string {
 export class ClassPeople {
   readonly body = make("div", {className: "class-people"});
   private readonly names = make("textarea", {
-    ...{id: "class-names", rows: 6, placeholder: say("class.names_hint"), spellcheck: false},
+    ...{id: "class-names", rows: 6, placeholder: () => say("class.names_hint"), spellcheck: false},
   });
   private readonly role = make("select", {id: "class-role"});
   private readonly links = make("section", {className: "links", hidden: true});
@@ -39,7 +39,7 @@ export class ClassPeople {
 
   constructor(private readonly wish: PeopleWishes) {
     const roles = Object.keys(kRoles) as Role[];
-    this.role.append(...roles.map((role) => new Option(roleWord(role), role)));
+    this.role.append(...roles.map((role) => option(() => roleWord(role), role)));
     const add = make(
       "form",
       {
@@ -52,23 +52,31 @@ export class ClassPeople {
           else this.names.focus();
         },
       },
-      make("h3", {textContent: say("class.add_title")}),
-      make("label", {htmlFor: this.names.id, textContent: say("class.names")}),
+      make("h3", {textContent: () => say("class.add_title")}),
+      make("label", {htmlFor: this.names.id, textContent: () => say("class.names")}),
       this.names,
-      make("label", {htmlFor: this.role.id}, `${say("class.role")} `, this.role),
-      make("button", {type: "submit", className: "primary", textContent: say("class.make")}),
+      make("label", {htmlFor: this.role.id}, () => `${say("class.role")} `, this.role),
+      make("button", {type: "submit", className: "primary", textContent: () => say("class.make")}),
     );
     this.links.append(
-      make("h3", {textContent: say("class.links")}),
-      make("p", {className: "quiet", textContent: say("class.links_once")}),
+      make("h3", {textContent: () => say("class.links")}),
+      make("p", {className: "quiet", textContent: () => say("class.links_once")}),
       make("p", {
-        ...{className: "warn", textContent: say("class.links_local")},
+        ...{className: "warn", textContent: () => say("class.links_local")},
         hidden: !isLocal(location.hostname),
       }),
-      press(say("class.print"), () => print()),
+      press(
+        () => say("class.print"),
+        () => print(),
+      ),
       this.cards,
     );
-    const roster = make("section", {}, make("h3", {textContent: say("class.in_class")}), this.list);
+    const roster = make(
+      "section",
+      {},
+      make("h3", {textContent: () => say("class.in_class")}),
+      this.list,
+    );
     this.body.append(make("div", {className: "left"}, add, roster), this.links);
   }
 
@@ -94,11 +102,14 @@ export class ClassPeople {
 
   private card({name, token}: MadePerson): HTMLLIElement {
     const link = linkOf(token);
-    const copy = press(say("class.copy"), () => {
-      void navigator.clipboard?.writeText(link).then(() => {
-        copy.textContent = say("class.copied");
-      });
-    });
+    const copy = press(
+      () => say("class.copy"),
+      () => {
+        void navigator.clipboard?.writeText(link).then(() => {
+          setText(copy, () => say("class.copied"));
+        });
+      },
+    );
     const address = make("a", {href: link, textContent: link});
     // Following it would give this page that person's token.
     address.addEventListener("click", (event) => event.preventDefault());
@@ -106,7 +117,7 @@ export class ClassPeople {
       "li",
       {},
       make("b", {textContent: name}),
-      qrSvg(link, say("class.qr", {name})),
+      qrSvg(link, () => say("class.qr", {name})),
       address,
       copy,
     );
@@ -115,8 +126,12 @@ export class ClassPeople {
   private row({person, name, role}: Person): HTMLLIElement {
     const words = make("span", {className: "name", textContent: name});
     const beginToRename = (): void => {
-      const input = make("input", {value: name, maxLength: 64, ariaLabel: say("class.rename")});
-      const keep = make("button", {type: "submit", textContent: say("class.keep")});
+      const input = make("input", {
+        value: name,
+        maxLength: 64,
+        ariaLabel: () => say("class.rename"),
+      });
+      const keep = make("button", {type: "submit", textContent: () => say("class.keep")});
       const form = make("form", {className: "rename"}, input, keep);
       form.addEventListener("submit", (event) => {
         event.preventDefault();
@@ -126,21 +141,33 @@ export class ClassPeople {
       words.replaceWith(form);
       input.select();
     };
-    const rename = press(say("class.rename"), beginToRename, {title: say("class.rename")});
-    const renew = press(say("class.new_link"), () => this.wish.renew(person), {
-      title: say("class.new_link_title", {name}),
+    const rename = press(() => say("class.rename"), beginToRename, {
+      title: () => say("class.rename"),
     });
+    const renew = press(
+      () => say("class.new_link"),
+      () => this.wish.renew(person),
+      {
+        title: () => say("class.new_link_title", {name}),
+      },
+    );
     const withdraw = sure(
-      say("class.withdraw"),
-      say("class.sure"),
+      () => say("class.withdraw"),
+      () => say("class.sure"),
       () => this.wish.withdraw(person),
-      say("class.withdraw_title", {name}),
+      () => say("class.withdraw_title", {name}),
     );
     const choices = make("span", {className: "choices"}, rename, renew, withdraw);
     return make(
       "li",
       {},
-      make("p", {}, words, " ", make("span", {className: "quiet", textContent: roleWord(role)})),
+      make(
+        "p",
+        {},
+        words,
+        " ",
+        make("span", {className: "quiet", textContent: () => roleWord(role)}),
+      ),
       choices,
     );
   }

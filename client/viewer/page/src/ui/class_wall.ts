@@ -1,4 +1,4 @@
-import {say} from "../messages/say";
+import {say, type Words} from "../messages/say";
 import {make, setOptions, setText} from "./elements";
 import type {OperateOp} from "./console";
 
@@ -51,24 +51,24 @@ export class ClassWall {
   readonly body = make("div", {className: "class-wall"});
   private readonly scene = make("select", {id: "class-scene"});
   private readonly begin = make("button", {
-    ...{type: "submit", className: "primary", textContent: say("class.begin")},
-    title: say("class.begin_title"),
+    ...{type: "submit", className: "primary", textContent: () => say("class.begin")},
+    title: () => say("class.begin_title"),
   });
   private readonly end = make("button", {
-    ...{type: "button", textContent: say("class.end"), title: say("class.end_title")},
+    ...{type: "button", textContent: () => say("class.end"), title: () => say("class.end_title")},
   });
   private readonly goal = make("input", {
-    ...{type: "text", id: "class-goal", maxLength: 120, placeholder: say("class.goal_hint")},
+    ...{type: "text", id: "class-goal", maxLength: 120, placeholder: () => say("class.goal_hint")},
   });
   private readonly limit = make("input", {
     ...{type: "number", id: "class-limit", min: "0", step: "0.05", placeholder: "–"},
   });
   private readonly to = make("select", {id: "class-to"});
   private readonly line = make("input", {
-    ...{type: "text", id: "class-line", maxLength: 120, placeholder: say("class.line")},
-    ariaLabel: say("class.line"),
+    ...{type: "text", id: "class-line", maxLength: 120, placeholder: () => say("class.line")},
+    ariaLabel: () => say("class.line"),
   });
-  private readonly none = make("p", {className: "quiet", textContent: say("class.nobody")});
+  private readonly none = make("p", {className: "quiet", textContent: () => say("class.nobody")});
   private readonly list = make("ul", {className: "wall"});
   private readonly cards = new Map<string, Card>();
 
@@ -86,9 +86,9 @@ export class ClassWall {
           this.line.value = "";
         },
       },
-      make("label", {htmlFor: this.to.id}, `${say("class.to")} `, this.to),
+      make("label", {htmlFor: this.to.id}, () => `${say("class.to")} `, this.to),
       this.line,
-      make("button", {type: "submit", textContent: say("class.say")}),
+      make("button", {type: "submit", textContent: () => say("class.say")}),
     );
     const start = make(
       "form",
@@ -100,9 +100,15 @@ export class ClassWall {
           wish.begin(this.scene.value, {text: this.goal.value.trim(), limitN});
         },
       },
-      make("label", {htmlFor: this.scene.id}, `${say("class.scene")} `, this.scene),
-      make("label", {className: "goal"}, say("class.goal"), this.goal),
-      make("label", {}, `${say("class.at_most")} `, this.limit, ` ${say("class.newton")}`),
+      make("label", {htmlFor: this.scene.id}, () => `${say("class.scene")} `, this.scene),
+      make("label", {className: "goal"}, () => say("class.goal"), this.goal),
+      make(
+        "label",
+        {},
+        () => `${say("class.at_most")} `,
+        this.limit,
+        () => ` ${say("class.newton")}`,
+      ),
       this.begin,
       this.end,
     );
@@ -168,7 +174,7 @@ export class ClassWall {
   }
 
   private addCard(now: OnWall): Card {
-    const button = (text: string, title: string, onclick: () => void): HTMLButtonElement =>
+    const button = (text: Words, title: Words, onclick: () => void): HTMLButtonElement =>
       make("button", {type: "button", textContent: text, title, onclick});
     const operate = (op: OperateOp): void => this.wish.operate(op, card.now.station);
     const {name} = now;
@@ -181,21 +187,37 @@ export class ClassWall {
       force: make("div"),
       doing: make("span", {className: "doing"}),
       seat: make("span", {className: "seat"}),
-      figure: make("output", {className: "figure", ariaLabel: say("class.force")}),
+      figure: make("output", {className: "figure", ariaLabel: () => say("class.force")}),
       goal: make("p", {className: "goal-words"}),
       ...{bar, limit, now},
-      watch: button(say("class.watch"), say("class.watch_title", {name}), () =>
-        this.wish.watch(card.now.scene, card.now.station),
+      watch: button(
+        () => say("class.watch"),
+        () => say("class.watch_title", {name}),
+        () => this.wish.watch(card.now.scene, card.now.station),
       ),
-      admit: button(say("class.admit"), say("class.admit"), () => operate("admit")),
-      mute: button(say("class.mute"), say("class.mute"), () =>
-        operate(card.now.tone === "muted" ? "unmute" : "mute"),
+      admit: button(
+        () => say("class.admit"),
+        () => say("class.admit"),
+        () => operate("admit"),
       ),
-      back: button(say("class.take_back"), say("class.take_back"), () => operate("take_back")),
-      sayTo: button(say("class.say_to"), say("class.say_to_title", {name}), () => {
-        this.to.value = String(card.now.person);
-        this.line.focus();
-      }),
+      mute: button(
+        () => say("class.mute"),
+        () => say("class.mute"),
+        () => operate(card.now.tone === "muted" ? "unmute" : "mute"),
+      ),
+      back: button(
+        () => say("class.take_back"),
+        () => say("class.take_back"),
+        () => operate("take_back"),
+      ),
+      sayTo: button(
+        () => say("class.say_to"),
+        () => say("class.say_to_title", {name}),
+        () => {
+          this.to.value = String(card.now.person);
+          this.line.focus();
+        },
+      ),
     };
     card.figure.ariaLive = "off";
     card.force.append(

@@ -1,8 +1,9 @@
-import {say, sayList} from "../messages/say";
+import {say, sayList, type Words} from "../messages/say";
 import type {Station} from "../model/world";
 import {consoleWords, faultWords} from "../model/words";
 import type {SessionState} from "../protocol/messages";
 import {element, make, press, setText} from "./elements";
+import {setWords} from "./spoken";
 
 export type OperateOp = "admit" | "take_back" | "mute" | "unmute";
 
@@ -93,14 +94,24 @@ export class Console {
   private addRow(id: string): Row {
     const words = make("span", {className: "words"});
     const faults = make("span", {className: "faults"});
-    const button = (text: string, op: () => OperateOp): HTMLButtonElement =>
+    const button = (text: Words, op: () => OperateOp): HTMLButtonElement =>
       press(text, () => this.ask(id, op()));
-    const admit = button(say("console.admit"), () => "admit");
-    const mute = button(say("console.mute"), () => (row.session?.muted ? "unmute" : "mute"));
-    const back = button(say("console.take_back"), () => "take_back");
-    Object.assign(admit, {className: "primary", title: say("console.admit_title")});
+    const admit = button(
+      () => say("console.admit"),
+      () => "admit",
+    );
+    const mute = button(
+      () => say("console.mute"),
+      () => (row.session?.muted ? "unmute" : "mute"),
+    );
+    const back = button(
+      () => say("console.take_back"),
+      () => "take_back",
+    );
+    admit.className = "primary";
+    setWords(admit, "title", () => say("console.admit_title"));
     const choices = make("span", {className: "choices", role: "group"}, admit, mute, back);
-    choices.ariaLabel = say("console.decide", {station: id});
+    setWords(choices, "ariaLabel", () => say("console.decide", {station: id}));
     const name = make("b", {textContent: id});
     const who = make("p", {}, name, " ", words);
     const item = make("li", {}, who, faults, choices);

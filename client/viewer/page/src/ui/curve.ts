@@ -1,4 +1,4 @@
-import {say} from "../messages/say";
+import {say, type Words} from "../messages/say";
 import type {TrialSpread} from "../protocol/history_messages";
 import {make, makeSvg} from "./elements";
 
@@ -146,7 +146,7 @@ class Frame {
 }
 
 /// A legend of the curve's lines.
-export function legend(...of: readonly (readonly [line: string, words: string])[]): HTMLElement {
+export function legend(...of: readonly (readonly [line: string, words: Words])[]): HTMLElement {
   return make(
     "ul",
     {className: "legend"},

@@ -1,3 +1,12 @@
+import type {Words} from "../messages/say";
+import {setWords, type SpokenPart, textNode} from "./spoken";
+
+/// Properties of an element, of which the texts may follow the language.
+type Properties<T> = {
+  [Name in keyof T]?: Name extends SpokenPart ? T[Name] | (() => string) : T[Name];
+};
+const kSpoken: readonly SpokenPart[] = ["textContent", "title", "ariaLabel", "placeholder", "alt"];
+
 /// Returns the element of index.html with this id; throws if page and script do not match.
 export function element<T extends HTMLElement>(id: string, type: new () => T): T {
   const found = document.getElementById(id);
@@ -8,29 +17,37 @@ export function element<T extends HTMLElement>(id: string, type: new () => T): T
 /// Makes an element with these properties and children.
 export function make<Tag extends keyof HTMLElementTagNameMap>(
   tag: Tag,
-  properties: Partial<HTMLElementTagNameMap[Tag]> = {},
-  ...children: (Node | string)[]
+  properties: Properties<HTMLElementTagNameMap[Tag]> = {},
+  ...children: (Node | Words)[]
 ): HTMLElementTagNameMap[Tag] {
-  const made = Object.assign(document.createElement(tag), properties);
-  made.append(...children);
+  const made = document.createElement(tag);
+  const given = {...properties} as Record<string, unknown>;
+  for (const part of kSpoken) {
+    const words = given[part];
+    if (typeof words !== "function") continue;
+    setWords(made, part, words as () => string);
+    delete given[part];
+  }
+  Object.assign(made, given);
+  made.append(...children.map((child) => (typeof child === "function" ? textNode(child) : child)));
   return made;
 }
 
 /// Makes a button with this action.
 export function press(
-  textContent: string,
+  textContent: Words,
   onclick: () => void,
-  more: Partial<HTMLButtonElement> = {},
+  more: Properties<HTMLButtonElement> = {},
 ): HTMLButtonElement {
   return make("button", {type: "button", textContent, onclick, ...more});
 }
 
 /// Makes a button that asks for confirmation with this text.
 export function sure(
-  text: string,
-  question: string,
+  text: Words,
+  question: Words,
   wish: () => void,
-  title = "",
+  title: Words = "",
 ): HTMLButtonElement {
   let isSure = false;
   const turn = (to: boolean): void => {
@@ -56,10 +73,14 @@ export function makeSvg<Tag extends keyof SVGElementTagNameMap>(
   return made;
 }
 
-/// Changes the document only if the text differs: otherwise a screen reader would read it again.
-export function setText(target: Element, text: string): void {
-  if (target.textContent !== text) target.textContent = text;
+/// Sets an element's text.
+export function setText(target: Element, text: Words): void {
+  setWords(target, "textContent", text);
 }
+
+/// Makes an option of a select.
+export const option = (words: Words, value: string): HTMLOptionElement =>
+  make("option", {value, textContent: words});
 
 /// Sets a select's options, unless they are unchanged.
 export function setOptions(

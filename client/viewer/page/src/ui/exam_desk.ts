@@ -2,28 +2,38 @@ import {say} from "../messages/say";
 import {ownText} from "../model/local_text";
 import type {ExamFile, ExamPerson, ExamState, ExamTrial, OpenExam} from "../protocol/exam_messages";
 import {element, make, press, setText, sure} from "./elements";
+import {followLanguage} from "./spoken";
 
 const kMoreS = 300;
 
 /// The desk where a teacher opens an exam, follows everybody's progress, and closes it.
 export class ExamDesk {
-  private readonly button = press(say("exam.title"), () => this.open(), {
-    ...{id: "exam-open", hidden: true, title: say("exam.desk_title")},
-  });
+  private readonly button = press(
+    () => say("exam.title"),
+    () => this.open(),
+    {
+      ...{id: "exam-open", hidden: true, title: () => say("exam.desk_title")},
+    },
+  );
   private readonly dialog = make("dialog", {id: "exam-dialog"});
   private readonly word = make("p", {className: "word alarm", role: "alert", hidden: true});
   private readonly clock = make("span", {className: "clock", role: "timer"});
   private readonly running = make("section");
   private readonly files = make("ul", {className: "exam-files"});
   private shown = "";
+  private drawn = (): void => {}; // draws the same again
 
   constructor(private readonly wish: (wish: object) => void) {
-    const title = make("h2", {id: "exam-title", textContent: say("exam.title")});
-    const close = press(say("class.close"), () => this.dialog.close());
+    const title = make("h2", {id: "exam-title", textContent: () => say("exam.title")});
+    const close = press(
+      () => say("class.close"),
+      () => this.dialog.close(),
+    );
     this.dialog.setAttribute("aria-labelledby", title.id);
     this.dialog.append(make("header", {}, title, close), this.word, this.running, this.files);
     element("audience", HTMLButtonElement).before(this.button);
     document.body.append(this.dialog);
+    followLanguage(() => this.drawn());
   }
 
   private open(): void {
@@ -51,6 +61,11 @@ export class ExamDesk {
     if (now === this.shown) return;
     this.shown = now;
     this.tell(trouble);
+    this.draw(open, exams);
+  }
+
+  private draw(open: ExamState["open"], exams: readonly ExamFile[]): void {
+    this.drawn = () => this.draw(open, exams);
     this.running.replaceChildren(...(open?.people ? this.aboutOf(open, open.people) : []));
     const isOpen = open !== null && !open.closed;
     const rows = exams.map((exam) => this.rowOf(exam, isOpen));

@@ -3,6 +3,7 @@ import type {ClassHistory, DoneSeries, HistoryPerson} from "../protocol/history_
 import {Curve, legend, lossBars} from "./curve";
 import {make, makeSvg, setOptions} from "./elements";
 import {gradeFigure, gradeWords, titlesOf} from "./history_words";
+import {followLanguage} from "./spoken";
 
 interface Row {
   readonly person: HistoryPerson;
@@ -17,42 +18,50 @@ export class HistoryClass {
   private readonly losses = make("div");
   private readonly head = make("tr");
   private readonly rows = make("tbody");
-  private readonly none = make("p", {className: "quiet", textContent: say("history.none")});
+  private readonly none = make("p", {className: "quiet", textContent: () => say("history.none")});
   private readonly figures: HTMLElement;
   private history: ClassHistory = {exercises: [], people: []};
   private byGrade = false;
 
   constructor(private readonly open: (person: number) => void) {
     this.pick.addEventListener("change", () => this.draw());
-    const label = make("label", {htmlFor: this.pick.id}, `${say("history.exercise")} `, this.pick);
+    const label = make(
+      "label",
+      {htmlFor: this.pick.id},
+      () => `${say("history.exercise")} `,
+      this.pick,
+    );
     const spread = make(
       "section",
       {},
-      make("h3", {textContent: say("history.points_over_trials")}),
+      make("h3", {textContent: () => say("history.points_over_trials")}),
       this.curve.body,
       legend(
-        ["band", say("history.half")],
-        ["median", say("history.median")],
-        ["other", say("history.each")],
-        ["pass", say("history.pass")],
+        ["band", () => say("history.half")],
+        ["median", () => say("history.median")],
+        ["other", () => say("history.each")],
+        ["pass", () => say("history.pass")],
       ),
     );
     const lost = make(
       "section",
       {},
-      make("h3", {textContent: say("history.class_loses")}),
+      make("h3", {textContent: () => say("history.class_loses")}),
       this.losses,
     );
     const table = make("table", {}, make("thead", {}, this.head), this.rows);
+    const region = {className: "table", tabIndex: 0, role: "region"};
     this.figures = make(
       "div",
       {},
       make("p", {className: "pick-exercise"}, label),
       make("div", {className: "side-by-side"}, spread, lost),
-      make("div", {className: "table", tabIndex: 0, role: "region"}, table),
+      make("div", {...region, ariaLabel: () => say("history.everybody")}, table),
     );
-    this.figures.lastElementChild!.setAttribute("aria-label", say("history.everybody"));
     this.body.append(this.none, this.figures);
+    followLanguage(() => {
+      if (this.history.people.length > 0) this.show(this.history);
+    });
   }
 
   show(history: ClassHistory): void {

@@ -2,17 +2,18 @@ import {chooseLanguage, type Key, kLanguages, say, speak} from "../messages/say"
 import {rememberInAddress} from "./address";
 import {element} from "./elements";
 import {keep, recall} from "./kept";
+import {sayAgain, setWords, type SpokenPart} from "./spoken";
 
 const kKey = "palpate-language";
 const kInAddress = "lang";
 
 /// The part of an element of index.html that a text fills, by the attribute with the message's key.
 const kParts = {
-  "data-say": "text",
+  "data-say": "textContent",
   "data-say-title": "title",
-  "data-say-label": "aria-label",
+  "data-say-label": "ariaLabel",
   "data-say-placeholder": "placeholder",
-} as const;
+} as const satisfies Record<string, SpokenPart>;
 
 /// Selects the page's language: the chosen one, the address's, or the browser's.
 export async function speakToReader(): Promise<void> {
@@ -24,15 +25,14 @@ export async function speakToReader(): Promise<void> {
   document.documentElement.lang = language;
   for (const [attribute, part] of Object.entries(kParts)) {
     for (const found of document.querySelectorAll(`[${attribute}]`)) {
-      const text = say(found.getAttribute(attribute) as Key);
-      if (part === "text") found.textContent = text;
-      else found.setAttribute(part, text);
+      const key = found.getAttribute(attribute) as Key;
+      setWords(found, part, () => say(key));
     }
   }
   offerLanguages(language);
 }
 
-/// In their own names.  Choosing one reloads the page, since its texts are everywhere.
+/// In their own names.
 function offerLanguages(language: string): void {
   const select = element("language", HTMLSelectElement);
   for (const tag of kLanguages) {
@@ -47,6 +47,14 @@ function offerLanguages(language: string): void {
     // If the browser stores nothing, the address keeps the choice.
     const isKept = recall("localStorage", kKey) === select.value;
     rememberInAddress(kInAddress, isKept ? "" : select.value);
-    location.reload();
+    void change(select);
   });
+}
+
+async function change(select: HTMLSelectElement): Promise<void> {
+  const {value} = select;
+  await speak(value, () => select.value === value);
+  if (select.value !== value) return; // another one was chosen while this one was fetched
+  document.documentElement.lang = value;
+  sayAgain();
 }

@@ -52,17 +52,19 @@ export class Lesson {
   showGoal(scene: string, goal: SceneGoal | undefined): void {
     const another = scene !== this.scene;
     this.scene = scene;
-    setText(this.title, scene === "" ? say("goal.title") : say("goal.title_of", {scene}));
+    setText(this.title, () => say(scene === "" ? "goal.title" : "goal.title_of", {scene}));
     const text = goal?.text ?? "";
     this.limitN = goal && goal.limitN > 0 ? goal.limitN : undefined;
     const limit = this.limitN?.toString() ?? "";
     // Text that somebody is typing is kept.
     if (another || document.activeElement !== this.text) this.text.value = text;
     if (another || document.activeElement !== this.limit) this.limit.value = limit;
-    const atMost = this.limitN === undefined ? "" : say("goal.at_most", {limit: this.limitN});
-    const words = sayList("list.separator", [text, atMost]);
-    this.goal.hidden = words === "";
-    setText(this.goal, words === "" ? "" : say("goal.is", {goal: words}));
+    const limitN = this.limitN;
+    this.goal.hidden = text === "" && limitN === undefined;
+    setText(this.goal, () => {
+      const atMost = limitN === undefined ? "" : say("goal.at_most", {limit: limitN});
+      return say("goal.is", {goal: sayList("list.separator", [text, atMost])});
+    });
   }
 
   private setStudent(student: boolean): void {

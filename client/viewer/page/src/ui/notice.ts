@@ -1,3 +1,4 @@
+import {textOf, type Words} from "../messages/say";
 import {element, setText} from "./elements";
 
 const kNewsMs = 5000;
@@ -6,11 +7,11 @@ export interface NoticeOptions {
   readonly alarm?: boolean;
   /// The message is shown while this returns true; if left out, for a few seconds.
   readonly whileSo?: () => boolean;
-  readonly action?: {readonly text: string; run(): void};
+  readonly action?: {readonly text: Words; run(): void};
 }
 
 interface Said extends NoticeOptions {
-  readonly text: string;
+  readonly text: Words;
   readonly untilMs: number;
 }
 
@@ -21,7 +22,7 @@ export class Notice {
   private readonly text = element("hint-text", HTMLParagraphElement);
   private readonly button = element("hint-action", HTMLButtonElement);
   private said: Said | undefined;
-  private help = "";
+  private help: Words = "";
 
   constructor() {
     this.button.addEventListener("click", () => {
@@ -32,14 +33,14 @@ export class Notice {
     });
   }
 
-  say(text: string, options: NoticeOptions = {}): void {
+  say(text: Words, options: NoticeOptions = {}): void {
     const untilMs = options.whileSo ? Infinity : performance.now() + kNewsMs;
     this.said = {...options, text, untilMs};
     this.update(true);
   }
 
   /// Sets the hint that is shown if there is no message.
-  rest(help: string): void {
+  rest(help: Words): void {
     this.help = help;
   }
 
@@ -49,13 +50,13 @@ export class Notice {
     if (said && (performance.now() > said.untilMs || said.whileSo?.() === false)) {
       this.said = undefined;
     }
-    const words = this.said?.text ?? (helps ? this.help : "");
+    const words = textOf(this.said?.text ?? (helps ? this.help : ""));
     this.line.hidden = words === "";
     this.line.classList.toggle("alarm", this.said?.alarm ?? false);
     setText(this.text, words);
     this.button.hidden = this.said?.action === undefined;
-    const action = this.said?.action?.text;
-    if (action === undefined) return; // hidden, it keeps its last name
+    if (!this.said?.action) return; // hidden, it keeps its last name
+    const action = textOf(this.said.action.text);
     setText(this.button, action);
     if (this.button.ariaLabel !== action) this.button.ariaLabel = action;
   }

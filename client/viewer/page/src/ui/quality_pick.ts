@@ -1,7 +1,8 @@
 import {say} from "../messages/say";
 import {kQualities, type PictureQuality, qualityOf, qualityWords} from "../model/quality";
 import {rememberInAddress} from "./address";
-import {element, setText} from "./elements";
+import {element, option, setText} from "./elements";
+import {followLanguage} from "./spoken";
 
 /// Shows the pictures' quality, and lets the reader fix it.
 export class QualityPick {
@@ -12,8 +13,9 @@ export class QualityPick {
     private readonly quality: PictureQuality,
     changed: () => void,
   ) {
-    this.select.add(new Option(say("quality.by_pace"), ""));
-    for (const name of kQualities) this.select.add(new Option(say(`quality.always_${name}`), name));
+    this.select.add(option(() => say("quality.by_pace"), ""));
+    for (const name of kQualities)
+      this.select.add(option(() => say(`quality.always_${name}`), name));
     this.select.value = quality.fixed ?? "";
     this.select.addEventListener("change", () => {
       quality.fixed = qualityOf(this.select.value);
@@ -22,6 +24,7 @@ export class QualityPick {
       changed();
     });
     this.show();
+    followLanguage(() => this.show());
   }
 
   show(): void {
