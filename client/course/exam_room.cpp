@@ -329,7 +329,8 @@ std::size_t ExamRoom::TaskToBegin(std::int64_t person, const std::string& exerci
 void ExamRoom::Begin(const Beginning& of, std::int64_t now_s, std::int64_t now_ns) {
   const std::size_t at = TaskToBegin(of.person, of.exercise, now_s);
   const ExamTask& task = newest_.exam.tasks[at];
-  const int n = trials_.Begin(of.holder, of.person, of.exercise, of.station, now_ns, task.time_s);
+  const int n =
+      trials_.Begin(of.holder, of.person, of.exercise, of.station, of.scene, now_ns, task.time_s);
   try {
     file_.Use([&](SQLite::Database& database) {
       SQLite::Statement row(database,
@@ -432,7 +433,8 @@ bool ExamRoom::Waits(const Trial& trial) const {
 }
 
 void ExamRoom::ScoreAll() {
-  std::vector<TrialRoom::News> all;  // Score's news reloads newest_.trials
+  // Score's news reloads newest_.trials.
+  std::vector<std::pair<TrialRoom::News, double>> all;
   for (const Trial& trial : newest_.trials) {
     if (!Waits(trial) || !tried_.insert(trial.key()).second) continue;
     const ExamTask& task = newest_.exam.tasks.at(static_cast<std::size_t>(trial.task));
@@ -454,9 +456,9 @@ void ExamRoom::ScoreAll() {
     kept.reason = trial.reason;
     kept.whole = trial.whole;
     kept.submitted = true;
-    all.push_back(std::move(kept));
+    all.emplace_back(std::move(kept), static_cast<double>(trial.ended_s - trial.begun_s));
   }
-  for (const TrialRoom::News& kept : all) trials_.Score(kept);
+  for (const auto& [kept, length_s] : all) trials_.Score(kept, length_s);
 }
 
 void ExamRoom::WriteRoll() {

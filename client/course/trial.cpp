@@ -25,12 +25,19 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-/// After this time a recorder that has not begun, or not ended, is killed.
+/// After this time a recorder that has not ended is killed.
 constexpr std::int64_t kPatience_ns = 10'000'000'000;
+/// And one that has not begun: it waits for its scene, which twenty ask for at once in a class.
+constexpr std::int64_t kBeginPatience_ns = 30'000'000'000;
 constexpr std::int64_t kRetry_ns = 2'000'000'000;
-/// Trials scored while they run; a solid at 50 um takes some 400 MB each.  Other trials are scored
-/// after they end, at most one per processor and no more than this number at a time.
+/// Trials scored while they run; each keeps the solids of its scene in memory
+/// (tests/benchmarks/results/course.md).  Other trials are scored after they end, at most one per
+/// processor and no more than this number at a time.
 constexpr int kMostFollowing = 4;
+/// A scoring that takes longer than kScore_s, and kScorePerSecond for each second of the trial, hangs
+/// and is ended.  It computes a cut of the expert and one of the trial, at rest in a third of the
+/// trial's time; a host whose load is twelve times its processors takes four times the trial's time.
+constexpr double kScore_s = 30.0, kScorePerSecond = 4.0;
 constexpr std::size_t kLargestScore = std::size_t{16} << 20;
 /// In palpate-replay's complaint if the station lost its server and came again.
 constexpr std::string_view kSeveralSessions = "sessions; choose one";
@@ -139,15 +146,22 @@ bool TrialRoom::Has(std::int64_t person, const std::string& exercise, int n) con
 }
 
 void TrialRoom::CheckMayBegin(std::int64_t person) const {
-  if (std::ranges::any_of(trials_, [&](const Running& trial) {
-        return trial.news.person == person && trial.news.holder != 0;
-      })) {
-    throw Error("a trial of yours is running, or is being scored; end it first");
+  const auto theirs = std::ranges::find_if(trials_, [&](const Running& trial) {
+    return trial.news.person == person && trial.news.holder != 0;
+  });
+  if (theirs == trials_.end()) return;
+  if (theirs->retry_ns != 0) {
+    throw Error(fmt::format(
+        "your last trial is over and its recording is kept, but it cannot be entered: {}. It is "
+        "entered as soon as that is mended, and then you may begin; tell your teacher",
+        theirs->trouble));
   }
+  throw Error(theirs->records ? "a trial of yours is running; end it first"
+                              : "your last trial is being scored; wait for its points");
 }
 
 int TrialRoom::Begin(Holder holder, std::int64_t person, const std::string& exercise,
-                     const std::string& station, std::int64_t now_ns,
+                     const std::string& station, const std::string& scene, std::int64_t now_ns,
                      std::optional<double> exam_s) {
   Running trial;
   trial.exercise = Find(exercise);
@@ -179,7 +193,7 @@ int TrialRoom::Begin(Holder holder, std::int64_t person, const std::string& exer
     row.exec();
   });
   std::vector<std::string> arguments{fmt::format("--output={}/{}.mcap", folder, trial.news.n),
-                                     "--station=" + station};
+                                     "--station=" + station, "--await-scene=" + scene};
   arguments.insert(arguments.end(), options_.network.begin(), options_.network.end());
   trials_.push_back(std::move(trial));
   Running& begun = trials_.back();
@@ -196,7 +210,7 @@ int TrialRoom::Begin(Holder holder, std::int64_t person, const std::string& exer
 }
 
 void TrialRoom::BeginToEnd(Running& trial, const std::string& reason) {
-  if (!trial.records || trial.news.phase == "ending") return;
+  if (!trial.records || trial.news.phase == "ending" || trial.retry_ns != 0) return;
   trial.news.reason = reason;
   trial.asked_ns = 0;
   trial.recorder->Signal(SIGINT);
@@ -246,6 +260,11 @@ bool TrialRoom::PollOne(Running& trial, std::int64_t now_ns) {
       trial.cuts_short = false;
       trial.scorer->Signal(SIGINT);
     }
+    if (is_scoring && !trial.is_overdue &&
+        1e-9 * static_cast<double>(now_ns - trial.asked_ns) > MostToScore_s(trial)) {
+      trial.is_overdue = true;
+      trial.scorer->Signal(SIGKILL);
+    }
     if (is_scoring || !trial.scorer) return true;
     TakeScore(trial);
     return false;
@@ -264,7 +283,8 @@ bool TrialRoom::PollOne(Running& trial, std::int64_t now_ns) {
     const bool in_time = 1e-9 * static_cast<double>(now_ns - trial.began_ns) < trial.most_s;
     if (trial.news.phase == "running") {
       if (!in_time) BeginToEnd(trial, "the time is over");
-    } else if (now_ns - trial.asked_ns > kPatience_ns) {
+    } else if (now_ns - trial.asked_ns >
+               (trial.news.phase == "preparing" ? kBeginPatience_ns : kPatience_ns)) {
       trial.recorder->Signal(SIGKILL);
     }
     return true;
@@ -306,29 +326,32 @@ bool TrialRoom::Keep(Running& trial, std::int64_t now_ns) try {
   return true;
 } catch (const Error& error) {
   // A full disk may have space again.  The recording itself is kept.
+  trial.trouble = error.what();
   if (std::exchange(trial.retry_ns, now_ns + kRetry_ns) != 0) return false;
   trial.news.whole = false;
   trial.news.reason += fmt::format("{}{}", trial.news.reason.empty() ? "" : "; ", error.what());
   spdlog::error("trial {} of '{}' by person {}: {}", trial.news.n, trial.news.exercise,
                 trial.news.person, Printable(error.what()));
-  Tell(trial, "ending");
+  Tell(trial, "unentered");
   return false;
 }
 
-void TrialRoom::Score(const News& kept) {
+void TrialRoom::Score(const News& kept, double length_s) {
   Running trial;
   trial.news = kept;
   trial.exercise = Find(kept.exercise);
+  trial.most_s = std::max(length_s, trial.exercise->most_s);
   trials_.push_back(std::move(trial));
   Score(trials_.back());
 }
 
 void TrialRoom::ScoreLeftovers() {
-  std::vector<News> leftovers;
+  std::vector<std::pair<News, double>> leftovers;
   file_.Use([&](SQLite::Database& database) {
     SQLite::Statement rows(
         database,
-        "SELECT person, exercise, n, IFNULL(reason, ''), whole, submitted_s FROM trials t WHERE "
+        "SELECT person, exercise, n, IFNULL(reason, ''), whole, submitted_s, ended_s - begun_s FROM "
+        "trials t WHERE "
         "ended_s IS NOT NULL AND passed IS NULL AND NOT EXISTS (SELECT 1 FROM exam_trials e WHERE "
         "e.person=t.person AND e.exercise=t.exercise AND e.n=t.n) ORDER BY ended_s");
     while (rows.executeStep()) {
@@ -339,21 +362,27 @@ void TrialRoom::ScoreLeftovers() {
       news.reason = rows.getColumn(3).getString();
       news.whole = rows.getColumn(4).getInt() == 1;
       news.submitted = !rows.getColumn(5).isNull();
-      leftovers.push_back(std::move(news));
+      leftovers.emplace_back(std::move(news), rows.getColumn(6).getDouble());
     }
   });
-  for (News& news : leftovers) {
+  for (auto& [news, length_s] : leftovers) {
     if (Find(news.exercise) == nullptr) continue;
     // A failed scoring is tried again: the disk may have been full.
     const std::size_t failed = news.reason.find(kNoScore);
     if (failed != news.reason.npos) news.reason.erase(failed < 2 ? 0 : failed - 2);
-    Score(news);
+    Score(news, length_s);
   }
 }
 
 void TrialRoom::Score(Running& trial) {
   trial.cuts_short = trial.scorer && !trial.news.whole;
-  Tell(trial, "scoring");
+  trial.asked_ns = 0;
+  if (trial.scorer) Tell(trial, "scoring");
+}
+
+double TrialRoom::MostToScore_s(const Running& trial) {
+  // The time limit bounds the trial's length and the expert's.
+  return kScore_s + kScorePerSecond * trial.most_s;
 }
 
 void TrialRoom::ScoreNext() {
@@ -362,12 +391,22 @@ void TrialRoom::ScoreNext() {
       trials_, [](const Running& trial) { return !trial.records && trial.scorer; });
   const auto most =
       std::clamp<int>(static_cast<int>(std::thread::hardware_concurrency()), 1, kMostFollowing);
-  if (at_work >= most) return;
+  auto ahead = static_cast<int>(at_work);
   // Those whose person is waiting come first.
-  auto next = std::ranges::find_if(
-      trials_, [&](const Running& trial) { return waits(trial) && trial.news.holder != 0; });
-  if (next == trials_.end()) next = std::ranges::find_if(trials_, waits);
-  if (next != trials_.end()) BeginScoring(*next, false);
+  for (const bool is_awaited : {true, false}) {
+    for (Running& trial : trials_) {
+      if (!waits(trial) || (trial.news.holder != 0) != is_awaited) continue;
+      if (ahead < most) {
+        BeginScoring(trial, false);
+        trial.asked_ns = 0;
+        Tell(trial, "scoring");
+      } else if (trial.news.phase != "waiting" || trial.news.ahead != ahead) {
+        trial.news.ahead = ahead;
+        Tell(trial, "waiting");
+      }
+      ++ahead;
+    }
+  }
 }
 
 void TrialRoom::BeginScoring(Running& trial, bool follows) {
@@ -388,6 +427,12 @@ void TrialRoom::TakeScore(Running& trial) {
   const std::string stem = fmt::format("{}/{}", FolderOf(news.person, news.exercise), news.n);
   std::string marks;
   try {
+    if (trial.is_overdue) {
+      throw Error(fmt::format(
+          "its scoring hung and was ended after {:.0f} s; the recording is kept, and is scored again "
+          "when the gateway is started anew",
+          MostToScore_s(trial)));
+    }
     if (!trial.scorer->complaint().empty()) throw Error(trial.scorer->complaint());
     const Json score = Json::parse(ReadWholeFile(stem + "/score.json", kLargestScore));
     news.passed = score.at("passed");
@@ -411,22 +456,25 @@ void TrialRoom::TakeScore(Running& trial) {
     Tell(trial, "scored");
   } catch (const std::exception& error) {
     const std::string why = error.what();
+    const std::string stored =
+        fmt::format("{}{}{}{}", news.reason, news.reason.empty() ? "" : "; ", kNoScore, why);
     // What the station did between its two sessions is unknown.
     news.whole = news.whole && why.find(kSeveralSessions) == std::string::npos;
-    news.reason += fmt::format("{}{}{}", news.reason.empty() ? "" : "; ", kNoScore, why);
+    // The page says itself that there is no score, and the person knows how an orderly trial ended.
+    news.reason = news.whole || news.reason.empty() ? why : news.reason + "; " + why;
     file_.Use([&](SQLite::Database& database) {
       SQLite::Statement row(database,
                             "UPDATE trials SET whole=?, reason=? WHERE person=? AND exercise=? "
                             "AND n=?");
       row.bind(1, news.whole ? 1 : 0);
-      row.bind(2, news.reason);
+      row.bind(2, stored);
       row.bind(3, news.person);
       row.bind(4, news.exercise);
       row.bind(5, news.n);
       row.exec();
     });
     spdlog::error("trial {} of '{}' by person {}: {}", news.n, news.exercise, news.person,
-                  Printable(news.reason));
+                  Printable(stored));
     Tell(trial, "unscored");
   }
 }

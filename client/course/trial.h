@@ -36,9 +36,11 @@ class TrialRoom {
     std::int64_t person = 0;
     std::string exercise;
     int n = 0;
-    /// "preparing", "running", "ending", "scoring", "scored", or "unscored" if scoring failed.  In
-    /// an exam "kept" takes the place of the last three.
+    /// "preparing", "running", "ending", "unentered" while its end cannot be stored, "waiting" for its
+    /// turn to be scored, "scoring", "scored", or "unscored" if scoring failed.  In an exam "kept"
+    /// takes the place of the last four.
     std::string phase;
+    int ahead = 0;       ///< while it waits: the number of trials whose scores come first
     std::string reason;  ///< why it ended, and what went wrong
     bool whole = true;   ///< its recording is complete
     std::optional<double> points;
@@ -58,18 +60,21 @@ class TrialRoom {
   /// Starts a trial's recorder; the news "running" says that the tool may now be taken.  Throws
   /// Error, worded for the person, if it cannot begin.
   /// @param station  the station that the person's hand will use.
+  /// @param scene    that scene or seat; the trial runs once the recorder has it.
   /// @param exam_s   time limit in an exam, in place of the exercise's; the trial is
   /// then not scored.
   /// Returns the trial's number.
   int Begin(Holder holder, std::int64_t person, const std::string& exercise,
-            const std::string& station, std::int64_t now_ns, std::optional<double> exam_s = {});
+            const std::string& station, const std::string& scene, std::int64_t now_ns,
+            std::optional<double> exam_s = {});
   /// Ends the trial of that viewer, if it has one.
   void End(Holder holder, const std::string& reason);
   /// Ends the running trials of these people.
   void EndOf(const std::set<std::int64_t>& people, const std::string& reason);
   /// Scores an ended trial: of a closed exam, or of an earlier run of the gateway.
-  /// @param kept  the trial's last news.
-  void Score(const News& kept);
+  /// @param kept      the trial's last news.
+  /// @param length_s  how long it ran; bounds the time that its scoring may take.
+  void Score(const News& kept, double length_s);
   /// Scores ended trials that have no score and belong to no exam.  @pre The exam's tables exist.
   void ScoreLeftovers();
   /// Submits a trial; a running one ends.  Throws Error if there is no such trial.
@@ -110,8 +115,10 @@ class TrialRoom {
     bool submits = false;
     bool is_exam = false;
     double most_s = 0.0;
+    std::string trouble;        // why its end could not be stored
     std::int64_t retry_ns = 0;  // when to retry storing its end; 0: not tried yet
-    std::int64_t asked_ns = 0;  // when it was asked to begin, or to end
+    std::int64_t asked_ns = 0;  // when it was asked to begin, to end, or to be scored
+    bool is_overdue = false;    // its scoring took too long and was ended
     std::int64_t began_ns = 0;
   };
   void MarkCutShort();
@@ -123,7 +130,10 @@ class TrialRoom {
   bool Keep(Running& trial, std::int64_t now_ns);
   void BeginScoring(Running& trial, bool follows);
   void Score(Running& trial);
+  /// Starts the scoring of the next trials in turn, and tells the others how many are ahead.
   void ScoreNext();
+  /// Returns the time that the scoring of the trial may take.
+  static double MostToScore_s(const Running& trial);
   void TakeScore(Running& trial);
   void Tell(Running& trial, const std::string& phase);
   std::string KeyOf(const std::string& page);

@@ -98,10 +98,14 @@ void Record(const RecorderOptions& options) {
   // Made last: an existing file is overwritten only once everything else is ready.
   RecordingWriter recording(recording_options);
   WriterThread writer(recording, queue, topics);
-  std::printf("recording to %s; domain %d; poses and wrenches: %s\n",
-              Printable(recording.files().front()).c_str(), options.domain,
-              recording_options.about["loop"].c_str());
-  std::fflush(stdout);
+  const auto say_ready = [&] {
+    std::printf("recording to %s; domain %d; poses and wrenches: %s\n",
+                Printable(recording.files().front()).c_str(), options.domain,
+                recording_options.about["loop"].c_str());
+    std::fflush(stdout);
+  };
+  bool is_ready = options.scene.empty();
+  if (is_ready) say_ready();
 
   ProgressLine progress;
   const std::int64_t began_ns = SteadyNanoseconds();
@@ -110,6 +114,10 @@ void Record(const RecorderOptions& options) {
   bool silence_said = false;
   while (!stop.WaitFor(kPoll) && !writer.failed()) {
     taps.Poll(SteadyNanoseconds());
+    if (!is_ready && taps.has_scene(options.scene)) {
+      is_ready = true;
+      say_ready();
+    }
     progress.Show(seconds(), taps.sessions(), writer.totals());
     if (!silence_said && !taps.heard() && seconds() > 5.0) {
       silence_said = true;

@@ -53,6 +53,9 @@ std::optional<RecorderOptions> ParseRecorderOptions(int argc, const char* const*
   app.Add("--split-time", options.recording.split_s, "begin a new file after this many seconds")
       .Positive();
   app.Add("--for", options.seconds, "end after this many seconds; default: at Ctrl-C").Positive();
+  app.Add("--await-scene", options.scene,
+          "say 'recording to' only once this scene has been heard and will be in the file; for a "
+          "program that starts the hand then");
   app.Add("--station", options.stations,
           "record only this station's hand and session; scenes, and what is cut of them, are "
           "always recorded.  May be given again.  Default: all stations")

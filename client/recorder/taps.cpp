@@ -68,6 +68,11 @@ int Taps::sessions() const {
   return count;
 }
 
+bool Taps::has_scene(const std::string& name) const {
+  const auto scene = scenes_.find(name);
+  return scene != scenes_.end() && bundles_.contains(scene->second);
+}
+
 bool Taps::IsWanted(const std::string& station) const {
   return wanted_.empty() || std::ranges::find(wanted_, station) != wanted_.end();
 }
@@ -91,6 +96,10 @@ void Taps::Drain(dds::CdrReader<T>& reader, std::uint32_t channel) {
       topics_[channel].dropped.fetch_add(1, std::memory_order_relaxed);
     }
     if constexpr (std::is_same_v<T, wire::SessionState>) OnState(sample, now_ns_);
+    if constexpr (std::is_same_v<T, wire::SceneBundle>) {
+      scenes_[sample.scene] = sample.hash;
+      if (sample.bundle._length > 0) bundles_.insert(sample.hash);
+    }
   }
   dds::FreeContents(sample);
 }

@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,8 @@ class Taps {
   int sessions() const;
   /// True once a sample has arrived from a server.
   bool heard() const { return heard_; }
+  /// True once a scene of that name has arrived, with its bundle.
+  bool has_scene(const std::string& name) const;
 
  private:
   struct Session {
@@ -62,6 +65,8 @@ class Taps {
       drains_;  // of service topics: scenes first, then the topics that refer to them
   std::int64_t now_ns_ = 0;
   bool heard_ = false;
+  std::map<std::string, std::uint64_t> scenes_;  // hashes of their bundles, by name
+  std::set<std::uint64_t> bundles_;              // that have arrived: seats share one
   std::map<std::string, Session> sessions_;  // by station
 };
 

@@ -233,7 +233,9 @@ std::string ClassRoom::WhyNotAt(std::int64_t person, const std::string& scene) c
   return is_others ? "'" + scene + "' is another's seat, and you have none; ask who teaches" : "";
 }
 
-std::string ClassRoom::PeopleJson(const Here& here, const std::string& prefix) const {
+std::string ClassRoom::PeopleJson(const Here& here,
+                                  const std::map<std::int64_t, TrialRoom::News>& trials,
+                                  const std::string& prefix) const {
   Json people = Json::array();
   for (const Person& person : roster_.people()) {
     if (!person.here()) continue;
@@ -242,7 +244,15 @@ std::string ClassRoom::PeopleJson(const Here& here, const std::string& prefix) c
                       {"role", RoleName(person.role)},
                       {"station", StationNameOf(prefix + person.name)},
                       {"here", here(person.id)},
-                      {"seat", SeatOf(person.id)}});
+                      {"seat", SeatOf(person.id)},
+                      {"trial", nullptr}});
+    const auto trial = trials.find(person.id);
+    if (trial == trials.end()) continue;
+    const TrialRoom::News& news = trial->second;
+    people.back()["trial"] = {{"exercise", news.exercise}, {"n", news.n},
+                              {"phase", news.phase},       {"ahead", news.ahead},
+                              {"reason", news.reason},     {"points", nullptr}};
+    if (news.points) people.back()["trial"]["points"] = *news.points;
   }
   return ToText(Json({{"scene", scene_}, {"people", people}}));
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "client/course/roster.h"
+#include "client/course/trial.h"
 #include "client/viewer/tokens.h"
 
 namespace palpate {
@@ -80,8 +81,11 @@ class ClassRoom {
   /// @param person  not a teacher.
   std::string WhyNotAt(std::int64_t person, const std::string& scene) const;
 
-  /// Returns all people, for teachers.  @param prefix  of stations that are named after tokens.
-  std::string PeopleJson(const Here& here, const std::string& prefix) const;
+  /// Returns all people, for teachers.
+  /// @param trials  newest trials of this run of the gateway, by person.
+  /// @param prefix  of stations that are named after tokens.
+  std::string PeopleJson(const Here& here, const std::map<std::int64_t, TrialRoom::News>& trials,
+                         const std::string& prefix) const;
   /// Returns what a person is told: {person, name, role, seat, line, lines}; `lines` counts the
   /// lines so far.
   std::string OwnJson(std::int64_t person) const;

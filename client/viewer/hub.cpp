@@ -238,7 +238,10 @@ FramePtr Hub::Teach(const ClassCommand& command, ViewerSession& viewer) {
     if (command.op != ClassCommand::Op::kRename) trials_->ForgetPages({command.person});
     Renew(listed_, now_ns);
   }
-  if (command.op == ClassCommand::Op::kDelete) exams_->Read();
+  if (command.op == ClassCommand::Op::kDelete) {
+    exams_->Read();
+    newest_trials_.erase(command.person);
+  }
   // Instances for answers in flight: none replaces another, and their number is bounded.
   constexpr std::uint32_t kAnswersAtOnce = 16;
   return OwnFrame(TopicFeed::kClassAnswer, command.tag % kAnswersAtOnce, answer);
@@ -250,7 +253,7 @@ FramePtr Hub::OwnFrameOf(const ViewerSession& viewer) const {
 
 FramePtr Hub::PeopleFrame() const {
   return OwnFrame(TopicFeed::kPeople, 0,
-                  class_room_->PeopleJson(CountPages(), mice_.named_prefix()));
+                  class_room_->PeopleJson(CountPages(), newest_trials_, mice_.named_prefix()));
 }
 
 void Hub::TellClass(std::int64_t now_ns) {
@@ -287,6 +290,10 @@ std::string Hub::Try(const TrialCommand& command, ViewerSession& viewer, std::in
         break;
     }
   } catch (const Error& error) {
+    // The page asked for a tool, and would wait for it.
+    if (command.op == TrialCommand::Op::kBegin && !mice_.holds(viewer.id())) {
+      TellState(viewer, {viewer.id(), "", "", "", "refused", error.what()});
+    }
     return error.what();
   }
   return "";
@@ -332,7 +339,7 @@ void Hub::BeginTrial(const std::string& name, ViewerSession& viewer, std::int64_
           {viewer.id(), person, name, station, take.scene, feed_.scenes().at(take.scene).hash},
           WallClock_s(), now_ns);
     } else {
-      trials_->Begin(viewer.id(), person, name, station, now_ns);
+      trials_->Begin(viewer.id(), person, name, station, take.scene, now_ns);
     }
   } catch (const Error& error) {
     mice_.Release(viewer.id(), error.what(), now_ns);
@@ -382,13 +389,17 @@ void Hub::TellExam(std::int64_t now_ns) {
 }
 
 void Hub::Tell(const TrialRoom::News& news) {
+  /// The person holds the tool, or has released it with the trial's end.
+  static const std::set<std::string> kHolds = {"preparing", "running", "scored", "unscored", "kept"};
   const std::int64_t now_ns = SteadyNanoseconds();
+  newest_trials_[news.person] = news;
+  class_changed_ = true;
   if (news.phase == "running") mice_.Go(news.holder, now_ns);
   if (exams_ && (news.phase == "kept" || news.phase == "scored" || news.phase == "unscored")) {
     exams_->Heard(news);
   }
   // Trials of an exam are scored when their person has released the tool.
-  if (news.holder != 0 && (news.phase == "ending" || news.phase == "scoring")) {
+  if (news.holder != 0 && !kHolds.contains(news.phase)) {
     // The person's own request needs no message.
     mice_.Release(news.holder, news.reason == kStopped ? "" : "the trial ends: " + news.reason,
                   now_ns);
@@ -397,7 +408,8 @@ void Hub::Tell(const TrialRoom::News& news) {
                          {"phase", news.phase},       {"reason", news.reason},
                          {"whole", news.whole},       {"points", nullptr},
                          {"passed", news.passed},     {"submitted", news.submitted},
-                         {"page", news.page},         {"left_s", news.left_s}};
+                         {"page", news.page},         {"left_s", news.left_s},
+                         {"ahead", news.ahead}};
   if (SitsExam(news.person)) json["page"] = "";
   if (news.points) json["points"] = *news.points;
   const bool is_over = news.phase == "scored" || news.phase == "unscored" || news.phase == "kept";

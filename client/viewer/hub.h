@@ -145,6 +145,7 @@ class Hub {
   std::unique_ptr<HistoryDesk> history_;
   std::unique_ptr<ExamRoom> exams_;
   bool class_changed_ = false;
+  std::map<std::int64_t, TrialRoom::News> newest_trials_;  // by person
   Gate gate_;
   RefusalLog refusals_;
   ViewerPlaces places_;

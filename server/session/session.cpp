@@ -41,11 +41,11 @@ bool Session::Update(std::int64_t now_ns, bool may_start) {
     heard_ = heard;
     heard_ns_ = now_ns;
   }
-  const std::int64_t patience_ns = heard_ == 0 ? kFirstPose_ns : kSilence_ns;
+  const std::int64_t patience_ns = heard_ == 0 ? kFirstPose_ns : silence_ns();
   if (now_ns - heard_ns_ > patience_ns) {
     End(heard_ == 0 ? "no pose came within 5 s of the request"
-                    : "no pose came for more than 100 ms: the station was held up, or the way from "
-                      "it is cut");
+                    : "no pose came for more than " + std::to_string(silence_ns() / 1'000'000) +
+                          " ms: the station was held up, or the way from it is cut");
     return true;
   }
   // Read before the start: of a start and a MakeWhole, the loop does the start first.

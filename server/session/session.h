@@ -52,6 +52,9 @@ class Session {
  public:
   static constexpr std::int64_t kFirstPose_ns = 5'000'000'000;  ///< time for its first pose
   static constexpr std::int64_t kSilence_ns = 100'000'000;      ///< longest pause between poses
+  /// And of a mouse, whose hand feels nothing: as long as its station waits for an answer.  Twenty
+  /// stations on two cores are often held up for more than 100 ms.
+  static constexpr std::int64_t kMouseSilence_ns = 1'000'000'000;
   static constexpr double kMaxStartDepth_m = 0.010;
 
   Session(std::string station, std::uint64_t run, std::shared_ptr<const ServedTool> tool,
@@ -66,6 +69,8 @@ class Session {
   bool wants_start(std::int64_t now_ns) const;
   /// Time of the last search.
   std::int64_t tried_ns() const { return tried_ns_; }
+  /// Returns the longest pause between its poses.
+  std::int64_t silence_ns() const { return client_.below_arms ? kMouseSilence_ns : kSilence_ns; }
   void End(std::string reason);
   /// Ends it at its own station's request.
   void Leave();

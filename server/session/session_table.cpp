@@ -200,8 +200,8 @@ void SessionTable::Update(std::int64_t now_ns) {
 SessionTable::Name SessionTable::StateOfName(const Waiting& successor, std::int64_t now_ns) const {
   if (const auto session = sessions_.find(successor.request.station); session != sessions_.end()) {
     // A station without a pose yet has the time for its first one.
-    const std::int64_t patience_ns =
-        session->second->has_heard() ? kTakeOver_ns : Session::kFirstPose_ns + kTakeOver_ns;
+    const std::int64_t patience_ns = kTakeOverPauses * session->second->silence_ns() +
+                                     (session->second->has_heard() ? 0 : Session::kFirstPose_ns);
     return now_ns - successor.since_ns > patience_ns ? Name::kTaken : Name::kUndecided;
   }
   if (const auto held = held_.find(successor.request.station); held != held_.end()) {

@@ -31,9 +31,9 @@ class SessionTable {
  public:
   static constexpr std::size_t kMaxStations = 32;  ///< as the shared-memory pools are sized
   /// How long a request under a name in use waits for the former run to count as dead (a
-  /// station that was killed and restarted) before it is refused; longer if that run still has
-  /// time for its first pose.
-  static constexpr std::int64_t kTakeOver_ns = 3 * Session::kSilence_ns;
+  /// station that was killed and restarted) before it is refused, in pauses of its poses; longer if
+  /// that run still has time for its first pose.
+  static constexpr std::int64_t kTakeOverPauses = 3;
   static constexpr double kRefusalsPerSecond = 20.0;
   static constexpr double kRefusalsAtOnce = 50.0;  ///< for a class that starts all at once
   /// A held station asks again every 2 s.  After this time without a request it loses its place.

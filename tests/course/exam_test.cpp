@@ -232,7 +232,7 @@ TEST_F(ExamTest, OpensNoOtherBeforeAllThatWasHandedInIsScoredAndOnTheRoll) {
 
 TEST_F(ExamTest, EndsTheKeysOfScorePagesOfThoseWhoSitIt) {
   const std::string theirs = folder_ / fmt::format("course/trials/{}/light-force", anna_);
-  trials_->Begin(7, anna_, "light-force", "Anna", SteadyNanoseconds());
+  trials_->Begin(7, anna_, "light-force", "Anna", "periodontal", SteadyNanoseconds());
   ASSERT_TRUE(Comes([&] { return phase_ == "running"; }));
   trials_->End(7, "stopped");
   ASSERT_TRUE(Comes([&] { return phase_ == "scored"; }));

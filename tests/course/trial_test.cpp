@@ -13,6 +13,7 @@
 #include "tests/support/complaint.h"
 #include "tests/support/eventually.h"
 #include "tests/support/folder.h"
+#include "tests/support/read_file.h"
 
 namespace palpate::test {
 namespace {
@@ -22,7 +23,8 @@ using testing::HasSubstr;
 
 /// Programs of the recorder's and the replayer's names that do as those do.
 constexpr const char* kRecorder =
-    "#!/bin/sh\ntrap 'exit 0' INT\necho \"recording to $1\"\nwhile :; do sleep 0.01; done\n";
+    "#!/bin/sh\ntrap 'exit 0' INT\necho \"$*\" > \"${0%/*}/words\"\necho \"recording to $1\"\n"
+    "while :; do sleep 0.01; done\n";
 constexpr const char* kReplayer = R"(#!/bin/sh
 for word; do case $word in --out=*) out=${word#--out=};; esac; done
 mkdir -p $out && echo page > $out/score.html
@@ -52,7 +54,7 @@ class TrialTest : public testing::Test {
         TrialRoom::Options{folder_ / "course", folder_.path(), {}}, *file_,
         [this](const TrialRoom::News& news) { news_.push_back(news); });
   }
-  void Begin() { room_->Begin(7, 3, "light-force", "anna", now_ns_); }
+  void Begin() { room_->Begin(7, 3, "light-force", "anna", "periodontal-3", now_ns_); }
   bool Comes(const std::string& phase) {
     return Eventually([&] {
       room_->Poll(now_ns_);
@@ -78,6 +80,7 @@ TEST_F(TrialTest, IsRecordedThenScoredAndMayBeSubmitted) {
   Begin();
   EXPECT_EQ(news_.back().phase, "preparing");
   ASSERT_TRUE(Comes("running"));
+  EXPECT_THAT(ReadWholeFile(folder_ / "words"), HasSubstr("--await-scene=periodontal-3"));
   EXPECT_EQ(news_.back().left_s, 90.0);
   EXPECT_THAT(ComplaintOf([&] { Begin(); }), HasSubstr("a trial of yours is running"));
   EXPECT_TRUE(room_->has_one_of(3));
@@ -101,7 +104,7 @@ TEST_F(TrialTest, IsRecordedThenScoredAndMayBeSubmitted) {
   EXPECT_EQ(Done(0)["submitted"], true);
   EXPECT_THAT(ComplaintOf([&] { room_->Submit(7, 3, "light-force", 1); }),
               HasSubstr("no such trial"));
-  EXPECT_THAT(ComplaintOf([&] { room_->Begin(7, 3, "none", "anna", now_ns_); }),
+  EXPECT_THAT(ComplaintOf([&] { room_->Begin(7, 3, "none", "anna", "periodontal-3", now_ns_); }),
               HasSubstr("there is no exercise"));
 }
 
@@ -213,7 +216,7 @@ TEST_F(TrialTest, IsScoredInItsTurnWhereManyEndAtOnce) {
     ended.person = person;
     ended.exercise = "light-force";
     ended.n = 1;
-    room_->Score(ended);
+    room_->Score(ended, 90.0);
   }
   ASSERT_TRUE(Eventually([&] {
     room_->Poll(now_ns_);
@@ -222,6 +225,64 @@ TEST_F(TrialTest, IsScoredInItsTurnWhereManyEndAtOnce) {
   EXPECT_EQ(std::ranges::count(news_, "scored", &TrialRoom::News::phase), 12);
   std::ifstream most(folder_ / "most");
   for (int at_work = 0; most >> at_work;) EXPECT_LE(at_work, 4);
+  int last = 12;
+  for (const TrialRoom::News& news : news_) {
+    if (news.person != 12 || news.phase != "waiting") continue;
+    EXPECT_LT(news.ahead, last) << "who is told a place in the queue moves up in it";
+    last = news.ahead;
+  }
+  EXPECT_LT(last, 5) << "and was told so up to the end";
+}
+
+TEST_F(TrialTest, IsUnscoredWhereItsScoringHangsAndScoredAtTheNextStart) {
+  SetProgram("palpate-replay", "#!/bin/sh\nexec sleep 1000\n");
+  Begin();
+  ASSERT_TRUE(Comes("running"));
+  room_->End(7, "stopped");
+  ASSERT_TRUE(Comes("scoring"));
+  now_ns_ += 300'000'000'000;  // of 30 s, and 4 s for each of the 90 s that a trial may take
+  room_->Poll(now_ns_);
+  EXPECT_EQ(news_.back().phase, "scoring");
+  now_ns_ += 100'000'000'000;
+  ASSERT_TRUE(Comes("unscored"));
+  EXPECT_THAT(news_.back().reason, testing::StartsWith("its scoring hung and was ended after 390 s"));
+  EXPECT_THAT(news_.back().reason, HasSubstr("the recording is kept"));
+  EXPECT_TRUE(news_.back().whole);
+  Begin();  // the person goes on
+  ASSERT_TRUE(Comes("running"));
+  SetProgram("palpate-replay", kReplayer);
+  Open();
+  room_->ScoreLeftovers();
+  ASSERT_TRUE(Eventually([&] {
+    room_->Poll(now_ns_);
+    return room_->size() == 0;
+  }));
+  EXPECT_EQ(Done(0)["points"], 81.5);
+  EXPECT_EQ(Done(0)["reason"], "stopped");
+}
+
+TEST_F(TrialTest, TellsTheTruthWhereItsEndCannotBeEntered) {
+  Begin();
+  ASSERT_TRUE(Comes("running"));
+  int pages = 0;
+  file_->Use([&](SQLite::Database& database) {  // as a full disk: not a page more
+    database.exec("PRAGMA wal_checkpoint(TRUNCATE)");
+    pages = database.execAndGet("PRAGMA page_count").getInt();
+    database.exec("PRAGMA max_page_count=" + std::to_string(pages));
+  });
+  room_->End(7, "stopped" + std::string(20'000, '!'));
+  ASSERT_TRUE(Comes("unentered"));
+  EXPECT_THAT(news_.back().reason, HasSubstr("the disk is full"));
+  EXPECT_THAT(ComplaintOf([&] { Begin(); }),
+              testing::AllOf(HasSubstr("its recording is kept"), HasSubstr("the disk is full"),
+                             testing::Not(HasSubstr("is running"))));
+  file_->Use([&](SQLite::Database& database) {
+    database.exec("PRAGMA max_page_count=" + std::to_string(pages + 1000));
+  });
+  now_ns_ += 3'000'000'000;
+  ASSERT_TRUE(Comes("scored"));
+  Begin();
+  EXPECT_EQ(news_.back().phase, "preparing");
 }
 
 TEST_F(TrialTest, MayBeSubmittedWhileItIsScored) {

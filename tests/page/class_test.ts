@@ -3,7 +3,7 @@ import {afterEach, expect} from "vitest";
 
 import {appears, atGateway, gateway, open, page, reads, text} from "./support/at_gateway";
 import {eventually, probe} from "./support/browser";
-import {heldExam, ownExam, trialState} from "./support/exam_state";
+import {heldExam, kExercise, ownExam, trialState} from "./support/exam_state";
 import {pressed, sessionState} from "./support/fake_gateway";
 import {kTestScene} from "./support/scene_bytes";
 import {browserTest as test} from "./support/skip";
@@ -122,6 +122,79 @@ test("a student goes to the own seat in the own view, reads the teacher's line, 
   gateway.send("/palpate/me", {...me, seat: kSeat.name, line: "Gently", lines: 1});
   gateway.send("/palpate/me", {...me, seat: kSeat.name, line: "Well done", lines: 2});
   await reads(".said span", "Well done");
+});
+
+test.each([
+  ["a phone", {width: 390, height: 844}],
+  ["a small window", {width: 800, height: 500}],
+])(
+  "on %s the teacher's line, a complaint and the trial cover nothing of each other",
+  async (_, viewport) => {
+    gateway.role = "drive";
+    gateway.hasCourse = true;
+    gateway.retain("/palpate/exercises", {exercises: [{...kExercise, guide: []}]});
+    const me = {person: 2, name: "Anna", role: "drive", seat: "", line: "Gently, please", lines: 1};
+    gateway.retain("/palpate/me", me);
+    await open({viewport});
+    await appears(".said");
+    const isApart = async (...ids: string[]): Promise<void> => {
+      const boxes = await Promise.all(ids.map((id) => page.locator(id).boundingBox()));
+      boxes.sort((a, b) => a!.y - b!.y);
+      boxes
+        .slice(1)
+        .forEach((box, i) => expect(box!.y).toBeGreaterThan(boxes[i]!.y + boxes[i]!.height));
+    };
+    gateway.send("/palpate/trial_state", trialState("scored", {points: 81}));
+    await appears("#trial-bar");
+    await appears("#banner"); // nobody moves a tool
+    await isApart("#banner", ".said", "#trial-bar");
+    gateway.send("/palpate/exam_state", ownExam());
+    await appears("#exam-bar");
+    await isApart("#banner", ".said", "#exam-bar");
+  },
+);
+
+test("student and teacher are told who waits for a score, and what could not be scored or entered", async () => {
+  gateway.role = "operate";
+  gateway.hasCourse = true;
+  gateway.retain("/palpate/exercises", {exercises: [{...kExercise, guide: []}]});
+  const trial = {
+    exercise: "light-force",
+    n: 2,
+    phase: "waiting",
+    ahead: 3,
+    reason: "",
+    points: null,
+  };
+  const hung = "no score: its scoring hung and was ended after 390 s";
+  tellPeople(
+    person(1, "Anna", {trial}),
+    person(2, "Ben", {trial: {...trial, phase: "scored", points: 81.4}}),
+    person(3, "Cleo", {trial: {...trial, phase: "unscored", reason: hung}}),
+    person(4, "Dora", {trial: null}),
+  );
+  await open();
+  gateway.send("/palpate/trial_state", trialState("waiting", {ahead: 1}));
+  await reads("#trial-bar [role=status]", "Recorded. It waits to be scored: 1 trial before it.");
+  await page
+    .locator("#trial-bar")
+    .getByRole("button", {name: "Once more"})
+    .waitFor({state: "hidden"});
+  const full = "the disk is full: free some space, and do it again";
+  gateway.send("/palpate/trial_state", trialState("unentered", {reason: full}));
+  await reads(
+    "#trial-bar [role=status]",
+    /^Recorded and kept, but not entered yet: the disk is full/,
+  );
+  await press("Class");
+  await eventually("the queue", async () =>
+    /trial 2: Recorded\. It waits to be scored: 3 trials before it/.test(
+      await card("Anna").innerText(),
+    ),
+  );
+  expect(await card("Ben").innerText()).toMatch(/light-force, trial 2: 81 of 100/);
+  expect(await card("Cleo").locator(".trial.alarm").innerText()).toContain(hung);
+  expect(await card("Dora").locator(".trial").isVisible()).toBe(false);
 });
 
 test("an examiner opens an exam, gives time and another trial, and closes it", async () => {

@@ -52,6 +52,18 @@ TEST_F(SessionTest, EndsWhereTheStationFallsSilent) {
   EXPECT_THAT(session_.reason(), HasSubstr("100 ms"));
 }
 
+TEST_F(SessionTest, WaitsLongerForAMouseWhoseHandFeelsNothing) {
+  Session mouse("mouse", 8, BallTool(), now_, {.below_arms = true});
+  wire::Wrench answer{};
+  mouse.loop().OnPose(hand_.At(0.1), answer);
+  EXPECT_FALSE(mouse.ended());
+  mouse.Update(now_ += kMs);
+  EXPECT_FALSE(mouse.Update(now_ += Session::kMouseSilence_ns));
+  EXPECT_FALSE(mouse.ended()) << "twenty of them on two cores are held up for a fraction of that";
+  EXPECT_TRUE(mouse.Update(now_ += 1));
+  EXPECT_THAT(mouse.reason(), HasSubstr("1000 ms"));
+}
+
 TEST_F(SessionTest, TakesRepeatedPosesForSilence) {
   const wire::HapticPose pose = hand_.At(0.1);
   wire::Wrench answer{};

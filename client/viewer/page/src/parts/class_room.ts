@@ -98,7 +98,7 @@ export class ClassRoom {
       () => void (this.said.hidden = true),
     );
     this.said.append(make("b", {textContent: () => say("class.from")}), this.saidText, hide);
-    document.querySelector(".picture")?.append(this.said);
+    element("above", HTMLDivElement).append(this.said);
     document.body.append(this.dialog);
     this.turn("wall");
   }
@@ -178,6 +178,7 @@ export class ClassRoom {
       forceN: state ? norm(state.forceN) : undefined,
       limitN: goal && goal.limitN > 0 ? goal.limitN : Infinity,
       goal: goal?.text ?? "",
+      ...trialOf(person),
     };
   }
 
@@ -250,6 +251,23 @@ export class ClassRoom {
     setText(this.saidText, me.line);
     this.said.hidden = false;
   }
+}
+
+/// What has become of the person's newest trial.
+function trialOf({trial}: Person): Pick<OnWall, "trial" | "trialFails"> {
+  if (!trial) return {trial: "", trialFails: false};
+  const {exercise, n, phase, ahead, reason} = trial;
+  const points = Math.round(trial.points ?? 0);
+  const isScored = phase === "scored";
+  const key = !isScored ? phase : trial.points === null ? "no_points" : "points";
+  return {
+    trial: say("class.trial", {
+      exercise,
+      n,
+      state: say(`exercises.${key}`, {ahead, reason, points}),
+    }),
+    trialFails: phase === "unscored" || phase === "unentered",
+  };
 }
 
 function doingOf(person: Person, station: Station | undefined): Pick<OnWall, "tone" | "doing"> {

@@ -3,8 +3,8 @@ import {ownText} from "../model/local_text";
 import {clock} from "../model/words";
 import {kTopics} from "../model/world";
 import type {ExamAnswer, ExamState, OpenExam} from "../protocol/exam_messages";
-import type {Exercise, TrialState} from "../protocol/exercise_messages";
-import {make, press, setText} from "../ui/elements";
+import type {Exercise, TrialPhase, TrialState} from "../protocol/exercise_messages";
+import {element, make, press, setText} from "../ui/elements";
 import {ExamDesk} from "../ui/exam_desk";
 import {followLanguage, setWords} from "../ui/spoken";
 
@@ -16,6 +16,8 @@ export interface ExamEvents {
   /// Called when it changes whether the page is restricted to an exam.
   changed(): void;
 }
+
+const kBusy: ReadonlySet<TrialPhase> = new Set(["preparing", "running", "ending", "unentered"]);
 
 /// An exam: the next task for a candidate, and the examiner's desk.
 export class Exam {
@@ -49,7 +51,7 @@ export class Exam {
     const times = make("p", {className: "times"}, this.where, this.clock, this.trialClock);
     const choices = make("p", {className: "choices"}, this.begin, this.handIn);
     this.bar.append(this.title, times, this.goal, this.task, this.word, choices);
-    document.querySelector(".picture")?.append(this.bar);
+    element("above", HTMLDivElement).append(this.bar);
     followLanguage(() => this.show());
   }
 
@@ -110,7 +112,7 @@ export class Exam {
 
   private get isBusy(): boolean {
     const phase = this.trial?.phase;
-    return phase === "preparing" || phase === "running" || phase === "ending";
+    return phase !== undefined && kBusy.has(phase);
   }
 
   private show(): void {
@@ -131,8 +133,7 @@ export class Exam {
 
   private wordOf(open: OpenExam): string {
     const phase = this.trial?.phase;
-    if (phase === "preparing" || phase === "running" || phase === "ending")
-      return say(`exercises.${phase}`) + (this.trial?.whole ? "" : ` ${this.trial?.reason}`);
+    if (phase && kBusy.has(phase)) return say(`exercises.${phase}`, {reason: this.trial!.reason});
     if (open.cut) return say("exam.cut", {reason: open.cut});
     if (!open.exercise) return say("exam.done");
     if (this.events.served(open.exercise) === "") return say("exercises.not_served");

@@ -80,7 +80,7 @@ export class Exercises {
     setWords(guided, "title", () => say("exercises.guide_title"));
     this.bar.append(what, word, clock, guided, stop, submit, score, again, next);
     element("audience", HTMLButtonElement).before(this.button);
-    document.querySelector(".picture")?.append(this.bar);
+    element("above", HTMLDivElement).append(this.bar);
     document.body.append(this.dialog);
     followLanguage(() => {
       this.showBar();
@@ -250,9 +250,9 @@ export class Exercises {
     const over = !this.isBusy;
     setText(this.what, `${ownText(exercise.title)}: ${ownText(exercise.goal)}`);
     const points = Math.round(trial.points ?? 0);
-    const {reason} = trial;
+    const {reason, ahead = 0} = trial;
     const verdict = verdictOf(trial);
-    setText(this.word, say(`exercises.${trial.phase}`, {points, verdict, reason}));
+    setText(this.word, say(`exercises.${trial.phase}`, {points, verdict, reason, ahead}));
     this.bar.dataset["verdict"] = trial.phase !== "scored" ? "" : trial.passed ? "good" : "poor";
     const submitted = trial.submitted || done?.submitted === true;
     const runs = trial.phase === "running";

@@ -1,3 +1,5 @@
+import type {TrialPhase} from "./exercise_messages";
+
 export type Role = "watch" | "drive" | "operate";
 
 export interface Person {
@@ -7,6 +9,15 @@ export interface Person {
   readonly station: string;
   readonly here: number; // number of open pages
   readonly seat: string; // a scene; empty: none
+  readonly trial?: NewestTrial | null; // of this run of the gateway
+}
+export interface NewestTrial {
+  readonly exercise: string;
+  readonly n: number;
+  readonly phase: TrialPhase;
+  readonly ahead: number;
+  readonly reason: string;
+  readonly points: number | null;
 }
 /// All people, for operators.
 export interface People {

@@ -33,6 +33,8 @@ export type TrialPhase =
   | "preparing"
   | "running"
   | "ending"
+  | "unentered" // its recording is kept, but its end cannot be stored yet
+  | "waiting" // for its turn to be scored
   | "scoring"
   | "scored"
   | "unscored"
@@ -41,4 +43,5 @@ export interface TrialState extends DoneTrial {
   readonly exercise: string;
   readonly phase: TrialPhase;
   readonly left_s: number;
+  readonly ahead?: number; // while it waits: the number of trials that are scored before it
 }

@@ -1,4 +1,4 @@
-import {say, type Words} from "../messages/say";
+import {say, sayNumber, type Words} from "../messages/say";
 import {make, setOptions, setText} from "./elements";
 import type {OperateOp} from "./console";
 
@@ -14,6 +14,8 @@ export interface OnWall {
   readonly forceN: number | undefined;
   readonly limitN: number; // Infinity: no limit
   readonly goal: string;
+  readonly trial: string; // the person's newest; empty: none
+  readonly trialFails: boolean;
 }
 
 export interface WallWishes {
@@ -33,6 +35,7 @@ interface Card {
   readonly limit: HTMLElement;
   readonly figure: HTMLElement;
   readonly goal: HTMLElement;
+  readonly trial: HTMLElement;
   readonly watch: HTMLButtonElement;
   readonly admit: HTMLButtonElement;
   readonly mute: HTMLButtonElement;
@@ -155,7 +158,7 @@ export class ClassWall {
     card.bar.style.width = `${100 * Math.min(1, (forceN ?? 0) / fullN)}%`;
     card.limit.hidden = !Number.isFinite(limitN);
     card.limit.style.left = `${100 / kFullLimits}%`;
-    const force = (forceN ?? 0).toFixed(2);
+    const force = sayNumber(forceN ?? 0, 2);
     const figure = Number.isFinite(limitN)
       ? say("class.of_limit", {force, limit: limitN})
       : say("class.newtons", {force});
@@ -165,6 +168,9 @@ export class ClassWall {
     );
     setText(card.goal, now.goal);
     card.goal.hidden = now.goal === "" || tone === "away";
+    setText(card.trial, now.trial);
+    card.trial.hidden = now.trial === "";
+    card.trial.classList.toggle("alarm", now.trialFails);
     card.watch.disabled = now.scene === "";
     card.admit.hidden = tone !== "held";
     card.mute.hidden = tone === "held" || station === "";
@@ -189,6 +195,7 @@ export class ClassWall {
       seat: make("span", {className: "seat"}),
       figure: make("output", {className: "figure", ariaLabel: () => say("class.force")}),
       goal: make("p", {className: "goal-words"}),
+      trial: make("p", {className: "trial"}),
       ...{bar, limit, now},
       watch: button(
         () => say("class.watch"),
@@ -229,6 +236,7 @@ export class ClassWall {
       make("p", {className: "top"}, make("b"), card.seat),
       make("p", {}, card.doing),
       card.force,
+      card.trial,
       card.goal,
       make(
         "span",
