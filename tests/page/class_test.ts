@@ -1,7 +1,16 @@
 // A course on the page, in a real browser at a gateway that does what a test says.
 import {afterEach, expect} from "vitest";
 
-import {appears, atGateway, gateway, open, page, reads, text} from "./support/at_gateway";
+import {
+  appears,
+  atGateway,
+  chooseLanguage,
+  gateway,
+  open,
+  page,
+  reads,
+  text,
+} from "./support/at_gateway";
 import {eventually, probe} from "./support/browser";
 import {heldExam, kExercise, ownExam, trialState} from "./support/exam_state";
 import {pressed, sessionState} from "./support/fake_gateway";
@@ -151,6 +160,35 @@ test.each([
     gateway.send("/palpate/exam_state", ownExam());
     await appears("#exam-bar");
     await isApart("#banner", ".said", "#exam-bar");
+  },
+);
+
+test.each([
+  ["a projector", {width: 1280, height: 720}, "en"],
+  ["a projector, in German", {width: 1280, height: 720}, "de"],
+  ["a phone, in German", {width: 390, height: 844}, "de"],
+])(
+  "on %s a teacher's bar has room for all, and for the scene's name",
+  async (_, viewport, language) => {
+    gateway.role = "operate";
+    gateway.hasCourse = true;
+    gateway.retain("/palpate/exercises", {exercises: []});
+    tellPeople(person(1, "teacher", {role: "operate"}));
+    await open({viewport});
+    await chooseLanguage(language);
+    await page.locator("#settings").click();
+    await page.locator("#projector").check();
+    await page.keyboard.press("Escape");
+    const widths = await page
+      .locator(".bar select")
+      .evaluateAll((all) => all.map((one) => one.clientWidth));
+    for (const width of widths) expect(width).toBeGreaterThan(100);
+    const beyond = await page
+      .locator(".bar > *")
+      .evaluateAll(
+        (all) => all.filter((one) => one.getBoundingClientRect().right > innerWidth).length,
+      );
+    expect(beyond).toBe(0);
   },
 );
 
