@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <string_view>
 
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
+
+#include "common/text/wrapped.h"
 
 namespace palpate::doctor {
 namespace {
@@ -30,23 +31,6 @@ constexpr Words kWords[] = {
     {"ok", "32", "fit"}, {"warning", "33", "fit, with warnings"}, {"fault", "1;31", "not fit"}};
 const Words& Of(Status status) {
   return kWords[static_cast<int>(status)];
-}
-
-/// Returns lines of at most `width` letters, broken at spaces; keeps a longer word (a path) whole.
-std::vector<std::string> Wrapped(const std::string& text, int width) {
-  std::vector<std::string> lines(1);
-  std::string_view rest = text;
-  while (!rest.empty()) {
-    const std::string_view word = rest.substr(0, rest.find(' '));
-    rest.remove_prefix(std::min(rest.size(), word.size() + 1));
-    std::string& line = lines.back();
-    if (!line.empty() && static_cast<int>(line.size() + 1 + word.size()) > width) {
-      lines.emplace_back(word);
-    } else {
-      line.append(line.empty() ? "" : " ").append(word);
-    }
-  }
-  return lines;
 }
 
 double Quantile_us(const Jitter& jitter, double q) {
