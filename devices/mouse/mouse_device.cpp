@@ -134,7 +134,7 @@ const char* MouseDevice::activity() const noexcept {
 
 DeviceKind MouseKind() {
   return {.name = "mouse",
-          .what = "a hand that follows lines on standard input; sees, and feels nothing",
+          .what = "targets read from standard input; renders no force",
           .make = [](const DeviceOptions& options) -> std::unique_ptr<Device> {
             return std::make_unique<MouseDevice>(STDIN_FILENO, options.start);
           }};

@@ -572,7 +572,7 @@ const char* OpenHapticsDevice::activity() const noexcept {
 
 DeviceKind OpenHapticsKind() {
   return {.name = "openhaptics",
-          .what = "a PHANTOM or Touch arm, through the OpenHaptics library that is installed",
+          .what = "a PHANTOM or Touch arm, through the OpenHaptics library",
           .max_rate_Hz = 4000.0,
           .check_host = [](const std::string&) { hd::LoadLibrary(); },
           .make = [](const DeviceOptions& options) -> std::unique_ptr<Device> {

@@ -426,7 +426,7 @@ void PluginDevice::StopTicks() {
 
 DeviceKind PluginKind() {
   return {.name = "./DRIVER.so",
-          .what = "an arm of your own, by a driver that you have built: devices/arm.md",
+          .what = "an arm of your own, by a driver that you build: devices/arm.md",
           .max_rate_Hz = 4000.0,
           .is_file = true,
           .check_host = [](const std::string& name) { LoadDriver(name); },
