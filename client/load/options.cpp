@@ -11,8 +11,8 @@ namespace {
 constexpr const char* kAbout =
     R"(Load test of a running palpate-server and its palpate-viewer.
 Simulates stations at 1 kHz, and viewers over WebSocket and DDS.  Reports the
-rate and round trip that were reached, the late poses, what the viewers received,
-and what each process cost.
+rate and round trip that were reached, the late poses, what the viewers
+received, and what each process cost.
 )";
 
 constexpr const char* kExamples =

@@ -14,8 +14,8 @@ constexpr double kMostGuideRate = 2.0;
 constexpr const char* kAbout =
     R"(Replays recordings of palpate-record: shows them to viewers as if they were
 live, computes them again to verify every bit, or guides another hand along
-them.  Also scores a trainee against an expert, and exports recordings as columns
-for figures.
+them.  Also scores a trainee against an expert, and exports recordings as
+columns for figures.
 )";
 
 constexpr const char* kExamples =
@@ -49,7 +49,7 @@ constexpr const char* kScoreExamples =
     R"(Examples:
   palpate-replay score expert.mcap try1.mcap try2.mcap try3.mcap \
                  --criteria mine.json --out report
-      report/score.html: paths in space, distance, forces, marks and their mean
+      report/score.html: paths in space, distance, forces, marks, their mean
   palpate-replay score class.mcap class.mcap --expert-station teacher \
                  --station anna
       expert and trainee from one recording; without these options the error

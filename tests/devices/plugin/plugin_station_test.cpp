@@ -117,7 +117,7 @@ TEST(Doctor, FindsWhatADriverDoesWrong) {
   EXPECT_THAT(none.Output(), AllOf(HasSubstr("has no palpate_device_stop"), HasSubstr("arm.md")));
   Program push = Doctor({"simulated", "--push"});
   EXPECT_EQ(push.Exit(60.0), 2);
-  EXPECT_THAT(push.Output(), HasSubstr("--push is for a driver of your own"));
+  EXPECT_THAT(push.Output(), HasSubstr("--push needs a driver of your own"));
 }
 
 }  // namespace
