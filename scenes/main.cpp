@@ -241,8 +241,8 @@ void AddToleranceOptions(const CommandLine& app, std::optional<LeafTolerance>& l
           .Range(kLeastTolerance_um, kMostTolerance_um);
   app.AddNumber(
          "--tolerance-deg", sets(LeafTolerance::Of::kLean, M_PI / 180.0),
-         "choose the number of leaves so that the mean angle between the normals of leaves and "
-         "mesh, and so of the contact force, is at most this, in degrees")
+         "choose the number of leaves so that the mean error in the direction of the contact "
+         "force is at most this, in degrees")
       .Range(kLeastTolerance_deg, kMostTolerance_deg)
       .Excludes(um);
 }

@@ -614,7 +614,7 @@ class Examples(unittest.TestCase):
         render = pathlib.Path(os.environ["PALPATE_SOURCE_DIR"], "client/python/notebooks/render")
         done = subprocess.run([render, "--check"], capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertEqual(done.stdout.count("as it should be"), 3)
+        self.assertEqual(done.stdout.count("up to date"), 3)
 
     def test_give_a_first_force_in_a_scene_in_five_statements(self):
         example = pathlib.Path(os.environ["PALPATE_SOURCE_DIR"], "client/python/examples/first_scene.py")

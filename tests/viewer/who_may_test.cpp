@@ -600,8 +600,8 @@ TEST(PageCertificate, IsRefusedForNamesThatItsAuthorityDoesNotVouchForOrNobodyCa
   const std::string& folder = kept.path();
   Certify(folder, {"page.lab.example"});
   // Names of a kind of which there was none are refused, too.
-  EXPECT_THAT(Certify(folder, {"other.example"}, 1), HasSubstr("does not vouch for other.example"));
-  EXPECT_THAT(Certify(folder, {"10.0.0.5"}, 1), HasSubstr("does not vouch for 10.0.0.5"));
+  EXPECT_THAT(Certify(folder, {"other.example"}, 1), HasSubstr("cannot certify other.example"));
+  EXPECT_THAT(Certify(folder, {"10.0.0.5"}, 1), HasSubstr("cannot certify 10.0.0.5"));
   EXPECT_THAT(Certify(folder, {"Page.example"}, 2), HasSubstr("small letters"));
   EXPECT_THAT(Certify(folder, {"10.0.0.256"}, 2), HasSubstr("10.0.0.256"));
   EXPECT_THAT(Certify(folder, {}, 2), HasSubstr("NAME"));
