@@ -239,7 +239,7 @@ Shared ModelOf(const Loaded& loaded, const py::object& which, const py::kwargs& 
     const Body& tool = scene.tools[i];
     if (which.equal(py::int_(i)) || which.equal(py::str(tool.name))) return Share(scene, tool);
   }
-  throw Error("tool: there is no " + py::str(which).cast<std::string>() + "; there are " +
+  throw Error("tool: " + py::str(which).cast<std::string>() + " is not in the scene; give one of " +
               NamesOf(scene.tools));
 }
 

@@ -78,7 +78,7 @@ class Force(unittest.TestCase):
         # Of the separation a pair may have lost half when it is met.
         self.assertGreater(force[51] - force[1], 0.024)
         self.assertLess(force[51] - force[1], 0.0501)
-        with self.assertRaisesRegex(palpate.Error, "seperation_um is not known; there are stiffness_N_per_m"):
+        with self.assertRaisesRegex(palpate.Error, "seperation_um is not known; give one of stiffness_N_per_m"):
             palpate.Model([block], ball, step={"seperation_um": 1})
 
     def test_holds_a_rough_block_back(self):
@@ -435,9 +435,9 @@ class Scenes(unittest.TestCase):
         for words, wrong in {
             'no scene "cub"': lambda: palpate.load("cub"),
             "neither 'surface'": lambda: palpate.load("cube", contact="air"),
-            "seperation_um is not known; there are stiffness_N_per_m": lambda: scene.model(seperation_um=1),
+            "seperation_um is not known; give one of stiffness_N_per_m": lambda: scene.model(seperation_um=1),
             "sub_steps is 0; give a whole number from 1 to 64": lambda: scene.model(sub_steps=0),
-            "tool: there is no 7; there are ": lambda: scene.model(7),
+            "tool: 7 is not in the scene; give one of ": lambda: scene.model(7),
             "rate": lambda: scene.path(0),
             "tolerance_um": lambda: palpate.load("cube", tolerance_um=0),
         }.items():
