@@ -44,7 +44,7 @@ std::vector<PoseScript> ScriptsOf(const LoadRunOptions& options,
   std::vector<PoseScript> scripts;
   for (const OfferedTool& tool : tools) {
     const std::optional<PoseScript>& hand = given ? given : tool.hand;
-    if (!hand) spdlog::warn("{}: it stays where it starts; give --script", tool.remark);
+    if (!hand) spdlog::warn("{}: the hand stays where it starts; give --script", tool.remark);
     scripts.push_back(hand ? *hand : PoseScript({{0.0, tool.X_WT, "hold"}}));
   }
   return scripts;

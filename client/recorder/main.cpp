@@ -114,7 +114,7 @@ void Record(const RecorderOptions& options) {
     if (!silence_said && !taps.heard() && seconds() > 5.0) {
       silence_said = true;
       progress.End();
-      spdlog::warn("{}: recording what comes", Silence(options, 5.0));
+      spdlog::warn("{}; recording whatever arrives", Silence(options, 5.0));
     }
     if (options.seconds && seconds() >= *options.seconds) {
       reason = "its time was over";

@@ -52,8 +52,8 @@ std::optional<PoseScript> ToHand(const Sequence& sequence) {
     if (!X_WH.p.allFinite() || !std::isfinite(size) || !(size > 0.5) ||
         !std::isfinite(key.time_s)) {
       throw Error(
-          "the hand that the server offers is not finite, or has no rotation; give one with "
-          "--script, or start a palpate-server of this version");
+          "the server's script for the hand is invalid; give one with --script, or start a "
+          "palpate-server of this version");
     }
     keys.push_back({key.time_s, {X_WH.p, X_WH.q.normalized()}, key.label});
   }

@@ -198,7 +198,7 @@ void SessionLink::PollAsking(std::int64_t now_ns) {
   if (state_->phase == palpate_SESSION_ENDED) return Ask(now_ns);
   refused_since_ns_ = 0;
   if (former_servers_.contains(state_->server_run)) {
-    throw Error("two servers answer in domain " + std::to_string(options_.domain) +
+    throw Error("two servers run in domain " + std::to_string(options_.domain) +
                 ": end one of them, or give it and its stations another --domain");
   }
   server_run_ = state_->server_run;

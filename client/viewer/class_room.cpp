@@ -168,7 +168,7 @@ void ClassRoom::Delete(std::int64_t id, const Busy& busy) {
 
 void ClassRoom::Say(std::int64_t id, const std::string& text) {
   if (id != 0 && roster_.Find(id) == nullptr) {
-    throw Error(fmt::format("nobody of this course has the number {}", id));
+    throw Error(fmt::format("no person of this course has the number {}", id));
   }
   for (const Person& person : roster_.people()) {
     // A line to all is meant for students.

@@ -78,7 +78,7 @@ Tokens Tokens::Parse(const std::string& path, const std::string& text) {
       refuse("the name is followed by the token's SHA-256, 64 hexadecimal digits, and no more");
     }
     for (const Holder& other : tokens.holders_) {
-      if (other.name == name) refuse("the name " + Quoted(name) + " stands there twice");
+      if (other.name == name) refuse("the name " + Quoted(name) + " is listed twice");
       if (StationNameOf(other.name) == StationNameOf(name)) {
         refuse("as a station " + Quoted(name) + " is called as " + Quoted(other.name) + ": " +
                Quoted(StationNameOf(name)));

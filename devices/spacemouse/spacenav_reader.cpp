@@ -150,7 +150,9 @@ SpacenavReader::SpacenavReader() : stop_(eventfd(0, EFD_CLOEXEC)) {
   if (stop_ < 0) throw Error("spacemouse: no eventfd; are too many files open?");
   if (in_use.exchange(true)) {
     close(stop_);
-    throw Error("spacemouse: this process has opened it already; libspnav has one connection");
+    throw Error(
+        "spacemouse: this process has already opened it, and libspnav supports only one "
+        "connection");
   }
   std::future<void> opened = opened_.get_future();
   thread_ = std::thread([this] { Run(); });

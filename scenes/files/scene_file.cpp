@@ -50,7 +50,7 @@ Vec3 ReadSize(const JsonNode& node) {
 
 Vec3 ReadDirection(const JsonNode& node) {
   const Vec3 direction = node.Vector();
-  if (!(direction.norm() > 1e-6)) node.Fail("is no direction; give one that is not 0");
+  if (!(direction.norm() > 1e-6)) node.Fail("has length 0; give a direction");
   return direction.normalized();
 }
 

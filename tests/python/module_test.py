@@ -266,10 +266,10 @@ class Effects(unittest.TestCase):
         with self.assertRaisesRegex(RuntimeError, "enough"):
             self.proxy.steps(numpy.tile(self.AIR, (20, 1)))
         self.assertFalse(self.proxy.step(self.AIR).force.any())
-        for words, wrong in {"rate_hz: must be 1000 over": {"rate_hz": 300}, "max_force, ": {"max_force": -1}}.items():
+        for words, wrong in {"rate_hz: must be 1000 divided by": {"rate_hz": 300}, "max_force, ": {"max_force": -1}}.items():
             with self.assertRaisesRegex(palpate.Error, words):
                 self.proxy.set_effect(enough, **wrong)
-        with self.assertRaisesRegex(palpate.Error, "effect: is no function"):
+        with self.assertRaisesRegex(palpate.Error, "effect: is not a function"):
             self.proxy.set_effect(3)
 
 
@@ -434,7 +434,7 @@ class Scenes(unittest.TestCase):
         scene = palpate.load("cube")
         for words, wrong in {
             'no scene "cub"': lambda: palpate.load("cub"),
-            "neither 'surface'": lambda: palpate.load("cube", contact="air"),
+            "give 'surface' or 'spheres'": lambda: palpate.load("cube", contact="air"),
             "seperation_um is not known; give one of stiffness_N_per_m": lambda: scene.model(seperation_um=1),
             "sub_steps is 0; give a whole number from 1 to 64": lambda: scene.model(sub_steps=0),
             "tool: 7 is not in the scene; give one of ": lambda: scene.model(7),
@@ -452,7 +452,7 @@ class Errors(unittest.TestCase):
         for words, wrong in {
             "thing: ": lambda: palpate.body("thing", vertices, triangles + 1000),
             r"vertices: must be an array \(n, 3\); its shape is \(8, 2\)": lambda: palpate.body("thing", vertices[:, :2], triangles),
-            "neither 'surface'": lambda: palpate.body("thing", vertices, triangles, contact="air"),
+            "give 'surface' or 'spheres'": lambda: palpate.body("thing", vertices, triangles, contact="air"),
             "friction: ": lambda: palpate.body("thing", vertices, triangles, dynamic_friction=1),
             "stiffness": lambda: palpate.body("thing", vertices, triangles, stiffness=0),
             "radius": lambda: palpate.ball("thing", math.nan),

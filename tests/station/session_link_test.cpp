@@ -169,7 +169,7 @@ TEST(SessionLink, FadesWhenTheServerDiesAndResumesByItselfWithItsSuccessor) {
 TEST_F(LinkedStation, LeavesTheHandWithoutAForceWhereTwoServersAnswer) {
   FakeServer other(kDomain, kUdp);
   EXPECT_EQ(station.Complaint(),
-            "two servers answer in domain " + kNumber +
+            "two servers run in domain " + kNumber +
                 ": end one of them, or give it and its stations another --domain");
   station.link.reset();
   station.servo->Stop();

@@ -137,7 +137,7 @@ TEST_F(TokensTest, NameTheLineThatIsWrong) {
            {"drive b " + other + " more", "no more"},
            {"drive " + std::string(33, 'n') + " " + other, "32 at most"},
            {"drive b/ " + other, "a name has"},
-           {"drive a " + other, "stands there twice"},
+           {"drive a " + other, "is listed twice"},
            {"drive b " + hash_, "has the token of 'a'"}}) {
     Write(good + line + "\n");
     EXPECT_THAT(Complaint(), AllOf(HasSubstr(path_ + ":4: "), HasSubstr(what))) << line;

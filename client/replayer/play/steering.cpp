@@ -113,10 +113,11 @@ void Steering::Check(const wire::ReplayRequest& request) const {
   }
   const bool has_value =
       request.wish != palpate_REPLAY_PLAY && request.wish != palpate_REPLAY_PAUSE;
-  if (has_value && !std::isfinite(request.value)) throw Error("its number is none; give one");
+  if (has_value && !std::isfinite(request.value))
+    throw Error("its value is not a number; give one");
   if (request.wish == palpate_REPLAY_RATE &&
       !(request.value >= kLeastRate && request.value <= kMostRate)) {
-    throw Error("the rate is from 0.1 to 8; give one of these");
+    throw Error("the rate must be from 0.1 to 8");
   }
 }
 

@@ -73,7 +73,8 @@ std::string ChooseExam(const std::string& wanted, std::vector<SealedVerdict>& tr
     throw Error("there are several exams: " + list + "; choose with --exam");
   }
   if (exams.empty() && !wanted.empty()) {
-    throw Error("--exam " + wanted + ": no trial of it is sealed by this key");
+    throw Error("--exam " + wanted +
+                ": no trial of this exam is sealed by this key; give another --exam or --key");
   }
   const std::string exam = exams.empty() ? "" : *exams.begin();
   std::erase_if(trials, [&](const SealedVerdict& trial) {

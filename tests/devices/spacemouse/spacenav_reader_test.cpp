@@ -140,7 +140,7 @@ TEST(SpacenavReader, ExplainsWhyItCannotBeOpened) {
   FakeSpacenavd daemon;
   {
     SpacenavReader reader;
-    EXPECT_THAT(Complaint(), HasSubstr("has opened it already"));
+    EXPECT_THAT(Complaint(), HasSubstr("has already opened it"));
   }
   daemon.Kill();
   EXPECT_THAT(Complaint(), HasSubstr(daemon.path() + " (Connection refused)"));

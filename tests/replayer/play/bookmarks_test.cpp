@@ -99,7 +99,8 @@ TEST_F(BookmarksTest, SayWhatIsWrongWithAFileAndLeaveItAsItIs) {
 TEST_F(BookmarksTest, DoNotWriteOverWhatAnotherHasWrittenMeanwhile) {
   Bookmarks first(file_), second(file_);
   first.Add(1.0, "the first's");
-  EXPECT_THAT(ComplaintOf([&] { second.Add(2.0, "the second's"); }), HasSubstr("has been changed"));
+  EXPECT_THAT(ComplaintOf([&] { second.Add(2.0, "the second's"); }),
+              HasSubstr("was changed by another program"));
   EXPECT_THAT(second.all(), IsEmpty());
   EXPECT_THAT(NamesOf(Bookmarks(file_)), ElementsAre(std::pair(1.0, "the first's")));
   first.Add(3.0, "and one more");

@@ -306,7 +306,7 @@ TEST(CutScene, NamesTheRemedyOfAnEdgeThatIsNone) {
       {EdgeOf("[[0, 0], [1, 1], [0.1, 1.2], [0, 5]]", "1", here), kEnamelOnDentine,
        "tools[0].edge: bur: its curve is not convex at point 2"},
       {EdgeOf(ball, "1", here, "[0, 0, 0]"), kEnamelOnDentine,
-       "tools[0].edge.sense: is no direction; give one that is not 0"},
+       "tools[0].edge.sense: has length 0; give a direction"},
       {EdgeOf(ball, "0.3", here), kEnamelOnDentine,
        "tools[0].edge: holds no triangle of the tool's mesh; give an at_mm and a curve_mm"},
       {R"("bur": "001/014", "edge": {"curve_mm": [[0, 0]], "rounding_mm": 1, "at_mm": [0, 0, 0],

@@ -212,7 +212,7 @@ TEST(SceneFile, ReadsHowTheSceneIsToBeSeen) {
                         bodies + "}",
                     "f.json");
               }),
-              HasSubstr("first_sight.from: is no direction; give one that is not 0"));
+              HasSubstr("first_sight.from: has length 0; give a direction"));
 }
 
 TEST(SceneFile, TakesSurfaceContactAndNothingElseWhereNothingIsSaid) {
