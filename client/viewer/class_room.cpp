@@ -117,7 +117,7 @@ std::string ClassRoom::Do(const ClassCommand& command, const Tokens& others, con
   try {
     for (const std::string& name : command.names) {
       if (others.NamesAnother(StationNameOf(name), "", "")) {
-        throw Error(Quoted(name) + " is somebody of --tokens already; give another name");
+        throw Error(Quoted(name) + " is already used in --tokens; give another name");
       }
     }
     switch (command.op) {

@@ -174,7 +174,7 @@ void Hub::ReadTokensAnew(std::int64_t now_ns) {
     spdlog::info("{} read anew: {} tokens are valid; connections that end for it: {}",
                  options_.tokens + options_.course, gate_.tokens()->size(), ended);
   } catch (const Error& error) {
-    spdlog::error("{}; the tokens that were read before stay valid", error.what());
+    spdlog::error("{}; the tokens read before remain valid", error.what());
   }
 }
 
@@ -303,7 +303,8 @@ void Hub::BeginTrial(const std::string& name, ViewerSession& viewer, std::int64_
   const bool has_seat = seat.starts_with(exercise->scene_name + "-");
   const MouseCommand take{
       MouseCommand::Op::kTake, has_seat ? seat : exercise->scene_name, exercise->tool, {}};
-  if (!seat.empty() && !has_seat) throw Error("your seat is '" + seat + "', another scene's");
+  if (!seat.empty() && !has_seat)
+    throw Error("your seat is '" + seat + "', which belongs to another scene");
   if (const std::string absent = WhyAbsent(take.scene); !absent.empty()) throw Error(absent);
   // Checked before anything changes: a second page must not restore the scene during a trial.
   const std::int64_t person = viewer.holder()->person;
@@ -312,8 +313,8 @@ void Hub::BeginTrial(const std::string& name, ViewerSession& viewer, std::int64_
   const bool is_reset =
       AsksForCuts(exercise->criteria) && exercise->start != Exercise::Start::kAsItIs;
   if (mice_.IsTaken(take.scene, is_reset ? "" : take.tool, viewer.id())) {
-    throw Error("somebody is at work in scene '" + take.scene +
-                "'; wait, or have your teacher give you a seat of your own");
+    throw Error("somebody is working in scene '" + take.scene +
+                "'; wait, or ask your teacher for a seat of your own");
   }
   mice_.Release(viewer.id(), "a trial begins", now_ns);
   if (is_reset) {

@@ -147,9 +147,8 @@ bool TopicFeed::IsCurrent(std::uint64_t server_run, std::uint64_t origin) {
   } else if (lives_) {
     if (!others_heard_) {
       spdlog::warn(
-          "another server ({:x}) speaks in this domain and is not heard: the one that was "
-          "first lives ({:x}); give one of them, its stations and its viewers another "
-          "--domain",
+          "another server ({:x}) in this domain is ignored, because the first one ({:x}) is still "
+          "running; give one of them, its stations and its viewers another --domain",
           server_run, server_run_);
     }
     others_heard_ = true;
@@ -222,7 +221,7 @@ void TopicFeed::TakeSeat(const FramePtr& frame, const wire::SceneBundle& seat,
   const auto scene = std::ranges::find_if(
       scenes_, [&](const auto& entry) { return entry.second.hash == seat.hash; });
   if (scene == scenes_.end()) {
-    return spdlog::warn("seat '{}' comes before its scene, and is not shown", seat.scene);
+    return spdlog::warn("seat '{}' arrived before its scene, and is not shown", seat.scene);
   }
   Keep(frame, seat.scene, 0);
   const SceneBytes bytes = scene->second;  // shares the compressed bundle
@@ -241,7 +240,7 @@ void TopicFeed::Poll(const std::function<void(const FramePtr&)>& on_frame,
           if (sample.bundle._length == 0) return TakeSeat(frame, sample, on_frame);
           const std::span<const std::uint8_t> bundle = BundleIn(frame->payload, sample);
           if (BundleHash(bundle) != sample.hash) {
-            return spdlog::warn("a scene's bundle is not what its hash says, and is not shown");
+            return spdlog::warn("the bundle of a scene does not match its hash, and is not shown");
           }
           Keep(frame, sample.scene, 0);
           scenes_[sample.scene] = {frame, sample.hash, bundle};

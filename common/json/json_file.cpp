@@ -204,7 +204,7 @@ JsonNode JsonNode::Load(const std::string& file) {
 JsonNode JsonNode::Parse(std::string_view text, const std::string& file) {
   if (text.size() > kMostBytes) {
     throw Error(file + ": holds more than " + std::to_string(kMostBytes >> 20) +
-                " MiB, the most that such a file may; check that it is the right one");
+                " MiB, the limit for such a file; check that it is the right one");
   }
   auto document = std::make_shared<Document>();
   document->file = file;
@@ -367,7 +367,7 @@ Pose JsonNode::ReadPose() const {
     rotation->AllowOnly({"axis", "angle"});
     const Vec3 axis = rotation->At("axis").Vector(kLongestAxis);
     const double length = std::sqrt(axis.squaredNorm());
-    if (!(length > 1e-9)) rotation->At("axis").Fail("has no length; give a direction");
+    if (!(length > 1e-9)) rotation->At("axis").Fail("has length 0; give a direction");
     constexpr double kDegree = 3.14159265358979323846 / 180.0;
     pose.q = RotationExp(rotation->At("angle").Number(-kMostTurns_deg, kMostTurns_deg) * kDegree /
                          length * axis);

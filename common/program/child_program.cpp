@@ -65,7 +65,7 @@ ChildProgram::ChildProgram(const std::string& program, const std::vector<std::st
     Close(input_);
     Close(output_);
     throw Error("no process for " + what_ + " (" + std::string(std::strerror(error)) +
-                "): are too many running?");
+                "): end other programs, or raise 'ulimit -u'");
   }
   fcntl(input_, F_SETFL, O_NONBLOCK);
   fcntl(output_, F_SETFL, O_NONBLOCK);

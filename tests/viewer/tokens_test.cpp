@@ -135,7 +135,7 @@ TEST_F(TokensTest, NameTheLineThatIsWrong) {
            {"drive b " + other + "0", "64 hexadecimal digits"},
            {"drive b " + std::string(63, 'b') + "g", "64 hexadecimal digits"},
            {"drive b " + other + " more", "no more"},
-           {"drive " + std::string(33, 'n') + " " + other, "32 at most"},
+           {"drive " + std::string(33, 'n') + " " + other, "at most 32"},
            {"drive b/ " + other, "a name has"},
            {"drive a " + other, "is listed twice"},
            {"drive b " + hash_, "has the token of 'a'"}}) {
@@ -143,7 +143,7 @@ TEST_F(TokensTest, NameTheLineThatIsWrong) {
     EXPECT_THAT(Complaint(), AllOf(HasSubstr(path_ + ":4: "), HasSubstr(what))) << line;
   }
   Write("# nobody\n");
-  EXPECT_THAT(Complaint(), HasSubstr("holds none"));
+  EXPECT_THAT(Complaint(), HasSubstr("has no tokens"));
 }
 
 TEST_F(TokensTest, AreMadeOnceForEachName) {

@@ -366,7 +366,7 @@ TEST_F(Guarded, HoldAsBeforeWhereTheFileIsBrokenWhenItIsReadAnew) {
   std::ofstream(path_, std::ios::app) << "dance x y\n";
   gateway.program().Signal(SIGHUP);
   EXPECT_TRUE(gateway.Logs(":4: role 'dance' is none of watch, drive and operate"));
-  EXPECT_TRUE(gateway.Logs("the tokens that were read before stay valid"));
+  EXPECT_TRUE(gateway.Logs("the tokens read before remain valid"));
   std::filesystem::remove(path_);
   gateway.program().Signal(SIGHUP);
   EXPECT_TRUE(gateway.Logs("No such file"));
@@ -615,9 +615,9 @@ TEST(PageCertificate, IsRefusedForNamesThatItsAuthorityDoesNotVouchForOrNobodyCa
 
 TEST_F(Guarded, SaysWhatABoundGatewayMeansWithoutTokensAndWithoutTls) {
   Gateway open({"--bind", "0.0.0.0"});
-  EXPECT_TRUE(open.Logs("every host that reaches 0.0.0.0 can look"));
+  EXPECT_TRUE(open.Logs("every host that can reach 0.0.0.0 can watch"));
   EXPECT_THAT(open.program().Output(), AllOf(HasSubstr("--tokens"), HasSubstr("--tls-cert"),
-                                             HasSubstr("all goes in the clear")));
+                                             HasSubstr("is not encrypted")));
   Gateway local;
   EXPECT_THAT(local.program().Output(), Not(HasSubstr("warning")));
   Gateway guarded({"--bind", "0.0.0.0", "--tokens", path_});
