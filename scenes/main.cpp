@@ -182,7 +182,7 @@ void Render(const Arguments& arguments) {
                      " exclude each other; keep one");
   }
   if (!arguments.body.empty() && !arguments.error) {
-    throw UsageError("--body chooses whose --error is drawn; add that or drop it");
+    throw UsageError("--body needs --error; add it, or drop --body");
   }
   if (arguments.error) {
     const Scene scene = Load(arguments);

@@ -101,7 +101,7 @@ Finding CheckInverse(const Probe& probe) {
   return Probed(
       kInverse, probe,
       "install the Inverse Service with the Haply Hub " + PageOf(kInverse) +
-          " and start it: sudo systemctl start haply-inverse-service; or name its address in " +
+          " and start it: sudo systemctl start haply-inverse-service; or give its address in " +
           haply::kServiceVariable);
 }
 

@@ -61,7 +61,7 @@ void ForceDimensionDevice::Open() {
     const int serial = NumberOf<int>(text).value_or(-1);
     if (serial < 0) {
       throw UsageError("--device-name '" + text +
-                       "': give the arm's serial number, as on its label: digits alone");
+                       "': give the arm's serial number, as on its label: digits only");
     }
     id_ = dhd_.dhdOpenSerial(serial);
   }
@@ -70,7 +70,7 @@ void ForceDimensionDevice::Open() {
   const int there = dhd_.dhdGetDeviceCount();
   throw Error("forcedimension: the arm" +
               (options_.arm.empty() ? "" : " with serial number " + options_.arm) +
-              " does not open (the library sees " + std::to_string(there < 0 ? 0 : there) +
+              " cannot be opened (the library finds " + std::to_string(there < 0 ? 0 : there) +
               "): " + dhd::DescribeError(code));
 }
 

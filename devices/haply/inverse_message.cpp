@@ -84,16 +84,16 @@ Inventory ParseInventory(const std::string& text, const std::string& wanted) {
   const Json message = Json::parse(text, nullptr, false);
   if (!message.is_object()) {
     throw Error(
-        "haply: what answers there does not speak as the Inverse Service does; is another program "
-        "at that port, or the service older than 3.1?  Update it with the Haply Hub");
+        "haply: the answer is not from an Inverse Service of version 3.1 or newer; check whether "
+        "another program uses that port, or update the service with the Haply Hub");
   }
   Inventory inventory;
   const Json* device = DeviceOf(message, "inverse3", wanted);
   if (!device) {
     throw Error("haply: the Inverse Service has no device" +
                 (wanted.empty() ? std::string() : " '" + wanted + "'") +
-                "; plug it in and switch it on, see that the Haply Hub shows it, and give "
-                "--device-name its id as the Hub has it");
+                "; plug it in, switch it on, and check that the Haply Hub shows it; give "
+                "--device-name the id shown there");
   }
   inventory.device_id = device->at("device_id").get<std::string>();
   inventory.type = "inverse3";

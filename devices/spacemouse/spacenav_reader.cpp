@@ -125,8 +125,8 @@ void OpenLibrary() {
     spnav_close();
   }
   throw Error(
-      "spacemouse: spacenavd accepts connections, and the protocol cannot be agreed on; leave the "
-      "SpaceMouse alone while it is opened, or start spacenavd again");
+      "spacemouse: spacenavd accepts connections, but the protocol negotiation fails; do not touch "
+      "the SpaceMouse while it is opened, or restart spacenavd");
 }
 
 /// Finds out whether spacenavd has a device, and its name.  Needs protocol 1.
@@ -147,7 +147,9 @@ bool FindDevice(std::string& name) {
 }  // namespace
 
 SpacenavReader::SpacenavReader() : stop_(eventfd(0, EFD_CLOEXEC)) {
-  if (stop_ < 0) throw Error("spacemouse: no eventfd; are too many files open?");
+  if (stop_ < 0)
+    throw Error(
+        "spacemouse: cannot create an eventfd; raise 'ulimit -n' if too many files are open");
   if (in_use.exchange(true)) {
     close(stop_);
     throw Error(
@@ -223,8 +225,8 @@ void SpacenavReader::Open() {
   if (FindDevice(device_name_)) return;
   spnav_close();
   throw Error(
-      "spacemouse: spacenavd runs and has no device; plug the SpaceMouse in (lsusb shows it as "
-      "3Dconnexion or Logitech), and see what spacenavd says (journalctl -u spacenavd)");
+      "spacemouse: spacenavd runs but has no device; plug the SpaceMouse in (lsusb shows it as "
+      "3Dconnexion or Logitech), and check the log of spacenavd (journalctl -u spacenavd)");
 }
 
 void SpacenavReader::Lose(SpacenavState::Link link, const char* news) {

@@ -326,7 +326,7 @@ void ReadMaterials(const wire::Body& in, Body& out) {
 
 TreeOrigin FromWire(wire::TreeOrigin origin) {
   static_assert(static_cast<int>(wire::TreeOrigin::MAX) == static_cast<int>(TreeOrigin::kBall));
-  if (origin > wire::TreeOrigin::MAX) throw Error("where a tree comes from is not known");
+  if (origin > wire::TreeOrigin::MAX) throw Error("its tree has an unknown origin");
   return static_cast<TreeOrigin>(origin);
 }
 
@@ -340,7 +340,7 @@ void ReadMargin(const wire::Body& in, Body& out) {
   if (in.margin() == nullptr) return;
   for (const wire::Vec3* point : *in.margin()) {
     out.margin.push_back(FromWire(*point));
-    if (!out.margin.back().allFinite()) throw Error("a margin is none");
+    if (!out.margin.back().allFinite()) throw Error("a margin is invalid");
   }
 }
 
@@ -651,18 +651,18 @@ Scene UnpackScene(std::span<const std::uint8_t> bytes, const std::string& source
   }
   flatbuffers::Verifier verifier(payload.data(), payload.size());
   if (!wire::VerifySceneBuffer(verifier)) {
-    throw Error(source + ": is not built as a scene bundle is; build it again");
+    throw Error(source + ": is not a valid scene bundle; build it again");
   }
   const wire::Scene& scene = *wire::GetScene(payload.data());
   if (scene.features()->removal()) {
     throw Error(source +
-                ": what is scraped off goes leaf by leaf in it, which is not done any more; build "
-                "it again of a scene file that has it cut (\"grid_um\")");
+                ": removes material leaf by leaf, which is no longer supported; build it again "
+                "from a scene file with \"grid_um\"");
   }
   try {
     return ReadScene(scene);
   } catch (const Error& error) {
-    throw Error(source + ": contradicts itself (" + error.what() + "); build it again");
+    throw Error(source + ": is inconsistent (" + error.what() + "); build it again");
   }
 }
 

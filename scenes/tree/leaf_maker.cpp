@@ -68,9 +68,8 @@ void CoverBarest(const std::vector<SurfaceSample>& samples, const InnerBalls& in
   while (count > 0) {
     if (worst.empty()) {
       throw Error(
-          "the mesh encloses nothing, so that no sphere has a radius: it is two faces back to "
-          "back, or has a vertex far away; give \"thickness_mm\" in the scene file, or remove the "
-          "vertex");
+          "the mesh encloses no volume to put spheres into: its faces are back to back, or a "
+          "vertex is far away; give \"thickness_mm\" in the scene file, or remove the vertex");
     }
     const auto [score, i] = worst.top();
     worst.pop();

@@ -175,7 +175,7 @@ Findings RouDiKilled(int domain) {
   Wait(2.0);
   findings.push_back(Undisturbed(lab, before));
   findings.push_back(Lives("the server", *lab.server));
-  findings.push_back(Says("the server says what to do", *lab.server, "RouDi has gone"));
+  findings.push_back(Says("the server says what to do", *lab.server, "RouDi has ended"));
   // As systemd does; the last fault that uses RouDi, for this one ends with it.
   test::Program successor = AnotherRouDi();
   lab.server->Signal(SIGTERM);

@@ -482,7 +482,7 @@ class Errors(unittest.TestCase):
             "triangles: 4294967297.0 is no vertex": with_index(2**32 + 1, numpy.int64),
             "triangles: -1.0 is no vertex": with_index(-1, numpy.int64),
             "triangles: nan is no vertex": with_index(math.nan),
-            "triangle 2 names vertex 8, and there are 8": with_index(8, numpy.int8),
+            "triangle 2 names vertex 8 of 8": with_index(8, numpy.int8),
             "triangles: is an array of object": with_index(2**70, object),
             "triangles: is an array of <U": lambda: palpate.body("thing", vertices, triangles.astype(str)),
             "triangles: is an array of bool": lambda: palpate.body("thing", vertices, triangles > 3),

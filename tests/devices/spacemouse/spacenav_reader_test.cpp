@@ -135,7 +135,7 @@ TEST_F(OpenReader, TakesADaemonThatTalksNonsenseForOneThatHasGone) {
 TEST(SpacenavReader, ExplainsWhyItCannotBeOpened) {
   {
     FakeSpacenavd daemon({.has_device = false});
-    EXPECT_THAT(Complaint(), HasSubstr("spacenavd runs and has no device; plug"));
+    EXPECT_THAT(Complaint(), HasSubstr("spacenavd runs but has no device; plug"));
   }
   FakeSpacenavd daemon;
   {

@@ -330,7 +330,7 @@ TEST_F(EffectsTest, IsFoundBesideTheSceneFileAndRefusedOnceItsFileHasChanged) {
   EXPECT_NE(hash, BundleHash(PackScene(scene))) << "the file's content counts";
   std::filesystem::remove(mine);
   std::filesystem::copy(PALPATE_BIN_DIR "/effects/stick.so", mine);
-  EXPECT_THAT(LoadError(R"({"name": "mine.so"})"), HasSubstr("start the program anew"));
+  EXPECT_THAT(LoadError(R"({"name": "mine.so"})"), HasSubstr("restart the program"));
 }
 
 TEST_F(EffectsTest, BundleLoadsTheSameFileAndRefusesAnother) {
@@ -342,7 +342,7 @@ TEST_F(EffectsTest, BundleLoadsTheSameFileAndRefusesAnother) {
   WriteBytes(bundle, PackScene(scene));
   const auto error = [&] { return ComplaintOf([&] { LoadScene(bundle); }); };
   EXPECT_THAT(error(), AllOf(HasSubstr("mine.palpate: was made with an effect mine.so of the hash"),
-                             HasSubstr("which is not there; put that one beside it")));
+                             HasSubstr("which was not found; put that one beside it")));
   std::filesystem::copy(PALPATE_BIN_DIR "/effects/stick.so", mine);
   EXPECT_THAT(error(), HasSubstr(mine + " is another one (hash "));
   setenv("PALPATE_EFFECTS", ("/nowhere:" + (folder_ / "made")).c_str(), 1);
@@ -366,7 +366,7 @@ TEST_F(EffectsTest, NeedsNoneOfThemToDrawASceneAndSaysSoToWhoWouldFeelIt) {
   LoadEffects(drawn.effects, ".", "it");
   EXPECT_EQ(error(), "no complaint");
   drawn.effects[0].values[0][0] = std::nan("");
-  EXPECT_THAT(error(), HasSubstr("its parameters are not those that it asks for"));
+  EXPECT_THAT(error(), HasSubstr("its parameters do not match the effect"));
 }
 
 }  // namespace

@@ -70,7 +70,7 @@ TEST(SceneBundle, RefusesASceneWhoseLeavesWearAway) {
   const std::string payload(bytes.begin() + kHeader, bytes.end());
   const std::uint64_t checksum = HashBytes(payload, 0);
   std::memcpy(bytes.data() + kChecksum, &checksum, sizeof checksum);
-  EXPECT_THAT(Complaint(bytes), HasSubstr("goes leaf by leaf"));
+  EXPECT_THAT(Complaint(bytes), HasSubstr("removes material leaf by leaf"));
 }
 
 TEST(SceneBundle, GivesBackTheScene) {
@@ -133,7 +133,7 @@ TEST(SceneBundle, GivesBackHowItIsToBeSeen) {
   EXPECT_EQ(back.first_sight->from, scene.first_sight->from);
 
   scene.objects[0].margin[1].x() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(Complaint(PackScene(scene)), HasSubstr("a margin is none"));
+  EXPECT_THAT(Complaint(PackScene(scene)), HasSubstr("a margin is invalid"));
   scene.objects[0].margin.clear();
   scene.objects[0].ambient.pop_back();
   EXPECT_THAT(Complaint(PackScene(scene)), HasSubstr("the vertices' light does not add up"));
@@ -157,7 +157,7 @@ TEST(SceneBundle, SaysHowEachTreeStandsForItsMesh) {
   EXPECT_EQ(UnpackScene(travelling, "s").objects[0].tree.origin, TreeOrigin::kUnknown);
   scene.objects[1].tree.origin = static_cast<TreeOrigin>(99);
   EXPECT_THAT(Complaint(PackScene(scene, 0, Remarks::kKeep)),
-              HasSubstr("where a tree comes from is not known"));
+              HasSubstr("its tree has an unknown origin"));
 }
 
 TEST(SceneBundle, KeepsGeometryThatBodiesShareOnce) {
@@ -250,7 +250,7 @@ TEST(SceneBundle, RefusesAScenesThatContradictsItselfThoughItsChecksumIsRight) {
     Scene scene = SmallScene();
     mend(scene.objects[0]);
     const std::string complaint = Complaint(PackScene(scene));
-    EXPECT_THAT(complaint, HasSubstr("contradicts itself (")) << why;
+    EXPECT_THAT(complaint, HasSubstr("is inconsistent (")) << why;
     EXPECT_THAT(complaint, HasSubstr(why));
   }
   Scene scene = SmallScene();

@@ -225,7 +225,7 @@ TEST(DirtyMesh, TwoFacesBackToBackAreRefusedOrGivenAThickness) {
   const auto faces = sheet.triangles;
   for (const auto& [i, j, k] : faces) sheet.triangles.push_back({i, k, j});
   EXPECT_THAT(ComplaintOf([&] { Felt(sheet); }),
-              AllOf(HasSubstr("encloses nothing"), HasSubstr("\"thickness_mm\"")));
+              AllOf(HasSubstr("encloses no volume"), HasSubstr("\"thickness_mm\"")));
   const Scene scene = Felt(sheet, R"(,"thickness_mm":3)");
   EXPECT_NEAR(InspectMesh(scene.objects[0].mesh).volume, 0.05 * 0.05 * 0.003, 1e-12);
   EXPECT_LT(MostOutside(scene, scene.objects[0].mesh), 1e-9);
