@@ -38,8 +38,8 @@ double Quantile_us(const Jitter& jitter, double q) {
 }
 
 std::string Table(const Jitter& jitter) {
-  std::string text = fmt::format("\n  a loop of 1 kHz, {} times: how late it woke up [us]\n",
-                                 jitter.lateness.count());
+  std::string text =
+      fmt::format("\n  lateness of a 1 kHz loop over {} cycles [us]\n", jitter.lateness.count());
   text += fmt::format("  {:>10}{:>10}{:>10}{:>10}\n", "p50", "p99", "p99.9", "max");
   text += "  ";
   for (const double q : kQuantiles) text += fmt::format("{:>10.1f}", Quantile_us(jitter, q));
@@ -85,7 +85,7 @@ std::string Summary(const Report& report, const Style& style) {
                    std::string("verdict: ") + Verdict(report) + " for 1 kHz", style) +
           " (" + counted(count(Status::kFault), "fault") + ", " +
           counted(count(Status::kWarning), "warning") + ")";
-  if (!report.jitter) text += "; how late a loop wakes up was not measured";
+  if (!report.jitter) text += "; the lateness of a loop was not measured";
   return text + "\n";
 }
 
