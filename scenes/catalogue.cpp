@@ -560,7 +560,7 @@ SceneDescription Describe(const std::string& text, const std::string& file,
         body.tree_left_open = false;
       } else {
         Warn(options, body.tree.where + ": is a tree from a file, " + body.tree.file +
-                          ", and stays as it is: only trees that are built have the mode \"" +
+                          ", and is not changed: only trees that are built have the mode \"" +
                           std::string(NameOf(*options.tree)) + "\"");
       }
     }

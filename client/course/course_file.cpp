@@ -22,8 +22,8 @@ const char* RemedyOf(int code) {
       return "; the disk is full: free some space, and do it again";
     case SQLITE_CORRUPT:
     case SQLITE_NOTADB:
-      return "; it is damaged: put a copy in its place, or move it and what stands beside it "
-             "(-wal, -shm) away to begin with an empty course";
+      return "; it is damaged: restore it from a copy, or move it and its -wal and -shm files away "
+             "to start with an empty course";
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
       return "; another program holds it: end that one, and do it again";

@@ -440,9 +440,8 @@ void ExamRoom::ScoreAll() {
     if (exercise == nullptr || Sha256OfFile(exercise->file).sha256 != task.exercise_sha256 ||
         Sha256OfFile(exercise->criteria.file).sha256 != task.criteria_sha256) {
       trouble_ = fmt::format(
-          "'{}' is not scored: its file or that of its criteria was changed "
-          "since the exam was opened; put that one back, and start the gateway "
-          "anew",
+          "'{}' is not scored, because its file or that of its criteria was changed after the exam "
+          "was opened; restore that file, and restart the gateway",
           trial.exercise);
       changed_ = true;
       continue;

@@ -853,8 +853,9 @@ PYBIND11_MODULE(_physics, module) {
       .def("steps", &StepAll, py::arg("poses"), py::kw_only(), py::arg("details") = false,
            prose("Proxy.steps"))
       .def("__repr__", [](const Hand& hand) { return Shown("Proxy", "of ", hand.shared.tool); });
-  RefusePickle(proxy,
-               "a Proxy is not pickled: what it remembers is of this process; pickle its poses");
+  RefusePickle(
+      proxy,
+      "a Proxy cannot be pickled, because its state belongs to this process; pickle its poses");
 }
 
 }  // namespace palpate

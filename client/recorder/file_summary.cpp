@@ -54,7 +54,7 @@ std::string ToText(const FileSummary& summary) {
                                     : fmt::format("forces from pose {}", session.start_sequence));
   }
   if (before > 0) {
-    text += fmt::format("  {} {} told of that had no poses while this was recorded\n", before,
+    text += fmt::format("  {} {} announced that sent no poses during the recording\n", before,
                         before == 1 ? "session is" : "sessions are");
   }
   text += fmt::format("\n  {:<52} {:>9} {:>8} {:>8} {:>8} {:>9}\n", "topic", "messages", "Hz",

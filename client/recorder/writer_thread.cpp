@@ -54,9 +54,9 @@ void WriterThread::Finish(const std::string& reason) {
   std::string what = WordsOf(error_, recording_.files().back());
   try {
     recording_.Close("a write failed");
-    what += " (what was recorded until then is whole, and has its index)";
+    what += " (the recording up to then is complete, with its index)";
   } catch (const std::exception&) {
-    what += " (what was recorded until then is whole, without an index)";
+    what += " (the recording up to then is complete, without an index)";
   }
   throw Error(what);
 }

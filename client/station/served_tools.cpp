@@ -137,7 +137,7 @@ std::string NobodyAnswers(int domain, const dds::Network& network, const std::st
 std::string AnotherVersionIsThere(int domain) {
   return "a server runs in domain " + std::to_string(domain) +
          ", and is of another version than this program (" PALPATE_VERSION
-         "): neither hears the other; install the same version on both, or give the --domain of "
+         "), so they cannot communicate; install the same version on both, or give the --domain of "
          "another server";
 }
 

@@ -115,8 +115,8 @@ void SessionLink::TakeStates() {
     if (IsForeign(raw.origin)) {
       if (!others_heard_) {
         say_(
-            "another program speaks in this station's server's place, and is not heard while the "
-            "server answers");
+            "another program imitates this station's server, and is ignored while the server "
+            "answers");
       }
       others_heard_ = true;
       continue;
@@ -148,7 +148,7 @@ void SessionLink::Poll(std::int64_t now_ns) {
   if (const bool muted = state_ ? state_->muted : muted_; muted != muted_) {
     muted_ = muted;
     servo_->Mute(muted);
-    say_(muted ? "muted: forces are off until somebody at the server's gateway unmutes this station"
+    say_(muted ? "muted: forces are off until a person at the server's gateway unmutes this station"
                : "no longer muted: forces ramp in");
   }
   switch (phase_) {

@@ -84,7 +84,7 @@ Verdict Gate::JudgeToken(const Asker& asker) const {
   if (!holder) {
     // The presented text is not logged: it may be a valid token with a typing error.
     return Refused(kUnauthorized, Refusal::kToken,
-                   "its token is none of this gateway's (palpate-viewer --tokens)");
+                   "its token is not known to this gateway (palpate-viewer --tokens)");
   }
   return {holder->role, holder, 0, Refusal::kToken, ""};
 }

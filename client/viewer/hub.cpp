@@ -164,14 +164,14 @@ void Hub::Tick(std::int64_t now_ns) {
 
 void Hub::ReadTokensAnew(std::int64_t now_ns) {
   if (!options_.asks_for_tokens()) {
-    return spdlog::info("there are no --tokens to read anew, and no --course");
+    return spdlog::info("there are no --tokens and no --course to read again");
   }
   try {
     if (class_room_) class_room_->roster().Read();
     const std::size_t ended =
         Renew(options_.tokens.empty() ? std::nullopt : std::optional(Tokens::Read(options_.tokens)),
               now_ns);
-    spdlog::info("{} read anew: {} tokens are valid; connections that end for it: {}",
+    spdlog::info("{} read again: {} tokens are valid; connections closed: {}",
                  options_.tokens + options_.course, gate_.tokens()->size(), ended);
   } catch (const Error& error) {
     spdlog::error("{}; the tokens read before remain valid", error.what());
@@ -488,7 +488,7 @@ std::string Hub::Operate(const OperateCommand& command, const std::string& by) {
     spdlog::info("{}: the goal of '{}' is set", by, scene);
     return "";
   }
-  if (feed_.server_run() == 0) return "no server has been heard of";
+  if (feed_.server_run() == 0) return "no server has been found";
   wire::OperateRequest request{};
   wire::FromText(command.station, request.station);
   request.server_run = feed_.server_run();
@@ -502,8 +502,8 @@ std::string Hub::Operate(const OperateCommand& command, const std::string& by) {
 
 std::string Hub::WhyAbsent(const std::string& scene) const {
   if (!feed_.server_lives()) {
-    return feed_.server_run() == 0 ? "no server is there yet"
-                                   : "no server is there: the last one has gone";
+    return feed_.server_run() == 0 ? "there is no server yet"
+                                   : "there is no server: the last one has ended";
   }
   return feed_.scenes().contains(scene) ? "" : "no server serves scene '" + scene + "'";
 }

@@ -126,8 +126,8 @@ TopicFeed::TopicFeed(int domain, const dds::Network& network)
   } catch (const Error&) {
     if (!network.secured()) throw;
     spdlog::info(
-        "this gateway's --identity may not hear what burs cut; issue the server's and its own "
-        "anew");
+        "this gateway's --identity has no right to receive cuts; make the identities of server and "
+        "gateway again");
   }
   try {
     progress_ = {participant_, dds::kSceneProgressTopic, dds::Qos::kSession};
@@ -321,7 +321,7 @@ TopicFeed::Replay& TopicFeed::ReplayOf(std::uint64_t number) {
 }
 
 std::string TopicFeed::Ask(const wire::ReplayRequest& request) {
-  if (!replays_.contains(request.replay)) return "that replay is not there any more";
+  if (!replays_.contains(request.replay)) return "that replay has ended";
   if (!replay_requests_) return "this gateway's identity may look, and steer nothing";
   return replay_requests_.Write(request) ? "" : "the network does not take it now; try again";
 }

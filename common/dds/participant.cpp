@@ -107,8 +107,8 @@ std::string WhyNoDomain(int domain_id, const Network& network) {
            "' with an address (give another --network)";
   }
   if (network.secured()) {
-    return "this --identity, or its network, is not what it takes; Cyclone DDS says above why "
-           "('palpate-identities list' says until when identities hold)";
+    return "this --identity or its network is not valid; see the messages of Cyclone DDS above "
+           "('palpate-identities list' shows when identities expire)";
   }
   const std::string why = WhyPortsFail(domain_id, PortsInUse(), PortsOfAnyone());
   return why.empty() ? "Cyclone DDS says above why" : why;

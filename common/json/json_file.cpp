@@ -118,10 +118,10 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
   bool key(string_t& name) override {
     if (name.size() > JsonNode::kMostText) {
       FailAt(file_, position_.line,
-             "a field's name has " + std::to_string(name.size()) + " bytes; mend it");
+             "a field's name has " + std::to_string(name.size()) + " bytes; fix it");
     }
     if (!names_.back().insert(name).second) {
-      FailAt(file_, position_.line, name + ": stands twice; keep one of the two");
+      FailAt(file_, position_.line, name + ": is given twice; keep one of the two");
     }
     open_.back()->members.emplace_back().name = std::move(name);
     return true;
@@ -134,7 +134,7 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
     const std::size_t start = why.rfind("; last read");
     const std::size_t detail = why.find(": ", why.find(']'));
     why = detail == std::string::npos ? why : why.substr(detail + 2, start - detail - 2);
-    FailAt(file_, line, "this is not JSON (" + why + "); mend it at or just before this line");
+    FailAt(file_, line, "this is not JSON (" + why + "); fix it at or just before this line");
   }
 
  private:

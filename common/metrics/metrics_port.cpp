@@ -70,7 +70,7 @@ MetricsEndpoint ParseMetricsEndpoint(const std::string& text) {
   if (in_brackets) address = address.substr(1, address.size() - 2);
   boost::system::error_code none;
   const net::ip::address parsed = net::ip::make_address(address, none);
-  if (none) refuse("its ADDRESS is none in numbers");
+  if (none) refuse("its ADDRESS is not an IP address");
   if (parsed.is_v6() != in_brackets) refuse("an address of IPv6, and no other, has brackets");
   endpoint.address = parsed.to_string();
   return endpoint;

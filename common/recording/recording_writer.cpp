@@ -86,7 +86,7 @@ void RecordingWriter::SplitIfDue(std::int64_t log_time_ns) {
       (options_.split_bytes > 0 && file_->size() - repeated_bytes_ >= options_.split_bytes) ||
       (options_.split_s > 0.0 && age_s >= options_.split_s);
   if (!due || files_.size() == kMostSplits) return;
-  Finish("goes on in the next split");
+  Finish("continues in the next split file");
   file_began_ns_ = log_time_ns;
   Open();
   for (const auto* all : {&kept_, &kept_changes_}) {

@@ -98,8 +98,8 @@ void ForceDimensionDevice::Configure() {
   // For the weight of the original handle, which the library knows.
   Check(dhd_.dhdSetGravityCompensation(dhd::kOn, id), "dhdSetGravityCompensation");
   if (dhd_.dhdHasActiveGripper(id) && dhd_.dhdEmulateButton(dhd::kOn, id) < 0) {
-    notes_ = "the gripper does not stand in for a button (" +
-             dhd::DescribeError(dhd_.dhdErrorGetLast()) + "); forces need --enable-forces";
+    notes_ = "the gripper cannot replace a button (" + dhd::DescribeError(dhd_.dhdErrorGetLast()) +
+             "); forces need --enable-forces";
   }
   Tell(Wrench{});
   if (state_.errors > 0) {

@@ -118,16 +118,16 @@ const char* TextOf(Lie lie) noexcept {
     case Lie::kNone:
       return "";
     case Lie::kNotJson:
-      return "the Inverse Service sends what is no JSON: start it again, and update it";
+      return "the Inverse Service sends invalid JSON: restart it, and update it";
     case Lie::kNoDevice:
       return "the Inverse Service has lost the device: check its USB cable and power";
     case Lie::kPosition:
-      return "the Inverse Service gives a position that is none: calibrate the device anew in the "
+      return "the Inverse Service sends an invalid position: calibrate the device again in the "
              "Haply Hub, and update the service";
     case Lie::kVelocity:
-      return "the Inverse Service gives a velocity that is none: update the service";
+      return "the Inverse Service sends an invalid velocity: update the service";
     case Lie::kOrientation:
-      return "the VerseGrip gives an orientation that is none: calibrate it in the Haply Hub";
+      return "the VerseGrip sends an invalid orientation: calibrate it in the Haply Hub";
     case Lie::kGrip:
       return "the VerseGrip has gone: charge it, switch it on, and see that the Haply Hub shows it";
   }

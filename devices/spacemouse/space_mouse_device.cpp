@@ -47,9 +47,9 @@ void SpaceMouseDevice::Apply(const LimitedWrench& wrench) noexcept {
 const char* SpaceMouseDevice::activity() const noexcept {
   switch (state_.link) {
     case SpacenavState::Link::kNoDaemon:
-      return "stands still: spacenavd has gone";
+      return "stopped: spacenavd has ended";
     case SpacenavState::Link::kNoDevice:
-      return "stands still: the SpaceMouse is unplugged";
+      return "stopped: the SpaceMouse is unplugged";
     case SpacenavState::Link::kUp:
       break;
   }

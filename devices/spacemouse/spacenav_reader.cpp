@@ -101,7 +101,8 @@ void FindSpacenavd() {
     case EACCES:
     case EPERM:
       remedy =
-          "no right to use spacenavd's socket; let this user write to it (ls -l shows who may)";
+          "no permission for spacenavd's socket; let this user write to it ('ls -l' shows its "
+          "permissions)";
       break;
     default:
       remedy = "see the reason given; SPNAV_SOCKET names another socket";

@@ -105,7 +105,7 @@ std::string ErrorLines(const Measured& of, const LengthUnit& unit) {
   if (of.same != nullptr) {
     return "    mesh and tree are those of " + of.same->name + ", and so are the errors\n";
   }
-  if (of.error.levels.empty()) return "    a single ball is what it is: it has no error\n";
+  if (of.error.levels.empty()) return "    a single ball is exact: it has no error\n";
   return LevelTable(of.error.levels, unit);
 }
 

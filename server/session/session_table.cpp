@@ -108,7 +108,7 @@ void SessionTable::TellHeld(const wire::SessionRequest& request) {
   changes_.push_back(AnswerTo(
       request, palpate_SESSION_HELD,
       taken_back ? "taken back by " + standing->second.taken_back_by + ", who may admit it again"
-                 : "waits to be admitted: somebody at the server's gateway decides"));
+                 : "waits to be admitted by a person at the server's gateway"));
 }
 
 bool SessionTable::Operate(const wire::OperateRequest& request, std::int64_t now_ns) {

@@ -167,7 +167,7 @@ TEST(CourseFile, IsRefusedWhereItIsNewerDamagedOrCannotBeWritten) {
   }
   std::fstream damaged(folder / "damaged/course.sqlite", std::ios::in | std::ios::out);
   damaged.seekp(4096) << std::string(4096, 'x') << std::flush;
-  EXPECT_THAT(complaint(folder / "damaged"), HasSubstr("it is damaged: put a copy in its place"));
+  EXPECT_THAT(complaint(folder / "damaged"), HasSubstr("it is damaged: restore it from a copy"));
   std::filesystem::create_directory(folder / "text");
   std::ofstream(folder / "text/course.sqlite") << std::string(4096, 'x');
   EXPECT_THAT(complaint(folder / "text"), HasSubstr("it is damaged"));

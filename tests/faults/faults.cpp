@@ -133,7 +133,7 @@ Findings DiskFull(int domain) {
                         fmt::format("exit status {}", exit),
                         exit == 1 && recorder.Output().find("No space left") != std::string::npos});
     findings.push_back(Says("and that what it had written is whole", recorder,
-                            "what was recorded until then is whole"));
+                            "the recording up to then is complete"));
     const FileSummary summary = Summarise({file});
     findings.push_back({"what it had written is whole",
                         fmt::format("{} messages, {} missing", summary.messages, summary.missing),

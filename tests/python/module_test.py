@@ -323,7 +323,7 @@ class Reports(unittest.TestCase):
         self.assertEqual(body.leaf_radii.tobytes(), scene.objects[0].leaf_radii.tobytes())
         with self.assertRaisesRegex(TypeError, "Model is not pickled: pickle its scene"):
             pickle.dumps(model)
-        with self.assertRaisesRegex(TypeError, "Proxy is not pickled"):
+        with self.assertRaisesRegex(TypeError, "Proxy cannot be pickled"):
             pickle.dumps(palpate.Proxy(model, path[0]))
 
     def test_show_themselves(self):

@@ -536,7 +536,7 @@ TEST_F(LoadedScene, LeavesATreeFromAFileAloneWhereAModeIsNamed) {
   options_.tree = TreeMode::kCover;
   EXPECT_EQ(PackScene(Load()), plain);
   EXPECT_THAT(warnings_,
-              ElementsAre(AllOf(HasSubstr("objects[0].tree: "), HasSubstr("stays as it is"))));
+              ElementsAre(AllOf(HasSubstr("objects[0].tree: "), HasSubstr("is not changed"))));
 }
 
 TEST_F(LoadedScene, MendsABrokenCacheAndSaysSo) {

@@ -79,7 +79,7 @@ TEST_F(PalpateScene, TellsHowFarEachLevelIsFromTheMeshAndInWhichMode) {
   EXPECT_THAT(info, HasSubstr("100 leaves in 3 levels, mode \"balanced\""));
   EXPECT_THAT(info, HasSubstr("1, bounds"));
   EXPECT_THAT(info, HasSubstr("3, leaves"));
-  EXPECT_THAT(info, HasSubstr("a single ball is what it is"));
+  EXPECT_THAT(info, HasSubstr("a single ball is exact"));
   EXPECT_THAT(info, HasSubstr("bound the leaves below them (for the contact prediction)"));
   const std::string csv = ReadWholeFile(folder + "/e.csv");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 4);

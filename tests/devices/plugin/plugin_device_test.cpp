@@ -98,7 +98,7 @@ TEST_F(PluginDeviceTest, GivesNoForceWhateverTheDriverDoesAndSaysWhatToDo) {
         Case{WrongArm::kWriteFails, 1, "_write",
              "until it returns 0: the cable is out: plug it in"},
         Case{WrongArm::kWriteThrows, 1, "_write", "catch it there"},
-        Case{WrongArm::kStuck, 10, "_read", "mend the link to the arm"},
+        Case{WrongArm::kStuck, 10, "_read", "check the connection to the arm"},
         Case{WrongArm::kJumps, 2, "_read", "calibrate the arm"}}) {
     SCOPED_TRACE(wrong.way);
     arm.way = WrongArm::kRight;

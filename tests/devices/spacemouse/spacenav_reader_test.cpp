@@ -156,7 +156,7 @@ TEST(SpacenavReader, SaysWhereTheRightsAreMissing) {
   daemon.Kill();  // its socket stays; and no thread, as what follows forks
   chmod(daemon.path().c_str(), 0);
   if (geteuid() != 0) {
-    EXPECT_THAT(Complaint(), HasSubstr("no right to use spacenavd's socket"));
+    EXPECT_THAT(Complaint(), HasSubstr("no permission for spacenavd's socket"));
     return;
   }
   // Root may use any socket: in a child without that power.
@@ -166,7 +166,7 @@ TEST(SpacenavReader, SaysWhereTheRightsAreMissing) {
         std::fputs(Complaint().c_str(), stderr);
         std::exit(0);
       },
-      testing::ExitedWithCode(0), "no right to use spacenavd's socket");
+      testing::ExitedWithCode(0), "no permission for spacenavd's socket");
 }
 
 }  // namespace

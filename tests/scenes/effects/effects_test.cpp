@@ -270,8 +270,8 @@ TEST_F(EffectsTest, HoldWhatPassiveOnesPromise) {
   }
   const Verdict swirls = JudgeEffects(Load(Wrong(6)));
   ASSERT_EQ(swirls.faults.size(), 1u);
-  EXPECT_THAT(swirls.faults[0], AllOf(HasSubstr("says that it is passive, and gives the hand"),
-                                      HasSubstr("leave .passive out")));
+  EXPECT_THAT(swirls.faults[0], AllOf(HasSubstr("claims to be passive, but gives the hand"),
+                                      HasSubstr("omit .passive")));
   EXPECT_THAT(JudgeEffects(Load(Wrong(4))).faults.at(0), HasSubstr("failed"));
   // Those that do not promise it, and rightly so.
   for (const char* active :

@@ -365,9 +365,9 @@ TEST(CutScene, RefusesABundleWhoseGridOrBurIsNone) {
   EXPECT_THAT(complaint([](Scene& s) { s.objects[0].grid->spacing = 1e-6; }),
               HasSubstr("a grid is none"));
   EXPECT_THAT(complaint([](Scene& s) { s.objects[0].materials[1].cutting_pressure = 0.0; }),
-              HasSubstr("a material that is cut is none"));
+              HasSubstr("a cutting material is invalid"));
   EXPECT_THAT(complaint([](Scene& s) { s.objects[0].grid->regions[0].material = 2; }),
-              HasSubstr("a region is none"));
+              HasSubstr("a region is invalid"));
   EXPECT_THAT(
       complaint([](Scene& s) { s.objects[0].materials.resize(9, s.objects[0].materials[0]); }),
       HasSubstr("a grid is none"));
@@ -376,7 +376,7 @@ TEST(CutScene, RefusesABundleWhoseGridOrBurIsNone) {
   EXPECT_THAT(complaint([](Scene& s) { s.tools[0].bur->spin.speed = std::nan(""); }),
               HasSubstr("a bur is none"));
   EXPECT_THAT(complaint([](Scene& s) { s.objects[0].materials[1].cutting_friction = 9.0; }),
-              HasSubstr("a friction is none"));
+              HasSubstr("a friction is invalid"));
 }
 
 }  // namespace

@@ -353,7 +353,7 @@ TEST(DirtyMesh, SurfaceThatFoldsIntoItselfIsFilledPastTheFold) {
 TEST(DirtyMesh, VertexFarOutIsNamedAndRefusedWhereItIsAMistakeForCertain) {
   TriangleMesh dirty = Bumpy();
   dirty.vertices[40] *= 5.0;
-  EXPECT_THAT(Verdict(Felt(dirty)), AllOf(HasSubstr("a vertex stands far out of all others"),
+  EXPECT_THAT(Verdict(Felt(dirty)), AllOf(HasSubstr("a vertex is far from all others"),
                                           HasSubstr("in place of 0.1"), HasSubstr("delete it")));
   TriangleMesh cube = MakeBox(Vec3::Constant(1e-3));
   cube.vertices[0] = Vec3(100, 0, 0);
