@@ -72,8 +72,7 @@ class Load {
   void Find() {
     const std::size_t tools = setting_.tools.size();
     Search("stations", "1 kHz and no viewers", tools,
-           fmt::format("the server's scenes have {} tools and no more: make one with more by "
-                       "--make-scene",
+           fmt::format("the server's scenes have {} tools; make a scene with more by --make-scene",
                        tools),
            [](std::size_t n) { return std::pair(n, std::size_t{0}); });
     if (stop_.stopped()) return;

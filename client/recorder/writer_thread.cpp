@@ -25,7 +25,7 @@ std::string WordsOf(const std::exception_ptr& error, const std::string& file) {
   } catch (const std::exception& known) {
     return known.what();
   } catch (...) {
-    return file + ": writing failed for a reason that does not tell itself";
+    return file + ": writing failed for an unknown reason";
   }
 }
 

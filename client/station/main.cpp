@@ -180,7 +180,7 @@ int RunStation(const StationOptions& given) {
       if (guide) guide->Poll([&](const GuideAim& aim) { servo->SetAim(aim); });
       if (began_ns == 0 && servo->started()) began_ns = SteadyNanoseconds();
       if (device->ended()) {
-        spdlog::info("the device has ended: leaving");
+        spdlog::info("the device has ended: ending the session");
         break;
       }
       if (options.seconds && seconds() >= *options.seconds) break;

@@ -257,7 +257,8 @@ void SessionLink::PollMatching(std::int64_t now_ns) {
   // Forces depend on all poses since the first: a recording without it cannot be verified.
   if (options_.awaits_recorder && readers == 1) {
     if (now_ns - phase_since_ns_ < kRecorderPatience_ns) return;
-    if (matched_since_ns_ == 0) say_("no recorder came in 3 s: poses go out unrecorded");
+    if (matched_since_ns_ == 0)
+      say_("no recorder was found within 3 s: the first poses are not recorded");
   }
   if (matched_since_ns_ == 0) matched_since_ns_ = now_ns;
   if (now_ns - matched_since_ns_ < kSettle_ns) return;
@@ -302,7 +303,7 @@ void SessionLink::OnSilence(std::int64_t now_ns) {
   }
   const bool never_heard = servo_->newest_reply_ns() < phase_since_ns_;
   if (never_heard && MayFallBack()) {
-    return FallBackToUdp("matched over shared memory, yet nothing comes", now_ns);
+    return FallBackToUdp("connected over shared memory, but nothing arrives", now_ns);
   }
   Ask(now_ns);
 }

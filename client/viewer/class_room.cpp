@@ -230,7 +230,9 @@ std::string ClassRoom::WhyNotAt(std::int64_t person, const std::string& scene) c
   if (!own.empty()) return "your seat is '" + own + "'; take the tool there";
   const bool is_others =
       std::ranges::any_of(told_, [&](const auto& entry) { return entry.second.seat == scene; });
-  return is_others ? "'" + scene + "' is another's seat, and you have none; ask who teaches" : "";
+  return is_others
+             ? "'" + scene + "' is the seat of another person, and you have none; ask your teacher"
+             : "";
 }
 
 std::string ClassRoom::PeopleJson(const Here& here, const std::string& prefix) const {

@@ -78,7 +78,7 @@ Verdict Gate::JudgeToken(const Asker& asker) const {
                    "with #token=TOKEN at the end of its address");
   }
   if (presented.size() > 1 || asker.authorizations > 1) {
-    return Refused(kBadRequest, Refusal::kToken, "it presents more than one token");
+    return Refused(kBadRequest, Refusal::kToken, "it gives more than one token");
   }
   const auto holder = tokens_->Find(presented.front());
   if (!holder) {

@@ -495,7 +495,7 @@ std::string Hub::Operate(const OperateCommand& command, const std::string& by) {
   request.request = RandomRun();
   request.wish = command.wish;
   wire::FromText(by, request.by);
-  if (!feed_.Ask(request)) return "the network does not take it now; try again";
+  if (!feed_.Ask(request)) return "the network is busy; try again";
   spdlog::info("{}: {} station '{}'", by, OperateWishName(command.wish), command.station);
   return "";
 }

@@ -119,7 +119,7 @@ TopicFeed::TopicFeed(int domain, const dds::Network& network)
     operate_requests_ = {participant_, dds::kOperateRequestTopic, dds::Qos::kSession};
   } catch (const Error&) {
     if (!network.secured()) throw;
-    spdlog::info("this gateway's --identity may look, and ask nothing");
+    spdlog::info("this gateway's --identity may watch, but send no requests");
   }
   try {
     readers_->blocks.emplace(participant_, dds::kSolidBlockTopic, dds::Qos::kSession);
@@ -133,7 +133,7 @@ TopicFeed::TopicFeed(int domain, const dds::Network& network)
     progress_ = {participant_, dds::kSceneProgressTopic, dds::Qos::kSession};
   } catch (const Error&) {
     if (!network.secured()) throw;
-    spdlog::info("this gateway's --identity may not hear how far a server's scenes are");
+    spdlog::info("this gateway's --identity has no right to receive the progress of scenes");
   }
 }
 
@@ -322,8 +322,8 @@ TopicFeed::Replay& TopicFeed::ReplayOf(std::uint64_t number) {
 
 std::string TopicFeed::Ask(const wire::ReplayRequest& request) {
   if (!replays_.contains(request.replay)) return "that replay has ended";
-  if (!replay_requests_) return "this gateway's identity may look, and steer nothing";
-  return replay_requests_.Write(request) ? "" : "the network does not take it now; try again";
+  if (!replay_requests_) return "this gateway's identity may watch, but not steer a replay";
+  return replay_requests_.Write(request) ? "" : "the network is busy; try again";
 }
 
 std::vector<FramePtr> TopicFeed::Kept(std::uint32_t channel) const {

@@ -119,7 +119,7 @@ void EventLog::Write(const char* event, const Fields& fields) {
   line += "}\n";
   if (Append(line)) {
     left_out_ = 0;
-    if (std::exchange(failing_, false)) spdlog::info("{}: takes events again", file_);
+    if (std::exchange(failing_, false)) spdlog::info("{}: events are written again", file_);
     return;
   }
   const std::string why = std::strerror(errno);

@@ -119,7 +119,9 @@ TEST(SessionLink, SendsPosesWhereNoRecorderComes) {
   FakeServer server(kDomain, kUdp);
   Station station(10.0, true);
   ASSERT_TRUE(station.UntilForce(2.0));
-  EXPECT_THAT(station.said, testing::Contains("no recorder came in 3 s: poses go out unrecorded"));
+  EXPECT_THAT(
+      station.said,
+      testing::Contains("no recorder was found within 3 s: the first poses are not recorded"));
 }
 
 TEST(SessionLink, SaysWhyTheServerRefuses) {

@@ -294,7 +294,7 @@ TEST(Course, GivesEachASeatAndKeepsOthersOut) {
   const auto refused = cleo.client().Next(3);
   ASSERT_TRUE(refused);
   EXPECT_THAT(std::string(refused->payload.begin(), refused->payload.end()),
-              testing::HasSubstr("is another's seat"));
+              testing::HasSubstr("is the seat of another person"));
   anna.client().SendMouse({{"op", "whole"}, {"scene", "cube-2"}});
   EXPECT_THAT(anna.client().NextStatus(), testing::HasSubstr("your seat is 'cube-1'"));
 }

@@ -66,7 +66,7 @@ void Guide(const Playback& playback, const GuideOptions& options, StopSignal& st
   if (playback.from_s >= end_s) throw UsageError("--from is after the end of the path; give less");
   const dds::Participant service = dds::Participant::Service(playback.domain, playback.network);
   dds::Writer<wire::GuideTarget> writer(service, dds::kGuideTopic, dds::Qos::kStream);
-  std::printf("leading station %s along %.1f s of %s's path at %g x, domain %d\n",
+  std::printf("guiding station %s along %.1f s of %s's path at %g x, domain %d\n",
               options.led.c_str(), end_s - playback.from_s, Printable(path.station).c_str(),
               playback.rate, playback.domain);
   std::fflush(stdout);
@@ -100,7 +100,7 @@ void Guide(const Playback& playback, const GuideOptions& options, StopSignal& st
         std::printf("at %.1f s: waiting for the hand, %.0f mm behind\n", pace.time_s(),
                     1e3 * *behind);
       } else {
-        std::puts("the hand comes: going on");
+        std::puts("the hand has caught up: continuing");
       }
       std::fflush(stdout);
     }

@@ -94,7 +94,7 @@ void Bookmarks::Add(double at_s, const std::string& name) {
 void Bookmarks::Drop(std::uint32_t number) {
   std::vector<Bookmark> bookmarks = bookmarks_;
   if (std::erase_if(bookmarks, [&](const Bookmark& b) { return b.number == number; }) == 0) {
-    throw Error("that bookmark is gone already");
+    throw Error("that bookmark no longer exists");
   }
   Write(std::move(bookmarks));
 }

@@ -69,7 +69,8 @@ struct RecordedLesson {
     }
     for (const std::string& problem : reader.problems()) spdlog::warn("{}", problem);
     if (timeline.left_out() > 0) {
-      spdlog::info("{}: {} more marks and gaps than viewers are shown", file, timeline.left_out());
+      spdlog::info("{}: {} further marks and gaps are not shown to viewers", file,
+                   timeline.left_out());
     }
     const double length_s = Seconds(timeline.last_ns());
     if (playback.from_s > length_s) {

@@ -100,7 +100,7 @@ bool Steering::Take(const State& now, wire::ReplayRequest& request) {
       if (!KeepBookmark(request)) return true;
     } catch (const Error& error) {
       refusal_ = error.what();
-      spdlog::info("a viewer's wish is refused: {}", refusal_);
+      spdlog::info("a viewer's request is refused: {}", refusal_);
     }
     Tell(now);
   }
