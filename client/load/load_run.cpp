@@ -290,7 +290,7 @@ std::optional<LoadFigures> RunOnce(const LoadSetting& setting, const LoadSize& s
   if (size.stations > 0 && size.viewers > 0 && figures.viewer_frames == 0 && !stop.stopped()) {
     throw Error("the gateway at " + options.viewer_url.text() +
                 " sent its viewers nothing; check that it runs in domain " +
-                std::to_string(options.domain) + "? Start 'palpate-viewer --http " +
+                std::to_string(options.domain) + ", or start 'palpate-viewer --http " +
                 std::to_string(options.viewer_url.port) + " --domain " +
                 std::to_string(options.domain) + "'");
   }

@@ -71,7 +71,7 @@ Tokens Tokens::Parse(const std::string& path, const std::string& text) {
     if (const auto known = ParseRole(role)) {
       entry = {*known, name, {}, 0};
     } else {
-      refuse("role " + Quoted(role) + " is not a role; give watch, drive or operate");
+      refuse("role " + Quoted(role) + " is not known; give watch, drive or operate");
     }
     if (!IsName(name)) refuse("a name has letters, digits, '_', '.' and '-', 32 at most");
     if (!FromHex(hash, entry.hash) || !more.empty()) {

@@ -129,7 +129,7 @@ TEST_F(TokensTest, NameTheLineThatIsWrong) {
   Write(good);
   EXPECT_EQ(Complaint(), "no complaint");
   for (const auto& [line, what] : std::vector<std::pair<std::string, std::string>>{
-           {"admin b " + other, "'admin' is not a role; give watch, drive or operate"},
+           {"admin b " + other, "'admin' is not known; give watch, drive or operate"},
            {"drive", "a name has"},
            {"drive b", "64 hexadecimal digits"},
            {"drive b " + other + "0", "64 hexadecimal digits"},
