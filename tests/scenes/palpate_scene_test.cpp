@@ -250,12 +250,12 @@ TEST_F(PalpateScene, LeavesNothingBehindWhereCtrlCEndsABuild) {
   test::Program build(
       test::OwnFolder() + "/palpate-scene",
       {"build", scene("large", 500'000), "--cache", cache, "-o", out + "/x.palpate"});
-  ASSERT_TRUE(build.Says("touching balls")) << build.Output();
+  ASSERT_TRUE(build.Says("fitting balls")) << build.Output();
   build.Signal(SIGINT);
   EXPECT_EQ(build.Exit(), -SIGINT);
   EXPECT_TRUE(std::filesystem::is_empty(out));
   EXPECT_EQ(FilesIn(cache), before);
-  EXPECT_THAT(Run("info " + small + " --cache " + cache), Not(HasSubstr("touching balls")))
+  EXPECT_THAT(Run("info " + small + " --cache " + cache), Not(HasSubstr("fitting balls")))
       << "it is not built anew";
 }
 
