@@ -1,4 +1,4 @@
-"""Runs all combinations of scenes, hands, parameters and seeds; writes one table, and its methods as text.
+"""Runs all combinations of scenes, hands, parameters and seeds, and writes a table.
 
     python3 -m palpate.study friction.toml -o friction
 """
@@ -31,41 +31,53 @@ example: python3 -m palpate.study friction.toml -o friction
 
 a study file:
   title = "Does friction change how hard a hand presses?"
-  scenes = ["bunny-bunny", "mine.json"]   # names in the catalogue, or files beside this one
-  seeds = "1..10"                         # or a list of numbers
-  steps = 20000                           # of each run, one per millisecond
+  # Names in the catalogue, or files beside this one:
+  scenes = ["bunny-bunny", "mine.json"]
+  seeds = "1..10"                # or a list of numbers
+  steps = 20000                  # of each run, one per millisecond
 
-  [hands.explorer]                        # choose a name for each hand
-  kind = "generated"                      # approaches, presses, slides, leaves; options: help("palpate.hands")
+  [hands.explorer]               # choose a name for each hand
+  # Approaches, presses, slides and leaves; options: help("palpate.hands")
+  kind = "generated"
   press_mm = 3
 
   [hands.scripted]
-  kind = "script"                         # the path supplied with the scene
-  tremor_um = 20                          # for any kind; a script or file uses the seed only for this
+  kind = "script"                # the path supplied with the scene
+  # For any kind; a script or file uses the seed only for this:
+  tremor_um = 20
 
   [hands.recorded]
-  kind = "file"                           # rows x,y,z or x,y,z,qw,qx,qy,qz in m, one per millisecond
-  file = "hand.csv"                       # or .npy
+  # CSV or .npy; rows x,y,z or x,y,z,qw,qx,qy,qz in m, one per millisecond:
+  kind = "file"
+  file = "hand.csv"
 
   [hands.circling]
-  kind = "python"                         # circle(scene, random, steps) returns such rows
+  # The function circle(scene, random, steps) returns such rows:
+  kind = "python"
   function = "my_hands.py:circle"
 
-  [parameters]                            # a list is a factor; a number applies to all runs
-  stiffness_N_per_m = [500, 1000, 2000]   # names, units and ranges: palpate.parameters()
+  [parameters]                   # names, units, ranges: palpate.parameters()
+  # A list is a factor; a number applies to all runs:
+  stiffness_N_per_m = [500, 1000, 2000]
   friction = [0.0, 0.3]
 
-optional: hands (default: the script), seeds, steps; contacts = ["surface", "spheres"], tools = ["bunny"], and
-  measures = "mine.py:measure"            # measure(path, steps) returns further columns as a dict; steps is as
-                                          # returned by Proxy.steps
+optional: hands (default: the script), seeds, steps, and
+  contacts = ["surface", "spheres"]
+  tools = ["bunny"]
+  # measure(path, steps) returns further columns as a dict; steps is what
+  # Proxy.steps returns:
+  measures = "mine.py:measure"
 
 files in FOLDER:
   table.csv    one row per run: its factors and results
-  METHODS.md   versions, hashes of scenes, parameters with units, the machine, the meaning of each column
-  runs/        with --keep: for each run an .npz with hand, wrench, pose, contacts, faults
+  METHODS.md   versions, hashes of scenes, parameters with units, the machine,
+               the meaning of each column
+  runs/        with --keep: for each run an .npz with hand, wrench, pose,
+               contacts, faults
 
-Ctrl-C keeps the finished runs; the same command continues with the others.  A row depends only on the scene, the
-hand, the parameters, the seed and the versions; it has the same bits with any number of jobs.
+Ctrl-C keeps the finished runs; the same command continues with the others.  A
+row depends only on the scene, the hand, the parameters, the seed and the
+versions; it has the same bits with any number of jobs.
 """
 
 _FACTORS = {
