@@ -14,7 +14,7 @@ DeviceKind Find(const std::string& name) {
   for (DeviceKind& kind : AllDeviceKinds()) {
     if (kind.is_file ? IsDriverFile(name) : kind.name == name) return std::move(kind);
   }
-  throw UsageError("--device " + name + ": no such device; have: " + DeviceNames());
+  throw UsageError("--device " + name + ": is not a device; give one of " + DeviceNames());
 }
 
 DeviceKind Check(const std::string& name, const std::string& model, double rate_Hz) {
@@ -23,8 +23,8 @@ DeviceKind Check(const std::string& name, const std::string& model, double rate_
       std::find(kind.models.begin(), kind.models.end(), model) == kind.models.end()) {
     throw UsageError("--model " + model + ": " +
                      (kind.models.empty() ? "--device " + name + " has no models; leave it out"
-                                          : "no such model of --device " + name +
-                                                "; have: " + Joined(kind.models)));
+                                          : "is not a model of --device " + name +
+                                                "; give one of " + Joined(kind.models)));
   }
   if (!(rate_Hz >= 1000.0 && rate_Hz <= kind.max_rate_Hz)) {
     std::ostringstream message;

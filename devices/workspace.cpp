@@ -73,7 +73,7 @@ WorkspaceWalls::WorkspaceWalls(const Vec3& centre_m, const Vec3& reach_m, double
       end_force_(end_force_N) {
   if (!(half_.minCoeff() > 0.0)) {
     throw Error("workspace: walls.margin_mm of " + std::to_string(1e3 * margin_m) +
-                " leaves nothing of a device that reaches " +
+                " leaves no space in a device that reaches " +
                 std::to_string(1e3 * reach_m.minCoeff()) +
                 " mm along one axis; give less than half");
   }

@@ -149,8 +149,8 @@ void CheckEdge(const BurProfile& edge, const TriangleMesh& mesh, const std::stri
   if (std::ranges::none_of(mesh.triangles,
                            [&](const auto& t) { return std::ranges::all_of(t, is_in); })) {
     throw Error(where +
-                ": holds no triangle of the tool's mesh; give an at_mm and a curve_mm "
-                "that lie round the part of the mesh that cuts");
+                ": holds no triangle of the tool's mesh; give an at_mm and a curve_mm that enclose "
+                "the cutting part of the mesh");
   }
 }
 
@@ -509,8 +509,8 @@ void RefuseWhatIsNoScene(const std::string& file, const std::string& text) {
   const bool like_json = begin != std::string::npos && (text[begin] == '{' || text[begin] == '/');
   if (like_json || IsMeshFile(file) || fs::path(file).extension() == ".json") return;
   throw Error(file +
-              ": is neither a scene nor a mesh that can be read; give a scene file (.json), a "
-              "bundle (.palpate), or export the mesh as .stl, .obj, .ply, .3ds, .gltf or .glb");
+              ": is neither a scene nor a supported mesh; give a scene file (.json), a bundle "
+              "(.palpate), or export the mesh as .stl, .obj, .ply, .3ds, .gltf or .glb");
 }
 
 std::string SceneTextOfMesh(const std::string& file, const LoadOptions& options) {
@@ -560,7 +560,7 @@ SceneDescription Describe(const std::string& text, const std::string& file,
         body.tree_left_open = false;
       } else {
         Warn(options, body.tree.where + ": is a tree from a file, " + body.tree.file +
-                          ", and stays as it is: only trees that are built have the mode \"" +
+                          ", and is not changed: only trees that are built have the mode \"" +
                           std::string(NameOf(*options.tree)) + "\"");
       }
     }
@@ -571,10 +571,11 @@ SceneDescription Describe(const std::string& text, const std::string& file,
 
 Scene LoadBundle(const std::string& bytes, const std::string& file, const LoadOptions& options) {
   if (options.tree || options.tree_file || options.leaves) {
-    throw Error(file + ": is a bundle, whose trees are built; give the scene file or leave the " +
-                (options.tree     ? "mode out"
-                 : options.leaves ? "tolerance out"
-                                  : "tree's file out"));
+    throw Error(file +
+                ": is a bundle, whose trees cannot be changed; give the scene file, or omit the " +
+                (options.tree     ? "mode"
+                 : options.leaves ? "tolerance"
+                                  : "tree's file"));
   }
   Scene scene = UnpackScene(Bytes(bytes), file);
   LoadEffects(scene.effects, fs::path(file).parent_path(), file);
@@ -606,7 +607,7 @@ Scene CompileOnce(const SceneDescription& description, const std::string& text,
   std::error_code ignored;
   if (fs::exists(cached, ignored)) {
     try {
-      if (!IsOwnFile(cached)) throw Error(cached + ": is not a file of this user's");
+      if (!IsOwnFile(cached)) throw Error(cached + ": is not owned by this user");
       const std::string bundle = ReadWholeFile(cached, kLargestSceneFile);
       if (ContentKey(Bytes(bundle), cached) != key) throw Error(cached + ": is of another scene");
       return UnpackScene(Bytes(bundle), cached);

@@ -46,7 +46,7 @@ std::vector<double> LeafAreas(const Body& body, Counts counts) {
   std::string message = region.where + ".group: the mesh has no part \"" + region.group + "\"" +
                         DidYouMean(region.group, names);
   if (names.empty()) {
-    throw Error(message + "; its file names no parts, give a box or a sphere");
+    throw Error(message + "; its file has no named parts; give a box or a sphere");
   }
   message += " It has:";
   for (std::string_view name : names) message.append(" \"").append(name).append("\",");
@@ -151,10 +151,10 @@ void PaintLeaves(const BodyDescription& description, const std::vector<MeshGroup
     const LeafSet leaves = LeavesOf(region, groups, body, areas, exposed);
     if (std::find(leaves.begin(), leaves.end(), true) == leaves.end()) {
       throw Error(
-          region.where + ": paints no leaf of \"" + body.name +
+          region.where + ": covers no leaf of \"" + body.name +
           (region.kind == RegionDescription::Kind::kGroup
-               ? "\"; all of the part may lie inside others, where nothing touches it "
-                 "('palpate-scene check' tells); leave the region out, or give the body more leaves"
+               ? "\"; the part may lie entirely inside others, where nothing can touch it (see "
+                 "'palpate-scene check'); drop the region, or give the body more leaves"
                : "\"; move or enlarge it (its frame is the body's, in mm), or give the body more "
                  "leaves"));
     }

@@ -182,7 +182,7 @@ void Render(const Arguments& arguments) {
                      " exclude each other; keep one");
   }
   if (!arguments.body.empty() && !arguments.error) {
-    throw UsageError("--body chooses whose --error is drawn; add that or drop it");
+    throw UsageError("--body needs --error; add it, or drop --body");
   }
   if (arguments.error) {
     const Scene scene = Load(arguments);
@@ -216,7 +216,7 @@ void List() {
 void New(const Arguments& arguments) {
   namespace fs = std::filesystem;
   if (fs::exists(arguments.output)) {
-    throw Error(arguments.output + ": is there already; give another -o, or remove it first");
+    throw Error(arguments.output + ": exists already; give another -o, or remove the file first");
   }
   const MeshScene scene = MakeMeshScene(arguments.scene, arguments.mesh,
                                         fs::path(arguments.output).parent_path().string());
@@ -234,37 +234,40 @@ void AddToleranceOptions(const CommandLine& app, std::optional<LeafTolerance>& l
     };
   };
   const Option um =
-      app.AddNumber(
-             "--tolerance-um", sets(LeafTolerance::Of::kHeight, 1e-6),
-             "As many leaves as it takes for their surface to lie within so many um of the mesh's "
-             "at 95 of 100 places, whatever the scene file says; a tool of one leaf stays")
+      app.AddNumber("--tolerance-um", sets(LeafTolerance::Of::kHeight, 1e-6),
+                    "choose the number of leaves so that 95 % of their surface lies within this "
+                    "distance of "
+                    "the mesh, in um; overrides the scene file, except for a tool of one leaf")
           .Range(kLeastTolerance_um, kMostTolerance_um);
-  app.AddNumber("--tolerance-deg", sets(LeafTolerance::Of::kLean, M_PI / 180.0),
-                "Likewise, for it to lean by at most so many degrees on average, as the force of a "
-                "touch does")
+  app.AddNumber(
+         "--tolerance-deg", sets(LeafTolerance::Of::kLean, M_PI / 180.0),
+         "choose the number of leaves so that the mean error in the direction of the contact "
+         "force is at most this, in degrees")
       .Range(kLeastTolerance_deg, kMostTolerance_deg)
       .Excludes(um);
 }
 
 int Main(int argc, char** argv) {
   const CommandLine app(
-      "Compiles scenes: reads meshes, builds sphere trees over them, and keeps the result as a\n"
-      "bundle that the server loads at once.  NAME is a scene of the catalogue, a scene file\n"
-      "(.json), a bundle (.palpate), or a mesh, which is given a ball as tool.\n\n"
-      "Example:\n"
+      "Compiles scenes: reads meshes, builds their sphere trees, and caches the result or\n"
+      "writes it as a bundle, which the server loads at once.  NAME is a scene of the\n"
+      "catalogue, a scene file (.json), a bundle (.palpate), or a mesh, to which a ball is\n"
+      "added as the tool.",
+      "palpate-scene",
+      "Examples:\n"
       "  palpate-scene list\n"
       "  palpate-scene new tooth.stl -o tooth.json\n"
       "  palpate-scene build bunny-bunny -o bunny.palpate\n"
       "  palpate-scene build tooth.stl --tolerance-um 50\n"
       "  palpate-scene render bunny.palpate -o bunny.png\n"
-      "  palpate-scene export bunny-bunny -o bunny.glb",
-      "palpate-scene");
+      "  palpate-scene export bunny-bunny -o bunny.glb\n"
+      "'palpate-scene COMMAND --help' explains a command.");
   Arguments arguments;
   app.RequireCommands(1, 1);
   app.Fallthrough();
-  app.Add("--models", arguments.models, "Folder to look in first for model files");
-  app.Add("--cache", arguments.cache, "Cache folder (default: ~/.cache/palpate)");
-  AddCommonOptions(app, "Accepted for consistency, and not used: this program talks to no other",
+  app.Add("--models", arguments.models, "folder in which to look for model files first");
+  app.Add("--cache", arguments.cache, "cache folder; default: ~/.cache/palpate");
+  AddCommonOptions(app, "accepted for consistency, but not used: this program does not communicate",
                    arguments.domain, arguments.log_level);
 
   const std::string names = Joined(CatalogueNames());
@@ -273,74 +276,72 @@ int Main(int argc, char** argv) {
     const CommandLine sub = app.AddCommand(command, help);
     sub.Footer("Example: palpate-scene " + std::string(command) + " " + arguments_of_example);
     sub.Add("NAME", arguments.scene, scene_help).Required();
-    sub.AddFlag("--rebuild", arguments.rebuild, "Build anew and leave the cache alone");
+    sub.AddFlag("--rebuild", arguments.rebuild, "build the scene again, without using the cache");
     return sub;
   };
-  const std::string scene_help = "Scene: a file, or one of " + names;
-  const CommandLine build = add("build", "Builds a scene into the cache, and into a bundle",
+  const std::string scene_help = "scene: a file, or one of " + names;
+  const CommandLine build = add("build", "build a scene into the cache, and into a bundle",
                                 scene_help, "bunny-bunny -o bunny.palpate");
-  build.Add("-o,--output", arguments.output, "Bundle to write (.palpate)");
+  build.Add("-o,--output", arguments.output, "bundle to write (.palpate)");
   build
       .Add("--mode", arguments.mode,
-           "How the leaves of all trees stand for their meshes, whatever the scene file says; "
-           "those that it has from a .sph file stay")
+           "how the leaves of all trees approximate their meshes; overrides the scene file, except "
+           "for trees read from a .sph file")
       .OneOf({kTreeModes.begin(), kTreeModes.end()});
   AddToleranceOptions(build, arguments.leaves);
   const CommandLine info =
       add("info",
-          "Prints features, bodies, materials, sizes and the hash, and how far each level of each\n"
-          "tree is from its mesh",
+          "print features, bodies, materials, sizes and hash of a scene, and its tree errors\n"
+          "Tree errors are the distances of each level of each tree from its mesh.",
           scene_help, "bunny-bunny --csv levels.csv");
-  info.Add("--samples", arguments.info.samples,
-           "Points of each surface that the levels are measured at")
+  info.Add("--samples", arguments.info.samples, "number of sample points on each surface")
       .Range(std::size_t{100}, std::size_t{10'000'000})
       .ShowDefault();
   info.Add("--csv", arguments.info.csv,
-           "Write the errors, a line for each level, into FILE (- is stdout)");
+           "write the tree errors to this file, one line per level; -: standard output");
   info.Add("--json", arguments.info.json,
-           "Write the errors as one JSON object into FILE (- is stdout)");
+           "write the tree errors to this file as one JSON object; -: standard output");
   const CommandLine check =
-      add("check", "Judges meshes, and how well the spheres cover them; ends with a verdict",
+      add("check", "check meshes, and how well the spheres cover them; ends with a verdict",
           scene_help + "; or a mesh file", "tooth.stl");
-  const CommandLine render = add("render", "Draws mesh and spheres of every level as a PNG",
+  const CommandLine render = add("render", "draw mesh and spheres of every level as a PNG",
                                  scene_help, "bunny-bunny --error -o error.png");
-  render.Add("-o,--output", arguments.output, "Picture to write (.png)").Required();
-  render.Add("--level", arguments.level, "Only this level, from 1");
+  render.Add("-o,--output", arguments.output, "picture to write (.png)").Required();
+  render.Add("--level", arguments.level, "draw only this level, counted from 1");
   render.AddFlag(
       "--error", arguments.error,
-      "How far the spheres of a body's last levels are from its mesh, in colours with a scale");
+      "draw the distance of the spheres of a body's last levels from its mesh, as colours");
   render.Add("--body", arguments.body,
-             "Of --error: tool or object by its name (default: the first object)");
+             "with --error: name of a tool or object; default: the first object");
   const CommandLine make =
-      add("new", "Writes a scene file for a mesh, with a ball as tool, to begin with",
-          "Mesh: OBJ, STL, PLY, 3DS or glTF", "tooth.stl -o tooth.json");
-  make.Add("-o,--output", arguments.output, "Scene file to write (.json)").Required();
+      add("new", "write a scene file for a mesh, with a ball as the tool, for you to edit",
+          "mesh: OBJ, STL, PLY, 3DS or glTF", "tooth.stl -o tooth.json");
+  make.Add("-o,--output", arguments.output, "scene file to write (.json)").Required();
   AddMeshOptions(make, arguments.mesh);
-  render.AddFlag("--whole", arguments.whole, "The scene as it stands, instead of its bodies");
+  render.AddFlag("--whole", arguments.whole, "draw the whole scene instead of its bodies");
 
   const CommandLine export_tree =
       add("export",
-          "Writes a body's sphere tree, in the body's frame, as a file for other programs:\n"
-          "  .sph  of the Sphere-Tree Construction Toolkit: \"levels degree\", then a line\n"
-          "        x y z radius importance for each slot, breadth first, radius -1 where none is\n"
-          "        used.  The root is added, so that level N here is level N + 1 there.  A scene "
-          "file's\n"
-          "        \"tree\": {\"file\": ...} reads it\n"
-          "  .ply  the balls of a level as small coloured icospheres, binary; any viewer shows it\n"
+          "write the sphere tree of a body, in the body's frame, for other programs\n"
+          "  .sph  format of the Sphere-Tree Construction Toolkit: \"levels degree\", then one\n"
+          "        line 'x y z radius importance' per slot, breadth first; radius -1: unused.\n"
+          "        A root is added, so that level N here is level N + 1 there.  A scene file\n"
+          "        reads it as \"tree\": {\"file\": ...}\n"
+          "  .ply  the spheres of a level as small coloured icospheres, binary\n"
           "  .glb  the same as glTF, in metres",
           scene_help, "bunny-bunny -o bunny.sph --unit mm");
-  export_tree.Add("-o,--output", arguments.output, "File to write (.sph, .ply or .glb)").Required();
-  export_tree.Add("--body", arguments.body,
-                  "Tool or object by its name (default: the first object)");
-  export_tree.Add("--level", arguments.level,
-                  "From 1, the coarsest, as info counts: of a .ply or .glb the one that is written "
-                  "(default: the leaves), of a .sph the last one (default: all)");
+  export_tree.Add("-o,--output", arguments.output, "file to write (.sph, .ply or .glb)").Required();
+  export_tree.Add("--body", arguments.body, "name of a tool or object; default: the first object");
+  export_tree.Add(
+      "--level", arguments.level,
+      "level, counted from 1, the coarsest, as by info.  .ply, .glb: the level to write; "
+      "default: the leaves.  .sph: the last level to write; default: all");
   export_tree
       .Add("--unit", arguments.unit,
-           "What a number in a .sph or .ply is to mean (default: mm; a .sph has six decimals)")
+           "unit of a .sph or .ply; default: mm (a .sph has six decimals)")
       .OneOf({kUnits.begin(), kUnits.end()});
 
-  const CommandLine list = app.AddCommand("list", "Lists the scenes of the catalogue");
+  const CommandLine list = app.AddCommand("list", "list the scenes of the catalogue");
   list.Footer("Example: palpate-scene list");
 
   if (!ParseCommandLine(app, argc, argv)) return 0;

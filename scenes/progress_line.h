@@ -11,7 +11,7 @@ namespace palpate {
 using SecondsClock = std::function<double()>;
 double SteadySeconds();
 
-/// Formats the progress of long work for people: " 43 %  part: touching balls, about 12 s left".
+/// Formats the progress of long work for people: " 43 %  part: fitting balls, about 12 s left".
 /// The time left is extrapolated from the time so far.  It is left out during the first two
 /// seconds, before a fiftieth is done, and when it is less than a second.
 class ProgressText {

@@ -47,9 +47,9 @@ void JudgeSize(const std::string& whose, const MeshReport& report, double separa
                Verdict& verdict) {
   const double longest = LongestSide(report);
   if (longest <= kMost && longest >= kLeast) return;
-  std::string finding = whose + ": its longest side is " + Millimetres(longest) +
-                        ", an unusual size for what a hand feels; see whether \"unit\" is what its "
-                        "file means";
+  std::string finding =
+      whose + ": its longest side is " + Millimetres(longest) +
+      ", an unusual size for an object to feel; check that \"unit\" is the unit of its file";
   if (longest < 100.0 * separation) finding.append("; if it is, ").append(kTooShortByMesh);
   verdict.limits.push_back(std::move(finding));
 }
@@ -89,9 +89,9 @@ void JudgeEffect(const Effect& effect, const Vec3& centre, double radius, Verdic
   verdict.faults.push_back(
       "effect " + effect.file +
       (std::isfinite(given)
-           ? std::string(": says that it is passive, and gives the hand ") + share +
-                 " of what goes to and fro along a closed path; mend it, or leave .passive out"
-           : std::string(": failed; mend it, or its parameters")));
+           ? std::string(": claims to be passive, but gives the hand ") + share +
+                 " of the energy exchanged along a closed path; fix it, or omit .passive"
+           : std::string(": failed; fix it, or its parameters")));
 }
 
 }  // namespace

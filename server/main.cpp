@@ -44,17 +44,23 @@ constexpr std::chrono::milliseconds kPoll{5};
 constexpr int kOwnMapping_bytes = 1 << 20;
 
 constexpr const char* kAbout =
-    R"(Serves scenes to haptic stations: each pose that a station sends is answered with the wrench that
-its tool meets.  Prints a line that begins with 'ready' once stations can connect, then a line of
-statistics per station and second.
+    R"(Serves scenes to haptic stations.  A station sends the pose of the hand; the
+server answers with the force and torque on the tool.  Prints a line that begins
+with 'ready' once stations can connect, then a line of statistics per station
+and second.
 )";
 
 constexpr const char* kExample =
-    R"(Example: palpate-server --scene bunny-bunny
-then, in another terminal: palpate-station --device simulated --scene bunny-bunny --id left
-A mesh of your own, felt at once: palpate-server tooth.stl
-then palpate-viewer --http 8765, whose page gives the ball to your mouse; or a simulated hand:
-palpate-station --device simulated --scene tooth.stl --id left)";
+    R"(Examples:
+  palpate-server --scene bunny-bunny
+      then, in another terminal:
+      palpate-station --device simulated --scene bunny-bunny --id left
+  palpate-server tooth.stl
+      a mesh of your own, with a ball as the tool; then either
+      palpate-viewer --http 8765
+          and drag the ball with the mouse on the page, or
+      palpate-station --device simulated --scene tooth.stl --id left
+          for a simulated hand)";
 
 struct Options {
   std::vector<std::string> scenes;
@@ -81,7 +87,7 @@ void Judge(const std::string& name, const Scene& scene, bool unusable_too) {
   for (const std::string& fault : verdict.faults) {
     if (!unusable_too) {
       throw Error(name + ": is not usable: " + fault +
-                  " ('palpate-scene check' tells more; --unusable-too serves it all the same)");
+                  " ('palpate-scene check' gives details; --unusable-too serves it nevertheless)");
     }
     spdlog::warn("{}: not usable: {}", scene.name, fault);
   }
@@ -95,8 +101,8 @@ void AddToOffer(ServedScene scene, int seats, std::vector<ServedScene>& offer,
     const std::string name = number == 0 ? scene.name : fmt::format("{}-{}", scene.name, number);
     if (std::ranges::find(offer, name, &ServedScene::name) != offer.end()) {
       throw UsageError("--scene " + name +
-                       ": a seat of another scene has that name already; give "
-                       "fewer --seats, or a file of another name");
+                       ": a seat of another scene already has this name; give fewer --seats, or "
+                       "rename the file");
     }
     if (number > 0) seat_names.push_back(name);
     offer.push_back(number == 0 ? scene : SeatOf(scene, name));
@@ -198,8 +204,8 @@ int Serve(const Options& options) {
     if (bundles.contains(scene.name)) {
       throw UsageError(
           "--scene " + name + ": '" + scene.name +
-          "' is served already, and stations know scenes by their names alone; give it once, or a "
-          "file of another name");
+          "' is already served, and stations know scenes only by name; give it once, or rename one "
+          "of the files");
     }
     AddToOffer(ServeScene(scene, name, options.hand_seed), options.seats, offer, tools,
                seats[scene.name]);
@@ -208,7 +214,7 @@ int Serve(const Options& options) {
     if (options.seats > 0) names += fmt::format(" (seats: {})", options.seats);
   }
   news.reset();
-  malloc_trim(0);  // what the models were made from is as large again
+  malloc_trim(0);  // the models' sources took as much memory again
 
   Server server(
       std::move(loop_domain), std::move(service_domain), std::move(tools),
@@ -236,50 +242,51 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   const CommandLine app(kAbout, "palpate-server");
   app.Footer(kExample);
   app.Add("SCENE,--scene", options.scenes,
-          "scenes to serve: names of the catalogue, scene files, or meshes (STL, OBJ, PLY, "
-          "3DS, glTF).  A mesh becomes a scene with a ball as tool")
+          "scenes to serve: names from the catalogue, scene files, or meshes (STL, OBJ, PLY, "
+          "3DS, glTF).  A mesh becomes a scene with a ball as the tool")
       .Required();
   app.Add("--seats", options.seats,
-          "serve each scene so many times more, as NAME-1, NAME-2, ...: built once, one model in "
-          "memory, and each seat's work its own")
+          "number of further copies of each scene, named NAME-1, NAME-2, ...  They share one model "
+          "in memory; cuts in one copy do not appear in the others")
       .Range(0, static_cast<int>(SessionTable::kMaxStations));
   AddMeshOptions(app, options.mesh);
   app.Add("--transport", options.transport,
-          "auto: shared memory if RouDi answers, else UDP; shm or udp: that one, or fail")
+          "transport of poses and wrenches.  auto: shared memory if RouDi answers, else UDP; shm, "
+          "udp: this one only")
       .ShowDefault();
   AddRealtimeOptions(app, "the servo loop", options.realtime);
   app.Add("--models", options.models,
-          "folder of the meshes that no package installs; the variable PALPATE_MODELS does "
-          "the same");
+          "folder of meshes that no package installs; the environment variable PALPATE_MODELS "
+          "has the same effect");
   app.AddFlag("--unusable-too", options.unusable_too,
-              "also serve scenes that 'palpate-scene check' calls not usable, with a warning");
-  app.AddFlag("--admit-by-hand", options.admit_by_hand,
-              "each station waits until somebody who may operate admits it on the web page");
+              "serve scenes even if 'palpate-scene check' finds them unusable; prints a warning");
+  app.AddFlag(
+      "--admit-by-hand", options.admit_by_hand,
+      "each station waits until a person with the role 'operate' admits it on the web page");
   app.Add("--hand-seed", options.hand_seed,
-          "number that chooses the generated hand of a scene without a script "
-          "(NAME.path.json)")
+          "seed of the generated hand path of a scene without a script (NAME.path.json)")
       .ShowDefault();
   app.AddText(
          "--metrics",
          [&options](const std::string& text) { options.metrics = ParseMetricsEndpoint(text); },
-         "offer metrics for Prometheus at http://ADDRESS:PORT/metrics; an IPv6 address stands in "
-         "brackets.  Without ADDRESS: to this host alone.  Default: no metrics")
+         "serve Prometheus metrics at http://ADDRESS:PORT/metrics; put an IPv6 address in "
+         "brackets.  Without ADDRESS: for this host only.  Default: no metrics")
       .TypeName("[ADDRESS:]PORT");
   AddHostNameOption(app, "metrics", options.host_names);
   app.Add("--event-log", options.event_log,
-          "append sessions, refusals and faults to this file, one JSON object a line")
+          "append sessions, refusals and faults to this file, one JSON object per line")
       .TypeName("FILE");
   AddNetworkOptions(app, "a station or viewer", options.network);
-  AddCommonOptions(app, "number of the domain; programs meet those of the same number",
+  AddCommonOptions(app, "number of the domain; only programs with the same number find each other",
                    options.domain, options.log_level);
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
   if (!options.host_names.empty() && !options.metrics) {
-    throw UsageError("--host-name needs --metrics; give both, or neither");
+    throw UsageError("--host-name needs --metrics; give both or neither");
   }
   const bool of_mesh = !options.mesh.unit.empty() || options.mesh.ball_m > 0.0;
   if (of_mesh && std::ranges::none_of(options.scenes, IsMeshFile)) {
     throw UsageError(
-        "--unit and --ball are for a mesh, and no scene named here is one; a scene file says both "
+        "--unit and --ball apply to meshes only, and none is given; a scene file states both "
         "itself");
   }
   return options;

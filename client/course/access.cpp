@@ -69,7 +69,7 @@ TokenHash HashOfToken(std::string_view token) {
 std::string RandomToken() {
   unsigned char random[kRandomBytes];
   if (RAND_bytes(random, sizeof random) != 1) {
-    throw Error("no token can be made: there are no random numbers; look why /dev/urandom fails");
+    throw Error("cannot make a token: no random numbers; check /dev/urandom");
   }
   return fmt::format("{}{:02x}", kPrefix, fmt::join(random, ""));
 }

@@ -22,8 +22,8 @@ const char* RemedyOf(int code) {
       return "; the disk is full: free some space, and do it again";
     case SQLITE_CORRUPT:
     case SQLITE_NOTADB:
-      return "; it is damaged: put a copy in its place, or move it and what stands beside it "
-             "(-wal, -shm) away to begin with an empty course";
+      return "; it is damaged: restore it from a copy, or move it and its -wal and -shm files away "
+             "to start with an empty course";
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
       return "; another program holds it: end that one, and do it again";
@@ -43,7 +43,7 @@ std::string FileIn(const fs::path& folder) {
     fs::permissions(folder, fs::perms::owner_all, error);  // names and marks are private
   }
   if (error || !fs::is_directory(folder, error)) {
-    throw Error(fmt::format("--course {}: the folder cannot be made{}; give one that can",
+    throw Error(fmt::format("--course {}: cannot create the folder{}; give another",
                             folder.string(), error ? " (" + error.message() + ")" : ""));
   }
   return (folder / "course.sqlite").string();
@@ -67,10 +67,10 @@ CourseFile::CourseFile(const fs::path& folder) : file_(FileIn(folder)) {
     database_->exec(fmt::format("PRAGMA user_version={}", kVersion));
   });
   if (version > kVersion) {
-    throw Error(fmt::format(
-        "{}: is of a newer Palpate (version {} of its tables; this one knows {}); use that one, or "
-        "give another --course",
-        file_, version, kVersion));
+    throw Error(
+        fmt::format("{}: was written by a newer Palpate (table version {}; this one supports up to "
+                    "{}); use that version, or give another --course",
+                    file_, version, kVersion));
   }
   if (check != "ok") {
     throw Error(fmt::format("{}: {}{}", file_, check, RemedyOf(SQLITE_CORRUPT)));

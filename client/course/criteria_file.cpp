@@ -15,7 +15,7 @@ std::vector<std::string_view> MeasureNames() {
 
 Vec3 ReadDirection(const JsonNode& node) {
   const Vec3 direction = node.Vector();
-  if (!(direction.norm() > 1e-6)) node.Fail("is no direction; give one that is not 0");
+  if (!(direction.norm() > 1e-6)) node.Fail("has length 0; give a direction");
   return direction.normalized();
 }
 
@@ -45,7 +45,7 @@ MaterialRegion ReadPlace(const JsonNode& node) {
 void ReadWhatItIsAbout(const JsonNode& node, Criterion& criterion) {
   const Measure& measure = MeasureOf(criterion.measure);
   const auto refuse = [&](const JsonNode& field) {
-    field.Fail("does not go with \"" + criterion.measure + "\"; drop it");
+    field.Fail("does not apply to measure \"" + criterion.measure + "\"; drop it");
   };
   if (criterion.measure == "force_over_share") {
     criterion.limit_N = node.At("limit_N").PositiveNumber();
@@ -76,7 +76,7 @@ Criterion ReadCriterion(const JsonNode& node, bool has_sites) {
   criterion.measure = node.At("measure").OneOf(MeasureNames());
   ReadWhatItIsAbout(node, criterion);
   if (criterion.measure == "sites_right_share" && !has_sites) {
-    node.At("measure").Fail("needs \"sites\"; add them, or take another measure");
+    node.At("measure").Fail("needs \"sites\"; add them, or use another measure");
   }
   criterion.best = node.At("best").Number();
   criterion.worst = node.At("worst").Number();

@@ -48,7 +48,7 @@ ExamTask ReadTask(const JsonNode& node, const std::string& folder) {
 
 Exam LoadExam(const std::string& file) {
   if (!file.ends_with(kExamEnding)) {
-    throw Error(file + ": an exam's file is NAME" + kExamEnding + "; name it so");
+    throw Error(file + ": the file of an exam must be named NAME" + kExamEnding + "; name it so");
   }
   const std::string text = ReadWholeFile(file, JsonNode::kMostBytes);
   const JsonNode root = JsonNode::Parse(text, file);
@@ -60,15 +60,15 @@ Exam LoadExam(const std::string& file) {
   if (exam.name.empty() || exam.name.size() > kLongestName ||
       !std::ranges::all_of(exam.name, IsOfName)) {
     throw Error(file +
-                ": the file's name is the exam's, and must be at most 64 letters, digits, "
-                "- _ or .; rename it");
+                ": the file's name is the name of the exam, and may have at most 64 letters, "
+                "digits, - _ or .; rename it");
   }
   exam.title = ReadLocalText(root.At("title"));
   exam.time_s = root.At("time_s").Number(1.0, kLongestExam_s);
   const fs::path parent = fs::path(file).parent_path();
   const JsonNode tasks = root.At("tasks");
   const std::vector<JsonNode> nodes = tasks.Items(1);
-  if (nodes.size() > kMostTasks) tasks.Fail("has more than 50; make two exams of it");
+  if (nodes.size() > kMostTasks) tasks.Fail("has more than 50; split it into two exams");
   for (const JsonNode& node : nodes) {
     exam.tasks.push_back(ReadTask(node, parent.empty() ? "." : parent.string()));
   }
@@ -76,7 +76,7 @@ Exam LoadExam(const std::string& file) {
     std::set<std::string> names;
     for (const JsonNode& name : people->Items(1)) {
       exam.people.push_back(name.String());
-      if (!names.insert(name.String()).second) name.Fail("stands there twice; leave one out");
+      if (!names.insert(name.String()).second) name.Fail("is listed twice; remove one");
     }
   }
   return exam;

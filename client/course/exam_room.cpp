@@ -71,8 +71,9 @@ ExamRoom::ExamRoom(std::string folder, CourseFile& file, Roster& roster, TrialRo
   if (!newest_.is_open()) return;
   const std::int64_t down_s = now_s - newest_.alive_s;
   if (down_s > 2 * kBeat_s) Set("down_s", newest_.down_s + down_s);
-  spdlog::warn("exam '{}' is open and goes on; for {} s there was no gateway, while its clock ran",
-               newest_.exam.name, down_s);
+  spdlog::warn(
+      "exam '{}' is still open and continues; its clock ran on for the {} s without a gateway",
+      newest_.exam.name, down_s);
 }
 
 ExamRoom::~ExamRoom() = default;
@@ -102,8 +103,7 @@ void ExamRoom::Read() try {
   if (newest_.number != 0) ReadTrials();
 } catch (const Json::exception& error) {
   throw Error(
-      fmt::format("course.sqlite: exam {}: {}; it was changed by hand: put a copy in its "
-                  "place",
+      fmt::format("course.sqlite: exam {}: {}; it was changed by hand; restore it from a copy",
                   newest_.number, error.what()));
 }
 
@@ -211,13 +211,14 @@ std::set<std::int64_t> ExamRoom::PeopleOf(const Exam& exam) const {
     });
     if (found == roster_.people().end()) {
       throw Error(
-          fmt::format("people: nobody who drives has the name {}; make that person under "
-                      "Class, or change the exam's file",
+          fmt::format("people: no person with the role 'drive' is named {}; add that person under "
+                      "Class, or edit the exam's file",
                       Quoted(name)));
     }
     people.insert(found->id);
   }
-  if (people.empty()) throw Error("nobody who drives is in the course; make people under Class");
+  if (people.empty())
+    throw Error("the course has no person with the role 'drive'; add people under Class");
   return people;
 }
 
@@ -237,10 +238,8 @@ void ExamRoom::Open(const std::string& name, std::int64_t now_s) {
   const Exam exam = LoadExam(folder_ + "/" + name + kExamEnding);
   for (const ExamTask& task : exam.tasks) {
     if (trials_.Find(task.exercise) != nullptr) continue;
-    throw Error(
-        fmt::format("exercise '{}' was not there when this gateway was started; start it "
-                    "anew",
-                    task.exercise));
+    throw Error(fmt::format(
+        "exercise '{}' was added after this gateway started; restart the gateway", task.exercise));
   }
   const std::set<std::int64_t> people = PeopleOf(exam);
   file_.Use([&](SQLite::Database& database) {
@@ -271,9 +270,10 @@ void ExamRoom::Again(std::int64_t person) {
                                                   : std::pair(-1, 0);
   });
   if (last == newest_.trials.end() || last->person != person || !last->counts) {
-    throw Error("there is no trial of that person to do again");
+    throw Error("that person has no trial to repeat");
   }
-  if (last->ended_s == 0) throw Error("that trial is running; it may be done again once it ended");
+  if (last->ended_s == 0)
+    throw Error("that trial is still running; it can be repeated after it ends");
   file_.Use([&](SQLite::Database& database) {
     SQLite::Statement row(database,
                           "UPDATE exam_trials SET counts=0 WHERE person=? AND exercise=? AND n=?");
@@ -442,9 +442,8 @@ void ExamRoom::ScoreAll() {
     if (exercise == nullptr || Sha256OfFile(exercise->file).sha256 != task.exercise_sha256 ||
         Sha256OfFile(exercise->criteria.file).sha256 != task.criteria_sha256) {
       trouble_ = fmt::format(
-          "'{}' is not scored: its file or that of its criteria was changed "
-          "since the exam was opened; put that one back, and start the gateway "
-          "anew",
+          "'{}' is not scored, because its file or that of its criteria was changed after the exam "
+          "was opened; restore that file, and restart the gateway",
           trial.exercise);
       changed_ = true;
       continue;

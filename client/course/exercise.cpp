@@ -24,7 +24,7 @@ constexpr int kMostTrials = 100;
 std::string ReadBeside(const JsonNode& node, const std::string& folder) {
   const fs::path path = fs::path(node.String()).lexically_normal();
   if (path.is_absolute() || *path.begin() == "..") {
-    node.Fail("lies elsewhere; put it beside the exercise and name it from there");
+    node.Fail("is not in the exercise's folder; put it there, and give a path relative to it");
   }
   std::error_code ignored;
   if (!fs::is_regular_file(folder / path, ignored)) {
@@ -39,7 +39,7 @@ Exercise::Picture ReadPicture(const JsonNode& node, const std::string& folder) {
   static const std::set<std::string> kKinds = {".png", ".jpg", ".svg", ".webp"};
   Exercise::Picture picture{ReadBeside(file, folder), ReadLocalText(node.At("text"))};
   if (!kKinds.contains(fs::path(picture.file).extension().string())) {
-    file.Fail("is no picture that browsers show; give a .png, .jpg, .svg or .webp");
+    file.Fail("is not a picture that browsers show; give a .png, .jpg, .svg or .webp");
   }
   return picture;
 }
@@ -86,8 +86,8 @@ void CheckMeasures(const JsonNode& criteria, const SceneFacts& facts, const std:
     const JsonNode measure = node.At("measure");
     if (!MeasureOf(measure.String()).of_cut) continue;
     if (facts.tissues.empty() || !Cuts(*facts.Find(tool))) {
-      measure.Fail("is of what is cut, and tool '" + tool + "' of scene '" + facts.scene.name +
-                   "' cuts nothing; take another measure, tool or scene");
+      measure.Fail("measures a cut, but tool '" + tool + "' of scene '" + facts.scene.name +
+                   "' cannot cut; use another measure, tool or scene");
     }
     const auto tissue = node.Find("tissue");
     if (!tissue) continue;
@@ -105,7 +105,8 @@ std::string SceneFileOf(const JsonNode& node, const std::string& folder) {
   std::string scene = node.String();
   if (scene.find('/') != std::string::npos || fs::path(scene).has_extension()) {
     scene = (fs::path(folder) / scene).lexically_normal().string();
-    if (!scene.ends_with(".json")) node.Fail("is no scene file; give NAME.json, or a scene's name");
+    if (!scene.ends_with(".json"))
+      node.Fail("is not a scene file; give NAME.json, or the name of a scene");
   }
   try {
     const std::string file = FindSceneFile(scene);
@@ -164,10 +165,10 @@ LocalText ReadLocalText(const JsonNode& node) {
                          std::ranges::all_of(language, [](unsigned char c) {
                            return c == '-' || (std::isalnum(c) != 0);
                          });
-    if (!is_code) at.Fail("is no language; give its code, as \"en\", \"de\" or \"zh\"");
+    if (!is_code) at.Fail("is not a language; give its code, such as \"en\", \"de\" or \"zh\"");
     text[language] = at.String();
   }
-  if (text.empty()) node.Fail("says nothing; give it in a language: {\"en\": \"...\"}");
+  if (text.empty()) node.Fail("is empty; give a text in at least one language: {\"en\": \"...\"}");
   return text;
 }
 
@@ -178,7 +179,8 @@ std::string Exercise::folder() const {
 
 Exercise LoadExercise(const std::string& file) {
   if (!file.ends_with(kExerciseEnding)) {
-    throw Error(file + ": an exercise's file is NAME" + kExerciseEnding + "; name it so");
+    throw Error(file + ": the file of an exercise must be named NAME" + kExerciseEnding +
+                "; name it so");
   }
   const JsonNode root = JsonNode::Load(file);
   root.AllowOnly({"title", "scene", "tool", "start", "instruction", "goal", "limits", "trials",
@@ -190,8 +192,8 @@ Exercise LoadExercise(const std::string& file) {
   if (exercise.name.empty() || exercise.name.size() > kLongestName ||
       !std::ranges::all_of(exercise.name, IsOfName)) {
     throw Error(file +
-                ": trials are kept by the file's name, which must be at most 64 letters, "
-                "digits, - _ or .; rename it");
+                ": the file's name identifies its trials, and may have at most 64 letters, digits, "
+                "- _ or .; rename it");
   }
   ReadTexts(root, exercise);
   exercise.scene = SceneFileOf(root.At("scene"), exercise.folder());
@@ -219,8 +221,9 @@ Exercise LoadExercise(const std::string& file) {
   } else {
     exercise.expert = ScriptFileBeside(exercise.scene);
     if (!fs::exists(exercise.expert)) {
-      root.Fail("no script comes with scene '" + facts.scene.name +
-                "'; add \"expert\", the script of a hand that does it (NAME.path.json)");
+      root.Fail("scene '" + facts.scene.name +
+                "' has no script of its own; add \"expert\", the script of the expert's hand "
+                "(NAME.path.json)");
     }
   }
   const PoseScript script = PoseScript::Load(exercise.expert);

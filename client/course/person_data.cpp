@@ -74,7 +74,7 @@ class Zip {
 
  private:
   static void Check(bool good) {
-    if (!good) throw Error("the ZIP cannot be written; look whether the course's disk is full");
+    if (!good) throw Error("cannot write the ZIP; check whether the course's disk is full");
   }
   zipFile zip_;
 };
@@ -100,7 +100,8 @@ void AddFile(Zip& zip, const std::string& name, const fs::path& path) {
   while (const std::size_t count = std::fread(piece.data(), 1, piece.size(), in.get())) {
     zip.Add(piece.data(), count);
   }
-  if (std::ferror(in.get()) != 0) throw Error(path.string() + ": cannot be read to its end");
+  if (std::ferror(in.get()) != 0)
+    throw Error(path.string() + ": cannot be read completely; check the disk");
   zip.End();
 }
 
@@ -119,8 +120,8 @@ void RemoveFiles(CourseFile& file, const std::string& folder, std::int64_t perso
   fs::remove_all(TrialsOf(folder, person), error);
   if (error) {
     throw Error(
-        fmt::format("{}: {}; what is left of a deleted person's recordings is removed at "
-                    "the next start that may, or by you",
+        fmt::format("{}: {}; remaining recordings of a deleted person are removed at the next "
+                    "start that has the rights; or remove them by hand",
                     TrialsOf(folder, person).string(), error.message()));
   }
   file.Use([&](SQLite::Database& database) {
@@ -139,7 +140,8 @@ int GiveData(const std::string& folder, const Person& person, const std::string&
   std::string path = folder + "/.given-XXXXXX";
   const int file = mkostemp(path.data(), O_CLOEXEC);
   if (file < 0)
-    throw Error(folder + ": " + std::strerror(errno) + "; nothing can be written there");
+    throw Error(folder + ": " + std::strerror(errno) +
+                "; the folder is not writable; check its rights and the space on its disk");
   unlink(path.c_str());
   try {
     Zip zip(fmt::format("/proc/self/fd/{}", file));

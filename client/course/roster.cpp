@@ -59,40 +59,41 @@ void Roster::Read() {
 
 std::string Roster::Checked(std::string_view name, std::int64_t id) const {
   const std::string kept(Trimmed(name));
-  if (kept.empty()) throw Error("a person has a name; give one");
+  if (kept.empty()) throw Error("the name is empty; give one");
   if (kept.size() > kLongestName) {
     throw Error(
         fmt::format("the name {} has more than {} bytes; shorten it", Quoted(kept), kLongestName));
   }
   if (Printable(kept) != kept) {
-    throw Error(fmt::format("the name {} has signs that nobody sees; write it anew", Quoted(kept)));
+    throw Error(fmt::format("the name {} has invisible characters; type it again", Quoted(kept)));
   }
   const std::string station = StationNameOf(kept);
   if (station.find_first_not_of('_') == station.npos) {
-    throw Error(fmt::format("the name {} has no letter and no digit; give one", Quoted(kept)));
+    throw Error(fmt::format("the name {} has no letter or digit; add one", Quoted(kept)));
   }
   for (const Person& other : people_) {
     if (!other.here() || other.id == id) continue;
     if (LowerCase(StationNameOf(other.name)) != LowerCase(station)) continue;
-    throw Error(other.name == kept
-                    ? fmt::format("there is a {} already; tell them apart by a letter or a number",
-                                  Quoted(kept))
-                    : fmt::format("{} and {} would be one station, '{}'; tell them apart by a "
-                                  "letter or a number",
-                                  Quoted(kept), Quoted(other.name), station));
+    throw Error(
+        other.name == kept
+            ? fmt::format("there is already a {}; add a letter or number to tell them apart",
+                          Quoted(kept))
+            : fmt::format("{} and {} would have the same station name, '{}'; add a letter or "
+                          "number to tell them apart",
+                          Quoted(kept), Quoted(other.name), station));
   }
   return kept;
 }
 
 const Person& Roster::Known(std::int64_t id) const {
   if (const Person* const person = Find(id)) return *person;
-  throw Error(fmt::format("nobody of this course has the number {}; load the page anew", id));
+  throw Error(fmt::format("no person of this course has the number {}; reload the page", id));
 }
 
 std::vector<Roster::Made> Roster::Make(const std::vector<std::string>& names, Access role) {
   const auto here = std::ranges::count_if(people_, &Person::here);
   if (static_cast<std::size_t>(here) + names.size() > kMost) {
-    throw Error(fmt::format("a course has at most {} people; withdraw some", kMost));
+    throw Error(fmt::format("a course has at most {} people; remove some", kMost));
   }
   std::vector<Made> made;
   const std::vector<Person> before = people_;
@@ -144,9 +145,10 @@ const Person& Roster::MayGo(std::int64_t id) const {
     return one.here() && one.role == Access::kOperate;
   };
   if (operates(person) && std::ranges::count_if(people_, operates) == 1) {
-    throw Error(fmt::format(
-        "{} is the last who may operate, and nobody could undo it; make another one first",
-        Quoted(person.name)));
+    throw Error(
+        fmt::format("{} is the last person with the role 'operate', and nobody could undo this; "
+                    "give another person that role first",
+                    Quoted(person.name)));
   }
   return person;
 }

@@ -78,7 +78,9 @@ class Sha256Sum {
 template <class Write>
 std::string PemOf(Write write) {
   const Bio bio(BIO_new(BIO_s_mem()), BIO_free);
-  if (write(bio.get()) != 1) throw Error("OpenSSL makes no Ed25519 key; is it a FIPS build?");
+  if (write(bio.get()) != 1)
+    throw Error(
+        "OpenSSL cannot make an Ed25519 key; use a build of OpenSSL without FIPS restrictions");
   char* data = nullptr;
   const long size = BIO_get_mem_data(bio.get(), &data);
   return {data, static_cast<std::size_t>(size)};
@@ -102,8 +104,8 @@ void WriteNewKey(const std::string& file) {
   unlink(made.c_str());
   if (good) return;
   throw Error(
-      fmt::format("{}: the key cannot be made ({}); the course's folder must be writable, "
-                  "and its disk must have space",
+      fmt::format("{}: cannot create the key ({}); make the course's folder writable, or free "
+                  "space on its disk",
                   file, std::strerror(error)));
 }
 
@@ -178,8 +180,8 @@ SealKey SealKey::OfCourse(const std::string& folder) {
   SealKey key(Key(PEM_read_bio_PrivateKey(bio.get(), nullptr, nullptr, none), EVP_PKEY_free));
   if (!key.key_) {
     throw Error(file +
-                ": is no Ed25519 key (PEM); put a copy in its place, or move it away: then "
-                "another is made, which does not verify what was sealed before");
+                ": is not an Ed25519 key (PEM); restore it from a copy, or move it away to get a "
+                "new key, which does not verify earlier seals");
   }
   const std::string written =
       PemOf([&](BIO* out) { return PEM_write_bio_PUBKEY(out, key.key_.get()); });
@@ -193,7 +195,7 @@ SealKey SealKey::ReadPublic(const std::string& file) {
   const Bio bio(BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())), BIO_free);
   SealKey key(Key(PEM_read_bio_PUBKEY(bio.get(), nullptr, nullptr, nullptr), EVP_PKEY_free));
   if (!key.key_) {
-    throw Error("--key " + file + ": is no public key of a course; give its " + kPublicFile);
+    throw Error("--key " + file + ": is not the public key of a course; give its " + kPublicFile);
   }
   return key;
 }
@@ -204,7 +206,9 @@ std::string SealKey::Sign(std::string_view text) const {
   std::size_t size = signature.size();
   if (EVP_DigestSignInit(digest.get(), nullptr, nullptr, nullptr, key_.get()) != 1 ||
       EVP_DigestSign(digest.get(), signature.data(), &size, Bytes(text), text.size()) != 1) {
-    throw Error("OpenSSL does not sign with the course's key; is it a FIPS build?");
+    throw Error(
+        "OpenSSL cannot sign with the course's key; use a build of OpenSSL without FIPS "
+        "restrictions");
   }
   return Hex(signature.data(), size);
 }

@@ -93,7 +93,7 @@ Json JsonOf(const Exercise& exercise) {
 TrialRoom::TrialRoom(Options options, CourseFile& file, std::function<void(const News&)> tell)
     : options_(std::move(options)), file_(file), tell_(std::move(tell)) {
   const auto refused = [](const std::string& why) {
-    spdlog::error("{} (this exercise is left out)", Printable(why));
+    spdlog::error("{} (this exercise is skipped)", Printable(why));
   };
   exercises_ = LoadExercises(options_.folder + "/exercises", refused);
   for (Exercise& shipped : LoadExercises(PlaceOf(ProjectFile::kExercises), refused)) {
@@ -108,8 +108,8 @@ void TrialRoom::MarkCutShort() {
     SQLite::Statement cut(database, "SELECT person, exercise, n FROM trials WHERE ended_s IS NULL");
     while (cut.executeStep()) {
       spdlog::warn(
-          "trial {} of '{}' by person {} was cut short, for the gateway was killed; its "
-          "recording is whole but for the last half second",
+          "trial {} of '{}' by person {} was interrupted when the gateway was killed; its "
+          "recording lacks at most the last half second",
           cut.getColumn(2).getInt(), cut.getColumn(1).getString(), cut.getColumn(0).getInt64());
     }
     SQLite::Statement mark(database,
@@ -176,7 +176,9 @@ int TrialRoom::Begin(Holder holder, std::int64_t person, const std::string& exer
   const std::string folder = FolderOf(person, exercise);
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error) throw Error(folder + ": " + error.message() + "; nothing can be recorded there");
+  if (error)
+    throw Error(folder + ": " + error.message() +
+                "; cannot record there; check the folder's rights and the space on its disk");
   file_.Use([&](SQLite::Database& database) {
     SQLite::Statement last(database,
                            "SELECT IFNULL(MAX(n), 0) FROM trials WHERE person=? AND exercise=?");
@@ -243,7 +245,7 @@ void TrialRoom::Submit(Holder holder, std::int64_t person, const std::string& ex
     row.bind(2, person);
     row.bind(3, exercise);
     row.bind(4, n);
-    if (row.exec() != 1) throw Error("there is no such trial that could be submitted");
+    if (row.exec() != 1) throw Error("there is no such trial to submit");
   });
 }
 

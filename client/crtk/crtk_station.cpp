@@ -162,7 +162,7 @@ void CrtkStation::OnServo(const ros2::WrenchStamped& wanted, std::int64_t now_ns
   if (now_ns - aimed_ns_ < kAimPeriod_ns || session_.phase != palpate_SESSION_ACTIVE) return;
   if (!IsFrame(wanted.header, frame_)) {
     if (words_.Pass(now_ns)) {
-      spdlog::warn("{}/servo_cf: in frame {}, and not in {}: not done", namespace_,
+      spdlog::warn("{}/servo_cf: ignored, because its frame is {} instead of {}", namespace_,
                    Quoted(wanted.header.frame_id), Quoted(frame_));
     }
     return;
@@ -178,7 +178,7 @@ void CrtkStation::OnServo(const ros2::WrenchStamped& wanted, std::int64_t now_ns
   const auto aim = ServoAim(*hand, {Vec3(f.x, f.y, f.z), Vec3(t.x, t.y, t.z)}, limits_);
   if (!aim) {
     if (words_.Pass(now_ns)) {
-      spdlog::warn("{}/servo_cf: not finite: not done", namespace_);
+      spdlog::warn("{}/servo_cf: ignored, because it is not finite", namespace_);
     }
     return;
   }

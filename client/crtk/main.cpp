@@ -26,26 +26,28 @@ constexpr std::chrono::milliseconds kPoll{2};
 constexpr std::size_t kMostStations = 32;
 
 constexpr const char* kAbout =
-    R"(Makes each station an arm of the Collaborative Robotics Toolkit (CRTK) on ROS 2, without ROS here:
-it speaks DDS with ROS 2's names.  Below a station's name it publishes measured_cp, measured_cv,
-measured_cf and operating_state, and takes servo_cf and state_command.
+    R"(Bridges stations to ROS 2, each as an arm of the Collaborative Robotics Toolkit.
+It needs no ROS on this host: it uses DDS with the names of ROS 2.  Under the
+name of each station it publishes measured_cp, measured_cv, measured_cf and
+operating_state, and subscribes to servo_cf and state_command (CRTK).
 )";
 
 constexpr const char* kExamples =
     R"(Examples:
   palpate-crtk
-      then, where ROS 2 is:  ros2 topic hz /hand/measured_cp
-                             ros2 topic echo /hand/measured_cf geometry_msgs/msg/WrenchStamped
+      then, on a host with ROS 2:
+      ros2 topic hz /hand/measured_cp
+      ros2 topic echo /hand/measured_cf geometry_msgs/msg/WrenchStamped
   palpate-crtk --ros-domain 7 --ros-network eth0
-      for ROS_DOMAIN_ID=7 on other hosts
+      for other hosts with ROS_DOMAIN_ID=7
   palpate-crtk --read-only
-      nobody in ROS's domain can pull a hand or pause a station
+      nobody in the ROS domain can pull a hand or pause a station
 
-servo_cf pulls the hand at a station that runs with --accept-guide, at most with its --guide-force
-(give the same number here), and is gone 100 ms after the last message.
-state_command takes enable, disable, pause and resume.
-Frames, time stamps and quality of service: client/crtk/README.md in the source tree, where the package
-is installed /usr/share/doc/palpate-common/client/crtk/README.md.
+servo_cf pulls the hand at a station that runs with --accept-guide, at most with
+the station's --guide-force (give the same number here).  It ends 100 ms after
+the last message.  state_command accepts enable, disable, pause and resume.
+Frames, time stamps and quality of service: client/crtk/README.md in the source
+tree; as a package, /usr/share/doc/palpate-common/client/crtk/README.md.
 Exit status: 0 done, 1 failed, 2 wrong usage.)";
 
 struct Options : ServerOptions {
@@ -61,18 +63,17 @@ struct Options : ServerOptions {
 std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   Options options;
   const CommandLine app(kAbout, "palpate-crtk", kExamples);
-  app.Add("--ros-domain", options.ros_domain, "domain of the ROS 2 programs: their ROS_DOMAIN_ID")
+  app.Add("--ros-domain", options.ros_domain, "domain of the ROS 2 programs (their ROS_DOMAIN_ID)")
       .Range(0, ros2::kMaxDomain)
       .ShowDefault();
   app.Add("--ros-network", options.ros_network.interface,
-          "network interface of the ROS 2 programs, as eth0; lo: this host alone")
+          "network interface to the ROS 2 programs, such as eth0; lo: this host only")
       .ShowDefault();
   app.Add("--ros-peer", options.ros_network.peers,
-          "address of a host with ROS, needed where the network carries no multicast; may "
-          "be given again");
-  app.AddFlag("--read-only", options.read_only, "take no servo_cf and no state_command");
+          "address of a host with ROS; needed if the network has no multicast; can be repeated");
+  app.AddFlag("--read-only", options.read_only, "ignore servo_cf and state_command");
   app.Add("--guide-force", options.guide_force_N,
-          "force of servo_cf, in N, at which a station pulls with all of its --guide-force")
+          "force of servo_cf, in N, that makes a station pull with its full --guide-force")
       .Range(0.01, GuideLimits::kMostForce_N)
       .ShowDefault();
   app.Add("--for", options.seconds, "end after this many seconds; default: at Ctrl-C").Positive();
@@ -86,14 +87,14 @@ using Stations = std::map<std::string, std::unique_ptr<CrtkStation>>;
 
 /// Returns why a station cannot be bridged to ROS; empty if it can.
 std::string WhyLeftOut(const std::string& name, const Stations& stations) {
-  if (!dds::IsStationName(name)) return "no such name";
+  if (!dds::IsStationName(name)) return "its name is invalid; give --id letters, digits or _";
   if (std::string why = WhyNoRosName(name); !why.empty()) return why;
   for (const auto& [other, station] : stations) {
     if (station->ros_namespace() == RosNamespace(name)) {
-      return "station " + other + " has that name in ROS; give one of them another --id";
+      return "station " + other + " has the same name in ROS; give one of them another --id";
     }
   }
-  return stations.size() == kMostStations ? "32 are here already" : "";
+  return stations.size() == kMostStations ? "32 stations, the maximum, are bridged already" : "";
 }
 
 /// Bridges the stations of one server to ROS 2 until it is stopped.  Throws Error.

@@ -38,15 +38,16 @@ Finding Probed(const char* device, const Probe& probe, const std::string& remedy
 }
 
 Finding CheckArm(const HostFiles& host, const Probe& probe) {
-  Finding finding = Probed(kArm, probe,
-                           "install OpenHaptics and the arm's driver, both of its vendor's " +
-                               PageOf(kArm) + ", or name the library in " + hd::kLibraryVariable);
+  Finding finding =
+      Probed(kArm, probe,
+             "install OpenHaptics and the arm's driver, both from its vendor " + PageOf(kArm) +
+                 ", or give the library's path in " + hd::kLibraryVariable);
   if (finding.status == Status::kFault) return finding;
   const DeviceNodes nodes = FindDeviceNodes(host.At("/dev"), [&](const std::string& path) {
     return host.MayOpen(path.substr(host.root.size()));
   });
   if (!nodes.closed.empty()) {
-    return Fault(finding.found + "; this user may not open" + Listed(host, nodes.closed),
+    return Fault(finding.found + "; this user has no access to" + Listed(host, nodes.closed),
                  "sudo usermod -aG dialout $USER (or the group that 'ls -l' shows there), and log "
                  "in again; or install the driver's udev rules");
   }
@@ -55,7 +56,7 @@ Finding CheckArm(const HostFiles& host, const Probe& probe) {
     return Warning(finding.found + "; no arm is plugged in (no /dev/ttyACM*, fw* or parport*)",
                    "check its cable and power; an arm on the network needs neither");
   }
-  return Ok(finding.found + "; may be opened:" + Listed(host, nodes.open));
+  return Ok(finding.found + "; accessible:" + Listed(host, nodes.open));
 }
 
 /// Returns the device nodes of the plugged-in USB devices of Force Dimension.
@@ -78,7 +79,7 @@ std::vector<std::string> DeltaNodes(const HostFiles& host) {
 Finding CheckDelta(const HostFiles& host, const Probe& probe) {
   Finding finding = Probed(kDelta, probe,
                            "install Force Dimension's SDK " + PageOf(kDelta) +
-                               ", or name the library in " + dhd::kLibraryVariable);
+                               ", or give the library's path in " + dhd::kLibraryVariable);
   if (finding.status == Status::kFault) return finding;
   const std::vector<std::string> nodes = DeltaNodes(host);
   if (nodes.empty()) {
@@ -87,7 +88,7 @@ Finding CheckDelta(const HostFiles& host, const Probe& probe) {
   }
   for (const std::string& node : nodes) {
     const bool open = host.MayOpen(node);
-    finding.found += (open ? "; may be opened: " : "; this user may not open ") + node;
+    finding.found += (open ? "; accessible: " : "; this user has no access to ") + node;
     if (open) continue;
     finding =
         Fault(finding.found,
@@ -101,7 +102,7 @@ Finding CheckInverse(const Probe& probe) {
   return Probed(
       kInverse, probe,
       "install the Inverse Service with the Haply Hub " + PageOf(kInverse) +
-          " and start it: sudo systemctl start haply-inverse-service; or name its address in " +
+          " and start it: sudo systemctl start haply-inverse-service; or give its address in " +
           haply::kServiceVariable);
 }
 
@@ -143,7 +144,7 @@ ArmProbes RealArmProbes() {
               [] {
                 const haply::Address address = haply::ServiceAddress();
                 haply::CheckService(address);
-                return "somebody listens at ws://" + address.host + ":" + address.port;
+                return "a service listens at ws://" + address.host + ":" + address.port;
               }};
 }
 
@@ -152,8 +153,8 @@ Finding CheckDevice(const HostFiles& host, const std::string& device, const ArmP
   if (device == kDelta) return CheckDelta(host, probes.forcedimension);
   if (device == kInverse) return CheckInverse(probes.haply);
   if (device == kPuck) return CheckPuck(host);
-  if (!device.empty()) return Ok(device + ": needs nothing of the host");
-  std::string ready = "none is named with --device; ready would be: simulated, mouse";
+  if (!device.empty()) return Ok(device + ": needs nothing from the host");
+  std::string ready = "none is named with --device; ready: simulated, mouse";
   const auto add = [&ready](const char* name, const Finding& finding) {
     if (finding.status != Status::kFault) ready += std::string(", ") + name;
   };

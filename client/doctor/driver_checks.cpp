@@ -111,35 +111,35 @@ Finding Pushed(DriverLoop& loop) {
     }
   }
   const std::string found =
-      fmt::format("pushed by {:g} N, the handle gave way by {:.1f}, {:.1f} and {:.1f} mm", kPush_N,
+      fmt::format("pushed with {:g} N, the handle moved {:.1f}, {:.1f} and {:.1f} mm", kPush_N,
                   1e3 * way.x(), 1e3 * way.y(), 1e3 * way.z());
   if (way.minCoeff() > kGaveWay_m) return Ok(found);
   if (way.minCoeff() < -kGaveWay_m) {
     return Fault(found,
-                 "turn the force's or the pose's axis round where the figure is negative: both are "
-                 "in one frame, or a wall would pull");
+                 "invert the axis of the force or of the pose where the number is negative: both "
+                 "must be in one frame, otherwise a wall would pull");
   }
   return Warning(found,
-                 "hold the handle loosely, and try again; where an axis never gives way, see that "
-                 "write moves the motors of that axis");
+                 "hold the handle loosely and try again; if an axis never moves, check that write "
+                 "drives its motors");
 }
 
 Finding Turned(const DriverLoop& loop, double rate_Hz) {
   if (!loop.ready || loop.faulted) {
-    return Fault(loop.news.substr(0, loop.news.find('\n')), "mend what the sentence names");
+    return Fault(loop.news.substr(0, loop.news.find('\n')), "fix what the message names");
   }
   const Vec3 box_mm = 1e3 * (loop.most - loop.least);
   const std::string found = fmt::format(
-      "{:.0f} turns a second, the longest {:.1f} ms; the handle was moved by {:.1f}, {:.1f} and "
+      "{:.0f} cycles per second, the longest {:.1f} ms; the handle was moved {:.1f}, {:.1f} and "
       "{:.1f} mm",
       rate_Hz, loop.seen.longest_ms, box_mm.x(), box_mm.y(), box_mm.z());
   if (loop.seen.longest_ms > kLongTurn_ms) {
     return Warning(found,
-                   "let read and write return at once: what blocks has a thread of its own; or "
-                   "mend what stands above of this host");
+                   "let read and write return at once, and do blocking work in a thread of its "
+                   "own; or fix the findings above about this host");
   }
   if (!box_mm.isZero(0.0)) return Ok(found);
-  return Warning(found, "move the handle meanwhile: a pose that stands still tells nothing");
+  return Warning(found, "move the handle during the test: a constant pose shows nothing");
 }
 
 }  // namespace
@@ -155,7 +155,7 @@ std::vector<Finding> TryDriver(const DeviceOptions& options, bool push, StopSign
     const DeviceInfo& info = device->info();
     const Vec3 reach_mm = 1e3 * info.workspace_m;
     add("device",
-        Ok(fmt::format("{}: {:g} N, for long {:g} N; {:g} N m; reaches {:g} x {:g} x {:g} mm",
+        Ok(fmt::format("{}: {:g} N, continuously {:g} N; {:g} N m; workspace {:g} x {:g} x {:g} mm",
                        info.model, info.max_force_N, info.continuous_force_N, info.max_torque_Nm,
                        reach_mm.x(), reach_mm.y(), reach_mm.z())));
     DriverLoop loop(*device, options.realtime, stop);
@@ -168,7 +168,7 @@ std::vector<Finding> TryDriver(const DeviceOptions& options, bool push, StopSign
     add("driver", Turned(loop, rate_Hz));
     if (pushes) add("push", pushed);
   } catch (const Error& error) {
-    add("device", Fault(error.what(), "'An arm of your own' says what a driver is: " +
+    add("device", Fault(error.what(), "see 'An arm of your own' in " +
                                           ShownPlaceOf(ProjectFile::kDevicePages) + "/arm.md"));
   }
   return findings;

@@ -13,8 +13,7 @@
 namespace palpate::doctor {
 namespace {
 
-constexpr const char* kRealtimeKernel =
-    "sudo apt-get install linux-image-rt-amd64, then restart into it";
+constexpr const char* kRealtimeKernel = "sudo apt-get install linux-image-rt-amd64, then boot it";
 
 /// Returns the mode of a PREEMPT_DYNAMIC kernel: "full", from "none voluntary (full)" if debugfs is
 /// readable (by root), or else from its command line; empty if neither says.
@@ -95,17 +94,18 @@ Finding CheckKernel(const HostFiles& host) {
   }
   const std::string mode = PreemptMode(host);
   if (mode == "full" || (mode.empty() && version.find("PREEMPT ") != std::string::npos)) {
-    return Warning(kernel + "preemptible, but not PREEMPT_RT: nothing bounds its worst case",
+    return Warning(kernel + "preemptible, but not PREEMPT_RT: its worst-case latency is unbounded",
                    kRealtimeKernel);
   }
   if (version.find("PREEMPT_DYNAMIC") != std::string::npos) {
     return Warning(
-        kernel + (mode.empty() ? "PREEMPT_DYNAMIC, and it does not say in which mode"
-                               : "preemption '" + mode + "': it may keep a loop waiting"),
+        kernel + (mode.empty() ? "PREEMPT_DYNAMIC, in an unknown mode"
+                               : "preemption '" + mode + "': it can delay a loop"),
         std::string(kRealtimeKernel) + "; or " + GrubLine("preempt=full") + ", and restart");
   }
-  return Warning(kernel + "not preemptible: it keeps a loop waiting until it has done its own work",
-                 kRealtimeKernel);
+  return Warning(
+      kernel + "not preemptible: the kernel delays a loop until it has finished its own work",
+      kRealtimeKernel);
 }
 
 Finding CheckClockSource(const HostFiles& host) {
@@ -116,13 +116,13 @@ Finding CheckClockSource(const HostFiles& host) {
   const std::string clock = host.Read(kFile).value_or("");
   if (std::ranges::find(kFast, clock) != kFast.end()) return Ok(clock);
   if (clock.empty()) {
-    return Warning("this kernel does not say which",
-                   std::string("see that ") + kFile + " is there (is /sys mounted?)");
+    return Warning("the kernel does not report it",
+                   std::string("see that ") + kFile + " exists (mount /sys)");
   }
-  return Warning(clock + ": each look at the clock is a system call",
+  return Warning(clock + ": each reading of the clock is a system call",
                  GrubLine("clocksource=tsc tsc=reliable") +
-                     ", and restart; 'dmesg | grep -i tsc' says why the kernel does not trust the "
-                     "processor's own");
+                     ", and reboot; 'dmesg | grep -i tsc' says why the kernel does not trust the "
+                     "processor's clock");
 }
 
 Rights TryRights(const RealtimeOptions& realtime) {
@@ -149,8 +149,8 @@ Finding CheckScheduling(const HostFiles& host, const Rights& rights, int priorit
     return Fault(refused + ": the control group of this process has no real-time share (" +
                      *share_file + " is 0)",
                  "echo 400000 | sudo tee " + *share_file +
-                     " (the groups above it first, 800000 each), or start it outside of the group; "
-                     "in a container, --cpu-rt-runtime=400000 --cpu-rt-period=1000000");
+                     " (first the parent groups, 800000 each), or start the program outside the "
+                     "group; in a container, --cpu-rt-runtime=400000 --cpu-rt-period=1000000");
   }
   if (!capable && rights.rtprio.value_or(priority) < priority) {
     return Fault(
@@ -159,17 +159,16 @@ Finding CheckScheduling(const HostFiles& host, const Rights& rights, int priorit
             "; for a service, LimitRTPRIO=45; in a container, --cap-add SYS_NICE --ulimit "
             "rtprio=45:45");
   }
-  return Fault(
-      refused + ", though limits and capabilities allow it",
-      "what runs this (a container, a sandbox of systemd) forbids it: allow sched_setscheduler in "
-      "its seccomp profile, set RestrictRealtime=no in its unit, and in podman without root raise "
-      "the user's limits on the host and give --ulimit host");
+  return Fault(refused + ", though limits and capabilities allow it",
+               "the container or systemd sandbox forbids it: allow sched_setscheduler in its "
+               "seccomp profile, or set RestrictRealtime=no in its unit; for rootless podman, "
+               "raise the user's limits on the host and give --ulimit host");
 }
 
 Finding CheckLockedMemory(const Rights& rights) {
   if (rights.memory_locked) return Ok("is granted");
   return Warning("is refused (ulimit -l is " + Text(rights.memlock_kB) +
-                     " kB): under memory pressure a loop waits for the disk",
+                     " kB): under memory pressure, a loop waits for the disk",
                  "put '@palpate - memlock unlimited' into " + kGroupsLimits +
                      "; for a service, LimitMEMLOCK=infinity; in a container, --ulimit "
                      "memlock=-1:-1");
@@ -183,13 +182,13 @@ Finding CheckThrottling(const HostFiles& host) {
       "sudo sysctl kernel.sched_rt_runtime_us=950000, and the same line in "
       "/etc/sysctl.d/palpate.conf";
   if (*runtime_us < 0) {
-    return Warning("off: a real-time thread that spins takes the host with it", kRemedy);
+    return Warning("off: a real-time thread that spins blocks the host", kRemedy);
   }
   const long long share = 100 * *runtime_us / (*period_us > 0 ? *period_us : 1);
   const std::string found =
       "real-time threads may take " + std::to_string(share) + " % of the time";
   if (share >= 50) return Ok(found);
-  const std::string held_up = found + ": loops are held up when it is spent";
+  const std::string held_up = found + ": loops stop when it is used up";
   return share == 0 ? Fault(held_up, kRemedy) : Warning(held_up, kRemedy);
 }
 

@@ -189,29 +189,29 @@ LoopTrial TryLoop(const LoopOptions& options, StopSignal& stop) {
 
 Finding CheckLoop(const LoopTrial& trial, dds::Transport expected) {
   if (!trial.finished && trial.error[0] == '\0') {
-    return Fault("it hung or died on the way",
-                 "start RouDi anew, and server and stations with it; programs say why with "
-                 "--log-level debug; --transport udp needs no RouDi");
+    return Fault("the trial loop hung or crashed",
+                 "restart RouDi, server and stations; --log-level debug shows the reason; "
+                 "--transport udp needs no RouDi");
   }
   if (!trial.finished) {
     return Fault(trial.error,
-                 "mend what stands above; a firewall must let UDP through on the interface");
+                 "fix the findings above, and let UDP through the firewall on this interface");
   }
   const std::string found =
-      fmt::format("{}: {:.0f} us round trip, p99 {:.0f}, most {:.0f}; {} of {} lost",
+      fmt::format("{}: {:.0f} us round trip, p99 {:.0f}, max {:.0f}; {} of {} lost",
                   trial.shared_memory ? "shared memory" : "UDP", trial.p50_us, trial.p99_us,
                   trial.max_us, trial.lost, trial.sent);
   if (expected == dds::Transport::kSharedMemory && !trial.shared_memory) {
-    return Fault(found + "; RouDi answers, and it is not used",
-                 "start RouDi anew, and server and stations with it; 'ls -l /dev/shm /tmp/roudi' "
-                 "must show this user, or a group of its own");
+    return Fault(found + "; RouDi answers but is not used",
+                 "restart RouDi, server and stations; 'ls -l /dev/shm /tmp/roudi' must show this "
+                 "user, or one of its groups");
   }
   const std::string remedy =
-      "mend the rights, the cores and the kernel (above), and end other programs";
+      "fix the findings above on rights, cores and kernel, and end other programs";
   if (trial.p99_us > kOneTick_us || 100 * trial.lost > trial.sent) return Fault(found, remedy);
   if (trial.p99_us <= kBearable_us && trial.lost == 0) return Ok(found);
-  return Warning(
-      found, remedy + "; " + ShownPlaceOf(ProjectFile::kRealTimePage) + " says what helps most");
+  return Warning(found, remedy + "; " + ShownPlaceOf(ProjectFile::kRealTimePage) +
+                            " describes what helps most");
 }
 
 Jitter MeasureJitter(double seconds, const RealtimeOptions& realtime, StopSignal& stop) {
@@ -241,12 +241,12 @@ Finding CheckJitter(const Jitter& jitter) {
   const double p999_us = us(jitter.lateness.Quantile(0.999));
   const double max_us = us(jitter.lateness.max());
   std::string found =
-      fmt::format("once a second a loop is {:.0f} us late, and at most {:.0f} us", p999_us, max_us);
+      fmt::format("a loop is {:.0f} us late once per second, {:.0f} us at most", p999_us, max_us);
   if (jitter.missed > 0) found += fmt::format("; {} ms were missed", jitter.missed);
   if (p999_us <= kGood_us && max_us <= kOneTick_us) return Ok(found);
   constexpr const char* kRemedy =
-      "mend what stands above, then end other programs ('top' shows who works) and try again; in a "
-      "virtual machine, give it cores of its own (pinned), or take a real host";
+      "fix the findings above, end other programs ('top' shows the busy ones) and try again; pin a "
+      "virtual machine to cores of its own, or use a physical host";
   return p999_us > kBearable_us ? Fault(found, kRemedy) : Warning(found, kRemedy);
 }
 

@@ -33,54 +33,55 @@ struct Options {
 };
 
 constexpr const char* kAbout =
-    R"(Says whether this host can hold a haptic loop of 1 kHz, and what to change where it cannot: kernel,
-rights, processor, shared memory, RouDi, network, a loop that it really runs, the device, and how late
-a thread wakes up over some seconds.  It changes nothing.  Run it as the user that is to run server
-and station, with the host's usual load beside.  A driver of your own it also tries, as a station's
-loop does, without a force.
+    R"(Checks whether this host can run a haptic loop at 1 kHz, and says what to change.
+Examines kernel, rights, processor, shared memory, RouDi, network and device; runs
+a loop of poses and wrenches; and measures how late a thread wakes up.  It changes
+nothing.  Run it as the user of server and station, under the host's usual load.
+A device driver of your own is also run as in a station, without a force.
 )";
 
 constexpr const char* kExamples =
     R"(Examples:
   palpate-doctor
   palpate-doctor --device openhaptics --transport shm --seconds 60
-      on the host of an arm, which must have shared memory
+      for the host of an arm, which needs shared memory
   palpate-doctor --device ./mine.so --push
-      an arm of your own, with the bench that drivers are tried on; move the handle meanwhile
-  palpate-doctor --json | jq -r '.findings[] | select(.status != "ok") | .remedy'
+      also tests a driver of your own; move the handle meanwhile
+  palpate-doctor --json |
+      jq -r '.findings[] | select(.status != "ok") | .remedy'
 
-Exit status: 0 fit (there may be warnings), 1 not fit, 2 wrong usage.)";
+Exit status: 0 fit (perhaps with warnings), 1 not fit, 2 wrong usage.)";
 
 /// Returns nothing after --help or --version.  Throws UsageError.
 std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   Options options;
   const CommandLine app(kAbout, "palpate-doctor", kExamples);
   app.Add("--seconds", options.seconds,
-          "seconds for which to measure how late a loop wakes up; 0: do not measure")
+          "how long to measure the lateness of a loop, in seconds; 0: do not measure")
       .Range(0.0, 86400.0)
       .ShowDefault();
   app.Add("--device", options.device,
-          "device that a station on this host is to drive: " + DeviceNames())
+          "device that a station on this host will drive: " + DeviceNames())
       .TypeName("NAME");
   const Option arm = app.Add("--device-name", options.arm,
-                             "with a driver of your own: which arm, if there are several");
+                             "with a driver of your own: arm to use if there are several");
   const Option push = app.AddFlag("--push", options.push,
-                                  "with a driver of your own: push its arm by 1 N along each axis, "
-                                  "and see that the handle gives way; hold it loosely meanwhile");
+                                  "with a driver of your own: push the handle with 1 N along each "
+                                  "axis and check that it moves; hold it loosely meanwhile");
   AddTransportOption(app, options.transport);
-  app.AddFlag("--json", options.json, "print one JSON object in place of the report");
+  app.AddFlag("--json", options.json, "print one JSON object instead of the report");
   AddNetworkOptions(app, "the other host", options.network);
-  AddRealtimeOptions(app, "the loops that it tries", options.realtime);
-  AddCommonOptions(app, "domain whose ports are checked, and in which the loop is tried",
-                   options.domain, options.log_level);
+  AddRealtimeOptions(app, "the loops it runs", options.realtime);
+  AddCommonOptions(app, "number of the domain in which ports and loop are tried", options.domain,
+                   options.log_level);
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
   if (!options.device.empty()) DeviceNeedsScript(options.device);  // throws for an unknown name
   if ((push.given() || arm.given()) && !IsDriverFile(options.device)) {
     throw UsageError(std::string(push.given() ? "--push" : "--device-name") +
-                     " is for a driver of your own; name its file with --device");
+                     " needs a driver of your own; give its file with --device");
   }
   if (options.transport == dds::Transport::kSharedMemory && !options.network.this_host()) {
-    throw UsageError("--transport shm joins programs of one host; leave --network out");
+    throw UsageError("--transport shm works within one host only; omit --network");
   }
   return options;
 }
@@ -148,7 +149,7 @@ std::optional<Report> Examine(const Options& options, StopSignal& stop,
                                 stop),
                         expected));
   if (IsDriverFile(options.device)) {
-    measuring("what the driver does");
+    measuring("the driver");
     DeviceOptions device;
     device.name = options.device;
     device.arm = options.arm;
@@ -161,7 +162,7 @@ std::optional<Report> Examine(const Options& options, StopSignal& stop,
   }
 
   if (options.seconds > 0.0 && !stop.stopped()) {
-    measuring(fmt::format("how late a loop wakes up, for {:g} s", options.seconds));
+    measuring(fmt::format("the lateness of a loop, for {:g} s", options.seconds));
     report.jitter = MeasureJitter(options.seconds, options.realtime, stop);
     if (!stop.stopped()) add("jitter", CheckJitter(*report.jitter));
   }

@@ -106,9 +106,9 @@ Finding CheckGovernor(const HostFiles& host) {
     found += (found.empty() ? "governor " : ", ") + governor;
   }
   if (governors == std::set<std::string>{"performance"}) return Ok(found);
-  return Warning(found + ": a core that waits for poses is slowed down",
-                 "sudo cpupower frequency-set -g performance (package linux-cpupower), after each "
-                 "start of the host");
+  return Warning(
+      found + ": a core that waits for poses runs slower",
+      "sudo cpupower frequency-set -g performance (package linux-cpupower), after each boot");
 }
 
 Finding CheckIdleStates(const HostFiles& host) {
@@ -118,13 +118,13 @@ Finding CheckIdleStates(const HostFiles& host) {
               " us: no core sleeps deeper");
   }
   const auto deepest = DeepestState(host);
-  if (!deepest) return Ok("none that this kernel rules (a virtual machine: its host does)");
+  if (!deepest)
+    return Ok("none under this kernel's control (in a virtual machine, the host controls them)");
   const std::string found = "the deepest is " + deepest->name + ", " +
                             std::to_string(deepest->wake_up_us) + " us to leave";
   if (deepest->wake_up_us <= kMostWakeUp_us) return Ok(found);
   return Warning(found,
-                 "sudo cpupower idle-set -D 10 (package linux-cpupower), after each start of the "
-                 "host; or " +
+                 "sudo cpupower idle-set -D 10 (package linux-cpupower), after each boot; or " +
                      GrubLine("processor.max_cstate=1 intel_idle.max_cstate=1") + ", and restart");
 }
 
@@ -134,26 +134,26 @@ Finding CheckIsolatedCores(const HostFiles& host) {
   const std::string found = std::to_string(cores.size()) + (cores.size() == 1 ? " core" : " cores");
   if (!isolated.empty()) {
     const std::string which = ToText(isolated);
-    const std::string given = found + ", " + which + " isolated: give it with --cpu";
+    const std::string given = found + ", " + which + " isolated: give one to --cpu";
     if (std::ranges::includes(CoresIn(host, "nohz_full"), isolated)) return Ok(given);
-    return Warning(
-        given + "; the kernel's tick still interrupts it a hundred times a second and more",
-        GrubLine("nohz_full=" + which + " rcu_nocbs=" + which) + ", and restart");
+    return Warning(given + "; the kernel's tick still interrupts it at least 100 times per second",
+                   GrubLine("nohz_full=" + which + " rcu_nocbs=" + which) + ", and restart");
   }
   if (cores.size() >= kEnoughCores) {
     const std::string last = std::to_string(*cores.rbegin());
-    return Warning(found + ", none isolated: the loops share theirs with whatever runs",
+    return Warning(found + ", none isolated: the loops share a core with other programs",
                    GrubLine("isolcpus=" + last + " nohz_full=" + last + " rcu_nocbs=" + last) +
                        ", restart, and start palpate-server with --cpu " + last);
   }
-  return Warning(found + ": none to spare for the loops, which share theirs with whatever runs",
-                 "run nothing else beside a hand (no browser, no desktop), or take a host with " +
-                     std::to_string(kEnoughCores) + " cores");
+  return Warning(
+      found + ": too few to reserve one for the loops, which share a core with other programs",
+      "run no other programs during a session (no browser, no desktop), or use a host with " +
+          std::to_string(kEnoughCores) + " cores");
 }
 
 Finding CheckHyperThreading(const HostFiles& host) {
   if (host.ReadNumber(std::string(kCores) + "/smt/active").value_or(0) == 0) {
-    return Ok("off, or not there");
+    return Ok("off, or not supported");
   }
   // An isolated core whose sibling is isolated too has its execution units for itself.
   const auto isolated = CoresIn(host, "isolated");
@@ -162,11 +162,11 @@ Finding CheckHyperThreading(const HostFiles& host) {
         CoresIn(host, "cpu" + std::to_string(core) + "/topology/thread_siblings_list");
     return !siblings.empty() && std::ranges::includes(isolated, siblings);
   });
-  if (whole) return Ok("on, and an isolated core has both of its halves for itself");
+  if (whole) return Ok("on, but both threads of a core are isolated");
   return Warning(
-      "on: a loop shares its core's units with whatever runs on the other half",
+      "on: a loop shares its core with programs on the sibling thread",
       "echo off | sudo tee /sys/devices/system/cpu/smt/control, or nosmt on the kernel's command "
-      "line (/etc/default/grub, sudo update-grub), or isolate both halves of a core "
+      "line (/etc/default/grub, sudo update-grub), or isolate both threads of a core "
       "(/sys/devices/system/cpu/cpu*/topology/thread_siblings_list names them)");
 }
 

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <string_view>
 
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
+
+#include "common/text/wrapped.h"
 
 namespace palpate::doctor {
 namespace {
@@ -32,30 +33,13 @@ const Words& Of(Status status) {
   return kWords[static_cast<int>(status)];
 }
 
-/// Returns lines of at most `width` letters, broken at spaces; keeps a longer word (a path) whole.
-std::vector<std::string> Wrapped(const std::string& text, int width) {
-  std::vector<std::string> lines(1);
-  std::string_view rest = text;
-  while (!rest.empty()) {
-    const std::string_view word = rest.substr(0, rest.find(' '));
-    rest.remove_prefix(std::min(rest.size(), word.size() + 1));
-    std::string& line = lines.back();
-    if (!line.empty() && static_cast<int>(line.size() + 1 + word.size()) > width) {
-      lines.emplace_back(word);
-    } else {
-      line.append(line.empty() ? "" : " ").append(word);
-    }
-  }
-  return lines;
-}
-
 double Quantile_us(const Jitter& jitter, double q) {
   return 1e-3 * static_cast<double>(jitter.lateness.Quantile(q));
 }
 
 std::string Table(const Jitter& jitter) {
-  std::string text = fmt::format("\n  a loop of 1 kHz, {} times: how late it woke up [us]\n",
-                                 jitter.lateness.count());
+  std::string text =
+      fmt::format("\n  lateness of a 1 kHz loop over {} cycles [us]\n", jitter.lateness.count());
   text += fmt::format("  {:>10}{:>10}{:>10}{:>10}\n", "p50", "p99", "p99.9", "max");
   text += "  ";
   for (const double q : kQuantiles) text += fmt::format("{:>10.1f}", Quantile_us(jitter, q));
@@ -101,7 +85,7 @@ std::string Summary(const Report& report, const Style& style) {
                    std::string("verdict: ") + Verdict(report) + " for 1 kHz", style) +
           " (" + counted(count(Status::kFault), "fault") + ", " +
           counted(count(Status::kWarning), "warning") + ")";
-  if (!report.jitter) text += "; how late a loop wakes up was not measured";
+  if (!report.jitter) text += "; the lateness of a loop was not measured";
   return text + "\n";
 }
 

@@ -112,12 +112,12 @@ Finding CheckSharedMemory(const std::optional<Space>& space, bool roudi_runs,
   if (enough || wanted == dds::Transport::kUdp) return Ok(found);
   return Found(wanted == dds::Transport::kSharedMemory,
                found + ": RouDi needs " + std::to_string(kSharedMemoryNeeded_MB) +
-                   " MB, and dies of less (SIGBUS)",
+                   " MB, and crashes (SIGBUS) with less",
                space->size_MB < kSharedMemoryNeeded_MB
                    ? "sudo mount -o remount,size=256m /dev/shm; in a container, --ipc host or "
                      "--shm-size 256m"
-                   : "'ls -l /dev/shm' shows who has it: end those programs, and remove files "
-                     "of programs that have ended (iceoryx_*, where no RouDi runs)");
+                   : "'ls -l /dev/shm' shows who uses it: end those programs, and remove files of "
+                     "ended ones (iceoryx_*, if no RouDi runs)");
 }
 
 Finding CheckRouDi(const RouDiState& roudi, dds::Transport wanted, long long user,
@@ -130,43 +130,42 @@ Finding CheckRouDi(const RouDiState& roudi, dds::Transport wanted, long long use
   const std::string owner = std::to_string(roudi.owner);
   if (!roudi.closed.empty() && !roudi.socket && needed) {
     return Found(must,
-                 "another user's has left" + roudi.closed +
-                     ", or runs in another /tmp: none can be started as this user",
-                 "where 'pgrep iox-roudi' names none: sudo rm" + roudi.closed + "; then " + start);
+                 "the RouDi of another user left" + roudi.closed +
+                     ", or runs with another /tmp; this user cannot start one",
+                 "if 'pgrep iox-roudi' finds none: sudo rm" + roudi.closed + "; then " + start);
   }
   if (!roudi.answers && !roudi.lock_held) {
-    const std::string found = roudi.socket
-                                  ? "does not run; a killed one has left its socket, /tmp/roudi"
-                                  : "does not run";
+    const std::string found =
+        roudi.socket ? "does not run; a killed one left its socket, /tmp/roudi" : "does not run";
     if (!needed) return Ok(found);
-    return Found(must, found + ": programs meet over UDP", start);
+    return Found(must, found + ": programs use UDP", start);
   }
   if (roudi.socket && !roudi.may_connect) {
     const std::string found =
-        "runs as another user (id " + owner + "), whose socket this one may not open";
+        "runs as another user (id " + owner + "), whose socket this user cannot open";
     if (!needed) return Ok(found);
     return Found(must, found,
-                 "run RouDi, server and stations as one user, or sudo adduser $USER palpate where "
-                 "RouDi runs as the service palpate-roudi, and log in again");
+                 "run RouDi, server and stations as the same user; or, if RouDi runs as the "
+                 "service palpate-roudi, sudo adduser $USER palpate and log in again");
   }
   if (roudi.answers && !roudi.lock_held) {
     return Found(needed,
-                 "something that is no RouDi (it holds no " + std::string(kLock) +
+                 "a program other than RouDi (it does not hold " + std::string(kLock) +
                      ") listens at /tmp/roudi, of user id " + owner,
-                 "sudo ss -xlp | grep /tmp/roudi names the process: end it; then " + start);
+                 "sudo ss -xlp | grep /tmp/roudi names the process; end it, then " + start);
   }
   if (!roudi.answers) {
     const std::string found = "holds its lock, but does not answer at /tmp/roudi";
     if (!needed) return Ok(found);
     return Fault(found,
                  "share the host's /tmp (a container: --volume /tmp:/tmp; a service: "
-                 "PrivateTmp=no), or stop it and start it again, with server and stations");
+                 "PrivateTmp=no), or restart it with server and stations");
   }
   const std::string found = roudi.owner == user ? "answers" : "answers, as user id " + owner;
   if (!roudi.pools) return Ok(found);  // unknown: it runs in another process namespace
   if (!roudi.pools->empty()) return Ok(found + ", with the pools of " + *roudi.pools);
-  return Warning(found + ", with pools of its own (149 MB): it was started without -c",
-                 "end it, and server and stations with it; then " + start);
+  return Warning(found + ", with default pools (149 MB): it was started without -c",
+                 "end it with server and stations, then " + start);
 }
 
 std::vector<Interface> InterfacesOfThisHost() {
@@ -186,9 +185,9 @@ std::vector<Interface> InterfacesOfThisHost() {
 Finding CheckNetwork(const std::vector<Interface>& interfaces, const dds::Network& network) {
   const auto found = std::ranges::find(interfaces, network.interface, &Interface::name);
   if (found == interfaces.end()) {
-    std::string remedy = "give another --network; with an address are:";
+    std::string remedy = "give another --network; interfaces with an address:";
     for (const Interface& each : interfaces) remedy += " " + each.name;
-    return Fault(network.interface + " is not there, or has no address of IPv4",
+    return Fault(network.interface + " does not exist, or has no IPv4 address",
                  network.this_host()
                      ? "sudo ip link set lo up && sudo ip address add 127.0.0.1/8 dev lo"
                      : remedy);
@@ -221,7 +220,7 @@ Finding CheckPorts(const HostFiles& host, int domain, bool server_runs) {
   const std::string which = "domain " + std::to_string(domain) + ", UDP " +
                             std::to_string(loop.first) + " to " + std::to_string(service.last);
   if (loop.Meets(anyone) || service.Meets(anyone)) {
-    return Warning(which + ": the kernel gives some of them to any connection (" +
+    return Warning(which + ": the kernel may assign some of them to other connections (" +
                        std::to_string(anyone.first) + " to " + std::to_string(anyone.last) + ")",
                    "sudo sysctl net.ipv4.ip_local_port_range='32768 60999', and the same line in "
                    "/etc/sysctl.d/palpate.conf; or give a smaller --domain");
@@ -231,10 +230,10 @@ Finding CheckPorts(const HostFiles& host, int domain, bool server_runs) {
     if (why.empty()) why = dds::WhyPortsFail(id, in_use, anyone);
   }
   if (why.empty()) return Ok(which + ": free");
-  if (server_runs) return Ok(which + ": a palpate-server of this host has them");
-  return Warning(which + ": taken, and no palpate-server of this host runs in it; " + why,
-                 "end what has them, unless it is a palpate-viewer or a station that waits for its "
-                 "server (sudo ss -ulpn names it), or give another --domain");
+  if (server_runs) return Ok(which + ": used by a palpate-server of this host");
+  return Warning(which + ": in use, but not by a palpate-server of this host; " + why,
+                 "end the program that uses them ('sudo ss -ulpn' names it), unless it is a "
+                 "palpate-viewer or a station that waits for its server; or give another --domain");
 }
 
 }  // namespace palpate::doctor

@@ -34,7 +34,7 @@ IgtlServer::IgtlServer(const std::string& address, int port) {
   place.sin_family = AF_INET;
   place.sin_port = htons(static_cast<std::uint16_t>(port));
   if (inet_pton(AF_INET, address.c_str(), &place.sin_addr) != 1) {
-    throw UsageError(what + ": give an address in numbers, as 127.0.0.1 or 0.0.0.0");
+    throw UsageError(what + ": give an IP address such as 127.0.0.1 or 0.0.0.0");
   }
   listener_ = socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   const int yes = 1;

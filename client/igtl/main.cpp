@@ -20,19 +20,22 @@ namespace {
 constexpr std::size_t kMostStations = 32;
 
 constexpr const char* kAbout =
-    R"(Gives the poses and forces of all tools to 3D Slicer and others by OpenIGTLink: for each station a
-TRANSFORM (millimetres, RAS), and SENSORs STATION_force (N) and STATION_torque (N m).
+    R"(Sends the poses and forces of all tools to 3D Slicer and others by OpenIGTLink.
+For each station: a TRANSFORM (millimetres, RAS), and the SENSORs STATION_force
+(N) and STATION_torque (N m).
 )";
 
 constexpr const char* kExamples =
     R"(Examples:
   palpate-igtl
-      then in 3D Slicer: SlicerOpenIGTLink, a connector of type client to localhost, port 18944
+      then, in 3D Slicer: SlicerOpenIGTLink, a connector of type client to
+      localhost, port 18944
   palpate-igtl --bind 0.0.0.0 --rate 30
-      for other hosts, thirty times a second
+      for other hosts, 30 times a second
 
-The scene's axes become Slicer's: x to the left, y up, z forward.  What a client sends is
-ignored.  A slow client gets fewer messages; one that takes none for 10 s is disconnected.
+The axes of a scene (x left, y up, z forward) are converted to RAS.  Messages from
+clients are ignored.  A slow client gets fewer messages; one that receives
+nothing for 10 s is disconnected.
 Exit status: 0 done, 1 failed, 2 wrong usage.)";
 
 struct Options : ServerOptions {
@@ -45,11 +48,11 @@ struct Options : ServerOptions {
 std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   Options options;
   const CommandLine app(kAbout, "palpate-igtl", kExamples);
-  app.Add("--bind", options.address, "address of this host to listen at").ShowDefault();
-  app.Add("--port", options.port, "TCP port; 0: a free one, which is printed")
+  app.Add("--bind", options.address, "address of this host to listen on").ShowDefault();
+  app.Add("--port", options.port, "TCP port; 0: any free port, which is printed")
       .Range(0, 65535)
       .ShowDefault();
-  app.Add("--rate", options.rate_Hz, "messages a second; the server itself sends 60")
+  app.Add("--rate", options.rate_Hz, "messages per second; the server sends 60 updates per second")
       .Range(0.1, 1000.0)
       .ShowDefault();
   AddServerOptions(app, options);

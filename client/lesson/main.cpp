@@ -27,20 +27,22 @@ constexpr std::chrono::milliseconds kPoll{5};
 constexpr std::int64_t kPatience_ns = 5'000'000'000;
 
 constexpr const char* kAbout =
-    R"(Resets scenes that were cut, for everybody who feels and sees them: 'whole' restores them, 'bookmark'
-saves their state, 'back' returns to it.  Forces are off for a moment, and return once the tool is clear
-of the restored material.  'check' checks exercises and exams that a teacher has written.
+    R"(Resets scenes that burs have cut, for all who use them.
+'whole' restores them, 'bookmark' saves their state, 'back' returns to it.  Forces
+are off for a moment, until the tool is clear of the restored material.  'check'
+checks exercises and exams that a teacher has written.
 )";
 
 constexpr const char* kExample =
-    R"(Example: palpate-lesson whole calculus
-The page has buttons for it.  With "whole_at_start" in its file, a scene is restored whenever a session
-begins and nobody else works in it.
-
-          palpate-lesson check mine.exercise.json
-Copy one of those that come with the programs (client/course/exercises, or
-/usr/share/palpate/exercises) and edit it: what students read, limits of force and time, criteria.
-README.md there explains every field.  Mistakes are reported by file, line and field, with the remedy.
+    R"(Examples:
+  palpate-lesson whole calculus
+      restores this scene; the page has buttons for it.  A scene file with
+      "whole_at_start" restores its scene whenever a session begins and nobody
+      else works in it
+  palpate-lesson check mine.exercise.json
+      reports mistakes by file, line and field, with the remedy.  To write an
+      exercise, copy and edit one of those supplied (client/course/exercises or
+      /usr/share/palpate/exercises); README.md there explains every field
 
 Exit status: 0 done, 1 failed, 2 wrong usage.)";
 
@@ -79,14 +81,15 @@ class Served {
 
 void RefuseUnserved(const std::string& scene, const std::vector<std::string>& served) {
   if (std::ranges::find(served, scene) != served.end()) return;
-  throw Error("scene '" + scene + "' is not served here; served are: " + Joined(served));
+  throw Error("scene '" + scene + "' is not served here; give one of " + Joined(served));
 }
 
 std::string Silence(const Options& options, bool heard) {
   const std::string where = "domain " + std::to_string(options.domain) + " of " +
                             (options.network.this_host() ? "this host" : options.network.interface);
-  return heard ? "the server in " + where + " does not answer; is it of this version?"
-               : "no server is heard in " + where +
+  return heard ? "the server in " + where +
+                     " does not answer; check that it has the same version as this program"
+               : "no server found in " + where +
                      "; start palpate-server, or give its --domain and --network";
 }
 
@@ -125,7 +128,7 @@ int Check(const std::vector<std::string>& files) {
       good = false;
     }
   }
-  if (good) std::puts("whether the expert passes: palpate-replay rehearse FILE");
+  if (good) std::puts("to see whether the expert passes: palpate-replay rehearse FILE");
   return good ? 0 : 1;
 }
 
@@ -178,26 +181,28 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
     const CommandLine command = app.AddCommand(name, about);
     command.Footer(std::string("Example: palpate-lesson ") + example);
     command.Fallthrough();
-    command.Add("SCENE", options.scenes, "names of scenes that are served").Required();
+    command.Add("SCENE", options.scenes, "names of served scenes").Required();
     return command;
   };
-  const CommandLine whole = add("whole", "make scenes whole again", "whole calculus periodontal");
+  const CommandLine whole =
+      add("whole", "restore scenes to their uncut state", "whole calculus periodontal");
   const CommandLine bookmark =
       add("bookmark", "save the state of scenes that burs cut", "bookmark caries");
-  const CommandLine back = add("back", "return them to their bookmark", "back caries");
+  const CommandLine back = add("back", "return scenes to their bookmark", "back caries");
   const CommandLine check = app.AddCommand("check", "check the files of exercises and exams");
   check.Footer("Example: palpate-lesson check mine.exercise.json");
-  check.Add("FILE", options.exercises, "NAME.exercise.json, or NAME.exam.json").Required();
+  check.Add("FILE", options.exercises, "NAME.exercise.json or NAME.exam.json").Required();
   app.RequireCommands(0, 1);
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
   if (!whole.given() && !bookmark.given() && !back.given() && !check.given()) {
     throw UsageError(
-        "say what to do: 'palpate-lesson whole SCENE', 'bookmark', 'back', 'check', or --help");
+        "a command is missing; give whole, bookmark, back or check, as in 'palpate-lesson whole "
+        "SCENE'");
   }
   if (bookmark.given()) options.wish = palpate_WHOLE_BOOKMARK;
   if (back.given()) options.wish = palpate_WHOLE_BACK;
   for (const std::string& scene : options.scenes) {
-    if (scene.size() > 64) throw UsageError("SCENE: a scene's name has 64 letters at most");
+    if (scene.size() > 64) throw UsageError("SCENE: the name of a scene has at most 64 characters");
   }
   return options;
 }

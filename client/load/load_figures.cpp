@@ -110,7 +110,8 @@ std::string LimitingResource(const LoadFigures& f, int cores) {
                        others > known ? ", most of it with other programs" : "", uses);
   }
   return fmt::format(
-      "no core is full ({:.0f} % busy): threads wait for their turn on {} cores; cores used: {}",
+      "no core is fully used ({:.0f} % busy): threads wait for each other on {} cores; cores used: "
+      "{}",
       100.0 * f.machine_busy, cores, uses);
 }
 

@@ -145,8 +145,8 @@ bool Link(const LoadSetting& setting, std::size_t count, Stations& stations, Sto
     const auto linked = std::ranges::count_if(stations, [](const auto& s) { return s->linked(); });
     if (static_cast<std::size_t>(linked) == count) return true;
     if (SteadyNanoseconds() > end_ns) {
-      throw Error(fmt::format("{} of {} stations have their session after {} s; give fewer", linked,
-                              count, kMatchPatience_s));
+      throw Error(fmt::format("only {} of {} stations have a session after {} s; give fewer",
+                              linked, count, kMatchPatience_s));
     }
     setting.progress(fmt::format("{} of {} stations linked", linked, count));
     return false;
@@ -289,9 +289,10 @@ std::optional<LoadFigures> RunOnce(const LoadSetting& setting, const LoadSize& s
   setting.progress("");
   if (size.stations > 0 && size.viewers > 0 && figures.viewer_frames == 0 && !stop.stopped()) {
     throw Error("the gateway at " + options.viewer_url.text() +
-                " gave its viewers nothing: is it one of domain " + std::to_string(options.domain) +
-                "? Start 'palpate-viewer --http " + std::to_string(options.viewer_url.port) +
-                " --domain " + std::to_string(options.domain) + "'");
+                " sent its viewers nothing; check that it runs in domain " +
+                std::to_string(options.domain) + ", or start 'palpate-viewer --http " +
+                std::to_string(options.viewer_url.port) + " --domain " +
+                std::to_string(options.domain) + "'");
   }
   return figures;
 }

@@ -44,7 +44,7 @@ std::vector<PoseScript> ScriptsOf(const LoadRunOptions& options,
   std::vector<PoseScript> scripts;
   for (const OfferedTool& tool : tools) {
     const std::optional<PoseScript>& hand = given ? given : tool.hand;
-    if (!hand) spdlog::warn("{}: it stays where it starts; give --script", tool.remark);
+    if (!hand) spdlog::warn("{}: the hand stays where it starts; give --script", tool.remark);
     scripts.push_back(hand ? *hand : PoseScript({{0.0, tool.X_WT, "hold"}}));
   }
   return scripts;
@@ -72,8 +72,7 @@ class Load {
   void Find() {
     const std::size_t tools = setting_.tools.size();
     Search("stations", "1 kHz and no viewers", tools,
-           fmt::format("the server's scenes have {} tools and no more: make one with more by "
-                       "--make-scene",
+           fmt::format("the server's scenes have {} tools; make a scene with more by --make-scene",
                        tools),
            [](std::size_t n) { return std::pair(n, std::size_t{0}); });
     if (stop_.stopped()) return;

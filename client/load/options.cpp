@@ -9,31 +9,34 @@ namespace palpate {
 namespace {
 
 constexpr const char* kAbout =
-    R"(Puts a load on a running palpate-server and its palpate-viewer: simulated stations at 1 kHz
-and viewers, over WebSocket and over DDS.  Says what rate and round trip held, how many poses were
-late, what the viewers got, and what each process cost.
+    R"(Load test of a running palpate-server and its palpate-viewer.
+Simulates stations at 1 kHz, and viewers over WebSocket and DDS.  Reports the
+rate and round trip that were reached, the late poses, what the viewers
+received, and what each process cost.
 )";
 
 constexpr const char* kExamples =
     R"(Examples:
   palpate-load --make-scene 32 /tmp/many.json
-      a scene like 'cube', with 32 balls: a tool is one station's alone
+      a scene like 'cube', with 32 balls, since each station needs its own tool
   palpate-server --scene /tmp/many.json & palpate-viewer --http 8765 &
-  palpate-load --scene /tmp/many.json --stations 8 --viewers 50 --seconds 10 --json -
+  palpate-load --scene /tmp/many.json --stations 8 --viewers 50 --json -
   palpate-load --scene /tmp/many.json --find
-      the largest number of stations, then of viewers, with under 1 % of the poses late, and what
-      sets the limit
-  palpate-load --scene /tmp/many.json --stations 1,4,16 --viewers 0,50,200 --report capacity.md
-      each number of stations with each number of viewers, as a table
+      the largest number of stations, then of viewers, at which fewer than 1 %
+      of the poses are late, and what limits it
+  palpate-load --scene /tmp/many.json --stations 1,4,16 --viewers 0,50,200 \
+               --report capacity.md
+      a table of all combinations
   palpate-load --stations 4 --network eth0
-      a server on another host, which runs with --network too
+      a server on another host, also started with --network
   palpate-identities add lab load load
   palpate-load --stations 4 --identity lab/identities/load
-      a secured domain: an identity of the role 'load', called as --name is
+      a secured domain: an identity of the role 'load', named like --name
 
-A pose is late where its wrench takes more than 1 ms, or never comes, or where its station could not
-send it in its millisecond.  CPU fractions are of one core.  Frames are a viewer's tool states; their
-age is from the station's sample to the viewer, on one host.
+A pose is late if its wrench takes more than 1 ms or never arrives, or if its
+station could not send it in its millisecond.  CPU fractions are of one core.
+Frames are tool states that a viewer received; their age is the time from the
+station's sample to the viewer, on one host.
 Exit status: 0 done, 1 failed, 2 wrong usage.)";
 
 }  // namespace
@@ -41,7 +44,8 @@ Exit status: 0 done, 1 failed, 2 wrong usage.)";
 ViewerUrl ParseViewerUrl(const std::string& url) {
   const std::string scheme = "ws://";
   const auto wrong = [&] {
-    return UsageError("--viewer-url '" + url + "': give ws://HOST:PORT, as ws://127.0.0.1:8765");
+    return UsageError("--viewer-url '" + url +
+                      "': give ws://HOST:PORT, such as ws://127.0.0.1:8765");
   };
   if (!url.starts_with(scheme)) throw wrong();
   std::string rest = url.substr(scheme.size());
@@ -60,47 +64,48 @@ std::optional<LoadRunOptions> ParseLoadOptions(int argc, const char* const* argv
 
   const CommandLine app(kAbout, "palpate-load", kExamples);
   app.Add("--stations", options.stations,
-          "simulated stations; several numbers, as 1,4,16, make one run each")
+          "number of simulated stations; several numbers, such as 1,4,16, make one run each")
       .Commas()
       .Range(0, 1000)
       .ShowDefault();
-  app.Add("--viewers", options.viewers, "viewers over WebSocket; several numbers as for --stations")
+  app.Add("--viewers", options.viewers,
+          "number of viewers over WebSocket; several numbers as for --stations")
       .Commas()
       .Range(0, 10000)
       .ShowDefault();
   app.Add("--stalled-viewers", options.stalled,
-          "further viewers, which attach and then read nothing")
+          "further viewers, which connect and then read nothing")
       .Range(0, 10000)
       .ShowDefault();
   app.Add("--dds-viewers", options.dds_viewers, "viewers that read DDS directly")
       .Range(0, 1000)
       .ShowDefault();
-  app.Add("--seconds", options.seconds, "how long to measure each run, after one second to warm up")
+  app.Add("--seconds", options.seconds, "duration of each run, after one second to warm up")
       .Range(0.5, 86400.0)
       .ShowDefault();
   app.AddFlag("--find", options.find,
-              "find the largest load that holds, by runs of at most 3 s each");
+              "find the largest load that is sustained, by runs of at most 3 s each");
   app.Add("--viewer-url", url, "the gateway's WebSocket").ShowDefault();
-  app.Add("--rate", options.rate_hz, "updates a second of each tool, as palpate-viewer's --rate")
+  app.Add("--rate", options.rate_hz, "updates of each tool per second, as given to palpate-viewer")
       .Range(1.0, 60.0)
       .ShowDefault();
   app.Add("--scene", options.scene,
-          "scene that the stations drive, by name or file; default: all that the server has");
+          "scene of the stations, by name or file; default: all scenes of the server");
   app.Add("--script", options.script,
-          "poses of the hands (JSON); default: the server's script of the scene");
-  app.Add("--name", options.name, "first part of the stations' names; a number follows")
+          "path of the hands (JSON); default: the server's script for the scene");
+  app.Add("--name", options.name, "prefix of the stations' names, which a number follows")
       .ShowDefault();
   AddTransportOption(app, options.transport);
   app.Add("--realtime", options.realtime,
           "real-time scheduling of the stations' loops: require, prefer or off")
       .ShowDefault();
-  app.Add("--wait", options.patience_s, "seconds to wait for server and gateway")
+  app.Add("--wait", options.patience_s, "how long to wait for server and gateway, in seconds")
       .Positive()
       .ShowDefault();
-  app.Add("--json", options.json, "write the figures as JSON to this file; - is stdout");
+  app.Add("--json", options.json, "write the figures as JSON to this file; -: standard output");
   app.Add("--report", options.report, "write the capacity table to this file (Markdown)");
   app.Add("--make-scene", make_scene,
-          "N FILE: write a scene file like --scene (default: cube) but with N of its tool, and end")
+          "N FILE: write a scene file like --scene (default: cube), but with N tools, and exit")
       .Words(2);
   AddServerOptions(app, options);
 
@@ -113,12 +118,12 @@ std::optional<LoadRunOptions> ParseLoadOptions(int argc, const char* const* argv
     const std::string& n = make_scene[0];
     options.copies = NumberOf<std::size_t>(n).value_or(0);
     if (options.copies < 1 || options.copies > 1000) {
-      throw UsageError("--make-scene " + n + ": give a number of tools, 1 to 1000, and a file");
+      throw UsageError("--make-scene " + n + ": give a number of tools from 1 to 1000, and a file");
     }
     options.copies_file = make_scene[1];
     if (!options.copies_file.ends_with(".json")) {
       throw UsageError("--make-scene: the file '" + options.copies_file +
-                       "' must end with .json, so that programs take it for a scene");
+                       "' must end in .json; programs recognise a scene file by that");
     }
   }
   options.viewer_url = ParseViewerUrl(url);

@@ -32,7 +32,7 @@ void WriteSceneWithCopies(const std::string& scene, std::size_t copies, const st
   const std::string from = FindSceneFile(scene);
   Json json = Json::parse(ReadWholeFile(from, JsonNode::kMostBytes), nullptr, false, true);
   if (json.is_discarded()) {
-    throw Error(from + ": is no scene as people write it; give --scene a name or a .json file");
+    throw Error(from + ": is not a scene file; give --scene a name or a .json file");
   }
   const fs::path folder = fs::path(from).parent_path();
   MakeMeshPathsAbsolute(json["tools"], folder);

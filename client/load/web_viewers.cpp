@@ -51,7 +51,7 @@ void AllowFiles(std::size_t sockets) {
   if (limit.rlim_cur >= wanted) return;
   if (limit.rlim_max < wanted) {
     throw Error(std::to_string(sockets) +
-                " viewers need as many open files, and this user may have " +
+                " viewers need as many open files, but this user's limit is " +
                 std::to_string(limit.rlim_max) + "; raise it with 'ulimit -Hn', or give fewer");
   }
   limit.rlim_cur = wanted;
@@ -182,11 +182,11 @@ Error WhyNot(Trouble trouble, const ViewerUrl& url, const std::string& why) {
   const std::string start = "start 'palpate-viewer --http " + std::to_string(url.port) + "'";
   switch (trouble) {
     case Trouble::kFull:
-      return Error("the gateway at " + url.text() + " turns viewers away (" + why +
+      return Error("the gateway at " + url.text() + " refuses viewers (" + why +
                    "); start palpate-viewer with more --max-viewers, or give fewer");
     case Trouble::kStranger:
-      return Error("what answers at " + url.text() + " is no palpate-viewer, or has ended (" + why +
-                   "); " + start + " where the port is free, or give --viewer-url");
+      return Error("the program at " + url.text() + " is not a palpate-viewer, or has ended (" +
+                   why + "); " + start + " where the port is free, or give --viewer-url");
     default:
       return Error("no gateway answers at " + url.text() + " (" + why + "); " + start +
                    ", or give --viewer-url");
@@ -239,7 +239,7 @@ WebViewers::WebViewers(const ViewerUrl& url, std::size_t viewers, std::size_t st
     if (SteadyNanoseconds() > until_ns) {
       const std::size_t attached = s.shared.attached;
       if (attached == 0) throw WhyNot(Trouble::kNobody, url, "no word within --wait");
-      throw Error("the gateway at " + url.text() + " has taken " + std::to_string(attached) +
+      throw Error("the gateway at " + url.text() + " has accepted " + std::to_string(attached) +
                   " of " + std::to_string(all) +
                   " viewers within --wait; give fewer, or a longer one");
     }

@@ -28,17 +28,17 @@ inline py::array ToNumbers(const py::object& given, const std::string& what) {
     array = py::module_::import("numpy").attr("asanyarray")(given);
     if (py::hasattr(array, "mask") &&
         py::module_::import("numpy.ma").attr("is_masked")(array).cast<bool>()) {
-      throw Error(what + ": some of its numbers are masked; leave them out, or fill them");
+      throw Error(what + ": some of its numbers are masked; remove or fill them");
     }
   } catch (const py::error_already_set& error) {
-    throw Error(what + ": is no array of numbers (" + py::str(error.value()).cast<std::string>() +
-                ")");
+    throw Error(what + ": is not an array of numbers (" +
+                py::str(error.value()).cast<std::string>() + ")");
   }
   const py::dtype dtype = array.dtype();
   if (std::string_view("fiu").find(dtype.kind()) == std::string_view::npos ||
       dtype.itemsize() > 8) {
     throw Error(what + ": is an array of " + py::str(py::handle(dtype)).cast<std::string>() +
-                "; give real numbers, as numpy.asarray(it, dtype=float) makes them of what it can");
+                "; give real numbers, for example by numpy.asarray(..., dtype=float)");
   }
   return array;
 }
@@ -115,11 +115,11 @@ inline py::array_t<double> FromTwist(const Twist& V) {
 inline HeldWrench ToHeld(const py::object& effect, double rate_Hz, double max_force_N,
                          double max_torque_Nm) {
   if (!effect.is_none() && PyCallable_Check(effect.ptr()) == 0) {
-    throw Error("effect: is no function; give one of hand, twist and tool, or None");
+    throw Error("effect: is not a function; give a function of hand, twist and tool, or None");
   }
   const double every = std::round(1000.0 / rate_Hz);
   if (!(every >= 1.0 && every <= 1e6 && std::abs(every * rate_Hz - 1000.0) < 1e-6)) {
-    throw Error("rate_hz: must be 1000 over a whole number of milliseconds, as 500, 100 or 40");
+    throw Error("rate_hz: must be 1000 divided by a whole number, such as 500, 100 or 40");
   }
   const auto is_bound = [](double most) { return most >= 0.0 && most <= 1e4; };
   if (!is_bound(max_force_N) || !is_bound(max_torque_Nm)) {

@@ -47,7 +47,7 @@ std::uint32_t ToIndex(double index) {
   if (!(index >= 0.0 && index <= std::numeric_limits<std::uint32_t>::max()) ||
       index != std::floor(index)) {
     throw Error("triangles: " + py::str(py::float_(index)).cast<std::string>() +
-                " is no vertex; give whole numbers from 0");
+                " is not a vertex; give whole numbers from 0");
   }
   return static_cast<std::uint32_t>(index);
 }
@@ -101,7 +101,7 @@ py::array View(py::handle owner, const double* data, std::vector<py::ssize_t> sh
 ContactModel ToContact(const std::string& contact) {
   if (contact == "surface") return ContactModel::kSurface;
   if (contact == "spheres") return ContactModel::kSpheres;
-  throw Error("contact: '" + contact + "' is neither 'surface' nor 'spheres'");
+  throw Error("contact: '" + contact + "' is not known; give 'surface' or 'spheres'");
 }
 
 /// The parameters that something was made with.
@@ -239,13 +239,13 @@ Shared ModelOf(const Loaded& loaded, const py::object& which, const py::kwargs& 
     const Body& tool = scene.tools[i];
     if (which.equal(py::int_(i)) || which.equal(py::str(tool.name))) return Share(scene, tool);
   }
-  throw Error("tool: there is no " + py::str(which).cast<std::string>() + "; there are " +
+  throw Error("tool: " + py::str(which).cast<std::string>() + " is not in the scene; give one of " +
               NamesOf(scene.tools));
 }
 
 py::array_t<double> PathOf(const Loaded& loaded, double rate) {
   if (loaded.script.empty()) {
-    throw Error(loaded.scene.name + ": has no script of a hand; give poses");
+    throw Error(loaded.scene.name + ": has no script of a hand; give poses of your own");
   }
   const PoseScript hand = PoseScript::Parse(loaded.script, loaded.scene.name);
   if (!(rate > 0.0 && rate <= 1e5)) throw Error("rate: must be above 0, and at most 100000");
@@ -547,7 +547,9 @@ py::object ToVoid(const Record& record) {
 Report ToReport(const py::bytes& bytes, const py::dict& parameters) {
   Report report{{}, FromDict(parameters)};
   const auto text = std::string_view(bytes);
-  if (text.size() != sizeof report.record) throw Error("pickle: is of another version's Report");
+  if (text.size() != sizeof report.record)
+    throw Error(
+        "pickle: the Report is from another version of palpate; make it again with this one");
   std::memcpy(&report.record, text.data(), text.size());
   return report;
 }
@@ -851,8 +853,9 @@ PYBIND11_MODULE(_physics, module) {
       .def("steps", &StepAll, py::arg("poses"), py::kw_only(), py::arg("details") = false,
            prose("Proxy.steps"))
       .def("__repr__", [](const Hand& hand) { return Shown("Proxy", "of ", hand.shared.tool); });
-  RefusePickle(proxy,
-               "a Proxy is not pickled: what it remembers is of this process; pickle its poses");
+  RefusePickle(
+      proxy,
+      "a Proxy cannot be pickled, because its state belongs to this process; pickle its poses");
 }
 
 }  // namespace palpate

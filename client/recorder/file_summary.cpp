@@ -54,8 +54,8 @@ std::string ToText(const FileSummary& summary) {
                                     : fmt::format("forces from pose {}", session.start_sequence));
   }
   if (before > 0) {
-    text += fmt::format("  {} {} told of that had no poses while this was recorded\n", before,
-                        before == 1 ? "session is" : "sessions are");
+    text += fmt::format("  {} {} sent no poses during the recording\n", before,
+                        before == 1 ? "session" : "sessions");
   }
   text += fmt::format("\n  {:<52} {:>9} {:>8} {:>8} {:>8} {:>9}\n", "topic", "messages", "Hz",
                       "missing", "dropped", "MB raw");

@@ -59,9 +59,8 @@ class ProgressLine {
 /// Returns the message for when no server is heard, with hints where one may be.
 std::string Silence(const RecorderOptions& options, double seconds) {
   const bool here = options.network.this_host();
-  std::string text =
-      fmt::format("nothing heard of a server in domain {} of {} for {:.0f} s", options.domain,
-                  here ? "this host" : options.network.interface, seconds);
+  std::string text = fmt::format("no server found in domain {} of {} for {:.0f} s", options.domain,
+                                 here ? "this host" : options.network.interface, seconds);
   if (!here) return text;
   std::string others;
   for (const auto& [domain, holder] : ServersOnThisHost(dds::kMaxDomain)) {
@@ -122,7 +121,7 @@ void Record(const RecorderOptions& options) {
     if (!silence_said && !taps.heard() && seconds() > 5.0) {
       silence_said = true;
       progress.End();
-      spdlog::warn("{}: recording what comes", Silence(options, 5.0));
+      spdlog::warn("{}; recording whatever arrives", Silence(options, 5.0));
     }
     if (options.seconds && seconds() >= *options.seconds) {
       reason = "its time was over";

@@ -25,7 +25,7 @@ std::string WordsOf(const std::exception_ptr& error, const std::string& file) {
   } catch (const std::exception& known) {
     return known.what();
   } catch (...) {
-    return file + ": writing failed for a reason that does not tell itself";
+    return file + ": writing failed for an unknown reason";
   }
 }
 
@@ -54,9 +54,9 @@ void WriterThread::Finish(const std::string& reason) {
   std::string what = WordsOf(error_, recording_.files().back());
   try {
     recording_.Close("a write failed");
-    what += " (what was recorded until then is whole, and has its index)";
+    what += " (the recording up to then is complete, with its index)";
   } catch (const std::exception&) {
-    what += " (what was recorded until then is whole, without an index)";
+    what += " (the recording up to then is complete, without an index)";
   }
   throw Error(what);
 }

@@ -103,7 +103,7 @@ Session Choose(const std::string& file, const std::vector<Session>& sessions, st
     return choice.wanted.empty() || choice.wanted == s.station || choice.wanted == with_run(s);
   };
   if (sessions.empty()) {
-    throw Error(file + ": holds no hand's path; record it without --no-loop");
+    throw Error(file + ": has no poses of a hand; record it without --no-loop");
   }
   const auto first = std::ranges::find_if(sessions, fits);
   if (first != sessions.end() && std::none_of(first + 1, sessions.end(), fits)) return *first;
@@ -165,7 +165,7 @@ HandPath ReadHandPath(const std::vector<std::string>& files, const SessionChoice
   }
   for (const wire::Wrench& wrench : early) take(wrench);
   if (hand.size() < 2) {
-    throw Error(files.front() + ": holds no hand's path; record it without --no-loop");
+    throw Error(files.front() + ": has no poses of a hand; record it without --no-loop");
   }
   HandPath path;
   path.station = session.station;
@@ -198,8 +198,8 @@ HandPath TrialIn(const HandPath& path, const std::string& file) {
   while (end > begin && !path.touches(end - 1) && !arrives(end - 1)) --end;
   if (end - begin < 2) {
     throw Error(file +
-                ": the hand neither moves by more than 1 mm or 1 degree nor touches anything; give "
-                "a recording of a trial");
+                ": the hand neither moves more than 1 mm or 1 degree nor touches anything; give a "
+                "recording of a trial");
   }
   const auto part = [&](const auto& all) {
     using All = std::remove_cvref_t<decltype(all)>;

@@ -83,8 +83,7 @@ int Run(const ReplayOptions& options) {
     case ReplayOptions::What::kCriteria:
       WriteNewCriteria(options.new_criteria, options.criteria_of);
       std::printf(
-          "%s: change what you like, and grade by it with: palpate-replay score EXPERT TRIALS "
-          "--criteria %s\n",
+          "%s: edit it, then score with: palpate-replay score EXPERT TRIALS --criteria %s\n",
           Printable(options.new_criteria).c_str(), ShellWord(options.new_criteria).c_str());
       return 0;
   }

@@ -7,65 +7,75 @@
 namespace palpate {
 namespace {
 
-/// At a higher rate, a quick hand's aims would be so far apart that a station takes them for jumps.
+/// At a higher rate, successive targets of a quick hand would lie so far apart that a station would
+/// take them for jumps.
 constexpr double kMostGuideRate = 2.0;
 
 constexpr const char* kAbout =
-    R"(Replays what palpate-record has recorded: to viewers as if live, through the physics to verify
-every bit, or to another hand as a gentle guide; scores a trainee against an expert; and exports it as
-columns for a paper's figures.
+    R"(Replays recordings of palpate-record: shows them to viewers as if they were
+live, computes them again to verify every bit, or guides another hand along
+them.  Also scores a trainee against an expert, and exports recordings as
+columns for figures.
 )";
 
 constexpr const char* kExamples =
     R"(Examples:
   palpate-replay lesson.mcap --rate 0.5 --loop
-      to viewers, at half the speed, again and again, until q at its terminal or Ctrl-C
+      shows it to viewers at half speed, repeatedly, until q or Ctrl-C
   palpate-replay lesson.mcap --from 30 --stay
-      for a class: it waits at its end, and whoever watches may pause it, go to any moment, change
-      its speed and set bookmarks, which are kept in lesson.bookmarks.json beside it
+      for a class: waits at the end.  Viewers may pause, seek, change the speed
+      and set bookmarks, which are kept in lesson.bookmarks.json beside it
   palpate-replay lesson.mcap --locked
-      for an examination: it is steered by the keys of this terminal alone
+      for an examination: only the keys of this terminal steer it
   palpate-replay lesson.mcap --verify
       computes every wrench again and compares all bits
   palpate-replay 1.mcap --verify --key anatomy/exam-key.pub.pem
-      and that it is what was sealed in an exam: its seal 1.seal.json lies beside it
+      also checks the seal that an exam put on it, 1.seal.json beside it
   palpate-replay expert.mcap --guide trainee
-      leads the hand at station 'trainee', which accepts it with --accept-guide
+      guides the hand at station 'trainee', which runs with --accept-guide
   palpate-replay score --help
-      examples of score; likewise of criteria and export)";
+      examples of score; the same for the other commands)";
 constexpr const char* kStatus = "Exit status: 0 done, 1 failed or not verified, 2 wrong usage.";
 
 constexpr const char* kExamExamples =
     R"(Example:
-  palpate-replay verify-exam anatomy --key anatomy/exam-key.pub.pem --out certificate
-      all that was handed in, on all processors; certificate/certificate.html can be printed.  Have
-      the key from when the course began, not from whoever gives you the folder.
-Exit status: 0 all is verified, 1 something is refused or missing, 2 wrong usage.)";
+  palpate-replay verify-exam anatomy --key anatomy/exam-key.pub.pem --out cert
+      verifies all submissions, on all processor cores; cert/certificate.html
+      can be printed.  Use a copy of the key that was made when the course
+      began, not one that came with the folder.
+Exit status: 0 all verified, 1 something is refused or missing, 2 wrong usage.)";
 
 constexpr const char* kScoreExamples =
     R"(Examples:
-  palpate-replay score expert.mcap try1.mcap try2.mcap try3.mcap --criteria mine.json --out report
-      report/score.html: paths in space, distance, forces, marks and their average
-  palpate-replay score class.mcap class.mcap --expert-station teacher --station anna
-      both of one recording; without these options it says whose sessions there are to choose from)";
+  palpate-replay score expert.mcap try1.mcap try2.mcap try3.mcap \
+                 --criteria mine.json --out report
+      report/score.html: paths in space, distance, forces, marks, their mean
+  palpate-replay score class.mcap class.mcap --expert-station teacher \
+                 --station anna
+      expert and trainee from one recording; without these options the error
+      lists its sessions)";
 constexpr const char* kRehearseExamples =
     R"(Example:
   palpate-replay rehearse mine.exercise.json --out report
-      as quickly as it computes, with no server; report/score.html shows what a trial's page will.
-Exit status: 0 he passes, 1 he does not, or the exercise has a mistake; 2 wrong usage.)";
+      needs no server and runs as fast as it computes; report/score.html looks
+      as it will for a trial
+Exit status: 0 the expert passes; 1 the expert fails, or the exercise has a
+mistake; 2 wrong usage.)";
 constexpr const char* kCriteriaExamples =
     R"(Example:
   palpate-replay criteria mine.json
-      writes what to grade by, for you to edit: 25 g for periodontal probing, depths of sites)";
+      writes criteria for you to edit: 25 g for periodontal probing, depths of
+      sites)";
 constexpr const char* kExportExamples =
     R"(Examples:
   palpate-replay export lesson.mcap -o figures
-      figures/hand_…/poses.csv and so on, for pandas.read_csv or MATLAB's readtable, and METHODS.md
+      figures/hand_.../poses.csv and so on, for pandas.read_csv or MATLAB's
+      readtable, and METHODS.md
   palpate-replay export lesson.mcap -o figures --format npy
       for numpy.load
   palpate-replay export lesson.mcap -o cavity --solids --at 20
-      what the burs had left 20 s into it: cavity/tooth.stl, tooth.ply, and caries.palpate, which
-      palpate-server ./cavity/caries.palpate serves)";
+      what the burs had left after 20 s: cavity/tooth.stl, tooth.ply, and
+      caries.palpate, which 'palpate-server ./cavity/caries.palpate' serves)";
 
 }  // namespace
 
@@ -75,67 +85,70 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
 
   const CommandLine app(kAbout, "palpate-replay",
                         std::string(kExamples) + "\n\n" + Keyboard::kHelp + "\n\n" + kStatus);
-  app.Add("files", options.playback.files, "a recording, or its splits in their order");
+  app.Add("files", options.playback.files, "a recording, or its split files in order");
   const Option verify_option =
       app.AddFlag("--verify", verify, "compute every wrench again and compare all bits");
   app.Add("--scene", options.verify.scene,
-          "with --verify: scene to compute with; default: the recorded one, else the catalogue's")
+          "with --verify: scene to compute with; default: the recorded one, else that of the "
+          "catalogue")
       .Needs(verify_option);
   app.Add("--models", options.verify.models_dir,
-          "with --verify: folder of the meshes that no package installs; the variable "
-          "PALPATE_MODELS does the same")
+          "with --verify: folder of meshes that no package installs; the environment variable "
+          "PALPATE_MODELS has the same effect")
       .Needs(verify_option);
   const Option json =
-      app.Add("--json", options.json, "with --verify: write the result as JSON; - is stdout");
+      app.Add("--json", options.json,
+              "with --verify: write the result as JSON to this file; -: standard output");
   const Option seal_key =
-      app.Add(
-             "--key", options.sealed.key,
-             "with --verify: public key of the course that sealed the recording, exam-key.pub.pem; "
-             "checks its seal, too")
+      app.Add("--key", options.sealed.key,
+              "with --verify: also check the recording's seal with this public key of the course, "
+              "exam-key.pub.pem")
           .Needs(verify_option);
-  const Option guide =
-      app.Add("--guide", options.guide.led, "lead the hand at this station along the recorded path")
-          .Excludes(verify_option);
+  const Option guide = app.Add("--guide", options.guide.led,
+                               "guide the hand at this station along the recorded path")
+                           .Excludes(verify_option);
   bool no_wait = false;
   app.AddFlag("--no-wait", no_wait,
-              "with --guide: keep the recorded pace even if the hand falls behind")
+              "with --guide: keep the recorded speed even if the hand falls behind")
       .Needs(guide);
   app.Add("--station", options.guide.station,
-          "with --guide: the station whose path to follow, if the recording has several sessions; "
-          "NAME/RUN if this station has several")
+          "with --guide: station whose path to follow, if the recording has several sessions; "
+          "NAME/RUN if the station has several")
       .TypeName("NAME")
       .Needs(guide);
-  app.Add("--rate", options.playback.rate, "speed, times the recorded one; at most 2 with --guide")
+  app.Add("--rate", options.playback.rate,
+          "speed relative to the recording; at most 2 with --guide")
       .Range(0.01, 100.0)
       .Excludes(verify_option)
       .ShowDefault();
   const Option loop =
       app.AddFlag("--loop", options.playback.loop, "repeat until Ctrl-C").Excludes(verify_option);
-  app.AddFlag("--stay", options.play.stays,
-              "wait at the end until Ctrl-C, so that viewers can go back; without it, the replay "
-              "ends there unless a viewer has steered it")
+  app.AddFlag(
+         "--stay", options.play.stays,
+         "wait at the end until Ctrl-C, so that viewers can go back; otherwise the replay ends "
+         "there unless a viewer has steered it")
       .Excludes(verify_option)
       .Excludes(guide)
       .Excludes(loop);
   app.AddFlag("--locked", options.play.locked,
-              "viewers may look but not steer: no pause, no seek, no bookmarks")
+              "viewers may watch but not steer: no pause, seek or bookmarks")
       .Excludes(verify_option)
       .Excludes(guide);
-  app.AddFlag("--step", options.play.stepping, "begin paused: space goes on, the right arrow steps")
+  app.AddFlag("--step", options.play.stepping, "begin paused: space resumes, the right arrow steps")
       .Excludes(verify_option)
       .Excludes(guide);
   app.Add("--from", options.playback.from_s,
-          "begin this many seconds into the recording (with --guide: into the hand's path)")
+          "begin at this time of the recording, in seconds (with --guide: of the hand's path)")
       .NotNegative()
       .Excludes(verify_option);
-  app.Add("--to", options.playback.to_s, "end this many seconds into it")
+  app.Add("--to", options.playback.to_s, "end at this time, in seconds")
       .Positive()
       .Excludes(verify_option);
   AddNetworkOptions(app, "a viewer or the guided station", options.playback.network);
-  AddCommonOptions(app, "domain of viewers and stations: the number that they were given",
+  AddCommonOptions(app, "number of the domain: the same as that of the viewers and stations",
                    options.playback.domain, options.log_level);
-  const CommandLine score = app.AddCommand(
-      "score", "how near a trainee came to an expert, trial by trial and on average");
+  const CommandLine score =
+      app.AddCommand("score", "score a trainee against an expert, per trial and on average");
   score.Footer(kScoreExamples);
   score
       .Add("expert", options.score.expert,
@@ -144,73 +157,75 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
       .Required();
   score
       .Add("trials", options.score.trials,
-           "recordings of the trainee; several, because one predicts nothing")
+           "recordings of the trainee; give several, since a single trial predicts little")
       .Required();
   score
       .Add("--station", options.score.stations,
-           "the trainee, where a trial's recording has several sessions: a station's name; "
-           "NAME/RUN where it has several.  Once for all trials, or once for each")
+           "station of the trainee, if a trial's recording has several sessions; NAME/RUN if the "
+           "station has several.  Give it once for all trials, or once per trial")
       .TypeName("NAME")
       .OneAtATime();
-  score.Add("--expert-station", options.score.expert_station, "the same of the expert's recording")
+  score.Add("--expert-station", options.score.expert_station, "the same for the expert's recording")
       .TypeName("NAME");
-  score.Add(
-      "--criteria", options.score.criteria,
-      "file to grade by: criteria, of which 'palpate-replay criteria FILE' writes some to begin "
-      "with, or an exercise");
+  score.Add("--criteria", options.score.criteria,
+            "file of criteria ('palpate-replay criteria FILE' writes one to edit), or an exercise");
   score.AddFlag("--follow", options.score.follow,
-                "the trial is being recorded: have all ready that can be, and score it as soon as "
-                "its recording ends, or at Ctrl-C");
-  score.Add("--out", options.out, "folder for the report: score.html, and its figures");
-  score.Add("--json", options.json, "write the score as JSON to this file; - is stdout");
+                "the trial is still being recorded: compute along with it, and score it when the "
+                "recording ends, or at Ctrl-C");
+  score.Add("--out", options.out, "folder for the report: score.html and its figures");
+  score.Add("--json", options.json, "write the score as JSON to this file; -: standard output");
 
-  const CommandLine exam = app.AddCommand(
-      "verify-exam", "verify all that was handed in in an exam, and write a certificate");
+  const CommandLine exam =
+      app.AddCommand("verify-exam", "verify all submissions of an exam, and write a certificate");
   exam.Footer(kExamExamples);
-  exam.Add("folder", options.sealed.folder, "of the course, or a copy of it").Required();
-  exam.Add("--key", options.sealed.key, "the course's public key, exam-key.pub.pem").Required();
+  exam.Add("folder", options.sealed.folder, "folder of the course, or a copy of it").Required();
+  exam.Add("--key", options.sealed.key, "public key of the course, exam-key.pub.pem").Required();
   exam.Add("--exam", options.sealed.exam,
-           "NAME, or NAME-NUMBER as its roll is named; may be left out where there is one");
-  exam.Add("--models", options.sealed.verify.models_dir, "as with --verify");
-  exam.Add("--out", options.out, "folder for the certificate: text, JSON, and a page to print");
-  exam.Add("--json", options.json, "write it as JSON to this file; - is stdout");
+           "exam: NAME, or NAME-NUMBER as its roll is named; needed only if there are several");
+  exam.Add("--models", options.sealed.verify.models_dir, "folder of meshes, as with --verify");
+  exam.Add("--out", options.out, "folder for the certificate: text, JSON and a page to print");
+  exam.Add("--json", options.json,
+           "write the certificate as JSON to this file; -: standard output");
 
   const CommandLine rehearse = app.AddCommand(
-      "rehearse", "let the expert's hand do an exercise, and grade it: can its criteria be met?");
+      "rehearse", "run an exercise with the expert's hand, to see whether it meets the criteria");
   rehearse.Footer(kRehearseExamples);
   rehearse.Add("exercise", options.exercise, "NAME.exercise.json").Required();
-  rehearse.Add("--out", options.out, "folder for the report: score.html, and its figures");
-  rehearse.Add("--json", options.json, "write the score as JSON to this file; - is stdout");
+  rehearse.Add("--out", options.out, "folder for the report: score.html and its figures");
+  rehearse.Add("--json", options.json, "write the score as JSON to this file; -: standard output");
 
   const CommandLine criteria =
-      app.AddCommand("criteria", "write a file to grade by, for you to edit");
+      app.AddCommand("criteria", "write a file of criteria for you to edit");
   criteria.Footer(kCriteriaExamples);
   criteria.Add("file", options.new_criteria, "file to write, FILE.json").Required();
-  criteria.Add("--scene", options.criteria_of,
-               "for this scene of the catalogue that burs cut, as crown; default: for probing");
+  criteria.Add(
+      "--scene", options.criteria_of,
+      "scene of the catalogue that burs cut, such as crown; default: criteria for probing");
 
   std::string format = "csv";
   const CommandLine columns = app.AddCommand(
       "export",
-      "write poses, wrenches, contacts and the limiter's work as columns, with what a paper's "
-      "methods section needs; or what burs left, as meshes and as a scene");
+      "export a recording as columns for figures, or what burs left as meshes and a scene\n"
+      "Columns are poses, wrenches, contacts and the limiter's interventions; METHODS.md\n"
+      "has the text for a paper's methods section.");
   columns.Footer(kExportExamples);
-  columns.Add("files", options.columns.files, "a recording, or its splits in their order")
+  columns.Add("files", options.columns.files, "a recording, or its split files in order")
       .Required();
-  columns.Add("-o,--output", options.columns.folder, "folder to make").Required();
+  columns.Add("-o,--output", options.columns.folder, "folder to create").Required();
   bool solids = false;
   const Option solids_option =
-      columns.AddFlag("--solids", solids,
-                      "in place of columns: what burs left, as STL, PLY and a scene that loads");
-  columns.Add("--format", format, "csv, or npy: arrays of NumPy with named fields")
+      columns.AddFlag("--solids", solids, "export what burs left instead, as STL, PLY and a scene");
+  columns.Add("--format", format, "csv, or npy: NumPy arrays with named fields")
       .Excludes(solids_option)
       .ShowDefault();
   columns
       .Add("--at", options.solids.at_s,
-           "with --solids: what was left so many seconds into the recording; default: at its end")
+           "with --solids: time of the recording, in seconds; default: its end")
       .NotNegative()
       .Needs(solids_option);
-  columns.Add("--models", options.solids.models_dir, "with --solids: as with --verify")
+  columns
+      .Add("--models", options.solids.models_dir,
+           "with --solids: folder of meshes, as with --verify")
       .Needs(solids_option);
 
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
@@ -218,7 +233,7 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
 
   if (columns.given()) {
     if (!options.playback.files.empty() || verify || guide.given()) {
-      throw UsageError("export takes its recordings alone: 'palpate-replay export --help'");
+      throw UsageError("export takes no options of a replay; see 'palpate-replay export --help'");
     }
     options.columns.format = ParseColumnFormat(format);
     options.solids.files = options.columns.files;
@@ -228,21 +243,22 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
   }
   if (exam.given()) {
     if (!options.playback.files.empty() || verify || guide.given()) {
-      throw UsageError("verify-exam takes a folder alone: 'palpate-replay verify-exam --help'");
+      throw UsageError(
+          "verify-exam takes no options of a replay; see 'palpate-replay verify-exam --help'");
     }
     options.what = ReplayOptions::What::kVerifySealed;
     return options;
   }
   if (score.given() || criteria.given() || rehearse.given()) {
     if (!options.playback.files.empty() || verify || guide.given()) {
-      throw UsageError("score takes its recordings alone: 'palpate-replay score --help'");
+      throw UsageError("score takes no options of a replay; see 'palpate-replay score --help'");
     }
     const std::size_t stations = options.score.stations.size();
     if (stations > 1 && stations != options.score.trials.size()) {
-      throw UsageError("--station: give it once for all trials, or once for each");
+      throw UsageError("--station: give it once for all trials, or once per trial");
     }
     if (options.score.follow && options.score.trials.size() > 1) {
-      throw UsageError("--follow: one trial is recorded at a time; give that one");
+      throw UsageError("--follow: give only the trial that is being recorded");
     }
     options.what = score.given()      ? ReplayOptions::What::kScore
                    : rehearse.given() ? ReplayOptions::What::kRehearse
@@ -255,20 +271,23 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
   if (verify) options.what = ReplayOptions::What::kVerify;
   if (seal_key.given()) {
     if (options.playback.files.size() != 1) {
-      throw UsageError("--key: a sealed recording is one file; give it alone");
+      throw UsageError("--key: a sealed recording is a single file; give one file only");
     }
     options.what = ReplayOptions::What::kVerifySealed;
     options.sealed.recording = options.playback.files.front();
     options.sealed.verify = options.verify;
   }
-  if (json.given() && !verify) throw UsageError("--json goes with --verify or score");
+  if (json.given() && !verify)
+    throw UsageError("--json needs --verify; add it, or use a command such as score");
   if (!options.guide.led.empty()) {
     options.what = ReplayOptions::What::kGuide;
     if (!dds::IsStationName(options.guide.led)) {
-      throw UsageError("--guide '" + options.guide.led + "': give a station's name, as its --id");
+      throw UsageError("--guide '" + options.guide.led +
+                       "': give the name of a station, as in its --id");
     }
     if (options.playback.rate > kMostGuideRate) {
-      throw UsageError("--rate: a hand is led at most at twice the speed; give 2 or less");
+      throw UsageError(
+          "--rate: a hand is guided at most at twice the recorded speed; give 2 or less");
     }
   }
   if (!(options.playback.to_s > options.playback.from_s)) {

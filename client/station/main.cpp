@@ -138,7 +138,7 @@ int RunStation(const StationOptions& given) {
       });
   spdlog::info("device: {}", device->info().model);
   if (device->info().torque_axes == 0) {
-    spdlog::warn("this device renders no torque: what the scene turns the hand with is lost");
+    spdlog::warn("this device renders no torque: the scene's torques are not felt");
   }
   const WrenchLimits::Bounds limits = LimitsOf(*device, core);
   spdlog::info("limits: {:.2f} N and {:.3f} N m, once the motors are warm {:.2f} N and {:.3f} N m",
@@ -180,7 +180,7 @@ int RunStation(const StationOptions& given) {
       if (guide) guide->Poll([&](const GuideAim& aim) { servo->SetAim(aim); });
       if (began_ns == 0 && servo->started()) began_ns = SteadyNanoseconds();
       if (device->ended()) {
-        spdlog::info("the device has ended: leaving");
+        spdlog::info("the device has ended: ending the session");
         break;
       }
       if (options.seconds && seconds() >= *options.seconds) break;
@@ -212,7 +212,7 @@ int RunStation(const StationOptions& given) {
   if (trace) {
     trace->Close();
     if (trace->dropped() > 0) {
-      spdlog::warn("--trace {}: {} ticks are missing, the disk was too slow", options.trace,
+      spdlog::warn("--trace {}: {} ticks are missing, because the disk was too slow", options.trace,
                    trace->dropped());
     }
   }

@@ -11,45 +11,50 @@ namespace palpate {
 namespace {
 
 constexpr const char* kAbout =
-    R"(Drives a haptic device in a scene that a palpate-server holds: a pose out and a wrench back, a
-thousand times a second.  Shows live what happens, and a summary at the end.
+    R"(Drives a haptic device in a scene of a palpate-server.  A thousand times a
+second it sends the pose of the hand and applies the wrench that the server
+returns.  Shows a live table, and prints a summary at the end.
 )";
 
 constexpr const char* kExamples = R"(
 Examples:
   palpate-server --scene bunny-bunny &
   palpate-station --device simulated --scene bunny-bunny --id hand --loop
-      a simulated arm and hand feel the bunny until Ctrl-C
-  palpate-station --device scripted --scene cube --id probe --for 10 --json run.json
-      the scene's script, played exactly for 10 s, with figures for a program
-  palpate-station --device simulated --model touch --scale 2 --scene cube --id small
-      an arm that renders no torque; each millimetre of the hand moves the tool by two: a spring
-      of 1 N/mm is felt as 2 N/mm, force stays as the scene has it, torque is halved
+      a simulated hand and arm feel the bunny until Ctrl-C
+  palpate-station --device scripted --scene cube --id probe --for 10 \
+                  --json run.json
+      plays the scene's script exactly for 10 s; writes the figures as JSON
+  palpate-station --device simulated --model touch --scale 2 --scene cube --id s
+      an arm without torque.  The tool moves 2 mm for each millimetre of the
+      hand: a spring of 1 N/mm is felt as 2 N/mm; forces are those of the scene,
+      torques are halved
   palpate-station --device spacemouse --clutch-button 1 --scene cube --id me
-      a SpaceMouse, through spacenavd; while its second button is down, the hand moves and the
-      tool does not
+      a SpaceMouse, through spacenavd.  While its second button is pressed, the
+      hand moves and the tool does not
   palpate-station --device mouse --scene cube --id me < targets
-      a hand without a device: each line on standard input, 'x y z qw qx qy qz' in metres and
-      the scene's frame, drags the tool there, smoothly and pressing at most 20 mm deep;
-      'release' lets it go; the end of input ends the station
+      no device: each line of standard input, 'x y z qw qx qy qz' in metres and
+      in the scene's frame, drags the tool there, smoothly and at most 20 mm
+      deep; 'release' lets go of it; the end of input ends the station
   palpate-station --device openhaptics --scene cube --id me
-      a PHANTOM or Touch arm, through the OpenHaptics library that is installed, or the file that
-      PALPATE_OPENHAPTICS_LIBRARY names
+      a PHANTOM or Touch arm, through the installed OpenHaptics library or the
+      file named by PALPATE_OPENHAPTICS_LIBRARY
   palpate-station --device forcedimension --device-name 4711 --scene cube --id me
-      the omega, delta, sigma or lambda with that serial number, through libdhd.so.3, or the file
-      that PALPATE_FORCEDIMENSION_LIBRARY names
+      the omega, delta, sigma or lambda with this serial number, through
+      libdhd.so.3 or the file named by PALPATE_FORCEDIMENSION_LIBRARY
   palpate-station --device haply --scene cube --id me
-      an Inverse3 with its VerseGrip, through the Inverse Service at ws://localhost:10001, or the
-      address that PALPATE_HAPLY_SERVICE names
+      an Inverse3 with VerseGrip, through the Inverse Service at
+      ws://localhost:10001 or the address in PALPATE_HAPLY_SERVICE
   palpate-station --device ./mine.so --scene cube --id me
-      an arm of your own, by a driver that you have built against palpate_device.h ('An arm of your
-      own' in devices/arm.md); 'palpate-doctor --device ./mine.so' tries it first
+      an arm of your own, by a driver built against palpate_device.h (see 'An
+      arm of your own' in devices/arm.md); test the driver first with
+      'palpate-doctor --device ./mine.so'
   palpate-station --device simulated --scene cube --id far --network eth0
-      a server on another host, which runs with --network too
+      connects to a server on another host, also started with --network
 
-Forces reach a real device only while its first button is held, or all the time with
---enable-forces; letting the button go takes them away within 50 ms.  They fade to zero within
-25 ms when the server stops answering, and ramp in again when it is back.
+A real device renders forces only while its first button is pressed, or always
+with --enable-forces; they are off within 50 ms of its release.  Forces fade to
+zero within 25 ms after the server stops answering, and ramp up again when it
+answers.
 Exit status: 0 done, 1 failed or refused, 2 wrong usage.)";
 
 }  // namespace
@@ -60,74 +65,73 @@ std::optional<StationOptions> ParseStationOptions(int argc, const char* const* a
   std::string local_model = "on";
 
   const CommandLine app(kAbout, "palpate-station", "Devices:\n" + DeviceHelp() + kExamples);
-  app.Add("--device", options.device.name, "the device: " + DeviceNames()).Required();
-  app.Add("--model", options.device.model,
-          "which arm to simulate; default: the first that is named below");
-  app.Add("--rate", options.device.rate_Hz, "how often the device is read and commanded, in Hz")
+  app.Add("--device", options.device.name, "device to drive: " + DeviceNames()).Required();
+  app.Add("--model", options.device.model, "arm to simulate; default: the first one listed below");
+  app.Add("--rate", options.device.rate_Hz, "rate at which the device is read and commanded, in Hz")
       .ShowDefault();
   app.Add("--scene", options.link.scene,
-          "scene to feel: its name at the server, or the file that the server was given")
+          "scene to feel: its name on the server, or the file given to the server")
       .Required();
-  app.Add("--tool", options.link.tool, "tool of the scene; needed only if the scene has several");
+  app.Add("--tool", options.link.tool, "tool of the scene; required if the scene has several");
   app.Add("--id", options.link.station, "name of this station: 1 to 32 letters, digits or _")
       .Required();
   app.Add("--script", options.script,
-          "poses that the simulated hand follows (JSON); default: the script that the server has "
-          "for the scene, or makes for it");
+          "path of the simulated hand (JSON); default: the server's script for the scene, which it "
+          "generates if there is none");
   app.Add("--workspace", options.workspace,
-          "file that says how the device lies in the scene (JSON): calibration, frame, scale, "
-          "clutch, walls");
+          "file that maps the device to the scene (JSON): calibration, frame, scale, clutch, "
+          "walls");
   app.Add("--scale", options.scale,
-          "millimetres that the tool moves for each millimetre of the hand; default: the "
-          "workspace's, else 1")
+          "motion of the tool per motion of the hand; default: that of --workspace, else 1")
       .Range(Workspace::kLeastScale, Workspace::kMostScale);
   app.Add("--clutch-button", options.clutch_button,
-          "button that lets the hand move without the tool, a number from 0")
+          "button, counted from 0, that lets the hand move without the tool")
       .Range(0, 31);
   app.AddFlag("--loop", options.device.loop,
-              "repeat the script; without it the hand stays at the script's end");
+              "repeat the script; otherwise the hand stays at its end");
   app.AddFlag("--enable-forces", options.enable_forces,
-              "let forces out to a real device all the time, not only while its first button is "
-              "held; simulated devices always get them");
+              "let a real device render forces all the time, not only while its first button is "
+              "pressed; simulated devices always do");
   app.AddFlag("--await-recorder", options.link.awaits_recorder,
-              "send no pose before a palpate-record reads it, for up to 3 s, so that the recording "
-              "has the first and can be verified");
+              "wait up to 3 s for a palpate-record before sending the first pose, so that the "
+              "recording is complete and can be verified");
   app.Add("--max-force", options.max_force_N,
-          "greatest force, in N, where that is less than the device's own; its torque goes down by "
-          "the same share; default: the device's own")
+          "limit of the force, in N, below the device's own; the limit of the torque is reduced "
+          "in proportion; default: the device's limits")
       .Positive();
   app.Add("--device-name", options.device.arm,
-          "which arm, if there are several: its name in the vendor's set-up program, its serial "
+          "arm to use if there are several: its name in the vendor's set-up program, its serial "
           "number, or its id; default: the first");
   app.AddFlag("--calibrate", options.device.calibrate,
-              "calibrate the arm even if it is calibrated; put it into its reset position first, "
-              "if it has one");
+              "calibrate the arm even if it is already calibrated; if it has a reset position, put "
+              "it there first");
   app.Add("--local-model", local_model,
-          "on: compute the force of a reply's contacts at the newest pose, and ask ahead where the "
-          "server is more than 2 ms away; off: apply each wrench as it came")
+          "on: evaluate each reply's contacts at the newest pose, and send predicted poses if the "
+          "round trip takes more than 2 ms; off: apply each wrench unchanged")
       .OneOf({"on", "off"})
       .ShowDefault();
   const Option accept_guide = app.AddFlag("--accept-guide", options.accept_guide,
-                                          "let 'palpate-replay --guide ID' lead the hand gently");
+                                          "let 'palpate-replay --guide ID' guide the hand");
   app.Add("--guide-force", options.guide_force_N,
-          "greatest force of a guide, in N; its greatest torque, in N m, is a hundredth of that")
+          "limit of the guiding force, in N; that of the torque, in N m, is a hundredth of it")
       .Range(0.0, GuideLimits::kMostForce_N)
       .Needs(accept_guide)
       .ShowDefault();
   app.Add("--for", options.seconds, "end after this many seconds; default: at Ctrl-C").Positive();
   AddTransportOption(app, options.link.transport);
   AddNetworkOptions(app, "the server", options.link.network);
-  app.Add("--wait", options.link.patience_s, "seconds to wait for the server's first answer")
+  app.Add("--wait", options.link.patience_s,
+          "how long to wait for the server's first answer, in seconds")
       .Positive()
       .ShowDefault();
   AddRealtimeOptions(app, "the loop", options.link.realtime);
   const Option has_table =
       app.AddFlag("--table,!--no-table", table,
-                  "show a live table, or else a line a second; default: a table on a terminal");
-  app.Add("--json", options.json, "write the summary as JSON to this file; - is stdout");
+                  "show a live table, or one line per second; default: a table on a terminal");
+  app.Add("--json", options.json, "write the summary as JSON to this file; -: standard output");
   app.Add("--trace", options.trace,
-          "write a row for every tick to this file (CSV): replies, their age, forces");
-  AddCommonOptions(app, "the server's domain: the number after its --domain", options.link.domain,
+          "write one row per tick to this file (CSV): replies, their age, forces");
+  AddCommonOptions(app, "number of the domain: the same as the server's", options.link.domain,
                    options.log_level);
 
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;

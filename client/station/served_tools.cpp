@@ -52,8 +52,8 @@ std::optional<PoseScript> ToHand(const Sequence& sequence) {
     if (!X_WH.p.allFinite() || !std::isfinite(size) || !(size > 0.5) ||
         !std::isfinite(key.time_s)) {
       throw Error(
-          "the hand that the server offers is not finite, or has no rotation; give one with "
-          "--script, or start a palpate-server of this version");
+          "the server's script for the hand is invalid; give one with --script, or start a "
+          "palpate-server of this version");
     }
     keys.push_back({key.time_s, {X_WH.p, X_WH.q.normalized()}, key.label});
   }
@@ -137,7 +137,7 @@ std::string NobodyAnswers(int domain, const dds::Network& network, const std::st
 std::string AnotherVersionIsThere(int domain) {
   return "a server runs in domain " + std::to_string(domain) +
          ", and is of another version than this program (" PALPATE_VERSION
-         "): neither hears the other; install the same version on both, or give the --domain of "
+         "), so they cannot communicate; install the same version on both, or give the --domain of "
          "another server";
 }
 

@@ -115,8 +115,8 @@ void SessionLink::TakeStates() {
     if (IsForeign(raw.origin)) {
       if (!others_heard_) {
         say_(
-            "another program speaks in this station's server's place, and is not heard while the "
-            "server answers");
+            "another program imitates this station's server, and is ignored while the server "
+            "answers");
       }
       others_heard_ = true;
       continue;
@@ -148,7 +148,7 @@ void SessionLink::Poll(std::int64_t now_ns) {
   if (const bool muted = state_ ? state_->muted : muted_; muted != muted_) {
     muted_ = muted;
     servo_->Mute(muted);
-    say_(muted ? "muted: forces are off until somebody at the server's gateway unmutes this station"
+    say_(muted ? "muted: forces are off until a person at the server's gateway unmutes this station"
                : "no longer muted: forces ramp in");
   }
   switch (phase_) {
@@ -198,7 +198,7 @@ void SessionLink::PollAsking(std::int64_t now_ns) {
   if (state_->phase == palpate_SESSION_ENDED) return Ask(now_ns);
   refused_since_ns_ = 0;
   if (former_servers_.contains(state_->server_run)) {
-    throw Error("two servers answer in domain " + std::to_string(options_.domain) +
+    throw Error("two servers run in domain " + std::to_string(options_.domain) +
                 ": end one of them, or give it and its stations another --domain");
   }
   server_run_ = state_->server_run;
@@ -257,7 +257,8 @@ void SessionLink::PollMatching(std::int64_t now_ns) {
   // Forces depend on all poses since the first: a recording without it cannot be verified.
   if (options_.awaits_recorder && readers == 1) {
     if (now_ns - phase_since_ns_ < kRecorderPatience_ns) return;
-    if (matched_since_ns_ == 0) say_("no recorder came in 3 s: poses go out unrecorded");
+    if (matched_since_ns_ == 0)
+      say_("no recorder was found within 3 s: the first poses are not recorded");
   }
   if (matched_since_ns_ == 0) matched_since_ns_ = now_ns;
   if (now_ns - matched_since_ns_ < kSettle_ns) return;
@@ -302,7 +303,7 @@ void SessionLink::OnSilence(std::int64_t now_ns) {
   }
   const bool never_heard = servo_->newest_reply_ns() < phase_since_ns_;
   if (never_heard && MayFallBack()) {
-    return FallBackToUdp("matched over shared memory, yet nothing comes", now_ns);
+    return FallBackToUdp("connected over shared memory, but nothing arrives", now_ns);
   }
   Ask(now_ns);
 }

@@ -73,7 +73,7 @@ void Trace::Close() {
   const bool taken = std::ferror(out_) == 0;
   const bool closed = std::fclose(std::exchange(out_, nullptr)) == 0;
   if (!taken || !closed) {
-    throw Error("--trace " + file_ + ": rows are missing; is the disk full?");
+    throw Error("--trace " + file_ + ": rows are missing; check that the disk is not full");
   }
 }
 

@@ -117,7 +117,7 @@ std::string ClassRoom::Do(const ClassCommand& command, const Tokens& others, con
   try {
     for (const std::string& name : command.names) {
       if (others.NamesAnother(StationNameOf(name), "", "")) {
-        throw Error(Quoted(name) + " is somebody of --tokens already; give another name");
+        throw Error(Quoted(name) + " is already used in --tokens; give another name");
       }
     }
     switch (command.op) {
@@ -168,7 +168,7 @@ void ClassRoom::Delete(std::int64_t id, const Busy& busy) {
 
 void ClassRoom::Say(std::int64_t id, const std::string& text) {
   if (id != 0 && roster_.Find(id) == nullptr) {
-    throw Error(fmt::format("nobody of this course has the number {}", id));
+    throw Error(fmt::format("no person of this course has the number {}", id));
   }
   for (const Person& person : roster_.people()) {
     // A line to all is meant for students.
@@ -230,7 +230,9 @@ std::string ClassRoom::WhyNotAt(std::int64_t person, const std::string& scene) c
   if (!own.empty()) return "your seat is '" + own + "'; take the tool there";
   const bool is_others =
       std::ranges::any_of(told_, [&](const auto& entry) { return entry.second.seat == scene; });
-  return is_others ? "'" + scene + "' is another's seat, and you have none; ask who teaches" : "";
+  return is_others
+             ? "'" + scene + "' is the seat of another person, and you have none; ask your teacher"
+             : "";
 }
 
 std::string ClassRoom::PeopleJson(const Here& here,

@@ -78,13 +78,13 @@ Verdict Gate::JudgeToken(const Asker& asker) const {
                    "with #token=TOKEN at the end of its address");
   }
   if (presented.size() > 1 || asker.authorizations > 1) {
-    return Refused(kBadRequest, Refusal::kToken, "it presents more than one token");
+    return Refused(kBadRequest, Refusal::kToken, "it gives more than one token");
   }
   const auto holder = tokens_->Find(presented.front());
   if (!holder) {
     // The presented text is not logged: it may be a valid token with a typing error.
     return Refused(kUnauthorized, Refusal::kToken,
-                   "its token is none of this gateway's (palpate-viewer --tokens)");
+                   "its token is not known to this gateway (palpate-viewer --tokens)");
   }
   return {holder->role, holder, 0, Refusal::kToken, ""};
 }

@@ -117,27 +117,27 @@ std::string Urls(const ViewerOptions& options, const tcp::endpoint& endpoint) {
 void WarnOfNetwork(const ViewerOptions& options) {
   if (options.tls_cert.empty()) {
     spdlog::warn(
-        "all goes in the clear at {}: whoever is on the way can read it{}; --tls-cert and "
+        "traffic at {} is not encrypted: others in the network can read it{}; --tls-cert and "
         "--tls-key encrypt it",
-        options.address, options.asks_for_tokens() ? ", and use the tokens that he reads" : "");
+        options.address, options.asks_for_tokens() ? ", and use the tokens in it" : "");
   }
   if (!options.asks_for_tokens()) {
     spdlog::warn(
-        "every host that reaches {} can look{}{}; --tokens lets in whom you give one, --bind "
-        "127.0.0.1 is for this host alone",
+        "every host that can reach {} can watch{}{}; --tokens restricts access, --bind 127.0.0.1 "
+        "limits it to this host",
         options.address,
-        options.no_steering
-            ? ""
-            : ", and steer a replay that is not --locked (--no-steering rules it out)",
-        options.max_mice > 0 ? ", and take a tool with the mouse (--max-mice 0 rules it out)" : "");
+        options.no_steering ? ""
+                            : ", steer a replay that is not --locked (--no-steering forbids it)",
+        options.max_mice > 0 ? ", and take a tool with the mouse (--max-mice 0 forbids it)" : "");
   }
 }
 
 void Announce(const ViewerOptions& options, Hub& hub, const tcp::endpoint& endpoint) {
   if (!endpoint.address().is_loopback()) WarnOfNetwork(options);
   if (!hub.page().built()) {
-    spdlog::warn("the page is not built (looked for in {}); a page that says so stands in",
-                 options.page);
+    spdlog::warn(
+        "the page is not built (looked for it in {}); a page that says so is served instead",
+        options.page);
   }
   const std::string urls = Urls(options, endpoint);
   if (const auto teacher = hub.MakeFirstTeacher()) {
@@ -226,7 +226,7 @@ void Serve(const ViewerOptions& options) {
 /// Writes a course's history as CSV, for use in a terminal.  Throws Error.
 void ExportCsv(const ViewerOptions& options) {
   if (!std::filesystem::exists(std::filesystem::path(options.course) / "course.sqlite")) {
-    throw Error("--course " + options.course + ": there is no course; give its folder");
+    throw Error("--course " + options.course + ": is not a course; give the folder of one");
   }
   CourseFile file(options.course);
   WriteOutput("--export-csv", options.export_csv,

@@ -45,7 +45,8 @@ bool MayRead(const HistoryWish& wish, Access access, std::int64_t reader) {
 void HistoryDesk::Ask(HistoryWish wish, bool for_teacher, Pages pages,
                       std::function<void(Answer)> use) {
   if (waiting_ == kMostWaiting) {
-    return use({503, "text/plain; charset=utf-8", "many read the history now; ask again\n"});
+    return use(
+        {503, "text/plain; charset=utf-8", "too many requests for the history; try again\n"});
   }
   ++waiting_;
   boost::asio::post(
@@ -72,7 +73,7 @@ HistoryDesk::Answer HistoryDesk::Read(const HistoryWish& wish, bool for_teacher,
   const std::vector<Person> people = Roster(*file_).people();
   const auto person = std::ranges::find(people, wish.person, &Person::id);
   if (wish.person != 0 && person == people.end()) {
-    return {404, "text/plain; charset=utf-8", "nobody of this course has that number\n"};
+    return {404, "text/plain; charset=utf-8", "no person of this course has that number\n"};
   }
   const History history(exercises_, people, ReadTrials(*file_));
   if (wish.as == HistoryWish::As::kCsv || wish.as == HistoryWish::As::kCommaCsv) {

@@ -155,7 +155,7 @@ void HttpSession::OnRead(beast::error_code error) {
   if (error) {
     if (error.category() != http::make_error_code(http::error::bad_method).category()) return;
     return Refuse(Request(), 400, Refusal::kRequest,
-                  "this is no HTTP request that is understood here: " + error.message());
+                  "this HTTP request is not supported: " + error.message());
   }
   Answer(parser_->get());
 }
@@ -187,8 +187,8 @@ void HttpSession::SendToTls(const Request& request) {
       PathOfTarget(View(request.target()));
   if (!is_plain_get) {
     return Refuse(request, 400, Refusal::kTls,
-                  "this port speaks TLS: ask https:// or wss://, and take a token that was sent in "
-                  "the clear for known");
+                  "this port uses TLS: use https:// or wss://, and replace a token that was sent "
+                  "unencrypted");
   }
   // Temporary: a port that drops its certificate must be found again.
   Response response{http::status::temporary_redirect, 11};
@@ -207,7 +207,7 @@ void HttpSession::Answer(const Request& request) {
   if (tls_ != nullptr && !stream_.is_secure()) return SendToTls(request);
   if (beast::websocket::is_upgrade(request)) return Upgrade(request);
   if (request.method() != http::verb::get && request.method() != http::verb::head) {
-    return Refuse(request, 405, Refusal::kRequest, "only GET and HEAD");
+    return Refuse(request, 405, Refusal::kRequest, "only GET and HEAD are supported");
   }
   const auto path = PathOfTarget(View(request.target()));
   if (!path) return Refuse(request, 400, Refusal::kRequest, "no path");
@@ -281,7 +281,7 @@ void HttpSession::GiveHistory(const Request& request, const std::string& name,
   const auto wish = ParseHistoryWish(name);
   if (!wish) return GiveText(request, http::status::not_found, "there is no such history\n");
   if (!MayRead(*wish, verdict.access, verdict.holder ? verdict.holder->person : 0)) {
-    return Refuse(request, 403, Refusal::kRole, "what others did is for who teaches to read");
+    return Refuse(request, 403, Refusal::kRole, "only teachers may read the results of others");
   }
   if (verdict.holder && hub_.SitsExam(verdict.holder->person)) {
     return Refuse(request, 403, Refusal::kRole, Hub::kInExam);
@@ -316,8 +316,8 @@ void HttpSession::Upgrade(const Request& request) {
   }
   if (!hub_.MakeRoom(visitor_.address)) {
     return Refuse(request, 503, Refusal::kFull,
-                  "there are as many viewers as this gateway takes (--max-viewers), and none of an "
-                  "address that has more of them than this one");
+                  "this gateway has the maximum number of viewers (--max-viewers), and no address "
+                  "has more of them than this one");
   }
   auto viewer =
       std::make_shared<ViewerSession>(std::move(stream_), hub_, NextViewerId(), visitor_, verdict);

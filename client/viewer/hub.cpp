@@ -164,17 +164,17 @@ void Hub::Tick(std::int64_t now_ns) {
 
 void Hub::ReadTokensAnew(std::int64_t now_ns) {
   if (!options_.asks_for_tokens()) {
-    return spdlog::info("there are no --tokens to read anew, and no --course");
+    return spdlog::info("there are no --tokens and no --course to read again");
   }
   try {
     if (class_room_) class_room_->roster().Read();
     const std::size_t ended =
         Renew(options_.tokens.empty() ? std::nullopt : std::optional(Tokens::Read(options_.tokens)),
               now_ns);
-    spdlog::info("{} read anew: {} tokens are valid; connections that end for it: {}",
+    spdlog::info("{} read again: {} tokens are valid; connections closed: {}",
                  options_.tokens + options_.course, gate_.tokens()->size(), ended);
   } catch (const Error& error) {
-    spdlog::error("{}; the tokens that were read before stay valid", error.what());
+    spdlog::error("{}; the tokens read before remain valid", error.what());
   }
 }
 
@@ -310,7 +310,8 @@ void Hub::BeginTrial(const std::string& name, ViewerSession& viewer, std::int64_
   const bool has_seat = seat.starts_with(exercise->scene_name + "-");
   const MouseCommand take{
       MouseCommand::Op::kTake, has_seat ? seat : exercise->scene_name, exercise->tool, {}};
-  if (!seat.empty() && !has_seat) throw Error("your seat is '" + seat + "', another scene's");
+  if (!seat.empty() && !has_seat)
+    throw Error("your seat is '" + seat + "', which belongs to another scene");
   if (const std::string absent = WhyAbsent(take.scene); !absent.empty()) throw Error(absent);
   // Checked before anything changes: a second page must not restore the scene during a trial.
   const std::int64_t person = viewer.holder()->person;
@@ -319,8 +320,8 @@ void Hub::BeginTrial(const std::string& name, ViewerSession& viewer, std::int64_
   const bool is_reset =
       AsksForCuts(exercise->criteria) && exercise->start != Exercise::Start::kAsItIs;
   if (mice_.IsTaken(take.scene, is_reset ? "" : take.tool, viewer.id())) {
-    throw Error("somebody is at work in scene '" + take.scene +
-                "'; wait, or have your teacher give you a seat of your own");
+    throw Error("somebody is working in scene '" + take.scene +
+                "'; wait, or ask your teacher for a seat of your own");
   }
   mice_.Release(viewer.id(), "a trial begins", now_ns);
   if (is_reset) {
@@ -499,22 +500,22 @@ std::string Hub::Operate(const OperateCommand& command, const std::string& by) {
     spdlog::info("{}: the goal of '{}' is set", by, scene);
     return "";
   }
-  if (feed_.server_run() == 0) return "no server has been heard of";
+  if (feed_.server_run() == 0) return "no server has been found";
   wire::OperateRequest request{};
   wire::FromText(command.station, request.station);
   request.server_run = feed_.server_run();
   request.request = RandomRun();
   request.wish = command.wish;
   wire::FromText(by, request.by);
-  if (!feed_.Ask(request)) return "the network does not take it now; try again";
+  if (!feed_.Ask(request)) return "the network is busy; try again";
   spdlog::info("{}: {} station '{}'", by, OperateWishName(command.wish), command.station);
   return "";
 }
 
 std::string Hub::WhyAbsent(const std::string& scene) const {
   if (!feed_.server_lives()) {
-    return feed_.server_run() == 0 ? "no server is there yet"
-                                   : "no server is there: the last one has gone";
+    return feed_.server_run() == 0 ? "there is no server yet"
+                                   : "there is no server: the last one has ended";
   }
   return feed_.scenes().contains(scene) ? "" : "no server serves scene '" + scene + "'";
 }

@@ -147,7 +147,7 @@ ReplayWish ParseReplayWish(std::string_view text) {
   const JsonNode node = json.At("text");
   const std::string name = TextOf(node, sizeof request.text - 1);
   // The text after it would be lost silently.
-  if (name.find('\0') != std::string::npos) node.Fail("has a zero in it");
+  if (name.find('\0') != std::string::npos) node.Fail("contains a NUL character");
   wire::FromText(name, request.text);
   return read;
 }

@@ -43,7 +43,8 @@ void ScenePacker::Pack(const SceneBytes& scene,
     setpriority(PRIO_PROCESS, 0, 10);  // of this thread alone, on Linux
     boost::asio::post(io_, [scene, bytes = Gzip(scene.bundle)] {
       if (!bytes)
-        spdlog::warn("zlib takes no scene of {} bytes: it is sent as it is", scene.bundle.size());
+        spdlog::warn("zlib cannot compress a scene of {} bytes: it is sent uncompressed",
+                     scene.bundle.size());
       scene.packed->bytes = bytes;
       for (const auto& waiting : std::exchange(scene.packed->waiting, {})) waiting(bytes);
     });

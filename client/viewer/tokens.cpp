@@ -71,17 +71,17 @@ Tokens Tokens::Parse(const std::string& path, const std::string& text) {
     if (const auto known = ParseRole(role)) {
       entry = {*known, name, {}, 0};
     } else {
-      refuse("role " + Quoted(role) + " is none of watch, drive and operate");
+      refuse("role " + Quoted(role) + " is not known; give watch, drive or operate");
     }
     if (!IsName(name)) refuse("a name has letters, digits, '_', '.' and '-', 32 at most");
     if (!FromHex(hash, entry.hash) || !more.empty()) {
       refuse("the name is followed by the token's SHA-256, 64 hexadecimal digits, and no more");
     }
     for (const Holder& other : tokens.holders_) {
-      if (other.name == name) refuse("the name " + Quoted(name) + " stands there twice");
+      if (other.name == name) refuse("the name " + Quoted(name) + " is listed twice");
       if (StationNameOf(other.name) == StationNameOf(name)) {
-        refuse("as a station " + Quoted(name) + " is called as " + Quoted(other.name) + ": " +
-               Quoted(StationNameOf(name)));
+        refuse("as a station " + Quoted(name) + " has the same name as " + Quoted(other.name) +
+               ": " + Quoted(StationNameOf(name)));
       }
       if (other.hash == entry.hash) refuse("it has the token of " + Quoted(other.name));
     }
@@ -94,7 +94,7 @@ Tokens Tokens::Read(const std::string& path) {
   Tokens tokens = Parse(path, TextOf(path));
   if (tokens.holders_.empty()) {
     throw Error(
-        fmt::format("--tokens {}: holds none, so that nobody could look; make one with "
+        fmt::format("--tokens {}: has no tokens, so nobody could watch; make one with "
                     "palpate-viewer --make-token operate NAME --tokens {}",
                     path, ShellWord(path)));
   }
@@ -105,8 +105,8 @@ void Tokens::Add(Holder holder) {
   const std::string station = StationNameOf(holder.name);
   for (const Holder& other : holders_) {
     if (StationNameOf(other.name) != station) continue;
-    throw Error("--course: " + Quoted(holder.name) + " is called as " + Quoted(other.name) +
-                " of --tokens; take that line out, or rename one of them");
+    throw Error("--course: " + Quoted(holder.name) + " has the same name as " + Quoted(other.name) +
+                " in --tokens; remove that line, or rename one of them");
   }
   holders_.push_back(std::move(holder));
 }
@@ -135,7 +135,7 @@ bool Tokens::NamesAnother(const std::string& station, const std::string& prefix,
 std::string MakeToken(const std::string& path, Access role, const std::string& name) {
   if (!IsName(name)) {
     throw UsageError("--make-token: the name " + Quoted(name) +
-                     " may have letters, digits, '_', '.' and '-', 32 at most");
+                     " may have at most 32 letters, digits, '_', '.' and '-'");
   }
   // A new file is readable by its owner only.
   const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
@@ -144,10 +144,9 @@ std::string MakeToken(const std::string& path, Access role, const std::string& n
   const std::string before = TextOf(path);
   for (const Tokens::Holder& holder : Tokens::Parse(path, before).holders_) {
     if (StationNameOf(holder.name) == StationNameOf(name)) {
-      throw UsageError(
-          fmt::format("--make-token: {} has a token of that name in {}; take its "
-                      "line out first, or give another name",
-                      Quoted(holder.name), path));
+      throw UsageError(fmt::format(
+          "--make-token: {} already has a token in {}; remove its line first, or give another name",
+          Quoted(holder.name), path));
     }
   }
   const std::string token = RandomToken();

@@ -119,21 +119,21 @@ TopicFeed::TopicFeed(int domain, const dds::Network& network)
     operate_requests_ = {participant_, dds::kOperateRequestTopic, dds::Qos::kSession};
   } catch (const Error&) {
     if (!network.secured()) throw;
-    spdlog::info("this gateway's --identity may look, and ask nothing");
+    spdlog::info("this gateway's --identity may watch, but send no requests");
   }
   try {
     readers_->blocks.emplace(participant_, dds::kSolidBlockTopic, dds::Qos::kSession);
   } catch (const Error&) {
     if (!network.secured()) throw;
     spdlog::info(
-        "this gateway's --identity may not hear what burs cut; issue the server's and its own "
-        "anew");
+        "this gateway's --identity has no right to receive cuts; make the identities of server and "
+        "gateway again");
   }
   try {
     progress_ = {participant_, dds::kSceneProgressTopic, dds::Qos::kSession};
   } catch (const Error&) {
     if (!network.secured()) throw;
-    spdlog::info("this gateway's --identity may not hear how far a server's scenes are");
+    spdlog::info("this gateway's --identity has no right to receive the progress of scenes");
   }
 }
 
@@ -147,9 +147,8 @@ bool TopicFeed::IsCurrent(std::uint64_t server_run, std::uint64_t origin) {
   } else if (lives_) {
     if (!others_heard_) {
       spdlog::warn(
-          "another server ({:x}) speaks in this domain and is not heard: the one that was "
-          "first lives ({:x}); give one of them, its stations and its viewers another "
-          "--domain",
+          "another server ({:x}) in this domain is ignored, because the first one ({:x}) is still "
+          "running; give one of them, its stations and its viewers another --domain",
           server_run, server_run_);
     }
     others_heard_ = true;
@@ -222,7 +221,7 @@ void TopicFeed::TakeSeat(const FramePtr& frame, const wire::SceneBundle& seat,
   const auto scene = std::ranges::find_if(
       scenes_, [&](const auto& entry) { return entry.second.hash == seat.hash; });
   if (scene == scenes_.end()) {
-    return spdlog::warn("seat '{}' comes before its scene, and is not shown", seat.scene);
+    return spdlog::warn("seat '{}' arrived before its scene, and is not shown", seat.scene);
   }
   Keep(frame, seat.scene, 0);
   const SceneBytes bytes = scene->second;  // shares the compressed bundle
@@ -241,7 +240,7 @@ void TopicFeed::Poll(const std::function<void(const FramePtr&)>& on_frame,
           if (sample.bundle._length == 0) return TakeSeat(frame, sample, on_frame);
           const std::span<const std::uint8_t> bundle = BundleIn(frame->payload, sample);
           if (BundleHash(bundle) != sample.hash) {
-            return spdlog::warn("a scene's bundle is not what its hash says, and is not shown");
+            return spdlog::warn("the bundle of a scene does not match its hash, and is not shown");
           }
           Keep(frame, sample.scene, 0);
           scenes_[sample.scene] = {frame, sample.hash, bundle};
@@ -322,9 +321,9 @@ TopicFeed::Replay& TopicFeed::ReplayOf(std::uint64_t number) {
 }
 
 std::string TopicFeed::Ask(const wire::ReplayRequest& request) {
-  if (!replays_.contains(request.replay)) return "that replay is not there any more";
-  if (!replay_requests_) return "this gateway's identity may look, and steer nothing";
-  return replay_requests_.Write(request) ? "" : "the network does not take it now; try again";
+  if (!replays_.contains(request.replay)) return "that replay has ended";
+  if (!replay_requests_) return "this gateway's identity may watch, but not steer a replay";
+  return replay_requests_.Write(request) ? "" : "the network is busy; try again";
 }
 
 std::vector<FramePtr> TopicFeed::Kept(std::uint32_t channel) const {

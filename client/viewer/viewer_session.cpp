@@ -193,9 +193,8 @@ std::string ViewerSession::Who() const {
 std::string ViewerSession::WhatIsOfUse() const {
   if (access_ < Access::kDrive) {
     return hub_.gate().tokens()
-               ? "this client may look, and publish nothing: its token's role is watch, or its "
-                 "page "
-                 "is none of this gateway's"
+               ? "this client may only watch: its token's role is watch, or its page is not from "
+                 "this gateway"
                : "this client may look, and publish nothing (palpate-viewer --allow-origin)";
   }
   const bool operates = access_ == Access::kOperate;
@@ -214,8 +213,8 @@ std::string ViewerSession::WhatIsOfUse() const {
               "the "
               "role operate (palpate-viewer --tokens)");
   }
-  if (!mouse_) add("nobody takes a tool here (palpate-viewer --max-mice)");
-  if (!steers_) add("nobody steers a replay from here (palpate-viewer --no-steering)");
+  if (!mouse_) add("this gateway lets nobody take a tool (palpate-viewer --max-mice)");
+  if (!steers_) add("this gateway lets nobody steer a replay (palpate-viewer --no-steering)");
   return use;
 }
 
@@ -330,7 +329,7 @@ void ViewerSession::Watch(std::int64_t now_ns) {
   if (closing_ && now_ns - closing_ns_ > ViewerLimits::kFarewell_ns) return Gone();
   if (!open_ || !hub_.mice().holds(id_)) return;
   if (!signs_.Look(now_ns)) {
-    return hub_.mice().Release(id_, "nothing was heard of this page for 3 s", now_ns);
+    return hub_.mice().Release(id_, "the page sent nothing for 3 s", now_ns);
   }
   if (pinging_ || !signs_.Ask()) return;
   pinging_ = true;

@@ -69,22 +69,21 @@ Bytes Open(const fs::path& file, const FileCheck& check = {}) {
 
 Certificate ReadCertificate(const fs::path& file) {
   Certificate certificate(PEM_read_bio_X509(Open(file).get(), nullptr, nullptr, nullptr));
-  if (!certificate) Refuse(file, std::string(" holds no certificate (PEM)") + kMakeAnother);
+  if (!certificate) Refuse(file, std::string(" has no certificate (PEM)") + kMakeAnother);
   return certificate;
 }
 
 Key ReadKey(const fs::path& file) {
   const Bytes bytes = Open(file, [&](const struct stat& status) {
     if ((status.st_mode & (S_IRWXG | S_IRWXO)) != 0) {
-      Refuse(file, " may be read by others, who could then pass for this program; chmod 600 it");
+      Refuse(file, " may be read by others, who could then impersonate this program; chmod 600 it");
     }
   });
   // Without a callback OpenSSL would ask for a password on the terminal.
   Key key(PEM_read_bio_PrivateKey(
       bytes.get(), nullptr, [](char*, int, int, void*) { return -1; }, nullptr));
   if (!key) {
-    Refuse(file, std::string(" holds no private key (PEM) that is read without a password") +
-                     kMakeAnother);
+    Refuse(file, std::string(" has no private key (PEM) without a password") + kMakeAnother);
   }
   return key;
 }
@@ -102,12 +101,13 @@ struct Span {
 void SeeThatItHolds(const fs::path& file, const std::string& what, const Span& span,
                     std::time_t now) {
   if (now < span.begin) {
-    Refuse(file, ": " + what + " holds from " + Utc(span.begin) + " on, and by this host's clock " +
-                     "it is " + Utc(now) + "; set the clock, of this host or of the one where " +
+    Refuse(file, ": " + what + " is valid from " + Utc(span.begin) +
+                     " on, but by this host's clock " + "it is " + Utc(now) +
+                     "; set the clock, of this host or of the one where " +
                      "the identity was made");
   }
   if (now > span.end) {
-    Refuse(file, ": " + what + " has expired: it held until " + Utc(span.end) +
+    Refuse(file, ": " + what + " has expired: it was valid until " + Utc(span.end) +
                      ", and by this host's clock it is " + Utc(now) +
                      "; make a new one with 'palpate-identities', or set the clock");
   }
@@ -130,7 +130,7 @@ std::string ReadSigned(const fs::path& file, const fs::path& authority, X509* ce
   BIO* found = nullptr;
   const Signed document(SMIME_read_PKCS7(Open(file).get(), &found));
   const Bytes content(found);
-  if (!document) Refuse(file, std::string(" is no signed document (S/MIME)") + kMakeAnother);
+  if (!document) Refuse(file, std::string(" is not a signed document (S/MIME)") + kMakeAnother);
   const Store store(X509_STORE_new());
   X509_STORE_add_cert(store.get(), certificate);
   // Dates are checked elsewhere, with clearer messages.  The given authority is accepted for
@@ -142,8 +142,7 @@ std::string ReadSigned(const fs::path& file, const fs::path& authority, X509* ce
   if (PKCS7_verify(document.get(), nullptr, store.get(), content.get(), text.get(), PKCS7_TEXT) !=
       1) {
     Refuse(file, " is not what " + authority.string() +
-                     " signed: somebody has changed it, or it is another authority's" +
-                     kMakeAnother);
+                     " signed: it was changed, or is from another authority" + kMakeAnother);
   }
   char* data = nullptr;
   const long size = BIO_get_mem_data(text.get(), &data);
@@ -226,13 +225,12 @@ void CheckPermissions(const fs::path& file, const std::string& document, X509* c
     const auto begins = DateIn(grant, "not_before");
     const auto ends = DateIn(grant, "not_after");
     if (!begins || !ends) {
-      Refuse(file, std::string(" does not say from when to when it holds") + kMakeAnother);
+      Refuse(file, std::string(" does not state its validity") + kMakeAnother);
     }
     return SeeThatItHolds(file, "the permission", {*begins, *ends}, now);
   }
-  Refuse(file, " permits nothing to '" + Printable(subject) +
-                   "', whose certificate stands beside it: it is another identity's" +
-                   kMakeAnother);
+  Refuse(file, " has no permissions for '" + Printable(subject) +
+                   "', whose certificate is beside it: it is from another identity" + kMakeAnother);
 }
 
 /// Checks that messages or submessages are authenticated.  Otherwise an attacker without an
@@ -244,9 +242,9 @@ void CheckGovernance(const fs::path& file, const std::string& document) {
   };
   if (!leaves("rtps") || !leaves("metadata")) return;
   Refuse(file,
-         ": these rules, an earlier version's, let anybody send again what he has heard; "
-         "'palpate-identities renew FOLDER' makes them anew, where FOLDER/authority is, for all "
-         "FOLDER/identities, to be carried to their hosts again");
+         ": these rules, of an earlier version, do not prevent replayed messages; run "
+         "'palpate-identities renew FOLDER' on the host of FOLDER/authority, and copy all "
+         "FOLDER/identities to their hosts again");
 }
 
 }  // namespace
@@ -260,11 +258,11 @@ void CheckIdentity(const std::string& identity, std::time_t now) {
                     permitter = ReadCertificate(signer);
   if (X509_check_private_key(certificate.get(), key.get()) != 1) {
     Refuse(key_file, " is not the key of " + own.string() +
-                         ": two identities are mixed; carry the whole folder anew");
+                         ": two identities are mixed; copy the whole folder again");
   }
   if (X509_verify(certificate.get(), X509_get0_pubkey(issuer.get())) != 1) {
     Refuse(own, " is not issued by " + authority.string() +
-                    ": files of two authorities are mixed; carry the whole folder anew");
+                    ": files of two authorities are mixed; copy the whole folder again");
   }
   SeeThatItHolds(own, certificate.get(), now);
   SeeThatItHolds(authority, issuer.get(), now);

@@ -44,8 +44,8 @@ void Attach(int fd, unsigned interface) {
   }};
   const sock_fprog program{code.size(), code.data()};
   if (setsockopt(fd, SOL_SOCKET, SO_ATTACH_FILTER, &program, sizeof program) != 0) {
-    throw Error(std::string("DDS cannot be kept to this host: a socket takes no filter (") +
-                std::strerror(errno) + "); ask for a network by --network, and guard that one");
+    throw Error(std::string("DDS cannot be restricted to this host: a socket accepts no filter (") +
+                std::strerror(errno) + "); give --network, and protect that network");
   }
 }
 
@@ -73,8 +73,8 @@ void HearThisHostAlone(const PortRange& ports, const std::set<int>& others) {
   }
   if (filtered == 0) {
     throw Error(
-        "DDS cannot be kept to this host: /proc/self/fd shows none of its sockets; is there a "
-        "/proc?");
+        "DDS cannot be restricted to this host: /proc/self/fd shows none of its sockets; mount "
+        "/proc");
   }
 }
 

@@ -107,8 +107,8 @@ std::string WhyNoDomain(int domain_id, const Network& network) {
            "' with an address (give another --network)";
   }
   if (network.secured()) {
-    return "this --identity, or its network, is not what it takes; Cyclone DDS says above why "
-           "('palpate-identities list' says until when identities hold)";
+    return "this --identity or its network is not valid; see the messages of Cyclone DDS above "
+           "('palpate-identities list' shows when identities expire)";
   }
   const std::string why = WhyPortsFail(domain_id, PortsInUse(), PortsOfAnyone());
   return why.empty() ? "Cyclone DDS says above why" : why;
@@ -214,15 +214,15 @@ TransportChoice ChooseTransport(Transport wanted, const Network& network) {
   if (network.secured()) {
     if (wanted == Transport::kSharedMemory) {
       throw Error(
-          "--transport shm and --identity exclude each other: whoever may open the shared memory "
-          "reads and writes past the security; leave one of them out");
+          "--transport shm and --identity exclude each other, because shared memory bypasses DDS "
+          "Security; omit one of them");
     }
     return {Transport::kUdp, "UDP (secured, over " + network.interface + ")"};
   }
   if (!network.this_host()) {
     if (wanted == Transport::kSharedMemory) {
-      throw Error("--transport shm joins programs of one host; leave --network '" +
-                  network.interface + "' out, or give --transport auto or udp");
+      throw Error("--transport shm works within one host only; omit --network '" +
+                  network.interface + "', or give --transport auto or udp");
     }
     return {Transport::kUdp, "UDP (over " + network.interface + ")"};
   }

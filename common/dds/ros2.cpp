@@ -86,7 +86,7 @@ Participant::Participant(int domain, const dds::Network& network) {
   const std::string what =
       "ROS domain " + std::to_string(domain) + " on '" + network.interface + "'";
   const auto local = static_cast<dds_domainid_t>(kFirstLocal + domain);
-  const std::string remedy = " (is there such an interface, with an address?  give another)";
+  const std::string remedy = " (give an interface that exists and has an address)";
   const int first_port = 7400 + 250 * domain;  // RTPS 2.3, 9.6.1.1
   domain_ =
       dds::OpenDomain(local, Config(domain, network), network, {first_port, first_port + 249});

@@ -32,8 +32,8 @@ std::string Plugin(const char* name, const char* function) {
   const fs::path path = PluginFolder() / (std::string("libdds_security_") + name + ".so");
   if (!fs::exists(path)) {
     throw Error(path.string() +
-                ": there is no such plugin of Cyclone DDS; install Debian's libddsc0debian, or "
-                "leave --identity out");
+                ": this plugin of Cyclone DDS is missing; install Debian's libddsc0debian, or omit "
+                "--identity");
   }
   return "<Library path=\"" + path.string() + "\" initFunction=\"init_" + function +
          "\" finalizeFunction=\"finalize_" + function + "\"/>";
@@ -46,7 +46,7 @@ std::string Named(const char* element, const fs::path& folder, const char* file)
   // The name becomes part of an XML text, in which Cyclone DDS also expands ${VARIABLES}.
   if (whole.find_first_of("<&$\\") != std::string::npos) {
     throw Error("--identity: " + Quoted(whole) +
-                ": DDS takes no path with one of < & $ \\; carry the identity to another folder");
+                ": DDS accepts no path with < & $ or \\; move the identity to another folder");
   }
   return std::string("<") + element + ">file:" + whole + "</" + element + ">";
 }

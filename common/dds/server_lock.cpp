@@ -72,15 +72,15 @@ ServerLock::ServerLock(int domain) : socket_(socket(AF_INET, SOCK_DGRAM | SOCK_C
   const auto holder = HolderOf(domain, sockets);
   if (error != EADDRINUSE || !holder) {
     throw Error("domain " + number + ": UDP port " + std::to_string(ServerPort(domain)) +
-                " cannot be had (" + std::strerror(error) + "); give another --domain");
+                " cannot be opened (" + std::strerror(error) + "); give another --domain");
   }
   if (TakesPart(*holder, domain, sockets)) {
     throw Error("domain " + number + " is in use by " + NameOf(*holder) +
                 "; stop that one, or give another --domain");
   }
   spdlog::warn(
-      "UDP port {}, by which the server of domain {} is known, is held by {}, which takes no part "
-      "in the domain: this server goes on without",
+      "UDP port {}, which marks the server of domain {}, is used by {}, which does not belong to "
+      "the domain: this server continues without the port",
       ServerPort(domain), number, NameOf(*holder));
 }
 

@@ -23,9 +23,8 @@ SharedMemoryWatch::SharedMemoryWatch(std::string doing, std::chrono::millisecond
           }
         }
         std::fprintf(stderr,
-                     "shared memory hangs (%s): a process has died in the middle of a write and "
-                     "left it locked, RouDi too; start iox-roudi anew, then the server and all "
-                     "stations\n",
+                     "shared memory hangs (%s): a process died during a write and left it locked, "
+                     "also for RouDi; restart iox-roudi, then the server and all stations\n",
                      doing.c_str());
         std::_Exit(1);
       }) {}

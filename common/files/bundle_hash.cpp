@@ -22,7 +22,7 @@ void CheckBundleHash(std::span<const std::uint8_t> bytes, std::uint64_t hash,
   std::snprintf(text, sizeof text,
                 ": its bytes have the hash %016" PRIx64 ", and not %016" PRIx64 " as is said of it",
                 found, hash);
-  throw Error(source + text + ": it is damaged or forged; get it again from where it was made");
+  throw Error(source + text + ": it is damaged or forged; copy it again from its source");
 }
 
 }  // namespace palpate

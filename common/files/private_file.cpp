@@ -16,7 +16,7 @@ FileCheck IsPrivate(const std::string& flag, const std::string& path) {
     }
     if ((file.st_mode & (S_IWGRP | S_IRWXO)) != 0) {
       throw Error(
-          fmt::format("{} {}: has mode {:04o}, so that others may read or change it; chmod 0600 it",
+          fmt::format("{} {}: has mode {:04o}, so others may read or change it; chmod 0600 it",
                       flag, path, file.st_mode & 07777));
     }
   };

@@ -39,7 +39,7 @@ void* LoadSharedLibrary(const std::vector<std::string>& candidates, const Shared
     const char* said = dlerror();
     const std::string message = said ? said : "no reason given";
     if (const std::string needs = MissingDependency(message, candidate); !needs.empty()) {
-      throw Error(words.who + ": " + candidate + " is there, but needs " + needs +
+      throw Error(words.who + ": " + candidate + " exists, but needs " + needs +
                   ", which is missing; " + RemedyFor(needs, words) + " (dlopen: " + message + ")");
     }
     tried += (tried.empty() ? " " : "; ") + candidate + ": " + message;
@@ -51,9 +51,9 @@ void* LoadSharedLibrary(const std::vector<std::string>& candidates, const Shared
 void CheckAbi(std::uint32_t version, std::uint32_t known, const std::string& who,
               const std::string& symbol, const std::string& header) {
   if (version > 0 && version <= known) return;
-  throw Error(who + ": " + symbol + " is " + std::to_string(version) + ", and 1 to " +
-              std::to_string(known) + " are known here; build it with the " + header +
-              " of this version of palpate");
+  throw Error(who + ": " + symbol + " is " + std::to_string(version) +
+              " but this version supports 1 to " + std::to_string(known) + "; build it with the " +
+              header + " of this version of palpate");
 }
 
 }  // namespace palpate

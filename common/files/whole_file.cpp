@@ -49,7 +49,7 @@ std::string InWords(std::uint64_t bytes) {
 
 [[noreturn]] void RefuseLarge(const std::string& flag, const std::string& file,
                               std::uint64_t most) {
-  Refuse(flag, file, "holds more than " + InWords(most) + ", the most that such a file may",
+  Refuse(flag, file, "holds more than " + InWords(most) + ", the limit for such a file",
          "check that it is the right one, or make it smaller");
 }
 

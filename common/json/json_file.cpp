@@ -118,10 +118,10 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
   bool key(string_t& name) override {
     if (name.size() > JsonNode::kMostText) {
       FailAt(file_, position_.line,
-             "a field's name has " + std::to_string(name.size()) + " bytes; mend it");
+             "a field's name has " + std::to_string(name.size()) + " bytes; fix it");
     }
     if (!names_.back().insert(name).second) {
-      FailAt(file_, position_.line, name + ": stands twice; keep one of the two");
+      FailAt(file_, position_.line, name + ": is given twice; keep one of the two");
     }
     open_.back()->members.emplace_back().name = std::move(name);
     return true;
@@ -134,7 +134,7 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
     const std::size_t start = why.rfind("; last read");
     const std::size_t detail = why.find(": ", why.find(']'));
     why = detail == std::string::npos ? why : why.substr(detail + 2, start - detail - 2);
-    FailAt(file_, line, "this is not JSON (" + why + "); mend it at or just before this line");
+    FailAt(file_, line, "this is not JSON (" + why + "); fix it at or just before this line");
   }
 
  private:
@@ -204,7 +204,7 @@ JsonNode JsonNode::Load(const std::string& file) {
 JsonNode JsonNode::Parse(std::string_view text, const std::string& file) {
   if (text.size() > kMostBytes) {
     throw Error(file + ": holds more than " + std::to_string(kMostBytes >> 20) +
-                " MiB, the most that such a file may; check that it is the right one");
+                " MiB, the limit for such a file; check that it is the right one");
   }
   auto document = std::make_shared<Document>();
   document->file = file;
@@ -367,7 +367,7 @@ Pose JsonNode::ReadPose() const {
     rotation->AllowOnly({"axis", "angle"});
     const Vec3 axis = rotation->At("axis").Vector(kLongestAxis);
     const double length = std::sqrt(axis.squaredNorm());
-    if (!(length > 1e-9)) rotation->At("axis").Fail("has no length; give a direction");
+    if (!(length > 1e-9)) rotation->At("axis").Fail("has length 0; give a direction");
     constexpr double kDegree = 3.14159265358979323846 / 180.0;
     pose.q = RotationExp(rotation->At("angle").Number(-kMostTurns_deg, kMostTurns_deg) * kDegree /
                          length * axis);

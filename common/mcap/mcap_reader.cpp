@@ -118,7 +118,7 @@ MappedFile::~MappedFile() {
 Reader::Reader(std::span<const std::uint8_t> bytes, std::string source)
     : bytes_(bytes), source_(std::move(source)) {
   if (bytes.size() < kMagicSize || std::memcmp(bytes.data(), kMagic, kMagicSize) != 0) {
-    throw Error(source_ + ": is not an MCAP file; give one that palpate-record has made");
+    throw Error(source_ + ": is not an MCAP file; give a recording of palpate-record");
   }
   at_ = kMagicSize;
 }

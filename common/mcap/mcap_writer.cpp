@@ -106,9 +106,9 @@ Writer::Writer(const std::string& file, const std::string& library, bool overwri
   try {
     if (fd_ < 0) {
       throw Error(file + ": " +
-                  (errno == EEXIST ? "is there already; give another name, or --overwrite"
-                                   : std::string(std::strerror(errno)) +
-                                         "; give a place that can be written to"));
+                  (errno == EEXIST
+                       ? "exists already; give another name, or --overwrite"
+                       : std::string(std::strerror(errno)) + "; give a folder that is writable"));
     }
     PutBytes(out_, kMagic, kMagicSize);
     {

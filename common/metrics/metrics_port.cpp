@@ -70,7 +70,7 @@ MetricsEndpoint ParseMetricsEndpoint(const std::string& text) {
   if (in_brackets) address = address.substr(1, address.size() - 2);
   boost::system::error_code none;
   const net::ip::address parsed = net::ip::make_address(address, none);
-  if (none) refuse("its ADDRESS is none in numbers");
+  if (none) refuse("its ADDRESS is not an IP address");
   if (parsed.is_v6() != in_brackets) refuse("an address of IPv6, and no other, has brackets");
   endpoint.address = parsed.to_string();
   return endpoint;
@@ -172,7 +172,7 @@ class MetricsPort::Connection : public std::enable_shared_from_this<Connection> 
     if (error) {
       if (error.category() != http::make_error_code(http::error::bad_method).category()) return;
       return Refuse(http::status::bad_request,
-                    "this is no HTTP request that is understood here: " + error.message());
+                    "this HTTP request is not supported: " + error.message());
     }
     const auto& request = parser_.get();
     const auto& options = service_.options();
@@ -182,7 +182,7 @@ class MetricsPort::Connection : public std::enable_shared_from_this<Connection> 
       return Refuse(static_cast<http::status>(refusal->status), refusal->reason);
     }
     if (request.method() != http::verb::get && request.method() != http::verb::head) {
-      return Refuse(http::status::method_not_allowed, "only GET and HEAD");
+      return Refuse(http::status::method_not_allowed, "only GET and HEAD are supported");
     }
     const std::string_view target = View(request.target());
     if (target.substr(0, target.find('?')) != kPath) {
@@ -246,8 +246,9 @@ void MetricsPort::Service::Listen() {
   if (!error) acceptor_.bind(at, error);
   if (!error) acceptor_.listen(net::socket_base::max_listen_connections, error);
   if (error) {
-    throw Error("--metrics " + InUrl(at) + ": cannot listen there (" + error.message() +
-                "); is the port taken, or the address not this host's? Give another");
+    throw Error(
+        "--metrics " + InUrl(at) + ": cannot listen there (" + error.message() +
+        "); give another port or address, if the port is taken or the address is not this host's");
   }
 }
 

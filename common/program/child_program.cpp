@@ -64,8 +64,8 @@ ChildProgram::ChildProgram(const std::string& program, const std::vector<std::st
   if (pid_ < 0) {
     Close(input_);
     Close(output_);
-    throw Error("no process for " + what_ + " (" + std::string(std::strerror(error)) +
-                "): are too many running?");
+    throw Error("cannot start " + what_ + " (" + std::string(std::strerror(error)) +
+                "); end other programs, or raise 'ulimit -u'");
   }
   fcntl(input_, F_SETFL, O_NONBLOCK);
   fcntl(output_, F_SETFL, O_NONBLOCK);

@@ -5,7 +5,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <functional>
 #include <new>
+#include <sstream>
 #include <string_view>
 
 #include <CLI/CLI.hpp>
@@ -14,11 +16,37 @@
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/http/host_name.h"
+#include "common/text/joined.h"
 #include "common/text/lower_case.h"
 #include "common/text/nearest_word.h"
+#include "common/text/wrapped.h"
 
 namespace palpate {
 namespace {
+
+constexpr int kHelpColumns = 80;
+
+/// Wraps the descriptions of options and commands, which CLI11 leaves to the terminal.
+class HelpFormatter : public CLI::Formatter {
+ public:
+  std::string make_option_desc(const CLI::Option* option) const override {
+    return InItsColumn(CLI::Formatter::make_option_desc(option));
+  }
+
+  std::string make_subcommand(const CLI::App* command) const override {
+    const std::string about = command->get_description();
+    std::ostringstream out;
+    CLI::detail::format_help(out, command->get_name(),
+                             InItsColumn(about.substr(0, about.find('\n'))), get_column_width());
+    return out.str();
+  }
+
+ private:
+  std::string InItsColumn(const std::string& text) const {
+    return Joined(Wrapped(text, kHelpColumns - static_cast<int>(get_column_width())),
+                  std::identity{}, "\n");
+  }
+};
 
 /// Makes all numeric options reject NaN and infinity: comparisons, and so CLI11's ranges,
 /// accept NaN.
@@ -150,6 +178,7 @@ Option Option::Commas() const {
 CommandLine::CommandLine(const std::string& about, const std::string& program,
                          const std::string& examples)
     : app_(std::make_shared<CLI::App>(about, program)) {
+  app_->formatter(std::make_shared<HelpFormatter>());  // its commands inherit it
   Footer(examples);
 }
 
@@ -235,35 +264,36 @@ void AddCommonOptions(const CommandLine& app, const std::string& domain_help, in
                       std::string& log_level) {
   app.app_->set_version_flag("--version", app.name() + " " PALPATE_VERSION);
   app.Add("--domain", domain, domain_help).Range(0, dds::kMaxDomain).ShowDefault();
-  app.Add("--log-level", log_level, "trace, debug, info, warn, error or off").ShowDefault();
+  app.Add("--log-level", log_level,
+          "least important messages to log: trace, debug, info, warn, error or off")
+      .ShowDefault();
   app.AddText(
          "--log-format", [](const std::string& text) { SetLogFormat(ParseLogFormat(text)); },
-         "format of the log on standard error: text, or json with one object a line")
+         "format of the log on standard error: text, or json (one object per line)")
       .ShowDefault("text");
 }
 
 void AddNetworkOptions(const CommandLine& app, const std::string& peer, dds::Network& network) {
   app.Add("--network", network.interface,
-          "network interface, as eth0, over which server, stations and viewers talk.  Give it to "
-          "all of them, also to the server.  lo: programs of this host alone.  Only --identity "
-          "encrypts what is sent")
+          "network interface to communicate over, such as eth0.  Use the same network for the "
+          "server and all its clients.  lo: this host only.  Traffic is encrypted only with "
+          "--identity")
       .TypeName("INTERFACE")
       .ShowDefault();
   app.Add("--peer", network.peers,
-          "address of " + peer +
-              ", needed where the network carries no multicast; may be given again")
+          "address of " + peer + "; needed if the network has no multicast; can be repeated")
       .TypeName("ADDRESS");
   app.Add("--identity", network.identity,
-          "folder that 'palpate-identities add' made: who this program is in a secured domain.  "
-          "What it sends is then encrypted, and goes over UDP.  It hears only programs with an "
-          "identity of the same authority, and each may do what its role allows")
+          "folder made by 'palpate-identities add': joins a secured domain as this identity.  "
+          "Traffic is encrypted and goes over UDP; only programs with an identity of the same "
+          "authority take part, each within the rights of its role")
       .TypeName("FOLDER")
       .ExistingFolder();
 }
 
 void AddServerOptions(const CommandLine& app, ServerOptions& options) {
   AddNetworkOptions(app, "the server", options.network);
-  AddCommonOptions(app, "the server's domain: the number after its --domain", options.domain,
+  AddCommonOptions(app, "number of the domain: the same as the server's", options.domain,
                    options.log_level);
 }
 
@@ -273,10 +303,10 @@ void AddRealtimeOptions(const CommandLine& app, const std::string& loop,
          "--realtime",
          [&realtime](const std::string& text) { realtime.mode = ParseRealtimeMode(text); },
          "real-time scheduling of " + loop +
-             ".  require: fail without the rights; prefer: use it if it is allowed; off: do "
-             "without")
+             ".  require: fail if it is not permitted; prefer: use it if permitted; off: do not "
+             "use it")
       .ShowDefault("prefer");
-  app.Add("--cpu", realtime.cpu, "processor core for " + loop + ", a number from 0; default: any")
+  app.Add("--cpu", realtime.cpu, "core to run " + loop + " on, counted from 0; default: any")
       .Range(0, CPU_SETSIZE - 1);
 }
 
@@ -284,14 +314,14 @@ void AddHostNameOption(const CommandLine& app, const std::string& what,
                        std::vector<std::string>& names) {
   // Validators run from the last to the first.
   app.Add("--host-name", names,
-          "name of this host, as lab.example, under which browsers may ask for " + what +
-              ".  Without it they must use an address in numbers or localhost: other names are "
-              "refused, because a foreign web page can point a name at this host.  May be given "
-              "again")
+          "host name, such as lab.example, in the URLs by which browsers request " + what +
+              "; can be repeated.  By default only localhost and numeric addresses are accepted, "
+              "because a foreign web page can direct any name to this host (DNS rebinding)")
       .TypeName("NAME")
       .Transform([](const std::string& name) { return LowerCase(name); })
       .Check([](const std::string& name) {
-        return IsHostName(name) ? "" : "'" + name + "' is no host's name, as lab.example";
+        return IsHostName(name) ? ""
+                                : "'" + name + "' is not a host name; give one such as lab.example";
       });
 }
 
@@ -325,8 +355,8 @@ int RunProgram(const std::string& program, const std::function<int()>& run) noex
   } catch (const UsageError& error) {
     return fail(error, 2);
   } catch (const std::bad_alloc&) {
-    return fail(Error("there is not enough memory for this; 'free' says what the host has, and "
-                      "'ulimit -v' what this program may take"),
+    return fail(Error("out of memory; 'free' shows the memory of this host, 'ulimit -v' the limit "
+                      "for a program"),
                 1);
   } catch (const std::exception& error) {
     return fail(error, 1);

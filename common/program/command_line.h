@@ -61,7 +61,8 @@ class Option {
 /// A handle of a program's command line, or of one of its commands: copies refer to the same one.
 class CommandLine {
  public:
-  /// @param examples  shown after the options in --help.
+  /// @param about     its first line is a summary; lines have at most 80 characters.
+  /// @param examples  shown after the options in --help; likewise.
   CommandLine(const std::string& about, const std::string& program,
               const std::string& examples = "");
 
@@ -80,6 +81,7 @@ class CommandLine {
   Option AddFlag(const std::string& name, bool& value, const std::string& help) const;
   Option Find(const std::string& name) const;
 
+  /// @param about  its first line is a summary, which the program's own --help shows.
   CommandLine AddCommand(const std::string& name, const std::string& about) const;
   void RequireCommands(std::size_t least, std::size_t most) const;
   /// Allows the program's options after a command, too.
@@ -129,8 +131,7 @@ inline void AddTransportOption(const CommandLine& app, dds::Transport& transport
   app.AddText(
          "--transport",
          [&transport](const std::string& text) { transport = dds::ParseTransport(text); },
-         "how poses and wrenches travel, as for the server: auto (shared memory if possible), shm "
-         "or udp")
+         "transport of poses and wrenches: auto (shared memory if available, else UDP), shm or udp")
       .ShowDefault("auto");
 }
 

@@ -97,8 +97,9 @@ RealtimeReport EnterRealtime(const RealtimeOptions& options) {
     CPU_ZERO(&wanted);
     sched_getaffinity(0, sizeof allowed, &allowed);
     if (options.cpu >= CPU_SETSIZE || !CPU_ISSET(options.cpu, &allowed)) {
-      throw UsageError("--cpu " + std::to_string(options.cpu) +
-                       ": this process may not run there; 'taskset -p $$' shows where it may");
+      throw UsageError(
+          "--cpu " + std::to_string(options.cpu) +
+          ": this process may not run on that core; 'taskset -p $$' shows the permitted ones");
     }
     CPU_SET(options.cpu, &wanted);
     report.pinned = sched_setaffinity(0, sizeof wanted, &wanted) == 0;

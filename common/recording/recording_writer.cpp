@@ -16,8 +16,8 @@ RecordingWriter::RecordingWriter(RecordingOptions options) : options_(std::move(
   if (splits()) {
     // Splits of any number are refused: a reader of all of them would mix two recordings.
     if (const std::vector<NamedSplit> former = FindSplits(options_.file); !former.empty()) {
-      throw Error(former.front().file + ": is there already, and a split of " + options_.file +
-                  " may want that name; give another name, or move such files away");
+      throw Error(former.front().file + ": exists already, and a split file of " + options_.file +
+                  " may need this name; give another name, or move such files away");
     }
   } else if (options_.overwrite) {
     CheckMayReplace(options_.file);
@@ -86,7 +86,7 @@ void RecordingWriter::SplitIfDue(std::int64_t log_time_ns) {
       (options_.split_bytes > 0 && file_->size() - repeated_bytes_ >= options_.split_bytes) ||
       (options_.split_s > 0.0 && age_s >= options_.split_s);
   if (!due || files_.size() == kMostSplits) return;
-  Finish("goes on in the next split");
+  Finish("continues in the next split file");
   file_began_ns_ = log_time_ns;
   Open();
   for (const auto* all : {&kept_, &kept_changes_}) {
@@ -119,7 +119,7 @@ void RecordingWriter::Put(const std::string& name, Topic& topic, std::int64_t lo
     ++topic.no_channel;
     if (std::exchange(told_of_no_channel_, true)) return;
     spdlog::warn(
-        "{}: an MCAP file holds {} topics; samples of those that come now are left out, and the "
+        "{}: an MCAP file has at most {} topics; further topics are not recorded, and the "
         "recording says so",
         files_.back(), mcap::kMostChannels);
     return;

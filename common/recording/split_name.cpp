@@ -74,8 +74,8 @@ void CheckMayReplace(const std::string& file) {
   if (is_file && fs::file_size(file, error) == 0 && !error) return;
   if (!is_file || !IsRecording(file)) {
     throw Error(file +
-                ": is no recording that palpate-record has made, so it is not overwritten; give "
-                "another name, or move it away");
+                ": is not a recording of palpate-record, so it is not overwritten; give another "
+                "name, or move it away");
   }
 }
 

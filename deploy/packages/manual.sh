@@ -18,7 +18,7 @@ commands=$page.commands
 done >"$commands"
 has_commands=$(head -c 1 "$commands")
 help2man --no-info --no-discard-stderr --section 1 ${has_commands:+--include "$commands"} \
-  --name "${3:-$("$program" --help | sed -n '1{s/[:.,;] .*//;p}')}" ${4:+--version-string "$4"} \
+  --name "${3:-$("$program" --help | sed -n '1{s/[:.,;] .*//;s/\.$//;p}')}" ${4:+--version-string "$4"} \
   "$program" >"$page.part"
 gzip -9n <"$page.part" >"$page"
 rm "$page.part" "$commands"

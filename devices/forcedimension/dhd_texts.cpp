@@ -19,22 +19,22 @@ constexpr std::array<ErrorText, 23> kErrors{{
      "the arm does not answer: check its USB cable (no hub) and power, and start the station "
      "again"},
     {3, "DHD_ERROR_DHC_BUSY", ErrorClass::kPause,
-     "the arm's controller is busy and answers later; if it goes on, end other programs that talk "
-     "to it, and switch it off and on"},
+     "the arm's controller is busy; if this persists, end other programs that use it, and switch "
+     "it off and on"},
     {4, "DHD_ERROR_NO_DRIVER_FOUND", ErrorClass::kLatch,
      "the library finds no USB driver: install libusb-1.0-0, and the SDK's udev rules"},
     {5, "DHD_ERROR_NO_DEVICE_FOUND", ErrorClass::kLatch,
      "switch the arm on and plug it in ('lsusb -d 1451:' shows it), and let this user open it: "
      "a udev rule with SUBSYSTEM==\"usb\", ATTR{idVendor}==\"1451\", MODE=\"0666\""},
     {6, "DHD_ERROR_NOT_AVAILABLE", ErrorClass::kLatch,
-     "this arm, or its firmware, does not have what was asked for: update its firmware with its "
-     "vendor's program"},
+     "this arm or its firmware does not support the request: update its firmware with its vendor's "
+     "program"},
     {7, "DHD_ERROR_TIMEOUT", ErrorClass::kPause,
-     "an answer came late: if it goes on, use another USB port without a hub, and end what loads "
-     "the machine"},
+     "an answer came late: if this persists, use another USB port without a hub, and end programs "
+     "that load the machine"},
     {8, "DHD_ERROR_GEOMETRY", ErrorClass::kPause,
-     "the joints do not fit together at this pose: move the handle towards the middle; if it goes "
-     "on, calibrate the arm anew (--calibrate)"},
+     "the joint angles are inconsistent at this pose: move the handle towards the middle; if this "
+     "persists, calibrate the arm again (--calibrate)"},
     {9, "DHD_ERROR_EXPERT_MODE_DISABLED", ErrorClass::kLatch, kReport},
     {10, "DHD_ERROR_NOT_IMPLEMENTED", ErrorClass::kLatch,
      "this version of the library does not know the function: install the newest SDK"},
@@ -93,8 +93,8 @@ constexpr std::array<ConditionText, 17> kConditions{{
      "hold the handle, keep it still, and press the arm's force button; give the scene a softer "
      "coupling if it comes again"},
     {Condition::kOffByWatchdog, "forces off by the watchdog",
-     "the arm heard nothing for too long: see why the station was held up (palpate-doctor), then "
-     "press the arm's force button"},
+     "the arm received no command for too long: find out why the station was delayed "
+     "(palpate-doctor), then press the arm's force button"},
     {Condition::kOffBySoftware, "forces off by a program",
      "forces were disabled by software: end other programs that use the arm, then press its force "
      "button or start the station again"},

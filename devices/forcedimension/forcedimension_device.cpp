@@ -61,7 +61,7 @@ void ForceDimensionDevice::Open() {
     const int serial = NumberOf<int>(text).value_or(-1);
     if (serial < 0) {
       throw UsageError("--device-name '" + text +
-                       "': give the arm's serial number, as on its label: digits alone");
+                       "': give the arm's serial number, as on its label: digits only");
     }
     id_ = dhd_.dhdOpenSerial(serial);
   }
@@ -70,7 +70,7 @@ void ForceDimensionDevice::Open() {
   const int there = dhd_.dhdGetDeviceCount();
   throw Error("forcedimension: the arm" +
               (options_.arm.empty() ? "" : " with serial number " + options_.arm) +
-              " does not open (the library sees " + std::to_string(there < 0 ? 0 : there) +
+              " cannot be opened (the library finds " + std::to_string(there < 0 ? 0 : there) +
               "): " + dhd::DescribeError(code));
 }
 
@@ -98,8 +98,8 @@ void ForceDimensionDevice::Configure() {
   // For the weight of the original handle, which the library knows.
   Check(dhd_.dhdSetGravityCompensation(dhd::kOn, id), "dhdSetGravityCompensation");
   if (dhd_.dhdHasActiveGripper(id) && dhd_.dhdEmulateButton(dhd::kOn, id) < 0) {
-    notes_ = "the gripper does not stand in for a button (" +
-             dhd::DescribeError(dhd_.dhdErrorGetLast()) + "); forces need --enable-forces";
+    notes_ = "the gripper cannot replace a button (" + dhd::DescribeError(dhd_.dhdErrorGetLast()) +
+             "); forces need --enable-forces";
   }
   Tell(Wrench{});
   if (state_.errors > 0) {
@@ -251,9 +251,7 @@ const char* ForceDimensionDevice::activity() const noexcept {
 
 DeviceKind ForceDimensionKind() {
   return {.name = "forcedimension",
-          .what =
-              "omega, delta, sigma or lambda, through Force Dimension's library libdhd.so.3; "
-              "--device-name SERIAL",
+          .what = "omega, delta, sigma or lambda, through libdhd.so.3; --device-name SERIAL",
           .max_rate_Hz = 4000.0,
           .check_host = [](const std::string&) { dhd::LoadLibrary(); },
           .make = [](const DeviceOptions& options) -> std::unique_ptr<Device> {

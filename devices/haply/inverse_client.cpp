@@ -43,7 +43,7 @@ std::string Name(const Address& address) {
 Error NoService(const Address& address, const std::string& why) {
   return Error("haply: no Inverse Service at " + Name(address) + " (" + why +
                "); install it with the Haply Hub and start it ('sudo systemctl start "
-               "haply-inverse-service'), or name its address in " +
+               "haply-inverse-service'), or give its address in " +
                kServiceVariable);
 }
 

@@ -84,16 +84,16 @@ Inventory ParseInventory(const std::string& text, const std::string& wanted) {
   const Json message = Json::parse(text, nullptr, false);
   if (!message.is_object()) {
     throw Error(
-        "haply: what answers there does not speak as the Inverse Service does; is another program "
-        "at that port, or the service older than 3.1?  Update it with the Haply Hub");
+        "haply: the answer is not from an Inverse Service of version 3.1 or newer; check whether "
+        "another program uses that port, or update the service with the Haply Hub");
   }
   Inventory inventory;
   const Json* device = DeviceOf(message, "inverse3", wanted);
   if (!device) {
     throw Error("haply: the Inverse Service has no device" +
                 (wanted.empty() ? std::string() : " '" + wanted + "'") +
-                "; plug it in and switch it on, see that the Haply Hub shows it, and give "
-                "--device-name its id as the Hub has it");
+                "; plug it in, switch it on, and check that the Haply Hub shows it; give "
+                "--device-name the id shown there");
   }
   inventory.device_id = device->at("device_id").get<std::string>();
   inventory.type = "inverse3";
@@ -118,16 +118,16 @@ const char* TextOf(Lie lie) noexcept {
     case Lie::kNone:
       return "";
     case Lie::kNotJson:
-      return "the Inverse Service sends what is no JSON: start it again, and update it";
+      return "the Inverse Service sends invalid JSON: restart it, and update it";
     case Lie::kNoDevice:
       return "the Inverse Service has lost the device: check its USB cable and power";
     case Lie::kPosition:
-      return "the Inverse Service gives a position that is none: calibrate the device anew in the "
+      return "the Inverse Service sends an invalid position: calibrate the device again in the "
              "Haply Hub, and update the service";
     case Lie::kVelocity:
-      return "the Inverse Service gives a velocity that is none: update the service";
+      return "the Inverse Service sends an invalid velocity: update the service";
     case Lie::kOrientation:
-      return "the VerseGrip gives an orientation that is none: calibrate it in the Haply Hub";
+      return "the VerseGrip sends an invalid orientation: calibrate it in the Haply Hub";
     case Lie::kGrip:
       return "the VerseGrip has gone: charge it, switch it on, and see that the Haply Hub shows it";
   }

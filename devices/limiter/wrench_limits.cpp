@@ -63,10 +63,10 @@ WrenchLimits WrenchLimits::Of(const DeviceInfo& info, double most_force_N) {
   }
   if (device.thermal_time_s < TemperatureStage::kShortest_s) {
     throw Error("wrench limits: thermal_time_s is " + std::to_string(device.thermal_time_s) +
-                "; no motor warms within a second (is it in seconds?)");
+                "; it must be at least 1 (unit: seconds)");
   }
   if (!(most_force_N > 0.0)) {
-    throw Error("wrench limits: a greatest force of " + std::to_string(most_force_N) +
+    throw Error("wrench limits: a maximum force of " + std::to_string(most_force_N) +
                 " N; give one above 0");
   }
   const double share = std::min(1.0, most_force_N / device.max_force_N);

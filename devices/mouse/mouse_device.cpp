@@ -63,7 +63,8 @@ MouseDevice::MouseDevice(int lines, const Pose& start)
     : BlindDevice("mouse (poses from standard input)", 2.0 * kFarthest_m, start),
       lines_(lines),
       stop_(eventfd(0, EFD_CLOEXEC)) {
-  if (stop_ < 0) throw Error("mouse: no eventfd; are too many files open?");
+  if (stop_ < 0)
+    throw Error("mouse: cannot create an eventfd; raise 'ulimit -n' if too many files are open");
   reader_ = std::thread([this] { ReadLines(); });
 }
 
@@ -109,8 +110,8 @@ void MouseDevice::TakeLine(std::string_view line) {
   if (const auto order = ParseMouseLine(line, complaint)) {
     orders_.Write({!order->X_WT, order->X_WT.value_or(Pose{})});
   } else if (++bad_lines_ <= kComplaints) {
-    spdlog::warn("mouse: line '{}' is not used: {}{}", line.substr(0, 60), complaint,
-                 bad_lines_ == kComplaints ? "; no more of these are shown" : "");
+    spdlog::warn("mouse: line '{}' is ignored: {}{}", line.substr(0, 60), complaint,
+                 bad_lines_ == kComplaints ? "; further ones are not reported" : "");
   }
 }
 
@@ -134,7 +135,7 @@ const char* MouseDevice::activity() const noexcept {
 
 DeviceKind MouseKind() {
   return {.name = "mouse",
-          .what = "a hand that follows lines on standard input; sees, and feels nothing",
+          .what = "targets read from standard input; renders no force",
           .make = [](const DeviceOptions& options) -> std::unique_ptr<Device> {
             return std::make_unique<MouseDevice>(STDIN_FILENO, options.start);
           }};

@@ -37,7 +37,7 @@ constexpr std::array<ErrorText, 22> kTexts{{
     {kCommError, "HD_COMM_ERROR", ErrorClass::kFatal,
      "check the arm's cable, power and port, and start the station again"},
     {kCommConfigError, "HD_COMM_CONFIG_ERROR", ErrorClass::kFatal,
-     "check the cable, and choose the arm's port anew in its vendor's set-up program"},
+     "check the cable, and select the arm's port again in its vendor's set-up program"},
     {kTimerError, "HD_TIMER_ERROR", ErrorClass::kFatal,
      "the library could not keep its rate: ask for a lower --rate, end what loads the "
      "machine, and start the station again"},

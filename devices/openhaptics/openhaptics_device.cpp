@@ -137,7 +137,7 @@ void OpenHapticsDevice::Init(const std::string& name) {
            "; --device-name must be as in the vendor's set-up program, which keeps one file for "
            "each arm (~/.3dsystems/config/NAME.config, or in GTDD_HOME)";
   }
-  throw Error("openhaptics: the arm does not open (tried " + tried + "): " + why);
+  throw Error("openhaptics: the arm cannot be opened (tried " + tried + "): " + why);
 }
 
 int OpenHapticsDevice::Integer(hd::Enum what, const char* name) {
@@ -152,9 +152,10 @@ double OpenHapticsDevice::Positive(hd::Enum what, const char* name, double large
   hd_.hdGetDoublev(what, &value);
   Check(name);
   if (!(value > 0.0 && value <= largest)) {
-    throw Error("openhaptics: " + std::string(name) + " is " + std::to_string(value) +
-                ", and should be above 0 and at most " + std::to_string(largest) +
-                ": without it no force can be bounded; install the driver that fits the arm");
+    throw Error(
+        "openhaptics: " + std::string(name) + " is " + std::to_string(value) +
+        ", and should be above 0 and at most " + std::to_string(largest) +
+        "; without it the force cannot be limited: install the driver that matches the arm");
   }
   return value;
 }
@@ -173,11 +174,11 @@ void OpenHapticsDevice::ReadDataSheet() {
   output_dof_ = Integer(hd::kOutputDof, "HD_OUTPUT_DOF");
   if (input_dof != 3 && input_dof != 6) {
     throw Error("openhaptics: HD_INPUT_DOF is " + std::to_string(input_dof) +
-                ", and should be 3 or 6; install the driver that fits the arm");
+                ", and should be 3 or 6; install the driver that matches the arm");
   }
   if (output_dof_ != 3 && output_dof_ != 6) {
     throw Error("openhaptics: HD_OUTPUT_DOF is " + std::to_string(output_dof_) +
-                ", and should be 3 or 6; install the driver that fits the arm");
+                ", and should be 3 or 6; install the driver that matches the arm");
   }
   info_.max_force_N = Positive(hd::kNominalMaxForce, "HD_NOMINAL_MAX_FORCE [N]", kMostForce_N);
   info_.continuous_force_N =
@@ -266,9 +267,9 @@ void OpenHapticsDevice::Start() {
   for (const std::int64_t begun = SteadyNanoseconds(); last_tick_ns_.load() == 0;) {
     if (SteadyNanoseconds() - begun > kDead_ns) {
       throw Error(
-          "openhaptics: the library's scheduler was started, and does not tick; check the arm's "
-          "cable and power, end other programs that drive it, and see that it works with its "
-          "vendor's diagnostic program");
+          "openhaptics: the library's scheduler was started but does not run; check the arm's "
+          "cable and power, end other programs that use it, and test it with its vendor's "
+          "diagnostic program");
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
@@ -572,7 +573,7 @@ const char* OpenHapticsDevice::activity() const noexcept {
 
 DeviceKind OpenHapticsKind() {
   return {.name = "openhaptics",
-          .what = "a PHANTOM or Touch arm, through the OpenHaptics library that is installed",
+          .what = "a PHANTOM or Touch arm, through the OpenHaptics library",
           .max_rate_Hz = 4000.0,
           .check_host = [](const std::string&) { hd::LoadLibrary(); },
           .make = [](const DeviceOptions& options) -> std::unique_ptr<Device> {

@@ -116,14 +116,14 @@ constexpr const char* kPosition =
 constexpr const char* kOrientation =
     " gave an orientation_wxyz that is not of length 1; no force: normalise it, with w first";
 constexpr const char* kJumped =
-    " gave a pose that jumped by more than 50 mm or half a radian in a tick; no force for a "
-    "moment: calibrate the arm, or leave such readings out";
+    " returned a pose that jumped by more than 50 mm or half a radian in a tick; no force for a "
+    "moment: calibrate the arm, or discard such readings";
 constexpr const char* kStuck =
-    " gave no new reading for 10 ms; no force: mend the link to the arm, and count each of its "
-    "readings in `number`";
+    " returned no new reading for 10 ms; no force: check the connection to the arm, and count each "
+    "of its readings in `number`";
 constexpr const char* kHung =
-    " did not return for 20 ms; palpate_device_stop took the force off: give what blocks a thread "
-    "of its own";
+    " did not return for 20 ms; palpate_device_stop turned the force off: move blocking work to a "
+    "thread of its own";
 constexpr const char* kHeldUp =
     "the loop was held up for more than 20 ms; no force for a moment: see palpate-doctor";
 
@@ -426,7 +426,7 @@ void PluginDevice::StopTicks() {
 
 DeviceKind PluginKind() {
   return {.name = "./DRIVER.so",
-          .what = "an arm of your own, by a driver that you have built: devices/arm.md",
+          .what = "an arm of your own, by a driver that you build: devices/arm.md",
           .max_rate_Hz = 4000.0,
           .is_file = true,
           .check_host = [](const std::string& name) { LoadDriver(name); },

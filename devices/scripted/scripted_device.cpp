@@ -14,7 +14,7 @@ void ScriptedDevice::Apply(const LimitedWrench&) noexcept {
 
 DeviceKind ScriptedKind() {
   return {.name = "scripted",
-          .what = "a script played exactly; renders no force",
+          .what = "plays a script exactly; renders no force",
           .needs_script = true,
           .make = [](const DeviceOptions& options) -> std::unique_ptr<Device> {
             return std::make_unique<ScriptedDevice>(ScriptPlayer(*options.script, options.loop));

@@ -98,7 +98,7 @@ PhantomSheet PhantomSheetOf(const std::string& name) {
     if (sheet.name == name) return std::move(sheet);
     names.append(names.empty() ? "" : ", ").append(sheet.name);
   }
-  throw UsageError("--model " + name + ": no such arm; have: " + names);
+  throw UsageError("--model " + name + ": is not an arm; give one of " + names);
 }
 
 }  // namespace palpate

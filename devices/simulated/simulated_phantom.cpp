@@ -143,7 +143,7 @@ void SimulatedPhantom::Pass(const Wrench& commanded) noexcept {
 DeviceKind SimulatedKind() {
   DeviceKind kind{
       .name = "simulated",
-      .what = "an arm by its data sheet, in a simulated hand that follows a script",
+      .what = "a simulated arm and a hand that follows a script",
       .needs_script = true,
       .max_rate_Hz = SimulatedPhantom::kMaxRate_Hz,
       .make = [](const DeviceOptions& options) -> std::unique_ptr<Device> {

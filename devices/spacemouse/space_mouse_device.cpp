@@ -47,9 +47,9 @@ void SpaceMouseDevice::Apply(const LimitedWrench& wrench) noexcept {
 const char* SpaceMouseDevice::activity() const noexcept {
   switch (state_.link) {
     case SpacenavState::Link::kNoDaemon:
-      return "stands still: spacenavd has gone";
+      return "stopped: spacenavd has ended";
     case SpacenavState::Link::kNoDevice:
-      return "stands still: the SpaceMouse is unplugged";
+      return "stopped: the SpaceMouse is unplugged";
     case SpacenavState::Link::kUp:
       break;
   }
@@ -59,9 +59,7 @@ const char* SpaceMouseDevice::activity() const noexcept {
 
 DeviceKind SpaceMouseKind() {
   return {.name = "spacemouse",
-          .what =
-              "a SpaceMouse through spacenavd: as far as it is pushed, so fast the tool moves; "
-              "no force",
+          .what = "a SpaceMouse, through spacenavd; its deflection sets the tool's speed; no force",
           .check_host = [](const std::string&) { FindSpacenavd(); },
           .make = [](const DeviceOptions& options) -> std::unique_ptr<Device> {
             return std::make_unique<SpaceMouseDevice>(options.start);

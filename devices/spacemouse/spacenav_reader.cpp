@@ -101,7 +101,8 @@ void FindSpacenavd() {
     case EACCES:
     case EPERM:
       remedy =
-          "no right to use spacenavd's socket; let this user write to it (ls -l shows who may)";
+          "no permission for spacenavd's socket; let this user write to it ('ls -l' shows its "
+          "permissions)";
       break;
     default:
       remedy = "see the reason given; SPNAV_SOCKET names another socket";
@@ -125,8 +126,8 @@ void OpenLibrary() {
     spnav_close();
   }
   throw Error(
-      "spacemouse: spacenavd accepts connections, and the protocol cannot be agreed on; leave the "
-      "SpaceMouse alone while it is opened, or start spacenavd again");
+      "spacemouse: spacenavd accepts connections, but the protocol negotiation fails; do not touch "
+      "the SpaceMouse while it is opened, or restart spacenavd");
 }
 
 /// Finds out whether spacenavd has a device, and its name.  Needs protocol 1.
@@ -147,10 +148,14 @@ bool FindDevice(std::string& name) {
 }  // namespace
 
 SpacenavReader::SpacenavReader() : stop_(eventfd(0, EFD_CLOEXEC)) {
-  if (stop_ < 0) throw Error("spacemouse: no eventfd; are too many files open?");
+  if (stop_ < 0)
+    throw Error(
+        "spacemouse: cannot create an eventfd; raise 'ulimit -n' if too many files are open");
   if (in_use.exchange(true)) {
     close(stop_);
-    throw Error("spacemouse: this process has opened it already; libspnav has one connection");
+    throw Error(
+        "spacemouse: this process has already opened it, and libspnav supports only one "
+        "connection");
   }
   std::future<void> opened = opened_.get_future();
   thread_ = std::thread([this] { Run(); });
@@ -221,8 +226,8 @@ void SpacenavReader::Open() {
   if (FindDevice(device_name_)) return;
   spnav_close();
   throw Error(
-      "spacemouse: spacenavd runs and has no device; plug the SpaceMouse in (lsusb shows it as "
-      "3Dconnexion or Logitech), and see what spacenavd says (journalctl -u spacenavd)");
+      "spacemouse: spacenavd runs but has no device; plug the SpaceMouse in (lsusb shows it as "
+      "3Dconnexion or Logitech), and check the log of spacenavd (journalctl -u spacenavd)");
 }
 
 void SpacenavReader::Lose(SpacenavState::Link link, const char* news) {

@@ -105,7 +105,7 @@ std::string ErrorLines(const Measured& of, const LengthUnit& unit) {
   if (of.same != nullptr) {
     return "    mesh and tree are those of " + of.same->name + ", and so are the errors\n";
   }
-  if (of.error.levels.empty()) return "    a single ball is what it is: it has no error\n";
+  if (of.error.levels.empty()) return "    a single ball is exact: it has no error\n";
   return LevelTable(of.error.levels, unit);
 }
 
@@ -133,7 +133,7 @@ std::string SceneInfo(const Scene& scene, const InfoOptions& options) {
     if (!file.empty()) CheckOutput(option, file);  // before anything is measured
   }
   if (options.csv == "-" && options.json == "-") {
-    throw UsageError("--csv - and --json - want standard output both; give one of them a file");
+    throw UsageError("--csv - and --json - both use standard output; give a file for one of them");
   }
   const std::vector<std::uint8_t> bytes = PackScene(scene);
   const std::string_view view(reinterpret_cast<const char*>(bytes.data()), bytes.size());

@@ -77,10 +77,10 @@ std::span<const palpate_effect_parameter> ParametersOf(const palpate_effect& eff
 Effects::Effects(std::vector<Effect> effects) : effects_(std::move(effects)) {
   for (const Effect& effect : effects_) {
     const std::string who = "effect " + effect.file;
-    if (effect.of == nullptr) throw Error(who + ": is not loaded; load its scene by LoadScene");
+    if (effect.of == nullptr) throw Error(who + ": is not loaded; load its scene with LoadScene");
     const auto parameters = ParametersOf(*effect.of);
     if (!std::ranges::equal(parameters, effect.values, Fits)) {
-      throw Error(who + ": its parameters are not those that it asks for; build the scene again");
+      throw Error(who + ": its parameters do not match the effect; build the scene again");
     }
     auto& values = values_.emplace_back();
     for (const auto& numbers : effect.values) values.push_back({numbers.data(), numbers.size()});

@@ -39,19 +39,19 @@ void PrepareCacheFolder(const std::string& folder) {
   const bool is_there = mkdir(folder.c_str(), 0700) == 0 || errno == EEXIST;
   if (!is_there || stat(folder.c_str(), &status) != 0) {
     throw Error(folder + ": " + std::strerror(errno) +
-                "; name a folder that can be written to with XDG_CACHE_HOME");
+                "; set XDG_CACHE_HOME to a folder that you can write");
   }
   if (!S_ISDIR(status.st_mode)) {
-    throw Error(folder + ": is no folder; move it away, or name another with XDG_CACHE_HOME");
+    throw Error(folder + ": is not a folder; move it away, or set XDG_CACHE_HOME to another");
   }
   if (!IsOwn(status)) {
-    throw Error(folder + ": is another user's (number " + std::to_string(status.st_uid) +
-                "), who could put another scene there; name one of your own with XDG_CACHE_HOME");
+    throw Error(folder + ": belongs to another user (id " + std::to_string(status.st_uid) +
+                "), who could put a false scene there; set XDG_CACHE_HOME to a folder of your own");
   }
   if ((status.st_mode & (S_IWGRP | S_IWOTH)) != 0) {
     throw Error(folder +
-                ": others may write to it, and could put another scene there; remove it, and it is "
-                "made anew for you alone");
+                ": others can write to it, and could put a false scene there; remove it, and it is "
+                "created again for you only");
   }
 }
 

@@ -56,7 +56,7 @@ void RefuseWhatHasChanged(const fs::path& file, std::uint64_t hash, const std::s
   const std::lock_guard lock(mutex);
   if (loaded.try_emplace(fs::canonical(file).string(), hash).first->second == hash) return;
   throw Error(who + ": " + file.string() +
-              " has changed since this program loaded it; start the program anew");
+              " has changed since this program loaded it; restart the program");
 }
 
 /// @param who  the beginning of messages.
@@ -66,7 +66,7 @@ void Load(const fs::path& file, const std::string& who, Effect& effect) {
       effect.file.size() <= kLongestName && std::ranges::all_of(effect.file, IsOfName);
   if (!is_name) {
     throw Error(who + ": " + effect.file +
-                " is no name for an effect's file; give it one of letters, digits, - _ and .");
+                " is not a valid file name of an effect; use letters, digits, - _ and .");
   }
   // Without a slash the loader would search other folders.
   const fs::path full = fs::absolute(file);
@@ -168,8 +168,8 @@ void LoadEffects(std::vector<Effect>& effects, const fs::path& folder, const std
     }
     if (effect.of != nullptr) continue;
     throw Error(source + ": was made with an effect " + effect.file + " of the hash " +
-                Hex16(hash) + ", which is not there" + found +
-                "; put that one beside it, or name its folder in PALPATE_EFFECTS");
+                Hex16(hash) + ", which was not found" + found +
+                "; put that file beside it, or give its folder in PALPATE_EFFECTS");
   }
 }
 

@@ -6,13 +6,14 @@
 namespace palpate {
 
 void AddMeshOptions(const CommandLine& app, MeshSceneOptions& options) {
-  app.Add(
-         "--unit", options.unit,
-         "for a mesh: the unit of the numbers in its file; default: m or mm, guessed from the size")
+  app.Add("--unit", options.unit,
+          "for a mesh: unit of the lengths in its file; default: m or mm, guessed from its size")
       .OneOf({kUnits.begin(), kUnits.end()});
   app.AddNumber(
          "--ball", [&options](double mm) { options.ball_m = 1e-3 * mm; },
-         "for a mesh: radius in mm of the ball that touches it; default: 1/20 of its longest side")
+         "for a mesh: radius in mm of the ball that touches it; default: 1/20 of the mesh's "
+         "longest "
+         "side")
       .Range(1e-3, 1e3);
 }
 

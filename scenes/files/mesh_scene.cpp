@@ -41,8 +41,8 @@ std::string AboutUnit(const Vec3& size, const std::string& unit, bool guessed) {
     text += fmt::format("as given, so it is {}", Size(size, metres));
   }
   const double longest = metres * size.maxCoeff();
-  if (longest < kLeast_m || longest > kMost_m) text += ", an unusual size for what a hand feels";
-  return text + " (--unit m, cm, mm or inch says what a number in the file means)";
+  if (longest < kLeast_m || longest > kMost_m) text += ", an unusual size for an object to feel";
+  return text + " (give the unit of the file with --unit m, cm, mm or inch)";
 }
 
 /// Returns the value with three significant digits, for people.

@@ -300,7 +300,7 @@ Pose FromWire(const wire::Pose* in) {
   Require(in != nullptr, "a body has no pose");
   const Pose pose{FromWire(in->p()), Quat(in->qw(), in->qx(), in->qy(), in->qz())};
   Require(pose.p.allFinite() && std::abs(pose.q.squaredNorm() - 1.0) < 1e-6,
-          "a body's pose is none");
+          "the pose of a body is invalid");
   return pose;
 }
 
@@ -311,7 +311,7 @@ void ReadMaterials(const wire::Body& in, Body& out) {
     Require(m->stiffness() > 0.0 && m->dynamic_friction() >= 0.0 &&
                 m->dynamic_friction() <= m->static_friction() &&
                 std::isfinite(m->static_friction()),
-            "a material is none");
+            "a material is invalid");
     out.materials.push_back({m->stiffness(), m->static_friction(), m->dynamic_friction()});
   }
   Require(!out.materials.empty(), "a body is made of nothing");
@@ -326,7 +326,7 @@ void ReadMaterials(const wire::Body& in, Body& out) {
 
 TreeOrigin FromWire(wire::TreeOrigin origin) {
   static_assert(static_cast<int>(wire::TreeOrigin::MAX) == static_cast<int>(TreeOrigin::kBall));
-  if (origin > wire::TreeOrigin::MAX) throw Error("where a tree comes from is not known");
+  if (origin > wire::TreeOrigin::MAX) throw Error("its tree has an unknown origin");
   return static_cast<TreeOrigin>(origin);
 }
 
@@ -340,7 +340,7 @@ void ReadMargin(const wire::Body& in, Body& out) {
   if (in.margin() == nullptr) return;
   for (const wire::Vec3* point : *in.margin()) {
     out.margin.push_back(FromWire(*point));
-    if (!out.margin.back().allFinite()) throw Error("a margin is none");
+    if (!out.margin.back().allFinite()) throw Error("a margin is invalid");
   }
 }
 
@@ -370,7 +370,7 @@ void ReadGrid(const wire::Grid* in, Body& out) {
     const double pressure = in->pressures()->Get(m), viscosity = in->viscosities()->Get(m);
     Require(
         pressure > 0.0 && std::isfinite(pressure) && viscosity >= 0.0 && std::isfinite(viscosity),
-        "a material that is cut is none");
+        "a cutting material is invalid");
     out.materials[m].cutting_pressure = pressure;
     out.materials[m].cutting_viscosity = viscosity;
   }
@@ -378,7 +378,7 @@ void ReadGrid(const wire::Grid* in, Body& out) {
     Require(all_of_materials(frictions), "frictions do not add up");
     for (unsigned m = 0; m < out.materials.size(); ++m) {
       const double friction = frictions->Get(m);
-      Require(friction >= 0.0 && friction <= 1.0, "a friction is none");
+      Require(friction >= 0.0 && friction <= 1.0, "a friction is invalid");
       out.materials[m].cutting_friction = friction;
     }
   }
@@ -403,7 +403,7 @@ void ReadGrid(const wire::Grid* in, Body& out) {
     if (!region.mesh.triangles.empty()) CheckEncloses(region.mesh, "a region");
     Require(region.low.allFinite() && region.high.allFinite() && std::isfinite(region.radius) &&
                 region.material < out.materials.size(),
-            "a region is none");
+            "a region is invalid");
     out.grid->regions.push_back(std::move(region));
   }
 }
@@ -422,10 +422,10 @@ void ReadBur(const wire::Bur* in, Body& out) {
     out.bur->curve.push_back({curve->Get(i), curve->Get(i + 1)});
   }
   if (in->at() == nullptr) return;
-  Require(in->along() != nullptr && in->sense() != nullptr, "an edge is none");
+  Require(in->along() != nullptr && in->sense() != nullptr, "an edge is invalid");
   const EdgePlace edge{FromWire(*in->at()), FromWire(*in->along()), FromWire(*in->sense())};
   const auto is_unit = [](const Vec3& v) { return std::abs(v.squaredNorm() - 1.0) < 1e-9; };
-  Require(edge.at.allFinite() && is_unit(edge.along) && is_unit(edge.sense), "an edge is none");
+  Require(edge.at.allFinite() && is_unit(edge.along) && is_unit(edge.sense), "an edge is invalid");
   out.bur->edge = edge;
 }
 
@@ -510,7 +510,7 @@ Scene ReadScene(const wire::Scene& in) {
     scene.first_sight = {FromWire(sight->centre()), sight->radius(), FromWire(sight->from())};
     Require(positive(sight->radius()) && scene.first_sight->centre.allFinite() &&
                 std::abs(scene.first_sight->from.squaredNorm() - 1.0) < 1e-6,
-            "the first sight is none");
+            "the first sight is invalid");
   }
   return scene;
 }
@@ -651,18 +651,18 @@ Scene UnpackScene(std::span<const std::uint8_t> bytes, const std::string& source
   }
   flatbuffers::Verifier verifier(payload.data(), payload.size());
   if (!wire::VerifySceneBuffer(verifier)) {
-    throw Error(source + ": is not built as a scene bundle is; build it again");
+    throw Error(source + ": is not a valid scene bundle; build it again");
   }
   const wire::Scene& scene = *wire::GetScene(payload.data());
   if (scene.features()->removal()) {
     throw Error(source +
-                ": what is scraped off goes leaf by leaf in it, which is not done any more; build "
-                "it again of a scene file that has it cut (\"grid_um\")");
+                ": removes material leaf by leaf, which is no longer supported; build it again "
+                "from a scene file with \"grid_um\"");
   }
   try {
     return ReadScene(scene);
   } catch (const Error& error) {
-    throw Error(source + ": contradicts itself (" + error.what() + "); build it again");
+    throw Error(source + ": is inconsistent (" + error.what() + "); build it again");
   }
 }
 

@@ -50,7 +50,7 @@ Vec3 ReadSize(const JsonNode& node) {
 
 Vec3 ReadDirection(const JsonNode& node) {
   const Vec3 direction = node.Vector();
-  if (!(direction.norm() > 1e-6)) node.Fail("is no direction; give one that is not 0");
+  if (!(direction.norm() > 1e-6)) node.Fail("has length 0; give a direction");
   return direction.normalized();
 }
 
@@ -78,7 +78,7 @@ std::vector<std::array<double, 2>> ReadBurCurve(const JsonNode& node) {
   std::vector<std::array<double, 2>> curve;
   for (const JsonNode& point : node.Items(1)) {
     const std::vector<JsonNode> pair = point.Items();
-    if (pair.size() != 2) point.Fail("is no point; give [radius, height above the first one]");
+    if (pair.size() != 2) point.Fail("is not a point; give [radius, height above the first point]");
     curve.push_back({1e-3 * pair[0].Number(-20.0, 20.0), 1e-3 * pair[1].Number(-20.0, 20.0)});
   }
   return curve;
@@ -195,7 +195,7 @@ std::uint32_t ReadColour(const JsonNode& node) {
   const std::string text = node.String();
   const bool fine = text.size() == 7 && text[0] == '#' &&
                     text.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string::npos;
-  if (!fine) node.Fail("\"" + text + "\" is no colour; give \"#rrggbb\", as \"#8a5a2b\"");
+  if (!fine) node.Fail("\"" + text + "\" is not a colour; give \"#rrggbb\", such as \"#8a5a2b\"");
   return static_cast<std::uint32_t>(std::stoul(text.substr(1), nullptr, 16));
 }
 
@@ -213,10 +213,10 @@ MaterialDescription ReadMaterial(const JsonNode& node) {
     modulus->Fail("the stiffness is given twice; keep stiffness_N_per_m or youngs_modulus_Pa");
   }
   if (modulus && !thickness) {
-    modulus->Fail("says nothing without the layer's thickness; add thickness_mm");
+    modulus->Fail("needs the thickness of the layer; add thickness_mm");
   }
   if (thickness && !modulus) {
-    thickness->Fail("belongs to a Young's modulus; add youngs_modulus_Pa or drop it");
+    thickness->Fail("needs a Young's modulus; add youngs_modulus_Pa, or drop it");
   }
   if (stiffness) material.stiffness = stiffness->PositiveNumber();
   if (modulus) {
@@ -231,12 +231,12 @@ MaterialDescription ReadMaterial(const JsonNode& node) {
   if (!mu_s) material.static_friction = material.dynamic_friction;
   if (!mu_d) material.dynamic_friction = material.static_friction;
   if (material.dynamic_friction > material.static_friction) {
-    mu_d->Fail("is above static_friction, which no material is; give at most that");
+    mu_d->Fail("is above static_friction; give at most that");
   }
   if (auto hardness = node.Find("hardness_J")) {
     hardness->Fail(
-        "is of no use any more: what is scraped off is cut; give the object \"grid_um\", the "
-        "material \"cutting_pressure_MPa\" in its place, and the tool an \"edge\"");
+        "is no longer supported; instead give the object \"grid_um\", the material "
+        "\"cutting_pressure_MPa\", and the tool an \"edge\"");
   }
   const auto pressure = node.Find("cutting_pressure_MPa");
   if (pressure) material.cutting_pressure = 1e6 * pressure->Number(1e-3, 1e5);
@@ -278,7 +278,7 @@ RegionDescription ReadRegion(const JsonNode& node, const fs::path& folder) {
           int(mesh.has_value()) !=
       1) {
     node.Fail(
-        "must say what it paints in one way; give \"box\", \"sphere\", \"group\" or \"mesh\"");
+        "must say what it paints; give exactly one of \"box\", \"sphere\", \"group\" or \"mesh\"");
   }
   if (box) {
     box->AllowOnly({"min_mm", "max_mm"});
@@ -340,7 +340,7 @@ Features ReadFeatures(const JsonNode& root, const SceneDescription& scene) {
                                              : FrictionModel::kCoulomb;
     const auto rubs = [](const BodyDescription& body) { return AnyMaterial(body, Rubs); };
     if (model != "off" && std::ranges::none_of(scene.objects, rubs)) {
-      friction->Fail("no object's material has friction; add static_friction, or take \"off\"");
+      friction->Fail("no material of an object has friction; add static_friction, or use \"off\"");
     }
   }
   features.compliance = std::ranges::any_of(scene.objects, FeltByLeaves);
@@ -355,19 +355,18 @@ void CheckCurved(const JsonNode& root, const SceneDescription& scene) {
       if (!bodies[i].mesh.curved) continue;
       const JsonNode curved = nodes[i].At("mesh").At("curved");
       if (scene.features.contact == ContactModel::kSpheres) {
-        curved.Fail("has no effect where the contact is of spheres; drop it, or take \"surface\"");
+        curved.Fail("has no effect with sphere contact; drop it, or use \"surface\"");
       }
       if (FeltByLeaves(bodies[i])) {
-        curved.Fail(
-            "has no effect on an object that is soft, which is felt by its leaves; drop it");
+        curved.Fail("has no effect on a soft object, which is felt by its leaves; drop it");
       }
     }
   };
   for (const BodyDescription& tool : scene.tools) {
     if (tool.mesh.curved && tool.tolerance && tool.mesh.kind == MeshSource::Kind::kSphere) {
       throw Error(tool.mesh.where +
-                  ".curved: leaves it open whether the ball is felt as a mesh or as one leaf, "
-                  "which a tolerance may choose; drop it, or give \"leaves\" a number");
+                  ".curved: does not go with a tolerance, which may choose a single leaf, a ball "
+                  "without a mesh; drop it, or give \"leaves\" a number");
     }
     if (tool.mesh.curved && tool.leaves == 1) {
       throw Error(
@@ -391,7 +390,7 @@ TreeSource ReadTree(const JsonNode& node, const fs::path& folder) {
   tree.file = (folder / file.String()).lexically_normal().string();
   if (fs::path(tree.file).extension() != ".sph") {
     file.Fail(
-        "is no .sph file; give one of the Sphere-Tree Construction Toolkit, or of palpate-scene "
+        "is not a .sph file; give one of the Sphere-Tree Construction Toolkit, or of palpate-scene "
         "export");
   }
   if (auto level = node.Find("level")) {
@@ -430,7 +429,7 @@ void ReadLeaves(const JsonNode& node, BodyDescription& body) {
   } else if (node.IsString()) {
     if (node.String() != "auto") {
       node.Fail("\"" + node.String() +
-                "\" is no count; give a number, \"auto\" or {\"tolerance_um\": 100}");
+                "\" is not a number of leaves; give a number, \"auto\" or {\"tolerance_um\": 100}");
     }
     body.tolerance = LeafTolerance{};
   } else {
@@ -445,12 +444,12 @@ void ReadGrid(const JsonNode& node, BodyDescription& body) {
     const Material& m = of.material;
     const std::string where = of.where.empty() ? node.Where() : of.where;
     if (!(m.cutting_pressure > 0.0)) {
-      throw Error(where + ": says not what it takes to cut it; add cutting_pressure_MPa");
+      throw Error(where + ": does not say how hard it is to cut; add cutting_pressure_MPa");
     }
     if (Yields(of)) {
       throw Error(
           where +
-          ": a body that burs cut does not yield; drop grid_um, or the stiffness and modulus");
+          ": a body that burs cut must be rigid; drop grid_um, or the stiffness and modulus");
     }
   };
   check(body.material);
@@ -458,8 +457,8 @@ void ReadGrid(const JsonNode& node, BodyDescription& body) {
     check(region.material);
     if (region.kind == RegionDescription::Kind::kGroup) {
       throw Error(region.where +
-                  ": a group paints a surface, and a body that burs cut needs its inside painted; "
-                  "give \"box\", \"sphere\" or \"mesh\"");
+                  ": a group is a part of the surface, but a body that burs cut needs regions of "
+                  "its volume; give \"box\", \"sphere\" or \"mesh\"");
     }
   }
   if (body.regions.size() >= SolidGrid::kMaterials) {
@@ -472,7 +471,7 @@ void ReadGrid(const JsonNode& node, BodyDescription& body) {
 void CheckBur(const JsonNode& node, const BurProfile& profile, const BodyDescription* cut) {
   const std::string name = profile.edge ? "an edge" : "a bur";
   if (cut == nullptr) {
-    node.Fail("is " + name + ", and nothing can be cut; give an object \"grid_um\", or " +
+    node.Fail("is " + name + ", but nothing can be cut; give an object \"grid_um\", or " +
               (profile.edge ? "drop it" : "another tool"));
   }
   std::optional<Bur> bur;
@@ -489,7 +488,7 @@ void CheckBur(const JsonNode& node, const BurProfile& profile, const BodyDescrip
   }
   const double head = bur->high() - bur->low();
   if (profile.dead_tip >= (profile.cutting > 0.0 ? std::min(profile.cutting, head) : head)) {
-    node.Fail("has nothing that cuts; give a dead_tip_mm below cutting_mm and its length");
+    node.Fail("has no cutting part; give a dead_tip_mm below cutting_mm and below its length");
   }
 }
 
@@ -511,13 +510,14 @@ void CheckCutting(const JsonNode& root, const SceneDescription& scene) {
     const JsonNode tool = root.At("tools").Items()[i];
     const JsonNode node = tool.At(tool.Has("bur") ? "bur" : "mesh");
     if (const auto& edge = scene.tools[i].edge) {
-      if (is_bur) tool.At("edge").Fail("is of other tools than burs; drop it, or the bur");
+      if (is_bur) tool.At("edge").Fail("is for tools without a bur; drop it, or the bur");
       CheckBur(tool.At("edge"), *edge, cut);
     }
     if (is_bur) {
       CheckBur(node, kind->bur(mesh.variant, mesh.values), cut);
     } else if (scene.tools[i].spin.speed > 0.0) {
-      tool.At("speed_rpm").Fail("is of burs; drop it, or give the tool a \"bur\", as \"001/014\"");
+      tool.At("speed_rpm")
+          .Fail("is for burs; drop it, or give the tool a \"bur\", such as \"001/014\"");
     }
   }
 }
@@ -535,7 +535,7 @@ BurSpin ReadSpin(const JsonNode& tool) {
   spin.tooth_Hz = static_cast<double>(teeth.Integer(1, 40)) * rpm / 60.0;
   if (!(spin.tooth_Hz > 0.0 && spin.tooth_Hz <= kHighestHum)) {
     teeth.Fail("pass " + std::to_string(std::lround(spin.tooth_Hz)) +
-               " times a second, and a hum is told from 1 to 400 times; give another speed_rpm, or "
+               " times per second, but a hum must have 1 to 400 Hz; give another speed_rpm, or "
                "drop the hum");
   }
   return spin;
@@ -566,7 +566,7 @@ BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& fo
   BodyDescription body;
   body.name = ReadName(node.At("name"));
   const auto bur = node.Find("bur");
-  if (bur && node.Has("mesh")) bur->Fail("is a mesh as well; keep \"bur\" or \"mesh\"");
+  if (bur && node.Has("mesh")) bur->Fail("is also a mesh; keep either \"bur\" or \"mesh\"");
   body.mesh = bur ? ReadNamedBur(*bur) : ReadMesh(node.At("mesh"), folder);
   body.spin = ReadSpin(node);
   if (auto edge = node.Find("edge")) {
@@ -581,7 +581,7 @@ BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& fo
   if (body.tree.built()) {
     if (!may_lack_leaves) ReadLeaves(node.At("leaves"), body);
   } else if (auto leaves = node.Find("leaves")) {
-    leaves->Fail("is not to be given where \"tree\" names a file, whose level decides it; drop it");
+    leaves->Fail("has no effect if \"tree\" names a file, whose level determines it; drop it");
   }
   if (auto pose = node.Find(pose_field)) {
     pose->AllowOnly({"position_mm", "rotation_deg", "quaternion_wxyz"});
@@ -705,7 +705,7 @@ SceneDescription ParseScene(std::string_view text, const std::string& file) {
     const bool is_cut = std::ranges::any_of(
         scene.objects, [](const BodyDescription& body) { return body.grid.has_value(); });
     if (scene.whole_at_start && !is_cut) {
-      whole->Fail("has no effect where nothing goes: no object has \"grid_um\"; drop it");
+      whole->Fail("has no effect, since nothing can be cut: no object has \"grid_um\"; drop it");
     }
   }
   return scene;

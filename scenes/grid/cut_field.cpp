@@ -110,9 +110,9 @@ CutField::CutField(const SolidGrid& solid, std::size_t most_bytes, const std::st
   if (blocks == 0) blocks = solid.solid_blocks();
   if (const std::size_t bytes = BytesOf(solid, blocks); bytes > most_bytes) {
     throw Error(name + ": cutting at " + Figure(1e6 * field_.lattice().spacing, 3) + " um takes " +
-                Figure(double(bytes) / (1 << 20), 3) + " MB, and may take " +
+                Figure(double(bytes) / (1 << 20), 3) + " MB, but the limit is " +
                 Figure(double(most_bytes) / (1 << 20), 3) +
-                " MB; give a greater spacing, a smaller body, or fewer blocks to cut");
+                " MB; use a larger spacing, a smaller body, or fewer blocks to cut");
   }
   field_.Reserve(blocks);
   still_.resize(blocks * kRows);

@@ -27,7 +27,7 @@ void RefuseAbove(double bytes, const SolidGridOptions& options, const std::strin
   throw Error(name + ": a grid of " + Figure(1e6 * options.spacing, 3) + " um takes " +
               MegaBytes(bytes) + ", and may take " +
               MegaBytes(static_cast<double>(options.most_bytes)) +
-              "; give a greater spacing, or a smaller body");
+              "; use a larger spacing, or a smaller body");
 }
 
 /// Returns the smallest lattice that contains the mesh and its band.
@@ -299,9 +299,9 @@ void CheckEncloses(const TriangleMesh& mesh, const std::string& name) {
     throw Error(name + ": the mesh has no triangle; give a closed one");
   }
   if (const std::size_t open = OpenEdges(mesh).size(); open > 0) {
-    throw Error(name + ": the mesh is open along " + std::to_string(open) +
-                " edges, so that it encloses no solid; close its holes in the program that it was "
-                "made with, or give it a thickness (\"thickness_mm\" in a scene file)");
+    throw Error(name + ": the mesh is open at " + std::to_string(open) +
+                " edges, so it encloses no solid; close its holes in a mesh editor, or give it a "
+                "thickness (\"thickness_mm\" in a scene file)");
   }
   double volume = 0.0;
   for (const auto& [i, j, k] : mesh.triangles) {
@@ -309,15 +309,16 @@ void CheckEncloses(const TriangleMesh& mesh, const std::string& name) {
   }
   if (!(volume > 0.0)) {  // false, too, if a vertex is not finite
     throw Error(name +
-                ": the mesh encloses no volume as it is wound; turn its triangles so that "
-                "they run counter-clockwise seen from outside");
+                ": the mesh encloses no volume, or a negative one; flip its triangles to be "
+                "counter-clockwise "
+                "seen from outside");
   }
 }
 
 std::shared_ptr<const SolidGrid> MakeSolidGrid(const Body& body) {
   if (body.materials.size() > SolidGrid::kMaterials) {
     throw Error(body.name + ": a body that burs cut has " + std::to_string(SolidGrid::kMaterials) +
-                " materials at most, and this one has " + std::to_string(body.materials.size()));
+                " materials at most, but this one has " + std::to_string(body.materials.size()));
   }
   SolidGridOptions options{.spacing = body.grid->spacing, .most_bytes = kMostGridBytes};
   const std::vector<MaterialRegion>& regions = body.grid->regions;

@@ -23,14 +23,14 @@ namespace {
 void CheckLength(std::string_view bytes) {
   constexpr std::size_t kHeader = 6;
   if (bytes.size() < kHeader || !bytes.starts_with("MM")) {
-    throw Error(std::string("it is no 3DS") + kExportAgain);
+    throw Error(std::string("it is not 3DS") + kExportAgain);
   }
   std::uint32_t declared = 0;
   std::memcpy(&declared, bytes.data() + 2, sizeof declared);
   if (declared > bytes.size()) {
     throw Error("it declares " + std::to_string(declared) + " bytes, and " +
                 std::to_string(bytes.size()) +
-                " are there; the file is cut short or damaged, export or copy it again");
+                " are present; the file is truncated or damaged: export or copy it again");
   }
 }
 
@@ -66,7 +66,7 @@ void KeepOnlyImporter(Assimp::Importer& importer) {
     delete other;
   }
   if (importer.GetImporterCount() != 1) {
-    throw Error("this assimp does not read 3DS; convert the mesh to another format");
+    throw Error("the installed assimp does not read 3DS; convert the mesh to another format");
   }
 }
 

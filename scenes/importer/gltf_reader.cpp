@@ -40,7 +40,7 @@ Chunks ChunksOf(std::string_view glb) {
   constexpr std::uint32_t kJson = 0x4e4f534a, kBuffer = 0x004e4942;
   const std::string export_again = "; the file is cut short or damaged, export or copy it again";
   if (glb.size() < kHeader + kChunkHeader || !glb.starts_with("glTF")) {
-    throw Error("it is no .glb" + export_again);
+    throw Error("it is not a .glb" + export_again);
   }
   if (const std::uint32_t version = NumberAt(glb, 4); version != 2) {
     throw Error("it is of glTF version " + std::to_string(version) + "; export it as glTF 2.0");
@@ -54,7 +54,7 @@ Chunks ChunksOf(std::string_view glb) {
   for (std::size_t at = kHeader; at < declared;) {
     const std::size_t left = declared - at;
     if (left < kChunkHeader || NumberAt(glb, at) > left - kChunkHeader) {
-      throw Error("its chunks do not add up to its length" + export_again);
+      throw Error("the lengths of its chunks do not match its own" + export_again);
     }
     const std::string_view contents = glb.substr(at + kChunkHeader, NumberAt(glb, at));
     if (at == kHeader && NumberAt(glb, at + 4) == kJson) chunks.json = contents;
@@ -71,13 +71,13 @@ std::string Decoded(const JsonNode& uri) {
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   const std::string text = uri.Text();
   const std::size_t begin = text.find(";base64,");
-  if (begin == std::string::npos) uri.Fail("is no base64; export a .glb");
+  if (begin == std::string::npos) uri.Fail("is not base64; export a .glb");
   std::string bytes;
   std::uint32_t bits = 0;
   int known = 0;
   for (std::size_t i = begin + 8; i < text.size() && text[i] != '='; ++i) {
     const std::size_t digit = kDigits.find(text[i]);
-    if (digit == std::string_view::npos) uri.Fail("is no base64; export it again, as a .glb");
+    if (digit == std::string_view::npos) uri.Fail("is not base64; export it again, as a .glb");
     bits = bits << 6 | static_cast<std::uint32_t>(digit);
     if ((known += 6) < 8) continue;
     known -= 8;
@@ -130,7 +130,7 @@ class Gltf {
   /// Returns the entry of a list whose index is in a field.
   template <class T>
   static const T& Entry(const std::vector<T>& list, const JsonNode& number) {
-    if (list.empty()) number.Fail("names an entry of a list that is not there; export it again");
+    if (list.empty()) number.Fail("refers to a list entry that does not exist; export it again");
     return list[static_cast<std::size_t>(
         number.Integer(0, static_cast<std::int64_t>(list.size()) - 1))];
   }
@@ -161,8 +161,8 @@ class Gltf {
     const auto uri = buffer.Find("uri");
     if (const auto reference = ReferenceOf(name_, buffer)) {
       if (IsPackedMesh(name_)) {
-        uri->Fail("names a second file, \"" + reference->uri +
-                  "\", which a packed mesh may not; unpack it, or export a .glb");
+        uri->Fail("refers to a second file, \"" + reference->uri +
+                  "\", which a compressed mesh must not; decompress it, or export a .glb");
       }
       try {
         buffers_.push_back(ReadWholeFile(reference->file, kLargestMeshFile));
@@ -188,7 +188,7 @@ class Gltf {
     const std::size_t bytes = Count(view.At("byteLength"));
     if (begin > buffer.size() || bytes > buffer.size() - begin) {
       view.Fail("reaches beyond the end of its buffer, which has " + std::to_string(buffer.size()) +
-                " bytes; the file is cut short or damaged, export it again");
+                " bytes; the file is truncated or damaged: export it again");
     }
     return std::string_view(buffer).substr(begin, bytes);
   }
@@ -272,11 +272,11 @@ class Gltf {
     const std::size_t changed = Count(sparse->At("count"));
     const JsonNode indices = sparse->At("indices");
     std::vector<std::size_t> which(std::min(changed, count));
-    if (changed > count) sparse->Fail("changes more entries than there are; export it again");
+    if (changed > count) sparse->Fail("changes more entries than exist; export it again");
     Walk(indices, indices.At("componentType").Integer(kByte, kFloat), false, 1, changed,
          [&](std::size_t i, const std::array<double, 3>& numbers) {
            if (!(numbers[0] >= 0.0 && numbers[0] < static_cast<double>(count))) {
-             indices.Fail("names an entry that is not there; export it again");
+             indices.Fail("refers to an entry that does not exist; export it again");
            }
            which[i] = static_cast<std::size_t>(numbers[0]);
          });
@@ -301,7 +301,7 @@ class Gltf {
       const auto xyzw = rotation->Items(4);
       const Quat q(xyzw[3].Number(), xyzw[0].Number(), xyzw[1].Number(), xyzw[2].Number());
       if (!(std::abs(q.norm() - 1.0) < 0.01))
-        rotation->Fail("is no unit quaternion; export it again");
+        rotation->Fail("is not a unit quaternion; export it again");
       X.rotate(q.normalized());
     }
     if (const auto scale = node.Find("scale")) X.scale(scale->Vector());
@@ -317,7 +317,7 @@ class Gltf {
       const JsonNode& node = Entry(nodes_, number);
       const auto which = static_cast<std::size_t>(&node - nodes_.data());
       // Must be a tree: in a graph, few nodes could stand for too many.
-      if (met[which]) number.Fail("the node is named twice; export it again");
+      if (met[which]) number.Fail("the node is listed twice; export it again");
       met[which] = true;
       placed.emplace_back(which, parent * PlaceOf(node));
     };
@@ -357,18 +357,20 @@ class Gltf {
     const JsonNode& mesh = Entry(meshes_, *number);
     if (HasExtension(node, "EXT_mesh_gpu_instancing")) {
       node.Fail(
-          "stands in many places by \"EXT_mesh_gpu_instancing\", which is not read; export it "
-          "with a node for each");
+          "is instanced by \"EXT_mesh_gpu_instancing\", which is not supported; export it with a "
+          "node for each instance");
     }
     if (node.Has("skin")) {
-      node.Fail("is moved by bones (\"skin\"), which is not read; apply them in a mesh editor");
+      node.Fail(
+          "is deformed by bones (\"skin\"), which is not supported; apply them in a mesh editor");
     }
     for (const JsonNode& of : {node, mesh}) {
       const auto weights = of.Find("weights");
       if (!weights) continue;
       for (const JsonNode& weight : weights->Items()) {
         if (weight.Number() == 0.0) continue;
-        weight.Fail("a shape key moves the mesh, which is not read; apply it in a mesh editor");
+        weight.Fail(
+            "a shape key deforms the mesh, which is not supported; apply it in a mesh editor");
       }
     }
     const auto begin = static_cast<std::uint32_t>(file_.read.mesh.triangles.size());
@@ -424,7 +426,7 @@ class Gltf {
     }
     if (mode == kTriangles && corners.size() % 3 != 0) {
       primitive.Fail("has " + std::to_string(corners.size()) +
-                     " corners, which are no whole triangles; export it again");
+                     " corners, which is not a multiple of three; export it again");
     }
     const bool mirrored = X.linear().determinant() < 0.0;  // then its faces are wound the other way
     for (std::size_t i = 0; i + 2 < corners.size(); i += mode == kTriangles ? 3 : 1) {

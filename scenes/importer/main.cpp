@@ -54,23 +54,22 @@ void Write(const std::string& bytes) {
     const ssize_t wrote = write(STDOUT_FILENO, bytes.data() + done, bytes.size() - done);
     if (wrote < 0 && errno == EINTR) continue;
     if (wrote < 0)
-      throw Error("cannot hand the mesh over (" + std::generic_category().message(errno) + ")");
+      throw Error("cannot write the mesh (" + std::generic_category().message(errno) + ")");
     done += static_cast<std::size_t>(wrote);
   }
 }
 
 int Main(int argc, char** argv) {
   const CommandLine app(
-      "Reads a mesh (OBJ, STL, PLY, 3DS, glTF) for the other programs, which start it and find it\n"
-      "in their own folder.  It limits its own time and memory, so that a damaged file ends it,\n"
-      "not them.  By hand it tells whether a file can be read.\n\n"
-      "Example: palpate-import tooth.stl",
-      "palpate-import");
+      "Reads a mesh (OBJ, STL, PLY, 3DS, glTF) for the other programs, which start it.\n"
+      "It limits its own time and memory, so that a damaged file cannot end the program\n"
+      "that needs the mesh.  Run by hand, it tells whether a file can be read.",
+      "palpate-import", "Example: palpate-import tooth.stl");
   std::string file;
   std::string log_level = "info";
   int domain = 0;
-  app.Add("MESH", file, "Mesh file, which may be gzipped (.gz)").Required();
-  AddCommonOptions(app, "Accepted for consistency, and not used: this program talks to no other",
+  app.Add("MESH", file, "mesh file, which may be compressed (.gz)").Required();
+  AddCommonOptions(app, "accepted for consistency, but not used: this program does not communicate",
                    domain, log_level);
   if (!ParseCommandLine(app, argc, argv)) return 0;
   SetUpLog("palpate-import", log_level);

@@ -47,8 +47,8 @@ std::string_view MeshText::Word() {
 double MeshText::Number() {
   const std::string_view word = Word();
   double value = 0.0;
-  if (word.empty()) Fail("it ends where a number should stand");
-  if (!ReadNumber(word, value)) Fail(Quoted(word) + " is no number");
+  if (word.empty()) Fail("it ends where a number is expected");
+  if (!ReadNumber(word, value)) Fail(Quoted(word) + " is not a number");
   return value;
 }
 

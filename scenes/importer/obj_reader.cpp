@@ -53,7 +53,7 @@ class Obj {
     const std::string_view word = text_.WordOfLine();
     double value = 0.0;
     if (word.empty()) text_.Fail("a vertex has fewer than three coordinates");
-    if (!ReadNumber(word, value)) text_.Fail(Quoted(word) + " is no number");
+    if (!ReadNumber(word, value)) text_.Fail(Quoted(word) + " is not a number");
     return value;
   }
 
@@ -70,7 +70,7 @@ class Obj {
       const std::int64_t v = number < 0 ? vertices + number : number - 1;
       if (error != std::errc() || end != digits.data() + digits.size() || v < 0 ||
           v > std::numeric_limits<std::uint32_t>::max()) {
-        text_.Fail(Quoted(word) + " is no corner of a face");
+        text_.Fail(Quoted(word) + " is not a corner of a face");
       }
       face_.push_back(static_cast<std::uint32_t>(v));
     }

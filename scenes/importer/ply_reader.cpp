@@ -80,8 +80,8 @@ class Ply {
       for (std::uint64_t i = 0; i < element.count; ++i) {
         if (ReadElement(element)) continue;
         throw Error("it declares " + std::to_string(element.count) + " elements " +
-                    Quoted(element.name) + " (faces of a mesh, say), and " + std::to_string(i) +
-                    " are there; the file is cut short or damaged, export or copy it again");
+                    Quoted(element.name) + " (such as faces), but " + std::to_string(i) +
+                    " are present; the file is truncated or damaged: export or copy it again");
       }
     }
     FileContents file{TrianglesOf(std::move(mesh_))};
@@ -132,11 +132,11 @@ class Ply {
     for (const TypeName& known : kTypes) {
       if (name == known.name || name == known.other) return known.type;
     }
-    Refuse("its PLY header has a property of no known type, " + Quoted(name));
+    Refuse("its PLY header has a property of an unknown type, " + Quoted(name));
   }
 
   void ReadProperty(MeshText& words) {
-    if (elements_.empty()) Refuse("its PLY header has a property of no element");
+    if (elements_.empty()) Refuse("its PLY header has a property outside an element");
     Element& element = elements_.back();
     Property property;
     std::string_view type = words.Word();
@@ -171,7 +171,7 @@ class Ply {
       }
     }
     if (!faces) {
-      throw Error("it holds points and no faces; make a surface of them in a mesh editor");
+      throw Error("it has points but no faces; make a surface of them in a mesh editor");
     }
   }
 
@@ -230,7 +230,7 @@ class Ply {
     if (ascii_) {
       const std::string_view word = text_.Word();
       if (word.empty()) return false;
-      if (!ReadNumber(word, value)) Complain(Quoted(word) + " is no number");
+      if (!ReadNumber(word, value)) Complain(Quoted(word) + " is not a number");
       return true;
     }
     const std::size_t bytes = kTypes[static_cast<std::size_t>(type)].bytes;

@@ -91,8 +91,8 @@ ImportedMesh TrianglesOf(Polygons&& polygons) {
     for (const std::uint32_t v : polygon) {
       if (v < vertices) continue;
       throw Error("its face " + std::to_string(first.size()) + " names vertex " +
-                  std::to_string(std::size_t{v} + 1) + ", and there are " +
-                  std::to_string(vertices) + kExportAgain);
+                  std::to_string(std::size_t{v} + 1) + " of " + std::to_string(vertices) +
+                  kExportAgain);
     }
     Cut(read.mesh.vertices, polygon, read.mesh);
     first.push_back(static_cast<std::uint32_t>(read.mesh.triangles.size()));

@@ -42,7 +42,7 @@ FileContents ReadBinary(std::string_view bytes) {
   const auto refuse = [&](const char* how_many) {
     throw Error("it declares " + std::to_string(declared) + " facets, and " + how_many +
                 std::to_string(there) +
-                " are there; the file is cut short or damaged, export or copy it again");
+                " are present; the file is truncated or damaged: export or copy it again");
   };
   if (declared > there) refuse("");
   FileContents file;
@@ -74,8 +74,8 @@ class TextStl {
 
   ImportedMesh Read() && {
     if (Word() != "solid") {
-      throw Error(std::string("it is no STL: a text begins with \"solid\", and a binary one has "
-                              "its count of facets behind 80 bytes") +
+      throw Error(std::string("it is not STL: text begins with \"solid\", and binary has the "
+                              "number of facets after 80 bytes") +
                   kExportAgain);
     }
     do {

@@ -111,8 +111,8 @@ std::string HiddenRemark(const HiddenParts& hidden, double scale, const std::str
     remark += (i == 0 ? ", of \"" : ", \"") + hidden.of[i] + "\"";
   }
   return remark +
-         "; nothing touches it there, and a material painted on it counts only where it is "
-         "exposed; unite the parts in the modeller if they should be one";
+         "; nothing can touch it there, and a material assigned to it counts only where it is "
+         "exposed; unite the parts in the mesh editor if they should be one";
 }
 
 }  // namespace palpate

@@ -25,8 +25,8 @@ std::string KnownMeshFormatOf(const std::string& file) {
   const std::string format = MeshFormatOf(file);
   if (IsMeshFile(file)) return format;
   throw Error(file + (format.empty()
-                          ? ": its name has no ending, which tells a mesh's format; give it one of "
-                            ".obj, .stl, .ply, .3ds, .gltf and .glb"
+                          ? ": its name has no extension to tell its format; add .obj, .stl, .ply, "
+                            ".3ds, .gltf or .glb"
                           : ": the format \"" + format +
                                 "\" is not known; convert it to OBJ, STL, PLY, 3DS or glTF"));
 }

@@ -38,7 +38,7 @@ namespace fs = std::filesystem;
 [[noreturn]] void FailToStart(const std::string& what, int error) {
   throw Error("palpate-import, which reads meshes, cannot be started (" + what + ": " +
               std::generic_category().message(error) +
-              "); install palpate-common, or let PALPATE_PROGRAMS name the folder that holds it");
+              "); install palpate-common, or set PALPATE_PROGRAMS to its folder");
 }
 
 /// A file in memory that a child writes, and whose contents are read after it has ended; unlike
@@ -131,21 +131,21 @@ class Child {
   }
   if (WIFEXITED(status) && WEXITSTATUS(status) == 127 && !said.empty()) {  // from the loader
     throw Error("palpate-import, which reads meshes, cannot be started (" +
-                std::string(said.substr(0, said.find('\n'))) + "); install what it lacks");
+                std::string(said.substr(0, said.find('\n'))) + "); install what is missing");
   }
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
-    if (signal == SIGINT || signal == SIGTERM) throw Error(file + ": its reading was interrupted");
+    if (signal == SIGINT || signal == SIGTERM) throw Error(file + ": reading it was interrupted");
     if (signal == SIGKILL || signal == SIGXCPU) {
       throw Error(file + ": was not read within " + std::to_string(limits.cpu_s) +
                   " s; it is damaged, export it again, or simplify it");
     }
-    throw Error(file + ": is damaged so that reading it crashes (" + strsignal(signal) +
+    throw Error(file + ": is damaged: reading it crashes (" + strsignal(signal) +
                 "); export it again, or in another format");
   }
   throw Error(file + ": was not read (palpate-import ended with " +
-              std::to_string(WEXITSTATUS(status)) + "); export it again, or see what '" + program +
-              " " + file + "' says");
+              std::to_string(WEXITSTATUS(status)) + "); export it again, or see the output of '" +
+              program + " " + file + "' says");
 }
 
 Eigen::AlignedBox3d BoxOf(const TriangleMesh& mesh) {

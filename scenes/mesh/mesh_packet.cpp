@@ -44,7 +44,7 @@ class Cursor {
   void End() const {
     if (!rest_.empty()) Refuse();
   }
-  [[noreturn]] static void Refuse() { throw Error("what was read of it does not add up"); }
+  [[noreturn]] static void Refuse() { throw Error("the data read from it is inconsistent"); }
 
  private:
   std::string_view rest_;

@@ -59,8 +59,8 @@ std::optional<MeshReference> ReferenceOf(const std::string& file, const JsonNode
   const std::string name = Decoded(uri->String());
   if (LeadsOut(name)) {
     uri->Fail("\"" + name +
-              "\" leads out of the mesh's folder; put the buffer beside the mesh, or export a "
-              ".glb, which holds it");
+              "\" is outside the mesh's folder; put the buffer beside the mesh, or export a .glb, "
+              "which contains it");
   }
   return MeshReference{uri->String(), (fs::path(file).parent_path() / name).string()};
 }

@@ -37,13 +37,13 @@ void Judge(MeshReport& r) {
   if (!r.refusal.empty()) return;
   if (!r.closed()) {
     r.remarks.push_back(Count(r.boundary_edges, "edge is", "edges are") +
-                        " open: what is inside is decided by winding number, and spheres may show "
-                        "through large holes; close them in a mesh editor");
+                        " open: the winding number determines what is inside, and spheres may "
+                        "protrude through large holes; close them in a mesh editor");
   }
   if (!r.manifold()) {
     r.remarks.push_back(Count(r.non_manifold_edges, "edge has", "edges have") +
-                        " more than two triangles: walls inside are passed over, and sheets that "
-                        "stand on the body are felt; remove them in a mesh editor");
+                        " more than two triangles: walls inside are ignored, and sheets attached "
+                        "to the body are felt; remove them in a mesh editor");
   }
   if (!r.oriented()) {
     r.remarks.push_back(Count(r.inconsistent_edges, "edge joins", "edges join") +

@@ -72,7 +72,7 @@ std::optional<Spike> FindSpike(const TriangleMesh& mesh) {
 }
 
 std::string SpikeRemark(const Spike& spike) {
-  return "a vertex stands far out of all others, at (" + Figure(spike.at.x(), 6) + ", " +
+  return "a vertex is far from all others, at (" + Figure(spike.at.x(), 6) + ", " +
          Figure(spike.at.y(), 6) + ", " + Figure(spike.at.z(), 6) +
          ") of the file's unit: without it the longest side is " + Figure(spike.without, 3) +
          " in place of " + Figure(spike.longest, 3) + "; delete it in a mesh editor" +

@@ -62,7 +62,7 @@ std::string FindModel(const std::string& name, const std::string& models_dir) {
     if (fs::exists(file, ignored)) return file.string();
     places += (places.empty() ? "" : ", ") + folder.lexically_normal().string();
   }
-  throw Error("the model \"" + name + "\" is not here: " + std::string(model->remedy) +
+  throw Error("the model \"" + name + "\" is not installed: " + std::string(model->remedy) +
               " (looked for " + std::string(model->file) + " in " + places + ")");
 }
 

@@ -71,8 +71,8 @@ constexpr double kFinestTip = 0.2e-3;              ///< least diameter of a tape
     return std::string(shape.number) + " (" + std::string(shape.what) + ")";
   });
   throw Error(Quoted(name) +
-              " is no bur that is known; give SHAPE/SIZE after ISO 6360, as \"237/014\": "
-              "the size in 1/10 mm from 005 to 050, and of the shapes " +
+              " is not a known bur; give SHAPE/SIZE as in ISO 6360, such as \"237/014\": the size "
+              "in 1/10 mm from 005 to 050, the shape one of " +
               known + "; or a \"mesh\" of the shape \"bur\"");
 }
 
@@ -140,7 +140,7 @@ NamedBur BurOfIso(const std::string& name) {
   if (shape->kind == "cone") {
     bur.tip_diameter = tip = bur.diameter - 2.0 * kTangentOfTaper * bur.length;
     if (tip < kFinestTip) {
-      throw Error(Quoted(name) + " would be finer than 0.2 mm at its tip; give a greater size");
+      throw Error(Quoted(name) + " would be thinner than 0.2 mm at its tip; give a larger size");
     }
   }
   switch (shape->edge) {

@@ -68,9 +68,8 @@ void CoverBarest(const std::vector<SurfaceSample>& samples, const InnerBalls& in
   while (count > 0) {
     if (worst.empty()) {
       throw Error(
-          "the mesh encloses nothing, so that no sphere has a radius: it is two faces back to "
-          "back, or has a vertex far away; give \"thickness_mm\" in the scene file, or remove the "
-          "vertex");
+          "the mesh encloses no volume to put spheres into: its faces are back to back, or a "
+          "vertex is far away; give \"thickness_mm\" in the scene file, or remove the vertex");
     }
     const auto [score, i] = worst.top();
     worst.pop();
@@ -112,7 +111,7 @@ class BallFitter {
     std::vector<Sphere> leaves = Touching();
     const std::vector<Sphere> fill = Fill(leaves);
     if (mode_ == TreeMode::kInside) leaves.insert(leaves.end(), fill.begin(), fill.end());
-    Tell("covering the barest places", 0.6);
+    Tell("covering the largest gaps", 0.6);
     const std::size_t kept = mode_ == TreeMode::kInside ? 0 : fill.size();
     CoverBarest(solid_.samples, inner_, spacing_, count_ - leaves.size() - kept, leaves);
     if (mode_ == TreeMode::kInside) return leaves;
@@ -146,14 +145,14 @@ class BallFitter {
 
   /// Returns balls that touch the surface at evenly spread points.
   std::vector<Sphere> Touching() const {
-    Tell("touching balls", 0.1);
+    Tell("fitting balls", 0.1);
     std::vector<Sphere> leaves;
     if (even_ == 0) return leaves;
     for (std::uint32_t i : ThinOut(solid_.samples, even_, solid_.report.area)) {
       const Sphere ball = inner_.Tangent(solid_.samples[i]);
       if (ball.radius > 0.0) leaves.push_back(ball);
       if (leaves.size() % 256 == 0) {
-        Tell("touching balls", 0.1 + 0.4 * double(leaves.size()) / double(even_));
+        Tell("fitting balls", 0.1 + 0.4 * double(leaves.size()) / double(even_));
       }
     }
     return leaves;

@@ -106,7 +106,7 @@ SphTree ReadHeader(LineReader& lines, std::size_t bytes) {
   if (!nodes) {
     lines.Fail(
         fmt::format("declares {} levels of degree {}, which are more nodes than its {} bytes can "
-                    "hold; it is cut short or damaged: write it again",
+                    "hold; it is truncated or damaged: write it again",
                     *levels, *degree, bytes));
   }
   tree.levels = *levels;
@@ -121,21 +121,19 @@ SphTree::Node ReadNode(LineReader& lines, double metres_per_unit) {
     const auto read = lines.Take<double>();
     if (!read || !std::isfinite(*read)) {
       lines.Fail(
-          "is no node, which is \"x y z radius importance\", finite numbers; the file is cut short "
-          "or damaged: write it again");
+          "is not a node: \"x y z radius importance\", all finite; the file is truncated or "
+          "damaged: write it again");
     }
     n = *read * metres_per_unit;
     if (!(std::abs(n) <= kFurthest)) {
-      lines.Fail(fmt::format("{} is more than 1000 km; give the unit that the file has", *read));
+      lines.Fail(fmt::format("{} is more than 1000 km; give the unit of the file", *read));
     }
   }
   SphTree::Node node{{{number[0], number[1], number[2]}, number[3]}};
   if (lines.AtEndOfLine()) return node;
   const auto importance = lines.Take<double>();
   if (!importance || !std::isfinite(*importance)) {
-    lines.Fail(
-        "has something else than a finite number after x y z radius; the file is damaged: write it "
-        "again");
+    lines.Fail("has no finite number after x y z radius; the file is damaged: write it again");
   }
   node.importance = *importance;
   return node;
@@ -159,14 +157,14 @@ SphTree ParseSph(std::string_view text, const std::string& file, double metres_p
   for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
     if (!lines.Next()) {
       lines.Fail(
-          fmt::format("ends after {} of the {} nodes that its first line declares; it is cut "
-                      "short: write it again",
+          fmt::format("ends after {} of the {} nodes that its first line declares; it is "
+                      "truncated: write it again",
                       i, tree.nodes.size()));
     }
     tree.nodes[i] = ReadNode(lines, metres_per_unit);
   }
   if (std::none_of(tree.nodes.begin(), tree.nodes.end(), [](const auto& n) { return n.used(); })) {
-    lines.Fail("no node has a radius above 0, so there is no ball; give a file that holds a tree");
+    lines.Fail("no node has a radius above 0; give a file with a tree");
   }
   return tree;
 }

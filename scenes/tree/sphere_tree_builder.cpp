@@ -50,9 +50,9 @@ void ShareOutTriangles(const TriangleMesh& mesh, const std::vector<SurfaceSample
 SphereTree Assemble(const TriangleMesh& mesh, const std::vector<Sphere>& balls,
                     const std::vector<SurfaceSample>& samples, const Vec3& centroid,
                     const Progress& progress = {}) {
-  if (progress) progress("arranging the tree", 0.8);
+  if (progress) progress("building the tree", 0.8);
   SphereTree tree = ArrangeLeaves(balls).tree;
-  if (progress) progress("sharing out triangles", 0.9);
+  if (progress) progress("assigning triangles", 0.9);
   ShareOutTriangles(mesh, samples, tree);
   tree.centroid = centroid;
   if (progress) progress("done", 1.0);
@@ -82,7 +82,7 @@ SphereTree BuildSphereTree(const TriangleMesh& mesh, std::size_t count, const Pr
   if (progress) progress("inspecting", 0.0);
   const Vec3 centroid = CentroidOf(mesh);
   const MeshSolid solid = SolidOf(mesh);
-  if (progress) progress("scattering samples", 0.05);
+  if (progress) progress("sampling the surface", 0.05);
   const SampledSolid sampled(solid.mesh, count);
   const std::vector<Sphere> leaves = MakeLeaves(sampled, count, mode, progress);
   SphereTree tree =

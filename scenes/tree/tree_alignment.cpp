@@ -132,10 +132,10 @@ constexpr double kDoubtful = 0.4, kDoubtfulWithMean = 0.8, kApart = 3.0;
 void RequireSize(const Box& mesh, const Box& balls) {
   const double ratio = balls.diagonal() / mesh.diagonal();
   if (ratio <= kLargest && ratio >= kSmallest) return;
-  throw Error(fmt::format(
-      "its balls take a box {} across, and the mesh one of {}, {:.3g} times as large: give the "
-      "\"unit\" that the tree has, or the mesh that it was made of",
-      Millimetres(balls.diagonal()), Millimetres(mesh.diagonal()), 1.0 / ratio));
+  throw Error(
+      fmt::format("the bounding box of its spheres is {} across, that of the mesh {}, {:.3g} times "
+                  "as large; give the \"unit\" of the tree, or the mesh from which it was made",
+                  Millimetres(balls.diagonal()), Millimetres(mesh.diagonal()), 1.0 / ratio));
 }
 
 /// Writes what is wrong with the fit.
@@ -145,9 +145,8 @@ void Judge(bool moved, TreeAlignment& fit) {
       "its balls, {} from each other, lie {} +- {} from the surface", Millimetres(fit.spacing),
       Millimetres(std::abs(fit.mean)), Millimetres(fit.residual));
   if (all > kApart * fit.spacing) {
-    throw Error(how + (moved
-                           ? ", wherever they are moved to: give the mesh that the tree was made of"
-                           : ": leave \"align\" out, and they are moved to the mesh"));
+    throw Error(how + (moved ? ", even after alignment; give the mesh from which the tree was made"
+                             : "; drop \"align\", and they are aligned with the mesh"));
   }
   if (fit.residual > kDoubtful * fit.spacing || all > kDoubtfulWithMean * fit.spacing) {
     fit.misfit = how + ", as if they were of another mesh or unit: see palpate-scene render";

@@ -177,8 +177,8 @@ std::string ExportFormatOf(const std::string& file) {
   const std::string ending = std::filesystem::path(file).extension().string();
   if (ending != ".sph" && ending != ".ply" && ending != ".glb") {
     throw UsageError(file +
-                     ": the ending says what is written; give .sph (the Sphere-Tree Construction "
-                     "Toolkit's), .ply or .glb (for any viewer)");
+                     ": the extension must be .sph (Sphere-Tree Construction Toolkit), .ply or "
+                     ".glb (for any viewer)");
   }
   return ending;
 }

@@ -22,12 +22,12 @@ ImportedTree ImportTree(const TreeSource& source, const TriangleMesh& mesh,
   }
   std::vector<Sphere> balls = BallsOfLevel(sph, level);
   if (balls.empty()) {
-    throw Error(fmt::format("{}: level {} has no balls; give another", file, level));
+    throw Error(fmt::format("{}: level {} has no spheres; give another", file, level));
   }
   if (balls.size() > kMaxLeaves) {
     throw Error(
-        fmt::format("{}: level {} has {} balls, and a body at most {}; give a coarser level", file,
-                    level, balls.size(), kMaxLeaves));
+        fmt::format("{}: level {} has {} spheres, but a body has at most {}; give a coarser level",
+                    file, level, balls.size(), kMaxLeaves));
   }
   // Align with the finest level, which shows best where the mesh was, and whether it was this one.
   int finest = sph.levels;

@@ -27,9 +27,8 @@ void CheckNumbers(const TriangleMesh& mesh) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (const std::uint32_t v : mesh.triangles[t]) {
       if (v < mesh.vertices.size()) continue;
-      throw Error("triangle " + std::to_string(t) + " names vertex " + std::to_string(v) +
-                  ", and there are " + std::to_string(mesh.vertices.size()) +
-                  "; both count from 0");
+      throw Error("triangle " + std::to_string(t) + " names vertex " + std::to_string(v) + " of " +
+                  std::to_string(mesh.vertices.size()) + "; both count from 0");
     }
   }
 }

@@ -173,7 +173,7 @@ palpate_scene* palpate_scene_load(const char* name_or_path) {
     }
     return loaded.release();
 #else
-    throw Error("this libpalpate was built without scenes: build it with PALPATE_PROGRAMS=ON");
+    throw Error("this libpalpate was built without scenes; build it with PALPATE_PROGRAMS=ON");
     return static_cast<palpate_scene*>(nullptr);
 #endif
   });
@@ -186,7 +186,7 @@ int palpate_scene_save(const palpate_scene* scene, const char* file) {
     SaveScene(scene->scene, file);
     return 0;
 #else
-    throw Error("this libpalpate was built without scenes: build it with PALPATE_PROGRAMS=ON");
+    throw Error("this libpalpate was built without scenes; build it with PALPATE_PROGRAMS=ON");
     return -1;
 #endif
   });

@@ -87,7 +87,7 @@ void SetParameter(Scene& scene, std::string_view name, double value) {
   if (is(kFriction, false)) SetFriction(scene, value);
   if (!found) {
     names.resize(names.size() - 2);
-    throw Error("parameter " + std::string(name) + " is not known; there are " + names);
+    throw Error("parameter " + std::string(name) + " is not known; give one of " + names);
   }
 }
 

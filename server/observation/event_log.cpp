@@ -32,7 +32,7 @@ EventLog::EventLog(const std::string& file) : file_(file) {
   fd_ = open(file.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC | O_NONBLOCK, 0640);
   if (fd_ < 0) {
     throw Error("--event-log " + file + ": " + std::strerror(errno) +
-                "; give a file in a folder that can be written to");
+                "; give a file in a writable folder");
   }
 }
 
@@ -119,14 +119,14 @@ void EventLog::Write(const char* event, const Fields& fields) {
   line += "}\n";
   if (Append(line)) {
     left_out_ = 0;
-    if (std::exchange(failing_, false)) spdlog::info("{}: takes events again", file_);
+    if (std::exchange(failing_, false)) spdlog::info("{}: events are written again", file_);
     return;
   }
   const std::string why = std::strerror(errno);
   ++left_out_;
   if (!std::exchange(failing_, true)) {
-    spdlog::error("{}: {}: no events are written to it until that is mended; the server goes on",
-                  file_, why);
+    spdlog::error("{}: {}: no events are written until this is fixed; the server continues", file_,
+                  why);
   }
 }
 

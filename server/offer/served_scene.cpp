@@ -22,7 +22,7 @@ void AddGeneratedHand(const Scene& scene, const Body& body, std::uint64_t seed,
     tool.hand = hand->keys();
     tool.remark = about + "so the server made a hand for '" + body.name +
                   "' (palpate-server --hand-seed " + std::to_string(seed) +
-                  "): it comes to the nearest face, presses 3 mm, slides, and lifts";
+                  "): it approaches the nearest face, presses 3 mm, slides, and lifts";
   } else {
     tool.remark = about + "and on the way from '" + body.name +
                   "' to the nearest face nothing pushes back, so no hand was made for it";

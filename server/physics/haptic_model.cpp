@@ -94,8 +94,8 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObje
   if (cutting_) SetCutting();
   if (!cutting_ && !solids().empty() && boxes().empty()) {
     throw Error(
-        "the tool has no bur, and would go through what burs alone feel where \"contact\" is "
-        "\"spheres\"; give it a bur, or use \"contact\": \"surface\"");
+        "with sphere contact, a tool without a bur would pass through an object that burs cut; "
+        "give it a bur, or use \"contact\": \"surface\"");
   }
 }
 

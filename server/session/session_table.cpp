@@ -42,7 +42,7 @@ void SessionTable::Request(const wire::SessionRequest& request, std::int64_t now
   if (!dds::IsStationName(request.station)) {
     return Refuse(request,
                   std::string("'") + request.station +
-                      "' is no name for a station; give 1 to 32 letters, digits or '_'",
+                      "' is not a valid name of a station; give 1 to 32 letters, digits or '_'",
                   now_ns);
   }
   if (request.leave) return Leave(request);
@@ -90,8 +90,7 @@ bool SessionTable::MayBegin(const wire::SessionRequest& request, std::int64_t no
   const bool taken_back = known && !standing->second.taken_back_by.empty();
   if (!admit_by_hand_ && !taken_back) return true;
   if (held_.size() >= kMaxStations) {
-    Refuse(request, "so many stations wait to be admitted that this one cannot; try again later",
-           now_ns);
+    Refuse(request, "too many stations are waiting to be admitted; try again later", now_ns);
     return false;
   }
   if (!refusals_.Take(now_ns)) {
@@ -109,7 +108,7 @@ void SessionTable::TellHeld(const wire::SessionRequest& request) {
   changes_.push_back(AnswerTo(
       request, palpate_SESSION_HELD,
       taken_back ? "taken back by " + standing->second.taken_back_by + ", who may admit it again"
-                 : "waits to be admitted: somebody at the server's gateway decides"));
+                 : "waits to be admitted by a person at the server's gateway"));
 }
 
 bool SessionTable::Operate(const wire::OperateRequest& request, std::int64_t now_ns) {
@@ -406,7 +405,7 @@ void SessionTable::Admit(const wire::SessionRequest& request, std::int64_t now_n
   if (sessions_.size() >= kMaxStations) {
     return Refuse(request,
                   "this server holds " + std::to_string(kMaxStations) +
-                      " stations, its most; end one of them",
+                      " stations, the maximum; end one of them",
                   now_ns);
   }
   const SessionClient client{ToSeal(request), std::string(request.device) == kMouse};

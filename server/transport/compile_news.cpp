@@ -16,7 +16,7 @@ CompileNews::CompileNews(const dds::Participant& service_domain) {
   try {
     writer_ = {service_domain, dds::kSceneProgressTopic, dds::Qos::kSession};
   } catch (const Error& error) {
-    spdlog::info("viewers are not told how far the scenes are: {}", error.what());
+    spdlog::info("viewers do not see the progress of scenes: {}", error.what());
   }
 }
 

@@ -337,11 +337,10 @@ void Server::DisposeOfEnded(std::int64_t now_ns) {
   untold_ += untold;
   if (untold_ + lines_left_out_ == 0 || now_ns - untold_said_ns_ < kSecond_ns) return;
   if (untold_ > 0) {
-    spdlog::warn("{} more requests were refused without a word: there are so many", untold_);
+    spdlog::warn("{} more requests were refused without a message", untold_);
   }
   if (lines_left_out_ > 0) {
-    spdlog::warn("{} more lines about stations and scenes are left out here: there are so many",
-                 lines_left_out_);
+    spdlog::warn("{} more lines about stations and scenes were suppressed", lines_left_out_);
   }
   untold_ = lines_left_out_ = 0;
   untold_said_ns_ = now_ns;
@@ -353,8 +352,8 @@ void Server::CheckSharedMemory(std::int64_t now_ns) {
   memory_lost_ = loop_domain_.shared_memory_lost();
   if (memory_lost_) {
     spdlog::warn(
-        "RouDi has gone: sessions go on, new ones use UDP; for shared memory restart RouDi, server "
-        "and stations together");
+        "RouDi has ended: sessions continue, new ones use UDP; for shared memory, restart RouDi, "
+        "server and stations together");
   }
 }
 
@@ -409,8 +408,9 @@ void Server::ReportStatistics(Station& station, std::int64_t now_ns) {
 void Server::TellUnheard(const std::string& name, Station& station) {
   const std::uint64_t refused = station.link->refused();
   if (refused == station.refused) return;
-  spdlog::warn("station {}: {} poses beyond its share ({} a second, half of the time), not heard",
-               name, refused - station.refused, ServoBudget::kPosesPerSecond);
+  spdlog::warn(
+      "station {}: {} poses ignored, beyond its share of {} per second and half of the time", name,
+      refused - station.refused, ServoBudget::kPosesPerSecond);
   station.refused = refused;
 }
 

@@ -156,29 +156,33 @@ void AddAccuracy(const CommandLine& app) {
   SlidingExperiment& experiment = options->experiment;
   const CommandLine command = app.AddCommand(
       "accuracy",
-      "Force of a ball that slides over a cube or an ellipsoid, against analytic truth\n"
-      "(chapter 2.5.1): a ball of 5 mm, commanded 1 mm deep at 1 N/mm, translation only.\n"
+      "force error of a ball that slides over a cube or an ellipsoid\n"
+      "Compared with the analytic solution (chapter 2.5.1): a ball of 5 mm, commanded 1 mm\n"
+      "deep at 1 N/mm, translation only.");
+  command.Footer(
       "Example: palpate-bench accuracy --object ellipsoid --spheres 8,64,512 --json e.json");
   Add(command, "--object", experiment.object, "cube (50 mm) or ellipsoid (40, 25, 30 mm)")
       .OneOf({"cube", "ellipsoid"});
-  Add(command, "--spheres", options->spheres, "Leaves of the object's tree; a row for each")
+  Add(command, "--spheres", options->spheres,
+      "leaves of the object's tree; one row for each number")
       .Positive();
   Add(command, "--triangles", experiment.triangles,
-      "Ellipsoid: triangles of its mesh at least (20, 80, ..., 5120, 20480, 81920)")
+      "ellipsoid: minimum number of triangles (20, 80, ..., 5120, 20480, 81920)")
       .Positive();
   Add(command, "--tolerance-um", options->tolerance_um,
-      "Ellipsoid, surface contact: how truly that mesh stands for a curved surface, as a "
-      "scene's \"curved\" says; 0: felt as it is")
+      "ellipsoid, surface contact: distance of the mesh from the curved surface that it "
+      "approximates, like \"curved\" in a scene; 0: feel the flat triangles")
       .Range(0.0, 1e6);
   options->features.AddTo(command);
   Add(command, "--mode", options->mode,
-      "Mode of the object's tree (default: balanced for spheres, else inside)")
+      "mode of the object's tree; default: balanced for spheres, else inside")
       .OneOf({kTreeModes.begin(), kTreeModes.end()});
   AddTreeFile(command, "m", options->file).Needs(command.Find("--tree"));
-  Add(command, "--steps", experiment.steps, "Samples of steady sliding").Positive();
+  Add(command, "--steps", experiment.steps, "samples of steady sliding").Positive();
   AddRepeats(command, experiment.repeats);
   AddJson(command, options->json);
-  Add(command, "--errors", options->errors, "Write the errors over time to FILE.csv (- is stdout)");
+  Add(command, "--errors", options->errors,
+      "write the errors over time to this file (CSV); -: standard output");
   command.Run([options] { Run(*options); });
 }
 

@@ -284,7 +284,7 @@ void Run(Options options) {
         });
     fmt::print(
         stderr,
-        "\nsliding on the bunny at 0.1 m/s, error of the force against the undelayed step's\n{}",
+        "\nsliding on the bunny at 0.1 m/s, error of the force relative to the undelayed step\n{}",
         TableOf(slides));
     json["slide"] = ToJson(slides);
     if (report) {
@@ -307,44 +307,46 @@ void AddClosedLoop(const CommandLine& app) {
   ClosedLoopCase& loop = options->loop;
   const CommandLine command = app.AddCommand(
       "closed-loop",
-      "A simulated arm and hand, the station's loop and limiter, a link and the server's loop, in\n"
-      "virtual time: does a contact come to rest, how much energy does the hand get, and how "
-      "stiff\n"
-      "may it be?  --out measures that for each delay, with and without the local model and the\n"
-      "passivity controller, and writes what there is after each: on an idle core half a minute "
-      "for\n"
-      "the wall, three to four for the bunny.\n"
+      "stability, energy and stiffness of a contact across a delayed link\n"
+      "Simulates arm, hand, station with its limiter, link and server in virtual time.\n"
+      "Reports whether a contact comes to rest, how much energy the hand receives, and the\n"
+      "largest stable stiffness.  --out measures these for each delay, with and without the\n"
+      "local model and the passivity controller, and updates the report after each one.  On\n"
+      "an idle core it takes half a minute for the wall, three to four for the bunny.");
+  command.Footer(
       "Example: palpate-bench closed-loop --delay-ms 10 --local-model on --out closed-loop");
   std::string hands;
   std::vector<std::string> devices{"simulated"};
   for (const PhantomSheet& sheet : PhantomSheets()) devices.emplace_back(sheet.name);
   for (const PublishedHand& hand : PublishedHands()) hands += " " + hand.name;
   Add(command, "--device", options->device,
-      "The arm, as palpate-station's --model; simulated: its default")
+      "arm, as given to palpate-station --model; simulated: the default one")
       .OneOf(devices);
-  Add(command, "--delay-ms", loop.delay_ms, "Delay there and back").Range(0.0, 200.0);
-  Add(command, "--jitter-ms", loop.jitter_ms, "Further delay, from 0 to this").Range(0.0, 200.0);
-  Add(command, "--loss", loop.loss, "Share of the samples that is lost, each way").Range(0.0, 1.0);
-  Add(command, "--local-model", options->local_model, "The station's local contact model")
+  Add(command, "--delay-ms", loop.delay_ms, "round-trip delay").Range(0.0, 200.0);
+  Add(command, "--jitter-ms", loop.jitter_ms, "random additional delay, up to this")
+      .Range(0.0, 200.0);
+  Add(command, "--loss", loop.loss, "fraction of the samples lost, each way").Range(0.0, 1.0);
+  Add(command, "--local-model", options->local_model, "use the station's local contact model")
       .OneOf({"on", "off"});
-  Add(command, "--passivity", options->passivity, "The limiter's energy stage")
+  Add(command, "--passivity", options->passivity, "use the limiter's energy stage")
       .OneOf({"on", "off"});
   Add(command, "--stiffness", loop.stiffness_N_per_m,
-      "Of the coupling, in N/m; the torsional one goes with it")
+      "of the coupling, in N/m; the torsional stiffness scales with it")
       .Range(1.0, kStiffest);
-  Add(command, "--hand", loop.hand, "Whose hand:" + hands);
+  Add(command, "--hand", loop.hand, "published model of a hand:" + hands);
   Add(command, "--scene", options->scene,
       "wall: a ball on a plate; bunny: bunny-bunny, pressed on the back")
       .OneOf({"wall", "bunny"});
-  command.AddFlag("--slide", options->slide, "Also the force's error while sliding on the bunny");
+  command.AddFlag("--slide", options->slide,
+                  "also measure the force error while sliding on the bunny");
   Add(command, "--slides", options->slides,
-      "Slides over places and in directions of the seed, beside the scene's own")
+      "number of further slides, with places and directions from the seed")
       .Range(0, 1000);
-  Add(command, "--seed", loop.seed, "Of the link and the slides");
+  Add(command, "--seed", loop.seed, "random seed of link and slides");
   AddJson(command, options->json);
   Add(command, "--out", options->out,
-      "Write DIR/report.md, and into --json: stiffness, energy and limit cycle against delay, each "
-      "way of closing the loop");
+      "folder for report.md: stiffness, energy and limit cycle against delay, for each "
+      "combination of local model and passivity controller; also added to --json");
   command.Run([options] { Run(*options); });
 }
 

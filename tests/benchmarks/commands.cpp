@@ -7,35 +7,37 @@
 namespace palpate::bench {
 
 void AddJson(const CommandLine& command, std::string& file) {
-  Add(command, "--json", file, "Write one JSON object to FILE (- is stdout)");
+  Add(command, "--json", file, "write one JSON object to this file; -: standard output");
 }
 
 void AddModels(const CommandLine& command, std::string& folder) {
-  Add(command, "--models", folder, "Folder of models that are not packaged");
+  Add(command, "--models", folder, "folder of meshes that no package installs");
 }
 
 void AddPathSteps(const CommandLine& command, std::optional<int>& steps) {
-  Add(command, "--steps", steps, "Steps (default: the whole path)").Positive();
+  Add(command, "--steps", steps, "number of steps; default: the whole path").Positive();
 }
 
 void AddRepeats(const CommandLine& command, int& repeats) {
-  Add(command, "--repeats", repeats, "Identical runs; 'best' is the least of each step").Positive();
+  Add(command, "--repeats", repeats,
+      "number of identical runs; 'best' is the minimum for each step")
+      .Positive();
 }
 
 Option AddTreeFile(const CommandLine& command, const char* usual_unit, TreeSource& source) {
   source.where = "--tree";
   const Option file =
       Add(command, "--tree", source.file,
-          "A tree of the Sphere-Tree Construction Toolkit of the same mesh "
-          "(FILE.sph; none is supplied), to be measured beside those that are built");
-  Add(command, "--level", source.level, "Level of that file, from 1; 0: its finest")
+          "tree of the same mesh made by the Sphere-Tree Construction Toolkit (FILE.sph; none is "
+          "supplied), to measure beside the trees that are built");
+  Add(command, "--level", source.level, "level of that file, from 1; 0: the finest")
       .Range(0, kMaxSphLevels)
       .Needs(file);
   return command
       .AddText(
           "--unit",
           [&source](const std::string& unit) { source.metres_per_unit = MetresPerUnit(unit); },
-          std::string("What a number in the file means (default: ") + usual_unit + ")")
+          std::string("unit of that file; default: ") + usual_unit)
       .OneOf({kUnits.begin(), kUnits.end()});
 }
 

@@ -379,33 +379,38 @@ void AddCut(const CommandLine& app) {
   auto options = std::make_shared<Options>();
   const CommandLine command = app.AddCommand(
       "cut",
-      "A ball bur of 0.5 mm in a flat block: volume against the exact sweep, force and "
-      "work against the\nlaw, time of a step.  About half a minute.\n"
-      "Or a scene of one's own: step, force, volume, work, surface and ripple.\n"
-      "Or a fit of the law to feeds and forces that were measured.\n"
-      "Example: palpate-bench cut --json cut.json\n"
-      "         palpate-bench cut --scene ./groove.json");
-  const Option scene = Add(command, "--scene", options->scene,
-                           "Instead: a scene with a bur, from the catalogue or a file");
+      "error of removed volume, force and work of a bur, and time of a step\n"
+      "Without --scene: a ball bur of 0.5 mm in a flat block.  Compares the volume with the\n"
+      "exact sweep, and force and work with the cutting law; takes about half a minute.\n"
+      "With --scene: step, force, volume, work, surface and ripple of that scene.\n"
+      "With --fit: fits the cutting law to measured feeds and forces.");
+  command.Footer(
+      "Examples:\n"
+      "  palpate-bench cut --json cut.json\n"
+      "  palpate-bench cut --scene ./groove.json");
+  const Option scene =
+      Add(command, "--scene", options->scene, "scene with a bur, from the catalogue or a file");
   Add(command, "--poses", options->poses,
-      "Rows x,y,z,qw,qx,qy,qz, one a millisecond; if left out the scene's script, or a plunge "
-      "and a groove")
+      "haptic poses (CSV: x,y,z,qw,qx,qy,qz, one row per millisecond); default: the scene's "
+      "script, else a plunge and a groove")
       .Needs(scene);
-  Add(command, "--surface", options->surface,
-      "Write what is left of the solids to FILE.stl, in metres")
+  Add(command, "--surface", options->surface, "write the remaining solids to FILE.stl, in metres")
       .Needs(scene);
   Add(command, "--sweep", options->sweep,
-      "Write the solids and the bur's way to FILE.json, for others to compute the cut volume from")
+      "write the solids and the path of the bur to FILE.json, from which another program can "
+      "compute "
+      "the removed volume")
       .Needs(scene);
   Add(command, "--burs", options->burs,
-      "Its block cut by each of these burs instead, ISO 6360 numbers as 001/014,237/014")
+      "cut the scene's block with each of these burs instead: ISO 6360 numbers such as "
+      "001/014,237/014")
       .Needs(scene);
   Add(command, "--fit", options->fit,
-      "Instead: the law that is nearest to FILE.csv, rows of\n"
-      "material,area_mm2,share,feed_mm_per_s,force_N: the front's area across the feed, its\n"
-      "share of viscosity (1: flat, 0.667: a ball), and what was measured")
+      "fit the cutting law to FILE.csv, with rows material,area_mm2,share,feed_mm_per_s,force_N: "
+      "area of the cutting front across the feed, its share of viscosity (flat 1, ball 0.667), "
+      "and the measured feed and force")
       .Excludes(scene);
-  Add(command, "--grid-um", options->grids_um, "Spacings of the grid [um], 25 to 200")
+  Add(command, "--grid-um", options->grids_um, "spacings of the grid in um, 25 to 200")
       .Excludes(scene);
   AddRepeats(command, options->repeats);
   AddJson(command, options->json);

@@ -51,7 +51,7 @@ double NumberIn(const std::string& text, double least, const std::string& where)
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
   if (text.empty() || *end != '\0' || !std::isfinite(value) || value < least) {
-    throw Error(where + "\"" + text + "\" is no number of at least " + fmt::format("{}", least) +
+    throw Error(where + "\"" + text + "\" is not a number of at least " + fmt::format("{}", least) +
                 "; give material,area_mm2,share,feed_mm_per_s,force_N");
   }
   return value;

@@ -60,7 +60,7 @@ TEST_F(CutFit, NamesTheRowAndTheRemedy) {
   EXPECT_EQ(Fit("enamel,1.5,1,1\n"), 1);
   EXPECT_THAT(said_, HasSubstr("feeds.csv:2: needs five columns"));
   EXPECT_EQ(Fit("enamel,1.5,1,one,2\n"), 1);
-  EXPECT_THAT(said_, HasSubstr("feeds.csv:2: \"one\" is no number"));
+  EXPECT_THAT(said_, HasSubstr("feeds.csv:2: \"one\" is not a number"));
   EXPECT_EQ(Fit(""), 1);
   EXPECT_THAT(said_, HasSubstr("holds no point"));
 }

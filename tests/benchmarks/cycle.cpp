@@ -42,17 +42,18 @@ void AddCycle(const CommandLine& app) {
   auto options = std::make_shared<Options>();
   const CommandLine command = app.AddCommand(
       "cycle",
-      "Time of one haptic step over a scene's path, and what is right about its contact: how deep\n"
-      "the meshes are in each other, whether the tool arrives, how far the force is from the\n"
-      "converged one, and the cause of every jump.\n"
-      "Example: palpate-bench cycle --scene bunny-bunny --steps 20000 --repeats 5");
-  Add(command, "--scene", options->scene, "Catalogue name or scene file");
+      "time and errors of a haptic step over the path of a scene\n"
+      "Errors are the penetration of the meshes, the steps in which the tool does not arrive,\n"
+      "the deviation from the converged force, and the cause of each jump of the force.");
+  command.Footer("Example: palpate-bench cycle --scene bunny-bunny --steps 20000 --repeats 5");
+  Add(command, "--scene", options->scene, "name in the catalogue, or scene file");
   Add(command, "--poses", options->poses,
-      "Haptic poses instead of the scene's script: CSV x,y,z,qw,qx,qy,qz, a row a ms");
+      "haptic poses instead of the scene's script (CSV: x,y,z,qw,qx,qy,qz, one row per "
+      "millisecond)");
   AddPathSteps(command, options->steps);
   options->cycle.AddTo(command);
   command.AddFlag("--subsample", options->cycle.quarter_steps,
-                  "Run the path at 4 kHz too and compare the forces");
+                  "also run the path at 4 kHz and compare the forces");
   options->features.AddTo(command);
   AddModels(command, options->models);
   AddJson(command, options->json);

@@ -175,13 +175,13 @@ class ContactReport {
 void CycleOptions::AddTo(const CommandLine& command) {
   AddRepeats(command, repeats);
   Add(command, "--check-every", check_every,
-      "Check penetration and the converged force at every n-th step only")
+      "check penetration and converged force only at every n-th step")
       .Positive();
   Add(command, "--settle-every", settle_every,
-      "Hold the hand still at every n-th step and see whether the tool settles; 0: never")
+      "hold the hand still at every n-th step and check whether the tool settles; 0: never")
       .NotNegative();
   Add(command, "--trace", trace,
-      "Write poses and wrench of every step to FILE, as CSV (- is stdout)");
+      "write poses and wrench of every step to this file (CSV); -: standard output");
 }
 
 test::ContactFigures MeasureContact(SceneRun& run, const CycleOptions& options) {

@@ -32,8 +32,9 @@ const char* NameOf(FrictionModel friction) {
 }
 
 void FeatureOptions::AddTo(const CommandLine& command) {
-  const std::string scenes_own = contact.empty() ? " (default: as the scene says)" : "";
-  Add(command, "--contact", contact, "spheres (the chapter's) or surface (the meshes)" + scenes_own)
+  const std::string scenes_own = contact.empty() ? "; default: that of the scene" : "";
+  Add(command, "--contact", contact,
+      "spheres (as in the chapter) or surface (the meshes)" + scenes_own)
       .OneOf({"spheres", "surface"});
   Add(command, "--friction", friction, "off, chapter (2.25-2.34) or coulomb" + scenes_own)
       .OneOf({"off", "chapter", "coulomb"});

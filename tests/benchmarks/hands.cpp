@@ -142,26 +142,29 @@ void AddHands(const CommandLine& app) {
   auto options = std::make_shared<Options>();
   const CommandLine command = app.AddCommand(
       "hands",
-      "A hand that nobody tuned to, over any scene: it comes from anywhere, presses, slides, "
-      "turns,\n"
-      "squeezes, taps and leaves.  The figures of cycle, whether the tool settles when the hand\n"
-      "rests, and the force at 4 kHz against that at 1 kHz.\n"
-      "Example: palpate-bench hands --scene bunny-bunny --seed 7 --speed 0.1 --steps 20000\n"
-      "         palpate-bench hands --scene pipes --seeds 1..20 --speed 0.3 --steps 5000");
+      "the figures of cycle for hand paths generated from a seed\n"
+      "The hand approaches from a random direction, presses, slides, turns, squeezes, taps\n"
+      "and leaves.  Also reports whether the tool settles when the hand rests, and how the\n"
+      "force at 4 kHz differs from that at 1 kHz.");
+  command.Footer(
+      "Examples:\n"
+      "  palpate-bench hands --scene bunny-bunny --seed 7 --speed 0.1 --steps 20000\n"
+      "  palpate-bench hands --scene pipes --seeds 1..20 --speed 0.3 --steps 5000");
   Add(command, "--scene", options->scene,
-      "Catalogue name, scene file, or sharp edges made from a seed: sharp-combs:7,\n"
-      "sharp-gears:7, sharp-plates:7, sharp-dice:7, sharp-gear-comb:7 or\n"
+      "name in the catalogue, scene file, or bodies with sharp edges generated from a seed: "
+      "sharp-combs:7, sharp-gears:7, sharp-plates:7, sharp-dice:7, sharp-gear-comb:7 or "
       "sharp-terraces-ball:7");
-  Add(command, "--seed", options->hand.seed, "Which hand");
-  Add(command, "--seeds", options->seeds, "Hands A..B, a line each, the worst first; without times")
+  Add(command, "--seed", options->hand.seed, "seed of the hand's path");
+  Add(command, "--seeds", options->seeds,
+      "seeds A..B: one line for each, the worst first; no times")
       .Excludes(command.Find("--seed"));
-  Add(command, "--speed", options->hand.speed, "Mean speed of the hand, m/s").Range(0.001, 5.0);
-  Add(command, "--steps", options->hand.steps, "Steps, one a millisecond").Positive();
+  Add(command, "--speed", options->hand.speed, "mean speed of the hand, in m/s").Range(0.001, 5.0);
+  Add(command, "--steps", options->hand.steps, "number of steps, one per millisecond").Positive();
   Add(command, "--press-mm", options->hand.press_mm,
-      "It presses half as deep to as deep as this, mm")
+      "largest depth to which it presses, in mm; the least is half of that")
       .Range(0.01, 100.0);
   Add(command, "--poses-out", options->poses_out,
-      "Write the hand's poses to FILE, as --poses of cycle reads them");
+      "write the hand's poses to this file, for 'cycle --poses'");
   options->cycle.AddTo(command);
   options->features.AddTo(command);
   AddModels(command, options->models);

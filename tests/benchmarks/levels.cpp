@@ -170,16 +170,17 @@ void AddLevels(const CommandLine& app) {
   auto options = std::make_shared<Options>();
   const CommandLine command = app.AddCommand(
       "levels",
-      "Cost of a step by level of detail (chapter Fig. 2.23c): the scene's script with "
-      "coarser and\n"
-      "finer sphere trees, and how far their forces are from the finest's.\n"
-      "Example: palpate-bench levels --scene dragon-buddha --json levels.json\n"
-      "A million leaves: palpate-bench levels --scene dragon-buddha --leaves 1000000 "
-      "--objects-only");
-  Add(command, "--scene", options->scene, "Catalogue name or scene file");
-  Add(command, "--leaves", options->leaves, "Leaves of each tree; a level for each")
+      "time and force error of a step by level of detail (chapter Fig. 2.23c)\n"
+      "Runs the script of the scene with coarser and finer sphere trees, and compares the\n"
+      "forces with those of the finest tree.");
+  command.Footer(
+      "Examples:\n"
+      "  palpate-bench levels --scene dragon-buddha --json levels.json\n"
+      "  palpate-bench levels --scene dragon-buddha --leaves 1000000 --objects-only");
+  Add(command, "--scene", options->scene, "name in the catalogue, or scene file");
+  Add(command, "--leaves", options->leaves, "leaves of each tree; one level for each number")
       .Range(std::size_t{2}, std::size_t{1} << 22);
-  command.AddFlag("--objects-only", options->objects_only, "The tool keeps the tree it has");
+  command.AddFlag("--objects-only", options->objects_only, "keep the tool's own tree");
   AddPathSteps(command, options->steps);
   AddRepeats(command, options->repeats);
   options->features.AddTo(command);

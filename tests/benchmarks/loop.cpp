@@ -388,20 +388,22 @@ void AddLoop(const CommandLine& app, const int& domain) {
   auto options = std::make_shared<Options>();
   const CommandLine command = app.AddCommand(
       "loop",
-      "Pose out to wrench in through palpate-server, beside a bare echo over the same transport,\n"
-      "alternating in one run.  Starts the server, and iox-roudi where shared memory needs one.\n"
-      "Example: palpate-bench loop --transport shm --seconds 20");
+      "round trip from pose to wrench through palpate-server\n"
+      "Compares it with a bare echo over the same transport, alternating in one run.  Starts\n"
+      "the server, and for shared memory iox-roudi if none runs.");
+  command.Footer("Example: palpate-bench loop --transport shm --seconds 20");
   const auto common = [](const CommandLine& to, std::string& transport, std::string& realtime) {
     Add(to, "--transport", transport, "shm or udp").OneOf({"shm", "udp"});
-    Add(to, "--realtime", realtime, "Of server, echo and this: require, prefer or off")
+    Add(to, "--realtime", realtime,
+        "real-time scheduling of server, echo and this program: require, prefer or off")
         .OneOf({"require", "prefer", "off"});
   };
   common(command, options->transport, options->realtime);
-  Add(command, "--seconds", options->seconds, "Server and echo together").Positive();
-  Add(command, "--scene", options->scene, "Catalogue name or scene file");
+  Add(command, "--seconds", options->seconds, "duration, of server and echo together").Positive();
+  Add(command, "--scene", options->scene, "name in the catalogue, or scene file");
   Add(command, "--authority", options->authority,
-      "Over UDP in a secured domain: a folder of deploy/security/identities, with a "
-      "server 'bench_server' and a station 'bench'")
+      "measure in a secured domain, over UDP: folder made by palpate-identities, with a server "
+      "'bench_server' and a station 'bench'")
       .ExistingFolder();
   AddJson(command, options->json);
   command.Run([options, &domain] {
@@ -410,7 +412,7 @@ void AddLoop(const CommandLine& app, const int& domain) {
   });
 
   auto echo = std::make_shared<EchoOptions>();
-  const CommandLine peer = app.AddCommand("echo", "The other end of loop's bare echo");
+  const CommandLine peer = app.AddCommand("echo", "peer of loop's bare echo");
   peer.Hide();
   common(peer, echo->transport, echo->realtime);
   Add(peer, "--run", echo->run).Required();

@@ -9,14 +9,17 @@ namespace {
 
 int Main(int argc, char** argv) {
   const CommandLine app(
-      "Measurements of Palpate: each command prints a table, and writes JSON with --json FILE; "
-      "pareto\nand peers write report, CSV and JSON into their --out folder.",
-      "palpate-bench");
+      "Measures Palpate: each command prints a table, and writes JSON with --json FILE.\n"
+      "pareto and peers write a report, CSV and JSON to their --out folder.",
+      "palpate-bench",
+      "Example: palpate-bench cycle --scene bunny-bunny --json -\n"
+      "'palpate-bench COMMAND --help' explains a command.");
   app.RequireCommands(1, 1);
   app.Fallthrough();
   int domain = dds::kMaxDomain;
   std::string log_level = "info";
-  AddCommonOptions(app, "DDS domain of loop: one that nothing else uses", domain, log_level);
+  AddCommonOptions(app, "number of the DDS domain of loop; no other program may use it", domain,
+                   log_level);
   // Before the commands' callbacks, which run them.
   app.BeforeCommands([&] { SetUpLog("palpate-bench", log_level); });
   AddAccuracy(app);

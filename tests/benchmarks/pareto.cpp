@@ -445,10 +445,12 @@ class Pareto {
 };
 
 void AddPeerOptions(const CommandLine& command, Options& options) {
-  Add(command, "--out", options.out, "Folder to write to; made where it is missing").Required();
+  Add(command, "--out", options.out, "folder for the results, created if it does not exist")
+      .Required();
   Add(command, "--peers", options.peers,
-      "all (as if left out), none, or some of bullet,ode,mujoco with commas");
-  Add(command, "--repeats", options.repeats, "Identical runs (default: 5; quick: 2)").Positive();
+      "all (the default), none, or some of bullet,ode,mujoco separated by commas");
+  Add(command, "--repeats", options.repeats, "number of identical runs; default: 5, with --quick 2")
+      .Positive();
   AddModels(command, options.models);
 }
 
@@ -459,11 +461,12 @@ void AddPeers(const CommandLine& app) {
   options->only_peers = true;
   const CommandLine command = app.AddCommand(
       "peers",
-      "The same meshes and the same hand through Palpate and through the other libraries that are\n"
-      "installed: who enters how far, what a step costs, and what force comes out, also against\n"
-      "analytic truth.  Writes report.md, peers.svg, peers.csv and peers.json.\n"
-      "Example: palpate-bench peers --out build/peers");
-  command.AddFlag("--quick", options->quick, "The beginning of the path, few repeats");
+      "compare Palpate with other libraries on the same meshes and hand\n"
+      "For each installed library: penetration, time of a step, and force, also compared\n"
+      "with the analytic solution.  Writes report.md, peers.svg, peers.csv and peers.json.");
+  command.Footer("Example: palpate-bench peers --out build/peers");
+  command.AddFlag("--quick", options->quick,
+                  "measure only the beginning of the path, with few repeats");
   AddPeerOptions(command, *options);
   command.Run([options] { Pareto(*options).Run(); });
 }
@@ -472,15 +475,15 @@ void AddPareto(const CommandLine& app) {
   auto options = std::make_shared<Options>();
   const CommandLine command = app.AddCommand(
       "pareto",
-      "Speed against error of every scene, contact and friction model, and of the peers that are\n"
-      "installed: pareto.json, written anew after each measurement, and in the end, also of\n"
-      "Ctrl-C, report.md, pareto.csv and pareto.svg.  Pictures need matplotlib "
-      "(python3-matplotlib).\n"
-      "Example: palpate-bench pareto --out build/pareto --peers bullet,ode");
-  command.AddFlag("--quick", options->quick, "Few scenes, short paths, few repeats");
+      "speed against error of all scenes, contact and friction models, and peers\n"
+      "Writes pareto.json after each measurement; at the end, also on Ctrl-C, report.md,\n"
+      "pareto.csv and pareto.svg.  Pictures need matplotlib (python3-matplotlib).");
+  command.Footer("Example: palpate-bench pareto --out build/pareto --peers bullet,ode");
+  command.AddFlag("--quick", options->quick,
+                  "measure few scenes, with short paths and few repeats");
   AddPeerOptions(command, *options);
   Add(command, "--scenes", options->scenes,
-      "Catalogue names or scene files, with commas (default: the whole catalogue)");
+      "names in the catalogue or scene files, separated by commas; default: the whole catalogue");
   command.Run([options] { Pareto(*options).Run(); });
 }
 

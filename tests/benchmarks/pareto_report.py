@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """usage: tests/benchmarks/pareto_report.py FILE.json
 
-Of what palpate-bench pareto or peers measured, beside FILE.json: report.md, FILE.csv with a row for every run, and
-by plots.py the picture of that.
+Writes the report of palpate-bench pareto or peers beside its FILE.json: report.md,
+FILE.csv with one row per run, and its picture, drawn by plots.py.
 """
 import json
 import pathlib

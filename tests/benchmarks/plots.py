@@ -1,17 +1,22 @@
 #!/usr/bin/python3
 """usage: tests/benchmarks/plots.py FILE...
 
-Draws the pictures of the reports: of each FILE.csv or FILE.json a FILE.svg beside it, for light pages and
-dark ones, in the colours of the web page.  What a file holds says what is drawn of it:
+Draws the pictures of the reports: for each FILE.csv or FILE.json a FILE.svg
+beside it, for light and dark pages, in the colours of the web page.  The contents
+of the file determine the picture:
 
-  pareto.csv       of palpate-bench pareto: errors and penetration against the time of a step
-  peers.csv        of palpate-bench peers: the same of other libraries alone
-  accuracy.csv     of tests/benchmarks/publish, or what palpate-bench accuracy writes with --json
-  errors over time that palpate-bench accuracy writes with --errors (Figs. 2.17 and 2.18 of the chapter)
-  levels.json      of palpate-bench levels --json: cost and error by level of detail (Fig. 2.23c)
-  closed-loop.json of palpate-bench closed-loop --out DIR --json: stiffness, energy and limit cycle by delay
+  pareto.csv        from palpate-bench pareto: errors and penetration against the
+                    time of a step
+  peers.csv         from palpate-bench peers: the same, for other libraries only
+  accuracy.csv      from tests/benchmarks/publish, or palpate-bench accuracy --json
+  errors.csv        from palpate-bench accuracy --errors: errors over time
+                    (Figs. 2.17 and 2.18 of the chapter)
+  levels.json       from palpate-bench levels --json: time and error by level of
+                    detail (Fig. 2.23c)
+  closed-loop.json  from palpate-bench closed-loop --out DIR --json: stiffness,
+                    energy and limit cycle by delay
 
-Needs matplotlib: deploy/setup --for tests installs it, for Debian's own python3.
+Needs matplotlib, which deploy/setup --for tests installs for Debian's python3.
 """
 import csv
 import itertools

@@ -148,13 +148,14 @@ void AddProbe(const CommandLine& app) {
   auto options = std::make_shared<Options>();
   const CommandLine command = app.AddCommand(
       "probe",
-      "A dental probe over what a bur can cut in a scene, whole and after the scene's script: time "
-      "of a\nstep beside that of the same triangles as a mesh, and of the solid's own mesh; and "
-      "how often it\nenters what is drawn.\n"
-      "Example: palpate-bench probe --scene caries --json probe.json");
-  Add(command, "--scene", options->scene, "A scene with a bur, from the catalogue or a file");
-  Add(command, "--steps", options->hand.steps, "Of the hand, one a millisecond");
-  Add(command, "--seed", options->hand.seed, "Of the hand");
+      "time of a step of a dental probe on a solid that burs can cut\n"
+      "Measured before and after the scene's script has cut it; compared with the same\n"
+      "triangles as a mesh, and with the solid's original mesh.  Also counts how often the\n"
+      "probe enters the drawn surface.");
+  command.Footer("Example: palpate-bench probe --scene caries --json probe.json");
+  Add(command, "--scene", options->scene, "scene with a bur, from the catalogue or a file");
+  Add(command, "--steps", options->hand.steps, "number of steps, one per millisecond");
+  Add(command, "--seed", options->hand.seed, "seed of the hand's path");
   AddRepeats(command, options->repeats);
   AddJson(command, options->json);
   command.Run([options] { Run(*options); });

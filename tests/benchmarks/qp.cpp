@@ -282,7 +282,7 @@ void Measure(const Options& options, std::vector<Problem>& problems, bool warm_f
 void Run(const Options& options) {
   if (!options.load.empty()) {
     if (!options.dump.empty() || !options.scene.empty()) {
-      throw UsageError("qp: --load stands alone; --dump goes with --scene");
+      throw UsageError("qp: --load excludes --scene and --dump; use --dump with --scene");
     }
     std::vector<Problem> problems = ReadProblems(options.load);
     Measure(options, problems, false);
@@ -304,14 +304,15 @@ void AddQp(const CommandLine& app) {
   auto options = std::make_shared<Options>();
   const CommandLine command =
       app.AddCommand("qp",
-                     "Time and optimality of the QP alone: of a scene's path, or of a file.\n"
-                     "Example: palpate-bench qp --scene bunny-bunny --min-rows 200 --max-rows 500");
-  Add(command, "--scene", options->scene, "Take the problems of this scene's path");
-  Add(command, "--dump", options->dump, "Write them to FILE instead of solving them");
-  Add(command, "--load", options->load, "Take the problems of FILE (format: PQP1)");
+                     "time and optimality of the QP solver alone\n"
+                     "The problems are those of a scene's path, or of a file.");
+  command.Footer("Example: palpate-bench qp --scene bunny-bunny --min-rows 200 --max-rows 500");
+  Add(command, "--scene", options->scene, "use the problems of this scene's path");
+  Add(command, "--dump", options->dump, "write the problems to this file instead of solving them");
+  Add(command, "--load", options->load, "use the problems of this file (format: PQP1)");
   AddPathSteps(command, options->steps);
-  Add(command, "--min-rows", options->min_rows, "Only problems with at least this many rows");
-  Add(command, "--max-rows", options->max_rows, "Only problems with at most this many rows");
+  Add(command, "--min-rows", options->min_rows, "skip problems with fewer rows");
+  Add(command, "--max-rows", options->max_rows, "skip problems with more rows");
   AddRepeats(command, options->repeats);
   AddModels(command, options->models);
   AddJson(command, options->json);

@@ -138,13 +138,14 @@ void AddStability(const CommandLine& app) {
   auto options = std::make_shared<Options>();
   const CommandLine command = app.AddCommand(
       "stability",
-      "Hard cases, each with a physical bound; in all of them nothing may tunnel, every number\n"
-      "must be finite, and no overlap pass 10 um where a pose without any exists.\n"
-      "Exits with 1 where a case does not hold.\n"
-      "Example: palpate-bench stability --steps 10000000 --json stability.json");
-  Add(command, "--case", options->only, "This case alone (see --list)");
-  command.AddFlag("--list", options->list, "Name the cases, their bounds and the reasons");
-  Add(command, "--steps", options->steps, "Steps of all cases together, about").Positive();
+      "hard cases, each with a physical bound\n"
+      "In every case, no body may tunnel, all numbers must be finite, and the overlap must\n"
+      "not exceed 10 um if a pose without overlap exists.  Exit status 1 if a case fails.");
+  command.Footer("Example: palpate-bench stability --steps 10000000 --json stability.json");
+  Add(command, "--case", options->only, "run only this case (see --list)");
+  command.AddFlag("--list", options->list, "list the cases with their bounds and reasons");
+  Add(command, "--steps", options->steps, "approximate number of steps of all cases together")
+      .Positive();
   options->features.AddTo(command);
   AddJson(command, options->json);
   command.Run([options] { Run(*options); });

@@ -262,28 +262,28 @@ void AddTree(const CommandLine& app) {
   auto options = std::make_shared<Options>();
   const CommandLine command = app.AddCommand(
       "tree",
-      "How far the sphere tree of a mesh, or those of a scene, are from it, for every level and "
-      "mode,\n"
-      "and how far the force of sphere contact is from surface contact's on the scene's own path.\n"
-      "Example: palpate-bench tree --mesh tooth.stl --unit mm --spheres 512 --mode balanced --json "
-      "-");
-  Add(command, "--scene", options->scene, "Catalogue name, scene file or mesh");
-  Add(command, "--mesh", options->mesh, "Mesh file, in place of a scene")
+      "distance of sphere trees from their meshes, for every level and mode\n"
+      "For a scene, also compares the force of sphere contact with that of surface contact\n"
+      "on the scene's path.");
+  command.Footer("Example: palpate-bench tree --mesh tooth.stl --unit mm --spheres 512 --json -");
+  Add(command, "--scene", options->scene, "name in the catalogue, scene file or mesh");
+  Add(command, "--mesh", options->mesh, "mesh file, instead of a scene")
       .Excludes(command.Find("--scene"));
   Add(command, "--modes,--mode", options->modes,
-      "Modes of the trees (default: all, for a mesh " + std::string(kTreeModes[0]) + ")")
+      "modes of the trees; default: all, for a mesh " + std::string(kTreeModes[0]))
       .OneOf({kTreeModes.begin(), kTreeModes.end()});
-  Add(command, "--leaves,--spheres", options->leaves, "Leaves of each tree (default: the scene's)")
+  Add(command, "--leaves,--spheres", options->leaves,
+      "leaves of each tree; default: those of the scene")
       .Range(std::size_t{1}, kMaxLeaves);
-  AddTreeFile(command, "m for --mesh, whose frame stays; else as the scene's mesh", options->file);
-  Add(command, "--samples", options->samples, "Points of the surface").Positive();
+  AddTreeFile(command, "m for --mesh, in its frame; else that of the scene's mesh", options->file);
+  Add(command, "--samples", options->samples, "number of sample points on the surface").Positive();
   AddPathSteps(command, options->steps);
-  command.AddFlag("--no-force", options->no_force, "Measure the geometry alone");
+  command.AddFlag("--no-force", options->no_force, "measure only the geometry");
   AddModels(command, options->models);
   Add(command, "--out", options->out,
-      "Write the leaves of --mesh into FILE (- is stdout): x y z r in m, a line each");
+      "write the leaves of --mesh to this file, one line 'x y z r' (m) each; -: standard output");
   AddJson(command, options->json);
-  Add(command, "--csv", options->csv, "Write a line for each level into FILE (- is stdout)");
+  Add(command, "--csv", options->csv, "write one line per level to this file; -: standard output");
   command.Run([options] { Run(*options); });
 }
 

@@ -92,8 +92,8 @@ TEST_F(ExerciseTest, RefusesASceneWithoutWhatACriterionMeasures) {
               HasSubstr("has no such tissue in a region; there is: caries, dentine, pulp"));
   EXPECT_THAT(
       Complaint("\"caries\",\n  \"tool\": \"bur\"", "\"periodontal\",\n  \"tool\": \"probe\""),
-      HasSubstr("criteria.criteria[0].measure: is of what is cut, and tool 'probe' of scene "
-                "'periodontal' cuts nothing"));
+      HasSubstr("criteria.criteria[0].measure: measures a cut, but tool 'probe' of scene "
+                "'periodontal' cannot cut"));
 }
 
 TEST_F(ExerciseTest, LeavesOutOfAFolderWhatHasAMistakeAndSaysSo) {

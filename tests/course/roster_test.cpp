@@ -69,7 +69,7 @@ TEST_F(RosterTest, RenamesRenewsAndWithdrawsAndNeverGivesAnIdAgain) {
   EXPECT_EQ(roster_.FindToken(ben.token), nullptr);
   EXPECT_EQ(roster_.Find(ben.person.id), nullptr);
   EXPECT_THAT(ComplaintOf([&] { roster_.Rename(ben.person.id, "Bert"); }),
-              HasSubstr("nobody of this course has the number 2"));
+              HasSubstr("no person of this course has the number 2"));
   const auto again = roster_.Make({"Ben"}, Access::kDrive).front();
   EXPECT_EQ(again.person.id, 3);
   EXPECT_EQ(roster_.people().size(), 3u);
@@ -79,25 +79,27 @@ TEST_F(RosterTest, TellsPeopleApartByTheirStations) {
   roster_.Make({"Anna", "Müller", "王伟"}, Access::kDrive);
   EXPECT_EQ(ComplaintOfMaking("Anna"),
             "there is a 'Anna' already; tell them apart by a letter or a number");
-  EXPECT_THAT(ComplaintOfMaking("anna"), HasSubstr("'anna' and 'Anna' would be one station"));
-  EXPECT_THAT(ComplaintOfMaking("Muller"), HasSubstr("would be one station, 'Muller'"));
+  EXPECT_THAT(ComplaintOfMaking("anna"),
+              HasSubstr("'anna' and 'Anna' would have the same station name"));
+  EXPECT_THAT(ComplaintOfMaking("Muller"), HasSubstr("would have the same station name, 'Muller'"));
   roster_.Make({"李娜"}, Access::kDrive);
   // All or none, also where two of them are one.
   EXPECT_THAT(ComplaintOf([&] {
                 roster_.Make({"Cleo", "Dora", "cleo"}, Access::kDrive);
               }),
-              HasSubstr("one station"));
+              HasSubstr("have the same station name"));
   EXPECT_EQ(roster_.people().size(), 4u);
   EXPECT_EQ(NamesIn(course_).size(), 4u);
-  EXPECT_THAT(ComplaintOf([&] { roster_.Rename(1, "muller"); }), HasSubstr("one station"));
+  EXPECT_THAT(ComplaintOf([&] { roster_.Rename(1, "muller"); }),
+              HasSubstr("have the same station name"));
   roster_.Rename(1, "anna");  // her own name is nobody else's
 }
 
 TEST_F(RosterTest, RefusesNamesThatAreNone) {
-  EXPECT_THAT(ComplaintOfMaking("  "), HasSubstr("has a name"));
-  EXPECT_THAT(ComplaintOfMaking("---"), HasSubstr("no letter and no digit"));
-  EXPECT_THAT(ComplaintOfMaking("a\nb"), HasSubstr("signs that nobody sees"));
-  EXPECT_THAT(ComplaintOfMaking("a\xff"), HasSubstr("signs that nobody sees"));
+  EXPECT_THAT(ComplaintOfMaking("  "), HasSubstr("name is empty"));
+  EXPECT_THAT(ComplaintOfMaking("---"), HasSubstr("has no letter or digit"));
+  EXPECT_THAT(ComplaintOfMaking("a\nb"), HasSubstr("invisible characters"));
+  EXPECT_THAT(ComplaintOfMaking("a\xff"), HasSubstr("invisible characters"));
   EXPECT_THAT(ComplaintOfMaking(std::string(65, 'a')), HasSubstr("more than 64 bytes"));
   EXPECT_TRUE(roster_.people().empty());
 }
@@ -105,7 +107,7 @@ TEST_F(RosterTest, RefusesNamesThatAreNone) {
 TEST_F(RosterTest, KeepsTheLastWhoMayOperate) {
   const auto teacher = roster_.Make({"teacher"}, Access::kOperate).front();
   EXPECT_THAT(ComplaintOf([&] { roster_.Withdraw(teacher.person.id); }),
-              HasSubstr("'teacher' is the last who may operate"));
+              HasSubstr("'teacher' is the last person with the role"));
   roster_.Make({"tutor"}, Access::kOperate);
   roster_.Withdraw(teacher.person.id);
   EXPECT_TRUE(roster_.has_operator());
@@ -165,13 +167,13 @@ TEST(CourseFile, IsRefusedWhereItIsNewerDamagedOrCannotBeWritten) {
   }
   std::fstream damaged(folder / "damaged/course.sqlite", std::ios::in | std::ios::out);
   damaged.seekp(4096) << std::string(4096, 'x') << std::flush;
-  EXPECT_THAT(complaint(folder / "damaged"), HasSubstr("it is damaged: put a copy in its place"));
+  EXPECT_THAT(complaint(folder / "damaged"), HasSubstr("it is damaged: restore it from a copy"));
   std::filesystem::create_directory(folder / "text");
   std::ofstream(folder / "text/course.sqlite") << std::string(4096, 'x');
   EXPECT_THAT(complaint(folder / "text"), HasSubstr("it is damaged"));
   std::ofstream(folder / "file") << "x";
-  EXPECT_THAT(complaint(folder / "file"), HasSubstr("the folder cannot be made"));
-  EXPECT_THAT(complaint("/proc/course"), HasSubstr("the folder cannot be made"));
+  EXPECT_THAT(complaint(folder / "file"), HasSubstr("cannot create the folder"));
+  EXPECT_THAT(complaint("/proc/course"), HasSubstr("cannot create the folder"));
   // A folder that root cannot write either.
   EXPECT_THAT(complaint("/proc/self"), HasSubstr("must be able to write the file and its folder"));
 }

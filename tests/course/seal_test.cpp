@@ -52,7 +52,8 @@ TEST(SealKey, IsMadeOnceForItsOwnerAloneAndIsRefusedWhereOthersMayReadIt) {
   EXPECT_THAT(ComplaintOf([&] { SealKey::OfCourse(folder.path()); }), HasSubstr("chmod 0600"));
   std::filesystem::permissions(file, std::filesystem::perms(0600));
   std::ofstream(file) << "no key";
-  EXPECT_THAT(ComplaintOf([&] { SealKey::OfCourse(folder.path()); }), HasSubstr("is no Ed25519"));
+  EXPECT_THAT(ComplaintOf([&] { SealKey::OfCourse(folder.path()); }),
+              HasSubstr("is not an Ed25519"));
 }
 
 TEST(Seal, SaysWhatWasSealedWhereNoByteOfItHasChanged) {

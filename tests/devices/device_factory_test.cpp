@@ -52,14 +52,15 @@ TEST(DeviceFactory, HelpsWithALineForEachDeviceAndItsModels) {
 }
 
 TEST(DeviceFactory, NamesWhatThereIsWhereItIsAskedForWhatThereIsNot) {
-  EXPECT_EQ(MessageOf(Of("omega")),
-            "--device omega: no such device; have: forcedimension, haply, mouse, openhaptics, "
-            "./DRIVER.so, scripted, simulated, spacemouse");
+  EXPECT_EQ(
+      MessageOf(Of("omega")),
+      "--device omega: is not a device; give one of forcedimension, haply, mouse, openhaptics, "
+      "./DRIVER.so, scripted, simulated, spacemouse");
   DeviceOptions options = Of("simulated");
   options.model = "omni";
-  EXPECT_EQ(
-      MessageOf(options),
-      "--model omni: no such model of --device simulated; have: premium-3.0, premium-1.5, touch");
+  EXPECT_EQ(MessageOf(options),
+            "--model omni: is not a model of --device simulated; give one of premium-3.0, "
+            "premium-1.5, touch");
   options = Of("scripted");
   options.model = "touch";
   EXPECT_EQ(MessageOf(options), "--model touch: --device scripted has no models; leave it out");

@@ -60,7 +60,7 @@ TEST(LoopTrial, ThatIsNotWhatItShouldBeIsAFault) {
   LoopTrial trial{.finished = true, .sent = 1000, .p50_us = 30.0, .p99_us = 90.0, .max_us = 200.0};
   EXPECT_THAT(CheckLoop(trial, dds::Transport::kUdp), IsOk());
   EXPECT_THAT(CheckLoop(trial, dds::Transport::kSharedMemory),
-              IsFault("RouDi answers, and it is not used"));
+              IsFault("RouDi answers but is not used"));
   trial.p99_us = 700.0;
   EXPECT_THAT(CheckLoop(trial, dds::Transport::kUdp), IsWarning());
   trial.p99_us = 1200.0;

@@ -32,11 +32,11 @@ TEST(Kernel, WithoutItIsAWarningByItsModeWithTheRemedy) {
 }
 
 TEST(Kernel, SaysItsModeOnItsCommandLineWhereOnlyRootMayLook) {
-  EXPECT_THAT(Kernel(kDynamic), IsWarning("does not say in which mode"));
+  EXPECT_THAT(Kernel(kDynamic), IsWarning("in an unknown mode"));
   EXPECT_THAT(Kernel(kDynamic, {{"/proc/cmdline", "root=/dev/sda1 preempt=full quiet\n"}}),
               IsWarning("preemptible, but not PREEMPT_RT"));
   EXPECT_THAT(Kernel(kDynamic, {{"/proc/cmdline", "root=/dev/sda1 nopreempt=full\n"}}),
-              IsWarning("does not say in which mode"));
+              IsWarning("in an unknown mode"));
 }
 
 TEST(ClockSource, IsFineWhereTheProcessorKeepsItElseAWarningWithTheKernelsOption) {
@@ -48,8 +48,8 @@ TEST(ClockSource, IsFineWhereTheProcessorKeepsItElseAWarningWithTheKernelsOption
   };
   for (const char* source : {"tsc", "kvm-clock"}) EXPECT_THAT(check(source), IsOk(source));
   EXPECT_THAT(check("hpet"),
-              IsWarning("hpet: each look at the clock is a system call", "clocksource=tsc"));
-  EXPECT_THAT(CheckClockSource(MadeUpHost().files), IsWarning("does not say which"));
+              IsWarning("hpet: each reading of the clock is a system call", "clocksource=tsc"));
+  EXPECT_THAT(CheckClockSource(MadeUpHost().files), IsWarning("does not report it"));
 }
 
 /// A host whose process has these capabilities.

@@ -17,7 +17,7 @@ using testing::Not;
 
 const ArmProbes kLoads{.openhaptics = [] { return "/usr/lib/libHD.so.3.5 is loaded"; },
                        .forcedimension = [] { return "libdhd.so.3 is loaded"; },
-                       .haply = [] { return "somebody listens at ws://localhost:10001"; }};
+                       .haply = [] { return "a service listens at ws://localhost:10001"; }};
 const ArmProbes kLoadsNot{
     .openhaptics = []() -> std::string { throw Error("openhaptics: no libHD.so here"); },
     .forcedimension = []() -> std::string { throw Error("forcedimension: no libdhd here"); },
@@ -41,7 +41,7 @@ TEST_F(Device, OfTheVendorNeedsItsLibraryAndANodeThatMayBeOpened) {
   EXPECT_THAT(Check("openhaptics"), IsWarning("no arm is plugged in"));
   host.Write("/dev/ttyACM0", "");
   EXPECT_THAT(Check("openhaptics"),
-              IsOk("openhaptics: /usr/lib/libHD.so.3.5 is loaded; may be opened: /dev/ttyACM0"));
+              IsOk("openhaptics: /usr/lib/libHD.so.3.5 is loaded; accessible: /dev/ttyACM0"));
   closed = "/dev/ttyACM0";
   EXPECT_THAT(Check("openhaptics"), IsFault(closed, "usermod -aG dialout"));
 }
@@ -53,7 +53,7 @@ TEST_F(Device, OfForceDimensionNeedsItsLibraryAndAnArmThatMayBeOpened) {
   host.Write("/sys/bus/usb/devices/1-2/busnum", "1\n");
   host.Write("/sys/bus/usb/devices/1-2/devnum", "12\n");
   EXPECT_THAT(Check("forcedimension"),
-              IsOk("libdhd.so.3 is loaded; may be opened: /dev/bus/usb/001/012"));
+              IsOk("libdhd.so.3 is loaded; accessible: /dev/bus/usb/001/012"));
   closed = "/dev/bus/usb/001/012";
   EXPECT_THAT(Check("forcedimension"), IsFault(closed, "udev rule"));
 }
@@ -220,9 +220,9 @@ TEST_F(MadeUpRouDi, ThatDoesNotRunIsAWarningAFaultOrNothingByWhatIsWanted) {
 
 TEST_F(MadeUpRouDi, ThatHoldsNoLockIsNoneAndLeavesItsSocketWhereItWasKilled) {
   Listen();
-  EXPECT_THAT(Check(Transport::kAuto), IsFault("something that is no RouDi", "ss -xlp"));
+  EXPECT_THAT(Check(Transport::kAuto), IsFault("a program other than RouDi", "ss -xlp"));
   Die();
-  EXPECT_THAT(Check(Transport::kAuto), IsWarning("a killed one has left its socket"));
+  EXPECT_THAT(Check(Transport::kAuto), IsWarning("a killed one left its socket"));
 }
 
 TEST_F(MadeUpRouDi, WhoseSocketIsInAnotherTmpIsAFault) {

@@ -133,7 +133,7 @@ Findings DiskFull(int domain) {
                         fmt::format("exit status {}", exit),
                         exit == 1 && recorder.Output().find("No space left") != std::string::npos});
     findings.push_back(Says("and that what it had written is whole", recorder,
-                            "what was recorded until then is whole"));
+                            "the recording up to then is complete"));
     const FileSummary summary = Summarise({file});
     findings.push_back({"what it had written is whole",
                         fmt::format("{} messages, {} missing", summary.messages, summary.missing),
@@ -175,7 +175,7 @@ Findings RouDiKilled(int domain) {
   Wait(2.0);
   findings.push_back(Undisturbed(lab, before));
   findings.push_back(Lives("the server", *lab.server));
-  findings.push_back(Says("the server says what to do", *lab.server, "RouDi has gone"));
+  findings.push_back(Says("the server says what to do", *lab.server, "RouDi has ended"));
   // As systemd does; the last fault that uses RouDi, for this one ends with it.
   test::Program successor = AnotherRouDi();
   lab.server->Signal(SIGTERM);

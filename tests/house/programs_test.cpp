@@ -13,6 +13,7 @@ namespace palpate::house {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using ::testing::Not;
 
 /// The programs of the build, as CMake lists them: "palpate-server,palpate-station".
@@ -82,6 +83,31 @@ TEST(Programs, ShowEachCommandsOwnExamplesInItsHelp) {
   EXPECT_GE(commands, 11);  // of scene, replay, record and lesson; the benchmarks may be left out
 }
 
+/// The lines of a text that are wider than a terminal.
+std::vector<std::string> WideLines(const std::string& text) {
+  constexpr int kColumns = 80;
+  std::vector<std::string> wide;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    // Bytes that continue a character of UTF-8 take no column.
+    if (std::ranges::count_if(line, [](char c) { return (c & 0xc0) != 0x80; }) > kColumns) {
+      wide.push_back(line);
+    }
+  }
+  return wide;
+}
+
+TEST(Programs, KeepTheirHelpWithinATerminal) {
+  for (const std::string& program : Programs()) {
+    const Output help = RunCommand({PathOf(program), "--help"});
+    EXPECT_THAT(WideLines(help.text), IsEmpty()) << program;
+    for (const std::string& command : CommandsOf(help.text)) {
+      const Output own = RunCommand({PathOf(program), command, "--help"});
+      EXPECT_THAT(WideLines(own.text), IsEmpty()) << program << ' ' << command;
+    }
+  }
+}
+
 TEST(Programs, NameNoPlaceOfTheMachineThatBuiltThem) {
   for (const std::string& program : Programs()) {
     const Output help = RunCommand({PathOf(program), "--help"});
@@ -115,6 +141,7 @@ TEST(Scripts, TeachAndRefuseLikeThePrograms) {
     const Output help = RunCommand({path, "--help"});
     EXPECT_EQ(help.exit_code, 0) << script;
     EXPECT_THAT(help.text, HasSubstr("usage: " + script)) << script;
+    EXPECT_THAT(WideLines(help.text), IsEmpty()) << script;
     const Output wrong = RunCommand({path, "--no-such-option"});
     EXPECT_EQ(wrong.exit_code, 2) << script;
     EXPECT_THAT(wrong.text, HasSubstr("no-such-option")) << script;

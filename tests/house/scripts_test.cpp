@@ -103,7 +103,7 @@ TEST_F(DeployScripts, SayWhatAPackageLacksBeforeCPackDoes) {
     EXPECT_THAT(Calls(), Not(HasSubstr("cpack")));
     return output.text;
   };
-  EXPECT_EQ(package(), "package: nothing is built in build/release yet: leave out --no-build\n");
+  EXPECT_EQ(package(), "package: nothing is built in build/release yet; omit --no-build\n");
 
   Write("build/release/CPackConfig.cmake", "");
   Write("build/page/index.html", "");
@@ -113,8 +113,8 @@ TEST_F(DeployScripts, SayWhatAPackageLacksBeforeCPackDoes) {
           "printf '%s\\n' server/main.cpp.o bin/palpate-server bin/palpate-bench "
           "bin/effects/stick.so\n");
   EXPECT_EQ(package(),
-            "package: not built in build/release yet: palpate-bench; leave out --no-build "
-            "(--no-bench goes without palpate-bench)\n");
+            "package: not built in build/release yet: palpate-bench; omit --no-build "
+            "(--no-bench omits palpate-bench)\n");
 }
 
 TEST(ApiPages, SayWhatTheyNeed) {

@@ -29,7 +29,7 @@ TEST(KilledServer, OverSharedMemoryHasASuccessorOrTheStationSaysWhatMustBeStarte
     return;
   }
   EXPECT_EQ(station.Exit(), 1);
-  EXPECT_THAT(station.Output(), testing::HasSubstr("start iox-roudi anew"));
+  EXPECT_THAT(station.Output(), testing::HasSubstr("restart iox-roudi"));
 }
 
 }  // namespace

@@ -51,7 +51,7 @@ TEST(KilledRouDi, CrashesNeitherServerNorStationAndTheNextSessionUsesUdp) {
       const double force_N = station.device.force_N;
       return force_N == 0.0 || std::abs(force_N - kForce_N) < 0.2 * kForce_N;
     })) << station.device.force_N;
-    EXPECT_TRUE(server.Says("RouDi has gone", 5.0)) << server.Output();
+    EXPECT_TRUE(server.Says("RouDi has ended", 5.0)) << server.Output();
   }
   ASSERT_TRUE(server.Runs()) << server.Output();
   StationProgram next("next", "auto", {"--for", "1"});

@@ -35,7 +35,7 @@ TEST(LessonProgram, SaysWhatThereIsToDoWhereNothingIsAskedFor) {
 TEST(LessonProgram, SaysThatNoServerIsThere) {
   Program program = Here("palpate-lesson", {"whole", "calculus"});
   EXPECT_EQ(program.Exit(), 1);
-  EXPECT_THAT(program.Output(), HasSubstr("no server is heard in domain"));
+  EXPECT_THAT(program.Output(), HasSubstr("no server found in domain"));
 }
 
 TEST(LessonProgram, MakesWholeWhatAHandScrapesOffAndTheRecordingOfItIsVerified) {
@@ -75,7 +75,7 @@ TEST(LessonProgram, MakesWholeWhatAHandScrapesOffAndTheRecordingOfItIsVerified) 
   EXPECT_TRUE(scraped_past(whole.last_change + 3)) << station.Output();
 
   for (const auto& [scene, why] : {std::pair{"cube", "nothing goes there"},
-                                   std::pair{"mould", "served are: calculus, cube"}}) {
+                                   std::pair{"mould", "give one of calculus, cube"}}) {
     Program refused = Here("palpate-lesson", {"whole", scene});
     EXPECT_EQ(refused.Exit(), 1);
     EXPECT_THAT(refused.Output(), HasSubstr(why));

@@ -49,8 +49,7 @@ TEST(BodyBuilder, RefusesByNameWhatIsNoMesh) {
   EXPECT_THAT(Complaint({}), StartsWith("thing: "));
   TriangleMesh mesh = MakeBox({0.04, 0.04, 0.04});
   mesh.triangles[3][1] = 1'000'000;
-  EXPECT_THAT(Complaint(mesh),
-              StartsWith("thing: triangle 3 names vertex 1000000, and there are 8"));
+  EXPECT_THAT(Complaint(mesh), StartsWith("thing: triangle 3 names vertex 1000000 of 8"));
   mesh = MakeBox({0.04, 0.04, 0.04});
   mesh.vertices[2].x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(Complaint(mesh), StartsWith("thing: vertex 2, from 0, is not finite"));

@@ -139,7 +139,7 @@ TEST(CInterface, SaysWhatIsWrongAndGoesOn) {
   const std::uint32_t bad[3] = {0, 1, 77};
   EXPECT_NE(palpate_scene_add_mesh(scene.get(), PALPATE_TOOL, "m", vertices, 3, bad, 1, nullptr),
             0);
-  EXPECT_THAT(palpate_last_error(), HasSubstr("m: triangle 0 names vertex 77, and there are 3"));
+  EXPECT_THAT(palpate_last_error(), HasSubstr("m: triangle 0 names vertex 77 of 3"));
   EXPECT_NE(palpate_scene_add_mesh(scene.get(), PALPATE_TOOL, "m", vertices, 0, bad, 0, nullptr),
             0);
   palpate_body body{};  // not from palpate_body_defaults()

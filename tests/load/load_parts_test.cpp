@@ -257,11 +257,11 @@ std::string ComplaintAbout(const std::string& answer) {
 
 TEST(WebViewers, TellAnotherServerAndAFullGatewayFromNone) {
   EXPECT_THAT(ComplaintAbout("HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n"),
-              AllOf(HasSubstr("what answers at ws://127.0.0.1:"), HasSubstr("is no palpate-viewer"),
-                    HasSubstr("HTTP status 404")));
-  EXPECT_THAT(ComplaintAbout("SSH-2.0-OpenSSH\r\n"), HasSubstr("is no palpate-viewer"));
+              AllOf(HasSubstr("the program at ws://127.0.0.1:"),
+                    HasSubstr("is not a palpate-viewer"), HasSubstr("HTTP status 404")));
+  EXPECT_THAT(ComplaintAbout("SSH-2.0-OpenSSH\r\n"), HasSubstr("is not a palpate-viewer"));
   EXPECT_THAT(ComplaintAbout("HTTP/1.1 503 Service Unavailable\r\nContent-Length: 0\r\n\r\n"),
-              AllOf(HasSubstr("turns viewers away (HTTP status 503)"), HasSubstr("--max-viewers")));
+              AllOf(HasSubstr("refuses viewers (HTTP status 503)"), HasSubstr("--max-viewers")));
 }
 
 }  // namespace

@@ -67,11 +67,11 @@ test("a teacher pastes names and has a link and a QR code for each, once", async
 
 test("a refusal is told in the gateway's words, and who is withdrawn is asked about twice", async () => {
   tellPeople(person(1, "teacher", {role: "operate"}));
-  await openClass({refusal: "'teacher' is the last who may operate"});
+  await openClass({refusal: "'teacher' is the last person with the role"});
   await press("Withdraw");
   expect(gateway.published).toEqual([]);
   await press("Really withdraw?");
-  await reads("#class-dialog .word", "'teacher' is the last who may operate");
+  await reads("#class-dialog .word", "'teacher' is the last person with the role");
   expect(gateway.published).toEqual([{tag: 1, op: "person_withdraw", person: 1}]);
 });
 
@@ -243,8 +243,8 @@ test("an examiner opens an exam, gives time and another trial, and closes it", a
   await press("Exam");
   await press("Open the exam");
   await press("Really: Open the exam?");
-  gateway.send("/palpate/exam_answer", {tag: 2, refusal: "nobody who drives is in the course"});
-  await reads("#exam-dialog .word", "nobody who drives is in the course");
+  gateway.send("/palpate/exam_answer", {tag: 2, refusal: "the course has no person with the role 'drive'"});
+  await reads("#exam-dialog .word", "the course has no person with the role 'drive'");
   gateway.send("/palpate/exam_state", heldExam());
   await press("Give the 41 s back");
   await press("5 min more for all");

@@ -90,14 +90,14 @@ class Table(Folder):
         self.run_study("--jobs", "3", "--keep")
         self.assertEqual(self.table.read_bytes(), once)
         self.table.write_bytes(b"\n".join(once.split(b"\n")[:6]) + b"\n")
-        self.assertIn("14 runs, 5 of them there already", self.run_study())
+        self.assertIn("14 runs, 5 of them already done", self.run_study())
         self.assertEqual(self.table.read_bytes(), once)
-        self.assertIn("14 runs, 14 of them there already", self.run_study())
+        self.assertIn("14 runs, 14 of them already done", self.run_study())
         # What a row depends on is in its key.
         self.write(STUDY.replace("0.3]", "0.4]"))
-        self.assertIn("14 runs, 7 of them there already", self.run_study())
+        self.assertIn("14 runs, 7 of them already done", self.run_study())
         (self.folder / "own.py").write_text(OWN + "# not the same\n")
-        self.assertIn("14 runs, 0 of them there already", self.run_study())
+        self.assertIn("14 runs, 0 of them already done", self.run_study())
 
     def test_has_what_palpate_gives(self):
         self.run_study("--keep")
@@ -148,7 +148,7 @@ class Table(Folder):
         running.send_signal(signal.SIGINT)
         said = running.communicate(timeout=60)[1]
         self.assertEqual(running.returncode, 1, said)
-        self.assertRegex(said, r"table.csv of \d+ of 3002 runs, and METHODS.md; the same command goes on")
+        self.assertRegex(said, r"table.csv of \d+ of 3002 runs, and METHODS.md; the same command continues")
         self.assertNotIn("Traceback", said)
         self.assertGreater(len(self.rows()), 0)
 
@@ -157,17 +157,17 @@ class Mistakes(Folder):
     def test_are_told_with_file_field_and_remedy(self):
         for change, words in {
             ("steps = 1500", "steps = 1500.5"): "steps: is 1500.5; give a whole number above 1",
-            ("steps =", "stepps ="): "stepps: is not known; there are contacts, hands",
+            ("steps =", "stepps ="): "stepps: is not known; give one of contacts, hands",
             ('["cube"]', '"cube"'): "scenes: is 'cube'; give a list",
             ('"1..2"', '"2..1"'): "seeds: is '2..1'; give a range",
             ('"1..2"', "[1, -2]"): "seeds: is [1, -2]; give a range",
             ('kind = "generated"', 'kind = "generate"'): "hands.explorer.kind: is 'generate'; give one of generated, ",
             ("mm_per_s = 200", "mm_per_s = 0"): "hands.explorer.speed_mm_per_s: is 0; give a number above 0",
-            ("speed_mm_per_s", "speed"): "hands.explorer.speed: is not known; there are kind, press_mm",
+            ("speed_mm_per_s", "speed"): "hands.explorer.speed: is not known; give one of kind, press_mm",
             ('function = "own.py:down"', ""): "hands.own: function is missing",
             ("own.py:down", "own.py:up"): "hands.own.function: is 'own.py:up'; but ",
             ("own.py:measure", "other.py:measure"): "measures: is 'other.py:measure'; give \"FILE.py:FUNCTION\"",
-            ("friction =", "fricton ="): "parameters.fricton: is not known; there are friction, ",
+            ("friction =", "fricton ="): "parameters.fricton: is not known; give one of friction, ",
             ("= 500", "= 0"): "parameters.stiffness_N_per_m: is 0; give numbers from 0.01 to 100000 N/m",
             ("title =", "title"): "at line 2",
         }.items():
@@ -205,7 +205,7 @@ class Examples(unittest.TestCase):
             file = pathlib.Path(folder, "study.toml")
             numpy.savetxt(pathlib.Path(folder, "hand.csv"), numpy.zeros((20000, 3)), delimiter=",")
             pathlib.Path(folder, "my_hands.py").write_text("def circle(scene, random, steps): pass\n")
-            file.write_text(said[begin : said.index("may be left out")])
+            file.write_text(said[begin : said.index("optional: hands")])
             self.assertEqual(len(Study(file).hands), 4)
 
 

@@ -166,7 +166,7 @@ TEST_F(FileSummaryTest, CountsOnlyWhatWasThere) {
   const std::string text = ToText(summary);
   EXPECT_THAT(text, HasSubstr("  station hand (run"));
   EXPECT_THAT(text, Not(HasSubstr("  station gone")));
-  EXPECT_THAT(text, HasSubstr("1 session is told of that had no poses while this was recorded"));
+  EXPECT_THAT(text, HasSubstr("1 session sent no poses during the recording"));
 }
 
 TEST_F(FileSummaryTest, TellsThatABundleIsNotTheOneOfItsHash) {

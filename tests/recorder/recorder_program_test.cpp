@@ -108,8 +108,8 @@ TEST_F(RecorderProgramTest, NamesTheDomainsOfThisHostThatHaveAServerWhereItHears
   const ServerLock lock(other);
   RecorderProgram recorder(file_, "udp", {"--for", "1"});
   EXPECT_EQ(recorder.Exit(), 0);
-  EXPECT_THAT(recorder.Output(), HasSubstr("nothing heard of a server in domain " +
-                                           std::to_string(kDomain) + " of this host for 1 s"));
+  EXPECT_THAT(recorder.Output(), HasSubstr("no server found in domain " + std::to_string(kDomain) +
+                                           " of this host for 1 s"));
   EXPECT_THAT(recorder.Output(), HasSubstr("--domain " + std::to_string(other) + " is "));
 }
 

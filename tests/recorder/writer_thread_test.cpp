@@ -59,7 +59,7 @@ TEST(WriterThread, TellsThatAWriteFailedAndClosesTheFile) {
   Put(queue, topics, 101);
   const std::string complaint = ComplaintOf([&] { writer.Finish("the test is over"); });
   EXPECT_THAT(complaint, HasSubstr("a.mcap: File too large"));
-  EXPECT_THAT(complaint, HasSubstr("whole, without an index"));
+  EXPECT_THAT(complaint, HasSubstr("complete, without an index"));
   setrlimit(RLIMIT_FSIZE, &former);
   EXPECT_EQ(Summarise({folder / "a.mcap"}).messages, 100u);
 }

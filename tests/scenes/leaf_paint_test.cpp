@@ -105,7 +105,7 @@ TEST(LeafPaint, RegionThatPaintsNothingIsRefusedWithItsLine) {
   BodyDescription description;
   description.regions = {BoxRegion(Vec3(1, 1, 1), Vec3(2, 2, 2), 100)};
   EXPECT_THAT(ComplaintOf([&] { PaintLeaves(description, {}, body); }),
-              HasSubstr("f.json:9: objects[0].regions[0]: paints no leaf of \"part\"; move or"));
+              HasSubstr("f.json:9: objects[0].regions[0]: covers no leaf of \"part\"; move or"));
 }
 
 /// Two boxes side by side in one OBJ.
@@ -178,7 +178,7 @@ TEST(LeafPaint, SheetInsideABoxMakesNoLeafSoft) {
     parts.Add("gum", test::MakeSheet(0.0045, 1, [](double, double) { return 0.0; }),
               Vec3(0, 0.005 - below_the_top, 0));
     EXPECT_THAT(ComplaintOf([&] { parts.PaintGum(280); }),
-                HasSubstr("f.json:9: objects[0].regions[0]: paints no leaf of \"tooth\"; all of "
+                HasSubstr("f.json:9: objects[0].regions[0]: covers no leaf of \"tooth\"; all of "
                           "the part may lie inside others"))
         << below_the_top;
     EXPECT_EQ(parts.Soft(), 0u);

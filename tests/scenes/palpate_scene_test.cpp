@@ -79,7 +79,7 @@ TEST_F(PalpateScene, TellsHowFarEachLevelIsFromTheMeshAndInWhichMode) {
   EXPECT_THAT(info, HasSubstr("100 leaves in 3 levels, mode \"balanced\""));
   EXPECT_THAT(info, HasSubstr("1, bounds"));
   EXPECT_THAT(info, HasSubstr("3, leaves"));
-  EXPECT_THAT(info, HasSubstr("a single ball is what it is"));
+  EXPECT_THAT(info, HasSubstr("a single ball is exact"));
   EXPECT_THAT(info, HasSubstr("bound the leaves below them (for the contact prediction)"));
   const std::string csv = ReadWholeFile(folder + "/e.csv");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 4);
@@ -88,12 +88,13 @@ TEST_F(PalpateScene, TellsHowFarEachLevelIsFromTheMeshAndInWhichMode) {
   const std::size_t json = info.find('{');
   ASSERT_NE(json, std::string::npos);
   EXPECT_THAT(info.substr(json), HasSubstr("\"mode\": \"ball\",\n      \"levels\": []"));
-  EXPECT_THAT(Run("info " + bundle + " --csv - --json -", 2), HasSubstr("give one of them a file"));
+  EXPECT_THAT(Run("info " + bundle + " --csv - --json -", 2),
+              HasSubstr("give a file for one of them"));
 
   Run("render " + bundle + " --error --body egg -o " + folder + "/e.png");
   EXPECT_TRUE(Exists("e.png"));
   const std::string whose = Run("render " + bundle + " --body egg -o " + folder + "/f.png", 2);
-  EXPECT_THAT(whose, HasSubstr("--body chooses whose --error is drawn"));
+  EXPECT_THAT(whose, HasSubstr("--body needs --error"));
   EXPECT_THAT(Run("build " + scene + " --tolerance-um 800"),
               HasSubstr("egg: 64 leaves for 800 um: "));
   Run("build " + scene + " --tolerance-um 0", 2);
@@ -135,21 +136,21 @@ TEST_F(PalpateScene, ExportsTreesAndTakesThemBack) {
   const std::string ball = Run("export " + egg + " --body ball -o " + folder + "/f.ply");
   EXPECT_THAT(ball, HasSubstr("the tree of ball"));
   const std::string ending = Run("export " + egg + " -o " + folder + "/f.obj", 2);
-  EXPECT_THAT(ending, HasSubstr("give .sph"));
+  EXPECT_THAT(ending, HasSubstr("must be .sph"));
   EXPECT_FALSE(Exists("f.obj"));
   const std::string help = Run("export --help");
   EXPECT_THAT(help, HasSubstr("Example: palpate-scene export"));
 }
 
 TEST_F(PalpateScene, SaysWhatAModeCanBeAndOfWhat) {
-  const std::string unknown = Run("build " + EggScene() + " --mode outside", 2);
+  const std::string unknown = Run("build " + EggScene() + " --modeside", 2);
   EXPECT_THAT(unknown, HasSubstr("inside"));
   EXPECT_THAT(unknown, HasSubstr("balanced"));
   const std::string bundle = folder + "/e.palpate";
   Run("build " + EggScene() + " -o " + bundle);
   const std::string built = Run("build " + bundle + " --mode balanced", 1);
   EXPECT_THAT(built, HasSubstr("e.palpate: is a bundle, whose trees are built"));
-  EXPECT_THAT(built, HasSubstr("give the scene file or leave the mode out"));
+  EXPECT_THAT(built, HasSubstr("give the scene file or leave the mode"));
 }
 
 TEST_F(PalpateScene, ChecksScenesAndMeshes) {
@@ -249,12 +250,12 @@ TEST_F(PalpateScene, LeavesNothingBehindWhereCtrlCEndsABuild) {
   test::Program build(
       test::OwnFolder() + "/palpate-scene",
       {"build", scene("large", 500'000), "--cache", cache, "-o", out + "/x.palpate"});
-  ASSERT_TRUE(build.Says("touching balls")) << build.Output();
+  ASSERT_TRUE(build.Says("fitting balls")) << build.Output();
   build.Signal(SIGINT);
   EXPECT_EQ(build.Exit(), -SIGINT);
   EXPECT_TRUE(std::filesystem::is_empty(out));
   EXPECT_EQ(FilesIn(cache), before);
-  EXPECT_THAT(Run("info " + small + " --cache " + cache), Not(HasSubstr("touching balls")))
+  EXPECT_THAT(Run("info " + small + " --cache " + cache), Not(HasSubstr("fitting balls")))
       << "it is not built anew";
 }
 

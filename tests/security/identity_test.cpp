@@ -142,7 +142,7 @@ TEST_F(IdentityTest, IsAskedForNoPassword) {
            "pass:secret"});
   fs::rename(own_ / "locked.pem", own_ / "key.pem");
   fs::permissions(own_ / "key.pem", fs::perms::owner_read);
-  EXPECT_THAT(Refusal(own_), HasSubstr("read without a password"));
+  EXPECT_THAT(Refusal(own_), HasSubstr("without a password"));
 }
 
 TEST_F(IdentityTest, NeedsTheKeyOfItsCertificate) {
@@ -150,7 +150,7 @@ TEST_F(IdentityTest, NeedsTheKeyOfItsCertificate) {
   fs::copy(other / "key.pem", own_ / "key.pem", fs::copy_options::overwrite_existing);
   fs::remove_all(other);
   EXPECT_THAT(Refusal(own_), AllOf(HasSubstr("key.pem is not the key of " + own_.string()),
-                                   HasSubstr("carry the whole folder anew")));
+                                   HasSubstr("copy the whole folder again")));
 }
 
 TEST_F(IdentityTest, NeedsACertificateOfItsAuthority) {
@@ -164,11 +164,12 @@ TEST_F(IdentityTest, NeedsACertificateOfItsAuthority) {
 TEST_F(IdentityTest, SaysWhenItsCertificateBeginsAndEndsToHold) {
   const fs::path key = Lab().keys() / "identity_ca_key.pem";
   Date(own_ / "cert.pem", key, -10 * kDay, -1);
-  EXPECT_THAT(Refusal(own_),
-              AllOf(HasSubstr("cert.pem: the certificate has expired: it held until " + Today()),
-                    HasSubstr("make a new one")));
+  EXPECT_THAT(
+      Refusal(own_),
+      AllOf(HasSubstr("cert.pem: the certificate has expired: it was valid until " + Today()),
+            HasSubstr("make a new one")));
   Date(own_ / "cert.pem", key, 3600, 10 * kDay);
-  EXPECT_THAT(Refusal(own_), AllOf(HasSubstr("cert.pem: the certificate holds from "),
+  EXPECT_THAT(Refusal(own_), AllOf(HasSubstr("cert.pem: the certificate is valid from "),
                                    HasSubstr("set the clock")));
   Date(own_ / "cert.pem", key, -1, 10 * kDay);
   EXPECT_EQ(Refusal(own_), "");
@@ -186,7 +187,7 @@ TEST_F(IdentityTest, SaysWhichAuthorityHasExpired) {
 TEST_F(IdentityTest, GoesByTheClockThatItIsGiven) {
   const std::time_t now = std::time(nullptr);
   EXPECT_THAT(Refusal(own_, now + 826 * kDay), HasSubstr("has expired"));
-  EXPECT_THAT(Refusal(own_, now - 2 * kDay), HasSubstr("the certificate holds from"));
+  EXPECT_THAT(Refusal(own_, now - 2 * kDay), HasSubstr("the certificate is valid from"));
 }
 
 TEST_F(IdentityTest, SaysWhenItsPermissionBeginsAndEndsToHold) {
@@ -201,16 +202,16 @@ TEST_F(IdentityTest, SaysWhenItsPermissionBeginsAndEndsToHold) {
     });
   };
   dates("2020-01-01T00:00:00", "2021-02-03T04:05:06");
-  EXPECT_THAT(Refusal(own_), HasSubstr("permissions.p7s: the permission has expired: it held "
+  EXPECT_THAT(Refusal(own_), HasSubstr("permissions.p7s: the permission has expired: it was valid "
                                        "until 2021-02-03 04:05:06 UTC"));
   dates("2020-01-01T00:00:00Z", "2021-02-03T04:05:06+02:00");
   EXPECT_THAT(Refusal(own_), HasSubstr("until 2021-02-03 02:05:06 UTC"));
   dates("2200-01-01T00:00:00", "2201-01-01T00:00:00");
-  EXPECT_THAT(Refusal(own_), HasSubstr("the permission holds from 2200-01-01 00:00:00 UTC on"));
+  EXPECT_THAT(Refusal(own_), HasSubstr("the permission is valid from 2200-01-01 00:00:00 UTC on"));
   dates("2020-01-01T00:00:00", "2200-01-01T00:00:00");
   EXPECT_EQ(Refusal(own_), "");
   dates("soon", "later");
-  EXPECT_THAT(Refusal(own_), HasSubstr("does not say from when to when it holds"));
+  EXPECT_THAT(Refusal(own_), HasSubstr("does not state its validity"));
 }
 
 TEST_F(IdentityTest, NeedsAPermissionOfItsOwn) {
@@ -218,7 +219,8 @@ TEST_F(IdentityTest, NeedsAPermissionOfItsOwn) {
   fs::copy(other / "permissions.p7s", own_ / "permissions.p7s",
            fs::copy_options::overwrite_existing);
   fs::remove_all(other);
-  EXPECT_THAT(Refusal(own_), HasSubstr("permissions.p7s permits nothing to 'CN=left,O=palpate'"));
+  EXPECT_THAT(Refusal(own_),
+              HasSubstr("permissions.p7s has no permissions for 'CN=left,O=palpate'"));
 }
 
 TEST_F(IdentityTest, NeedsDocumentsThatNobodyHasChanged) {
@@ -233,7 +235,7 @@ TEST_F(IdentityTest, NeedsDocumentsThatNobodyHasChanged) {
   const Authority elsewhere("identity_elsewhere");
   fs::copy(elsewhere.keys() / "permissions_ca.pem", own_ / "permissions_ca.pem",
            fs::copy_options::overwrite_existing);
-  EXPECT_THAT(Refusal(own_), HasSubstr("another authority's"));
+  EXPECT_THAT(Refusal(own_), HasSubstr("is from another authority"));
 }
 
 TEST_F(IdentityTest, NeedsRulesByWhichNothingCanBeSentAgain) {
@@ -251,7 +253,8 @@ TEST_F(IdentityTest, IsRefusedByTheProgramInTheSameWords) {
   Program station(OwnFolder() + "/palpate-station",
                   {"--device", "simulated", "--scene", "cube", "--id", "left", "--identity", own_});
   EXPECT_EQ(station.Exit(30.0), 1);
-  EXPECT_THAT(station.Output(), HasSubstr("cert.pem: the certificate has expired: it held until "));
+  EXPECT_THAT(station.Output(),
+              HasSubstr("cert.pem: the certificate has expired: it was valid until "));
 }
 
 TEST(Identity, SaysWhichFoldersNamesAreNotForDds) {
@@ -260,7 +263,7 @@ TEST(Identity, SaysWhichFoldersNamesAreNotForDds) {
     dds::SecurityConfig(authority.Add("viewer", "far"));
     FAIL() << "DDS would read another text";
   } catch (const Error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("DDS takes no path with one of < & $"));
+    EXPECT_THAT(error.what(), HasSubstr("DDS accepts no path with < & $ or"));
   }
 }
 

@@ -97,7 +97,7 @@ TEST(ServerProgram, RefusesASceneThatIsGivenTwice) {
   const std::string file = PALPATE_SOURCE_DIR "/scenes/catalogue/cube.json";
   Program program = Server(Here({"--scene", "cube", "--scene", file, "--transport", "udp"}));
   EXPECT_EQ(program.Exit(60.0), 2);
-  EXPECT_THAT(program.Output(), HasSubstr("--scene " + file + ": 'cube' is served already"));
+  EXPECT_THAT(program.Output(), HasSubstr("--scene " + file + ": 'cube' is already served"));
 }
 
 TEST(ServerProgram, RefusesRequiredRealTimeWithoutTheRightAndNamesTheLimit) {

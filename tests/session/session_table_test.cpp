@@ -85,8 +85,8 @@ TEST_F(SessionTableTest, RefusesWhatCannotBeHadAndSaysWhatThereIs) {
            {MakeRequest("b", 1, "two", "middle"),
             "tool 'middle' is not in scene 'two'.*left, right"},
            {MakeRequest("b", 1, "two"), "several tools"},
-           {MakeRequest("a/b", 1, "one"), "no name for a station"},
-           {MakeRequest("", 1, "one"), "no name for a station"}}) {
+           {MakeRequest("a/b", 1, "one"), "not a valid name of a station"},
+           {MakeRequest("", 1, "one"), "not a valid name of a station"}}) {
     const wire::SessionState state = Ask(request);
     EXPECT_EQ(state.phase, palpate_SESSION_REFUSED) << reason;
     EXPECT_THAT(state.reason, testing::ContainsRegex(reason));

@@ -95,7 +95,7 @@ TEST(StationOptions, NamesTheArgumentThatIsWrong) {
   EXPECT_THAT(Complaint({"--device", "simulated", "--id", "a"}), HasSubstr("--scene"));
   EXPECT_THAT(Complaint({"--device", "simulated", "--scene", "cube"}), HasSubstr("--id"));
   EXPECT_THAT(Complaint({"--device", "omega", "--scene", "cube", "--id", "a"}),
-              HasSubstr("no such device; have: forcedimension, haply, mouse, openhaptics, "
+              HasSubstr("is not a device; give one of forcedimension, haply, mouse, openhaptics, "
                         "./DRIVER.so, scripted, simulated, spacemouse"));
   EXPECT_THAT(with({"--model", "omni"}), HasSubstr("have: premium-3.0, premium-1.5, touch"));
   EXPECT_THAT(with({"--rate", "5000"}), HasSubstr("--rate 5000"));

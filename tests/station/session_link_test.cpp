@@ -119,7 +119,9 @@ TEST(SessionLink, SendsPosesWhereNoRecorderComes) {
   FakeServer server(kDomain, kUdp);
   Station station(10.0, true);
   ASSERT_TRUE(station.UntilForce(2.0));
-  EXPECT_THAT(station.said, testing::Contains("no recorder came in 3 s: poses go out unrecorded"));
+  EXPECT_THAT(
+      station.said,
+      testing::Contains("no recorder was found within 3 s: the first poses are not recorded"));
 }
 
 TEST(SessionLink, SaysWhyTheServerRefuses) {
@@ -169,7 +171,7 @@ TEST(SessionLink, FadesWhenTheServerDiesAndResumesByItselfWithItsSuccessor) {
 TEST_F(LinkedStation, LeavesTheHandWithoutAForceWhereTwoServersAnswer) {
   FakeServer other(kDomain, kUdp);
   EXPECT_EQ(station.Complaint(),
-            "two servers answer in domain " + kNumber +
+            "two servers run in domain " + kNumber +
                 ": end one of them, or give it and its stations another --domain");
   station.link.reset();
   station.servo->Stop();

@@ -85,7 +85,7 @@ TEST(Course, MakesRenamesAndWithdrawsPeopleWhileTheyAreThere) {
   EXPECT_THAT(
       teacher.Ask({{"op", "person_make"}, {"names", {"Ben", "anna"}}, {"role", "drive"}})["refusal"]
           .get<std::string>(),
-      testing::HasSubstr("would be one station"));
+      testing::HasSubstr("would have the same station name"));
 
   Pupil anna(gateway, token);
   const CourseJson me = anna.Me();
@@ -201,13 +201,13 @@ TEST(Course, DeletesAPersonWithAllThatTheyDid) {
   };
   EXPECT_EQ(history()["people"].size(), 1u);
   EXPECT_THAT(teacher.Ask({{"op", "person_delete"}, {"person", 1}})["refusal"].get<std::string>(),
-              testing::HasSubstr("is the last who may operate"));
+              testing::HasSubstr("is the last person with the role"));
   EXPECT_EQ(teacher.Ask({{"op", "person_delete"}, {"person", 2}})["refusal"], "");
   EXPECT_EQ(anna.client().closed(), kPolicyViolation);
   EXPECT_EQ(history()["people"].size(), 0u);
   EXPECT_FALSE(std::filesystem::exists(folder / "course/trials/2"));
   EXPECT_THAT(teacher.Ask({{"op", "person_delete"}, {"person", 2}})["refusal"].get<std::string>(),
-              testing::HasSubstr("nobody of this course"));
+              testing::HasSubstr("no person of this course"));
 }
 
 TEST(Course, HoldsAnExamWithWhichTheNextGatewayGoesOnWhereOneWasKilled) {
@@ -294,7 +294,7 @@ TEST(Course, GivesEachASeatAndKeepsOthersOut) {
   const auto refused = cleo.client().Next(3);
   ASSERT_TRUE(refused);
   EXPECT_THAT(std::string(refused->payload.begin(), refused->payload.end()),
-              testing::HasSubstr("is another's seat"));
+              testing::HasSubstr("is the seat of another person"));
   anna.client().SendMouse({{"op", "whole"}, {"scene", "cube-2"}});
   EXPECT_THAT(anna.client().NextStatus(), testing::HasSubstr("your seat is 'cube-1'"));
 }

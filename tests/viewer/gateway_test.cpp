@@ -640,7 +640,7 @@ TEST(Replay, AnswersWishesThatCannotBeFulfilledAndStandsThoseThatAreNone) {
   viewer.SendReplay({{"replay", "1"}, {"tag", 3}, {"wish", "play"}});
   const Json answer = NextOf(viewer, 22);
   EXPECT_EQ(answer["tag"], 3);
-  EXPECT_THAT(answer.value("refusal", ""), HasSubstr("not there any more"));
+  EXPECT_THAT(answer.value("refusal", ""), HasSubstr("has ended"));
   viewer.SendReplay({{"op", "take"}, {"scene", "cube"}});
   EXPECT_THAT(viewer.NextStatus(), HasSubstr("/palpate/replay:1: "));
   // Each channel is what it was advertised for.

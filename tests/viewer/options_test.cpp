@@ -39,7 +39,7 @@ TEST(ViewerOptions, NameTheArgumentThatIsWrong) {
   EXPECT_THAT(Complaint({"--http", "1", "--max-mice", "99"}), HasSubstr("--max-mice"));
   EXPECT_THAT(Complaint({"--http", "1", "--transport", "pigeon"}), HasSubstr("--transport"));
   EXPECT_THAT(Complaint({"--http", "1", "--page", "/nonexistent"}),
-              HasSubstr("--page /nonexistent: there is no such folder; give the one"));
+              HasSubstr("--page /nonexistent: is not a folder; give the one"));
 }
 
 TEST(ViewerOptions, NameWhatIsWrongWithWhoMay) {

@@ -129,21 +129,21 @@ TEST_F(TokensTest, NameTheLineThatIsWrong) {
   Write(good);
   EXPECT_EQ(Complaint(), "no complaint");
   for (const auto& [line, what] : std::vector<std::pair<std::string, std::string>>{
-           {"admin b " + other, "'admin' is none of watch, drive and operate"},
+           {"admin b " + other, "'admin' is not known; give watch, drive or operate"},
            {"drive", "a name has"},
            {"drive b", "64 hexadecimal digits"},
            {"drive b " + other + "0", "64 hexadecimal digits"},
            {"drive b " + std::string(63, 'b') + "g", "64 hexadecimal digits"},
            {"drive b " + other + " more", "no more"},
-           {"drive " + std::string(33, 'n') + " " + other, "32 at most"},
+           {"drive " + std::string(33, 'n') + " " + other, "at most 32"},
            {"drive b/ " + other, "a name has"},
-           {"drive a " + other, "stands there twice"},
+           {"drive a " + other, "is listed twice"},
            {"drive b " + hash_, "has the token of 'a'"}}) {
     Write(good + line + "\n");
     EXPECT_THAT(Complaint(), AllOf(HasSubstr(path_ + ":4: "), HasSubstr(what))) << line;
   }
   Write("# nobody\n");
-  EXPECT_THAT(Complaint(), HasSubstr("holds none"));
+  EXPECT_THAT(Complaint(), HasSubstr("has no tokens"));
 }
 
 TEST_F(TokensTest, AreMadeOnceForEachName) {

@@ -306,7 +306,7 @@ TEST_F(TopicFeedTest, KeepsWhatAReplaySaysWhoeverElseSpeaks) {
 TEST_F(TopicFeedTest, PassesWishesOnToAReplayThatIsThere) {
   wire::ReplayRequest request{};
   request.replay = 0xab;
-  EXPECT_THAT(feed_.Ask(request), testing::HasSubstr("not there any more"));
+  EXPECT_THAT(feed_.Ask(request), testing::HasSubstr("has ended"));
   dds::Reader<wire::ReplayRequest> requests(server_.participant, dds::kReplayRequestTopic,
                                             dds::Qos::kRecordSession);
   server_.WriteReplay(0);

@@ -344,7 +344,7 @@ TEST_F(Guarded, HoldAsTheFileHasThemWhenItIsReadAnew) {
   }
   std::ofstream(path_) << text;
   gateway.program().Signal(SIGHUP);
-  ASSERT_TRUE(gateway.Logs("read anew: 3 tokens are valid; connections that end for it: 2"));
+  ASSERT_TRUE(gateway.Logs("read again: 3 tokens are valid; connections closed: 2"));
   for (WebClient* viewer : {&watcher, &driver}) {
     EXPECT_THAT(viewer->NextStatus(), HasSubstr("was taken back"));
     EXPECT_EQ(viewer->closed(), 1008);
@@ -365,8 +365,8 @@ TEST_F(Guarded, HoldAsBeforeWhereTheFileIsBrokenWhenItIsReadAnew) {
   ASSERT_TRUE(watcher.open());
   std::ofstream(path_, std::ios::app) << "dance x y\n";
   gateway.program().Signal(SIGHUP);
-  EXPECT_TRUE(gateway.Logs(":4: role 'dance' is none of watch, drive and operate"));
-  EXPECT_TRUE(gateway.Logs("the tokens that were read before stay valid"));
+  EXPECT_TRUE(gateway.Logs(":4: role 'dance' is not a role; give watch, drive or operate"));
+  EXPECT_TRUE(gateway.Logs("the tokens read before remain valid"));
   std::filesystem::remove(path_);
   gateway.program().Signal(SIGHUP);
   EXPECT_TRUE(gateway.Logs("No such file"));
@@ -390,7 +390,7 @@ TEST_F(Guarded, DropsWhoseTokenIsTakenBackThoughItReadsNothing) {
 TEST(Reload, WithoutTokensEndsNothing) {
   Gateway gateway;
   gateway.program().Signal(SIGHUP);
-  EXPECT_TRUE(gateway.Logs("there are no --tokens to read anew"));
+  EXPECT_TRUE(gateway.Logs("there are no --tokens and no --course to read again"));
   EXPECT_EQ(gateway.Health()["viewers"], 0);
 }
 
@@ -600,8 +600,8 @@ TEST(PageCertificate, IsRefusedForNamesThatItsAuthorityDoesNotVouchForOrNobodyCa
   const std::string& folder = kept.path();
   Certify(folder, {"page.lab.example"});
   // Names of a kind of which there was none are refused, too.
-  EXPECT_THAT(Certify(folder, {"other.example"}, 1), HasSubstr("does not vouch for other.example"));
-  EXPECT_THAT(Certify(folder, {"10.0.0.5"}, 1), HasSubstr("does not vouch for 10.0.0.5"));
+  EXPECT_THAT(Certify(folder, {"other.example"}, 1), HasSubstr("cannot certify other.example"));
+  EXPECT_THAT(Certify(folder, {"10.0.0.5"}, 1), HasSubstr("cannot certify 10.0.0.5"));
   EXPECT_THAT(Certify(folder, {"Page.example"}, 2), HasSubstr("small letters"));
   EXPECT_THAT(Certify(folder, {"10.0.0.256"}, 2), HasSubstr("10.0.0.256"));
   EXPECT_THAT(Certify(folder, {}, 2), HasSubstr("NAME"));
@@ -615,9 +615,9 @@ TEST(PageCertificate, IsRefusedForNamesThatItsAuthorityDoesNotVouchForOrNobodyCa
 
 TEST_F(Guarded, SaysWhatABoundGatewayMeansWithoutTokensAndWithoutTls) {
   Gateway open({"--bind", "0.0.0.0"});
-  EXPECT_TRUE(open.Logs("every host that reaches 0.0.0.0 can look"));
-  EXPECT_THAT(open.program().Output(), AllOf(HasSubstr("--tokens"), HasSubstr("--tls-cert"),
-                                             HasSubstr("all goes in the clear")));
+  EXPECT_TRUE(open.Logs("every host that can reach 0.0.0.0 can watch"));
+  EXPECT_THAT(open.program().Output(),
+              AllOf(HasSubstr("--tokens"), HasSubstr("--tls-cert"), HasSubstr("is not encrypted")));
   Gateway local;
   EXPECT_THAT(local.program().Output(), Not(HasSubstr("warning")));
   Gateway guarded({"--bind", "0.0.0.0", "--tokens", path_});

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""First force from a mesh file: first_force.py MESH [UNIT]; a ball is led 1 mm into its top."""
+"""First force from a mesh file: presses a ball 1 mm into its top.  Usage: first_force.py MESH [UNIT]"""
 
 import sys
 
@@ -10,6 +10,6 @@ thing = palpate.body("thing", vertices, triangles)
 model = palpate.Model([thing], palpate.ball("ball", 0.002))
 top = vertices[vertices[:, 2].argmax()]
 proxy = palpate.Proxy(model, top + [0, 0, 0.003])
-for lower in range(200):  # to 2 mm above the top, where the ball touches, and 1 mm further
+for lower in range(200):  # the ball touches at 2 mm above the top; 1 mm further
     report = proxy.step(top + [0, 0, 0.003 - 1e-5 * lower])
 print("force", report.force, "N, faults", palpate.fault_words(report.faults))

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""First force in a scene: first_scene.py [SCENE]; a name of the catalogue, or a scene file with a path."""
+"""First force in a scene of the catalogue, or a scene file with a path.  Usage: first_scene.py [SCENE]"""
 
 import sys
 

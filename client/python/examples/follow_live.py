@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Follows the tools of a running server for a while, and says what each has felt.
+"""Follows the tools of a running server for a while, and prints what each felt.
 
 usage: follow_live.py [--domain N] [--for SECONDS] [-o COLUMNS.npy]
 """
@@ -12,16 +12,16 @@ import numpy
 from palpate import live
 
 arguments = argparse.ArgumentParser(description=__doc__)
-arguments.add_argument("--domain", type=int, default=0, help="which server: the same number as there")
-arguments.add_argument("--transport", default="auto", help="of wrenches, as the server's: auto, shm or udp")
-arguments.add_argument("--for", dest="seconds", type=float, default=10.0, help="seconds")
-arguments.add_argument("-o", help="file for the last station's wrenches, as numpy.load reads it")
+arguments.add_argument("--domain", type=int, default=0, help="number of the domain: the same as the server's")
+arguments.add_argument("--transport", default="auto", help="transport of the wrenches: auto, shm or udp")
+arguments.add_argument("--for", dest="seconds", type=float, default=10.0, help="duration in seconds; default: 10")
+arguments.add_argument("-o", help="file for the last station's wrenches, for numpy.load")
 options = arguments.parse_args()
 
 heard, wrenches = {}, {}
 with live.Session(options.domain, transport=options.transport, wrenches=True) as session:
     until = time.monotonic() + options.seconds
-    for state in session:  # raises palpate.live.Silence if nobody plays
+    for state in session:  # raises palpate.live.Silence if no station is active
         heard.setdefault(state["station"].decode(), []).append(state)
         if time.monotonic() > until:
             break

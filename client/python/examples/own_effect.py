@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A force of one's own: a groove along z that draws the hand, beside what a cube gives."""
+"""A force of your own, added to that of a cube: a groove along z that attracts the hand."""
 
 import numpy
 
@@ -9,7 +9,7 @@ STIFFNESS, DAMPING = 50.0, 2.0  # N/m, N s/m
 
 
 def groove(hand, twist, tool):
-    """Of an energy minus the gradient and its Hessian, so that it is a spring in between, too; and a brake."""
+    """Returns minus the gradient of an energy, plus damping; and its Hessian, which acts as a spring between calls."""
     pull = [-STIFFNESS * hand[0] - DAMPING * twist[0], 0, 0]
     return pull, numpy.diag([STIFFNESS, 0, 0])
 

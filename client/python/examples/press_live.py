@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Is a station: presses a tool into a scene of a running server, a tenth of a millimetre at a time.
+"""Acts as a station: presses a tool into a scene of a running server in steps of a tenth of a millimetre.
 
 usage: press_live.py [SCENE] [--domain N] [--to X Y Z] [--depth MM]
 """
@@ -12,10 +12,10 @@ from palpate import live
 
 arguments = argparse.ArgumentParser(description=__doc__)
 arguments.add_argument("scene", nargs="?", default="cube")
-arguments.add_argument("--domain", type=int, default=0, help="which server: the same number as there")
-arguments.add_argument("--transport", default="auto", help="as the server's: auto, shm or udp")
-arguments.add_argument("--to", nargs=3, type=float, default=[0, 0.03, 0], help="where to press down from, in m")
-arguments.add_argument("--depth", type=float, default=1.0, help="how far, in mm")
+arguments.add_argument("--domain", type=int, default=0, help="number of the domain: the same as the server's")
+arguments.add_argument("--transport", default="auto", help="transport of poses and wrenches: auto, shm or udp")
+arguments.add_argument("--to", nargs=3, type=float, default=[0, 0.03, 0], help="start of the motion, in m")
+arguments.add_argument("--depth", type=float, default=1.0, help="depth to press to, in mm; default: 1")
 options = arguments.parse_args()
 
 with live.Station(options.scene, "press", domain=options.domain, transport=options.transport) as station:

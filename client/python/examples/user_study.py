@@ -1,15 +1,15 @@
 #!/usr/bin/python3
-"""A user study to begin with: conditions in a counterbalanced order, trials that are recorded, questions, one table.
+"""A template for user studies: counterbalanced conditions, recorded trials, questions, one table of results.
 
 usage: user_study.py order|run|export STUDY.toml [PARTICIPANT] [-o TABLE.csv] [--domain N] [--transport auto|shm|udp]
 
   palpate-server ./smooth.json ./rough.json     # the conditions' scenes; in another terminal
-  user_study.py order user_study.toml           # who does what when
-  user_study.py run user_study.toml 3           # participant 3: each trial is recorded, then asked about
+  user_study.py order user_study.toml           # the order of trials for each participant
+  user_study.py run user_study.toml 3           # participant 3: records each trial, then asks the questions
   user_study.py export user_study.toml -o table.csv
 
-Participants are numbers: who they are does not belong here.  An interrupted `run` goes on with the trials that
-have no answers yet.
+Participants are numbers; do not store their names here.  After an interruption, `run` continues with the trials
+that have no answers yet.
 """
 
 import argparse
@@ -29,15 +29,15 @@ import palpate
 
 
 def latin_square(count):
-    """Orders in which each condition stands at each place equally often, and after each other one equally often
-    (Williams, Aust. J. Sci. Res. A 2 (1949) 149): as many as conditions, twice as many where these are odd."""
+    """Returns orders in which each condition occurs equally often at each place, and after each other condition
+    (Williams, Aust. J. Sci. Res. A 2 (1949) 149): as many as conditions, or twice as many if that is odd."""
     first = [(place + 1) // 2 if place % 2 else -(place // 2) for place in range(count)]
     rows = [[(row + step) % count for step in first] for row in range(count)]
     return rows if count % 2 == 0 else rows + [row[::-1] for row in rows]
 
 
 def trials(study, participant):
-    """Of a participant, from 1: file without suffix, condition."""
+    """Returns the trials of a participant (from 1): file without suffix, condition."""
     names = list(study["conditions"])
     orders = latin_square(len(names))
     order = [names[i] for i in orders[(participant - 1) % len(orders)]] * study.get("repeats", 1)
@@ -51,14 +51,14 @@ def program(name):
 
 
 def record(study, file, participant, condition, network):
-    """One trial: the station runs for as long as the study says, and the recorder around it."""
+    """Records one trial: runs the station for the time that the study gives, and the recorder around it."""
     who = f"P{participant:02d}"
     recorder = subprocess.Popen([program("palpate-record"), "-o", f"{file}.mcap", "--overwrite", "--station", who,
                                  *network], stdout=subprocess.PIPE, text=True)
     try:
         while "recording" not in (line := recorder.stdout.readline()):
             if not line:
-                sys.exit("palpate-record has ended; is a palpate-server running?")
+                sys.exit("palpate-record has ended; check that a palpate-server is running")
         subprocess.run([program("palpate-station"), *study["station"], "--scene", study["conditions"][condition],
                         "--id", who, "--for", str(study["seconds"]), *network], check=True, stdout=subprocess.DEVNULL)
     finally:

@@ -2,21 +2,20 @@
 
     import palpate
     scene = palpate.load("bunny-bunny")
-    path = scene.path()                             # of the hand that comes with it
+    path = scene.path()                             # poses of the hand, supplied with the scene
     print(palpate.Proxy(scene.model(), path[0]).steps(path).wrench)
 
-    # or of meshes of one's own
+    # or from meshes of your own
     block = palpate.body("block", *palpate.box([0.04, 0.04, 0.04]))
     model = palpate.Model([block], palpate.ball("ball", 0.005))
     proxy = palpate.Proxy(model, [0, 0.03, 0])
     print(proxy.step([0, 0.022, 0]).force)          # 3 N upwards
 
-Lengths are metres, forces newtons, torques newton metres; a pose is x y z, or x y z and the unit
-quaternion w x y z.  Arrays are numpy's: what comes out is float64; whole numbers and floats of up to
-64 bits go in everywhere, all others nowhere.  What is wrong is told by palpate.Error, a ValueError.
-Equal poses give equal bits, those of C++.
+Units are metres, newtons and newton metres.  A pose is x y z, or x y z followed by the unit quaternion
+w x y z.  Arrays are NumPy arrays: functions accept integers and floats of up to 64 bits, and return
+float64.  Errors are palpate.Error, a ValueError.  The same poses give the same bits as in C++.
 
-Scenes, bodies, reports and steps are pickled; models and proxies are made of them.
+Scenes, bodies, reports and steps can be pickled.  Models and proxies cannot; make them again from a scene.
 """
 
 from palpate import _prose, _tables

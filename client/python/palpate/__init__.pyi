@@ -9,60 +9,60 @@ from numpy.typing import ArrayLike, NDArray
 __version__: str
 
 report_dtype: numpy.dtype
-"""Columns of details, with their units in their names; rows (7) are the contacts that a report lists, `listed` of
-them: force_N is the multiplier, offset_m what the linearised gap lacks, body the object that is felt by its mesh,
--1: a leaf, tool_part, object_part and row what touches there.  prediction_ns, rows_ns, solve_ns and response_ns are
-the stages of the step; qp_iterations and others count what it took."""
+"""Columns of details, with units in their names.  rows (7) are the contacts of the report, of which the first `listed`
+are valid: force_N is the multiplier; offset_m the offset of the linearised constraint; body the object felt by its
+mesh, or -1 for a leaf; tool_part, object_part and row identify the features in contact.  prediction_ns, rows_ns,
+solve_ns and response_ns are the times of the step's stages; qp_iterations and others count its work."""
 
 Effect = Callable[[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]], Any]
-"""What Proxy.set_effect takes."""
+"""A function for Proxy.set_effect: effect(hand, twist, tool)."""
 
 class Error(ValueError):
-    """What was wrong with what was given, and what to do."""
+    """Invalid input; the message names it and says what to give instead."""
 
 class Material:
-    """What a part of an object is made of."""
+    """The material of a part of an object."""
 
     name: str
     stiffness: float
-    """Of a leaf's contact in N/m; infinite: rigid."""
+    """Contact stiffness of a leaf in N/m; infinite: rigid."""
     static_friction: float
     dynamic_friction: float
 
 class Body:
-    """A mesh with its sphere tree, and what it is made of."""
+    """A mesh with its sphere tree and materials."""
 
     name: str
     remarks: List[str]
-    """What was mended of the mesh, and what might surprise: a sentence each."""
+    """Repairs of the mesh and other remarks, one sentence each."""
     pose: NDArray[numpy.float64]
-    """Objects: where they stand, x y z w x y z.  To be set with x y z alone, too."""
+    """Pose of an object: x y z w x y z.  Can also be set to x y z only."""
     materials: List[Material]
-    """Objects: what there is in them; leaf_materials says where."""
+    """Materials of an object; leaf_materials assigns them to leaves."""
     @property
     def leaf_materials(self) -> NDArray[numpy.uint8]:
-        """Of each leaf, as an index into materials."""
+        """Index into materials for each leaf."""
     @property
     def leaves(self) -> int:
-        """How many leaves the sphere tree has."""
+        """Number of leaves of the sphere tree."""
     @property
     def vertices(self) -> NDArray[numpy.float64]:
-        """(n, 3), metres, in the body's frame."""
+        """(n, 3), in metres, in the body's frame."""
     @property
     def triangles(self) -> NDArray[numpy.uint32]:
-        """(m, 3): vertices of each, counter-clockwise from outside."""
+        """(m, 3): vertex indices, counter-clockwise seen from outside."""
     @property
     def leaf_centres(self) -> NDArray[numpy.float64]:
-        """(leaves, 3), metres, in the body's frame."""
+        """(leaves, 3), in metres, in the body's frame."""
     @property
     def leaf_radii(self) -> NDArray[numpy.float64]:
-        """Metres, one of each leaf."""
+        """(leaves), in metres."""
 
 class Scene:
-    """Tools, and the objects that they touch: what load has read, or bodies put together.
+    """Tools and the objects that they touch, loaded or made of bodies.
 
     contact     "surface" or "spheres"
-    parameters  what is to differ from the defaults, by the names of parameters()
+    parameters  values that differ from the defaults, by the names that parameters() lists
     """
 
     def __init__(
@@ -74,32 +74,32 @@ class Scene:
         contact: str = "surface",
         **parameters: float,
     ) -> None:
-        """Copies of the bodies.  Names are letters, digits, - _ and ."""
+        """Makes a scene of copies of the bodies.  Names consist of letters, digits, - _ and ."""
     def save(self, file: Union[str, PathLike[str]]) -> None:
-        """Into a file *.palpate, which load and palpate-server read, and the script of the hand beside it."""
+        """Writes a file *.palpate for load and palpate-server, and the hand's script beside it."""
     @property
     def name(self) -> str: ...
     @property
     def hash(self) -> str:
-        """Of its content: what recordings, their METHODS.md and servers name it by."""
+        """Hash of the scene's content, as in recordings, their METHODS.md and servers."""
     @property
     def tools(self) -> List[Body]:
-        """Their poses are where the scene places them at the start."""
+        """The tools, with their poses at the start."""
     @property
     def objects(self) -> List[Body]:
-        """With their materials, regions and poses; a pose may be set before a model is made."""
+        """The objects with their materials, regions and poses.  Set a pose before you make a model."""
     said: List[str]
-    """What was assumed or mended, a sentence each."""
+    """Assumptions and repairs, one sentence each."""
     @property
     def parameters(self) -> Dict[str, float]:
-        """What may be varied, by name, as the scene has it; parameters() has units and ranges."""
+        """The scene's values of the parameters, by name; parameters() has units and ranges."""
     def path(self, rate: float = 1000.0) -> NDArray[numpy.float64]:
-        """The hand's script that stands beside the scene's file: (n, 7), so many poses a second."""
+        """Returns the hand's script beside the scene file: (n, 7), with `rate` poses per second."""
     def model(self, tool: Union[int, str] = 0, **parameters: float) -> Model:
-        """One of the tools, by index or name, against all objects.
+        """Makes a model of one tool, by index or name, and all objects.
 
-        parameters: what is to differ from the scene, which stays as it is, as
-        scene.model(stiffness_N_per_m=500, separation_um=2, friction=0.3).
+        parameters  values that differ from the scene's, which does not change, as in
+                    scene.model(stiffness_N_per_m=500, separation_um=2, friction=0.3)
         """
 
 def load(
@@ -109,19 +109,19 @@ def load(
     tolerance_um: Optional[float] = None,
     unit: str = "",
 ) -> Scene:
-    """A scene of the catalogue ("bunny-bunny"), or of a file: .json, .palpate, or a mesh, which gets a ball to
-    feel it.  As the server has it: the same poses give the same bits.
+    """Loads a scene of the catalogue ("bunny-bunny") or of a file: .json, .palpate, or a mesh, to which a ball is
+    added as the tool.  The scene is the server's: the same poses give the same bits.
 
-    contact       "surface" or "spheres", in place of the scene's
-    tolerance_um  to which sphere trees follow their meshes, in place of the scene's leaves
-    unit          of a mesh: what a number in its file means, m, cm, mm or inch; left out: guessed
+    contact       "surface" or "spheres"; default: the scene's
+    tolerance_um  largest distance of the sphere trees from their meshes; default: the scene's numbers of leaves
+    unit          of a mesh: m, cm, mm or inch; default: guessed from its size
 
-    A first time takes seconds, a minute for a whole mouth, and shows how far it is; what was built is kept in
-    ~/.cache/palpate.  Catalogue and meshes are found beside palpate-import, as read_mesh finds it.
+    The first time it builds the scene, which takes seconds (a minute for a whole mouth) and shows its progress; the
+    result is kept in ~/.cache/palpate.  The catalogue is found beside palpate-import, which read_mesh needs, too.
     """
 
 def parameters() -> List[Dict[str, Union[str, float]]]:
-    """What may be varied of a scene: name, unit, default, least, most, and what it is.  pandas.DataFrame takes it."""
+    """Lists the parameters of a scene with name, unit, default, least, most and description; suits pandas.DataFrame."""
 
 def body(
     name: str,
@@ -134,29 +134,29 @@ def body(
     dynamic_friction: float = 0.0,
     stiffness: float = ...,
 ) -> Body:
-    """Makes a body of a mesh: vertices (n, 3) in metres, triangles (m, 3), counter-clockwise from outside.
+    """Makes a body from a mesh: vertices (n, 3) in metres, triangles (m, 3), counter-clockwise seen from outside.
 
-    leaves     of its sphere tree; 0: 512 where the mesh is felt, else as many as its shape needs
-    contact    as the model's: "surface" or "spheres"
-    stiffness  of a leaf's contact in N/m; infinite: rigid
+    leaves     number of leaves of its sphere tree; 0: 512 with surface contact, else as many as its shape needs
+    contact    contact model for which it is made: "surface" or "spheres"
+    stiffness  contact stiffness of a leaf in N/m; infinite: rigid
     """
 
 def ball(name: str, radius: float) -> Body:
-    """A ball round the origin, of one leaf, which is exact."""
+    """Makes a ball around the origin, with a single leaf, which is exact."""
 
 def box(size: ArrayLike) -> Tuple[NDArray[numpy.float64], NDArray[numpy.uint32]]:
-    """Vertices and triangles of a box round the origin."""
+    """Returns vertices and triangles of a box around the origin."""
 
 def ellipsoid(
     semi_axes: ArrayLike, triangles: int = 5120
 ) -> Tuple[NDArray[numpy.float64], NDArray[numpy.uint32]]:
-    """Vertices and triangles of an ellipsoid round the origin; at least so many triangles."""
+    """Returns vertices and triangles of an ellipsoid around the origin, with at least this many triangles."""
 
 def fault_words(faults: int) -> str:
-    """What the bits of a report's faults mean, in words; empty where there is none."""
+    """Describes the bits of a report's faults in words; empty if there are none."""
 
 class Report:
-    """What came of one step.  Force and torque act on the hand, at the tool's centroid."""
+    """The result of one step.  Force and torque act on the hand, at the tool's centroid."""
 
     @property
     def force(self) -> NDArray[numpy.float64]:
@@ -166,55 +166,56 @@ class Report:
         """x y z in N m, in the axes of the scene."""
     @property
     def pose(self) -> NDArray[numpy.float64]:
-        """Of the graphic tool, which enters nothing: x y z w x y z."""
+        """Pose of the proxy (the graphic tool, which enters nothing): x y z w x y z."""
     @property
     def contacts(self) -> int:
-        """How many places touch."""
+        """Number of contacts."""
     @property
     def points(self) -> NDArray[numpy.float64]:
-        """A row for each contact listed: where it is, and its force on the tool."""
+        """One row per listed contact: its position, and its force on the tool."""
     @property
     def faults(self) -> int:
-        """A bit for each thing that went wrong, 0 where nothing did; fault_words says what they mean."""
+        """Bits of the faults, 0 if there are none; fault_words describes them."""
     @property
     def substeps(self) -> int:
-        """Into how many parts the step's way was divided."""
+        """Number of sub-steps into which the step was divided."""
     @property
     def rows(self) -> NDArray[numpy.void]:
-        """The contacts listed, as the solver had them: columns are those of report_dtype["rows"]."""
+        """The listed contacts as constraints of the solver, with the columns of report_dtype["rows"]."""
     @property
     def details(self) -> numpy.void:
-        """All of it, as a record of report_dtype.  Stage times are 0: Proxy.steps takes them."""
+        """The whole report as a record of report_dtype.  Stage times are 0; only Proxy.steps measures them."""
     @property
     def parameters(self) -> Dict[str, float]:
-        """As the model's: what the step was made with."""
+        """Parameters of the model."""
 
 class Steps:
-    """What came of many steps: arrays with a row for each."""
+    """The results of many steps: arrays with one row per step."""
 
     wrench: NDArray[numpy.float64]
-    """Force in N and torque in N m: six numbers for each step."""
+    """Force in N and torque in N m: (..., 6)."""
     pose: NDArray[numpy.float64]
-    """Of the graphic tool: x y z w x y z for each step."""
+    """Pose of the proxy, x y z w x y z: (..., 7)."""
     contacts: NDArray[numpy.int32]
-    """How many places touched."""
+    """Number of contacts."""
     faults: NDArray[numpy.uint32]
-    """As a report's."""
+    """Bits of the faults, as in Report."""
     details: Optional[NDArray[numpy.void]]
-    """Where it was asked for: all that each step reports, with its stage times, as report_dtype."""
+    """Whole reports with stage times, as records of report_dtype; None if not requested."""
     parameters: Dict[str, float]
-    """As the model's: what these steps were made with."""
+    """Parameters of the model."""
     def to_pandas(self) -> pandas.DataFrame:
-        """A row for each step (and path), a column for each number, details' among them but for rows; pandas is needed
-        for this alone."""
+        """Returns one row per step (and path) and one column per number, with those of details except rows.  Needs
+        pandas."""
     def to_xarray(self) -> xarray.Dataset:
-        """The same with dimensions path, step, axis and pose; xarray is needed for this alone."""
+        """Returns the same with dimensions path, step, axis and pose.  Needs xarray."""
 
 class Model:
-    """One tool against all objects; never changes, and may be used by all threads.
+    """One tool and all objects.  Immutable; several threads may use it.
 
-    stiffness and torsional_stiffness: of the spring between hand and tool, N/m and N m/rad.
-    step: what else may be varied, by the names of parameters(), as {"separation_um": 2}.
+    stiffness, torsional_stiffness
+          virtual coupling between hand and tool, in N/m and N m/rad
+    step  other parameters, by the names that parameters() lists, such as {"separation_um": 2}
     """
 
     def __init__(
@@ -229,66 +230,67 @@ class Model:
     ) -> None: ...
     @property
     def parameters(self) -> Dict[str, float]:
-        """What it was made with, by name; not a number where the objects' friction differs."""
+        """The parameters by name; NaN for friction that differs between objects."""
     def follow(self, paths: ArrayLike, *, threads: int = 0, details: bool = False) -> Steps:
-        """Lets a hand follow each of many paths, (paths, steps, 3 or 7), on all cores (threads=0).
+        """Steps along many paths, (paths, steps, 3 or 7), in parallel; threads=0: on all cores.
 
-        Each has a proxy of its own, that begins at its first pose; what comes out is the same for
-        any number of threads.  details: Steps.details, of 1.4 kB a step, and its stages are timed.
+        Each path has its own proxy, which starts at the path's first pose.  The result does not depend on the
+        number of threads.  details: also return Steps.details (1.4 kB per step), with stage times.
         """
 
 class Proxy:
-    """The tool that follows one hand; for one thread at a time."""
+    """The proxy (god-object) of one hand.  Only one thread at a time may use it."""
 
     def __init__(self, model: Model, pose: ArrayLike) -> None: ...
     @property
     def start_depth(self) -> float:
-        """How far the tool was from the hand at the start, in metres."""
+        """Distance of the tool from the hand at the start, in metres."""
     def restart(self, pose: ArrayLike) -> None:
-        """Begins anew with the hand at this pose, as a new proxy would."""
+        """Starts again with the hand at this pose, like a new proxy."""
     def set_effect(
         self, effect: Optional[Effect], *, rate_hz: float = 100.0, max_force: float = 1.0, max_torque: float = 0.01
     ) -> None:
-        """Adds a force of one's own to what contacts give, in place of the one before; None: no more.
+        """Adds a force of your own to the contact forces, replacing the previous one; None: removes it.
 
-        effect      effect(hand, twist, tool) is given where the hand is (x y z w x y z), its velocity in m/s and
-                    turning in rad/s (6, smoothed over 4 ms), and where the tool was a step before.  It returns the
-                    force on the hand in N (3), or force and torque in N m (6), at the origin of the tool's frame; or
-                    a pair of that and its stiffness, (3, 3) or (6, 6): what it loses per metre and rad on the way to
-                    the next time.  Of an energy these are minus the gradient, and the Hessian
-        rate_hz     how often it is asked, 1000 over a whole number: at the first step, then at every 1000 / rate_hz-th.
-                    In between the wrench is held, or goes on by its stiffness
+        effect      effect(hand, twist, tool) gets the hand's pose (x y z w x y z), its linear and angular velocity in
+                    m/s and rad/s (6, smoothed over 4 ms), and the tool's pose of the previous step.  It returns the
+                    force on the hand in N (3), or force and torque in N m (6), at the origin of the tool's frame.  It
+                    may return a pair of that wrench and its stiffness, (3, 3) or (6, 6): the decrease of the wrench
+                    per metre and radian of motion until the next call.  For an energy, these are minus the gradient,
+                    and the Hessian
+        rate_hz     rate of the calls, 1000 divided by an integer: at the first step, then every 1000 / rate_hz steps.
+                    Between calls the wrench is held, or extrapolated by its stiffness
         max_force, max_torque
-                    N and N m: longer ones are shortened.  At an arm 1 N and 10 mN m is all that gets through
+                    limits in N and N m, to which longer vectors are shortened.  An arm renders at most 1 N and 10 mN m
 
-        Where it raises something, no step is taken, and it is off; so it is where what it returns is no such wrench or
-        not finite, which is an Error.
+        If the effect raises an exception or returns an invalid or non-finite wrench (an Error), no step is taken, and
+        the effect is removed.
         """
     def step(self, pose: ArrayLike) -> Report:
-        """One step of a millisecond: the hand is at this pose now; returns what it feels.
+        """Takes one step of a millisecond with the hand at this pose, and returns what the hand feels.
 
-        The tool moves towards the hand until objects stop it.  A hand that leaps some centimetres in one
-        step has its tool arrive some steps later.
+        The tool moves towards the hand until objects stop it.  After a jump of some centimetres it arrives some
+        steps later.
         """
     def steps(self, poses: ArrayLike, *, details: bool = False) -> Steps:
-        """One step after the other, (steps, 3 or 7): as step for each, without Python in between.
+        """Takes one step for each pose, (steps, 3 or 7), like step but without Python in between.
 
-        details: Steps.details, of 1.4 kB a step, and its stages are timed.
+        details: also return Steps.details (1.4 kB per step), with stage times.
         """
 
 def read_mesh(
     file: Union[str, PathLike[str]], unit: str = "m"
 ) -> Tuple[NDArray[numpy.float64], NDArray[numpy.uint32]]:
-    """Vertices in metres and triangles of an STL, OBJ, PLY, 3DS or glTF file.
+    """Reads vertices (in metres) and triangles of an STL, OBJ, PLY, 3DS or glTF file.
 
-    unit  what a number in the file means: m, cm, mm or inch
+    unit  unit of the file: m, cm, mm or inch
     """
 
 def read_recording(
     file: Union[str, PathLike[str]],
 ) -> Dict[str, Dict[str, NDArray[numpy.void]]]:
-    """A recording (MCAP) as arrays with named columns: [session][table][column].
+    """Reads a recording (MCAP) as arrays with named columns: [session][table][column].
 
-    Tables are poses, wrenches, faults, tool_states, contacts, session, loop, limiter and guide;
-    columns have their units in their names.
+    Tables are poses, wrenches, faults, tool_states, contacts, session, loop, limiter and guide.
+    Column names include units.
     """

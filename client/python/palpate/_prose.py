@@ -1,4 +1,4 @@
-"""What help() says: the words of the stubs, so that editors, the pages and the prompt have one text."""
+"""Gives help() the documentation of the stubs, so that editors, web pages and the prompt show one text."""
 
 import ast
 import functools
@@ -26,14 +26,14 @@ def _entries(body, prefix=""):
 
 @functools.cache
 def read(stub):
-    """What the stub, a file beside this one, says of each name, as "Proxy.step": of a function its signature
-    and prose, of a property its type and prose."""
+    """Returns the documentation of each name, such as "Proxy.step", in a stub beside this file: the signature
+    and text of a function, the type and text of a property."""
     return dict(_entries(ast.parse(pathlib.Path(__file__).with_name(stub).read_text()).body))
 
 
 def dress(namespace, stub):
-    """Gives the classes, properties and Python functions of a module what its stub says of them.  What is a
-    function of C++ cannot be given anything, and takes it from `read` when it is made."""
+    """Sets the docstrings of a module's classes, properties and Python functions to those of its stub.
+    Functions of C++ have read-only docstrings; they take theirs from `read` when they are made."""
     for name, text in read(stub).items():
         owner, _, member = name.rpartition(".")
         thing = vars(namespace[owner]).get(member) if owner else namespace.get(member)

@@ -1,4 +1,4 @@
-"""Steps as tables of pandas and xarray, which nothing else needs."""
+"""Conversion of Steps to pandas and xarray, which are imported only here."""
 
 import importlib
 
@@ -11,14 +11,14 @@ def _library(name):
     try:
         return importlib.import_module(name)
     except ImportError as error:
-        raise ImportError(f"{name}: {error}; install it (Debian's python3-{name}), or take the arrays") from None
+        raise ImportError(f"{name}: {error}; install it (Debian: python3-{name}), or use the arrays") from None
 
 
 def _columns(steps):
-    """Each column as an array: (..., steps), or with 3 or 7 numbers for each step."""
+    """Returns the columns as arrays of shape (..., steps), or with 3 or 7 numbers per step."""
     columns = {"force_N": steps.wrench[..., :3], "torque_Nm": steps.wrench[..., 3:], "tool": steps.pose,
                "contacts": steps.contacts, "faults": steps.faults}
-    if steps.details is not None:  # rows make no columns: their number varies
+    if steps.details is not None:  # rows are left out, since their number varies
         columns |= {name: steps.details[name] for name in steps.details.dtype.names if name != "rows"}
     return columns
 

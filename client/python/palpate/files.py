@@ -1,4 +1,4 @@
-"""Meshes and recordings, as the programs palpate-import and palpate-replay read them."""
+"""Reads meshes and recordings, with the programs palpate-import and palpate-replay."""
 
 import os
 import pathlib
@@ -20,13 +20,13 @@ if _OWN.exists():
 
 
 def _program(name):
-    """A program of Palpate: in $PALPATE_PROGRAMS, or else beside this module or on the PATH."""
+    """Returns the path of a program: in $PALPATE_PROGRAMS if set, else beside this module or on the PATH."""
     folder = os.environ.get("PALPATE_PROGRAMS")
     found = shutil.which(name, path=folder or f"{_OWN}{os.pathsep}{os.environ.get('PATH', os.defpath)}")
     if not found:
         raise Error(
             f"{name}: is not {'in ' + folder if folder else 'on the PATH'}; install palpate-common and "
-            "palpate-tools, or let the environment's PALPATE_PROGRAMS name the folder that holds it"
+            "palpate-tools, or set the environment variable PALPATE_PROGRAMS to the folder that has it"
         )
     return found
 
@@ -38,7 +38,7 @@ def _complaint(name, done):
 
 def read_mesh(file, unit="m"):
     if unit not in _METRES:
-        raise Error(f"unit: '{unit}' is none of {', '.join(_METRES)}")
+        raise Error(f"unit: '{unit}' is not known; give one of {', '.join(_METRES)}")
     done = subprocess.run(
         [_program("palpate-import"), os.fspath(file)], capture_output=True, check=False
     )
@@ -46,10 +46,10 @@ def read_mesh(file, unit="m"):
         raise Error(_complaint("palpate-import", done))
     packet = done.stdout
     if len(packet) < 32 or packet[:8] != _MESH_MAGIC[:8]:
-        raise Error(f"{file}: palpate-import is of another version than this module; install both anew")
+        raise Error(f"{file}: palpate-import and this module have different versions; install both again")
     vertices, triangles = struct.unpack_from("=QQ", packet, 8)
     if 32 + 24 * vertices + 12 * triangles > len(packet):
-        raise Error(f"{file}: what was read of it does not add up")
+        raise Error(f"{file}: the output of palpate-import is incomplete; run it by hand to see why")
     points = numpy.frombuffer(packet, numpy.float64, 3 * vertices, 32).reshape(-1, 3)
     faces = numpy.frombuffer(packet, numpy.uint32, 3 * triangles, 32 + 24 * vertices)
     return points * _METRES[unit], faces.reshape(-1, 3).copy()

@@ -1,17 +1,17 @@
-"""Hands for studies: poses of a hand, one a millisecond, as Proxy.steps takes them.
+"""Hand paths for studies: poses of a hand, one per millisecond, for Proxy.steps.
 
     from palpate import hands
     path = hands.generated(palpate.load("bunny-bunny"), seed=7)
 
-What is generated depends on the scene, the options and the seed alone, and is felt in the scene as its file has
-it: the same hand presses softly and hard, rough and smooth.
+A generated path depends only on the scene, the options and the seed.  It is found with the parameters of the scene
+file; so it stays the same when a study varies stiffness or friction.
 """
 
 import numpy
 
 from palpate._physics import Error, Proxy
 
-_CLEARANCE = 0.005  # m between the bounding balls of tool and objects when the hand is outside
+_CLEARANCE = 0.005  # m between the bounding spheres of tool and objects when the hand is outside
 _STRIDE = 0.001  # m per step of the hand that searches for contact
 _LEAST_S = 0.15  # least duration of a movement, in s
 
@@ -21,25 +21,26 @@ def _unit(vector):
 
 
 def _rotated(q, vectors):
-    """Vectors turned by a quaternion, or by one each."""
+    """Rotates vectors by one quaternion, or each by its own."""
     w, u = q[..., :1], q[..., 1:]
     return vectors + 2 * numpy.cross(u, numpy.cross(u, vectors) + w * vectors)
 
 
 class _Walk:
-    """Finds out in a scene where its tool touches.  A place is where the tool's middle is, with a quaternion."""
+    """Finds by contact where the tool of a scene touches its objects, and makes a path from these places.  A place
+    is the position of the centre of the tool's bounding box, and a quaternion."""
 
     def __init__(self, scene, tool, model, random, options):
         body = next((body for i, body in enumerate(scene.tools) if tool in (i, body.name)), None)
         if body is None:
-            raise Error(f"tool: there is no {tool}; there are {', '.join(body.name for body in scene.tools)}")
+            raise Error(f"tool: {tool} is not in the scene; give one of {', '.join(body.name for body in scene.tools)}")
         self.model, self.random, self.options = model or scene.model(tool), random, options
         self.q = body.pose[3:]
         self.middle = (body.vertices.min(axis=0) + body.vertices.max(axis=0)) / 2
         points = [_rotated(each.pose[3:], each.vertices) + each.pose[:3] for each in scene.objects]
         self.points = numpy.concatenate(points) if points else numpy.zeros((0, 3))
         if not len(self.points):
-            raise Error(f"{scene.name}: has no object that a hand could come to")
+            raise Error(f"{scene.name}: has no object that a hand could touch; add one")
         self.centre = (self.points.min(axis=0) + self.points.max(axis=0)) / 2
         self.outside = _CLEARANCE + numpy.linalg.norm(self.points - self.centre, axis=1).max()
         self.outside += numpy.linalg.norm(body.vertices - self.middle, axis=1).max()
@@ -47,7 +48,7 @@ class _Walk:
         self.stiffness = self.model.parameters["stiffness_N_per_m"]
 
     def poses(self, places):
-        """Of the tool's frame."""
+        """Returns the poses of the tool's frame at these places."""
         places = numpy.asarray(places)
         return numpy.concatenate([places[:, :3] - _rotated(places[:, 3:], self.middle), places[:, 3:]], axis=1)
 
@@ -57,7 +58,7 @@ class _Walk:
         self.keys.append((before[0] + max(_LEAST_S, seconds), place))
 
     def touch(self, place, towards):
-        """Where the tool is stopped on its way, and the surface's normal there; None where nothing stops it."""
+        """Returns where a surface stops the tool on its way, and the surface normal there; None if nothing stops it."""
         far = numpy.arange(0, numpy.linalg.norm(place[:3] - towards) + self.outside, _STRIDE)
         along = _unit(towards - place[:3])
         places = numpy.tile(place, (len(far), 1))
@@ -75,7 +76,7 @@ class _Walk:
         return None
 
     def visit(self, came_from):
-        """Comes from outside to a place of the objects, presses, slides there and back, and leaves."""
+        """Approaches an object from outside, presses, slides there and back, and leaves.  Returns the direction."""
         random, press = self.random, self.options["press_mm"] / 1000
         for _ in range(100):
             direction = _unit(came_from + 0.7 * _unit(random.normal(size=3)))
@@ -86,7 +87,7 @@ class _Walk:
             if found and found[1] @ direction > 0.3:  # otherwise a press would slip past the surface
                 break
         else:
-            raise Error("hand: found no place of the objects that the tool can come to from outside")
+            raise Error("hand: found no place on the objects that the tool can reach; give a path of your own")
         at, normal = found
         speed = self.options["speed_mm_per_s"] / 1000
         self.go(outside, 10 * speed)
@@ -103,7 +104,7 @@ class _Walk:
 
 
 def _between(keys, steps):
-    """Places at each millisecond, by movements of least jerk (Flash & Hogan, J. Neurosci. 5 (1985) 1688)."""
+    """Interpolates places at each millisecond, with minimum jerk (Flash & Hogan, J. Neurosci. 5 (1985) 1688)."""
     times, places = numpy.array([key[0] for key in keys]), numpy.array([key[1] for key in keys])
     t = numpy.arange(steps) / 1000
     i = numpy.clip(numpy.searchsorted(times, t, "right") - 1, 0, len(times) - 2)
@@ -116,13 +117,13 @@ def _between(keys, steps):
 
 def generated(scene, *, tool=0, steps=20000, seed=1, press_mm=3.0, slide_mm=8.0, speed_mm_per_s=50.0, turn_deg=20.0,
               model=None):
-    """A hand that comes from outside to one place of the objects after the other, presses, slides there and back.
+    """Returns a path that repeatedly approaches an object from outside, presses, slides there and back, and leaves.
 
-    press_mm        it presses half as deep to as deep as this below where it touches
-    slide_mm        it slides by, to either side
-    speed_mm_per_s  while it touches; it comes four times as fast
-    turn_deg        by which the tool is turned at most from how the scene places it
-    model           scene.model(tool), where it is there already: what takes longest
+    press_mm        largest depth below the point of contact; the least is half of that
+    slide_mm        length of the slide to either side
+    speed_mm_per_s  speed in contact; the approach is four times as fast
+    turn_deg        largest rotation of the tool from its pose in the scene
+    model           scene.model(tool), if you have it already, which saves most of the time
     """
     options = {"press_mm": press_mm, "slide_mm": slide_mm, "speed_mm_per_s": speed_mm_per_s, "turn_deg": turn_deg}
     walk = _Walk(scene, tool, model, numpy.random.default_rng(seed), options)
@@ -134,7 +135,7 @@ def generated(scene, *, tool=0, steps=20000, seed=1, press_mm=3.0, slide_mm=8.0,
 
 
 def script(scene, *, steps=None):
-    """The hand that comes with the scene; beyond its end it goes the same way back, and again."""
+    """Returns the path supplied with the scene; for more steps it is traversed back and forth."""
     path = scene.path()
     if steps is None:
         return path
@@ -143,7 +144,7 @@ def script(scene, *, steps=None):
 
 
 def trembling(path, *, um, seed=1):
-    """The path with a tremor: of this size (root mean square, each axis), three tones from 8 to 12 Hz."""
+    """Returns the path with a tremor of `um` root mean square per axis: three tones from 8 to 12 Hz."""
     random = numpy.random.default_rng(seed)
     hertz, phase = random.uniform(8, 12, (3, 3)), random.uniform(0, 2 * numpy.pi, (3, 3))
     t = numpy.arange(len(path))[:, None, None] / 1000

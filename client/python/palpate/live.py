@@ -1,14 +1,14 @@
-"""A running server: hear what goes on at it, and be a station.
+"""Connects to a running server: listens to its sessions, or acts as a station.
 
     from palpate import live
-    for state in live.Session():                       # 60 a second and station
+    for state in live.Session():                       # 60 per second and station
         print(state["station"].decode(), state["force_N"])
 
     with live.Station("cube") as station:
-        print(station.move([0, 0.03, 0], 0.5).force)   # there in half a second
+        print(station.move([0, 0.03, 0], 0.5).force)   # moves there in half a second
 
-It needs DDS, which palpate alone does not.  What is wrong is told by palpate.Error; Silence is the one
-of them that may pass: nobody answers any more, and forces are zero.
+This module needs DDS; palpate itself does not.  Errors are palpate.Error.  One of them, Silence, is
+temporary: the server does not answer, and forces are zero.
 """
 
 import atexit
@@ -22,8 +22,8 @@ from palpate import Error, _prose
 try:
     from palpate import _live
 except ImportError as error:  # a wheel contains no libraries
-    raise ImportError(f"palpate.live: {error}; apt-get install libddsc0debian libspdlog1.10 libspnav0 libxxhash0, "
-                      "which are Debian 12's") from None
+    raise ImportError(f"palpate.live: {error}; on Debian 12: apt-get install libddsc0debian libspdlog1.10 libspnav0 "
+                      "libxxhash0") from None
 from palpate._live import Felt, Silence, tool_dtype, wrench_dtype
 
 __all__ = ["Felt", "Session", "Silence", "Station", "tool_dtype", "wrench_dtype"]
@@ -33,7 +33,7 @@ _open = weakref.WeakSet()
 
 @atexit.register
 def _close_all():
-    """Before Python ends: threads that DDS runs are not to outlive it."""
+    """Closes everything before Python ends, since the threads of DDS must not outlive it."""
     for opened in list(_open):
         opened.close()
 
@@ -54,7 +54,7 @@ class _Opened:
 
 
 class _Asking(threading.Thread):
-    """Asks an effect at its rate, until it is told that this is over or the effect raises something."""
+    """Calls an effect at its rate until `over` is set or the effect raises an exception."""
 
     def __init__(self, live, effect, *terms):
         super().__init__(daemon=True)

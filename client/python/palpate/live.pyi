@@ -11,51 +11,51 @@ tool_dtype: numpy.dtype
 wrench_dtype: numpy.dtype
 
 class Silence(Error):
-    """Nobody answers any more, or yet: forces are zero, and what was asked for may still come."""
+    """No answer (yet): forces are zero.  Temporary; a later call may succeed."""
 
 class Felt:
-    """What a hand was given in a millisecond: force and torque at the handle's origin, in the scene's axes."""
+    """What a hand felt in one millisecond: force and torque at the handle's origin, in the scene's axes."""
 
     @property
     def force(self) -> NDArray[numpy.float64]:
-        """N, as the limiter let it through."""
+        """In N, after the limiter."""
     @property
     def torque(self) -> NDArray[numpy.float64]:
-        """N m, as the limiter let it through."""
+        """In N m, after the limiter."""
     @property
     def wanted_force(self) -> NDArray[numpy.float64]:
-        """Before the limiter."""
+        """In N, before the limiter."""
     @property
     def wanted_torque(self) -> NDArray[numpy.float64]:
-        """Before the limiter."""
+        """In N m, before the limiter."""
     @property
     def hand(self) -> NDArray[numpy.float64]:
-        """Where the hand was: x y z w x y z."""
+        """Pose of the hand: x y z w x y z."""
     @property
     def twist(self) -> NDArray[numpy.float64]:
-        """The hand's velocity in m/s and its turning in rad/s."""
+        """Linear and angular velocity of the hand, in m/s and rad/s."""
     @property
     def tool(self) -> Optional[NDArray[numpy.float64]]:
-        """Where the graphic tool was, which enters nothing; None before the first reply."""
+        """Pose of the proxy (the graphic tool, which enters nothing); None before the first reply."""
 
 class Station:
-    """A station whose hand a program moves: the loop, the session and the limiter of palpate-station.
+    """A station whose hand is moved by your program, with the loop, session and limiter of palpate-station.
 
-    The loop runs at 1 kHz in threads of its own, which are not real-time; a program moves the hand at a
-    rate of its own, 100 Hz say, and the hand goes from pose to pose at one speed, 0.5 m/s and 5 rad/s at
-    most.  Where the server dies forces are zero within 25 ms, `phase` says "no replies", and `move` raises
-    Silence; when a server answers again the session is resumed.
+    The loop runs at 1 kHz in its own threads, which are not real-time.  Your program moves the hand at any
+    rate, such as 100 Hz; the hand travels from pose to pose at constant speed, at most 0.5 m/s and 5 rad/s.
+    If the server dies, forces are zero within 25 ms, `phase` is "no replies", and `move` raises Silence;
+    when a server answers again, the session is resumed.
 
-    scene      its name, as palpate-station's --scene; empty: the first that the server has
-    name       of the station, as --id: letters, digits and _
-    tool       empty: the scene's only one
+    scene      name of the scene, as for palpate-station --scene; empty: the server's first
+    name       name of the station, as for --id: letters, digits and _
+    tool       tool of the scene; empty: its only one
     domain, network, peers, identity, transport
-               as the options of palpate-station; identity is of role station, and of this name
-    start      where the hand begins; None: where the server says
+               as the options of palpate-station; the identity has the role station and this name
+    start      initial pose of the hand; None: as the server says
     max_force, max_torque
-               N and N m: the limiter's figures, as an arm's data sheet gives them; 3 N or more, for the
-               passivity controller lets little of a force through where the peak is low
-    patience   seconds that the first answer of a server may take
+               limits of the limiter in N and N m, as in an arm's data sheet.  Give 3 N or more: with a low
+               limit the passivity controller suppresses most of a force
+    patience   how long to wait for the first answer of a server, in seconds
     """
 
     def __init__(
@@ -76,35 +76,35 @@ class Station:
         patience: float = 10.0,
     ) -> None: ...
     def move(self, pose: ArrayLike, seconds: float = 0.0, *, timeout: float = 1.0) -> Felt:
-        """Moves the hand there, and returns what it feels there, once the server has answered that pose.
+        """Moves the hand to this pose.  Returns what it feels there, once the server has answered that pose.
 
-        seconds  that the way takes; longer where the hand would be too fast.  Forces ramp in when a
-                 session begins, and are slew-limited: after a move in no time they are still rising
-        timeout  seconds without an answer after which Silence is raised
+        seconds  duration of the motion; longer if the hand would be too fast.  Forces ramp in when a
+                 session begins and are slew-limited, so after an instant move they are still rising
+        timeout  raise Silence after this many seconds without an answer
         """
     def follow(self, poses: Iterable[ArrayLike], period: float = 0.01, *, timeout: float = 1.0) -> Iterator[Felt]:
-        """One move after the other, each of `period` seconds."""
+        """Moves through the poses, each in `period` seconds, and yields what the hand feels."""
     def set_effect(
         self, effect: Optional[Effect], *, rate_hz: float = 100.0, max_force: float = 1.0, max_torque: float = 0.01
     ) -> None:
-        """Adds a force of one's own, as Proxy.set_effect: asked in a thread of Python's at that rate, once there is a
-        tool, and held in between by the loop, which never waits for it.
+        """Adds a force of your own, like Proxy.set_effect.  It is called in a Python thread at that rate, as soon as
+        there is a tool; the loop holds it between calls and never waits for it.
 
-        It goes where a guide's force goes: the limiter lets 1 N and 10 mN m of it through, and `wanted_force` has it
-        whole.  What is four times as late as it should be, and by 50 ms, acts no more.  What it raises puts it off,
-        and comes out of set_effect or the next `move`.
+        It is limited like the force of a guide, to 1 N and 10 mN m; `wanted_force` includes it unlimited.  Without a
+        new call, its wrench ends after four periods, but not before 50 ms.  An exception removes the effect, and is
+        raised from set_effect or the next `move`.
         """
     def news(self) -> List[str]:
-        """What was told of the session since the last call, a line each."""
+        """Returns the messages about the session since the last call."""
     def close(self) -> None:
-        """Leaves the session."""
+        """Ends the session."""
     @property
     def felt(self) -> Felt:
-        """Of the newest millisecond."""
+        """What the hand felt in the newest millisecond."""
     @property
     def phase(self) -> str:
-        """asking, held, matching, waiting, tool starts inside, active, muted, no replies, asking again; over
-        or closed."""
+        """One of: asking, held, matching, waiting, tool starts inside, active, muted, no replies, asking again,
+        over, closed."""
     @property
     def name(self) -> str: ...
     @property
@@ -113,21 +113,21 @@ class Station:
     def tool(self) -> str: ...
     @property
     def counts(self) -> Dict[str, int]:
-        """Poses sent, replies used, poses lost: "sent", "replies" and "lost"."""
+        """Numbers of poses sent ("sent"), replies used ("replies") and poses lost ("lost")."""
     def __enter__(self) -> "Station": ...
     def __exit__(
         self, kind: Optional[Type[BaseException]], error: Optional[BaseException], trace: Optional[TracebackType]
     ) -> None: ...
 
 class Session:
-    """Hears what goes on at a server.  A minute of it is kept for who is busy; what is older is dropped.
+    """Listens to the sessions of a server.  Keeps the last minute until it is read; older data is dropped.
 
-    Times are seconds by time.monotonic().  Poses are x y z w x y z, in the scene's frame.
+    Times are in seconds, as by time.monotonic().  Poses are x y z w x y z, in the scene's frame.
 
     domain, network, peers, identity, transport
-               as the options of palpate-record; identity is of role viewer, or recorder with wrenches
-    wrenches   hears each answer of the loop, too: a thousand a second and station
-    patience   seconds without anything after which Silence is raised, where no timeout is given
+               as the options of palpate-record; the identity has the role viewer, or recorder with wrenches
+    wrenches   also receive each wrench of the loop: a thousand per second and station
+    patience   default timeout: seconds without data after which Silence is raised
     """
 
     patience: float
@@ -143,23 +143,23 @@ class Session:
         patience: float = 5.0,
     ) -> None: ...
     def __iter__(self) -> Iterator[numpy.void]:
-        """Each tool's state as it comes, of all stations, 60 a second and station (tool_dtype)."""
+        """Yields the tool states of all stations as they arrive, 60 per second and station (tool_dtype)."""
     def tools(self, *, timeout: Optional[float] = None) -> NDArray[numpy.void]:
-        """The states that came since the last call, at least one (tool_dtype)."""
+        """Returns the tool states that arrived since the last call, at least one (tool_dtype)."""
     def wrenches(self, station: str, *, timeout: Optional[float] = None) -> NDArray[numpy.void]:
-        """The station's wrenches that came since the last call, at least one (wrench_dtype)."""
+        """Returns the station's wrenches that arrived since the last call, at least one (wrench_dtype)."""
     def latest_tool(self, station: str) -> Optional[numpy.void]:
-        """The station's newest state, taken or not."""
+        """Returns the station's newest tool state, even if it was returned before; None: there is none."""
     def latest_wrench(self, station: str) -> Optional[numpy.void]:
-        """The station's newest wrench, taken or not."""
+        """Returns the station's newest wrench, even if it was returned before; None: there is none."""
     def close(self) -> None:
-        """Hears no more."""
+        """Stops listening."""
     @property
     def stations(self) -> Dict[str, str]:
-        """By name: waiting, acquiring, active, held, refused or ended, as the server last said."""
+        """Phase of each station: waiting, acquiring, active, held, refused or ended."""
     @property
     def dropped(self) -> int:
-        """Records that nobody took within a minute."""
+        """Number of records that were not read within a minute."""
     def __enter__(self) -> "Session": ...
     def __exit__(
         self, kind: Optional[Type[BaseException]], error: Optional[BaseException], trace: Optional[TracebackType]

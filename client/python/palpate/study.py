@@ -1,4 +1,4 @@
-"""Every scene, hand, value of a parameter and seed with every other: one table, and the text of its methods.
+"""Runs all combinations of scenes, hands, parameters and seeds, and writes a table.
 
     python3 -m palpate.study friction.toml -o friction
 """
@@ -31,67 +31,80 @@ example: python3 -m palpate.study friction.toml -o friction
 
 a study file:
   title = "Does friction change how hard a hand presses?"
-  scenes = ["bunny-bunny", "mine.json"]   # names of the catalogue, or files beside this one
-  seeds = "1..10"                         # or a list of numbers
-  steps = 20000                           # of each run, a millisecond each
+  # Names in the catalogue, or files beside this one:
+  scenes = ["bunny-bunny", "mine.json"]
+  seeds = "1..10"                # or a list of numbers
+  steps = 20000                  # of each run, one per millisecond
 
-  [hands.explorer]                        # a name of your own for each hand
-  kind = "generated"                      # comes, presses, slides, leaves: help("palpate.hands") has its options
+  [hands.explorer]               # choose a name for each hand
+  # Approaches, presses, slides and leaves; options: help("palpate.hands")
+  kind = "generated"
   press_mm = 3
 
   [hands.scripted]
-  kind = "script"                         # the one that comes with the scene
-  tremor_um = 20                          # any kind may have one; without, a script and a file know no seed
+  kind = "script"                # the path supplied with the scene
+  # For any kind; a script or file uses the seed only for this:
+  tremor_um = 20
 
   [hands.recorded]
-  kind = "file"                           # rows x,y,z or x,y,z,qw,qx,qy,qz in m, a millisecond each
-  file = "hand.csv"                       # or .npy
+  # CSV or .npy; rows x,y,z or x,y,z,qw,qx,qy,qz in m, one per millisecond:
+  kind = "file"
+  file = "hand.csv"
 
   [hands.circling]
-  kind = "python"                         # circle(scene, random, steps) gives such rows
+  # The function circle(scene, random, steps) returns such rows:
+  kind = "python"
   function = "my_hands.py:circle"
 
-  [parameters]                            # a list is a factor; a number holds for all runs
-  stiffness_N_per_m = [500, 1000, 2000]   # names, units and ranges: palpate.parameters()
+  [parameters]                   # names, units, ranges: palpate.parameters()
+  # A list is a factor; a number applies to all runs:
+  stiffness_N_per_m = [500, 1000, 2000]
   friction = [0.0, 0.3]
 
-may be left out: hands (the script), seeds, steps; contacts = ["surface", "spheres"], tools = ["bunny"], and
-  measures = "mine.py:measure"            # measure(path, steps): further columns as a dict; steps as of Proxy.steps
+optional: hands (default: the script), seeds, steps, and
+  contacts = ["surface", "spheres"]
+  tools = ["bunny"]
+  # measure(path, steps) returns further columns as a dict; steps is what
+  # Proxy.steps returns:
+  measures = "mine.py:measure"
 
-what is written into FOLDER:
-  table.csv    a row for each run: what was varied, and what came of it
-  METHODS.md   versions, hashes of scenes, parameters with units, the machine, what each column is
-  runs/        with --keep: of each run an .npz with hand, wrench, pose, contacts, faults
+files in FOLDER:
+  table.csv    one row per run: its factors and results
+  METHODS.md   versions, hashes of scenes, parameters with units, the machine,
+               the meaning of each column
+  runs/        with --keep: for each run an .npz with hand, wrench, pose,
+               contacts, faults
 
-Ctrl-C keeps what is done, and the same command goes on with what is missing.  A row depends on the scene, the
-hand, the parameters, the seed and the versions alone: it has the same bits with any number of jobs.
+Ctrl-C keeps the finished runs; the same command continues with the others.  A
+row depends only on the scene, the hand, the parameters, the seed and the
+versions; it has the same bits with any number of jobs.
 """
 
 _FACTORS = {
-    "run": "number, in the order of the factors",
-    "scene": "what was felt",
-    "contact": "contact model, where it is not the scene's",
-    "tool": "with what, by name or number",
-    "hand": "who felt it",
-    "seed": "of the hand; none where it is the same for all",
+    "run": "number of the run, in the order of the factors",
+    "scene": "scene",
+    "contact": "contact model; empty: the scene's",
+    "tool": "tool, by name or number",
+    "hand": "hand",
+    "seed": "seed of the hand; empty: it uses none",
 }
 _COLUMNS = {  # description, and how to compute it from a run's steps
-    "steps": ("of a millisecond each", lambda run: len(run.force)),
-    "touching": ("share of the steps in which anything touched", lambda run: run.touching.mean()),
-    "force_mean_N": ("mean strength of the force, over the steps that touched",
+    "steps": ("number of steps, one per millisecond", lambda run: len(run.force)),
+    "touching": ("fraction of the steps with a contact", lambda run: run.touching.mean()),
+    "force_mean_N": ("mean magnitude of the force, over the steps with a contact",
                      lambda run: run.strength[run.touching].mean() if run.touching.any() else 0.0),
     "force_rms_N": ("root mean square of the force, over all steps", lambda run: numpy.sqrt((run.strength**2).mean())),
-    "force_p99_N": ("99th percentile of its strength, over all steps", lambda run: numpy.percentile(run.strength, 99)),
-    "force_max_N": ("greatest strength", lambda run: run.strength.max()),
-    "torque_max_Nm": ("greatest strength of the torque about the tool's centroid",
+    "force_p99_N": ("99th percentile of its magnitude, over all steps", lambda run: numpy.percentile(run.strength, 99)),
+    "force_max_N": ("largest magnitude of the force", lambda run: run.strength.max()),
+    "torque_max_Nm": ("largest magnitude of the torque about the tool's centroid",
                       lambda run: _lengths(run.wrench[:, 3:]).max()),
-    "jump_max_N": ("greatest change of the force from one step to the next",
+    "jump_max_N": ("largest change of the force from one step to the next",
                    lambda run: _lengths(numpy.diff(run.force, axis=0)).max()),
-    "slid_mm": ("way of the origin of the tool's frame while it touched",
+    "slid_mm": ("path length of the origin of the tool's frame in contact",
                 lambda run: 1e3 * run.way[run.touching[1:] & run.touching[:-1]].sum()),
-    "fault_steps": ("steps in which something went wrong", lambda run: (run.faults != 0).sum()),
-    "faults": ("what, in words", lambda run: palpate.fault_words(int(numpy.bitwise_or.reduce(run.faults)))),
-    "bits": ("first half of the SHA-256 of all wrenches and poses: equal where all bits are",
+    "fault_steps": ("number of steps with a fault", lambda run: (run.faults != 0).sum()),
+    "faults": ("the faults, in words", lambda run: palpate.fault_words(int(numpy.bitwise_or.reduce(run.faults)))),
+    "bits": ("first half of the SHA-256 of all wrenches and poses: equal if all bits are",
              lambda run: hashlib.sha256(run.wrench.tobytes() + run.pose.tobytes()).hexdigest()[:32]),
 }
 _HAND_OPTIONS = {
@@ -107,7 +120,7 @@ def _lengths(vectors):
 
 
 def figures(steps):
-    """What the table has of a run: _COLUMNS."""
+    """Computes the _COLUMNS of a run."""
     run = types.SimpleNamespace(
         wrench=steps.wrench, pose=steps.pose, faults=steps.faults, force=steps.wrench[:, :3],
         strength=_lengths(steps.wrench[:, :3]), touching=steps.contacts > 0,
@@ -121,7 +134,7 @@ def _sha256(file):
 
 
 class Study:
-    """What a study's file says, checked; an Error names the field that is wrong."""
+    """A study file, checked.  Errors name the field that is wrong."""
 
     def __init__(self, file):
         self.file, self.folder = pathlib.Path(file), pathlib.Path(file).parent
@@ -153,7 +166,7 @@ class Study:
 
     def _known(self, at, table, names):
         for name in set(table) - names:
-            self._wrong(at + name, f"is not known; there are {', '.join(sorted(names))}")
+            self._wrong(at + name, f"is not known; give one of {', '.join(sorted(names))}")
 
     def _take(self, field, default, right, words):
         value = self.said.get(field, default)
@@ -163,7 +176,7 @@ class Study:
 
     def _list(self, field, default, kind):
         return self._take(field, default, lambda x: isinstance(x, list) and x and len(set(map(str, x))) == len(x)
-                          and all(isinstance(each, kind) for each in x), "a list, as --help shows, nothing twice")
+                          and all(isinstance(each, kind) for each in x), "a list without duplicates, as --help shows")
 
     def _seeds(self):
         first, dots, last = str(self.said.get("seeds", "1..1")).partition("..")
@@ -197,7 +210,7 @@ class Study:
         return rows[: self.steps]
 
     def _hand(self, at, hand):
-        """A function of scene, tool and seed: rows of poses."""
+        """Returns a function that makes poses from scene, tool and seed."""
         kind = hand.get("kind") if isinstance(hand, dict) else hand
         if kind not in _HAND_OPTIONS:
             self._wrong(f"{at}.kind", f"is {kind!r}; give one of {', '.join(_HAND_OPTIONS)}")
@@ -238,7 +251,7 @@ class Study:
         return values
 
     def runs(self):
-        """All, in the table's order; loads the scenes."""
+        """Returns all runs in the order of the table; loads the scenes."""
         runs, scenes = [], []
         for name, contact in itertools.product(self.scenes, self.contacts):
             beside = self.folder / name
@@ -256,14 +269,14 @@ class Study:
 
 
 class _Table:
-    """table.csv: rows of this and of earlier calls, written anew once a second at most, and in the end."""
+    """table.csv with the rows of this and earlier calls; written at most once per second, and at the end."""
 
     def __init__(self, study, folder, keep):
         self.study, self.folder, self.keep = study, folder, keep
         self.file, self.rows, self._written = folder / "table.csv", {}, 0.0
 
     def resume(self, runs):
-        """Takes over what is there of these runs, and says which are missing."""
+        """Takes over the finished ones of these runs, and returns the others."""
         there = {}
         if self.file.is_file():
             with self.file.open(newline="") as text:
@@ -277,7 +290,7 @@ class _Table:
         return self.folder / "runs" / f"{run.key}.npz"
 
     def make(self, run, stopped):
-        """Lets a hand go its way, in parts, between which Ctrl-C is heard."""
+        """Computes a run, in parts, between which it checks for Ctrl-C."""
         f = run.factors
         path = self.study.makers[f["hand"]](run.scene, f["tool"], f["seed"] or 0)
         proxy, parts = palpate.Proxy(self.study.model(run.scene, f["tool"], run.parameters), path[0]), []
@@ -312,7 +325,7 @@ def _markdown(*lines):
 
 
 def _methods(study, runs, table):
-    """What a paper says of how the table was made."""
+    """Returns the text for a paper's methods section."""
     scenes = {id(run.scene): (run.scene, run.factors["contact"]) for run in runs}.values()
     cpu = [line for line in pathlib.Path("/proc/cpuinfo").read_text().splitlines() if line.startswith("model name")]
     values = {name: ", ".join(f"{value:g}" for value in factor) for name, factor in study.parameters.items()}
@@ -323,7 +336,7 @@ def _methods(study, runs, table):
     columns = [*_FACTORS.items(), *((name, "parameter, as above") for name in study.parameters),
                *((name, what) for name, (what, _) in _COLUMNS.items()),
                *((name, f"by {study.said['measures']}") for name in sorted(own)),
-               ("key", "names all that a row depends on")]
+               ("key", "hash of everything that the row depends on")]
     hand_rows = ([name, ", ".join(f"{k} {v}" for k, v in hand.items())] for name, hand in study.hands.items())
     parameter_rows = ([row["name"], values[row["name"]], row["unit"] or "1", f"{row['default']:g}", row["what"]]
                       for row in palpate.parameters())
@@ -332,21 +345,21 @@ def _methods(study, runs, table):
 {len(table.rows)} of {len(runs)} runs of {study.steps} steps, by `palpate.study` of Palpate {palpate.__version__}, \
 from `{study.file.name}` (SHA-256 {_sha256(study.file)}), {datetime.datetime.now(datetime.timezone.utc):%Y-%m-%d}.
 
-In each run one hand goes its way through one scene. A step of 1 ms takes the hand's pose, and gives force, torque \
-and the pose of the tool. Nothing of a former run is left, and no arm and no person takes part. A step is a pure \
-function of scene, parameters and poses: with these versions a run has the same bits again.
+In each run, one hand follows one path in one scene. A step of 1 ms takes the pose of the hand and returns force, \
+torque and the pose of the tool. Each run starts afresh; no arm and no person takes part. A step is a pure function \
+of scene, parameters and poses: with these versions, a run gives the same bits again.
 
 ## Scenes
 
 {_markdown(["scene", "contact", "hash", "triangles", "tools"], *(
     [scene.name, contact or "the scene's", scene.hash, sum(len(body.triangles) for body in scene.objects),
      ", ".join(body.name for body in scene.tools)] for scene, contact in scenes))}
-Recordings have the same hash of a scene.
+Recordings name a scene by the same hash.
 
 ## Hands
 
-{_markdown(["hand", "is"], *hand_rows)}
-Seeds: {study.said.get("seeds", 1)}. What is not said is as in `palpate.hands`. Files: \
+{_markdown(["hand", "options"], *hand_rows)}
+Seeds: {study.said.get("seeds", 1)}. Other options are the defaults of `palpate.hands`. Files: \
 {", ".join(f"{field} (SHA-256 {hash})" for field, hash in study.sources.items()) or "none"}.
 
 ## Parameters
@@ -363,7 +376,7 @@ Seeds: {study.said.get("seeds", 1)}. What is not said is as in `palpate.hands`. 
 
 
 def _make_all(missing, table, jobs):
-    """On all cores; False after Ctrl-C."""
+    """Computes the runs in parallel.  Returns False after Ctrl-C."""
     stopped, begun = threading.Event(), time.monotonic()
     pool = concurrent.futures.ThreadPoolExecutor(jobs)
     running = {pool.submit(table.make, run, stopped): run for run in missing}
@@ -392,16 +405,16 @@ def _make_all(missing, table, jobs):
 def main(arguments=None):
     parser = argparse.ArgumentParser(prog="python3 -m palpate.study", description=__doc__.partition("\n")[0],
                                      epilog=_EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("study", metavar="STUDY.toml", help="what is varied: see below")
-    parser.add_argument("-o", metavar="FOLDER", help="for table.csv and METHODS.md (left out: STUDY)")
+    parser.add_argument("study", metavar="STUDY.toml", help="study file: see below")
+    parser.add_argument("-o", metavar="FOLDER", help="folder for table.csv and METHODS.md; default: STUDY")
     parser.add_argument("--jobs", type=int, default=len(os.sched_getaffinity(0)),
-                        help="runs at a time (left out: all cores)")
-    parser.add_argument("--keep", action="store_true", help="keep the arrays of each run, too")
-    parser.add_argument("--list", action="store_true", help="say what the runs would be, and make none")
+                        help="number of parallel runs; default: all cores")
+    parser.add_argument("--keep", action="store_true", help="also keep the arrays of each run")
+    parser.add_argument("--list", action="store_true", help="list the runs, and compute none")
     parser.add_argument("--version", action="version", version=f"palpate.study {palpate.__version__}")
     options = parser.parse_args(arguments)
     if options.jobs < 1:
-        parser.error("--jobs: give at least 1; --help says more")
+        parser.error("--jobs: give at least 1")
     study = Study(options.study)
     runs = study.runs()
     if options.list:
@@ -412,12 +425,12 @@ def main(arguments=None):
     folder.mkdir(parents=True, exist_ok=True)
     table = _Table(study, folder, options.keep)
     missing = table.resume(runs)
-    print(f"{len(runs)} runs, {len(runs) - len(missing)} of them there already", file=sys.stderr)
+    print(f"{len(runs)} runs, {len(runs) - len(missing)} of them already done", file=sys.stderr)
     whole = _make_all(missing, table, options.jobs)
     if table.rows:
         (folder / "METHODS.md").write_text(_methods(study, runs, table))
     print(f"{folder}: table.csv of {len(table.rows)} of {len(runs)} runs, and METHODS.md"
-          + ("" if whole else "; the same command goes on"), file=sys.stderr)
+          + ("" if whole else "; the same command continues"), file=sys.stderr)
     return 0 if whole else 1
 
 

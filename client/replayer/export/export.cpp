@@ -167,7 +167,8 @@ void Export(const ExportOptions& options, StopSignal& stop) {
       if (number % kLook != 0) continue;
       progress.Show(reader.place());
       if (stop.stopped()) {
-        throw Error(options.folder + ": stopped before it was whole; nothing is left of it");
+        throw Error(options.folder +
+                    ": stopped before it was complete; the partial result was removed");
       }
     }
   }
@@ -176,7 +177,7 @@ void Export(const ExportOptions& options, StopSignal& stop) {
   for (const std::string& problem : reader.problems()) spdlog::warn("{}", Printable(problem));
   if (files.empty()) {
     throw Error(options.files.front() +
-                ": holds no sample of a session; 'palpate-record info' says what it holds");
+                ": has no samples of a session; 'palpate-record info' shows its contents");
   }
   WriteOutput("-o", folder.path() / "METHODS.md", methods.ToMarkdown(options.files));
   WriteOutput("-o", folder.path() / "methods.json", methods.ToJson(options.files, files));

@@ -12,7 +12,7 @@ ExportFolder::ExportFolder(const std::string& folder) : name_(folder) {
   const bool is_free = !fs::exists(fs::symlink_status(name_)) ||
                        (fs::is_directory(fs::symlink_status(name_)) && fs::is_empty(name_));
   if (!is_free) {
-    throw Error("-o " + folder + ": is there already; give another name, or remove it first");
+    throw Error("-o " + folder + ": exists already; give another name, or remove it first");
   }
   while (name_.has_relative_path() && !name_.has_filename()) name_ = name_.parent_path();
   part_ = name_;
@@ -22,8 +22,8 @@ ExportFolder::ExportFolder(const std::string& folder) : name_(folder) {
   if (!fs::create_directory(part_, problem)) {
     throw Error(part_.string() +
                 (problem ? ": cannot be made (" + problem.message() + "); give another folder"
-                         : ": is there already, of an export that was killed or is at work; "
-                           "remove it, or give another name"));
+                         : ": exists already, from an export that is running or was killed; remove "
+                           "it, or give another name"));
   }
 }
 
@@ -37,8 +37,8 @@ void ExportFolder::Finish() {
   std::error_code problem;
   fs::rename(part_, name_, problem);  // replaces only an empty folder
   if (problem) {
-    throw Error("-o " + name_.string() + ": something has come there meanwhile (" +
-                problem.message() + "); the export is whole in " + part_.string() +
+    throw Error("-o " + name_.string() + ": another program has created it meanwhile (" +
+                problem.message() + "); the complete export is in " + part_.string() +
                 ": move one of the two");
   }
 }

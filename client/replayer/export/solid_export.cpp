@@ -96,7 +96,7 @@ class Files {
 
   void Write(const fs::path& file, const std::string& bytes) {
     if (stop_.stopped()) {
-      throw Error(name_ + ": stopped before it was whole; nothing is left of it");
+      throw Error(name_ + ": stopped before it was complete; the partial result was removed");
     }
     fs::create_directories((folder_ / file).parent_path());
     WriteOutput("-o", folder_ / file, bytes);

@@ -63,10 +63,10 @@ double Now_s() {
 void Guide(const Playback& playback, const GuideOptions& options, StopSignal& stop) {
   const HandPath path = ReadHandPath(playback.files, {options.station});
   const double end_s = std::min(playback.to_s, path.duration_s());
-  if (playback.from_s >= end_s) throw UsageError("--from is behind the path's end");
+  if (playback.from_s >= end_s) throw UsageError("--from is after the end of the path; give less");
   const dds::Participant service = dds::Participant::Service(playback.domain, playback.network);
   dds::Writer<wire::GuideTarget> writer(service, dds::kGuideTopic, dds::Qos::kStream);
-  std::printf("leading station %s along %.1f s of %s's path at %g x, domain %d\n",
+  std::printf("guiding station %s along %.1f s of %s's path at %g x, domain %d\n",
               options.led.c_str(), end_s - playback.from_s, Printable(path.station).c_str(),
               playback.rate, playback.domain);
   std::fflush(stdout);
@@ -100,13 +100,13 @@ void Guide(const Playback& playback, const GuideOptions& options, StopSignal& st
         std::printf("at %.1f s: waiting for the hand, %.0f mm behind\n", pace.time_s(),
                     1e3 * *behind);
       } else {
-        std::puts("the hand comes: going on");
+        std::puts("the hand has caught up: continuing");
       }
       std::fflush(stdout);
     }
   } while (playback.loop);
   if (!heard) {
-    throw Error("nobody listened: start the station with --accept-guide, in the same --domain");
+    throw Error("no station accepts the guide; start it with --accept-guide, in the same --domain");
   }
   std::puts("ended");
 }

@@ -36,11 +36,11 @@ std::string Shown(std::string name) {
   if (first == std::string::npos) throw Error("a bookmark needs a name");
   name = name.substr(first, name.find_last_not_of(' ') - first + 1);
   if (name.size() > Bookmarks::kLongestName) {
-    throw Error("a bookmark's name has " + std::to_string(Bookmarks::kLongestName) +
-                " bytes at most; shorten it");
+    throw Error("the name of a bookmark has at most " + std::to_string(Bookmarks::kLongestName) +
+                " bytes; shorten it");
   }
   // The file's next reader would refuse it.
-  if (!IsUtf8(name)) throw Error("a bookmark's name is text in UTF-8; write it anew");
+  if (!IsUtf8(name)) throw Error("the name of a bookmark must be UTF-8; type it again");
   return name;
 }
 
@@ -94,16 +94,14 @@ void Bookmarks::Add(double at_s, const std::string& name) {
 void Bookmarks::Drop(std::uint32_t number) {
   std::vector<Bookmark> bookmarks = bookmarks_;
   if (std::erase_if(bookmarks, [&](const Bookmark& b) { return b.number == number; }) == 0) {
-    throw Error("that bookmark is gone already");
+    throw Error("that bookmark no longer exists");
   }
   Write(std::move(bookmarks));
 }
 
 void Bookmarks::Write(std::vector<Bookmark> bookmarks) {
   if (TextOf(file_) != text_) {
-    throw Error(file_ +
-                ": has been changed since this replay read it; begin the replay anew to see what "
-                "is there");
+    throw Error(file_ + ": was changed by another program; restart the replay to read it again");
   }
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const Bookmark& bookmark : bookmarks) {

@@ -65,15 +65,16 @@ struct RecordedLesson {
     if (stop.stopped()) return;
     const std::string& file = playback.files.front();
     if (timeline.for_viewers() == 0) {
-      throw Error(file + ": holds nothing that viewers see; record it anew");
+      throw Error(file + ": has nothing to show; record it again");
     }
     for (const std::string& problem : reader.problems()) spdlog::warn("{}", problem);
     if (timeline.left_out() > 0) {
-      spdlog::info("{}: {} more marks and gaps than viewers are shown", file, timeline.left_out());
+      spdlog::info("{}: {} further marks and gaps are not shown to viewers", file,
+                   timeline.left_out());
     }
     const double length_s = Seconds(timeline.last_ns());
     if (playback.from_s > length_s) {
-      throw UsageError("--from is behind the recording's end, at " + std::to_string(length_s) +
+      throw UsageError("--from is after the end of the recording, at " + std::to_string(length_s) +
                        " s");
     }
     from_ns = Time(playback.from_s);

@@ -100,7 +100,7 @@ bool Steering::Take(const State& now, wire::ReplayRequest& request) {
       if (!KeepBookmark(request)) return true;
     } catch (const Error& error) {
       refusal_ = error.what();
-      spdlog::info("a viewer's wish is refused: {}", refusal_);
+      spdlog::info("a viewer's request is refused: {}", refusal_);
     }
     Tell(now);
   }
@@ -113,10 +113,11 @@ void Steering::Check(const wire::ReplayRequest& request) const {
   }
   const bool has_value =
       request.wish != palpate_REPLAY_PLAY && request.wish != palpate_REPLAY_PAUSE;
-  if (has_value && !std::isfinite(request.value)) throw Error("its number is none; give one");
+  if (has_value && !std::isfinite(request.value))
+    throw Error("its value is not a number; give one");
   if (request.wish == palpate_REPLAY_RATE &&
       !(request.value >= kLeastRate && request.value <= kMostRate)) {
-    throw Error("the rate is from 0.1 to 8; give one of these");
+    throw Error("the rate must be from 0.1 to 8");
   }
 }
 

@@ -262,7 +262,7 @@ std::string Timeline::ReasonOf(const Station& station) const {
   // At least half of the loop's 1,000 poses per second.
   const bool has_poses =
       static_cast<double>(station.poses) > 0.5e-6 * static_cast<double>(length_ns);
-  return has_poses ? "tool states were lost; the poses are there" : "the station was silent";
+  return has_poses ? "tool states were lost; the poses were recorded" : "the station was silent";
 }
 
 void Timeline::AddMark(palpate_ReplayMarkKind kind, std::string text) {

@@ -102,13 +102,13 @@ bool Voice::Insist(dds::Writer<T>& writer, const T& value) {
     const std::int64_t waited_ns = SteadyNanoseconds() - begun_ns;
     if (waited_ns > kNotice_ns && !noted) {
       noted = true;
-      spdlog::warn("a viewer does not take what it is sent: the replay waits for it");
+      spdlog::warn("a viewer does not read its messages: the replay waits for it");
     }
     if (waited_ns > kPatience_ns) {
       if (!lacks_) {
         spdlog::error(
-            "viewers lack something in their picture, which none of them took for {} s; a seek, or "
-            "the next round, shows it whole",
+            "viewers did not read a message for {} s, and their picture may lack something; a seek "
+            "or the next repetition completes it",
             kPatience_ns / 1'000'000'000);
       }
       lacks_ = true;

@@ -43,7 +43,7 @@ double OfTissue(const Criterion& criterion, const SolidsCut& trial, const CutSha
   const auto tissue = std::ranges::find(cut, criterion.tissue, &TissueCut::name);
   if (tissue == cut.end()) {
     throw Error(
-        file + ": criterion '" + criterion.name + "': nothing that is cut is called '" +
+        file + ": criterion '" + criterion.name + "': no tissue that can be cut is named '" +
         criterion.tissue + "'; " +
         (cut.empty() ? "the scene has no solid" : "there is: " + Joined(cut, &TissueCut::name)));
   }

@@ -84,8 +84,8 @@ PlayedScene SceneIn(const std::string& recording, const std::string& name) {
     const auto held = std::make_shared<const Scene>(std::move(scene));
     return {held, MakeObjects(*held)};
   }
-  throw Error(recording + ": does not hold its scene '" + name +
-              "', in which it is to be scored; record it without --no-bundle");
+  throw Error(recording + ": does not contain its scene '" + name +
+              "', which the score needs; record it without --no-bundle");
 }
 
 }  // namespace palpate

@@ -313,7 +313,7 @@ void AddTrial(Expert& expert, const HandPath& trial, std::optional<SolidsCut> cu
               const std::string& file, const std::string& name, Report& report) {
   const Performance& done = expert.done;
   if (trial.scene != done.path.scene) {
-    throw Error(file + ": is of scene '" + trial.scene + "', and the expert's of '" +
+    throw Error(file + ": was recorded in scene '" + trial.scene + "', the expert's in '" +
                 done.path.scene + "'; give recordings of one scene");
   }
   report.trials.push_back({name, ScorePath(done.path, trial)});
@@ -610,7 +610,7 @@ std::string ToHtml(const Report& report) {
 void WriteReport(const Report& report, const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) throw Error(folder + ": " + error.message() + "; give --out another place");
+  if (error) throw Error(folder + ": " + error.message() + "; give another --out");
   WriteOutput("--out", folder + "/score.html", ToHtml(report));
   WriteOutput("--out", folder + "/score.svg", ToSvg(PlotsOf(report.trials)));
   WriteOutput("--out", folder + "/score.json", JsonText(report));
@@ -618,13 +618,13 @@ void WriteReport(const Report& report, const std::string& folder) {
 
 void WriteNewCriteria(const std::string& file, const std::string& scene) {
   if (std::filesystem::exists(file)) {
-    throw Error(file + ": is there already; give another name, so that nobody's work is lost");
+    throw Error(file + ": exists already; give another name, so that no work is lost");
   }
   if (scene.empty()) return WriteOutput("criteria", file, kCriteriaToBeginWith);
   const std::string source = CriteriaFileBeside(scene);
   if (!std::filesystem::exists(source)) {
     throw Error("--scene " + scene + ": has no criteria, " + source +
-                "; leave it out for criteria to begin with");
+                "; omit it to get criteria for probing");
   }
   WriteOutput("criteria", file, ReadWholeFile(source, JsonNode::kMostBytes));
 }

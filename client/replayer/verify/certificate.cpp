@@ -218,7 +218,7 @@ void WriteJson(const Certificate& certificate, const std::string& file) {
 void WriteCertificate(const Certificate& certificate, const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) throw Error(folder + ": " + error.message() + "; give --out another place");
+  if (error) throw Error(folder + ": " + error.message() + "; give another --out");
   WriteOutput("--out", folder + "/certificate.txt", ToText(certificate));
   WriteJson(certificate, folder + "/certificate.json");
   for (std::size_t at = 0; at < kCertificateCatalogues.size(); ++at) {

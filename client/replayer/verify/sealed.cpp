@@ -73,7 +73,8 @@ std::string ChooseExam(const std::string& wanted, std::vector<SealedVerdict>& tr
     throw Error("there are several exams: " + list + "; choose with --exam");
   }
   if (exams.empty() && !wanted.empty()) {
-    throw Error("--exam " + wanted + ": no trial of it is sealed by this key");
+    throw Error("--exam " + wanted +
+                ": no trial of this exam is sealed by this key; give another --exam or --key");
   }
   const std::string exam = exams.empty() ? "" : *exams.begin();
   std::erase_if(trials, [&](const SealedVerdict& trial) {
@@ -90,17 +91,18 @@ std::string Judge(const std::string& recording, const VerifyOptions& options,
   if (!fs::exists(recording, none)) return "its recording is not there";
   const HashedFile hashed = Sha256OfFile(recording);
   if (hashed.bytes < seal.bytes) {
-    return fmt::format("its recording is cut: {} of {} bytes are there", hashed.bytes, seal.bytes);
+    return fmt::format("its recording is truncated: {} of {} bytes exist", hashed.bytes,
+                       seal.bytes);
   }
   if (hashed.sha256 != seal.sha256) return "its recording has been changed since it was sealed";
   const Verification verification = Verify({recording}, options);
   for (const SessionVerdict& session : verification.sessions) {
     if (session.station != seal.station) {
-      return fmt::format("its recording is of station '{}', and not of '{}'",
+      return fmt::format("its recording is of station '{}', not of '{}'",
                          Printable(session.station), seal.station);
     }
     if (session.scene != seal.scene || session.scene_hash != seal.scene_hash) {
-      return fmt::format("its recording is in scene '{}' of hash {}, and not in '{}' of {}",
+      return fmt::format("its recording is of scene '{}' with hash {}, not of '{}' with {}",
                          Printable(session.scene), Printable(session.scene_hash), seal.scene,
                          seal.scene_hash);
     }
@@ -113,7 +115,7 @@ std::string Judge(const std::string& recording, const VerifyOptions& options,
     return session.good() || session.recorded == 0;
   });
   if (good && !verification.damaged) return "";
-  return "what was recorded is not what the physics gives: " + ToText(verification);
+  return "the recorded wrenches differ from the computed ones: " + ToText(verification);
 }
 
 void JudgeAll(std::vector<SealedVerdict>& trials,
@@ -150,7 +152,7 @@ void RefuseTwice(std::vector<SealedVerdict>& trials) {
     if (same.size() < 2) continue;
     for (SealedVerdict* const trial : same) {
       const SealedVerdict* const other = same.front() == trial ? same.back() : same.front();
-      trial->refused = fmt::format("the same recording is handed in for {}, task {} ({})",
+      trial->refused = fmt::format("the same recording was also submitted for {}, task {} ({})",
                                    other->seal->name, other->seal->task, other->file);
     }
   }
@@ -175,8 +177,9 @@ void CompareToRoll(const std::string& folder, const SealKey& key, Certificate& c
       return trial.seal && trial.seal->sha256 == entry.sha256 && trial.seal->person == entry.person;
     });
     if (here == certificate.trials.end()) {
-      certificate.missing.push_back(fmt::format("{}, task {}: {} was handed in, and is not here",
-                                                entry.name, entry.task, entry.recording));
+      certificate.missing.push_back(
+          fmt::format("{}, task {}: {} was submitted, but is missing here", entry.name, entry.task,
+                      entry.recording));
     } else {
       here->counts = entry.counts;
     }

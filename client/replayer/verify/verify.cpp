@@ -265,7 +265,7 @@ class SessionReplay : public CutSession {
     while (!waiting_.empty() && verdict_.ends.empty()) {
       const auto& [wrench, time_ns] = waiting_.front();
       if (wrench.pose_sequence > facts_.cuts.known) return;  // Close removes it
-      if (wrench.answer <= taken_) return Stop(fmt::format("answer {} comes again", wrench.answer));
+      if (wrench.answer <= taken_) return Stop(fmt::format("answer {} is repeated", wrench.answer));
       if (!poses_.contains(wrench.pose_sequence)) {
         if (!closed_ && waiting_.size() < kMostAhead) return;
         return Stop(fmt::format("pose {} is not in the recording", wrench.pose_sequence));
@@ -288,7 +288,7 @@ class SessionReplay : public CutSession {
     verdict_.recorded_s = 1e-9 * static_cast<double>(last_ns_ - first_ns_);
     verdict_.computed_s = 1e-9 * static_cast<double>(computed_ns_);
     if (verdict_.recorded == 0) {
-      verdict_.ends = fmt::format("there is no wrench of it, and {} poses", verdict_.poses);
+      verdict_.ends = fmt::format("it has {} poses, but no wrench", verdict_.poses);
     }
     return verdict_;
   }
@@ -390,7 +390,7 @@ class SessionReplay : public CutSession {
     const bool is_answered = loop_.OnPose(pose, answer);
     side_.Take(loop_);
     if (!is_answered) {
-      Stop(fmt::format("pose {} comes again or out of its time: the recording contradicts itself",
+      Stop(fmt::format("pose {} is repeated or out of order: the recording is inconsistent",
                        pose.pose_sequence));
       return false;
     }
@@ -771,9 +771,10 @@ std::string ToText(const Verification& verification) {
           v.first->computed);
     }
     if (v.cut_off > 0) {
-      text += fmt::format("  {} more at its end answer poses that were cut off\n", v.cut_off);
+      text += fmt::format("  {} more at its end answer poses after the end of the recording\n",
+                          v.cut_off);
     }
-    if (v.broken > 0) text += fmt::format("  {} of them are no wrenches: broken bytes\n", v.broken);
+    if (v.broken > 0) text += fmt::format("  {} of them are damaged\n", v.broken);
     if (!v.ends.empty()) {
       text += fmt::format("  {} could not be computed: {}\n", v.recorded - computed - v.broken,
                           Printable(v.ends));

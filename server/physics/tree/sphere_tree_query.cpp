@@ -203,7 +203,7 @@ void ObjectForest::AddMaterials(const PlacedTree& object) {
   const std::size_t leaves = object.tree->leaves();
   if (!object.leaf_material.empty() && object.leaf_material.size() != leaves) {
     throw Error("materials: " + std::to_string(object.leaf_material.size()) + " are given for " +
-                std::to_string(leaves) + " leaves; give one a leaf, or none");
+                std::to_string(leaves) + " leaves; give one per leaf, or none");
   }
   for (std::size_t i = 0; i < leaves; ++i) {
     const std::size_t own = object.leaf_material.empty() ? 0 : object.leaf_material[i];

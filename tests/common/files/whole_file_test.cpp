@@ -47,8 +47,8 @@ TEST_F(WholeFile, MayHoldAsMuchAsItsLimitAndNotAByteMore) {
   EXPECT_EQ(Complaint(Write(std::string(1024, 'x')), 1024), "no complaint");
   EXPECT_EQ(Complaint(Write(std::string(1025, 'x')), 1024),
             "--file " + file_ +
-                ": holds more than 1 KiB, the most that such a file may; check that it is the "
-                "right one, or make it smaller");
+                ": holds more than 1 KiB, the limit for such a file; check that it is the right "
+                "one, or make it smaller");
   EXPECT_THAT(Complaint(file_, 1000), HasSubstr("more than 1000 bytes"));
 }
 

@@ -104,7 +104,7 @@ TEST(JsonNode, TakesNoTextForANameThatNobodyCouldRead) {
   EXPECT_THAT(Complaint("{\"name\": \"" + much + "\"}", name),
               testing::StrEq("f.json:1: name: has 4097 bytes; give 4096 at most"));
   EXPECT_THAT(Complaint("{\"" + much + "\": 1}", name),
-              testing::StrEq("f.json:1: a field's name has 4097 bytes; mend it"));
+              testing::StrEq("f.json:1: a field's name has 4097 bytes; fix it"));
 }
 
 TEST(JsonNode, HasABoundOnItsValuesThatItNames) {

@@ -1,5 +1,7 @@
 #include "common/program/command_line.h"
 
+#include <sstream>
+#include <string>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -12,6 +14,7 @@ namespace palpate {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 /// A program with one option of its own.
 struct Program {
@@ -105,6 +108,21 @@ TEST(CommandLine, PrintsHelpAndVersionUnderTheProgramsName) {
   }
 }
 
+TEST(CommandLine, WrapsItsHelpTo80Columns) {
+  Program program;
+  program.app.AddCommand("score", "grades a trial\nby criteria that are told only in its own help");
+  program.app.AddCommand("export",
+                         "one line that is so long that it has to be continued on a second");
+  const std::string help = program.Printed({"--help"});
+  std::istringstream lines(help);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80u) << line;
+  const std::string indent(30, ' ');
+  EXPECT_THAT(help, HasSubstr("\n" + indent + "second\n"));
+  EXPECT_THAT(help, HasSubstr("  score                       grades a trial\n"));
+  EXPECT_THAT(help, Not(HasSubstr("by criteria")));
+  EXPECT_THAT(program.Printed({"score", "--help"}), HasSubstr("by criteria"));
+}
+
 TEST(CommandLine, NamesTheArgumentThatIsWrongAndWhereToLook) {
   EXPECT_THAT(Program().Complaint({"--domain", "115"}), HasSubstr("--domain"));
   EXPECT_THAT(Program().Complaint({"--domain", "-1"}), HasSubstr("--domain"));
@@ -128,7 +146,7 @@ TEST(CommandLine, MakesAnExitStatusAndALineOfWhatAProgramThrows) {
   EXPECT_EQ(RunProgram("palpate-it", []() -> int { throw UsageError("--rate: no"); }), 2);
   EXPECT_THAT(testing::internal::GetCapturedStderr(),
               testing::AllOf(HasSubstr("palpate-it: no server\n"),
-                             HasSubstr("palpate-it: there is not enough memory"),
+                             HasSubstr("palpate-it: out of memory; 'free' shows"),
                              HasSubstr("palpate-it: --rate: no\n")));
 }
 

@@ -94,7 +94,7 @@ int Give(const std::array<double, 3>& values, double* x, double* y, double* z) {
 
 int Take(double fx, double fy, double fz, double tx, double ty, double tz) {
   for (const double value : {fx, fy, fz, tx, ty, tz}) {
-    if (!std::isfinite(value)) TheFake().Violation("a force that is no number");
+    if (!std::isfinite(value)) TheFake().Violation("a force that is not a number");
   }
   TheFake().force_N = {fx, fy, fz};
   TheFake().torque_Nm = {tx, ty, tz};

@@ -303,7 +303,7 @@ TEST_F(ForceDimensionFaults, ThatThereIsNoArmAreToldWithHowToFindIt) {
   none.arms = 0;
   fake.Reset(none);
   const std::string error = OpeningError();
-  EXPECT_THAT(error, HasSubstr("the arm does not open (the library sees 0)"));
+  EXPECT_THAT(error, HasSubstr("the arm cannot be opened (the library finds 0)"));
   EXPECT_THAT(error, HasSubstr("lsusb -d 1451:"));
 }
 

@@ -55,7 +55,7 @@ TEST(HdLibrary, PassesOnWhatTheLoaderSaysOfAFileThatIsNoLibrary) {
 TEST(HdLibrary, NamesTheLibraryThatItNeedsAndThatIsMissing) {
   const std::string error = LoadError({PALPATE_FAKE_HD_NEEDING, PALPATE_FAKE_HD});
   EXPECT_THAT(error, HasSubstr(std::string(PALPATE_FAKE_HD_NEEDING) +
-                               " is there, but needs libPHANToMIO.so, which is missing"));
+                               " exists, but needs libPHANToMIO.so, which is missing"));
   EXPECT_THAT(error, HasSubstr("it comes with the arm's driver"));
 }
 

@@ -119,7 +119,7 @@ TEST_F(OpenHapticsDeviceTest, SaysThatTheSchedulerDoesNotTickAndDoesNotWaitForIt
   setup.real_time = true;
   fake.Reset(setup);
   fake.Die();
-  EXPECT_THAT(OpeningError(), HasSubstr("scheduler was started, and does not tick; check"));
+  EXPECT_THAT(OpeningError(), HasSubstr("scheduler was started but does not run; check"));
   EXPECT_FALSE(fake.opened());
 }
 

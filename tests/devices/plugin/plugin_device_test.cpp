@@ -98,7 +98,7 @@ TEST_F(PluginDeviceTest, GivesNoForceWhateverTheDriverDoesAndSaysWhatToDo) {
         Case{WrongArm::kWriteFails, 1, "_write",
              "until it returns 0: the cable is out: plug it in"},
         Case{WrongArm::kWriteThrows, 1, "_write", "catch it there"},
-        Case{WrongArm::kStuck, 10, "_read", "mend the link to the arm"},
+        Case{WrongArm::kStuck, 10, "_read", "check the connection to the arm"},
         Case{WrongArm::kJumps, 2, "_read", "calibrate the arm"}}) {
     SCOPED_TRACE(wrong.way);
     arm.way = WrongArm::kRight;
@@ -214,10 +214,11 @@ TEST_F(PluginDeviceTest, SaysWhyAFileIsNoDriver) {
   EXPECT_THAT(OpeningError(PALPATE_DRIVER_WITHOUT_STOP),
               AllOf(HasSubstr(PALPATE_DRIVER_WITHOUT_STOP),
                     HasSubstr("has no palpate_device_stop; define every function")));
-  EXPECT_THAT(OpeningError(PALPATE_DRIVER_OF_TOMORROW),
-              AllOf(HasSubstr(PALPATE_DRIVER_OF_TOMORROW),
-                    HasSubstr("palpate_device_abi is 1000, and 1 to 1 are known here"),
-                    HasSubstr("build it with the palpate_device.h of this version")));
+  EXPECT_THAT(
+      OpeningError(PALPATE_DRIVER_OF_TOMORROW),
+      AllOf(HasSubstr(PALPATE_DRIVER_OF_TOMORROW),
+            HasSubstr("palpate_device_abi is 1000 but this version supports 1 to 1 are known here"),
+            HasSubstr("build it with the palpate_device.h of this version")));
   EXPECT_THAT(ComplaintOf([] { CheckDriver(PALPATE_DRIVER_WITHOUT_STOP); }),
               HasSubstr("palpate_device_stop"))
       << "before a server is asked";

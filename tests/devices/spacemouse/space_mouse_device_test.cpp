@@ -155,7 +155,7 @@ TEST_F(SpaceMouseDeviceTest, StandsStillWithAFaultWhileTheDaemonIsGoneAndResumes
   ASSERT_TRUE(PushUntil({350, 0, 0, 0, 0, 0}, [&] { return sample_.V_WH.v.x() > 0.1; }));
   daemon_.Kill();
   ASSERT_TRUE(TickUntil([&] { return (sample_.status & kDeviceFault) != 0; }));
-  EXPECT_STREQ(device_.activity(), "stands still: spacenavd has gone");
+  EXPECT_STREQ(device_.activity(), "stopped: spacenavd has ended");
   for (int i = 0; i < 1000; ++i) Tick();
   const Vec3 rest = sample_.X_WH.p;
   EXPECT_LT(sample_.V_WH.v.norm(), 1e-6);

@@ -135,12 +135,12 @@ TEST_F(OpenReader, TakesADaemonThatTalksNonsenseForOneThatHasGone) {
 TEST(SpacenavReader, ExplainsWhyItCannotBeOpened) {
   {
     FakeSpacenavd daemon({.has_device = false});
-    EXPECT_THAT(Complaint(), HasSubstr("spacenavd runs and has no device; plug"));
+    EXPECT_THAT(Complaint(), HasSubstr("spacenavd runs but has no device; plug"));
   }
   FakeSpacenavd daemon;
   {
     SpacenavReader reader;
-    EXPECT_THAT(Complaint(), HasSubstr("has opened it already"));
+    EXPECT_THAT(Complaint(), HasSubstr("has already opened it"));
   }
   daemon.Kill();
   EXPECT_THAT(Complaint(), HasSubstr(daemon.path() + " (Connection refused)"));
@@ -156,7 +156,7 @@ TEST(SpacenavReader, SaysWhereTheRightsAreMissing) {
   daemon.Kill();  // its socket stays; and no thread, as what follows forks
   chmod(daemon.path().c_str(), 0);
   if (geteuid() != 0) {
-    EXPECT_THAT(Complaint(), HasSubstr("no right to use spacenavd's socket"));
+    EXPECT_THAT(Complaint(), HasSubstr("no permission for spacenavd's socket"));
     return;
   }
   // Root may use any socket: in a child without that power.
@@ -166,7 +166,7 @@ TEST(SpacenavReader, SaysWhereTheRightsAreMissing) {
         std::fputs(Complaint().c_str(), stderr);
         std::exit(0);
       },
-      testing::ExitedWithCode(0), "no right to use spacenavd's socket");
+      testing::ExitedWithCode(0), "no permission for spacenavd's socket");
 }
 
 }  // namespace

@@ -339,7 +339,7 @@ bool Client(const std::uint8_t* bytes, std::size_t size) {
   read([](std::string_view text) { ParseOperateCommand(text); });
   read([](std::string_view text) { ParseClassCommand(text); });
   read([](std::string_view text) {
-    if (!ParseMouseCommand(text).X_WT.p.allFinite()) Fault("a pose that is no number");
+    if (!ParseMouseCommand(text).X_WT.p.allFinite()) Fault("a pose that is not a number");
   });
   read([](std::string_view text) {
     if (ParseReplayWish(text).request.replay == 0) Fault("a wish for no replay");
@@ -369,7 +369,7 @@ bool Qp(const std::uint8_t* bytes, std::size_t size) {
   given.b = b;
   const QpResult result = SolveNearestPoint(target, given, nullptr, 0);
   for (const double x : result.x) {
-    if (!std::isfinite(x)) Fault("a pose that is no number");
+    if (!std::isfinite(x)) Fault("a pose that is not a number");
   }
   if (result.status != QpStatus::kSolved) return false;
   double scale = 1.0;

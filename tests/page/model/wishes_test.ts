@@ -116,12 +116,12 @@ test("a refusal is told once, whoever refuses", () => {
   wishes.told(answer("f1", "the disk is full"));
   wishes.told(answer("f1", "the disk is full"));
   ask({wish: "seek", value: 1}, 2);
-  wishes.answered({tag: 2, request: "f2", refusal: "that replay is not there any more"});
+  wishes.answered({tag: 2, request: "f2", refusal: "that replay has ended"});
   link.isOpen = false;
   ask({wish: "play"}, 3);
   expect(refused).toEqual([
     "add_bookmark: the disk is full",
-    "seek: that replay is not there any more",
+    "seek: that replay has ended",
     "play: the link to the gateway is lost",
   ]);
   expect(wishes.soughtS).toBeUndefined();

@@ -67,7 +67,7 @@ TEST_F(BookmarksTest, RefuseWhatTheyCouldNotReadBack) {
   EXPECT_THAT(ComplaintOf([&] { bookmarks.Add(1.0, "a\xff"); }), HasSubstr("UTF-8"));
   EXPECT_THAT(ComplaintOf([&] { bookmarks.Add(std::nan(""), "a"); }), HasSubstr("no such time"));
   EXPECT_THAT(ComplaintOf([&] { bookmarks.Add(-1.0, "a"); }), HasSubstr("no such time"));
-  EXPECT_THAT(ComplaintOf([&] { bookmarks.Drop(1); }), HasSubstr("gone already"));
+  EXPECT_THAT(ComplaintOf([&] { bookmarks.Drop(1); }), HasSubstr("no longer exists"));
   EXPECT_FALSE(std::filesystem::exists(file_));
   for (std::size_t i = 0; i < Bookmarks::kMost; ++i) bookmarks.Add(1.0, "a");
   EXPECT_THAT(ComplaintOf([&] { bookmarks.Add(1.0, "a"); }), HasSubstr("drop one first"));
@@ -99,7 +99,8 @@ TEST_F(BookmarksTest, SayWhatIsWrongWithAFileAndLeaveItAsItIs) {
 TEST_F(BookmarksTest, DoNotWriteOverWhatAnotherHasWrittenMeanwhile) {
   Bookmarks first(file_), second(file_);
   first.Add(1.0, "the first's");
-  EXPECT_THAT(ComplaintOf([&] { second.Add(2.0, "the second's"); }), HasSubstr("has been changed"));
+  EXPECT_THAT(ComplaintOf([&] { second.Add(2.0, "the second's"); }),
+              HasSubstr("was changed by another program"));
   EXPECT_THAT(second.all(), IsEmpty());
   EXPECT_THAT(NamesOf(Bookmarks(file_)), ElementsAre(std::pair(1.0, "the first's")));
   first.Add(3.0, "and one more");

@@ -204,7 +204,7 @@ TEST_F(TimelineTest, SaysWhereAStationHasNoToolStatesAndWhy) {
   }
   EXPECT_THAT(gaps, ElementsAre(std::tuple(2000, 11'980, "other", "no session: the hand has left"),
                                 std::tuple(3980, 6000, "hand",
-                                           "tool states were lost; the poses are there"),
+                                           "tool states were lost; the poses were recorded"),
                                 std::tuple(8480, 9200, "hand", "no session: the hand has left")));
 }
 

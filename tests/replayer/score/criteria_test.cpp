@@ -93,7 +93,7 @@ TEST_F(CriteriaTest, GradeWhatABurLeftOfEachTissue) {
   EXPECT_THAT(ComplaintOf([&] {
                 MeasureCut(criteria.criteria[0], none, none, CutShape(none), criteria.file);
               }),
-              testing::AllOf(HasSubstr("'decay': nothing that is cut is called 'caries'"),
+              testing::AllOf(HasSubstr("'decay': no tissue that can be cut is named 'caries'"),
                              HasSubstr("the scene has no solid")));
 }
 
@@ -121,11 +121,11 @@ TEST_F(CriteriaTest, ReadWhatAMeasureIsAbout) {
   EXPECT_EQ(taper.axis, Vec3::UnitZ());
   EXPECT_TRUE(taper.place->Holds(Vec3(0.0005, 0.0015, 0.0025)));
   EXPECT_THAT(Complaint(with(R"("measure": "taper_deg", "axis": [0, 0, 0])")),
-              HasSubstr("is no direction"));
+              HasSubstr("has length 0; give a direction"));
   EXPECT_THAT(Complaint(with(R"("measure": "taper_deg", "tissue": "pulp")")),
-              HasSubstr("does not go with \"taper_deg\""));
+              HasSubstr("does not apply to measure \"taper_deg\""));
   EXPECT_THAT(Complaint(with(R"("measure": "path_max_mm", "region": {})")),
-              HasSubstr("does not go with \"path_max_mm\""));
+              HasSubstr("does not apply to measure \"path_max_mm\""));
   EXPECT_THAT(Complaint(with(R"("measure": "time_s", "region": {})")),
               HasSubstr("give \"box\" or \"sphere\""));
   EXPECT_THAT(Complaint(with(R"("measure": "time_s",
@@ -168,7 +168,7 @@ TEST_F(CriteriaTest, NameTheFieldThatIsWrong) {
               HasSubstr("tissue is missing"));
   EXPECT_THAT(Complaint(with(R"({"name": "a", "measure": "force_peak_N", "tissue": "pulp",
                                  "best": 0, "worst": 1})")),
-              HasSubstr("does not go with \"force_peak_N\"; drop it"));
+              HasSubstr("does not apply to measure \"force_peak_N\"; drop it"));
 }
 
 struct Text {

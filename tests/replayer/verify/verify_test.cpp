@@ -256,7 +256,7 @@ TEST_F(VerifyTest, ComputesEffectsAgainAndRefusesAnotherSharedObject) {
   const auto complaint = [&] { return ComplaintOf([&] { Verify({file_}, {}); }); };
   EXPECT_THAT(complaint(),
               testing::AllOf(HasSubstr("the recording's scene 'sticky'"),
-                             HasSubstr("effect mine.so"), HasSubstr("put that one beside it")));
+                             HasSubstr("effect mine.so"), HasSubstr("put that file beside it")));
   fs::copy(PALPATE_BIN_DIR "/effects/viscous.so", folder_ / "mine.so");
   EXPECT_THAT(complaint(), HasSubstr("mine.so is another one (hash "));
   fs::copy(mine, folder_ / "mine.so", fs::copy_options::overwrite_existing);
@@ -500,7 +500,7 @@ TEST_P(GoldenRecording, GivesTheSameBits) {
     EXPECT_EQ(verification.sessions[0].scene, GetParam());
     ExpectTheSweepToBeThat(FileOf(GetParam()), verification.sessions[0]);
   } catch (const Error& error) {
-    if (std::string(error.what()).find("is not here") == std::string::npos) throw;
+    if (std::string(error.what()).find("is not installed") == std::string::npos) throw;
     GTEST_SKIP() << error.what();
   }
 }

@@ -36,7 +36,7 @@ TEST(CacheFolder, IsNotTakenWhereOthersMayWriteToIt) {
     std::filesystem::create_directory(cache);
     ASSERT_EQ(chmod(cache.c_str(), mode), 0);
     EXPECT_THAT([&] { PrepareCacheFolder(cache); },
-                ThrowsMessage<Error>(HasSubstr(cache + ": others may write to it")));
+                ThrowsMessage<Error>(HasSubstr(cache + ": others can write to it")));
   }
 }
 
@@ -50,7 +50,7 @@ TEST(CacheFolder, IsNotTakenWhereItIsAnothers) {
   ASSERT_EQ(chown(cache.c_str(), kStranger, kStranger), 0);
   ASSERT_EQ(chown(file.c_str(), kStranger, kStranger), 0);
   EXPECT_THAT([&] { PrepareCacheFolder(cache); },
-              ThrowsMessage<Error>(HasSubstr(cache + ": is another user's")));
+              ThrowsMessage<Error>(HasSubstr(cache + ": belongs to another user")));
   EXPECT_FALSE(IsOwnFile(file));
 }
 
@@ -67,7 +67,7 @@ TEST(CacheFolder, NamesWhatStandsInItsPlace) {
   const std::string folder = FreshFolder();
   WriteFile(folder + "/palpate", "x");
   EXPECT_THAT([&] { PrepareCacheFolder(folder + "/palpate"); },
-              ThrowsMessage<Error>(HasSubstr("is no folder")));
+              ThrowsMessage<Error>(HasSubstr("is not a folder")));
   EXPECT_THROW(PrepareCacheFolder(folder + "/palpate/below"), Error);
 }
 

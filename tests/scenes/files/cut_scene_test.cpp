@@ -101,7 +101,7 @@ TEST(CutScene, NamesTheRegionWhoseMeshEnclosesNothing) {
     {"mesh": {"file": "sheet.obj", "unit": "mm"}, "material": {"cutting_pressure_MPa": 1}}])");
   EXPECT_THAT(ComplaintOf([&] { LoadScene(file); }),
               testing::AllOf(HasSubstr("s.json:4: objects[0].regions[0].mesh: "),
-                             HasSubstr("the mesh is open along 3 edges"), HasSubstr("thickness")));
+                             HasSubstr("the mesh is open at 3 edges"), HasSubstr("thickness")));
 }
 
 // The bur's tip is the tool's origin and its axis the tool's y: pressed down at 1 mm/s it has the
@@ -211,7 +211,7 @@ TEST(CutScene, NamesTheFieldAndTheRemedyOfWhatCannotBeCut) {
       {R"({"shape": "bur", "kind": "ball", "curve_mm": [[0, 0]]})", kEnamelOnDentine,
        "kind: there is no such field"},
       {R"({"shape": "bur", "kind": "cylinder", "length_mm": 2, "dead_tip_mm": 2})",
-       kEnamelOnDentine, "has nothing that cuts; give a dead_tip_mm below"},
+       kEnamelOnDentine, "has no cutting part; give a dead_tip_mm below"},
   };
   for (const auto& of : bad) {
     EXPECT_THAT(ComplaintOf([&] { ParseScene(SceneText(of.tool, of.block), "f.json"); }),
@@ -227,7 +227,7 @@ TEST(CutScene, NamesTheRemedyOfABurThatIsNone) {
   const std::pair<const char*, const char*> bad[] = {
       {R"("bur": "999/014")", "tools[0].bur: '999/014' is no bur that is known; give SHAPE/SIZE"},
       {R"("bur": "001/014", "mesh": {"shape": "bur", "kind": "ball"})",
-       "tools[0].bur: is a mesh as well; keep \"bur\" or \"mesh\""},
+       "tools[0].bur: is also a mesh; keep either \"bur\" or \"mesh\""},
       {R"("bur": "001/014", "speed_rpm": 500001)",
        "tools[0].speed_rpm: 500001 is not allowed; give a number from 0 to 500000"},
       {R"("bur": "001/014", "speed_rpm": 200000, "hum": {"teeth": 6, "share": 0.1})",
@@ -298,7 +298,7 @@ TEST(CutScene, NamesTheRemedyOfAnEdgeThatIsNone) {
     const char* complaint;
   } bad[] = {
       {EdgeOf(ball, "1", here), R"("leaves": 8)",
-       "tools[0].edge: is an edge, and nothing can be cut; give an object \"grid_um\", or drop it"},
+       "tools[0].edge: is an edge, but nothing can be cut; give an object \"grid_um\", or drop it"},
       {EdgeOf(ball, "0.09", here), kEnamelOnDentine,
        "tools[0].edge: is an edge of 180 um, finer than two cells of \"block\""},
       {EdgeOf("[[0, 0, 0]]", "1", here), kEnamelOnDentine,
@@ -306,12 +306,12 @@ TEST(CutScene, NamesTheRemedyOfAnEdgeThatIsNone) {
       {EdgeOf("[[0, 0], [1, 1], [0.1, 1.2], [0, 5]]", "1", here), kEnamelOnDentine,
        "tools[0].edge: bur: its curve is not convex at point 2"},
       {EdgeOf(ball, "1", here, "[0, 0, 0]"), kEnamelOnDentine,
-       "tools[0].edge.sense: is no direction; give one that is not 0"},
+       "tools[0].edge.sense: has length 0; give a direction"},
       {EdgeOf(ball, "0.3", here), kEnamelOnDentine,
        "tools[0].edge: holds no triangle of the tool's mesh; give an at_mm and a curve_mm"},
       {R"("bur": "001/014", "edge": {"curve_mm": [[0, 0]], "rounding_mm": 1, "at_mm": [0, 0, 0],
           "along": [0, 1, 0], "sense": [1, 0, 0]})",
-       kEnamelOnDentine, "tools[0].edge: is of other tools than burs; drop it, or the bur"},
+       kEnamelOnDentine, "tools[0].edge: is for tools without a bur; drop it, or the bur"},
   };
   for (const auto& of : bad) {
     EXPECT_THAT(ComplaintOf([&] { Load(SceneOf(of.tool, of.block)); }), HasSubstr(of.complaint));
@@ -342,17 +342,17 @@ TEST(CutScene, IsNotUsableWhereAGridCannotBeMadeOrAToolIsNoBur) {
   Scene open = scene;
   open.objects[0].mesh.triangles.pop_back();
   EXPECT_THAT(JudgeScene(open).faults,
-              testing::ElementsAre(HasSubstr("object block: the mesh is open along 3 edges")));
+              testing::ElementsAre(HasSubstr("object block: the mesh is open at 3 edges")));
   Scene huge = scene;
   huge.objects[0].grid->spacing = 25e-6;
   for (Vec3& v : huge.objects[0].mesh.vertices) v *= 50.0;
-  EXPECT_THAT(JudgeScene(huge).faults, testing::ElementsAre(HasSubstr("give a greater spacing")));
+  EXPECT_THAT(JudgeScene(huge).faults, testing::ElementsAre(HasSubstr("use a larger spacing")));
   // No tool may go through what it does not feel.
   scene.tools[0].bur.reset();
   EXPECT_NO_THROW(MakeModel(scene, scene.tools[0], MakeObjects(scene)));
   scene.features.contact = ContactModel::kSpheres;
   EXPECT_THAT(ComplaintOf([&] { MakeModel(scene, scene.tools[0], MakeObjects(scene)); }),
-              HasSubstr("the tool has no bur"));
+              HasSubstr("a tool without a bur"));
 }
 
 TEST(CutScene, RefusesABundleWhoseGridOrBurIsNone) {
@@ -365,9 +365,9 @@ TEST(CutScene, RefusesABundleWhoseGridOrBurIsNone) {
   EXPECT_THAT(complaint([](Scene& s) { s.objects[0].grid->spacing = 1e-6; }),
               HasSubstr("a grid is none"));
   EXPECT_THAT(complaint([](Scene& s) { s.objects[0].materials[1].cutting_pressure = 0.0; }),
-              HasSubstr("a material that is cut is none"));
+              HasSubstr("a cutting material is invalid"));
   EXPECT_THAT(complaint([](Scene& s) { s.objects[0].grid->regions[0].material = 2; }),
-              HasSubstr("a region is none"));
+              HasSubstr("a region is invalid"));
   EXPECT_THAT(
       complaint([](Scene& s) { s.objects[0].materials.resize(9, s.objects[0].materials[0]); }),
       HasSubstr("a grid is none"));
@@ -376,7 +376,7 @@ TEST(CutScene, RefusesABundleWhoseGridOrBurIsNone) {
   EXPECT_THAT(complaint([](Scene& s) { s.tools[0].bur->spin.speed = std::nan(""); }),
               HasSubstr("a bur is none"));
   EXPECT_THAT(complaint([](Scene& s) { s.objects[0].materials[1].cutting_friction = 9.0; }),
-              HasSubstr("a friction is none"));
+              HasSubstr("a friction is invalid"));
 }
 
 }  // namespace

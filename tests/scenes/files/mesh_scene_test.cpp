@@ -81,7 +81,7 @@ TEST(MeshScene, SaysWhereTheSizeIsUnusual) {
   const std::string folder = FreshFolder();
   const std::string mesh = WriteFile(folder + "/hall.obj", Tetrahedron("20"));
   EXPECT_THAT(MakeMeshScene(mesh, {.unit = "m"}, folder).assumptions,
-              Contains(HasSubstr("an unusual size for what a hand feels")));
+              Contains(HasSubstr("an unusual size for an object to feel")));
 }
 
 TEST(MeshScene, NamesTheMeshFromTheFolderOfTheSceneFile) {

@@ -70,7 +70,7 @@ TEST(SceneBundle, RefusesASceneWhoseLeavesWearAway) {
   const std::string payload(bytes.begin() + kHeader, bytes.end());
   const std::uint64_t checksum = HashBytes(payload, 0);
   std::memcpy(bytes.data() + kChecksum, &checksum, sizeof checksum);
-  EXPECT_THAT(Complaint(bytes), HasSubstr("goes leaf by leaf"));
+  EXPECT_THAT(Complaint(bytes), HasSubstr("removes material leaf by leaf"));
 }
 
 TEST(SceneBundle, GivesBackTheScene) {
@@ -133,7 +133,7 @@ TEST(SceneBundle, GivesBackHowItIsToBeSeen) {
   EXPECT_EQ(back.first_sight->from, scene.first_sight->from);
 
   scene.objects[0].margin[1].x() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(Complaint(PackScene(scene)), HasSubstr("a margin is none"));
+  EXPECT_THAT(Complaint(PackScene(scene)), HasSubstr("a margin is invalid"));
   scene.objects[0].margin.clear();
   scene.objects[0].ambient.pop_back();
   EXPECT_THAT(Complaint(PackScene(scene)), HasSubstr("the vertices' light does not add up"));
@@ -157,7 +157,7 @@ TEST(SceneBundle, SaysHowEachTreeStandsForItsMesh) {
   EXPECT_EQ(UnpackScene(travelling, "s").objects[0].tree.origin, TreeOrigin::kUnknown);
   scene.objects[1].tree.origin = static_cast<TreeOrigin>(99);
   EXPECT_THAT(Complaint(PackScene(scene, 0, Remarks::kKeep)),
-              HasSubstr("where a tree comes from is not known"));
+              HasSubstr("its tree has an unknown origin"));
 }
 
 TEST(SceneBundle, KeepsGeometryThatBodiesShareOnce) {
@@ -234,15 +234,15 @@ TEST(SceneBundle, RefusesAScenesThatContradictsItselfThoughItsChecksumIsRight) {
       {[](Body& b) { b.tree.packets[0].child[0] = -1; }, "an empty lane is not empty"},
       {[](Body& b) { b.tree.packets.back().radius[0] = NAN; }, "a node is not a ball"},
       {[](Body& b) { b.tree.centroid.x() = INFINITY; }, "the centroid is not finite"},
-      {[](Body& b) { b.X_WB.q.w() = 5; }, "a body's pose is none"},
+      {[](Body& b) { b.X_WB.q.w() = 5; }, "the pose of a body is invalid"},
       {[](Body& b) { b.name = "a\n  verdict: good"; }, R"('a\n  verdict: good' is not a name)"},
       {[](Body& b) { b.name = "../a"; }, "'../a' is not a name"},
       {[](Body& b) { b.name = std::string(65, 'x'); }, "is not a name"},
       {[](Body& b) { b.materials.clear(); }, "a body is made of nothing"},
-      {[](Body& b) { b.materials[0].stiffness = 0; }, "a material is none"},
-      {[](Body& b) { b.materials[0].stiffness = NAN; }, "a material is none"},
-      {[](Body& b) { b.materials[0].dynamic_friction = 0.1; }, "a material is none"},
-      {[](Body& b) { b.materials[0].static_friction = INFINITY; }, "a material is none"},
+      {[](Body& b) { b.materials[0].stiffness = 0; }, "a material is invalid"},
+      {[](Body& b) { b.materials[0].stiffness = NAN; }, "a material is invalid"},
+      {[](Body& b) { b.materials[0].dynamic_friction = 0.1; }, "a material is invalid"},
+      {[](Body& b) { b.materials[0].static_friction = INFINITY; }, "a material is invalid"},
       {[](Body& b) { b.leaf_material = {0}; }, "the leaves' materials do not add up"},
       {[](Body& b) { b.leaf_material.assign(20, 1); }, "a leaf names no material"},
   };
@@ -250,7 +250,7 @@ TEST(SceneBundle, RefusesAScenesThatContradictsItselfThoughItsChecksumIsRight) {
     Scene scene = SmallScene();
     mend(scene.objects[0]);
     const std::string complaint = Complaint(PackScene(scene));
-    EXPECT_THAT(complaint, HasSubstr("contradicts itself (")) << why;
+    EXPECT_THAT(complaint, HasSubstr("is inconsistent (")) << why;
     EXPECT_THAT(complaint, HasSubstr(why));
   }
   Scene scene = SmallScene();

@@ -212,7 +212,7 @@ TEST(SceneFile, ReadsHowTheSceneIsToBeSeen) {
                         bodies + "}",
                     "f.json");
               }),
-              HasSubstr("first_sight.from: is no direction; give one that is not 0"));
+              HasSubstr("first_sight.from: has length 0; give a direction"));
 }
 
 TEST(SceneFile, TakesSurfaceContactAndNothingElseWhereNothingIsSaid) {
@@ -336,7 +336,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"UnknownTopField", "\"objects\"", "\"object\"", "did you mean \"objects\"?"},
         Bad{"PoseForATool", "\"start\"", "\"pose\"", "tools[0].pose: there is no such field"},
         Bad{"NoTools", "\"tools\": [\n    {\"name\"",
-            "\"tools\": [], \"objects\": [\n    {\"name\"", "stands twice"},
+            "\"tools\": [], \"objects\": [\n    {\"name\"", "is given twice"},
         Bad{"NoShape", "\"sphere\"", "\"cone\"",
             "tools[0].mesh.shape: \"cone\" is not known; give one of box, ellipsoid, sphere"},
         Bad{"NegativeRadius", "0.005", "-0.005", "tools[0].mesh.radius_m: -0.005"},

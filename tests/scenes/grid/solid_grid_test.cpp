@@ -127,7 +127,7 @@ TEST(SolidGrid, PaintsWhatLiesWithinARegionsMesh) {
   EXPECT_GT(of_pipe, 100);
   body.grid->regions[0].mesh.triangles.pop_back();
   EXPECT_THAT(ComplaintOf([&] { MakeSolidGrid(body); }),
-              HasSubstr("box: region 0: the mesh is open along 3 edges"));
+              HasSubstr("box: region 0: the mesh is open at 3 edges"));
 }
 
 TEST(SolidGrid, AgreesWithTheMeshOfABentPipe) {
@@ -204,11 +204,11 @@ TEST(SolidGrid, BadMeshesAreRefusedWithARemedy) {
   };
   TriangleMesh open = sphere;
   open.triangles.pop_back();
-  EXPECT_THAT(complaint(open, {}), AllOf(HasSubstr("tooth: the mesh is open along 3 edges"),
-                                         HasSubstr("close its holes")));
+  EXPECT_THAT(complaint(open, {}),
+              AllOf(HasSubstr("tooth: the mesh is open at 3 edges"), HasSubstr("close its holes")));
   TriangleMesh turned = sphere;
   for (auto& [a, b, c] : turned.triangles) std::swap(b, c);
-  EXPECT_THAT(complaint(turned, {}), HasSubstr("turn its triangles"));
+  EXPECT_THAT(complaint(turned, {}), HasSubstr("flip its triangles"));
   TriangleMesh wild = sphere;
   wild.vertices[0].x() = std::nan("");
   EXPECT_THAT(complaint(wild, {}), HasSubstr("encloses no volume"));
@@ -221,7 +221,7 @@ TEST(SolidGrid, BadMeshesAreRefusedWithARemedy) {
 TEST(SolidGrid, GridThatWouldNotFitIsRefusedBeforeItTakesItsMemory) {
   // Kilometres: a table alone would be some 10^22 bytes.
   EXPECT_THAT(ComplaintOf([] { SolidGrid(MakeBox(Vec3::Constant(1e3)), {}, "hill"); }),
-              AllOf(HasSubstr("hill: a grid of 50 um"), HasSubstr("greater spacing")));
+              AllOf(HasSubstr("hill: a grid of 50 um"), HasSubstr("larger spacing")));
   EXPECT_THAT(ComplaintOf([] {
                 SolidGrid(MakeSphere(1e-3, 320), {.spacing = 50e-6, .most_bytes = 1000}, "tooth");
               }),

@@ -81,9 +81,8 @@ TEST(ObjReader, SaysWhichLineIsNone) {
               AllOf(StartsWith("a.obj: line 4: 'x' is no corner"), HasSubstr("export it again")));
   EXPECT_THAT(Complaint("a.obj", three + "f 0 1 2\n"), HasSubstr("'0' is no corner"));
   EXPECT_THAT(Complaint("a.obj", three + "f 1 2 -4\n"), HasSubstr("'-4' is no corner"));
-  EXPECT_THAT(Complaint("a.obj", three + "f 1 2 9\n"),
-              HasSubstr("its face 1 names vertex 9, and there are 3"));
-  EXPECT_THAT(Complaint("a.obj", "\r\nv 1,5 2 3\r\n"), HasSubstr("line 2: '1,5' is no number"));
+  EXPECT_THAT(Complaint("a.obj", three + "f 1 2 9\n"), HasSubstr("its face 1 names vertex 9 of 3"));
+  EXPECT_THAT(Complaint("a.obj", "\r\nv 1,5 2 3\r\n"), HasSubstr("line 2: '1,5' is not a number"));
   EXPECT_THAT(Complaint("a.obj", "v 1 2\n"), HasSubstr("line 1: a vertex has fewer than three"));
   EXPECT_THAT(Complaint("a.obj", "surf 0 1 0 1 1 2 3 4\n"), HasSubstr("free-form surface"));
   EXPECT_THAT(Complaint("a.obj", std::string("\xff\xfe") + "v"), HasSubstr("UTF-16"));
@@ -151,7 +150,7 @@ TEST(StlReader, SaysWhichLineIsNone) {
               HasSubstr("is no number; the file is damaged"));
   EXPECT_THAT(Complaint("a.stl", With(plain, "endloop", "endloup")),
               HasSubstr("line 7: 'endloup' stands where endloop should, after 0 whole facets"));
-  EXPECT_THAT(Complaint("a.stl", "o box"), HasSubstr("it is no STL"));
+  EXPECT_THAT(Complaint("a.stl", "o box"), HasSubstr("it is not STL"));
 }
 
 // --- PLY ---
@@ -195,9 +194,8 @@ TEST(PlyReader, SaysWhatItsHeaderLacks) {
   EXPECT_THAT(Complaint("a.ply", With(plain, "vertex_indices", "corners")),
               HasSubstr("vertex_indices"));
   EXPECT_THAT(Complaint("a.ply", With(plain, "element face", "element edge")),
-              HasSubstr("points and no faces"));
-  EXPECT_THAT(Complaint("a.ply", With(plain, "3 0 ", "3 8 ")),
-              HasSubstr("names vertex 9, and there are 8"));
+              HasSubstr("points but no faces"));
+  EXPECT_THAT(Complaint("a.ply", With(plain, "3 0 ", "3 8 ")), HasSubstr("names vertex 9 of 8"));
   EXPECT_THAT(Complaint("a.ply", With(plain, "3 0 ", "3 0.5 ")),
               HasSubstr("face names the vertex 0.5"));
 }
@@ -340,7 +338,7 @@ TEST(GltfReader, RefusesByItsNameWhatItDoesNotRead) {
 "extensions":{"EXT_mesh_gpu_instancing":{}}})"}))),
               HasSubstr("EXT_mesh_gpu_instancing"));
   EXPECT_THAT(Complaint("t.glb", Glb(Json({.nodes = R"({"children":[0],"mesh":0})"}))),
-              HasSubstr("named twice"));
+              HasSubstr("listed twice"));
   ExpectTheBox("looks.glb", Glb(Json({.more = R"(,"extensionsRequired":["KHR_materials_unlit",
 "KHR_texture_transform"])"})),
                1e-3);

@@ -225,7 +225,7 @@ TEST(DirtyMesh, TwoFacesBackToBackAreRefusedOrGivenAThickness) {
   const auto faces = sheet.triangles;
   for (const auto& [i, j, k] : faces) sheet.triangles.push_back({i, k, j});
   EXPECT_THAT(ComplaintOf([&] { Felt(sheet); }),
-              AllOf(HasSubstr("encloses nothing"), HasSubstr("\"thickness_mm\"")));
+              AllOf(HasSubstr("encloses no volume"), HasSubstr("\"thickness_mm\"")));
   const Scene scene = Felt(sheet, R"(,"thickness_mm":3)");
   EXPECT_NEAR(InspectMesh(scene.objects[0].mesh).volume, 0.05 * 0.05 * 0.003, 1e-12);
   EXPECT_LT(MostOutside(scene, scene.objects[0].mesh), 1e-9);
@@ -353,7 +353,7 @@ TEST(DirtyMesh, SurfaceThatFoldsIntoItselfIsFilledPastTheFold) {
 TEST(DirtyMesh, VertexFarOutIsNamedAndRefusedWhereItIsAMistakeForCertain) {
   TriangleMesh dirty = Bumpy();
   dirty.vertices[40] *= 5.0;
-  EXPECT_THAT(Verdict(Felt(dirty)), AllOf(HasSubstr("a vertex stands far out of all others"),
+  EXPECT_THAT(Verdict(Felt(dirty)), AllOf(HasSubstr("a vertex is far from all others"),
                                           HasSubstr("in place of 0.1"), HasSubstr("delete it")));
   TriangleMesh cube = MakeBox(Vec3::Constant(1e-3));
   cube.vertices[0] = Vec3(100, 0, 0);

@@ -69,13 +69,13 @@ TEST(MeshImport, SaysWhyAFileIsNoMesh) {
     return ComplaintOf([&] { ImportMesh(file); });
   };
   EXPECT_THAT(complaint(folder + "/none.obj"), HasSubstr("none.obj: there is no such file"));
-  EXPECT_THAT(complaint(folder), HasSubstr("its name has no ending"));
+  EXPECT_THAT(complaint(folder), HasSubstr("its name has no extension"));
   EXPECT_THAT(complaint(WriteFile(folder + "/a.step", "x")),
               HasSubstr("the format \"step\" is not known; convert it to OBJ"));
   EXPECT_THAT(complaint(WriteFile(folder + "/a.ply", "not a ply")),
               HasSubstr("a.ply: its PLY header"));
   EXPECT_THAT(complaint(WriteFile(folder + "/a.glb", "not a glb")),
-              HasSubstr("a.glb: it is no .glb"));
+              HasSubstr("a.glb: it is not a .glb"));
   EXPECT_THAT(complaint(WriteFile(folder + "/a.gltf", "{}")),
               HasSubstr("a.gltf:1: asset is missing"));
   EXPECT_THAT(complaint(WriteFile(folder + "/empty.stl", "")), HasSubstr("empty.stl: "));

@@ -39,10 +39,11 @@ TEST(FindModel, SaysHowToGetAModelThatIsNotThere) {
   const char* old = std::getenv("PALPATE_MODELS");
   const std::string kept = old ? old : "";
   unsetenv("PALPATE_MODELS");
-  EXPECT_THAT(ComplaintOf([] { FindModel("buddha", "/nowhere"); }),
-              testing::AllOf(HasSubstr("the model \"buddha\" is not here"), HasSubstr("--models"),
-                             HasSubstr("https://graphics.stanford.edu/data/3Dscanrep/"),
-                             HasSubstr("PALPATE_MODELS"), HasSubstr("/nowhere")));
+  EXPECT_THAT(
+      ComplaintOf([] { FindModel("buddha", "/nowhere"); }),
+      testing::AllOf(HasSubstr("the model \"buddha\" is not installed"), HasSubstr("--models"),
+                     HasSubstr("https://graphics.stanford.edu/data/3Dscanrep/"),
+                     HasSubstr("PALPATE_MODELS"), HasSubstr("/nowhere")));
   if (!kept.empty()) setenv("PALPATE_MODELS", kept.c_str(), 1);
 }
 

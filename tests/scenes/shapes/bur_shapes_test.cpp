@@ -124,13 +124,13 @@ TEST(BurShapes, ATrephineIsAClosedMeshAboutItsBore) {
 
 TEST(BurShapes, WhatIsNotKnownIsToldWhatIs) {
   const std::string complaint = ComplaintOf([] { BurNamed("999/014"); });
-  EXPECT_THAT(complaint, AllOf(HasSubstr("'999/014' is no bur that is known; give SHAPE/SIZE"),
+  EXPECT_THAT(complaint, AllOf(HasSubstr("'999/014' is not a known bur; give SHAPE/SIZE"),
                                HasSubstr("001 (ball)"), HasSubstr("249 (flame)")));
   for (const char* bad : {"", "001", "001/14", "001/0145", "001/0x4", "001/004", "001/051",
                           "01/014", "001-014", "001/-14"}) {
-    EXPECT_THAT(ComplaintOf([&] { BurNamed(bad); }), HasSubstr("is no bur that is known")) << bad;
+    EXPECT_THAT(ComplaintOf([&] { BurNamed(bad); }), HasSubstr("is not a known bur")) << bad;
   }
-  EXPECT_THAT(ComplaintOf([] { BurNamed("173/008"); }), HasSubstr("give a greater size"));
+  EXPECT_THAT(ComplaintOf([] { BurNamed("173/008"); }), HasSubstr("give a larger size"));
 }
 
 }  // namespace

@@ -84,12 +84,13 @@ TEST(SphFile, SaysInWhichLineItIsDamaged) {
   EXPECT_THAT(ComplaintAbout(bad), StartsWith("tree.sph:4: is no node"));
   bad = text;
   bad.replace(bad.find("0.500000"), 8, "-inf    ");
-  EXPECT_THAT(ComplaintAbout(bad), StartsWith("tree.sph:3: has something else"));
+  EXPECT_THAT(ComplaintAbout(bad), StartsWith("tree.sph:3: has no finite number"));
   bad = text;
   bad.replace(bad.find("0.250000"), 8, "1e12    ");
-  EXPECT_THAT(ComplaintAbout(bad), AllOf(StartsWith("tree.sph:4: "), HasSubstr("give the unit")));
+  EXPECT_THAT(ComplaintAbout(bad),
+              AllOf(StartsWith("tree.sph:4: "), HasSubstr("give the unit of the file")));
   EXPECT_THAT(ComplaintAbout(text.substr(0, text.find("-7.0"))),
-              AllOf(StartsWith("tree.sph:4: ends after 3 of the 7 nodes"), HasSubstr("cut short")));
+              AllOf(StartsWith("tree.sph:4: ends after 3 of the 7 nodes"), HasSubstr("truncated")));
   EXPECT_THAT(ComplaintAbout("1 8\n0 0 0 -1 1\n"), HasSubstr("no node has a radius above 0"));
   EXPECT_THAT(ComplaintOf([] { ReadSph("/nowhere/tree.sph", 1.0); }),
               StartsWith("/nowhere/tree.sph: No such file"));

@@ -95,7 +95,7 @@ TEST(TreeAlignment, LeavesBallsWhereTheyAreWhereItIsTold) {
   const TreeAlignment as_it_is = AlignBalls(mesh, FromFile(tree, Vec3(0.0004, 0, 0)), false);
   EXPECT_EQ(as_it_is.shift, Vec3(Vec3::Zero()));
   EXPECT_THAT(ComplaintOf([&] { AlignBalls(mesh, FromFile(tree, Vec3(0.1, 0, 0)), false); }),
-              HasSubstr("leave \"align\" out"));
+              HasSubstr("drop \"align\""));
 }
 
 TEST(TreeAlignment, RefusesAnotherUnitAndSaysSo) {
