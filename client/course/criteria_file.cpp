@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "client/course/exercise.h"
-
 namespace palpate {
 namespace {
 
@@ -165,11 +163,6 @@ bool AsksForCuts(const Criteria& criteria) {
   return std::ranges::any_of(criteria.criteria, [](const Criterion& criterion) {
     return MeasureOf(criterion.measure).of_cut;
   });
-}
-
-Criteria LoadCriteria(const std::string& file) {
-  if (file.ends_with(kExerciseEnding)) return LoadExercise(file).criteria;
-  return ReadCriteria(JsonNode::Load(file), file);
 }
 
 Criteria ReadCriteria(const JsonNode& root, const std::string& file, const std::string& title) {

@@ -62,10 +62,8 @@ const Measure& MeasureOf(const std::string& name);
 /// Returns whether any criterion measures what was cut.
 bool AsksForCuts(const Criteria& criteria);
 
-/// Reads a criteria file, or the criteria of an exercise file (exercise.h).  Throws Error
+/// Reads the criteria of a criteria file, or those that are a part of another file.  Throws Error
 /// "file:line: field: what is wrong; remedy".
-Criteria LoadCriteria(const std::string& file);
-/// Reads criteria that are a part of another file.
 /// @param title  the title of that file, used if the criteria have none; empty: they must have one.
 Criteria ReadCriteria(const JsonNode& node, const std::string& file, const std::string& title = "");
 /// A template for teachers: periodontal probing with 25 g.

@@ -232,6 +232,11 @@ Exercise LoadExercise(const std::string& file) {
   return exercise;
 }
 
+Criteria LoadCriteria(const std::string& file) {
+  if (file.ends_with(kExerciseEnding)) return LoadExercise(file).criteria;
+  return ReadCriteria(JsonNode::Load(file), file);
+}
+
 std::vector<Exercise> LoadExercises(const std::string& folder,
                                     const std::function<void(const std::string&)>& refused) {
   std::vector<std::string> files;

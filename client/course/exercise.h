@@ -53,6 +53,10 @@ inline constexpr const char* kExerciseEnding = ".exercise.json";
 /// what is wrong; remedy".
 Exercise LoadExercise(const std::string& file);
 
+/// Reads the criteria of an exercise, or of a file of criteria alone.  Throws Error as
+/// LoadExercise.
+Criteria LoadCriteria(const std::string& file);
+
 /// Returns the exercises of a folder by name; none if the folder does not exist.
 /// @param refused  told of each invalid file, which is left out.
 std::vector<Exercise> LoadExercises(const std::string& folder,

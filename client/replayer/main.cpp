@@ -9,7 +9,7 @@
 #include "client/replayer/options.h"
 #include "client/replayer/play/player.h"
 #include "client/replayer/score/score_report.h"
-#include "client/replayer/verify/certificate.h"
+#include "client/replayer/certificate/certificate.h"
 #include "client/replayer/verify/verify.h"
 #include "common/files/private_file.h"
 #include "common/program/command_line.h"

@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
-#include "client/viewer/viewer_session.h"
 #include "common/dds/random_run.h"
 #include "common/error.h"
 #include "common/files/project_files.h"
@@ -108,7 +107,7 @@ bool Hub::MakeRoom(const std::string& address) {
   const ViewerPlaces::Room room = places_.RoomFor(address, now_ns);
   if (room.leaves) {
     // At once: a viewer that reads nothing would delay an orderly close.
-    const std::shared_ptr<ViewerSession> leaves = viewers_.at(*room.leaves);
+    const std::shared_ptr<Viewer> leaves = viewers_.at(*room.leaves);
     refusals_.Say(Refusal::kFull, leaves->visitor().name,
                   "its place is another address's, which has fewer (--max-viewers)", now_ns);
     leaves->Gone();
@@ -116,14 +115,14 @@ bool Hub::MakeRoom(const std::string& address) {
   return room.is_there;
 }
 
-void Hub::Join(const std::shared_ptr<ViewerSession>& viewer) {
+void Hub::Join(const std::shared_ptr<Viewer>& viewer) {
   viewers_[viewer->id()] = viewer;
   places_.Enter(viewer->id(), viewer->visitor().address, SteadyNanoseconds());
   if (class_room_ && viewer->holder()) class_room_->Enter(viewer->holder()->person, Scenes());
   class_changed_ = true;
 }
 
-void Hub::Leave(const ViewerSession& viewer) {
+void Hub::Leave(const Viewer& viewer) {
   traffic_.lost += viewer.frames_lost();
   if (viewer.frames_lost() > 0) {
     spdlog::info("viewer {} has left: {} frames sent, {} lost because it was slow",
@@ -152,7 +151,7 @@ void Hub::Tick(std::int64_t now_ns) {
   refusals_.Poll(now_ns);
   TellClass(now_ns);
   // Flush may remove a viewer.
-  std::vector<std::shared_ptr<ViewerSession>> viewers;
+  std::vector<std::shared_ptr<Viewer>> viewers;
   viewers.reserve(viewers_.size());
   for (const auto& [id, viewer] : viewers_) viewers.push_back(viewer);
   for (const auto& viewer : viewers) {
@@ -226,7 +225,7 @@ ClassRoom::Scenes Hub::Scenes() const {
   return scenes;
 }
 
-FramePtr Hub::Teach(const ClassCommand& command, ViewerSession& viewer) {
+FramePtr Hub::Teach(const ClassCommand& command, Viewer& viewer) {
   const std::int64_t now_ns = SteadyNanoseconds();
   const std::string answer = class_room_->Do(
       command, listed_.value_or(Tokens()), Scenes(), CountPages(),
@@ -247,7 +246,7 @@ FramePtr Hub::Teach(const ClassCommand& command, ViewerSession& viewer) {
   return OwnFrame(TopicFeed::kClassAnswer, command.tag % kAnswersAtOnce, answer);
 }
 
-FramePtr Hub::OwnFrameOf(const ViewerSession& viewer) const {
+FramePtr Hub::OwnFrameOf(const Viewer& viewer) const {
   return OwnFrame(TopicFeed::kMe, 0, class_room_->OwnJson(viewer.holder()->person));
 }
 
@@ -275,7 +274,7 @@ void Hub::BeginToEnd(std::int64_t now_ns) {
   }
 }
 
-std::string Hub::Try(const TrialCommand& command, ViewerSession& viewer, std::int64_t now_ns) {
+std::string Hub::Try(const TrialCommand& command, Viewer& viewer, std::int64_t now_ns) {
   try {
     switch (command.op) {
       case TrialCommand::Op::kBegin:
@@ -299,7 +298,7 @@ std::string Hub::Try(const TrialCommand& command, ViewerSession& viewer, std::in
   return "";
 }
 
-void Hub::BeginTrial(const std::string& name, ViewerSession& viewer, std::int64_t now_ns) {
+void Hub::BeginTrial(const std::string& name, Viewer& viewer, std::int64_t now_ns) {
   if (const std::string why = RefuseWish(Wish::kTake, viewer, now_ns); !why.empty()) {
     throw Error(why);
   }
@@ -356,17 +355,17 @@ void Hub::AskHistory(const HistoryWish& wish, bool for_teacher,
                 std::move(use));
 }
 
-FramePtr Hub::ExercisesFrameOf(const ViewerSession& viewer) const {
+FramePtr Hub::ExercisesFrameOf(const Viewer& viewer) const {
   return OwnFrame(
       TopicFeed::kExercises, 0,
       IsInExam(viewer) ? R"({"exercises": []})" : trials_->ListJson(viewer.holder()->person));
 }
 
-bool Hub::IsInExam(const ViewerSession& viewer) const {
+bool Hub::IsInExam(const Viewer& viewer) const {
   return viewer.holder() && SitsExam(viewer.holder()->person);
 }
 
-FramePtr Hub::ExamFrameOf(const ViewerSession& viewer) const {
+FramePtr Hub::ExamFrameOf(const Viewer& viewer) const {
   const std::int64_t person = viewer.holder() ? viewer.holder()->person : 0;
   return OwnFrame(TopicFeed::kExam, 0, exams_->StateJson(person, viewer.teaches(), WallClock_s()));
 }
@@ -432,7 +431,7 @@ void Hub::Tell(const MouseRoom::News& news) {
   }
   const auto viewer = viewers_.find(news.holder);
   if (viewer == viewers_.end()) return;
-  const std::shared_ptr<ViewerSession> keep = viewer->second;
+  const std::shared_ptr<Viewer> keep = viewer->second;
   places_.Holds(news.holder, mice_.holds(news.holder));
   if (news.phase == "refused") {
     keep->Say(foxglove::Level::kError, "the tool is refused: " + news.reason);
@@ -440,7 +439,7 @@ void Hub::Tell(const MouseRoom::News& news) {
   TellState(*keep, news);
 }
 
-void Hub::TellState(ViewerSession& viewer, const MouseRoom::News& news) {
+void Hub::TellState(Viewer& viewer, const MouseRoom::News& news) {
   viewer.TellMouseState(OwnFrame(TopicFeed::kMouseState, 0,
                                  ToText(nlohmann::json({{"station", news.station},
                                                         {"scene", news.scene},
@@ -449,7 +448,7 @@ void Hub::TellState(ViewerSession& viewer, const MouseRoom::News& news) {
                                                         {"reason", news.reason}}))));
 }
 
-std::string Hub::RefuseWish(Wish wish, ViewerSession& viewer, std::int64_t now_ns) {
+std::string Hub::RefuseWish(Wish wish, Viewer& viewer, std::int64_t now_ns) {
   const WishLimits::Verdict verdict =
       wishes_.Ask(wish, viewer.id(), viewer.visitor().address, now_ns);
   if (verdict.granted) return "";
@@ -470,7 +469,7 @@ bool Hub::AskForWhole(const std::string& scene, wire::WholeWish wish, const std:
   return feed_.Ask(request);
 }
 
-FramePtr Hub::AskReplay(ReplayWish wish, ViewerSession& viewer, std::int64_t now_ns) {
+FramePtr Hub::AskReplay(ReplayWish wish, Viewer& viewer, std::int64_t now_ns) {
   std::string refusal = RefuseWish(Wish::kReplay, viewer, now_ns);
   if (refusal.empty()) {
     wish.request.request = RandomRun();
@@ -520,13 +519,13 @@ std::string Hub::WhyAbsent(const std::string& scene) const {
   return feed_.scenes().contains(scene) ? "" : "no server serves scene '" + scene + "'";
 }
 
-std::string Hub::WhyNotAt(const ViewerSession& viewer, const std::string& scene) const {
+std::string Hub::WhyNotAt(const Viewer& viewer, const std::string& scene) const {
   if (IsInExam(viewer)) return kInExam;
   if (!class_room_ || viewer.teaches()) return "";
   return class_room_->WhyNotAt(viewer.holder() ? viewer.holder()->person : 0, scene);
 }
 
-void Hub::Take(ViewerSession& viewer, const MouseCommand& command, std::int64_t now_ns) {
+void Hub::Take(Viewer& viewer, const MouseCommand& command, std::int64_t now_ns) {
   std::string refusal = RefuseWish(Wish::kTake, viewer, now_ns);
   const std::optional<Tokens::Holder>& holder = viewer.holder();
   if (refusal.empty()) refusal = WhyNotAt(viewer, command.scene);

@@ -22,12 +22,11 @@
 #include "client/viewer/refusal_log.h"
 #include "client/viewer/scene_packer.h"
 #include "client/viewer/topic_feed.h"
+#include "client/viewer/viewer.h"
 #include "client/viewer/viewer_places.h"
 #include "client/viewer/wish_limits.h"
 
 namespace palpate {
-
-class ViewerSession;
 
 /// The state that the gateway's connections share: topics, viewers, mouse stations, page files,
 /// and access rights.
@@ -56,13 +55,13 @@ class Hub {
   ScenePacker& packer() { return packer_; }
   /// Returns why a viewer may not have this wish now; empty: it may.  A wish that comes too often
   /// is logged, and the viewer is told once.
-  std::string RefuseWish(Wish wish, ViewerSession& viewer, std::int64_t now_ns);
+  std::string RefuseWish(Wish wish, Viewer& viewer, std::int64_t now_ns);
   /// Asks the server to restore a scene, or for another WholeWish.  Returns false if there is
   /// no such scene.
   bool AskForWhole(const std::string& scene, wire::WholeWish wish, const std::string& by);
   /// Forwards a page's wish to its replay, unless wishes come too often.  Returns the answer
   /// for the page.
-  FramePtr AskReplay(ReplayWish wish, ViewerSession& viewer, std::int64_t now_ns);
+  FramePtr AskReplay(ReplayWish wish, Viewer& viewer, std::int64_t now_ns);
   /// Sets a scene's goal, which all present and later viewers are told, or forwards a teacher's
   /// decision about a station.  Returns why it failed; empty: it is done.
   std::string Operate(const OperateCommand& command, const std::string& by);
@@ -71,39 +70,39 @@ class Hub {
   const ClassRoom* class_room() const { return class_room_.get(); }
   std::optional<Roster::Made> MakeFirstTeacher();
   /// Carries out a teacher's command about people.  Returns the answer for the page.
-  FramePtr Teach(const ClassCommand& command, ViewerSession& viewer);
+  FramePtr Teach(const ClassCommand& command, Viewer& viewer);
   /// What a viewer is told about itself, and what an operator is told about all people.
-  FramePtr OwnFrameOf(const ViewerSession& viewer) const;
+  FramePtr OwnFrameOf(const Viewer& viewer) const;
   FramePtr PeopleFrame() const;
   /// Carries out a person's command about a trial.  Returns why it failed; empty: it is done.
-  std::string Try(const TrialCommand& command, ViewerSession& viewer, std::int64_t now_ns);
+  std::string Try(const TrialCommand& command, Viewer& viewer, std::int64_t now_ns);
   /// The exercises, for a person's page.  @param viewer  one with a person of the course.
-  FramePtr ExercisesFrameOf(const ViewerSession& viewer) const;
+  FramePtr ExercisesFrameOf(const Viewer& viewer) const;
   /// Why somebody who sits an exam may do nothing but its tasks.
   static constexpr const char* kInExam = "an exam is open: begin its next task";
   bool SitsExam(std::int64_t person) const { return exams_ && exams_->Sits(person); }
-  bool IsInExam(const ViewerSession& viewer) const;
+  bool IsInExam(const Viewer& viewer) const;
   /// Returns why the viewer may do nothing in a scene, an exam or another's seat; empty: it may.
-  std::string WhyNotAt(const ViewerSession& viewer, const std::string& scene) const;
+  std::string WhyNotAt(const Viewer& viewer, const std::string& scene) const;
   /// Carries out a teacher's command about exams.  Returns the answer for the page.  Throws Error.
   FramePtr Examine(std::string_view wish, std::int64_t now_ns);
-  FramePtr ExamFrameOf(const ViewerSession& viewer) const;
+  FramePtr ExamFrameOf(const Viewer& viewer) const;
   /// Null without --course.
   const TrialRoom* trials() const { return trials_.get(); }
   /// Answers a request that MayRead allows; 404 without --course.
   void AskHistory(const HistoryWish& wish, bool for_teacher,
                   std::function<void(HistoryDesk::Answer)> use);
   /// Gives a viewer a tool, unless it takes tools too often.
-  void Take(ViewerSession& viewer, const MouseCommand& command, std::int64_t now_ns);
+  void Take(Viewer& viewer, const MouseCommand& command, std::int64_t now_ns);
   MouseRoom& mice() { return mice_; }
   const std::string& session_id() const { return session_id_; }
 
   /// Returns whether there is room for one more viewer of this address; another may be
   /// dropped for it.
   bool MakeRoom(const std::string& address);
-  void Join(const std::shared_ptr<ViewerSession>& viewer);
+  void Join(const std::shared_ptr<Viewer>& viewer);
   ViewerPlaces& places() { return places_; }
-  void Leave(const ViewerSession& viewer);
+  void Leave(const Viewer& viewer);
   void CountSent(std::size_t bytes) {
     ++traffic_.sent;
     traffic_.bytes += bytes;
@@ -123,7 +122,7 @@ class Hub {
   };
   void Tell(const MouseRoom::News& news);
   void Tell(const TrialRoom::News& news);
-  void BeginTrial(const std::string& exercise, ViewerSession& viewer, std::int64_t now_ns);
+  void BeginTrial(const std::string& exercise, Viewer& viewer, std::int64_t now_ns);
   /// Makes these tokens, with the course's, the valid ones.  Returns how many connections end.
   std::size_t Renew(std::optional<Tokens> tokens, std::int64_t now_ns);
   ClassRoom::Here CountPages() const;
@@ -133,7 +132,7 @@ class Hub {
   void TellExam(std::int64_t now_ns);
   /// Returns why a scene's tools are not available now; empty: they are.
   std::string WhyAbsent(const std::string& scene) const;
-  void TellState(ViewerSession& viewer, const MouseRoom::News& news);
+  void TellState(Viewer& viewer, const MouseRoom::News& news);
   void LogStatistics(std::int64_t now_ns);
   /// Includes the losses of viewers that are connected.
   Traffic AllTraffic() const;
@@ -153,8 +152,8 @@ class Hub {
   PageFiles page_;
   TopicFeed feed_;
   std::string session_id_;
-  std::map<std::string, FramePtr> goals_;                            // by scene
-  std::map<std::uint64_t, std::shared_ptr<ViewerSession>> viewers_;  // by id
+  std::map<std::string, FramePtr> goals_;                     // by scene
+  std::map<std::uint64_t, std::shared_ptr<Viewer>> viewers_;  // by id
   MouseRoom mice_;
   ScenePacker packer_;
   Traffic traffic_;

@@ -30,20 +30,18 @@ constexpr const char* kTrialTopic = "/palpate/trial";
 
 ViewerSession::ViewerSession(WebStream stream, Hub& hub, std::uint64_t id, Visitor visitor,
                              const Verdict& verdict)
-    : socket_(std::move(stream)),
+    : Viewer(id, std::move(visitor), verdict.holder,
+             hub.class_room() && verdict.access == Access::kOperate),
+      socket_(std::move(stream)),
       hub_(hub),
-      id_(id),
-      visitor_(std::move(visitor)),
       access_(verdict.access),
-      holder_(verdict.holder),
       mouse_(access_ >= Access::kDrive && hub.options().max_mice > 0),
       steers_(access_ >= Access::kDrive && !hub.options().no_steering),
-      of_course_(hub.class_room() && holder_ && holder_->person != 0),
-      teaches_(hub.class_room() && access_ == Access::kOperate),
+      of_course_(hub.class_room() && verdict.holder && verdict.holder->person != 0),
       rest_(socket_.get_executor()) {}
 
 std::vector<foxglove::Channel> ViewerSession::Channels() const {
-  return TopicFeed::Channels(mouse_, steers_, of_course_, teaches_);
+  return TopicFeed::Channels(mouse_, steers_, of_course_, teaches());
 }
 
 void ViewerSession::Accept(const Request& request, std::string_view subprotocol) {
@@ -169,8 +167,8 @@ std::array<ViewerSession::Topic, 6> ViewerSession::Topics() const {
   return {{{"/palpate/replay", steers_, &ViewerSession::OnReplay},
            {"/palpate/mouse", mouse_, &ViewerSession::OnMouse},
            {kOperateTopic, access_ == Access::kOperate, &ViewerSession::OnOperate},
-           {"/palpate/class", teaches_, &ViewerSession::OnClass},
-           {"/palpate/exam", teaches_, &ViewerSession::OnExam},
+           {"/palpate/class", teaches(), &ViewerSession::OnClass},
+           {"/palpate/exam", teaches(), &ViewerSession::OnExam},
            {kTrialTopic, of_course_ && mouse_, &ViewerSession::OnTrial}}};
 }
 
@@ -184,10 +182,6 @@ void ViewerSession::Publish(const foxglove::ClientChannel& channel) {
       "channel " + Quoted(channel.topic) + " is of no use here: " + WhatIsOfUse();
   Say(foxglove::Level::kWarning, why);
   hub_.refusals().Say(Refusal::kRole, Who(), why, SteadyNanoseconds());
-}
-
-std::string ViewerSession::Who() const {
-  return (holder_ ? holder_->name : "the page") + " at " + visitor_.name;
 }
 
 std::string ViewerSession::WhatIsOfUse() const {
@@ -236,7 +230,7 @@ void ViewerSession::Subscribe(const foxglove::Request& request) {
     if (!hub_.RefuseWish(Wish::kSubscribe, *this, now_ns).empty()) continue;
     queue_.Subscribe(wanted.channel, wanted.id,
                      rated ? static_cast<std::int64_t>(1e9 / hub_.options().rate_hz) : 0);
-    hub_.places().Subscribed(id_);
+    hub_.places().Subscribed(id());
     for (const FramePtr& frame : hub_.feed().Kept(wanted.channel)) queue_.Push(frame, now_ns);
     if (wanted.channel == TopicFeed::kGoal) {
       for (const auto& [scene, goal] : hub_.goals()) queue_.Push(goal, now_ns);
@@ -274,9 +268,9 @@ void ViewerSession::OnMouse(std::string_view payload) {
     case MouseCommand::Op::kTake:
       return hub_.Take(*this, command, now_ns);
     case MouseCommand::Op::kPose:
-      return mice.Drag(id_, command.X_WT, now_ns);
+      return mice.Drag(id(), command.X_WT, now_ns);
     case MouseCommand::Op::kRelease:
-      return mice.Release(id_, "", now_ns);
+      return mice.Release(id(), "", now_ns);
     case MouseCommand::Op::kWhole:
     case MouseCommand::Op::kBookmark:
     case MouseCommand::Op::kBack: {
@@ -327,9 +321,9 @@ void ViewerSession::OnTrial(std::string_view payload) {
 
 void ViewerSession::Watch(std::int64_t now_ns) {
   if (closing_ && now_ns - closing_ns_ > ViewerLimits::kFarewell_ns) return Gone();
-  if (!open_ || !hub_.mice().holds(id_)) return;
+  if (!open_ || !hub_.mice().holds(id())) return;
   if (!signs_.Look(now_ns)) {
-    return hub_.mice().Release(id_, "the page sent nothing for 3 s", now_ns);
+    return hub_.mice().Release(id(), "the page sent nothing for 3 s", now_ns);
   }
   if (pinging_ || !signs_.Ask()) return;
   pinging_ = true;

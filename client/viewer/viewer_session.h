@@ -5,7 +5,6 @@
 #include <deque>
 #include <map>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,19 +17,19 @@
 #include "client/viewer/frame_queue.h"
 #include "client/viewer/hub.h"
 #include "client/viewer/signs_of_life.h"
+#include "client/viewer/viewer.h"
 #include "client/viewer/viewer_limits.h"
-#include "client/viewer/visitor.h"
 #include "client/viewer/web_stream.h"
 #include "common/realtime/rate_limit.h"
 #include "common/realtime/token_bucket.h"
 
 namespace palpate {
 
-/// One viewer's WebSocket.  At most one write is in flight; frames that arrive meanwhile wait in
+/// A viewer's WebSocket.  At most one write is in flight; frames that arrive meanwhile wait in
 /// the viewer's own FrameQueue.  A violation of the protocol closes this socket with a status that
 /// says why, and affects nothing else.
 /// Thread contract: the network thread.  Lives as long as the hub or a handler holds it.
-class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
+class ViewerSession : public Viewer, public std::enable_shared_from_this<ViewerSession> {
  public:
   using Request = boost::beast::http::request<boost::beast::http::empty_body>;
 
@@ -41,32 +40,12 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
   /// Answers the handshake, then reads and writes until the viewer has gone.
   void Accept(const Request& request, std::string_view subprotocol);
 
-  std::uint64_t id() const { return id_; }
-  const Visitor& visitor() const { return visitor_; }
-  /// It may operate in a course.
-  bool teaches() const { return teaches_; }
-  const std::optional<Tokens::Holder>& holder() const { return holder_; }
-  /// Takes over its token's new name.
-  void Rename(const std::string& name) { holder_->name = name; }
-  std::uint64_t frames_lost() const { return queue_.lost(); }
-  std::uint64_t frames_sent() const { return frames_sent_; }
-
-  void Push(const FramePtr& frame, std::int64_t now_ns) { queue_.Push(frame, now_ns); }
-  /// Writes a text or a frame that is due, unless a write is in flight.
-  void Flush(std::int64_t now_ns);
-  /// Sends the viewer a status message, within the rate of ViewerLimits; the next one tells how
-  /// many were left out.
-  void Say(foxglove::Level level, const std::string& message);
-  /// The token's name and the address, for the log and for wishes sent on.
-  std::string Who() const;
-  void TellMouseState(const FramePtr& frame);
-  /// Checks that a viewer which holds a tool is alive, and that a closing one ends in time.
-  void Watch(std::int64_t now_ns);
-  /// Ends the connection at once, without a message; also called when the viewer has gone.
-  void Gone();
-  /// Closes in order, after the waiting texts are sent; a viewer that takes more than 2 s is
-  /// dropped.  Its messages are ignored from now on.
-  void Close(boost::beast::websocket::close_code code, const std::string& reason);
+  void Flush(std::int64_t now_ns) override;
+  void Say(foxglove::Level level, const std::string& message) override;
+  void TellMouseState(const FramePtr& frame) override;
+  void Watch(std::int64_t now_ns) override;
+  void Gone() override;
+  void Close(boost::beast::websocket::close_code code, const std::string& reason) override;
 
  private:
   void Open();
@@ -103,14 +82,10 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
 
   boost::beast::websocket::stream<WebStream, false> socket_;  // false: no compression
   Hub& hub_;
-  std::uint64_t id_;
-  Visitor visitor_;
   Access access_;
-  std::optional<Tokens::Holder> holder_;  // of its token
-  bool mouse_;                            // it may have a mouse
-  bool steers_;                           // it may steer a replay
-  bool of_course_;                        // its token belongs to a person
-  bool teaches_;
+  bool mouse_;      // it may have a mouse
+  bool steers_;     // it may steer a replay
+  bool of_course_;  // its token belongs to a person
   boost::beast::flat_buffer input_;
   TokenBucket messages_{ViewerLimits::kMessagesPerSecond, ViewerLimits::kMessagesAtOnce};
   RateLimit complaints_{ViewerLimits::kComplaints.period_ns, ViewerLimits::kComplaints.at_once};
@@ -119,7 +94,6 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
 
   std::deque<std::string> texts_;
   std::size_t texts_size_ = 0;  // total size [bytes]
-  FrameQueue queue_;
   bool open_ = false;
   bool writing_ = false;
   bool closing_ = false;
@@ -135,7 +109,6 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
   FramePtr mouse_state_;
   SignsOfLife signs_;
   bool pinging_ = false;
-  std::uint64_t frames_sent_ = 0;
 };
 
 }  // namespace palpate

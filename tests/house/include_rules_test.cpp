@@ -144,6 +144,11 @@ TEST(IncludeCircle, IsFoundWhereItIsAndNamesItsFiles) {
   EXPECT_THAT(IncludeCircle(Includes{{"a", {"a"}}}), ElementsAre("a", "a"));
 }
 
+/// A source and its header are one: the includes of both make circles.
+std::string Stem(const std::string& file) {
+  return file.substr(0, file.rfind('.'));
+}
+
 TEST(IncludeRules, HoldInEverySourceFile) {
   const std::string root = PALPATE_SOURCE_DIR;
   const std::vector<std::string> files = SourceFiles(root);
@@ -157,7 +162,9 @@ TEST(IncludeRules, HoldInEverySourceFile) {
     }
     ++checked;
     const std::string text = ReadWholeFile(root + "/" + file);
-    includes[file] = ProjectIncludes(text);
+    for (const std::string& include : ProjectIncludes(text)) {
+      if (Stem(include) != Stem(file)) includes[Stem(file)].push_back(Stem(include));
+    }
     for (const std::string& violation :
          IncludeViolations(file, text, [&](const std::string& f) { return known.contains(f); })) {
       ADD_FAILURE() << violation;

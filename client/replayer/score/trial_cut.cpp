@@ -11,7 +11,7 @@ namespace palpate {
 namespace {
 
 /// Time between two checks of a recording that is being made.
-constexpr std::chrono::milliseconds kLook{100};
+constexpr std::chrono::milliseconds kPause{100};
 
 SolidsCut CutAgain(const std::string& file, const HandPath& path) {
   VerifyOptions options;
@@ -38,7 +38,7 @@ std::optional<SolidsCut> SweptIn(const std::string& file, const HandPath& path,
     if (is_all || reader.complete()) {
       return reader.damaged() ? std::nullopt : sweep.Finish();
     }
-    is_all = stop->WaitFor(kLook);
+    is_all = stop->WaitFor(kPause);
   }
 }
 
@@ -73,7 +73,7 @@ std::optional<HandPath> BegunIn(const std::string& file, const std::string& stat
       if (reader.complete()) return std::nullopt;
     } catch (const Error&) {  // the file does not exist yet
     }
-  } while (!stop.WaitFor(kLook));
+  } while (!stop.WaitFor(kPause));
   return std::nullopt;
 }
 

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "client/replayer/verify/certificate.h"
+#include "client/replayer/certificate/certificate.h"
 #include "common/files/whole_file.h"
 #include "common/text/hex16.h"
 #include "scenes/catalogue.h"

@@ -1,4 +1,4 @@
-#include "client/replayer/verify/certificate.h"
+#include "client/replayer/certificate/certificate.h"
 
 #include <algorithm>
 #include <ctime>
@@ -39,7 +39,7 @@ const Words& English() {
   return words;
 }
 
-std::string TimeText(std::int64_t s) {
+std::string WhenText(std::int64_t s) {
   return fmt::format("{:%F %T} UTC", fmt::gmtime(static_cast<std::time_t>(s)));
 }
 
@@ -82,10 +82,10 @@ Lines Facts(const Certificate& certificate, const Words& words) {
   return {words("exam", fmt::arg("exam", certificate.exam.empty() ? "–" : certificate.exam)),
           words("key", fmt::arg("key", certificate.key)),
           words("by", fmt::arg("program", "palpate " PALPATE_VERSION),
-                fmt::arg("time", TimeText(certificate.verified_s))),
+                fmt::arg("time", WhenText(certificate.verified_s))),
           roll ? words("roll", fmt::arg("trials", roll->trials.size()),
-                       fmt::arg("opened", TimeText(roll->opened_s)),
-                       fmt::arg("closed", TimeText(roll->closed_s)))
+                       fmt::arg("opened", WhenText(roll->opened_s)),
+                       fmt::arg("closed", WhenText(roll->closed_s)))
                : words("no_roll")};
 }
 
@@ -150,7 +150,7 @@ std::string RowOf(const SealedVerdict& trial, const Words& words) {
       "<tr><td>{}<td>{}<td>{}<td><code>{}</code><td{}>{}: {}\n",
       Escaped(trial.seal ? fmt::format("{} ({})", seal.name, seal.person) : trial.file),
       trial.seal ? fmt::format("{}: {}", seal.task, Escaped(seal.exercise)) : "",
-      trial.seal ? TimeText(seal.ended_s) : "", seal.sha256.substr(0, 16),
+      trial.seal ? WhenText(seal.ended_s) : "", seal.sha256.substr(0, 16),
       good ? "" : " class=\"refused\"", Escaped(words(good ? "trial_verified" : "trial_refused")),
       Escaped(VerdictOf(trial, words)));
 }
