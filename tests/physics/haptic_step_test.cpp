@@ -71,7 +71,7 @@ TEST(HapticStep, RestsASphereOnASphereAsGeometrySays) {
 }
 
 TEST(HapticStep, SlidesASphereOnAPlaneWithTheForceOfItsDepth) {
-  // A ball of 10 km radius is flat to 0.1 nm over the slide.
+  // A ball of radius 10 km is flat to 0.1 nm over the slide.
   Bench bench(OneBall(0.005), {{Vec3(0.0, 0.0, -1e4), 1e4}});
   bench.state().X_WG = At(0.0, 0.0, 0.006);
   for (int i = 0; i < 1000; ++i) {
@@ -119,8 +119,7 @@ TEST(HapticStep, ForcesOfTheContactsAddUpToTheWrench) {
       torque += row.force * row.lever_cross_normal;
     }
     EXPECT_LT((force - report.wrench.force).norm(), 1e-6) << i;
-    // Equal to first order: the QP's torque is linear in the step, the spring's is Log of the
-    // product.
+    // Equal to first order: the QP's torque is linear in the step, the spring's a Log of a product.
     EXPECT_LT((torque - report.wrench.torque).norm(), 5e-3 * (1.0 + torque.norm())) << i;
     loaded += report.contacts > 0;
   }
@@ -144,7 +143,7 @@ TEST(HapticStep, ReportsContactsAsTheyAreAtTheReportedPose) {
       const LeafSphere& o = bench.model().objects().leaves()[object];
       const Vec3 c_T = report.X_WG * (bench.model().reference() + Vec3(t.x, t.y, t.z));
       const double gap = (c_T - Vec3(o.x, o.y, o.z)).norm() - t.radius - o.radius;
-      // Exact but for the linearisation: the normal turns by step / distance.
+      // Exact except for linearisation: the normal turns by step / distance.
       ASSERT_NEAR(row.offset, -gap, 5e-5) << i;
       ASSERT_LT((row.contact_W - c_T).norm(), t.radius * (1.0 + 1e-12)) << i;
       if ((report.faults & kFaultTargetFar) == 0) {
@@ -194,7 +193,7 @@ TEST(HapticStep, DoesNotCrossAThinPlate) {
     ASSERT_GT(report.X_WG.p.z(), 0.0022);
     ASSERT_LT(bench.Penetration(), 1e-9);
   }
-  for (int i = 0; i < 200; ++i) {  // out over the rim; it falls to the hand, round the plate
+  for (int i = 0; i < 200; ++i) {  // over the rim and round the plate to the hand
     bench.Step(At(0.5e-3 * i, 0.0, -0.02));
     ASSERT_LT(bench.Penetration(), 1e-6);
   }
@@ -236,8 +235,7 @@ TEST(HapticStep, HoldsStillAndSaysSoOnABadPose) {
   }
 }
 
-/// While it lives, the n-th call of a QP solver from here on fails: it does not end, or ends with
-/// what is no number.
+/// While it lives, makes the n-th call of a QP solver fail: by the iteration limit, or by a NaN.
 class FailingSolver {
  public:
   explicit FailingSolver(int call, bool with_nan) : spoilt_(ActiveKernels()) {
@@ -266,7 +264,7 @@ class FailingSolver {
   static inline bool with_nan_ = false;
 };
 
-// Whichever of its QPs it is that fails.
+// Whichever of its QPs fails.
 TEST(HapticStep, StaysWhereItIsWhereASolverFails) {
   Scene box = test::MeshScene(MakeBox(Vec3(0.02, 0.02, 0.01)), MakeBox(Vec3(0.05, 0.05, 0.02)));
   Scene rubbing = box, soft = box;
@@ -292,7 +290,7 @@ TEST(HapticStep, StaysWhereItIsWhereASolverFails) {
     state.X_WG = state.X_WH = At(0.017, 0.0, 0.0152);
     int failed = 0;
     for (int i = 0; i < 12; ++i) {
-      // Down upon an edge and over it, 0.2 mm a step, and turning.
+      // Down onto an edge and over it, 0.2 mm per step, while turning.
       Pose X_WH = At(0.017 + 2e-4 * i, 0.0, 0.0150 - 2e-4 * i);
       X_WH.q = RotationExp(Vec3(0.0, 2e-3 * i, 1e-3 * i));
       for (const bool with_nan : {false, true}) {
@@ -313,8 +311,8 @@ TEST(HapticStep, StaysWhereItIsWhereASolverFails) {
           }
           if ((report.faults & kFaultUnsolved) != 0) {
             ++failed;
-            // Where it was before the sub-step, and the spring pulls from there.  (Between meshes
-            // it may have gone on before the force was asked for.)
+            // The tool stays where it was before the sub-step, and the spring pulls from there.
+            // (Between meshes it may have moved before the force was computed.)
             if (!meshes && report.substeps == 1) {
               ASSERT_LT((report.X_WG.p - state.X_WG.p).norm(), 1e-15);
             }
@@ -323,13 +321,13 @@ TEST(HapticStep, StaysWhereItIsWhereASolverFails) {
             ASSERT_EQ(report.contacts + report.soft_contacts, 0);
             ASSERT_EQ(report.faults & kFaultTargetFar, 0u);
           }
-          // And goes on as if nothing had been.
+          // The next steps go on as if nothing had happened.
           StepState same = state;
           for (int k = 0; k < 30; ++k) {
             report = HapticStep(model, X_WH, spoilt, workspace);
             const StepReport expected = HapticStep(model, X_WH, same, workspace);
             if (k < 29) continue;
-            // What rubs sticks where its way has led it.
+            // With friction, where the tool sticks depends on its path.
             if (scene != &rubbing) {
               ASSERT_LT((report.wrench.force - expected.wrench.force).norm(), 2e-3);
             }
@@ -343,7 +341,7 @@ TEST(HapticStep, StaysWhereItIsWhereASolverFails) {
   }
 }
 
-// Springs that no arm has: what comes out are numbers all the same.
+// Springs that no arm has: the results are finite all the same.
 TEST(HapticStep, SaysUnsolvedWhereTheSpringsForceIsNoNumber) {
   StepParameters parameters;
   parameters.stiffness = 1e308;
@@ -365,7 +363,7 @@ TEST(HapticStep, TakesBothSignsOfAQuaternionForTheSamePose) {
   a.state().X_WG = b.state().X_WG = At(0.0, 0.0, 0.04);
   for (int i = 0; i < 2000; ++i) {
     Pose X = At(0.0, 0.0, 0.04 - 2e-5 * i);
-    X.q = RotationExp(Vec3(0.0, 2e-3 * i, 0.0));  // through 90 degrees, and on
+    X.q = RotationExp(Vec3(0.0, 2e-3 * i, 0.0));  // through 90 degrees and beyond
     Pose minus = X;
     minus.q.coeffs() = -minus.q.coeffs();
     const StepReport ra = a.Step(X), rb = b.Step(i % 2 == 0 ? X : minus);
@@ -375,7 +373,7 @@ TEST(HapticStep, TakesBothSignsOfAQuaternionForTheSamePose) {
 }
 
 TEST(HapticStep, EndsAJamWithoutAForceBeyondTheSpring) {
-  // A ball in a slot narrower than itself: started there, no pose satisfies both walls.
+  // In a slot narrower than the ball no pose satisfies both walls.
   Bench bench(OneBall(0.01), {{Vec3(0.03, 0.0, 0.0), 0.0202}, {Vec3(-0.03, 0.0, 0.0), 0.0202}});
   const StepReport report = bench.Repeat(At(0.0, 0.0, 0.0), 5);
   EXPECT_TRUE(report.wrench.force.allFinite());
@@ -383,7 +381,7 @@ TEST(HapticStep, EndsAJamWithoutAForceBeyondTheSpring) {
   EXPECT_LT(report.wrench.force.norm(), 1.0);
 }
 
-// What a workspace has seen makes it quicker to find the tightest rows, and changes none.
+// What a workspace has seen speeds up the search for the tightest rows, and changes none of them.
 TEST(HapticStep, SaysWhenRowsDoNotFitAndKeepsTheSameWhateverItHasSeen) {
   StepParameters parameters;
   parameters.max_rows = 32;

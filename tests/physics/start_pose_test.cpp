@@ -44,7 +44,7 @@ TEST(ResolveStart, BringsAToolOutToTheSurfaceAndSaysHowDeepItWas) {
     X.p = (0.055 - depth) * Vec3(0.48, 0.6, 0.64);
     const StartPose start = ResolveStart(setting.model, X, setting.workspace);
     EXPECT_NEAR(start.depth, depth, 0.3e-3) << depth;
-    // It is where a step may go on: no force but the spring's, nothing to push out of.
+    // A step can go on from there: no force but the spring's, nothing to push out of.
     StepState state;
     state.X_WG = start.X_WG;
     const StepReport report = HapticStep(setting.model, X, state, setting.workspace);

@@ -12,10 +12,10 @@
 
 namespace palpate::test {
 
-// Meshes that are easy to say and hard to touch [m], and small scenes of them.
+// Meshes [m] that are simple to describe and hard to touch, and small scenes of them.
 
-/// A square grid of 2 n^2 triangles about the origin, at the height that is said, open all round.
-/// `at(i)`: the lines' places, from -1 to 1.
+/// A square grid of 2 n^2 triangles about the origin: an open height field.  `at(i)` places the
+/// grid lines, from -1 to 1.
 inline TriangleMesh MakeSheet(int n, double half,
                               const std::function<double(double, double)>& height,
                               const std::function<double(int)>& at = {}) {
@@ -36,7 +36,7 @@ inline TriangleMesh MakeSheet(int n, double half,
   return sheet;
 }
 
-/// The same as the top of a closed block, whose foot lies at z = -thickness.
+/// The same as the top of a closed block with its base at z = -thickness.
 inline TriangleMesh MakeBlock(int n, double half, double thickness,
                               const std::function<double(double, double)>& height,
                               const std::function<double(int)>& at = {}) {
@@ -68,14 +68,14 @@ inline double Flat(double, double) {
   return 0.0;
 }
 
-/// Waves of this height, three over a side.
+/// Waves of this amplitude, three along each side.
 inline std::function<double(double, double)> Waves(double height, double half) {
   return [=](double x, double y) {
     return height * std::sin(3.0 * M_PI * x / half) * std::cos(3.0 * M_PI * y / half);
   };
 }
 
-/// An L of the given size along x and z, its bars half as thick, extruded along y.
+/// An L of the given size in x and z, its bars half as thick, extruded along y.
 inline TriangleMesh MakeL(double size) {
   const double s = size, h = 0.5 * size;
   const Vec3 outline[] = {{0, 0, 0}, {s, 0, 0}, {s, 0, h}, {h, 0, h}, {h, 0, s}, {0, 0, s}};
@@ -93,12 +93,12 @@ inline TriangleMesh MakeL(double size) {
     mesh.triangles.push_back({i, k, j});
     mesh.triangles.push_back({i + 6, j + 6, k + 6});
   }
-  // Seen from -y the outline runs clockwise: x to the right, z up.
+  // From -y, x points right and z up: the outline runs clockwise.
   for (auto& [i, j, k] : mesh.triangles) std::swap(j, k);
   return mesh;
 }
 
-/// A box with a fin on the edge of its top: two triangles without thickness, three faces at its
+/// A box with a fin on an edge of its top: two triangles without thickness, three faces at the
 /// foot.
 inline TriangleMesh MakeFinnedBox(const Vec3& size, double fin) {
   TriangleMesh mesh = MakeBox(size);
@@ -118,8 +118,8 @@ inline TriangleMesh MakeFinnedBox(const Vec3& size, double fin) {
   return mesh;
 }
 
-/// An open sheet crumpled so that it folds over itself and goes through itself, as scans do; some
-/// of its triangles are gone, some there twice.
+/// An open sheet, crumpled so that it folds over and passes through itself, as scans do; some
+/// triangles are missing, some duplicated.
 inline TriangleMesh MakeCrumpled(int n, double half, double fold, std::uint64_t seed) {
   Random random(seed);
   TriangleMesh sheet = MakeSheet(n, half, Flat);
@@ -134,7 +134,7 @@ inline TriangleMesh MakeCrumpled(int n, double half, double fold, std::uint64_t 
   return sheet;
 }
 
-/// Lines of a grid so that it has needles: gaps from a hundred thousandth of the side to a fifth.
+/// Grid lines that make needles: gaps from a hundred thousandth of the side to a fifth.
 inline double Crowded(int i) {
   static constexpr double kAt[] = {-1.0,    -0.6,   -0.59999, -0.2,   -0.1999, 0.0,
                                    0.00001, 0.0002, 0.25,     0.2501, 0.7,     1.0};

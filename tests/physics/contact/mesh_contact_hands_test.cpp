@@ -1,5 +1,5 @@
-// Hands that nobody tuned to, over small meshes of all kinds: what the invariant promises, judged
-// by an oracle that shares nothing with it.
+// Hands that the contact was not tuned for, over small meshes of all kinds: checks what the
+// invariant promises, with an oracle that shares no code with it.
 #include <algorithm>
 #include <iterator>
 #include <limits>
@@ -44,7 +44,7 @@ using test::Waves;
 struct Case {
   const char* name;
   Scene (*make)();
-  double size;  ///< of what hands go about in [m]
+  double size;  ///< extent of the region hands move in [m]
 };
 
 const Case kCases[] = {
@@ -115,10 +115,10 @@ TEST(MeshContactHands, KeepOutArriveAndSettleWithoutJumpsThatNothingExplains) {
   }
 }
 
-/// What hands of 400 steps feel where their tool has arrived.
+/// Results over hands of 400 steps, for the steps in which the tool arrived.
 struct Arrived {
-  std::vector<double> error;  ///< of the force, sorted [N]: what further cycles would change
-  double share;               ///< of the steps
+  std::vector<double> error;  ///< change of force after further cycles, sorted [N]
+  double share;               ///< fraction of the steps
 };
 Arrived TryArriving(const Scene& scene, double speed, std::uint64_t last_seed) {
   Arrived all;
@@ -139,9 +139,9 @@ double Quantile(const std::vector<double>& sorted, double q) {
   return sorted[static_cast<std::size_t>(q * static_cast<double>(sorted.size()))];
 }
 
-// A tool has arrived where its contacts hold it, not where planes do that were made for a place on
-// the way: further cycles with the same hand would not change the force.  What is left are tools
-// about to slip, and edges that lie on a face beyond its rim.
+// The tool has arrived when contacts hold it, not planes that were made for a pose along the way:
+// further cycles with the same hand would not change the force.  The exceptions are tools about to
+// slip, and edges that lie on a face beyond its rim.
 TEST(MeshContactHands, ArriveWhereFurtherCyclesWouldNotMoveThem) {
   std::vector<double> error;
   for (const Case& c : kCases) {
@@ -154,7 +154,7 @@ TEST(MeshContactHands, ArriveWhereFurtherCyclesWouldNotMoveThem) {
   EXPECT_LT(Quantile(error, 0.998), 0.05);
 }
 
-// A pair out of its cones is kept apart by the plane of a contact near by: one of its own would
+// A pair outside its cones is kept apart by the plane of a touching neighbour: its own plane would
 // hold the tool where nothing touches.
 TEST(MeshContactHands, AreNotHeldByPairsWhoseNeighbourTouches) {
   for (const char* name : {"waves on waves", "crumple on crumple"}) {
@@ -165,9 +165,9 @@ TEST(MeshContactHands, AreNotHeldByPairsWhoseNeighbourTouches) {
   }
 }
 
-// The same of meshes whose triangles are small beside what the tool moves in a cycle: contacts go
-// on from one to the next all the time.  And of a ball's mesh on another, where a trial that is
-// free without the planes that do not touch may itself be held by such.
+// The same with triangles that are small relative to the motion of a cycle, so contacts change all
+// the time.  With one ball's mesh on another, a trial that is free without the non-touching planes
+// may itself be held by such planes.
 TEST(MeshContactHands, ArriveOnFineMeshes) {
   struct Fine {
     const char* name;
@@ -194,8 +194,8 @@ TEST(MeshContactHands, ArriveOnFineMeshes) {
   }
 }
 
-// Of crumples this fine several touch within the separation, and which of them a pair's own
-// features are is not clear: a tool at rest must not find that out anew in each step.
+// On crumples this fine several features touch within the separation, and which of them belong to a
+// pair is ambiguous: a tool at rest must not decide anew in each step.
 TEST(MeshContactHands, ComeToRestOnCrumplesThatHardlyStandOut) {
   const Case cases[] = {{"on another",
                          [] {
@@ -219,9 +219,9 @@ TEST(MeshContactHands, ComeToRestOnCrumplesThatHardlyStandOut) {
   }
 }
 
-// Hands so quick that their tools fall behind, and that then stand still.  Where rows of pairs that
-// do not touch hold a tool, and the way past them is not free, they are what holds it: it has
-// arrived, and feels them.  It must not stay behind for ever, and least of all with no force.
+// Hands so fast that the tool falls behind, and that then stand still.  Where rows of non-touching
+// pairs hold the tool and the way past them is not free, those rows are its contacts: it has
+// arrived and feels them.  It must not lag for ever, least of all without a force.
 TEST(MeshContactHands, ArriveOnceTheHandStandsStill) {
   const Scene waves = MeshScene(MakeBlock(60, 0.02, 0.01, Waves(0.003, 0.01)),
                                 MakeBlock(80, 0.04, 0.02, Waves(0.003, 0.015)));
@@ -229,7 +229,7 @@ TEST(MeshContactHands, ArriveOnceTheHandStandsStill) {
       MeshScene(MakeCrumpled(40, 0.02, 0.001, 9), MakeBlock(60, 0.04, 0.02, Waves(0.004, 0.04)));
   const Scene crumple =
       MeshScene(MakeCrumpled(6, 0.02, 0.004, 9), MakeCrumpled(12, 0.04, 0.006, 7));
-  // Rows that follow each trial, in turn for ever.
+  // Each trial brings new rows, in an endless cycle.
   const auto terraces = [](std::uint64_t seed) {
     return MeshScene(MakeTerraced(0.04, 5120, seed), MakeTerraced(0.04, 5120, seed + 100));
   };
@@ -238,8 +238,8 @@ TEST(MeshContactHands, ArriveOnceTheHandStandsStill) {
     const Scene& scene;
     double speed;
     std::uint64_t seed;
-    std::size_t steps;  ///< until after such a place
-    int path = 800;     ///< steps of the whole hand
+    std::size_t steps;  ///< until just after such a pose
+    int path = 800;     ///< steps of the whole path
   } hands[] = {{waves, 0.5, 4, 400},         {waves, 0.5, 9, 300},          {fine, 0.5, 1, 400},
                {fine, 0.5, 7, 300},          {fine, 0.5, 10, 290},          {crumple, 0.3, 4, 610},
                {some, 0.08, 19, 1800, 2000}, {others, 0.08, 10, 1150, 2000}};
@@ -253,9 +253,8 @@ TEST(MeshContactHands, ArriveOnceTheHandStandsStill) {
   }
 }
 
-// A ball has the smooth surface's normals and the facets' places.  Facets lift it on its way, by as
-// much as a tenth of its way where they are coarse; and at one place one triangle may be smooth and
-// the next have a crease.
+// A ball takes its normals from the smooth surface and its positions from the facets.  Coarse
+// facets lift it by up to a tenth of its motion; beside a smooth triangle may lie a crease.
 TEST(MeshContactHands, ArriveAsABallOnTerracesAndFacets) {
   const TriangleMesh bodies[] = {MakeTerraced(0.04, 5120, 3), MakeTerraced(0.04, 5120, 105),
                                  MakeBentPipe(0.012, 0.006, 0.12, 4.0),
@@ -278,7 +277,7 @@ TEST(MeshContactHands, ArriveAsABallOnTerracesAndFacets) {
 
 TEST(MeshContactHands, FeelWhatHoldsThemWhileTheyLag) {
   const Scene terraces = MeshScene(MakeTerraced(0.04, 5120, 3), MakeTerraced(0.04, 5120, 103));
-  std::vector<double> errors;  // of the late force against that of the tool once it has arrived
+  std::vector<double> errors;  // force while lagging, minus the force once the tool has arrived
   std::size_t notches = 0;
   for (std::uint64_t seed = 15; seed < 25; ++seed) {
     const std::vector<Pose> X_WH = MakeHand(terraces, {.seed = seed, .speed = 0.08, .steps = 2000});
@@ -293,8 +292,7 @@ TEST(MeshContactHands, FeelWhatHoldsThemWhileTheyLag) {
   EXPECT_LE(notches, 1u);
 }
 
-/// A hand that no arm could be: jumps, dives, spins, trembles and rests, most of the time deep in
-/// the object.
+/// A hand that no arm could perform: it jumps, dives, spins, trembles and rests, mostly inside.
 std::vector<Pose> WildHand(double size, std::uint64_t seed, std::size_t steps) {
   Random random(seed);
   Pose at{Vec3(0.0, 0.0, 2.0 * size), Quat::Identity()};
@@ -347,8 +345,8 @@ TEST(MeshContactHands, NeverBringMeshesIntoEachOtherHoweverWild) {
   }
 }
 
-// A tool that lags stands still in a free place, whatever the rows say that were made for trials
-// elsewhere: nothing there can push it beyond the hand.
+// A tool that lags rests at a free pose, whatever the rows made for trials elsewhere say: the force
+// may not exceed what the spring gives there.
 TEST(MeshContactHands, GetNoMoreForceThanTheSpringHas) {
   for (const Case& c : kCases) {
     const Scene scene = c.make();
@@ -378,11 +376,11 @@ TEST(MeshContactHands, GetNoMoreForceThanTheSpringHas) {
   }
 }
 
-// Ten metres: bounds and tolerances are lengths, and sizes are not.
+// At ten metres: bounds and tolerances are absolute lengths and do not scale with the size.
 TEST(MeshContactHands, KeepOutAtTenMetres) {
   Scene scene = MeshScene(Scaled(MakeBox(Vec3(0.03, 0.02, 0.04)), 100.0),
                           Scaled(MakeBlock(8, 0.04, 0.02, Waves(0.002, 0.04)), 100.0));
-  scene.coupling.torsional_stiffness = 1e4;  // as the square of the size
+  scene.coupling.torsional_stiffness = 1e4;  // scales with the square of the size
   Random random(71);
   std::vector<Pose> X_WH{{Vec3(0.3, 0.2, 2.3), Quat::Identity()}};
   const auto go = [&](const Vec3& by, const Vec3& turn, int steps) {
@@ -406,8 +404,8 @@ TEST(MeshContactHands, KeepOutAtTenMetres) {
             "");
 }
 
-/// Drives a scene's first tool with one sub-step a cycle, and looks along the straight way between
-/// each two of its poses: that is free too.
+/// Drives a scene's first tool with one sub-step per cycle, and expects the straight path between
+/// consecutive poses to be free.
 void ExpectFreeWays(const Scene& scene, const Pose& start, const std::vector<Pose>& X_WH) {
   StepParameters parameters;
   parameters.features = scene.features;

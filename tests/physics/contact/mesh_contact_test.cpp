@@ -41,7 +41,7 @@ Body Box(const Vec3& size, const Pose& X = {}) {
   return MakeMeshBody("box", MakeBox(size), X);
 }
 
-/// A scene's first tool, its state, and the judge of where it is.
+/// A scene's first tool with its state, and the oracle that checks its pose.
 struct Touch {
   Touch(Scene s, const Pose& start)
       : scene(std::move(s)),
@@ -52,7 +52,7 @@ struct Touch {
     state.X_WG = state.X_WH = start;
   }
   Touch(Scene s, const Vec3& start) : Touch(std::move(s), Pose{start, Quat::Identity()}) {}
-  /// After every step the meshes are apart.
+  /// Expects the meshes to be apart after the step.
   StepReport Step(const Pose& X_WH) {
     const StepReport report = HapticStep(model, X_WH, state, workspace);
     ++steps;
@@ -60,7 +60,7 @@ struct Touch {
     EXPECT_FALSE(oracle.Meet(state.X_WG)) << "the meshes meet after step " << steps;
     return report;
   }
-  /// To a pose in a straight line, and there until the tool is at rest.
+  /// Moves the hand in a straight line to a pose, and holds it there until the tool is at rest.
   StepReport Go(const Pose& X_WH, int moving, int resting = 30) {
     const Pose from = state.X_WH;
     const Vec3 turn = RotationLog(X_WH.q * from.q.conjugate());
@@ -77,10 +77,10 @@ struct Touch {
   StepWorkspace workspace;
   StepState state;
   MeshOracle oracle;
-  int steps = 0, far = 0;  ///< taken so far, and those in which the tool did not arrive
+  int steps = 0, far = 0;  ///< steps taken, and those in which the tool did not arrive
 };
 
-// A ball among the leaves of a sparse tree: wherever it comes from, the mesh stops it.
+// A ball among the leaves of a sparse tree: the mesh stops it from every direction.
 TEST(MeshContact, HasNoGapThroughWhichABallCanFall) {
   Touch touch(MakeScene(BallBody(0.001), Box(Vec3::Constant(0.05))), Vec3(0.0, 0.0, 0.05));
   Random random(3);
@@ -89,7 +89,7 @@ TEST(MeshContact, HasNoGapThroughWhichABallCanFall) {
     touch.state = StepState(touch.model);
     touch.state.X_WG.p = touch.state.X_WH.p = from;
     for (int i = 1; i <= 300; ++i) {
-      // To the cube's middle at 0.2 m/s.
+      // To the cube's centre at 0.2 m/s.
       touch.Step({from * (1.0 - i / 300.0), Quat::Identity()});
       const Vec3 out = (touch.state.X_WG.p.cwiseAbs().array() - 0.025).matrix().cwiseMax(0.0);
       ASSERT_GE(out.norm(), 0.001) << "trial " << trial << ", step " << i;
@@ -102,7 +102,7 @@ TEST(MeshContact, GivesTheAnalyticForceOfABallOnAFlatFace) {
   for (int i = 0; i < 600; ++i) {
     const StepReport report = touch.Step({Vec3(-0.015 + 5e-5 * i, 0.029, 0.003), Quat::Identity()});
     if (i < 2) continue;
-    // 1 um apart at most: a thousandth of a newton.
+    // At most 1 um apart, which is 1 mN.
     EXPECT_NEAR(report.wrench.force.y(), 1.0, 1.01e-3);
     EXPECT_NEAR(report.wrench.force.x(), 0.0, 1e-6);
     EXPECT_NEAR(report.wrench.force.z(), 0.0, 1e-6);
@@ -127,7 +127,7 @@ TEST(MeshContact, KeepsTheSeparationThatASceneAsksFor) {
     scene.tuning.separation = separation;
     Touch touch(std::move(scene), Vec3(0.0, 0.0152, 0.0));
     const StepReport report = touch.Go({Vec3(0.0, 0.014, 0.0), Quat::Identity()}, 20);
-    // 1 mm deep at 1 N/mm.  Of delta a pair may have lost half when it is met.
+    // 1 mm deep at 1 N/mm.  A pair may have lost half of delta when it is found.
     EXPECT_GE(report.wrench.force.y(), 1.0 + 0.5e3 * separation - 2e-6);
     EXPECT_LE(report.wrench.force.y(), 1.0 + 1e3 * separation + 2e-6);
     EXPECT_EQ(report.faults & kFaultTargetFar, 0u);
@@ -154,7 +154,7 @@ TEST(MeshContact, RubsAsCoulombSays) {
   scene.features.friction = FrictionModel::kCoulomb;
   scene.objects[0].materials = {Material{.static_friction = 0.8, .dynamic_friction = 0.3}};
   Touch touch(std::move(scene), Vec3(-0.05, 0.0, 0.035001));
-  // 1 N down, and 0.6 N along: less than 0.8 N holds, for as long as it lasts.
+  // 1 N down and 0.6 N sideways: less than 0.8 N holds indefinitely.
   const Vec3 pressed(-0.05, 0.0, 0.034);
   StepReport report;
   for (int i = 0; i < 50; ++i) report = touch.Step({pressed, Quat::Identity()});
@@ -165,27 +165,26 @@ TEST(MeshContact, RubsAsCoulombSays) {
   }
   EXPECT_NEAR(report.wrench.force.x(), -0.6, 1e-5);
   EXPECT_NEAR((report.X_WG.p - stuck).norm(), 0.0, 1e-8);
-  // Drawn along at 0.1 m/s it slides, and the force is mu_d times the normal one.
+  // Drawn along at 0.1 m/s it slides, with mu_d times the normal force.
   for (int i = 0; i < 600; ++i) {
     report = touch.Step({pressed + Vec3(0.6e-3 + 1e-4 * i, 0, 0), Quat::Identity()});
     if (i < 100) continue;
     const Vec3& f = report.wrench.force;
     EXPECT_NEAR(-f.x() / f.z(), 0.3, 0.003) << i;
     EXPECT_NEAR(f.z(), 1.0, 0.01);
-    // Where it crosses an inner edge, the contact is another one: no force beyond 3 mN comes of it.
+    // Where it crosses an inner edge the contact changes: the force changes by less than 3 mN.
     EXPECT_NEAR(f.y(), 0.0, 3e-3);
   }
 }
 
-/// On `normal` the hand is `depth` below where the tool rests: the spring alone says the force.
-/// Along the surface there is none.
+/// Expects the spring's force for a hand `depth` below the tool along `normal`, and no other.
 void ExpectForce(const StepReport& report, const Vec3& normal, double depth, double error = 2e-3) {
   const double along = normal.dot(report.wrench.force);
   EXPECT_LE((report.wrench.force - along * normal).norm(), 0.01);
   EXPECT_NEAR(along, 1000.0 * depth, error);
 }
 
-/// 3 N on a flat place, at rest and over its inner edges, with the tool turned about the normal.
+/// Presses with 3 N on a flat surface, at rest and across inner edges, turned about the normal.
 void PressAndSlide(const TriangleMesh& floor, double error = 2e-3, int most_far = 0) {
   for (const double degrees : {0.0, 1.0, 23.0, 45.0}) {
     SCOPED_TRACE(testing::Message() << degrees << " degrees");
@@ -214,7 +213,7 @@ TEST(MeshContact, GivesNoGhostForceOnAFlatGrid) {
 }
 
 TEST(MeshContact, GivesNoGhostForceOverNeedles) {
-  // In single steps the tool does not arrive, or stops a few micrometres short.
+  // In a few steps the tool does not arrive, or stops a few micrometres short.
   PressAndSlide(test::MakeBlock(test::kCrowded, 0.05, 0.02, test::Flat, test::Crowded), 0.02, 2);
 }
 
@@ -237,7 +236,7 @@ TEST(MeshContact, GivesNoGhostForceOfAFacetedBallOnAFlatGrid) {
 }
 
 TEST(MeshContact, LetsABallFeelTheSphereThatAMeshStandsFor) {
-  // Facets of 320 triangles look up to 8 degrees past the sphere's own normal.
+  // With 320 triangles, facet normals deviate by up to 8 degrees from the sphere's.
   const double outer = 0.03, radius = 0.005;
   Touch touch(MakeScene(BallBody(radius), MakeMeshBody("sphere", MakeSphere(outer, 320))),
               Vec3(0.0, 0.0, outer + radius + 1e-3));
@@ -255,8 +254,8 @@ TEST(MeshContact, LetsABallFeelTheSphereThatAMeshStandsFor) {
 }
 
 TEST(MeshContact, LetsABallComeSlowlyOverFacets) {
-  // Its rows follow the smooth sphere, which leads over the facets' edges and so a little away from
-  // the hand.  That is no reason to stop there.
+  // Its rows follow the smooth sphere, which leads over the facets' edges and so slightly away from
+  // the hand: no reason to stop.
   const double outer = 0.03, radius = 0.005;
   Touch touch(MakeScene(BallBody(radius), MakeMeshBody("sphere", MakeSphere(outer, 1280))),
               Vec3(0.0, 0.0, outer + radius + 1e-3));
@@ -268,8 +267,8 @@ TEST(MeshContact, LetsABallComeSlowlyOverFacets) {
   EXPECT_EQ(touch.far, 0);
 }
 
-// The place of a ball that a hand presses into a cube's rounded outside: the cube's nearest point
-// decides, and no linearisation.  Past an edge it moves up to ten times as fast as the hand here.
+// The position of a ball pressed into a cube's rounded offset surface follows from the cube's
+// nearest point, without linearisation.  Past an edge it moves up to ten times as fast as the hand.
 TEST(MeshContact, LetsABallGoRoundEdgesAndCornersWithTheAnalyticForce) {
   const double half = 0.025, radius = 0.005;
   const Vec3 corner = Vec3::Constant(half);
@@ -283,7 +282,7 @@ TEST(MeshContact, LetsABallGoRoundEdgesAndCornersWithTheAnalyticForce) {
     double turned = 0.0;
     Vec3 last = Vec3::UnitZ();
     for (int i = 0; i < 3000; ++i) {
-      // 0.3 m/s, on and on until it would leave: to beside the corner, the cube or its outside.
+      // At 0.3 m/s; turns before it would leave the corner, enter the cube or be free of it.
       Vec3 to = hand + way;
       const auto leaves = [&] {
         const double out = (to - nearest(to)).norm();
@@ -299,8 +298,8 @@ TEST(MeshContact, LetsABallGoRoundEdgesAndCornersWithTheAnalyticForce) {
       const double outside = (hand - nearest(hand)).norm();
       const Vec3 out = (hand - nearest(hand)) / outside;
       const Vec3 force = 1000.0 * (radius - outside) * out;
-      // 2 um apart at most; and what a row turns by unseen, some 1.5 mrad, moves the ball by as
-      // much more as the hand is deep.
+      // At most 2 um apart; and a row's unnoticed rotation, some 1.5 mrad, moves the ball further
+      // in proportion to the hand's depth.
       const double unseen = 1.5e-3 * radius / outside;
       ASSERT_LT((report.wrench.force - force).norm(), 2e-3 + unseen * force.norm()) << i;
       turned += std::acos(std::min(1.0, out.dot(last)));
@@ -312,7 +311,7 @@ TEST(MeshContact, LetsABallGoRoundEdgesAndCornersWithTheAnalyticForce) {
 }
 
 TEST(MeshContact, FeelsAReliefByItsSlopeAlone) {
-  // 10 um of waves, 27 mm long: 2.4 mrad of slope, 7 mN of 3 N.
+  // Waves of 10 um, 27 mm long: a slope of 2.4 mrad, 7 mN of 3 N.
   Touch touch(
       MakeScene(MakeMeshBody("ball", MakeSphere(0.01, 320)),
                 MakeMeshBody("floor", test::MakeBlock(24, 0.04, 0.02, test::Waves(1e-5, 0.04)))),
@@ -326,7 +325,7 @@ TEST(MeshContact, FeelsAReliefByItsSlopeAlone) {
 }
 
 TEST(MeshContact, HoldsAnEdgeThatCrossesAnEdge) {
-  // Two bars, each standing on an edge: the edges alone meet, and their cross product is upright.
+  // Two bars, each standing on an edge: only the edges meet, and their cross product is vertical.
   const double bar = 0.01, edge = bar * M_SQRT1_2;
   const Body low = Box(Vec3(0.1, bar, bar), {Vec3::Zero(), Turn(45.0, Vec3::UnitX())});
   for (const double degrees : {90.0, 60.0, 20.0}) {
@@ -338,7 +337,7 @@ TEST(MeshContact, HoldsAnEdgeThatCrossesAnEdge) {
     ASSERT_GE(report.contacts, 1);
     EXPECT_FALSE(report.active[0].id.IsOfLeaves());
     EXPECT_NEAR(touch.state.X_WG.p.z(), 2 * edge, 2e-6);
-    // Drawn along the lower edge the upper one stays on it, and nothing holds it back.
+    // Drawn along the lower edge, the upper one stays on it without resistance.
     for (int i = 1; i <= 200; ++i) {
       ExpectForce(touch.Step({Vec3(1e-4 * i, 0, 2 * edge - 0.003), q}), Vec3::UnitZ(), 0.003);
     }
@@ -370,7 +369,7 @@ TriangleMesh MakeSocket(double hole, double outer, double depth) {
       }
     }
   }
-  // Corners: 0 to 3 the hole's above, 4 to 7 the block's above, 8 to 15 below.
+  // Vertices: 0 to 3 the hole's top, 4 to 7 the block's top, 8 to 15 the same at the bottom.
   const auto quad = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
     mesh.triangles.push_back({a, b, c});
     mesh.triangles.push_back({a, c, d});
@@ -394,7 +393,7 @@ TEST(MeshContact, LetsAPegSlideInAHoleWithFiftyMicrometres) {
     EXPECT_EQ(report.faults, 0u) << "step " << touch.steps;
     return report;
   };
-  // Down, pushed aside by 1 N and turned: the walls hold it, and let it go along.
+  // Down, pushed sideways by 1 N and turned: the walls hold it, and let it slide along.
   for (int i = 1; i <= 400; ++i) {
     const double aside = std::min(1.0, 0.01 * i);
     const StepReport report = step(Vec3(1e-3 * aside, -4e-4 * aside, 0.0205 - 5e-5 * i),
@@ -410,14 +409,14 @@ TEST(MeshContact, LetsAPegSlideInAHoleWithFiftyMicrometres) {
   EXPECT_NEAR(touch.state.X_WG.p.x(), 5e-5, 2e-6);
 }
 
-// A hand that asks a peg for more than its hole allows, so that it often does not arrive.
+// A hand that turns a peg further than its hole allows, so that it often does not arrive.
 TEST(MeshContact, FollowsAHandThatTwistsAPegInItsHole) {
   const auto wall = [](const Vec3& at, const Quat& q) {
     Body body = Box(Vec3(0.01205, 0.04, 0.001));
     body.X_WB = {at, q};
     return body;
   };
-  const double off = 0.5 * (0.01005 + 0.001);  // 50 um wider than the peg
+  const double off = 0.5 * (0.01005 + 0.001);  // the hole is 50 um wider than the peg
   const Quat quarter = Turn(90.0, Vec3::UnitY()), none = Quat::Identity();
   Scene scene = MakeScene(Box(Vec3(0.01, 0.03, 0.01)), wall(Vec3(0, 0, off), none));
   scene.objects.push_back(wall(Vec3(0, 0, -off), none));
@@ -433,7 +432,7 @@ TEST(MeshContact, FollowsAHandThatTwistsAPegInItsHole) {
   EXPECT_LE(touch.far, 3);  // one in a thousand
 }
 
-// A rod in a channel, and a hand that turns on, round and round, and back again.
+// A rod in a channel, and a hand that turns round and round, and back again.
 TEST(MeshContact, ResistsATurnBeyondHalfATurnTheSameWay) {
   Scene scene =
       MakeScene(Box(Vec3(0.1, 0.01, 0.01)), Box(Vec3(0.12, 0.02, 0.04), {Vec3(0.0, 0.0152, 0.0)}));
@@ -457,7 +456,7 @@ TEST(MeshContact, ResistsATurnBeyondHalfATurnTheSameWay) {
     ASSERT_LT((torque - before).norm(), 0.05) << degrees;
     before = torque;
   }
-  // Drawn out of the channel the tool goes to the hand, and by the shorter way.
+  // Drawn out of the channel, the tool turns to the hand the shorter way.
   for (int i = 0; i <= 100; ++i) touch.Step(hand(2.0 * i));
   StepReport report;
   for (int i = 0; i < 300; ++i) {
@@ -471,7 +470,7 @@ TEST(MeshContact, ResistsATurnBeyondHalfATurnTheSameWay) {
 TEST(MeshContact, SlidesIntoAConcaveEdgeAndIsHeldByBothFaces) {
   Touch touch(MakeScene(Box(Vec3::Constant(0.02)), MakeMeshBody("L", test::MakeL(0.06))),
               Vec3(0.016, 0.0, 0.016));
-  // The L's faces lie at x = 0 and z = 0: the box, 10 mm to a side, goes into the corner.
+  // The L's faces lie at x = 0 and z = 0: the 10 mm box goes into the corner.
   const StepReport report = touch.Go({Vec3(0.008, 0.005, 0.007), Quat::Identity()}, 100);
   EXPECT_NEAR(report.wrench.force.x(), 2.0, 2e-3);
   EXPECT_NEAR(report.wrench.force.z(), 3.0, 2e-3);
@@ -487,11 +486,11 @@ TEST(MeshContact, GoesOnWithWideBoundsWhereItHasFallenBehind) {
   Touch touch(MakeScene(Box(Vec3::Constant(0.01)), Box(Vec3::Constant(0.06))),
               Vec3(0.0, 0.0, 0.035001));
   touch.Step({Vec3(0, 0, 0.0345), Quat::Identity()});
-  // 20 mm along the face at once: more than a cycle's sub-steps reach.
+  // A jump of 20 mm along the face: more than a cycle's sub-steps reach.
   const StepReport far = touch.Step({Vec3(0.02, 0, 0.0345), Quat::Identity()});
   ASSERT_NE(far.faults & kFaultTargetFar, 0u);
   EXPECT_GT(touch.state.behind.translation, 50e-6);
-  // The tool is on its way along the face, which holds back what it does at the end.
+  // Under way along the face, the tool feels the same force as at the end.
   EXPECT_NEAR(far.wrench.force.z(), 0.5, 2e-3);
   EXPECT_NEAR(far.wrench.force.x(), 0.0, 2e-3);
   StepReport report;
@@ -521,7 +520,7 @@ TEST(MeshContact, BeginsOutsideWhereverTheHandDoes) {
                         {MakeSphere(0.01, 80), test::MakeL(0.06)},
                         {MakeBox(Vec3::Constant(0.02)), test::MakeSheet(4, 0.04, test::Flat)}};
   for (const Case& c : cases) {
-    // With whole trees, which the way out follows.
+    // With whole trees, which the search for a start pose follows.
     Touch touch(test::MakeScene(c.tool, 64, c.object, 64, ContactModel::kSurface), Vec3::Zero());
     Random random(62);
     for (int trial = 0; trial < 20; ++trial) {
@@ -537,7 +536,7 @@ TEST(MeshContact, BeginsOutsideWhereverTheHandDoes) {
 }
 
 TEST(MeshContact, ComesOutWhereAStateIsSetAcrossASheet) {
-  // No step leads there; a caller that sets a state can.  A corner of the box is 50 um through.
+  // No step leads there, but a caller can set such a state.  A corner of the box is 50 um through.
   const Quat q = RotationBetween(Vec3(1, 1, 1).normalized(), -Vec3::UnitZ());
   const double height = 0.01 * std::sqrt(3.0);
   Touch touch(MakeScene(Box(Vec3::Constant(0.02)),
@@ -550,7 +549,7 @@ TEST(MeshContact, ComesOutWhereAStateIsSetAcrossASheet) {
   EXPECT_EQ(touch.state.X_WG.p, Vec3(0.003, 0.002, 0.03));
 }
 
-/// Bits of all that a step says of a tool's place and force.
+/// Everything a step reports of a tool's pose and force.
 std::vector<double> Bits(const StepReport& report) {
   const Pose& X = report.X_WG;
   const Wrench& f = report.wrench;
@@ -558,7 +557,7 @@ std::vector<double> Bits(const StepReport& report) {
           f.force.x(), f.force.y(), f.force.z(), f.torque.x(), f.torque.y(), f.torque.z()};
 }
 
-/// Presses a waved block on another, and rolls and slides it.
+/// Rolls and slides one waved block, pressed on another.
 Pose Rolling(int i) {
   const double s = 0.01 * i;
   return {
@@ -593,8 +592,8 @@ TEST(MeshContact, ACopyOfItsStateGoesOnToTheSameBits) {
 }
 
 TEST(MeshContact, RegainsItsSeparationTooGentlyToBeFelt) {
-  // 0.2 um above the floor, where no force has brought it: 1 um is asked for, 0.3 um a sub-step.
-  // Not of a tool at rest, which would be lifted against the spring.
+  // Placed 0.2 um above the floor: 1 um is required, regained by 0.3 um per sub-step, but not at
+  // rest, where the tool would be lifted against the spring.
   Touch touch(MakeScene(Box(Vec3::Constant(0.02)), Box(Vec3(0.1, 0.1, 0.02))),
               Vec3(0.0, 0.0, 0.02 + 2e-7));
   double before = touch.state.X_WG.p.z();
@@ -624,7 +623,7 @@ TEST(MeshContact, BeginsWithTheRowsThatHeldItLast) {
     began += report.predicted_pairs > 0;
   }
   EXPECT_GT(held, 100);
-  // But where another pair has taken the touch over.
+  // Except where another pair has taken over the contact.
   EXPECT_GT(began, held * 9 / 10);
 }
 
@@ -632,7 +631,7 @@ TEST(MeshContact, AllocatesNothingInAStep) {
   Touch touch(WavesOnWaves(), Pose{Vec3(0, 0, 0.02), Rolling(0).q});
   const std::uint64_t before = test::AllocationsOfThisThread();
   for (int i = 0; i < 300; ++i) {
-    // From its first step on, and where the hand jumps.
+    // From the first step, and across jumps of the hand.
     const Pose X = i % 100 == 99 ? Pose{Vec3(0.0, 0.03, 0.01), Quat::Identity()} : Rolling(i);
     HapticStep(touch.model, X, touch.state, touch.workspace);
   }

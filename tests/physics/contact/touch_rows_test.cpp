@@ -1,5 +1,5 @@
-// Rows between meshes against gaps in closed form: what a row says near the trial that it was made
-// for is what the contact's geometry says.
+// Compares rows between meshes with gaps in closed form: near the trial it was made for, a row must
+// match the contact's geometry.
 #include <functional>
 #include <span>
 
@@ -15,8 +15,7 @@ namespace {
 
 using test::Random;
 
-/// A box about the origin whose corner x < 0, y < 0, z < 0 is its lowest point; upside down its
-/// highest.
+/// A box about the origin with the corner (-, -, -) as its lowest point, or upside down.
 TriangleMesh BoxOnItsCorner(double size, bool upside_down) {
   TriangleMesh box = MakeBox(Vec3::Constant(size));
   const Quat turn = RotationBetween(Vec3(1.0, 1.1, 1.3), Vec3::UnitZ());
@@ -35,10 +34,9 @@ Vec3 Extreme(const TriangleMesh& mesh, const Vec3& direction) {
   return best;
 }
 
-/// Takes a tool 40 um into an object on a turning way, and compares the row that comes of it with
-/// the gap there, by small ways on.
-/// @param gap  of the contact, of the tool's place and rotation: the tool's reference is its
-/// origin.
+/// Moves and turns a tool 40 um into an object, and compares the row with the gap near there.
+/// @param gap  of the contact, at a position and rotation of the tool (its reference is its
+/// origin).
 void ExpectRowsLike(const TriangleMesh& tool_mesh, const TriangleMesh& object_mesh, double height,
                     const std::function<double(const Vec3& p, const Mat3& R)>& gap) {
   const ContactBody tool{ContactMesh(tool_mesh, {})}, object{ContactMesh(object_mesh, {})};
@@ -53,7 +51,7 @@ void ExpectRowsLike(const TriangleMesh& tool_mesh, const TriangleMesh& object_me
     const ToolPose from(
         Vec3(1e-4 * random.Uniform(-1.0, 1.0), 1e-4 * random.Uniform(-1.0, 1.0), height + 10e-6),
         RotationExp(0.1 * random.InCube(1.0)));
-    // The same gap wherever the tool is turned to.
+    // The same gap at every rotation of the tool.
     const double before = gap(from.p, from.R);
     const ToolPose at(from.p + Vec3(0.0, 0.0, 10e-6 - before), from.q);
     ASSERT_NEAR(gap(at.p, at.R), 10e-6, 3e-6);
@@ -95,7 +93,7 @@ TEST(MeshRows, AreTrueOfAFaceOfTheToolAboveACorner) {
 }
 
 TEST(MeshRows, AreTrueOfEdgesThatCross) {
-  // Bars with an edge below and one above, along x and along y.
+  // Bars with an edge at the bottom and one at the top, along x and along y.
   const auto bar = [](const Vec3& size, const Vec3& axis) {
     TriangleMesh mesh = MakeBox(size);
     for (Vec3& x : mesh.vertices) x = RotationExp(0.8 * axis) * x;

@@ -15,7 +15,7 @@ namespace {
 using limits::energy::kRigid;
 using test::Random;
 
-/// The solver, on rows that yield for good alone.
+/// The solver with cutting rows only.
 struct CutSolver {
   EnergySolver energies{16};
   template <int N>
@@ -39,7 +39,7 @@ double GapOf(const CutRows& rows, int i) {
   return -rows.b()[i];
 }
 
-/// The law itself, with no ramp.
+/// The exact law, without the solver's springs below the threshold.
 template <int N>
 double EnergyOf(const CutRows& rows, const Vec<N>& t, const Vec<N>& x) {
   double sum = 0.5 * (x - t).squaredNorm();
@@ -55,8 +55,7 @@ struct Problem {
   double t[6] = {};
 };
 
-/// Rows of a bur that is pressed, in a hollow of its own shape or apart, below the threshold or far
-/// above it.
+/// Rows of a pressed bur with or without gaps, from below the threshold to far above it.
 Problem RandomProblem(Random& random, int most_rows) {
   Problem problem;
   const Vec3 towards = random.Direction();
@@ -82,8 +81,8 @@ Problem RandomProblem(Random& random, int most_rows) {
   return problem;
 }
 
-/// The optimality conditions of the law: a force for each row that the law allows at its overlap,
-/// where below the threshold an overlap of force / kRigid counts as none; and the sum of all.
+/// The optimality conditions: each row's force is one that the law allows at its overlap, where
+/// below the threshold an overlap of force / kRigid counts as none; and the forces balance.
 template <int N>
 void ExpectOptimal(const Problem& problem, const QpResult& step) {
   const CutRows& rows = problem.rows;
@@ -110,8 +109,8 @@ void ExpectOptimal(const Problem& problem, const QpResult& step) {
     sum += force * RowOf<N>(rows, i);
     size += force;
   }
-  // Some roundings of x on the spring, of each row, and those of solving by Cholesky's factor
-  // (Higham, Accuracy and Stability of Numerical Algorithms, 2002, theorem 10.4).
+  // Rounding of x times each row's spring, and of solving by Cholesky's factor (Higham, Accuracy
+  // and Stability of Numerical Algorithms, 2002, theorem 10.4).
   const double roundings = 1e-15 + (3 * N + 1) * 1.1e-16;
   EXPECT_LT(sum.norm(), 1e-13 * size + roundings * kRigid * rows.count() * x.norm());
   EXPECT_EQ(step.status, QpStatus::kSolved);
@@ -146,7 +145,7 @@ TEST(CutEnergy, MeetsTheOptimalityConditionsOfTheLaw) {
   EXPECT_LT(most_turns, 60);
 }
 
-// By another method: the dual, a force at a time (Hildreth 1957), each held to what its row allows.
+// The reference ascends the dual a force at a time (Hildreth 1957), clamped to what the law allows.
 TEST(CutEnergy, FindsWhatSlowAscentOfTheDualFinds) {
   Random random(5);
   CutSolver solver;
@@ -162,7 +161,7 @@ TEST(CutEnergy, FindsWhatSlowAscentOfTheDualFinds) {
         const Vec<6> a = RowOf<6>(rows, i);
         double& f = force[static_cast<std::size_t>(i)];
         const double P = rows.threshold()[i], c = rows.viscous()[i];
-        // Without it the row's overlap is s; it takes f of it, f |a|^2, up to the law's.
+        // Without force f the row's overlap is s; f reduces it by f |a|^2, up to the law's force.
         const double square = a.squaredNorm(), s = a.dot(x) - GapOf(rows, i) + f * square;
         double wanted = std::clamp(s / square, 0.0, P);
         if (s - P * square > 0.0) wanted = (P + c * s) / (1.0 + c * square);
@@ -174,13 +173,13 @@ TEST(CutEnergy, FindsWhatSlowAscentOfTheDualFinds) {
     }
     const QpResult step = solver.Solve<6>(problem.t, rows, zero);
     const Vec<6> found = Eigen::Map<const Vec<6>>(step.x);
-    // A spring gives way by |t| / kRigid, and two rows at a small angle by more.
+    // A row's spring yields by |t| / kRigid; two rows at a small angle yield more.
     const double t = Eigen::Map<const Vec<6>>(problem.t).norm();
     EXPECT_LT((found - x).norm(), 10.0 * t / kRigid + 1e-9 * x.norm()) << n;
   }
 }
 
-// Nothing near the result costs less, nor anything along the way to the target.
+// Neither a point near the result nor one on the line to the target costs less.
 TEST(CutEnergy, NoOtherStepCostsLess) {
   Random random(6);
   CutSolver solver;
@@ -191,7 +190,7 @@ TEST(CutEnergy, NoOtherStepCostsLess) {
     const QpResult step = solver.Solve<3>(problem.t, problem.rows, zero);
     const Vec<3> x(step.x[0], step.x[1], step.x[2]);
     const double least = EnergyOf<3>(problem.rows, t, x);
-    // What the law asks for the springs' overlaps, f / kRigid, of forces that |t| bounds.
+    // The law's energy at the springs' overlaps f / kRigid; |t| bounds the forces f.
     double spring = 0.0;
     for (int i = 0; i < problem.rows.count(); ++i) {
       const double P = problem.rows.threshold()[i];
@@ -222,8 +221,8 @@ TEST(CutEnergy, DoesNotDependOnTheGuess) {
 }
 
 TEST(CutEnergy, BelowTheThresholdNothingMovesAndAboveItIsViscous) {
-  // One row, along z, of 0.5 N at a coupling of 1 N/mm, and c = 1: for each newton more as far
-  // again.
+  // One row along z: a threshold of 0.5 N at 1 N/mm, and c = 1: the bur moves by half of any
+  // excess.
   CutRows rows(1);
   rows.Add({0, 0, -1, 0, 0, 0}, 0.0, 0.5e-3, 1.0, 1e-9);
   CutSolver solver;

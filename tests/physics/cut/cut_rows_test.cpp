@@ -21,7 +21,7 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kRadius = 0.25e-3, kStiffness = 1000.0;
 constexpr CutMaterial kHard{2e6, 0.5e9}, kSoft{0.5e6, 0.1e9};
 
-/// A block in a body frame B that is turned and moved in W; its face is the plane z = 0 of W.
+/// A block whose body frame B is rotated and displaced in W; its face is the plane z = 0 of W.
 struct Trial {
   explicit Trial(double spacing = 50e-6, int count = 256,
                  std::function<std::uint8_t(const Vec3&)> material_W = nullptr)
@@ -52,7 +52,7 @@ struct Trial {
   struct Cut {
     double volume, work;
   };
-  /// One step of the bur on its spring towards the hand: what the rows say that it cut.
+  /// Steps the bur on its spring towards the hand; returns what the rows report as cut.
   Cut Step(const Vec3& hand) {
     Build();
     const Vec3 t = hand - bur;
@@ -91,14 +91,14 @@ TEST(CutRows, RowOfASampleIsTheDistanceAheadOfIt) {
   ASSERT_GT(trial.rows.count(), 0);
   for (int i = 0; i < trial.rows.count(); ++i) {
     const Vec3 n = trial.Normal(i);
-    EXPECT_LT(n.z(), 0.0);  // what looks up has nothing ahead
-    // From the sample, along n, down to the face.
+    EXPECT_LT(n.z(), 0.0);  // samples that face up have nothing ahead
+    // From the sample along n to the face.
     EXPECT_NEAR(-trial.rows.b()[i], (trial.bur + kRadius * n).z() / -n.z(), 1e-8);
     const double area = 4.0 * kPi * kRadius * kRadius / 256;
     EXPECT_NEAR(trial.rows.area()[i], area, 1e-4 * area);
     EXPECT_NEAR(trial.rows.threshold()[i], trial.rows.area()[i] * 2e6 / kStiffness, 1e-15);
     EXPECT_NEAR(trial.rows.viscous()[i], trial.rows.area()[i] * 0.5e9 / 1e-3 / kStiffness, 1e-12);
-    // A ball about its middle: no lever.
+    // A ball about its own centre has no lever.
     for (std::size_t r = 3; r < 6; ++r) EXPECT_NEAR(trial.rows.a(r)[i], 0.0, 1e-12);
   }
 }
@@ -132,7 +132,7 @@ TEST(CutRows, PlungeHasTheLawsForceAndWork) {
       const Trial::Cut step = trial.Step(hand);
       rows_volume += step.volume;
       if (z > 0.0) continue;
-      // Of the half sphere ahead, at the speed u: p0 pi R^2 + kappa u 2/3 pi R^2.
+      // The half sphere ahead at speed u: p0 pi R^2 + kappa u 2/3 pi R^2.
       const double law = disc * (2e6 + 0.5e9 * (z - trial.bur.z()) / dt * 2.0 / 3.0);
       EXPECT_NEAR(trial.force.z(), law, 0.005 * law);
       worst_change = std::max(worst_change, std::abs(trial.force.z() - force) * 1e-3 / dt);
@@ -171,10 +171,9 @@ TEST(CutRows, BelowTheThresholdABurRests) {
   const double whole = test::TotalLeft(trial.cut);
   const Vec3 on_face(0, 0, kRadius - 20e-6);
   trial.bur = on_face;
-  trial.Step(on_face);  // its own hollow
+  trial.Step(on_face);  // cuts its own hollow
   for (int n = 0; n < 300; ++n) trial.Step(on_face + Vec3(0, 0, -0.3e-3));
-  // 0.3 N by p0 are an area of 0.15 mm^2: a cap of the height A / 2 pi R, at which it comes to
-  // rest.
+  // 0.3 N at p0 is an area of 0.15 mm^2: the bur comes to rest in a cap of height A / (2 pi R).
   const double rest = trial.bur.z();
   EXPECT_NEAR(kRadius - rest, 0.0, 0.2e-3);
   for (int n = 0; n < 1000; ++n) trial.Step(on_face + Vec3(0, 0, -0.3e-3));
@@ -199,7 +198,6 @@ TEST(CutRows, EachSampleHasTheMaterialThatLiesAheadOfIt) {
   }
 }
 
-// Any hand: no step gives back what an earlier one put in.
 TEST(CutRows, NoHandGetsWorkOutOfTheMaterial) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     Random random(seed);
@@ -209,8 +207,8 @@ TEST(CutRows, NoHandGetsWorkOutOfTheMaterial) {
       if (n % 50 == 0) towards = Vec3(0, 0, -0.2e-3) + random.InCube(0.5e-3);
       hand += 0.03 * (towards - hand);
       const Vec3 before = trial.bur;
-      const Trial::Cut step = trial.Step(hand);  // expects that its work is not below 0
-      // The force on the tool, against its motion: the two agree but for rounding.
+      const Trial::Cut step = trial.Step(hand);  // expects non-negative work
+      // The work against the force on the tool agrees up to rounding.
       const double work = -trial.force.dot(trial.bur - before);
       EXPECT_GE(work, -1e-12) << n;
       EXPECT_NEAR(work, kStiffness * step.work, 1e-12) << n;

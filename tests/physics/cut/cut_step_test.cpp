@@ -24,8 +24,7 @@ using test::MakeTree;
 constexpr double kBurRadius = 0.25e-3, kCoupling = 1000.0;
 constexpr CutMaterial kDentine{2e6, 0.5e9};
 
-/// A block of 2.4 x 1.6 x 0.8 mm whose top is z = 0, a ball bur as the tip of a tool, and balls
-/// that are rigid.
+/// A block of 2.4 x 1.6 x 0.8 mm with its top at z = 0, a tool with a ball bur, and rigid balls.
 class CutStep : public testing::Test {
  protected:
   void Make(std::vector<Ball> tool, std::vector<Ball> rigid, const CutMaterial& material = kDentine,
@@ -57,7 +56,7 @@ class CutStep : public testing::Test {
     workspace_ = std::make_unique<StepWorkspace>(*model_);
     whole_ = test::TotalLeft(state_->cuts[0]);
   }
-  /// What went since it was made [m^3].
+  /// Volume removed so far [m^3].
   double Cut() const { return whole_ - test::TotalLeft(state_->cuts[0]); }
   StepReport Step(const Pose& X_WH) {
     const StepReport report = HapticStep(*model_, X_WH, *state_, *workspace_);
@@ -84,7 +83,7 @@ TEST_F(CutStep, APlungeHasTheLawsForceAndTakesTheSweptVolume) {
     const double before = state_->X_WG.p.z();
     const StepReport report = Step(At(0, 0, z));
     const double at = state_->X_WG.p.z();
-    // Of the half sphere ahead, at the speed u: p0 pi R^2 + kappa u 2/3 pi R^2.
+    // The half sphere ahead at speed u: p0 pi R^2 + kappa u 2/3 pi R^2.
     if (at > 0.0) continue;
     const double speed = (before - at) / 1e-3;
     const double law =
@@ -98,8 +97,7 @@ TEST_F(CutStep, APlungeHasTheLawsForceAndTakesTheSweptVolume) {
   EXPECT_NEAR(Cut(), swept, 0.005 * swept);
 }
 
-// A handle with the bur at its end: the reference point lies between, and feels the bur's force by
-// its lever.
+// The bur is at the end of a handle: the reference point feels its force through a lever.
 TEST_F(CutStep, ALeverFeelsTheTorqueAboutItsReference) {
   const Vec3 end(0.01, 0, 0.02);
   Make({{Vec3::Zero(), kBurRadius}, {end, kBurRadius}}, kFarAway);
@@ -113,7 +111,6 @@ TEST_F(CutStep, ALeverFeelsTheTorqueAboutItsReference) {
             0.01 * report.wrench.torque.norm());
 }
 
-// What is rigid stays a wall, inside of what can be cut too.
 TEST_F(CutStep, StopsAtARigidBodyInTheMaterial) {
   Make(kBur, {{Vec3(0, 0, -1.3e-3), 1e-3}});
   Start(At(0, 0, kBurRadius + 10e-6));
@@ -121,8 +118,7 @@ TEST_F(CutStep, StopsAtARigidBodyInTheMaterial) {
   for (double z = kBurRadius; z > -1e-3; z -= 2e-6) report = Step(At(0, 0, z));
   EXPECT_NEAR(state_->X_WG.p.z(), -0.3e-3 + kBurRadius, 1e-9);
   ASSERT_EQ(report.contacts, 1);
-  // Where nothing moves any more, wall and material share the hand's force: at most p0's part is
-  // the material's.
+  // At rest the wall and the material share the hand's force; the material has at most p0 pi R^2.
   const double rests = kDentine.pressure * M_PI * kBurRadius * kBurRadius;
   EXPECT_NEAR(report.wrench.force.z(), kCoupling * (-0.05e-3 + 1e-3), 3e-3);
   EXPECT_LE(report.wrench.force.z() - report.active[0].force, 1.01 * rests);
@@ -150,7 +146,7 @@ TEST_F(CutStep, BelowTheThresholdItRestsAndWhatIsCutStaysFree) {
   Make(kBur, kFarAway, {50e6, 1e9});
   Start(At(0, 0, kBurRadius));
   for (int i = 0; i < 400; ++i) Step(At(0, 0, kBurRadius - 0.5e-3));
-  // 0.5 N by 50 MPa are an area of 0.01 mm^2, a cap of the height A / 2 pi R.
+  // 0.5 N at 50 MPa is an area of 0.01 mm^2: a cap of height A / (2 pi R).
   const double rest = state_->X_WG.p.z();
   EXPECT_NEAR(kBurRadius - rest, 0.01e-6 / (2.0 * M_PI * kBurRadius), 3e-6);
   for (double z = kBurRadius; z < 0.5e-3; z += 5e-6) Step(At(0, 0, z));
@@ -204,8 +200,7 @@ TEST_F(CutStep, StepsWithoutAskingForMemory) {
   EXPECT_EQ(test::AllocationsOfThisThread(), before);
 }
 
-// A pose that leaps takes the tool several cycles, in which it is near the material before it is in
-// it.
+// After a jump the tool needs several cycles, and is near the material before it reaches it.
 TEST_F(CutStep, NothingIsFeltOfMaterialThatTheNextSubStepDoesNotComeTo) {
   TriangleMesh far = MakeBox(Vec3(0.01, 0.01, 0.01));
   for (Vec3& v : far.vertices) v.z() -= 30e-3;
@@ -223,7 +218,7 @@ TEST_F(CutStep, NothingIsFeltOfMaterialThatTheNextSubStepDoesNotComeTo) {
   EXPECT_GT(Cut(), 0.0);
 }
 
-// Any hand, of six degrees of freedom, beside rigid balls: finite, solved, and never given work.
+// Any hand in six degrees of freedom, beside rigid balls: steps are solved and never return work.
 TEST_F(CutStep, NoHandGetsWorkOutOfTheMaterial) {
   for (const std::uint64_t seed : {11, 12, 13}) {
     test::Random random(seed);
@@ -241,8 +236,7 @@ TEST_F(CutStep, NoHandGetsWorkOutOfTheMaterial) {
       hand.q = hand.q.slerp(0.05, towards.q);
       const Pose before = state_->X_WG;
       const StepReport report = Step(hand);
-      if (report.contacts > 0 || report.substeps > 1)
-        continue;  // each sub-step has a force of its own
+      if (report.contacts > 0 || report.substeps > 1) continue;  // each sub-step has its own force
       ++judged;
       const Vec3 v = state_->X_WG * model_->reference() - before * model_->reference();
       const Vec3 phi = RotationLog(state_->X_WG.q * before.q.conjugate());

@@ -1,4 +1,4 @@
-// An edge, as a scaler's: drawn in its sense it cuts by the law of burs, else it is rigid.
+// An edge, such as a scaler's, cuts by the law of burs when drawn in its sense; else it is rigid.
 
 #include <cmath>
 #include <memory>
@@ -25,7 +25,7 @@ using test::MeshOracle;
 
 constexpr double kEdgeRadius = 0.2e-3, kEdgeRounding = 0.05e-3, kEdgeDepth = 0.3e-3,
                  kEdgePressure = 2e6;
-/// The tool's y, its axis, points up.
+/// The tool's axis, y, points up.
 const Quat kEdgeUp = Quat::FromTwoVectors(Vec3::UnitY(), Vec3::UnitZ());
 
 Body EdgeBox(const char* name, const Vec3& size, double top) {
@@ -34,7 +34,7 @@ Body EdgeBox(const char* name, const Vec3& size, double top) {
   return test::MakeMeshBody(name, std::move(mesh));
 }
 
-/// A straight edge of 1.2 mm that stands on a slab whose top is z = 0, on something rigid.
+/// A straight 1.2 mm edge standing on a slab with its top at z = 0, over a rigid body.
 class Edge : public testing::Test {
  protected:
   /// @param thickness  of the slab [m].
@@ -90,7 +90,7 @@ class EdgeOnThinSlab : public Edge {
 };
 
 TEST_F(Edge, DrawnInItsSenseTakesItsSectionAndFeelsTheLaw) {
-  // What of the edge is below the face, but for its rounded edges at the tip, which lift it.
+  // The edge's section below the face, less the rounding at its tip, which lifts it.
   const auto section = [](double z) {
     return -2.0 * kEdgeRadius * z - 2.0 * (1.0 - M_PI / 4.0) * kEdgeRounding * kEdgeRounding;
   };
@@ -156,7 +156,7 @@ TEST_F(Edge, PressedAloneDoesNotSink) {
   EXPECT_NEAR(report.X_WG.p.z(), 0.0, 2e-6);
 }
 
-// To and fro, pressed on something rigid below: only what stands on that goes, and only forth.
+// To and fro, pressed onto a rigid body: only the slab above it goes, and only on strokes forward.
 TEST_F(EdgeOnThinSlab, ScrapesDownToWhatIsRigidAndNoFarther) {
   const MeshOracle rigid = OracleOfRigid();
   StepReport report;
@@ -178,7 +178,7 @@ TEST_F(EdgeOnThinSlab, ScrapesDownToWhatIsRigidAndNoFarther) {
   }
   EXPECT_EQ(back, 0u);
   const double forth = whole - Left();
-  // A trench of 0.8 mm through the slab and more, as far as the edge goes aside in its own groove.
+  // A trench through the slab, 0.8 mm wide and as much wider as the edge drifts in its own groove.
   EXPECT_GT(forth, 0.8e-3 * 0.25e-3 * 2.4e-3);
   EXPECT_LT(forth, 1.0e-3 * 0.25e-3 * 2.4e-3);
   for (double y = -0.4e-3; y < 0.4e-3; y += 0.05e-3) {

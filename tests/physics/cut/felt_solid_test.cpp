@@ -30,7 +30,7 @@ const Vec3 kSize(2.4e-3, 1.6e-3, 1.2e-3);
 const Quat kAskew = RotationExp(Vec3(0.3, -0.5, 0.4));
 constexpr double kDelta = limits::mesh::kSeparation;
 
-/// A block whose top is z = 0 in W, wherever its lattice lies.
+/// A block with its top at z = 0 in W, whatever the orientation of its lattice.
 Body Block(const Quat& q_WB = Quat::Identity(), double spacing = 50e-6) {
   TriangleMesh mesh = MakeBox(kSize);
   for (Vec3& v : mesh.vertices) v = q_WB.conjugate() * (v - Vec3(0, 0, 0.5 * kSize.z()));
@@ -41,7 +41,7 @@ Body Block(const Quat& q_WB = Quat::Identity(), double spacing = 50e-6) {
   return block;
 }
 
-/// A tool of its own in a scene with one such block.
+/// A tool alone with one such block.
 struct Felt {
   Felt(Body tool, Body block, FrictionModel friction = FrictionModel::kOff) {
     scene.name = "test";
@@ -61,7 +61,7 @@ struct Felt {
     EXPECT_EQ(report.faults & ~kFaultTargetFar, 0u);
     return report;
   }
-  /// Some other bur goes from one place of W to another.
+  /// Cuts with another bur from one point of W to another.
   void Groove(const Bur& bur, const Vec3& from, const Vec3& to, double length = 5e-6) {
     const int steps = std::max(1, static_cast<int>(std::ceil((to - from).norm() / length)));
     const Pose X_BW = model->solids()[0].X_WB.Inverse();
@@ -70,7 +70,7 @@ struct Felt {
       state->cuts[0].Remove(bur, X_BW * Pose{from + n * step, Quat::Identity()}, X_BW.q * step);
     }
   }
-  /// Of what is drawn, and the tool or a part of it.
+  /// An oracle of the drawn surface against the tool, or a part of it.
   MeshOracle Oracle() const { return Oracle(scene.tools.front().mesh); }
   MeshOracle Oracle(const TriangleMesh& tool) const {
     const SolidSurface surface = WholeSurface(state->cuts[0]);
@@ -85,7 +85,7 @@ struct Felt {
   std::optional<StepWorkspace> workspace;
 };
 
-/// Pointed, 2 mm long, its tip at the origin.
+/// A pointed tool, 2 mm long, its tip at the origin.
 Body Probe() {
   TriangleMesh mesh = MakeBox(Vec3(0.4e-3, 0.3e-3, 2e-3));
   for (Vec3& v : mesh.vertices) {
@@ -114,7 +114,7 @@ void Riddle(Felt& felt, std::uint64_t seed) {
   }
 }
 
-/// Pressed and dragged at random over what is left, and into it.
+/// Presses and drags at random over what is left, and into it.
 class Hand {
  public:
   explicit Hand(std::uint64_t seed) : random_(seed) {}
@@ -135,7 +135,7 @@ class Hand {
   Pose at_ = First(), towards_;
 };
 
-// What is drawn is what is felt: no triangle of the tool ever meets one.
+// What is drawn is what is felt: the tool never meets a drawn triangle.
 TEST(FeltSolid, NoHandTakesAToolIntoWhatIsDrawn) {
   for (const bool askew : {false, true}) {
     for (const std::uint64_t seed : {1, 2}) {
@@ -155,7 +155,7 @@ TEST(FeltSolid, NoHandTakesAToolIntoWhatIsDrawn) {
   }
 }
 
-// A pair that is apart from a block's box is apart from whatever is ever left in it.
+// A pair apart from a block's box must be apart from whatever is ever left in it.
 TEST(FeltSolid, ABlocksBoxHoldsWhateverIsLeftOfIt) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     Felt felt(Probe(), Block(seed == 1 ? Quat::Identity() : kAskew));
@@ -190,7 +190,7 @@ TEST(FeltSolid, ABlocksBoxHoldsWhateverIsLeftOfIt) {
   }
 }
 
-/// The surface that is drawn, as a mesh: one body, and no blocks.
+/// The drawn surface as one mesh, without blocks.
 struct AsMesh {
   explicit AsMesh(const Felt& felt) {
     const SolidSurface surface = WholeSurface(felt.state->cuts[0]);
@@ -211,24 +211,23 @@ struct AsMesh {
   std::optional<StepWorkspace> workspace;
 };
 
-// A flat face has no border between blocks: a tool that slides over it feels nothing sideways, and
-// all of the hand's push.
+// A flat face has no borders between blocks: a sliding tool feels only the hand's push.
 TEST(FeltSolid, AFaceHasNoBordersBetweenBlocks) {
   Felt felt(Foot(), Block());
   felt.Start(At(-0.8e-3, -0.4e-3, 10e-6));
   for (int n = 0; n < 1500; ++n) {
     const double z = -0.2e-3 * std::min(1.0, n / 100.0);
     const StepReport report = felt.Step(At(-0.8e-3 + 1e-6 * n, -0.4e-3 + 0.53e-6 * n, z));
-    if (n < 10) continue;  // it looks into the blocks first
+    if (n < 10) continue;  // the first steps look into the blocks
     ASSERT_LT(report.wrench.force.head<2>().norm(), 1e-4) << n;
     ASSERT_NEAR(report.wrench.force.z(), 1e3 * (kDelta - z), 1e-3) << n;
-    // What holds it lies under the foot.
+    // Its contacts lie under the foot.
     ASSERT_LT(report.wrench.torque.norm(), 0.24e-3 * report.wrench.force.z() + 1e-7) << n;
   }
 }
 
-// Over grooves and their rims a tool may hop to one place or to another; but for that it is felt as
-// the same triangles of one mesh are.
+// Over grooves and their rims a tool may hop to one point or another; otherwise it feels the same
+// as on one mesh of the same triangles.
 TEST(FeltSolid, FeelsAsTheSameTrianglesOfAMesh) {
   Felt felt(Probe(), Block(kAskew));
   Riddle(felt, 5);
@@ -262,8 +261,7 @@ TEST(FeltSolid, RubsWithTheFrictionOfItsMaterial) {
   }
 }
 
-// While something else cuts below it, a tool is never in what is felt, and comes to feel what is
-// left.
+// While another bur cuts below it, the tool never enters the surface, and rests on it in the end.
 TEST(FeltSolid, FollowsWhatIsCutBelowAProbe) {
   Felt felt(Probe(), Block(kAskew));
   felt.Start(At(0.1e-3, 0, 20e-6));
@@ -275,7 +273,7 @@ TEST(FeltSolid, FollowsWhatIsCutBelowAProbe) {
     felt.Groove(Bur::Ball(0.3e-3), Vec3(0.1e-3, 0, z), Vec3(0.1e-3, 0, z - 4e-6));
     felt.Step(hand);
     if (n % 40 == 0) {
-      // New triangles may stand out of the old ones by what a chord does.
+      // New triangles may stand proud of the old ones by a chord's height.
       ASSERT_LT(felt.Oracle().At(felt.state->X_WG).depth, 1e-6) << n;
     }
   }
@@ -283,7 +281,7 @@ TEST(FeltSolid, FollowsWhatIsCutBelowAProbe) {
   EXPECT_FALSE(felt.Oracle().Meet(felt.state->X_WG));
   EXPECT_LT(felt.Oracle().Distance(felt.state->X_WG).distance, 2.0 * kDelta);
   EXPECT_LT(felt.state->X_WG.p.z(), -0.75e-3);
-  // As one that comes when all is done.
+  // Compare with a tool that arrives after all cutting.
   Felt after(Probe(), Block(kAskew));
   after.state->cuts = felt.state->cuts;
   after.Start(At(0.1e-3, 0, 20e-6));
@@ -292,12 +290,12 @@ TEST(FeltSolid, FollowsWhatIsCutBelowAProbe) {
     now = felt.Step(hand);
     then = after.Step(hand);
   }
-  // It may lie on another of the facets that the bottom of the cut is made of, but as near.
+  // It may lie on another facet at the bottom of the cut, but equally near.
   EXPECT_NEAR((now.X_WG.p - hand.p).norm(), (then.X_WG.p - hand.p).norm(), 0.5e-6);
 }
 
-// A ball on a neck with a collar: the head sinks in until the collar stops at the face, and then
-// cuts sideways until the neck stops at the wall of its hole.
+// A ball on a neck with a collar: the head sinks in until the collar stops at the face, then cuts
+// sideways until the neck stops at the wall of its hole.
 TEST(FeltSolid, ABursShankStopsWhereItsHeadDoesNot) {
   const BurProfile profile = BallBur(0.25e-3);
   Body bur = BurBody(profile);
@@ -321,11 +319,11 @@ TEST(FeltSolid, ABursShankStopsWhereItsHeadDoesNot) {
   }
   EXPECT_NEAR(report.X_WG.p.z(), -0.7e-3, 5e-6);
   EXPECT_GE(report.contacts, 1);
-  // The hole's radius less the neck's, and how far the tool tilts.
+  // The hole's radius minus the neck's, and how far the tool tilts.
   EXPECT_NEAR(report.X_WG.p.x(), -0.2e-3 + 0.1e-3, 0.02e-3);
 }
 
-// At rest it is a rigid tool.
+// At rest a bur is a rigid tool.
 TEST(FeltSolid, ABurThatStandsStillCutsNothing) {
   const BurProfile profile = BallBur(0.25e-3);
   Felt felt(BurBody(profile), Block());

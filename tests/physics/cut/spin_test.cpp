@@ -20,8 +20,7 @@ using test::At;
 using test::Ball;
 using test::MakeTree;
 
-/// A block whose top is z = 0, and a bur whose axis is z, at the end of a handle that nothing
-/// meets.
+/// A block with its top at z = 0, and a bur with axis z at the end of a handle in free space.
 class Spin : public testing::Test {
  protected:
   static constexpr double kRadius = 0.25e-3, kPressure = 2e6, kFriction = 0.4;
@@ -54,7 +53,7 @@ class Spin : public testing::Test {
     EXPECT_EQ(report.faults & ~kFaultTargetFar, 0u);
     return report;
   }
-  /// What went since it was made [m^3].
+  /// Volume removed so far [m^3].
   double Cut() const { return whole_ - test::TotalLeft(state_.cuts[0]); }
   StepReport Press(double to, double from = kRadius + 5e-6) {
     state_.X_WG = state_.X_WH = At(0, 0, from);
@@ -62,7 +61,7 @@ class Spin : public testing::Test {
     for (double z = from; z > to; z -= 2e-6) report = Step(At(0, 0, z));
     return report;
   }
-  /// The torque about the bur's axis where that is, of what the hand feels.
+  /// The part of the hand's torque about the bur's axis, at the bur.
   double AxialTorque(const StepReport& report) const {
     const Vec3 lever = state_.X_WG.p - state_.X_WG * model_->reference();
     return (report.wrench.torque - lever.cross(report.wrench.force)).z();
@@ -80,8 +79,8 @@ class Spin : public testing::Test {
   double whole_ = 0.0;
 };
 
-// Over the half ball ahead, p dA at the distance r from the axis: mu p times the integral of r,
-// pi^2 R^3 / 2.  The bur turns clockwise, seen from above, so the handle is turned the other way.
+// Over the half ball ahead, p dA acts at distance r from the axis: mu p times the integral of r,
+// pi^2 R^3 / 2.  Seen from above the bur turns clockwise, so the handle turns the other way.
 TEST_F(Spin, OfABallThatPlungesTheHandFeelsTheTorqueAndNothingSideways) {
   Make({kPressure, 0.0, kFriction}, BallBur(kFast));
   const StepReport report = Press(-0.7e-3);
@@ -92,7 +91,7 @@ TEST_F(Spin, OfABallThatPlungesTheHandFeelsTheTorqueAndNothingSideways) {
 }
 
 // A bur that mills along x, half of it in the block, is pressed at its front and dragged to the
-// side that its front goes away from.
+// side that its front moves away from.
 TEST_F(Spin, OfABallThatMillsTheHandFeelsThePullToTheSideAsTheLawHasIt) {
   for (const double sense : {1.0, -1.0}) {
     Make({kPressure, 0.0, kFriction}, BallBur(kFast));
@@ -116,7 +115,7 @@ TEST_F(Spin, OfABallThatMillsTheHandFeelsThePullToTheSideAsTheLawHasIt) {
   }
 }
 
-// Against the wall of its hole, a bur with much friction is dragged round it, if anything lets it.
+// Against the wall of its hole, drag would carry a bur with high friction round the wall.
 TEST_F(Spin, ABurThatLeansAgainstAWallDoesNotWhirl) {
   Make({kPressure, 0.5e9, 1.0}, BallBur(kFast), 256);
   Press(-0.6e-3);
@@ -132,7 +131,7 @@ TEST_F(Spin, ABurThatLeansAgainstAWallDoesNotWhirl) {
   EXPECT_LT((report.wrench.force - last).norm(), 1e-3);
 }
 
-// The motor does the work of the drag; what the material itself gives is never above 0.
+// The motor does the work of the drag; the material itself never gives work.
 TEST_F(Spin, GivesTheHandNoMoreWorkThanTheMotorDoes) {
   for (const std::uint64_t seed : {21, 22}) {
     test::Random random(seed);
@@ -150,7 +149,7 @@ TEST_F(Spin, GivesTheHandNoMoreWorkThanTheMotorDoes) {
       const Pose before = state_.X_WG;
       const std::array<double, 6> drag = state_.drag;
       const StepReport report = Step(hand);
-      // Each sub-step has a force of its own; and what nothing holds has no drag.
+      // Each sub-step has its own force, and a bur that nothing holds has no drag.
       if (report.substeps > 1 || report.wrench.force.isZero(0.0)) continue;
       ++judged;
       const double k = model_->parameters().stiffness, rho = model_->rotation_length();
@@ -159,7 +158,7 @@ TEST_F(Spin, GivesTheHandNoMoreWorkThanTheMotorDoes) {
       const Vec3 force(drag[0], drag[1], drag[2]), turn(drag[3], drag[4], drag[5]);
       const double motor = k * (force.dot(v) + rho * turn.dot(phi));
       EXPECT_LE(report.wrench.force.dot(v) + report.wrench.torque.dot(phi), motor + 1e-12) << n;
-      // No more than the law's on all of the bur.
+      // At most the law's force over the whole bur.
       EXPECT_LT(k * force.norm(), 0.9 * 4.0 * M_PI * kRadius * kRadius * (kPressure + 0.5e9 * 0.1));
     }
     EXPECT_GT(Cut(), 0.0);
@@ -189,7 +188,7 @@ TEST_F(Spin, ADeadTipStopsWhatTheSideCuts) {
   Make({kPressure, 0.0}, cutting);
   Press(-1e-3, 5e-6);
   EXPECT_NEAR(state_.X_WG.p.z(), 0.0, 5e-6);
-  // By less than the grid knows its face.
+  // Within the grid's error of the face.
   const double skin = 0.3e-6 * M_PI * 0.09e-6;
   EXPECT_LT(Cut(), skin);
   const double before = Cut();
@@ -207,7 +206,7 @@ TEST_F(Spin, ADeadTipStopsWhatTheSideCuts) {
   EXPECT_NEAR(Cut(), rounded * 0.4e-3, 0.02 * rounded * 0.4e-3);
 }
 
-// 240 teeth a second: in 50 ms it shakes twelve times, about the force that there is without.
+// 240 teeth per second: in 50 ms the force oscillates twelve times about its value without hum.
 TEST_F(Spin, AHumShakesTheHandleAsTeethPassAndMovesNothing) {
   std::vector<Vec3> still;
   for (const double hum : {0.0, 0.2}) {

@@ -76,7 +76,7 @@ TEST(ContactRows, KeepTheTightestAndSaySoWhenFull) {
 }
 
 TEST(ContactRows, AreTheSameHoweverManyBatchesBringThem) {
-  // Many equal gaps, so that the order decides; many more rows than there is room for.
+  // Many equal gaps, so that the order decides, and many more rows than fit.
   Random random(43);
   std::vector<LeafSphere> tool{{0.0, 0.0, 0.0, 0.001}};
   std::vector<LeafSphere> object;
@@ -85,7 +85,7 @@ TEST(ContactRows, AreTheSameHoweverManyBatchesBringThem) {
     object.push_back({0.01 + 1e-4 * random.Below(40), 0.0, 0.0, 0.001});
     pairs.push_back({0, i});
   }
-  // By hand: the 64 first of a stable sort by gap, in their own order.
+  // The reference: the first 64 of a stable sort by gap, in their original order.
   std::vector<int> expected(4000);
   std::iota(expected.begin(), expected.end(), 0);
   std::stable_sort(expected.begin(), expected.end(), [&](int i, int j) {

@@ -30,7 +30,7 @@ StepParameters Compliant() {
   return parameters;
 }
 
-/// A ball that is flat to 0.1 nm over a slide, as an object.
+/// An object that is flat to 0.1 nm over a slide.
 const std::vector<Ball> kGround{{Vec3(0.0, 0.0, -1e4), 1e4}};
 
 TEST(SoftRows, PutASphereInSeriesWithTheCoupling) {
@@ -51,7 +51,7 @@ TEST(SoftRows, PutASphereInSeriesWithTheCoupling) {
 }
 
 TEST(SoftRows, AddUpWhereTheyAreParallel) {
-  // N legs on a plane, each of stiffness k: together N k.
+  // N legs on a plane, each of stiffness k: N k together.
   const int n = 12;
   std::vector<Ball> legs;
   for (int i = 0; i < n; ++i) {
@@ -65,7 +65,7 @@ TEST(SoftRows, AddUpWhereTheyAreParallel) {
   const StepReport report = bench.Repeat(At(0.0, 0.0, 0.003 - depth), 50);
   EXPECT_EQ(report.soft_contacts, n);
   EXPECT_EQ(report.contacts, kMaxActiveRows);
-  // The plane has fallen by 0.02^2 / (2 10^4) m where they stand.
+  // Where they stand, the plane lies 0.02^2 / (2 10^4) m lower.
   const double pressed = depth - 0.02 * 0.02 / 2e4;
   EXPECT_NEAR(report.wrench.force.z(), pressed * kCoupling * n * k / (kCoupling + n * k), 1e-8);
   EXPECT_LT((report.soft_wrench.force - report.wrench.force).norm(), 1e-9);
@@ -73,7 +73,7 @@ TEST(SoftRows, AddUpWhereTheyAreParallel) {
 }
 
 TEST(SoftRows, TiltAToolTowardsTheirHalfBesideARigidOne) {
-  // Two legs, one over a rigid half, one over a soft half of k = 200 N/m; pressed 1 mm.
+  // Two legs, one over a rigid half and one over a soft half of k = 200 N/m, pressed 1 mm.
   const std::vector<Ball> legs{{Vec3(0.02, 0.0, 0.0), 0.003}, {Vec3(-0.02, 0.0, 0.0), 0.003}};
   const std::vector<Ball> halves{{Vec3(0.02, 0.0, -0.01), 0.01}, {Vec3(-0.02, 0.0, -0.01), 0.01}};
   const double k = 200.0;
@@ -85,8 +85,8 @@ TEST(SoftRows, TiltAToolTowardsTheirHalfBesideARigidOne) {
   EXPECT_EQ(report.soft_contacts, 1);
   EXPECT_TRUE(std::isinf(report.active[0].stiffness));
   EXPECT_EQ(report.active[1].stiffness, k);
-  // It turns by a, and rises by l a for the rigid leg to stay where it is; the soft one enters by
-  // 2 l a.  About the rigid leg: k_t l (d - l a) = k_r a + 2 l k 2 l a.
+  // It turns by a and rises by l a, so that the rigid leg stays; the soft leg enters by 2 l a.
+  // About the rigid leg: k_t l (d - l a) = k_r a + 2 l k 2 l a.
   const double l = 0.02, d = 1e-3;
   const double a = kCoupling * d * l / (1.0 + l * l * (kCoupling + 4.0 * k));
   EXPECT_NEAR(report.active[1].force, k * 2.0 * l * a, 2e-3);
@@ -95,8 +95,7 @@ TEST(SoftRows, TiltAToolTowardsTheirHalfBesideARigidOne) {
 }
 
 TEST(SoftRows, MeetARigidCoreWithoutAJumpAndAreNotPassedThrough) {
-  // A ball onto a soft ball, ever deeper, past its centre: the force grows without a jump and the
-  // normal stays.
+  // A ball enters a soft ball ever deeper, past its centre: no jump of the force or of the normal.
   const double r_tool = 0.002, r = 0.004, k = 300.0;
   Bench bench({{Vec3::Zero(), r_tool}}, {{Vec3::Zero(), r}}, Compliant(), AllOf({.stiffness = k}));
   bench.state().X_WG = At(0.0, 0.0, 0.007);
@@ -114,7 +113,7 @@ TEST(SoftRows, MeetARigidCoreWithoutAJumpAndAreNotPassedThrough) {
 }
 
 TEST(SoftRows, StopAToolThatIsThrustThroughAThinSoftPlate) {
-  // One layer of balls, 2 mm thick, and hands of up to 0.5 m/s that go on 20 mm behind it.
+  // One layer of balls, 2 mm thick, and hands at up to 0.5 m/s that move on to 20 mm behind it.
   Bench bench({{Vec3::Zero(), 0.002}}, Floor(0.02, 0.001, 0.001), Compliant(),
               AllOf({.stiffness = 100.0}));
   Random random(71);

@@ -60,7 +60,7 @@ TEST(Kernels, GiveTheSameBitsAtEverySimdLevel) {
   }
 }
 
-/// Columns as PlaneColumns wants them: aligned, padded to a multiple of eight.
+/// Columns as PlaneColumns requires: aligned, and padded to a multiple of eight.
 struct AlignedColumn {
   explicit AlignedColumn(int count) : value(static_cast<std::size_t>(count) / 8 + 1) {}
   double* data() { return value[0].v; }
@@ -77,7 +77,7 @@ TEST(Kernels, FindWhatIsBelowALimitAtEverySimdLevel) {
   for (int count = 0; count <= 33; ++count) {
     AlignedColumn column(count);
     for (int i = 0; i < count; ++i) {
-      // Some at the limit itself, some infinite, as those of pairs that are open.
+      // Some at the limit itself, and some infinite, like those of open pairs.
       const int kind = random.Below(6);
       column.data()[i] = kind == 0   ? 0.25
                          : kind == 1 ? std::numeric_limits<double>::infinity()
@@ -107,7 +107,7 @@ TEST(Kernels, FindThePlanesThatAMotionUsesUpAtEverySimdLevel) {
     planes.slack = column[6].data();
     planes.radius = column[7].data();
     planes.left = column[8].data();
-    // What lies beyond the last is of an earlier sub-step: anything, and not to be found.
+    // Entries beyond the last are left from an earlier sub-step: arbitrary, and not to be found.
     for (int i = 0; i < (count | 7) + 1; ++i) {
       for (int c = 0; c < 6; ++c) planes.along[c][i] = random.Uniform(-1.0, 1.0);
       planes.slack[i] = random.Below(8) == 0 ? std::numeric_limits<double>::infinity()
@@ -149,11 +149,11 @@ TEST(Kernels, FindTheLowestPointAtEverySimdLevel) {
   Random random(16);
   for (int trial = 0; trial < 2000; ++trial) {
     const int count = trial % 2 == 0 ? 1 : 1 + trial % 33;
-    // Of one eight any lanes, but for none; of several all.
+    // A single group of eight has any lanes but none; of several groups, all have every lane.
     const std::uint32_t lanes = count == 1 ? 1 + static_cast<std::uint32_t>(trial / 2) % 255 : 0xff;
     std::vector<EightPoints> points(static_cast<std::size_t>(count));
     for (EightPoints& eight : points) {
-      // Coarse, so that several are as low.
+      // Coarse, so that several are equally low.
       for (auto& row : eight.x) {
         for (double& x : row)
           x = trial % 3 == 0 ? std::round(random.Uniform(-2, 2)) : random.Uniform(-0.1, 0.1);
@@ -241,7 +241,7 @@ TEST(Kernels, RefreshPlanesAtEverySimdLevel) {
   }
 }
 
-// Where rounding decides, it has to decide alike.
+// Where rounding decides, all levels must decide alike.
 TEST(Kernels, AgreeWhereAPlaneIsUsedUpToTheLastBit) {
   const Kernels* level[3];
   const int levels = AvailableKernels(level);

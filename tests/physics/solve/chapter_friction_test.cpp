@@ -17,8 +17,8 @@ INSTANTIATE_TEST_SUITE_P(BallAndBox, ChapterFriction, testing::Bool(),
                          [](const auto& which) { return which.param ? "Box" : "Ball"; });
 
 TEST_P(ChapterFriction, HoldsTheToolUntilTheHandIsFarAheadAndThenLetsItGo) {
-  // 2.34 holds the tool until the hand is mu_s times as far ahead as it is deep; then it lets the
-  // tool go all the way, with mu_d times the normal force (2.29), and holds it again: a sawtooth.
+  // Eq. 2.34 holds the tool until the hand is ahead by mu_s times its depth, then lets the tool
+  // catch up, with mu_d times the normal force (2.29), and holds it again: a sawtooth.
   Bench bench(tool(), kPlane, Rubbing(FrictionModel::kChapter), Rough(0.8, 0.3));
   bench.state().X_WG = At(0.0, 0.0, rest());
   double most = 0.0, sum = 0.0;
@@ -50,14 +50,14 @@ TEST_P(ChapterFriction, HoldsTheToolUntilTheHandIsFarAheadAndThenLetsItGo) {
     sum += ratio;
     ++steps;
   }
-  EXPECT_NEAR(releases, 8.0 / 0.8, 1.0);  // 8 mm of path, one release each 0.8 mm
+  EXPECT_NEAR(releases, 8.0 / 0.8, 1.0);  // 8 mm of path, one release every 0.8 mm
   EXPECT_NEAR(longest, 400, 2);
   EXPECT_NEAR(most, 0.8, 3e-3);
   EXPECT_NEAR(sum / steps, 0.4, 0.01);  // the mean of the sawtooth: neither mu_s nor mu_d
 }
 
 TEST(ChapterFrictionOfABox, ResistsSpinByTheRotationRule) {
-  // About its own middle the equivalent contact point does not move; the rule for rotations holds.
+  // About its own centre the equivalent contact point does not move; the rotation rule applies.
   Bench bench(BoxTool(), kPlane, Rubbing(FrictionModel::kChapter), Rough(0.8, 0.3));
   bench.state().X_WG = At(0.0, 0.0, 0.01);
   const double radius = 0.02 * std::sqrt(2.0);

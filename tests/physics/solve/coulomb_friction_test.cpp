@@ -15,7 +15,7 @@ using namespace test;
 
 constexpr double kStiffness = 1000.0;
 
-/// What holds in every step: forces in their cones, across their normals, and adding up.
+/// True in every step: friction lies in its cone, perpendicular to the normal, and forces add up.
 void ExpectContactForcesAddUp(const Bench& bench, const StepReport& report, double mu_s) {
   Vec3 force = Vec3::Zero();
   for (int i = 0; i < report.contacts; ++i) {
@@ -25,7 +25,7 @@ void ExpectContactForcesAddUp(const Bench& bench, const StepReport& report, doub
     ASSERT_LE(std::fabs(row.friction.dot(row.normal)), 1e-9 * (1.0 + row.force));
     force += row.force * row.normal + row.friction;
   }
-  // But for what Creep makes good, at most max_truncation.
+  // Up to what Creep corrects, at most max_truncation.
   ASSERT_LT((force - report.wrench.force).norm(),
             kStiffness * bench.model().parameters().max_truncation + 1e-6 * force.norm());
 }
@@ -80,7 +80,7 @@ TEST_P(FrictionTool, HoldsOnAnInclineUpToTheStaticAngle) {
     } else {
       EXPECT_GT(slid, 1e-3) << tangent;
       EXPECT_NEAR(Ratio(report, normal), 0.4, 1e-3) << tangent;
-      EXPECT_GT(report.wrench.force.x(), 0.0);  // down the incline is +x; normal and friction
+      EXPECT_GT(report.wrench.force.x(), 0.0);  // normal and friction push downhill, along +x
     }
   }
 }
@@ -97,14 +97,14 @@ TEST_P(FrictionTool, BreaksAwayAtTheStaticLimitAndSticksAgainWhenTheHandRests) {
     }
     return most;
   };
-  EXPECT_NEAR(pull(1000, 2e-3), 0.8, 3e-3);  // up to one step's 2 um short of it
+  EXPECT_NEAR(pull(1000, 2e-3), 0.8, 3e-3);  // short of it by up to one step of 2 um
   EXPECT_NEAR(pull(1000, 2e-3), 0.3, 1e-3);
   EXPECT_NEAR(pull(limits::friction::kStillCycles / 2, 0.0), 0.3, 1e-3);  // too short a rest
   EXPECT_NEAR(pull(1000, 2e-3), 0.3, 1e-3);
   pull(2 * limits::friction::kStillCycles, 0.0);
   EXPECT_NEAR(pull(1000, 2e-3), 0.8, 3e-3);
   EXPECT_NEAR(pull(100, 2e-3), 0.3, 1e-3);
-  // Off the plane and down again: what touches has not slipped.
+  // Lifted off the plane and put back: a new contact sticks.
   for (int i = 0; i < 10; ++i) bench.Step(At(x, 0.0, rest() + 1e-3));
   EXPECT_NEAR(pull(1000, 2e-3), 0.8, 3e-3);
 }
@@ -122,12 +122,11 @@ TEST_P(FrictionTool, SticksForAMinuteWithoutCreepingThoughTheHandTrembles) {
     farthest = std::max(farthest, (report.X_WG.p - Vec3(0.0, 0.0, rest())).norm());
   }
   RecordProperty("creep_pm", static_cast<int>(1e12 * farthest));
-  EXPECT_LT(farthest, 1e-8);  // of which the box settles by 4 nm
+  EXPECT_LT(farthest, 1e-8);  // of which the box settling is 4 nm
 }
 
 TEST_P(FrictionTool, GoesOnSlidingThoughTheHandTrembles) {
-  // At 5 mm/s a tremble of 20 um turns the hand back most of the time; the tool rests then, but no
-  // rest is long enough to stick.
+  // At 5 mm/s a tremble of 20 um often moves the hand back; the tool rests, too briefly to stick.
   Bench bench(tool(), kPlane, Rubbing(FrictionModel::kCoulomb), Rough(0.8, 0.3));
   bench.state().X_WG = At(0.0, 0.0, rest());
   Random random(72);
@@ -142,8 +141,7 @@ TEST_P(FrictionTool, GoesOnSlidingThoughTheHandTrembles) {
 }
 
 TEST(Friction, HoldsATipThatTheHandTremblesAbout) {
-  // A stylus of 60 mm on its tip, free to turn about it: the tip stays, and no second order adds
-  // up.
+  // A stylus of 60 mm, free to turn about its tip, which stays: second-order errors do not add up.
   const std::vector<Ball> stylus{{Vec3(0.0, 0.0, 0.001), 0.001}, {Vec3(0.02, 0.0, 0.06), 0.001}};
   Bench bench(stylus, kPlane, Rubbing(FrictionModel::kCoulomb), Rough(0.8, 0.5));
   bench.state().X_WG = At(0.0, 0.0, 0.0);
@@ -157,14 +155,14 @@ TEST(Friction, HoldsATipThatTheHandTremblesAbout) {
     ASSERT_EQ(report.friction_unsolved, 0);
     farthest = std::max(farthest, std::hypot(report.X_WG.p.x(), report.X_WG.p.y()));
   }
-  // The ball of the tip rolls: its lowest point stays, its origin goes by radius times angle.
+  // The ball at the tip rolls: its lowest point stays, its origin moves by radius times angle.
   EXPECT_LT(farthest, 3e-6);
 }
 
 TEST(Friction, HoldsInAGrooveByTheNormalForcesOfItsWalls) {
-  // Walls at +-45 degrees: each carries F / (2 cos 45), so friction along the groove is mu F /
-  // cos 45. Before it slides, walls may carry more, up to F / (2 (cos 45 - mu sin 45)): what they
-  // hold up by friction is not determined.
+  // Walls at +-45 degrees carry F / (2 cos 45) each, so friction along the groove is mu F / cos 45.
+  // Before sliding, walls may carry more, up to F / (2 (cos 45 - mu sin 45)): how much of the load
+  // their friction holds is indeterminate.
   const double cosine = std::sqrt(0.5), sine = cosine;
   for (const bool ball : {true, false}) {
     const std::vector<Ball> rod{{Vec3(0.0, -0.02, 0.0), 0.005}, {Vec3(0.0, 0.02, 0.0), 0.005}};
@@ -218,8 +216,8 @@ TEST(Friction, ResistsSpinWithTheTorqueOfItsFeet) {
 }
 
 TEST(Friction, TipsABoxOverItsEdgeRatherThanSlideIt) {
-  // Feet 2 mm apart, 10 mm below the centroid: it tips where 0.6 F * 10 mm is more than F * 1 mm
-  // and what the coupling's rotation takes.  A foot that has left the plane rubs no more.
+  // Feet 2 mm apart, 10 mm below the centroid: it tips once 0.6 F * 10 mm exceeds F * 1 mm plus the
+  // torque of the coupling.  A foot that has left the plane has no friction.
   Bench bench(BoxTool(0.001), kPlane, Rubbing(FrictionModel::kCoulomb), Rough(0.6, 0.6));
   bench.state().X_WG = At(0.0, 0.0, 0.01);
   StepReport report;
@@ -259,15 +257,14 @@ TEST(Friction, KeepsEveryForceInItsConeAndTheToolOutsideInRandomScenes) {
       });
     }
   }
-  // Balls wedged among balls: more often than a scene, the laws have no solution there.
+  // Balls wedged among balls: friction lacks a solution here more often than in a real scene.
   EXPECT_GT(contacts, kOptimised ? 50000 : steps / 2);
   EXPECT_LT(deepest, 2e-6);
   EXPECT_LT(lowered, contacts / 40);
   EXPECT_LT(unsolved, contacts / 100);
 }
 
-/// The frictional problem of a sub-step, for oracles: minimise 1/2 |x - t|^2 + sum limit |S x|
-/// where a . x >= b.
+/// A sub-step's frictional problem: min 1/2 |x - t|^2 + sum limit |S x| subject to a . x >= b.
 struct Problem {
   using Vec6 = Eigen::Matrix<double, 6, 1>;
   Vec6 t = Vec6::Zero();
@@ -289,7 +286,7 @@ struct Problem {
     for (std::size_t j = 0; j < a.size(); ++j) most = std::max(most, b[j] - a[j].dot(x));
     return most;
   }
-  /// A bound that the cost of no allowed x falls below, by plain coordinate ascent of the dual: any
+  /// A lower bound on the cost of every feasible x, by plain coordinate ascent of the dual: any
   /// lambda >= 0 and |f| <= limit give one.
   double LowerBound(int sweeps) const {
     std::vector<double> lambda(a.size(), 0.0);
@@ -313,7 +310,7 @@ struct Problem {
       }
       if (moved < 1e-16) break;
     }
-    Vec6 d = Vec6::Zero();  // A^T lambda - S^T f, without what x has gathered of rounding
+    Vec6 d = Vec6::Zero();  // A^T lambda - S^T f, without the rounding accumulated in x
     for (std::size_t j = 0; j < a.size(); ++j) d += lambda[j] * a[j];
     for (std::size_t i = 0; i < rubs.size(); ++i) d -= rubs[i].S.transpose() * f[i];
     double bound = -0.5 * d.squaredNorm();
@@ -344,7 +341,7 @@ TEST(Friction, MinimisesAsABruteForceSolverDoes) {
       ContactRows& rows = bench.workspace().buffers().rows;
       bench.workspace().buffers().prediction.Predict(
           model, ActiveKernels(), R_WG, X * model.reference(), {1e-3, 2e-2}, rows, nullptr);
-      // Towards the contacts, but not straight.
+      // Towards the contacts, but obliquely.
       Target target{-2e-3 * report.wrench.force.normalized() + random.InCube(2e-3),
                     random.InCube(0.05)};
       Problem problem;
@@ -371,7 +368,7 @@ TEST(Friction, MinimisesAsABruteForceSolverDoes) {
       for (int c = 0; c < model.degrees_of_freedom(); ++c) x[c] = qp.x[c];
       if (counts.friction_lowered + counts.friction_unsolved > 0 ||
           (turns && x.tail<3>().norm() / rho < model.parameters().max_rotation)) {
-        ++skipped;  // no minimum of Coulomb's was found; or Creep has been made good
+        ++skipped;  // no minimum of Coulomb's cost was found, or Creep has moved it
         return;
       }
       for (int i = 0; i < qp.active; ++i) {
@@ -389,15 +386,14 @@ TEST(Friction, MinimisesAsABruteForceSolverDoes) {
       }
       const double size = problem.t.norm();
       ASSERT_LE(problem.Violation(x), 1e-11 * size);
-      // The distance to the minimiser is at most sqrt(2 (cost - minimum)): the cost is strongly
-      // convex.
+      // By strong convexity the minimiser is at most sqrt(2 (cost - minimum)) away.
       double excess = problem.Cost(x) - problem.LowerBound(30000);
       if (excess > 1e-10 * size * size) excess = problem.Cost(x) - problem.LowerBound(3000000);
       ASSERT_GE(excess, -1e-12 * size * size);
       const double distance = std::sqrt(2.0 * std::max(0.0, excess)) / size;
       worst = std::max(worst, distance);
       loose += distance > 2e-5;
-      // And no step that is allowed leads lower.
+      // Nor does any feasible step cost less.
       for (int k = 0; k < 500; ++k) {
         Problem::Vec6 y = x;
         const double length = size * std::pow(10.0, random.Uniform(-6.0, 0.0));
@@ -412,15 +408,15 @@ TEST(Friction, MinimisesAsABruteForceSolverDoes) {
   }
   EXPECT_GT(problems, 100);
   EXPECT_GT(2 * contacts, 3 * problems);
-  // What sticks slips by 1e-10 of the size at most, 1e-8 where two contacts hold the tool between
-  // them; that costs as much, and the square root makes it 1e-5 and 1e-4.
+  // A sticking contact slips by at most 1e-10 of the size, or 1e-8 where two contacts hold the tool
+  // between them; the cost rises by as much, and its square root is 1e-5 or 1e-4.
   EXPECT_LT(worst, 1e-4);
   EXPECT_LT(loose, problems / 20);
   EXPECT_LT(skipped, problems / 5);
   EXPECT_LT(worst_lower, 1e-12);
 }
 
-// The weakest torsional spring that a model takes, beside a stiff one.
+// The weakest torsional spring that a model accepts, beside translational springs up to stiff ones.
 TEST(Friction, GivesNumbersWithAnySpringThatAModelTakes) {
   for (const double stiffness : {1.0, 1000.0, 4e5, 1e7}) {
     StepParameters parameters = Rubbing(FrictionModel::kCoulomb);
@@ -463,7 +459,7 @@ TEST(Friction, OffGivesTheBitsOfASmoothObject) {
       ASSERT_EQ(a.wrench.force, b.wrench.force);
       ASSERT_EQ(a.wrench.torque, b.wrench.torque);
       ASSERT_EQ(a.X_WG.p, b.X_WG.p);
-      // mu = 0 takes the other way round to the same place.
+      // With mu = 0 another branch of the code reaches the same pose.
       ASSERT_LT((a.X_WG.p - c.X_WG.p).norm(), 1e-8) << i;
     }
   }

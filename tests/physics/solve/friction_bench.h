@@ -28,11 +28,11 @@ inline Paint Rough(double mu_s, double mu_d) {
   return AllOf(material);
 }
 
-/// A ball whose top is a plane at z = 0: flat to 2 um over 0.6 m.
+/// A ball whose top is a plane at z = 0, flat to 2 um over 0.6 m.
 inline const std::vector<Ball> kPlane{{Vec3(0.0, 0.0, -1e5), 1e5}};
 inline const std::vector<Ball> kBallTool{{Vec3::Zero(), 0.005}};
 
-/// Balls at the corners of a box: the soles of four lie 10 mm below the centroid, `half` off it.
+/// Balls at a box's corners; the lower ones end 10 mm below the centroid, `half` to each side.
 inline std::vector<Ball> BoxTool(double half = 0.02) {
   std::vector<Ball> corners;
   for (const double x : {-half, half}) {
@@ -43,7 +43,6 @@ inline std::vector<Ball> BoxTool(double half = 0.02) {
   return corners;
 }
 
-/// A plane through the origin with a given normal.
 inline Ball Plane(const Vec3& normal) {
   return {-1e5 * normal.normalized(), 1e5};
 }
@@ -53,14 +52,14 @@ inline double Ratio(const StepReport& report, const Vec3& normal) {
   return (report.wrench.force - pressed * normal).norm() / pressed;
 }
 
-/// Each test with a ball and with a box.
+/// Runs each test with a ball and with a box.
 class FrictionTool : public testing::TestWithParam<bool> {
  protected:
   std::vector<Ball> tool() const { return GetParam() ? BoxTool() : kBallTool; }
-  double rest() const { return GetParam() ? 0.01 : 0.005; }  ///< height where it touches
+  double rest() const { return GetParam() ? 0.01 : 0.005; }  ///< height at which it touches
 };
 
-/// A hand that wanders about in random objects on a leash of 5 mm and 0.2 rad to the graphic tool.
+/// Steps with a hand that wanders within 5 mm and 0.2 rad of the graphic tool.
 template <class Each>
 void Wander(Bench& bench, Random& random, int steps, Each each) {
   Pose X = bench.state().X_WG, goal = X;
@@ -78,7 +77,7 @@ void Wander(Bench& bench, Random& random, int steps, Each each) {
   }
 }
 
-/// That a hand in random objects makes a model allocate nothing.
+/// Expects no allocation while a hand wanders among random objects.
 inline void ExpectNoAllocation(FrictionModel model) {
   Random random(76);
   Bench bench(RandomBalls(random, 60, 0.02, 0.004), RandomBalls(random, 200, 0.05, 0.005),

@@ -15,7 +15,7 @@ using test::Random;
 using Vec = Eigen::VectorXd;
 using Mat = Eigen::MatrixXd;
 
-/// min 1/2 |x - t|^2, A x >= b, and its storage by columns.
+/// min 1/2 |x - t|^2 subject to A x >= b, with its storage by columns.
 struct RigidProblem {
   Vec t;
   Mat A;
@@ -70,8 +70,7 @@ double KktResidual(const RigidProblem& problem, const QpResult& result) {
   return worst;
 }
 
-/// Exact and slow: tries every set of at most n rows as equalities.  Infinite where none is
-/// optimal.
+/// Exact and slow: tries every set of at most n rows as equalities.  Infinite if none is optimal.
 double LeastDistanceByEnumeration(const RigidProblem& problem, Vec* best_x = nullptr) {
   const int n = static_cast<int>(problem.t.size());
   const int m = static_cast<int>(problem.b.size());
@@ -149,7 +148,7 @@ TEST(QpSolver, RelaxesContradictoryRowsByTheSlackThatEnumerationFinds) {
     ++contradictory;
     ASSERT_EQ(result.status, QpStatus::kRelaxed) << trial;
     EXPECT_LT(KktResidual(problem, result), 1e-8) << trial;
-    // The same problem with eta / sqrt(c) as one unknown more.
+    // The same problem with eta / sqrt(c) as an additional unknown.
     RigidProblem relaxed{Vec::Zero(n + 1), Mat(problem.A.rows(), n + 1), problem.b, {}};
     relaxed.t.head(n) = problem.t;
     relaxed.A << problem.A, Vec::Constant(problem.A.rows(), std::sqrt(kJamCompliance));
@@ -211,8 +210,7 @@ class Yielding : public Energy {
   YieldingRows rows_;
 };
 
-/// A problem with soft rows: row i yields with weight[i] where that is positive, as far as a core
-/// `depth[i]` inside.
+/// A problem with soft rows: row i yields where weight[i] > 0, down to a core `depth[i]` inside.
 struct CompliantProblem {
   RigidProblem problem;
   Vec weight;
@@ -241,8 +239,7 @@ struct CompliantProblem {
     return result;
   }
 
-  /// The same with every eta_i / sqrt(c_i) as an unknown of its own: a nearest point again, for
-  /// enumeration.
+  /// The same nearest-point problem with every eta_i / sqrt(c_i) as an unknown, for enumeration.
   RigidProblem Explicit() const {
     const int n = static_cast<int>(problem.t.size()), m = static_cast<int>(weight.size());
     const int soft = static_cast<int>((weight.array() > 0.0).count());
@@ -260,7 +257,7 @@ struct CompliantProblem {
     return out;
   }
 
-  /// As KktResidual, [unit of b], over the largest weight.
+  /// As KktResidual [unit of b], with the gradient relative to the sum of weights and multipliers.
   double Residual(const QpResult& result) const {
     const Vec x = Eigen::Map<const Vec>(result.x, problem.t.size());
     Vec gradient = x - problem.t;
@@ -290,7 +287,7 @@ struct CompliantProblem {
     }
     const double scale = 1.0 + weight.sum() + sum;
     EXPECT_LT((told - sum_of_pushes).cwiseAbs().maxCoeff(), 1e-12 * scale);
-    EXPECT_NEAR(pushes, pushing, 1);  // one may lie on the edge
+    EXPECT_NEAR(pushes, pushing, 1);  // one row may lie on the boundary
     return std::max(worst, gradient.cwiseAbs().maxCoeff() / scale);
   }
 };
@@ -300,7 +297,7 @@ CompliantProblem RandomCompliantProblem(Random& random, int n, int soft, int rig
   const int m = soft + rigid;
   CompliantProblem out{RandomProblem(random, n, m, true), Vec::Zero(m), Vec::Constant(m, 1e9), {}};
   for (int k = 0; k < soft; ++k) {
-    // Soft and rigid rows in turn, as far as both go.
+    // Soft and rigid rows alternate while both last.
     const int i = k < rigid ? 2 * k : rigid + k;
     out.weight[i] = std::pow(10.0, random.Uniform(-2.0, std::log10(stiffest)));
     out.problem.b[i] += random.Uniform(0.0, 1.0);
@@ -318,7 +315,7 @@ TEST(CompliantQp, PutsASoftRowInSeriesWithTheCoupling) {
   const QpResult result = soft.Solve();
   EXPECT_EQ(result.status, QpStatus::kSolved);
   EXPECT_EQ(result.active, 0);
-  // The coupling's stiffness is 1: 1 mm shared by springs of 1 and 1/4.
+  // The coupling's stiffness is 1: springs of 1 and 1/4 share 1 mm.
   EXPECT_NEAR(result.x[1], 1e-3 * 0.25 / 1.25, 1e-18);
 }
 

@@ -67,7 +67,7 @@ TEST(StepBounds, HoldTheLinearisationErrorBelowItsLimit) {
 TEST(StepBounds, BendAnArcBetweenMeshesByHalfOfWhatKeepsThemApart) {
   const Scene scene = test::MeshScene(MakeBox(Vec3::Constant(0.02)), MakeBox(Vec3::Constant(0.05)));
   const HapticModel model = MakeModel(scene, scene.tools.front(), MakeObjects(scene));
-  const double reach = std::sqrt(3.0) * 0.01;  // of a corner from the middle
+  const double reach = std::sqrt(3.0) * 0.01;  // of a corner from the centre
   const double arc = reach * (1.0 - std::cos(0.5 * model.parameters().max_rotation));
   EXPECT_NEAR(arc, 0.5 * limits::mesh::Margins{}.free, 1e-9);
 }

@@ -33,7 +33,7 @@ TEST(ContactBody, LeavesWhatYieldsToItsLeaves) {
   EXPECT_EQ(bodies[0].mesh.triangles().size(), rigid.mesh.triangles.size());
 }
 
-// The material of a triangle is that of a leaf: of the right body, and near.
+// A triangle takes its material from a leaf, which must be near and of the right body.
 TEST(ContactBody, GivesEachTriangleTheLeafThatLiesAtIt) {
   const Body first = MakeBody("first", MakeBox(Vec3(0.02, 0.03, 0.04)), 64);
   const Body second =
@@ -51,7 +51,7 @@ TEST(ContactBody, GivesEachTriangleTheLeafThatLiesAtIt) {
     const std::int32_t leaf = made.leaf[own] - (t < of_first ? 0 : first_leaves);
     ASSERT_GE(leaf, 0);
     ASSERT_LT(leaf, static_cast<std::int32_t>(body.tree.leaves()));
-    // One that lists the triangle, and of those the nearest to its middle.
+    // A leaf that lists the triangle, and of those the nearest to its centroid.
     const auto distance = [&](std::size_t i) {
       Vec3 middle = Vec3::Zero();
       for (const std::uint32_t v : body.mesh.triangles[own]) {

@@ -27,7 +27,6 @@ std::uint32_t VertexAt(const ContactMesh& mesh, const Vec3& x) {
   return 0;
 }
 
-/// The edge between two places.
 std::uint32_t EdgeBetween(const ContactMesh& mesh, const Vec3& a, const Vec3& b) {
   const std::uint32_t i = VertexAt(mesh, a), j = VertexAt(mesh, b);
   for (const ContactMesh::Triangle& t : mesh.triangles()) {
@@ -40,12 +39,12 @@ std::uint32_t EdgeBetween(const ContactMesh& mesh, const Vec3& a, const Vec3& b)
   return 0;
 }
 
-/// In the plane across the x axis, `degrees` from y towards z.
+/// In the plane perpendicular to the x axis, `degrees` from y towards z.
 Vec3 Turned(double degrees) {
   return {0.0, std::cos(degrees * M_PI / 180), std::sin(degrees * M_PI / 180)};
 }
 
-/// Faces that meet along the x axis from 0 to 1; each goes off at an angle from y towards z.
+/// Faces that meet along the x axis from 0 to 1, each at an angle from y towards z.
 TriangleMesh Fan(std::initializer_list<double> degrees) {
   TriangleMesh mesh;
   mesh.vertices = {Vec3::Zero(), Vec3::UnitX()};
@@ -67,7 +66,7 @@ void ExpectEdgeCone(std::initializer_list<double> faces, double from, double to)
 }
 
 TEST(ContactMesh, LetsARidgeTouchAlongTheArcBetweenItsFacesNormals) {
-  // A roof, its faces 30 degrees below the horizon: what is more than 90 degrees from both.
+  // A roof with faces 30 degrees below the horizon: the cone is more than 90 degrees from both.
   ExpectEdgeCone({-30.0, 210.0}, 60.0, 120.0);
   // A knife's edge.
   ExpectEdgeCone({260.0, 280.0}, 10.0, 170.0);
@@ -93,13 +92,12 @@ TEST(ContactMesh, LetsAFlatInnerEdgeTouchAlongTheFacesNormalsAlone) {
 }
 
 TEST(ContactMesh, LetsAHollowEdgeTouchFromBehindOnly) {
-  // A valley that opens upwards: from above a face is always nearer, from below it is a ridge.
+  // A valley open upwards: from above a face is always nearer, from below it is a ridge.
   ExpectEdgeCone({30.0, 150.0}, 240.0, 300.0);
 }
 
 TEST(ContactMesh, LetsAFinsFreeEdgeAndItsFootTouchAsTheFacesThereSay) {
-  // A fin upright on a floor: at its foot the fin or the floor is always nearer from above, and
-  // from below the floor is flat.
+  // A fin upright on a floor: above its foot a face is always nearer; below, the floor is flat.
   const ContactMesh mesh = Place(Fan({0.0, 90.0, 180.0}));
   const std::uint32_t foot = EdgeBetween(mesh, Vec3::Zero(), Vec3::UnitX());
   EXPECT_EQ(mesh.FacesAtEdge(foot).size(), 3u);
@@ -122,12 +120,12 @@ TEST(ContactMesh, LetsABoxCornerTouchInItsOctant) {
   EXPECT_TRUE(mesh.VertexConeHolds(corner, Vec3::UnitX()));
 }
 
-/// The definition, by the distance itself: along a direction in the cone no way over the mesh leads
-/// nearer to a far point, and along another one some way does.
+/// The definition, by distance itself: for a direction in the cone no path over the mesh leads
+/// nearer to a far point; for any other direction some path does.
 TEST(ContactMesh, AVertexConeIsWhereNoWayAlongTheFacesLeadsNearer) {
   Random random(32);
   for (int trial = 0; trial < 300; ++trial) {
-    // A fan of faces about the origin, folded at random: convex, hollow and mixed ones.
+    // A fan of faces about the origin, folded at random: convex, hollow or mixed.
     TriangleMesh fan;
     fan.vertices = {Vec3::Zero()};
     const int faces = 1 + random.Below(6);
@@ -154,7 +152,7 @@ TEST(ContactMesh, AVertexConeIsWhereNoWayAlongTheFacesLeadsNearer) {
 }
 
 TEST(ContactMesh, WeldsVerticesOfTheSamePlaceSoThatNeighboursKnowEachOther) {
-  // A soup: each triangle has corners of its own.
+  // A soup: triangles share no vertices.
   const TriangleMesh box = MakeBox(Vec3(0.02, 0.03, 0.04));
   TriangleMesh soup;
   for (const auto& triangle : box.triangles) {
@@ -188,7 +186,7 @@ TEST(ContactMesh, ListsTheFacesAtEveryEdgeAndVertex) {
         const auto& v = mesh.triangles()[face].vertex;
         EXPECT_EQ(std::count(v.begin(), v.end(), triangle.vertex[c]), 1);
       }
-      // Edge c leads from corner c to the next: the other face has the same two ends.
+      // Edge c leads from corner c to the next; the other face has the same two ends.
       for (const std::uint32_t face : at_edge) {
         const auto& v = mesh.triangles()[face].vertex;
         EXPECT_EQ(std::count(v.begin(), v.end(), triangle.vertex[c]), 1);
@@ -209,7 +207,7 @@ TEST(ContactMesh, HasNoNormalWhereATriangleHasNoArea) {
   const ContactMesh mesh = Place(flat);
   EXPECT_EQ(mesh.vertices().size(), 3u);
   for (const ContactMesh::Triangle& t : mesh.triangles()) EXPECT_EQ(t.normal, Vec3::Zero());
-  // Nothing that is not finite in the cones either.
+  // The cones hold nothing non-finite either.
   EXPECT_TRUE(mesh.VertexConeHolds(VertexAt(mesh, Vec3::Zero()), -Vec3::UnitX()));
   EXPECT_FALSE(mesh.VertexConeHolds(VertexAt(mesh, Vec3::Zero()), Vec3::UnitX()));
 }

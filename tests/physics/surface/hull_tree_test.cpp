@@ -21,7 +21,6 @@ ContactMesh MeshAlone(const TriangleMesh& mesh) {
   return ContactMesh(mesh, {});
 }
 
-/// All triangles below a node.
 std::vector<std::uint32_t> Below(const HullTree& tree, HullTree::Node node) {
   if (HullTree::IsLeaf(node)) return {HullTree::TriangleOf(node)};
   std::vector<std::uint32_t> all;
@@ -32,7 +31,7 @@ std::vector<std::uint32_t> Below(const HullTree& tree, HullTree::Node node) {
   return all;
 }
 
-/// Of a tree what whoever uses it relies on, of every node.
+/// Checks at every node what users of the tree rely on.
 void Judge(const TriangleMesh& source, double size) {
   const ContactMesh mesh = MeshAlone(source);
   const HullTree tree(mesh);
@@ -45,7 +44,7 @@ void Judge(const TriangleMesh& source, double size) {
     left.pop_back();
     const std::vector<std::uint32_t> below = Below(tree, node);
     for (int trial = 0; trial < 6; ++trial) {
-      // Not of unit length either.
+      // Not only of unit length.
       const Vec3 n = (trial == 0 ? Vec3(Vec3::UnitZ()) : random.Direction()) * (1.0 + trial % 3);
       double highest = -std::numeric_limits<double>::infinity();
       for (const std::uint32_t t : below) {
@@ -57,7 +56,7 @@ void Judge(const TriangleMesh& source, double size) {
       if (below.size() <= 32) {
         EXPECT_LE(told, highest + 1e-15 * size);
       } else {
-        // Not more than the box is long either.
+        // Too high by at most the size of the box.
         EXPECT_LE(told, highest + 2.1 * n.norm() * tree.inner(node).sides.norm());
       }
     }
@@ -163,7 +162,7 @@ TEST(HullTree, HoldsTrianglesWithoutArea) {
   Judge(place, 4.0);
 }
 
-/// FNV-1a over the bits of all nodes, and of a corner of each.
+/// FNV-1a over the bits of all nodes, and of one hull vertex of each.
 std::uint64_t HashOf(const HullTree& tree) {
   std::uint64_t hash = 14695981039346656037u;
   const auto mix = [&hash](const auto& value) {
@@ -193,20 +192,19 @@ std::uint64_t HashOf(const HullTree& tree) {
   return hash;
 }
 
-// Halves of large patches are built in threads.  The hash is that of the tree that one thread
-// built, which sorted every patch by comparing.
+// Halves of large patches are built in threads.  The hash is that of a tree built by one thread,
+// which sorted every patch by comparison.
 TEST(HullTree, HasTheBitsThatOneThreadMakes) {
   TriangleMesh hills = CoplanarGrid(270, 3.7e-4);
   for (Vec3& v : hills.vertices) {
     v.z() = 30.0 * v.x() * v.y() * (0.1 - v.x()) - 4.0 * v.y() * v.y() * (v.x() - 0.03);
   }
-  hills.vertices.push_back(Vec3(2.0, 1.0, 0.5));  // far off: all others lie in one stretch
+  hills.vertices.push_back(Vec3(2.0, 1.0, 0.5));  // far off: all others fall into one bucket
   hills.triangles.push_back({0, 1, static_cast<std::uint32_t>(hills.vertices.size() - 1)});
   EXPECT_EQ(HashOf(HullTree(MeshAlone(hills))), 963234698493646464u);
 }
 
-// What boxes and hulls are for: a flat patch, however it is turned, is known to lie below a plane
-// as near to it as can be.
+// The purpose of boxes and hulls: a flat patch in any orientation is bounded by a tight plane.
 TEST(HullTree, IsThinWhereTheSurfaceIsFlat) {
   TriangleMesh grid = CoplanarGrid(16, 0.005);
   Judge(grid, 0.1);

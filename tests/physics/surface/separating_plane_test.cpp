@@ -26,7 +26,7 @@ HullTree TreeOf(const std::vector<Vec3>& corners) {
   return HullTree(ContactMesh(mesh, {}));
 }
 
-/// Differences of the tool's corners, at both ends of a motion, and the object's.
+/// Differences between the tool's corners, at both ends of a motion, and the object's.
 std::vector<Vec3> Differences(const std::vector<Vec3>& tool, const std::vector<Vec3>& object,
                               const ToolMotion& motion) {
   std::vector<Vec3> all;
@@ -44,8 +44,8 @@ double LeastAlong(const std::vector<Vec3>& points, const Vec3& n) {
   return least;
 }
 
-/// The most by which any plane separates them, by trying each that can be the best: across a point,
-/// an edge or a face of the differences' hull.  Not positive where none does.
+/// The largest separation by any plane, found by trying every candidate for the best: one normal
+/// for each vertex, edge and face of the differences' hull.  Not positive if none separates them.
 double MostSeparation(const std::vector<Vec3>& points) {
   double most = -kInfinity;
   const auto consider = [&](const Vec3& direction) {
@@ -76,7 +76,7 @@ struct Case {
   ToolPose from{Vec3::Zero(), Quat::Identity()}, to{Vec3::Zero(), Quat::Identity()};
 };
 
-/// Patches of three to five corners, from flat to round, near each other or in each other.
+/// Patches of three to five corners, from flat to round, near or inside each other.
 Case MakeCase(Random& random, int trial) {
   Case c;
   const auto corners = [&](int count, double flat) {
@@ -116,7 +116,6 @@ TEST(SeparatingPlane, IsFoundWhereThereIsOneAndOnlyThere) {
         ++apart;
         EXPECT_NEAR(plane.n.norm(), 1.0, 1e-12);
         EXPECT_GE(std::min(plane.before, plane.after), least);
-        // The gaps are those of the plane.
         EXPECT_NEAR(std::min(plane.before, plane.after),
                     LeastAlong(differences, plane.n) - c.radius, 1e-15);
       } else {
@@ -141,7 +140,7 @@ TEST(SeparatingPlane, IsTheGuessWhereThatHolds) {
   EXPECT_EQ(plane.tries, 1);
 }
 
-// Whole surfaces, whose hulls hold hundreds of corners: spheres of triangles, as near as they say.
+// Whole surfaces, whose hulls have hundreds of corners: triangulated spheres, apart or overlapping.
 TEST(SeparatingPlane, TellsRoundPatchesApart) {
   const TriangleMesh ball = MakeEllipsoid(Vec3::Constant(0.01), 80);
   const HullTree tree = TreeOf(ball.vertices);
@@ -159,7 +158,7 @@ TEST(SeparatingPlane, TellsRoundPatchesApart) {
   }
 }
 
-// Nothing to go by: pieces that are one point, at one place.
+// No direction to start from: both pieces are the same single point.
 TEST(SeparatingPlane, IsNoneBetweenPointsAtOnePlace) {
   const HullTree point = TreeOf({Vec3::Zero(), Vec3::Zero(), Vec3::Zero()});
   const ToolPose at(Vec3::Zero(), Quat::Identity());

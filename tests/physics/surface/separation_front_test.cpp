@@ -22,7 +22,6 @@ namespace {
 using test::Random;
 using Index = SeparationFront::Index;
 
-/// All triangles below a node.
 std::vector<std::uint32_t> TrianglesBelow(const HullTree& tree, HullTree::Node node) {
   if (HullTree::IsLeaf(node)) return {HullTree::TriangleOf(node)};
   std::vector<std::uint32_t> all = TrianglesBelow(tree, tree.inner(node).child[0]);
@@ -31,7 +30,7 @@ std::vector<std::uint32_t> TrianglesBelow(const HullTree& tree, HullTree::Node n
   return all;
 }
 
-/// Room for the planes of eight pairs.
+/// Storage for the planes of eight pairs.
 struct Columns {
   alignas(64) double column[9][16];
   PlaneColumns planes() {
@@ -42,7 +41,7 @@ struct Columns {
   }
 };
 
-/// The slack of a pair at the pose of now.
+/// The slack of a pair at the current pose.
 double Refreshed(SeparationFront& front, Index i) {
   Columns columns;
   front.Refresh(ActiveKernels(), &i, 1, 0, columns.planes());
@@ -50,11 +49,10 @@ double Refreshed(SeparationFront& front, Index i) {
   return columns.column[6][0];
 }
 
-/// A front between a tool and bodies that is driven at random, and what is true of it by
-/// enumeration.
+/// Drives a front between a tool and bodies at random, and checks it by enumeration.
 class FrontBench {
  public:
-  /// So many bodies beside each other.
+  /// `bodies` copies of the object side by side.
   FrontBench(const TriangleMesh& tool_mesh, const TriangleMesh& object_mesh, int bodies,
              double size, std::uint64_t seed)
       : random(seed),
@@ -68,7 +66,7 @@ class FrontBench {
     front.Restart(tool, objects, pose);
   }
 
-  /// Of the triangles below a pair, at the pose of now.
+  /// The gap between the triangles below a pair, at the current pose.
   double Gap(const SeparationFront::Pair& pair, const Vec3& n) const {
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (const std::uint32_t t : TrianglesBelow(tool.tree, pair.tool)) {
@@ -133,12 +131,11 @@ class FrontBench {
     const Vec3 v = share * size_ * random.Direction();
     pose = pose.Moved(v, share * random.Direction());
     front.Move(pose, tool.mesh.reach());
-    // The tool's node goes no further than this.
+    // The tool's node moves no further than this.
     gone_ += v.norm() + share * tool.mesh.reach() + 1e-9 * size_;
   }
 
-  /// The front is a cut: each pair of triangles is below one of its pairs; and no other slot
-  /// expires.
+  /// The front is a cut: each pair of triangles is below exactly one pair; no other slot expires.
   void JudgeCover() const {
     const std::size_t tools = tool.mesh.triangles().size();
     const std::size_t of_object = objects[0].mesh.triangles().size();
@@ -161,14 +158,14 @@ class FrontBench {
       EXPECT_EQ(std::isfinite(front.expiry()[i]), of_front[i]) << "slot " << i;
     }
   }
-  /// No pair is told a slack that is not there: nor by its plane, nor by its expiry.
+  /// No pair's slack exceeds its gap, neither by its plane nor by its expiry.
   void JudgeSlack() const {
     for (const Index i : Front()) {
       const Vec3& n = plane_.at(i).n;
       const double gap = Gap(front.pair(i), n);
       const double error = 1e-13 * (gone_ + size_);
       EXPECT_LE(front.expiry()[static_cast<std::size_t>(i)] - front.way(), gap + error);
-      // In a copy, so that what is known of older poses is judged as well.
+      // In a copy, so that planes from older poses are checked as well.
       SeparationFront copy = front;
       if (copy.IsKept(i)) {
         EXPECT_LE(Refreshed(copy, i), gap + error) << "pair " << i;
@@ -195,7 +192,7 @@ class FrontBench {
   struct Plane {
     Vec3 n, p;
   };
-  std::map<Index, Plane> plane_;  ///< that each pair was given, and where the tool was then
+  std::map<Index, Plane> plane_;  ///< each pair's plane, and the tool's position when it was set
   double gone_ = 0.0;
 };
 
@@ -229,8 +226,8 @@ TEST(SeparationFront, StaysACutWithTrueSlacksWhateverHappens) {
 }
 
 TEST(SeparationFront, LosesNoMoreOfASlackThanTheNodeComesNearer) {
-  // A tool that goes along its plane loses nothing; one that comes nearer, what it comes nearer;
-  // one that turns in place, no more than its radius times the angle.
+  // Moving along its plane costs no slack; moving nearer costs that distance; turning in place
+  // costs at most the radius times the angle.
   const TriangleMesh tool = MakeBox(Vec3(0.02, 0.02, 0.02)), floor = MakeBox(Vec3(0.2, 0.2, 0.02));
   FrontBench bench(tool, floor, 1, 0.03, 1);
   const Vec3 n = Vec3::UnitZ();
@@ -303,7 +300,7 @@ TEST(SeparationFront, OffersEveryPairThatCanBeClosedOnceARound) {
     EXPECT_GT(offered[parent], 0);
   }
   EXPECT_GT(mergeable, 10u);
-  // Not those that are to be tried later, before the tool has gone so far.
+  // Pairs to be retried later are not offered until the tool has moved that far.
   const Index later = offered.begin()->first;
   bench.front.RetryAfter(later, 0.01);
   round();
@@ -334,7 +331,7 @@ TEST(SeparationFront, HasRoomForTheMostPairsAndSaysSoWhereThereIsNoMore) {
   EXPECT_EQ(front.size(), SeparationFront::kMaxSlots / 2);
   EXPECT_LT(front.pair(refused).child, 0);
   EXPECT_TRUE(std::isfinite(front.expiry()[refused]));
-  // What is closed has room again; and so for ever.
+  // Closing a pair makes room again, any number of times.
   for (int i = 0; i < 1000; ++i) {
     Index closed = -1;
     while (closed < 0 || closed == front.pair(refused).parent) closed = front.NextMergeable();

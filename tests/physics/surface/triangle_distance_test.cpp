@@ -25,8 +25,7 @@ double Size(const Triangle& a, const Triangle& b) {
   return size;
 }
 
-/// Whether p lies in the feature that is named, to `error`: at the corner, inside of the edge, in
-/// the face.
+/// Whether p lies, to within `error`, at the named corner, inside the named edge or in the face.
 ::testing::AssertionResult LiesIn(const Triangle& t, Feature of, const Vec3& p, double error) {
   const std::size_t i = of.index;
   if (of.kind != Feature::kFace && i > 2) return ::testing::AssertionFailure() << "no such index";
@@ -47,8 +46,8 @@ double Size(const Triangle& a, const Triangle& b) {
   return ::testing::AssertionFailure() << "not in the face";
 }
 
-/// A proof that no two points are nearer, which owes nothing to how these were found: the plane
-/// across p - q has all of a on the one side and all of b on the other, |p - q| apart.
+/// Proves independently that no two points are nearer: the plane perpendicular to p - q has all of
+/// a on one side and all of b on the other, |p - q| apart.
 double ProvenDistance(const Triangle& a, const Triangle& b, const Vec3& u) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const Vec3& x : a) low = std::min(low, u.dot(x - a[0]));
@@ -61,12 +60,12 @@ void Judge(const Triangle& a, const Triangle& b) {
   const double size = Size(a, b), distance = (got.p - got.q).norm();
   ASSERT_TRUE(std::isfinite(distance));
   EXPECT_NEAR(std::sqrt(got.squared), distance, 1e-12 * size);
-  // Where the triangles are needles, 1e-9 of their size.
+  // For needles, to within 1e-9 of their size.
   EXPECT_TRUE(LiesIn(a, got.of_p, got.p, 1e-9 * size));
   EXPECT_TRUE(LiesIn(b, got.of_q, got.q, 1e-9 * size));
   if (!(distance > 1e-7 * size)) return;
-  // A direction of points `distance` apart is off by 1e-15 size / distance, so is a plane's height
-  // `size` away.
+  // The direction between points `distance` apart is off by 1e-15 size / distance, which shifts a
+  // plane by `size` times that at the far corners.
   EXPECT_GE(ProvenDistance(a, b, (got.p - got.q) / distance),
             distance - 1e-14 * size * size / distance - 1e-12 * size);
 }
@@ -92,8 +91,8 @@ TEST(TriangleDistance, FindsTheNearestPointsOfAnyTwoTriangles) {
   }
 }
 
-/// Triangles of which corners, edges and faces lie in one another's planes, over or beside each
-/// other: coordinates of a coarse grid.
+/// Corners, edges and faces lie in one another's planes, above or beside each other, because
+/// coordinates are on a coarse grid.
 TEST(TriangleDistance, FindsThemWhereEdgesAndFacesAreParallel) {
   Random random(22);
   const auto corner = [&] {
@@ -117,7 +116,7 @@ TEST(TriangleDistance, FindsThemOfTrianglesThatAreEdgesOrPoints) {
   for (int trial = 0; trial < (test::kOptimised ? 20000 : 2000); ++trial) {
     Triangle a = RandomTriangle(random, 0.01, Vec3::Zero());
     Triangle b = RandomTriangle(random, 0.01, random.InCube(0.02));
-    // A triangle; two corners alike; on a line; all alike.
+    // Unspoilt; two equal corners; collinear; a single point.
     const auto spoil = [&](Triangle& t, int how) {
       const auto i = static_cast<std::size_t>(random.Below(3));
       if (how == 1) t[i] = t[(i + 1) % 3];
@@ -169,7 +168,7 @@ TEST(TriangleDistance, NamesTheFeaturesThatAreNearest) {
        Feature::kVertex,
        0,
        5.0},
-      // Corner to corner, corner to edge, edge to edge across.
+      // Corner to corner, corner to edge, crossing edges.
       {{Vec3(5, 0, 0), Vec3(7, 1, 0), Vec3(7, -1, 1)},
        Feature::kVertex,
        0,
