@@ -35,7 +35,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::IsSupersetOf;
 
-/// Sets an environment variable for as long as it lives.
+/// Sets an environment variable for its own lifetime.
 class Environment {
  public:
   Environment(const char* name, const std::string& value) : name_(name) {
@@ -59,7 +59,7 @@ std::string SceneText(int leaves) {
 constexpr char kTetrahedron[] =
     "v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 
-/// A scene in a folder of its own, loaded with a cache of its own.
+/// A scene in its own folder, loaded with its own cache.
 class LoadedScene : public testing::Test {
  protected:
   LoadedScene() {
@@ -88,7 +88,7 @@ class LoadedScene : public testing::Test {
     }
     return files;
   }
-  /// Writes the tree that is built of so many leaves, moved, in millimetres.
+  /// Builds a tree with that many leaves, and writes it in millimetres and displaced.
   SphereTree WriteTree(int leaves, const Vec3& moved) {
     const SphereTree tree = Load(SceneText(leaves)).objects[0].tree;
     SphTree sph = SphOf(tree);
@@ -121,7 +121,7 @@ TEST(Catalogue, HoldsTheScenesThatTheProjectPromises) {
 TEST(Catalogue, CubeAndEllipsoidAreThoseOfTheAccuracyExperiment) {
   LoadOptions options;
   options.use_cache = false;
-  options.tree = TreeMode::kOctree;  // the quickest to build: the meshes are what is looked at
+  options.tree = TreeMode::kOctree;  // the fastest to build: only the meshes are examined
   const Scene cube = LoadScene("cube", options);
   ASSERT_EQ(cube.tools[0].tree.leaves(), 1u);
   EXPECT_EQ(cube.tools[0].tree.leaf_radius[0], 0.005);
@@ -181,7 +181,7 @@ TEST_F(LoadedScene, BuildsAnewWhenTheSceneOrAMeshChanges) {
   EXPECT_EQ(Cached().size(), 3u);
 }
 
-/// A sphere of 80 triangles as a file of two parts, and a ball.
+/// A sphere of 80 triangles from a file with two parts, and a ball.
 std::string CurvedText(const std::string& curved) {
   return R"({"tools": [{"name": "ball", "mesh": {"shape": "sphere", "radius_m": 0.005}, "leaves": 1}],
   "objects": [{"name": "ball2", "mesh": {"file": "ball.obj", "unit": "m")" +
@@ -215,7 +215,7 @@ TEST_F(LoadedScene, RefinesAMeshThatStandsForACurvedSurfaceAndKeepsItsParts) {
   EXPECT_GT(fine.objects[0].mesh.triangles.size(), 1280u);
   for (const Vec3& v : fine.objects[0].mesh.vertices) EXPECT_NEAR(v.norm(), 0.03, 100e-6);
   EXPECT_THAT(warnings_, IsEmpty());
-  // What is felt is what is drawn: the bundle has the same mesh, and so has the tree.
+  // What is felt is what is drawn: the bundle and the tree have the same mesh.
   EXPECT_EQ(PackScene(load(", \"curved\": {\"tolerance_um\": 30}")), PackScene(fine));
   EXPECT_FALSE(built_);
   const Body& ball = fine.objects[0];
@@ -230,7 +230,7 @@ TEST_F(LoadedScene, RefinesAMeshThatStandsForACurvedSurfaceAndKeepsItsParts) {
         highest = std::max(highest, ball.mesh.vertices[v].y());
       }
     }
-    // The parts meet in a zigzag round the equator.
+    // The parts meet in a zigzag around the equator.
     if (lowest > 0.01) north += ball.leaf_material[i] == 1 ? 1 : 1000;
     if (highest < -0.01) south += ball.leaf_material[i] == 0 ? 1 : 1000;
   }
@@ -256,7 +256,7 @@ TEST_F(LoadedScene, RefusesSpringsThatTheStepCannotComputeWith) {
                "torsional_stiffness_Nm_per_rad": )" +
                           torsional + "}}");
   };
-  // It reaches 0.05 m: 4e5 N/m times its thousandth squared.
+  // The rod reaches 0.05 m: 4e5 N/m times the square of a thousandth of that.
   const char* const rod = R"({"shape": "box", "size_m": [0.06, 0.08, 0.0001]}, "leaves": 64)";
   write(rod, "2e-7");
   EXPECT_THAT(Complaint(),
@@ -269,7 +269,7 @@ TEST_F(LoadedScene, RefusesSpringsThatTheStepCannotComputeWith) {
   Load();  // no contact turns a ball
 }
 
-/// The fixture's scene, its object's leaves from a file.
+/// The fixture's scene, with its object's leaves from a file.
 std::string TreeText(const std::string& tree) {
   return R"({"tools": [{"name": "ball", "mesh": {"shape": "sphere", "radius_m": 0.005}, "leaves": 1}],
   "objects": [{"name": "box", "mesh": {"file": "box.obj", "unit": "mm"},
@@ -285,7 +285,7 @@ TEST_F(LoadedScene, TakesLeavesFromAFileAndMovesThemToTheMesh) {
   EXPECT_THAT(body.remarks, IsEmpty());
   EXPECT_THAT(told_, ElementsAre(AllOf(HasSubstr("box: "), HasSubstr("box.sph: level 5 of 5"),
                                        HasSubstr("700 balls, moved by (30."))));
-  // A thousandth of the diagonal, which the shift is right within.
+  // A thousandth of the diagonal, the accuracy of the shift.
   const SphereQuery leaves(BallsByLevel(built).back());
   const std::vector<Sphere> read = BallsByLevel(body.tree).back();
   for (const Sphere& ball : read) EXPECT_LT(leaves.Nearest(ball.centre).distance, 17e-6);
@@ -293,7 +293,7 @@ TEST_F(LoadedScene, TakesLeavesFromAFileAndMovesThemToTheMesh) {
   EXPECT_EQ(std::set<std::uint32_t>(body.tree.leaf_triangle.begin(), body.tree.leaf_triangle.end())
                 .size(),
             body.mesh.triangles.size());
-  // The cache knows the file: the same is not read again, another one is.
+  // The cache knows the file: it is not read again unless it changes.
   EXPECT_EQ(PackScene(Load()), PackScene(Load()));
   const std::size_t cached = Cached().size();
   WriteTree(70, moved);
@@ -305,7 +305,7 @@ TEST_F(LoadedScene, TakesLeavesFromAFileAndMovesThemToTheMesh) {
 TEST_F(LoadedScene, TakesTheLevelAndTheUnitThatItIsTold) {
   const SphereTree built = WriteTree(70, Vec3::Zero());
   const auto load = [&](const std::string& tree) { return Load(TreeText(tree)).objects[0].tree; };
-  // Level 1 is the root, which our trees have no node for.
+  // Level 1 is the root, for which our trees have no node.
   EXPECT_EQ(load(R"({"file": "box.sph", "level": 1})").leaves(), 1u);
   EXPECT_EQ(load(R"({"file": "box.sph", "level": 2})").leaves(), 2u);
   EXPECT_EQ(load(R"({"file": "box.sph", "level": 3})").leaves(), 9u);
@@ -352,14 +352,14 @@ TEST_F(LoadedScene, FindsTheLeavesThatAToleranceNeedsAndKeepsThem) {
     told_.clear();
     const Scene scene = Load();
     EXPECT_TRUE(built_);
-    // 1/500 of the ellipsoid's diagonal, 112 mm, is 224 um, or little less of its mesh's.
+    // 1/500 of the ellipsoid's diagonal, 112 mm, is 224 um; its mesh is slightly smaller.
     EXPECT_THAT(told_, ElementsAre(AllOf(testing::StartsWith("egg: "), HasSubstr(" leaves for "))));
     if (leaves[0] == '"') {
       EXPECT_THAT(told_[0], HasSubstr("for 22"));
     }
     EXPECT_NE(scene.objects[0].tree.leaves(), before);
     before = scene.objects[0].tree.leaves();
-    // No count is truer to a sphere than the one that is exactly it.
+    // A sphere is exactly one ball: no count of leaves can be more accurate.
     EXPECT_EQ(scene.tools[0].tree.origin, TreeOrigin::kBall);
     EXPECT_THAT(scene.objects[0].remarks, IsEmpty());
     EXPECT_EQ(Load().objects[0].tree.leaves(), before);
@@ -442,7 +442,7 @@ TEST_F(LoadedScene, IsTheSameHoweverManyBodiesAreBuiltAtOnce) {
 }
 
 TEST_F(LoadedScene, NamesTheBodyThatFailsFirstInTheFileWhicheverFailsFirst) {
-  // The one takes a while to be found broken, the other is not there.
+  // Finding the broken one takes a while; the other does not exist.
   std::string broken;
   for (int i = 0; i < 20'000; ++i) broken += "v " + std::to_string(i) + " 0 0\n";
   WriteFile(folder_ + "/broken.obj", broken + "f 1 2 nonsense\n");
@@ -467,7 +467,7 @@ TEST_F(LoadedScene, NamesTheBodyThatFailsFirstInTheFileWhicheverFailsFirst) {
                 AllOf(HasSubstr("objects[0].mesh: "), HasSubstr("broken.obj")));
     EXPECT_THAT(complaint(is_not_there, is_broken),
                 AllOf(HasSubstr("objects[0].mesh: "), HasSubstr("none.obj")));
-    // Found when the body is made, and what is behind it may have failed by then.
+    // Found when the body is made, by which time a later body may have failed.
     EXPECT_THAT(complaint(is_unpainted, is_not_there), HasSubstr("objects[0].regions[0]: "));
   }
 }
@@ -626,7 +626,7 @@ TEST(Catalogue, HasAHandScriptForEveryScene) {
     const PoseScript script =
         PoseScript::Load(fs::path(FindSceneFile(name)).replace_extension(".path.json"));
     EXPECT_GE(script.duration(), 10.0) << name;
-    // As a hand moves: chapter 2.3.4 counts with half a metre a second at most.
+    // As a hand moves: the chapter assumes at most half a metre per second (2.3.4).
     double fastest = 0.0;
     for (double t = 0.001; t < script.duration(); t += 0.001) {
       fastest = std::max(fastest, (script.At(t).p - script.At(t - 0.001).p).norm() / 0.001);

@@ -64,7 +64,7 @@ TEST(LeafPaint, LaterRegionsPaintOverEarlierOnes) {
   }
 }
 
-/// A cap of a ball, pressed all over: its leaves there, side by side, are the layer E A / L.
+/// Pressed all over a cap of a ball, its leaves in parallel are as stiff as the layer, E A / L.
 TEST(LeafPaint, YoungsModulusMakesNeighbouringLeavesTogetherAsStiffAsTheLayer) {
   const double r = 0.05;
   Body body{"ball", MakeSphere(r, 5000), {}, {}};
@@ -96,7 +96,7 @@ TEST(LeafPaint, HalvesOfABodyMayBeSoftAndHard) {
   description.regions[0].material.youngs_modulus = 1e9;
   description.regions[0].material.thickness = 0.01;
   PaintLeaves(description, {}, body);
-  // Halves of a cube: the leaves of both stand for as much surface, but for their luck.
+  // Two halves of a cube: their leaves stand for equal areas, apart from chance.
   EXPECT_NEAR(body.materials[1].stiffness / body.materials[0].stiffness, 1000.0, 100.0);
 }
 
@@ -145,7 +145,7 @@ TEST(LeafPaint, PaintsTheNamedPartOfAMeshFile) {
                         "\"root\"? It has: \"crown\", \"root\"."));
 }
 
-/// Two parts in one mesh, each painted with a stiffness of its own.
+/// Two parts in one mesh, each with its own stiffness.
 struct Parts {
   Body body{"tooth", {}, {}, {}};
   std::vector<MeshGroup> groups;
@@ -194,7 +194,7 @@ TEST(LeafPaint, PartThatSticksOutIsSoftWhereItDoes) {
   for (std::size_t i = 0; i < parts.body.tree.leaves(); ++i) {
     const Vec3 c = Centre(parts.body.tree, i);
     const bool soft = parts.body.leaf_material[i] == 1;
-    // In a corner between the two, a leaf may touch both.
+    // In a corner between the parts, a leaf may touch both.
     if (soft) {
       EXPECT_GT(c.x(), 0.004) << c.transpose();
     }

@@ -1,4 +1,3 @@
-// The program palpate-scene, as people meet it.
 
 #include <algorithm>
 #include <csignal>
@@ -28,7 +27,7 @@ using testing::Not;
 
 class PalpateScene : public testing::Test {
  protected:
-  /// What it says where it ends so.
+  /// Returns the program's output; expects the given exit code.
   std::string Run(const std::string& arguments, int exit_code = 0) const {
     const std::string command = "XDG_CACHE_HOME=" + folder + " " + PALPATE_BIN_DIR +
                                 "/palpate-scene " + arguments + " 2>&1";
@@ -45,7 +44,7 @@ class PalpateScene : public testing::Test {
   std::string Write(const std::string& file, const std::string& text) const {
     return test::WriteFile(folder + "/" + file, text);
   }
-  /// The scene file of a ball on an ellipsoid of few triangles: a tree of many takes seconds.
+  /// A scene of a ball on an ellipsoid with few triangles: a tree of many would take seconds.
   std::string EggScene(int leaves = 512) const {
     return Write("egg.json", R"({
     "tools": [{"name": "ball", "mesh": {"shape": "sphere", "radius_m": 0.005}, "leaves": 1}],
@@ -108,7 +107,7 @@ TEST_F(PalpateScene, BuildsTreesInTheModeThatIsNamed) {
     const Scene scene = LoadScene(bundle);
     return MeasureCoverage(scene.objects[0].mesh, scene.objects[0].tree).outside.max;
   };
-  // One cache for both: neither is taken for the other.
+  // Both use one cache, which must tell them apart.
   EXPECT_LT(outside("inside"), 1e-6);
   EXPECT_GT(outside("balanced"), 1e-5);
   EXPECT_LT(outside("inside"), 1e-6);
@@ -170,7 +169,7 @@ TEST_F(PalpateScene, ChecksScenesAndMeshes) {
 }
 
 TEST_F(PalpateScene, WarnsOfPartsThatOverlap) {
-  const std::string mesh = test::WriteFile(  // a box, and a second one in it
+  const std::string mesh = test::WriteFile(  // one box inside another
       folder + "/tooth.obj", "o crown\n" + test::ObjOf(MakeBox(Vec3::Constant(10.0))) + "o gum\n" +
                                  test::ObjOf(MakeBox(Vec3::Constant(4.0)), 8));
   const std::string alone = Run("check " + mesh);
@@ -182,7 +181,7 @@ TEST_F(PalpateScene, WarnsOfPartsThatOverlap) {
                                "overlap: 14 % of the surface lies inside other parts"));
 }
 
-/// What a program says from its verdict on; each finding of a server's is a line of its log.
+/// Output from the verdict on; each finding of a server is one line of its log.
 std::string VerdictOf(const std::string& text) {
   const std::size_t at = text.find("verdict: ");
   if (at == std::string::npos) return "none: " + text;
@@ -224,7 +223,7 @@ TEST_F(PalpateScene, ChecksBuildsAndInformsAsFailuresOfWhatIsNotUsable) {
   EXPECT_FALSE(std::filesystem::exists(bundle));
 }
 
-/// What stands in a folder, by name, with its contents.
+/// A folder's files and their contents.
 std::map<std::string, std::string> FilesIn(const std::string& folder) {
   std::map<std::string, std::string> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
@@ -277,7 +276,7 @@ TEST_F(PalpateScene, EndsWithOneForAFailureAndTwoForWrongUsage) {
 }
 
 TEST_F(PalpateScene, RefusesAFileThatTakesTooMuchTime) {
-  // In the importer's place, one that a file holds up, with less time.
+  // Replaces the importer by one that never ends, with a shorter limit on its time.
   const std::string scene = folder + "/palpate-scene", importer = folder + "/palpate-import";
   std::filesystem::copy_file(test::OwnFolder() + "/palpate-scene", scene);
   test::WriteFile(importer, "#!/bin/sh\nulimit -t 1\nwhile :; do :; done\n");

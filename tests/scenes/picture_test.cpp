@@ -38,7 +38,7 @@ Scene TwoBalls() {
   Body ball{"ball", MakeSphere(0.01, 1280), {}, {}};
   ball.tree = BuildSphereTree(ball.mesh, 64);
   scene.tools = {ball};
-  scene.objects = {ball};  // of the same shape: drawn once
+  scene.objects = {ball};  // of the same shape, which is drawn once
   return scene;
 }
 
@@ -80,7 +80,7 @@ TEST(Picture, ShowsTheWholeSceneWithItsBodiesInTheirPlaces) {
   const Png png = ReadPng(file);
   ASSERT_EQ(png.width, 480);
   ASSERT_EQ(png.height, 480);
-  // The tool above, the object below, of other colours, and background between them.
+  // The tool above and the object below in different colours, with background between.
   const auto above = png.At(240, 100);
   const auto below = png.At(240, 380);
   EXPECT_NE(above, png.At(5, 100));
@@ -92,7 +92,7 @@ TEST(Picture, ShowsTheWholeSceneWithItsBodiesInTheirPlaces) {
 TEST(ErrorPicture, HasAScaleWhoseDecadesAreAsWideAsEachOther) {
   constexpr double kEnd = 0.01;
   EXPECT_EQ(PlaceOnScale(0.0, kEnd), 0.0);
-  EXPECT_NEAR(PlaceOnScale(5e-6, kEnd), 0.125, 1e-12);  // half of the smallest, in proportion
+  EXPECT_NEAR(PlaceOnScale(5e-6, kEnd), 0.125, 1e-12);  // half of the smallest, proportionally
   EXPECT_NEAR(PlaceOnScale(1e-5, kEnd), 0.25, 1e-12);
   EXPECT_NEAR(PlaceOnScale(-1e-4, kEnd), -0.5, 1e-12);
   EXPECT_NEAR(PlaceOnScale(1e-3, kEnd), 0.75, 1e-12);
@@ -107,7 +107,7 @@ TEST(ErrorPicture, IsRedWhereSpheresStickOutBlueWhereTheyLieBelowAndPurpleWhereT
     body.tree = SingleSphereTree(body.mesh, {Vec3::Zero(), radius});
     DrawError(body, std::nullopt, file);
     const Png png = ReadPng(file);
-    EXPECT_EQ(png.width, 2 * 480);  // room for the scale
+    EXPECT_EQ(png.width, 2 * 480);  // leaves room for the scale
     return png.At(480, 60 + 240);
   };
   const auto [out_r, out_g, out_b] = middle(0.0108);

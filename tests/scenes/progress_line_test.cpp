@@ -20,9 +20,9 @@ TEST(ProgressText, SaysHowLongTheRestTakesOnceThereIsSomethingToTellItFrom) {
   EXPECT_EQ(text("part: reading", 0.5), " 50 %  part: reading");
   now += 0.6;  // 2.5 s for half
   EXPECT_EQ(text("part: reading", 0.5), " 50 %  part: reading, about 3 s left");
-  now += 1.5;  // the same stage goes on: what it takes is seen to grow
+  now += 1.5;  // the same stage goes on, so its estimate grows
   EXPECT_EQ(text("part: reading", 0.5), " 50 %  part: reading, about 4 s left");
-  EXPECT_EQ(text("part: moving", 0.9), " 90 %  part: moving");  // 0.4 s: not worth a word
+  EXPECT_EQ(text("part: moving", 0.9), " 90 %  part: moving");  // 0.4 s is not worth mentioning
   EXPECT_EQ(text("done", 1.0), "100 %  done");
 }
 
@@ -40,7 +40,7 @@ TEST(ProgressText, IsCoarserTheLongerItTakes) {
     double now = 0.0;
     ProgressText text([&] { return now; });
     text("a", 0.0);
-    now = seconds;  // half is done: as much is left
+    now = seconds;  // half is done: the rest takes as long
     return text("a", 0.5);
   };
   EXPECT_THAT(left(9.4), EndsWith("about 9 s left"));

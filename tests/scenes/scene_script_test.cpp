@@ -1,4 +1,4 @@
-// Every scene of the chapter that has no test elsewhere: its hand's script, played from end to end.
+// Plays the hand's script of every chapter scene that has no other test, from end to end.
 
 #include <algorithm>
 #include <array>
@@ -32,7 +32,7 @@ struct Moment {
   std::string label;
   Pose X_WH;
   StepReport report;
-  std::set<std::string> touched;  ///< names of objects that push
+  std::set<std::string> touched;  ///< names of the objects in contact
 };
 
 struct Playback {
@@ -55,8 +55,8 @@ struct Playback {
   }
 };
 
-/// Plays the script and checks what must hold in every scene.
-/// @param each  is told of each step.
+/// Plays the script, and checks what must hold in every scene.
+/// @param each  called after each step.
 Playback Play(const std::string& name, double greatest_force,
               const std::function<void(const Moment&, const StepState&)>& each = nullptr) {
   Playback run;
@@ -93,14 +93,14 @@ Playback Play(const std::string& name, double greatest_force,
   EXPECT_GT(force, 0.1);
   EXPECT_GT(run.Count([](const Moment& m) { return m.report.contacts > 0; }),
             run.moments.size() / 20);
-  // The hand ends in free space, and the tool with it.
+  // Hand and tool end in free space.
   EXPECT_EQ(run.last().report.contacts, 0);
   EXPECT_EQ(run.last().report.wrench.force.norm(), 0.0);
   EXPECT_LT((run.last().report.X_WG.p - run.last().X_WH.p).norm(), 1e-9);
   return run;
 }
 
-/// What is left of each material of a solid [mm^3].
+/// Remaining volume of each material of a solid [mm^3].
 std::array<double, SolidGrid::kMaterials> LeftOf(const CutField& cut) {
   std::array<double, SolidGrid::kMaterials> left = cut.VolumeLeft();
   for (double& volume : left) volume *= 1e9;
@@ -109,14 +109,14 @@ std::array<double, SolidGrid::kMaterials> LeftOf(const CutField& cut) {
 
 struct CutRun {
   std::array<double, SolidGrid::kMaterials> before{}, after{};  ///< of each material [mm^3]
-  double force = 0.0;                                           ///< the greatest [N]
+  double force = 0.0;                                           ///< the largest [N]
   int late = 0, steps = 0;                                      ///< those in which it lagged
-  std::shared_ptr<const SceneObjects> objects;                  ///< whose solids these are of
+  std::shared_ptr<const SceneObjects> objects;                  ///< to which these solids belong
   std::vector<CutField> cuts;
   double Removed(std::size_t material) const { return before[material] - after[material]; }
 };
 
-/// Plays a script with a bur, of its solid in a grid of a spacing.
+/// Plays a script with a bur on a solid in a grid of that spacing.
 CutRun PlayCut(const std::string& name, double spacing) {
   Scene scene = LoadScene(name);
   scene.objects[0].grid->spacing = spacing;
@@ -134,7 +134,7 @@ CutRun PlayCut(const std::string& name, double spacing) {
   StepReport report;
   for (int i = 0; i <= static_cast<int>(std::ceil(script.duration() * 1000.0)); ++i) {
     report = HapticStep(model, script.At(1e-3 * i), state, workspace);
-    // A bur that springs off an edge may be on its way for some steps.
+    // A bur that springs off an edge may lag for some steps.
     bad += (report.faults & ~kFaultTargetFar) != 0;
     run.late += (report.faults & kFaultTargetFar) != 0;
     ++run.steps;
@@ -150,33 +150,33 @@ CutRun PlayCut(const std::string& name, double spacing) {
 
 TEST(SceneScript, BurClearsTheCariesAndLeavesThePulp) {
   const CutRun run = PlayCut("caries", 50e-6);
-  // Enamel is what holds the hand back: 0.35 to 1.05 N were measured (catalogue/README.md).
+  // Enamel holds the hand back: 0.35 to 1.05 N were measured (catalogue/README.md).
   EXPECT_GT(run.force, 0.35);
   EXPECT_LT(run.force, 1.05);
   // Regions 2 and 3 are decayed: 7.6 mm^3, of which a dentist leaves little.
   EXPECT_GT(run.before[2] + run.before[3], 7.0);
   EXPECT_LT(run.after[2] + run.after[3], 0.05 * (run.before[2] + run.before[3]));
-  EXPECT_LT(run.Removed(0), 3.0);  // enamel, so wide that the bur's neck gets about
+  EXPECT_LT(run.Removed(0), 3.0);  // enamel, opened wide enough for the bur's neck
   EXPECT_LT(run.Removed(1), 0.3);  // sound dentine
-  EXPECT_GT(run.after[4], 50.0);   // pulp: none is touched
+  EXPECT_GT(run.after[4], 50.0);   // pulp: untouched
   EXPECT_EQ(run.Removed(4), 0.0);
 }
 
-// What each of these scripts is for, in a coarser grid than the scene's, for time.
+// Checks each script's purpose, in a coarser grid than the scene's to save time.
 TEST(SceneScript, DiamondPreparesACrown) {
   const CutRun run = PlayCut("crown", 200e-6);
   EXPECT_LT(run.force, 2.5);
   EXPECT_GT(run.Removed(0), 150.0);  // enamel
-  EXPECT_LT(run.Removed(1), 70.0);   // of 460 of dentine
+  EXPECT_LT(run.Removed(1), 70.0);   // of 460 mm^3 of dentine
   EXPECT_EQ(run.Removed(2), 0.0);    // pulp
-  // A millimetre above where the chewing surface is to be, nothing stands.
+  // Nothing is left 1 mm above the future chewing surface.
   for (int x = -8; x <= 8; ++x) {
     for (int z = -8; z <= 8; ++z) {
       const Vec3 p(0.5e-3 * x, 5.7e-3, 0.5e-3 * z);
       EXPECT_GT(run.cuts[0].Sample(p).distance, 0.0) << x << " " << z;
     }
   }
-  // All round, at half of the height, the wall stands 1 mm or more within the tooth's outline.
+  // All round, at half its height, the wall is at least 1 mm inside the tooth's outline.
   const SolidGrid& tooth = run.cuts[0].solid();
   for (int i = 0; i < 36; ++i) {
     const double angle = i * M_PI / 18.0;
@@ -224,8 +224,8 @@ TEST(SceneScript, PeriodontalProbeReachesThePocketsFloorAndFeelsATorqueWhenTurne
   EXPECT_TRUE(run.scene.features.compliance);
 }
 
-/// The energy that a hand's spring and a soft object hold together: by every leaf of the tool on
-/// every leaf of the object, without a tree, a row or a linearisation.
+/// The energy of a hand's spring and a soft object, computed over all pairs of leaves, without a
+/// tree, a row or a linearisation.
 class SoftEnergy {
  public:
   SoftEnergy(const Scene& scene, const Body& object)
@@ -272,8 +272,8 @@ class SoftEnergy {
   double stiffness_;
 };
 
-// A tool that rests between a tooth and its gum has no place near by that is free of the tooth and
-// where spring and gum hold less energy: what the spring gives the hand is what holds the tool.
+// Where a probe rests between a tooth and its gum, no pose near by is free of the tooth and has
+// less energy in spring and gum: the spring's force on the hand is what holds the probe.
 TEST(SceneScript, PeriodontalProbeRestsWhereGumAndSpringHoldTheLeastEnergy) {
   const Playback run = Play("periodontal", 4.0);
   const HapticModel model = MakeModel(run.scene, run.scene.tools[0], MakeObjects(run.scene));
@@ -296,7 +296,7 @@ TEST(SceneScript, PeriodontalProbeRestsWhereGumAndSpringHoldTheLeastEnergy) {
     StepReport report;
     for (int i = 0; i < 200; ++i) report = HapticStep(model, X_WH, state, workspace);
     soft += report.soft_contacts > 0;
-    // Less what the tool's separation from the tooth costs.
+    // Minus the energy of the tool's separation from the tooth.
     const double least = energy.At(report.X_WG, X_WH) - 1e-5 * report.wrench.force.norm();
     for (int i = 0; i < 30; ++i) {
       const double size = std::pow(10.0, random.Uniform(-5.0, -3.7));  // 0.01 to 0.2 mm
@@ -339,7 +339,7 @@ TEST(SceneScript, PipesLetTheBunnyThroughAll17) {
     const Vec3 ahead(std::sin(a), 0.0, std::cos(a));
     const Vec3 middle_W = pipe.X_WB.p + pipe.X_WB.q * middle;
     const Vec3 ahead_W = pipe.X_WB.q * ahead;
-    // The centroid crosses the middle's plane within the bore, after the pipe before it.
+    // The centroid crosses the plane at the pipe's middle within the bore, after the previous pipe.
     const auto side = [&](std::size_t i) {
       return (run.moments[i].report.X_WG.p - middle_W).dot(ahead_W);
     };
@@ -384,7 +384,7 @@ TEST(SceneScript, CalculusIsScrapedOffAndItsFrictionGoesWithIt) {
   const Body &tooth = scene.objects[0], &crust = scene.objects[2];
   const SolidGrid tooth_grid(tooth.mesh, {.spacing = 100e-6, .most_bytes = kMostGridBytes},
                              "tooth");
-  // Of the crust what stands out of the tooth [mm^3].
+  // Volume of the crust outside the tooth [mm^3].
   const auto outside = [&](const CutField& cut) {
     double volume = 0.0;
     const Lattice& lattice = cut.field().lattice();
@@ -398,7 +398,7 @@ TEST(SceneScript, CalculusIsScrapedOffAndItsFrictionGoesWithIt) {
     }
     return volume;
   };
-  // How deep the scaler's mesh is in what is drawn of the crust.
+  // The depth of the scaler's mesh in the drawn crust.
   double before = 0.0, after = 0.0, deepest = 0.0, deepest_at_rest = 0.0;
   int n = 0;
   const Playback run = Play("calculus", 4.0, [&](const Moment& m, const StepState& state) {
@@ -413,7 +413,7 @@ TEST(SceneScript, CalculusIsScrapedOffAndItsFrictionGoesWithIt) {
     double& most = state.cutting ? deepest : deepest_at_rest;
     most = std::max(most, oracle.At(m.report.X_WG).depth);
   });
-  // The chapter's Fig. 2.26: what the crust does along the strokes, y, summed over each pass [N s].
+  // The crust's force along the strokes, y, summed over each pass [N s] (chapter, Fig. 2.26).
   std::array<double, 8> friction{};
   for (const Moment& m : run.moments) {
     if (!m.label.starts_with("scrape, pass ")) continue;

@@ -32,7 +32,7 @@ class Numbers {
   std::uint64_t state_ = 1;
 };
 
-/// Triangles without any order: open, crossing each other.
+/// Triangles in no order: open and intersecting.
 inline TriangleMesh TriangleSoup(Numbers& numbers, int count, double size) {
   TriangleMesh mesh;
   for (int t = 0; t < count; ++t) {
@@ -44,7 +44,7 @@ inline TriangleMesh TriangleSoup(Numbers& numbers, int count, double size) {
   return mesh;
 }
 
-/// An empty folder of the test's own.
+/// An empty folder for the current test.
 inline std::string FreshFolder() {
   const auto* info = testing::UnitTest::GetInstance()->current_test_info();
   const std::filesystem::path folder =

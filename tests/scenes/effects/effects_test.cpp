@@ -1,4 +1,4 @@
-// Forces of one's own: loaded by scene files, run by the step, whatever they do.
+// Effects from users' libraries: loaded by scene files, run by the step, whatever they do.
 #include "scenes/effects/effects.h"
 
 #include <algorithm>
@@ -41,7 +41,7 @@ std::string Wrong(int way, int from_cycle = 0) {
 
 class EffectsTest : public testing::Test {
  protected:
-  /// The cube of the catalogue, with effects.
+  /// The catalogue's cube with effects.
   std::string File(const std::string& effects) const {
     const std::string file = folder_ / "mine.json";
     std::ofstream(file) << CubeWithEffects(effects);
@@ -55,7 +55,7 @@ class EffectsTest : public testing::Test {
   const Folder folder_;
 };
 
-/// A loop in free space, as a session begins it.
+/// A loop in free space, in the state a session starts it in.
 struct Loop {
   explicit Loop(const Scene& scene)
       : model(MakeModel(scene, scene.tools[0], MakeObjects(scene))), loop(model) {
@@ -106,7 +106,7 @@ TEST_F(EffectsTest, ShippedOnesActByTheirParameters) {
       ASSERT_NEAR(leads.force_N[0], 1.0, 1e-9) << "half a period after cycle 0";
     }
     ASSERT_LE(std::abs(shakes.force_N[2]), 0.3 + 1e-12);
-    // Apart from contacts, and by what they are.
+    // In rows after the contacts', one for passive and one for active effects.
     ASSERT_NEAR(pushes.row[wire::kContactRows][1], 2.0, 1e-9);
     ASSERT_NEAR(draws.row[wire::kContactRows + 1][1], 2.0, 1e-9);
     ASSERT_EQ(draws.row[wire::kContactRows][1], 0.0);
@@ -141,7 +141,7 @@ TEST_F(EffectsTest, StandInTheRowOfWhatTheyPromiseAndRampInAndFadeWithTheForce) 
     if (i > 100) expect(i, std::min(1.0, (i + 1) / 200.0));
   }
   for (int n = 1; n <= 3; ++n) {
-    at(600, 1e9);  // no pose of a hand: the last wrench fades
+    at(600, 1e9);  // not a pose of a hand: the last wrench fades
     expect(599, 1.0 - n / 20.0);
   }
 }
@@ -273,7 +273,7 @@ TEST_F(EffectsTest, HoldWhatPassiveOnesPromise) {
   EXPECT_THAT(swirls.faults[0], AllOf(HasSubstr("claims to be passive, but gives the hand"),
                                       HasSubstr("omit .passive")));
   EXPECT_THAT(JudgeEffects(Load(Wrong(4))).faults.at(0), HasSubstr("failed"));
-  // Those that do not promise it, and rightly so.
+  // Effects that rightly make no such promise.
   for (const char* active :
        {R"({"name": "moving_spring", "from_mm": [-20, 0, 0], "to_mm": [20, 0, 0]})",
         R"({"name": "vibration", "rate_Hz": 50})"}) {

@@ -1,4 +1,4 @@
-// An effect for tests, which does whatever an effect should not.
+// An effect for tests that does everything an effect must not.
 #include <limits>
 #include <stdexcept>
 

@@ -27,7 +27,6 @@ const std::string kEnamelOnDentine = R"("grid_um": 100,
   "regions": [{"box": {"min_mm": [-9, 0.5, -9], "max_mm": [9, 9, 9]},
                "material": {"cutting_pressure_MPa": 0.6}}])";
 
-/// @param tool  fields of it.
 std::string SceneOf(const std::string& tool, const std::string& block) {
   return R"({"tools": [{"name": "bur", "leaves": 16, )" + tool +
          R"(, "start": {"position_mm": [0, 3, 0]}}],
@@ -104,8 +103,8 @@ TEST(CutScene, NamesTheRegionWhoseMeshEnclosesNothing) {
                              HasSubstr("the mesh is open at 3 edges"), HasSubstr("thickness")));
 }
 
-// The bur's tip is the tool's origin and its axis the tool's y: pressed down at 1 mm/s it has the
-// law's force of what is before it, first enamel, then dentine, and then stops at the table.
+// The bur's tip is the tool's origin, its axis the tool's y.  Pressed down at 1 mm/s it has the
+// law's force of the material ahead, enamel and then dentine, and stops at the table.
 TEST(CutScene, IsFeltByItsBurThroughBothMaterialsDownToTheTable) {
   const Scene scene = Load(SceneText(kBallBur, kEnamelOnDentine));
   const HapticModel model = MakeModel(scene, scene.tools[0], MakeObjects(scene));
@@ -119,8 +118,7 @@ TEST(CutScene, IsFeltByItsBurThroughBothMaterialsDownToTheTable) {
   const auto down_to = [&](double y) {
     for (double at = state.X_WH.p.y(); at > y; at -= 1e-6) {
       report = HapticStep(model, {Vec3(0, at, 0)}, state, workspace);
-      // Where the neck goes into the hole, contact looks into the blocks round it for the first
-      // time.
+      // Where the neck enters the hole, contact looks into the blocks around it for the first time.
       ASSERT_EQ(report.faults & ~kFaultTargetFar, 0u);
       late += report.faults != 0;
     }
@@ -132,7 +130,7 @@ TEST(CutScene, IsFeltByItsBurThroughBothMaterialsDownToTheTable) {
   const double in_dentine = disc * (0.2e6 + 0.05e9 * 1e-3 / 1.5);
   EXPECT_NEAR(report.wrench.force.y(), in_dentine, 0.02 * in_dentine);
   EXPECT_LT(std::hypot(report.wrench.force.x(), report.wrench.force.z()), 0.01 * in_dentine);
-  // A ball that is 2 mm deep: a capsule's end and a cylinder.
+  // A ball 2 mm deep leaves a cylinder with one round end.
   const double depth = 1.5e-3 - state.X_WG.p.y() - 0.5e-3;
   const double volume = whole - test::TotalLeft(state.cuts[0]);
   EXPECT_NEAR(volume, disc * (depth + 0.5e-3 / 1.5), 0.01 * volume);
@@ -142,8 +140,8 @@ TEST(CutScene, IsFeltByItsBurThroughBothMaterialsDownToTheTable) {
   EXPECT_NEAR(report.wrench.force.y(), 1.0, 0.01);
 }
 
-// What a cycle costs does not go with the hand's speed: the bur lags, and what it has cut by then
-// holds the hand back.
+// A cycle's cost must not grow with the hand's speed: the bur lags instead, and the material it has
+// reached holds the hand back.
 TEST(CutScene, ABurThatIsAllInTheMaterialGoesNoFartherInACycleThanItsTimeAllows) {
   const Scene scene =
       Load(SceneText(R"({"shape": "bur", "kind": "ball", "diameter_mm": 1.4, "handle_mm": 40})",
@@ -163,7 +161,7 @@ TEST(CutScene, ABurThatIsAllInTheMaterialGoesNoFartherInACycleThanItsTimeAllows)
     force = std::max(force, report.wrench.force.norm());
   }
   EXPECT_GE(cutting, 3);
-  // The law's at rest, within what a bur that turns back a little adds.
+  // The law's force at rest, plus what a bur that tilts back a little adds.
   EXPECT_NEAR(force, M_PI * 0.49e-6 * 0.05e6, 0.01);
 }
 
@@ -259,7 +257,7 @@ TEST(CutScene, ANamedBurHasItsHeadItsMeshAndItsSpinAlsoAfterABundle) {
   EXPECT_EQ(model.cutting()->spin.hum, 0.2);
   EXPECT_EQ(model.solids()[0].materials[0].friction, 0.3);
   for (const BurSample& sample : model.bur_samples()) {
-    // It turns about y, clockwise seen from above, and its surface is no faster than that.
+    // The bur turns about y, clockwise from above, and its surface moves no faster than that.
     EXPECT_NEAR(sample.slide.norm(), 1.0, 1e-12);
     EXPECT_NEAR(sample.slide.dot(sample.normal), 0.0, 1e-12);
     const Vec3 place = sample.point + model.reference();
@@ -267,7 +265,7 @@ TEST(CutScene, ANamedBurHasItsHeadItsMeshAndItsSpinAlsoAfterABundle) {
   }
 }
 
-/// Of a ball of 1 mm, its lower half.
+/// An edge on the lower half of a ball of 1 mm.
 std::string EdgeOf(const std::string& curve, const std::string& rounding, const std::string& at,
                    const std::string& sense = "[2, 0, 0]") {
   return R"("mesh": {"shape": "sphere", "radius_m": 0.001}, "edge": {"curve_mm": )" + curve +
@@ -347,7 +345,7 @@ TEST(CutScene, IsNotUsableWhereAGridCannotBeMadeOrAToolIsNoBur) {
   huge.objects[0].grid->spacing = 25e-6;
   for (Vec3& v : huge.objects[0].mesh.vertices) v *= 50.0;
   EXPECT_THAT(JudgeScene(huge).faults, testing::ElementsAre(HasSubstr("use a larger spacing")));
-  // No tool may go through what it does not feel.
+  // A tool may not pass through what it does not feel.
   scene.tools[0].bur.reset();
   EXPECT_NO_THROW(MakeModel(scene, scene.tools[0], MakeObjects(scene)));
   scene.features.contact = ContactModel::kSpheres;

@@ -20,7 +20,7 @@ using test::WriteFile;
 using testing::Contains;
 using testing::HasSubstr;
 
-/// A tetrahedron whose longest side is that of its box.
+/// A tetrahedron whose longest side is that of its bounding box.
 std::string Tetrahedron(const std::string& side) {
   return "v 0 0 0\nv " + side + " 0 0\nv 0 " + side + " 0\nv 0 0 " + side +
          "\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";

@@ -58,7 +58,7 @@ std::string Complaint(std::span<const std::uint8_t> bytes) {
   return ComplaintOf([&] { UnpackScene(bytes, "s.palpate"); });
 }
 
-// As programs of before wrote it: the byte after that of compliance.
+// As earlier programs wrote it: the byte after that of compliance.
 TEST(SceneBundle, RefusesASceneWhoseLeavesWearAway) {
   Scene scene = SmallScene();
   std::vector<std::uint8_t> bytes = PackScene(scene);
@@ -150,7 +150,7 @@ TEST(SceneBundle, SaysHowEachTreeStandsForItsMesh) {
     EXPECT_EQ(back.objects[0].tree.origin, TreeOrigin::kInside);
     EXPECT_EQ(back.objects[1].tree.origin, scene.objects[1].tree.origin);
   }
-  // A scene that travels has the same bytes as ever.
+  // Without remarks, as it travels, a scene has the same bytes in every version.
   const auto travelling = PackScene(scene);
   scene.objects[1].tree.origin = TreeOrigin::kUnknown;
   EXPECT_EQ(PackScene(scene), travelling);
@@ -178,7 +178,7 @@ TEST(SceneBundle, ReadsBytesThatAreNotAligned) {
 TEST(SceneBundle, RefusesEveryBeginningOfItself) {
   const auto bytes = PackScene(SmallScene());
   for (std::size_t size = 0; size < bytes.size(); size += size < 100 ? 1 : 97) {
-    // A copy of its own, so that a sanitizer sees a read beyond it.
+    // A separate copy, so that a sanitizer detects a read beyond its end.
     const std::vector<std::uint8_t> part(bytes.begin(), bytes.begin() + size);
     EXPECT_THAT(Complaint(part), HasSubstr(size == 0 ? "is not a Palpate scene" : "is cut short"));
   }

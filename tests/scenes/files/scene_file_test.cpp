@@ -24,7 +24,7 @@ constexpr char kGood[] = R"({
   ]
 })";
 
-/// The good scene with one text put in another's place.
+/// The good scene with one text replaced by another.
 std::string With(const std::string& old_text, const std::string& new_text) {
   std::string text = kGood;
   const std::size_t at = text.find(old_text);
@@ -83,7 +83,6 @@ TEST(SceneFile, ReadsEveryKindOfMeshAndCoupling) {
   EXPECT_EQ(scene.objects[2].mesh.placement.metres_per_unit, 0.0254);
 }
 
-/// The good scene with these fields in its object.
 std::string WithObject(const std::string& fields) {
   return With("\"leaves\": 100", "\"leaves\": 100, " + fields);
 }
@@ -102,7 +101,7 @@ TEST(SceneFile, ReadsHowTrulyAMeshStandsForACurvedSurface) {
             CurvedOptions{}.max_triangles);
   EXPECT_EQ(curved(", \"curved\": {\"tolerance_um\": 5, \"max_triangles\": 9000}")->max_triangles,
             9000u);
-  // Every kind of mesh has it.
+  // Every kind of mesh accepts it.
   const SceneDescription all = ParseScene(R"({
     "tools": [{"name": "a", "leaves": 8, "mesh": {"shape": "probe", "curved": {"tolerance_um": 1}}}],
     "objects": [

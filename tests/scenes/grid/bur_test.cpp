@@ -22,7 +22,7 @@ const Bur kFissure = Bur::Cylinder(0.5e-3, 3e-3, 0.05e-3);
 const Bur kSharp = Bur::Cylinder(0.5e-3, 3e-3, 0.0);
 const Bur kTaper = Bur::Cone(0.3e-3, 0.6e-3, 3e-3, 0.1e-3);
 const Bur kInverted = Bur::Cone(0.6e-3, 0.3e-3, 1e-3, 0.0);
-const double kWall[] = {0.65e-3, 0.95e-3, 1.9e-3, 0.05e-3};  // inner, outer, high, rounding
+const double kWall[] = {0.65e-3, 0.95e-3, 1.9e-3, 0.05e-3};  // inner, outer, height, rounding
 const Bur kTrephine(
     {{kWall[0], 0}, {kWall[1], 0}, {kWall[1], kWall[2]}, {kWall[0], kWall[2]}, {kWall[0], 0}},
     kWall[3]);
@@ -68,10 +68,10 @@ TEST(Bur, TrephineHasTheDistanceOfARoundedRectangleInTheHalfPlane) {
   EXPECT_NEAR(kTrephine.half_width(), 0.2e-3, 1e-12);
 }
 
-// Samples stand for its surface: in the bore, outside and on both rims, all of it.
+// The samples represent the whole surface: in the bore, outside and on both rims.
 TEST(Bur, TrephinesSamplesLieOnItAndHaveItsArea) {
   const auto& [inner, outer, high, rounding] = kWall;
-  // Walls, rims and, by Pappus, four quarter circles, whose middles are 2/pi of a rounding away.
+  // Walls, rims and, by Pappus, four quarter circles with centroids 2/pi of the rounding away.
   const double area =
       2.0 * M_PI *
       (high * (inner - rounding + outer + rounding) + (outer - inner) * (outer + inner) +
@@ -90,8 +90,7 @@ TEST(Bur, TrephinesSamplesLieOnItAndHaveItsArea) {
 }
 
 TEST(Bur, ConeHasTheSlantOfItsRadii) {
-  // Half way up the side of the tapered one, whose slant is 0.3 in 2.8 mm: the rounding moves it
-  // out.
+  // Half way up the tapered one's side, whose slant is 0.3 in 2.8 mm, moved out by the rounding.
   const double slant = std::atan2(0.3, 2.8);
   const Vec3 on_side(0.35e-3 + 0.1e-3 * std::cos(slant), 0.0, 1.4e-3 - 0.1e-3 * std::sin(slant));
   Vec3 gradient;
@@ -100,7 +99,7 @@ TEST(Bur, ConeHasTheSlantOfItsRadii) {
   EXPECT_NEAR(gradient.z(), -std::sin(slant), 1e-9);
 }
 
-// A signed distance falls or rises by its gradient, and nowhere faster than the way is long.
+// A signed distance changes by its gradient, and nowhere faster than the point moves.
 TEST(Bur, GradientIsThatOfTheDistance) {
   Random random(3);
   for (const Bur* bur : kAll) {
@@ -117,7 +116,7 @@ TEST(Bur, GradientIsThatOfTheDistance) {
   }
 }
 
-/// What a sweep's distances, which are floats, lose within 3 mm of the bur [m].
+/// Rounding of a sweep's distances to floats, within 3 mm of the bur [m].
 constexpr double kFloats = 1e-9;
 
 TEST(Bur, WayOfABallIsACapsule) {
@@ -153,7 +152,7 @@ TEST(Bur, WayIsTheNearestOfManyPlacesOnIt) {
   }
 }
 
-// Whatever instructions a processor has: recordings are verified on others.
+// Recordings are verified on other processors, so every instruction set must give the same bits.
 TEST(Bur, RaisesARowToTheSameBitsByWhateverInstructions) {
   if (!BurSweep::IsWide()) GTEST_SKIP() << "there is one kind only";
   Random random(6);
@@ -206,7 +205,7 @@ TEST(Bur, SamplesHaveTheSurfacesAreaAndEnclose) {
         EXPECT_LE(bur->Distance(s.point - 1e-9 * s.normal, gradient), 0.0);
       }
       EXPECT_NEAR(sum / area, 1.0, 1e-4);
-      EXPECT_LT(closed.norm() / area, 2.0 / count);  // of a closed surface: zero
+      EXPECT_LT(closed.norm() / area, 2.0 / count);  // zero for a closed surface
     }
   }
 }

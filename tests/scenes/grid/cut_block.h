@@ -11,7 +11,7 @@
 
 namespace palpate::test {
 
-/// A block whose face is the plane z = 0 of a frame P, and lies in the grid turned by q.
+/// A block in a frame P with its face at z = 0; q rotates P into the grid's frame.
 struct CutBlock {
   CutBlock(double spacing, const Quat& q_BP,
            std::function<std::uint8_t(const Vec3&)> material = nullptr, std::size_t blocks = 0)
@@ -27,8 +27,8 @@ struct CutBlock {
     return mesh;
   }
 
-  /// Along a straight way in steps of `length` at most; the bur's axis is P's z, turned by `tilt`.
-  /// @returns whether there was no room for all of it.
+  /// Cuts along a line in steps of at most `length`; the bur's axis is P's z, turned by `tilt`.
+  /// @returns whether storage ran out.
   bool Go(const Bur& bur, const Vec3& from_P, const Vec3& to_P, double length = 3e-6,
           const Quat& tilt = Quat::Identity()) {
     bool full = false;
@@ -40,9 +40,9 @@ struct CutBlock {
     return full;
   }
 
-  /// As Go, and counts what went, which takes longer.
+  /// As Go, but also measures the removed volume, which takes longer.
   struct Moved {
-    std::array<double, SolidGrid::kMaterials> volume;  ///< that went, of each material [m^3]
+    std::array<double, SolidGrid::kMaterials> volume;  ///< removed, of each material [m^3]
     bool full = false;
     double total() const { return std::accumulate(volume.begin(), volume.end(), 0.0); }
   };

@@ -25,12 +25,12 @@ using testing::HasSubstr;
 
 constexpr double kRadius = 0.25e-3;
 
-/// Of a ball that goes straight down to `depth` >= 0 of its centre.
+/// Removed by a ball whose centre plunges to `depth` >= 0.
 double PlungeVolume(double depth) {
   return M_PI * kRadius * kRadius * depth + 2.0 / 3.0 * M_PI * std::pow(kRadius, 3);
 }
 
-/// Of a ball whose centre goes `length` along the plane, at a depth between -R and R.
+/// Removed by a ball whose centre moves `length` along the plane, at a depth from -R to R.
 double GrooveVolume(double depth, double length) {
   const double r = kRadius, height = r + depth;
   const double section =
@@ -45,7 +45,7 @@ struct Spacing {
   double h, bound;
 };
 
-// A groove of 50 um in a grid of 50 um is one voxel deep: the rims are all there is of it.
+// At a spacing of 50 um a groove 50 um deep is one voxel deep and consists of rims alone.
 TEST(CutField, TakesTheVolumeOfAPlungeAndOfAGroove) {
   const Bur ball = Bur::Ball(kRadius);
   for (const auto& [h, bound] : {Spacing{100e-6, 0.021}, Spacing{50e-6, 0.0012}}) {
@@ -80,7 +80,6 @@ TEST(CutField, TakesTheVolumeOfASlotThatAFissureBurMills) {
   }
 }
 
-// What it goes round stays, as in life.
 TEST(CutField, ATrephineTakesARingAndLeavesTheCore) {
   const double inner = 0.5e-3, outer = 0.8e-3, depth = 0.3e-3;
   const Bur bur({{inner, 0}, {outer, 0}, {outer, 2e-3}, {inner, 2e-3}, {inner, 0}}, 0.0);
@@ -91,7 +90,7 @@ TEST(CutField, ATrephineTakesARingAndLeavesTheCore) {
   }
 }
 
-// The steps of a straight way are convex together: what is between lattice points lies within.
+// The steps of a straight path form a convex region: interpolation stays inside it.
 TEST(CutField, HoldsTheDistanceToTheWayAtItsPointsAndLessBetweenThem) {
   CutBlock block(50e-6, kTilted);
   const Vec3 from(-0.3e-3, 0.1e-3, 0.1e-3), to(0.4e-3, -0.1e-3, -0.15e-3);
@@ -120,7 +119,7 @@ TEST(CutField, HoldsTheDistanceToTheWayAtItsPointsAndLessBetweenThem) {
     if (std::abs(truth) > 0.5 * band) continue;
     const double distance = field.Sample(p_B).distance;
     ASSERT_LE(distance, truth + 2e-9);
-    // A chord's sagitta along each of two ways across, h^2/8R, and along the third.
+    // A chord's sagitta across the path, h^2/8R, in each of three directions.
     ASSERT_GE(distance, truth - 3.0 * 50e-6 * 50e-6 / (8.0 * (kRadius - std::abs(truth))));
   }
 }
@@ -128,7 +127,7 @@ TEST(CutField, HoldsTheDistanceToTheWayAtItsPointsAndLessBetweenThem) {
 TEST(CutField, RimBetweenCutAndOldSurfaceStaysSharp) {
   CutBlock block(50e-6, Quat::Identity());
   block.Go(Bur::Ball(kRadius), Vec3(0, 0, 0.3e-3), Vec3(0, 0, -0.1e-3));
-  // Five micrometres below the old surface, and as far outside of the hole.
+  // 5 um below the old surface, and as far outside the hole.
   for (const double angle : {0.0, 0.3, 0.8, 2.0, 4.0}) {
     const double r = kRadius + 5e-6;
     const Vec3 p(r * std::cos(angle), r * std::sin(angle), -5e-6);
@@ -203,13 +202,13 @@ TEST(CutField, DoesNotDependOnTheOrderOfSteps) {
     const double left = test::TotalLeft(one.cut);
     EXPECT_LT(left, whole - 0.1e-9);
     EXPECT_EQ(test::TotalLeft(other.cut), left);
-    // Again the same: nothing is left to take.
+    // Once more: nothing is left to remove.
     for (const Move& m : moves) one.cut.Remove(m.bur, m.X_BT, m.step);
     EXPECT_EQ(test::TotalLeft(one.cut), left);
   }
 }
 
-// What a bur cannot have reached since the last step is left out; after another bur nothing is.
+// Points out of the bur's reach since its last step are skipped, but not after another bur.
 TEST(CutField, OfAWalkIsTheSameWhetherOrNotAnotherBurCutsInBetween) {
   const Bur bur = Bur::Cylinder(0.25e-3, 1e-3, 0.05e-3), other = Bur::Ball(0.05e-3);
   for (const std::uint64_t seed : {8, 9, 10}) {
@@ -222,7 +221,7 @@ TEST(CutField, OfAWalkIsTheSameWhetherOrNotAnotherBurCutsInBetween) {
     const double whole = test::TotalLeft(alone.cut);
     for (int n = 0; n < 300; ++n) {
       if (n % 40 == 0) way = random.Uniform(0.0, 10e-6) * random.Direction();
-      // On from where it was, but for a turn and a leap at times.
+      // It continues from where it was, apart from an occasional turn or jump.
       if (n % 7 == 0) X_BT.q = (RotationExp(3e-3 * random.Direction()) * X_BT.q).normalized();
       if (n % 50 == 49) X_BT.p += 20e-6 * random.Direction();
       alone.cut.Remove(bur, X_BT, way);
@@ -242,7 +241,7 @@ TEST(CutField, OfAWalkIsTheSameWhetherOrNotAnotherBurCutsInBetween) {
   }
 }
 
-/// Copies what changed, as one who follows a cut does.
+/// Copies the changed blocks, as a follower of the cut does.
 void Follow(CutField& cut, SparseField& copy, std::size_t most) {
   for (std::size_t block = 0; most > 0 && cut.TakeChanged(block); --most) {
     const std::int32_t entry = cut.field().entry(block);
@@ -319,7 +318,7 @@ TEST(CutField, StorageOfWhatIsClearIsUsedAgain) {
   const std::size_t before = field.free_blocks();
   const Bur bur = Bur::Cylinder(0.7e-3, 3e-3, 0.0);
   block.Go(bur, Vec3(0, 0, 0.1e-3), Vec3(0, 0, -1.2e-3), 20e-6);
-  // Right through the block, and wider than two of the grid's.
+  // Right through the block, and wider than two blocks of the grid.
   std::size_t clear = 0, stored = 0;
   for (std::size_t n = 0; n < field.lattice().block_count(); ++n) {
     clear += field.entry(n) == SparseField::kAbove;
@@ -378,14 +377,14 @@ TEST(CutField, ToothOfTenMillimetresAndAllThatCanBeCutOfItFitInto64Megabytes) {
               HasSubstr("tooth: cutting at 50 um takes"));
 }
 
-/// phi_c as fields tell each other of it.
+/// Sends phi_c as fields send it to each other.
 void Tell(CutField& from, CutField& to, std::size_t block) {
   const std::int32_t entry = from.field().entry(block);
   to.Merge(block, entry < 0 ? nullptr : from.field().values(entry));
 }
 
-// Three burs, each in a field of its own; what changed is told to the others now or later, twice or
-// in another order.  In the end all hold what one field holds that all three have cut.
+// Three burs each cut a field of their own; changes reach the others at once or later, twice or
+// reordered.  In the end all must equal a single field cut by all three.
 TEST(CutField, HoldsTheSameBitsInWhateverOrderItMergesWhatOthersCut) {
   Random random(17);
   for (int round = 0; round < 3; ++round) {
@@ -393,7 +392,7 @@ TEST(CutField, HoldsTheSameBitsInWhateverOrderItMergesWhatOthersCut) {
     const auto below = [&](std::size_t n) {
       return static_cast<std::size_t>(random.Below(static_cast<int>(n)));
     };
-    std::deque<CutBlock> hands;  // they stay where they are
+    std::deque<CutBlock> hands;  // a deque never moves them
     std::vector<Vec3> at;
     for (int n = 0; n < 3; ++n) {
       hands.emplace_back(100e-6, kTilted);
@@ -406,7 +405,7 @@ TEST(CutField, HoldsTheSameBitsInWhateverOrderItMergesWhatOthersCut) {
     std::vector<News> waiting;
     const auto tell = [&](std::size_t n) {
       Tell(hands[waiting[n].from].cut, hands[waiting[n].to].cut, waiting[n].block);
-      if (random.Below(4) == 0) return;  // and again
+      if (random.Below(4) == 0) return;  // it arrives again later
       waiting[n] = waiting.back();
       waiting.pop_back();
     };
@@ -434,7 +433,7 @@ TEST(CutField, HoldsTheSameBitsInWhateverOrderItMergesWhatOthersCut) {
   }
 }
 
-// A bur that is larger than a block of the grid leaves nothing of some.
+// A bur larger than a block of the grid leaves some blocks empty.
 TEST(CutField, MergesWhatIsGoneAltogether) {
   CutBlock one(100e-6, kTilted), other(100e-6, kTilted);
   one.Go(Bur::Ball(1.2e-3), Vec3(-0.5e-3, 0, -0.2e-3), Vec3(0.5e-3, 0, -0.2e-3), 50e-6);

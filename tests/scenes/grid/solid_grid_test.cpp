@@ -30,7 +30,7 @@ double BoxDistance(const Vec3& p, const Vec3& half) {
   return q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
 }
 
-/// Visits each point of a lattice that is stored.
+/// Visits each stored point of a lattice.
 template <class Visit>
 void EachPoint(const SparseField& field, Visit visit) {
   const Lattice& lattice = field.lattice();
@@ -43,7 +43,7 @@ void EachPoint(const SparseField& field, Visit visit) {
   }
 }
 
-// Every point of the lattice, so beside faces, edges and corners, and far from them.
+// Every lattice point: beside faces, edges and corners, and far from them.
 TEST(SolidGrid, OfABoxIsExactAtEveryPointHoweverItIsTurned) {
   const Vec3 half(0.9e-3, 0.6e-3, 0.45e-3);
   Random random(7);
@@ -60,11 +60,11 @@ TEST(SolidGrid, OfABoxIsExactAtEveryPointHoweverItIsTurned) {
   }
 }
 
-// A lattice's lines may run through vertices and along edges and faces.
+// Lattice lines may run through vertices and along edges and faces.
 TEST(SolidGrid, LinesThroughVerticesAndEdgesCrossNoOftenerThanOthers) {
   const double h = 100e-6, offset = (SolidGrid::kBandSpacings + 1 + 0.382) * h;
-  // The lattice begins off the mesh's box.  A small box beyond each of three sides widens that box
-  // by as much as brings the corners, edges and diagonals of the big one onto the lattice's points.
+  // The lattice starts off the mesh's bounding box.  A small box beyond each of three sides extends
+  // that box just so that the big box's corners, edges and diagonals fall on lattice points.
   TriangleMesh mesh = MakeBox(Vec3(10 * h, 10 * h, 10 * h));
   const Vec3 low = Vec3::Constant(-5 * h - offset);
   for (const int axis : {0, 1, 2}) {
@@ -111,7 +111,7 @@ TEST(SolidGrid, PaintsWhatLiesWithinARegionsMesh) {
   body.mesh = MakeBox(Vec3(4e-3, 2e-3, 2e-3));
   body.materials.resize(3);
   body.grid.emplace().spacing = 100e-6;
-  // A bent pipe that leaves the box, and a box in it that paints over it.
+  // A bent pipe that leaves the box, and inside it a box that paints over the pipe.
   const TriangleMesh pipe = MakeBentPipe(0.4e-3, 0.3e-3, 3e-3, 0.5);
   const MaterialRegion box{Vec3(-1e-3, 0.4e-3, -1e-3), Vec3(1e-3, 1e-3, 1e-3), 0.0, 2, {}};
   body.grid->regions = {{Vec3::Zero(), Vec3::Zero(), 0.0, 1, pipe}, box};
@@ -191,7 +191,7 @@ TEST(SolidGrid, KnowsTheMaterialOfEachPoint) {
   }
 }
 
-// A molar's box of 10 mm, of which an ellipsoid fills half.
+// A molar's bounding box of 10 mm, half filled by an ellipsoid.
 TEST(SolidGrid, ToothOfTenMillimetresFitsAtFiftyMicrometres) {
   const SolidGrid grid(MakeEllipsoid(Vec3(5e-3, 5e-3, 5e-3), 20480), {.spacing = 50e-6}, "tooth");
   EXPECT_LT(grid.bytes(), 32u << 20);
@@ -219,7 +219,7 @@ TEST(SolidGrid, BadMeshesAreRefusedWithARemedy) {
 }
 
 TEST(SolidGrid, GridThatWouldNotFitIsRefusedBeforeItTakesItsMemory) {
-  // Kilometres: a table alone would be some 10^22 bytes.
+  // Kilometres: the table alone would take some 10^22 bytes.
   EXPECT_THAT(ComplaintOf([] { SolidGrid(MakeBox(Vec3::Constant(1e3)), {}, "hill"); }),
               AllOf(HasSubstr("hill: a grid of 50 um"), HasSubstr("larger spacing")));
   EXPECT_THAT(ComplaintOf([] {

@@ -48,7 +48,7 @@ double VolumeOf(const SolidSurface& surface) {
   return volume;
 }
 
-/// Each edge has two triangles, one each way, and no triangle has a corner twice.
+/// Each edge has two triangles, one in each direction, and no triangle repeats a vertex.
 void ExpectClosed(const SolidSurface& surface) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> ways;
   for (const auto& t : surface.triangles) {
@@ -79,7 +79,7 @@ struct Errors {
 
 TEST(SolidSurface, IsClosedAndTurnedOutwardsHoweverItIsRiddled) {
   for (const Quat& q : {kAlong, kAskew}) {
-    // Holes from less than a cell to several: cells of every kind.
+    // Holes from below a cell's size to several cells, which makes cells of every kind.
     for (const auto& [least, most, count] :
          {std::tuple{0.04e-3, 0.09e-3, 2000}, {0.08e-3, 0.16e-3, 400}, {0.1e-3, 0.4e-3, 40}}) {
       CutBlock block(100e-6, q);
@@ -92,8 +92,7 @@ TEST(SolidSurface, IsClosedAndTurnedOutwardsHoweverItIsRiddled) {
   }
 }
 
-// Cells that have a vertex for eight of them beside others of every kind, and lattice points that
-// lie on a face but for rounding.
+// One vertex for eight cells beside cells of all kinds; lattice points on a face up to rounding.
 TEST(SolidSurface, IsClosedWhereFlatAndRiddledPartsMeet) {
   for (const std::uint64_t seed : {1, 2, 5, 34, 37, 62, 82, 98, 102, 106}) {
     Random random(seed);
@@ -118,7 +117,7 @@ TEST(SolidSurface, IsClosedWhereFlatAndRiddledPartsMeet) {
   }
 }
 
-// Most of it has a vertex for eight cells, and so a quarter of the triangles, and lies as near.
+// Most of it has one vertex for eight cells, so a quarter of the triangles, equally accurate.
 TEST(SolidSurface, OfAWideBallHasFewTrianglesAndIsNear) {
   constexpr double h = 50e-6, radius = 2e-3;
   const TriangleMesh ball = MakeSphere(radius, 80000);
@@ -126,7 +125,7 @@ TEST(SolidSurface, OfAWideBallHasFewTrianglesAndIsNear) {
   const SolidSurface surface = WholeSurface(CutField(solid, 64u << 20, "ball"));
   ExpectClosed(surface);
   EXPECT_NEAR(VolumeOf(surface), 4.0 / 3.0 * M_PI * std::pow(radius, 3), 1e-3 * VolumeOf(surface));
-  // Some 1.5 edges of the lattice are crossed in h^2, and each has two triangles.
+  // About 1.5 lattice edges cross the surface per h^2, with two triangles each.
   EXPECT_LT(surface.triangles.size(), 0.4 * 3.0 * 4.0 * M_PI * radius * radius / (h * h));
   Errors errors;
   for (const auto& [i, j, k] : surface.triangles) {
@@ -157,7 +156,6 @@ TEST(SolidSurface, EnclosesWhatTheGridSaysIsLeft) {
   }
 }
 
-/// A groove of a ball, its axis so far below the face.
 TEST(SolidSurface, OfAGrooveLiesAtTheExactSweep) {
   for (const double depth : {-0.1e-3, 0.0, 0.1e-3}) {
     for (const Quat& q : {kAlong, kQuarter, kAskew}) {
@@ -169,7 +167,7 @@ TEST(SolidSurface, OfAGrooveLiesAtTheExactSweep) {
         return (p - Vec3(std::clamp(p.x(), a.x(), b.x()), 0, -depth)).norm() - kBallRadius;
       };
       Errors from, to;
-      // Points of the triangles, near the groove.
+      // Points on the triangles near the groove.
       for (const auto& [i, j, k] : surface.triangles) {
         for (const Vec3& w : {Vec3(1, 0, 0), Vec3(0.5, 0.5, 0), Vec3(0.4, 0.3, 0.3)}) {
           const Vec3 p = q.conjugate() * (w[0] * surface.vertices[i] + w[1] * surface.vertices[j] +
@@ -180,7 +178,7 @@ TEST(SolidSurface, OfAGrooveLiesAtTheExactSweep) {
                                                 : std::max(of_box, of_cut));
         }
       }
-      // Points of the sweep's surface: along the groove, from rim to rim, both rims among them.
+      // Points on the swept surface: along the groove, from rim to rim inclusive.
       const TriangleMesh mesh = MeshOf(surface);
       const MeshQuery query(mesh);
       const double rim = std::asin(depth / kBallRadius);
@@ -226,11 +224,11 @@ TEST(SolidSurface, KeepsTheEdgesOfABoxSharp) {
       for (const Vec3& v : mesh.vertices) vertices.Add(BoxDistance(q.conjugate() * v));
       EXPECT_LE(edges.most, 0.25 * h);
       EXPECT_LE(edges.rms(), 0.05 * h);
-      // Three faces that no cell's crossings know.
+      // A corner has three faces that no single cell's crossings determine.
       EXPECT_LE(corners.most, 0.7 * h);
       EXPECT_LE(vertices.most, 0.4 * h);
       EXPECT_LE(vertices.rms(), 0.01 * h);
-      // What faces the wrong way, folded over an edge.
+      // Triangles facing the wrong way, folded over an edge.
       double folded = 0.0;
       for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
         const auto& [i, j, k] = mesh.triangles[t];
@@ -285,8 +283,8 @@ TEST(SolidSurface, KnowsWhatLiesBehindIt) {
   EXPECT_GT(of[1], 1000u);
 }
 
-// The rim of a block is what shares a vertex with it in the whole surface, and hardly more: of a
-// quad it has both triangles or none.
+// A block's rim is what shares a vertex with it in the whole surface, and hardly more: both
+// triangles of a quad or none.
 TEST(SolidSurface, ABlocksRimIsItsNeighboursTriangles) {
   CutBlock block(100e-6, kAskew);
   Riddle(block, 7, 12, 0.15e-3, 0.4e-3);

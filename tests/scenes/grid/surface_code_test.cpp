@@ -12,7 +12,7 @@
 namespace palpate::test {
 namespace {
 
-/// As the header has it, and by nothing else of the encoder's.
+/// Follows the header's description and shares no code with the encoder.
 struct Reader {
   const std::vector<std::uint8_t>& code;
   std::size_t at = 0;
@@ -59,7 +59,7 @@ SolidSurface Decode(const std::vector<std::uint8_t>& code, const Vec3& begin, do
   return surface;
 }
 
-/// Each triangle and what lies behind it, whatever their order.
+/// Each triangle and what lies behind it, in any order.
 std::multiset<std::array<std::uint32_t, 4>> FacesOf(const SolidSurface& surface) {
   std::multiset<std::array<std::uint32_t, 4>> faces;
   for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
@@ -70,7 +70,7 @@ std::multiset<std::array<std::uint32_t, 4>> FacesOf(const SolidSurface& surface)
 }
 
 void ExpectSame(const SolidSurface& surface, const Vec3& begin, double spacing) {
-  std::vector<std::uint8_t> code(7, 9);  // of another before it
+  std::vector<std::uint8_t> code(7, 9);  // left from an earlier surface
   EncodeSurface(surface, begin, spacing, code);
   const SolidSurface decoded = Decode(code, begin, spacing);
   EXPECT_EQ(FacesOf(decoded), FacesOf(surface));

@@ -1,5 +1,4 @@
-// Mesh files as programs in the field write them: each is read as the body that it says, or refused
-// with the true cause.
+// Mesh files as programs write them: each is read as the body it describes, or rightly refused.
 #include "scenes/importer/mesh_reader.h"
 
 #include <algorithm>
@@ -52,8 +51,8 @@ std::string Complaint(const std::string& name, const std::string& text) {
 
 // --- OBJ ---
 
-// Blanks, ends of lines, signs, colours, continued lines, corners counted backwards and the like
-// are AnyLayout's, below; for each format there is here what that one does not write.
+// AnyLayout, below, tests blanks, line ends, signs, colours, continued lines, negative indices and
+// the like; each format has here what AnyLayout does not write.
 
 TEST(ObjReader, ReadsEveryLineAsItIsWritten) {
   const std::string plain = test::ObjOf(WrittenBox());
@@ -89,13 +88,13 @@ TEST(ObjReader, SaysWhichLineIsNone) {
 }
 
 TEST(Polygons, AreCutWithinTheirOutlineWhereTheyAreNotConvex) {
-  // An L whose first corner is the inner one's neighbour, upright in space.
+  // An L whose first vertex is next to the inner one, upright in space.
   const TriangleMesh mesh =
       ReadMeshText("l.obj", "v 1 0 1\nv 1 0 2\nv 0 0 2\nv 0 0 0\nv 2 0 0\nv 2 0 1\nf 1 2 3 4 5 6\n")
           .mesh;
   const MeshReport r = InspectMesh(mesh);
   EXPECT_EQ(r.triangles, 4u);
-  EXPECT_NEAR(r.area, 3.0, 1e-12);  // with a fan 5
+  EXPECT_NEAR(r.area, 3.0, 1e-12);  // a fan would give 5
   EXPECT_TRUE(r.oriented());
   EXPECT_EQ(r.boundary_edges, 6u);
 }
@@ -220,7 +219,7 @@ TEST(GltfReader, ReadsWhatStandsInItsScene) {
 TEST(GltfReader, ReadsABufferOfAnySizeInTheText) {
   constexpr std::string_view kDigits =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  const std::string glb = Glb("", std::string(30'000, 'x'));  // of no JSON: the buffer begins at 28
+  const std::string glb = Glb("", std::string(30'000, 'x'));  // no JSON: the buffer starts at 28
   std::string base64;
   for (std::size_t at = 28; at + 3 <= glb.size(); at += 3) {
     const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(glb[at + i]); };
@@ -242,13 +241,12 @@ TEST(GltfReader, TurnsWhatIsMirroredAndReadsWhatStandsThereTwice) {
           .mesh);
   EXPECT_EQ(r.triangles, 24u);
   EXPECT_TRUE(r.solid());
-  EXPECT_NEAR(r.volume, 2 * 1920e-9, 1e-12);  // a box inside out would take it off
+  EXPECT_NEAR(r.volume, 2 * 1920e-9, 1e-12);  // a box inside out would subtract
   EXPECT_NEAR((r.box_min - Vec3(-0.021, 0.002, 0.003)).norm(), 0.0, 1e-8);
   EXPECT_NEAR((r.box_max - Vec3(0.071, 0.014, 0.011)).norm(), 0.0, 1e-8);
 }
 
-/// As gltfpack writes: whole numbers of a type, in entries of whole words, and a node that undoes
-/// it.
+/// As gltfpack writes: integers, entries padded to whole words, and a node that scales them back.
 template <class T>
 std::string Quantised(int type, double one) {
   std::string more;
@@ -310,7 +308,7 @@ TEST(GltfReader, ReadsStripsAndFans) {
 
 TEST(GltfReader, RefusesByItsNameWhatItDoesNotRead) {
   const std::string required = R"(,"extensionsRequired":["EXT_meshopt_compression"])";
-  // With a plain copy it is read; without, the data are nowhere.
+  // With a plain copy the data are read; without one there are none.
   ExpectTheBox("m.glb",
                Glb(Json({.more = required, .buffers = R"({"byteLength":168},{"byteLength":96,
 "extensions":{"EXT_meshopt_compression":{"fallback":true}}})"})),
@@ -363,7 +361,7 @@ TEST(MeshReader, SaysWhatANameLacks) {
   EXPECT_THAT(Complaint("a.step", "x"), HasSubstr("the format \"step\" is not known"));
 }
 
-/// Corners' places, in the order of the file.
+/// Vertex positions in the order of the file.
 std::string CornersOf(const TriangleMesh& mesh) {
   std::ostringstream text;
   text.precision(17);

@@ -22,7 +22,7 @@ TEST(AmbientLight, AConvexBodyAloneSeesTheWholeRoom) {
 }
 
 TEST(AmbientLight, APlateHidesHalfOfTheRoomFromWhatFacesIt) {
-  // Under a wide plate nothing is seen where it faces the plate, and all where it faces away.
+  // A wide plate hides the whole room from what faces it, and nothing from what faces away.
   std::vector<Body> bodies{At(MakeSphere(0.002, 1280), Vec3::Zero()),
                            At(MakeBox({0.2, 0.004, 0.2}), {0, 0.005, 0})};
   LightObjects(bodies);

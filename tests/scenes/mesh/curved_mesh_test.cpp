@@ -32,13 +32,13 @@ bool Same(const TriangleMesh& a, const TriangleMesh& b) {
          std::memcmp(a.vertices.data(), b.vertices.data(), a.vertices.size() * sizeof(Vec3)) == 0;
 }
 
-/// Distance of a point to the ellipsoid, to the first order.
+/// Distance of a point to the ellipsoid, to first order.
 double Off(const Vec3& p, const Vec3& axes) {
   const Vec3 gradient = p.cwiseQuotient(axes.cwiseProduct(axes));
   return (p.cwiseQuotient(axes).norm() - 1.0) / gradient.norm();
 }
 
-/// Distances to the ellipsoid all over the triangles, and the angle of their normals to its.
+/// Distances to the ellipsoid over all triangles, and the angles between their normals.
 struct Errors {
   double max = 0.0, rms = 0.0, slope = 0.0;
 };
@@ -65,9 +65,9 @@ Errors ErrorsOf(const TriangleMesh& mesh, const Vec3& axes) {
   return e;
 }
 
-/// Edges by how many triangles have them, and what Euler counts.
+/// Edges by their number of triangles, and Euler's characteristic.
 struct Topology {
-  std::map<std::size_t, std::size_t> open;  ///< edges of other than two triangles, by how many
+  std::map<std::size_t, std::size_t> open;  ///< edges of other than two triangles, by their number
   std::ptrdiff_t euler = 0;
   std::size_t components = 0, inconsistent = 0;
   bool operator==(const Topology&) const = default;
@@ -92,8 +92,8 @@ TEST(CurvedMesh, BringsASphereWithinTheTolerance) {
   EXPECT_GT(ErrorsOf(coarse, ball).max, 120e-6);
   for (const double tolerance : {20e-6, 5e-6, 2e-6}) {
     const CurvedMesh fine = Refine(coarse, tolerance);
-    // What a parabola misses of an arc of half angle 0.067 is 0.067^4/24 of the radius, 0.03 um,
-    // and the middle of a patch several times that.
+    // A parabola deviates from an arc of half angle 0.067 by 0.067^4/24 of the radius, 0.03 um, and
+    // the middle of a patch by several times that.
     for (const Vec3& v : fine.mesh.vertices) EXPECT_NEAR(v.norm(), 0.03, 0.3e-6);
     EXPECT_LT(ErrorsOf(fine.mesh, ball).max, tolerance + 0.3e-6);
     EXPECT_EQ(fine.tolerance, tolerance);
@@ -128,10 +128,10 @@ TEST(CurvedMesh, IsNeverWorseHoweverCoarse) {
 TEST(CurvedMesh, LeavesFlatBodiesAsTheyWere) {
   EXPECT_TRUE(
       Same(Refine(MakeBox(Vec3(0.05, 0.03, 0.02)), 1e-9).mesh, MakeBox(Vec3(0.05, 0.03, 0.02))));
-  // A hexagonal prism's sides meet at 60 degrees: creases.
+  // A hexagonal prism's sides meet at 60 degrees, which are creases.
   const TriangleMesh prism = MakeRod({Vec3::Zero(), Vec3(0, 0, 0.05)}, {0.01, 0.01}, 6);
   EXPECT_TRUE(Same(Refine(prism, 1e-7).mesh, prism));
-  // Once finer than the tolerance, a round body is left alone, too.
+  // A round body that is already finer than the tolerance is left alone, too.
   const TriangleMesh sphere = MakeSphere(0.03, 5120);
   EXPECT_TRUE(Same(Refine(sphere, 1e-3).mesh, sphere));
 }
@@ -153,7 +153,7 @@ TEST(CurvedMesh, RoundsACylinderAndKeepsItsRimSharpAndItsLidsFlat) {
       EXPECT_NEAR(std::abs(n.z()), 1.0, 1e-9) << "a lid is flat";
       EXPECT_NEAR(std::abs(middle.z() - 0.5 * length), 0.5 * length, 1e-15);
     } else {
-      // A diagonal's parabola and the rim's differ by 0.003 of 85 um, over some 2 mm.
+      // The parabolas of a diagonal and of the rim differ by 0.003 of 85 um, over some 2 mm.
       EXPECT_NEAR(n.z(), 0.0, 2e-4) << "the side is upright";
       EXPECT_NEAR(r, radius, 2e-6 + 1.5e-6);
     }
@@ -166,7 +166,7 @@ TEST(CurvedMesh, RoundsACylinderAndKeepsItsRimSharpAndItsLidsFlat) {
     EXPECT_GE(v.z(), 0.0);
     EXPECT_LE(v.z(), length);
   }
-  // Facets lie 85 um inside.  Normals from three long triangles a corner are not exact.
+  // Facets lie 85 um inside.  Normals from three long triangles at a vertex are not exact.
   EXPECT_NEAR(furthest, radius, 0.5e-6);
   EXPECT_NEAR(least, radius, 1.5e-6);
 }
@@ -184,15 +184,14 @@ TEST(CurvedMesh, KeepsTheBoundaryOfAnOpenMesh) {
   const MeshReport after = InspectMesh(fine.mesh);
   EXPECT_EQ(after.boundary_edges, before.boundary_edges);
   EXPECT_EQ(TopologyOf(fine.mesh), TopologyOf(open));
-  // Its edges stay straight, so points on them lie as deep as they did; none lies higher.
+  // Boundary edges stay straight, so points on them keep their depth; none lies higher.
   for (const Vec3& v : fine.mesh.vertices) EXPECT_LT(v.norm(), 0.03 + 0.5e-6);
   const Vec3 ball = Vec3::Constant(0.03);
   EXPECT_LT(ErrorsOf(fine.mesh, ball).rms, 0.3 * ErrorsOf(open, ball).rms);
   EXPECT_LE(ErrorsOf(fine.mesh, ball).max, ErrorsOf(open, ball).max + 0.5e-6);
 }
 
-/// Two spheres with a face in common: its edges have three or four triangles, or two that wind
-/// against each other.
+/// A sphere with a fin: two edges have three triangles.
 TEST(CurvedMesh, TakesMeshesThatAreNoManifold) {
   TriangleMesh mesh = MakeSphere(0.03, 320);
   const std::size_t first = mesh.triangles.size();
@@ -200,7 +199,7 @@ TEST(CurvedMesh, TakesMeshesThatAreNoManifold) {
   const Vec3 tip = 1.6 * mesh.vertices[i];
   mesh.vertices.push_back(tip);
   const auto at = static_cast<std::uint32_t>(mesh.vertices.size() - 1);
-  mesh.triangles.push_back({i, j, at});  // edge i j has three
+  mesh.triangles.push_back({i, j, at});  // edge i j has three triangles
   mesh.triangles.push_back({i, k, at});
   const CurvedMesh fine = Refine(mesh, 10e-6);
   EXPECT_EQ(TopologyOf(fine.mesh), TopologyOf(mesh));
@@ -224,7 +223,7 @@ TEST(CurvedMesh, TakesDegenerateTrianglesAndThoseThatWindAgainstEachOther) {
   }
   EXPECT_EQ(InspectMesh(fine.mesh).degenerate_triangles, InspectMesh(mesh).degenerate_triangles);
   EXPECT_EQ(TopologyOf(fine.mesh).open, TopologyOf(mesh).open);
-  // Only what is beside them stays flat.
+  // Only their neighbours stay flat.
   const std::size_t clean = Refine(MakeSphere(0.03, 320), 10e-6).mesh.triangles.size();
   EXPECT_GT(fine.mesh.triangles.size(), 9 * clean / 10);
   EXPECT_LT(fine.mesh.triangles.size(), clean);
@@ -260,7 +259,7 @@ TEST(CurvedMesh, HasNoCracksAndKeepsEveryTrianglesOrigin) {
 }
 
 TEST(CurvedMesh, WeldsWhatStandsAtOnePlace) {
-  // As STL has it: each triangle with corners of its own.
+  // As in STL: each triangle has its own vertices.
   const TriangleMesh sphere = MakeSphere(0.03, 320);
   test::Random random(1);
   const TriangleMesh loose = test::Unwelded(sphere, 0.0, random);
@@ -288,7 +287,7 @@ TEST(CurvedMesh, MakesANoisySphereNoNoisier) {
   }
 }
 
-/// Noise on a plane has no surface behind it that could be found.
+/// Noise on a plane has no underlying curved surface to find.
 TEST(CurvedMesh, FollowsLittleOfTheNoiseOnAPlane) {
   constexpr std::uint32_t kSteps = 40;
   const double noise = 20e-6;
@@ -347,7 +346,7 @@ std::size_t Meetings(const TriangleMesh& mesh) {
 }
 
 TEST(CurvedMesh, StaysFlatWhereItWouldComeIntoSomethingElse) {
-  // A fin that stands 0.2 mm over the middle of a facet, whose patch rises by 2 mm.
+  // A fin 0.2 mm above the middle of a facet whose patch rises by 2 mm.
   const TriangleMesh sphere = MakeSphere(0.03, 80);
   TriangleMesh mesh = sphere;
   const auto [i, j, k] = mesh.triangles[30];
@@ -366,8 +365,8 @@ TEST(CurvedMesh, StaysFlatWhereItWouldComeIntoSomethingElse) {
   EXPECT_GT(fine.mesh.triangles.size(), 3 * sphere.triangles.size()) << "the rest is curved";
 }
 
-/// A square plate with a hole, a wall below the hole's rim.  There is less of the plate beside the
-/// hole's facets than the rim's arcs would take.
+/// A square plate with a hole, and a wall below the hole's rim.  The rim's arcs would take more of
+/// the plate than there is beside the hole's facets.
 TEST(CurvedMesh, DoesNotFold) {
   constexpr double kHalf = 0.0093, kRadius = 0.0095;
   TriangleMesh mesh;
@@ -383,7 +382,7 @@ TEST(CurvedMesh, DoesNotFold) {
     }
   }
   for (std::uint32_t q = 0; q < 4; ++q) {
-    const std::uint32_t before = (q + 3) % 4, v = 4 + 3 * q;  // v: where the facet of a side begins
+    const std::uint32_t before = (q + 3) % 4, v = 4 + 3 * q;  // v: first vertex of a side's facet
     mesh.triangles.push_back({before, q, v + 1});
     mesh.triangles.push_back({before, v + 1, v});
     mesh.triangles.push_back({q, v + 2, v + 1});
@@ -404,7 +403,7 @@ TEST(CurvedMesh, DoesNotFold) {
     EXPECT_LE(v.head<2>().cwiseAbs().maxCoeff(), kHalf + 1e-9);
 }
 
-/// Two uneven sheets that meet in a sharp notch, as in the folds of a scanned robe.
+/// Two uneven sheets that meet in a sharp notch, like the folds of a scanned robe.
 TriangleMesh Notch(test::Numbers& numbers) {
   constexpr std::uint32_t kRow = 12, kRows = 5;
   const auto shift = [&] { return numbers.Uniform(-0.8e-3, 0.8e-3); };

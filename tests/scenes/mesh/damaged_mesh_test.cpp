@@ -1,5 +1,5 @@
-// Mesh files that are cut short, or lie about themselves, or cannot be survived: each is refused by
-// an Error that names the file, and this process goes on.
+// Mesh files that are cut short, inconsistent, or fatal to read: each is refused with an Error that
+// names the file, and this process survives.
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
@@ -56,7 +56,7 @@ TEST(DamagedMesh, IsRefusedWhereverItIsCut) {
        {std::pair{"ply", "t.ply"}, {"plyb", "b.ply"}, {"stlb", "b.stl"}, {"glb2", "b.glb"}}) {
     const std::string file = ExportBox(format, FreshFolder() + "/" + name);
     const std::string whole = ReadWholeFile(file);
-    // The last bytes of a text may be a number's, which nobody can tell from another.
+    // The last bytes of a text may be part of a number, which nothing can detect.
     for (std::size_t bytes = 1; bytes + 3 < whole.size(); bytes += bytes < 200 ? 9 : 41) {
       WriteFile(file, whole.substr(0, bytes));
       EXPECT_THAT(Import(file), StartsWith(file)) << bytes << " bytes";
@@ -131,7 +131,7 @@ TEST(DamagedMesh, IsNotReadAsAnotherFormatThanItsName) {
 }
 
 TEST(DamagedMesh, ThatTakesTooMuchMemoryIsRefused) {
-  // A sparse accessor of glTF declares zeros without a byte for them.
+  // A sparse glTF accessor declares zeros without storing a byte for them.
   const std::string file = WriteFile(
       FreshFolder() + "/huge.gltf",
       R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],

@@ -1,5 +1,5 @@
-// Meshes that are whole files and no clean solids.  Each ends in a right model, told by brute force
-// on the clean original, with a remark of what was done; or in a refusal that says what to do.
+// Meshes in valid files that are not clean solids.  Each becomes a correct model, judged by brute
+// force against the clean original, with a remark of what was done; or is refused with a remedy.
 #include "tests/support/dirty_mesh.h"
 
 #include <algorithm>
@@ -30,7 +30,7 @@ using testing::Not;
 
 constexpr std::size_t kLeaves = 300;
 
-/// A ball with bumps on it, of 40 mm and some 1,300 triangles.
+/// A bumpy ball of 40 mm with some 1,300 triangles.
 TriangleMesh Bumpy(int triangles = 1280) {
   TriangleMesh mesh = MakeSphere(0.02, triangles);
   for (Vec3& v : mesh.vertices) {
@@ -40,7 +40,7 @@ TriangleMesh Bumpy(int triangles = 1280) {
   return mesh;
 }
 
-/// The same with triangles of 4 mm, for what has many of them.
+/// The same with triangles of 4 mm, where many copies are needed.
 constexpr int kCoarse = 320;
 
 TriangleMesh Scaled(TriangleMesh mesh, double by) {
@@ -48,8 +48,8 @@ TriangleMesh Scaled(TriangleMesh mesh, double by) {
   return mesh;
 }
 
-/// The scene of a mesh that is felt by its spheres, as a file of metres would make it; they stay
-/// inside, so that whatever sticks out is a fault.
+/// The scene of a mesh felt through its spheres, as from a file in metres.  The spheres are built
+/// inside, so anything that sticks out is a fault.
 Scene Felt(const TriangleMesh& mesh, const std::string& more = "") {
   const std::string folder = FreshFolder();
   WriteFile(folder + "/mesh.obj", test::ObjOf(mesh));
@@ -68,7 +68,7 @@ Sphere Leaf(const SphereTree& tree, std::size_t i) {
   return {{tree.leaf_x[i], tree.leaf_y[i], tree.leaf_z[i]}, tree.leaf_radius[i]};
 }
 
-/// The most that any leaf sticks out of a clean mesh; every leaf is a ball.
+/// The largest protrusion of any leaf from a clean mesh; every leaf must be a ball.
 double MostOutside(const Scene& scene, const TriangleMesh& clean) {
   const SphereTree& tree = scene.objects[0].tree;
   EXPECT_EQ(tree.leaves(), kLeaves);
@@ -80,7 +80,7 @@ double MostOutside(const Scene& scene, const TriangleMesh& clean) {
   return most;
 }
 
-/// How many leaves lie partly outside a closed mesh, which may pass through itself.
+/// The number of leaves partly outside a closed mesh, which may intersect itself.
 int LeavesOutside(const Scene& scene, const TriangleMesh& mesh) {
   int outside = 0;
   for (std::size_t i = 0; i < kLeaves; ++i) {
@@ -89,7 +89,7 @@ int LeavesOutside(const Scene& scene, const TriangleMesh& mesh) {
   return outside;
 }
 
-/// How far the surface lies from the nearest leaf, where it does most: told at triangles' middles.
+/// The largest distance from the surface to its nearest leaf, at the triangles' centroids.
 double MostBare(const Scene& scene, const TriangleMesh& clean) {
   const SphereTree& tree = scene.objects[0].tree;
   double most = 0.0;
@@ -110,8 +110,8 @@ std::string Verdict(const Scene& scene) {
   return ToText(JudgeScene(scene));
 }
 
-/// A dirty mesh is felt as the clean one: its leaves stick out by less than `outside`, leave it
-/// bare by less than `bare`, and the verdict says what was done.
+/// Expects a dirty mesh to feel like the clean one: leaves stick out by less than `outside` and
+/// leave less than `bare` uncovered, and the verdict says what was done.
 Scene ExpectFelt(const TriangleMesh& dirty, const TriangleMesh& clean, double outside, double bare,
                  const testing::Matcher<std::string>& verdict) {
   const Scene scene = Felt(dirty);
@@ -121,14 +121,14 @@ Scene ExpectFelt(const TriangleMesh& dirty, const TriangleMesh& clean, double ou
   return scene;
 }
 
-constexpr double kFloats = 1e-8;  // of the file
+constexpr double kFloats = 1e-8;  // precision of the file
 
 TEST(DirtyMesh, SoupOfJitteredCornersAndTurnedFacesIsWeldedAndOriented) {
   Random random(1);
   const TriangleMesh clean = Bumpy();
   TriangleMesh soup = test::Unwelded(clean, 1e-6 * 0.04, random);
   test::TurnSome(soup, 0.05, random);
-  // 1 um: what the jitter moves a surface by, and its slope.
+  // 1 um allows for the jitter's shift of a surface, and its slope.
   const Scene scene = ExpectFelt(soup, clean, 1e-6, 1e-3,
                                  AllOf(HasSubstr("usable with these limits"),
                                        HasSubstr("welded within"), HasSubstr("they are turned")));
@@ -136,7 +136,7 @@ TEST(DirtyMesh, SoupOfJitteredCornersAndTurnedFacesIsWeldedAndOriented) {
 }
 
 TEST(DirtyMesh, ScrapsTooSmallToCountAreNotWelded) {
-  // Edges of 1e-21 m in a mesh of a metre: cells of a twentieth of that have no numbers.
+  // Edges of 1e-21 m in a mesh of a metre: cells of a twentieth of that could not be numbered.
   Random random(4);
   TriangleMesh mesh = test::Unwelded(Bumpy(), 1e-6 * 0.04, random);
   for (Vec3& v : mesh.vertices) v *= 1e-18;
@@ -152,7 +152,7 @@ TEST(DirtyMesh, SoupThatCannotBeWeldedIsOrientedByWhatWindsRoundIt) {
   const TriangleMesh clean = Bumpy();
   TriangleMesh soup = test::Unwelded(clean, 1e-3 * 0.04, random);
   test::TurnSome(soup, 0.05, random);
-  // A corner moves by sqrt(3) of the jitter.
+  // A vertex moves by sqrt(3) of the jitter.
   ExpectFelt(soup, clean, 1e-3 * 0.04 * 4, 1e-3,
              AllOf(HasSubstr("edges are open"), HasSubstr("are turned")));
 }
@@ -236,8 +236,7 @@ TEST(DirtyMesh, ThicknessOfAClosedMeshIsRefused) {
               AllOf(HasSubstr("thickness_mm"), HasSubstr("closed"), HasSubstr("drop it")));
 }
 
-// What follows is compared with how well as many leaves do for the clean original: with 0.4 mm at
-// most from leaf to surface.
+// The reference for what follows: as many leaves leave at most 0.4 mm of the clean original bare.
 constexpr double kCleanBare = 5e-4;
 
 TEST(DirtyMesh, ShellsThatPassThroughEachOtherAreOneSolidAndSoWhereOneIsInsideOut) {
@@ -259,7 +258,7 @@ TEST(DirtyMesh, ShellWithASecondOneUnderItIsFilledPastThat) {
              HasSubstr("parts overlap: 49 %"));
 }
 
-/// A box from x_low to x_high: two of them side by side share corners once they are read.
+/// A box from x_low to x_high; two such boxes side by side share vertices once they are read.
 TriangleMesh BoxBetween(double x_low, double x_high) {
   TriangleMesh box = MakeBox(Vec3(x_high - x_low, 0.04, 0.04));
   for (Vec3& v : box.vertices) v.x() += 0.5 * (x_low + x_high);
@@ -320,7 +319,7 @@ TEST(DirtyMesh, FinOnABodyIsAPlateAndTheBodyIsFilled) {
     }
     EXPECT_LT(from_fin + leaf.radius, 1.1 * thickness);
   }
-  EXPECT_LT(MostBare(scene, clean), 1.2 * kCleanBare);  // some leaves are the plate's
+  EXPECT_LT(MostBare(scene, clean), 1.2 * kCleanBare);  // some leaves belong to the plate
   EXPECT_THAT(Verdict(scene), AllOf(HasSubstr("more than two triangles"), HasSubstr("sheet")));
 }
 
@@ -335,7 +334,7 @@ TEST(DirtyMesh, FinInsideABodyIsPassedOver) {
 }
 
 TEST(DirtyMesh, SurfaceThatFoldsIntoItselfIsFilledPastTheFold) {
-  // A roll whose ends pass through each other.
+  // A roll whose ends intersect.
   TriangleMesh roll = test::TurnedOver(MakeSphere(0.01, kCoarse));
   for (Vec3& v : roll.vertices) {
     const double along = 335.0 * v.x(), out = 0.02 + v.y();
@@ -362,7 +361,7 @@ TEST(DirtyMesh, VertexFarOutIsNamedAndRefusedWhereItIsAMistakeForCertain) {
   EXPECT_THAT(Verdict(Felt(MakeBox(Vec3(0.1, 0.002, 0.002)))), Not(HasSubstr("far out")));
 }
 
-/// A jaw's scan: no floor, and a wavy rim.
+/// A jaw scan: no floor, and a wavy rim.
 TriangleMesh Jaw() {
   return test::Without(Bumpy(), [](const Vec3& p) {
     return p.y() < -0.004 + 0.003 * std::sin(6.0 * std::atan2(p.z(), p.x()));
@@ -384,7 +383,7 @@ TEST(DirtyMesh, OpenScanWithCrumbsInTheAirIsFilledAndTheyAreLeftOut) {
   EXPECT_LT(MostOutside(scene, Bumpy()), 1e-8);
   EXPECT_THAT(Verdict(scene), AllOf(HasSubstr("30 small pieces float apart"), HasSubstr("left out"),
                                     HasSubstr("flat lid")));
-  // What is closed may be meant.
+  // Closed pieces may be intended.
   const Scene with_beads = Felt(beads);
   EXPECT_EQ(with_beads.objects[0].mesh.triangles.size(), beads.triangles.size());
   EXPECT_THAT(Verdict(with_beads), AllOf(HasSubstr("30 small pieces"), HasSubstr("are felt")));
@@ -443,7 +442,7 @@ TEST(DirtyMesh, TwoScansWithACrackBetweenThemAreOneSolidAndSoWhereOneIsInsideOut
   const TriangleMesh upper = test::Moved(test::Without(Bumpy(), below), Vec3(0, 1e-4, 0));
   const TriangleMesh lower = test::Without(Bumpy(), std::not_fn(below));
   for (const TriangleMesh& dirty : {Both(upper, lower), Both(upper, test::TurnedOver(lower))}) {
-    // The upper one is raised by 0.1 mm.
+    // The upper half is raised by 0.1 mm.
     ExpectFelt(dirty, Bumpy(), 1.01e-4, kCleanBare + 1e-4,
                AllOf(HasSubstr("edges are open"), Not(HasSubstr("sheet"))));
   }
@@ -471,7 +470,7 @@ TEST(DirtyMesh, ManyHolesTooSmallForALidLetNoSphereOut) {
   std::size_t n = 0;
   std::erase_if(dirty.triangles, [&](const auto&) { return n++ % 97 == 0; });
   const Scene scene = Felt(dirty);
-  EXPECT_LT(MostOutside(scene, clean), 1e-5);  // of holes that are 1.3 mm wide
+  EXPECT_LT(MostOutside(scene, clean), 1e-5);  // through holes 1.3 mm wide
   EXPECT_LT(MostBare(scene, dirty), 1e-4);
   EXPECT_THAT(Verdict(scene), AllOf(HasSubstr("edges are open"), Not(HasSubstr("lid"))));
 }

@@ -56,7 +56,7 @@ TEST(HiddenSurface, CavityIsNotHidden) {
 TEST(HiddenSurface, FacesThatTwoPartsShareOutsideStayExposed) {
   TriangleMesh mesh;
   AddBox("crown", Vec3(2, 2, 2), Vec3::Zero(), mesh);
-  // Its top lies in the crown's top, all else inside.
+  // Its top lies in the crown's top, everything else inside.
   const MeshGroup inlay = AddBox("inlay", Vec3(1, 1, 1), Vec3(0, 0.5, 0), mesh);
   const HiddenSurface surface(mesh);
   int exposed = 0;

@@ -27,11 +27,11 @@ using testing::HasSubstr;
 void ExpectTheBox(const TriangleMesh& mesh) {
   const MeshReport r = InspectMesh(mesh);
   EXPECT_EQ(r.triangles, 12u);
-  EXPECT_EQ(r.vertices, 8u);  // welded, whatever the format split
+  EXPECT_EQ(r.vertices, 8u);  // welded, however the format splits them
   EXPECT_TRUE(r.solid());
   EXPECT_NEAR(r.volume, 6.0, 1e-6);
   Vec3 size = r.box_max - r.box_min;
-  std::sort(size.begin(), size.end());  // assimp writes 3DS with y and z exchanged
+  std::sort(size.begin(), size.end());  // assimp swaps y and z when it writes 3DS
   EXPECT_NEAR((size - Vec3(1, 2, 3)).norm(), 0.0, 1e-6);
 }
 
@@ -100,8 +100,7 @@ TEST(MeshImport, LeavesNonFiniteNumbersForTheReportToRefuse) {
               testing::Not(HasSubstr("no complaint")));
 }
 
-/// The box of 1 x 2 x 3 about (1e6, -2e6, 3e6) in a tenth of a millimetre's steps: no float there
-/// holds any of it.
+/// The box of 1 x 2 x 3 at about (1e6, -2e6, 3e6), on a grid finer than a float's spacing there.
 const Vec3 kFar(1e6 + 0.0625, -2e6 - 0.4375, 3e6 + 0.3125);
 
 void ExpectTheBoxFarOff(const std::string& file) {
@@ -122,7 +121,7 @@ TEST(MeshImport, ReadsInDoublePrecisionFarFromTheOrigin) {
 }
 
 TEST(MeshImport, RefusesAMeshThatItsFileHasCollapsed) {
-  // In a binary STL numbers are of single precision, and they lie a quarter apart at 3 million.
+  // A binary STL stores single precision, whose spacing is a quarter at 3 million.
   const std::string file = ExportBox("stlb", FreshFolder() + "/far.stl");
   std::string bytes = ReadWholeFile(file);
   for (std::size_t facet = 84; facet < bytes.size(); facet += 50) {
@@ -156,7 +155,7 @@ TEST(PlaceMesh, ScalesByUnitOrLongestSideAndMovesTheOrigin) {
 }
 
 TEST(PlaceMesh, CanPutTheOriginAtTheSolidsCentroid) {
-  TriangleMesh tetrahedron;  // centroid a quarter up, box centre a half
+  TriangleMesh tetrahedron;  // centroid at a quarter, centre of the bounding box at a half
   tetrahedron.vertices = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)};
   tetrahedron.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
   MeshPlacement placement;

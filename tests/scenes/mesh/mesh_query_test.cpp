@@ -14,8 +14,7 @@ namespace {
 
 using test::Numbers;
 
-/// Nearest of a fine grid of the triangle's points: never nearer than the truth, and hardly
-/// further.
+/// The nearest of a fine grid of the triangle's points: hardly farther than the truth.
 double GridDistance(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c, int steps) {
   double best = 1e300;
   for (int i = 0; i <= steps; ++i) {
@@ -88,8 +87,7 @@ TEST(MeshQuery, KnowsTheInsideOfABoxAndOfAnEllipsoid) {
 }
 
 TEST(MeshQuery, WindingNumberNearlyEqualsTheSumOfAllSolidAngles) {
-  // Of an open mesh seen from everywhere: the dipoles' error shows where no rounding to 0 or 1
-  // helps.
+  // An open mesh from all around: no rounding to 0 or 1 hides the dipoles' error.
   TriangleMesh open = MakeEllipsoid(Vec3(1.0, 0.5, 0.7), 1280);
   open.triangles.resize(open.triangles.size() * 2 / 3);
   const MeshQuery query(open);

@@ -25,7 +25,7 @@ TEST(MeshSimplify, LeavesASolidOfTheSameShapeWithFewerTriangles) {
   EXPECT_EQ(r.duplicate_triangles, 0u);
   const auto v = std::ptrdiff_t(few.vertices.size());
   const auto t = std::ptrdiff_t(few.triangles.size());
-  EXPECT_EQ(v - 3 * t / 2 + t, 0);  // Euler's characteristic: the hole is still there
+  EXPECT_EQ(v - 3 * t / 2 + t, 0);  // Euler's characteristic: the hole is kept
   for (const Vec3& p : few.vertices) EXPECT_NEAR(torus(p), 0.0, 1e-9);
   for (const auto& [a, b, c] : few.triangles) {
     EXPECT_LT(std::abs(torus((few.vertices[a] + few.vertices[b] + few.vertices[c]) / 3.0)), 0.04);

@@ -54,8 +54,7 @@ TEST(SurfaceSamples, LeaveOutWallsInsideTheSolid) {
   for (const SurfaceSample& s : Surface(mesh).Scatter(2000)) EXPECT_GT(s.point.norm(), 0.9);
 }
 
-// The offset surface of a box: faces, quarter cylinders along the edges, eighths of a ball at
-// corners.
+// The offset surface has faces, quarter cylinders at the edges, octants of a ball at the corners.
 TEST(SamplesAbove, AreAsManyAsTheAreaThatABallsCentreRollsOver) {
   const Surface box(MakeBox(Vec3(1, 2, 4)));
   const double height = 0.5;
@@ -64,7 +63,7 @@ TEST(SamplesAbove, AreAsManyAsTheAreaThatABallsCentreRollsOver) {
   std::size_t faces = 0, edges = 0, corners = 0;
   for (const SurfaceSample& s : samples) {
     EXPECT_NEAR(box.query.Nearest(s.point).distance, height, 1e-6);
-    // A millionth in front of another place is a thousandth beside it.
+    // A millionth in front of another point is a thousandth beside it.
     EXPECT_LT((box.query.Nearest(s.point).point - (s.point - height * s.outward)).norm(), 2e-3);
     const long beyond = (s.point.array().abs() > Eigen::Array3d(0.5, 1, 2)).count();
     (beyond == 1 ? faces : beyond == 2 ? edges : corners) += 1;
@@ -92,7 +91,7 @@ TEST(SamplesAbove, AreEvenRoundAnEdge) {
 }
 
 TEST(SamplesAbove, LeaveOutCreasesThatTheBallDoesNotReach) {
-  // A post stands on a slab, through it: round its foot runs a crease, inside are walls.
+  // A post passes through a slab: its foot is surrounded by a crease, and there are walls inside.
   const Surface both(test::Both(MakeBox(Vec3(4, 4, 1)), MakeBox(Vec3(1, 1, 6))));
   const double height = 0.4;
   const auto samples = ScatterAbove(both.mesh, both.report, both.query, height, 5000);
@@ -136,7 +135,7 @@ TEST(ThinOut, KeepsExactlyAsManyAsAskedForAndFarApart) {
       nearest = std::min(nearest, (samples[kept[i]].point - samples[kept[j]].point).norm());
     }
   }
-  // Yuksel reports 0.7 of the largest possible distance; random choice would leave about 0.02.
+  // Yuksel reports 0.7 of the largest possible distance; random sampling would give about 0.02.
   EXPECT_GT(nearest, 0.55 * 2 * PoissonRadius(sphere.report.area, 1000));
 }
 

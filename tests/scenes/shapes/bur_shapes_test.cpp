@@ -47,7 +47,7 @@ TEST(BurShapes, NamesHaveTheHeadsThatArePublished) {
   }
 }
 
-// What makes each form: where it is widest, and its tip.
+// The features of each form: its widest part, and its tip.
 TEST(BurShapes, FormsAreWideWhereTheirNamesSay) {
   const auto width_at = [](const std::string& name, double part) {
     const BurProfile profile = Named(name);
@@ -72,7 +72,7 @@ TEST(BurShapes, FormsAreWideWhereTheirNamesSay) {
   EXPECT_LT(width_at("249/012", 0.05), 0.4);
   EXPECT_GT(width_at("249/012", 0.6), 0.98);
   EXPECT_LT(width_at("249/012", 0.98), 0.9);
-  // A pear's end is half a ball, within its chords.
+  // A pear's end is half a ball, to within its chords.
   const BurProfile pear = Named("237/014");
   const Bur bur(pear.curve, pear.rounding);
   for (double angle = 0.0; angle < 0.5 * M_PI; angle += 0.05) {
@@ -94,7 +94,7 @@ TEST(BurShapes, TheToolOfEachNameIsAClosedMeshAboutItsHead) {
     const Bur bur(profile.curve, profile.rounding);
     double farthest = 0.0, widest = 0.0;
     for (const Vec3& v : mesh.vertices) {
-      if (v.y() > 1e-3 * head.length - 1e-9) continue;  // from its top on it is neck
+      if (v.y() > 1e-3 * head.length - 1e-9) continue;  // above its top is the neck
       widest = std::max(widest, std::hypot(v.x(), v.z()));
       Vec3 gradient;
       const Vec3 p(v.x(), -v.z(), v.y() + bur.low());

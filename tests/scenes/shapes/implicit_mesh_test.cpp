@@ -34,7 +34,7 @@ TEST(ImplicitMesh, BallHasItsVerticesOnTheSurfaceAndItsVolume) {
 }
 
 TEST(ImplicitMesh, StaysClosedWhereTheSurfaceRunsThroughLatticePoints) {
-  // Faces of a box in lattice planes, and a ball through lattice points.
+  // A box with its faces in lattice planes, and a ball through lattice points.
   const Field box = [](const Vec3& p) { return p.cwiseAbs().maxCoeff() - 0.5; };
   for (const Field& field : {box, Ball(Vec3::Zero(), 0.5)}) {
     const MeshReport r = InspectMesh(MeshOfField(field, Cube(1.0), 0.125));
@@ -64,7 +64,7 @@ TEST(ImplicitMesh, TrianglesAreNearlyEquilateral) {
     const Vec3 a = mesh.vertices[j] - mesh.vertices[i];
     const Vec3 b = mesh.vertices[k] - mesh.vertices[j];
     const Vec3 c = mesh.vertices[i] - mesh.vertices[k];
-    // 1 for equilateral ones, 0 for slivers.
+    // 1 for equilateral triangles, 0 for slivers.
     const double quality = 2.0 * std::sqrt(3.0) * a.cross(b).norm() /
                            (a.squaredNorm() + b.squaredNorm() + c.squaredNorm());
     worst = std::min(worst, quality);

@@ -29,7 +29,7 @@ std::vector<double> UsualValues(const ShapeKind& kind) {
   return values;
 }
 
-/// Closed, of one piece, and neither coarse nor heavy.
+/// Closed, in one piece, and neither too coarse nor too large.
 void ExpectASolidOfModerateSize(const TriangleMesh& mesh) {
   const MeshReport r = InspectMesh(mesh);
   EXPECT_TRUE(r.closed());
@@ -55,8 +55,7 @@ void ExpectNoPassageThroughItself(const TriangleMesh& mesh) {
   EXPECT_EQ(folded, 0);
 }
 
-// Every shape; what is made about a tooth, about five of them.  One test of each kind, since to
-// make them takes longest.
+// Every shape; about a tooth, for five teeth.  One test per kind, as making them takes longest.
 class EveryShape : public testing::TestWithParam<std::size_t> {};
 
 TEST_P(EveryShape, IsASolidOfOnePieceThatDoesNotPassThroughItself) {
@@ -115,7 +114,7 @@ TEST(ShapeKinds, ToothHasTheSizeThatIsAskedFor) {
   }
 }
 
-/// A ray down from above meets the tooth this high.
+/// Height at which a ray from above meets the tooth.
 double HeightAt(const MeshQuery& tooth, double x, double z) {
   double y = 0.02;
   while (y > -0.01 && !tooth.Inside(Vec3(x, y, z))) y -= 5e-5;
@@ -131,7 +130,7 @@ TEST(ShapeKinds, MolarHasFourCuspsRoundAFossaAndTwoRoots) {
     EXPECT_GT(HeightAt(tooth, x, -0.0026), fossa + 5e-4);
     EXPECT_TRUE(tooth.Inside(Vec3(1.1 * x, -0.009, 0)));  // a root
   }
-  EXPECT_FALSE(tooth.Inside(Vec3(0, -0.009, 0)));  // between them
+  EXPECT_FALSE(tooth.Inside(Vec3(0, -0.009, 0)));  // between the roots
 }
 
 TEST(ShapeKinds, GumLiesCloseToItsToothButForThePocketAndKnowsItsMargin) {
@@ -155,7 +154,7 @@ TEST(ShapeKinds, GumLiesCloseToItsToothButForThePocketAndKnowsItsMargin) {
   EXPECT_LT(free_width(-0.0075, 1.0), 2e-4);  // below the pocket
   EXPECT_LT(free_width(-0.004, -1.0), 2e-4);  // on the tooth's other side
 
-  // Its margin is where it begins, around tooth and pocket.
+  // The gum begins at its margin, around tooth and pocket.
   const std::vector<Vec3> margin = GingivalMargin(ToothKind::kMolar, size, gum_size);
   ASSERT_GE(margin.size(), 48u);
   double area = 0.0;
@@ -173,7 +172,7 @@ TEST(ShapeKinds, GumLiesCloseToItsToothButForThePocketAndKnowsItsMargin) {
   EXPECT_GT(area, 0.0);
   EXPECT_NEAR(tooth.Nearest(margin[0]).distance, gum_size.pocket_width, 3e-4);
   EXPECT_LT(tooth.Nearest(margin[margin.size() / 2]).distance, 3e-4);
-  // Also of a tooth that is true to form: about its neck.
+  // The same about the neck of a tooth that is true to form.
   const auto names = ToothKindNames();
   const auto molar = ToothKind(std::find(names.begin(), names.end(), "36") - names.begin());
   for (const Vec3& p : GingivalMargin(molar, UsualSize(molar), gum_size)) {
@@ -241,7 +240,7 @@ TEST(ShapeKinds, FaceHasAnOpenMouthOfTheSizeAskedForAndAThroatBehindIt) {
   };
   EXPECT_TRUE(closed_at(0.036, 0, -0.03));
   EXPECT_TRUE(closed_at(0, -0.034, -0.03));
-  // Whoever looks in sees a wall wherever he looks.
+  // From every direction an observer sees a wall.
   for (double x = -0.03; x < 0.031; x += 0.005) {
     for (double y = -0.03; y < 0.031; y += 0.005) EXPECT_TRUE(closed_at(x, y, -0.11));
   }

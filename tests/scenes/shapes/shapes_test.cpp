@@ -15,7 +15,7 @@ TEST(Shapes, EllipsoidHasItsVerticesOnTheSurfaceAndAtLeastTheTrianglesAskedFor) 
   const MeshReport r = InspectMesh(mesh);
   EXPECT_TRUE(r.solid());
   EXPECT_FALSE(r.inside_out());
-  // The solid's volume 4/3 pi abc, less what the facets cut off.
+  // The solid's volume 4/3 pi abc, minus what the facets cut off.
   EXPECT_NEAR(r.volume / (4.0 / 3.0 * 3.14159265358979 * axes.prod()), 0.99, 0.01);
 }
 
@@ -23,7 +23,7 @@ TEST(Shapes, CoarsestSphereIsAnIcosahedron) {
   const TriangleMesh mesh = MakeSphere(1.0, 1);
   EXPECT_EQ(mesh.triangles.size(), 20u);
   EXPECT_EQ(mesh.vertices.size(), 12u);
-  // Its volume for circumradius 1.
+  // Volume for a circumradius of 1.
   EXPECT_NEAR(InspectMesh(mesh).volume, 2.53615071012041, 1e-12);
 }
 

@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-/// Area of a regular polygon in a circle of radius 1.
+/// Area of a regular polygon inscribed in the unit circle.
 double PolygonArea(int sides) {
   return 0.5 * sides * std::sin(2.0 * M_PI / sides);
 }

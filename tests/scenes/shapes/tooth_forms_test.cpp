@@ -14,17 +14,17 @@
 namespace palpate {
 namespace {
 
-/// A ray down the tooth's axis meets it this high [mm].
+/// Height at which a ray down the tooth's axis meets it [mm].
 double TopAt(const Field& tooth, double x, double z) {
   double y = 14.0;
-  for (const double step : {0.2, 0.02}) {  // nothing of a crown is thinner than the first
+  for (const double step : {0.2, 0.02}) {  // no part of a crown is thinner than 0.2 mm
     y += step;
     while (y > -3.0 && tooth({x, y, z}) > 0.0) y -= step;
   }
   return y;
 }
 
-/// Tops on the chewing surface that are higher than all within a millimetre.
+/// Counts the peaks of the chewing surface that are highest within a millimetre.
 int CuspsOf(ToothNumber number) {
   const ToothMeasures size = MeasuresOf(number);
   const Field tooth = ToothFormField(number, size);
@@ -65,7 +65,7 @@ TEST(ToothForms, HaveTheRootsOfTheirKind) {
     const double y = -0.75 * size.root;
     const double b = 0.5 * size.depth;
     const double a = 0.5 * size.width;
-    // Roots are looked for where those of upper and of lower molars are, and in the middle.
+    // Looks for roots at the places of upper and lower molars' roots, and in the middle.
     int found = tooth({0, y, 0}) < 0.0;
     for (const double x : {-1.0, 1.0}) {
       found += tooth({0.57 * a * x, y, 0.38 * b}) < 0.0;

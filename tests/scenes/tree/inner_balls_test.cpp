@@ -22,7 +22,7 @@ SurfaceSample TopOfCube(double x, double z) {
   return {Vec3(x, 0.5, z), Vec3::UnitY(), 0};
 }
 
-/// A sample with the triangle that it lies on.
+/// Assigns a sample to its nearest triangle.
 SurfaceSample On(const Solid& solid, SurfaceSample s) {
   s.triangle = solid.query.Nearest(s.point).triangle;
   return s;
@@ -30,7 +30,7 @@ SurfaceSample On(const Solid& solid, SurfaceSample s) {
 
 TEST(InnerBalls, TouchesACubesFaceAsFarAsItsSidesAllow) {
   const Solid cube(MakeBox(Vec3(1, 1, 1)), 0.2);
-  // As large as the distance from the nearest edge, but for the little that it may lie deeper.
+  // As large as the distance to the nearest edge, apart from the small extra depth that is allowed.
   Sphere ball = cube.inner.Tangent(On(cube, TopOfCube(0.01, 0.02)));
   EXPECT_NEAR(ball.radius, 0.48, 0.006);
   EXPECT_NEAR(ball.centre.y() + ball.radius, 0.5, 0.001);
@@ -51,7 +51,7 @@ TEST(InnerBalls, LiesInsideWhereverItTouchesAnEllipsoid) {
     EXPECT_TRUE(solid.query.Inside(ball.centre));
     EXPECT_LE(ball.radius, solid.query.Nearest(ball.centre).distance * (1 + 1e-12));
     EXPECT_GT(ball.radius, 0.003);
-    // It may lie a little deeper than touching: 3 % of the spacing.
+    // It may lie deeper than touching by 3 % of the spacing.
     EXPECT_LT((ball.centre - s.point).norm() - ball.radius, 0.03 * 0.004 * 1.05);
   }
 }
@@ -77,7 +77,7 @@ TEST(InnerBalls, FillsABoxUntilNoPointWellInsideIsBare) {
     test::Numbers numbers;
     for (int k = 0; k < 2000; ++k) {
       const Vec3 p = numbers.Point(0.5).cwiseProduct(Vec3(1, 1, 3));
-      EXPECT_LT(query.Nearest(p).distance, 0.1 + 0.06);  // half the spacing, and a lattice step
+      EXPECT_LT(query.Nearest(p).distance, 0.1 + 0.06);  // half the spacing, and one lattice step
     }
   }
 }

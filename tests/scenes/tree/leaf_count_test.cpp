@@ -28,7 +28,7 @@ TEST(LeafCount, IsTheLeastThatIsEnoughWithinATenth) {
       EXPECT_GE(double(chosen.count), least * (1.0 - 1e-9));
       EXPECT_LE(double(chosen.count), least * 1.1);
       EXPECT_EQ(chosen.error, error(chosen.count));
-      EXPECT_LE(chosen.tried, 12);  // 64 to 16,384, and three between
+      EXPECT_LE(chosen.tried, 12);  // 64 to 16,384, and three in between
     }
   }
 }
@@ -50,7 +50,7 @@ TEST(LeafCount, StopsAtTheMostAndSaysSo) {
 TEST(LeafCount, NeverFallsWhereTheToleranceIsTighter) {
   test::Random random(5);
   for (int shape = 0; shape < 200; ++shape) {
-    // Errors that fall in the large, and go up and down as they like.
+    // Errors that fall overall, with arbitrary ups and downs.
     std::vector<double> noise(kMostByTolerance + 1);
     for (double& n : noise) n = random.Uniform(0.3, 3.0);
     const auto error = [&](std::size_t n) { return noise[n] / double(n); };
@@ -83,7 +83,7 @@ TEST(LeafCount, TellsHowMuchIsDoneWithoutEverGoingBack) {
   }
 }
 
-/// How far the union of balls lies over a point along its normal, by every ball.
+/// Height of the union of balls over a point along its normal, over all balls.
 double HeightByAllBalls(const SphereTree& tree, const Vec3& p, const Vec3& n) {
   std::vector<std::pair<double, double>> inside;  // from, to, along the normal
   for (std::size_t i = 0; i < tree.leaves(); ++i) {
@@ -93,7 +93,7 @@ double HeightByAllBalls(const SphereTree& tree, const Vec3& p, const Vec3& n) {
     if (half2 > 0.0) inside.push_back({middle - std::sqrt(half2), middle + std::sqrt(half2)});
   }
   std::sort(inside.begin(), inside.end());
-  // Up from the point as long as there is a ball, or down to the first one.
+  // Up from the point as long as balls overlap, or else down to the first ball.
   double height = 0.0;
   for (const auto& [from, to] : inside) {
     if (from <= height && to > height) height = to;
@@ -112,7 +112,7 @@ TEST(LeafCount, HoldsTheToleranceOnAnEllipsoidOfItsFormula) {
   EXPECT_TRUE(built.chosen.reached) << built.found;
   EXPECT_GT(built.tree.leaves(), kFewestByTolerance);
   EXPECT_LT(built.tree.leaves(), 500u);
-  // At points of the true surface, which the mesh lies up to 30 um below.
+  // At points of the true surface; the mesh lies up to 30 um below it.
   test::Random random(3);
   int off = 0;
   constexpr int kPoints = 2000;

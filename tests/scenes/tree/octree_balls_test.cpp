@@ -29,7 +29,7 @@ TEST(OctreeBalls, AreRoundTheCellsOfACube) {
 }
 
 TEST(OctreeBalls, AreAsManyAsTheSplitsAllow) {
-  // A cell of a cube has eight parts that count, so one split adds seven.
+  // All eight parts of a cube's cell count, so a split adds seven.
   const TriangleMesh cube = MakeBox(Vec3(2, 2, 2));
   EXPECT_EQ(Balls(cube, 7).size(), 1u);
   EXPECT_EQ(Balls(cube, 14).size(), 8u);
@@ -46,7 +46,7 @@ TEST(OctreeBalls, AreAsManyAsTheSplitsAllow) {
 }
 
 TEST(OctreeBalls, AreOnlyRoundCellsThatMeetTheSolid) {
-  // |x| + |y| + |z| <= 1, of which a cell meets some where its nearest corner does.
+  // |x| + |y| + |z| <= 1: a cell meets it if and only if the cell's nearest corner does.
   TriangleMesh octahedron;
   for (int k = 0; k < 3; ++k) {
     octahedron.vertices.push_back(Vec3::Unit(k));
@@ -79,7 +79,7 @@ TEST(OctreeBalls, HoldTheWholeSolid) {
 
 TEST(OctreeBalls, StickOutLessTheMoreTheyAreAndStayLargeInside) {
   const TriangleMesh mesh = MakeSphere(0.03, 5120);
-  // Seen from the corner of the root, a cell's ball sticks out as far as its parent's.
+  // From the root's corner, a cell's ball sticks out as far as its parent's.
   double first = 0.0, last = 1.0;
   for (const std::size_t count : {8, 64, 512, 4096}) {
     const std::vector<Sphere> balls = Balls(mesh, count);

@@ -18,8 +18,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-/// As the toolkit writes it: a slot that is not used, a child that has none itself, and what it
-/// appends.
+/// As the toolkit writes it: with an unused slot, a child without children, and trailing text.
 constexpr char kToolkitText[] =
     "3 2\n"
     "0.000000 0.000000 0.000000 10.000000 1.000000\n"

@@ -20,7 +20,7 @@ std::vector<Sphere> RandomLeaves(std::size_t count) {
   return leaves;
 }
 
-/// Leaves below a lane, each checked against every node ball above it.
+/// Collects the leaves below a lane, and checks each against every node ball above it.
 void Collect(const SphereTree& tree, int level, int packet,
              std::vector<std::array<double, 4>> above, std::vector<int>& found) {
   const SpherePacket& p = tree.level(level)[packet];
@@ -59,13 +59,13 @@ TEST_P(LeafCounts, AreAllHeldOnceByNodesAtOneDepthInFullPackets) {
   Collect(tree, 0, 0, {}, found);
   std::vector<int> all(count);
   std::iota(all.begin(), all.end(), 0);
-  EXPECT_EQ(found, all);  // in order, too: neighbours in the tree are neighbours in memory
+  EXPECT_EQ(found, all);  // in order, too: neighbours in the tree are adjacent in memory
 
   for (std::size_t i = 0; i < count; ++i) {
     EXPECT_EQ(tree.leaf_radius[i], leaves[h.order[i]].radius);
     EXPECT_EQ(tree.leaf_x[i], leaves[h.order[i]].centre.x());
   }
-  // As few packets on each level as can hold what is below.
+  // Each level has the fewest packets that can hold the level below.
   std::size_t below = count;
   for (int l = tree.levels() - 1; l >= 0; --l) {
     below = (below + kTreeArity - 1) / kTreeArity;

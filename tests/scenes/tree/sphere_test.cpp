@@ -54,7 +54,7 @@ TEST(EnclosingSphere, HoldsAllAndNoCentreNearbyNeedsLess) {
     const auto balls = RandomSpheres(numbers, 2 + k % 40, k % 3 * 0.5);
     const Sphere s = EnclosingSphere(balls);
     EXPECT_LE(Reach(s.centre, balls), s.radius * (1 + 1e-12));
-    // The reach is a convex function of the centre: no better point nearby is no better anywhere.
+    // The reach is a convex function of the centre, so a local minimum is global.
     for (int i = 0; i < 200; ++i) {
       const Vec3 other = s.centre + numbers.Point(i % 2 ? 1e-3 : 0.1);
       EXPECT_GE(Reach(other, balls), s.radius * (1 - 1e-9));

@@ -26,7 +26,7 @@ Vec3 Centre(const SphereTree& tree, std::size_t i) {
   return {tree.leaf_x[i], tree.leaf_y[i], tree.leaf_z[i]};
 }
 
-/// A ball with bumps on it, which nothing was tuned to.
+/// A bumpy ball, for which nothing was tuned.
 TriangleMesh MakeBumpy(double radius) {
   TriangleMesh mesh = MakeSphere(radius, 5120);
   for (Vec3& v : mesh.vertices) {
@@ -36,7 +36,6 @@ TriangleMesh MakeBumpy(double radius) {
   return mesh;
 }
 
-/// All bytes of a tree.
 std::vector<std::uint8_t> BytesOf(const TriangleMesh& mesh, const SphereTree& tree) {
   Scene scene;
   scene.name = "s";
@@ -80,8 +79,8 @@ TEST(SphereTreeBuilder, CoversTheSurfaceBetterWithMoreLeaves) {
   double last = 1.0;
   for (const std::size_t count : {64, 512, 4096}) {
     const Coverage coverage = MeasureCoverage(mesh, BuildSphereTree(mesh, count), 20000);
-    // Tangent balls of spacing h and radius r leave h^2/8r: with r of 20 mm and h = 2 sqrt(A/N/3.5)
-    // that is A/(7 N r), halved on average; three times that much is allowed.
+    // Tangent balls of spacing h and radius r leave h^2/8r: for r of 20 mm and h = 2 sqrt(A/N/3.5)
+    // that is A/(7 N r), halved on average; three times that is allowed.
     EXPECT_LT(coverage.uncovered.mean, 3.0 * 0.5 * 0.0125 / (7.0 * double(count) * 0.02) + 2e-6);
     EXPECT_LT(coverage.uncovered.max, 10.0 * 0.0125 / (7.0 * double(count) * 0.02) + 10e-6);
     EXPECT_LT(coverage.uncovered.mean, last);
@@ -90,8 +89,8 @@ TEST(SphereTreeBuilder, CoversTheSurfaceBetterWithMoreLeaves) {
 }
 
 TEST(SphereTreeBuilder, LeavesNoWayBetweenNeighbours) {
-  // A ball of a tenth of the leaves' spacing must not get deeper than the surface allows: rays from
-  // far away towards the middle meet a leaf within 0.2 mm of the surface.
+  // A ball of a tenth of the leaves' spacing must be stopped at the surface: rays from far away
+  // towards the centre meet a leaf within 0.2 mm of it.
   const TriangleMesh mesh = MakeSphere(0.03, 5120);
   const SphereTree tree = BuildSphereTree(mesh, 2000);
   test::Numbers numbers;
@@ -134,7 +133,7 @@ TEST(SphereTreeBuilder, GivesEveryTriangleToTheLeafNearestToIt) {
       const auto& [a, b, c] = mesh.triangles[t];
       const Vec3 middle = (mesh.vertices[a] + mesh.vertices[b] + mesh.vertices[c]) / 3.0;
       double best = 1e300;
-      double best_with = 1e300;  // of the leaves that have the triangle
+      double best_with = 1e300;  // over the leaves that list the triangle
       for (std::uint32_t i = 0; i < count; ++i) {
         const double d = (middle - Centre(tree, i)).norm() - tree.leaf_radius[i];
         best = std::min(best, d);
@@ -165,8 +164,7 @@ TEST(SphereTreeBuilder, BalancesTheSameBytesAgain) {
   EXPECT_EQ(BytesOf(mesh, build()), BytesOf(mesh, build()));
 }
 
-/// How high the leaves lie over the surface on average, for a ball that rolls over it: by brute
-/// force.
+/// Average height of the leaves over the surface as felt by a ball rolling over it, by brute force.
 double MeanFelt(const TriangleMesh& mesh, const SphereTree& tree, double probe) {
   const auto centres = ScatterAbove(mesh, InspectMesh(mesh), MeshQuery(mesh), probe, 1009);
   double sum = 0.0;
@@ -198,13 +196,13 @@ TEST(SphereTreeBuilder, BalancesLeavesRoundTheSurface) {
         2.0 * std::sqrt(InspectMesh(mesh).area / (2.0 * std::sqrt(3.0) * 0.8 * 512));
     EXPECT_LT(std::abs(MeanFelt(mesh, balanced.tree, 0.5 * spacing)),
               0.35 * std::abs(MeanFelt(mesh, inside.tree, 0.5 * spacing)));
-    // 1/40 of the spacing, and what rounds.
+    // 1/40 of the spacing, plus rounding.
     EXPECT_LT(after.protrusion.max, 0.026 * spacing);
   }
 }
 
-/// Whether balls hold all of a triangle: one holds it whole, or some do its quarters; what is
-/// smaller than `least` by the corner that lies deepest.
+/// Whether balls cover all of a triangle: one ball does, or its quarters are covered; a piece
+/// smaller than `least` counts if the balls come within `least` of it.
 bool AreHeld(const SphereQuery& query, const std::vector<Sphere>& balls, const Vec3& a,
              const Vec3& b, const Vec3& c, double least) {
   const auto holds = [&](const Sphere& ball, const Vec3& x) {
@@ -246,7 +244,7 @@ TEST(SphereTreeBuilder, HoldsEveryTriangleInItsLeaves) {
           << count;
     }
   }
-  // The oracle sees a leaf that lacks.
+  // The oracle notices a leaf that is too small.
   const TriangleMesh box = MakeBox(Vec3(0.05, 0.04, 0.03));
   SphereTree tree = BuildSphereTree(box, 64, {}, TreeMode::kCover);
   tree.leaf_radius[5] *= 0.9;
@@ -263,7 +261,7 @@ TEST(SphereTreeBuilder, CoversAsCloselyAsItCan) {
     inside.mesh = cover.mesh = mesh;
     inside.tree = BuildSphereTree(mesh, 200);
     cover.tree = BuildSphereTree(mesh, 200, {}, TreeMode::kCover);
-    // What the leaves inside would stick out by, were all grown until nothing is uncovered.
+    // The protrusion if all inner leaves were grown until nothing is uncovered.
     const double grown = MeasureCoverage(mesh, inside.tree).uncovered.max;
     const Coverage covered = MeasureCoverage(mesh, cover.tree);
     EXPECT_EQ(covered.uncovered.max, 0.0);
@@ -287,7 +285,7 @@ TEST(SphereTreeBuilder, MakesOfItsOwnLeavesTheSameTreeAgain) {
   const SphereTree again = TreeOverBalls(mesh, leaves);
   ASSERT_EQ(again.leaves(), 100u);
   EXPECT_EQ(again.centroid, built.centroid);
-  // The order of the leaves may be another one; the triangles of each are the same.
+  // The order of the leaves may differ; each one's triangles are the same.
   const auto shared = [](const SphereTree& tree) {
     std::set<std::tuple<double, double, double, std::vector<std::uint32_t>>> all;
     for (std::size_t i = 0; i < tree.leaves(); ++i) {
@@ -313,8 +311,8 @@ TEST(SphereTreeBuilder, BalancesAFewLeavesToo) {
 }
 
 TEST(SphereTreeBuilder, GivesTheSameBytesInEveryBuild) {
-  // A new value needs a new kSphereTreeBuilderVersion, so that cached scenes are built anew; where
-  // the bundle has changed, it has its own kBundleVersion.
+  // A new value needs a new kSphereTreeBuilderVersion, so that cached scenes are rebuilt; a change
+  // of the bundle has its own kBundleVersion.
   const TriangleMesh mesh = MakeBox(Vec3(0.05, 0.04, 0.03));
   const auto bytes = BytesOf(mesh, BuildSphereTree(mesh, 100));
   EXPECT_EQ(HashBytes({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, 0),
@@ -334,7 +332,7 @@ TEST(SphereTreeBuilder, TakesMeshesThatAreOpenDoubledOrPartlyDegenerate) {
     const SphereTree tree = BuildSphereTree(mesh, 300);
     ASSERT_EQ(tree.leaves(), 300u);
     for (std::size_t i = 0; i < tree.leaves(); ++i) {
-      // Inside the sphere, but for what shows a little through the hole.
+      // Inside the sphere, except for what shows through the hole.
       EXPECT_LT(Centre(tree, i).norm() + tree.leaf_radius[i], 0.0305);
     }
   }
@@ -353,7 +351,7 @@ TEST(SphereTreeBuilder, TakesAFlatSheet) {
 
 TEST(SphereTreeBuilder, FitsAFewLargeBallsWhereOnlyTheMeshIsFelt) {
   TriangleMesh cup = MakeBox(Vec3::Constant(0.04));
-  cup.triangles.resize(10);  // open at a side
+  cup.triangles.resize(10);  // open on one side
   for (const TriangleMesh& mesh :
        {MakeBox(Vec3::Constant(0.04)), cup, MakeEllipsoid({0.03, 0.02, 0.0002}, 320)}) {
     const SphereTree tree = BuildInnerTree(mesh);
@@ -368,7 +366,7 @@ TEST(SphereTreeBuilder, FitsAFewLargeBallsWhereOnlyTheMeshIsFelt) {
     const std::set<std::uint32_t> triangles(tree.leaf_triangle.begin(), tree.leaf_triangle.end());
     EXPECT_EQ(triangles.size(), mesh.triangles.size());
   }
-  // Eight places to a side: those next to the middle lie half of 5 mm beside it.
+  // With eight cells of 5 mm per side, the central ones lie half a cell off the centre.
   EXPECT_NEAR(std::ranges::max(BuildInnerTree(MakeBox(Vec3::Constant(0.04))).leaf_radius), 0.0175,
               1e-9);
   EXPECT_THROW(BuildInnerTree({}), Error);

@@ -23,7 +23,7 @@ double DiagonalOf(const TriangleMesh& mesh) {
   return (report.box_max - report.box_min).norm();
 }
 
-/// A tree's leaves as they come back from a .sph file in millimetres, which somebody has moved.
+/// A tree's leaves as read back from a .sph file in millimetres that somebody has moved.
 std::vector<Sphere> FromFile(const SphereTree& tree, const Vec3& moved) {
   SphTree sph = ParseSph(ToSph(SphOf(tree), 1e-3), "tree.sph", 1e-3);
   std::vector<Sphere> balls = BallsOfLevel(sph, sph.levels);
@@ -36,7 +36,7 @@ TriangleMesh MovedBy(const Vec3& shift, TriangleMesh mesh) {
   return mesh;
 }
 
-/// An ellipsoid with a dent, so that no axis is a plane of symmetry.
+/// An ellipsoid with a dent, so that it has no plane of symmetry.
 TriangleMesh MakeUneven() {
   TriangleMesh mesh = MakeEllipsoid(Vec3(0.04, 0.025, 0.03), 1280);
   for (Vec3& v : mesh.vertices) {
@@ -62,7 +62,7 @@ TEST(TreeAlignment, FindsATranslationThatTheFileHasLost) {
 }
 
 TEST(TreeAlignment, TakesTheCentreOfTheBoxExactly) {
-  // What the toolkit does: the mesh goes with its box to the origin, and the tree stays there.
+  // As the toolkit does: the mesh is moved by its bounding box to the origin, and the tree stays.
   const Vec3 centre(0.07, -0.11, 0.3);
   const TriangleMesh about = MakeBox(Vec3(0.05, 0.04, 0.03));
   const TriangleMesh mesh = MovedBy(centre, about);
@@ -126,7 +126,7 @@ TEST(TreeAlignment, WarnsOfATreeOfAnotherMesh) {
   EXPECT_THAT(misfit(ball, uneven), HasSubstr("another mesh"));
   EXPECT_THAT(misfit(uneven, ball), HasSubstr("another mesh"));
   EXPECT_EQ(misfit(box, box), "");
-  // No more than the same box one and a half times as large.
+  // Not even the same box one and a half times as large.
   EXPECT_NE(misfit(MakeBox(Vec3(0.075, 0.06, 0.045)), box), "");
 }
 

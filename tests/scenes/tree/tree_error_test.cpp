@@ -22,7 +22,7 @@ TEST(TreeError, FindsABallAsHighAsItIsOverItsMesh) {
   const TriangleMesh mesh = MakeSphere(0.03, 20480);
   for (const double radius : {0.029, 0.0305}) {
     const UnionError error = SurfaceGauge(mesh, 5003).Measure({{Vec3::Zero(), radius}});
-    // The mesh lies up to 10 um below its sphere, and its facets lean by 0.024 rad at most.
+    // The mesh lies up to 10 um below its sphere, and its facets tilt by at most 0.024 rad.
     EXPECT_NEAR(error.offset.mean, radius - 0.03, 12e-6);
     EXPECT_NEAR(error.offset.max, error.offset.min, 30e-6);
     EXPECT_LT(error.tilt.max, 0.025);
@@ -36,19 +36,19 @@ TEST(TreeError, FindsABallAsHighAsItIsOverItsMesh) {
 }
 
 TEST(TreeError, FollowsTheNormalOfABoxIntoTheBallWithin) {
-  // Over a face, at (x, y) from its middle: the height sqrt(r^2 - x^2 - y^2) - h below the face,
-  // and the tilt asin(sqrt(x^2 + y^2) / r); outside the ball's shadow there is nothing.
+  // Over a face, at (x, y) from its centre: the height is sqrt(r^2 - x^2 - y^2) - h, below the
+  // face, and the tilt asin(sqrt(x^2 + y^2) / r); outside the ball's shadow there is nothing.
   const UnionError error =
       SurfaceGauge(MakeBox(Vec3(2, 2, 2)), 40009).Measure({{Vec3::Zero(), 1.0}});
   EXPECT_NEAR(error.missed_share, 1.0 - M_PI / 4.0, 0.01);
-  EXPECT_NEAR(error.offset.mean, -1.0 / 3.0, 0.01);  // of 1 - sqrt(1 - q^2) over the disc
+  EXPECT_NEAR(error.offset.mean, -1.0 / 3.0, 0.01);  // mean of 1 - sqrt(1 - q^2) over the disc
   EXPECT_NEAR(error.tilt.mean, M_PI / 4.0, 0.01);
   EXPECT_NEAR(error.volume_ratio, M_PI / 6.0, 0.01);
   EXPECT_GE(error.uncovered_share, 0.99);
-  // The places that no normal leads to the ball from count: by a right angle, and by the way to it.
+  // Points whose normal misses the ball count with a right angle, and with their distance to it.
   const double shadow = M_PI / 4.0;
   EXPECT_NEAR(error.mean_lean, shadow * error.tilt.mean + (1.0 - shadow) * M_PI / 2.0, 0.01);
-  // In the shadow more than x is off on (1 - x)^2 of it, and beside it at most sqrt(3) - 1 = 0.73.
+  // In the shadow a share (1 - x)^2 is off by more than x; beside it at most sqrt(3) - 1 = 0.73.
   EXPECT_NEAR(error.off_p95, 1.0 - std::sqrt(0.05 / shadow), 0.01);
 }
 
@@ -80,7 +80,7 @@ TEST(TreeError, IsATableOfOneUnitThatFitsATerminal) {
 }
 
 TEST(TreeError, FollowsTheUnionThroughBallsThatOverlap) {
-  // On a side of the rod, at the height of the large ball's middle, 0.01 from its axis.
+  // On a side of the rod, at the height of the large ball's centre, 0.01 from its axis.
   const std::vector<Sphere> balls{{Vec3(0, 0, 0.5), 0.2}, {Vec3(0, 0, 0.3), 0.6}};
   const UnionError error = SurfaceGauge(MakeBox(Vec3(0.02, 0.02, 1)), 20011).Measure(balls);
   EXPECT_NEAR(error.offset.max, 0.59, 1e-4);
@@ -96,7 +96,7 @@ TEST(TreeError, MeasuresEveryLevelAndSaysWhatItIs) {
   EXPECT_EQ(error.levels.back().spheres, 100u);
   EXPECT_EQ(error.levels.back().protrusion.max < 1e-9, true);
   for (std::size_t l = 0; l + 1 < error.levels.size(); ++l) {
-    // Bounds of leaves that touch the surface stick out of it.
+    // Bounding balls of leaves that touch the surface stick out of it.
     EXPECT_GT(error.levels[l].protrusion.max, 1e-3);
   }
   EXPECT_THAT(ToText(error), HasSubstr("3, leaves"));
@@ -108,13 +108,12 @@ TEST(TreeError, MeasuresEveryLevelAndSaysWhatItIs) {
 }
 
 TEST(Coverage, OfABallInACubeIsKnown) {
-  // The ball touches the faces' middles; the corners of the cube are furthest, at sqrt(3)/2.
+  // The ball touches the centres of the faces; the cube's corners are farthest, at sqrt(3)/2.
   const TriangleMesh cube = MakeBox(Vec3(1, 1, 1));
   const Coverage c = MeasureCoverage(cube, SingleSphereTree(cube, {Vec3::Zero(), 0.5}), 50000);
   EXPECT_EQ(c.outside.max, 0.0);
   EXPECT_NEAR(c.uncovered.max, 0.8660 - 0.5, 0.01);
-  // Mean distance of a unit square's points, half a unit below, from the centre: 0.64030 (by
-  // numerical integration).
+  // Mean distance from the centre to a unit square half a unit away: 0.64030, numerically.
   EXPECT_NEAR(c.uncovered.mean, 0.6403 - 0.5, 0.001);
   EXPECT_LT(c.uncovered.p99, c.uncovered.max);
 }

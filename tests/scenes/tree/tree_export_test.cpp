@@ -35,7 +35,7 @@ Body MakeBody(std::size_t leaves) {
   return body;
 }
 
-/// Writes the tree and has another program's library read it.
+/// Writes the tree and reads it back with another program's library.
 struct ReadBack {
   ReadBack(const Body& body, const TreeExportOptions& options, const std::string& file)
       : scene(nullptr) {
@@ -72,7 +72,7 @@ TEST(TreeExport, WritesAPlyOfABallForEachLeaf) {
     }
   }
   EXPECT_GT(colours.size(), 50u);
-  // So does our own importer: closed pieces, wound outwards.
+  // Our own importer reads it too: closed pieces, wound outwards.
   const MeshReport report = InspectMesh(ImportMesh(file));
   EXPECT_EQ(report.triangles, 70u * 80u);
   EXPECT_TRUE(report.closed());
@@ -112,7 +112,7 @@ TEST(TreeExport, WritesAGlbInMetresWithANodeForEachBall) {
     EXPECT_NEAR((VecOf(scale) - Vec3::Constant(balls[i].radius)).norm(), 0.0, 1e-8);
     ASSERT_EQ(root.mChildren[i]->mNumMeshes, 1u);
   }
-  // A tree of one ball, under a name that JSON has to quote.
+  // A tree of one ball, with a name that JSON must escape.
   Body one = MakeBody(1);
   one.name = "a \"b\\\n\xff";
   EXPECT_NE(ReadBack(one, {}, file).scene, nullptr);
