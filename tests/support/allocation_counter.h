@@ -6,7 +6,7 @@ namespace palpate::test {
 
 /// Returns the number of allocations of this thread since it began, by any code: operator new,
 /// Eigen (which calls malloc itself), a C library.  Linking this file replaces malloc and related
-/// functions. Sanitizer builds have an allocator of their own, so there nothing is counted.
+/// functions, except in sanitizer builds, whose own allocators are not counted.
 std::uint64_t AllocationsOfThisThread();
 
 /// False if nothing is counted.

@@ -12,7 +12,7 @@
 namespace palpate::test {
 namespace {
 
-/// Keeps the compiler from leaving an allocation out.
+/// Keeps the compiler from optimising an allocation away.
 void Use(const void* p) {
   asm volatile("" : : "g"(p) : "memory");
 }

@@ -61,8 +61,7 @@ struct ContactFigures {
     std::size_t tried = 0;
     std::size_t never = 0;          ///< did not arrive in any further step
     std::size_t without_force = 0;  ///< number of those whose force ends below 1 mN
-    /// Number of those whose last two poses have the same bits, so that a hand could press for ever
-    /// and feel nothing.
+    /// Number of those whose last two poses are equal bit for bit: they never give a force.
     std::size_t stuck = 0;
     std::size_t first_step = 0;     ///< the first of those that never arrive
     std::vector<int> steps_needed;  ///< by those that arrived, sorted
@@ -84,8 +83,7 @@ struct ContactFigures {
     std::array<std::size_t, kJumpCauses> count{};  ///< number of jumps above kJump, by cause
     std::array<double, kJumpCauses> force{};       ///< greatest of each cause [N]
     std::array<std::size_t, kJumpCauses> step{};   ///< where that was
-    std::size_t behind = 0;  ///< number of jumps except kHand before or after which the tool had
-                             ///< not arrived
+    std::size_t behind = 0;  ///< jumps except kHand before or after which the tool had not arrived
     std::size_t unexplained() const { return count[static_cast<int>(JumpCause::kUnexplained)]; }
   };
   Jumps jumps;
@@ -111,8 +109,7 @@ struct ContactFigures {
 /// @param reports  filled in if given.
 ContactFigures MeasureContact(const ContactPath& path, const ContactChecks& checks,
                               std::vector<StepReport>* reports = nullptr);
-/// The same for a scene: makes its model, and starts the tool at the first pose, moved out of any
-/// object there.
+/// The same for a scene: makes its model, and starts the tool at the resolved first pose.
 ContactFigures MeasureContact(const Scene& scene, std::span<const Pose> X_WH,
                               const ContactChecks& checks,
                               std::vector<StepReport>* reports = nullptr);

@@ -15,13 +15,13 @@ namespace {
 
 using testing::HasSubstr;
 
-/// A ball of 5 mm on a cube of 50 mm, felt as surfaces: all is known.
+/// A ball of 5 mm on a cube of 50 mm, in contact as surfaces: everything is known.
 Scene BallOnCube() {
   return MakeScene(MakeSphere(0.005, 320), 1, MakeBox(Vec3::Constant(0.05)), 256,
                    ContactModel::kSurface);
 }
 
-/// Down onto the top face and 1 mm in, at `speed` mm/ms, and stays there.
+/// Descends to 1 mm inside the top face at `speed` mm/ms, and stays there.
 std::vector<Pose> Descent(double speed_mm, int steps) {
   std::vector<Pose> hand;
   for (int i = 0; i < steps; ++i) {
@@ -45,7 +45,6 @@ TEST(ContactFigures, AreThoseOfABallOnACube) {
   EXPECT_EQ(f.settling.within_10ms, 10u);
   EXPECT_LT(f.force_4khz_rms_fraction, 1e-9);
   EXPECT_NEAR(f.force.largest_jump.size, 0.1, 1e-9) << "1 N/mm and 0.1 mm a step";
-  // 3 mm in 100 ms.
   EXPECT_NEAR(f.mean_speed, 3.0 / 99.0, 1e-9);
   EXPECT_EQ(BrokenLimits(f, {.depth = 1e-9,
                              .arrived_fraction = 1.0,
@@ -57,8 +56,7 @@ TEST(ContactFigures, AreThoseOfABallOnACube) {
             "");
 }
 
-/// A tool that goes half a millimetre a step at most, one sub-step a cycle, for a hand that goes
-/// faster.
+/// A tool limited to one sub-step per cycle, half a millimetre, with a faster hand.
 struct SlowTool {
   SlowTool(std::vector<Pose> hand_, const Pose& from) : hand(std::move(hand_)) {
     start.X_WG = start.X_WH = from;
@@ -92,7 +90,7 @@ TEST(ContactFigures, SeeAToolThatCannotFollow) {
 }
 
 TEST(ContactFigures, SeeAToolThatNeverArrivesThoughTheHandRests) {
-  // 0.5 mm a step: the first way takes 2,000 steps, the second one 60.
+  // At 0.5 mm per step the first distance takes 2,000 steps, the second 60.
   SlowTool tool({{Vec3(0.0, 1.0, 0.0)}, {Vec3(0.0, 0.03, 0.0)}}, {Vec3(0.0, 0.06, 0.0)});
   const ContactFigures f = tool.Measure({.hold_far = true, .progress = {}});
   EXPECT_EQ(f.steps - f.arrived, 2u);
@@ -107,7 +105,7 @@ TEST(ContactFigures, SeeAToolThatNeverArrivesThoughTheHandRests) {
   EXPECT_LT(f.held.median(), 100);
   EXPECT_EQ(f.held.force_error, std::vector{0.0}) << "in the air";
   EXPECT_EQ(f.unconverged, 1u) << "the first";
-  // What is held goes its own way: the path is as without.
+  // Holding does not disturb the path itself.
   const ContactFigures unheld = tool.Measure({.progress = {}});
   EXPECT_EQ(unheld.held.tried, 0u);
   EXPECT_EQ(unheld.lag, f.lag);
@@ -120,9 +118,8 @@ TEST(ContactFigures, TrySomeOfManyStepsThatDoNotArriveEvenlySpread) {
       tool.Measure({.oracle_every = 0, .converge_every = 0, .hold_far = true, .progress = {}});
   EXPECT_EQ(f.arrived, 0u);
   EXPECT_EQ(f.longest_behind, steps);
-  // Every fourth.
   EXPECT_EQ(f.held.tried, steps / 4);
-  // 0.94 m at 0.49 mm a step take 1,919 steps.
+  // 0.94 m at 0.49 mm per step takes 1,919 steps.
   EXPECT_EQ(f.held.never, f.held.tried);
 }
 

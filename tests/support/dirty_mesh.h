@@ -127,8 +127,7 @@ inline std::string TextStlOf(const TriangleMesh& mesh) {
   return text + "endsolid mesh\n";
 }
 
-/// Returns the mesh as PLY, with another property before the coordinates, as text or as
-/// binary doubles.
+/// Returns the mesh as PLY, text or binary doubles, with another property before the coordinates.
 inline std::string PlyOf(const TriangleMesh& mesh, bool binary) {
   std::string text = std::string("ply\nformat ") + (binary ? "binary_little_endian" : "ascii") +
                      " 1.0\nelement vertex " + std::to_string(mesh.vertices.size()) +
@@ -204,8 +203,7 @@ inline bool IsExposed(const TriangleMesh& mesh, std::size_t triangle, const Vec3
   return (BruteWinding(mesh, at + step) > 0.5) != (BruteWinding(mesh, at - step) > 0.5);
 }
 
-/// Returns the triangles of a closed mesh that lie entirely on its outside, tested at their centres
-/// and near their corners.
+/// Returns the outer triangles of a closed mesh, tested at their centroids and near their corners.
 inline TriangleMesh Exposed(const TriangleMesh& mesh) {
   TriangleMesh exposed;
   exposed.vertices = mesh.vertices;

@@ -6,8 +6,7 @@
 
 namespace palpate::test {
 
-/// Returns the text of the catalogue's cube with effects; it uses the mesh for contact, so that it
-/// loads at once.
+/// Returns the text of the catalogue's cube with effects, without leaves, so that it loads at once.
 inline std::string CubeWithEffects(const std::string& effects) {
   std::string text;
   std::getline(std::ifstream(PALPATE_SOURCE_DIR "/scenes/catalogue/cube.json"), text, '\0');

@@ -5,8 +5,7 @@
 
 namespace palpate::test {
 
-/// Tests a condition each millisecond until it holds; false after a time far longer than any stall
-/// of the machine.
+/// Tests a condition each millisecond until it holds; false after far longer than any stall.
 template <class Condition>
 bool Eventually(Condition condition, double seconds = 30.0) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);

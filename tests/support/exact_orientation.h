@@ -13,9 +13,8 @@ namespace palpate::test {
 /// normal), -1 on the other side, 0 if d lies in the plane or abc spans none.
 int Orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 
-/// Orientation of the points' projections along `axis` (0: x, 1: y, 2: z).
-/// @returns 1 if abc runs counter-clockwise, seen from the end of the axis; -1 if clockwise; 0
-/// if collinear.
+/// Orientation of the points' projections along `axis` (0: x, 1: y, 2: z), seen from its end.
+/// @returns 1 if abc runs counter-clockwise, -1 if clockwise, 0 if collinear.
 int Orient2d(const Vec3& a, const Vec3& b, const Vec3& c, int axis);
 
 }  // namespace palpate::test

@@ -54,8 +54,7 @@ std::optional<ForceNotch> NotchOf(const Trace& trace, std::size_t begin, std::si
 }
 
 /// Returns a notch whose force is first below half at a given step.  It begins at the last step
-/// that qualifies, or earlier if the force jumped down to that step; a gradual release by the hand
-/// is not part of it.
+/// that qualifies, or earlier if the force jumped down to it, but excludes a gradual release.
 std::optional<ForceNotch> NotchAt(const Trace& trace, std::size_t earliest, std::size_t fallen) {
   const std::size_t first = std::max(earliest, fallen - std::min(fallen, kNotchSteps));
   std::optional<ForceNotch> found;
@@ -103,7 +102,7 @@ ForceShape JudgeForce(std::span<const Vec3> force, std::span<const double> by_ha
     const std::optional<ForceNotch> notch = NotchAt(trace, earliest, i);
     if (!notch) continue;
     shape.notches.push_back(*notch);
-    // With the return, and what is left of it beyond 60 %.
+    // Includes the whole return, beyond 60 % too.
     std::size_t k = notch->begin + 1;
     const auto returns = [&] {
       return trace.At(k - 1) < notch->before && trace.At(k) > trace.At(k - 1);

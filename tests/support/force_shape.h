@@ -20,10 +20,8 @@ namespace palpate::test {
 ///
 /// `by_hand` of JudgeForce distinguishes jumps of the force from changes by a fast hand.
 struct ForceNotch {
-  std::size_t begin = 0, end = 0;  ///< the last step before the fall, the first one after
-                                   ///< the return
-  double before = 0.0, least = 0.0, after = 0.0;  ///< |F| at begin, the least between, and at
-                                                  ///< end [N]
+  std::size_t begin = 0, end = 0;  ///< the last step before the fall, the first after the return
+  double before = 0.0, least = 0.0, after = 0.0;         ///< |F| at begin, least, at end [N]
   std::size_t steps() const { return end - begin - 1; }  ///< steps in between, one per millisecond
   double depth() const { return before - least; }        ///< [N]
 };

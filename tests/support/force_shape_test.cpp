@@ -16,7 +16,7 @@ std::vector<Vec3> Along(std::initializer_list<double> newtons) {
   for (const double f : newtons) force.push_back(f * Vec3::UnitX());
   return force;
 }
-/// `newtons` between steady stretches of twelve steps of the first and of the last.
+/// `newtons` between twelve steps each of the first and the last value.
 std::vector<Vec3> Steady(std::initializer_list<double> newtons) {
   std::vector<Vec3> force(12, *newtons.begin() * Vec3::UnitX());
   const std::vector<Vec3> middle = Along(newtons);
@@ -43,7 +43,7 @@ TEST(ForceShape, SeesANotchAndItsDepthAndLength) {
 }
 
 TEST(ForceShape, SeesANotchThatTheForceFallsIntoByAndBy) {
-  // No step of it is to less than half of the one before.
+  // No single step more than halves the force.
   const ForceShape shape = JudgeForce(Steady({9.0, 6.0, 4.0, 3.0, 4.0, 6.0, 8.0}));
   ASSERT_EQ(shape.notches.size(), 1u);
   EXPECT_EQ(shape.notches.front().before, 9.0);
@@ -53,7 +53,7 @@ TEST(ForceShape, SeesANotchThatTheForceFallsIntoByAndBy) {
 }
 
 TEST(ForceShape, BeginsANotchWhereTheForceJumps) {
-  // 3.2 to 2.9 N by and by, then nothing for a step.
+  // Gradually from 3.2 to 2.9 N, then nothing for one step.
   const ForceNotch slow = Deepest(JudgeForce(Steady({3.2, 3.1, 3.0, 2.9, 0.0, 3.2})).notches);
   EXPECT_EQ(slow.before, 2.9);
   EXPECT_EQ(slow.steps(), 1u);
@@ -115,7 +115,7 @@ TEST(ForceShape, JudgesOnlyWhatHasEndedAtTheEnd) {
 }
 
 TEST(ForceShape, KnowsALedgeBesideANotch) {
-  // The tool snaps, and two steps later it loses its contacts for one.
+  // The tool snaps, and two steps later loses its contacts for one step.
   const ForceShape shape = JudgeForce(Steady({2.0, 6.0, 6.0, 0.0, 6.0}));
   ASSERT_EQ(shape.notches.size(), 1u);
   EXPECT_EQ(shape.notches.front().before, 6.0);
@@ -136,13 +136,13 @@ TEST(ForceShape, TakesAChangeThatIsUndoneForOneThatPasses) {
 }
 
 TEST(ForceShape, LeavesToTheHandWhatTheHandCanHaveDone) {
-  // A tap: 5 N away and back, at up to 2 N a millisecond.
+  // A tap: 5 N away and back, at up to 2 N per millisecond.
   const std::vector<Vec3> tap = Steady({5.0, 3.0, 1.0, 1.0, 3.0, 5.0});
   EXPECT_EQ(JudgeForce(tap).notches.size(), 1u);
   std::vector<double> by_hand(tap.size(), 2.1);
   EXPECT_TRUE(JudgeForce(tap, by_hand).notches.empty());
   EXPECT_TRUE(JudgeForce(tap, by_hand).ledges.empty());
-  // A hand that slow falls off a ledge, and then comes back as fast as it can.
+  // With so slow a hand the force falls off a ledge; then the hand returns as fast as it can.
   by_hand.assign(tap.size(), 0.1);
   by_hand[16] = by_hand[17] = 3.0;
   EXPECT_TRUE(JudgeForce(tap, by_hand).notches.empty());
@@ -153,7 +153,7 @@ TEST(ForceShape, TakesNoNoiseForAnything) {
   std::vector<Vec3> force, small;
   for (int i = 0; i < 5000; ++i) {
     force.push_back(Vec3(3.0, 0.0, 0.0) + random.InCube(0.1));
-    small.push_back(random.InCube(0.12));  // halves and doubles all the time
+    small.push_back(random.InCube(0.12));  // often halves and doubles
   }
   for (const std::vector<Vec3>& noise : {force, small}) {
     const ForceShape shape = JudgeForce(noise);

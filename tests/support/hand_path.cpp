@@ -190,8 +190,7 @@ class HandMaker {
     return std::nullopt;
   }
 
-  /// Returns the touch below a pose: moves up along the normal until the tool is free, and
-  /// down again.
+  /// Returns the touch below a pose: moves along the normal until the tool is free, and back down.
   std::optional<Touch> TouchBelow(const Place& place, const Vec3& normal) const {
     for (double lift = Mm(4.0); lift <= Mm(33.0); lift *= 2.0) {
       const Place raised{place.c + lift * normal, place.q};
@@ -217,8 +216,7 @@ class HandMaker {
     return (mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3.0;
   }
 
-  /// Returns a free pose above a touch that can be reached on a straight path from outside
-  /// the scene.
+  /// Returns a free pose above a touch that a straight path reaches from outside the scene.
   /// @param near  prefers a touch near this pose; null: anywhere.
   std::pair<Place, Touch> Approach(const Place* near) {
     const TriangleMesh& mesh = scene_.tools.front().mesh;

@@ -10,13 +10,12 @@ namespace palpate::test {
 
 struct HandOptions {
   std::uint64_t seed = 1;
-  double speed = 0.1;  ///< mean over the path [m/s]; a rotation counts as its angle times half the
-                       ///< tool's radius
+  double speed = 0.1;  ///< mean [m/s]; a rotation counts as its angle times half the tool's radius
   int steps = 20000;   ///< samples, one per millisecond
   double press_mm = 4.0;  ///< greatest depth of pressing; the least is half of it
 };
 
-/// Makes a random hand, to which nobody has tuned the code: poses X_WH of a scene's first tool that
+/// Makes a random hand, for which nothing was tuned: poses X_WH of a scene's first tool that
 /// approaches from anywhere, presses 2 to 4 mm deep (or as the options say), slides, turns,
 /// squeezes, taps, leaves, and comes again.
 ///

@@ -84,7 +84,7 @@ TEST(HandPath, IsAsFastAsAskedAndNoFasterThanAHandSpeedsUp) {
       before = v;
     }
     EXPECT_NEAR(way / 4.0, speed, 0.2 * speed);
-    // 30 m/s^2, and what a sample that lies across the seam of two moves sees of both.
+    // 30 m/s^2, or more where a sample spans the seam of two moves.
     EXPECT_LT(fastest_change / 1e-6, speed < 0.2 ? 40.0 : 400.0) << speed;
   }
 }
@@ -93,9 +93,9 @@ TEST(HandPath, IsInProportionForTheVerySmallAndTheVeryLarge) {
   for (const double size : {2e-3, 20.0}) {
     const Scene scene = BoxOnBall(size);
     const MeshOracle oracle(scene);
-    // The small one by 0.01 m/s, the large one by 5 m/s: so both come to touch.
+    // 0.01 m/s for the small one and 5 m/s for the large one, so that both come to touch.
     const std::vector<Pose> hand = MakeHand(scene, {5, size < 1.0 ? 0.01 : 5.0, 3000});
-    // Of 10 mm and 1 m, 2 to 4 mm; the tool is 0.4 of the size long.
+    // 2 to 4 mm for sizes of 10 mm to 1 m; the tool is 0.4 of the size long.
     const double scale = size < 1.0 ? 0.4 * size / 0.01 : 0.4 * size;
     double deepest = 0.0;
     for (std::size_t i = 0; i < hand.size(); i += 10) {

@@ -1,4 +1,4 @@
-// Hands that nobody tuned to over small scenes: what holds today of each model of contact.
+// Random hands over small scenes: what currently holds for each contact model.
 #include "tests/support/hand_trial.h"
 
 #include <sstream>
@@ -49,7 +49,7 @@ TEST(HandTrial, ABallOnACubesSurfaceStaysOutArrivesAndSettles) {
   EXPECT_EQ(TryHands(Cube(ContactModel::kSurface), trial), "");
 }
 
-/// A hand's poses, a row `x,y,z,qw,qx,qy,qz` a millisecond, from paths/NAME.csv.gz.
+/// A hand's poses, one row `x,y,z,qw,qx,qy,qz` per millisecond, from paths/NAME.csv.gz.
 std::vector<Pose> PathNamed(const std::string& name) {
   Program unpacked("/bin/gzip",
                    {"-dc", PALPATE_SOURCE_DIR "/tests/support/paths/" + name + ".csv.gz"});
@@ -65,8 +65,7 @@ std::vector<Pose> PathNamed(const std::string& name) {
   return poses;
 }
 
-// Hands that come to where a tool once stayed behind for good, with no force or half of it, and
-// then stand still there.
+// Hands that stand still where a tool once lagged for good, with half of its force or none.
 TEST(HandTrial, BunniesArriveWhereTheHandStandsStillAndFeelWhatHoldsThem) {
   Scene scene = LoadScene("bunny-bunny");
   scene.features.contact = ContactModel::kSurface;
@@ -89,7 +88,7 @@ TEST(HandTrial, BunniesArriveWhereTheHandStandsStillAndFeelWhatHoldsThem) {
   }
 }
 
-// How often the tool arrives is printed, not judged.
+// How often the tool arrives is printed, but not judged.
 TEST(HandTrial, SharpEdgesStayOutAndAreFeltByAHandThatPressesOn) {
   for (const std::string_view name : kSharpScenes) {
     const Scene scene = *MakeSharpScene(std::string(name) + ":23");

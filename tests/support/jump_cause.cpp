@@ -64,8 +64,7 @@ double JumpJudge::Stretch(const Wrench& wrench) const {
 }
 
 double JumpJudge::SpringFactor(double stretch) const {
-  // A ball that is pressed deeper than its radius does not roll round an edge, but leaves it at
-  // a ledge.
+  // A ball pressed deeper than its radius does not roll round an edge, but leaves it at a ledge.
   if (!(stretch < radius_)) return kSpringFactor;
   return std::max(kSpringFactor, radius_ / (radius_ - stretch));
 }

@@ -54,8 +54,7 @@ class JumpJudge {
 
   JumpCause Judge(const Pose& X_WH_before, const StepReport& before, const Pose& X_WH,
                   const StepReport& after) const;
-  /// Returns the greatest change of the force that the hand's motion can have caused,
-  /// JumpCause::kHand [N].
+  /// Returns the greatest change of the force that JumpCause::kHand allows [N].
   double ByHand(const Pose& X_WH_before, const StepReport& before, const Pose& X_WH,
                 const StepReport& after) const;
   /// Returns |[dp; rho dphi]| of a motion of the tool, at its centroid [m].
@@ -70,8 +69,7 @@ class JumpJudge {
   /// Returns the spring's stretch for its wrench [m].
   double Stretch(const Wrench& wrench) const;
   bool Has(const StepReport& report, const ActiveRow& contact) const;
-  /// Returns how many times further than the hand the tool may move, with the spring stretched by
-  /// `stretch` [m].
+  /// Returns how many times as far as the hand the tool may move at a stretch of the spring [m].
   double SpringFactor(double stretch) const;
 
   Vec3 centroid_;

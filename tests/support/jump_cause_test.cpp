@@ -13,7 +13,7 @@
 namespace palpate::test {
 namespace {
 
-/// A step before and one after, of a tool 100 mm long on a spring of 1 N/mm and 1 N m.
+/// Two successive steps of a tool 100 mm long on a spring of 1 N/mm and 1 N m.
 class JumpCauseTest : public testing::Test {
  protected:
   JumpCauseTest()
@@ -64,14 +64,14 @@ TEST_F(JumpCauseTest, IsTheHandWhereABallGoesRoundAnEdge) {
   scene.tools.front().tree = SingleSphereTree(scene.tools.front().mesh, {Vec3::Zero(), 0.005});
   const HapticModel model = MakeModel(scene, scene.tools.front(), MakeObjects(scene));
   const JumpJudge judge(scene, model);
-  // 4 mm deep: five times as far as the hand, 0.2 mm.
+  // 4 mm deep the ball moves five times as far as the hand's 0.2 mm.
   X_WH_.p.x() = 0.2e-3;
   before_.wrench.force = Vec3(0.0, 4.0, 0.0);
   after_.wrench.force = Vec3(0.99, 3.87, 0.0);
   EXPECT_EQ(judge.Judge(X_WH_before_, before_, X_WH_, after_), JumpCause::kHand);
   after_.wrench.force = Vec3(1.05, 3.86, 0.0);
   EXPECT_EQ(judge.Judge(X_WH_before_, before_, X_WH_, after_), JumpCause::kUnexplained);
-  // Deeper than its radius: as any tool.
+  // Deeper than its radius it is judged like any tool.
   before_.wrench.force = Vec3(0.0, 6.0, 0.0);
   after_.wrench.force = Vec3(0.8, 5.95, 0.0);
   EXPECT_EQ(judge.Judge(X_WH_before_, before_, X_WH_, after_), JumpCause::kUnexplained);
@@ -80,14 +80,14 @@ TEST_F(JumpCauseTest, IsTheHandWhereABallGoesRoundAnEdge) {
 TEST_F(JumpCauseTest, IsUnexplainedWhereTheSameContactsHold) {
   Jump(-0.6);
   EXPECT_EQ(Cause(), JumpCause::kUnexplained);
-  // Another pair at the same place is the same contact: the next triangle.
+  // Another pair at the same place, such as the next triangle, is the same contact.
   after_.active[0].id = {ContactId::kLeaves, 5, 6};
   after_.active[0].contact_W.x() = 0.3e-3;
   EXPECT_EQ(Cause(), JumpCause::kUnexplained);
 }
 
 TEST_F(JumpCauseTest, IsUnexplainedWhereTheSpringIsStretchedByNobody) {
-  // A contact that comes to a tool that had arrived gives no more force than the hand asks for.
+  // A contact that is new to an arrived tool adds no more force than the hand demands.
   Jump(0.6);
   after_.contacts = 2;
   after_.active[1].contact_W.x() = 0.02;
@@ -110,7 +110,7 @@ TEST_F(JumpCauseTest, IsAContactThatCameOrWent) {
   before_.active[1] = after_.active[1];
   after_.contacts = 1;
   EXPECT_EQ(Cause(), JumpCause::kLost);
-  // At the same place, but steep against it: another contact.
+  // At the same place but at a steep angle to it: another contact.
   before_.contacts = 1;
   after_.active[0].id = {ContactId::kLeaves, 5, 6};
   after_.active[0].normal = Vec3(1, 1, 0).normalized();
@@ -126,7 +126,7 @@ TEST_F(JumpCauseTest, IsALedgeWhereTheGraphicToolSnapsTowardsTheHand) {
   EXPECT_EQ(Cause(), JumpCause::kUnexplained) << "no nearer to the hand than it was";
   X_WH_before_.p.y() = X_WH_.p.y() = -2e-3;
   EXPECT_EQ(Cause(), JumpCause::kLedge) << "over a bump, with the same contact";
-  // The hand goes on meanwhile: the stretch grows to 2.18 mm, by less than if the tool had stayed.
+  // The hand moves on, so the stretch grows to 2.18 mm, but by less than if the tool had stayed.
   after_.wrench.force = Vec3(0.6, 2.1, 0.0);
   after_.X_WG.p.x() = 0.7e-3;
   X_WH_before_.p.y() = -1.95e-3;

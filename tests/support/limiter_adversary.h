@@ -11,8 +11,7 @@
 
 namespace palpate::test {
 
-/// The greatest outputs that were obtained from a limiter, relative to its limits: 1 is the
-/// limit itself.
+/// The greatest outputs obtained from a limiter, relative to its limits.
 struct LimiterTally {
   std::uint64_t inputs = 0;
   std::uint64_t nonfinite = 0;  ///< outputs
@@ -23,12 +22,12 @@ struct LimiterTally {
   LimiterCounts counts;
 };
 
-/// Tries to get more out of a limiter than its limits allow, in three ways in turn:
-///   random   anything: not finite, denormal, huge, poses that leap, clocks that stand or run back
-///   bang     a hand that is thrown about, forces along or against its velocity at ten times the
-///            peak, guide likewise, and silence, age and enable switched when it hurts
-///   climb    of several next inputs always the one that brings the output nearest to a
-///   limit Deterministic.
+/// Tries deterministically to get more out of a limiter than its limits allow, in turn by:
+/// - random: anything, such as non-finite, denormal or huge values, leaping poses and clocks that
+/// stand or run back;
+/// - bang: a hand that is thrown about, with forces along or against its velocity at ten times the
+/// peak, guide likewise, and silence, age and enable switched at the worst time;
+/// - climb: of several next inputs, always the one that brings the output nearest to a limit.
 class LimiterAdversary {
  public:
   LimiterAdversary(const WrenchLimits& limits, std::uint64_t seed)
@@ -113,8 +112,7 @@ class LimiterAdversary {
     return in;
   }
 
-  /// Returns the input of a hand that is thrown about in virtual time; the sign of the force
-  /// follows its velocity.
+  /// Returns the input of a hand thrown about in virtual time; the force follows its velocity.
   LimiterInput Thrown() {
     constexpr double kTick = 1e-3;
     if (random_.Below(50) == 0) velocity_ = 0.5 * random_.Direction();

@@ -54,8 +54,7 @@ bool VisitLeafPairs(const TriangleTree& a, const Motion& X_BA, const TriangleTre
   if (a.empty() || b.empty()) return false;
   const auto step = [&](const auto& self, const Node& na, const Box& moved_a,
                         const Node& nb) -> bool {
-    // Tests the axes of both boxes, because the bounding box of a rotated box is too large at
-    // its corners.
+    // Tests the axes of both boxes: a rotated box's bounding box is too large at its corners.
     if (!moved_a.Overlaps(nb.box) || !(X_AB * nb.box).Overlaps(na.box)) return false;
     if (na.leaf() && nb.leaf()) return visit(na, nb);
     if (nb.leaf() || (!na.leaf() && na.box.half.sum() > nb.box.half.sum())) {

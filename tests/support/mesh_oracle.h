@@ -29,9 +29,8 @@ namespace palpate::test {
 ///  This also detects a mesh that is wholly inside, where no triangles meet.
 /// For open meshes only the first applies.  Soft bodies count as rigid.
 ///
-/// A tool that is a ball in the physics is a ball here, too: it meets a triangle that is nearer
-/// than its radius, and the depth is the radius minus the exact distance, or plus it if the centre
-/// is inside a closed mesh.
+/// A tool that is a ball in the physics is a ball here, too: it meets any triangle nearer than its
+/// radius, by the radius minus the exact distance, or plus it inside a closed mesh.
 class MeshOracle {
  public:
   struct PlacedMesh {
@@ -51,8 +50,7 @@ class MeshOracle {
   MeshOracle(MeshOracle&&) noexcept;
 
   struct Overlap {
-    bool meet = false;   ///< they have a common point, even if they only touch; or one is inside
-                         ///< the other, closed one
+    bool meet = false;   ///< they share a point (a touch counts), or one is inside the other
     double depth = 0.0;  ///< [m]
     long pairs = 0;      ///< of triangles that meet; for a ball, triangles that it meets
   };

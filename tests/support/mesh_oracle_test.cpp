@@ -20,7 +20,6 @@ MeshOracle Against(const TriangleMesh& tool, const TriangleMesh& object, const P
   return MeshOracle(tool, std::array{PlacedMesh{&object, X_WB}});
 }
 
-/// A square of side 1 in z = 0, of two triangles.
 TriangleMesh Sheet() {
   return {{Vec3(-0.5, -0.5, 0), Vec3(0.5, -0.5, 0), Vec3(0.5, 0.5, 0), Vec3(-0.5, 0.5, 0)},
           {{0, 1, 2}, {0, 2, 3}}};
@@ -31,7 +30,7 @@ TEST(MeshOracle, IsTheDepthOfABoxesCornerInABox) {
     const TriangleMesh tool = MakeBox(Vec3::Constant(0.4 * size));
     const Pose X_WB{Vec3(2 * size, 0, 0)};
     const MeshOracle oracle = Against(tool, MakeBox(Vec3::Constant(size)), X_WB);
-    // The tool's corner below the middle of the top: a spike, with the whole corner inside.
+    // The tool's corner points down into the middle of the top, wholly inside.
     const Quat tilt = RotationExp(Vec3(0.6, 0.1, 0.5));
     double down = 0.0;
     for (const Vec3& v : tool.vertices) down = std::max(down, -(tilt * v).y());
@@ -47,7 +46,7 @@ TEST(MeshOracle, IsTheDepthOfABoxesCornerInABox) {
 }
 
 TEST(MeshOracle, SeesEdgesThatCrossWithoutAVertexInside) {
-  // Two bars crosswise, ridge against ridge: no vertex of either is near the other.
+  // Two bars crosswise, ridge against ridge: no vertex of one is near the other.
   const TriangleMesh bar = MakeBox(Vec3(1, 0.1, 0.1));
   const Quat on_edge = RotationExp(Vec3(M_PI / 4, 0, 0));
   const Quat across = RotationExp(Vec3(0, M_PI / 2, 0)) * on_edge;
@@ -74,7 +73,7 @@ TEST(MeshOracle, SeesWhatIsWhollyInsideAClosedMesh) {
 }
 
 TEST(MeshOracle, FollowsTheInsideFromWhereTheSurfacesMeet) {
-  // A fine ball 8 mm deep in a plate, by far deeper than a triangle of it is long.
+  // A fine ball 8 mm deep in a plate, far deeper than the length of its triangles.
   const double radius = 0.02;
   const TriangleMesh ball = MakeSphere(radius, 5000), plate = MakeBox(Vec3(0.2, 0.05, 0.2));
   const MeshOracle oracle = Against(ball, plate);
@@ -89,7 +88,7 @@ TEST(MeshOracle, CountsASheetFromBothSides) {
   const TriangleMesh tool = MakeBox(Vec3::Constant(0.02)), sheet = Sheet();
   const MeshOracle oracle = Against(tool, sheet);
   for (const double side : {1.0, -1.0}) {
-    // A little off the diagonal, which the sheet's triangles share.
+    // Slightly off the diagonal that the sheet's triangles share.
     const auto at = [&](double depth) {
       return oracle.At({Vec3(0.2, 0.1, side * (0.01 - depth)), RotationExp(Vec3(0, 0, 0.3))});
     };
@@ -110,7 +109,7 @@ TEST(MeshOracle, TakesFacesThatLieOnEachOtherForATouch) {
 }
 
 TEST(MeshOracle, TakesFoldedNonManifoldAndDegenerateMeshes) {
-  // Three sheets that share an edge, one of them doubled with the other winding, and a needle.
+  // Three sheets that share an edge, one of them doubled with the opposite winding, and a needle.
   TriangleMesh fan;
   fan.vertices = {Vec3(0, 0, -1), Vec3(0, 0, 1),   Vec3(1, 0, 0),
                   Vec3(-1, 1, 0), Vec3(-1, -1, 0), Vec3(0, 5, 0)};
@@ -135,7 +134,7 @@ TEST(MeshOracle, IsWhatTryingEveryPairAndEveryVertexGives) {
   for (int i = 0; i < 60; ++i) {
     const Pose X{random.InCube(0.035), random.Rotation()};
     const Pose X_BT = X_WB.Inverse() * X, X_TB = X_BT.Inverse();
-    // In other rounding, so to within some 1e-16 m.
+    // Equal up to rounding, some 1e-16 m.
     double depth = 0.0;
     long pairs = 0;
     for (std::uint32_t a = 0; a < tool.triangles.size(); ++a) {
@@ -149,7 +148,7 @@ TEST(MeshOracle, IsWhatTryingEveryPairAndEveryVertexGives) {
     }
     const auto deepen = [&](const TriangleMesh& mesh, const Pose& pose, const TriangleTree& in) {
       for (const Vec3& v : mesh.vertices) {
-        // Of a convex mesh: behind all faces.
+        // Inside a convex mesh means behind all of its faces.
         bool inside = true;
         double distance = INFINITY;
         for (std::uint32_t t = 0; t < in.triangles(); ++t) {

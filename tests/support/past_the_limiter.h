@@ -4,9 +4,8 @@
 
 namespace palpate::test {
 
-/// Drives a simulated arm with a wrench that did not come from a WrenchLimiter, to measure a
-/// limiter's effect.  This is not possible for any other device, and no product code includes
-/// this header.
+/// Drives a simulated arm with a wrench that no WrenchLimiter limited, to measure a limiter's
+/// effect. No other device allows this, and no product code includes this header.
 class PastTheLimiter {
  public:
   static void Apply(SimulatedPhantom& arm, const Wrench& wrench) noexcept { arm.Pass(wrench); }

@@ -12,8 +12,7 @@ namespace palpate::test {
 
 constexpr double kMostLateTick_s = 5e-3;
 
-/// A simulation of a hand on an arm at a virtual wall, over a link with delay and loss, in
-/// virtual time.
+/// A hand on an arm at a virtual wall, over a delayed and lossy link, simulated in virtual time.
 struct PortLoopCase {
   int delay_ms = 0;   ///< from a pose to the force for it; 0: in the same tick
   double loss = 0.0;  ///< share of the answers that are lost
@@ -31,13 +30,11 @@ struct PortLoopCase {
 };
 
 struct PortLoopFigures {
-  // Sum of the applied wrench times the displacement in each tick: positive is energy given to
-  // the hand.
+  // The sum of wrench times displacement per tick: positive is energy given to the hand.
   double generated_J = 0.0;       ///< at the end, by the encoders
   double most_generated_J = 0.0;  ///< its greatest value
   double absorbed_J = 0.0;        ///< the sum over the ticks in which the hand gave energy
-  double most_change_N = 0.0;     ///< difference of applied and wanted force, in contact, after
-                                  ///< the ramp
+  double most_change_N = 0.0;     ///< applied minus wanted force, in contact, after the ramp
   double rms_change_N = 0.0;
   double rms_wanted_N = 0.0;
   double fastest_m_s = 0.0;  ///< of the handle

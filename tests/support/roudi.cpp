@@ -29,9 +29,8 @@ bool Eventually(bool (*condition)()) {
   return false;
 }
 
-// $1: pool file.  Prints iox-roudi's process id, then waits for the end of its input.  RouDi
-// 2.0.3 can wait for ever for a client that dies while RouDi stops, hence the kill.  Descriptor 9
-// is the lock.
+// $1: pool file.  Prints iox-roudi's process id, then waits for the end of its input.  RouDi 2.0.3
+// can wait for ever for a client that dies meanwhile, hence the kill.  Descriptor 9 is the lock.
 constexpr const char* kGuardian = R"(
 exec 3>&1 1>/dev/null 2>&1
 iox-roudi -c "$1" &

@@ -15,8 +15,7 @@ class RouDi {
   RouDi(const RouDi&) = delete;
   RouDi& operator=(const RouDi&) = delete;
 
-  /// Returns true if a RouDi runs that this class did not start; first waits for the end of those
-  /// that it did start.
+  /// Returns true if another RouDi runs; first waits for the end of those that this class started.
   static bool AnotherRuns();
 
   /// Kills RouDi like a crash: its socket stays behind.

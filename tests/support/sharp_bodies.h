@@ -14,8 +14,7 @@ namespace palpate::test {
 
 // Bodies with sharp edges and narrow gaps, like manufactured parts and unlike scans [m]: 20 to 60
 // mm long, closed, counter-clockwise seen from outside, centred at the origin.  Their numbers of
-// teeth, widths and slants depend on a seed, so that there is always one to which nobody has tuned
-// the code.
+// teeth, widths and slants depend on a seed, so that there is always an untuned one.
 //
 //     comb                 gear              notched plate           die
 //      _   _   _   _          _              __  ____   ___          _________
@@ -40,8 +39,7 @@ TriangleMesh MakeTerraced(double radius, std::size_t triangles, std::uint64_t se
 /// Extrudes a simple polygon, counter-clockwise, to z from -thickness / 2 to thickness / 2.
 TriangleMesh Extruded(std::span<const Vec3> outline, double thickness);
 
-/// Scenes with one body as the tool and one as the object, in contact as surfaces; the last is a
-/// ball on terraces.
+/// Scenes of one body as tool and one as object, in contact as surfaces, or a ball on terraces.
 inline constexpr std::array<std::string_view, 6> kSharpScenes{
     "sharp-combs", "sharp-gears",     "sharp-plates",
     "sharp-dice",  "sharp-gear-comb", "sharp-terraces-ball"};

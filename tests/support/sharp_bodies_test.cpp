@@ -9,7 +9,7 @@
 namespace palpate::test {
 namespace {
 
-/// Each edge is gone along once in each direction.
+/// Each edge must be used once in each direction.
 bool IsClosed(const TriangleMesh& mesh) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
   for (const auto& t : mesh.triangles) {

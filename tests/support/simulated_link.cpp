@@ -5,8 +5,7 @@
 namespace palpate::test {
 
 LinkDice::Arrivals LinkDice::Send(std::int64_t now_ns, const LinkConditions& conditions) {
-  // All dice are thrown for each sample, so that one probability does not change what the others
-  // do.
+  // All dice are thrown for each sample, so that no probability affects the others' outcomes.
   const auto up_to = [this](std::int64_t most_ns) {
     return static_cast<std::int64_t>(random_.Uniform(0.0, 1.0) * static_cast<double>(most_ns));
   };

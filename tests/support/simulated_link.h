@@ -13,22 +13,18 @@ namespace palpate::test {
 /// The conditions of one direction of a link.
 struct LinkConditions {
   std::int64_t delay_ns = 0;   ///< least transit time
-  std::int64_t jitter_ns = 0;  ///< additional time, uniform from 0 to this; it does not change
-                               ///< the order
+  std::int64_t jitter_ns = 0;  ///< additional time, uniform from 0 to this; keeps the order
   double loss = 0.0;           ///< probability that a sample is lost; 1: the link is cut
-  double duplication = 0.0;    ///< probability that a sample arrives again, up to
-                               ///< `straggle_ns` later
-  double reordering = 0.0;     ///< probability that a sample is delayed by up to `straggle_ns`, so
-                               ///< that others overtake it
+  double duplication = 0.0;    ///< probability of a second arrival, up to `straggle_ns` later
+  double reordering = 0.0;     ///< probability of being overtaken: a delay of up to `straggle_ns`
   std::int64_t straggle_ns = 5'000'000;
 };
 
 /// Draws the arrival times of the samples of a LossyWay, of any type.
 ///
 /// Jitter queues samples, as a router does: a sample that is not reordered on purpose never
-/// arrives before one that was sent earlier, so `reordering` alone determines how much is out of
-/// order. Pure: the result of the n-th call depends on the seed, the conditions and the times
-/// given so far.
+/// overtakes an earlier one, so `reordering` alone determines how much is out of order.  Pure: the
+/// n-th result depends only on the seed, the conditions and the times given so far.
 class LinkDice {
  public:
   explicit LinkDice(std::uint64_t seed) : random_(seed) {}
@@ -61,8 +57,7 @@ class LossyWay {
       under_way_.push({arrivals.time_ns[i], sent_++, sample});
     }
   }
-  /// Returns the next sample that has arrived by `now_ns`, earliest first; equal times in
-  /// sending order.
+  /// Returns the next sample that has arrived by `now_ns`, in order of arrival and then of sending.
   std::optional<T> Receive(std::int64_t now_ns) {
     if (under_way_.empty() || under_way_.top().time_ns > now_ns) return std::nullopt;
     T sample = under_way_.top().sample;

@@ -16,7 +16,7 @@ struct Arrived {
   bool operator==(const Arrived&) const = default;
 };
 
-/// Sends 0, 1, 2 ... one a millisecond, and looks a hundred times a millisecond what has come.
+/// Sends 0, 1, 2 ... one per millisecond, and polls for arrivals a hundred times per millisecond.
 std::vector<Arrived> Travel(LossyWay<int> way, int samples) {
   constexpr std::int64_t kLook = kMillisecond / 100;
   std::vector<Arrived> arrived;
@@ -61,12 +61,12 @@ TEST(SimulatedLink, JitterStaysWithinItsBoundsAndKeepsTheOrder) {
   EXPECT_GE(least, 2 * kMillisecond);
   EXPECT_LT(least, 3 * kMillisecond);
   EXPECT_GT(most, 5 * kMillisecond);
-  EXPECT_LE(most, 6 * kMillisecond + kMillisecond / 100);  // seen at the next look
+  EXPECT_LE(most, 6 * kMillisecond + kMillisecond / 100);  // noticed by the next poll
 }
 
 TEST(SimulatedLink, LosesTheShareThatItIsToldTo) {
   EXPECT_TRUE(Travel({.loss = 1.0}, 100).empty());
-  // Standard deviation of 10,000 throws: 0.0046.
+  // The standard deviation of 10,000 throws is 0.0046.
   EXPECT_NEAR(static_cast<double>(Travel({.loss = 0.3}, 10'000).size()) / 10'000, 0.7, 0.02);
 }
 
@@ -82,7 +82,7 @@ TEST(SimulatedLink, DoublesTheShareThatItIsToldTo) {
 TEST(SimulatedLink, ReordersOnlyByHoldingSamplesBack) {
   const std::vector<Arrived> arrived = Travel({.reordering = 0.1}, 10'000);
   ASSERT_EQ(arrived.size(), 10'000u);
-  // Held back by 0 to 5 ms: four fifths of those by long enough to be overtaken.
+  // Held back by 0 to 5 ms: four fifths of them long enough to be overtaken.
   EXPECT_NEAR(static_cast<double>(OutOfOrder(arrived)) / 10'000, 0.08, 0.02);
 }
 

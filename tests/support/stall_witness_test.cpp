@@ -11,8 +11,7 @@
 namespace palpate::test {
 namespace {
 
-/// Keeps this process and its children on one processor while it lives, so that two that are busy
-/// are in each other's way.
+/// Keeps this process and its children on one processor while it lives, so that they compete.
 class OneProcessor {
  public:
   OneProcessor() {
@@ -31,8 +30,7 @@ class OneProcessor {
 TEST(StallWitness, AddsUpWhatIsLostBitByBit) {
   StallWitness witness;
   const OneProcessor one;
-  // Two that compute share a processor in turns of a few milliseconds: of 100 ms each waits for
-  // about half, and never for long at once.
+  // Two busy processes alternate every few milliseconds: of 100 ms each waits for about half.
   std::vector<std::unique_ptr<Program>> busy;
   for (int i = 0; i < 2; ++i) {
     busy.push_back(std::make_unique<Program>(
@@ -52,7 +50,7 @@ TEST(Shown, MakesNoFurtherAttemptOnceOneHasShownOrFailed) {
 
 TEST(Shown, TakesNothingThatIsSpoiltForAStallWhereTheWitnessSawNone) {
   int attempts = 0;
-  // No machine stands still for a day while this runs.
+  // No machine stalls for a day while this runs.
   EXPECT_FALSE(Shown([&](StallWitness&) { return ++attempts, Attempt::kSpoilt; }, 86.4e6));
   EXPECT_EQ(attempts, 1);
 }

@@ -37,7 +37,6 @@ inline Body MakeMeshBody(std::string name, TriangleMesh mesh, const Pose& X_WB =
   return body;
 }
 
-/// Makes a scene of one tool and one object.
 inline Scene MakeScene(TriangleMesh tool, std::size_t tool_leaves, TriangleMesh object,
                        std::size_t object_leaves, ContactModel contact) {
   Scene scene;
@@ -48,7 +47,7 @@ inline Scene MakeScene(TriangleMesh tool, std::size_t tool_leaves, TriangleMesh 
   return scene;
 }
 
-/// The same for contact between meshes.
+/// Makes a scene in which contact is between the meshes.
 inline Scene MeshScene(TriangleMesh tool, TriangleMesh object) {
   Scene scene;
   scene.name = "test";

@@ -26,8 +26,7 @@ bool SegmentsMeet2d(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, 
 }
 
 /// The same in space: the segments must be coplanar, and all three projections must meet.  At least
-/// one projection is one-to-one on that plane (or line), so it gives no false result; the others
-/// never miss a meeting.
+/// one projection is one-to-one on their plane or line and so exact; the others miss no meeting.
 bool SegmentsMeet(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b) {
   if (Orient3d(p, q, a, b) != 0) return false;
   for (int axis = 0; axis < 3; ++axis) {
@@ -93,8 +92,7 @@ bool AnEdgeMeets(const Triangle& a, const Triangle& b, const Sides& sides) {
   return false;
 }
 
-/// Returns the nearest points of segments pq and ab (Ericson, Real-Time Collision
-/// Detection, 5.1.9).
+/// Nearest points of segments pq and ab (Ericson, Real-Time Collision Detection, 5.1.9).
 Nearest NearestOfSegments(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b) {
   const Vec3 d1 = q - p, d2 = b - a, r = p - a;
   const double A = d1.squaredNorm(), E = d2.squaredNorm(), f = d2.dot(r);
@@ -131,8 +129,7 @@ bool Meet(const Triangle& a, const Triangle& b) {
   if (a_of_b.apart()) return false;
   const Sides b_of_a(a, b);
   if (b_of_a.apart()) return false;
-  // The intersection of two convex bodies is convex, and a corner of it lies on an edge of one
-  // of them.
+  // The intersection of convex bodies is convex; one of its corners lies on an edge of a body.
   return AnEdgeMeets(a, b, a_of_b) || AnEdgeMeets(b, a, b_of_a);
 }
 

@@ -6,8 +6,7 @@
 
 namespace palpate::test {
 
-/// The corners [m], in either winding.  A triangle may degenerate to a needle, a segment or
-/// a point.
+/// The corners [m], in either winding.  A triangle may degenerate to a segment or a point.
 using Triangle = std::array<Vec3, 3>;
 
 /// Returns whether two closed triangles have a common point.  Exact (exact_orientation.h), also for
@@ -21,12 +20,10 @@ bool Meet(const Triangle& a, const Triangle& b);
 ///   ___|___ b               the Minkowski difference: a face's normal, or the cross product of an
 ///      |} depth             edge of each.  So it is the least overlap of the two over these axes.
 ///
-/// 0 if they only touch, or are coplanar.  Computed in doubles, with a relative error of some 1e-16
-/// of the coordinates.
+/// 0 if they only touch or are coplanar.  In doubles, to some 1e-16 of the coordinates.
 struct Separation {
   double depth = 0.0;        ///< [m]
-  Vec3 axis = Vec3::Zero();  ///< unit; b moves along it by `depth`.  Zero if any direction
-                             ///< is possible
+  Vec3 axis = Vec3::Zero();  ///< unit; b moves along it by `depth`.  Zero: any direction
 };
 Separation ShortestSeparation(const Triangle& a, const Triangle& b);
 

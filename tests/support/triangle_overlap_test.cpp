@@ -19,7 +19,7 @@ Triangle Moved(const Triangle& t, const Pose& X, double scale = 1.0) {
   return {X * (scale * t[0]), X * (scale * t[1]), X * (scale * t[2])};
 }
 
-/// In every order of the corners, and either triangle first.
+/// Tests every order of the corners, and each triangle first.
 void ExpectMeet(const Triangle& a, const Triangle& b, bool meet) {
   const std::size_t order[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1},
                                    {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
@@ -33,7 +33,7 @@ void ExpectMeet(const Triangle& a, const Triangle& b, bool meet) {
 }
 
 TEST(TriangleOverlap, KnowsHowTwoTrianglesCanMeet) {
-  // An edge through the face; a corner through it; a corner on it, an ulp off it.
+  // An edge through the face; a corner through it, on it, and an ulp off it.
   ExpectMeet(kFlat, {Vec3(1, 1, -1), Vec3(1, 1, 1), Vec3(9, 9, 1)}, true);
   ExpectMeet(kFlat, {Vec3(1, 1, -0.001), Vec3(1, 2, 5), Vec3(2, 1, 5)}, true);
   ExpectMeet(kFlat, {Vec3(1, 1, 0), Vec3(1, 2, 5), Vec3(2, 1, 5)}, true);
@@ -41,14 +41,14 @@ TEST(TriangleOverlap, KnowsHowTwoTrianglesCanMeet) {
   // Edge against edge.
   ExpectMeet(kFlat, {Vec3(2, 0, -1), Vec3(2, 0, 1), Vec3(2, -3, 0)}, true);
   ExpectMeet(kFlat, {Vec3(2, -1e-15, -1), Vec3(2, -1e-15, 1), Vec3(2, -3, 0)}, false);
-  // In one plane: across, side by side along an edge, one in the other, apart.
+  // Coplanar: crossing, sharing part of an edge, one inside the other, apart.
   ExpectMeet(kFlat, {Vec3(1, -1, 0), Vec3(2, -1, 0), Vec3(1, 9, 0)}, true);
   ExpectMeet(kFlat, {Vec3(1, 0, 0), Vec3(3, 0, 0), Vec3(2, -5, 0)}, true);
   ExpectMeet(kFlat, {Vec3(0.5, 0.5, 0), Vec3(1, 0.5, 0), Vec3(0.5, 1, 0)}, true);
   ExpectMeet(kFlat, kFlat, true);
   ExpectMeet(kFlat, {Vec3(2.1, 2.1, 0), Vec3(3, 3, 0), Vec3(2.1, 3, 0)}, false);
   ExpectMeet(kFlat, Moved(kFlat, {Vec3(0, 0, 1e-18)}), false);
-  // Where the planes cross beside one of them.
+  // The planes intersect beside one of the triangles.
   ExpectMeet(kFlat, {Vec3(3, 3, -1), Vec3(3, 3, 1), Vec3(9, 9, 0)}, false);
 }
 
@@ -61,7 +61,7 @@ TEST(TriangleOverlap, KnowsHowDegenerateTrianglesMeet) {
   ExpectMeet(kFlat, {over, over, over}, false);
   ExpectMeet(kFlat, {over, Vec3(1, 1, 2), Vec3(1, 1, 3)}, false);
   ExpectMeet(kFlat, {in, Vec3(2, 1, 0), Vec3(3, 1, 0)}, true);
-  // Segments on one line, crossing ones, and points.
+  // Collinear segments, crossing segments, and points.
   ExpectMeet({in, over, over}, {Vec3(1, 1, 0.5), Vec3(1, 1, 2), Vec3(1, 1, 3)}, true);
   ExpectMeet({in, over, over}, {Vec3(1, 1, 1.5), Vec3(1, 1, 2), Vec3(1, 1, 3)}, false);
   ExpectMeet({in, over, over}, {Vec3(0, 1, 0.5), Vec3(2, 1, 0.5), Vec3(2, 1, 0.5)}, true);
@@ -87,9 +87,8 @@ bool Zero(const WholePoint& a) {
   return a.x == 0 && a.y == 0 && a.z == 0;
 }
 
-/// Two triangles meet where the origin is in the hull of the nine differences of their corners, and
-/// then (Caratheodory) in a simplex of at most four of them.  Slow, and no line of it is in what it
-/// checks.
+/// Two triangles meet if the origin is in the hull of the nine differences of their corners, and
+/// then (Caratheodory) in a simplex of at most four of them.  Slow, and shares no code with Meet.
 bool MeetByDifferences(const std::array<WholePoint, 3>& a, const std::array<WholePoint, 3>& b) {
   std::vector<WholePoint> d;
   for (const WholePoint& p : a) {
@@ -108,7 +107,7 @@ bool MeetByDifferences(const std::array<WholePoint, 3>& a, const std::array<Whol
         for (std::size_t l = k + 1; l < 9; ++l) {
           const Whole volume = Dot(n, d[l] - d[i]);
           if (volume == 0) continue;
-          // The origin in place of each corner in turn: volumes of one sign.
+          // With the origin in place of each corner in turn, all volumes have one sign.
           const Whole parts[4] = {Dot(Cross(d[j], d[k]), d[l]), -Dot(Cross(d[k], d[l]), d[i]),
                                   Dot(Cross(d[l], d[i]), d[j]), -Dot(Cross(d[i], d[j]), d[k])};
           bool inside = true;
@@ -125,7 +124,7 @@ TEST(TriangleOverlap, AgreesWithWholeNumbersOnEveryKindOfTriangle) {
   int meet = 0, degenerate = 0, cases = 0;
   for (std::uint64_t seed = 0; seed < 60000; ++seed) {
     Random random(seed);
-    // From grids so coarse that touching, coplanar and degenerate ones are common, to fine ones.
+    // From grids so coarse that touching, coplanar and degenerate cases are common, to fine ones.
     const int half = seed % 4 == 0 ? 1 : seed % 4 == 1 ? 2 : seed % 4 == 2 ? 6 : 1 << 20;
     const auto grid = [&] { return Whole(random.Below(2 * half + 1) - half); };
     const bool in_plane = seed % 5 == 0;
@@ -133,7 +132,7 @@ TEST(TriangleOverlap, AgreesWithWholeNumbersOnEveryKindOfTriangle) {
     for (auto* t : {&a, &b}) {
       for (WholePoint& p : *t) {
         p = {grid(), grid(), grid()};
-        // A plane across all axes.
+        // A plane oblique to all axes.
         if (in_plane) p.z = p.x - 2 * p.y + 3;
       }
     }
@@ -141,10 +140,10 @@ TEST(TriangleOverlap, AgreesWithWholeNumbersOnEveryKindOfTriangle) {
       b[0] = {(a[0].x + a[1].x) / 2, (a[0].y + a[1].y) / 2, (a[0].z + a[1].z) / 2};
     }
     if (seed % 7 == 0) {
-      // A needle: the third corner beside the middle of the other two.
+      // A needle: the third corner beside the midpoint of the others.
       a[2] = {(a[0].x + a[1].x) / 2, (a[0].y + a[1].y) / 2, (a[0].z + a[1].z) / 2 + seed % 2};
     }
-    // Powers of two keep the numbers exact: the sizes are 1e-3 m and 10 m, and far off the origin.
+    // Powers of two keep the numbers exact: sizes of 1e-3 m and 10 m, sometimes far off the origin.
     const double step = seed % 2 == 0 ? 0x1.0p-30 : 0x1.0p-17;
     const double offset = seed % 11 == 0 ? 4096.0 : 0.0;
     const auto real = [&](const std::array<WholePoint, 3>& t) {
@@ -182,7 +181,7 @@ TEST(TriangleOverlap, DepthIsHowFarACornerStandsThroughAFace) {
 }
 
 TEST(TriangleOverlap, DepthOfCrossedEdgesIsAlongTheirCommonNormal) {
-  // Two roofs, ridge across ridge, one 0.03 into the other.
+  // Two roofs, ridge across ridge, one 0.03 inside the other.
   const Triangle below{Vec3(-1, 0, 0), Vec3(1, 0, 0), Vec3(0, 0.1, -2)};
   const Triangle above{Vec3(0, -1, -0.03), Vec3(0, 1, -0.03), Vec3(0.1, 0, 2)};
   ASSERT_TRUE(Meet(below, above));
@@ -239,7 +238,7 @@ TEST(TriangleOverlap, NearestPointsAreNoFurtherThanAnySamples) {
       }
     }
     EXPECT_LE(nearest.distance, least + 1e-15) << "seed " << seed;
-    // The samples of a are no further apart than 4 / kSteps.
+    // The samples of a are at most 4 / kSteps apart.
     EXPECT_GE(nearest.distance, least - 4.0 / kSteps) << "seed " << seed;
   }
 }

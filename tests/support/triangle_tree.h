@@ -22,12 +22,10 @@ class TriangleTree {
     bool Overlaps(const Box& other) const {
       return ((center - other.center).cwiseAbs() - half - other.half).maxCoeff() <= 0.0;
     }
-    /// Returns the least distance between the two boxes.
     double Distance(const Box& other) const {
       return ((center - other.center).cwiseAbs() - half - other.half).cwiseMax(0.0).norm();
     }
   };
-  /// Returns the bounding box of points.
   static Box BoxOf(std::span<const Vec3> points);
   struct Node {
     Box box;

@@ -20,8 +20,7 @@ struct HttpAnswer {
   std::string body;
 };
 /// @param target   sent unchanged.
-/// @param headers  sent in addition to Connection and Host, which is the address unless it is
-/// given here.
+/// @param headers  sent besides Connection and Host, which is the address unless it is given here.
 HttpAnswer Get(int port, const std::string& target,
                const std::map<std::string, std::string>& headers = {},
                const std::string& method = "GET");

@@ -47,8 +47,7 @@ inline std::string BinaryStlOf(const TriangleMesh& mesh, const std::string& head
   return bytes;
 }
 
-/// Returns a .glb with this JSON and a box of floats as its buffer: 8 corners [mm as m], 36
-/// indices, then `more`.
+/// Returns a .glb with this JSON and a box as its buffer: 8 corners [mm as m], 36 indices, `more`.
 inline std::string Glb(std::string json, std::string more = "", bool as_floats = true) {
   std::string buffer;
   const TriangleMesh box = WrittenBox();
@@ -90,8 +89,7 @@ inline std::string Json(const GltfFields& f) {
          f.views + R"(],"buffers":[)" + f.buffers + "]" + f.more + "}";
 }
 
-/// Writes tokens in any style that a program may use: with various blanks, signs, exponents and
-/// line ends.
+/// Writes tokens in any style a program may use: varied blanks, signs, exponents and line ends.
 class AnyHand {
  public:
   explicit AnyHand(std::uint32_t seed) : random_(seed) { end_ = OneOf({"\n", "\r\n", "\r"}); }
@@ -109,7 +107,7 @@ class AnyHand {
     std::snprintf(word, sizeof word, OneOf({"%.9g", "%.8e", "%+.9g", "%.9E"}).c_str(), x);
     return word;
   }
-  /// Gives each triangle three corners of its own, in any order.
+  /// Makes triangles with three distinct vertices each.
   TriangleMesh Mesh() {
     TriangleMesh mesh;
     const int vertices = 3 + random_.Below(8);
