@@ -1,5 +1,4 @@
-// palpate-bench accuracy: force against analytic truth, the chapter's 2.5.1 (eq. 2.36,
-// Figs. 2.16-2.18).
+// palpate-bench accuracy: force against analytic truth (chapter 2.5.1: eq. 2.36, Figs. 2.16-2.18).
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -22,14 +21,14 @@ namespace {
 struct Options {
   SlidingExperiment experiment;
   double tolerance_um = 1e6 * SlidingExperiment{}.tolerance;
-  std::string mode;  ///< empty: what suits the contact
+  std::string mode;  ///< empty: the mode that suits the contact
   std::vector<std::size_t> spheres{64, 512, 4096};
   FeatureOptions features{"surface", "off"};
-  TreeSource file;  ///< beside the trees that are built; none where it names no file
+  TreeSource file;  ///< compared with the trees that are built; none if it names no file
   std::string json, errors;
 };
 
-/// "A polygonal mesh with over 4,000 triangles", which the chapter compares 64 spheres with.
+/// The chapter compares 64 spheres with "a polygonal mesh with over 4,000 triangles".
 constexpr std::size_t kComparedTriangles = 4001;
 
 Json ToJson(const MeanMax& m) {
@@ -51,9 +50,8 @@ std::string Columns(const ForceErrors& e) {
                      e.direction_deg.max);
 }
 
-/// The god-object on the mesh itself, with its flat triangles.  The object is convex and the hand's
-/// centre outside it (the ball's radius is 5 mm, its depth 1 mm), so the contact is the mesh's
-/// nearest point.
+/// The god-object on the mesh itself, with flat triangles.  The object is convex and the ball's
+/// centre outside it (5 mm of radius, 1 mm deep), so the contact is the mesh's nearest point.
 ForceErrors OnMesh(const SlidingPath& path, const TriangleMesh& mesh) {
   const MeshQuery query(mesh);
   std::vector<Vec3> forces;

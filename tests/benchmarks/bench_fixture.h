@@ -23,7 +23,7 @@ class PalpateBench : public testing::Test {
   nlohmann::json Json(const std::string& name) const {
     return nlohmann::json::parse(std::ifstream(File(name)));
   }
-  /// Runs it to its end; its output is in said_.
+  /// Runs it to its end; fills in said_ with its output.
   int Run(std::vector<std::string> arguments) {
     Program program(PALPATE_BIN_DIR "/palpate-bench", std::move(arguments));
     const int status = program.Exit(100.0);
@@ -32,7 +32,7 @@ class PalpateBench : public testing::Test {
   }
   /// Returns its measurements, which it writes to figures.json.
   nlohmann::json Figures(std::vector<std::string> arguments) {
-    std::filesystem::remove(File("figures.json"));  // so that no former run's figures are read
+    std::filesystem::remove(File("figures.json"));  // removes figures of an earlier run
     EXPECT_EQ(Run(Joined(std::move(arguments), {"--json", File("figures.json")})), 0) << said_;
     return Json("figures.json");
   }

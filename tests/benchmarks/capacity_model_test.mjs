@@ -1,4 +1,4 @@
-// tests/benchmarks/capacity_model: what capacity.md says of sizes that no machine here holds.
+// Tests what capacity.md says about sizes that no machine here can hold.
 import assert from "node:assert/strict";
 import {spawnSync} from "node:child_process";
 import {readFileSync} from "node:fs";
@@ -7,7 +7,7 @@ import {fileURLToPath} from "node:url";
 
 const script = fileURLToPath(new URL("capacity_model", import.meta.url));
 const run = (...words) => spawnSync(script, words, {encoding: "utf8"});
-/// The first number behind a name at the beginning of a line.
+/// The first number after a name at the beginning of a line.
 const figure = (text, name) => Number(new RegExp(`^${name} +([\\d.]+)`, "m").exec(text)[1]);
 
 describe("CapacityModel", () => {

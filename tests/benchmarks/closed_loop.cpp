@@ -1,5 +1,4 @@
-// palpate-bench closed-loop: the greatest stiffness that can be rendered across a network, and
-// the accuracy.
+// palpate-bench closed-loop: the stiffness that can be rendered across a network, and the accuracy.
 #include <algorithm>
 #include <filesystem>
 

@@ -53,8 +53,7 @@ class ArmUnderTest final : public Device {
   Wrench applied_;
 };
 
-/// Measures the energy that a device gives a hand.  Exact, because the applied wrench is held while
-/// the handle moves.
+/// Measures the energy that a device gives a hand; exact, as the wrench is held during a motion.
 class PortEnergy {
  public:
   void Add(const Wrench& held, const Pose& from, const Pose& to) {
@@ -69,8 +68,7 @@ class PortEnergy {
   double given_J_ = 0.0, most_J_ = 0.0;
 };
 
-/// Measures the motion of a vector over a time span: peak to peak, along the axis with the
-/// greatest motion.
+/// Measures a vector's motion over a time span: peak to peak, along the axis of greatest motion.
 class Span {
  public:
   void Add(const Vec3& p) {
@@ -118,9 +116,8 @@ ClosedLoopScene MakeClosedLoopScene(const std::string& name) {
 
 ClosedLoopFigures RunClosedLoop(const ClosedLoopScene& scene, const ClosedLoopCase& c) {
   Scene stiffened = scene.scene;
-  // Scales both springs by the same factor.  The stiffness of a contact beside the tool's reference
-  // point is limited by the torsional spring, and would otherwise stay soft however stiff the other
-  // one is.
+  // Scales both springs by the same factor: the torsional spring limits the stiffness of a contact
+  // beside the tool's reference point, which would otherwise stay soft.
   const double factor = c.stiffness_N_per_m / stiffened.coupling.stiffness;
   stiffened.coupling.stiffness *= factor;
   stiffened.coupling.torsional_stiffness *= factor;
@@ -233,8 +230,7 @@ ZWidth MeasureZWidth(const ClosedLoopScene& scene, ClosedLoopCase c) {
     return figures.stable;
   };
   if (!stable(kLeastStiffness)) return width;
-  // Increases the stiffness until the loop is unstable, so that stable values above an instability
-  // do not count.
+  // Increases the stiffness until the loop is unstable; stable values beyond that do not count.
   double high = kLeastStiffness;
   do {
     if (high >= kStiffest) return width;

@@ -53,11 +53,9 @@ ClosedLoopScene MakeClosedLoopScene(const std::string& name);
 /// given back its stored energy, and any surplus was generated.
 struct ClosedLoopFigures {
   bool stable = false;
-  double limit_cycle_mm = 0.0;   ///< motion of the handle, peak to peak, in the
-                                 ///< last kClosedLoopCycle_s
+  double limit_cycle_mm = 0.0;   ///< handle's motion, peak to peak, in the last kClosedLoopCycle_s
   double limit_cycle_deg = 0.0;  ///< its rotation likewise; both while the hand tries to hold still
-  double energy_J = 0.0;         ///< greatest energy that the device gave the hand beyond what it
-                                 ///< had received
+  double energy_J = 0.0;         ///< greatest surplus of energy that the device gave the hand
   double energy_end_J = 0.0;     ///< the value at the end; negative: taken from the hand
   /// energy_J computed from the encoders, which is all that a passivity controller sees; the true
   /// value may be larger by a force times an encoder step.
@@ -80,8 +78,7 @@ ClosedLoopFigures RunClosedLoop(const ClosedLoopScene& scene, const ClosedLoopCa
 
 /// The greatest stiffness for one configuration of the loop.
 struct ZWidth {
-  double stiffness_N_per_m =
-      0.0;  ///< greatest stiffness of the coupling up to which RunClosedLoop is stable
+  double stiffness_N_per_m = 0.0;  ///< of the coupling, up to which RunClosedLoop is stable
   /// Greatest stiffness up to there that the hand feels after the limiter's reduction: stiffness
   /// times ClosedLoopFigures::rendered.
   double felt_N_per_m = 0.0;

@@ -26,7 +26,7 @@ TEST(ClosedLoop, TremblesAcrossANetworkAndComesToRestWithTheLocalModel) {
 }
 
 TEST(ClosedLoop, ComesToRestThoughTheHandBouncesFurtherThanRowsReach) {
-  // A light hand that is let go flies off by centimetres, and meets the wall a round trip later if
+  // A light hand, once released, flies off by centimetres, and meets the wall a round trip late if
   // the local model has forgotten it.
   const ClosedLoopCase c{
       .hand = "light", .delay_ms = 10.0, .passivity = false, .stiffness_N_per_m = 5000.0};
@@ -44,7 +44,7 @@ TEST(ClosedLoop, GivesTheHandNoEnergyBehindThePassivityController) {
                                                                  .stiffness_N_per_m = stiffness});
         EXPECT_LE(figures.energy_end_J, 0.0) << delay_ms;
         EXPECT_LE(figures.energy_seen_J, EnergyStage::kSeed_J) << delay_ms;
-        // What the encoder cannot tell: 3 N over a step of 20 um.
+        // What the encoder cannot resolve: 3 N over a step of 20 um.
         EXPECT_LT(figures.energy_J, 60e-6) << delay_ms;
       }
     }
@@ -52,7 +52,7 @@ TEST(ClosedLoop, GivesTheHandNoEnergyBehindThePassivityController) {
 }
 
 TEST(ClosedLoop, CountsTheEnergyThatIsGivenOnTheWayOut) {
-  // The way out of a late wall gives more than the way in took: seen only once the hand goes.
+  // Leaving a late wall returns more energy than entering took: seen only once the hand leaves.
   const ClosedLoopCase c{
       .delay_ms = 10.0, .local_model = false, .passivity = false, .stiffness_N_per_m = 600.0};
   const ClosedLoopFigures figures = RunClosedLoop(Wall(), c);
@@ -69,8 +69,7 @@ TEST(ClosedLoop, TellsHowMuchOfAWallIsLeftWhereTheControllerHoldsItBack) {
 }
 
 TEST(ClosedLoop, HoldsABunnyBesideItsReferenceByAStiffnessThatGrowsWithTheCoupling) {
-  // A torsional spring that stayed as it is would leave every contact beside the reference soft,
-  // and every coupling stable.
+  // With a fixed torsional spring every contact beside the reference would be soft, and stable.
   const ClosedLoopScene bunny = MakeClosedLoopScene("bunny");
   ClosedLoopCase c{
       .delay_ms = 10.0, .local_model = false, .passivity = false, .stiffness_N_per_m = 10'000.0};
@@ -115,8 +114,8 @@ TEST(DelayedSlide, IsTheServersOwnStepOnAPlane) {
     const SlideTicks ticks = MeasureDelayedSlide(model, AtSpeed(way, 0.1), {0.1, delay_ms});
     const SlideErrors errors = ErrorsOf({&ticks, 1});
     ASSERT_GT(errors.ticks, 50u);
-    // The step leaves a tool that touches anywhere between h and delta, half a micrometre, off the
-    // plane (limits::mesh); the ways are 5 mm deep and more.
+    // The step leaves a touching tool between h and delta, half a micrometre, off the plane
+    // (limits::mesh); the paths are at least 5 mm deep.
     EXPECT_LT(errors.local.max, 0.5e-6 / 5e-3) << delay_ms;
     if (delay_ms > 0) {
       EXPECT_GT(errors.late.max, 0.01) << delay_ms;

@@ -13,8 +13,7 @@ struct TreeSource;
 namespace palpate::bench {
 
 /// Adds an option to a command, and shows its default in --help unless that is empty.
-/// @param value  must outlive the app.  T is as for CommandLine::Add; several values are separated
-/// by commas.
+/// @param value  must outlive the app.  T: see CommandLine::Add; commas separate several values.
 template <class T>
 Option Add(const CommandLine& command, const char* name, T& value, const std::string& help = "") {
   const Option option = command.Add(name, value, help);
@@ -43,7 +42,6 @@ void AddRepeats(const CommandLine& command, int& repeats);
 /// @returns the option --unit, for commands whose other files also use it.
 Option AddTreeFile(const CommandLine& command, const char* usual_unit, TreeSource& source);
 
-// Each function adds its command to palpate-bench.
 void AddAccuracy(const CommandLine& app);
 void AddClosedLoop(const CommandLine& app);
 void AddCut(const CommandLine& app);

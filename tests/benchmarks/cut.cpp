@@ -1,5 +1,4 @@
-// palpate-bench cut: a ball bur in a flat block; volume, force, work and time compared with
-// exact values.
+// palpate-bench cut: a ball bur's volume, force, work and time in a block against exact values.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -35,8 +34,7 @@ constexpr CutMaterial kMaterial{2e6, 0.5e9};
 /// Depth of the hand at the end of the plunge, where the bur's whole front is below the face, and
 /// in the groove, where about half of the bur is.
 constexpr double kPlungeDepth = 0.7e-3, kGrooveDepth = 0.42e-3;
-/// An older groove of the same bur beside the path: its distance, and the depth of its axis below
-/// the face.
+/// An older groove of the same bur beside the path: its distance, and its axis's depth.
 constexpr double kBeside = 0.3e-3, kOldDepth = 0.05e-3;
 constexpr std::size_t kMostBytes = 1u << 30;
 
@@ -89,8 +87,7 @@ double VolumeOf(const Case& c, CutField& cut, const Vec3& from_P, const Vec3& to
   return whole - test::TotalLeft(cut);
 }
 
-/// Moves the bur along straight paths; returns the removed volume divided by the exact one of the
-/// capsule, minus 1.
+/// Moves the bur along straight paths; returns the removed over the capsule's volume, minus 1.
 Json MeasureVolume(const Case& c) {
   const SolidGrid block = BlockOf(c);
   Json json{{"spacing_um", 1e6 * c.spacing}, {"direction", c.direction.name}};
@@ -163,8 +160,7 @@ struct Times {
   BestOf rows, solve, remove, step;
 };
 
-/// Simulates a hand that plunges, rises in 50 ms and cuts a groove, with the bur on the
-/// coupling's spring.
+/// Simulates a hand, with the bur on the coupling's spring: it plunges, rises and cuts a groove.
 Way GoTheWay(const Case& c, const SolidGrid& block, Times& times) {
   CutField cut(block, kMostBytes, "block");
   if (c.beside) {
@@ -335,7 +331,7 @@ void Run(const Options& options) {
     cases.push_back({.spacing = 1e-6 * static_cast<double>(um)});
   for (const std::size_t um : options.grids_um)
     cases.push_back({.spacing = 1e-6 * static_cast<double>(um), .beside = true});
-  // The rest on one grid: 50 um where it is among them.
+  // The other cases use a single grid: 50 um if that is among them.
   const bool usual = std::count(options.grids_um.begin(), options.grids_um.end(), 50) > 0;
   const double spacing = usual ? 50e-6 : 1e-6 * static_cast<double>(options.grids_um.front());
   cases.push_back({.spacing = spacing, .samples = 1024, .beside = true});
@@ -354,7 +350,7 @@ void Run(const Options& options) {
       stderr,
       "\nremoval by greater burs [us]: grid, diameter x length [mm] (0: a ball), p50, p99.9\n");
   for (const std::size_t um : options.grids_um) {
-    if (um < 50) continue;  // does not fit into a millisecond
+    if (um < 50) continue;  // too slow for a millisecond
     for (const auto& [radius, length] : {std::pair{0.25e-3, 2e-3}, {0.6e-3, 4e-3}, {0.7e-3, 0.0}}) {
       removals.push_back(
           MeasureRemoval(1e-6 * static_cast<double>(um), radius, length, options.repeats));

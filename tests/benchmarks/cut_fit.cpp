@@ -38,7 +38,7 @@ FittedLaw FitMaterial(const std::string& material, const std::vector<FeedForce>&
   FittedLaw law{material};
   law.pressure = (af * bb - bf * ab) / determinant;
   law.viscosity = (bf * aa - af * ab) / determinant;
-  // Neither is below 0: then the other alone is the least.
+  // If one would be negative, the best fit uses the other alone.
   if (law.viscosity < 0.0) law = {material, af / aa, 0.0};
   if (law.pressure < 0.0) law = {material, 0.0, bf / bb};
   double squares = 0.0;

@@ -8,9 +8,8 @@ namespace palpate::bench {
 /// A cutting force measured at a steady feed.
 struct FeedForce {
   std::string material;
-  double area = 0.0;  ///< of the bur's front, projected along the feed [m^2]
-  double share =
-      1.0;  ///< integral of (n . d)^2 divided by that of n . d: 1 for a flat front, 2/3 for a ball
+  double area = 0.0;   ///< of the bur's front, projected along the feed [m^2]
+  double share = 1.0;  ///< integral of (n . d)^2 over that of n . d: flat front 1, ball 2/3
   double feed = 0.0;   ///< [m/s]
   double force = 0.0;  ///< [N]
 };

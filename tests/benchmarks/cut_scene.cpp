@@ -303,8 +303,7 @@ void AddSurface(const std::vector<double>& errors, Figures& figures) {
   if (!errors.empty()) figures.surface_rms = std::sqrt(squares / double(errors.size()));
 }
 
-/// Without viscosity the work equals the pressures times the removed volumes: returns the ratio
-/// minus 1.
+/// Without viscosity the work is pressure times removed volume; returns the ratio minus 1.
 double WorkErrorOf(const Scene& scene, const std::vector<Pose>& hand) {
   Scene plastic = scene;
   for (Body& body : plastic.objects) {
@@ -367,7 +366,7 @@ Json ToJson(const Figures& f) {
           {"unsolved", f.unsolved}};
 }
 
-/// Makes a path down into it by half of the bur's head, at most 2.5 mm, and to the right.
+/// Makes a path down into a solid by half of the bur's head, at most 2.5 mm, and to the right.
 std::vector<Pose> MillingHand(const Scene& scene) {
   const BurProfile& profile = *scene.tools.front().bur;
   const Bur bur(profile.curve, profile.rounding);

@@ -11,9 +11,8 @@ struct CutSceneOptions {
   int repeats = 3;
 };
 
-/// `palpate-bench cut --scene`: runs the haptic step of a scene with a bur over poses, and reports
-/// time, force, removed volume and work compared with the exact sweep, the remaining surface, and
-/// the ripple of the grid.
+/// `palpate-bench cut --scene`: steps a scene with a bur over poses, and reports time, force,
+/// volume and work against the exact sweep, the remaining surface, and the grid's ripple.
 void RunCutScene(const CutSceneOptions& options);
 
 }  // namespace palpate::bench

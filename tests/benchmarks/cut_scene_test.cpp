@@ -31,7 +31,7 @@ TEST_F(CutCommand, MeasuresASceneAgainstTheExactSweep) {
                "--surface", File("left.stl")});
   EXPECT_EQ(cut["steps"], 400);
   EXPECT_EQ(cut["unsolved"], 0);
-  // A ball of 1.4 mm, pressed by up to 1 N into 0.2 MPa.
+  // A ball of 1.4 mm, pressed with up to 1 N into 0.2 MPa.
   EXPECT_GT(cut["cut_m3"], 0.5e-9);
   EXPECT_LT(std::abs(cut["volume_error"].get<double>()), 0.01);
   EXPECT_LT(std::abs(cut["work_error"].get<double>()), 0.02);
@@ -39,7 +39,7 @@ TEST_F(CutCommand, MeasuresASceneAgainstTheExactSweep) {
   EXPECT_LT(cut["surface_um"]["rms"], 10.0);
   EXPECT_LT(cut["surface_um"]["max"], 40.0);
   EXPECT_LT(cut["ripple"], 0.02);
-  // Bytes of a header, a count, and 50 for each triangle.
+  // STL: a header, a count, and 50 bytes per triangle.
   const auto size = std::filesystem::file_size(File("left.stl"));
   EXPECT_GT(size, 84u + 50u * 5000u);
   EXPECT_EQ((size - 84) % 50, 0u);

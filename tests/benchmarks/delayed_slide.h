@@ -20,8 +20,7 @@ struct DelayedSlide {
 /// The ticks of a slide in which F_now, the step's force without delay, exceeds 0.5 N.
 struct SlideTicks {
   std::vector<double> late;   ///< |F - F_now| / |F_now| of the reply's wrench itself
-  std::vector<double> local;  ///< the same for the station's extrapolation:
-                              ///< PoseLead, LocalContactModel
+  std::vector<double> local;  ///< the same for PoseLead and LocalContactModel
   double force_N = 0.0;       ///< sum of |F_now|
   std::size_t beyond_region = 0;
   std::size_t sought = 0;  ///< number of all ticks, also those without such a force

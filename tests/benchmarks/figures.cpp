@@ -50,7 +50,7 @@ void Table::Print() const {
   std::string out = title_ + "\n";
   out += fmt::format("  {:<22} {:>10} {:>10} {:>10} {:>10}\n", "", "p50", "p99", "p99.9", "max");
   for (const std::string& line : lines_) out += line + "\n";
-  // Beside a JSON object on stdout, the table belongs on stderr.
+  // Stdout may carry the JSON object.
   std::fputs(out.c_str(), stderr);
 }
 

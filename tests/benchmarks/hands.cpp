@@ -1,4 +1,4 @@
-// palpate-bench hands: generated hands over any scene, judged as cycle judges a path.
+// palpate-bench hands: generated hands over any scene, judged like a path of cycle.
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
@@ -31,7 +31,6 @@ struct Options {
   std::string json;
 };
 
-/// A..B, both included.
 std::pair<std::uint64_t, std::uint64_t> SeedRange(const std::string& text) {
   std::uint64_t first = 0, last = 0;
   const char* const end = text.data() + text.size();
@@ -43,7 +42,7 @@ std::pair<std::uint64_t, std::uint64_t> SeedRange(const std::string& text) {
   throw UsageError("--seeds " + text + " is no range; give A..B, as 1..20");
 }
 
-/// Poses that --poses of cycle reads back to the same bits.
+/// Writes poses such that --poses of cycle reads back the same bits.
 std::string ToCsv(const std::vector<Pose>& poses) {
   std::string csv = "x,y,z,qw,qx,qy,qz\n";
   for (const Pose& X : poses) {
@@ -53,7 +52,7 @@ std::string ToCsv(const std::vector<Pose>& poses) {
   return csv;
 }
 
-/// One line a seed, the worst first.
+/// Prints one line per seed, the worst first.
 void RunSeeds(const Options& options, const Scene& scene) {
   struct Seed {
     std::uint64_t seed;
@@ -62,7 +61,7 @@ void RunSeeds(const Options& options, const Scene& scene) {
       const auto& d = figures.depth;
       return d.empty() ? 0.0 : *std::max_element(d.begin(), d.end());
     }
-    /// A seed that broke an invariant comes before those that did not.
+    /// Seeds that broke an invariant come first.
     auto badness() const {
       return std::tuple(!figures.finite, figures.meeting > 0, figures.jumps.unexplained(),
                         figures.held.never, figures.force.notches.size(),

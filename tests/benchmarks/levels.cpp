@@ -1,5 +1,4 @@
-// palpate-bench levels: the cost of finer sphere trees and the errors of coarser ones (the
-// chapter's Fig. 2.23c).
+// palpate-bench levels: cost of finer and errors of coarser sphere trees (chapter, Fig. 2.23c).
 #include <algorithm>
 #include <chrono>
 #include <memory>
@@ -24,8 +23,8 @@ namespace {
 
 struct Options {
   std::string scene = "dragon-buddha", models, json;
-  // The greatest numbers of leaves of the chapter's trees, with eight children per node: levels 1
-  // to 5 (its bunny has 3,917 at level 4, its dragon 22,332 at level 5).
+  // The maximum leaves per level of the chapter's trees with eight children per node, levels 1 to 5
+  // (its bunny has 3,917 at level 4, its dragon 22,332 at level 5).
   std::vector<std::size_t> leaves{8, 64, 512, 3917, 22332};
   bool objects_only = false;
   std::optional<int> steps;

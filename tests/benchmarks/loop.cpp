@@ -33,11 +33,10 @@ using std::chrono::milliseconds;
 constexpr std::int64_t kTick_ns = 1'000'000;
 constexpr double kLate_us = 1000.0;
 constexpr int kBlock = 500;           // ticks in a row to the same peer
-constexpr int kKeepAlive = 25;        // the other one gets a pose every so many: the server ends a
-                                      // session that is silent for 100 ms
+constexpr int kKeepAlive = 25;        // between the other's poses: 100 ms of silence end a session
 constexpr int kWarmUpBlocks = 2;      // one each: not counted
 constexpr milliseconds kSettle{100};  // as stations do: TRANSPORT, chunk leak of early samples
-/// Of both ways: their topics differ by the run.
+/// The same for both paths, whose topics differ by the run.
 constexpr const char* kStation = "bench";
 
 struct Options {
@@ -227,7 +226,7 @@ void SleepUntil(std::int64_t time_ns) {
   }
 }
 
-/// Poses forth and back along the scene's path, without a jump.
+/// Poses to and fro along the scene's path, without jumps.
 class Hand {
  public:
   explicit Hand(std::vector<Pose> poses) : poses_(std::move(poses)) {}
@@ -278,7 +277,7 @@ void Run(const Options& options) {
   Path served(loop, kStation, most), echoed(loop, kStation, most);
   ServerSession session(options.domain, network, options.scene, served);
   Hand hand(ScriptPoses(options.scene, std::nullopt));
-  served.Send(hand.Next(), false);  // nobody hears it; it sets the pose that the first ones repeat
+  served.Send(hand.Next(), false);  // nobody hears it yet; the first ones repeat its pose
   echoed.Open(echo_run);            // first: the server would not wait for it
   session.Begin();
 

@@ -18,7 +18,7 @@ std::vector<OverlapOracle::Ball> OverlapOracle::IntoCells(std::vector<Ball>& bal
   }
   const double size = std::max(1e-9, (high - low).maxCoeff()) *
                       std::cbrt(per_cell / static_cast<double>(balls.size()));
-  // Big and small balls apart, so that one big ball does not make a cell reach far.
+  // Sorted by size too, so that a big ball does not extend the reach of a cell of small ones.
   std::map<std::array<int, 4>, std::vector<Ball>> grid;
   for (const Ball& ball : balls) {
     const Vec3 i = (ball.center - low) / size;
@@ -47,7 +47,7 @@ std::vector<OverlapOracle::Ball> OverlapOracle::IntoCells(std::vector<Ball>& bal
 OverlapOracle::Side OverlapOracle::Sort(std::vector<Ball> leaves) {
   Side side;
   side.leaves = std::move(leaves);
-  // A mesh fills a small part of its box, so a cell holds more than its share.
+  // A mesh fills a small part of its bounding box, so occupied cells hold more than the average.
   side.cells = IntoCells(side.leaves, 1.0);
   side.groups = IntoCells(side.cells, 2.0);
   return side;

@@ -51,7 +51,7 @@ TEST_F(PalpateBench, CycleMeasuresAScenesPathAndItsPenetration) {
 }
 
 TEST_F(PalpateBench, CycleJudgesSpheresByTheirMeshesToo) {
-  // The leaves lie inside the meshes, which meet first.
+  // The leaves lie inside the meshes, so the meshes meet first.
   const nlohmann::json json = Figures(
       {"cycle", "--scene", "cube", "--steps", "3000", "--repeats", "1", "--contact", "spheres"});
   EXPECT_LT(json["penetration_um"]["max"], 1.0);
@@ -60,9 +60,8 @@ TEST_F(PalpateBench, CycleJudgesSpheresByTheirMeshesToo) {
   EXPECT_LT(json["mesh_intersecting_fraction"], 1.0);
 }
 
-// What yields presses a tool farther from the hand than it was, and rightly so.  Where that was
-// taken back, the tool went to and fro, short of arriving, for 600 cycles, and the force was 40 %
-// off.
+// A yielding contact rightly presses the tool away from the hand.  When that was undone, the tool
+// oscillated for 600 cycles without arriving, and the force was wrong by 40 %.
 TEST_F(PalpateBench, CycleArrivesWhereGumYieldsBesideATooth) {
   const nlohmann::json json =
       Figures({"cycle", "--scene", "periodontal", "--contact", "surface", "--friction", "chapter",
@@ -99,7 +98,7 @@ TEST_F(PalpateBench, CycleTracesEveryStepSoThatItsPosesReadBack) {
             "faults,substeps,step_us");
   int rows = 0;
   double jump = 0.0, before[3] = {};
-  // The hand's poses, driven again, lead to the same jumps: they read back to the same bits.
+  // The recorded hand reads back to the same bits: driving it again gives the same jumps.
   std::ofstream poses(File("poses.csv"));
   while (std::getline(trace, line)) {
     std::istringstream cells(line);
@@ -200,7 +199,7 @@ TEST_F(PalpateBench, HandsOfSeveralSeedsPutTheWorstFirst) {
 }
 
 TEST_F(PalpateBench, QpReadsBackWhatItDumped) {
-  // One problem: the origin's nearest point with x >= 1 and y >= 2.
+  // One problem: the point nearest to the origin with x >= 1 and y >= 2.
   std::ofstream file(File("two.pqp"), std::ios::binary);
   const auto put = [&](const void* data, std::size_t n) {
     file.write(static_cast<const char*>(data), static_cast<std::streamsize>(n));
@@ -266,7 +265,7 @@ TEST_F(PalpateBench, AccuracyFindsSmallerErrorsWithMoreSpheresAndNoneOnAFlatFace
       Figures({"accuracy", "--object", "cube", "--spheres", "64", "--contact", "surface", "--steps",
                "400", "--repeats", "1"});
   EXPECT_EQ(surface["spheres"], 64);
-  // The ball keeps limits::mesh::kSeparation from the face: a thousandth of 1 mm of depth.
+  // The ball keeps limits::mesh::kSeparation from the face, a thousandth of its 1 mm of depth.
   EXPECT_LE(surface["force_error"]["magnitude"]["mean"], 0.001 + 1e-9);
   EXPECT_LE(surface["force_error"]["magnitude"]["max"], 0.005);
   EXPECT_LE(surface["direction_deg"]["max"], 0.3);
@@ -282,21 +281,19 @@ TEST_F(PalpateBench, AccuracySetsTheTrianglesOfAMeshBesideTheSpheres) {
   EXPECT_EQ(flat["triangles"], 5120);
   EXPECT_EQ(flat["felt_triangles"], 5120);
   EXPECT_GT(flat["force_error"]["magnitude"]["max"], 0.01);
-  // What is within 3 um of the surface is within 0.003 of the force at 1 mm of depth; a direction
-  // of 0.1 degrees is 0.0017 of it.
+  // 3 um off the surface is 0.003 of the force at 1 mm of depth; 0.1 degrees is 0.0017 of it.
   const nlohmann::json json = measure("3");
   EXPECT_EQ(json["triangles"], 5120);
   EXPECT_GT(json["felt_triangles"], 50'000);
   EXPECT_LE(json["force_error"]["magnitude"]["max"], 0.003);
   EXPECT_LE(json["direction_deg"]["max"], 0.25);
-  // Flat triangles: the true surface lies up to e^2 / 8R outside them.
+  // The true surface lies up to e^2 / 8R outside flat triangles.
   EXPECT_EQ(json["mesh"]["triangles"], 5120);
   EXPECT_GT(json["mesh"]["force_error"]["magnitude"]["max"], 0.01);
   EXPECT_LT(json["mesh"]["force_error"]["magnitude"]["max"], 0.1);
 }
 
-/// The tree that 512 leaves inside the ellipsoid make, as a .sph file in millimetres somewhere
-/// else.
+/// Writes the tree of 512 leaves inside the ellipsoid as a .sph file in millimetres, displaced.
 std::string EllipsoidTree(const std::string& file) {
   SphTree sph = SphOf(BuildSphereTree(MakeEllipsoid(Vec3(0.04, 0.025, 0.03), 20480), 512));
   for (SphTree::Node& node : sph.nodes) node.ball.centre += Vec3(0.07, 0.0, -0.02);
@@ -313,7 +310,7 @@ TEST_F(PalpateBench, AccuracySetsATreeFromAFileBesideOurs) {
   EXPECT_THAT(said_, HasSubstr("512, of the file"));
   EXPECT_EQ(json["tree_file"]["spheres"], 512);
   EXPECT_EQ(json["tree_file"]["file"], tree);
-  // The same leaves but for a shift of some micrometres.
+  // The same leaves, up to a shift of some micrometres.
   const double ours = json["force_error"]["magnitude"]["mean"];
   EXPECT_NEAR(json["tree_file"]["force_error"]["magnitude"]["mean"], ours, 0.1 * ours);
   EXPECT_EQ(Run({"accuracy", "--object", "ellipsoid", "--spheres", "64", "--contact", "spheres",
@@ -334,7 +331,7 @@ TEST_F(PalpateBench, TreeSetsATreeFromAFileBesideOurs) {
   EXPECT_EQ(modes[2]["mode"], tree);
   EXPECT_FALSE(modes[2].contains("build_s"));
   const auto leaves = [](const nlohmann::json& mode) { return mode["bodies"][0]["levels"].back(); };
-  // Each is built of the scene's count, whatever came before it.
+  // Each has the scene's count, regardless of the trees before it.
   EXPECT_EQ(leaves(modes[1])["spheres"], 512);
   EXPECT_EQ(leaves(modes[2])["spheres"], 512);
   EXPECT_EQ(leaves(run("octree", "3")[1])["spheres"], 64);
@@ -388,7 +385,7 @@ TEST_F(PalpateBench, ParetoWritesAReportTableAndJsonOfAllThatItMeasured) {
       EXPECT_TRUE(run["available"] || run.contains("reason")) << run;
     }
   }
-  // More spheres are nearer to the truth.
+  // More spheres are more accurate.
   std::map<int, double> cube;
   for (const auto& slide : json["accuracy"]) {
     if (slide["object"] == "cube" && slide["contact"] == "spheres") {
@@ -405,7 +402,7 @@ TEST_F(PalpateBench, ParetoWritesAReportTableAndJsonOfAllThatItMeasured) {
     if (!goal.contains("figure")) continue;
     EXPECT_EQ(goal["held"], goal["figure"] <= goal["bound"]) << goal;
   }
-  // Every peer that is there has walked the path and slid over the cube.
+  // Every installed peer has run the path and the slide over the cube.
   for (const auto& peer : json["peers"]["known"]) {
     const auto here = [&](const auto& run) { return run["id"] == peer["id"] && run["available"]; };
     const auto& path = json["peers"]["path"];
@@ -419,7 +416,7 @@ TEST_F(PalpateBench, ParetoWritesAReportTableAndJsonOfAllThatItMeasured) {
         "\n## What each feature costs\n", "\n## Peers\n", "\n## Where a figure is missed\n"}) {
     EXPECT_THAT(report, HasSubstr(section));
   }
-  // A row for every run that the JSON has, of as many cells as the head.
+  // One row for each run in the JSON, with as many cells as the header.
   std::size_t runs = 0;
   const auto count = [&](const nlohmann::json& all) {
     for (const auto& run : all) runs += run["available"] == true;
@@ -430,7 +427,7 @@ TEST_F(PalpateBench, ParetoWritesAReportTableAndJsonOfAllThatItMeasured) {
   std::istringstream csv(Read("pareto/pareto.csv"));
   std::size_t rows = 0;
   for (std::string row; std::getline(csv, row); ++rows) {
-    // A name may have a comma in it.
+    // A quoted name may contain a comma.
     row = std::regex_replace(row, std::regex("\"[^\"]*\""), "");
     EXPECT_EQ(std::count(row.begin(), row.end(), ','), 18) << row;
   }

@@ -35,7 +35,7 @@ struct Options {
 constexpr const char* kPeerScene = "bunny-bunny";
 constexpr const char* kContacts[] = {"spheres", "surface"};
 constexpr const char* kFrictions[] = {"off", "chapter", "coulomb"};
-// Triangles of the ball that penetration is measured with: 1 um inside the true one at most.
+// Triangles of the ball used for penetration: at most 1 um inside the true ball.
 constexpr std::size_t kFineBall = 20480;
 
 std::string PalpateWith(const std::string& contact) {
@@ -54,8 +54,7 @@ std::vector<Vec3> ForcesOf(const auto& steps) {
   return forces;
 }
 
-/// An error from the physics, a peer or a file becomes a line of the report and does not end
-/// the run.
+/// Reports an error from the physics, a peer or a file as a line, without ending the run.
 template <class Work>
 void OrReason(std::string& not_available, Work measure) {
   try {
@@ -82,7 +81,7 @@ class Pareto {
     scenes_ = !options.scenes.empty() ? options.scenes
               : options.quick         ? std::vector<std::string>{"cube", "ellipsoid", kPeerScene}
                                       : CatalogueNames();
-    // Contact with their grids is measured by palpate-bench cut.
+    // palpate-bench cut measures contact with their grids.
     for (const char* cut : {"calculus", "caries", "crown", "osteotomy"}) std::erase(scenes_, cut);
     for (const std::string& scene : scenes_) FindSceneFile(scene);  // complains before work is done
     ChoosePeers();
@@ -127,7 +126,7 @@ class Pareto {
   int checks() const { return options_.quick ? 100 : 2000; }
   std::vector<Pose> PathOf(const std::string& scene) const {
     std::vector<Pose> poses = ScriptPoses(scene, std::nullopt);
-    // The beginning of a path: long enough to touch.
+    // The beginning of a path is long enough to touch.
     if (options_.quick && poses.size() > 1500) poses.resize(1500);
     return poses;
   }
@@ -306,8 +305,7 @@ class Pareto {
         runs[v] = std::make_unique<SceneRun>(std::move(with), PathOf(name));
       });
     }
-    // Alternates between them, so that other load affects all equally; many repeats, because the
-    // ratios differ little.
+    // Interleaved, so that other load affects all equally; many repeats, as ratios differ little.
     for (int r = 0; r < 2 * repeats(); ++r) {
       for (std::size_t v = 0; v < variants.size(); ++v) {
         if (stop_.stopped()) throw Stopped{};

@@ -45,8 +45,7 @@ TimedRun TimeRun(SceneRun& run, int repeats, const StopSignal& stop);
 /// Converts a scene for peers; it must outlive them.
 PeerScene ForPeers(const Scene& scene);
 
-/// The result of `repeats` new peers over the path; the steps are those of the first one.  Throws
-/// Error, Stopped.
+/// The result of `repeats` new peers over the path; steps of the first.  Throws Error, Stopped.
 struct TimedPeer {
   Speed speed;
   std::vector<PeerStep> steps;

@@ -17,8 +17,7 @@
 namespace palpate::bench {
 namespace {
 
-// The difference of force that people just notice, of the force itself (Jones 1989; Pang, Tan &
-// Durlach 1991).
+// Just noticeable difference of a force, relative (Jones 1989; Pang, Tan & Durlach 1991).
 constexpr double kJndLow = 0.06, kJndHigh = 0.08;
 // Chapter 2.5.1: mean on the cube with 4,096 spheres, greatest on the ellipsoid with 512.
 constexpr double kChapterCubeMean = 0.05, kChapterEllipsoidMax = 0.05;
@@ -26,7 +25,7 @@ constexpr double kDeepGoal_um = 10.0;
 
 // ---- finding what was measured
 
-/// @param triangles  of the object's mesh; 0: as the experiment has it.
+/// @param triangles  of the object's mesh; 0: the experiment's default.
 const SlideResult* FindSlide(const ParetoResults& r, const std::string& object, std::size_t spheres,
                              const std::string& contact, std::size_t triangles = 0) {
   for (const SlideResult& s : r.slides) {

@@ -208,7 +208,7 @@ def missed(r):
         bound, here = goal["bound"], goal.get("figure")
         shown = "–"
         if here is not None:
-            # With all digits where fewer would not tell it from its bound.
+            # All digits if fewer would hide the difference to its bound.
             alike = here != bound and number(here) == number(bound)
             shown = (repr(here).removesuffix(".0") if alike else number(here)) + goal["unit"]
         rows.append([goal["what"], goal["of"], f"≤ {number(bound)}{goal['unit']}", shown,
@@ -238,7 +238,7 @@ def csv_row(part, name, run, counts):
             value = value.get(key, {})
         return "" if value == {} else f"{value:.6g}"
 
-    # Nothing of what is 0 because nobody counted it.
+    # Leaves out what is 0 because nobody counted it.
     cells = [part, f'"{name}"', run.get("contact", ""), run.get("friction", ""), *(str(n or "") for n in counts),
              "yes" if run["repeatable"] else "no", *(figure("best_step_us", which) for which in ("p50", "p999")),
              *(figure("force_error", which) for which in ("mean", "max")),

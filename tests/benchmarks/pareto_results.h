@@ -16,8 +16,7 @@ namespace palpate::bench {
 /// Time of a step [us].
 struct Speed {
   Percentiles best, raw;
-  /// False if repeats gave different results: `best` is then that of single runs, the same
-  /// as `raw`.
+  /// False if repeats gave different results: `best` is then that of single runs, as `raw`.
   bool repeatable = true;
 };
 
@@ -42,8 +41,7 @@ struct Measured {
 /// Palpate with one choice of models.
 struct ModelRun : Measured {
   std::string contact{}, friction{};
-  std::optional<double> sphere_overlap_um{};  ///< deepest overlap of the spheres; only with
-                                              ///< sphere contact
+  std::optional<double> sphere_overlap_um{};  ///< deepest; only with sphere contact
 };
 
 struct SceneResult {

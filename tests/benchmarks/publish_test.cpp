@@ -1,4 +1,4 @@
-// tests/benchmarks/publish: the reports that tests/benchmarks/results/README.md links to.
+// Tests the reports of tests/benchmarks/publish to which tests/benchmarks/results/README.md links.
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
@@ -25,10 +25,9 @@ const std::string kScript = PALPATE_SOURCE_DIR "/tests/benchmarks/publish";
 const std::vector<std::string> kReports = {"pareto", "accuracy", "stability",
                                            "levels", "qp",       "peers"};
 
-/// The script with a folder of its own.
 class Publish : public test::PalpateBench {
  protected:
-  /// To its end, with this build's palpate-bench; what it said is in said_.
+  /// Runs it to its end with this build's palpate-bench; fills in said_ with its output.
   int Run(std::vector<std::string> arguments) {
     const std::string preset = fs::path(PALPATE_BIN_DIR).parent_path().filename();
     arguments.insert(arguments.end(), {"--no-build", "--preset", preset});
@@ -39,7 +38,7 @@ class Publish : public test::PalpateBench {
   }
 };
 
-/// Cells of each row of a Markdown table; separate tables follow each other.
+/// Returns the cells of each row of a Markdown table; separate tables follow each other.
 std::vector<std::vector<std::string>> TableRows(const std::string& markdown) {
   std::vector<std::vector<std::string>> rows;
   std::istringstream lines(markdown);
@@ -71,7 +70,7 @@ TEST_F(Publish, WritesEachReportWithItsFiguresAndWhatTheyWereMeasuredOn) {
           R"(\| load averages before \| [0-9.]+ [0-9.]+ [0-9.]+ \|)"}) {
       EXPECT_TRUE(std::regex_search(report, std::regex(what))) << what;
     }
-    // Rows of figures, each as long as its head.
+    // Every row of figures is as long as its header.
     std::size_t figures = 0, columns = 0;
     const auto rows = TableRows(report);
     for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -83,11 +82,11 @@ TEST_F(Publish, WritesEachReportWithItsFiguresAndWhatTheyWereMeasuredOn) {
         figures += std::regex_match(cell, std::regex(R"( -?[0-9][0-9.,]*(e-?[0-9]+)? )"));
       }
     }
-    // Of hard cases, one of one choice of models.
+    // The smoke test runs one hard case with one choice of models.
     EXPECT_GT(figures, name == "stability" ? 0U : 3U);
     EXPECT_THAT(report, Not(HasSubstr("null")));
   }
-  // Tables and plots are where a report names them, and nothing else is left behind.
+  // Tables and plots are where a report names them, and nothing else remains.
   std::size_t files = 0;
   for (const auto& entry : fs::directory_iterator(folder_.path())) files += !entry.path().empty();
   EXPECT_EQ(files, kReports.size() + 7);

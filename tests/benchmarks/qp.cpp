@@ -29,7 +29,7 @@ struct Options {
   int min_rows = 0, max_rows = 1 << 20;
 };
 
-/// min 1/2 |x - target|^2, A x >= b; A row by row, as the file has it.
+/// min 1/2 |x - target|^2 subject to A x >= b; A row by row, as in the file.
 struct Problem {
   double target[6];
   std::vector<double> A, b;
@@ -37,8 +37,7 @@ struct Problem {
   int rows() const { return static_cast<int>(b.size()); }
 };
 
-// "PQP1", uint32 count; per problem uint32 m, double target[6], double A[m][6], double b[m];
-// little-endian.
+// Little-endian: "PQP1", uint32 count; per problem uint32 m, double target[6], A[m][6], b[m].
 constexpr char kMagic[4] = {'P', 'Q', 'P', '1'};
 constexpr std::uint32_t kMaxRows = 1u << 24;
 
@@ -98,8 +97,8 @@ std::vector<Problem> ReadProblems(const std::string& file) {
   return problems;
 }
 
-/// The problem of each step of a scene's path, with as many rows as the widest bounds give, and the
-/// rows that the step before had active.
+/// The problem of each step of a scene's path, with the rows of the widest bounds, and the rows
+/// that were active in the previous step.
 std::vector<Problem> ProblemsOf(const Options& options) {
   Scene scene = LoadForBench(options.scene, options.models, ContactModel::kSpheres);
   scene.features = {.contact = ContactModel::kSpheres};
@@ -142,8 +141,8 @@ std::vector<Problem> ProblemsOf(const Options& options) {
   return problems;
 }
 
-/// One problem by columns, in storage that every problem uses in turn: when the solver begins, the
-/// rows have just been written, as those of a step have.
+/// A problem stored by columns.  All problems use the same storage, so that rows have just been
+/// written when the solver begins, as in a step.
 class Columns {
  public:
   explicit Columns(int max_rows)
@@ -178,8 +177,7 @@ class Columns {
   QpRows rows_{};
 };
 
-/// Largest violation of the optimality conditions, in the units of the problem, each recomputed
-/// from the file's own numbers.
+/// Largest violation of the optimality conditions, from the file's numbers and in their units.
 double KktResidual(const Problem& problem, const QpResult& result) {
   double worst = 0.0, sum = 0.0;
   double gradient[6];

@@ -25,8 +25,7 @@ class SceneRun {
   const HapticModel& model() const { return *model_; }
   const std::vector<Pose>& poses() const { return poses_; }
   int object_spheres() const;
-  /// Returns the initial state of every repeat: the graphic tool at the first pose, moved out of
-  /// any object there.
+  /// Returns the initial state of every repeat: the graphic tool at the resolved first pose.
   StepState Start() const;
   StepWorkspace& workspace() { return *workspace_; }
 
@@ -45,8 +44,7 @@ class SceneRun {
 Scene LoadForBench(const std::string& scene, const std::string& models_dir,
                    std::optional<ContactModel> contact = {}, const TreeSource& tree_file = {});
 
-/// The differences between the forces of a path and the true ones, relative to the true mean; 0 if
-/// that is 0.
+/// The differences between a path's forces and the true ones, relative to the true mean, or 0.
 struct ForceDifference {
   double force = 0.0, force_max = 0.0, torque = 0.0;
 };

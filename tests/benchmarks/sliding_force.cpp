@@ -18,10 +18,10 @@
 namespace palpate::bench {
 namespace {
 
-/// What linearising the gap (2.10-2.17) left out in a step: the true gap of each active pair of
-/// balls less the one that its row promised [m].
+/// The error of linearising the gap (2.10-2.17) in a step: the true gap of each active pair of
+/// balls minus its row's [m].
 double Truncation(const StepReport& report, const SphereTree& object) {
-  double worst = report.truncation;  // of the rotation, which a ball has none of
+  double worst = report.truncation;  // of the rotation; a ball has none
   for (int c = 0; c < report.contacts; ++c) {
     const ActiveRow& row = report.active[static_cast<std::size_t>(c)];
     const auto leaf = static_cast<std::size_t>(row.id.object);

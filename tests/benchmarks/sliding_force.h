@@ -22,8 +22,7 @@ struct MeanMax {
   double rms() const { return std::sqrt(mean_square); }
 };
 
-/// Errors of the forces on a sliding path, (2.36): delta = (F_gm - F_tm) / |F_gm|, where gm is the
-/// true force.
+/// Errors of the forces on a sliding path (2.36): delta = (F_gm - F_tm) / |F_gm|, F_gm being true.
 struct ForceErrors {
   std::vector<double> x, y;    ///< delta of each steady sample, as in the chapter's plots
   MeanMax axis[3], magnitude;  ///< |delta_x|, |delta_y|, |delta_z|; |delta|
@@ -50,8 +49,7 @@ struct SlidingExperiment {
 SlidingPath PathOf(const SlidingExperiment& experiment);
 /// Makes the object's mesh, without refinement.
 TriangleMesh ObjectMesh(const SlidingExperiment& experiment, std::size_t triangles);
-/// Makes the scene of ball and object; the object's tree has `spheres` leaves, or those of
-/// its file.
+/// Makes the scene of ball and object, whose tree has `spheres` leaves, or those of its file.
 Scene SlidingScene(const SlidingExperiment& experiment, std::size_t spheres);
 
 struct SlidingForce {

@@ -6,7 +6,7 @@
 namespace palpate::bench {
 namespace {
 
-/// @param at  point of the surface and its normal at a share, 0 to 1, of the way.
+/// @param at  point of the surface and its normal at a share, 0 to 1, of the path.
 template <class At>
 SlidingPath Slide(At at, int steady_steps) {
   constexpr int kDescent = 240, kRest = 60;  // 6 mm at 25 mm/s, then time to settle

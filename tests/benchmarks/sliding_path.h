@@ -11,8 +11,7 @@ namespace palpate::bench {
 // and slides over it in the x-y plane, without rotation.
 inline constexpr double kSlidingBallRadius = 0.005;     ///< [m]
 inline constexpr double kSlidingDepth = 1e-3;           ///< commanded [m]
-inline constexpr double kSlidingStiffness = 1000.0;     ///< k_t [N/m], so that the true force is
-                                                        ///< 1 N
+inline constexpr double kSlidingStiffness = 1000.0;     ///< k_t [N/m]: the true force is 1 N
 inline constexpr double kCubeSide = 0.050;              ///< [m]
 inline const Vec3 kEllipsoidAxes{0.040, 0.025, 0.030};  ///< semi-axes [m]
 

@@ -67,8 +67,7 @@ struct Solid {
 };
 Solid Box(const Vec3& sides, std::size_t leaves, const Pose& X_WB = {});
 Solid Ball(double radius, std::size_t leaves = 1, const Pose& X_WB = {});
-/// Returns the depth of the overlap of two solids, by separating axes or by distance; 0 if they
-/// are apart.
+/// Returns the overlap's depth, by separating axes or by distance; 0 if the solids are apart.
 double OverlapOf(const Solid& A, const Pose& X_WA, const Solid& B, const Pose& X_WB);
 
 /// A tool among fixed objects.  Checks every step: by brute force over all pairs of leaves for

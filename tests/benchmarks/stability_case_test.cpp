@@ -13,7 +13,7 @@
 namespace palpate::bench {
 namespace {
 
-// Names are worth a test each, so that a failure says which case it was.
+// One test per name, so that a failure names its case.
 std::string NameOf(const std::string& contact, const StabilityCase& stability_case) {
   std::string name = contact + "_" + stability_case.name;
   std::replace(name.begin(), name.end(), '-', '_');
@@ -104,11 +104,11 @@ TEST(OverlapOf, KnowsBoxesAndBallsInClosedForm) {
   };
   EXPECT_NEAR(OverlapOf(box, {}, ball, at(0.019, 0, 0)), 0.001, 1e-15);
   EXPECT_EQ(OverlapOf(box, {}, ball, at(0.021, 0, 0)), 0.0);
-  // At a corner the ball is round: 6, 8 and 0 mm beyond it are 10 mm.
+  // At an edge the box's offset is round: the centre is 6 and 7.5 mm beyond it.
   EXPECT_NEAR(OverlapOf(ball, at(0.016, 0.0275, 0), box, {}), 0.01 - std::hypot(0.006, 0.0075),
               1e-15);
   EXPECT_NEAR(OverlapOf(ball, {}, ball, at(0, 0, 0.0195)), 0.0005, 1e-15);
-  // Box on its edge over a box: half diagonals.
+  // A box on its edge over a box: half diagonals.
   const Pose on_edge{Vec3(0, 0, 0.03 + 0.01 * std::sqrt(2.0) - 1e-4),
                      RotationExp(Vec3(0, M_PI / 4, 0))};
   EXPECT_NEAR(OverlapOf(Box(Vec3::Constant(0.02), 1), on_edge, box, {}), 1e-4, 1e-12);
@@ -116,8 +116,7 @@ TEST(OverlapOf, KnowsBoxesAndBallsInClosedForm) {
 }
 
 TEST(OverlapOf, AgreesWithPointsOfOneBoxInTheOther) {
-  // A point of A that lies deeper in B than the overlap would contradict it; boxes that share no
-  // point do not overlap.
+  // A point of A deeper in B than the overlap would contradict it; disjoint boxes do not overlap.
   test::Random random(5);
   const Solid A = Box({0.02, 0.03, 0.04}, 1), B = Box({0.05, 0.01, 0.03}, 1);
   int meeting = 0;

@@ -1,5 +1,4 @@
-// Cases of the step within its loops: the servo loop with a bad link, and an arm and hand
-// with delay.
+// Cases of the step in its loops: a servo loop with a bad link, and an arm and hand with delay.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -29,17 +29,17 @@ namespace {
 
 struct Options {
   std::string scene = "bunny-bunny", mesh, models, json, csv, out;
-  std::vector<std::string> modes;  ///< empty: all of a scene, the first of a mesh
+  std::vector<std::string> modes;  ///< empty: all modes for a scene, the first for a mesh
   std::optional<std::size_t> leaves;
   std::size_t samples = 100003;
   std::optional<int> steps;
   bool no_force = false;
-  TreeSource file;  ///< beside the trees that are built; none where it names no file
+  TreeSource file;  ///< compared with the trees that are built; none if it names no file
 };
 
 struct ModeResult {
   std::string mode;
-  std::optional<double> build_s;  ///< none of a tree from a file
+  std::optional<double> build_s;  ///< none for a tree from a file
   std::vector<BodyTreeError> bodies;
 };
 
@@ -113,7 +113,7 @@ struct Report {
   std::string text, csv;
   Json json;
 
-  /// @param one_body  there is but one.   @returns the JSON of the mode.
+  /// @param one_body  whether there is only one.   @returns the JSON of the mode.
   Json Add(const std::string& of, const ModeResult& result, bool one_body) {
     text += result.build_s
                 ? fmt::format("{}, {}: built in {:.2f} s\n", of, result.mode, *result.build_s)
@@ -141,7 +141,7 @@ struct Report {
   }
 };
 
-/// In metres and in the frame of its file, so that the output of --out can be overlaid on it.
+/// Loads it in metres and its file's frame, so that the output of --out can be overlaid on it.
 TriangleMesh LoadMesh(const Options& options) {
   TriangleMesh mesh = ImportMesh(options.mesh);
   const MeshReport report = InspectMesh(mesh);

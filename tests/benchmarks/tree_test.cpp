@@ -1,4 +1,3 @@
-// palpate-bench tree, as people and other programs run it.
 
 #include <algorithm>
 #include <fstream>
@@ -22,7 +21,7 @@ using test::PalpateBench;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-// A box that stands beside its file's origin, in millimetres.
+// A box away from its file's origin, in millimetres.
 const Vec3 kMiddle_mm(100.0, -30.0, 7.0), kSides_mm(20.0, 30.0, 40.0);
 
 void WriteBox(const std::string& file) {
@@ -38,14 +37,13 @@ std::vector<Sphere> ReadBalls(const std::string& file) {
   return balls;
 }
 
-/// How far a point lies outside the box [m]; inside it < 0.
+/// Signed distance of a point to the box [m], negative inside.
 double HeightOverBox(const Vec3& p) {
   const Vec3 out = (p - 1e-3 * kMiddle_mm).cwiseAbs() - 0.5e-3 * kSides_mm;
   return out.maxCoeff() < 0.0 ? out.maxCoeff() : out.cwiseMax(0.0).norm();
 }
 
-/// Distance to the nearest ball, 0 within one, at points of the box's faces on a grid that is as
-/// dense on each [m].
+/// Distances from points of a uniform grid on the box's faces to the nearest ball, at least 0 [m].
 std::vector<double> BarenessOfBox(const std::vector<Sphere>& balls) {
   std::vector<double> bareness;
   constexpr double kStep = 0.25e-3;
@@ -70,7 +68,7 @@ std::vector<double> BarenessOfBox(const std::vector<Sphere>& balls) {
   return bareness;
 }
 
-/// Volume of the balls together over the box's, by a grid of points.
+/// Volume of the union of balls relative to the box's, by a grid of points.
 double VolumeRatio(const std::vector<Sphere>& balls) {
   constexpr double kStep = 0.5e-3;
   const Vec3 half = 0.75e-3 * kSides_mm;  // the balls stick out by less than a quarter of a side
@@ -127,7 +125,7 @@ TEST_F(PalpateBench, TreeMeasuresAMeshAsBruteForceDoesByTheLeavesThatItWrites) {
     EXPECT_LE(leaves.at("signed_offset_um").at("mean"), leaves.at("signed_offset_um").at("p99"));
     EXPECT_LT(leaves.at("normal_deg").at("mean"), leaves.at("normal_deg").at("p99"));
     EXPECT_NEAR(leaves.at("volume_ratio"), VolumeRatio(balls), 0.02) << mode;
-    // Balls that hold others err more.
+    // Bounding balls of other balls err more.
     EXPECT_GT(levels[0].at("outside_um").at("mean"), leaves.at("outside_um").at("mean"));
   }
 }
@@ -163,7 +161,7 @@ TEST_F(PalpateBench, TreeSetsATreeFromAFileBesideThatOfAMesh) {
           .at("modes");
   ASSERT_EQ(modes.size(), 2u);
   EXPECT_EQ(modes[1].at("mode"), File("box.sph"));
-  // Ours, too, but brought here from elsewhere.
+  // Also ours, but displaced.
   const auto offset = [&](int i) {
     return modes[i].at("levels").back().at("signed_offset_um").at("rms").get<double>();
   };

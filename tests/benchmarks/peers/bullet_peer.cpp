@@ -15,12 +15,11 @@ namespace {
 // Bullet's manual asks for bodies larger than 0.2 units: one unit is a centimetre.  Forces scale
 // with lengths, torques and inertias with their square.
 constexpr double kUnits = 100.0;
-// Two margins, 40 um in all, lie between meshes that touch.  Over the bunnies' path, mean and
-// greatest depth of a vertex: 12 and 267 um with a margin of 0.0005; 2.4 and 192 with this; 0.9 and
-// 322 with 0.01; none with the default of 0.04, which holds the meshes 0.8 mm apart for nearly
-// twice the time.
+// Two margins, 40 um in all, lie between touching meshes.  On the bunnies' path, the mean and
+// greatest depths of a vertex are 12 and 267 um with 0.0005; 2.4 and 192 with this margin; 0.9 and
+// 322 with 0.01; none with the default of 0.04, but 0.8 mm apart and for nearly twice the time.
 constexpr double kMargin = 0.002;
-// Of the solver; with the default of 10 the mean depth is 9 um, and the time is the same.
+// Solver iterations; the default of 10 gives a mean depth of 9 um in the same time.
 constexpr int kIterations = 50;
 
 btVector3 ToBullet(const Vec3& v) {
@@ -110,7 +109,7 @@ class Bullet : public Peer {
   }
 
  private:
-  /// Of the frame round the centroid.
+  /// The pose of the frame at the centroid.
   Pose Centred(const Pose& X_WT) const { return {X_WT * centroid_, X_WT.q}; }
   Pose ToolCentre() const {
     const btTransform& X = tool_->getWorldTransform();

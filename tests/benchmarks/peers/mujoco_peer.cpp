@@ -21,7 +21,7 @@ std::string MeshAsset(const std::string& name, const TriangleMesh& mesh, const V
   return xml + "\"/>\n";
 }
 
-/// The scene in MuJoCo's own language.
+/// The scene in MuJoCo's MJCF.
 std::string Mjcf(const PeerScene& scene, const VirtualCoupling& coupling,
                  const PeerSettings& settings) {
   std::string assets, bodies;

@@ -11,14 +11,13 @@
 namespace palpate::bench {
 namespace {
 
-constexpr int kMostContacts = 1024;  // of a pair of geometries; the bunnies' path has 43 at most
+constexpr int kMostContacts = 1024;  // per pair of geometries; the bunnies' path has at most 43
 
-// Everything else is as ODE has it: QuickStep with 20 iterations, ERP 0.2, CFM 1e-10.  Over the
-// bunnies' path the greatest depth of a vertex is then 74 um; with ERP 0.8 it is 151, with 50
-// iterations 103, with the exact dWorldStep 112, with CFM 1e-5 69, with a surface layer of 10 um
-// 65.
+// All else is ODE's default: QuickStep with 20 iterations, ERP 0.2, CFM 1e-10.  The greatest depth
+// of a vertex on the bunnies' path is then 74 um; 151 with ERP 0.8, 103 with 50 iterations, 112
+// with the exact dWorldStep, 69 with CFM 1e-5, 65 with a surface layer of 10 um.
 
-/// A mesh as ODE reads it, about `origin`.
+/// A mesh in ODE's layout, about `origin`.
 struct OdeMesh {
   OdeMesh(const TriangleMesh& mesh, const Vec3& origin) : data(dGeomTriMeshDataCreate()) {
     for (const Vec3& v : mesh.vertices) {

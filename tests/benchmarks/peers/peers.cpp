@@ -3,7 +3,7 @@
 namespace palpate::bench {
 namespace {
 
-/// Stands in the table for a library whose package was not there.
+/// Represents a library whose package was not installed.
 [[maybe_unused]] PeerKind Missing(std::string id, std::string name, std::string package) {
   return {.id = std::move(id), .name = std::move(name), .package = std::move(package)};
 }

@@ -11,14 +11,13 @@ namespace {
 
 constexpr double kCube = 0.05, kRadius = 0.005, kDeep = 1e-3;
 
-/// What a contact that is meant to be rigid may give under 1 N [m]: it is soft in MuJoCo, and two
-/// margins of 20 um in Bullet.
+/// How far a rigid contact may yield at 1 N [m]: MuJoCo's is soft, Bullet has two 20 um margins.
 constexpr double kGive = 40e-6;
 
-/// Each that there is.
+/// Runs each test with every installed peer.
 class InstalledPeers : public testing::TestWithParam<PeerKind> {
  protected:
-  /// A tool that was moved down onto the cube's top face, `kDeep` into it, and held there.
+  /// Moves a tool down to `kDeep` inside the cube's top face, and holds it there.
   /// @param clearance  from the tool's centre to its lowest point.
   PeerStep Rest(PeerScene scene, double clearance) const {
     scene.objects = {{&cube_, {}}};
@@ -52,7 +51,7 @@ TEST_P(InstalledPeers, HoldABoxFlatOnABoxMeshAgainstMesh) {
   const PeerStep step = Rest(scene, 0.01);
   ExpectOneNewton(step, scene.coupling.stiffness);
   EXPECT_GE(step.contacts, 1);
-  // A face is 20 mm wide and may give at its edges.
+  // The face is 20 mm wide and may yield at its edges.
   EXPECT_LT(step.X_WG.q.vec().norm(), 0.5 * kGive / 0.01);
 }
 
@@ -82,7 +81,7 @@ std::string Name(const testing::TestParamInfo<PeerKind>& peer) {
   return peer.param.name;
 }
 
-// A build without any of them is right too.
+// A build may have no peers at all.
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(InstalledPeers);
 INSTANTIATE_TEST_SUITE_P(Installed, InstalledPeers, Installed(), Name);
 

@@ -26,8 +26,7 @@ class VirtualCoupling {
   /// Returns the wrench on the tool about its centroid, for sub-step i of n.  Pose and twist are
   /// those before the sub-step.
   Wrench Pull(const Pose& X_WG, const Twist& V_WG, int i, int n);
-  /// Returns the spring's part of the last Pull, on the hand, which is compared.  The damper's part
-  /// would only add noise.
+  /// Returns the spring's part of the last Pull, on the hand; the damper's part would add noise.
   const Wrench& on_hand() const { return on_hand_; }
 
  private:

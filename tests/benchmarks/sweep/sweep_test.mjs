@@ -1,5 +1,5 @@
-// Removed volumes against solids that nobody here wrote: Manifold's hulls and their intersection with
-// the solid's mesh (manifold-3d, build/sweep), of what palpate-bench cut --sweep writes.
+// Compares removed volumes with those of an independent library: Manifold's hulls, intersected with the
+// solid's mesh (manifold-3d, build/sweep), from the output of palpate-bench cut --sweep.
 //   node sweep_test.mjs [FILE.json]...    prints both volumes of each file; without files: a test
 import assert from "node:assert/strict";
 import {spawnSync} from "node:child_process";
@@ -12,9 +12,9 @@ import {describe, it} from "node:test";
 const folder = process.env.PALPATE_SWEEP_MODULES ?? "build/sweep/node_modules";
 const module = join(folder, "manifold-3d", "manifold.js");
 const kSides = 36;
-const kMillimetre = 1e3; // Manifold's precision is meant for numbers about 1
+const kMillimetre = 1e3; // Manifold's precision suits numbers about 1
 
-/// The bur's profile as a polygon in (rho, z), of arcs of `rounding` about the curve's points.
+/// The bur's profile as a polygon in (rho, z), with arcs of `rounding` about the curve's points.
 function outlineOf({curve_m, rounding_m}) {
   const outline = [];
   const normal = (i) => {
@@ -29,7 +29,7 @@ function outlineOf({curve_m, rounding_m}) {
     const steps =
       rounding_m > 0 ? Math.max(1, Math.ceil((to - from) / ((2 * Math.PI) / kSides))) : 0;
     const turn = steps ? (to - from) / steps : 0;
-    // With as much area as the arc: chords lie half within and half without.
+    // Of the arc's area: chords lie half inside and half outside it.
     const radius = turn > 0 ? rounding_m * Math.sqrt(turn / Math.sin(turn)) : rounding_m;
     for (let s = 0; s <= steps; ++s) {
       const angle = from + turn * s;
@@ -39,7 +39,7 @@ function outlineOf({curve_m, rounding_m}) {
   return outline.map(([rho, z]) => [kMillimetre * rho, kMillimetre * z]);
 }
 
-/// Volume of the body that a convex outline makes when it turns round z [mm^3], by cones.
+/// Volume [mm^3] of the solid of revolution of a convex outline about z, by cones.
 function turnedVolume(outline) {
   let sum = 0;
   for (let i = 0; i + 1 < outline.length; ++i) {
@@ -49,7 +49,7 @@ function turnedVolume(outline) {
   return Math.abs(sum);
 }
 
-/// What a bur's way takes out of the solids [mm^3], by Manifold.
+/// Volume that a bur's path removes from the solids [mm^3], by Manifold.
 async function volumeOf(report) {
   const {default: Module} = await import(pathToFileURL(module));
   const wasm = await Module();
@@ -69,7 +69,7 @@ async function volumeOf(report) {
       }),
     );
     const pieces = way.map(([x, y, z, w, i, j, k, ...step]) => {
-      // Columns of the rotation, then the place.
+      // Columns of the rotation, then the position.
       const at = (p) => [
         ...[1 - 2 * (j * j + k * k), 2 * (i * j + w * k), 2 * (i * k - w * j), 0],
         ...[2 * (i * j - w * k), 1 - 2 * (i * i + k * k), 2 * (j * k + w * i), 0],
