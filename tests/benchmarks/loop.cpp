@@ -35,7 +35,7 @@ constexpr double kLate_us = 1000.0;
 constexpr int kBlock = 500;           // ticks in a row to the same peer
 constexpr int kKeepAlive = 25;        // between the other's poses: 100 ms of silence end a session
 constexpr int kWarmUpBlocks = 2;      // one each: not counted
-constexpr milliseconds kSettle{100};  // as stations do: TRANSPORT, chunk leak of early samples
+constexpr milliseconds kSettle{100};  // early samples leak chunks (common/dds/README.md)
 /// The same for both paths, whose topics differ by the run.
 constexpr const char* kStation = "bench";
 

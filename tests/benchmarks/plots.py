@@ -32,7 +32,7 @@ except ImportError:
 matplotlib.use("svg")
 import matplotlib.pyplot as plt
 
-# ---- the look: the page's style sheet, which an installed script has beside itself
+# ---- appearance: the page's style sheet, which is installed beside this script
 
 HERE = pathlib.Path(__file__).resolve().parent
 STYLE = next(style for style in (HERE / "style.css", HERE / "../../client/viewer/page/src/style.css")
@@ -47,7 +47,7 @@ def theme(selector):
 LIGHT = theme(":root")
 DARK = LIGHT | theme(':root[data-theme="dark"]')
 SERIES = [re.fullmatch(r"var\(--(.+)\)", LIGHT[f"series-{i}"])[1] for i in range(1, 9)]
-MARKS = "os^DvPX*"  # so that colour is not all that tells series apart
+MARKS = "os^DvPX*"  # so that series differ by more than their colour
 
 plt.rcParams |= {
     "svg.fonttype": "none", "svg.hashsalt": "palpate", "font.size": 10,

@@ -46,7 +46,7 @@ double BoxInBox(const Solid& A, const Pose& X_WA, const Solid& B, const Pose& X_
   double least = std::numeric_limits<double>::infinity();
   const auto look_along = [&](const Vec3& axis) {
     const double length = axis.norm();
-    if (length < 1e-9) return;  // parallel edges: the faces' axes tell
+    if (length < 1e-9) return;  // parallel edges: the faces' axes decide
     const double reach = (R_WA.transpose() * axis).cwiseAbs().dot(A.half) +
                          (R_WB.transpose() * axis).cwiseAbs().dot(B.half);
     least = std::min(least, (reach - std::abs(between.dot(axis))) / length);

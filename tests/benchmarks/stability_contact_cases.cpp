@@ -255,8 +255,8 @@ void Jumps(CaseRun& run) {
   FigureIsOverlap(run);
 }
 
-/// The tool begins anywhere inside a cube: it must come out before a force is felt, and the force
-/// that it then feels may be no more than the spring's over the way to where it came out.
+/// Starts the tool anywhere inside a cube: it must come out before a force is felt, and the force
+/// is then at most the spring's over the distance to where it came out.
 void StartInside(CaseRun& run) {
   Trial trial(run, Box({10 * kMillimetre, 6 * kMillimetre, 8 * kMillimetre}, 256),
               {Box(Vec3::Constant(50 * kMillimetre), 2048)});

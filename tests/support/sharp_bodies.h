@@ -43,7 +43,7 @@ TriangleMesh Extruded(std::span<const Vec3> outline, double thickness);
 inline constexpr std::array<std::string_view, 6> kSharpScenes{
     "sharp-combs", "sharp-gears",     "sharp-plates",
     "sharp-dice",  "sharp-gear-comb", "sharp-terraces-ball"};
-/// Makes the scene of such a name, which may have a seed: "sharp-gears:17" (default 1).  Returns
+/// Makes the scene of such a name, with an optional seed: "sharp-gears:17" (default 1).  Returns
 /// nothing for any other name.
 std::optional<Scene> MakeSharpScene(std::string_view name);
 
