@@ -53,7 +53,6 @@ ForceShape JudgeForce(std::span<const Vec3> force, std::span<const double> by_ha
 
 /// Returns the deepest notch; all zero if there is none.
 ForceNotch Deepest(std::span<const ForceNotch> notches);
-/// Returns the longest notch.
 ForceNotch Longest(std::span<const ForceNotch> notches);
 ForceChange Largest(std::span<const ForceChange> changes);
 

@@ -84,7 +84,6 @@ class WebClient {
   nlohmann::json NextJson(const std::string& op);
   /// Returns the text of the next status message; empty if none came.
   std::string NextStatus();
-  /// Returns the next message of a subscription.
   std::optional<Message> Next(std::uint32_t subscription, double seconds = 20.0);
   /// Receives messages for some time, because the socket stalls otherwise.
   void Run(double seconds);

@@ -30,7 +30,6 @@ double BoxDistance(const Vec3& p, const Vec3& half) {
   return q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
 }
 
-/// Visits each stored point of a lattice.
 template <class Visit>
 void EachPoint(const SparseField& field, Visit visit) {
   const Lattice& lattice = field.lattice();
