@@ -41,7 +41,7 @@ enum StepFault : std::uint32_t {
 std::string FaultWords(std::uint32_t faults);
 
 /// Returns the bits in words, each with its meaning:
-/// "target far (the hand was quicker than the tool, which follows)".
+/// "target far (the hand moved faster than the tool, which follows)".
 std::string FaultMeanings(std::uint32_t faults);
 
 }  // namespace palpate
