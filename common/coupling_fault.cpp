@@ -10,8 +10,8 @@ std::string CouplingFault(double stiffness, double torsional_stiffness, double r
   if (torsional_stiffness >= least) return "";
   char text[256];
   std::snprintf(text, sizeof text,
-                "%g N m/rad is too little beside a stiffness of %g N/m, for a tool that reaches %g "
-                "mm from its centroid; give at least %.3g, or a lower stiffness",
+                "%g N m/rad is too low for a stiffness of %g N/m, with a tool that extends %g mm "
+                "from its centroid; give at least %.3g, or a lower stiffness",
                 torsional_stiffness, stiffness, 1e3 * reach, 1.01 * least);
   return text;
 }

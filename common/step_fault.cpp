@@ -9,14 +9,15 @@ struct Fault {
   const char* meaning;
 };
 constexpr Fault kFaults[] = {
-    {kFaultBadPose, "bad pose", "the device sent a pose that is none, and the force faded"},
-    {kFaultTargetFar, "target far", "the hand was quicker than the tool, which follows"},
-    {kFaultRowsFull, "rows full", "more contacts at once than are computed; the tightest count"},
+    {kFaultBadPose, "bad pose", "the device sent an invalid pose, and the force faded"},
+    {kFaultTargetFar, "target far", "the hand moved faster than the tool, which follows"},
+    {kFaultRowsFull, "rows full", "more contacts than are computed; the tightest are used"},
     {kFaultJammed, "jammed", "the tool was wedged between surfaces"},
-    {kFaultUnsolved, "unsolved", "a contact problem was not solved, and the tool stood still"},
-    {kFaultEffect, "effect off", "a force of one's own failed, and is off from then on"},
-    {kFaultPoseRejected, "pose rejected", "the hand leapt further than a hand comes"},
-    {kFaultNotStarted, "not started", "no force yet: the tool just came, or is inside an object"}};
+    {kFaultUnsolved, "unsolved", "a contact problem was not solved, and the tool did not move"},
+    {kFaultEffect, "effect off", "a user-defined force failed and was turned off"},
+    {kFaultPoseRejected, "pose rejected", "the hand jumped farther than a hand can move"},
+    {kFaultNotStarted, "not started",
+     "no force yet: the tool was just placed, or is inside an object"}};
 
 /// @param say  returns the text of a known fault.
 template <class Say>

@@ -40,9 +40,8 @@ enum StepFault : std::uint32_t {
 /// Not real-time.
 std::string FaultWords(std::uint32_t faults);
 
-/// Returns the bits in words, each with its meaning: "target far (the hand was quicker than the
-/// tool, which
-/// follows)".
+/// Returns the bits in words, each with its meaning:
+/// "target far (the hand moved faster than the tool, which follows)".
 std::string FaultMeanings(std::uint32_t faults);
 
 }  // namespace palpate

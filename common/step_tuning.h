@@ -30,16 +30,21 @@ struct Tunable {
 /// Calls visit(tunable, field) for each field.
 template <class Tuning, class Visit>
 void ForEachField(Tuning& tuning, Visit visit) {
-  visit(Tunable{"separation_um", "um", 1e-6, 0.01, 100.0, "what contact keeps between meshes"},
+  visit(Tunable{"separation_um", "um", 1e-6, 0.01, 100.0, "gap kept between meshes in contact"},
         tuning.separation);
-  visit(Tunable{"widest_step_mm", "mm", 1e-3, 0.001, 10.0, "what a sub-step may move the tool by"},
+  visit(Tunable{"widest_step_mm", "mm", 1e-3, 0.001, 10.0,
+                "largest motion of the tool in a sub-step"},
         tuning.widest_step);
-  visit(Tunable{"sub_steps", "", 1.0, 1.0, 64.0, "of a cycle at most"}, tuning.sub_steps);
-  visit(Tunable{"iterates", "", 1.0, 1.0, 256.0, "rounds of solve and check in a sub-step"},
+  visit(Tunable{"sub_steps", "", 1.0, 1.0, 64.0, "largest number of sub-steps in a cycle"},
+        tuning.sub_steps);
+  visit(Tunable{"iterates", "", 1.0, 1.0, 256.0,
+                "largest number of solve-and-check rounds in a sub-step"},
         tuning.iterates);
-  visit(Tunable{"looks", "", 1.0, 100.0, 50'000.0, "what a cycle's contact may cost, 130 ns each"},
+  visit(Tunable{"looks", "", 1.0, 100.0, 50'000.0,
+                "budget of contact queries in a cycle, 130 ns each"},
         tuning.looks);
-  visit(Tunable{"still_cycles", "", 1.0, 0.0, 10'000.0, "without slip, until friction is static"},
+  visit(Tunable{"still_cycles", "", 1.0, 0.0, 10'000.0,
+                "cycles without slip until friction is static"},
         tuning.still_cycles);
 }
 

@@ -9,14 +9,12 @@
 
 namespace palpate {
 
-/// Changes whenever named parts paint differently, so that cached scenes that have any are built
-/// anew.
+/// Version of how named parts paint leaves: a change rebuilds cached scenes with named parts.
 inline constexpr std::uint32_t kGroupPaintVersion = 2;
 
 /// Gives every leaf of an object its material: fills body.materials and body.leaf_material.
 ///
-/// Only the exposed surface of a named part of the mesh counts: gum inside a crown makes no leaf
-/// soft.
+/// Only the exposed surface of a named part counts: gum inside a crown makes no leaf soft.
 ///
 /// A Young's modulus E of a layer of thickness L becomes the row stiffness E A / L of a leaf, where
 /// A is the mean exposed surface per leaf of that material.  So a leaf is an elastic column under

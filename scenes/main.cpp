@@ -249,10 +249,10 @@ void AddToleranceOptions(const CommandLine& app, std::optional<LeafTolerance>& l
 
 int Main(int argc, char** argv) {
   const CommandLine app(
-      "Compiles scenes: reads meshes, builds their sphere trees, and caches the result or\n"
-      "writes it as a bundle, which the server loads at once.  NAME is a scene of the\n"
-      "catalogue, a scene file (.json), a bundle (.palpate), or a mesh, to which a ball is\n"
-      "added as the tool.",
+      "Compiles scenes: reads meshes, builds their sphere trees, and caches the result\n"
+      "or writes it as a bundle, which the server loads at once.  NAME is a scene of\n"
+      "the catalogue, a scene file (.json), a bundle (.palpate), or a mesh, to which a\n"
+      "ball is added as the tool.",
       "palpate-scene",
       "Examples:\n"
       "  palpate-scene list\n"
@@ -291,7 +291,7 @@ int Main(int argc, char** argv) {
   AddToleranceOptions(build, arguments.leaves);
   const CommandLine info =
       add("info",
-          "print features, bodies, materials, sizes and hash of a scene, and its tree errors\n"
+          "print features, bodies, materials, sizes, hash and tree errors of a scene\n"
           "Tree errors are the distances of each level of each tree from its mesh.",
           scene_help, "bunny-bunny --csv levels.csv");
   info.Add("--samples", arguments.info.samples, "number of sample points on each surface")
@@ -323,10 +323,10 @@ int Main(int argc, char** argv) {
   const CommandLine export_tree =
       add("export",
           "write the sphere tree of a body, in the body's frame, for other programs\n"
-          "  .sph  format of the Sphere-Tree Construction Toolkit: \"levels degree\", then one\n"
-          "        line 'x y z radius importance' per slot, breadth first; radius -1: unused.\n"
-          "        A root is added, so that level N here is level N + 1 there.  A scene file\n"
-          "        reads it as \"tree\": {\"file\": ...}\n"
+          "  .sph  format of the Sphere-Tree Construction Toolkit: \"levels degree\", then\n"
+          "        one line 'x y z radius importance' per slot, breadth first; radius -1:\n"
+          "        unused.  A root is added, so that level N here is level N + 1 there.  A\n"
+          "        scene file reads it as \"tree\": {\"file\": ...}\n"
           "  .ply  the spheres of a level as small coloured icospheres, binary\n"
           "  .glb  the same as glTF, in metres",
           scene_help, "bunny-bunny -o bunny.sph --unit mm");

@@ -160,8 +160,7 @@ double StudentT95(int freedom) {
   if (freedom <= static_cast<int>(kFew.size())) {
     return kFew.at(static_cast<std::size_t>(std::max(freedom, 1) - 1));
   }
-  // Abramowitz & Stegun, Handbook of Mathematical Functions, 26.7.5, at the normal's 97.5th
-  // percentile.
+  // Abramowitz & Stegun, Handbook of Mathematical Functions, 26.7.5, for the 97.5th percentile.
   constexpr std::array kTerms = {1.959963985, 2.372271, 2.822499, 2.555850, 1.589534};
   double t = 0.0;
   for (auto term = kTerms.rbegin(); term != kTerms.rend(); ++term) t = t / freedom + *term;

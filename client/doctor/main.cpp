@@ -33,11 +33,12 @@ struct Options {
 };
 
 constexpr const char* kAbout =
-    R"(Checks whether this host can run a haptic loop at 1 kHz, and says what to change.
-Examines kernel, rights, processor, shared memory, RouDi, network and device; runs
-a loop of poses and wrenches; and measures how late a thread wakes up.  It changes
-nothing.  Run it as the user of server and station, under the host's usual load.
-A device driver of your own is also run as in a station, without a force.
+    R"(Checks whether this host can run a haptic loop at 1 kHz; says what to change.
+Examines kernel, rights, processor, shared memory, RouDi, network and device;
+runs a loop of poses and wrenches; and measures how late a thread wakes up.  It
+changes nothing.  Run it as the user of server and station, under the host's
+usual load.  A device driver of your own is also run as in a station, without a
+force.
 )";
 
 constexpr const char* kExamples =

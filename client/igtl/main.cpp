@@ -33,8 +33,8 @@ constexpr const char* kExamples =
   palpate-igtl --bind 0.0.0.0 --rate 30
       for other hosts, 30 times a second
 
-The axes of a scene (x left, y up, z forward) are converted to RAS.  Messages from
-clients are ignored.  A slow client gets fewer messages; one that receives
+The axes of a scene (x left, y up, z forward) are converted to RAS.  Messages
+from clients are ignored.  A slow client gets fewer messages; one that receives
 nothing for 10 s is disconnected.
 Exit status: 0 done, 1 failed, 2 wrong usage.)";
 

@@ -28,9 +28,9 @@ constexpr std::int64_t kPatience_ns = 5'000'000'000;
 
 constexpr const char* kAbout =
     R"(Resets scenes that burs have cut, for all who use them.
-'whole' restores them, 'bookmark' saves their state, 'back' returns to it.  Forces
-are off for a moment, until the tool is clear of the restored material.  'check'
-checks exercises and exams that a teacher has written.
+'whole' restores them, 'bookmark' saves their state, 'back' returns to it.
+Forces are off for a moment, until the tool is clear of the restored material.
+'check' checks exercises and exams that a teacher has written.
 )";
 
 constexpr const char* kExample =

@@ -38,7 +38,7 @@ Examples:
   palpate-station --device openhaptics --scene cube --id me
       a PHANTOM or Touch arm, through the installed OpenHaptics library or the
       file named by PALPATE_OPENHAPTICS_LIBRARY
-  palpate-station --device forcedimension --device-name 4711 --scene cube --id me
+  palpate-station --device forcedimension --device-name 4711 --scene cube --id m
       the omega, delta, sigma or lambda with this serial number, through
       libdhd.so.3 or the file named by PALPATE_FORCEDIMENSION_LIBRARY
   palpate-station --device haply --scene cube --id me

@@ -251,7 +251,7 @@ const char* ForceDimensionDevice::activity() const noexcept {
 
 DeviceKind ForceDimensionKind() {
   return {.name = "forcedimension",
-          .what = "omega, delta, sigma or lambda, through libdhd.so.3; --device-name SERIAL",
+          .what = "omega, delta, sigma or lambda; --device-name SERIAL",
           .max_rate_Hz = 4000.0,
           .check_host = [](const std::string&) { dhd::LoadLibrary(); },
           .make = [](const DeviceOptions& options) -> std::unique_ptr<Device> {

@@ -124,7 +124,7 @@ const char* HaplyDevice::activity() const noexcept {
 
 DeviceKind HaplyKind() {
   return {.name = "haply",
-          .what = "Haply Inverse3 with VerseGrip, through the Inverse Service; --device-name ID",
+          .what = "Haply Inverse3 with VerseGrip; --device-name ID",
           .max_rate_Hz = 2000.0,
           .check_host = [](const std::string&) { haply::CheckService(haply::ServiceAddress()); },
           .make = [](const DeviceOptions& options) -> std::unique_ptr<Device> {

@@ -59,7 +59,7 @@ const char* SpaceMouseDevice::activity() const noexcept {
 
 DeviceKind SpaceMouseKind() {
   return {.name = "spacemouse",
-          .what = "a SpaceMouse, through spacenavd; its deflection sets the tool's speed; no force",
+          .what = "a SpaceMouse: its deflection sets the tool's speed; no force",
           .check_host = [](const std::string&) { FindSpacenavd(); },
           .make = [](const DeviceOptions& options) -> std::unique_ptr<Device> {
             return std::make_unique<SpaceMouseDevice>(options.start);

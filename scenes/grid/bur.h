@@ -38,9 +38,8 @@ class Bur {
   static Bur Cylinder(double radius, double length, double rounding);
   /// Makes a tapered fissure bur; an inverted cone if the tip is wider.
   static Bur Cone(double tip_radius, double base_radius, double length, double rounding);
-  /// `curve`: (rho, z) [m], convex, from the axis outwards and back to it; one point: a ball.  For
-  /// a trephine, the wall's profile: from its inner edge at the tip outwards, and round to where it
-  /// began.
+  /// `curve`: (rho, z) [m], convex, from the axis outwards and back to it; one point: a ball.
+  /// For a trephine: the closed profile of the wall, from its inner edge at the tip outwards.
   Bur(const std::vector<std::array<double, 2>>& curve, double rounding);
 
   /// Returns the signed distance of a point of T to the surface, negative inside, and its gradient.

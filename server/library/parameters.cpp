@@ -39,15 +39,16 @@ double NumberOf(const Tunable& tunable, double value) {
 }
 
 constexpr Tunable kFriction{"friction", "",   1.0,
-                            0.0,        10.0, "static and dynamic, of all that is touched"};
+                            0.0,        10.0, "static and dynamic friction of all objects"};
 
 /// ForEachField without friction, which is not a single number.
 template <class AnyScene, class Visit>
 void ForEachNumber(AnyScene& scene, Visit visit) {
-  visit(Tunable{"stiffness_N_per_m", "N/m", 1.0, 0.01, 1e5, "k_t between hand and tool"},
-        scene.coupling.stiffness);
+  visit(
+      Tunable{"stiffness_N_per_m", "N/m", 1.0, 0.01, 1e5, "stiffness k_t of the virtual coupling"},
+      scene.coupling.stiffness);
   visit(Tunable{"torsional_stiffness_Nm_per_rad", "N m/rad", 1.0, 1e-4, 1e4,
-                "k_r between hand and tool"},
+                "torsional stiffness k_r of the virtual coupling"},
         scene.coupling.torsional_stiffness);
   ForEachField(scene.tuning, visit);
 }

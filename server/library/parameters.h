@@ -20,8 +20,8 @@ struct Parameter : Tunable {
 std::vector<Parameter> ParametersOf(const Scene& scene);
 
 /// Sets a parameter, in its unit.  Existing models do not change.
-/// Throws Error, which names the range or, for an unknown name, all parameters; nothing is set
-/// then.
+/// Throws Error, and sets nothing, if the value is out of range (the message names the range) or
+/// the name is unknown (the message names all parameters).
 void SetParameter(Scene& scene, std::string_view name, double value);
 
 }  // namespace palpate

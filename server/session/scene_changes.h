@@ -13,8 +13,7 @@
 namespace palpate {
 
 /// What burs have cut of one scene since the server started or the scene was last made whole, in
-/// the order that all sessions and viewers follow.  A session that begins later begins with what is
-/// left.
+/// the order that all sessions and viewers follow.  A later session starts with what is left.
 ///
 /// Thread contract: service thread.
 class SceneChanges {

@@ -78,8 +78,7 @@ class ServoLoop {
 
   /// Puts the graphic tool at X_WG and lets forces begin, from the next pose on.
   void Start(const Pose& X_WG) { start_.Write(X_WG); }
-  /// Sequence number of the first pose after Start, whose wrench is the first that the
-  /// physics computed; 0 before.
+  /// Sequence number of the first pose after Start, the first whose wrench is computed; 0 before.
   std::uint64_t start_sequence() const { return start_sequence_.load(std::memory_order_acquire); }
   /// Makes the scene whole again before the next pose's step.  Restored material may lie where the
   /// tool is, so there are no forces from that pose on, until a Start that follows made_whole().
@@ -114,10 +113,9 @@ class ServoLoop {
   /// Takes the next record of what the loop began to merge.  The records, with the poses, starts,
   /// wholes and blocks, reproduce the same bits.
   bool TakeMerge(CutMerge& merge) { return merges_ && merges_->Pop(merge); }
-  /// What burs removed from each solid.  Use it only before the first pose, or once
-  /// no more can come.
+  /// What burs removed from each solid.  Use it only before the first pose, or after the last.
   std::vector<CutField>& cuts() { return state_.cuts; }
-  /// Valid once no pose can come: the last sequence number, and how many poses were answered.
+  /// Valid after the last pose: its sequence number, and how many poses were answered.
   std::uint64_t last_sequence() const { return last_sequence_; }
   std::uint32_t answers() const { return answers_; }
   /// Reads the latest step.  Returns false if there was none since the last call.
@@ -174,8 +172,7 @@ class ServoLoop {
   std::unique_ptr<Ring<CutBlock, 64>> given_;        // service thread -> loop
   std::unique_ptr<Ring<CutMerge, 64>> merges_;       // loop -> service thread
   std::uint64_t held_from_ = 0;
-  std::size_t merging_ = 0;  // blocks of given_ that the last CutMerge announced and that
-                             // are not merged yet
+  std::size_t merging_ = 0;  // blocks of given_ announced by the last CutMerge, not yet merged
   bool cuts_held_ = false;
   bool was_given_ = false;  // service thread: whether any block was given since the last MakeWhole
   std::atomic<std::uint32_t> newest_{0};  // number of calls of MakeWhole

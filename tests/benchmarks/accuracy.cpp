@@ -155,10 +155,9 @@ void AddAccuracy(const CommandLine& app) {
   const CommandLine command = app.AddCommand(
       "accuracy",
       "force error of a ball that slides over a cube or an ellipsoid\n"
-      "Compared with the analytic solution (chapter 2.5.1): a ball of 5 mm, commanded 1 mm\n"
-      "deep at 1 N/mm, translation only.");
-  command.Footer(
-      "Example: palpate-bench accuracy --object ellipsoid --spheres 8,64,512 --json e.json");
+      "Compared with the analytic solution (chapter 2.5.1): a ball of 5 mm, commanded 1\n"
+      "mm deep at 1 N/mm, translation only.");
+  command.Footer("Example: palpate-bench accuracy --object ellipsoid --spheres 8,64,512 --json -");
   Add(command, "--object", experiment.object, "cube (50 mm) or ellipsoid (40, 25, 30 mm)")
       .OneOf({"cube", "ellipsoid"});
   Add(command, "--spheres", options->spheres,

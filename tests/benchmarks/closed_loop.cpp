@@ -308,12 +308,12 @@ void AddClosedLoop(const CommandLine& app) {
       "closed-loop",
       "stability, energy and stiffness of a contact across a delayed link\n"
       "Simulates arm, hand, station with its limiter, link and server in virtual time.\n"
-      "Reports whether a contact comes to rest, how much energy the hand receives, and the\n"
-      "largest stable stiffness.  --out measures these for each delay, with and without the\n"
-      "local model and the passivity controller, and updates the report after each one.  On\n"
-      "an idle core it takes half a minute for the wall, three to four for the bunny.");
-  command.Footer(
-      "Example: palpate-bench closed-loop --delay-ms 10 --local-model on --out closed-loop");
+      "Reports whether a contact comes to rest, how much energy the hand receives, and\n"
+      "the largest stable stiffness.  --out measures these for each delay, with and\n"
+      "without the local model and the passivity controller, and updates the report\n"
+      "after each one.  On an idle core it takes half a minute for the wall, three to\n"
+      "four for the bunny.");
+  command.Footer("Example: palpate-bench closed-loop --delay-ms 10 --local-model on --out report");
   std::string hands;
   std::vector<std::string> devices{"simulated"};
   for (const PhantomSheet& sheet : PhantomSheets()) devices.emplace_back(sheet.name);

@@ -376,8 +376,9 @@ void AddCut(const CommandLine& app) {
   const CommandLine command = app.AddCommand(
       "cut",
       "error of removed volume, force and work of a bur, and time of a step\n"
-      "Without --scene: a ball bur of 0.5 mm in a flat block.  Compares the volume with the\n"
-      "exact sweep, and force and work with the cutting law; takes about half a minute.\n"
+      "Without --scene: a ball bur of 0.5 mm in a flat block.  Compares the volume with\n"
+      "the exact sweep, and force and work with the cutting law; takes about half a\n"
+      "minute.\n"
       "With --scene: step, force, volume, work, surface and ripple of that scene.\n"
       "With --fit: fits the cutting law to measured feeds and forces.");
   command.Footer(

@@ -43,8 +43,9 @@ void AddCycle(const CommandLine& app) {
   const CommandLine command = app.AddCommand(
       "cycle",
       "time and errors of a haptic step over the path of a scene\n"
-      "Errors are the penetration of the meshes, the steps in which the tool does not arrive,\n"
-      "the deviation from the converged force, and the cause of each jump of the force.");
+      "Errors are the penetration of the meshes, the steps in which the tool does not\n"
+      "arrive, the deviation from the converged force, and the cause of each jump of\n"
+      "the force.");
   command.Footer("Example: palpate-bench cycle --scene bunny-bunny --steps 20000 --repeats 5");
   Add(command, "--scene", options->scene, "name in the catalogue, or scene file");
   Add(command, "--poses", options->poses,

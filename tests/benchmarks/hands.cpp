@@ -142,9 +142,9 @@ void AddHands(const CommandLine& app) {
   const CommandLine command = app.AddCommand(
       "hands",
       "the figures of cycle for hand paths generated from a seed\n"
-      "The hand approaches from a random direction, presses, slides, turns, squeezes, taps\n"
-      "and leaves.  Also reports whether the tool settles when the hand rests, and how the\n"
-      "force at 4 kHz differs from that at 1 kHz.");
+      "The hand approaches from a random direction, presses, slides, turns, squeezes,\n"
+      "taps and leaves.  Also reports whether the tool settles when the hand rests, and\n"
+      "how the force at 4 kHz differs from that at 1 kHz.");
   command.Footer(
       "Examples:\n"
       "  palpate-bench hands --scene bunny-bunny --seed 7 --speed 0.1 --steps 20000\n"

@@ -170,8 +170,8 @@ void AddLevels(const CommandLine& app) {
   const CommandLine command = app.AddCommand(
       "levels",
       "time and force error of a step by level of detail (chapter Fig. 2.23c)\n"
-      "Runs the script of the scene with coarser and finer sphere trees, and compares the\n"
-      "forces with those of the finest tree.");
+      "Runs the script of the scene with coarser and finer sphere trees, and compares\n"
+      "the forces with those of the finest tree.");
   command.Footer(
       "Examples:\n"
       "  palpate-bench levels --scene dragon-buddha --json levels.json\n"

@@ -388,8 +388,8 @@ void AddLoop(const CommandLine& app, const int& domain) {
   const CommandLine command = app.AddCommand(
       "loop",
       "round trip from pose to wrench through palpate-server\n"
-      "Compares it with a bare echo over the same transport, alternating in one run.  Starts\n"
-      "the server, and for shared memory iox-roudi if none runs.");
+      "Compares it with a bare echo over the same transport, alternating in one run.\n"
+      "Starts the server, and for shared memory iox-roudi if none runs.");
   command.Footer("Example: palpate-bench loop --transport shm --seconds 20");
   const auto common = [](const CommandLine& to, std::string& transport, std::string& realtime) {
     Add(to, "--transport", transport, "shm or udp").OneOf({"shm", "udp"});

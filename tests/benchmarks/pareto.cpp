@@ -460,8 +460,9 @@ void AddPeers(const CommandLine& app) {
   const CommandLine command = app.AddCommand(
       "peers",
       "compare Palpate with other libraries on the same meshes and hand\n"
-      "For each installed library: penetration, time of a step, and force, also compared\n"
-      "with the analytic solution.  Writes report.md, peers.svg, peers.csv and peers.json.");
+      "For each installed library: penetration, time of a step, and force, also\n"
+      "compared with the analytic solution.  Writes report.md, peers.svg, peers.csv and\n"
+      "peers.json.");
   command.Footer("Example: palpate-bench peers --out build/peers");
   command.AddFlag("--quick", options->quick,
                   "measure only the beginning of the path, with few repeats");
@@ -471,11 +472,12 @@ void AddPeers(const CommandLine& app) {
 
 void AddPareto(const CommandLine& app) {
   auto options = std::make_shared<Options>();
-  const CommandLine command = app.AddCommand(
-      "pareto",
-      "speed against error of all scenes, contact and friction models, and peers\n"
-      "Writes pareto.json after each measurement; at the end, also on Ctrl-C, report.md,\n"
-      "pareto.csv and pareto.svg.  Pictures need matplotlib (python3-matplotlib).");
+  const CommandLine command =
+      app.AddCommand("pareto",
+                     "speed against error of all scenes, contact and friction models, and peers\n"
+                     "Writes pareto.json after each measurement; at the end, also on Ctrl-C,\n"
+                     "report.md, pareto.csv and pareto.svg.  Pictures need matplotlib\n"
+                     "(python3-matplotlib).");
   command.Footer("Example: palpate-bench pareto --out build/pareto --peers bullet,ode");
   command.AddFlag("--quick", options->quick,
                   "measure few scenes, with short paths and few repeats");

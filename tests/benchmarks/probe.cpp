@@ -150,8 +150,8 @@ void AddProbe(const CommandLine& app) {
       "probe",
       "time of a step of a dental probe on a solid that burs can cut\n"
       "Measured before and after the scene's script has cut it; compared with the same\n"
-      "triangles as a mesh, and with the solid's original mesh.  Also counts how often the\n"
-      "probe enters the drawn surface.");
+      "triangles as a mesh, and with the solid's original mesh.  Also counts how often\n"
+      "the probe enters the drawn surface.");
   command.Footer("Example: palpate-bench probe --scene caries --json probe.json");
   Add(command, "--scene", options->scene, "scene with a bur, from the catalogue or a file");
   Add(command, "--steps", options->hand.steps, "number of steps, one per millisecond");

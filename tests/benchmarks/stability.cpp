@@ -139,8 +139,9 @@ void AddStability(const CommandLine& app) {
   const CommandLine command = app.AddCommand(
       "stability",
       "hard cases, each with a physical bound\n"
-      "In every case, no body may tunnel, all numbers must be finite, and the overlap must\n"
-      "not exceed 10 um if a pose without overlap exists.  Exit status 1 if a case fails.");
+      "In every case, no body may tunnel, all numbers must be finite, and the overlap\n"
+      "must not exceed 10 um if a pose without overlap exists.  Exit status 1 if a case\n"
+      "fails.");
   command.Footer("Example: palpate-bench stability --steps 10000000 --json stability.json");
   Add(command, "--case", options->only, "run only this case (see --list)");
   command.AddFlag("--list", options->list, "list the cases with their bounds and reasons");

@@ -260,11 +260,11 @@ void Run(const Options& options) {
 
 void AddTree(const CommandLine& app) {
   auto options = std::make_shared<Options>();
-  const CommandLine command = app.AddCommand(
-      "tree",
-      "distance of sphere trees from their meshes, for every level and mode\n"
-      "For a scene, also compares the force of sphere contact with that of surface contact\n"
-      "on the scene's path.");
+  const CommandLine command =
+      app.AddCommand("tree",
+                     "distance of sphere trees from their meshes, for every level and mode\n"
+                     "For a scene, also compares the force of sphere contact with that of surface\n"
+                     "contact on the scene's path.");
   command.Footer("Example: palpate-bench tree --mesh tooth.stl --unit mm --spheres 512 --json -");
   Add(command, "--scene", options->scene, "name in the catalogue, scene file or mesh");
   Add(command, "--mesh", options->mesh, "mesh file, instead of a scene")

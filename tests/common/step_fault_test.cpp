@@ -10,8 +10,8 @@ TEST(StepFault, IsNamedAndExplained) {
   EXPECT_EQ(FaultMeanings(kFaultNone), "none");
   EXPECT_EQ(FaultWords(kFaultTargetFar | kFaultJammed), "target far, jammed");
   EXPECT_EQ(FaultMeanings(kFaultTargetFar | kFaultJammed),
-            "target far (the hand was quicker than the tool, which follows), "
-            "jammed (the tool was wedged between surfaces)");
+            "target far (the hand moved faster than the tool, which follows), jammed (the tool was "
+            "wedged between surfaces)");
   EXPECT_EQ(FaultMeanings(1u << 30), "unknown");
 }
 

@@ -34,8 +34,8 @@ const std::vector<Rule> kRules = {
      {}},
     {"common/program/command_line.cpp",
      {"common/program/command_line.h", "common/dds/topics.h", "common/error.h",
-      "common/http/host_name.h", "common/program/log.h", "common/text/lower_case.h",
-      "common/text/nearest_word.h"},
+      "common/http/host_name.h", "common/program/log.h", "common/text/joined.h",
+      "common/text/lower_case.h", "common/text/nearest_word.h", "common/text/wrapped.h"},
      {},
      {"CLI11"}},
     // What a scene's name and its content have in common, for whoever takes one in.

@@ -261,8 +261,8 @@ TEST_F(LoadedScene, RefusesSpringsThatTheStepCannotComputeWith) {
   write(rod, "2e-7");
   EXPECT_THAT(Complaint(),
               HasSubstr("s.json:4: coupling.torsional_stiffness_Nm_per_rad: 2e-07 N m/rad is too "
-                        "little beside a stiffness of 400000 N/m, for a tool that reaches 50 mm "
-                        "from its centroid; give at least 0.00101, or a lower stiffness"));
+                        "low for a stiffness of 400000 N/m, with a tool that extends 50 mm from "
+                        "its centroid; give at least 0.00101, or a lower stiffness"));
   write(rod, "0.00101");
   Load();
   write(R"({"shape": "sphere", "radius_m": 0.005}, "leaves": 1)", "2e-7");

@@ -16,8 +16,8 @@ class Keyboard {
 
   /// Help text for the keys.
   static constexpr const char* kHelp =
-      R"(Keys:  space pauses and resumes   <- 5 s back   -> 5 s forward, or a step if paused
-       p, n previous, next mark   -, + slower, faster   b sets a bookmark   q quits)";
+      R"(Keys:  space pauses, resumes    <- 5 s back    -> 5 s forward; paused: a step
+       p, n previous, next mark    -, + slower, faster    b bookmark    q quits)";
 
   Keyboard();
   ~Keyboard();

@@ -117,7 +117,7 @@ TEST(CommandLine, WrapsItsHelpTo80Columns) {
   std::istringstream lines(help);
   for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80u) << line;
   const std::string indent(30, ' ');
-  EXPECT_THAT(help, HasSubstr("\n" + indent + "second\n"));
+  EXPECT_THAT(help, HasSubstr("\n" + indent + "continued on a second\n"));
   EXPECT_THAT(help, HasSubstr("  score                       grades a trial\n"));
   EXPECT_THAT(help, Not(HasSubstr("by criteria")));
   EXPECT_THAT(program.Printed({"score", "--help"}), HasSubstr("by criteria"));
