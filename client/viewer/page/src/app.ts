@@ -34,9 +34,7 @@ const kOldNewsS = 1; // messages this soon after the link opened are not news
 /// The page: connects its parts (parts/) to each other.
 export class App {
   // First, since the picture and the plots read its colours.
-  private readonly theme = new ThemeSwitch(element("theme", HTMLButtonElement), () =>
-    this.repaint(),
-  );
+  private readonly theme = new ThemeSwitch(() => this.repaint());
   private readonly world = new World((change, scene) => this.worldChanged(change, scene));
   private readonly notice = new Notice();
   private readonly picture = new Picture({

@@ -29,13 +29,9 @@ export class Exam {
   private readonly goal = make("p", {className: "goal"});
   private readonly task = make("div", {className: "task"});
   private readonly word = make("p", {className: "word", role: "status"});
-  private readonly begin = press(
-    () => say("exam.begin"),
-    () => this.beginTask(),
-    {className: "primary"},
-  );
+  private readonly begin = press("exam.begin", () => this.beginTask(), {className: "primary"});
   private readonly handIn = press(
-    () => say("exam.hand_in"),
+    "exam.hand_in",
     () => void this.events.publish(kTopics.trial, {op: "stop"}),
   );
   private readonly desk = new ExamDesk((wish) => this.ask(wish));

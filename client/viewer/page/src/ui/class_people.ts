@@ -29,7 +29,7 @@ function linkOf(token: string): string {
 export class ClassPeople {
   readonly body = make("div", {className: "class-people"});
   private readonly names = make("textarea", {
-    ...{id: "class-names", rows: 6, placeholder: () => say("class.names_hint"), spellcheck: false},
+    ...{id: "class-names", rows: 6, sayPlaceholder: "class.names_hint", spellcheck: false},
   });
   private readonly role = make("select", {id: "class-role"});
   private readonly links = make("section", {className: "links", hidden: true});
@@ -52,31 +52,23 @@ export class ClassPeople {
           else this.names.focus();
         },
       },
-      make("h3", {textContent: () => say("class.add_title")}),
-      make("label", {htmlFor: this.names.id, textContent: () => say("class.names")}),
+      make("h3", {say: "class.add_title"}),
+      make("label", {htmlFor: this.names.id, say: "class.names"}),
       this.names,
       make("label", {htmlFor: this.role.id}, () => `${say("class.role")} `, this.role),
-      make("button", {type: "submit", className: "primary", textContent: () => say("class.make")}),
+      make("button", {type: "submit", className: "primary", say: "class.make"}),
     );
     this.links.append(
-      make("h3", {textContent: () => say("class.links")}),
-      make("p", {className: "quiet", textContent: () => say("class.links_once")}),
+      make("h3", {say: "class.links"}),
+      make("p", {className: "quiet", say: "class.links_once"}),
       make("p", {
-        ...{className: "warn", textContent: () => say("class.links_local")},
+        ...{className: "warn", say: "class.links_local"},
         hidden: !isLocal(location.hostname),
       }),
-      press(
-        () => say("class.print"),
-        () => print(),
-      ),
+      press("class.print", () => print()),
       this.cards,
     );
-    const roster = make(
-      "section",
-      {},
-      make("h3", {textContent: () => say("class.in_class")}),
-      this.list,
-    );
+    const roster = make("section", {}, make("h3", {say: "class.in_class"}), this.list);
     this.body.append(make("div", {className: "left"}, add, roster), this.links);
   }
 
@@ -102,14 +94,11 @@ export class ClassPeople {
 
   private card({name, token}: MadePerson): HTMLLIElement {
     const link = linkOf(token);
-    const copy = press(
-      () => say("class.copy"),
-      () => {
-        void navigator.clipboard?.writeText(link).then(() => {
-          setText(copy, () => say("class.copied"));
-        });
-      },
-    );
+    const copy = press("class.copy", () => {
+      void navigator.clipboard?.writeText(link).then(() => {
+        setText(copy, () => say("class.copied"));
+      });
+    });
     const address = make("a", {href: link, textContent: link});
     // Following it would give this page that person's token.
     address.addEventListener("click", (event) => event.preventDefault());
@@ -129,9 +118,9 @@ export class ClassPeople {
       const input = make("input", {
         value: name,
         maxLength: 64,
-        ariaLabel: () => say("class.rename"),
+        sayLabel: "class.rename",
       });
-      const keep = make("button", {type: "submit", textContent: () => say("class.keep")});
+      const keep = make("button", {type: "submit", say: "class.keep"});
       const form = make("form", {className: "rename"}, input, keep);
       form.addEventListener("submit", (event) => {
         event.preventDefault();
@@ -141,21 +130,17 @@ export class ClassPeople {
       words.replaceWith(form);
       input.select();
     };
-    const rename = press(() => say("class.rename"), beginToRename, {
-      title: () => say("class.rename"),
+    const rename = press("class.rename", beginToRename, {
+      sayTitle: "class.rename",
     });
-    const renew = press(
-      () => say("class.new_link"),
-      () => this.wish.renew(person),
-      {
-        title: () => say("class.new_link_title", {name}),
-      },
-    );
+    const renew = press("class.new_link", () => this.wish.renew(person), {
+      title: () => say("class.new_link_title", {name}),
+    });
     const withdraw = sure(
       () => say("class.withdraw"),
       () => say("class.sure"),
       () => this.wish.withdraw(person),
-      () => say("class.withdraw_title", {name}),
+      {title: () => say("class.withdraw_title", {name})},
     );
     const choices = make("span", {className: "choices"}, rename, renew, withdraw);
     return make(

@@ -1,8 +1,8 @@
-import {say, sayList, type Words} from "../messages/say";
+import {say, sayList} from "../messages/say";
 import type {Station} from "../model/world";
 import {consoleWords, faultWords} from "../model/words";
 import type {SessionState} from "../protocol/messages";
-import {element, make, press, setText} from "./elements";
+import {element, make, press, setText, type Told} from "./elements";
 import {setWords} from "./spoken";
 
 export type OperateOp = "admit" | "take_back" | "mute" | "unmute";
@@ -94,20 +94,11 @@ export class Console {
   private addRow(id: string): Row {
     const words = make("span", {className: "words"});
     const faults = make("span", {className: "faults"});
-    const button = (text: Words, op: () => OperateOp): HTMLButtonElement =>
+    const button = (text: Told, op: () => OperateOp): HTMLButtonElement =>
       press(text, () => this.ask(id, op()));
-    const admit = button(
-      () => say("console.admit"),
-      () => "admit",
-    );
-    const mute = button(
-      () => say("console.mute"),
-      () => (row.session?.muted ? "unmute" : "mute"),
-    );
-    const back = button(
-      () => say("console.take_back"),
-      () => "take_back",
-    );
+    const admit = button("console.admit", () => "admit");
+    const mute = button("console.mute", () => (row.session?.muted ? "unmute" : "mute"));
+    const back = button("console.take_back", () => "take_back");
     admit.className = "primary";
     setWords(admit, "title", () => say("console.admit_title"));
     const choices = make("span", {className: "choices", role: "group"}, admit, mute, back);

@@ -48,7 +48,8 @@ export class Curve {
   private draw(): void {
     const {data} = this;
     const width = this.body.clientWidth;
-    if (!data || width === 0) return;
+    // Hidden, it is drawn again when it is shown, in the language of that moment.
+    if (!data || width === 0) return this.body.replaceChildren();
     const frame = new Frame(width, data);
     const svg = makeSvg("svg", {
       ...{role: "img", "aria-label": data.label},

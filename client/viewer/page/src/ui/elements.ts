@@ -1,8 +1,9 @@
-import type {Words} from "../messages/say";
-import {setWords, type SpokenPart, textNode} from "./spoken";
+import {type Key, say, type Words} from "../messages/say";
+import {kSaid, type Said, sayIn, setWords, type SpokenPart, textNode} from "./spoken";
 
-/// Properties of an element, of which the texts may follow the language.
-type Properties<T> = {
+/// Properties of an element, of which the texts may follow the language: as functions, or by the
+/// messages that fill them.
+type Properties<T> = Said & {
   [Name in keyof T]?: Name extends SpokenPart ? T[Name] | (() => string) : T[Name];
 };
 const kSpoken: readonly SpokenPart[] = ["textContent", "title", "ariaLabel", "placeholder", "alt"];
@@ -12,6 +13,13 @@ export function element<T extends HTMLElement>(id: string, type: new () => T): T
   const found = document.getElementById(id);
   if (!(found instanceof type)) throw new Error(`index.html has no ${type.name} #${id}`);
   return found;
+}
+
+/// Calls this when that button of index.html is pressed.
+export function onPress(id: string, run: () => void): HTMLButtonElement {
+  const button = element(id, HTMLButtonElement);
+  button.addEventListener("click", run);
+  return button;
 }
 
 /// Makes an element with these properties and children.
@@ -28,38 +36,44 @@ export function make<Tag extends keyof HTMLElementTagNameMap>(
     setWords(made, part, words as () => string);
     delete given[part];
   }
+  sayIn(made, properties);
+  for (const name of Object.keys(kSaid)) delete given[name];
   Object.assign(made, given);
   made.append(...children.map((child) => (typeof child === "function" ? textNode(child) : child)));
   return made;
 }
 
+/// A text, by its message or by a function.
+export type Told = Key | (() => string);
+const wordsOf = (told: Told): (() => string) => (typeof told === "string" ? () => say(told) : told);
+
 /// Makes a button with this action.
 export function press(
-  textContent: Words,
+  text: Told,
   onclick: () => void,
   more: Properties<HTMLButtonElement> = {},
 ): HTMLButtonElement {
-  return make("button", {type: "button", textContent, onclick, ...more});
+  return make("button", {type: "button", textContent: wordsOf(text), onclick, ...more});
 }
 
 /// Makes a button that asks for confirmation with this text.
 export function sure(
-  text: Words,
-  question: Words,
+  text: Told,
+  question: Told,
   wish: () => void,
-  title: Words = "",
+  more: Properties<HTMLButtonElement> = {},
 ): HTMLButtonElement {
   let isSure = false;
   const turn = (to: boolean): void => {
     isSure = to;
-    setText(button, to ? question : text);
+    setText(button, wordsOf(to ? question : text));
     button.classList.toggle("alarm", to);
   };
   const wishOrAsk = (): void => {
     if (isSure) wish();
     turn(!isSure);
   };
-  const button = press(text, wishOrAsk, {title});
+  const button = press(text, wishOrAsk, more);
   button.addEventListener("blur", () => turn(false));
   return button;
 }
@@ -77,6 +91,9 @@ export function makeSvg<Tag extends keyof SVGElementTagNameMap>(
 export function setText(target: Element, text: Words): void {
   setWords(target, "textContent", text);
 }
+
+/// Sets the text of an element of index.html.
+export const setTextOf = (id: string, text: Words): void => setText(element(id, HTMLElement), text);
 
 /// Makes an option of a select.
 export const option = (words: Words, value: string): HTMLOptionElement =>

@@ -18,7 +18,7 @@ export class HistoryClass {
   private readonly losses = make("div");
   private readonly head = make("tr");
   private readonly rows = make("tbody");
-  private readonly none = make("p", {className: "quiet", textContent: () => say("history.none")});
+  private readonly none = make("p", {className: "quiet", say: "history.none"});
   private readonly figures: HTMLElement;
   private history: ClassHistory = {exercises: [], people: []};
   private byGrade = false;
@@ -34,7 +34,7 @@ export class HistoryClass {
     const spread = make(
       "section",
       {},
-      make("h3", {textContent: () => say("history.points_over_trials")}),
+      make("h3", {say: "history.points_over_trials"}),
       this.curve.body,
       legend(
         ["band", () => say("history.half")],
@@ -43,12 +43,7 @@ export class HistoryClass {
         ["pass", () => say("history.pass")],
       ),
     );
-    const lost = make(
-      "section",
-      {},
-      make("h3", {textContent: () => say("history.class_loses")}),
-      this.losses,
-    );
+    const lost = make("section", {}, make("h3", {say: "history.class_loses"}), this.losses);
     const table = make("table", {}, make("thead", {}, this.head), this.rows);
     const region = {className: "table", tabIndex: 0, role: "region"};
     this.figures = make(
@@ -56,7 +51,7 @@ export class HistoryClass {
       {},
       make("p", {className: "pick-exercise"}, label),
       make("div", {className: "side-by-side"}, spread, lost),
-      make("div", {...region, ariaLabel: () => say("history.everybody")}, table),
+      make("div", {...region, sayLabel: "history.everybody"}, table),
     );
     this.body.append(this.none, this.figures);
     followLanguage(() => {

@@ -1,8 +1,9 @@
 import {say, sayNumber} from "../messages/say";
+import {whenWords} from "../model/words";
 import type {HistoryTrial, OwnExercise, PersonHistory} from "../protocol/history_messages";
 import {Curve, legend, lossBars} from "./curve";
 import {make} from "./elements";
-import {gradeFigure, gradeWords, titlesOf, whenWords} from "./history_words";
+import {gradeFigure, gradeWords, titlesOf} from "./history_words";
 
 /// Most suggestions of what to practise next.
 const kMostNext = 3;
