@@ -3,7 +3,7 @@
 import {readFileSync} from "node:fs";
 import {createRequire} from "node:module";
 
-import {afterEach, expect} from "vitest";
+import {expect} from "vitest";
 
 import type {AxeResults} from "axe-core";
 
@@ -12,6 +12,7 @@ import {
   chooseLanguage,
   gateway,
   giveTools,
+  move,
   open,
   openWith,
   page,
@@ -35,8 +36,6 @@ const kProbed: TestScene = {
 };
 
 atGateway(kTestScene, kProbed);
-let moving: NodeJS.Timeout | undefined;
-afterEach(() => clearInterval(moving));
 
 /// What axe has against the page as it is now, in every language, with where.
 async function violations(): Promise<string[]> {
@@ -78,10 +77,7 @@ test("axe finds no violation: nothing taken, a tool held, teacher's and student'
   gateway.retain("/palpate/session_state", sessionState("mouse_1", "active", "test-box", "ball"));
   await page.locator("#take").click();
   await until(page, "the tool", ({hold}) => hold === "holding");
-  let sequence = 0;
-  const press = (): void =>
-    gateway.send("/palpate/tool_state", pressed("mouse_1", (sequence += 33), 0.3));
-  moving = setInterval(press, 33);
+  move((sequence) => gateway.send("/palpate/tool_state", pressed("mouse_1", sequence, 0.3)));
   await reads("#force", "0.30");
   await page.locator("#console li").first().waitFor();
   expect(await violations(), "a tool held, over the limit").toEqual([]);
@@ -214,13 +210,11 @@ const loud = (): Promise<number> => page.evaluate(() => (window as unknown as {l
 
 test("25 g of a probe are a bar beside the picture, which says by shape, words and tone what is too much", async () => {
   let newtons = 0.2;
-  let sequence = 0;
-  const tell = (): void => {
-    const {tool: _, ...state} = pressed("hand", (sequence += 33), newtons) as {tool: string};
-    gateway.send("/palpate/tool_state", {...state, scene: "probed", tool: "probe"});
-  };
   gateway.retain("/palpate/session_state", sessionState("hand", "active", "probed", "probe"));
-  moving = setInterval(tell, 33);
+  move((sequence) => {
+    const state = {...pressed("hand", sequence, newtons), scene: "probed", tool: "probe"};
+    gateway.send("/palpate/tool_state", state);
+  });
   await openWith(listen, 0, "?scene=probed");
   const bar = page.locator("#force-bar");
   await reads("#force-bar-now", "0.20 N");

@@ -20,6 +20,9 @@ export let browser: Browser | undefined;
 export let gateway: FakeGateway;
 export let page: Page;
 
+let moving: NodeJS.Timeout | undefined;
+let sentMs = 0;
+
 const kWindow: WindowOptions = {viewport: {width: 800, height: 500}};
 let served = new Map<string, Uint8Array>();
 
@@ -31,9 +34,11 @@ export function atGateway(...scenes: TestScene[]): void {
   });
   afterAll(() => browser?.close());
   beforeEach(async () => {
+    sentMs = 0;
     if (browser) await startGateway();
   });
   afterEach(async () => {
+    stopMoving();
     await closeWindows(browser);
     await gateway?.stop();
   });
@@ -86,6 +91,13 @@ export async function chooseLanguage(language: string): Promise<void> {
   }, language);
   await page.locator(`html[lang=${language}]`).waitFor({state: "attached"});
 }
+
+/// Calls this 30 times a second, with a number that grows, until the test ends or anything else moves.
+export function move(step: (sequence: number) => void): void {
+  stopMoving();
+  moving = setInterval(() => step((sentMs += 33)), 33);
+}
+export const stopMoving = (): void => clearInterval(moving);
 
 /// Whoever asks for a tool gets it.
 export function giveTools(): void {
