@@ -101,9 +101,9 @@ export class Figures {
     this.staleWho = false;
     const rows = listed.flatMap(({id, session, holdsTool}) => {
       if (!session) return [];
-      const name = make("b", {textContent: id});
+      const name = make("b", id);
       if (id === mouse) name.dataset.you = say("panel.you");
-      const item = make("li", {}, name, ` ${sessionWords(session)}`);
+      const item = make("li", name, ` ${sessionWords(session)}`);
       item.classList.toggle("gone", !holdsTool);
       return [item];
     });

@@ -33,9 +33,9 @@ export class HistoryRoom {
   private readonly csv = press("history.csv", () => void this.save("csv"));
   private readonly zip = press("history.zip", () => void this.save("zip"));
   private readonly remove = press("history.delete", () => this.ask());
-  private readonly question = make("section", {className: "question", role: "alert", hidden: true});
+  private readonly question = make("section.question", {role: "alert", hidden: true});
   private readonly ofClass: HistoryClass;
-  private readonly ofPerson = make("div", {className: "of-person"});
+  private readonly ofPerson = make("div.of-person");
   private teaches = false;
   private person = 0; // the person shown; 0: the class
   private name = "";
@@ -45,7 +45,7 @@ export class HistoryRoom {
 
   constructor(private readonly events: HistoryEvents) {
     this.ofClass = new HistoryClass((person) => this.turn(person));
-    const files = make("span", {className: "choices"}, this.csv, this.zip, this.remove);
+    const files = make("span.choices", this.csv, this.zip, this.remove);
     const body = [this.question, this.ofClass.body, this.ofPerson];
     this.room.fill({before: this.back, after: [files]}, ...body);
     followLanguage(() => {
@@ -132,10 +132,7 @@ export class HistoryRoom {
         this.question.hidden = true;
         this.remove.focus();
       });
-      this.question.replaceChildren(
-        make("p", {textContent: words}),
-        make("p", {className: "choices"}, keep, ...choices),
-      );
+      this.question.replaceChildren(make("p", words), make("p.choices", keep, ...choices));
       this.question.hidden = false;
       keep.focus();
     };

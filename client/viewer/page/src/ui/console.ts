@@ -92,8 +92,8 @@ export class Console {
   }
 
   private addRow(id: string): Row {
-    const words = make("span", {className: "words"});
-    const faults = make("span", {className: "faults"});
+    const words = make("span.words");
+    const faults = make("span.faults");
     const button = (text: Told, op: () => OperateOp): HTMLButtonElement =>
       press(text, () => this.ask(id, op()));
     const admit = button("console.admit", () => "admit");
@@ -101,11 +101,11 @@ export class Console {
     const back = button("console.take_back", () => "take_back");
     admit.className = "primary";
     setWords(admit, "title", () => say("console.admit_title"));
-    const choices = make("span", {className: "choices", role: "group"}, admit, mute, back);
+    const choices = make("span.choices", {role: "group"}, admit, mute, back);
     setWords(choices, "ariaLabel", () => say("console.decide", {station: id}));
-    const name = make("b", {textContent: id});
-    const who = make("p", {}, name, " ", words);
-    const item = make("li", {}, who, faults, choices);
+    const name = make("b", id);
+    const who = make("p", name, " ", words);
+    const item = make("li", who, faults, choices);
     const row: Row = {
       ...{item, name, words, faults, admit, mute, back},
       session: undefined,

@@ -22,25 +22,38 @@ export function onPress(id: string, run: () => void): HTMLButtonElement {
   return button;
 }
 
-/// Makes an element with these properties and children.
-export function make<Tag extends keyof HTMLElementTagNameMap>(
-  tag: Tag,
-  properties: Properties<HTMLElementTagNameMap[Tag]> = {},
-  ...children: (Node | Words)[]
-): HTMLElementTagNameMap[Tag] {
-  const made = document.createElement(tag);
-  const given = {...properties} as Record<string, unknown>;
-  for (const part of kSpoken) {
-    const words = given[part];
-    if (typeof words !== "function") continue;
-    setWords(made, part, words as () => string);
-    delete given[part];
+type Tag = keyof HTMLElementTagNameMap;
+type Made<Name extends string> = HTMLElementTagNameMap[(Name extends `${infer Of}.${string}`
+  ? Of
+  : Name) &
+  Tag];
+type Child = Node | Words;
+
+/// Makes an element.
+/// @param name  its tag and classes: "li", "p.quiet"
+/// @param rest  its properties, if there are any, and its children
+export function make<Name extends Tag | `${Tag}.${string}`>(
+  name: Name,
+  ...rest: [Properties<Made<Name>>, ...Child[]] | Child[]
+): Made<Name> {
+  const [tag, ...classes] = name.split(".");
+  const made = document.createElement(tag!) as Made<Name>;
+  if (classes.length > 0) made.className = classes.join(" ");
+  for (const one of rest) {
+    if (typeof one === "function") made.append(textNode(one));
+    else if (typeof one === "string" || one instanceof Node) made.append(one);
+    else setProperties(made, one);
   }
-  sayIn(made, properties);
-  for (const name of Object.keys(kSaid)) delete given[name];
-  Object.assign(made, given);
-  made.append(...children.map((child) => (typeof child === "function" ? textNode(child) : child)));
   return made;
+}
+
+function setProperties<T extends HTMLElement>(made: T, properties: Properties<T>): void {
+  sayIn(made, properties);
+  for (const [name, value] of Object.entries(properties)) {
+    const isSpoken = kSpoken.includes(name as SpokenPart) && typeof value === "function";
+    if (isSpoken) setWords(made, name as SpokenPart, value as () => string);
+    else if (!(name in kSaid)) Object.assign(made, {[name]: value as unknown});
+  }
 }
 
 /// A text, by its message or by a function.
@@ -97,7 +110,7 @@ export const setTextOf = (id: string, text: Words): void => setText(element(id, 
 
 /// Makes an option of a select.
 export const option = (words: Words, value: string): HTMLOptionElement =>
-  make("option", {value, textContent: words});
+  make("option", {value}, words);
 
 /// Sets a select's options, unless they are unchanged.
 export function setOptions(
