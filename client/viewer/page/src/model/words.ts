@@ -52,7 +52,7 @@ export function spokenTime(seconds: number): string {
 export const fitBytes = (text: string, most: number): string =>
   text.slice(0, new TextEncoder().encodeInto(text, new Uint8Array(most)).read);
 
-/// Names what pushes the tool; teeth by their number.
+/// Names what pushes the tool.
 export function touchedWords(names: readonly string[]): string {
   if (names.length === 0) return say("touched.nothing");
   const [first, second] = names.map((name) => name.replace(/[-_]/g, " "));

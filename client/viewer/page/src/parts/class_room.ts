@@ -1,6 +1,7 @@
 import {say, type Words} from "../messages/say";
 import {norm} from "../model/pose";
-import {kTopics, type Station, type World} from "../model/world";
+import type {Station} from "../model/station";
+import {kTopics, type World} from "../model/world";
 import type {ClassAnswer, MadePerson, Me, People, Person} from "../protocol/class_messages";
 import {ClassPeople} from "../ui/class_people";
 import {ClassWall, type OnWall} from "../ui/class_wall";
@@ -26,8 +27,8 @@ export class ClassRoom {
     {open: "class.open", openTitle: "class.open_title", title: "class.title"},
     () => this.open(),
   );
-  private readonly count = make("span", {className: "quiet count"});
-  private readonly said = make("p", {className: "said", role: "status", hidden: true});
+  private readonly count = make("span.quiet.count");
+  private readonly said = make("p.said", {role: "status", hidden: true});
   private readonly saidText = make("span");
   private readonly tabs: Readonly<Record<"wall" | "people", HTMLButtonElement>>;
   private readonly wall: ClassWall;
@@ -62,12 +63,7 @@ export class ClassRoom {
       wall: press("class.wall", () => this.turn("wall")),
       people: press("class.people", () => this.turn("people")),
     };
-    const tabs = make(
-      "span",
-      {className: "group", role: "group"},
-      this.tabs.wall,
-      this.tabs.people,
-    );
+    const tabs = make("span.group", {role: "group"}, this.tabs.wall, this.tabs.people);
     this.room.fill({after: [tabs, this.count]}, this.wall.body, this.roster.body);
     this.room.dialog.addEventListener("close", () => this.roster.forget());
     const hide = press("class.hide", () => void (this.said.hidden = true));

@@ -30,12 +30,12 @@ export class Exercises {
     {open: "exercises.open", openTitle: "exercises.open_title", title: "exercises.title"},
     () => this.open(),
   );
-  private readonly list = make("ul", {className: "list"});
-  private readonly about = make("div", {className: "about"});
+  private readonly list = make("ul.list");
+  private readonly about = make("div.about");
   private readonly bar = make("section", {id: "trial-bar", hidden: true});
   private readonly what = make("b");
   private readonly word = make("span", {role: "status"});
-  private readonly clock = make("span", {className: "clock"});
+  private readonly clock = make("span.clock");
   private readonly stop = press("exercises.stop", () => void this.events.publish({op: "stop"}));
   private readonly submit = press("exercises.submit", () => this.handIn(this.trial));
   private readonly guided = press("exercises.guide", () => this.showGuide(!this.wantsGuide));
@@ -50,7 +50,7 @@ export class Exercises {
   private guide: Guide | undefined; // of the running trial
 
   constructor(private readonly events: ExerciseEvents) {
-    this.room.fill({}, make("div", {className: "columns"}, this.list, this.about));
+    this.room.fill({}, make("div.columns", this.list, this.about));
     setWords(this.bar, "ariaLabel", () => say("exercises.title"));
     const {what, word, clock, guided, stop, submit, score, again, next} = this;
     setWords(guided, "title", () => say("exercises.guide_title"));
@@ -119,14 +119,11 @@ export class Exercises {
       const pick = make(
         "button",
         {type: "button", onclick: () => this.choose(exercise.name)},
-        make("b", {textContent: ownText(exercise.title)}),
-        make("span", {
-          className: "quiet",
-          textContent: say("exercises.trials_of", {done, all: exercise.trials}),
-        }),
+        make("b", ownText(exercise.title)),
+        make("span.quiet", say("exercises.trials_of", {done, all: exercise.trials})),
       );
       pick.setAttribute("aria-pressed", String(exercise.name === this.shown));
-      return make("li", {}, pick);
+      return make("li", pick);
     });
     this.list.replaceChildren(...items);
     const exercise = this.exercises.find(({name}) => name === this.shown);
@@ -148,35 +145,31 @@ export class Exercises {
     const pictures = exercise.pictures.map(({path, text}) =>
       make(
         "figure",
-        {},
         make("img", {src: path, alt: ownText(text)}),
-        make("figcaption", {textContent: ownText(text)}),
+        make("figcaption", ownText(text)),
       ),
     );
     const limits = say(force > 0 ? "exercises.limits" : "exercises.limit_time", {force, time});
     return [
-      make("h3", {textContent: ownText(exercise.title)}),
-      make("p", {textContent: ownText(exercise.instruction)}),
+      make("h3", ownText(exercise.title)),
+      make("p", ownText(exercise.instruction)),
       ...pictures,
-      make("p", {className: "goal", textContent: ownText(exercise.goal)}),
-      make("p", {className: "quiet", textContent: limits}),
+      make("p.goal", ownText(exercise.goal)),
+      make("p.quiet", limits),
       begin,
-      make("p", {className: "quiet", textContent: served ? "" : say("exercises.not_served")}),
-      make("ol", {className: "done"}, ...exercise.done.map((trial) => this.rowOf(exercise, trial))),
-      make("p", {className: "quiet", textContent: say("exercises.one")}),
+      make("p.quiet", served ? "" : say("exercises.not_served")),
+      make("ol.done", ...exercise.done.map((trial) => this.rowOf(exercise, trial))),
+      make("p.quiet", say("exercises.one")),
     ];
   }
 
   private rowOf(exercise: Exercise, trial: DoneTrial): HTMLLIElement {
     const {n, points} = trial;
-    const row = make("li", {}, make("span", {textContent: say("exercises.trial", {n})}));
+    const row = make("li", make("span", say("exercises.trial", {n})));
     const said = points === null ? "" : say("exercises.points", {points: Math.round(points)});
-    row.append(
-      make("b", {textContent: said}),
-      make("span", {textContent: verdictOf(trial), title: trial.reason}),
-    );
+    row.append(make("b", said), make("span", {title: trial.reason}, verdictOf(trial)));
     if (trial.page !== "") row.append(this.linkTo(trial.page));
-    if (trial.submitted) row.append(make("span", {textContent: say("exercises.submitted")}));
+    if (trial.submitted) row.append(make("span", say("exercises.submitted")));
     else row.append(press("exercises.submit", () => this.handIn({exercise: exercise.name, n})));
     return row;
   }

@@ -15,7 +15,7 @@ import {
   statusSentence,
   touchedWords,
 } from "../model/words";
-import type {Station} from "../model/world";
+import type {Station} from "../model/station";
 import type {ToolState} from "../protocol/messages";
 import {Announcer} from "../ui/announcer";
 import {Console} from "../ui/console";

@@ -1,6 +1,7 @@
 import {say} from "../messages/say";
 import type {SceneModel} from "../model/bundle";
-import {kTopics, type Station, type World} from "../model/world";
+import type {Station} from "../model/station";
+import {kTopics, type World} from "../model/world";
 import {MouseDevice, type MouseHost} from "../mouse/mouse_device";
 import {element, onPress, setOptions, setText} from "../ui/elements";
 import type {Notice} from "../ui/notice";

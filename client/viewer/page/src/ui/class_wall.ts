@@ -51,7 +51,7 @@ const kFullLimits = 1.5;
 
 /// The wall: what everybody does now, and a teacher's commands.
 export class ClassWall {
-  readonly body = make("div", {className: "class-wall"});
+  readonly body = make("div.class-wall");
   private readonly scene = make("select", {id: "class-scene"});
   private readonly begin = make("button", {
     ...{type: "submit", className: "primary", say: "class.begin"},
@@ -71,16 +71,15 @@ export class ClassWall {
     ...{type: "text", id: "class-line", maxLength: 120, sayPlaceholder: "class.line"},
     sayLabel: "class.line",
   });
-  private readonly none = make("p", {className: "quiet", say: "class.nobody"});
-  private readonly list = make("ul", {className: "wall"});
+  private readonly none = make("p.quiet", {say: "class.nobody"});
+  private readonly list = make("ul.wall");
   private readonly cards = new Map<string, Card>();
 
   constructor(private readonly wish: WallWishes) {
     this.end.addEventListener("click", () => wish.end());
     const lineForm = make(
-      "form",
+      "form.say",
       {
-        className: "say",
         onsubmit: (event) => {
           event.preventDefault();
           const text = this.line.value.trim();
@@ -94,9 +93,8 @@ export class ClassWall {
       make("button", {type: "submit", say: "class.say"}),
     );
     const start = make(
-      "form",
+      "form.start",
       {
-        className: "start",
         onsubmit: (event) => {
           event.preventDefault();
           const limitN = Math.max(0, Number.parseFloat(this.limit.value) || 0);
@@ -104,10 +102,9 @@ export class ClassWall {
         },
       },
       make("label", {htmlFor: this.scene.id}, () => `${say("class.scene")} `, this.scene),
-      make("label", {className: "goal"}, () => say("class.goal"), this.goal),
+      make("label.goal", () => say("class.goal"), this.goal),
       make(
         "label",
-        {},
         () => `${say("class.at_most")} `,
         this.limit,
         () => ` ${say("class.newton")}`,
@@ -115,7 +112,7 @@ export class ClassWall {
       this.begin,
       this.end,
     );
-    this.body.append(make("div", {className: "class-bar"}, start, lineForm), this.none, this.list);
+    this.body.append(make("div.class-bar", start, lineForm), this.none, this.list);
   }
 
   /// @param scenes  those with seats
@@ -182,18 +179,15 @@ export class ClassWall {
   private addCard(now: OnWall): Card {
     const operate = (op: OperateOp): void => this.wish.operate(op, card.now.station);
     const {name} = now;
-    const [bar, limit] = [
-      make("span", {className: "fill"}),
-      make("span", {className: "limit", hidden: true}),
-    ];
+    const [bar, limit] = [make("span.fill"), make("span.limit", {hidden: true})];
     const card: Card = {
       item: make("li"),
       force: make("div"),
-      doing: make("span", {className: "doing"}),
-      seat: make("span", {className: "seat"}),
-      figure: make("output", {className: "figure", ariaLive: "off", sayLabel: "class.force"}),
-      goal: make("p", {className: "goal-words"}),
-      trial: make("p", {className: "trial"}),
+      doing: make("span.doing"),
+      seat: make("span.seat"),
+      figure: make("output.figure", {ariaLive: "off", sayLabel: "class.force"}),
+      goal: make("p.goal-words"),
+      trial: make("p.trial"),
       ...{bar, limit, now},
       watch: press("class.watch", () => this.wish.watch(card.now.scene, card.now.station), {
         title: () => say("class.watch_title", {name}),
@@ -210,19 +204,16 @@ export class ClassWall {
         {title: () => say("class.say_to_title", {name})},
       ),
     };
-    card.force.append(
-      make("div", {className: "wall-force", ariaHidden: "true"}, bar, limit),
-      card.figure,
-    );
+    card.force.append(make("div.wall-force", {ariaHidden: "true"}, bar, limit), card.figure);
     card.item.append(
-      make("p", {className: "top"}, make("b"), card.seat),
-      make("p", {}, card.doing),
+      make("p.top", make("b"), card.seat),
+      make("p", card.doing),
       card.force,
       card.trial,
       card.goal,
       make(
-        "span",
-        {className: "choices", role: "group"},
+        "span.choices",
+        {role: "group"},
         ...[card.watch, card.admit, card.mute, card.back, card.sayTo],
       ),
     );

@@ -1,5 +1,5 @@
 import {say, sayList} from "../messages/say";
-import type {Station} from "../model/world";
+import type {Station} from "../model/station";
 import {consoleWords, faultWords} from "../model/words";
 import type {SessionState} from "../protocol/messages";
 import {element, make, press, setText, type Told} from "./elements";

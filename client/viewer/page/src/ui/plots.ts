@@ -1,7 +1,7 @@
 import uPlot from "uplot";
 
 import {type Key, locale, say} from "../messages/say";
-import {kFigures, kHistoryS, type Station} from "../model/world";
+import {kFigures, kHistoryS, type Station} from "../model/station";
 import {clock, figure} from "../model/words";
 import {make, setText} from "./elements";
 

@@ -8,7 +8,7 @@ export class Room {
   readonly title: HTMLHeadingElement;
   private readonly button: HTMLButtonElement;
   private readonly head = make("header");
-  private readonly word = make("p", {className: "word", role: "status"});
+  private readonly word = make("p.word", {role: "status"});
 
   constructor(
     name: "class" | "exam" | "exercises" | "history",
