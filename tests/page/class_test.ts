@@ -240,7 +240,10 @@ test("an examiner opens an exam, gives time and another trial, and closes it", a
   await press("Exam");
   await press("Open the exam");
   await press("Really: Open the exam?");
-  gateway.send("/palpate/exam_answer", {tag: 2, refusal: "the course has no person with the role 'drive'"});
+  gateway.send("/palpate/exam_answer", {
+    tag: 2,
+    refusal: "the course has no person with the role 'drive'",
+  });
   await reads("#exam-dialog .word", "the course has no person with the role 'drive'");
   gateway.send("/palpate/exam_state", heldExam());
   await press("Give the 41 s back");
