@@ -50,7 +50,7 @@ async function violations(): Promise<string[]> {
   return all;
 }
 async function violationsNow(rules: object): Promise<string[]> {
-  // Colours on their way to another theme have no contrast that counts.
+  // While colours change to another theme, their contrast does not count.
   await page.evaluate(() =>
     Promise.allSettled(document.getAnimations().map((one) => one.finished)),
   );
@@ -148,7 +148,7 @@ test("axe finds no violation in a class's history, nor in a person's", async () 
 
 const focused = (): Promise<string> => page.evaluate(() => document.activeElement?.id ?? "");
 
-/// Tab, until the focus is there; the ids that it had on the way.
+/// Presses Tab until this element has the focus; returns the ids on the way.
 async function tabTo(id: string): Promise<string[]> {
   const way: string[] = [];
   while ((await focused()) !== id) {
@@ -193,7 +193,7 @@ test("by keyboard alone a tool is taken, moved and given back, and a goal is set
   expect(gateway.published.at(-1)).toEqual(goal);
 });
 
-/// The tone that the page makes, as loud as it was last asked to be.
+/// Replaces the browser's sound, and keeps how loud the page last asked it to be.
 const listen = (): void => {
   class Node {
     gain = {setTargetAtTime: (loud: number): void => void Object.assign(window, {loud})};

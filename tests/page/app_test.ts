@@ -64,14 +64,14 @@ function moveInCut(): void {
 
 const theme = (): Promise<string | undefined> =>
   page.evaluate(() => document.documentElement.dataset.theme);
-/// What is drawn, without the words above it.
+/// A screenshot of the canvas alone.
 const picture = async (): Promise<string> => {
   const style = ".picture > :not(canvas) { visibility: hidden }";
   return (await page.locator("#view").screenshot({style})).toString("base64");
 };
 /// A view that rests is drawn well after 300 ms.
 const kRestMs = 400;
-/// The same, once it is drawn to its end: a busy machine shows the one before it for a while.
+/// The same once it no longer changes: a busy machine shows the former picture for a while.
 const stillPicture = async (): Promise<string> => {
   let {pictures} = await probe(page);
   let last = "";
@@ -148,7 +148,7 @@ test("what stands still is drawn once, however the tool moves", async () => {
   await until(page, "from elsewhere", ({drawnAnew}) => drawnAnew > after.drawnAnew);
 });
 
-/// As if each picture took so long: what the browser says of its time is all that the page judges by.
+/// Makes each picture seem to take so long: the page judges by the times of its frames alone.
 const slowPictures = (ms: number): void => {
   let atMs = 0;
   const ask = window.requestAnimationFrame.bind(window);
@@ -249,8 +249,8 @@ test("a lost link is said, comes back by itself, and data flow again", async () 
   await vanishes("#banner");
 });
 
-/// Pixels of a picture that are as brown as what is soft within the box, and others that are not as in
-/// another one.
+/// Counts the pixels of a picture that are as brown as the inside of the box, and those that differ
+/// otherwise from another picture.
 const comparePixels = (pictures: string[]): Promise<{brown: number; others: number}> =>
   page.evaluate(async (encoded) => {
     const [of, than] = await Promise.all(

@@ -15,7 +15,7 @@ import {
 import {FakeGateway} from "./fake_gateway";
 import {sceneBytes, type TestScene} from "./scene_bytes";
 
-// What the tests of a file have: a browser, and each of them a gateway and the page that it looks at.
+// The tests of a file share a browser; each test has a gateway and a page of its own.
 export let browser: Browser | undefined;
 export let gateway: FakeGateway;
 export let page: Page;
@@ -44,12 +44,12 @@ export function atGateway(...scenes: TestScene[]): void {
   });
 }
 
-/// Where the last one was.
+/// Starts a gateway at the former one's port.
 export async function startGateway(): Promise<void> {
   gateway = await FakeGateway.start(served, gateway?.port);
 }
 
-/// The page at the gateway, without waiting for anything.
+/// Opens the page at the gateway, without waiting for anything.
 export async function load(options: WindowOptions = {}, query = ""): Promise<void> {
   page = await openPage(browser!, gateway.url + query, {...kWindow, ...options});
 }
@@ -65,7 +65,7 @@ export async function open(options: WindowOptions = {}, query = ""): Promise<voi
   await firstPicture();
 }
 
-/// In a window of its own, in which a script runs before the page's.
+/// Opens the page in a new window, in which this script runs before the page's own.
 export async function openWith(script: (of: number) => void, of = 0, query = ""): Promise<void> {
   page = await openWindow(browser!, kWindow);
   await page.addInitScript(script, of);
@@ -99,7 +99,7 @@ export function move(step: (sequence: number) => void): void {
 }
 export const stopMoving = (): void => clearInterval(moving);
 
-/// Whoever asks for a tool gets it.
+/// Lets the gateway give a tool to every page that asks for one.
 export function giveTools(): void {
   gateway.onPublish = ({op}) => {
     if (op === "take") gateway.send("/palpate/mouse_state", {station: "mouse_1", phase: "active"});

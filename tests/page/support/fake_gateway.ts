@@ -65,7 +65,7 @@ export function encode(topic: string, value: object): Uint8Array {
   return writer ? writer.writeMessage(value) : new TextEncoder().encode(JSON.stringify(value));
 }
 
-/// What the page should read, as it travels.
+/// A tool state as it is sent, from what the page should read.
 export function toolState(state: Partial<ToolState>): object {
   const {haptic = kIdentity, graphic = kIdentity, points = [], poseSequence = 0} = state;
   const {forceN = kZero, torqueNm = kZero, ...named} = state;
@@ -88,7 +88,7 @@ export function toolState(state: Partial<ToolState>): object {
   };
 }
 
-/// The ball of the test's box, pressed on it with `newtons`.
+/// A state in which the ball presses on the box of the test's scene.
 export const pressed = (station: string, poseSequence: number, newtons: number, x = 0): object =>
   toolState({
     ...{station, scene: "test-box", tool: "ball", poseSequence},
@@ -152,24 +152,25 @@ export function stationStatistics(station: string, more: object = {}): object {
   };
 }
 
-/// Speaks to the page as palpate-viewer does, and says what a test wants.
+/// A gateway that speaks to the page as palpate-viewer does, and sends what a test wants.
 export class FakeGateway {
   /// Given to each client that subscribes: what is transient-local at a real one.
   readonly retained: {topic: string; value: object}[] = [];
   readonly published: Record<string, unknown>[] = []; // what clients sent on their channels
-  health: object = {}; // what it says besides its scenes
+  health: object = {}; // reported besides its scenes
   readonly files = new Map<string, string>(); // others that it has, by path
   takesMessages = true;
   allowsSteering = true; // of a replay
   hasCourse = false;
-  turnsAway = false; // who wants to attach
-  role = ""; // of each client; empty: as a gateway of before there were roles
-  token = ""; // that it wants of all but the page's files; empty: none
+  turnsAway = false; // refuses every client
+  role = ""; // of each client; empty: none, as in gateways before there were roles
+  token = ""; // required for all but the page's files; empty: none
   onPublish: (message: Record<string, unknown>) => void = () => {};
   private readonly http: Server;
   private readonly sockets: WebSocketServer;
   private readonly clients = new Set<(topic: string, value: object) => void>();
-  port = 0; // also once it has stopped: the next one's, where the browser has compiled the page already
+  // Kept after it has stopped, for the next one: the browser has compiled the page of that address.
+  port = 0;
 
   private constructor(private readonly scenes: ReadonlyMap<string, Uint8Array>) {
     this.http = createServer((request, response) => this.serve(request, response));
