@@ -3,7 +3,7 @@
 import {readFileSync} from "node:fs";
 import {createRequire} from "node:module";
 
-import {afterEach, expect} from "vitest";
+import {expect} from "vitest";
 
 import type {AxeResults} from "axe-core";
 
@@ -12,6 +12,7 @@ import {
   chooseLanguage,
   gateway,
   giveTools,
+  move,
   open,
   openWith,
   page,
@@ -35,8 +36,6 @@ const kProbed: TestScene = {
 };
 
 atGateway(kTestScene, kProbed);
-let moving: NodeJS.Timeout | undefined;
-afterEach(() => clearInterval(moving));
 
 /// What axe has against the page as it is now, in every language, with where.
 async function violations(): Promise<string[]> {
@@ -51,7 +50,7 @@ async function violations(): Promise<string[]> {
   return all;
 }
 async function violationsNow(rules: object): Promise<string[]> {
-  // Colours on their way to another theme have no contrast that counts.
+  // While colours change to another theme, their contrast does not count.
   await page.evaluate(() =>
     Promise.allSettled(document.getAnimations().map((one) => one.finished)),
   );
@@ -78,10 +77,7 @@ test("axe finds no violation: nothing taken, a tool held, teacher's and student'
   gateway.retain("/palpate/session_state", sessionState("mouse_1", "active", "test-box", "ball"));
   await page.locator("#take").click();
   await until(page, "the tool", ({hold}) => hold === "holding");
-  let sequence = 0;
-  const press = (): void =>
-    gateway.send("/palpate/tool_state", pressed("mouse_1", (sequence += 33), 0.3));
-  moving = setInterval(press, 33);
+  move((sequence) => gateway.send("/palpate/tool_state", pressed("mouse_1", sequence, 0.3)));
   await reads("#force", "0.30");
   await page.locator("#console li").first().waitFor();
   expect(await violations(), "a tool held, over the limit").toEqual([]);
@@ -152,7 +148,7 @@ test("axe finds no violation in a class's history, nor in a person's", async () 
 
 const focused = (): Promise<string> => page.evaluate(() => document.activeElement?.id ?? "");
 
-/// Tab, until the focus is there; the ids that it had on the way.
+/// Presses Tab until this element has the focus; returns the ids on the way.
 async function tabTo(id: string): Promise<string[]> {
   const way: string[] = [];
   while ((await focused()) !== id) {
@@ -197,7 +193,7 @@ test("by keyboard alone a tool is taken, moved and given back, and a goal is set
   expect(gateway.published.at(-1)).toEqual(goal);
 });
 
-/// The tone that the page makes, as loud as it was last asked to be.
+/// Replaces the browser's sound, and keeps how loud the page last asked it to be.
 const listen = (): void => {
   class Node {
     gain = {setTargetAtTime: (loud: number): void => void Object.assign(window, {loud})};
@@ -214,13 +210,11 @@ const loud = (): Promise<number> => page.evaluate(() => (window as unknown as {l
 
 test("25 g of a probe are a bar beside the picture, which says by shape, words and tone what is too much", async () => {
   let newtons = 0.2;
-  let sequence = 0;
-  const tell = (): void => {
-    const {tool: _, ...state} = pressed("hand", (sequence += 33), newtons) as {tool: string};
-    gateway.send("/palpate/tool_state", {...state, scene: "probed", tool: "probe"});
-  };
   gateway.retain("/palpate/session_state", sessionState("hand", "active", "probed", "probe"));
-  moving = setInterval(tell, 33);
+  move((sequence) => {
+    const state = {...pressed("hand", sequence, newtons), scene: "probed", tool: "probe"};
+    gateway.send("/palpate/tool_state", state);
+  });
   await openWith(listen, 0, "?scene=probed");
   const bar = page.locator("#force-bar");
   await reads("#force-bar-now", "0.20 N");

@@ -1,11 +1,12 @@
 // A course on the page, in a real browser at a gateway that does what a test says.
-import {afterEach, expect} from "vitest";
+import {expect} from "vitest";
 
 import {
   appears,
   atGateway,
   chooseLanguage,
   gateway,
+  move,
   open,
   page,
   reads,
@@ -18,10 +19,8 @@ import {kTestScene} from "./support/scene_bytes";
 import {browserTest as test} from "./support/skip";
 
 const kSeat = {...kTestScene, name: `${kTestScene.name}-1`};
-let moving: NodeJS.Timeout | undefined;
 
 atGateway(kTestScene, kSeat);
-afterEach(() => clearInterval(moving));
 
 const person = (id: number, name: string, more: object = {}): object => ({
   ...{person: id, name, role: "drive", station: name, here: 1, seat: ""},
@@ -82,11 +81,9 @@ test("the wall shows who presses too hard, and a teacher begins, speaks, mutes a
   gateway.retain("/palpate/goal", {scene: kSeat.name, text: "Gently", limit_N: 0.25});
   tell("Anna", "active");
   tell("Ben", "held");
-  let sequence = 0;
-  moving = setInterval(() => {
-    const state = {...pressed("Anna", (sequence += 33), 2), scene: kSeat.name};
-    gateway.send("/palpate/tool_state", state);
-  }, 33);
+  move((sequence) =>
+    gateway.send("/palpate/tool_state", {...pressed("Anna", sequence, 2), scene: kSeat.name}),
+  );
   await openClass({});
   await eventually("too much", async () =>
     /2\.00 of 0\.25 N: too much/.test(await card("Anna").innerText()),
@@ -243,7 +240,10 @@ test("an examiner opens an exam, gives time and another trial, and closes it", a
   await press("Exam");
   await press("Open the exam");
   await press("Really: Open the exam?");
-  gateway.send("/palpate/exam_answer", {tag: 2, refusal: "the course has no person with the role 'drive'"});
+  gateway.send("/palpate/exam_answer", {
+    tag: 2,
+    refusal: "the course has no person with the role 'drive'",
+  });
   await reads("#exam-dialog .word", "the course has no person with the role 'drive'");
   gateway.send("/palpate/exam_state", heldExam());
   await press("Give the 41 s back");

@@ -1,6 +1,6 @@
 // A teacher's console and the token that a page hands over, in a real browser at a gateway that does
 // what a test says.
-import {afterEach, expect} from "vitest";
+import {expect} from "vitest";
 
 import {
   appears,
@@ -9,6 +9,7 @@ import {
   gateway,
   isVisible,
   load,
+  move,
   open,
   page,
   reads,
@@ -20,24 +21,18 @@ import {loopStatistics, pressed, sessionState} from "./support/fake_gateway";
 import {kTestScene} from "./support/scene_bytes";
 import {browserTest as test} from "./support/skip";
 
-let moving: NodeJS.Timeout | undefined;
-
 atGateway(kTestScene);
-afterEach(() => clearInterval(moving));
 
 const tell = (station: string, phase: string, more: object = {}): void =>
   gateway.retain("/palpate/session_state", sessionState(station, phase, "test-box", "ball", more));
 
 /// The right hand presses beyond what its tool can follow.
-function pressOn(): void {
-  let sequence = 0;
-  moving = setInterval(() => {
-    sequence += 33;
+const pressOn = (): void =>
+  move((sequence) => {
     gateway.send("/palpate/tool_state", pressed("right", sequence, 2));
     if (sequence % 660 === 0)
       gateway.send("/palpate/loop_statistics", loopStatistics("right", "test-box", {faults: 8}));
-  }, 33);
-}
+  });
 
 const row = (station: string) =>
   page.locator("#console li").filter({has: page.locator("b", {hasText: station})});

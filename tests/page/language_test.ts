@@ -1,15 +1,17 @@
 // Another language, chosen while the page is in use, in a real browser at a gateway that does what a test
 // says.
-import {afterEach, expect} from "vitest";
+import {expect} from "vitest";
 
 import {
   atGateway,
   chooseLanguage,
   gateway,
   giveTools,
+  move,
   open,
   page,
   reads,
+  stopMoving,
 } from "./support/at_gateway";
 import {eventually, probe, until} from "./support/browser";
 import {heldExam, kExercise, trialState} from "./support/exam_state";
@@ -20,10 +22,8 @@ import {kTestScene} from "./support/scene_bytes";
 import {browserTest as test} from "./support/skip";
 
 const kSeat = {...kTestScene, name: `${kTestScene.name}-1`};
-let moving: NodeJS.Timeout | undefined;
 
 atGateway(kTestScene, kSeat);
-afterEach(() => clearInterval(moving));
 
 /// All that the page says, hidden or not, without the figures, which change by themselves.
 const said = (): Promise<string[]> =>
@@ -80,12 +80,11 @@ function haveCourse(role: string): void {
   gateway.retain("/palpate/session_state", sessionState("Zoe", "held", kTestScene.name, "ball"));
   gateway.files.set("/history/class.json", JSON.stringify(kClassHistory));
   gateway.files.set("/history/2.json", JSON.stringify(kPersonHistory));
-  let sequence = 0;
-  moving = setInterval(() => {
-    gateway.send("/palpate/tool_state", pressed("Anna", (sequence += 33), 0.5));
+  move((sequence) => {
+    gateway.send("/palpate/tool_state", pressed("Anna", sequence, 0.5));
     gateway.send("/palpate/loop_statistics", loopStatistics("Anna", kTestScene.name));
     gateway.send("/palpate/station_statistics", stationStatistics("Anna"));
-  }, 33);
+  });
 }
 
 const openClass = async (): Promise<void> => {
@@ -167,7 +166,7 @@ test("so does a replay", async () => {
 
 test("in another language nothing is lost: what was typed, where it was scrolled, the tool, the trial, the link", async () => {
   haveCourse("operate");
-  clearInterval(moving); // the tool is free
+  stopMoving(); // the tool is free
   gateway.retain("/palpate/exercises", {exercises: [{...kExercise, guide: []}]});
   giveTools();
   await open({viewport: {width: 1280, height: 500}});

@@ -15,10 +15,13 @@ import {
 import {FakeGateway} from "./fake_gateway";
 import {sceneBytes, type TestScene} from "./scene_bytes";
 
-// What the tests of a file have: a browser, and each of them a gateway and the page that it looks at.
+// The tests of a file share a browser; each test has a gateway and a page of its own.
 export let browser: Browser | undefined;
 export let gateway: FakeGateway;
 export let page: Page;
+
+let moving: NodeJS.Timeout | undefined;
+let sentMs = 0;
 
 const kWindow: WindowOptions = {viewport: {width: 800, height: 500}};
 let served = new Map<string, Uint8Array>();
@@ -31,20 +34,22 @@ export function atGateway(...scenes: TestScene[]): void {
   });
   afterAll(() => browser?.close());
   beforeEach(async () => {
+    sentMs = 0;
     if (browser) await startGateway();
   });
   afterEach(async () => {
+    stopMoving();
     await closeWindows(browser);
     await gateway?.stop();
   });
 }
 
-/// Where the last one was.
+/// Starts a gateway at the former one's port.
 export async function startGateway(): Promise<void> {
   gateway = await FakeGateway.start(served, gateway?.port);
 }
 
-/// The page at the gateway, without waiting for anything.
+/// Opens the page at the gateway, without waiting for anything.
 export async function load(options: WindowOptions = {}, query = ""): Promise<void> {
   page = await openPage(browser!, gateway.url + query, {...kWindow, ...options});
 }
@@ -60,7 +65,7 @@ export async function open(options: WindowOptions = {}, query = ""): Promise<voi
   await firstPicture();
 }
 
-/// In a window of its own, in which a script runs before the page's.
+/// Opens the page in a new window, in which this script runs before the page's own.
 export async function openWith(script: (of: number) => void, of = 0, query = ""): Promise<void> {
   page = await openWindow(browser!, kWindow);
   await page.addInitScript(script, of);
@@ -87,7 +92,14 @@ export async function chooseLanguage(language: string): Promise<void> {
   await page.locator(`html[lang=${language}]`).waitFor({state: "attached"});
 }
 
-/// Whoever asks for a tool gets it.
+/// Calls this 30 times a second, with a number that grows, until the test ends or anything else moves.
+export function move(step: (sequence: number) => void): void {
+  stopMoving();
+  moving = setInterval(() => step((sentMs += 33)), 33);
+}
+export const stopMoving = (): void => clearInterval(moving);
+
+/// Lets the gateway give a tool to every page that asks for one.
 export function giveTools(): void {
   gateway.onPublish = ({op}) => {
     if (op === "take") gateway.send("/palpate/mouse_state", {station: "mouse_1", phase: "active"});

@@ -18,8 +18,8 @@ const kChromium = spawnSync("sh", ["-c", "command -v chromium"], {encoding: "utf
 
 export const kHasChromium = kChromium !== "";
 
-/// Drawing by software takes all that a small machine has; a station that shares it with a browser
-/// must not fall silent for that.
+/// Drawing by software takes all of a small machine's time; a station beside the browser must not
+/// fall silent because of it.
 const kNiceness = 15;
 
 function politeChromium(niceness: number): string {
@@ -28,8 +28,8 @@ function politeChromium(niceness: number): string {
   return script;
 }
 
-/// Only WebGL is drawn by the drawing library, as in a browser on a machine without a graphics card; to
-/// put the whole page together by it would cost a sixth of a processor even where nothing changes.
+/// Only WebGL is drawn by the software renderer, as on a machine without a graphics card: composing
+/// the whole page with it would take a sixth of a processor even while nothing changes.
 export const launch = (niceness = kNiceness): Promise<Browser> =>
   chromium.launch({
     executablePath: politeChromium(niceness),
@@ -59,11 +59,11 @@ export async function openWindow(
 }
 
 const kBlank = "about:blank";
-/// By what cannot be changed later.
+/// By the options that cannot be changed later.
 const kept = new Map<string, Page>();
 
-/// A page in the window that a file's tests share: in a new one it costs two seconds of a processor's
-/// time, and a fifth of that where the browser has compiled it already.
+/// Opens a page in the window that a file's tests share.  In a new window it takes two seconds of
+/// processor time; in one whose browser has compiled the page, a fifth of that.
 export async function openPage(
   browser: Browser,
   url: string,
@@ -78,7 +78,7 @@ export async function openPage(
   return page;
 }
 
-/// Closes what belongs to one test, and empties the windows that the next one finds.
+/// Closes the windows of one test, and empties those that a file's tests share.
 export async function closeWindows(browser: Browser | undefined): Promise<void> {
   const keptPages = [...kept.values()];
   await Promise.all(
@@ -98,7 +98,7 @@ export async function closeWindows(browser: Browser | undefined): Promise<void> 
 
 export const probe = (page: Page): Promise<Probe> => page.evaluate(() => window.palpate.probe);
 
-/// Resolves once the page's probe is as wanted; the error tells how it was instead.
+/// Waits until the page's probe meets a condition; the error has the last probe.
 export async function until(
   page: Page,
   what: string,
@@ -115,7 +115,7 @@ export async function until(
   }
 }
 
-/// Waits until something is so; throws where it is not in time.
+/// Waits until a condition holds; throws if it does not in time.
 export async function eventually(
   what: string,
   condition: () => Promise<boolean> | boolean,
@@ -128,7 +128,7 @@ export async function eventually(
   }
 }
 
-/// Waits until it is what a part of the page says; the error tells what it said instead.
+/// Waits until a part of the page has this text; the error has the text that it had instead.
 export async function readsOn(
   page: Page,
   selector: string,

@@ -1,3 +1,5 @@
+import {Color} from "three";
+
 /// How colours look to an eye that lacks a kind of cone, and how far two of them are apart.
 
 type Three = readonly [number, number, number];
@@ -31,13 +33,8 @@ export const kEyes: Readonly<Record<string, Matrix>> = {
 const times = (matrix: Matrix, of: Three): Three =>
   matrix.map((row) => row.reduce((sum, factor, i) => sum + factor * of[i]!, 0)) as unknown as Three;
 
-/// #rrggbb, 0 to 1, in proportion to light.
-function linear(hex: string): Three {
-  return [1, 3, 5].map((at) => {
-    const value = Number.parseInt(hex.slice(at, at + 2), 16) / 255;
-    return value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4;
-  }) as unknown as Three;
-}
+/// 0 to 1, in proportion to light.
+const linear = (hex: string): Three => new Color(hex).toArray() as [number, number, number];
 
 /// Ottosson's Oklab, in which 0.02 is about the least difference that is seen.
 function oklab(rgb: Three): Three {

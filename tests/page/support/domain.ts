@@ -2,18 +2,18 @@ import {type Socket, createSocket} from "node:dgram";
 import {once} from "node:events";
 import {readFileSync} from "node:fs";
 
-// As tests/support/test_domain.cpp does it, so that neither takes what the other has.
+// Like tests/support/test_domain.cpp, so that neither takes a domain that the other has.
 const kPorts = new URL("../../../common/dds/ports.h", import.meta.url);
 const kTopics = new URL("../../../common/dds/topics.h", import.meta.url);
 
-/// A constant of a C++ header.
+/// Reads a constant of a C++ header.
 function constant(header: URL, name: string): number {
   const found = new RegExp(`\\b${name} = (\\d+);`).exec(readFileSync(header, "utf8"));
   if (!found) throw new Error(`${header.pathname} has no ${name}`);
   return Number(found[1]);
 }
 
-/// A socket that has the port to itself; none where another has it.
+/// Returns a socket that has the port to itself; undefined if the port is taken.
 async function take(port: number): Promise<Socket | undefined> {
   const socket = createSocket("udp4");
   try {
@@ -26,7 +26,7 @@ async function take(port: number): Promise<Socket | undefined> {
   }
 }
 
-/// A `--domain` that nobody else on this host has, until this process ends.
+/// Claims a `--domain` that nothing else on this host uses, until this process ends.
 export async function ownDomain(): Promise<string> {
   const gain = constant(kPorts, "kPortsPerDomain");
   const first = (domainId: number): number => constant(kPorts, "kFirstPort") + gain * domainId;

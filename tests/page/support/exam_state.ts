@@ -7,7 +7,7 @@ export const kExercise = {
   ...{most_N: 0.245, most_s: 90, trials: 5, pass: 70, start: "whole", sources: [], done: []},
 };
 
-/// An exam as who sits it hears of it.
+/// The state of an exam as a candidate's page receives it.
 export const ownExam = (more: object = {}): object => ({
   open: {
     ...{name: "midterm", title: kTitle, closed: false, left_s: 600, tasks: 3},
@@ -22,7 +22,7 @@ export const trialState = (phase: string, more: object = {}): object => ({
   ...more,
 });
 
-/// And as its examiner does.
+/// And as the examiner's page does.
 export const heldExam = (more: object = {}): object => {
   const trial = {
     task: 0,

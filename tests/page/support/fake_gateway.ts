@@ -7,7 +7,8 @@ import {fileURLToPath} from "node:url";
 
 import {parseIDL} from "@foxglove/omgidl-parser";
 import {MessageWriter} from "@foxglove/omgidl-serialization";
-import {WebSocket, WebSocketServer} from "ws";
+import {FoxgloveServer, type IWebSocket} from "@foxglove/ws-protocol";
+import {type WebSocket, WebSocketServer} from "ws";
 
 import {kIdentity} from "@page/model/pose";
 import type {Channel} from "@page/protocol/decoder";
@@ -32,6 +33,11 @@ const jsonChannel = (name: string): Omit<Channel, "id"> => ({
   ...{topic: `/palpate/${name}`, encoding: "json", schemaName: "", schema: ""},
 });
 
+const kOfCourse = [
+  ...["me", "people", "class_answer", "exercises", "trial_state", "exam_state", "exam_answer"],
+].map(jsonChannel);
+const kReplayAnswer = jsonChannel("replay_answer");
+
 export const kChannels: readonly Channel[] = [
   cdrChannel("tool_state", "ToolState", "teaching"),
   cdrChannel("loop_statistics", "LoopStatistics", "teaching"),
@@ -39,25 +45,10 @@ export const kChannels: readonly Channel[] = [
   cdrChannel("station_statistics", "StationStatistics", "teaching"),
   cdrChannel("scene_whole", "SceneWhole", "session"),
   cdrChannel("solid_block", "SolidBlock", "solid"),
-  jsonChannel("mouse_state"),
-  jsonChannel("replay_contents"),
-  jsonChannel("replay_state"),
-  jsonChannel("replay_answer"),
-  jsonChannel("goal"),
-  jsonChannel("me"),
-  jsonChannel("people"),
-  jsonChannel("class_answer"),
-  jsonChannel("exercises"),
-  jsonChannel("trial_state"),
-  jsonChannel("exam_state"),
-  jsonChannel("exam_answer"),
+  ...["mouse_state", "replay_contents", "replay_state", "goal"].map(jsonChannel),
+  kReplayAnswer,
+  ...kOfCourse,
 ].map((channel, i) => ({...channel, id: i + 1}));
-
-const kOfCourse = new Set(
-  [
-    ...["me", "people", "class_answer", "exercises", "trial_state", "exam_state", "exam_answer"],
-  ].map((name) => `/palpate/${name}`),
-);
 
 const kWriters = new Map(
   kChannels
@@ -74,7 +65,7 @@ export function encode(topic: string, value: object): Uint8Array {
   return writer ? writer.writeMessage(value) : new TextEncoder().encode(JSON.stringify(value));
 }
 
-/// What the page should read, as it travels.
+/// A tool state as it is sent, from what the page should read.
 export function toolState(state: Partial<ToolState>): object {
   const {haptic = kIdentity, graphic = kIdentity, points = [], poseSequence = 0} = state;
   const {forceN = kZero, torqueNm = kZero, ...named} = state;
@@ -97,7 +88,7 @@ export function toolState(state: Partial<ToolState>): object {
   };
 }
 
-/// The ball of the test's box, pressed on it with `newtons`.
+/// A state in which the ball presses on the box of the test's scene.
 export const pressed = (station: string, poseSequence: number, newtons: number, x = 0): object =>
   toolState({
     ...{station, scene: "test-box", tool: "ball", poseSequence},
@@ -161,24 +152,25 @@ export function stationStatistics(station: string, more: object = {}): object {
   };
 }
 
-/// Speaks to the page as palpate-viewer does, and says what a test wants.
+/// A gateway that speaks to the page as palpate-viewer does, and sends what a test wants.
 export class FakeGateway {
   /// Given to each client that subscribes: what is transient-local at a real one.
   readonly retained: {topic: string; value: object}[] = [];
   readonly published: Record<string, unknown>[] = []; // what clients sent on their channels
-  health: object = {}; // what it says besides its scenes
+  health: object = {}; // reported besides its scenes
   readonly files = new Map<string, string>(); // others that it has, by path
   takesMessages = true;
   allowsSteering = true; // of a replay
   hasCourse = false;
-  turnsAway = false; // who wants to attach
-  role = ""; // of each client; empty: as a gateway of before there were roles
-  token = ""; // that it wants of all but the page's files; empty: none
+  turnsAway = false; // refuses every client
+  role = ""; // of each client; empty: none, as in gateways before there were roles
+  token = ""; // required for all but the page's files; empty: none
   onPublish: (message: Record<string, unknown>) => void = () => {};
   private readonly http: Server;
   private readonly sockets: WebSocketServer;
-  private readonly subscriptions = new Map<WebSocket, Map<number, number>>(); // channel -> id
-  port = 0; // also once it has stopped: the next one's, where the browser has compiled the page already
+  private readonly clients = new Set<(topic: string, value: object) => void>();
+  // Kept after it has stopped, for the next one: the browser has compiled the page of that address.
+  port = 0;
 
   private constructor(private readonly scenes: ReadonlyMap<string, Uint8Array>) {
     this.http = createServer((request, response) => this.serve(request, response));
@@ -189,8 +181,7 @@ export class FakeGateway {
         const isKnown = this.token === "" || offered.includes(`palpate.token.${this.token}`);
         return isKnown && !this.turnsAway;
       },
-      handleProtocols: (offered) =>
-        offered.has("foxglove.websocket.v1") ? "foxglove.websocket.v1" : false,
+      handleProtocols: (offered) => new FoxgloveServer({name: ""}).handleProtocols(offered),
     });
     this.sockets.on("connection", (socket) => this.connected(socket));
   }
@@ -218,65 +209,45 @@ export class FakeGateway {
   }
 
   send(topic: string, value: object): void {
-    for (const socket of this.subscriptions.keys()) this.sendTo(socket, topic, value);
+    for (const sendTo of this.clients) sendTo(topic, value);
   }
   retain(topic: string, value: object): void {
     this.retained.push({topic, value});
     this.send(topic, value);
   }
 
-  private sendTo(socket: WebSocket, topic: string, value: object): void {
-    const channel = kChannels.find((candidate) => candidate.topic === topic)!;
-    const subscription = this.subscriptions.get(socket)?.get(channel.id);
-    if (subscription === undefined || socket.readyState !== WebSocket.OPEN) return;
-    const payload = encode(topic, value);
-    const message = Buffer.alloc(13 + payload.length);
-    message.writeUInt8(1, 0);
-    message.writeUInt32LE(subscription, 1);
-    message.writeBigUInt64LE(process.hrtime.bigint(), 5);
-    message.set(payload, 13);
-    socket.send(message);
+  private has(topic: string): boolean {
+    const isOf = (one: {topic: string}): boolean => one.topic === topic;
+    if (isOf(kReplayAnswer)) return this.allowsSteering;
+    return this.hasCourse || !kOfCourse.some(isOf);
   }
 
+  /// A server of its own, since what it offers may change from one page to the next.
   private connected(socket: WebSocket): void {
-    this.subscriptions.set(socket, new Map());
-    socket.on("close", () => this.subscriptions.delete(socket));
-    socket.send(
-      JSON.stringify({
-        op: "serverInfo",
-        name: "fake gateway",
-        capabilities: this.takesMessages ? ["clientPublish"] : [],
-        supportedEncodings: ["json"],
-        sessionId: "fake",
-        ...(this.role === "" ? {} : {metadata: {role: this.role}}),
-      }),
-    );
-    const channels = kChannels.filter(
-      ({topic}) =>
-        (this.allowsSteering || topic !== "/palpate/replay_answer") &&
-        (this.hasCourse || !kOfCourse.has(topic)),
-    );
-    socket.send(JSON.stringify({op: "advertise", channels}));
-    socket.on("message", (data: Buffer, isBinary) => {
-      if (isBinary) {
-        const message = JSON.parse(data.subarray(5).toString()) as Record<string, unknown>;
-        this.published.push(message);
-        this.onPublish(message);
-        return;
-      }
-      const message = JSON.parse(data.toString()) as {
-        op: string;
-        subscriptions?: {id: number; channelId: number}[];
-      };
-      if (message.op !== "subscribe") return;
-      for (const {id, channelId} of message.subscriptions ?? []) {
-        this.subscriptions.get(socket)?.set(channelId, id);
-        const topic = kChannels.find((channel) => channel.id === channelId)?.topic;
-        for (const {topic: of, value} of this.retained) {
-          if (of === topic) this.sendTo(socket, of, value);
-        }
-      }
+    const server = new FoxgloveServer({
+      name: "fake gateway",
+      capabilities: this.takesMessages ? ["clientPublish"] : [],
+      supportedEncodings: ["json"],
+      ...(this.role === "" ? {} : {metadata: {role: this.role}}),
     });
+    const topics = kChannels.filter(({topic}) => this.has(topic));
+    const ids = new Map(topics.map((channel) => [channel.topic, server.addChannel(channel)]));
+    const send = (topic: string, value: object): void => {
+      const id = ids.get(topic);
+      if (id === undefined) return;
+      server.sendMessage(id, process.hrtime.bigint(), new Uint8Array(encode(topic, value)));
+    };
+    server.on("subscribe", (id) => {
+      for (const {topic, value} of this.retained) if (ids.get(topic) === id) send(topic, value);
+    });
+    server.on("message", ({data}) => {
+      const message = JSON.parse(new TextDecoder().decode(data)) as Record<string, unknown>;
+      this.published.push(message);
+      this.onPublish(message);
+    });
+    server.handleConnection(socket as unknown as IWebSocket, "page");
+    this.clients.add(send);
+    socket.on("close", () => this.clients.delete(send));
   }
 
   private serve(request: IncomingMessage, response: ServerResponse): void {

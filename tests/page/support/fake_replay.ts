@@ -11,8 +11,8 @@ export interface Mark {
 const kStepMs = 33;
 const kStateEverySteps = 6;
 
-/// A replayer behind a gateway, as far as pages hear of it: plays, follows wishes, keeps bookmarks.
-/// Its tool is pressed on the box with as many newtons as the recording has gone seconds.
+/// A replayer behind a gateway, as pages see it: it plays, follows requests and keeps bookmarks.  At
+/// a time of t seconds, its tool presses on the box with t newtons.
 export class FakeReplay {
   readonly wishes: Record<string, unknown>[] = [];
   readonly state = replayStateSent(0, {replay: "fedcba9876543210"});
@@ -42,7 +42,7 @@ export class FakeReplay {
     this.tellContents();
     this.timer = setInterval(() => this.step(), kStepMs);
   }
-  /// Without a word.
+  /// Stops without a message.
   die(): void {
     clearInterval(this.timer);
     this.gateway.retained.length = 0;
@@ -86,7 +86,7 @@ export class FakeReplay {
     state.request = request;
     state.refusal = this.refusal;
     if (this.refusal === "") this.follow(message);
-    // As a replayer does: what it shows there, and then where it is.
+    // Like a replayer: first the tool there, then the position.
     if (message.wish === "seek") this.tellTool();
     this.tellState();
     if (/bookmark/.test(String(message.wish))) {

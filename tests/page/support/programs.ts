@@ -6,7 +6,7 @@ import {ownDomain} from "./domain";
 
 const kBin = process.env.PALPATE_BIN_DIR ?? join(process.cwd(), "../../build/release/bin");
 
-/// What still runs when this process ends before its time, as at Ctrl-C.
+/// Programs to be stopped if this process ends early, as with Ctrl-C.
 const kRunning = new Set<ChildProcess>();
 process.once("exit", () => {
   for (const child of kRunning) child.kill();
@@ -34,7 +34,7 @@ export class Program {
     });
   }
 
-  /// The first match in what it says; throws with all that it said where there is none in time.
+  /// Waits for output that matches, and returns the match; throws with all output if none does in time.
   async says(regex: RegExp, withinMs = 60_000): Promise<RegExpMatchArray> {
     const end = Date.now() + withinMs;
     for (;;) {
@@ -61,7 +61,7 @@ const kPage = fileURLToPath(new URL("../../../build/page", import.meta.url));
 export const kDomain = ["--domain", await ownDomain()];
 export const kCommon = ["--transport", "udp", ...kDomain];
 
-/// A server once it is ready.   @param scenes  their names, or files
+/// Starts a server, and waits until it is ready.   @param scenes  their names, or files
 export async function startServer(...scenes: string[]): Promise<Program> {
   const server = new Program("palpate-server", [
     ...["--scene", ...scenes, "--realtime", "off"],
@@ -71,14 +71,14 @@ export async function startServer(...scenes: string[]): Promise<Program> {
   return server;
 }
 
-/// A gateway with the page, once it is ready.
+/// Starts a gateway with the page, and waits until it is ready.
 export async function startGateway(): Promise<{gateway: Program; url: string}> {
   const gateway = new Program("palpate-viewer", ["--http", "0", "--page", kPage, ...kCommon]);
   const [url] = await gateway.says(/http:\/\/127\.0\.0\.1:\d+\//);
   return {gateway, url};
 }
 
-/// A station that goes on and on.
+/// Starts a station that repeats its motion until it is stopped.
 export const startHand = (device: string, scene: string): Program =>
   new Program("palpate-station", [
     ...["--device", device, "--scene", scene, "--id", "hand", "--loop"],

@@ -46,7 +46,7 @@ export interface TestScene {
   readonly compliance?: boolean;
 }
 
-/// Twelve triangles, two a face.
+/// A box of twelve triangles, two for each face.
 export function box(side: number): Mesh {
   const h = side / 2;
   const vertices: number[] = [];
@@ -74,7 +74,7 @@ export function ball(radius: number, rings = 16, sectors = 24): Mesh {
   };
 }
 
-/// One leaf for each triangle, which is all of it.
+/// Makes one leaf for each triangle.
 export function leafPerTriangle(mesh: Mesh, radius: number): Leaf[] {
   return Array.from({length: mesh.triangles.length / 3}, (_, t) => {
     const centre: [number, number, number] = [0, 0, 0];
@@ -99,7 +99,7 @@ export const kTestScene: TestScene = {
   ],
   objects: [{name: "box", mesh: box(0.05), leaves: leafPerTriangle(box(0.05), 0.004)}],
 };
-/// Burs cut its box, which is soft within.
+/// The same, but burs cut its box, which has another material inside.
 export const kCuttable: TestScene = {
   ...kTestScene,
   objects: [{...kTestScene.objects[0]!, cutColours: [0x1000000, 0x5a3a20]}],

@@ -16,7 +16,8 @@ import {ViewControls} from "./parts/view_controls";
 import {WholeButton} from "./parts/whole_button";
 import type {SceneModel} from "./model/bundle";
 import type {LinkReport} from "./model/link_report";
-import {type Change, kTopics, type Station, World} from "./model/world";
+import type {Station} from "./model/station";
+import {type Change, kTopics, World} from "./model/world";
 import type {Exercise} from "./protocol/exercise_messages";
 import {toMouseState, toReplayAnswer} from "./protocol/messages";
 import {element} from "./ui/elements";
@@ -33,108 +34,96 @@ const kOldNewsS = 1; // messages this soon after the link opened are not news
 
 /// The page: connects its parts (parts/) to each other.
 export class App {
+  // First, since the picture and the plots read its colours.
+  private readonly theme = new ThemeSwitch(() => this.repaint());
   private readonly world = new World((change, scene) => this.worldChanged(change, scene));
   private readonly notice = new Notice();
-  private readonly link: GatewayLink;
-  private readonly choice: Choice;
-  private readonly scenes: SceneStore;
-  private readonly picture: Picture;
-  private readonly viewControls: ViewControls;
-  private readonly hold: ToolHold;
-  private readonly whole: WholeButton;
-  private readonly figures: Figures;
-  private readonly replay: ReplayMode;
-  private readonly classRoom: ClassRoom;
-  private readonly exercises: Exercises;
-  private readonly history: HistoryRoom;
-  private readonly exam: Exam;
-
-  constructor() {
-    const {world, notice} = this;
-    const repaint = (): void => {
-      this.picture.view.paint(readPalette());
-      this.figures.plots.build();
-    };
-    const theme = new ThemeSwitch(element("theme", HTMLButtonElement), repaint);
-    this.picture = new Picture({
-      mover: (tool) => world.lastMoverOf(this.choice.scene, tool),
-      station: () => this.station(nowS()),
-      ownTool: () => this.hold.tool,
-      lead: (now) => this.exercises.lead(now, this.station(now)?.shown(now)?.haptic.p),
-    });
-    this.viewControls = new ViewControls(this.picture);
-    this.figures = new Figures((message) => this.link.publish(kTopics.operate, message));
-    this.link = new GatewayLink(world, {
-      link: (state) => {
-        if (state === "open") this.loadAgain();
-        else this.hold.mouse.linkLost();
-        this.showLink();
-      },
-      message: (topic, value, stampS) => this.received(topic, value, stampS),
-      rights: () => this.showRights(),
-    });
-    this.choice = new Choice(world, (scene) => {
-      this.hold.mouse.release();
-      this.showScene();
-      void this.scenes.load(scene);
-    });
-    const loading = element("loading", HTMLParagraphElement);
-    this.scenes = new SceneStore({
-      headers: () => this.link.token.headers,
-      isWanted: (scene) => scene === this.choice.scene,
-      loading: (is) => void (loading.hidden = !is || !this.picture.view.isEmpty),
-      loaded: (anew) => (anew ? this.showScene() : this.hold.show()),
-      failed: (reason, whileSo) => notice.say(reason, {alarm: true, whileSo}),
-    });
-    this.hold = new ToolHold(
-      world,
-      this.choice,
-      this.scenes,
-      this.link,
-      this.picture,
-      notice,
-      () => this.mayTake,
-      () => this.figures.sessionsChanged(),
-    );
-    this.whole = new WholeButton(notice, (op) =>
-      this.link.publish(kTopics.mouse, {op, scene: this.choice.scene}),
-    );
-    this.replay = new ReplayMode(world.replay, this.link, notice, () => {
+  private readonly picture = new Picture({
+    mover: (tool) => this.world.lastMoverOf(this.choice.scene, tool),
+    station: () => this.station(nowS()),
+    ownTool: () => this.hold.tool,
+    lead: (now) => this.exercises.lead(now, this.station(now)?.shown(now)?.haptic.p),
+  });
+  private readonly viewControls = new ViewControls(this.picture);
+  private readonly figures = new Figures((message) => this.link.publish(kTopics.operate, message));
+  private readonly link: GatewayLink = new GatewayLink(this.world, {
+    link: (state) => {
+      if (state === "open") this.loadAgain();
+      else this.hold.mouse.linkLost();
+      this.showLink();
+    },
+    message: (topic, value, stampS) => this.received(topic, value, stampS),
+    rights: () => this.showRights(),
+  });
+  private readonly choice: Choice = new Choice(this.world, (scene) => {
+    this.hold.mouse.release();
+    this.showScene();
+    void this.scenes.load(scene);
+  });
+  private readonly loading = element("loading", HTMLParagraphElement);
+  private readonly scenes = new SceneStore({
+    headers: () => this.link.token.headers,
+    isWanted: (scene) => scene === this.choice.scene,
+    loading: (is) => void (this.loading.hidden = !is || !this.picture.view.isEmpty),
+    loaded: (anew) => (anew ? this.showScene() : this.hold.show()),
+    failed: (reason, whileSo) => this.notice.say(reason, {alarm: true, whileSo}),
+  });
+  private readonly hold: ToolHold = new ToolHold(
+    this.world,
+    this.choice,
+    this.scenes,
+    this.link,
+    this.picture,
+    this.notice,
+    () => this.mayTake,
+    () => this.figures.sessionsChanged(),
+  );
+  private readonly whole = new WholeButton(this.notice, (op) =>
+    this.link.publish(kTopics.mouse, {op, scene: this.choice.scene}),
+  );
+  private readonly replay: ReplayMode = new ReplayMode(
+    this.world.replay,
+    this.link,
+    this.notice,
+    () => {
       if (this.replay.isOn) this.hold.mouse.release();
       this.showRights();
       this.showTitle();
-    });
-    this.classRoom = new ClassRoom(world, {
-      publish: (topic, message) => this.link.publish(topic, message),
-      show: (scene, station) => this.choice.show(scene, station),
-      student: () => this.figures.lesson.greetStudent(),
-    });
-    const trials = {
-      served: (exercise: Exercise) => {
-        const {seat} = this.classRoom;
-        const scene = seat.startsWith(`${exercise.scene}-`) ? seat : exercise.scene;
-        return this.scenes.model(scene) || world.scenes.has(scene) ? scene : "";
-      },
-      begin: (scene: string, tool: string, ask: () => boolean) => {
-        this.choice.show(scene, "");
-        this.choice.stay();
-        this.hold.mouse.take(scene, tool, ask);
-      },
-    };
-    this.exercises = new Exercises({
-      publish: (message) => this.link.publish(kTopics.trial, message),
-      ...trials,
-    });
-    this.exam = new Exam({
-      publish: (topic, message) => this.link.publish(topic, message),
-      changed: () => this.showRights(),
-      ...trials,
-    });
-    this.history = new HistoryRoom({
-      headers: () => this.link.token.headers,
-      me: () => this.classRoom.person,
-      remove: (person, done) => this.classRoom.remove(person, done),
-    });
+    },
+  );
+  private readonly classRoom = new ClassRoom(this.world, {
+    publish: (topic, message) => this.link.publish(topic, message),
+    show: (scene, station) => this.choice.show(scene, station),
+    student: () => this.figures.lesson.greetStudent(),
+  });
+  private readonly trials = {
+    served: (exercise: Exercise) => {
+      const {seat} = this.classRoom;
+      const scene = seat.startsWith(`${exercise.scene}-`) ? seat : exercise.scene;
+      return this.scenes.model(scene) || this.world.scenes.has(scene) ? scene : "";
+    },
+    begin: (scene: string, tool: string, ask: () => boolean) => {
+      this.choice.show(scene, "");
+      this.choice.stay();
+      this.hold.mouse.take(scene, tool, ask);
+    },
+  };
+  private readonly exercises: Exercises = new Exercises({
+    publish: (message) => this.link.publish(kTopics.trial, message),
+    ...this.trials,
+  });
+  private readonly exam: Exam = new Exam({
+    publish: (topic, message) => this.link.publish(topic, message),
+    changed: () => this.showRights(),
+    ...this.trials,
+  });
+  private readonly history = new HistoryRoom({
+    headers: () => this.link.token.headers,
+    me: () => this.classRoom.person,
+    remove: (person, done) => this.classRoom.remove(person, done),
+  });
+
+  constructor() {
     listenForKeys({
       ...this.viewControls.keys,
       ...this.hold.keys,
@@ -142,10 +131,10 @@ export class App {
       ...listenToPanel(),
       v: () => this.figures.lesson.switchAudience(),
       w: () => this.whole.press(),
-      t: () => theme.toggle(),
+      t: () => this.theme.toggle(),
     });
     listenToSetting("left-handed");
-    listenToSetting("projector", repaint);
+    listenToSetting("projector", () => this.repaint());
     listenToSetting("force-sound", (on) => this.figures.sound.want(on));
     followLanguage(() => this.showTitle());
     this.hold.show();
@@ -263,6 +252,11 @@ export class App {
     this.hold.showTools(this.model?.tools ?? []);
     this.showWhole();
     this.showTitle();
+  }
+
+  private repaint(): void {
+    this.picture.view.paint(readPalette());
+    this.figures.plots.build();
   }
 
   private showTitle(): void {

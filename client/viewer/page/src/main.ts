@@ -1,7 +1,10 @@
 import "uplot/dist/uPlot.min.css";
 import "./style.css";
+import "./stage.css";
+import "./panel.css";
+import "./replay.css";
+import "./dialogs.css";
 import "./class.css";
-import "./exam.css";
 import "./exercises.css";
 import "./history.css";
 

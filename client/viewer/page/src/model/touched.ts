@@ -19,7 +19,7 @@ export function touchedObjects(model: SceneModel, points: readonly ContactPoint[
 }
 
 function nearest(objects: readonly Body[], at: Vec3): Body | undefined {
-  // Measured to faces: a point in the middle of a face can be far from all vertices.
+  // Measured to vertices, which is quick; where objects meet, their meshes are fine.
   let found: Body | undefined;
   let least = Infinity;
   for (const body of objects) {

@@ -49,19 +49,10 @@ export function spokenTime(seconds: number): string {
 }
 
 /// Shortens a text to at most this many bytes, between characters.
-export function fitBytes(text: string, most: number): string {
-  const encoder = new TextEncoder();
-  let fit = "";
-  let bytes = 0;
-  for (const letter of text) {
-    bytes += encoder.encode(letter).length;
-    if (bytes > most) return fit;
-    fit += letter;
-  }
-  return text;
-}
+export const fitBytes = (text: string, most: number): string =>
+  text.slice(0, new TextEncoder().encodeInto(text, new Uint8Array(most)).read);
 
-/// Names what pushes the tool; teeth by their number.
+/// Names what pushes the tool.
 export function touchedWords(names: readonly string[]): string {
   if (names.length === 0) return say("touched.nothing");
   const [first, second] = names.map((name) => name.replace(/[-_]/g, " "));
@@ -254,13 +245,13 @@ export function gapWords({station, reason}: ReplayGap): string {
     : say("replay.gap_because", {station, reason});
 }
 
-/// Formats the time of a recording in the reader's time zone; empty if it is unknown.
-export function recordedWhen(begunS: number): string {
-  if (begunS <= 0) return "";
-  const when = new Date(1000 * begunS);
-  const written = when.toLocaleString(locale(), {dateStyle: "medium", timeStyle: "short"});
-  return say("replay.recorded", {when: written});
-}
+/// Formats a wall-clock time in seconds since 1970, in the reader's time zone.
+export const whenWords = (timeS: number): string =>
+  new Date(1000 * timeS).toLocaleString(locale(), {dateStyle: "medium", timeStyle: "short"});
+
+/// Says when a recording was made; empty if that is unknown.
+export const recordedWhen = (begunS: number): string =>
+  begunS > 0 ? say("replay.recorded", {when: whenWords(begunS)}) : "";
 
 export function sessionWords(session: SessionState): string {
   const {scene, reason} = session;

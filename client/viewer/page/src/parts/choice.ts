@@ -1,5 +1,6 @@
 import {say} from "../messages/say";
-import type {Station, World} from "../model/world";
+import type {Station} from "../model/station";
+import type {World} from "../model/world";
 import {rememberInAddress} from "../ui/address";
 import {element, setOptions} from "../ui/elements";
 
@@ -29,8 +30,7 @@ export class Choice {
     });
   }
 
-  /// Chooses the reader's scene if there is it, else the first scene, until a tool
-  /// moves in another.
+  /// Chooses the reader's scene if the gateway has it, else the present one, else the first.
   chooseScene(): void {
     const known = this.world.scenes;
     const wanted = [this.chosenScene, this.scene, ...known].find((name) => known.has(name));

@@ -1,11 +1,13 @@
 import {say, type Words} from "../messages/say";
 import {norm} from "../model/pose";
-import {kTopics, type Station, type World} from "../model/world";
+import type {Station} from "../model/station";
+import {kTopics, type World} from "../model/world";
 import type {ClassAnswer, MadePerson, Me, People, Person} from "../protocol/class_messages";
 import {ClassPeople} from "../ui/class_people";
 import {ClassWall, type OnWall} from "../ui/class_wall";
 import type {OperateOp} from "../ui/console";
 import {element, make, press, setText} from "../ui/elements";
+import {Room} from "../ui/room";
 import {nowS} from "./now";
 
 export interface ClassEvents {
@@ -20,17 +22,13 @@ const kSeat = /^(.+)-\d+$/;
 
 /// A course on the page: for a teacher the wall and the people, for a person the assigned seat.
 export class ClassRoom {
-  private readonly button = press(
-    () => say("class.open"),
+  private readonly room = new Room(
+    "class",
+    {open: "class.open", openTitle: "class.open_title", title: "class.title"},
     () => this.open(),
-    {
-      ...{id: "class-open", hidden: true, title: () => say("class.open_title")},
-    },
   );
-  private readonly dialog = make("dialog", {id: "class-dialog"});
-  private readonly count = make("span", {className: "quiet count"});
-  private readonly word = make("p", {className: "word", role: "status"});
-  private readonly said = make("p", {className: "said", role: "status", hidden: true});
+  private readonly count = make("span.quiet.count");
+  private readonly said = make("p.said", {role: "status", hidden: true});
   private readonly saidText = make("span");
   private readonly tabs: Readonly<Record<"wall" | "people", HTMLButtonElement>>;
   private readonly wall: ClassWall;
@@ -48,9 +46,9 @@ export class ClassRoom {
       begin: (scene, goal) => this.begin(scene, goal),
       end: () => this.ask({op: "begin", scene: ""}),
       say: (person, name, text) =>
-        this.ask({op: "say", person, text}, () => this.tell(() => say("class.said", {name}))),
+        this.ask({op: "say", person, text}, () => this.room.tell(() => say("class.said", {name}))),
       watch: (scene, station) => {
-        this.dialog.close();
+        this.room.close();
         events.show(scene, station);
       },
       operate: (op, station) => this.operate(op, station),
@@ -62,44 +60,15 @@ export class ClassRoom {
       withdraw: (person) => this.ask({op: "person_withdraw", person}),
     });
     this.tabs = {
-      wall: press(
-        () => say("class.wall"),
-        () => this.turn("wall"),
-      ),
-      people: press(
-        () => say("class.people"),
-        () => this.turn("people"),
-      ),
+      wall: press("class.wall", () => this.turn("wall")),
+      people: press("class.people", () => this.turn("people")),
     };
-    const close = press(
-      () => say("class.close"),
-      () => this.dialog.close(),
-      {className: "close"},
-    );
-    const title = make("h2", {id: "class-title", textContent: () => say("class.title")});
-    this.dialog.setAttribute("aria-labelledby", title.id);
-    this.dialog.append(
-      make(
-        "header",
-        {},
-        title,
-        make("span", {className: "group", role: "group"}, this.tabs.wall, this.tabs.people),
-        this.count,
-        close,
-      ),
-      this.word,
-      this.wall.body,
-      this.roster.body,
-    );
-    this.dialog.addEventListener("close", () => this.roster.forget());
-    element("audience", HTMLButtonElement).before(this.button);
-    const hide = press(
-      () => say("class.hide"),
-      () => void (this.said.hidden = true),
-    );
-    this.said.append(make("b", {textContent: () => say("class.from")}), this.saidText, hide);
+    const tabs = make("span.group", {role: "group"}, this.tabs.wall, this.tabs.people);
+    this.room.fill({after: [tabs, this.count]}, this.wall.body, this.roster.body);
+    this.room.dialog.addEventListener("close", () => this.roster.forget());
+    const hide = press("class.hide", () => void (this.said.hidden = true));
+    this.said.append(make("b", {say: "class.from"}), this.saidText, hide);
     element("above", HTMLDivElement).append(this.said);
-    document.body.append(this.dialog);
     this.turn("wall");
   }
 
@@ -120,8 +89,7 @@ export class ClassRoom {
 
   /// @param may  this page may decide about people
   allow(may: boolean): void {
-    this.button.hidden = !may;
-    if (!may && this.dialog.open) this.dialog.close();
+    this.room.allow(may);
   }
 
   /// Returns whether the message was for this part.
@@ -134,7 +102,7 @@ export class ClassRoom {
   }
 
   tick(nowS: number): void {
-    if (!this.dialog.open) return;
+    if (!this.room.isOpen) return;
     const {people, scene} = this.class;
     const here = people.filter(({here}) => here > 0).length;
     setText(this.count, say("class.here", {here, all: people.length}));
@@ -183,9 +151,9 @@ export class ClassRoom {
   }
 
   private open(): void {
-    this.tell("");
+    this.room.tell("");
     this.turn(this.class.people.length > 1 ? "wall" : "people");
-    this.dialog.showModal();
+    this.room.open();
     this.tick(nowS());
   }
 
@@ -205,7 +173,7 @@ export class ClassRoom {
       ...{op: "goal", scene, text: goal.text, limit_N: goal.limitN},
     });
     this.ask({op: "begin", scene}, ({note}) => {
-      this.tell(note !== "" ? note : () => say("class.begun"));
+      this.room.tell(note !== "" ? note : () => say("class.begun"));
       for (const [id, {session}] of this.world.stations)
         if (session?.phase === "held") this.operate("admit", id);
     });
@@ -218,10 +186,10 @@ export class ClassRoom {
   private ask(
     wish: object,
     done: (answer: ClassAnswer) => void = () => {},
-    refused: (why: Words) => void = (why) => this.tell(why, true),
+    refused: (why: Words) => void = (why) => this.room.tell(why, true),
   ): void {
     const tag = (this.tag += 1);
-    this.tell("");
+    this.room.tell("");
     this.waiting.set(tag, (answer) => {
       if (answer.refusal !== "") refused(answer.refusal);
       else done(answer);
@@ -235,11 +203,6 @@ export class ClassRoom {
   private receiveAnswer(answer: ClassAnswer): void {
     const done = this.waiting.get(answer.tag);
     if (done && this.waiting.delete(answer.tag)) done(answer);
-  }
-
-  private tell(text: Words, isAlarm = false): void {
-    setText(this.word, text);
-    this.word.classList.toggle("alarm", isAlarm);
   }
 
   private receiveMe(me: Me): void {

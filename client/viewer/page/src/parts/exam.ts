@@ -24,18 +24,14 @@ export class Exam {
   private readonly bar = make("section", {id: "exam-bar", hidden: true});
   private readonly title = make("h2");
   private readonly where = make("span");
-  private readonly clock = make("span", {className: "clock", role: "timer"});
-  private readonly trialClock = make("span", {className: "clock", role: "timer"});
-  private readonly goal = make("p", {className: "goal"});
-  private readonly task = make("div", {className: "task"});
-  private readonly word = make("p", {className: "word", role: "status"});
-  private readonly begin = press(
-    () => say("exam.begin"),
-    () => this.beginTask(),
-    {className: "primary"},
-  );
+  private readonly clock = make("span.clock", {role: "timer"});
+  private readonly trialClock = make("span.clock", {role: "timer"});
+  private readonly goal = make("p.goal");
+  private readonly task = make("div.task");
+  private readonly word = make("p.word", {role: "status"});
+  private readonly begin = press("exam.begin", () => this.beginTask(), {className: "primary"});
   private readonly handIn = press(
-    () => say("exam.hand_in"),
+    "exam.hand_in",
     () => void this.events.publish(kTopics.trial, {op: "stop"}),
   );
   private readonly desk = new ExamDesk((wish) => this.ask(wish));
@@ -48,8 +44,8 @@ export class Exam {
 
   constructor(private readonly events: ExamEvents) {
     setWords(this.bar, "ariaLabel", () => say("exam.title"));
-    const times = make("p", {className: "times"}, this.where, this.clock, this.trialClock);
-    const choices = make("p", {className: "choices"}, this.begin, this.handIn);
+    const times = make("p.times", this.where, this.clock, this.trialClock);
+    const choices = make("p.choices", this.begin, this.handIn);
     this.bar.append(this.title, times, this.goal, this.task, this.word, choices);
     element("above", HTMLDivElement).append(this.bar);
     followLanguage(() => this.show());
@@ -164,11 +160,9 @@ function aboutOf(exercise: Exercise, {time_s = 0}: OpenExam): HTMLElement[] {
   const {most_N: force} = exercise;
   const limits = {force, time: time_s};
   return [
-    make("p", {textContent: ownText(exercise.instruction)}),
+    make("p", ownText(exercise.instruction)),
     ...exercise.pictures.map(({path, text}) => make("img", {src: path, alt: ownText(text)})),
-    make("p", {
-      textContent: say(force > 0 ? "exercises.limits" : "exercises.limit_time", limits),
-    }),
-    make("p", {className: "quiet", textContent: say("exam.once")}),
+    make("p", say(force > 0 ? "exercises.limits" : "exercises.limit_time", limits)),
+    make("p.quiet", say("exam.once")),
   ];
 }

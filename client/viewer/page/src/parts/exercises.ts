@@ -5,6 +5,7 @@ import type {Pose, Vec3} from "../model/pose";
 import {kTopics} from "../model/world";
 import type {DoneTrial, Exercise, ExerciseList, TrialState} from "../protocol/exercise_messages";
 import {element, make, press, setText} from "../ui/elements";
+import {Room} from "../ui/room";
 import {followLanguage, setWords} from "../ui/spoken";
 
 export interface ExerciseEvents {
@@ -24,41 +25,23 @@ function verdictOf(trial: DoneTrial): string {
 
 /// The exercises, the running trial, and its result.
 export class Exercises {
-  private readonly button = press(
-    () => say("exercises.open"),
+  private readonly room = new Room(
+    "exercises",
+    {open: "exercises.open", openTitle: "exercises.open_title", title: "exercises.title"},
     () => this.open(),
-    {
-      ...{id: "exercises-open", hidden: true, title: () => say("exercises.open_title")},
-    },
   );
-  private readonly dialog = make("dialog", {id: "exercises-dialog"});
-  private readonly list = make("ul", {className: "list"});
-  private readonly about = make("div", {className: "about"});
+  private readonly list = make("ul.list");
+  private readonly about = make("div.about");
   private readonly bar = make("section", {id: "trial-bar", hidden: true});
   private readonly what = make("b");
   private readonly word = make("span", {role: "status"});
-  private readonly clock = make("span", {className: "clock"});
-  private readonly stop = press(
-    () => say("exercises.stop"),
-    () => void this.events.publish({op: "stop"}),
-  );
-  private readonly submit = press(
-    () => say("exercises.submit"),
-    () => this.handIn(this.trial),
-  );
-  private readonly guided = press(
-    () => say("exercises.guide"),
-    () => this.showGuide(!this.wantsGuide),
-  );
-  private readonly score = make("a", {target: "_blank", textContent: () => say("exercises.score")});
-  private readonly again = press(
-    () => say("exercises.again"),
-    () => this.beginShownText(),
-  );
-  private readonly next = press(
-    () => say("exercises.next"),
-    () => this.showNext(),
-  );
+  private readonly clock = make("span.clock");
+  private readonly stop = press("exercises.stop", () => void this.events.publish({op: "stop"}));
+  private readonly submit = press("exercises.submit", () => this.handIn(this.trial));
+  private readonly guided = press("exercises.guide", () => this.showGuide(!this.wantsGuide));
+  private readonly score = make("a", {target: "_blank", say: "exercises.score"});
+  private readonly again = press("exercises.again", () => this.beginShownText());
+  private readonly next = press("exercises.next", () => this.showNext());
   private exercises: readonly Exercise[] = [];
   private shown = "";
   private trial: TrialState | undefined;
@@ -67,31 +50,21 @@ export class Exercises {
   private guide: Guide | undefined; // of the running trial
 
   constructor(private readonly events: ExerciseEvents) {
-    const title = make("h2", {id: "exercises-title", textContent: () => say("exercises.title")});
-    const close = press(
-      () => say("exercises.close"),
-      () => this.dialog.close(),
-    );
-    this.dialog.setAttribute("aria-labelledby", title.id);
-    const columns = make("div", {className: "columns"}, this.list, this.about);
-    this.dialog.append(make("header", {}, title, close), columns);
+    this.room.fill({}, make("div.columns", this.list, this.about));
     setWords(this.bar, "ariaLabel", () => say("exercises.title"));
     const {what, word, clock, guided, stop, submit, score, again, next} = this;
     setWords(guided, "title", () => say("exercises.guide_title"));
     this.bar.append(what, word, clock, guided, stop, submit, score, again, next);
-    element("audience", HTMLButtonElement).before(this.button);
     element("above", HTMLDivElement).append(this.bar);
-    document.body.append(this.dialog);
     followLanguage(() => {
       this.showBar();
-      if (this.dialog.open) this.show();
+      if (this.room.isOpen) this.show();
     });
   }
 
   /// @param may  this page may do exercises
   allow(may: boolean): void {
-    this.button.hidden = !may;
-    if (!may && this.dialog.open) this.dialog.close();
+    this.room.allow(may);
   }
 
   /// Returns whether the message was for this part.
@@ -101,7 +74,7 @@ export class Exercises {
     else return false;
     if (topic === kTopics.trialState) this.endsS = undefined;
     this.showBar();
-    if (this.dialog.open) this.show();
+    if (this.room.isOpen) this.show();
     return true;
   }
 
@@ -137,7 +110,7 @@ export class Exercises {
       this.shown = (served ?? this.exercises[0])?.name ?? "";
     }
     this.show();
-    this.dialog.showModal();
+    this.room.open();
   }
 
   private show(): void {
@@ -146,14 +119,11 @@ export class Exercises {
       const pick = make(
         "button",
         {type: "button", onclick: () => this.choose(exercise.name)},
-        make("b", {textContent: ownText(exercise.title)}),
-        make("span", {
-          className: "quiet",
-          textContent: say("exercises.trials_of", {done, all: exercise.trials}),
-        }),
+        make("b", ownText(exercise.title)),
+        make("span.quiet", say("exercises.trials_of", {done, all: exercise.trials})),
       );
       pick.setAttribute("aria-pressed", String(exercise.name === this.shown));
-      return make("li", {}, pick);
+      return make("li", pick);
     });
     this.list.replaceChildren(...items);
     const exercise = this.exercises.find(({name}) => name === this.shown);
@@ -168,44 +138,39 @@ export class Exercises {
   private aboutOf(exercise: Exercise): HTMLElement[] {
     const served = this.events.served(exercise) !== "";
     const [force, time] = [exercise.most_N, exercise.most_s];
-    const begin = press(say("exercises.begin"), () => this.beginShownText());
+    const begin = press("exercises.begin", () => this.beginShownText());
     begin.title = say("exercises.begin_title");
     begin.className = "begin";
     begin.disabled = !served || this.isBusy;
     const pictures = exercise.pictures.map(({path, text}) =>
       make(
         "figure",
-        {},
         make("img", {src: path, alt: ownText(text)}),
-        make("figcaption", {textContent: ownText(text)}),
+        make("figcaption", ownText(text)),
       ),
     );
     const limits = say(force > 0 ? "exercises.limits" : "exercises.limit_time", {force, time});
     return [
-      make("h3", {textContent: ownText(exercise.title)}),
-      make("p", {textContent: ownText(exercise.instruction)}),
+      make("h3", ownText(exercise.title)),
+      make("p", ownText(exercise.instruction)),
       ...pictures,
-      make("p", {className: "goal", textContent: ownText(exercise.goal)}),
-      make("p", {className: "quiet", textContent: limits}),
+      make("p.goal", ownText(exercise.goal)),
+      make("p.quiet", limits),
       begin,
-      make("p", {className: "quiet", textContent: served ? "" : say("exercises.not_served")}),
-      make("ol", {className: "done"}, ...exercise.done.map((trial) => this.rowOf(exercise, trial))),
-      make("p", {className: "quiet", textContent: say("exercises.one")}),
+      make("p.quiet", served ? "" : say("exercises.not_served")),
+      make("ol.done", ...exercise.done.map((trial) => this.rowOf(exercise, trial))),
+      make("p.quiet", say("exercises.one")),
     ];
   }
 
   private rowOf(exercise: Exercise, trial: DoneTrial): HTMLLIElement {
     const {n, points} = trial;
-    const row = make("li", {}, make("span", {textContent: say("exercises.trial", {n})}));
+    const row = make("li", make("span", say("exercises.trial", {n})));
     const said = points === null ? "" : say("exercises.points", {points: Math.round(points)});
-    row.append(
-      make("b", {textContent: said}),
-      make("span", {textContent: verdictOf(trial), title: trial.reason}),
-    );
+    row.append(make("b", said), make("span", {title: trial.reason}, verdictOf(trial)));
     if (trial.page !== "") row.append(this.linkTo(trial.page));
-    if (trial.submitted) row.append(make("span", {textContent: say("exercises.submitted")}));
-    else
-      row.append(press(say("exercises.submit"), () => this.handIn({exercise: exercise.name, n})));
+    if (trial.submitted) row.append(make("span", say("exercises.submitted")));
+    else row.append(press("exercises.submit", () => this.handIn({exercise: exercise.name, n})));
     return row;
   }
 
@@ -224,7 +189,7 @@ export class Exercises {
     const exercise = this.exercises.find(({name}) => name === this.shown);
     const scene = exercise ? this.events.served(exercise) : "";
     if (!exercise || scene === "") return;
-    this.dialog.close();
+    this.room.close();
     this.events.begin(scene, exercise.tool, () =>
       this.events.publish({op: "begin", exercise: exercise.name}),
     );

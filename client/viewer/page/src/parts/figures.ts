@@ -15,11 +15,11 @@ import {
   statusSentence,
   touchedWords,
 } from "../model/words";
-import type {Station} from "../model/world";
+import type {Station} from "../model/station";
 import type {ToolState} from "../protocol/messages";
 import {Announcer} from "../ui/announcer";
 import {Console} from "../ui/console";
-import {element, make, setText} from "../ui/elements";
+import {element, make, setText, setTextOf} from "../ui/elements";
 import {ForceBar} from "../ui/force_bar";
 import {Lesson} from "../ui/lesson";
 import {OverSound} from "../ui/over_sound";
@@ -33,29 +33,13 @@ export class Figures {
   readonly sound = new OverSound();
   private readonly bar = new ForceBar();
   private readonly box = element("readout", HTMLDivElement);
-  private readonly force = element("force", HTMLOutputElement);
-  private readonly torque = element("torque", HTMLOutputElement);
-  private readonly past = element("past", HTMLOutputElement);
-  private readonly contacts = element("contacts", HTMLOutputElement);
-  private readonly touched = element("touched", HTMLOutputElement);
-  private readonly probing = element("probing", HTMLOutputElement);
-  private readonly probingBox = element("probing-box", HTMLDivElement);
-  private readonly sentence = element("sentence", HTMLParagraphElement);
-  private readonly note = element("station-note", HTMLParagraphElement);
-  private readonly loop = element("loop", HTMLTableElement);
-  private readonly loopNone = element("loop-none", HTMLParagraphElement);
-  private readonly arm = element("arm", HTMLTableElement);
-  private readonly armNone = element("arm-none", HTMLParagraphElement);
-  private readonly who = element("who", HTMLUListElement);
-  private readonly whoNone = element("who-none", HTMLParagraphElement);
   private readonly announcer: Announcer;
   private readonly console: Console;
   private staleWho = true;
 
   /// @param operate  sends a teacher's decision
   constructor(operate: (message: object) => boolean) {
-    const spoken = element("spoken", HTMLParagraphElement);
-    this.announcer = new Announcer((sentence) => setText(spoken, sentence));
+    this.announcer = new Announcer((sentence) => setTextOf("spoken", sentence));
     this.console = new Console((op, station) => operate({op, station}));
     this.lesson = new Lesson(
       (student) => this.plots.showFor(student),
@@ -94,8 +78,8 @@ export class Figures {
     const state = station?.isMoving(nowS) ? station.track.latest : undefined;
     const depthM = this.showState(state, model);
     const note = stationNote(station?.session, station !== undefined && station.id === own);
-    setText(this.note, note);
-    this.note.hidden = note === "";
+    setTextOf("station-note", note);
+    element("station-note", HTMLElement).hidden = note === "";
     const status = statusSentence(state, depthM);
     const tooMuch = this.showLimit(state, model, taskN);
     const sentence = [tooMuch, status, note]
@@ -104,10 +88,10 @@ export class Figures {
     this.announcer.offer(report.tone === "alarm" ? report.text : sentence, 1000 * nowS);
     this.plots.update(station, time);
     const {statistics} = station ?? {};
-    showLines(this.loop, this.loopNone, statistics ? statisticsLines(statistics) : []);
+    showLines("loop", statistics ? statisticsLines(statistics) : []);
     const device = station?.deviceNow(nowS);
-    showLines(this.arm, this.armNone, device ? deviceLines(device) : []);
-    if (device) setText(this.armNone, () => say("panel.no_figures_now"));
+    showLines("arm", device ? deviceLines(device) : []);
+    if (device) setTextOf("arm-none", () => say("panel.no_figures_now"));
   }
 
   /// @param mouse  present or last station of this page's mouse
@@ -117,14 +101,14 @@ export class Figures {
     this.staleWho = false;
     const rows = listed.flatMap(({id, session, holdsTool}) => {
       if (!session) return [];
-      const name = make("b", {textContent: id});
+      const name = make("b", id);
       if (id === mouse) name.dataset.you = say("panel.you");
-      const item = make("li", {}, name, ` ${sessionWords(session)}`);
+      const item = make("li", name, ` ${sessionWords(session)}`);
       item.classList.toggle("gone", !holdsTool);
       return [item];
     });
-    this.whoNone.hidden = rows.length > 0;
-    this.who.replaceChildren(...rows);
+    element("who-none", HTMLElement).hidden = rows.length > 0;
+    element("who", HTMLElement).replaceChildren(...rows);
   }
 
   /// Shows whether the force is too high: by the task, the goal or, for a probe, the force
@@ -150,25 +134,25 @@ export class Figures {
     model: SceneModel | undefined,
   ): number | undefined {
     this.box.classList.toggle("idle", state === undefined);
-    setText(this.force, state ? figure(norm(state.forceN)) : "–");
-    setText(this.torque, state ? figure(1000 * norm(state.torqueNm), 1) : "–");
-    setText(this.past, state ? figure(1000 * handPastM(state)) : "–");
-    setText(this.contacts, state ? String(state.contacts) : "–");
+    setTextOf("force", state ? figure(norm(state.forceN)) : "–");
+    setTextOf("torque", state ? figure(1000 * norm(state.torqueNm), 1) : "–");
+    setTextOf("past", state ? figure(1000 * handPastM(state)) : "–");
+    setTextOf("contacts", state ? String(state.contacts) : "–");
     const touches = state && model ? touchedObjects(model, state.points) : [];
-    setText(this.touched, state ? touchedWords(touches) : "–");
+    setTextOf("touched", state ? touchedWords(touches) : "–");
     const name = state?.tool ?? model?.tools[0]?.name ?? "";
     const tells = model !== undefined && tellsProbingDepth(model, name);
-    this.probingBox.hidden = !tells;
+    element("probing-box", HTMLElement).hidden = !tells;
     const depthM = tells && state ? probingDepthM(model, state.graphic) : undefined;
-    setText(this.probing, depthM === undefined ? "–" : figure(1000 * depthM, 1));
-    setText(this.sentence, statusSentence(state)); // the figure beside it shows the depth
+    setTextOf("probing", depthM === undefined ? "–" : figure(1000 * depthM, 1));
+    setTextOf("sentence", statusSentence(state)); // the figure beside it shows the depth
     return depthM;
   }
 }
 
-function showLines(table: HTMLTableElement, none: HTMLElement, lines: readonly Line[]): void {
-  none.hidden = lines.length > 0;
-  const body = table.tBodies[0]!;
+function showLines(id: "loop" | "arm", lines: readonly Line[]): void {
+  element(`${id}-none`, HTMLElement).hidden = lines.length > 0;
+  const body = element(id, HTMLTableElement).tBodies[0]!;
   while (body.rows.length > lines.length) body.deleteRow(-1);
   lines.forEach(({label, value, remark, tone}, i) => {
     let row = body.rows[i];

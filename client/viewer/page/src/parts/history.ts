@@ -5,9 +5,10 @@ import {
   type PersonHistory,
   saveHistory,
 } from "../protocol/history_messages";
-import {element, make, setText} from "../ui/elements";
+import {make, press, setText} from "../ui/elements";
 import {HistoryClass} from "../ui/history_class";
 import {personHistory} from "../ui/history_person";
+import {Room} from "../ui/room";
 import {followLanguage} from "../ui/spoken";
 
 export interface HistoryEvents {
@@ -23,21 +24,18 @@ const kAskAgainS = 10;
 
 /// The trials so far: a class's for teachers, and each person's own.
 export class HistoryRoom {
-  private readonly button = make("button", {
-    ...{type: "button", id: "history-open", hidden: true},
-    ...{textContent: () => say("history.open"), title: () => say("history.open_title")},
-    onclick: () => this.open(),
-  });
-  private readonly dialog = make("dialog", {id: "history-dialog"});
-  private readonly title = make("h2", {id: "history-title"});
-  private readonly back = this.press("history.back", () => this.turn(0));
-  private readonly csv = this.press("history.csv", () => void this.save("csv"));
-  private readonly zip = this.press("history.zip", () => void this.save("zip"));
-  private readonly remove = this.press("history.delete", () => this.ask());
-  private readonly word = make("p", {className: "word", role: "status"});
-  private readonly question = make("section", {className: "question", role: "alert", hidden: true});
+  private readonly room = new Room(
+    "history",
+    {open: "history.open", openTitle: "history.open_title", title: "history.title"},
+    () => this.open(),
+  );
+  private readonly back = press("history.back", () => this.turn(0));
+  private readonly csv = press("history.csv", () => void this.save("csv"));
+  private readonly zip = press("history.zip", () => void this.save("zip"));
+  private readonly remove = press("history.delete", () => this.ask());
+  private readonly question = make("section.question", {role: "alert", hidden: true});
   private readonly ofClass: HistoryClass;
-  private readonly ofPerson = make("div", {className: "of-person"});
+  private readonly ofPerson = make("div.of-person");
   private teaches = false;
   private person = 0; // the person shown; 0: the class
   private name = "";
@@ -47,16 +45,9 @@ export class HistoryRoom {
 
   constructor(private readonly events: HistoryEvents) {
     this.ofClass = new HistoryClass((person) => this.turn(person));
-    const close = this.press("history.close", () => this.dialog.close());
-    close.className = "close";
-    this.dialog.setAttribute("aria-labelledby", this.title.id);
-    const files = make("span", {className: "choices"}, this.csv, this.zip, this.remove);
-    this.dialog.append(
-      make("header", {}, this.back, this.title, files, close),
-      ...[this.word, this.question, this.ofClass.body, this.ofPerson],
-    );
-    element("audience", HTMLButtonElement).before(this.button);
-    document.body.append(this.dialog);
+    const files = make("span.choices", this.csv, this.zip, this.remove);
+    const body = [this.question, this.ofClass.body, this.ofPerson];
+    this.room.fill({before: this.back, after: [files]}, ...body);
     followLanguage(() => {
       if (this.found) this.drawPerson(this.found);
     });
@@ -66,26 +57,18 @@ export class HistoryRoom {
   /// @param teaches  it may see everybody's
   allow(own: boolean, teaches: boolean): void {
     this.teaches = teaches;
-    this.button.hidden = !own && !teaches;
-    if (this.button.hidden && this.dialog.open) this.dialog.close();
+    this.room.allow(own || teaches);
   }
 
   tick(nowS: number): void {
-    if (!this.dialog.open || nowS - this.askedS < kAskAgainS) return;
+    if (!this.room.isOpen || nowS - this.askedS < kAskAgainS) return;
     this.askedS = nowS;
     void this.load();
   }
 
-  private press(
-    word: `history.${"back" | "csv" | "zip" | "delete" | "close" | "keep" | "yes" | "for_good"}`,
-    onclick: () => void,
-  ): HTMLButtonElement {
-    return make("button", {type: "button", textContent: () => say(word), onclick});
-  }
-
   private open(): void {
     this.turn(this.teaches ? 0 : this.events.me());
-    this.dialog.showModal();
+    this.room.open();
   }
 
   private turn(person: number): void {
@@ -93,15 +76,15 @@ export class HistoryRoom {
     this.shown = "";
     this.found = undefined;
     this.askedS = -Infinity;
-    this.tell("");
+    this.room.tell("");
     this.question.hidden = true;
     const isClass = person === 0;
     this.ofClass.body.hidden = this.ofPerson.hidden = true;
     this.back.hidden = isClass || !this.teaches;
     this.zip.hidden = isClass;
     this.remove.hidden = isClass || !this.teaches;
-    setText(this.title, () => say(isClass ? "history.class_title" : "history.title"));
-    this.dialog.scrollTop = 0;
+    setText(this.room.title, () => say(isClass ? "history.class_title" : "history.title"));
+    this.room.dialog.scrollTop = 0;
   }
 
   private async load(): Promise<void> {
@@ -109,7 +92,7 @@ export class HistoryRoom {
     const of = person === 0 ? "class" : String(person);
     const found = await fetchHistory<ClassHistory | PersonHistory>(of, this.events.headers());
     if (person !== this.person) return; // another one has been chosen meanwhile
-    if (!found) return this.tell(() => say("history.not_had"), true);
+    if (!found) return this.room.tell(() => say("history.not_had"), true);
     const now = JSON.stringify(found);
     if (now === this.shown) return; // unchanged: what somebody reads stays
     this.shown = now;
@@ -124,7 +107,7 @@ export class HistoryRoom {
     this.found = found;
     this.name = found.name;
     const isOwn = this.person === this.events.me();
-    setText(this.title, isOwn ? () => say("history.title") : found.name);
+    setText(this.room.title, isOwn ? () => say("history.title") : found.name);
     const open = [...this.ofPerson.querySelectorAll("details")].map((one) => one.open);
     this.ofPerson.replaceChildren(...personHistory(found, isOwn));
     this.ofPerson.querySelectorAll("details").forEach((one, i) => (one.open = open[i] ?? false));
@@ -132,27 +115,24 @@ export class HistoryRoom {
 
   private async save(as: "csv" | "zip"): Promise<void> {
     const of = this.person === 0 ? "class" : String(this.person);
-    this.tell(() => say("history.wait"));
+    this.room.tell(() => say("history.wait"));
     const name = `palpate-${this.person === 0 ? "class" : this.name}.${as}`;
     // Spreadsheets separate by commas only in languages whose numbers have none.
     const isComma = as === "csv" && (0.5).toLocaleString(locale()).includes(",");
     const file = `${of}.${isComma ? "comma." : ""}${as}`;
     const had = await saveHistory(file, name, this.events.headers());
-    this.tell(had ? "" : () => say("history.not_had"), !had);
+    this.room.tell(had ? "" : () => say("history.not_had"), !had);
   }
 
   /// Asks twice: deletion cannot be undone.
   private ask(): void {
     const {name} = this;
     const put = (words: () => string, ...choices: HTMLButtonElement[]): void => {
-      const keep = this.press("history.keep", () => {
+      const keep = press("history.keep", () => {
         this.question.hidden = true;
         this.remove.focus();
       });
-      this.question.replaceChildren(
-        make("p", {textContent: words}),
-        make("p", {className: "choices"}, keep, ...choices),
-      );
+      this.question.replaceChildren(make("p", words), make("p.choices", keep, ...choices));
       this.question.hidden = false;
       keep.focus();
     };
@@ -161,23 +141,18 @@ export class HistoryRoom {
     const again = (): void =>
       put(
         () => say("history.sure", {name}),
-        alarm(this.press("history.for_good", () => this.removeNow())),
+        alarm(press("history.for_good", () => this.removeNow())),
       );
-    put(() => say("history.deletes", {name}), alarm(this.press("history.yes", again)));
+    put(() => say("history.deletes", {name}), alarm(press("history.yes", again)));
   }
 
   private removeNow(): void {
     this.question.hidden = true;
     const {name} = this;
     this.events.remove(this.person, (refusal) => {
-      if (refusal !== "") return this.tell(refusal, true);
+      if (refusal !== "") return this.room.tell(refusal, true);
       this.turn(0);
-      this.tell(() => say("history.deleted", {name}));
+      this.room.tell(() => say("history.deleted", {name}));
     });
-  }
-
-  private tell(text: Words, isAlarm = false): void {
-    setText(this.word, text);
-    this.word.classList.toggle("alarm", isAlarm);
   }
 }

@@ -5,7 +5,7 @@ import {looksTheSame} from "../model/pose_track";
 import {type Drawn, PictureQuality, qualityOf} from "../model/quality";
 import type {Remains} from "../model/remains";
 import {pictureWords} from "../model/words";
-import type {Station} from "../model/world";
+import type {Station} from "../model/station";
 import type {ToolState} from "../protocol/messages";
 import {element} from "../ui/elements";
 import {QualityPick} from "../ui/quality_pick";

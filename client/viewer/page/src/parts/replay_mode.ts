@@ -1,10 +1,12 @@
 import {say} from "../messages/say";
 import {kHereS, markAfter, markBefore, type Replay, type ReplayPhase} from "../model/replay";
 import {type Wish, Wishes} from "../model/wishes";
-import {clock, fitBytes, markWords, percent, recordedWhen, spokenTime} from "../model/words";
-import {kTopics, type Station} from "../model/world";
+import {clock, markWords, percent, recordedWhen, spokenTime} from "../model/words";
+import type {Station} from "../model/station";
+import {kTopics} from "../model/world";
 import type {ReplayAnswer, ReplayContents} from "../protocol/messages";
-import {element, setOptions, setText} from "../ui/elements";
+import {BookmarkDialog} from "../ui/bookmark_dialog";
+import {element, onPress, setOptions, setText, setTextOf} from "../ui/elements";
 import {MarkList} from "../ui/mark_list";
 import type {Notice} from "../ui/notice";
 import type {PlotTime} from "../ui/plots";
@@ -15,8 +17,6 @@ import {nowS} from "./now";
 
 /// The rates that a replayer accepts (client/replayer/play/steering.cpp).
 const kRates = [0.1, 0.25, 0.5, 1, 2, 4, 8];
-/// client/replayer/play/bookmarks.h [bytes]
-const kLongestName = 100;
 /// If the replayer is there sooner, no message is shown.
 const kSeekShownAfterS = 0.5;
 
@@ -25,19 +25,13 @@ const kSeekShownAfterS = 0.5;
 export class ReplayMode {
   isOn = false;
   private readonly sign = element("replay-sign", HTMLParagraphElement);
-  private readonly word = element("replay-word", HTMLElement);
   private readonly name = element("replay-name", HTMLSpanElement);
-  private readonly when = element("replay-when", HTMLSpanElement);
-  private readonly time = element("replay-time", HTMLOutputElement);
   private readonly controls = element("replay-controls", HTMLDivElement);
   private readonly help = element("replay-keys", HTMLElement);
-  private readonly playButton = element("play", HTMLButtonElement);
-  private readonly before = element("mark-before", HTMLButtonElement);
-  private readonly after = element("mark-after", HTMLButtonElement);
+  private readonly playButton = onPress("play", () => this.playOrPause());
+  private readonly after = onPress("mark-after", () => this.toMarkAfter());
   private readonly rate = element("rate", HTMLSelectElement);
-  private readonly where = element("replay-where", HTMLSpanElement);
-  private readonly dialog = element("bookmark-dialog", HTMLDialogElement);
-  private readonly bookmarkName = element("bookmark-name", HTMLInputElement);
+  private readonly bookmark: BookmarkDialog;
   private readonly bar: ScrubBar;
   private readonly list: MarkList;
   private readonly wishes: Wishes;
@@ -46,7 +40,6 @@ export class ReplayMode {
   private steers = false;
   private nowS = 0;
   private seekingSinceS: number | undefined;
-  private bookmarkAtS = 0;
 
   /// @param switched  called when a replay begins or ends
   constructor(
@@ -65,24 +58,12 @@ export class ReplayMode {
       (mark) => this.seek(mark.atS),
       (mark) => this.ask({wish: "drop_bookmark", value: mark.number}),
     );
-    this.playButton.addEventListener("click", () => this.playOrPause());
-    this.before.addEventListener("click", () => this.toMarkBefore());
-    this.after.addEventListener("click", () => this.toMarkAfter());
-    this.rate.addEventListener("change", () => this.setRate(Number(this.rate.value)));
-    element("bookmark", HTMLButtonElement).addEventListener("click", () => this.nameBookmark());
-    element("bookmark-cancel", HTMLButtonElement).addEventListener("click", () =>
-      this.dialog.close(""),
+    this.bookmark = new BookmarkDialog((atS, text) =>
+      this.ask({wish: "add_bookmark", value: atS, text}),
     );
-    this.bookmarkName.addEventListener("input", (event) => {
-      // An unfinished input of an input method is left alone.
-      if (event instanceof InputEvent && event.isComposing) return;
-      const fit = fitBytes(this.bookmarkName.value, kLongestName);
-      if (fit !== this.bookmarkName.value) this.bookmarkName.value = fit;
-    });
-    this.dialog.addEventListener("close", () => {
-      this.bookmarkName.blur();
-      if (this.dialog.returnValue === "keep") this.keepBookmark();
-    });
+    onPress("mark-before", () => this.toMarkBefore());
+    this.rate.addEventListener("change", () => this.setRate(Number(this.rate.value)));
+    onPress("bookmark", () => this.nameBookmark());
   }
 
   /// Keys, for listenForKeys.
@@ -137,7 +118,7 @@ export class ReplayMode {
     this.sign.hidden = !isThere;
     this.controls.hidden = !this.steers;
     this.help.hidden = !this.steers;
-    if (!this.steers && this.dialog.open) this.dialog.close("");
+    if (!this.steers) this.bookmark.close();
     this.list.setVisible(this.steers);
     if (!isThere) return;
     this.showSign(phase);
@@ -148,11 +129,11 @@ export class ReplayMode {
     const contents = this.replay.contents;
     this.sign.dataset.phase = phase;
     const isMoving = phase === "playing" || phase === "none";
-    setText(this.word, say(isMoving ? "replay.word" : `replay.${phase}`));
+    setTextOf("replay-word", say(isMoving ? "replay.word" : `replay.${phase}`));
     setText(this.name, contents?.recording ?? "");
     this.name.title = contents?.recording ?? "";
-    setText(this.when, contents ? recordedWhen(contents.begunS) : "");
-    setText(this.time, this.timeWords());
+    setTextOf("replay-when", contents ? recordedWhen(contents.begunS) : "");
+    setTextOf("replay-time", this.timeWords());
   }
 
   private showControls(): void {
@@ -175,7 +156,7 @@ export class ReplayMode {
     const options = rates.map((value) => ({value: String(value), text: `${value} ×`}));
     setOptions(this.rate, options, String(rate), "");
     const passed = contents.marks.filter((mark) => mark.atS <= atS + kHereS).at(-1);
-    setText(this.where, passed ? markWords(passed) : "");
+    setTextOf("replay-where", passed ? markWords(passed) : "");
   }
 
   /// The position, or the progress towards the one requested.
@@ -238,21 +219,6 @@ export class ReplayMode {
 
   /// The bookmark is for the moment of the request, however long its naming takes.
   private nameBookmark(): void {
-    if (!this.steers || this.dialog.open) return;
-    this.bookmarkAtS = this.atS;
-    setText(
-      element("bookmark-title", HTMLHeadingElement),
-      say("bookmark.title_at", {at: clock(this.atS)}),
-    );
-    this.bookmarkName.value = "";
-    this.bookmarkName.placeholder = say("bookmark.default", {at: clock(this.atS)});
-    this.dialog.returnValue = "";
-    this.dialog.showModal();
-    this.bookmarkName.focus();
-  }
-  private keepBookmark(): void {
-    const text = fitBytes(this.bookmarkName.value.trim(), kLongestName);
-    const name = text === "" ? this.bookmarkName.placeholder : text;
-    this.ask({wish: "add_bookmark", value: this.bookmarkAtS, text: name});
+    if (this.steers) this.bookmark.open(this.atS);
   }
 }

@@ -1,8 +1,9 @@
 import {say} from "../messages/say";
 import type {SceneModel} from "../model/bundle";
-import {kTopics, type Station, type World} from "../model/world";
+import type {Station} from "../model/station";
+import {kTopics, type World} from "../model/world";
 import {MouseDevice, type MouseHost} from "../mouse/mouse_device";
-import {element, setOptions, setText} from "../ui/elements";
+import {element, onPress, setOptions, setText} from "../ui/elements";
 import type {Notice} from "../ui/notice";
 import type {Choice} from "./choice";
 import type {GatewayLink} from "./gateway_link";
@@ -13,7 +14,7 @@ import type {SceneStore} from "./scene_store";
 /// The tool held by the reader: taken by button or key, moved by pointer and keys.
 export class ToolHold {
   readonly mouse: MouseDevice;
-  private readonly button = element("take", HTMLButtonElement);
+  private readonly button = onPress("take", () => this.takeOrRelease());
   private readonly toolPick = element("tool", HTMLSelectElement);
 
   /// @param mayTake  returns whether this page may take a tool
@@ -35,7 +36,6 @@ export class ToolHold {
       viewFrame: (at) => view.camera.viewFrame(at),
       tool: (scene, tool) => this.whereIs(scene, tool),
     });
-    this.button.addEventListener("click", () => this.takeOrRelease());
     // The tool's keys take precedence: while it is held, arrows move it and not the camera.
     this.mouse.listenTo(canvas, view.camera.controls);
     // Otherwise a closed page would keep its tool.

@@ -1,5 +1,5 @@
 import {say} from "../messages/say";
-import {element, setText} from "../ui/elements";
+import {element, onPress, setTextOf} from "../ui/elements";
 import {followLanguage} from "../ui/spoken";
 import type {Picture} from "./picture";
 
@@ -7,18 +7,15 @@ const kTurn = 0.12; // per key press [rad]
 
 /// Buttons and keys that change the view of the scene.
 export class ViewControls {
-  private readonly followButton = element("follow", HTMLButtonElement);
-  private readonly spheres = element("spheres", HTMLButtonElement);
+  private readonly followButton = onPress("follow", () => this.follow());
+  private readonly spheres = onPress("spheres", () => this.switchSpheres());
   private readonly level = element("level", HTMLInputElement);
-  private readonly numbers = element("numbers", HTMLButtonElement);
+  private readonly numbers = onPress("numbers", () => this.switchNumbers());
 
   constructor(private readonly picture: Picture) {
-    this.followButton.addEventListener("click", () => this.follow());
-    this.spheres.addEventListener("click", () => this.switchSpheres());
-    this.numbers.addEventListener("click", () => this.switchNumbers());
     this.level.addEventListener("input", () => this.showLevel());
     followLanguage(() => this.showLevel());
-    element("reset", HTMLButtonElement).addEventListener("click", () => picture.lookAtAll());
+    onPress("reset", () => picture.lookAtAll());
   }
 
   /// Keys, for listenForKeys.
@@ -80,7 +77,7 @@ export class ViewControls {
     const text = isLeaves
       ? say("tools.leaves")
       : say("tools.level_of", {level: level + 1, levels: Number(this.level.max) + 1});
-    setText(element("level-text", HTMLOutputElement), text);
+    setTextOf("level-text", text);
     this.level.setAttribute("aria-valuetext", text);
   }
 

@@ -1,23 +1,19 @@
 import {say} from "../messages/say";
 import type {SceneWhole, WholeWish} from "../protocol/messages";
-import {element} from "../ui/elements";
+import {onPress} from "../ui/elements";
 import type {Notice} from "../ui/notice";
 
 /// Asks the server to restore a cut scene, or its state at a bookmark, and reports the result.
 export class WholeButton {
-  private readonly button = element("whole", HTMLButtonElement);
-  private readonly bookmark = element("keep-cut", HTMLButtonElement);
-  private readonly back = element("back-to-cut", HTMLButtonElement);
+  private readonly button = onPress("whole", () => this.press());
+  private readonly bookmark = onPress("keep-cut", () => this.wish("bookmark"));
+  private readonly back = onPress("back-to-cut", () => this.wish("back"));
   private asked = false;
 
   constructor(
     private readonly notice: Notice,
     private readonly ask: (wish: WholeWish) => void,
-  ) {
-    this.button.addEventListener("click", () => this.press());
-    this.bookmark.addEventListener("click", () => this.wish("bookmark"));
-    this.back.addEventListener("click", () => this.wish("back"));
-  }
+  ) {}
 
   show(isOffered: boolean, isWhole: boolean, hasBookmark: boolean): void {
     this.button.hidden = this.bookmark.hidden = this.back.hidden = !isOffered;

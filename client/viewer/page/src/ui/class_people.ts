@@ -27,23 +27,22 @@ function linkOf(token: string): string {
 
 /// The people of the class: adds, renames and withdraws them, and hands out their links.
 export class ClassPeople {
-  readonly body = make("div", {className: "class-people"});
+  readonly body = make("div.class-people");
   private readonly names = make("textarea", {
-    ...{id: "class-names", rows: 6, placeholder: () => say("class.names_hint"), spellcheck: false},
+    ...{id: "class-names", rows: 6, sayPlaceholder: "class.names_hint", spellcheck: false},
   });
   private readonly role = make("select", {id: "class-role"});
-  private readonly links = make("section", {className: "links", hidden: true});
-  private readonly cards = make("ul", {className: "link-cards"});
-  private readonly list = make("ul", {className: "roster"});
+  private readonly links = make("section.links", {hidden: true});
+  private readonly cards = make("ul.link-cards");
+  private readonly list = make("ul.roster");
   private listed = "";
 
   constructor(private readonly wish: PeopleWishes) {
     const roles = Object.keys(kRoles) as Role[];
     this.role.append(...roles.map((role) => option(() => roleWord(role), role)));
     const add = make(
-      "form",
+      "form.add",
       {
-        className: "add",
         onsubmit: (event) => {
           event.preventDefault();
           const names = this.names.value.split(/\r?\n/).map((name) => name.trim());
@@ -52,32 +51,24 @@ export class ClassPeople {
           else this.names.focus();
         },
       },
-      make("h3", {textContent: () => say("class.add_title")}),
-      make("label", {htmlFor: this.names.id, textContent: () => say("class.names")}),
+      make("h3", {say: "class.add_title"}),
+      make("label", {htmlFor: this.names.id, say: "class.names"}),
       this.names,
       make("label", {htmlFor: this.role.id}, () => `${say("class.role")} `, this.role),
-      make("button", {type: "submit", className: "primary", textContent: () => say("class.make")}),
+      make("button.primary", {type: "submit", say: "class.make"}),
     );
     this.links.append(
-      make("h3", {textContent: () => say("class.links")}),
-      make("p", {className: "quiet", textContent: () => say("class.links_once")}),
+      make("h3", {say: "class.links"}),
+      make("p.quiet", {say: "class.links_once"}),
       make("p", {
-        ...{className: "warn", textContent: () => say("class.links_local")},
+        ...{className: "warn", say: "class.links_local"},
         hidden: !isLocal(location.hostname),
       }),
-      press(
-        () => say("class.print"),
-        () => print(),
-      ),
+      press("class.print", () => print()),
       this.cards,
     );
-    const roster = make(
-      "section",
-      {},
-      make("h3", {textContent: () => say("class.in_class")}),
-      this.list,
-    );
-    this.body.append(make("div", {className: "left"}, add, roster), this.links);
+    const roster = make("section", make("h3", {say: "class.in_class"}), this.list);
+    this.body.append(make("div.left", add, roster), this.links);
   }
 
   /// Shows the links just made by the gateway; earlier ones are removed.
@@ -102,21 +93,17 @@ export class ClassPeople {
 
   private card({name, token}: MadePerson): HTMLLIElement {
     const link = linkOf(token);
-    const copy = press(
-      () => say("class.copy"),
-      () => {
-        void navigator.clipboard?.writeText(link).then(() => {
-          setText(copy, () => say("class.copied"));
-        });
-      },
-    );
-    const address = make("a", {href: link, textContent: link});
+    const copy = press("class.copy", () => {
+      void navigator.clipboard?.writeText(link).then(() => {
+        setText(copy, () => say("class.copied"));
+      });
+    });
+    const address = make("a", {href: link}, link);
     // Following it would give this page that person's token.
     address.addEventListener("click", (event) => event.preventDefault());
     return make(
       "li",
-      {},
-      make("b", {textContent: name}),
+      make("b", name),
       qrSvg(link, () => say("class.qr", {name})),
       address,
       copy,
@@ -124,15 +111,11 @@ export class ClassPeople {
   }
 
   private row({person, name, role}: Person): HTMLLIElement {
-    const words = make("span", {className: "name", textContent: name});
+    const words = make("span.name", name);
     const beginToRename = (): void => {
-      const input = make("input", {
-        value: name,
-        maxLength: 64,
-        ariaLabel: () => say("class.rename"),
-      });
-      const keep = make("button", {type: "submit", textContent: () => say("class.keep")});
-      const form = make("form", {className: "rename"}, input, keep);
+      const input = make("input", {value: name, maxLength: 64, sayLabel: "class.rename"});
+      const keep = make("button", {type: "submit", say: "class.keep"});
+      const form = make("form.rename", input, keep);
       form.addEventListener("submit", (event) => {
         event.preventDefault();
         if (input.value.trim() !== "") this.wish.rename(person, input.value);
@@ -141,32 +124,26 @@ export class ClassPeople {
       words.replaceWith(form);
       input.select();
     };
-    const rename = press(() => say("class.rename"), beginToRename, {
-      title: () => say("class.rename"),
+    const rename = press("class.rename", beginToRename, {
+      sayTitle: "class.rename",
     });
-    const renew = press(
-      () => say("class.new_link"),
-      () => this.wish.renew(person),
-      {
-        title: () => say("class.new_link_title", {name}),
-      },
-    );
+    const renew = press("class.new_link", () => this.wish.renew(person), {
+      title: () => say("class.new_link_title", {name}),
+    });
     const withdraw = sure(
       () => say("class.withdraw"),
       () => say("class.sure"),
       () => this.wish.withdraw(person),
-      () => say("class.withdraw_title", {name}),
+      {title: () => say("class.withdraw_title", {name})},
     );
-    const choices = make("span", {className: "choices"}, rename, renew, withdraw);
+    const choices = make("span.choices", rename, renew, withdraw);
     return make(
       "li",
-      {},
       make(
         "p",
-        {},
         words,
         " ",
-        make("span", {className: "quiet", textContent: () => roleWord(role)}),
+        make("span.quiet", () => roleWord(role)),
       ),
       choices,
     );

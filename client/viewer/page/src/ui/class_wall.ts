@@ -1,5 +1,5 @@
-import {say, sayNumber, type Words} from "../messages/say";
-import {make, setOptions, setText} from "./elements";
+import {say, sayNumber} from "../messages/say";
+import {make, press, setOptions, setText} from "./elements";
 import type {OperateOp} from "./console";
 
 /// A person or station as the wall shows it.
@@ -51,36 +51,35 @@ const kFullLimits = 1.5;
 
 /// The wall: what everybody does now, and a teacher's commands.
 export class ClassWall {
-  readonly body = make("div", {className: "class-wall"});
+  readonly body = make("div.class-wall");
   private readonly scene = make("select", {id: "class-scene"});
   private readonly begin = make("button", {
-    ...{type: "submit", className: "primary", textContent: () => say("class.begin")},
-    title: () => say("class.begin_title"),
+    ...{type: "submit", className: "primary", say: "class.begin"},
+    sayTitle: "class.begin_title",
   });
   private readonly end = make("button", {
-    ...{type: "button", textContent: () => say("class.end"), title: () => say("class.end_title")},
+    ...{type: "button", say: "class.end", sayTitle: "class.end_title"},
   });
   private readonly goal = make("input", {
-    ...{type: "text", id: "class-goal", maxLength: 120, placeholder: () => say("class.goal_hint")},
+    ...{type: "text", id: "class-goal", maxLength: 120, sayPlaceholder: "class.goal_hint"},
   });
   private readonly limit = make("input", {
     ...{type: "number", id: "class-limit", min: "0", step: "0.05", placeholder: "–"},
   });
   private readonly to = make("select", {id: "class-to"});
   private readonly line = make("input", {
-    ...{type: "text", id: "class-line", maxLength: 120, placeholder: () => say("class.line")},
-    ariaLabel: () => say("class.line"),
+    ...{type: "text", id: "class-line", maxLength: 120, sayPlaceholder: "class.line"},
+    sayLabel: "class.line",
   });
-  private readonly none = make("p", {className: "quiet", textContent: () => say("class.nobody")});
-  private readonly list = make("ul", {className: "wall"});
+  private readonly none = make("p.quiet", {say: "class.nobody"});
+  private readonly list = make("ul.wall");
   private readonly cards = new Map<string, Card>();
 
   constructor(private readonly wish: WallWishes) {
     this.end.addEventListener("click", () => wish.end());
     const lineForm = make(
-      "form",
+      "form.say",
       {
-        className: "say",
         onsubmit: (event) => {
           event.preventDefault();
           const text = this.line.value.trim();
@@ -91,12 +90,11 @@ export class ClassWall {
       },
       make("label", {htmlFor: this.to.id}, () => `${say("class.to")} `, this.to),
       this.line,
-      make("button", {type: "submit", textContent: () => say("class.say")}),
+      make("button", {type: "submit", say: "class.say"}),
     );
     const start = make(
-      "form",
+      "form.start",
       {
-        className: "start",
         onsubmit: (event) => {
           event.preventDefault();
           const limitN = Math.max(0, Number.parseFloat(this.limit.value) || 0);
@@ -104,10 +102,9 @@ export class ClassWall {
         },
       },
       make("label", {htmlFor: this.scene.id}, () => `${say("class.scene")} `, this.scene),
-      make("label", {className: "goal"}, () => say("class.goal"), this.goal),
+      make("label.goal", () => say("class.goal"), this.goal),
       make(
         "label",
-        {},
         () => `${say("class.at_most")} `,
         this.limit,
         () => ` ${say("class.newton")}`,
@@ -115,7 +112,7 @@ export class ClassWall {
       this.begin,
       this.end,
     );
-    this.body.append(make("div", {className: "class-bar"}, start, lineForm), this.none, this.list);
+    this.body.append(make("div.class-bar", start, lineForm), this.none, this.list);
   }
 
   /// @param scenes  those with seats
@@ -180,67 +177,43 @@ export class ClassWall {
   }
 
   private addCard(now: OnWall): Card {
-    const button = (text: Words, title: Words, onclick: () => void): HTMLButtonElement =>
-      make("button", {type: "button", textContent: text, title, onclick});
     const operate = (op: OperateOp): void => this.wish.operate(op, card.now.station);
     const {name} = now;
-    const [bar, limit] = [
-      make("span", {className: "fill"}),
-      make("span", {className: "limit", hidden: true}),
-    ];
+    const [bar, limit] = [make("span.fill"), make("span.limit", {hidden: true})];
     const card: Card = {
       item: make("li"),
       force: make("div"),
-      doing: make("span", {className: "doing"}),
-      seat: make("span", {className: "seat"}),
-      figure: make("output", {className: "figure", ariaLabel: () => say("class.force")}),
-      goal: make("p", {className: "goal-words"}),
-      trial: make("p", {className: "trial"}),
+      doing: make("span.doing"),
+      seat: make("span.seat"),
+      figure: make("output.figure", {ariaLive: "off", sayLabel: "class.force"}),
+      goal: make("p.goal-words"),
+      trial: make("p.trial"),
       ...{bar, limit, now},
-      watch: button(
-        () => say("class.watch"),
-        () => say("class.watch_title", {name}),
-        () => this.wish.watch(card.now.scene, card.now.station),
-      ),
-      admit: button(
-        () => say("class.admit"),
-        () => say("class.admit"),
-        () => operate("admit"),
-      ),
-      mute: button(
-        () => say("class.mute"),
-        () => say("class.mute"),
-        () => operate(card.now.tone === "muted" ? "unmute" : "mute"),
-      ),
-      back: button(
-        () => say("class.take_back"),
-        () => say("class.take_back"),
-        () => operate("take_back"),
-      ),
-      sayTo: button(
-        () => say("class.say_to"),
-        () => say("class.say_to_title", {name}),
+      watch: press("class.watch", () => this.wish.watch(card.now.scene, card.now.station), {
+        title: () => say("class.watch_title", {name}),
+      }),
+      admit: press("class.admit", () => operate("admit"), {className: "primary"}),
+      mute: press("class.mute", () => operate(card.now.tone === "muted" ? "unmute" : "mute")),
+      back: press("class.take_back", () => operate("take_back")),
+      sayTo: press(
+        "class.say_to",
         () => {
           this.to.value = String(card.now.person);
           this.line.focus();
         },
+        {title: () => say("class.say_to_title", {name})},
       ),
     };
-    card.figure.ariaLive = "off";
-    card.force.append(
-      make("div", {className: "wall-force", ariaHidden: "true"}, bar, limit),
-      card.figure,
-    );
-    card.admit.className = "primary";
+    card.force.append(make("div.wall-force", {ariaHidden: "true"}, bar, limit), card.figure);
     card.item.append(
-      make("p", {className: "top"}, make("b"), card.seat),
-      make("p", {}, card.doing),
+      make("p.top", make("b"), card.seat),
+      make("p", card.doing),
       card.force,
       card.trial,
       card.goal,
       make(
-        "span",
-        {className: "choices", role: "group"},
+        "span.choices",
+        {role: "group"},
         ...[card.watch, card.admit, card.mute, card.back, card.sayTo],
       ),
     );

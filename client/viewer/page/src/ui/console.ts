@@ -1,8 +1,8 @@
-import {say, sayList, type Words} from "../messages/say";
-import type {Station} from "../model/world";
+import {say, sayList} from "../messages/say";
+import type {Station} from "../model/station";
 import {consoleWords, faultWords} from "../model/words";
 import type {SessionState} from "../protocol/messages";
-import {element, make, press, setText} from "./elements";
+import {element, make, press, setText, type Told} from "./elements";
 import {setWords} from "./spoken";
 
 export type OperateOp = "admit" | "take_back" | "mute" | "unmute";
@@ -92,29 +92,20 @@ export class Console {
   }
 
   private addRow(id: string): Row {
-    const words = make("span", {className: "words"});
-    const faults = make("span", {className: "faults"});
-    const button = (text: Words, op: () => OperateOp): HTMLButtonElement =>
+    const words = make("span.words");
+    const faults = make("span.faults");
+    const button = (text: Told, op: () => OperateOp): HTMLButtonElement =>
       press(text, () => this.ask(id, op()));
-    const admit = button(
-      () => say("console.admit"),
-      () => "admit",
-    );
-    const mute = button(
-      () => say("console.mute"),
-      () => (row.session?.muted ? "unmute" : "mute"),
-    );
-    const back = button(
-      () => say("console.take_back"),
-      () => "take_back",
-    );
+    const admit = button("console.admit", () => "admit");
+    const mute = button("console.mute", () => (row.session?.muted ? "unmute" : "mute"));
+    const back = button("console.take_back", () => "take_back");
     admit.className = "primary";
     setWords(admit, "title", () => say("console.admit_title"));
-    const choices = make("span", {className: "choices", role: "group"}, admit, mute, back);
+    const choices = make("span.choices", {role: "group"}, admit, mute, back);
     setWords(choices, "ariaLabel", () => say("console.decide", {station: id}));
-    const name = make("b", {textContent: id});
-    const who = make("p", {}, name, " ", words);
-    const item = make("li", {}, who, faults, choices);
+    const name = make("b", id);
+    const who = make("p", name, " ", words);
+    const item = make("li", who, faults, choices);
     const row: Row = {
       ...{item, name, words, faults, admit, mute, back},
       session: undefined,

@@ -27,7 +27,7 @@ const kMostOthers = 60;
 
 /// A curve drawn for the available width.
 export class Curve {
-  readonly body = make("div", {className: "curve"});
+  readonly body = make("div.curve");
   private data: CurveData | undefined;
 
   constructor() {
@@ -48,7 +48,8 @@ export class Curve {
   private draw(): void {
     const {data} = this;
     const width = this.body.clientWidth;
-    if (!data || width === 0) return;
+    // Hidden, it is drawn again when it is shown, in the language of that moment.
+    if (!data || width === 0) return this.body.replaceChildren();
     const frame = new Frame(width, data);
     const svg = makeSvg("svg", {
       ...{role: "img", "aria-label": data.label},
@@ -148,10 +149,9 @@ class Frame {
 /// A legend of the curve's lines.
 export function legend(...of: readonly (readonly [line: string, words: Words])[]): HTMLElement {
   return make(
-    "ul",
-    {className: "legend"},
+    "ul.legend",
     ...of.map(([line, words]) =>
-      make("li", {}, make("span", {className: `key ${line}`}), make("span", {textContent: words})),
+      make("li", make("span", {className: `key ${line}`}), make("span", words)),
     ),
   );
 }
@@ -164,18 +164,11 @@ export function lossBars(
   const worth = lost.filter(({points}) => points >= 0.5).slice(0, 5);
   const most = Math.max(...worth.map(({points}) => points), 1);
   const bars = worth.map(({criterion, points}) => {
-    const bar = make("span", {className: "bar-of"}, make("span", {className: "fill"}));
+    const bar = make("span.bar-of", make("span.fill"));
     bar.firstElementChild!.setAttribute("style", `width: ${(100 * points) / most}%`);
     const figure = say("history.lost", {points: Math.round(points)});
-    return make(
-      "li",
-      {},
-      make("span", {className: "criterion", textContent: criterion}),
-      make("span", {className: "cost", textContent: figure}),
-      bar,
-    );
+    return make("li", make("span.criterion", criterion), make("span.cost", figure), bar);
   });
-  if (bars.length === 0)
-    return make("p", {className: "quiet", textContent: say("history.no_loss")});
-  return make("ol", {className: "losses", ariaLabel: of}, ...bars);
+  if (bars.length === 0) return make("p.quiet", say("history.no_loss"));
+  return make("ol.losses", {ariaLabel: of}, ...bars);
 }

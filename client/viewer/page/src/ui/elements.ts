@@ -1,8 +1,9 @@
-import type {Words} from "../messages/say";
-import {setWords, type SpokenPart, textNode} from "./spoken";
+import {type Key, say, type Words} from "../messages/say";
+import {kSaid, type Said, sayIn, setWords, type SpokenPart, textNode} from "./spoken";
 
-/// Properties of an element, of which the texts may follow the language.
-type Properties<T> = {
+/// Properties of an element, of which the texts may follow the language: as functions, or by the
+/// messages that fill them.
+type Properties<T> = Said & {
   [Name in keyof T]?: Name extends SpokenPart ? T[Name] | (() => string) : T[Name];
 };
 const kSpoken: readonly SpokenPart[] = ["textContent", "title", "ariaLabel", "placeholder", "alt"];
@@ -14,52 +15,78 @@ export function element<T extends HTMLElement>(id: string, type: new () => T): T
   return found;
 }
 
-/// Makes an element with these properties and children.
-export function make<Tag extends keyof HTMLElementTagNameMap>(
-  tag: Tag,
-  properties: Properties<HTMLElementTagNameMap[Tag]> = {},
-  ...children: (Node | Words)[]
-): HTMLElementTagNameMap[Tag] {
-  const made = document.createElement(tag);
-  const given = {...properties} as Record<string, unknown>;
-  for (const part of kSpoken) {
-    const words = given[part];
-    if (typeof words !== "function") continue;
-    setWords(made, part, words as () => string);
-    delete given[part];
+/// Calls this when that button of index.html is pressed.
+export function onPress(id: string, run: () => void): HTMLButtonElement {
+  const button = element(id, HTMLButtonElement);
+  button.addEventListener("click", run);
+  return button;
+}
+
+type Tag = keyof HTMLElementTagNameMap;
+type Made<Name extends string> = HTMLElementTagNameMap[(Name extends `${infer Of}.${string}`
+  ? Of
+  : Name) &
+  Tag];
+type Child = Node | Words;
+
+/// Makes an element.
+/// @param name  its tag and classes: "li", "p.quiet"
+/// @param rest  its properties, if there are any, and its children
+export function make<Name extends Tag | `${Tag}.${string}`>(
+  name: Name,
+  ...rest: [Properties<Made<Name>>, ...Child[]] | Child[]
+): Made<Name> {
+  const [tag, ...classes] = name.split(".");
+  const made = document.createElement(tag!) as Made<Name>;
+  if (classes.length > 0) made.className = classes.join(" ");
+  for (const one of rest) {
+    if (typeof one === "function") made.append(textNode(one));
+    else if (typeof one === "string" || one instanceof Node) made.append(one);
+    else setProperties(made, one);
   }
-  Object.assign(made, given);
-  made.append(...children.map((child) => (typeof child === "function" ? textNode(child) : child)));
   return made;
 }
 
+function setProperties<T extends HTMLElement>(made: T, properties: Properties<T>): void {
+  sayIn(made, properties);
+  for (const [name, value] of Object.entries(properties)) {
+    const isSpoken = kSpoken.includes(name as SpokenPart) && typeof value === "function";
+    if (isSpoken) setWords(made, name as SpokenPart, value as () => string);
+    else if (!(name in kSaid)) Object.assign(made, {[name]: value as unknown});
+  }
+}
+
+/// A text, by its message or by a function.
+export type Told = Key | (() => string);
+const wordsOf = (told: Told): (() => string) => (typeof told === "string" ? () => say(told) : told);
+
 /// Makes a button with this action.
 export function press(
-  textContent: Words,
+  text: Told,
   onclick: () => void,
   more: Properties<HTMLButtonElement> = {},
 ): HTMLButtonElement {
-  return make("button", {type: "button", textContent, onclick, ...more});
+  return make("button", {type: "button", textContent: wordsOf(text), onclick, ...more});
 }
 
 /// Makes a button that asks for confirmation with this text.
 export function sure(
-  text: Words,
-  question: Words,
+  text: Told,
+  question: Told,
   wish: () => void,
-  title: Words = "",
+  more: Properties<HTMLButtonElement> = {},
 ): HTMLButtonElement {
   let isSure = false;
   const turn = (to: boolean): void => {
     isSure = to;
-    setText(button, to ? question : text);
+    setText(button, wordsOf(to ? question : text));
     button.classList.toggle("alarm", to);
   };
   const wishOrAsk = (): void => {
     if (isSure) wish();
     turn(!isSure);
   };
-  const button = press(text, wishOrAsk, {title});
+  const button = press(text, wishOrAsk, more);
   button.addEventListener("blur", () => turn(false));
   return button;
 }
@@ -78,9 +105,12 @@ export function setText(target: Element, text: Words): void {
   setWords(target, "textContent", text);
 }
 
+/// Sets the text of an element of index.html.
+export const setTextOf = (id: string, text: Words): void => setText(element(id, HTMLElement), text);
+
 /// Makes an option of a select.
 export const option = (words: Words, value: string): HTMLOptionElement =>
-  make("option", {value, textContent: words});
+  make("option", {value}, words);
 
 /// Sets a select's options, unless they are unchanged.
 export function setOptions(

@@ -1,54 +1,41 @@
-import {say} from "../messages/say";
+import {type Key, say} from "../messages/say";
 import {ownText} from "../model/local_text";
 import type {ExamFile, ExamPerson, ExamState, ExamTrial, OpenExam} from "../protocol/exam_messages";
-import {element, make, press, setText, sure} from "./elements";
+import {make, press, setText, sure} from "./elements";
+import {Room} from "./room";
 import {followLanguage} from "./spoken";
 
 const kMoreS = 300;
 
 /// The desk where a teacher opens an exam, follows everybody's progress, and closes it.
 export class ExamDesk {
-  private readonly button = press(
-    () => say("exam.title"),
+  private readonly room = new Room(
+    "exam",
+    {open: "exam.title", openTitle: "exam.desk_title", title: "exam.title"},
     () => this.open(),
-    {
-      ...{id: "exam-open", hidden: true, title: () => say("exam.desk_title")},
-    },
   );
-  private readonly dialog = make("dialog", {id: "exam-dialog"});
-  private readonly word = make("p", {className: "word alarm", role: "alert", hidden: true});
-  private readonly clock = make("span", {className: "clock", role: "timer"});
+  private readonly clock = make("span.clock", {role: "timer"});
   private readonly running = make("section");
-  private readonly files = make("ul", {className: "exam-files"});
+  private readonly files = make("ul.exam-files");
   private shown = "";
   private drawn = (): void => {}; // draws the same again
 
   constructor(private readonly wish: (wish: object) => void) {
-    const title = make("h2", {id: "exam-title", textContent: () => say("exam.title")});
-    const close = press(
-      () => say("class.close"),
-      () => this.dialog.close(),
-    );
-    this.dialog.setAttribute("aria-labelledby", title.id);
-    this.dialog.append(make("header", {}, title, close), this.word, this.running, this.files);
-    element("audience", HTMLButtonElement).before(this.button);
-    document.body.append(this.dialog);
+    this.room.fill({}, this.running, this.files);
     followLanguage(() => this.drawn());
   }
 
   private open(): void {
     this.wish({op: "look"});
-    this.dialog.showModal();
+    this.room.open();
   }
 
   allow(may: boolean): void {
-    this.button.hidden = !may;
-    if (!may && this.dialog.open) this.dialog.close();
+    this.room.allow(may);
   }
 
   tell(refusal: string): void {
-    setText(this.word, refusal);
-    this.word.hidden = refusal === "";
+    this.room.tell(refusal, true);
   }
 
   tick(left: string): void {
@@ -69,44 +56,45 @@ export class ExamDesk {
     this.running.replaceChildren(...(open?.people ? this.aboutOf(open, open.people) : []));
     const isOpen = open !== null && !open.closed;
     const rows = exams.map((exam) => this.rowOf(exam, isOpen));
-    if (rows.length === 0) rows.push(make("li", {className: "quiet"}, say("exam.none")));
+    if (rows.length === 0) rows.push(make("li.quiet", say("exam.none")));
     this.files.replaceChildren(...rows);
   }
 
   private rowOf({name, title, tasks, time_s, wrong}: ExamFile, isOpen: boolean): HTMLLIElement {
-    if (wrong !== "") return make("li", {className: "alarm"}, `${name}: ${wrong}`);
+    if (wrong !== "") return make("li.alarm", `${name}: ${wrong}`);
     const about = say("exam.file", {tasks, minutes: Math.round(time_s / 60)});
     const open = ask("exam.open", () => this.wish({op: "open", exam: name}));
     open.disabled = isOpen;
-    const text = make("span", {}, make("b", {textContent: ownText(title)}), ` ${name}, ${about}`);
-    return make("li", {}, text, open);
+    const text = make("span", make("b", ownText(title)), ` ${name}, ${about}`);
+    return make("li", text, open);
   }
 
   private aboutOf(open: OpenExam, people: readonly ExamPerson[]): HTMLElement[] {
     const {down_s = 0, closed, name} = open;
-    const title = make("h3", {textContent: ownText(open.title)});
+    const title = make("h3", ownText(open.title));
     const head = ["exam.person", "exam.at", "exam.trials", "exam.do"] as const;
     const table = make(
       "table",
-      {},
-      make("thead", {}, make("tr", {}, ...head.map((key) => make("th", {textContent: say(key)})))),
-      make("tbody", {}, ...people.map((person) => this.personRow(person, open))),
+      make("thead", make("tr", ...head.map((key) => make("th", say(key))))),
+      make("tbody", ...people.map((person) => this.personRow(person, open))),
     );
     if (closed) {
       const verify = `palpate-replay verify-exam COURSE --exam ${name} --key COURSE/exam-key.pub.pem --out certificate`;
-      const words = make("p", {textContent: say("exam.closed")});
-      return [title, words, make("pre", {textContent: verify}), table];
+      const words = make("p", say("exam.closed"));
+      return [title, words, make("pre", verify), table];
     }
-    const more = press(say("exam.more", {minutes: kMoreS / 60}), () =>
-      this.wish({op: "more", s: kMoreS}),
+    const more = press(
+      () => say("exam.more", {minutes: kMoreS / 60}),
+      () => this.wish({op: "more", s: kMoreS}),
     );
     const close = ask("exam.close", () => this.wish({op: "close"}));
-    const bar = make("p", {className: "choices"}, this.clock, more, close);
+    const bar = make("p.choices", this.clock, more, close);
     if (down_s === 0) return [title, bar, table];
-    const back = press(say("exam.give_back", {seconds: down_s}), () =>
-      this.wish({op: "give_back"}),
+    const back = press(
+      () => say("exam.give_back", {seconds: down_s}),
+      () => this.wish({op: "give_back"}),
     );
-    const down = make("p", {className: "word"}, say("exam.down", {seconds: down_s}), " ", back);
+    const down = make("p.word", say("exam.down", {seconds: down_s}), " ", back);
     return [title, down, bar, table];
   }
 
@@ -114,15 +102,15 @@ export class ExamDesk {
     const {tasks, closed} = open;
     const isDone = task >= tasks;
     const at = isDone ? say("exam.all_done") : say("exam.task_of", {task: task + 1, tasks});
-    const list = make("ul", {}, ...trials.map((trial) => make("li", {}, wordsOf(trial))));
+    const list = make("ul", ...trials.map((trial) => make("li", wordsOf(trial))));
     const choice = make("td");
     if (!closed && trials.some(({counts, running}) => counts && !running))
       choice.append(
-        ask("exam.again", () => this.wish({op: "again", person}), say("exam.again_title")),
+        ask("exam.again", () => this.wish({op: "again", person}), {sayTitle: "exam.again_title"}),
       );
-    const cells = [make("td", {textContent: at}), make("td", {}, list), choice];
-    const who = make("th", {scope: "row", textContent: name});
-    return make("tr", {}, who, ...cells);
+    const cells = [make("td", at), make("td", list), choice];
+    const who = make("th", {scope: "row"}, name);
+    return make("tr", who, ...cells);
   }
 }
 
@@ -140,5 +128,5 @@ function wordsOf({task, counts, running, cut, sealed, scored, points}: ExamTrial
 const ask = (
   key: "exam.open" | "exam.close" | "exam.again",
   wish: () => void,
-  title = "",
-): HTMLButtonElement => sure(say(key), say("exam.sure", {what: say(key)}), wish, title);
+  more: {sayTitle?: Key} = {},
+): HTMLButtonElement => sure(key, () => say("exam.sure", {what: say(key)}), wish, more);

@@ -12,13 +12,13 @@ interface Row {
 
 /// A class in one exercise: its spread, its costliest criteria, and everybody's grade.
 export class HistoryClass {
-  readonly body = make("div", {className: "of-class"});
+  readonly body = make("div.of-class");
   private readonly pick = make("select", {id: "history-exercise"});
   private readonly curve = new Curve();
   private readonly losses = make("div");
   private readonly head = make("tr");
   private readonly rows = make("tbody");
-  private readonly none = make("p", {className: "quiet", textContent: () => say("history.none")});
+  private readonly none = make("p.quiet", {say: "history.none"});
   private readonly figures: HTMLElement;
   private history: ClassHistory = {exercises: [], people: []};
   private byGrade = false;
@@ -33,8 +33,7 @@ export class HistoryClass {
     );
     const spread = make(
       "section",
-      {},
-      make("h3", {textContent: () => say("history.points_over_trials")}),
+      make("h3", {say: "history.points_over_trials"}),
       this.curve.body,
       legend(
         ["band", () => say("history.half")],
@@ -43,20 +42,14 @@ export class HistoryClass {
         ["pass", () => say("history.pass")],
       ),
     );
-    const lost = make(
-      "section",
-      {},
-      make("h3", {textContent: () => say("history.class_loses")}),
-      this.losses,
-    );
-    const table = make("table", {}, make("thead", {}, this.head), this.rows);
+    const lost = make("section", make("h3", {say: "history.class_loses"}), this.losses);
+    const table = make("table", make("thead", this.head), this.rows);
     const region = {className: "table", tabIndex: 0, role: "region"};
     this.figures = make(
       "div",
-      {},
-      make("p", {className: "pick-exercise"}, label),
-      make("div", {className: "side-by-side"}, spread, lost),
-      make("div", {...region, ariaLabel: () => say("history.everybody")}, table),
+      make("p.pick-exercise", label),
+      make("div.side-by-side", spread, lost),
+      make("div", {...region, sayLabel: "history.everybody"}, table),
     );
     this.body.append(this.none, this.figures);
     followLanguage(() => {
@@ -94,10 +87,10 @@ export class HistoryClass {
     this.losses.replaceChildren(lossBars(exercise?.lost ?? [], say("history.class_loses")));
     this.head.replaceChildren(
       this.sorter("history.person", false),
-      make("th", {scope: "col", textContent: say("history.course_of")}),
+      make("th", {scope: "col"}, say("history.course_of")),
       this.sorter("history.grade", true),
-      make("th", {scope: "col", className: "wide", textContent: say("history.trials")}),
-      make("th", {scope: "col", className: "wide", textContent: say("history.costs_most")}),
+      make("th.wide", {scope: "col"}, say("history.trials")),
+      make("th.wide", {scope: "col"}, say("history.costs_most")),
     );
     const rank = ({did}: Row): number => did?.grade.mean ?? Infinity;
     rows.sort(
@@ -132,33 +125,28 @@ export class HistoryClass {
       onclick: () => this.open(person.person),
     });
     const who = make("th", {scope: "row"}, name);
-    if (!person.here)
-      who.append(" ", make("span", {className: "quiet", textContent: say("history.left")}));
-    const grade = make("td", {className: "grade"});
+    if (!person.here) who.append(" ", make("span.quiet", say("history.left")));
+    const grade = make("td.grade");
     if (did) {
       const {mean} = did.grade;
       const isPoor = pass !== null && mean !== null && mean < pass;
-      grade.append(
-        make("b", {textContent: gradeFigure(did.grade), className: isPoor ? "poor" : ""}),
-      );
+      grade.append(make("b", {className: isPoor ? "poor" : ""}, gradeFigure(did.grade)));
       grade.title = gradeWords(did.grade, trials);
-      if (isPoor)
-        grade.append(" ", make("span", {className: "quiet", textContent: say("history.below")}));
+      if (isPoor) grade.append(" ", make("span.quiet", say("history.below")));
     }
     const lost = did?.lost[0];
     const row = make(
       "tr",
-      {},
       who,
-      make("td", {}, did ? sparkline(did.points) : ""),
+      make("td", did ? sparkline(did.points) : ""),
       grade,
-      make("td", {className: "wide", textContent: did ? sayNumber(did.done, 0) : ""}),
-      make("td", {
-        className: "wide",
-        textContent: lost
+      make("td.wide", did ? sayNumber(did.done, 0) : ""),
+      make(
+        "td.wide",
+        lost
           ? say("history.costs", {criterion: lost.criterion, points: Math.round(lost.points)})
           : "",
-      }),
+      ),
     );
     const light = (on: boolean): void => this.curve.light(on ? person.person : undefined);
     row.addEventListener("pointerenter", () => light(true));

@@ -1,8 +1,9 @@
 import {say, sayNumber} from "../messages/say";
+import {whenWords} from "../model/words";
 import type {HistoryTrial, OwnExercise, PersonHistory} from "../protocol/history_messages";
 import {Curve, legend, lossBars} from "./curve";
 import {make} from "./elements";
-import {gradeFigure, gradeWords, titlesOf, whenWords} from "./history_words";
+import {gradeFigure, gradeWords, titlesOf} from "./history_words";
 
 /// Most suggestions of what to practise next.
 const kMostNext = 3;
@@ -13,8 +14,7 @@ const kLeastLoss = 2;
 export function personHistory(history: PersonHistory, isOwn: boolean): HTMLElement[] {
   const {exercises} = history;
   const titles = titlesOf(exercises);
-  if (exercises.length === 0)
-    return [make("p", {className: "quiet", textContent: say("history.none")})];
+  if (exercises.length === 0) return [make("p.quiet", say("history.none"))];
   return [
     nextOf(exercises, titles),
     ...exercises.map((exercise) => articleOf(exercise, titles.get(exercise.name)!, isOwn)),
@@ -33,23 +33,16 @@ function nextOf(
     .map(({criterion, points, title}) =>
       make(
         "li",
-        {},
-        make("b", {
-          className: "cost",
-          textContent: say("history.lost", {points: Math.round(points)}),
-        }),
-        make("span", {className: "criterion", textContent: criterion}),
-        make("span", {className: "quiet", textContent: title}),
+        make("b.cost", say("history.lost", {points: Math.round(points)})),
+        make("span.criterion", criterion),
+        make("span.quiet", title),
       ),
     );
   return make(
-    "section",
-    {className: "next"},
-    make("h3", {textContent: say("history.next")}),
-    next.length > 0
-      ? make("ol", {}, ...next)
-      : make("p", {className: "quiet", textContent: say("history.no_loss")}),
-    make("p", {className: "quiet", textContent: say("history.next_why")}),
+    "section.next",
+    make("h3", say("history.next")),
+    next.length > 0 ? make("ol", ...next) : make("p.quiet", say("history.no_loss")),
+    make("p.quiet", say("history.next_why")),
   );
 }
 
@@ -83,43 +76,30 @@ function articleOf(exercise: OwnExercise, title: string, isOwn: boolean): HTMLEl
   if (pass !== null) keys.push(["pass", say("history.pass")]);
   return make(
     "article",
-    {},
-    make("h3", {textContent: title}),
+    make("h3", title),
     make(
-      "div",
-      {className: "side-by-side"},
+      "div.side-by-side",
+      make("div", make("h4", say("history.points_over_trials")), curve.body, legend(...keys)),
       make(
         "div",
-        {},
-        make("h4", {textContent: say("history.points_over_trials")}),
-        curve.body,
-        legend(...keys),
-      ),
-      make(
-        "div",
-        {},
         make(
-          "p",
-          {className: "figure"},
-          make("b", {textContent: gradeFigure(grade)}),
-          make("span", {
-            className: isPassed ? "verdict good" : "verdict",
-            textContent: pass === null || grade.of === 0 ? "" : say(verdict),
-          }),
+          "p.figure",
+          make("b", gradeFigure(grade)),
+          make(
+            "span",
+            {className: isPassed ? "verdict good" : "verdict"},
+            pass === null || grade.of === 0 ? "" : say(verdict),
+          ),
         ),
-        make("p", {className: "quiet", textContent: words}),
+        make("p.quiet", words),
         ...(grade.of === 0
           ? []
-          : [
-              make("h4", {textContent: say("history.loses")}),
-              lossBars(exercise.lost, say("history.loses")),
-            ]),
+          : [make("h4", say("history.loses")), lossBars(exercise.lost, say("history.loses"))]),
       ),
     ),
     make(
       "details",
-      {},
-      make("summary", {textContent: say("history.all_trials", {count: done.length})}),
+      make("summary", say("history.all_trials", {count: done.length})),
       tableOf(done),
     ),
   );
@@ -127,9 +107,9 @@ function articleOf(exercise: OwnExercise, title: string, isOwn: boolean): HTMLEl
 
 function tableOf(done: readonly HistoryTrial[]): HTMLElement {
   const criteria = [...new Set(done.flatMap(({marks}) => marks.map(({criterion}) => criterion)))];
-  const head = (textContent: string): HTMLElement => make("th", {scope: "col", textContent});
+  const head = (textContent: string): HTMLElement => make("th", {scope: "col"}, textContent);
   const figure = (points: number | null | undefined): HTMLElement =>
-    make("td", {className: "number", textContent: points == null ? "–" : sayNumber(points, 0)});
+    make("td.number", points == null ? "–" : sayNumber(points, 0));
   const rows = [...done].reverse().map((trial) => {
     const how = make("td", {title: trial.reason});
     how.textContent = [
@@ -148,9 +128,8 @@ function tableOf(done: readonly HistoryTrial[]): HTMLElement {
       );
     return make(
       "tr",
-      {},
-      make("th", {scope: "row", textContent: String(trial.n)}),
-      make("td", {className: "number", textContent: whenWords(trial.begun_s)}),
+      make("th", {scope: "row"}, String(trial.n)),
+      make("td.number", whenWords(trial.begun_s)),
       figure(trial.points),
       page,
       how,
@@ -161,22 +140,19 @@ function tableOf(done: readonly HistoryTrial[]): HTMLElement {
   });
   const table = make(
     "table",
-    {},
     make(
       "thead",
-      {},
       make(
         "tr",
-        {},
         ...[
           ...[say("history.trial"), say("history.when"), say("history.points")],
           ...[say("history.page"), say("history.state"), ...criteria],
         ].map(head),
       ),
     ),
-    make("tbody", {}, ...rows),
+    make("tbody", ...rows),
   );
-  const region = make("div", {className: "table", tabIndex: 0, role: "region"}, table);
+  const region = make("div.table", {tabIndex: 0, role: "region"}, table);
   region.ariaLabel = say("history.trials");
   return region;
 }

@@ -1,4 +1,4 @@
-import {locale, say, sayNumber} from "../messages/say";
+import {say, sayNumber} from "../messages/say";
 import {ownText} from "../model/local_text";
 import type {HistoryExercise, TermGrade} from "../protocol/history_messages";
 
@@ -39,6 +39,3 @@ export function gradeWords({of, low, high}: TermGrade, trials: number): string {
       : say("history.interval", {low: sayNumber(low, 0), high: sayNumber(high, 0)});
   return say("list.sentences", {first: what, second: sure});
 }
-
-export const whenWords = (timeS: number): string =>
-  new Date(1000 * timeS).toLocaleString(locale(), {dateStyle: "medium", timeStyle: "short"});

@@ -1,19 +1,11 @@
-import {chooseLanguage, type Key, kLanguages, say, speak} from "../messages/say";
+import {chooseLanguage, kLanguages, speak} from "../messages/say";
 import {rememberInAddress} from "./address";
 import {element} from "./elements";
 import {keep, recall} from "./kept";
-import {sayAgain, setWords, type SpokenPart} from "./spoken";
+import {type Said, sayAgain, sayIn} from "./spoken";
 
 const kKey = "palpate-language";
 const kInAddress = "lang";
-
-/// The part of an element of index.html that a text fills, by the attribute with the message's key.
-const kParts = {
-  "data-say": "textContent",
-  "data-say-title": "title",
-  "data-say-label": "ariaLabel",
-  "data-say-placeholder": "placeholder",
-} as const satisfies Record<string, SpokenPart>;
 
 /// Selects the page's language: the chosen one, the address's, or the browser's.
 export async function speakToReader(): Promise<void> {
@@ -23,12 +15,8 @@ export async function speakToReader(): Promise<void> {
   const language = chooseLanguage(wanted);
   await speak(language);
   document.documentElement.lang = language;
-  for (const [attribute, part] of Object.entries(kParts)) {
-    for (const found of document.querySelectorAll(`[${attribute}]`)) {
-      const key = found.getAttribute(attribute) as Key;
-      setWords(found, part, () => say(key));
-    }
-  }
+  for (const found of document.querySelectorAll<HTMLElement>("body *"))
+    sayIn(found, found.dataset as Said);
   offerLanguages(language);
 }
 

@@ -1,13 +1,13 @@
 import {say, sayList} from "../messages/say";
 import type {SceneGoal} from "../protocol/messages";
 import {rememberInAddress} from "./address";
-import {element, setText} from "./elements";
+import {element, onPress, setText} from "./elements";
 
 /// The two views: a student needs force, touched objects and a goal; a teacher sees everything and
 /// sets the goal.  The view is stored in the address, so links pass it on; the goal belongs to the
 /// scene, and the gateway tells it to everybody.
 export class Lesson {
-  private readonly button = element("audience", HTMLButtonElement);
+  private readonly button = onPress("audience", () => this.switchAudience());
   private readonly goal = element("goal", HTMLParagraphElement);
   private readonly section = element("goal-section", HTMLElement);
   private readonly title = element("goal-title", HTMLHeadingElement);
@@ -24,7 +24,6 @@ export class Lesson {
     private readonly set: (goal: {scene: string; text: string; limit_N: number}) => void,
   ) {
     this.setStudent(this.asked === "student");
-    this.button.addEventListener("click", () => this.switchAudience());
     for (const input of [this.text, this.limit]) {
       input.addEventListener("change", () => this.goalSet());
     }

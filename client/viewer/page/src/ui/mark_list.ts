@@ -53,13 +53,13 @@ export class MarkList {
 
   private row(mark: ReplayMark): HTMLLIElement {
     const said = markWords(mark);
-    const time = make("span", {className: "time", textContent: clock(mark.atS)});
-    const words = make("span", {className: "words", textContent: said, title: said});
-    const go = make("button", {type: "button", className: "go"}, make("i"), time, " ", words);
+    const time = make("span.time", clock(mark.atS));
+    const words = make("span.words", {title: said}, said);
+    const go = make("button.go", {type: "button"}, make("i"), time, " ", words);
     go.addEventListener("click", () => this.chosen(mark));
     const item = make("li", {className: mark.kind}, go);
     if (mark.kind === "bookmark") {
-      const drop = make("button", {type: "button", className: "drop", textContent: "×"});
+      const drop = make("button.drop", {type: "button"}, "×");
       drop.title = say("mark.drop_title");
       drop.ariaLabel = say("mark.drop", {name: said});
       drop.addEventListener("click", () => this.dropped(mark));

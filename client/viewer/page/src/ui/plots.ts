@@ -1,7 +1,7 @@
 import uPlot from "uplot";
 
 import {type Key, locale, say} from "../messages/say";
-import {kFigures, kHistoryS, type Station} from "../model/world";
+import {kFigures, kHistoryS, type Station} from "../model/station";
 import {clock, figure} from "../model/words";
 import {make, setText} from "./elements";
 
@@ -56,8 +56,8 @@ export class Plots {
       const value = make("output", {ariaLive: "off"}); // the announcer does that
       value.style.color = colour(kind.colour);
       const title = say(kind.title);
-      const header = make("header", {}, make("h3", {textContent: title}), value);
-      const chart = make("div", {className: "chart", role: "img"});
+      const header = make("header", make("h3", title), value);
+      const chart = make("div.chart", {role: "img"});
       chart.ariaLabel = say("figure.last_seconds", {figure: title, seconds: kHistoryS});
       this.parent.append(make("div", {className: isLast ? "plot last" : "plot"}, header, chart));
       const plot = new uPlot(

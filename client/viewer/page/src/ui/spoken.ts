@@ -1,10 +1,27 @@
-import {textOf, type Words} from "../messages/say";
+import {type Key, say, textOf, type Words} from "../messages/say";
 
 /// Texts that follow the page's language.  A part of the document that was filled by a function is
 /// filled by it again when the language changes; nothing else of the document is touched, so what
 /// was typed, scrolled and focused stays.
 
 export type SpokenPart = "textContent" | "title" | "ariaLabel" | "placeholder" | "alt";
+
+/// The parts that a message fills, by their names in an element's dataset (index.html) and in `make`.
+export const kSaid = {
+  say: "textContent",
+  sayTitle: "title",
+  sayLabel: "ariaLabel",
+  sayPlaceholder: "placeholder",
+} as const satisfies Record<string, SpokenPart>;
+export type Said = {readonly [Name in keyof typeof kSaid]?: Key};
+
+/// Fills an element's parts by messages.
+export function sayIn(target: Node, said: Said): void {
+  for (const [name, part] of Object.entries(kSaid)) {
+    const key = said[name as keyof Said];
+    if (key !== undefined) setWords(target, part, () => say(key));
+  }
+}
 
 const kFilled = new WeakMap<Node, Map<SpokenPart, () => string>>();
 const kFollowers: (() => void)[] = [];

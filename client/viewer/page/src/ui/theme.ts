@@ -1,3 +1,4 @@
+import {onPress} from "./elements";
 import {keep, recall} from "./kept";
 
 const kThemes = ["light", "dark"] as const;
@@ -9,12 +10,9 @@ const kSystem = matchMedia("(prefers-color-scheme: dark)");
 export class ThemeSwitch {
   private chosen = kThemes.find((theme) => theme === recall("localStorage", kKey));
 
-  constructor(
-    button: HTMLButtonElement,
-    private readonly changed: () => void,
-  ) {
+  constructor(private readonly changed: () => void) {
     this.apply();
-    button.addEventListener("click", () => this.toggle());
+    onPress("theme", () => this.toggle());
     kSystem.addEventListener("change", () => {
       this.apply();
       this.changed();

@@ -71,7 +71,7 @@ export class ToothLabels {
   }
 
   private makeLabel(number: string, {mesh, group}: BodyMesh): Label {
-    const text = make("span", {textContent: number});
+    const text = make("span", number);
     text.style.width = `${kLabel.width}px`;
     text.style.height = `${kLabel.height}px`;
     this.sheet.append(text);

@@ -2,30 +2,19 @@ import {DirectionalLight, Group, HemisphereLight, Scene, type WebGLRenderer} fro
 
 import type {SceneModel} from "../model/bundle";
 import {endOf, firstSight, workOf} from "../model/first_sight";
-import {angleBetween, norm, pointOf, type Pose, subtract, type Vec3} from "../model/pose";
+import type {Pose, Vec3} from "../model/pose";
 import {type Drawn, kDetails, type PictureQuality} from "../model/quality";
 import type {Remains} from "../model/remains";
-import {middleOfPush} from "../model/touched";
 import type {ToolState} from "../protocol/messages";
-import {ForceMarks} from "./arrows";
-import {BodyMesh, place, SurfaceCache} from "./body_mesh";
+import {BodyMesh, SurfaceCache} from "./body_mesh";
 import {Camera} from "./camera";
-import {Ghost} from "./ghost";
+import {CanvasSize} from "./canvas_size";
 import {ToothLabels} from "./labels";
 import type {Palette} from "./palette";
 import {makeRenderer} from "./renderer";
-import {SphereCloud} from "./sphere_cloud";
+import {levelsOf, SphereClouds} from "./sphere_cloud";
 import {StillLayer} from "./still_layer";
-
-/// Phones with three pixels per point would draw nine times as much without visible gain.
-const kMostPixelsPerPoint = 2;
-
-interface ToolView {
-  readonly body: BodyMesh;
-  readonly ghost: Ghost;
-  readonly lead: Ghost;
-  readonly marks: ForceMarks;
-}
+import {ToolView} from "./tool_view";
 
 /// What a picture costs a graphics card.
 export interface Cost {
@@ -46,26 +35,19 @@ export class SceneView {
   private model: SceneModel | undefined;
   private objects: BodyMesh[] = [];
   private tools: ToolView[] = [];
-  private clouds: {cloud: SphereCloud; body: BodyMesh}[] = [];
+  private readonly clouds = new SphereClouds();
   private sphereLevel: number | undefined;
-  private ends: Vec3[] = []; // working ends of the tools, in their frames
-  private poses: Pose[] = []; // of the tools
-  private readonly met = new Set<number>(); // the tools whose pose is known
   private radiusM = 0.1; // of the initial view
   private sightM = 0.1; // radius of the work area
   private coarserAsked = false;
-  private sized = "";
-  // [points], [points], pixels per point and side
-  private screen = {width: 1, height: 1, pixels: 1};
-  private canvasShare = 0; // share of the screen's pixels; 0: not sized yet
-  private mayHaveResized = true;
+  private readonly size: CanvasSize;
   /// Of the static layer when last drawn, and of what is drawn in each picture.
   readonly costs = {still: {triangles: 0, calls: 0}, moving: {triangles: 0, calls: 0}};
   private remains: Remains | undefined;
   readonly labels: ToothLabels;
 
   constructor(
-    private readonly canvas: HTMLCanvasElement,
+    canvas: HTMLCanvasElement,
     labelSheet: HTMLElement,
     buttons: HTMLElement,
     private palette: Palette,
@@ -75,6 +57,7 @@ export class SceneView {
     private readonly changed: () => void,
   ) {
     this.renderer = makeRenderer(canvas, antialias);
+    this.size = new CanvasSize(canvas, quality);
     this.labels = new ToothLabels(labelSheet, buttons);
     this.camera = new Camera(canvas, calm, changed);
     const key = new DirectionalLight(0xffffff, 1.9);
@@ -108,44 +91,34 @@ export class SceneView {
     this.restartLayer(); // the old layer shows another scene
     if (!model) return;
     const cache = new SurfaceCache();
+    const work = workOf(model);
+    this.sightM = work.radiusM;
+    this.radiusM = firstSight(model, []).radiusM;
     this.objects = model.objects.map((body, i) => new BodyMesh(body, model, "object", i, cache));
-    this.tools = model.tools.map((body, i) => {
-      const solid = new BodyMesh(body, model, "tool", i, cache);
-      const [ghost, lead] = [new Ghost(solid.mesh.geometry), new Ghost(solid.mesh.geometry)];
-      return {body: solid, ghost, lead, marks: new ForceMarks()};
-    });
+    this.tools = model.tools.map(
+      (tool, i) => new ToolView(tool, model, i, cache, endOf(tool, work), toolNow(tool.name)),
+    );
     for (const object of this.objects) {
       this.still.add(object.group);
       this.moving.add(object.over);
     }
+    for (const {groups} of this.tools) this.moving.add(...groups);
     this.labels.setObjects(this.objects);
-    for (const {body, ghost, lead, marks} of this.tools) {
-      this.moving.add(body.group, ghost.group, lead.group, marks.group);
-      ghost.setDistance(0);
-      lead.setDistance(0);
-      marks.set([0, 0, 0], [0, 0, 0], [0, 0, 0], [], 1);
-    }
     this.paint(this.palette);
     this.updateRemains();
     this.makeClouds();
-    this.radiusM = firstSight(model, []).radiusM;
-    const work = workOf(model);
-    this.sightM = work.radiusM;
-    this.ends = model.tools.map((tool) => endOf(tool, work));
-    this.poses = model.tools.map(({name, pose}) => toolNow(name) ?? pose);
-    this.met.clear();
     this.lookAtAll();
   }
 
   /// The initial view, with the work area and the tools where they are now.
   lookAtAll(): void {
-    if (this.model) this.camera.frame(firstSight(this.model, this.poses));
+    const poses = this.tools.map(({pose}) => pose);
+    if (this.model) this.camera.frame(firstSight(this.model, poses));
   }
 
   /// Returns the working end of a tool, in W.
   endOf(tool: number): Vec3 | undefined {
-    const [pose, end] = [this.poses[tool], this.ends[tool]];
-    return pose && end && pointOf(pose, end);
+    return this.tools[tool]?.endInWorld;
   }
 
   paint(palette: Palette): void {
@@ -153,14 +126,7 @@ export class SceneView {
     this.hemisphere.color.copy(palette.sky);
     this.hemisphere.groundColor.copy(palette.ground);
     this.hemisphere.intensity = 1.6;
-    for (const object of this.objects) object.paint(palette);
-    this.tools.forEach(({body, ghost, lead, marks}) => {
-      body.paint(palette);
-      ghost.paint(palette.ghost);
-      lead.paint(palette.ink);
-      marks.paint(palette);
-    });
-    this.paintClouds();
+    for (const part of [...this.objects, ...this.tools, this.clouds]) part.paint(palette);
     this.layer?.paint(palette);
     this.changed();
   }
@@ -176,8 +142,7 @@ export class SceneView {
 
   /// Number of levels; the last one is the leaves.
   get sphereLevels(): number {
-    const bodies = [...(this.model?.objects ?? []), ...(this.model?.tools ?? [])];
-    return Math.max(0, ...bodies.map((body) => body.geometry.levels.length));
+    return levelsOf([...(this.model?.objects ?? []), ...(this.model?.tools ?? [])]);
   }
 
   /// @param level  from 0, coarse; undefined: no spheres
@@ -189,68 +154,33 @@ export class SceneView {
   }
 
   setTool(name: string, state: ToolState): void {
-    const index = this.tools.findIndex(({body}) => body.body.name === name);
-    const tool = this.tools[index];
+    const tool = this.tools.find((one) => one.name === name);
     if (!tool) return;
-    this.poses[index] = state.graphic;
-    if (!this.met.has(index) && this.camera.untouched) {
-      this.met.add(index); // until now only its start pose was known
-      this.lookAtAll();
-    }
-    place(tool.body.group, state.graphic);
-    place(tool.ghost.group, state.haptic);
-    const {centroid, radiusM} = tool.body.body.geometry;
-    const apart =
-      norm(subtract(pointOf(state.haptic, centroid), pointOf(state.graphic, centroid))) +
-      radiusM * angleBetween(state.haptic.q, state.graphic.q);
-    tool.ghost.setDistance(apart);
-    // Where the objects push: a long tool's centroid is often outside the picture.
-    const at = middleOfPush(state.points) ?? pointOf(state.graphic, centroid);
-    tool.marks.set(at, state.forceN, state.torqueNm, state.points, this.radiusM);
+    const isFirst = !tool.isMet && this.camera.untouched;
+    tool.set(state, this.radiusM);
+    if (!isFirst) return;
+    tool.isMet = true; // until now only its start pose was known
+    this.lookAtAll();
   }
 
   /// Shows where a hand should move a tool, as a transparent tool; undefined: nowhere.
   setLead(name: string, pose: Pose | undefined): void {
-    for (const {body, lead} of this.tools) {
-      const isLed = pose !== undefined && body.body.name === name;
-      if (isLed) place(lead.group, pose);
-      lead.setDistance(isLed ? 1 : 0);
-    }
+    for (const tool of this.tools) tool.setLead(tool.name === name ? pose : undefined);
   }
 
   /// The canvas, or its pixels at rest, may have another size: the next picture uses it.
   resize(): void {
-    this.mayHaveResized = true;
+    this.size.mayChange();
     this.changed();
-  }
-
-  private fit(): void {
-    if (!this.mayHaveResized) return;
-    this.mayHaveResized = false;
-    const {clientWidth: width, clientHeight: height} = this.canvas;
-    if (width === 0 || height === 0) return;
-    const pixels = Math.min(devicePixelRatio, kMostPixelsPerPoint);
-    const sized = `${width} ${height} ${pixels} ${this.quality.share}`;
-    if (sized === this.sized) return;
-    this.sized = sized;
-    this.screen = {width, height, pixels};
-    this.camera.resize(width / height);
-    this.canvasShare = 0;
-    this.layer?.restart();
-  }
-
-  /// Only together with a picture: resizing empties a canvas.
-  /// @param share  of the screen's pixels, per side
-  private sizeCanvas(renderer: WebGLRenderer, share: number): void {
-    if (share === this.canvasShare) return;
-    this.canvasShare = share;
-    const {width, height, pixels} = this.screen;
-    renderer.setDrawingBufferSize(width, height, share * pixels);
   }
 
   /// @return what was redrawn
   render(nowMs: number): Drawn {
-    this.fit();
+    const aspect = this.size.changedAspect();
+    if (aspect !== undefined) {
+      this.camera.resize(aspect);
+      this.layer?.restart();
+    }
     const drawn = this.draw(nowMs);
     this.labels.update(
       this.camera.eye,
@@ -284,7 +214,7 @@ export class SceneView {
     });
     const step = layer.next(eye, nowMs, inMotion);
     const hurried = step.sheet === "hurried";
-    this.sizeCanvas(renderer, hurried ? inMotion.canvas : this.quality.share);
+    this.size.apply(renderer, hurried ? inMotion.canvas : this.quality.share);
     if (step.anew) {
       this.show(this.still);
       for (const object of this.objects) object.catchUp();
@@ -333,44 +263,20 @@ export class SceneView {
   }
 
   private makeClouds(): void {
-    for (const {cloud} of this.clouds) cloud.dispose();
-    this.clouds = [];
-    const bodies = [...this.objects, ...this.tools.map(({body}) => body)];
-    for (const body of bodies) body.mesh.visible = true;
-    if (this.sphereLevel === undefined) return;
-    for (const body of bodies) {
-      const {levels} = body.body.geometry;
-      // Trees of one scene may differ in depth: the leaves are at the same end of the slider.
-      const fromLeaves = this.sphereLevels - 1 - this.sphereLevel;
-      const level = Math.max(0, levels.length - 1 - fromLeaves);
-      const isLeaves = level === levels.length - 1;
-      const isTool = !this.objects.includes(body);
-      const parent = isTool || isLeaves ? body.group : body.over;
-      const cloud = new SphereCloud(levels[level]!, parent, isLeaves);
-      body.mesh.visible = !isLeaves;
-      this.clouds.push({cloud, body});
-    }
-    this.paintClouds();
-  }
-
-  private paintClouds(): void {
-    for (const {cloud, body} of this.clouds)
-      cloud.paint(body.mesh.material.color, this.palette.ink);
+    const tools = this.tools.map(({body}) => body);
+    this.clouds.show(this.objects, tools, this.sphereLevel, this.palette);
   }
 
   private clear(): void {
-    for (const {cloud} of this.clouds) cloud.dispose();
-    this.clouds = [];
+    this.clouds.clear();
     for (const object of this.objects) {
       this.still.remove(object.group);
       this.moving.remove(object.over);
       object.dispose();
     }
-    for (const {body, ghost, lead, marks} of this.tools) {
-      this.moving.remove(body.group, ghost.group, lead.group, marks.group);
-      body.dispose();
-      ghost.dispose();
-      lead.dispose();
+    for (const tool of this.tools) {
+      this.moving.remove(...tool.groups);
+      tool.dispose();
     }
     this.objects = [];
     this.tools = [];

@@ -5,9 +5,12 @@ import {
   InstancedMesh,
   Matrix4,
   MeshStandardMaterial,
+  Vector3,
 } from "three";
 
-import type {SphereLevel} from "../model/bundle";
+import type {Body, SphereLevel} from "../model/bundle";
+import type {BodyMesh} from "./body_mesh";
+import type {Palette} from "./palette";
 import {paintForScreen} from "./still_layer";
 
 /// Few spheres are drawn rounder than many, so that the number of triangles stays bounded.
@@ -32,11 +35,11 @@ function asBubble(material: MeshStandardMaterial): void {
 }
 
 /// One level of a body's sphere tree.
-export class SphereCloud {
+class SphereCloud {
   private readonly mesh: InstancedMesh<IcosahedronGeometry, MeshStandardMaterial>;
 
   constructor(
-    private readonly level: SphereLevel,
+    level: SphereLevel,
     private readonly parent: Group,
     private readonly isLeaves: boolean,
   ) {
@@ -53,7 +56,13 @@ export class SphereCloud {
     this.mesh = new InstancedMesh(new IcosahedronGeometry(1, detail), material, count);
     this.mesh.frustumCulled = false;
     this.mesh.renderOrder = isLeaves ? 0 : 5;
-    this.placeAll();
+    const matrix = new Matrix4();
+    level.radii.forEach((radius, i) => {
+      matrix
+        .makeScale(radius, radius, radius)
+        .setPosition(new Vector3().fromArray(level.centres, 3 * i));
+      this.mesh.setMatrixAt(i, matrix);
+    });
     parent.add(this.mesh);
   }
 
@@ -63,21 +72,52 @@ export class SphereCloud {
     if (!this.isLeaves) this.mesh.material.color.lerp(ink, 0.45);
   }
 
-  private placeAll(): void {
-    const {centres, radii} = this.level;
-    const matrix = new Matrix4();
-    radii.forEach((radius, i) => {
-      matrix.makeScale(radius, radius, radius);
-      matrix.setPosition(centres[3 * i]!, centres[3 * i + 1]!, centres[3 * i + 2]!);
-      this.mesh.setMatrixAt(i, matrix);
-    });
-    this.mesh.instanceMatrix.needsUpdate = true;
-  }
-
   dispose(): void {
     this.parent.remove(this.mesh);
     this.mesh.geometry.dispose();
     this.mesh.material.dispose();
     this.mesh.dispose();
+  }
+}
+
+/// The number of levels of the deepest tree; the last one is the leaves.
+export const levelsOf = (bodies: readonly Body[]): number =>
+  Math.max(0, ...bodies.map(({geometry}) => geometry.levels.length));
+
+/// One level of the sphere trees of all bodies, or none.
+export class SphereClouds {
+  private clouds: {cloud: SphereCloud; body: BodyMesh}[] = [];
+
+  /// @param level  from 0, coarse; undefined: none
+  show(
+    objects: readonly BodyMesh[],
+    tools: readonly BodyMesh[],
+    level: number | undefined,
+    palette: Palette,
+  ): void {
+    this.clear();
+    const bodies = [...objects, ...tools];
+    for (const {mesh} of bodies) mesh.visible = true;
+    if (level === undefined) return;
+    // Trees of one scene may differ in depth: the leaves are at the same end of the slider.
+    const fromLeaves = levelsOf(bodies.map(({body}) => body)) - 1 - level;
+    this.clouds = bodies.map((body) => {
+      const {levels} = body.body.geometry;
+      const own = Math.max(0, levels.length - 1 - fromLeaves);
+      const isLeaves = own === levels.length - 1;
+      const parent = isLeaves || tools.includes(body) ? body.group : body.over;
+      body.mesh.visible = !isLeaves;
+      return {cloud: new SphereCloud(levels[own]!, parent, isLeaves), body};
+    });
+    this.paint(palette);
+  }
+
+  paint({ink}: Palette): void {
+    for (const {cloud, body} of this.clouds) cloud.paint(body.mesh.material.color, ink);
+  }
+
+  clear(): void {
+    for (const {cloud} of this.clouds) cloud.dispose();
+    this.clouds = [];
   }
 }

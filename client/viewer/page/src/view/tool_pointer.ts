@@ -4,7 +4,7 @@ import {say} from "../messages/say";
 import {edgePlace} from "../model/edge_place";
 import type {Vec3} from "../model/pose";
 
-const kHalf = 22; // half the arrow's size [pixels], as in style.css
+const kHalf = 22; // half the arrow's size [pixels], as in stage.css
 
 /// An arrow at the picture's edge if the tool is outside; pressing it brings the tool
 /// back into view.
