@@ -1,7 +1,6 @@
 #include "common/step_tuning.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 namespace palpate {
 namespace {

@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "client/course/exam_room.h"
@@ -21,7 +20,7 @@ namespace {
 using testing::HasSubstr;
 using Json = nlohmann::json;
 
-/// Programs of the recorder's and the replayer's names that do as those do.
+/// Stand-ins under the recorder's and the replayer's names.
 constexpr const char* kExamRecorder =
     "#!/bin/sh\nfor word; do case $word in --output=*) out=${word#--output=};; esac; done\n"
     "echo hand > $out; trap 'exit 0' INT\necho \"recording to $out\"\nwhile :; do sleep 0.01; "
@@ -31,7 +30,7 @@ for word; do case $word in --out=*) out=${word#--out=};; esac; done
 mkdir -p $out && echo page > $out/score.html
 echo '{"passed": true, "trials": [{"points": 81.5}]}' > $out/score.json
 )";
-/// What ComplaintOf says of what has none.
+/// What ComplaintOf returns where nothing is wrong.
 constexpr const char* kGood = "no complaint";
 constexpr const char* kExam = R"({"title": {"en": "Midterm"}, "time_s": 600, "tasks": [
   {"exercise": "light-force", "time_s": 60, "trials": 2}, {"exercise": "pocket-depth"}]})";
@@ -53,7 +52,7 @@ TEST(ExamFile, IsReadAndRefusedWithFileLineAndRemedy) {
               HasSubstr("midterm.exam.json:1: tasks[0].exercise: there is no such exercise; put "));
   EXPECT_THAT(complaint(R"({"title": "A", "time_s": 60, "tasks": [], "hints": true})"),
               HasSubstr("hints"));
-  // Longer than a file's name may be, and what leads nowhere.
+  // Longer than a file's name may be, and a link to nowhere.
   const auto of_task = [](const std::string& name) {
     return R"({"title": "A", "time_s": 60, "tasks": [{"exercise": ")" + name + "\"}]}";
   };
@@ -86,7 +85,7 @@ class ExamTest : public testing::Test {
     std::ofstream(folder_ / name) << text;
     std::filesystem::permissions(folder_ / name, std::filesystem::perms::owner_all);
   }
-  /// Also anew, as after a kill.
+  /// Starts, or starts again as after a kill.
   void Start() {
     exams_.reset();
     trials_.reset();
@@ -121,7 +120,7 @@ class ExamTest : public testing::Test {
       return what();
     });
   }
-  /// A trial, to its end.
+  /// Runs a trial to its end.
   void Try(const std::string& exercise) {
     ASSERT_EQ(Begin(exercise), kGood);
     ASSERT_TRUE(Comes([&] { return phase_ == "running"; }));

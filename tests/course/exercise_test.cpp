@@ -1,11 +1,8 @@
 #include "client/course/exercise.h"
 
-#include <filesystem>
 #include <fstream>
-#include <sstream>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "client/replayer/score/score_report.h"
 #include "common/files/project_files.h"
@@ -39,7 +36,7 @@ constexpr const char* kExercise = R"({
 
 class ExerciseTest : public testing::Test {
  protected:
-  /// What is said of the exercise with that replaced in it.
+  /// The complaint about the exercise with `what` replaced by `by`.
   std::string Complaint(const std::string& what, const std::string& by) {
     std::string text = kExercise;
     const std::size_t at = text.find(what);
@@ -123,8 +120,8 @@ TEST(ShippedExercises, AreWholeInThreeLanguagesAndNameTheirSources) {
   }
 }
 
-/// Those whose scenes are not cut, and take a second each: `palpate-replay rehearse` is for the
-/// others, a minute's work.
+/// The exercises without cutting, which take a second each; `palpate-replay rehearse` checks the
+/// others, which take a minute.
 class Rehearsal : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Shipped, Rehearsal,
                          testing::Values("light-force", "pocket-depth", "margin-walking",

@@ -7,7 +7,6 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "tests/support/folder.h"
@@ -16,10 +15,8 @@
 namespace palpate::test {
 namespace {
 
-using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
-using testing::StartsWith;
 using Json = nlohmann::json;
 
 TrialRow Trial(int n, std::optional<double> points, const std::string& marks = "",
@@ -149,8 +146,8 @@ TEST(TrialRow, HasNoMarksWhereTheyCannotBeRead) {
   }
 }
 
-// Against other formulas: the variance by all pairs, quantiles by how many lie below, and that what
-// is lost and what is earned are 100 together.
+// Against other formulas: the variance over all pairs, quantiles by counting, and that points lost
+// and earned add up to 100.
 TEST(History, AgreesWithBruteForce) {
   Random random(31);
   const auto from = [&](int low, int high) { return low + random.Below(high - low + 1); };

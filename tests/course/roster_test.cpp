@@ -5,7 +5,6 @@
 
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -24,7 +23,7 @@ using testing::HasSubstr;
 
 class RosterTest : public testing::Test {
  protected:
-  /// The file as another process finds it.
+  /// The names in the file, read as by another process.
   static std::vector<std::string> NamesIn(const std::string& folder) {
     CourseFile file(folder);
     std::vector<std::string> names;
@@ -83,7 +82,7 @@ TEST_F(RosterTest, TellsPeopleApartByTheirStations) {
               HasSubstr("'anna' and 'Anna' would have the same station name"));
   EXPECT_THAT(ComplaintOfMaking("Muller"), HasSubstr("would have the same station name, 'Muller'"));
   roster_.Make({"李娜"}, Access::kDrive);
-  // All or none, also where two of them are one.
+  // All or none, also if two of the new ones are alike.
   EXPECT_THAT(ComplaintOf([&] {
                 roster_.Make({"Cleo", "Dora", "cleo"}, Access::kDrive);
               }),
@@ -92,7 +91,7 @@ TEST_F(RosterTest, TellsPeopleApartByTheirStations) {
   EXPECT_EQ(NamesIn(course_).size(), 4u);
   EXPECT_THAT(ComplaintOf([&] { roster_.Rename(1, "muller"); }),
               HasSubstr("have the same station name"));
-  roster_.Rename(1, "anna");  // her own name is nobody else's
+  roster_.Rename(1, "anna");  // her own name is not taken
 }
 
 TEST_F(RosterTest, RefusesNamesThatAreNone) {
@@ -174,7 +173,7 @@ TEST(CourseFile, IsRefusedWhereItIsNewerDamagedOrCannotBeWritten) {
   std::ofstream(folder / "file") << "x";
   EXPECT_THAT(complaint(folder / "file"), HasSubstr("cannot create the folder"));
   EXPECT_THAT(complaint("/proc/course"), HasSubstr("cannot create the folder"));
-  // A folder that root cannot write either.
+  // A folder in which not even root can write.
   EXPECT_THAT(complaint("/proc/self"), HasSubstr("must be able to write the file and its folder"));
 }
 

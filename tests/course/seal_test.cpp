@@ -4,7 +4,6 @@
 #include <fstream>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/stat.h>
 
 #include "common/files/whole_file.h"
@@ -62,7 +61,7 @@ TEST(Seal, SaysWhatWasSealedWhereNoByteOfItHasChanged) {
   const SealKey open = PublicOf(folder);
   const std::string text = SealText(AnExample(), key);
   EXPECT_EQ(OpenSeal(text, open, "it").name, "王伟");
-  // Each byte, one bit of it: also those that JSON or hexadecimal digits would read the same.
+  // One bit of each byte, including those that JSON or hexadecimal digits would read the same.
   for (std::size_t i = 0; i < text.size(); ++i) {
     std::string spoilt = text;
     spoilt[i] = static_cast<char>(spoilt[i] ^ (1 << (i % 8)));

@@ -6,7 +6,6 @@
 
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "common/realtime/steady_clock.h"
@@ -18,10 +17,9 @@
 namespace palpate::test {
 namespace {
 
-using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// Programs of the recorder's and the replayer's names that do as those do.
+/// Stand-ins under the recorder's and the replayer's names.
 constexpr const char* kRecorder =
     "#!/bin/sh\ntrap 'exit 0' INT\necho \"$*\" > \"${0%/*}/words\"\necho \"recording to $1\"\n"
     "while :; do sleep 0.01; done\n";
@@ -46,7 +44,7 @@ class TrialTest : public testing::Test {
     room_.reset();
     file_.reset();
     file_ = std::make_unique<CourseFile>(folder_ / "course");
-    file_->Use([](SQLite::Database& database) {  // as an exam makes it
+    file_->Use([](SQLite::Database& database) {  // as in an exam
       database.exec(
           "CREATE TABLE IF NOT EXISTS exam_trials(person INTEGER, exercise TEXT, n INTEGER)");
     });
@@ -61,7 +59,7 @@ class TrialTest : public testing::Test {
       return !news_.empty() && news_.back().phase == phase;
     });
   }
-  /// What the person's page is told of that trial.
+  /// What the person's page is told about that trial.
   nlohmann::json Done(std::size_t at) {
     const auto list = nlohmann::json::parse(room_->ListJson(3));
     for (const auto& exercise : list["exercises"]) {
@@ -206,7 +204,7 @@ TEST_F(TrialTest, IsScoredByTheNextGatewayWhereScoringFailedOrWasCutOff) {
 
 TEST_F(TrialTest, IsScoredInItsTurnWhereManyEndAtOnce) {
   SetProgram("palpate-record", "#!/bin/sh\necho 'recording to x'\nexit 0\n");
-  // Counts how many are at work, each with a file of its own.
+  // Counts how many run at once, by a file of each.
   SetProgram("palpate-replay", "#!/bin/sh\ncd " + folder_.path() +
                                    "\ntouch work.$$; ls work.* | wc -l >> most; sleep 0.02; "
                                    "rm work.$$\n" +

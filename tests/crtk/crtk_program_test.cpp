@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <functional>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <sys/wait.h>
@@ -16,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-/// The Fast DDS program, with its standard input and output as pipes.
+/// The Fast DDS program, with pipes as its standard input and output.
 class Peer {
  public:
   Peer(int domain, const std::string& ros_namespace) {
@@ -38,7 +37,7 @@ class Peer {
     EXPECT_EQ(Line(), "peer: ready\n");
   }
   ~Peer() {
-    fclose(to_);  // by which it ends
+    fclose(to_);  // which ends it
     fclose(from_);
     waitpid(pid_, nullptr, 0);
   }
@@ -77,7 +76,7 @@ class BridgeProgram : public Program {
 
 class CrtkProgram : public testing::Test {
  protected:
-  /// Looks at the peer's reports until one is as wanted.
+  /// Reads the peer's reports until the condition holds.
   bool Becomes(Peer& peer, const std::function<bool(const json&)>& wanted) {
     return Eventually(
         [&] {
@@ -145,7 +144,7 @@ TEST_F(CrtkProgram, TakesCommandsAndPullsTheHandOnlyWhileItIsAskedTo) {
   ASSERT_TRUE(
       Becomes(peer, [](const json& r) { return r["operating_state"]["state"] == "ENABLED"; }));
 
-  // What the station hears is what another listener in its domain hears.
+  // The station hears what any listener in its domain hears.
   const dds::Participant service = dds::Participant::Service(kDomain, {});
   GuideLink link(service, "hand");
   std::optional<GuideAim> aim;
@@ -166,7 +165,7 @@ TEST_F(CrtkProgram, TakesCommandsAndPullsTheHandOnlyWhileItIsAskedTo) {
     return aim.has_value();
   }));
   peer.Tell("quiet");
-  // Within the guide's own silence the station has let go; the bridge itself adds no aim.
+  // The station lets go once the guide counts as silent; the bridge adds no aim of its own.
   EXPECT_TRUE(Eventually([&] {
     hear();
     return SteadyNanoseconds() - aim_ns > Guide::kSilent_ns;

@@ -1,4 +1,4 @@
-// The type hashes that ROS 2 compares, computed from the message definitions as REP-2016 says.
+// The type hashes that ROS 2 compares, computed from the message definitions by REP-2016.
 #include "client/crtk/crtk_station.h"
 
 #include <cstdio>
@@ -9,7 +9,6 @@
 #include <vector>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <openssl/sha.h>
 
 #include "tests/support/milliseconds.h"
@@ -33,7 +32,7 @@ TEST(RosNames, HaveNoTwoUnderscoresSideBySide) {
   }
 }
 
-/// What a station's guide pulls a hand at rest with, once it has ramped in.
+/// The force with which a station's guide pulls a hand at rest, once it has ramped in.
 Wrench PullOf(const Vec3& force, const Vec3& torque, const GuideLimits& limits) {
   const Pose X_WH{Vec3(0.1, -0.2, 0.3), Quat(0.5, 0.5, -0.5, 0.5)};
   Guide guide(limits);
@@ -115,7 +114,7 @@ TEST(SampleClock, TakesTheFastestWayOfLateAndFollowsAClockThatIsSet) {
 const std::map<std::string, int> kBuiltIn = {
     {"int32", 6}, {"uint32", 7}, {"float64", 11}, {"bool", 15}, {"string", 17}};
 
-/// The .msg files: fields by name, each with its type.
+/// The .msg files: the type of each field, by name.
 using Fields = std::vector<std::pair<std::string, std::string>>;
 const std::map<std::string, Fields> kMessages = {
     {"builtin_interfaces/msg/Time", {{"sec", "int32"}, {"nanosec", "uint32"}}},
@@ -167,7 +166,7 @@ std::string Description(const std::string& message) {
 }
 
 std::string Rihs01(const std::string& message) {
-  std::set<std::string> referenced;  // by name, as the REP orders them
+  std::set<std::string> referenced;  // sorted by name, as the REP demands
   CollectReferenced(message, referenced);
   std::string json =
       "{\"type_description\": " + Description(message) + ", \"referenced_type_descriptions\": [";
@@ -188,7 +187,7 @@ std::string Rihs01(const std::string& message) {
 }
 
 TEST(TypeHash, IsComputedHereAsRos2PublishesIt) {
-  // As ROS 2 Jazzy has them.
+  // As in ROS 2 Jazzy.
   const std::map<std::string, std::string> published = {
       {"std_msgs/msg/String",
        "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18"},

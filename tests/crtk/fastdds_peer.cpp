@@ -44,7 +44,7 @@ using Bytes = std::vector<unsigned char>;
 
 constexpr std::uint32_t kMostBytes = 4096;
 
-/// A message of ROS as its bytes, CDR with its encapsulation.
+/// A ROS message as bytes: CDR with its encapsulation.
 class RawType : public fast::TopicDataType {
  public:
   explicit RawType(const std::string& name) {
@@ -79,7 +79,7 @@ struct Header {
   std::string frame;
 };
 
-/// Reads or writes a message by Fast CDR.
+/// Reads or writes a message with Fast CDR.
 class Message {
  public:
   explicit Message(Bytes& bytes)
@@ -105,7 +105,7 @@ class Message {
   eprosima::fastcdr::Cdr cdr_;
 };
 
-/// A topic that is heard.
+/// A topic to which it listens.
 class Heard : public fast::DataReaderListener {
  public:
   explicit Heard(int numbers) : numbers_(numbers) {}
@@ -139,7 +139,7 @@ class Heard : public fast::DataReaderListener {
  private:
   void Take(Bytes& bytes, std::int64_t now_ns, std::int64_t sequence) {
     ++count_;
-    // The writer's own numbers: what is passed over was lost on the way.
+    // Gaps in the writer's numbers are samples that were lost on the way.
     if (next_ != 0 && sequence > next_) lost_ += sequence - next_;
     next_ = sequence + 1;
     Message message(bytes);
@@ -165,7 +165,7 @@ class Heard : public fast::DataReaderListener {
   std::vector<double> values_, delays_us_;
 };
 
-/// What the writers of the domain say of their types.
+/// The types that the domain's writers announce.
 class Discovery : public fast::DomainParticipantListener {
  public:
   void on_publisher_discovery(fast::DomainParticipant*, rtps::WriterDiscoveryInfo&& info) override {
@@ -221,7 +221,7 @@ int main(int argc, char** argv) {
                 "topic");
   };
 
-  // Quality of service as ROS 2's default.
+  // ROS 2's default quality of service.
   fast::DataReaderQos reads = fast::DATAREADER_QOS_DEFAULT;
   reads.reliability().kind = fast::RELIABLE_RELIABILITY_QOS;
   reads.history().kind = fast::KEEP_LAST_HISTORY_QOS;

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "tests/house/source_tree.h"
 #include "tests/support/read_file.h"
@@ -105,7 +104,7 @@ TEST(Packages, HoldEveryPageThatOneOfThemLeadsTo) {
   }
   EXPECT_THAT(Read("deploy/packages/CMakeLists.txt"),
               HasSubstr("COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/pages README.md"));
-  // Those that messages and units name.
+  // The files that messages and units name.
   for (const auto& [file, page] :
        {std::pair("client/crtk/main.cpp", "client/crtk/README.md"),
         std::pair("deploy/systemd/palpate-roudi.service", "deploy/REALTIME.md"),

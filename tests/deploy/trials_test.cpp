@@ -1,7 +1,6 @@
 // Packages and containers, really installed and run: minutes, root, and a mirror of Debian.
 #include <cstdlib>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/house/source_tree.h"

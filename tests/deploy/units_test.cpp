@@ -1,11 +1,10 @@
-// The units of deploy/systemd, by systemd's own words.
+// The units of deploy/systemd, as systemd judges them.
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <regex>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <unistd.h>
 
 #include "tests/house/source_tree.h"
@@ -19,10 +18,10 @@ using testing::Not;
 namespace fs = std::filesystem;
 
 const fs::path kUnits = PALPATE_SOURCE_DIR "/deploy/systemd";
-/// Of 10, as systemd-analyze security counts what a service could do; an ordinary one has 9.6.
+/// Of 10, by systemd-analyze security: what a service could do.  An ordinary one has 9.6.
 constexpr double kMostExposure = 2.0;
 
-/// The units as they would be installed, with the programs of this build.
+/// The units as installed, with the programs of this build.
 class Units : public testing::Test {
  protected:
   void SetUp() override {

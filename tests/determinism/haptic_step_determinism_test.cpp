@@ -70,7 +70,7 @@ std::uint64_t GoldenRun(FrictionModel friction = FrictionModel::kOff) {
   return Run(parameters, AllOf(rough));
 }
 
-/// The same with soft and rigid slices of 2 mm, and all that counts.
+/// The same with soft and rigid slices of 2 mm, counting every output.
 std::uint64_t GoldenRunOfMaterials() {
   StepParameters parameters;
   parameters.features.compliance = true;
@@ -79,8 +79,8 @@ std::uint64_t GoldenRunOfMaterials() {
   return Run(parameters, slices);
 }
 
-/// A large ellipsoid, and a small one or a box as the tool.  Coarse: without optimisation, and with
-/// sanitizers, a step takes a hundred times as long.
+/// A large ellipsoid, and a small one or a box as the tool.  Coarse, because without optimisation,
+/// or with sanitizers, a step takes a hundred times as long.
 Scene MeshScene(bool box) {
   const auto body = [](TriangleMesh mesh, std::size_t leaves) {
     Body made;
@@ -95,7 +95,7 @@ Scene MeshScene(bool box) {
   return scene;
 }
 
-/// Between meshes: the tools wander over the large ellipsoid.
+/// Between meshes: the tool wanders over the large ellipsoid.
 std::uint64_t GoldenRunOfMeshes(const std::array<Scene, 2>& scenes) {
   BitHash hash;
   for (const Scene& scene : scenes) {
@@ -118,15 +118,15 @@ std::uint64_t GoldenRunOfMeshes(const std::array<Scene, 2>& scenes) {
   return hash.value();
 }
 
-// Debug and Release builds, every SIMD level and every machine give this.  A change of the physics
-// changes it, knowingly; nothing else may.
+// Debug and Release builds, every SIMD level and every machine give this hash.  Only an intended
+// change of the physics may change it.
 constexpr std::uint64_t kGoldenHash = 14194503118701785297u;
 constexpr std::uint64_t kGoldenChapterHash = 14483219452744595238u;
 constexpr std::uint64_t kGoldenCoulombHash = 17059170457642929297u;
 constexpr std::uint64_t kGoldenHashOfMaterials = 11854012951367144443u;
 constexpr std::uint64_t kGoldenHashOfMeshes = 6020891948691176272u;
 
-/// Has `check` run with each of the inner loops that this machine can run.
+/// Runs `check` with each inner loop that this machine supports.
 void AtEverySimdLevel(const std::function<void()>& check) {
   const Kernels* level[3];
   const int levels = AvailableKernels(level);
@@ -148,7 +148,8 @@ TEST(HapticStepDeterminism, GivesTheGoldenBitsAtEverySimdLevel) {
   });
 }
 
-// Apart, so that another core may run it: without optimisation it takes most of a minute.
+// A test of its own, so that another core may run it: without optimisation it takes most of a
+// minute.
 TEST(HapticStepDeterminism, GivesTheGoldenBitsBetweenMeshesAtEverySimdLevel) {
   const std::array<Scene, 2> scenes{MeshScene(false), MeshScene(true)};
   AtEverySimdLevel([&] { EXPECT_EQ(GoldenRunOfMeshes(scenes), kGoldenHashOfMeshes); });

@@ -7,7 +7,6 @@
 
 #include <dlfcn.h>
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "client/station/station_core.h"
 #include "common/error.h"
@@ -15,7 +14,7 @@
 
 namespace palpate::test {
 
-/// A fake of a vendor's library, by the function of that file which gives it.
+/// Loads a fake of a vendor's library; its exported `function` returns the fake.
 template <class Fake>
 Fake& LoadFake(const char* file, const char* function) {
   void* library = dlopen(file, RTLD_NOW);
@@ -27,11 +26,11 @@ Fake& LoadFake(const char* file, const char* function) {
   return *reinterpret_cast<Fake* (*)()>(symbol)();
 }
 
-/// The fake library, as new for each test; a test that violates its rules fails.
+/// Resets the fake library before each test, and fails a test that broke one of its rules.
 template <class Fake, class Device>
 class FakeLibraryTest : public testing::Test {
  protected:
-  /// @param variable  by which the driver finds it.
+  /// @param variable  the environment variable by which the driver finds the library.
   FakeLibraryTest(const char* file, const char* variable, const char* function)
       : fake(LoadFake<Fake>(file, function)) {
     setenv(variable, file, 1);
@@ -63,7 +62,7 @@ struct AnsweredArm {
   template <class... Arguments>
   explicit AnsweredArm(Arguments&&... arguments) : arm(std::forward<Arguments>(arguments)...) {}
 
-  /// A tick of the station's servo loop; `now_ns` is its clock.
+  /// A tick of the station's servo loop at the time `now_ns` of its clock.
   void Tick(std::int64_t now_ns) {
     const OutgoingPose pose = core.Sense(now_ns, true);
     sample = pose.sample;
@@ -84,22 +83,35 @@ struct AnsweredArm {
   Wrench wrench{Vec3(0.0, 2.0, 0.0), Vec3(0.0, 0.0, 0.03)};
   DeviceSample sample;
   std::string news;
-  bool fault_ends_forces = true;  ///< as a station does with a device at fault
+  bool fault_ends_forces = true;  ///< as in a station whose device is at fault
 };
 
-/// How often a text stands in the news.
+/// Runs that many ticks, in none of which the force of the motors may rise by more than 0.05 N.
+/// Returns the last force [N].  `Bench` has Run(ticks) and force().
+template <class Bench>
+double RunWithoutAStep(Bench& bench, int ticks) {
+  double last = 0.0;
+  for (int i = 0; i < ticks; ++i) {
+    bench.Run(1);
+    EXPECT_LE(bench.force(), last + 0.05) << "tick " << i;
+    last = bench.force();
+  }
+  return last;
+}
+
+/// How often `text` occurs in `news`.
 inline int CountOf(const std::string& text, const std::string& news) {
   int count = 0;
   for (std::size_t at = 0; (at = news.find(text, at)) != std::string::npos; ++at) ++count;
   return count;
 }
 
-/// One with motors of a fake, in virtual time; `Bench` has Run(ticks) and a fake.
+/// Runs until the motors render the whole force.  `Bench` is as above.
 template <class Bench>
 bool RunUntilForce(Bench& bench, int most_ticks = 2000) {
   const double all = bench.wrench.force.norm();
-  for (int i = 0; i < most_ticks && bench.fake.MotorForce() < all; ++i) bench.Run(1);
-  return bench.fake.MotorForce() == all;
+  for (int i = 0; i < most_ticks && bench.force() < all; ++i) bench.Run(1);
+  return bench.force() == all;
 }
 
 }  // namespace palpate::test

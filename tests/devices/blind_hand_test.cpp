@@ -17,14 +17,14 @@ Pose At(const Vec3& p, const Vec3& turned = Vec3::Zero()) {
   return {p, RotationExp(turned)};
 }
 
-/// Wall at x = 0 with the tool, a point at p_HT, in front of it, where x < 0.
+/// Where a wall at x = 0 stops the tool, a point at p_HT that stays at x < 0.
 Pose StoppedByWall(const Pose& X_WH, const Vec3& p_HT) {
   Pose X_WG = X_WH;
   X_WG.p.x() -= std::max(0.0, (X_WH * p_HT).x());
   return X_WG;
 }
 
-/// Time passes in front of the wall; or in free space, where there is none.
+/// Lets time pass in front of the wall or, without `wall`, in free space.
 void Pass(BlindHand& hand, const Vec3& p_HT, int ticks, bool wall = true) {
   for (int i = 0; i < ticks; ++i) {
     hand.SeeGraphicTool(wall ? StoppedByWall(hand.pose(), p_HT) : hand.pose(), p_HT);
@@ -81,7 +81,7 @@ TEST(BlindHand, TellsTheVelocityThatItMovesWith) {
 TEST(BlindHand, NeverJumpsWhateverItIsTold) {
   test::Random random(11);
   const Vec3 p_HT(0.05, 0, 0);
-  // Its handle's origin lies 50 mm from the point whose speed is bounded.
+  // The bounded speed is that of a point 50 mm from the handle's origin.
   const double most = kTick * (BlindHand::kMaxSpeed_m_s + 0.05 * BlindHand::kMaxTurn_rad_s);
   BlindHand hand(At(Vec3::Zero()));
   for (int i = 0; i < 50'000; ++i) {
@@ -116,7 +116,7 @@ TEST(BlindHand, PressesNoDeeperThanItMayAndLetsGoOfTheForce) {
 TEST(BlindHand, IsPutBackToTheGraphicToolWhereItsSessionEndsAndWaitsForTheNext) {
   const Vec3 p_HT(0.0, 0.03, 0.0);
   BlindHand hand(At(Vec3(-0.1, 0, 0)));
-  hand.LoseGraphicTool();  // before it has seen it: of no effect
+  hand.LoseGraphicTool();  // it has seen none yet: no effect
   hand.Follow(At(Vec3(0.4, 0, 0)));
   Pass(hand, p_HT, 3000);
   const Pose graphic = StoppedByWall(hand.pose(), p_HT);
@@ -178,7 +178,7 @@ TEST(BlindHand, IsDrivenBackFromAWallWithoutHavingToComeBackFirst) {
   const Vec3 p_HT(0.0, 0.03, 0.0);
   BlindHand hand(At(Vec3(-0.01, 0, 0)));
   hand.Drive({Vec3(0.2, 0, 0), Vec3::Zero()});
-  Pass(hand, p_HT, 10'000);  // ten seconds against the wall: 2 m, were it not held back
+  Pass(hand, p_HT, 10'000);  // ten seconds against the wall: 2 m if nothing held it back
   EXPECT_TRUE(hand.held_back());
   EXPECT_NEAR(hand.pose().p.x(), BlindHand::kMaxPress_m, 1e-6);
   hand.Drive({Vec3(-0.2, 0, 0), Vec3::Zero()});

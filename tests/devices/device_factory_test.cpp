@@ -16,8 +16,7 @@ namespace palpate {
 namespace {
 
 PoseScript Still() {
-  Pose at;
-  at.p = Vec3(0.0, 0.0, 0.1);
+  const Pose at{Vec3(0.0, 0.0, 0.1), Quat::Identity()};
   return PoseScript({{0.0, at, "hold"}, {1.0, at, "hold"}});
 }
 
@@ -84,10 +83,8 @@ TEST(DeviceFactory, MakesTheModelAtTheRateThatItIsAskedFor) {
 
 TEST(DeviceFactory, PlaysAScriptOfTheSceneInWhateverWorkspace) {
   DeviceOptions options = Of("scripted");
-  Pose a, b;
-  a.p = Vec3(0.1, 0.2, 0.3);
-  a.q = RotationExp(Vec3(0.3, -0.2, 0.1));
-  b.p = Vec3(0.15, 0.1, 0.3);
+  const Pose a{Vec3(0.1, 0.2, 0.3), RotationExp(Vec3(0.3, -0.2, 0.1))};
+  const Pose b{Vec3(0.15, 0.1, 0.3), Quat::Identity()};
   options.script = PoseScript({{0.0, a, ""}, {0.1, b, ""}});
   options.workspace.emplace();
   options.workspace->scale = 3.0;

@@ -4,9 +4,9 @@
 
 namespace palpate {
 
-/// A limiter that lets all through: of a device with bounds so wide, enabled so long ago, that each
-/// wrench up to 100 N and 100 N m comes out as it went in.  The only way for a test, too, to
-/// command a device.
+/// A limiter that passes everything: its device has such wide bounds, and was enabled so long ago,
+/// that each wrench up to 100 N and 100 N m comes out as it went in.  Tests, too, can only command
+/// a device through a limiter.
 class OpenLimiter {
  public:
   OpenLimiter() : limiter_(WrenchLimits::Of(Wide())) {
@@ -32,7 +32,7 @@ class OpenLimiter {
   WrenchLimiter limiter_;
 };
 
-/// The same for one wrench.
+/// Passes one wrench.
 inline LimitedWrench PassThrough(const Wrench& wrench) {
   static const OpenLimiter past_its_ramps;
   OpenLimiter limiter = past_its_ramps;

@@ -12,9 +12,7 @@ namespace palpate {
 namespace {
 
 PoseScript OneWay() {
-  Pose there;
-  there.p = Vec3(0.2, 0.1, 0.0);
-  there.q = RotationExp(Vec3(0.0, 0.0, 1.0));
+  const Pose there{Vec3(0.2, 0.1, 0.0), RotationExp(Vec3(0.0, 0.0, 1.0))};
   return PoseScript({{0.0, Pose{}, "go"}, {1.0, there, "stay"}});
 }
 
@@ -34,13 +32,13 @@ TEST(ScriptPlayer, RepeatsWithoutAJump) {
     fastest = std::max(fastest, (now.p - before.p).norm() / 1e-3);
     fastest_turn = std::max(fastest_turn, RotationLog(now.q * before.q.conjugate()).norm() / 1e-3);
   }
-  EXPECT_LT(fastest, 0.5);  // the outward way: 0.22 m in 1 s, times 1.875
+  EXPECT_LT(fastest, 0.5);  // on the way out: 0.22 m in 1 s, times 1.875
   EXPECT_LT(fastest_turn, 3.0);
   EXPECT_STREQ(player.LabelAt(1.5), "return");
 }
 
 TEST(ScriptPlayer, GivesTheVelocityOfItsPoses) {
-  // Minimum jerk: in the middle of 1 s the speed is 1.875 times the mean, in place and in turn.
+  // Minimum jerk: in the middle of 1 s, speed and turn rate are 1.875 times their means.
   const ScriptPlayer player(OneWay(), false);
   const Twist middle = player.VelocityAt(0.5);
   EXPECT_NEAR(middle.v.x(), 1.875 * 0.2, 1e-5);
@@ -48,8 +46,7 @@ TEST(ScriptPlayer, GivesTheVelocityOfItsPoses) {
 }
 
 TEST(ScriptedDevice, PlaysItsScriptExactlyWhateverTheForce) {
-  Pose there;
-  there.p = Vec3(0.1, 0.0, 0.0);
+  const Pose there{Vec3(0.1, 0.0, 0.0), Quat::Identity()};
   const PoseScript script({{0.0, Pose{}, "go"}, {1.0, there, "stay"}});
   ScriptedDevice device(ScriptPlayer(script, false));
   const LimitedWrench push = PassThrough({Vec3(10, 10, 10), Vec3(1, 1, 1)});

@@ -5,7 +5,6 @@
 #include <sstream>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "common/error.h"
 #include "common/math/rotation.h"
@@ -38,7 +37,7 @@ TEST(PhantomSheets, LeaveNothingOutThatASimulationNeeds) {
     EXPECT_GT(info.max_stiffness_N_m, 0.0);
     EXPECT_GT(sheet.dynamics.mass_kg, 0.0);
     EXPECT_GT(sheet.dynamics.inertia_kg_m2, 0.0);
-    // Friction that the motors do not overcome would hold the handle for ever.
+    // Friction greater than the motors' force would hold the handle for ever.
     EXPECT_LT(sheet.dynamics.coulomb_force_N, info.continuous_force_N);
     if (info.torque_axes > 0) {
       EXPECT_GT(info.max_torque_Nm, info.continuous_torque_Nm);
@@ -126,8 +125,7 @@ TEST(SimulatedHand, BrakesWhatMovesInIt) {
 }
 
 TEST(SimulatedHand, DoesNotBrakeTheMovementThatItWants) {
-  Pose there;
-  there.p = Vec3(0.1, 0, 0);
+  const Pose there{Vec3(0.1, 0, 0), Quat::Identity()};
   const ScriptPlayer script(PoseScript({{0.0, Pose{}, ""}, {1.0, there, ""}}), false);
   const SimulatedHand hand(script, HandImpedance{});
   const Wrench none = hand.WrenchOn(script.At(0.4), script.VelocityAt(0.4), 0.4);
@@ -211,8 +209,7 @@ TEST(SimulatedPhantom, SwingsAtTheFrequencyOfHandAndHandleTogether) {
   HandImpedance impedance;
   impedance.damping_N_s_m = 0.0;
   const HandleDynamics dynamics = Frictionless();
-  Pose off;
-  off.p.x() = 0.01;
+  const Pose off{Vec3(0.01, 0, 0), Quat::Identity()};
   SimulatedPhantom phantom(With(dynamics), HandAt({}, impedance), off);
   const LimitedWrench nothing = PassThrough({});
   int crossings = 0;
@@ -247,9 +244,7 @@ TEST(SimulatedPhantom, LosesEnergyWhenNothingDrivesIt) {
 }
 
 TEST(SimulatedPhantom, ComesToRestInAHandThatHoldsStill) {
-  Pose off;
-  off.p = Vec3(0.02, -0.01, 0.03);
-  off.q = RotationExp(Vec3(0.3, 0.2, -0.4));
+  const Pose off{Vec3(0.02, -0.01, 0.03), RotationExp(Vec3(0.3, 0.2, -0.4))};
   SimulatedPhantom phantom(PhantomPremium30(), HandAt({}), off);
   const LimitedWrench nothing = PassThrough({});
   const HandImpedance k;
@@ -260,7 +255,7 @@ TEST(SimulatedPhantom, ComesToRestInAHandThatHoldsStill) {
   double last = energy();
   for (int i = 0; i < 5000; ++i) {
     phantom.Apply(nothing);
-    ASSERT_LE(energy(), last * (1 + 1e-6)) << i;  // Euler's own ripple
+    ASSERT_LE(energy(), last * (1 + 1e-6)) << i;  // the ripple of Euler's method
     last = energy();
   }
   EXPECT_EQ(phantom.kinetic_energy_J(), 0.0);
@@ -268,9 +263,7 @@ TEST(SimulatedPhantom, ComesToRestInAHandThatHoldsStill) {
 
 TEST(SimulatedPhantom, ReadsOnlyWhatItsEncodersResolve) {
   const DeviceInfo info = PhantomPremium30().info;
-  Pose at;
-  at.p = Vec3(0.0123456789, -0.0987654321, 0.05);
-  at.q = RotationExp(Vec3(0.7, -1.1, 2.0));
+  const Pose at{Vec3(0.0123456789, -0.0987654321, 0.05), RotationExp(Vec3(0.7, -1.1, 2.0))};
   SimulatedPhantom phantom = Free(PhantomPremium30().dynamics, at);
   const Pose read = phantom.Read().X_WH;
   for (int i = 0; i < 3; ++i) {
@@ -311,17 +304,16 @@ TEST(SimulatedPhantom, RollsWithLessTorqueThanItYaws) {
   EXPECT_NEAR(yawed.velocity().w.x(), 0.5 * 1e-3 / inertia, 1e-2);
 }
 
-/// The loop as a station closes it: force from the pose of a millisecond ago, through the limiter.
+/// Closed as a station does: the force is from the pose of a millisecond ago, through the limiter.
 TEST(SimulatedPhantom, RestsAgainstAWallWithoutALimitCycle) {
   const double wall = 1000.0, torsion = 1.0;  // the coupling of the chapter's experiments
   const HandImpedance impedance;
-  Pose wanted;  // 20 mm inside, turned by 0.3 rad against it
-  wanted.p.z() = -0.020;
-  wanted.q = RotationExp(Vec3(0.3, 0, 0));
+  // 20 mm inside the wall, turned by 0.3 rad.
+  const Pose wanted{Vec3(0, 0, -0.020), RotationExp(Vec3(0.3, 0, 0))};
   SimulatedPhantom phantom(PhantomPremium30(), HandAt(wanted), {});
   WrenchLimiter limiter(WrenchLimits::Of(phantom.info()));
   limiter.Enable(true);
-  // Forces ramp in before the hand comes: who is inside by then is not pushed out.
+  // Forces ramp in before the hand arrives: a hand that was inside already is not pushed out.
   for (int i = 0; i < 300; ++i) limiter.Limit({{}, {}, {}, {}, 1e-3, 1e-3, 1e-3});
   Wrench reply;
   double fastest = 0.0;
@@ -333,7 +325,7 @@ TEST(SimulatedPhantom, RestsAgainstAWallWithoutALimitCycle) {
     reply.torque = -torsion * RotationLog(read.q);
     if (i >= 5000) fastest = std::max(fastest, phantom.velocity().v.norm());
   }
-  EXPECT_EQ(fastest, 0.0);  // dry friction holds it: at rest to the last bit
+  EXPECT_EQ(fastest, 0.0);  // held by dry friction: at rest to the last bit
   EXPECT_EQ(phantom.velocity().w, Vec3::Zero());
   // Two springs in series, within the band of dry friction.
   const double force = 0.020 * impedance.stiffness_N_m * wall / (impedance.stiffness_N_m + wall);
@@ -385,9 +377,7 @@ TEST(SimulatedPhantom, RefusesARateThatItCannotKeep) {
 }
 
 TEST(SimulatedPhantom, RepeatsToTheBit) {
-  Pose there;
-  there.p = Vec3(0.05, 0.02, -0.03);
-  there.q = RotationExp(Vec3(0.5, -0.2, 0.9));
+  const Pose there{Vec3(0.05, 0.02, -0.03), RotationExp(Vec3(0.5, -0.2, 0.9))};
   const auto run = [&] {
     SimulatedHand hand(ScriptPlayer(PoseScript({{0.0, Pose{}, "go"}, {1.0, there, "stay"}}), true),
                        HandImpedance{});
@@ -396,8 +386,7 @@ TEST(SimulatedPhantom, RepeatsToTheBit) {
     for (int i = 0; i < 3000; ++i) phantom.Apply(push);
     return phantom.pose();
   };
-  const Pose a = run();
-  const Pose b = run();
+  const Pose a = run(), b = run();
   EXPECT_EQ(a.p, b.p);
   EXPECT_EQ(a.q.coeffs(), b.q.coeffs());
 }

@@ -4,7 +4,6 @@
 #include <fstream>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "common/error.h"
 #include "common/math/rotation.h"
@@ -42,7 +41,7 @@ double Power(const Wrench& wrench, const Twist& V) {
   return wrench.force.dot(V.v) + wrench.torque.dot(V.w);
 }
 
-/// A device that is held where a test says, and shows what it was told.
+/// A device held where the test says, which keeps what it was told.
 class HeldDevice final : public Device {
  public:
   explicit HeldDevice(const DeviceInfo& info) : info_(info) {}
@@ -64,7 +63,7 @@ class HeldDevice final : public Device {
   DeviceInfo info_;
 };
 
-/// A WorkspaceDevice, and the device inside of it.
+/// A WorkspaceDevice and the device inside it.
 struct Pair {
   explicit Pair(const Workspace& workspace, const DeviceInfo& info = PhantomPremium30().info) {
     auto inside = std::make_unique<HeldDevice>(info);
@@ -127,8 +126,8 @@ TEST(Workspace, KeepsPowerAtScaleOneAndDividesItByTheScaleOtherwise) {
   }
 }
 
-/// Once round a loop through a spring in the scene, that couples translation and rotation by a
-/// lever: no work may be done on the hand, at any scale.
+/// Moving once round a loop through a spring in the scene that couples translation and rotation by
+/// a lever does no work on the hand, at any scale.
 TEST(Workspace, KeepsAConservativeSceneConservative) {
   test::Random random(5);
   for (int trial = 0; trial < 20; ++trial) {
@@ -245,7 +244,8 @@ TEST(WorkspaceWalls, PushBackAlongEachAxisAndReachTheirForceAtTheEnd) {
 
 TEST(WorkspaceWalls, NeverPullOutwardsNeverJumpAndAreBounded) {
   test::Random random(8);
-  // Steepest: twice the end's force over the margin; and the end's force over the fade speed.
+  // Steepest slopes: twice the end's force over the margin, and the end's force over the fade
+  // speed.
   const double per_metre = 2.0 * kEnd / kMargin;
   const double per_speed = kEnd / WorkspaceWalls::kFadeSpeed_m_s;
   for (int i = 0; i < 100'000; ++i) {
@@ -262,7 +262,7 @@ TEST(WorkspaceWalls, NeverPullOutwardsNeverJumpAndAreBounded) {
   }
 }
 
-/// Energy taken out of the walls, along any path that begins inside: never above zero.
+/// On any path that begins inside, the walls never give out net energy.
 TEST(WorkspaceWalls, GiveBackNoMoreThanWasPutIn) {
   test::Random random(9);
   const double h = 1e-5;
@@ -289,8 +289,8 @@ TEST(WorkspaceWalls, RefuseAMarginThatLeavesNothing) {
   EXPECT_THROW(WorkspaceWalls(Vec3::Zero(), kReach, 0.1, kEnd), Error);
 }
 
-/// Closed through an arm without friction of its own, sampled at 1 kHz with its encoders: each time
-/// that the handle comes back from a wall it is no faster than it went in.
+/// In a loop with a frictionless arm, sampled at 1 kHz by its encoders: whenever the handle comes
+/// back from a wall it is no faster than it went in.
 TEST(WorkspaceWalls, TakeEnergyFromAnArmThatIsThrownAtThem) {
   for (PhantomSheet sheet : PhantomSheets()) {
     SCOPED_TRACE(sheet.name);
@@ -300,12 +300,10 @@ TEST(WorkspaceWalls, TakeEnergyFromAnArmThatIsThrownAtThem) {
     WorkspaceDevice device(std::move(inside), Workspace{});
     device.Read();
     OpenLimiter limiter;
-    // As fast as the end's force stops within the margin.
+    // Within what the end's force stops over the margin.
     const double speed =
         0.8 * std::sqrt(0.010 * sheet.info.continuous_force_N / sheet.dynamics.mass_kg);
-    while (arm->velocity().v.z() < speed) {
-      device.Apply(limiter.Pass({Vec3(0, 0, 1), Vec3::Zero()}));
-    }
+    while (arm->velocity().v.z() < speed) device.Apply(limiter.Pass({Vec3::UnitZ(), Vec3::Zero()}));
     double energy = arm->kinetic_energy_J();
     const double first = energy;
     int bounces = 0;
@@ -372,14 +370,14 @@ TEST(WorkspaceDevice, ShowsTheGraphicToolToTheDeviceInItsOwnFrame) {
   const Pose X_WG{random.InCube(0.3), random.Rotation()};
   const Vec3 p_HT = random.InCube(0.1);
   pair.device->SeeGraphicTool(X_WG, p_HT);
-  // The reference point is one point, wherever it is looked at from.
+  // The reference point is the same point in either frame.
   const Vec3 in_scene = X_WG * p_HT;
   const Vec3 in_hand = pair.held->graphic * pair.held->reference;
   EXPECT_LT((workspace.ToDevice(Pose{in_scene, Quat::Identity()}).p - in_hand).norm(), 1e-12);
   EXPECT_LT((workspace.ToScene(pair.held->graphic).p - X_WG.p).norm(), 1e-12);
 }
 
-/// A hand that wanders, and presses the clutch whenever it likes.
+/// A hand that wanders, and presses the clutch at random.
 TEST(WorkspaceDevice, NeitherJumpsNorPressesSuddenlyHoweverTheClutchIsUsed) {
   test::Random random(12);
   for (int trial = 0; trial < (test::kOptimised ? 20 : 4); ++trial) {
@@ -484,7 +482,7 @@ TEST(WorkspaceDevice, KeepsItsWallsWhileTheClutchIsHeld) {
 
 TEST(WorkspaceDevice, HasItsWallsWhereTheDeviceReachesUnlessItIsToldWhere) {
   DeviceInfo info = PhantomPremium30().info;
-  info.workspace_centre_m = Vec3(0.0, 0.05, -0.02);  // an arm's zero is seldom its middle
+  info.workspace_centre_m = Vec3(0.0, 0.05, -0.02);  // an arm's zero is seldom in the middle
   const auto felt_at = [](Pair& pair, const Vec3& p_DH) {
     pair.held->sample.X_WH.p = p_DH;
     pair.device->Read();

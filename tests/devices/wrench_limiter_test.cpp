@@ -59,17 +59,15 @@ TEST(WrenchLimits, AreTightenedByAForceAndNeverLoosened) {
   EXPECT_EQ(WrenchLimits::Of(info, 0.5).bounds().led_force_N, 0.5);
   EXPECT_EQ(WrenchLimits::Of(info, 50.0).force_N(), 22.0);
   EXPECT_EQ(WrenchLimits::Of(info, 50.0).torque_Nm(), 0.515);
-  for (const double none : {0.0, -1.0, kNan}) {
-    EXPECT_THROW(WrenchLimits::Of(info, none), Error);
-  }
+  for (const double none : {0.0, -1.0, kNan}) EXPECT_THROW(WrenchLimits::Of(info, none), Error);
 }
 
-/// A handle that is held still, and replies that are as old as the silence since.
+/// A handle held still, with replies as old as the silence.
 LimiterInput Input(const Wrench& wanted, double age_s, double dt_s) {
   return {wanted, {}, {}, {}, age_s, age_s, dt_s};
 }
 
-/// A limiter in the middle of a session: enabled, replies fresh, ramps over.
+/// A limiter in the middle of a session: enabled, with fresh replies and its ramps over.
 WrenchLimiter Running(const Wrench& wrench) {
   WrenchLimiter limiter(PhantomLimits());
   limiter.Enable(true);
@@ -81,7 +79,7 @@ Wrench Force(double x, double y = 0.0, double z = 0.0) {
   return {Vec3(x, y, z), Vec3::Zero()};
 }
 
-/// PALPATE_LIMITER_INPUTS=100000000 tries for long.
+/// PALPATE_LIMITER_INPUTS=100000000 makes a long run.
 std::uint64_t InputsToTry() {
   const char* const asked = std::getenv("PALPATE_LIMITER_INPUTS");
   if (asked != nullptr) return std::strtoull(asked, nullptr, 10);
@@ -98,7 +96,7 @@ TEST(WrenchLimiter, KeepsItsLimitsWhateverItIsGiven) {
     EXPECT_LE(tally.torque, 1.0);
     EXPECT_LE(tally.force_slew, 1.0);
     EXPECT_LE(tally.torque_slew, 1.0);
-    // It came near, and met every stage.
+    // It came near the limits, and every stage acted.
     EXPECT_GT(tally.force, 0.99);
     EXPECT_GT(tally.force_slew, 0.8);
     const LimiterCounts& counts = tally.counts;
@@ -180,8 +178,7 @@ TEST(WrenchLimiter, KeepsContactAndGuideTogetherWithinThePeak) {
 }
 
 TEST(WrenchLimiter, IsNotReplacedByOneThatCanBeSwitchedOff) {
-  // What a device takes is made by WrenchLimiter alone; the chain without a controller gives a
-  // Wrench.
+  // Only WrenchLimiter makes what a device takes; the chain without a controller returns a Wrench.
   static_assert(!std::is_constructible_v<LimitedWrench, const Wrench&>);
   static_assert(!std::is_default_constructible_v<LimitedWrench>);
   static_assert(!std::is_default_constructible_v<WrenchLimits>);

@@ -1,8 +1,7 @@
-// The program on this host, whatever it is, and the loop that it tries.
+// The program on this host, whatever it is like, and the loop that it tries.
 #include <csignal>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "client/doctor/checks.h"

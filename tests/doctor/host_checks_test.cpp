@@ -67,7 +67,7 @@ TEST(Scheduling, IsGrantedOrRefusedByWhatIsNamed) {
   EXPECT_THAT(by_limit, IsFault("ulimit -r is 0, and CAP_SYS_NICE is missing",
                                 "/etc/security/limits.d/palpate.conf"));
   EXPECT_THAT(by_limit, IsFault("", "adduser $USER palpate"));
-  for (const std::string where : {"/lab", ""}) {  // on the host, and in a container of the group
+  for (const std::string where : {"/lab", ""}) {  // on the host, and in a container
     const std::string file = "/sys/fs/cgroup/cpu" + where + "/cpu.rt_runtime_us";
     EXPECT_THAT(Check({.rtprio = 0}, kNice,
                       {{"/proc/self/cgroup", "9:name=systemd:/lab\n1:cpu,cpuacct:/lab\n0::/\n"},
@@ -110,7 +110,7 @@ const std::string kCpu = "/sys/devices/system/cpu";
 
 class Processor : public testing::Test {
  protected:
-  /// Files below kCpu.
+  /// Writes files below kCpu.
   void Has(const std::map<std::string, std::string>& texts) const {
     for (const auto& [file, text] : texts) host.Write(kCpu + "/" + file, text + "\n");
   }

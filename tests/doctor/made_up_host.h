@@ -6,14 +6,13 @@
 #include <string>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "client/doctor/checks.h"
 #include "tests/support/folder.h"
 
 namespace palpate::doctor {
 
-/// A host of the test's own: a folder with the files that a check reads.
+/// A made-up host: a folder with the files that a check reads.
 class MadeUpHost {
  public:
   explicit MadeUpHost(const std::map<std::string, std::string>& texts = {}) {
@@ -36,7 +35,7 @@ inline void PrintTo(const Finding& finding, std::ostream* out) {
   *out << static_cast<int>(finding.status) << ": " << finding.found << " -> " << finding.remedy;
 }
 
-/// A finding with these words in it; a remedy stands where it is not ok, and there alone.
+/// Matches a finding with these words, which has a remedy exactly if it is not ok.
 inline testing::Matcher<Finding> Is(Status status, const std::string& found = "",
                                     const std::string& remedy = "") {
   using testing::Field, testing::HasSubstr;

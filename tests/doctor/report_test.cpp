@@ -1,7 +1,6 @@
 #include "client/doctor/report.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 namespace palpate::doctor {

@@ -82,7 +82,7 @@ TEST_F(Device, ThatIsNotNamedIsNoFault) {
   EXPECT_THAT(Check("simulated", kLoadsNot), IsOk());
 }
 
-/// Wake-ups that are 5 us late, and then some more.
+/// Wake-ups that are 5 us late and sometimes later.
 Finding Check(int wake_ups, std::initializer_list<std::int64_t> late_us, std::uint64_t missed = 0) {
   Jitter jitter{.lateness = {}, .missed = missed};
   for (int i = 0; i < wake_ups; ++i) jitter.lateness.Add(5'000);
@@ -101,7 +101,7 @@ TEST(Jitter, IsJudgedByWhatIsGoneOfAMillisecondOnceASecondAndByTheWorst) {
 TEST(Jitter, IsMeasuredOfEachMillisecondWokenUpForOrMissed) {
   StopSignal stop;
   const Jitter jitter = MeasureJitter(0.3, {}, stop);
-  // Not one of 300 is left out: it was woken up for, or missed; the last may be after the end.
+  // Each of the 300 was either woken up for or missed; the last may come after the end.
   EXPECT_NEAR(static_cast<double>(jitter.lateness.count() + jitter.missed), 299.0,
               2.0 + static_cast<double>(jitter.missed));
 }
@@ -165,7 +165,7 @@ using dds::Transport;
 constexpr const char* kPools = "/usr/share/palpate/roudi.toml";
 constexpr long long kUser = 1000;
 
-/// RouDi, as far as a host shows it.
+/// What a host shows of RouDi.
 class MadeUpRouDi : public testing::Test {
  protected:
   MadeUpRouDi() { host.Write("/tmp/x", ""); }
@@ -251,7 +251,7 @@ TEST(RouDi, OfAnotherUserIsToldWithTheGroup) {
   EXPECT_THAT(CheckRouDi(roudi, Transport::kSharedMemory, kUser, kPools), IsFault());
 }
 
-TEST(SharedMemory, MustHoldRouDisPoolsUnlessItHasThemAlready) {
+TEST(SharedMemory, MustBeThereAndHoldRouDisPoolsUnlessItHasThemAlready) {
   const Space container{.size_MB = 64, .free_MB = 64};
   EXPECT_THAT(CheckSharedMemory(container, false, Transport::kSharedMemory),
               IsFault("64 of 64 MB free: RouDi needs 117 MB", "--shm-size 256m"));
@@ -261,9 +261,6 @@ TEST(SharedMemory, MustHoldRouDisPoolsUnlessItHasThemAlready) {
   EXPECT_THAT(CheckSharedMemory(Space{8000, 3}, false, Transport::kSharedMemory),
               IsFault("", "ls -l /dev/shm"));
   EXPECT_THAT(CheckSharedMemory(Space{8000, 7000}, false, Transport::kAuto), IsOk());
-}
-
-TEST(SharedMemory, ThatIsNotThereIsAFault) {
   MadeUpHost host;
   EXPECT_FALSE(SpaceIn(host.files, "/dev/shm"));
   EXPECT_TRUE(SpaceIn(host.files, ""));

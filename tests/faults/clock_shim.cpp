@@ -1,6 +1,7 @@
-// A library to be preloaded into a program, whose wall clock then steps as a test says, and nothing
-// else: CLOCK_REALTIME as it is read, and as it is waited for.  Without the second a wait until a
-// time of the false clock would last an hour by the kernel's, as no step of a real clock makes it.
+// A library to preload into a program: the program's wall clock, and nothing else, then steps as a
+// test says.  Covers reading CLOCK_REALTIME and waiting for a time of it: without the second, a
+// wait until a time of the stepped clock would last an hour by the kernel's, which no step of a
+// real clock causes.
 #include "tests/faults/clock_shim.h"
 
 #include <algorithm>
@@ -22,10 +23,10 @@ namespace {
 using palpate::faults::SteppedClock;
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
-/// A wait looks so often whether the clock has stepped: what a kernel's does at once.
+/// How often a wait checks whether the clock has stepped, which a kernel's wait notices at once.
 constexpr std::int64_t kLook_ns = 10'000'000;
-/// A condition variable does not tell which clock it waits by; CLOCK_MONOTONIC counts from the
-/// host's start, and is not that old.
+/// Tells the clocks of a wait apart, as a condition variable does not say which it uses:
+/// CLOCK_MONOTONIC counts from the host's start, and no host has run this long.
 constexpr std::time_t kSince1970_s = 1'000'000'000;
 
 SteppedClock* Map() {
@@ -39,7 +40,7 @@ SteppedClock* Map() {
   return place == MAP_FAILED ? nullptr : static_cast<SteppedClock*>(place);
 }
 
-// Set once, before main: programs ask for the time before that, and get the right one.
+// Set once before main; programs that ask for the time even earlier get the true one.
 SteppedClock* stepped = nullptr;
 using ClockGetTime = int (*)(clockid_t, timespec*);
 ClockGetTime next_clock_gettime = nullptr;
@@ -72,7 +73,7 @@ std::int64_t WallNs() {
 }
 
 /// Waits by the stepped clock as a kernel does by its own.
-/// @param wait  until a time of the steady clock; gives an errno, or 0.
+/// @param wait  waits until a time of the steady clock; returns an errno, or 0.
 template <class Wait>
 int WaitUntil(const timespec& until, const Wait& wait) {
   for (;;) {

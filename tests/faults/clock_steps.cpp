@@ -45,9 +45,9 @@ class Clock {
   SteppedClock* shared_ = nullptr;
 };
 
-/// The poses as they were recorded, through the physics once more, by a process whose clock is
-/// right: every bit of every wrench is the same.  The hand itself is no judge of that: where a busy
-/// machine holds a reply up, its force fades for a moment, and it sinks in and comes back.
+/// Computes the recorded poses once more, in a process whose clock is right: every wrench has the
+/// same bits.  The hand cannot judge that: where a busy machine holds a reply up, its force fades
+/// for a moment, and it sinks in and comes back.
 Finding NoWrenchChanges(const std::string& file) {
   Finding finding{"no wrench is another than with a right clock", "", false};
   test::Program replay(test::OwnFolder() + "/palpate-replay", {"--verify", file});

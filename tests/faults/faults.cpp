@@ -50,7 +50,7 @@ Findings StationKilled(int domain) {
   Wait(1.0);
   lab.station->Signal(SIGKILL);
   const auto successor = lab.AnotherStation("next", "cube");
-  // It is refused while the server does not know yet, and then a person starts it again.
+  // It is refused until the server notices; then a person would start it again.
   Finding free{"its tool is free for another", "", false};
   auto next = lab.AnotherStation("other", "cube");
   for (int i = 0; i < 10 && !free.held; ++i) {
@@ -145,8 +145,8 @@ Findings DiskFull(int domain) {
   return findings;
 }
 
-/// This process's, until its end (tests/support/roudi.h).  Only one can run on a host.  Null,
-/// with the word that says so: another does.
+/// This process's RouDi, until the process ends (tests/support/roudi.h).  Only one can run on a
+/// host: null, with a finding that says so, if another does.
 RouDi* OwnRouDi(Findings& findings) {
   static std::unique_ptr<RouDi> roudi;
   if (!roudi && RouDi::AnotherRuns()) {
@@ -176,7 +176,7 @@ Findings RouDiKilled(int domain) {
   findings.push_back(Undisturbed(lab, before));
   findings.push_back(Lives("the server", *lab.server));
   findings.push_back(Says("the server says what to do", *lab.server, "RouDi has ended"));
-  // As systemd does; the last fault that uses RouDi, for this one ends with it.
+  // systemd would start it again.  The last fault that uses RouDi, which ends with this one.
   test::Program successor = AnotherRouDi();
   lab.server->Signal(SIGTERM);
   lab.server->Exit(30.0);
@@ -200,7 +200,7 @@ Findings NoMemory(int domain) {
           {"--scene", "bunny-bunny"},
           {"/bin/sh", "-c", std::string("ulimit -v ") + kilobytes + "; exec \"$0\" \"$@\""});
     } catch (const Error& error) {
-      // A program that is killed, or aborts, says nothing of memory.
+      // A program that is killed or aborts does not say that memory is missing.
       const std::string said = error.what();
       finding.held = said.find("there is not enough memory") != std::string::npos;
       finding.found = finding.held ? "it says that there is not enough memory" : said;

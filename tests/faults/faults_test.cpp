@@ -1,12 +1,11 @@
-// Each fault of the harness is a test of its own, but for a server that dies or stands still, which
-// tests/link looks at; the table of them all is by hand.
+// Each fault of the harness is a test of its own, except for a server that dies or stalls, which
+// tests/link covers.  The table of all faults is made by hand.
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <unistd.h>
 
 #include "tests/support/program.h"
@@ -37,10 +36,10 @@ INSTANTIATE_TEST_SUITE_P(Each, Faults,
                                          "hostile-samples", "hostile-port", "slow-loris",
                                          "scene-swapped", "two-servers"),
                          NameOf);
-// For these a RouDi of their own runs: each in a process of its own.
+// These run a RouDi of their own, so each has a process of its own.
 INSTANTIATE_TEST_SUITE_P(RouDi, Faults, testing::Values("two-roudis", "roudi-killed"), NameOf);
 
-// The programs start in another /tmp.
+// The programs run with another /tmp, where a build below /tmp has to be found as well.
 TEST(FaultsProgram, ShowsThatSharedMemoryIsTooSmallToABuildThatLiesInTmp) {
   namespace fs = std::filesystem;
   const fs::path within = fs::path(OwnFolder()).lexically_relative(PALPATE_SOURCE_DIR);

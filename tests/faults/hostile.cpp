@@ -4,9 +4,7 @@
 #include <chrono>
 #include <cstring>
 #include <limits>
-#include <memory>
 #include <thread>
-#include <vector>
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -62,7 +60,7 @@ class Anything {
   Random random_;
 };
 
-/// The station that has a session, and its run; both are public.
+/// The station that has a session, and its run: both are public.
 struct Victim {
   std::string station = "hand";
   std::uint64_t run = 0, server_run = 0;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
-#include <cstdio>
 #include <thread>
 
 #include <spdlog/fmt/fmt.h>
@@ -116,7 +115,7 @@ void Lab::StartRecorder() {
 }
 
 bool Lab::Answers(double seconds) {
-  // A line a second tells of the replies: two of them, so that one is wholly later than now.
+  // The table has a line a second: of two lines, the second is about a time after this call.
   return station->Says(" Hz", seconds) && station->Says(" Hz", seconds) && station->Runs();
 }
 

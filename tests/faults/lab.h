@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -12,7 +11,7 @@
 
 namespace palpate::faults {
 
-/// What one fault had to leave true, and whether it did.
+/// Something that had to hold, and whether it did.
 struct Finding {
   std::string must;   ///< "the station resumes by itself"
   std::string found;  ///< "after 0.4 s"
@@ -20,30 +19,30 @@ struct Finding {
 };
 
 /// A laboratory of real programs in a domain and a folder of its own: a server, a station whose
-/// simulated hand presses on a cube, a gateway and a recorder.  Each is started when it is asked
-/// for, and killed with the laboratory.
+/// simulated hand presses on a cube, a gateway and a recorder.  Each is started on demand, and
+/// killed with the laboratory.
 class Lab {
  public:
-  /// @param transport  udp, or shm (then a RouDi must run).
+  /// @param transport  udp or shm; shm needs a running RouDi.
   explicit Lab(int domain, std::string transport = "udp");
   ~Lab();
   Lab(const Lab&) = delete;
   Lab& operator=(const Lab&) = delete;
 
-  /// From now on a program of that name ("palpate-server") starts with these words before its own,
-  /// as of another program that runs it.
+  /// From now on starts the program of that name ("palpate-server") with these words before its
+  /// own, as an argument of the program that they name.
   void StartWith(const std::string& program, std::vector<std::string> words) {
     start_with_[program] = std::move(words);
   }
 
-  /// Each throws Error, with what the program said, where it does not come up.
+  /// Each throws Error with the program's output if it does not come up.
   /// @param before  words before all others, as of a shell that limits it.
   void StartServer(const std::vector<std::string>& more = {},
                    const std::vector<std::string>& before = {});
   void StartStation(const std::vector<std::string>& more = {});
   void StartGateway();
   void StartRecorder();
-  /// A second station, of which nothing is asked but that it has a session.
+  /// A second station, whose only task is to get a session.
   std::unique_ptr<test::Program> AnotherStation(const std::string& id, const std::string& scene);
 
   std::unique_ptr<test::Program> server, station, gateway, recorder;
@@ -52,15 +51,15 @@ class Lab {
   std::filesystem::path folder() const { return folder_; }
   int domain() const { return domain_; }
 
-  /// True once the station has more than that of its poses answered: the loop runs.
+  /// True once the station has more of its poses answered: the loop runs.
   bool Answers(double seconds = 30.0);
-  /// Seconds until the station says that its session has resumed; negative: it does not in 60 s.
+  /// Seconds until the station says that its session has resumed; negative: not within 60 s.
   double SecondsUntilResumed();
-  /// What of a path the gateway answers with 200; empty: nothing.
+  /// What the gateway answers to a path with 200; empty: it does not.
   std::string Get(const std::string& path) const;
 
-  /// Ends the station and looks at every tick that its hand has felt: no change beyond the slew
-  /// limit, no force later than 27 ms of silence by the limiter's count.
+  /// Ends the station and checks every tick that its hand felt: no change beyond the slew limit,
+  /// and no force later than 27 ms into a silence, by the limiter's count.
   Finding JudgeTheHand();
 
  private:
@@ -79,14 +78,14 @@ std::string Seconds(double seconds);
 
 using Findings = std::vector<Finding>;
 
-// What several faults look at.
+// Checks that several faults share.
 
 void Wait(double seconds);
 Finding Lives(const std::string& who, test::Program& program);
 Finding LoopRuns(Lab& lab);
 Finding Resumes(Lab& lab);
-/// What happened to others is nothing to the loop.
-/// @param said_before  what the station had said until then.
+/// The loop does not notice what happens to others.
+/// @param said_before  the station's output before it happened.
 Finding Undisturbed(Lab& lab, const std::string& said_before);
 Finding Says(const std::string& must, test::Program& program, const std::string& text);
 Finding EndsInOrder(const std::string& who, test::Program& program);

@@ -1,5 +1,5 @@
-// fault_harness: what goes wrong in a laboratory, done to the real programs, and what must be true
-// nevertheless; as a table.
+// fault_harness: does what can go wrong in a laboratory to the real programs, and prints a table of
+// what had to hold nevertheless.
 #include <cstdio>
 #include <optional>
 
@@ -32,7 +32,7 @@ struct Options {
   std::string log_level = "warn";
 };
 
-/// Rows that did not hold.
+/// Prints a fault's findings; returns how many did not hold.
 int Print(const std::string& name, const std::string& story, const std::vector<Finding>& findings) {
   int broken = 0;
   std::printf("%s: %s\n", name.c_str(), story.c_str());
@@ -45,7 +45,7 @@ int Print(const std::string& name, const std::string& story, const std::vector<F
   return broken;
 }
 
-/// What a fault finds; a program that does not come up is a finding, too.
+/// Runs a fault; that a program does not come up is a finding, too.
 std::vector<Finding> Try(const std::function<std::vector<Finding>()>& run) {
   try {
     return run();

@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kRounds = 6;
 
-/// The lab's station's poses, heard beside the recorder.
+/// Hears the poses of the lab's station, like the recorder.
 class Wire {
  public:
   explicit Wire(int domain)
@@ -45,7 +45,7 @@ class Wire {
   Wire(const Wire&) = delete;
   Wire& operator=(const Wire&) = delete;
 
-  /// When the station took the newest pose that has been heard, by its clock.
+  /// When the station sampled the newest pose heard, by its clock.
   std::int64_t newest_ns() const { return newest_ns_.load(std::memory_order_relaxed); }
 
  private:
@@ -55,7 +55,7 @@ class Wire {
   dds::Reader<wire::HapticPose> poses_;
 };
 
-/// The same of the last pose in a recording; 0: there is none.
+/// When the last pose in a recording was sampled; 0: there is none.
 std::int64_t NewestIn(const std::string& file) {
   RecordingReader reader({file});
   RecordedSample sample{};
@@ -82,7 +82,7 @@ Findings RecorderKilled(int domain) {
   for (int i = 0; i < kRounds; ++i) {
     std::filesystem::remove(lab.recording());
     lab.StartRecorder();
-    // Other parts of the time between two flushes, whatever that is.
+    // At different times between two flushes.
     Wait(2.0 + 0.07 * i);
     const std::int64_t newest_ns = wire.newest_ns();
     lab.recorder->Signal(SIGKILL);

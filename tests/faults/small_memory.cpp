@@ -10,8 +10,8 @@
 namespace palpate::faults {
 namespace {
 
-/// RouDi's socket and lock stand in /tmp, so that has to be another one, too; what the programs
-/// need of the old one stays in its place there, with all beside it.  $1: size of /dev/shm; then
+/// RouDi's socket and lock lie in /tmp, so /tmp is replaced as well; what the programs need of the
+/// old one is mounted at its old place, with everything beside it.  $1: size of /dev/shm; then the
 /// paths of what they need.
 constexpr const char* kMounts = R"(
 set -e
@@ -32,7 +32,7 @@ echo mounted
 exec sleep 3600
 )";
 
-/// A mount namespace with a /dev/shm and a /tmp of its own, in which a laboratory's programs start.
+/// A mount namespace with a /dev/shm and a /tmp of its own, in which a laboratory's programs run.
 class OwnMemory {
  public:
   OwnMemory(Lab& lab, const std::string& size)
@@ -63,7 +63,7 @@ class OwnMemory {
   test::Program RouDi() const {
     return Run({"/usr/bin/iox-roudi", "-c", PALPATE_SOURCE_DIR "/deploy/cyclonedds/roudi.toml"});
   }
-  /// Takes all that is left.  Returns how much that was [bytes].
+  /// Fills the memory that is left; returns how much that was [bytes].
   std::size_t Fill() const {
     const std::string block(65536, 'x');
     std::ofstream file(fmt::format("/proc/{}/root/dev/shm/full", holder_.id()));
@@ -86,7 +86,7 @@ class OwnMemory {
   std::optional<std::vector<std::string>> words_;
 };
 
-/// Every program serves; where one does not come up, Lab throws with what it says.
+/// Checks that every program serves; if one does not come up, Lab throws with its output.
 void AllServe(Lab& lab, Findings& findings) {
   lab.StartServer();
   lab.StartGateway();
@@ -151,7 +151,7 @@ Findings SharedMemoryFills(int domain) {
   findings.push_back(Lives("the server", *lab.server));
   findings.push_back(Lives("RouDi", roudi));
   findings.push_back(lab.JudgeTheHand());
-  // All anew, in what is left.
+  // Restarts everything in what is left.
   lab.station.reset();
   lab.server->Signal(SIGTERM);
   lab.server->Exit(30.0);

@@ -13,21 +13,22 @@ namespace {
 
 using Paths = std::vector<std::string>;
 
-/// What the files of a folder (or one file) may include; the longest path that fits a file counts.
+/// What the files of a folder (or one file) may include; the longest path that matches a file
+/// applies.
 struct Rule {
   std::string who;
   Paths project;    ///< folders and files of the project
-  Paths not_these;  ///< taken out of `project`
-  Paths libraries;  ///< by the names in kLibraries
+  Paths not_these;  ///< exceptions from `project`
+  Paths libraries;  ///< named as in kLibraries
 };
 
 // tests/ has no rule: a test may look at anything.
 const std::vector<Rule> kRules = {
-    // Types that travel depend on nothing.
+    // The wire types depend on nothing.
     {"idl", {}, {}, {}},
     {"common", {"common"}, {"common/dds"}, {"Eigen", "spdlog"}},
-    // What all programs' command lines share, and their log; of DDS the range of domains and where
-    // to look, but not its library.
+    // What all programs' command lines and logs share.  Of DDS it has the range of domains and
+    // where to look, not the library.
     {"common/program/command_line.h",
      {"common/program/realtime.h", "common/program/log.h", "common/dds/network.h"},
      {},
@@ -38,30 +39,30 @@ const std::vector<Rule> kRules = {
       "common/text/lower_case.h", "common/text/nearest_word.h", "common/text/wrapped.h"},
      {},
      {"CLI11"}},
-    // What a scene's name and its content have in common, for whoever takes one in.
+    // How a scene's name and its content belong together, for whoever receives one.
     {"common/files/bundle_hash.cpp",
      {"common/files/bundle_hash.h", "common/error.h"},
      {},
      {"xxHash"}},
-    // The one place that knows Cyclone DDS: everybody else sees typed readers and writers.
+    // The only place that knows Cyclone DDS: all others see typed readers and writers.
     {"common/dds", {"common", "idl"}, {}, {"Eigen", "spdlog", "Cyclone DDS", "OpenSSL"}},
-    // Files alone: who wants them need not know DDS.
+    // Only files: their readers need not know DDS.
     {"common/mcap", {"common"}, {"common/dds"}, {"zlib", "zstd"}},
-    // What the project puts into them: samples, as DDS serialises them.
+    // What the project stores in them: samples, as DDS serialises them.
     {"common/recording", {"common"}, {}, {"Eigen", "spdlog"}},
-    // The one place that names metrics, and that gives them to Prometheus: in its text format, by
+    // The only place that names metrics and serves them to Prometheus: in its text format, by
     // Boost's HTTP server.
     {"common/metrics", {"common"}, {"common/dds"}, {"Eigen", "spdlog", "Prometheus", "Boost"}},
     {"common/http/boost_source.cpp", {}, {}, {"Boost"}},
     {"common/http/host_name.cpp", {"common/http/host_name.h", "common/text"}, {}, {}},
-    // What people write, for scenes and devices alike.
+    // Files that people write, for scenes and devices alike.
     {"common/json", {"common"}, {"common/dds"}, {"Eigen", "spdlog", "nlohmann-json"}},
     {"scenes",
      {"common", "scenes", "idl/scene_generated.h"},
      {"common/dds"},
      {"Eigen", "spdlog", "nlohmann-json", "FlatBuffers", "xxHash", "libpng"}},
-    // Readers stay in one small program; zlib for meshes that come as .gz.  assimp's headers and
-    // its many formats are there for 3DS alone.
+    // Readers stay in one small program; zlib is for meshes that come as .gz.  assimp, with its
+    // headers and many formats, is there for 3DS only.
     {"scenes/importer", {"common", "scenes"}, {"common/dds"}, {"Eigen", "spdlog", "zlib"}},
     {"scenes/importer/3ds_reader.cpp",
      {"common/error.h", "scenes/importer"},
@@ -73,13 +74,13 @@ const std::vector<Rule> kRules = {
       "scenes/sphere_packet.h", "scenes/grid", "scenes/effects"},
      {"common/dds"},
      {"Eigen"}},
-    // scene.h and no more of scenes: a session's model is made from a scene's trees and coupling,
-    // and from nothing that reads files.
+    // Of scenes only scene.h: a session's model is made from a scene's trees and coupling, and from
+    // nothing that reads files.
     {"server/session",
      {"common", "server/physics", "server/session", "scenes/scene.h", "scenes/grid"},
      {},
      {"Eigen", "spdlog"}},
-    // What others link into programs of their own: Eigen, and nothing else of anybody's.
+    // What others link into their programs: Eigen, and no other library.
     {"server/library",
      {"common", "scenes", "server/physics", "server/library"},
      {"common/dds"},
@@ -97,22 +98,20 @@ const std::vector<Rule> kRules = {
      {"common/dds"},
      {"Eigen", "spdlog", "nlohmann-json", "Boost"}},
     {"devices/spacemouse", {"common", "devices"}, {"common/dds"}, {"Eigen", "spdlog", "spacenav"}},
-    // Neither DDS nor a socket: what a course's people may and did, in SQLite; OpenSSL for tokens,
-    // minizip for what is given to a person.
+    // Neither DDS nor sockets: what the people of a course may do and did, in SQLite; OpenSSL for
+    // tokens, minizip for what a person is given.
     {"client/course",
      {"common", "scenes", "client/course"},
      {"common/dds"},
      {"Eigen", "spdlog", "nlohmann-json", "OpenSSL", "SQLite", "minizip"}},
-    // Never the server or another client; own folder added below.
-    // Boost for its HTTP server and WebSockets (Asio, Beast); OpenSSL for TLS; zlib to give a scene
-    // compressed.
+    // Never the server or another client; the own folder is added below.  Boost for HTTP servers
+    // and WebSockets (Asio, Beast); OpenSSL for TLS; zlib to send a scene compressed.
     {"client/viewer",
      {"common", "client/course", "client/viewer"},
      {},
      {"Eigen", "spdlog", "nlohmann-json", "Boost", "OpenSSL", "zlib"}},
-    // A simulated station is what the load consists of, so this client may use another: the
-    // station.
-    // Boost for the viewers' WebSockets, as in the gateway.
+    // The load consists of simulated stations, so this client may use another: the station. Boost
+    // for the viewers' WebSockets, as in the gateway.
     {"client/load",
      {"common", "scenes", "devices", "client/load", "client/station"},
      {},
@@ -124,8 +123,7 @@ const std::vector<Rule> kRules = {
       "client/python/report_record.h"},
      {},
      {"pybind11"}},
-    // A station like any other, whose hand a program of Python's moves: it runs the station's own
-    // loop.
+    // A station like any other, whose hand a Python program moves: it runs the station's own loop.
     {"client/python/live",
      {"common", "devices", "client/station", "client/python/arrays.h",
       "client/python/held_wrench.h", "client/python/live"},
@@ -133,33 +131,33 @@ const std::vector<Rule> kRules = {
      {"Eigen", "pybind11"}},
     // Programs of other people's.
     {"client/examples", {}, {}, {"Palpate"}},
-    // A force that ROS asks for becomes an aim of the station's guide, by that guide's own figures.
+    // A force that ROS asks for becomes an aim of the station's guide, by the guide's own figures.
     {"client/crtk", {"common", "client/crtk", "client/station/guide.h"}, {}, {"Eigen", "spdlog"}},
     {"client/igtl", {"common", "client/igtl"}, {}, {"Eigen", "spdlog", "OpenIGTLink"}},
     {"client", {"common", "scenes", "devices"}, {}, {"Eigen", "spdlog", "nlohmann-json"}},
     {"client/lesson", {"common", "client/lesson", "client/course"}, {}, {"Eigen", "spdlog"}},
-    // The one client that knows the server's insides: to verify a recording is to run its loop.
+    // The only client that knows the server's insides: to verify a recording is to run its loop.
     {"client/replayer",
      {"common", "scenes", "client/course", "client/replayer", "server/physics", "server/session"},
      {},
      {"Eigen", "spdlog", "nlohmann-json"}},
 };
 
-/// A folder whose data run down: a file includes what stands on its own floor or below.
+/// A folder with floors: a file includes what is on its own floor or below.
 struct Floors {
   std::string folder;
-  std::vector<Paths> from_below;  ///< folders and files, these without their suffix
-  /// Files that are named nowhere stand on top; false: each must be entered.
+  std::vector<Paths> from_below;  ///< folders, and files without their suffix
+  /// Whether files that are not listed are on the top floor; else each must be listed.
   bool rest_on_top;
 };
 
 // server/physics: pairs of spheres (tree) and of triangles (surface, contact) become rows, rows a
-// pose and its forces (solve), and the step calls them in turn.  The kernels are at the very bottom
-// in a folder of their own, not split among the floors that they serve: they are one table,
-// compiled once for each instruction set.  The model stands above tree and surface because it owns
-// both, and below rows because every stage reads it. scenes: meshes are read or generated, trees
-// built over them, and the compiler joins them as a scene's file says.  common: what anybody may
-// use at the bottom, what knows the most (recordings, a whole program) on top.
+// pose and its forces (solve), and the step calls them in turn.  The kernels are at the very
+// bottom, in one folder instead of on the floors that they serve: they are one table, compiled once
+// for each instruction set.  The model is above tree and surface because it owns both, and below
+// rows because every stage reads it.  scenes: meshes are read or generated, trees are built over
+// them, and the compiler joins them as a scene's file says.  common: at the bottom what everybody
+// may use, on top what knows the most (recordings, a whole program).
 const std::vector<Floors> kFloors = {
     {"common",
      {
@@ -184,7 +182,7 @@ const std::vector<Floors> kFloors = {
          {"server/physics/contact"},
          {"server/physics/solve"},
          {"server/physics/haptic_step"},
-         // It walks with the step.
+         // It uses the step.
          {"server/physics/start_pose"},
      },
      false},
@@ -206,7 +204,7 @@ const Floors* FloorsOf(const std::string& path) {
   return found == kFloors.end() ? nullptr : &*found;
 }
 
-/// From 0; nullopt where the file is to be entered, and is not.
+/// The floor, from 0; nullopt: the file must be listed, and is not.
 std::optional<std::size_t> FloorOf(const Floors& floors, const std::string& path) {
   for (std::size_t floor = 0; floor < floors.from_below.size(); ++floor) {
     for (const std::string& place : floors.from_below[floor]) {
@@ -217,8 +215,7 @@ std::optional<std::size_t> FloorOf(const Floors& floors, const std::string& path
   return std::nullopt;
 }
 
-// Library headers by how they begin.  A new library is a decision: it is entered here and in a
-// rule.
+// Library headers by their prefix.  A new library is a decision: it is entered here and in a rule.
 const std::vector<std::pair<std::string, std::string>> kLibraries = {
     {"Eigen/", "Eigen"},
     {"spdlog/", "spdlog"},
@@ -231,7 +228,8 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {
     {"xxhash.h", "xxHash"},
     {"png.h", "libpng"},
     {"zlib.h", "zlib"},
-    // Recordings are compressed: of the two that MCAP knows, zstd makes the smaller file.
+    // Recordings are compressed with zstd: of the two formats that MCAP knows it makes smaller
+    // files.
     {"zstd.h", "zstd"},
     {"boost/", "Boost"},
     // Hashes and random keys.
@@ -246,7 +244,7 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {
     {"spnav.h", "spacenav"},
     {"prometheus/", "Prometheus"},
     {"pybind11/", "pybind11"},
-    {"palpate", "Palpate"},  // as it is installed
+    {"palpate", "Palpate"},  // as installed
     {"igtl", "OpenIGTLink"},
     // Another vendor's DDS, in tests/crtk alone.
     {"fastcdr/", "Fast DDS"},
@@ -292,7 +290,7 @@ bool Allows(const Rule& rule, const std::string& path, const std::string& includ
   const auto holds = [&](const std::string& folder) { return IsBelow(include, folder); };
   if (std::any_of(rule.not_these.begin(), rule.not_these.end(), holds)) return false;
   if (std::any_of(rule.project.begin(), rule.project.end(), holds)) return true;
-  // client/station/main.cpp may include client/station/..., and no other client.
+  // E.g. client/station/main.cpp may include client/station/..., and no other client.
   const std::size_t own_end = path.find('/', std::string("client/").size());
   return rule.who == "client" && own_end != std::string::npos && holds(path.substr(0, own_end));
 }
@@ -303,7 +301,7 @@ std::string Join(const Paths& words) {
   return text.empty() ? "nothing" : text;
 }
 
-/// idlc and flatc make idl/x.h and idl/x_generated.h while building, CMake x.h of x.h.in.
+/// The build makes idl/x.h and idl/x_generated.h with idlc and flatc, and x.h from x.h.in.
 bool IsGenerated(const std::string& include,
                  const std::function<bool(const std::string&)>& exists) {
   static const std::regex kIdl(R"((idl/[a-z0-9_]+)\.h)"), kFlat(R"((idl/[a-z_]+)_generated\.h)");

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "tests/house/source_tree.h"
 #include "tests/support/read_file.h"
@@ -18,7 +17,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-// A small project that has what the includes below name.
+// A small project with the files that the includes below name.
 std::vector<std::string> Check(const std::string& path, const std::string& text) {
   static const std::set<std::string> kFiles = {"common/math/pose.h",
                                                "common/dds/endpoint.h",
@@ -50,7 +49,7 @@ std::vector<std::string> Check(const std::string& path, const std::string& text)
   return IncludeViolations(path, text, [](const std::string& f) { return kFiles.contains(f); });
 }
 
-/// A line in a file, and what is said against it; nothing: it may stand there.
+/// A line in a file, and the complaint about it; empty: it is allowed.
 struct Case {
   const char *path, *line, *complaint = nullptr;
 };
@@ -76,7 +75,7 @@ TEST(IncludeRules, KeepEachFolderToWhatItsRuleNamesAndSayFileAndLine) {
       {step, "#include \"common/dds/endpoint.h\"", "but not common/dds"},
       {step, "#include <spdlog/spdlog.h>", "may use of the libraries: Eigen"},
       {step, "  #  include <dds/dds.h>", "dds/dds.h"},
-      // Sessions use physics, and what a scene is, but not how it loads.
+      // Sessions use physics and scenes, but nothing that loads a scene.
       {"server/session/a.cpp", "#include \"server/physics/haptic_step.h\""},
       {"server/session/a.cpp", "#include \"scenes/scene.h\""},
       {"server/session/a.cpp", "#include \"scenes/catalogue.h\"", "scenes/catalogue.h"},

@@ -4,11 +4,10 @@
 #include <vector>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "tests/house/source_tree.h"
 
-// What every program and script owes its user.
+// What users may expect of every program and script.
 namespace palpate::house {
 namespace {
 
@@ -16,7 +15,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-/// The programs of the build, as CMake lists them: "palpate-server,palpate-station".
+/// The programs of the build, as CMake lists them, e.g. "palpate-server,palpate-station".
 std::vector<std::string> Programs() {
   std::vector<std::string> programs;
   std::string rest = PALPATE_PROGRAMS;
@@ -49,21 +48,21 @@ TEST(Programs, TeachWithHelpThatHasAnExample) {
   }
 }
 
-/// The commands that a help lists, by the two columns of CLI11.
+/// The commands listed by a help, found by CLI11's two columns.
 std::vector<std::string> CommandsOf(const std::string& help) {
   std::vector<std::string> commands;
   std::istringstream lines(help.substr(std::min(help.find("Subcommands:"), help.size())));
   std::string line;
   std::getline(lines, line);
   while (std::getline(lines, line) && !line.empty()) {
-    // What belongs to the line above is indented further.
+    // Lines that continue the one above are indented further.
     if (line.starts_with("  ") && line[2] != ' ')
       commands.push_back(line.substr(2, line.find(' ', 2) - 2));
   }
   return commands;
 }
 
-/// From a help's examples to its end.
+/// The part of a help from its examples to its end.
 std::string ExamplesOf(const std::string& help) {
   return help.substr(std::min(help.rfind("\nExample"), help.size()));
 }

@@ -10,18 +10,17 @@
 #include <vector>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "tests/house/source_tree.h"
 #include "tests/support/read_file.h"
 
-// What must stay true of the repository as a whole.
+// What must stay true of the repository.
 namespace palpate::house {
 namespace {
 
 const std::string kRoot = PALPATE_SOURCE_DIR;
 
-/// First line that holds the regular expression, as "line: text"; empty where there is none.
+/// The first line with a match of the regular expression, as "line: text"; empty: there is none.
 std::string FirstMatch(const std::string& text, const std::string& regex) {
   std::smatch match;
   if (!std::regex_search(text, match, std::regex(regex))) return "";
@@ -29,7 +28,7 @@ std::string FirstMatch(const std::string& text, const std::string& regex) {
   return std::to_string(line) + ": " + match[0].str();
 }
 
-// Written in two halves, so that this file does not hold what it looks for.
+// Written in two halves, so that this file does not match itself.
 const std::string kLeftForLater = std::string("\\b(TO") + "DO|FIX" + "ME|XX" + "X|HA" + "CK)\\b";
 const std::string kSomebodysFolder = std::string("/(home|Us") + "ers)/[a-z]";
 const std::string kRegistryHost = std::string("(registry\\.npm") + "js|deb\\.deb" + "ian|docker" +
@@ -94,7 +93,7 @@ TEST(Repository, ShowsOnePosesWayThroughSixFilesThatExist) {
   }
 }
 
-/// What a link may name after '#': a page's headings, as Git hosts spell them.
+/// What a link may name after '#': a page's headings, spelled as Git hosts do.
 std::set<std::string> Anchors(const std::string& page) {
   std::set<std::string> anchors;
   std::istringstream lines(page);

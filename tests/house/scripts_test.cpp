@@ -9,7 +9,6 @@
 #include <vector>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <unistd.h>
 
 #include "tests/house/source_tree.h"
@@ -25,7 +24,7 @@ namespace fs = std::filesystem;
 
 const fs::path kProject = PALPATE_SOURCE_DIR;
 
-/// A repository with the scripts alone, and programs that a test writes.
+/// A repository with only the scripts, and programs that the test writes.
 class DeployScripts : public testing::Test {
  protected:
   DeployScripts() {
@@ -45,7 +44,7 @@ class DeployScripts : public testing::Test {
     fs::create_directories((folder_ / file).parent_path());
     std::ofstream(folder_ / file) << text;
   }
-  /// A program that the scripts find before the system's; what it is called with is in calls().
+  /// Writes a program that the scripts find before the system's; Calls() has how it was called.
   void StandIn(const std::string& name, const std::string& body) const {
     Write("bin/" + name, "#!/bin/bash\necho \"" + name + " $*\" >>" + In("calls") + "\n" + body);
     fs::permissions(folder_ / "bin" / name, fs::perms::owner_all);
@@ -81,7 +80,7 @@ TEST_F(DeployScripts, FetchAgainWhatWasInterrupted) {
   for (const std::string file : {"package.json", "package-lock.json"}) {
     Write("client/viewer/page/" + file, "{}\n");
   }
-  // Ends with the script that calls it, as on Ctrl-C: some packages are there, and not all.
+  // Ends the script that calls it, as Ctrl-C does: some packages are there, but not all.
   StandIn("npm", "mkdir -p \"$2/node_modules\"; kill -KILL $PPID\n");
   RunCommand(Command({In("deploy/setup"), "--for", "page"}));
   EXPECT_FALSE(fs::exists(In("build/page_modules/node_modules")));
@@ -124,7 +123,7 @@ TEST(ApiPages, SayWhatTheyNeed) {
   EXPECT_THAT(output.text, HasSubstr("deploy/setup --for tests installs it"));
 }
 
-/// deploy/container/run beside a podman that a test writes: no RouDi runs, nothing is to be
+/// deploy/container/run with a podman that the test writes; no RouDi runs, and nothing is to be
 /// installed.
 class ContainerRun : public DeployScripts {
  protected:
@@ -135,9 +134,9 @@ class ContainerRun : public DeployScripts {
     Write("deploy/setup", "#!/bin/sh\n");
     fs::permissions(folder_ / "deploy/setup", fs::perms::owner_all);
   }
-  /// Starts it all and ends it; what podman was called with is in Calls().
+  /// Starts everything and ends it; Calls() has how podman was called.
   void RunAndEnd() const {
-    // As podman's client: what it runs goes on without it.
+    // Like podman's client: what it runs goes on without it.
     StandIn("podman", R"(case $* in
   *iox-roudi*) echo 'RouDi is ready for clients'; exec sleep 1000 ;;
   *palpate-server\ --scene*) echo 'ready: scenes cube'; exec sleep 1000 ;;
@@ -177,7 +176,7 @@ TEST_F(ContainerRun, GivesEachContainerTheLeastRightsThatItCanDoWith) {
                                     "--read-only", "--health-cmd healthy"}) {
       EXPECT_THAT(call, HasSubstr(right));
     }
-    // A root that may not raise limits gives the server two capabilities in their place.
+    // Root without the right to raise limits gives the server two capabilities instead.
     if (call.find("--name palpate-server") == std::string::npos) {
       EXPECT_THAT(call, Not(HasSubstr("--cap-add")));
     }

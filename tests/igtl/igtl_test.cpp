@@ -21,7 +21,7 @@
 namespace palpate::test {
 namespace {
 
-/// A message as a client of the library reads it.
+/// A message as a client with OpenIGTLink's library reads it.
 struct Received {
   igtl::MessageHeader::Pointer header;
   std::vector<std::uint8_t> body;
@@ -60,7 +60,7 @@ typename Message::Pointer Unpack(Received& received) {
 wire::ToolState Tool() {
   wire::ToolState tool{};
   wire::FromText("hand", tool.station);
-  // A quarter turn about the scene's y, up.
+  // A quarter turn about the scene's y, which points up.
   wire::FromPose({Vec3(0.001, 0.002, 0.003), Quat(Eigen::AngleAxisd(EIGEN_PI / 2, Vec3::UnitY()))},
                  tool.graphic_position_m, tool.graphic_orientation_wxyz);
   wire::FromVec3({1, 2, 3}, tool.force_N);
@@ -77,14 +77,14 @@ TEST(IgtlMessages, AreATransformInMillimetresAndTwoSensorsInRas) {
 
   igtl::Matrix4x4 m;
   Unpack<igtl::TransformMessage>(all[0])->GetMatrix(m);
-  // Right is -x, anterior z, superior y.
+  // Right is -x, anterior is z, superior is y.
   EXPECT_FLOAT_EQ(m[0][3], -1.0f);
   EXPECT_FLOAT_EQ(m[1][3], 3.0f);
   EXPECT_FLOAT_EQ(m[2][3], 2.0f);
-  // The tool's own x, which was the scene's, is -z now: posterior.  Its y stays up.
+  // The tool's x axis, once the scene's, now points to -z: posterior.  Its y axis stays up.
   EXPECT_NEAR(m[1][0], -1.0f, 1e-6);
   EXPECT_NEAR(m[2][1], 1.0f, 1e-6);
-  // A rotation: what it makes of x and y stands to each other as z.
+  // It is a rotation: the third column is the cross product of the first two.
   const Vec3 x(m[0][0], m[1][0], m[2][0]), y(m[0][1], m[1][1], m[2][1]),
       z(m[0][2], m[1][2], m[2][2]);
   EXPECT_LT((x.cross(y) - z).norm(), 1e-6);
@@ -115,10 +115,10 @@ TEST(IgtlMessages, TellLongNamesApartThatBeginAlike) {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
-/// A client of whom anything may be expected.
+/// A client that may send anything.
 class RawClient {
  public:
-  /// @param host  the last byte of its address, 127.0.0.x.
+  /// @param host  last byte of its address, 127.0.0.x.
   explicit RawClient(int port, std::uint32_t host = 1) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
     sockaddr_in place{};
     place.sin_family = AF_INET;
@@ -131,7 +131,7 @@ class RawClient {
   ~RawClient() { close(socket_); }
   RawClient(const RawClient&) = delete;
   RawClient& operator=(const RawClient&) = delete;
-  /// False where the server has closed the connection.
+  /// False if the server has closed the connection.
   bool is_connected() const {
     char byte;
     return recv(socket_, &byte, 1, MSG_DONTWAIT) != 0;
@@ -173,7 +173,7 @@ TEST(IgtlServer, IsHeldUpByNobodyWhoTakesNothingAndGivesOthersWholeMessages) {
   for (; server.clients() == 2 && frames < 1000; ++frames) {
     now_ns += kSecond_ns / 10;
     server.Send(frame, now_ns);
-    // What is sent on loopback comes, in parts.
+    // Loopback delivers what is sent, but in parts.
     for (std::size_t at = 0; at < got.size();) {
       const ssize_t n = recv(honest.socket_, got.data() + at, got.size() - at, MSG_DONTWAIT);
       if (n > 0) {
@@ -240,7 +240,7 @@ TEST(IgtlServer, IsHeldByNoAddressAgainstAnother) {
   EXPECT_TRUE(slicer.is_connected()) << "a flood is its own address's affair";
   EXPECT_EQ(server.clients(), IgtlServer::kMostClients);
   EXPECT_EQ(server.counts().refused, 0u);
-  // One place for each of sixteen addresses: the seventeenth has to wait.
+  // There are places for sixteen addresses, one each: the seventeenth has to wait.
   for (std::uint32_t host = 4; host < 4 + IgtlServer::kMostClients; ++host) come(host);
   EXPECT_TRUE(slicer.is_connected());
   EXPECT_EQ(server.counts().refused, 2u);

@@ -1,5 +1,5 @@
-// A server that is killed in the middle of a write leaves shared memory locked for good, for RouDi
-// too (common/dds/shared_memory_watch.h).  That is seldom, but then the station must say so.
+// A server killed in the middle of a write leaves shared memory locked for good, for RouDi as well
+// (common/dds/shared_memory_watch.h).  That is rare, but then the station must say so.
 #include <csignal>
 #include <memory>
 

@@ -1,5 +1,4 @@
-// A scene that only the server has: what stations and mice know of it comes from there.
-#include <csignal>
+// A scene that only the server has: stations and mice learn about it from the server.
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -22,7 +21,7 @@ constexpr char kScene[] = R"({
              "start": {"position_mm": [0, 40, 0]}}],
   "objects": [{"name": "box", "mesh": {"shape": "box", "size_m": [0.04, 0.02, 0.03]},
                "leaves": 64}]})";
-// 2 mm below the box's top face, with the ball.
+// The ball is 2 mm below the box's top face.
 constexpr char kHand[] = R"({"keys": [
   {"t": 0, "position_mm": [0, 30, 0], "label": "own approach"},
   {"t": 1, "position_mm": [0, 12, 0], "label": "own press"},
@@ -43,7 +42,7 @@ std::string Pyramid() {
   return text + "endsolid tooth\n";
 }
 
-/// The server has its files in a folder that is gone when stations come.
+/// The server's files lie in a folder that is gone when stations come.
 struct OwnScene : testing::Test {
   const fs::path folder =
       fs::path(testing::TempDir()) / ("palpate_own_" + std::to_string(getpid()));
@@ -75,7 +74,7 @@ struct OwnScene : testing::Test {
     words.insert(words.end(), {"--id", "hand", "--no-table"});
     return std::make_unique<Program>(PALPATE_BIN_DIR "/palpate-station", Here(std::move(words)));
   }
-  /// What a station felt, of which --json is this file, once it has ended.
+  /// What a station felt, read from its --json file once it has ended.
   nlohmann::json Felt() const {
     std::ifstream in(json);
     return nlohmann::json::parse(in);
@@ -113,7 +112,7 @@ TEST_F(OwnScene, GivesItsScriptToStationsThatHaveNoFileOfIt) {
 TEST_F(OwnScene, IsHeldWithTheMouseWhereTheServerSaysThatAHandBegins) {
   Write("mine.json", kScene);
   Serve({"--scene", (folder / "mine.json").string()});
-  // Its input stays open for a while and says nothing.
+  // Its input stays open for a while without a line.
   Program mouse("/bin/sh", {"-c", "sleep 3 | " PALPATE_BIN_DIR
                                   "/palpate-station --device mouse --scene mine --id m --no-table "
                                   "--realtime off --transport udp --domain " +

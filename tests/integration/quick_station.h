@@ -14,7 +14,7 @@
 
 namespace palpate::test {
 
-/// The least that is a station, so that many of them take little time.
+/// A minimal station, so that many of them take little time.
 class QuickStation {
  public:
   explicit QuickStation(std::string name, std::string scene = "cube",
@@ -23,8 +23,7 @@ class QuickStation {
         scene_(std::move(scene)),
         loop_(dds::Participant::Loop(kDomain, {transport, "as asked"})) {}
 
-  /// One session: asks, meets the server, and sends until `answers` came.  False where that takes
-  /// more than 20 s.
+  /// Asks for a session, and waits until poses can be sent.  False after 20 s.
   bool Begin(std::uint64_t run) {
     run_ = run;
     answered_ = 0;
@@ -36,8 +35,8 @@ class QuickStation {
     wrenches_ = {loop_, topic, dds::Qos::kLoop, [this](const wire::Wrench&) { ++answered_; }};
     return Eventually([&] { return poses_.matched_readers() == 1; });
   }
-  /// Sends a pose a millisecond until it is so.  False where that takes more than 20 s, and at once
-  /// where the server ends the session.
+  /// Sends a pose a millisecond until the condition holds.  False after 20 s, and at once if the
+  /// server ends the session.
   template <class Condition>
   bool SendUntil(Condition condition) {
     bool ended = false;
@@ -48,11 +47,11 @@ class QuickStation {
            }) &&
            !ended;
   }
-  /// Sends until so many more answers came.
+  /// Sends until `answers` more came.
   bool Answered(int answers) {
     return SendUntil([this, end = answered_ + answers] { return answered_ >= end; });
   }
-  /// True where the server says that it ended this session because no pose came in time.
+  /// Whether the server ended this session because no pose came in time.
   bool lost_to_silence() {
     return Phase() == palpate_SESSION_ENDED &&
            std::string(state_.reason).starts_with("no pose came for more than 100 ms");
@@ -64,7 +63,7 @@ class QuickStation {
     wrenches_ = {};
     return left;
   }
-  /// A pose 1 mm deep in the cube, and the next number.
+  /// A pose 1 mm deep in the cube, with the next number.
   wire::HapticPose NextPose() {
     wire::HapticPose pose{};
     pose.pose_sequence = ++sequence_;

@@ -3,7 +3,6 @@
 #include <atomic>
 #include <cmath>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,16 +23,16 @@
 #include "tests/support/program.h"
 #include "tests/support/test_domain.h"
 
-// The real palpate-server with scene `cube`, and what drives it.
+// The real palpate-server with scene `cube`, and stations to drive it.
 namespace palpate::test {
 
 inline const int kDomain = OwnDomain();
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
-/// Stiffness of 1 N/mm, 1 mm deep.
+/// 1 mm deep at 1 N/mm.
 constexpr double kDepth_m = 0.001;
 constexpr double kForce_N = 1.0;
 
-/// palpate-server, that says when it is ready.
+/// palpate-server, which says when it is ready.
 class ServerProgram : public Program {
  public:
   explicit ServerProgram(const std::string& transport,
@@ -44,7 +43,7 @@ class ServerProgram : public Program {
   bool Ready() { return Says("ready: ", 60.0) && Says("\n"); }
 };
 
-/// palpate-station with a ball that is pressed on the cube.
+/// palpate-station with a ball pressed on the cube.
 class StationProgram : public Program {
  public:
   StationProgram(const std::string& id, const std::string& transport,
@@ -57,7 +56,7 @@ class StationProgram : public Program {
                    more)) {}
 };
 
-/// A device that is held 1 mm deep in the cube's top face, and tells what it renders.
+/// A device held 1 mm deep in the cube's top face, which shows the force that it renders.
 class HeldDevice final : public Device {
  public:
   HeldDevice() {
@@ -81,8 +80,8 @@ class HeldDevice final : public Device {
   DeviceSample sample_;
 };
 
-/// A whole palpate-station but for main, in this process, so that each millisecond of its force can
-/// be seen.
+/// A whole palpate-station except for main, in this process, so that the force of each millisecond
+/// can be seen.
 class HeldStation {
  public:
   explicit HeldStation(dds::Transport transport) {
@@ -106,12 +105,12 @@ class HeldStation {
     servo_->Stop();
   }
 
-  /// As --accept-guide does; before the first Until.
+  /// Like --accept-guide; to be called before the first Until.
   void AcceptGuide(double force_N) {
     core_.AcceptGuide(GuideLimits::OfForce(force_N));
     guide_.emplace(guides_, "held");
   }
-  /// Polls as main does, until it is so.
+  /// Polls as main does, until the condition holds.
   template <class Condition>
   bool Until(Condition condition, double seconds = 20.0) {
     return Eventually(

@@ -1,4 +1,4 @@
-// The programs without RouDi, the keeper of shared memory, and with one that dies.
+// The programs without RouDi, which manages shared memory, and with one that dies.
 #include "tests/support/roudi.h"
 
 #include <csignal>
@@ -17,7 +17,7 @@ constexpr const char* kFallback = "UDP (no RouDi listens at /tmp/roudi; start 'i
 
 TEST(WithoutRouDi, SharedMemoryIsRefusedWithTheRemedyAndAutoTakesUdpAndSaysSo) {
   RouDi roudi;
-  roudi.Kill();  // so that nobody else's runs meanwhile
+  roudi.Kill();  // so that no other RouDi runs meanwhile
 
   ServerProgram insisting_server("shm");
   EXPECT_EQ(insisting_server.Exit(), 1);
@@ -45,8 +45,8 @@ TEST(KilledRouDi, CrashesNeitherServerNorStationAndTheNextSessionUsesUdp) {
     EXPECT_EQ(station.link().transport().transport, dds::Transport::kSharedMemory);
     roudi.Kill();
     station.For(1.5);
-    // What is open goes on; should it not, then without a force.  A machine that was late for a
-    // moment is given time for the ramp.
+    // Open sessions go on, or lose their force.  A machine that was late for a moment gets time for
+    // the ramp.
     EXPECT_TRUE(station.Until([&] {
       const double force_N = station.device.force_N;
       return force_N == 0.0 || std::abs(force_N - kForce_N) < 0.2 * kForce_N;

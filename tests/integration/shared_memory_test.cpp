@@ -1,4 +1,4 @@
-// The programs over shared memory, and what its transport gets wrong by itself: it forgets chunks
+// The programs over shared memory, and what its transport gets wrong: it forgets chunks
 // (common/dds/endpoint.h).
 #include <filesystem>
 #include <fstream>
@@ -32,8 +32,8 @@ TEST(SharedMemory, CarriesTheForceFromTheServerToTheStation) {
   EXPECT_EQ(server.Exit(), 0) << server.Output();
 }
 
-/// One session of a station: at least so many answers.  Spoilt where the server ended it for the
-/// station's silence.
+/// Runs one session of a station with at least so many answers.  Spoilt if the server ended it
+/// because the station was silent.
 Attempt Answers(QuickStation& station, std::uint64_t run, int answers, bool& uses_shared_memory) {
   const bool answered = station.Begin(run) && station.Answered(answers);
   uses_shared_memory = uses_shared_memory && (!answered || station.uses_shared_memory());
@@ -50,7 +50,7 @@ TEST(SharedMemory, HearsEachOfTheHundredAndOneRunsOfAStation) {
   std::uint64_t run = 0;
   bool uses_shared_memory = true;
   for (int session = 1; session <= 101; ++session) {
-    // At last more than the 257 chunks that a reader can lose.
+    // In the end more than the 257 chunks that a reader can lose.
     const int answers = session <= 100 ? 3 : 300;
     ASSERT_TRUE(Shown([&](StallWitness& witness) {
       witness.Watch(server.id());

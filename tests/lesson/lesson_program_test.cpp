@@ -1,11 +1,10 @@
-// A cut scene made whole, with everybody there: server, hand, recorder, command and replay.
+// A cut scene is made whole, with everything involved: server, hand, recorder, command and replay.
 #include <csignal>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <unistd.h>
 
 #include "common/dds/endpoint.h"
@@ -56,7 +55,7 @@ TEST(LessonProgram, MakesWholeWhatAHandScrapesOffAndTheRecordingOfItIsVerified) 
   const auto scraped_past = [&](std::uint64_t number) {
     return Eventually(
         [&] {
-          server.Output();  // a full pipe would stop it
+          server.Output();  // so that no full pipe stops it
           while (blocks.Take(block)) continue;
           return block.change > number;
         },
@@ -71,7 +70,7 @@ TEST(LessonProgram, MakesWholeWhatAHandScrapesOffAndTheRecordingOfItIsVerified) 
   ASSERT_TRUE(Eventually([&] { return wholes.Take(whole); }, 60.0));
   EXPECT_GE(whole.last_change, 5u);
   EXPECT_STREQ(whole.by, "palpate-lesson");
-  // The hand goes on, and scrapes again.
+  // The hand goes on scraping.
   EXPECT_TRUE(scraped_past(whole.last_change + 3)) << station.Output();
 
   for (const auto& [scene, why] : {std::pair{"cube", "nothing goes there"},

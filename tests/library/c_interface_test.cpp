@@ -7,7 +7,6 @@
 #include <vector>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "scenes/shapes/shapes.h"
 #include "server/library/body_builder.h"
@@ -65,7 +64,7 @@ TEST(CInterface, GivesTheBitsOfTheCxxOne) {
   palpate_pose hand = At(0.03);
   ProxyPtr proxy(palpate_proxy_new(model.get(), &hand));
   ASSERT_TRUE(proxy) << palpate_last_error();
-  model.reset();  // the proxy keeps it
+  model.reset();  // the proxy keeps the model alive
 
   Scene same;
   same.objects.push_back(MakeBody("egg", egg, {.leaves = 256}));
@@ -103,7 +102,7 @@ TEST(CInterface, FeelsMaterials) {
     const ProxyPtr proxy(palpate_proxy_new(model.get(), &hand));
     palpate_report report{};
     for (int i = 0; i < 1000; ++i) {
-      hand.position_m[1] -= 7e-6;  // to 2 mm below touch
+      hand.position_m[1] -= 7e-6;  // to 2 mm below the first touch
       palpate_proxy_step(proxy.get(), &hand, &report);
     }
     EXPECT_GT(report.contacts, 0);
@@ -112,7 +111,7 @@ TEST(CInterface, FeelsMaterials) {
     } else {
       EXPECT_NEAR(report.force_N[1], 2.0, 0.2);
     }
-    // What pushes is what is listed, as far as it is.
+    // The listed forces add up to the wrench, as far as they are listed.
     if (report.contacts == report.points) {
       double sum = 0.0;
       for (int i = 0; i < report.points; ++i) sum += report.point[i].force_N[1];
@@ -156,7 +155,7 @@ TEST(CInterface, SaysWhatIsWrongAndGoesOn) {
   EXPECT_EQ(palpate_scene_tool(scene.get(), 9, nullptr), nullptr);
   EXPECT_EQ(palpate_scene_hand(scene.get(), 0.0, nullptr), 0.0);
 
-  // A tool, and nothing to feel.
+  // A scene with a tool and nothing to feel.
   EXPECT_EQ(palpate_scene_add_ball(scene.get(), PALPATE_TOOL, "ball", 0.01, nullptr), 0);
   EXPECT_EQ(palpate_model_new(scene.get(), 0), nullptr);
   EXPECT_THAT(palpate_last_error(), HasSubstr("no object"));

@@ -5,7 +5,6 @@
 #include <string>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "devices/plugin/plugin_device.h"
 #include "server/library/scenes.h"
@@ -21,7 +20,7 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// The library, installed where nobody has looked.
+/// The library, installed in a new place.
 class Installed : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -31,7 +30,7 @@ class Installed : public ::testing::Test {
         << said_;
   }
   std::string Prefix() const { return (folder_ / "usr").string(); }
-  /// In a shell.  Its exit status; what it says is `said_`.
+  /// Runs a command in a shell; returns its exit status, and puts its output into `said_`.
   int Run(const std::string& command) {
     Program shell("/bin/sh", {"-c", command});
     const int status = shell.Exit(250.0);
@@ -63,7 +62,7 @@ TEST_F(Installed, ExamplesBuildAgainstItAndFeelWhatTheyShould) {
   EXPECT_THAT(said_, HasSubstr("hard and rough   press 3.0"));
   ASSERT_EQ(Run("PATH=" PALPATE_BIN_DIR ":$PATH " + build + "/first_scene cube"), 0) << said_;
   EXPECT_THAT(said_, HasSubstr("cube: ball feels"));
-  // Of DDS, assimp and the like it has nothing.
+  // It needs no DDS, assimp or the like.
   ASSERT_EQ(Run("cd " + build + " && ldd first_force first_force_c first_scene"), 0) << said_;
   for (const char* library :
        {"dds", "assimp", "boost", "png", "spdlog", "fmt", "xxhash", "flatbuffers"}) {
@@ -74,7 +73,7 @@ TEST_F(Installed, ExamplesBuildAgainstItAndFeelWhatTheyShould) {
 TEST_F(Installed, DriverOfOnesOwnBuildsWithoutEigenAndIsLoaded) {
   const std::string build = (folder_ / "own_arm").string(),
                     source = PALPATE_SOURCE_DIR "/client/examples/own_arm";
-  // From a copy: nothing of the source tree is in reach.
+  // From a copy, so that nothing of the source tree is in reach.
   ASSERT_EQ(Run("cp -r " + source + " " + build + ".c && " PALPATE_CMAKE " -S " + build + ".c -B " +
                 build + " -D CMAKE_C_COMPILER_LAUNCHER= -D CMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON" +
                 " -D CMAKE_PREFIX_PATH=" + Prefix() + " && " PALPATE_CMAKE " --build " + build),
@@ -125,7 +124,7 @@ TEST_F(Installed, IsFoundByPkgConfig) {
   const std::string source = (folder_ / "own.cpp").string(), program = (folder_ / "own").string();
   std::ofstream(source)
       << "#include <palpate/physics.h>\n"
-         "#include \"common/error.h\"\n"  // one's own, which palpate's is not to hide
+         "#include \"common/error.h\"\n"  // the user's own, which palpate's must not hide
          "int main() { return palpate::MakeBall(\"b\", kMine).tree.leaves() == 1 ? 0 : 1; }\n";
   fs::create_directories(folder_ / "mine/common");
   std::ofstream(folder_ / "mine/common/error.h") << "constexpr double kMine = 0.01;\n";

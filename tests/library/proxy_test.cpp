@@ -27,7 +27,7 @@ HapticModel BoxInBox(ContactModel contact) {
   return MakeModel(scene, scene.tools[0], MakeObjects(scene));
 }
 
-/// A hand that comes down on the block, and turns and slides about in it.
+/// A hand that comes down on the block, turns, and slides about in it.
 std::vector<Pose> HandPath(int steps, std::uint64_t seed) {
   Random random(seed);
   Pose X;

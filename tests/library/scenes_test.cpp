@@ -18,7 +18,7 @@
 namespace palpate::test {
 namespace {
 
-/// A session as the server runs it, of the scene's first tool.
+/// A session of the scene's first tool, as the server runs it.
 class Served {
  public:
   explicit Served(const Scene& scene)
@@ -43,7 +43,7 @@ class Served {
   Session session_;
 };
 
-/// @field from, steps  of its hand's script [ms]: where it touches.
+/// @field from, steps  part of its hand's script [ms] in which it touches.
 struct Walk {
   std::string scene;
   int from, steps;

@@ -1,5 +1,5 @@
 #pragma once
 
-/// A comment that is wrong, by which tests see that the pages tell of such.
-/// @param nowhere  a parameter that there is not.
+/// A wrong comment: a test checks that building the pages reports it.
+/// @param nowhere  a parameter that does not exist.
 void SaysWhatIsNot(int number);

@@ -1,9 +1,7 @@
 // The programs on two hosts with a bad network between them: real UDP, real discovery.
 #include <algorithm>
-#include <cmath>
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -31,7 +29,7 @@ namespace {
 const std::string kDomain = std::to_string(OwnDomain());
 /// What the scripted hand of tests/integration/press.json feels, 1 mm deep at 1 N/mm.
 constexpr double kForce_N = 1.0;
-/// Of the device that plays it.
+/// The limits of the device that plays the hand.
 WrenchLimits ScriptedLimits() {
   return WrenchLimits::Of(
       ScriptedDevice(ScriptPlayer(PoseScript({{0.0, Pose{}, ""}}), false)).info());
@@ -57,7 +55,7 @@ struct BadNetwork : testing::Test {
     std::filesystem::remove(file + ".json");
   }
 
-  /// Skipped where the machine allows no such hosts; from there on whatever fails is a failure.
+  /// Skipped where the machine allows no such hosts; after that every failure counts.
   void SetUp() override {
     if (const std::string why_not = TwoHosts::WhyNot(); !why_not.empty()) GTEST_SKIP() << why_not;
   }
@@ -89,7 +87,7 @@ struct BadNetwork : testing::Test {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return hosts->Start(host, PALPATE_BIN_DIR "/palpate-station", arguments);
   }
-  /// A program that only looks, on the host that is not the server's.
+  /// A program that only watches, on the host that is not the server's.
   std::unique_ptr<Program> StartWatching(const std::string& program,
                                          std::vector<std::string> arguments) {
     arguments.insert(arguments.end(), {"--domain", kDomain, "--network", TwoHosts::kLan});
@@ -112,8 +110,8 @@ TEST_F(BadNetwork, CarriesASessionWhoseStatisticsAreThoseOfTheNetwork) {
   const WrenchLimits limits = ScriptedLimits();
   for (const TraceRow& row : rows) {
     most_N = std::max(most_N, row.applied.force.norm());
-    // From pose to reply, however late the tick ran; a silence of 0 is of a reply that came after
-    // the time that the tick was due.
+    // The time from pose to reply is measured however late the tick ran; a silence of 0 means a
+    // reply that came after the tick was due.
     if (row.silence_ms > 0.0) least_ms = std::min(least_ms, row.age_ms - row.silence_ms);
     whole += row.applied.force.norm() > 0.99 * kForce_N;
     EXPECT_GE(row.reply, newest);
@@ -132,7 +130,7 @@ TEST_F(BadNetwork, CarriesASessionWhoseStatisticsAreThoseOfTheNetwork) {
   EXPECT_GT(replies, 1000.0);
   EXPECT_GE(least_ms, 20.0) << "nothing is faster than the network";
   EXPECT_EQ(summary["late"], summary["replies"]);
-  // 0.9 x 0.9 arrive, and of these 0.05 each way are overtaken by their successor: too late then.
+  // 0.9 x 0.9 arrive, and 0.05 of them each way are overtaken by their successor, and so too late.
   EXPECT_NEAR(lost / (lost + replies), 0.27, 0.08);
   EXPECT_EQ(summary["strays"], 0) << "DDS itself drops what is doubled, and what was overtaken";
   EXPECT_GT(most_N, 0.9 * kForce_N);
@@ -140,8 +138,8 @@ TEST_F(BadNetwork, CarriesASessionWhoseStatisticsAreThoseOfTheNetwork) {
   EXPECT_LE(LargestStep(rows, 1, rows.size(), limits), 1.0);
 }
 
-/// What the kernel has kept from each UDP socket of a host that has one of those ports, and no
-/// address of its own.
+/// How many datagrams the kernel dropped for each of a host's UDP sockets with one of those ports
+/// and no address of its own.
 std::vector<long> Dropped(const TwoHosts& hosts, int host, const dds::PortRange& ports) {
   const auto table = hosts.Start(host, "/bin/cat", {"/proc/net/udp"});
   table->Exit();
@@ -183,7 +181,8 @@ TEST_F(BadNetwork, IsNotHeardByAServerThatIsForItsOwnHostAlone) {
       if (!dropped.empty() && std::ranges::count(dropped, 0) == 0) break;
       usleep(10'000);
     }
-    // Discovery and data by unicast, and discovery by multicast; of sockets that share a port each.
+    // Discovery and data by unicast, and discovery by multicast, over sockets that share a port
+    // each.
     EXPECT_GE(dropped.size(), 3u);
     EXPECT_THAT(dropped, testing::Each(1)) << "a stranger is heard";
   }
@@ -241,14 +240,14 @@ TEST_F(BadNetwork, IsNoHindranceToAClassThatWatchesAndRecordsOnAnotherHost) {
     ASSERT_TRUE(type) << topic.type;
     messages[*type] += topic.messages;
   }
-  // Of 120 tool states and 2000 poses in two seconds; a busy machine may lose many.
+  // There are 120 tool states and 2000 poses in two seconds; a busy machine may lose many.
   EXPECT_GT(messages[RecordedType::kToolState], 30u);
   EXPECT_GT(messages[RecordedType::kHapticPose], 500u);
   EXPECT_GT(messages[RecordedType::kWrench], 500u);
   EXPECT_GT(messages[RecordedType::kStationStatistics], 0u);
   EXPECT_EQ(messages[RecordedType::kSceneBundle], 1u);
 
-  // The gateway has the scene too, and gives it to who asks there.
+  // The gateway has the scene as well, and gives it to clients there.
   std::string health;
   for (int i = 0; i < 100 && health.find("\"cube\"") == std::string::npos; ++i) {
     const auto client =

@@ -18,14 +18,15 @@ namespace palpate::test {
 namespace {
 
 constexpr std::int64_t kStopSeen_ns = 10'000'000;
-constexpr std::size_t kLargestFrame = 70'000;  // before it is segmented
+constexpr std::size_t kLargestFrame = 70'000;  // as before segmentation
 
 int Open(const std::string& interface) {
   const int socket_fd =
       socket(AF_PACKET, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, htons(ETH_P_ALL));
   if (socket_fd < 0) throw Error("no packet socket: needs root");
   const int on = 1;
-  // The header says which checksums and segments are still to be made: veth leaves that to a card.
+  // The header says which checksums and segments are still to be computed: veth leaves that to a
+  // card.
   setsockopt(socket_fd, SOL_PACKET, PACKET_VNET_HDR, &on, sizeof on);
   setsockopt(socket_fd, SOL_PACKET, PACKET_IGNORE_OUTGOING, &on, sizeof on);
   sockaddr_ll address{};
@@ -63,7 +64,7 @@ void BadWire::Take(int from, LossyWay<Frame>& way) {
 
 void BadWire::Give(int to, LossyWay<Frame>& way) {
   while (const std::optional<Frame> frame = way.Receive(SteadyNanoseconds())) {
-    // A frame that does not go out is one more that is lost.
+    // A frame that cannot be sent counts as one more that is lost.
     [[maybe_unused]] const ssize_t sent = write(to, frame->data(), frame->size());
   }
 }

@@ -10,21 +10,21 @@
 
 namespace palpate::test {
 
-/// A wire between two network interfaces of this host: each Ethernet frame that comes out of the
-/// one goes into the other, when and as often as LinkConditions say.  What `tc netem` does, without
-/// the kernel's module for it, and with the same dice as the tests in virtual time.
+/// A wire between two network interfaces of this host: each Ethernet frame that leaves one enters
+/// the other, when and as often as LinkConditions say.  Like `tc netem`, but without its kernel
+/// module, and with the same random numbers as the tests in virtual time.
 class BadWire {
  public:
-  /// Throws Error where frames cannot be had (root, or CAP_NET_RAW).
+  /// Throws Error without the right to raw frames (root, or CAP_NET_RAW).
   BadWire(const std::string& one, const std::string& other, std::uint64_t seed,
           const LinkConditions& each_way);
   ~BadWire();
   BadWire(const BadWire&) = delete;
   BadWire& operator=(const BadWire&) = delete;
 
-  /// Loses every frame from now on, or no longer more than its share.
+  /// Loses every frame from now on, or again only its share.
   void Cut(bool cut) { cut_ = cut; }
-  std::uint64_t frames() const { return frames_; }  ///< taken from either end
+  std::uint64_t frames() const { return frames_; }  ///< received from both ends
 
  private:
   using Frame = std::vector<std::uint8_t>;

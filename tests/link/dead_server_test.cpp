@@ -1,4 +1,4 @@
-// A server that is killed, frozen, or comes back as another: what the real station gives to its
+// A server that is killed, frozen, or replaced by another: what the real station gives to its
 // device, tick by tick, from its own trace.
 #include <csignal>
 #include <cstdio>
@@ -117,7 +117,7 @@ TEST_F(DeadServer, WhoseSuccessorHasAnotherSceneGivesNoForceAndSaysWhy) {
 TEST_F(DeadServer, WhoseSuccessorFindsTheToolTooDeepInsideWaitsWithoutAForceAndSaysSo) {
   const auto station = Station("scripted", "deep.json");
   ASSERT_TRUE(station->Says("session: tool")) << station->Output();
-  Wait(2.5);  // 15 mm deep by now
+  Wait(2.5);  // 15 mm deep by then
   const std::int64_t killed_ns = SteadyNanoseconds();
   server.reset();
   server = Server("cube");

@@ -1,8 +1,6 @@
-// A station and a server with a bad link between them, in virtual time: what must hold whatever the
-// link, the server and the device do.
-#include <cmath>
+// A station and a server with a bad link between them, in virtual time: what must hold whatever
+// link, server and device do.
 #include <limits>
-#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -14,9 +12,9 @@ namespace {
 
 constexpr double kForce_N = 1e3 * VirtualLoop::kDepth_m * 1.0;  // 1 N/mm
 constexpr double kRounding = 1.0 + 1e-9;
-constexpr int kSilent_ms = 30;  // by when a force is gone
+constexpr int kSilent_ms = 30;  // when a force has to be gone
 
-/// What holds in every tick, for a hand that is held still at a depth.
+/// What must hold in every tick for a hand held still at a depth.
 void ExpectSafe(VirtualLoop& loop, double most_N) {
   const WrenchLimits& limits = loop.core().limiter().limits();
   const Wrench& now = loop.applied();
@@ -63,7 +61,7 @@ TEST(FaultyLink, UsesNoReplyTwiceNorOneThatIsOlderThanTheLast) {
     }
     used = loop.core().totals().replies;
     EXPECT_GT(used, 0u);
-    // Each sequence at most once, and every one that was passed over is counted as lost.
+    // Each pose is answered at most once, and each one passed over counts as lost.
     EXPECT_EQ(used + loop.core().lost(), newest);
   }
 }
@@ -77,7 +75,7 @@ TEST(FaultyLink, CountsWhatALosslessLinkDoublesAndReordersAsStraysAndLosesNothin
   const StationTotals& totals = loop.core().totals();
   EXPECT_EQ(loop.core().lost(), 0u);
   EXPECT_EQ(totals.late, totals.replies) << "each took 4.6 ms";
-  // A doubled pose is answered once; a doubled answer is used once.
+  // A duplicated pose is answered once; a duplicated answer is used once.
   EXPECT_NEAR(static_cast<double>(totals.strays), 0.3 * 2000, 100.0);
 }
 
@@ -91,7 +89,7 @@ TEST(FaultyLink, LeavesNoForceThirtyMillisecondsAfterTheLastReplyAndComesBackByA
     ASSERT_NEAR(loop.applied().force.z(), kForce_N, 1e-6);
     LossyWay<wire::Wrench>& down = loop.link().down;
     LossyWay<wire::HapticPose>& up = loop.link().up;
-    const bool upwards = random.Below(2) == 0;  // either way may be cut
+    const bool upwards = random.Below(2) == 0;  // the link may be cut either way
     (upwards ? up.conditions() : down.conditions()).loss = 1.0;
     std::uint64_t newest = 0;
     for (int silent = 0; silent <= 300; ++silent) {
@@ -102,9 +100,7 @@ TEST(FaultyLink, LeavesNoForceThirtyMillisecondsAfterTheLastReplyAndComesBackByA
         silent = 0;
       }
       ASSERT_LE(loop.applied().force.norm(), loop.before().force.norm() * kRounding);
-      if (silent >= kSilent_ms) {
-        ASSERT_EQ(loop.applied().force, Vec3::Zero());
-      }
+      if (silent >= kSilent_ms) ASSERT_EQ(loop.applied().force, Vec3::Zero());
     }
     (upwards ? up.conditions() : down.conditions()).loss = 0.0;
     int rising = 0;
@@ -170,13 +166,13 @@ TEST(LyingServer, CanNeitherBreakTheBoundsNorMakeAForceOfAnOldAnswer) {
           answer.torque_Nm[random.Below(3)] = wild();
           break;
         case 2:
-          answer.pose_sequence += 1 + random.Below(1'000'000);  // never sent
+          answer.pose_sequence += 1 + random.Below(1'000'000);  // a pose never sent
           break;
         case 3:
           answer.pose_sequence = random.Bits();
           break;
         case 4:
-          answer.pose_time_ns += 1'000'000'000;  // of the future
+          answer.pose_time_ns += 1'000'000'000;  // a time in the future
           break;
         case 5:
           answer.pose_sequence -= static_cast<std::uint64_t>(random.Below(3));  // twice
@@ -210,7 +206,7 @@ TEST(LyingServer, CanNeitherBreakTheBoundsNorMakeAForceOfAnOldAnswer) {
       newest = loop.core().newest().pose_sequence;
     }
     EXPECT_GT(loop.core().totals().strays, 0u);
-    // It stops: so does the force.
+    // The device stops, and so does the force.
     loop.KillServer();
     loop.For(kSilent_ms + 2);
     EXPECT_EQ(loop.applied().force, Vec3::Zero());
@@ -226,9 +222,7 @@ TEST(UnpluggedDevice, IsAskedForNothingWhileItReportsAFaultAndRampsInWhenItIsBac
     loop.Tick();
     ASSERT_NO_FATAL_FAILURE(ExpectSafe(loop, kForce_N));
     ASSERT_LE(loop.applied().force.norm(), loop.before().force.norm());
-    if (i >= 51) {
-      ASSERT_EQ(loop.applied().force, Vec3::Zero());
-    }
+    if (i >= 51) ASSERT_EQ(loop.applied().force, Vec3::Zero());
   }
   loop.device().sample.status &= ~kDeviceFault;
   int rising = 0;
@@ -241,7 +235,7 @@ TEST(UnpluggedDevice, IsAskedForNothingWhileItReportsAFaultAndRampsInWhenItIsBac
   EXPECT_LT(rising, 500);
 }
 
-/// A server's loop, given poses whose sample times a test makes up.
+/// Gives a server's loop poses with made-up sample times.
 struct ClockBench {
   std::shared_ptr<const ServedTool> tool = BallTool();
   ServoLoop loop{tool->model};

@@ -21,7 +21,7 @@ double LargestStep(const std::vector<TraceRow>& rows, std::size_t begin, std::si
                    const WrenchLimits& limits) {
   double largest = 0.0;
   for (std::size_t i = std::max<std::size_t>(begin, 1); i < end; ++i) {
-    if (rows[i].tick != rows[i - 1].tick + 1) continue;  // rows were dropped
+    if (rows[i].tick != rows[i - 1].tick + 1) continue;  // rows are missing
     const double dt_ms = std::min(1e-6 * static_cast<double>(rows[i].time_ns - rows[i - 1].time_ns),
                                   1e3 * kMaxTick_s);
     largest = std::max({largest,
@@ -39,7 +39,7 @@ std::vector<double> CountedSilence_ms(const std::vector<TraceRow>& rows) {
     if (rows[i].reply == 0) continue;
     silence[i] = 0.0;
     if (i == 0 || rows[i].reply != rows[i - 1].reply) continue;
-    // Ticks whose rows were dropped count too, each for no more than that.
+    // Ticks whose rows were dropped count as well, each for at most that.
     const auto ticks = static_cast<double>(rows[i].tick - rows[i - 1].tick);
     silence[i] =
         silence[i - 1] + std::min(1e-6 * static_cast<double>(rows[i].time_ns - rows[i - 1].time_ns),
@@ -63,7 +63,7 @@ Silence MeasureSilence(const std::vector<TraceRow>& rows, std::int64_t after_ns,
   const double last_ms = 1e-6 * static_cast<double>(rows[dead].time_ns) - rows[dead].silence_ms;
   const std::size_t last = index(0, [&](const TraceRow& row) { return row.reply == reply; });
   const std::size_t next = index(dead, [&](const TraceRow& row) { return row.reply != reply; });
-  // As much of it as there was before: of the lightest touches the energy stage keeps a share.
+  // The share that was applied before: the energy stage withholds part of the lightest touches.
   const auto share = [](const TraceRow& row) {
     const double wanted_N = row.wanted.force.norm();
     return wanted_N > 0.0 ? row.applied.force.norm() / wanted_N : 0.0;

@@ -8,7 +8,7 @@
 
 namespace palpate::test {
 
-/// A row of what `palpate-station --trace` writes (client/station/trace.h).
+/// A row of the file that `palpate-station --trace` writes (client/station/trace.h).
 struct TraceRow {
   std::int64_t time_ns = 0;
   std::uint64_t tick = 0;
@@ -20,12 +20,12 @@ struct TraceRow {
   Wrench applied;
   std::string limiter;
 
-  /// True where that stage acted.
+  /// Whether that stage acted.
   bool Limited(const std::string& stage) const;
 };
 
-/// A last line without an end, of a station that still writes, is left out.  Throws Error where the
-/// file cannot be read, or is no trace.
+/// Ignores an unfinished last line, as of a station that is still writing.  Throws Error if the
+/// file cannot be read or is no trace.
 std::vector<TraceRow> ReadTrace(const std::string& file);
 
 }  // namespace palpate::test

@@ -1,10 +1,9 @@
-// A trace, from the loop's thread through the file to the figures.
+// A trace on its way from the loop's thread through the file to the figures.
 #include <cmath>
 #include <filesystem>
 #include <thread>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <unistd.h>
 
 #include "client/station/trace.h"
@@ -95,7 +94,8 @@ TEST_F(TraceTest, NamesTheOptionWhereTheFileCannotBeMade) {
               HasSubstr("--trace /no/such/folder/trace.csv: cannot be written"));
 }
 
-/// 1 N, whose replies end with tick 100 and come again with tick 200: down from tick 105 to 125.
+/// A force of 1 N whose replies stop after tick 100 and return with tick 200: it fades from tick
+/// 105 to 125.
 std::vector<TraceRow> Fade() {
   std::vector<TraceRow> rows;
   for (std::uint64_t tick = 1; tick <= 400; ++tick) {
@@ -119,14 +119,14 @@ TEST(MeasureSilence, FindsTheTimesAndTheSteepestStepOfAFade) {
   const Silence silence = MeasureSilence(Fade(), 90'000'000, limits);
   EXPECT_DOUBLE_EQ(silence.force_before_N, 1.0);
   EXPECT_DOUBLE_EQ(silence.share_before, 1.0);
-  EXPECT_DOUBLE_EQ(silence.until_fall_ms, 5.0);   // tick 106, of a reply that was due at 101
+  EXPECT_DOUBLE_EQ(silence.until_fall_ms, 5.0);   // tick 106; the reply was due at 101
   EXPECT_DOUBLE_EQ(silence.until_zero_ms, 24.0);  // tick 125
   EXPECT_TRUE(silence.stayed_zero);
   EXPECT_NEAR(silence.largest_step, 0.05 / limits.force_slew_N_per_ms(), 1e-12);
-  EXPECT_DOUBLE_EQ(silence.until_back_ms, 99.0);  // but for a hundredth
+  EXPECT_DOUBLE_EQ(silence.until_back_ms, 99.0);  // except for a hundredth
 }
 
-/// A machine that stands still for 100 ms in the middle of a fade: the ticks after it come as due.
+/// The machine stalls for 100 ms in the middle of a fade; the ticks after it are on time.
 std::vector<TraceRow> FadeHeldUp() {
   std::vector<TraceRow> rows = Fade();
   for (TraceRow& row : rows) {

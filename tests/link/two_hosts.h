@@ -16,11 +16,11 @@ class TwoHosts {
   static constexpr const char* kLan = "lan";
   static constexpr const char* kAddress[] = {"10.37.0.1", "10.37.0.2"};
 
-  /// Why this machine lets nobody make such hosts: a right or a program that is missing.  Empty
-  /// where it does, and then nothing of what follows may fail.
+  /// Why this machine allows no such hosts: a missing right or program.  Empty: it does, and then
+  /// nothing that follows may fail.
   static std::string WhyNot();
 
-  /// Throws Error where a step of it fails, with the reason.
+  /// Throws Error with the reason if a step fails.
   explicit TwoHosts(const LinkConditions& each_way);
 
   std::unique_ptr<Program> Start(int host, const std::string& file,

@@ -1,4 +1,4 @@
-// Stations that want the same, and stations that misbehave beside one that does not.
+// Stations that want the same tool, and stations that misbehave beside one that does not.
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -83,7 +83,7 @@ TEST(KilledStation, HasItsToolBackUnderItsName) {
   }
 }
 
-/// A server of two scenes: one is felt by a station that behaves, for two seconds.
+/// A server of two scenes; for two seconds a well-behaved station feels one of them.
 struct Neighbours : testing::Test {
   const std::string file = testing::TempDir() + "palpate_beside_" + std::to_string(getpid());
   ServerProgram server{"udp", {"cube", "bunny-bunny"}};
@@ -96,7 +96,7 @@ struct Neighbours : testing::Test {
     witness.Watch(server.id());
     witness.Watch(good->id());
   }
-  /// What the good station felt.  Spoilt where it says itself that it lost its session.
+  /// Judges what the good station felt.  Spoilt if it says itself that it lost its session.
   Attempt End(const char* beside) {
     EXPECT_EQ(good->Exit(), 0) << good->Output();
     std::ifstream in(file);
@@ -119,12 +119,12 @@ struct Misbehaviour {
   const char* name;
   int per_ms;
   void (*spoil)(wire::HapticPose&);
-  const char* told;  ///< what the server says of it, in words of gtest's ContainsRegex
+  const char* told;  ///< what the server logs about it, as a regular expression
 };
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* kRejected = "bad +bunny-bunny [^\n]* rejected +[1-9]";
-/// After a number that lies far ahead nothing is in order any more, as if nothing came.
+/// After a number far ahead no later one is in order, as if no pose came.
 constexpr const char* kUnheard = "station bad: ended: no pose came for more than 100 ms";
 constexpr const char* kTooMany = "station bad: [0-9]+ poses beyond its share";
 
@@ -141,8 +141,7 @@ constexpr Misbehaviour kKinds[] = {
      kUnheard},
     {"a clock that jumps", 1,
      [](wire::HapticPose& pose) {
-       // Only these are in order then; they come often enough to keep the session where the
-       // machine is busy, too.
+       // Only these are in order then, often enough to keep the session on a busy machine, too.
        pose.sample_time_ns += (pose.pose_sequence % 10 == 0 ? 1 : 0) * 3'600'000'000'000;
      },
      kRejected},
@@ -168,7 +167,7 @@ TEST_F(Neighbours, OfAStationThatLiesOrFloodsAreServedAsBefore) {
       Begin(witness);
       std::int64_t next_ns = SteadyNanoseconds();
       while (good->Runs()) {
-        // In step with the clock, and with no burst after a stall.
+        // In step with the clock, without a burst after a stall.
         for (int i = 0; i < kind.per_ms; ++i) {
           wire::HapticPose pose = bad.NextPose();
           kind.spoil(pose);
@@ -183,7 +182,7 @@ TEST_F(Neighbours, OfAStationThatLiesOrFloodsAreServedAsBefore) {
       const bool bad_fell_silent = bad.lost_to_silence();
       bad.Leave();
       const Attempt felt = End(kind.name);
-      // That it misbehaved at all, by what the server says of it.
+      // What the server logs shows that it misbehaved at all.
       const std::string said = server.Output().substr(said_before);
       const bool told = testing::Value(said, testing::ContainsRegex(kind.told));
       if (felt == Attempt::kShown && !told && bad_fell_silent) return Attempt::kSpoilt;

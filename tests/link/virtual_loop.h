@@ -1,7 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -18,7 +17,7 @@
 namespace palpate::test {
 
 /// A station's core, a server's loop and a link between them, in virtual time: a tick is a
-/// millisecond.  The hand is a device that a test holds, at first 2 mm deep in a ball of 1 N/mm.
+/// millisecond.  The hand is a device held by the test, at first 2 mm deep in a ball of 1 N/mm.
 /// The server answers a pose at the instant of its arrival.
 class VirtualLoop {
  public:
@@ -32,14 +31,14 @@ class VirtualLoop {
     StartServer();
   }
 
-  /// The server that takes part from now on; the poses on their way reach it too.
+  /// Starts a server; poses that are on their way reach it, too.
   void StartServer() {
     server_ = std::make_unique<ServoLoop>(tool_->model);
     server_->Start(Pose{Vec3(0, 0, kTouch), Quat::Identity()});
   }
-  /// Poses are heard by nobody from now on.
+  /// From now on nobody hears poses.
   void KillServer() { server_.reset(); }
-  /// The server reads nothing until then; what has come waits for it.
+  /// While frozen, the server reads nothing; what comes waits for it.
   void FreezeServer(bool on) { frozen_ = on; }
 
   void Press(double depth_m) { device_.sample.X_WH.p = Vec3(0, 0, kTouch - depth_m); }
@@ -56,7 +55,7 @@ class VirtualLoop {
     for (int i = 0; i < milliseconds; ++i) Tick();
   }
 
-  /// What the server's answers become on their way, where a test wants it so.
+  /// Falsifies the server's answers on their way.
   std::function<void(wire::Wrench&)> forge;
 
   SimulatedLink<wire::HapticPose, wire::Wrench>& link() { return link_; }
@@ -64,7 +63,7 @@ class VirtualLoop {
   StillDevice& device() { return device_; }
   std::int64_t now_ns() const { return now_ns_; }
   const Wrench& applied() const { return device_.applied; }
-  /// Of the tick before.
+  /// The wrench applied in the tick before.
   const Wrench& before() const { return before_; }
 
  private:
@@ -84,7 +83,7 @@ class VirtualLoop {
       const std::optional<wire::HapticPose> pose = link_.up.Receive(now_ns_);
       wire::Wrench answer{};
       if (!server_ || !server_->OnPose(*pose, answer)) continue;
-      answer.step_time_s = 1e-5;  // the only thing in it that a clock has touched
+      answer.step_time_s = 1e-5;  // the only field that a clock has touched
       if (forge) forge(answer);
       link_.down.Send(served_ns_, answer);
     }

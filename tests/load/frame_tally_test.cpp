@@ -7,11 +7,10 @@
 namespace palpate {
 namespace {
 
-/// Two viewers of two stations that have sampled pose n at n milliseconds, and forgotten it 4 s
-/// later.
+/// Two viewers and two stations, which sample pose n at n milliseconds and remember it for 4 s.
 class TallyOfFrames : public testing::Test {
  protected:
-  /// Both stations have sent so many poses.
+  /// Begins when both stations have sent `newest` poses.
   void Begin(std::uint64_t newest) {
     newest_ = newest;
     tally_.Begin(static_cast<std::int64_t>(newest) * kMs);
@@ -27,7 +26,7 @@ class TallyOfFrames : public testing::Test {
     frame.pose_sequence = sequence;
     tally_.Add(viewer, frame, (static_cast<std::int64_t>(sequence) + age_ms) * kMs);
   }
-  /// Each frame of the station from one pose to another, at so many a second.
+  /// Gives the viewer every frame of the station in [from, to), at `rate_hz`.
   void Watch(std::size_t viewer, const std::string& station, std::uint64_t from, std::uint64_t to,
              double rate_hz = 30.0) {
     for (int i = 0;; ++i) {
@@ -45,7 +44,7 @@ class TallyOfFrames : public testing::Test {
                      }}};
 };
 
-/// 10 s at 30 Hz, less one that may be on its way.
+/// 10 s at 30 Hz, less one frame that may be on its way.
 constexpr std::uint64_t kDue = 299;
 
 TEST_F(TallyOfFrames, CountsNoLossWhereEachViewerGetsEachStationAtTheRate) {
@@ -61,8 +60,8 @@ TEST_F(TallyOfFrames, CountsNoLossWhereEachViewerGetsEachStationAtTheRate) {
   EXPECT_EQ(tally_.lost(), 0u);
 }
 
-/// What the viewers see of load_2, who see all of load_1: from pose 500 on, until when and how
-/// often; and how much of it they have lost.
+/// What two viewers, who see all of load_1, see of load_2: each from pose 500 up to `until`, at
+/// `rate_hz`; `lost` is how much of it they lose.
 struct Seen {
   const char* what;
   std::uint64_t until[2];
@@ -87,7 +86,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Seen{"AllOfIt", {10'495, 500}, {30.0, 30.0}, kDue},
         Seen{"AfterTheLastFrame", {10'495, 5'500}, {30.0, 30.0}, kDue - 150},
-        // A sixth too slow: not one gap of two frames.
+        // A sixth too slow, though no gap is two frames long.
         Seen{"AtLessThanTheRate", {10'495, 10'495}, {25.0, 15.0}, (kDue - 250) + (kDue - 150)}),
     [](const auto& seen) { return seen.param.what; });
 
@@ -104,7 +103,7 @@ TEST_F(TallyOfFrames, TakesAPoseThatIsShownAgainForNoFrame) {
   Begin(500);
   for (const std::size_t viewer : {0, 1}) Watch(viewer, "load_1", 500, 10'495);
   Watch(0, "load_2", 500, 10'495);
-  for (int i = 0; i < 300; ++i) Get(1, "load_2", 600);  // its server hears it no more
+  for (int i = 0; i < 300; ++i) Get(1, "load_2", 600);  // its server no longer hears it
   End(10'500);
   EXPECT_EQ(tally_.lost(), kDue - 1);
 }

@@ -4,7 +4,6 @@
 #include <set>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "client/load/capacity.h"
@@ -15,7 +14,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Of a station that ran for so many ticks.
+/// The figures of a station that ran for `ticks`.
 StationTotals Totals(std::uint64_t ticks, std::uint64_t replies, std::uint64_t late) {
   StationTotals totals;
   totals.ticks = totals.sent = ticks;
@@ -46,7 +45,7 @@ LoadFigures TwoStations() {
 
 TEST(LoadFigures, CallLateWhatIsNotAnsweredInItsMillisecondWhoeverIsAtFault) {
   const StationSum sum = TwoStations().sum;
-  // Of 2000: late replies, poses without one, and those that were never sent.
+  // Of 2000 poses some had late replies, some none, and some were never sent.
   EXPECT_DOUBLE_EQ(sum.late_fraction(), (10 + 40 + 200) / 2000.0);
   EXPECT_DOUBLE_EQ(sum.worst_late_fraction, 250 / 1000.0);
   EXPECT_DOUBLE_EQ(sum.hz(), 1000.0 * 1760 / 2000);
@@ -67,7 +66,7 @@ TEST(LoadFigures, CallNoneLateWhereAllButTheLastPoseIsAnswered) {
 TEST(LoadFigures, HoldWithLessThanAHundredthLateAndLost) {
   LoadFigures f;
   f.sum.Add(Totals(1001, 1000, 9), 0, 0);
-  f.viewer_frames = 9000;  // most of them of others' stations
+  f.viewer_frames = 9000;  // most of them from others' stations
   f.frames_due = 1000;
   f.lost = 9;
   EXPECT_TRUE(Holds(f));
@@ -158,23 +157,17 @@ TEST(CapacitySearch, FindsEveryLimitBelowTheMost) {
   }
 }
 
-TEST(CapacitySearch, DoublesAndThenBisects) {
-  std::vector<std::size_t> tried;
-  FindCapacity(1000, 1, [&](std::size_t n) {
-    tried.push_back(n);
-    return n <= 21;
-  });
-  EXPECT_THAT(tried, testing::ElementsAre(1, 2, 4, 8, 16, 32, 24, 20, 22, 21));
-}
-
-TEST(CapacitySearch, TriesNothingBeyondTheMost) {
-  std::vector<std::size_t> tried;
-  const Capacity found = FindCapacity(6, 1, [&](std::size_t n) {
-    tried.push_back(n);
-    return true;
-  });
-  EXPECT_THAT(tried, testing::ElementsAre(1, 2, 4, 6));
-  EXPECT_EQ(found.holds, 6u);
+TEST(CapacitySearch, DoublesThenBisectsAndTriesNothingBeyondTheMost) {
+  const auto tried = [](std::size_t most, std::size_t limit) {
+    std::vector<std::size_t> numbers;
+    FindCapacity(most, 1, [&](std::size_t n) {
+      numbers.push_back(n);
+      return n <= limit;
+    });
+    return numbers;
+  };
+  EXPECT_THAT(tried(1000, 21), testing::ElementsAre(1, 2, 4, 8, 16, 32, 24, 20, 22, 21));
+  EXPECT_THAT(tried(6, 6), testing::ElementsAre(1, 2, 4, 6));
   EXPECT_EQ(FindCapacity(0, 1, [](std::size_t) { return true; }).holds, 0u);
 }
 
@@ -186,11 +179,7 @@ TEST(CapacitySearch, BelievesALoadThatFailsOnlyWhenItFailsAgain) {
   EXPECT_EQ(FindCapacity(100, 3, holds).holds, 7u);
 }
 
-TEST(CapacitySearch, LetsThroughWhatARunThrows) {
-  EXPECT_THROW(FindCapacity(8, 2, [](std::size_t) -> bool { throw Error("no server"); }), Error);
-}
-
-/// Of n stations, of which one pose in ten is late, or none.
+/// The report on n stations with one late pose in ten, or none.
 LoadFigures Figures(std::size_t n, bool holds) {
   LoadFigures figures;
   figures.stations = n;
@@ -199,7 +188,7 @@ LoadFigures Figures(std::size_t n, bool holds) {
 }
 
 TEST(CapacitySearch, GivesTheFiguresOfTheNumbersThatItNames) {
-  // Of 1, 2, 4, 3: three fails once, after four has failed twice, and then holds.
+  // Runs of 1, 2, 4 and 3 stations: four fails twice, three fails once and then holds.
   std::set<std::size_t> tried;
   const FoundLoad found = FindLoad(10, 2, [&](std::size_t n) {
     return Figures(n, n < 3 || (n == 3 && !tried.insert(n).second));
@@ -234,7 +223,8 @@ TEST(CapacitySearch, ForgetsARefusalWhereLessFailsByItself) {
   EXPECT_EQ(found.refusal, "");
 }
 
-TEST(CapacitySearch, LetsThroughWhyNotEvenOneCanBeRun) {
+TEST(CapacitySearch, LetsThroughWhatARunThrowsAndWhyNotEvenOneCanBeRun) {
+  EXPECT_THROW(FindCapacity(8, 2, [](std::size_t) -> bool { throw Error("no server"); }), Error);
   EXPECT_THROW(
       FindLoad(8, 2, [](std::size_t) -> std::optional<LoadFigures> { throw Error("no server"); }),
       Error);

@@ -4,7 +4,6 @@
 #include <string>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <time.h>
@@ -169,7 +168,7 @@ TEST(ProcessUse, IsTheTimeUsedByTheTimePassed) {
 TEST(ProcessUse, SeesWhatThisProcessUses) {
   const auto begin = TimesOf(getpid());
   ASSERT_TRUE(begin);
-  // Until this thread has used a fifth of a second, by the processor's own count.
+  // Computes until this thread has used a fifth of a second of processor time.
   timespec used{};
   do {
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
@@ -199,7 +198,7 @@ TEST(ProcessUse, FindsNoServerInWhatHoldsItsPlaceAndIsNone) {
   EXPECT_FALSE(ServerOf(domain)) << "by its name";
 }
 
-/// One of this host's that nobody else has.
+/// A port of this host that nobody uses.
 struct Port {
   Port() {
     sockaddr_in address{};
@@ -224,7 +223,8 @@ TEST(ProcessUse, FindsWhoListensAtAPort) {
 
 using testing::AllOf;
 
-/// Something at a port of this host that is no gateway: takes one connection and says `answer`.
+/// Listens at a port of this host without being a gateway: takes one connection and answers
+/// `answer`.
 class Stranger {
  public:
   explicit Stranger(const std::string& answer) {

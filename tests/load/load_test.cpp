@@ -1,5 +1,5 @@
-// The real palpate-load beside a real server and gateway: that it measures what is there, and says
-// what is not.
+// The real palpate-load beside a real server and gateway: it measures what is there, and says what
+// is missing.
 #include <csignal>
 #include <cstdlib>
 #include <map>
@@ -7,7 +7,6 @@
 #include <regex>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "tests/support/folder.h"
@@ -95,7 +94,7 @@ TEST_F(Load, MeasuresStationsAndViewersOfBothKinds) {
   }
   EXPECT_EQ(json["viewers_gone"], 0);
   EXPECT_THAT(ReadText("capacity.md"), HasSubstr("| 2 | 3 + 1 DDS |"));
-  // All that it took is free again.
+  // Everything that it took is free again.
   EXPECT_TRUE(server_->Says("station load_2: ended")) << server_->Output();
 }
 
@@ -110,12 +109,12 @@ TEST_F(Load, GoesOverTheNetworkAndToThePeersThatItIsGiven) {
   EXPECT_GT(json["dds_viewer_frames"], 0);
 }
 
-/// Whatever the machine held, the limit follows from the runs that the program tells of, each of
-/// which holds where less than a hundredth of it was late and lost.
+/// Whatever the machine manages, the limit follows from the runs that the program prints: a run
+/// holds if less than a hundredth of it was late or lost.
 void ExpectLimitOf(const std::string& what, const std::string& output) {
   const std::regex run("([0-9]+) " + what +
                        ": ([0-9.]+) % late, ([0-9.]+) % of the frames lost: (.*)");
-  std::map<std::size_t, bool> held;  // by number
+  std::map<std::size_t, bool> held;  // by number of stations or viewers
   for (std::sregex_iterator it(output.begin(), output.end(), run); it != std::sregex_iterator();
        ++it) {
     const double late = std::stod((*it)[2]), lost = std::stod((*it)[3]);
@@ -128,7 +127,7 @@ void ExpectLimitOf(const std::string& what, const std::string& output) {
   for (const auto& [n, holds] : held) largest = holds ? n : largest;
   EXPECT_FALSE(held.empty()) << output;
   EXPECT_THAT(output, HasSubstr("limit: " + std::to_string(largest) + " " + what + " at"));
-  // Nothing is left out between the two.
+  // No number between the two was left out.
   const auto fails = held.upper_bound(largest);
   EXPECT_TRUE(fails == held.end() || fails->first == largest + 1) << output;
 }
@@ -136,7 +135,7 @@ void ExpectLimitOf(const std::string& what, const std::string& output) {
 TEST_F(Load, SaysWhichNumberIsTheLargestAndWhy) {
   StartServer();
   StartGateway();
-  // A machine that is busy may hold none; with the gateway's limit of three there are never more.
+  // A busy machine may manage none; with the gateway's limit of three there are never more.
   const auto load = Start(Arguments(
       {"--find", "--stations", "1", "--viewer-url", url_, "--json", In("found.json")}, "0.5"));
   ASSERT_EQ(load->Exit(110.0), 0) << load->Output();

@@ -1,5 +1,4 @@
-// The dashboard and the alerts beside what the real programs expose.
-#include <algorithm>
+// The dashboard and the alerts against what the real programs expose.
 #include <csignal>
 #include <iterator>
 #include <regex>
@@ -7,7 +6,6 @@
 #include <sstream>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "tests/common/recording/samples.h"
@@ -34,7 +32,7 @@ Names MetricsIn(const std::string& text) {
   return names;
 }
 
-/// The metrics that have a value.
+/// The names of the metrics with a value.
 Names MetricsOn(const std::string& page) {
   Names names;
   std::istringstream lines(page);
@@ -50,7 +48,7 @@ Names Without(const Names& these, const Names& those) {
   return rest;
 }
 
-/// The port in the program's words after `before`.
+/// The port in the program's output after `before`.
 int PortAfter(Program& program, const std::string& before) {
   if (!program.Says(before, 60.0) || !program.Says("/", 5.0)) return 0;
   const std::string& said = program.Output();

@@ -3,7 +3,6 @@
 #include <memory>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
@@ -34,7 +33,7 @@ class EventLogTest : public testing::Test {
     statistics.faults = faults;
     log_->OnStatistics(statistics, now_ns);
   }
-  /// Every line must be an object.
+  /// Parses the log; every line must be an object.
   std::vector<nlohmann::json> Lines() const {
     std::vector<nlohmann::json> lines;
     std::ifstream in(file_);
@@ -56,9 +55,9 @@ TEST_F(EventLogTest, TellsASessionFromItsBeginningToItsEnd) {
   log_->OnStart({{"domain", "7"}});
   Tell("hand", palpate_SESSION_WAITING, 1 * kMs);
   Tell("hand", palpate_SESSION_ACTIVE, 2 * kMs);
-  Tell("hand", palpate_SESSION_ACTIVE, 3 * kMs);  // said again
+  Tell("hand", palpate_SESSION_ACTIVE, 3 * kMs);  // repeated
   Tell("hand", palpate_SESSION_ENDED, 3 * kMs);
-  Tell("hand", palpate_SESSION_ENDED, 5000 * kMs);  // said again
+  Tell("hand", palpate_SESSION_ENDED, 5000 * kMs);  // repeated
   log_.reset();
   EXPECT_THAT(Events(), ElementsAre("start", "begun", "active", "ended", "stop"));
   const auto ended = Lines()[3];

@@ -1,7 +1,6 @@
 #include "server/observation/server_metrics.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "common/step_fault.h"
 #include "tests/common/recording/samples.h"
@@ -58,10 +57,10 @@ TEST_F(ServerMetricsTest, TellsHowTheServerRuns) {
 
 TEST_F(ServerMetricsTest, CountsSessionsByTheirPhaseAndRun) {
   Tell("left", 1, palpate_SESSION_WAITING);
-  Tell("left", 1, palpate_SESSION_WAITING);  // asked again: told again
+  Tell("left", 1, palpate_SESSION_WAITING);  // asked again, so told again
   Tell("left", 1, palpate_SESSION_ACTIVE);
   Tell("right", 2, palpate_SESSION_ACQUIRING);
-  Tell("left", 9, palpate_SESSION_ENDED);  // a run of before
+  Tell("left", 9, palpate_SESSION_ENDED);  // a former run
   Tell("other", 3, palpate_SESSION_REFUSED);
   std::string text = Text();
   EXPECT_THAT(text, HasSubstr(R"(palpate_server_sessions{phase="active"} 1)"));

@@ -1,7 +1,6 @@
 #include "server/offer/generated_hand.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -16,7 +15,7 @@
 namespace palpate::test {
 namespace {
 
-/// A tool over, or in, a box of 40 x 20 x 30 units of `mm`.
+/// A tool over or in a box of 40 x 20 x 30 units of `mm`.
 Scene OverABox(TriangleMesh tool, std::size_t leaves, const Vec3& start_mm, double mm = 1e-3) {
   Scene scene = MakeScene(std::move(tool), leaves, MakeBox(mm * Vec3(40, 20, 30)), 256,
                           ContactModel::kSurface);
@@ -68,19 +67,17 @@ TEST(GeneratedHand, ComesToTheNearestFacePressesSlidesAndLifts) {
   const Scene scene = BallOverABox({3, 30, -4});
   const std::optional<PoseScript> hand = HandOf(scene);
   ASSERT_TRUE(hand);
-  // Where the scene places the tool, and back again; free there.
+  // Starts and ends, free of contact, where the scene places the tool.
   EXPECT_NEAR((hand->At(0.0).p - Vec3(0.003, 0.030, -0.004)).norm(), 0.0, 1e-12);
   EXPECT_EQ(hand->At(0.0).p, hand->keys().back().X_WH.p);
   EXPECT_FALSE(MeshOracle(scene).Meet(hand->At(0.0)));
-  // The top face, y = 10 mm, and the ball's radius of 2 mm.
+  // The top face is y = 10 mm, the ball's radius 2 mm.
   const Pose& touching = KeyOf(*hand, "press").X_WH;
   EXPECT_NEAR((touching.p - Vec3(0.003, 0.012, -0.004)).norm(), 0.0, 2e-5);
   const Pose& pressed = KeyOf(*hand, "slide").X_WH;
   EXPECT_NEAR((pressed.p - Vec3(0.003, 0.009, -0.004)).norm(), 0.0, 2e-5);
   for (const PoseScript::Key& key : hand->keys()) {
-    if (key.label == "slide") {
-      EXPECT_NEAR(key.X_WH.p.y(), 0.009, 2e-5) << key.t;
-    }
+    if (key.label == "slide") EXPECT_NEAR(key.X_WH.p.y(), 0.009, 2e-5) << key.t;
   }
   const Felt felt = Play(scene, *hand);
   EXPECT_NEAR(felt.force_N_max, 3.0, 0.1);

@@ -83,7 +83,7 @@ class Station(Served):
         with opened(max_force=3) as hand:
             felt = hand.move([0, TOUCH - 0.005, 0], 0.3)
             self.assertAlmostEqual(felt.wanted_force[1], 5, delta=0.02)
-            until = time.monotonic() + 5  # a host that is held up fades it for a while
+            until = time.monotonic() + 5  # a busy host fades it for a while
             while abs(felt.force[1] - 3) > 0.02 and time.monotonic() < until:
                 self.assertLessEqual(numpy.linalg.norm(felt.force), 3 + 1e-9)
                 time.sleep(0.01)
@@ -190,7 +190,7 @@ class Session(Served):
             wrenches = session.wrenches("hand")
             self.assertGreater(len(wrenches), 1000)
             self.assertEqual(set(numpy.diff(wrenches["answer"].astype(int))), {1})
-            # What a state says, the loop has said.
+            # The state says what the loop has sent.
             felt = {wrench["pose_sequence"]: wrench for wrench in wrenches}
             both = [(state, felt[state["pose_sequence"]]) for state in states if state["pose_sequence"] in felt]
             self.assertGreater(len(both), 60)
@@ -300,7 +300,7 @@ from palpate import live
 print(live.Session(int(sys.argv[2]), identity=sys.argv[3]).tools(timeout=20)["station"][0].decode())
 """, str(domain), who["class"])
                 self.assertEqual(look.communicate(timeout=60)[0], "script\n")
-                hand.communicate("\n", timeout=20)  # which leaves the tool
+                hand.communicate("\n", timeout=20)  # and leaves the tool
                 for name, identity in (("other", who["script"]), ("class", who["class"])):
                     wrong = script("""
 import sys
@@ -324,7 +324,7 @@ class Stubs(unittest.TestCase):
                 self.assertLessEqual(public, set(stubbed), kind.name)
                 self.assertLessEqual({name for name in stubbed if not name.startswith("_")}, public | inherited)
             if kind.name not in ("Station", "Session"):
-                continue  # of the extension module, whose functions have no signature
+                continue  # those of the extension module have no signature
             for name, node in stubbed.items():
                 real = getattr(there, name)
                 if not callable(real):

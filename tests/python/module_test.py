@@ -75,7 +75,7 @@ class Force(unittest.TestCase):
             proxy = palpate.Proxy(model, [0, 0.026, 0])
             for y in numpy.linspace(0.026, 0.024, 50):
                 force[um] = proxy.step([0, y, 0]).force[1]
-        # Of the separation a pair may have lost half when it is met.
+        # The separation of a pair may have halved when it is met.
         self.assertGreater(force[51] - force[1], 0.024)
         self.assertLess(force[51] - force[1], 0.0501)
         with self.assertRaisesRegex(palpate.Error, "seperation_um is not known; give one of stiffness_N_per_m"):
@@ -116,58 +116,42 @@ class CReport(ctypes.Structure):
 
 
 class Bits(unittest.TestCase):
-    def test_are_those_of_the_library_in_c(self):
-        c = ctypes.CDLL(os.environ["PALPATE_C_LIBRARY"])
-        for name in ("palpate_scene_new", "palpate_model_new", "palpate_proxy_new"):
-            getattr(c, name).restype = ctypes.c_void_p
-        scene = ctypes.c_void_p(c.palpate_scene_new(0))
-        size = (ctypes.c_double * 3)(*SIZE)
-        self.assertEqual(c.palpate_scene_add_box(scene, 0, b"block", size, None), 0)
-        self.assertEqual(c.palpate_scene_add_ball(scene, 1, b"ball", ctypes.c_double(0.005), None), 0)
-        model = ctypes.c_void_p(c.palpate_model_new(scene, ctypes.c_size_t(0)))
-        path = wandering_path(2000, 1)
-        pose = Pose()
+    def setUp(self):
+        self.c = ctypes.CDLL(os.environ["PALPATE_C_LIBRARY"])
+        for name in ("palpate_scene_new", "palpate_scene_load", "palpate_model_new", "palpate_proxy_new"):
+            getattr(self.c, name).restype = ctypes.c_void_p
+
+    def assert_same_in_c(self, scene, path, steps):
+        pose, report = Pose(), CReport()
 
         def at(row):
             pose.position[:], pose.orientation[:] = row[:3], row[3:]
             return ctypes.byref(pose)
 
-        hand = ctypes.c_void_p(c.palpate_proxy_new(model, at(path[0])))
-        steps = palpate.Proxy(ball_on_block(), path[0]).steps(path)
-        report = CReport()
+        model = ctypes.c_void_p(self.c.palpate_model_new(scene, ctypes.c_size_t(0)))
+        hand = ctypes.c_void_p(self.c.palpate_proxy_new(model, at(path[0])))
         for row, wrench, tool in zip(path, steps.wrench, steps.pose):
-            c.palpate_proxy_step(hand, at(row), ctypes.byref(report))
+            self.c.palpate_proxy_step(hand, at(row), ctypes.byref(report))
             self.assertEqual(bytes(report.force) + bytes(report.torque), wrench.tobytes())
             self.assertEqual(bytes(report.tool), tool.tobytes())
         self.assertGreater((steps.contacts > 0).sum(), 500)
 
+    def test_are_those_of_the_library_in_c(self):
+        scene = ctypes.c_void_p(self.c.palpate_scene_new(0))
+        size = (ctypes.c_double * 3)(*SIZE)
+        self.assertEqual(self.c.palpate_scene_add_box(scene, 0, b"block", size, None), 0)
+        self.assertEqual(self.c.palpate_scene_add_ball(scene, 1, b"ball", ctypes.c_double(0.005), None), 0)
+        path = wandering_path(2000, 1)
+        self.assert_same_in_c(scene, path, palpate.Proxy(ball_on_block(), path[0]).steps(path))
+
     def test_of_a_loaded_scene_are_those_of_the_library_in_c(self):
-        c = ctypes.CDLL(os.environ["PALPATE_C_LIBRARY"])
-        for name in ("palpate_scene_load", "palpate_model_new", "palpate_proxy_new"):
-            getattr(c, name).restype = ctypes.c_void_p
         with tempfile.TemporaryDirectory() as folder:
             for name in ("cube", cube_with_effects(pathlib.Path(folder))):
-                self.same_as_in_c(c, name)
-
-    def same_as_in_c(self, c, name):
-        loaded = ctypes.c_void_p(c.palpate_scene_load(name.encode()))
-        self.assertEqual(c.palpate_scene_set_parameter(loaded, b"friction", ctypes.c_double(0.3)), 0)
-        model = ctypes.c_void_p(c.palpate_model_new(loaded, ctypes.c_size_t(0)))
-        scene = palpate.load(name)
-        path = scene.path()[2000:6000]
-        pose = Pose()
-
-        def at(row):
-            pose.position[:], pose.orientation[:] = row[:3], row[3:]
-            return ctypes.byref(pose)
-
-        hand = ctypes.c_void_p(c.palpate_proxy_new(model, at(path[0])))
-        steps = palpate.Proxy(scene.model(friction=0.3), path[0]).steps(path)
-        report = CReport()
-        for row, wrench in zip(path, steps.wrench):
-            c.palpate_proxy_step(hand, at(row), ctypes.byref(report))
-            self.assertEqual(bytes(report.force) + bytes(report.torque), wrench.tobytes())
-        self.assertGreater((steps.contacts > 0).sum(), 500)
+                loaded = ctypes.c_void_p(self.c.palpate_scene_load(name.encode()))
+                self.assertEqual(self.c.palpate_scene_set_parameter(loaded, b"friction", ctypes.c_double(0.3)), 0)
+                scene = palpate.load(name)
+                path = scene.path()[2000:6000]
+                self.assert_same_in_c(loaded, path, palpate.Proxy(scene.model(friction=0.3), path[0]).steps(path))
 
     def test_are_the_same_step_by_step_in_one_call_and_on_all_cores(self):
         model = ball_on_block()
@@ -225,7 +209,7 @@ class Effects(unittest.TestCase):
             numpy.testing.assert_array_equal([tool[:3] for _, tool in asked[1:]], moves[9:-1:10])
             numpy.testing.assert_allclose(force, truth if stiffness is not None else truth[numpy.arange(95) // 10 * 10],
                                           atol=1e-12)
-        self.proxy.restart(moves[0])  # which counts anew
+        self.proxy.restart(moves[0])  # whose count begins anew
         self.proxy.step(moves[0])
         self.assertEqual(len(asked), 11)
 

@@ -11,7 +11,7 @@ namespace {
 
 const Pose kStart{Vec3(0.1, 0.2, 0.3), Quat::Identity()};
 
-/// The device with a limiter, as a loop drives it.
+/// The device with a limiter, driven as by a loop.
 struct Loop {
   PosedDevice device{kStart, 20.0, 2.0};
   WrenchLimiter limiter{WrenchLimits::Of(device.info())};
@@ -87,7 +87,7 @@ TEST(PosedDevice, TellsWhatWasWantedAndWhatTheLimiterLetThrough) {
   Loop loop;
   loop.Tick({Vec3(0.0, 3.0, 0.0), Vec3::Zero()});
   EXPECT_EQ(loop.device.felt().wanted.force.y(), 3.0);
-  EXPECT_TRUE(loop.device.felt().applied.force.isZero(0.0));  // the limiter was asked for nothing
+  EXPECT_TRUE(loop.device.felt().applied.force.isZero(0.0));  // the limiter was asked for no force
   EXPECT_FALSE(loop.device.felt().sees_tool);
   loop.device.SeeGraphicTool(kStart, Vec3::Zero());
   loop.Tick();

@@ -52,7 +52,7 @@ class Recording(unittest.TestCase):
         recorded = {row["pose_sequence"]: row for row in wrenches}
         both = [(heard, recorded[heard["pose_sequence"]]) for heard in self.heard
                 if heard["pose_sequence"] in recorded]
-        self.assertGreater(len(both), 500)  # how many of 4,000 depends on the load
+        self.assertGreater(len(both), 500)  # how many of the 4,000 come depends on the load
         force = numpy.array([list(heard["force_N"]) for heard, _ in both])
         columns = numpy.array([[row["force_x_N"], row["force_y_N"], row["force_z_N"]] for _, row in both])
         numpy.testing.assert_array_equal(force, columns)
@@ -68,7 +68,7 @@ class Recording(unittest.TestCase):
         poses, wrenches = tables["poses"], tables["wrenches"]
         self.assertTrue(numpy.all(numpy.diff(poses["time_s"]) >= 0))
         self.assertEqual(set(numpy.diff(poses["pose_sequence"].astype(int))), {1})
-        # The spring's force: 1 N/mm between hand and tool, where a wrench has been answered in full.
+        # The spring's force is 1 N/mm between hand and tool, for wrenches with the full force.
         hand = {row["pose_sequence"]: row["hand_y_m"] for row in poses}
         settled = [row for row in wrenches[-500:] if row["pose_sequence"] in hand and row["faults"] == 0]
         for row in settled:
@@ -98,7 +98,7 @@ class Recording(unittest.TestCase):
                     elif array.dtype[name].kind == "U":
                         self.assertEqual(values, array[name].tolist(), name)
                     else:
-                        # Numbers that read back to all bits.
+                        # The numbers read back to the last bit.
                         numpy.testing.assert_array_equal(numpy.array(values, array.dtype[name]), array[name])
                     compared |= {(file.stem, name)} if values else set()
             tables = self.session()

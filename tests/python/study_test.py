@@ -93,7 +93,7 @@ class Table(Folder):
         self.assertIn("14 runs, 5 of them already done", self.run_study())
         self.assertEqual(self.table.read_bytes(), once)
         self.assertIn("14 runs, 14 of them already done", self.run_study())
-        # What a row depends on is in its key.
+        # The key has all that a row depends on.
         self.write(STUDY.replace("0.3]", "0.4]"))
         self.assertIn("14 runs, 7 of them already done", self.run_study())
         (self.folder / "own.py").write_text(OWN + "# not the same\n")
@@ -121,7 +121,7 @@ class Table(Folder):
         felt = {row["hand"]: float(row["touching"]) for row in self.rows()}
         self.assertGreater(felt["explorer"], 0.2)
         self.assertGreater(felt["own"], 0.1)
-        # A hand that presses straight down does not feel friction.
+        # A hand that presses straight down feels no friction.
         self.assertEqual(len({row["bits"] for row in self.rows()}), 12)
 
     def test_comes_with_the_text_of_its_methods(self):

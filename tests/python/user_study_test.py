@@ -57,7 +57,7 @@ class Trials(unittest.TestCase):
             with server:
                 self.assertTrue(server.says("ready"), server.text)
                 answers = "\n" + "".join(f"{10 * i}\n" for i in range(6))
-                # A number out of range is asked for again; the second trial is broken off at its questions.
+                # A number out of range is asked for again; the second trial stops at its questions.
                 done = call("run", file, 2, said=answers.replace("\n0\n", "\n101\n0\n") + "\n5\n")
                 self.assertIn("EOFError", done.stderr)
                 done = call("run", file, 2, said=answers)

@@ -3,7 +3,6 @@
 #include <functional>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "common/error.h"
@@ -19,7 +18,8 @@ using testing::SizeIs;
 
 class FileSummaryTest : public testing::Test {
  protected:
-  /// A second of a station, but for these poses; three more dropped.
+  /// Records a second of a station without the poses in [hole_begin, hole_end); if there are any,
+  /// three more are noted as dropped.
   void Record(const std::string& file, std::uint64_t hole_begin, std::uint64_t hole_end) {
     RecordingWriter writer({.file = file, .overwrite = true});
     AddBundle(writer, {1, 2, 3}, kMs);
@@ -37,7 +37,7 @@ class FileSummaryTest : public testing::Test {
     writer.Close("the test is over");
   }
 
-  /// Of a recording that `put` has filled.
+  /// The summary of a recording filled by `put`.
   FileSummary Of(const std::function<void(RecordingWriter&)>& put) {
     RecordingWriter writer({.file = file_});
     put(writer);
@@ -77,7 +77,7 @@ TEST_F(FileSummaryTest, GivesOneVerdict) {
     EXPECT_THAT(ToText(summary), testing::StartsWith(file_ + ": " + head + "\n"));
   };
   judge("whole", "whole", true);
-  // In the header, before all chunks: of these all are whole, and the file is at its end, too.
+  // The change is in the header, before all chunks: these are whole, and the file has its end.
   std::vector<std::uint8_t> changed = bytes;
   changed[30] ^= 1;
   WriteBytes(file_, changed);
@@ -152,7 +152,7 @@ TEST_F(FileSummaryTest, TellsOfATopicAllOfWhichWasDropped) {
 
 TEST_F(FileSummaryTest, CountsOnlyWhatWasThere) {
   const FileSummary summary = Of([](RecordingWriter& writer) {
-    // A server tells whoever comes of the sessions that were: all at once.
+    // A server tells late readers of all former sessions at once.
     Add(writer, dds::kSessionStateTopic, SampleState("gone", 4), kMs);
     Add(writer, dds::kSessionStateTopic, SampleState("hand", 5), kMs + 538);
     Add(writer, dds::PoseTopic("hand", 5), SamplePose(1), 2 * kMs);
@@ -189,8 +189,8 @@ TEST_F(FileSummaryTest, TellsOfTopicsThatTheFileHadNoRoomFor) {
   EXPECT_THAT(ToText(summary), HasSubstr("5 samples came and were left out"));
 }
 
-// Which took a minute and more where each state was looked for among all sessions; a test that is
-// as slow again is ended by its time limit.
+// Takes minutes if each state is searched for among all sessions; the test's time limit then ends
+// it.
 TEST_F(FileSummaryTest, TellsOfManySessionsInTheOrderInWhichTheyCame) {
   constexpr std::uint64_t kSessions = 60'000;
   const FileSummary summary = Of([](RecordingWriter& writer) {

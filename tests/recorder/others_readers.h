@@ -10,7 +10,7 @@
 
 namespace palpate::test {
 
-/// What read_back.mjs finds in a recording; none where Node.js or its packages are missing.
+/// What read_back.mjs finds in a recording; nullopt without Node.js or its packages.
 inline std::optional<nlohmann::json> ReadByOthers(const std::string& file) {
   const std::string packages = PALPATE_SOURCE_DIR "/build/mcap";
   if (!std::filesystem::exists(packages + "/node_modules") ||

@@ -1,5 +1,5 @@
-// The readers of MCAP's and Foxglove's makers find in a recording every sample as it was: that
-// makes it an MCAP file with omgidl schemas.
+// The readers by MCAP's and Foxglove's makers find every sample in a recording as it was: so it is
+// an MCAP file with omgidl schemas.
 #include "tests/recorder/others_readers.h"
 
 #include "tests/common/recording/samples.h"
@@ -67,7 +67,7 @@ TEST_F(OthersReadersTest, FindEverySampleOfEveryTopicAsItWas) {
 
   wire::SessionRequest request = MakeRequest("hand", 5, "cube", "", true);
   wire::FromText("simulated", request.device);
-  request.leave_seal[0] = 9;  // the sum of bytes is told
+  request.leave_seal[0] = 9;  // bytes are given as their sum
   Put(dds::kSessionRequestTopic, request,
       {"hand", "5", "cube", "", "simulated", true, 32, 9, 32, 0});
 

@@ -45,7 +45,7 @@ class RecorderProgram : public Program {
 
 class RecorderProgramTest : public testing::Test {
  protected:
-  /// Records a station of so many seconds from first to last.
+  /// Records a station from first to last.
   void RecordAStation(const std::string& transport) {
     ServerProgram server(transport);
     ASSERT_TRUE(server.Ready()) << server.Output();
@@ -81,7 +81,7 @@ class RecorderProgramTest : public testing::Test {
     EXPECT_TRUE(verification.good()) << ToText(verification);
     ExpectTheStationsOwnCounts();
   }
-  /// What the station told while it ran adds up to what it says at its end.
+  /// What the station published while it ran adds up to its figures at the end.
   void ExpectTheStationsOwnCounts() {
     RecordingReader reader({file_});
     std::map<std::string, std::uint64_t> sums;
@@ -180,7 +180,7 @@ class CutTest : public RecorderProgramTest {
     WriteBytes(folder_ / name, {text.begin(), text.end()});
     return folder_ / name;
   }
-  /// Of times [s], and where the hand is then along x and y [mm].
+  /// Rows of time [s] and the hand's place along x and y [mm].
   std::string Script(const std::string& name,
                      const std::vector<std::array<double, 3>>& keys) const {
     std::string text;
@@ -195,7 +195,7 @@ class CutTest : public RecorderProgramTest {
                    {what, "block", "--domain", std::to_string(kDomain)});
     EXPECT_EQ(lesson.Exit(), 0) << lesson.Output();
   }
-  /// A hand that has begun its session.
+  /// Starts a hand, and waits until its session has begun.
   static std::unique_ptr<Program> Hand(const std::string& id, const std::string& bur,
                                        const std::string& script,
                                        const std::vector<std::string>& more) {
@@ -219,8 +219,8 @@ struct SeveralBurs : CutTest {
   SeveralBurs() : CutTest({"left", "right", "late"}) {}
 };
 
-// Each session goes on from what the one before it has left of the block; it is made whole while
-// the third cuts it, and before the fourth.
+// Each session continues on what the one before left of the block; the block is made whole while
+// the third cuts, and before the fourth.
 TEST_F(OneBur, IsRecordedSoThatWhatItCutsIsTheSameBitsAgain) {
   const std::string script = Script("groove.json", {{0.0, -2, 1.5}, {0.8, -2, 0.2}, {1.8, 1, 0.2}});
   RecorderProgram recorder(file_, "udp");
@@ -238,7 +238,7 @@ TEST_F(OneBur, IsRecordedSoThatWhatItCutsIsTheSameBitsAgain) {
     double sum_N = 0.0, poses = 0.0;
     double mean_N() const { return sum_N / poses; }
   };
-  std::map<std::string, Groove> along;  // by place: a busy host's station sends fewer poses
+  std::map<std::string, Groove> along;  // in the same place: a busy host sends fewer poses
   std::size_t blocks = 0;
   RecordingReader reader({file_});
   for (RecordedSample sample{}; reader.Next(sample);) {
@@ -252,7 +252,7 @@ TEST_F(OneBur, IsRecordedSoThatWhatItCutsIsTheSameBitsAgain) {
   }
   EXPECT_GT(blocks, 20u);
   EXPECT_GT(along["one"].mean_N(), 0.015);
-  EXPECT_LT(along["two"].mean_N(), 0.5 * along["one"].mean_N());  // it finds the groove
+  EXPECT_LT(along["two"].mean_N(), 0.5 * along["one"].mean_N());  // it follows the groove
   EXPECT_GT(along["four"].mean_N(), 0.8 * along["one"].mean_N());
   VerifyOptions options;
   const Verification verification = Verify({file_}, options);
@@ -272,14 +272,15 @@ TEST_F(OneBur, IsRecordedSoThatWhatItCutsIsTheSameBitsAgain) {
   ASSERT_EQ(cut.size(), 4u);
   EXPECT_NEAR(cut["one"].before_mm3, 48.0, 0.1);
   EXPECT_GT(cut["one"].removed_mm3(), 1.0);
-  // The one's bur counted in its own order.
+  // Each bur summed its volumes in an order of its own.
   EXPECT_NEAR(cut["two"].before_mm3, cut["one"].after_mm3, 0.002);
   EXPECT_GT(cut["two"].removed_mm3(), 0.0);
   EXPECT_EQ(cut["four"].before_mm3, cut["one"].before_mm3);
 }
 
-// In one groove, from both ends.  One is killed and comes back; the block is made whole, bookmarked
-// and brought back; a third bur comes late.  The recorder, which splits, is ended while they cut.
+// Two cut one groove from both ends.  One is killed and comes back; the block is made whole,
+// bookmarked and brought back; a third bur comes late.  The recorder, which splits, ends while they
+// cut.
 TEST_F(SeveralBurs, AreRecordedSoThatAllIsTheSameBitsAgain) {
   const auto script = [&](const std::string& name, double from, double to) {
     return Script(

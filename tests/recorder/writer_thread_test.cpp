@@ -5,7 +5,6 @@
 #include <fstream>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -70,7 +69,7 @@ std::size_t MemoryOfThisProcess() {
   return pages * static_cast<std::size_t>(getpagesize());
 }
 
-/// In a process of its own, whose memory is limited: the second buffer of the queue finds none.
+/// In a process of its own with limited memory, so that the queue's second buffer cannot be had.
 void RunOutOfMemory(const std::string& file) {
   constexpr std::size_t kQueue = std::size_t{1} << 30;
   SampleQueue queue(kQueue);

@@ -21,21 +21,19 @@ inline constexpr const char* kBlockScene = R"({
     "regions": [{"box": {"min_mm": [-9, -9, -9], "max_mm": [9, 0.55, 9]},
                  "material": {"cutting_pressure_MPa": 0.02, "name": "dentine"}}]}]})";
 
-/// A session of so many milliseconds in that scene, as a recorder hears it.
-/// @param hand  where the tip is at a millisecond [m].
+/// Records a session of `poses` milliseconds in that scene.
+/// @param hand  position of the tip at a millisecond [m].
 inline void RecordCut(const std::string& file, std::uint64_t poses,
                       const std::function<Vec3(std::uint64_t)>& hand) {
   const Folder folder;
   WriteBytes(folder / "block.json", {kBlockScene, kBlockScene + std::strlen(kBlockScene)});
-  LoadOptions options;
-  options.use_cache = false;
-  const Scene scene = LoadScene(folder / "block.json", options);
+  const Scene scene = LoadScene(folder / "block.json", {.use_cache = false});
   const HapticModel model = MakeModel(scene, scene.tools.front(), MakeObjects(scene));
   const auto at = [&](std::uint64_t i) { return Pose{hand(i), Quat::Identity()}; };
   RecordHand(scene, model, {.poses = poses, .at = at}, file);
 }
 
-/// A tip that comes down on the block's middle from 0.5 mm above it at 10 mm/s, to a depth [mm].
+/// Moves the tip down on the block's middle, from 0.5 mm above it, at 10 mm/s to a depth [mm].
 inline std::function<Vec3(std::uint64_t)> Down(double depth_mm, double x_mm = 0.0) {
   return [=](std::uint64_t i) {
     const double y = std::max(2.0 - 0.01 * static_cast<double>(i), 1.5 - depth_mm);

@@ -14,16 +14,16 @@
 
 namespace palpate::test {
 
-/// A session of a scene's first tool, as a recorder hears it.
+/// A session of a scene's first tool, as it is to be recorded.
 struct HandRecording {
   std::string station = "hand";
   std::uint64_t run = 9;
   std::uint64_t poses = 0;                                  ///< one a millisecond, the first is 1
-  std::function<Pose(std::uint64_t)> at{};                  ///< where the hand is with a pose
-  std::function<void(std::uint64_t, wire::Wrench&)> lie{};  ///< what an answer is changed to
+  std::function<Pose(std::uint64_t)> at{};                  ///< where the hand is at a pose
+  std::function<void(std::uint64_t, wire::Wrench&)> lie{};  ///< falsifies an answer
 };
 
-/// Writes it to a file, over what is there.
+/// Writes the session to a file, replacing what is there.
 /// @returns the hash of the scene's bundle.
 inline std::uint64_t RecordHand(const Scene& scene, const HapticModel& model,
                                 const HandRecording& hand, const std::string& file) {

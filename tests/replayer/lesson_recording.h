@@ -19,7 +19,7 @@
 // A recording of all that can take place, and a viewer of it.
 namespace palpate::test {
 
-/// Recordings begin at no round time.
+/// Not a round number, as in real recordings.
 constexpr std::int64_t kBegin_ns = 1'700'000'000'123'456'789;
 
 /// Collects samples and writes them by time.
@@ -64,7 +64,7 @@ class LessonWriter {
     std::vector<std::uint8_t> bytes(500, 9);
     At(at_ms, dds::kSceneBundleTopic, SampleBundle(bytes, "cube", server_run));
   }
-  /// No T's bytes.
+  /// Adds bytes that are no sample of `type`.
   void Broken(std::int64_t at_ms, const std::string& topic, RecordedType type) {
     samples_.push_back({at_ms, topic, type, {0, 1, 0}});
   }
@@ -74,7 +74,7 @@ class LessonWriter {
     RecordingWriter writer(std::move(options));
     std::int64_t chunk_ms = 0;
     for (const Sample& sample : samples_) {
-      // Chunks as long as those of a real one.
+      // Chunks are as long as in a real recording.
       if (sample.at_ms - chunk_ms >= 700) {
         writer.Flush();
         chunk_ms = sample.at_ms;
@@ -132,7 +132,7 @@ inline Timeline TimelineOf(RecordingReader& reader) {
   return timeline;
 }
 
-/// What a viewer knows, who takes samples as the gateway and the page do.
+/// What a viewer knows that takes samples as the gateway and the page do.
 class Viewer {
  public:
   using Cdr = std::vector<std::uint8_t>;
@@ -191,7 +191,7 @@ class Viewer {
   std::map<std::string, std::uint64_t> undone_;
 };
 
-/// Who has seen all from the beginning up to a time.
+/// A viewer that has seen everything from the beginning to a time.
 inline Viewer ViewerWhoPlayedTo(RecordingReader& reader, std::int64_t time_ns) {
   Viewer viewer;
   reader.Restart();

@@ -34,7 +34,7 @@ void Make(const std::string& folder, int people, double seconds, const std::stri
     const std::string station = "student" + std::to_string(person);
     const Vec3 elsewhere(2e-5 * person, 0.0, 2e-5 * (person % 7));
     const auto at = [&](std::uint64_t i) {
-      // There and back, so that nothing leaps.
+      // There and back, so that the hand never leaps.
       const double t = std::fmod(1e-3 * static_cast<double>(i), period);
       Pose X = script.At(std::min(t, period - t));
       X.p += elsewhere;

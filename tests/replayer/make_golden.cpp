@@ -63,7 +63,7 @@ class Golden {
       }
       wire::Wrench wrench{};
       loop.OnPose(pose, wrench);
-      wrench.step_time_s = 0.0;  // a clock's
+      wrench.step_time_s = 0.0;  // which a clock measured
       contacts += wrench.contacts > 0;
       add(dds::PoseTopic(kStation, kRun), pose, i);
       add(dds::WrenchTopic(kStation, kRun), wrench, i);
@@ -85,7 +85,7 @@ class Golden {
     return pose;
   }
 
-  /// Where in the script [ms] most poses of a golden recording would be in contact.
+  /// The time in the script [ms] from which a golden recording has the most poses in contact.
   std::size_t BusiestMoment() {
     ServoLoop loop(model_);
     std::vector<int> touches;

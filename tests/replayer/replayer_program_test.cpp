@@ -1,4 +1,4 @@
-// The replayer as a program: to viewers, and to a station's hand.
+// The replayer as a program: replaying to viewers, and guiding a station's hand.
 #include "tests/replayer/replayer_program.h"
 
 #include <csignal>
@@ -17,8 +17,7 @@ using testing::HasSubstr;
 
 constexpr std::int64_t kFrame_ns = 16'000'000;
 
-/// Two seconds for viewers: a scene, a session, a block at each half second, 60 tool states a
-/// second.
+/// Two seconds for viewers: a scene, a session, a block each half second, 60 tool states a second.
 void RecordForViewers(const std::string& file) {
   RecordingWriter writer({.file = file});
   AddBundle(writer, std::vector<std::uint8_t>(300'000, 9), 0);
@@ -37,6 +36,9 @@ void RecordForViewers(const std::string& file) {
 
 class Viewer {
  public:
+  bool SeesFrame(std::uint64_t last) {
+    return Sees([&] { return !frames.empty() && frames.back() == last; });
+  }
   void Poll() {
     wire::ToolState tool{};
     while (tools_.Take(tool)) frames.push_back(tool.pose_sequence);
@@ -55,6 +57,14 @@ class Viewer {
       runs.push_back(bundle.server_run);
     }
     dds::FreeContents(bundle);
+  }
+
+  template <class Condition>
+  bool Sees(Condition condition) {
+    return Eventually([&] {
+      Poll();
+      return condition();
+    });
   }
 
   std::vector<std::uint64_t> frames, changes, runs;
@@ -83,26 +93,17 @@ class ReplayerProgramTest : public testing::Test {
 TEST_F(ReplayerProgramTest, ShowsViewersARecordingAsIfLive) {
   Viewer viewer;
   ReplayerProgram replayer({file_, "--domain", kDomainText});
-  EXPECT_TRUE(Eventually([&] {
-    viewer.Poll();
-    return !viewer.frames.empty() && viewer.frames.back() == 124;
-  })) << replayer.Output();
+  EXPECT_TRUE(viewer.SeesFrame(124)) << replayer.Output();
   EXPECT_EQ(replayer.Exit(), 0) << replayer.Output();
   EXPECT_GT(viewer.frames.size(), 60u);
   EXPECT_TRUE(std::ranges::is_sorted(viewer.frames));
-  EXPECT_TRUE(Eventually([&] {
-    viewer.Poll();
-    return viewer.states == 2;
-  })) << "the session is there, and ends with the replay";
+  EXPECT_TRUE(viewer.Sees([&] { return viewer.states == 2; })) << "the session begins and ends";
   EXPECT_EQ(viewer.last_phase, palpate_SESSION_ENDED);
   EXPECT_THAT(viewer.changes, testing::ElementsAre(1, 2, 3, 4));
   EXPECT_THAT(viewer.runs, testing::SizeIs(1));
-  // Of a run that viewers know as over, they would take nothing: the next replay is another one.
+  // Viewers would ignore a run that they know to be over, so the next replay has another one.
   ReplayerProgram again({file_, "--domain", kDomainText, "--rate", "20"});
-  EXPECT_TRUE(Eventually([&] {
-    viewer.Poll();
-    return viewer.runs.size() == 2;
-  })) << again.Output();
+  EXPECT_TRUE(viewer.Sees([&] { return viewer.runs.size() == 2; })) << again.Output();
   EXPECT_EQ(again.Exit(), 0) << again.Output();
 }
 
@@ -111,10 +112,7 @@ TEST_F(ReplayerProgramTest, BeginsAndEndsWhereItIsToldWithAllThatHoldsThen) {
   ReplayerProgram replayer(
       {file_, "--domain", kDomainText, "--from", "0.8", "--to", "1.2", "--rate", "2"});
   EXPECT_EQ(replayer.Exit(), 0) << replayer.Output();
-  ASSERT_TRUE(Eventually([&] {
-    viewer.Poll();
-    return !viewer.frames.empty() && viewer.frames.back() == 75;
-  }));
+  ASSERT_TRUE(viewer.SeesFrame(75));
   EXPECT_GE(viewer.frames.front(), 50u);
   EXPECT_THAT(viewer.changes, testing::ElementsAre(1, 2, 3));
   EXPECT_GE(viewer.states, 1);
@@ -123,10 +121,7 @@ TEST_F(ReplayerProgramTest, BeginsAndEndsWhereItIsToldWithAllThatHoldsThen) {
 TEST_F(ReplayerProgramTest, LetsEachRoundFindTheSceneWhole) {
   Viewer viewer;
   ReplayerProgram replayer({file_, "--domain", kDomainText, "--rate", "20", "--loop"});
-  EXPECT_TRUE(Eventually([&] {
-    viewer.Poll();
-    return viewer.runs.size() >= 3;
-  })) << replayer.Output();
+  EXPECT_TRUE(viewer.Sees([&] { return viewer.runs.size() >= 3; })) << replayer.Output();
   replayer.Signal(SIGINT);
   EXPECT_EQ(replayer.Exit(), 0) << replayer.Output();
   EXPECT_EQ(std::set<std::uint64_t>(viewer.runs.begin(), viewer.runs.end()).size(),
@@ -155,7 +150,7 @@ TEST_F(ReplayerProgramTest, VerifiesAGoldenRecordingAndSaysHowFast) {
   EXPECT_EQ(json["sessions"][0]["verified"], 400);
 }
 
-/// 20 s of an expert's hand that stands beside the held one.
+/// 20 s of an expert's hand that stands still, `beside_m` beside the held one.
 void WriteStillHand(const std::string& file, double beside_m) {
   RecordingWriter writer({.file = file});
   for (std::uint64_t i = 1; i <= 20'000; ++i) {
@@ -187,7 +182,7 @@ TEST(GuidedStation, IsPulledWithinItsLimitAndNoLongerOnceTheGuideIsGone) {
   station.AcceptGuide(0.5);
   ASSERT_TRUE(station.UntilForce());
   ReplayerProgram guide({file, "--guide", "held", "--domain", kDomainText});
-  // Sideways 0.4 N of the spring, beside 1 N of the cube.
+  // 0.4 N sideways from the guide's spring, beside 1 N from the cube.
   const double led_N = std::hypot(kForce_N, 0.4);
   EXPECT_TRUE(station.Until([&] { return std::abs(station.device.force_N - led_N) < 0.01; }))
       << station.device.force_N << guide.Output();

@@ -11,7 +11,7 @@
 
 namespace palpate::test {
 
-/// An authority as the script makes it, in a folder that goes with it.
+/// An authority made by the script, in a folder that is removed with it.
 class Authority {
  public:
   explicit Authority(const std::string& name)
@@ -24,12 +24,12 @@ class Authority {
   Authority(const Authority&) = delete;
   Authority& operator=(const Authority&) = delete;
 
-  /// The folder of a new identity.
+  /// Makes an identity; returns its folder.
   std::string Add(const std::string& role, const std::string& name) const {
     Script({"add", folder_, role, name});
     return folder_ / "identities" / name;
   }
-  /// Where the authorities' own keys are.
+  /// The folder with the authorities' own keys.
   std::filesystem::path keys() const { return folder_ / "authority"; }
 
   static void Script(std::vector<std::string> arguments, int exit = 0) {

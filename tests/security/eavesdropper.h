@@ -14,8 +14,8 @@
 
 namespace palpate::test {
 
-/// Somebody without an identity, on the network of those who have one: hears what is sent to some
-/// UDP ports, and sends it again from a bare socket.  Hearing takes CAP_NET_RAW.
+/// A host without an identity on the network of those that have one: hears what is sent to some UDP
+/// ports, and sends it again from a bare socket.  Hearing takes CAP_NET_RAW.
 class Eavesdropper {
  public:
   Eavesdropper(int first_port, int last_port) : first_(first_port), last_(last_port) {
@@ -31,9 +31,8 @@ class Eavesdropper {
 
   bool hears() const { return ears_ >= 0; }
 
-  /// Sends the next so many messages again, each as it was; and where it shows the number of a
-  /// sample, with the next number, and with one that skips a thousand.  Returns for how many it
-  /// heard a message of RTPS.
+  /// Sends each of the next `messages` again: unchanged and, where it shows a sample's number, with
+  /// the next number and with one a thousand higher.  Returns how many messages of RTPS it heard.
   int SendAgain(int messages) {
     int heard = 0;
     std::array<std::uint8_t, 65536> packet;
@@ -68,7 +67,8 @@ class Eavesdropper {
   static constexpr std::size_t kHeader = 20;
   static constexpr std::uint8_t kData = 0x15;
 
-  /// Of the first DATA that is no discovery's (RTPS 2.3, 8.3.7.2), its low half, little-endian.
+  /// Offset of the low half (little-endian) of the sample number in the first DATA that is not
+  /// discovery's (RTPS 2.3, 8.3.7.2).
   static std::uint8_t* SampleNumber(std::span<std::uint8_t> message) {
     for (std::size_t at = kHeader; at + 24 <= message.size();) {
       const std::size_t length = message[at + 2] | message[at + 3] << 8;

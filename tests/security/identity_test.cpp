@@ -10,7 +10,6 @@
 #include <string>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <openssl/pem.h>
 #include <openssl/x509.h>
 
@@ -27,7 +26,7 @@ namespace fs = std::filesystem;
 
 constexpr std::time_t kDay = 86'400;
 
-/// The words by which an identity is refused; empty: it is taken.
+/// The error that refuses an identity; empty: it is accepted.
 std::string Refusal(const fs::path& identity, std::time_t now = std::time(nullptr)) {
   try {
     dds::CheckIdentity(identity, now);
@@ -47,7 +46,7 @@ void OpenSsl(std::vector<std::string> arguments) {
   ASSERT_EQ(openssl.Exit(30.0), 0) << openssl.Output();
 }
 
-/// Has the authority sign a document of the identity's, as the script does, once it is changed.
+/// Changes a document of the identity and has the authority sign it, as the script does.
 void SignAnew(const Authority& authority, const fs::path& document,
               const std::function<void(std::string&)>& change) {
   const fs::path plain = document.string() + ".xml";
@@ -60,13 +59,17 @@ void SignAnew(const Authority& authority, const fs::path& document,
            authority.keys() / "permissions_ca_key.pem"});
 }
 
+void CopyOver(const fs::path& from, const fs::path& to) {
+  fs::copy(from, to, fs::copy_options::overwrite_existing);
+}
+
 void Replace(std::string& text, const std::string& from, const std::string& to) {
   const std::size_t at = text.find(from);
   ASSERT_NE(at, std::string::npos) << from;
   text.replace(at, from.size(), to);
 }
 
-/// Gives a certificate other dates, and its authority's signature of them.
+/// Gives a certificate other dates, signed by its authority.
 void Date(const fs::path& certificate, const fs::path& authority_key, long from_s, long until_s) {
   const auto open = [](const fs::path& file, const char* mode) {
     return std::unique_ptr<std::FILE, int (*)(std::FILE*)>(std::fopen(file.c_str(), mode),
@@ -106,23 +109,17 @@ TEST_F(IdentityTest, IsTakenAsTheScriptMakesIt) {
   EXPECT_THAT(dds::SecurityConfig(own_), HasSubstr("key.pem"));
 }
 
-TEST_F(IdentityTest, NamesEachFileThatItLacks) {
+TEST_F(IdentityTest, NamesEachFileThatItLacksOrThatHoldsSomethingElse) {
   for (const char* file : {"key.pem", "cert.pem", "identity_ca.pem", "permissions_ca.pem",
                            "governance.p7s", "permissions.p7s"}) {
-    fs::rename(own_ / file, own_ / "away");
-    EXPECT_THAT(Refusal(own_), AllOf(HasSubstr((own_ / file).string() + ": No such file"),
-                                     HasSubstr("palpate-identities add")));
-    fs::rename(own_ / "away", own_ / file);
-  }
-}
-
-TEST_F(IdentityTest, NamesEachFileThatHoldsSomethingElse) {
-  for (const char* file : {"key.pem", "cert.pem", "identity_ca.pem", "permissions_ca.pem",
-                           "governance.p7s", "permissions.p7s"}) {
-    const std::string before = Read(own_ / file);
-    std::ofstream(own_ / file) << "nothing of the kind\n";
-    EXPECT_THAT(Refusal(own_), HasSubstr((own_ / file).string() + " ")) << file;
-    std::ofstream(own_ / file) << before;
+    const std::string path = own_ / file, before = Read(path);
+    fs::rename(path, own_ / "away");
+    EXPECT_THAT(Refusal(own_),
+                AllOf(HasSubstr(path + ": No such file"), HasSubstr("palpate-identities add")));
+    fs::rename(own_ / "away", path);
+    std::ofstream(path) << "nothing of the kind\n";
+    EXPECT_THAT(Refusal(own_), HasSubstr(path + " ")) << file;
+    std::ofstream(path) << before;
   }
   EXPECT_EQ(Refusal(own_), "");
 }
@@ -147,7 +144,7 @@ TEST_F(IdentityTest, IsAskedForNoPassword) {
 
 TEST_F(IdentityTest, NeedsTheKeyOfItsCertificate) {
   const fs::path other = Lab().Add("station", "other");
-  fs::copy(other / "key.pem", own_ / "key.pem", fs::copy_options::overwrite_existing);
+  CopyOver(other / "key.pem", own_ / "key.pem");
   fs::remove_all(other);
   EXPECT_THAT(Refusal(own_), AllOf(HasSubstr("key.pem is not the key of " + own_.string()),
                                    HasSubstr("copy the whole folder again")));
@@ -155,8 +152,7 @@ TEST_F(IdentityTest, NeedsTheKeyOfItsCertificate) {
 
 TEST_F(IdentityTest, NeedsACertificateOfItsAuthority) {
   const Authority elsewhere("identity_elsewhere");
-  fs::copy(elsewhere.keys() / "identity_ca.pem", own_ / "identity_ca.pem",
-           fs::copy_options::overwrite_existing);
+  CopyOver(elsewhere.keys() / "identity_ca.pem", own_ / "identity_ca.pem");
   EXPECT_THAT(Refusal(own_), AllOf(HasSubstr("cert.pem is not issued by " + own_.string()),
                                    HasSubstr("identity_ca.pem")));
 }
@@ -178,8 +174,7 @@ TEST_F(IdentityTest, SaysWhenItsCertificateBeginsAndEndsToHold) {
 TEST_F(IdentityTest, SaysWhichAuthorityHasExpired) {
   Date(own_ / "identity_ca.pem", Lab().keys() / "identity_ca_key.pem", -10 * kDay, -1);
   EXPECT_THAT(Refusal(own_), HasSubstr("identity_ca.pem: the certificate has expired"));
-  fs::copy(Lab().keys() / "identity_ca.pem", own_ / "identity_ca.pem",
-           fs::copy_options::overwrite_existing);
+  CopyOver(Lab().keys() / "identity_ca.pem", own_ / "identity_ca.pem");
   Date(own_ / "permissions_ca.pem", Lab().keys() / "permissions_ca_key.pem", -10 * kDay, -1);
   EXPECT_THAT(Refusal(own_), HasSubstr("permissions_ca.pem: the certificate has expired"));
 }
@@ -216,8 +211,7 @@ TEST_F(IdentityTest, SaysWhenItsPermissionBeginsAndEndsToHold) {
 
 TEST_F(IdentityTest, NeedsAPermissionOfItsOwn) {
   const fs::path other = Lab().Add("gateway", "other");
-  fs::copy(other / "permissions.p7s", own_ / "permissions.p7s",
-           fs::copy_options::overwrite_existing);
+  CopyOver(other / "permissions.p7s", own_ / "permissions.p7s");
   fs::remove_all(other);
   EXPECT_THAT(Refusal(own_),
               HasSubstr("permissions.p7s has no permissions for 'CN=left,O=palpate'"));
@@ -233,8 +227,7 @@ TEST_F(IdentityTest, NeedsDocumentsThatNobodyHasChanged) {
     std::ofstream(own_ / file) << before;
   }
   const Authority elsewhere("identity_elsewhere");
-  fs::copy(elsewhere.keys() / "permissions_ca.pem", own_ / "permissions_ca.pem",
-           fs::copy_options::overwrite_existing);
+  CopyOver(elsewhere.keys() / "permissions_ca.pem", own_ / "permissions_ca.pem");
   EXPECT_THAT(Refusal(own_), HasSubstr("is from another authority"));
 }
 

@@ -52,7 +52,7 @@ void Try(const Participant& participant, const Order& order, Qos qos) {
     }
     std::printf("matched %d\n", matched);
   } else {
-    // All that is sent, as the server's readers of requests hear it.
+    // Every sample, as the server's readers of requests take it.
     Reader<T> reader(participant, order.topic,
                      qos == Qos::kSession ? Qos::kRecordSession : Qos::kRecord);
     while (go_on()) {
@@ -67,7 +67,7 @@ void Try(const Participant& participant, const Order& order, Qos qos) {
   }
 }
 
-/// His participants, each made when it is needed.
+/// The rogue's participants, each made when first needed.
 class Rogue {
  public:
   Rogue(int domain, const std::string& identity) : domain_(domain) {

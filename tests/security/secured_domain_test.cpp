@@ -1,5 +1,5 @@
-// A secured domain as a lab would have it: identities by the script, the real programs, and people
-// who try what is not for them.
+// A secured domain as in a lab: identities made by the script, the real programs, and people who
+// try what they may not.
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -10,7 +10,6 @@
 #include <vector>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/time.h>
@@ -55,7 +54,7 @@ Program RunProgram(const std::string& name, std::vector<std::string> arguments,
   return Program(OwnFolder() + "/" + name, std::move(arguments));
 }
 
-/// The server and a station that drives its cube, both with their identities.
+/// The server, and a station that drives its cube, both with identities.
 struct SecuredLab {
   Program server =
       RunProgram("palpate-server", {"cube", "--realtime", "off"}, IdentityOf("server", "srv"));
@@ -66,7 +65,7 @@ struct SecuredLab {
       IdentityOf("station", "left"));
 };
 
-/// For 4 s.  It has no identity where none is given.
+/// Runs a station for 4 s; without an identity if none is given.
 std::unique_ptr<Program> Rogue(const std::string& identity, const std::string& does,
                                const std::string& topic) {
   return std::make_unique<Program>(
@@ -133,12 +132,13 @@ TEST(SecuredDomain, NeitherHearsNorIsHeardByWhoHasNoIdentityOrAnotherAuthoritys)
   }
   for (const auto& writer : writers) EXPECT_THAT(SaidInTheEnd(*writer), HasSubstr("matched 0"));
   lab.server.Output();
-  // Another authority's is told of; who has no identity is no participant of this domain at all.
+  // An identity of another authority is reported; without one nobody is a participant of this
+  // domain.
   EXPECT_TRUE(lab.server.Says("", 0.1));
   EXPECT_THAT(lab.server.Output(), HasSubstr("DDS: ")) << "a refusal that nobody logged";
 }
 
-/// A teacher's wishes and a hand's forces, written and read by whom they are for.
+/// A teacher's wishes and a hand's forces, written and read by those who may.
 struct Talk {
   std::string topic, from_role, from, to_role, to;
 };
@@ -262,7 +262,7 @@ TEST(SecuredDomain, AllowsEachRoleItsOwnWordsAndNoMore) {
   }
 }
 
-/// What somebody hears at a TCP port of this host within a while; at most 64 kB.
+/// What a client receives at a TCP port of this host within a while; at most 64 kB.
 std::size_t BytesAt(int port) {
   const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in place{};
@@ -350,7 +350,7 @@ TEST(IdentitiesScript, OverwritesNothingAndNamesWhatItDoesNotKnow) {
   Authority::Script({"add", folder, "king", "k"}, 2);
   Authority::Script({"add", folder, "viewer", "../../x"}, 2);
   Authority::Script({"add", folder, "viewer", "<x/>"}, 2);
-  // Whose stations another identity drives.
+  // Stations driven by another identity.
   Authority::Script({"add", folder, "load", "many"});
   Authority::Script({"add", folder, "station", "many_7"}, 1);
   Authority::Script({"add", folder, "station", "many_seven"});

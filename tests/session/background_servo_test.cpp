@@ -57,7 +57,7 @@ TEST(BackgroundServo, TakesNoMoreThanItsShareOfACore) {
   const auto began = steady_clock::now();
   {
     BackgroundServo servo([&](const wire::HapticPose&) {
-      // Of its own time: others hold it up.
+      // By its own time, as other threads hold it up.
       const double end_s = CpuSeconds() + 0.002;
       while (CpuSeconds() < end_s) {
       }
@@ -70,7 +70,7 @@ TEST(BackgroundServo, TakesNoMoreThanItsShareOfACore) {
   }
   const double seconds = std::chrono::duration<double>(steady_clock::now() - began).count();
   EXPECT_GT(steps, 0);
-  // What is there at once after a rest, its share, and the step that goes over it.
+  // What may be used at once after a rest, its share of the time, and one step beyond it.
   EXPECT_LE(0.002 * (steps - 1), 0.05 + BackgroundServo::kShare * seconds);
 }
 

@@ -14,13 +14,13 @@ inline constexpr std::int64_t kMs = 1'000'000;
 inline constexpr std::uint64_t kServerRun = 99;
 inline constexpr double kBallRadius = 0.050;
 inline constexpr double kToolRadius = 0.005;
-/// Where the tool's centre is when it touches the ball from above [m].
+/// Height of the tool's centre when it touches the ball from above [m].
 inline constexpr double kTouch = kBallRadius + kToolRadius;
 inline constexpr double kStiffness = 1000.0;
 
-/// A ball of 50 mm at the origin, felt with a ball of 5 mm: pressed straight down to height z, the
-/// hand feels kStiffness * (kTouch - z) upward.  p_TC: where the probe's centre is in its own
-/// frame.
+/// A ball of radius 50 mm at the origin, felt with one of 5 mm: pressed straight down to height z,
+/// the hand feels kStiffness * (kTouch - z) upward.
+/// @param p_TC  the probe's centre in the tool's frame.
 inline std::shared_ptr<const ServedTool> BallTool(const std::string& scene = "ball",
                                                   const std::string& tool = "probe",
                                                   const Vec3& p_TC = Vec3::Zero()) {
@@ -36,10 +36,10 @@ inline std::shared_ptr<const ServedTool> BallTool(const std::string& scene = "ba
                   std::make_shared<const SceneObjects>(std::span(&placed, 1)), parameters)});
 }
 
-/// A station's poses, one a millisecond.
+/// Makes a station's poses, one a millisecond.
 class Hand {
  public:
-  /// Straight above the ball's centre.
+  /// Above the ball's centre, at height `z`.
   wire::HapticPose At(double z) { return At(Vec3(0, 0, z)); }
   wire::HapticPose At(const Vec3& p) {
     wire::HapticPose pose{};

@@ -14,7 +14,7 @@ namespace palpate::test {
 
 inline constexpr double kBurRadius = 0.7e-3;
 
-/// A block whose upper face is z = 0, and ball burs on pins that nothing but the block meets.
+/// A block with its upper face at z = 0, and ball burs on pins that touch nothing but the block.
 inline Scene BlockScene(const std::vector<std::string>& burs = {"bur", "other"}) {
   Scene scene;
   scene.name = "block";
@@ -44,7 +44,7 @@ inline std::vector<std::shared_ptr<const ServedTool>> ToolsOf(const Scene& scene
   return tools;
 }
 
-/// Made once in a process: they do not change, and to make them takes longer than most tests.
+/// Made once per process: the tools do not change, and making them takes longer than most tests.
 inline std::vector<std::shared_ptr<const ServedTool>> BlockTools() {
   static const auto tools = ToolsOf(BlockScene());
   return tools;

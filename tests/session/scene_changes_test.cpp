@@ -3,7 +3,6 @@
 #include <map>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "server/session/session_table.h"
 #include "tests/session/ball_tool.h"
@@ -47,7 +46,7 @@ class SceneChangesTest : public testing::Test {
     Ask(station, tool, true);
     table_.Update(now_);
   }
-  /// The hand is where the bur's middle would be at this height over the block's face.
+  /// Sends a pose with the bur's middle at height `z` over the block's face.
   wire::Wrench Send(const std::string& station, double z) {
     wire::Wrench answer{};
     const double x = station == "a" ? -1e-3 : 1e-3;
@@ -55,7 +54,7 @@ class SceneChangesTest : public testing::Test {
                                                  answer);
     return answer;
   }
-  /// All stations' burs come down and cut, in so many milliseconds.
+  /// Brings the burs of all stations down into the block, for `milliseconds`.
   void Cut(int milliseconds) {
     for (int ms = 1; ms <= milliseconds; ++ms) {
       for (const auto& [station, session] : table_.sessions()) {
@@ -68,7 +67,7 @@ class SceneChangesTest : public testing::Test {
   }
   bool IsCut(const std::string& station) {
     return table_.sessions().at(station)->loop().cuts()[0].VolumeLeft()[0] <
-           0.99 * 36e-9;  // of 6 x 3 x 2 mm
+           0.99 * 36e-9;  // a block of 6 x 3 x 2 mm
   }
 
   static constexpr double kDeep = 0.5e-3;
@@ -152,12 +151,12 @@ TEST_F(SceneThatBeginsWhole, DoesSoWithASessionWhereNobodyElseWorks) {
   Ask("b", "other");
   EXPECT_THAT(table_.TakeWholes(), IsEmpty()) << "a works there";
   Leave("b", "other");
-  // `a` falls silent, and goes on where it was.
+  // `a` falls silent, and comes back to where it was.
   table_.Update(now_ += 1000 * kMs);
   ASSERT_THAT(table_.sessions(), IsEmpty());
   Ask("a", "bur");
   EXPECT_THAT(table_.TakeWholes(), IsEmpty()) << "a resumes its session";
-  // A station whose endpoints fail leaves, too, and asks anew before its first pose.
+  // A station whose endpoints fail leaves as well, and asks again before its first pose.
   Leave("a", "bur");
   Ask("a", "bur");
   EXPECT_THAT(table_.TakeWholes(), IsEmpty()) << "a resumes its session by another transport";

@@ -1,4 +1,4 @@
-// palpate-server as a person meets it: what it says and how it exits.
+// What palpate-server says to a person, and how it exits.
 #include <csignal>
 #include <fstream>
 #include <string>
@@ -6,7 +6,6 @@
 #include <vector>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <unistd.h>
 
 #include "tests/support/effects_scene.h"
@@ -23,11 +22,10 @@ using testing::StartsWith;
 
 const int kDomain = OwnDomain();
 
-/// palpate-server with these words.
 Program Server(std::vector<std::string> words) {
   return {PALPATE_BIN_DIR "/palpate-server", std::move(words)};
 }
-/// In this run's own domain.
+/// Adds this run's own domain.
 std::vector<std::string> Here(std::vector<std::string> words) {
   words.insert(words.end(), {"--domain", std::to_string(kDomain)});
   return words;
@@ -46,7 +44,7 @@ TEST(ServerProgram, IsReadyAndStopsOnASignal) {
   }
 }
 
-/// A scene of one object that is felt by its spheres.
+/// Writes a scene of one object that is felt by its spheres; returns the file.
 std::string SceneOf(const std::string& name, const std::string& mesh, int leaves) {
   const std::string file = testing::TempDir() + name + ".json";
   std::ofstream(file) << R"({"tools":[{"name":"ball","mesh":{"shape":"sphere","radius_m":0.005},
@@ -102,7 +100,7 @@ TEST(ServerProgram, RefusesASceneThatIsGivenTwice) {
 
 TEST(ServerProgram, RefusesRequiredRealTimeWithoutTheRightAndNamesTheLimit) {
   if (geteuid() != 0) GTEST_SKIP() << "needs root, to give rights up";
-  // Not as another user, who might not be allowed to read the build folder.
+  // Not as another user, who might have no right to read the build folder.
   Program program("/usr/bin/prlimit",
                   Here({"--rtprio=0:0", "setpriv", "--bounding-set", "-sys_nice",
                         PALPATE_BIN_DIR "/palpate-server", "--scene", "cube", "--transport", "udp",
@@ -112,21 +110,18 @@ TEST(ServerProgram, RefusesRequiredRealTimeWithoutTheRightAndNamesTheLimit) {
   EXPECT_THAT(program.Output(), HasSubstr("limits.d"));
 }
 
-class ServerProgramUsage : public testing::TestWithParam<std::vector<std::string>> {};
-
-TEST_P(ServerProgramUsage, ExitsWithTwoWhereTheCommandLineIsWrong) {
-  Program program = Server(Here(GetParam()));
-  EXPECT_EQ(program.Exit(), 2);
-  EXPECT_THAT(program.Output(), StartsWith("palpate-server: "));
+TEST(ServerProgram, ExitsWithTwoWhereTheCommandLineIsWrong) {
+  const std::vector<std::vector<std::string>> wrong = {{"--transport", "udp"},
+                                                       {"--scene", "cube", "--transport", "tcp"},
+                                                       {"--scene", "cube", "--unit", "mm"},
+                                                       {"part.stl", "--unit", "furlong"},
+                                                       {"part.stl", "--ball", "0"}};
+  for (const std::vector<std::string>& words : wrong) {
+    Program program = Server(Here(words));
+    EXPECT_EQ(program.Exit(), 2) << words.back();
+    EXPECT_THAT(program.Output(), StartsWith("palpate-server: "));
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Wrong, ServerProgramUsage,
-    testing::Values(std::vector<std::string>{"--transport", "udp"},
-                    std::vector<std::string>{"--scene", "cube", "--transport", "tcp"},
-                    std::vector<std::string>{"--scene", "cube", "--unit", "mm"},
-                    std::vector<std::string>{"part.stl", "--unit", "furlong"},
-                    std::vector<std::string>{"part.stl", "--ball", "0"}));
 
 }  // namespace
 }  // namespace palpate::test

@@ -7,7 +7,6 @@
 #include <thread>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <unistd.h>
 
 #include "common/dds/cdr_reader.h"
@@ -26,7 +25,7 @@ using std::chrono::milliseconds;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-// Of its own, because a server answers every station of its domain.
+// A domain of its own, because a server answers every station in its domain.
 const int kDomain = OwnDomain();
 const dds::TransportChoice kUdp{dds::Transport::kUdp, ""};
 
@@ -69,7 +68,7 @@ class ServerTest : public testing::Test {
       wire::FromText(device, request.device);
       requests.Write(request);
     }
-    /// The server's latest word.
+    /// The latest state that the server sent.
     const wire::SessionState& State() {
       wire::SessionState sample;
       while (states.Take(sample)) {
@@ -77,7 +76,7 @@ class ServerTest : public testing::Test {
       }
       return state;
     }
-    /// Makes the wrench reader once it may be made; true once poses can be sent.
+    /// Makes the wrench reader as soon as that is allowed.  True once poses can be sent.
     bool Ready() {
       if (!wrenches && dds::WriterDiscovered(loop, dds::WrenchTopic(name, run))) {
         wrenches = dds::Reader<wire::Wrench>(loop, dds::WrenchTopic(name, run), dds::Qos::kLoop,
@@ -103,14 +102,14 @@ class ServerTest : public testing::Test {
     dds::Reader<wire::SessionState> states;
     dds::Writer<wire::HapticPose> poses;
     std::atomic<double> force_N{0.0};
-    std::atomic<std::uint64_t> answered{0};  // the newest
+    std::atomic<std::uint64_t> answered{0};  // number of the newest answered pose
     std::atomic<std::uint64_t> answers{0};
     wire::SessionState state{};
     Hand hand;
     dds::Reader<wire::Wrench> wrenches;
   };
 
-  /// The station sends poses far from everything until it is told so.
+  /// The station sends poses far from everything until `told` holds for its state.
   template <class Condition>
   bool SendUntil(Station& station, Condition told) {
     return ServeUntil([&] {
@@ -142,7 +141,7 @@ TEST_F(ServerTest, ServesSeveralStationsAndScenesAtOnce) {
     c.Send(kTouch - 0.003);
     return a.force_N > 1.0 - 1e-4 && b.force_N > 2.0 - 1e-4 && c.force_N > 3.0 - 1e-4;
   }));
-  // Each its own, and not the greatest of them.
+  // Each feels its own force, not the greatest of them.
   EXPECT_NEAR(a.force_N, 1.0, 1e-4);
   EXPECT_NEAR(b.force_N, 2.0, 1e-4);
   EXPECT_NEAR(c.force_N, 3.0, 1e-4);
@@ -171,7 +170,7 @@ TEST_F(ServerTest, AnswersEachPoseOfAStationBesideOneThatFloodsAndOfThatOneItsSh
   }
   EXPECT_EQ(good.State().phase, palpate_SESSION_ACTIVE);
   EXPECT_NEAR(good.force_N, 1.0, 1e-4);
-  // Whatever time that took, the flood had its share of it and no more.
+  // Whatever time that took, the flood got its share of it and no more.
   const double took_s = 1e-9 * static_cast<double>(SteadyNanoseconds() - began_ns);
   const std::uint64_t heard = flood.answers - flood_before;
   EXPECT_GT(heard, 0u);
@@ -185,7 +184,7 @@ TEST_F(ServerTest, ForgetsAStationThatItRefusedSomeSecondsAgo) {
   ASSERT_TRUE(ServeUntil([&] { return refused.State().phase == palpate_SESSION_REFUSED; }));
   const std::int64_t now_ns = SteadyNanoseconds();
   server_->Poll(now_ns + 6'000'000'000);
-  // Who comes later hears of those alone that are there.
+  // A late reader hears only of stations that are there.
   Station there(*this, "there", 1);
   there.Ask("one");
   const dds::Participant viewer = dds::Participant::Service(kDomain);
@@ -224,10 +223,8 @@ TEST_F(ServerTest, RemembersNoNamesThatSomebodyMakesUp) {
   flood(0, 5'000);  // warm
   const double before_MB = Resident_MB();
   flood(5'000, 60'000);
-  // They took 381 MB for 80,000 once.  A sanitizer keeps what has been freed for a while.
-  if (kCountsAllocations) {
-    EXPECT_LT(Resident_MB() - before_MB, 20.0);
-  }
+  // Once, 80,000 names took 381 MB.  A sanitizer keeps freed memory for a while.
+  if (kCountsAllocations) EXPECT_LT(Resident_MB() - before_MB, 20.0);
 }
 
 TEST_F(ServerTest, ServesAMouseWithoutItsServoThread) {

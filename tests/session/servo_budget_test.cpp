@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
-/// Of poses that come `per_second` for ten seconds, how many are heard.
+/// How many of the poses that come for ten seconds at `per_second` are heard.
 int Heard(std::int64_t per_second, std::int64_t begin_ns) {
   ServoBudget budget;
   int heard = 0;
@@ -19,14 +19,11 @@ int Heard(std::int64_t per_second, std::int64_t begin_ns) {
   return heard;
 }
 
-TEST(ServoBudget, HearsAStationOfAThousandAndATenthMore) {
+TEST(ServoBudget, HearsAThousandPosesASecondAndATenthMoreAndNoMoreThanTheShare) {
   for (const std::int64_t begin_ns : {std::int64_t{0}, 36'000 * kSecond_ns}) {
     EXPECT_EQ(Heard(1000, begin_ns), 10'000);
     EXPECT_EQ(Heard(1100, begin_ns), 11'000);
   }
-}
-
-TEST(ServoBudget, HearsOfTenTimesAsManyNoMoreThanTheShare) {
   EXPECT_NEAR(Heard(10'000, 36'000 * kSecond_ns),
               10 * ServoBudget::kPosesPerSecond + ServoBudget::kPosesAtOnce, 2);
 }
@@ -39,8 +36,8 @@ TEST(ServoBudget, HearsWhatWaitedDuringAStall) {
   EXPECT_EQ(heard, ServoBudget::kPosesAtOnce);
 }
 
-/// Of a station that sends a pose a millisecond for ten seconds, each of which takes `step_ns`: the
-/// time that it was given [s], and its longest wait [ms].
+/// For a station that sends a pose a millisecond for ten seconds, each of which takes `step_ns`:
+/// its computing time [s] and its longest wait [ms].
 struct Given {
   double seconds = 0.0;
   int longest_wait_ms = 0;
@@ -62,18 +59,15 @@ Given GivenTo(std::int64_t step_ns, bool alone) {
   return given;
 }
 
-TEST(ServoBudget, GivesAStationHalfOfTheTimeWhereOthersWantItToo) {
+TEST(ServoBudget, GivesAStationHalfOfTheTimeWhereOthersWantItTooElseAll) {
   EXPECT_NEAR(GivenTo(900'000, false).seconds, 5.0, 0.1);
   EXPECT_NEAR(GivenTo(3'000'000, false).seconds, 5.0, 0.1);
   EXPECT_NEAR(GivenTo(450'000, false).seconds, 4.5, 1e-9) << "less than its share";
-}
-
-TEST(ServoBudget, GivesAllTheTimeToAStationThatIsAlone) {
   EXPECT_NEAR(GivenTo(900'000, true).seconds, 9.0, 1e-9);
 }
 
 TEST(ServoBudget, SilencesNobodyForAsLongAsASessionMayBeSilent) {
-  // The longest that is counted: such steps are the machine's doing.
+  // The longest step that is counted in full: longer ones are the machine's doing.
   EXPECT_LE(GivenTo(80'000'000, false).longest_wait_ms, 20);
 }
 

@@ -30,14 +30,14 @@ class ServoLoopTest : public testing::Test {
     wire::Wrench answer{};
     return loop_.OnPose(pose, answer);
   }
-  /// Presses with full force.
+  /// Presses until the force is full.
   void Press() {
     loop_.Start({Vec3(0, 0, kTouch), Quat::Identity()});
     for (int i = 0; i < 250; ++i) last_N_ = Send(hand_.At(kPressed)).force_N[2];
     ASSERT_NEAR(last_N_, kFull_N, 1e-5);
   }
-  /// The wrench of one more pose, having checked that it follows from the last without a jump: the
-  /// force rises by no more than 1/200 of the full one, and falls by no more than 1/20.
+  /// Sends one more pose and checks that the force does not jump: it rises by at most 1/200 of the
+  /// full force, and falls by at most 1/20.
   wire::Wrench SendSmoothly(const wire::HapticPose& pose) {
     const wire::Wrench answer = Send(pose);
     EXPECT_LE(answer.force_N[2] - last_N_, kFull_N / 200 + 1e-6);
@@ -216,7 +216,7 @@ TEST_F(ServoLoopTest, CountsWhatIsLostAndGoesOn) {
 
 TEST_F(ServoLoopTest, IgnoresAStrayPose) {
   Press();
-  for (int stray = 1; stray < 5; ++stray) {  // fewer than make a jump believed
+  for (int stray = 1; stray < 5; ++stray) {  // too few to make a jump credible
     for (int i = 0; i < stray; ++i) {
       const wire::Wrench answer = SendSmoothly(hand_.At(Vec3(0.3, 0, 0.2)));
       EXPECT_EQ(answer.faults, kFaultPoseRejected);
@@ -230,7 +230,7 @@ TEST_F(ServoLoopTest, IgnoresAStrayPose) {
 
 TEST_F(ServoLoopTest, IgnoresStrayPosesThatDoNotAgree) {
   Press();
-  for (int i = 0; i < 40; ++i) {  // later on, a hand could be anywhere
+  for (int i = 0; i < 40; ++i) {  // after that a hand could be anywhere
     const double side = i % 2 == 0 ? 0.3 : -0.3;
     EXPECT_EQ(SendSmoothly(hand_.At(Vec3(side, 0, 0.2))).faults, kFaultPoseRejected);
   }
@@ -238,8 +238,8 @@ TEST_F(ServoLoopTest, IgnoresStrayPosesThatDoNotAgree) {
 
 TEST_F(ServoLoopTest, FollowsAHandThatReallyIsElsewhere) {
   Press();
-  // From above the ball to beside it, pressing there: it takes five samples to be believed, then
-  // the tool travels, and the force starts from zero.
+  // The hand goes from above the ball to beside it.  It is believed after five samples; then the
+  // tool travels there, and the force starts from zero.
   const Vec3 beside(0.2, 0, 0);
   for (int i = 0; i < 4; ++i) EXPECT_EQ(SendSmoothly(hand_.At(beside)).faults, kFaultPoseRejected);
   const wire::Wrench believed = Send(hand_.At(beside));
@@ -334,7 +334,7 @@ TEST_F(ServoLoopTest, ReportsCountersOnceForEachRequest) {
 }
 
 TEST_F(ServoLoopTest, IsStartedAndWatchedFromAnotherThread) {
-  // The loop goes on until the watcher has seen it often enough, however the two are scheduled.
+  // The loop runs until the watcher has seen enough, however the two are scheduled.
   constexpr int kSeen = 200, kMost = 2'000'000;
   std::atomic<bool> enough{false};
   std::atomic<int> sent{0};
@@ -372,7 +372,7 @@ TEST_F(ServoLoopTest, IsStartedAndWatchedFromAnotherThread) {
   EXPECT_GE(reports, kSeen);
   EXPECT_GE(starts, kSeen);
   EXPECT_GT(loop_.start_sequence(), 0u);
-  // What no report has had yet is in the next one: no pose is counted twice, and none is left out.
+  // What was in no report yet is in the next: no pose is counted twice or left out.
   if (loop_.ReadCounters(counters)) poses += counters.poses;
   poses += Counters().poses;
   const auto all = static_cast<std::uint64_t>(sent) + 1;

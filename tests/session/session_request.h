@@ -7,7 +7,6 @@
 
 namespace palpate::test {
 
-/// What a station asks a server for.
 inline wire::SessionRequest MakeRequest(const std::string& station, std::uint64_t run,
                                         const std::string& scene, const std::string& tool = "",
                                         bool leave = false) {

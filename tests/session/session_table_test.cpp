@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "tests/session/ball_tool.h"
 #include "tests/session/block_scene.h"
@@ -22,7 +21,7 @@ std::string NumberedName(std::size_t number) {
 
 class SessionTableTest : public testing::Test {
  protected:
-  /// The last state that the request led to.
+  /// Returns the last state that the request led to.
   wire::SessionState Ask(const wire::SessionRequest& request) {
     table_.Request(request, now_);
     return LastChange();
@@ -37,7 +36,7 @@ class SessionTableTest : public testing::Test {
     const auto it = table_.sessions().find(station);
     return it != table_.sessions().end() && it->second->run() == run;
   }
-  /// Station "a" drives scene "one", whose poses come for so long.
+  /// Station "a" drives scene "one" and sends poses for `milliseconds`.
   void Begin(int milliseconds) {
     Ask(MakeRequest("a", 1, "one"));
     Pass(milliseconds, {"a"});
@@ -305,7 +304,7 @@ TEST_F(SessionTableTest, TellsSoManyRefusalsAtOnceAndASecondAndCountsTheRest) {
   EXPECT_EQ(table_.TakeUntold(), 0u);
   now_ += 1000 * kMs;
   EXPECT_EQ(flood(80'000), SessionTable::kRefusalsPerSecond);
-  // Whoever can have what it asks for is not held up.
+  // A station that can have what it asks for is not held up.
   EXPECT_EQ(Ask(MakeRequest("a", 1, "one")).phase, palpate_SESSION_WAITING);
 }
 
@@ -327,7 +326,7 @@ TEST_F(SessionTableTest, TakesAToolBackAndHoldsItsStationUntilItIsAdmittedAgain)
   wire::SessionState state = LastChange();
   EXPECT_EQ(state.phase, palpate_SESSION_ENDED);
   EXPECT_THAT(state.reason, HasSubstr("taken back by the teacher"));
-  // As stations do.
+  // A station asks again by itself.
   state = Ask(MakeRequest("a", 2, "one"));
   EXPECT_EQ(state.phase, palpate_SESSION_HELD);
   EXPECT_THAT(state.reason, HasSubstr("the teacher"));
@@ -369,14 +368,14 @@ TEST_F(SessionTableTest, HoldsEachNewcomerWhereStationsAreAdmittedByHand) {
   EXPECT_THAT(table.sessions(), IsEmpty());
   EXPECT_TRUE(table.Operate(MakeWish("a", palpate_OPERATE_ADMIT), now_));
   EXPECT_EQ(table.sessions().size(), 1u);
-  // The name is known from then on: a station that lost its server comes back by itself.
+  // The name is known from then on, so a station that lost its server is let in again.
   table.EndAll("");
   table.TakeChanges();
   table.Request(MakeRequest("a", 2, "one"), now_);
   EXPECT_EQ(table.TakeChanges().back().phase, palpate_SESSION_WAITING);
 }
 
-/// A server whose stations are admitted by hand, where one named "a" waits.
+/// A server that admits stations by hand, where one named "a" waits.
 class HeldStationTest : public SessionTableTest {
  protected:
   HeldStationTest() {
@@ -385,14 +384,14 @@ class HeldStationTest : public SessionTableTest {
     by_hand_.Request(asked_, now_);
     EXPECT_EQ(by_hand_.TakeChanges().back().phase, palpate_SESSION_HELD);
   }
-  /// Lets time pass; the station asks again every 2 s, as stations do, where it lives.
+  /// Lets time pass; while it lives, the station asks again every 2 s.
   void Wait(int milliseconds, bool lives) {
     for (int i = 0; i < milliseconds; ++i) {
       by_hand_.Update(now_ += kMs);
       if (lives && i % 2000 == 1999) by_hand_.Request(asked_, now_);
     }
   }
-  /// The run that has a session once the teacher admits the name; 0: none.
+  /// Admits the name as a teacher does.  Returns the run that then has a session; 0: none.
   std::uint64_t AdmittedRun() {
     by_hand_.Operate(MakeWish("a", palpate_OPERATE_ADMIT), now_);
     const auto session = by_hand_.sessions().find("a");
@@ -523,7 +522,7 @@ TEST_F(SessionTableTest, DoesNoWishTwiceThatIsHeardTwice) {
   table_.Update(now_);
   EXPECT_FALSE(table_.Operate(admit, now_));
   EXPECT_EQ(Ask(MakeRequest("a", 2, "one")).phase, palpate_SESSION_HELD);
-  // Other wishes are done however many there were; those so long ago are forgotten.
+  // Other wishes are carried out, however many there were; very old ones are forgotten.
   for (std::size_t i = 0; i <= RequestMemory::kMost; ++i) {
     EXPECT_TRUE(table_.Operate(MakeWish("a", palpate_OPERATE_MUTE), now_));
   }

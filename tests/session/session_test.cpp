@@ -1,7 +1,6 @@
 #include "server/session/session.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "tests/session/ball_tool.h"
 
@@ -17,7 +16,7 @@ class SessionTest : public testing::Test {
     session_.loop().OnPose(hand_.At(z), answer);
     return answer;
   }
-  /// A millisecond with a pose.
+  /// One millisecond with a pose.
   bool Tick(double z) {
     Send(z);
     return session_.Update(now_ += kMs);

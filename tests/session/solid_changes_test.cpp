@@ -17,7 +17,7 @@
 namespace palpate::test {
 namespace {
 
-/// How deep strokes go, with the ball's middle below the face.
+/// How far strokes take the ball's middle below the face.
 constexpr double kDepth = 0.2e-3;
 
 wire::SessionRequest RequestOf(const std::string& station, bool leave = false) {
@@ -36,7 +36,7 @@ class SolidChangesTest : public testing::Test {
     table_.Request(RequestOf(station_, true), now_);
     table_.Update(now_);
   }
-  /// The ball's middle, from where it was, in so many milliseconds; what viewers are told
+  /// Moves the ball's middle to `to` in `milliseconds`, and collects what viewers are told
   /// meanwhile.
   void Move(const Vec3& to, int milliseconds) {
     const Vec3 from = at_;
@@ -65,7 +65,7 @@ class SolidChangesTest : public testing::Test {
       shown_[news.sample.block] = std::move(news);
     }
   }
-  /// Until nothing is left to be told.
+  /// Waits until nothing is left to be told.
   void Settle() {
     for (std::size_t before = told_ - 1; before != told_;) {
       before = told_;
@@ -97,7 +97,8 @@ class SolidChangesTest : public testing::Test {
     }
     return true;
   }
-  /// Viewers see what the loop feels: where they were told nothing, the surface is as at first.
+  /// Viewers see what the loop feels; where they were told nothing, the surface is the original
+  /// one.
   void ExpectShown(const SparseField& cut) {
     const SparseField whole(cut.lattice(), cut.band(), SparseField::kBelow);
     std::size_t cut_blocks = 0;
@@ -136,7 +137,7 @@ TEST_F(SolidChangesTest, ViewersAreShownWhatTheLoopFeels) {
   ASSERT_EQ(shown.points, 1);
   EXPECT_LT((shown.point[0].force - shown.wrench.force).norm(), 1e-9);
   EXPECT_LT((shown.point[0].point - shown.X_WG * Vec3(0, kBurRadius, 0)).norm(), 1e-9);
-  EXPECT_EQ(answer_.rows, 0u);  // a station that computed the force from rows would leave it out
+  EXPECT_EQ(answer_.rows, 0u) << "a force computed from rows would leave the cutting out";
   Settle();
   ExpectShown(loop().cuts()[0].field());
   for (const auto& [block, news] : shown_) {
@@ -155,17 +156,17 @@ TEST_F(SolidChangesTest, CostAViewerNoMoreThanTheBudget) {
     Move({-at_.x(), y, -kDepth}, 100);
   }
   const double most = SolidChanges::kBytesPerSecond * 0.3 + SolidChanges::kBytesAtOnce;
-  EXPECT_LT(bytes_ - before, most + 2e3);  // what comes first is paid for by waiting
+  EXPECT_LT(bytes_ - before, most + 2e3);  // what is sent first is paid for by waiting
   EXPECT_GT(bytes_ - before, 0.6 * most);
 }
 
-// Where the bur was, a moment ago: what it is at is below it.
+// The blocks behind the bur; the ones that it is in keep changing.
 TEST_F(SolidChangesTest, AreToldWhenTheBurHasLeft) {
   Begin("a");
   Stroke();
   Settle();
   Move(at_ + Vec3(1.3e-3, 0, 0), 300);
-  // Beyond the band and what a gradient is made of; and 30 ms.
+  // Beyond the field's band and the stencil of a gradient, and 30 ms behind.
   const Vec3 left =
       wire::ToVec3(answer_.graphic_position_m) + Vec3(-kBurRadius - 0.7e-3, kBurRadius, 0);
   const SparseField& cut = loop().cuts()[0].field();
@@ -184,7 +185,7 @@ TEST_F(SolidChangesTest, TheNextSessionBeginsWithWhatIsLeft) {
   Begin("a");
   Stroke();
   const CutField cut = loop().cuts()[0];
-  // Where the bur is: the hand, which presses, is deeper.
+  // At the bur's position; the hand, which presses, is deeper.
   at_ = wire::ToVec3(answer_.graphic_position_m) + Vec3(0, kBurRadius, 0);
   Leave();
   Begin("b");
@@ -193,7 +194,7 @@ TEST_F(SolidChangesTest, TheNextSessionBeginsWithWhatIsLeft) {
       ASSERT_EQ(loop().cuts()[0].field().At(i, 18, k), cut.field().At(i, 18, k));
     }
   }
-  // The hand is in the groove, which is free: forces begin there.
+  // The hand is in the groove, where it is free: forces begin there.
   Move(at_ - Vec3(1e-3, 0, 0), 50);
   EXPECT_EQ(table_.sessions().at("b")->phase(), palpate_SESSION_ACTIVE);
   EXPECT_EQ(table_.sessions().at("b")->start_depth(), 0.0);
@@ -207,7 +208,7 @@ TEST_F(SolidChangesTest, ASessionThatSentNoPoseLeavesWhatWasLeft) {
   const SparseField cut = loop().cuts()[0].field();
   Leave();
   table_.RetireEnded(now_);
-  // Asked for and left before it could begin.
+  // A session that is asked for and left before it begins.
   table_.Request(RequestOf("b"), now_);
   table_.Request(RequestOf("b", true), now_);
   table_.Update(now_);
@@ -239,13 +240,13 @@ TEST_F(SolidChangesTest, MadeWholeIsAsAtFirst) {
   whole.request = 1;
   Begin("a");
   Stroke();
-  Move({1e-3, 0, 2e-3}, 4);  // into the free: what it would cut anew is none of before
+  Move({1e-3, 0, 2e-3}, 4);  // into free space, so that nothing is cut anew
   table_.Request(whole);
   const auto wholes = table_.TakeWholes();
   ASSERT_EQ(wholes.size(), 1u);
   EXPECT_STREQ(wholes[0].refusal, "");
   EXPECT_GE(wholes[0].last_change, change_);
-  // Nothing of before is told any more, though the loop's last blocks were on their way.
+  // No older block is told any more, though the loop's last blocks were on their way.
   shown_.clear();
   told_ = 0;
   Move(at_, 100);
@@ -256,7 +257,7 @@ TEST_F(SolidChangesTest, MadeWholeIsAsAtFirst) {
   Settle();
   ExpectShown(loop().cuts()[0].field());
 
-  // Between a session's end and the last of its poses, too.
+  // The same between a session's end and the last of its poses.
   Move({1e-3, 0, 2e-3}, 4);
   Leave();
   whole.request = 2;
@@ -269,7 +270,8 @@ TEST_F(SolidChangesTest, MadeWholeIsAsAtFirst) {
   EXPECT_EQ(told_, 0u);
 }
 
-// The loop in a thread of its own, as a station's poses come; viewers have all in the end.
+// With the loop in a thread of its own, as poses come in a server: in the end viewers have
+// everything.
 TEST_F(SolidChangesTest, AreToldWhileTheLoopCuts) {
   Begin("a");
   Move({-2e-3, 0, 1e-3}, 200);

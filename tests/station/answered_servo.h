@@ -9,14 +9,14 @@
 
 namespace palpate::test {
 
-/// A device with its servo thread, whose poses go nowhere, and a test that plays the server.
+/// A device with its servo thread, whose poses go nowhere; the test plays the server.
 template <class Device>
 struct AnsweredServo {
   template <class... Arguments>
   explicit AnsweredServo(Arguments&&... arguments)
       : device(std::forward<Arguments>(arguments)...) {}
 
-  /// Answers poses with this force until it is so.
+  /// Answers poses with 2 N upwards until `so`.
   bool AnswerUntil(const std::function<bool()>& so) {
     return Eventually([&] {
       device.Attend();

@@ -10,27 +10,27 @@
 
 namespace palpate::test {
 
-/// A server of one scene, "floor", with one tool: a plane z = 0 of 1 N/mm.  Speaks the session's
+/// A server of one scene, "floor", with one tool and a plane z = 0 of 1 N/mm.  Speaks the session's
 /// protocol and answers each pose; it can refuse, fall silent, vanish without a word and come back.
 class FakeServer {
  public:
   FakeServer(int domain, const dds::TransportChoice& transport);
-  /// Vanishes, as if killed: says nothing.
+  /// Vanishes without a word, as if killed.
   ~FakeServer();
 
   void Refuse(const std::string& reason);
 
-  // What the test has it do from now on.
+  // What the test makes it do from now on.
   std::atomic<bool> mute{false};             ///< answers no poses
-  std::atomic<bool> lies{false};             ///< says of each pose another time than it came with
+  std::atomic<bool> lies{false};             ///< echoes another time than the pose had
   std::atomic<bool> mutes_station{false};    ///< tells the station to render no force
-  std::atomic<bool> holds{false};            ///< whoever asks
-  std::atomic<bool> ends_session{false};     ///< once, in words
-  std::atomic<bool> forgets_session{false};  ///< once, without a word: as one whose word was lost
+  std::atomic<bool> holds{false};            ///< every station that asks
+  std::atomic<bool> ends_session{false};     ///< once, and says so
+  std::atomic<bool> forgets_session{false};  ///< once, as if its message was lost
 
-  // What came of it.
+  // What came from the station.
   std::atomic<std::uint64_t> poses{0}, last_sequence{0};
-  std::atomic<std::uint64_t> gaps{0};  ///< numbers that were not one more than the one before
+  std::atomic<std::uint64_t> gaps{0};  ///< poses whose number did not follow the one before
   std::atomic<int> sessions{0};
   std::atomic<bool> left{false};
 

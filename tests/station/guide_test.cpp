@@ -20,11 +20,9 @@ class GuideTest : public testing::Test {
   }
   Wrench Pull(const Vec3& hand, const Vec3& v = Vec3::Zero()) {
     now_ns_ += kMs;
-    Twist V;
-    V.v = v;
-    return guide_.Pull(now_ns_, 1e-3, {hand, Quat::Identity()}, V);
+    return guide_.Pull(now_ns_, 1e-3, {hand, Quat::Identity()}, {v, Vec3::Zero()});
   }
-  /// A hand that goes along: fast enough not to resist.  The last of so many milliseconds.
+  /// Pulls a hand that moves along, fast enough not to resist.  Returns the last wrench.
   Wrench PullWilling(const Vec3& aim, const Vec3& hand, int milliseconds) {
     Wrench wrench;
     for (int i = 0; i < milliseconds; ++i) {
@@ -74,12 +72,8 @@ TEST_F(GuideTest, IsGoneAHundredMillisecondsAfterItFallsSilent) {
   for (int i = 1; i <= 300; ++i) {
     const double now = Pull(Vec3::Zero()).force.norm();
     EXPECT_LE(now, last + 1e-12);
-    if (i < 49) {
-      EXPECT_NEAR(now, 0.4, 1e-9) << "it comes ten times as often";
-    }
-    if (i >= 99) {
-      EXPECT_EQ(now, 0.0) << i;
-    }
+    if (i < 49) EXPECT_NEAR(now, 0.4, 1e-9) << "aims come ten times as often";
+    if (i >= 99) EXPECT_EQ(now, 0.0) << i;
     last = now;
   }
 }
@@ -92,9 +86,7 @@ TEST_F(GuideTest, LetsGoOfAHandThatResistsUntilTheHandReturns) {
     Aim(aim);
     const double now = Pull(Vec3::Zero(), Vec3(-0.01, 0, 0)).force.norm();
     EXPECT_LE(now, last + 1e-12) << "never more while it resists";
-    if (i >= 800) {
-      EXPECT_EQ(now, 0.0);
-    }
+    if (i >= 800) EXPECT_EQ(now, 0.0) << i;
     last = now;
   }
   EXPECT_TRUE(guide_.let_go());
@@ -125,9 +117,7 @@ TEST_F(GuideTest, DoesNotTakeAHandThatFollowsForOneThatResists) {
     const Vec3 hand(2e-5 * i, 0, 0);
     Aim(hand + Vec3(0.010, 0, 0));
     const Wrench wrench = Pull(hand, Vec3(0.02, 0, 0));
-    if (i > 600) {
-      EXPECT_NEAR(wrench.force.x(), 0.5, 1e-9);
-    }
+    if (i > 600) EXPECT_NEAR(wrench.force.x(), 0.5, 1e-9);
   }
 }
 
@@ -152,9 +142,7 @@ TEST(GuideLimits, AreNeverAboveWhatAHandMayAlwaysOverrule) {
 TEST(Guide, ThatIsNotAcceptedDoesNothing) {
   Guide guide;
   guide.Take(0, {1, {Vec3(0.1, 0, 0), Quat::Identity()}});
-  for (int i = 0; i < 1000; ++i) {
-    EXPECT_EQ(guide.Pull(i * 10'000, 1e-3, {}, {}).force.norm(), 0.0);
-  }
+  for (int i = 0; i < 1000; ++i) EXPECT_EQ(guide.Pull(i * 10'000, 1e-3, {}, {}).force.norm(), 0.0);
 }
 
 TEST(Guide, StaysWithinItsLimitWhateverComes) {
@@ -188,8 +176,7 @@ TEST(Guide, StaysWithinItsLimitWhateverComes) {
       }
       if (random.Below(50) == 0) hand = any(0.02);
       const double dt = random.Below(30) == 0 ? odd[random.Below(6)] : 1e-3;
-      Twist V;
-      V.v = any(0.1);
+      const Twist V{any(0.1), Vec3::Zero()};
       const Wrench wrench = guide.Pull(now_ns, dt, {hand, random.Rotation()}, V);
       ASSERT_LE(wrench.force.norm(), limits.force_N * (1 + 1e-12));
       ASSERT_LE(wrench.force.norm(), GuideLimits::kMostForce_N * (1 + 1e-12));

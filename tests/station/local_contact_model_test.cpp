@@ -21,8 +21,8 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 const CouplingSpring kSpring{1000.0, 1.0, Vec3(0.01, 0.02, -0.01)};
 
-/// What a server with nothing but planes answers: its rows are the truth everywhere, for planes met
-/// by one point of a tool that only translates.
+/// A server with a single plane: its rows hold everywhere, as one point of a tool that only
+/// translates meets the plane.
 struct PlaneServer {
   Vec3 normal = Vec3::UnitZ();
   double height = 0.0;
@@ -63,7 +63,7 @@ double Distance(const Wrench& a, const Wrench& b) {
   return (a.force - b.force).norm() + (a.torque - b.torque).norm();
 }
 
-/// The wrench once blends are over, without more replies.
+/// The wrench after all blends, without more replies.
 LocalContactModel::Evaluation Settled(LocalContactModel& model, std::int64_t now_ns,
                                       const Pose& X_WH) {
   for (int i = 0; i < 40; ++i) model.At(now_ns + i * 100'000'000'000, X_WH);
@@ -112,15 +112,14 @@ TEST(LocalContactModel, GivesExactlyNothingWhereNoRowHoldsTheTool) {
   EXPECT_EQ(Distance(Settled(model, 0, At(Vec3(0.001, 0, 0.002))).wrench, {}), 0.0);
 }
 
-// The server's spring goes on past half a turn, up to a full one; so does this one, a tick ahead of
-// it.
+// The server's spring goes on past half a turn, up to a full one; so does this one, a tick ahead.
 TEST(LocalContactModel, ResistsATurnBeyondHalfATurnTheSameWay) {
   const auto pulled = [](double degrees) { return std::min(degrees, 360.0) * M_PI / 180.0; };
   const auto turned = [](double degrees) {
     const Quat q = RotationExp(Vec3(0.0, 0.0, -degrees * M_PI / 180.0));
     return Pose{kSpring.reference - q * kSpring.reference, q};
   };
-  // Contacts on either side, 50 mm from the reference point, that let it turn one way only.
+  // Contacts on either side, 50 mm from the reference point, that let the tool turn one way only.
   const LocalRow left{Vec3::UnitY(), Vec3(0.0, 0.0, 0.05), 0.0},
       right{-Vec3::UnitY(), Vec3(0.0, 0.0, 0.05), 0.0};
   for (double degrees = 5.0; degrees < 700.0; degrees += 0.5) {
@@ -142,7 +141,7 @@ TEST(LocalContactModel, ScalesFrictionDownWithTheNormalForceAndNeverUp) {
   PlaneServer server;
   const Pose pressed = At(Vec3(0, 0, -0.002));
   Reply reply = server.AnswerTo(pressed, 0);
-  reply.wrench.force.x() = 0.8;  // the rows do not explain it
+  reply.wrench.force.x() = 0.8;  // not explained by the rows
   LocalContactModel model = ModelOf(reply, pressed);
   const auto at = [&](double z) { return Settled(model, 0, At(Vec3(0, 0, z))).wrench.force; };
   EXPECT_LT((at(-0.001) - Vec3(0.4, 0, 1.0)).norm(), 1e-9);
@@ -159,15 +158,9 @@ TEST(LocalContactModel, FadesToNothingOverAnotherRegionAndAnotherLife) {
     const auto out = Settled(model, 0, At(Vec3(x, 0, -0.002)));
     const double force = out.wrench.force.z();
     EXPECT_LE(force, last + 1e-12);
-    if (x <= 0.005) {
-      EXPECT_NEAR(force, 2.0, 1e-9) << x;
-    }
-    if (x >= 0.0101) {
-      EXPECT_EQ(force, 0.0) << x;
-    }
-    if (x > 0.0051) {
-      EXPECT_TRUE(out.beyond_region) << x;
-    }
+    if (x <= 0.005) EXPECT_NEAR(force, 2.0, 1e-9) << x;
+    if (x >= 0.0101) EXPECT_EQ(force, 0.0) << x;
+    if (x > 0.0051) EXPECT_TRUE(out.beyond_region) << x;
     last = force;
   }
   EXPECT_NEAR(Settled(model, 50 * kMs, pressed).wrench.force.z(), 2.0, 1e-9);
@@ -184,8 +177,8 @@ TEST(LocalContactModel, PressingDeeperLeavesNoRegion) {
 }
 
 TEST(LocalContactModel, ChangesNoFasterThanTheHandDoes) {
-  // The nearest point of a convex set moves no further than what it is nearest to, so the spring
-  // changes by at most 2 k |dx|; the rest is the fade's slope times what is faded.
+  // The nearest point of a convex set moves no further than the point that it is nearest to, so the
+  // spring's force changes by at most 2 k |dx|; the rest is the fade's slope times the faded force.
   Random random(3);
   for (int i = 0; i < 300; ++i) {
     const Pose answered{random.InCube(0.1), random.Rotation()};
@@ -194,7 +187,7 @@ TEST(LocalContactModel, ChangesNoFasterThanTheHandDoes) {
     const Vec3 from = random.InCube(0.01), step = 1e-6 * random.Direction();
     const auto at = [&](const Vec3& d) { return model.At(0, {answered.p + d, answered.q}).wrench; };
     const Wrench there = at(from);
-    // Friction may be twice that; forces stay below 100 N, and a fade's slope is 1.5 / 5 mm.
+    // Friction may double that; forces stay below 100 N, and the fade's slope is 1.5 / 5 mm.
     const double most = 3.0 * 2.0 * 1000.0 + (1.5 / 0.005) * 100.0;
     EXPECT_LT((at(from + step).force - there.force).norm(), most * step.norm());
   }
@@ -228,9 +221,7 @@ TEST(LocalContactModel, HoldsNothingInFreeSpaceForLongerThanItBlends) {
   for (int ms = 1; ms <= 60; ++ms) {
     model.Take(server.AnswerTo(free, ms * kMs), free);
     const double force = model.At(ms * kMs, free).wrench.force.norm();
-    if (ms > 30) {
-      EXPECT_EQ(force, 0.0) << ms;
-    }
+    if (ms > 30) EXPECT_EQ(force, 0.0) << ms;
   }
 }
 
@@ -242,7 +233,7 @@ TEST(LocalContactModel, RemembersAWallThatTheToolHasLeft) {
   model.Take(server.AnswerTo(off, kMs), off);
   const Pose back = At(Vec3(0, 0, -0.002));
   EXPECT_NEAR(Settled(model, kMs, back).wrench.force.z(), 2.0, 1e-9);
-  // However high the tool has bounced: the wall is where it was, and nowhere else.
+  // However high the tool has bounced, the wall is where it was and nowhere else.
   const Pose high = At(Vec3(0.003, 0, 0.1));
   model.SetSpring(kSpring);  // as a station does with each pose
   model.Take(server.AnswerTo(high, 2 * kMs), high);

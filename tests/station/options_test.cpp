@@ -1,9 +1,10 @@
 #include "client/station/options.h"
 
+#include <iterator>
+#include <sstream>
 #include <vector>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "tests/support/command_line.h"
 
@@ -21,28 +22,15 @@ std::string Complaint(const std::vector<const char*>& words) {
 }
 
 TEST(StationOptions, ReadsWhatItIsGiven) {
-  const auto options = Parse({"--device",    "simulated",
-                              "--model",     "touch",
-                              "--rate",      "2000",
-                              "--scene",     "cube",
-                              "--tool",      "sphere",
-                              "--id",        "probe_1",
-                              "--for",       "2.5",
-                              "--transport", "udp",
-                              "--domain",    "7",
-                              "--loop",      "--no-table",
-                              "--realtime",  "off",
-                              "--json",      "-",
-                              "--calibrate", "--device-name",
-                              "left",        "--max-force",
-                              "1.5",         "--scale",
-                              "2.5",         "--workspace",
-                              "desk.json",   "--clutch-button",
-                              "1",           "--network",
-                              "eth0",        "--peer",
-                              "10.0.0.1",    "--peer",
-                              "10.0.0.2",    "--trace",
-                              "ticks.csv"});
+  std::istringstream text(
+      "--device simulated --model touch --rate 2000 --scene cube --tool sphere --id probe_1 "
+      "--for 2.5 --transport udp --domain 7 --loop --no-table --realtime off --json - "
+      "--calibrate --device-name left --max-force 1.5 --scale 2.5 --workspace desk.json "
+      "--clutch-button 1 --network eth0 --peer 10.0.0.1 --peer 10.0.0.2 --trace ticks.csv");
+  const std::vector<std::string> words{std::istream_iterator<std::string>(text), {}};
+  std::vector<const char*> arguments;
+  for (const std::string& word : words) arguments.push_back(word.c_str());
+  const auto options = Parse(arguments);
   ASSERT_TRUE(options);
   EXPECT_EQ(options->link.device, "simulated");
   EXPECT_EQ(options->device.model, "touch");

@@ -3,7 +3,6 @@
 #include <limits>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "common/dds/endpoint.h"
 #include "common/dds/topics.h"
@@ -34,8 +33,8 @@ wire::HandKey Key(double t, double y) {
   return key;
 }
 
-/// Offers scene 'mine' of the file own.json with the tools 'left', which has a hand of its own, and
-/// 'right', which has the scene's; and scene 'other', without hands.
+/// Offers scene 'mine' from own.json with the tools 'left', which has a hand of its own, and
+/// 'right', which uses the scene's; and scene 'other', without hands.
 class Offering : public testing::Test {
  protected:
   std::vector<OfferedTool> Ask(const std::string& scene) {

@@ -13,12 +13,11 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// What counts here is ticks: a machine that is busy makes them fewer a second, and changes nothing
-/// else.
+/// Counts ticks: on a busy machine there are fewer a second, and nothing else changes.
 struct ServoBench : test::AnsweredServo<test::StillDevice> {
   explicit ServoBench(double rate_Hz = 1000.0) : AnsweredServo(rate_Hz) { core.EnableForces(true); }
 
-  /// Waits for so many more ticks; false where that takes more than a minute.
+  /// Waits for `count` more ticks; false if that takes more than a minute.
   bool Tick(std::uint64_t count) {
     const std::uint64_t end = servo.ticks() + count;
     for (int i = 0; i < 60'000 && servo.ticks() < end; ++i) {
@@ -30,7 +29,7 @@ struct ServoBench : test::AnsweredServo<test::StillDevice> {
 
 TEST(ServoThread, RestsUntilThereIsAPath) {
   ServoBench bench;
-  ServoBench other;  // by whose ticks time passes
+  ServoBench other;  // its ticks tell the time
   other.servo.SetPath(&other.path);
   ASSERT_TRUE(other.Tick(50));
   EXPECT_FALSE(bench.servo.started());
@@ -62,8 +61,8 @@ TEST(ServoThread, TicksAtTheDevicesRateAndSendsAThousandPosesASecondAtMost) {
     const std::uint64_t sent = bench.core.totals().sent;
     const double ticks_per_pose = std::max(1.0, rate_Hz / 1000.0);
     EXPECT_NEAR(ticks, ticks_per_pose * static_cast<double>(sent), ticks_per_pose);
-    // Each tick is due one period after the one before, and those that the machine kept from being
-    // are counted.  A tick comes within its period, so that both bounds are off by one at most.
+    // Each tick is due one period after the one before; missed ones are counted.  A tick comes
+    // within its period, so both bounds may be off by one.
     const std::uint64_t first = sent > 150 ? sent - 150 : 1;  // whose times are still known
     const double took_s = 1e-9 * static_cast<double>(bench.servo.sample_time_ns(sent) -
                                                      bench.servo.sample_time_ns(first));

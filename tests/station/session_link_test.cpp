@@ -4,7 +4,6 @@
 #include <vector>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "client/station/served_tools.h"
 #include "common/dds/topics.h"
@@ -24,7 +23,7 @@ const int kDomain = test::OwnDomain();
 const std::string kNumber = std::to_string(kDomain);
 const dds::TransportChoice kUdp{dds::Transport::kUdp, "UDP (as asked)"};
 
-/// A whole station but for main: a device pressed 2 mm into the fake server's floor.
+/// A whole station except for main: its device is pressed 2 mm into the fake server's floor.
 struct Station {
   test::StillDevice device;
   std::unique_ptr<StationCore> core;
@@ -59,7 +58,6 @@ struct Station {
     servo->Stop();
   }
 
-  /// Polls until it is so.
   bool Until(const std::function<bool()>& so, double seconds = 20.0) {
     return test::Eventually(
         [&] {
@@ -242,7 +240,7 @@ TEST_F(LinkedStation, TakesTheForceOutWhileItIsMutedAndFollowsTheHand) {
   const std::uint64_t poses = server.poses;
   ASSERT_TRUE(station.Until([&] { return server.poses > poses + 100; }));
   EXPECT_EQ(station.snapshot.force_N, 0.0);
-  server.ends_session = true;  // a new session does not unmute
+  server.ends_session = true;  // which does not unmute
   ASSERT_TRUE(station.Until([&] { return station.link->reconnects() == 1; }));
   station.Until([] { return false; }, 0.5);
   EXPECT_EQ(station.snapshot.peak_force_N, 0.0);

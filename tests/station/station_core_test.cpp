@@ -16,7 +16,7 @@
 namespace palpate {
 namespace {
 
-/// A core with a device and a clock of its own, and a server that answers or does not.
+/// A core with a device and its own clock; each tick, the server answers or does not.
 struct Bench {
   explicit Bench(const std::optional<Workspace>& workspace = {})
       : Bench(std::make_unique<test::StillDevice>(), workspace) {}
@@ -28,12 +28,12 @@ struct Bench {
   }
 
   test::StillDevice& device;
-  std::unique_ptr<Device> driven;  // it, or a workspace about it
+  std::unique_ptr<Device> driven;  // `device`, or a workspace around it
   StationCore core{*driven};
   std::int64_t now = 1'000'000 * kMs;
   Wrench wrench{Vec3(0, 0, 2.0), Vec3::Zero()};
 
-  /// One tick; the reply to its pose arrives `delay` later, before the next tick is over.
+  /// One tick.  The reply to its pose arrives `delay` later, before the next tick ends.
   void Tick(bool answered, std::int64_t delay = kMs / 20) {
     now += kMs;
     const OutgoingPose pose = core.Sense(now, true);
@@ -87,7 +87,7 @@ TEST(StationCore, TakesRowsThatAreContactsForNoEffects) {
   const Reply reply = ToReply(sample, 0);
   EXPECT_EQ(reply.wrench.force.z(), 2.0);
   EXPECT_TRUE(reply.active.force.isZero(0.0));
-  // Without contact nothing is left, to the bit: the tool is free.
+  // Without contact nothing is left, to the last bit: the tool is free.
   sample.rows = 0;
   for (double number = 0.1; number < 3.0; number += 0.1) {
     sample.row[4][0] = number;
@@ -144,7 +144,7 @@ TEST(StationCore, ShowsTheDeviceTheGraphicToolOfItsSessionAlone) {
 TEST(StationCore, LetsAGuidePullBesideTheServersForceWithinItsLimit) {
   Bench bench;
   bench.core.AcceptGuide(GuideLimits::OfForce(0.5));
-  bench.device.sample.V_WH.v = Vec3(0.1, 0, 0);  // it goes along
+  bench.device.sample.V_WH.v = Vec3(0.1, 0, 0);  // it moves along
   for (int i = 0; i < 1000; ++i) {
     bench.core.Take(bench.now, {1, {Vec3(0.010, 0, 0), Quat::Identity()}});
     bench.Tick(true);
@@ -164,7 +164,7 @@ TEST(StationCore, DrivesNothingByAGuideAloneOrUnasked) {
     bench.wrench = Wrench{};
     for (int i = 0; i < 1000; ++i) {
       bench.core.Take(bench.now, {1, {Vec3(0.004, 0, 0), Quat::Identity()}});
-      bench.Tick(!accepts);  // who accepts has no server
+      bench.Tick(!accepts);  // the one that accepts has no server
       EXPECT_EQ(bench.device.applied.force.norm(), 0.0);
     }
   }
@@ -209,22 +209,19 @@ TEST(StationCore, FadesToZeroWithinTwentyFiveMillisecondsOfTheServersDeath) {
     bench.Tick(false);
     EXPECT_LE(bench.force(), last);
     EXPECT_GE(bench.force(), last - 0.16);  // smooth: the steepest part of the fade, 7.1 % a ms
-    if (ms <= 3) {
-      EXPECT_EQ(bench.force(), 2.0) << ms;
-    }
-    if (ms >= 26) {  // the last reply came 0.05 ms after its tick
-      EXPECT_EQ(bench.force(), 0.0) << ms;
-    }
+    if (ms <= 3) EXPECT_EQ(bench.force(), 2.0) << ms;
+    // The last reply came 0.05 ms after its tick.
+    if (ms >= 26) EXPECT_EQ(bench.force(), 0.0) << ms;
     last = bench.force();
   }
   EXPECT_EQ(bench.core.limiter().counts().fades, 1u);
-  EXPECT_EQ(bench.device.applications, 500);  // the device is served all the while
+  EXPECT_EQ(bench.device.applications, 500);  // the device is driven all the time
 }
 
 TEST(StationCore, AgesAReplyFromThePoseThatItAnswers) {
   Bench bench;
   for (int i = 0; i < 400; ++i) bench.Tick(true);
-  // The server answers each tick, but with the pose of a fifth of a second ago: as good as dead.
+  // The server answers each tick, but a pose of a fifth of a second ago: as good as dead.
   std::vector<OutgoingPose> poses;
   for (int i = 0; i < 1100; ++i) {
     bench.now += kMs;
@@ -250,7 +247,7 @@ TEST(StationCore, IgnoresRepliesThatItCannotHaveAskedFor) {
   bench.core.Take(evil);
   const OutgoingPose pose = bench.core.Sense(bench.now + kMs, true);
   evil.pose_sequence = pose.sequence;
-  evil.pose_time_ns = bench.now + 2000 * kMs;  // from the future: it would never grow old
+  evil.pose_time_ns = bench.now + 2000 * kMs;  // from the future: it would never age
   bench.core.Take(evil);
   evil.pose_time_ns = std::numeric_limits<std::int64_t>::min();
   bench.core.Take(evil);
@@ -344,7 +341,7 @@ TEST(StationCore, AllocatesNothing) {
   EXPECT_EQ(test::AllocationsOfThisThread(), before);
 }
 
-/// A device whose place in the scene ends in walls, at 0.2 m.
+/// A workspace with walls, 0.2 m from its centre.
 Workspace WithWalls() {
   Workspace workspace;
   workspace.wall_force_N = 3.0;

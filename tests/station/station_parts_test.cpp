@@ -4,7 +4,6 @@
 #include <vector>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "client/station/display.h"
@@ -133,14 +132,14 @@ TEST(StatisticsPeriod, CountsFromZeroWhereTotalsWereRestarted) {
   EXPECT_EQ(figures->braked, 35u);
 }
 
-/// A lead that has heard of that round trip for long.
+/// A lead that has long heard of this round trip.
 PoseLead After(double round_trip_s) {
   PoseLead lead;
   for (int i = 0; i < 1000; ++i) lead.Hear(round_trip_s);
   return lead;
 }
 
-/// The last of `poses` that move on at a steady pace, as led.
+/// The last of `poses` at a steady pace, as led.
 Pose AtSteadyPace(PoseLead lead, const Vec3& v, const Vec3& w, int poses = 20) {
   Pose led;
   for (int i = 0; i < poses; ++i) {
@@ -193,7 +192,7 @@ TEST(PoseLead, HasNoneUntilTheVelocityIsKnownAndAnewAfterAnotherSession) {
   EXPECT_EQ(lead.Lead(20 * kMs, {v, Quat::Identity()}).p, v) << "the tool of another scene";
 }
 
-/// A hand at rest whose encoders tremble by a step is led by no more than the lead makes of it.
+/// For a hand at rest whose encoders tremble by a step, the lead magnifies no more than it must.
 TEST(PoseLead, MagnifiesAnEncodersStepByNoMoreThanLeadOverWindow) {
   const double step = 20e-6;
   PoseLead lead = After(0.010);

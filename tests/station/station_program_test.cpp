@@ -5,7 +5,6 @@
 #include <vector>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "tests/support/program.h"
 #include "tests/support/test_domain.h"
@@ -27,7 +26,7 @@ Outcome RunStation(const std::vector<std::string>& arguments) {
   return {status, program.Output()};
 }
 
-/// A station that is right but for what `more` says.
+/// Runs a station whose words are right except for `more`.
 Outcome RunSimulated(std::vector<std::string> more) {
   more.insert(more.begin(), {"--device", "simulated", "--scene", "cube", "--id", "a"});
   return RunStation(more);

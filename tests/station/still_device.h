@@ -5,7 +5,7 @@
 
 namespace palpate::test {
 
-/// A device that is held still, and remembers what it was told.
+/// A device held still, which keeps what it was told.
 class StillDevice final : public Device {
  public:
   explicit StillDevice(double rate_Hz = 1000.0) {

@@ -1,7 +1,6 @@
 #include "client/viewer/class_room.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "tests/support/folder.h"

@@ -28,7 +28,7 @@ std::string FirstLink(Gateway& gateway) {
   return said.substr(begin + 7, said.find('\n', begin) - begin - 7);
 }
 
-/// A page of a person's.
+/// A person's page.
 class Pupil {
  public:
   Pupil(Gateway& gateway, const std::string& token)
@@ -36,12 +36,18 @@ class Pupil {
     client_.Subscribe(1, TopicFeed::kMe);
   }
   WebClient& client() { return client_; }
-  /// What it hears of itself next.
+  /// The next message about the person.
   CourseJson Me() { return Read(1); }
-  /// And of an exam.
+  /// The next message about an exam.
   CourseJson Exam() {
     if (!std::exchange(hears_exam_, true)) client_.Subscribe(4, TopicFeed::kExam);
     return Read(4);
+  }
+  /// The answer to taking a scene with the mouse.
+  std::string Take(const std::string& scene) {
+    client_.SendMouse({{"op", "take"}, {"scene", scene}});
+    client_.Subscribe(3, TopicFeed::kMouseState);
+    return Read(3).dump();
   }
 
  protected:
@@ -66,6 +72,7 @@ class Teacher : public Pupil {
     EXPECT_EQ(answer["tag"], tag_);
     return answer;
   }
+  std::string Refusal(CourseJson wish) { return Ask(std::move(wish))["refusal"]; }
   const std::string& token() const { return token_; }
   std::string Make(const std::string& name) {
     return Ask({{"op", "person_make"}, {"names", {name}}, {"role", "drive"}})["people"][0]["token"];
@@ -83,8 +90,7 @@ TEST(Course, MakesRenamesAndWithdrawsPeopleWhileTheyAreThere) {
   ASSERT_TRUE(teacher.client().open());
   const std::string token = teacher.Make("Anna");
   EXPECT_THAT(
-      teacher.Ask({{"op", "person_make"}, {"names", {"Ben", "anna"}}, {"role", "drive"}})["refusal"]
-          .get<std::string>(),
+      teacher.Refusal({{"op", "person_make"}, {"names", {"Ben", "anna"}}, {"role", "drive"}}),
       testing::HasSubstr("would have the same station name"));
 
   Pupil anna(gateway, token);
@@ -93,7 +99,7 @@ TEST(Course, MakesRenamesAndWithdrawsPeopleWhileTheyAreThere) {
   anna.client().SendClass({{"tag", 1}, {"op", "person_withdraw"}, {"person", 1}});
   EXPECT_THAT(anna.client().NextStatus(), testing::HasSubstr("is of no use here"));
 
-  // Who publishes on what was not advertised to it has broken the protocol.
+  // A client that publishes on a channel not advertised to it has broken the protocol.
   EXPECT_EQ(anna.client().closed(), kPolicyViolation);
   Pupil again(gateway, token);
   EXPECT_EQ(again.Me()["name"], "Anna");
@@ -131,7 +137,7 @@ TEST(Course, IsThereWithAllThatWasAnsweredAfterTheGatewayWasKilled) {
   }
 }
 
-/// As a trial that was recorded and scored.
+/// Adds what a recorded and scored trial leaves behind.
 void AddTrial(const std::string& course, int person, const std::string& exercise, int n) {
   const std::string folder = fmt::format("{}/trials/{}/{}/{}", course, person, exercise, n);
   std::filesystem::create_directories(folder);
@@ -200,13 +206,13 @@ TEST(Course, DeletesAPersonWithAllThatTheyDid) {
         Get(gateway.port(), "/history/class.json", {{"Authorization", "Bearer " + link}}).body);
   };
   EXPECT_EQ(history()["people"].size(), 1u);
-  EXPECT_THAT(teacher.Ask({{"op", "person_delete"}, {"person", 1}})["refusal"].get<std::string>(),
+  EXPECT_THAT(teacher.Refusal({{"op", "person_delete"}, {"person", 1}}),
               testing::HasSubstr("is the last person with the role"));
-  EXPECT_EQ(teacher.Ask({{"op", "person_delete"}, {"person", 2}})["refusal"], "");
+  EXPECT_EQ(teacher.Refusal({{"op", "person_delete"}, {"person", 2}}), "");
   EXPECT_EQ(anna.client().closed(), kPolicyViolation);
   EXPECT_EQ(history()["people"].size(), 0u);
   EXPECT_FALSE(std::filesystem::exists(folder / "course/trials/2"));
-  EXPECT_THAT(teacher.Ask({{"op", "person_delete"}, {"person", 2}})["refusal"].get<std::string>(),
+  EXPECT_THAT(teacher.Refusal({{"op", "person_delete"}, {"person", 2}}),
               testing::HasSubstr("no person of this course"));
 }
 
@@ -222,19 +228,14 @@ TEST(Course, HoldsAnExamWithWhichTheNextGatewayGoesOnWhereOneWasKilled) {
     token = teacher.Make("Anna");
     Pupil anna(gateway, token);
     EXPECT_EQ(anna.Exam()["open"], nullptr);
-    // To hold one is not for those who sit it.
+    // Those who sit an exam may not hold one.
     anna.client().SendExam({{"tag", 1}, {"op", "open"}, {"exam", "midterm"}});
     EXPECT_EQ(anna.client().closed(), kPolicyViolation);
     teacher.client().SendExam({{"tag", 1}, {"op", "open"}, {"exam", "midterm"}});
     Pupil again(gateway, token);
     EXPECT_TRUE(
         Eventually([&] { return again.Exam()["open"]["exercise"]["name"] == "light-force"; }));
-    again.client().SendMouse({{"op", "take"}, {"scene", "cube"}});
-    again.client().Subscribe(3, TopicFeed::kMouseState);
-    const auto told = again.client().Next(3);
-    ASSERT_TRUE(told);
-    EXPECT_THAT(std::string(told->payload.begin(), told->payload.end()),
-                testing::HasSubstr("an exam is open"));
+    EXPECT_THAT(again.Take("cube"), testing::HasSubstr("an exam is open"));
     gateway.program().Signal(SIGKILL);
     EXPECT_EQ(gateway.program().Exit(), -SIGKILL);
   }
@@ -272,29 +273,19 @@ TEST(Course, GivesEachASeatAndKeepsOthersOut) {
   ASSERT_TRUE(gateway.KnowsScenes(3, {{"Authorization", "Bearer " + link}}));
   Teacher teacher(gateway, link);
   Pupil anna(gateway, teacher.Make("Anna"));
-  EXPECT_EQ(teacher.Ask({{"op", "begin"}, {"scene", "cube"}})["refusal"], "");
+  EXPECT_EQ(teacher.Refusal({{"op", "begin"}, {"scene", "cube"}}), "");
   EXPECT_TRUE(Eventually([&] { return anna.Me()["seat"] == "cube-1"; }));
-  anna.client().SendMouse({{"op", "take"}, {"scene", "cube-2"}});
-  anna.client().Subscribe(3, TopicFeed::kMouseState);
-  const auto told = anna.client().Next(3);
-  ASSERT_TRUE(told);
-  EXPECT_THAT(std::string(told->payload.begin(), told->payload.end()),
-              testing::HasSubstr("your seat is 'cube-1'"));
-  // Who comes later has the next; then there is none.
+  EXPECT_THAT(anna.Take("cube-2"), testing::HasSubstr("your seat is 'cube-1'"));
+  // A later person gets the next seat, until there is none.
   Pupil ben(gateway, teacher.Make("Ben"));
   EXPECT_TRUE(Eventually([&] { return ben.Me()["seat"] == "cube-2"; }));
   Pupil cleo(gateway, teacher.Make("Cleo"));
   EXPECT_THAT(teacher.Ask({{"op", "begin"}, {"scene", "cube"}})["note"].get<std::string>(),
               testing::HasSubstr("1 of 3 have no seat"));
-  EXPECT_THAT(teacher.Ask({{"op", "begin"}, {"scene", "cube-1"}})["refusal"].get<std::string>(),
+  EXPECT_THAT(teacher.Refusal({{"op", "begin"}, {"scene", "cube-1"}}),
               testing::HasSubstr("--seats"));
-  // Who has none has not another's; and nobody makes another's whole.
-  cleo.client().SendMouse({{"op", "take"}, {"scene", "cube-1"}});
-  cleo.client().Subscribe(3, TopicFeed::kMouseState);
-  const auto refused = cleo.client().Next(3);
-  ASSERT_TRUE(refused);
-  EXPECT_THAT(std::string(refused->payload.begin(), refused->payload.end()),
-              testing::HasSubstr("is the seat of another person"));
+  // A person without a seat may not take another's, and nobody makes another's scene whole.
+  EXPECT_THAT(cleo.Take("cube-1"), testing::HasSubstr("is the seat of another person"));
   anna.client().SendMouse({{"op", "whole"}, {"scene", "cube-2"}});
   EXPECT_THAT(anna.client().NextStatus(), testing::HasSubstr("your seat is 'cube-1'"));
 }

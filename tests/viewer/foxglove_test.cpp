@@ -1,7 +1,6 @@
 #include "client/viewer/foxglove.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "common/error.h"
@@ -72,9 +71,7 @@ TEST(ClientMessage, IsItsChannelAndItsPayload) {
   EXPECT_EQ(message.channel, 258u);
   EXPECT_EQ(message.payload, "{}");
   EXPECT_EQ(ParseMessage(std::span(bytes, 5)).payload, "");
-  for (std::size_t n = 0; n < 5; ++n) {
-    EXPECT_THROW(ParseMessage(std::span(bytes, n)), Error) << n;
-  }
+  for (std::size_t n = 0; n < 5; ++n) EXPECT_THROW(ParseMessage(std::span(bytes, n)), Error) << n;
   const std::uint8_t other[] = {2, 2, 1, 0, 0};
   EXPECT_THROW(ParseMessage(other), Error);
 }

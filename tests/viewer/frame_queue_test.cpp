@@ -79,7 +79,7 @@ TEST(FrameQueue, ThinsAStreamToItsRateWithoutCallingThatALoss) {
   queue.Subscribe(kStream, 1, 1'000'000'000 / 30);
   int given = 0;
   std::int64_t newest = -1;
-  // 60 Hz in, looked at 120 times a second, for 10 s.
+  // 60 Hz in, popped 120 times a second, for 10 s.
   for (int tick = 0; tick < 1200; ++tick) {
     const std::int64_t now_ns = tick * 1'000'000'000LL / 120;
     if (tick % 2 == 0) queue.Push(MakeFrame(kStream, 1, tick), now_ns);
@@ -101,7 +101,7 @@ TEST(FrameQueue, CountsAsLostOnlyWhatWasDueWhenASlowViewerWasBusy) {
   EXPECT_TRUE(queue.Pop(0).frame);
   queue.Push(MakeFrame(kStream, 1, 1), 10 * kMs);  // early
   EXPECT_FALSE(queue.Pop(10 * kMs).frame);
-  queue.Push(MakeFrame(kStream, 1, 2), 20 * kMs);  // passes over an early one
+  queue.Push(MakeFrame(kStream, 1, 2), 20 * kMs);  // replaces an early one
   EXPECT_EQ(queue.lost(), 0u);
   EXPECT_EQ(queue.Pop(30 * kMs).frame->time_ns, 2);
   queue.Push(MakeFrame(kStream, 1, 3), 100 * kMs);
@@ -109,7 +109,7 @@ TEST(FrameQueue, CountsAsLostOnlyWhatWasDueWhenASlowViewerWasBusy) {
   EXPECT_EQ(queue.lost(), 1u);
 }
 
-/// Against a model that is too simple to be wrong: the newest of each instance since its last pop.
+/// Against a model too simple to be wrong: the newest of each instance since its last pop.
 TEST(FrameQueue, AgreesWithASimpleModelInAnyOrderOfCalls) {
   Random random(21);
   FrameQueue queue;

@@ -1,7 +1,6 @@
 #include "client/viewer/gate.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "tests/support/folder.h"
 
@@ -23,16 +22,16 @@ TEST(Access, IsWhatThePagesOriginAllows) {
   };
   const std::vector<std::string> app = {"https://other", "https://app.example.org"};
   const Case cases[] = {
-      // This gateway's own, and programs.
+      // This gateway's own pages, and programs.
       {"", Access::kOperate},
       {"https://127.0.0.1:8765", Access::kOperate},
       {"http://127.0.0.1:8765", Access::kOperate, "127.0.0.1:8765", {}, true, false},
       {"http://LocalHost:8765", Access::kOperate, "localhost:8765", {}, true, false},
       {"http://[::1]:8765", Access::kOperate, "[::1]:8765", {}, true, false},
       {"https://lab.example", Access::kOperate, "lab.example"},  // a proxy may speak TLS
-      // Whoever is on the way could have written that page.
+      // Anybody on the network path could have written that page.
       {"http://127.0.0.1:8765", Access::kNone, "127.0.0.1:8765", {}, false},
-      // From elsewhere.
+      // Pages from elsewhere.
       {"http://evil.example", Access::kNone},
       {"http://127.0.0.1:9999", Access::kNone},
       {"http://127.0.0.1:8765.evil.example", Access::kNone},
@@ -47,7 +46,7 @@ TEST(Access, IsWhatThePagesOriginAllows) {
       {"http://a@127.0.0.1:8765", Access::kNone},
       {"http://127.0.0.1", Access::kNone},
       {"https://app.example.org.evil", Access::kNone, "127.0.0.1:8765", app},
-      // Desktop applications, and pages that are named.
+      // Desktop applications, and pages named in --allow-origin.
       {"file://", Access::kWatch},
       {"FILE://", Access::kWatch, "lab.example"},
       {"file://", Access::kDrive, "127.0.0.1:8765", {"file://"}},
@@ -78,7 +77,7 @@ class GateTest : public testing::Test {
     asker.is_local = is_local;
     return asker;
   }
-  /// As programs present it.
+  /// A token as programs present it.
   static Asker With(const std::string& authorization) {
     Asker asker = Plain();
     asker.authorization = authorization;
@@ -176,7 +175,7 @@ TEST_F(GateTest, RefusesAllElseAndTellsNobodyWhatWasPresented) {
     asker.subprotocols = offered;
     EXPECT_EQ(guarded_->JudgeSocket(asker).access, Access::kNone) << offered;
   }
-  // One in each place, though both be good.
+  // A token in each of two places, though both are good.
   const std::string header = "Bearer " + operate_;
   const std::string offered = "palpate.token." + operate_;
   Asker asker = With(header);

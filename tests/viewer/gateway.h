@@ -23,10 +23,10 @@
 namespace palpate::test {
 
 inline constexpr const char* kV1 = "foxglove.websocket.v1";
-/// Of all tests of this program.
+/// The domain of all tests of this program.
 inline const int kDomain = OwnDomain();
 
-/// The real palpate-viewer, at a port of its own in that domain, until this object goes.
+/// The real palpate-viewer, at a port of its own in that domain, while the object lives.
 class Gateway {
  public:
   using Headers = std::map<std::string, std::string>;
@@ -45,7 +45,7 @@ class Gateway {
   nlohmann::json Health(const Headers& headers = {}) {
     return nlohmann::json::parse(Get(port_, "/healthz", headers).body);
   }
-  /// Asks until the gateway says so.
+  /// Polls the health until the condition holds.
   bool Until(const std::function<bool(const nlohmann::json&)>& condition,
              const Headers& headers = {}) {
     return Eventually([&] { return condition(Health(headers)); });
@@ -57,7 +57,7 @@ class Gateway {
     return Until([&](const nlohmann::json& health) { return health["scenes"].size() == count; },
                  headers);
   }
-  /// It has logged this by now, or does so before long.
+  /// Whether it logs `text` within five seconds, or has done so.
   bool Logs(const std::string& text) {
     return Eventually([&] { return program_.Output().find(text) != std::string::npos; }, 5.0);
   }
@@ -67,10 +67,10 @@ class Gateway {
   int port_ = 0;
 };
 
-/// Says that there is a scene, and notes who wants to drive a tool of it.
+/// Announces a scene as a server does, and receives the wishes that concern it.
 class StandIn {
  public:
-  /// @param seats  of the scene.
+  /// @param seats  number of the scene's seats.
   explicit StandIn(int seats = 0, const std::string& scene = "cube") {
     static std::uint8_t byte = 1;
     wire::SceneBundle bundle{};
@@ -91,13 +91,13 @@ class StandIn {
     return Eventually([&] { return operations_.Take(request); }) ? std::optional(request)
                                                                  : std::nullopt;
   }
-  /// Who wants a scene whole.
+  /// The next wish to make a scene whole.
   std::optional<wire::WholeRequest> Wished() {
     wire::WholeRequest request{};
     return Eventually([&] { return wishes_.Take(request); }) ? std::optional(request)
                                                              : std::nullopt;
   }
-  /// How many more have come by the time that none has come for a fifth of a second.
+  /// How many wishes come until none has come for a fifth of a second.
   int CountAsked() {
     wire::OperateRequest request{};
     int count = 0;
@@ -109,7 +109,7 @@ class StandIn {
 
  private:
   dds::Participant participant_ = dds::Participant::Service(kDomain);
-  // By which a server is known to live; before the others, as a server has it.
+  // Shows that a server lives; made before the others, as in a server.
   dds::Writer<wire::SessionState> states_{participant_, dds::kSessionStateTopic,
                                           dds::Qos::kSession};
   dds::Writer<wire::SceneBundle> bundles_{participant_, dds::kSceneBundleTopic, dds::Qos::kSession};

@@ -1,4 +1,4 @@
-// The real palpate-viewer beside a real server: what viewers get, and what they cannot do to each
+// The real palpate-viewer beside a real server: what viewers get, and that they cannot disturb each
 // other.
 #include "tests/viewer/gateway.h"
 
@@ -34,15 +34,13 @@ T Decoded(const WebClient::Message& message) {
 std::unique_ptr<Program> StartServer(const std::vector<std::string>& scenes) {
   std::vector<std::string> arguments{"--realtime", "off",      "--transport",
                                      "udp",        "--domain", std::to_string(kDomain)};
-  for (const std::string& scene : scenes) {
-    arguments.insert(arguments.end(), {"--scene", scene});
-  }
+  for (const std::string& scene : scenes) arguments.insert(arguments.end(), {"--scene", scene});
   auto server = std::make_unique<Program>(PALPATE_BIN_DIR "/palpate-server", arguments);
   EXPECT_TRUE(server->Says("ready: ", 60.0)) << server->Output();
   return server;
 }
 
-/// One server for all tests of a suite, and a gateway for each, which knows its scenes.
+/// One server for all tests of a suite, and for each test a gateway that knows its scenes.
 class AtServer : public testing::Test {
  protected:
   static void SetUpTestSuite() { server_ = StartServer({"cube", "friction"}); }
@@ -101,11 +99,9 @@ TEST(Gateway, TellsEachViewerWhichChannelsThereAreAndLetsItSubscribeToThemAlone)
   }
   EXPECT_EQ(by_topic["/palpate/mouse_state"]["encoding"], "json");
   std::uint32_t id = 100;
-  for (const Json& channel : channels) {
-    viewer.Subscribe(++id, channel["id"]);
-  }
+  for (const Json& channel : channels) viewer.Subscribe(++id, channel["id"]);
   viewer.Subscribe(7777, 99);
-  // Refusals come in the order of what is refused.
+  // Refusals come in the order of the requests.
   EXPECT_THAT(viewer.NextStatus(),
               HasSubstr("subscription 7777 to channel 99 is refused: there is no such channel"));
 }
@@ -138,7 +134,7 @@ TEST_F(Scenes, AreGivenToLateViewersWithTheSessionsAndThenTheTool) {
   EXPECT_STREQ(held.station, "held");
   EXPECT_EQ(gateway.Health()["server_run"], fmt::format("{:x}", held.server_run));
 
-  // What the viewer sees of a pose is what a reader of DDS sees of it.
+  // A viewer sees of a pose what a reader of DDS sees.
   std::map<std::uint64_t, wire::ToolState> truth;
   dds::CdrSample raw;
   wire::ToolState state{};
@@ -165,8 +161,9 @@ TEST_F(Scenes, AreGivenToLateViewersWithTheSessionsAndThenTheTool) {
   EXPECT_STREQ(Decoded<wire::StationStatistics>(*arm).station, "held");
 
   viewer.SendText(R"({"op": "unsubscribe", "subscriptionIds": [72]})");
-  // What it still hears comes the same way, once a second, and is what time goes by: tool states
-  // that were on their way have come before the second of these, and some sixty more would.
+  // It still hears statistics once a second, which come the same way.  Tool states that were on
+  // their way come before the second of these; a subscription that went on would bring some sixty
+  // more.
   const auto two_more = [&] {
     while (viewer.Next(73, 0.0)) {
     }
@@ -185,8 +182,8 @@ TEST_F(Scenes, HaveToolStatesAtTheRateThatAGatewayIsTold) {
   WebClient viewer(gateway.port());
   viewer.Subscribe(1, TopicFeed::kToolState);
   ASSERT_TRUE(viewer.Next(1));
-  // 50 ms apart on average: by the states' own numbers, one a millisecond, or where the station
-  // could not keep that, by the clock.
+  // 50 ms apart on average: by the states' numbers, one a millisecond, or by the clock if the
+  // station could not keep up.
   const std::int64_t begin_ns = SteadyNanoseconds();
   const std::uint64_t first = Decoded<wire::ToolState>(*viewer.Next(1)).pose_sequence;
   std::uint64_t last = first;
@@ -206,7 +203,7 @@ TEST_F(Scenes, LoseFramesForAStalledViewerAndForNobodyElse) {
   ASSERT_TRUE(gateway.KnowsScenes(2));
   WebClient stalled(gateway.port(), kV1, "", 4096);
   WebClient lively(gateway.port());
-  // It does not read: the bundles are more than the kernel holds for it.
+  // It does not read, and the bundles are more than the kernel buffers for it.
   stalled.Subscribe(2, TopicFeed::kSceneBundle);
   stalled.Subscribe(1, TopicFeed::kToolState);
   lively.Subscribe(1, TopicFeed::kToolState);
@@ -222,7 +219,7 @@ TEST_F(Scenes, LoseFramesForAStalledViewerAndForNobodyElse) {
     if (i % 60 == 59) dropped = gateway.Health()["frames_dropped"].get<int>() > 20;
   }
   EXPECT_TRUE(dropped);
-  // When it reads again, the newest is what it gets: one frame, and what comes from now on.
+  // When it reads again it gets the newest: one frame, and those that come from now on.
   ASSERT_TRUE(stalled.Next(2));
   const auto next = stalled.Next(1);
   ASSERT_TRUE(next);
@@ -285,7 +282,7 @@ TEST_F(Scenes, ComeOverHttpWithTheirHashAndCompressed) {
   EXPECT_EQ(plain.headers.at("etag"), etag);
   EXPECT_EQ(Get(gateway.port(), "/scene/cube.bundle", {{"If-None-Match", etag}}).status, 304);
   std::string packed_tag;
-  for (int time = 0; time < 2; ++time) {  // packed, and kept
+  for (int time = 0; time < 2; ++time) {  // first packed, then kept
     const HttpAnswer packed =
         Get(gateway.port(), "/scene/cube.bundle", {{"Accept-Encoding", "gzip, br"}});
     EXPECT_EQ(packed.status, 200);
@@ -294,7 +291,7 @@ TEST_F(Scenes, ComeOverHttpWithTheirHashAndCompressed) {
     EXPECT_LT(packed.body.size(), plain.body.size());
     EXPECT_EQ(packed.body.substr(0, 2), "\x1f\x8b");
   }
-  // A tag names the very bytes, and a cache is told what they depend on.
+  // A tag names exact bytes, and a cache is told what they depend on.
   EXPECT_NE(packed_tag, etag);
   EXPECT_EQ(Get(gateway.port(), "/scene/cube.bundle", {{"If-None-Match", packed_tag}}).status, 200);
   const HttpAnswer unchanged =
@@ -420,7 +417,7 @@ TEST(Gateway, EndsTheConnectionThatSendsWhatIsNotOfTheProtocolAndNoOther) {
   }
   WebClient large(gateway.port());
   large.SendText("{\"op\": \"" + std::string(200'000, 'x') + "\"}");
-  large.closed();  // with 1009, or at once: the rest of it is not waited for
+  large.closed();  // with 1009, or at once: it does not wait for the rest
   EXPECT_FALSE(large.open());
   WebClient newer(gateway.port());
   newer.SendText(R"({"op": "getParameters", "parameterNames": []})");
@@ -432,7 +429,7 @@ TEST(Gateway, EndsTheConnectionThatSendsWhatIsNotOfTheProtocolAndNoOther) {
   EXPECT_TRUE(gateway.HasViewers(2));
 }
 
-/// The mouse's news until its phase is as wanted.
+/// Reads the mouse's news until its phase is `phase`.
 Json MouseUntil(WebClient& viewer, const std::string& phase) {
   for (;;) {
     const auto message = viewer.Next(9);
@@ -442,7 +439,7 @@ Json MouseUntil(WebClient& viewer, const std::string& phase) {
   }
 }
 
-/// The mouse of this viewer once it holds the tool of a scene.
+/// Takes the tool of a scene; returns the mouse's news once it holds it.
 Json Taken(WebClient& viewer, const std::string& scene = "cube") {
   viewer.Subscribe(9, TopicFeed::kMouseState);
   viewer.SendMouse({{"op", "take"}, {"scene", scene}});
@@ -451,7 +448,7 @@ Json Taken(WebClient& viewer, const std::string& scene = "cube") {
   return held;
 }
 
-/// The tool's state once it meets a condition; frames before are passed over.
+/// Reads tool states until one meets the condition.
 bool ToolUntil(WebClient& viewer, const std::function<bool(const wire::ToolState&)>& condition) {
   for (int i = 0; i < 1000; ++i) {
     const auto message = viewer.Next(1);
@@ -461,7 +458,7 @@ bool ToolUntil(WebClient& viewer, const std::function<bool(const wire::ToolState
   return false;
 }
 
-/// What the server says once a mouse has left.
+/// What the server logs once a mouse has left.
 std::string Left(const Json& held) {
   return "station " + held.value("station", "?") + ": ended: the station left";
 }
@@ -480,7 +477,7 @@ TEST_F(Mouse, TakesAToolAndPressesItAndLetsItGo) {
   EXPECT_TRUE(ToolUntil(viewer, [&](const wire::ToolState& tool) {
     return station == tool.station && tool.force_N[1] > 9.9 && tool.graphic_position_m[1] > 0.0299;
   }));
-  // Far deeper: no more than 20 mm of it, 20 N.
+  // Far deeper, no more than 20 mm of it count: 20 N.
   viewer.SendMouse({{"op", "pose"}, {"p", {0.0, -0.2, 0.0}}, {"q", {1, 0, 0, 0}}});
   double most = 0.0;
   EXPECT_TRUE(ToolUntil(viewer, [&](const wire::ToolState& tool) {
@@ -552,7 +549,7 @@ TEST_F(Mouse, LetsGoOfAPageThatStandsStill) {
       << "nothing is read any more, so no ping is answered";
 }
 
-/// What a replayer says, without one.
+/// Stands in for a replayer.
 class Replayer {
  public:
   Replayer() {
@@ -621,13 +618,13 @@ TEST(Replay, IsToldToPagesAndSteeredByThemAlsoWhereNobodyTakesATool) {
             Json({{"tag", 7}, {"request", fmt::format("{:x}", asked->request)}, {"refusal", ""}}));
   replayer.Tell(2.5, asked->request);
   EXPECT_EQ(NextOf(viewer, 21)["request"], fmt::format("{:x}", asked->request));
-  // Who comes later hears of it, too.
+  // A late viewer hears of it, too.
   WebClient late(gateway.port());
   late.Subscribe(20, TopicFeed::kReplayContents);
   late.Subscribe(21, TopicFeed::kReplayState);
   EXPECT_EQ(NextOf(late, 20)["length_s"], 60);
   EXPECT_EQ(NextOf(late, 21)["at_s"], 2.5);
-  // The mouse stays ruled out.
+  // Taking a tool stays ruled out.
   viewer.SendMouse({{"op", "take"}, {"scene", "cube"}});
   EXPECT_THAT(viewer.NextStatus(), HasSubstr("--max-mice"));
   EXPECT_EQ(viewer.closed(), 1008);
@@ -643,7 +640,7 @@ TEST(Replay, AnswersWishesThatCannotBeFulfilledAndStandsThoseThatAreNone) {
   EXPECT_THAT(answer.value("refusal", ""), HasSubstr("has ended"));
   viewer.SendReplay({{"op", "take"}, {"scene", "cube"}});
   EXPECT_THAT(viewer.NextStatus(), HasSubstr("/palpate/replay:1: "));
-  // Each channel is what it was advertised for.
+  // Each channel takes only what it was advertised for.
   viewer.SendMouse({{"replay", "1"}, {"tag", 3}, {"wish", "play"}});
   EXPECT_THAT(viewer.NextStatus(), HasSubstr("/palpate/mouse:1: "));
   EXPECT_TRUE(viewer.open());
@@ -666,7 +663,8 @@ TEST(Replay, IsSeenAndNotSteeredByWhoMayOnlyLookNorWhereTheGatewayRulesItOut) {
        true,
        AllOf(HasSubstr("give /palpate/mouse or /palpate/operate, encoding json"),
              HasSubstr("--no-steering"))},
-      // From this host it could decide about stations; from elsewhere, as a proxy says, it cannot.
+      // From this host it could decide about stations; from elsewhere, as the proxy's header says,
+      // not.
       {{"--no-steering", "--max-mice", "0"},
        "",
        {{"X-Forwarded-For", "192.168.0.7"}},

@@ -22,7 +22,7 @@ TEST(HistoryWish, IsGrantedToATeacherAndToWhoDidIt) {
   for (const HistoryWish& wish : {of_class, own, others}) {
     EXPECT_TRUE(MayRead(wish, Access::kOperate, 0));
     EXPECT_FALSE(MayRead(wish, Access::kNone, 7));
-    // A token of --tokens is nobody of the course.
+    // A token of --tokens is no person of the course.
     EXPECT_FALSE(MayRead(wish, Access::kDrive, 0));
     EXPECT_EQ(MayRead(wish, Access::kDrive, 7), wish.person == 7);
     EXPECT_EQ(MayRead(wish, Access::kWatch, 7), wish.person == 7);

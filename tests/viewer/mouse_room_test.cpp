@@ -4,7 +4,6 @@
 #include <vector>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "common/realtime/steady_clock.h"
 #include "tests/support/eventually.h"
@@ -18,7 +17,7 @@ using testing::HasSubstr;
 
 constexpr const char* kStation = PALPATE_SOURCE_DIR "/tests/viewer/fake_station";
 
-/// A room whose stations are a program that waits for the end of its input, as they do.
+/// A room with a stand-in for stations: a program that waits for the end of its input, as they do.
 class MouseRoomTest : public testing::Test {
  protected:
   void Take(MouseRoom::Holder holder, const std::string& scene = "cube",
@@ -92,7 +91,7 @@ TEST_F(MouseRoomTest, NamesItsStationsByItsPrefixOrTheirHoldersNameAndNeverByAno
   std::vector<std::string> names;
   const auto note = [&](const MouseRoom::News& news) { names.push_back(news.station); };
   MouseRoom::Options options{8, 0, "udp", {}, kStation, "mouse_ab12_"};
-  // A token is called anna_2, and an arm ben.
+  // There are a token called anna_2 and an arm called ben.
   options.is_others = [](const std::string& station, const std::string& who) {
     return (station == "anna_2" && who != "anna_2") || station == "ben";
   };
@@ -104,11 +103,11 @@ TEST_F(MouseRoomTest, NamesItsStationsByItsPrefixOrTheirHoldersNameAndNeverByAno
   }
   EXPECT_THAT(names,
               testing::ElementsAre("mouse_ab12_1", "anna", "anna_3", "anna_2", "ben_2", "dr_no_1"));
-  // Who takes a tool again keeps his name: it waits for the one that is on its way out.
+  // A person who takes the tool again keeps the name: it waits for the station on its way out.
   room.Release(2, "", 0);
   TakeIn(room, ++holder, "anna", "tool2");
   EXPECT_EQ(names.back(), "anna");
-  TakeIn(room, ++holder, "anna", "tool2");  // of the same tool: the server decides
+  TakeIn(room, ++holder, "anna", "tool2");  // the same tool: the server decides
   EXPECT_EQ(names.back(), "anna_4");
   options.named_prefix = "mouse_";
   MouseRoom secured(options, note);

@@ -18,7 +18,7 @@ bool Ends(MouseStation& station, std::int64_t add_ns = 0) {
   return test::Eventually([&] { return !station.Poll(SteadyNanoseconds() + add_ns); });
 }
 
-/// A shell in the station's place.
+/// Arguments with which a shell stands in for a station.
 std::vector<std::string> Script(const std::string& text) {
   return {"-c", text};
 }
@@ -31,7 +31,7 @@ TEST(MouseStation, IsGivenPosesAsLinesAndTheEndOfItsInput) {
   station.Drag({Vec3(0.2, 0, 0), Quat::Identity()});
   EXPECT_TRUE(station.Poll(0));
   station.LetGo(SteadyNanoseconds());
-  station.Drag({Vec3(0.3, 0, 0), Quat::Identity()});  // into nothing
+  station.Drag({Vec3(0.3, 0, 0), Quat::Identity()});  // goes nowhere
   EXPECT_TRUE(Ends(station));
   EXPECT_EQ(station.complaint(), "");
   EXPECT_EQ(ReadWholeFile(file), "0.1 0 0 1 0 0 0\n0.2 0 0 1 0 0 0\n");

@@ -1,7 +1,6 @@
 #include "client/viewer/options.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "common/error.h"
 #include "tests/support/command_line.h"

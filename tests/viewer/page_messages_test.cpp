@@ -3,7 +3,6 @@
 #include <vector>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "tests/support/complaint.h"
@@ -18,7 +17,7 @@ std::string Complaint(const std::string& text) {
   return test::ComplaintOf([&] { ParseReplayWish(text); });
 }
 
-/// A wish that is good, with one field as given; null: without it.
+/// A valid wish with one field replaced; null: without it.
 std::string With(const std::string& field, const Json& value,
                  const std::string& wish = "add_bookmark") {
   Json json = {
@@ -118,32 +117,33 @@ TEST(PageMessages, AreNothingElse) {
        R"({"op":"pose","p":[1,2,1e999],"q":[1,0,0,0]})", R"({"op":"pose","p":[1,2,3],"q":[1,0,0]})",
        R"({"op":"take","scene":"x)" + longest + R"("})",
        R"({"op":"take","scene":"cube","tool":"x)" + longest + R"("})"});
-  refuses(
-      ParseOperateCommand,
-      {"",
-       "[]",
-       "null",
-       "{}",
-       R"({"op": "mute"})",
-       R"({"station": "left"})",
-       R"({"op": "dance", "station": "left"})",
-       R"({"op": "MUTE", "station": "left"})",
-       R"({"op": 1, "station": "left"})",
-       R"({"op": "mute", "station": 7})",
-       R"({"op": "mute", "station": ""})",
-       R"({"op": "mute", "station": "left/right"})",
-       R"({"op": "mute", "station": "left\n"})",
-       R"({"op": "mute", "station": "a23456789012345678901234567890123"})",
-       R"({"op": "mute", "station": "left", "by": "me"})",
-       R"({"op": "goal", "scene": "cube", "text": "x"})",
-       R"({"op": "goal", "scene": "cube", "text": "x", "limit_N": "1"})",
-       R"({"op": "goal", "scene": "cube", "text": "x", "limit_N": -1})",
-       R"({"op": "goal", "scene": "cube", "text": "x", "limit_N": 1e999})",
-       R"({"op": "goal", "scene": "cube", "text": 7, "limit_N": 1})",
-       R"({"op": "goal", "scene": "cube", "text": "x", "limit_N": 1, "station": "left"})",
-       R"({"op": "goal", "scene": "s", "limit_N": 0, "text": ")" + std::string(481, 'x') + "\"}",
-       R"({"op": "mute", "station": "left"} {})",
-       "{\"op\": \"mute\", \"station\": \"\xff\"}"});
+  const std::string too_long(481, 'x');
+  refuses(ParseOperateCommand,
+          {"",
+           "[]",
+           "null",
+           "{}",
+           R"({"op": "mute"})",
+           R"({"station": "left"})",
+           R"({"op": "dance", "station": "left"})",
+           R"({"op": "MUTE", "station": "left"})",
+           R"({"op": 1, "station": "left"})",
+           R"({"op": "mute", "station": 7})",
+           R"({"op": "mute", "station": ""})",
+           R"({"op": "mute", "station": "left/right"})",
+           R"({"op": "mute", "station": "left\n"})",
+           R"({"op": "mute", "station": "left"} {})",
+           R"({"op": "mute", "station": "a23456789012345678901234567890123"})",
+           R"({"op": "mute", "station": "left", "by": "me"})",
+           "{\"op\": \"mute\", \"station\": \"\xff\"}",
+           R"({"op": "goal", "scene": "cube", "text": "x"})",
+           R"({"op": "goal", "scene": "cube", "text": "x", "limit_N": "1"})",
+           R"({"op": "goal", "scene": "cube", "text": "x", "limit_N": -1})",
+           R"({"op": "goal", "scene": "cube", "text": "x", "limit_N": 1e999})",
+           R"({"op": "goal", "scene": "cube", "text": 7, "limit_N": 1})",
+           R"({"op": "goal", "scene": "cube", "text": "x", "limit_N": 1, "station": "left"})"});
+  refuses(ParseOperateCommand,
+          {R"({"op": "goal", "scene": "s", "limit_N": 0, "text": ")" + too_long + "\"}"});
   std::vector<std::string> wishes = {"", "{", "[]", "{}", "3"};
   for (const char* value : {"1e999", "-1e999", "NaN", "Infinity", "null", "nan"}) {
     wishes.push_back(std::string(R"({"replay":"5","tag":1,"wish":"seek","value":)") + value + "}");

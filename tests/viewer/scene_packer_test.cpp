@@ -9,7 +9,7 @@ namespace {
 std::vector<std::uint8_t> Unpacked(const PackedScene::Bytes& packed, std::size_t most) {
   std::vector<std::uint8_t> bytes(most);
   z_stream stream{};
-  EXPECT_EQ(inflateInit2(&stream, MAX_WBITS + 16), Z_OK);  // gzip alone
+  EXPECT_EQ(inflateInit2(&stream, MAX_WBITS + 16), Z_OK);  // gzip only
   stream.next_in = const_cast<Bytef*>(packed->data());
   stream.avail_in = static_cast<uInt>(packed->size());
   stream.next_out = bytes.data();
@@ -33,7 +33,7 @@ class ScenePackerTest : public testing::Test {
   void Pack(const SceneBytes& scene) {
     packer_.Pack(scene, [this](const PackedScene::Bytes& bytes) { given_.push_back(bytes); });
   }
-  /// Waits for what is being compressed.
+  /// Runs until `count` bundles were compressed.
   void RunUntilGiven(std::size_t count) {
     while (given_.size() < count) io_.run_one();
   }
@@ -48,7 +48,7 @@ class ScenePackerTest : public testing::Test {
 TEST_F(ScenePackerTest, GivesEachBundleItsOwnBytesAlsoWhileAnotherIsBeingPacked) {
   std::vector<SceneBytes> scenes;
   for (const std::size_t size : {0u, 1u, 1'000'000u}) scenes.push_back(Scene(size, 7));
-  scenes.push_back(Scene(1'000'000, 5));  // that a new server serves under the same name, say
+  scenes.push_back(Scene(1'000'000, 5));  // as from a new server, under the same name
   for (const SceneBytes& scene : scenes) Pack(scene);
   RunUntilGiven(scenes.size());
   for (std::size_t i = 0; i < scenes.size(); ++i) {

@@ -4,7 +4,6 @@
 #include <fstream>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/stat.h>
 
 #include "common/error.h"
@@ -85,7 +84,7 @@ TEST_F(TokensTest, KnowNothingElse) {
         std::string("palpate_"), std::string(100'000, 'a')}) {
     EXPECT_FALSE(tokens.Find(text)) << text.substr(0, 100);
   }
-  // What the file holds is no token.
+  // The hash that the file holds is no token.
   const std::string line = Text();
   EXPECT_FALSE(tokens.Find("palpate_" + line.substr(line.rfind(' ') + 1, 64)));
 }
@@ -153,7 +152,7 @@ TEST_F(TokensTest, AreMadeOnceForEachName) {
   EXPECT_THROW(MakeToken(path_, Access::kOperate, "a b"), UsageError);
   EXPECT_THROW(MakeToken(path_, Access::kOperate, "a\noperate"), UsageError);
   EXPECT_EQ(Text(), before);
-  // A line that an editor left without its end stays one line.
+  // A line without a newline, as some editors leave, stays one line.
   Write("watch a " + hash_);
   MakeToken(path_, Access::kWatch, "b");
   EXPECT_EQ(Complaint(), "no complaint");

@@ -1,7 +1,6 @@
 #include "client/viewer/topic_feed.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "common/dds/cdr.h"
@@ -17,7 +16,7 @@ using testing::ElementsAre;
 
 const int kDomain = test::OwnDomain();
 
-/// A server's service side, for as long as it lives.
+/// A server's service side while the object lives.
 struct Server {
   void WriteBundle(const std::string& scene, std::uint64_t run, std::vector<std::uint8_t> bytes,
                    std::uint64_t forged = 0) {
@@ -36,7 +35,7 @@ struct Server {
     sample.phase = phase;
     ASSERT_TRUE(states.Write(sample));
   }
-  /// Of object 1 of scene s.
+  /// A block of object 1 in scene s.
   void WriteBlock(std::uint32_t block, std::uint64_t change) {
     wire::SolidBlock sample{};
     wire::FromText("s", sample.scene);
@@ -67,7 +66,7 @@ struct Server {
   dds::Writer<wire::ReplayState> replays{participant, dds::kReplayStateTopic, dds::Qos::kSession};
 };
 
-/// One that also has a session and a scene of this content.
+/// Another server, with a session and a scene of this content.
 std::unique_ptr<Server> Another(std::uint64_t run, std::uint8_t content) {
   auto server = std::make_unique<Server>();
   server->WriteSession("forged", run, palpate_SESSION_ACTIVE);
@@ -186,7 +185,7 @@ TEST_F(TopicFeedTest, KeepsOfEachBlockOfASolidTheNewestUntilItIsUndone) {
   server_.wholes.Write(whole);
   ASSERT_TRUE(PollUntilKept(TopicFeed::kSolidBlock, 1));
   EXPECT_EQ(kept(0).block, 4u);
-  server_.WriteBlock(9, 5);  // on a slower way
+  server_.WriteBlock(9, 5);  // delayed
   server_.WriteBlock(3, 7);
   ASSERT_TRUE(PollUntilKept(TopicFeed::kSolidBlock, 2));
   EXPECT_EQ(kept(0).change, 7u);
@@ -219,7 +218,7 @@ TEST_F(TopicFeedTest, HearsTheServerThatLivesWhateverAnotherSays) {
   ASSERT_TRUE(PollUntilHas(1, 1));
   for (const std::uint64_t run : {1, 2}) {  // under the server's own run, too
     const auto stranger = Another(run, 7);
-    // Each of its words has been passed over once later ones of the server's own have come.
+    // All its messages have been ignored once later ones of the first server have come.
     const std::string name = "after" + std::to_string(run);
     ASSERT_TRUE(PollUntil([&] {
       stranger->WriteTool("forged");
@@ -289,7 +288,7 @@ TEST_F(TopicFeedTest, KeepsWhatAReplaySaysWhoeverElseSpeaks) {
   ASSERT_TRUE(contents.Write(of));
   server_.WriteReplay(2.5);
   ASSERT_TRUE(PollUntilKept(TopicFeed::kReplayState, 1));
-  // Where it goes elsewhere it speaks as another server; it is the same replay.
+  // After seeking it speaks as another server; it is the same replay.
   server_.WriteBundle("s", 1, {1});
   server_.WriteBundle("s", 2, {2});
   ASSERT_TRUE(PollUntil([&] { return feed_.server_run() == 2; }));

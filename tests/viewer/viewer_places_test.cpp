@@ -9,7 +9,7 @@ constexpr std::int64_t kLater = ViewerPlaces::kIdle_ns + 1;
 
 class ViewerPlacesTest : public testing::Test {
  protected:
-  /// Comes, makes whoever has to go go, and subscribes.  False where it is turned away.
+  /// Comes, makes the viewer that has to leave go, and subscribes.  False: it is turned away.
   bool Come(const std::string& address, std::int64_t now_ns = 0, bool subscribes = true) {
     const ViewerPlaces::Room room = places_.RoomFor(address, now_ns);
     if (room.leaves) {
@@ -21,7 +21,7 @@ class ViewerPlacesTest : public testing::Test {
     if (subscribes) places_.Subscribed(last_);
     return true;
   }
-  /// How many of so many tries succeed.
+  /// How many of `times` tries succeed.
   int ComeOften(const std::string& address, int times) {
     int came = 0;
     for (int i = 0; i < times; ++i) came += Come(address) ? 1 : 0;
@@ -55,7 +55,7 @@ TEST_F(ViewerPlacesTest, AreMadeByThoseWhoCameLastAndHoldNoTool) {
   places_.Holds(10, false);
   EXPECT_TRUE(Come("other"));
   EXPECT_EQ(left_.back(), 10u);
-  for (ViewerPlaces::Id id = 1; id <= 8; ++id) places_.Holds(id, true);  // all that it has
+  for (ViewerPlaces::Id id = 1; id <= 8; ++id) places_.Holds(id, true);  // all that the class has
   EXPECT_TRUE(Come("third"));
   EXPECT_EQ(left_.back(), 8u);
 }

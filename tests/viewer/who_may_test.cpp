@@ -1,5 +1,5 @@
-// Who may, at the real palpate-viewer over real sockets: by which Host, from which address, how
-// often, with which token, over TLS or not.  No server is needed: a stand-in says what one would.
+// Access to the real palpate-viewer over real sockets: by which Host, from which address, how
+// often, with which token, over TLS or not.  Needs no server: a stand-in says what one would.
 #include <array>
 #include <csignal>
 #include <filesystem>
@@ -115,7 +115,7 @@ TEST(Takes, AreLimitedHoweverQuicklyAViewerTakesAndLetsGo) {
     viewer.SendMouse({{"op", "take"}, {"scene", "cube"}, {"tool", fmt::format("t{}", i % 2)}});
     viewer.SendMouse({{"op", "release"}});
   }
-  // Those in between are refused for the mice that are still on their way out.
+  // Those in between are refused for mice that are still leaving.
   std::string said_to_it;
   for (int i = 0; i < 100 && said_to_it.find("taken too often") == std::string::npos; ++i) {
     said_to_it = viewer.NextStatus();
@@ -127,7 +127,7 @@ TEST(Takes, AreLimitedHoweverQuicklyAViewerTakesAndLetsGo) {
 
 // --- tokens ---
 
-/// A key and a certificate for 127.0.0.1 that it has signed itself.
+/// A key and a self-signed certificate for 127.0.0.1.
 class TestCertificate {
  public:
   TestCertificate() {
@@ -163,7 +163,7 @@ class Guarded : public testing::Test {
     return WebClient(port, std::string(kV1) + ", palpate.token." + token, origin);
   }
 
-  /// What the gateway is told to speak TLS, and to want tokens.
+  /// Options with which the gateway speaks TLS and wants tokens.
   std::vector<std::string> Tls() const {
     return {"--tls-cert", certificate_.file(), "--tls-key", certificate_.key(), "--tokens", path_};
   }
@@ -190,7 +190,7 @@ TEST_F(Guarded, GivesScenesHealthAndSocketsToTokensAloneAndThePagesFilesToAll) {
          {"/healthz", "/scene/cube.bundle", "/scene/", "/%68ealthz", "/healthz?token=x",
           "/scene/%63ube.bundle", "/metrics", "/%6detrics"}) {
       const HttpAnswer answer = Get(gateway.port(), target, headers);
-      // What is no header at all is no request.
+      // A malformed header makes it no request.
       EXPECT_THAT(answer.status, testing::AnyOf(401, 400)) << target;
       EXPECT_THAT(answer.body, Not(HasSubstr("viewers")));
       if (answer.status == 401) {
@@ -332,7 +332,7 @@ TEST_F(Guarded, HoldAsTheFileHasThemWhenItIsReadAnew) {
   const std::string later = Make("watch", "later");
   EXPECT_EQ(Get(gateway.port(), "/healthz", Bearing(later)).status, 401) << "not yet read";
 
-  // The class's token is taken back, the hand's has another role, the teacher's stays.
+  // The class's token is taken back, the hand's gets another role, the teacher's stays.
   std::string text;
   {
     std::ifstream file(path_);
@@ -377,7 +377,7 @@ TEST_F(Guarded, HoldAsBeforeWhereTheFileIsBrokenWhenItIsReadAnew) {
 
 TEST_F(Guarded, DropsWhoseTokenIsTakenBackThoughItReadsNothing) {
   Gateway gateway({"--tokens", path_});
-  // Never runs, and so answers no closing.
+  // It never runs, so it answers no closing handshake.
   WebClient stalled = Viewer(gateway.port(), watch_);
   ASSERT_TRUE(stalled.open());
   std::ofstream(path_) << "";
@@ -400,13 +400,13 @@ tcp::endpoint At(int port) {
   return {net::ip::make_address("127.0.0.1"), static_cast<unsigned short>(port)};
 }
 
-/// A port in the clear for what speaks TLS at another; its certificate is taken for what it is.
+/// A plain port that leads to a TLS port, whose certificate it does not check.
 class Tunnel {
  public:
   explicit Tunnel(int port, int most_tls = 0) : to_(At(port)) {
     if (most_tls != 0) {
       SSL_CTX_set_security_level(context_.native_handle(),
-                                 0);  // so that it is the gateway's to refuse
+                                 0);  // the gateway is to refuse
       SSL_CTX_set_min_proto_version(context_.native_handle(), 0);
       SSL_CTX_set_max_proto_version(context_.native_handle(), most_tls);
     }
@@ -455,7 +455,6 @@ class Tunnel {
   std::thread thread_;
 };
 
-/// A request over TLS.
 HttpAnswer GetSecure(int port, const std::string& target, const Headers& headers = {},
                      int most_tls = 0) {
   return Get(Tunnel(port, most_tls).port(), target, headers);
@@ -507,7 +506,7 @@ TEST_F(Guarded, OutlivesAnyBytesAtItsTlsPortAndThoseWhoNeverShakeHands) {
     tcp::socket& socket = silent.emplace_back(io);
     boost::system::error_code error;
     socket.connect(At(gateway.port()), error);
-    // As a handshake begins, and goes on as it likes.
+    // Begins like a handshake, and goes on with random bytes.
     std::string bytes = i % 2 == 0 ? std::string("\x16\x03\x01\x01\x00\x01", 6) : "";
     for (std::size_t k = random.Below(i % 3 == 0 ? 1 : 300); k > 0; --k) {
       bytes += static_cast<char>(random.Below(256));
@@ -527,7 +526,7 @@ TEST_F(Guarded, GivesAWebSocketOverTlsWhatItGivesInTheClear) {
   EXPECT_EQ(viewer.NextJson("serverInfo")["metadata"]["role"], "operate");
   viewer.Subscribe(7, TopicFeed::kSceneBundle);
   EXPECT_TRUE(viewer.Next(7));
-  // A farewell, in order.
+  // An orderly farewell.
   gateway.program().Signal(SIGTERM);
   EXPECT_EQ(viewer.closed(), 1001);
   EXPECT_EQ(gateway.program().Exit(), 0);
@@ -551,7 +550,8 @@ TEST(Tls, NamesTheFileThatItCannotUse) {
 
 // --- palpate-identities certificate ---
 
-/// What a browser that knows this authority says of the gateway under a name; empty: it trusts it.
+/// The error of a browser that trusts this authority and opens the gateway under `name`; empty:
+/// none.
 std::string Distrust(int port, const std::string& authority, const std::string& name) {
   net::io_context io;
   net::ssl::context context(net::ssl::context::tls_client);
@@ -565,7 +565,7 @@ std::string Distrust(int port, const std::string& authority, const std::string& 
   return error ? error.message() : "";
 }
 
-/// Has the script make a certificate in the folder; what it says.
+/// Runs the script that makes a certificate in the folder; returns its output.
 std::string Certify(const std::string& folder, std::vector<std::string> names, int exit = 0) {
   names.insert(names.begin(), {"certificate", folder});
   Program script(PALPATE_SOURCE_DIR "/deploy/security/identities", std::move(names));
@@ -599,14 +599,14 @@ TEST(PageCertificate, IsRefusedForNamesThatItsAuthorityDoesNotVouchForOrNobodyCa
   const Folder kept;
   const std::string& folder = kept.path();
   Certify(folder, {"page.lab.example"});
-  // Names of a kind of which there was none are refused, too.
+  // Names of a kind that the authority has none of are refused, too.
   EXPECT_THAT(Certify(folder, {"other.example"}, 1), HasSubstr("cannot certify other.example"));
   EXPECT_THAT(Certify(folder, {"10.0.0.5"}, 1), HasSubstr("cannot certify 10.0.0.5"));
   EXPECT_THAT(Certify(folder, {"Page.example"}, 2), HasSubstr("small letters"));
   EXPECT_THAT(Certify(folder, {"10.0.0.256"}, 2), HasSubstr("10.0.0.256"));
   EXPECT_THAT(Certify(folder, {}, 2), HasSubstr("NAME"));
   EXPECT_TRUE(std::filesystem::exists(folder + "/page/cert.pem"));
-  // A secured domain may have its authority there afterwards.
+  // A secured domain may put its authority there afterwards.
   Program script(PALPATE_SOURCE_DIR "/deploy/security/identities", {"new", folder});
   EXPECT_EQ(script.Exit(60.0), 0) << script.Output();
 }

@@ -30,7 +30,7 @@ TEST(WishLimits, HoldAViewerThatTakesOnAndOnToAFewAMinuteAndTellItOnce) {
   }
   EXPECT_EQ(taken, kOwn.at_once + kMinute_ns / kOwn.period_ns - 1);
   EXPECT_EQ(told, 1);
-  // After a rest it is news again.
+  // After a rest it is told again.
   std::int64_t now = 2 * kMinute_ns;
   while (limits.Ask(Wish::kTake, 1, "a", now).granted) {
   }
@@ -65,11 +65,11 @@ TEST(WishLimits, OfOneKindTakeNothingFromAnother) {
 TEST(WishLimits, AllowWhatThePageAndATeacherDo) {
   WishLimits limits;
   for (int i = 0; i < 60; ++i) EXPECT_TRUE(limits.Ask(Wish::kOperate, 1, "a", 0).granted) << i;
-  // A bar that is dragged for a minute, five wishes a second.
+  // Dragging a bar for a minute makes five wishes a second.
   for (std::int64_t now = 0; now < kMinute_ns; now += 200'000'000) {
     EXPECT_TRUE(limits.Ask(Wish::kReplay, 1, "a", now).granted);
   }
-  // A class behind one router comes back at once.
+  // A class behind one router reconnects at once.
   for (std::uint64_t viewer = 1; viewer <= 300; ++viewer) {
     for (int channel = 0; channel < 11; ++channel) {
       ASSERT_TRUE(limits.Ask(Wish::kSubscribe, viewer, "a", kMinute_ns).granted) << viewer;

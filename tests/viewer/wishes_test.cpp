@@ -1,5 +1,5 @@
-// Clients that mean ill, at the real palpate-viewer over real sockets: whatever they send, what the
-// gateway keeps and does for them is bounded, and others are served.
+// Malicious clients at the real palpate-viewer over real sockets: whatever they send, what the
+// gateway stores and does for them is bounded, and others are served.
 #include <chrono>
 #include <thread>
 #include <utility>
@@ -28,12 +28,13 @@ double SecondsSince(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-/// As many as a limit lets pass in such a time.
+/// How many a limit lets pass in that time.
 double Passed(const ViewerLimits::Rate& rate, double seconds) {
   return rate.at_once + seconds * 1e9 / static_cast<double>(rate.period_ns) + 1.0;
 }
 
-/// Texts of the statuses that come before the client has been quiet for a while.
+/// Those of the client's next `most` statuses that contain `part`; stops at "the last one" and once
+/// the client hears nothing.
 std::vector<std::string> Statuses(WebClient& client, const std::string& part, int most) {
   std::vector<std::string> found;
   for (int i = 0; i < most; ++i) {
@@ -64,7 +65,7 @@ TEST(Wishes, AboutStationsAreAFewASecondOfAViewerAndOfItsAddressAndRefusedOnceIn
   EXPECT_TRUE(gateway.Logs("refused (wishes) the page at 127.0.0.1:"));
   EXPECT_GE(gateway.Health()["refusals"], kWished - allowed) << "each is counted";
   EXPECT_TRUE(teacher.open());
-  // As another viewer each time.
+  // Now as another viewer each time.
   for (int i = 0; i < 10; ++i) {
     WebClient again(gateway.port());
     for (int k = 0; k < ViewerLimits::kOperate.of_viewer.at_once; ++k) {
@@ -114,23 +115,21 @@ TEST(Wishes, ToSubscribeAreBoundedAndStateIsSentNoMoreOften) {
 TEST(Complaints, AreToldAFewASecondWithHowManyWereLeftOut) {
   Gateway gateway;
   WebClient viewer(gateway.port());
-  // In one message more than may wait for a viewer that reads nothing.
+  // One message brings more complaints than may wait for a viewer that does not read.
   Json list = Json::array();
   for (std::size_t i = 0; i < ViewerLimits::kMostItems; ++i) {
     list.push_back({{"id", i}, {"channelId", 1000 + i}});
   }
   viewer.SendText(Json{{"op", "subscribe"}, {"subscriptions", list}}.dump());
   const int told = ViewerLimits::kComplaints.at_once;
-  for (int i = 0; i < told; ++i) {
-    EXPECT_THAT(viewer.NextStatus(), HasSubstr("no such channel"));
-  }
+  for (int i = 0; i < told; ++i) EXPECT_THAT(viewer.NextStatus(), HasSubstr("no such channel"));
   std::this_thread::sleep_for(std::chrono::nanoseconds(ViewerLimits::kComplaints.period_ns));
   viewer.SendText(R"({"op": "dance"})");
   EXPECT_THAT(viewer.NextStatus(), HasSubstr("more were left out"));
   EXPECT_TRUE(viewer.open());
 }
 
-/// A WebSocket of which a test sends each byte, and reads nothing.
+/// A WebSocket that sends exact bytes and reads nothing.
 class RawViewer {
  public:
   explicit RawViewer(int port) {
@@ -145,7 +144,7 @@ class RawViewer {
     EXPECT_THAT(answer, StartsWith("HTTP/1.1 101"));
     socket_.non_blocking(true);
   }
-  /// Sends the frame again and again.  Returns the bytes that were taken.
+  /// Sends the frame again and again; returns the number of bytes taken.
   std::size_t Flood(const std::string& frame, double seconds, std::size_t most) {
     std::string block;
     while (block.size() < 64 * 1024) block += frame;
@@ -158,7 +157,7 @@ class RawViewer {
       if (error == net::error::would_block) {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
       } else if (error) {
-        break;  // it has been let go of
+        break;  // the gateway has closed it
       }
     }
     return taken;
@@ -173,7 +172,7 @@ class RawViewer {
   tcp::socket socket_{io_};
 };
 
-/// With a mask of zeros, so that it reads as it is.
+/// Masked with zeros, so that the bytes are as given.
 std::string Frame(int first, const std::string& payload) {
   return std::string{
              static_cast<char>(first), static_cast<char>(0x80 | payload.size()), 0, 0, 0, 0} +
@@ -191,8 +190,8 @@ TEST(Flood, IsLeftInTheNetworkWhateverItConsistsOf) {
   Gateway gateway;
   ASSERT_TRUE(gateway.KnowsScenes(1));
   [[maybe_unused]] const double before = ResidentMegabytes(gateway);
-  // More than the kernel's buffers and what may be read in these seconds; far less than what would
-  // be read of it.
+  // More than the kernel buffers and the gateway may read in these seconds, far less than it could
+  // read.
   constexpr std::size_t kMost = std::size_t{48} << 20;
   constexpr double kSeconds = 3.0;
   const std::string pose = R"({"op":"unsubscribe","subscriptionIds":[1]})";
@@ -208,14 +207,14 @@ TEST(Flood, IsLeftInTheNetworkWhateverItConsistsOf) {
     RawViewer viewer(gateway.port());
     if (frame[0] == 0x00) viewer.Send(Frame(0x01, "{"));
     EXPECT_LT(viewer.Flood(frame, kSeconds, kMost), kMost) << what;
-    // While it is there, with all that it has sent, and alone: those before it have gone by now.
+    // Only this flood is there, with all that it has sent: those before it are gone.
     EXPECT_TRUE(gateway.HasViewers(1)) << what;
     WebClient other(gateway.port());
     other.Subscribe(3, TopicFeed::kSceneBundle);
     EXPECT_TRUE(other.Next(3)) << "the scene did not come, beside " << what;
   }
   EXPECT_TRUE(gateway.Logs("refused (flood)"));
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // which keep what was freed
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they keep freed memory
   EXPECT_LT(ResidentMegabytes(gateway) - before, 64.0);
 #endif
 }

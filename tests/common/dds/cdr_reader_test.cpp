@@ -18,37 +18,36 @@ bool Takes(CdrReader<T>& reader, CdrSample& raw, T& sample) {
   return test::Eventually([&] { return reader.Take(raw, sample); });
 }
 
-TEST(CdrReader, GivesTheBytesAsTheyTravelledAndTheStructThatTheyMean) {
+/// A topic of tool states with a writer, and what its readers take.
+class CdrReaderTest : public testing::Test {
+ protected:
+  CdrReader<wire::ToolState> Reader() const { return {participant, topic, Qos::kSession}; }
+
   const Participant participant = Participant::Service(kDomain);
-  const std::string topic = OwnTopic("tool_state");
-  Writer<wire::ToolState> writer(participant, topic, Qos::kSession);
-  wire::ToolState state{};
+  const std::string topic = OwnTopic(testing::UnitTest::GetInstance()->current_test_info()->name());
+  Writer<wire::ToolState> writer{participant, topic, Qos::kSession};
+  wire::ToolState state{}, taken{};
+  CdrSample raw;
+};
+
+TEST_F(CdrReaderTest, GivesTheBytesAsTheyTravelledAndTheStructThatTheyMean) {
   wire::FromText("abc", state.station);
   state.pose_sequence = 0x1122334455667788;
   ASSERT_TRUE(writer.Write(state));
-  CdrReader<wire::ToolState> reader(participant, topic, Qos::kSession);
-  CdrSample raw;
-  wire::ToolState taken{};
+  CdrReader<wire::ToolState> reader = Reader();
   ASSERT_TRUE(Takes(reader, raw, taken));
   EXPECT_STREQ(taken.station, "abc");
   EXPECT_EQ(taken.pose_sequence, state.pose_sequence);
   EXPECT_GT(raw.source_time_ns, 0);
-  // Little-endian CDR; a string has its length with the zero, then its characters.
+  // Little-endian CDR: a string is its length, with the zero, then its characters.
   const std::uint8_t begin[] = {0, 1, 0, 0, 4, 0, 0, 0, 'a', 'b', 'c', 0};
   ASSERT_GT(raw.cdr.size(), sizeof begin);
   EXPECT_EQ(std::memcmp(raw.cdr.data(), begin, sizeof begin), 0);
   EXPECT_FALSE(reader.Take(raw, taken));
 }
 
-TEST(CdrReader, TellsThatAnInstanceIsOverToWhoWantsToKnow) {
-  const Participant participant = Participant::Service(kDomain);
-  const std::string topic = OwnTopic("over");
-  Writer<wire::ToolState> writer(participant, topic, Qos::kSession);
-  CdrReader<wire::ToolState> told(participant, topic, Qos::kSession);
-  CdrReader<wire::ToolState> untold(participant, topic, Qos::kSession);
-  wire::ToolState state{};
-  CdrSample raw;
-  wire::ToolState taken{};
+TEST_F(CdrReaderTest, TellsThatAnInstanceIsOverToWhoWantsToKnow) {
+  CdrReader<wire::ToolState> told = Reader(), untold = Reader();
   for (const char* station : {"a", "b"}) {
     wire::FromText(station, state.station);
     ASSERT_TRUE(writer.Write(state));
@@ -62,28 +61,22 @@ TEST(CdrReader, TellsThatAnInstanceIsOverToWhoWantsToKnow) {
   EXPECT_STREQ(taken.station, "a");
   EXPECT_TRUE(raw.cdr.empty());
   while (untold.Take(raw, taken)) EXPECT_FALSE(raw.over);
-  // Who comes later hears of b alone.
-  CdrReader<wire::ToolState> late(participant, topic, Qos::kSession);
+  // A late reader hears only of b.
+  CdrReader<wire::ToolState> late = Reader();
   ASSERT_TRUE(Takes(late, raw, taken));
   EXPECT_STREQ(taken.station, "b");
   EXPECT_FALSE(late.Take(raw, taken, true));
 }
 
-TEST(CdrReader, TellsParticipantsApartAndWhetherTheyAreThere) {
-  const std::string topic = OwnTopic("origin");
-  const Participant here = Participant::Service(kDomain);
-  CdrReader<wire::ToolState> reader(here, topic, Qos::kSession);
-  CdrSample raw;
-  wire::ToolState state{}, taken{};
+TEST_F(CdrReaderTest, TellsParticipantsApartAndWhetherTheyAreThere) {
+  CdrReader<wire::ToolState> reader = Reader();
   std::vector<std::uint64_t> origins;
-  Participant lasting = Participant::Service(kDomain);
-  Writer<wire::ToolState> lasting_writer(lasting, topic, Qos::kSession);
   {
     Participant passing = Participant::Service(kDomain);
     Writer<wire::ToolState> first(passing, topic, Qos::kSession);
     Writer<wire::ToolState> second(passing, topic, Qos::kSession);
-    for (Writer<wire::ToolState>* writer : {&first, &second, &lasting_writer}) {
-      ASSERT_TRUE(writer->Write(state));
+    for (Writer<wire::ToolState>* each : {&first, &second, &writer}) {
+      ASSERT_TRUE(each->Write(state));
       ASSERT_TRUE(Takes(reader, raw, taken));
       origins.push_back(raw.origin);
     }
@@ -123,7 +116,7 @@ TEST(CdrReader, GetsABundleOfTensOfMegabytesThatWasWrittenBeforeItCame) {
   constexpr std::size_t kBytes = 32'000'003;
   Peer peer("bundle", kDomain, topic, kBytes, "at-once");
   const Participant participant = Participant::Service(kDomain);
-  for (int late = 0; late < 2; ++late) {  // the second comes once all is written and sent
+  for (int late = 0; late < 2; ++late) {  // the second reader comes once all is written and sent
     CdrReader<wire::SceneBundle> reader(participant, topic, Qos::kSession);
     CdrSample raw;
     wire::SceneBundle sample{};

@@ -62,6 +62,6 @@ int main(int argc, char** argv) {
       std::this_thread::sleep_for(milliseconds(1));
     }
   }
-  std::this_thread::sleep_for(milliseconds(100));  // a reader may still be taking
+  std::this_thread::sleep_for(milliseconds(100));  // a reader may still take
   return 0;
 }

@@ -8,7 +8,6 @@
 
 #include <dds/ddsi/ddsi_serdata.h>
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <unistd.h>
 
 #include "common/dds/topics.h"
@@ -30,7 +29,7 @@ struct Taken {
   int through_shared_memory = 0;
 };
 
-/// Takes what there is as DDS received it, where a sample still tells the way that it came.
+/// Takes what there is as DDS received it: only then does a sample tell how it came.
 void TakeRaw(const Reader<wire::HapticPose>& reader, Taken& taken) {
   ddsi_serdata* data[1] = {nullptr};
   dds_sample_info_t info;
@@ -47,8 +46,8 @@ void TakeRaw(const Reader<wire::HapticPose>& reader, Taken& taken) {
 
 constexpr std::size_t kSamples = 300;  // more than the 257 chunks that a reader can lose
 
-/// Lets the peer write so many samples, and takes each before the next is written: none can be
-/// overwritten, so none may be missing.
+/// Lets the peer write kSamples, taking each before the next is written: none can be overwritten,
+/// so none may be missing.
 Taken TakeInStep(const Reader<wire::HapticPose>& reader, Peer& peer) {
   Taken taken;
   for (std::size_t i = 1; i <= kSamples; ++i) {
@@ -64,7 +63,7 @@ Taken TakeInStep(const Reader<wire::HapticPose>& reader, Peer& peer) {
   return taken;
 }
 
-/// Each sample as the peer made it, each at most once and in order.
+/// Each sample is as the peer made it; none comes twice or out of order.
 void ExpectWhole(const std::vector<wire::HapticPose>& poses) {
   std::uint64_t last = 0;
   for (const wire::HapticPose& pose : poses) {
@@ -89,10 +88,14 @@ TEST(LoopTopicOverUdp, BringsWholeSamplesAndNoneThroughSharedMemory) {
   EXPECT_EQ(taken.through_shared_memory, 0);
 }
 
-TEST(RouDiLoopTopic, BringsEverySampleThroughSharedMemory) {
+class RouDiLoopTopic : public testing::Test {
+ protected:
   RouDi roudi;
   const Participant participant = Participant::Loop(kDomain, kShm);
-  const std::string topic = OwnTopic("shm");
+  const std::string topic = OwnTopic(testing::UnitTest::GetInstance()->current_test_info()->name());
+};
+
+TEST_F(RouDiLoopTopic, BringsEverySampleThroughSharedMemory) {
   const Reader<wire::HapticPose> reader(participant, topic, Qos::kLoop);
   EXPECT_TRUE(reader.uses_shared_memory());
   Peer peer("shm", kDomain, topic, kSamples, "matched-in-step");
@@ -101,10 +104,7 @@ TEST(RouDiLoopTopic, BringsEverySampleThroughSharedMemory) {
   EXPECT_EQ(taken.through_shared_memory, static_cast<int>(taken.poses.size()));
 }
 
-TEST(RouDiLoopTopic, HandsEachSampleToTheCallbackOnce) {
-  RouDi roudi;
-  const Participant participant = Participant::Loop(kDomain, kShm);
-  const std::string topic = OwnTopic("callback");
+TEST_F(RouDiLoopTopic, HandsEachSampleToTheCallbackOnce) {
   std::vector<wire::HapticPose> poses;
   std::atomic<std::size_t> handed{0};
   Reader<wire::HapticPose> reader(participant, topic, Qos::kLoop,
@@ -123,10 +123,7 @@ TEST(RouDiLoopTopic, HandsEachSampleToTheCallbackOnce) {
   ExpectWhole(poses);
 }
 
-TEST(RouDiLoopTopic, IsNotReachedNorWornOutByAnotherDomainsWriter) {
-  RouDi roudi;
-  const Participant participant = Participant::Loop(kDomain, kShm);
-  const std::string topic = OwnTopic("foreign");
+TEST_F(RouDiLoopTopic, IsNotReachedNorWornOutByAnotherDomainsWriter) {
   const Reader<wire::HapticPose> reader(participant, topic, Qos::kLoop);
   Peer foreign("shm", kForeignDomain, topic, 2 * kSamples, "in-step");
   for (std::size_t i = 0; i < 2 * kSamples; ++i) ASSERT_TRUE(foreign.Next());
@@ -134,24 +131,21 @@ TEST(RouDiLoopTopic, IsNotReachedNorWornOutByAnotherDomainsWriter) {
   TakeRaw(reader, taken);
   EXPECT_EQ(taken.poses.size(), 0u);
 
-  // The chunks of the foreign one, leaked, would have killed the reader for ever.
+  // The foreign writer's chunks, leaked, would have disabled the reader for good.
   Peer own("shm", kDomain, topic, kSamples, "matched-in-step");
   ExpectWhole(TakeInStep(reader, own).poses);
   TakeRaw(reader, taken);
   EXPECT_EQ(taken.poses.size(), 0u) << "nor later";
 }
 
-TEST(RouDiLoopTopic, SurvivesAWriterThatBeginsBeforeItIsDiscovered) {
-  RouDi roudi;
-  const Participant participant = Participant::Loop(kDomain, kShm);
-  const std::string topic = OwnTopic("early");
+TEST_F(RouDiLoopTopic, SurvivesAWriterThatBeginsBeforeItIsDiscovered) {
   Peer peer("shm", kDomain, topic, 1'000'000, "in-step");
   ASSERT_TRUE(peer.Next());
   ASSERT_TRUE(test::Eventually([&] { return WriterDiscovered(participant, topic); }));
   // More than 256 samples go by before the reader is made, and the rest must reach it.
   for (std::size_t i = 0; i < kSamples; ++i) ASSERT_TRUE(peer.Next());
   const Reader<wire::HapticPose> reader(participant, topic, Qos::kLoop);
-  // From the first that comes on: until then the writer does not know the reader.
+  // The writer does not know the reader until the first sample comes.
   Taken first;
   std::uint64_t written = 1 + kSamples;
   ASSERT_TRUE(test::Eventually([&] {
@@ -169,19 +163,15 @@ TEST(RouDiLoopTopic, SurvivesAWriterThatBeginsBeforeItIsDiscovered) {
   EXPECT_EQ(taken.through_shared_memory, static_cast<int>(taken.poses.size()));
 }
 
-TEST(RouDiLoopTopic, GoesOverUdpWhereRouDiHasGoneSinceTheDomainWasMade) {
-  RouDi roudi;
-  const Participant participant = Participant::Loop(kDomain, kShm);
+TEST_F(RouDiLoopTopic, GoesOverUdpWhereRouDiHasGoneSinceTheDomainWasMade) {
   EXPECT_FALSE(participant.shared_memory_lost());
   roudi.Kill();
   EXPECT_TRUE(participant.shared_memory_lost());
-  // Over shared memory, making it would abort this process.
-  const std::string topic = OwnTopic("orphan");
+  // Over shared memory, making the reader would abort this process.
   const Reader<wire::HapticPose> reader(participant, topic, Qos::kLoop);
   EXPECT_FALSE(reader.uses_shared_memory());
   Peer peer("udp", kDomain, topic, kSamples, "matched-in-step");
-  const Taken taken = TakeInStep(reader, peer);
-  ExpectWhole(taken.poses);
+  ExpectWhole(TakeInStep(reader, peer).poses);
 }
 
 TEST(WriterDiscovered, ForgetsAWriterThatIsGone) {
@@ -222,7 +212,7 @@ TEST(SessionTopic, TellsALateComerWhatHoldsNow) {
   EXPECT_TRUE(test::Eventually([&] {
     wire::SessionState state;
     while (reader.Take(state)) {
-      EXPECT_EQ(state.phase, palpate_SESSION_ACTIVE);  // the latest alone
+      EXPECT_EQ(state.phase, palpate_SESSION_ACTIVE);  // only the latest
       heard.push_back(state.station);
     }
     return heard.size() == 2;
@@ -244,7 +234,7 @@ TEST(Reader, WaitsForItsCallbackWhenDestroyed) {
                                             ended = true;
                                           });
     ASSERT_TRUE(test::Eventually([&] { return writer.matched_readers() == 1; }));
-    // In another thread, because a writer delivers to readers of its own process itself.
+    // In another thread, because a writer itself delivers to the readers of its process.
     std::thread write([&] { writer.Write(wire::HapticPose{}); });
     ASSERT_TRUE(test::Eventually([&] { return begun.load(); }));
     write.detach();
@@ -255,7 +245,7 @@ TEST(Reader, WaitsForItsCallbackWhenDestroyed) {
 
 template <class T>
 void ExpectCdrIsTheStruct(T sample) {
-  // Every byte different from its neighbours, so that a swap or a gap shows.  Any bits will do.
+  // Every byte differs from its neighbours, so that a swap or a gap shows.  Any bits will do.
   auto* bytes = reinterpret_cast<unsigned char*>(&sample);
   for (std::size_t i = 0; i < sizeof sample; ++i) bytes[i] = static_cast<unsigned char>(i * 37 + 1);
   const Participant participant = Participant::Loop(kDomain, kUdp);
@@ -276,11 +266,8 @@ void ExpectCdrIsTheStruct(T sample) {
   EXPECT_EQ(std::memcmp(cdr.data() + 4, &sample, sizeof sample), 0);
 }
 
-TEST(Wire, HapticPoseInCdrIsItsCStruct) {
+TEST(Wire, LoopSamplesInCdrAreTheirCStructs) {
   ExpectCdrIsTheStruct(wire::HapticPose{});
-}
-
-TEST(Wire, WrenchInCdrIsItsCStruct) {
   ExpectCdrIsTheStruct(wire::Wrench{});
 }
 

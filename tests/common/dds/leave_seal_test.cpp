@@ -9,7 +9,7 @@ namespace palpate::dds {
 namespace {
 
 TEST(LeaveSeal, IsTheHashThatStandardsName) {
-  // FIPS 180-4's SHA-256 of 32 bytes of zero.
+  // SHA-256 (FIPS 180-4) of 32 zero bytes.
   const std::uint8_t zeros[32] = {};
   const LeaveKey seal = SealOf(zeros);
   EXPECT_EQ(seal[0], 0x66);
@@ -17,7 +17,7 @@ TEST(LeaveSeal, IsTheHashThatStandardsName) {
   EXPECT_EQ(seal[31], 0x25);
 }
 
-TEST(LeaveSeal, IsOpenedByItsKeyAlone) {
+TEST(LeaveSeal, IsOpenedByItsKeyAloneAndThatOfZerosByAll) {
   const LeaveKey key = NewLeaveKey();
   std::uint8_t bytes[32];
   std::ranges::copy(key, bytes);
@@ -28,11 +28,8 @@ TEST(LeaveSeal, IsOpenedByItsKeyAlone) {
     EXPECT_FALSE(Opens(bytes, seal)) << i;
     bytes[i / 8] ^= static_cast<std::uint8_t>(1 << i % 8);
   }
-  std::ranges::copy(seal, bytes);  // what everybody can read
+  std::ranges::copy(seal, bytes);  // which everybody can read
   EXPECT_FALSE(Opens(bytes, seal));
-}
-
-TEST(LeaveSeal, OfZerosIsOpenToAll) {
   const std::uint8_t none[32] = {};
   EXPECT_TRUE(Opens(none, LeaveKey{}));
 }

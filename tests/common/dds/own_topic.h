@@ -12,7 +12,7 @@ namespace palpate::dds {
 inline const int kDomain = test::OwnDomain();
 inline const TransportChoice kUdp{Transport::kUdp, ""};
 
-/// A topic that no test of another process uses.
+/// A topic that no other process's test uses.
 inline std::string OwnTopic(const std::string& name) {
   return "test/" + std::to_string(getpid()) + "/" + name;
 }

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -28,14 +27,11 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(ParseTransport, KnowsThreeNames) {
+TEST(TransportName, HasThreeNamesAndIsUdpWhereThatIsAskedFor) {
   EXPECT_EQ(ParseTransport("auto"), Transport::kAuto);
   EXPECT_EQ(ParseTransport("shm"), Transport::kSharedMemory);
   EXPECT_EQ(ParseTransport("udp"), Transport::kUdp);
   EXPECT_THROW(ParseTransport("tcp"), UsageError);
-}
-
-TEST(ChooseTransport, TakesUdpWhereItIsAskedFor) {
   EXPECT_EQ(ChooseTransport(Transport::kUdp).transport, Transport::kUdp);
 }
 
@@ -54,7 +50,7 @@ TEST(RouDiChoice, TakesSharedMemoryWhereRouDiAnswersAndNotWhereItsSocketIsStale)
                              HasSubstr("deploy/cyclonedds/roudi.toml' (same user")));
 }
 
-/// Something that listens where RouDi does, while the object lives.
+/// Listens where RouDi does while the object lives.
 class ForeignSocket {
  public:
   ForeignSocket() : socket_(socket(AF_UNIX, SOCK_DGRAM, 0)) {
@@ -75,7 +71,7 @@ class ForeignSocket {
 };
 
 TEST(RouDiChoice, TakesUdpWhereWhatListensIsNoRouDiOfThisUser) {
-  RouDi roudi;  // for its lock: no other test's RouDi is to find the socket taken
+  RouDi roudi;  // for its lock, so that no other test's RouDi meets the foreign socket
   roudi.Kill();
   const ForeignSocket foreign;
   TransportChoice choice = ChooseTransport(Transport::kAuto);
@@ -89,14 +85,14 @@ TEST(RouDiChoice, TakesUdpWhereWhatListensIsNoRouDiOfThisUser) {
   EXPECT_THAT(choice.reason, HasSubstr("another user's (uid 1)"));
 }
 
-/// A UDP port that is this process's while the object lives.
+/// Holds a UDP port while the object lives.
 class TakenPort {
  public:
   explicit TakenPort(int port) : socket_(socket(AF_INET, SOCK_DGRAM, 0)) {
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_port = htons(static_cast<std::uint16_t>(port));
-    // A port that is another program's already is taken just as well.
+    // A port that another program holds is taken just as well.
     EXPECT_TRUE(bind(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0 ||
                 errno == EADDRINUSE)
         << errno;
@@ -110,7 +106,7 @@ class TakenPort {
   int socket_;
 };
 
-/// What is said where a participant of the service domain cannot be made.
+/// The error when a participant of the service domain cannot be made.
 std::string Complaint(int domain, const Network& network = {}) {
   return test::ComplaintOf([&] { Participant::Service(domain, network); });
 }
@@ -131,13 +127,13 @@ TEST(Participant, SaysThatADomainsPortsAreTaken) {
 }
 
 TEST(Participant, SaysThatAnInterfaceIsNotThere) {
-  const Participant other = Participant::Service(kDomain);  // whose ports are not the reason
+  const Participant other = Participant::Service(kDomain);  // so ports are not the reason
   EXPECT_THAT(Complaint(test::OwnDomain(), {.interface = "nowhere0", .peers = {}}),
               HasSubstr("no interface 'nowhere0'"));
 }
 
 TEST(Participant, ComesUpWhereAConnectionSitsOnTheStandardsPortsOfItsDomain) {
-  // By RTPS they are 7400 + 250 d, which for this one the kernel gives to any connection.
+  // By RTPS the ports are 7400 + 250 d, which for this domain are in the kernel's ephemeral range.
   constexpr int kFarDomain = 60;
   std::vector<TakenPort> taken;
   for (const int id : {LoopDomainId(kFarDomain), ServiceDomainId(kFarDomain)}) {

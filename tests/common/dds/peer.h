@@ -43,20 +43,20 @@ class Peer {
   Peer(const Peer&) = delete;
   Peer& operator=(const Peer&) = delete;
 
-  /// Of one that writes in step: lets it write its next sample; true once that is written, false
-  /// where it has ended.
+  /// For a peer that writes in step: lets it write its next sample.  True once that is written,
+  /// false if the peer has ended.
   bool Next() {
     const char go = '.';
     char done = 0;
     return write(in_, &go, 1) == 1 && read(out_, &done, 1) == 1 && done == '.';
   }
-  /// Of one that writes in step: it writes no more, and ends.
+  /// For a peer that writes in step: ends it.
   void End() {
     if (in_ >= 0) close(in_);
     in_ = -1;
   }
 
-  /// Ends one that would stay.
+  /// Ends a peer that would stay.
   void Kill() {
     if (pid_ > 0) kill(pid_, SIGKILL);
     if (pid_ > 0) Wait();

@@ -6,7 +6,6 @@
 #include <string>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <unistd.h>
 
 #include "common/dds/participant.h"
@@ -24,13 +23,13 @@ using testing::Not;
 constexpr PortRange kUsual{32768, 60999};
 
 TEST(Ports, OfEveryDomainAreItsOwnAndBelowThoseThatTheKernelGivesToAnyone) {
-  EXPECT_GE(PortsOf(LoopDomainId(0)).first, 1024);  // below, only root may
+  EXPECT_GE(PortsOf(LoopDomainId(0)).first, 1024);  // lower ports are for root alone
   for (int id = 0; id <= ServiceDomainId(kMaxDomain); ++id) {
     EXPECT_FALSE(PortsOf(id).Meets(kUsual)) << id;
     EXPECT_LT(PortsOf(id).last, 65536);
     EXPECT_EQ(PortsOf(id + 1).first, PortsOf(id).last + 1);
   }
-  // Data of the last process: 11 + 2 i by RTPS 2.3, 9.6.1.1.
+  // The last process's data port is 11 + 2 i (RTPS 2.3, 9.6.1.1).
   EXPECT_LT(11 + 2 * kMaxParticipantIndex, kPortsPerDomain - 2);
   EXPECT_GE(kMaxParticipantIndex, 32 + 8) << "stations that a server admits, and who looks on";
 }

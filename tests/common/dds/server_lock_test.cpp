@@ -5,7 +5,6 @@
 #include <string>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
@@ -49,7 +48,7 @@ TEST(ServerLock, IsFreeOnceItsHolderIsGone) {
   EXPECT_NO_THROW(ServerLock{kDomain});
 }
 
-/// Another user, who has UDP ports of this host for as long as this object lives.
+/// Another user's process, which holds UDP ports of this host while the object lives.
 class Stranger {
  public:
   explicit Stranger(const std::vector<int>& ports) {

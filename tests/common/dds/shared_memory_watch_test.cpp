@@ -31,8 +31,8 @@ TEST_F(SharedMemoryWatchDeathTest, EndsAProcessThatHangsAndSaysWhatToDo) {
       ExitedWithCode(1), kRemedy);
 }
 
-/// Twenty looks make up a watch's patience, so that a machine that stands still is one of them, and
-/// not all of its patience.
+/// A watch's patience is twenty looks, so a machine that stands still uses up one of them, not the
+/// whole patience.
 TEST_F(SharedMemoryWatchDeathTest, LeavesWhatEndsInTimeAlone) {
   EXPECT_EXIT(
       {

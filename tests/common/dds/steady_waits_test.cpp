@@ -1,5 +1,5 @@
 // Waits until a time of the wall clock, in a program whose wall clock is an hour ahead of the
-// kernel's: so is each wait that was begun before somebody set it back.
+// kernel's, as in a wait that began before the clock was set back.
 #include <atomic>
 #include <cerrno>
 #include <chrono>
@@ -42,7 +42,7 @@ class SteadyWaits : public testing::Test {
     if (time.tv_nsec < 1'000'000'000) return time;
     return {time.tv_sec + 1, time.tv_nsec - 1'000'000'000};
   }
-  /// What a wait gives that is ended after a while, whether or not its time has come.
+  /// Result of a wait that is ended after 10 s even if its time has not come.
   static int Wait(const std::function<int()>& wait, const std::function<void()>& end) {
     std::promise<void> over;
     std::thread patience([&, ended = over.get_future()] {

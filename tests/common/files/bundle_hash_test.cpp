@@ -3,18 +3,14 @@
 #include <vector>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "tests/support/complaint.h"
 
 namespace palpate {
 namespace {
 
-TEST(BundleHash, IsXxh3OfTheBytes) {
+TEST(BundleHash, IsXxh3OfTheBytesAndNamesOneContentAlone) {
   EXPECT_EQ(BundleHash({}), 0x2d06800538d394c2u) << "as its specification has it of nothing";
-}
-
-TEST(BundleHash, NamesOneContentAlone) {
   const std::vector<std::uint8_t> bytes = {1, 2, 3};
   EXPECT_NO_THROW(CheckBundleHash(bytes, BundleHash(bytes), "scene 'cube'"));
   const std::string complaint =

@@ -6,7 +6,6 @@
 #include <string>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "tests/support/complaint.h"
 #include "tests/support/folder.h"

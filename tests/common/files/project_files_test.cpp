@@ -54,7 +54,7 @@ TEST_F(ProjectFiles, AreShownFromTheWorkingFolderWhereTheyAreBelowIt) {
   for (const std::string& elsewhere : {root + "/scenes", std::string("/"), std::string()}) {
     EXPECT_EQ(ShownPlaceOf(ProjectFile::kPage, bin, elsewhere), page);
   }
-  // Which nothing has here.
+  // A file that is not in this folder.
   EXPECT_EQ(ShownPlaceOf(ProjectFile::kSharedMemory, bin, root), "deploy/cyclonedds/roudi.toml");
 }
 

@@ -5,7 +5,6 @@
 #include <fstream>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -85,7 +84,7 @@ TEST_F(WholeFile, IsNoFolderNoPipeNoSocketAndNoDeviceAndIsNotWaitedFor) {
 TEST_F(WholeFile, SaysWhyItCannotBeRead) {
   EXPECT_THAT(Complaint("/nowhere/file"), AllOf(StartsWith("--file /nowhere/file: No such file"),
                                                 HasSubstr("check the name and the rights")));
-  // Opens, and fails when it is read: at address 0 of this process is nothing.
+  // Opens, but cannot be read: nothing is mapped at address 0 of this process.
   EXPECT_THAT(Complaint("/proc/self/mem"), HasSubstr("Input/output error"));
   EXPECT_EQ(TryReadWholeFile("/nowhere/file", 10), std::nullopt);
   EXPECT_EQ(TryReadWholeFile(Write("text"), 10), "text");

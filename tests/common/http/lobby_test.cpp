@@ -3,7 +3,6 @@
 #include <vector>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 namespace palpate {
 namespace {
@@ -20,7 +19,7 @@ class LobbyTest : public testing::Test {
 
   Lobby lobby_{3, 2};
   int entered_ = 0;
-  std::vector<int> closed_;  // by the order of entering, from 1
+  std::vector<int> closed_;  // numbered in the order of entering, from 1
 };
 
 TEST_F(LobbyTest, LetsTheOneThatWaitedLongestMakeRoom) {
@@ -30,7 +29,7 @@ TEST_F(LobbyTest, LetsTheOneThatWaitedLongestMakeRoom) {
   EXPECT_TRUE(Enter("", 30));
   EXPECT_THAT(closed_, ElementsAre());
   lobby_.Serve(*first);
-  lobby_.Wait(*first, 40);  // has been answered meanwhile
+  lobby_.Wait(*first, 40);  // it has been answered meanwhile
   EXPECT_TRUE(Enter("", 50));
   EXPECT_THAT(closed_, ElementsAre(2));
   EXPECT_TRUE(Enter("", 60));
@@ -51,7 +50,7 @@ TEST_F(LobbyTest, LeavesRoomForOthersWhereOneAddressTakesAllThatItMay) {
   const auto b = Enter("10.0.0.1", 2);
   EXPECT_TRUE(Enter("10.0.0.1", 3));
   EXPECT_THAT(closed_, ElementsAre(1)) << "its own make room";
-  lobby_.Leave(*a);  // of no effect: it is out
+  lobby_.Leave(*a);  // no effect: it is out already
   lobby_.Serve(*b);
   lobby_.Serve(3);
   EXPECT_FALSE(Enter("10.0.0.1", 4));

@@ -1,7 +1,6 @@
 #include "common/json/json_file.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "common/error.h"
 #include "tests/support/complaint.h"

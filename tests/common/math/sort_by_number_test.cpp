@@ -18,7 +18,7 @@ struct Item {
 };
 
 TEST(SortByNumber, SortsByTwoNumbersAndKeepsTheOrderOfWhatHasTheSame) {
-  constexpr std::uint32_t kEnd = 40;  // of which many items have the same two
+  constexpr std::uint32_t kEnd = 40;  // small, so that many items have equal numbers
   test::Random random(3);
   for (const int count : {0, 1, 5000}) {
     std::vector<Item> items;

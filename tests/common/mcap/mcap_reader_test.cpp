@@ -1,7 +1,6 @@
 #include "common/mcap/mcap_reader.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/stat.h>
 
 #include "common/error.h"
@@ -27,7 +26,7 @@ std::vector<std::uint8_t> DataOf(int i) {
   return data;
 }
 
-/// A file of three chunks; each with twenty messages that tell their number.
+/// A file of three chunks, each of twenty numbered messages.
 class McapReaderTest : public testing::Test {
  protected:
   McapReaderTest() {
@@ -46,7 +45,7 @@ class McapReaderTest : public testing::Test {
     bytes_ = test::BytesOf(file_);
   }
 
-  /// The numbers of all messages that can be read; each is checked to be as it was written.
+  /// The numbers of all messages that can be read; checks that each is as it was written.
   static std::vector<int> Read(Reader& reader) {
     std::vector<int> numbers;
     Message message;
@@ -63,7 +62,7 @@ class McapReaderTest : public testing::Test {
 
   test::Folder folder_;
   std::string file_ = folder_ / "a.mcap";
-  std::vector<std::uint64_t> ends_;  // of the file, after each chunk
+  std::vector<std::uint64_t> ends_;  // size of the file after each chunk
   std::vector<std::uint8_t> bytes_;
 };
 
@@ -84,7 +83,7 @@ TEST_F(McapReaderTest, GivesEveryWholeChunkWhereverTheFileIsCutOff) {
     const std::size_t read = Read(reader).size();
     std::size_t whole = 0;
     while (whole < ends_.size() && ends_[whole] <= n) ++whole;
-    // The chunk's own record ends before the index that stands behind it.
+    // A chunk's record ends before the index that follows it.
     EXPECT_GE(read, whole * kPerChunk) << n;
     EXPECT_EQ(read % kPerChunk, 0u) << n;
     EXPECT_FALSE(reader.complete()) << n;
@@ -131,7 +130,7 @@ TEST_F(McapReaderTest, GoesOnFromAnyChunkAndTellsNothingTwice) {
   std::vector<std::uint8_t> bytes = bytes_;
   bytes[(ends_[0] + ends_[1]) / 2] ^= 1;
   Reader reader(bytes, "a");
-  std::vector<std::pair<std::size_t, int>> places;  // and the first message from there
+  std::vector<std::pair<std::size_t, int>> places;  // and the number of the first message there
   Message message;
   while (reader.Next(message)) {
     if (places.empty() || places.back().first != reader.offset()) {
@@ -152,7 +151,7 @@ TEST_F(McapReaderTest, GoesOnFromAnyChunkAndTellsNothingTwice) {
     EXPECT_EQ(reader.problems(), problems);
     EXPECT_THAT(reader.metadata(), SizeIs(1));
   }
-  // Within a chunk, too, before its end was met.
+  // Also from within a chunk, before its end was reached.
   reader.GoTo(places[0].first);
   ASSERT_TRUE(reader.Next(message));
   reader.GoTo(places[1].first);
@@ -168,7 +167,7 @@ TEST_F(McapReaderTest, ReadsNoFurtherWhereAnIdStandsForSomethingElse) {
   }
   record.insert(record.end(), {0, 0, 0, 0});
   record[1] = static_cast<std::uint8_t>(record.size() - kRecordHead);
-  // Behind the second chunk's index, so that records stay whole: found by where the third begins.
+  // Inserted after the second chunk's index, where the third begins, so that records stay whole.
   Reader places(bytes_, "a");
   Message message;
   std::vector<std::size_t> chunks;
@@ -194,7 +193,7 @@ TEST_F(McapReaderTest, LeavesOutNamesThatAreTooLongToBeAny) {
     writer.AddSchema("palpate::X", "omgidl", "struct X {};");
     writer.Write(writer.AddChannel(1, name, "cdr"), 0, 0, 0, DataOf(0));
     writer.WriteMetadata({name, {}});
-    writer.WriteMetadata({"notes", {{"key", name}}});  // what we write ourselves is cut
+    writer.WriteMetadata({"notes", {{"key", name}}});  // our own writer cuts it
     writer.Close();
   }
   bytes_ = test::BytesOf(file_);

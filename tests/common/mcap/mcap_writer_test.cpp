@@ -3,7 +3,6 @@
 #include <csignal>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/resource.h>
 
 #include "common/error.h"
@@ -12,7 +11,7 @@
 #include "tests/support/complaint.h"
 #include "tests/support/random.h"
 
-// That the files are MCAP is for others' readers to say: tests/recorder.
+// tests/recorder shows with others' readers that the files are MCAP.
 namespace palpate::mcap {
 namespace {
 
@@ -28,7 +27,7 @@ std::size_t MessagesIn(const std::string& file, bool& complete) {
   return count;
 }
 
-/// No file of this process grows beyond that many bytes: a disk that is full.
+/// Lets no file of this process grow beyond `bytes`, like a full disk.
 class FullDisk {
  public:
   explicit FullDisk(rlim_t bytes) {

@@ -1,7 +1,6 @@
 #include "common/metrics/metrics_page.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 namespace palpate {
 namespace {

@@ -6,7 +6,6 @@
 
 #include <boost/asio.hpp>
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "common/error.h"
 #include "tests/support/web_client.h"
@@ -26,7 +25,7 @@ int PortOf(const MetricsPort& port) {
   return std::stoi(url.substr(url.rfind(':') + 1));
 }
 
-/// A client that says what a test likes, at its own pace.
+/// A client that sends what a test likes, at the test's pace.
 class RawClient {
  public:
   explicit RawClient(int port, const char* address = "127.0.0.1") {
@@ -36,14 +35,14 @@ class RawClient {
     boost::system::error_code gone;
     net::write(socket_, net::buffer(text), gone);
   }
-  /// All that comes until the other side closes.
+  /// All that comes until the other side closes the connection.
   std::string Answer() {
     std::string text;
     boost::system::error_code end;
     net::read(socket_, net::dynamic_buffer(text), end);
     return text;
   }
-  /// The other side has closed by now.
+  /// Whether the other side has closed the connection.
   bool Closed() {
     boost::system::error_code error;
     char byte;
@@ -119,7 +118,7 @@ TEST(MetricsPort, AnswersAtAnAddressOfIPv6) {
 TEST(MetricsPort, GivesUpWhoIsSlowHoweverItsBytesCome) {
   const MetricsPort port({}, [](MetricsPage&) {});
   RawClient silent(PortOf(port)), drips(PortOf(port));
-  // All of it takes more than 20 s, of which it has no more than a whole request has.
+  // All of it takes more than 20 s; a connection has only the time of one request.
   const std::string request = "GET /metrics HTTP/1.1\r\nX: " + std::string(200, 'a');
   std::size_t sent = 0;
   for (; sent < request.size() && !drips.Closed(); ++sent) {
@@ -136,9 +135,7 @@ TEST(MetricsPort, IsThereWhileOthersHoldAllItsConnections) {
   std::list<RawClient> idle;
   for (int i = 0; i < 200; ++i) {
     idle.emplace_back(PortOf(port));
-    if (i % 50 == 0) {
-      EXPECT_EQ(Get(PortOf(port), "/metrics").status, 200) << i;
-    }
+    if (i % 50 == 0) EXPECT_EQ(Get(PortOf(port), "/metrics").status, 200) << i;
   }
   EXPECT_EQ(Get(PortOf(port), "/metrics").status, 200);
   int open = 0;
@@ -156,7 +153,7 @@ TEST(MetricsPort, TakesNoRequestThatIsTooLargeOrNone) {
   for (const std::string& request : requests) {
     RawClient client(PortOf(port));
     client.Send(request);
-    // What it has not read may take the answer with it.
+    // Closing with unread bytes may lose the answer.
     EXPECT_THAT(client.Answer(), testing::AnyOf("", StartsWith("HTTP/1.1 4")));
   }
   EXPECT_EQ(Get(PortOf(port), "/metrics").status, 200);

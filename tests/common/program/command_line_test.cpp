@@ -5,7 +5,6 @@
 #include <vector>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "common/error.h"
 #include "tests/support/complaint.h"
@@ -16,7 +15,7 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-/// A program with one option of its own.
+/// A program with an option.
 struct Program {
   Program() {
     app.Add("--rate", rate, "of something");
@@ -92,7 +91,7 @@ TEST(CommandLine, SaysWhereOthersAreAndHowALoopIsScheduled) {
   EXPECT_THAT(program.network.peers, testing::ElementsAre("10.0.0.1", "10.0.0.2"));
   EXPECT_EQ(program.realtime.mode, RealtimeMode::kOff);
   EXPECT_EQ(program.realtime.cpu, 3);
-  // -1 is "any" within, and a mistake on a command line.
+  // Inside the program -1 means any core; on a command line it is a mistake.
   for (const char* cpu : {"-1", "-2", "1024", "all"}) {
     EXPECT_THAT(Program().Complaint({"--cpu", cpu}), HasSubstr("--cpu")) << cpu;
   }

@@ -1,7 +1,7 @@
-// A process with an ordinary user's rights that may lock 6 MB of memory, and has less: a program of
-// its own, linked statically and without sanitizers, for a test with its libraries is larger than
-// that, and larger limits are not everybody's to set.  Says what EnterRealtime made of it; exits
-// with 0 where memory can still be had, 1 where it cannot, 2 where the case could not be made.
+// A process with an ordinary user's rights that may lock 6 MB of memory and uses less.  A separate
+// program, linked statically and without sanitizers: a test with its libraries is larger than that,
+// and not everybody may raise the limit.  Says what EnterRealtime made of it; exits with 0 if
+// memory can still be had, 1 if it cannot, 2 if the case could not be set up.
 #include <cstdio>
 
 #include <sys/mman.h>

@@ -1,7 +1,6 @@
 #include "common/program/log.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
@@ -26,7 +25,7 @@ TEST(Log, WritesToStandardErrorFromItsLevelOn) {
   EXPECT_NE(err.find("a-program warning: loud enough"), std::string::npos) << err;
 }
 
-/// What stands on standard error after a message.
+/// What is on standard error after a message.
 std::string Logged(LogFormat format, const std::string& message) {
   testing::internal::CaptureStderr();
   SetLogFormat(format);
@@ -73,13 +72,10 @@ TEST(Log, GivesAProgramsLastWordsTheSameForm) {
   EXPECT_EQ(json["message"], "no\\nway");
 }
 
-TEST(Log, RefusesAFormatThatDoesNotExist) {
+TEST(Log, RefusesAFormatOrALevelThatDoesNotExist) {
   EXPECT_EQ(ParseLogFormat("json"), LogFormat::kJson);
   EXPECT_EQ(ParseLogFormat("text"), LogFormat::kText);
   EXPECT_THROW(ParseLogFormat("xml"), UsageError);
-}
-
-TEST(Log, RefusesALevelThatDoesNotExist) {
   EXPECT_THROW(SetUpLog("a-program", "loud"), UsageError);
   EXPECT_NO_THROW(SetUpLog("a-program", "off"));
 }

@@ -3,7 +3,6 @@
 #include <functional>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sched.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -65,7 +64,7 @@ TEST(Realtime, RefusesACoreThatDoesNotExist) {
   EXPECT_THROW(EnterRealtime({.mode = RealtimeMode::kOff, .cpu = 100000}), UsageError);
 }
 
-/// Runs a check in a process that has given up root's rights, real-time limits with them.
+/// Runs a check in a process that has given up root's rights, and with them its real-time limits.
 bool HoldsWithoutRights(const std::function<bool()>& check) {
   const pid_t child = fork();
   if (child == 0) {

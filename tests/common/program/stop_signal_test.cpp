@@ -17,20 +17,18 @@ TEST(StopSignal, StaysSilentWithoutASignal) {
   EXPECT_FALSE(stop.stopped());
 }
 
-class StopSignalBy : public testing::TestWithParam<int> {};
-
-TEST_P(StopSignalBy, EndsTheWait) {
-  StopSignal stop;
-  std::thread sender([] {
-    std::this_thread::sleep_for(milliseconds(20));
-    kill(getpid(), GetParam());
-  });
-  EXPECT_TRUE(stop.WaitFor(seconds(60)));
-  EXPECT_TRUE(stop.stopped());
-  sender.join();
+TEST(StopSignal, EndsTheWait) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    StopSignal stop;
+    std::thread sender([signal] {
+      std::this_thread::sleep_for(milliseconds(20));
+      kill(getpid(), signal);
+    });
+    EXPECT_TRUE(stop.WaitFor(seconds(60))) << signal;
+    EXPECT_TRUE(stop.stopped()) << signal;
+    sender.join();
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(Signals, StopSignalBy, testing::Values(SIGINT, SIGTERM));
 
 TEST(StopSignal, LetsASecondSignalKill) {
   EXPECT_EXIT(

@@ -1,10 +1,9 @@
-// The QP against oracles that share nothing with it: all active sets one by one in long double, and
-// the Karush-Kuhn-Tucker conditions, which a convex problem's optimum alone meets.
+// The QP against oracles that share nothing with it: enumeration of all active sets in long double,
+// and the Karush-Kuhn-Tucker conditions, which only the optimum of a convex problem meets.
 #include "common/qp/nearest_point.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <optional>
 #include <set>
 #include <vector>
@@ -24,11 +23,12 @@ using Vec = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
 using Mat = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
 
 constexpr int kN = 6;
-/// Residuals that rounding leaves: three to twenty times the worst that these problems have, which
-/// are the same on every machine.  Without the solver's polish they are 6e-15, 3e-14 and 1e-10.
+/// Bounds on the residuals that rounding leaves: three to twenty times the worst of these problems,
+/// which are the same on every machine.  Without the solver's polish they are 6e-15, 3e-14 and
+/// 1e-10.
 constexpr double kSolvedResidual = 4e-15;   // worst: 9e-16
 constexpr double kRelaxedResidual = 3e-14;  // worst: 9e-15
-constexpr double kFanResidual = 1e-11;      // worst: 6e-13, of rows that differ by 1e-14
+constexpr double kFanResidual = 1e-11;      // worst: 6e-13, with rows that differ by 1e-14
 
 /// min 1/2 |x - t|^2, A x >= b.
 struct Problem {
@@ -62,8 +62,8 @@ Vec PointOf(const QpResult& result) {
   return Eigen::Map<const Eigen::Matrix<double, kN, 1>>(result.x).cast<Real>();
 }
 
-/// Largest violation of the conditions of optimality, each over the size of what it is made of, so
-/// that rows of any length count alike.
+/// Largest violation of the optimality conditions, each over the size of its terms, so that rows of
+/// any length count alike.
 Real KktResidual(const Problem& problem, const QpResult& result) {
   const Vec x = PointOf(result);
   Vec gradient = x - problem.t;
@@ -98,12 +98,12 @@ void ExpectSound(const Problem& problem, const QpResult& result, int trial) {
   EXPECT_EQ(result.status == QpStatus::kRelaxed, result.slack > 0.0) << trial;
 }
 
-/// The optimum by trying every set of rows as equalities; nothing where no point satisfies all.
+/// The optimum by trying every set of rows as equalities; nullopt: no point satisfies all rows.
 std::optional<Vec> ByEnumeration(const Problem& problem) {
   const int m = problem.rows();
   const auto n = problem.t.size();
-  // A set is optimal where its multipliers are not negative and the others hold: by the conditions
-  // of optimality, so the first that is found is the one point.
+  // A set is optimal if its multipliers are not negative and the other rows hold.  The optimum is
+  // unique, so the first set found gives it.
   for (unsigned set = 0; set < (1u << m); ++set) {
     const int k = __builtin_popcount(set);
     if (k > n) continue;
@@ -117,7 +117,7 @@ std::optional<Vec> ByEnumeration(const Problem& problem) {
     Vec x = problem.t;
     if (k > 0) {
       const Eigen::FullPivLU<Mat> gram(A * A.transpose());
-      // Sets that depend on each other are left out: the same point has one that does not.
+      // Dependent sets are left out: an independent set has the same point.
       if (gram.rank() < k || gram.rcond() < 1e-14L) continue;
       const Vec u = gram.solve(b - A * problem.t);
       if (u.minCoeff() < -1e-13L) continue;
@@ -139,8 +139,8 @@ Vec Uniform(Random& random, double half) {
   return v;
 }
 
-/// Rows of every ugly kind, around a point that satisfies them all with some room, or around none.
-/// Every number is a double, so that solver and oracle read the same.
+/// Rows of every awkward kind around a point that satisfies them all with some room, or around
+/// none.  Every number is a double, so that solver and oracle read the same.
 Problem UglyProblem(Random& random, int m, bool feasible) {
   Problem problem{Uniform(random, 1.0), Mat(m, kN), Vec(m)};
   const Vec inside = Uniform(random, 1.0);
@@ -148,7 +148,7 @@ Problem UglyProblem(Random& random, int m, bool feasible) {
     Vec a = Uniform(random, 1.0).normalized();
     const int other = i > 0 ? random.Below(i) : 0;
     switch (random.Below(8)) {
-      case 0:  // the same once more, or its opposite
+      case 0:  // a copy of a row, or its opposite
         if (i > 0) a = (random.Below(2) == 0 ? 1 : -1) * problem.A.row(other).transpose();
         break;
       case 1:  // along an axis, as walls are
@@ -158,10 +158,10 @@ Problem UglyProblem(Random& random, int m, bool feasible) {
       case 2:  // long or short
         a *= std::pow(10.0, random.Uniform(-3.0, 3.0));
         break;
-      case 3:  // a combination of others
+      case 3:  // a combination of other rows
         if (i > 1) a = (problem.A.row(other) + problem.A.row(i - 1)).transpose();
         break;
-      case 4:  // of translation alone, as a single sphere's
+      case 4:  // translation alone, as from a single sphere
         a.tail<3>().setZero();
         break;
       default:
@@ -195,19 +195,19 @@ TEST(NearestPoint, IsTheOneThatEnumerationFindsOrRelaxesWhereItFindsNone) {
     }
     ++relaxed;
     EXPECT_LT(KktResidual(problem, result), kRelaxedResidual) << trial;
-    // The same problem with eta / sqrt(c) as one unknown more.
+    // The same problem with eta / sqrt(c) as one more unknown.
     const Real root = std::sqrt(static_cast<Real>(kJamCompliance));
     Problem larger{Vec::Zero(kN + 1), Mat(problem.rows(), kN + 1), problem.b};
     larger.t.head(kN) = problem.t;
     larger.A << problem.A, Vec::Constant(problem.rows(), root);
     const std::optional<Vec> oracle = ByEnumeration(larger);
     ASSERT_TRUE(oracle) << trial << ": a slack satisfies any rows";
-    // The compliance of 1e-5 magnifies what the oracle takes for rounding, 1e-12, a millionfold.
+    // A compliance of 1e-5 magnifies the oracle's tolerance for rounding, 1e-12, a millionfold.
     const Real slack = root * (*oracle)[kN];
     EXPECT_LT(std::abs(result.slack - slack) / (1 + slack), 1e-6) << trial;
     EXPECT_LT((PointOf(result) - oracle->head(kN)).norm(), 1e-6) << trial;
   }
-  // Every kind was among them.
+  // Every kind occurred.
   EXPECT_GT(solved, trials / 3);
   EXPECT_GT(relaxed, trials / 30);
   for (int active = 0; active <= 4; ++active) EXPECT_GT(touched[active], 0) << active;
@@ -291,7 +291,7 @@ TEST(NearestPoint, IsFiniteHoweverShortARowIs) {
       const QpResult result = SolverOf(problem, guess);
       for (const double x : result.x) ASSERT_TRUE(std::isfinite(x)) << exponent;
       for (int k = 0; k < result.active; ++k) ASSERT_TRUE(std::isfinite(result.multiplier[k]));
-      // One that is too short to be reached is a zero row, which asks for what it cannot have.
+      // A row too short to be solved for is a zero row, and asks for the impossible.
       EXPECT_EQ(result.status, exponent > -75 ? QpStatus::kSolved : QpStatus::kRelaxed) << exponent;
     }
   }

@@ -7,7 +7,6 @@
 #include <map>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "common/error.h"
 #include "common/recording/recording_reader.h"
@@ -104,9 +103,7 @@ TEST(RecordingWriter, BeginsEachSplitWithWhatHoldsThen) {
     while (reader.Next(sample)) {
       ++count[sample.type];
       wire::SessionState state{};
-      if (sample.To(state)) {
-        EXPECT_EQ(state.run, 2u) << "the latest";
-      }
+      if (sample.To(state)) EXPECT_EQ(state.run, 2u) << "the latest";
     }
     EXPECT_TRUE(reader.complete());
     EXPECT_EQ(count[RecordedType::kSceneBundle], 1);

@@ -12,7 +12,7 @@
 
 namespace palpate::test {
 
-/// Every double from `begin` on gets a value of its own.
+/// Sets every double from `begin` on to a value of its own.
 template <std::size_t N>
 void Number(double (&field)[N], double begin) {
   for (std::size_t i = 0; i < N; ++i) field[i] = begin + static_cast<double>(i);
@@ -68,7 +68,7 @@ inline wire::SessionState SampleState(const std::string& station, std::uint64_t 
   return state;
 }
 
-/// Of another block of the same solid each.
+/// Each number is another block of the same solid.
 inline wire::SolidBlock SampleBlock(std::uint64_t number) {
   wire::SolidBlock block{};
   wire::FromText("cube", block.scene);
@@ -85,7 +85,7 @@ void Add(RecordingWriter& writer, const std::string& topic, const T& sample, std
   writer.Add(topic, kTypeOf<T>, time_ns, cdr);
 }
 
-/// Of bytes that outlive it.
+/// `bytes` must outlive the sample.
 inline wire::SceneBundle SampleBundle(std::vector<std::uint8_t>& bytes,
                                       const std::string& scene = "cube",
                                       std::uint64_t server_run = 77) {
@@ -98,7 +98,7 @@ inline wire::SceneBundle SampleBundle(std::vector<std::uint8_t>& bytes,
   return bundle;
 }
 
-/// @param forged  with the hash of another one.
+/// @param forged  gives it the hash of other bytes.
 inline void AddBundle(RecordingWriter& writer, std::vector<std::uint8_t> bytes,
                       std::int64_t time_ns, bool forged = false) {
   wire::SceneBundle bundle = SampleBundle(bytes);

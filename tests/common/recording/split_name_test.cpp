@@ -1,7 +1,6 @@
 #include "common/recording/split_name.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "common/error.h"
 #include "tests/common/recording/samples.h"
@@ -45,7 +44,7 @@ TEST_F(SplitNameTest, IsReplacedOnlyWhereARecordingStands) {
   EXPECT_NO_THROW(CheckMayReplace("/dev/null"));
   EXPECT_THROW(CheckMayReplace(folder_ / "thesis.pdf"), Error);
   EXPECT_THROW(CheckMayReplace(folder_ / "."), Error);
-  // Of somebody else's recorder.
+  // Named by somebody else's recorder.
   { mcap::Writer other(folder_ / "other.mcap", "another program"); }
   EXPECT_THROW(CheckMayReplace(folder_ / "other.mcap"), Error);
 }

@@ -5,12 +5,9 @@
 namespace palpate {
 namespace {
 
-TEST(NearestWord, IsTheOneThatAWrongWordWasMeantToBe) {
+TEST(NearestWord, IsTheOneThatAWrongWordWasMeantToBeOrNone) {
   EXPECT_EQ(NearestWord("paretto", {"accuracy", "pareto", "qp"}), "pareto");
   EXPECT_EQ(NearestWord("--scen", {"--seed", "--scene", "--script"}), "--scene");
-}
-
-TEST(NearestWord, IsNoneWhereNoneIsNear) {
   EXPECT_EQ(NearestWord("elephant", {"accuracy", "pareto", "qp"}), "");
   EXPECT_EQ(NearestWord("x", {}), "");
 }

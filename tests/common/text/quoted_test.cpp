@@ -7,14 +7,11 @@
 namespace palpate {
 namespace {
 
-TEST(Quoted, IsShortAndOfOneLine) {
+TEST(Quoted, IsShortOfOneLineAndNotCutWithinACharacter) {
   EXPECT_EQ(Quoted("cube"), "'cube'");
   EXPECT_EQ(Quoted("a\nready: \x1b[31m"), R"('a\nready: \x1b[31m')");
   EXPECT_EQ(Quoted(std::string(40, 'x')), "'" + std::string(40, 'x') + "'");
   EXPECT_EQ(Quoted(std::string(60'000, 'x')), "'" + std::string(40, 'x') + "…'");
-}
-
-TEST(Quoted, IsNotCutWithinACharacter) {
   EXPECT_EQ(Quoted(std::string(39, 'x') + "äöü"), "'" + std::string(39, 'x') + "…'");
   EXPECT_EQ(Quoted(std::string(38, 'x') + "äöü"), "'" + std::string(38, 'x') + "ä…'");
 }
@@ -24,7 +21,7 @@ TEST(Printable, LeavesWhatCanBeRead) {
   EXPECT_EQ(Printable(""), "");
 }
 
-TEST(Printable, EscapesWhatEndsALineOrCommandsATerminal) {
+TEST(Printable, EscapesWhatEndsALineCommandsATerminalOrIsNoCharacter) {
   EXPECT_EQ(Printable("a\r\n\tb"), R"(a\r\n\tb)");
   EXPECT_EQ(Printable("\x1b[2K\x7f"), R"(\x1b[2K\x7f)");
   EXPECT_EQ(Printable(std::string_view("a\0b", 3)), R"(a\x00b)");
@@ -33,10 +30,14 @@ TEST(Printable, EscapesWhatEndsALineOrCommandsATerminal) {
             R"(\u0085\u009b31m)")
       << "C1: NEL and CSI";
   EXPECT_EQ(Printable("a\u2028b\u202ec"), R"(a\u2028b\u202ec)");
-}
-
-TEST(Printable, EscapesCodesOfNoCharacter) {
   EXPECT_EQ(Printable("a\uffff\ufdd0\U0001fffe"), R"(a\uffff\ufdd0\u1fffe)");
+  EXPECT_EQ(Printable("a\xff\x9b"
+                      "b"),
+            R"(a\xff\x9bb)");
+  EXPECT_EQ(Printable("\xc0\x8a"), R"(\xc0\x8a)") << "an overlong newline";
+  EXPECT_EQ(Printable("\xed\xa0\x80"), R"(\xed\xa0\x80)") << "half of a pair";
+  EXPECT_EQ(Printable("\xe4\xb8"), R"(\xe4\xb8)") << "cut off";
+  EXPECT_EQ(Printable("\xf4\x90\x80\x80"), R"(\xf4\x90\x80\x80)") << "beyond the last";
 }
 
 TEST(ShellWord, IsOneWordToAShellWhateverIsInIt) {
@@ -52,16 +53,6 @@ TEST(ShellWord, IsOneWordToAShellWhateverIsInIt) {
     EXPECT_EQ(std::string(said, size), word) << command;
     EXPECT_EQ(Printable(command), command);
   }
-}
-
-TEST(Printable, EscapesBytesThatAreNoUtf8) {
-  EXPECT_EQ(Printable("a\xff\x9b"
-                      "b"),
-            R"(a\xff\x9bb)");
-  EXPECT_EQ(Printable("\xc0\x8a"), R"(\xc0\x8a)") << "an overlong newline";
-  EXPECT_EQ(Printable("\xed\xa0\x80"), R"(\xed\xa0\x80)") << "half of a pair";
-  EXPECT_EQ(Printable("\xe4\xb8"), R"(\xe4\xb8)") << "cut off";
-  EXPECT_EQ(Printable("\xf4\x90\x80\x80"), R"(\xf4\x90\x80\x80)") << "beyond the last";
 }
 
 }  // namespace

@@ -23,6 +23,7 @@ struct DhdBench : AnsweredArm<ForceDimensionDevice> {
       if (i % 10 == 0) Attend();
     }
   }
+  double force() { return fake.MotorForce(); }
   bool RunUntilForce(int most_ticks = 2000) { return test::RunUntilForce(*this, most_ticks); }
 
   FakeDhd& fake;

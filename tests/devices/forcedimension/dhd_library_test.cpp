@@ -1,11 +1,10 @@
-// Every code and every cause ends in something that a person can do.
+// Every error code and every cause of lost force ends in a remedy.
 #include "devices/forcedimension/dhd_library.h"
 
 #include <cstdlib>
 #include <set>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "devices/forcedimension/dhd_texts.h"
 #include "tests/support/complaint.h"
@@ -49,7 +48,7 @@ TEST(DhdLibrary, TriesTheFileThatTheVariableNamesAlone) {
 using testing::StartsWith;
 
 TEST(DhdError, KnowsEveryCodeThatIsDocumentedInItsPlace) {
-  // 21 errors behind DHD_NO_ERROR in release 3.7, and the one that later releases added.
+  // Release 3.7 has 21 errors after DHD_NO_ERROR; later releases added one.
   ASSERT_EQ(ErrorTexts().size(), 1u + 21u + 1u);
   std::set<std::string> names;
   for (std::size_t i = 0; i < ErrorTexts().size(); ++i) {

@@ -46,7 +46,7 @@ class Fake final : public FakeDhd {
   std::vector<std::string> Calls() override { return calls_; }
   std::vector<std::string> Violations() override { return violations_; }
 
-  /// Each function begins with it: 0, or the negative answer with which it ends at once.
+  /// Called first by each function.  Negative: the answer with which the function returns at once.
   int Begin(const char* function, char id = kId, bool needs_arm = true) {
     calls_.push_back(function);
     if (needs_arm && (!open || id != kId)) {
@@ -85,6 +85,14 @@ int Open(const char* function, int serial) {
   return kId;
 }
 
+/// A call that does `act` unless it is to fail, and then returns 0.
+template <class Act>
+int Do(const char* function, char id, Act act) {
+  if (const int failed = TheFake().Begin(function, id)) return failed;
+  act(TheFake());
+  return 0;
+}
+
 int Give(const std::array<double, 3>& values, double* x, double* y, double* z) {
   *x = values[0];
   *y = values[1];
@@ -104,6 +112,8 @@ int Take(double fx, double fy, double fz, double tx, double ty, double tz) {
 }  // namespace
 }  // namespace palpate::test
 
+using palpate::test::Do;
+using palpate::test::Fake;
 using palpate::test::FakeDhd;
 using palpate::test::TheFake;
 namespace dhd = palpate::dhd;
@@ -139,20 +149,16 @@ int dhdOpenSerial(int serial) {
   return palpate::test::Open("dhdOpenSerial", serial);
 }
 int dhdClose(char id) {
-  if (const int failed = TheFake().Begin("dhdClose", id)) return failed;
-  TheFake().open = false;
-  return 0;
+  return Do("dhdClose", id, [](Fake& fake) { fake.open = false; });
 }
 int dhdStop(char id) {
-  if (const int failed = TheFake().Begin("dhdStop", id)) return failed;
-  TheFake().TakeForce(4);
-  return 0;
+  return Do("dhdStop", id, [](Fake& fake) { fake.TakeForce(4); });
 }
 int dhdReset(char id) {
-  if (const int failed = TheFake().Begin("dhdReset", id)) return failed;
-  TheFake().TakeForce(0);
-  TheFake().status[dhd::kStatusReset] = 1;
-  return 0;
+  return Do("dhdReset", id, [](Fake& fake) {
+    fake.TakeForce(0);
+    fake.status[dhd::kStatusReset] = 1;
+  });
 }
 int dhdEnableForce(unsigned char on, char id) {
   if (const int failed = TheFake().Begin("dhdEnableForce", id)) return failed;
@@ -166,28 +172,22 @@ int dhdEnableForce(unsigned char on, char id) {
   return 0;
 }
 int dhdSetGravityCompensation(int on, char id) {
-  if (const int failed = TheFake().Begin("dhdSetGravityCompensation", id)) return failed;
-  TheFake().gravity = on != 0;
-  return 0;
+  return Do("dhdSetGravityCompensation", id, [&](Fake& fake) { fake.gravity = on != 0; });
 }
 int dhdEmulateButton(unsigned char on, char id) {
-  if (const int failed = TheFake().Begin("dhdEmulateButton", id)) return failed;
-  TheFake().emulates_button = on != 0;
-  return 0;
+  return Do("dhdEmulateButton", id, [&](Fake& fake) { fake.emulates_button = on != 0; });
 }
 int dhdGetSystemType(char id) {
   if (const int failed = TheFake().Begin("dhdGetSystemType", id)) return failed;
   return TheFake().setup.type;
 }
 int dhdGetSerialNumber(unsigned short* serial, char id) {
-  if (const int failed = TheFake().Begin("dhdGetSerialNumber", id)) return failed;
-  *serial = static_cast<unsigned short>(TheFake().setup.serial);
-  return 0;
+  return Do("dhdGetSerialNumber", id,
+            [&](const Fake& fake) { *serial = static_cast<unsigned short>(fake.setup.serial); });
 }
 int dhdGetStatus(int* status, char id) {
-  if (const int failed = TheFake().Begin("dhdGetStatus", id)) return failed;
-  std::memcpy(status, TheFake().status.data(), sizeof TheFake().status);
-  return 0;
+  return Do("dhdGetStatus", id,
+            [&](const Fake& fake) { std::memcpy(status, fake.status.data(), sizeof fake.status); });
 }
 int dhdGetPosition(double* x, double* y, double* z, char id) {
   if (const int failed = TheFake().Begin("dhdGetPosition", id)) return failed;

@@ -8,7 +8,7 @@
 
 namespace palpate::test {
 
-/// What the library pretends to have; a sigma.7 that has just been switched on.
+/// What the library pretends to have: a sigma.7 that has just been switched on.
 struct FakeDhdSetup {
   int arms = 1;
   int serial = 4711;
@@ -18,12 +18,12 @@ struct FakeDhdSetup {
   bool active_wrist = true;
   bool active_gripper = true;
   bool calibrated = true;
-  /// Forces stay off until dhdEnableForce, as a sigma's do; false: they are on once it is open.
+  /// Whether forces stay off until dhdEnableForce, as a sigma's do; else opening turns them on.
   bool forces_wait = true;
 };
 
-/// The fake library's other side.  Strict: what a real library would forbid is a violation.
-/// One thread, the test's.
+/// The test's side of the fake library.  Whatever a real library would forbid is a violation. For
+/// one thread, the test's.
 class FakeDhd {
  public:
   FakeDhdSetup setup;
@@ -32,9 +32,9 @@ class FakeDhd {
   std::array<std::array<double, 3>, 3> rotation{};
   unsigned buttons = 0;
   std::array<int, 17> status{};
-  int answer = 0;  ///< of what succeeds: zero, DHD_TIMEGUARD or DHD_MOTOR_SATURATED
+  int answer = 0;  ///< what calls that succeed return: zero, DHD_TIMEGUARD or DHD_MOTOR_SATURATED
 
-  // What came of it.
+  // What the driver did.
   std::array<double, 3> force_N{};
   std::array<double, 3> torque_Nm{};
   bool open = false;
@@ -43,14 +43,14 @@ class FakeDhd {
 
   /// As if the library had just been loaded.
   virtual void Reset(const FakeDhdSetup& setup) = 0;
-  /// The nth call of that function from now on, 1 the next, fails with this code.
+  /// Makes the nth call of `function` from now on fail with `code`; 1 is the next call.
   virtual void Fail(const std::string& function, int nth, int code) = 0;
   virtual bool FailurePending() = 0;
-  /// The arm takes its force away, by itself.
+  /// The arm switches its force off by itself.
   virtual void TakeForce(int cause) = 0;
   /// The user presses the arm's force button.
   virtual void GiveForce() = 0;
-  /// Of what was told, as the motors have it.
+  /// Norm of the force that the motors render [N].
   virtual double MotorForce() = 0;
   virtual std::vector<std::string> Calls() = 0;
   virtual std::vector<std::string> Violations() = 0;
@@ -59,7 +59,7 @@ class FakeDhd {
   ~FakeDhd() = default;
 };
 
-/// What the library exports beside DHD's own functions.
+/// The function that the library exports beside DHD's own.
 inline constexpr const char* kFakeDhdFunction = "palpate_fake_dhd";
 
 }  // namespace palpate::test

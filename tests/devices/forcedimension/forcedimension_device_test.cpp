@@ -1,4 +1,4 @@
-// Every error at every call, and every cause for which an arm takes its force away.
+// Every error at every call, and every cause for which an arm switches its force off.
 #include "devices/forcedimension/forcedimension_device.h"
 
 #include <cmath>
@@ -22,7 +22,7 @@ TEST_F(ForceDimension, TurnsTheLibrarysFrameIntoTheProjects) {
   EXPECT_TRUE(dhd::ToW(Vec3::UnitZ().eval()).isApprox(Vec3::UnitY())) << "up";
   EXPECT_TRUE(dhd::ToD(dhd::ToW(Vec3(1.0, 2.0, 3.0))).isApprox(Vec3(1.0, 2.0, 3.0)));
   EXPECT_TRUE(dhd::ToW(Mat3(Mat3::Identity())).isApprox(Mat3::Identity()));
-  // A turn about the library's z, up, is one about y, up, by the same angle.
+  // A rotation about the library's z is one about W's y (both point up), by the same angle.
   const Mat3 R_D = Eigen::AngleAxisd(0.3, Vec3::UnitZ()).toRotationMatrix();
   const Mat3 R_W = Eigen::AngleAxisd(0.3, Vec3::UnitY()).toRotationMatrix();
   EXPECT_TRUE(dhd::ToW(R_D).isApprox(R_W));
@@ -54,12 +54,7 @@ TEST_F(ForceDimension, IsOpenedWithWeightCompensatedForcesEnabledAndNoneAsked) {
 
 TEST_F(ForceDimension, BringsTheWrenchToTheMotorsByARamp) {
   DhdBench bench(fake, Options());
-  double last = 0.0;
-  for (int i = 0; i < 1000; ++i) {
-    bench.Run(1);
-    EXPECT_LE(fake.MotorForce(), last + 0.05);
-    last = fake.MotorForce();
-  }
+  RunWithoutAStep(bench, 1000);
   EXPECT_NEAR(fake.force_N[2], 2.0, 1e-12) << "up is the library's z";
   EXPECT_NEAR(fake.torque_Nm[0], 0.03, 1e-12) << "and towards the user its x";
   EXPECT_THAT(bench.news, HasSubstr("the arm is ready"));
@@ -90,9 +85,7 @@ TEST_F(ForceDimension, TakesTimeguardAndSaturatedMotorsForNoErrors) {
 }
 
 TEST_F(ForceDimension, SaysHowToCalibrateAndEnablesItsForcesOnceItIs) {
-  FakeDhdSetup setup;
-  setup.calibrated = false;
-  fake.Reset(setup);
+  fake.Reset({.calibrated = false});
   DhdBench bench(fake, Options());
   bench.Run(500);
   EXPECT_EQ(fake.MotorForce(), 0.0);
@@ -163,9 +156,7 @@ TEST_F(ForceDimension, BoundsEachArmByItsSheetAndOneThatNobodyKnowsByTheWeakest)
     EXPECT_LE(info.continuous_force_N, info.max_force_N);
     EXPECT_GT(info.workspace_m.minCoeff(), 0.05);
   }
-  FakeDhdSetup setup;
-  setup.type = 9999;
-  fake.Reset(setup);
+  fake.Reset({.type = 9999});
   DhdBench bench(fake, Options());
   bench.wrench.force = Vec3(0.0, 100.0, 0.0);
   for (int i = 0; i < 2000; ++i) {
@@ -177,7 +168,7 @@ TEST_F(ForceDimension, BoundsEachArmByItsSheetAndOneThatNobodyKnowsByTheWeakest)
 
 class ForceDimensionFaults : public DhdTest {
  protected:
-  /// All but success, and one that nobody knows.
+  /// All error codes, and one that is not documented.
   static std::vector<int> Codes() {
     std::vector<int> codes{9999};
     for (const dhd::ErrorText& text : dhd::ErrorTexts()) {
@@ -220,20 +211,14 @@ TEST_F(ForceDimensionFaults, InContactTakeTheForceAwayInTheirTickAndGiveItBackAs
       bench.news.clear();
       fake.Fail(function, 1, code);
       while (fake.FailurePending()) bench.Run(1);
-      // What could not be told at all is zero with the next that can.
+      // The zero that could not be sent goes out with the next call that succeeds.
       if (function == "dhdSetForceAndTorque") bench.Run(1);
       EXPECT_EQ(fake.MotorForce(), 0.0);
       bench.Run(50);
       EXPECT_EQ(fake.MotorForce(), 0.0);
       EXPECT_THAT(bench.news, HasSubstr(dhd::DescribeError(code)));
       const bool comes_back = dhd::ClassOf(code) == dhd::ErrorClass::kPause;
-      double last = 0.0;
-      for (int i = 0; i < 1500; ++i) {
-        bench.Run(1);
-        EXPECT_LE(fake.MotorForce(), last + 0.05) << "tick " << i;
-        last = fake.MotorForce();
-      }
-      EXPECT_EQ(last > 0.0, comes_back);
+      EXPECT_EQ(RunWithoutAStep(bench, 1500) > 0.0, comes_back);
       EXPECT_EQ(std::string(bench.arm.activity()) == "arm at fault", !comes_back);
       ++tried;
     }
@@ -256,13 +241,7 @@ TEST_F(ForceDimensionFaults, OfWhichTheArmTakesItsForceAwayAreToldAndComeBackByA
     EXPECT_STREQ(bench.arm.activity(), dhd::TextOf(condition).name);
     EXPECT_EQ(bench.arm.State().rendered.force, Vec3::Zero()) << "not even told";
     fake.GiveForce();
-    double last = 0.0;
-    for (int i = 0; i < 1500; ++i) {
-      bench.Run(1);
-      EXPECT_LE(fake.MotorForce(), last + 0.05) << "tick " << i;
-      last = fake.MotorForce();
-    }
-    EXPECT_EQ(last, 2.0);
+    EXPECT_EQ(RunWithoutAStep(bench, 1500), 2.0);
   }
 }
 
@@ -299,9 +278,7 @@ TEST_F(ForceDimensionFaults, ThatComeWithEachTickAreToldOnceASecond) {
 }
 
 TEST_F(ForceDimensionFaults, ThatThereIsNoArmAreToldWithHowToFindIt) {
-  FakeDhdSetup none;
-  none.arms = 0;
-  fake.Reset(none);
+  fake.Reset({.arms = 0});
   const std::string error = OpeningError();
   EXPECT_THAT(error, HasSubstr("the arm cannot be opened (the library finds 0)"));
   EXPECT_THAT(error, HasSubstr("lsusb -d 1451:"));

@@ -11,40 +11,40 @@
 
 namespace palpate::test {
 
-/// An Inverse Service that has an Inverse3 and a wireless VerseGrip, as its maker documents 3.5: a
-/// full state with the first message, and one reply for each that comes.  In a thread of its own,
-/// at a port that the system gives.  One client at a time.
-/// Thread contract: all may be called from any one other thread.
+/// An Inverse Service with an Inverse3 and a wireless VerseGrip, after the maker's documentation of
+/// 3.5: the first message has the full state, and each message that comes gets one reply.  Runs in
+/// a thread, at a port that the system chooses, for one client at a time.
+/// Thread contract: every method may be called from one other thread.
 class FakeInverseService {
  public:
   FakeInverseService();
   ~FakeInverseService();
 
   haply::Address address() const { return {"127.0.0.1", std::to_string(port_)}; }
-  /// As kill(1) does: connection and port are gone.
+  /// Closes connection and port, as kill(1) would.
   void Die();
-  /// It listens again, at the same port.
+  /// Listens again at the same port.
   void ComeBack();
-  /// It keeps the connection, and answers nothing any more; false: it goes on.
+  /// While true, keeps the connection open and answers nothing.
   std::atomic<bool> stalls{false};
   std::atomic<int> delay_ms{0};  ///< before each reply
 
-  // Of the state that it sends, in its own frame.
+  // The state that it sends, in its own frame.
   std::atomic<bool> calibrated{true};
   std::atomic<bool> grip_there{true};
   std::atomic<std::uint32_t> buttons{0};
   void SetPosition(const std::array<double, 3>& position);
   void SetOrientation(const std::array<double, 4>& wxyz);
-  /// Is sent in place of each reply; empty: the truth again.
+  /// Sent in place of each reply; empty: the true reply again.
   void Lie(const std::string& text);
-  /// Is sent in place of the first message.
+  /// Sent in place of the first message.
   void LieFirst(const std::string& text);
   std::string FirstMessage();
 
-  // What came of it.
+  // What the client sent.
   std::atomic<std::uint64_t> commands{0};
-  std::atomic<std::int64_t> last_force_ns{0};  ///< when one that is not zero came last
-  std::array<double, 3> force();               ///< of the newest command
+  std::atomic<std::int64_t> last_force_ns{0};  ///< when the last force other than zero came
+  std::array<double, 3> force();               ///< that of the newest command
   std::string first_command();
 
  private:

@@ -12,7 +12,7 @@
 
 namespace palpate::test {
 
-/// Of a device at that service, which is the environment's from now on.
+/// Options for a device of `service`, whose address also goes into the environment.
 inline DeviceOptions OptionsOf(const FakeInverseService& service, const std::string& id = "") {
   setenv(haply::kServiceVariable, ("ws://127.0.0.1:" + service.address().port).c_str(), 1);
   DeviceOptions options;
@@ -21,7 +21,7 @@ inline DeviceOptions OptionsOf(const FakeInverseService& service, const std::str
   return options;
 }
 
-/// A tick each millisecond of the real clock, as the service's thread is real.
+/// Ticks by the real clock, as the service's thread does.
 struct HaplyBench : AnsweredArm<HaplyDevice> {
   explicit HaplyBench(const FakeInverseService& service) : AnsweredArm(OptionsOf(service)) {
     wrench.force = Vec3(0.0, 1.0, 0.0);
@@ -31,7 +31,6 @@ struct HaplyBench : AnsweredArm<HaplyDevice> {
     AnsweredArm::Tick(SteadyNanoseconds());
     if (++ticks % 10 == 0) Attend();
   }
-  /// Ticks until so.
   bool Until(const std::function<bool()>& so) {
     return Eventually([&] {
       if (so()) return true;

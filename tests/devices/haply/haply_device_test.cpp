@@ -5,7 +5,6 @@
 #include <set>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "devices/haply/inverse_message.h"
 #include "tests/devices/haply/haply_bench.h"
@@ -17,15 +16,21 @@ namespace palpate::test {
 namespace {
 
 using testing::HasSubstr;
-using namespace haply;  // NOLINT: messages and lies are its own
+using namespace haply;  // NOLINT: a test of its messages and lies
 
 class Haply : public testing::Test {
  protected:
   std::string OpeningError(const std::string& id = "") {
     return ComplaintOf([&] { HaplyDevice device(OptionsOf(service, id)); });
   }
-  /// Gone from what is sent, and back by a ramp once `mend` is done.
-  void ExpectGoneAndBack(HaplyBench& bench, const std::function<void()>& mend) {
+  FakeInverseService service;
+};
+
+class HaplyWithForce : public Haply {
+ protected:
+  void SetUp() override { ASSERT_TRUE(bench.UntilForce()); }
+  /// The force that is sent goes to zero, and once `mend` has run comes back by a ramp.
+  void ExpectGoneAndBack(const std::function<void()>& mend) {
     EXPECT_TRUE(bench.Until([&] { return bench.arm.sent_force().isZero(0.0); }));
     EXPECT_NE(bench.sample.status & kDeviceFault, 0u);
     mend();
@@ -37,10 +42,10 @@ class Haply : public testing::Test {
       last = now;
       return now > 0.9;
     }));
-    // The limiter's ramp takes 200 ms; a tick that the machine holds up counts for 2 ms of it.
+    // The limiter's ramp takes 200 ms, of which a late tick counts for at most 2 ms.
     EXPECT_FALSE(steps);
   }
-  FakeInverseService service;
+  HaplyBench bench{service};
 };
 
 TEST_F(Haply, IsBoundedWithoutTorqueByTheTypeThatTheServiceNames) {
@@ -60,26 +65,20 @@ TEST_F(Haply, GivesPoseAndButtonsInWAboutTheMiddleOfItsReach) {
   EXPECT_NEAR(std::abs(bench.sample.X_WH.q.dot(Quat(0.6, 0.0, 0.8, 0.0))), 1.0, 1e-9);
 }
 
-TEST_F(Haply, SendsTheForceAsTheServiceHasItAndSaysWhoItIs) {
-  HaplyBench bench(service);
-  ASSERT_TRUE(bench.UntilForce());
+TEST_F(HaplyWithForce, SendsTheForceAsTheServiceHasItAndSaysWhoItIs) {
   EXPECT_TRUE(bench.Until([&] { return service.force()[2] > 0.9; })) << "up is the service's z";
   EXPECT_EQ(service.force()[0], 0.0);
   EXPECT_THAT(service.first_command(), HasSubstr(R"("profile":{"name":"palpate"})"));
   EXPECT_THAT(bench.news, HasSubstr("the device is ready"));
 }
 
-TEST_F(Haply, KeepsNoForceWhereTheStationNoLongerTicks) {
-  HaplyBench bench(service);
-  ASSERT_TRUE(bench.UntilForce());
+TEST_F(HaplyWithForce, KeepsNoForceWhereTheStationNoLongerTicks) {
   EXPECT_TRUE(Eventually([&] { return service.force() == std::array<double, 3>{}; }));
 }
 
-TEST_F(Haply, LosesItsForceWithItsServiceAndFindsBothAgain) {
-  HaplyBench bench(service);
-  ASSERT_TRUE(bench.UntilForce());
+TEST_F(HaplyWithForce, LosesItsForceWithItsServiceAndFindsBothAgain) {
   service.Die();
-  ExpectGoneAndBack(bench, [&] {
+  ExpectGoneAndBack([&] {
     EXPECT_TRUE(bench.UntilNews("the Inverse Service has gone"));
     EXPECT_TRUE(bench.Until([&] { return std::string(bench.arm.activity()) == "service gone"; }));
     EXPECT_THAT(bench.news, HasSubstr("journalctl -u haply-inverse-service"));
@@ -88,30 +87,24 @@ TEST_F(Haply, LosesItsForceWithItsServiceAndFindsBothAgain) {
   EXPECT_TRUE(bench.UntilNews("the Inverse Service is back"));
 }
 
-TEST_F(Haply, LosesItsForceWhereTheServiceStallsAndSendsNoOldOneAfterwards) {
-  HaplyBench bench(service);
-  ASSERT_TRUE(bench.UntilForce());
+TEST_F(HaplyWithForce, LosesItsForceWhereTheServiceStallsAndSendsNoOldOneAfterwards) {
   service.stalls = true;
-  ExpectGoneAndBack(bench, [&] {
+  ExpectGoneAndBack([&] {
     EXPECT_TRUE(bench.UntilNews("does not answer in time"));
     const std::uint64_t before = service.commands;
     service.stalls = false;
-    // One force may have been on its way; the next is what is asked for now, and that is nothing.
+    // One force may have been on its way.  The next is zero, which is what is asked for now.
     EXPECT_TRUE(bench.Until([&] { return service.commands >= before + 2; }));
     EXPECT_EQ(service.force(), (std::array<double, 3>{}));
   });
 }
 
-TEST_F(Haply, LosesItsForceWhereRepliesComeTooLate) {
-  HaplyBench bench(service);
-  ASSERT_TRUE(bench.UntilForce());
+TEST_F(HaplyWithForce, LosesItsForceWhereRepliesComeTooLate) {
   service.delay_ms = 60;
-  ExpectGoneAndBack(bench, [&] { service.delay_ms = 0; });
+  ExpectGoneAndBack([&] { service.delay_ms = 0; });
 }
 
-TEST_F(Haply, LosesItsForceWithEachLieAndHoldsItsPose) {
-  HaplyBench bench(service);
-  ASSERT_TRUE(bench.UntilForce());
+TEST_F(HaplyWithForce, LosesItsForceWithEachLieAndHoldsItsPose) {
   const Vec3 held = bench.sample.X_WH.p;
   for (const char* lie :
        {"no JSON", "{}", R"({"inverse3":"no array"})",
@@ -119,7 +112,7 @@ TEST_F(Haply, LosesItsForceWithEachLieAndHoldsItsPose) {
         R"({"inverse3":[{"device_id":"049D","state":{"cursor_position":{"x":1e300}}}]})"}) {
     SCOPED_TRACE(lie);
     service.Lie(lie);
-    ExpectGoneAndBack(bench, [&] {
+    ExpectGoneAndBack([&] {
       EXPECT_EQ(bench.sample.X_WH.p, held);
       service.Lie("");
     });
@@ -127,21 +120,19 @@ TEST_F(Haply, LosesItsForceWithEachLieAndHoldsItsPose) {
   EXPECT_THAT(bench.news, HasSubstr("has lost the device: check its USB cable"));
 }
 
-TEST_F(Haply, LosesItsForceWithItsGripItsCalibrationAndByAJump) {
-  HaplyBench bench(service);
-  ASSERT_TRUE(bench.UntilForce());
+TEST_F(HaplyWithForce, LosesItsForceWithItsGripItsCalibrationAndByAJump) {
   service.grip_there = false;
-  ExpectGoneAndBack(bench, [&] {
+  ExpectGoneAndBack([&] {
     EXPECT_TRUE(bench.UntilNews("the VerseGrip has gone"));
     service.grip_there = true;
   });
   service.calibrated = false;
-  ExpectGoneAndBack(bench, [&] {
+  ExpectGoneAndBack([&] {
     EXPECT_TRUE(bench.UntilNews("put the grip on its inkwell"));
     service.calibrated = true;
   });
   service.SetPosition({0.1, -0.12, 0.15});
-  ExpectGoneAndBack(bench, [] {});
+  ExpectGoneAndBack([] {});
 }
 
 TEST_F(Haply, SaysWhatToDoWhereThereIsNoServiceOrNoDevice) {
@@ -196,9 +187,7 @@ Lie LieOf(const std::string& text) {
   Reading reading;
   reading.p = Vec3(9.0, 9.0, 9.0);
   const Lie lie = ParseReply(text, ParseInventory(kFirst, ""), reading);
-  if (lie != Lie::kNone) {
-    EXPECT_EQ(reading.p, Vec3(9.0, 9.0, 9.0)) << "it is left alone";
-  }
+  EXPECT_EQ(reading.p == Vec3(9.0, 9.0, 9.0), lie != Lie::kNone) << "a lie changes nothing";
   return lie;
 }
 
@@ -229,7 +218,7 @@ TEST(InverseMessage, RefusesAFirstMessageWithoutTheDeviceInWords) {
 
 TEST(InverseMessage, TurnsTheServicesFrameIntoTheProjects) {
   Reading reading;
-  // By a quarter about the service's z, up.
+  // A quarter turn about the service's z, which points up.
   const std::string q = R"({"w":0.7071068,"x":0,"y":0,"z":0.7071068})";
   ASSERT_EQ(ParseReply(Reply(kP, kV, q), ParseInventory(kFirst, ""), reading), Lie::kNone);
   EXPECT_TRUE(reading.p.isApprox(Vec3(0.1, 0.3, -0.2))) << "right, up, to the user";
@@ -237,7 +226,7 @@ TEST(InverseMessage, TurnsTheServicesFrameIntoTheProjects) {
   const Quat about_up(Eigen::AngleAxisd(0.5 * M_PI, Vec3::UnitY()));
   EXPECT_NEAR(std::abs(reading.q.dot(about_up)), 1.0, 1e-6);
   EXPECT_EQ(reading.buttons, 1u);
-  // And back: a force in W, as the service has it.
+  // A force in W goes back into the service's frame.
   const std::string message = ForceMessage(ParseInventory(kFirst, ""), Vec3(1.0, 2.0, 3.0));
   EXPECT_THAT(message, HasSubstr(R"("set_cursor_force":{"vector":{"x":1.0,"y":-3.0,"z":2.0}})"));
   EXPECT_THAT(message, HasSubstr(R"("device_id":"A1")"));

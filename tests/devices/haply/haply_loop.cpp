@@ -1,5 +1,5 @@
-// How fast the driver's loop with an Inverse Service is, and how soon the force is gone when that
-// dies: against the fake, in real time.  Prints a table.
+// Measures, against the fake and in real time, how fast the driver's loop with an Inverse Service
+// is, and how soon the force is zero once the service dies.  Prints a table.
 #include <algorithm>
 #include <cstdio>
 #include <vector>
@@ -24,7 +24,7 @@ void Row(const char* what, const std::vector<double>& values) {
               Percentile(values, 0.99), Percentile(values, 0.999), Percentile(values, 1.0));
 }
 
-/// A tick each millisecond, by the absolute clock.
+/// Ticks each millisecond of the absolute clock.
 template <class So>
 void EachMillisecond(HaplyBench& bench, So go_on) {
   std::int64_t due_ns = SteadyNanoseconds();

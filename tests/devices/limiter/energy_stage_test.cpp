@@ -23,13 +23,13 @@ using test::PortLoopCase;
 using test::PortLoopFigures;
 using test::RunPortLoop;
 
-/// An energy stage and a handle on one axis; all that it gives is applied.
+/// An energy stage with a handle on one axis, to which all its force is applied.
 class Axis {
  public:
   explicit Axis(double stiffness = 0.0) : stage(PhantomLimits()) {
     if (stiffness > 0.0) stage.SetStiffness(stiffness);
   }
-  /// Moves the handle by `step`, and wants that force there.
+  /// Moves the handle by `step`, then asks for the force `wanted`.
   double Step(double step, double wanted, double gain = 1.0, double dt_s = kTick) {
     z_ += step;
     const Wrench out = stage.Pass({Vec3(0, 0, wanted), Vec3::Zero()}, gain,
@@ -39,7 +39,7 @@ class Axis {
     return out.force.z();
   }
   double z() const { return z_; }
-  /// That the hand was given.
+  /// Energy given to the hand so far [J].
   double Generated() const { return -stage.observer().energy_J(); }
 
   EnergyStage stage;
@@ -49,12 +49,12 @@ class Axis {
   double z_ = 0.0;
 };
 
-/// What a workspace makes larger or smaller in the scene is the same to the hand: the account of a
-/// scene at scale s is that of the hand, to the bit where s is a power of two.
+/// A workspace's scale changes nothing for the hand: at scale s the account in the scene equals
+/// that of the hand, bit for bit where s is a power of two.
 TEST(EnergyStage, KeepsTheAccountOfTheHandWhateverTheWorkspacesScale) {
   for (const double s : {0.25, 0.5}) {
     DeviceInfo hand = PhantomPremium30().info;
-    hand.max_torque_Nm = hand.continuous_torque_Nm = 0.008;  // below what a guide may ask for
+    hand.max_torque_Nm = hand.continuous_torque_Nm = 0.008;  // less than a guide may ask for
     DeviceInfo scene = hand;
     scene.motion_scale = s;
     scene.position_resolution_m *= s;
@@ -116,7 +116,7 @@ TEST(EnergyStage, LeavesALightTouchAtRestMostOfItsForce) {
   EXPECT_GE(force, 0.8 * 0.32);
 }
 
-/// A machine that holds up a tick now and then takes nothing from a hand that rests on a spring.
+/// Late ticks take nothing from a hand that rests on a spring.
 TEST(EnergyStage, LeavesATouchAtRestItsForceWhereTicksAreLate) {
   test::Random random(5);
   for (const double late : {0.0, 0.1}) {
@@ -134,10 +134,10 @@ TEST(EnergyStage, LeavesATouchAtRestItsForceWhereTicksAreLate) {
 }
 
 TEST(EnergyStage, GivesNothingToAHandThatPutNothingIn) {
-  // A force along the motion, from the first tick on: the plainest active device.
+  // The plainest active device: a force along the motion from the first tick on.
   Axis axis;
   for (int i = 0; i < 1000; ++i) axis.Step(2e-5, 5.0);
-  // The first tick is owed: that of a handle that had not moved.
+  // The force of the first tick is lent: the handle had not moved yet.
   EXPECT_LE(axis.Generated(),
             PhantomLimits().rates().contact_force * kTick * 2e-5 + EnergyStage::kSeed_J);
   EXPECT_GT(axis.stage.count(), 900u);
@@ -151,7 +151,7 @@ TEST(EnergyStage, TakesTheSeedBackOnceTheHandHasPutInMore) {
 }
 
 TEST(EnergyStage, AccountsWhatIsAppliedAndNotWhatItWished) {
-  // Ramped in while it is pressed, then let go: with the whole force that would give 5 N over 5 mm.
+  // Pressed during the ramp, then let go: accounting the whole force would give 5 N over 5 mm.
   Axis axis;
   axis.Step(-1e-4, 5.0, 0.0);
   for (int i = 0; i <= 200; ++i) axis.Step(i % 2 ? 1e-5 : -1e-5, 5.0, i / 200.0);
@@ -161,10 +161,10 @@ TEST(EnergyStage, AccountsWhatIsAppliedAndNotWhatItWished) {
 
 TEST(EnergyStage, LetsAHandThatWasInsideFeelTheObjectAsItGoesFurtherInHoweverSlowly) {
   Axis axis(1000.0);
-  for (int i = 0; i < 100; ++i) axis.Step(i == 50 ? 20e-6 : 0.0, 2.0);  // inside, and in debt
+  for (int i = 0; i < 100; ++i) axis.Step(i == 50 ? 20e-6 : 0.0, 2.0);  // starts inside, in debt
   ASSERT_LT(axis.given, 0.1);
-  // The first tick, 2 N over an encoder's step, is owed.  At 5 mm/s, a step each fourth tick, it is
-  // paid back and the force whole within 2 mm.
+  // The loan is 2 N over one encoder step.  At 5 mm/s, one step in four ticks, it is paid back and
+  // the force whole within 2 mm.
   for (int i = 0; i < 4 * 100; ++i) axis.Step(i % 4 ? 0.0 : -20e-6, 2.0);
   EXPECT_EQ(axis.given, 2.0);
 }
@@ -180,7 +180,7 @@ TEST(EnergyStage, GrantsARampWhatTheCouplingHoldsAndNoMoreHoweverLongItPushes) {
       z += way;
       given_J += held_N * way;
       const double gain = std::min(1.0, (i + 1) / 200.0);
-      // A wall that lets go as it should, and one that pushes on for ever.
+      // A wall that lets go, and one that pushes for ever.
       const double wanted = spring ? std::max(0.0, kForce_N - kStiffness * z) : kForce_N;
       const Wrench out = stage.Pass({Vec3(0, 0, wanted), Vec3::Zero()}, gain,
                                     {Vec3(0, 0, z), Quat::Identity()}, kTick, i > 0, gain < 1.0);
@@ -193,7 +193,7 @@ TEST(EnergyStage, GrantsARampWhatTheCouplingHoldsAndNoMoreHoweverLongItPushes) {
   }
 }
 
-/// A server that lies to get energy into a hand, which comes back each time that nothing pushes it.
+/// A server that lies to get energy into a hand; the hand comes back whenever nothing pushes it.
 class LyingServer : public testing::Test {
  protected:
   static constexpr double kPush_N = 5.0;
@@ -205,7 +205,7 @@ class LyingServer : public testing::Test {
     limiter.Enable(true);
     z = held_N = silence_s = given_J = most_given_J = 0.0;
   }
-  /// So many ticks in which the hand moves at that speed and the server wants that force.
+  /// Runs `ticks` in which the hand moves at `v` and the server wants the force `wanted`.
   void Run(int ticks, double v, double wanted, bool entering = false, bool answers = true) {
     for (int i = 0; i < ticks; ++i) {
       z += v * kTick;
@@ -230,13 +230,13 @@ class LyingServer : public testing::Test {
   double given_J = 0.0, most_given_J = 0.0;
 };
 
-/// By beginning again and again, by falling silent in between, or by waiting until the hand rests.
+/// It begins again and again, falls silent in between, or waits until the hand rests.
 TEST_F(LyingServer, GetsNoMoreThanOneBudgetIntoAHand) {
   enum Way { kBeginsAgain, kFallsSilent, kWaits };
   for (const Way way : {kBeginsAgain, kFallsSilent, kWaits}) {
     SCOPED_TRACE(way);
     SetUp();
-    // Who waits never wants nothing: it is one contact still.
+    // When it waits, its force is never quite zero, so the contact never ends.
     const double between_N = way == kWaits ? 1e-6 : way == kFallsSilent ? kPush_N : 0.0;
     Run(300, 0.0, way == kWaits ? 1e-6 : 0.0);
     for (int i = 0; i < 50; ++i) {
@@ -254,7 +254,7 @@ TEST_F(LyingServer, IsNotTakenForOneThatIsStartedAgainUnderAHandThatRests) {
   for (int i = 0; i < 50; ++i) {
     Run(100, 0.0, kPush_N, false, false);
     Run(500, 0.0, kPush_N);
-    // What was not used came back: the hand is still pushed out whole at the end.
+    // Unused budget came back: at the end the hand is still pushed out with the whole force.
     ASSERT_EQ(held_N, kPush_N) << i;
     ASSERT_LE(limiter.energy().lent_J(), 0.5 * kPush_N * kPush_N / 1000.0 + 1e-9);
   }
@@ -281,8 +281,8 @@ TEST(EnergyStage, ForgetsTheHeatOfFrictionSoThatNoActivePhaseHidesBehindIt) {
   for (int i = 0; i < 10'000; ++i) axis.Step(-1e-4, 2.0);  // 2 J of drag
   EXPECT_GT(axis.stage.observer().energy_J(), 1.9);
   const double before = axis.Generated();
-  for (int i = 0; i < 10'000; ++i) axis.Step(1e-4, 2.0);  // and all of it back, if it could
-  // What a contact could hold, and what came in while it was being forgotten.
+  for (int i = 0; i < 10'000; ++i) axis.Step(1e-4, 2.0);  // the same back, if allowed
+  // What a contact can store, and what came in while the rest was being forgotten.
   const double held = 0.5 * 2.0 * EnergyStage::kDeepest_m;
   EXPECT_LE(axis.Generated() - before, held + 2.0 * 0.1 * EnergyStage::kForget_s);
 }
@@ -306,7 +306,7 @@ TEST(EnergyStage, DoesNotChatterUnderEncoderNoiseAtRest) {
     most = std::max(most, std::abs(axis.Step(next - at, wanted) - wanted));
     at = next;
   }
-  // 3 N, and 20 mm/s up and down by every second tick: what is seen is an encoder's step of 20 mN.
+  // At 3 N, moving 20 mm/s back and forth each tick, one encoder step of 20 mN is left.
   EXPECT_LE(most, 0.1);
 }
 
@@ -333,7 +333,7 @@ TEST(EnergyStage, MovesNoFasterThanItsShareOfTheSlewLimit) {
   }
 }
 
-/// The goal: whatever the delay, the hand is given no energy.
+/// Whatever the delay, the hand is given no energy.
 class EnergyAtThePort : public testing::TestWithParam<int> {};
 
 TEST_P(EnergyAtThePort, IsNeverGivenInAClosedLoopWithDelayAndLoss) {
@@ -364,8 +364,8 @@ TEST_P(EnergyAtThePort, IsNeverGivenInAClosedLoopWithDelayAndLoss) {
   }
 }
 
-/// No force foresees that the machine will not run the next tick: what is held meanwhile works on,
-/// and is taken back.
+/// The force held while a tick is late does work that the stage could not foresee; the stage takes
+/// it back afterwards.
 TEST_P(EnergyAtThePort, IsTakenBackWhereTicksAreLate) {
   for (const double stiffness : {300.0, 1000.0, 2000.0}) {
     for (unsigned seed = 1; seed <= 3; ++seed) {
@@ -381,7 +381,7 @@ TEST_P(EnergyAtThePort, IsTakenBackWhereTicksAreLate) {
       WrenchLimiter limiter(PhantomLimits());
       limiter.SetStiffness(stiffness);
       const PortLoopFigures figures = RunPortLoop(limiter, c);
-      // One late tick at the greatest force and speed that there were.
+      // One late tick at the greatest force and speed of the run.
       const double one_J =
           stiffness * figures.deepest_m * figures.fastest_m_s * test::kMostLateTick_s;
       EXPECT_LE(figures.generated_J, 0.0);

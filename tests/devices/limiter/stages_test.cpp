@@ -178,7 +178,7 @@ TEST(AgeStage, NeverMovesFasterThanItSays) {
   }
 }
 
-/// Wants a force for so long, and takes what there is; the last of it.
+/// Asks for `force_N` for `seconds` and applies what is allowed; returns the last.
 double Press(TemperatureStage& stage, double force_N, double seconds, double reported = kNan) {
   double given = 0.0;
   for (int i = 0; i < static_cast<int>(seconds / kTick); ++i) {
@@ -215,7 +215,7 @@ TEST(TemperatureStage, NeverWarmsPastTheLimitWhateverIsWanted) {
     Press(stage, i % 3 == 0 ? 22.0 : 0.5 * (i % 40), 0.5);
     warmest = std::max(warmest, stage.warmth());
   }
-  // One tick's step at the peak: (22/3)^2 1 ms / 60 s.
+  // One tick at the peak warms by (22/3)^2 1 ms / 60 s.
   EXPECT_LE(warmest, 1.0 + 1e-3);
   EXPECT_GT(warmest, 0.9);
 }
@@ -241,15 +241,13 @@ TEST(TemperatureStage, BringsTheForceDownSmoothly) {
 TEST(TemperatureStage, BelievesADeviceThatIsWarmerThanTheModel) {
   TemperatureStage stage(PhantomLimits());
   EXPECT_NEAR(Press(stage, 22.0, 0.3, 1.0), 3.0, 1e-9);
-  EXPECT_NEAR(stage.warmth(), 1.0, 0.1);  // while the bound came down, it was overdrawn
+  EXPECT_NEAR(stage.warmth(), 1.0, 0.1);  // overdrawn while the bound came down
 }
 
 TEST(TemperatureStage, IgnoresAReportThatIsCoolerOrNone) {
   TemperatureStage plain(PhantomLimits()), told(PhantomLimits());
   Press(plain, 22.0, 10.0);
-  for (const double report : {0.0, -1.0, 1.1, kNan, kInf}) {
-    Press(told, 22.0, 2.0, report);
-  }
+  for (const double report : {0.0, -1.0, 1.1, kNan, kInf}) Press(told, 22.0, 2.0, report);
   EXPECT_EQ(plain.warmth(), told.warmth());
 }
 

@@ -84,7 +84,7 @@ class MouseDeviceTest : public testing::Test {
     if (ends_[1] >= 0) close(ends_[1]);
     ends_[1] = -1;
   }
-  /// Ticks, as many as it takes for the lines to come through.
+  /// Ticks until the condition holds: the lines take a while to come through.
   template <class Condition>
   bool TickUntil(Condition condition) {
     for (int i = 0; i < 20'000; ++i) {

@@ -1,11 +1,10 @@
-// A libHD.so that is no arm's: the same binary interface, a scheduler of its own, a simulated arm.
+// A libHD.so without an arm: the vendor's binary interface, a scheduler and a simulated arm.
 #include "tests/devices/openhaptics/fake_hd.h"
 
 #include <algorithm>
 #include <cmath>
 #include <condition_variable>
 #include <cstdlib>
-#include <cstring>
 #include <memory>
 #include <mutex>
 #include <thread>
@@ -23,7 +22,7 @@ namespace {
 constexpr hd::Handle kHandle = 7;
 constexpr std::int64_t kWatchdog_ns = 20'000'000;
 constexpr std::size_t kMostRecords = 1 << 17;
-// The arm and the hand.
+// Parameters of the arm and the hand.
 constexpr double kMass_kg = 0.2;
 constexpr double kHand_N_m = 2000.0;
 constexpr double kHand_N_s_m = 20.0;
@@ -51,7 +50,7 @@ struct Task {
   hd::Callback call = nullptr;
   void* data = nullptr;
   std::uint16_t priority = 0;
-  bool done = false;  // of a synchronous one
+  bool done = false;  // of a synchronous task
 };
 
 thread_local bool in_callback = false;
@@ -62,7 +61,7 @@ class Library final : public FakeHd {
     calls_.reserve(kMostRecords);
     frames_.reserve(kMostRecords);
     FakeHdSetup first;
-    first.held_fast = false;  // a station's server answers what the arm does
+    first.held_fast = false;  // a station's server answers to how the arm moves
     if (const char* file = std::getenv(kFakeArmVariable)) {
       shared_ = MapArm(file);
       first.real_time = true;
@@ -150,7 +149,7 @@ class Library final : public FakeHd {
         name ? std::count(setup.names.begin(), setup.names.end(), name) > 0 : setup.default_name;
     if (!known) return Refuse(hd::kDeviceFault), hd::kInvalidHandle;
     initialised_ = current_ = true;
-    motors_on_ = true;  // whoever relies on the opposite is shown to be wrong
+    motors_on_ = true;  // a driver that relies on the opposite fails
     return kHandle;
   }
   void MakeCurrent(hd::Handle handle) {
@@ -171,7 +170,7 @@ class Library final : public FakeHd {
     const std::lock_guard lock(mutex_);
     const hd::Code failure = Enter(k_hdBeginFrame);
     if (failure >= hd::kIllegalBegin && failure <= hd::kFrameError) {
-      refused_frame_ = true;  // what follows in it is not the driver's mistake
+      refused_frame_ = true;  // calls within it are not the driver's mistake
       return;
     }
     refused_frame_ = false;
@@ -400,7 +399,7 @@ class Library final : public FakeHd {
       return;
     }
     lock.unlock();
-    RunTick(nullptr);  // the first comes by itself
+    RunTick(nullptr);  // the first tick comes by itself
   }
   void StopScheduler() {
     {
@@ -434,7 +433,7 @@ class Library final : public FakeHd {
     const std::lock_guard lock(mutex_);
     return value;
   }
-  /// Each call: recorded, and given the error that the test wants it to have, or 0.
+  /// Records a call.  Returns the error that the test wants it to have, or 0.
   hd::Code Enter(Function function) {
     const auto index = static_cast<std::size_t>(function);
     ++counts_[index];

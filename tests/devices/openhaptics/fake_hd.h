@@ -10,31 +10,31 @@
 
 namespace palpate::test {
 
-/// The arm behind the fake library: a point mass in the grip of a hand, which is a spring and a
-/// damper to where the test wants it.  All atomics, so that it can lie in a file that another
-/// process sees, too (kFakeArmVariable).
+/// The arm behind the fake library: a point mass held by a hand, which is a spring and a damper to
+/// where the test wants it.  All atomics, so that it can lie in a file that another process maps
+/// (kFakeArmVariable).
 struct FakeArm {
   // What the test sets.
   std::array<std::atomic<double>, 3> hand_mm{};
   std::atomic<std::uint32_t> buttons{0};
-  // What came of it.
+  // What the arm does.
   std::array<std::atomic<double>, 3> position_mm{};
-  std::atomic<double> force_N{0.0};            ///< of the motors just now, its norm
-  std::atomic<double> most_force_N{0.0};       ///< so far
-  std::atomic<std::int64_t> last_force_ns{0};  ///< steady clock: when it was last more than none
+  std::atomic<double> force_N{0.0};            ///< norm of the motors' force now
+  std::atomic<double> most_force_N{0.0};       ///< the greatest so far
+  std::atomic<std::int64_t> last_force_ns{0};  ///< steady clock: when the force was last not zero
   std::atomic<std::uint64_t> ticks{0};
 };
 
-/// Names a file that holds a FakeArm; the library then takes that one and runs in real time.
+/// Names a file with a FakeArm, which the library then uses, in real time.
 inline constexpr const char* kFakeArmVariable = "PALPATE_FAKE_HD_ARM";
 
 inline const std::string kAnyFunction;
 
 /// What the library pretends to have.
 struct FakeHdSetup {
-  bool real_time = false;  ///< a scheduler thread of its own; else the test calls Tick
+  bool real_time = false;  ///< has a scheduler thread; else the test calls Tick
   std::vector<std::string> names = {"Default Device"};
-  bool default_name = true;  ///< hdInitDevice(NULL) opens it
+  bool default_name = true;  ///< whether hdInitDevice(NULL) succeeds
   hd::Code init_error = hd::kSuccess;
   int input_dof = 6;
   int output_dof = 6;
@@ -47,13 +47,13 @@ struct FakeHdSetup {
   hd::Enum calibration = hd::kCalibrationOk;
   bool has_temperature = true;
   bool has_inkwell = true;
-  /// Nothing moves the arm but the test: of a constant force on a hand that gives way the limiter
-  /// would let nothing through.
+  /// Only the test moves the arm: under a constant force a hand that gives way would absorb
+  /// nothing, and the limiter would pass nothing.
   bool held_fast = true;
   hd::Enum refused_capability = 0;
 };
 
-/// One frame, as the arm got it.
+/// One frame as the arm got it.
 struct FakeFrame {
   std::uint64_t tick = 0;
   bool force_set = false;
@@ -63,10 +63,10 @@ struct FakeFrame {
   std::array<double, 3> torque_mNm{};
 };
 
-/// The fake library's other side.  It is strict: what a real library would forbid, or answer in a
-/// way that nobody knows, is a violation.
-/// Thread contract: setup, the fields and Tick belong to the test's thread while the scheduler of
-/// real time does not run; the methods may be called at any time.
+/// The test's side of the fake library.  Whatever a real library would forbid, or answer in an
+/// undocumented way, is a violation.
+/// Thread contract: setup, the fields and Tick belong to the test's thread while the real-time
+/// scheduler does not run; the methods may be called at any time.
 class FakeHd {
  public:
   FakeHdSetup setup;
@@ -74,19 +74,19 @@ class FakeHd {
   std::array<double, 16> transform_scale{};  ///< added to the transform: an encoder's noise
   std::array<double, 6> temperature{};
   bool docked = false;
-  bool unplugged = false;       ///< getters give nothing, each frame ends with HD_COMM_ERROR
+  bool unplugged = false;       ///< getters return nothing, and each frame ends with HD_COMM_ERROR
   double tick_elapsed_s = 0.0;  ///< of virtual time
-  hd::Code endless_error = hd::kSuccess;  ///< what hdGetError gives for ever
+  hd::Code endless_error = hd::kSuccess;  ///< what hdGetError always returns
   std::array<double, 4> rotation_wxyz{1.0, 0.0, 0.0, 0.0};
 
-  /// As if the library had just been loaded.
+  /// Puts the library into the state after loading.
   virtual void Reset(const FakeHdSetup& setup) = 0;
-  /// Virtual time: so many ticks of the scheduler, in this thread.
+  /// In virtual time: runs `count` ticks of the scheduler in this thread.
   virtual void Tick(int count = 1) = 0;
-  /// The nth call of that function (kAnyFunction: of all together) from now on, 1 the next, gives
-  /// this error.
+  /// Makes the nth call of `function` (kAnyFunction: of all functions) from now on report `code`; 1
+  /// is the next call.
   virtual void Fail(const std::string& function, int nth, hd::Code code) = 0;
-  /// Real time: the scheduler's thread ends, and nobody is told.
+  /// In real time: ends the scheduler's thread without telling anybody.
   virtual void Die() = 0;
   virtual void SetCalibration(hd::Enum status) = 0;
 
@@ -94,11 +94,11 @@ class FakeHd {
   virtual std::vector<std::string> Calls() = 0;  ///< in order
   virtual std::vector<FakeFrame> Frames() = 0;
   virtual int CallsOf(const std::string& function) = 0;
-  /// Styles given to hdUpdateCalibration.
+  /// Styles passed to hdUpdateCalibration.
   virtual std::vector<hd::Enum> Calibrations() = 0;
   virtual bool FailurePending() = 0;
-  /// Motors just now.  The amplifier's watchdog is part of the model: 20 ms after the last frame
-  /// they are off.
+  /// Norm of the motors' force now [N].  Models the amplifier's watchdog: 20 ms after the last
+  /// frame the motors are off.
   virtual double MotorForce() = 0;
   virtual bool motors_on() = 0;
   virtual bool running() = 0;
@@ -108,7 +108,7 @@ class FakeHd {
   ~FakeHd() = default;
 };
 
-/// What the library exports beside HD's own functions.
+/// The function that the library exports beside HD's own.
 inline constexpr const char* kFakeHdFunction = "palpate_fake_hd";
 
 }  // namespace palpate::test

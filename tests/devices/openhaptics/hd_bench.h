@@ -11,7 +11,7 @@ class ArmTest : public FakeLibraryTest<FakeHd, OpenHapticsDevice> {
   ArmTest() : FakeLibraryTest(PALPATE_FAKE_HD, hd::kLibraryVariable, kFakeHdFunction) {}
 };
 
-/// In virtual time: the library's scheduler ticks when the bench says so.
+/// In virtual time: the library's scheduler ticks when the bench runs.
 struct ArmBench : AnsweredArm<OpenHapticsDevice> {
   ArmBench(FakeHd& fake_hd, const DeviceOptions& options) : AnsweredArm(options), fake(fake_hd) {
     fault_ends_forces = false;
@@ -30,7 +30,6 @@ struct ArmBench : AnsweredArm<OpenHapticsDevice> {
       if (i % 10 == 0) Attend();
     }
   }
-  /// Force that the motors have.
   double force() { return fake.MotorForce(); }
   bool RunUntilForce(int most_ticks = 2000) { return test::RunUntilForce(*this, most_ticks); }
 

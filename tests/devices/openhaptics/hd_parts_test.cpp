@@ -8,7 +8,6 @@
 #include <vector>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "devices/openhaptics/device_nodes.h"
 #include "devices/openhaptics/hd_abi.h"
@@ -76,8 +75,8 @@ TEST(HdLibrary, TriesTheFileThatTheVariableNamesAlone) {
 static_assert(sizeof(Handle) == 4 && sizeof(SchedulerHandle) == 8 && sizeof(long) == 8);
 static_assert(sizeof(ErrorInfo) == 12 && std::is_trivially_copyable_v<ErrorInfo>);
 
-// A second entry of the figures, from the public documentation and not from the header: a slip of
-// the pen in either shows.
+// The figures once more, from the public documentation and not from the header, so that a typing
+// error in either shows.
 TEST(HdAbi, HasTheDocumentedNumbers) {
   EXPECT_THAT(std::vector<unsigned>(
                   {kCurrentButtons, kCurrentInkwellSwitch, kCurrentVelocity, kCurrentTransform}),
@@ -124,8 +123,8 @@ TEST(HdError, NamesEveryCodeOnceAndHasARemedyForIt) {
   EXPECT_EQ(codes.size(), 22u);
 }
 
-TEST(HdError, DropsContactForTooMuchForceAndLatchesForWhatIsBroken) {
-  // The vendor's own helper leaves the impulse out of the force errors.
+TEST(HdError, DropsContactForTooMuchForceAndLatchesForWhatIsBrokenOrUnknown) {
+  // The vendor's own helper does not count the impulse among the force errors.
   for (const Code code :
        {kExceededMaxForce, kExceededMaxForceImpulse, kExceededMaxVelocity, kForceError}) {
     EXPECT_EQ(ClassOf(code), ErrorClass::kForce) << code;
@@ -135,9 +134,6 @@ TEST(HdError, DropsContactForTooMuchForceAndLatchesForWhatIsBroken) {
     EXPECT_EQ(ClassOf(code), ErrorClass::kFatal) << code;
   }
   EXPECT_EQ(ClassOf(kSuccess), ErrorClass::kNone);
-}
-
-TEST(HdError, TakesAnUnknownCodeForTheWorst) {
   EXPECT_EQ(ClassOf(0x999), ErrorClass::kUse);
   EXPECT_THAT(Describe({0x999, 3, 0}), HasSubstr("an unknown error (0x999, internal 3)"));
 }

@@ -17,7 +17,7 @@ using testing::Not;
 
 class OpenHapticsDeviceTest : public ArmTest {
  protected:
-  /// Where a call stands among all, from 0; -1 where it is not.
+  /// Index of the first call of `function`; -1: it was not called.
   long Place(const std::string& function) {
     const auto calls = fake.Calls();
     const auto found = std::find(calls.begin(), calls.end(), function);
@@ -68,8 +68,7 @@ TEST_F(OpenHapticsDeviceTest, RunsAtTheRateAskedForOrAtTheOneThatTheArmKeeps) {
   DeviceOptions options = Options();
   options.rate_Hz = 4000.0;
   EXPECT_EQ(OpenHapticsDevice(options).info().rate_Hz, 4000.0);
-  setup.most_rate_Hz = 1000;
-  fake.Reset(setup);
+  fake.Reset({.most_rate_Hz = 1000});
   OpenHapticsDevice slow(options);
   EXPECT_EQ(slow.info().rate_Hz, 1000.0);
   EXPECT_THAT(slow.Attend(), HasSubstr("does not take the rate asked for; it runs at 1000 Hz"));
@@ -116,38 +115,28 @@ TEST_F(OpenHapticsDeviceTest, SaysWhyTheArmDoesNotOpenAndWhatToDo) {
 }
 
 TEST_F(OpenHapticsDeviceTest, SaysThatTheSchedulerDoesNotTickAndDoesNotWaitForItForEver) {
-  setup.real_time = true;
-  fake.Reset(setup);
+  fake.Reset({.real_time = true});
   fake.Die();
   EXPECT_THAT(OpeningError(), HasSubstr("scheduler was started but does not run; check"));
   EXPECT_FALSE(fake.opened());
 }
 
 TEST_F(OpenHapticsDeviceTest, RefusesAnArmWhoseFiguresBoundNothing) {
-  const auto error_of = [this] {
-    fake.Reset(setup);
-    return OpeningError();
-  };
-  setup.max_force_N = 0.0;
-  EXPECT_THAT(error_of(), HasSubstr("HD_NOMINAL_MAX_FORCE [N] is 0"));
-  setup.max_force_N = 8500.0;
-  EXPECT_THAT(error_of(), HasSubstr("at most 50"));
-  setup.max_force_N = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(error_of(), HasSubstr("is nan"));
-  setup = {};
-  setup.max_torque_mNm = -1.0;
-  EXPECT_THAT(error_of(), HasSubstr("HD_NOMINAL_MAX_TORQUE_FORCE"));
-  setup = {};
-  setup.output_dof = 4;
-  EXPECT_THAT(error_of(), HasSubstr("HD_OUTPUT_DOF is 4"));
-  setup = {};
-  setup.input_dof = 0;
-  EXPECT_THAT(error_of(), HasSubstr("HD_INPUT_DOF is 0"));
+  const std::pair<FakeHdSetup, const char*> cases[] = {
+      {{.max_force_N = 0.0}, "HD_NOMINAL_MAX_FORCE [N] is 0"},
+      {{.max_force_N = 8500.0}, "at most 50"},
+      {{.max_force_N = std::nan("")}, "is nan"},
+      {{.max_torque_mNm = -1.0}, "HD_NOMINAL_MAX_TORQUE_FORCE"},
+      {{.output_dof = 4}, "HD_OUTPUT_DOF is 4"},
+      {{.input_dof = 0}, "HD_INPUT_DOF is 0"}};
+  for (const auto& [figures, why] : cases) {
+    fake.Reset(figures);
+    EXPECT_THAT(OpeningError(), HasSubstr(why));
+  }
 }
 
 TEST_F(OpenHapticsDeviceTest, SaysWhichBoundOfItsOwnTheLibraryDoesNotTake) {
-  setup.refused_capability = hd::kForceRamping;
-  fake.Reset(setup);
+  fake.Reset({.refused_capability = hd::kForceRamping});
   OpenHapticsDevice arm(Options());
   EXPECT_THAT(arm.Attend(), HasSubstr("does not take HD_FORCE_RAMPING"));
 }
@@ -161,8 +150,7 @@ TEST_F(OpenHapticsDeviceTest, LeavesACalibratedArmAlone) {
 }
 
 TEST_F(OpenHapticsDeviceTest, CalibratesOneThatDoesItByItselfOnceItHasBeenMoved) {
-  setup.calibration = hd::kCalibrationNeedsManualInput;
-  fake.Reset(setup);
+  fake.Reset({.calibration = hd::kCalibrationNeedsManualInput});
   ArmBench bench(fake, Options());
   bench.Run(1000);
   EXPECT_THAT(bench.news, HasSubstr("(automatic): move the stylus slowly"));
@@ -177,9 +165,8 @@ TEST_F(OpenHapticsDeviceTest, CalibratesOneThatDoesItByItselfOnceItHasBeenMoved)
 }
 
 TEST_F(OpenHapticsDeviceTest, AsksForTheInkwellAndCalibratesInIt) {
-  setup.styles = hd::kInkwell | hd::kEncoderReset;
-  setup.calibration = hd::kCalibrationNeedsManualInput;
-  fake.Reset(setup);
+  fake.Reset({.styles = hd::kInkwell | hd::kEncoderReset,
+              .calibration = hd::kCalibrationNeedsManualInput});
   ArmBench bench(fake, Options());
   bench.Run(1000);
   EXPECT_THAT(bench.news, HasSubstr("(inkwell): put the stylus into the inkwell"));
@@ -226,9 +213,7 @@ TEST_F(OpenHapticsDeviceTest, CalibratesACalibratedArmWhereTheUserAsksForIt) {
 }
 
 TEST_F(OpenHapticsDeviceTest, StaysOffWhereTheArmNamesNoStyleOfCalibration) {
-  setup.styles = 0;
-  setup.calibration = hd::kCalibrationNeedsUpdate;
-  fake.Reset(setup);
+  fake.Reset({.styles = 0, .calibration = hd::kCalibrationNeedsUpdate});
   ArmBench bench(fake, Options());
   bench.Run(2000);
   EXPECT_THAT(bench.news, HasSubstr("calibrate it with its vendor's program"));
@@ -238,8 +223,7 @@ TEST_F(OpenHapticsDeviceTest, StaysOffWhereTheArmNamesNoStyleOfCalibration) {
 // State.
 
 TEST_F(OpenHapticsDeviceTest, ReadsPoseAndVelocityInMetresAndTheScenesAxes) {
-  setup.held_fast = false;
-  fake.Reset(setup);
+  fake.Reset({.held_fast = false});
   const Quat q = RotationExp(Vec3(0.3, -1.1, 0.7));
   fake.rotation_wxyz = {q.w(), q.x(), q.y(), q.z()};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -303,8 +287,7 @@ TEST_F(OpenHapticsDeviceTest, TellsButtonsTemperaturesAndTheInkwell) {
 }
 
 TEST_F(OpenHapticsDeviceTest, AsksOnceForWhatAnArmDoesNotHave) {
-  setup.has_temperature = setup.has_inkwell = false;
-  fake.Reset(setup);
+  fake.Reset({.has_temperature = false, .has_inkwell = false});
   ArmBench bench(fake, Options());
   EXPECT_TRUE(bench.RunUntilForce());
   EXPECT_EQ(fake.CallsOf("hdGetBooleanv"), 1);
@@ -330,8 +313,7 @@ TEST_F(OpenHapticsDeviceTest, GivesTheArmExactlyWhatTheLimiterLetThroughInItsUni
 }
 
 TEST_F(OpenHapticsDeviceTest, SetsNoTorqueWhereNoneIsRenderedAndSaysWhatIsLost) {
-  setup.output_dof = 3;
-  fake.Reset(setup);
+  fake.Reset({.output_dof = 3});
   OpenHapticsDevice arm(Options());
   EXPECT_EQ(arm.info().torque_axes, 0);
   Wrench wrench{};
@@ -357,7 +339,7 @@ TEST_F(OpenHapticsDeviceTest, SetsNothingWhereNobodyComputesAForce) {
 TEST_F(OpenHapticsDeviceTest, RendersNothingOnceTheStationsTickStaysOut) {
   ArmBench bench(fake, Options());
   ASSERT_TRUE(bench.RunUntilForce());
-  bench.arm.StartTicks([] {});  // a loop that computes nothing any more
+  bench.arm.StartTicks([] {});  // a loop that no longer computes anything
   fake.Tick();
   EXPECT_FALSE(fake.Frames().back().force_set);
   EXPECT_EQ(bench.force(), 0.0);
@@ -394,7 +376,7 @@ TEST_F(OpenHapticsDeviceTest, LosesTheForceWithinOneFrameWhenItIsUnpluggedInCont
 
 TEST_F(OpenHapticsDeviceTest, RestsWhileTheMotorsAreHotAndGoesOnWhenTheyHaveCooled) {
   ArmBench bench(fake, Options());
-  bench.wrench.force = Vec3(0.0, 1.0, 0.0);  // what warm motors stand, too
+  bench.wrench.force = Vec3(0.0, 1.0, 0.0);  // warm motors may give it, too
   ASSERT_TRUE(bench.RunUntilForce());
   fake.temperature[2] = 1.0;
   fake.Fail("hdEndFrame", 1, hd::kWarmMotors);
@@ -410,7 +392,7 @@ TEST_F(OpenHapticsDeviceTest, RestsWhileTheMotorsAreHotAndGoesOnWhenTheyHaveCool
 
 TEST_F(OpenHapticsDeviceTest, DoesNotTakeAMotorForCoolWhoseTemperatureIsNoNumber) {
   for (const std::size_t motor : {0u, 5u}) {
-    fake.Reset(setup);
+    fake.Reset({});
     ArmBench bench(fake, Options());
     ASSERT_TRUE(bench.RunUntilForce());
     fake.temperature[motor] = std::numeric_limits<double>::quiet_NaN();

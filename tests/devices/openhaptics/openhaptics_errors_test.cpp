@@ -1,6 +1,6 @@
-// Every error of the library, at every one of its calls.
-// The station's servo thread in the arm's own: real threads, so that ThreadSanitizer has something
-// to see.  What counts here is order, not time.
+// Every error of the library, at each of its calls.  Then the station's servo loop in the arm's
+// thread: real threads, so that ThreadSanitizer has something to see.  What counts here is order,
+// not time.
 #include <atomic>
 #include <chrono>
 #include <set>
@@ -17,7 +17,7 @@ using testing::HasSubstr;
 
 class OpenHapticsErrors : public ArmTest {
  protected:
-  /// All but success, and one that nobody knows.
+  /// All error codes, and one that is not documented.
   static std::vector<hd::Code> Codes() {
     std::vector<hd::Code> codes{0x9999};
     for (const hd::ErrorText& text : hd::ErrorTexts()) {
@@ -33,7 +33,7 @@ TEST_F(OpenHapticsErrors, WhileItOpensEndInAMessageOrInAnArmThatIsInOrder) {
   int calls = 0;
   for (const std::string& function : fake.Calls()) {
     ++calls;
-    if (function == "hdScheduleSynchronous") break;  // from here on it is open
+    if (function == "hdScheduleSynchronous") break;  // the device is open from here on
   }
   std::set<std::string> failed;
   for (int nth = 1; nth <= calls; ++nth) {
@@ -55,8 +55,8 @@ TEST_F(OpenHapticsErrors, WhileItOpensEndInAMessageOrInAnArmThatIsInOrder) {
   EXPECT_GT(failed.size(), 5 * Codes().size()) << "most calls' errors are told, each in its words";
 }
 
-/// Until the first force, and in contact with it: whatever comes, no frame after the error has
-/// force until the ramp, the force never rises by a step, and no rule of the library is broken.
+/// From the first tick into contact: after any error no frame has force until the ramp, the force
+/// never rises by a step, and no rule of the library is broken.
 TEST_F(OpenHapticsErrors, FromTheFirstTickOnNeverGiveAStepOfForce) {
   int calls = 0;
   {
@@ -70,7 +70,7 @@ TEST_F(OpenHapticsErrors, FromTheFirstTickOnNeverGiveAStepOfForce) {
     if (function == "hdScheduleSynchronous") break;
   }
   int tried = 0;
-  // A prime stride: every kind of call, in ticks all along the way.
+  // A prime stride tries every kind of call, in ticks all along the way.
   for (int nth = first; nth <= calls; nth += 7) {
     const auto codes = Codes();
     const hd::Code code = codes[static_cast<std::size_t>(tried++) % codes.size()];
@@ -78,19 +78,14 @@ TEST_F(OpenHapticsErrors, FromTheFirstTickOnNeverGiveAStepOfForce) {
     fake.Reset({});
     fake.Fail(kAnyFunction, nth, code);
     ArmBench bench(fake, Options());
-    double last = 0.0;
-    for (int i = 0; i < 500; ++i) {
-      bench.Run(1);
-      EXPECT_LE(bench.force(), last + 0.05) << "tick " << i;
-      last = bench.force();
-    }
+    RunWithoutAStep(bench, 500);
     EXPECT_FALSE(fake.FailurePending());
     if (HasFailure()) return;
   }
   EXPECT_GT(tried, 300);
 }
 
-/// The functions that a tick calls, and what each class of error does in contact.
+/// For each function that a tick calls: what each class of error does in contact.
 TEST_F(OpenHapticsErrors, InContactTakeTheForceAwayWithinOneFrameAndGiveItBackAsTheirClassAllows) {
   const std::vector<std::string> functions = {"hdBeginFrame", "hdEndFrame",
                                               "hdGetDoublev", "hdGetIntegerv",
@@ -134,7 +129,7 @@ TEST_F(OpenHapticsErrors, OfWhatIsAskedTenTimesASecondCountAsWell) {
     fake.Fail("hdGetBooleanv", 1, code);
     while (fake.FailurePending()) bench.Run(1);
     const hd::ErrorClass error_class = hd::ClassOf(code);
-    // A query that the arm does not know is not asked again, and no reason to let go.
+    // A query that the arm does not know is not repeated, and no reason to switch the force off.
     const bool tolerated = error_class == hd::ErrorClass::kUse;
     EXPECT_EQ(bench.force() > 0.0, tolerated);
     EXPECT_EQ(bench.RunUntilForce(5000), error_class != hd::ErrorClass::kFatal);
@@ -142,8 +137,7 @@ TEST_F(OpenHapticsErrors, OfWhatIsAskedTenTimesASecondCountAsWell) {
 }
 
 TEST_F(OpenHapticsErrors, OfCalibrationLeaveTheMotorsOff) {
-  FakeHdSetup setup;
-  setup.calibration = hd::kCalibrationNeedsUpdate;
+  const FakeHdSetup setup{.calibration = hd::kCalibrationNeedsUpdate};
   for (const std::string function :
        {"hdMakeCurrentDevice", "hdCheckCalibration", "hdUpdateCalibration"}) {
     for (const hd::Code code : Codes()) {
@@ -171,9 +165,7 @@ TEST_F(OpenHapticsErrors, WhileTheMotorsAreSwitchedAndWhileItStopsEndWithThemOff
       fake.Reset({});
       {
         ArmBench bench(fake, Options());
-        if (function != "hdEnable") {
-          ASSERT_TRUE(bench.RunUntilForce());
-        }
+        ASSERT_TRUE(function == "hdEnable" || bench.RunUntilForce());
         fake.Fail(function, 1, code);
         if (function == "hdEnable") {
           while (fake.FailurePending()) bench.Run(1);
@@ -202,11 +194,7 @@ using std::chrono::milliseconds;
 
 class OpenHapticsRealtime : public ArmTest {
  protected:
-  void SetUp() override {
-    FakeHdSetup setup;
-    setup.real_time = true;
-    fake.Reset(setup);
-  }
+  void SetUp() override { fake.Reset({.real_time = true}); }
 };
 
 using LiveStation = AnsweredServo<OpenHapticsDevice>;
@@ -291,7 +279,7 @@ TEST_F(OpenHapticsRealtime, LeavesNoForceBehindWhenTheStationsTickHangsNorWhenIt
   ASSERT_TRUE(Eventually([&] { return attend() && fake.MotorForce() > 0.2; }));
   hang = true;
   ASSERT_TRUE(Eventually([&] { return hung.load(); }));
-  // The frame never ends: the amplifier hears nothing, and its watchdog lets go.
+  // The frame does not end: the amplifier hears nothing, and its watchdog switches the motors off.
   ASSERT_TRUE(Eventually([&] { return fake.MotorForce() == 0.0; }));
   ASSERT_TRUE(Eventually([&] { return attend() && arm.State().long_ticks > 0; }));
   hang = false;

@@ -1,5 +1,5 @@
-// The whole of it: palpate-server, and palpate-station with the driver and a library that is faked.
-// What the motors of the arm do is read from a file that the library keeps.
+// End to end: palpate-server, and palpate-station with the driver and a fake of the vendor's
+// library.  The library keeps what the arm's motors do in a file that the test reads.
 #include <cmath>
 #include <csignal>
 #include <cstdlib>
@@ -9,7 +9,6 @@
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -28,10 +27,10 @@ namespace {
 using testing::HasSubstr;
 
 const std::string kDomain = std::to_string(OwnDomain());
-/// A machine that held nothing up for longer than the age stage lets pass without a change cannot
-/// have spoilt a touch.
+/// A touch cannot have been spoilt unless the machine stalled for longer than the age stage passes
+/// a reply unchanged.
 constexpr double kStallThatIsFelt_ms = 1e3 * AgeStage::kSilenceWhole_s;
-/// The top of the scene's cube, for the centre of its ball.
+/// Height of the ball's centre when it rests on the scene's cube.
 constexpr double kTop_mm = 30.0;
 
 class OpenHapticsStation : public testing::Test {
@@ -70,7 +69,7 @@ class OpenHapticsStation : public testing::Test {
                more));
     ASSERT_TRUE(station_->Says("session: tool", 60.0)) << station_->Output();
   }
-  /// Both are read now and then, so that no full pipe stops them.
+  /// Waits, reading both programs' output so that no full pipe stops them.
   bool Eventually(const std::function<bool()>& so, double seconds = 60.0) {
     return test::Eventually(
         [&] {
@@ -83,7 +82,7 @@ class OpenHapticsStation : public testing::Test {
   void For(double seconds) {
     Eventually([] { return false; }, seconds);
   }
-  /// The hand presses `depth_mm` deep, in a third of a second; the motors are to hold against it.
+  /// The hand presses `depth_mm` deep within a third of a second; the motors hold against it.
   void Press(double depth_mm) {
     const double from = arm_->hand_mm[1], to = kTop_mm - depth_mm;
     for (int i = 1; i <= 100; ++i) {
@@ -91,9 +90,9 @@ class OpenHapticsStation : public testing::Test {
       For(0.003);
     }
   }
-  /// Presses until `so`.  Presses again only where the machine stood still and the limiter says
-  /// that it gives no more of this touch: of a hand that pressed while replies were late it has
-  /// seen less work than the contact stores, and will not give what the hand has not put in.
+  /// Presses until `so`.  Presses again only if the machine stalled and the limiter says that it
+  /// holds back: where replies were late while the hand pressed, the energy stage has seen less
+  /// work than the contact stores, and gives back only what it has seen.
   testing::AssertionResult PressUntil(double depth_mm, const std::function<bool()>& so) {
     return Shown(
         [&](StallWitness& witness) {
@@ -108,8 +107,8 @@ class OpenHapticsStation : public testing::Test {
         },
         kStallThatIsFelt_ms);
   }
-  /// By the station's own trace, tick by tick, no force is left after that time once no reply came
-  /// for as long as the limiter allows.
+  /// In the station's trace no tick after `time_ns` has force once no reply has come for as long as
+  /// the limiter allows.
   void ExpectGoneAfter(std::int64_t time_ns) const {
     const std::vector<TraceRow> rows = ReadTrace(trace_);
     const std::vector<double> silence_ms = CountedSilence_ms(rows);
@@ -135,7 +134,7 @@ TEST_F(OpenHapticsStation, FeelsTheCubeAndLosesTheForceWithItsServer) {
   StartStation({"--enable-forces"});
   For(0.3);
   EXPECT_EQ(arm_->most_force_N, 0.0) << "in the air";
-  // A hand of 2 N/mm against a coupling of 1 N/mm: two thirds of a newton and of a millimetre.
+  // A hand of 2 N/mm against a coupling of 1 N/mm gives two thirds of a newton and of a millimetre.
   ASSERT_TRUE(PressUntil(1.0,
                          [&] {
                            return std::abs(arm_->force_N - 2.0 / 3.0) < 0.01 &&

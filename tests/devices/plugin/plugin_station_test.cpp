@@ -1,10 +1,7 @@
-// The whole of it: a driver of somebody's own in palpate-doctor, and in palpate-station at a
-// palpate-server.
-#include <algorithm>
+// End to end: a third-party driver in palpate-doctor, and in palpate-station at a palpate-server.
 #include <csignal>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "common/realtime/steady_clock.h"
 #include "tests/link/silence.h"
@@ -56,7 +53,7 @@ TEST(PluginStation, FeelsTheCubeWithAnArmOfOnesOwnAndLosesTheForceWithTheServer)
       return so(ReadTrace(trace));
     });
   };
-  // At its deepest the hand of 0.4 N/mm is 4 mm deep in a cube of 1 N/mm: 1.1 N.
+  // At its deepest, a hand of 0.4 N/mm is 4 mm deep in a cube of 1 N/mm: 1.1 N.
   ASSERT_TRUE(eventually([](const std::vector<TraceRow>& rows) {
     return !rows.empty() && rows.back().applied.force.y() > 0.7;
   })) << station.Output();

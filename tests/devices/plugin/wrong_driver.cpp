@@ -1,9 +1,8 @@
-// A driver for tests, which does whatever a driver should not.
+// A driver for tests that does everything a driver should not do.
 #include "tests/devices/plugin/wrong_driver.h"
 
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <new>
 #include <stdexcept>
@@ -20,7 +19,7 @@ namespace {
 
 palpate_device the_device;
 
-/// As long as that is what the arm does.
+/// Hangs for as long as the test wants it to.
 void Hang(WrongArm::Way way) {
   the_device.arm.held = true;
   while (the_device.arm.way == way) std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -43,7 +42,7 @@ std::uint32_t palpate_device_abi() {
 palpate_device* palpate_device_open(const char* name, double, palpate_device_info* info) {
   WrongArm& arm = the_device.arm;
   if (arm.open_throws) throw std::runtime_error("no");
-  if (std::strcmp(name, "hangs") == 0) arm.hangs_at = 1000;  // of a station, which sees no WrongArm
+  if (std::strcmp(name, "hangs") == 0) arm.hangs_at = 1000;  // a station cannot reach WrongArm
   *info = arm.info;
   arm.open = arm.opens;
   return arm.opens ? &the_device : nullptr;

@@ -6,7 +6,7 @@
 
 namespace palpate::test {
 
-/// What the driver of wrong_driver.cpp does, and what its arm was told.
+/// What the driver of wrong_driver.cpp is to do, and what its arm was told.
 struct WrongArm {
   enum Way {
     kRight,
@@ -24,15 +24,15 @@ struct WrongArm {
     kStopFails,  ///< and so does write
     kStuck,
     kJumps,
-    kSaysNothing,  ///< fails without a word
+    kSaysNothing,  ///< fails without an error text
   };
   std::atomic<Way> way{kRight};
-  std::atomic<double> force_N{0.0};  ///< that the motors give
+  std::atomic<double> force_N{0.0};  ///< that the motors render
   std::atomic<bool> open{false};
   std::atomic<int> stops{0};
-  std::atomic<bool> held{false};  ///< a call hangs
+  std::atomic<bool> held{false};  ///< a call is hanging
   double position_m[3] = {0.01, 0.0, 0.0};
-  palpate_device_info info{.model = "lever",  ///< as open gives it
+  palpate_device_info info{.model = "lever",  ///< as `open` returns it
                            .max_force_N = 5.0,
                            .continuous_force_N = 2.0,
                            .max_torque_Nm = 0.1,

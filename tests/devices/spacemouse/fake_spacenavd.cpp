@@ -16,7 +16,7 @@
 namespace palpate::test {
 namespace {
 
-// The words of spacenavd's protocol, from its src/proto.h.
+// Codes of spacenavd's protocol, from its src/proto.h.
 constexpr std::int32_t kTag = 0x7faa0000;
 constexpr std::int32_t kChangeProtocol = 0x5500;
 constexpr std::int32_t kDeviceName = 0x2000;
@@ -79,7 +79,7 @@ void FakeSpacenavd::Serve() {
 
 void FakeSpacenavd::Converse(int client) {
   int protocol = 0;
-  // Who only looks whether somebody listens says nothing and goes.
+  // A client that only checks whether somebody listens sends nothing and closes.
   for (;;) {
     pollfd wait[2] = {{client, POLLIN, 0}, {stop_, POLLIN, 0}};
     if (poll(wait, 2, -1) < 0) continue;

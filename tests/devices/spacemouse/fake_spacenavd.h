@@ -10,27 +10,27 @@
 
 namespace palpate::test {
 
-/// A spacenavd as far as its UNIX socket shows it, in a folder of its own, named in SPNAV_SOCKET
-/// for as long as it lives.  Frames are eight 32-bit words: a type, and the rest by type.
+/// What a client sees of spacenavd: a UNIX socket in a temporary folder, named in SPNAV_SOCKET
+/// while the object lives.  Frames are eight 32-bit words: a type, then what belongs to it.
 class FakeSpacenavd {
  public:
   struct Options {
-    int protocol = 1;        ///< 0: does not answer questions, as daemons before 1.0
+    int protocol = 1;        ///< 0: answers no questions, as daemons before 1.0
     bool has_device = true;  ///< of protocol 1
-    int early_frames = 0;    ///< connections that find an event before any answer
+    int early_frames = 0;    ///< number of connections that get an event before any answer
   };
   explicit FakeSpacenavd(Options options);
   FakeSpacenavd() : FakeSpacenavd(Options{}) {}
   ~FakeSpacenavd();
 
-  /// Dies as a killed process does: the connection breaks, the socket's file stays.
+  /// Dies like a killed process: the connection breaks, the socket's file stays.
   void Kill();
   void Start() { Start(options_); }
   void Start(Options options);
   const std::string& path() const { return path_; }
   bool connected() const { return client_.load() >= 0; }
 
-  // Events, to who is connected.
+  // Events to the connected client.
   void Push(const std::array<int, 6>& axes) {
     Send({0, axes[0], axes[1], axes[2], axes[3], axes[4], axes[5], 16});
   }
@@ -38,11 +38,11 @@ class FakeSpacenavd {
   void Unplug() { Send({3, 1, 0, 0, 0, 0, 0, 0}); }
   void PlugIn() { Send({3, 0, 0, 0, 0, 0, 0, 0}); }
   void Send(const std::array<std::int32_t, 8>& frame);
-  /// In two pieces, so that the first is read before the second is there.
+  /// Sends two pieces; the first is read before the second comes.
   void SendInPieces(const std::array<std::int32_t, 8>& frame);
-  /// At once, as a reader may hang up at any of them.
+  /// All in one send, as the reader may hang up at any of them.
   void SendOften(const std::array<std::int32_t, 8>& frame, int times);
-  /// The beginning alone.
+  /// Sends the beginning alone.
   void SendHalf(const std::array<std::int32_t, 8>& frame);
 
  private:

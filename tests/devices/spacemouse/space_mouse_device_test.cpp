@@ -48,20 +48,19 @@ class SpaceMouseDeviceTest : public testing::Test {
  protected:
   SpaceMouseDeviceTest() : device_(Pose{Vec3(0, 0, 0.1), Quat::Identity()}) {}
 
-  /// One tick in free space, or with the graphic tool where the wall stops it: at x = 0.
-  void Tick(bool wall = false) {
+  /// One tick in free space or, with `wall_`, with the graphic tool stopped at x = 0.
+  void Tick() {
     sample_ = device_.Read();
     Pose X_WG = sample_.X_WH;
-    if (wall) X_WG.p.x() = std::min(0.0, X_WG.p.x());
+    if (wall_) X_WG.p.x() = std::min(0.0, X_WG.p.x());
     device_.SeeGraphicTool(X_WG, Vec3::Zero());
     device_.Apply(PassThrough({}));
   }
-  /// Pushes the cap until it is so; ticks as many as it takes for the event to come through.
-  bool PushUntil(const std::array<int, 6>& axes, const std::function<bool()>& is_so,
-                 bool wall = false) {
+  /// Pushes the cap until `is_so`, ticking meanwhile: an event takes a while to come through.
+  bool PushUntil(const std::array<int, 6>& axes, const std::function<bool()>& is_so) {
     for (int i = 0; i < 20'000; ++i) {
       if (i % 16 == 0) daemon_.Push(axes);
-      Tick(wall);
+      Tick();
       if (is_so()) return true;
       std::this_thread::sleep_for(std::chrono::microseconds(200));
     }
@@ -74,8 +73,8 @@ class SpaceMouseDeviceTest : public testing::Test {
     });
   }
 
-  /// Pushes behind which a button comes, the same way: once it is seen, the push has come through.
-  /// Without a graphic tool; `holds` after each tick.
+  /// Pushes the cap, then presses a button: once the button is seen, the push has come through too.
+  /// Without a graphic tool.  `holds` is checked after each tick.
   void PushUnseen(const std::array<int, 6>& axes, const std::function<bool()>& holds) {
     const auto tick = [&] {
       sample_ = device_.Read();
@@ -94,9 +93,11 @@ class SpaceMouseDeviceTest : public testing::Test {
     }
   }
 
+  static constexpr std::array<int, 6> kRight{350}, kLeft{-350};
   test::FakeSpacenavd daemon_;
   SpaceMouseDevice device_;
   DeviceSample sample_;
+  bool wall_ = false;
 };
 
 TEST_F(SpaceMouseDeviceTest, SaysThatItRendersNoForceAndStandsStillUntilItIsPushed) {
@@ -108,7 +109,7 @@ TEST_F(SpaceMouseDeviceTest, SaysThatItRendersNoForceAndStandsStillUntilItIsPush
 }
 
 TEST_F(SpaceMouseDeviceTest, MovesAsFastAsItIsPushed) {
-  EXPECT_TRUE(PushUntil({350, 0, 0, 0, 0, 0}, [&] { return sample_.X_WH.p.x() > 0.05; }));
+  EXPECT_TRUE(PushUntil(kRight, [&] { return sample_.X_WH.p.x() > 0.05; }));
   EXPECT_NEAR(sample_.V_WH.v.x(), RateControl::kTopSpeed_m_s, 0.01);
   EXPECT_STREQ(device_.activity(), "moves");
   EXPECT_TRUE(PushUntil({0, 0, 0, 0, 350, 0}, [&] { return sample_.V_WH.w.y() > 1.4; }));
@@ -117,42 +118,37 @@ TEST_F(SpaceMouseDeviceTest, MovesAsFastAsItIsPushed) {
 TEST_F(SpaceMouseDeviceTest, StandsStillUntilThereIsAGraphicTool) {
   ASSERT_NO_FATAL_FAILURE(PushUnseen({350, 350, 350, 350, 350, 350},
                                      [&] { return sample_.X_WH.p == Vec3(0, 0, 0.1); }));
-  EXPECT_TRUE(PushUntil({350, 0, 0, 0, 0, 0}, [&] { return sample_.X_WH.p.x() > 0.001; }));
+  EXPECT_TRUE(PushUntil(kRight, [&] { return sample_.X_WH.p.x() > 0.001; }));
 }
 
 TEST_F(SpaceMouseDeviceTest, PressesNoDeeperThanItMayAndComesBackAtOnce) {
-  ASSERT_TRUE(PushUntil(
-      {350, 0, 0, 0, 0, 0}, [&] { return sample_.X_WH.p.x() > 0.0195; }, true));
+  wall_ = true;
+  ASSERT_TRUE(PushUntil(kRight, [&] { return sample_.X_WH.p.x() > 0.0195; }));
   for (int i = 0; i < 2000; ++i) {
-    if (i % 16 == 0) daemon_.Push({350, 0, 0, 0, 0, 0});
-    Tick(true);
+    if (i % 16 == 0) daemon_.Push(kRight);
+    Tick();
     ASSERT_LE(sample_.X_WH.p.x(), BlindHand::kMaxPress_m + 1e-9);
   }
-  // What it was pushed against for long is not in the way of going back: 20 mm take 0.1 s.
+  // However long it was pushed against the wall, it comes back at once: 20 mm take 0.1 s.
   int ticks = 0;
-  ASSERT_TRUE(PushUntil(
-      {-350, 0, 0, 0, 0, 0},
-      [&] {
-        ticks += sample_.V_WH.v.x() < 0.0;
-        return sample_.X_WH.p.x() < 0.0;
-      },
-      true));
+  ASSERT_TRUE(PushUntil(kLeft, [&] {
+    ticks += sample_.V_WH.v.x() < 0.0;
+    return sample_.X_WH.p.x() < 0.0;
+  }));
   EXPECT_LT(ticks, 250);
 }
 
 TEST_F(SpaceMouseDeviceTest, DoesNotPressOnWhenItsSessionEnds) {
-  ASSERT_TRUE(PushUntil(
-      {350, 0, 0, 0, 0, 0}, [&] { return sample_.X_WH.p.x() > 0.0195; }, true));
+  wall_ = true;
+  ASSERT_TRUE(PushUntil(kRight, [&] { return sample_.X_WH.p.x() > 0.0195; }));
   device_.LoseGraphicTool();
-  // No further than where the graphic tool was.
-  ASSERT_NO_FATAL_FAILURE(
-      PushUnseen({350, 0, 0, 0, 0, 0}, [&] { return sample_.X_WH.p.x() <= 1e-9; }));
-  EXPECT_TRUE(PushUntil(
-      {350, 0, 0, 0, 0, 0}, [&] { return sample_.X_WH.p.x() > 0.0195; }, true));
+  // It goes no further than where the graphic tool was.
+  ASSERT_NO_FATAL_FAILURE(PushUnseen(kRight, [&] { return sample_.X_WH.p.x() <= 1e-9; }));
+  EXPECT_TRUE(PushUntil(kRight, [&] { return sample_.X_WH.p.x() > 0.0195; }));
 }
 
 TEST_F(SpaceMouseDeviceTest, StandsStillWithAFaultWhileTheDaemonIsGoneAndResumes) {
-  ASSERT_TRUE(PushUntil({350, 0, 0, 0, 0, 0}, [&] { return sample_.V_WH.v.x() > 0.1; }));
+  ASSERT_TRUE(PushUntil(kRight, [&] { return sample_.V_WH.v.x() > 0.1; }));
   daemon_.Kill();
   ASSERT_TRUE(TickUntil([&] { return (sample_.status & kDeviceFault) != 0; }));
   EXPECT_STREQ(device_.activity(), "stopped: spacenavd has ended");
@@ -162,11 +158,11 @@ TEST_F(SpaceMouseDeviceTest, StandsStillWithAFaultWhileTheDaemonIsGoneAndResumes
   daemon_.Start();
   ASSERT_TRUE(TickUntil([&] { return (sample_.status & kDeviceFault) == 0; }));
   EXPECT_LT((sample_.X_WH.p - rest).norm(), 1e-6);
-  EXPECT_TRUE(PushUntil({-350, 0, 0, 0, 0, 0}, [&] { return sample_.V_WH.v.x() < -0.1; }));
+  EXPECT_TRUE(PushUntil(kLeft, [&] { return sample_.V_WH.v.x() < -0.1; }));
 }
 
 TEST_F(SpaceMouseDeviceTest, StopsWhereADaemonHangsInTheMiddleOfAPush) {
-  ASSERT_TRUE(PushUntil({350, 0, 0, 0, 0, 0}, [&] { return sample_.V_WH.v.x() > 0.1; }));
+  ASSERT_TRUE(PushUntil(kRight, [&] { return sample_.V_WH.v.x() > 0.1; }));
   for (int i = 0; i < 1000; ++i) Tick();  // a second in which nothing comes
   EXPECT_LT(sample_.V_WH.v.norm(), 1e-6);
   EXPECT_EQ(sample_.status, kDeviceForcesIgnored);
@@ -181,7 +177,7 @@ TEST_F(SpaceMouseDeviceTest, TellsItsButtons) {
 
 TEST_F(SpaceMouseDeviceTest, AllocatesNothingInTheLoop) {
   const LimitedWrench nothing = PassThrough({});
-  daemon_.Push({350, 0, 0, 0, 0, 0});
+  daemon_.Push(kRight);
   const std::uint64_t before = test::AllocationsOfThisThread();
   for (int i = 0; i < 100; ++i) {
     device_.SeeGraphicTool(device_.Read().X_WH, Vec3::Zero());

@@ -5,7 +5,6 @@
 #include <functional>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -20,9 +19,9 @@ using test::FakeSpacenavd;
 using testing::HasSubstr;
 using Link = SpacenavState::Link;
 
-/// A reader at a daemon, and what it has said last.
+/// A reader connected to a daemon, and the last state that it read.
 struct OpenReader : testing::Test {
-  /// Reads until it is so; patiently, as threads and a daemon are behind it.
+  /// Reads until `is_so`; waits long, as a daemon and threads are behind it.
   bool Until(const std::function<bool(const SpacenavState&)>& is_so) {
     return test::Eventually([&] {
       reader.Read(state);
@@ -56,7 +55,7 @@ TEST_F(OpenReader, GivesTheAxesAndButtonsOfProtocolOne) {
   ASSERT_TRUE(Until([](const auto& s) { return s.buttons == 0b1001; }));
   daemon.Press(0, false);
   ASSERT_TRUE(Until([](const auto& s) { return s.buttons == 0b1000; }));
-  EXPECT_EQ(state.axes[0], 1);  // a button says nothing of the cap
+  EXPECT_EQ(state.axes[0], 1);  // a button event says nothing about the cap
 }
 
 TEST_F(OldDaemon, IsSpokenToInProtocolZero) {
@@ -153,13 +152,13 @@ TEST(SpacenavReader, ExplainsWhyItCannotBeOpened) {
 
 TEST(SpacenavReader, SaysWhereTheRightsAreMissing) {
   FakeSpacenavd daemon;
-  daemon.Kill();  // its socket stays; and no thread, as what follows forks
+  daemon.Kill();  // the socket stays, and no thread: what follows forks
   chmod(daemon.path().c_str(), 0);
   if (geteuid() != 0) {
     EXPECT_THAT(Complaint(), HasSubstr("no permission for spacenavd's socket"));
     return;
   }
-  // Root may use any socket: in a child without that power.
+  // Root may use any socket, so this runs in a child without root's rights.
   EXPECT_EXIT(
       {
         if (setuid(65534) != 0) std::exit(2);

@@ -1,6 +1,5 @@
-// A target under libFuzzer, which goes by coverage: cmake --preset fuzz (clang).  The first word
-// may be --seeds FOLDER, which writes the target's whole inputs there.
-#include <cstdio>
+// A target under libFuzzer, which is guided by coverage: cmake --preset fuzz (clang).  If the first
+// word is --seeds FOLDER, writes the target's valid inputs there.
 #include <cstring>
 #include <filesystem>
 #include <fstream>

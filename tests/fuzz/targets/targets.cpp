@@ -46,13 +46,13 @@ std::string_view Text(const std::uint8_t* bytes, std::size_t size) {
   return {reinterpret_cast<const char*>(bytes), size};
 }
 
-/// A file of the project.
+/// Content of a file of the project.
 std::string File(const std::string& name) {
   std::ifstream in(std::string(PALPATE_SOURCE_DIR "/") + name, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// The files of the catalogue whose names go on so after their first word.
+/// The catalogue's files with that ending, from the first dot on.
 std::vector<std::string> Catalogue(std::string_view ending) {
   std::vector<std::string> names, texts;
   for (const auto& entry :
@@ -65,11 +65,11 @@ std::vector<std::string> Catalogue(std::string_view ending) {
   return texts;
 }
 
-/// Whether they are a T.  What was read can be written, no longer than it was, and means the same
-/// again; without its end it is none.
+/// Whether the bytes are a T.  What was read can be written again, is no longer than before and
+/// means the same; cut short it is no T.
 template <class T>
 bool FromBytes(std::span<const std::uint8_t> bytes) {
-  // A copy of its own, so that a sanitizer sees a read beyond it.
+  // A copy, so that a sanitizer sees a read beyond its end.
   const std::vector<std::uint8_t> given(bytes.begin(), bytes.end());
   T sample{};
   const bool read = dds::FromCdr(std::span(given), sample);
@@ -98,7 +98,7 @@ std::string Cdr(std::uint8_t type, const T& sample) {
   return {bytes.begin(), bytes.end()};
 }
 
-/// Types, by the first byte of an input.
+/// The types, chosen by an input's first byte.
 template <class... T>
 struct TypesThatTravel {
   static bool Read(std::uint8_t type, std::span<const std::uint8_t> cdr) {
@@ -117,7 +117,7 @@ using Types =
                     wire::StationStatistics, wire::SceneBundle, wire::GuideTarget, wire::SolidBlock,
                     wire::CutLog>;
 
-/// Reads a text, or is refused by an Error that names the file; whether it was read.
+/// Whether a text can be read; if not, the Error must name the file.
 template <class Read>
 bool ReadOrRefused(const char* file, Read read) {
   try {
@@ -135,8 +135,7 @@ void Check(bool holds, const char* what) {
   if (!holds) Fault(what);
 }
 
-/// Numbers that the physics is to index with: said here once more, and otherwise than the loader
-/// says it.
+/// Checks the numbers that the physics uses as indices, independently of the loader.
 void CheckTree(const SphereTree& tree, std::size_t triangles) {
   const std::size_t leaves = tree.leaves();
   for (const auto* column : {&tree.leaf_x, &tree.leaf_y, &tree.leaf_z, &tree.leaf_radius}) {
@@ -152,7 +151,7 @@ void CheckTree(const SphereTree& tree, std::size_t triangles) {
   Check(std::ranges::is_sorted(tree.level_begin) &&
             static_cast<std::size_t>(tree.level_begin.back()) == tree.packets.size(),
         "levels");
-  // Every leaf is reached once from the top.
+  // Every leaf is reached from the top exactly once.
   std::vector<int> reached(leaves, 0);
   for (int l = 0; l < tree.levels(); ++l) {
     const bool lowest = l + 1 == tree.levels();
@@ -202,7 +201,7 @@ std::string SmallBundle() {
 
 constexpr std::size_t kBundleHeader = 40;
 
-/// A bundle of what follows its header, which is made to agree: its checksum is no secret.
+/// Makes a bundle of `content` with a matching header: its checksum is no secret.
 std::vector<std::uint8_t> BundleOf(std::string_view content) {
   constexpr std::size_t kKey = 16, kSize = 24, kChecksum = 32;
   static const std::string header = SmallBundle().substr(0, kBundleHeader);
@@ -216,7 +215,8 @@ std::vector<std::uint8_t> BundleOf(std::string_view content) {
   return {bundle.begin(), bundle.end()};
 }
 
-/// Bytes as numbers: mostly small whole ones, which make rows that are alike, parallel or none.
+/// Turns bytes into numbers, mostly small integers, which make rows that are equal, parallel or
+/// zero.
 class Numbers {
  public:
   Numbers(const std::uint8_t* bytes, std::size_t size) : bytes_(bytes), left_(size) {}
@@ -271,7 +271,7 @@ bool Script(const std::uint8_t* bytes, std::size_t size) {
 bool Sph(const std::uint8_t* bytes, std::size_t size) {
   return ReadOrRefused("fuzzed.sph:", [&] {
     const SphTree tree = ParseSph(Text(bytes, size), "fuzzed.sph", 1e-3);
-    // Nothing that the text could not hold was made room for.
+    // No more room was made than the text could fill.
     Check(tree.nodes.size() <= size, "more nodes than bytes");
     for (const SphTree::Node& node : tree.nodes) {
       Check(node.ball.centre.allFinite() && std::isfinite(node.ball.radius) &&
@@ -292,7 +292,7 @@ bool MeshFile(const std::uint8_t* bytes, std::size_t size) {
   if (size == 0) return false;
   const char* const name = kMeshNames[bytes[0] % kMeshNames.size()];
   return ReadOrRefused(name, [&] {
-    // All that the mesh's process does, and then what its user does with what came of it.
+    // Everything that the mesh's process does, and what its user does with the result.
     ImportedMesh read = UnpackMesh(PackMesh(ReadMeshText(name, Text(bytes + 1, size - 1))));
     if (!InspectMesh(read.mesh).refusal.empty()) return;
     MendMesh(read.mesh, &read.groups);
@@ -306,7 +306,7 @@ bool Bundle(const std::uint8_t* bytes, std::size_t size) {
   return ReadOrRefused("fuzzed.bundle", [&] {
     const Scene scene = UnpackScene(bundle, "fuzzed.bundle");
     CheckScene(scene);
-    if (!JudgeScene(scene).usable()) return;  // the server goes no further
+    if (!JudgeScene(scene).usable()) return;  // where the server stops, too
     const auto objects = MakeObjects(scene);
     for (const Body& tool : scene.tools) MakeModel(scene, tool, objects);
   });
@@ -318,7 +318,7 @@ bool Recording(const std::uint8_t* bytes, std::size_t size) {
     mcap::Message message;
     std::size_t messages = 0;
     while (reader.Next(message)) {
-      // A byte of the file stands for at most so many after decompression.
+      // Bounded: a byte of the file decompresses to a limited number of bytes.
       if (++messages > 100'000'000) Fault("messages without an end");
     }
   });
@@ -356,7 +356,7 @@ bool Qp(const std::uint8_t* bytes, std::size_t size) {
   Numbers numbers(bytes, size);
   double target[6];
   alignas(64) double a[6][kMost] = {}, b[kMost];
-  std::fill(b, b + kMost, -1e300);  // as QpRows asks for beyond the last row
+  std::fill(b, b + kMost, -1e300);  // as QpRows demands after the last row
   for (double& t : target) t = numbers.Next();
   int rows = 0;
   for (; rows < kMost && numbers.left() > 0; ++rows) {
@@ -377,11 +377,11 @@ bool Qp(const std::uint8_t* bytes, std::size_t size) {
     for (const auto& column : a) scale = std::max(scale, std::abs(column[r]));
     scale = std::max(scale, std::abs(b[r]));
   }
-  // Karush, Kuhn and Tucker: no row is violated, none pulls, and what is left over is theirs.
-  // A sum is as exact as its greatest term is large: rows that nearly contradict each other meet
-  // far off, with multipliers a million million times as large as what they add up to.  And a
-  // multiplier that rounding takes below zero is none, which a row of length `scale` makes that
-  // much of.
+  // Karush-Kuhn-Tucker: no row is violated, no multiplier is negative, and the multipliers explain
+  // the residual.  A sum is only as exact as its greatest term: rows that nearly contradict each
+  // other meet far off, with multipliers a million million times as large as their sum.  A
+  // multiplier that rounding makes slightly negative counts as zero, times the length `scale` of
+  // its row.
   double left_over[6], greatest = 1.0;
   for (int i = 0; i < 6; ++i) {
     left_over[i] = result.x[i] - target[i];

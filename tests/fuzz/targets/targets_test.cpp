@@ -1,4 +1,4 @@
-// What libFuzzer runs for long, here for seconds: whole inputs, and these spoilt.
+// What libFuzzer runs for long, here for seconds: valid inputs, intact and damaged.
 #include "tests/fuzz/targets/targets.h"
 
 #include <algorithm>
@@ -16,8 +16,8 @@
 namespace palpate::test {
 namespace {
 
-/// One to four changes that a disk, a transfer or a foe makes: a bit, a byte, a number of four
-/// bytes or in digits, a piece that is gone, twice there, or all that follows it gone.
+/// One to four changes as by a disk, a transfer or an attacker: another bit, byte or number (of
+/// four bytes or in digits), a piece that is missing or doubled, or a missing end.
 std::string Spoilt(std::string bytes, Random& random) {
   static constexpr std::uint32_t kNumbers[] = {0,          1,          3,          0xff,
                                                0x7fff,     0xffff,     0x10000,    0x7fffffff,

@@ -8,7 +8,6 @@
 #include <map>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "client/replayer/export/export_folder.h"
@@ -24,7 +23,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// A table as a stranger reads it: columns by name, all as text or as doubles.
+/// A table as any CSV reader has it: columns by name, as text or as doubles.
 struct Table {
   std::vector<std::string> names;
   std::map<std::string, std::vector<std::string>> text;
@@ -40,7 +39,7 @@ struct Table {
   std::size_t rows() const { return names.empty() ? 0 : text.at(names[0]).size(); }
 };
 
-/// RFC 4180 by its grammar, apart from what wrote it.
+/// Parses RFC 4180 by its grammar, independently of the writer.
 Table ReadCsv(const std::string& file) {
   Table table;
   std::vector<std::vector<std::string>> lines(1);
@@ -78,7 +77,7 @@ std::uint64_t Bits(double value) {
   return std::bit_cast<std::uint64_t>(value);
 }
 
-/// Any bits of a number that is one: what a shortest text must give back.
+/// A finite double of any bits, which its shortest text must give back.
 double AnyDouble(std::uint64_t& seed) {
   for (;;) {
     seed = seed * 6364136223846793005ull + 1442695040888963407ull;
@@ -87,7 +86,7 @@ double AnyDouble(std::uint64_t& seed) {
   }
 }
 
-/// As CSV: that NumPy's files hold the same is python/recording's to say.
+/// Exports as CSV; tests/python/recording_test.py compares NumPy's files with it.
 class ExportOf : public testing::Test {
  protected:
   Table Read(const std::string& table) const { return ReadCsv(out + "/" + table + ".csv"); }
@@ -266,7 +265,7 @@ TEST_F(ExportOf, WritesNothingOfAnEmptyRecordingOrWhereItIsStopped) {
 TEST_F(ExportOf, LeavesWhatIsThere) {
   Record();
   std::filesystem::create_directory(out);
-  Run();  // in the place of an empty folder
+  Run();  // in place of an empty folder
   EXPECT_THROW(Run(), Error);
   EXPECT_EQ(Read("hand_0000000000000005/poses").rows(), 1u);
   std::filesystem::remove_all(out);
@@ -280,7 +279,7 @@ TEST(ExportFolder, LeavesWhatComesWhileItGrows) {
   const std::string out = folder / "out", part = out + ".part";
   ExportFolder made(out);
   std::ofstream(made.path() / "poses.csv") << "1";
-  // Somebody has made the folder, and put something into it.
+  // Somebody makes the folder meanwhile, and puts something into it.
   std::filesystem::create_directory(out);
   std::ofstream(out + "/thesis.txt") << "mine";
   EXPECT_THROW(made.Finish(), Error);

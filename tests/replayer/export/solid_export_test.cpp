@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "client/replayer/verify/verify.h"
 #include "common/error.h"
@@ -20,7 +19,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// What a stranger reads of a binary STL file: enclosed volume, and edges without their twin.
+/// What any reader finds in a binary STL file: enclosed volume, and edges without a twin.
 struct Stl {
   double volume_mm3 = 0.0;
   std::size_t triangles = 0, open_edges = 0;
@@ -70,12 +69,10 @@ class SolidExport : public testing::Test {
 
 TEST_F(SolidExport, IsClosedAndHasTheVolumeThatIsGraded) {
   RecordCut(recording, 250, Down(1.2));
-  VerifyOptions options;
-  options.whose = {"hand", 9};
-  const Verification verified = Verify({recording}, options);
+  const Verification verified = Verify({recording}, {.whose = {"hand", 9}});
   double left = 0.0;
   for (const double m3 : verified.sessions[0].cut->after[0].VolumeLeft()) left += 1e9 * m3;
-  // A ball's half and a cylinder above it, less what the hand is ahead of the bur by.
+  // Half a ball and a cylinder above it, less the bur's lag behind the hand.
   EXPECT_NEAR(27.0 - left, std::numbers::pi * (0.25 * 0.7 + 0.25 / 3.0), 0.05);
 
   Run();
@@ -89,7 +86,7 @@ TEST_F(SolidExport, IsClosedAndHasTheVolumeThatIsGraded) {
   EXPECT_THAT(ply.substr(0, 500),
               testing::AllOf(HasSubstr("format binary_little_endian 1.0"),
                              HasSubstr("element face " + std::to_string(stl.triangles))));
-  // A face: count, three corners, and the colour of enamel, or that of a material without one.
+  // A face: count, three corners, and a colour: enamel's, or that of a material without one.
   const char* faces = ply.data() + ply.size() - 16 * stl.triangles;
   std::map<std::string, std::size_t> colours;
   for (std::size_t t = 0; t < stl.triangles; ++t) {

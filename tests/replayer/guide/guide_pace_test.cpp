@@ -48,7 +48,8 @@ TEST(GuidePace, SaysThatItWaitsOnceThoughTheHandTremblesAtItsReach) {
   EXPECT_FALSE(pace.waiting());
 }
 
-/// A hand that is led, at most as fast as it likes, arrives with the guide: never out of its reach.
+/// A hand that follows at its own greatest speed arrives with the guide, and is never out of its
+/// reach.
 TEST(GuidePace, NeverLosesAHandThatIsSlowerThanTheExpert) {
   GuidePace pace(1.0, 0.0, true);
   double hand = 0.0;

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "tests/common/recording/samples.h"
 #include "tests/support/complaint.h"

@@ -20,11 +20,11 @@ namespace {
 
 using testing::HasSubstr;
 
-/// What a viewer shows: of the scene `cube`, and of its stations.
+/// What a viewer shows of the scene `cube` and of its stations.
 struct Picture {
   std::uint64_t server_run = 0;
   std::set<std::uint64_t> gone;                // changes
-  std::map<std::string, std::uint64_t> tools;  // by station: the pose that it was shown last
+  std::map<std::string, std::uint64_t> tools;  // pose last shown, by station
   std::set<std::string> sessions;
 };
 
@@ -32,7 +32,7 @@ class Guest {
  public:
   ~Guest() { dds::FreeContents(contents); }
 
-  /// True once the condition holds, with what has come until then.
+  /// Polls until the condition holds; false: it did not.
   template <class Condition>
   bool Sees(Condition condition) {
     return Eventually([&] {
@@ -43,7 +43,7 @@ class Guest {
   bool Finds() {
     return Sees([&] { return contents.replay != 0 && wishes_.matched_readers() == 1; });
   }
-  /// True once the replay has answered.
+  /// Asks, and waits for the replay's answer.
   bool Wishes(wire::ReplayWish wish, double value = 0.0, const std::string& text = "") {
     wire::ReplayRequest request{};
     request.kind = wish;
@@ -54,7 +54,7 @@ class Guest {
     wire::FromText(text, request.text);
     return wishes_.Write(request) && Sees([&] { return state.request == last_; });
   }
-  /// True once it has been taken to a time, and shown the hand's tool as it was at another.
+  /// Seeks to `at_s`, where the hand's tool is shown as in the state `tool`.
   bool GoesTo(double at_s, std::uint64_t tool) {
     return Wishes(palpate_REPLAY_SEEK, at_s) &&
            Sees([&] { return state.sought == 1.0 && picture.tools["hand"] == tool; });
@@ -130,7 +130,7 @@ class SteeredReplay : public testing::Test {
     FillLesson(lesson);
     lesson.Write({.file = file_});
   }
-  /// @param more  options.
+  /// @param more  further options.
   void Begin(const std::vector<std::string>& more = {}) {
     replayer_.emplace(Joined({file_, "--domain", kDomainText}, more));
     ASSERT_TRUE(guest_.Finds()) << replayer_->Output();
@@ -207,7 +207,7 @@ TEST_F(SteeredReplay, PlaysOnAtTheRateThatIsWishedAndWaitsAtTheEndForMore) {
   ASSERT_TRUE(guest_.Sees([&] { return !guest_.state.playing; })) << replayer_->Output();
   EXPECT_DOUBLE_EQ(guest_.state.at_s, 11.98);
   EXPECT_TRUE(replayer_->Runs());
-  // From the beginning, where the scene is whole: viewers have to forget.
+  // It plays from the beginning, where the scene is whole: viewers have to forget.
   const std::uint64_t run = guest_.picture.server_run;
   ASSERT_TRUE(guest_.Wishes(palpate_REPLAY_PLAY));
   ASSERT_TRUE(guest_.Sees([&] { return guest_.picture.server_run != run; }));

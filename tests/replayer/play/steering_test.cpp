@@ -1,11 +1,10 @@
-// What a replay tells viewers of itself and takes from them, over DDS within this process.
+// What a replay tells viewers about itself and takes from them, over DDS within this process.
 #include "client/replayer/play/steering.h"
 
 #include <filesystem>
 #include <limits>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "common/dds/cdr.h"
 #include "common/error.h"
@@ -49,7 +48,7 @@ class SteeringTest : public testing::Test {
     }
     return names;
   }
-  /// Returns its number.
+  /// Sends a wish; returns its number.
   std::uint64_t Wish(wire::ReplayRequest request) {
     if (request.replay == 0) request.replay = contents_.replay;
     request.kind = request.wish;
@@ -57,7 +56,7 @@ class SteeringTest : public testing::Test {
     EXPECT_TRUE(wishes_.Write(request));
     return last_;
   }
-  /// Attends until a wish is answered; true where it is to be followed by the player.
+  /// Attends until the wish is answered.  True if the player is to carry it out.
   bool Answered(std::uint64_t number) {
     wire::ReplayRequest taken{};
     bool follows = false;
@@ -154,7 +153,7 @@ TEST_F(SteeringTest, PassesOverWishesOfAnotherReplayAndThoseThatItHasHeard) {
   wire::ReplayRequest others = Request(palpate_REPLAY_PAUSE);
   others.replay = contents_.replay + 1;
   Wish(others);
-  // The other's was written before, and by the same writer.
+  // The other replay's wish was written earlier, by the same writer, so it has been heard by now.
   const std::uint64_t own = Wish(Request(palpate_REPLAY_PLAY));
   --last_;
   ASSERT_EQ(Wish(Request(palpate_REPLAY_PLAY)), own);
@@ -171,7 +170,7 @@ TEST_F(SteeringTest, PassesOverWishesOfAnotherReplayAndThoseThatItHasHeard) {
 TEST(ReplayRequest, IsNoneWithAWishThatNobodyKnows) {
   std::vector<std::uint8_t> cdr;
   dds::ToCdr(Request(palpate_REPLAY_DROP_BOOKMARK), cdr);
-  // Behind the encoding's name, kind and filling, replay and request.
+  // It follows the encoding, `kind`, padding, `replay` and `request`.
   const std::size_t wish = 4 + 4 + 4 + 8 + 8;
   wire::ReplayRequest request{};
   ASSERT_EQ(cdr[wish], palpate_REPLAY_DROP_BOOKMARK);
@@ -196,7 +195,7 @@ TEST_F(SteeringTest, RefusesWhatCannotBeDoneAndSaysWhy) {
               HasSubstr("shorten"));
   EXPECT_THAT(RefusalOf(Request(palpate_REPLAY_DROP_BOOKMARK, 1.0)), HasSubstr("gone"));
   EXPECT_FALSE(std::filesystem::exists(Bookmarks::FileFor(file_)));
-  // One that can be done is not refused for those.
+  // A wish that needs no number is not refused for one.
   EXPECT_TRUE(Answered(Wish(Request(palpate_REPLAY_PAUSE, nan))));
   EXPECT_STREQ(state_.refusal, "");
 }
@@ -214,7 +213,7 @@ TEST_F(SteeringTest, KeepsBookmarksAndTellsOfThem) {
   EXPECT_EQ(RefusalOf(Request(palpate_REPLAY_DROP_BOOKMARK, 1.0)), "");
   EXPECT_TRUE(Eventually([&] { return TakeContents() && Bookmarked().size() == 1; }));
   EXPECT_THAT(Bookmarked(), ElementsAre("the end"));
-  // The next replay finds them.
+  // The next replay finds the bookmarks.
   steering_.reset();
   Begin();
   EXPECT_THAT(Bookmarked(), ElementsAre("the end"));

@@ -3,7 +3,6 @@
 #include <optional>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "client/replayer/play/playhead.h"
 #include "common/error.h"
@@ -16,7 +15,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// Before the beginning, within gaps, at marks and between them, and after the end.
+/// Times before the beginning, within gaps, at marks and between them, and after the end.
 std::vector<std::int64_t> Places() {
   std::vector<std::int64_t> places = {-1'000'000, -1};
   for (std::int64_t at_ms = 0; at_ms <= 12'500; at_ms += 250) places.push_back(at_ms * kMs);
@@ -83,14 +82,17 @@ TEST_F(TimelineTest, LeadsFromAnyMomentToAnyOtherOrSaysThatViewersMustForget) {
   EXPECT_GT(anew, 100);
 }
 
+std::vector<std::uint64_t> ChangesIn(const Timeline::Moment& moment) {
+  std::vector<std::uint64_t> numbers;
+  for (const auto& [key, state] : moment.holds) {
+    if (state->type == RecordedType::kSolidBlock) numbers.push_back(state->number);
+  }
+  return numbers;
+}
+
 TEST_F(TimelineTest, BringsBackWhatWasCutAndCutsItAgain) {
-  const auto changes = [&](std::int64_t at_ms) {
-    std::vector<std::uint64_t> numbers;
-    for (const auto& [key, state] : timeline_.At(kBegin_ns + at_ms * kMs).holds) {
-      if (state->type == RecordedType::kSolidBlock) numbers.push_back(state->number);
-    }
-    return numbers;
-  };
+  const auto at = [&](std::int64_t at_ms) { return timeline_.At(kBegin_ns + at_ms * kMs); };
+  const auto changes = [&](std::int64_t at_ms) { return ChangesIn(at(at_ms)); };
   EXPECT_THAT(changes(1000), IsEmpty());
   EXPECT_THAT(changes(1600), ElementsAre(1, 2));
   EXPECT_THAT(changes(4999), ElementsAre(1, 2, 3));
@@ -99,7 +101,7 @@ TEST_F(TimelineTest, BringsBackWhatWasCutAndCutsItAgain) {
   EXPECT_THAT(changes(9000), IsEmpty()) << "another server's";
   EXPECT_THAT(changes(9500), ElementsAre(1));
   const auto leads = [&](std::int64_t from_ms, std::int64_t to_ms) {
-    return LeadsTo(timeline_.At(kBegin_ns + from_ms * kMs), timeline_.At(kBegin_ns + to_ms * kMs));
+    return LeadsTo(at(from_ms), at(to_ms));
   };
   EXPECT_TRUE(leads(1000, 3000));
   EXPECT_TRUE(leads(3900, 3000)) << "back, where nothing was cut between";
@@ -135,13 +137,7 @@ TEST_F(TimelineTest, HoldsTheNewestOfEachBlockOfASolidUntilItIsUndone) {
   RecordingReader reader({folder_ / "cut.mcap"});
   const Timeline timeline = TimelineOf(reader);
   const auto at = [&](std::int64_t at_ms) { return timeline.At(kBegin_ns + at_ms * kMs); };
-  const auto changes = [&](std::int64_t at_ms) {
-    std::vector<std::uint64_t> all;
-    for (const auto& [key, state] : at(at_ms).holds) {
-      if (state->type == RecordedType::kSolidBlock) all.push_back(state->number);
-    }
-    return all;
-  };
+  const auto changes = [&](std::int64_t at_ms) { return ChangesIn(at(at_ms)); };
   EXPECT_THAT(changes(25), ElementsAre(1, 2));
   EXPECT_THAT(changes(35), ElementsAre(3, 2));
   EXPECT_THAT(changes(45), IsEmpty());
@@ -162,8 +158,8 @@ TEST_F(TimelineTest, RefusesABundleThatIsNotTheOneOfItsHash) {
               testing::ThrowsMessage<Error>(HasSubstr("scene 'cube': its bytes have the hash")));
 }
 
-// Which would take minutes if each whole scene were a walk through all that holds; a test that is
-// as slow again is ended by its time limit.
+// Takes minutes if each "scene made whole" walks through everything held; the test's time limit
+// then ends it.
 TEST_F(TimelineTest, HoldsAMomentOfManyStationsAndWholes) {
   constexpr std::uint64_t kMany = 30'000;
   {
@@ -291,7 +287,7 @@ TEST(PlaybackClock, GoesOnFromWhereItIsAtAnotherRate) {
 
 using Heard = std::vector<std::pair<std::int64_t, std::vector<std::uint8_t>>>;
 
-/// In one file, and in splits of some seconds.
+/// The parameter is the length of a split [s]; 0: one file.
 class PlayheadTest : public testing::TestWithParam<double> {
  protected:
   PlayheadTest() {
@@ -324,14 +320,14 @@ class PlayheadTest : public testing::TestWithParam<double> {
 };
 
 TEST_P(PlayheadTest, ShowsAndGoesOnAsIfItHadPlayedUpToThere) {
-  // There and back: no way depends on the one before.
+  // There and back: no seek depends on the one before.
   for (const std::int64_t at_ms : {0, 11'980, 1500, 5900, 4500, -1, 3000, 8499, 5000, 9000, 8501,
                                    20'000, 2010, 6000, 10'500}) {
     SCOPED_TRACE(at_ms);
     const std::int64_t time_ns = kBegin_ns + at_ms * kMs;
     Playhead again(*reader_, timeline_);
     const Viewer viewer = ViewerWhoPlayedTo(*reader_, time_ns);
-    // It reads on where it was left to: all files are known again.
+    // The reader is left at its end, where it knows all files.
     TimelineOf(*reader_);
     EXPECT_EQ(again.GoTo(time_ns), viewer.streams);
     Heard rest;

@@ -4,7 +4,6 @@
 #include <regex>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "client/replayer/score/score_plot.h"
 #include "tests/support/complaint.h"
@@ -28,7 +27,8 @@ class CriteriaTest : public testing::Test {
   const std::string file_ = folder_ / "criteria.json";
 };
 
-/// A tip that goes straight down to y = -depth and up again in 2 s, with this force.
+/// A tip that goes straight down to y = -depth and up again in 2 s, with this force, half of it at
+/// first.
 HandPath Probing(double depth_m, double force_N, double x_m = 0.0) {
   HandPath path;
   for (int i = 0; i <= 2000; ++i) {
@@ -67,7 +67,7 @@ TEST_F(CriteriaTest, GiveTheShareThatLiesBetweenBestAndWorst) {
   const Criteria criteria = Load(R"({"title": "t", "pass": 50, "criteria": [
     {"name": "gentle", "measure": "force_over_share", "limit_N": 0.75, "best": 0, "worst": 1},
     {"name": "peak", "measure": "force_peak_N", "best": 0, "worst": 4, "weight": 3}]})");
-  const HandPath path = Probing(0.006, 1.0);  // 1 N for three quarters of the time
+  const HandPath path = Probing(0.006, 1.0);  // 1 N during three quarters of the time
   const Grade grade = *GradeTrial(criteria, ScorePath(path, path), path);
   EXPECT_NEAR(*grade.marks[0].value, 0.75, 1e-3);
   EXPECT_NEAR(grade.marks[0].points, 25.0, 0.1);
@@ -103,7 +103,7 @@ TEST_F(CriteriaTest, CountForceAndTimeInAPlace) {
      "region": {"box": {"min_mm": [-1, -9, -1], "max_mm": [1, 0, 1]}}},
     {"name": "swift", "measure": "time_s", "best": 0, "worst": 2,
      "region": {"sphere": {"centre_mm": [0, -6, 0], "radius_mm": 5.5}}}]})");
-  // 11 mm down in a second and up again; below 0 from 0.4545 s on, and 1 N from 0.5 s on.
+  // 11 mm down in a second and up again: below 0 from 0.4545 s on, and with 1 N from 0.5 s on.
   const HandPath path = Probing(0.006, 1.0);
   const Grade grade = *GradeTrial(criteria, ScorePath(path, path), path);
   EXPECT_NEAR(*grade.marks[0].value, (1.0 + 1.0 / 11.0 - (0.5 - 5.0 / 11.0)) / (12.0 / 11.0), 1e-2);
@@ -176,7 +176,7 @@ struct Text {
   std::string words;
 };
 
-/// Upright texts of a drawing with the room that DejaVu Sans, a wide face, takes.
+/// The boxes of a drawing's horizontal texts, as wide as in DejaVu Sans, a wide face.
 std::vector<Text> TextsOf(const std::string& svg) {
   static const std::regex kText(
       R"re(<text x="([-.0-9]+)" y="([-.0-9]+)" class="[^"]*" text-anchor="(\w+)" font-size="([.0-9]+)">([^<]*)<)re");

@@ -4,7 +4,6 @@
 #include <numbers>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "client/replayer/score/cut_picture.h"
 #include "scenes/shapes/bur_shapes.h"
@@ -21,7 +20,7 @@ using testing::HasSubstr;
 
 constexpr double kMm = 1e-3, kRadius = 3.0, kHeight = 5.0;
 
-/// An upright cylinder that stands in the origin [mm], of enamel with a ball of pulp in it.
+/// An upright cylinder standing on the origin [mm], of enamel with a ball of pulp in it.
 SolidsCut Stock(const MaterialRegion& pulp) {
   Body body;
   body.name = "post";
@@ -43,13 +42,13 @@ SolidsCut Stock() {
   return Stock({.low = kMm * Vec3(0, 1.5, 0), .radius = 0.8 * kMm, .material = 1});
 }
 
-/// Moves a bur, upright with its tip at these points [mm], straight from one to the next.
+/// Moves an upright bur, whose tip goes straight from one of these points [mm] to the next.
 void Cut(SolidsCut& cut, const BurProfile& profile, const std::vector<Vec3>& tips) {
   const Bur bur(profile.curve, profile.rounding);
   const Quat z_to_y(std::sqrt(0.5), -std::sqrt(0.5), 0.0, 0.0);
   for (std::size_t i = 1; i < tips.size(); ++i) {
     const Vec3 from = kMm * tips[i - 1], way = kMm * (tips[i] - tips[i - 1]);
-    // A step is no longer than the field's band.
+    // No step is longer than the field's band.
     const int steps = static_cast<int>(std::ceil(way.norm() / 0.1e-3));
     for (int k = 0; k < steps; ++k) {
       const Vec3 at = from + way * k / steps + profile.rounding * Vec3::UnitY();
@@ -58,8 +57,8 @@ void Cut(SolidsCut& cut, const BurProfile& profile, const std::vector<Vec3>& tip
   }
 }
 
-/// Once round the axis, which the bur's axis is `radius` away from; the second half higher by
-/// `step` [mm].
+/// Goes once round the axis with the bur's axis `radius` away; in the second half higher by `step`
+/// [mm].
 std::vector<Vec3> Ring(double radius, double height, double step = 0.0) {
   std::vector<Vec3> tips{Vec3(6, height, 0)};
   constexpr int kCount = 400;
@@ -76,12 +75,14 @@ std::vector<Vec3> Plunge(double x, double depth) {
 }
 
 const Place kMargin = MaterialRegion{.low = Vec3(-0.01, 0, -0.01), .high = Vec3(0.01, 0.003, 0.01)};
-/// The radius at the tip, with edges rounded by 0.1, and 0.25 more along 5.8 mm of a side.
+/// Radius 0.6 mm at the tip, with edges rounded by 0.1 mm, growing by 0.25 mm along 5.8 mm of the
+/// side.
 const BurProfile kTapered = ConeBur(0.6 * kMm, 0.85 * kMm, 6.0 * kMm, 0.1 * kMm);
 const double kTaper = std::atan(0.25 / 5.8) * 180.0 / std::numbers::pi;
 
-// What a cone leaves of a cylinder as it goes round it: a wall that leans as the cone's side does,
-// over a flat shoulder with a fillet of the bur's rounding, which is half a wall at 45 degrees.
+// A cone that goes round a cylinder leaves a wall that leans as the cone's side does, over a flat
+// shoulder with a fillet of the bur's rounding; the wall counts the half of the fillet that is
+// steeper than 45 degrees.
 TEST(CutMeasures, FindTheTaperAndTheMarginThatAConeLeavesRoundACylinder) {
   SolidsCut cut = Stock();
   constexpr double kAway = 2.8;
@@ -95,14 +96,15 @@ TEST(CutMeasures, FindTheTaperAndTheMarginThatAConeLeavesRoundACylinder) {
   EXPECT_NEAR(*found.width_mm, kRadius - foot, 0.02);
   EXPECT_LT(found.spread_mm, 0.02);
   EXPECT_LT(found.roughness_mm, 0.01);
-  // The wall alone, of another side: the axis turned by 10 degrees leans away from one half of it.
+  // For the wall alone the axis makes no difference: turned by 10 degrees it leans away from one
+  // half of it.
   EXPECT_NEAR(*shape.PreparationAlong(Vec3::UnitY(), std::nullopt).taper_deg, kTaper, 0.1);
 }
 
 TEST(CutMeasures, FindTheUndercutOfAnInvertedConeAndTheStepInAMargin) {
   SolidsCut inverted = Stock();
   Cut(inverted, ConeBur(0.85 * kMm, 0.6 * kMm, 6.0 * kMm, 0.1 * kMm), Ring(2.8, 2.0));
-  // The wall alone: above the fillet, below the top.
+  // The wall alone, above the fillet and below the top.
   const Place wall = MaterialRegion{.low = Vec3(-1, 2.3e-3, -1), .high = Vec3(1, 4.8e-3, 1)};
   const Preparation found = CutShape(inverted).PreparationAlong(Vec3::UnitY(), wall);
   EXPECT_NEAR(found.taper_deg.value_or(0.0), -kTaper, 0.15);
@@ -110,7 +112,8 @@ TEST(CutMeasures, FindTheUndercutOfAnInvertedConeAndTheStepInAMargin) {
   SolidsCut stepped = Stock();
   Cut(stepped, kTapered, Ring(2.8, 2.0, 0.4));
   const Preparation step = CutShape(stepped).PreparationAlong(Vec3::UnitY(), kMargin);
-  // Two steps of 0.4: over 10 degrees to either side of each, ramps of 0.2 to 0, rms 0.115.
+  // Two steps of 0.4: ramps from 0.2 to 0 over 10 degrees to either side of each, whose rms is
+  // 0.115.
   EXPECT_NEAR(step.roughness_mm, 0.115 * std::sqrt(40.0 / 360.0), 0.01);
 }
 
@@ -132,7 +135,7 @@ TEST(CutMeasures, FindTheThicknessOverABallOfPulp) {
   Cut(opened, ball, Plunge(0.0, 2.0));
   EXPECT_EQ(*CutShape(opened).ThicknessOver("pulp", std::nullopt), 0.0);
   EXPECT_FALSE(CutShape(opened).ThicknessOver("pulp", MaterialRegion{.radius = 1e-6}));
-  // Where nothing was cut, from the nearest surface there is: the bottom.
+  // Where nothing was cut, it is measured from the nearest surface: the bottom.
   EXPECT_NEAR(*CutShape(Stock()).ThicknessOver("pulp", std::nullopt), 0.7, 0.006);
   EXPECT_THAT(ComplaintOf([&] { (void)CutShape(opened).ThicknessOver("enamel", std::nullopt); }),
               HasSubstr("no region of the scene paints 'enamel'"));
@@ -168,7 +171,7 @@ TEST(CutMeasures, CountEachTissueInAPlaceAndWhatDiffersFromATarget) {
   EXPECT_GT(pulp, 0.05);
   const double ball = 4.0 / 3.0 * std::numbers::pi * 0.512;
   EXPECT_NEAR(tissues[1].before_mm3, ball, 0.02 * ball) << "a voxel is all of its point's material";
-  // There the plunge is a cylinder; a place takes whole voxels, those whose points it holds.
+  // Up there the plunge is a cylinder.  A place takes whole voxels, those whose points lie in it.
   const Place top = MaterialRegion{.low = Vec3(-1, 4.2e-3, -1), .high = Vec3(1, 1, 1)};
   EXPECT_NEAR(TissuesOf(deeper, top)[0].removed_mm3(), section * 0.8, section * 0.05);
 }

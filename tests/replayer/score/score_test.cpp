@@ -10,7 +10,6 @@
 #include <thread>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "client/replayer/score/criteria.h"
@@ -29,7 +28,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// A hand along x by 100 mm in so many seconds, `side` away from the line, with this force.
+/// A hand that moves 100 mm along x in `seconds`, `side` beside the line, with this force.
 HandPath Stroke(double seconds, const Vec3& side = Vec3::Zero(), double force_N = 1.0) {
   HandPath path;
   const int n = static_cast<int>(1000 * seconds);
@@ -91,7 +90,7 @@ TEST(Score, TellsTheTimeOfTheGentlestContact) {
   EXPECT_EQ(score.trainee_contact_s, 0.0);
 }
 
-/// So long that times are exact, and sums of them.
+/// A power of two, so that times and their sums are exact.
 constexpr double kStep_s = 1.0 / 1024;
 
 void Put(HandPath& path, const Pose& X_WH, double force_N) {
@@ -106,7 +105,7 @@ void Hold(HandPath& path, int steps, double force_N) {
   for (int i = 0; i < steps; ++i) Put(path, X_WH, force_N);
 }
 
-/// A hand that goes from place to place and turns, and presses there or on the way, or does not.
+/// A hand that goes from place to place and turns, and presses at some places or on the way.
 HandPath AnyHand(Random& random) {
   HandPath path;
   Pose at;
@@ -163,9 +162,7 @@ TEST(Trial, IsTheSameWhateverTheHandWaitsBeforeAndAfter) {
         {.name = "soft", .why = "", .measure = "force_over_share", .limit_N = 0.5}};
     const auto grade_a = GradeTrial(criteria, of_a, a), grade_b = GradeTrial(criteria, of_b, b);
     ASSERT_EQ(grade_a.has_value(), grade_b.has_value());
-    if (grade_a) {
-      EXPECT_EQ(grade_a->marks[0].value, grade_b->marks[0].value);
-    }
+    if (grade_a) EXPECT_EQ(grade_a->marks[0].value, grade_b->marks[0].value);
   }
 }
 
@@ -312,7 +309,7 @@ TEST(HandPath, LeavesOutPosesThatNobodyCanUse) {
 
 using testing::Not;
 
-/// Of hands so far beside the expert's line, and of one that touches nothing where it is so said.
+/// A report on hands so far beside the expert's line and, with `idle`, on one that touches nothing.
 Report ReportOf(const std::vector<double>& beside_m, bool idle = false) {
   Report report;
   report.expert = "teacher";
@@ -355,21 +352,27 @@ TEST(ScoreReport, SetsWhatWasCutBesideTheExpert) {
   EXPECT_EQ(json["expert_cut"][0]["tissue"], "caries");
 }
 
-TEST(ScoreReport, MeasuresAndShowsWhatATrialCutBesideTheExpert) {
+/// An expert's cut, a deeper one of a trial, and criteria.
+class CutReport : public testing::Test {
+ protected:
+  CutReport() {
+    RecordCut(options.expert, 160, Down(0.8));
+    RecordCut(options.trials[0], 250, Down(1.3));
+    std::ofstream(options.criteria) << R"({"title": "t", "pass": 50, "criteria": [
+      {"name": "over", "measure": "excess_mm3", "best": 0, "worst": 1},
+      {"name": "left", "measure": "left_share", "tissue": "enamel", "best": 1, "worst": 0},
+      {"name": "walls", "measure": "taper_deg", "best": 0, "worst": 20}]})";
+  }
   const Folder folder;
-  RecordCut(folder / "expert.mcap", 160, Down(0.8));
-  RecordCut(folder / "deeper.mcap", 250, Down(1.3));
-  std::ofstream(folder / "c.json") << R"({"title": "t", "pass": 50, "criteria": [
-    {"name": "over", "measure": "excess_mm3", "best": 0, "worst": 1},
-    {"name": "left", "measure": "left_share", "tissue": "enamel", "best": 1, "worst": 0},
-    {"name": "walls", "measure": "taper_deg", "best": 0, "worst": 20}]})";
-  ScoreOptions options;
-  options.expert = folder / "expert.mcap";
-  options.trials = {folder / "deeper.mcap"};
-  options.criteria = folder / "c.json";
+  ScoreOptions options{.expert = folder / "expert.mcap",
+                       .trials = {folder / "deeper.mcap"},
+                       .criteria = folder / "c.json"};
+};
+
+TEST_F(CutReport, MeasuresAndShowsWhatATrialCutBesideTheExpert) {
   const Report report = MakeReport(options);
   ASSERT_EQ(report.pictures.size(), 2u) << "the expert's, too";
-  // The same ball half a millimetre deeper: a cylinder more, but for what the hand is ahead by.
+  // The same ball half a millimetre deeper removes a cylinder more, but for the bur's lag.
   const double cylinder = 0.25 * std::numbers::pi * 0.5;
   EXPECT_NEAR(report.differences[0].excess_mm3, cylinder, 0.05 * cylinder);
   EXPECT_LT(report.differences[0].missed_mm3, 0.01);
@@ -387,23 +390,14 @@ TEST(ScoreReport, MeasuresAndShowsWhatATrialCutBesideTheExpert) {
   EXPECT_THAT(html, HasSubstr("there at the expert’s, and gone"));
 }
 
-// A trial that is scored while it is recorded, and the same afterwards, with what Verify computes.
-TEST(ScoreReport, FollowsATrialThatIsBeingRecordedToTheSameScore) {
-  const Folder folder;
-  RecordCut(folder / "expert.mcap", 160, Down(0.8));
-  RecordCut(folder / "trial.mcap", 250, Down(1.3));
-  ScoreOptions options;
-  options.expert = folder / "expert.mcap";
-  options.trials = {folder / "trial.mcap"};
-  options.criteria = folder / "c.json";
-  std::ofstream(options.criteria) << R"({"title": "t", "pass": 50, "criteria": [
-    {"name": "over", "measure": "excess_mm3", "best": 0, "worst": 1}]})";
-  const std::string after = ToHtml(MakeReport(options));
+// A trial scored while it is recorded gets the same score as afterwards, with what Verify computes.
+TEST_F(CutReport, FollowsATrialThatIsBeingRecordedToTheSameScore) {
+  const std::string whole = options.trials[0], after = ToHtml(MakeReport(options));
   StopSignal stop;
   EXPECT_EQ(ToHtml(MakeReport(options, &stop)), after) << "all of it is there already";
 
-  // As its recorder writes it: the first part while its scorer waits.
-  const std::string all = ReadWholeFile(folder / "trial.mcap", 1 << 24);
+  // As the recorder writes it: the first half, and the rest while the scorer waits.
+  const std::string all = ReadWholeFile(whole, 1 << 24);
   std::ofstream grown(folder / "growing.mcap", std::ios::binary);
   grown.write(all.data(), static_cast<std::streamsize>(all.size() / 2)).flush();
   options.trials = {folder / "growing.mcap"};
@@ -415,14 +409,12 @@ TEST(ScoreReport, FollowsATrialThatIsBeingRecordedToTheSameScore) {
   });
   const Report report = MakeReport(options, &stop);
   EXPECT_EQ(report.cuts[0][0].after_mm3, MakeReport(options).cuts[0][0].after_mm3);
-  VerifyOptions verify;
-  verify.whose = {"hand", 9};
-  const Verification again = Verify({folder / "trial.mcap"}, verify);
+  const Verification again = Verify({whole}, {.whose = {"hand", 9}});
   EXPECT_EQ(report.cuts[0][0].after_mm3, TissuesOf(*again.sessions[0].cut)[0].after_mm3);
 }
 
 TEST(ScoreReport, JudgesByTheAverageOfTheTrials) {
-  // 90, 70 and 50 points.
+  // The trials get 90, 70 and 50 points.
   const Report report = ReportOf({0.001, 0.003, 0.005});
   EXPECT_NEAR(report.grades[1]->points, 70.0, 0.1);
   EXPECT_THAT(ToText(report), HasSubstr("Strokes: 70 ± 20 of 100 points, passed"));
@@ -462,7 +454,7 @@ TEST(ScoreReport, IsWrittenAsAPageWithPlotsAndFigures) {
   }
 }
 
-/// What is between a tag and its end.
+/// The text between a tag and its end.
 std::string Inside(const std::string& html, const std::string& tag, const std::string& end) {
   const std::size_t begin = html.find(tag) + tag.size();
   return html.substr(begin, html.find(end, begin) - begin);

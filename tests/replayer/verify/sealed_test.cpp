@@ -1,12 +1,10 @@
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <random>
 #include <regex>
 #include <set>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "client/replayer/certificate/certificate.h"
@@ -26,7 +24,7 @@ using testing::HasSubstr;
 constexpr std::uint64_t kSealedPoses = 50;
 const std::string kAnna = "trials/3/press/1", kBen = "trials/4/press/1";
 
-/// Two people's trials of pressing into a cube, handed in in an exam.
+/// Two people's trials of pressing into a cube, handed in for an exam.
 class SealedTest : public testing::Test {
  protected:
   SealedTest()
@@ -79,16 +77,14 @@ class SealedTest : public testing::Test {
     Write("exams/midterm-1.roll.json", SealText(roll, key_));
   }
   std::string Read(const std::string& file) const { return ReadWholeFile(folder_ / file, 1 << 24); }
-  Certificate Verified() const {
-    SealedOptions options;
-    options.folder = folder_.path();
-    options.key = folder_ / SealKey::kPublicFile;
-    return VerifySealed(options);
+  Certificate Verified(const std::string& exam = "") const {
+    return VerifySealed({.folder = folder_.path(), .exam = exam, .key = public_key_});
   }
-  /// Why the first, Anna's, is refused.
+  /// Why the first trial, Anna's, is refused.
   std::string Refused() const { return Verified().trials.at(0).refused; }
 
   const Folder folder_;
+  const std::string public_key_ = folder_ / SealKey::kPublicFile;
   const SealKey key_ = SealKey::OfCourse(folder_.path());
   const Scene scene_;
   const HapticModel model_;
@@ -116,10 +112,7 @@ TEST_F(SealedTest, IsVerifiedInEveryBitAndTheCertificateSaysWhatWasNot) {
 }
 
 TEST_F(SealedTest, OneRecordingIsVerifiedByItself) {
-  SealedOptions options;
-  options.recording = folder_ / (kAnna + ".mcap");
-  options.key = folder_ / SealKey::kPublicFile;
-  EXPECT_TRUE(VerifySealed(options).good());
+  EXPECT_TRUE(VerifySealed({.recording = folder_ / (kAnna + ".mcap"), .key = public_key_}).good());
 }
 
 TEST_F(SealedTest, OfWhichAnyByteIsFlippedIsRefused) {
@@ -152,7 +145,7 @@ TEST_F(SealedTest, OfAnotherCourseIsRefused) {
 }
 
 TEST_F(SealedTest, OfAnotherVersionIsRefused) {
-  // As a version before this one had sealed it.
+  // As if an earlier version had sealed it.
   std::string text = Read(kAnna + kSealEnding);
   const std::size_t begin = text.find("\"sealed\":") + 9, end = text.rfind(",\"signature\"");
   std::string body = text.substr(begin, end - begin);
@@ -168,14 +161,14 @@ TEST_F(SealedTest, OfAnotherPersonIsRefusedUnderWhateverName) {
                   fs::copy_options::overwrite_existing);
   }
   EXPECT_THAT(Refused(), HasSubstr("it is the seal of trials/4/press/1.mcap, and lies beside"));
-  // Also where it was put there before it was sealed.
+  // Also if the recording was replaced before it was sealed.
   SealIt(kAnna, 3, "Anna");
   EXPECT_THAT(Refused(), HasSubstr("of station 'Ben', and not of 'Anna'"));
   EXPECT_EQ(Verified().trials.at(1).refused, "");
 }
 
 TEST_F(SealedTest, HandedInForTwoIsRefusedForBoth) {
-  // The bytes are the same, then the session alone.
+  // First the files are the same, then only the session.
   fs::copy_file(folder_ / (kAnna + ".mcap"), folder_ / (kBen + ".mcap"),
                 fs::copy_options::overwrite_existing);
   SealIt(kBen, 4, "Anna");
@@ -228,11 +221,7 @@ TEST_F(SealedTest, OfSeveralExamsIsVerifiedForTheOneThatIsNamed) {
   seal.exam = "final";
   Write(kBen + kSealEnding, SealText(seal, key_));
   EXPECT_THAT(ComplaintOf([&] { Verified(); }), HasSubstr("final-1, midterm-1; choose"));
-  SealedOptions options;
-  options.folder = folder_.path();
-  options.key = folder_ / SealKey::kPublicFile;
-  options.exam = "final";
-  EXPECT_EQ(VerifySealed(options).trials.size(), 1u);
+  EXPECT_EQ(Verified("final").trials.size(), 1u);
 }
 
 TEST(CertificateCatalogues, SayAllThatTheEnglishOneSays) {

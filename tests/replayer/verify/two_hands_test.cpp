@@ -3,12 +3,10 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <optional>
 #include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "client/replayer/score/cut_measures.h"
 #include "client/replayer/score/trial_cut.h"
@@ -33,8 +31,8 @@ using testing::HasSubstr;
 constexpr std::uint64_t kServerRun = 99;
 const std::vector<std::string> kTwo{"left", "right"};
 
-/// A server without DDS, stations that cut in one groove, and a recorder that hears all of it, each
-/// topic in its own time.
+/// A server without DDS, stations that cut in one groove, and a recorder that hears everything,
+/// each topic with a delay of its own.
 class Workshop {
  public:
   Workshop(std::uint64_t seed, const std::vector<std::string>& burs)
@@ -57,7 +55,7 @@ class Workshop {
     request.leave = true;
     table_.Request(request, now_);
   }
-  /// Without a word.
+  /// Ends a hand without a word.
   void Kill(std::size_t hand) { hands_[hand].sends = false; }
   wire::SceneWhole Whole(wire::WholeWish wish = palpate_WHOLE_AGAIN) {
     wire::WholeRequest request{};
@@ -69,7 +67,7 @@ class Workshop {
     Hear(dds::kSceneWholeTopic, answer, 1);
     return answer;
   }
-  /// The service thread does nothing for so long.
+  /// Holds the service thread up.
   void Stall(std::int64_t ms) { next_poll_ = now_ + ms * kMs; }
   void Lift(bool lifted) { lifted_ = lifted; }
 
@@ -81,15 +79,15 @@ class Workshop {
       next_poll_ = now_ + (1 + random_.Below(10)) * kMs;
     }
   }
-  /// The server stops.
+  /// Stops the server.
   void End() {
     links_.clear();
     table_.EndAll("the server stops");
     Publish();
   }
 
-  /// What the recorder heard.
-  /// @param keep  false: leaves out a part of the log.
+  /// Writes what the recorder heard.
+  /// @param keep  returns false for parts of the log to leave out.
   void Write(const std::string& file,
              const std::function<bool(const wire::CutLog&)>& keep = nullptr,
              std::int64_t split_ms = 0, std::vector<std::string>* files = nullptr) {
@@ -109,7 +107,7 @@ class Workshop {
   bool is_here(std::size_t hand) { return table_.sessions().contains(NameOf(hand)); }
   double force_N(std::size_t hand) const { return hands_[hand].force_N; }
   Random& random() { return random_; }
-  /// Of a block: whether it is cut, and its surface.
+  /// By block: whether it is cut, and its surface.
   using Shown = std::map<std::uint32_t, std::pair<bool, std::vector<std::uint8_t>>>;
   const Shown& shown() const { return shown_; }
   std::size_t held() const { return held_; }
@@ -141,7 +139,7 @@ class Workshop {
     heard_.push_back({now_ + late_ms * kMs, topic, kTypeOf<T>, std::move(cdr)});
   }
 
-  /// Along the groove and back, each hand in its own time, 0.5 mm deep by and by.
+  /// Sends a pose along the groove, back and forth at each hand's pace, 0.5 mm deep in the end.
   void Send(std::size_t hand) {
     Hand& its = hands_[hand];
     const auto link = links_.find(NameOf(hand));
@@ -158,7 +156,7 @@ class Workshop {
     wire::FromPose({its.at - Vec3(0, kBurRadius, 0), Quat::Identity()}, pose.position_m,
                    pose.orientation_wxyz);
     Hear(dds::PoseTopic(link->first, its.run), pose, random_.Below(4));
-    // The one's poses are lost on their way, the other's wrenches: of both it is not known which.
+    // Of even hands poses get lost, of odd ones wrenches; the recording does not tell which.
     const bool lost = random_.Below(100) == 0;
     if (lost && hand % 2 == 0) return;
     wire::Wrench wrench{};
@@ -167,7 +165,7 @@ class Workshop {
     EXPECT_EQ(AllocationsOfThisThread(), before) << pose.pose_sequence;
     if (!is_answered) return;
     its.force_N = wire::ToWrench(wrench).force.norm();
-    // In their order.
+    // Wrenches are heard in order.
     if (!lost) Hear(dds::WrenchTopic(link->first, its.run), wrench, 2);
   }
 
@@ -232,6 +230,12 @@ void ExpectSameBits(const CutField& one, const CutField& other) {
   EXPECT_GT(cut, 1000u);
 }
 
+Verification ExpectVerified(const std::vector<std::string>& files) {
+  Verification verification = Verify(files, {});
+  EXPECT_TRUE(verification.good()) << ToText(verification);
+  return verification;
+}
+
 class TwoHands : public testing::TestWithParam<std::uint64_t> {
  protected:
   Folder folder_;
@@ -245,7 +249,7 @@ TEST_F(TwoHands, FeelEachOthersCutsAndInTheEndTheSame) {
   const double alone_N = workshop.force_N(0);
   workshop.Lift(true);
   workshop.Run(200);
-  // The other comes to what is there, and its strokes are free where the first has been.
+  // The other hand meets what is left: its strokes are free where the first has been.
   workshop.Lift(false);
   workshop.Ask(1);
   workshop.Run(1000);
@@ -254,15 +258,15 @@ TEST_F(TwoHands, FeelEachOthersCutsAndInTheEndTheSame) {
   workshop.Run(300);
   ExpectSameBits(workshop.session(0).loop().cuts()[0], workshop.session(1).loop().cuts()[0]);
   EXPECT_GT(workshop.merged(), 100u);
-  // What the one removed is no work of the other's.
+  // What one hand removed is not counted as the other's work.
   const auto left = [&](std::size_t hand) {
     return 1e9 * workshop.session(hand).loop().cuts()[0].VolumeLeft()[0];
   };
   EXPECT_NEAR(left(0), left(1), 0.01);
 }
 
-// Hands come, leave and are killed, the scene is made whole, the service thread stands still: of
-// each session every wrench is the same bits again.
+// Hands come, leave and are killed, the scene is made whole, the service thread stalls: verified,
+// every wrench of every session has the same bits.
 TEST_P(TwoHands, AreTheSameBitsAgainWhateverComesBetween) {
   Workshop workshop(GetParam(), {"left", "right", "late"});
   Random& random = workshop.random();
@@ -294,22 +298,21 @@ TEST_P(TwoHands, AreTheSameBitsAgainWhateverComesBetween) {
       default:
         if (workshop.is_here(hand)) break;
         workshop.Ask(hand);
-        // Before it has begun, or when it has.
+        // Before or after it has begun.
         workshop.Run(random.Below(3));
         if (random.Below(4) == 0) workshop.Whole(palpate_WHOLE_BACK);
         if (random.Below(4) == 0) workshop.Whole();
         break;
     }
   }
-  if (GetParam() % 2 == 0) workshop.End();  // else the recorder is ended first
+  if (GetParam() % 2 == 0) workshop.End();  // else the recorder ends first
   std::vector<std::string> files;
   workshop.Write(file_, nullptr, 700, &files);
   EXPECT_GT(files.size(), 2u);
   EXPECT_GT(workshop.merged(), 100u);
-  const Verification verification = Verify(files, {});
-  EXPECT_TRUE(verification.good()) << ToText(verification);
+  const Verification verification = ExpectVerified(files);
   EXPECT_GE(verification.sessions.size(), 2u);
-  // The way of one tool alone tells what it cut, or that others did too.
+  // The path of one tool alone tells what it cut, or that others cut too.
   const std::string whole = folder_ / "whole.mcap";
   workshop.Write(whole);
   for (const SessionVerdict& session : verification.sessions) {
@@ -319,12 +322,10 @@ TEST_P(TwoHands, AreTheSameBitsAgainWhateverComesBetween) {
     hand.tool_name = session.tool;
     const auto swept = SweptIn(whole, hand, SceneIn(whole, session.scene));
     if (!swept) continue;
-    VerifyOptions options;
-    options.whose = {session.station, session.run};
+    const VerifyOptions options{.whose = {session.station, session.run}};
     for (const SessionVerdict& again : Verify({whole}, options).sessions) {
-      if (again.cut) {
-        EXPECT_EQ(TissuesOf(*swept)[0].after_mm3, TissuesOf(*again.cut)[0].after_mm3);
-      }
+      if (!again.cut) continue;
+      EXPECT_EQ(TissuesOf(*swept)[0].after_mm3, TissuesOf(*again.cut)[0].after_mm3);
     }
   }
 }
@@ -342,8 +343,7 @@ TEST_F(TwoHands, ALoopWithoutRoomTellsLaterAndIsTheSameAgain) {
   workshop.End();
   EXPECT_GT(workshop.held(), 2u);
   workshop.Write(file_);
-  const Verification verification = Verify({file_}, {});
-  EXPECT_TRUE(verification.good()) << ToText(verification);
+  ExpectVerified({file_});
 }
 
 TEST_F(TwoHands, GoBackToABookmarkWhichIsFeltShownAndTheSameAgain) {
@@ -356,7 +356,7 @@ TEST_F(TwoHands, GoBackToABookmarkWhichIsFeltShownAndTheSameAgain) {
   workshop.Run(200);
   EXPECT_TRUE(workshop.Whole(palpate_WHOLE_BOOKMARK).has_bookmark);
   const CutField then = workshop.session(0).loop().cuts()[0];
-  workshop.Run(2500);  // a viewer may cost so much and no more: until all is told
+  workshop.Run(2500);  // until all is told: what a viewer costs is bounded
   const auto shown_then = workshop.shown();
   workshop.Lift(false);
   workshop.Run(800);
@@ -369,12 +369,12 @@ TEST_F(TwoHands, GoBackToABookmarkWhichIsFeltShownAndTheSameAgain) {
     EXPECT_EQ(workshop.session(hand).phase(), palpate_SESSION_ACTIVE);
     ExpectSameBits(workshop.session(hand).loop().cuts()[0], then);
   }
-  // Viewers see what they saw then, and of the rest that it is the mesh's.
+  // Viewers see what they saw then, and elsewhere the mesh.
   workshop.Run(3000);
   std::size_t whole_again = 0;
   for (const auto& [block, surface] : workshop.shown()) {
     const auto before = shown_then.find(block);
-    // What has no surface now, and had none then, was not told of then.
+    // A block without a surface now that had none then was not told of then.
     EXPECT_EQ(surface.second,
               before != shown_then.end() ? before->second.second : std::vector<std::uint8_t>(6, 0))
         << block;
@@ -386,8 +386,7 @@ TEST_F(TwoHands, GoBackToABookmarkWhichIsFeltShownAndTheSameAgain) {
   workshop.Run(300);
   workshop.End();
   workshop.Write(file_);
-  const Verification verification = Verify({file_}, {});
-  EXPECT_TRUE(verification.good()) << ToText(verification);
+  ExpectVerified({file_});
 }
 
 TEST_F(TwoHands, ARecordingThatLacksAPartOfTheLogSaysSoAndGuessesNothing) {
@@ -409,7 +408,7 @@ TEST_F(TwoHands, ARecordingThatLacksAPartOfTheLogSaysSoAndGuessesNothing) {
     EXPECT_GT(session.verified, 100u);
     EXPECT_THAT(session.ends, HasSubstr("log of what burs cut"));
   }
-  // And where it began later than the cutting.
+  // Nor if it began later than the cutting.
   const std::string late = folder_ / "late.mcap";
   workshop.Write(late, [&](const wire::CutLog& log) { return log.number > 60; });
   EXPECT_FALSE(Verify({late}, {}).good());

@@ -9,7 +9,6 @@
 #include <set>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "client/replayer/score/cut_measures.h"
 #include "client/replayer/score/trial_cut.h"
@@ -36,18 +35,18 @@ using testing::SizeIs;
 constexpr std::uint64_t kPoses = 300;
 constexpr std::uint64_t kStart = 5;
 
-/// A session as a recorder hears it, with what gets lost on the way.
+/// A session as a recorder hears it, and what gets lost.
 struct Story {
   std::string scene = "cube";
   std::set<std::uint64_t> server_misses{};                ///< poses
   std::set<std::uint64_t> poses_lost{}, wrenches_lost{};  ///< to the recorder
   bool state_lost = false;
-  std::uint64_t whole_before = 0;  ///< pose; 0: never.  Forces begin again 20 poses later
+  std::uint64_t whole_before = 0;  ///< a pose; 0: never.  Forces begin again 20 poses later
   bool whole_lost = false;
 };
 
-/// The hand slides along the top face of a cube, 1 mm deep; of the calculus, it scrapes; of a block
-/// that a bur cuts, it presses, and stops the bur from pose 220 to 259.
+/// On the cube the hand slides along the top face, 1 mm deep.  On the calculus it scrapes.  On a
+/// block it presses a bur, which stops from pose 220 to 259.
 wire::HapticPose PoseAt(const Scene& scene, std::uint64_t sequence) {
   wire::HapticPose pose{};
   pose.pose_sequence = sequence;
@@ -105,9 +104,7 @@ void Record(const Story& story, const std::string& file) {
     }
     wire::Wrench wrench{};
     loop.OnPose(pose, wrench);
-    if (!story.wrenches_lost.contains(i)) {
-      Add(writer, dds::WrenchTopic("hand", 9), wrench, now_ns);
-    }
+    if (!story.wrenches_lost.contains(i)) Add(writer, dds::WrenchTopic("hand", 9), wrench, now_ns);
   }
   if (!story.state_lost) say_start(kStart, X_WG, static_cast<std::int64_t>(kPoses) * kMs);
   writer.Close("");
@@ -127,8 +124,8 @@ void Copy(const std::string& from, const std::string& to, Change change) {
   writer.Close("");
 }
 
-/// Copies a recording's samples, and nothing that its recorder says of them; `change` may alter the
-/// schema and a sample's bytes.
+/// Copies a recording's samples and none of its recorder's metadata; `change` may alter the schema
+/// and a sample's bytes.
 template <class Change>
 void CopySamples(const std::string& from, const std::string& to, Change change) {
   RecordingReader reader({from});
@@ -151,11 +148,12 @@ void CopySamples(const std::string& from, const std::string& to, Change change) 
 
 class VerifyTest : public testing::Test {
  protected:
-  /// Of a whole recording in which `change` has altered each sample of a type, where it says so.
+  /// Verifies a complete recording in which `change` has altered the samples of type T for which it
+  /// returns true.
   template <class T>
-  Verification Tampered(const std::function<bool(T&)>& change) {
+  Verification Tampered(const std::function<bool(T&)>& change, const Story& story = {}) {
     const std::string tampered = folder_ / "tampered.mcap";
-    Record({}, file_);
+    Record(story, file_);
     Copy(file_, tampered, [&](const RecordedSample& sample, std::vector<std::uint8_t>& cdr) {
       T value{};
       if (!sample.To(value) || !change(value)) return;
@@ -174,7 +172,7 @@ class VerifyTest : public testing::Test {
     return verification.sessions.empty() ? SessionVerdict{} : verification.sessions.front();
   }
 
-  /// That a bur cuts.
+  /// A scene with a block that a bur cuts.
   std::string Block() const {
     const std::string block = folder_ / "block.json";
     std::ofstream(block) << R"({"tools": [{"name": "bur", "leaves": 8, "bur": "001/014",
@@ -184,7 +182,7 @@ class VerifyTest : public testing::Test {
     return block;
   }
 
-  /// Without the last bytes of the file.
+  /// Verifies the file without its last 100 bytes.
   Verification CutOff() {
     std::vector<std::uint8_t> bytes = BytesOf(file_);
     bytes.resize(bytes.size() - 100);
@@ -207,7 +205,7 @@ TEST_F(VerifyTest, ComputesAgainWhatCanBeAndSaysWhereThatEnds) {
     const char* what;
     Story story;
     std::uint64_t verified;
-    const char* ends;  ///< empty: it is the same to its end
+    const char* ends;  ///< empty: the same to the end
   };
   for (const auto& [what, story, verified, ends] :
        {Case{"nothing is lost", {}, kPoses, ""},
@@ -300,7 +298,7 @@ TEST_F(VerifyTest, MakesTheSceneWholeBeforeTheSamePose) {
   EXPECT_EQ(verdict.first->pose_sequence, 150u);
 }
 
-// LoopWhole was LeafTaken, whose leaf 4294967295 meant the same.
+// Before LoopWhole there was LeafTaken, whose leaf 4294967295 meant the same.
 TEST_F(VerifyTest, MakesTheSceneWholeWhereARecordingOfBeforeSaysSo) {
   Record({.scene = Block(), .whole_before = 150}, file_);
   const std::string former = folder_ / "former.mcap";
@@ -316,19 +314,14 @@ TEST_F(VerifyTest, MakesTheSceneWholeWhereARecordingOfBeforeSaysSo) {
   EXPECT_EQ(verdict.verified, kPoses);
 }
 
-// What a button did to a bur is in the poses alone.
+// Only the poses tell what a button did to a bur.
 TEST_F(VerifyTest, StopsABurAtTheSamePoses) {
-  Record({.scene = Block()}, file_);
-  EXPECT_TRUE(Only(Verify({file_}, {})).good());
-  const std::string tampered = folder_ / "tampered.mcap";
-  Copy(file_, tampered, [&](const RecordedSample& sample, std::vector<std::uint8_t>& cdr) {
-    wire::HapticPose pose{};
-    if (!sample.To(pose)) return;
+  const auto no_button = [](wire::HapticPose& pose) {
     pose.buttons = 0;
-    cdr.clear();
-    dds::ToCdr(pose, cdr);
-  });
-  const SessionVerdict verdict = Only(Verify({tampered}, {}));
+    return true;
+  };
+  const SessionVerdict verdict = Only(Tampered<wire::HapticPose>(no_button, {.scene = Block()}));
+  EXPECT_TRUE(Only(Verify({file_}, {})).good());
   ASSERT_TRUE(verdict.first.has_value());
   EXPECT_EQ(verdict.first->pose_sequence, 220u);
 }
@@ -459,13 +452,13 @@ TEST(Difference, SeesEveryBitButThoseOfTheClock) {
   EXPECT_EQ(Difference(wrench, other)->field, "row[4][2]");
 }
 
-// The physics gives what it gave when the golden recordings were made, on every machine.  Where it
-// is meant to give something else: cmake --build --preset release --target golden
+// The physics gives what it gave when the golden recordings were made, on every machine.  After an
+// intended change: cmake --build --preset release --target golden
 std::string FileOf(const std::string& scene) {
   return PALPATE_SOURCE_DIR "/tests/replayer/golden/" + scene + ".mcap";
 }
 
-/// What the tool's way alone says that it cut, if it is enough: the same volumes, of the same bits.
+/// Where the tool's path alone is enough to tell what it cut, the volumes have the same bits.
 void ExpectTheSweepToBeThat(const std::string& file, const SessionVerdict& computed) {
   const SolidsCut& again = *computed.cut;
   if (again.after.empty()) return;
@@ -474,7 +467,7 @@ void ExpectTheSweepToBeThat(const std::string& file, const SessionVerdict& compu
   hand.run = computed.run;
   hand.tool_name = computed.tool;
   const auto swept = SweptIn(file, hand, {again.scene, again.objects});
-  // These two begin in the material, of which a tool frees itself by many sub-steps.
+  // In these two the tool begins inside the material, and frees itself by many sub-steps.
   EXPECT_EQ(swept.has_value(), computed.scene != "caries" && computed.scene != "calculus");
   if (!swept) return;
   const auto tissues = TissuesOf(*swept), by_steps = TissuesOf(again);
@@ -492,9 +485,7 @@ TEST_P(GoldenRecording, GivesTheSameBits) {
                  << GetParam() << "'";
   }
   try {
-    VerifyOptions options;
-    options.whose = {"golden", 1};
-    const Verification verification = Verify({FileOf(GetParam())}, options);
+    const Verification verification = Verify({FileOf(GetParam())}, {.whose = {"golden", 1}});
     EXPECT_TRUE(verification.good()) << ToText(verification);
     ASSERT_EQ(verification.sessions.size(), 1u);
     EXPECT_EQ(verification.sessions[0].scene, GetParam());
