@@ -8,7 +8,7 @@ import {afterAll, afterEach, beforeAll, beforeEach, describe, expect} from "vite
 import type {Browser, Page} from "playwright-core";
 
 import type {Probe} from "@page/parts/probe";
-import {norm, subtract} from "@page/model/pose";
+import {norm, subtract} from "@page/base/pose";
 
 import {
   closeWindows,

@@ -1,7 +1,7 @@
 import {expect, test} from "vitest";
 
 import {makeBlockSurface, makePatch} from "@page/model/block_surface";
-import type {Vec3} from "@page/model/pose";
+import type {Vec3} from "@page/base/pose";
 import {Remains} from "@page/model/remains";
 import {Skin} from "@page/model/skin";
 import {makeSurface} from "@page/model/surface";

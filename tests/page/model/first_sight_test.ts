@@ -2,7 +2,7 @@ import {expect, test} from "vitest";
 
 import type {Body, SceneModel} from "@page/model/bundle";
 import {axisOf, firstSight} from "@page/model/first_sight";
-import {add, aboutAxis, norm, type Pose, rotate, subtract, type Vec3} from "@page/model/pose";
+import {add, aboutAxis, norm, type Pose, rotate, subtract, type Vec3} from "@page/base/pose";
 
 import {box} from "../support/scene_bytes";
 

@@ -1,7 +1,7 @@
 import {expect, test} from "vitest";
 
 import type {SceneModel} from "@page/model/bundle";
-import {aboutAxis, kIdentity, type Pose, rotate, type Vec3} from "@page/model/pose";
+import {aboutAxis, kIdentity, type Pose, rotate, type Vec3} from "@page/base/pose";
 import {probingDepthM, tellsProbingDepth} from "@page/model/probing";
 
 /// A margin at a height that is a circle of 5 mm seen from above; by the angle it may rise.

@@ -1,7 +1,7 @@
 import {expect, test} from "vitest";
 
 import type {Body, SceneModel} from "@page/model/bundle";
-import type {Vec3} from "@page/model/pose";
+import type {Vec3} from "@page/base/pose";
 import {middleOfPush, touchedObjects} from "@page/model/touched";
 import {touchedWords} from "@page/model/words";
 

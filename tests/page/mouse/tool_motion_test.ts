@@ -1,6 +1,6 @@
 import {expect, test} from "vitest";
 
-import {add, norm, type Pose, rotate, subtract, type Vec3} from "@page/model/pose";
+import {add, norm, type Pose, rotate, subtract, type Vec3} from "@page/base/pose";
 import {leash, push, roll, slide, turn, type ViewFrame} from "@page/mouse/tool_motion";
 
 /// An eye on +z that looks at the origin: 1 mm a pixel.

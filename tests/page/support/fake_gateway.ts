@@ -10,7 +10,7 @@ import {MessageWriter} from "@foxglove/omgidl-serialization";
 import {FoxgloveServer, type IWebSocket} from "@foxglove/ws-protocol";
 import {type WebSocket, WebSocketServer} from "ws";
 
-import {kIdentity} from "@page/model/pose";
+import {kIdentity} from "@page/base/pose";
 import type {Channel} from "@page/protocol/decoder";
 import type {ToolState} from "@page/protocol/messages";
 

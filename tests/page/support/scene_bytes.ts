@@ -16,7 +16,7 @@ import {
   Vec3T,
 } from "@wire";
 
-import type {Pose, Vec3} from "@page/model/pose";
+import type {Pose, Vec3} from "@page/base/pose";
 
 /// Small scenes as the bytes that a server would send.
 

@@ -1,4 +1,4 @@
-import type {Vec3} from "./pose";
+import type {Vec3} from "../base/pose";
 import {beginOf, type Block, kBeforeSteps, kSide, kSteps, type Solid} from "./solid";
 import type {Skin} from "./skin";
 import {type Faces, makeSurface, measure, type Surface} from "./surface";

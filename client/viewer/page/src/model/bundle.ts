@@ -8,7 +8,7 @@ import {
   type Vec3 as WireVec3,
 } from "@wire";
 
-import {kIdentity, type Pose, type Vec3} from "./pose";
+import {kIdentity, type Pose, type Vec3} from "../base/pose";
 
 /// A scene as the page draws it, read from the bytes of idl/scene.fbs.
 

@@ -12,7 +12,7 @@ import {
   scale,
   subtract,
   type Vec3,
-} from "./pose";
+} from "../base/pose";
 
 /// The initial position of the camera: it shows the work area and the tools' near ends, and the
 /// tools from their side.

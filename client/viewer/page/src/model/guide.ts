@@ -1,4 +1,4 @@
-import {mixPose, norm, type Pose, subtract, type Vec3} from "./pose";
+import {mixPose, norm, type Pose, subtract, type Vec3} from "../base/pose";
 
 /// Distances of the hand from the guide: up to the first the guide moves at the expert's pace, from
 /// the second on it waits (client/replayer/guide).

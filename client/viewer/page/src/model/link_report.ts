@@ -1,6 +1,6 @@
 import {say} from "../messages/say";
 import type {LinkState} from "../protocol/connection";
-import type {Compiling} from "../protocol/scene_fetch";
+import type {Compiling} from "../protocol/health";
 import type {ReplayPhase} from "./replay";
 import {percent} from "./words";
 

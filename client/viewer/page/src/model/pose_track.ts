@@ -1,5 +1,5 @@
 import type {ToolState} from "../protocol/messages";
-import {mixPose, mixVec3} from "./pose";
+import {mixPose, mixVec3} from "../base/pose";
 
 /// Delay of the picture behind the newest frame, in frame intervals: with it there is nearly always
 /// a frame on either side to interpolate between.

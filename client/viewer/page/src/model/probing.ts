@@ -10,7 +10,7 @@ import {
   scale,
   subtract,
   type Vec3,
-} from "./pose";
+} from "../base/pose";
 
 /// The depth of a probe's tip below the gingival margin, as its own marks show it: along the probe,
 /// whose tip is at its origin and points to -y (the look "probe", scenes/catalogue/README.md).

@@ -1,6 +1,6 @@
 import {Vector3} from "three";
 
-import type {Vec3} from "./pose";
+import type {Vec3} from "../base/pose";
 import {beginOf, kSide, type Lattice} from "./solid";
 import type {Surface} from "./surface";
 

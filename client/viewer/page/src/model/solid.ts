@@ -1,5 +1,5 @@
 import type {SolidBlock} from "../protocol/messages";
-import type {Vec3} from "./pose";
+import type {Vec3} from "../base/pose";
 
 /// Grid points along a side of a block.
 export const kSide = 8;

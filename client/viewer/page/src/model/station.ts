@@ -5,7 +5,7 @@ import type {
   ToolState,
 } from "../protocol/messages";
 import {History} from "./history";
-import {norm} from "./pose";
+import {norm} from "../base/pose";
 import {PoseTrack, StreamClock} from "./pose_track";
 import {handPastM, holdsTool} from "./words";
 

@@ -1,6 +1,6 @@
 import type {ContactPoint} from "../protocol/messages";
 import type {Body, SceneModel} from "./bundle";
-import {add, norm, pointIn, scale, subtract, type Vec3} from "./pose";
+import {add, norm, pointIn, scale, subtract, type Vec3} from "../base/pose";
 
 /// Largest distance of a contact from the object touched: soft surfaces give way [m].
 const kReachM = 3e-3;

@@ -10,7 +10,7 @@ import {
   type ToolState,
 } from "../protocol/messages";
 import type {SceneModel} from "./bundle";
-import {norm, subtract} from "./pose";
+import {norm, subtract} from "../base/pose";
 
 /// The page's sentences, worded for readers who do not know the program.
 

@@ -15,7 +15,7 @@ import {
   type ToolState,
   toToolState,
 } from "../protocol/messages";
-import type {Compiling, Health} from "../protocol/scene_fetch";
+import type {Compiling, Health} from "../protocol/health";
 import {Remains} from "./remains";
 import {Replay} from "./replay";
 import {Station} from "./station";

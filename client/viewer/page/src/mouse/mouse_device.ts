@@ -1,5 +1,5 @@
 import {say, type Words} from "../messages/say";
-import {type Pose, samePose, type Vec3} from "../model/pose";
+import {type Pose, samePose, type Vec3} from "../base/pose";
 import type {MouseState} from "../protocol/messages";
 import {leash, push, roll, slide, turn, type ViewFrame} from "./tool_motion";
 

@@ -10,7 +10,7 @@ import {
   scale,
   subtract,
   type Vec3,
-} from "../model/pose";
+} from "../base/pose";
 
 /// How a drag on the screen moves the haptic tool: in the picture's plane, along the view, or about
 /// the tool's centroid.  Screen pixels: x to the right, y down.

@@ -1,5 +1,5 @@
 import {say, type Words} from "../messages/say";
-import {norm} from "../model/pose";
+import {norm} from "../base/pose";
 import type {Station} from "../model/station";
 import {kTopics, type World} from "../model/world";
 import type {ClassAnswer, MadePerson, Me, People, Person} from "../protocol/class_messages";

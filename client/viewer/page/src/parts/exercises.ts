@@ -1,7 +1,7 @@
 import {say} from "../messages/say";
 import {Guide} from "../model/guide";
 import {ownText} from "../model/local_text";
-import type {Pose, Vec3} from "../model/pose";
+import type {Pose, Vec3} from "../base/pose";
 import {kTopics} from "../model/world";
 import type {DoneTrial, Exercise, ExerciseList, TrialState} from "../protocol/exercise_messages";
 import {element, make, press, setText} from "../ui/elements";

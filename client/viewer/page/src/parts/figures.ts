@@ -1,7 +1,7 @@
 import {say} from "../messages/say";
 import type {SceneModel} from "../model/bundle";
 import type {LinkReport} from "../model/link_report";
-import {norm} from "../model/pose";
+import {norm} from "../base/pose";
 import {isProbe, kProbeLimitN, probingDepthM, tellsProbingDepth} from "../model/probing";
 import {touchedObjects} from "../model/touched";
 import {

@@ -1,7 +1,7 @@
 import {type LinkFacts, type LinkReport, linkReport, Pulse} from "../model/link_report";
 import {kOwnTopics, kTopics, type World} from "../model/world";
 import {Connection, type LinkState} from "../protocol/connection";
-import {fetchHealth} from "../protocol/scene_fetch";
+import {fetchHealth} from "../protocol/health";
 import {AccessToken} from "../protocol/token";
 import {element, setText} from "../ui/elements";
 import {nowS} from "./now";

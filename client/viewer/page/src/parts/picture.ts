@@ -1,6 +1,6 @@
 import {say} from "../messages/say";
 import type {SceneModel} from "../model/bundle";
-import type {Pose} from "../model/pose";
+import type {Pose} from "../base/pose";
 import {looksTheSame} from "../model/pose_track";
 import {type Drawn, PictureQuality, qualityOf} from "../model/quality";
 import type {Remains} from "../model/remains";

@@ -1,7 +1,39 @@
-import type {SceneModel} from "../model/bundle";
-import {type FetchedScene, fetchScene} from "../protocol/scene_fetch";
+import {say} from "../messages/say";
+import {readBundle, type SceneModel} from "../model/bundle";
 
 const kRetryMs = 1000;
+
+/// A scene, with the ETag of the bytes that it was read from.
+interface FetchedScene {
+  readonly tag: string;
+  readonly model: SceneModel;
+}
+
+/// Fetches the scene's bundle over HTTP; the browser caches it and revalidates by its ETag.
+/// @param headers  with the token, if there is one
+/// @param have     what the page already has; returned if nothing has changed
+/// Throws an error whose message is for the reader.
+async function fetchScene(
+  name: string,
+  headers: Record<string, string>,
+  have?: FetchedScene,
+): Promise<FetchedScene> {
+  const path = `scene/${encodeURIComponent(name)}.bundle`;
+  const response = await fetch(path, {cache: "no-cache", headers});
+  if (response.status === 404) {
+    throw new Error(say("scene.not_yet", {scene: name}));
+  }
+  if (!response.ok) {
+    const status = String(response.status);
+    throw new Error(say("scene.not_fetched", {scene: name, status}));
+  }
+  const tag = response.headers.get("ETag") ?? "";
+  if (have && tag !== "" && tag === have.tag) {
+    await response.body?.cancel();
+    return have;
+  }
+  return {tag, model: readBundle(new Uint8Array(await response.arrayBuffer()))};
+}
 
 export interface SceneStoreHost {
   headers(): Record<string, string>;

@@ -1,4 +1,4 @@
-import type {Pose, Quat, Vec3} from "../model/pose";
+import type {Pose, Quat, Vec3} from "../base/pose";
 
 /// The messages of idl/teaching.idl, idl/session.idl, idl/solid.idl and idl/replay.idl, as the page
 /// uses them.  A field that the sender lacks is zero or empty, so older servers work.

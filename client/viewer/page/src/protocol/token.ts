@@ -1,4 +1,4 @@
-import {keep, recall} from "../ui/kept";
+import {keep, recall} from "../base/kept";
 
 /// The token by which the gateway authorises this page, if it requires one.  It comes in the
 /// fragment of the page's address, `#token=…`, which browsers never send; it is removed from the

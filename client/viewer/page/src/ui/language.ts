@@ -1,7 +1,7 @@
 import {chooseLanguage, kLanguages, speak} from "../messages/say";
 import {rememberInAddress} from "./address";
 import {element} from "./elements";
-import {keep, recall} from "./kept";
+import {keep, recall} from "../base/kept";
 import {type Said, sayAgain, sayIn} from "./spoken";
 
 const kKey = "palpate-language";

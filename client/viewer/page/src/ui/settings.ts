@@ -1,5 +1,5 @@
 import {element} from "./elements";
-import {keep, recall} from "./kept";
+import {keep, recall} from "../base/kept";
 
 /// A switch in the settings, kept for the next visit: sets a class of the same name on the page,
 /// for the style sheet, and calls what else depends on it.

@@ -1,5 +1,5 @@
 import {onPress} from "./elements";
-import {keep, recall} from "./kept";
+import {keep, recall} from "../base/kept";
 
 const kThemes = ["light", "dark"] as const;
 const kKey = "palpate-theme";

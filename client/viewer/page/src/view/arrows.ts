@@ -12,7 +12,7 @@ import {
   Vector3,
 } from "three";
 
-import {norm, scale, subtract, type Vec3} from "../model/pose";
+import {norm, scale, subtract, type Vec3} from "../base/pose";
 import type {ContactPoint} from "../protocol/messages";
 
 /// Force and torque as arrows that show through everything, each with a halo for contrast; the tool

@@ -9,7 +9,7 @@ import {
 } from "three";
 
 import type {Body, Geometry, SceneModel} from "../model/bundle";
-import type {Pose} from "../model/pose";
+import type {Pose} from "../base/pose";
 import type {Solid} from "../model/solid";
 import {makeSurface, type Surface} from "../model/surface";
 import {kTissues, tissueByVertex, tissueOf} from "../model/tissue";

@@ -2,7 +2,7 @@ import {MathUtils, PerspectiveCamera, Spherical, Vector3} from "three";
 import {OrbitControls} from "three/examples/jsm/controls/OrbitControls.js";
 
 import type {FirstSight} from "../model/bundle";
-import type {Vec3} from "../model/pose";
+import type {Vec3} from "../base/pose";
 import type {ViewFrame} from "../mouse/tool_motion";
 
 const kFieldOfViewDeg = 32;

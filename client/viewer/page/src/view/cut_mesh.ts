@@ -17,7 +17,7 @@ import {
 
 import type {Body} from "../model/bundle";
 import {type BlockSurface, makeBlockSurface, makePatch} from "../model/block_surface";
-import type {Vec3} from "../model/pose";
+import type {Vec3} from "../base/pose";
 import {Skin} from "../model/skin";
 import {type Block, kSide, type Lattice, type Solid} from "../model/solid";
 import type {Surface} from "../model/surface";

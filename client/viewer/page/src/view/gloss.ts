@@ -10,7 +10,7 @@ import {
   type WebGLProgramParametersWithUniforms,
 } from "three";
 
-import type {Vec3} from "../model/pose";
+import type {Vec3} from "../base/pose";
 import type {Surface} from "../model/surface";
 import type {Look} from "./looks";
 import {paintForScreen} from "./still_layer";

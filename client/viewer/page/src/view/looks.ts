@@ -1,6 +1,6 @@
 import {Color} from "three";
 
-import {norm, scale, subtract, type Vec3} from "../model/pose";
+import {norm, scale, subtract, type Vec3} from "../base/pose";
 
 /// How bodies with a "look" in their scene file are drawn: colour by position, and gloss.
 /// Positions are in the body's frame, as scenes/catalogue/README.md defines it for teeth, gums,

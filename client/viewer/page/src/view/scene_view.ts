@@ -2,7 +2,7 @@ import {DirectionalLight, Group, HemisphereLight, Scene, type WebGLRenderer} fro
 
 import type {SceneModel} from "../model/bundle";
 import {endOf, firstSight, workOf} from "../model/first_sight";
-import type {Pose, Vec3} from "../model/pose";
+import type {Pose, Vec3} from "../base/pose";
 import {type Drawn, kDetails, type PictureQuality} from "../model/quality";
 import type {Remains} from "../model/remains";
 import type {ToolState} from "../protocol/messages";

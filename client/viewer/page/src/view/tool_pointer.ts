@@ -2,7 +2,7 @@ import {MathUtils, type PerspectiveCamera, Vector3} from "three";
 
 import {say} from "../messages/say";
 import {edgePlace} from "../model/edge_place";
-import type {Vec3} from "../model/pose";
+import type {Vec3} from "../base/pose";
 
 const kHalf = 22; // half the arrow's size [pixels], as in stage.css
 

@@ -1,7 +1,7 @@
 import type {Group} from "three";
 
 import type {Body, SceneModel} from "../model/bundle";
-import {angleBetween, norm, pointOf, type Pose, subtract, type Vec3} from "../model/pose";
+import {angleBetween, norm, pointOf, type Pose, subtract, type Vec3} from "../base/pose";
 import {middleOfPush} from "../model/touched";
 import type {ToolState} from "../protocol/messages";
 import {ForceMarks} from "./arrows";

@@ -11,7 +11,7 @@ import {
   rotate,
   subtract,
   type Vec3,
-} from "@page/model/pose";
+} from "@page/base/pose";
 
 /// By the textbook's matrix, written out: independent of the code's formula.
 function byMatrix([w, x, y, z]: Quat, v: Vec3): Vec3 {
