@@ -34,9 +34,10 @@ constexpr std::int64_t kRetry_ns = 2'000'000'000;
 /// (tests/benchmarks/results/course.md).  Other trials are scored after they end, at most one per
 /// processor and no more than this number at a time.
 constexpr int kMostFollowing = 4;
-/// A scoring that takes longer than kScore_s, and kScorePerSecond for each second of the trial, hangs
-/// and is ended.  It computes a cut of the expert and one of the trial, at rest in a third of the
-/// trial's time; a host whose load is twelve times its processors takes four times the trial's time.
+/// A scoring that takes longer than kScore_s, and kScorePerSecond for each second of the trial,
+/// hangs and is ended.  It computes a cut of the expert and one of the trial, at rest in a third of
+/// the trial's time; a host whose load is twelve times its processors takes four times the trial's
+/// time.
 constexpr double kScore_s = 30.0, kScorePerSecond = 4.0;
 constexpr std::size_t kLargestScore = std::size_t{16} << 20;
 /// In palpate-replay's complaint if the station lost its server and came again.
@@ -352,7 +353,8 @@ void TrialRoom::ScoreLeftovers() {
   file_.Use([&](SQLite::Database& database) {
     SQLite::Statement rows(
         database,
-        "SELECT person, exercise, n, IFNULL(reason, ''), whole, submitted_s, ended_s - begun_s FROM "
+        "SELECT person, exercise, n, IFNULL(reason, ''), whole, submitted_s, ended_s - begun_s "
+        "FROM "
         "trials t WHERE "
         "ended_s IS NOT NULL AND passed IS NULL AND NOT EXISTS (SELECT 1 FROM exam_trials e WHERE "
         "e.person=t.person AND e.exercise=t.exercise AND e.n=t.n) ORDER BY ended_s");
@@ -430,10 +432,11 @@ void TrialRoom::TakeScore(Running& trial) {
   std::string marks;
   try {
     if (trial.is_overdue) {
-      throw Error(fmt::format(
-          "its scoring hung and was ended after {:.0f} s; the recording is kept, and is scored again "
-          "when the gateway is started anew",
-          MostToScore_s(trial)));
+      throw Error(
+          fmt::format("its scoring hung and was ended after {:.0f} s; the recording is kept, and "
+                      "is scored again "
+                      "when the gateway is started anew",
+                      MostToScore_s(trial)));
     }
     if (!trial.scorer->complaint().empty()) throw Error(trial.scorer->complaint());
     const Json score = Json::parse(ReadWholeFile(stem + "/score.json", kLargestScore));

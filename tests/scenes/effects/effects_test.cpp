@@ -315,7 +315,7 @@ TEST_F(EffectsTest, SaysWhyAFileIsNoEffect) {
   EXPECT_THAT(
       LoadError(R"({"name": ")" PALPATE_EFFECT_OF_TOMORROW R"("})"),
       AllOf(HasSubstr(
-                "palpate_the_effect.abi is 1000 but this version supports 1 to 1 are known here"),
+                "palpate_the_effect.abi is 1000 but this version supports 1 to 1; build it with the "),
             HasSubstr("build it with the palpate_effect.h of this version")));
 }
 
