@@ -54,9 +54,10 @@ std::optional<RecorderOptions> ParseRecorderOptions(int argc, const char* const*
   app.Add("--split-time", options.recording.split_s, "start a new file after this many seconds")
       .Positive();
   app.Add("--for", options.seconds, "end after this many seconds; default: at Ctrl-C").Positive();
-  app.Add("--await-scene", options.scene,
-          "say 'recording to' only once this scene has been heard and will be in the file; for a "
-          "program that starts the hand then");
+  app.Add(
+      "--await-scene", options.scene,
+      "print 'recording to' only after this scene has arrived, so that the file includes it; for "
+      "a program that starts the hand afterwards");
   app.Add("--station", options.stations,
           "record only the hand and session of this station; scenes and cuts are always recorded.  "
           "Can be repeated.  Default: all stations")

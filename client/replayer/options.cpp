@@ -151,9 +151,10 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
       app.AddCommand("score", "score a trainee against an expert, per trial and on average");
   score.Footer(kScoreExamples);
   score
-      .Add("expert", options.score.expert,
-           "recording of the expert; or his script, NAME.path.json, which is done in the trials' "
-           "scene")
+      .Add(
+          "expert", options.score.expert,
+          "recording of the expert; or a script of the expert's hand, NAME.path.json, which is run "
+          "in the trials' scene")
       .Required();
   score
       .Add("trials", options.score.trials,
