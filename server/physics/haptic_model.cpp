@@ -22,26 +22,26 @@ bool IsFeltByLeaves(const PlacedTree& object) {
 
 }  // namespace
 
-SceneObjects::SceneObjects(std::span<const PlacedTree> objects, ContactModel contact,
-                           std::vector<CutSolid> solids)
-    : contact_(contact),
-      forest_(objects, contact == ContactModel::kSurface ? &IsFeltByLeaves : &IsUncut),
-      solids_(std::move(solids)) {
-  if (contact == ContactModel::kSurface) bodies_ = MakeBodies(objects);
-  if (!bodies_.empty()) insides_.emplace(objects, &IsFeltByMesh);
-  for (const CutSolid& solid : solids_) {
-    const auto materials = objects[solid.object].materials;
-    materials_.emplace_back(materials.begin(), materials.end());
-    if (contact == ContactModel::kSurface) bodies_.push_back(BlocksOf(solid));
+SceneObjects::SceneObjects(std::span<const PlacedTree> objects, ContactModel contact_model,
+                           std::vector<CutSolid> cut_solids)
+    : contact(contact_model),
+      forest(objects, contact == ContactModel::kSurface ? &IsFeltByLeaves : &IsUncut),
+      solids(std::move(cut_solids)) {
+  for (const CutSolid& solid : solids) {
+    const auto of = objects[solid.object].materials;
+    materials.emplace_back(of.begin(), of.end());
   }
   if (contact != ContactModel::kSurface) return;
-  boxes_ = solids_.size();
-  uncut_ = UncutBodies(solids_, boxes(), bodies_.size() - boxes_);
+  bodies = MakeBodies(objects);
+  if (!bodies.empty()) insides.emplace(objects, &IsFeltByMesh);
+  for (const CutSolid& solid : solids) bodies.push_back(BlocksOf(solid));
+  box_count = solids.size();
+  uncut = UncutBodies(solids, boxes(), bodies.size() - box_count);
 }
 
 const Material& SceneObjects::MaterialOf(std::size_t solid, std::uint8_t material) const {
   static const Material kPlain;
-  const std::vector<Material>& of = materials_[solid];
+  const std::vector<Material>& of = materials[solid];
   return material < of.size() ? of[material] : kPlain;
 }
 
@@ -52,30 +52,24 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObje
       objects_(std::move(objects)),
       cutting_(std::move(cutting)),
       effects_(std::move(effects)) {
-  const auto positive = [](double value, const char* name) {
-    if (!(value > 0.0) || !std::isfinite(value)) {
-      throw Error(std::string("step parameters: ") + name + " is " + std::to_string(value) +
-                  "; give a positive number");
-    }
-  };
-  positive(parameters_.stiffness, "stiffness");
-  positive(parameters_.torsional_stiffness, "torsional_stiffness");
-  positive(parameters_.widest_step, "widest_step");
-  positive(parameters_.sub_steps, "sub_steps");
-  positive(parameters_.max_rows, "max_rows");
-  positive(parameters_.separation, "separation");
-  positive(parameters_.iterates, "iterates");
-  positive(parameters_.looks, "looks");
+  if (const std::string fault = TuningFault(parameters_); !fault.empty()) {
+    throw Error("step: " + fault);
+  }
+  for (const double spring : {parameters_.stiffness, parameters_.torsional_stiffness}) {
+    if (spring > 0.0 && std::isfinite(spring)) continue;
+    throw Error("step parameters: a stiffness is " + std::to_string(spring) +
+                "; give a positive number");
+  }
   rotation_length_ = std::sqrt(parameters_.torsional_stiffness / parameters_.stiffness);
-  if (parameters_.features.contact != objects_->contact()) {
+  if (parameters_.features.contact != objects_->contact) {
     throw Error("step parameters: contact differs from the objects'; give MakeObjects the same");
   }
-  const double extent = this->objects().center().norm() + this->objects().radius();
-  tool_ = std::make_unique<const ToolTree>(tool, extent, ToolTree::ReferenceOf(tool));
+  const double extent = this->objects().center.norm() + this->objects().radius;
+  tool_ = std::make_unique<const ToolTree>(tool, extent);
   if (!bodies().empty())
-    tool_body_ = MakeToolBody(tool_mesh, tool, tool_->reference(), cutting_ ? &*cutting_ : nullptr);
+    tool_body_ = MakeToolBody(tool_mesh, tool, tool_->reference, cutting_ ? &*cutting_ : nullptr);
   const double reach = tool_body_ != nullptr ? tool_body_->mesh.reach() : 0.0;
-  const double lever = std::max(tool_->max_lever(), reach);
+  const double lever = std::max(tool_->max_lever, reach);
   const std::string fault =
       CouplingFault(parameters_.stiffness, parameters_.torsional_stiffness, lever);
   if (degrees_of_freedom() == 6 && !fault.empty()) {
@@ -125,7 +119,7 @@ std::int32_t HapticModel::LeafOf(const ContactId& id, const FeltSolids& felt) co
   if (id.IsOfLeaves()) return id.object;
   const auto body = static_cast<std::size_t>(id.body);
   if (body < bodies().size()) return bodies()[body].leaf[static_cast<std::size_t>(id.object)];
-  return objects().FirstLeafOf(static_cast<int>(solids()[felt.SolidOf(id.body)].object));
+  return objects().first_leaf[solids()[felt.SolidOf(id.body)].object];
 }
 
 const Material& HapticModel::MaterialOf(const ContactId& id, const FeltSolids& felt) const {

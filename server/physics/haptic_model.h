@@ -8,8 +8,8 @@
 #include "common/math/pose.h"
 #include "scenes/effects/effects.h"
 #include "scenes/sphere_tree.h"
-#include "server/physics/contact_id.h"
 #include "server/physics/cut/cutting.h"
+#include "server/physics/simd/kernels.h"
 #include "server/physics/step_types.h"
 #include "server/physics/surface/block_bodies.h"
 #include "server/physics/surface/contact_bodies.h"
@@ -21,38 +21,31 @@ namespace palpate {
 /// The objects that the tools of a scene can touch: the leaves of all objects as one tree, and
 /// the meshes of those objects that are felt by their mesh.  Immutable; the models of all tools
 /// share it.
-class SceneObjects {
- public:
+struct SceneObjects {
   /// Throws Error if there is no object, if a tree is empty or not finite, or if
   /// ContactModel::kSurface needs a mesh that an object lacks.
   explicit SceneObjects(std::span<const PlacedTree> objects,
-                        ContactModel contact = ContactModel::kSpheres,
-                        std::vector<CutSolid> solids = {});
+                        ContactModel contact_model = ContactModel::kSpheres,
+                        std::vector<CutSolid> cut_solids = {});
+  SceneObjects(const SceneObjects&) = delete;  // `uncut` refers to the others
 
-  /// The leaves of all objects.  Leaves of an object that is felt by its mesh touch nothing.
-  const ObjectForest& forest() const { return forest_; }
-  ContactModel contact() const { return contact_; }
-  /// `bodies`: the objects that are felt by their meshes, then `boxes`: those of the blocks of the
-  /// solids that burs can cut (surface/felt_solids.h).  `insides`: a forest of the former objects'
-  /// leaves only, which shows fastest what lies deep inside (start_pose.h); null if there are none.
-  std::span<const ContactBody> bodies() const { return bodies_; }
-  std::span<const ContactBody> boxes() const { return bodies().last(boxes_); }
-  const UncutBodies& uncut() const { return uncut_; }
-  const ObjectForest* insides() const { return insides_ ? &*insides_ : nullptr; }
-  /// The solids that burs can cut.
-  std::span<const CutSolid> solids() const { return solids_; }
-  /// A material of the solid with this index in solids().
+  /// The boxes of the blocks of the solids that burs can cut (surface/felt_solids.h): the last of
+  /// the bodies.
+  std::span<const ContactBody> boxes() const { return std::span(bodies).last(box_count); }
+  /// A material of the solid with this index in `solids`.
   const Material& MaterialOf(std::size_t solid, std::uint8_t material) const;
 
- private:
-  ContactModel contact_;
-  ObjectForest forest_;
-  std::vector<ContactBody> bodies_;
-  std::optional<ObjectForest> insides_;
-  std::vector<CutSolid> solids_;
-  std::size_t boxes_ = 0;
-  UncutBodies uncut_;
-  std::vector<std::vector<Material>> materials_;  ///< for each solid
+  ContactModel contact;
+  /// The leaves of all objects.  Leaves of an object that is felt by its mesh touch nothing.
+  ObjectForest forest;
+  std::vector<ContactBody> bodies;  ///< the objects that are felt by their meshes, then the boxes
+  std::size_t box_count = 0;
+  /// The leaves of the former objects only, which show fastest what lies deep inside
+  /// (start_pose.h); empty if there are none.
+  std::optional<ObjectForest> insides;
+  std::vector<CutSolid> solids;  ///< that burs can cut
+  UncutBodies uncut;
+  std::vector<std::vector<Material>> materials;  ///< for each solid
 };
 
 /// Everything that a step needs and never changes: one tool and the objects of a scene.  Built when
@@ -67,25 +60,23 @@ class HapticModel {
               const StepParameters& parameters, const TriangleMesh* tool_mesh = nullptr,
               std::optional<Cutting> cutting = std::nullopt, Effects effects = {});
 
-  const StepParameters& parameters() const {
-    return parameters_;
-  }  ///< with derived values
-     ///< filled in
+  /// With derived values filled in.
+  const StepParameters& parameters() const { return parameters_; }
   const ToolTree& tool() const { return *tool_; }
-  const ObjectForest& objects() const { return objects_->forest(); }
+  const ObjectForest& objects() const { return objects_->forest; }
   /// Null if nothing is felt by its mesh.
   const ContactBody* tool_body() const { return tool_body_.get(); }
-  std::span<const ContactBody> bodies() const { return objects_->bodies(); }
+  std::span<const ContactBody> bodies() const { return objects_->bodies; }
   std::span<const ContactBody> boxes() const { return objects_->boxes(); }
-  const UncutBodies& uncut() const { return objects_->uncut(); }
-  const ObjectForest* insides() const { return objects_->insides(); }
+  const UncutBodies& uncut() const { return objects_->uncut; }
+  const ObjectForest* insides() const { return objects_->insides ? &*objects_->insides : nullptr; }
   /// Returns whether compliance is among the features and some leaf is soft.
-  bool yields() const { return parameters_.features.compliance && objects().yields(); }
+  bool yields() const { return parameters_.features.compliance && objects().yields; }
   /// Null if the tool cannot cut.
   const Cutting* cutting() const { return cutting_ ? &*cutting_ : nullptr; }
   const Effects& effects() const { return effects_; }
   /// The solids that burs can cut, and whether this tool may cut any of them.
-  std::span<const CutSolid> solids() const { return objects_->solids(); }
+  std::span<const CutSolid> solids() const { return objects_->solids; }
   bool cuts() const { return cutting_ && !solids().empty(); }
   /// The samples of the bur's surface, relative to the reference point, in the tool's frame.
   std::span<const BurSample> bur_samples() const { return bur_samples_; }
@@ -95,9 +86,9 @@ class HapticModel {
   const Material& MaterialOf(const ContactId& id, const FeltSolids& felt) const;
   std::int32_t LeafOf(const ContactId& id, const FeltSolids& felt) const;
   /// 3 if the tool is a single sphere, which no contact can turn; else 6.
-  int degrees_of_freedom() const { return tool_->leaf_count() == 1 ? 3 : 6; }
+  int degrees_of_freedom() const { return tool_->leaves.size() == 1 ? 3 : 6; }
   /// The point that the step and the wrench refer to, in the tool's frame [m]: the centroid.
-  const Vec3& reference() const { return tool_->reference(); }
+  const Vec3& reference() const { return tool_->reference; }
   /// The characteristic length sqrt(k_r / k_t) [m], which converts a rotation to a length.
   double rotation_length() const { return rotation_length_; }
 

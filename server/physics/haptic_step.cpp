@@ -7,16 +7,10 @@
 
 #include "common/math/rotation.h"
 #include "server/physics/contact/sub_step.h"
-#include "server/physics/contact/touch_rows.h"
 #include "server/physics/limits.h"
-#include "server/physics/solve/clear_way.h"
-#include "server/physics/solve/contact_report.h"
-#include "server/physics/solve/friction.h"
-#include "server/physics/solve/nearest_step.h"
 #include "server/physics/solve/response.h"
-#include "server/physics/solve/step_bounds.h"
+#include "server/physics/solve/stages.h"
 #include "server/physics/solve/step_context.h"
-#include "server/physics/stage_clock.h"
 
 namespace palpate {
 
@@ -199,15 +193,13 @@ void Move(StepContext& context, const Way& way) {
     return;
   }
   context.report.truncation = std::max(
-      context.report.truncation, 0.5 * way.phi.squaredNorm() * context.model.tool().max_lever());
+      context.report.truncation, 0.5 * way.phi.squaredNorm() * context.model.tool().max_lever);
   tools.p_G += way.v;
   tools.q_G = (RotationExp(way.phi) * tools.q_G).normalized();
 }
 
-/// Between meshes, if the tool has not arrived, the optimum lies beyond the region in which its
-/// rows are valid.  What is known is how far the rows hold back the spring from where the tool is:
-/// those of its contacts and of what it would meet within the sub-step, including material that a
-/// bur cuts.  If the tool has arrived, this is the optimum's own wrench; without a row it is zero.
+/// Returns what is felt between meshes if the tool has not arrived: how far the rows hold back the
+/// spring from where the tool is (solve/README.md, "The wrench of a tool that lags").
 Way Lag(StepContext& context, const Way& went) {
   ContactRows& rows = context.buffers.rows;
   for (int i = 0; i < rows.count(); ++i) rows.SetGap(i, rows.Left(i, went.v, went.phi));
@@ -238,6 +230,12 @@ void Report(StepContext& context, const Way& way) {
   context.sub_step.bounds = WiderBounds(context.model, context.sub_step.bounds);
 }
 
+void ForgetForces(StepReport& report) {
+  report.contacts = report.soft_contacts = 0;
+  report.wrench = report.soft_wrench = Wrench{};
+  report.bur_force.setZero();
+}
+
 /// Called if a QP did not end, or its result is not finite: the tool stays where it is, and the
 /// spring pulls from there.  Intermediate results belong to no pose, so all of them are discarded.
 void GiveUp(StepContext& context) {
@@ -245,26 +243,20 @@ void GiveUp(StepContext& context) {
   context.arrived = false;
   context.state.active = 0;
   context.state.friction = context.sub_step.friction_before;
-  report.contacts = report.soft_contacts = 0;
-  report.soft_wrench = Wrench{};
-  report.bur_force.setZero();
+  ForgetForces(report);
   context.Aim();
   report.wrench = context.WrenchAfter(Vec3::Zero(), Vec3::Zero());
 }
 
-/// Computes the drag of the spin on a pushing bur, for the next step.  It is smoothed, because the
-/// drag presses the bur against a wall beside it, which turns the drag to the next wall;
-/// unsmoothed, this would grow.
+/// Computes the drag of the spin on a pushing bur, for the next step, smoothed so that a bur in a
+/// hole does not whirl (cut/README.md).
 void TakeDrag(StepContext& context) {
   const auto& energies = context.buffers.energies;
-  std::array<double, 6>& drag = context.state.drag;
+  Vec6& drag = context.state.drag;
   if (!energies || !energies->bur_pushes()) {
-    drag = {};
-    return;
-  }
-  const std::array<double, 6> now = energies->Drag();
-  for (std::size_t c = 0; c < drag.size(); ++c) {
-    drag[c] += limits::cutting::kDragShare * (now[c] - drag[c]);
+    drag.setZero();
+  } else {
+    drag += limits::cutting::kDragShare * (energies->Drag() - drag);
   }
 }
 
@@ -322,10 +314,8 @@ void End(const Pose& X_WH, StepContext& context) {
   if (!IsFinite(report)) {
     state.X_WG = report.X_WG = X_before;
     state.ForgetContact();
-    report.wrench = report.soft_wrench = Wrench{};
+    ForgetForces(report);
     report.effects = {};
-    report.contacts = report.soft_contacts = 0;
-    report.bur_force.setZero();
     report.faults |= kFaultUnsolved;
   }
 }

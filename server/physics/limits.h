@@ -37,7 +37,7 @@ inline constexpr int kMaxRows = 16384;
 /// over a ledge costs.
 inline constexpr int kMaxTested = 5000;
 
-// --- Bounds of a cycle's sub-steps (solve/step_bounds.h). ---
+// --- Bounds of a cycle's sub-steps (solve/stages.h). ---
 
 /// The first bounds over what the hand moved since the last cycle.  A tool that keeps its contacts
 /// moves no farther than the hand (1.0); the rest, taken, allows for contacts gained and lost.
@@ -134,8 +134,8 @@ inline constexpr double kRelief = 0.25881904510252074;
 inline constexpr double kDraw = 40e-6;
 }  // namespace cutting
 
-/// Friction (solve/friction.h).  Forces are divided by k_t, so they are lengths [m].  "Size" is the
-/// length of the hand's offset and what the contacts take off it.
+/// Friction (solve/friction.md).  Forces are divided by k_t, so they are lengths [m].  "Size" is
+/// the length of the hand's offset and what the contacts take off it.
 namespace friction {
 /// Cycles without slip [ms at 1 kHz] after which mu_s applies to a contact again.  Static friction
 /// needs a time of rest (Dieterich 1972).  Without one, a hand that trembles at 8 to 12 Hz while it

@@ -64,8 +64,6 @@ std::shared_ptr<const SceneObjects> MakeObjects(const Scene& scene) {
 
 HapticModel MakeModel(const Scene& scene, const Body& tool,
                       std::shared_ptr<const SceneObjects> objects) {
-  if (const std::string fault = TuningFault(scene.tuning); !fault.empty())
-    throw Error("step: " + fault);
   StepParameters parameters{scene.tuning};
   parameters.stiffness = scene.coupling.stiffness;
   parameters.torsional_stiffness = scene.coupling.torsional_stiffness;

@@ -46,8 +46,8 @@ bool IsFree(const HapticModel& model, const Pose& X_WT, std::span<const CutField
 /// Returns an upper bound on how far a tool must move, from a place of its reference point, to be
 /// outside of everything [m].
 double LongestWayOut(const HapticModel& model, const Vec3& from) {
-  double reach = model.tool().reach();
-  double farthest = (from - model.objects().center()).norm() + model.objects().radius();
+  double reach = model.tool().reach;
+  double farthest = (from - model.objects().center).norm() + model.objects().radius;
   if (model.tool_body() != nullptr) reach = std::max(reach, model.tool_body()->mesh.reach());
   for (const ContactBody& body : model.bodies()) {
     const HullTree::Node root = body.tree.root();

@@ -8,9 +8,10 @@
 #include "common/math/pose.h"
 #include "scenes/effects/effects.h"
 #include "scenes/grid/cut_field.h"
-#include "server/physics/contact_id.h"
+#include "server/physics/energy/energy.h"
 #include "server/physics/haptic_model.h"
 #include "server/physics/limits.h"
+#include "server/physics/simd/kernels.h"
 #include "server/physics/step_types.h"
 #include "server/physics/surface/felt_solids.h"
 #include "server/physics/surface/separation_front.h"
@@ -80,7 +81,7 @@ struct StepState {
   FrictionState friction;
   std::vector<CutField> cuts;  ///< what has been removed from each solid
   /// Drag of the material on a spinning bur, smoothed over the last 20 ms, as [v; rho phi] [m].
-  std::array<double, 6> drag{};
+  Vec6 drag = Vec6::Zero();
   double tooth = 0.0;   ///< phase of the tooth frequency that is felt as a hum, 0 to 1
   EffectState effects;  ///< without effect in a default-constructed state
 
@@ -90,7 +91,7 @@ struct StepState {
     behind = {0.0, 0.0};
     turn_G.setZero();
     friction = FrictionState{};
-    drag = {};
+    drag.setZero();
     felt.Forget();
   }
 };

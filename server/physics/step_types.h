@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -10,8 +11,8 @@
 #include "common/step_tuning.h"
 #include "scenes/scene.h"
 #include "scenes/sphere_tree.h"
-#include "server/physics/contact_id.h"
 #include "server/physics/limits.h"
+#include "server/physics/simd/kernels.h"
 
 namespace palpate {
 
@@ -99,6 +100,25 @@ struct StepReport {
 /// Times of the step's stages, summed over sub-steps [ns], for benchmarks.
 struct StageTimes {
   std::int64_t prediction = 0, rows = 0, solve = 0, response = 0;
+};
+
+/// Times the stages of a step for benchmarks.  Reads no clock if `times` is null.
+class StageClock {
+ public:
+  explicit StageClock(StageTimes* times) : times_(times) {
+    if (times_ != nullptr) last_ = std::chrono::steady_clock::now();
+  }
+  /// Adds the time since the last lap to a stage.
+  void Lap(std::int64_t StageTimes::*stage) {
+    if (times_ == nullptr) return;
+    const auto now = std::chrono::steady_clock::now();
+    times_->*stage += std::chrono::duration_cast<std::chrono::nanoseconds>(now - last_).count();
+    last_ = now;
+  }
+
+ private:
+  StageTimes* times_;
+  std::chrono::steady_clock::time_point last_;
 };
 
 }  // namespace palpate

@@ -210,7 +210,7 @@ void ServoLoop::Step(wire::Wrench& answer) noexcept {
   answer.region_m = kRegion_m;
   answer.region_rad = model_.degrees_of_freedom() == 3
                           ? std::numbers::pi
-                          : kRegion_m / std::max(model_.tool().max_lever(), kRegion_m);
+                          : kRegion_m / std::max(model_.tool().max_lever, kRegion_m);
   for (int i = 0; i < rigid; ++i) {
     const ActiveRow& active = report.active[i];
     for (int k = 0; k < 3; ++k) {

@@ -15,6 +15,7 @@
 #include "tests/benchmarks/cut_scene.h"
 #include "tests/benchmarks/figures.h"
 #include "tests/benchmarks/machine.h"
+#include "tests/support/cut_of_rows.h"
 #include "tests/support/volume_left.h"
 
 namespace palpate::bench {
@@ -215,12 +216,12 @@ Way GoTheWay(const Case& c, const SolidGrid& block, Times& times) {
     way.turns.push_back(step.iterations);
     way.unsolved += step.status != QpStatus::kSolved;
     bur_at += v;
-    way.rows_volume += rows.VolumeOf(x, 3);
+    const test::CutOfRows said(rows, x, 3);
+    way.rows_volume += said.volume;
     if (rising) continue;  // moves through space that it has cleared
     const Vec3 force = kStiffness * (v - t), exact = ExactForce(c, fine, bur_at, v / dt);
-    const double work = rows.WorkOf(x, 3);
-    way.work += kStiffness * work;
-    way.least_work = std::min(way.least_work, kStiffness * work);
+    way.work += kStiffness * said.work;
+    way.least_work = std::min(way.least_work, kStiffness * said.work);
     way.law_work -= exact.dot(v);
     const bool on_millisecond = count % (c.rate / 1000) == 0;
     // The whole front is below the face; in the groove, the bur has also moved by its width.

@@ -114,7 +114,7 @@ std::vector<Problem> ProblemsOf(const Options& options) {
   StepState state = run.Start();
   std::vector<Problem> problems;
   for (const Pose& X_WH : run.poses()) {
-    const Vec3& c = model.tool().reference();
+    const Vec3& c = model.tool().reference;
     const Vec3 p_G = state.X_WG * c;
     prediction.Predict(model, ActiveKernels(), state.X_WG.q.toRotationMatrix(), p_G, widest, rows,
                        nullptr);

@@ -170,9 +170,9 @@ const std::vector<Floors> kFloors = {
      false},
     {"server/physics",
      {
-         {"server/physics/limits", "server/physics/contact_id"},
+         {"server/physics/limits"},
          {"server/physics/simd"},
-         {"server/physics/step_types", "server/physics/stage_clock"},
+         {"server/physics/step_types"},
          {"server/physics/energy"},
          {"server/physics/tree"},
          {"server/physics/cut"},

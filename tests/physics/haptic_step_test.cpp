@@ -139,8 +139,8 @@ TEST(HapticStep, ReportsContactsAsTheyAreAtTheReportedPose) {
       const ActiveRow& row = report.active[static_cast<std::size_t>(c)];
       const auto tool = static_cast<std::size_t>(row.id.tool);
       const auto object = static_cast<std::size_t>(row.id.object);
-      const LeafSphere& t = bench.model().tool().leaves()[tool];
-      const LeafSphere& o = bench.model().objects().leaves()[object];
+      const LeafSphere& t = bench.model().tool().leaves[tool];
+      const LeafSphere& o = bench.model().objects().leaves[object];
       const Vec3 c_T = report.X_WG * (bench.model().reference() + Vec3(t.x, t.y, t.z));
       const double gap = (c_T - Vec3(o.x, o.y, o.z)).norm() - t.radius - o.radius;
       // Exact except for linearisation: the normal turns by step / distance.

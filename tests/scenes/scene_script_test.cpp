@@ -80,8 +80,10 @@ Playback Play(const std::string& name, double greatest_force,
     m.report = HapticStep(model, m.X_WH, state, workspace);
     bad += (m.report.faults & kBad) != 0;
     for (int c = 0; c < m.report.contacts; ++c) {
-      const int object = model.objects().ObjectOf(m.report.active[c].object_leaf);
-      m.touched.insert(run.scene.objects[static_cast<std::size_t>(object)].name);
+      const std::vector<int>& first_leaf = model.objects().first_leaf;
+      const auto next = std::ranges::upper_bound(first_leaf, m.report.active[c].object_leaf);
+      m.touched.insert(
+          run.scene.objects[static_cast<std::size_t>(next - first_leaf.begin() - 1)].name);
     }
     if (each) each(m, state);
     run.moments.push_back(std::move(m));

@@ -114,7 +114,7 @@ class Files {
 void WriteSolids(const SolidsCut& left, const fs::path& folder, Files& files) {
   Scene scene = *left.scene;
   for (std::size_t s = 0; s < left.after.size(); ++s) {
-    Body& body = scene.objects[left.objects->solids()[s].object];
+    Body& body = scene.objects[left.objects->solids[s].object];
     SolidSurface surface = WholeSurface(left.after[s]);
     if (surface.triangles.empty()) continue;  // nothing of it is left
     files.Write(folder / (body.name + ".stl"), ToStl(surface));

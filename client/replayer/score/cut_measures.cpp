@@ -22,7 +22,7 @@ constexpr double kUndercut = 1.0 * kDegree;
 constexpr int kDirections = 360, kSmoothed = 10, kTogether = 3;
 
 const Body& BodyOf(const SolidsCut& cut, std::size_t solid) {
-  return cut.scene->objects[cut.objects->solids()[solid].object];
+  return cut.scene->objects[cut.objects->solids[solid].object];
 }
 
 const std::string& NameOf(const Body& body, std::size_t material) {
@@ -165,7 +165,7 @@ std::vector<TissueCut> TissuesOf(const SolidsCut& cut, const Place& place, Whole
   WholeVolumes& known = whole != nullptr && !place ? *whole : once;
   known.resize(cut.after.size());
   for (std::size_t s = 0; s < cut.after.size(); ++s) {
-    const CutSolid& solid = cut.objects->solids()[s];
+    const CutSolid& solid = cut.objects->solids[s];
     const auto volumes = [&](const CutField& left, std::size_t block) {
       if (!IsWhole(left, block)) return VolumesOf(solid, left, block, place);
       const auto [at, is_new] = known[s].try_emplace(block);
@@ -195,7 +195,7 @@ TargetDifference DifferenceTo(const SolidsCut& target, const SolidsCut& cut,
                               const std::string& tissue, const Place& place) {
   TargetDifference difference;
   for (std::size_t s = 0; s < cut.after.size(); ++s) {
-    const CutSolid& solid = cut.objects->solids()[s];
+    const CutSolid& solid = cut.objects->solids[s];
     const double voxel = VoxelOf(solid);
     for (std::size_t block = 0; block < solid.grid->field().lattice().block_count(); ++block) {
       const bool differs = !IsWhole(cut.after[s], block) || !IsWhole(target.after[s], block);
@@ -214,7 +214,7 @@ CutShape::CutShape(const SolidsCut& cut, const std::vector<SolidSurface>& surfac
                    std::vector<TissueCut> tissues)
     : cut_(cut), tissues_(std::move(tissues)) {
   for (std::size_t s = 0; s < cut.after.size(); ++s) {
-    const CutSolid& solid = cut.objects->solids()[s];
+    const CutSolid& solid = cut.objects->solids[s];
     const SolidSurface& surface = surfaces[s];
     const auto first = static_cast<std::uint32_t>(vertices_.size());
     for (const Vec3& p_B : surface.vertices) vertices_.push_back(solid.X_WB * p_B);
@@ -250,7 +250,7 @@ std::optional<double> CutShape::ThicknessOver(const std::string& tissue, const P
   for (std::size_t s = 0; s < cut_.after.size(); ++s) {
     const std::vector<Region> regions = RegionsOf(BodyOf(cut_, s), tissue);
     painted = painted || !regions.empty();
-    const Pose X_BW = cut_.objects->solids()[s].X_WB.Inverse();
+    const Pose X_BW = cut_.objects->solids[s].X_WB.Inverse();
     for (const Triangle& triangle : triangles_) {
       if (triangle.is_cut != any_cut) continue;
       for (const std::uint32_t corner : triangle.corners) {

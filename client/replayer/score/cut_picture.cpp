@@ -118,7 +118,7 @@ CutPicture PictureOf(const SolidsCut& trial, const std::vector<SolidSurface>& su
   const double width = std::sqrt(AreaOf(surfaces) / kMostVertices);
   CutPicture picture;
   for (std::size_t s = 0; s < surfaces.size(); ++s) {
-    const CutSolid& solid = trial.objects->solids()[s];
+    const CutSolid& solid = trial.objects->solids[s];
     AddThinned(surfaces[s], solid, trial.scene->objects[solid.object], width, picture);
     Target beside(target.after[s], of_target[s]);
     const Pose X_BW = solid.X_WB.Inverse();

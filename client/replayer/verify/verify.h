@@ -32,8 +32,8 @@ struct VerifyOptions {
 struct SolidsCut {
   std::shared_ptr<const Scene> scene;
   std::shared_ptr<const SceneObjects> objects;  ///< the fields' solids
-  std::vector<CutField> before;  ///< as objects->solids(): at the session's beginning
-  std::vector<CutField> after;   ///< at the session's end
+  std::vector<CutField> before;                 ///< as objects->solids: at the session's beginning
+  std::vector<CutField> after;                  ///< at the session's end
 };
 
 /// A field of a recorded wrench that differs from the recomputed one.

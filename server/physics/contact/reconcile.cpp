@@ -1,9 +1,7 @@
-#include "server/physics/contact/reconcile.h"
-
 #include <algorithm>
 #include <cmath>
 
-#include "server/physics/contact/touch_rows.h"
+#include "server/physics/contact/sub_step.h"
 #include "server/physics/limits.h"
 
 namespace palpate {

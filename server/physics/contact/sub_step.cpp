@@ -2,13 +2,46 @@
 
 #include <algorithm>
 
-#include "server/physics/contact/touch_rows.h"
 #include "server/physics/limits.h"
 #include "server/physics/surface/separating_plane.h"
 
 namespace palpate {
 
 using namespace limits::mesh;
+
+namespace {
+
+limits::mesh::Margins MarginsOf(const ContactBody& tool, double separation) {
+  limits::mesh::Margins margins{separation};
+  // Half of delta is left for the error of a row.  A ball has one row for each pair, whose only
+  // error along the pair's plane is rounding.  With a smaller h it would roll about the edge at
+  // which a face ends, at delta, until it is h from a face that is flush with the first.
+  if (tool.radius > 0.0) margins.free = separation - limits::mesh::kRounding;
+  return margins;
+}
+
+}  // namespace
+
+MeshContact::MeshContact(const ContactBody& tool, std::span<const ContactBody> bodies, int max_rows,
+                         double separation, int most_looks)
+    : meshes{.tool = tool, .bodies = bodies, .margins = MarginsOf(tool, separation)},
+      motion({Vec3::Zero(), Quat::Identity()}),
+      near(most_looks) {
+  const auto rows = static_cast<std::size_t>(max_rows);
+  touches.reserve(static_cast<std::size_t>(most_looks));
+  ReserveEach(rows, of_rows.touch, released);
+  of_rows.regain.resize(rows);
+  ReserveEach(static_cast<std::size_t>(near.room()), doubts, open);
+}
+
+Touch& MeshContact::TouchOf(NearPairs::Index k) {
+  NearPairs::Pair& pair = near[k];
+  if (pair.touch < 0) {
+    pair.touch = static_cast<std::int32_t>(touches.size());
+    touches.push_back(TouchAt(meshes, pair.nodes, motion.from));
+  }
+  return touches[static_cast<std::size_t>(pair.touch)];
+}
 
 void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront& front,
                   const ToolPose& from, std::span<const ContactId> active, std::int64_t most_looks,
@@ -33,8 +66,7 @@ void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront&
     const ContactId id = IdOf(pair.nodes);
     const bool was =
         std::ranges::any_of(active, [&](const ContactId& row) { return row.IsBeside(id); });
-    if (was && contact.touches.size() < contact.touches.capacity())
-      AddRowsThatTouch(contact, k, rows);
+    if (was && contact.HasRoomForTouch()) AddRowsThatTouch(contact, k, rows);
   }
 }
 
@@ -46,10 +78,6 @@ bool CheckTrial(MeshContact& contact, const Vec3& v, const Vec3& phi, ContactRow
 
 bool IsFree(MeshContact& contact, const Vec3& v, const Vec3& phi) noexcept {
   return Certify(contact, v, phi, Until::kFirst) == 0;
-}
-
-void Stay(MeshContact& contact) noexcept {
-  contact.motion = Motion(contact.motion.from);
 }
 
 void EndSubStep(MeshContact& contact) noexcept {

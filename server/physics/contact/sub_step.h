@@ -1,21 +1,65 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
+#include <vector>
 
-#include "server/physics/contact/mesh_contact.h"
+#include "server/physics/contact/near_pairs.h"
+#include "server/physics/contact/touch.h"
 #include "server/physics/rows/contact_rows.h"
 
 namespace palpate {
 
-// One sub-step between meshes, in this order:
-//
-//   BeginSubStep           finds near pairs, and adds the rows of what touched last
-//   CheckTrial, ...        repeated until a trial is free; adds rows for what is not
-//   Reconcile's functions  test whether those rows are the geometry's at the trial
-//   EndSubStep             moves the tool; the front keeps the planes
-//
-// Certify keeps the invariant.  Rows are added on violation.  The zero step changes no gap, so it
-// is always free.  Drawings: README.md, and ../surface/README.md.
+/// The rows of a ContactRows that belong to touches, and what they ask for.
+struct TouchRows {
+  std::vector<Touch*> touch;   ///< for each row its touch; null, or beyond the end,
+                               ///< for rows of leaves
+  std::vector<double> regain;  ///< for each row: separation asked for beyond what its pair has [m]
+  bool regains = true;         ///< whether rows ask for more separation than their pairs have
+};
+
+/// A row that was taken out of its touch and can be put back.
+struct ReleasedRow {
+  Touch* touch;
+  int slot;  ///< index into touch->row
+  int row;
+  double gap;  ///< gap of the row when it was taken out [m]
+};
+
+/// The data of one sub-step between a tool and bodies, which the functions below read and write.
+/// All memory is allocated on construction.
+struct MeshContact {
+  /// @param max_rows    of the ContactRows that it will fill
+  /// @param separation  to be kept between the meshes [m]
+  /// @param most_looks  of a sub-step
+  MeshContact(const ContactBody& tool, std::span<const ContactBody> bodies, int max_rows,
+              double separation, int most_looks);
+
+  ToolAndBodies meshes;
+  Motion motion;           ///< the trial that was examined last
+  std::int32_t trial = 0;  ///< its number within the sub-step
+  NearPairs near;
+  std::vector<Touch> touches;  ///< of those near pairs of triangles that were examined closely
+  TouchRows of_rows;
+  std::vector<ReleasedRow> released;  ///< by the last Release
+  Looks looks;
+  /// Scratch of Certify: near pairs whose planes do not hold, sorted by the gap that is left.
+  std::vector<std::int64_t> doubts;
+  /// Near pairs of triangles without a plane at the trial, in the order in which they were found.
+  std::vector<NearPairs::Index> open;
+
+  /// Returns the touch of a near pair of triangles, making it if needed.
+  Touch& TouchOf(NearPairs::Index k);
+  bool HasRoomForTouch() const { return touches.size() < touches.capacity(); }
+  /// Returns the touch that a row belongs to; null for a row of leaves.
+  Touch* TouchOfRow(int row) const {
+    const auto r = static_cast<std::size_t>(row);
+    return r < of_rows.touch.size() ? of_rows.touch[r] : nullptr;
+  }
+};
+
+// One sub-step between meshes: BeginSubStep; CheckTrial until a trial is free; Retract, Relinearise
+// and Release, which may ask for more trials; EndSubStep.  README.md has the order and drawings.
 // Real-time: no allocation, lock, log or clock.  Deterministic.
 
 /// When Certify may stop at a trial that is not free.
@@ -25,10 +69,8 @@ enum class Until {
 };
 
 /// Searches for planes that separate every pair of triangles throughout the trial [v; phi] from the
-/// beginning of the sub-step, and leaves them in `near`.  One plane separates each pair at both
-/// ends, so the straight way between them is free too.  At the end the gap is at least h, or no
-/// less than the pair's distance was (except for kRounding).  Patches that such a plane separates
-/// are not split.
+/// beginning of the sub-step (../surface/README.md, "What counts as proof"), and leaves them in
+/// `near`.  Patches that such a plane separates are not split.
 ///
 /// Returns 0 if every pair has a plane; otherwise the number of pairs that have none or, once the
 /// looks are spent, were not examined.  With kEnough, `contact.open` lists the triangles among
@@ -50,14 +92,87 @@ bool CheckTrial(MeshContact& contact, const Vec3& v, const Vec3& phi, ContactRow
 /// CheckTrial without rows: stops at the first pair without a plane.
 bool IsFree(MeshContact& contact, const Vec3& v, const Vec3& phi) noexcept;
 
-/// Call if no trial is free: EndSubStep then leaves the tool where it is.
-void Stay(MeshContact& contact) noexcept;
-/// Moves the tool to the trial that was examined last, which must be free (after Stay, the tool
-/// stays), and stores the planes in the front.
+/// Moves the tool to the trial that was examined last, which must be free, and stores the planes in
+/// the front.
 void EndSubStep(MeshContact& contact) noexcept;
 
 /// Returns whether, at a pose, no triangle of the tool intersects one of the objects.  A tool
 /// wholly inside a closed mesh intersects none.  Not real-time.
 bool IsFree(const ToolAndBodies& meshes, const ToolPose& at);
+
+// --- The rows of touches (touch_rows.cpp). ---
+
+/// A row of a touch's plane, exact at a trial: a corner of one triangle stays above a
+/// plane of the other.
+struct TouchRow {
+  int slot;    ///< index into touch.row, modulo 3: the corner; 3 for edges
+  Vec3 n;      ///< rate of the gap as the tool moves
+  Vec3 lever;  ///< from the reference point to the contact, at the beginning of the sub-step [m]
+  Vec3 by_turning;     ///< rate of the gap as phi grows [m]
+  double before, now;  ///< gap at the sub-step's beginning and at the trial [m]
+};
+struct TouchRowsAtTrial {
+  TouchRow row[3];
+  int count;
+};
+
+/// Returns the id of a row of two triangles.
+ContactId IdOf(const NodesOfPair& triangles, int corner = 0);
+/// Returns the rows of a touch's plane at the trial.
+TouchRowsAtTrial RowsAt(const MeshContact& contact, const Touch& touch);
+
+/// Adds the rows that the trial violates, of touches that Certify found open.  Touches within their
+/// cones come first; only if those give no row, the others: in these a neighbour is nearer, and its
+/// rows mostly keep them apart too.
+void AddRowsOfOpen(MeshContact& contact, ContactRows& rows);
+/// Adds the rows of those corners of a near pair's touch that touch.
+void AddRowsThatTouch(MeshContact& contact, NearPairs::Index k, ContactRows& rows);
+/// Adds or changes a row, with what it asks for at the trial.
+void SetRow(MeshContact& contact, Touch& touch, const TouchRow& row, ContactRows& rows);
+/// Recomputes all rows, exact at the beginning of the sub-step: each allows the zero step.
+void RelineariseAtStart(MeshContact& contact, ContactRows& rows);
+/// Returns whether a ball's rows still turn with the smooth surface from trial to trial,
+/// which also changes the ball's way.  After many trials they stay as they are, and the
+/// next sub-step turns them.
+inline bool TurnsRows(const MeshContact& contact) {
+  return contact.trial <= limits::mesh::kTrustedTrials;
+}
+/// Removes a touch's rows.
+void TakeOut(Touch& touch, ContactRows& rows);
+
+/// Returns the separation [m] that a row asks for if its pair has `before` [m]: the full
+/// separation, or a part of what is missing.
+double Asked(const MeshContact& contact, double before);
+/// Stops rows, until the end of the sub-step, from asking for separation that their pairs have
+/// lost: if regaining it would lift the tool against the spring, a tool at rest would never stay.
+/// Returns false if they had already stopped.
+bool GiveUpRegain(MeshContact& contact, ContactRows& rows);
+
+// --- reconcile.cpp ---
+//
+// These functions test whether the rows that hold the tool at a free trial are those that the
+// geometry gives there (../solve/README.md, "Arrival").  The first three return how many touches
+// they changed; if that is not 0, the rows must be solved again.  Rows of leaves, and of pairs that
+// intersect, are not changed.
+
+/// Removes the rows of each touch that does not touch at the trial if another plane separates it;
+/// the touch takes that plane.  Rows of a ball take the smooth surface's normal at the trial.
+int Retract(MeshContact& contact, std::span<const int> active, ContactRows& rows) noexcept;
+/// Recomputes each row whose direction in configuration space has turned by limits::mesh::kTurned,
+/// at most once in a sub-step.
+int Relinearise(MeshContact& contact, std::span<const int> active, ContactRows& rows) noexcept;
+/// Removes the rows of touches that do not touch at the trial: no contact gives their planes, so
+/// they would hinder the tool without a cause.
+int Release(MeshContact& contact, std::span<const int> active, ContactRows& rows) noexcept;
+/// Undoes the last Release.
+void PutBack(MeshContact& contact, ContactRows& rows) noexcept;
+
+/// Returns the derivative [1/m] of the normal of a ball's row by the ball's motion round the edge
+/// or corner that it touches, which the straight row neglects.  Zero for other rows.
+Mat3 CurvatureOf(const MeshContact& contact, int row) noexcept;
+/// Returns by how much the direction in which a ball touches at the trial differs from those of the
+/// active rows [rad], or by how much the curvature of a row has made the ball overshoot.
+double Turned(const MeshContact& contact, std::span<const int> active,
+              const ContactRows& rows) noexcept;
 
 }  // namespace palpate

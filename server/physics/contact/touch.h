@@ -10,8 +10,8 @@
 #include "server/physics/simd/kernels.h"
 #include "server/physics/surface/contact_bodies.h"
 #include "server/physics/surface/felt_solids.h"
+#include "server/physics/surface/separating_plane.h"
 #include "server/physics/surface/separation_front.h"
-#include "server/physics/surface/tool_pose.h"
 #include "server/physics/surface/triangle_distance.h"
 
 namespace palpate {

@@ -1,7 +1,6 @@
-#include "server/physics/contact/touch_rows.h"
-
 #include <algorithm>
 
+#include "server/physics/contact/sub_step.h"
 #include "server/physics/limits.h"
 
 namespace palpate {
@@ -36,13 +35,6 @@ Vec3 EdgesTurning(const MeshContact& contact, const Touch& touch, const Vec3& n)
   const Vec3 eb = b[(j + 1) % 3] - b[j];
   const Vec3 w = (d - n.dot(d) * n) / ea.cross(eb).dot(n);
   return (lowest - at.p).cross(n) + ea.cross(eb.cross(w));
-}
-
-/// Returns the normal of a ball's row: that of the smooth surface that the mesh approximates.  The
-/// right-hand side is that of the triangles, which the ball may not enter.
-Vec3 SmoothedNormal(const MeshContact& contact, const Touch& touch, const Vec3& n) {
-  if (!contact.meshes.IsBall()) return n;
-  return touch.nodes.SmoothNormal(contact.meshes.NearestAt(touch.nodes, contact.motion.to), n);
 }
 
 /// Returns the gap of a touch along its plane at the beginning of the sub-step [m].
@@ -102,7 +94,10 @@ TouchRowsAtTrial RowsAt(const MeshContact& contact, const Touch& touch) {
   const double plane_old =
       of_tool ? meshes.High(nodes, n_old) : meshes.Low(nodes.tool, n_old, motion.from);
   const double plane_new = of_tool ? plane_old : meshes.Low(nodes.tool, n_new, motion.to);
-  const Vec3 along = SmoothedNormal(contact, touch, n_new);
+  // A ball's row has the normal of the smooth surface that the mesh approximates; its right-hand
+  // side is that of the triangles, which the ball may not enter.
+  const Vec3 along =
+      meshes.IsBall() ? nodes.SmoothNormal(meshes.NearestAt(nodes, motion.to), n_new) : n_new;
   const Vec3 down = of_tool ? Vec3(meshes.tool.radius * n_new) : Vec3::Zero();
   const double sign = of_tool ? 1.0 : -1.0;
   of.count = of_tool && meshes.IsBall() ? 1 : 3;

@@ -8,10 +8,7 @@ namespace palpate {
 namespace {
 
 /// Returns how far ahead along n the material begins; a value beyond the band if there is none.
-/// Where this cut meets an older one, interpolation rounds the rim: it gives a point of the bur on
-/// the rim some h/8 of free space, more than a bur moves in a step.  So a point that seems free is
-/// evaluated from a point ahead, where the field is either the bur's own distance or the older
-/// cut's, but not both, and the distance is extrapolated back from there.
+/// A point that seems free is evaluated from a point ahead (drawing: README.md).
 double GapAhead(const CutField& cut, const Vec3& p, const Vec3& n) {
   const double here = cut.Distance(p);
   if (here <= 0.0) return 0.0;
@@ -21,12 +18,6 @@ double GapAhead(const CutField& cut, const Vec3& p, const Vec3& n) {
   const double nears = -ahead.gradient.dot(n), gap = ahead.distance + s * nears;
   if (gap <= 0.0) return 0.0;
   return nears > 0.0 ? gap / nears : 1e300;
-}
-
-double Along(const CutRows& rows, int i, const double* x, int unknowns) {
-  double sum = 0.0;
-  for (int c = 0; c < unknowns; ++c) sum += rows.a(static_cast<std::size_t>(c))[i] * x[c];
-  return sum;
 }
 
 }  // namespace
@@ -71,20 +62,6 @@ void CutRows::AddHessian(const Kernels& kernels, const double* x, int unknowns,
   kernels.add_yielding_hessian(Yielding(), unknowns, x, springs, at);
 }
 
-double CutRows::VolumeOf(const double* x, int unknowns) const noexcept {
-  double sum = 0.0;
-  for (int i = 0; i < count_; ++i) {
-    sum += columns_[kArea][i] * std::max(0.0, b()[i] - Along(*this, i, x, unknowns));
-  }
-  return sum;
-}
-
-double CutRows::WorkOf(const double* x, int unknowns) const noexcept {
-  double sum = 0.0;
-  for (int i = 0; i < count_; ++i) sum -= forces()[i] * Along(*this, i, x, unknowns);
-  return sum;
-}
-
 void CutRows::AddSolid(const CutTool& tool, const CutField& cut, const Pose& X_WB,
                        const std::array<CutMaterial, SolidGrid::kMaterials>& materials,
                        double reach) noexcept {
@@ -112,15 +89,15 @@ void CutRows::AddSolid(const CutTool& tool, const CutField& cut, const Pose& X_W
   }
 }
 
-std::array<double, 6> CutRows::Drag() const noexcept {
-  Vec3 force = Vec3::Zero(), turn = Vec3::Zero();
+Vec6 CutRows::Drag() const noexcept {
+  Vec6 drag = Vec6::Zero();
   for (int i = 0; i < count_; ++i) {
     const Slide& slide = slides_[static_cast<std::size_t>(i)];
     if (slide.friction == 0.0) continue;
-    force -= slide.friction * forces()[i] * slide.along;
-    turn -= slide.friction * forces()[i] * slide.turn;
+    drag.head<3>() -= slide.friction * forces()[i] * slide.along;
+    drag.tail<3>() -= slide.friction * forces()[i] * slide.turn;
   }
-  return {force.x(), force.y(), force.z(), turn.x(), turn.y(), turn.z()};
+  return drag;
 }
 
 }  // namespace palpate

@@ -29,13 +29,9 @@ struct CutTool {
 ///
 ///    A_i (p_0 delta_i + kappa delta_i^2 / 2 dt)  =  k_t (P_i delta_i + c_i delta_i^2 / 2).
 ///
-/// a_i = -[n_i; (l_i x n_i) / rho] with l_i from the reference to the sample, and b_i = -g_i.  The
-/// gap g_i >= 0 is how far ahead the material lies along n_i.  A negative gap counts as 0: the bur
-/// has cleared that material, although the grid, some micrometre off, still shows it.  A sample
-/// that cannot cut has a p_0 that no hand can overcome.
-///
-/// Passive: a row pushes only where -a_i . x >= g_i >= 0, so its work on the material is >= 0 for
-/// every x.
+/// a_i = -[n_i; (l_i x n_i) / rho] with l_i from the reference to the sample, and b_i = -g_i, the
+/// gap (README.md).  A sample that cannot cut has a p_0 that no hand can overcome.  Passive: a row
+/// pushes only where -a_i . x >= g_i >= 0, so its work on the material is >= 0 for every x.
 class CutRows : public Energy {
  public:
   /// @param samples  most rows: the number of the bur's samples, once more for each further solid
@@ -68,12 +64,7 @@ class CutRows : public Energy {
   /// Returns the drag on the tool by the bur's spin at the solver's result, - sum of
   /// mu_c f_i [s_i; (l_i x s_i) / rho], with f_i the force of a row and s_i the direction in which
   /// the bur's surface moves; over k_t [m].
-  std::array<double, 6> Drag() const noexcept;
-
-  /// Returns the volume that a step x removes according to the rows: sum of A_i delta_i [m^3].
-  double VolumeOf(const double* x, int unknowns) const noexcept;
-  /// Returns the work of the solver's forces on the material in a step x, over k_t [m^2].
-  double WorkOf(const double* x, int unknowns) const noexcept;
+  Vec6 Drag() const noexcept;
 
   /// Adds a single row, for tests and for custom rows; a row beyond the capacity is dropped.
   void Add(const std::array<double, 6>& a, double b, double threshold, double viscous,

@@ -1,10 +1,22 @@
 #pragma once
 
-#include <cstdint>
+#include <Eigen/Core>
 
 #include "server/physics/simd/kernels.h"
 
 namespace palpate {
+
+template <int N>
+using Vec = Eigen::Matrix<double, N, 1>;
+using Vec6 = Vec<6>;
+
+/// a . x, summed from the first element to the last whatever vectors the compiler uses.
+template <int N>
+double Dot(const Vec<N>& a, const Vec<N>& x) {
+  double sum = 0.0;
+  for (int c = 0; c < N; ++c) sum += a[c] * x[c];
+  return sum;
+}
 
 /// A convex energy of a step x = [v; rho phi], added to that of the coupling: something that pushes
 /// the tool but does not block it.  Everything is divided by the coupling's stiffness k_t, so

@@ -13,34 +13,24 @@ using namespace limits::energy;
 /// Compliance of the common slack of contradictory rows, which costs |slack|^2 / 2 over this.
 constexpr double kSlackCompliance = kJamCompliance;
 
-double Entry(const double* lower, int r, int c) {
-  return r >= c ? lower[r * (r + 1) / 2 + c] : lower[c * (c + 1) / 2 + r];
-}
-
 template <int N>
 class Newton {
  public:
   Newton(const Kernels& kernels, const double* t, const QpRows& rigid,
-         std::span<Energy* const> energies, const AlignedColumns& transformed, double* force)
+         std::span<Energy* const> energies, const AlignedColumns& transformed, Vec6& force)
       : kernels_(kernels),
         rigid_(rigid),
         energies_(energies),
         transformed_(transformed),
-        force_(force) {
-    double largest = 0.0;
-    for (int i = 0; i < N; ++i) {
-      t_[i] = t[i];
-      largest = std::max(largest, std::fabs(t[i]));
-    }
-    tolerance_ = 1e-12 * (1.0 + largest);
-    thresholds_ = std::any_of(energies.begin(), energies.end(),
-                              [](const Energy* energy) { return energy->HasThresholds(); });
-  }
+        force_(force),
+        t_(Vec<N>::Map(t)),
+        tolerance_(1e-12 * (1.0 + t_.cwiseAbs().maxCoeff())),
+        thresholds_(std::ranges::any_of(energies, &Energy::HasThresholds)) {}
 
   QpResult Solve(const double* start, std::span<const int> guess) {
     QpResult result;
     Point now;
-    std::copy(start, start + N, now.x);
+    now.x = Vec<N>::Map(start);
     Evaluate(now);
     EvaluateHessian(now);
     int warm[kMaxActiveRows], iterations = 0;
@@ -55,21 +45,20 @@ class Newton {
         EvaluateHessian(now);
         of_stage = 0;
       }
-      double q[N];
-      Factorise(now, q);
+      const Vec<N> q = Factorise(now);
       result = Minimise(q, warm, guesses);
       iterations += result.iterations + 1;
       result.iterations = iterations;
       if (result.status == QpStatus::kIterationLimit) return result;
       Point next;
-      std::copy(result.x, result.x + N, next.x);
+      next.x = Vec<N>::Map(result.x);
       next.slack = result.slack;
       springs_.on = springs_.stiffness;
       Evaluate(next);
       const bool ends = SamePieces(now, next, q);
       const bool softened = thresholds_ && springs_.stiffness < kRigid;
       if (ends && !softened) {
-        std::copy(next.energy.force, next.energy.force + N, force_);
+        force_.template head<N>() = next.Force();
         return result;
       }
       if (softened && (ends || of_stage >= kTurnsOfStage)) {
@@ -95,49 +84,49 @@ class Newton {
   }
 
  private:
-  static constexpr int kEntries = N * (N + 1) / 2;
-
   struct Point {
-    double x[N];
+    Vec<N> x;
     double slack = 0.0;
     EnergyAt energy;
     double value;
+
+    Vec<N> Force() const { return Vec<N>::Map(energy.force); }
+    double Hessian(int r, int c) const {
+      return energy.hessian[r >= c ? r * (r + 1) / 2 + c : c * (c + 1) / 2 + r];
+    }
+    /// (1 + Hessian) y.
+    Vec<N> HessianTimes(const Vec<N>& y) const {
+      Vec<N> sum = y;
+      for (int c = 0; c < N; ++c) {
+        for (int r = 0; r < N; ++r) sum[r] += Hessian(r, c) * y[c];
+      }
+      return sum;
+    }
   };
 
   void Evaluate(Point& point) const {
     point.energy = {};
     for (Energy* energy : energies_) {
-      energy->Add(kernels_, point.x, N, springs_, point.energy);
+      energy->Add(kernels_, point.x.data(), N, springs_, point.energy);
     }
-    double distance = 0.0;
-    for (int r = 0; r < N; ++r) distance += (point.x[r] - t_[r]) * (point.x[r] - t_[r]);
+    const Vec<N> away = point.x - t_;
     point.value =
-        0.5 * (distance + point.energy.twice + point.slack * point.slack / kSlackCompliance);
+        0.5 * (Dot(away, away) + point.energy.twice + point.slack * point.slack / kSlackCompliance);
   }
 
   /// Evaluated separately, because only the next quadratic needs it.
   void EvaluateHessian(Point& point) const {
-    std::fill(point.energy.hessian, point.energy.hessian + kEntries, 0.0);
+    std::ranges::fill(point.energy.hessian, 0.0);
     for (const Energy* energy : energies_) {
-      energy->AddHessian(kernels_, point.x, N, springs_, point.energy);
+      energy->AddHessian(kernels_, point.x.data(), N, springs_, point.energy);
     }
   }
 
-  /// H x, row r.
-  static double HessianTimes(const Point& point, const double* x, int r) {
-    double sum = x[r];
-    for (int c = 0; c < N; ++c) sum += Entry(point.energy.hessian, r, c) * x[c];
-    return sum;
-  }
-
-  /// Computes the quadratic at a point, 1/2 x . H x - q . x, and H = L L^T.
-  void Factorise(const Point& point, double* q) {
-    for (int r = 0; r < N; ++r) {
-      q[r] = HessianTimes(point, point.x, r) - point.x[r] + t_[r] + point.energy.force[r];
-    }
+  /// For the quadratic at a point, 1/2 x . H x - q . x, returns q, and computes H = L L^T.
+  Vec<N> Factorise(const Point& point) {
     for (int r = 0; r < N; ++r) {
       for (int c = 0; c <= r; ++c) {
-        double sum = Entry(point.energy.hessian, r, c) + (r == c ? 1.0 : 0.0);
+        double sum = point.Hessian(r, c) + (r == c ? 1.0 : 0.0);
         for (int k = 0; k < c; ++k) sum -= L_[r * N + k] * L_[c * N + k];
         if (r == c) {
           L_[r * N + r] = std::sqrt(sum);
@@ -147,15 +136,15 @@ class Newton {
         }
       }
     }
+    return point.HessianTimes(point.x) - point.x + t_ + point.Force();
   }
 
   /// Minimises that quadratic under the rigid rows.
-  QpResult Minimise(const double* q, const int* guess, int guesses) const {
-    double y[N];
+  QpResult Minimise(const Vec<N>& q, const int* guess, int guesses) const {
+    Vec<N> y = q;
     for (int r = 0; r < N; ++r) {
-      double sum = q[r];
-      for (int c = 0; c < r; ++c) sum -= L_[r * N + c] * y[c];
-      y[r] = sum * inverse_diagonal_[r];
+      for (int c = 0; c < r; ++c) y[r] -= L_[r * N + c] * y[c];
+      y[r] *= inverse_diagonal_[r];
     }
     QpResult result;
     Back(y, result.x);
@@ -168,48 +157,43 @@ class Newton {
     for (std::size_t c = 0; c < N; ++c) rows.a[c] = column[c] = transformed_[c];
     rows.b = transformed_[6];
     kernels_.transform_rows(rigid_, N, L_, inverse_diagonal_, scale, column, transformed_[6]);
-    for (double& value : y) value *= scale;
-    result = kernels_.solve(y, N, rows, guess, guesses);
-    for (int r = 0; r < N; ++r) y[r] = result.x[r] / scale;
-    Back(y, result.x);
+    y *= scale;
+    result = kernels_.solve(y.data(), N, rows, guess, guesses);
+    Back(Vec<N>::Map(result.x) / scale, result.x);
     result.slack /= scale;
     for (int i = 0; i < result.active; ++i) result.multiplier[i] /= scale;
     return result;
   }
 
   /// x = L^-T y.
-  void Back(const double* y, double* x) const {
+  void Back(const Vec<N>& y, double* x) const {
     for (int r = N - 1; r >= 0; --r) {
-      double sum = y[r];
-      for (int c = r + 1; c < N; ++c) sum -= L_[c * N + r] * x[c];
-      x[r] = sum * inverse_diagonal_[r];
+      x[r] = y[r];
+      for (int c = r + 1; c < N; ++c) x[r] -= L_[c * N + r] * x[c];
+      x[r] *= inverse_diagonal_[r];
     }
   }
 
   /// Returns whether the gradient at `next` equals that of the quadratic that led there.
-  bool SamePieces(const Point& now, const Point& next, const double* q) const {
-    double stiffness = 1.0, size = 0.0, largest = 0.0;
+  bool SamePieces(const Point& now, const Point& next, const Vec<N>& q) const {
+    double stiffness = 1.0, size = 0.0;
     for (int r = 0; r < N; ++r) {
-      stiffness += Entry(now.energy.hessian, r, r);
+      stiffness += now.Hessian(r, r);
       size += std::fabs(q[r]);
-      largest = std::max(largest, std::fabs(next.x[r]));
     }
     // Sum of the rounding errors of terms that nearly cancel.
+    const double largest = next.x.cwiseAbs().maxCoeff();
     const double rounding = tolerance_ + kRounding * (size + stiffness * largest);
-    for (int r = 0; r < N; ++r) {
-      const double gradient = next.x[r] - t_[r] - next.energy.force[r];
-      const double difference = gradient - (HessianTimes(now, next.x, r) - q[r]);
-      if (std::fabs(difference) > rounding) return false;
-    }
-    return true;
+    return !((Gradient(next) - (now.HessianTimes(next.x) - q)).cwiseAbs().array() > rounding).any();
   }
+
+  Vec<N> Gradient(const Point& at) const { return at.x - t_ - at.Force(); }
 
   /// Slope at `at`, in the direction from `from` to `to`.
   double Slope(const Point& at, const Point& from, const Point& to) const {
+    const Vec<N> gradient = Gradient(at), way = to.x - from.x;
     double slope = at.slack * (to.slack - from.slack) / kSlackCompliance;
-    for (int r = 0; r < N; ++r) {
-      slope += (at.x[r] - t_[r] - at.energy.force[r]) * (to.x[r] - from.x[r]);
-    }
+    for (int r = 0; r < N; ++r) slope += gradient[r] * way[r];
     return slope;
   }
 
@@ -226,7 +210,7 @@ class Newton {
     double low = 0.0, high = 1.0;
     for (int i = 0; i < kLineSearchLimit; ++i) {
       const double part = 0.5 * (low + high);
-      for (int r = 0; r < N; ++r) next.x[r] = now.x[r] + part * (end.x[r] - now.x[r]);
+      next.x = now.x + part * (end.x - now.x);
       next.slack = now.slack + part * (end.slack - now.slack);
       Evaluate(next);
       const double slope = Slope(next, now, end);
@@ -239,8 +223,8 @@ class Newton {
   const QpRows& rigid_;
   std::span<Energy* const> energies_;
   const AlignedColumns& transformed_;
-  double* force_;
-  double t_[N];
+  Vec6& force_;
+  Vec<N> t_;
   double L_[N * N];
   double inverse_diagonal_[N];
   double tolerance_;

@@ -8,14 +8,8 @@
 
 namespace palpate {
 
-/// Minimises 1/2 |x - t|^2 + sum of energies, subject to inviolable rows a_i . x >= b_i.
-/// The energies are convex and piecewise quadratic, so Newton's method in the 3 or 6 unknowns ends
-/// on the piece that holds the solution (Qi & Sun, Math. Programming 58 (1993) 353-367).  With the
-/// pieces active at x, the sum is a quadratic with Hessian H = I + ... = L L^T; in y = L^T x its
-/// minimiser is a nearest point under the rows L^-1 a.  If the same pieces are active there, it is
-/// the solution.  If a step overshoots, a line search takes a shorter one that lowers the sum (Pang
-/// & Qi, J. Optim. Theory Appl. 85 (1995) 633-648), so the method cannot cycle.
-/// Thresholds are solved in stages, with springs of growing stiffness (README.md).
+/// Minimises 1/2 |x - t|^2 + sum of energies, subject to inviolable rows a_i . x >= b_i, by
+/// Newton's method in the 3 or 6 unknowns (README.md).
 class EnergySolver {
  public:
   /// @param rows  most rigid rows.  Set-up.
@@ -30,11 +24,11 @@ class EnergySolver {
                  std::span<Energy* const> energies, const double* start,
                  std::span<const int> guess) noexcept;
   /// The sum of the energies' forces at the last result [m].
-  const double* force() const { return force_; }
+  const Vec6& force() const { return force_; }
 
  private:
   AlignedColumns transformed_;
-  double force_[6] = {};
+  Vec6 force_ = Vec6::Zero();
 };
 
 }  // namespace palpate

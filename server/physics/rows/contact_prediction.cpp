@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "server/physics/limits.h"
-#include "server/physics/stage_clock.h"
 
 namespace palpate {
 namespace {
@@ -14,7 +13,7 @@ constexpr double kNear = 1.1;
 }  // namespace
 
 ContactPrediction::ContactPrediction(const HapticModel& model) {
-  if (model.objects().any()) query_.emplace(model.tool(), model.objects());
+  if (model.objects().any) query_.emplace(model.tool(), model.objects());
   if (model.insides() != nullptr) insides_.emplace(model.tool(), *model.insides());
 }
 
@@ -25,8 +24,8 @@ void ContactPrediction::Gather(const HapticModel& model, const Kernels& kernels,
   StageClock clock(times);
   query_->Run(kernels, R_WG, p_W, bounds, [&](NodePair* pairs, int count) {
     clock.Lap(&StageTimes::prediction);
-    rows.Add(kernels, model.tool().leaves().data(), model.objects().leaves().data(), R_WG, p_W,
-             pairs, count);
+    rows.Add(kernels, model.tool().leaves.data(), model.objects().leaves.data(), R_WG, p_W, pairs,
+             count);
     clock.Lap(&StageTimes::rows);
     return true;
   });
@@ -69,8 +68,8 @@ bool ContactPrediction::Overlaps(const HapticModel& model, const Kernels& kernel
       constexpr int kFew = 64;
       for (int i = 0; i < count && !overlaps; i += kFew) {
         rows.Clear();
-        rows.Add(kernels, model.tool().leaves().data(), forest.leaves().data(), R_WG, p_W,
-                 pairs + i, std::min(kFew, count - i));
+        rows.Add(kernels, model.tool().leaves.data(), forest.leaves.data(), R_WG, p_W, pairs + i,
+                 std::min(kFew, count - i));
         for (int r = 0; r < rows.count() && !overlaps; ++r) {
           overlaps = rows.gap(r) + depth_of(rows.id(r).object) < 0.0;
         }
@@ -80,7 +79,7 @@ bool ContactPrediction::Overlaps(const HapticModel& model, const Kernels& kernel
   };
   const ObjectForest& objects = model.objects();
   const auto core_depth = [&](std::int32_t leaf) {
-    const double radius = objects.leaves()[static_cast<std::size_t>(leaf)].radius;
+    const double radius = objects.leaves[static_cast<std::size_t>(leaf)].radius;
     return model.yields() ? CoreDepth(objects.MaterialOf(leaf), radius) : 0.0;
   };
   if (query_) look(*query_, objects, core_depth);

@@ -23,9 +23,9 @@ ContactRows::ContactRows(int max_rows, int max_batch, int degrees_of_freedom, do
 void ContactRows::Add(const Kernels& kernels, const LeafSphere* tool, const LeafSphere* object,
                       const Mat3& R_WG, const Vec3& p_W, const NodePair* pairs,
                       int count) noexcept {
-  const double R[9] = {R_WG(0, 0), R_WG(0, 1), R_WG(0, 2), R_WG(1, 0), R_WG(1, 1),
-                       R_WG(1, 2), R_WG(2, 0), R_WG(2, 1), R_WG(2, 2)};
-  kernels.build_rows(tool, object, R, p_W.data(), 1.0 / rho_, pairs, count, count_, columns_);
+  const Mat3 R = R_WG.transpose();  // Eigen's columns are the kernel's rows
+  kernels.build_rows(tool, object, R.data(), p_W.data(), 1.0 / rho_, pairs, count, count_,
+                     columns_);
   count_ += count;
   Limit(count);
 }

@@ -7,7 +7,6 @@
 
 #include "common/math/pose.h"
 #include "common/qp/nearest_point.h"
-#include "server/physics/contact_id.h"
 #include "server/physics/simd/aligned_columns.h"
 #include "server/physics/simd/kernels.h"
 

@@ -18,7 +18,7 @@ void SoftRows::Set(const ObjectForest& objects, double coupling_stiffness,
     if (!id.IsOfLeaves()) continue;
     const Material& material = objects.MaterialOf(id.object);
     if (std::isinf(material.stiffness)) continue;
-    const double radius = objects.leaves()[static_cast<std::size_t>(id.object)].radius;
+    const double radius = objects.leaves[static_cast<std::size_t>(id.object)].radius;
     weight[i] = material.stiffness / coupling_stiffness;
     rigid_b[i] -= CoreDepth(material, radius);
     any_ = true;
@@ -39,7 +39,7 @@ void SoftRows::Add(const Kernels& kernels, const double* x, int unknowns, const 
                    EnergyAt& at) noexcept {
   EnergyAt mine;
   pushing_ = kernels.add_yielding(Yielding(), unknowns, x, springs, mine);
-  std::copy(mine.force, mine.force + 6, force_);
+  force_ = Vec6::Map(mine.force);
   at.twice += mine.twice;
   for (int c = 0; c < unknowns; ++c) at.force[c] += mine.force[c];
 }

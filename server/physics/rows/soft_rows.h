@@ -35,7 +35,7 @@ class SoftRows : public Energy {
   SoftContacts Contacts() const noexcept;
   bool pushes() const { return pushing_ > 0; }
   /// The sum of their forces there, on [v; rho phi], over the coupling's stiffness [m].
-  const double* force() const { return force_; }
+  const Vec6& force() const { return force_; }
   /// The weight of a row; 0 if it is rigid.
   double weight(int row) const { return columns_[kWeight][row]; }
   /// The rows that no step may violate: rigid ones, and the cores of soft ones.
@@ -52,7 +52,7 @@ class SoftRows : public Energy {
 
   AlignedColumns columns_;
   QpRows rows_{};  ///< the rows of the sub-step
-  double force_[6] = {};
+  Vec6 force_ = Vec6::Zero();
   int pushing_ = 0;
   bool any_ = false;
 };

@@ -4,7 +4,6 @@
 
 #include "common/qp/nearest_point.h"
 #include "scenes/sphere_packet.h"
-#include "server/physics/contact_id.h"
 #include "server/physics/limits.h"
 
 namespace palpate {
@@ -15,6 +14,25 @@ struct NodePair {
   std::int32_t tool;
   std::int32_t object;
   bool operator==(const NodePair&) const = default;
+};
+
+/// Names the row of a contact, so that the next step recognises it: a part of the tool and a part
+/// of a body.  Only the body's geometry interprets the number of its part.
+struct ContactId {
+  /// Stands in place of a body for the leaves of all objects, numbered as in the forest.
+  static constexpr std::int32_t kLeaves = -1;
+
+  std::int32_t body = kLeaves;  ///< index into SceneObjects::bodies
+  std::int32_t tool = 0;        ///< leaf or triangle of the tool
+  std::int32_t object = 0;      ///< leaf of the forest, or triangle of the body
+  std::int32_t row = 0;         ///< which row of these two parts; between meshes, the corner
+
+  bool IsOfLeaves() const { return body == kLeaves; }
+  /// Returns whether both rows belong to the same two parts.
+  bool IsBeside(const ContactId& other) const {
+    return body == other.body && tool == other.tool && object == other.object;
+  }
+  bool operator==(const ContactId&) const = default;
 };
 
 /// A leaf as the row kernel loads it, one 32-byte record.  Centres are relative to the tool's
@@ -161,7 +179,7 @@ struct Kernels {
                      int first, const RowColumns& rows);
 
   /// Writes the indices of the values below a limit; the column is aligned and padded as in
-  /// PlaneColumns.  May write up to 8 beyond the last.  Returns their number.
+  /// PlaneColumns.  Returns their number.
   int (*find_below)(const double* value, int count, double limit, std::int32_t* out);
 
   /// Returns the index of the point that is lowest along m, among those whose lane is set in
@@ -187,8 +205,7 @@ struct Kernels {
 
   /// Writes the indices, from `first` on, of the planes that do not hold throughout a motion:
   /// slack < least_old, or left = slack + n . v + (l x n) . phi - |phi| radius < least_new.  Fills
-  /// the column `left`, from the multiple of eight below `first` on.  May write up to 8 indices
-  /// beyond the last. Returns their number.
+  /// the column `left`, from the multiple of eight below `first` on.  Returns their number.
   int (*find_used_up)(const PlaneColumns& planes, int first, int count, const PlaneMotion& motion,
                       std::int32_t* out);
 

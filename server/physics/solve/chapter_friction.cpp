@@ -4,7 +4,7 @@
 
 #include "common/math/rotation.h"
 #include "server/physics/limits.h"
-#include "server/physics/solve/friction.h"
+#include "server/physics/solve/stages.h"
 
 namespace palpate {
 namespace {

@@ -1,13 +1,8 @@
-#include "server/physics/solve/clear_way.h"
-
 #include <algorithm>
 
-#include "server/physics/contact/reconcile.h"
 #include "server/physics/contact/sub_step.h"
-#include "server/physics/contact/touch_rows.h"
 #include "server/physics/limits.h"
-#include "server/physics/solve/nearest_step.h"
-#include "server/physics/solve/step_bounds.h"
+#include "server/physics/solve/stages.h"
 
 namespace palpate {
 namespace {
@@ -34,9 +29,8 @@ Way WayToNewOptimum(StepContext& context) {
 }
 
 /// Returns the way to an optimum as far as the bounds allow.  If they end before it, takes the step
-/// under the same rows to a nearer target.  A merely scaled-down step would achieve only a part of
-/// what rows ask for: so little of a lift of 0.1 mm that the next trial, and each one after it, is
-/// as far from free as this one.
+/// under the same rows to a nearer target: a merely scaled-down one would achieve only a part of a
+/// lift that rows ask for, and so would each trial after it.
 Way WayWithin(StepContext& context, const Optimum& optimum) {
   double part = PartWithin(context, optimum);
   if (part == 1.0) return PartOfWay(optimum, 1.0);
@@ -85,10 +79,8 @@ bool Mend(const StepContext& context, Way& way) {
   return context.IsRigid() && Relinearise(meshes, active, rows) != 0;
 }
 
-/// Pairs that do not touch may hold the tool at a trial.  It has then not arrived: the next
-/// sub-step makes planes for them at the tool's new place.  If the optimum without their rows is
-/// free, the tool goes there.  Otherwise these rows hold it: the next sub-step examines them again,
-/// and if that finds no other place either, the tool has arrived.  Returns none if nothing is free.
+/// For a tool that may be held by pairs that do not touch, goes to the optimum without their rows
+/// if that is free (README.md, "Arrival", cause).  Returns none if nothing is free.
 std::optional<Way> GoPast(StepContext& context, const Way& held) {
   MeshContact& meshes = *context.buffers.meshes;
   ContactRows& rows = context.buffers.rows;
@@ -120,9 +112,7 @@ bool Approaches(const StepContext& context, const Way& way) {
 }
 
 /// Begins the sub-step anew with the rows as they are at its beginning; from the second time on,
-/// the tool may go only a quarter as far.  Rows that follow each trial may alternate for ever, or
-/// allow only motions that lead away from the hand.  The rows of the beginning are true for a short
-/// enough motion, and under them no nearest motion to the hand leads away from it.
+/// the tool may go only a quarter as far (README.md, "Rest").
 void BeginAnew(StepContext& context) {
   MeshContact& meshes = *context.buffers.meshes;
   ContactRows& rows = context.buffers.rows;
@@ -157,7 +147,7 @@ Way Halve(const StepContext& context, Way way) {
   }
   way.v.setZero();
   way.phi.setZero();
-  Stay(meshes);
+  meshes.motion = Motion(meshes.motion.from);
   return way;
 }
 

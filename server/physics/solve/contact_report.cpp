@@ -1,6 +1,5 @@
-#include "server/physics/solve/contact_report.h"
-
 #include "common/math/rotation.h"
+#include "server/physics/solve/stages.h"
 
 namespace palpate {
 
@@ -17,20 +16,15 @@ void ReportContacts(const StepContext& context, const Way& way) noexcept {
   report.soft_contacts = yielding.count + (bur_pushes ? 1 : 0);
   report.bur_force.setZero();
   if (bur_pushes) {
-    const double* force = context.buffers.energies->force();
-    report.bur_force = k_t * Vec3(force[0], force[1], force[2]);
-    if (soft != nullptr) {
-      report.bur_force -= k_t * Vec3(soft->force()[0], soft->force()[1], soft->force()[2]);
-    }
+    report.bur_force = k_t * context.buffers.energies->force().head<3>();
+    if (soft != nullptr) report.bur_force -= k_t * soft->force().head<3>();
     report.bur_W = context.tools.p_G +
                    RotationExp(way.phi) *
                        (R_WG * (context.model.cutting()->X_TB.p - context.model.reference()));
   }
   if (soft != nullptr) {
-    const double* force = soft->force();
-    report.soft_wrench = {
-        k_t * Vec3(force[0], force[1], force[2]),
-        k_t * context.model.rotation_length() * Vec3(force[3], force[4], force[5])};
+    report.soft_wrench = {k_t * soft->force().head<3>(),
+                          k_t * context.model.rotation_length() * soft->force().tail<3>()};
   }
   const auto add = [&](int i, double offset, double force) {
     ActiveRow& row = report.active[static_cast<std::size_t>(report.contacts++)];
@@ -40,7 +34,7 @@ void ReportContacts(const StepContext& context, const Way& way) noexcept {
     row.lever_cross_normal = rows.lever_cross_normal(i);
     row.offset = offset - row.normal.dot(way.v) - row.lever_cross_normal.dot(way.phi);
     row.force = force;
-    const Vec3 lever = rows.LeverOf(i, context.model.tool().leaves(), R_WG);
+    const Vec3 lever = rows.LeverOf(i, context.model.tool().leaves, R_WG);
     row.contact_W =
         context.tools.p_G + (row.id.IsOfLeaves() ? lever : RotationExp(way.phi) * lever);
     row.object_leaf = context.model.LeafOf(row.id, context.state.felt);

@@ -2,9 +2,9 @@
 #include <cmath>
 
 #include "common/math/rotation.h"
+#include "server/physics/energy/energy.h"
 #include "server/physics/limits.h"
-#include "server/physics/solve/friction.h"
-#include "server/physics/solve/linear_system.h"
+#include "server/physics/solve/stages.h"
 
 namespace palpate {
 
@@ -12,12 +12,55 @@ namespace {
 
 using namespace limits::friction;
 
-template <int N>
-double Dot(const double (&a)[N], const double (&b)[N]) {
-  double sum = 0.0;
-  for (int c = 0; c < N; ++c) sum += a[c] * b[c];
-  return sum;
+using Vec2 = Eigen::Vector2d;
+double Largest(const auto& v) {
+  return v.template lpNorm<Eigen::Infinity>();
 }
+
+double MultiplierOf(const QpResult& qp, int row) {
+  const int* found = std::find(qp.row, qp.row + qp.active, row);
+  return found == qp.row + qp.active ? 0.0 : qp.multiplier[found - qp.row];
+}
+
+/// The linear system H x = g of one step.  H starts as the identity; forces a (base + k b . x) are
+/// added one by one.
+template <int N>
+class LinearSystem {
+ public:
+  explicit LinearSystem(const Vec<N>& g) : g_(g) { H_.setIdentity(); }
+  void Add(const Vec<N>& a, double base, double k, const Vec<N>& b) {
+    g_ -= base * a;
+    for (int r = 0; r < N; ++r) H_.row(r) += (k * a[r]) * b.transpose();
+  }
+  /// Solves by elimination with row exchanges.
+  Vec<N> Solve() {
+    for (int k = 0; k < N; ++k) {
+      int pivot = k;
+      for (int i = k + 1; i < N; ++i) {
+        if (std::fabs(H_(i, k)) > std::fabs(H_(pivot, k))) pivot = i;
+      }
+      if (pivot != k) {
+        H_.row(pivot).swap(H_.row(k));
+        std::swap(g_[pivot], g_[k]);
+      }
+      const double inverse = 1.0 / H_(k, k);
+      for (int i = k + 1; i < N; ++i) {
+        const double part = H_(i, k) * inverse;
+        for (int j = k + 1; j < N; ++j) H_(i, j) -= part * H_(k, j);
+        g_[i] -= part * g_[k];
+      }
+    }
+    for (int k = N - 1; k >= 0; --k) {
+      for (int j = k + 1; j < N; ++j) g_[k] -= H_(k, j) * g_[j];
+      g_[k] /= H_(k, k);
+    }
+    return g_;
+  }
+
+ private:
+  Eigen::Matrix<double, N, N, Eigen::RowMajor> H_;
+  Vec<N> g_;
+};
 
 /// The contacts of a sub-step, and two methods that find their forces.  Lengths in metres, and
 /// forces too, divided by k_t.
@@ -26,15 +69,9 @@ class FrictionalContacts {
  public:
   /// @param t  the target, N values
   FrictionalContacts(const StepContext& context, const Optimum& frictionless, const double* t)
-      : context_(context), slack_(frictionless.qp.slack) {
-    const QpResult& qp = frictionless.qp;
-    double tt = 0.0, moved = 0.0;
-    for (int c = 0; c < N; ++c) {
-      t_[c] = t[c];
-      tt += t[c] * t[c];
-      moved += (t[c] - qp.x[c]) * (t[c] - qp.x[c]);
-    }
-    size_ = std::sqrt(tt) + std::sqrt(moved);
+      : context_(context), slack_(frictionless.qp.slack), t_(Vec<N>::Map(t)) {
+    const Vec<N> moved = t_ - Vec<N>::Map(frictionless.qp.x);
+    size_ = std::sqrt(Dot(t_, t_)) + std::sqrt(Dot(moved, moved));
   }
 
   int count() const { return count_; }
@@ -45,7 +82,7 @@ class FrictionalContacts {
     for (int i = 0; i < count_; ++i) {
       if (contact_[i].row == row) return false;
     }
-    if (count_ == kMaxActiveRows) Drop([](const Contact& c) { return c.lambda == 0.0; }, 1);
+    if (count_ == kMaxActiveRows) Drop([](const Contact& c) { return c.lambda() == 0.0; }, 1);
     if (count_ == kMaxActiveRows) return false;
     const HapticModel& model = context_.model;
     const ContactRows& rows = context_.buffers.rows;
@@ -53,7 +90,7 @@ class FrictionalContacts {
     contact.row = row;
     contact.normal = rows.normal(row);
     const Material& material = model.MaterialOf(rows.id(row), context_.state.felt);
-    contact.lever = rows.LeverOf(row, model.tool().leaves(), context_.tools.R_WG);
+    contact.lever = rows.LeverOf(row, model.tool().leaves, context_.tools.R_WG);
     contact.mu_s = material.static_friction;
     contact.mu_d = material.dynamic_friction;
     contact.sliding = context_.state.friction.still < model.parameters().still_cycles;
@@ -63,20 +100,18 @@ class FrictionalContacts {
         (std::fabs(n.x()) < 0.7 ? Vec3(0.0, -n.z(), n.y()) : Vec3(-n.z(), 0.0, n.x())).normalized();
     contact.tangent[1] = n.cross(contact.tangent[0]);
     const double per_rho = 1.0 / model.rotation_length();
-    const auto fill = [per_rho](const Vec3& direction, const Vec3& turn, double* out) {
-      for (int c = 0; c < 3; ++c) {
-        out[c] = direction[c];
-        if constexpr (N == 6) out[3 + c] = turn[c] * per_rho;
-      }
+    const auto fill = [per_rho](const Vec3& direction, const Vec3& turn, Vec<N>& out) {
+      out.template head<3>() = direction;
+      if constexpr (N == 6) out.template tail<3>() = turn * per_rho;
     };
     fill(n, rows.lever_cross_normal(row), contact.a);
+    contact.f[0] = lambda;
     for (int k = 0; k < 2; ++k) {
       fill(contact.tangent[k], contact.lever.cross(contact.tangent[k]), contact.s[k]);
-      contact.force[k] = contact.tangent[k].dot(force);
+      contact.f[1 + k] = contact.tangent[k].dot(force);
     }
     contact.b = context_.sub_step.rigid.b[row] - slack_;
     contact.frictionless = frictionless;
-    contact.lambda = lambda;
     contact.slips = false;
     return true;
   }
@@ -90,30 +125,22 @@ class FrictionalContacts {
   }
 
   /// Returns t less the friction: the target of the QP over all rows.
-  void ShiftedTarget(double* t) const {
-    for (int c = 0; c < N; ++c) {
-      t[c] = t_[c];
-      for (int i = 0; i < count_; ++i) {
-        const Contact& contact = contact_[i];
-        t[c] -= contact.s[0][c] * contact.force[0] + contact.s[1][c] * contact.force[1];
-      }
-    }
+  Vec<N> ShiftedTarget() const {
+    Vec<N> t = t_;
+    for (int i = 0; i < count_; ++i) t -= contact_[i].Along(contact_[i].friction());
+    return t;
   }
 
   /// Writes the rows that carry force; returns their number.
   int Pressed(int* row) const {
     int pressed = 0;
     for (int i = 0; i < count_; ++i) {
-      if (contact_[i].lambda > 0.0) row[pressed++] = contact_[i].row;
+      if (contact_[i].lambda() > 0.0) row[pressed++] = contact_[i].row;
     }
     return pressed;
   }
 
-  bool Agrees(const double* x) const {
-    double most = 0.0;
-    for (int c = 0; c < N; ++c) most = std::max(most, std::fabs(x[c] - x_[c]));
-    return most <= kAgreed * size_;
-  }
+  bool Agrees(const double* x) const { return Largest(Vec<N>::Map(x) - x_) <= kAgreed * size_; }
 
   /// Takes over the normal forces of the QP, and projects friction into its cones.  Returns whether
   /// that changed anything, so that the QP must be solved again.
@@ -121,19 +148,14 @@ class FrictionalContacts {
     bool drawn = false;
     for (int i = 0; i < count_; ++i) {
       Contact& contact = contact_[i];
-      contact.lambda = 0.0;
-      for (int j = 0; j < qp.active; ++j) {
-        if (qp.row[j] == contact.row) contact.lambda = qp.multiplier[j];
-      }
-      const double limit = contact.mu() * contact.lambda;
-      const double length = contact.friction();
+      contact.f[0] = MultiplierOf(qp, contact.row);
+      const double limit = contact.mu() * contact.lambda();
+      const double length = contact.friction().norm();
       if (length <= limit + kBalanced * size_) continue;
-      const double part = limit / length;
-      contact.force[0] *= part;
-      contact.force[1] *= part;
+      contact.f.template tail<2>() *= limit / length;
       drawn = true;
     }
-    Drop([](const Contact& c) { return c.lambda == 0.0; }, count_);
+    Drop([](const Contact& c) { return c.lambda() == 0.0; }, count_);
     for (int j = 0; j < qp.active; ++j) Add(qp.row[j], 0.0, qp.multiplier[j], Vec3::Zero());
     return drawn;
   }
@@ -143,17 +165,16 @@ class FrictionalContacts {
                        [this](const Contact& c) { return Slides(c) && c.mu_s > 0.0; });
   }
 
-  /// Keeps a sticking point in place when the tool turns about it by a finite angle, not just
-  /// to first order: returns what v must compensate, as the mean over the sticking points.
-  /// Otherwise a stylus that trembles about its tip would creep by the second order, always
-  /// in the same direction.
+  /// Returns what v must compensate so that a sticking point stays in place when the tool turns
+  /// about it by a finite angle, as the mean over the sticking points.  Otherwise a stylus that
+  /// trembles about its tip would creep by the second order.
   Vec3 Creep(const Vec3& phi) const {
     Vec3 sum = Vec3::Zero();
     int sticking = 0;
     const Quat turn = RotationExp(phi);
     for (int i = 0; i < count_; ++i) {
       const Contact& contact = contact_[i];
-      if (Slides(contact) || contact.lambda == 0.0 || contact.mu_s == 0.0) continue;
+      if (Slides(contact) || contact.lambda() == 0.0 || contact.mu_s == 0.0) continue;
       const Vec3 rest = turn * contact.lever - contact.lever - phi.cross(contact.lever);
       sum += rest - rest.dot(contact.normal) * contact.normal;
       ++sticking;
@@ -166,11 +187,11 @@ class FrictionalContacts {
     qp.active = 0;
     for (int i = 0; i < count_; ++i) {
       const Contact& contact = contact_[i];
-      if (contact.lambda == 0.0 && contact.friction() == 0.0) continue;
+      if (contact.f.isZero(0.0)) continue;
       const auto k = static_cast<std::size_t>(qp.active++);
       qp.row[k] = contact.row;
-      qp.multiplier[k] = std::max(0.0, contact.lambda);  // may be slightly negative by rounding
-      forces[k] = -contact.force[0] * contact.tangent[0] - contact.force[1] * contact.tangent[1];
+      qp.multiplier[k] = std::max(0.0, contact.lambda());  // may be slightly negative by rounding
+      forces[k] = -contact.f[1] * contact.tangent[0] - contact.f[2] * contact.tangent[1];
       state.id[k] = context_.buffers.rows.id(contact.row);
       state.normal_force[k] = qp.multiplier[k];
       state.force[k] = -forces[k];
@@ -179,39 +200,36 @@ class FrictionalContacts {
   }
 
  private:
-  /// The geometry of a contact: its row a . x >= b, and its slip
-  /// (s[0] . x, s[1] . x) along two tangents.
-  struct Place {
+  struct Contact {
+    /// Its row a . x >= b, and its slip (s[0] . x, s[1] . x) along two tangents.
     int row;
     Vec3 normal, lever, tangent[2];
-    double a[N], s[2][N], b;
-  };
-  /// Its state in one step of either method.
-  struct Step {
-    bool presses = false;
-    double limit;                ///< of friction
-    double direction[2], ratio;  ///< if it slips: unit vector along u, and limit / |u|
-    double across[N], base, stiffness;
-  };
-  /// `lambda` is the row's multiplier; `force` opposes the slip.
-  struct Contact : Place, Step {
+    Vec<N> a, s[2];
+    double b;
     double mu_s, mu_d;
     bool sliding = false;  ///< whether mu_d applies
     double frictionless;   ///< lambda without friction
-    double lambda, force[2];
-    bool slips = false;  ///< whether friction is at its limit
+    /// lambda, the row's multiplier, and the force that opposes the slip.
+    Vec3 f;
+    // In one step of either method:
+    bool presses = false, slips = false;  ///< slips: friction is at its limit
+    double limit;                         ///< of friction
+    Vec2 direction;                       ///< if it slips: unit vector along u,
+    double ratio;                         ///< and limit / |u|
+    Vec<N> across;
+    double base, stiffness;
+
     double mu() const { return sliding ? mu_d : mu_s; }
-    double friction() const { return std::sqrt(force[0] * force[0] + force[1] * force[1]); }
-    /// Computes the row of the slip along (d0, d1).
-    void Slip(double d0, double d1, double (&out)[N]) const {
-      for (int c = 0; c < N; ++c) out[c] = d0 * this->s[0][c] + d1 * this->s[1][c];
-    }
+    double lambda() const { return f[0]; }
+    Vec2 friction() const { return f.template tail<2>(); }
+    Vec2 SlipAt(const Vec<N>& x) const { return {Dot(s[0], x), Dot(s[1], x)}; }
+    /// The row of the slip along d, and of a force d: the tool feels its opposite.
+    Vec<N> Along(const Vec2& d) const { return d[0] * s[0] + d[1] * s[1]; }
+    Vec2 Beside() const { return {-direction[1], direction[0]}; }
   };
 
   bool Slides(const Contact& contact) const {
-    if (!contact.slips || contact.lambda == 0.0) return false;
-    const double s0 = Dot(contact.s[0], x_), s1 = Dot(contact.s[1], x_);
-    return std::sqrt(s0 * s0 + s1 * s1) > kSlid * size_;
+    return contact.slips && contact.lambda() != 0.0 && contact.SlipAt(x_).norm() > kSlid * size_;
   }
 
   /// Removes the first `most` contacts that `is` selects.
@@ -228,16 +246,14 @@ class FrictionalContacts {
     count_ = kept;
   }
 
-  /// Projects u onto the disk of the contact's limit: sets slips, direction and ratio.
-  static void IntoDisk(Contact& contact, double& u0, double& u1) {
-    const double length = std::sqrt(u0 * u0 + u1 * u1);
+  /// Returns u projected onto the disk of the contact's limit; sets slips, direction and ratio.
+  static Vec2 IntoDisk(Contact& contact, const Vec2& u) {
+    const double length = u.norm();
     contact.slips = length > contact.limit;
-    if (!contact.slips) return;
-    contact.direction[0] = u0 / length;
-    contact.direction[1] = u1 / length;
+    if (!contact.slips) return u;
+    contact.direction = u / length;
     contact.ratio = contact.limit / length;
-    u0 *= contact.ratio;
-    u1 *= contact.ratio;
+    return u * contact.ratio;
   }
 
   // Leap: Newton's method for the laws
@@ -248,15 +264,12 @@ class FrictionalContacts {
 
   /// Determines what a contact does by its law at x; returns the error of its forces.
   double Judge(Contact& contact) const {
-    const double pressure = contact.lambda + kTrial * (contact.b - Dot(contact.a, x_));
+    const double pressure = contact.lambda() + kTrial * (contact.b - Dot(contact.a, x_));
     contact.presses = pressure > 0.0;
-    const double lambda = contact.presses ? pressure : 0.0;
-    contact.limit = contact.mu() * lambda;
-    double f0 = contact.force[0] + kTrial * Dot(contact.s[0], x_);
-    double f1 = contact.force[1] + kTrial * Dot(contact.s[1], x_);
-    IntoDisk(contact, f0, f1);
-    return std::max({std::fabs(lambda - contact.lambda), std::fabs(f0 - contact.force[0]),
-                     std::fabs(f1 - contact.force[1])});
+    Vec3 law(contact.presses ? pressure : 0.0, 0.0, 0.0);
+    contact.limit = contact.mu() * law[0];
+    law.template tail<2>() = IntoDisk(contact, contact.friction() + kTrial * contact.SlipAt(x_));
+    return Largest(law - contact.f);
   }
 
   /// Solves for x and the forces with every contact in the state that Judge found.  A
@@ -266,52 +279,45 @@ class FrictionalContacts {
     LinearSystem<N> system(t_);
     for (int i = 0; i < count_; ++i) {
       Contact& contact = contact_[i];
-      const double pressure = contact.lambda + kPenalty * contact.b;
+      const double pressure = contact.lambda() + kPenalty * contact.b;
       if (!contact.slips) {
         for (int k = 0; k < 2; ++k) {
-          system.Add(contact.s[k], contact.force[k], kPenalty, contact.s[k]);
+          system.Add(contact.s[k], contact.f[1 + k], kPenalty, contact.s[k]);
         }
         if (contact.presses) system.Add(contact.a, -pressure, kPenalty, contact.a);
       } else if (contact.presses) {
-        const double* d = contact.direction;
-        double push[N];
-        contact.Slip(-contact.mu() * d[0], -contact.mu() * d[1], push);
-        for (int c = 0; c < N; ++c) push[c] += contact.a[c];
-        system.Add(push, -pressure, kPenalty, contact.a);
+        const Vec2& d = contact.direction;
+        system.Add(contact.Along(-contact.mu() * d) + contact.a, -pressure, kPenalty, contact.a);
 
-        contact.Slip(-d[1], d[0], contact.across);
+        contact.across = contact.Along(contact.Beside());
         const double left = std::max(1.0 - contact.ratio, contact.ratio * kTrial / kPenalty);
         contact.stiffness = contact.ratio * kTrial / left;
-        const double f = d[0] * contact.force[1] - d[1] * contact.force[0];
+        const double f = d[0] * contact.f[2] - d[1] * contact.f[1];
         contact.base = f - f / left - contact.stiffness * Dot(contact.across, x_);
         system.Add(contact.across, contact.base, contact.stiffness, contact.across);
       }
     }
-    system.Solve(x_);
+    x_ = system.Solve();
     for (int i = 0; i < count_; ++i) {
       Contact& contact = contact_[i];
-      contact.lambda =
-          contact.presses ? contact.lambda + kPenalty * (contact.b - Dot(contact.a, x_)) : 0.0;
+      double& lambda = contact.f[0];
+      auto friction = contact.f.template tail<2>();
+      lambda = contact.presses ? lambda + kPenalty * (contact.b - Dot(contact.a, x_)) : 0.0;
       if (!contact.slips) {
-        for (int k = 0; k < 2; ++k) contact.force[k] += kPenalty * Dot(contact.s[k], x_);
+        friction += kPenalty * contact.SlipAt(x_);
       } else if (contact.presses) {
-        const double* d = contact.direction;
-        const double along = contact.mu() * contact.lambda;
         const double across = contact.base + contact.stiffness * Dot(contact.across, x_);
-        contact.force[0] = d[0] * along - d[1] * across;
-        contact.force[1] = d[1] * along + d[0] * across;
+        friction = contact.mu() * lambda * contact.direction + across * contact.Beside();
       } else {
-        contact.force[0] = contact.force[1] = 0.0;
+        friction.setZero();
       }
     }
   }
 
   /// Computes the x that balances the forces.
   void Balance() {
-    ShiftedTarget(x_);
-    for (int i = 0; i < count_; ++i) {
-      for (int c = 0; c < N; ++c) x_[c] += contact_[i].a[c] * contact_[i].lambda;
-    }
+    x_ = ShiftedTarget();
+    for (int i = 0; i < count_; ++i) x_ += contact_[i].a * contact_[i].lambda();
   }
 
   double JudgeAll() {
@@ -332,20 +338,13 @@ class FrictionalContacts {
       ++report.friction_iterations;
       before[step % 3] = missed;
       const double bound = std::max({before[0], before[1], before[2]});
-      double old_x[N], old_lambda[kMaxActiveRows], old_force[kMaxActiveRows][2];
-      std::copy(x_, x_ + N, old_x);
-      for (int i = 0; i < count_; ++i) {
-        old_lambda[i] = contact_[i].lambda;
-        std::copy(contact_[i].force, contact_[i].force + 2, old_force[i]);
-      }
+      const Vec<N> old_x = x_;
+      Vec3 old[kMaxActiveRows];
+      for (int i = 0; i < count_; ++i) old[i] = contact_[i].f;
       const auto shorten = [&](double part) {
-        const auto blend = [part](double& value, double old) {
-          value = old + part * (value - old);
-        };
-        for (int c = 0; c < N; ++c) blend(x_[c], old_x[c]);
+        x_ = old_x + part * (x_ - old_x);
         for (int i = 0; i < count_; ++i) {
-          blend(contact_[i].lambda, old_lambda[i]);
-          for (int k = 0; k < 2; ++k) blend(contact_[i].force[k], old_force[i][k]);
+          contact_[i].f = old[i] + part * (contact_[i].f - old[i]);
         }
         return JudgeAll();
       };
@@ -363,64 +362,51 @@ class FrictionalContacts {
     return true;
   }
 
-  // Walk: used when Leap fails, also when there may be no solution (a tool wedged deeper than its
-  // friction lets it out: the normal forces grow without bound).  With fixed limits the problem is
-  // convex, and the minimum of the augmented Lagrangian is sure to be found.  The limits are first
-  // those of the frictionless lambda, then follow the lambda that they give (none above the load of
-  // all contacts together), and in the end are only lowered, until each force lies in its cone.
+  // Walk: used when Leap fails (friction.md).  Limits that follow lambda stay below the load of all
+  // contacts together.
 
-  /// Computes the forces at x for the penalty c into `at`, by the laws of the contacts,
-  /// and the gradient g.
-  void Gradient(const double (&x)[N], double c, Contact* at, double (&g)[N]) const {
-    for (int r = 0; r < N; ++r) g[r] = x[r] - t_[r];
+  /// Computes the forces at x for the penalty c into `at`, by the laws of the contacts; returns the
+  /// gradient.
+  Vec<N> Gradient(const Vec<N>& x, double c, Contact* at) const {
+    Vec<N> g = x - t_;
     for (int i = 0; i < count_; ++i) {
       const Contact& contact = contact_[i];
       Contact& now = at[i];
-      now.lambda = std::max(0.0, contact.lambda + c * (contact.b - Dot(contact.a, x)));
-      for (int k = 0; k < 2; ++k) now.force[k] = contact.force[k] + c * Dot(contact.s[k], x);
-      IntoDisk(now, now.force[0], now.force[1]);
-      for (int r = 0; r < N; ++r) {
-        g[r] += contact.s[0][r] * now.force[0] + contact.s[1][r] * now.force[1] -
-                contact.a[r] * now.lambda;
-      }
+      now.f[0] = std::max(0.0, contact.lambda() + c * (contact.b - Dot(contact.a, x)));
+      now.f.template tail<2>() = IntoDisk(now, contact.friction() + c * contact.SlipAt(x));
+      g += contact.Along(now.friction()) - contact.a * now.lambda();
     }
+    return g;
   }
 
   /// Newton's method.  A step that overshoots is shortened by the secant of its slope, which always
   /// leads down in a convex function.
   bool Minimise(double c, Contact* at, StepReport& report) {
-    double g[N], d[N], next[N], next_g[N];
-    Gradient(x_, c, at, g);
+    Vec<N> g = Gradient(x_, c, at);
     for (int step = 0; step < kWalkSteps; ++step) {
-      double most = 0.0;
-      for (int r = 0; r < N; ++r) most = std::max(most, std::fabs(g[r]));
-      if (most <= kBalanced * size_) return true;
+      if (Largest(g) <= kBalanced * size_) return true;
       ++report.friction_iterations;
-      for (int r = 0; r < N; ++r) d[r] = -g[r];
-      LinearSystem<N> system(d);
+      LinearSystem<N> system(-g);
       for (int i = 0; i < count_; ++i) {
         const Contact& now = at[i];
-        if (now.lambda > 0.0) system.Add(now.a, 0.0, c, now.a);
+        if (now.lambda() > 0.0) system.Add(now.a, 0.0, c, now.a);
         if (now.slips) {
-          double across[N];
-          now.Slip(-now.direction[1], now.direction[0], across);
+          const Vec<N> across = now.Along(now.Beside());
           system.Add(across, 0.0, c * now.ratio, across);
         } else {
           for (int k = 0; k < 2; ++k) system.Add(now.s[k], 0.0, c, now.s[k]);
         }
       }
-      system.Solve(d);
+      const Vec<N> d = system.Solve(), from = x_;
       const double slope = Dot(g, d);
       double part = 1.0;
       for (int shorter = 0;; ++shorter) {
-        for (int r = 0; r < N; ++r) next[r] = x_[r] + part * d[r];
-        Gradient(next, c, at, next_g);
-        const double next_slope = Dot(next_g, d);
+        x_ = from + part * d;
+        g = Gradient(x_, c, at);
+        const double next_slope = Dot(g, d);
         if (next_slope <= -0.5 * slope || shorter == kShorter) break;
         part *= std::max(0.1, slope / (slope - next_slope));
       }
-      std::copy(next, next + N, x_);
-      std::copy(next_g, next_g + N, g);
     }
     return false;
   }
@@ -430,9 +416,8 @@ class FrictionalContacts {
     for (int i = 0; i < count_; ++i) {
       Contact& contact = contact_[i];
       load += contact.frictionless;
-      contact.lambda = contact.frictionless;
-      contact.limit = contact.mu() * contact.lambda;
-      contact.force[0] = contact.force[1] = 0.0;
+      contact.f = {contact.frictionless, 0.0, 0.0};
+      contact.limit = contact.mu() * contact.lambda();
     }
     Balance();
     Contact at[kMaxActiveRows];
@@ -440,10 +425,9 @@ class FrictionalContacts {
     for (int update = 0; update < kWalkUpdates; ++update) {
       std::copy(contact_, contact_ + count_, at);
       if (update == kWalkRaises) {
-        double x[N];
-        std::copy(x_, x_ + N, x);
+        const Vec<N> x = x_;
         if (Leap(kSecondLeap, report)) return true;
-        std::copy(x, x + N, x_);
+        x_ = x;
         std::copy(at, at + count_, contact_);
         ++report.friction_lowered;
       }
@@ -451,11 +435,9 @@ class FrictionalContacts {
       double most = 0.0;
       for (int i = 0; i < count_; ++i) {
         Contact& contact = contact_[i];
-        const double moved = std::max({std::fabs(at[i].lambda - contact.lambda),
-                                       std::fabs(at[i].force[0] - contact.force[0]),
-                                       std::fabs(at[i].force[1] - contact.force[1])});
+        const double moved = Largest(at[i].f - contact.f);
         contact = at[i];
-        const double limit = contact.mu() * contact.lambda;
+        const double limit = contact.mu() * contact.lambda();
         const double highest = update < kWalkRaises ? contact.mu() * load : contact.limit;
         const double next = std::min(limit, highest);
         most = std::max({most, moved / c, std::fabs(next - contact.limit)});
@@ -482,7 +464,7 @@ class FrictionalContacts {
 
   const StepContext& context_;
   double slack_;
-  double t_[N], x_[N];
+  Vec<N> t_, x_;
   double size_;  ///< of the problem: tolerances are relative to it
   int count_ = 0;
   Contact contact_[kMaxActiveRows];
@@ -494,15 +476,11 @@ class FrictionalContacts {
 template <int N>
 void AddContacts(const StepContext& context, const QpResult& qp, FrictionalContacts<N>& contacts) {
   const FrictionState& state = context.state.friction;
-  const auto frictionless = [&](int row) {
-    const int* found = std::find(qp.row, qp.row + qp.active, row);
-    return found == qp.row + qp.active ? 0.0 : qp.multiplier[found - qp.row];
-  };
   for (int i = 0; i < state.contacts; ++i) {
     const auto k = static_cast<std::size_t>(i);
     int row;
     if (context.buffers.rows.Find({&state.id[k], 1}, &row) == 1) {
-      contacts.Add(row, frictionless(row), state.normal_force[k], state.force[k]);
+      contacts.Add(row, MultiplierOf(qp, row), state.normal_force[k], state.force[k]);
     }
   }
   const bool warm = contacts.count() > 0;
@@ -521,11 +499,10 @@ bool Solve(StepContext& context, Optimum& optimum, const double* t) {
   AddContacts(context, qp, contacts);
   QpResult shifted;
   const auto solve_shifted = [&] {
-    double target[N];
     int guess[kMaxActiveRows];
-    contacts.ShiftedTarget(target);
     const int guesses = contacts.Pressed(guess);
-    shifted = context.kernels.solve(target, N, context.sub_step.rigid, guess, guesses);
+    shifted = context.kernels.solve(contacts.ShiftedTarget().data(), N, context.sub_step.rigid,
+                                    guess, guesses);
     report.qp_iterations += shifted.iterations;
     return shifted.status != QpStatus::kIterationLimit;
   };
@@ -548,10 +525,9 @@ bool Solve(StepContext& context, Optimum& optimum, const double* t) {
   std::copy(shifted.x, shifted.x + N, qp.x);
   contacts.Write(context.state.friction, qp, optimum.friction);
   if constexpr (N == 6) {
-    const Vec3 phi = Vec3(qp.x[3], qp.x[4], qp.x[5]) / context.model.rotation_length();
+    const Vec3 phi = Vec3::Map(qp.x + 3) / context.model.rotation_length();
     if (phi.norm() <= context.model.parameters().max_rotation) {
-      const Vec3 creep = contacts.Creep(phi);
-      for (int c = 0; c < 3; ++c) qp.x[c] -= creep[c];
+      Vec3::Map(qp.x) -= contacts.Creep(phi);
     }
   }
   return true;
@@ -568,17 +544,15 @@ void AddCoulombFriction(StepContext& context, Optimum& optimum) noexcept {
   // The push of soft contacts is taken as it is without friction.
   const Vec3 v = context.sub_step.target.v + optimum.push;
   const Vec3 phi = context.sub_step.target.phi + optimum.push_turn / (rho * rho);
-  const double t[6] = {v.x(), v.y(), v.z(), rho * phi.x(), rho * phi.y(), rho * phi.z()};
+  Vec6 t;
+  t << v, rho * phi;
   const bool turns = context.model.degrees_of_freedom() == 6;
   optimum.rubs = true;
-  if (!(turns ? Solve<6>(context, optimum, t) : Solve<3>(context, optimum, t))) {
+  if (!(turns ? Solve<6>(context, optimum, t.data()) : Solve<3>(context, optimum, t.data()))) {
     for (Vec3& force : optimum.friction) force.setZero();
     state.contacts = 0;
   }
-  const double* x = optimum.qp.x;
-  optimum.v = Vec3(x[0], x[1], x[2]);
-  if (turns) optimum.phi = Vec3(x[3], x[4], x[5]) / rho;
-  optimum.RefuseNaN();
+  optimum.Take(turns ? Vec3(Vec3::Map(optimum.qp.x + 3) / rho) : optimum.phi);
 }
 
 }  // namespace palpate

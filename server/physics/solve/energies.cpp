@@ -3,18 +3,11 @@
 #include <algorithm>
 
 namespace palpate {
-namespace {
-
-int CutRowsOf(const HapticModel& model) {
-  return static_cast<int>(model.bur_samples().size() * model.solids().size());
-}
-
-}  // namespace
-
 Energies::Energies(const HapticModel& model)
     : model_(&model), solver_(static_cast<std::size_t>(model.parameters().max_rows) + 16) {
   if (model.yields()) soft_.emplace(model.parameters().max_rows);
-  if (model.cuts()) cut_.emplace(CutRowsOf(model));
+  if (model.cuts())
+    cut_.emplace(static_cast<int>(model.bur_samples().size() * model.solids().size()));
 }
 
 StepBounds Energies::Narrow(StepBounds bounds, const Vec3& p_G, const Quat& q_WG) const noexcept {

@@ -42,11 +42,9 @@ class Energies {
   /// the coupling's stiffness [m].
   bool pushes() const noexcept;
   bool bur_pushes() const noexcept { return cut_ && cut_->count() > 0 && cut_->pushes(); }
-  const double* force() const { return solver_.force(); }
+  const Vec6& force() const { return solver_.force(); }
   /// The drag of the bur's spin at the result (CutRows::Drag).
-  std::array<double, 6> Drag() const noexcept {
-    return bur_pushes() ? cut_->Drag() : std::array<double, 6>{};
-  }
+  Vec6 Drag() const noexcept { return bur_pushes() ? cut_->Drag() : Vec6(Vec6::Zero()); }
 
   /// Null if no row is soft.
   const SoftRows* soft() const { return soft_ && soft_->any() ? &*soft_ : nullptr; }

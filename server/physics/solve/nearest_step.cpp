@@ -1,7 +1,5 @@
-#include "server/physics/solve/nearest_step.h"
-
-#include "server/physics/contact/reconcile.h"
 #include "server/physics/limits.h"
+#include "server/physics/solve/stages.h"
 
 namespace palpate {
 
@@ -11,32 +9,24 @@ Optimum NearestStep(const StepContext& context, const Target& target, bool with_
   const double rho = context.model.rotation_length();
   int guess[kMaxActiveRows];
   const int guesses = rows.Find(context.state.Active(), guess);
-  double t[6] = {target.v.x(),         target.v.y(),         target.v.z(),
-                 rho * target.phi.x(), rho * target.phi.y(), rho * target.phi.z()};
+  Vec6 t;
+  t << target.v, rho * target.phi;
   const bool turns = context.model.degrees_of_freedom() == 6;
   if (with_energies) {
-    const std::array<double, 6>& drag = context.state.drag;
     // Drag of the last steps: it depends on the rows' push, so it is not an energy's force.
-    const bool dragged = drag != std::array<double, 6>{};
-    for (std::size_t c = 0; dragged && c < 6; ++c) t[c] += drag[c];
-    optimum.qp = context.buffers.energies->Solve(context.kernels, t, context.sub_step.rigid,
+    const Vec6& drag = context.state.drag;
+    t += drag;
+    optimum.qp = context.buffers.energies->Solve(context.kernels, t.data(), context.sub_step.rigid,
                                                  {guess, static_cast<std::size_t>(guesses)});
-    const double* force = context.buffers.energies->force();
+    const Vec6& force = context.buffers.energies->force();
     optimum.is_pushed = context.buffers.energies->pushes();
-    optimum.push = Vec3(force[0], force[1], force[2]);
-    optimum.push_turn = rho * Vec3(force[3], force[4], force[5]);
-    if (dragged) {
-      optimum.push += Vec3(drag[0], drag[1], drag[2]);
-      optimum.push_turn += rho * Vec3(drag[3], drag[4], drag[5]);
-    }
+    optimum.push = force.head<3>() + drag.head<3>();
+    optimum.push_turn = rho * force.tail<3>() + rho * drag.tail<3>();
   } else {
-    optimum.qp = context.kernels.solve(t, context.model.degrees_of_freedom(),
+    optimum.qp = context.kernels.solve(t.data(), context.model.degrees_of_freedom(),
                                        context.sub_step.rigid, guess, guesses);
   }
-  const double* x = optimum.qp.x;
-  optimum.phi = turns ? Vec3(Vec3(x[3], x[4], x[5]) / rho) : target.phi;
-  optimum.v = Vec3(optimum.qp.x[0], optimum.qp.x[1], optimum.qp.x[2]);
-  optimum.RefuseNaN();
+  optimum.Take(turns ? Vec3(Vec3::Map(optimum.qp.x + 3) / rho) : target.phi);
   return optimum;
 }
 

@@ -1,8 +1,7 @@
-#include "server/physics/solve/step_bounds.h"
-
 #include <algorithm>
 
 #include "server/physics/limits.h"
+#include "server/physics/solve/stages.h"
 
 namespace palpate {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "common/math/pose.h"
 #include "common/qp/nearest_point.h"
-#include "server/physics/contact/mesh_contact.h"
+#include "server/physics/contact/sub_step.h"
 #include "server/physics/haptic_model.h"
 #include "server/physics/rows/contact_prediction.h"
 #include "server/physics/rows/contact_rows.h"
@@ -36,8 +36,10 @@ struct Optimum {
   /// Returns whether anything holds the tool.
   bool IsHeld() const { return qp.active != 0 || is_pushed; }
 
-  /// Call after a solver has written it: an optimum that is not a number counts as unsolved.
-  void RefuseNaN() {
+  /// Call after a solver has written `qp`; one that is not a number counts as unsolved.
+  void Take(const Vec3& rotation) {
+    v = Vec3::Map(qp.x);
+    phi = rotation;
     if (!v.allFinite() || !phi.allFinite()) qp.status = QpStatus::kIterationLimit;
   }
 };

@@ -62,10 +62,7 @@ void BlockBody::Scratch::Reserve() {
   mesh.Reserve(kMostOfBlock);
   tree.Reserve(kMostOfBlock);
   constexpr std::size_t kMostAndRim = 4 * 3 * (kAcross + 3) * (kAcross + 3) * (kAcross + 3);
-  surface.vertices.reserve(kMostAndRim);
-  surface.numbers.reserve(kMostAndRim);
-  surface.triangles.reserve(kMostAndRim);
-  surface.materials.reserve(kMostAndRim);
+  ReserveEach(kMostAndRim, surface.vertices, surface.numbers, surface.triangles, surface.materials);
 }
 
 void BlockBody::Reserve() {
@@ -83,27 +80,26 @@ void BlockBody::Assign(const Of& block, std::size_t own, const Pose& X_WB, Scrat
                    surface.materials.begin() + static_cast<std::ptrdiff_t>(own));
 }
 
-UncutBodies::UncutBodies(std::span<const CutSolid> solids, std::span<const ContactBody> boxes,
-                         std::size_t first_body)
-    : solids_(solids), boxes_(boxes), first_body_(static_cast<std::int32_t>(first_body)) {
+UncutBodies::UncutBodies(std::span<const CutSolid> of, std::span<const ContactBody> boxes_of,
+                         std::size_t first)
+    : solids(of), boxes(boxes_of), first_body(static_cast<std::int32_t>(first)) {
   BlockBody::Scratch scratch;
   BlockBody made;
   for (std::size_t s = 0; s < solids.size(); ++s) {
     const SolidGrid& grid = *solids[s].grid;
     const SparseField nothing(grid.field().lattice(), grid.field().band(), SparseField::kBelow);
     const HullTree& tree = boxes[s].tree;
-    std::vector<std::int32_t>& place =
-        place_.emplace_back(grid.field().lattice().block_count(), -1);
+    place.emplace_back(grid.field().lattice().block_count(), -1);
     for (HullTree::Node node = 0; node < tree.inner_count(); ++node) {
       const std::int32_t block = tree.BlockOf(node);
       if (block < 0) continue;
-      const std::size_t own =
-          TakeSurfaceAndRim({grid, nothing}, static_cast<std::size_t>(block), scratch.surface);
+      const auto b = static_cast<std::size_t>(block);
+      const std::size_t own = TakeSurfaceAndRim({grid, nothing}, b, scratch.surface);
       if (own == 0) continue;
-      made.Assign({first_body_ + static_cast<std::int32_t>(s), node, block}, own, solids[s].X_WB,
+      made.Assign({first_body + static_cast<std::int32_t>(s), node, block}, own, solids[s].X_WB,
                   scratch);
-      place[static_cast<std::size_t>(block)] = static_cast<std::int32_t>(bodies_.size());
-      bodies_.push_back(made);  // a copy has no spare capacity
+      place[s][b] = static_cast<std::int32_t>(bodies.size());
+      bodies.push_back(made);  // a copy has no spare capacity
     }
   }
 }

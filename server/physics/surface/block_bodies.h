@@ -45,27 +45,18 @@ struct BlockBody {
 
 /// The bodies of all blocks of a scene's solids before anything is cut; most of a solid never is.
 /// The sessions of a scene share them: 78 MB for a tooth of 10 mm at 50 um.
-class UncutBodies {
- public:
+struct UncutBodies {
   UncutBodies() = default;
-  /// `boxes`: for each solid, its BlocksOf.  `first_body`: index of the first of them among the
-  /// scene's bodies.  `solids` and `boxes` must outlive this object.
+  /// `solids` and `boxes` must outlive this object.
   UncutBodies(std::span<const CutSolid> solids, std::span<const ContactBody> boxes,
               std::size_t first_body);
 
-  std::span<const CutSolid> solids() const { return solids_; }
-  std::span<const ContactBody> boxes() const { return boxes_; }
-  std::int32_t first_body() const { return first_body_; }
-  /// Returns the index of a block's body; -1 if the block is empty.
-  std::int32_t PlaceOf(std::size_t solid, std::size_t block) const { return place_[solid][block]; }
-  const BlockBody& operator[](std::size_t place) const { return bodies_[place]; }
-
- private:
-  std::span<const CutSolid> solids_;
-  std::span<const ContactBody> boxes_;
-  std::int32_t first_body_ = 0;
-  std::vector<std::vector<std::int32_t>> place_;  ///< for each solid, for each block
-  std::vector<BlockBody> bodies_;
+  std::span<const CutSolid> solids;
+  std::span<const ContactBody> boxes;  ///< for each solid, its BlocksOf
+  std::int32_t first_body = 0;         ///< index of the first of them among the scene's bodies
+  /// For each solid, for each block, the index of its body; -1 if the block is empty.
+  std::vector<std::vector<std::int32_t>> place;
+  std::vector<BlockBody> bodies;
 };
 
 }  // namespace palpate

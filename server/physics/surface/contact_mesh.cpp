@@ -40,21 +40,13 @@ ContactMesh::ContactMesh(const TriangleMesh& mesh, const Pose& X_FB) {
 }
 
 void ContactMesh::Reserve(std::size_t triangles) {
-  const std::size_t corners = 3 * triangles;
-  vertices_.reserve(triangles);
-  triangles_.reserve(triangles);
-  edge_begin_.reserve(corners + 1);
-  edge_faces_.reserve(corners);
-  vertex_begin_.reserve(triangles + 1);
-  vertex_faces_.reserve(corners);
+  ReserveEach(triangles + 1, vertices_, triangles_, vertex_begin_);
+  ReserveEach(3 * triangles + 1, edge_begin_, edge_faces_, vertex_faces_);
 }
 
 void ContactMesh::Scratch::Reserve(std::size_t triangles) {
-  const std::size_t corners = 3 * triangles;
-  sides.reserve(corners);
-  sorted.reserve(corners);
-  place.reserve(triangles + 1);
-  faces.reserve(triangles + 1);
+  ReserveEach(3 * triangles, sides, sorted);
+  ReserveEach(triangles + 1, place, faces);
 }
 
 void ContactMesh::Assign(std::span<const Vec3> vertices,

@@ -10,6 +10,12 @@
 
 namespace palpate {
 
+/// Allocates room for `count` elements in each of some vectors.
+template <class... Vectors>
+void ReserveEach(std::size_t count, Vectors&... vectors) {
+  (vectors.reserve(count), ...);
+}
+
 /// The triangles that decide a body's contact, with the features that can touch (faces, edges and
 /// vertices) and, for each feature, the cone of normals along which it can touch.  The mesh is used
 /// as it is and felt from both sides; open, folded and non-manifold meshes need no special case.

@@ -63,13 +63,13 @@ FeltSolids::Solid::Solid(const CutSolid& cut_solid)
 }
 
 FeltSolids::FeltSolids(const UncutBodies& uncut)
-    : first_solid_(uncut.first_body()),
-      first_block_(first_solid_ + static_cast<std::int32_t>(uncut.solids().size())),
-      first_uncut_(first_block_ + static_cast<std::int32_t>(kBlocks + uncut.solids().size())),
+    : first_solid_(uncut.first_body),
+      first_block_(first_solid_ + static_cast<std::int32_t>(uncut.solids.size())),
+      first_uncut_(first_block_ + static_cast<std::int32_t>(kBlocks + uncut.solids.size())),
       uncut_(&uncut) {
-  if (uncut.solids().empty()) return;
-  solids_.reserve(uncut.solids().size());
-  for (const CutSolid& solid : uncut.solids()) solids_.emplace_back(solid);
+  if (uncut.solids.empty()) return;
+  solids_.reserve(uncut.solids.size());
+  for (const CutSolid& solid : uncut.solids) solids_.emplace_back(solid);
   bodies_.resize(kBlocks);
   used_.resize(kBlocks);
   free_.reserve(kBlocks);
@@ -84,7 +84,11 @@ FeltSolids::FeltSolids(const UncutBodies& uncut)
 
 void FeltSolids::Begin(std::span<const CutField> cuts, SeparationFront& front) noexcept {
   made_in_cycle_ = 0;
-  if (!forgotten_ && IsFollowed(cuts)) return;
+  bool is_followed = !forgotten_;  // else, or if there are more changes than can be, takes all
+  for (std::size_t s = 0; s < solids_.size(); ++s) {
+    is_followed = is_followed && cuts[s].changes() - solids_[s].changes <= CutField::kChanges;
+  }
+  if (is_followed) return;
   TakeAll(cuts);
   front.Clear();
   forgotten_ = false;
@@ -143,7 +147,8 @@ void FeltSolids::Gather(std::span<const CutField> cuts, const SeparationFront& f
       const std::size_t block = cut.Changed(solid.changes + 1);
       if (cut.ChangedAt(block) == solid.followed[block]) continue;
       solid.followed[block] = cut.ChangedAt(block);
-      if (!IsKnownRound(solid, block)) {  // no body depends on it
+      // Nothing is known of it, nor of the blocks whose triangles depend on its points.
+      if (AllRound(solid.felt, block, [&](std::size_t n) { return solid.place[n] == kNone; })) {
         Copy(cut.field(), block, solid.felt);
         continue;
       }
@@ -158,16 +163,6 @@ void FeltSolids::Gather(std::span<const CutField> cuts, const SeparationFront& f
   front.ForEachEntry(first_block_, [&](SeparationFront::Index, const SeparationFront::Pair& pair) {
     List(BlockOf(pair));
   });
-}
-
-/// Returns whether anything is known of a block, or of those whose triangles depend on its points.
-bool FeltSolids::IsKnownRound(const Solid& solid, std::size_t block) const noexcept {
-  return !AllRound(solid.felt, block, [&](std::size_t n) { return solid.place[n] == kNone; });
-}
-
-/// Returns whether nothing is cut in a block or in those whose points its triangles depend on.
-bool FeltSolids::IsUncut(const SparseField& felt, std::size_t block) noexcept {
-  return AllRound(felt, block, [&](std::size_t n) { return felt.entry(n) == SparseField::kBelow; });
 }
 
 /// Marks the blocks whose triangles depend on points that have changed.
@@ -206,14 +201,6 @@ void FeltSolids::MarkAffected(Solid& solid, std::size_t block) noexcept {
     solid.affected[reached] = followed_.turn;
     solid.affected_blocks.push_back(static_cast<std::uint32_t>(reached));
   }
-}
-
-/// Returns false if there are more changes than can be followed.
-bool FeltSolids::IsFollowed(std::span<const CutField> cuts) const noexcept {
-  for (std::size_t s = 0; s < solids_.size(); ++s) {
-    if (cuts[s].changes() - solids_[s].changes > CutField::kChanges) return false;
-  }
-  return true;
 }
 
 /// Lists a block to be remade in this turn, if it changes.
@@ -266,7 +253,7 @@ FeltSolids::Block FeltSolids::BlockOf(const SeparationFront::Pair& entry) const 
   if (!IsNothing(entry.body)) return BodyOf(entry.body).of;
   const std::size_t solid = PlaceOf(entry.body) - bodies_.size();
   return {first_solid_ + static_cast<std::int32_t>(solid), entry.object,
-          uncut_->boxes()[solid].tree.BlockOf(entry.object)};
+          uncut_->boxes[solid].tree.BlockOf(entry.object)};
 }
 
 FeltSolids::Taken FeltSolids::Take(const Block& block, const SeparationFront& front) noexcept {
@@ -276,24 +263,22 @@ FeltSolids::Taken FeltSolids::Take(const Block& block, const SeparationFront& fr
       first_block_ + static_cast<std::int32_t>(bodies_.size()) + block.solid - first_solid_;
   if (place >= 0) return {first_block_ + place, false};
   const auto s = static_cast<std::size_t>(block.solid - first_solid_);
-  const std::int32_t whole = uncut_->PlaceOf(s, static_cast<std::size_t>(block.block));
-  if (place == kNone && IsUncut(solid.felt, static_cast<std::size_t>(block.block))) {
+  const std::int32_t whole = uncut_->place[s][static_cast<std::size_t>(block.block)];
+  const auto is_whole = [&](std::size_t n) { return solid.felt.entry(n) == SparseField::kBelow; };
+  if (place == kNone && AllRound(solid.felt, static_cast<std::size_t>(block.block), is_whole)) {
     place = whole < 0 ? kNothing : kUncut;
     if (followed_.any()) List(block);
   }
   if (place == kUncut) return {first_uncut_ + whole, false};
   if (place == kNothing) return {nothing, false};
-  const std::int16_t made = Make(block, Use::kFelt, front);
+  ++made_in_cycle_;
+  followed_.own_of_next.reset();  // it was in the scratch
+  const std::int16_t made =
+      MakeOfSurface(block, TakeSurfaceOf(block, Use::kFelt), Use::kFelt, front);
   if (followed_.any()) List(block);
   if (made == kNoRoom) return {-1, true};
   place = made;
   return made == kNothing ? Taken{nothing, false} : Taken{first_block_ + made, true};
-}
-
-std::int16_t FeltSolids::Make(const Block& block, Use use, const SeparationFront& front) noexcept {
-  ++made_in_cycle_;
-  followed_.own_of_next.reset();  // it was in the scratch
-  return MakeOfSurface(block, TakeSurfaceOf(block, use), use, front);
 }
 
 std::size_t FeltSolids::TakeSurfaceOf(const Block& block, Use use) noexcept {

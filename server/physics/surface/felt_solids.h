@@ -12,13 +12,8 @@
 
 namespace palpate {
 
-/// What is left of a scene's solids, as contact feels it: one body for each block.
-///
-/// A block that was cut, or lies beside one that was, gets a body when a pair of the front first
-/// looks into its box.  Bodies are made from a copy of what was cut, which is updated in turns, so
-/// that all bodies show the same moment and fit together (README.md).  All other blocks keep the
-/// bodies that were made with the scene.
-///
+/// What is left of a scene's solids, as contact feels it: one body for each block, and turns in
+/// which bodies follow what is cut (README.md, "Solids that are cut").
 /// A value: a copy behaves alike.  Real-time except for the constructor, as long as no block has
 /// more than limits::mesh::kMostOfBlock triangles; a block with more is closed to tools.
 class FeltSolids {
@@ -88,13 +83,10 @@ class FeltSolids {
   }
   const BlockBody& BodyOf(std::int32_t number) const {
     return number < first_uncut_ ? bodies_[PlaceOf(number)].body
-                                 : (*uncut_)[static_cast<std::size_t>(number - first_uncut_)];
+                                 : uncut_->bodies[static_cast<std::size_t>(number - first_uncut_)];
   }
   void TakeAll(std::span<const CutField> cuts) noexcept;
   void Gather(std::span<const CutField> cuts, const SeparationFront& front) noexcept;
-  bool IsFollowed(std::span<const CutField> cuts) const noexcept;
-  bool IsKnownRound(const Solid& solid, std::size_t block) const noexcept;
-  static bool IsUncut(const SparseField& felt, std::size_t block) noexcept;
   void MarkAffected(Solid& solid, std::size_t block) noexcept;
   void List(const Block& block) noexcept;
   void Commit(SeparationFront& front) noexcept;
@@ -102,10 +94,9 @@ class FeltSolids {
   void FollowOne(const Block& block, const SeparationFront& front) noexcept;
   /// Fills the scratch with a block's surface; returns how many triangles are its own.
   std::size_t TakeSurfaceOf(const Block& block, Use use) noexcept;
+  /// Makes a block's body of it; returns its place, kNothing or kNoRoom.
   std::int16_t MakeOfSurface(const Block& block, std::size_t own, Use use,
                              const SeparationFront& front) noexcept;
-  /// Makes a block's body; returns its place, kNothing or kNoRoom.
-  std::int16_t Make(const Block& block, Use use, const SeparationFront& front) noexcept;
   bool MakeRoom(const SeparationFront& front) noexcept;
   void Free(std::size_t place) noexcept;
 

@@ -370,17 +370,7 @@ HullTree::HullTree(const ContactMesh& mesh, const std::vector<bool>& set) {
 }
 
 void HullTree::Reserve(std::size_t triangles) {
-  inner_.reserve(triangles);
-  corners_.reserve(triangles);
-  points_.reserve(triangles);
-  leaf_corners_.reserve(triangles);
-  leaf_centre_.reserve(triangles);
-  leaf_radius_.reserve(triangles);
-}
-
-void HullTree::Scratch::Reserve(std::size_t triangles) {
-  order.reserve(triangles);
-  bounds.reserve(triangles);
+  ReserveEach(triangles, inner_, corners_, points_, leaf_corners_, leaf_centre_, leaf_radius_);
 }
 
 void HullTree::Assign(const ContactMesh& mesh, std::size_t count, const Mat3& axes,

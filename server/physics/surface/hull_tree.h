@@ -13,11 +13,8 @@
 namespace palpate {
 
 /// A binary tree of convex hulls over the triangles of a ContactMesh.  It tells whether a whole
-/// patch, the triangles below a node, lies on one side of a plane (Ehmann & Lin, Computer Graphics
-/// Forum 20 (2001) 500-510).  The hull of a small patch is that of its corners.  A larger patch has
-/// an oriented box, which is thin if the patch bends little (Gottschalk, Lin & Manocha, SIGGRAPH
-/// 1996).  So a few wide patches, rather than many pairs of triangles, separate two surfaces that
-/// run side by side.
+/// patch, the triangles below a node, lies on one side of a plane.  The hull of a small patch is
+/// that of its corners; a larger patch has an oriented box (README.md).
 /// A node is an index: inner nodes count from 0, the root; triangle t is ~t.
 ///
 /// A tree over the blocks of a lattice has boxes only, and does not know what lies in a block's
@@ -32,7 +29,7 @@ class HullTree {
   /// Scratch memory for making a tree, which may be reused.
   struct Scratch {
     /// Allocates what Assign needs for this many triangles.
-    void Reserve(std::size_t triangles);
+    void Reserve(std::size_t triangles) { ReserveEach(triangles, order, bounds); }
 
     std::vector<std::uint32_t> order;  ///< the triangles; those of a patch are adjacent
     std::vector<std::pair<double, std::uint32_t>> places, dealt;

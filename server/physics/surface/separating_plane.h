@@ -4,11 +4,24 @@
 #include <span>
 
 #include "common/math/pose.h"
+#include "common/math/rotation.h"
 #include "server/physics/simd/kernels.h"
 #include "server/physics/surface/hull_tree.h"
-#include "server/physics/surface/tool_pose.h"
 
 namespace palpate {
+
+/// The pose of the graphic tool: its reference point in W, and its orientation.
+struct ToolPose {
+  Vec3 p;
+  Quat q;
+  Mat3 R;
+  ToolPose(const Vec3& position, const Quat& orientation)
+      : p(position), q(orientation), R(orientation.toRotationMatrix()) {}
+  /// Returns the pose after the step [v; phi].
+  ToolPose Moved(const Vec3& v, const Vec3& phi) const {
+    return {p + v, (RotationExp(phi) * q).normalized()};
+  }
+};
 
 /// A patch of the tool's mesh, in its frame, and one of an object's, in W.
 struct PatchPair {
@@ -41,12 +54,8 @@ inline constexpr int kPlanesAtOnce = 8;
 /// each pair for which it found a plane.  If it finds none, there mostly is none; a plane that it
 /// finds is always valid.
 /// Real-time, deterministic: the result for a pair does not depend on the other pairs.
-///
-/// The algorithm of Gilbert, Johnson & Keerthi (IEEE J. Robotics Automat. 4 (1988) 193-203) finds
-/// the point nearest to the origin among the differences of object and tool, with the tool's hull
-/// at both poses.  The search stops at the first direction that separates them, as van den Bergen's
-/// does (J. Graphics Tools 4(2) (1999) 7-25).  Several pairs are searched at once, because each
-/// step of a search waits for the one before, and its branches cannot be predicted.
+/// By the algorithm of Gilbert, Johnson & Keerthi, up to the first direction that separates
+/// (README.md, "Split").
 std::uint32_t FindPlanes(std::span<const PatchPair> pairs, const ToolMotion& motion, double least,
                          const Kernels& kernels, SeparatingPlane* planes) noexcept;
 

@@ -19,12 +19,9 @@ constexpr SeparationFront::Eight kUnused{
 }  // namespace
 
 void SeparationFront::Reserve() {
-  pairs_.reserve(kMaxSlots);
-  planes_.reserve(kMaxSlots);
-  epoch_of_.reserve(kMaxSlots);
+  ReserveEach(kMaxSlots, pairs_, planes_, epoch_of_);
+  ReserveEach(kMaxSlots / 2, gate_, unused_);
   expiry_.reserve(kMaxSlots / 8);
-  gate_.reserve(kMaxSlots / 2);
-  unused_.reserve(kMaxSlots / 2);
 }
 
 void SeparationFront::Restart(const ContactBody& tool, std::span<const ContactBody> bodies,

@@ -11,20 +11,12 @@
 #include "server/physics/simd/kernels.h"
 #include "server/physics/surface/contact_bodies.h"
 #include "server/physics/surface/hull_tree.h"
-#include "server/physics/surface/tool_pose.h"
+#include "server/physics/surface/separating_plane.h"
 
 namespace palpate {
 
-/// Separating planes between a tool and bodies, kept from step to step.  The pairs of a node of the
-/// tool's tree and a node of a body's form a tree themselves: the children of a pair split the
-/// larger of its nodes.  The front is a cut through these trees, one for each body: every pair of
-/// triangles lies below exactly one pair of the front, and each pair of the front has a plane and a
-/// slack (Ehmann & Lin, Computer Graphics Forum 20 (2001) 500-510).
-///
-/// A slack never falls by more than the tool's farthest point moves.  So a pair need not be looked
-/// at until that way has grown by the pair's slack; this way is its expiry.  Refresh then computes
-/// what is left of the slack.
-///
+/// Separating planes between a tool and bodies, kept from step to step: a cut through the tree of
+/// pairs of nodes.  README.md has the idea, and what slack, expiry and merges are.
 /// A value: a copy behaves alike.  Real-time: nothing allocates after Reserve.
 class SeparationFront {
  public:
@@ -126,9 +118,8 @@ class SeparationFront {
     const Index child = pair(i).child;
     return child >= 0 && pair(child).child < 0 && pair(child + 1).child < 0;
   }
-  /// Returns the next mergeable pair that RetryAfter does not put off; successive calls
-  /// cycle through all of them.  Returns -1 at the end of a round, or if the next few
-  /// dozen places hold none.
+  /// Returns the next mergeable pair that RetryAfter does not put off, in turn; -1 at the end of a
+  /// round, or if the next few dozen places hold none.
   Index NextMergeable();
   /// Lets an open pair not be tried again before the way has grown by this [m].
   void RetryAfter(Index i, double way) {

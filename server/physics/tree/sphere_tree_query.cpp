@@ -149,7 +149,8 @@ Ball AddTop(std::vector<Ball> roots, std::span<Level> levels) {
 
 }  // namespace
 
-ObjectForest::ObjectForest(std::span<const PlacedTree> objects, Picks touches) {
+ObjectForest::ObjectForest(std::span<const PlacedTree> objects,
+                           bool (*touches)(const PlacedTree&)) {
   if (objects.empty()) throw Error("scene: no object; a scene needs at least one to feel");
   int deepest = 0;
   for (const PlacedTree& object : objects) {
@@ -160,100 +161,90 @@ ObjectForest::ObjectForest(std::span<const PlacedTree> objects, Picks touches) {
   std::size_t top = 0;
   for (std::size_t reach = 1; reach < objects.size(); reach *= kTreeArity) ++top;
 
-  std::vector<Level> levels(top + static_cast<std::size_t>(deepest));
+  std::vector<Level> packets(top + static_cast<std::size_t>(deepest));
   std::vector<Ball> roots;
   for (const PlacedTree& object : objects) {
     const bool can_touch = touches == nullptr || touches(object);
-    any_ = any_ || can_touch;
-    first_leaf_.push_back(leaf_count());
+    any = any || can_touch;
+    first_leaf.push_back(static_cast<int>(leaves.size()));
     for (std::size_t i = 0; i < object.tree->leaves(); ++i) {
       const Vec3 c = object.X_WB * LeafCentre(*object.tree, i);
-      leaves_.push_back({c.x(), c.y(), c.z(), object.tree->leaf_radius[i]});
+      leaves.push_back({c.x(), c.y(), c.z(), object.tree->leaf_radius[i]});
     }
     AddMaterials(object);
     roots.push_back(
-        AddPackets(object, can_touch, first_leaf_.back(), std::span(levels).subspan(top)));
+        AddPackets(object, can_touch, first_leaf.back(), std::span(packets).subspan(top)));
   }
-  const Ball all = AddTop(std::move(roots), std::span(levels).first(top));
-  levels_.level_begin.push_back(0);
-  for (const Level& packets : levels) {
-    levels_.packets.insert(levels_.packets.end(), packets.begin(), packets.end());
-    levels_.level_begin.push_back(static_cast<std::int32_t>(levels_.packets.size()));
+  const Ball all = AddTop(std::move(roots), std::span(packets).first(top));
+  levels.level_begin.push_back(0);
+  for (const Level& level : packets) {
+    levels.packets.insert(levels.packets.end(), level.begin(), level.end());
+    levels.level_begin.push_back(static_cast<std::int32_t>(levels.packets.size()));
   }
-  center_ = all.center;
-  radius_ = all.radius;
-  above_ = EmptyPacket();
-  SetLane(above_, 0, all, 0);
+  center = all.center;
+  radius = all.radius;
+  above = EmptyPacket();
+  SetLane(above, 0, all, 0);
 }
 
 void ObjectForest::AddMaterials(const PlacedTree& object) {
-  const std::size_t first = materials_.size();
+  const std::size_t first = materials.size();
   if (object.materials.empty()) {
-    materials_.push_back(Material{});
+    materials.push_back(Material{});
   } else {
-    materials_.insert(materials_.end(), object.materials.begin(), object.materials.end());
+    materials.insert(materials.end(), object.materials.begin(), object.materials.end());
   }
   for (const Material& material : object.materials) {
     if (!(material.stiffness > 0.0)) {
       throw Error("materials: stiffness " + std::to_string(material.stiffness) + " N/m of object " +
-                  std::to_string(first_leaf_.size() - 1) +
+                  std::to_string(first_leaf.size() - 1) +
                   "; give a positive number, or none for a rigid material");
     }
   }
-  const std::size_t leaves = object.tree->leaves();
-  if (!object.leaf_material.empty() && object.leaf_material.size() != leaves) {
+  const std::size_t count = object.tree->leaves();
+  if (!object.leaf_material.empty() && object.leaf_material.size() != count) {
     throw Error("materials: " + std::to_string(object.leaf_material.size()) + " are given for " +
-                std::to_string(leaves) + " leaves; give one per leaf, or none");
+                std::to_string(count) + " leaves; give one per leaf, or none");
   }
-  for (std::size_t i = 0; i < leaves; ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     const std::size_t own = object.leaf_material.empty() ? 0 : object.leaf_material[i];
-    if (first + own >= materials_.size()) {
+    if (first + own >= materials.size()) {
       throw Error("materials: leaf " + std::to_string(i) + " is of material " +
                   std::to_string(own) + ", which is not in the list");
     }
-    leaf_material_.push_back(static_cast<std::uint32_t>(first + own));
-    yields_ = yields_ || !std::isinf(materials_[first + own].stiffness);
+    leaf_material.push_back(static_cast<std::uint32_t>(first + own));
+    yields = yields || !std::isinf(materials[first + own].stiffness);
   }
 }
 
-int ObjectForest::ObjectOf(int leaf) const {
-  return static_cast<int>(std::upper_bound(first_leaf_.begin(), first_leaf_.end(), leaf) -
-                          first_leaf_.begin()) -
-         1;
-}
-
-Vec3 ToolTree::ReferenceOf(const SphereTree& tree) {
-  return tree.leaves() == 1 ? LeafCentre(tree, 0) : tree.centroid;
-}
-
-ToolTree::ToolTree(const SphereTree& tree, double world_extent, const Vec3& reference)
-    : reference_(reference) {
+ToolTree::ToolTree(const SphereTree& tree, double world_extent) {
   CheckTree(tree);
+  reference = tree.leaves() == 1 ? LeafCentre(tree, 0) : tree.centroid;
   for (std::size_t i = 0; i < tree.leaves(); ++i) {
-    const Vec3 l = LeafCentre(tree, i) - reference_;
-    leaves_.push_back({l.x(), l.y(), l.z(), tree.leaf_radius[i]});
-    max_lever_ = std::max(max_lever_, l.norm());
-    reach_ = std::max(reach_, l.norm() + tree.leaf_radius[i]);
+    const Vec3 l = LeafCentre(tree, i) - reference;
+    leaves.push_back({l.x(), l.y(), l.z(), tree.leaf_radius[i]});
+    max_lever = std::max(max_lever, l.norm());
+    reach = std::max(reach, l.norm() + tree.leaf_radius[i]);
   }
   // Upper bound on how far the float rounding of the pose and of the rotated centre moves a
   // sphere near the objects.
-  const double rounding = limits::kPoseMargin * (world_extent + 2.0 * reach_);
+  const double rounding = limits::kPoseMargin * (world_extent + 2.0 * reach);
   // The longest lever below each node, from the leaves up.
-  levels_.packets.assign(tree.packets.size(), EmptyToolPacket());
-  levels_.level_begin = tree.level_begin;
+  levels.packets.assign(tree.packets.size(), EmptyToolPacket());
+  levels.level_begin = tree.level_begin;
   std::vector<double> below;
   for (int l = tree.levels() - 1; l >= 0; --l) {
     const bool last = l + 1 == tree.levels();
     std::vector<double> here;
     for (std::size_t i = 0; i < tree.level(l).size(); ++i) {
       const SpherePacket& in = tree.level(l)[i];
-      ToolPacket& out = levels_.packets[static_cast<std::size_t>(tree.level_begin[l]) + i];
+      ToolPacket& out = levels.packets[static_cast<std::size_t>(tree.level_begin[l]) + i];
       double longest = 0.0;
       for (int lane = 0; lane < kTreeArity; ++lane) {
         if (in.child[lane] < 0) continue;
         const auto child = static_cast<std::size_t>(in.child[lane]);
         Ball ball = BallOf(tree, l, in, lane);
-        ball.center -= reference_;
+        ball.center -= reference;
         const double lever = last ? ball.center.norm() : below[child];
         ball.radius += rounding;
         SetLane(out.sphere, lane, ball, in.child[lane]);
@@ -264,14 +255,14 @@ ToolTree::ToolTree(const SphereTree& tree, double world_extent, const Vec3& refe
     }
     below = std::move(here);
   }
-  above_ = EmptyToolPacket();
-  SetLane(above_.sphere, 0, {Vec3::Zero(), reach_ + rounding}, 0);
-  above_.lever[0] = LeverUp(max_lever_);
+  above = EmptyToolPacket();
+  SetLane(above.sphere, 0, {Vec3::Zero(), reach + rounding}, 0);
+  above.lever[0] = LeverUp(max_lever);
 }
 
 PairQuery::PairQuery(const ToolTree& tool, const ObjectForest& objects) {
-  const PacketLevels<ToolPacket>& t = tool.levels();
-  const PacketLevels<SpherePacket>& o = objects.levels();
+  const PacketLevels<ToolPacket>& t = tool.levels;
+  const PacketLevels<SpherePacket>& o = objects.levels;
   const int depth = std::max(t.levels(), o.levels());
   const int t_pad = depth - t.levels(), o_pad = depth - o.levels();
   world_.resize(t.packets.size() + 1);
@@ -281,10 +272,10 @@ PairQuery::PairQuery(const ToolTree& tool, const ObjectForest& objects) {
     const std::size_t t_begin =
         l < t_pad ? t.packets.size() : static_cast<std::size_t>(t.level_begin[l - t_pad]);
     LevelView view{};
-    view.tool = l < t_pad ? &tool.above() : t.packets.data() + t_begin;
+    view.tool = l < t_pad ? &tool.above : t.packets.data() + t_begin;
     view.tool_world = world_.data() + t_begin;
     view.tool_stamp = stamps_.data() + t_begin;
-    view.object = l < o_pad ? &objects.above() : o.packets.data() + o.level_begin[l - o_pad];
+    view.object = l < o_pad ? &objects.above : o.packets.data() + o.level_begin[l - o_pad];
     views_.push_back(view);
   }
 }

@@ -28,77 +28,48 @@ inline double CoreDepth(const Material& material, double leaf_radius) {
   return std::isinf(material.stiffness) ? 0.0 : limits::kSoftShare * leaf_radius;
 }
 
-/// All objects of a scene as one tree in W: a few levels over the objects, then
-/// their own trees. Immutable.
-class ObjectForest {
- public:
-  using Picks = bool (*)(const PlacedTree&);
+/// All objects of a scene as one tree in W: a few levels over the objects, then their own trees.
+/// Immutable once made.
+struct ObjectForest {
   /// `touches`: selects the objects whose leaves can touch; null: all.
-  explicit ObjectForest(std::span<const PlacedTree> objects, Picks touches = nullptr);
+  explicit ObjectForest(std::span<const PlacedTree> objects,
+                        bool (*touches)(const PlacedTree&) = nullptr);
 
-  /// Returns whether any leaf can touch anything.
-  bool any() const { return any_; }
-
-  const PacketLevels<SpherePacket>& levels() const { return levels_; }
-  const std::vector<LeafSphere>& leaves() const { return leaves_; }  ///< in W
-  int leaf_count() const { return static_cast<int>(leaves_.size()); }
-  /// Index of the object that a leaf belongs to.
-  int ObjectOf(int leaf) const;
-  /// Returns whether any leaf is soft.
-  bool yields() const { return yields_; }
-  /// Index of the first leaf of an object.
-  int FirstLeafOf(int object) const { return first_leaf_[static_cast<std::size_t>(object)]; }
   const Material& MaterialOf(int leaf) const {
-    return materials_[leaf_material_[static_cast<std::size_t>(leaf)]];
+    return materials[leaf_material[static_cast<std::size_t>(leaf)]];
   }
+
+  PacketLevels<SpherePacket> levels;
+  std::vector<LeafSphere> leaves;  ///< in W
+  std::vector<int> first_leaf;     ///< for each object
+  std::vector<Material> materials;
+  std::vector<std::uint32_t> leaf_material;  ///< for each leaf, index into `materials`
+  bool any = false;                          ///< whether any leaf can touch anything
+  bool yields = false;                       ///< whether any leaf is soft
   /// A packet with one lane around everything, whose only child is packet 0.  It stands above this
   /// tree if the tool's tree is deeper, so that both always descend together.
-  const SpherePacket& above() const { return above_; }
-  const Vec3& center() const { return center_; }  ///< of a ball around everything [m]
-  double radius() const { return radius_; }
+  SpherePacket above;
+  Vec3 center = Vec3::Zero();  ///< of a ball around everything [m]
+  double radius = 0.0;
 
  private:
   void AddMaterials(const PlacedTree& object);
-
-  PacketLevels<SpherePacket> levels_;
-  std::vector<LeafSphere> leaves_;
-  std::vector<int> first_leaf_;
-  std::vector<Material> materials_;
-  std::vector<std::uint32_t> leaf_material_;  ///< for each leaf, index into materials_
-  bool any_ = false, yields_ = false;
-  SpherePacket above_;
-  Vec3 center_ = Vec3::Zero();
-  double radius_ = 0.0;
 };
 
 /// The tool's tree, relative to its reference point, with the longest lever arm below each node.
-/// Levers end at the centres of leaves, because a ball turns in place.  Immutable.
-class ToolTree {
- public:
+/// Levers end at the centres of leaves, because a ball turns in place.  Immutable once made.
+struct ToolTree {
   /// `world_extent`: how far the objects reach from W's origin [m], for the rounding margin
-  ToolTree(const SphereTree& tree, double world_extent, const Vec3& reference);
+  ToolTree(const SphereTree& tree, double world_extent);
 
-  const PacketLevels<ToolPacket>& levels() const { return levels_; }
-  const std::vector<LeafSphere>& leaves() const { return leaves_; }
-  int leaf_count() const { return static_cast<int>(leaves_.size()); }
-  /// Reference point of the step, in the tool's frame: the centroid, or the centre
-  /// of a single sphere.
-  const Vec3& reference() const { return reference_; }
-  /// A packet with one lane around all leaves, as ObjectForest::above.
-  const ToolPacket& above() const { return above_; }
-  double max_lever() const { return max_lever_; }
-  /// Distance from the reference point to the farthest point of any leaf [m].
-  double reach() const { return reach_; }
-
-  static Vec3 ReferenceOf(const SphereTree& tree);
-
- private:
-  PacketLevels<ToolPacket> levels_;
-  std::vector<LeafSphere> leaves_;
-  ToolPacket above_;
-  Vec3 reference_;
-  double max_lever_ = 0.0;
-  double reach_ = 0.0;
+  PacketLevels<ToolPacket> levels;
+  std::vector<LeafSphere> leaves;
+  ToolPacket above;  ///< as ObjectForest::above
+  /// Reference point of the step, in the tool's frame: the centroid, or the centre of a single
+  /// sphere.
+  Vec3 reference;
+  double max_lever = 0.0;
+  double reach = 0.0;  ///< distance from the reference point to the farthest point of any leaf [m]
 };
 
 /// Finds every pair of leaves that a sub-step within given bounds could bring together: those with

@@ -7,6 +7,7 @@
 #include "server/physics/energy/energy_solver.h"
 #include "server/physics/limits.h"
 #include "tests/support/allocation_counter.h"
+#include "tests/support/cut_of_rows.h"
 #include "tests/support/random.h"
 
 namespace palpate {
@@ -125,7 +126,7 @@ void SolveMany(std::uint64_t seed, int problems, int most_rows, int& most_turns)
     Problem problem = RandomProblem(random, most_rows);
     const QpResult step = solver.Solve<N>(problem.t, problem.rows, zero);
     ExpectOptimal<N>(problem, step);
-    EXPECT_GE(problem.rows.WorkOf(step.x, N), 0.0);
+    EXPECT_GE(test::CutOfRows(problem.rows, step.x, N).work, 0.0);
     most_turns = std::max(most_turns, step.iterations);
     if (testing::Test::HasFailure()) {
       ADD_FAILURE() << "problem " << n << " of seed " << seed << ", " << problem.rows.count()
@@ -242,7 +243,7 @@ TEST(CutEnergy, NoRowsNoForce) {
   const double t[6] = {1e-3, -2e-3, 3e-3, 1e-4, 0, 1}, zero[6] = {};
   const QpResult step = solver.Solve<6>(t, rows, zero);
   for (int r = 0; r < 6; ++r) EXPECT_EQ(step.x[r], t[r]);
-  EXPECT_EQ(rows.WorkOf(step.x, 6), 0.0);
+  EXPECT_EQ(test::CutOfRows(rows, step.x, 6).work, 0.0);
 }
 
 TEST(CutEnergy, SolvesWithoutAskingForMemory) {

@@ -9,6 +9,7 @@
 #include "scenes/shapes/shapes.h"
 #include "server/physics/energy/energy_solver.h"
 #include "tests/support/allocation_counter.h"
+#include "tests/support/cut_of_rows.h"
 #include "tests/support/random.h"
 #include "tests/support/volume_left.h"
 
@@ -49,18 +50,15 @@ struct Trial {
     rows.AddSolid({samples, {bur, Quat::Identity()}, bur, kStiffness, 0.03, dt}, cut, X_WB,
                   materials);
   }
-  struct Cut {
-    double volume, work;
-  };
   /// Steps the bur on its spring towards the hand; returns what the rows report as cut.
-  Cut Step(const Vec3& hand) {
+  test::CutOfRows Step(const Vec3& hand) {
     Build();
     const Vec3 t = hand - bur;
     Energy* const energy = &rows;
     const QpResult step = solver.Solve(ActiveKernels(), 3, t.data(), {}, {&energy, 1}, guess, {});
     EXPECT_EQ(step.status, QpStatus::kSolved);
     std::copy(step.x, step.x + 3, guess);
-    const Cut said{rows.VolumeOf(guess, 3), rows.WorkOf(guess, 3)};
+    const test::CutOfRows said(rows, guess, 3);
     EXPECT_GE(said.work, 0.0);
     const Vec3 v(guess[0], guess[1], guess[2]);
     const Pose X_BW = X_WB.Inverse();
@@ -129,7 +127,7 @@ TEST(CutRows, PlungeHasTheLawsForceAndWork) {
     while (trial.bur.z() > -0.4e-3) {
       hand.z() -= 2e-3 * dt;
       const double z = trial.bur.z(), force = trial.force.z();
-      const Trial::Cut step = trial.Step(hand);
+      const test::CutOfRows step = trial.Step(hand);
       rows_volume += step.volume;
       if (z > 0.0) continue;
       // The half sphere ahead at speed u: p0 pi R^2 + kappa u 2/3 pi R^2.
@@ -207,7 +205,7 @@ TEST(CutRows, NoHandGetsWorkOutOfTheMaterial) {
       if (n % 50 == 0) towards = Vec3(0, 0, -0.2e-3) + random.InCube(0.5e-3);
       hand += 0.03 * (towards - hand);
       const Vec3 before = trial.bur;
-      const Trial::Cut step = trial.Step(hand);  // expects non-negative work
+      const test::CutOfRows step = trial.Step(hand);  // expects non-negative work
       // The work against the force on the tool agrees up to rounding.
       const double work = -trial.force.dot(trial.bur - before);
       EXPECT_GE(work, -1e-12) << n;

@@ -147,7 +147,7 @@ TEST_F(Spin, GivesTheHandNoMoreWorkThanTheMotorDoes) {
       hand.p += 0.05 * (towards.p - hand.p);
       hand.q = hand.q.slerp(0.05, towards.q);
       const Pose before = state_.X_WG;
-      const std::array<double, 6> drag = state_.drag;
+      const Vec6 drag = state_.drag;
       const StepReport report = Step(hand);
       // Each sub-step has its own force, and a bur that nothing holds has no drag.
       if (report.substeps > 1 || report.wrench.force.isZero(0.0)) continue;

@@ -28,7 +28,7 @@ TEST(Kernels, GiveTheSameBitsAtEverySimdLevel) {
   const SphereTree object_tree = MakeTree(RandomBalls(random, 700, 0.05, 0.003));
   const PlacedTree placed{&object_tree, {Vec3(0.01, 0.0, -0.01), random.Rotation()}};
   const ObjectForest forest(std::span(&placed, 1));
-  const ToolTree tool(tool_tree, forest.radius(), ToolTree::ReferenceOf(tool_tree));
+  const ToolTree tool(tool_tree, forest.radius);
   for (int trial = 0; trial < 20; ++trial) {
     const Mat3 R = random.Rotation().toRotationMatrix();
     const Vec3 p = random.InCube(0.06);
@@ -42,7 +42,7 @@ TEST(Kernels, GiveTheSameBitsAtEverySimdLevel) {
       PairQuery query(tool, forest);
       query.Run(*level[k], R, p, {0.5e-3, 4e-3}, [&](const NodePair* found, int count) {
         pairs[k].insert(pairs[k].end(), found, found + count);
-        rows[k].Add(*level[k], tool.leaves().data(), forest.leaves().data(), R, p, found, count);
+        rows[k].Add(*level[k], tool.leaves.data(), forest.leaves.data(), R, p, found, count);
         return true;
       });
       rows[k].Finish();

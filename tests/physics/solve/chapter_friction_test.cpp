@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/math/rotation.h"
-#include "server/physics/solve/friction.h"
+#include "server/physics/solve/stages.h"
 #include "tests/physics/solve/friction_bench.h"
 
 namespace palpate {

@@ -4,7 +4,7 @@
 
 #include "common/error.h"
 #include "common/math/rotation.h"
-#include "server/physics/solve/friction.h"
+#include "server/physics/solve/stages.h"
 #include "tests/physics/solve/friction_bench.h"
 #include "tests/support/optimised.h"
 
@@ -374,7 +374,7 @@ TEST(Friction, MinimisesAsABruteForceSolverDoes) {
       for (int i = 0; i < qp.active; ++i) {
         const Vec3 n = rows.normal(qp.row[i]);
         const LeafSphere& leaf =
-            model.tool().leaves()[static_cast<std::size_t>(rows.id(qp.row[i]).tool)];
+            model.tool().leaves[static_cast<std::size_t>(rows.id(qp.row[i]).tool)];
         const Vec3 l = R_WG * Vec3(leaf.x, leaf.y, leaf.z) - leaf.radius * n;
         const Mat3 tangential = Mat3::Identity() - n * n.transpose();
         Mat3 minus_l_cross;
@@ -424,7 +424,7 @@ TEST(Friction, GivesNumbersWithAnySpringThatAModelTakes) {
     Random random(77);
     const std::vector<Ball> tool = RandomBalls(random, 60, 0.02, 0.004),
                             object = RandomBalls(random, 200, 0.05, 0.005);
-    const double lever = Bench(tool, object).model().tool().max_lever();
+    const double lever = Bench(tool, object).model().tool().max_lever;
     parameters.torsional_stiffness = 1e-6 * stiffness * lever * lever * (1.0 + 1e-12);
     Bench bench(tool, object, parameters, Rough(0.8, 0.3));
     bench.state().X_WG = At(0.0, 0.0, 0.15);

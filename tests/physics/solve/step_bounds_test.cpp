@@ -1,10 +1,9 @@
-#include "server/physics/solve/step_bounds.h"
-
 #include <gtest/gtest.h>
 
 #include "scenes/shapes/shapes.h"
 #include "server/physics/limits.h"
 #include "server/physics/scene_model.h"
+#include "server/physics/solve/stages.h"
 #include "tests/support/step_bench.h"
 #include "tests/support/test_scenes.h"
 
@@ -61,7 +60,7 @@ TEST(StepBounds, HoldTheLinearisationErrorBelowItsLimit) {
   const Bench bench(kStick, kObject);
   const StepParameters& parameters = bench.model().parameters();
   const double phi = parameters.max_rotation;
-  EXPECT_NEAR(0.5 * phi * phi * bench.model().tool().max_lever(), parameters.max_truncation, 1e-15);
+  EXPECT_NEAR(0.5 * phi * phi * bench.model().tool().max_lever, parameters.max_truncation, 1e-15);
 }
 
 TEST(StepBounds, BendAnArcBetweenMeshesByHalfOfWhatKeepsThemApart) {

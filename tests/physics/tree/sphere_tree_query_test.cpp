@@ -25,16 +25,16 @@ struct Oracle {
 
 Oracle AllPairs(const ToolTree& tool, const ObjectForest& objects, const Mat3& R, const Vec3& p) {
   Oracle oracle;
-  for (int t = 0; t < tool.leaf_count(); ++t) {
-    const LeafSphere& a = tool.leaves()[static_cast<std::size_t>(t)];
+  for (int t = 0; t < static_cast<int>(tool.leaves.size()); ++t) {
+    const LeafSphere& a = tool.leaves[static_cast<std::size_t>(t)];
     const Vec3 lever(a.x, a.y, a.z);
     const Vec3 c = R * lever + p;
     const double reach = kTranslation + kRotation * lever.norm();
-    for (int o = 0; o < objects.leaf_count(); ++o) {
-      const LeafSphere& b = objects.leaves()[static_cast<std::size_t>(o)];
+    for (int o = 0; o < static_cast<int>(objects.leaves.size()); ++o) {
+      const LeafSphere& b = objects.leaves[static_cast<std::size_t>(o)];
       const double gap = (c - Vec3(b.x, b.y, b.z)).norm() - a.radius - b.radius;
       if (gap <= reach) oracle.must.insert({t, o});
-      if (gap <= reach + 1e-5 * (objects.radius() + tool.reach())) oracle.may.insert({t, o});
+      if (gap <= reach + 1e-5 * (objects.radius + tool.reach)) oracle.may.insert({t, o});
     }
   }
   return oracle;
@@ -46,7 +46,7 @@ void CheckAgainstAllPairs(const ToolTree& tool, const ObjectForest& objects, Ran
   std::size_t total = 0;
   for (int trial = 0; trial < trials; ++trial) {
     const Mat3 R = random.Rotation().toRotationMatrix();
-    const Vec3 p = objects.center() + random.InCube(spread);
+    const Vec3 p = objects.center + random.InCube(spread);
     const Oracle oracle = AllPairs(tool, objects, R, p);
     std::set<std::pair<int, int>> found;
     int given = 0;
@@ -72,8 +72,7 @@ TEST(PairQuery, FindsEveryPairThatAllPairsFinds) {
     const SphereTree object_tree = MakeTree(RandomBalls(random, object_leaves, 0.05, 0.004));
     const PlacedTree placed{&object_tree, {random.InCube(0.1), random.Rotation()}};
     const ObjectForest forest(std::span(&placed, 1));
-    const ToolTree tool(tool_tree, forest.center().norm() + forest.radius(),
-                        ToolTree::ReferenceOf(tool_tree));
+    const ToolTree tool(tool_tree, forest.center.norm() + forest.radius);
     CheckAgainstAllPairs(tool, forest, random, tool_leaves * object_leaves == 1 ? 0.005 : 0.05, 20);
   }
 }
@@ -90,15 +89,13 @@ TEST(PairQuery, FindsPairsAmongManyObjectsOfDifferentDepth) {
   }
   const ObjectForest forest(placed);
   const SphereTree tool_tree = MakeTree(RandomBalls(random, 200, 0.02, 0.002));
-  const ToolTree tool(tool_tree, forest.center().norm() + forest.radius(),
-                      ToolTree::ReferenceOf(tool_tree));
+  const ToolTree tool(tool_tree, forest.center.norm() + forest.radius);
   CheckAgainstAllPairs(tool, forest, random, 0.05, 30);
   // Leaves are numbered object by object.
   int first = 0;
   for (int i = 0; i < 32; ++i) {
-    EXPECT_EQ(forest.ObjectOf(first), i);
+    EXPECT_EQ(forest.first_leaf[static_cast<std::size_t>(i)], first);
     first += static_cast<int>(trees[static_cast<std::size_t>(i)].leaves());
-    EXPECT_EQ(forest.ObjectOf(first - 1), i);
   }
 }
 
@@ -109,7 +106,7 @@ TEST(PairQuery, FindsPairsInScenesFromAMillimetreToTenMetres) {
     const SphereTree object_tree = MakeTree(RandomBalls(random, 400, 0.05 * scale, 0.003 * scale));
     const PlacedTree placed{&object_tree, {}};
     const ObjectForest forest(std::span(&placed, 1));
-    const ToolTree tool(tool_tree, forest.radius(), ToolTree::ReferenceOf(tool_tree));
+    const ToolTree tool(tool_tree, forest.radius);
     CheckAgainstAllPairs(tool, forest, random, 0.05 * scale, 20);
   }
 }
@@ -120,7 +117,7 @@ TEST(PairQuery, HandlesMorePairsThanOneBatchHolds) {
   const SphereTree tree = MakeTree(heap);
   const PlacedTree placed{&tree, {}};
   const ObjectForest forest(std::span(&placed, 1));
-  const ToolTree tool(tree, forest.radius(), ToolTree::ReferenceOf(tree));
+  const ToolTree tool(tree, forest.radius);
   PairQuery query(tool, forest);
   int given = 0;
   query.Run(ActiveKernels(), Mat3::Identity(), Vec3::Zero(), {kTranslation, kRotation},

@@ -102,8 +102,8 @@ TEST_F(SolidExport, LoadsAgainAsASceneThatIsCutOnFromThere) {
   Run();
   const Scene scene = LoadScene(out + "/block.palpate");
   const auto objects = MakeObjects(scene);
-  ASSERT_EQ(objects->solids().size(), 1u);
-  const SolidGrid& grid = *objects->solids()[0].grid;
+  ASSERT_EQ(objects->solids.size(), 1u);
+  const SolidGrid& grid = *objects->solids[0].grid;
   EXPECT_GT(grid.Sample(Vec3(0, 0.6e-3, 0)).distance, 50e-6) << "the cavity";
   EXPECT_LT(grid.Sample(Vec3(0, 0.1e-3, 0)).distance, -50e-6) << "below its floor";
   EXPECT_EQ(grid.Material(Vec3(1e-3, 0.5e-3, 0)), 1);

@@ -34,7 +34,7 @@ SolidsCut Stock(const MaterialRegion& pulp) {
   scene->name = "post";
   scene->objects = {body};
   SolidsCut cut{scene, MakeObjects(*scene), {}, {}};
-  cut.before.emplace_back(*cut.objects->solids()[0].grid, kMostGridBytes, "post");
+  cut.before.emplace_back(*cut.objects->solids[0].grid, kMostGridBytes, "post");
   cut.after = cut.before;
   return cut;
 }

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <optional>
+
+#include "server/physics/solve/step_context.h"
+
+namespace palpate {
+
+// The stages of a step from rows to a report, in the order in which haptic_step.cpp calls them.
+// Real-time: no allocation, lock, log or clock.  Deterministic: equal inputs, equal bits.
+
+/// Returns the bounds of a cycle's first sub-step: kBoundsOverHand times what the hand moved, plus
+/// a margin.  While the same contacts hold, the step nearest to the hand moves no farther than the
+/// hand does; if it must (a ledge ends, a jump), later sub-steps have wider bounds.  Tight bounds
+/// mean few rows.  Between meshes, rotation adds nothing to the bound on translation, nor the other
+/// way round: a trial that is cut short costs only one sub-step, and a row that a wider trial asks
+/// for may block a nearer one.
+/// @param hand_step  what the hand moved since the last cycle
+StepBounds FirstBounds(const HapticModel& model, const Target& hand_step) noexcept;
+/// Returns the bounds of the next sub-step: kWiden times wider, up to the widest.
+StepBounds WiderBounds(const HapticModel& model, const StepBounds& bounds) noexcept;
+/// Returns the greatest part of a step, at most 1, that stays inside the bounds that the prediction
+/// covers. With 3 degrees of freedom a rotation moves no sphere and needs no bound.
+double PartWithin(const StepBounds& bounds, int degrees_of_freedom, const Vec3& v,
+                  const Vec3& phi) noexcept;
+
+/// Returns the step nearest to a target under the context's rigid rows and, if asked for, the
+/// energies that act beside the coupling's.  The solver's first guess is the state's active pairs.
+/// With 3 degrees of freedom the rotation is the hand's: no contact can turn a sphere about its
+/// centre.
+Optimum NearestStep(const StepContext& context, const Target& target,
+                    bool with_energies = false) noexcept;
+
+/// Corrects the optimum of a ball under straight rows for rows that turn about an edge or corner of
+/// a mesh.  Returns false, without a change, if no row turns.  (Drawing: contact/README.md.)
+///
+/// With the rows' second order, g_i(x) = g_i + n_i . x + 1/2 x . K_i x >= 0, K_i = CurvatureOf, the
+/// multipliers l_i of the optimum give x - t = sum l_i (n_i + K_i x): x is nearest to the target
+/// t + sum l_i K_i x.  For a single edge its direction is exact.
+bool RoundCreases(const StepContext& context, Optimum& optimum) noexcept;
+
+/// Moves a sub-step's optimum to the frictional one (FrictionModel::kCoulomb).  friction.md has the
+/// problem, the method and its reasons.
+/// @param optimum  in: the frictionless optimum, with at least one active row; if some rows are
+///                 soft, the target is shifted by their push there (soft contacts are smooth).
+///                 Out: its active rows are all those that carry force.
+/// Changes the state's friction.  Counts cycles in the first sub-step of each.  If it does not
+/// converge, the report counts that and the best iterate is used; rows hold and forces add up even
+/// then.
+void AddCoulombFriction(StepContext& context, Optimum& optimum) noexcept;
+
+/// Stores the rows that hold the tool at an optimum: the solver's next first guess.
+void Remember(const StepContext& context, const Optimum& optimum) noexcept;
+
+/// Computes the motion of a sub-step towards an optimum, as far as the bounds and the meshes allow
+/// it.  Returns none if rows changed: the optimum must then be solved again.
+///
+/// If only leaves touch, the rows cover everything within the bounds.  Between meshes rows are
+/// added on violation, so a motion is made only after it was checked: the meshes are apart at its
+/// end and were apart on the way.  If rows follow the trials without success, they begin again in a
+/// trust region a quarter as wide.  If a motion is still not free in the end, it is halved until it
+/// is; the zero motion always is.  The tool counts as arrived only if the pairs that hold it touch.
+std::optional<Way> ClearWay(StepContext& context, const Optimum& optimum) noexcept;
+
+/// Writes the contacts at a way's optimum into the context's report, relative to where the way has
+/// taken the tool: each contact's force, the gap that its row has left there, and where it touches.
+void ReportContacts(const StepContext& context, const Way& way) noexcept;
+
+/// Adds friction by FrictionModel::kChapter: 2.25-2.34 as written, for reproduction, once at the
+/// end of a cycle whose frictionless step has arrived.  Compares how far the equivalent contact
+/// point (the mean of the contact points, 2.26) moved since the last cycle with how deep the hand
+/// is below it. Then either resets the graphic tool to where it was (2.34), or lets it move on and
+/// uses mu_d / mu_s of the movement for the wrench (2.28-2.33).
+///
+/// Where the text leaves a choice:
+/// - After a step that is not reset, the next one starts from the frictionless pose, not from p*_g,
+///   which 2.28 uses for the force alone.
+/// - mu_s and mu_d are means over the contacts, as the contact point is.
+/// - The rotation axis is the screw axis of the movement, with the distance from its nearest
+///   contact point (2.32).  p_g is the tool's reference point.
+/// - k_e and k_tau are the coupling's stiffnesses, so that the models compare.
+/// - A single sphere has no rotation of its own: 2.31-2.33 do not apply.
+/// - What friction adds to the force is distributed over the contacts by their normal forces (for
+///   the report only: the chapter has no force per contact).
+/// @param X_before  graphic tool at the end of the last cycle
+/// @param state     in: the end of the cycle without friction.  Out: reset, if 2.34 requires it.
+/// @param report    wrench, contacts and friction_resets are changed
+void AddChapterFriction(const HapticModel& model, const Pose& X_before, StepState& state,
+                        StepReport& report) noexcept;
+
+}  // namespace palpate
