@@ -58,7 +58,9 @@ class LimiterChain {
         energy_(limits),
         led_clamp_(limits.bounds().led_force_N, limits.bounds().led_torque_Nm),
         led_slew_(limits.rates().led_force, limits.rates().led_torque),
-        temperature_(limits) {}
+        temperature_({limits.force_N(), limits.continuous_force_N(), limits.thermal_time_s()},
+                     {limits.torque_Nm(), limits.continuous_torque_Nm(), limits.thermal_time_s()}) {
+  }
 
   Wrench Limit(const LimiterInput& in) noexcept {
     ++calls_;

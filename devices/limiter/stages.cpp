@@ -43,10 +43,6 @@ double MotorWarmth::Bound(double max_step) noexcept {
   return bound_;
 }
 
-TemperatureStage::TemperatureStage(const WrenchLimits& limits)
-    : force_(limits.force_N(), limits.continuous_force_N(), limits.thermal_time_s()),
-      torque_(limits.torque_Nm(), limits.continuous_torque_Nm(), limits.thermal_time_s()) {}
-
 TemperatureStage::Share TemperatureStage::Pass(const Wrench& wanted, double motor_temperature,
                                                double dt_s) noexcept {
   if (motor_temperature >= 0.0 && motor_temperature <= 1.0) {

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "common/math/pose.h"
-#include "devices/limiter/wrench_limits.h"
 
 namespace palpate {
 
@@ -196,7 +195,9 @@ class TemperatureStage {
   /// device reports may jump.
   static constexpr double kFastest_1_s = 5.0;
 
-  explicit TemperatureStage(const WrenchLimits& limits);
+  /// @param force, torque  the motors as sources of force [N] and of torque [N m].
+  TemperatureStage(const MotorWarmth& force, const MotorWarmth& torque)
+      : force_(force), torque_(torque) {}
 
   /// Factors on force and torque, in (0, 1].
   struct Share {

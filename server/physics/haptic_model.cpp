@@ -55,11 +55,14 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObje
   if (const std::string fault = TuningFault(parameters_); !fault.empty()) {
     throw Error("step: " + fault);
   }
-  for (const double spring : {parameters_.stiffness, parameters_.torsional_stiffness}) {
-    if (spring > 0.0 && std::isfinite(spring)) continue;
-    throw Error("step parameters: a stiffness is " + std::to_string(spring) +
+  const auto positive = [](double value, const char* name) {
+    if (value > 0.0 && std::isfinite(value)) return;
+    throw Error(std::string("step parameters: ") + name + " is " + std::to_string(value) +
                 "; give a positive number");
-  }
+  };
+  positive(parameters_.stiffness, "stiffness");
+  positive(parameters_.torsional_stiffness, "torsional_stiffness");
+  positive(parameters_.max_rows, "max_rows");
   rotation_length_ = std::sqrt(parameters_.torsional_stiffness / parameters_.stiffness);
   if (parameters_.features.contact != objects_->contact) {
     throw Error("step parameters: contact differs from the objects'; give MakeObjects the same");

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <future>
 #include <limits>
+#include <thread>
 
 #include "common/error.h"
 #include "common/math/solid_angle.h"
@@ -61,7 +63,8 @@ bool IsFeltByMesh(const PlacedTree& object) {
 }
 
 std::vector<ContactBody> MakeBodies(std::span<const PlacedTree> objects) {
-  std::vector<std::future<ContactBody>> making;
+  std::vector<const PlacedTree*> felt;
+  std::vector<std::int32_t> first_leaf;
   std::int32_t leaves = 0;
   for (const PlacedTree& object : objects) {
     const std::int32_t first = leaves;
@@ -72,12 +75,23 @@ std::vector<ContactBody> MakeBodies(std::span<const PlacedTree> objects) {
       throw Error(
           "surface contact: an object has no mesh; give it one, or use \"contact\": \"spheres\"");
     }
-    // If there is no thread for it, it runs at get().
-    making.push_back(std::async(MakeBody, &object, first));
+    felt.push_back(&object);
+    first_leaf.push_back(first);
   }
   std::vector<ContactBody> made;
-  made.reserve(making.size());
-  for (std::future<ContactBody>& body : making) made.push_back(body.get());
+  made.reserve(felt.size());
+  // One body for each core at a time.
+  const std::size_t at_once = std::max(std::thread::hardware_concurrency(), 1u);
+  std::deque<std::future<ContactBody>> making;
+  std::size_t begun = 0;
+  for (std::size_t body = 0; body < felt.size(); ++body) {
+    for (; begun < std::min(felt.size(), body + at_once + 1); ++begun) {
+      // If there is no thread for it, it runs at get().
+      making.push_back(std::async(MakeBody, felt[begun], first_leaf[begun]));
+    }
+    made.push_back(making.front().get());
+    making.pop_front();
+  }
   return made;
 }
 

@@ -178,6 +178,12 @@ TEST(AgeStage, NeverMovesFasterThanItSays) {
   }
 }
 
+TemperatureStage PhantomMotors() {
+  const WrenchLimits limits = PhantomLimits();
+  return {{limits.force_N(), limits.continuous_force_N(), limits.thermal_time_s()},
+          {limits.torque_Nm(), limits.continuous_torque_Nm(), limits.thermal_time_s()}};
+}
+
 /// Asks for `force_N` for `seconds` and applies what is allowed; returns the last.
 double Press(TemperatureStage& stage, double force_N, double seconds, double reported = kNan) {
   double given = 0.0;
@@ -199,7 +205,7 @@ TEST(MotorWarmth, FollowsTheFirstOrderModel) {
 }
 
 TEST(TemperatureStage, GivesThePeakWhileCoolAndTheContinuousForceForEver) {
-  TemperatureStage stage(PhantomLimits());
+  TemperatureStage stage = PhantomMotors();
   EXPECT_EQ(Press(stage, 22.0, 0.4), 22.0);  // 54 times the continuous loss: 0.5 after 0.6 s
   const double given = Press(stage, 22.0, 600.0);
   EXPECT_NEAR(given, 3.0, 1e-3);
@@ -209,7 +215,7 @@ TEST(TemperatureStage, GivesThePeakWhileCoolAndTheContinuousForceForEver) {
 }
 
 TEST(TemperatureStage, NeverWarmsPastTheLimitWhateverIsWanted) {
-  TemperatureStage stage(PhantomLimits());
+  TemperatureStage stage = PhantomMotors();
   double warmest = 0.0;
   for (int i = 0; i < 400; ++i) {
     Press(stage, i % 3 == 0 ? 22.0 : 0.5 * (i % 40), 0.5);
@@ -221,13 +227,13 @@ TEST(TemperatureStage, NeverWarmsPastTheLimitWhateverIsWanted) {
 }
 
 TEST(TemperatureStage, HoldsNothingBackBelowTheContinuousForce) {
-  TemperatureStage stage(PhantomLimits());
+  TemperatureStage stage = PhantomMotors();
   EXPECT_EQ(Press(stage, 3.0, 600.0), 3.0);
   EXPECT_EQ(stage.count(), 0u);
 }
 
 TEST(TemperatureStage, BringsTheForceDownSmoothly) {
-  TemperatureStage stage(PhantomLimits());
+  TemperatureStage stage = PhantomMotors();
   double last = 22.0, steepest = 0.0;
   for (int i = 0; i < 20'000; ++i) {
     const double given = Press(stage, 22.0, kTick);
@@ -239,20 +245,20 @@ TEST(TemperatureStage, BringsTheForceDownSmoothly) {
 }
 
 TEST(TemperatureStage, BelievesADeviceThatIsWarmerThanTheModel) {
-  TemperatureStage stage(PhantomLimits());
+  TemperatureStage stage = PhantomMotors();
   EXPECT_NEAR(Press(stage, 22.0, 0.3, 1.0), 3.0, 1e-9);
   EXPECT_NEAR(stage.warmth(), 1.0, 0.1);  // overdrawn while the bound came down
 }
 
 TEST(TemperatureStage, IgnoresAReportThatIsCoolerOrNone) {
-  TemperatureStage plain(PhantomLimits()), told(PhantomLimits());
+  TemperatureStage plain = PhantomMotors(), told = PhantomMotors();
   Press(plain, 22.0, 10.0);
   for (const double report : {0.0, -1.0, 1.1, kNan, kInf}) Press(told, 22.0, 2.0, report);
   EXPECT_EQ(plain.warmth(), told.warmth());
 }
 
 TEST(TemperatureStage, KeepsForceAndTorqueApart) {
-  TemperatureStage stage(PhantomLimits());
+  TemperatureStage stage = PhantomMotors();
   Press(stage, 22.0, 100.0);
   const auto share = stage.Pass({Vec3(22, 0, 0), Vec3(0, 0, 0.515)}, kNan, kTick);
   EXPECT_LT(share.force, 0.2);
