@@ -94,6 +94,9 @@ void MouseRoom::Start(Mouse& mouse, std::int64_t now_ns) {
                                      "--domain=" + std::to_string(options_.domain),
                                      "--transport=" + options_.transport,
                                      "--network=" + options_.network.interface,
+                                     // The gateway hears the server already; twenty stations that
+                                     // begin at once on two cores look for it for longer than 10 s.
+                                     "--wait=30",
                                      "--no-table"};
   if (mouse.recorded) arguments.emplace_back("--await-recorder");
   if (options_.network.secured()) arguments.push_back("--identity=" + options_.network.identity);
