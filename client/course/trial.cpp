@@ -417,7 +417,8 @@ void TrialRoom::BeginScoring(Running& trial, bool follows) {
   const std::string stem =
       fmt::format("{}/{}", FolderOf(trial.news.person, trial.news.exercise), trial.news.n);
   std::vector<std::string> arguments{"score", trial.exercise->expert, stem + ".mcap",
-                                     "--criteria=" + trial.exercise->file, "--out=" + stem};
+                                     "--criteria=" + trial.exercise->file, "--out=" + stem,
+                                     "--join"};
   if (follows) arguments.emplace_back("--follow");
   trial.scorer =
       std::make_unique<ChildProgram>(options_.programs + "/palpate-replay", arguments,
@@ -444,18 +445,26 @@ void TrialRoom::TakeScore(Running& trial) {
     const Json& done = score.at("trials").at(0);
     if (!done.at("points").is_null()) news.points = done.at("points");
     marks = done.value("marks", Json::array()).dump();
+    if (const int sessions = done.value("sessions", 1); sessions > 1) {
+      // What the station did between two sessions is unknown.
+      news.whole = false;
+      news.reason += fmt::format("{}its station lost the server and came again, {}",
+                                 news.reason.empty() ? "" : "; ",
+                                 sessions == 2 ? "once" : fmt::format("{} times", sessions - 1));
+    }
     news.page = KeyOf(stem + "/score.html");
     file_.Use([&](SQLite::Database& database) {
       SQLite::Statement row(database,
-                            "UPDATE trials SET points=?, passed=?, marks=?, reason=? WHERE "
+                            "UPDATE trials SET points=?, passed=?, marks=?, reason=?, whole=? WHERE "
                             "person=? AND exercise=? AND n=?");
       if (news.points) row.bind(1, *news.points);
       row.bind(2, news.passed ? 1 : 0);
       row.bind(3, marks);
       row.bind(4, news.reason);
-      row.bind(5, news.person);
-      row.bind(6, news.exercise);
-      row.bind(7, news.n);
+      row.bind(5, news.whole ? 1 : 0);
+      row.bind(6, news.person);
+      row.bind(7, news.exercise);
+      row.bind(8, news.n);
       row.exec();
     });
     Tell(trial, "scored");
@@ -463,7 +472,6 @@ void TrialRoom::TakeScore(Running& trial) {
     const std::string why = error.what();
     const std::string stored =
         fmt::format("{}{}{}{}", news.reason, news.reason.empty() ? "" : "; ", kNoScore, why);
-    // What the station did between its two sessions is unknown.
     news.whole = news.whole && why.find(kSeveralSessions) == std::string::npos;
     // The page says itself that there is no score, and the person knows how an orderly trial ended.
     news.reason = news.whole || news.reason.empty() ? why : news.reason + "; " + why;

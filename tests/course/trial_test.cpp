@@ -150,6 +150,20 @@ TEST_F(TrialTest, IsNotWholeWhereItsStationHasComeAgain) {
   EXPECT_THAT(Done(0)["reason"].get<std::string>(), HasSubstr("holds 2 sessions"));
 }
 
+TEST_F(TrialTest, HasPointsAndIsNotWholeWhereItsSessionsAreJoined) {
+  std::string joined = kReplayer;
+  const std::string points = "\"points\": 81.5";
+  joined.replace(joined.find(points), points.size(), points + ", \"sessions\": 3");
+  SetProgram("palpate-replay", joined);
+  Begin();
+  ASSERT_TRUE(Comes("running"));
+  room_->End(7, "stopped");
+  ASSERT_TRUE(Comes("scored"));
+  EXPECT_EQ(news_.back().points, 81.5);
+  EXPECT_EQ(Done(0)["whole"], false);
+  EXPECT_EQ(Done(0)["reason"], "stopped; its station lost the server and came again, 2 times");
+}
+
 TEST_F(TrialTest, IsMarkedAsCutShortWhereTheGatewayWasKilledAndScoredByTheNext) {
   Begin();
   ASSERT_TRUE(Comes("running"));
@@ -238,6 +252,7 @@ TEST_F(TrialTest, IsUnscoredWhereItsScoringHangsAndScoredAtTheNextStart) {
   ASSERT_TRUE(Comes("running"));
   room_->End(7, "stopped");
   ASSERT_TRUE(Comes("scoring"));
+  room_->Poll(now_ns_);
   now_ns_ += 300'000'000'000;  // of 30 s, and 4 s for each of the 90 s that a trial may take
   room_->Poll(now_ns_);
   EXPECT_EQ(news_.back().phase, "scoring");
