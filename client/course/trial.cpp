@@ -395,21 +395,27 @@ void TrialRoom::ScoreNext() {
       trials_, [](const Running& trial) { return !trial.records && trial.scorer; });
   const auto most =
       std::clamp<int>(static_cast<int>(std::thread::hardware_concurrency()), 1, kMostFollowing);
-  auto ahead = static_cast<int>(at_work);
+  std::vector<Running*> queue;
+  for (Running& trial : trials_) {
+    if (!waits(trial)) continue;
+    if (trial.place == 0) trial.place = ++places_;
+    queue.push_back(&trial);
+  }
   // Those whose person is waiting come first.
-  for (const bool is_awaited : {true, false}) {
-    for (Running& trial : trials_) {
-      if (!waits(trial) || (trial.news.holder != 0) != is_awaited) continue;
-      if (ahead < most) {
-        BeginScoring(trial, false);
-        trial.asked_ns = 0;
-        Tell(trial, "scoring");
-      } else if (trial.news.phase != "waiting" || trial.news.ahead != ahead) {
-        trial.news.ahead = ahead;
-        Tell(trial, "waiting");
-      }
-      ++ahead;
+  std::ranges::sort(queue, {}, [](const Running* trial) {
+    return std::pair(trial->news.holder == 0, trial->place);
+  });
+  auto ahead = static_cast<int>(at_work);
+  for (Running* const trial : queue) {
+    if (ahead < most) {
+      BeginScoring(*trial, false);
+      trial->asked_ns = 0;
+      Tell(*trial, "scoring");
+    } else if (trial->news.phase != "waiting" || trial->news.ahead != ahead) {
+      trial->news.ahead = ahead;
+      Tell(*trial, "waiting");
     }
+    ++ahead;
   }
 }
 

@@ -298,6 +298,44 @@ TEST_F(TrialTest, TellsTheTruthWhereItsEndCannotBeEntered) {
   EXPECT_EQ(news_.back().phase, "preparing");
 }
 
+TEST_F(TrialTest, WaitsForAScoreInTheOrderOfEndsNotOfBeginnings) {
+  SetProgram("palpate-replay", "#!/bin/sh\nexec sleep 1000\n");
+  constexpr int kPeople = 12;
+  for (int person = 1; person <= kPeople; ++person) {
+    const auto holder = static_cast<TrialRoom::Holder>(person);
+    room_->Begin(holder, person, "light-force", "anna", "periodontal-3", now_ns_);
+  }
+  const auto newest = [&](int person) {
+    const auto last = std::ranges::find(news_.rbegin(), news_.rend(), person, &TrialRoom::News::person);
+    return last == news_.rend() ? TrialRoom::News() : *last;
+  };
+  const auto come_to = [&](int person, const std::string& phase) {
+    return Eventually([&] {
+      room_->Poll(now_ns_);
+      return newest(person).phase == phase;
+    });
+  };
+  for (int person = 1; person <= kPeople; ++person) ASSERT_TRUE(come_to(person, "running"));
+  // The last to begin end first; the first four are followed by scorers of their own.
+  std::vector<int> ahead;
+  for (int person = kPeople; person > 4; --person) {
+    room_->End(static_cast<TrialRoom::Holder>(person), "stopped");
+    ASSERT_TRUE(Eventually([&] {
+      room_->Poll(now_ns_);
+      return newest(person).phase == "scoring" || newest(person).phase == "waiting";
+    }));
+    if (newest(person).phase == "waiting") ahead.push_back(newest(person).ahead);
+  }
+  ASSERT_GE(ahead.size(), 4u);
+  EXPECT_TRUE(std::ranges::is_sorted(ahead));
+  for (int person = kPeople; person > 4; --person) {
+    const auto told = [&](const TrialRoom::News& news) {
+      return news.person == person && news.phase == "waiting";
+    };
+    EXPECT_LE(std::ranges::count_if(news_, told), 1) << "nobody who came later was put before";
+  }
+}
+
 TEST_F(TrialTest, MayBeSubmittedWhileItIsScored) {
   SetProgram("palpate-replay",
              std::string("#!/bin/sh\nsleep 0.2\n") + (kReplayer + sizeof("#!/bin/sh")));

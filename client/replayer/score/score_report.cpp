@@ -439,7 +439,7 @@ nlohmann::ordered_json JsonOf(const Report& report) {
       trial["missed_mm3"] = report.differences[i].missed_mm3;
       trial["excess_mm3"] = report.differences[i].excess_mm3;
     }
-    trial["sessions"] = report.sessions[i];
+    if (i < report.sessions.size()) trial["sessions"] = report.sessions[i];
     if (report.criteria && !report.grades[i]) trial["points"] = nullptr;
     if (report.criteria && report.grades[i]) {
       const Grade& grade = *report.grades[i];
