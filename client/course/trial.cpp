@@ -354,8 +354,7 @@ void TrialRoom::ScoreLeftovers() {
     SQLite::Statement rows(
         database,
         "SELECT person, exercise, n, IFNULL(reason, ''), whole, submitted_s, ended_s - begun_s "
-        "FROM "
-        "trials t WHERE "
+        "FROM trials t WHERE "
         "ended_s IS NOT NULL AND passed IS NULL AND NOT EXISTS (SELECT 1 FROM exam_trials e WHERE "
         "e.person=t.person AND e.exercise=t.exercise AND e.n=t.n) ORDER BY ended_s");
     while (rows.executeStep()) {
@@ -422,9 +421,9 @@ void TrialRoom::ScoreNext() {
 void TrialRoom::BeginScoring(Running& trial, bool follows) {
   const std::string stem =
       fmt::format("{}/{}", FolderOf(trial.news.person, trial.news.exercise), trial.news.n);
-  std::vector<std::string> arguments{"score", trial.exercise->expert, stem + ".mcap",
-                                     "--criteria=" + trial.exercise->file, "--out=" + stem,
-                                     "--join"};
+  std::vector<std::string> arguments{"score",         trial.exercise->expert,
+                                     stem + ".mcap",  "--criteria=" + trial.exercise->file,
+                                     "--out=" + stem, "--join"};
   if (follows) arguments.emplace_back("--follow");
   trial.scorer =
       std::make_unique<ChildProgram>(options_.programs + "/palpate-replay", arguments,
@@ -441,8 +440,7 @@ void TrialRoom::TakeScore(Running& trial) {
     if (trial.is_overdue) {
       throw Error(
           fmt::format("its scoring hung and was ended after {:.0f} s; the recording is kept, and "
-                      "is scored again "
-                      "when the gateway is started anew",
+                      "is scored again when the gateway is started anew",
                       MostToScore_s(trial)));
     }
     if (!trial.scorer->complaint().empty()) throw Error(trial.scorer->complaint());
@@ -460,9 +458,10 @@ void TrialRoom::TakeScore(Running& trial) {
     }
     news.page = KeyOf(stem + "/score.html");
     file_.Use([&](SQLite::Database& database) {
-      SQLite::Statement row(database,
-                            "UPDATE trials SET points=?, passed=?, marks=?, reason=?, whole=? WHERE "
-                            "person=? AND exercise=? AND n=?");
+      SQLite::Statement row(
+          database,
+          "UPDATE trials SET points=?, passed=?, marks=?, reason=?, whole=? WHERE person=? AND "
+          "exercise=? AND n=?");
       if (news.points) row.bind(1, *news.points);
       row.bind(2, news.passed ? 1 : 0);
       row.bind(3, marks);

@@ -36,9 +36,9 @@ class TrialRoom {
     std::int64_t person = 0;
     std::string exercise;
     int n = 0;
-    /// "preparing", "running", "ending", "unentered" while its end cannot be stored, "waiting" for its
-    /// turn to be scored, "scoring", "scored", or "unscored" if scoring failed.  In an exam "kept"
-    /// takes the place of the last four.
+    /// "preparing", "running", "ending", "unentered" while its end cannot be stored, "waiting" for
+    /// its turn to be scored, "scoring", "scored", or "unscored" if scoring failed.  In an exam
+    /// "kept" takes the place of the last four.
     std::string phase;
     int ahead = 0;       ///< while it waits: the number of trials whose scores come first
     std::string reason;  ///< why it ended, and what went wrong

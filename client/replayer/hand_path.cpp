@@ -128,8 +128,8 @@ Session Choose(const std::string& file, const std::vector<Session>& sessions, st
               list);
 }
 
-/// Reads the poses of a session with their answers, in a second pass: all sessions of a class do not
-/// fit into memory.   @param cuts  set if the recording holds data about cut solids.
+/// Reads the poses of a session with their answers, in a second pass: all sessions of a class do
+/// not fit into memory.   @param cuts  set if the recording holds data about cut solids.
 std::vector<HandSample> SamplesOf(RecordingReader& reader, const Session& session, bool& cuts) {
   const std::string poses = dds::PoseTopic(session.station, session.run);
   const std::string wrenches = dds::WrenchTopic(session.station, session.run);
@@ -161,7 +161,8 @@ std::vector<HandSample> SamplesOf(RecordingReader& reader, const Session& sessio
 }
 
 /// Returns the sessions of the only station, if they drive one tool of one scene; else none.
-std::vector<Session> OfOneStation(const std::vector<Session>& sessions, const SessionChoice& choice) {
+std::vector<Session> OfOneStation(const std::vector<Session>& sessions,
+                                  const SessionChoice& choice) {
   std::vector<Session> found;
   for (const Session& session : sessions) {
     if (choice.wanted.empty() || choice.wanted == session.station) found.push_back(session);

@@ -19,7 +19,8 @@ struct HandPath {
   std::vector<Vec3> force_N;  ///< on the hand, from the answer to that pose; 0 if there is none
   std::vector<Vec3> torque_Nm;
   std::string tool_name = {};
-  int sessions = 1;  ///< several: a station that lost its server and came again; nothing between them
+  int sessions =
+      1;  ///< several: a station that lost its server and came again; nothing between them
 
   /// The tool's poses: of the graphic tool if known, otherwise the hand's.
   const std::vector<Pose>& tool() const { return X_WG.empty() ? X_WH : X_WG; }

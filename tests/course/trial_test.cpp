@@ -258,7 +258,8 @@ TEST_F(TrialTest, IsUnscoredWhereItsScoringHangsAndScoredAtTheNextStart) {
   EXPECT_EQ(news_.back().phase, "scoring");
   now_ns_ += 100'000'000'000;
   ASSERT_TRUE(Comes("unscored"));
-  EXPECT_THAT(news_.back().reason, testing::StartsWith("its scoring hung and was ended after 390 s"));
+  EXPECT_THAT(news_.back().reason,
+              testing::StartsWith("its scoring hung and was ended after 390 s"));
   EXPECT_THAT(news_.back().reason, HasSubstr("the recording is kept"));
   EXPECT_TRUE(news_.back().whole);
   Begin();  // the person goes on
@@ -306,7 +307,8 @@ TEST_F(TrialTest, WaitsForAScoreInTheOrderOfEndsNotOfBeginnings) {
     room_->Begin(holder, person, "light-force", "anna", "periodontal-3", now_ns_);
   }
   const auto newest = [&](int person) {
-    const auto last = std::ranges::find(news_.rbegin(), news_.rend(), person, &TrialRoom::News::person);
+    const auto last =
+        std::ranges::find(news_.rbegin(), news_.rend(), person, &TrialRoom::News::person);
     return last == news_.rend() ? TrialRoom::News() : *last;
   };
   const auto come_to = [&](int person, const std::string& phase) {
