@@ -354,8 +354,7 @@ void TrialRoom::ScoreLeftovers() {
     SQLite::Statement rows(
         database,
         "SELECT person, exercise, n, IFNULL(reason, ''), whole, submitted_s, ended_s - begun_s "
-        "FROM "
-        "trials t WHERE "
+        "FROM trials t WHERE "
         "ended_s IS NOT NULL AND passed IS NULL AND NOT EXISTS (SELECT 1 FROM exam_trials e WHERE "
         "e.person=t.person AND e.exercise=t.exercise AND e.n=t.n) ORDER BY ended_s");
     while (rows.executeStep()) {
@@ -395,29 +394,36 @@ void TrialRoom::ScoreNext() {
       trials_, [](const Running& trial) { return !trial.records && trial.scorer; });
   const auto most =
       std::clamp<int>(static_cast<int>(std::thread::hardware_concurrency()), 1, kMostFollowing);
-  auto ahead = static_cast<int>(at_work);
+  std::vector<Running*> queue;
+  for (Running& trial : trials_) {
+    if (!waits(trial)) continue;
+    if (trial.place == 0) trial.place = ++places_;
+    queue.push_back(&trial);
+  }
   // Those whose person is waiting come first.
-  for (const bool is_awaited : {true, false}) {
-    for (Running& trial : trials_) {
-      if (!waits(trial) || (trial.news.holder != 0) != is_awaited) continue;
-      if (ahead < most) {
-        BeginScoring(trial, false);
-        trial.asked_ns = 0;
-        Tell(trial, "scoring");
-      } else if (trial.news.phase != "waiting" || trial.news.ahead != ahead) {
-        trial.news.ahead = ahead;
-        Tell(trial, "waiting");
-      }
-      ++ahead;
+  std::ranges::sort(queue, {}, [](const Running* trial) {
+    return std::pair(trial->news.holder == 0, trial->place);
+  });
+  auto ahead = static_cast<int>(at_work);
+  for (Running* const trial : queue) {
+    if (ahead < most) {
+      BeginScoring(*trial, false);
+      trial->asked_ns = 0;
+      Tell(*trial, "scoring");
+    } else if (trial->news.phase != "waiting" || trial->news.ahead != ahead) {
+      trial->news.ahead = ahead;
+      Tell(*trial, "waiting");
     }
+    ++ahead;
   }
 }
 
 void TrialRoom::BeginScoring(Running& trial, bool follows) {
   const std::string stem =
       fmt::format("{}/{}", FolderOf(trial.news.person, trial.news.exercise), trial.news.n);
-  std::vector<std::string> arguments{"score", trial.exercise->expert, stem + ".mcap",
-                                     "--criteria=" + trial.exercise->file, "--out=" + stem};
+  std::vector<std::string> arguments{"score",         trial.exercise->expert,
+                                     stem + ".mcap",  "--criteria=" + trial.exercise->file,
+                                     "--out=" + stem, "--join"};
   if (follows) arguments.emplace_back("--follow");
   trial.scorer =
       std::make_unique<ChildProgram>(options_.programs + "/palpate-replay", arguments,
@@ -434,8 +440,7 @@ void TrialRoom::TakeScore(Running& trial) {
     if (trial.is_overdue) {
       throw Error(
           fmt::format("its scoring hung and was ended after {:.0f} s; the recording is kept, and "
-                      "is scored again "
-                      "when the gateway is started anew",
+                      "is scored again when the gateway is started anew",
                       MostToScore_s(trial)));
     }
     if (!trial.scorer->complaint().empty()) throw Error(trial.scorer->complaint());
@@ -444,18 +449,27 @@ void TrialRoom::TakeScore(Running& trial) {
     const Json& done = score.at("trials").at(0);
     if (!done.at("points").is_null()) news.points = done.at("points");
     marks = done.value("marks", Json::array()).dump();
+    if (const int sessions = done.value("sessions", 1); sessions > 1) {
+      // What the station did between two sessions is unknown.
+      news.whole = false;
+      news.reason += fmt::format("{}its station lost the server and came again, {}",
+                                 news.reason.empty() ? "" : "; ",
+                                 sessions == 2 ? "once" : fmt::format("{} times", sessions - 1));
+    }
     news.page = KeyOf(stem + "/score.html");
     file_.Use([&](SQLite::Database& database) {
-      SQLite::Statement row(database,
-                            "UPDATE trials SET points=?, passed=?, marks=?, reason=? WHERE "
-                            "person=? AND exercise=? AND n=?");
+      SQLite::Statement row(
+          database,
+          "UPDATE trials SET points=?, passed=?, marks=?, reason=?, whole=? WHERE person=? AND "
+          "exercise=? AND n=?");
       if (news.points) row.bind(1, *news.points);
       row.bind(2, news.passed ? 1 : 0);
       row.bind(3, marks);
       row.bind(4, news.reason);
-      row.bind(5, news.person);
-      row.bind(6, news.exercise);
-      row.bind(7, news.n);
+      row.bind(5, news.whole ? 1 : 0);
+      row.bind(6, news.person);
+      row.bind(7, news.exercise);
+      row.bind(8, news.n);
       row.exec();
     });
     Tell(trial, "scored");
@@ -463,7 +477,6 @@ void TrialRoom::TakeScore(Running& trial) {
     const std::string why = error.what();
     const std::string stored =
         fmt::format("{}{}{}{}", news.reason, news.reason.empty() ? "" : "; ", kNoScore, why);
-    // What the station did between its two sessions is unknown.
     news.whole = news.whole && why.find(kSeveralSessions) == std::string::npos;
     // The page says itself that there is no score, and the person knows how an orderly trial ended.
     news.reason = news.whole || news.reason.empty() ? why : news.reason + "; " + why;

@@ -36,9 +36,9 @@ class TrialRoom {
     std::int64_t person = 0;
     std::string exercise;
     int n = 0;
-    /// "preparing", "running", "ending", "unentered" while its end cannot be stored, "waiting" for its
-    /// turn to be scored, "scoring", "scored", or "unscored" if scoring failed.  In an exam "kept"
-    /// takes the place of the last four.
+    /// "preparing", "running", "ending", "unentered" while its end cannot be stored, "waiting" for
+    /// its turn to be scored, "scoring", "scored", or "unscored" if scoring failed.  In an exam
+    /// "kept" takes the place of the last four.
     std::string phase;
     int ahead = 0;       ///< while it waits: the number of trials whose scores come first
     std::string reason;  ///< why it ended, and what went wrong
@@ -118,6 +118,7 @@ class TrialRoom {
     std::string trouble;        // why its end could not be stored
     std::int64_t retry_ns = 0;  // when to retry storing its end; 0: not tried yet
     std::int64_t asked_ns = 0;  // when it was asked to begin, to end, or to be scored
+    std::uint64_t place = 0;    // in the queue for scoring: who ended first comes first
     bool is_overdue = false;    // its scoring took too long and was ended
     std::int64_t began_ns = 0;
   };
@@ -143,6 +144,7 @@ class TrialRoom {
   std::function<void(const News&)> tell_;
   std::vector<Exercise> exercises_;
   std::list<Running> trials_;
+  std::uint64_t places_ = 0;
   std::map<std::string, std::string> pages_;  // files, by key
 };
 

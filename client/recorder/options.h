@@ -18,7 +18,7 @@ struct RecorderOptions : ServerOptions {
   RecordingOptions recording;
   bool loop = true;
   std::vector<std::string> stations;  ///< record only these; empty: all
-  std::string scene;                  ///< say that it records once it has this scene; empty: at once
+  std::string scene;  ///< say that it records once it has this scene; empty: at once
   std::optional<double> seconds;
   dds::Transport transport = dds::Transport::kAuto;
 };

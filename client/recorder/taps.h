@@ -67,7 +67,7 @@ class Taps {
   bool heard_ = false;
   std::map<std::string, std::uint64_t> scenes_;  // hashes of their bundles, by name
   std::set<std::uint64_t> bundles_;              // that have arrived: seats share one
-  std::map<std::string, Session> sessions_;  // by station
+  std::map<std::string, Session> sessions_;      // by station
 };
 
 /// Returns nanoseconds since 1970 that never decrease: the wall clock at the first call plus the

@@ -128,17 +128,11 @@ Session Choose(const std::string& file, const std::vector<Session>& sessions, st
               list);
 }
 
-}  // namespace
-
-HandPath ReadHandPath(const std::vector<std::string>& files, const SessionChoice& choice) {
-  RecordingReader reader(files);
-  std::int64_t began_ns = 0;
-  const std::vector<Session> sessions = SessionsOf(reader, began_ns);
-  const Session session = Choose(files.front(), sessions, began_ns, choice);
+/// Reads the poses of a session with their answers, in a second pass: all sessions of a class do
+/// not fit into memory.   @param cuts  set if the recording holds data about cut solids.
+std::vector<HandSample> SamplesOf(RecordingReader& reader, const Session& session, bool& cuts) {
   const std::string poses = dds::PoseTopic(session.station, session.run);
   const std::string wrenches = dds::WrenchTopic(session.station, session.run);
-
-  // A second pass, since all sessions of a class do not fit into memory.
   std::vector<HandSample> hand;
   std::vector<wire::Wrench> early;  // wrenches that came before their poses
   const auto take = [&](const wire::Wrench& wrench) {
@@ -148,7 +142,6 @@ HandPath ReadHandPath(const std::vector<std::string>& files, const SessionChoice
     return is_there;
   };
   RecordedSample sample{};
-  bool cuts = false;
   reader.Restart();
   while (reader.Next(sample)) {
     cuts = cuts || sample.type == RecordedType::kSolidBlock;
@@ -164,15 +157,48 @@ HandPath ReadHandPath(const std::vector<std::string>& files, const SessionChoice
     }
   }
   for (const wire::Wrench& wrench : early) take(wrench);
+  return hand;
+}
+
+/// Returns the sessions of the only station, if they drive one tool of one scene; else none.
+std::vector<Session> OfOneStation(const std::vector<Session>& sessions,
+                                  const SessionChoice& choice) {
+  std::vector<Session> found;
+  for (const Session& session : sessions) {
+    if (choice.wanted.empty() || choice.wanted == session.station) found.push_back(session);
+  }
+  const auto whose = [](const Session& s) { return std::tie(s.station, s.scene, s.tool); };
+  const bool is_one = std::ranges::all_of(
+      found, [&](const Session& session) { return whose(session) == whose(found.front()); });
+  return is_one ? found : std::vector<Session>();
+}
+
+}  // namespace
+
+HandPath ReadHandPath(const std::vector<std::string>& files, const SessionChoice& choice) {
+  RecordingReader reader(files);
+  std::int64_t began_ns = 0;
+  const std::vector<Session> sessions = SessionsOf(reader, began_ns);
+  std::vector<Session> chosen;
+  if (choice.joins) chosen = OfOneStation(sessions, choice);
+  if (chosen.empty()) chosen = {Choose(files.front(), sessions, began_ns, choice)};
+
+  HandPath path;
+  std::vector<HandSample> hand;
+  for (const Session& session : chosen) {
+    for (HandSample& at : SamplesOf(reader, session, path.cuts)) {
+      // A station keeps its clock when it connects again.
+      if (hand.empty() || at.time_ns > hand.back().time_ns) hand.push_back(std::move(at));
+    }
+  }
   if (hand.size() < 2) {
     throw Error(files.front() + ": has no poses of a hand; record it without --no-loop");
   }
-  HandPath path;
-  path.station = session.station;
-  path.run = session.run;
-  path.cuts = cuts;
-  path.scene = session.scene;
-  path.tool_name = session.tool;
+  path.station = chosen.back().station;
+  path.run = chosen.back().run;
+  path.scene = chosen.back().scene;
+  path.tool_name = chosen.back().tool;
+  path.sessions = static_cast<int>(chosen.size());
   for (const HandSample& at : hand) {
     path.time_s.push_back(SecondsBetween(hand.front().time_ns, at.time_ns));
     path.X_WH.push_back(at.X_WH);
@@ -209,7 +235,7 @@ HandPath TrialIn(const HandPath& path, const std::string& file) {
   };
   HandPath trial{path.station,         path.scene,      path.run,        path.cuts,
                  part(path.time_s),    part(path.X_WH), part(path.X_WG), part(path.force_N),
-                 part(path.torque_Nm), path.tool_name};
+                 part(path.torque_Nm), path.tool_name,  path.sessions};
   for (double& t : trial.time_s) t -= path.time_s[begin];
   return trial;
 }

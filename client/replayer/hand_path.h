@@ -19,6 +19,8 @@ struct HandPath {
   std::vector<Vec3> force_N;  ///< on the hand, from the answer to that pose; 0 if there is none
   std::vector<Vec3> torque_Nm;
   std::string tool_name = {};
+  int sessions =
+      1;  ///< several: a station that lost its server and came again; nothing between them
 
   /// The tool's poses: of the graphic tool if known, otherwise the hand's.
   const std::vector<Pose>& tool() const { return X_WG.empty() ? X_WH : X_WG; }
@@ -32,10 +34,11 @@ struct HandPath {
 struct SessionChoice {
   std::string wanted = {};           ///< STATION, or STATION/RUN; empty: there is only one
   const char* option = "--station";  ///< the option that sets it, for messages
+  bool joins = false;                ///< the sessions of one station are one path
 };
 
-/// Reads the path of one session of the recording.  Throws Error if there is none, or if there are
-/// several to choose from; the message then lists them.
+/// Reads the path of one session of the recording, or of all sessions of a station (joins).  Throws
+/// Error if there is none, or if there are several to choose from; the message then lists them.
 HandPath ReadHandPath(const std::vector<std::string>& files, const SessionChoice& choice = {});
 
 /// Returns the trial within a path, which all measures refer to: from the first move or contact to

@@ -173,6 +173,10 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
   score.AddFlag("--follow", options.score.follow,
                 "the trial is still being recorded: compute along with it, and score it when the "
                 "recording ends, or at Ctrl-C");
+  score.AddFlag(
+      "--join", options.score.join,
+      "all sessions of one station are one trial, with nothing between them; for a station "
+      "that lost its server and connected again");
   score.Add("--out", options.out, "folder for the report: score.html and its figures");
   score.Add("--json", options.json, "write the score as JSON to this file; -: standard output");
 

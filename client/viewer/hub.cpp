@@ -390,7 +390,8 @@ void Hub::TellExam(std::int64_t now_ns) {
 
 void Hub::Tell(const TrialRoom::News& news) {
   /// The person holds the tool, or has released it with the trial's end.
-  static const std::set<std::string> kHolds = {"preparing", "running", "scored", "unscored", "kept"};
+  static const std::set<std::string> kHolds = {"preparing", "running", "scored", "unscored",
+                                               "kept"};
   const std::int64_t now_ns = SteadyNanoseconds();
   newest_trials_[news.person] = news;
   class_changed_ = true;

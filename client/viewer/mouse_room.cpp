@@ -88,13 +88,13 @@ bool MouseRoom::StillHeld(const Mouse& wanted) const {
 
 void MouseRoom::Start(Mouse& mouse, std::int64_t now_ns) {
   // Each as one word, so that text from a page can never be an option.
-  std::vector<std::string> arguments{"--device=mouse",
-                                     "--scene=" + mouse.scene,
-                                     "--id=" + mouse.name,
-                                     "--domain=" + std::to_string(options_.domain),
-                                     "--transport=" + options_.transport,
-                                     "--network=" + options_.network.interface,
-                                     "--no-table"};
+  std::vector<std::string> arguments{
+      "--device=mouse", "--scene=" + mouse.scene, "--id=" + mouse.name,
+      "--domain=" + std::to_string(options_.domain), "--transport=" + options_.transport,
+      "--network=" + options_.network.interface,
+      // The gateway hears the server already; twenty stations that
+      // begin at once on two cores look for it for longer than 10 s.
+      "--wait=30", "--no-table"};
   if (mouse.recorded) arguments.emplace_back("--await-recorder");
   if (options_.network.secured()) arguments.push_back("--identity=" + options_.network.identity);
   for (const std::string& peer : options_.network.peers) arguments.push_back("--peer=" + peer);

@@ -150,6 +150,20 @@ TEST_F(TrialTest, IsNotWholeWhereItsStationHasComeAgain) {
   EXPECT_THAT(Done(0)["reason"].get<std::string>(), HasSubstr("holds 2 sessions"));
 }
 
+TEST_F(TrialTest, HasPointsAndIsNotWholeWhereItsSessionsAreJoined) {
+  std::string joined = kReplayer;
+  const std::string points = "\"points\": 81.5";
+  joined.replace(joined.find(points), points.size(), points + ", \"sessions\": 3");
+  SetProgram("palpate-replay", joined);
+  Begin();
+  ASSERT_TRUE(Comes("running"));
+  room_->End(7, "stopped");
+  ASSERT_TRUE(Comes("scored"));
+  EXPECT_EQ(news_.back().points, 81.5);
+  EXPECT_EQ(Done(0)["whole"], false);
+  EXPECT_EQ(Done(0)["reason"], "stopped; its station lost the server and came again, 2 times");
+}
+
 TEST_F(TrialTest, IsMarkedAsCutShortWhereTheGatewayWasKilledAndScoredByTheNext) {
   Begin();
   ASSERT_TRUE(Comes("running"));
@@ -238,12 +252,14 @@ TEST_F(TrialTest, IsUnscoredWhereItsScoringHangsAndScoredAtTheNextStart) {
   ASSERT_TRUE(Comes("running"));
   room_->End(7, "stopped");
   ASSERT_TRUE(Comes("scoring"));
+  room_->Poll(now_ns_);
   now_ns_ += 300'000'000'000;  // of 30 s, and 4 s for each of the 90 s that a trial may take
   room_->Poll(now_ns_);
   EXPECT_EQ(news_.back().phase, "scoring");
   now_ns_ += 100'000'000'000;
   ASSERT_TRUE(Comes("unscored"));
-  EXPECT_THAT(news_.back().reason, testing::StartsWith("its scoring hung and was ended after 390 s"));
+  EXPECT_THAT(news_.back().reason,
+              testing::StartsWith("its scoring hung and was ended after 390 s"));
   EXPECT_THAT(news_.back().reason, HasSubstr("the recording is kept"));
   EXPECT_TRUE(news_.back().whole);
   Begin();  // the person goes on
@@ -281,6 +297,45 @@ TEST_F(TrialTest, TellsTheTruthWhereItsEndCannotBeEntered) {
   ASSERT_TRUE(Comes("scored"));
   Begin();
   EXPECT_EQ(news_.back().phase, "preparing");
+}
+
+TEST_F(TrialTest, WaitsForAScoreInTheOrderOfEndsNotOfBeginnings) {
+  SetProgram("palpate-replay", "#!/bin/sh\nexec sleep 1000\n");
+  constexpr int kPeople = 12;
+  for (int person = 1; person <= kPeople; ++person) {
+    const auto holder = static_cast<TrialRoom::Holder>(person);
+    room_->Begin(holder, person, "light-force", "anna", "periodontal-3", now_ns_);
+  }
+  const auto newest = [&](int person) {
+    const auto last =
+        std::ranges::find(news_.rbegin(), news_.rend(), person, &TrialRoom::News::person);
+    return last == news_.rend() ? TrialRoom::News() : *last;
+  };
+  const auto come_to = [&](int person, const std::string& phase) {
+    return Eventually([&] {
+      room_->Poll(now_ns_);
+      return newest(person).phase == phase;
+    });
+  };
+  for (int person = 1; person <= kPeople; ++person) ASSERT_TRUE(come_to(person, "running"));
+  // The last to begin end first; the first four are followed by scorers of their own.
+  std::vector<int> ahead;
+  for (int person = kPeople; person > 4; --person) {
+    room_->End(static_cast<TrialRoom::Holder>(person), "stopped");
+    ASSERT_TRUE(Eventually([&] {
+      room_->Poll(now_ns_);
+      return newest(person).phase == "scoring" || newest(person).phase == "waiting";
+    }));
+    if (newest(person).phase == "waiting") ahead.push_back(newest(person).ahead);
+  }
+  ASSERT_GE(ahead.size(), 4u);
+  EXPECT_TRUE(std::ranges::is_sorted(ahead));
+  for (int person = kPeople; person > 4; --person) {
+    const auto told = [&](const TrialRoom::News& news) {
+      return news.person == person && news.phase == "waiting";
+    };
+    EXPECT_LE(std::ranges::count_if(news_, told), 1) << "nobody who came later was put before";
+  }
 }
 
 TEST_F(TrialTest, MayBeSubmittedWhileItIsScored) {

@@ -192,7 +192,9 @@ test.each([
 test("student and teacher are told who waits for a score, and what could not be scored or entered", async () => {
   gateway.role = "operate";
   gateway.hasCourse = true;
-  gateway.retain("/palpate/exercises", {exercises: [{...kExercise, guide: []}]});
+  const failed = {n: 1, points: null, passed: false, whole: true, submitted: true, page: ""};
+  const done = [{...failed, reason: "stopped; no score: its scoring hung"}];
+  gateway.retain("/palpate/exercises", {exercises: [{...kExercise, done, guide: []}]});
   const trial = {
     exercise: "light-force",
     n: 2,
@@ -221,6 +223,9 @@ test("student and teacher are told who waits for a score, and what could not be 
     "#trial-bar [role=status]",
     /^Recorded and kept, but not entered yet: the disk is full/,
   );
+  await press("Exercises");
+  await reads("#exercises-dialog .done li", /no points.*its scoring hung/);
+  await page.keyboard.press("Escape");
   await press("Class");
   await eventually("the queue", async () =>
     /trial 2: Recorded\. It waits to be scored: 3 trials before it/.test(

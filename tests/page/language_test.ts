@@ -30,7 +30,8 @@ const said = (): Promise<string[]> =>
   page.evaluate(() => {
     const all: string[] = [];
     const own =
-      "dialog:not([open]), .clock, .chart, #language, #quality-words, #hint, #spoken, #banner";
+      "dialog:not([open]), .of-class[hidden], .clock, .chart, #language, #quality-words, #hint, " +
+      "#spoken, #banner";
     for (const one of document.querySelectorAll("body *")) {
       if (one.closest(own) || one.closest("script, noscript")) continue;
       const texts = [...one.childNodes].filter(({nodeType}) => nodeType === Node.TEXT_NODE);

@@ -317,9 +317,15 @@ void AddTrial(Expert& expert, const HandPath& trial, std::optional<SolidsCut> cu
                 done.path.scene + "'; give recordings of one scene");
   }
   report.trials.push_back({name, ScorePath(done.path, trial)});
+  report.sessions.push_back(trial.sessions);
   const std::optional<SolidsCut>& target = done.cut;
   std::optional<CutShape> shape;
   if (target) {
+    if (trial.sessions > 1) {
+      throw Error(fmt::format(
+          "{}: holds {} sessions; choose one: what a tool cut in several cannot be computed", file,
+          trial.sessions));
+    }
     if (!cut) cut = CutIn(file, trial);
     report.cuts.push_back(TissuesOf(*cut, std::nullopt, &expert.whole));
     if (!HaveEqualSolids(*cut, *target) ||
@@ -433,6 +439,7 @@ nlohmann::ordered_json JsonOf(const Report& report) {
       trial["missed_mm3"] = report.differences[i].missed_mm3;
       trial["excess_mm3"] = report.differences[i].excess_mm3;
     }
+    if (i < report.sessions.size()) trial["sessions"] = report.sessions[i];
     if (report.criteria && !report.grades[i]) trial["points"] = nullptr;
     if (report.criteria && report.grades[i]) {
       const Grade& grade = *report.grades[i];
@@ -505,7 +512,8 @@ Report MakeReport(const ScoreOptions& options, StopSignal* stop) {
   }
   std::vector<HandPath> trials;
   for (std::size_t i = 0; i < options.trials.size(); ++i) {
-    trials.push_back(PathIn(options.trials[i], {station(i)}));
+    const SessionChoice choice{.wanted = station(i), .joins = options.join};
+    trials.push_back(PathIn(options.trials[i], choice));
   }
   if (expert.done.path.size() == 0) {
     SetExpert(options, trials.front(), std::nullopt, expert, report);

@@ -17,6 +17,7 @@ namespace palpate {
 struct Report {
   std::string expert;  ///< name of the recording
   std::vector<Trial> trials;
+  std::vector<int> sessions;  ///< of each trial; several if its station lost its server (join)
   /// Tissues left by the expert, and by each trial; empty if nothing can be cut.
   std::vector<TissueCut> expert_cut;
   std::vector<std::vector<TissueCut>> cuts;
@@ -44,6 +45,7 @@ struct ScoreOptions {
   std::vector<std::string> stations;
   std::string criteria;  ///< file to grade by; empty: no grades
   bool follow = false;   ///< the only trial is still being recorded
+  bool join = false;     ///< the sessions of a trial's station are one trial
 };
 
 /// @param stop  null: all trials are complete.  Otherwise the only one is being recorded; its

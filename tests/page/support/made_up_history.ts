@@ -36,7 +36,12 @@ const done = (n: number, points: number | null, more: object = {}) => ({
 });
 const exercise: OwnExercise = {
   ...{...margin, lost: [floor, force], grade: grade(3, 75.3, 38.5)},
-  done: [done(1, 60), done(2, 75), done(3, 91), done(4, null, {whole: false, page: ""})],
+  done: [
+    done(1, 60),
+    done(2, 75),
+    done(3, 91),
+    done(4, null, {whole: false, page: "", reason: "its scoring hung"}),
+  ],
 };
 export const kPersonHistory: PersonHistory = {
   ...{person: 2, name: "Ben", here: true},

@@ -264,6 +264,39 @@ TEST(HandPath, IsAskedForWhereSeveralSessionsHavePoses) {
               HasSubstr("holds no session of station 'carl'; give one of these: --station anna"));
 }
 
+TEST(HandPath, JoinsTheSessionsOfAStationThatLostItsServerAndCameAgain) {
+  const Folder folder;
+  const std::string file = folder / "a.mcap";
+  const auto record = [&](const std::vector<std::string>& stations) {
+    RecordingWriter writer({.file = file, .overwrite = true});
+    for (std::uint64_t run = 1; run <= stations.size(); ++run) {
+      const std::string& station = stations[run - 1];
+      const auto from = static_cast<std::int64_t>(2'000'000'000 * run);
+      Add(writer, dds::kSessionStateTopic, SampleState(station, run), from);
+      for (std::uint64_t i = 1; i <= 10; ++i) {
+        wire::HapticPose pose = StandingPose(i);  // counted anew in each session
+        pose.sample_time_ns = from + static_cast<std::int64_t>(1'000'000 * i);
+        Add(writer, dds::PoseTopic(station, run), pose, pose.sample_time_ns);
+      }
+      wire::Wrench wrench{};
+      wrench.pose_sequence = 4;
+      wrench.force_N[0] = static_cast<double>(run);
+      Add(writer, dds::WrenchTopic(station, run), wrench, from + 5'000'000);
+    }
+    writer.Close("");
+  };
+  record({"anna", "anna"});
+  EXPECT_THAT(Complaint(file, ""), HasSubstr("holds 2 sessions"));
+  const HandPath path = ReadHandPath({file}, {.joins = true});
+  EXPECT_EQ(path.sessions, 2);
+  ASSERT_EQ(path.size(), 20u);
+  EXPECT_NEAR(path.duration_s(), 2.009, 1e-9);
+  EXPECT_EQ(path.force_N[3].x(), 1.0);
+  EXPECT_EQ(path.force_N[13].x(), 2.0) << "an answer is its own session's";
+  record({"anna", "ben"});
+  EXPECT_THROW(ReadHandPath({file}, {.joins = true}), Error) << "two hands are never one";
+}
+
 TEST(HandPath, TakesNoWordOfARecordingThatNoArmCouldSay) {
   const Folder folder;
   RecordingWriter writer({.file = folder / "a.mcap"});

@@ -17,9 +17,9 @@ export interface MouseHost {
 /// Least time between two poses sent [ms].
 const kSendEveryMs = 1000 / 60;
 /// Time to wait for the gateway's first answer; once it has a station started for this page it may
-/// take longer, since that station must first find the server [ms].
+/// take longer, since that station must first find the server, for 30 s at most [ms].
 const kAnswerWithinMs = 5000;
-const kSessionWithinMs = 20_000;
+const kSessionWithinMs = 40_000;
 /// Largest distance of the pointer beyond a surface: the most that a station's hand presses in [m].
 const kReachM = 0.02;
 const kWheelMetresPerPixel = 0.25; // relative to a drag of as many pixels

@@ -167,8 +167,10 @@ export class Exercises {
     const {n, points} = trial;
     const row = make("li", make("span", say("exercises.trial", {n})));
     const said = points === null ? "" : say("exercises.points", {points: Math.round(points)});
-    row.append(make("b", said), make("span", {title: trial.reason}, verdictOf(trial)));
+    row.append(make("b", said), make("span", verdictOf(trial)));
     if (trial.page !== "") row.append(this.linkTo(trial.page));
+    // Not only where a pointer rests: a phone has none.
+    if (points === null) row.append(make("span", {className: "quiet"}, trial.reason));
     if (trial.submitted) row.append(make("span", say("exercises.submitted")));
     else row.append(press("exercises.submit", () => this.handIn({exercise: exercise.name, n})));
     return row;

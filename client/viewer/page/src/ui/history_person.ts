@@ -111,10 +111,11 @@ function tableOf(done: readonly HistoryTrial[]): HTMLElement {
   const figure = (points: number | null | undefined): HTMLElement =>
     make("td.number", points == null ? "–" : sayNumber(points, 0));
   const rows = [...done].reverse().map((trial) => {
-    const how = make("td", {title: trial.reason});
+    const how = make("td");
     how.textContent = [
       trial.whole ? "" : say("exercises.not_whole"),
       trial.submitted ? say("exercises.submitted") : "",
+      trial.points === null ? trial.reason : "",
     ]
       .filter((word) => word !== "")
       .join(", ");
