@@ -2,7 +2,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <new>
 #include <utility>
 #include <vector>
@@ -14,6 +13,7 @@
 #include "common/files/whole_file.h"
 #include "common/json/json_file.h"
 #include "scenes/importer/mesh_text.h"
+#include "scenes/importer/raw_number.h"
 #include "scenes/importer/readers.h"
 #include "scenes/mesh/mesh_format.h"
 #include "scenes/mesh/mesh_import_limits.h"
@@ -25,9 +25,7 @@ namespace {
 constexpr std::int64_t kMost = std::int64_t{1} << 32;  // limit of bytes, numbers and entries
 
 std::uint32_t NumberAt(std::string_view bytes, std::size_t at) {
-  std::uint32_t number = 0;
-  std::memcpy(&number, bytes.data() + at, sizeof number);
-  return number;
+  return static_cast<std::uint32_t>(ReadRaw<std::uint32_t>(bytes.data() + at));
 }
 
 /// The chunks of a .glb: after magic, version and length, each has a length, a type and contents;
@@ -203,11 +201,10 @@ class Gltf {
   template <class Take>
   void Walk(const JsonNode& holder, std::int64_t type, bool normalized, std::size_t width,
             std::size_t count, Take take) const {
-    static constexpr std::array<std::size_t, 7> kBytes{1, 1, 2, 2, 0, 4, 4};
-    static constexpr std::array<double, 7> kOne{127, 255, 32767, 65535, 0, 4294967295.0, 1};
-    const auto kind = static_cast<std::size_t>(type - kByte);
-    const std::size_t size = kBytes[kind];
-    if (size == 0) holder.Fail("has numbers of an unknown type, 5124; export it again");
+    constexpr std::int64_t kUnknown = 5124;
+    if (type == kUnknown) holder.Fail("has numbers of an unknown type, 5124; export it again");
+    const RawType& raw = kRawTypes[type - kByte];
+    const std::size_t size = raw.bytes;
     const JsonNode& view = Entry(views_, holder.At("bufferView"));
     const std::string_view bytes = BytesOf(view);
     const std::size_t begin = Count(holder, "byteOffset", 0);
@@ -220,32 +217,10 @@ class Gltf {
     std::array<double, 3> numbers{};
     for (std::size_t i = 0; i < count; ++i) {
       for (std::size_t c = 0; c < width; ++c) {
-        const char* at = bytes.data() + begin + i * stride + c * size;
-        numbers[c] = NumberOf(kind, at);
-        if (normalized) numbers[c] = std::max(numbers[c] / kOne[kind], -1.0);
+        numbers[c] = raw.read(bytes.data() + begin + i * stride + c * size);
+        if (normalized) numbers[c] = std::max(numbers[c] / raw.one, -1.0);
       }
       take(i, numbers);
-    }
-  }
-
-  static double NumberOf(std::size_t kind, const char* at) {
-    const auto as = [&]<class T>(T number) {
-      std::memcpy(&number, at, sizeof number);
-      return static_cast<double>(number);
-    };
-    switch (kind) {
-      case 0:
-        return as(std::int8_t{});
-      case 1:
-        return as(std::uint8_t{});
-      case 2:
-        return as(std::int16_t{});
-      case 3:
-        return as(std::uint16_t{});
-      case 5:
-        return as(std::uint32_t{});
-      default:
-        return as(float{});
     }
   }
 

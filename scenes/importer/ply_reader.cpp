@@ -1,11 +1,9 @@
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
+#include <iterator>
 #include <limits>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -14,28 +12,17 @@
 #include "common/text/quoted.h"
 #include "scenes/importer/mesh_text.h"
 #include "scenes/importer/polygons.h"
+#include "scenes/importer/raw_number.h"
 #include "scenes/importer/readers.h"
 
 namespace palpate {
 namespace {
 
-static_assert(std::endian::native == std::endian::little);
-
-enum class Type { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDouble };
-
-struct TypeName {
-  std::string_view name, other;
-  Type type;
-  std::size_t bytes;
-};
-constexpr std::array<TypeName, 8> kTypes{{{"char", "int8", Type::kInt8, 1},
-                                          {"uchar", "uint8", Type::kUint8, 1},
-                                          {"short", "int16", Type::kInt16, 2},
-                                          {"ushort", "uint16", Type::kUint16, 2},
-                                          {"int", "int32", Type::kInt32, 4},
-                                          {"uint", "uint32", Type::kUint32, 4},
-                                          {"float", "float32", Type::kFloat, 4},
-                                          {"double", "float64", Type::kDouble, 8}}};
+/// The names of kRawTypes.
+constexpr std::pair<std::string_view, std::string_view> kTypeNames[] = {
+    {"char", "int8"}, {"uchar", "uint8"}, {"short", "int16"},   {"ushort", "uint16"},
+    {"int", "int32"}, {"uint", "uint32"}, {"float", "float32"}, {"double", "float64"}};
+constexpr const RawType* kFloat = &kRawTypes[6];
 
 [[noreturn]] void Refuse(const std::string& why) {
   throw Error(why + kExportAgain);
@@ -46,8 +33,8 @@ enum class Role { kNone, kX, kY, kZ, kCorners };
 
 struct Property {
   Role role = Role::kNone;
-  std::optional<Type> count;  ///< type of a list's length
-  Type type = Type::kFloat;
+  const RawType* count = nullptr;  ///< type of a list's length; null: no list
+  const RawType* type = kFloat;
 };
 struct Element {
   std::string name;
@@ -128,9 +115,9 @@ class Ply {
     }
   }
 
-  static Type TypeOf(std::string_view name) {
-    for (const TypeName& known : kTypes) {
-      if (name == known.name || name == known.other) return known.type;
+  static const RawType* TypeOf(std::string_view name) {
+    for (std::size_t i = 0; i < std::size(kTypeNames); ++i) {
+      if (name == kTypeNames[i].first || name == kTypeNames[i].second) return &kRawTypes[i];
     }
     Refuse("its PLY header has a property of an unknown type, " + Quoted(name));
   }
@@ -152,7 +139,7 @@ class Ply {
     } else if (!property.count && element.name == "vertex" && name.size() == 1 && name >= "x" &&
                name <= "z") {
       property.role = static_cast<Role>(static_cast<int>(Role::kX) + (name[0] - 'x'));
-      single_ |= property.type == Type::kFloat && !ascii_;
+      single_ |= property.type == kFloat && !ascii_;
     }
     element.properties.push_back(property);
   }
@@ -189,7 +176,7 @@ class Ply {
       corners_.clear();
       for (; count > 0.0; --count) {
         double value = 0.0;
-        if (!Next(property.type, value)) return false;
+        if (!Next(*property.type, value)) return false;
         if (property.role == Role::kCorners) {
           AddCorner(element, value);
         } else if (property.role != Role::kNone) {
@@ -226,49 +213,21 @@ class Ply {
     corners_.clear();
   }
 
-  bool Next(Type type, double& value) {
+  bool Next(const RawType& type, double& value) {
     if (ascii_) {
       const std::string_view word = text_.Word();
       if (word.empty()) return false;
       if (!ReadNumber(word, value)) Complain(Quoted(word) + " is not a number");
       return true;
     }
-    const std::size_t bytes = kTypes[static_cast<std::size_t>(type)].bytes;
-    if (bytes > body_.size()) return false;
+    if (type.bytes > body_.size()) return false;
     std::array<char, 8> raw{};
-    std::copy_n(body_.data(), bytes, raw.data());
-    if (big_endian_) std::reverse(raw.begin(), raw.begin() + static_cast<std::ptrdiff_t>(bytes));
-    body_.remove_prefix(bytes);
-    const auto as = [&]<class T>(T number) {
-      std::memcpy(&number, raw.data(), sizeof number);
-      value = static_cast<double>(number);
-    };
-    switch (type) {
-      case Type::kInt8:
-        as(std::int8_t{});
-        break;
-      case Type::kUint8:
-        as(std::uint8_t{});
-        break;
-      case Type::kInt16:
-        as(std::int16_t{});
-        break;
-      case Type::kUint16:
-        as(std::uint16_t{});
-        break;
-      case Type::kInt32:
-        as(std::int32_t{});
-        break;
-      case Type::kUint32:
-        as(std::uint32_t{});
-        break;
-      case Type::kFloat:
-        as(float{});
-        break;
-      case Type::kDouble:
-        as(double{});
-        break;
+    std::copy_n(body_.data(), type.bytes, raw.data());
+    if (big_endian_) {
+      std::reverse(raw.begin(), raw.begin() + static_cast<std::ptrdiff_t>(type.bytes));
     }
+    body_.remove_prefix(type.bytes);
+    value = type.read(raw.data());
     return true;
   }
 
