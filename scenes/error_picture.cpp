@@ -8,6 +8,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "common/error.h"
+#include "scenes/mesh/triangle.h"
 #include "scenes/picture_canvas.h"
 #include "scenes/picture_tile.h"
 #include "scenes/tree/tree_error.h"
@@ -121,9 +122,7 @@ void DrawError(const Body& body, std::optional<int> level, const std::string& pn
   const std::string mode(NameOf(body.tree.origin));
   picture.Write(fmt::format("{} triangles; tree: {}", body.mesh.triangles.size(), mode), kMargin,
                 kMargin + kLine);
-  Eigen::AlignedBox3d box;
-  for (const Vec3& v : body.mesh.vertices) box.extend(v);
-  const double furthest = box.diagonal().norm();
+  const double furthest = BoxOf(body.mesh).diagonal().norm();
   bool bare = false;
   int x = (width - (end - first) * Tile::kSide) / 2;
   for (int l = first; l < end; ++l, x += Tile::kSide) {

@@ -2,14 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 #include <utility>
 #include <vector>
 
 #include "common/error.h"
 #include "scenes/files/scene_bundle.h"
+#include "scenes/mesh/triangle.h"
 #include "scenes/picture_canvas.h"
 #include "scenes/picture_tile.h"
+#include "scenes/tree/tree_error.h"
 
 namespace palpate {
 namespace {
@@ -55,6 +56,7 @@ void DrawScene(const Scene& scene, std::optional<int> level, const std::string& 
                  static_cast<int>(bodies.size()) * Tile::kSide);
   for (int row = 0; row < static_cast<int>(bodies.size()); ++row) {
     const Body& body = *bodies[row];
+    const std::vector<std::vector<Sphere>> balls = BallsByLevel(body.tree);
     Tile mesh(body.mesh);
     mesh.Draw(body.mesh, Colour(0.8, 0.74, 0.66));
     mesh.ShadeHollows();
@@ -63,12 +65,9 @@ void DrawScene(const Scene& scene, std::optional<int> level, const std::string& 
     for (int l = level ? *level - 1 : 0; l < (level ? *level : levels); ++l) {
       Tile tile(body.mesh);
       std::size_t count = 0;
-      for (const SpherePacket& packet :
-           l < body.tree.levels() ? body.tree.level(l) : std::span<const SpherePacket>{}) {
-        for (int lane = 0; lane < kTreeArity; ++lane) {
-          if (packet.child[lane] < 0) continue;
-          tile.DrawSphere(Vec3(packet.x[lane], packet.y[lane], packet.z[lane]), packet.radius[lane],
-                          ColourOf(count++));
+      if (l < body.tree.levels()) {
+        for (const Sphere& ball : balls[static_cast<std::size_t>(l)]) {
+          tile.DrawSphere(ball.centre, ball.radius, ColourOf(count++));
         }
       }
       tile.ShadeHollows();
@@ -91,9 +90,7 @@ void DrawWhole(const Scene& scene, const std::string& png_file) {
   }
   for (const Body& tool : scene.tools) meshes.emplace_back(placed(tool), Colour(1.0, 0.45, 0.1));
   Eigen::AlignedBox3d box;
-  for (const auto& [mesh, colour] : meshes) {
-    for (const Vec3& v : mesh.vertices) box.extend(v);
-  }
+  for (const auto& [mesh, colour] : meshes) box.extend(BoxOf(mesh));
   Tile tile(box.center(), 0.5 * 0.85 * box.diagonal().norm());
   for (const auto& [mesh, colour] : meshes) tile.Draw(mesh, colour);
   tile.ShadeHollows();

@@ -19,12 +19,6 @@ std::pair<int, int> Span(int size, double low, double high) {
           std::clamp(static_cast<int>(high), -1, size - 1)};
 }
 
-Eigen::AlignedBox3d BoxOf(const TriangleMesh& mesh) {
-  Eigen::AlignedBox3d box;
-  for (const Vec3& v : mesh.vertices) box.extend(v);
-  return box;
-}
-
 }  // namespace
 
 Tile::Tile(const Vec3& centre, double radius)

@@ -80,23 +80,15 @@ std::string MaterialLines(const Body& body) {
 
 std::string PacketLines(const SphereTree& tree) {
   std::string text;
-  for (int l = 0; l < tree.levels(); ++l) {
-    std::size_t nodes = 0;
-    double smallest = 1e300;
-    double largest = 0.0;
-    for (const SpherePacket& packet : tree.level(l)) {
-      for (int lane = 0; lane < kTreeArity; ++lane) {
-        if (packet.child[lane] < 0) continue;
-        ++nodes;
-        smallest = std::min(smallest, double(packet.radius[lane]));
-        largest = std::max(largest, double(packet.radius[lane]));
-      }
-    }
-    const std::size_t packets = tree.level(l).size();
+  const std::vector<std::vector<Sphere>> balls = BallsByLevel(tree);
+  for (std::size_t l = 0; l < balls.size(); ++l) {
+    const auto [smallest, largest] = std::ranges::minmax(balls[l], {}, &Sphere::radius);
+    const std::size_t packets = tree.level(static_cast<int>(l)).size();
     text += fmt::format(
         "    level {}  {:6} spheres in {:5} packets ({:3.0f} % full)  radius {:.2f} to {:.2f} mm\n",
-        l + 1, nodes, packets, 100.0 * double(nodes) / double(kTreeArity * packets), 1e3 * smallest,
-        1e3 * largest);
+        l + 1, balls[l].size(), packets,
+        100.0 * double(balls[l].size()) / double(kTreeArity * packets), 1e3 * smallest.radius,
+        1e3 * largest.radius);
   }
   return text;
 }

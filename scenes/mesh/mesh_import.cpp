@@ -28,6 +28,7 @@ extern "C" {
 #include "scenes/mesh/mesh_import_limits.h"
 #include "scenes/mesh/mesh_references.h"
 #include "scenes/mesh/mesh_report.h"
+#include "scenes/mesh/triangle.h"
 #include "scenes/mesh/units.h"
 
 namespace palpate {
@@ -146,14 +147,6 @@ class Child {
   throw Error(file + ": was not read (palpate-import ended with " +
               std::to_string(WEXITSTATUS(status)) + "); export it again, or see the output of '" +
               program + " " + file + "' says");
-}
-
-Eigen::AlignedBox3d BoxOf(const TriangleMesh& mesh) {
-  Eigen::AlignedBox3d box;
-  for (const auto& triangle : mesh.triangles) {
-    for (const std::uint32_t v : triangle) box.extend(mesh.vertices[v]);
-  }
-  return box;
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "scenes/mesh/mesh_pieces.h"
 #include "scenes/mesh/mesh_query.h"
 #include "scenes/mesh/mesh_report.h"
+#include "scenes/mesh/triangle.h"
 
 namespace palpate {
 namespace {
@@ -179,12 +180,11 @@ class WallTaker {
   std::vector<std::vector<std::uint32_t>> Patches() {
     const std::vector<std::uint32_t> patch_of = PatchesOf(from_);
     std::vector<std::vector<std::uint32_t>> patches;
-    Eigen::AlignedBox3d box;
     for (std::uint32_t t = 0; t < patch_of.size(); ++t) {
       if (patch_of[t] >= patches.size()) patches.emplace_back();
       patches[patch_of[t]].push_back(t);
-      for (const std::uint32_t v : from_.triangles[t]) box.extend(from_.vertices[v]);
     }
+    const Eigen::AlignedBox3d box = BoxOf(from_);
     diagonal_ = box.isEmpty() ? 0.0 : box.diagonal().norm();
     return patches;
   }

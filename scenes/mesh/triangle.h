@@ -2,6 +2,8 @@
 
 #include <cstddef>
 
+#include <Eigen/Geometry>
+
 #include "scenes/scene.h"
 
 namespace palpate {
@@ -18,6 +20,15 @@ struct Triangle {
 inline Triangle TriangleOf(const TriangleMesh& mesh, std::size_t triangle) {
   const auto& [i, j, k] = mesh.triangles[triangle];
   return {mesh.vertices[i], mesh.vertices[j], mesh.vertices[k]};
+}
+
+/// Returns the box of all corners of triangles; empty if there are none.
+inline Eigen::AlignedBox3d BoxOf(const TriangleMesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const auto& triangle : mesh.triangles) {
+    for (const std::uint32_t v : triangle) box.extend(mesh.vertices[v]);
+  }
+  return box;
 }
 
 }  // namespace palpate

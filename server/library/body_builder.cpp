@@ -9,6 +9,7 @@
 #include "common/error.h"
 #include "scenes/mesh/mesh_mend.h"
 #include "scenes/mesh/mesh_report.h"
+#include "scenes/mesh/triangle.h"
 #include "scenes/mesh/units.h"
 #include "scenes/shapes/shapes.h"
 #include "scenes/tree/sphere_tree_builder.h"
@@ -36,11 +37,7 @@ void CheckNumbers(const TriangleMesh& mesh) {
 }  // namespace
 
 std::string MetresRemark(const TriangleMesh& mesh) {
-  Eigen::AlignedBox3d box;
-  for (const auto& triangle : mesh.triangles) {
-    for (const std::uint32_t v : triangle) box.extend(mesh.vertices[v]);
-  }
-  const double longest = box.sizes().maxCoeff();
+  const double longest = BoxOf(mesh).sizes().maxCoeff();
   const auto likely = LikelierUnit(longest, 1.0);
   if (!likely) return "";
   std::ostringstream text;
