@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/dds/wire.h"
@@ -18,7 +19,13 @@
 namespace palpate::test {
 namespace {
 
+<<<<<<< HEAD
 /// A session of the scene's first tool, as the server runs it.
+=======
+using ::testing::HasSubstr;
+
+/// A session as the server runs it, of the scene's first tool.
+>>>>>>> 05293f02 (Let a study and programs in C vary the tolerance of sphere trees, and put it into the one table)
 class Served {
  public:
   explicit Served(const Scene& scene)
@@ -126,6 +133,20 @@ TEST(LoadedWithEffects, GivesTheBitsOfTheServerInCxxAndInC) {
   palpate_proxy_free(c_proxy);
   palpate_model_free(c_model);
   palpate_scene_free(loaded);
+}
+
+TEST(LoadedInC, HasAsManyLeavesAsAToleranceNeeds) {
+  const Scene scene = LoadScene("cube", {.leaves = HeightTolerance(500.0)});
+  palpate_scene* loaded = palpate_scene_load_to("cube", 500.0);
+  ASSERT_NE(loaded, nullptr) << palpate_last_error();
+  const Folder folder;
+  const std::string file = (folder.path() / "cube.palpate").string();
+  ASSERT_EQ(palpate_scene_save(loaded, file.c_str()), 0) << palpate_last_error();
+  palpate_scene_free(loaded);
+  EXPECT_EQ(LoadScene(file).objects[0].tree.leaves(), scene.objects[0].tree.leaves());
+  EXPECT_NE(scene.objects[0].tree.leaves(), LoadScene("cube").objects[0].tree.leaves());
+  EXPECT_EQ(palpate_scene_load_to("cube", 0.0), nullptr);
+  EXPECT_THAT(palpate_last_error(), HasSubstr("tolerance_um: must be from 0.1"));
 }
 
 TEST(LoadedInC, GivesTheBitsOfCxxWithTheParametersThatAreSet) {
