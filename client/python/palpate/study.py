@@ -265,7 +265,8 @@ class Study:
         every = itertools.product(scenes, self.tools, values, self.hands.items())
         for (scene, contact, um), tool, parameters, (name, hand) in every:
             for seed in self.seeds if hand["kind"] in ("generated", "python") or "tremor_um" in hand else [""]:
-                factors = dict(zip(_FACTORS, [len(runs) + 1, scene.name, contact, um, tool, name, seed])) | dict(parameters)
+                chosen = [len(runs) + 1, scene.name, contact, um, tool, name, seed]
+                factors = dict(zip(_FACTORS, chosen)) | dict(parameters)
                 depends = [palpate.__version__, numpy.__version__, scene.hash, self.steps, self.sources, hand,
                            {**factors, "run": 0}]
                 key = hashlib.sha256(json.dumps(depends).encode()).hexdigest()[:16]
@@ -358,7 +359,8 @@ of scene, parameters and poses: with these versions, a run gives the same bits a
 
 {_markdown(["scene", "contact", "hash", "triangles", "leaves", "tools"], *(
     [scene.name, contact or "the scene's", scene.hash, sum(len(body.triangles) for body in scene.objects),
-     sum(body.leaves for body in scene.objects), ", ".join(body.name for body in scene.tools)] for scene, contact in scenes))}
+     sum(body.leaves for body in scene.objects), ", ".join(body.name for body in scene.tools)]
+    for scene, contact in scenes))}
 Recordings name a scene by the same hash.
 
 ## Hands
