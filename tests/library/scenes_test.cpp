@@ -19,13 +19,9 @@
 namespace palpate::test {
 namespace {
 
-<<<<<<< HEAD
-/// A session of the scene's first tool, as the server runs it.
-=======
 using ::testing::HasSubstr;
 
-/// A session as the server runs it, of the scene's first tool.
->>>>>>> 05293f02 (Let a study and programs in C vary the tolerance of sphere trees, and put it into the one table)
+/// A session of the scene's first tool, as the server runs it.
 class Served {
  public:
   explicit Served(const Scene& scene)
