@@ -92,7 +92,7 @@ class Device {
   virtual void Apply(const LimitedWrench& wrench) noexcept = 0;
   /// Tells the device the pose of the graphic tool in the newest reply, before each Apply once
   /// there is a reply; for hands that see but do not feel.  Real-time.
-  /// @param p_HT  point at which the server's wrench acts, in the tool's frame [m].
+  /// p_HT: point at which the server's wrench acts, in the tool's frame [m].
   virtual void SeeGraphicTool(const Pose& /*X_WG*/, const Vec3& /*p_HT*/) noexcept {}
   /// Lets the device change the wrench that the hand is to feel, before the limiter, once between
   /// Read and Apply.  By default it removes the torque if no motor turns the handle.  Real-time.
@@ -113,7 +113,7 @@ class Device {
   /// Makes a device with a clock of its own call `tick` from its own thread, once per device tick,
   /// so that the wrench is computed within the tick that applies it.  Returns false if the device
   /// has no clock; the caller must then keep time.
-  /// @param tick  is real-time and does not throw; it calls Read and Apply.
+  /// `tick` is real-time and does not throw; it calls Read and Apply.
   virtual bool StartTicks(std::function<void()> /*tick*/) { return false; }
   /// Stops the ticks: once it has returned, no tick runs, and the device renders nothing.
   virtual void StopTicks() {}

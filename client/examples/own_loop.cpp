@@ -1,12 +1,13 @@
 // Your own servo loop, at 1 kHz by the absolute clock.  It simulates a hand and discards the force.
-// Replace these by reading and commanding your arm, through a limiter: a proxy returns the force of
-// its spring, however large it is for the arm.
+// Replace these by reading and commanding your arm.  The limiter stays in front of it: a proxy
+// returns the force of its spring, however large it is for the arm.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <thread>
 
+#include <palpate/devices/wrench_limiter.h>
 #include <palpate/physics.h>
 
 int main(int argc, char** argv) {
@@ -20,6 +21,12 @@ int main(int argc, char** argv) {
   Pose X_WH;
   X_WH.p = {0.0, 0.03, 0.0};
   Proxy proxy(model, X_WH);  // all allocations are done by here
+  DeviceInfo arm;            // your arm's data sheet
+  arm.max_force_N = 3.0, arm.continuous_force_N = 1.0;
+  arm.max_torque_Nm = 0.2, arm.continuous_torque_Nm = 0.05;
+  WrenchLimiter limiter(WrenchLimits::Of(arm));
+  limiter.SetStiffness(scene.coupling.stiffness);
+  limiter.Enable(true);
 
   using Clock = std::chrono::steady_clock;
   auto next = Clock::now();
@@ -32,9 +39,12 @@ int main(int argc, char** argv) {
     X_WH.p = {0.01 * std::sin(2.0 * t), 0.026 - 0.005 * std::sin(5.0 * t), 0.0};  // your arm's pose
     const auto before = Clock::now();
     const StepReport report = proxy.Step(X_WH);
+    // At the handle, which is where this ball's centroid is.
+    const LimiterInput felt{
+        .wanted = report.wrench, .X_WH = X_WH, .silence_s = 0.0, .age_s = 0.0, .dt_s = 1e-3};
+    const Wrench force = limiter.Limit(felt).wrench();  // command your arm with this
     worst = std::max<decltype(worst)>(worst, Clock::now() - before);
-    // Send report.wrench to your arm's limiter.
-    strongest_N = std::max(strongest_N, report.wrench.force.norm());
+    strongest_N = std::max(strongest_N, force.force.norm());
     if (report.faults != kFaultNone) std::printf("%s\n", FaultWords(report.faults).c_str());
   }
   std::printf("%d steps, longest %.0f us, strongest force %.2f N\n", steps, worst.count(),

@@ -81,14 +81,14 @@ void WarnOfUnit(const Body& body) {
   }
 }
 
-template <class T, std::size_t N>
-py::array_t<T> FromRows(const std::vector<std::array<T, N>>& rows) {
-  return py::array_t<T>({static_cast<py::ssize_t>(rows.size()), py::ssize_t{N}},
-                        rows.data()->data());
-}
-py::array_t<double> FromRows(const std::vector<Vec3>& rows) {
-  return py::array_t<double>({static_cast<py::ssize_t>(rows.size()), py::ssize_t{3}},
-                             rows.data()->data());
+/// Returns a copy: an array with a row for each element, which is a Vec3 or a std::array.
+template <class Rows>
+auto FromRows(const Rows& rows) {
+  using Row = typename Rows::value_type;
+  using Number = std::remove_cvref_t<decltype(rows[0][0])>;
+  return py::array_t<Number>(
+      {static_cast<py::ssize_t>(rows.size()), py::ssize_t{sizeof(Row) / sizeof(Number)}},
+      rows.data()->data());
 }
 
 /// Returns a read-only view of numbers that live as long as `owner`, without a copy.
@@ -197,11 +197,7 @@ std::unique_ptr<Loaded> Load(const std::string& name, const std::optional<std::s
   auto loaded = std::make_unique<Loaded>();
   LoadOptions options;
   if (contact) options.contact = ToContact(*contact);
-  if (tolerance_um &&
-      !(*tolerance_um >= kLeastTolerance_um && *tolerance_um <= kMostTolerance_um)) {
-    throw Error("tolerance_um: must be from 0.1 to 1000000");
-  }
-  if (tolerance_um) options.leaves = LeafTolerance{.most = 1e-6 * *tolerance_um};
+  if (tolerance_um) options.leaves = HeightTolerance(*tolerance_um);
   options.mesh.unit = unit;
   const auto say = [&](const std::string& what) { loaded->said.push_back(what); };
   options.warn = options.tell = say;

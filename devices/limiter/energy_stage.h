@@ -156,6 +156,7 @@ class EnergyStage {
   /// @param gain  product of the later stages' factors, in [0, 1].
   /// @param felt    as for SlewStage::Pass.
   /// @param entering  true during a ramp from zero.
+  /// @param dt_s    since the last call.
   /// @param X_WT    also gives the velocity; the driver's own is not trusted.
   Wrench Pass(const Wrench& asked, double gain, const Pose& X_WT, double dt_s, bool felt = true,
               bool entering = false) noexcept;

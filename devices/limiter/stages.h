@@ -71,6 +71,7 @@ class SlewStage {
   SlewStage(double force_N_s, double torque_Nm_s)
       : force_N_s_(force_N_s), torque_Nm_s_(torque_Nm_s) {}
 
+  /// @param target  to follow.   @param dt_s  since the last call.
   /// @param felt  false: its last output was not rendered, so it may jump to the target.
   const Wrench& Pass(const Wrench& target, double dt_s, bool felt = true) noexcept {
     if (!felt) return value_ = target;
@@ -134,6 +135,7 @@ class AgeStage {
 
   /// @param silence_s  time since the newest usable reply arrived.
   /// @param age_s  time since the pose that it answers was sampled.
+  /// @param dt_s  since the last call.
   /// Negative, NaN and infinite values count as no reply.
   /// While dt_s is at least the growth of silence_s, the factor is the smoothstep itself, zero by
   /// kSilenceNone_s.  If silence jumps, it falls at kFastest_1_s, to zero within 14 ms.
@@ -203,6 +205,7 @@ class TemperatureStage {
   struct Share {
     double force = 1.0, torque = 1.0;
   };
+  /// @param wanted  wrench to reduce.   @param dt_s  since the last call.
   /// @param motor_temperature  DeviceSample::motor_temperature; a value outside [0, 1] counts
   /// as unknown.
   Share Pass(const Wrench& wanted, double motor_temperature, double dt_s) noexcept;

@@ -26,6 +26,7 @@ class WrenchLimits {
   /// Returns the limits of a device.  The whole peak may appear or vanish in 5 ms, 4.4 N/ms for 22
   /// N.  A hand that hits 1 N/mm at 0.5 m/s needs 0.5 N/ms, so touches are never softened, but
   /// jumps are.
+  /// @param device  its data sheet.
   /// @param most_force_N  if it is less than the device's peak, it replaces the peak, and the
   /// torque's peak is reduced by the same factor.
   /// Throws Error if a figure is missing or invalid.

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <new>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -118,6 +119,29 @@ int Add(palpate_scene* scene, palpate_role role, const palpate_body& given,
   });
 }
 
+palpate_scene* Load(const char* name_or_path, std::optional<double> tolerance_um) {
+  return Guarded<palpate_scene*>(nullptr, [&] {
+    Require(name_or_path != nullptr, "name_or_path: is NULL");
+#ifdef PALPATE_READS_SCENES
+    LoadOptions options;
+    if (tolerance_um) options.leaves = HeightTolerance(*tolerance_um);
+    auto loaded = std::make_unique<palpate_scene>();
+    loaded->scene = LoadScene(name_or_path, options);
+    const std::string script = ScriptFileBeside(name_or_path);
+    if (std::filesystem::exists(script)) {
+      const PoseScript hand = PoseScript::Load(script);
+      loaded->duration = hand.duration();
+      loaded->hand = [hand](double t) { return hand.At(t); };
+    }
+    return loaded.release();
+#else
+    (void)tolerance_um;
+    throw Error("this libpalpate was built without scenes; build it with PALPATE_PROGRAMS=ON");
+    return static_cast<palpate_scene*>(nullptr);
+#endif
+  });
+}
+
 }  // namespace
 }  // namespace palpate
 
@@ -160,23 +184,10 @@ void palpate_scene_free(palpate_scene* scene) {
 }
 
 palpate_scene* palpate_scene_load(const char* name_or_path) {
-  return Guarded<palpate_scene*>(nullptr, [&] {
-    Require(name_or_path != nullptr, "name_or_path: is NULL");
-#ifdef PALPATE_READS_SCENES
-    auto loaded = std::make_unique<palpate_scene>();
-    loaded->scene = LoadScene(name_or_path);
-    const std::string script = ScriptFileBeside(name_or_path);
-    if (std::filesystem::exists(script)) {
-      const PoseScript hand = PoseScript::Load(script);
-      loaded->duration = hand.duration();
-      loaded->hand = [hand](double t) { return hand.At(t); };
-    }
-    return loaded.release();
-#else
-    throw Error("this libpalpate was built without scenes; build it with PALPATE_PROGRAMS=ON");
-    return static_cast<palpate_scene*>(nullptr);
-#endif
-  });
+  return Load(name_or_path, std::nullopt);
+}
+palpate_scene* palpate_scene_load_to(const char* name_or_path, double tolerance_um) {
+  return Load(name_or_path, tolerance_um);
 }
 
 int palpate_scene_save(const palpate_scene* scene, const char* file) {

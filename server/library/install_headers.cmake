@@ -1,12 +1,13 @@
 # Run when the library is installed.  The headers keep the folders of the sources, below include/palpate, and
 # their include lines are changed to match, so they cannot collide with a user's own common/error.h.  Only
-# palpate/scenes.h, which includes palpate/physics.h, and the headers that it includes are installed.
+# palpate/scenes.h, which includes palpate/physics.h, palpate/devices/wrench_limiter.h, and the headers that they
+# include are installed.
 #
 # Given: folders, which are searched for headers; include, the prefix's folder of headers.
 cmake_policy(PUSH)
 cmake_policy(SET CMP0057 NEW)  # if(IN_LIST)
 set(target "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/${include}/palpate")
-set(todo server/library/scenes.h)
+set(todo server/library/scenes.h devices/wrench_limiter.h)
 set(done "")
 while(todo)
   list(POP_FRONT todo header)

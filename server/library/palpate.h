@@ -107,6 +107,9 @@ PALPATE_API palpate_scene* palpate_scene_new(palpate_contact contact);
  * .palpate, or a mesh; gives the same bits as in the server.  The first time may take a minute or
  * two.  Assumptions about a mesh are printed on standard error. */
 PALPATE_API palpate_scene* palpate_scene_load(const char* name_or_path);
+/** The same, with sphere trees that follow their meshes to within `tolerance_um`, 0.1 to 1,000,000,
+ * in place of the scene's leaves. */
+PALPATE_API palpate_scene* palpate_scene_load_to(const char* name_or_path, double tolerance_um);
 /** Writes a file *.palpate, which palpate_scene_load and palpate-server read. */
 PALPATE_API int palpate_scene_save(const palpate_scene* scene, const char* file);
 PALPATE_API void palpate_scene_free(palpate_scene* scene);

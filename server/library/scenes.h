@@ -18,3 +18,16 @@
 #include "scenes/catalogue.h"         // IWYU pragma: export
 #include "scenes/progress_line.h"     // IWYU pragma: export
 #include "server/library/physics.h"   // IWYU pragma: export
+
+namespace palpate {
+
+/// For LoadOptions::leaves: sphere trees that follow their meshes to within so many micrometres.
+/// Throws Error unless they are from 0.1 to 1,000,000.
+inline LeafTolerance HeightTolerance(double um) {
+  if (!(um >= kLeastTolerance_um && um <= kMostTolerance_um)) {
+    throw Error("tolerance_um: must be from 0.1 to 1000000");
+  }
+  return {.most = 1e-6 * um};
+}
+
+}  // namespace palpate

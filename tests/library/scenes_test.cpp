@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/dds/wire.h"
@@ -17,6 +18,8 @@
 
 namespace palpate::test {
 namespace {
+
+using ::testing::HasSubstr;
 
 /// A session of the scene's first tool, as the server runs it.
 class Served {
@@ -126,6 +129,20 @@ TEST(LoadedWithEffects, GivesTheBitsOfTheServerInCxxAndInC) {
   palpate_proxy_free(c_proxy);
   palpate_model_free(c_model);
   palpate_scene_free(loaded);
+}
+
+TEST(LoadedInC, HasAsManyLeavesAsAToleranceNeeds) {
+  const Scene scene = LoadScene("cube", {.leaves = HeightTolerance(500.0)});
+  palpate_scene* loaded = palpate_scene_load_to("cube", 500.0);
+  ASSERT_NE(loaded, nullptr) << palpate_last_error();
+  const Folder folder;
+  const std::string file = (folder.path() / "cube.palpate").string();
+  ASSERT_EQ(palpate_scene_save(loaded, file.c_str()), 0) << palpate_last_error();
+  palpate_scene_free(loaded);
+  EXPECT_EQ(LoadScene(file).objects[0].tree.leaves(), scene.objects[0].tree.leaves());
+  EXPECT_NE(scene.objects[0].tree.leaves(), LoadScene("cube").objects[0].tree.leaves());
+  EXPECT_EQ(palpate_scene_load_to("cube", 0.0), nullptr);
+  EXPECT_THAT(palpate_last_error(), HasSubstr("tolerance_um: must be from 0.1"));
 }
 
 TEST(LoadedInC, GivesTheBitsOfCxxWithTheParametersThatAreSet) {

@@ -99,6 +99,15 @@ class Table(Folder):
         (self.folder / "own.py").write_text(OWN + "# not the same\n")
         self.assertIn("14 runs, 0 of them already done", self.run_study())
 
+    def test_varies_how_closely_sphere_trees_follow(self):
+        self.write('scenes = ["cube"]\nsteps = 50\ntolerances_um = [200, 1000]\n')
+        self.run_study()
+        self.assertEqual([row["tolerance_um"] for row in self.rows()], ["200", "1000"])
+        methods = (self.folder / "out" / "METHODS.md").read_text()
+        for um in (200, 1000):
+            scene = palpate.load("cube", tolerance_um=um)
+            self.assertIn(f"{len(scene.objects[0].triangles)} | {scene.objects[0].leaves} | ball", methods)
+
     def test_has_what_palpate_gives(self):
         self.run_study("--keep")
         scene = palpate.load("cube")

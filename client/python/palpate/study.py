@@ -63,6 +63,8 @@ a study file:
 
 optional: hands (default: the script), seeds, steps, and
   contacts = ["surface", "spheres"]
+  # Of sphere trees, in place of the scenes' leaves:
+  tolerances_um = [20, 50, 100]
   tools = ["bunny"]
   # measure(path, steps) returns further columns as a dict; steps is what
   # Proxy.steps returns:
@@ -84,6 +86,7 @@ _FACTORS = {
     "run": "number of the run, in the order of the factors",
     "scene": "scene",
     "contact": "contact model; empty: the scene's",
+    "tolerance_um": "tolerance of the sphere trees; empty: the scene's leaves",
     "tool": "tool, by name or number",
     "hand": "hand",
     "seed": "seed of the hand; empty: it uses none",
@@ -144,11 +147,12 @@ class Study:
             raise Error(f"{file}: cannot be read ({error.strerror}); --help shows a study file") from None
         except ValueError as error:
             raise Error(f"{file}: {error}") from None
-        self._known("", self.said, {"title", "scenes", "contacts", "tools", "seeds", "steps", "hands", "parameters",
-                                    "measures"})
+        self._known("", self.said, {"title", "scenes", "contacts", "tolerances_um", "tools", "seeds", "steps", "hands",
+                                    "parameters", "measures"})
         self.title = self._take("title", self.file.stem, lambda x: isinstance(x, str), "a text")
         self.scenes = self._list("scenes", None, str)
         self.contacts = self._list("contacts", [""], str)
+        self.tolerances_um = self._list("tolerances_um", [0], (int, float))
         self.tools = self._list("tools", [0], (str, int))
         self.steps = self._take("steps", 20000, lambda x: type(x) is int and x > 1, "a whole number above 1")
         self.seeds = self._seeds()
@@ -253,14 +257,16 @@ class Study:
     def runs(self):
         """Returns all runs in the order of the table; loads the scenes."""
         runs, scenes = [], []
-        for name, contact in itertools.product(self.scenes, self.contacts):
+        for name, contact, um in itertools.product(self.scenes, self.contacts, self.tolerances_um):
             beside = self.folder / name
-            scenes.append((palpate.load(beside if beside.is_file() else name, contact=contact or None), contact))
+            scene = palpate.load(beside if beside.is_file() else name, contact=contact or None, tolerance_um=um or None)
+            scenes.append((scene, contact, um or ""))
         values = [tuple(zip(self.parameters, each)) for each in itertools.product(*self.parameters.values())]
         every = itertools.product(scenes, self.tools, values, self.hands.items())
-        for (scene, contact), tool, parameters, (name, hand) in every:
+        for (scene, contact, um), tool, parameters, (name, hand) in every:
             for seed in self.seeds if hand["kind"] in ("generated", "python") or "tremor_um" in hand else [""]:
-                factors = dict(zip(_FACTORS, [len(runs) + 1, scene.name, contact, tool, name, seed])) | dict(parameters)
+                chosen = [len(runs) + 1, scene.name, contact, um, tool, name, seed]
+                factors = dict(zip(_FACTORS, chosen)) | dict(parameters)
                 depends = [palpate.__version__, numpy.__version__, scene.hash, self.steps, self.sources, hand,
                            {**factors, "run": 0}]
                 key = hashlib.sha256(json.dumps(depends).encode()).hexdigest()[:16]
@@ -351,9 +357,10 @@ of scene, parameters and poses: with these versions, a run gives the same bits a
 
 ## Scenes
 
-{_markdown(["scene", "contact", "hash", "triangles", "tools"], *(
+{_markdown(["scene", "contact", "hash", "triangles", "leaves", "tools"], *(
     [scene.name, contact or "the scene's", scene.hash, sum(len(body.triangles) for body in scene.objects),
-     ", ".join(body.name for body in scene.tools)] for scene, contact in scenes))}
+     sum(body.leaves for body in scene.objects), ", ".join(body.name for body in scene.tools)]
+    for scene, contact in scenes))}
 Recordings name a scene by the same hash.
 
 ## Hands
