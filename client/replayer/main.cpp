@@ -3,13 +3,13 @@
 
 #include <unistd.h>
 
+#include "client/replayer/certificate/certificate.h"
 #include "client/replayer/export/export.h"
 #include "client/replayer/export/solid_export.h"
 #include "client/replayer/guide/guide.h"
 #include "client/replayer/options.h"
 #include "client/replayer/play/player.h"
 #include "client/replayer/score/score_report.h"
-#include "client/replayer/certificate/certificate.h"
 #include "client/replayer/verify/verify.h"
 #include "common/files/private_file.h"
 #include "common/program/command_line.h"

@@ -207,7 +207,8 @@ TEST_F(PluginDeviceTest, SaysWhyAFileIsNoDriver) {
   EXPECT_THAT(
       OpeningError(PALPATE_DRIVER_OF_TOMORROW),
       AllOf(HasSubstr(PALPATE_DRIVER_OF_TOMORROW),
-            HasSubstr("palpate_device_abi is 1000 but this version supports 1 to 1; build it with the "),
+            HasSubstr(
+                "palpate_device_abi is 1000 but this version supports 1 to 1; build it with the "),
             HasSubstr("build it with the palpate_device.h of this version")));
   EXPECT_THAT(ComplaintOf([] { CheckDriver(PALPATE_DRIVER_WITHOUT_STOP); }),
               HasSubstr("palpate_device_stop"))

@@ -312,11 +312,10 @@ TEST_F(EffectsTest, SaysWhyAFileIsNoEffect) {
                     HasSubstr("build it as a shared object"), HasSubstr(PALPATE_NO_EFFECT)));
   EXPECT_THAT(LoadError(R"({"name": ")" PALPATE_EFFECT_WITHOUT_SYMBOL R"("})"),
               HasSubstr("has no palpate_the_effect; define that"));
-  EXPECT_THAT(
-      LoadError(R"({"name": ")" PALPATE_EFFECT_OF_TOMORROW R"("})"),
-      AllOf(HasSubstr(
-                "palpate_the_effect.abi is 1000 but this version supports 1 to 1; build it with the "),
-            HasSubstr("build it with the palpate_effect.h of this version")));
+  EXPECT_THAT(LoadError(R"({"name": ")" PALPATE_EFFECT_OF_TOMORROW R"("})"),
+              AllOf(HasSubstr("palpate_the_effect.abi is 1000 but this version supports 1 to 1; "
+                              "build it with the "),
+                    HasSubstr("build it with the palpate_effect.h of this version")));
 }
 
 TEST_F(EffectsTest, IsFoundBesideTheSceneFileAndRefusedOnceItsFileHasChanged) {
