@@ -136,7 +136,7 @@ TEST(LoadedInC, HasAsManyLeavesAsAToleranceNeeds) {
   palpate_scene* loaded = palpate_scene_load_to("cube", 500.0);
   ASSERT_NE(loaded, nullptr) << palpate_last_error();
   const Folder folder;
-  const std::string file = (folder.path() / "cube.palpate").string();
+  const std::string file = folder / "cube.palpate";
   ASSERT_EQ(palpate_scene_save(loaded, file.c_str()), 0) << palpate_last_error();
   palpate_scene_free(loaded);
   EXPECT_EQ(LoadScene(file).objects[0].tree.leaves(), scene.objects[0].tree.leaves());
