@@ -69,7 +69,7 @@ class SolidExport : public testing::Test {
 
 TEST_F(SolidExport, IsClosedAndHasTheVolumeThatIsGraded) {
   RecordCut(recording, 250, Down(1.2));
-  const Verification verified = Verify({recording}, {.whose = {"hand", 9}});
+  const Verification verified = Verify({recording}, {.whose = {{"hand", 9}}});
   double left = 0.0;
   for (const double m3 : verified.sessions[0].cut->after[0].VolumeLeft()) left += 1e9 * m3;
   // Half a ball and a cylinder above it, less the bur's lag behind the hand.

@@ -442,7 +442,7 @@ TEST_F(CutReport, FollowsATrialThatIsBeingRecordedToTheSameScore) {
   });
   const Report report = MakeReport(options, &stop);
   EXPECT_EQ(report.cuts[0][0].after_mm3, MakeReport(options).cuts[0][0].after_mm3);
-  const Verification again = Verify({whole}, {.whose = {"hand", 9}});
+  const Verification again = Verify({whole}, {.whose = {{"hand", 9}}});
   EXPECT_EQ(report.cuts[0][0].after_mm3, TissuesOf(*again.sessions[0].cut)[0].after_mm3);
 }
 
