@@ -485,7 +485,7 @@ TEST_P(GoldenRecording, GivesTheSameBits) {
                  << GetParam() << "'";
   }
   try {
-    const Verification verification = Verify({FileOf(GetParam())}, {.whose = {"golden", 1}});
+    const Verification verification = Verify({FileOf(GetParam())}, {.whose = {{"golden", 1}}});
     EXPECT_TRUE(verification.good()) << ToText(verification);
     ASSERT_EQ(verification.sessions.size(), 1u);
     EXPECT_EQ(verification.sessions[0].scene, GetParam());
