@@ -186,7 +186,8 @@ void RunMesh(const Options& options, std::vector<std::string> modes) {
     const SphereTree tree = of_file
                                 ? ImportTree(options.file, mesh, 1.0).tree
                                 : Build(mesh, *options.leaves, TreeModeNamed(name), options.mesh);
-    ModeResult result{.mode = name};
+    ModeResult result;
+    result.mode = name;
     if (!of_file) {
       result.build_s = std::chrono::duration<double>(Clock::now() - began).count();
     }

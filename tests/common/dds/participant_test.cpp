@@ -128,7 +128,7 @@ TEST(Participant, SaysThatADomainsPortsAreTaken) {
 
 TEST(Participant, SaysThatAnInterfaceIsNotThere) {
   const Participant other = Participant::Service(kDomain);  // so ports are not the reason
-  EXPECT_THAT(Complaint(test::OwnDomain(), {.interface = "nowhere0", .peers = {}}),
+  EXPECT_THAT(Complaint(test::OwnDomain(), {.interface = "nowhere0", .peers = {}, .identity = {}}),
               HasSubstr("no interface 'nowhere0'"));
 }
 

@@ -322,7 +322,7 @@ TEST_P(TwoHands, AreTheSameBitsAgainWhateverComesBetween) {
     hand.tool_name = session.tool;
     const auto swept = SweptIn(whole, hand, SceneIn(whole, session.scene));
     if (!swept) continue;
-    const VerifyOptions options{.whose = {session.station, session.run}};
+    const VerifyOptions options{.whose = {{session.station, session.run}}};
     for (const SessionVerdict& again : Verify({whole}, options).sessions) {
       if (!again.cut) continue;
       EXPECT_EQ(TissuesOf(*swept)[0].after_mm3, TissuesOf(*again.cut)[0].after_mm3);
