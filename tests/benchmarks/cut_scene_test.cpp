@@ -48,7 +48,7 @@ TEST_F(CutCommand, MeasuresASceneAgainstTheExactSweep) {
 TEST_F(CutCommand, SaysWhatASceneLacks) {
   WriteScene("");
   EXPECT_EQ(Run({"cut", "--scene", File("block.json")}), 1);
-  EXPECT_THAT(said_, HasSubstr("is a bur, and nothing can be cut; give an object \"grid_um\""));
+  EXPECT_THAT(said_, HasSubstr("is a bur, but nothing can be cut; give an object \"grid_um\""));
   EXPECT_EQ(Run({"cut", "--scene", "cube"}), 1);
   EXPECT_THAT(said_, HasSubstr("cube: nothing of it can be cut"));
 }

@@ -240,7 +240,7 @@ TEST_F(ExamTest, EndsTheKeysOfScorePagesOfThoseWhoSitIt) {
   EXPECT_EQ(trials_->PageOf(before), theirs + "/1/score.html");
   ASSERT_EQ(Open(), "");
   EXPECT_EQ(trials_->PageOf(before), "");
-  EXPECT_EQ(trials_->PageOf(key()), theirs + "/1/score.html") << "for who teaches";
+  EXPECT_EQ(trials_->PageOf(key()), theirs + "/1/score.html") << "only teachers may read";
 }
 
 TEST_F(ExamTest, IsNotScoredByOtherCriteriaThanThoseItWasOpenedWith) {

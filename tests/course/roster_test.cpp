@@ -77,7 +77,7 @@ TEST_F(RosterTest, RenamesRenewsAndWithdrawsAndNeverGivesAnIdAgain) {
 TEST_F(RosterTest, TellsPeopleApartByTheirStations) {
   roster_.Make({"Anna", "Müller", "王伟"}, Access::kDrive);
   EXPECT_EQ(ComplaintOfMaking("Anna"),
-            "there is a 'Anna' already; tell them apart by a letter or a number");
+            "there is already a 'Anna'; add a letter or number to tell them apart");
   EXPECT_THAT(ComplaintOfMaking("anna"),
               HasSubstr("'anna' and 'Anna' would have the same station name"));
   EXPECT_THAT(ComplaintOfMaking("Muller"), HasSubstr("would have the same station name, 'Muller'"));
@@ -159,7 +159,8 @@ TEST(CourseFile, IsRefusedWhereItIsNewerDamagedOrCannotBeWritten) {
     CourseFile file(folder / "newer");
     file.Use([](SQLite::Database& database) { database.exec("PRAGMA user_version=7"); });
   }
-  EXPECT_THAT(complaint(folder / "newer"), HasSubstr("is of a newer Palpate (version 7"));
+  EXPECT_THAT(complaint(folder / "newer"),
+              HasSubstr("was written by a newer Palpate (table version 7"));
   {
     CourseFile file(folder / "damaged");
     Roster(file).Make({"Anna"}, Access::kDrive);

@@ -156,7 +156,7 @@ TEST_F(CrtkProgram, TakesCommandsAndPullsTheHandOnlyWhileItIsAskedTo) {
     });
   };
   peer.Tell("force 0.2 0 0 another_frame");
-  ASSERT_TRUE(bridge.Says("in frame"));
+  ASSERT_TRUE(bridge.Says("because its frame is"));
   hear();
   EXPECT_FALSE(aim) << "a force in a frame that nobody knows";
   peer.Tell("force 1 0 0");

@@ -202,8 +202,8 @@ Findings NoMemory(int domain) {
     } catch (const Error& error) {
       // A program that is killed or aborts does not say that memory is missing.
       const std::string said = error.what();
-      finding.held = said.find("there is not enough memory") != std::string::npos;
-      finding.found = finding.held ? "it says that there is not enough memory" : said;
+      finding.held = said.find("out of memory") != std::string::npos;
+      finding.found = finding.held ? "it says that it is out of memory" : said;
     }
     findings.push_back(finding);
     lab.server.reset();

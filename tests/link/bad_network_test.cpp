@@ -266,7 +266,7 @@ TEST(Network, IsNotForSharedMemory) {
                   {"--device", "scripted", "--scene", "cube", "--id", "far", "--transport", "shm",
                    "--network", "eth0"});
   EXPECT_EQ(station.Exit(), 1);
-  EXPECT_THAT(station.Output(), testing::HasSubstr("leave --network 'eth0' out"));
+  EXPECT_THAT(station.Output(), testing::HasSubstr("omit --network 'eth0'"));
 }
 
 }  // namespace

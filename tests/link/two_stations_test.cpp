@@ -126,7 +126,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* kRejected = "bad +bunny-bunny [^\n]* rejected +[1-9]";
 /// After a number far ahead no later one is in order, as if no pose came.
 constexpr const char* kUnheard = "station bad: ended: no pose came for more than 100 ms";
-constexpr const char* kTooMany = "station bad: [0-9]+ poses beyond its share";
+constexpr const char* kTooMany = "station bad: [0-9]+ poses ignored, beyond its share";
 
 constexpr Misbehaviour kKinds[] = {
     {"NaN", 1, [](wire::HapticPose& pose) { pose.position_m[0] = kNan; }, kRejected},

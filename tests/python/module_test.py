@@ -462,10 +462,10 @@ class Errors(unittest.TestCase):
 
         turned = [0, 0.03, 0, 2, 0, 0, 0]
         for words, wrong in {
-            "triangles: 0.5 is no vertex": with_index(0.5),
-            "triangles: 4294967297.0 is no vertex": with_index(2**32 + 1, numpy.int64),
-            "triangles: -1.0 is no vertex": with_index(-1, numpy.int64),
-            "triangles: nan is no vertex": with_index(math.nan),
+            "triangles: 0.5 is not a vertex": with_index(0.5),
+            "triangles: 4294967297.0 is not a vertex": with_index(2**32 + 1, numpy.int64),
+            "triangles: -1.0 is not a vertex": with_index(-1, numpy.int64),
+            "triangles: nan is not a vertex": with_index(math.nan),
             "triangle 2 names vertex 8 of 8": with_index(8, numpy.int8),
             "triangles: is an array of object": with_index(2**70, object),
             "triangles: is an array of <U": lambda: palpate.body("thing", vertices, triangles.astype(str)),
@@ -473,7 +473,7 @@ class Errors(unittest.TestCase):
             "vertices: is an array of complex128": lambda: palpate.body("thing", vertices + 0j, triangles),
             "vertices: is an array of object": lambda: palpate.body("thing", vertices.astype(object), triangles),
             "vertices: some of its numbers are masked": lambda: palpate.body("thing", hidden, triangles),
-            "vertices: is no array of numbers": lambda: palpate.body("thing", [[1, 2, 3], [4]], triangles),
+            "vertices: is not an array of numbers": lambda: palpate.body("thing", [[1, 2, 3], [4]], triangles),
             "vertex 1, from 0, is not finite": lambda: palpate.body("thing", [[0, 0, 0], [1, 0, math.inf], [0, 1, 0]],
                                                                     [[0, 1, 2]]),
             "pose: .* length 1": lambda: palpate.Proxy(model, turned),

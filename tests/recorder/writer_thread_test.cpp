@@ -97,7 +97,7 @@ TEST(WriterThreadDeathTest, TellsThatMemoryRanOutAndClosesTheFile) {
   const std::string file = testing::TempDir() + "/palpate_out_of_memory.mcap";
   std::remove(file.c_str());
   EXPECT_EXIT(RunOutOfMemory(file), testing::ExitedWithCode(1),
-              "no memory left to record with.*is whole, and has its index");
+              "no memory left to record with.*is complete, with its index");
   const FileSummary summary = Summarise({file});
   EXPECT_TRUE(summary.complete);
   EXPECT_EQ(summary.messages, 1u);

@@ -316,7 +316,8 @@ TEST_F(LoadedScene, TakesTheLevelAndTheUnitThatItIsTold) {
               AllOf(HasSubstr("s.json:3: objects[0].tree: "), HasSubstr("there is no level 5"),
                     HasSubstr("to 4, its finest")));
   EXPECT_THAT(ComplaintOf([&] { load(R"({"file": "box.sph", "unit": "m"})"); }),
-              AllOf(HasSubstr("objects[0].tree: "), HasSubstr("box.sph: its balls take a box"),
+              AllOf(HasSubstr("objects[0].tree: "),
+                    HasSubstr("box.sph: the bounding box of its spheres is"),
                     HasSubstr("give the \"unit\"")));
   EXPECT_THAT(ComplaintOf([&] { load(R"({"file": "none.sph"})"); }),
               AllOf(HasSubstr("objects[0].tree: "), HasSubstr("none.sph: No such file")));

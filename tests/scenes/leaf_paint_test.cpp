@@ -178,8 +178,8 @@ TEST(LeafPaint, SheetInsideABoxMakesNoLeafSoft) {
     parts.Add("gum", test::MakeSheet(0.0045, 1, [](double, double) { return 0.0; }),
               Vec3(0, 0.005 - below_the_top, 0));
     EXPECT_THAT(ComplaintOf([&] { parts.PaintGum(280); }),
-                HasSubstr("f.json:9: objects[0].regions[0]: covers no leaf of \"tooth\"; all of "
-                          "the part may lie inside others"))
+                HasSubstr("f.json:9: objects[0].regions[0]: covers no leaf of \"tooth\"; the part "
+                          "may lie entirely inside others"))
         << below_the_top;
     EXPECT_EQ(parts.Soft(), 0u);
   }

@@ -148,8 +148,8 @@ TEST_F(PalpateScene, SaysWhatAModeCanBeAndOfWhat) {
   const std::string bundle = folder + "/e.palpate";
   Run("build " + EggScene() + " -o " + bundle);
   const std::string built = Run("build " + bundle + " --mode balanced", 1);
-  EXPECT_THAT(built, HasSubstr("e.palpate: is a bundle, whose trees are built"));
-  EXPECT_THAT(built, HasSubstr("give the scene file or leave the mode"));
+  EXPECT_THAT(built, HasSubstr("e.palpate: is a bundle, whose trees cannot be changed"));
+  EXPECT_THAT(built, HasSubstr("give the scene file, or omit the mode"));
 }
 
 TEST_F(PalpateScene, ChecksScenesAndMeshes) {

@@ -235,7 +235,7 @@ TEST_F(IdentityTest, NeedsRulesByWhichNothingCanBeSentAgain) {
   SignAnew(Lab(), own_ / "governance.p7s", [](std::string& xml) {
     Replace(xml, "<metadata_protection_kind>ENCRYPT<", "<metadata_protection_kind>NONE<");
   });
-  EXPECT_THAT(Refusal(own_), AllOf(HasSubstr("governance.p7s: these rules, an earlier version's"),
+  EXPECT_THAT(Refusal(own_), AllOf(HasSubstr("governance.p7s: these rules, of an earlier version"),
                                    HasSubstr("palpate-identities renew FOLDER")));
   Lab().Script({"renew", own_.parent_path().parent_path()});
   EXPECT_EQ(Refusal(own_), "");

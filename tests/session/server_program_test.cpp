@@ -71,8 +71,8 @@ TEST(ServerProgram, RefusesAnEffectThatIsNotAsPassiveAsItSays) {
   Program refused = Server(Here({"--scene", scene, "--transport", "udp"}));
   EXPECT_EQ(refused.Exit(), 1);
   EXPECT_THAT(refused.Output(),
-              HasSubstr("swirls.json: is not usable: effect libpalpate_wrong_effect.so: says that "
-                        "it is passive, and gives the hand"));
+              HasSubstr("swirls.json: is not usable: effect libpalpate_wrong_effect.so: claims to "
+                        "be passive, but gives the hand"));
   EXPECT_THAT(refused.Output(), Not(HasSubstr("viscous")));
 }
 

@@ -116,7 +116,7 @@ TEST_F(TokensTest, KnowWhetherATokenIsStillTheSameOfTheSameRoleAndName) {
   holder.hash.fill(0xaa);
   EXPECT_TRUE(found("watch a " + hash_).Has(holder));
   EXPECT_TRUE(found("drive b " + other + "\nwatch a " + hash_).Has(holder));
-  EXPECT_FALSE(found("watch a " + other).Has(holder)) << "another token of that name";
+  EXPECT_FALSE(found("watch a " + other).Has(holder)) << "already has a token";
   EXPECT_FALSE(found("drive a " + hash_).Has(holder)) << "another role";
   EXPECT_FALSE(found("watch b " + hash_).Has(holder)) << "another name";
   EXPECT_EQ(found("drive b " + other + "\nwatch a " + hash_).size(), 2u);

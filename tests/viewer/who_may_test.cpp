@@ -365,7 +365,7 @@ TEST_F(Guarded, HoldAsBeforeWhereTheFileIsBrokenWhenItIsReadAnew) {
   ASSERT_TRUE(watcher.open());
   std::ofstream(path_, std::ios::app) << "dance x y\n";
   gateway.program().Signal(SIGHUP);
-  EXPECT_TRUE(gateway.Logs(":4: role 'dance' is not a role; give watch, drive or operate"));
+  EXPECT_TRUE(gateway.Logs("role 'dance' is not known; give watch, drive or operate"));
   EXPECT_TRUE(gateway.Logs("the tokens read before remain valid"));
   std::filesystem::remove(path_);
   gateway.program().Signal(SIGHUP);
@@ -383,7 +383,7 @@ TEST_F(Guarded, DropsWhoseTokenIsTakenBackThoughItReadsNothing) {
   std::ofstream(path_) << "";
   const std::string only = Make("watch", "only");
   gateway.program().Signal(SIGHUP);
-  ASSERT_TRUE(gateway.Logs("1 tokens are valid; connections that end for it: 1"));
+  ASSERT_TRUE(gateway.Logs("1 tokens are valid; connections closed: 1"));
   EXPECT_TRUE(gateway.HasViewers(0, Bearing(only)));
 }
 
@@ -602,7 +602,7 @@ TEST(PageCertificate, IsRefusedForNamesThatItsAuthorityDoesNotVouchForOrNobodyCa
   // Names of a kind that the authority has none of are refused, too.
   EXPECT_THAT(Certify(folder, {"other.example"}, 1), HasSubstr("cannot certify other.example"));
   EXPECT_THAT(Certify(folder, {"10.0.0.5"}, 1), HasSubstr("cannot certify 10.0.0.5"));
-  EXPECT_THAT(Certify(folder, {"Page.example"}, 2), HasSubstr("small letters"));
+  EXPECT_THAT(Certify(folder, {"Page.example"}, 2), HasSubstr("in lower case"));
   EXPECT_THAT(Certify(folder, {"10.0.0.256"}, 2), HasSubstr("10.0.0.256"));
   EXPECT_THAT(Certify(folder, {}, 2), HasSubstr("NAME"));
   EXPECT_TRUE(std::filesystem::exists(folder + "/page/cert.pem"));

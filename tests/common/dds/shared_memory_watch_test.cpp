@@ -15,7 +15,7 @@ namespace {
 using std::chrono::milliseconds;
 using testing::ExitedWithCode;
 
-constexpr const char* kRemedy = "shared memory hangs \\(a test\\).*start iox-roudi anew";
+constexpr const char* kRemedy = "shared memory hangs \\(a test\\).*restart iox-roudi";
 
 class SharedMemoryWatchDeathTest : public testing::Test {
  protected:

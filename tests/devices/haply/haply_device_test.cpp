@@ -138,7 +138,7 @@ TEST_F(HaplyWithForce, LosesItsForceWithItsGripItsCalibrationAndByAJump) {
 TEST_F(Haply, SaysWhatToDoWhereThereIsNoServiceOrNoDevice) {
   EXPECT_THAT(OpeningError("1234"), HasSubstr("has no device '1234'"));
   service.LieFirst("hello");
-  EXPECT_THAT(OpeningError(), HasSubstr("does not speak as the Inverse Service does"));
+  EXPECT_THAT(OpeningError(), HasSubstr("the answer is not from an Inverse Service"));
   service.Die();
   EXPECT_THAT(OpeningError(), HasSubstr("no Inverse Service at ws://127.0.0.1:"));
   EXPECT_THAT(OpeningError(), HasSubstr("PALPATE_HAPLY_SERVICE"));
@@ -207,8 +207,8 @@ TEST(InverseMessage, RefusesAFirstMessageWithoutTheDeviceInWords) {
   const auto complaint = [](const std::string& text, const std::string& wanted) {
     return ComplaintOf([&] { ParseInventory(text, wanted); });
   };
-  EXPECT_THAT(complaint("", ""), HasSubstr("does not speak as the Inverse Service"));
-  EXPECT_THAT(complaint("[1]", ""), HasSubstr("does not speak as the Inverse Service"));
+  EXPECT_THAT(complaint("", ""), HasSubstr("the answer is not from an Inverse Service"));
+  EXPECT_THAT(complaint("[1]", ""), HasSubstr("the answer is not from an Inverse Service"));
   for (const char* none : {"{}", R"({"inverse3":[]})", R"({"inverse3":7})", R"({"inverse3":[7]})",
                            R"({"inverse3":[{"device_id":7}]})"}) {
     EXPECT_THAT(complaint(none, ""), HasSubstr("has no device; plug it in")) << none;

@@ -84,7 +84,8 @@ TEST(PluginStation, SaysWhichFunctionHangsAndStillEnds) {
   ASSERT_TRUE(server.Says("ready: ", 60.0)) << server.Output();
   Program station = Station(PALPATE_WRONG_DRIVER, {"--device-name", "hangs"});
   EXPECT_TRUE(station.Says(
-      "palpate_device_read did not return for 20 ms; palpate_device_stop took the force off", 60.0))
+      "palpate_device_read did not return for 20 ms; palpate_device_stop turned the force off",
+      60.0))
       << station.Output();
   station.Signal(SIGINT);
   EXPECT_EQ(station.Exit(), 0) << station.Output();

@@ -163,7 +163,7 @@ TEST_F(SealedTest, OfAnotherPersonIsRefusedUnderWhateverName) {
   EXPECT_THAT(Refused(), HasSubstr("it is the seal of trials/4/press/1.mcap, and lies beside"));
   // Also if the recording was replaced before it was sealed.
   SealIt(kAnna, 3, "Anna");
-  EXPECT_THAT(Refused(), HasSubstr("of station 'Ben', and not of 'Anna'"));
+  EXPECT_THAT(Refused(), HasSubstr("of station 'Ben', not of 'Anna'"));
   EXPECT_EQ(Verified().trials.at(1).refused, "");
 }
 

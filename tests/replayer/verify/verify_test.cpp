@@ -227,7 +227,7 @@ TEST_F(VerifyTest, ComputesAgainWhatCanBeAndSaysWhereThatEnds) {
         {"no wrench at all",
          {.wrenches_lost = UpTo(kPoses)},
          0,
-         "no wrench of it, and 300 poses"}}) {
+         "it has 300 poses, but no wrench"}}) {
     SCOPED_TRACE(what);
     const SessionVerdict verdict = VerdictOf(story);
     EXPECT_EQ(verdict.good(), *ends == '\0');
@@ -427,7 +427,8 @@ TEST_F(VerifyTest, LeavesOutTheLastWrenchesOfARecordingThatWasCutOffBeforeTheirP
   EXPECT_TRUE(verification.good()) << ToText(verification);
   EXPECT_EQ(Only(verification).verified, kPoses - 2);
   EXPECT_EQ(Only(verification).cut_off, 2u);
-  EXPECT_THAT(ToText(verification), HasSubstr("2 more at its end answer poses that were cut off"));
+  EXPECT_THAT(ToText(verification),
+              HasSubstr("2 more at its end answer poses after the end of the recording"));
 }
 
 TEST_F(VerifyTest, RefusesWhatHasChangedOnTheDisk) {

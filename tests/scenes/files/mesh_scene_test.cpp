@@ -104,7 +104,7 @@ TEST(LoadScene, SaysWhatToBringInPlaceOfWhatIsNeitherSceneNorMesh) {
   const std::string folder = FreshFolder();
   const std::string step = WriteFile(folder + "/part.step", "ISO-10303-21;\nHEADER;\n");
   EXPECT_THAT(ComplaintOf([&] { LoadScene(step); }),
-              HasSubstr("part.step: is neither a scene nor a mesh that can be read; give a scene "
+              HasSubstr("part.step: is neither a scene nor a supported mesh; give a scene "
                         "file (.json), a bundle (.palpate), or export the mesh as .stl"));
 }
 

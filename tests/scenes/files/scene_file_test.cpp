@@ -181,9 +181,9 @@ TEST(SceneFile, ReadsWhichFileTheLeavesAreFrom) {
   EXPECT_FALSE(body.tree.align);
   const auto complaint = [&](const std::string& tree) { return ComplaintOf([&] { with(tree); }); };
   EXPECT_THAT(complaint(R"({"file": "o.sph"}, "leaves": 8)"),
-              HasSubstr("objects[0].leaves: is not to be given where \"tree\" names a file"));
+              HasSubstr("objects[0].leaves: has no effect if \"tree\" names a file"));
   EXPECT_THAT(complaint("\"cover\""), HasSubstr("leaves is missing"));
-  EXPECT_THAT(complaint(R"({"file": "o.ply"})"), HasSubstr("tree.file: is no .sph file"));
+  EXPECT_THAT(complaint(R"({"file": "o.ply"})"), HasSubstr("tree.file: is not a .sph file"));
   EXPECT_THAT(complaint(R"({"level": 2})"), HasSubstr("file is missing"));
   EXPECT_THAT(complaint(R"({"file": "o.sph", "level": 0})"), HasSubstr("tree.level: 0 is not"));
   EXPECT_THAT(complaint(R"({"file": "o.sph", "mode": "cover"})"),
@@ -256,7 +256,7 @@ TEST(SceneFile, BeginsWholeWhereItSaysSoAndSomethingIsCut) {
   EXPECT_FALSE(ParseScene(with("false", wears), "f.json").whole_at_start);
   EXPECT_FALSE(ParseScene(kGood, "f.json").whole_at_start);
   EXPECT_THAT(ComplaintOf([&] { ParseScene(with("true", "\"material\": {}"), "f.json"); }),
-              HasSubstr("whole_at_start: has no effect where nothing goes"));
+              HasSubstr("whole_at_start: has no effect, since nothing can be cut"));
   EXPECT_THAT(ComplaintOf([&] { ParseScene(with("1", wears), "f.json"); }),
               HasSubstr("true or false"));
 }
@@ -329,7 +329,8 @@ INSTANTIATE_TEST_SUITE_P(
             "\"leaves\": {\"tolerance_um\": 9, \"most_leaves\": 1e9}",
             "objects[0].leaves.most_leaves: 1e+09 is not"},
         Bad{"LeavesInWords", "\"leaves\": 100", "\"leaves\": \"many\"",
-            "f.json:7: objects[0].leaves: \"many\" is no count; give a number, \"auto\" or"},
+            "f.json:7: objects[0].leaves: \"many\" is not a number of leaves; give a number, "
+            "\"auto\" or"},
         Bad{"UnknownField", "\"leaves\": 100", "\"leafs\": 100",
             "f.json:7: objects[0].leafs: there is no such field; did you mean \"leaves\"?"},
         Bad{"UnknownTopField", "\"objects\"", "\"object\"", "did you mean \"objects\"?"},
@@ -362,15 +363,15 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"UnknownContact", "\"objects\"", "\"contact\": \"mesh\", \"objects\"",
             "contact: \"mesh\" is not known; give one of surface, spheres"},
         Bad{"FrictionOfNothing", "\"objects\"", "\"friction\": \"coulomb\", \"objects\"",
-            "friction: no object's material has friction; add static_friction"},
+            "friction: no material of an object has friction; add static_friction"},
         Bad{"MaterialOfATool", "\"leaves\": 1,", "\"leaves\": 1, \"material\": {},",
             "tools[0].material: there is no such field"},
         BadMaterial("TwoStiffnesses",
                     "\"stiffness_N_per_m\": 1, \"youngs_modulus_Pa\": 1, \"thickness_mm\": 1",
                     "youngs_modulus_Pa: the stiffness is given twice; keep"),
         BadMaterial("ModulusWithoutThickness", "\"youngs_modulus_Pa\": 1",
-                    "youngs_modulus_Pa: says nothing without the layer's thickness; add"),
-        BadMaterial("ThicknessAlone", "\"thickness_mm\": 1", "thickness_mm: belongs to a Young's"),
+                    "youngs_modulus_Pa: needs the thickness of the layer; add"),
+        BadMaterial("ThicknessAlone", "\"thickness_mm\": 1", "thickness_mm: needs a Young's"),
         BadMaterial("NoThickness", "\"youngs_modulus_Pa\": 1, \"thickness_mm\": 0",
                     "thickness_mm: 0.000000 is not allowed"),
         BadMaterial("NegativeStiffness", "\"stiffness_N_per_m\": -1",
@@ -381,14 +382,13 @@ INSTANTIATE_TEST_SUITE_P(
                     "static_friction: -0.1 is not"),
         BadMaterial("ForgottenPoint", "\"static_friction\": 80", "give a number from 0 to 10"),
         BadMaterial("Hardness", "\"hardness_J\": 1e-3",
-                    "hardness_J: is of no use any more: what is scraped off is cut; give the "
-                    "object \"grid_um\""),
+                    "hardness_J: is no longer supported; instead give the object \"grid_um\""),
         BadMaterial("UnknownProperty", "\"friction\": 1", "friction: there is no such field"),
         BadRegion("RegionOfNothing", "\"material\": {}", "regions[0]: must say what it paints"),
         BadRegion("RegionTwice",
                   "\"group\": \"a\", \"sphere\": {\"centre_mm\": [0, 0, 0], \"radius_mm\": 1}, "
                   "\"material\": {}",
-                  "regions[0]: must say what it paints in one way"),
+                  "regions[0]: must say what it paints"),
         BadRegion("RegionWithoutMaterial", "\"group\": \"a\"", "regions[0]: material is missing"),
         BadRegion("EmptyBox",
                   "\"box\": {\"min_mm\": [0, 0, 2], \"max_mm\": [1, 1, 1]}, \"material\": {}",
@@ -406,11 +406,11 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"CurvedSpheres", "\"unit\": \"mm\"}, \"leaves\": 100}\n  ]",
             "\"unit\": \"mm\", \"curved\": {\"tolerance_um\": 3}}, \"leaves\": 100}\n  ], "
             "\"contact\": \"spheres\"",
-            "objects[0].mesh.curved: has no effect where the contact is of spheres; drop it"},
+            "objects[0].mesh.curved: has no effect with sphere contact; drop it"},
         Bad{"CurvedSoftObject", "\"unit\": \"mm\"}",
             "\"unit\": \"mm\", \"curved\": {\"tolerance_um\": 3}}, "
             "\"material\": {\"stiffness_N_per_m\": 500}",
-            "objects[0].mesh.curved: has no effect on an object that is soft"},
+            "objects[0].mesh.curved: has no effect on a soft object"},
         Bad{"CurvedBall", "\"radius_m\": 0.005",
             "\"radius_m\": 0.005, \"curved\": {\"tolerance_um\": 3}",
             "f.json:3: tools[0].mesh.curved: has no effect on a tool of one leaf"},

@@ -76,10 +76,11 @@ TEST(ObjReader, KnowsObjectsAndTheGroupsInThem) {
 
 TEST(ObjReader, SaysWhichLineIsNone) {
   const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
-  EXPECT_THAT(Complaint("a.obj", three + "f 1 2 x\n"),
-              AllOf(StartsWith("a.obj: line 4: 'x' is no corner"), HasSubstr("export it again")));
-  EXPECT_THAT(Complaint("a.obj", three + "f 0 1 2\n"), HasSubstr("'0' is no corner"));
-  EXPECT_THAT(Complaint("a.obj", three + "f 1 2 -4\n"), HasSubstr("'-4' is no corner"));
+  EXPECT_THAT(
+      Complaint("a.obj", three + "f 1 2 x\n"),
+      AllOf(StartsWith("a.obj: line 4: 'x' is not a corner"), HasSubstr("export it again")));
+  EXPECT_THAT(Complaint("a.obj", three + "f 0 1 2\n"), HasSubstr("'0' is not a corner"));
+  EXPECT_THAT(Complaint("a.obj", three + "f 1 2 -4\n"), HasSubstr("'-4' is not a corner"));
   EXPECT_THAT(Complaint("a.obj", three + "f 1 2 9\n"), HasSubstr("its face 1 names vertex 9 of 3"));
   EXPECT_THAT(Complaint("a.obj", "\r\nv 1,5 2 3\r\n"), HasSubstr("line 2: '1,5' is not a number"));
   EXPECT_THAT(Complaint("a.obj", "v 1 2\n"), HasSubstr("line 1: a vertex has fewer than three"));
@@ -186,7 +187,7 @@ TEST(PlyReader, ReadsStripsOfTriangles) {
 TEST(PlyReader, SaysWhatItsHeaderLacks) {
   const std::string plain = test::PlyOf(WrittenBox(), false);
   EXPECT_THAT(Complaint("a.ply", With(plain, "property double y", "property duoble y")),
-              HasSubstr("no known type, 'duoble'"));
+              HasSubstr("an unknown type, 'duoble'"));
   EXPECT_THAT(Complaint("a.ply", With(plain, "property double y", "proprety double y")),
               HasSubstr("a line that begins with 'proprety'"));
   EXPECT_THAT(Complaint("a.ply", With(plain, "double y", "double j")), HasSubstr("no x, y or z"));
@@ -357,7 +358,7 @@ TEST(GltfReader, RefusesWhatReachesBeyondItsBuffer) {
 
 TEST(MeshReader, SaysWhatANameLacks) {
   EXPECT_THAT(Complaint("folder/tooth", "solid"),
-              AllOf(StartsWith("folder/tooth: its name has no ending"), HasSubstr(".stl")));
+              AllOf(StartsWith("folder/tooth: its name has no extension"), HasSubstr(".stl")));
   EXPECT_THAT(Complaint("a.step", "x"), HasSubstr("the format \"step\" is not known"));
 }
 

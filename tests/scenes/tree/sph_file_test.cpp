@@ -77,10 +77,10 @@ TEST(SphFile, SaysInWhichLineItIsDamaged) {
   EXPECT_THAT(ComplaintAbout("-3 8\n0 0 0 1 1\n"), HasSubstr("-3 levels are not possible"));
   std::string bad = text;
   bad.replace(bad.find("0.250000"), 8, "nan     ");
-  EXPECT_THAT(ComplaintAbout(bad), StartsWith("tree.sph:4: is no node"));
+  EXPECT_THAT(ComplaintAbout(bad), StartsWith("tree.sph:4: is not a node"));
   bad = text;
   bad.replace(bad.find("0.250000"), 8, "1e400   ");
-  EXPECT_THAT(ComplaintAbout(bad), StartsWith("tree.sph:4: is no node"));
+  EXPECT_THAT(ComplaintAbout(bad), StartsWith("tree.sph:4: is not a node"));
   bad = text;
   bad.replace(bad.find("0.500000"), 8, "-inf    ");
   EXPECT_THAT(ComplaintAbout(bad), StartsWith("tree.sph:3: has no finite number"));

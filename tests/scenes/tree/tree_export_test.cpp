@@ -135,7 +135,7 @@ TEST(TreeExport, SaysWhatItCannotWrite) {
   const auto complaint = [&](const TreeExportOptions& options, const std::string& file) {
     return ComplaintOf([&] { ExportTree(body, options, file); });
   };
-  EXPECT_THAT(complaint({}, "egg.obj"), HasSubstr("egg.obj: the ending says what is written"));
+  EXPECT_THAT(complaint({}, "egg.obj"), HasSubstr("egg.obj: the extension must be .sph"));
   EXPECT_THAT(complaint({.level = 4}, "egg.ply"), HasSubstr("has levels 1 to 3"));
   EXPECT_THAT(complaint({.level = 0}, "egg.ply"), HasSubstr("has levels 1 to 3"));
   EXPECT_THAT(complaint({.level = {}, .unit = "mm"}, "egg.glb"), HasSubstr("always in metres"));
