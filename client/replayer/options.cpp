@@ -208,11 +208,11 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
       "scene of the catalogue that burs cut, such as crown; default: criteria for probing");
 
   std::string format = "csv";
-  const CommandLine columns = app.AddCommand(
-      "export",
-      "export a recording as columns for figures, or what burs left as meshes and a scene\n"
-      "Columns are poses, wrenches, contacts and the limiter's interventions; METHODS.md\n"
-      "has the text for a paper's methods section.");
+  const CommandLine columns =
+      app.AddCommand("export",
+                     "export a recording as columns for figures, or what burs left as meshes\n"
+                     "Columns are poses, wrenches, contacts and the limiter's interventions;\n"
+                     "METHODS.md has the text for a paper's methods section.");
   columns.Footer(kExportExamples);
   columns.Add("files", options.columns.files, "a recording, or its split files in order")
       .Required();

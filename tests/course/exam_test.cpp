@@ -67,7 +67,7 @@ TEST(ExamFile, IsReadAndRefusedWithFileLineAndRemedy) {
               HasSubstr("time_s"));
   EXPECT_THAT(complaint(R"({"title": "A", "time_s": 60, "people": ["A", "A"],
                             "tasks": [{"exercise": "light-force"}]})"),
-              HasSubstr("people[1]: stands there twice"));
+              HasSubstr("people[1]: is listed twice"));
 }
 
 class ExamTest : public testing::Test {

@@ -71,10 +71,10 @@ TEST_F(ExerciseTest, NamesFileLineAndFieldOfWhatIsWrong) {
   EXPECT_THAT(Complaint("\"time_s\": 60", "\"time_s\": 0"), HasSubstr("limits.time_s"));
   EXPECT_THAT(Complaint("\"trials\": 3", "\"trials\": 0"), HasSubstr("trials"));
   EXPECT_THAT(Complaint("{\"en\": \"A light hand\", \"de\": \"Leichte Hand\"}", "{}"),
-              HasSubstr("title: says nothing"));
+              HasSubstr("title: is empty"));
   EXPECT_THAT(Complaint("\"instruction\": {", R"("instruction": {"pictures":
                         [{"file": "../a.png", "text": "x"}], )"),
-              HasSubstr("pictures[0].file: lies elsewhere"));
+              HasSubstr("pictures[0].file: is not in the exercise's folder"));
   EXPECT_THAT(Complaint("\"goal\"", R"("expert": "mine.path.json", "goal")"),
               HasSubstr("expert: there is no file"));
 }

@@ -179,7 +179,7 @@ TEST_F(Processor, NeedsAnIsolatedCoreWithoutTicks) {
 
 TEST_F(Processor, OfTwoCoresIsNotToldToGiveOneAway) {
   Has({{"online", "0-1"}});
-  EXPECT_THAT(CheckIsolatedCores(host.files), IsWarning("2 cores: none to spare"));
+  EXPECT_THAT(CheckIsolatedCores(host.files), IsWarning("2 cores: too few to reserve one"));
   EXPECT_THAT(CheckIsolatedCores(host.files).remedy, testing::Not(testing::HasSubstr("isolcpus")));
 }
 

@@ -120,7 +120,7 @@ dds::Network On(const std::string& interface, const std::vector<std::string>& pe
 
 TEST(Network, MustBeThereAndUpAndHaveMulticastOrAPeer) {
   EXPECT_THAT(CheckNetwork(kInterfaces, {}), IsOk());
-  EXPECT_THAT(CheckNetwork({}, {}), IsFault("lo is not there", "ip link set lo up"));
+  EXPECT_THAT(CheckNetwork({}, {}), IsFault("lo does not exist", "ip link set lo up"));
   EXPECT_THAT(CheckNetwork(kInterfaces, On("eth0")), IsOk());
   EXPECT_THAT(CheckNetwork(kInterfaces, On("eht0")), IsFault("eht0", "lo eth0 wg0"));
   EXPECT_THAT(CheckNetwork(kInterfaces, On("eth1")), IsFault("down", "ip link set eth1 up"));

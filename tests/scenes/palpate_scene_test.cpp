@@ -142,7 +142,7 @@ TEST_F(PalpateScene, ExportsTreesAndTakesThemBack) {
 }
 
 TEST_F(PalpateScene, SaysWhatAModeCanBeAndOfWhat) {
-  const std::string unknown = Run("build " + EggScene() + " --modeside", 2);
+  const std::string unknown = Run("build " + EggScene() + " --mode outside", 2);
   EXPECT_THAT(unknown, HasSubstr("inside"));
   EXPECT_THAT(unknown, HasSubstr("balanced"));
   const std::string bundle = folder + "/e.palpate";

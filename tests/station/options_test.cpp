@@ -85,7 +85,7 @@ TEST(StationOptions, NamesTheArgumentThatIsWrong) {
   EXPECT_THAT(Complaint({"--device", "omega", "--scene", "cube", "--id", "a"}),
               HasSubstr("is not a device; give one of forcedimension, haply, mouse, openhaptics, "
                         "./DRIVER.so, scripted, simulated, spacemouse"));
-  EXPECT_THAT(with({"--model", "omni"}), HasSubstr("have: premium-3.0, premium-1.5, touch"));
+  EXPECT_THAT(with({"--model", "omni"}), HasSubstr("give one of premium-3.0, premium-1.5, touch"));
   EXPECT_THAT(with({"--rate", "5000"}), HasSubstr("--rate 5000"));
   EXPECT_THAT(with({"--scale", "0"}), HasSubstr("--scale"));
   EXPECT_THAT(with({"--max-force", "0"}), HasSubstr("--max-force"));

@@ -110,7 +110,7 @@ TEST_F(ForceDimension, IsFoundByItsSerialNumberAlone) {
   options.arm = "4711";
   EXPECT_EQ(OpeningError(options), "");
   options.arm = "4712";
-  EXPECT_THAT(OpeningError(options), HasSubstr("with serial number 4712 does not open"));
+  EXPECT_THAT(OpeningError(options), HasSubstr("with serial number 4712 cannot be opened"));
   options.arm = "left";
   EXPECT_THAT(OpeningError(options), HasSubstr("--device-name 'left': give the arm's serial"));
 }

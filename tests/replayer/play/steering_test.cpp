@@ -193,7 +193,7 @@ TEST_F(SteeringTest, RefusesWhatCannotBeDoneAndSaysWhy) {
   EXPECT_THAT(RefusalOf(Request(palpate_REPLAY_ADD_BOOKMARK, 1.0, "")), HasSubstr("name"));
   EXPECT_THAT(RefusalOf(Request(palpate_REPLAY_ADD_BOOKMARK, 1.0, std::string(120, 'a'))),
               HasSubstr("shorten"));
-  EXPECT_THAT(RefusalOf(Request(palpate_REPLAY_DROP_BOOKMARK, 1.0)), HasSubstr("gone"));
+  EXPECT_THAT(RefusalOf(Request(palpate_REPLAY_DROP_BOOKMARK, 1.0)), HasSubstr("no longer exists"));
   EXPECT_FALSE(std::filesystem::exists(Bookmarks::FileFor(file_)));
   // A wish that needs no number is not refused for one.
   EXPECT_TRUE(Answered(Wish(Request(palpate_REPLAY_PAUSE, nan))));
@@ -209,7 +209,7 @@ TEST_F(SteeringTest, KeepsBookmarksAndTellsOfThem) {
   const Bookmarks kept(Bookmarks::FileFor(file_));
   ASSERT_EQ(kept.all().size(), 2u);
   EXPECT_DOUBLE_EQ(kept.all()[1].at_s, 11.98);
-  EXPECT_THAT(RefusalOf(Request(palpate_REPLAY_DROP_BOOKMARK, 1.5)), HasSubstr("gone"));
+  EXPECT_THAT(RefusalOf(Request(palpate_REPLAY_DROP_BOOKMARK, 1.5)), HasSubstr("no longer exists"));
   EXPECT_EQ(RefusalOf(Request(palpate_REPLAY_DROP_BOOKMARK, 1.0)), "");
   EXPECT_TRUE(Eventually([&] { return TakeContents() && Bookmarked().size() == 1; }));
   EXPECT_THAT(Bookmarked(), ElementsAre("the end"));

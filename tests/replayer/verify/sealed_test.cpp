@@ -133,7 +133,7 @@ TEST_F(SealedTest, OfWhichAnyByteIsFlippedIsRefused) {
 
 TEST_F(SealedTest, ThatIsCutIsRefused) {
   fs::resize_file(folder_ / (kAnna + ".mcap"), 1000);
-  EXPECT_THAT(Refused(), HasSubstr("is cut: 1000 of "));
+  EXPECT_THAT(Refused(), HasSubstr("is truncated: 1000 of "));
   fs::remove(folder_ / (kAnna + ".mcap"));
   EXPECT_THAT(Refused(), HasSubstr("is not there"));
 }
@@ -200,7 +200,8 @@ TEST_F(SealedTest, ThatIsLeftOutIsMissedAndWhatWasNotHandedInIsRefused) {
   WriteRoll({anna, ben});
   EXPECT_TRUE(Verified().good());
   fs::remove(folder_ / (kBen + kSealEnding));
-  EXPECT_THAT(Verified().missing.at(0), HasSubstr("Ben, task 1: trials/4/press/1.mcap was handed"));
+  EXPECT_THAT(Verified().missing.at(0),
+              HasSubstr("Ben, task 1: trials/4/press/1.mcap was submitted"));
   WriteRoll({ben});
   EXPECT_THAT(Refused(), HasSubstr("not on the exam's roll"));
   Write("exams/midterm-1.roll.json", "{}");

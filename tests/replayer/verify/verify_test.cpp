@@ -410,7 +410,7 @@ TEST_F(VerifyTest, SaysThatAnAnswerComesAgain) {
     wrench.answer = 217;
     return true;
   });
-  EXPECT_THAT(Only(twice).ends, HasSubstr("answer 217 comes again"));
+  EXPECT_THAT(Only(twice).ends, HasSubstr("answer 217 is repeated"));
 }
 
 TEST_F(VerifyTest, VerifiesWhatIsThereOfARecordingThatWasCutOff) {

@@ -341,7 +341,7 @@ TEST_F(EffectsTest, BundleLoadsTheSameFileAndRefusesAnother) {
   WriteBytes(bundle, PackScene(scene));
   const auto error = [&] { return ComplaintOf([&] { LoadScene(bundle); }); };
   EXPECT_THAT(error(), AllOf(HasSubstr("mine.palpate: was made with an effect mine.so of the hash"),
-                             HasSubstr("which was not found; put that one beside it")));
+                             HasSubstr("which was not found; put that file beside it")));
   std::filesystem::copy(PALPATE_BIN_DIR "/effects/stick.so", mine);
   EXPECT_THAT(error(), HasSubstr(mine + " is another one (hash "));
   setenv("PALPATE_EFFECTS", ("/nowhere:" + (folder_ / "made")).c_str(), 1);
