@@ -171,14 +171,14 @@ TEST_F(CrtkProgram, TakesCommandsAndPullsTheHandOnlyWhileItIsAskedTo) {
     return SteadyNanoseconds() - aim_ns > Guide::kSilent_ns;
   }));
 
+  peer.Tell("command dance");
+  EXPECT_TRUE(bridge.Says("not done"));
   peer.Tell("command pause");
   EXPECT_TRUE(
       Becomes(peer, [](const json& r) { return r["operating_state"]["state"] == "PAUSED"; }));
   peer.Tell("command resume");
   EXPECT_TRUE(
       Becomes(peer, [](const json& r) { return r["operating_state"]["state"] == "ENABLED"; }));
-  peer.Tell("command dance");
-  EXPECT_TRUE(bridge.Says("not done"));
   bridge.Signal(SIGINT);
   EXPECT_EQ(bridge.Exit(), 0);
 }

@@ -384,7 +384,7 @@ TEST_F(LoadedScene, TakesAToleranceForThatOfTheSceneFile) {
   WriteFileAtomically(bundle, PackScene(Load()));
   options_.leaves = LeafTolerance{};
   EXPECT_THAT(ComplaintOf([&] { LoadScene(bundle, options_); }),
-              AllOf(HasSubstr("b.palpate: is a bundle"), HasSubstr("leave the tolerance")));
+              AllOf(HasSubstr("b.palpate: is a bundle"), HasSubstr("omit the tolerance")));
 }
 
 TEST_F(LoadedScene, TellsHowMuchOfTheWholeSceneIsDoneWithoutGoingBack) {

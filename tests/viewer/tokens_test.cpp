@@ -134,7 +134,7 @@ TEST_F(TokensTest, NameTheLineThatIsWrong) {
            {"drive b " + other + "0", "64 hexadecimal digits"},
            {"drive b " + std::string(63, 'b') + "g", "64 hexadecimal digits"},
            {"drive b " + other + " more", "no more"},
-           {"drive " + std::string(33, 'n') + " " + other, "at most 32"},
+           {"drive " + std::string(33, 'n') + " " + other, "32 at most"},
            {"drive b/ " + other, "a name has"},
            {"drive a " + other, "is listed twice"},
            {"drive b " + hash_, "has the token of 'a'"}}) {

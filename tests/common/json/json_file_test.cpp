@@ -60,7 +60,8 @@ TEST(JsonFile, RefusesWhatIsNotJsonAndSaysWhere) {
   EXPECT_THAT(Complaint("", nothing), HasSubstr("f.json:1: this is not JSON"));
   EXPECT_THAT(Complaint("{\"a\": 1} trailing", nothing), HasSubstr("this is not JSON"));
   EXPECT_THAT(Complaint("{\"a\": 1e999}", nothing), HasSubstr("this is not JSON"));
-  EXPECT_THAT(Complaint("{\"a\": 1,\n\"a\": 2}", nothing), HasSubstr("f.json:2: a: stands twice"));
+  EXPECT_THAT(Complaint("{\"a\": 1,\n\"a\": 2}", nothing),
+              HasSubstr("f.json:2: a: is given twice"));
   EXPECT_THAT(Complaint(std::string(1000, '['), nothing), HasSubstr("nested too deep"));
 }
 
@@ -80,7 +81,7 @@ TEST(JsonFile, RefusesRotationsThatAreNone) {
               HasSubstr("give a unit quaternion"));
   EXPECT_THAT(Complaint("{\"quaternion_wxyz\": [1, 0, 0]}", read), HasSubstr("give four numbers"));
   EXPECT_THAT(Complaint("{\"rotation_deg\": {\"axis\": [0, 0, 0], \"angle\": 1}}", read),
-              HasSubstr("rotation_deg.axis: has no length"));
+              HasSubstr("rotation_deg.axis: has length 0"));
   EXPECT_THAT(Complaint("{\"rotation_deg\": {\"axis\": [0, 0, 1], \"angle\": 1e308}}", read),
               HasSubstr("rotation_deg.angle: 1e+308 is not allowed; give a number from"));
   EXPECT_THAT(Complaint("{\"position_mm\": [0, 1e300, 0]}", read),
@@ -117,7 +118,7 @@ TEST(JsonNode, FindsAKeyThatStandsTwiceAmongMany) {
   std::string text = "{";
   for (int i = 0; i < 200'000; ++i) text += "\"k" + std::to_string(i) + "\":0,\n";
   EXPECT_THAT(ComplaintOf([&] { JsonNode::Parse(text + "\"k7\":1}", "keys.json"); }),
-              HasSubstr("keys.json:200001: k7: stands twice"));
+              HasSubstr("keys.json:200001: k7: is given twice"));
 }
 
 }  // namespace

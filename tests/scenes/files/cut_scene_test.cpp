@@ -170,7 +170,7 @@ TEST(CutScene, NamesTheFieldAndTheRemedyOfWhatCannotBeCut) {
     std::string tool, block;
     const char* complaint;
   } bad[] = {
-      {kBallBur, R"("leaves": 8)", "tools[0].mesh: is a bur, and nothing can be cut"},
+      {kBallBur, R"("leaves": 8)", "tools[0].mesh: is a bur, but nothing can be cut"},
       {kBallBur, R"("grid_um": 100)", "add cutting_pressure_MPa"},
       {kBallBur, R"("grid_um": 10, "material": {"cutting_pressure_MPa": 1})",
        "objects[0].grid_um: 10 is not allowed; give a number from 25 to 200"},

@@ -139,15 +139,15 @@ TEST(StlReader, PassesOverWhatStandsBehindButNoFacet) {
   std::string fewer = whole;
   fewer[80] = 11;
   EXPECT_THAT(Complaint("fewer.stl", fewer),
-              HasSubstr("fewer.stl: it declares 11 facets, and at least 12 are there"));
+              HasSubstr("fewer.stl: it declares 11 facets, and at least 12 are present"));
   fewer[80] = 13;
-  EXPECT_THAT(Complaint("more.stl", fewer), HasSubstr("declares 13 facets, and 12 are there"));
+  EXPECT_THAT(Complaint("more.stl", fewer), HasSubstr("declares 13 facets, and 12 are present"));
 }
 
 TEST(StlReader, SaysWhichLineIsNone) {
   const std::string plain = test::TextStlOf(WrittenBox());
   EXPECT_THAT(Complaint("a.stl", With(plain, "vertex 1 ", "vertex one ")),
-              HasSubstr("is no number; the file is damaged"));
+              HasSubstr("is not a number; the file is damaged"));
   EXPECT_THAT(Complaint("a.stl", With(plain, "endloop", "endloup")),
               HasSubstr("line 7: 'endloup' stands where endloop should, after 0 whole facets"));
   EXPECT_THAT(Complaint("a.stl", "o box"), HasSubstr("it is not STL"));

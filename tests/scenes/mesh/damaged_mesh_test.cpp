@@ -48,7 +48,7 @@ TEST(DamagedMesh, OfTextCutAmongItsFacesSaysHowManyThereAre) {
   for (int line = 0; line < 8 + 5; ++line) end = text.find('\n', end) + 1;
   WriteFile(file, text.substr(0, end));
   EXPECT_THAT(Import(file), AllOf(StartsWith(file), HasSubstr("declares 12 elements 'face'"),
-                                  HasSubstr("5 are there"), HasSubstr("export")));
+                                  HasSubstr("5 are present"), HasSubstr("export")));
 }
 
 TEST(DamagedMesh, IsRefusedWhereverItIsCut) {

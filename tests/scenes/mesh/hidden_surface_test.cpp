@@ -34,7 +34,7 @@ TEST(HiddenSurface, BoxInsideABoxIsHiddenAndTheOuterOneIsNot) {
   EXPECT_THAT(hidden.of, ElementsAre("inner"));
   EXPECT_THAT(HiddenRemark(hidden, 1.0, "mm"),
               HasSubstr("parts overlap: 20 % of the surface lies inside other parts, as at ("));
-  EXPECT_THAT(HiddenRemark(hidden, 1.0, "mm"), HasSubstr(" mm, of \"inner\"; nothing touches"));
+  EXPECT_THAT(HiddenRemark(hidden, 1.0, "mm"), HasSubstr(" mm, of \"inner\"; nothing can touch"));
 }
 
 TEST(HiddenSurface, WhatStandsApartOrSideBySideHidesNothing) {
