@@ -230,7 +230,7 @@ TEST(CutScene, NamesTheRemedyOfABurThatIsNone) {
        "tools[0].speed_rpm: 500001 is not allowed; give a number from 0 to 500000"},
       {R"("bur": "001/014", "speed_rpm": 200000, "hum": {"teeth": 6, "share": 0.1})",
        "tools[0].hum.teeth: pass 20000 times per second, but a hum must have 1 to 400 Hz"},
-      {R"("bur": "001/014", "hum": {"teeth": 6, "share": 0.1})", "pass 0 times a second"},
+      {R"("bur": "001/014", "hum": {"teeth": 6, "share": 0.1})", "pass 0 times per second"},
       {R"("mesh": {"shape": "sphere", "radius_m": 0.001}, "speed_rpm": 1000)",
        "tools[0].speed_rpm: is for burs; drop it, or give the tool a \"bur\""},
   };
