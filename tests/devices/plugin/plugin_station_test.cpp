@@ -1,5 +1,6 @@
 // End to end: a third-party driver in palpate-doctor, and in palpate-station at a palpate-server.
 #include <csignal>
+#include <filesystem>
 
 #include <gmock/gmock.h>
 
@@ -50,7 +51,9 @@ TEST(PluginStation, FeelsTheCubeWithAnArmOfOnesOwnAndLosesTheForceWithTheServer)
       std::this_thread::sleep_for(std::chrono::milliseconds(100));  // a trace takes time to read
       server.Output();
       station.Output();
-      return so(ReadTrace(trace));
+      // Nothing is written yet of a station that has just begun.
+      std::error_code error;
+      return std::filesystem::file_size(trace, error) > 0 && !error && so(ReadTrace(trace));
     });
   };
   // At its deepest, a hand of 0.4 N/mm is 4 mm deep in a cube of 1 N/mm: 1.1 N.
