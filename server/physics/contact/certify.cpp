@@ -27,6 +27,25 @@ Index NearOf(std::int64_t doubt, std::int64_t room) {
   return static_cast<Index>(doubt & (room - 1));
 }
 
+/// Removes the least element of a heap.  Unlike std::pop_heap, it has no branch on which of two is
+/// less, which could not be predicted.
+std::int64_t PopLeast(std::vector<std::int64_t>& heap) {
+  const std::int64_t least = heap.front(), last = heap.back();
+  heap.back() = std::numeric_limits<std::int64_t>::max();
+  std::size_t hole = 0;
+  for (std::size_t child = 1; child + 1 < heap.size(); child = 2 * hole + 1) {
+    child += heap[child + 1] < heap[child] ? 1 : 0;
+    heap[hole] = heap[child];
+    hole = child;
+  }
+  for (; hole > 0 && last < heap[(hole - 1) / 2]; hole = (hole - 1) / 2) {
+    heap[hole] = heap[(hole - 1) / 2];
+  }
+  heap[hole] = last;
+  heap.pop_back();
+  return least;
+}
+
 /// Returns whether a unit direction separates a pair throughout the trial; if so, sets it
 /// as the pair's plane.
 bool HoldsAlong(MeshContact& contact, Index k, const Vec3& n, double least_before,
@@ -207,9 +226,7 @@ int Certify(MeshContact& contact, const Vec3& v, const Vec3& phi, Until until) n
     if (doubts.empty() || (moves && apart_not >= enough)) return apart_not;
     Batch batch;
     while (batch.pairs < kBatch && !doubts.empty()) {
-      std::pop_heap(doubts.begin(), doubts.end(), std::greater<>());
-      batch.pair[batch.pairs++] = NearOf(doubts.back(), near.room());
-      doubts.pop_back();
+      batch.pair[batch.pairs++] = NearOf(PopLeast(doubts), near.room());
     }
     for (; batch.at < batch.pairs; ++batch.at) {
       const bool ends = looks.AreSpent() || (moves && apart_not >= enough);

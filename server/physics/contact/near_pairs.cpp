@@ -10,7 +10,7 @@ NearPairs::NearPairs(int looks)
     : after_(std::min(RoomForNear(looks), SeparationFront::kMaxSlots)), storage_(9, after_.size()) {
   pairs_.reserve(after_.size());
   seen_.resize(SeparationFront::kMaxSlots);
-  found_.resize(SeparationFront::kMaxSlots);
+  found_.resize(SeparationFront::kMaxSlots + 8);
   for (std::size_t c = 0; c < 6; ++c) planes_.along[c] = storage_[c];
   planes_.slack = storage_[6];
   planes_.radius = storage_[7];

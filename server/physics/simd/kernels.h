@@ -179,7 +179,7 @@ struct Kernels {
                      int first, const RowColumns& rows);
 
   /// Writes the indices of the values below a limit; the column is aligned and padded as in
-  /// PlaneColumns.  Returns their number.
+  /// PlaneColumns.  May write up to 8 beyond the last.  Returns their number.
   int (*find_below)(const double* value, int count, double limit, std::int32_t* out);
 
   /// Returns the index of the point that is lowest along m, among those whose lane is set in
@@ -205,7 +205,8 @@ struct Kernels {
 
   /// Writes the indices, from `first` on, of the planes that do not hold throughout a motion:
   /// slack < least_old, or left = slack + n . v + (l x n) . phi - |phi| radius < least_new.  Fills
-  /// the column `left`, from the multiple of eight below `first` on.  Returns their number.
+  /// the column `left`, from the multiple of eight below `first` on.  May write up to 8 indices
+  /// beyond the last.  Returns their number.
   int (*find_used_up)(const PlaneColumns& planes, int first, int count, const PlaneMotion& motion,
                       std::int32_t* out);
 

@@ -115,11 +115,26 @@ void BuildRows(const LeafSphere* tool, const LeafSphere* object, const double* R
   }
 }
 
-/// Appends first + k for each set bit k; returns their number.
+/// For each byte, the places of its set bits, the lowest first.
+struct PlacesOfBits {
+  std::uint8_t place[256][8] = {};
+  constexpr PlacesOfBits() {
+    for (unsigned bits = 0; bits < 256; ++bits) {
+      int found = 0;
+      for (unsigned k = 0; k < 8; ++k) {
+        if ((bits >> k & 1u) != 0) place[bits][found++] = static_cast<std::uint8_t>(k);
+      }
+    }
+  }
+};
+constexpr PlacesOfBits kPlacesOfBits;
+
+/// Appends first + k for each set bit k, without a branch on their number, which cannot be
+/// predicted (a step of the bunny is a tenth slower with one).  Writes up to eight; returns their
+/// number.
 [[gnu::always_inline]] inline int Append(std::uint32_t bits, int first, std::int32_t* out) {
-  int found = 0;
-  for (; bits != 0; bits &= bits - 1) out[found++] = first + __builtin_ctz(bits);
-  return found;
+  for (int k = 0; k < 8; ++k) out[k] = first + kPlacesOfBits.place[bits][k];
+  return __builtin_popcount(bits);
 }
 
 int FindBelow(const double* value, int count, double limit, std::int32_t* out) {
