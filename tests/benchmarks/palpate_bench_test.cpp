@@ -460,8 +460,23 @@ TEST_F(PalpateBench, ParetoKeepsWhatItHasWhenItIsEnded) {
 TEST_F(PalpateBench, ParetoRefusesPeersAndScenesThatNobodyKnows) {
   EXPECT_EQ(Run({"pareto", "--out", File("p"), "--peers", "havoc"}), 2);
   EXPECT_THAT(said_, HasSubstr("--peers havoc is not one of all, none, bullet, ode, mujoco"));
+  EXPECT_EQ(Run({"peers", "--out", File("p"), "--peers", "nowhere.so"}), 2);
+  EXPECT_THAT(said_, HasSubstr("--peers nowhere.so: "));
   EXPECT_EQ(Run({"pareto", "--out", File("p"), "--scenes", "bunnybunny"}), 1);
   EXPECT_THAT(said_, HasSubstr("bunny-bunny"));
+}
+
+TEST_F(PalpateBench, PeersMeasuresALibraryOfOnesOwnAndSaysWhatItCannotDo) {
+  ASSERT_EQ(Run({"peers", "--quick", "--repeats", "1", "--out", File("p"), "--peers",
+                 PALPATE_BIN_DIR "/palpate_peer_for_tests.so"}),
+            0)
+      << said_;
+  EXPECT_THAT(Read("p/peers.csv"), HasSubstr("\npeer slide,\"Ghost\",,,,,,,yes,"));
+  EXPECT_THAT(Read("p/peers.csv"), HasSubstr("\npeer slide on ellipsoid,\"Ghost\","));
+  const std::string report = Read("p/report.md");
+  EXPECT_THAT(report, HasSubstr("- **Ghost 1** (`palpate_peer_for_tests.so`): goes where"));
+  EXPECT_THAT(report, HasSubstr("Not available: Ghost (it has a ball only)."));
+  EXPECT_THAT(report, HasSubstr("was not asked for")) << "the others";
 }
 
 TEST_F(PalpateBench, ClosedLoopLeavesWhatItHasMeasuredWhereItIsEnded) {

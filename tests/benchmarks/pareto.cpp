@@ -136,9 +136,20 @@ class Pareto {
       return std::find(options_.peers.begin(), options_.peers.end(), name) != options_.peers.end();
     };
     std::vector<std::string> known{"all", "none"};
-    for (const PeerKind& kind : PeerKinds()) {
+    std::vector<std::string> loaded;
+    results_.peers_known = PeerKinds();
+    for (const std::string& name : options_.peers) {
+      if (!name.ends_with(".so")) continue;
+      known.push_back(name);
+      for (const PeerKind& kind : PeersOf(name)) {
+        loaded.push_back(kind.id);
+        results_.peers_known.push_back(kind);
+      }
+    }
+    for (const PeerKind& kind : results_.peers_known) {
       known.push_back(kind.id);
-      if (!options_.peers.empty() && !has("all") && !has(kind.id.c_str())) continue;
+      const bool from_file = std::find(loaded.begin(), loaded.end(), kind.id) != loaded.end();
+      if (!options_.peers.empty() && !has("all") && !has(kind.id.c_str()) && !from_file) continue;
       results_.peers_asked.push_back(kind.id);
       if (kind.installed()) {
         peers_.push_back(kind);
@@ -446,7 +457,8 @@ void AddPeerOptions(const CommandLine& command, Options& options) {
   Add(command, "--out", options.out, "folder for the results, created if it does not exist")
       .Required();
   Add(command, "--peers", options.peers,
-      "all (the default), none, or some of bullet,ode,mujoco separated by commas");
+      "all (the default), none, or some of bullet,ode,mujoco separated by commas; also a library\n"
+      "of your own, FILE.so (tests/benchmarks/peers/peer.h)");
   Add(command, "--repeats", options.repeats, "number of identical runs; default: 5, with --quick 2")
       .Positive();
   AddModels(command, options.models);

@@ -194,7 +194,7 @@ Json ToJson(const ParetoResults& r) {
   }
   auto& peers = json["peers"];
   peers["known"] = Json::array();
-  for (const PeerKind& kind : PeerKinds()) {
+  for (const PeerKind& kind : r.peers_known) {
     const bool installed = kind.installed();
     peers["known"].push_back({{"id", kind.id},
                               {"name", kind.name},

@@ -7,6 +7,7 @@
 
 #include "tests/benchmarks/figures.h"
 #include "tests/benchmarks/machine.h"
+#include "tests/benchmarks/peers/peer.h"
 #include "tests/benchmarks/sliding_force.h"
 
 namespace palpate::bench {
@@ -82,6 +83,7 @@ struct ParetoResults {
   std::vector<SceneResult> scenes;
   std::string feature_scene;
   std::vector<FeatureCost> features;
+  std::vector<PeerKind> peers_known;     ///< those of PeerKinds(), then those of --peers FILE
   std::vector<std::string> peers_asked;  ///< ids
   std::string peer_scene;
   std::size_t peer_steps = 0;

@@ -52,7 +52,7 @@ class Peer {
 struct PeerKind {
   std::string id;         ///< argument of --peers
   std::string name;       ///< as spelled by its authors
-  std::string package;    ///< Debian package to build with
+  std::string package;    ///< Debian package to build with, or the file that it was loaded from
   std::string version{};  ///< empty: the package was not installed when this program was configured
   /// What it does and its settings, for the report.
   std::string settings{};
@@ -66,6 +66,17 @@ struct PeerKind {
 
 /// Returns all kinds that this program supports, installed or not.
 const std::vector<PeerKind>& PeerKinds();
+
+/// The name of the function that a library of one's own defines for --peers FILE.  It appends
+/// kinds, whose `package` it leaves empty:
+///   extern "C" void PalpatePeers(std::vector<palpate::bench::PeerKind>& kinds);
+/// It is built with this header, and with the compiler and instruction set of palpate-bench, since
+/// objects of C++ cross between them.  chai3d_peer/ is an example.
+inline constexpr const char* kPeersFunction = "PalpatePeers";
+using AddPeerKinds = void(std::vector<PeerKind>& kinds);
+
+/// Returns the kinds of such a library.  It stays loaded.  Throws UsageError that names the file.
+std::vector<PeerKind> PeersOf(const std::string& file);
 
 /// Returns, for a kind that is not installed, the package to install and what to do then.
 std::string HowToInstall(const PeerKind& kind);

@@ -1,3 +1,9 @@
+#include <filesystem>
+
+#include <dlfcn.h>
+#include <spdlog/fmt/fmt.h>
+
+#include "common/error.h"
 #include "tests/benchmarks/peers/peer.h"
 
 namespace palpate::bench {
@@ -28,6 +34,23 @@ const std::vector<PeerKind>& PeerKinds() {
       Missing("mujoco", "MuJoCo", "libmujoco-dev"),
 #endif
   };
+  return kinds;
+}
+
+std::vector<PeerKind> PeersOf(const std::string& file) {
+  // As a path, since dlopen would look for a bare name among the system's libraries.
+  const std::filesystem::path path = std::filesystem::absolute(file);
+  void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (!library) throw UsageError(fmt::format("--peers {}: {}", file, dlerror()));
+  auto* add = reinterpret_cast<AddPeerKinds*>(dlsym(library, kPeersFunction));
+  if (!add) {
+    throw UsageError(fmt::format(
+        "--peers {}: has no function {}; tests/benchmarks/peers/peer.h says what it should do",
+        file, kPeersFunction));
+  }
+  std::vector<PeerKind> kinds;
+  add(kinds);
+  for (PeerKind& kind : kinds) kind.package = path.filename();
   return kinds;
 }
 

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/error.h"
 #include "scenes/shapes/shapes.h"
 #include "tests/benchmarks/peers/peer.h"
 
@@ -94,6 +95,34 @@ TEST(PeerKinds, NameTheirPackageWhetherItIsThereOrNot) {
     EXPECT_THAT(HowToInstall(kind), testing::HasSubstr("`apt-get install " + kind.package + "`"));
   }
   EXPECT_THAT(ids, testing::UnorderedElementsAre("bullet", "ode", "mujoco"));
+}
+
+TEST(PeersOfALibrary, AreMadeLikeThoseThatAreBuiltIn) {
+  const std::vector<PeerKind> kinds = PeersOf(PALPATE_BIN_DIR "/palpate_peer_for_tests.so");
+  ASSERT_EQ(kinds.size(), 1U);
+  EXPECT_TRUE(kinds[0].installed());
+  EXPECT_EQ(kinds[0].package, "palpate_peer_for_tests.so");
+  const Pose hand{Vec3(1.0, 2.0, 3.0)};
+  const TriangleMesh ball = MakeSphere(kRadius, 320);
+  const auto peer = kinds[0].make({.tool = &ball, .ball = kRadius}, hand, {});
+  EXPECT_EQ(peer->Step(hand).X_WG.p, hand.p);
+  EXPECT_THROW(kinds[0].make({.tool = &ball}, hand, {}), Error) << "its error is the project's";
+}
+
+TEST(PeersOfALibrary, NameTheFileThatHasNone) {
+  const auto error = [](const std::string& file) -> std::string {
+    try {
+      PeersOf(file);
+    } catch (const UsageError& e) {
+      return e.what();
+    }
+    return "nothing";
+  };
+  EXPECT_THAT(error("nowhere.so"), testing::HasSubstr("--peers nowhere.so: "));
+  EXPECT_THAT(error("nowhere.so"), testing::HasSubstr("No such file"));
+  // A library of the system, which this program has loaded itself.
+  EXPECT_THAT(error("/lib/x86_64-linux-gnu/libm.so.6"),
+              testing::HasSubstr("has no function PalpatePeers; tests/benchmarks/peers/peer.h"));
 }
 
 }  // namespace
