@@ -31,8 +31,10 @@ inline py::array ToNumbers(const py::object& given, const std::string& what) {
       throw Error(what + ": some of its numbers are masked; remove or fill them");
     }
   } catch (const py::error_already_set& error) {
-    throw Error(what + ": is not an array of numbers (" +
-                py::str(error.value()).cast<std::string>() + ")");
+    const auto why = py::str(error.value()).cast<std::string>();
+    throw Error(
+        what + ": is not an array of numbers (" +
+        (why.find("inhomogeneous") == std::string::npos ? why : "its rows differ in length") + ")");
   }
   const py::dtype dtype = array.dtype();
   if (std::string_view("fiu").find(dtype.kind()) == std::string_view::npos ||

@@ -606,6 +606,40 @@ void DefineReports(py::module_& module) {
       .def_readonly("faults", &Steps::faults)
       .def_readonly("details", &Steps::details)
       .def_readonly("parameters", &Steps::parameters)
+      .def("__len__",
+           [](const Steps& s) {
+             if (s.contacts.ndim() == 0) throw py::type_error("a single step has no length");
+             return s.contacts.shape(0);
+           })
+      .def("__iter__",
+           [](const py::object& steps) {
+             return py::reinterpret_steal<py::object>(PySeqIter_New(steps.ptr()));
+           })
+      // As of an array whose rows are steps: an index, a slice or a mask of them, or a tuple for
+      // paths and steps.  An index beyond the end raises IndexError, which ends iteration.
+      .def("__getitem__",
+           [](const Steps& s, const py::object& at) {
+             const auto taken = [&at](const py::object& array) -> py::object {
+               return array.attr("__getitem__")(at);
+             };
+             Steps part;
+             part.contacts = taken(s.contacts);
+             part.faults = taken(s.faults);
+             part.wrench = taken(s.wrench);
+             part.pose = taken(s.pose);
+             part.details = s.details.is_none() ? s.details : taken(s.details);
+             part.parameters = s.parameters;
+             // An index of axes, as [..., 0], takes other numbers of each array.
+             const auto holds = [&rows = part.contacts](const py::array& array, int numbers) {
+               const py::ssize_t n = rows.ndim();
+               return array.ndim() == n + 1 && array.shape(n) == numbers &&
+                      std::equal(rows.shape(), rows.shape() + n, array.shape());
+             };
+             if (!holds(part.wrench, 6) || !holds(part.pose, 7)) {
+               throw Error("steps: an index chooses paths and steps; for axes, index steps.wrench");
+             }
+             return part;
+           })
       .def("__repr__",
            [](const Steps& steps) {
              const auto shape = py::str(steps.contacts.attr("shape")).cast<std::string>();

@@ -310,6 +310,34 @@ class Reports(unittest.TestCase):
         with self.assertRaisesRegex(TypeError, "Proxy cannot be pickled"):
             pickle.dumps(palpate.Proxy(model, path[0]))
 
+    def test_are_indexed_like_arrays_of_steps(self):
+        path = wandering_path(200, 3)
+        model = ball_on_block()
+        steps = palpate.Proxy(model, path[0]).steps(path, details=True)
+        self.assertEqual(len(steps), 200)
+        for at in (slice(20, 60, 3), steps.contacts > 0, [3, 1], -1):
+            part = steps[at]
+            for name in ("wrench", "pose", "contacts", "faults", "details"):
+                self.assertEqual(getattr(part, name).tobytes(), getattr(steps, name)[at].tobytes(), name)
+            self.assertEqual(part.parameters, steps.parameters)
+        self.assertEqual(sum(int(step.contacts) for step in steps), steps.contacts.sum())
+        self.assertEqual(pickle.loads(pickle.dumps(steps[20:60])).wrench.tobytes(), steps.wrench[20:60].tobytes())
+        for beyond in (200, (slice(None), 1)):
+            with self.assertRaises(IndexError):
+                steps[beyond]
+        with self.assertRaisesRegex(TypeError, "a single step has no length"):
+            len(steps[0])
+        many = model.follow(numpy.array([path, path[::-1]]))
+        self.assertIsNone(many[1].details)
+        self.assertEqual([len(many), len(many[1])], [2, 200])
+        self.assertEqual(many[1, 5].wrench.tobytes(), many.wrench[1, 5].tobytes())
+        asked = mock.MagicMock()
+        with mock.patch.dict(sys.modules, pandas=asked, xarray=asked):
+            steps[0].to_pandas()
+            steps[0].to_xarray()
+        self.assertEqual({len(column) for column in asked.DataFrame.call_args.args[0].values()}, {1})
+        self.assertEqual(asked.Dataset.call_args.args[0]["faults"][0], ())
+
     def test_show_themselves(self):
         model = ball_on_block(static_friction=0.5, dynamic_friction=0.3)
         proxy = palpate.Proxy(model, [0, 0.022, 0])
@@ -473,7 +501,12 @@ class Errors(unittest.TestCase):
             "vertices: is an array of complex128": lambda: palpate.body("thing", vertices + 0j, triangles),
             "vertices: is an array of object": lambda: palpate.body("thing", vertices.astype(object), triangles),
             "vertices: some of its numbers are masked": lambda: palpate.body("thing", hidden, triangles),
-            "vertices: is not an array of numbers": lambda: palpate.body("thing", [[1, 2, 3], [4]], triangles),
+            r"vertices: is not an array of numbers \(its rows differ in length\)": lambda: palpate.body(
+                "thing", [[1, 2, 3], [4]], triangles),
+            r"poses: is not an array of numbers \(its rows differ in length\)": lambda: model.follow(
+                [[[0, 1, 0]] * 2, [[0, 1, 0]] * 3]),
+            "steps: an index chooses paths and steps": lambda: palpate.Proxy(model, [0, 1, 0]).steps(
+                [[0, 1, 0]] * 3)[..., 0],
             "vertex 1, from 0, is not finite": lambda: palpate.body("thing", [[0, 0, 0], [1, 0, math.inf], [0, 1, 0]],
                                                                     [[0, 1, 2]]),
             "pose: .* length 1": lambda: palpate.Proxy(model, turned),

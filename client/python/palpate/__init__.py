@@ -3,7 +3,8 @@
     import palpate
     scene = palpate.load("bunny-bunny")
     path = scene.path()                             # poses of the hand, supplied with the scene
-    print(palpate.Proxy(scene.model(), path[0]).steps(path).wrench)
+    steps = palpate.Proxy(scene.model(), path[0]).steps(path)
+    print(abs(steps.wrench).max(axis=0))            # the greatest force in N and torque in N m
 
     # or from meshes of your own
     block = palpate.body("block", *palpate.box([0.04, 0.04, 0.04]))

@@ -1,5 +1,5 @@
 from os import PathLike
-from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy
 import pandas
@@ -190,7 +190,11 @@ class Report:
         """Parameters of the model."""
 
 class Steps:
-    """The results of many steps: arrays with one row per step."""
+    """The results of many steps: arrays with one row per step.
+
+    len(steps) is the number of steps, or of paths for Model.follow.  steps[100:200] has a part of them, steps[7]
+    one step (or path), and steps[steps.contacts > 0] those in contact: their arrays are indexed alike.
+    """
 
     wrench: NDArray[numpy.float64]
     """Force in N and torque in N m: (..., 6)."""
@@ -204,6 +208,9 @@ class Steps:
     """Whole reports with stage times, as records of report_dtype; None if not requested."""
     parameters: Dict[str, float]
     """Parameters of the model."""
+    def __len__(self) -> int: ...
+    def __getitem__(self, at: Any) -> Steps: ...
+    def __iter__(self) -> Iterator[Steps]: ...
     def to_pandas(self) -> pandas.DataFrame:
         """Returns one row per step (and path) and one column per number, with those of details except rows.  Needs
         pandas."""

@@ -14,6 +14,10 @@ def _library(name):
         raise ImportError(f"{name}: {error}; install it (Debian: python3-{name}), or use the arrays") from None
 
 
+def _dims(shape):
+    return ("path", "step")[2 - len(shape) :]
+
+
 def _columns(steps):
     """Returns the columns as arrays of shape (..., steps), or with 3 or 7 numbers per step."""
     columns = {"force_N": steps.wrench[..., :3], "torque_Nm": steps.wrench[..., 3:], "tool": steps.pose,
@@ -32,14 +36,14 @@ def to_pandas(self):
         else:
             for i, axis in enumerate(_AXES[column.shape[-1]]):
                 table[f"{name}_{axis}"] = column[..., i].ravel()
-    index = pandas.MultiIndex.from_product([range(n) for n in shape], names=["path", "step"][-len(shape):])
+    index = pandas.MultiIndex.from_product([range(n) for n in shape], names=_dims(shape)) if shape else [0]
     frame = pandas.DataFrame(table, index=index)
     frame.attrs.update(self.parameters)
     return frame
 
 
 def to_xarray(self):
-    xarray, dims = _library("xarray"), ("path", "step")[-self.contacts.ndim :]
+    xarray, dims = _library("xarray"), _dims(self.contacts.shape)
     names = {3: "axis", 7: "pose"}
     columns = {
         name: (dims if column.ndim == len(dims) else (*dims, names[column.shape[-1]]), numpy.asarray(column))
