@@ -650,6 +650,9 @@ class Examples(unittest.TestCase):
     def test_give_a_first_force_in_twenty_lines(self):
         example = pathlib.Path(os.environ["PALPATE_SOURCE_DIR"], "client/python/examples/first_force.py")
         self.assertLessEqual(len(example.read_text().splitlines()), 20)
+        done = subprocess.run([sys.executable, example], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("Usage: first_force.py MESH", done.stderr)
         with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder, "pyramid.obj")
             file.write_text("v -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nv 0 0 6\n"

@@ -5,6 +5,8 @@ import sys
 
 import palpate
 
+if len(sys.argv) < 2:
+    sys.exit(__doc__)
 vertices, triangles = palpate.read_mesh(sys.argv[1], *sys.argv[2:])
 thing = palpate.body("thing", vertices, triangles)
 model = palpate.Model([thing], palpate.ball("ball", 0.002))
