@@ -77,6 +77,8 @@ struct CycleCost {
 /// A sub-step, from its first rows to its way.
 struct SubStep {
   StepBounds bounds{};            ///< how far it may go
+  StepEnds ends{};                ///< where the rows between leaves let it end
+  int looks_ahead = 0;            ///< if they are predicted where it ends: how often so far
   Target target{};                ///< the hand, relative to where it begins
   QpRows rigid{};                 ///< rows that it may not violate
   FrictionState friction_before;  ///< friction state at its beginning
