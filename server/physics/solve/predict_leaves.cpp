@@ -16,8 +16,8 @@ bool Predict(StepContext& context, const StepEnds& ends, int most) {
   const bool fits = buffers.prediction.Predict(context.model, context.kernels, tools.R_WG,
                                                tools.p_G, ends, buffers.rows, times, most);
   context.sub_step.ends = ends;
-  context.cost.last += buffers.prediction.tested() - before;
-  context.cost.packet_pairs += buffers.prediction.tested() - before;
+  context.cost.last = buffers.prediction.tested() - before;
+  context.cost.packet_pairs += context.cost.last;
   context.report.predicted_pairs = buffers.rows.count();
   if (fits && buffers.rows.overflowed()) {
     context.report.faults |= kFaultRowsFull;
@@ -50,11 +50,11 @@ void PredictLeaves(StepContext& context) noexcept {
   SubStep& sub_step = context.sub_step;
   const StepParameters& parameters = context.model.parameters();
   const bool may_look_ahead = !context.buffers.meshes && !context.buffers.energies;
-  context.cost.last = 0;
   if (!context.state.is_crowded &&
       Predict(context, {sub_step.bounds}, may_look_ahead ? limits::kCrowd : kAll)) {
     return;
   }
+  sub_step.bounds_before = sub_step.bounds;
   sub_step.bounds = {parameters.widest_step, parameters.max_rotation};
   sub_step.looks_ahead = 1;
   BeginToLookAhead(context);
@@ -71,9 +71,12 @@ bool Foresees(StepContext& context, const Way& way) noexcept {
   }
   if (sub_step.looks_ahead++ == limits::kMostLooksAhead) {
     sub_step.looks_ahead = 0;
-    sub_step.bounds = Reach(context);
+    sub_step.bounds = sub_step.bounds_before;
     context.state.is_crowded = false;
-    Predict(context, {sub_step.bounds}, kAll);
+    if (!Predict(context, {sub_step.bounds}, context.model.parameters().max_rows)) {
+      sub_step.bounds = Reach(context);
+      Predict(context, {sub_step.bounds}, kAll);
+    }
   } else if (!Predict(context, {Reach(context), way.v, way.phi},
                       context.model.parameters().max_rows)) {
     sub_step.bounds = {0.5 * way.v.norm(), 0.5 * way.phi.norm()};
