@@ -99,7 +99,6 @@ void Predict(StepContext& context) {
   StepBuffers& buffers = context.buffers;
   Tools& tools = context.tools;
   SubStep& sub_step = context.sub_step;
-  const std::int64_t before = buffers.prediction.tested();
   sub_step = {.bounds = sub_step.bounds, .friction_before = context.state.friction};
   context.Aim();
   tools.R_WG = tools.q_G.toRotationMatrix();
@@ -109,10 +108,7 @@ void Predict(StepContext& context) {
     }
     BeginCutting(context, std::numeric_limits<double>::infinity());
   }
-  buffers.prediction.Predict(context.model, context.kernels, tools.R_WG, tools.p_G, sub_step.bounds,
-                             buffers.rows, context.times);
-  context.cost.last = buffers.prediction.tested() - before;
-  context.cost.packet_pairs += context.cost.last;
+  PredictLeaves(context);
   if (buffers.meshes) {
     StageClock clock(context.times);
     const bool turns = context.model.degrees_of_freedom() == 6;
@@ -122,7 +118,6 @@ void Predict(StepContext& context) {
     clock.Lap(&StageTimes::prediction);
   }
   context.report.predicted_pairs = buffers.rows.count();
-  if (buffers.rows.overflowed()) context.report.faults |= kFaultRowsFull;
 }
 
 /// Returns the nearest pose to the hand's that the rows allow, with straight

@@ -57,6 +57,18 @@ inline constexpr double kBoundShare = 0.98;
 /// lift, ends within the bounds.  Taken; two are usual.
 inline constexpr int kNearerTargets = 4;
 
+/// Rows within the first bounds from which they are predicted where the tool goes instead
+/// (PredictLeaves).  Taken: some 10 us, as long as looking twice.
+inline constexpr int kCrowd = 1024;
+/// Rows near where the tool goes below which the next cycle looks within the first bounds again.
+/// Taken.
+inline constexpr int kFew = 8;
+/// How far from where the tool is expected to end a sub-step may end, over the widest bounds: 10
+/// um. Taken: of 2, 5, 10 and 20 um the fastest; between two smooth bodies some 200 rows.
+inline constexpr double kReachAhead = 0.02;
+/// Most predictions of a sub-step near where the tool goes.  Taken; one or two are usual.
+inline constexpr int kMostLooksAhead = 4;
+
 // --- Input. ---
 
 /// Least |q|^2 of an orientation.  Unit quaternions have 1; a smaller one means that the

@@ -68,6 +68,8 @@ struct StepState {
   /// Between meshes: bounds of the next sub-step if the last cycle ended before the tool had
   /// arrived; else 0.
   StepBounds behind{0.0, 0.0};
+  /// Between leaves: whether so many were near that the next cycle looks only where the tool goes.
+  bool is_crowded = false;
   /// Rotation of the hand relative to the tool while something holds the tool, in the tool's
   /// frame (TargetFrom).
   Vec3 turn_G = Vec3::Zero();
@@ -89,6 +91,7 @@ struct StepState {
   void ForgetContact() noexcept {
     active = 0;
     behind = {0.0, 0.0};
+    is_crowded = false;
     turn_G.setZero();
     friction = FrictionState{};
     drag.setZero();

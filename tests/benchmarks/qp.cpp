@@ -116,7 +116,7 @@ std::vector<Problem> ProblemsOf(const Options& options) {
   for (const Pose& X_WH : run.poses()) {
     const Vec3& c = model.tool().reference;
     const Vec3 p_G = state.X_WG * c;
-    prediction.Predict(model, ActiveKernels(), state.X_WG.q.toRotationMatrix(), p_G, widest, rows,
+    prediction.Predict(model, ActiveKernels(), state.X_WG.q.toRotationMatrix(), p_G, {widest}, rows,
                        nullptr);
     const Target target = TargetOf(p_G, state.X_WG.q, X_WH * c, X_WH.q);
     const QpRows view = rows.view();

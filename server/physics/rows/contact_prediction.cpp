@@ -2,61 +2,59 @@
 
 #include <algorithm>
 
+#include "common/math/rotation.h"
 #include "server/physics/limits.h"
 
 namespace palpate {
-namespace {
-
-/// Ratio of the reach for the tightest rows to that of the step before.  Taken.
-constexpr double kNear = 1.1;
-
-}  // namespace
 
 ContactPrediction::ContactPrediction(const HapticModel& model) {
-  if (model.objects().any) query_.emplace(model.tool(), model.objects());
   if (model.insides() != nullptr) insides_.emplace(model.tool(), *model.insides());
+  if (!model.objects().any) return;
+  query_.emplace(model.tool(), model.objects());
+  least_radii_ = std::ranges::min(model.tool().leaves, {}, &LeafSphere::radius).radius +
+                 std::ranges::min(model.objects().leaves, {}, &LeafSphere::radius).radius;
 }
 
-void ContactPrediction::Gather(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
-                               const Vec3& p_W, const StepBounds& bounds, ContactRows& rows,
-                               StageTimes* times) noexcept {
+bool ContactPrediction::Predict(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
+                                const Vec3& p_W, const StepEnds& ends, ContactRows& rows,
+                                StageTimes* times, int most) noexcept {
   rows.Clear();
-  StageClock clock(times);
-  query_->Run(kernels, R_WG, p_W, bounds, [&](NodePair* pairs, int count) {
+  bool fits = true;
+  if (query_) {
+    StepBounds bounds = ends.bounds;
+    Mat3 R_end = R_WG;
+    if (ends.v != Vec3::Zero() || ends.phi != Vec3::Zero()) {
+      R_end = RotationExp(ends.phi).toRotationMatrix() * R_WG;
+      const double length = ends.v.norm() + bounds.translation +
+                            (ends.phi.norm() + bounds.rotation) * model.tool().max_lever;
+      bounds.translation += std::min(length, length * length / (2.0 * least_radii_));
+    }
+    StageClock clock(times);
+    query_->Run(kernels, R_end, p_W + ends.v, bounds, [&](NodePair* pairs, int count) {
+      clock.Lap(&StageTimes::prediction);
+      fits = rows.count() + count <= most;
+      if (!fits) return false;
+      rows.Add(kernels, model.tool().leaves.data(), model.objects().leaves.data(), R_WG, p_W, pairs,
+               count);
+      clock.Lap(&StageTimes::rows);
+      return true;
+    });
     clock.Lap(&StageTimes::prediction);
-    rows.Add(kernels, model.tool().leaves.data(), model.objects().leaves.data(), R_WG, p_W, pairs,
-             count);
-    clock.Lap(&StageTimes::rows);
-    return true;
-  });
-  clock.Lap(&StageTimes::prediction);
+  }
   rows.Finish();
-  clock.Lap(&StageTimes::rows);
+  return fits;
 }
 
-// Two smooth bodies that lie along each other can bring many times more pairs within the bounds
-// than there is room for.  The tightest of them are also within a shorter reach, as long as
-// that reach still finds more than there is room for: a search finds all pairs up to its gap,
-// in the same order.
-void ContactPrediction::Predict(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
-                                const Vec3& p_W, const StepBounds& bounds, ContactRows& rows,
-                                StageTimes* times) noexcept {
-  if (!query_) {
-    rows.Clear();
-    rows.Finish();
-    return;
+void ContactPrediction::Take(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
+                             const Vec3& p_W, std::span<const ContactId> ids,
+                             ContactRows& rows) noexcept {
+  rows.Clear();
+  for (const ContactId& id : ids) {
+    const NodePair pair{id.tool, id.object};
+    rows.Add(kernels, model.tool().leaves.data(), model.objects().leaves.data(), R_WG, p_W, &pair,
+             1);
   }
-  bool has_tightest = false;
-  if (near_ > 0.0 && near_ < bounds.translation) {
-    const std::int64_t before = query_->tested();
-    Gather(model, kernels, R_WG, p_W, {near_, 0.0}, rows, times);
-    has_tightest = rows.overflowed() && rows.loosest() <= near_;
-    // The count decides about sub-steps, so a workspace that has not guessed must count the same.
-    if (!has_tightest) counted_ -= query_->tested() - before;
-  }
-  if (!has_tightest) Gather(model, kernels, R_WG, p_W, bounds, rows, times);
-  near_ = rows.overflowed() ? kNear * rows.loosest() : 0.0;
-  if (rows.overflowed()) counted_ += limits::kMaxTested;
+  rows.Finish();
 }
 
 bool ContactPrediction::Overlaps(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,

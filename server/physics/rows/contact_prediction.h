@@ -1,6 +1,8 @@
 #pragma once
 
+#include <limits>
 #include <optional>
+#include <span>
 
 #include "common/math/pose.h"
 #include "server/physics/haptic_model.h"
@@ -9,6 +11,12 @@
 #include "server/physics/tree/sphere_tree_query.h"
 
 namespace palpate {
+
+/// Where a sub-step may end: within `bounds` of the motion [v; phi].
+struct StepEnds {
+  StepBounds bounds;
+  Vec3 v = Vec3::Zero(), phi = Vec3::Zero();
+};
 
 /// Contact constraint prediction (CCP, chapter 2.3.4): finds the rows that the next sub-step
 /// must respect.  The chapter enlarges every sphere of the graphic tool by one delta, from the
@@ -19,14 +27,30 @@ class ContactPrediction {
  public:
   ContactPrediction(const HapticModel& model);
 
-  /// Fills `rows` for the graphic tool at R_WG with its reference point at p_W.
+  /// Fills `rows` for the graphic tool at R_WG with its reference point at p_W: with all pairs that
+  /// a sub-step could bring together that ends as `ends` says, and goes there straight.
+  ///
+  /// Where it ends near another place than it begins, the spheres grow there, by the bounds and by
+  /// L^2 / 2r.  A point that goes straight by L, from outside of a ball of radius r to where its
+  /// distance d from the centre has d^2 >= r^2 + L^2, is outside on the whole way:
+  ///
+  ///      begin *-----L-----* end       Where the way first goes inwards, the angle at its end is
+  ///             \        /            acute; so the nearest point of the way, a foot or the
+  ///            r \     / d            beginning, is no nearer than r.
+  ///                o
+  ///
   /// If `times` is given, adds to its prediction and rows stages.  Real-time.
-  void Predict(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
-               const StepBounds& bounds, ContactRows& rows, StageTimes* times) noexcept;
+  /// @param most  if more rows than this come within the bounds, returns false: `rows` is not valid
+  bool Predict(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
+               const StepEnds& ends, ContactRows& rows, StageTimes* times,
+               int most = std::numeric_limits<int>::max()) noexcept;
 
-  /// Packet pairs tested since construction: a measure of cost.  An overflow of the rows adds more
-  /// than a cycle may spend.
-  std::int64_t tested() const { return query_ ? query_->tested() + counted_ : 0; }
+  /// Fills `rows` with those of given pairs of leaves.
+  void Take(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
+            std::span<const ContactId> ids, ContactRows& rows) noexcept;
+
+  /// Packet pairs tested since construction: a measure of cost.
+  std::int64_t tested() const { return query_ ? query_->tested() : 0; }
 
   /// Returns whether any two leaves overlap.  Soft leaves count by their cores; those of objects
   /// that are felt by their meshes must overlap by kCoreDepth.  `rows` is scratch.  Real-time.
@@ -34,14 +58,8 @@ class ContactPrediction {
                 ContactRows& rows) noexcept;
 
  private:
-  void Gather(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
-              const StepBounds& bounds, ContactRows& rows, StageTimes* times) noexcept;
-
-  std::optional<PairQuery> query_;  ///< empty if no leaf can touch
-  /// After an overflow, a gap within which the tightest rows probably lie [m]; else 0.  A guess,
-  /// which does not change the result.
-  double near_ = 0.0;
-  std::int64_t counted_ = 0;  ///< kMaxTested for each overflow, less the tests that guesses took
+  std::optional<PairQuery> query_;    ///< empty if no leaf can touch
+  double least_radii_ = 0.0;          ///< least sum of the radii of a pair [m]
   std::optional<PairQuery> insides_;  ///< leaves of objects that are felt by their meshes
 };
 

@@ -52,8 +52,6 @@ class ContactRows {
   int count() const { return count_; }
   int max_rows() const { return max_rows_; }
   bool overflowed() const { return overflowed_; }
-  /// The largest gap that was kept [m]; valid after an overflow and Finish.
-  double loosest() const { return -loosest_; }
   QpRows view() const;
   const ContactId& id(int row) const { return columns_.id[row]; }
   /// Gap of a row [m].

@@ -155,6 +155,7 @@ Way Halve(const StepContext& context, Way way) {
 
 std::optional<Way> ClearWay(StepContext& context, const Optimum& optimum) noexcept {
   Way way = WayWithin(context, optimum);
+  if (!Foresees(context, way)) return std::nullopt;
   if (!context.buffers.meshes) return way;
   MeshContact& meshes = *context.buffers.meshes;
   const bool goes_on = context.sub_step.iterates < context.model.parameters().iterates;

@@ -24,6 +24,14 @@ StepBounds WiderBounds(const HapticModel& model, const StepBounds& bounds) noexc
 double PartWithin(const StepBounds& bounds, int degrees_of_freedom, const Vec3& v,
                   const Vec3& phi) noexcept;
 
+/// Predicts the rows between leaves.  If many come within the bounds of a rigid tool, as between
+/// smooth bodies that lie along each other, only the last cycle's contacts give rows at first:
+/// the others follow from where the tool goes (Foresees).
+void PredictLeaves(StepContext& context) noexcept;
+/// Returns whether the rows between leaves cover the end of a way.  If not, predicts those near it:
+/// the optimum must then be solved again.
+bool Foresees(StepContext& context, const Way& way) noexcept;
+
 /// Returns the step nearest to a target under the context's rigid rows and, if asked for, the
 /// energies that act beside the coupling's.  The solver's first guess is the state's active pairs.
 /// With 3 degrees of freedom the rotation is the hand's: no contact can turn a sphere about its

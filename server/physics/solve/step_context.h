@@ -68,7 +68,7 @@ struct Tools {
 /// The cost of a cycle so far, as counts.
 struct CycleCost {
   std::int64_t packet_pairs = 0;  ///< between leaves
-  std::int64_t last = 0;          ///< those of the last sub-step
+  std::int64_t last = 0;          ///< those of the last walk of the trees
   std::int64_t looks = 0;         ///< between meshes
   int cut_looks = 0;              ///< of removing material (CutAway::looks)
   int last_cut_looks = 0;         ///< those of the last sub-step
@@ -77,6 +77,9 @@ struct CycleCost {
 /// A sub-step, from its first rows to its way.
 struct SubStep {
   StepBounds bounds{};            ///< how far it may go
+  StepEnds ends{};                ///< where the rows between leaves let it end
+  StepBounds bounds_before{};     ///< `bounds` before it looked ahead
+  int looks_ahead = 0;            ///< if they are predicted where it ends: how often so far
   Target target{};                ///< the hand, relative to where it begins
   QpRows rigid{};                 ///< rows that it may not violate
   FrictionState friction_before;  ///< friction state at its beginning

@@ -1,0 +1,88 @@
+#include <limits>
+
+#include "server/physics/limits.h"
+#include "server/physics/solve/stages.h"
+
+namespace palpate {
+namespace {
+
+constexpr int kAll = std::numeric_limits<int>::max();
+
+bool Predict(StepContext& context, const StepEnds& ends, int most) {
+  StepBuffers& buffers = context.buffers;
+  const Tools& tools = context.tools;
+  StageTimes* times = context.sub_step.iterates == 0 ? context.times : nullptr;
+  const std::int64_t before = buffers.prediction.tested();
+  const bool fits = buffers.prediction.Predict(context.model, context.kernels, tools.R_WG,
+                                               tools.p_G, ends, buffers.rows, times, most);
+  context.sub_step.ends = ends;
+  context.cost.last = buffers.prediction.tested() - before;
+  context.cost.packet_pairs += context.cost.last;
+  context.report.predicted_pairs = buffers.rows.count();
+  if (fits && buffers.rows.overflowed()) {
+    context.report.faults |= kFaultRowsFull;
+    context.cost.packet_pairs += limits::kMaxTested;  // no further sub-step
+  }
+  return fits;
+}
+
+/// Returns how far from where the tool is expected a sub-step that looks ahead may end.
+StepBounds Reach(const StepContext& context) {
+  const StepParameters& parameters = context.model.parameters();
+  return {limits::kReachAhead * parameters.widest_step,
+          limits::kReachAhead * parameters.max_rotation};
+}
+
+/// Begins with the rows of the contacts of the last cycle, or of what touches if there were none.
+void BeginToLookAhead(StepContext& context) {
+  if (context.state.active == 0) {
+    Predict(context, {Reach(context)}, kAll);
+    return;
+  }
+  context.buffers.prediction.Take(context.model, context.kernels, context.tools.R_WG,
+                                  context.tools.p_G, context.state.Active(), context.buffers.rows);
+  context.sub_step.ends = {{-1.0, -1.0}};  // no motion
+}
+
+}  // namespace
+
+void PredictLeaves(StepContext& context) noexcept {
+  SubStep& sub_step = context.sub_step;
+  const StepParameters& parameters = context.model.parameters();
+  const bool may_look_ahead = !context.buffers.meshes && !context.buffers.energies;
+  if (!context.state.is_crowded &&
+      Predict(context, {sub_step.bounds}, may_look_ahead ? limits::kCrowd : kAll)) {
+    return;
+  }
+  sub_step.bounds_before = sub_step.bounds;
+  sub_step.bounds = {parameters.widest_step, parameters.max_rotation};
+  sub_step.looks_ahead = 1;
+  BeginToLookAhead(context);
+}
+
+bool Foresees(StepContext& context, const Way& way) noexcept {
+  SubStep& sub_step = context.sub_step;
+  if (sub_step.looks_ahead == 0) return true;
+  const StepEnds& ends = sub_step.ends;
+  if (PartWithin(ends.bounds, context.model.degrees_of_freedom(), way.v - ends.v,
+                 way.phi - ends.phi) == 1.0) {
+    context.state.is_crowded = context.buffers.rows.count() >= limits::kFew;
+    return true;
+  }
+  if (sub_step.looks_ahead++ == limits::kMostLooksAhead) {
+    sub_step.looks_ahead = 0;
+    sub_step.bounds = sub_step.bounds_before;
+    context.state.is_crowded = false;
+    if (!Predict(context, {sub_step.bounds}, context.model.parameters().max_rows)) {
+      sub_step.bounds = Reach(context);
+      Predict(context, {sub_step.bounds}, kAll);
+    }
+  } else if (!Predict(context, {Reach(context), way.v, way.phi},
+                      context.model.parameters().max_rows)) {
+    sub_step.bounds = {0.5 * way.v.norm(), 0.5 * way.phi.norm()};
+    BeginToLookAhead(context);
+  }
+  return false;
+}
+
+}  // namespace palpate
