@@ -270,8 +270,8 @@ class FrictionalContacts {
     Eigen::Matrix<double, N, N> H = Eigen::Matrix<double, N, N>::Identity();
     for (Contact<N>& contact : *this) {
       contact.Linearise(by);
-      g -= contact.J.transpose() * contact.mean;
-      H += contact.J.transpose() * contact.rate;
+      g.noalias() -= contact.J.transpose() * contact.mean;
+      H.noalias() += contact.J.transpose() * contact.rate;
     }
     return SolveLinear<N>(H, g);
   }
@@ -279,7 +279,7 @@ class FrictionalContacts {
   /// Computes the x that balances the forces.
   void Balance() {
     x_ = t_;
-    for (const Contact<N>& contact : *this) x_ -= contact.J.transpose() * contact.f;
+    for (const Contact<N>& contact : *this) x_.noalias() -= contact.J.transpose() * contact.f;
   }
 
   /// Evaluates the true law at x; returns the greatest error of a force.
@@ -332,7 +332,7 @@ class FrictionalContacts {
     Vec<N> g = x_ - t_;
     for (Contact<N>& contact : *this) {
       contact.Evaluate(by, x_);
-      g += contact.J.transpose() * contact.law;
+      g.noalias() += contact.J.transpose() * contact.law;
     }
     return g;
   }
@@ -377,13 +377,14 @@ class FrictionalContacts {
         x_ = before.x_;
         ++report.friction_lowered;
       }
-      const bool balanced = Minimise({penalty, penalty, true}, report);
+      const bool follows = update < kFollowing,
+                 balanced = Minimise({penalty, penalty, true}, report);
       double most = 0.0;
       for (Contact<N>& contact : *this) {
-        const double highest = update < kFollowing ? contact.mu * load : contact.limit;
-        const double limit = std::min(contact.mu * contact.law[0], highest);
-        most = std::max(
-            {most, Largest(contact.law - contact.f) / penalty, std::fabs(limit - contact.limit)});
+        const double own = contact.mu * contact.law[0];
+        const double limit = std::min(own, follows ? contact.mu * load : contact.limit);
+        most = std::max({most, Largest(contact.law - contact.f) / penalty,
+                         std::fabs((follows ? own : limit) - contact.limit)});
         contact.f = contact.law;
         contact.limit = limit;
       }
