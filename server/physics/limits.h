@@ -162,30 +162,30 @@ inline constexpr double kPenalty = 1e5;
 /// how far a unit force moves a contact, so that the first guess for a single contact is right.
 inline constexpr double kTrial = 1.0;
 
-/// Leap: most steps, and most halvings of a step that makes things worse.  One or two steps are
-/// usual in steady motion; the limits are taken.
-inline constexpr int kLeapSteps = 24, kHalvings = 3;
-/// Leap ends when the forces violate their laws by no more than this, over the size: "sticking"
-/// means a slip of at most 10^-10 of the hand's offset.
-inline constexpr double kLeapt = 1e-10;
-/// Leap also accepts this much where rows and sticking contradict each other by the
-/// rounding of the gaps.
+/// Newton's method: most steps, and most halvings of a step that makes things worse.  One or two
+/// steps are usual in steady motion; the limits are taken.
+inline constexpr int kNewtonSteps = 24, kHalvings = 3;
+/// It ends when the forces violate the law by no more than this, over the size: "sticking" means a
+/// slip of at most 10^-10 of the hand's offset.
+inline constexpr double kSolved = 1e-10;
+/// It also accepts this much where rows and sticking contradict each other by the rounding of the
+/// gaps.
 inline constexpr double kNear = 1e-8;
 
-/// Walk: penalties from 1 to this, tenfold each time; then the most updates of the forces, Newton
-/// steps of each update, and shortenings of a step.  Taken.
-inline constexpr double kWalkPenalty = 1e4;
-inline constexpr int kWalkUpdates = 40, kWalkSteps = 30, kShorter = 6;
-/// Updates after which Leap is tried again, once each of the five penalties has had its turn; and
-/// the steps that it then has, half as many as at first.
-inline constexpr int kWalkRaises = 5, kSecondLeap = 12;
-/// Over the size: the residual of the balance of forces that Walk allows in each update, and by how
-/// much the final forces may violate their laws.
-inline constexpr double kBalanced = 1e-10, kWalked = 1e-7;
-/// Newton steps of a cycle after which Walk gives up.  Taken, to bound the worst cycle's cost.
+/// Augmented Lagrangian method: penalties from 1 to this, tenfold each time; then the most updates
+/// of the multipliers, Newton steps of each, and shortenings of a step.  Taken.
+inline constexpr double kHighestPenalty = 1e4;
+inline constexpr int kUpdates = 40, kMinimiserSteps = 30, kShorter = 6;
+/// Updates in which the limits follow the normal forces, one for each of the five penalties;
+/// Newton's method for the true law is then tried again, with half as many steps as at first.
+inline constexpr int kFollowing = 5, kSecondSteps = 12;
+/// Over the size: the residual of the balance of forces that is allowed in each update, and by how
+/// much the final forces may violate the law.
+inline constexpr double kBalanced = 1e-10, kUpdated = 1e-7;
+/// Newton steps of a cycle after which it gives up.  Taken, to bound the worst cycle's cost.
 inline constexpr int kCycleSteps = 160;
 
-/// Allowed difference, over the size, between the QP's optimum and Newton's: ten times kLeapt, by
+/// Allowed difference, over the size, between the QP's optimum and Newton's: ten times kSolved, by
 /// which either may be off.
 inline constexpr double kAgreed = 1e-9;
 /// Slip, over the size, above which a contact counts as sliding.  A contact at its limit that
@@ -195,7 +195,7 @@ inline constexpr double kSlid = 1e-6;
 /// and six rows hold a tool.
 inline constexpr int kRounds = 6;
 /// Most projections of the forces into their cones: one for each of seven contacts, and one more.
-inline constexpr int kDraws = 8;
+inline constexpr int kProjections = 8;
 /// FrictionModel::kChapter: a rotation has no axis if the squared sine of half its
 /// angle is below this.
 inline constexpr double kLeastTurn = 1e-24;

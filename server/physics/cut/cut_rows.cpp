@@ -52,16 +52,6 @@ YieldingRows CutRows::Yielding() const noexcept {
   return yielding;
 }
 
-void CutRows::Add(const Kernels& kernels, const double* x, int unknowns, const Springs& springs,
-                  EnergyAt& at) noexcept {
-  pushing_ = kernels.add_yielding(Yielding(), unknowns, x, springs, at);
-}
-
-void CutRows::AddHessian(const Kernels& kernels, const double* x, int unknowns,
-                         const Springs& springs, EnergyAt& at) const noexcept {
-  kernels.add_yielding_hessian(Yielding(), unknowns, x, springs, at);
-}
-
 void CutRows::AddSolid(const CutTool& tool, const CutField& cut, const Pose& X_WB,
                        const std::array<CutMaterial, SolidGrid::kMaterials>& materials,
                        double reach) noexcept {

@@ -32,7 +32,7 @@ struct CutTool {
 /// a_i = -[n_i; (l_i x n_i) / rho] with l_i from the reference to the sample, and b_i = -g_i, the
 /// gap (README.md).  A sample that cannot cut has a p_0 that no hand can overcome.  Passive: a row
 /// pushes only where -a_i . x >= g_i >= 0, so its work on the material is >= 0 for every x.
-class CutRows : public Energy {
+class CutRows : public YieldingEnergy {
  public:
   /// @param samples  most rows: the number of the bur's samples, once more for each further solid
   ///                 that it may touch at once.  Set-up.
@@ -56,8 +56,6 @@ class CutRows : public Energy {
   const double* threshold() const { return columns_[kThreshold]; }  ///< P_i [m]
   const double* viscous() const { return columns_[kViscous]; }      ///< c_i
   const double* area() const { return columns_[kArea]; }            ///< A_i [m^2]
-  /// Returns whether any row pushes at the solver's result.
-  bool pushes() const { return pushing_ > 0; }
   /// The force of each row at the solver's result, over k_t [m].
   const double* forces() const { return columns_[kPush]; }
 
@@ -70,10 +68,7 @@ class CutRows : public Energy {
   void Add(const std::array<double, 6>& a, double b, double threshold, double viscous,
            double area) noexcept;
 
-  void Add(const Kernels& kernels, const double* x, int unknowns, const Springs& springs,
-           EnergyAt& at) noexcept override;
-  void AddHessian(const Kernels& kernels, const double* x, int unknowns, const Springs& springs,
-                  EnergyAt& at) const noexcept override;
+  using YieldingEnergy::Add;
   bool HasThresholds() const noexcept override { return true; }
 
  private:
@@ -81,9 +76,9 @@ class CutRows : public Energy {
   /// Sets a row; `row` may lie in the padding.
   void Set(std::size_t row, const std::array<double, 6>& a, double b, double threshold,
            double viscous, double area) noexcept;
-  YieldingRows Yielding() const noexcept;
+  YieldingRows Yielding() const noexcept override;
 
-  int capacity_, count_ = 0, pushing_ = 0;
+  int capacity_, count_ = 0;
   AlignedColumns columns_;
   struct Slide {
     double friction = 0.0;  ///< mu_c; if 0, the other members are unused

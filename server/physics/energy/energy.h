@@ -37,4 +37,31 @@ class Energy {
   virtual bool HasThresholds() const noexcept { return false; }
 };
 
+/// An energy whose rows yield one by one.
+class YieldingEnergy : public Energy {
+ public:
+  void Add(const Kernels& kernels, const double* x, int unknowns, const Springs& springs,
+           EnergyAt& at) noexcept override {
+    EnergyAt mine;
+    pushing_ = kernels.add_yielding(Yielding(), unknowns, x, springs, mine);
+    force_ = Vec6::Map(mine.force);
+    at.twice += mine.twice;
+    for (int c = 0; c < unknowns; ++c) at.force[c] += mine.force[c];
+  }
+  void AddHessian(const Kernels& kernels, const double* x, int unknowns, const Springs& springs,
+                  EnergyAt& at) const noexcept override {
+    kernels.add_yielding_hessian(Yielding(), unknowns, x, springs, at);
+  }
+  /// The number of rows that push at the solver's result.
+  int pushing() const { return pushing_; }
+  /// The sum of their forces there, on [v; rho phi], over the coupling's stiffness [m].
+  const Vec6& force() const { return force_; }
+
+ private:
+  virtual YieldingRows Yielding() const noexcept = 0;
+
+  Vec6 force_ = Vec6::Zero();
+  int pushing_ = 0;
+};
+
 }  // namespace palpate

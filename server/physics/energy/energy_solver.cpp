@@ -192,9 +192,7 @@ class Newton {
   /// Slope at `at`, in the direction from `from` to `to`.
   double Slope(const Point& at, const Point& from, const Point& to) const {
     const Vec<N> gradient = Gradient(at), way = to.x - from.x;
-    double slope = at.slack * (to.slack - from.slack) / kSlackCompliance;
-    for (int r = 0; r < N; ++r) slope += gradient[r] * way[r];
-    return slope;
+    return Dot(gradient, way) + at.slack * (to.slack - from.slack) / kSlackCompliance;
   }
 
   bool Gains(const Point& now, const Point& next) const {

@@ -35,24 +35,10 @@ QpRows SoftRows::rigid() const {
   return rigid;
 }
 
-void SoftRows::Add(const Kernels& kernels, const double* x, int unknowns, const Springs& springs,
-                   EnergyAt& at) noexcept {
-  EnergyAt mine;
-  pushing_ = kernels.add_yielding(Yielding(), unknowns, x, springs, mine);
-  force_ = Vec6::Map(mine.force);
-  at.twice += mine.twice;
-  for (int c = 0; c < unknowns; ++c) at.force[c] += mine.force[c];
-}
-
-void SoftRows::AddHessian(const Kernels& kernels, const double* x, int unknowns,
-                          const Springs& springs, EnergyAt& at) const noexcept {
-  kernels.add_yielding_hessian(Yielding(), unknowns, x, springs, at);
-}
-
 SoftContacts SoftRows::Contacts() const noexcept {
   SoftContacts contacts;
-  contacts.count = pushing_;
-  const int count = pushing_ == 0 ? 0 : rows_.count;
+  contacts.count = pushing();
+  const int count = pushing() == 0 ? 0 : rows_.count;
   const double* pushes = columns_[kPush];
   double least = 0.0;  // what a row must exceed to be listed
   for (int i = 0; i < count; ++i) {

@@ -20,7 +20,7 @@ struct SoftContacts {
 /// The compliance of the rows of one sub-step, column by column beside ContactRows: springs of the
 /// leaves in series with the coupling, a diagonal in the QP's dual.  Since any number of rows may
 /// yield at once, they are treated as an energy, not as single constraints.
-class SoftRows : public Energy {
+class SoftRows : public YieldingEnergy {
  public:
   /// @param rows  most rows.  Set-up.
   explicit SoftRows(int rows) : columns_(3, static_cast<std::size_t>(rows) + 16) {}
@@ -33,27 +33,19 @@ class SoftRows : public Energy {
   bool any() const { return any_; }
   /// Returns the rows that push at the optimum that the solver found last.
   SoftContacts Contacts() const noexcept;
-  bool pushes() const { return pushing_ > 0; }
-  /// The sum of their forces there, on [v; rho phi], over the coupling's stiffness [m].
-  const Vec6& force() const { return force_; }
   /// The weight of a row; 0 if it is rigid.
   double weight(int row) const { return columns_[kWeight][row]; }
   /// The rows that no step may violate: rigid ones, and the cores of soft ones.
   QpRows rigid() const;
 
-  void Add(const Kernels& kernels, const double* x, int unknowns, const Springs& springs,
-           EnergyAt& at) noexcept override;
-  void AddHessian(const Kernels& kernels, const double* x, int unknowns, const Springs& springs,
-                  EnergyAt& at) const noexcept override;
-
  private:
   enum : std::size_t { kWeight, kRigidB, kPush };
-  YieldingRows Yielding() const { return {rows_, columns_[kWeight], nullptr, columns_[kPush]}; }
+  YieldingRows Yielding() const noexcept override {
+    return {rows_, columns_[kWeight], nullptr, columns_[kPush]};
+  }
 
   AlignedColumns columns_;
   QpRows rows_{};  ///< the rows of the sub-step
-  Vec6 force_ = Vec6::Zero();
-  int pushing_ = 0;
   bool any_ = false;
 };
 

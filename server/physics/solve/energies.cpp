@@ -61,7 +61,7 @@ QpResult Energies::Solve(const Kernels& kernels, const double* t, const QpRows& 
 }
 
 bool Energies::pushes() const noexcept {
-  return (soft() != nullptr && soft_->pushes()) || bur_pushes();
+  return (soft() != nullptr && soft_->pushing() > 0) || bur_pushes();
 }
 
 int Energies::Cut(const Vec3& p_G, const Quat& q_WG, const Vec3& v, const Vec3& phi,

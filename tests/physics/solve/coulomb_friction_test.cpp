@@ -320,6 +320,93 @@ struct Problem {
   }
 };
 
+/// How far contacts are from Coulomb's law at the x that their forces balance.
+/// @param mu_s, mu_d  of every contact.   @return the greatest error of a force [m]
+double ErrorOfLaw(const ContactRows& rows, const Optimum& found, const Problem::Vec6& t, double rho,
+                  double mu_s, double mu_d) {
+  std::vector<Vec3> force(static_cast<std::size_t>(rows.count()), Vec3::Zero());
+  Problem::Vec6 x = t;
+  for (int k = 0; k < found.qp.active; ++k) {
+    const int i = found.qp.row[k];
+    Vec3& f = force[static_cast<std::size_t>(i)];
+    f = found.qp.multiplier[k] * rows.normal(i) + found.friction[static_cast<std::size_t>(k)];
+    x.head<3>() += f;
+    x.tail<3>() += rows.lever(i).cross(f) / rho;
+  }
+  if (t.tail<3>().isZero(0.0)) x.tail<3>().setZero();  // a ball
+  double error = 0.0;
+  for (int i = 0; i < rows.count(); ++i) {
+    const Vec3 n = rows.normal(i), f = force[static_cast<std::size_t>(i)];
+    const Vec3 moved = x.head<3>() + Vec3(x.tail<3>() / rho).cross(rows.lever(i));
+    const double lambda = n.dot(f), left = rows.gap(i) + n.dot(moved);
+    const Vec3 slip = moved - n.dot(moved) * n, friction = f - lambda * n;
+    const double limit = (slip.norm() > 1e-6 * t.norm() ? mu_d : mu_s) * lambda;
+    Vec3 law = friction - slip;  // friction is its projection onto the disk
+    if (law.norm() > limit) law *= limit / law.norm();
+    error = std::max({error, std::fabs(std::min(lambda, left)), (law - friction).norm()});
+  }
+  return error;
+}
+
+TEST(Friction, SatisfiesCoulombsLawInRandomProblems) {
+  int solved = 0, not_solved = 0;
+  for (const bool turns : {false, true}) {
+    for (int tenths = 0; tenths <= 12; ++tenths) {
+      const double mu_d = 0.1 * tenths, mu_s = tenths % 2 == 0 ? 1.5 * mu_d : mu_d;
+      Random setup(11);
+      Bench bench(turns ? RandomBalls(setup, 7, 0.02, 0.004) : kBallTool, kPlane,
+                  Rubbing(FrictionModel::kCoulomb), Rough(mu_s, mu_d));
+      const HapticModel& model = bench.model();
+      const double rho = model.rotation_length();
+      ContactRows& rows = bench.workspace().buffers().rows;
+      for (int problem = 0; problem < (kOptimised ? 400 : 40); ++problem) {
+        Random random(static_cast<std::uint64_t>(problem * 16 + tenths));
+        const Mat3 R_WG = random.Rotation().toRotationMatrix();
+        const Vec3 up = random.InCube(1.0).normalized();
+        const double rough = 0.5 * (problem / 7 % 4);  // from a plane to normals on all sides
+        rows.Clear();
+        for (int i = 0; i < 1 + problem % 7; ++i) {
+          const Vec3 n = (up + rough * random.InCube(1.0)).normalized();
+          const auto tool = static_cast<std::size_t>(i) % model.tool().leaves.size();
+          const LeafSphere& leaf = model.tool().leaves[tool];
+          rows.AddRow(n, R_WG * Vec3(leaf.x, leaf.y, leaf.z) - leaf.radius * n,
+                      random.Uniform(0.0, problem % 3 * 5e-5),
+                      {ContactId::kLeaves, static_cast<std::int32_t>(tool), 0, i});
+        }
+        rows.Finish();
+        StepState state;
+        if (problem % 2 != 0) state.friction.still = 0;
+        Target target{random.Uniform(-2e-3, -2e-4) * up + random.InCube(2e-3),
+                      random.InCube(turns ? 0.05 : 0.0)};
+        for (int step = 0; step < 6; ++step) {  // from the second on, with forces to start from
+          Problem::Vec6 t;
+          t << target.v, rho * target.phi;
+          Optimum optimum;
+          optimum.qp = ActiveKernels().solve(t.data(), turns ? 6 : 3, rows.view(), nullptr, 0);
+          if (optimum.qp.status != QpStatus::kSolved || optimum.qp.active == 0) break;
+          StepReport counts;
+          StepContext context(model, state, bench.workspace().buffers(), counts);
+          context.tools.R_WG = R_WG;
+          context.sub_step.target = target;
+          context.sub_step.rigid = rows.view();
+          AddCoulombFriction(context, optimum);
+          if (counts.friction_lowered + counts.friction_unsolved > 0) {
+            ++not_solved;
+          } else {
+            ++solved;
+            ASSERT_LT(ErrorOfLaw(rows, optimum, t, rho, mu_s, mu_d), 1e-6 * t.norm())
+                << turns << " " << tenths << " " << problem << " " << step;
+          }
+          target.v += random.InCube(5e-5);
+          if (turns) target.phi += random.InCube(1e-3);
+        }
+      }
+    }
+  }
+  EXPECT_GT(solved, kOptimised ? 40000 : 4000);
+  EXPECT_LT(not_solved, solved / 30);  // wedged among normals on all sides
+}
+
 TEST(Friction, MinimisesAsABruteForceSolverDoes) {
   const double mu = 0.5;
   int problems = 0, skipped = 0, contacts = 0, loose = 0;
