@@ -10,7 +10,7 @@ namespace palpate {
 struct StepTuning {
   double separation = 1e-6;     ///< delta, the distance that contact keeps between meshes [m]
   double widest_step = 0.5e-3;  ///< upper limit of the bound on |v| of one sub-step [m]
-  int sub_steps = 8;            ///< at most, in a cycle
+  int sub_steps = 12;           ///< at most, in a cycle
   int iterates = 16;            ///< at most, rounds of solve and check in a sub-step (meshes)
   int looks = 3400;             ///< a cycle's budget for contact between meshes; about 130 ns each
   int still_cycles = 20;        ///< cycles without slip after which friction is static again

@@ -170,7 +170,7 @@ void Move(StepContext& context, const Way& way) {
   context.arrived = way.arrived;
   if (!is_held) context.state.turn_G.setZero();
   if (meshes) {
-    EndSubStep(*buffers.meshes);
+    EndSubStep(*buffers.meshes, context.report.substeps == 0);
     context.cost.looks += buffers.meshes->looks.Spent();
   }
   if (context.Rubs() && way.optimum.qp.active == 0 && (way.arrived || !meshes)) {

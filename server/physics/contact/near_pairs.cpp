@@ -165,7 +165,7 @@ bool NearPairs::Enter(Index k, std::int32_t block, Looks& looks) {
   return true;
 }
 
-void NearPairs::Accept(const Motion& motion, std::int32_t trial, Looks& looks) {
+void NearPairs::Accept(const Motion& motion, std::int32_t trial) {
   // A pair that was not examined closely keeps the front's plane.
   for (Index k = 0; k < size(); ++k) {
     const Pair& pair = (*this)[k];
@@ -179,12 +179,8 @@ void NearPairs::Accept(const Motion& motion, std::int32_t trial, Looks& looks) {
       if (pair.looked_at == trial && !pair.split) front_->Set(pair.in_front, after.n, after.slack);
     }
   }
-  Merge(motion.to, looks);
 }
 
-/// Merges pairs of the front that one plane separates as a whole, with some room.  The planes that
-/// separate the two parts are tried.  If neither holds, the pair is tried again when the tool has
-/// gone as far as the better one lacks, because no gap changes faster.
 void NearPairs::Merge(const ToolPose& at, Looks& looks) {
   for (int i = 0; i < kBatch; ++i) {
     SeparationFront::Index index = front_->NextMergeable();

@@ -72,9 +72,12 @@ class NearPairs {
   bool Split(Index k, Looks& looks);
 
   /// Ends the sub-step.  The front takes over the planes: those of the motion's end if
-  /// it moves and trial number `trial` examined the pair closely.  Then pairs that one
-  /// plane separates are merged.
-  void Accept(const Motion& motion, std::int32_t trial, Looks& looks);
+  /// it moves and trial number `trial` examined the pair closely.
+  void Accept(const Motion& motion, std::int32_t trial);
+  /// Merges pairs of the front that one plane separates as a whole, with some room.  The planes
+  /// that separate the two parts are tried.  If neither holds, the pair is tried again when the
+  /// tool has gone as far as the better one lacks, because no gap changes faster.
+  void Merge(const ToolPose& at, Looks& looks);
 
  private:
   struct Plane {
@@ -86,7 +89,6 @@ class NearPairs {
   void AddPart(SeparationFront::Index in_front, double radius, const Vec3& n, double slack);
   void SetPlane(Index k, const Vec3& n, double slack);
   void Close(Index k);
-  void Merge(const ToolPose& at, Looks& looks);
   bool Enter(Index k, std::int32_t block, Looks& looks);
 
   const ToolAndBodies* meshes_ = nullptr;  ///< set during a sub-step only, as is front_

@@ -80,8 +80,9 @@ bool IsFree(MeshContact& contact, const Vec3& v, const Vec3& phi) noexcept {
   return Certify(contact, v, phi, Until::kFirst) == 0;
 }
 
-void EndSubStep(MeshContact& contact) noexcept {
-  contact.near.Accept(contact.motion, contact.trial, contact.looks);
+void EndSubStep(MeshContact& contact, bool merges) noexcept {
+  contact.near.Accept(contact.motion, contact.trial);
+  if (merges) contact.near.Merge(contact.motion.to, contact.looks);
 }
 
 namespace {

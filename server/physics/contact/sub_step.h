@@ -94,7 +94,9 @@ bool IsFree(MeshContact& contact, const Vec3& v, const Vec3& phi) noexcept;
 
 /// Moves the tool to the trial that was examined last, which must be free, and stores the planes in
 /// the front.
-void EndSubStep(MeshContact& contact) noexcept;
+/// @param merges  whether pairs of the front may be merged.  A merge saves time in later cycles; in
+///                each sub-step of a cycle, it would mostly be undone by the next one.
+void EndSubStep(MeshContact& contact, bool merges) noexcept;
 
 /// Returns whether, at a pose, no triangle of the tool intersects one of the objects.  A tool
 /// wholly inside a closed mesh intersects none.  Not real-time.
