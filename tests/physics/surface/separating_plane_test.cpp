@@ -163,8 +163,9 @@ TEST(SeparatingPlane, TellsRoundPatchesApart) {
 // Searches begin in whatever lane is free, beside others that began before.
 TEST(SeparatingPlane, IsTheSameBesideOtherSearches) {
   Random random(83);
-  const Case motion_of = MakeCase(random, 1);
-  const ToolMotion motion{motion_of.from, motion_of.to};
+  const ToolPose from(Vec3(0.0, 0.0, 0.004), random.Rotation());
+  const ToolPose to = from.Moved(random.InCube(0.001), random.InCube(0.05));
+  const ToolMotion motion{from, to};
   const double least = 1e-6;
   struct Search {
     HullTree tool, object;
