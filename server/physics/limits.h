@@ -265,12 +265,15 @@ inline constexpr int kMaxLooks = 3400;
 /// Pairs that are refreshed, or found not to hold in a trial, in the time of one look; eight times
 /// as many are tested in that time.
 inline constexpr int kRefreshesALook = 8;
-/// Pairs that are refreshed, looked at, or tried for a merge before the code checks whether
-/// to go on.  Taken.
+/// Pairs that are refreshed or tried for a merge before the code checks whether to go on.  Taken.
 inline constexpr int kBatch = 32;
 /// Pairs without a plane in a trial after which the next trial begins: six rows hold a tool.  With
 /// four, looks fall by 6 %, but a ball of fine triangles on another came to rest 0.1 N off.
 inline constexpr int kEnough = 6;
+/// A trial with at least one such pair also ends once no other has been found in this many looks.
+/// Most of them look at pairs that the next trial, which is shorter, does not reach: without this,
+/// a long cycle takes an eighth more.  Of 0 to 128, the late cycles are fewest from 16 to 32.
+inline constexpr int kPatience = 32;
 /// If the pose is set from outside, and the tool's farthest point goes farther than the sub-steps
 /// of a cycle can take it [m], the front is rebuilt, since all of it would be looked at anyway.
 inline constexpr double kSetFar = kMaxSubsteps * kMaxTranslation;

@@ -85,49 +85,6 @@ bool HoldsAcross(MeshContact& contact, Index k, double distance, const Touch& to
   return true;
 }
 
-/// Pairs that are examined one after the other, the deepest first.  Planes between patches are
-/// searched for several pairs at once; the result of a search does not depend on its time.
-struct Batch {
-  Index pair[kBatch];
-  int pairs = 0, at = 0;  ///< at: the pair being examined
-  SeparatingPlane plane[kPlanesAtOnce];
-  std::uint32_t found = 0;
-  int searched = 0, next = 0;  ///< number of planes searched, and the next to be used
-  Index of[kPlanesAtOnce];     ///< their pairs
-
-  /// Searches planes for the current pair and for the next ones that will need one: patches, and
-  /// triangles of a ball that have no touch.
-  void Search(const MeshContact& contact) {
-    const ToolAndBodies& meshes = contact.meshes;
-    PatchPair patches[kPlanesAtOnce];
-    searched = next = 0;
-    for (int i = at; i < pairs && searched < kPlanesAtOnce; ++i) {
-      const NearPairs::Pair& near = contact.near[pair[i]];
-      const NodesOfPair& nodes = near.nodes;
-      const bool asks = !nodes.AreTriangles() || (meshes.IsBall() && near.touch < 0);
-      if (i > at && !asks) continue;
-      of[searched] = pair[i];
-      plane[searched].n = contact.near.Normal(pair[i]);
-      patches[searched++] = {meshes.tool.tree, nodes.tool, meshes.tool.radius, nodes.body->tree,
-                             nodes.object};
-    }
-    found = FindPlanes({patches, static_cast<std::size_t>(searched)},
-                       {contact.motion.from, contact.motion.to}, meshes.margins.free,
-                       *meshes.kernels, plane);
-  }
-};
-
-/// Returns whether a plane separates the hulls of the current pair throughout the trial.
-bool IsSeparable(MeshContact& contact, Batch& batch) {
-  const Index k = batch.pair[batch.at];
-  if (batch.next == batch.searched || batch.of[batch.next] != k) batch.Search(contact);
-  const SeparatingPlane& plane = batch.plane[batch.next];
-  const bool found = (batch.found >> batch.next++ & 1u) != 0;
-  contact.looks.tested += plane.tries;
-  if (found) contact.near.SetPlanes(k, plane.n, plane.before, plane.n, plane.after);
-  return found;
-}
-
 /// Returns whether the plane of a neighbouring contact also separates this pair, which is outside
 /// its cones.  Such a plane restricts nothing that the contact does not.
 bool NeighbourHolds(MeshContact& contact, Index k, double distance) {
@@ -163,23 +120,26 @@ bool TrianglesApart(MeshContact& contact, Index k) {
   return touch.plane.of == ContactPlane::Of::kNone && across(ChoosePlane(meshes, touch, motion));
 }
 
-/// Returns whether a pair is separate at the trial, by any plane beside the front's.  Patches that
-/// no plane separates are split, and their parts decide.
-bool LookCloser(MeshContact& contact, Batch& batch, Until until) {
-  const Index k = batch.pair[batch.at];
-  NearPairs::Pair& pair = contact.near[k];
-  pair.looked_at = contact.trial;
-  if (contact.looks.AreSpent()) return false;
-  if (!pair.nodes.AreTriangles())
-    return IsSeparable(contact, batch) || contact.near.Split(k, contact.looks);
+/// Begins the search for a plane of a patch, or of a triangle of a ball.
+void BeginSearch(MeshContact& contact, Index k) {
+  const ToolAndBodies& meshes = contact.meshes;
+  const NodesOfPair& nodes = contact.near[k].nodes;
+  const int lane = contact.searches.Begin(
+      {meshes.tool.tree, nodes.tool, meshes.tool.radius, nodes.body->tree, nodes.object},
+      contact.near.Normal(k));
+  contact.searched[lane] = k;
+}
+
+/// Returns whether two triangles are separate at the trial, by any plane beside the front's; a ball
+/// has searched for one before, if its touch has none.  If not, they are listed as open.
+bool LookAtTriangles(MeshContact& contact, Index k, Until until) {
+  const NearPairs::Pair& pair = contact.near[k];
   const double free = contact.meshes.margins.free;
   const bool has_plane = pair.touch >= 0 && contact.TouchOf(k).plane.of != ContactPlane::Of::kNone;
-  // A ball's row follows the smooth surface and not the pair's plane, so any plane will do.
-  const bool apart =
-      !has_plane &&
-      (contact.meshes.IsBall() ? IsSeparable(contact, batch)
-                               : HoldsAlong(contact, k, contact.near.Normal(k), free, free));
-  if (apart) return true;
+  if (!has_plane && !contact.meshes.IsBall() &&
+      HoldsAlong(contact, k, contact.near.Normal(k), free, free)) {
+    return true;
+  }
   if (pair.touch < 0 && !contact.HasRoomForTouch()) return false;
   ++contact.looks.tested;
   if (TrianglesApart(contact, k)) return true;
@@ -189,7 +149,35 @@ bool LookCloser(MeshContact& contact, Batch& batch, Until until) {
     touch.plane = ChoosePlane(contact.meshes, touch, contact.motion);
   }
   contact.open.push_back(k);
+  contact.opened_at = contact.looks.tested;
   return false;
+}
+
+/// A pair whose plane does not hold at the trial.  Returns false if it is not separate; its search
+/// may only begin here.
+bool Examine(MeshContact& contact, Index k, Until until) {
+  NearPairs::Pair& pair = contact.near[k];
+  pair.looked_at = contact.trial;
+  // A ball's row follows the smooth surface and not the pair's plane, so any plane will do.
+  const bool any_plane = contact.meshes.IsBall() &&
+                         (pair.touch < 0 || contact.TouchOf(k).plane.of == ContactPlane::Of::kNone);
+  if (pair.nodes.AreTriangles() && !any_plane) return LookAtTriangles(contact, k, until);
+  BeginSearch(contact, k);
+  return true;
+}
+
+/// Takes the result of a search.  Patches that no plane separates are split, and their parts
+/// decide.
+bool EndSearch(MeshContact& contact, int lane, Until until) {
+  const Index k = contact.searched[lane];
+  const SeparatingPlane& plane = contact.searches.plane(lane);
+  contact.looks.tested += plane.tries;
+  if (contact.searches.Found(lane)) {
+    contact.near.SetPlanes(k, plane.n, plane.before, plane.n, plane.after);
+    return true;
+  }
+  if (contact.near[k].nodes.AreTriangles()) return LookAtTriangles(contact, k, until);
+  return contact.near.Split(k, contact.looks);
 }
 
 }  // namespace
@@ -210,27 +198,37 @@ int Certify(MeshContact& contact, const Vec3& v, const Vec3& phi, Until until) n
   std::vector<std::int64_t>& doubts = contact.doubts;
   doubts.clear();
   contact.open.clear();
-  const int enough = until == Until::kEnough ? kEnough : 1;
   // Pairs without room are not known to be separate.
   int apart_not = near.is_full() ? 1 : 0;
+  const auto ends = [&] {
+    if (looks.AreSpent()) return true;
+    if (!moves || apart_not == 0) return false;
+    return until == Until::kFirst || apart_not >= kEnough ||
+           (!contact.open.empty() && looks.tested - contact.opened_at > kPatience);
+  };
+  PlaneSearches& searches = contact.searches;
+  searches.Reset({contact.motion.from, contact.motion.to}, free);
   for (Index collected = 0;;) {
-    // Finds the pairs whose planes do not hold throughout the trial, including
-    // those added by splits.
-    const auto found = near.FindUsedUp(collected, motion, looks);
-    collected = near.size();
-    if (looks.AreSpent()) return apart_not + static_cast<int>(found.size() + doubts.size());
-    for (const Index k : found) {
-      doubts.push_back(DoubtOf(near.Left(k), k, near.room()));
-      std::push_heap(doubts.begin(), doubts.end(), std::greater<>());
+    // Finds the pairs whose planes do not hold throughout the trial, including those added by
+    // splits.
+    if (collected < near.size()) {
+      for (const Index k : near.FindUsedUp(collected, motion, looks)) {
+        doubts.push_back(DoubtOf(near.Left(k), k, near.room()));
+        std::push_heap(doubts.begin(), doubts.end(), std::greater<>());
+      }
+      collected = near.size();
     }
-    if (doubts.empty() || (moves && apart_not >= enough)) return apart_not;
-    Batch batch;
-    while (batch.pairs < kBatch && !doubts.empty()) {
-      batch.pair[batch.pairs++] = NearOf(PopLeast(doubts), near.room());
+    // The deepest first.
+    while (!doubts.empty() && !searches.IsFull() && !ends()) {
+      const Index k = NearOf(PopLeast(doubts), near.room());
+      if (!Examine(contact, k, until)) ++apart_not;
     }
-    for (; batch.at < batch.pairs; ++batch.at) {
-      const bool ends = looks.AreSpent() || (moves && apart_not >= enough);
-      if (ends || !LookCloser(contact, batch, until)) ++apart_not;
+    if (ends() || searches.running() == 0) {
+      return apart_not + static_cast<int>(doubts.size()) + std::popcount(searches.running());
+    }
+    for (std::uint32_t ended = searches.Try(*contact.meshes.kernels); ended != 0;
+         ended &= ended - 1) {
+      if (!EndSearch(contact, std::countr_zero(ended), until)) ++apart_not;
     }
   }
 }

@@ -45,6 +45,10 @@ struct MeshContact {
   Looks looks;
   /// Scratch of Certify: near pairs whose planes do not hold, sorted by the gap that is left.
   std::vector<std::int64_t> doubts;
+  /// Scratch of Certify: searches for planes, and the near pair of each lane.
+  PlaneSearches searches;
+  NearPairs::Index searched[PlaneSearches::kAtOnce] = {};
+  std::int64_t opened_at = 0;  ///< looks when the last of `open` was added
   /// Near pairs of triangles without a plane at the trial, in the order in which they were found.
   std::vector<NearPairs::Index> open;
 

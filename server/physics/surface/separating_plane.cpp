@@ -1,46 +1,71 @@
 #include "server/physics/surface/separating_plane.h"
 
-#include <algorithm>
 #include <bit>
 #include <limits>
+#include <utility>
 
 #include "server/physics/limits.h"
 
 namespace palpate {
 
-std::uint32_t FindPlanes(std::span<const PatchPair> pairs, const ToolMotion& motion, double least,
-                         const Kernels& kernels, SeparatingPlane* planes) noexcept {
-  Simplices simplices;
-  std::fill_n(simplices.nearest, kPlanesAtOnce, std::numeric_limits<double>::infinity());
-  for (std::size_t i = 0; i < pairs.size(); ++i) simplices.radius[i] = pairs[i].radius;
-  std::uint32_t found = 0, searches = (1u << pairs.size()) - 1u;
-  for (int tries = 1; searches != 0; ++tries) {
-    for (std::uint32_t left = searches; left != 0; left &= left - 1) {
-      const int i = std::countr_zero(left);
-      const PatchPair& pair = pairs[static_cast<std::size_t>(i)];
-      SeparatingPlane& plane = planes[i];
-      if (tries > 1) plane.n = {simplices.n[0][i], simplices.n[1][i], simplices.n[2][i]};
-      plane.tries = tries;
-      if (tries > limits::mesh::kDirections) continue;
-      const Vec3 highest = pair.object.Lowest(-plane.n, kernels);
-      const auto difference = [&](const ToolPose& at, double& gap) -> Vec3 {
-        const Vec3 d =
-            at.R * pair.tool.Lowest(at.R.transpose() * plane.n, kernels) + at.p - highest;
-        gap = plane.n.dot(d) - pair.radius;
-        return d;
-      };
-      Vec3 lowest = difference(motion.to, plane.after);
-      if (plane.after >= least) {
-        lowest = difference(motion.from, plane.before);
-        if (plane.before >= least) found |= 1u << i;
-      }
-      for (int c = 0; c < 3; ++c) simplices.added[c][i] = lowest[c];
+void PlaneSearches::Reset(const ToolMotion& motion, double least) {
+  from_ = &motion.from;
+  to_ = &motion.to;
+  least_ = least;
+  running_ = 0;
+}
+
+int PlaneSearches::Begin(const PatchPair& pair, const Vec3& guess) {
+  const int lane = std::countr_one(running_);
+  running_ |= 1u << lane;
+  pairs_[lane] = pair;
+  planes_[lane].n = guess;
+  planes_[lane].tries = 0;
+  for (std::uint32_t& with : simplices_.with) with &= ~(1u << lane);
+  simplices_.nearest[lane] = std::numeric_limits<double>::infinity();
+  simplices_.radius[lane] = pair.radius;
+  return lane;
+}
+
+std::uint32_t PlaneSearches::Try(const Kernels& kernels) {
+  found_ = 0;
+  std::uint32_t goes_on = 0;
+  for (std::uint32_t left = running_; left != 0; left &= left - 1) {
+    const int i = std::countr_zero(left);
+    const PatchPair& pair = pairs_[i];
+    SeparatingPlane& plane = planes_[i];
+    if (plane.tries > 0) {
+      plane.n = {simplices_.n[0][i], simplices_.n[1][i], simplices_.n[2][i]};
     }
-    if (tries > limits::mesh::kDirections) break;
-    searches &= ~found;
-    if (searches != 0) searches = kernels.advance_simplices(simplices, searches, least);
+    ++plane.tries;
+    const Vec3 highest = pair.object.Lowest(-plane.n, kernels);
+    const auto difference = [&](const ToolPose& at, double& gap) -> Vec3 {
+      const Vec3 d = at.R * pair.tool.Lowest(at.R.transpose() * plane.n, kernels) + at.p - highest;
+      gap = plane.n.dot(d) - pair.radius;
+      return d;
+    };
+    Vec3 lowest = difference(*to_, plane.after);
+    if (plane.after >= least_) {
+      lowest = difference(*from_, plane.before);
+      if (plane.before >= least_) found_ |= 1u << i;
+    }
+    for (int c = 0; c < 3; ++c) simplices_.added[c][i] = lowest[c];
+    if (plane.tries < limits::mesh::kDirections) goes_on |= 1u << i;
   }
-  return found;
+  goes_on &= ~found_;
+  if (goes_on != 0) goes_on = kernels.advance_simplices(simplices_, goes_on, least_);
+  return std::exchange(running_, goes_on) & ~goes_on;
+}
+
+bool FindPlane(const PatchPair& pair, const ToolMotion& motion, const Vec3& guess, double least,
+               const Kernels& kernels, SeparatingPlane& plane) noexcept {
+  PlaneSearches searches;
+  searches.Reset(motion, least);
+  const int lane = searches.Begin(pair, guess);
+  while (searches.Try(kernels) == 0) {
+  }
+  plane = searches.plane(lane);
+  return searches.Found(lane);
 }
 
 }  // namespace palpate

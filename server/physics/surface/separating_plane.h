@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 
 #include "common/math/pose.h"
 #include "common/math/rotation.h"
@@ -46,24 +45,43 @@ struct SeparatingPlane {
   int tries = 0;                     ///< number of directions that the search has tried
 };
 
-/// Number of pairs that FindPlanes takes at a time.
-inline constexpr int kPlanesAtOnce = 8;
-
-/// For each pair, searches for a plane that separates the hulls of both patches by `least` [m]
-/// before and after a motion, starting from the unit direction in planes[i].n.  Returns one bit for
-/// each pair for which it found a plane.  If it finds none, there mostly is none; a plane that it
-/// finds is always valid.
-/// Real-time, deterministic: the result for a pair does not depend on the other pairs.
+/// Searches for planes that separate the hulls of two patches by `least` [m] before and after a
+/// motion, several at a time, in the lanes of a vector.  If a search finds none, there mostly is
+/// none; a plane that it finds is always valid.
+/// Real-time, deterministic: the result of a search does not depend on the others.
 /// By the algorithm of Gilbert, Johnson & Keerthi, up to the first direction that separates
 /// (README.md, "Split").
-std::uint32_t FindPlanes(std::span<const PatchPair> pairs, const ToolMotion& motion, double least,
-                         const Kernels& kernels, SeparatingPlane* planes) noexcept;
+class PlaneSearches {
+ public:
+  static constexpr int kAtOnce = 8;
 
-/// FindPlanes for one pair, starting from `guess`.
-inline bool FindPlane(const PatchPair& pair, const ToolMotion& motion, const Vec3& guess,
-                      double least, const Kernels& kernels, SeparatingPlane& plane) noexcept {
-  plane.n = guess;
-  return FindPlanes({&pair, 1}, motion, least, kernels, &plane) != 0;
-}
+  /// Ends all searches, and sets what those to come ask for.  The poses of `motion` must outlive
+  /// them.
+  void Reset(const ToolMotion& motion, double least);
+  /// One bit for each lane in which a search runs.
+  std::uint32_t running() const { return running_; }
+  bool IsFull() const { return running_ == (1u << kAtOnce) - 1u; }
+  /// Begins a search at the unit direction `guess`, in a lane in which none runs.  Returns the
+  /// lane.
+  int Begin(const PatchPair& pair, const Vec3& guess);
+  /// Tries a direction in each search.  Returns one bit for each lane whose search ends.
+  std::uint32_t Try(const Kernels& kernels);
+  /// Returns whether the search that ended in this lane has found its plane.
+  bool Found(int lane) const { return (found_ >> lane & 1u) != 0; }
+  /// Its plane, or what it tried last.
+  const SeparatingPlane& plane(int lane) const { return planes_[lane]; }
+
+ private:
+  const ToolPose *from_ = nullptr, *to_ = nullptr;
+  double least_ = 0.0;
+  std::uint32_t running_ = 0, found_ = 0;
+  PatchPair pairs_[kAtOnce];
+  SeparatingPlane planes_[kAtOnce];
+  Simplices simplices_;
+};
+
+/// Searches for one plane, starting from `guess`.
+bool FindPlane(const PatchPair& pair, const ToolMotion& motion, const Vec3& guess, double least,
+               const Kernels& kernels, SeparatingPlane& plane) noexcept;
 
 }  // namespace palpate

@@ -1,9 +1,11 @@
 #include "server/physics/surface/separating_plane.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -155,6 +157,56 @@ TEST(SeparatingPlane, TellsRoundPatchesApart) {
     EXPECT_FALSE(FindPlane(pair, {in, in}, random.Direction(), 1e-6, ActiveKernels(), plane));
     EXPECT_FALSE(FindPlane(pair, {away, in}, random.Direction(), 1e-6, ActiveKernels(), plane));
     EXPECT_FALSE(FindPlane(pair, {in, away}, random.Direction(), 1e-6, ActiveKernels(), plane));
+  }
+}
+
+// Searches begin in whatever lane is free, beside others that began before.
+TEST(SeparatingPlane, IsTheSameBesideOtherSearches) {
+  Random random(83);
+  const ToolPose from(Vec3(0.0, 0.0, 0.004), random.Rotation());
+  const ToolPose to = from.Moved(random.InCube(0.001), random.InCube(0.05));
+  const ToolMotion motion{from, to};
+  const double least = 1e-6;
+  struct Search {
+    HullTree tool, object;
+    Vec3 guess;
+    SeparatingPlane alone;
+    bool found_alone;
+    PatchPair pair() const { return {tool, tool.root(), 0.0, object, object.root()}; }
+  };
+  std::vector<Search> all;
+  int found = 0;
+  for (int i = 0; i < 300; ++i) {
+    const Case c = MakeCase(random, 2 * i);
+    Search search{TreeOf(c.tool), TreeOf(c.object), random.Direction(), {}, false};
+    search.found_alone =
+        FindPlane(search.pair(), motion, search.guess, least, ActiveKernels(), search.alone);
+    found += search.found_alone ? 1 : 0;
+    all.push_back(std::move(search));
+  }
+  EXPECT_GT(found, 30);
+  EXPECT_LT(found, 270);
+  PlaneSearches searches;
+  searches.Reset(motion, least);
+  std::size_t of_lane[PlaneSearches::kAtOnce], begun = 0, ended = 0;
+  while (ended < all.size()) {
+    // As many as there is room for, or fewer.
+    for (int more = 1 + random.Below(8); more > 0 && !searches.IsFull() && begun < all.size();
+         --more, ++begun) {
+      of_lane[searches.Begin(all[begun].pair(), all[begun].guess)] = begun;
+    }
+    for (std::uint32_t lanes = searches.Try(ActiveKernels()); lanes != 0; lanes &= lanes - 1) {
+      const int lane = std::countr_zero(lanes);
+      const Search& search = all[of_lane[lane]];
+      const SeparatingPlane& plane = searches.plane(lane);
+      ++ended;
+      ASSERT_EQ(searches.Found(lane), search.found_alone);
+      ASSERT_EQ(plane.tries, search.alone.tries);
+      ASSERT_EQ(plane.n, search.alone.n);
+      if (!search.found_alone) continue;
+      ASSERT_EQ(plane.before, search.alone.before);
+      ASSERT_EQ(plane.after, search.alone.after);
+    }
   }
 }
 
