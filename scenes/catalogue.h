@@ -13,34 +13,34 @@
 namespace palpate {
 
 struct LoadOptions {
-  std::string models_dir;  ///< searched for models first; empty: as model_files.h says
-  std::string cache_dir;   ///< empty: $XDG_CACHE_HOME/palpate, else ~/.cache/palpate
+  std::string models_dir = {};  ///< searched for models first; empty: as model_files.h says
+  std::string cache_dir = {};   ///< empty: $XDG_CACHE_HOME/palpate, else ~/.cache/palpate
   bool use_cache = true;
   /// Replaces the contact model of the scene file.  Trees whose mode the scene file leaves open get
   /// the mode that suits it (ChooseModes).
-  std::optional<ContactModel> contact;
+  std::optional<ContactModel> contact = {};
   /// Mode of every tree that is built; unset: as the scene file says.
-  std::optional<TreeMode> tree;
+  std::optional<TreeMode> tree = {};
   /// Tolerance of every tree that is built with more than one leaf; unset: as the scene file says.
-  std::optional<LeafTolerance> leaves;
+  std::optional<LeafTolerance> leaves = {};
   /// Tree file of the first object, and of every body that has the same mesh, whatever the scene
   /// file says.  The scene is then not cached.
-  std::optional<TreeSource> tree_file;
+  std::optional<TreeSource> tree_file = {};
   /// Is told the progress of the whole scene, which never decreases; a stage reads "body 2 of 5,
   /// name: stage".  Called only while something is built, or while a mesh that is named in place of
   /// a scene is read; from the threads that build, never by two at once.
-  Progress progress;
+  Progress progress = {};
   /// Is told what went wrong and was repaired, such as a broken cache file.  Default: writes to
   /// standard error.
-  std::function<void(const std::string&)> warn;
+  std::function<void(const std::string&)> warn = {};
   /// Number of bodies that are built at the same time, one thread each; 0: one per core.  The scene
   /// does not depend on it, nor do messages, warnings and errors: they come in the order of the
   /// scene file, in the caller's thread.
   std::size_t bodies_at_once = 0;
-  MeshSceneOptions mesh;  ///< for a mesh file that is named in place of a scene
+  MeshSceneOptions mesh = {};  ///< for a mesh file that is named in place of a scene
   /// Is told what was assumed about such a mesh, and how a tree from a file was aligned with its
   /// mesh.  Default: writes to standard error.
-  std::function<void(const std::string&)> tell;
+  std::function<void(const std::string&)> tell = {};
 };
 
 /// Loads a scene by its catalogue name ("bunny-bunny"), from a scene file (.json), from a bundle

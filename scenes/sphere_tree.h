@@ -14,10 +14,10 @@ namespace palpate {
 /// the physics does not use it.
 enum class TreeOrigin : std::uint8_t {
   kUnknown,   ///< not stated: an older bundle, or a scene that was sent
-  kInside,    ///< built in the TreeMode of the same name (tree_mode.h), as the next three
+  kInside,    ///< built in the TreeMode of the same name (tree_mode.h), as the next two
   kBalanced,  //
   kCover,     //
-  kOctree,    //
+  kOctree,    ///< of an older bundle: round the cells of an octree, which is no longer a mode
   kFile,      ///< read from a .sph file
   kBall,      ///< one leaf: exactly the ball that the mesh represents
 };

@@ -39,6 +39,10 @@ inline py::array ToNumbers(const py::object& given, const std::string& what) {
   const py::dtype dtype = array.dtype();
   if (std::string_view("fiu").find(dtype.kind()) == std::string_view::npos ||
       dtype.itemsize() > 8) {
+    if (array.ndim() == 0) {
+      const auto type = py::type::of(given).attr("__name__").cast<std::string>();
+      throw Error(what + ": is of type " + type + "; give real numbers");
+    }
     throw Error(what + ": is an array of " + py::str(py::handle(dtype)).cast<std::string>() +
                 "; give real numbers, for example by numpy.asarray(..., dtype=float)");
   }

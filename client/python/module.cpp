@@ -171,9 +171,11 @@ Scene ToScene(const std::vector<Body>& objects, const std::vector<Body>& tools,
 
 void SetParameters(Scene& scene, const py::kwargs& parameters) {
   for (const auto& [name, value] : parameters) {
-    // Throws Python's TypeError.
-    const py::float_ number(py::reinterpret_borrow<py::object>(value));
-    SetParameter(scene, name.cast<std::string>(), number);
+    const auto what = name.cast<std::string>();
+    // Python's float() would read text, too.
+    const Doubles number = ToDoubles(py::reinterpret_borrow<py::object>(value), what);
+    RequireShape(number.ndim() == 0, number, what, "a single number");
+    SetParameter(scene, what, *number.data());
   }
 }
 
@@ -642,6 +644,13 @@ void DefineReports(py::module_& module) {
            })
       .def("__repr__",
            [](const Steps& steps) {
+             if (steps.contacts.ndim() == 0) {
+               const Doubles one(steps.wrench);
+               const double* const wrench = one.data();
+               return Shown("Steps", "one step: force ", Row(wrench, 3), " N, torque ",
+                            Row(wrench + 3, 3), " N m, contacts ", *steps.contacts.data(),
+                            ", faults ", FaultWords(*steps.faults.data()));
+             }
              const auto shape = py::str(steps.contacts.attr("shape")).cast<std::string>();
              const std::int32_t* const c = steps.contacts.data();
              const std::uint32_t* const f = steps.faults.data();

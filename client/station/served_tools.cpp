@@ -99,7 +99,7 @@ std::vector<OfferedTool> AskForTools(const dds::Participant& service, const AskO
     if (IsMeant(offered, scene)) AddTools(offered, tools);
   }
   if (tools.empty()) {
-    throw Error("scene '" + scene + "' is not served here; give --scene with one of: " +
+    throw Error("scene '" + scene + "' is not served here; choose one of: " +
                 Joined(offer.scenes(), [](const auto& offered) { return offered.scene; }) +
                 ", or start palpate-server with yours (--domain " + std::to_string(options.domain) +
                 ")");

@@ -28,7 +28,7 @@ MetricsEndpoint ParseMetricsEndpoint(const std::string& text);
 class MetricsPort {
  public:
   struct Options {
-    MetricsEndpoint endpoint;
+    MetricsEndpoint endpoint = {};
     std::vector<std::string> host_names = {};  ///< accepted besides addresses, in lower case
     std::string program = "palpate-server";    ///< the program whose --host-name allows more names
   };

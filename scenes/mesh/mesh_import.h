@@ -35,8 +35,8 @@ struct MeshPlacement {
     kBoxCentre,  ///< the centre of the bounding box
     kCentroid,   ///< the centre of the solid's volume; of the surface if the mesh is open
   };
-  double metres_per_unit = 1.0;        ///< ignored if longest_side is given
-  std::optional<double> longest_side;  ///< of the bounding box, after scaling [m]
+  double metres_per_unit = 1.0;             ///< ignored if longest_side is given
+  std::optional<double> longest_side = {};  ///< of the bounding box, after scaling [m]
   Origin origin = Origin::kBoxCentre;
 };
 

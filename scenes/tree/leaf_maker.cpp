@@ -10,7 +10,6 @@
 #include "scenes/tree/balanced_balls.h"
 #include "scenes/tree/cover_balls.h"
 #include "scenes/tree/inner_balls.h"
-#include "scenes/tree/octree_balls.h"
 
 namespace palpate {
 namespace {
@@ -183,8 +182,6 @@ std::vector<Sphere> MakeLeaves(const SampledSolid& solid, std::size_t count, Tre
     case TreeMode::kBalanced:
     case TreeMode::kCover:
       return BallFitter(solid, count, mode, progress).Make();
-    case TreeMode::kOctree:
-      return OctreeBalls(solid.mesh, solid.query, count);
   }
   throw Error("there is no such mode of a tree");  // an invalid number cast to TreeMode
 }

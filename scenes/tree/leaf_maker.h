@@ -29,7 +29,7 @@ struct SampledSolid {
   const std::vector<SurfaceSample> samples;  ///< five per leaf, but at least 2,000
 };
 
-/// Makes the leaves of a sphere tree [m]: exactly `count`, or at most that for TreeMode::kOctree.
+/// Makes the leaves of a sphere tree [m]: exactly `count`.
 /// This is the only place where a mode is turned into balls: to make them in another way, add a
 /// TreeMode and call it here.
 ///

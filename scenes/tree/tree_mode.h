@@ -21,14 +21,10 @@ enum class TreeMode : std::uint8_t {
   /// The leaves at the surface are moved and resized until they contain all of it and stick out
   /// least (cover_balls.h): they bound the solid.
   kCover,
-  /// The leaves are the circumscribed balls of an octree's cells (octree_balls.h): the textbook
-  /// method, for comparison with the others.
-  kOctree,
 };
 
 /// The modes' names in scene files and programs, in the order of TreeMode.
-inline constexpr std::array<std::string_view, 4> kTreeModes{"inside", "balanced", "cover",
-                                                            "octree"};
+inline constexpr std::array<std::string_view, 3> kTreeModes{"inside", "balanced", "cover"};
 inline std::string_view NameOf(TreeMode mode) {
   return kTreeModes[static_cast<std::size_t>(mode)];
 }
@@ -47,14 +43,16 @@ inline TreeMode ModeFor(ContactModel contact) {
 /// Returns the origin of a tree that was built in the mode.
 inline TreeOrigin OriginOf(TreeMode mode) {
   static_assert(static_cast<int>(TreeOrigin::kInside) == 1 + static_cast<int>(TreeMode::kInside) &&
-                static_cast<int>(TreeOrigin::kOctree) == 1 + static_cast<int>(TreeMode::kOctree));
+                static_cast<int>(TreeOrigin::kCover) == 1 + static_cast<int>(TreeMode::kCover));
   return static_cast<TreeOrigin>(1 + static_cast<int>(mode));
 }
-/// Returns one of kTreeModes, "file", "ball" or "unknown".
+/// Returns one of kTreeModes, "octree", "file", "ball" or "unknown".
 inline std::string_view NameOf(TreeOrigin origin) {
   switch (origin) {
     case TreeOrigin::kUnknown:
       return "unknown";
+    case TreeOrigin::kOctree:
+      return "octree";
     case TreeOrigin::kFile:
       return "file";
     case TreeOrigin::kBall:

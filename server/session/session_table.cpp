@@ -379,12 +379,12 @@ std::shared_ptr<const ServedTool> SessionTable::Find(const wire::SessionRequest&
   if (candidates.size() == 1) return candidates.front();
   const std::string scene = std::string("scene '") + request.scene + "'";
   if (tools.empty()) {
-    refusal = scene + " is not served here; give --scene with one of: " + scenes;
+    refusal = scene + " is not served here; choose one of: " + scenes;
   } else if (candidates.empty()) {
-    refusal = std::string("tool '") + request.tool + "' is not in " + scene +
-              "; give --tool with one of: " + tools;
+    refusal =
+        std::string("tool '") + request.tool + "' is not in " + scene + "; choose one of: " + tools;
   } else {
-    refusal = scene + " has several tools; give --tool with one of: " + tools;
+    refusal = scene + " has several tools; choose one of: " + tools;
   }
   return nullptr;
 }

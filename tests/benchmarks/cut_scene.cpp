@@ -289,7 +289,7 @@ struct Figures {
   double volume = 0.0, volume_error = 0.0, work_error = 0.0, jump = 0.0;
   double surface_rms = 0.0, surface_most = 0.0;  ///< [m]
   std::size_t places = 0;                        ///< that the surface was measured at
-  std::optional<double> ripple;                  ///< none: a box paints a material along the grid
+  std::optional<double> ripple = {};             ///< none: a box paints a material along the grid
   int unsolved = 0;
 };
 

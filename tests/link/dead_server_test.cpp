@@ -92,7 +92,7 @@ TEST_F(DeadServer, WhoseSuccessorHasAnotherSceneGivesNoForceAndSaysWhy) {
   server = Server("ellipsoid");
   EXPECT_EQ(station->Exit(60.0), 1);
   EXPECT_THAT(station->Output(), HasSubstr("the server refuses the session: scene 'cube' is not "
-                                           "served here; give --scene with one of: ellipsoid"));
+                                           "served here; choose one of: ellipsoid"));
   EXPECT_THAT(station->Output(), HasSubstr("poses sent")) << "what was served is told";
   const std::vector<TraceRow> rows = ReadTrace(file);
   const std::vector<double> silence_ms = CountedSilence_ms(rows);

@@ -100,7 +100,9 @@ TEST(FaultyLink, LeavesNoForceThirtyMillisecondsAfterTheLastReplyAndComesBackByA
         silent = 0;
       }
       ASSERT_LE(loop.applied().force.norm(), loop.before().force.norm() * kRounding);
-      if (silent >= kSilent_ms) ASSERT_EQ(loop.applied().force, Vec3::Zero());
+      if (silent >= kSilent_ms) {
+        ASSERT_EQ(loop.applied().force, Vec3::Zero());
+      }
     }
     (upwards ? up.conditions() : down.conditions()).loss = 0.0;
     int rising = 0;
@@ -222,7 +224,9 @@ TEST(UnpluggedDevice, IsAskedForNothingWhileItReportsAFaultAndRampsInWhenItIsBac
     loop.Tick();
     ASSERT_NO_FATAL_FAILURE(ExpectSafe(loop, kForce_N));
     ASSERT_LE(loop.applied().force.norm(), loop.before().force.norm());
-    if (i >= 51) ASSERT_EQ(loop.applied().force, Vec3::Zero());
+    if (i >= 51) {
+      ASSERT_EQ(loop.applied().force, Vec3::Zero());
+    }
   }
   loop.device().sample.status &= ~kDeviceFault;
   int rising = 0;

@@ -77,7 +77,9 @@ TEST(GeneratedHand, ComesToTheNearestFacePressesSlidesAndLifts) {
   const Pose& pressed = KeyOf(*hand, "slide").X_WH;
   EXPECT_NEAR((pressed.p - Vec3(0.003, 0.009, -0.004)).norm(), 0.0, 2e-5);
   for (const PoseScript::Key& key : hand->keys()) {
-    if (key.label == "slide") EXPECT_NEAR(key.X_WH.p.y(), 0.009, 2e-5) << key.t;
+    if (key.label == "slide") {
+      EXPECT_NEAR(key.X_WH.p.y(), 0.009, 2e-5) << key.t;
+    }
   }
   const Felt felt = Play(scene, *hand);
   EXPECT_NEAR(felt.force_N_max, 3.0, 0.1);

@@ -134,7 +134,7 @@ class Station(Served):
     def test_tells_what_is_wrong_in_the_stations_words(self):
         for words, wrong in {
             "give 1 to 32 letters": lambda: opened("no name!"),
-            "scene 'nowhere' is not served here; give --scene with one of: cube":
+            "scene 'nowhere' is not served here; choose one of: cube":
                 lambda: live.Station("nowhere", domain=DOMAIN, transport="udp"),
             "the server refuses the session": lambda: opened(tool="spoon"),
             "pose: must be": lambda: opened(start=[1, 2]),

@@ -231,7 +231,7 @@ class Effects(unittest.TestCase):
             "its stiffness is not finite": lambda *_: ([0, 0, 0], numpy.full((3, 3), math.inf)),
             r"its wrench: must be a force x y z in N, .*; its shape is \(2,\)": lambda *_: numpy.zeros(2),
             r"its stiffness: must be \(3, 3\) beside a force": lambda *_: ([0, 0, 0], numpy.eye(6)),
-            "its wrench: is an array of object": lambda *_: None,
+            "its wrench: is of type NoneType": lambda *_: None,
             "another thread is stepping": lambda *_: self.proxy.step(self.AIR),
         }.items():
             self.proxy.set_effect(what)
@@ -343,6 +343,8 @@ class Reports(unittest.TestCase):
         proxy = palpate.Proxy(model, [0, 0.022, 0])
         self.assertRegex(repr(proxy.step([0, 0.022, 0])), r"force \[.* 3.* N, .*contacts 1, faults none>")
         self.assertRegex(repr(proxy.steps([[0, 0.022, 0]] * 4)), r"Steps of shape \(4,\): 4 in contact, faults none>")
+        self.assertRegex(repr(proxy.steps([[0, 0.022, 0]] * 4)[0]),
+                         r"Steps one step: force \[.* 3.* N, torque \[.*contacts 1, faults none>")
         self.assertEqual(repr(proxy), "<palpate.Proxy of ball>")
         block = palpate.body("block", *palpate.box(SIZE), static_friction=0.5)
         self.assertRegex(repr(block), r"Body block: 12 triangles, \d+ leaves, at \[0 0 0\] m")
@@ -447,6 +449,9 @@ class Scenes(unittest.TestCase):
         for words, wrong in {
             'no scene "cub"': lambda: palpate.load("cub"),
             "give 'surface' or 'spheres'": lambda: palpate.load("cube", contact="air"),
+            "stiffness_N_per_m: is of type str; give real numbers": lambda: scene.model(stiffness_N_per_m="500"),
+            "friction: is of type bool": lambda: scene.model(friction=True),
+            "friction: must be a single number": lambda: scene.model(friction=[0.3]),
             "seperation_um is not known; give one of stiffness_N_per_m": lambda: scene.model(seperation_um=1),
             "sub_steps is 0; give a whole number from 1 to 64": lambda: scene.model(sub_steps=0),
             "tool: 7 is not in the scene; give one of ": lambda: scene.model(7),

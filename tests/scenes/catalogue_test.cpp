@@ -121,7 +121,7 @@ TEST(Catalogue, HoldsTheScenesThatTheProjectPromises) {
 TEST(Catalogue, CubeAndEllipsoidAreThoseOfTheAccuracyExperiment) {
   LoadOptions options;
   options.use_cache = false;
-  options.tree = TreeMode::kOctree;  // the fastest to build: only the meshes are examined
+  options.tree = TreeMode::kInside;  // the fastest to build: only the meshes are examined
   const Scene cube = LoadScene("cube", options);
   ASSERT_EQ(cube.tools[0].tree.leaves(), 1u);
   EXPECT_EQ(cube.tools[0].tree.leaf_radius[0], 0.005);

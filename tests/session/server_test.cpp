@@ -224,7 +224,9 @@ TEST_F(ServerTest, RemembersNoNamesThatSomebodyMakesUp) {
   const double before_MB = Resident_MB();
   flood(5'000, 60'000);
   // Once, 80,000 names took 381 MB.  A sanitizer keeps freed memory for a while.
-  if (kCountsAllocations) EXPECT_LT(Resident_MB() - before_MB, 20.0);
+  if (kCountsAllocations) {
+    EXPECT_LT(Resident_MB() - before_MB, 20.0);
+  }
 }
 
 TEST_F(ServerTest, ServesAMouseWithoutItsServoThread) {

@@ -72,8 +72,12 @@ TEST_F(GuideTest, IsGoneAHundredMillisecondsAfterItFallsSilent) {
   for (int i = 1; i <= 300; ++i) {
     const double now = Pull(Vec3::Zero()).force.norm();
     EXPECT_LE(now, last + 1e-12);
-    if (i < 49) EXPECT_NEAR(now, 0.4, 1e-9) << "aims come ten times as often";
-    if (i >= 99) EXPECT_EQ(now, 0.0) << i;
+    if (i < 49) {
+      EXPECT_NEAR(now, 0.4, 1e-9) << "aims come ten times as often";
+    }
+    if (i >= 99) {
+      EXPECT_EQ(now, 0.0) << i;
+    }
     last = now;
   }
 }
@@ -86,7 +90,9 @@ TEST_F(GuideTest, LetsGoOfAHandThatResistsUntilTheHandReturns) {
     Aim(aim);
     const double now = Pull(Vec3::Zero(), Vec3(-0.01, 0, 0)).force.norm();
     EXPECT_LE(now, last + 1e-12) << "never more while it resists";
-    if (i >= 800) EXPECT_EQ(now, 0.0) << i;
+    if (i >= 800) {
+      EXPECT_EQ(now, 0.0) << i;
+    }
     last = now;
   }
   EXPECT_TRUE(guide_.let_go());
@@ -117,7 +123,9 @@ TEST_F(GuideTest, DoesNotTakeAHandThatFollowsForOneThatResists) {
     const Vec3 hand(2e-5 * i, 0, 0);
     Aim(hand + Vec3(0.010, 0, 0));
     const Wrench wrench = Pull(hand, Vec3(0.02, 0, 0));
-    if (i > 600) EXPECT_NEAR(wrench.force.x(), 0.5, 1e-9);
+    if (i > 600) {
+      EXPECT_NEAR(wrench.force.x(), 0.5, 1e-9);
+    }
   }
 }
 

@@ -158,9 +158,15 @@ TEST(LocalContactModel, FadesToNothingOverAnotherRegionAndAnotherLife) {
     const auto out = Settled(model, 0, At(Vec3(x, 0, -0.002)));
     const double force = out.wrench.force.z();
     EXPECT_LE(force, last + 1e-12);
-    if (x <= 0.005) EXPECT_NEAR(force, 2.0, 1e-9) << x;
-    if (x >= 0.0101) EXPECT_EQ(force, 0.0) << x;
-    if (x > 0.0051) EXPECT_TRUE(out.beyond_region) << x;
+    if (x <= 0.005) {
+      EXPECT_NEAR(force, 2.0, 1e-9) << x;
+    }
+    if (x >= 0.0101) {
+      EXPECT_EQ(force, 0.0) << x;
+    }
+    if (x > 0.0051) {
+      EXPECT_TRUE(out.beyond_region) << x;
+    }
     last = force;
   }
   EXPECT_NEAR(Settled(model, 50 * kMs, pressed).wrench.force.z(), 2.0, 1e-9);
@@ -221,7 +227,9 @@ TEST(LocalContactModel, HoldsNothingInFreeSpaceForLongerThanItBlends) {
   for (int ms = 1; ms <= 60; ++ms) {
     model.Take(server.AnswerTo(free, ms * kMs), free);
     const double force = model.At(ms * kMs, free).wrench.force.norm();
-    if (ms > 30) EXPECT_EQ(force, 0.0) << ms;
+    if (ms > 30) {
+      EXPECT_EQ(force, 0.0) << ms;
+    }
   }
 }
 

@@ -103,7 +103,7 @@ TEST_F(Offering, OfAHandThatNobodyCanFollowIsRefused) {
 
 TEST_F(Offering, NamesWhatThereIsWhereTheSceneIsNot) {
   EXPECT_THAT(ComplaintOf([&] { Ask("yours"); }),
-              HasSubstr("scene 'yours' is not served here; give --scene with one of: mine, other, "
+              HasSubstr("scene 'yours' is not served here; choose one of: mine, other, "
                         "or start palpate-server with yours"));
 }
 

@@ -124,11 +124,11 @@ TEST(SessionLink, SendsPosesWhereNoRecorderComes) {
 
 TEST(SessionLink, SaysWhyTheServerRefuses) {
   FakeServer server(kDomain, kUdp);
-  server.Refuse("scene 'floor' is not served here; give --scene with one of: cube");
+  server.Refuse("scene 'floor' is not served here; choose one of: cube");
   Station station;
-  EXPECT_EQ(station.Complaint(),
-            "the server refuses the session: scene 'floor' is not served here; give --scene with "
-            "one of: cube");
+  EXPECT_EQ(
+      station.Complaint(),
+      "the server refuses the session: scene 'floor' is not served here; choose one of: cube");
 }
 
 TEST(SessionLink, SaysWhenNoServerAnswers) {

@@ -209,9 +209,13 @@ TEST(StationCore, FadesToZeroWithinTwentyFiveMillisecondsOfTheServersDeath) {
     bench.Tick(false);
     EXPECT_LE(bench.force(), last);
     EXPECT_GE(bench.force(), last - 0.16);  // smooth: the steepest part of the fade, 7.1 % a ms
-    if (ms <= 3) EXPECT_EQ(bench.force(), 2.0) << ms;
+    if (ms <= 3) {
+      EXPECT_EQ(bench.force(), 2.0) << ms;
+    }
     // The last reply came 0.05 ms after its tick.
-    if (ms >= 26) EXPECT_EQ(bench.force(), 0.0) << ms;
+    if (ms >= 26) {
+      EXPECT_EQ(bench.force(), 0.0) << ms;
+    }
     last = bench.force();
   }
   EXPECT_EQ(bench.core.limiter().counts().fades, 1u);

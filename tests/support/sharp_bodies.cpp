@@ -233,8 +233,7 @@ std::optional<Scene> MakeSharpScene(std::string_view name) {
   const auto body = [](const char* called, TriangleMesh mesh) {
     Body made;
     made.name = called;
-    // The fastest mode, because contact is between the meshes.
-    made.tree = BuildSphereTree(mesh, 64, {}, TreeMode::kOctree);
+    made.tree = BuildInnerTree(mesh);  // contact is between the meshes
     made.mesh = std::move(mesh);
     return made;
   };

@@ -41,11 +41,11 @@ struct ScoreOptions {
   std::string expert;  ///< recording, or a script (NAME.path.json) performed in the trials' scene
   std::vector<std::string> trials;  ///< recordings of the trainee
   /// Sessions, as in SessionChoice; for the trials, one for all or one each.
-  std::string expert_station;
-  std::vector<std::string> stations;
-  std::string criteria;  ///< file to grade by; empty: no grades
-  bool follow = false;   ///< the only trial is still being recorded
-  bool join = false;     ///< the sessions of a trial's station are one trial
+  std::string expert_station = {};
+  std::vector<std::string> stations = {};
+  std::string criteria = {};  ///< file to grade by; empty: no grades
+  bool follow = false;        ///< the only trial is still being recorded
+  bool join = false;          ///< the sessions of a trial's station are one trial
 };
 
 /// @param stop  null: all trials are complete.  Otherwise the only one is being recorded; its

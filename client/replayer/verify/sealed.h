@@ -12,11 +12,11 @@
 namespace palpate {
 
 struct SealedOptions {
-  std::string folder;     ///< of the course, or of a copy of it
-  std::string recording;  ///< this one alone, instead of a folder's
-  std::string exam;       ///< NAME or NAME-NUMBER; empty: the only one
-  std::string key;        ///< file with the course's public key
-  VerifyOptions verify;
+  std::string folder = {};     ///< of the course, or of a copy of it
+  std::string recording = {};  ///< this one alone, instead of a folder's
+  std::string exam = {};       ///< NAME or NAME-NUMBER; empty: the only one
+  std::string key = {};        ///< file with the course's public key
+  VerifyOptions verify = {};
 };
 
 /// The result for one trial that was handed in.

@@ -17,8 +17,8 @@
 namespace palpate {
 
 struct VerifyOptions {
-  std::string scene;       ///< for recordings without scenes: name or file; empty: as recorded
-  std::string models_dir;  ///< as in LoadOptions
+  std::string scene = {};       ///< for recordings without scenes: name or file; empty: as recorded
+  std::string models_dir = {};  ///< as in LoadOptions
   /// Station and run of the session whose solids the result keeps: those of a whole class do not
   /// fit into memory.
   std::optional<std::pair<std::string, std::uint64_t>> whose = std::nullopt;

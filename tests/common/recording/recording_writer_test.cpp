@@ -103,7 +103,9 @@ TEST(RecordingWriter, BeginsEachSplitWithWhatHoldsThen) {
     while (reader.Next(sample)) {
       ++count[sample.type];
       wire::SessionState state{};
-      if (sample.To(state)) EXPECT_EQ(state.run, 2u) << "the latest";
+      if (sample.To(state)) {
+        EXPECT_EQ(state.run, 2u) << "the latest";
+      }
     }
     EXPECT_TRUE(reader.complete());
     EXPECT_EQ(count[RecordedType::kSceneBundle], 1);

@@ -162,7 +162,9 @@ TEST(Trial, IsTheSameWhateverTheHandWaitsBeforeAndAfter) {
         {.name = "soft", .why = "", .measure = "force_over_share", .limit_N = 0.5}};
     const auto grade_a = GradeTrial(criteria, of_a, a), grade_b = GradeTrial(criteria, of_b, b);
     ASSERT_EQ(grade_a.has_value(), grade_b.has_value());
-    if (grade_a) EXPECT_EQ(grade_a->marks[0].value, grade_b->marks[0].value);
+    if (grade_a) {
+      EXPECT_EQ(grade_a->marks[0].value, grade_b->marks[0].value);
+    }
   }
 }
 

@@ -176,7 +176,9 @@ TEST_F(EffectsTest, TellTheTwistSmoothlyAndNoneOfALeap) {
     effects.Step(
         {Vec3(5.0 + 0.2 * t, 0.0, -0.1 * t), Quat(Eigen::AngleAxisd(3.0 * t, Vec3::UnitX()))}, {},
         Vec3::Zero(), state, given);
-    if (i == 0) EXPECT_EQ(seen[0], 0.0) << "where it was before is not known";
+    if (i == 0) {
+      EXPECT_EQ(seen[0], 0.0) << "where it was before is not known";
+    }
   }
   EXPECT_NEAR(seen[0], 0.2, 1e-9);
   EXPECT_NEAR(seen[2], -0.1, 1e-9);

@@ -134,7 +134,6 @@ TEST(SceneFile, ReadsHowTheLeavesStandForTheMesh) {
   EXPECT_EQ(with(R"(, "tree": "inside")"), TreeMode::kInside);
   EXPECT_EQ(with(R"(, "tree": "balanced")"), TreeMode::kBalanced);
   EXPECT_EQ(with(R"(, "tree": "cover")"), TreeMode::kCover);
-  EXPECT_EQ(with(R"(, "tree": "octree")"), TreeMode::kOctree);
   EXPECT_THAT(ComplaintOf([&] { with(R"(, "tree": "outside")"); }), HasSubstr("balanced"));
 }
 

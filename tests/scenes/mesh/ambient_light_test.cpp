@@ -28,9 +28,15 @@ TEST(AmbientLight, APlateHidesHalfOfTheRoomFromWhatFacesIt) {
   LightObjects(bodies);
   for (std::size_t v = 0; v < bodies[0].ambient.size(); ++v) {
     const double up = bodies[0].mesh.vertices[v].normalized().y();
-    if (up > 0.9) EXPECT_LT(bodies[0].ambient[v], 25);
-    if (up < -0.9) EXPECT_GT(bodies[0].ambient[v], 240);
-    if (std::abs(up) < 0.05) EXPECT_NEAR(bodies[0].ambient[v], 127, 40);
+    if (up > 0.9) {
+      EXPECT_LT(bodies[0].ambient[v], 25);
+    }
+    if (up < -0.9) {
+      EXPECT_GT(bodies[0].ambient[v], 240);
+    }
+    if (std::abs(up) < 0.05) {
+      EXPECT_NEAR(bodies[0].ambient[v], 127, 40);
+    }
   }
 }
 

@@ -66,7 +66,7 @@ TEST(TreeAlignment, TakesTheCentreOfTheBoxExactly) {
   const Vec3 centre(0.07, -0.11, 0.3);
   const TriangleMesh about = MakeBox(Vec3(0.05, 0.04, 0.03));
   const TriangleMesh mesh = MovedBy(centre, about);
-  for (const TreeMode mode : {TreeMode::kInside, TreeMode::kCover, TreeMode::kOctree}) {
+  for (const TreeMode mode : {TreeMode::kInside, TreeMode::kBalanced, TreeMode::kCover}) {
     const std::vector<Sphere> balls = FromFile(BuildSphereTree(about, 200, {}, mode), Vec3::Zero());
     const TreeAlignment found = AlignBalls(mesh, balls);
     EXPECT_FALSE(found.fitted) << NameOf(mode);
