@@ -75,7 +75,7 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObje
   const double lever = std::max(tool_->max_lever, reach);
   const std::string fault =
       CouplingFault(parameters_.stiffness, parameters_.torsional_stiffness, lever);
-  if (degrees_of_freedom() == 6 && !fault.empty()) {
+  if (!is_ball() && !fault.empty()) {
     throw Error("step parameters: torsional_stiffness: " + fault);
   }
   if (parameters_.max_truncation <= 0.0) {

@@ -85,8 +85,8 @@ class HapticModel {
   /// first leaf of its object).
   const Material& MaterialOf(const ContactId& id, const FeltSolids& felt) const;
   std::int32_t LeafOf(const ContactId& id, const FeltSolids& felt) const;
-  /// 3 if the tool is a single sphere, which no contact can turn; else 6.
-  int degrees_of_freedom() const { return tool_->leaves.size() == 1 ? 3 : 6; }
+  /// Returns whether the tool is a single sphere, which no contact can turn.
+  bool is_ball() const { return tool_->leaves.size() == 1; }
   /// The point that the step and the wrench refer to, in the tool's frame [m]: the centroid.
   const Vec3& reference() const { return tool_->reference; }
   /// The characteristic length sqrt(k_r / k_t) [m], which converts a rotation to a length.

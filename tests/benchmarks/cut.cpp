@@ -178,7 +178,7 @@ Way GoTheWay(const Case& c, const SolidGrid& block, Times& times) {
   const Pose X_PB{Vec3::Zero(), c.direction.q_BP.conjugate()};  // P is the world
   const double dt = 1.0 / c.rate;
   Vec3 hand(-0.6e-3, 0, kRadius + 10e-6), bur_at = hand;
-  double x[3] = {};
+  double x[6] = {};
   Way way;
   std::vector<double> us[4];
   const int rise = static_cast<int>(0.05 / dt);
@@ -197,15 +197,16 @@ Way GoTheWay(const Case& c, const SolidGrid& block, Times& times) {
       hand.x() += kGrooveSpeed * dt;
     }
     const Vec3 t = hand - bur_at;
+    const double target[6] = {t.x(), t.y(), t.z()};  // a ball's rows do not turn it
     using Clock = std::chrono::steady_clock;
     const auto begin = Clock::now();
     rows.Clear();
     rows.AddSolid({samples, {bur_at, Quat::Identity()}, bur_at, kStiffness, 1.0, dt}, cut, X_PB,
                   materials);
     const auto built = Clock::now();
-    const QpResult step = solver.Solve(ActiveKernels(), 3, t.data(), {}, {&energy, 1}, x, {});
+    const QpResult step = solver.Solve(ActiveKernels(), target, {}, {&energy, 1}, x, {});
     const auto solved = Clock::now();
-    std::copy(step.x, step.x + 3, x);
+    std::copy(step.x, step.x + 6, x);
     const Vec3 v(x[0], x[1], x[2]);
     cut.Remove(bur, {c.direction.q_BP * bur_at, c.direction.q_BP}, c.direction.q_BP * v);
     const auto end = Clock::now();
@@ -216,7 +217,7 @@ Way GoTheWay(const Case& c, const SolidGrid& block, Times& times) {
     way.turns.push_back(step.iterations);
     way.unsolved += step.status != QpStatus::kSolved;
     bur_at += v;
-    const test::CutOfRows said(rows, x, 3);
+    const test::CutOfRows said(rows, x);
     way.rows_volume += said.volume;
     if (rising) continue;  // moves through space that it has cleared
     const Vec3 force = kStiffness * (v - t), exact = ExactForce(c, fine, bur_at, v / dt);

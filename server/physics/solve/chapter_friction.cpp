@@ -60,8 +60,7 @@ void AddChapterFriction(const HapticModel& model, const Pose& X_before, StepStat
   const Quat turn = X_WG.q * X_before.q.conjugate();
   const Vec3 angle = RotationLog(turn);
   double k_theta = 1.0;
-  const bool turns =
-      model.degrees_of_freedom() == 6 && turn.vec().squaredNorm() > limits::friction::kLeastTurn;
+  const bool turns = !model.is_ball() && turn.vec().squaredNorm() > limits::friction::kLeastTurn;
   if (turns) {
     double arm = std::numeric_limits<double>::infinity();
     for (const ActiveRow& row : contacts) {
@@ -76,7 +75,7 @@ void AddChapterFriction(const HapticModel& model, const Pose& X_before, StepStat
   const Vec3 force = parameters.stiffness * (p_star - state.X_WH * reference);  // 2.28
   const Vec3 added = force - report.wrench.force;
   report.wrench.force = force;
-  if (model.degrees_of_freedom() == 6) {
+  if (!model.is_ball()) {
     Vec3 went = -(X_WG.q * state.turn_G);
     report.wrench.torque = parameters.torsional_stiffness *
                            RotationLogFrom(q_star * state.X_WH.q.conjugate(), went);  // 2.31

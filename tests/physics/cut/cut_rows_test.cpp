@@ -53,12 +53,13 @@ struct Trial {
   /// Steps the bur on its spring towards the hand; returns what the rows report as cut.
   test::CutOfRows Step(const Vec3& hand) {
     Build();
-    const Vec3 t = hand - bur;
+    const Vec3 way = hand - bur;
+    const double t[6] = {way.x(), way.y(), way.z()};  // a ball's rows do not turn it
     Energy* const energy = &rows;
-    const QpResult step = solver.Solve(ActiveKernels(), 3, t.data(), {}, {&energy, 1}, guess, {});
+    const QpResult step = solver.Solve(ActiveKernels(), t, {}, {&energy, 1}, guess, {});
     EXPECT_EQ(step.status, QpStatus::kSolved);
-    std::copy(step.x, step.x + 3, guess);
-    const test::CutOfRows said(rows, guess, 3);
+    std::copy(step.x, step.x + 6, guess);
+    const test::CutOfRows said(rows, guess);
     EXPECT_GE(said.work, 0.0);
     const Vec3 v(guess[0], guess[1], guess[2]);
     const Pose X_BW = X_WB.Inverse();
@@ -78,7 +79,7 @@ struct Trial {
   EnergySolver solver{16};
   std::array<CutMaterial, SolidGrid::kMaterials> materials;
   Vec3 bur = Vec3(0, 0, kRadius + 20e-6), force = Vec3::Zero();
-  double guess[3] = {};
+  double guess[6] = {};
   double dt = 1e-3;
 };
 
