@@ -32,8 +32,6 @@ struct SceneObjects {
   /// The boxes of the blocks of the solids that burs can cut (surface/felt_solids.h): the last of
   /// the bodies.
   std::span<const ContactBody> boxes() const { return std::span(bodies).last(box_count); }
-  /// A material of the solid with this index in `solids`.
-  const Material& MaterialOf(std::size_t solid, std::uint8_t material) const;
 
   ContactModel contact;
   /// The leaves of all objects.  Leaves of an object that is felt by its mesh touch nothing.
@@ -45,7 +43,6 @@ struct SceneObjects {
   std::optional<ObjectForest> insides;
   std::vector<CutSolid> solids;  ///< that burs can cut
   UncutBodies uncut;
-  std::vector<std::vector<Material>> materials;  ///< for each solid
 };
 
 /// Everything that a step needs and never changes: one tool and the objects of a scene.  Built when

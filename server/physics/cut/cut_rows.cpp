@@ -53,8 +53,7 @@ void CutRows::Add(const std::array<double, 6>& a, double b, double threshold, do
 }
 
 void CutRows::AddSolid(const CutTool& tool, const CutField& cut, const Pose& X_WB,
-                       const std::array<CutMaterial, SolidGrid::kMaterials>& materials,
-                       double reach) noexcept {
+                       std::span<const Material> materials, double reach) noexcept {
   const Mat3 R_WT = tool.X_WT.q.toRotationMatrix();
   const Pose X_BW = X_WB.Inverse();
   const Mat3 R_BW = X_BW.q.toRotationMatrix();
@@ -66,16 +65,17 @@ void CutRows::AddSolid(const CutTool& tool, const CutField& cut, const Pose& X_W
     const double gap = GapAhead(cut, p_B, n_B);
     if (gap >= band || gap > reach) continue;
     // The material whose volume will be removed, by the same point of the lattice.
-    const CutMaterial& material = materials[cut.solid().Material(p_B)];
+    const Material& material = materials[cut.solid().Material(p_B)];
     const Vec3 turn = (p_W - tool.reference).cross(n_W) / tool.rotation_length;
     const double share = sample.area / tool.stiffness;
     Add({-n_W.x(), -n_W.y(), -n_W.z(), -turn.x(), -turn.y(), -turn.z()}, -gap,
-        share * (sample.cuts ? material.pressure : limits::cutting::kUncut),
-        sample.cuts ? share * material.viscosity / tool.dt : 0.0, sample.area);
-    if (material.friction == 0.0 || sample.slide.isZero(0.0)) continue;
+        share * (sample.cuts ? material.cutting_pressure : limits::cutting::kUncut),
+        sample.cuts ? share * material.cutting_viscosity / tool.dt : 0.0, sample.area);
+    if (material.cutting_friction == 0.0 || sample.slide.isZero(0.0)) continue;
     const Vec3 along = R_WT * sample.slide;
     slides_[static_cast<std::size_t>(count() - 1)] = {
-        material.friction, along, (p_W - tool.reference).cross(along) / tool.rotation_length};
+        material.cutting_friction, along,
+        (p_W - tool.reference).cross(along) / tool.rotation_length};
   }
 }
 

@@ -44,8 +44,7 @@ class CutRows : public Energy {
   /// @param reach  material that lies farther ahead gets no row [m]
   /// Valid for steps no longer than the grid's band.  Real-time.
   void AddSolid(const CutTool& tool, const CutField& cut, const Pose& X_WB,
-                const std::array<CutMaterial, SolidGrid::kMaterials>& materials,
-                double reach = 1e300) noexcept;
+                std::span<const Material> materials, double reach = 1e300) noexcept;
 
   int count() const { return yielding.rows.count; }
   const double* a(std::size_t unknown) const { return columns_[unknown]; }

@@ -20,7 +20,8 @@ using test::Random;
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kRadius = 0.25e-3, kStiffness = 1000.0;
-constexpr CutMaterial kHard{2e6, 0.5e9}, kSoft{0.5e6, 0.1e9};
+const Material kHard{.cutting_pressure = 2e6, .cutting_viscosity = 0.5e9};
+const Material kSoft{.cutting_pressure = 0.5e6, .cutting_viscosity = 0.1e9};
 
 /// A block whose body frame B is rotated and displaced in W; its face is the plane z = 0 of W.
 struct Trial {
@@ -77,7 +78,7 @@ struct Trial {
   CutField cut;
   CutRows rows;
   EnergySolver solver{16};
-  std::array<CutMaterial, SolidGrid::kMaterials> materials;
+  std::array<Material, SolidGrid::kMaterials> materials;
   Vec3 bur = Vec3(0, 0, kRadius + 20e-6), force = Vec3::Zero();
   double guess[6] = {};
   double dt = 1e-3;
@@ -193,7 +194,7 @@ TEST(CutRows, EachSampleHasTheMaterialThatLiesAheadOfIt) {
     const double x = trial.Normal(i).x() * (kRadius + 25e-6);
     if (std::abs(x) < 45e-6) continue;
     const double pressure = trial.rows.threshold()[i] * kStiffness / trial.rows.area()[i];
-    EXPECT_NEAR(pressure, x > 0.0 ? kSoft.pressure : kHard.pressure, 1.0);
+    EXPECT_NEAR(pressure, x > 0.0 ? kSoft.cutting_pressure : kHard.cutting_pressure, 1.0);
   }
 }
 
