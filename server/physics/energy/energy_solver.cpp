@@ -38,7 +38,7 @@ class Newton {
     QpResult result;
     Point now;
     now.x = Vec6::Map(start);
-    Evaluate(now);
+    Evaluate(now, true);
     int warm[kMaxActiveRows], iterations = 0;
     int guesses = static_cast<int>(guess.size());
     std::copy(guess.begin(), guess.end(), warm);
@@ -47,7 +47,7 @@ class Newton {
     for (int turn = 0, of_stage = 0; turn < kTurns; ++turn, ++of_stage) {
       if (thresholds_ && turn == kTurnsAtOnce) {
         springs_ = {kSoftest, kSoftest};
-        Evaluate(now);
+        Evaluate(now, true);
         of_stage = 0;
       }
       const Vec6 q = Factorise(now);
@@ -68,7 +68,6 @@ class Newton {
         // last stage, for which it is exact.  With the stiffer springs they no longer are at
         // the x of the softer ones.
         springs_.stiffness *= kStiffen;
-        Evaluate(next);
         of_stage = -1;
         leads_in = true;
       } else if (!leads_in && !Gains(now, next)) {
@@ -77,6 +76,7 @@ class Newton {
         leads_in = false;
       }
       now = next;
+      Evaluate(now, true);
       guesses = result.active;
       std::copy(result.row, result.row + guesses, warm);
     }
@@ -105,11 +105,13 @@ class Newton {
     }
   };
 
-  void Evaluate(Point& point) const {
+  /// Only the next quadratic needs the Hessian, not each place that is tried.
+  void Evaluate(Point& point, bool with_hessian = false) const {
+    const auto add = with_hessian ? kernels_.add_yielding_with_hessian : kernels_.add_yielding;
     point.energy = {};
     for (Energy* energy : energies_) {
       EnergyAt own;
-      energy->pushing = kernels_.add_yielding(energy->yielding, point.x.data(), springs_, own);
+      energy->pushing = add(energy->yielding, point.x.data(), springs_, own);
       energy->force = Vec6::Map(own.force);
       point.energy.twice += own.twice;
       for (int c = 0; c < 6; ++c) point.energy.force[c] += own.force[c];

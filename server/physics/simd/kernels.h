@@ -218,9 +218,11 @@ struct Kernels {
   void (*transform_rows)(const QpRows& rows, const double* L, const double* inverse_diagonal,
                          double scale, double* const a[6], double* b);
 
-  /// Adds the energy of rows at x, with its derivatives.  Returns the number of rows that push.
-  int (*add_yielding)(const YieldingRows& rows, const double* x, const Springs& springs,
-                      EnergyAt& at);
+  /// Adds the energy of rows and its force at x; the second also adds the Hessian.  Returns the
+  /// number of rows that push.
+  using AddYielding = int(const YieldingRows& rows, const double* x, const Springs& springs,
+                          EnergyAt& at);
+  AddYielding *add_yielding, *add_yielding_with_hessian;
 };
 
 extern const Kernels kScalarKernels;

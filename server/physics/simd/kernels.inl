@@ -425,6 +425,7 @@ inline double SumOfLanes(D8 a) {
          ((lanes[4] + lanes[5]) + (lanes[6] + lanes[7]));
 }
 
+template <bool kWithHessian>
 int AddYielding(const YieldingRows& yielding, const double* x, const Springs& springs,
                 EnergyAt& at) {
   const D8 zero = Set1(0.0), stiffness = Set1(springs.stiffness), on_spring = Set1(springs.on);
@@ -459,20 +460,21 @@ int AddYielding(const YieldingRows& yielding, const double* x, const Springs& sp
     pushing += __builtin_popcount(rows);
     for (int r = 0, k = 0; r < 6; ++r) {
       force[r] = Fma(push, a[r], force[r]);
+      if constexpr (!kWithHessian) continue;
       const D8 wa = weight * a[r];
       for (int c = 0; c <= r; ++c, ++k) hessian[k] = Fma(wa, a[c], hessian[k]);
     }
   }
   for (int r = 0; r < 6; ++r) at.force[r] += SumOfLanes(force[r]);
-  for (int k = 0; k < 21; ++k) at.hessian[k] += SumOfLanes(hessian[k]);
+  for (int k = 0; kWithHessian && k < 21; ++k) at.hessian[k] += SumOfLanes(hessian[k]);
   at.twice += SumOfLanes(twice);
   return pushing;
 }
 
 constexpr Kernels MakeKernels(const char* name) {
-  return {name,         ExpandPairs,      BuildRows,     FindBelow,  LowestPoint,
-          NearestEdges, AdvanceSimplices, RefreshPlanes, FindUsedUp, Solve<6>,
-          RowsHold,     TransformRows,    AddYielding};
+  return {name,         ExpandPairs,      BuildRows,          FindBelow,        LowestPoint,
+          NearestEdges, AdvanceSimplices, RefreshPlanes,      FindUsedUp,       Solve<6>,
+          RowsHold,     TransformRows,    AddYielding<false>, AddYielding<true>};
 }
 
 }  // namespace
