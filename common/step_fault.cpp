@@ -11,7 +11,7 @@ struct Fault {
 constexpr Fault kFaults[] = {
     {kFaultBadPose, "bad pose", "the device sent an invalid pose, and the force faded"},
     {kFaultTargetFar, "target far", "the hand moved faster than the tool, which follows"},
-    {kFaultRowsFull, "rows full", "more contacts than are computed; the tightest are used"},
+    {kFaultRowsFull, "rows full", "more contacts at once than are computed; the tool stays"},
     {kFaultJammed, "jammed", "the tool was wedged between surfaces"},
     {kFaultUnsolved, "unsolved", "a contact problem was not solved, and the tool did not move"},
     {kFaultEffect, "effect off", "a user-defined force failed and was turned off"},

@@ -16,8 +16,8 @@ enum StepFault : std::uint32_t {
   /// The target lay beyond what all sub-steps of one cycle can reach.  The graphic tool is still on
   /// its way; the wrench is that of the contacts met so far, zero in free space.  No remedy needed.
   kFaultTargetFar = 1u << 1,
-  /// There were more pairs within reach than rows; the tightest were kept.  Remedy: fewer leaves,
-  /// or a larger StepParameters::max_rows.
+  /// There were more pairs than rows even where the tool hardly moves.  It stays, and the pairs
+  /// found first give the wrench.  Remedy: fewer leaves, or a larger StepParameters::max_rows.
   kFaultRowsFull = 1u << 2,
   /// The rows contradicted each other (a jam): all were relaxed by the same amount, the
   /// least possible.

@@ -100,7 +100,7 @@ class HandWalk {
 
   /// Returns points of the tool's surface, in its frame.
   std::vector<Vec3> ToolPoints() const {
-    if (model_.degrees_of_freedom() == 3) return {tool_.tree.centroid};  // felt as a ball
+    if (model_.is_ball()) return {tool_.tree.centroid};  // felt as a ball
     const std::vector<Vec3>& all = tool_.mesh.vertices;
     std::vector<Vec3> some;
     const std::size_t stride = 1 + all.size() / kToolSamples;

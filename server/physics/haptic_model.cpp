@@ -27,22 +27,12 @@ SceneObjects::SceneObjects(std::span<const PlacedTree> objects, ContactModel con
     : contact(contact_model),
       forest(objects, contact == ContactModel::kSurface ? &IsFeltByLeaves : &IsUncut),
       solids(std::move(cut_solids)) {
-  for (const CutSolid& solid : solids) {
-    const auto of = objects[solid.object].materials;
-    materials.emplace_back(of.begin(), of.end());
-  }
   if (contact != ContactModel::kSurface) return;
   bodies = MakeBodies(objects);
   if (!bodies.empty()) insides.emplace(objects, &IsFeltByMesh);
   for (const CutSolid& solid : solids) bodies.push_back(BlocksOf(solid));
   box_count = solids.size();
   uncut = UncutBodies(solids, boxes(), bodies.size() - box_count);
-}
-
-const Material& SceneObjects::MaterialOf(std::size_t solid, std::uint8_t material) const {
-  static const Material kPlain;
-  const std::vector<Material>& of = materials[solid];
-  return material < of.size() ? of[material] : kPlain;
 }
 
 HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObjects> objects,
@@ -75,19 +65,15 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObje
   const double lever = std::max(tool_->max_lever, reach);
   const std::string fault =
       CouplingFault(parameters_.stiffness, parameters_.torsional_stiffness, lever);
-  if (degrees_of_freedom() == 6 && !fault.empty()) {
+  if (!is_ball() && !fault.empty()) {
     throw Error("step parameters: torsional_stiffness: " + fault);
   }
-  if (parameters_.max_truncation <= 0.0) {
-    parameters_.max_truncation = tool_body_ != nullptr
-                                     ? limits::mesh::Margins{parameters_.separation}.truncation
-                                     : limits::kMaxTruncation;
-  }
-  if (parameters_.max_rotation <= 0.0) {
-    const double longest = std::max(lever, limits::kShortestLever);
-    parameters_.max_rotation =
-        std::min(std::sqrt(2.0 * parameters_.max_truncation / longest), limits::kMostRotation);
-  }
+  parameters_.max_truncation = tool_body_ != nullptr
+                                   ? limits::mesh::Margins{parameters_.separation}.truncation
+                                   : limits::kMaxTruncation;
+  parameters_.max_rotation = std::min(
+      std::sqrt(2.0 * parameters_.max_truncation / std::max(lever, limits::kShortestLever)),
+      limits::kMostRotation);
   if (cutting_) SetCutting();
   if (!cutting_ && !solids().empty() && boxes().empty()) {
     throw Error(
@@ -128,7 +114,7 @@ std::int32_t HapticModel::LeafOf(const ContactId& id, const FeltSolids& felt) co
 const Material& HapticModel::MaterialOf(const ContactId& id, const FeltSolids& felt) const {
   const bool of_solid = !id.IsOfLeaves() && id.body >= static_cast<std::int32_t>(bodies().size());
   if (!of_solid) return objects().MaterialOf(LeafOf(id, felt));
-  return objects_->MaterialOf(felt.SolidOf(id.body), felt.MaterialOf(id.body, id.object));
+  return solids()[felt.SolidOf(id.body)].materials[felt.MaterialOf(id.body, id.object)];
 }
 
 }  // namespace palpate

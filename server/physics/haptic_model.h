@@ -32,8 +32,6 @@ struct SceneObjects {
   /// The boxes of the blocks of the solids that burs can cut (surface/felt_solids.h): the last of
   /// the bodies.
   std::span<const ContactBody> boxes() const { return std::span(bodies).last(box_count); }
-  /// A material of the solid with this index in `solids`.
-  const Material& MaterialOf(std::size_t solid, std::uint8_t material) const;
 
   ContactModel contact;
   /// The leaves of all objects.  Leaves of an object that is felt by its mesh touch nothing.
@@ -45,7 +43,6 @@ struct SceneObjects {
   std::optional<ObjectForest> insides;
   std::vector<CutSolid> solids;  ///< that burs can cut
   UncutBodies uncut;
-  std::vector<std::vector<Material>> materials;  ///< for each solid
 };
 
 /// Everything that a step needs and never changes: one tool and the objects of a scene.  Built when
@@ -85,8 +82,8 @@ class HapticModel {
   /// first leaf of its object).
   const Material& MaterialOf(const ContactId& id, const FeltSolids& felt) const;
   std::int32_t LeafOf(const ContactId& id, const FeltSolids& felt) const;
-  /// 3 if the tool is a single sphere, which no contact can turn; else 6.
-  int degrees_of_freedom() const { return tool_->leaves.size() == 1 ? 3 : 6; }
+  /// Returns whether the tool is a single sphere, which no contact can turn.
+  bool is_ball() const { return tool_->leaves.size() == 1; }
   /// The point that the step and the wrench refer to, in the tool's frame [m]: the centroid.
   const Vec3& reference() const { return tool_->reference; }
   /// The characteristic length sqrt(k_r / k_t) [m], which converts a rotation to a length.

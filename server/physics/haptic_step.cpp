@@ -55,6 +55,9 @@ bool Begin(const Pose& X_WH, StepContext& context) {
   tools.p_H = X_WH.p + tools.q_H * reference;
   tools.q_G = state.X_WG.q;
   tools.p_G = state.X_WG.p + tools.q_G * reference;
+  // No contact can turn a ball about its centre: it turns as the hand does, and its step is made
+  // without a rotation.
+  if (context.model.is_ball()) tools.q_G = tools.q_H;
   const Target hand_step = TargetOf(state.X_WH * reference, state.X_WH.q, tools.p_H, tools.q_H);
   StepBounds& bounds = context.sub_step.bounds;
   bounds = FirstBounds(context.model, hand_step);
@@ -111,10 +114,10 @@ void Predict(StepContext& context) {
   PredictLeaves(context);
   if (buffers.meshes) {
     StageClock clock(context.times);
-    const bool turns = context.model.degrees_of_freedom() == 6;
     BeginSubStep(*buffers.meshes, context.kernels, context.state.front,
-                 {tools.p_G, turns ? tools.q_G : Quat::Identity()}, context.state.Active(),
-                 context.model.parameters().looks - context.cost.looks, buffers.rows);
+                 {tools.p_G, context.model.is_ball() ? Quat::Identity() : tools.q_G},
+                 context.state.Active(), context.model.parameters().looks - context.cost.looks,
+                 buffers.rows);
     clock.Lap(&StageTimes::prediction);
   }
   context.report.predicted_pairs = buffers.rows.count();

@@ -32,6 +32,8 @@ inline constexpr double kMostRotation = 0.1;
 inline constexpr int kMaxSubsteps = 12;
 /// Rows of a sub-step: a peg in a hole, both of spheres, has some 10,000; the next power of two.
 inline constexpr int kMaxRows = 16384;
+/// Most halvings of a sub-step's bounds until its rows fit: from kMaxTranslation to 2 um.
+inline constexpr int kMostHalvings = 8;
 /// Packet pairs of a cycle, some 10 ns each.  A further sub-step begins only if one as
 /// costly as the last keeps the cycle within this number, 50 us: about the most that a snap
 /// over a ledge costs.

@@ -18,11 +18,7 @@ namespace {
 
 CutSolid SolidOf(const Body& body) {
   CutSolid solid{MakeSolidGrid(body), body.X_WB, {}, 0};
-  for (std::size_t m = 0; m < std::min(body.materials.size(), solid.materials.size()); ++m) {
-    const Material& material = body.materials[m];
-    solid.materials[m] = {material.cutting_pressure, material.cutting_viscosity,
-                          material.cutting_friction};
-  }
+  std::ranges::copy(body.materials, solid.materials.begin());  // at most eight (MakeSolidGrid)
   return solid;
 }
 

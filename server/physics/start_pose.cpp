@@ -35,7 +35,7 @@ bool IsFree(const HapticModel& model, const Pose& X_WT, std::span<const CutField
             StepWorkspace& workspace) {
   StepBuffers& buffers = workspace.buffers();
   const ToolPose at(X_WT * model.reference(), X_WT.q);
-  if (buffers.prediction.Overlaps(model, ActiveKernels(), at.R, at.p, buffers.rows)) return false;
+  if (buffers.prediction.Overlaps(model, ActiveKernels(), at.R, at.p)) return false;
   if (IsInSolid(model, at, cuts)) return false;
   if (!buffers.meshes) return true;
   // A tool whose mesh intersects no other lies wholly inside an object or wholly outside.

@@ -27,15 +27,16 @@ struct PlacedTree {
 };
 
 /// Constants of the step that a scene or a benchmark may set; StepTuning holds those
-/// that a researcher may vary, and limits.h derives them.  Zero means "derived", by the
-/// rule in the comment.
+/// that a researcher may vary, and limits.h derives them.
 struct StepParameters : StepTuning {
   double stiffness = limits::kStiffness;                     ///< k_t [N/m]
   double torsional_stiffness = limits::kTorsionalStiffness;  ///< k_r [N m/rad]
-  /// Largest bound on |phi| of one sub-step [rad].  If 0: sqrt(2 e / L) with e = max_truncation and
-  /// L the tool's longest lever arm, so that linearising a rotation never errs by more than e.
+  // Set by the HapticModel:
+  double max_truncation = 0.0;  ///< kMaxTruncation of the contact (limits.h) [m]
+  /// Largest bound on |phi| of one sub-step [rad]: sqrt(2 e / L) with e = max_truncation and L the
+  /// tool's longest lever arm, so that linearising a rotation never errs by more than e.
   double max_rotation = 0.0;
-  double max_truncation = 0.0;  ///< [m]; 0: kMaxTruncation of the contact (limits.h)
+  // Set by benchmarks and tests:
   int max_rows = limits::kMaxRows;
   Features features{.contact = ContactModel::kSpheres};
 };

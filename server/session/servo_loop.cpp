@@ -208,9 +208,8 @@ void ServoLoop::Step(wire::Wrench& answer) noexcept {
   if (gain_ < 1.0 || report.soft_contacts > 0 || rigid > most) return;
   answer.rows = answer.contacts;
   answer.region_m = kRegion_m;
-  answer.region_rad = model_.degrees_of_freedom() == 3
-                          ? std::numbers::pi
-                          : kRegion_m / std::max(model_.tool().max_lever, kRegion_m);
+  answer.region_rad = model_.is_ball() ? std::numbers::pi
+                                       : kRegion_m / std::max(model_.tool().max_lever, kRegion_m);
   for (int i = 0; i < rigid; ++i) {
     const ActiveRow& active = report.active[i];
     for (int k = 0; k < 3; ++k) {

@@ -31,7 +31,7 @@ constexpr double kRadius = 0.25e-3, kStiffness = 1000.0;
 constexpr double kPlungeSpeed = 2e-3, kGrooveSpeed = 3e-3, kGroove = 0.8e-3;
 /// The material's constants: 0.4 N on the whole front of the ball at zero speed, and a third more
 /// at the speed of the plunge.
-constexpr CutMaterial kMaterial{2e6, 0.5e9};
+const Material kMaterial{.cutting_pressure = 2e6, .cutting_viscosity = 0.5e9};
 /// Depth of the hand at the end of the plunge, where the bur's whole front is below the face, and
 /// in the groove, where about half of the bur is.
 constexpr double kPlungeDepth = 0.7e-3, kGrooveDepth = 0.42e-3;
@@ -122,7 +122,7 @@ Vec3 ExactForce(const Case& c, const std::vector<BurSample>& fine, const Vec3& p
     const Vec3 p = p_P + s.point;
     if (speed <= 0.0 || p.z() >= 0.0) continue;
     if (c.beside && std::hypot(p.y() - kBeside, p.z() + kOldDepth) < kRadius) continue;
-    sum -= s.area * (kMaterial.pressure + kMaterial.viscosity * speed) * s.normal;
+    sum -= s.area * (kMaterial.cutting_pressure + kMaterial.cutting_viscosity * speed) * s.normal;
   }
   return sum;
 }
@@ -170,7 +170,7 @@ Way GoTheWay(const Case& c, const SolidGrid& block, Times& times) {
   }
   const Bur bur = Bur::Ball(kRadius);
   const std::vector<BurSample> samples = bur.Samples(c.samples), fine = bur.Samples(20000);
-  std::array<CutMaterial, SolidGrid::kMaterials> materials;
+  std::array<Material, SolidGrid::kMaterials> materials;
   materials.fill(kMaterial);
   CutRows rows(c.samples);
   EnergySolver solver(16);
@@ -178,7 +178,7 @@ Way GoTheWay(const Case& c, const SolidGrid& block, Times& times) {
   const Pose X_PB{Vec3::Zero(), c.direction.q_BP.conjugate()};  // P is the world
   const double dt = 1.0 / c.rate;
   Vec3 hand(-0.6e-3, 0, kRadius + 10e-6), bur_at = hand;
-  double x[3] = {};
+  double x[6] = {};
   Way way;
   std::vector<double> us[4];
   const int rise = static_cast<int>(0.05 / dt);
@@ -197,15 +197,16 @@ Way GoTheWay(const Case& c, const SolidGrid& block, Times& times) {
       hand.x() += kGrooveSpeed * dt;
     }
     const Vec3 t = hand - bur_at;
+    const double target[6] = {t.x(), t.y(), t.z()};  // a ball's rows do not turn it
     using Clock = std::chrono::steady_clock;
     const auto begin = Clock::now();
     rows.Clear();
     rows.AddSolid({samples, {bur_at, Quat::Identity()}, bur_at, kStiffness, 1.0, dt}, cut, X_PB,
                   materials);
     const auto built = Clock::now();
-    const QpResult step = solver.Solve(ActiveKernels(), 3, t.data(), {}, {&energy, 1}, x, {});
+    const QpResult step = solver.Solve(ActiveKernels(), target, {}, {&energy, 1}, x, {});
     const auto solved = Clock::now();
-    std::copy(step.x, step.x + 3, x);
+    std::copy(step.x, step.x + 6, x);
     const Vec3 v(x[0], x[1], x[2]);
     cut.Remove(bur, {c.direction.q_BP * bur_at, c.direction.q_BP}, c.direction.q_BP * v);
     const auto end = Clock::now();
@@ -216,7 +217,7 @@ Way GoTheWay(const Case& c, const SolidGrid& block, Times& times) {
     way.turns.push_back(step.iterations);
     way.unsolved += step.status != QpStatus::kSolved;
     bur_at += v;
-    const test::CutOfRows said(rows, x, 3);
+    const test::CutOfRows said(rows, x);
     way.rows_volume += said.volume;
     if (rising) continue;  // moves through space that it has cleared
     const Vec3 force = kStiffness * (v - t), exact = ExactForce(c, fine, bur_at, v / dt);
@@ -362,8 +363,8 @@ void Run(const Options& options) {
                              {"repeats", options.repeats},
                              {"bur_radius_m", kRadius},
                              {"stiffness_N_per_m", kStiffness},
-                             {"pressure_Pa", kMaterial.pressure},
-                             {"viscosity_Pa_s_per_m", kMaterial.viscosity},
+                             {"pressure_Pa", kMaterial.cutting_pressure},
+                             {"viscosity_Pa_s_per_m", kMaterial.cutting_viscosity},
                              {"volume", volumes},
                              {"force", forces},
                              {"removal", removals}});

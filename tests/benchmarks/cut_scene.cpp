@@ -172,7 +172,7 @@ Swept SweptOf(const HapticModel& model, const Cut& cut, const CutSolid& solid) {
           if (!(solid.grid->Sample(p).distance < 0.0)) continue;
           const double cell = fine * fine * fine;
           swept.volume += cell;
-          swept.price += cell * solid.materials[solid.grid->Material(p)].pressure;
+          swept.price += cell * solid.materials[solid.grid->Material(p)].cutting_pressure;
         }
       }
     }

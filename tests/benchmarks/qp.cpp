@@ -104,12 +104,12 @@ std::vector<Problem> ProblemsOf(const Options& options) {
   scene.features = {.contact = ContactModel::kSpheres};
   SceneRun run(std::move(scene), ScriptPoses(options.scene, options.steps));
   const HapticModel& model = run.model();
-  if (model.degrees_of_freedom() != 6) {
+  if (model.is_ball()) {
     throw Error("qp: the tool of scene '" + options.scene +
                 "' is a single sphere with 3 degrees of freedom; choose a scene with 6");
   }
   ContactPrediction prediction(model);
-  ContactRows rows(model.parameters().max_rows, PairQuery::kMaxBatch, 6, model.rotation_length());
+  ContactRows rows(model.parameters().max_rows, model.rotation_length());
   const StepBounds widest{model.parameters().widest_step, model.parameters().max_rotation};
   StepState state = run.Start();
   std::vector<Problem> problems;
@@ -219,14 +219,14 @@ void Measure(const Options& options, std::vector<Problem>& problems, bool warm_f
   int unsolved = 0, relaxed = 0;
   for (Problem& problem : problems) {
     const QpRows& rows = columns.Write(problem);
-    const QpResult result = ActiveKernels().solve(problem.target, 6, rows, nullptr, 0);
+    const QpResult result = ActiveKernels().solve(problem.target, rows, nullptr, 0);
     residual = std::max(residual, KktResidual(problem, result));
     unsolved += result.status == QpStatus::kIterationLimit;
     relaxed += result.status == QpStatus::kRelaxed;
     row_counts.push_back(problem.rows());
     iterations.push_back(result.iterations);
     if (!warm_from_step) problem.guess.assign(result.row, result.row + result.active);
-    const QpResult warm = ActiveKernels().solve(problem.target, 6, rows, problem.guess.data(),
+    const QpResult warm = ActiveKernels().solve(problem.target, rows, problem.guess.data(),
                                                 static_cast<int>(problem.guess.size()));
     residual = std::max(residual, KktResidual(problem, warm));
   }
@@ -240,7 +240,7 @@ void Measure(const Options& options, std::vector<Problem>& problems, bool warm_f
         const QpRows& rows = columns.Write(problem);
         const auto begin = std::chrono::steady_clock::now();
         const QpResult result =
-            ActiveKernels().solve(problem.target, 6, rows, problem.guess.data(),
+            ActiveKernels().solve(problem.target, rows, problem.guess.data(),
                                   warm ? static_cast<int>(problem.guess.size()) : 0);
         const auto end = std::chrono::steady_clock::now();
         sink += result.x[0];

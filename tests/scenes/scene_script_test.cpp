@@ -443,7 +443,7 @@ TEST(SceneScript, MouldIsSqueezedOnTenThousandPairsAtOnce) {
   const Scene scene = LoadScene("mould");
   const HapticModel model = MakeModel(scene, scene.tools[0], MakeObjects(scene));
   ContactPrediction prediction(model);
-  ContactRows rows(model.parameters().max_rows, PairQuery::kMaxBatch, 6, model.rotation_length());
+  ContactRows rows(model.parameters().max_rows, model.rotation_length());
   int most = 0, n = 0;
   Pose X_WH;
   Play("mould", 6.0, [&](const Moment& m, const StepState&) {

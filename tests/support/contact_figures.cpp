@@ -31,7 +31,7 @@ class ToolMotion {
       lever_ = std::max(lever_, (v - centroid_).norm());
     }
     // The rotation of a ball does not count.
-    if (model.degrees_of_freedom() == 3) lever_ = 0.0;
+    if (model.is_ball()) lever_ = 0.0;
   }
   Vec3 Centroid(const Pose& X) const { return X * centroid_; }
   /// An upper bound for all points of the mesh.

@@ -11,10 +11,10 @@ struct CutOfRows {
   double volume = 0.0;  ///< sum of A_i delta_i [m^3]
   double work = 0.0;    ///< of the solver's forces on the material, over k_t [m^2]
 
-  CutOfRows(const CutRows& rows, const double* x, int unknowns) {
+  CutOfRows(const CutRows& rows, const double* x) {
     for (int i = 0; i < rows.count(); ++i) {
       double along = 0.0;
-      for (int c = 0; c < unknowns; ++c) along += rows.a(static_cast<std::size_t>(c))[i] * x[c];
+      for (std::size_t c = 0; c < 6; ++c) along += rows.a(c)[i] * x[c];
       volume += rows.area()[i] * std::max(0.0, rows.b()[i] - along);
       work -= rows.forces()[i] * along;
     }

@@ -43,8 +43,8 @@ JumpJudge::JumpJudge(const Scene& scene, const HapticModel& model)
     : centroid_(model.reference()),
       stiffness_(model.parameters().stiffness),
       // No contact rotates a ball, and rotating the hand does not move it.
-      rotation_length_(model.degrees_of_freedom() == 3 ? 0.0 : model.rotation_length()),
-      radius_(model.degrees_of_freedom() == 3 ? model.tool().leaves.front().radius : 0.0) {
+      rotation_length_(model.is_ball() ? 0.0 : model.rotation_length()),
+      radius_(model.is_ball() ? model.tool().leaves.front().radius : 0.0) {
   Vec3 low = Vec3::Constant(INFINITY), high = -low;
   for (const Vec3& v : scene.tools.front().mesh.vertices) {
     low = low.cwiseMin(v);

@@ -169,12 +169,9 @@ void RelineariseAtStart(MeshContact& contact, ContactRows& rows) {
     if (pair.split || pair.touch < 0) continue;
     Touch& touch = contact.TouchOf(k);
     if (touch.plane.of == ContactPlane::Of::kNone) continue;
-    const TouchRowsAtTrial of = RowsAt(contact, touch);
-    for (int i = 0; i < of.count; ++i) {
-      const int row = touch.row[of.row[i].slot % 3];
-      if (row < 0) continue;
-      SetRow(contact, touch, of.row[i], rows);
-      rows.SetGap(row, std::max(rows.gap(row), 0.0));
+    SetRows(contact, touch, rows, [&](const TouchRow& of) { return touch.row[of.slot % 3] >= 0; });
+    for (const int row : touch.row) {
+      if (row >= 0) rows.SetGap(row, std::max(rows.gap(row), 0.0));
     }
   }
 }

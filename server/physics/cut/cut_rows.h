@@ -19,7 +19,7 @@ struct CutTool {
   Pose X_WT;
   Vec3 reference = Vec3::Zero();  ///< point about which x turns it [m]
   double stiffness = 0.0;         ///< k_t of the coupling [N/m]
-  double rotation_length = 1.0;   ///< rho [m], sqrt(k_r / k_t)
+  double rotation_length = 1.0;   ///< rho [m], sqrt(k_r / k_t); infinite: nothing turns it
   double dt = 1e-3;               ///< of the step [s]
 };
 
@@ -32,25 +32,21 @@ struct CutTool {
 /// a_i = -[n_i; (l_i x n_i) / rho] with l_i from the reference to the sample, and b_i = -g_i, the
 /// gap (README.md).  A sample that cannot cut has a p_0 that no hand can overcome.  Passive: a row
 /// pushes only where -a_i . x >= g_i >= 0, so its work on the material is >= 0 for every x.
-class CutRows : public YieldingEnergy {
+class CutRows : public Energy {
  public:
   /// @param samples  most rows: the number of the bur's samples, once more for each further solid
   ///                 that it may touch at once.  Set-up.
-  explicit CutRows(int samples)
-      : capacity_(samples),
-        columns_(kColumns, static_cast<std::size_t>(samples)),
-        slides_(static_cast<std::size_t>(samples)) {}
+  explicit CutRows(int samples);
 
-  void Clear() { count_ = 0; }
+  void Clear() { yielding.rows.count = 0; }
   /// Adds the rows of what is left of a solid.
   /// @param X_WB  of the solid.   @param materials  indexed by their number in its grid
   /// @param reach  material that lies farther ahead gets no row [m]
   /// Valid for steps no longer than the grid's band.  Real-time.
   void AddSolid(const CutTool& tool, const CutField& cut, const Pose& X_WB,
-                const std::array<CutMaterial, SolidGrid::kMaterials>& materials,
-                double reach = 1e300) noexcept;
+                std::span<const Material> materials, double reach = 1e300) noexcept;
 
-  int count() const { return count_; }
+  int count() const { return yielding.rows.count; }
   const double* a(std::size_t unknown) const { return columns_[unknown]; }
   const double* b() const { return columns_[kB]; }                  ///< [m]
   const double* threshold() const { return columns_[kThreshold]; }  ///< P_i [m]
@@ -68,17 +64,13 @@ class CutRows : public YieldingEnergy {
   void Add(const std::array<double, 6>& a, double b, double threshold, double viscous,
            double area) noexcept;
 
-  using YieldingEnergy::Add;
-  bool HasThresholds() const noexcept override { return true; }
-
  private:
   enum : std::size_t { kB = 6, kThreshold, kViscous, kArea, kPush, kColumns };
   /// Sets a row; `row` may lie in the padding.
   void Set(std::size_t row, const std::array<double, 6>& a, double b, double threshold,
            double viscous, double area) noexcept;
-  YieldingRows Yielding() const noexcept override;
 
-  int capacity_, count_ = 0;
+  int capacity_;
   AlignedColumns columns_;
   struct Slide {
     double friction = 0.0;  ///< mu_c; if 0, the other members are unused

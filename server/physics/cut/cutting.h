@@ -12,21 +12,12 @@
 
 namespace palpate {
 
-/// The resistance of a material to a bur's surface.
-struct CutMaterial {
-  double pressure = 0.0;   ///< p_0 > 0 [Pa]: the material is rigid up to it
-  double viscosity = 0.0;  ///< kappa >= 0 [Pa s/m]: added for each m/s of the edge
-  double friction = 0.0;   ///< mu_c >= 0: friction along a spinning surface over
-                           ///< the force against it
-};
-
 /// A solid that a bur can cut.
 struct CutSolid {
   std::shared_ptr<const SolidGrid> grid;
   Pose X_WB;
-  std::array<CutMaterial, SolidGrid::kMaterials> materials;  ///< indexed by their
-                                                             ///< number in the grid
-  std::uint32_t object = 0;                                  ///< index of its object in the scene
+  std::array<Material, SolidGrid::kMaterials> materials;  ///< indexed by their number in the grid
+  std::uint32_t object = 0;                               ///< index of its object in the scene
 };
 
 /// The bur, or the edge, of a tool.  Whatever else the tool's tree and mesh meet is rigid to them.

@@ -13,26 +13,32 @@ using namespace limits::energy;
 /// Compliance of the common slack of contradictory rows, which costs |slack|^2 / 2 over this.
 constexpr double kSlackCompliance = kJamCompliance;
 
-template <int N>
+/// a . x, summed from the first element to the last whatever vectors the compiler uses.
+double Dot(const Vec6& a, const Vec6& x) {
+  double sum = 0.0;
+  for (int c = 0; c < 6; ++c) sum += a[c] * x[c];
+  return sum;
+}
+
 class Newton {
  public:
   Newton(const Kernels& kernels, const double* t, const QpRows& rigid,
-         std::span<Energy* const> energies, const AlignedColumns& transformed, Vec6& force)
+         std::span<Energy* const> energies, const AlignedColumns& transformed)
       : kernels_(kernels),
         rigid_(rigid),
         energies_(energies),
         transformed_(transformed),
-        force_(force),
-        t_(Vec<N>::Map(t)),
+        t_(Vec6::Map(t)),
         tolerance_(1e-12 * (1.0 + t_.cwiseAbs().maxCoeff())),
-        thresholds_(std::ranges::any_of(energies, &Energy::HasThresholds)) {}
+        thresholds_(std::ranges::any_of(
+            energies, [](const Energy* energy) { return energy->yielding.threshold != nullptr; })) {
+  }
 
   QpResult Solve(const double* start, std::span<const int> guess) {
     QpResult result;
     Point now;
-    now.x = Vec<N>::Map(start);
-    Evaluate(now);
-    EvaluateHessian(now);
+    now.x = Vec6::Map(start);
+    Evaluate(now, true);
     int warm[kMaxActiveRows], iterations = 0;
     int guesses = static_cast<int>(guess.size());
     std::copy(guess.begin(), guess.end(), warm);
@@ -41,32 +47,27 @@ class Newton {
     for (int turn = 0, of_stage = 0; turn < kTurns; ++turn, ++of_stage) {
       if (thresholds_ && turn == kTurnsAtOnce) {
         springs_ = {kSoftest, kSoftest};
-        Evaluate(now);
-        EvaluateHessian(now);
+        Evaluate(now, true);
         of_stage = 0;
       }
-      const Vec<N> q = Factorise(now);
+      const Vec6 q = Factorise(now);
       result = Minimise(q, warm, guesses);
       iterations += result.iterations + 1;
       result.iterations = iterations;
       if (result.status == QpStatus::kIterationLimit) return result;
       Point next;
-      next.x = Vec<N>::Map(result.x);
+      next.x = Vec6::Map(result.x);
       next.slack = result.slack;
       springs_.on = springs_.stiffness;
       Evaluate(next);
       const bool ends = SamePieces(now, next, q);
       const bool softened = thresholds_ && springs_.stiffness < kRigid;
-      if (ends && !softened) {
-        force_.template head<N>() = next.Force();
-        return result;
-      }
+      if (ends && !softened) return result;
       if (softened && (ends || of_stage >= kTurnsOfStage)) {
         // The first turn of a stage assumes on their springs those rows that were so in the
         // last stage, for which it is exact.  With the stiffer springs they no longer are at
         // the x of the softer ones.
         springs_.stiffness *= kStiffen;
-        Evaluate(next);
         of_stage = -1;
         leads_in = true;
       } else if (!leads_in && !Gains(now, next)) {
@@ -75,7 +76,7 @@ class Newton {
         leads_in = false;
       }
       now = next;
-      EvaluateHessian(now);
+      Evaluate(now, true);
       guesses = result.active;
       std::copy(result.row, result.row + guesses, warm);
     }
@@ -85,54 +86,53 @@ class Newton {
 
  private:
   struct Point {
-    Vec<N> x;
+    Vec6 x;
     double slack = 0.0;
     EnergyAt energy;
     double value;
 
-    Vec<N> Force() const { return Vec<N>::Map(energy.force); }
+    Vec6 Force() const { return Vec6::Map(energy.force); }
     double Hessian(int r, int c) const {
       return energy.hessian[r >= c ? r * (r + 1) / 2 + c : c * (c + 1) / 2 + r];
     }
     /// (1 + Hessian) y.
-    Vec<N> HessianTimes(const Vec<N>& y) const {
-      Vec<N> sum = y;
-      for (int c = 0; c < N; ++c) {
-        for (int r = 0; r < N; ++r) sum[r] += Hessian(r, c) * y[c];
+    Vec6 HessianTimes(const Vec6& y) const {
+      Vec6 sum = y;
+      for (int c = 0; c < 6; ++c) {
+        for (int r = 0; r < 6; ++r) sum[r] += Hessian(r, c) * y[c];
       }
       return sum;
     }
   };
 
-  void Evaluate(Point& point) const {
+  /// Only the next quadratic needs the Hessian, not each place that is tried.
+  void Evaluate(Point& point, bool with_hessian = false) const {
+    const auto add = with_hessian ? kernels_.add_yielding_with_hessian : kernels_.add_yielding;
     point.energy = {};
     for (Energy* energy : energies_) {
-      energy->Add(kernels_, point.x.data(), N, springs_, point.energy);
+      EnergyAt own;
+      energy->pushing = add(energy->yielding, point.x.data(), springs_, own);
+      energy->force = Vec6::Map(own.force);
+      point.energy.twice += own.twice;
+      for (int c = 0; c < 6; ++c) point.energy.force[c] += own.force[c];
+      for (int k = 0; k < 21; ++k) point.energy.hessian[k] += own.hessian[k];
     }
-    const Vec<N> away = point.x - t_;
+    const Vec6 away = point.x - t_;
     point.value =
         0.5 * (Dot(away, away) + point.energy.twice + point.slack * point.slack / kSlackCompliance);
   }
 
-  /// Evaluated separately, because only the next quadratic needs it.
-  void EvaluateHessian(Point& point) const {
-    std::ranges::fill(point.energy.hessian, 0.0);
-    for (const Energy* energy : energies_) {
-      energy->AddHessian(kernels_, point.x.data(), N, springs_, point.energy);
-    }
-  }
-
   /// For the quadratic at a point, 1/2 x . H x - q . x, returns q, and computes H = L L^T.
-  Vec<N> Factorise(const Point& point) {
-    for (int r = 0; r < N; ++r) {
+  Vec6 Factorise(const Point& point) {
+    for (int r = 0; r < 6; ++r) {
       for (int c = 0; c <= r; ++c) {
         double sum = point.Hessian(r, c) + (r == c ? 1.0 : 0.0);
-        for (int k = 0; k < c; ++k) sum -= L_[r * N + k] * L_[c * N + k];
+        for (int k = 0; k < c; ++k) sum -= L_[r * 6 + k] * L_[c * 6 + k];
         if (r == c) {
-          L_[r * N + r] = std::sqrt(sum);
-          inverse_diagonal_[r] = 1.0 / L_[r * N + r];
+          L_[r * 6 + r] = std::sqrt(sum);
+          inverse_diagonal_[r] = 1.0 / L_[r * 6 + r];
         } else {
-          L_[r * N + c] = sum * inverse_diagonal_[c];
+          L_[r * 6 + c] = sum * inverse_diagonal_[c];
         }
       }
     }
@@ -140,10 +140,10 @@ class Newton {
   }
 
   /// Minimises that quadratic under the rigid rows.
-  QpResult Minimise(const Vec<N>& q, const int* guess, int guesses) const {
-    Vec<N> y = q;
-    for (int r = 0; r < N; ++r) {
-      for (int c = 0; c < r; ++c) y[r] -= L_[r * N + c] * y[c];
+  QpResult Minimise(const Vec6& q, const int* guess, int guesses) const {
+    Vec6 y = q;
+    for (int r = 0; r < 6; ++r) {
+      for (int c = 0; c < r; ++c) y[r] -= L_[r * 6 + c] * y[c];
       y[r] *= inverse_diagonal_[r];
     }
     QpResult result;
@@ -151,33 +151,33 @@ class Newton {
     // Femtometres press a threshold's spring, and rows may be violated by less only: their QP is
     // solved in other units.
     const double scale = thresholds_ ? kThresholdScale : 1.0;
-    if (kernels_.rows_hold(rigid_, N, result.x, tolerance_ / scale)) return result;
-    double* column[6] = {};
+    if (kernels_.rows_hold(rigid_, result.x, tolerance_ / scale)) return result;
+    double* column[6];
     QpRows rows = rigid_;
-    for (std::size_t c = 0; c < N; ++c) rows.a[c] = column[c] = transformed_[c];
+    for (std::size_t c = 0; c < 6; ++c) rows.a[c] = column[c] = transformed_[c];
     rows.b = transformed_[6];
-    kernels_.transform_rows(rigid_, N, L_, inverse_diagonal_, scale, column, transformed_[6]);
+    kernels_.transform_rows(rigid_, L_, inverse_diagonal_, scale, column, transformed_[6]);
     y *= scale;
-    result = kernels_.solve(y.data(), N, rows, guess, guesses);
-    Back(Vec<N>::Map(result.x) / scale, result.x);
+    result = kernels_.solve(y.data(), rows, guess, guesses);
+    Back(Vec6::Map(result.x) / scale, result.x);
     result.slack /= scale;
     for (int i = 0; i < result.active; ++i) result.multiplier[i] /= scale;
     return result;
   }
 
   /// x = L^-T y.
-  void Back(const Vec<N>& y, double* x) const {
-    for (int r = N - 1; r >= 0; --r) {
+  void Back(const Vec6& y, double* x) const {
+    for (int r = 6 - 1; r >= 0; --r) {
       x[r] = y[r];
-      for (int c = r + 1; c < N; ++c) x[r] -= L_[c * N + r] * x[c];
+      for (int c = r + 1; c < 6; ++c) x[r] -= L_[c * 6 + r] * x[c];
       x[r] *= inverse_diagonal_[r];
     }
   }
 
   /// Returns whether the gradient at `next` equals that of the quadratic that led there.
-  bool SamePieces(const Point& now, const Point& next, const Vec<N>& q) const {
+  bool SamePieces(const Point& now, const Point& next, const Vec6& q) const {
     double stiffness = 1.0, size = 0.0;
-    for (int r = 0; r < N; ++r) {
+    for (int r = 0; r < 6; ++r) {
       stiffness += now.Hessian(r, r);
       size += std::fabs(q[r]);
     }
@@ -187,11 +187,11 @@ class Newton {
     return !((Gradient(next) - (now.HessianTimes(next.x) - q)).cwiseAbs().array() > rounding).any();
   }
 
-  Vec<N> Gradient(const Point& at) const { return at.x - t_ - at.Force(); }
+  Vec6 Gradient(const Point& at) const { return at.x - t_ - at.Force(); }
 
   /// Slope at `at`, in the direction from `from` to `to`.
   double Slope(const Point& at, const Point& from, const Point& to) const {
-    const Vec<N> gradient = Gradient(at), way = to.x - from.x;
+    const Vec6 gradient = Gradient(at), way = to.x - from.x;
     return Dot(gradient, way) + at.slack * (to.slack - from.slack) / kSlackCompliance;
   }
 
@@ -221,10 +221,9 @@ class Newton {
   const QpRows& rigid_;
   std::span<Energy* const> energies_;
   const AlignedColumns& transformed_;
-  Vec6& force_;
-  Vec<N> t_;
-  double L_[N * N];
-  double inverse_diagonal_[N];
+  Vec6 t_;
+  double L_[6 * 6];
+  double inverse_diagonal_[6];
   double tolerance_;
   bool thresholds_;
   Springs springs_;
@@ -232,12 +231,10 @@ class Newton {
 
 }  // namespace
 
-QpResult EnergySolver::Solve(const Kernels& kernels, int unknowns, const double* t,
-                             const QpRows& rigid, std::span<Energy* const> energies,
-                             const double* start, std::span<const int> guess) noexcept {
-  if (unknowns == 6)
-    return Newton<6>(kernels, t, rigid, energies, transformed_, force_).Solve(start, guess);
-  return Newton<3>(kernels, t, rigid, energies, transformed_, force_).Solve(start, guess);
+QpResult EnergySolver::Solve(const Kernels& kernels, const double* t, const QpRows& rigid,
+                             std::span<Energy* const> energies, const double* start,
+                             std::span<const int> guess) noexcept {
+  return Newton(kernels, t, rigid, energies, transformed_).Solve(start, guess);
 }
 
 }  // namespace palpate

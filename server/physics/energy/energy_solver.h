@@ -9,26 +9,23 @@
 namespace palpate {
 
 /// Minimises 1/2 |x - t|^2 + sum of energies, subject to inviolable rows a_i . x >= b_i, by
-/// Newton's method in the 3 or 6 unknowns (README.md).
+/// Newton's method in the 6 unknowns (README.md).
 class EnergySolver {
  public:
   /// @param rows  most rigid rows.  Set-up.
   explicit EnergySolver(std::size_t rows) : transformed_(7, rows) {}
 
-  /// @param unknowns  3 or 6, of t, x and rows.   @param t  target [m].
-  /// @param start     where Newton's method begins; a nearer start takes fewer turns
-  /// @param guess     rows that were active last time, as for SolveNearestPoint
+  /// @param t      target [m].
+  /// @param start  where Newton's method begins; a nearer start takes fewer turns
+  /// @param guess  rows that were active last time, as for SolveNearestPoint
   /// The result is as of SolveNearestPoint, with rigid active rows; `iterations` includes the
   /// turns.  Real-time: no allocation, lock, log or clock.  Deterministic.
-  QpResult Solve(const Kernels& kernels, int unknowns, const double* t, const QpRows& rigid,
+  QpResult Solve(const Kernels& kernels, const double* t, const QpRows& rigid,
                  std::span<Energy* const> energies, const double* start,
                  std::span<const int> guess) noexcept;
-  /// The sum of the energies' forces at the last result [m].
-  const Vec6& force() const { return force_; }
 
  private:
   AlignedColumns transformed_;
-  Vec6 force_ = Vec6::Zero();
 };
 
 }  // namespace palpate

@@ -32,12 +32,11 @@ bool ContactPrediction::Predict(const HapticModel& model, const Kernels& kernels
     StageClock clock(times);
     query_->Run(kernels, R_end, p_W + ends.v, bounds, [&](NodePair* pairs, int count) {
       clock.Lap(&StageTimes::prediction);
-      fits = rows.count() + count <= most;
-      if (!fits) return false;
-      rows.Add(kernels, model.tool().leaves.data(), model.objects().leaves.data(), R_WG, p_W, pairs,
-               count);
+      fits = rows.count() + count <= most &&
+             rows.Add(kernels, model.tool().leaves.data(), model.objects().leaves.data(), R_WG, p_W,
+                      pairs, count);
       clock.Lap(&StageTimes::rows);
-      return true;
+      return fits;
     });
     clock.Lap(&StageTimes::prediction);
   }
@@ -51,26 +50,25 @@ void ContactPrediction::Take(const HapticModel& model, const Kernels& kernels, c
   rows.Clear();
   for (const ContactId& id : ids) {
     const NodePair pair{id.tool, id.object};
-    rows.Add(kernels, model.tool().leaves.data(), model.objects().leaves.data(), R_WG, p_W, &pair,
-             1);
+    if (!rows.Add(kernels, model.tool().leaves.data(), model.objects().leaves.data(), R_WG, p_W,
+                  &pair, 1)) {
+      break;
+    }
   }
   rows.Finish();
 }
 
 bool ContactPrediction::Overlaps(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
-                                 const Vec3& p_W, ContactRows& rows) noexcept {
+                                 const Vec3& p_W) noexcept {
   bool overlaps = false;
   const auto look = [&](PairQuery& query, const ObjectForest& forest, const auto& depth_of) {
     query.Run(kernels, R_WG, p_W, {0.0, 0.0}, [&](NodePair* pairs, int count) {
-      // A few pairs at a time: deep inside an object, the first one decides.
-      constexpr int kFew = 64;
-      for (int i = 0; i < count && !overlaps; i += kFew) {
-        rows.Clear();
-        rows.Add(kernels, model.tool().leaves.data(), forest.leaves.data(), R_WG, p_W, pairs + i,
-                 std::min(kFew, count - i));
-        for (int r = 0; r < rows.count() && !overlaps; ++r) {
-          overlaps = rows.gap(r) + depth_of(rows.id(r).object) < 0.0;
-        }
+      // Deep inside an object, the first one decides.
+      for (int i = 0; i < count && !overlaps; ++i) {
+        const LeafSphere& t = model.tool().leaves[static_cast<std::size_t>(pairs[i].tool)];
+        const LeafSphere& o = forest.leaves[static_cast<std::size_t>(pairs[i].object)];
+        const Vec3 apart = R_WG * Vec3(t.x, t.y, t.z) + p_W - Vec3(o.x, o.y, o.z);
+        overlaps = apart.norm() - (t.radius + o.radius) + depth_of(pairs[i].object) < 0.0;
       }
       return !overlaps;
     });

@@ -40,7 +40,9 @@ class ContactPrediction {
   ///                o
   ///
   /// If `times` is given, adds to its prediction and rows stages.  Real-time.
-  /// @param most  if more rows than this come within the bounds, returns false: `rows` is not valid
+  /// @param most  if more rows than this, or than fit, come within the bounds, returns false:
+  /// `rows`
+  ///              lacks some
   bool Predict(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
                const StepEnds& ends, ContactRows& rows, StageTimes* times,
                int most = std::numeric_limits<int>::max()) noexcept;
@@ -53,9 +55,9 @@ class ContactPrediction {
   std::int64_t tested() const { return query_ ? query_->tested() : 0; }
 
   /// Returns whether any two leaves overlap.  Soft leaves count by their cores; those of objects
-  /// that are felt by their meshes must overlap by kCoreDepth.  `rows` is scratch.  Real-time.
-  bool Overlaps(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
-                ContactRows& rows) noexcept;
+  /// that are felt by their meshes must overlap by kCoreDepth.  Real-time.
+  bool Overlaps(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
+                const Vec3& p_W) noexcept;
 
  private:
   std::optional<PairQuery> query_;    ///< empty if no leaf can touch

@@ -20,18 +20,16 @@ namespace palpate {
 /// rotation adds at most 1/2 |phi|^2 |l| of penetration.
 class ContactRows {
  public:
-  /// Allocates storage for max_rows rows, and for one more batch of `max_batch`.
-  ContactRows(int max_rows, int max_batch, int degrees_of_freedom, double rho);
+  /// Allocates storage for max_rows rows.
+  /// @param turns  false for a ball, which no row turns
+  ContactRows(int max_rows, double rho, bool turns = true);
 
-  void Clear() noexcept {
-    count_ = 0;
-    overflowed_ = false;
-  }
-  /// Adds the rows of leaf pairs.  If there are more than max_rows, the tightest are kept: those
-  /// with the smallest gap and, of equal gaps, the first.  Their order does not change.
-  void Add(const Kernels& kernels, const LeafSphere* tool, const LeafSphere* object,
-           const Mat3& R_WG, const Vec3& p_W, const NodePair* pairs, int count) noexcept;
-  /// Adds one row.
+  void Clear() noexcept { count_ = 0; }
+  /// Adds the rows of leaf pairs; if they do not all fit, adds none and returns false.
+  [[nodiscard]] bool Add(const Kernels& kernels, const LeafSphere* tool, const LeafSphere* object,
+                         const Mat3& R_WG, const Vec3& p_W, const NodePair* pairs,
+                         int count) noexcept;
+  /// Adds one row, for which there must be room.
   /// @param lever  of the contact point [m], in W
   void AddRow(const Vec3& normal, const Vec3& lever, double gap, const ContactId& id) noexcept;
   /// Changes a row, except its id.
@@ -51,7 +49,6 @@ class ContactRows {
 
   int count() const { return count_; }
   int max_rows() const { return max_rows_; }
-  bool overflowed() const { return overflowed_; }
   QpRows view() const;
   const ContactId& id(int row) const { return columns_.id[row]; }
   /// Gap of a row [m].
@@ -63,7 +60,7 @@ class ContactRows {
   Vec3 normal(int row) const {
     return {columns_.a[0][row], columns_.a[1][row], columns_.a[2][row]};
   }
-  /// l x n [m]; zero where there are 3 degrees of freedom.
+  /// l x n [m].
   Vec3 lever_cross_normal(int row) const;
   /// Returns how far the row's direction in configuration space, [n; l x n / rho], is from another
   /// one with these parts [rad, if small].
@@ -80,22 +77,13 @@ class ContactRows {
   int Find(std::span<const ContactId> ids, int* row) const noexcept;
 
  private:
-  /// Keeps the number of rows within the storage, after `added` rows.
-  void Limit(int added) noexcept;
-  void DropLooser(int from) noexcept;
-  void KeepTightest() noexcept;
-  void Move(int from, int to) noexcept;
-
   int max_rows_;
-  int room_;  // rows gathered beyond max_rows_ before the loosest are dropped
+  bool turns_;
   double rho_;
   AlignedColumns storage_;
   std::vector<ContactId> ids_;
-  std::vector<double> gaps_;  // scratch of KeepTightest
   RowColumns columns_{};
   int count_ = 0;
-  bool overflowed_ = false;
-  double loosest_ = 0.0;  // b of the loosest row kept, once overflowed
 };
 
 }  // namespace palpate

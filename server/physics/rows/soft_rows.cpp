@@ -8,7 +8,7 @@ namespace palpate {
 void SoftRows::Set(const ObjectForest& objects, double coupling_stiffness,
                    const ContactRows& rows) noexcept {
   any_ = false;
-  rows_ = rows.view();
+  yielding = {rows.view(), columns_[kWeight], nullptr, columns_[kPush]};
   double *weight = columns_[kWeight], *rigid_b = columns_[kRigidB];
   const int count = rows.count();
   for (int i = 0; i < count; ++i) {
@@ -30,15 +30,15 @@ void SoftRows::Set(const ObjectForest& objects, double coupling_stiffness,
 }
 
 QpRows SoftRows::rigid() const {
-  QpRows rigid = rows_;
+  QpRows rigid = yielding.rows;
   rigid.b = columns_[kRigidB];
   return rigid;
 }
 
 SoftContacts SoftRows::Contacts() const noexcept {
   SoftContacts contacts;
-  contacts.count = pushing();
-  const int count = pushing() == 0 ? 0 : rows_.count;
+  contacts.count = pushing;
+  const int count = pushing == 0 ? 0 : yielding.rows.count;
   const double* pushes = columns_[kPush];
   double least = 0.0;  // what a row must exceed to be listed
   for (int i = 0; i < count; ++i) {

@@ -20,7 +20,7 @@ struct SoftContacts {
 /// The compliance of the rows of one sub-step, column by column beside ContactRows: springs of the
 /// leaves in series with the coupling, a diagonal in the QP's dual.  Since any number of rows may
 /// yield at once, they are treated as an energy, not as single constraints.
-class SoftRows : public YieldingEnergy {
+class SoftRows : public Energy {
  public:
   /// @param rows  most rows.  Set-up.
   explicit SoftRows(int rows) : columns_(3, static_cast<std::size_t>(rows) + 16) {}
@@ -40,12 +40,8 @@ class SoftRows : public YieldingEnergy {
 
  private:
   enum : std::size_t { kWeight, kRigidB, kPush };
-  YieldingRows Yielding() const noexcept override {
-    return {rows_, columns_[kWeight], nullptr, columns_[kPush]};
-  }
 
   AlignedColumns columns_;
-  QpRows rows_{};  ///< the rows of the sub-step
   bool any_ = false;
 };
 

@@ -125,10 +125,8 @@ struct LevelView {
   const SpherePacket* object;
 };
 
-/// Rows a . x >= b as columns of `capacity` values that start 64-byte aligned.  x = [v; rho
-/// phi], or v alone.
+/// Rows a . x >= b, x = [v; rho phi], as columns that start 64-byte aligned.
 struct RowColumns {
-  int unknowns;  ///< 6, or 3
   double* a[6];
   double* b;
   double* lever[3];  ///< of the contact point [m], in W; only for rows between meshes
@@ -155,7 +153,7 @@ struct Springs {
 struct EnergyAt {
   double twice = 0.0;       ///< twice the energy [m^2]
   double force[6] = {};     ///< negative gradient [m]
-  double hessian[21] = {};  ///< lower triangle, row by row
+  double hessian[21] = {};  ///< lower triangle, row by row; at a kink, of either side
 };
 
 /// Most packet pairs that expand_pairs takes at a time.
@@ -210,24 +208,21 @@ struct Kernels {
   int (*find_used_up)(const PlaneColumns& planes, int first, int count, const PlaneMotion& motion,
                       std::int32_t* out);
 
-  /// SolveNearestPoint (common/qp) in 3 or 6 unknowns, using as many of the first columns.
-  QpResult (*solve)(const double* t, int unknowns, const QpRows& rows, const int* guess,
-                    int guesses);
+  /// SolveNearestPoint (common/qp).
+  QpResult (*solve)(const double* t, const QpRows& rows, const int* guess, int guesses);
 
   /// Returns whether all rows hold at x, within `tolerance`.
-  bool (*rows_hold)(const QpRows& rows, int unknowns, const double* x, double tolerance);
+  bool (*rows_hold)(const QpRows& rows, const double* x, double tolerance);
   /// Computes L^-1 a and b times a scale for each row, including the padding.
-  /// L: lower triangle of unknowns x unknowns, row by row.  a, b: columns to write.
-  void (*transform_rows)(const QpRows& rows, int unknowns, const double* L,
-                         const double* inverse_diagonal, double scale, double* const a[6],
-                         double* b);
+  /// L: lower triangle of 6 x 6, row by row.  a, b: columns to write.
+  void (*transform_rows)(const QpRows& rows, const double* L, const double* inverse_diagonal,
+                         double scale, double* const a[6], double* b);
 
-  /// Adds the energy of rows and its force at x, or its Hessian.  The first returns the number
-  /// of rows that push.
-  int (*add_yielding)(const YieldingRows& rows, int unknowns, const double* x,
-                      const Springs& springs, EnergyAt& at);
-  void (*add_yielding_hessian)(const YieldingRows& rows, int unknowns, const double* x,
-                               const Springs& springs, EnergyAt& at);
+  /// Adds the energy of rows and its force at x; the second also adds the Hessian.  Returns the
+  /// number of rows that push.
+  using AddYielding = int(const YieldingRows& rows, const double* x, const Springs& springs,
+                          EnergyAt& at);
+  AddYielding *add_yielding, *add_yielding_with_hessian;
 };
 
 extern const Kernels kScalarKernels;

@@ -104,12 +104,10 @@ void BuildRows(const LeafSphere* tool, const LeafSphere* object, const double* R
                      SelectLess(distance, tiny, zero, d[1] * inverse),
                      SelectLess(distance, tiny, one, d[2] * inverse)};
     for (int c = 0; c < 3; ++c) Store(rows.a[c] + first + i, n[c]);
-    if (rows.unknowns == 6) {
-      const D8 scale = Set1(inverse_rho);
-      for (int c = 0; c < 3; ++c) {
-        const int u = (c + 1) % 3, w = (c + 2) % 3;
-        Store(rows.a[3 + c] + first + i, scale * Fnma(l[w], n[u], l[u] * n[w]));
-      }
+    const D8 scale = Set1(inverse_rho);
+    for (int c = 0; c < 3; ++c) {
+      const int u = (c + 1) % 3, w = (c + 2) % 3;
+      Store(rows.a[3 + c] + first + i, scale * Fnma(l[w], n[u], l[u] * n[w]));
     }
     Store(rows.b + first + i, zero - gap);
   }
@@ -393,33 +391,30 @@ int FindUsedUp(const PlaneColumns& planes, int first, int count, const PlaneMoti
   return found;
 }
 
-template <int N>
 bool RowsHold(const QpRows& rows, const double* x, double tolerance) {
-  D8 xs[N], least = Set1(0.0);
-  for (int c = 0; c < N; ++c) xs[c] = Set1(x[c]);
+  D8 xs[6], least = Set1(0.0);
+  for (int c = 0; c < 6; ++c) xs[c] = Set1(x[c]);
   for (int i = 0; i < rows.count; i += 8) {
     D8 s = Set1(0.0) - Load(rows.b + i);
-    for (int c = 0; c < N; ++c) s = Fma(Load(rows.a[c] + i), xs[c], s);
+    for (int c = 0; c < 6; ++c) s = Fma(Load(rows.a[c] + i), xs[c], s);
     least = Min(s, least);
   }
   return Less(least, Set1(-tolerance)) == 0;
 }
 
 /// By forward substitution.
-template <int N>
 void TransformRows(const QpRows& rows, const double* L, const double* inverse_diagonal,
                    double scale, double* const out[6], double* b) {
-  for (int i = 0; i < rows.count; i += 16) {
-    for (int half = i; half < i + 16; half += 8) {
-      D8 a[N];
-      for (int r = 0; r < N; ++r) {
-        D8 sum = Load(rows.a[r] + half);
-        for (int c = 0; c < r; ++c) sum = Fnma(Set1(L[r * N + c]), a[c], sum);
-        a[r] = sum * Set1(inverse_diagonal[r]);
-        Store(out[r] + half, a[r]);
-      }
-      Store(b + half, Set1(scale) * Load(rows.b + half));
+  const int padded = (rows.count + 15) & ~15;
+  for (int i = 0; i < padded; i += 8) {
+    D8 a[6];
+    for (int r = 0; r < 6; ++r) {
+      D8 sum = Load(rows.a[r] + i);
+      for (int c = 0; c < r; ++c) sum = Fnma(Set1(L[r * 6 + c]), a[c], sum);
+      a[r] = sum * Set1(inverse_diagonal[r]);
+      Store(out[r] + i, a[r]);
     }
+    Store(b + i, Set1(scale) * Load(rows.b + i));
   }
 }
 
@@ -430,118 +425,56 @@ inline double SumOfLanes(D8 a) {
          ((lanes[4] + lanes[5]) + (lanes[6] + lanes[7]));
 }
 
-/// a, the overlap s, and the weight that counts: 0 for rows that do not overlap.
-template <int N>
-struct Overlap {
-  D8 a[N], s, weight;
-  std::uint32_t rows;
-
-  Overlap(const YieldingRows& yielding, const D8 (&xs)[N], int i) {
-    const D8 zero = Set1(0.0);
-    s = Load(yielding.rows.b + i);
-    for (int c = 0; c < N; ++c) {
+template <bool kWithHessian>
+int AddYielding(const YieldingRows& yielding, const double* x, const Springs& springs,
+                EnergyAt& at) {
+  const D8 zero = Set1(0.0), stiffness = Set1(springs.stiffness), on_spring = Set1(springs.on);
+  const D8 softness = Set1(1.0 / springs.stiffness);
+  D8 xs[6], force[6], hessian[21], twice = zero;
+  for (int c = 0; c < 6; ++c) xs[c] = Set1(x[c]);
+  for (D8& sum : force) sum = zero;
+  for (D8& sum : hessian) sum = zero;
+  int pushing = 0;
+  for (int i = 0; i < yielding.rows.count; i += 8) {
+    D8 a[6], s = Load(yielding.rows.b + i);  // s: the overlap
+    for (int c = 0; c < 6; ++c) {
       a[c] = Load(yielding.rows.a[c] + i);
       s = Fnma(a[c], xs[c], s);
     }
-    weight = SelectLess(zero, s, Load(yielding.weight + i), zero);
-    rows = Less(zero, weight);
-  }
-};
-
-/// The force of rows up to their thresholds P: k s while on their springs, and P beyond; and twice
-/// the energy, k s^2 and P (2 s - P / k).
-struct BelowThreshold {
-  D8 force, twice;
-  std::uint32_t rows;
-
-  BelowThreshold(const YieldingRows& yielding, const D8& s, const Springs& springs, int i) {
-    const D8 zero = Set1(0.0), P = Load(yielding.threshold + i);
-    const D8 above = SelectLess(zero, s, s, zero), spring = Set1(springs.stiffness) * above;
-    const D8 on = Set1(springs.on) * above;
-    force = SelectLess(on, P, spring, SelectLess(zero, s, P, zero));
-    const D8 beyond = force * (above + above - P * Set1(1.0 / springs.stiffness));
-    twice = SelectLess(on, P, spring * above, beyond);
-    rows = Less(zero, force);
-  }
-};
-
-template <int N>
-int AddYielding(const YieldingRows& yielding, const double* x, const Springs& springs,
-                EnergyAt& at) {
-  const D8 zero = Set1(0.0);
-  D8 xs[N], force[N], twice = zero;
-  for (int c = 0; c < N; ++c) xs[c] = Set1(x[c]);
-  for (D8& sum : force) sum = zero;
-  int pushing = 0;
-  for (int i = 0; i < yielding.rows.count; i += 8) {
-    const Overlap<N> overlap(yielding, xs, i);
-    D8 push = overlap.weight * overlap.s;
-    std::uint32_t rows = overlap.rows;
-    if (rows != 0) twice = Fma(push, overlap.s, twice);
+    D8 weight = SelectLess(zero, s, Load(yielding.weight + i), zero), push = weight * s;
+    std::uint32_t rows = Less(zero, weight);
+    if (rows != 0) twice = Fma(push, s, twice);
     if (yielding.threshold != nullptr) {
-      const BelowThreshold below(yielding, overlap.s, springs, i);
-      push = push + below.force;
-      twice = twice + below.twice;
-      rows |= below.rows;
+      // Up to its threshold P, the force of a row is k s while on its spring, and P beyond; twice
+      // its energy is k s^2, and P (2 s - P / k).
+      const D8 P = Load(yielding.threshold + i), above = SelectLess(zero, s, s, zero);
+      const D8 spring = stiffness * above, on = on_spring * above;
+      const D8 below = SelectLess(on, P, spring, SelectLess(zero, s, P, zero));
+      twice = twice + SelectLess(on, P, spring * above, below * (above + above - P * softness));
+      push = push + below;
+      rows |= Less(zero, below);
+      weight = weight + SelectLess(zero, s, SelectLess(on, P, stiffness, zero), zero);
     }
     Store(yielding.push + i, push);
     if (rows == 0) continue;
     pushing += __builtin_popcount(rows);
-    for (int r = 0; r < N; ++r) force[r] = Fma(push, overlap.a[r], force[r]);
+    for (int r = 0, k = 0; r < 6; ++r) {
+      force[r] = Fma(push, a[r], force[r]);
+      if constexpr (!kWithHessian) continue;
+      const D8 wa = weight * a[r];
+      for (int c = 0; c <= r; ++c, ++k) hessian[k] = Fma(wa, a[c], hessian[k]);
+    }
   }
-  for (int r = 0; r < N; ++r) at.force[r] += SumOfLanes(force[r]);
+  for (int r = 0; r < 6; ++r) at.force[r] += SumOfLanes(force[r]);
+  for (int k = 0; kWithHessian && k < 21; ++k) at.hessian[k] += SumOfLanes(hessian[k]);
   at.twice += SumOfLanes(twice);
   return pushing;
 }
 
-template <int N>
-void AddYieldingHessian(const YieldingRows& yielding, const double* x, const Springs& springs,
-                        EnergyAt& at) {
-  constexpr int kEntries = N * (N + 1) / 2;
-  const D8 zero = Set1(0.0);
-  D8 xs[N], sum[kEntries];
-  for (int c = 0; c < N; ++c) xs[c] = Set1(x[c]);
-  for (D8& entry : sum) entry = zero;
-  for (int i = 0; i < yielding.rows.count; i += 8) {
-    const Overlap<N> overlap(yielding, xs, i);
-    D8 weight = overlap.weight;
-    std::uint32_t rows = overlap.rows;
-    if (yielding.threshold != nullptr) {
-      const D8 on = Set1(springs.on) * overlap.s;
-      const D8 spring = SelectLess(on, Load(yielding.threshold + i), Set1(springs.stiffness), zero);
-      weight = weight + SelectLess(zero, overlap.s, spring, zero);
-      rows = Less(zero, weight);
-    }
-    if (rows == 0) continue;
-    for (int r = 0, k = 0; r < N; ++r) {
-      const D8 wa = weight * overlap.a[r];
-      for (int c = 0; c <= r; ++c, ++k) sum[k] = Fma(wa, overlap.a[c], sum[k]);
-    }
-  }
-  for (int k = 0; k < kEntries; ++k) at.hessian[k] += SumOfLanes(sum[k]);
-}
-
-/// Wraps a kernel for 6 and one for 3 unknowns into one that takes the number.
-template <auto kOf6, auto kOf3>
-constexpr auto kOf = [](auto first, int unknowns, auto... rest) {
-  return unknowns == 6 ? kOf6(first, rest...) : kOf3(first, rest...);
-};
-
 constexpr Kernels MakeKernels(const char* name) {
-  return {name,
-          ExpandPairs,
-          BuildRows,
-          FindBelow,
-          LowestPoint,
-          NearestEdges,
-          AdvanceSimplices,
-          RefreshPlanes,
-          FindUsedUp,
-          kOf<Solve<6>, Solve<3>>,
-          kOf<RowsHold<6>, RowsHold<3>>,
-          kOf<TransformRows<6>, TransformRows<3>>,
-          kOf<AddYielding<6>, AddYielding<3>>,
-          kOf<AddYieldingHessian<6>, AddYieldingHessian<3>>};
+  return {name,         ExpandPairs,      BuildRows,          FindBelow,        LowestPoint,
+          NearestEdges, AdvanceSimplices, RefreshPlanes,      FindUsedUp,       Solve<6>,
+          RowsHold,     TransformRows,    AddYielding<false>, AddYielding<true>};
 }
 
 }  // namespace

@@ -19,32 +19,20 @@ double DistanceFromAxis(const Vec3& p, const Quat& turn, const Vec3& from, const
   return (p - on_axis).cross(axis).norm();
 }
 
-/// Means over the contacts, and the sum of their normal forces.
-struct MeanContact {
-  Vec3 point = Vec3::Zero();  ///< 2.26, in W
-  double mu_s = 0.0, mu_d = 0.0, pressed = 0.0;
-};
-
-MeanContact MeanOf(std::span<const ActiveRow> contacts) {
-  MeanContact mean;
-  const auto count = static_cast<int>(contacts.size());
-  for (const ActiveRow& row : contacts) {
-    const Material& material = *row.material;
-    mean.point += row.contact_W / count;
-    mean.mu_s += material.static_friction / count;
-    mean.mu_d += material.dynamic_friction / count;
-    mean.pressed += row.force;
-  }
-  return mean;
-}
-
 }  // namespace
 
 void AddChapterFriction(const HapticModel& model, const Pose& X_before, StepState& state,
                         StepReport& report) noexcept {
   const std::span contacts(report.active.data(), static_cast<std::size_t>(report.contacts));
   const Pose X_WG = state.X_WG;
-  const auto [point, mu_s, mu_d, pressed] = MeanOf(contacts);
+  Vec3 point = Vec3::Zero();  // 2.26: like mu_s and mu_d, a mean over the contacts
+  double mu_s = 0.0, mu_d = 0.0, pressed = 0.0;
+  for (const ActiveRow& row : contacts) {
+    point += row.contact_W / report.contacts;
+    mu_s += row.material->static_friction / report.contacts;
+    mu_d += row.material->dynamic_friction / report.contacts;
+    pressed += row.force;
+  }
   if (contacts.empty() || !(mu_s > 0.0) || !(pressed > 0.0)) {
     state.friction.resets = 0;
     return;
@@ -60,8 +48,7 @@ void AddChapterFriction(const HapticModel& model, const Pose& X_before, StepStat
   const Quat turn = X_WG.q * X_before.q.conjugate();
   const Vec3 angle = RotationLog(turn);
   double k_theta = 1.0;
-  const bool turns =
-      model.degrees_of_freedom() == 6 && turn.vec().squaredNorm() > limits::friction::kLeastTurn;
+  const bool turns = !model.is_ball() && turn.vec().squaredNorm() > limits::friction::kLeastTurn;
   if (turns) {
     double arm = std::numeric_limits<double>::infinity();
     for (const ActiveRow& row : contacts) {
@@ -76,7 +63,7 @@ void AddChapterFriction(const HapticModel& model, const Pose& X_before, StepStat
   const Vec3 force = parameters.stiffness * (p_star - state.X_WH * reference);  // 2.28
   const Vec3 added = force - report.wrench.force;
   report.wrench.force = force;
-  if (model.degrees_of_freedom() == 6) {
+  if (!model.is_ball()) {
     Vec3 went = -(X_WG.q * state.turn_G);
     report.wrench.torque = parameters.torsional_stiffness *
                            RotationLogFrom(q_star * state.X_WH.q.conjugate(), went);  // 2.31

@@ -9,8 +9,7 @@ namespace {
 
 /// Returns the part of the way to an optimum that the bounds allow.
 double PartWithin(const StepContext& context, const Optimum& optimum) {
-  return PartWithin(context.sub_step.bounds, context.model.degrees_of_freedom(), optimum.v,
-                    optimum.phi);
+  return PartWithin(context.sub_step.bounds, optimum.v, optimum.phi);
 }
 
 /// Returns a part of the way to an optimum.
@@ -53,14 +52,9 @@ double LengthOf(const StepContext& context, const Way& way) {
   return way.v.norm() + context.buffers.meshes->meshes.tool.mesh.reach() * way.phi.norm();
 }
 
-/// With 3 degrees of freedom a rotation moves no mesh.
-Vec3 TurnOfMesh(const StepContext& context, const Way& way) {
-  return context.model.degrees_of_freedom() == 6 ? way.phi : Vec3::Zero();
-}
-
 /// Returns whether the meshes are apart at the motion's end and were apart on the way.
 bool IsFree(const StepContext& context, const Way& way) {
-  return IsFree(*context.buffers.meshes, way.v, TurnOfMesh(context, way));
+  return IsFree(*context.buffers.meshes, way.v, way.phi);
 }
 
 /// For a tool that arrives, returns whether rows changed because they are not true for that place.
@@ -161,7 +155,7 @@ std::optional<Way> ClearWay(StepContext& context, const Optimum& optimum) noexce
   const bool goes_on = context.sub_step.iterates < context.model.parameters().iterates;
   TrustRegion& trust = context.sub_step.trust;
   if (trust.failures == 0) trust.first = {way.v.norm(), way.phi.norm()};
-  const bool is_free = CheckTrial(meshes, way.v, TurnOfMesh(context, way), context.buffers.rows);
+  const bool is_free = CheckTrial(meshes, way.v, way.phi, context.buffers.rows);
   if (is_free && Approaches(context, way)) {
     if (way.arrived && goes_on && Mend(context, way)) return std::nullopt;
     // For a ball, Turned decides whether it has arrived.

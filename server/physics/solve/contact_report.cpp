@@ -17,14 +17,14 @@ void ReportContacts(const StepContext& context, const Way& way) noexcept {
   report.bur_force.setZero();
   if (bur_pushes) {
     report.bur_force = k_t * context.buffers.energies->force().head<3>();
-    if (soft != nullptr) report.bur_force -= k_t * soft->force().head<3>();
+    if (soft != nullptr) report.bur_force -= k_t * soft->force.head<3>();
     report.bur_W = context.tools.p_G +
                    RotationExp(way.phi) *
                        (R_WG * (context.model.cutting()->X_TB.p - context.model.reference()));
   }
   if (soft != nullptr) {
-    report.soft_wrench = {k_t * soft->force().head<3>(),
-                          k_t * context.model.rotation_length() * soft->force().tail<3>()};
+    report.soft_wrench = {k_t * soft->force.head<3>(),
+                          k_t * context.model.rotation_length() * soft->force.tail<3>()};
   }
   const auto add = [&](int i, double offset, double force) {
     ActiveRow& row = report.active[static_cast<std::size_t>(report.contacts++)];

@@ -12,6 +12,8 @@ namespace {
 using namespace limits::friction;
 
 using Vec2 = Eigen::Vector2d;
+using Mat6 = Eigen::Matrix<double, 6, 6>;
+using Mat36 = Eigen::Matrix<double, 3, 6, Eigen::RowMajor>;
 double Largest(const auto& v) {
   return v.template lpNorm<Eigen::Infinity>();
 }
@@ -22,20 +24,19 @@ double MultiplierOf(const QpResult& qp, int row) {
 }
 
 /// Solves H x = g by elimination with row exchanges; Eigen's takes twice as long at this size.
-template <int N>
-Vec<N> SolveLinear(const Eigen::Matrix<double, N, N>& H, const Vec<N>& g) {
-  Eigen::Matrix<double, N, N + 2, Eigen::RowMajor> A;  // an even width, for vectors
+Vec6 SolveLinear(const Mat6& H, const Vec6& g) {
+  Eigen::Matrix<double, 6, 8, Eigen::RowMajor> A;  // an even width, for vectors
   A << H, g, g;
-  for (int k = 0; k < N; ++k) {
+  for (int k = 0; k < 6; ++k) {
     int pivot;
-    A.col(k).tail(N - k).cwiseAbs().maxCoeff(&pivot);
+    A.col(k).tail(6 - k).cwiseAbs().maxCoeff(&pivot);
     A.row(k).swap(A.row(k + pivot));
-    for (int i = k + 1; i < N; ++i) A.row(i) -= A(i, k) / A(k, k) * A.row(k);
+    for (int i = k + 1; i < 6; ++i) A.row(i) -= A(i, k) / A(k, k) * A.row(k);
   }
-  Vec<N> x;
-  for (int k = N - 1; k >= 0; --k) {
-    for (int j = k + 1; j < N; ++j) A(k, N) -= A(k, j) * x[j];
-    x[k] = A(k, N) / A(k, k);
+  Vec6 x;
+  for (int k = 6 - 1; k >= 0; --k) {
+    for (int j = k + 1; j < 6; ++j) A(k, 6) -= A(k, j) * x[j];
+    x[k] = A(k, 6) / A(k, k);
   }
   return x;
 }
@@ -50,15 +51,14 @@ struct Law {
 constexpr Law kTrueLaw{kTrial, kPenalty, false};
 
 /// A contact: its axes are -n and two tangents.
-template <int N>
 struct Contact {
   int row;
   Mat3 axes;  ///< row by row, in W
   Vec3 lever;
-  Eigen::Matrix<double, 3, N, Eigen::RowMajor> J;  ///< its motion along the axes, over x
-  double b;                                        ///< of its row a . x >= b
-  double mu, mu_s, mu_d;                           ///< mu is one of the two
-  Vec3 f;  ///< (lambda, friction), against the motion: the tool feels -J^T f
+  Mat36 J;                ///< its motion along the axes, over x
+  double b;               ///< of its row a . x >= b
+  double mu, mu_s, mu_d;  ///< mu is one of the two
+  Vec3 f;                 ///< (lambda, friction), against the motion: the tool feels -J^T f
   // By the law at an x:
   Vec3 offset;         ///< (b - a . x, slip)
   Vec3 law;            ///< f
@@ -68,23 +68,23 @@ struct Contact {
   Vec3 old, moved;     ///< f before a step, and what the step adds
   // Linearised there: f = mean + rate dx.
   Vec3 mean;
-  Eigen::Matrix<double, 3, N, Eigen::RowMajor> rate;
+  Mat36 rate;
 
   double lambda() const { return f[0]; }
-  auto friction() { return f.template tail<2>(); }
-  auto friction() const { return f.template tail<2>(); }
+  auto friction() { return f.tail<2>(); }
+  auto friction() const { return f.tail<2>(); }
   bool slips() const { return ratio < 1.0; }
-  Vec2 SlipAt(const Vec<N>& x) const { return J.template bottomRows<2>() * x; }
+  Vec2 SlipAt(const Vec6& x) const { return J.bottomRows<2>() * x; }
   /// Returns what friction takes off x.
-  Vec<N> Rub() const { return J.template bottomRows<2>().transpose() * friction(); }
+  Vec6 Rub() const { return J.bottomRows<2>().transpose() * friction(); }
 
   /// Evaluates the law at x:
   ///   lambda = max(0, lambda + r (b - a . x)),
   ///   friction = friction + r slip, projected onto the disk of radius mu lambda.
-  void Evaluate(const Law& by, const Vec<N>& x) {
+  void Evaluate(const Law& by, const Vec6& x) {
     offset = J * x + Vec3(b, 0.0, 0.0);
     const Vec3 trial = f + by.r * offset;
-    const Vec2 u = trial.template tail<2>();
+    const Vec2 u = trial.tail<2>();
     const double length = u.norm();
     law = {std::max(0.0, trial[0]), u[0], u[1]};
     if (!by.is_fixed) limit = mu * law[0];
@@ -93,7 +93,7 @@ struct Contact {
     const double inverse = 1.0 / length;
     ratio = limit * inverse;
     direction = inverse * u;
-    law.template tail<2>() = limit * direction;
+    law.tail<2>() = limit * direction;
   }
 
   /// Linearises the law where it was evaluated.  Across its direction, friction that slips turns
@@ -108,10 +108,10 @@ struct Contact {
     if (!slips()) return;
     const double left = by.is_fixed ? 1.0 : std::max(1.0 - ratio, ratio * by.r / by.k);
     const Vec2 across(-direction[1], direction[0]);
-    const Eigen::Matrix<double, 1, N> turn =
-        ratio * by.r / left * across.transpose() * J.template bottomRows<2>();
-    mean.template tail<2>() = (by.is_fixed ? limit : mu * mean[0]) * direction +
-                              (1.0 - 1.0 / left) * across.dot(friction()) * across;
+    const Eigen::Matrix<double, 1, 6> turn =
+        ratio * by.r / left * across.transpose() * J.bottomRows<2>();
+    mean.tail<2>() = (by.is_fixed ? limit : mu * mean[0]) * direction +
+                     (1.0 - 1.0 / left) * across.dot(friction()) * across;
     for (int i = 0; i < 2; ++i) {
       rate.row(1 + i) = across[i] * turn;
       if (!by.is_fixed) rate.row(1 + i) += mu * direction[i] * rate.row(0);
@@ -121,19 +121,18 @@ struct Contact {
 
 /// The contacts of a sub-step, and two methods that find their forces.  Lengths in metres, and
 /// forces too, divided by k_t.
-template <int N>
 class FrictionalContacts {
  public:
-  FrictionalContacts(const StepContext& context, const Optimum& frictionless, const Vec<N>& t)
+  FrictionalContacts(const StepContext& context, const Optimum& frictionless, const Vec6& t)
       : context_(context), frictionless_(frictionless.qp), t_(t) {
-    size_ = t_.norm() + (t_ - Vec<N>::Map(frictionless_.x)).norm();
+    size_ = t_.norm() + (t_ - Vec6::Map(frictionless_.x)).norm();
     Collect();
   }
 
-  const Contact<N>* begin() const { return contact_; }
-  const Contact<N>* end() const { return contact_ + count_; }
-  Contact<N>* begin() { return contact_; }
-  Contact<N>* end() { return contact_ + count_; }
+  const Contact* begin() const { return contact_; }
+  const Contact* end() const { return contact_ + count_; }
+  Contact* begin() { return contact_; }
+  Contact* end() { return contact_ + count_; }
 
   /// Adds a contact.  Returns false if the row is there already, or there is no room.
   /// @param lambda, force  where Newton's method starts
@@ -144,7 +143,7 @@ class FrictionalContacts {
     const HapticModel& model = context_.model;
     const ContactRows& rows = context_.buffers.rows;
     const Material& material = model.MaterialOf(rows.id(row), context_.state.felt);
-    Contact<N>& contact = contact_[count_++];
+    Contact& contact = contact_[count_++];
     contact.row = row;
     contact.mu_s = material.static_friction;
     contact.mu_d = material.dynamic_friction;
@@ -153,12 +152,11 @@ class FrictionalContacts {
     contact.lever = rows.LeverOf(row, model.tool().leaves, context_.tools.R_WG);
     const Vec3 n = rows.normal(row), s0 = n.unitOrthogonal(), s1 = n.cross(s0);
     contact.axes << -n.transpose(), s0.transpose(), s1.transpose();
-    contact.J.template leftCols<3>() = contact.axes;
-    if constexpr (N == 6) {
-      Mat3 turns;  // columns
-      turns << -rows.lever_cross_normal(row), contact.lever.cross(s0), contact.lever.cross(s1);
-      contact.J.template rightCols<3>() = turns.transpose() / model.rotation_length();
-    }
+    contact.J.leftCols<3>() = contact.axes;
+    Mat3 turns;  // columns
+    turns << -rows.lever_cross_normal(row), contact.lever.cross(s0), contact.lever.cross(s1);
+    if (model.is_ball()) turns.setZero();
+    contact.J.rightCols<3>() = turns.transpose() / model.rotation_length();
     contact.b = context_.sub_step.rigid.b[row] - frictionless_.slack;
     contact.f = contact.axes * force;
     contact.f[0] = lambda;
@@ -175,19 +173,19 @@ class FrictionalContacts {
   }
 
   /// Returns t less the friction: the target of the QP over all rows.
-  Vec<N> ShiftedTarget() const {
-    Vec<N> t = t_;
-    for (const Contact<N>& contact : *this) t -= contact.Rub();
+  Vec6 ShiftedTarget() const {
+    Vec6 t = t_;
+    for (const Contact& contact : *this) t -= contact.Rub();
     return t;
   }
 
-  bool Agrees(const double* x) const { return Largest(Vec<N>::Map(x) - x_) <= kAgreed * size_; }
+  bool Agrees(const double* x) const { return Largest(Vec6::Map(x) - x_) <= kAgreed * size_; }
 
   /// Takes over the normal forces of the QP, and projects friction onto its disks.  Returns whether
   /// that changed anything, so that the QP must be solved again.
   bool Project(const QpResult& qp) {
     bool changed = false;
-    for (Contact<N>& contact : *this) {
+    for (Contact& contact : *this) {
       contact.f[0] = MultiplierOf(qp, contact.row);
       const double limit = contact.mu * contact.lambda(), length = contact.friction().norm();
       if (length <= limit + kBalanced * size_) continue;
@@ -210,7 +208,7 @@ class FrictionalContacts {
     Vec3 sum = Vec3::Zero();
     int sticking = 0;
     const Quat turn = RotationExp(phi);
-    for (const Contact<N>& contact : *this) {
+    for (const Contact& contact : *this) {
       if (Slides(contact) || contact.lambda() == 0.0 || contact.mu_s == 0.0) continue;
       const Vec3 rest = turn * contact.lever - contact.lever - phi.cross(contact.lever);
       const Vec3 n = contact.axes.row(0);
@@ -223,14 +221,14 @@ class FrictionalContacts {
   /// Writes the contacts that carry force.
   void Write(FrictionState& state, QpResult& qp, FrictionForces& forces) const {
     qp.active = 0;
-    for (const Contact<N>& contact : *this) {
+    for (const Contact& contact : *this) {
       if (contact.f.isZero(0.0)) continue;
       const auto k = static_cast<std::size_t>(qp.active++);
       qp.row[k] = contact.row;
       qp.multiplier[k] = std::max(0.0, contact.lambda());  // may be slightly negative by rounding
       state.id[k] = context_.buffers.rows.id(contact.row);
       state.normal_force[k] = qp.multiplier[k];
-      state.force[k] = contact.axes.template bottomRows<2>().transpose() * contact.friction();
+      state.force[k] = contact.axes.bottomRows<2>().transpose() * contact.friction();
       forces[k] = -state.force[k];
     }
     state.contacts = qp.active;
@@ -254,7 +252,7 @@ class FrictionalContacts {
     }
   }
 
-  bool Slides(const Contact<N>& contact) const {
+  bool Slides(const Contact& contact) const {
     return contact.slips() && contact.lambda() != 0.0 && contact.SlipAt(x_).norm() > kSlid * size_;
   }
 
@@ -265,27 +263,27 @@ class FrictionalContacts {
   }
 
   /// Returns the step of Newton's method from where the law was evaluated.
-  Vec<N> Step(const Law& by) {
-    Vec<N> g = t_ - x_;
-    Eigen::Matrix<double, N, N> H = Eigen::Matrix<double, N, N>::Identity();
-    for (Contact<N>& contact : *this) {
+  Vec6 Step(const Law& by) {
+    Vec6 g = t_ - x_;
+    Mat6 H = Mat6::Identity();
+    for (Contact& contact : *this) {
       contact.Linearise(by);
       g.noalias() -= contact.J.transpose() * contact.mean;
       H.noalias() += contact.J.transpose() * contact.rate;
     }
-    return SolveLinear<N>(H, g);
+    return SolveLinear(H, g);
   }
 
   /// Computes the x that balances the forces.
   void Balance() {
     x_ = t_;
-    for (const Contact<N>& contact : *this) x_.noalias() -= contact.J.transpose() * contact.f;
+    for (const Contact& contact : *this) x_.noalias() -= contact.J.transpose() * contact.f;
   }
 
   /// Evaluates the true law at x; returns the greatest error of a force.
   double Error() {
     double most = 0.0;
-    for (Contact<N>& contact : *this) {
+    for (Contact& contact : *this) {
       contact.Evaluate(kTrueLaw, x_);
       most = std::max(most, Largest(contact.law - contact.f));
     }
@@ -304,14 +302,14 @@ class FrictionalContacts {
       ++report.friction_iterations;
       const double last = before[step % 3] = error;
       const double bound = std::max({before[0], before[1], before[2]});
-      const Vec<N> from = x_, d = Step(kTrueLaw);
-      for (Contact<N>& contact : *this) {
+      const Vec6 from = x_, d = Step(kTrueLaw);
+      for (Contact& contact : *this) {
         contact.old = contact.f;
         contact.moved = contact.mean + contact.rate * d - contact.f;
       }
       const auto go = [&](double part) {
         x_ = from + part * d;
-        for (Contact<N>& contact : *this) contact.f = contact.old + part * contact.moved;
+        for (Contact& contact : *this) contact.f = contact.old + part * contact.moved;
         return Error();
       };
       error = go(1.0);
@@ -328,9 +326,9 @@ class FrictionalContacts {
   }
 
   /// Evaluates a fixed law at x; returns the gradient of the augmented Lagrangian.
-  Vec<N> Gradient(const Law& by) {
-    Vec<N> g = x_ - t_;
-    for (Contact<N>& contact : *this) {
+  Vec6 Gradient(const Law& by) {
+    Vec6 g = x_ - t_;
+    for (Contact& contact : *this) {
       contact.Evaluate(by, x_);
       g.noalias() += contact.J.transpose() * contact.law;
     }
@@ -340,11 +338,11 @@ class FrictionalContacts {
   /// Minimises the augmented Lagrangian by Newton's method.  A step that overshoots is shortened by
   /// the secant of its slope, which always leads down in a convex function.
   bool Minimise(const Law& by, StepReport& report) {
-    Vec<N> g = Gradient(by);
+    Vec6 g = Gradient(by);
     for (int step = 0; step < kMinimiserSteps; ++step) {
       if (Largest(g) <= kBalanced * size_) return true;
       ++report.friction_iterations;
-      const Vec<N> from = x_, d = Step(by);
+      const Vec6 from = x_, d = Step(by);
       const double slope = g.dot(d);
       double part = 1.0;
       for (int shorter = 0;; ++shorter) {
@@ -362,7 +360,7 @@ class FrictionalContacts {
   /// lambda stay below the load of all contacts together.
   bool AugmentedLagrangian(StepReport& report) {
     double load = 0.0;
-    for (Contact<N>& contact : *this) {
+    for (Contact& contact : *this) {
       contact.f = {MultiplierOf(frictionless_, contact.row), 0.0, 0.0};
       contact.limit = contact.mu * contact.lambda();
       load += contact.lambda();
@@ -380,7 +378,7 @@ class FrictionalContacts {
       const bool follows = update < kFollowing,
                  balanced = Minimise({penalty, penalty, true}, report);
       double most = 0.0;
-      for (Contact<N>& contact : *this) {
+      for (Contact& contact : *this) {
         const double own = contact.mu * contact.law[0];
         const double limit = std::min(own, follows ? contact.mu * load : contact.limit);
         most = std::max({most, Largest(contact.law - contact.f) / penalty,
@@ -398,7 +396,7 @@ class FrictionalContacts {
   /// Gives mu_d to the contacts that mu_s does not hold; returns whether that changes anything.
   bool LetSlip() {
     bool any = false;
-    for (Contact<N>& contact : *this) {
+    for (Contact& contact : *this) {
       if (contact.mu == contact.mu_d || !Slides(contact)) continue;
       contact.mu = contact.mu_d;
       any = true;
@@ -408,25 +406,24 @@ class FrictionalContacts {
 
   const StepContext& context_;
   const QpResult& frictionless_;
-  Vec<N> t_, x_;
+  Vec6 t_, x_;
   double size_;  ///< of the problem: tolerances are relative to it
   int count_ = 0;
-  Contact<N> contact_[kMaxActiveRows];
+  Contact contact_[kMaxActiveRows];
 };
 
 /// Returns false if the frictionless optimum stays.
 /// @param t  the target
-template <int N>
-bool Solve(StepContext& context, Optimum& optimum, const Vec<N>& t) {
+bool Solve(StepContext& context, Optimum& optimum, const Vec6& t) {
   StepReport& report = context.report;
-  FrictionalContacts<N> contacts(context, optimum, t);
+  FrictionalContacts contacts(context, optimum, t);
   QpResult qp;
   const auto solve_shifted = [&] {
     int guess[kMaxActiveRows], guesses = 0;
-    for (const Contact<N>& contact : contacts) {
+    for (const Contact& contact : contacts) {
       if (contact.lambda() > 0.0) guess[guesses++] = contact.row;
     }
-    qp = context.kernels.solve(contacts.ShiftedTarget().data(), N, context.sub_step.rigid, guess,
+    qp = context.kernels.solve(contacts.ShiftedTarget().data(), context.sub_step.rigid, guess,
                                guesses);
     report.qp_iterations += qp.iterations;
     return qp.status != QpStatus::kIterationLimit;
@@ -445,13 +442,11 @@ bool Solve(StepContext& context, Optimum& optimum, const Vec<N>& t) {
     if (projection == kProjections || !solve_shifted()) return false;
   }
   if (contacts.slides()) context.state.friction.still = 0;
-  std::copy(qp.x, qp.x + N, optimum.qp.x);
+  std::copy(qp.x, qp.x + 6, optimum.qp.x);
   contacts.Write(context.state.friction, optimum.qp, optimum.friction);
-  if constexpr (N == 6) {
-    const Vec3 phi = Vec3::Map(qp.x + 3) / context.model.rotation_length();
-    if (phi.norm() <= context.model.parameters().max_rotation) {
-      Vec3::Map(optimum.qp.x) -= contacts.Creep(phi);
-    }
+  const Vec3 phi = Vec3::Map(qp.x + 3) / context.model.rotation_length();
+  if (phi.norm() <= context.model.parameters().max_rotation) {
+    Vec3::Map(optimum.qp.x) -= contacts.Creep(phi);
   }
   return true;
 }
@@ -469,13 +464,12 @@ void AddCoulombFriction(StepContext& context, Optimum& optimum) noexcept {
   const Vec3 phi = context.sub_step.target.phi + optimum.push_turn / (rho * rho);
   Vec6 t;
   t << v, rho * phi;
-  const bool turns = context.model.degrees_of_freedom() == 6;
   optimum.rubs = true;
-  if (!(turns ? Solve<6>(context, optimum, t) : Solve<3>(context, optimum, v))) {
+  if (!Solve(context, optimum, t)) {
     for (Vec3& force : optimum.friction) force.setZero();
     state.contacts = 0;
   }
-  optimum.Take(turns ? Vec3(Vec3::Map(optimum.qp.x + 3) / rho) : optimum.phi);
+  optimum.Take(rho);
 }
 
 }  // namespace palpate

@@ -1,6 +1,7 @@
 #include "server/physics/solve/energies.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace palpate {
 Energies::Energies(const HapticModel& model)
@@ -30,9 +31,11 @@ void Energies::Begin(const Vec3& p_G, const Quat& q_WG, std::span<const CutField
                      double reach) noexcept {
   if (!cut_) return;
   const StepParameters& spring = model_->parameters();
-  const CutTool tool{
-      model_->bur_samples(),    {p_G, q_WG}, p_G, spring.stiffness, model_->rotation_length(),
-      model_->cutting()->period};
+  // No row turns a ball.
+  const double rotation_length =
+      model_->is_ball() ? std::numeric_limits<double>::infinity() : model_->rotation_length();
+  const CutTool tool{model_->bur_samples(), {p_G, q_WG},     p_G,
+                     spring.stiffness,      rotation_length, model_->cutting()->period};
   cut_->Clear();
   for (std::size_t i = 0; i < cuts.size(); ++i) {
     const CutSolid& solid = model_->solids()[i];
@@ -56,12 +59,17 @@ QpResult Energies::Solve(const Kernels& kernels, const double* t, const QpRows& 
                          std::span<const int> guess) noexcept {
   // Starts from where the tool is: what overlaps there mostly still does after the step.
   constexpr double start[6] = {};
-  return solver_.Solve(kernels, model_->degrees_of_freedom(), t, rigid, {energies_.data(), acting_},
-                       start, guess);
+  return solver_.Solve(kernels, t, rigid, {energies_.data(), acting_}, start, guess);
 }
 
 bool Energies::pushes() const noexcept {
-  return (soft() != nullptr && soft_->pushing() > 0) || bur_pushes();
+  return (soft() != nullptr && soft_->pushing > 0) || bur_pushes();
+}
+
+Vec6 Energies::force() const noexcept {
+  Vec6 sum = Vec6::Zero();
+  for (std::size_t i = 0; i < acting_; ++i) sum += energies_[i]->force;
+  return sum;
 }
 
 int Energies::Cut(const Vec3& p_G, const Quat& q_WG, const Vec3& v, const Vec3& phi,

@@ -41,8 +41,8 @@ class Energies {
   /// Whether any energy pushed at the result; and the sum of their forces, on [v; rho phi], over
   /// the coupling's stiffness [m].
   bool pushes() const noexcept;
-  bool bur_pushes() const noexcept { return cut_ && cut_->count() > 0 && cut_->pushing() > 0; }
-  const Vec6& force() const { return solver_.force(); }
+  bool bur_pushes() const noexcept { return cut_ && cut_->count() > 0 && cut_->pushing > 0; }
+  Vec6 force() const noexcept;
   /// The drag of the bur's spin at the result (CutRows::Drag).
   Vec6 Drag() const noexcept { return bur_pushes() ? cut_->Drag() : Vec6(Vec6::Zero()); }
 

@@ -11,22 +11,20 @@ Optimum NearestStep(const StepContext& context, const Target& target, bool with_
   const int guesses = rows.Find(context.state.Active(), guess);
   Vec6 t;
   t << target.v, rho * target.phi;
-  const bool turns = context.model.degrees_of_freedom() == 6;
   if (with_energies) {
     // Drag of the last steps: it depends on the rows' push, so it is not an energy's force.
     const Vec6& drag = context.state.drag;
     t += drag;
     optimum.qp = context.buffers.energies->Solve(context.kernels, t.data(), context.sub_step.rigid,
                                                  {guess, static_cast<std::size_t>(guesses)});
-    const Vec6& force = context.buffers.energies->force();
+    const Vec6 force = context.buffers.energies->force();
     optimum.is_pushed = context.buffers.energies->pushes();
     optimum.push = force.head<3>() + drag.head<3>();
     optimum.push_turn = rho * force.tail<3>() + rho * drag.tail<3>();
   } else {
-    optimum.qp = context.kernels.solve(t.data(), context.model.degrees_of_freedom(),
-                                       context.sub_step.rigid, guess, guesses);
+    optimum.qp = context.kernels.solve(t.data(), context.sub_step.rigid, guess, guesses);
   }
-  optimum.Take(turns ? Vec3(Vec3::Map(optimum.qp.x + 3) / rho) : target.phi);
+  optimum.Take(rho);
   return optimum;
 }
 

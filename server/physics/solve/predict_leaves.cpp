@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kAll = std::numeric_limits<int>::max();
 
-bool Predict(StepContext& context, const StepEnds& ends, int most) {
+bool Predict(StepContext& context, const StepEnds& ends, int most = kAll) {
   StepBuffers& buffers = context.buffers;
   const Tools& tools = context.tools;
   StageTimes* times = context.sub_step.iterates == 0 ? context.times : nullptr;
@@ -19,11 +19,21 @@ bool Predict(StepContext& context, const StepEnds& ends, int most) {
   context.cost.last = buffers.prediction.tested() - before;
   context.cost.packet_pairs += context.cost.last;
   context.report.predicted_pairs = buffers.rows.count();
-  if (fits && buffers.rows.overflowed()) {
-    context.report.faults |= kFaultRowsFull;
-    context.cost.packet_pairs += limits::kMaxTested;  // no further sub-step
-  }
   return fits;
+}
+
+/// Predicts within bounds that are halved until all rows fit; returns the bounds.  If even the
+/// narrowest have too many, the tool stays, and some of the rows give its force.
+StepBounds PredictAsFits(StepContext& context, StepBounds bounds) {
+  for (int halvings = 0; !Predict(context, {bounds}); ++halvings) {
+    if (halvings == limits::kMostHalvings) {
+      context.report.faults |= kFaultRowsFull;
+      context.cost.packet_pairs += limits::kMaxTested;  // no further sub-step
+      return {0.0, 0.0};
+    }
+    bounds = {0.5 * bounds.translation, 0.5 * bounds.rotation};
+  }
+  return bounds;
 }
 
 /// Returns how far from where the tool is expected a sub-step that looks ahead may end.
@@ -36,7 +46,7 @@ StepBounds Reach(const StepContext& context) {
 /// Begins with the rows of the contacts of the last cycle, or of what touches if there were none.
 void BeginToLookAhead(StepContext& context) {
   if (context.state.active == 0) {
-    Predict(context, {Reach(context)}, kAll);
+    PredictAsFits(context, Reach(context));
     return;
   }
   context.buffers.prediction.Take(context.model, context.kernels, context.tools.R_WG,
@@ -50,10 +60,11 @@ void PredictLeaves(StepContext& context) noexcept {
   SubStep& sub_step = context.sub_step;
   const StepParameters& parameters = context.model.parameters();
   const bool may_look_ahead = !context.buffers.meshes && !context.buffers.energies;
-  if (!context.state.is_crowded &&
-      Predict(context, {sub_step.bounds}, may_look_ahead ? limits::kCrowd : kAll)) {
+  if (!may_look_ahead) {
+    sub_step.bounds = PredictAsFits(context, sub_step.bounds);
     return;
   }
+  if (!context.state.is_crowded && Predict(context, {sub_step.bounds}, limits::kCrowd)) return;
   sub_step.bounds_before = sub_step.bounds;
   sub_step.bounds = {parameters.widest_step, parameters.max_rotation};
   sub_step.looks_ahead = 1;
@@ -64,21 +75,15 @@ bool Foresees(StepContext& context, const Way& way) noexcept {
   SubStep& sub_step = context.sub_step;
   if (sub_step.looks_ahead == 0) return true;
   const StepEnds& ends = sub_step.ends;
-  if (PartWithin(ends.bounds, context.model.degrees_of_freedom(), way.v - ends.v,
-                 way.phi - ends.phi) == 1.0) {
+  if (PartWithin(ends.bounds, way.v - ends.v, way.phi - ends.phi) == 1.0) {
     context.state.is_crowded = context.buffers.rows.count() >= limits::kFew;
     return true;
   }
   if (sub_step.looks_ahead++ == limits::kMostLooksAhead) {
     sub_step.looks_ahead = 0;
-    sub_step.bounds = sub_step.bounds_before;
+    sub_step.bounds = PredictAsFits(context, sub_step.bounds_before);
     context.state.is_crowded = false;
-    if (!Predict(context, {sub_step.bounds}, context.model.parameters().max_rows)) {
-      sub_step.bounds = Reach(context);
-      Predict(context, {sub_step.bounds}, kAll);
-    }
-  } else if (!Predict(context, {Reach(context), way.v, way.phi},
-                      context.model.parameters().max_rows)) {
+  } else if (!Predict(context, {Reach(context), way.v, way.phi})) {
     sub_step.bounds = {0.5 * way.v.norm(), 0.5 * way.phi.norm()};
     BeginToLookAhead(context);
   }

@@ -20,9 +20,8 @@ StepBounds FirstBounds(const HapticModel& model, const Target& hand_step) noexce
 /// Returns the bounds of the next sub-step: kWiden times wider, up to the widest.
 StepBounds WiderBounds(const HapticModel& model, const StepBounds& bounds) noexcept;
 /// Returns the greatest part of a step, at most 1, that stays inside the bounds that the prediction
-/// covers. With 3 degrees of freedom a rotation moves no sphere and needs no bound.
-double PartWithin(const StepBounds& bounds, int degrees_of_freedom, const Vec3& v,
-                  const Vec3& phi) noexcept;
+/// covers.
+double PartWithin(const StepBounds& bounds, const Vec3& v, const Vec3& phi) noexcept;
 
 /// Predicts the rows between leaves.  If many come within the bounds of a rigid tool, as between
 /// smooth bodies that lie along each other, only the last cycle's contacts give rows at first:
@@ -34,8 +33,6 @@ bool Foresees(StepContext& context, const Way& way) noexcept;
 
 /// Returns the step nearest to a target under the context's rigid rows and, if asked for, the
 /// energies that act beside the coupling's.  The solver's first guess is the state's active pairs.
-/// With 3 degrees of freedom the rotation is the hand's: no contact can turn a sphere about its
-/// centre.
 Optimum NearestStep(const StepContext& context, const Target& target,
                     bool with_energies = false) noexcept;
 

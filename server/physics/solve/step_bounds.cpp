@@ -30,12 +30,11 @@ StepBounds WiderBounds(const HapticModel& model, const StepBounds& bounds) noexc
                   model.parameters());
 }
 
-double PartWithin(const StepBounds& bounds, int degrees_of_freedom, const Vec3& v,
-                  const Vec3& phi) noexcept {
+double PartWithin(const StepBounds& bounds, const Vec3& v, const Vec3& phi) noexcept {
   const double length = v.norm(), angle = phi.norm();
   double part = 1.0;
   if (length > bounds.translation) part = bounds.translation / length;
-  if (degrees_of_freedom == 6 && angle * part > bounds.rotation) part = bounds.rotation / angle;
+  if (angle * part > bounds.rotation) part = bounds.rotation / angle;
   return part;
 }
 

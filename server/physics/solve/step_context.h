@@ -37,9 +37,9 @@ struct Optimum {
   bool IsHeld() const { return qp.active != 0 || is_pushed; }
 
   /// Call after a solver has written `qp`; one that is not a number counts as unsolved.
-  void Take(const Vec3& rotation) {
+  void Take(double rotation_length) {
     v = Vec3::Map(qp.x);
-    phi = rotation;
+    phi = Vec3::Map(qp.x + 3) / rotation_length;
     if (!v.allFinite() || !phi.allFinite()) qp.status = QpStatus::kIterationLimit;
   }
 };
@@ -91,8 +91,7 @@ struct SubStep {
 struct StepBuffers {
   explicit StepBuffers(const HapticModel& model)
       : prediction(model),
-        rows(model.parameters().max_rows, PairQuery::kMaxBatch, model.degrees_of_freedom(),
-             model.rotation_length()) {
+        rows(model.parameters().max_rows, model.rotation_length(), !model.is_ball()) {
     if (model.tool_body() != nullptr) {
       meshes.emplace(*model.tool_body(), model.bodies(), model.parameters().max_rows,
                      model.parameters().separation, model.parameters().looks);
@@ -126,13 +125,10 @@ struct StepContext {
   /// Returns how much nearer to the hand a step ends than it begins: |t|^2 - |x - t|^2, with x =
   /// [v; rho phi] and t the hand's [m^2].
   double Gain(const Vec3& step_v, const Vec3& step_phi) const {
-    double length2 = step_v.squaredNorm(), along = step_v.dot(sub_step.target.v);
-    if (model.degrees_of_freedom() == 6) {
-      const double rho2 = model.rotation_length() * model.rotation_length();
-      length2 += rho2 * step_phi.squaredNorm();
-      along += rho2 * step_phi.dot(sub_step.target.phi);
-    }
-    return 2.0 * along - length2;
+    const double rho2 = model.rotation_length() * model.rotation_length();
+    const double length2 = step_v.squaredNorm() + rho2 * step_phi.squaredNorm();
+    return 2.0 * (step_v.dot(sub_step.target.v) + rho2 * step_phi.dot(sub_step.target.phi)) -
+           length2;
   }
   /// Sets the target: the hand relative to the tool.
   void Aim() {
@@ -141,10 +137,8 @@ struct StepContext {
   /// Returns the spring's wrench after the tool has made a step towards the target.
   Wrench WrenchAfter(const Vec3& step_v, const Vec3& step_phi) const {
     const StepParameters& spring = model.parameters();
-    Wrench wrench = SpringWrench(sub_step.target, step_v, step_phi, spring.stiffness,
-                                 spring.torsional_stiffness);
-    if (model.degrees_of_freedom() == 3) wrench.torque.setZero();
-    return wrench;
+    return SpringWrench(sub_step.target, step_v, step_phi, spring.stiffness,
+                        spring.torsional_stiffness);
   }
   /// Sets kFaultUnsolved if the solver found no optimum; the step then ends.
   void Require(const Optimum& found) const {

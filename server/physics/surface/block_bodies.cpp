@@ -2,6 +2,8 @@
 
 #include <optional>
 
+#include <Eigen/Geometry>
+
 #include "server/physics/limits.h"
 
 namespace palpate {
@@ -22,25 +24,21 @@ std::optional<Box> BoxOf(const SparseField& field, std::size_t block) {
   const Lattice& lattice = field.lattice();
   const std::array<int, 3> at = lattice.BlockAt(block);
   const Vec3 first = kAcross * Vec3(at[0], at[1], at[2]);
-  Vec3 low = Vec3::Constant(kAcross), high = Vec3::Constant(-1);
+  constexpr int kPoints = kAcross + 1;
+  Eigen::AlignedBox3d solid;
   if (field.entry(block) == SparseField::kBelow) {
-    low.setZero();
-    high.setConstant(kAcross);
+    solid = {Vec3(0.0, 0.0, 0.0), Vec3(kAcross, kAcross, kAcross)};
   } else {
-    for (int n = 0; n < (kAcross + 1) * (kAcross + 1) * (kAcross + 1); ++n) {
-      const int p[3] = {n % (kAcross + 1), n / (kAcross + 1) % (kAcross + 1),
-                        n / ((kAcross + 1) * (kAcross + 1))};
-      if (!(field.At(kAcross * at[0] + p[0], kAcross * at[1] + p[1], kAcross * at[2] + p[2]) <
-            0.0f)) {
-        continue;
+    for (int n = 0; n < kPoints * kPoints * kPoints; ++n) {
+      const int x = n % kPoints, y = n / kPoints % kPoints, z = n / (kPoints * kPoints);
+      if (field.At(kAcross * at[0] + x, kAcross * at[1] + y, kAcross * at[2] + z) < 0.0f) {
+        solid.extend(Vec3(x, y, z));
       }
-      low = low.cwiseMin(Vec3(p[0], p[1], p[2]));
-      high = high.cwiseMax(Vec3(p[0], p[1], p[2]));
     }
   }
-  if ((low.array() > high.array()).any()) return std::nullopt;
-  low = (low.array() - kFromSolid).cwiseMax(-kBefore) - kRounded;
-  high = (high.array() + kFromSolid).cwiseMin(kAcross - 1 + kBeyond) + kRounded;
+  if (solid.isEmpty()) return std::nullopt;
+  const Vec3 low = (solid.min().array() - kFromSolid).cwiseMax(-kBefore) - kRounded;
+  const Vec3 high = (solid.max().array() + kFromSolid).cwiseMin(kAcross - 1 + kBeyond) + kRounded;
   const Vec3 origin = lattice.Point(0, 0, 0);
   return Box{origin + lattice.spacing * (first + low), origin + lattice.spacing * (first + high),
              static_cast<std::uint32_t>(block)};

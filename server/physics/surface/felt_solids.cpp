@@ -31,17 +31,17 @@ void Copy(const SparseField& from, std::size_t block, SparseField& to) noexcept 
   std::copy_n(from.values(source), kPoints, to.values(target));
 }
 
-/// Returns whether something holds for a block and all blocks round it.
+/// Returns whether something holds for a block and all blocks round it: holds(block, by), with `by`
+/// the way there in blocks.
 template <typename Holds>
 bool AllRound(const SparseField& field, std::size_t block, const Holds& holds) {
   const auto& blocks = field.lattice().blocks;
-  const auto [i, j, k] = field.lattice().BlockAt(block);
-  for (int z = std::max(k - 1, 0); z <= std::min(k + 1, blocks[2] - 1); ++z) {
-    for (int y = std::max(j - 1, 0); y <= std::min(j + 1, blocks[1] - 1); ++y) {
-      for (int x = std::max(i - 1, 0); x <= std::min(i + 1, blocks[0] - 1); ++x) {
-        if (!holds(field.BlockIndex(x, y, z))) return false;
-      }
-    }
+  const auto at = field.lattice().BlockAt(block);
+  for (int n = 0; n < 27; ++n) {
+    const std::array<int, 3> by{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
+    const int x = at[0] + by[0], y = at[1] + by[1], z = at[2] + by[2];
+    if (std::min({x, y, z}) < 0 || x >= blocks[0] || y >= blocks[1] || z >= blocks[2]) continue;
+    if (!holds(field.BlockIndex(x, y, z), by)) return false;
   }
   return true;
 }
@@ -148,7 +148,8 @@ void FeltSolids::Gather(std::span<const CutField> cuts, const SeparationFront& f
       if (cut.ChangedAt(block) == solid.followed[block]) continue;
       solid.followed[block] = cut.ChangedAt(block);
       // Nothing is known of it, nor of the blocks whose triangles depend on its points.
-      if (AllRound(solid.felt, block, [&](std::size_t n) { return solid.place[n] == kNone; })) {
+      if (AllRound(solid.felt, block,
+                   [&](std::size_t n, auto) { return solid.place[n] == kNone; })) {
         Copy(cut.field(), block, solid.felt);
         continue;
       }
@@ -185,22 +186,16 @@ void FeltSolids::MarkAffected(Solid& solid, std::size_t block) noexcept {
   }
   constexpr unsigned kLow = (1u << kOfBefore) - 1,
                      kHigh = 0xffu & ~((1u << (kSide - kOfBeyond)) - 1);
-  const Lattice& lattice = solid.felt.lattice();
-  const std::array<int, 3> at = lattice.BlockAt(block);
-  for (int n = 0; n < 27; ++n) {
-    const int by[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
-    bool reaches = true;
+  AllRound(solid.felt, block, [&](std::size_t reached, const std::array<int, 3>& by) {
+    bool reaches = solid.affected[reached] != followed_.turn;
     for (std::size_t a = 0; a < 3; ++a) {
-      const int to = at[a] + by[a];
-      const unsigned beside = by[a] < 0 ? kLow : by[a] > 0 ? kHigh : 0xffu;
-      reaches = reaches && to >= 0 && to < lattice.blocks[a] && (layers[a] & beside) != 0;
+      reaches = reaches && (layers[a] & (by[a] < 0 ? kLow : by[a] > 0 ? kHigh : 0xffu)) != 0;
     }
-    if (!reaches) continue;
-    const std::size_t reached = solid.felt.BlockIndex(at[0] + by[0], at[1] + by[1], at[2] + by[2]);
-    if (solid.affected[reached] == followed_.turn) continue;
+    if (!reaches) return true;
     solid.affected[reached] = followed_.turn;
     solid.affected_blocks.push_back(static_cast<std::uint32_t>(reached));
-  }
+    return true;
+  });
 }
 
 /// Lists a block to be remade in this turn, if it changes.
@@ -264,7 +259,9 @@ FeltSolids::Taken FeltSolids::Take(const Block& block, const SeparationFront& fr
   if (place >= 0) return {first_block_ + place, false};
   const auto s = static_cast<std::size_t>(block.solid - first_solid_);
   const std::int32_t whole = uncut_->place[s][static_cast<std::size_t>(block.block)];
-  const auto is_whole = [&](std::size_t n) { return solid.felt.entry(n) == SparseField::kBelow; };
+  const auto is_whole = [&](std::size_t n, auto) {
+    return solid.felt.entry(n) == SparseField::kBelow;
+  };
   if (place == kNone && AllRound(solid.felt, static_cast<std::size_t>(block.block), is_whole)) {
     place = whole < 0 ? kNothing : kUncut;
     if (followed_.any()) List(block);

@@ -4,6 +4,8 @@
 #include <limits>
 #include <numeric>
 
+#include <Eigen/Geometry>
+
 #include "common/error.h"
 #include "common/math/float_rounding.h"
 #include "server/physics/limits.h"
@@ -51,20 +53,15 @@ float LeverUp(double lever) {
                         std::numeric_limits<float>::infinity());
 }
 
-Ball LaneBall(const SpherePacket& packet, int lane) {
-  return {Vec3(packet.x[lane], packet.y[lane], packet.z[lane]), packet.radius[lane]};
-}
-
 /// Returns a ball around balls, at the centre of their bounding box.  Used only for the few
 /// levels over the objects.
 Ball Around(std::span<const Ball> balls) {
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
-  Vec3 high = -low;
+  Eigen::AlignedBox3d box;
   for (const Ball& ball : balls) {
-    low = low.cwiseMin((ball.center.array() - ball.radius).matrix());
-    high = high.cwiseMax((ball.center.array() + ball.radius).matrix());
+    box.extend((ball.center.array() - ball.radius).matrix());
+    box.extend((ball.center.array() + ball.radius).matrix());
   }
-  Ball around{0.5 * (low + high), 0.0};
+  Ball around{0.5 * (box.min() + box.max()), 0.0};
   for (const Ball& ball : balls) {
     around.radius = std::max(around.radius, (ball.center - around.center).norm() + ball.radius);
   }
@@ -90,7 +87,9 @@ Vec3 LeafCentre(const SphereTree& tree, std::size_t i) {
 
 /// Returns the ball of a lane; at the last level, which lists leaves, the leaf's own.
 Ball BallOf(const SphereTree& tree, int level, const SpherePacket& packet, int lane) {
-  if (level + 1 < tree.levels()) return LaneBall(packet, lane);
+  if (level + 1 < tree.levels()) {
+    return {Vec3(packet.x[lane], packet.y[lane], packet.z[lane]), packet.radius[lane]};
+  }
   const auto leaf = static_cast<std::size_t>(packet.child[lane]);
   return {LeafCentre(tree, leaf), tree.leaf_radius[leaf]};
 }

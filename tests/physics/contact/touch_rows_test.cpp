@@ -46,7 +46,7 @@ void ExpectRowsLike(const TriangleMesh& tool_mesh, const TriangleMesh& object_me
   Random random(3);
   for (int i = 0; i < 20; ++i) {
     SeparationFront front;
-    ContactRows rows(kRows, 8, 6, 0.03);
+    ContactRows rows(kRows, 0.03);
     rows.Clear();
     const ToolPose from(
         Vec3(1e-4 * random.Uniform(-1.0, 1.0), 1e-4 * random.Uniform(-1.0, 1.0), height + 10e-6),

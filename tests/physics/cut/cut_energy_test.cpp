@@ -19,20 +19,15 @@ using test::Random;
 /// The solver with cutting rows only.
 struct CutSolver {
   EnergySolver energies{16};
-  template <int N>
   QpResult Solve(const double* t, CutRows& rows, const double* start) {
     Energy* const cut = &rows;
-    return energies.Solve(ActiveKernels(), N, t, {}, {&cut, 1}, start, {});
+    return energies.Solve(ActiveKernels(), t, {}, {&cut, 1}, start, {});
   }
 };
 
-template <int N>
-using Vec = Eigen::Matrix<double, N, 1>;
-
-template <int N>
-Vec<N> RowOf(const CutRows& rows, int i) {
-  Vec<N> a;
-  for (int r = 0; r < N; ++r) a[r] = -rows.a(static_cast<std::size_t>(r))[i];
+Vec6 RowOf(const CutRows& rows, int i) {
+  Vec6 a;
+  for (int r = 0; r < 6; ++r) a[r] = -rows.a(static_cast<std::size_t>(r))[i];
   return a;
 }
 
@@ -41,11 +36,10 @@ double GapOf(const CutRows& rows, int i) {
 }
 
 /// The exact law, without the solver's springs below the threshold.
-template <int N>
-double EnergyOf(const CutRows& rows, const Vec<N>& t, const Vec<N>& x) {
+double EnergyOf(const CutRows& rows, const Vec6& t, const Vec6& x) {
   double sum = 0.5 * (x - t).squaredNorm();
   for (int i = 0; i < rows.count(); ++i) {
-    const double delta = std::max(0.0, RowOf<N>(rows, i).dot(x) - GapOf(rows, i));
+    const double delta = std::max(0.0, RowOf(rows, i).dot(x) - GapOf(rows, i));
     sum += rows.threshold()[i] * delta + 0.5 * rows.viscous()[i] * delta * delta;
   }
   return sum;
@@ -56,8 +50,9 @@ struct Problem {
   double t[6] = {};
 };
 
-/// Rows of a pressed bur with or without gaps, from below the threshold to far above it.
-Problem RandomProblem(Random& random, int most_rows) {
+/// Rows of a pressed bur with or without gaps, from below the threshold to far above it; `turns`:
+/// whether they turn it.
+Problem RandomProblem(Random& random, int most_rows, bool turns = true) {
   Problem problem;
   const Vec3 towards = random.Direction();
   const int count = 1 + random.Below(most_rows);
@@ -68,13 +63,13 @@ Problem RandomProblem(Random& random, int most_rows) {
   for (int i = 0; i < count; ++i) {
     Vec3 n = random.Direction();
     if (random.Below(10) > 0 && n.dot(towards) < 0.0) n = -n;
-    const Vec3 turn = random.InCube(0.5);
+    const Vec3 turn = random.InCube(turns ? 0.5 : 0.0);
     const double gap = hollow || random.Below(2) == 0 ? 0.0 : random.Uniform(0.0, size);
     problem.rows.Add({-n.x(), -n.y(), -n.z(), -turn.x(), -turn.y(), -turn.z()}, -gap,
                      size * random.Uniform(0.1, 1.0) / (share * count),
                      viscous * random.Uniform(0.1, 1.0) / count, 1e-9);
   }
-  const Vec3 v = size * towards, phi = size * random.InCube(0.5);
+  const Vec3 v = size * towards, phi = size * random.InCube(turns ? 0.5 : 0.0);
   for (int r = 0; r < 3; ++r) {
     problem.t[r] = v[r];
     problem.t[3 + r] = phi[r];
@@ -84,18 +79,13 @@ Problem RandomProblem(Random& random, int most_rows) {
 
 /// The optimality conditions: each row's force is one that the law allows at its overlap, where
 /// below the threshold an overlap of force / kRigid counts as none; and the forces balance.
-template <int N>
 void ExpectOptimal(const Problem& problem, const QpResult& step) {
   const CutRows& rows = problem.rows;
-  Vec<N> x, t, sum;
-  for (int r = 0; r < N; ++r) {
-    x[r] = step.x[r];
-    t[r] = problem.t[r];
-  }
-  sum = x - t;
+  const Vec6 x = Vec6::Map(step.x), t = Vec6::Map(problem.t);
+  Vec6 sum = x - t;
   double size = x.norm() + t.norm();
   for (int i = 0; i < rows.count(); ++i) {
-    const double s = RowOf<N>(rows, i).dot(x) - GapOf(rows, i), force = rows.forces()[i];
+    const double s = RowOf(rows, i).dot(x) - GapOf(rows, i), force = rows.forces()[i];
     const double P = rows.threshold()[i], above = rows.viscous()[i] * std::max(0.0, s);
     EXPECT_GE(force, 0.0);
     EXPECT_LE(force, P + above + 1e-12 * P);
@@ -107,26 +97,25 @@ void ExpectOptimal(const Problem& problem, const QpResult& step) {
     } else {
       EXPECT_NEAR(force, P + above, (1e-12 + rounding * kRigid) * (P + above));
     }
-    sum += force * RowOf<N>(rows, i);
+    sum += force * RowOf(rows, i);
     size += force;
   }
   // Rounding of x times each row's spring, and of solving by Cholesky's factor (Higham, Accuracy
   // and Stability of Numerical Algorithms, 2002, theorem 10.4).
-  const double roundings = 1e-15 + (3 * N + 1) * 1.1e-16;
+  const double roundings = 1e-15 + (3 * 6 + 1) * 1.1e-16;
   EXPECT_LT(sum.norm(), 1e-13 * size + roundings * kRigid * rows.count() * x.norm());
   EXPECT_EQ(step.status, QpStatus::kSolved);
 }
 
-template <int N>
-void SolveMany(std::uint64_t seed, int problems, int most_rows, int& most_turns) {
+void SolveMany(bool turns, std::uint64_t seed, int problems, int most_rows, int& most_turns) {
   Random random(seed);
   CutSolver solver;
   const double zero[6] = {};
   for (int n = 0; n < problems; ++n) {
-    Problem problem = RandomProblem(random, most_rows);
-    const QpResult step = solver.Solve<N>(problem.t, problem.rows, zero);
-    ExpectOptimal<N>(problem, step);
-    EXPECT_GE(test::CutOfRows(problem.rows, step.x, N).work, 0.0);
+    Problem problem = RandomProblem(random, most_rows, turns);
+    const QpResult step = solver.Solve(problem.t, problem.rows, zero);
+    ExpectOptimal(problem, step);
+    EXPECT_GE(test::CutOfRows(problem.rows, step.x).work, 0.0);
     most_turns = std::max(most_turns, step.iterations);
     if (testing::Test::HasFailure()) {
       ADD_FAILURE() << "problem " << n << " of seed " << seed << ", " << problem.rows.count()
@@ -138,10 +127,10 @@ void SolveMany(std::uint64_t seed, int problems, int most_rows, int& most_turns)
 
 TEST(CutEnergy, MeetsTheOptimalityConditionsOfTheLaw) {
   int most_turns = 0;
-  SolveMany<3>(1, 5000, 8, most_turns);
-  SolveMany<6>(2, 5000, 8, most_turns);
-  SolveMany<3>(3, 3000, 400, most_turns);
-  SolveMany<6>(4, 3000, 400, most_turns);
+  SolveMany(false, 1, 5000, 8, most_turns);
+  SolveMany(true, 2, 5000, 8, most_turns);
+  SolveMany(false, 3, 3000, 400, most_turns);
+  SolveMany(true, 4, 3000, 400, most_turns);
   RecordProperty("most_turns", most_turns);
   EXPECT_LT(most_turns, 60);
 }
@@ -154,12 +143,12 @@ TEST(CutEnergy, FindsWhatSlowAscentOfTheDualFinds) {
   for (int n = 0; n < 300; ++n) {
     Problem problem = RandomProblem(random, 6);
     CutRows& rows = problem.rows;
-    Vec<6> x = Eigen::Map<const Vec<6>>(problem.t);
+    Vec6 x = Eigen::Map<const Vec6>(problem.t);
     std::vector<double> force(static_cast<std::size_t>(rows.count()), 0.0);
     for (int sweep = 0; sweep < 20000; ++sweep) {
       double change = 0.0;
       for (int i = 0; i < rows.count(); ++i) {
-        const Vec<6> a = RowOf<6>(rows, i);
+        const Vec6 a = RowOf(rows, i);
         double& f = force[static_cast<std::size_t>(i)];
         const double P = rows.threshold()[i], c = rows.viscous()[i];
         // Without force f the row's overlap is s; f reduces it by f |a|^2, up to the law's force.
@@ -172,10 +161,10 @@ TEST(CutEnergy, FindsWhatSlowAscentOfTheDualFinds) {
       }
       if (change < 1e-20) break;
     }
-    const QpResult step = solver.Solve<6>(problem.t, rows, zero);
-    const Vec<6> found = Eigen::Map<const Vec<6>>(step.x);
+    const QpResult step = solver.Solve(problem.t, rows, zero);
+    const Vec6 found = Eigen::Map<const Vec6>(step.x);
     // A row's spring yields by |t| / kRigid; two rows at a small angle yield more.
-    const double t = Eigen::Map<const Vec<6>>(problem.t).norm();
+    const double t = Eigen::Map<const Vec6>(problem.t).norm();
     EXPECT_LT((found - x).norm(), 10.0 * t / kRigid + 1e-9 * x.norm()) << n;
   }
 }
@@ -186,11 +175,11 @@ TEST(CutEnergy, NoOtherStepCostsLess) {
   CutSolver solver;
   const double zero[6] = {};
   for (int n = 0; n < 200; ++n) {
-    Problem problem = RandomProblem(random, 40);
-    const Vec<3> t(problem.t[0], problem.t[1], problem.t[2]);
-    const QpResult step = solver.Solve<3>(problem.t, problem.rows, zero);
-    const Vec<3> x(step.x[0], step.x[1], step.x[2]);
-    const double least = EnergyOf<3>(problem.rows, t, x);
+    Problem problem = RandomProblem(random, 40, false);
+    const Vec6 t = Vec6::Map(problem.t);
+    const QpResult step = solver.Solve(problem.t, problem.rows, zero);
+    const Vec6 x = Vec6::Map(step.x);
+    const double least = EnergyOf(problem.rows, t, x);
     // The law's energy at the springs' overlaps f / kRigid; |t| bounds the forces f.
     double spring = 0.0;
     for (int i = 0; i < problem.rows.count(); ++i) {
@@ -199,8 +188,10 @@ TEST(CutEnergy, NoOtherStepCostsLess) {
     }
     for (int k = 0; k < 300; ++k) {
       const double far = t.norm() * std::pow(10.0, random.Uniform(-6.0, 0.5));
-      const Vec<3> other = k < 100 ? Vec<3>(0.01 * k * t) : Vec<3>(x + far * random.Direction());
-      EXPECT_GE(EnergyOf<3>(problem.rows, t, other), least - spring - 1e-14 * least);
+      Vec6 other = x;
+      if (k < 100) other = 0.01 * k * t;
+      if (k >= 100) other.head<3>() += far * random.Direction();
+      EXPECT_GE(EnergyOf(problem.rows, t, other), least - spring - 1e-14 * least);
     }
   }
 }
@@ -213,9 +204,9 @@ TEST(CutEnergy, DoesNotDependOnTheGuess) {
     const double zero[6] = {};
     double wild[6];
     for (double& w : wild) w = random.Uniform(-1e-3, 1e-3);
-    const QpResult one = solver.Solve<6>(problem.t, problem.rows, zero);
-    const QpResult other = solver.Solve<6>(problem.t, problem.rows, wild);
-    const Vec<6> a = Eigen::Map<const Vec<6>>(one.x), b = Eigen::Map<const Vec<6>>(other.x);
+    const QpResult one = solver.Solve(problem.t, problem.rows, zero);
+    const QpResult other = solver.Solve(problem.t, problem.rows, wild);
+    const Vec6 a = Eigen::Map<const Vec6>(one.x), b = Eigen::Map<const Vec6>(other.x);
     EXPECT_EQ(other.status, QpStatus::kSolved);
     EXPECT_LT((a - b).norm(), 1e-11 + 1e-9 * a.norm()) << n;
   }
@@ -227,10 +218,10 @@ TEST(CutEnergy, BelowTheThresholdNothingMovesAndAboveItIsViscous) {
   CutRows rows(1);
   rows.Add({0, 0, -1, 0, 0, 0}, 0.0, 0.5e-3, 1.0, 1e-9);
   CutSolver solver;
-  const double zero[3] = {};
+  const double zero[6] = {};
   for (const double z : {0.1e-3, 0.4999e-3, 0.6e-3, 2e-3}) {
-    const double t[3] = {0.2e-3, 0.0, z};
-    const QpResult step = solver.Solve<3>(t, rows, zero);
+    const double t[6] = {0.2e-3, 0.0, z};
+    const QpResult step = solver.Solve(t, rows, zero);
     EXPECT_NEAR(step.x[2], std::max(0.0, (z - 0.5e-3) / 2.0), 0.5e-3 / kRigid);
     EXPECT_NEAR(step.x[0], 0.2e-3, 1e-17);  // along the surface it is free
     EXPECT_NEAR(rows.forces()[0], z - step.x[2], 1e-15);
@@ -241,9 +232,9 @@ TEST(CutEnergy, NoRowsNoForce) {
   CutRows rows(1);
   CutSolver solver;
   const double t[6] = {1e-3, -2e-3, 3e-3, 1e-4, 0, 1}, zero[6] = {};
-  const QpResult step = solver.Solve<6>(t, rows, zero);
+  const QpResult step = solver.Solve(t, rows, zero);
   for (int r = 0; r < 6; ++r) EXPECT_EQ(step.x[r], t[r]);
-  EXPECT_EQ(test::CutOfRows(rows, step.x, 6).work, 0.0);
+  EXPECT_EQ(test::CutOfRows(rows, step.x).work, 0.0);
 }
 
 TEST(CutEnergy, SolvesWithoutAskingForMemory) {
@@ -252,7 +243,7 @@ TEST(CutEnergy, SolvesWithoutAskingForMemory) {
   Problem problem = RandomProblem(random, 300);
   const double zero[6] = {};
   const std::uint64_t before = test::AllocationsOfThisThread();
-  const QpResult step = solver.Solve<6>(problem.t, problem.rows, zero);
+  const QpResult step = solver.Solve(problem.t, problem.rows, zero);
   EXPECT_EQ(test::AllocationsOfThisThread(), before);
   EXPECT_EQ(step.status, QpStatus::kSolved);
 }

@@ -22,12 +22,12 @@ using test::Ball;
 using test::MakeTree;
 
 constexpr double kBurRadius = 0.25e-3, kCoupling = 1000.0;
-constexpr CutMaterial kDentine{2e6, 0.5e9};
+const Material kDentine{.cutting_pressure = 2e6, .cutting_viscosity = 0.5e9};
 
 /// A block of 2.4 x 1.6 x 0.8 mm with its top at z = 0, a tool with a ball bur, and rigid balls.
 class CutStep : public testing::Test {
  protected:
-  void Make(std::vector<Ball> tool, std::vector<Ball> rigid, const CutMaterial& material = kDentine,
+  void Make(std::vector<Ball> tool, std::vector<Ball> rigid, const Material& material = kDentine,
             int samples = 1024, const Quat& q_WB = Quat::Identity(),
             const TriangleMesh* mesh_of_rigid = nullptr) {
     const Cutting cutting{Bur::Ball(kBurRadius), {}, samples};
@@ -86,8 +86,8 @@ TEST_F(CutStep, APlungeHasTheLawsForceAndTakesTheSweptVolume) {
     // The half sphere ahead at speed u: p0 pi R^2 + kappa u 2/3 pi R^2.
     if (at > 0.0) continue;
     const double speed = (before - at) / 1e-3;
-    const double law =
-        M_PI * kBurRadius * kBurRadius * (kDentine.pressure + kDentine.viscosity * speed / 1.5);
+    const double law = M_PI * kBurRadius * kBurRadius *
+                       (kDentine.cutting_pressure + kDentine.cutting_viscosity * speed / 1.5);
     ASSERT_NEAR(report.wrench.force.z(), law, 0.005 * law);
     if (at < -0.3e-3) break;
   }
@@ -119,7 +119,7 @@ TEST_F(CutStep, StopsAtARigidBodyInTheMaterial) {
   EXPECT_NEAR(state_->X_WG.p.z(), -0.3e-3 + kBurRadius, 1e-9);
   ASSERT_EQ(report.contacts, 1);
   // At rest the wall and the material share the hand's force; the material has at most p0 pi R^2.
-  const double rests = kDentine.pressure * M_PI * kBurRadius * kBurRadius;
+  const double rests = kDentine.cutting_pressure * M_PI * kBurRadius * kBurRadius;
   EXPECT_NEAR(report.wrench.force.z(), kCoupling * (-0.05e-3 + 1e-3), 3e-3);
   EXPECT_LE(report.wrench.force.z() - report.active[0].force, 1.01 * rests);
   EXPECT_GE(report.wrench.force.z() - report.active[0].force, -1e-9);
@@ -143,7 +143,7 @@ TEST_F(CutStep, StopsAtAMeshInTheMaterial) {
 }
 
 TEST_F(CutStep, BelowTheThresholdItRestsAndWhatIsCutStaysFree) {
-  Make(kBur, kFarAway, {50e6, 1e9});
+  Make(kBur, kFarAway, {.cutting_pressure = 50e6, .cutting_viscosity = 1e9});
   Start(At(0, 0, kBurRadius));
   for (int i = 0; i < 400; ++i) Step(At(0, 0, kBurRadius - 0.5e-3));
   // 0.5 N at 50 MPa is an area of 0.01 mm^2: a cap of height A / (2 pi R).

@@ -16,6 +16,11 @@
 namespace palpate {
 namespace {
 
+Material Cuttable(double pressure, double viscosity, double friction = 0.0) {
+  return {
+      .cutting_pressure = pressure, .cutting_viscosity = viscosity, .cutting_friction = friction};
+}
+
 using test::At;
 using test::Ball;
 using test::MakeTree;
@@ -26,7 +31,7 @@ class Spin : public testing::Test {
   static constexpr double kRadius = 0.25e-3, kPressure = 2e6, kFriction = 0.4;
   static constexpr double kFast = 2.0 * M_PI * 3000.0;  ///< 180,000 r/min [rad/s]
 
-  void Make(const CutMaterial& material, Cutting cutting, int samples = 1024) {
+  void Make(const Material& material, Cutting cutting, int samples = 1024) {
     cutting.samples = samples;
     TriangleMesh mesh = MakeBox(Vec3(2.4e-3, 1.6e-3, 0.8e-3));
     for (Vec3& v : mesh.vertices) v.z() -= 0.4e-3;
@@ -82,7 +87,7 @@ class Spin : public testing::Test {
 // Over the half ball ahead, p dA acts at distance r from the axis: mu p times the integral of r,
 // pi^2 R^3 / 2.  Seen from above the bur turns clockwise, so the handle turns the other way.
 TEST_F(Spin, OfABallThatPlungesTheHandFeelsTheTorqueAndNothingSideways) {
-  Make({kPressure, 0.0, kFriction}, BallBur(kFast));
+  Make(Cuttable(kPressure, 0.0, kFriction), BallBur(kFast));
   const StepReport report = Press(-0.7e-3);
   const double law = kFriction * kPressure * 0.5 * M_PI * M_PI * std::pow(kRadius, 3);
   EXPECT_NEAR(AxialTorque(report), law, 0.01 * law);
@@ -94,7 +99,7 @@ TEST_F(Spin, OfABallThatPlungesTheHandFeelsTheTorqueAndNothingSideways) {
 // side that its front moves away from.
 TEST_F(Spin, OfABallThatMillsTheHandFeelsThePullToTheSideAsTheLawHasIt) {
   for (const double sense : {1.0, -1.0}) {
-    Make({kPressure, 0.0, kFriction}, BallBur(kFast));
+    Make(Cuttable(kPressure, 0.0, kFriction), BallBur(kFast));
     StepReport report = Press(-0.35e-3);
     Vec3 from = Vec3::Zero();
     for (double x = 0.0; x < 0.8e-3; x += 3e-6) {
@@ -117,7 +122,7 @@ TEST_F(Spin, OfABallThatMillsTheHandFeelsThePullToTheSideAsTheLawHasIt) {
 
 // Against the wall of its hole, drag would carry a bur with high friction round the wall.
 TEST_F(Spin, ABurThatLeansAgainstAWallDoesNotWhirl) {
-  Make({kPressure, 0.5e9, 1.0}, BallBur(kFast), 256);
+  Make(Cuttable(kPressure, 0.5e9, 1.0), BallBur(kFast), 256);
   Press(-0.6e-3);
   Vec3 last = Vec3::Zero();
   double change = 0.0;
@@ -135,7 +140,7 @@ TEST_F(Spin, ABurThatLeansAgainstAWallDoesNotWhirl) {
 TEST_F(Spin, GivesTheHandNoMoreWorkThanTheMotorDoes) {
   for (const std::uint64_t seed : {21, 22}) {
     test::Random random(seed);
-    Make({kPressure, 0.5e9, 0.9}, BallBur(kFast), 128);
+    Make(Cuttable(kPressure, 0.5e9, 0.9), BallBur(kFast), 128);
     Pose hand = At(0, 0, kRadius + 20e-6), towards = hand;
     state_.X_WG = state_.X_WH = hand;
     int judged = 0;
@@ -169,7 +174,7 @@ TEST_F(Spin, GivesTheHandNoMoreWorkThanTheMotorDoes) {
 TEST_F(Spin, WithoutFrictionChangesNoBit) {
   std::vector<Vec3> forces;
   for (const double speed : {0.0, kFast}) {
-    Make({kPressure, 0.5e9}, BallBur(speed), 256);
+    Make(Cuttable(kPressure, 0.5e9), BallBur(speed), 256);
     Press(-0.3e-3);
     for (int n = 0; n < 50; ++n) {
       const Vec3 force = Step(At(2e-6 * n, 0, -0.3e-3)).wrench.force;
@@ -185,7 +190,7 @@ TEST_F(Spin, WithoutFrictionChangesNoBit) {
 TEST_F(Spin, ADeadTipStopsWhatTheSideCuts) {
   Cutting cutting{Bur::Cylinder(0.3e-3, 2e-3, 0.0), {}};
   cutting.dead_tip = 1e-6;  // the flat end
-  Make({kPressure, 0.0}, cutting);
+  Make(Cuttable(kPressure, 0.0), cutting);
   Press(-1e-3, 5e-6);
   EXPECT_NEAR(state_.X_WG.p.z(), 0.0, 5e-6);
   // Within the grid's error of the face.
@@ -213,7 +218,7 @@ TEST_F(Spin, AHumShakesTheHandleAsTeethPassAndMovesNothing) {
     Cutting cutting = BallBur(kFast);
     cutting.spin.hum = hum;
     cutting.spin.tooth_Hz = 240.0;
-    Make({kPressure, 0.5e9}, cutting, 256);
+    Make(Cuttable(kPressure, 0.5e9), cutting, 256);
     Press(-0.5e-3);
     double sum = 0.0, most = 0.0;
     int turns = 0;
@@ -236,7 +241,7 @@ TEST_F(Spin, AHumShakesTheHandleAsTeethPassAndMovesNothing) {
 }
 
 TEST_F(Spin, StepsWithoutAskingForMemory) {
-  Make({kPressure, 0.5e9, kFriction}, BallBur(kFast), 256);
+  Make(Cuttable(kPressure, 0.5e9, kFriction), BallBur(kFast), 256);
   state_.X_WG = state_.X_WH = At(0, 0, kRadius);
   const std::uint64_t before = test::AllocationsOfThisThread();
   for (int n = 0; n < 200; ++n) {

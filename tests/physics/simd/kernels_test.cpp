@@ -34,19 +34,16 @@ TEST(Kernels, GiveTheSameBitsAtEverySimdLevel) {
     const Vec3 p = random.InCube(0.06);
     const double t[6] = {1e-3, -2e-3, 3e-3, 1e-3, 2e-3, random.Uniform(-1e-3, 1e-3)};
     std::vector<NodePair> pairs[3];
-    ContactRows rows[3] = {{16384, PairQuery::kMaxBatch, 6, 0.03},
-                           {16384, PairQuery::kMaxBatch, 6, 0.03},
-                           {16384, PairQuery::kMaxBatch, 6, 0.03}};
+    ContactRows rows[3] = {{16384, 0.03}, {16384, 0.03}, {16384, 0.03}};
     QpResult solved[3];
     for (int k = 0; k < levels; ++k) {
       PairQuery query(tool, forest);
       query.Run(*level[k], R, p, {0.5e-3, 4e-3}, [&](const NodePair* found, int count) {
         pairs[k].insert(pairs[k].end(), found, found + count);
-        rows[k].Add(*level[k], tool.leaves.data(), forest.leaves.data(), R, p, found, count);
-        return true;
+        return rows[k].Add(*level[k], tool.leaves.data(), forest.leaves.data(), R, p, found, count);
       });
       rows[k].Finish();
-      solved[k] = level[k]->solve(t, 6, rows[k].view(), nullptr, 0);
+      solved[k] = level[k]->solve(t, rows[k].view(), nullptr, 0);
       ASSERT_EQ(pairs[k], pairs[0]) << level[k]->name;
       const QpRows got = rows[k].view(), want = rows[0].view();
       const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(want.count);

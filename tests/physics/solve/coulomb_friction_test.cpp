@@ -382,7 +382,7 @@ TEST(Friction, SatisfiesCoulombsLawInRandomProblems) {
           Problem::Vec6 t;
           t << target.v, rho * target.phi;
           Optimum optimum;
-          optimum.qp = ActiveKernels().solve(t.data(), turns ? 6 : 3, rows.view(), nullptr, 0);
+          optimum.qp = ActiveKernels().solve(t.data(), rows.view(), nullptr, 0);
           if (optimum.qp.status != QpStatus::kSolved || optimum.qp.active == 0) break;
           StepReport counts;
           StepContext context(model, state, bench.workspace().buffers(), counts);
@@ -418,7 +418,7 @@ TEST(Friction, MinimisesAsABruteForceSolverDoes) {
                 Rough(mu, mu));
     bench.state().X_WG = At(0.0, 0.0, 0.15);
     const HapticModel& model = bench.model();
-    const bool turns = model.degrees_of_freedom() == 6;
+    const bool turns = !model.is_ball();
     const double rho = model.rotation_length();
     int step = 0;
     Wander(bench, random, 2000, [&](const StepReport& report) {
@@ -430,16 +430,16 @@ TEST(Friction, MinimisesAsABruteForceSolverDoes) {
           model, ActiveKernels(), R_WG, X * model.reference(), {1e-3, 2e-2}, rows, nullptr);
       // Towards the contacts, but obliquely.
       Target target{-2e-3 * report.wrench.force.normalized() + random.InCube(2e-3),
-                    random.InCube(0.05)};
+                    random.InCube(turns ? 0.05 : 0.0)};
       Problem problem;
-      problem.t << target.v, turns ? Vec3(rho * target.phi) : Vec3::Zero();
+      problem.t << target.v, rho * target.phi;
       for (int j = 0; j < rows.count(); ++j) {
         problem.a.emplace_back();
         problem.a.back() << rows.normal(j), rows.lever_cross_normal(j) / rho;
         problem.b.push_back(-rows.gap(j));
       }
       const QpResult frictionless =
-          ActiveKernels().solve(problem.t.data(), turns ? 6 : 3, rows.view(), nullptr, 0);
+          ActiveKernels().solve(problem.t.data(), rows.view(), nullptr, 0);
       if (frictionless.status != QpStatus::kSolved || frictionless.active == 0) return;
       StepState state;
       StepReport counts;
@@ -451,8 +451,7 @@ TEST(Friction, MinimisesAsABruteForceSolverDoes) {
       optimum.qp = frictionless;
       AddCoulombFriction(context, optimum);
       const QpResult& qp = optimum.qp;
-      Problem::Vec6 x = Problem::Vec6::Zero();
-      for (int c = 0; c < model.degrees_of_freedom(); ++c) x[c] = qp.x[c];
+      const Problem::Vec6 x = Problem::Vec6::Map(qp.x);
       if (counts.friction_lowered + counts.friction_unsolved > 0 ||
           (turns && x.tail<3>().norm() / rho < model.parameters().max_rotation)) {
         ++skipped;  // no minimum of Coulomb's cost was found, or Creep has moved it

@@ -174,7 +174,7 @@ TEST(ContactPrediction, CoversAllStraightWaysToWhereASubStepMayEnd) {
     const double scale = random.Uniform(0.1e-3, 1.5e-3);
     const StepEnds ends{
         {0.2 * scale, 5.0 * scale}, random.InCube(scale), random.InCube(20.0 * scale)};
-    ContactRows rows(30000, PairQuery::kMaxBatch, 6, 0.03);
+    ContactRows rows(30000, 0.03);
     ContactPrediction prediction(bench.model());
     ASSERT_TRUE(prediction.Predict(bench.model(), ActiveKernels(), G.q.toRotationMatrix(), G.p,
                                    ends, rows, nullptr));

@@ -22,6 +22,12 @@ struct RigidProblem {
   Vec b;
   std::vector<double> columns;
 
+  /// Problems in fewer than six unknowns leave the others zero.
+  Vec6 Target() const {
+    Vec6 target = Vec6::Zero();
+    target.head(t.size()) = t;
+    return target;
+  }
   QpRows Rows() {
     const int m = static_cast<int>(b.size());
     const int padded = std::max(16, (m + 15) & ~15);
@@ -29,8 +35,8 @@ struct RigidProblem {
     auto address = reinterpret_cast<std::uintptr_t>(columns.data());
     double* base = columns.data() + (64 - address % 64) % 64 / sizeof(double);
     QpRows rows{};
-    for (int c = 0; c < static_cast<int>(t.size()); ++c) {
-      for (int i = 0; i < m; ++i) base[c * padded + i] = A(i, c);
+    for (int c = 0; c < 6; ++c) {
+      for (int i = 0; i < m && c < A.cols(); ++i) base[c * padded + i] = A(i, c);
       rows.a[c] = base + c * padded;
     }
     double* b_column = base + 6 * padded;
@@ -43,8 +49,7 @@ struct RigidProblem {
 
 QpResult SolveProblem(RigidProblem& problem) {
   const QpRows rows = problem.Rows();
-  const int unknowns = static_cast<int>(problem.t.size());
-  return ActiveKernels().solve(problem.t.data(), unknowns, rows, nullptr, 0);
+  return ActiveKernels().solve(problem.Target().data(), rows, nullptr, 0);
 }
 
 /// Largest violation of the Karush-Kuhn-Tucker conditions, which are sufficient for the optimum.
@@ -191,25 +196,6 @@ TEST(QpSolver, RelaxesARowThatNothingCanSatisfy) {
   for (int c = 0; c < 6; ++c) EXPECT_NEAR(result.x[c], 1.0, 1e-9);
 }
 
-class Yielding : public Energy {
- public:
-  explicit Yielding(const YieldingRows& rows) : rows_(rows) {}
-  void Add(const Kernels& kernels, const double* x, int unknowns, const Springs& springs,
-           EnergyAt& at) noexcept override {
-    pushing = kernels.add_yielding(rows_, unknowns, x, springs, at);
-    std::copy(at.force, at.force + 6, force);
-  }
-  void AddHessian(const Kernels& kernels, const double* x, int unknowns, const Springs& springs,
-                  EnergyAt& at) const noexcept override {
-    kernels.add_yielding_hessian(rows_, unknowns, x, springs, at);
-  }
-  int pushing = 0;
-  double force[6];
-
- private:
-  YieldingRows rows_;
-};
-
 /// A problem with soft rows: row i yields where weight[i] > 0, down to a core `depth[i]` inside.
 struct CompliantProblem {
   RigidProblem problem;
@@ -223,7 +209,7 @@ struct CompliantProblem {
     const auto rows = static_cast<std::size_t>(std::max(16, (m + 15) & ~15));
     const AlignedColumns columns(3, rows);
     QpRows rigid = problem.Rows();
-    Yielding soft({rigid, columns[0], nullptr, columns[1]});
+    Energy soft{{rigid, columns[0], nullptr, columns[1]}};
     rigid.b = columns[2];
     for (int i = 0; i < static_cast<int>(rows); ++i) {
       columns[0][i] = i < m ? weight[i] : 0.0;
@@ -231,11 +217,10 @@ struct CompliantProblem {
     }
     Energy* const energy = &soft;
     const double start[6] = {};
-    const QpResult result =
-        EnergySolver(rows).Solve(kernels, static_cast<int>(problem.t.size()), problem.t.data(),
-                                 rigid, {&energy, 1}, start, guess);
+    const QpResult result = EnergySolver(rows).Solve(kernels, problem.Target().data(), rigid,
+                                                     {&energy, 1}, start, guess);
     pushing = soft.pushing;
-    std::copy(soft.force, soft.force + 6, force);
+    std::copy(soft.force.begin(), soft.force.end(), force);
     return result;
   }
 

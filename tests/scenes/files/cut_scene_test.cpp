@@ -255,7 +255,7 @@ TEST(CutScene, ANamedBurHasItsHeadItsMeshAndItsSpinAlsoAfterABundle) {
   EXPECT_NEAR(model.cutting()->spin.speed, 100.0 * M_PI, 1e-6);
   EXPECT_EQ(model.cutting()->spin.tooth_Hz, 300.0);
   EXPECT_EQ(model.cutting()->spin.hum, 0.2);
-  EXPECT_EQ(model.solids()[0].materials[0].friction, 0.3);
+  EXPECT_EQ(model.solids()[0].materials[0].cutting_friction, 0.3);
   for (const BurSample& sample : model.bur_samples()) {
     // The bur turns about y, clockwise from above, and its surface moves no faster than that.
     EXPECT_NEAR(sample.slide.norm(), 1.0, 1e-12);
