@@ -264,6 +264,9 @@ inline constexpr double kNarrow = 0.25;
 /// the search for a plane, or the nearest points of two triangles.  A further sub-step begins only
 /// if a quarter of them is left.  Taken.
 inline constexpr int kMaxLooks = 3400;
+/// Part of a cycle's looks, one over this, that may be spent beyond them on testing shorter motions
+/// once there is none left: half a dozen among 10,000 near pairs, and all twenty among 3,000.  Taken.
+inline constexpr int kReserve = 4;
 /// Pairs that are refreshed, or found not to hold in a trial, in the time of one look; eight times
 /// as many are tested in that time.
 inline constexpr int kRefreshesALook = 8;

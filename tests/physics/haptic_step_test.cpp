@@ -404,7 +404,7 @@ TEST(HapticStep, GoesNoFartherThanItsRowsSufficeFor) {
   EXPECT_LT((force[0] - force[1]).norm(), 1e-6);
 }
 
-TEST(HapticStep, SaysWhenRowsDoNotFitWithinTheNarrowestBoundsAndStays) {
+TEST(HapticStep, SaysWhenRowsDoNotFitWithinTheNarrowestBoundsAndCanLeave) {
   StepParameters parameters;
   parameters.max_rows = 2;
   const double r = 0.003;
@@ -414,8 +414,10 @@ TEST(HapticStep, SaysWhenRowsDoNotFitWithinTheNarrowestBoundsAndStays) {
   bench.state().X_WG = At(0.0, 0.0, 0.004);
   const StepReport report = bench.Repeat(At(0.0, 0.0, 0.001), 20);
   EXPECT_NE(report.faults & kFaultRowsFull, 0u);
-  EXPECT_LT(bench.Penetration(), 1e-6);
+  // One sub-step of 2 um in each cycle may neglect a leg.
+  EXPECT_LT(bench.Penetration(), 20 * 2.1e-6);
   EXPECT_LE(report.wrench.force.norm(), 1000.0 * 2e-3 + 1.0);
+  EXPECT_LT(bench.Repeat(At(0.0, 0.0, 0.01), 100).wrench.force.norm(), 1e-6);
 }
 
 TEST(HapticStep, AllocatesNothing) {

@@ -212,11 +212,13 @@ int Certify(MeshContact& contact, const Vec3& v, const Vec3& phi, Until until) n
     // Finds the pairs whose planes do not hold throughout the trial, including those added by
     // splits.
     if (collected < near.size()) {
-      for (const Index k : near.FindUsedUp(collected, motion, looks)) {
+      const auto found = near.FindUsedUp(collected, motion, looks);
+      collected = near.size();
+      if (looks.AreSpent() && !found.empty()) return apart_not + static_cast<int>(found.size());
+      for (const Index k : found) {
         doubts.push_back(DoubtOf(near.Left(k), k, near.room()));
         std::push_heap(doubts.begin(), doubts.end(), std::greater<>());
       }
-      collected = near.size();
     }
     // The deepest first.
     while (!doubts.empty() && !searches.IsFull() && !ends()) {

@@ -129,12 +129,15 @@ void BeginAnew(StepContext& context) {
   RelineariseAtStart(meshes, rows);
 }
 
-/// Returns the longest half, quarter, ... of a motion that is free.
+/// Returns the longest half, quarter, ... of a motion that is free, or none if testing them takes
+/// too long: without looks, planes are tested but not searched.
 Way Halve(const StepContext& context, Way way) {
   MeshContact& meshes = *context.buffers.meshes;
   way.arrived = false;
   context.state.friction = context.sub_step.friction_before;  // discards those of the trials
-  while (!meshes.near.is_full() && LengthOf(context, way) > limits::mesh::kRounding) {
+  const auto most = meshes.looks.most + context.model.parameters().looks / limits::mesh::kReserve;
+  while (!meshes.near.is_full() && meshes.looks.Spent() < most &&
+         LengthOf(context, way) > limits::mesh::kRounding) {
     way.v *= 0.5;
     way.phi *= 0.5;
     if (IsFree(context, way)) return way;

@@ -23,13 +23,13 @@ bool Predict(StepContext& context, const StepEnds& ends, int most = kAll) {
 }
 
 /// Predicts within bounds that are halved until all rows fit; returns the bounds.  If even the
-/// narrowest have too many, the tool stays, and some of the rows give its force.
+/// narrowest have too many, some rows are left out: a tool that stayed could never leave.
 StepBounds PredictAsFits(StepContext& context, StepBounds bounds) {
   for (int halvings = 0; !Predict(context, {bounds}); ++halvings) {
     if (halvings == limits::kMostHalvings) {
       context.report.faults |= kFaultRowsFull;
       context.cost.packet_pairs += limits::kMaxTested;  // no further sub-step
-      return {0.0, 0.0};
+      return bounds;
     }
     bounds = {0.5 * bounds.translation, 0.5 * bounds.rotation};
   }
