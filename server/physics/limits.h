@@ -265,7 +265,7 @@ inline constexpr double kNarrow = 0.25;
 /// if a quarter of them is left.  Taken.
 inline constexpr int kMaxLooks = 3400;
 /// Part of a cycle's looks, one over this, that may be spent beyond them on testing shorter motions
-/// once there is none left: half a dozen among 10,000 near pairs, and all twenty among 3,000.  Taken.
+/// once there is none left: half a dozen among 10,000 near pairs, all twenty among 3,000.  Taken.
 inline constexpr int kReserve = 4;
 /// Pairs that are refreshed, or found not to hold in a trial, in the time of one look; eight times
 /// as many are tested in that time.
