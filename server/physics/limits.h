@@ -277,7 +277,7 @@ inline constexpr int kBatch = 32;
 inline constexpr int kEnough = 6;
 /// A trial with at least one such pair also ends once no other has been found in this many looks.
 /// Most of them look at pairs that the next trial, which is shorter, does not reach: without this,
-/// a long cycle takes an eighth more.  Of 0 to 128, 8 to 24 leave the fewest late.
+/// a long cycle takes an eighth more.  Taken, of 8 to 24, which leave the fewest tools behind.
 inline constexpr int kPatience = 20;
 /// If the pose is set from outside, and the tool's farthest point goes farther than the sub-steps
 /// of a cycle can take it [m], the front is rebuilt, since all of it would be looked at anyway.

@@ -214,7 +214,10 @@ int Certify(MeshContact& contact, const Vec3& v, const Vec3& phi, Until until) n
     if (collected < near.size()) {
       const auto found = near.FindUsedUp(collected, motion, looks);
       collected = near.size();
-      if (looks.AreSpent() && !found.empty()) return apart_not + static_cast<int>(found.size());
+      // Without looks they are not examined, so sorting them would only take time.
+      if (looks.AreSpent() && !found.empty()) {
+        return apart_not + static_cast<int>(found.size() + doubts.size());
+      }
       for (const Index k : found) {
         doubts.push_back(DoubtOf(near.Left(k), k, near.room()));
         std::push_heap(doubts.begin(), doubts.end(), std::greater<>());
