@@ -107,7 +107,10 @@ void HapticModel::SetCutting() {
 std::int32_t HapticModel::LeafOf(const ContactId& id, const FeltSolids& felt) const {
   if (id.IsOfLeaves()) return id.object;
   const auto body = static_cast<std::size_t>(id.body);
-  if (body < bodies().size()) return bodies()[body].leaf[static_cast<std::size_t>(id.object)];
+  if (body < bodies().size()) {
+    const ContactBody& of = bodies()[body];
+    return of.first_leaf + of.shape->leaf[static_cast<std::size_t>(id.object)];
+  }
   return objects().first_leaf[solids()[felt.SolidOf(id.body)].object];
 }
 

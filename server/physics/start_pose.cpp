@@ -50,8 +50,9 @@ double LongestWayOut(const HapticModel& model, const Vec3& from) {
   double farthest = (from - model.objects().center).norm() + model.objects().radius;
   if (model.tool_body() != nullptr) reach = std::max(reach, model.tool_body()->mesh.reach());
   for (const ContactBody& body : model.bodies()) {
-    const HullTree::Node root = body.tree.root();
-    farthest = std::max(farthest, (from - body.tree.Centre(root)).norm() + body.tree.Radius(root));
+    const HullTree& tree = body.shape->tree;
+    const Vec3 centre = body.X_WB * tree.Centre(tree.root());
+    farthest = std::max(farthest, (from - centre).norm() + tree.Radius(tree.root()));
   }
   for (const CutSolid& solid : model.solids()) {
     const Lattice& lattice = solid.grid->field().lattice();

@@ -51,10 +51,11 @@ std::int64_t PopLeast(std::vector<std::int64_t>& heap) {
 bool HoldsAlong(MeshContact& contact, Index k, const Vec3& n, double least_before,
                 double least_after) {
   const NodesOfPair& nodes = contact.near[k].nodes;
-  const double after = contact.meshes.Gap(nodes, n, contact.motion.to);
+  const double high = contact.meshes.High(nodes, n);
+  const double after = contact.meshes.Low(nodes.tool, n, contact.motion.to) - high;
   if (!(after >= least_after)) return false;
   const double before =
-      contact.motion.moves ? contact.meshes.Gap(nodes, n, contact.motion.from) : after;
+      contact.motion.moves ? contact.meshes.Low(nodes.tool, n, contact.motion.from) - high : after;
   if (!(before >= least_before)) return false;
   contact.near.SetPlanes(k, n, before, n, after);
   return true;
@@ -120,13 +121,24 @@ bool TrianglesApart(MeshContact& contact, Index k) {
   return touch.plane.of == ContactPlane::Of::kNone && across(ChoosePlane(meshes, touch, motion));
 }
 
+/// Returns the trial's motion in the frame of a body.
+const ToolMotion& MotionIn(MeshContact& contact, const ContactBody* body) {
+  auto& in_body = contact.in_body[static_cast<std::size_t>(body - contact.meshes.bodies.data())];
+  if (in_body.certified != contact.certified) {
+    in_body.certified = contact.certified;
+    const Placement X_BW = body->X_WB.Inverse();
+    in_body.motion = {X_BW * contact.motion.from, X_BW * contact.motion.to};
+  }
+  return in_body.motion;
+}
+
 /// Begins the search for a plane of a patch, or of a triangle of a ball.
 void BeginSearch(MeshContact& contact, Index k) {
   const ToolAndBodies& meshes = contact.meshes;
   const NodesOfPair& nodes = contact.near[k].nodes;
-  const int lane = contact.searches.Begin(
-      {meshes.tool.tree, nodes.tool, meshes.tool.radius, nodes.body->tree, nodes.object},
-      contact.near.Normal(k));
+  const int lane =
+      contact.searches.Begin(meshes.PatchesOf(nodes), MotionIn(contact, nodes.body),
+                             nodes.body->X_WB.R.transpose() * contact.near.Normal(k));
   contact.searched[lane] = k;
 }
 
@@ -173,7 +185,8 @@ bool EndSearch(MeshContact& contact, int lane, Until until) {
   const SeparatingPlane& plane = contact.searches.plane(lane);
   contact.looks.tested += plane.tries;
   if (contact.searches.Found(lane)) {
-    contact.near.SetPlanes(k, plane.n, plane.before, plane.n, plane.after);
+    const Vec3 n = contact.near[k].nodes.body->X_WB.R * plane.n;
+    contact.near.SetPlanes(k, n, plane.before, n, plane.after);
     return true;
   }
   if (contact.near[k].nodes.AreTriangles()) return LookAtTriangles(contact, k, until);
@@ -207,7 +220,8 @@ int Certify(MeshContact& contact, const Vec3& v, const Vec3& phi, Until until) n
            (!contact.open.empty() && looks.tested - contact.opened_at > kPatience);
   };
   PlaneSearches& searches = contact.searches;
-  searches.Reset({contact.motion.from, contact.motion.to}, free);
+  searches.Reset(free);
+  ++contact.certified;
   for (Index collected = 0;;) {
     // Finds the pairs whose planes do not hold throughout the trial, including those added by
     // splits.

@@ -128,14 +128,14 @@ void NearPairs::AddPart(SeparationFront::Index in_front, double radius, const Ve
 bool NearPairs::Split(Index k, Looks& looks) {
   if (pairs_.size() + 2 > after_.size()) return false;
   const NodesOfPair& nodes = (*this)[k].nodes;
-  const std::int32_t block = nodes.body->tree.BlockOf(nodes.object);
-  if (block >= 0 && !meshes_->tool.tree.IsLarger(nodes.tool, nodes.body->tree, nodes.object)) {
+  const std::int32_t block = nodes.shape->tree.BlockOf(nodes.object);
+  if (block >= 0 && !meshes_->tool.tree.IsLarger(nodes.tool, nodes.shape->tree, nodes.object)) {
     return Enter(k, block, looks);
   }
   const Vec3 n = Normal(k);
   const double slack = planes_.slack[k];
   const SeparationFront::Index child =
-      front_->Split((*this)[k].in_front, meshes_->tool.tree, (*this)[k].nodes.body->tree, n, slack);
+      front_->Split((*this)[k].in_front, meshes_->tool.tree, (*this)[k].nodes.shape->tree, n, slack);
   if (child < 0) return false;
   Close(k);
   for (int side = 0; side < 2; ++side) {
@@ -160,7 +160,7 @@ bool NearPairs::Enter(Index k, std::int32_t block, Looks& looks) {
     front_->Enter(i, taken.body, std::nullopt);
     return true;
   }
-  front_->Enter(i, taken.body, felt.Body(taken.body).tree.root());
+  front_->Enter(i, taken.body, felt.Body(taken.body).shape.tree.root());
   AddPart(i, radius, n, slack);
   return true;
 }

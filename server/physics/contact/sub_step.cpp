@@ -11,7 +11,7 @@ using namespace limits::mesh;
 
 namespace {
 
-limits::mesh::Margins MarginsOf(const ContactBody& tool, double separation) {
+limits::mesh::Margins MarginsOf(const ToolBody& tool, double separation) {
   limits::mesh::Margins margins{separation};
   // Half of delta is left for the error of a row.  A ball has one row for each pair, whose only
   // error along the pair's plane is rounding.  With a smaller h it would roll about the edge at
@@ -22,12 +22,13 @@ limits::mesh::Margins MarginsOf(const ContactBody& tool, double separation) {
 
 }  // namespace
 
-MeshContact::MeshContact(const ContactBody& tool, std::span<const ContactBody> bodies, int max_rows,
+MeshContact::MeshContact(const ToolBody& tool, std::span<const ContactBody> bodies, int max_rows,
                          double separation, int most_looks)
     : meshes{.tool = tool, .bodies = bodies, .margins = MarginsOf(tool, separation)},
       motion({Vec3::Zero(), Quat::Identity()}),
       near(most_looks) {
   const auto rows = static_cast<std::size_t>(max_rows);
+  in_body.resize(bodies.size());
   touches.reserve(static_cast<std::size_t>(most_looks));
   ReserveEach(rows, of_rows.touch, released);
   of_rows.regain.resize(rows);
@@ -89,10 +90,11 @@ namespace {
 
 /// Returns whether two nodes are apart.  A block whose body cannot be made counts as not apart.
 bool AreApart(const ToolAndBodies& meshes, const NodesOfPair& nodes, const ToolPose& at) {
-  const HullTree &tools = meshes.tool.tree, &objects = nodes.body->tree;
+  const HullTree &tools = meshes.tool.tree, &objects = nodes.shape->tree;
   SeparatingPlane plane;
-  if (FindPlane({tools, nodes.tool, meshes.tool.radius, objects, nodes.object}, {at, at},
-                Vec3::UnitZ(), kRounding, *meshes.kernels, plane)) {
+  const Placement X_BT = nodes.body->X_WB.Inverse() * at;
+  if (FindPlane(meshes.PatchesOf(nodes), {X_BT, X_BT}, Vec3::UnitZ(), kRounding, *meshes.kernels,
+                plane)) {
     return true;
   }
   if (nodes.AreTriangles()) {
@@ -100,7 +102,7 @@ bool AreApart(const ToolAndBodies& meshes, const NodesOfPair& nodes, const ToolP
     return nearest.Distance() > 0.0 && meshes.Gap(nodes, nearest.Direction(), at) > kRounding;
   }
   const auto are_apart = [&](HullTree::Node tool, HullTree::Node object) {
-    return AreApart(meshes, {tool, object, nodes.body, nodes.number}, at);
+    return AreApart(meshes, {tool, object, nodes.body, nodes.shape, nodes.number}, at);
   };
   if (tools.IsLarger(nodes.tool, objects, nodes.object)) {
     const auto& child = tools.inner(nodes.tool).child;
@@ -109,8 +111,8 @@ bool AreApart(const ToolAndBodies& meshes, const NodesOfPair& nodes, const ToolP
   if (const std::int32_t block = objects.BlockOf(nodes.object); block >= 0) {
     const auto taken = meshes.felt->Take({nodes.number, nodes.object, block}, SeparationFront());
     if (taken.body < 0 || meshes.felt->IsNothing(taken.body)) return taken.body >= 0;
-    const ContactBody& body = meshes.felt->Body(taken.body);
-    return AreApart(meshes, {nodes.tool, body.tree.root(), &body, taken.body}, at);
+    const HullTree::Node root = meshes.felt->Body(taken.body).shape.tree.root();
+    return AreApart(meshes, meshes.NodesOf(nodes.tool, root, taken.body), at);
   }
   const auto& child = objects.inner(nodes.object).child;
   return are_apart(nodes.tool, child[0]) && are_apart(nodes.tool, child[1]);
@@ -120,14 +122,12 @@ bool AreApart(const ToolAndBodies& meshes, const NodesOfPair& nodes, const ToolP
 
 bool IsFree(const ToolAndBodies& meshes, const ToolPose& at) {
   for (std::size_t number = 0; number < meshes.bodies.size(); ++number) {
-    const ContactBody& body = meshes.bodies[number];
+    const HullTree& tree = meshes.bodies[number].shape->tree;
     const auto of_tool =
-        body.tree.IsOfBlocks() ? meshes.ForSolids() : std::optional(meshes.tool.tree.root());
+        tree.IsOfBlocks() ? meshes.ForSolids() : std::optional(meshes.tool.tree.root());
     if (!of_tool) continue;
-    if (!AreApart(meshes, {*of_tool, body.tree.root(), &body, static_cast<std::int32_t>(number)},
-                  at)) {
-      return false;
-    }
+    const auto body = static_cast<std::int32_t>(number);
+    if (!AreApart(meshes, meshes.NodesOf(*of_tool, tree.root(), body), at)) return false;
   }
   return true;
 }

@@ -32,7 +32,7 @@ struct MeshContact {
   /// @param max_rows    of the ContactRows that it will fill
   /// @param separation  to be kept between the meshes [m]
   /// @param most_looks  of a sub-step
-  MeshContact(const ContactBody& tool, std::span<const ContactBody> bodies, int max_rows,
+  MeshContact(const ToolBody& tool, std::span<const ContactBody> bodies, int max_rows,
               double separation, int most_looks);
 
   ToolAndBodies meshes;
@@ -48,6 +48,13 @@ struct MeshContact {
   /// Scratch of Certify: searches for planes, and the near pair of each lane.
   PlaneSearches searches;
   NearPairs::Index searched[PlaneSearches::kAtOnce] = {};
+  /// Scratch of Certify: for each body, the motion in its frame, and the trial that it is of.
+  struct InBody {
+    ToolMotion motion;
+    std::uint64_t certified = 0;
+  };
+  std::vector<InBody> in_body;
+  std::uint64_t certified = 0;  ///< trials ever examined
   std::int64_t opened_at = 0;  ///< looks when the last of `open` was added
   /// Near pairs of triangles without a plane at the trial, in the order in which they were found.
   std::vector<NearPairs::Index> open;

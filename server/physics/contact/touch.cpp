@@ -15,6 +15,11 @@ Vec3 EdgeOf(const ContactMesh& mesh, HullTree::Node node, int i) {
   return mesh.Corner(t, (i + 1) % 3) - mesh.Corner(t, i);
 }
 
+/// In W.
+Vec3 EdgeOfObject(const NodesOfPair& triangles, int i) {
+  return triangles.body->X_WB.R * EdgeOf(triangles.shape->mesh, triangles.object, i);
+}
+
 /// Finds the direction of least penetration of two triangles.
 void FindLeastDepth(const ToolAndBodies& meshes, const ToolPose& at, Touch& touch) {
   const Corners corners = meshes.CornersAt(touch.nodes, at);
@@ -64,7 +69,9 @@ Corners ToolAndBodies::CornersAt(const NodesOfPair& triangles, const ToolPose& a
   Corners corners;
   for (int c = 0; c < 3; ++c) {
     corners.tool[c] = at.R * tool.mesh.Corner(HullTree::TriangleOf(triangles.tool), c) + at.p;
-    corners.object[c] = triangles.body->mesh.Corner(HullTree::TriangleOf(triangles.object), c);
+    corners.object[c] =
+        triangles.body->X_WB *
+        triangles.shape->mesh.Corner(HullTree::TriangleOf(triangles.object), c);
   }
   return corners;
 }
@@ -90,7 +97,7 @@ Vec3 NormalAt(const ToolAndBodies& meshes, const Touch& touch, const ContactPlan
       return at.R * plane.n;
     case ContactPlane::Of::kEdges: {
       const Vec3 ea = EdgeOf(meshes.tool.mesh, touch.nodes.tool, plane.tool_edge);
-      const Vec3 eb = EdgeOf(touch.nodes.body->mesh, touch.nodes.object, plane.object_edge);
+      const Vec3 eb = EdgeOfObject(touch.nodes, plane.object_edge);
       return plane.sign * (at.R * ea).cross(eb).normalized();
     }
     default:
@@ -111,8 +118,17 @@ bool InCone(const ToolAndBodies& meshes, const NodesOfPair& triangles, const Nea
     if (of.kind == Feature::kVertex) return mesh.VertexConeHolds(t.vertex[of.index], n);
     return true;
   };
-  return holds(triangles.body->mesh, triangles.object, nearest.of_q, u) &&
+  return holds(triangles.shape->mesh, triangles.object, nearest.of_q,
+               triangles.body->X_WB.R.transpose() * u) &&
          holds(meshes.tool.mesh, triangles.tool, nearest.of_p, -(at.R.transpose() * u));
+}
+
+Vec3 SmoothNormal(const NodesOfPair& triangles, const NearestPoints& nearest, const Vec3& n) {
+  const Placement& X_WB = triangles.body->X_WB;
+  const Vec3 n_B = X_WB.R.transpose() * n;
+  const Vec3 smooth = triangles.shape->mesh.SmoothNormal(HullTree::TriangleOf(triangles.object),
+                                                         X_WB.Inverse() * nearest.q, n_B);
+  return smooth == n_B ? n : X_WB.R * smooth;
 }
 
 ContactPlane ChoosePlane(const ToolAndBodies& meshes, const Touch& touch, const Motion& trial) {
@@ -131,7 +147,7 @@ ContactPlane ChoosePlane(const ToolAndBodies& meshes, const Touch& touch, const 
     plane = {ContactPlane::Of::kTool, trial.from.R.transpose() * touch.u};
   } else if (a.kind == Feature::kEdge && b.kind == Feature::kEdge) {
     const Vec3 ea = trial.from.R * EdgeOf(meshes.tool.mesh, touch.nodes.tool, a.index);
-    const Vec3 eb = EdgeOf(touch.nodes.body->mesh, touch.nodes.object, b.index);
+    const Vec3 eb = EdgeOfObject(touch.nodes, b.index);
     const Vec3 across = ea.cross(eb);
     if (across.squaredNorm() > kParallel * kParallel * ea.squaredNorm() * eb.squaredNorm()) {
       plane.of = ContactPlane::Of::kEdges;

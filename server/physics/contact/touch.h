@@ -38,13 +38,10 @@ struct Motion {
 /// Nodes of two trees, the tool's and a body's; each is a triangle or a patch.
 struct NodesOfPair {
   HullTree::Node tool, object;
-  const ContactBody* body;
-  std::int32_t number;  ///< number of the body
+  const ContactBody* body;    ///< the body or, for a block's, that of its solid
+  const ContactShape* shape;  ///< its own
+  std::int32_t number;        ///< number of the body
   bool AreTriangles() const { return HullTree::IsLeaf(tool) && HullTree::IsLeaf(object); }
-  /// For two triangles: ContactMesh::SmoothNormal of the body where it is touched along n.
-  Vec3 SmoothNormal(const NearestPoints& nearest, const Vec3& n) const {
-    return body->mesh.SmoothNormal(HullTree::TriangleOf(object), nearest.q, n);
-  }
 };
 
 /// The corners of two triangles, in W [m].
@@ -55,9 +52,9 @@ struct Corners {
 /// A tool, and the bodies that contact keeps it apart from.  Heights are along n, from body
 /// to tool, in W.
 struct ToolAndBodies {
-  const ContactBody& tool;              ///< about its reference point
-  std::span<const ContactBody> bodies;  ///< in W
-  FeltSolids* felt = nullptr;           ///< bodies of blocks; null if there are none
+  const ToolBody& tool;
+  std::span<const ContactBody> bodies;
+  FeltSolids* felt = nullptr;  ///< bodies of blocks; null if there are none
   bool cuts = true;  ///< true for a bur or an edge that cuts: solids touch only its shank
   limits::mesh::Margins margins{};
   const Kernels* kernels = &ActiveKernels();
@@ -66,12 +63,24 @@ struct ToolAndBodies {
     return n.dot(at.p) - tool.tree.Highest(node, -(at.R.transpose() * n), *kernels) - tool.radius;
   }
   double High(const NodesOfPair& nodes, const Vec3& n) const {
-    return nodes.body->tree.Highest(nodes.object, n, *kernels);
+    const Placement& X_WB = nodes.body->X_WB;
+    return n.dot(X_WB.p) +
+           nodes.shape->tree.Highest(nodes.object, X_WB.R.transpose() * n, *kernels);
   }
   NodesOfPair NodesOf(const SeparationFront::Pair& pair) const {
-    const auto number = static_cast<std::size_t>(pair.body);
-    return {pair.tool, pair.object,
-            number < bodies.size() ? &bodies[number] : &felt->Body(pair.body), pair.body};
+    return NodesOf(pair.tool, pair.object, pair.body);
+  }
+  NodesOfPair NodesOf(HullTree::Node of_tool, HullTree::Node of_object, std::int32_t number) const {
+    const auto body = static_cast<std::size_t>(number);
+    if (body < bodies.size()) {
+      return {of_tool, of_object, &bodies[body], bodies[body].shape.get(), number};
+    }
+    const BlockBody& block = felt->Body(number);
+    return {of_tool, of_object, &bodies[static_cast<std::size_t>(block.of.solid)], &block.shape,
+            number};
+  }
+  PatchPair PatchesOf(const NodesOfPair& nodes) const {
+    return {tool.tree.HullOf(nodes.tool), nodes.shape->tree.HullOf(nodes.object), tool.radius};
   }
   /// The part of the tool that solids can touch; empty if they touch none of it.
   std::optional<HullTree::Node> ForSolids() const {
@@ -130,6 +139,9 @@ double GapAt(const ToolAndBodies& meshes, const NodesOfPair& nodes, const Touch&
 bool InCone(const ToolAndBodies& meshes, const NodesOfPair& triangles, const NearestPoints& nearest,
             const Vec3& u, const ToolPose& at);
 
+/// For two triangles: ContactMesh::SmoothNormal of the body where it is touched along n.
+Vec3 SmoothNormal(const NodesOfPair& triangles, const NearestPoints& nearest, const Vec3& n);
+
 /// Calls visit(plane) for each face of either mesh that meets at the nearest points, with its
 /// normal turned to point from object to tool at the beginning of the motion.
 template <class Visit>
@@ -151,8 +163,11 @@ void ForEachFace(const ToolAndBodies& meshes, const NodesOfPair& triangles,
     if (n == Vec3::Zero()) return;
     visit(ContactPlane{of, n_W.dot(away) < 0.0 ? Vec3(-n) : n});
   };
-  each(triangles.body->mesh, triangles.object, nearest.of_q,
-       [&](const Vec3& n) { give(ContactPlane::Of::kObject, n, n); });
+  const Mat3& R_WB = triangles.body->X_WB.R;
+  each(triangles.shape->mesh, triangles.object, nearest.of_q, [&](const Vec3& n) {
+    const Vec3 n_W = R_WB * n;
+    give(ContactPlane::Of::kObject, n_W, n_W);
+  });
   each(meshes.tool.mesh, triangles.tool, nearest.of_p,
        [&](const Vec3& n) { give(ContactPlane::Of::kTool, n, from.R * n); });
 }

@@ -53,7 +53,8 @@ ContactBody BlocksOf(const CutSolid& solid) {
     if (field.entry(block) == SparseField::kAbove) continue;
     if (const auto box = BoxOf(field, block)) boxes.push_back(*box);
   }
-  return {ContactMesh(), HullTree(boxes, solid.X_WB)};
+  return {std::make_shared<const ContactShape>(ContactMesh(), HullTree(boxes)),
+          PlacementOf(solid.X_WB)};
 }
 
 void BlockBody::Scratch::Reserve() {
@@ -64,16 +65,16 @@ void BlockBody::Scratch::Reserve() {
 }
 
 void BlockBody::Reserve() {
-  body.mesh.Reserve(kMostOfBlock);
-  body.tree.Reserve(kMostOfBlock);
+  shape.mesh.Reserve(kMostOfBlock);
+  shape.tree.Reserve(kMostOfBlock);
   materials.reserve(kMostOfBlock);
 }
 
-void BlockBody::Assign(const Of& block, std::size_t own, const Pose& X_WB, Scratch& scratch) {
+void BlockBody::Assign(const Of& block, std::size_t own, Scratch& scratch) {
   const SolidSurface& surface = scratch.surface;
   of = block;
-  body.mesh.Assign(surface.vertices, surface.triangles, X_WB, scratch.mesh);
-  body.tree.Assign(body.mesh, own, X_WB.q.toRotationMatrix(), scratch.tree);
+  shape.mesh.Assign(surface.vertices, surface.triangles, scratch.mesh);
+  shape.tree.Assign(shape.mesh, own, scratch.tree);
   materials.assign(surface.materials.begin(),
                    surface.materials.begin() + static_cast<std::ptrdiff_t>(own));
 }
@@ -86,7 +87,7 @@ UncutBodies::UncutBodies(std::span<const CutSolid> of, std::span<const ContactBo
   for (std::size_t s = 0; s < solids.size(); ++s) {
     const SolidGrid& grid = *solids[s].grid;
     const SparseField nothing(grid.field().lattice(), grid.field().band(), SparseField::kBelow);
-    const HullTree& tree = boxes[s].tree;
+    const HullTree& tree = boxes[s].shape->tree;
     place.emplace_back(grid.field().lattice().block_count(), -1);
     for (HullTree::Node node = 0; node < tree.inner_count(); ++node) {
       const std::int32_t block = tree.BlockOf(node);
@@ -94,8 +95,7 @@ UncutBodies::UncutBodies(std::span<const CutSolid> of, std::span<const ContactBo
       const auto b = static_cast<std::size_t>(block);
       const std::size_t own = TakeSurfaceAndRim({grid, nothing}, b, scratch.surface);
       if (own == 0) continue;
-      made.Assign({first_body + static_cast<std::int32_t>(s), node, block}, own, solids[s].X_WB,
-                  scratch);
+      made.Assign({first_body + static_cast<std::int32_t>(s), node, block}, own, scratch);
       place[s][b] = static_cast<std::int32_t>(bodies.size());
       bodies.push_back(made);  // a copy has no spare capacity
     }

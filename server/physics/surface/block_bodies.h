@@ -10,13 +10,13 @@
 
 namespace palpate {
 
-/// The boxes of a solid's blocks, in W, as one body.  Contact sees a solid that a bur can cut
+/// The boxes of a solid's blocks as one body.  Contact sees a solid that a bur can cut
 /// through these boxes, because whatever is cut, what is left of a block lies in its box.
 /// What it then feels is the surface that viewers draw (scenes/grid/solid_surface.h), one
 /// body for each block.
 ContactBody BlocksOf(const CutSolid& solid);
 
-/// The surface of one block, as a body in W.  It includes the neighbouring triangles, which only
+/// The surface of one block, in the frame of its solid.  It includes the neighbouring triangles, which only
 /// serve the normal cones of the block's own.
 struct BlockBody {
   struct Of {
@@ -36,9 +36,9 @@ struct BlockBody {
   void Reserve();
   /// Makes the body from the scratch's surface, whose first `own` triangles are the block's own.
   /// Real-time if the storage suffices.
-  void Assign(const Of& block, std::size_t own, const Pose& X_WB, Scratch& scratch);
+  void Assign(const Of& block, std::size_t own, Scratch& scratch);
 
-  ContactBody body{ContactMesh(), HullTree()};
+  ContactShape shape{ContactMesh(), HullTree()};
   std::vector<std::uint8_t> materials;  ///< for each of the block's own triangles
   Of of{};
 };

@@ -13,13 +13,24 @@
 namespace palpate {
 namespace {
 
-ContactBody MakeBody(const PlacedTree* object, std::int32_t first_leaf) {
+/// Returns whether two objects have the same geometry.
+bool AreAlike(const PlacedTree& a, const PlacedTree& b) {
+  const SphereTree &s = *a.tree, &t = *b.tree;
+  return (a.mesh == b.mesh || (a.mesh->vertices == b.mesh->vertices &&
+                               a.mesh->triangles == b.mesh->triangles)) &&
+         (a.tree == b.tree ||
+          (s.leaf_triangle == t.leaf_triangle && s.leaf_triangle_begin == t.leaf_triangle_begin &&
+           s.leaf_x == t.leaf_x && s.leaf_y == t.leaf_y && s.leaf_z == t.leaf_z &&
+           s.leaf_radius == t.leaf_radius));
+}
+
+std::shared_ptr<const ContactShape> MakeShape(const PlacedTree* object) {
   const TriangleMesh& mesh = *object->mesh;
   const SphereTree& tree = *object->tree;
-  ContactBody body(ContactMesh(mesh, object->X_WB));
+  auto shape = std::make_shared<ContactShape>(ContactMesh(mesh));
   // For each triangle, of the leaves that list it, the one nearest to its middle;
   // of equals the first.
-  body.leaf.assign(mesh.triangles.size(), first_leaf);
+  shape->leaf.assign(mesh.triangles.size(), 0);
   std::vector<double> least(mesh.triangles.size(), std::numeric_limits<double>::infinity());
   for (std::size_t leaf = 0; leaf + 1 < tree.leaf_triangle_begin.size(); ++leaf) {
     const Vec3 c(tree.leaf_x[leaf], tree.leaf_y[leaf], tree.leaf_z[leaf]);
@@ -30,10 +41,27 @@ ContactBody MakeBody(const PlacedTree* object, std::int32_t first_leaf) {
       const double distance = (middle - c).norm() - tree.leaf_radius[leaf];
       if (distance >= least[t]) continue;
       least[t] = distance;
-      body.leaf[t] = first_leaf + static_cast<std::int32_t>(leaf);
+      shape->leaf[t] = static_cast<std::int32_t>(leaf);
     }
   }
-  return body;
+  return shape;
+}
+
+/// Makes the shapes of objects, one for each core at a time.
+std::vector<std::shared_ptr<const ContactShape>> MakeShapes(
+    const std::vector<const PlacedTree*>& objects) {
+  std::vector<std::shared_ptr<const ContactShape>> made;
+  const std::size_t at_once = std::max(std::thread::hardware_concurrency(), 1u);
+  std::deque<std::future<std::shared_ptr<const ContactShape>>> making;
+  for (std::size_t begun = 0; made.size() < objects.size();) {
+    for (; begun < std::min(objects.size(), made.size() + at_once + 1); ++begun) {
+      // If there is no thread for it, it runs at get().
+      making.push_back(std::async(MakeShape, objects[begun]));
+    }
+    made.push_back(making.front().get());
+    making.pop_front();
+  }
+  return made;
 }
 
 /// How far a corner of a bur's mesh may lie outside its profile, over the bur's radius: the corners
@@ -63,11 +91,12 @@ bool IsFeltByMesh(const PlacedTree& object) {
 }
 
 std::vector<ContactBody> MakeBodies(std::span<const PlacedTree> objects) {
-  std::vector<const PlacedTree*> felt;
-  std::vector<std::int32_t> first_leaf;
+  std::vector<const PlacedTree*> distinct;
+  std::vector<std::size_t> shape_of;
+  std::vector<ContactBody> bodies;
   std::int32_t leaves = 0;
   for (const PlacedTree& object : objects) {
-    const std::int32_t first = leaves;
+    const std::int32_t first_leaf = leaves;
     leaves += static_cast<std::int32_t>(object.tree->leaves());
     if (!IsFeltByMesh(object)) continue;
     if (object.mesh == nullptr || object.mesh->triangles.empty() ||
@@ -75,59 +104,54 @@ std::vector<ContactBody> MakeBodies(std::span<const PlacedTree> objects) {
       throw Error(
           "surface contact: an object has no mesh; give it one, or use \"contact\": \"spheres\"");
     }
-    felt.push_back(&object);
-    first_leaf.push_back(first);
+    const auto alike = std::ranges::find_if(
+        distinct, [&](const PlacedTree* other) { return AreAlike(object, *other); });
+    shape_of.push_back(static_cast<std::size_t>(alike - distinct.begin()));
+    if (alike == distinct.end()) distinct.push_back(&object);
+    bodies.push_back({nullptr, PlacementOf(object.X_WB), first_leaf});
   }
-  std::vector<ContactBody> made;
-  made.reserve(felt.size());
-  // One body for each core at a time.
-  const std::size_t at_once = std::max(std::thread::hardware_concurrency(), 1u);
-  std::deque<std::future<ContactBody>> making;
-  std::size_t begun = 0;
-  for (std::size_t body = 0; body < felt.size(); ++body) {
-    for (; begun < std::min(felt.size(), body + at_once + 1); ++begun) {
-      // If there is no thread for it, it runs at get().
-      making.push_back(std::async(MakeBody, felt[begun], first_leaf[begun]));
-    }
-    made.push_back(making.front().get());
-    making.pop_front();
+  const auto shapes = MakeShapes(distinct);
+  for (std::size_t body = 0; body < bodies.size(); ++body) {
+    bodies[body].shape = shapes[shape_of[body]];
   }
-  return made;
+  return bodies;
 }
 
 bool Hold(std::span<const ContactBody> bodies, const Vec3& p_W) {
   return std::ranges::any_of(bodies, [&](const ContactBody& body) {
-    const HullTree& tree = body.tree;
-    if ((p_W - tree.Centre(tree.root())).norm() > tree.Radius(tree.root())) return false;
+    const ContactMesh& mesh = body.shape->mesh;
+    const HullTree& tree = body.shape->tree;
+    const Vec3 p = body.X_WB.Inverse() * p_W;
+    if ((p - tree.Centre(tree.root())).norm() > tree.Radius(tree.root())) return false;
     double angle = 0.0;
-    for (std::size_t t = 0; t < body.mesh.triangles().size(); ++t) {
-      angle += SolidAngle(body.mesh.Corner(t, 0) - p_W, body.mesh.Corner(t, 1) - p_W,
-                          body.mesh.Corner(t, 2) - p_W);
+    for (std::size_t t = 0; t < mesh.triangles().size(); ++t) {
+      angle += SolidAngle(mesh.Corner(t, 0) - p, mesh.Corner(t, 1) - p, mesh.Corner(t, 2) - p);
     }
     return angle > 2.0 * M_PI;
   });
 }
 
-std::unique_ptr<const ContactBody> MakeToolBody(const TriangleMesh* mesh, const SphereTree& tree,
-                                                const Vec3& reference, const Cutting* cutting) {
+std::unique_ptr<const ToolBody> MakeToolBody(const TriangleMesh* mesh, const SphereTree& tree,
+                                             const Vec3& reference, const Cutting* cutting) {
   if (tree.leaves() == 1) {
-    ContactBody ball(ContactMesh::Point(), tree.leaf_radius[0]);
+    ToolBody ball(ContactMesh::Point());
+    ball.radius = tree.leaf_radius[0];
     if (cutting != nullptr) ball.shank.reset();
-    return std::make_unique<const ContactBody>(std::move(ball));
+    return std::make_unique<const ToolBody>(std::move(ball));
   }
   if (mesh == nullptr || mesh->triangles.empty()) {
     throw Error(
         "surface contact: the tool has no mesh; give it one, or use \"contact\": \"spheres\"");
   }
-  ContactMesh about(*mesh, Pose{-reference, Quat::Identity()});
-  if (cutting == nullptr) return std::make_unique<const ContactBody>(std::move(about));
+  ContactMesh about(*mesh, reference);
+  if (cutting == nullptr) return std::make_unique<const ToolBody>(std::move(about));
   const std::vector<bool> head = HeadOf(*mesh, *cutting);
   const auto in_head = static_cast<std::size_t>(std::ranges::count(head, true));
   HullTree parts(about, head);
-  ContactBody bur(std::move(about), std::move(parts));
+  ToolBody bur(std::move(about), std::move(parts));
   if (in_head == head.size()) bur.shank.reset();
   if (in_head > 0 && in_head < head.size()) bur.shank = bur.tree.inner(bur.tree.root()).child[1];
-  return std::make_unique<const ContactBody>(std::move(bur));
+  return std::make_unique<const ToolBody>(std::move(bur));
 }
 
 }  // namespace palpate

@@ -19,26 +19,51 @@ namespace palpate {
 /// object has a compliance for each leaf, so its leaves decide.
 bool IsFeltByMesh(const PlacedTree& object);
 
-/// A body as contact sees it: triangles with a tree over them, enlarged by a radius [m].  The
-/// radius is 0 except for a spherical tool, whose mesh is a single point.
-struct ContactBody {
-  explicit ContactBody(ContactMesh m, double rounding = 0.0)
-      : mesh(std::move(m)), tree(mesh), radius(rounding) {}
-  ContactBody(ContactMesh m, HullTree t) : mesh(std::move(m)), tree(std::move(t)) {}
+/// A body's geometry as contact sees it: triangles with a tree over them, in the body's frame.
+struct ContactShape {
+  explicit ContactShape(ContactMesh m) : mesh(std::move(m)), tree(mesh) {}
+  ContactShape(ContactMesh m, HullTree t) : mesh(std::move(m)), tree(std::move(t)) {}
 
   ContactMesh mesh;
   HullTree tree;
-  double radius = 0.0;
-  /// For a tool: the part that solids touch as a mesh while the tool cuts, which is all but the
-  /// head of a bur or edge.  Empty if the tool is all head.
-  std::optional<HullTree::Node> shank = tree.root();
-  /// For each triangle of an object, the index of the nearest leaf of the forest, which
+  /// For each triangle of an object, the index of the nearest leaf of the object's tree, which
   /// gives the triangle's material.
   std::vector<std::int32_t> leaf;
 };
 
-/// Makes a body in W of each object that is felt by its mesh.  Throws Error if such an
-/// object has no mesh.
+/// Where a frame lies in another: a Pose whose rotation is a matrix.
+struct Placement {
+  Vec3 operator*(const Vec3& x) const { return R * x + p; }
+  Placement Inverse() const { return {-(R.transpose() * p), R.transpose()}; }
+  Placement operator*(const Placement& other) const { return {*this * other.p, R * other.R}; }
+
+  Vec3 p;
+  Mat3 R;
+};
+inline Placement PlacementOf(const Pose& X) {
+  return {X.p, X.q.toRotationMatrix()};
+}
+
+/// An object as contact sees it.  Objects with the same mesh share its shape.
+struct ContactBody {
+  std::shared_ptr<const ContactShape> shape;
+  Placement X_WB;
+  std::int32_t first_leaf = 0;  ///< in the forest
+};
+
+/// A tool as contact sees it, about its reference point: its shape enlarged by a radius [m], which
+/// is 0 except for a spherical tool, whose mesh is a single point.
+struct ToolBody : ContactShape {
+  using ContactShape::ContactShape;
+
+  double radius = 0.0;
+  /// The part that solids touch as a mesh while the tool cuts, which is all but the head of a bur
+  /// or edge.  Empty if the tool is all head.
+  std::optional<HullTree::Node> shank = tree.root();
+};
+
+/// Makes a body of each object that is felt by its mesh.  Throws Error if such an object has no
+/// mesh.
 std::vector<ContactBody> MakeBodies(std::span<const PlacedTree> objects);
 
 /// Returns whether a point of W, which lies on no surface, is inside a body: the winding number of
@@ -48,8 +73,8 @@ bool Hold(std::span<const ContactBody> bodies, const Vec3& p_W);
 /// Makes the body of a tool about its reference point: its mesh or, if the tool is a single ball,
 /// the centre with its radius.  Throws Error if any other tool has no mesh.
 /// `cutting`: of a bur or an edge; otherwise null.
-std::unique_ptr<const ContactBody> MakeToolBody(const TriangleMesh* mesh, const SphereTree& tree,
-                                                const Vec3& reference,
-                                                const Cutting* cutting = nullptr);
+std::unique_ptr<const ToolBody> MakeToolBody(const TriangleMesh* mesh, const SphereTree& tree,
+                                             const Vec3& reference,
+                                             const Cutting* cutting = nullptr);
 
 }  // namespace palpate

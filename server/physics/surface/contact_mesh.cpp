@@ -31,8 +31,8 @@ std::uint32_t CornerOf(const ContactMesh::Triangle& t, std::uint32_t vertex) {
 
 }  // namespace
 
-ContactMesh::ContactMesh(const TriangleMesh& mesh, const Pose& X_FB) {
-  Weld(mesh, X_FB);
+ContactMesh::ContactMesh(const TriangleMesh& mesh, const Vec3& origin) {
+  Weld(mesh, origin);
   Scratch scratch;
   Connect(scratch);
   normals_.resize(triangles_.size());
@@ -50,15 +50,13 @@ void ContactMesh::Scratch::Reserve(std::size_t triangles) {
 }
 
 void ContactMesh::Assign(std::span<const Vec3> vertices,
-                         std::span<const std::array<std::uint32_t, 3>> triangles, const Pose& X_FB,
+                         std::span<const std::array<std::uint32_t, 3>> triangles,
                          Scratch& scratch) {
-  vertices_.clear();
+  vertices_.assign(vertices.begin(), vertices.end());
   triangles_.clear();
   edge_begin_.assign(1, 0);
   edge_faces_.clear();
   reach_ = 0.0;
-  const Mat3 R_FB = X_FB.q.toRotationMatrix();
-  for (const Vec3& v : vertices) vertices_.push_back(X_FB.p + R_FB * v);
   for (const auto& triangle : triangles) AddTriangle(triangle);
   Connect(scratch);
 }
@@ -75,7 +73,7 @@ ContactMesh ContactMesh::Point() {
 }
 
 /// Merges vertices at the same place, so that neighbours are found.
-void ContactMesh::Weld(const TriangleMesh& mesh, const Pose& X_FB) {
+void ContactMesh::Weld(const TriangleMesh& mesh, const Vec3& origin) {
   std::vector<std::uint32_t> order(mesh.vertices.size()), welded(mesh.vertices.size());
   std::iota(order.begin(), order.end(), 0u);
   const auto key = [&](std::uint32_t i) {
@@ -87,7 +85,7 @@ void ContactMesh::Weld(const TriangleMesh& mesh, const Pose& X_FB) {
   });
   for (std::size_t i = 0; i < order.size(); ++i) {
     if (i == 0 || key(order[i]) != key(order[i - 1])) {
-      vertices_.push_back(X_FB * mesh.vertices[order[i]]);
+      vertices_.push_back(mesh.vertices[order[i]] - origin);
     }
     welded[order[i]] = static_cast<std::uint32_t>(vertices_.size() - 1);
   }

@@ -24,7 +24,7 @@ void ReserveEach(std::size_t count, Vectors&... vectors) {
 /// mesh, from which it can be the nearest place of the mesh, because no path along the mesh leads
 /// nearer (drawings in ../contact/README.md).
 ///
-/// Frame F: W for objects; for a tool, the tool's frame about its reference point.
+/// Frame F: the body's own; for a tool, about its reference point.
 class ContactMesh {
  public:
   /// Corners in the order of the source; edge c leads from corner c to corner c + 1.
@@ -38,8 +38,8 @@ class ContactMesh {
   struct Scratch;
 
   ContactMesh() = default;
-  /// `X_FB`: pose of the mesh in F.  Triangles keep their numbers.
-  ContactMesh(const TriangleMesh& mesh, const Pose& X_FB);
+  /// `origin`: of F, in the mesh's coordinates.  Triangles keep their numbers.
+  explicit ContactMesh(const TriangleMesh& mesh, const Vec3& origin = Vec3::Zero());
   /// Returns a mesh of a single point at the origin: the centre of a spherical tool.
   static ContactMesh Point();
   /// Allocates storage for this many triangles, and as many vertices.
@@ -47,8 +47,7 @@ class ContactMesh {
   /// Rebuilds the mesh from triangles whose vertices all differ.  Real-time
   /// if the storage suffices.
   void Assign(std::span<const Vec3> vertices,
-              std::span<const std::array<std::uint32_t, 3>> triangles, const Pose& X_FB,
-              Scratch& scratch);
+              std::span<const std::array<std::uint32_t, 3>> triangles, Scratch& scratch);
 
   const std::vector<Vec3>& vertices() const { return vertices_; }
   const std::vector<Triangle>& triangles() const { return triangles_; }
@@ -77,7 +76,7 @@ class ContactMesh {
   double reach() const { return reach_; }
 
  private:
-  void Weld(const TriangleMesh& mesh, const Pose& X_FB);
+  void Weld(const TriangleMesh& mesh, const Vec3& origin);
   void AddTriangle(const std::array<std::uint32_t, 3>& vertex);
   void Connect(Scratch& scratch);
   std::uint32_t Across(std::uint32_t triangle, std::uint32_t corner) const;

@@ -245,10 +245,10 @@ void FeltSolids::Commit(SeparationFront& front) noexcept {
 }
 
 FeltSolids::Block FeltSolids::BlockOf(const SeparationFront::Pair& entry) const {
-  if (!IsNothing(entry.body)) return BodyOf(entry.body).of;
+  if (!IsNothing(entry.body)) return Body(entry.body).of;
   const std::size_t solid = PlaceOf(entry.body) - bodies_.size();
   return {first_solid_ + static_cast<std::int32_t>(solid), entry.object,
-          uncut_->boxes[solid].tree.BlockOf(entry.object)};
+          uncut_->boxes[solid].shape->tree.BlockOf(entry.object)};
 }
 
 FeltSolids::Taken FeltSolids::Take(const Block& block, const SeparationFront& front) noexcept {
@@ -294,7 +294,7 @@ std::int16_t FeltSolids::MakeOfSurface(const Block& block, std::size_t own, Use 
   free_.pop_back();
   Place& place = bodies_[static_cast<std::size_t>(at)];
   place.use = use;
-  place.body.Assign(block, own, SolidOf(block).solid->X_WB, scratch_);
+  place.body.Assign(block, own, scratch_);
   return at;
 }
 

@@ -32,7 +32,10 @@ class FeltSolids {
   void Follow(std::span<const CutField> cuts, SeparationFront& front) noexcept;
 
   /// Returns the body of a block by its number, which differs from those of the scene's own bodies.
-  const ContactBody& Body(std::int32_t number) const { return BodyOf(number).body; }
+  const BlockBody& Body(std::int32_t number) const {
+    return number < first_uncut_ ? bodies_[PlaceOf(number)].body
+                                 : uncut_->bodies[static_cast<std::size_t>(number - first_uncut_)];
+  }
   /// Returns whether a number stands for an empty block, which has no body.
   bool IsNothing(std::int32_t number) const {
     return number < first_uncut_ && PlaceOf(number) >= bodies_.size();
@@ -47,10 +50,10 @@ class FeltSolids {
   Taken Take(const Block& block, const SeparationFront& front) noexcept;
   /// The material of a triangle, and the index of the solid that it belongs to.
   std::uint8_t MaterialOf(std::int32_t number, std::int32_t triangle) const {
-    return BodyOf(number).materials[static_cast<std::size_t>(triangle)];
+    return Body(number).materials[static_cast<std::size_t>(triangle)];
   }
   std::size_t SolidOf(std::int32_t number) const {
-    return static_cast<std::size_t>(BodyOf(number).of.solid - first_solid_);
+    return static_cast<std::size_t>(Body(number).of.solid - first_solid_);
   }
 
  private:
@@ -80,10 +83,6 @@ class FeltSolids {
   }
   Solid& SolidOf(const Block& block) {
     return solids_[static_cast<std::size_t>(block.solid - first_solid_)];
-  }
-  const BlockBody& BodyOf(std::int32_t number) const {
-    return number < first_uncut_ ? bodies_[PlaceOf(number)].body
-                                 : uncut_->bodies[static_cast<std::size_t>(number - first_uncut_)];
   }
   void TakeAll(std::span<const CutField> cuts) noexcept;
   void Gather(std::span<const CutField> cuts, const SeparationFront& front) noexcept;

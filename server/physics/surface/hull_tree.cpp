@@ -147,9 +147,9 @@ class FewCorners {
 
 class HullTree::Builder {
  public:
-  /// @param axes  of all boxes; if null, each box has its own
-  Builder(HullTree& tree, const ContactMesh& mesh, Scratch& scratch, const Mat3* axes = nullptr)
-      : tree_(tree), mesh_(mesh), scratch_(scratch), axes_(axes) {}
+  /// @param along_axes  whether all boxes lie along the frame's axes; if not, each has its own
+  Builder(HullTree& tree, const ContactMesh& mesh, Scratch& scratch, bool along_axes = false)
+      : tree_(tree), mesh_(mesh), scratch_(scratch), along_axes_(along_axes) {}
 
   void Build(std::size_t count, const std::vector<bool>& set = {}) {
     MakeLeaves(count);
@@ -159,7 +159,7 @@ class HullTree::Builder {
     if (count < 2) return;
     scratch_.order.resize(count);
     std::iota(scratch_.order.begin(), scratch_.order.end(), 0u);
-    if (axes_ == nullptr) {
+    if (!along_axes_) {
       scratch_.places.resize(count);
       scratch_.dealt.resize(count);
       scratch_.ends.resize(count);
@@ -182,7 +182,7 @@ class HullTree::Builder {
   };
 
   void MakeLeaves(std::size_t count) {
-    if (axes_ != nullptr) scratch_.bounds.resize(count);
+    if (along_axes_) scratch_.bounds.resize(count);
     tree_.leaf_corners_.resize(count);
     tree_.leaf_centre_.resize(count);
     tree_.leaf_radius_.resize(count);
@@ -194,9 +194,8 @@ class HullTree::Builder {
       for (int c = 0; c < 3; ++c) radius = std::max(radius, (mesh_.Corner(t, c) - centre).norm());
       tree_.leaf_centre_[t] = centre;
       tree_.leaf_radius_[t] = radius;
-      if (axes_ == nullptr) continue;
-      const Mat3 along = axes_->transpose() * corners;
-      scratch_.bounds[t] = {along.rowwise().minCoeff(), along.rowwise().maxCoeff()};
+      if (!along_axes_) continue;
+      scratch_.bounds[t] = {corners.rowwise().minCoeff(), corners.rowwise().maxCoeff()};
     }
   }
 
@@ -232,7 +231,8 @@ class HullTree::Builder {
   /// Makes the node, and splits its patch across its longest side.
   std::array<Work, 2> Split(const Work& work) {
     Inner box{};
-    const Mat3 axes = axes_ != nullptr ? *axes_ : PrincipalAxes(tree_.leaf_corners_, work.patch);
+    const Mat3 axes =
+        along_axes_ ? Mat3(Mat3::Identity()) : PrincipalAxes(tree_.leaf_corners_, work.patch);
     const Bounds bounds = BoundsOf(work.patch, axes);
     // A billionth of the size covers the rounding of the axes, which are orthogonal to 1e-15.
     const Vec3 size = bounds.high - bounds.low;
@@ -245,11 +245,11 @@ class HullTree::Builder {
       box.sides.col(c) = half[k] * axes.col(k);
     }
     box.centre = axes * (0.5 * (bounds.low + bounds.high));
-    box.radius = axes_ != nullptr ? half.norm() : RadiusOf(work.patch, box.centre);
+    box.radius = along_axes_ ? half.norm() : RadiusOf(work.patch, box.centre);
     std::size_t middle = work.patch.size() / 2;
     if (work.inner == 0 && first_half_ > 0) {
       middle = first_half_;
-    } else if (axes_ != nullptr) {
+    } else if (along_axes_) {
       HalveAlong(order_of[2], work.patch);
     } else {
       SortAlong(axes.col(order_of[2]), work.patch);
@@ -266,7 +266,7 @@ class HullTree::Builder {
   Bounds BoundsOf(Triangles patch, const Mat3& axes) const {
     const double far = std::numeric_limits<double>::infinity();
     Bounds all{Vec3::Constant(far), Vec3::Constant(-far)};
-    if (axes_ != nullptr) {
+    if (along_axes_) {
       for (const std::uint32_t t : patch) {
         all.low = all.low.cwiseMin(scratch_.bounds[t].low);
         all.high = all.high.cwiseMax(scratch_.bounds[t].high);
@@ -360,7 +360,7 @@ class HullTree::Builder {
   HullTree& tree_;
   const ContactMesh& mesh_;
   Scratch& scratch_;
-  const Mat3* axes_;
+  bool along_axes_;
   std::size_t first_half_ = 0;  ///< triangles of the root's first half; 0: not given
 };
 
@@ -373,17 +373,16 @@ void HullTree::Reserve(std::size_t triangles) {
   ReserveEach(triangles, inner_, corners_, points_, leaf_corners_, leaf_centre_, leaf_radius_);
 }
 
-void HullTree::Assign(const ContactMesh& mesh, std::size_t count, const Mat3& axes,
-                      Scratch& scratch) {
-  Builder(*this, mesh, scratch, &axes).Build(count);
+void HullTree::Assign(const ContactMesh& mesh, std::size_t count, Scratch& scratch) {
+  Builder(*this, mesh, scratch, true).Build(count);
 }
 
-HullTree::HullTree(std::span<Box> boxes, const Pose& X_FB) {
-  if (!boxes.empty()) AddBoxes(boxes, X_FB);
+HullTree::HullTree(std::span<Box> boxes) {
+  if (!boxes.empty()) AddBoxes(boxes);
   corners_.resize(inner_.size());  // no eights: the box is used
 }
 
-HullTree::Node HullTree::AddBoxes(std::span<Box> boxes, const Pose& X_FB) {
+HullTree::Node HullTree::AddBoxes(std::span<Box> boxes) {
   Vec3 low = boxes[0].low, high = boxes[0].high;
   for (const Box& one : boxes) {
     low = low.cwiseMin(one.low);
@@ -393,10 +392,10 @@ HullTree::Node HullTree::AddBoxes(std::span<Box> boxes, const Pose& X_FB) {
   std::array<int, 3> by_length{0, 1, 2};
   std::ranges::stable_sort(by_length, {}, [&](int a) { return extent[a]; });
   const auto node = static_cast<std::size_t>(inner_.size());
-  Inner box{X_FB * (0.5 * (low + high)), Mat3::Zero(), extent.norm(), {}};
+  Inner box{0.5 * (low + high), Mat3::Zero(), extent.norm(), {}};
   for (int c = 0; c < 3; ++c) {
     const int axis = by_length[static_cast<std::size_t>(c)];
-    box.sides.col(c) = X_FB.q * (extent[axis] * Vec3::Unit(axis));
+    box.sides.col(c) = extent[axis] * Vec3::Unit(axis);
   }
   inner_.push_back(box);
   if (boxes.size() == 1) {
@@ -408,7 +407,7 @@ HullTree::Node HullTree::AddBoxes(std::span<Box> boxes, const Pose& X_FB) {
   std::ranges::stable_sort(boxes, {},
                            [&](const Box& one) { return one.low[longest] + one.high[longest]; });
   for (int side = 0; side < 2; ++side) {
-    const Node child = AddBoxes(side == 0 ? boxes.first(middle) : boxes.subspan(middle), X_FB);
+    const Node child = AddBoxes(side == 0 ? boxes.first(middle) : boxes.subspan(middle));
     inner_[node].child[side] = child;
   }
   return static_cast<Node>(node);

@@ -34,7 +34,7 @@ class HullTree {
     std::vector<std::uint32_t> order;  ///< the triangles; those of a patch are adjacent
     std::vector<std::pair<double, std::uint32_t>> places, dealt;
     std::vector<std::uint32_t> ends;
-    std::vector<Bounds> bounds;  ///< for each triangle, if all boxes have the same axes
+    std::vector<Bounds> bounds;  ///< for each triangle, if all boxes lie along the axes
   };
   struct Inner {
     Vec3 centre;    ///< centre of the box [m]
@@ -61,15 +61,15 @@ class HullTree {
   explicit HullTree(const ContactMesh& mesh, const std::vector<bool>& set = {});
   /// Allocates storage for this many triangles.
   void Reserve(std::size_t triangles);
-  /// Rebuilds the tree over the first `count` triangles, with boxes along the columns of the
-  /// rotation `axes`.  Real-time if the storage suffices.
-  void Assign(const ContactMesh& mesh, std::size_t count, const Mat3& axes, Scratch& scratch);
+  /// Rebuilds the tree over the first `count` triangles, with boxes along the frame's axes.
+  /// Real-time if the storage suffices.
+  void Assign(const ContactMesh& mesh, std::size_t count, Scratch& scratch);
   struct Box {
-    Vec3 low, high;  ///< in frame B [m]
+    Vec3 low, high;  ///< [m]
     std::uint32_t block;
   };
-  /// Makes a tree over the boxes of blocks, which lie along the axes of B.
-  HullTree(std::span<Box> boxes, const Pose& X_FB);
+  /// Makes a tree over the boxes of blocks, which lie along the frame's axes.
+  explicit HullTree(std::span<Box> boxes);
 
   static bool IsLeaf(Node node) { return node < 0; }
   static std::uint32_t TriangleOf(Node node) { return static_cast<std::uint32_t>(~node); }
@@ -117,7 +117,7 @@ class HullTree {
   };
   class Builder;
 
-  Node AddBoxes(std::span<Box> boxes, const Pose& X_FB);
+  Node AddBoxes(std::span<Box> boxes);
 
   std::vector<Inner> inner_;
   std::vector<Corners> corners_;  ///< for each inner node

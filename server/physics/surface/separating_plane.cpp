@@ -8,17 +8,16 @@
 
 namespace palpate {
 
-void PlaneSearches::Reset(const ToolMotion& motion, double least) {
-  from_ = &motion.from;
-  to_ = &motion.to;
+void PlaneSearches::Reset(double least) {
   least_ = least;
   running_ = 0;
 }
 
-int PlaneSearches::Begin(const PatchPair& pair, const Vec3& guess) {
+int PlaneSearches::Begin(const PatchPair& pair, const ToolMotion& motion, const Vec3& guess) {
   const int lane = std::countr_one(running_);
   running_ |= 1u << lane;
   pairs_[lane] = pair;
+  motions_[lane] = &motion;
   planes_[lane].n = guess;
   planes_[lane].tries = 0;
   for (std::uint32_t& with : simplices_.with) with &= ~(1u << lane);
@@ -39,14 +38,14 @@ std::uint32_t PlaneSearches::Try(const Kernels& kernels) {
     }
     ++plane.tries;
     const Vec3 highest = pair.object.Lowest(-plane.n, kernels);
-    const auto difference = [&](const ToolPose& at, double& gap) -> Vec3 {
+    const auto difference = [&](const Placement& at, double& gap) -> Vec3 {
       const Vec3 d = at.R * pair.tool.Lowest(at.R.transpose() * plane.n, kernels) + at.p - highest;
       gap = plane.n.dot(d) - pair.radius;
       return d;
     };
-    Vec3 lowest = difference(*to_, plane.after);
+    Vec3 lowest = difference(motions_[i]->to, plane.after);
     if (plane.after >= least_) {
-      lowest = difference(*from_, plane.before);
+      lowest = difference(motions_[i]->from, plane.before);
       if (plane.before >= least_) found_ |= 1u << i;
     }
     for (int c = 0; c < 3; ++c) simplices_.added[c][i] = lowest[c];
@@ -60,8 +59,8 @@ std::uint32_t PlaneSearches::Try(const Kernels& kernels) {
 bool FindPlane(const PatchPair& pair, const ToolMotion& motion, const Vec3& guess, double least,
                const Kernels& kernels, SeparatingPlane& plane) noexcept {
   PlaneSearches searches;
-  searches.Reset(motion, least);
-  const int lane = searches.Begin(pair, guess);
+  searches.Reset(least);
+  const int lane = searches.Begin(pair, motion, guess);
   while (searches.Try(kernels) == 0) {
   }
   plane = searches.plane(lane);

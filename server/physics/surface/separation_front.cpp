@@ -24,7 +24,7 @@ void SeparationFront::Reserve() {
   expiry_.reserve(kMaxSlots / 8);
 }
 
-void SeparationFront::Restart(const ContactBody& tool, std::span<const ContactBody> bodies,
+void SeparationFront::Restart(const ToolBody& tool, std::span<const ContactBody> bodies,
                               const ToolPose& at, std::optional<HullTree::Node> for_solids) {
   Reserve();
   roots_ = static_cast<Index>(bodies.size());
@@ -41,7 +41,7 @@ void SeparationFront::Restart(const ContactBody& tool, std::span<const ContactBo
   since_.fill(EpochMotion{});
   next_merged_ = 0;
   for (Index body = 0; body < roots_; ++body) {
-    const HullTree& tree = bodies[static_cast<std::size_t>(body)].tree;
+    const HullTree& tree = bodies[static_cast<std::size_t>(body)].shape->tree;
     const auto of_tool = tree.IsOfBlocks() ? for_solids : tool.tree.root();
     Put(body, tool.tree, {of_tool.value_or(tool.tree.root()), tree.root(), body, -1, -1});
     Set(body, Vec3::UnitZ(), of_tool ? -1.0 : kNever);

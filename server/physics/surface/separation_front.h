@@ -50,7 +50,7 @@ class SeparationFront {
   void Clear() { pairs_.clear(); }
   /// Starts again with the pair of roots of each body, for the tool at `at`, with no plane known.
   /// `for_solids`: the part of the tool that meets bodies whose trees are of blocks.
-  void Restart(const ContactBody& tool, std::span<const ContactBody> bodies, const ToolPose& at,
+  void Restart(const ToolBody& tool, std::span<const ContactBody> bodies, const ToolPose& at,
                std::optional<HullTree::Node> for_solids = std::nullopt);
   /// Moves the tool to `at`.  `reach`: distance of its farthest point from the reference point [m].
   /// Returns an upper bound on the way of that point [m].
