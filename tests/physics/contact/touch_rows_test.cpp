@@ -1,6 +1,7 @@
 // Compares rows between meshes with gaps in closed form: near the trial it was made for, a row must
 // match the contact's geometry.
 #include <functional>
+#include <memory>
 #include <span>
 
 #include <gtest/gtest.h>
@@ -39,7 +40,9 @@ Vec3 Extreme(const TriangleMesh& mesh, const Vec3& direction) {
 /// origin).
 void ExpectRowsLike(const TriangleMesh& tool_mesh, const TriangleMesh& object_mesh, double height,
                     const std::function<double(const Vec3& p, const Mat3& R)>& gap) {
-  const ContactBody tool{ContactMesh(tool_mesh, {})}, object{ContactMesh(object_mesh, {})};
+  const ToolBody tool{ContactMesh(tool_mesh)};
+  const ContactBody object{std::make_shared<const ContactShape>(ContactMesh(object_mesh)),
+                           PlacementOf({})};
   constexpr int kRows = 64;
   MeshContact contact(tool, {&object, 1}, kRows, limits::mesh::kSeparation,
                       limits::mesh::kMaxLooks);

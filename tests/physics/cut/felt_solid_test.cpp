@@ -160,7 +160,8 @@ TEST(FeltSolid, ABlocksBoxHoldsWhateverIsLeftOfIt) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     Felt felt(Probe(), Block(seed == 1 ? Quat::Identity() : kAskew));
     const CutSolid& solid = felt.model->solids()[0];
-    const HullTree boxes = BlocksOf(solid).tree;
+    const ContactBody blocks = BlocksOf(solid);
+    const HullTree& boxes = blocks.shape->tree;
     if (seed > 1) Riddle(felt, seed);
     SolidSurface surface;
     std::size_t triangles = 0;
@@ -178,7 +179,7 @@ TEST(FeltSolid, ABlocksBoxHoldsWhateverIsLeftOfIt) {
       triangles += surface.triangles.size();
       for (const auto& triangle : surface.triangles) {
         for (const std::uint32_t v : triangle) {
-          const Vec3 from = solid.X_WB * surface.vertices[v] - box.centre;
+          const Vec3 from = surface.vertices[v] - box.centre;
           for (int c = 0; c < 3; ++c) {
             const Vec3 side = box.sides.col(c);
             ASSERT_LE(std::abs(from.dot(side)), side.squaredNorm()) << boxes.BlockOf(n);

@@ -30,7 +30,7 @@ TEST(ContactBody, LeavesWhatYieldsToItsLeaves) {
   const PlacedTree all[] = {Placed(soft), Placed(rigid), Placed(partly)};
   const auto bodies = MakeBodies(all);
   ASSERT_EQ(bodies.size(), 1u);
-  EXPECT_EQ(bodies[0].mesh.triangles().size(), rigid.mesh.triangles.size());
+  EXPECT_EQ(bodies[0].shape->mesh.triangles().size(), rigid.mesh.triangles.size());
 }
 
 // A triangle takes its material from a leaf, which must be near and of the right body.
@@ -48,7 +48,8 @@ TEST(ContactBody, GivesEachTriangleTheLeafThatLiesAtIt) {
     const Body& body = t < of_first ? first : second;
     const std::uint32_t own = t < of_first ? t : t - of_first;
     const ContactBody& made = bodies[t < of_first ? 0 : 1];
-    const std::int32_t leaf = made.leaf[own] - (t < of_first ? 0 : first_leaves);
+    const std::int32_t leaf = made.shape->leaf[own];
+    ASSERT_EQ(made.first_leaf, t < of_first ? 0 : first_leaves);
     ASSERT_GE(leaf, 0);
     ASSERT_LT(leaf, static_cast<std::int32_t>(body.tree.leaves()));
     // A leaf that lists the triangle, and of those the nearest to its centroid.
@@ -73,6 +74,25 @@ TEST(ContactBody, GivesEachTriangleTheLeafThatLiesAtIt) {
     EXPECT_TRUE(listed) << "triangle " << t;
     EXPECT_EQ(distance(static_cast<std::size_t>(leaf)), least) << "triangle " << t;
   }
+}
+
+TEST(ContactBody, SharesItsShapeWithBodiesOfTheSameMeshOnly) {
+  const Body box = MakeBody("box", MakeBox(Vec3::Constant(0.02)), 64);
+  Body moved = box;
+  moved.X_WB = {Vec3(0.1, 0.0, 0.0), Quat::FromTwoVectors(Vec3::UnitX(), Vec3(1.0, 2.0, 3.0))};
+  Body other = box;
+  other.mesh.vertices[0].x() += 1e-9;
+  Body other_leaves = box;
+  other_leaves.tree.leaf_radius[0] += 1e-9;
+  const PlacedTree all[] = {Placed(box), Placed(other), Placed(moved), Placed(other_leaves)};
+  const auto bodies = MakeBodies(all);
+  ASSERT_EQ(bodies.size(), 4u);
+  EXPECT_EQ(bodies[0].shape, bodies[2].shape);
+  EXPECT_NE(bodies[0].shape, bodies[1].shape);
+  EXPECT_NE(bodies[0].shape, bodies[3].shape);
+  EXPECT_EQ(bodies[0].shape->mesh.vertices().size(), 8u);
+  EXPECT_EQ(bodies[2].X_WB.p, moved.X_WB.p);
+  EXPECT_EQ(bodies[2].first_leaf, static_cast<std::int32_t>(2 * box.tree.leaves()));
 }
 
 TEST(ContactBody, NamesTheRemedyWhereAMeshIsMissing) {

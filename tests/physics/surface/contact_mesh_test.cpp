@@ -15,8 +15,9 @@ namespace {
 
 using test::Random;
 
-ContactMesh Place(const TriangleMesh& mesh, const Pose& X = {}) {
-  return ContactMesh(mesh, X);
+ContactMesh Place(TriangleMesh mesh, const Pose& X = {}) {
+  for (Vec3& v : mesh.vertices) v = X * v;
+  return ContactMesh(mesh);
 }
 
 std::uint32_t VertexAt(const ContactMesh& mesh, const Vec3& x) {

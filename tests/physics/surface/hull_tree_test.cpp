@@ -18,7 +18,7 @@ namespace {
 using test::Random;
 
 ContactMesh MeshAlone(const TriangleMesh& mesh) {
-  return ContactMesh(mesh, {});
+  return ContactMesh(mesh);
 }
 
 std::vector<std::uint32_t> Below(const HullTree& tree, HullTree::Node node) {

@@ -25,16 +25,16 @@ HullTree TreeOf(const std::vector<Vec3>& corners) {
   mesh.vertices = corners;
   for (std::uint32_t i = 0; i + 2 < corners.size(); ++i)
     mesh.triangles.push_back({i, i + 1, i + 2});
-  return HullTree(ContactMesh(mesh, {}));
+  return HullTree(ContactMesh(mesh));
 }
 
 /// Differences between the tool's corners, at both ends of a motion, and the object's.
 std::vector<Vec3> Differences(const std::vector<Vec3>& tool, const std::vector<Vec3>& object,
                               const ToolMotion& motion) {
   std::vector<Vec3> all;
-  for (const ToolPose* at : {&motion.from, &motion.to}) {
+  for (const Placement* at : {&motion.from, &motion.to}) {
     for (const Vec3& a : tool) {
-      for (const Vec3& b : object) all.push_back(at->R * a + at->p - b);
+      for (const Vec3& b : object) all.push_back(*at * a - b);
     }
   }
   return all;
@@ -107,7 +107,7 @@ TEST(SeparatingPlane, IsFoundWhereThereIsOneAndOnlyThere) {
     const Case c = MakeCase(random, trial);
     const ToolMotion motion{c.from, c.to};
     const HullTree tool = TreeOf(c.tool), object = TreeOf(c.object);
-    const PatchPair pair{tool, tool.root(), c.radius, object, object.root()};
+    const PatchPair pair{tool.HullOf(tool.root()), object.HullOf(object.root()), c.radius};
     const std::vector<Vec3> differences = Differences(c.tool, c.object, motion);
     const double most = MostSeparation(differences) - c.radius;
     for (const double least : {1e-9, 0.5e-6, 1e-4, 2e-3}) {
@@ -136,7 +136,7 @@ TEST(SeparatingPlane, IsTheGuessWhereThatHolds) {
   const ToolPose at(Vec3::Zero(), Quat::Identity());
   const Vec3 guess = Vec3(0.1, -0.1, 1.0).normalized();
   SeparatingPlane plane;
-  ASSERT_TRUE(FindPlane({tool, tool.root(), 0.0, object, object.root()}, {at, at}, guess, 1e-6,
+  ASSERT_TRUE(FindPlane({tool.HullOf(tool.root()), object.HullOf(object.root()), 0.0}, {at, at}, guess, 1e-6,
                         ActiveKernels(), plane));
   EXPECT_EQ(plane.n, guess);
   EXPECT_EQ(plane.tries, 1);
@@ -151,7 +151,7 @@ TEST(SeparatingPlane, TellsRoundPatchesApart) {
     const Vec3 way = random.Direction();
     const auto at = [&](double distance) { return ToolPose(distance * way, random.Rotation()); };
     SeparatingPlane plane;
-    const PatchPair pair{tree, tree.root(), 0.0, tree, tree.root()};
+    const PatchPair pair{tree.HullOf(tree.root()), tree.HullOf(tree.root()), 0.0};
     const ToolPose away = at(0.0201), in = at(0.017);
     EXPECT_TRUE(FindPlane(pair, {away, away}, random.Direction(), 1e-6, ActiveKernels(), plane));
     EXPECT_FALSE(FindPlane(pair, {in, in}, random.Direction(), 1e-6, ActiveKernels(), plane));
@@ -172,7 +172,7 @@ TEST(SeparatingPlane, IsTheSameBesideOtherSearches) {
     Vec3 guess;
     SeparatingPlane alone;
     bool found_alone;
-    PatchPair pair() const { return {tool, tool.root(), 0.0, object, object.root()}; }
+    PatchPair pair() const { return {tool.HullOf(tool.root()), object.HullOf(object.root()), 0.0}; }
   };
   std::vector<Search> all;
   int found = 0;
@@ -187,13 +187,13 @@ TEST(SeparatingPlane, IsTheSameBesideOtherSearches) {
   EXPECT_GT(found, 30);
   EXPECT_LT(found, 270);
   PlaneSearches searches;
-  searches.Reset(motion, least);
+  searches.Reset(least);
   std::size_t of_lane[PlaneSearches::kAtOnce], begun = 0, ended = 0;
   while (ended < all.size()) {
     // As many as there is room for, or fewer.
     for (int more = 1 + random.Below(8); more > 0 && !searches.IsFull() && begun < all.size();
          --more, ++begun) {
-      of_lane[searches.Begin(all[begun].pair(), all[begun].guess)] = begun;
+      of_lane[searches.Begin(all[begun].pair(), motion, all[begun].guess)] = begun;
     }
     for (std::uint32_t lanes = searches.Try(ActiveKernels()); lanes != 0; lanes &= lanes - 1) {
       const int lane = std::countr_zero(lanes);
@@ -215,7 +215,7 @@ TEST(SeparatingPlane, IsNoneBetweenPointsAtOnePlace) {
   const HullTree point = TreeOf({Vec3::Zero(), Vec3::Zero(), Vec3::Zero()});
   const ToolPose at(Vec3::Zero(), Quat::Identity());
   SeparatingPlane plane;
-  EXPECT_FALSE(FindPlane({point, point.root(), 0.0, point, point.root()}, {at, at}, Vec3::UnitZ(),
+  EXPECT_FALSE(FindPlane({point.HullOf(point.root()), point.HullOf(point.root()), 0.0}, {at, at}, Vec3::UnitZ(),
                          1e-9, ActiveKernels(), plane));
 }
 

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 #include <map>
+#include <memory>
 #include <numeric>
 #include <vector>
 
@@ -57,10 +58,11 @@ class FrontBench {
              double size, std::uint64_t seed)
       : random(seed),
         size_(size),
-        tool(ContactMesh(tool_mesh, {})),
+        tool(ContactMesh(tool_mesh)),
         pose(Vec3(0.0, 0.0, size), Quat::Identity()) {
+    const auto shape = std::make_shared<const ContactShape>(ContactMesh(object_mesh));
     for (Index body = 0; body < bodies; ++body) {
-      objects.emplace_back(ContactMesh(object_mesh, {Vec3(size * body, 0, 0)}));
+      objects.push_back({shape, PlacementOf({Vec3(size * body, 0, 0)})});
       plane_[body] = {Vec3::UnitZ(), pose.p};
     }
     front.Restart(tool, objects, pose);
@@ -74,8 +76,10 @@ class FrontBench {
         low = std::min(low, n.dot(pose.R * tool.mesh.Corner(t, c) + pose.p));
     }
     const ContactBody& object = Object(pair);
-    for (const std::uint32_t t : TrianglesBelow(object.tree, pair.object)) {
-      for (int c = 0; c < 3; ++c) high = std::max(high, n.dot(object.mesh.Corner(t, c)));
+    for (const std::uint32_t t : TrianglesBelow(object.shape->tree, pair.object)) {
+      for (int c = 0; c < 3; ++c) {
+        high = std::max(high, n.dot(object.X_WB * object.shape->mesh.Corner(t, c)));
+      }
     }
     return low - high;
   }
@@ -111,7 +115,7 @@ class FrontBench {
     const Index i = Pick(open);
     const Vec3 n = random.Direction();
     const Index child =
-        front.Split(i, tool.tree, Object(front.pair(i)).tree, n, Gap(front.pair(i), n));
+        front.Split(i, tool.tree, Object(front.pair(i)).shape->tree, n, Gap(front.pair(i), n));
     ASSERT_GE(child, 0);
     plane_[child] = plane_[child + 1] = {n, pose.p};
   }
@@ -138,7 +142,7 @@ class FrontBench {
   /// The front is a cut: each pair of triangles is below exactly one pair; no other slot expires.
   void JudgeCover() const {
     const std::size_t tools = tool.mesh.triangles().size();
-    const std::size_t of_object = objects[0].mesh.triangles().size();
+    const std::size_t of_object = objects[0].shape->mesh.triangles().size();
     std::vector<int> seen(tools * objects.size() * of_object, 0);
     std::vector<bool> of_front((front.slots() + 7) / 8 * 8, false);
     const std::vector<Index> all = Front();
@@ -148,7 +152,7 @@ class FrontBench {
       const SeparationFront::Pair& pair = front.pair(i);
       const auto body = static_cast<std::size_t>(pair.body);
       for (const std::uint32_t t : TrianglesBelow(tool.tree, pair.tool)) {
-        for (const std::uint32_t o : TrianglesBelow(objects[body].tree, pair.object)) {
+        for (const std::uint32_t o : TrianglesBelow(objects[body].shape->tree, pair.object)) {
           ++seen[(body * tools + t) * of_object + o];
         }
       }
@@ -177,7 +181,7 @@ class FrontBench {
 
   Random random;
   double size_;
-  ContactBody tool;
+  ToolBody tool;
   std::vector<ContactBody> objects;
   ToolPose pose;
   SeparationFront front;
@@ -270,10 +274,10 @@ TEST(SeparationFront, ForgetsWhereTheToolWasSixtyFourMovesAgo) {
 TEST(SeparationFront, OpensTheLargerNodeOfAPair) {
   FrontBench bench(MakeBox(Vec3::Constant(0.02)), MakeBox(Vec3::Constant(0.2)), 1, 0.3, 3);
   const Index child =
-      bench.front.Split(0, bench.tool.tree, bench.objects[0].tree, Vec3::UnitZ(), 0.1);
+      bench.front.Split(0, bench.tool.tree, bench.objects[0].shape->tree, Vec3::UnitZ(), 0.1);
   for (Index side = 0; side < 2; ++side) {
     EXPECT_EQ(bench.front.pair(child + side).tool, bench.tool.tree.root());
-    EXPECT_EQ(bench.front.pair(child + side).object, bench.objects[0].tree.inner(0).child[side]);
+    EXPECT_EQ(bench.front.pair(child + side).object, bench.objects[0].shape->tree.inner(0).child[side]);
   }
 }
 
@@ -313,7 +317,8 @@ TEST(SeparationFront, OffersEveryPairThatCanBeClosedOnceARound) {
 
 TEST(SeparationFront, HasRoomForTheMostPairsAndSaysSoWhereThereIsNoMore) {
   const TriangleMesh tool = MakeSphere(0.02, 320), object = MakeSphere(0.03, 1280);
-  const ContactBody a{ContactMesh(tool, {})}, b{ContactMesh(object, {})};
+  const ToolBody a{ContactMesh(tool)};
+  const ContactBody b{std::make_shared<const ContactShape>(ContactMesh(object)), PlacementOf({})};
   SeparationFront front;
   front.Reserve();
   const std::uint64_t before = test::AllocationsOfThisThread();
@@ -325,7 +330,7 @@ TEST(SeparationFront, HasRoomForTheMostPairsAndSaysSoWhereThereIsNoMore) {
   };
   for (; refused < 0; ++next) {
     if (next == 1 || is_pair_of_triangles(next)) continue;
-    if (front.Split(next, a.tree, b.tree, Vec3::UnitZ(), 0.01) < 0) refused = next;
+    if (front.Split(next, a.tree, b.shape->tree, Vec3::UnitZ(), 0.01) < 0) refused = next;
   }
   EXPECT_EQ(front.slots(), SeparationFront::kMaxSlots);
   EXPECT_EQ(front.size(), SeparationFront::kMaxSlots / 2);
@@ -336,7 +341,7 @@ TEST(SeparationFront, HasRoomForTheMostPairsAndSaysSoWhereThereIsNoMore) {
     Index closed = -1;
     while (closed < 0 || closed == front.pair(refused).parent) closed = front.NextMergeable();
     front.Merge(closed, Vec3::UnitX(), 0.02);
-    ASSERT_GE(front.Split(refused, a.tree, b.tree, Vec3::UnitZ(), 0.01), 0);
+    ASSERT_GE(front.Split(refused, a.tree, b.shape->tree, Vec3::UnitZ(), 0.01), 0);
     refused = closed;
     at = at.Moved(Vec3(1e-5, 0.0, 0.0), Vec3(0.0, 1e-4, 0.0));
     front.Move(at, a.mesh.reach());
