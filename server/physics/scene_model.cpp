@@ -44,12 +44,14 @@ Cutting CuttingOf(const BurProfile& profile) {
 std::shared_ptr<const SceneObjects> MakeObjects(const Scene& scene) {
   std::vector<PlacedTree> placed;
   std::vector<CutSolid> solids;
+  const bool for_balls =
+      std::ranges::any_of(scene.tools, [](const Body& tool) { return tool.tree.leaves() == 1; });
   for (const Body& object : scene.objects) {
     if (!IsPose(object.X_WB)) {
       throw Error(object.name + ": its pose must be finite, its quaternion of length 1");
     }
     placed.push_back({&object.tree, object.X_WB, &object.mesh, object.leaf_material,
-                      object.materials, object.grid.has_value()});
+                      object.materials, object.grid.has_value(), for_balls});
     if (object.grid) {
       solids.push_back(SolidOf(object));
       solids.back().object = static_cast<std::uint32_t>(placed.size() - 1);

@@ -24,6 +24,7 @@ struct PlacedTree {
   std::span<const std::uint8_t> leaf_material{};  ///< as in Body
   std::span<const Material> materials{};          ///< if empty, every leaf has Material{}
   bool is_cut = false;                            ///< felt as a CutSolid
+  bool for_balls = false;  ///< a spherical tool will touch it: keeps its smooth normals
 };
 
 /// Constants of the step that a scene or a benchmark may set; StepTuning holds those

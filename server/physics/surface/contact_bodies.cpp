@@ -28,6 +28,7 @@ std::shared_ptr<const ContactShape> MakeShape(const PlacedTree* object) {
   const TriangleMesh& mesh = *object->mesh;
   const SphereTree& tree = *object->tree;
   auto shape = std::make_shared<ContactShape>(ContactMesh(mesh));
+  if (object->for_balls) shape->mesh.KeepNormals();
   // For each triangle, of the leaves that list it, the one nearest to its middle;
   // of equals the first.
   shape->leaf.assign(mesh.triangles.size(), 0);

@@ -35,8 +35,10 @@ ContactMesh::ContactMesh(const TriangleMesh& mesh, const Vec3& origin) {
   Weld(mesh, origin);
   Scratch scratch;
   Connect(scratch);
-  normals_.resize(triangles_.size());
-  for (std::uint32_t t = 0; t < triangles_.size(); ++t) normals_[t] = CornerNormals(t);
+}
+
+void ContactMesh::KeepNormals() {
+  for (std::uint32_t t = 0; t < triangles_.size(); ++t) normals_.push_back(CornerNormals(t));
 }
 
 void ContactMesh::Reserve(std::size_t triangles) {
@@ -68,7 +70,6 @@ ContactMesh ContactMesh::Point() {
   // A ball can touch in any direction: no edge and no neighbour bounds its cone.
   point.edge_begin_ = {0, 0};
   point.vertex_begin_ = {0, 0};
-  point.normals_.resize(1);
   return point;
 }
 

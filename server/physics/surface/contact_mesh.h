@@ -49,6 +49,9 @@ class ContactMesh {
   void Assign(std::span<const Vec3> vertices,
               std::span<const std::array<std::uint32_t, 3>> triangles, Scratch& scratch);
 
+  /// Keeps the normals of SmoothNormal, which otherwise are computed anew in each call.
+  void KeepNormals();
+
   const std::vector<Vec3>& vertices() const { return vertices_; }
   const std::vector<Triangle>& triangles() const { return triangles_; }
   bool empty() const { return triangles_.empty(); }
@@ -87,7 +90,7 @@ class ContactMesh {
   std::vector<std::uint32_t> edge_begin_{0}, edge_faces_;
   std::vector<std::uint32_t> vertex_begin_{0}, vertex_faces_;
   /// For each corner of each triangle, the smooth normal, or the triangle's own where the surface
-  /// has a crease.  Empty after Assign: few triangles are queried before the next one.
+  /// has a crease.  Empty unless kept.
   std::vector<std::array<Eigen::Vector3f, 3>> normals_;
   double reach_ = 0.0;
 };
