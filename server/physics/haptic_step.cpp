@@ -61,8 +61,7 @@ bool Begin(const Pose& X_WH, StepContext& context) {
   const Target hand_step = TargetOf(state.X_WH * reference, state.X_WH.q, tools.p_H, tools.q_H);
   StepBounds& bounds = context.sub_step.bounds;
   bounds = FirstBounds(context.model, hand_step);
-  bounds.translation = std::max(bounds.translation, state.behind.translation);
-  bounds.rotation = std::max(bounds.rotation, state.behind.rotation);
+  if (state.behind.translation > 0.0) bounds = state.behind;
   const bool cuts = CutsInStep(context.model, {X_WH.p, tools.q_H}, state);
   state.X_WH = {X_WH.p, tools.q_H};
   if (cuts != state.cutting) state.front.Clear();
@@ -225,7 +224,16 @@ void Report(StepContext& context, const Way& way) {
   context.held = optimum.IsHeld();
   report.wrench = context.held ? context.WrenchAfter(optimum.v, optimum.phi) : Wrench{};
   ReportContacts(context, felt);
-  context.sub_step.bounds = WiderBounds(context.model, context.sub_step.bounds);
+  const StepParameters& parameters = context.model.parameters();
+  const auto next_bounds = [&](std::int64_t looks) {
+    const auto& meshes = context.buffers.meshes;
+    const double paid =
+        meshes ? static_cast<double>(looks) / static_cast<double>(meshes->looks.Spent())
+               : kInfinity;
+    return NextBounds(parameters, context.sub_step.bounds, way.part, paid);
+  };
+  context.state.behind = next_bounds(parameters.looks);
+  context.sub_step.bounds = next_bounds(parameters.looks - context.cost.looks);
 }
 
 void ForgetForces(StepReport& report) {
@@ -291,7 +299,7 @@ void End(const Pose& X_WH, StepContext& context) {
   StepReport& report = context.report;
   if (!context.arrived && !context.IsUnsolved()) report.faults |= kFaultTargetFar;
   const bool lags = context.buffers.meshes && !context.arrived;
-  state.behind = lags ? context.sub_step.bounds : StepBounds{0.0, 0.0};
+  if (!lags) state.behind = {0.0, 0.0};
   if (context.arrived && !context.held) {
     state.X_WG = {X_WH.p, context.tools.q_H};
   } else {

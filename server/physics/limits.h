@@ -50,7 +50,8 @@ inline constexpr double kBoundsOverHand = 2.0;
 inline constexpr double kBoundsAcross = 0.5;
 /// Smallest first bounds over the widest: 20 um, as far as an encoder's noise moves a resting hand.
 inline constexpr double kLeastBounds = 0.04;
-/// Factor from the bounds of a sub-step to those of the next: from the least to the widest in two.
+/// Largest factor from the bounds of a sub-step to those of the next: from the least to the widest
+/// in two.
 inline constexpr double kWiden = 8.0;
 /// Share of the bounds that a shortened step aims at.  The rest is for rows that the last rotation
 /// left violated, by at most kMaxTruncation; 2 % of the least bounds, 20 um, is nearly as much.
@@ -264,9 +265,11 @@ inline constexpr double kNarrow = 0.25;
 /// the search for a plane, or the nearest points of two triangles.  A further sub-step begins only
 /// if a quarter of them is left.  Taken.
 inline constexpr int kMaxLooks = 3400;
-/// Part of a cycle's looks, one over this, that may be spent beyond them on testing shorter motions
-/// once there is none left: half a dozen among 10,000 near pairs, all twenty among 3,000.  Taken.
+/// Part of a cycle's looks, one over this, that may be spent beyond them on shorter motions once
+/// there is none left.  Taken.
 inline constexpr int kReserve = 4;
+/// Looks that a pair whose plane does not hold costs: four directions are usual (kDirections).
+inline constexpr int kLooksOfDoubt = 4;
 /// Pairs that are refreshed, or found not to hold in a trial, in the time of one look; eight times
 /// as many are tested in that time.
 inline constexpr int kRefreshesALook = 8;

@@ -228,8 +228,11 @@ int Certify(MeshContact& contact, const Vec3& v, const Vec3& phi, Until until) n
     if (collected < near.size()) {
       const auto found = near.FindUsedUp(collected, motion, looks);
       collected = near.size();
-      // Without looks they are not examined, so sorting them would only take time.
-      if (looks.AreSpent() && !found.empty()) {
+      // Those that the looks do not pay for are not examined: sorting them would only take time,
+      // and a shorter trial has fewer.
+      const auto count = static_cast<std::int64_t>(found.size());
+      const std::int64_t price = until == Until::kFirst ? kLooksOfDoubt * count : 1;
+      if (count > 0 && looks.Spent() + price > looks.most) {
         return apart_not + static_cast<int>(found.size() + doubts.size());
       }
       for (const Index k : found) {

@@ -75,7 +75,7 @@ struct MeshContact {
 
 /// When Certify may stop at a trial that is not free.
 enum class Until {
-  kFirst,   ///< when one pair has no plane
+  kFirst,   ///< when one pair has no plane, or the looks do not pay for all pairs in doubt
   kEnough,  ///< when limits::mesh::kEnough have none: there will be another trial
 };
 

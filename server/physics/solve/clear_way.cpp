@@ -129,21 +129,22 @@ void BeginAnew(StepContext& context) {
   RelineariseAtStart(meshes, rows);
 }
 
-/// Returns the longest half, quarter, ... of a motion that is free, or none if testing them takes
-/// too long: without looks, planes are tested but not searched.
+/// Returns the longest half, quarter, ... of a motion that is free and paid for, or none.
 Way Halve(const StepContext& context, Way way) {
   MeshContact& meshes = *context.buffers.meshes;
   way.arrived = false;
   context.state.friction = context.sub_step.friction_before;  // discards those of the trials
-  const auto most = meshes.looks.most + context.model.parameters().looks / limits::mesh::kReserve;
-  while (!meshes.near.is_full() && meshes.looks.Spent() < most &&
+  meshes.looks.most += context.model.parameters().looks / limits::mesh::kReserve;
+  while (!meshes.near.is_full() && !meshes.looks.AreSpent() &&
          LengthOf(context, way) > limits::mesh::kRounding) {
     way.v *= 0.5;
     way.phi *= 0.5;
+    way.part *= 0.5;
     if (IsFree(context, way)) return way;
   }
   way.v.setZero();
   way.phi.setZero();
+  way.part = 0.0;
   meshes.motion = Motion(meshes.motion.from);
   return way;
 }

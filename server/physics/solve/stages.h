@@ -17,8 +17,14 @@ namespace palpate {
 /// for may block a nearer one.
 /// @param hand_step  what the hand moved since the last cycle
 StepBounds FirstBounds(const HapticModel& model, const Target& hand_step) noexcept;
-/// Returns the bounds of the next sub-step: kWiden times wider, up to the widest.
-StepBounds WiderBounds(const HapticModel& model, const StepBounds& bounds) noexcept;
+/// Returns the bounds of the next sub-step: kWiden times wider, up to the widest.  Between meshes,
+/// no wider than its looks pay for; they grow with the way.
+/// @param bounds  of the last sub-step
+/// @param part    of the last sub-step's trial that was free: if not all was, the next bounds are
+///                that part of the last ones
+/// @param paid    looks that the next sub-step may spend, over those that the last one spent
+StepBounds NextBounds(const StepParameters& parameters, const StepBounds& bounds, double part,
+                      double paid) noexcept;
 /// Returns the greatest part of a step, at most 1, that stays inside the bounds that the prediction
 /// covers.
 double PartWithin(const StepBounds& bounds, const Vec3& v, const Vec3& phi) noexcept;

@@ -25,9 +25,13 @@ StepBounds FirstBounds(const HapticModel& model, const Target& hand_step) noexce
       parameters);
 }
 
-StepBounds WiderBounds(const HapticModel& model, const StepBounds& bounds) noexcept {
-  return Narrowed({limits::kWiden * bounds.translation, limits::kWiden * bounds.rotation},
-                  model.parameters());
+StepBounds NextBounds(const StepParameters& parameters, const StepBounds& bounds, double part,
+                      double paid) noexcept {
+  double by = part == 1.0 ? std::min(paid, limits::kWiden) : part;
+  // A way no longer than the separation has as many near pairs as none.
+  const double least = std::min(parameters.separation / bounds.translation, 1.0);
+  by = std::max({by, limits::mesh::kNarrow, least});
+  return Narrowed({by * bounds.translation, by * bounds.rotation}, parameters);
 }
 
 double PartWithin(const StepBounds& bounds, const Vec3& v, const Vec3& phi) noexcept {

@@ -49,6 +49,7 @@ struct Way {
   Optimum optimum;
   Vec3 v = Vec3::Zero(), phi = Vec3::Zero();  ///< [m], [rad]
   bool arrived = false;                       ///< whether it reaches the optimum
+  double part = 1.0;                          ///< of the last trial, that the meshes allowed
 };
 
 /// How far rows between meshes are trusted in a sub-step (ClearWay).

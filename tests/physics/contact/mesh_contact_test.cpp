@@ -500,6 +500,22 @@ TEST(MeshContact, GoesOnWithWideBoundsWhereItHasFallenBehind) {
   EXPECT_NEAR(report.X_WG.p.x(), 0.02, 1e-9);
 }
 
+// Half of the ball lies within 0.2 mm of its socket: a long trial costs more looks than a cycle
+// has.
+TEST(MeshContact, ArrivesInASocketWithinTwoHundredCyclesOfAHandThatRests) {
+  TriangleMesh socket = MakeSphere(0.0151, 5120);
+  std::erase_if(socket.triangles, [&](const auto& corners) {
+    return std::ranges::any_of(corners, [&](auto v) { return socket.vertices[v].z() > 0.0; });
+  });
+  Touch touch(MakeScene(MakeMeshBody("ball", MakeSphere(0.015, 5120)),
+                        MakeMeshBody("socket", std::move(socket))),
+              Vec3::Zero());
+  const Vec3 down(0.3e-3, 0.5e-3, -3e-3);
+  const StepReport report = touch.Go({down, Quat::Identity()}, 60, 200);
+  EXPECT_EQ(report.faults & kFaultTargetFar, 0u) << touch.far << " steps had not arrived";
+  EXPECT_GT(report.wrench.force.norm(), 1.0);
+}
+
 TEST(MeshContact, StaysOutsideWhereTheHandJumpsFiftyMillimetresThrough) {
   Touch touch(MakeScene(Box(Vec3::Constant(0.02)), Box(Vec3(0.1, 0.1, 0.01))),
               Vec3(0.0, 0.0, 0.025));

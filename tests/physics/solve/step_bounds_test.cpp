@@ -49,11 +49,31 @@ TEST(StepBounds, AreTheWidestInTheThirdSubStepAtTheLatest) {
   const Bench bench(kStick, kObject);
   const StepParameters& parameters = bench.model().parameters();
   StepBounds bounds = FirstBounds(bench.model(), Target{});
-  bounds = WiderBounds(bench.model(), bounds);
+  bounds = NextBounds(parameters, bounds, 1.0, 1e9);
   EXPECT_LT(bounds.translation, parameters.widest_step);
-  bounds = WiderBounds(bench.model(), bounds);
+  bounds = NextBounds(parameters, bounds, 1.0, 1e9);
   EXPECT_EQ(bounds.translation, parameters.widest_step);
   EXPECT_EQ(bounds.rotation, parameters.max_rotation);
+}
+
+TEST(StepBounds, GrowByWhatTheLooksPayFor) {
+  const Bench bench(kStick, kObject);
+  const StepParameters& parameters = bench.model().parameters();
+  const StepBounds bounds{20e-6, 1e-4};
+  EXPECT_NEAR(NextBounds(parameters, bounds, 1.0, 3.0).translation, 60e-6, 1e-18);
+  EXPECT_NEAR(NextBounds(parameters, bounds, 1.0, 3.0).rotation, 3e-4, 1e-18);
+  EXPECT_NEAR(NextBounds(parameters, bounds, 1.0, 0.5).translation, 10e-6, 1e-18);
+}
+
+TEST(StepBounds, AreThePartOfTheWayThatWasFreeAndAtLeastAQuarter) {
+  const Bench bench(kStick, kObject);
+  const StepParameters& parameters = bench.model().parameters();
+  const StepBounds bounds{20e-6, 1e-4};
+  EXPECT_NEAR(NextBounds(parameters, bounds, 0.5, 9.0).translation, 10e-6, 1e-18);
+  EXPECT_NEAR(NextBounds(parameters, bounds, 0.0, 9.0).translation, 5e-6, 1e-18);
+  // But not shorter than the separation: it has as many near pairs.
+  const StepBounds least{1.5 * parameters.separation, 1e-5};
+  EXPECT_NEAR(NextBounds(parameters, least, 0.0, 9.0).translation, parameters.separation, 1e-18);
 }
 
 TEST(StepBounds, HoldTheLinearisationErrorBelowItsLimit) {
