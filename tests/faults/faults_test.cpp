@@ -1,5 +1,4 @@
-// Each fault of the harness is a test of its own, except for a server that dies or stalls, which
-// tests/link covers.  The table of all faults is made by hand.
+// Each fault of the harness is a test of its own.  The table of all faults is made by hand.
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -30,11 +29,12 @@ TEST_P(Faults, LeaveTrueWhatMustBe) {
   EXPECT_THAT(faults.Output(), testing::HasSubstr(" held\n"));
 }
 INSTANTIATE_TEST_SUITE_P(Each, Faults,
-                         testing::Values("station-killed", "station-frozen", "gateway",
-                                         "gateway-blinded", "recorder-killed", "recorder-frozen",
-                                         "disk-full", "clock-steps", "shm-fills", "no-memory",
-                                         "hostile-samples", "hostile-port", "slow-loris",
-                                         "scene-swapped", "two-servers"),
+                         testing::Values("server-killed", "server-frozen", "station-killed",
+                                         "station-frozen", "gateway", "gateway-blinded",
+                                         "recorder-killed", "recorder-frozen", "disk-full",
+                                         "clock-steps", "shm-fills", "no-memory", "hostile-samples",
+                                         "hostile-port", "slow-loris", "scene-swapped",
+                                         "two-servers"),
                          NameOf);
 // These run a RouDi of their own, so each has a process of its own.
 INSTANTIATE_TEST_SUITE_P(RouDi, Faults, testing::Values("two-roudis", "roudi-killed"), NameOf);

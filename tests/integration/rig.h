@@ -84,13 +84,13 @@ class HeldDevice final : public Device {
 /// can be seen.
 class HeldStation {
  public:
-  explicit HeldStation(dds::Transport transport) {
+  HeldStation() {
     core_.EnableForces(true);
     LinkOptions options;
     options.station = "held";
     options.scene = "cube";
     options.domain = kDomain;
-    options.transport = transport;
+    options.transport = dds::Transport::kUdp;
     options.realtime.mode = RealtimeMode::kOff;
     link_ = std::make_unique<SessionLink>(
         options, replies_,
@@ -127,7 +127,6 @@ class HeldStation {
   void For(double seconds) {
     Until([] { return false; }, seconds);
   }
-  SessionLink& link() { return *link_; }
 
   HeldDevice device;
 

@@ -1,7 +1,5 @@
-// The programs without RouDi, which manages shared memory, and with one that dies.
+// The programs without RouDi, which manages shared memory.  tests/faults kills it under them.
 #include "tests/support/roudi.h"
-
-#include <csignal>
 
 #include <gmock/gmock.h>
 
@@ -33,33 +31,6 @@ TEST(WithoutRouDi, SharedMemoryIsRefusedWithTheRemedyAndAutoTakesUdpAndSaysSo) {
   EXPECT_EQ(station.Exit(), 0);
   EXPECT_THAT(station.Output(), HasSubstr(kFallback));
   EXPECT_TRUE(server.Says("station hand: active")) << server.Output();
-}
-
-TEST(KilledRouDi, CrashesNeitherServerNorStationAndTheNextSessionUsesUdp) {
-  RouDi roudi;
-  ServerProgram server("auto");
-  ASSERT_TRUE(server.Ready()) << server.Output();
-  {
-    HeldStation station(dds::Transport::kAuto);
-    ASSERT_TRUE(station.UntilForce());
-    EXPECT_EQ(station.link().transport().transport, dds::Transport::kSharedMemory);
-    roudi.Kill();
-    station.For(1.5);
-    // Open sessions go on, or lose their force.  A machine that was late for a moment gets time for
-    // the ramp.
-    EXPECT_TRUE(station.Until([&] {
-      const double force_N = station.device.force_N;
-      return force_N == 0.0 || std::abs(force_N - kForce_N) < 0.2 * kForce_N;
-    })) << station.device.force_N;
-    EXPECT_TRUE(server.Says("RouDi has ended", 5.0)) << server.Output();
-  }
-  ASSERT_TRUE(server.Runs()) << server.Output();
-  StationProgram next("next", "auto", {"--for", "1"});
-  EXPECT_EQ(next.Exit(), 0) << next.Output();
-  EXPECT_THAT(next.Output(), HasSubstr(kFallback));
-  EXPECT_TRUE(server.Says("station next: active")) << server.Output();
-  server.Signal(SIGTERM);
-  EXPECT_EQ(server.Exit(), 0) << server.Output();
 }
 
 }  // namespace

@@ -217,6 +217,7 @@ TEST_F(BadNetwork, LeavesNoForceWhenItIsCutAndThenJoinsTheTwoAgain) {
   EXPECT_TRUE(silence.stayed_zero);
   EXPECT_LE(silence.counted_until_zero_ms, kForceGone_ms);
   EXPECT_LE(silence.largest_step, 1.0);
+  EXPECT_GT(silence.until_back_ms, 150.0 * silence.share_before) << "by a ramp";
 }
 
 TEST_F(BadNetwork, IsNoHindranceToAClassThatWatchesAndRecordsOnAnotherHost) {

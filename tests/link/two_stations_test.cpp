@@ -1,4 +1,4 @@
-// Stations that want the same tool, and stations that misbehave beside one that does not.
+// Stations that want the same name, and stations that misbehave beside one that does not.
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -18,27 +18,6 @@ namespace {
 
 using testing::HasSubstr;
 
-double SecondsSince(std::int64_t time_ns) {
-  return 1e-9 * static_cast<double>(SteadyNanoseconds() - time_ns);
-}
-
-TEST(OneTool, GoesToWhoAsksOnceItsHolderHasLeft) {
-  ServerProgram server("udp");
-  ASSERT_TRUE(server.Ready()) << server.Output();
-  StationProgram first("first", "udp");
-  ASSERT_TRUE(server.Says("station first: active")) << server.Output();
-  StationProgram second("second", "udp");
-  EXPECT_EQ(second.Exit(), 1);
-  EXPECT_THAT(second.Output(), HasSubstr("is driven by station 'first'; end that station"));
-  EXPECT_TRUE(server.Says("station second: refused: tool 'ball' of scene 'cube' is driven by"))
-      << server.Output();
-  first.Signal(SIGTERM);
-  EXPECT_EQ(first.Exit(), 0) << first.Output();
-  StationProgram again("second", "udp", {"--for", "1"});
-  EXPECT_EQ(again.Exit(), 0) << again.Output();
-  EXPECT_TRUE(server.Says("station second: active")) << server.Output();
-}
-
 TEST(OneName, IsRefusedToASecondProgramAndTheFirstFeelsNothingOfIt) {
   ServerProgram server("udp");
   ASSERT_TRUE(server.Ready()) << server.Output();
@@ -54,33 +33,6 @@ TEST(OneName, IsRefusedToASecondProgramAndTheFirstFeelsNothingOfIt) {
   std::ifstream in(file);
   EXPECT_EQ(nlohmann::json::parse(in)["reconnects"], 0);
   std::filesystem::remove(file);
-}
-
-TEST(KilledStation, HasItsToolBackUnderItsName) {
-  ServerProgram server("udp");
-  ASSERT_TRUE(server.Ready()) << server.Output();
-  for (int time = 0; time < 3; ++time) {
-    EXPECT_TRUE(Shown([&](StallWitness& witness) {
-      witness.Watch(server.id());
-      StationProgram station("hand", "udp");
-      EXPECT_TRUE(server.Says("station hand: active")) << server.Output();
-      const std::int64_t killed_ns = SteadyNanoseconds();
-      station.Signal(SIGKILL);
-      EXPECT_TRUE(server.Says("station hand: ended: no pose came for more than 100 ms"))
-          << server.Output();
-      const double free_s = SecondsSince(killed_ns);
-      StationProgram back("hand", "udp", {"--for", "1"});
-      witness.Watch(back.id());
-      EXPECT_TRUE(server.Says("station hand: active")) << server.Output();
-      std::printf("free after %.3f s, driven again after %.3f s\n", free_s,
-                  SecondsSince(killed_ns));
-      EXPECT_EQ(back.Exit(), 0) << back.Output();
-      EXPECT_TRUE(server.Says("station hand: ended: ")) << server.Output();
-      if (server.Says("no pose came for more than 100 ms", 0.0)) return Attempt::kSpoilt;
-      EXPECT_TRUE(server.Says("the station left", 0.1)) << server.Output();
-      return HasFailure() ? Attempt::kFailed : Attempt::kShown;
-    })) << server.Output();
-  }
 }
 
 /// A server of two scenes; for two seconds a well-behaved station feels one of them.

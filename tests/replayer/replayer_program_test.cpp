@@ -178,7 +178,7 @@ TEST(GuidedStation, IsPulledWithinItsLimitAndNoLongerOnceTheGuideIsGone) {
   EXPECT_THAT(nobody.Output(), HasSubstr("--accept-guide"));
   EXPECT_EQ(refusing.Exit(), 0) << refusing.Output();
 
-  HeldStation station(dds::Transport::kUdp);
+  HeldStation station;
   station.AcceptGuide(0.5);
   ASSERT_TRUE(station.UntilForce());
   ReplayerProgram guide({file, "--guide", "held", "--domain", kDomainText});
@@ -198,7 +198,7 @@ TEST(GuidedStation, IsWaitedForWhereItsHandStaysBehind) {
   WriteStillHand(file, 0.030);
   ServerProgram server("udp");
   ASSERT_TRUE(server.Ready()) << server.Output();
-  HeldStation station(dds::Transport::kUdp);
+  HeldStation station;
   station.AcceptGuide(0.5);
   ASSERT_TRUE(station.UntilForce());
   ReplayerProgram guide({file, "--guide", "held", "--to", "1", "--domain", kDomainText});
