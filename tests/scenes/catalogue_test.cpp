@@ -514,7 +514,7 @@ TEST_F(LoadedScene, FitsFewLeavesWhereNobodyFeelsThemAndTheFileLeavesThemOut) {
   const auto leaves = [&](const std::string& fields) {
     WriteFile(scene_, R"({"tools": [{"name": "ball", "mesh": {"shape": "sphere",
       "radius_m": 0.005}, "leaves": 1}], "objects": [{"name": "egg", "mesh": {"shape": "ellipsoid",
-      "semi_axes_m": [0.03, 0.02, 0.02], "triangles": 320})" +
+      "semi_axes_m": [0.03, 0.02, 0.02], "triangles": 1280})" +
                           fields + "}]}");
     return Load().objects[0].tree.leaves();
   };
