@@ -9,7 +9,6 @@ namespace palpate::test {
 namespace {
 
 constexpr double kDead_ms = 30.0;
-constexpr double kPeriod_ms = 1.0;
 
 bool IsZero(const Wrench& wrench) {
   return wrench.force.isZero(0.0) && wrench.torque.isZero(0.0);
@@ -60,7 +59,6 @@ Silence MeasureSilence(const std::vector<TraceRow>& rows, std::int64_t after_ns,
   });
   if (dead == rows.size()) throw Error("the trace has no silence after that time");
   const std::uint64_t reply = rows[dead].reply;
-  const double last_ms = 1e-6 * static_cast<double>(rows[dead].time_ns) - rows[dead].silence_ms;
   const std::size_t last = index(0, [&](const TraceRow& row) { return row.reply == reply; });
   const std::size_t next = index(dead, [&](const TraceRow& row) { return row.reply != reply; });
   // The share that was applied before: the energy stage withholds part of the lightest touches.
@@ -75,19 +73,11 @@ Silence MeasureSilence(const std::vector<TraceRow>& rows, std::int64_t after_ns,
   if (back == rows.size() || IsZero(rows[last].applied)) {
     throw Error("a silence without a force at its begin or its end");
   }
-  const auto since_due_ms = [&](std::size_t i) {
-    return 1e-6 * static_cast<double>(rows[i].time_ns) - last_ms - kPeriod_ms;
-  };
-  const std::size_t fall =
-      index(last, [&](const TraceRow& row) { return share(row) < 0.999 * before; });
   const std::size_t zero = index(last, [](const TraceRow& row) { return IsZero(row.applied); });
   if (zero == rows.size()) throw Error("the force never ended");
 
   Silence silence;
-  silence.force_before_N = rows[last].applied.force.norm();
   silence.share_before = before;
-  silence.until_fall_ms = since_due_ms(fall);
-  silence.until_zero_ms = since_due_ms(zero);
   silence.counted_until_zero_ms = CountedSilence_ms(rows)[zero];
   silence.stayed_zero =
       index(zero, [](const TraceRow& row) { return !IsZero(row.applied); }) >= next;

@@ -9,14 +9,10 @@
 
 namespace palpate::test {
 
-/// What a hand felt while its server was silent, from the station's trace.  Times count from when
-/// the next reply was due: a millisecond after the last one.
+/// What a hand felt while its server was silent, from the station's trace.
 struct Silence {
-  double force_before_N = 0.0;         ///< applied when the last reply came
-  double share_before = 0.0;           ///< applied then, as a share of what was wanted
-  double until_fall_ms = 0.0;          ///< first tick with less than 0.999 of that share
-  double until_zero_ms = 0.0;          ///< first tick without any force or torque
-  double counted_until_zero_ms = 0.0;  ///< the same by CountedSilence_ms
+  double share_before = 0.0;           ///< of what was wanted, applied when the last reply came
+  double counted_until_zero_ms = 0.0;  ///< by CountedSilence_ms, of the first tick without a wrench
   bool stayed_zero = false;            ///< until the next reply
   double largest_step = 0.0;   ///< between two ticks, over the slew limit; includes the way back
   double until_back_ms = 0.0;  ///< from the next reply until the share is back

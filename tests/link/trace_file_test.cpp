@@ -117,10 +117,7 @@ std::vector<TraceRow> Fade() {
 TEST(MeasureSilence, FindsTheTimesAndTheSteepestStepOfAFade) {
   const WrenchLimits limits = WrenchLimits::Of(PhantomPremium30().info);
   const Silence silence = MeasureSilence(Fade(), 90'000'000, limits);
-  EXPECT_DOUBLE_EQ(silence.force_before_N, 1.0);
   EXPECT_DOUBLE_EQ(silence.share_before, 1.0);
-  EXPECT_DOUBLE_EQ(silence.until_fall_ms, 5.0);   // tick 106; the reply was due at 101
-  EXPECT_DOUBLE_EQ(silence.until_zero_ms, 24.0);  // tick 125
   EXPECT_TRUE(silence.stayed_zero);
   EXPECT_NEAR(silence.largest_step, 0.05 / limits.force_slew_N_per_ms(), 1e-12);
   EXPECT_DOUBLE_EQ(silence.until_back_ms, 99.0);  // except for a hundredth
@@ -139,9 +136,7 @@ std::vector<TraceRow> FadeHeldUp() {
 TEST(MeasureSilence, CountsTwoMillisecondsForATickThatTheMachineHeldUp) {
   const WrenchLimits limits = WrenchLimits::Of(PhantomPremium30().info);
   EXPECT_DOUBLE_EQ(MeasureSilence(Fade(), 90'000'000, limits).counted_until_zero_ms, 25.0);
-  const Silence held_up = MeasureSilence(FadeHeldUp(), 90'000'000, limits);
-  EXPECT_DOUBLE_EQ(held_up.until_zero_ms, 124.0);
-  EXPECT_DOUBLE_EQ(held_up.counted_until_zero_ms, 26.0);
+  EXPECT_DOUBLE_EQ(MeasureSilence(FadeHeldUp(), 90'000'000, limits).counted_until_zero_ms, 26.0);
 }
 
 TEST(MeasureSilence, SeesAForceThatComesBackWithoutAReply) {
