@@ -60,9 +60,9 @@ inline constexpr double kBoundShare = 0.98;
 inline constexpr int kNearerTargets = 4;
 
 /// Rows within the first bounds from which they are predicted where the tool goes instead
-/// (PredictLeaves): at least so many, some 10 us; and so many for each packet pair that the walk has
-/// tested.  A row and a test take the same time, so with 2 the rows have then cost as much as the
-/// two more walks that looking ahead needs where something new is met.  Whoever waits that long
+/// (PredictLeaves): at least so many, some 10 us; and so many for each packet pair that the walk
+/// has tested.  A row and a test take the same time, so with 2 the rows have then cost as much as
+/// the two more walks that looking ahead needs where something new is met.  Whoever waits that long
 /// never takes more than twice as long as whoever knows (ski rental: Karlin, Manasse, Rudolph &
 /// Sleator, Competitive snoopy caching, Algorithmica 3 (1988) 79-119).
 inline constexpr int kCrowd = 1024, kCrowdATest = 2;
