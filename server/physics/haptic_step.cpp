@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 #include "common/math/rotation.h"
 #include "server/physics/contact/sub_step.h"
@@ -101,7 +100,8 @@ void Predict(StepContext& context) {
   StepBuffers& buffers = context.buffers;
   Tools& tools = context.tools;
   SubStep& sub_step = context.sub_step;
-  sub_step = {.bounds = sub_step.bounds, .friction_before = context.state.friction};
+  sub_step = {.bounds = sub_step.bounds};
+  if (context.Rubs()) context.friction_before = context.state.friction;
   context.Aim();
   tools.R_WG = tools.q_G.toRotationMatrix();
   if (buffers.energies) {
@@ -144,8 +144,8 @@ Optimum SolveWithoutFriction(StepContext& context) {
 /// Applies friction to an optimum, if the model has friction and a row is active.
 void Rub(StepContext& context, Optimum& optimum) {
   FrictionState& friction = context.state.friction;
-  if (context.sub_step.iterates > 1) friction = context.sub_step.friction_before;
   if (!context.Rubs()) return;
+  if (context.sub_step.iterates > 1) friction = context.friction_before;
   if (optimum.qp.active == 0 || friction.suspended ||
       optimum.qp.status == QpStatus::kIterationLimit) {
     return;
@@ -212,28 +212,40 @@ Way Lag(StepContext& context, const Way& went) {
   return stays;
 }
 
-/// Reports the wrench of the spring at the optimum, and the contacts, and sets the next sub-step's
-/// bounds.  If the sub-step falls short of the optimum, the graphic tool is still on its way; the
-/// rest of its distance from the hand is not contact and gives no force.
-void Report(StepContext& context, const Way& way) {
+/// Reports the wrench of the spring at the optimum, and the contacts.
+void ReportFelt(StepContext& context, const Way& felt) {
   StepReport& report = context.report;
-  const bool lags = context.buffers.meshes && !way.arrived;
-  const Way& felt = lags ? Lag(context, way) : way;
   const Optimum& optimum = felt.optimum;
   if (optimum.qp.status == QpStatus::kRelaxed) report.faults |= kFaultJammed;
   context.held = optimum.IsHeld();
   report.wrench = context.held ? context.WrenchAfter(optimum.v, optimum.phi) : Wrench{};
   ReportContacts(context, felt);
+}
+
+/// Sets the bounds of the next sub-step, and those of the next cycle if this one does not arrive.
+/// @param part  of the last trial that was free
+void SetNextBounds(StepContext& context, double part) {
   const StepParameters& parameters = context.model.parameters();
-  const auto next_bounds = [&](std::int64_t looks) {
-    const auto& meshes = context.buffers.meshes;
-    const double paid =
-        meshes ? static_cast<double>(looks) / static_cast<double>(meshes->looks.Spent())
-               : kInfinity;
-    return NextBounds(parameters, context.sub_step.bounds, way.part, paid);
+  const StepBounds bounds = context.sub_step.bounds;
+  const auto& meshes = context.buffers.meshes;
+  const auto paid_by = [&](std::int64_t looks) {
+    return meshes ? static_cast<double>(looks) / static_cast<double>(meshes->looks.Spent())
+                  : kInfinity;
   };
-  context.state.behind = next_bounds(parameters.looks);
-  context.sub_step.bounds = next_bounds(parameters.looks - context.cost.looks);
+  context.state.behind = NextBounds(parameters, bounds, part, paid_by(parameters.looks));
+  context.sub_step.bounds =
+      NextBounds(parameters, bounds, part, paid_by(parameters.looks - context.cost.looks));
+}
+
+/// If the sub-step falls short of the optimum, the graphic tool is still on its way; the rest of
+/// its distance from the hand is not contact and gives no force.
+void Report(StepContext& context, const Way& way) {
+  if (context.buffers.meshes && !way.arrived) {
+    ReportFelt(context, Lag(context, way));
+  } else {
+    ReportFelt(context, way);
+  }
+  SetNextBounds(context, way.part);
 }
 
 void ForgetForces(StepReport& report) {
@@ -248,7 +260,7 @@ void GiveUp(StepContext& context) {
   StepReport& report = context.report;
   context.arrived = false;
   context.state.active = 0;
-  context.state.friction = context.sub_step.friction_before;
+  context.RestoreFriction();
   ForgetForces(report);
   context.Aim();
   report.wrench = context.WrenchAfter(Vec3::Zero(), Vec3::Zero());
@@ -338,17 +350,15 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
   for (; GoesOn(context); ++report.substeps) {
     Predict(context);
     StageClock clock(times);
-    std::optional<Way> way;
-    while (!way && !context.IsUnsolved()) {
-      const Optimum optimum = Solve(context);
+    for (bool is_clear = false; !is_clear && !context.IsUnsolved();) {
+      Way way{Solve(context)};
       clock.Lap(&StageTimes::solve);
       if (context.IsUnsolved()) break;
-      way = ClearWay(context, optimum);
+      is_clear = ClearWay(context, way);
       clock.Lap(&StageTimes::rows);
-    }
-    if (!context.IsUnsolved()) {
-      Move(context, *way);
-      Report(context, *way);
+      if (!is_clear || context.IsUnsolved()) continue;
+      Move(context, way);
+      Report(context, way);
     }
     if (context.IsUnsolved()) GiveUp(context);
     clock.Lap(&StageTimes::response);

@@ -3,7 +3,6 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
-#include <limits>
 #include <span>
 
 #include "common/math/pose.h"
@@ -50,21 +49,23 @@ struct StepBounds {
 };
 
 /// A row of the linearised non-penetration constraint (chapter 2.17) that carries force:
-/// row . [v; phi] >= offset, with v of the tool's centroid, and phi, in W.
+/// row . [v; phi] >= offset, with v of the tool's centroid, and phi, in W.  Not initialised: to
+/// clear those of a report in each step takes a twentieth of it between leaves.
 struct ActiveRow {
   ContactId id;
-  std::int32_t object_leaf = -1;           ///< index in the forest of the leaf that it touches
-  const Material* material = nullptr;      ///< of the touched object; valid as long as the model
-  Vec3 normal = Vec3::Zero();              ///< n, from object to tool, in W
-  Vec3 lever_cross_normal = Vec3::Zero();  ///< l x n [m], l from the centroid to the contact
-  Vec3 contact_W = Vec3::Zero();           ///< contact point on the tool, in W [m]
-  double offset = 0.0;                     ///< -gap [m] at X_WG
-  double force = 0.0;                      ///< multiplier >= 0 [N]
+  std::int32_t object_leaf;  ///< index in the forest of the leaf that it touches
+  const Material* material;  ///< of the touched object; valid as long as the model
+  Vec3 normal;               ///< n, from object to tool, in W
+  Vec3 lever_cross_normal;   ///< l x n [m], l from the centroid to the contact
+  Vec3 contact_W;            ///< contact point on the tool, in W [m]
+  double offset;             ///< -gap [m] at X_WG
+  double force;              ///< multiplier >= 0 [N]
   /// Friction on the tool, in W [N].  With kCoulomb: perpendicular to the
   /// normal, at most mu * force.
-  Vec3 friction = Vec3::Zero();
+  Vec3 friction;
   /// Stiffness of a soft contact [N/m]: force = stiffness * offset, and the row may be violated.
-  double stiffness = std::numeric_limits<double>::infinity();
+  /// Infinite if it is rigid.
+  double stiffness;
 };
 
 /// The result of one step.  Force and torque act on the hand, at the tool's centroid, in W.

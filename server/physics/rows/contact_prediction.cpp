@@ -17,7 +17,7 @@ ContactPrediction::ContactPrediction(const HapticModel& model) {
 
 bool ContactPrediction::Predict(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
                                 const Vec3& p_W, const StepEnds& ends, ContactRows& rows,
-                                StageTimes* times, int most) noexcept {
+                                StageTimes* times, bool may_crowd) noexcept {
   rows.Clear();
   bool fits = true;
   if (query_) {
@@ -29,10 +29,14 @@ bool ContactPrediction::Predict(const HapticModel& model, const Kernels& kernels
                             (ends.phi.norm() + bounds.rotation) * model.tool().max_lever;
       bounds.translation += std::min(length, length * length / (2.0 * least_radii_));
     }
+    const std::int64_t before = tested();
+    const auto is_crowd = [&](int count) {
+      return count > limits::kCrowd && count > limits::kCrowdATest * (tested() - before);
+    };
     StageClock clock(times);
     query_->Run(kernels, R_end, p_W + ends.v, bounds, [&](NodePair* pairs, int count) {
       clock.Lap(&StageTimes::prediction);
-      fits = rows.count() + count <= most &&
+      fits = (may_crowd || !is_crowd(rows.count() + count)) &&
              rows.Add(kernels, model.tool().leaves.data(), model.objects().leaves.data(), R_WG, p_W,
                       pairs, count);
       clock.Lap(&StageTimes::rows);

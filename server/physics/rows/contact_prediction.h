@@ -1,6 +1,5 @@
 #pragma once
 
-#include <limits>
 #include <optional>
 #include <span>
 
@@ -40,12 +39,12 @@ class ContactPrediction {
   ///                o
   ///
   /// If `times` is given, adds to its prediction and rows stages.  Real-time.
-  /// @param most  if more rows than this, or than fit, come within the bounds, returns false:
-  /// `rows`
-  ///              lacks some
+  /// @param may_crowd  if false, the search also ends where rows become a crowd: more than kCrowd,
+  ///                   and more than kCrowdATest for each packet pair that was tested
+  /// Returns false if it ended, or not all rows fit: `rows` lacks some.
   bool Predict(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
                const StepEnds& ends, ContactRows& rows, StageTimes* times,
-               int most = std::numeric_limits<int>::max()) noexcept;
+               bool may_crowd = true) noexcept;
 
   /// Fills `rows` with those of given pairs of leaves.
   void Take(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,

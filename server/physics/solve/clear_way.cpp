@@ -12,36 +12,41 @@ double PartWithin(const StepContext& context, const Optimum& optimum) {
   return PartWithin(context.sub_step.bounds, optimum.v, optimum.phi);
 }
 
-/// Returns a part of the way to an optimum.
-Way PartOfWay(const Optimum& optimum, double part) {
-  return {optimum, part * optimum.v, part * optimum.phi, part == 1.0};
+/// Makes a way a part of the motion to its optimum.
+void GoPart(Way& way, double part) {
+  way.v = part * way.optimum.v;
+  way.phi = part * way.optimum.phi;
+  way.arrived = part == 1.0;
 }
 
 /// Returns the way to the optimum under rows that have changed, as far as the bounds allow.  If the
 /// QP does not end, the tool stays and has not arrived.
 Way WayToNewOptimum(StepContext& context) {
-  const Optimum optimum = NearestStep(context, context.sub_step.target);
-  context.report.qp_iterations += optimum.qp.iterations;
-  Remember(context, optimum);
-  context.Require(optimum);
-  return PartOfWay(optimum, context.IsUnsolved() ? 0.0 : PartWithin(context, optimum));
+  Way way{NearestStep(context, context.sub_step.target)};
+  context.report.qp_iterations += way.optimum.qp.iterations;
+  Remember(context, way.optimum);
+  context.Require(way.optimum);
+  GoPart(way, context.IsUnsolved() ? 0.0 : PartWithin(context, way.optimum));
+  return way;
 }
 
-/// Returns the way to an optimum as far as the bounds allow.  If they end before it, takes the step
+/// Goes to a way's optimum as far as the bounds allow.  If they end before it, takes the step
 /// under the same rows to a nearer target: a merely scaled-down one would achieve only a part of a
 /// lift that rows ask for, and so would each trial after it.
-Way WayWithin(StepContext& context, const Optimum& optimum) {
-  double part = PartWithin(context, optimum);
-  if (part == 1.0) return PartOfWay(optimum, 1.0);
-  for (int tries = 1;; ++tries) {
+void GoWithinBounds(StepContext& context, Way& way) {
+  double part = PartWithin(context, way.optimum);
+  GoPart(way, part);
+  for (int tries = 1; !way.arrived; ++tries) {
     part *= limits::kBoundShare;
     // Soft rows balance the spring at the end of the way, so they take no part in this.
-    const Optimum partial = NearestStep(context, {part * optimum.v, part * optimum.phi});
+    const Optimum partial = NearestStep(context, {part * way.optimum.v, part * way.optimum.phi});
     context.report.qp_iterations += partial.qp.iterations;
     context.Require(partial);
     const double clip = context.IsUnsolved() ? 0.0 : PartWithin(context, partial);
     if (clip == 1.0 || clip == 0.0 || tries == limits::kNearerTargets) {
-      return {optimum, clip * partial.v, clip * partial.phi, false};
+      way.v = clip * partial.v;
+      way.phi = clip * partial.phi;
+      return;
     }
     part *= clip;
   }
@@ -74,26 +79,25 @@ bool Mend(const StepContext& context, Way& way) {
 }
 
 /// For a tool that may be held by pairs that do not touch, goes to the optimum without their rows
-/// if that is free (README.md, "Arrival", cause).  Returns none if nothing is free.
-std::optional<Way> GoPast(StepContext& context, const Way& held) {
+/// if that is free (README.md, "Arrival", cause).  Returns false if nothing is free.
+bool GoPast(StepContext& context, Way& held) {
   MeshContact& meshes = *context.buffers.meshes;
   ContactRows& rows = context.buffers.rows;
-  if (Release(meshes, held.optimum.qp.ActiveRows(), rows) == 0) return held;
+  if (Release(meshes, held.optimum.qp.ActiveRows(), rows) == 0) return true;
   Way past = WayToNewOptimum(context);
   if (context.Gain(past.v, past.phi) > context.Gain(held.v, held.phi) && IsFree(context, past)) {
     const bool held_again = Release(meshes, past.optimum.qp.ActiveRows(), rows) != 0;
     PutBack(meshes, rows);
     past.arrived = past.arrived && !held_again;
-    return past;
+    held = past;
+    return true;
   }
   PutBack(meshes, rows);
   const bool stays = LengthOf(context, held) <= meshes.meshes.margins.touching;
-  Way again = held;
-  again.arrived = stays && context.stuck_at == context.report.substeps - 1;
+  held.arrived = stays && context.stuck_at == context.report.substeps - 1;
   if (stays) context.stuck_at = context.report.substeps;
   Remember(context, held.optimum);
-  if (!IsFree(context, again)) return std::nullopt;
-  return again;
+  return IsFree(context, held);
 }
 
 /// Returns whether a free motion ends no farther from the hand than it begins, except for rounding.
@@ -129,49 +133,48 @@ void BeginAnew(StepContext& context) {
   RelineariseAtStart(meshes, rows);
 }
 
-/// Returns the longest half, quarter, ... of a motion that is free and paid for, or none.
-Way Halve(const StepContext& context, Way way) {
+/// Shortens a motion to the longest half, quarter, ... that is free and paid for, or to none.
+void Halve(const StepContext& context, Way& way) {
   MeshContact& meshes = *context.buffers.meshes;
   way.arrived = false;
-  context.state.friction = context.sub_step.friction_before;  // discards those of the trials
+  context.RestoreFriction();
   meshes.looks.most += context.model.parameters().looks / limits::mesh::kReserve;
   while (!meshes.near.is_full() && !meshes.looks.AreSpent() &&
          LengthOf(context, way) > limits::mesh::kRounding) {
     way.v *= 0.5;
     way.phi *= 0.5;
     way.part *= 0.5;
-    if (IsFree(context, way)) return way;
+    if (IsFree(context, way)) return;
   }
   way.v.setZero();
   way.phi.setZero();
   way.part = 0.0;
   meshes.motion = Motion(meshes.motion.from);
-  return way;
 }
 
 }  // namespace
 
-std::optional<Way> ClearWay(StepContext& context, const Optimum& optimum) noexcept {
-  Way way = WayWithin(context, optimum);
-  if (!Foresees(context, way)) return std::nullopt;
-  if (!context.buffers.meshes) return way;
+bool ClearWay(StepContext& context, Way& way) noexcept {
+  GoWithinBounds(context, way);
+  if (!Foresees(context, way)) return false;
+  if (!context.buffers.meshes) return true;
   MeshContact& meshes = *context.buffers.meshes;
   const bool goes_on = context.sub_step.iterates < context.model.parameters().iterates;
   TrustRegion& trust = context.sub_step.trust;
   if (trust.failures == 0) trust.first = {way.v.norm(), way.phi.norm()};
   const bool is_free = CheckTrial(meshes, way.v, way.phi, context.buffers.rows);
   if (is_free && Approaches(context, way)) {
-    if (way.arrived && goes_on && Mend(context, way)) return std::nullopt;
+    if (way.arrived && goes_on && Mend(context, way)) return false;
     // For a ball, Turned decides whether it has arrived.
     const bool goes_past =
-        way.arrived && context.IsRigid() && !meshes.meshes.IsBall() && !optimum.rounds;
-    if (!goes_past) return way;
-    if (const auto past = GoPast(context, way)) return past;
+        way.arrived && context.IsRigid() && !meshes.meshes.IsBall() && !way.optimum.rounds;
+    if (!goes_past || GoPast(context, way)) return true;
   } else if (goes_on && !meshes.looks.AreSpent()) {
     if (is_free || ++trust.failures == limits::mesh::kTrustedTrials) BeginAnew(context);
-    return std::nullopt;
+    return false;
   }
-  return Halve(context, way);
+  Halve(context, way);
+  return true;
 }
 
 }  // namespace palpate

@@ -1,3 +1,5 @@
+#include <limits>
+
 #include "common/math/rotation.h"
 #include "server/physics/solve/stages.h"
 
@@ -28,12 +30,13 @@ void ReportContacts(const StepContext& context, const Way& way) noexcept {
   }
   const auto add = [&](int i, double offset, double force) {
     ActiveRow& row = report.active[static_cast<std::size_t>(report.contacts++)];
-    row = ActiveRow{};
     row.id = rows.id(i);
     row.normal = rows.normal(i);
     row.lever_cross_normal = rows.lever_cross_normal(i);
     row.offset = offset - row.normal.dot(way.v) - row.lever_cross_normal.dot(way.phi);
     row.force = force;
+    row.friction.setZero();
+    row.stiffness = std::numeric_limits<double>::infinity();
     const Vec3 lever = rows.LeverOf(i, context.model.tool().leaves, R_WG);
     row.contact_W =
         context.tools.p_G + (row.id.IsOfLeaves() ? lever : RotationExp(way.phi) * lever);

@@ -1,20 +1,16 @@
-#include <limits>
-
 #include "server/physics/limits.h"
 #include "server/physics/solve/stages.h"
 
 namespace palpate {
 namespace {
 
-constexpr int kAll = std::numeric_limits<int>::max();
-
-bool Predict(StepContext& context, const StepEnds& ends, int most = kAll) {
+bool Predict(StepContext& context, const StepEnds& ends, bool may_crowd = true) {
   StepBuffers& buffers = context.buffers;
   const Tools& tools = context.tools;
   StageTimes* times = context.sub_step.iterates == 0 ? context.times : nullptr;
   const std::int64_t before = buffers.prediction.tested();
   const bool fits = buffers.prediction.Predict(context.model, context.kernels, tools.R_WG,
-                                               tools.p_G, ends, buffers.rows, times, most);
+                                               tools.p_G, ends, buffers.rows, times, may_crowd);
   context.sub_step.ends = ends;
   context.cost.last = buffers.prediction.tested() - before;
   context.cost.packet_pairs += context.cost.last;
@@ -64,7 +60,7 @@ void PredictLeaves(StepContext& context) noexcept {
     sub_step.bounds = PredictAsFits(context, sub_step.bounds);
     return;
   }
-  if (!context.state.is_crowded && Predict(context, {sub_step.bounds}, limits::kCrowd)) return;
+  if (!context.state.is_crowded && Predict(context, {sub_step.bounds}, false)) return;
   sub_step.bounds_before = sub_step.bounds;
   sub_step.bounds = {parameters.widest_step, parameters.max_rotation};
   sub_step.looks_ahead = 1;

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <optional>
-
 #include "server/physics/solve/step_context.h"
 
 namespace palpate {
@@ -64,14 +62,15 @@ void AddCoulombFriction(StepContext& context, Optimum& optimum) noexcept;
 void Remember(const StepContext& context, const Optimum& optimum) noexcept;
 
 /// Computes the motion of a sub-step towards an optimum, as far as the bounds and the meshes allow
-/// it.  Returns none if rows changed: the optimum must then be solved again.
+/// it.  Returns false if rows changed: the optimum must then be solved again.
 ///
 /// If only leaves touch, the rows cover everything within the bounds.  Between meshes rows are
 /// added on violation, so a motion is made only after it was checked: the meshes are apart at its
 /// end and were apart on the way.  If rows follow the trials without success, they begin again in a
 /// trust region a quarter as wide.  If a motion is still not free in the end, it is halved until it
 /// is; the zero motion always is.  The tool counts as arrived only if the pairs that hold it touch.
-std::optional<Way> ClearWay(StepContext& context, const Optimum& optimum) noexcept;
+/// @param way  in: its optimum.  Out: its motion, if true; another optimum if that is freer.
+bool ClearWay(StepContext& context, Way& way) noexcept;
 
 /// Writes the contacts at a way's optimum into the context's report, relative to where the way has
 /// taken the tool: each contact's force, the gap that its row has left there, and where it touches.

@@ -77,14 +77,13 @@ struct CycleCost {
 
 /// A sub-step, from its first rows to its way.
 struct SubStep {
-  StepBounds bounds{};            ///< how far it may go
-  StepEnds ends{};                ///< where the rows between leaves let it end
-  StepBounds bounds_before{};     ///< `bounds` before it looked ahead
-  int looks_ahead = 0;            ///< if they are predicted where it ends: how often so far
-  Target target{};                ///< the hand, relative to where it begins
-  QpRows rigid{};                 ///< rows that it may not violate
-  FrictionState friction_before;  ///< friction state at its beginning
-  int iterates = 0;               ///< rounds so far: rows between meshes are added on violation
+  StepBounds bounds{};         ///< how far it may go
+  StepEnds ends{};             ///< where the rows between leaves let it end
+  StepBounds bounds_before{};  ///< `bounds` before it looked ahead
+  int looks_ahead = 0;         ///< if they are predicted where it ends: how often so far
+  Target target{};             ///< the hand, relative to where it begins
+  QpRows rigid{};              ///< rows that it may not violate
+  int iterates = 0;            ///< rounds so far: rows between meshes are added on violation
   TrustRegion trust{};
 };
 
@@ -117,6 +116,10 @@ struct StepContext {
 
   /// Returns whether the model has friction by Coulomb's law.
   bool Rubs() const { return model.parameters().features.friction == FrictionModel::kCoulomb; }
+  /// Discards what the sub-step has done to friction's state.
+  void RestoreFriction() const {
+    if (Rubs()) state.friction = friction_before;
+  }
   /// Returns whether meshes may hold the tool and nothing rubs or yields.
   bool IsRigid() const {
     return buffers.meshes && !(buffers.energies && buffers.energies->acts()) && !Rubs();
@@ -156,6 +159,7 @@ struct StepContext {
   Tools tools;
   CycleCost cost;
   SubStep sub_step;
+  FrictionState friction_before;  ///< if it rubs: friction state at the sub-step's beginning
   int stuck_at = -2;     ///< index of the last sub-step that found no way past what holds the tool
   bool arrived = false;  ///< whether the last sub-step's way arrived
   bool held = false;     ///< whether something then kept the tool from the hand
