@@ -122,11 +122,11 @@ bool TrianglesApart(MeshContact& contact, Index k) {
 }
 
 /// Returns the trial's motion in the frame of a body.
-const ToolMotion& MotionIn(MeshContact& contact, const ContactBody* body) {
-  auto& in_body = contact.in_body[static_cast<std::size_t>(body - contact.meshes.bodies.data())];
+const ToolMotion& MotionIn(MeshContact& contact, const NodesOfPair& nodes) {
+  auto& in_body = contact.in_body[static_cast<std::size_t>(nodes.placed)];
   if (in_body.certified != contact.certified) {
     in_body.certified = contact.certified;
-    const Placement X_BW = body->X_WB.Inverse();
+    const Placement X_BW = contact.meshes.FrameOf(nodes).Inverse();
     in_body.motion = {X_BW * contact.motion.from, X_BW * contact.motion.to};
   }
   return in_body.motion;
@@ -137,8 +137,8 @@ void BeginSearch(MeshContact& contact, Index k) {
   const ToolAndBodies& meshes = contact.meshes;
   const NodesOfPair& nodes = contact.near[k].nodes;
   const int lane =
-      contact.searches.Begin(meshes.PatchesOf(nodes), MotionIn(contact, nodes.body),
-                             nodes.body->X_WB.R.transpose() * contact.near.Normal(k));
+      contact.searches.Begin(meshes.PatchesOf(nodes), MotionIn(contact, nodes),
+                             meshes.FrameOf(nodes).R.transpose() * contact.near.Normal(k));
   contact.searched[lane] = k;
 }
 
@@ -185,7 +185,7 @@ bool EndSearch(MeshContact& contact, int lane, Until until) {
   const SeparatingPlane& plane = contact.searches.plane(lane);
   contact.looks.tested += plane.tries;
   if (contact.searches.Found(lane)) {
-    const Vec3 n = contact.near[k].nodes.body->X_WB.R * plane.n;
+    const Vec3 n = contact.meshes.FrameOf(contact.near[k].nodes).R * plane.n;
     contact.near.SetPlanes(k, n, plane.before, n, plane.after);
     return true;
   }

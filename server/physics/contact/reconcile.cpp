@@ -41,7 +41,7 @@ bool TurnSmoothed(const MeshContact& contact, const Touch& touch, int row,
                   const NearestPoints& nearest, const Vec3& u, ContactRows& rows) {
   const ToolAndBodies& meshes = contact.meshes;
   if (!meshes.IsBall() || !TurnsRows(contact)) return false;
-  const Vec3 along = SmoothNormal(touch.nodes, nearest, u);
+  const Vec3 along = SmoothNormal(contact.meshes, touch.nodes, nearest, u);
   if (along == u || (along - rows.normal(row)).norm() <= kTurned) return false;
   const double now = nearest.Distance() - meshes.tool.radius;
   const double asked = Asked(contact, touch.distance);
@@ -130,11 +130,11 @@ Mat3 CurvatureOf(const MeshContact& contact, int row) noexcept {
   const auto faces = of.kind == Feature::kEdge ? mesh.FacesAtEdge(t.edge[of.index])
                                                : mesh.FacesAtVertex(t.vertex[of.index]);
   const Vec3& u = touch->u;
-  const Mat3& R_WB = touch->nodes.body->X_WB.R;
+  const Mat3& R_WB = contact.meshes.FrameOf(touch->nodes).R;
   const bool flat = std::all_of(faces.begin(), faces.end(), [&](std::uint32_t face) {
     return (R_WB * mesh.triangles()[face].normal).cross(u).norm() <= kTurned;
   });
-  if (flat || SmoothNormal(touch->nodes, touch->nearest, u) != u) return Mat3::Zero();
+  if (flat || SmoothNormal(contact.meshes, touch->nodes, touch->nearest, u) != u) return Mat3::Zero();
   const double length = touch->nearest.Distance();
   if (of.kind == Feature::kVertex) return (Mat3::Identity() - u * u.transpose()) / length;
   const Vec3 edge =
@@ -162,7 +162,7 @@ double Turned(const MeshContact& contact, std::span<const int> active,
     if (!(points.squared > 0.0 && points.squared < nearest)) continue;
     nearest = points.squared;
     u = points.Direction();
-    smooth = SmoothNormal(near.nodes, points, u) != u;
+    smooth = SmoothNormal(contact.meshes, near.nodes, points, u) != u;
   }
   double least = kInfinity, most = 0.0;
   const double as_near = std::sqrt(nearest) + meshes.margins.witness;
@@ -175,7 +175,7 @@ double Turned(const MeshContact& contact, std::span<const int> active,
     if (touch == nullptr) continue;
     const NearestPoints own = meshes.NearestAt(touch->nodes, contact.motion.to);
     if (!(own.squared > 0.0 && own.Distance() <= as_near)) continue;
-    const Vec3 along = SmoothNormal(touch->nodes, own, own.Direction());
+    const Vec3 along = SmoothNormal(contact.meshes, touch->nodes, own, own.Direction());
     least = std::min(least, (along - n).norm());
   }
   // On a smooth surface, Retract has turned the rows.

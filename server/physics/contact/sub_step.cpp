@@ -92,7 +92,7 @@ namespace {
 bool AreApart(const ToolAndBodies& meshes, const NodesOfPair& nodes, const ToolPose& at) {
   const HullTree &tools = meshes.tool.tree, &objects = nodes.shape->tree;
   SeparatingPlane plane;
-  const Placement X_BT = nodes.body->X_WB.Inverse() * at;
+  const Placement X_BT = meshes.FrameOf(nodes).Inverse() * at;
   if (FindPlane(meshes.PatchesOf(nodes), {X_BT, X_BT}, Vec3::UnitZ(), kRounding, *meshes.kernels,
                 plane)) {
     return true;
@@ -102,7 +102,7 @@ bool AreApart(const ToolAndBodies& meshes, const NodesOfPair& nodes, const ToolP
     return nearest.Distance() > 0.0 && meshes.Gap(nodes, nearest.Direction(), at) > kRounding;
   }
   const auto are_apart = [&](HullTree::Node tool, HullTree::Node object) {
-    return AreApart(meshes, {tool, object, nodes.body, nodes.shape, nodes.number}, at);
+    return AreApart(meshes, {tool, object, nodes.shape, nodes.number, nodes.placed}, at);
   };
   if (tools.IsLarger(nodes.tool, objects, nodes.object)) {
     const auto& child = tools.inner(nodes.tool).child;

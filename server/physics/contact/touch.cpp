@@ -15,11 +15,6 @@ Vec3 EdgeOf(const ContactMesh& mesh, HullTree::Node node, int i) {
   return mesh.Corner(t, (i + 1) % 3) - mesh.Corner(t, i);
 }
 
-/// In W.
-Vec3 EdgeOfObject(const NodesOfPair& triangles, int i) {
-  return triangles.body->X_WB.R * EdgeOf(triangles.shape->mesh, triangles.object, i);
-}
-
 /// Finds the direction of least penetration of two triangles.
 void FindLeastDepth(const ToolAndBodies& meshes, const ToolPose& at, Touch& touch) {
   const Corners corners = meshes.CornersAt(touch.nodes, at);
@@ -70,7 +65,7 @@ Corners ToolAndBodies::CornersAt(const NodesOfPair& triangles, const ToolPose& a
   for (int c = 0; c < 3; ++c) {
     corners.tool[c] = at.R * tool.mesh.Corner(HullTree::TriangleOf(triangles.tool), c) + at.p;
     corners.object[c] =
-        triangles.body->X_WB *
+        FrameOf(triangles) *
         triangles.shape->mesh.Corner(HullTree::TriangleOf(triangles.object), c);
   }
   return corners;
@@ -97,8 +92,7 @@ Vec3 NormalAt(const ToolAndBodies& meshes, const Touch& touch, const ContactPlan
       return at.R * plane.n;
     case ContactPlane::Of::kEdges: {
       const Vec3 ea = EdgeOf(meshes.tool.mesh, touch.nodes.tool, plane.tool_edge);
-      const Vec3 eb = EdgeOfObject(touch.nodes, plane.object_edge);
-      return plane.sign * (at.R * ea).cross(eb).normalized();
+      return plane.sign * (at.R * ea).cross(plane.n).normalized();
     }
     default:
       return plane.n;
@@ -119,12 +113,13 @@ bool InCone(const ToolAndBodies& meshes, const NodesOfPair& triangles, const Nea
     return true;
   };
   return holds(triangles.shape->mesh, triangles.object, nearest.of_q,
-               triangles.body->X_WB.R.transpose() * u) &&
+               meshes.FrameOf(triangles).R.transpose() * u) &&
          holds(meshes.tool.mesh, triangles.tool, nearest.of_p, -(at.R.transpose() * u));
 }
 
-Vec3 SmoothNormal(const NodesOfPair& triangles, const NearestPoints& nearest, const Vec3& n) {
-  const Placement& X_WB = triangles.body->X_WB;
+Vec3 SmoothNormal(const ToolAndBodies& meshes, const NodesOfPair& triangles,
+                  const NearestPoints& nearest, const Vec3& n) {
+  const Placement& X_WB = meshes.FrameOf(triangles);
   const Vec3 n_B = X_WB.R.transpose() * n;
   const Vec3 smooth = triangles.shape->mesh.SmoothNormal(HullTree::TriangleOf(triangles.object),
                                                          X_WB.Inverse() * nearest.q, n_B);
@@ -147,10 +142,12 @@ ContactPlane ChoosePlane(const ToolAndBodies& meshes, const Touch& touch, const 
     plane = {ContactPlane::Of::kTool, trial.from.R.transpose() * touch.u};
   } else if (a.kind == Feature::kEdge && b.kind == Feature::kEdge) {
     const Vec3 ea = trial.from.R * EdgeOf(meshes.tool.mesh, touch.nodes.tool, a.index);
-    const Vec3 eb = EdgeOfObject(touch.nodes, b.index);
+    const Vec3 eb = meshes.FrameOf(touch.nodes).R *
+                    EdgeOf(touch.nodes.shape->mesh, touch.nodes.object, b.index);
     const Vec3 across = ea.cross(eb);
     if (across.squaredNorm() > kParallel * kParallel * ea.squaredNorm() * eb.squaredNorm()) {
       plane.of = ContactPlane::Of::kEdges;
+      plane.n = eb;
       plane.tool_edge = a.index;
       plane.object_edge = b.index;
       plane.sign = across.dot(touch.u) < 0.0 ? -1.0 : 1.0;

@@ -38,9 +38,9 @@ struct Motion {
 /// Nodes of two trees, the tool's and a body's; each is a triangle or a patch.
 struct NodesOfPair {
   HullTree::Node tool, object;
-  const ContactBody* body;    ///< the body or, for a block's, that of its solid
-  const ContactShape* shape;  ///< its own
+  const ContactShape* shape;  ///< of the body
   std::int32_t number;        ///< number of the body
+  std::int32_t placed;        ///< index of the scene's body in whose frame B it is: a block's solid
   bool AreTriangles() const { return HullTree::IsLeaf(tool) && HullTree::IsLeaf(object); }
 };
 
@@ -63,9 +63,13 @@ struct ToolAndBodies {
     return n.dot(at.p) - tool.tree.Highest(node, -(at.R.transpose() * n), *kernels) - tool.radius;
   }
   double High(const NodesOfPair& nodes, const Vec3& n) const {
-    const Placement& X_WB = nodes.body->X_WB;
+    const Placement& X_WB = FrameOf(nodes);
     return n.dot(X_WB.p) +
            nodes.shape->tree.Highest(nodes.object, X_WB.R.transpose() * n, *kernels);
+  }
+  /// The pose X_WB of a body.
+  const Placement& FrameOf(const NodesOfPair& nodes) const {
+    return bodies[static_cast<std::size_t>(nodes.placed)].X_WB;
   }
   NodesOfPair NodesOf(const SeparationFront::Pair& pair) const {
     return NodesOf(pair.tool, pair.object, pair.body);
@@ -73,11 +77,10 @@ struct ToolAndBodies {
   NodesOfPair NodesOf(HullTree::Node of_tool, HullTree::Node of_object, std::int32_t number) const {
     const auto body = static_cast<std::size_t>(number);
     if (body < bodies.size()) {
-      return {of_tool, of_object, &bodies[body], bodies[body].shape.get(), number};
+      return {of_tool, of_object, bodies[body].shape.get(), number, number};
     }
     const BlockBody& block = felt->Body(number);
-    return {of_tool, of_object, &bodies[static_cast<std::size_t>(block.of.solid)], &block.shape,
-            number};
+    return {of_tool, of_object, &block.shape, number, block.of.solid};
   }
   PatchPair PatchesOf(const NodesOfPair& nodes) const {
     return {tool.tree.HullOf(nodes.tool), nodes.shape->tree.HullOf(nodes.object), tool.radius};
@@ -103,9 +106,10 @@ struct ToolAndBodies {
 /// A plane between two triangles, and the body that it moves with.
 struct ContactPlane {
   enum class Of : std::uint8_t { kNone, kObject, kTool, kEdges } of = Of::kNone;
-  Vec3 n = Vec3::Zero();  ///< unit, from object to tool; in W, but for kTool in the tool's frame
+  Vec3 n = Vec3::Zero();  ///< unit, from object to tool; in W, but for kTool in the tool's frame;
+                          ///< for kEdges the object's edge in W, not unit [m]
   std::uint8_t tool_edge = 0, object_edge = 0;
-  double sign = 1.0;  ///< kEdges: n = sign * (tool's edge x object's edge), normalised
+  double sign = 1.0;  ///< kEdges: the normal is sign * (tool's edge x object's edge), normalised
 };
 
 /// A pair of triangles that may touch, as they lie at the beginning of the sub-step.
@@ -140,7 +144,8 @@ bool InCone(const ToolAndBodies& meshes, const NodesOfPair& triangles, const Nea
             const Vec3& u, const ToolPose& at);
 
 /// For two triangles: ContactMesh::SmoothNormal of the body where it is touched along n.
-Vec3 SmoothNormal(const NodesOfPair& triangles, const NearestPoints& nearest, const Vec3& n);
+Vec3 SmoothNormal(const ToolAndBodies& meshes, const NodesOfPair& triangles,
+                  const NearestPoints& nearest, const Vec3& n);
 
 /// Calls visit(plane) for each face of either mesh that meets at the nearest points, with its
 /// normal turned to point from object to tool at the beginning of the motion.
@@ -163,7 +168,7 @@ void ForEachFace(const ToolAndBodies& meshes, const NodesOfPair& triangles,
     if (n == Vec3::Zero()) return;
     visit(ContactPlane{of, n_W.dot(away) < 0.0 ? Vec3(-n) : n});
   };
-  const Mat3& R_WB = triangles.body->X_WB.R;
+  const Mat3& R_WB = meshes.FrameOf(triangles).R;
   each(triangles.shape->mesh, triangles.object, nearest.of_q, [&](const Vec3& n) {
     const Vec3 n_W = R_WB * n;
     give(ContactPlane::Of::kObject, n_W, n_W);
