@@ -134,8 +134,8 @@ bool NearPairs::Split(Index k, Looks& looks) {
   }
   const Vec3 n = Normal(k);
   const double slack = planes_.slack[k];
-  const SeparationFront::Index child =
-      front_->Split((*this)[k].in_front, meshes_->tool.tree, (*this)[k].nodes.shape->tree, n, slack);
+  const SeparationFront::Index child = front_->Split((*this)[k].in_front, meshes_->tool.tree,
+                                                     (*this)[k].nodes.shape->tree, n, slack);
   if (child < 0) return false;
   Close(k);
   for (int side = 0; side < 2; ++side) {

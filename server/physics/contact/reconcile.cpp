@@ -134,7 +134,8 @@ Mat3 CurvatureOf(const MeshContact& contact, int row) noexcept {
   const bool flat = std::all_of(faces.begin(), faces.end(), [&](std::uint32_t face) {
     return (R_WB * mesh.triangles()[face].normal).cross(u).norm() <= kTurned;
   });
-  if (flat || SmoothNormal(contact.meshes, touch->nodes, touch->nearest, u) != u) return Mat3::Zero();
+  if (flat || SmoothNormal(contact.meshes, touch->nodes, touch->nearest, u) != u)
+    return Mat3::Zero();
   const double length = touch->nearest.Distance();
   if (of.kind == Feature::kVertex) return (Mat3::Identity() - u * u.transpose()) / length;
   const Vec3 edge =

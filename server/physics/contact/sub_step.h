@@ -55,7 +55,7 @@ struct MeshContact {
   };
   std::vector<InBody> in_body;
   std::uint64_t certified = 0;  ///< trials ever examined
-  std::int64_t opened_at = 0;  ///< looks when the last of `open` was added
+  std::int64_t opened_at = 0;   ///< looks when the last of `open` was added
   /// Near pairs of triangles without a plane at the trial, in the order in which they were found.
   std::vector<NearPairs::Index> open;
 

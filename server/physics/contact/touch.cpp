@@ -64,9 +64,8 @@ Corners ToolAndBodies::CornersAt(const NodesOfPair& triangles, const ToolPose& a
   Corners corners;
   for (int c = 0; c < 3; ++c) {
     corners.tool[c] = at.R * tool.mesh.Corner(HullTree::TriangleOf(triangles.tool), c) + at.p;
-    corners.object[c] =
-        FrameOf(triangles) *
-        triangles.shape->mesh.Corner(HullTree::TriangleOf(triangles.object), c);
+    corners.object[c] = FrameOf(triangles) *
+                        triangles.shape->mesh.Corner(HullTree::TriangleOf(triangles.object), c);
   }
   return corners;
 }

@@ -55,7 +55,7 @@ struct ToolAndBodies {
   const ToolBody& tool;
   std::span<const ContactBody> bodies;
   FeltSolids* felt = nullptr;  ///< bodies of blocks; null if there are none
-  bool cuts = true;  ///< true for a bur or an edge that cuts: solids touch only its shank
+  bool cuts = true;            ///< true for a bur or an edge that cuts: solids touch only its shank
   limits::mesh::Margins margins{};
   const Kernels* kernels = &ActiveKernels();
 

@@ -96,8 +96,9 @@ TouchRowsAtTrial RowsAt(const MeshContact& contact, const Touch& touch) {
   const double plane_new = of_tool ? plane_old : meshes.Low(nodes.tool, n_new, motion.to);
   // A ball's row has the normal of the smooth surface that the mesh approximates; its right-hand
   // side is that of the triangles, which the ball may not enter.
-  const Vec3 along =
-      meshes.IsBall() ? SmoothNormal(meshes, nodes, meshes.NearestAt(nodes, motion.to), n_new) : n_new;
+  const Vec3 along = meshes.IsBall()
+                         ? SmoothNormal(meshes, nodes, meshes.NearestAt(nodes, motion.to), n_new)
+                         : n_new;
   const Vec3 down = of_tool ? Vec3(meshes.tool.radius * n_new) : Vec3::Zero();
   const double sign = of_tool ? 1.0 : -1.0;
   of.count = of_tool && meshes.IsBall() ? 1 : 3;

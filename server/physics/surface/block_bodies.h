@@ -16,8 +16,8 @@ namespace palpate {
 /// body for each block.
 ContactBody BlocksOf(const CutSolid& solid);
 
-/// The surface of one block, in the frame of its solid.  It includes the neighbouring triangles, which only
-/// serve the normal cones of the block's own.
+/// The surface of one block, in the frame of its solid.  It includes the neighbouring triangles,
+/// which only serve the normal cones of the block's own.
 struct BlockBody {
   struct Of {
     std::int32_t solid;   ///< index, among the scene's bodies, of the solid's boxes

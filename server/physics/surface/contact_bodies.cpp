@@ -16,8 +16,8 @@ namespace {
 /// Returns whether two objects have the same geometry.
 bool AreAlike(const PlacedTree& a, const PlacedTree& b) {
   const SphereTree &s = *a.tree, &t = *b.tree;
-  return (a.mesh == b.mesh || (a.mesh->vertices == b.mesh->vertices &&
-                               a.mesh->triangles == b.mesh->triangles)) &&
+  return (a.mesh == b.mesh ||
+          (a.mesh->vertices == b.mesh->vertices && a.mesh->triangles == b.mesh->triangles)) &&
          (a.tree == b.tree ||
           (s.leaf_triangle == t.leaf_triangle && s.leaf_triangle_begin == t.leaf_triangle_begin &&
            s.leaf_x == t.leaf_x && s.leaf_y == t.leaf_y && s.leaf_z == t.leaf_z &&

@@ -136,8 +136,8 @@ TEST(SeparatingPlane, IsTheGuessWhereThatHolds) {
   const ToolPose at(Vec3::Zero(), Quat::Identity());
   const Vec3 guess = Vec3(0.1, -0.1, 1.0).normalized();
   SeparatingPlane plane;
-  ASSERT_TRUE(FindPlane({tool.HullOf(tool.root()), object.HullOf(object.root()), 0.0}, {at, at}, guess, 1e-6,
-                        ActiveKernels(), plane));
+  ASSERT_TRUE(FindPlane({tool.HullOf(tool.root()), object.HullOf(object.root()), 0.0}, {at, at},
+                        guess, 1e-6, ActiveKernels(), plane));
   EXPECT_EQ(plane.n, guess);
   EXPECT_EQ(plane.tries, 1);
 }
@@ -215,8 +215,8 @@ TEST(SeparatingPlane, IsNoneBetweenPointsAtOnePlace) {
   const HullTree point = TreeOf({Vec3::Zero(), Vec3::Zero(), Vec3::Zero()});
   const ToolPose at(Vec3::Zero(), Quat::Identity());
   SeparatingPlane plane;
-  EXPECT_FALSE(FindPlane({point.HullOf(point.root()), point.HullOf(point.root()), 0.0}, {at, at}, Vec3::UnitZ(),
-                         1e-9, ActiveKernels(), plane));
+  EXPECT_FALSE(FindPlane({point.HullOf(point.root()), point.HullOf(point.root()), 0.0}, {at, at},
+                         Vec3::UnitZ(), 1e-9, ActiveKernels(), plane));
 }
 
 }  // namespace

@@ -277,7 +277,8 @@ TEST(SeparationFront, OpensTheLargerNodeOfAPair) {
       bench.front.Split(0, bench.tool.tree, bench.objects[0].shape->tree, Vec3::UnitZ(), 0.1);
   for (Index side = 0; side < 2; ++side) {
     EXPECT_EQ(bench.front.pair(child + side).tool, bench.tool.tree.root());
-    EXPECT_EQ(bench.front.pair(child + side).object, bench.objects[0].shape->tree.inner(0).child[side]);
+    EXPECT_EQ(bench.front.pair(child + side).object,
+              bench.objects[0].shape->tree.inner(0).child[side]);
   }
 }
 
