@@ -153,7 +153,8 @@ class HullTree::Builder {
 
   void Build(std::size_t count, const std::vector<bool>& set = {}) {
     MakeLeaves(count);
-    tree_.points_.clear();
+    tree_.hulls_.eights.clear();
+    tree_.hulls_.boxes.clear();
     tree_.inner_.resize(std::max(count, std::size_t{1}) - 1);
     tree_.corners_.resize(tree_.inner_.size());
     if (count < 2) return;
@@ -169,8 +170,8 @@ class HullTree::Builder {
           scratch_.order, [&](std::uint32_t triangle) { return set[triangle]; });
       first_half_ = (count - rest.size()) % count;
     }
-    const FewCorners all = BuildBelow({scratch_.order, 0}, tree_.points_);
-    if (!all.empty()) AddEight(tree_.root(), all, tree_.points_);
+    const FewCorners all = BuildBelow({scratch_.order, 0}, tree_.hulls_);
+    if (!all.empty()) AddEight(tree_.root(), all, tree_.hulls_);
   }
 
  private:
@@ -199,38 +200,41 @@ class HullTree::Builder {
     }
   }
 
-  /// Makes the nodes of a patch, and adds the points of their hulls.  Returns all corners if they
-  /// are few and were not added.
-  FewCorners BuildBelow(const Work& work, std::vector<EightPoints>& points) {
+  /// Makes the nodes of a patch, and adds their hulls.  Returns all corners if they are few and
+  /// were not added.
+  FewCorners BuildBelow(const Work& work, Hulls& hulls) {
     FewCorners one, other;
     if (work.patch.size() == 1) {
       for (const std::uint32_t v : mesh_.triangles()[work.patch[0]].vertex) one.Add(v);
       return one;
     }
-    const std::size_t first = points.size();
-    const auto halves = Split(work);
+    const std::size_t first = hulls.eights.size();
+    OrientedBox box;
+    const auto halves = Split(work, box);
     if (work.patch.size() < 2 * kOwnThread) {
-      one = BuildBelow(halves[0], points);
-      other = BuildBelow(halves[1], points);
+      one = BuildBelow(halves[0], hulls);
+      other = BuildBelow(halves[1], hulls);
     } else {
-      std::vector<EightPoints> others;
+      Hulls others;
       // If there is no thread for it, it runs at get().
       std::future<FewCorners> making = std::async([&] { return BuildBelow(halves[1], others); });
-      one = BuildBelow(halves[0], points);
+      one = BuildBelow(halves[0], hulls);
       other = making.get();
-      const auto before = static_cast<std::uint32_t>(points.size());
+      const auto eights = static_cast<std::uint32_t>(hulls.eights.size());
+      const auto boxes = static_cast<std::uint32_t>(hulls.boxes.size());
       const auto corners =
           std::span(tree_.corners_)
               .subspan(static_cast<std::size_t>(halves[1].inner), halves[1].patch.size() - 1);
-      for (Corners& of : corners) of.first += before;
-      points.insert(points.end(), others.begin(), others.end());
+      for (Corners& of : corners) of.first += of.eights > 0 ? eights : boxes;
+      hulls.eights.insert(hulls.eights.end(), others.eights.begin(), others.eights.end());
+      hulls.boxes.insert(hulls.boxes.end(), others.boxes.begin(), others.boxes.end());
     }
-    return Join(work.inner, first, one, other, points);
+    return Join(work.inner, first, one, other, box, hulls);
   }
 
   /// Makes the node, and splits its patch across its longest side.
-  std::array<Work, 2> Split(const Work& work) {
-    Inner box{};
+  std::array<Work, 2> Split(const Work& work, OrientedBox& box) {
+    Inner inner;
     const Mat3 axes =
         along_axes_ ? Mat3(Mat3::Identity()) : PrincipalAxes(tree_.leaf_corners_, work.patch);
     const Bounds bounds = BoundsOf(work.patch, axes);
@@ -245,7 +249,8 @@ class HullTree::Builder {
       box.sides.col(c) = half[k] * axes.col(k);
     }
     box.centre = axes * (0.5 * (bounds.low + bounds.high));
-    box.radius = along_axes_ ? half.norm() : RadiusOf(work.patch, box.centre);
+    inner.centre = box.centre;
+    inner.radius = along_axes_ ? half.norm() : RadiusOf(work.patch, box.centre);
     std::size_t middle = work.patch.size() / 2;
     if (work.inner == 0 && first_half_ > 0) {
       middle = first_half_;
@@ -258,8 +263,8 @@ class HullTree::Builder {
     const std::array halves{
         Work{work.patch.first(middle), work.inner + 1},
         Work{work.patch.subspan(middle), work.inner + static_cast<Node>(middle)}};
-    for (std::size_t side = 0; side < 2; ++side) box.child[side] = halves[side].node();
-    tree_.inner_[static_cast<std::size_t>(work.inner)] = box;
+    for (std::size_t side = 0; side < 2; ++side) inner.child[side] = halves[side].node();
+    tree_.inner_[static_cast<std::size_t>(work.inner)] = inner;
     return halves;
   }
 
@@ -312,28 +317,32 @@ class HullTree::Builder {
 
   /// @param first  of the points below the node
   FewCorners Join(Node node, std::size_t first, const FewCorners& one, const FewCorners& other,
-                  std::vector<EightPoints>& points) {
+                  const OrientedBox& box, Hulls& hulls) {
     if (!one.empty() && !other.empty()) {
       FewCorners both = one;
       if (both.Add(other)) return both;
     }
     const auto& child = tree_.inner(node).child;
-    if (!one.empty()) AddEight(child[0], one, points);
-    if (!other.empty()) AddEight(child[1], other, points);
-    const std::size_t eights = points.size() - first;
-    tree_.corners_[static_cast<std::size_t>(node)] = {
-        static_cast<std::uint32_t>(first),
-        eights <= kMostEights ? static_cast<std::uint32_t>(eights) : 0u, 0xff};
+    if (!one.empty()) AddEight(child[0], one, hulls);
+    if (!other.empty()) AddEight(child[1], other, hulls);
+    Corners& corners = tree_.corners_[static_cast<std::size_t>(node)];
+    const auto eights = static_cast<std::uint32_t>(hulls.eights.size() - first);
+    if (eights <= kMostEights) {
+      corners = {static_cast<std::uint32_t>(first), eights, 0xff};
+    } else {
+      corners = {static_cast<std::uint32_t>(hulls.boxes.size()), 0, 0};
+      hulls.boxes.push_back(box);
+    }
     return {};
   }
 
   /// Repeats the last corner to make eight.
-  void AddEight(Node node, const FewCorners& corners, std::vector<EightPoints>& points) {
-    EightPoints& eight = points.emplace_back();
+  void AddEight(Node node, const FewCorners& corners, Hulls& hulls) {
+    EightPoints& eight = hulls.eights.emplace_back();
     for (std::size_t k = 0; k < 8; ++k) {
       for (int c = 0; c < 3; ++c) eight.x[c][k] = mesh_.vertices()[corners[k]][c];
     }
-    Assign(node, corners, static_cast<std::uint32_t>(points.size() - 1));
+    Assign(node, corners, static_cast<std::uint32_t>(hulls.eights.size() - 1));
   }
 
   /// Gives a node and all nodes below it their lanes of an eight; returns the node's, one bit each.
@@ -370,7 +379,10 @@ HullTree::HullTree(const ContactMesh& mesh, const std::vector<bool>& set) {
 }
 
 void HullTree::Reserve(std::size_t triangles) {
-  ReserveEach(triangles, inner_, corners_, points_, leaf_corners_, leaf_centre_, leaf_radius_);
+  ReserveEach(triangles, inner_, corners_, hulls_.eights, leaf_corners_, leaf_centre_,
+              leaf_radius_);
+  // A patch with a box has more triangles than kMostEights, and halves differ by one.
+  hulls_.boxes.reserve(4 * triangles / kMostEights);
 }
 
 void HullTree::Assign(const ContactMesh& mesh, std::size_t count, Scratch& scratch) {
@@ -379,7 +391,6 @@ void HullTree::Assign(const ContactMesh& mesh, std::size_t count, Scratch& scrat
 
 HullTree::HullTree(std::span<Box> boxes) {
   if (!boxes.empty()) AddBoxes(boxes);
-  corners_.resize(inner_.size());  // no eights: the box is used
 }
 
 HullTree::Node HullTree::AddBoxes(std::span<Box> boxes) {
@@ -392,12 +403,14 @@ HullTree::Node HullTree::AddBoxes(std::span<Box> boxes) {
   std::array<int, 3> by_length{0, 1, 2};
   std::ranges::stable_sort(by_length, {}, [&](int a) { return extent[a]; });
   const auto node = static_cast<std::size_t>(inner_.size());
-  Inner box{0.5 * (low + high), Mat3::Zero(), extent.norm(), {}};
+  OrientedBox box{0.5 * (low + high), Mat3::Zero()};
   for (int c = 0; c < 3; ++c) {
     const int axis = by_length[static_cast<std::size_t>(c)];
     box.sides.col(c) = extent[axis] * Vec3::Unit(axis);
   }
-  inner_.push_back(box);
+  corners_.push_back({static_cast<std::uint32_t>(hulls_.boxes.size()), 0, 0});
+  hulls_.boxes.push_back(box);
+  inner_.push_back({box.centre, extent.norm(), {}});
   if (boxes.size() == 1) {
     inner_[node].child[0] = inner_[node].child[1] = ~static_cast<Node>(boxes[0].block);
     return static_cast<Node>(node);

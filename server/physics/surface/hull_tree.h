@@ -37,18 +37,21 @@ class HullTree {
     std::vector<Bounds> bounds;  ///< for each triangle, if all boxes lie along the axes
   };
   struct Inner {
-    Vec3 centre;    ///< centre of the box [m]
-    Mat3 sides;     ///< orthogonal columns, from the centre to three sides, the shortest first [m]
+    Vec3 centre;    ///< centre of the patch's box [m]
     double radius;  ///< of a ball about the centre that holds the triangles below [m]
     Node child[2];
+  };
+  struct OrientedBox {
+    Vec3 centre;  ///< [m]
+    Mat3 sides;   ///< orthogonal columns, from the centre to three sides, the shortest first [m]
   };
   /// The hull of a node, in one of three forms: leaf, eights or box.
   struct Hull {
     const Mat3* leaf = nullptr;           ///< corners of a triangle [m]
     const EightPoints* eights = nullptr;  ///< corners of a patch that has few
     int count = 0;
-    std::uint32_t lanes = 0;     ///< if there is one eight, its lanes that count
-    const Inner* box = nullptr;  ///< of a patch with more corners
+    std::uint32_t lanes = 0;           ///< if there is one eight, its lanes that count
+    const OrientedBox* box = nullptr;  ///< of a patch with more corners
 
     /// Returns the point that is lowest along m (any vector); of equally low points, the first.
     /// The choice is made without branches, because they could not be predicted.
@@ -103,15 +106,15 @@ class HullTree {
   Hull HullOf(Node node) const {
     if (IsLeaf(node)) return {.leaf = &leaf_corners_[TriangleOf(node)]};
     const Corners& corners = corners_[static_cast<std::size_t>(node)];
-    if (corners.eights == 0) return {.box = &inner(node)};
-    return {.eights = points_.data() + corners.first,
+    if (corners.eights == 0) return {.box = &hulls_.boxes[corners.first]};
+    return {.eights = hulls_.eights.data() + corners.first,
             .count = static_cast<int>(corners.eights),
             .lanes = corners.lanes};
   }
 
  private:
   /// Where the corners of an inner node's patch are stored: the given lanes of one eight, or all of
-  /// several eights.  No eights if there are too many corners; the box is used then.
+  /// several eights.  No eights if there are too many corners: `first` is the box then.
   struct Corners {
     std::uint32_t first, eights, lanes;
   };
@@ -121,8 +124,11 @@ class HullTree {
 
   std::vector<Inner> inner_;
   std::vector<Corners> corners_;  ///< for each inner node
-  /// The corners, in the order of the patches: a node shares those of the nodes below it.
-  std::vector<EightPoints> points_;
+  struct Hulls {
+    /// The corners, in the order of the patches: a node shares those of the nodes below it.
+    std::vector<EightPoints> eights;
+    std::vector<OrientedBox> boxes;
+  } hulls_;
   std::vector<Mat3> leaf_corners_;  ///< columns [m]: beside each other, for speed
   std::vector<Vec3> leaf_centre_;
   std::vector<double> leaf_radius_;

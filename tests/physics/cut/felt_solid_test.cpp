@@ -181,7 +181,7 @@ TEST(FeltSolid, ABlocksBoxHoldsWhateverIsLeftOfIt) {
         for (const std::uint32_t v : triangle) {
           const Vec3 from = surface.vertices[v] - box.centre;
           for (int c = 0; c < 3; ++c) {
-            const Vec3 side = box.sides.col(c);
+            const Vec3 side = boxes.HullOf(n).box->sides.col(c);
             ASSERT_LE(std::abs(from.dot(side)), side.squaredNorm()) << boxes.BlockOf(n);
           }
         }
