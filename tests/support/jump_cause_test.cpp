@@ -35,7 +35,7 @@ class JumpCauseTest : public testing::Test {
   HapticModel model_;
   JumpJudge judge_;
   Pose X_WH_before_, X_WH_;
-  StepReport before_, after_;
+  StepReport before_{}, after_{};  // of zeros: rows are not initialised
 };
 
 TEST_F(JumpCauseTest, IsNoneForAForceThatHardlyChanges) {
