@@ -11,8 +11,6 @@ import {eventually, kHasChromium, launch, readsOn, until} from "./support/browse
 import {kCommon, kDomain, Program, startGateway, startHand, startServer} from "./support/programs";
 import {browserTest as test} from "./support/skip";
 
-const kLengthS = 2;
-
 let browser: Browser;
 let folder = "";
 let page: Page;
@@ -23,14 +21,16 @@ function run(program: Program): Program {
   return program;
 }
 
-/// Some seconds of a hand that presses on the cube.
+/// The beginning of a hand's motion, until it presses on the cube.
 async function record(file: string): Promise<void> {
   const server = run(await startServer("cube"));
-  const recorder = run(new Program("palpate-record", ["-o", file, ...kCommon]));
-  await recorder.says(/recording|ready/i);
+  const recorder = run(
+    new Program("palpate-record", ["-o", file, "--await-scene", "cube", ...kCommon]),
+  );
+  await recorder.says(/recording to/);
   const station = run(startHand("scripted", "cube"));
-  await server.says(/station hand: active/);
-  await new Promise((resolve) => setTimeout(resolve, 1000 * kLengthS));
+  // Not a length of time: on a loaded machine the hand may not have touched by then.
+  await station.says(/contacts 1 .*active +slide/);
   // The recorder first: at the end of the recording the hand still holds the tool, which is thus
   // shown to a page that comes when the replay has got there already.
   for (const program of [recorder, station, server]) await program.stop("SIGINT");
