@@ -16,9 +16,9 @@ Proxy::Proxy(const HapticModel& model, const Pose& X_WH)
 void Proxy::Restart(const Pose& hand) {
   if (!IsPose(hand)) throw Error("hand: its pose must be finite, its quaternion of length 1");
   const Pose X_WH = Unit(hand);
-  const StartPose start = ResolveStart(model_, X_WH, workspace_, state_.cuts);
+  const StartPose start = ResolveStart(model_, X_WH, workspace_, state_.cut.fields);
   StepState fresh(model_);  // fresh, as for a new session
-  fresh.cuts = std::move(state_.cuts);
+  fresh.cut.fields = std::move(state_.cut.fields);
   state_ = std::move(fresh);
   state_.X_WG = start.X_WG;
   start_depth_ = start.depth;

@@ -22,12 +22,12 @@ StepWorkspace::StepWorkspace(StepWorkspace&&) noexcept = default;
 /// resting hand does not toggle it.
 bool CutsInStep(const HapticModel& model, const Pose& X_WH, StepState& state) noexcept {
   const Cutting* cutting = model.cutting();
-  if (cutting == nullptr || !cutting->sense) return state.spins;
+  if (cutting == nullptr || !cutting->sense) return state.cut.spins;
   const Vec3 moved = X_WH * cutting->X_TB.p - state.X_WH * cutting->X_TB.p;
-  state.drawn =
-      std::clamp(state.drawn + moved.dot(X_WH.q * *cutting->sense), 0.0, limits::cutting::kDraw);
-  const double turned = state.cutting ? 0.0 : limits::cutting::kDraw;
-  return state.drawn == turned ? !state.cutting : state.cutting;
+  state.cut.drawn = std::clamp(state.cut.drawn + moved.dot(X_WH.q * *cutting->sense), 0.0,
+                               limits::cutting::kDraw);
+  const double turned = state.cut.acts ? 0.0 : limits::cutting::kDraw;
+  return state.cut.drawn == turned ? !state.cut.acts : state.cut.acts;
 }
 
 namespace {
@@ -63,13 +63,13 @@ bool Begin(const Pose& X_WH, StepContext& context) {
   if (state.behind.translation > 0.0) bounds = state.behind;
   const bool cuts = CutsInStep(context.model, {X_WH.p, tools.q_H}, state);
   state.X_WH = {X_WH.p, tools.q_H};
-  if (cuts != state.cutting) state.front.Clear();
-  state.cutting = cuts;
+  if (cuts != state.cut.acts) state.front.Clear();
+  state.cut.acts = cuts;
   if (context.buffers.meshes) {
     ToolAndBodies& meshes = context.buffers.meshes->meshes;
     meshes.felt = &state.felt;
     meshes.cuts = cuts;
-    if (!state.felt.empty()) state.felt.Begin(state.cuts, state.front);
+    if (!state.felt.empty()) state.felt.Begin(state.cut.fields, state.front);
   }
   return true;
 }
@@ -77,7 +77,7 @@ bool Begin(const Pose& X_WH, StepContext& context) {
 /// Adds the rows of a bur at the beginning of a sub-step.
 void BeginCutting(StepContext& context, double reach) {
   const std::span cuts =
-      context.state.cutting ? std::span(context.state.cuts) : std::span<CutField>();
+      context.state.cut.acts ? std::span(context.state.cut.fields) : std::span<CutField>();
   context.buffers.energies->Begin(context.tools.p_G, context.tools.q_G, cuts, reach);
 }
 
@@ -89,7 +89,7 @@ bool GoesOn(const StepContext& context) {
     return false;
   }
   if (parameters.looks - context.cost.looks < parameters.looks / 4) return false;
-  return context.report.substeps < parameters.sub_steps && !context.arrived &&
+  return context.report.diagnostics.substeps < parameters.sub_steps && !context.outcome.arrived &&
          context.cost.packet_pairs + context.cost.last <= limits::kMaxTested &&
          !context.IsUnsolved();
 }
@@ -105,7 +105,7 @@ void Predict(StepContext& context) {
   context.Aim();
   tools.R_WG = tools.q_G.toRotationMatrix();
   if (buffers.energies) {
-    if (context.state.cutting) {
+    if (context.state.cut.acts) {
       sub_step.bounds = buffers.energies->Narrow(sub_step.bounds, tools.p_G, tools.q_G);
     }
     BeginCutting(context, std::numeric_limits<double>::infinity());
@@ -119,7 +119,7 @@ void Predict(StepContext& context) {
                  buffers.rows);
     clock.Lap(&StageTimes::prediction);
   }
-  context.report.predicted_pairs = buffers.rows.count();
+  context.report.diagnostics.predicted_pairs = buffers.rows.count();
 }
 
 /// Returns the nearest pose to the hand's that the rows allow, with straight
@@ -137,7 +137,7 @@ Optimum SolveWithoutFriction(StepContext& context) {
       GiveUpRegain(*buffers.meshes, buffers.rows)) {
     optimum = NearestStep(context, context.sub_step.target);
   }
-  context.report.qp_iterations += optimum.qp.iterations;
+  context.report.diagnostics.qp_iterations += optimum.qp.iterations;
   return optimum;
 }
 
@@ -169,18 +169,18 @@ void Move(StepContext& context, const Way& way) {
   StepBuffers& buffers = context.buffers;
   const bool meshes = buffers.meshes.has_value();
   const bool is_held = way.optimum.IsHeld();
-  context.arrived = way.arrived;
+  context.outcome.arrived = way.arrived;
   if (!is_held) context.state.turn_G.setZero();
   if (meshes) {
-    EndSubStep(*buffers.meshes, context.report.substeps == 0);
+    EndSubStep(*buffers.meshes, context.report.diagnostics.substeps == 0);
     context.cost.looks += buffers.meshes->looks.Spent();
   }
   if (context.Rubs() && way.optimum.qp.active == 0 && (way.arrived || !meshes)) {
     context.state.friction.Forget();
   }
-  if (buffers.energies && context.state.cutting) {
+  if (buffers.energies && context.state.cut.acts) {
     context.cost.last_cut_looks = buffers.energies->Cut(context.tools.p_G, context.tools.q_G, way.v,
-                                                        way.phi, context.state.cuts);
+                                                        way.phi, context.state.cut.fields);
     context.cost.cut_looks += context.cost.last_cut_looks;
   }
   Tools& tools = context.tools;
@@ -189,8 +189,9 @@ void Move(StepContext& context, const Way& way) {
     tools.q_G = tools.q_H;
     return;
   }
-  context.report.truncation = std::max(
-      context.report.truncation, 0.5 * way.phi.squaredNorm() * context.model.tool().max_lever);
+  context.report.diagnostics.truncation =
+      std::max(context.report.diagnostics.truncation,
+               0.5 * way.phi.squaredNorm() * context.model.tool().max_lever);
   tools.p_G += way.v;
   tools.q_G = (RotationExp(way.phi) * tools.q_G).normalized();
 }
@@ -217,8 +218,8 @@ void ReportFelt(StepContext& context, const Way& felt) {
   StepReport& report = context.report;
   const Optimum& optimum = felt.optimum;
   if (optimum.qp.status == QpStatus::kRelaxed) report.faults |= kFaultJammed;
-  context.held = optimum.IsHeld();
-  report.wrench = context.held ? context.WrenchAfter(optimum.v, optimum.phi) : Wrench{};
+  context.outcome.held = optimum.IsHeld();
+  report.wrench = context.outcome.held ? context.WrenchAfter(optimum.v, optimum.phi) : Wrench{};
   ReportContacts(context, felt);
 }
 
@@ -258,7 +259,7 @@ void ForgetForces(StepReport& report) {
 /// spring pulls from there.  Intermediate results belong to no pose, so all of them are discarded.
 void GiveUp(StepContext& context) {
   StepReport& report = context.report;
-  context.arrived = false;
+  context.outcome.arrived = false;
   context.state.active = 0;
   context.RestoreFriction();
   ForgetForces(report);
@@ -270,7 +271,7 @@ void GiveUp(StepContext& context) {
 /// hole does not whirl (cut/README.md).
 void TakeDrag(StepContext& context) {
   const auto& energies = context.buffers.energies;
-  Vec6& drag = context.state.drag;
+  Vec6& drag = context.state.cut.drag;
   if (!energies || !energies->bur_pushes()) {
     drag.setZero();
   } else {
@@ -282,8 +283,8 @@ void TakeDrag(StepContext& context) {
 /// It is a triangle wave, because libm's sine differs between processors.  It moves nothing.
 void Hum(StepContext& context) {
   const Cutting* cutting = context.model.cutting();
-  if (cutting == nullptr || cutting->spin.hum == 0.0 || !context.state.cutting) return;
-  double& tooth = context.state.tooth;
+  if (cutting == nullptr || cutting->spin.hum == 0.0 || !context.state.cut.acts) return;
+  double& tooth = context.state.cut.tooth;
   tooth += cutting->spin.tooth_Hz * cutting->period;
   tooth -= std::floor(tooth);
   const double shake = cutting->spin.hum * (4.0 * std::abs(tooth - 0.5) - 1.0);
@@ -309,22 +310,22 @@ void End(const Pose& X_WH, StepContext& context) {
   const Features& features = context.model.parameters().features;
   StepState& state = context.state;
   StepReport& report = context.report;
-  if (!context.arrived && !context.IsUnsolved()) report.faults |= kFaultTargetFar;
-  const bool lags = context.buffers.meshes && !context.arrived;
+  if (!context.outcome.arrived && !context.IsUnsolved()) report.faults |= kFaultTargetFar;
+  const bool lags = context.buffers.meshes && !context.outcome.arrived;
   if (!lags) state.behind = {0.0, 0.0};
-  if (context.arrived && !context.held) {
+  if (context.outcome.arrived && !context.outcome.held) {
     state.X_WG = {X_WH.p, context.tools.q_H};
   } else {
     state.X_WG = {context.tools.p_G - context.tools.q_G * context.model.reference(),
                   context.tools.q_G};
   }
   const Pose X_before = report.X_WG;
-  if (features.friction == FrictionModel::kChapter && context.arrived &&
+  if (features.friction == FrictionModel::kChapter && context.outcome.arrived &&
       !state.friction.suspended) {
     AddChapterFriction(context.model, X_before, state, report);
   }
   report.X_WG = state.X_WG;
-  if (!state.felt.empty()) state.felt.Follow(state.cuts, state.front);
+  if (!state.felt.empty()) state.felt.Follow(state.cut.fields, state.front);
   TakeDrag(context);
   Hum(context);
   AddEffects(context);
@@ -347,7 +348,7 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
   StepContext context(model, state, workspace.buffers(), report);
   context.times = times;
   if (!Begin(X_WH, context)) return report;
-  for (; GoesOn(context); ++report.substeps) {
+  for (; GoesOn(context); ++report.diagnostics.substeps) {
     Predict(context);
     StageClock clock(times);
     for (bool is_clear = false; !is_clear && !context.IsUnsolved();) {

@@ -13,7 +13,7 @@ struct StepBuffers;  // solve/step_context.h
 
 /// Returns whether the tool cuts in the step to X_WH; each step calls this first.  An edge starts
 /// and stops cutting only after the hand has drawn it some distance (limits::cutting::kDraw), which
-/// `state.drawn` counts, so the tremor of a resting hand does not toggle it.
+/// `state.cut.drawn` counts, so the tremor of a resting hand does not toggle it.
 bool CutsInStep(const HapticModel& model, const Pose& X_WH, StepState& state) noexcept;
 
 /// The buffers that a step needs, allocated once.  Each thread that steps needs its own, which

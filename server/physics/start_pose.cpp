@@ -124,8 +124,8 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
     }
   }
   if (!model.solids().empty() && !model.cuts()) {
-    state.cuts = StepState(model).cuts;
-    std::ranges::copy(cuts, state.cuts.begin());
+    state.cut.fields = StepState(model).cut.fields;
+    std::ranges::copy(cuts, state.cut.fields.begin());
   }
   state.friction.suspended = true;
   state.X_WG = X_start;

@@ -40,6 +40,19 @@ struct FrictionState {
   }
 };
 
+/// What a tool that cuts remembers from step to step, and what it has removed.
+struct CuttingState {
+  std::vector<CutField> fields;  ///< what has been removed from each solid
+  bool spins = true;             ///< whether the bur spins; if not, it is a rigid tool
+  /// Whether the tool cuts, in this step or the last: a bur while it spins, an edge while it is
+  /// drawn.  Its head is then felt by its samples, the rest of the tool by its mesh.
+  bool acts = true;
+  double drawn = 0.0;  ///< edge: how far the hand has drawn it in its sense, at most kDraw [m]
+  /// Drag of the material on a spinning bur, smoothed over the last 20 ms, as [v; rho phi] [m].
+  Vec6 drag = Vec6::Zero();
+  double tooth = 0.0;  ///< phase of the tooth frequency that is felt as a hum, 0 to 1
+};
+
 /// The state that one step passes to the next: all memory of the physics.  A copy that is stepped
 /// with the same poses gives the same bits.  A copy has no spare capacity, so its first steps may
 /// allocate, unless it is assigned to a state that was constructed from the model.
@@ -52,9 +65,10 @@ struct StepState {
       front.Reserve();
       if (!model.boxes().empty()) felt = FeltSolids(model.uncut());
     }
-    cutting = model.cutting() == nullptr || !model.cutting()->sense;
+    cut.acts = model.cutting() == nullptr || !model.cutting()->sense;
     for (const CutSolid& solid : model.solids()) {
-      cuts.emplace_back(*solid.grid, kMostGridBytes, "solid " + std::to_string(cuts.size()));
+      cut.fields.emplace_back(*solid.grid, kMostGridBytes,
+                              "solid " + std::to_string(cut.fields.size()));
     }
   }
 
@@ -75,26 +89,18 @@ struct StepState {
   Vec3 turn_G = Vec3::Zero();
   SeparationFront front;  ///< planes between the tool and objects that are felt by their meshes
   FeltSolids felt;        ///< the solids that burs cut, as contact feels them
-  bool spins = true;      ///< whether the bur spins; if not, it is a rigid tool
-  /// Whether the tool cuts, in this step or the last: a bur while it spins, an edge while it is
-  /// drawn.  Its head is then felt by its samples, the rest of the tool by its mesh.
-  bool cutting = true;
-  double drawn = 0.0;  ///< edge: how far the hand has drawn it in its sense, at most kDraw [m]
   FrictionState friction;
-  std::vector<CutField> cuts;  ///< what has been removed from each solid
-  /// Drag of the material on a spinning bur, smoothed over the last 20 ms, as [v; rho phi] [m].
-  Vec6 drag = Vec6::Zero();
-  double tooth = 0.0;   ///< phase of the tooth frequency that is felt as a hum, 0 to 1
+  CuttingState cut;
   EffectState effects;  ///< without effect in a default-constructed state
 
-  /// Call when the graphic tool or `cuts` are set from outside: no contact is known any more.
+  /// Call when the graphic tool or `cut.fields` are set from outside: no contact is known any more.
   void ForgetContact() noexcept {
     active = 0;
     behind = {0.0, 0.0};
     is_crowded = false;
     turn_G.setZero();
     friction = FrictionState{};
-    drag.setZero();
+    cut.drag.setZero();
     felt.Forget();
   }
 };

@@ -68,6 +68,18 @@ struct ActiveRow {
   double stiffness;
 };
 
+/// Counters and measures of one step.
+struct StepDiagnostics {
+  int substeps = 0;
+  int predicted_pairs = 0;      ///< number of rows in the last sub-step
+  int qp_iterations = 0;        ///< over all sub-steps
+  int friction_iterations = 0;  ///< Newton steps over all sub-steps
+  int friction_lowered = 0;     ///< times that friction used limits lower than Coulomb's
+  int friction_unsolved = 0;    ///< number of sub-steps whose friction did not converge
+  int friction_resets = 0;      ///< consecutive steps reset by chapter 2.34, including this one
+  double truncation = 0.0;      ///< largest bound on the linearisation error, 1/2 |phi|^2 lever [m]
+};
+
 /// The result of one step.  Force and torque act on the hand, at the tool's centroid, in W.
 struct StepReport {
   Wrench wrench;
@@ -86,15 +98,7 @@ struct StepReport {
   /// origin of the bur's frame, in W [m].
   Vec3 bur_force = Vec3::Zero(), bur_W = Vec3::Zero();
   std::uint32_t faults = kFaultNone;
-  // Counters and measures of this step.
-  int substeps = 0;
-  int predicted_pairs = 0;      ///< number of rows in the last sub-step
-  int qp_iterations = 0;        ///< over all sub-steps
-  int friction_iterations = 0;  ///< Newton steps over all sub-steps
-  int friction_lowered = 0;     ///< times that friction used limits lower than Coulomb's
-  int friction_unsolved = 0;    ///< number of sub-steps whose friction did not converge
-  int friction_resets = 0;      ///< consecutive steps reset by chapter 2.34, including this one
-  double truncation = 0.0;      ///< largest bound on the linearisation error, 1/2 |phi|^2 lever [m]
+  StepDiagnostics diagnostics;
   /// The parameters of this step; valid as long as the model.  Friction comes
   /// from each row's material.
   const StepParameters* parameters = nullptr;

@@ -69,7 +69,7 @@ void SetScaled(const Wrench& full, const EffectWrenches& effects, double gain,
 }  // namespace
 
 ServoLoop::ServoLoop(const HapticModel& model) : model_(model), workspace_(model), state_(model) {
-  if (!state_.cuts.empty()) {
+  if (!state_.cut.fields.empty()) {
     cut_blocks_ = std::make_unique<Ring<CutBlock, 256>>();
     given_ = std::make_unique<Ring<CutBlock, 64>>();
     merges_ = std::make_unique<Ring<CutMerge, 64>>();
@@ -109,7 +109,7 @@ bool ServoLoop::OnPose(const wire::HapticPose& pose, wire::Wrench& answer) noexc
   if (given > 0) MergeCuts(pose.pose_sequence, given);
 
   Clear(answer);
-  state_.spins = (pose.buttons & kStopBur) == 0;
+  state_.cut.spins = (pose.buttons & kStopBur) == 0;
   snapshot_.points = 0;
   answer.pose_sequence = pose.pose_sequence;
   answer.pose_time_ns = pose.sample_time_ns;
@@ -132,7 +132,7 @@ void ServoLoop::BecomeWhole(std::uint64_t pose_sequence) noexcept {
   const std::uint32_t newest = newest_.load(std::memory_order_acquire);
   // What cannot be recorded is not done.
   if (newest == period_ || !wholes_.Push(pose_sequence)) return;
-  for (CutField& cut : state_.cuts) cut.MakeWhole();
+  for (CutField& cut : state_.cut.fields) cut.MakeWhole();
   merging_ = 0;
   started_ = false;
   gain_ = 0.0;
@@ -232,21 +232,21 @@ void ServoLoop::MergeCuts(std::uint64_t pose_sequence, std::size_t given) noexce
   }
   for (int i = started_ ? kMostMerged : kMostMergedAtRest; i > 0 && merging_ > 0; --i) {
     const CutBlock& block = given_->Front();
-    state_.cuts[block.solid].Merge(block.block, block.merged());
+    state_.cut.fields[block.solid].Merge(block.block, block.merged());
     given_->Drop();
     --merging_;
   }
 }
 
 void ServoLoop::TellCuts(std::uint64_t pose_sequence) noexcept {
-  if (std::ranges::none_of(state_.cuts, &CutField::has_changed)) return;
+  if (std::ranges::none_of(state_.cut.fields, &CutField::has_changed)) return;
   // All or none: a replay then needs only the pose since which there was no room.
   if (cuts_held_ || cut_blocks_->size() + kMostCutBlocks > cut_blocks_->kCapacity) {
     if (held_from_ == 0) held_from_ = pose_sequence;
     return;
   }
   CutBlock told;
-  for (int i = 0; i < kMostCutBlocks && TakeChanged(state_.cuts, told); ++i) {
+  for (int i = 0; i < kMostCutBlocks && TakeChanged(state_.cut.fields, told); ++i) {
     told.period = period_;
     told.pose_sequence = pose_sequence;
     told.held_from = std::exchange(held_from_, 0);

@@ -114,7 +114,7 @@ class ServoLoop {
   /// wholes and blocks, reproduce the same bits.
   bool TakeMerge(CutMerge& merge) { return merges_ && merges_->Pop(merge); }
   /// What burs removed from each solid.  Use it only before the first pose, or after the last.
-  std::vector<CutField>& cuts() { return state_.cuts; }
+  std::vector<CutField>& cuts() { return state_.cut.fields; }
   /// Valid after the last pose: its sequence number, and how many poses were answered.
   std::uint64_t last_sequence() const { return last_sequence_; }
   std::uint32_t answers() const { return answers_; }

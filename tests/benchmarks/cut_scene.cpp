@@ -43,7 +43,7 @@ Cut Run(const HapticModel& model, const std::vector<Pose>& hand, int repeats) {
   Cut cut;
   const auto left = [](const StepState& state) {
     double sum = 0.0;
-    for (const CutField& field : state.cuts) sum += test::TotalLeft(field);
+    for (const CutField& field : state.cut.fields) sum += test::TotalLeft(field);
     return sum;
   };
   for (int r = 0; r < repeats; ++r) {
@@ -214,7 +214,7 @@ void WriteSweep(const Scene& scene, const HapticModel& model, const Cut& cut,
 /// cut, at its crossings with the lattice [m].
 std::vector<double> SurfaceErrors(const HapticModel& model, const Cut& cut, std::size_t number) {
   const CutSolid& solid = model.solids()[number];
-  const CutField& field = cut.state.cuts[number];
+  const CutField& field = cut.state.cut.fields[number];
   const Lattice& lattice = field.field().lattice();
   const double h = lattice.spacing;
   const std::vector<Piece> way = WayOf(model, cut, solid, 0.3 * h);
@@ -270,7 +270,7 @@ std::optional<Scene> Turned(Scene scene) {
 void WriteSurface(const HapticModel& model, const Cut& cut, const std::string& file) {
   TriangleMesh left;
   for (std::size_t i = 0; i < model.solids().size(); ++i) {
-    const SolidSurface surface = WholeSurface(cut.state.cuts[i]);
+    const SolidSurface surface = WholeSurface(cut.state.cut.fields[i]);
     const auto first = static_cast<std::uint32_t>(left.vertices.size());
     for (const Vec3& v : surface.vertices) left.vertices.push_back(model.solids()[i].X_WB * v);
     for (const auto& [a, b, c] : surface.triangles) {

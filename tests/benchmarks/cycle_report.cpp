@@ -225,15 +225,15 @@ Json ReportCycle(SceneRun& run, const CycleOptions& options) {
   int unsolved = 0, jammed = 0, far = 0, lowered = 0, rubs_unsolved = 0;
   for (std::size_t i = 0; i < steps; ++i) {
     const StepReport& report = reports[i];
-    predicted.push_back(report.predicted_pairs);
-    truncation.push_back(1e6 * report.truncation);
-    iterations.push_back(report.qp_iterations);
+    predicted.push_back(report.diagnostics.predicted_pairs);
+    truncation.push_back(1e6 * report.diagnostics.truncation);
+    iterations.push_back(report.diagnostics.qp_iterations);
     unsolved += (report.faults & kFaultUnsolved) != 0;
     jammed += (report.faults & kFaultJammed) != 0;
     far += (report.faults & kFaultTargetFar) != 0;
-    newton.push_back(report.friction_iterations);
-    lowered += report.friction_lowered;
-    rubs_unsolved += report.friction_unsolved;
+    newton.push_back(report.diagnostics.friction_iterations);
+    lowered += report.diagnostics.friction_lowered;
+    rubs_unsolved += report.diagnostics.friction_unsolved;
     if (i % static_cast<std::size_t>(options.check_every) == 0) {
       if (i % 500 == 0) {
         Progress(fmt::format("{}: checking step {} of {} ...", options.name, i, steps));

@@ -83,7 +83,7 @@ Level Measure(const Options& options, const Scene& original, const std::vector<P
     level.step_us.Add(run.Time(&reports));
   }
   for (const StepReport& report : reports) {
-    level.pairs.push_back(report.predicted_pairs);
+    level.pairs.push_back(report.diagnostics.predicted_pairs);
     level.wrenches.push_back(report.wrench);
     level.unsolved += (report.faults & kFaultUnsolved) != 0;
     level.overflowed += (report.faults & kFaultRowsFull) != 0;

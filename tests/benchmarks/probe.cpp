@@ -108,13 +108,13 @@ void Run(const Options& options) {
   const HapticModel model =
       MakeModel(with_probe, with_probe.tools.front(), MakeObjects(with_probe));
   StepState whole(model), cut(model);
-  CutByScript(scene, model.solids().front(), cut.cuts.front());
+  CutByScript(scene, model.solids().front(), cut.cut.fields.front());
 
   Table table(fmt::format("{}: a probe, {} steps", scene.name, options.hand.steps));
   Json json{{"machine", ToJson(ThisMachine())}, {"scene", scene.name}};
   for (const bool is_cut : {false, true}) {
     const StepState& start = is_cut ? cut : whole;
-    const SolidSurface surface = WholeSurface(start.cuts.front());
+    const SolidSurface surface = WholeSurface(start.cut.fields.front());
     const Scene drawn = AsMesh(with_probe, {surface.vertices, surface.triangles});
     const std::vector<Pose> hand = test::MakeHand(drawn, options.hand);
     const Measured felt = Measure(model, hand, start, test::MeshOracle(drawn), options.repeats);

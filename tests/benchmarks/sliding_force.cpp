@@ -21,7 +21,7 @@ namespace {
 /// The error of linearising the gap (2.10-2.17) in a step: the true gap of each active pair of
 /// balls minus its row's [m].
 double Truncation(const StepReport& report, const SphereTree& object) {
-  double worst = report.truncation;  // of the rotation; a ball has none
+  double worst = report.diagnostics.truncation;  // of the rotation; a ball has none
   for (int c = 0; c < report.contacts; ++c) {
     const ActiveRow& row = report.active[static_cast<std::size_t>(c)];
     const auto leaf = static_cast<std::size_t>(row.id.object);
@@ -123,7 +123,7 @@ SlidingForce MeasureSlidingForce(const SlidingExperiment& experiment, std::size_
       if (i >= path.steady) {
         truncation_um.Add(1e6 * (scene.features.contact == ContactModel::kSpheres
                                      ? Truncation(report, scene.objects.front().tree)
-                                     : report.truncation),
+                                     : report.diagnostics.truncation),
                           path.hand.size() - path.steady);
       }
     }

@@ -157,7 +157,7 @@ void PegInHole(CaseRun& run) {
     const double in = std::min(1.0, 0.01 * i);
     const Vec3 turn = 0.06 * in * Vec3(std::sin(0.05 * i), std::sin(0.07 * i), std::cos(0.03 * i));
     const StepReport report = trial.Step({in * kMillimetre * at, RotationExp(turn)});
-    most_rows = std::max(most_rows, report.predicted_pairs);
+    most_rows = std::max(most_rows, report.diagnostics.predicted_pairs);
     run.tunnelled += std::abs(report.X_WG.p.x()) > kMillimetre;
   }
   FigureIsOverlap(run);

@@ -25,7 +25,7 @@ std::string StepTrace(std::span<const Pose> X_WH, std::span<const StepReport> st
     pose(step.X_WG);
     vector(step.wrench.force);
     vector(step.wrench.torque);
-    fmt::format_to(out, ",{},{},{},{:.3f}\n", step.contacts, step.faults, step.substeps,
+    fmt::format_to(out, ",{},{},{},{:.3f}\n", step.contacts, step.faults, step.diagnostics.substeps,
                    step_us[i]);
   }
   return csv;

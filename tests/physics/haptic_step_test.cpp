@@ -313,7 +313,7 @@ TEST(HapticStep, StaysWhereItIsWhereASolverFails) {
             ++failed;
             // The tool stays where it was before the sub-step, and the spring pulls from there.
             // (Between meshes it may have moved before the force was computed.)
-            if (!meshes && report.substeps == 1) {
+            if (!meshes && report.diagnostics.substeps == 1) {
               ASSERT_LT((report.X_WG.p - state.X_WG.p).norm(), 1e-15);
             }
             const Vec3 stretch = report.X_WG * model.reference() - X_WH * model.reference();

@@ -135,7 +135,7 @@ CutRun PlayCut(const std::string& name, double spacing) {
   const StartPose start = ResolveStart(model, script.At(0.0), workspace);
   state.X_WG = start.X_WG;
   state.X_WH = script.At(0.0);
-  run.before = LeftOf(state.cuts[0]);
+  run.before = LeftOf(state.cut.fields[0]);
   int bad = 0;
   StepReport report;
   for (int i = 0; i <= static_cast<int>(std::ceil(script.duration() * 1000.0)); ++i) {
@@ -149,8 +149,8 @@ CutRun PlayCut(const std::string& name, double spacing) {
   EXPECT_EQ(bad, 0);
   EXPECT_LT(run.late, 0.002 * run.steps);
   EXPECT_EQ(report.wrench.force.norm(), 0.0);  // the hand ends in free space
-  run.after = LeftOf(state.cuts[0]);
-  run.cuts = std::move(state.cuts);
+  run.after = LeftOf(state.cut.fields[0]);
+  run.cuts = std::move(state.cut.fields);
   return run;
 }
 
@@ -408,7 +408,7 @@ TEST(SceneScript, CalculusIsScrapedOffAndItsFrictionGoesWithIt) {
   double before = 0.0, after = 0.0, deepest = 0.0, deepest_at_rest = 0.0;
   int n = 0;
   const Playback run = Play("calculus", 4.0, [&](const Moment& m, const StepState& state) {
-    const CutField& cut = state.cuts[0];
+    const CutField& cut = state.cut.fields[0];
     if (n++ == 0) before = outside(cut);
     if (m.label == "away" && after == 0.0) after = outside(cut);
     if (n % 997 != 0 || !m.label.starts_with("scrape")) return;
@@ -416,7 +416,7 @@ TEST(SceneScript, CalculusIsScrapedOffAndItsFrictionGoesWithIt) {
     const TriangleMesh left{surface.vertices, surface.triangles};
     const test::MeshOracle::PlacedMesh placed{&left, crust.X_WB};
     const test::MeshOracle oracle(scene.tools[0].mesh, {&placed, 1});
-    double& most = state.cutting ? deepest : deepest_at_rest;
+    double& most = state.cut.acts ? deepest : deepest_at_rest;
     most = std::max(most, oracle.At(m.report.X_WG).depth);
   });
   // The crust's force along the strokes, y, summed over each pass [N s] (chapter, Fig. 2.26).

@@ -41,7 +41,7 @@ CutSweep::CutSweep(const PlayedScene& played, const std::string& tool, std::stri
       run_(run),
       model_(MakeModel(*played.scene, ToolOf(*played.scene, tool), played.objects)),
       state_(model_),
-      cut_{played.scene, played.objects, state_.cuts, {}} {
+      cut_{played.scene, played.objects, state_.cut.fields, {}} {
   // Friction by the chapter's rule moves the tool again after the step.
   sure_ = played.scene->features.friction != FrictionModel::kChapter;
 }
@@ -112,15 +112,15 @@ void CutSweep::Follow(const Hand& hand, const wire::Wrench& answer) {
   for (auto whole = wholes_.upper_bound(wholes_done_);
        whole != wholes_.end() && whole->second <= hand.pose_sequence; ++whole) {
     wholes_done_ = whole->first;
-    for (CutField& cut : state_.cuts) cut.MakeWhole();
+    for (CutField& cut : state_.cut.fields) cut.MakeWhole();
   }
   const Pose from = state_.X_WG;
   state_.X_WG = wire::ToPose(answer.graphic_position_m, answer.graphic_orientation_wxyz);
   if ((answer.faults & kNoStep) != 0) return;
-  state_.spins = hand.spins;
-  state_.cutting = CutsInStep(model_, hand.X_WH, state_);
+  state_.cut.spins = hand.spins;
+  state_.cut.acts = CutsInStep(model_, hand.X_WH, state_);
   state_.X_WH = hand.X_WH;
-  if (state_.cutting && model_.cutting() != nullptr) {
+  if (state_.cut.acts && model_.cutting() != nullptr) {
     Sweep(from, state_.X_WG, (answer.faults & kFaultTargetFar) != 0);
   }
 }
@@ -133,8 +133,8 @@ void CutSweep::Sweep(const Pose& from, const Pose& to, bool stays_behind) {
   const Vec3 step =
       to * model_.reference() - p_G + RotationLog(to.q * from.q.conjugate()).cross(lever);
   const Pose X_WB{p_G + lever, from.q * cutting.X_TB.q};
-  for (std::size_t i = 0; i < state_.cuts.size(); ++i) {
-    CutField& cut = state_.cuts[i];
+  for (std::size_t i = 0; i < state_.cut.fields.size(); ++i) {
+    CutField& cut = state_.cut.fields[i];
     const Pose X_SW = model_.solids()[i].X_WB.Inverse(), X_SB = X_SW * X_WB;
     if (stays_behind || step.norm() > 0.5 * cut.field().band()) {
       const double near = step.norm() + cut.field().lattice().spacing;
@@ -174,7 +174,7 @@ bool CutSweep::IsAlone() const {
 std::optional<SolidsCut> CutSweep::Finish() {
   Advance(0);
   if (!sure_ || last_answer_ == 0 || !IsAlone()) return std::nullopt;
-  cut_.after = std::move(state_.cuts);
+  cut_.after = std::move(state_.cut.fields);
   return std::move(cut_);
 }
 

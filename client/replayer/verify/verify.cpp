@@ -384,7 +384,7 @@ class SessionReplay : public CutSession {
     for (; next_whole_ != facts_.wholes.end() && next_whole_->second <= pose.pose_sequence;
          ++next_whole_) {
       loop_.MakeWhole();
-      if (verdict_.cut) verdict_.cut->before = StepState(model_).cuts;
+      if (verdict_.cut) verdict_.cut->before = StepState(model_).cut.fields;
     }
     side_.Give(pose.pose_sequence, loop_);
     const bool is_answered = loop_.OnPose(pose, answer);
@@ -657,7 +657,7 @@ class Verifier {
       if (std::ranges::none_of(of, [](const Replayed* s) { return s->verdict.has_value(); }))
         continue;
       const HapticModel& model = scenes_.ModelOf(scene.first, of.front()->facts->tool);
-      std::vector<CutField> whole = StepState(model).cuts;
+      std::vector<CutField> whole = StepState(model).cut.fields;
       if (whole.empty()) continue;
       const auto left = left_.find(scene);
       std::vector<CutField> after = left == left_.end() ? whole : std::move(left->second);

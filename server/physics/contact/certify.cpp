@@ -123,9 +123,9 @@ bool TrianglesApart(MeshContact& contact, Index k) {
 
 /// Returns the trial's motion in the frame of a body.
 const ToolMotion& MotionIn(MeshContact& contact, const NodesOfPair& nodes) {
-  auto& in_body = contact.in_body[static_cast<std::size_t>(nodes.placed)];
-  if (in_body.certified != contact.certified) {
-    in_body.certified = contact.certified;
+  auto& in_body = contact.scratch.in_body[static_cast<std::size_t>(nodes.placed)];
+  if (in_body.certified != contact.scratch.certified) {
+    in_body.certified = contact.scratch.certified;
     const Placement X_BW = contact.meshes.FrameOf(nodes).Inverse();
     in_body.motion = {X_BW * contact.motion.from, X_BW * contact.motion.to};
   }
@@ -137,9 +137,9 @@ void BeginSearch(MeshContact& contact, Index k) {
   const ToolAndBodies& meshes = contact.meshes;
   const NodesOfPair& nodes = contact.near[k].nodes;
   const int lane =
-      contact.searches.Begin(meshes.PatchesOf(nodes), MotionIn(contact, nodes),
-                             meshes.FrameOf(nodes).R.transpose() * contact.near.Normal(k));
-  contact.searched[lane] = k;
+      contact.scratch.searches.Begin(meshes.PatchesOf(nodes), MotionIn(contact, nodes),
+                                     meshes.FrameOf(nodes).R.transpose() * contact.near.Normal(k));
+  contact.scratch.searched[lane] = k;
 }
 
 /// Returns whether two triangles are separate at the trial, by any plane beside the front's; a ball
@@ -161,7 +161,7 @@ bool LookAtTriangles(MeshContact& contact, Index k, Until until) {
     touch.plane = ChoosePlane(contact.meshes, touch, contact.motion);
   }
   contact.open.push_back(k);
-  contact.opened_at = contact.looks.tested;
+  contact.scratch.opened_at = contact.looks.tested;
   return false;
 }
 
@@ -181,10 +181,10 @@ bool Examine(MeshContact& contact, Index k, Until until) {
 /// Takes the result of a search.  Patches that no plane separates are split, and their parts
 /// decide.
 bool EndSearch(MeshContact& contact, int lane, Until until) {
-  const Index k = contact.searched[lane];
-  const SeparatingPlane& plane = contact.searches.plane(lane);
+  const Index k = contact.scratch.searched[lane];
+  const SeparatingPlane& plane = contact.scratch.searches.plane(lane);
   contact.looks.tested += plane.tries;
-  if (contact.searches.Found(lane)) {
+  if (contact.scratch.searches.Found(lane)) {
     const Vec3 n = contact.meshes.FrameOf(contact.near[k].nodes).R * plane.n;
     contact.near.SetPlanes(k, n, plane.before, n, plane.after);
     return true;
@@ -208,7 +208,7 @@ int Certify(MeshContact& contact, const Vec3& v, const Vec3& phi, Until until) n
   const PlaneMotion motion{
       {v.x(), v.y(), v.z(), phi.x(), phi.y(), phi.z()}, angle, free, free + bend};
   ++contact.trial;
-  std::vector<std::int64_t>& doubts = contact.doubts;
+  std::vector<std::int64_t>& doubts = contact.scratch.doubts;
   doubts.clear();
   contact.open.clear();
   // Pairs without room are not known to be separate.
@@ -217,11 +217,11 @@ int Certify(MeshContact& contact, const Vec3& v, const Vec3& phi, Until until) n
     if (looks.AreSpent()) return true;
     if (!moves || apart_not == 0) return false;
     return until == Until::kFirst || apart_not >= kEnough ||
-           (!contact.open.empty() && looks.tested - contact.opened_at > kPatience);
+           (!contact.open.empty() && looks.tested - contact.scratch.opened_at > kPatience);
   };
-  PlaneSearches& searches = contact.searches;
+  PlaneSearches& searches = contact.scratch.searches;
   searches.Reset(free);
-  ++contact.certified;
+  ++contact.scratch.certified;
   for (Index collected = 0;;) {
     // Finds the pairs whose planes do not hold throughout the trial, including those added by
     // splits.

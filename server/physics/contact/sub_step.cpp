@@ -28,11 +28,11 @@ MeshContact::MeshContact(const ToolBody& tool, std::span<const ContactBody> bodi
       motion({Vec3::Zero(), Quat::Identity()}),
       near(most_looks) {
   const auto rows = static_cast<std::size_t>(max_rows);
-  in_body.resize(bodies.size());
+  scratch.in_body.resize(bodies.size());
   touches.reserve(static_cast<std::size_t>(most_looks));
   ReserveEach(rows, of_rows.touch, released);
   of_rows.regain.resize(rows);
-  ReserveEach(static_cast<std::size_t>(near.room()), doubts, open);
+  ReserveEach(static_cast<std::size_t>(near.room()), scratch.doubts, open);
 }
 
 Touch& MeshContact::TouchOf(NearPairs::Index k) {

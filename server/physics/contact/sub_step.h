@@ -26,6 +26,21 @@ struct ReleasedRow {
   double gap;  ///< gap of the row when it was taken out [m]
 };
 
+/// Scratch memory of Certify.
+struct CertifyScratch {
+  std::vector<std::int64_t> doubts;  ///< near pairs whose planes do not hold, as a heap by the gap
+                                     ///< that is left
+  PlaneSearches searches;            ///< for planes
+  NearPairs::Index searched[PlaneSearches::kAtOnce] = {};  ///< the near pair of each search
+  struct InBody {
+    ToolMotion motion;
+    std::uint64_t certified = 0;  ///< the trial that it is of
+  };
+  std::vector<InBody> in_body;  ///< for each body, the motion in its frame
+  std::uint64_t certified = 0;  ///< trials ever examined
+  std::int64_t opened_at = 0;   ///< looks when the last open pair was found
+};
+
 /// The data of one sub-step between a tool and bodies, which the functions below read and write.
 /// All memory is allocated on construction.
 struct MeshContact {
@@ -43,19 +58,7 @@ struct MeshContact {
   TouchRows of_rows;
   std::vector<ReleasedRow> released;  ///< by the last Release
   Looks looks;
-  /// Scratch of Certify: near pairs whose planes do not hold, sorted by the gap that is left.
-  std::vector<std::int64_t> doubts;
-  /// Scratch of Certify: searches for planes, and the near pair of each lane.
-  PlaneSearches searches;
-  NearPairs::Index searched[PlaneSearches::kAtOnce] = {};
-  /// Scratch of Certify: for each body, the motion in its frame, and the trial that it is of.
-  struct InBody {
-    ToolMotion motion;
-    std::uint64_t certified = 0;
-  };
-  std::vector<InBody> in_body;
-  std::uint64_t certified = 0;  ///< trials ever examined
-  std::int64_t opened_at = 0;   ///< looks when the last of `open` was added
+  CertifyScratch scratch;
   /// Near pairs of triangles without a plane at the trial, in the order in which they were found.
   std::vector<NearPairs::Index> open;
 

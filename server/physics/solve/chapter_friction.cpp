@@ -76,7 +76,7 @@ void AddChapterFriction(const HapticModel& model, const Pose& X_before, StepStat
     row.contact_W = X_before * (X_WG_inverse * row.contact_W);
   }
   state.friction.resets = reset ? state.friction.resets + 1 : 0;
-  report.friction_resets = state.friction.resets;
+  report.diagnostics.friction_resets = state.friction.resets;
   if (reset) state.X_WG = X_before;
 }
 

@@ -23,7 +23,7 @@ void GoPart(Way& way, double part) {
 /// QP does not end, the tool stays and has not arrived.
 Way WayToNewOptimum(StepContext& context) {
   Way way{NearestStep(context, context.sub_step.target)};
-  context.report.qp_iterations += way.optimum.qp.iterations;
+  context.report.diagnostics.qp_iterations += way.optimum.qp.iterations;
   Remember(context, way.optimum);
   context.Require(way.optimum);
   GoPart(way, context.IsUnsolved() ? 0.0 : PartWithin(context, way.optimum));
@@ -40,7 +40,7 @@ void GoWithinBounds(StepContext& context, Way& way) {
     part *= limits::kBoundShare;
     // Soft rows balance the spring at the end of the way, so they take no part in this.
     const Optimum partial = NearestStep(context, {part * way.optimum.v, part * way.optimum.phi});
-    context.report.qp_iterations += partial.qp.iterations;
+    context.report.diagnostics.qp_iterations += partial.qp.iterations;
     context.Require(partial);
     const double clip = context.IsUnsolved() ? 0.0 : PartWithin(context, partial);
     if (clip == 1.0 || clip == 0.0 || tries == limits::kNearerTargets) {
@@ -94,8 +94,8 @@ bool GoPast(StepContext& context, Way& held) {
   }
   PutBack(meshes, rows);
   const bool stays = LengthOf(context, held) <= meshes.meshes.margins.touching;
-  held.arrived = stays && context.stuck_at == context.report.substeps - 1;
-  if (stays) context.stuck_at = context.report.substeps;
+  held.arrived = stays && context.outcome.stuck_at == context.report.diagnostics.substeps - 1;
+  if (stays) context.outcome.stuck_at = context.report.diagnostics.substeps;
   Remember(context, held.optimum);
   return IsFree(context, held);
 }

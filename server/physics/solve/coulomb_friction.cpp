@@ -299,7 +299,7 @@ class FrictionalContacts {
     double error = Error(), before[3] = {};
     for (int step = 0; error > kSolved * size_; ++step) {
       if (step == steps) return error <= kNear * size_;
-      ++report.friction_iterations;
+      ++report.diagnostics.friction_iterations;
       const double last = before[step % 3] = error;
       const double bound = std::max({before[0], before[1], before[2]});
       const Vec6 from = x_, d = Step(kTrueLaw);
@@ -341,7 +341,7 @@ class FrictionalContacts {
     Vec6 g = Gradient(by);
     for (int step = 0; step < kMinimiserSteps; ++step) {
       if (Largest(g) <= kBalanced * size_) return true;
-      ++report.friction_iterations;
+      ++report.diagnostics.friction_iterations;
       const Vec6 from = x_, d = Step(by);
       const double slope = g.dot(d);
       double part = 1.0;
@@ -373,7 +373,7 @@ class FrictionalContacts {
         if (Newton(kSecondSteps, report)) return true;
         std::copy(before.begin(), before.end(), begin());
         x_ = before.x_;
-        ++report.friction_lowered;
+        ++report.diagnostics.friction_lowered;
       }
       const bool follows = update < kFollowing,
                  balanced = Minimise({penalty, penalty, true}, report);
@@ -387,7 +387,7 @@ class FrictionalContacts {
         contact.limit = limit;
       }
       if (balanced && most <= kUpdated * size_) return true;
-      if (report.friction_iterations >= kCycleSteps) return false;
+      if (report.diagnostics.friction_iterations >= kCycleSteps) return false;
       penalty = std::min(10.0 * penalty, kHighestPenalty);
     }
     return false;
@@ -425,7 +425,7 @@ bool Solve(StepContext& context, Optimum& optimum, const Vec6& t) {
     }
     qp = context.kernels.solve(contacts.ShiftedTarget().data(), context.sub_step.rigid, guess,
                                guesses);
-    report.qp_iterations += qp.iterations;
+    report.diagnostics.qp_iterations += qp.iterations;
     return qp.status != QpStatus::kIterationLimit;
   };
   bool solved = false, added = true;
@@ -437,7 +437,7 @@ bool Solve(StepContext& context, Optimum& optimum, const Vec6& t) {
     // If the QP's solution rests on these contacts alone, both have found the same x.
     solved = found && (!added || contacts.Agrees(qp.x));
   }
-  report.friction_unsolved += !solved;
+  report.diagnostics.friction_unsolved += !solved;
   for (int projection = 0; !solved && contacts.Project(qp); ++projection) {
     if (projection == kProjections || !solve_shifted()) return false;
   }
@@ -455,7 +455,8 @@ bool Solve(StepContext& context, Optimum& optimum, const Vec6& t) {
 
 void AddCoulombFriction(StepContext& context, Optimum& optimum) noexcept {
   FrictionState& state = context.state.friction;
-  if (context.report.substeps == 0 && state.still < context.model.parameters().still_cycles) {
+  if (context.report.diagnostics.substeps == 0 &&
+      state.still < context.model.parameters().still_cycles) {
     ++state.still;
   }
   const double rho = context.model.rotation_length();

@@ -13,7 +13,7 @@ Optimum NearestStep(const StepContext& context, const Target& target, bool with_
   t << target.v, rho * target.phi;
   if (with_energies) {
     // Drag of the last steps: it depends on the rows' push, so it is not an energy's force.
-    const Vec6& drag = context.state.drag;
+    const Vec6& drag = context.state.cut.drag;
     t += drag;
     optimum.qp = context.buffers.energies->Solve(context.kernels, t.data(), context.sub_step.rigid,
                                                  {guess, static_cast<std::size_t>(guesses)});

@@ -14,7 +14,7 @@ bool Predict(StepContext& context, const StepEnds& ends, bool may_crowd = true) 
   context.sub_step.ends = ends;
   context.cost.last = buffers.prediction.tested() - before;
   context.cost.packet_pairs += context.cost.last;
-  context.report.predicted_pairs = buffers.rows.count();
+  context.report.diagnostics.predicted_pairs = buffers.rows.count();
   return fits;
 }
 

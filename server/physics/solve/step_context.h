@@ -87,6 +87,13 @@ struct SubStep {
   TrustRegion trust{};
 };
 
+/// How the sub-steps so far have ended.
+struct Outcome {
+  int stuck_at = -2;     ///< index of the last that found no way past what holds the tool
+  bool arrived = false;  ///< whether the last one's way arrived
+  bool held = false;     ///< whether something then kept the tool from the hand
+};
+
 /// The scratch memory of a step, allocated once: the contents of a StepWorkspace.
 struct StepBuffers {
   explicit StepBuffers(const HapticModel& model)
@@ -160,9 +167,7 @@ struct StepContext {
   CycleCost cost;
   SubStep sub_step;
   FrictionState friction_before;  ///< if it rubs: friction state at the sub-step's beginning
-  int stuck_at = -2;     ///< index of the last sub-step that found no way past what holds the tool
-  bool arrived = false;  ///< whether the last sub-step's way arrived
-  bool held = false;     ///< whether something then kept the tool from the hand
+  Outcome outcome;
 };
 
 }  // namespace palpate

@@ -620,7 +620,7 @@ TEST(MeshContact, RegainsItsSeparationTooGentlyToBeFelt) {
   }
   for (int i = 0; i < 20; ++i) {
     const StepReport report = touch.Step({Vec3(5e-5 * i, 0.0, 0.0199), Quat::Identity()});
-    EXPECT_LE(report.X_WG.p.z() - before, 0.31e-6 * report.substeps);
+    EXPECT_LE(report.X_WG.p.z() - before, 0.31e-6 * report.diagnostics.substeps);
     EXPECT_NEAR(report.wrench.force.z(), 0.1, 1.1e-3);
     before = report.X_WG.p.z();
   }
@@ -634,9 +634,9 @@ TEST(MeshContact, BeginsWithTheRowsThatHeldItLast) {
   for (int i = 0; i < 300; ++i) {
     const int contacts = touch.state.active;
     const StepReport report = touch.Step(Rolling(i));
-    if (contacts == 0 || report.contacts == 0 || report.substeps != 1) continue;
+    if (contacts == 0 || report.contacts == 0 || report.diagnostics.substeps != 1) continue;
     ++held;
-    began += report.predicted_pairs > 0;
+    began += report.diagnostics.predicted_pairs > 0;
   }
   EXPECT_GT(held, 100);
   // Except where another pair has taken over the contact.

@@ -54,10 +54,10 @@ class CutStep : public testing::Test {
         parameters, nullptr, cutting);
     state_ = std::make_unique<StepState>(*model_);
     workspace_ = std::make_unique<StepWorkspace>(*model_);
-    whole_ = test::TotalLeft(state_->cuts[0]);
+    whole_ = test::TotalLeft(state_->cut.fields[0]);
   }
   /// Volume removed so far [m^3].
-  double Cut() const { return whole_ - test::TotalLeft(state_->cuts[0]); }
+  double Cut() const { return whole_ - test::TotalLeft(state_->cut.fields[0]); }
   StepReport Step(const Pose& X_WH) {
     const StepReport report = HapticStep(*model_, X_WH, *state_, *workspace_);
     EXPECT_EQ(report.faults, 0u);
@@ -169,7 +169,7 @@ TEST_F(CutStep, GoesOnAlikeFromACopyAndInATurnedGrid) {
     forces.push_back(report.wrench.force);
     const StepReport again = HapticStep(*model_, way(n), copy, *workspace_);
     EXPECT_EQ(again.wrench.force, report.wrench.force);
-    EXPECT_EQ(copy.cuts[0].changes(), state_->cuts[0].changes());
+    EXPECT_EQ(copy.cut.fields[0].changes(), state_->cut.fields[0].changes());
   }
   Make(kBur, kFarAway, kDentine, 256, Quat(Eigen::AngleAxisd(0.5, Vec3::UnitZ())));
   Start(At(0, 0, kBurRadius));
@@ -236,7 +236,8 @@ TEST_F(CutStep, NoHandGetsWorkOutOfTheMaterial) {
       hand.q = hand.q.slerp(0.05, towards.q);
       const Pose before = state_->X_WG;
       const StepReport report = Step(hand);
-      if (report.contacts > 0 || report.substeps > 1) continue;  // each sub-step has its own force
+      if (report.contacts > 0 || report.diagnostics.substeps > 1)
+        continue;  // each sub-step has its own force
       ++judged;
       const Vec3 v = state_->X_WG * model_->reference() - before * model_->reference();
       const Vec3 phi = RotationLog(state_->X_WG.q * before.q.conjugate());

@@ -59,14 +59,14 @@ class Edge : public testing::Test {
     state_->X_WG = state_->X_WH = {Vec3(x, 0, z), kEdgeUp};
     state_->ForgetContact();
   }
-  double Left() const { return test::TotalLeft(state_->cuts[0]); }
+  double Left() const { return test::TotalLeft(state_->cut.fields[0]); }
   StepReport Step(double x, double z, double y = 0.0) {
     const StepReport report = HapticStep(*model_, {Vec3(x, y, z), kEdgeUp}, *state_, *workspace_);
     EXPECT_EQ(report.faults & ~kFaultTargetFar, 0u);
     return report;
   }
   MeshOracle OracleOfSlab() {
-    const SolidSurface surface = WholeSurface(state_->cuts[0]);
+    const SolidSurface surface = WholeSurface(state_->cut.fields[0]);
     left_ = {surface.vertices, surface.triangles};
     placed_ = {&left_, {}};
     return MeshOracle(scene_.tools.front().mesh, std::span(&placed_, 1));
@@ -126,7 +126,7 @@ TEST_F(Edge, PushedBackRidesOnTop) {
   StepReport report;
   for (double x = 0.8e-3; x > -0.8e-3; x -= 5e-6) {
     report = Step(x, -kEdgeDepth);
-    ASSERT_EQ(state_->cuts[0].changes(), 0u);
+    ASSERT_EQ(state_->cut.fields[0].changes(), 0u);
     ASSERT_FALSE(oracle.Meet(report.X_WG));
   }
   EXPECT_NEAR(report.X_WG.p.z(), 0.0, 2e-6);
@@ -140,7 +140,7 @@ TEST_F(Edge, PushedBackAgainstAWallStops) {
   StepReport report;
   for (double x = 1.6e-3; x > 0.6e-3; x -= 5e-6) {
     report = Step(x, -kEdgeDepth);
-    ASSERT_EQ(state_->cuts[0].changes(), 0u);
+    ASSERT_EQ(state_->cut.fields[0].changes(), 0u);
     ASSERT_FALSE(oracle.Meet(report.X_WG));
   }
   EXPECT_NEAR(report.X_WG.p.x(), 1.2e-3 + kEdgeRadius, 5e-6);
@@ -152,7 +152,7 @@ TEST_F(Edge, PressedAloneDoesNotSink) {
   StepReport report;
   test::Random random(3);
   for (int n = 0; n < 1000; ++n) report = Step(random.Uniform(-10e-6, 10e-6), -kEdgeDepth);
-  EXPECT_EQ(state_->cuts[0].changes(), 0u);
+  EXPECT_EQ(state_->cut.fields[0].changes(), 0u);
   EXPECT_NEAR(report.X_WG.p.z(), 0.0, 2e-6);
 }
 
@@ -171,8 +171,8 @@ TEST_F(EdgeOnThinSlab, ScrapesDownToWhatIsRigidAndNoFarther) {
     }
     for (double x = 1.8e-3; x > -1.8e-3; x -= 10e-6) {
       report = Step(x, -0.4e-3, y);
-      if (x < 1.7e-3) back += state_->cuts[0].changes() - before;
-      before = state_->cuts[0].changes();
+      if (x < 1.7e-3) back += state_->cut.fields[0].changes() - before;
+      before = state_->cut.fields[0].changes();
       ASSERT_FALSE(rigid.Meet(report.X_WG));
     }
   }
@@ -183,7 +183,7 @@ TEST_F(EdgeOnThinSlab, ScrapesDownToWhatIsRigidAndNoFarther) {
   EXPECT_LT(forth, 1.0e-3 * 0.25e-3 * 2.4e-3);
   for (double y = -0.4e-3; y < 0.4e-3; y += 0.05e-3) {
     for (double x = -1.15e-3; x < 1.15e-3; x += 0.05e-3) {
-      ASSERT_GT(state_->cuts[0].Distance(Vec3(x, y, -0.15e-3)), 0.0) << x << " " << y;
+      ASSERT_GT(state_->cut.fields[0].Distance(Vec3(x, y, -0.15e-3)), 0.0) << x << " " << y;
     }
   }
   const MeshOracle left = OracleOfSlab();
@@ -211,7 +211,7 @@ TEST_F(Edge, GoesOnAlikeFromACopyAndAsksForNoMemory) {
     const StepReport one = step(n, *state_), other = step(n, copy);
     ASSERT_EQ(one.X_WG.p, other.X_WG.p) << n;
     ASSERT_EQ(one.wrench.force, other.wrench.force) << n;
-    ASSERT_EQ(state_->cuts[0].changes(), copy.cuts[0].changes()) << n;
+    ASSERT_EQ(state_->cut.fields[0].changes(), copy.cut.fields[0].changes()) << n;
   }
 }
 

@@ -67,13 +67,14 @@ struct Felt {
     const Pose X_BW = model->solids()[0].X_WB.Inverse();
     const Vec3 step = (to - from) / steps;
     for (int n = 0; n < steps; ++n) {
-      state->cuts[0].Remove(bur, X_BW * Pose{from + n * step, Quat::Identity()}, X_BW.q * step);
+      state->cut.fields[0].Remove(bur, X_BW * Pose{from + n * step, Quat::Identity()},
+                                  X_BW.q * step);
     }
   }
   /// An oracle of the drawn surface against the tool, or a part of it.
   MeshOracle Oracle() const { return Oracle(scene.tools.front().mesh); }
   MeshOracle Oracle(const TriangleMesh& tool) const {
-    const SolidSurface surface = WholeSurface(state->cuts[0]);
+    const SolidSurface surface = WholeSurface(state->cut.fields[0]);
     const TriangleMesh left{surface.vertices, surface.triangles};
     const MeshOracle::PlacedMesh placed{&left, model->solids()[0].X_WB};
     return MeshOracle(tool, std::span(&placed, 1));
@@ -174,7 +175,7 @@ TEST(FeltSolid, ABlocksBoxHoldsWhateverIsLeftOfIt) {
         open.insert(open.end(), box.child, box.child + 2);
         continue;
       }
-      TakeSurface(*solid.grid, felt.state->cuts[0].field(),
+      TakeSurface(*solid.grid, felt.state->cut.fields[0].field(),
                   static_cast<std::size_t>(boxes.BlockOf(n)), surface);
       triangles += surface.triangles.size();
       for (const auto& triangle : surface.triangles) {
@@ -187,14 +188,14 @@ TEST(FeltSolid, ABlocksBoxHoldsWhateverIsLeftOfIt) {
         }
       }
     }
-    EXPECT_EQ(triangles, WholeSurface(felt.state->cuts[0]).triangles.size());
+    EXPECT_EQ(triangles, WholeSurface(felt.state->cut.fields[0]).triangles.size());
   }
 }
 
 /// The drawn surface as one mesh, without blocks.
 struct AsMesh {
   explicit AsMesh(const Felt& felt) {
-    const SolidSurface surface = WholeSurface(felt.state->cuts[0]);
+    const SolidSurface surface = WholeSurface(felt.state->cut.fields[0]);
     scene = test::MeshScene(felt.scene.tools[0].mesh, {surface.vertices, surface.triangles});
     Body& object = scene.objects[0];
     object.X_WB = felt.scene.objects[0].X_WB;
@@ -284,7 +285,7 @@ TEST(FeltSolid, FollowsWhatIsCutBelowAProbe) {
   EXPECT_LT(felt.state->X_WG.p.z(), -0.75e-3);
   // Compare with a tool that arrives after all cutting.
   Felt after(Probe(), Block(kAskew));
-  after.state->cuts = felt.state->cuts;
+  after.state->cut.fields = felt.state->cut.fields;
   after.Start(At(0.1e-3, 0, 20e-6));
   StepReport now, then;
   for (int n = 0; n < 400; ++n) {
@@ -330,16 +331,16 @@ TEST(FeltSolid, ABurThatStandsStillCutsNothing) {
   Felt felt(BurBody(profile), Block());
   const Quat q = Quat::FromTwoVectors(Vec3::UnitY(), Vec3::UnitZ());
   felt.Start({Vec3(0, 0, 20e-6), q});
-  felt.state->spins = false;
+  felt.state->cut.spins = false;
   const MeshOracle oracle = felt.Oracle();
   StepReport report;
   for (int n = 0; n < 300; ++n) {
     report = felt.Step({Vec3(1e-6 * n, 0, -0.5e-3), q});
-    ASSERT_EQ(felt.state->cuts[0].changes(), 0u);
+    ASSERT_EQ(felt.state->cut.fields[0].changes(), 0u);
     ASSERT_FALSE(oracle.Meet(report.X_WG));
   }
   EXPECT_NEAR(report.wrench.force.z(), 0.5, 2e-3);
-  felt.state->spins = true;
+  felt.state->cut.spins = true;
   for (int n = 0; n < 300; ++n) report = felt.Step({Vec3(0.3e-3, 0, -0.5e-3), q});
   EXPECT_LT(report.X_WG.p.z(), -0.05e-3);
 }
@@ -351,8 +352,8 @@ TEST(FeltSolid, GoesOnAlikeFromACopyAndAsksForNoMemory) {
   const Bur bur = Bur::Ball(0.3e-3);
   const auto step = [&](int n, StepState& state, const Pose& X) {
     const Vec3 at(-0.5e-3 + 2e-6 * n, 0, 0);
-    state.cuts[0].Remove(bur, {kAskew.conjugate() * at, Quat::Identity()},
-                         kAskew.conjugate() * Vec3(2e-6, 0, 0));
+    state.cut.fields[0].Remove(bur, {kAskew.conjugate() * at, Quat::Identity()},
+                               kAskew.conjugate() * Vec3(2e-6, 0, 0));
     return HapticStep(*felt.model, X, state, *felt.workspace);
   };
   const std::uint64_t before = test::AllocationsOfThisThread();
@@ -371,7 +372,7 @@ TEST(FeltSolid, AStartInsideIsTakenOut) {
   Felt felt(Probe(), Block());
   felt.Groove(Bur::Ball(0.3e-3), Vec3(0.2e-3, 0, 0.3e-3), Vec3(0.2e-3, 0, -0.2e-3));
   const StartPose start =
-      ResolveStart(*felt.model, At(0.2e-3, 0, -0.6e-3), *felt.workspace, felt.state->cuts);
+      ResolveStart(*felt.model, At(0.2e-3, 0, -0.6e-3), *felt.workspace, felt.state->cut.fields);
   EXPECT_NEAR(start.depth, 0.1e-3, 0.05e-3);
   EXPECT_FALSE(felt.Oracle().Meet(start.X_WG));
   const StartPose buried = ResolveStart(*felt.model, At(0, 0, -3e-3), *felt.workspace);

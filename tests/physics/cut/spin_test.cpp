@@ -51,7 +51,7 @@ class Spin : public testing::Test {
         parameters, nullptr, cutting);
     state_ = StepState(*model_);
     workspace_ = std::make_unique<StepWorkspace>(*model_);
-    whole_ = test::TotalLeft(state_.cuts[0]);
+    whole_ = test::TotalLeft(state_.cut.fields[0]);
   }
   StepReport Step(const Pose& X_WH) {
     const StepReport report = HapticStep(*model_, X_WH, state_, *workspace_);
@@ -59,7 +59,7 @@ class Spin : public testing::Test {
     return report;
   }
   /// Volume removed so far [m^3].
-  double Cut() const { return whole_ - test::TotalLeft(state_.cuts[0]); }
+  double Cut() const { return whole_ - test::TotalLeft(state_.cut.fields[0]); }
   StepReport Press(double to, double from = kRadius + 5e-6) {
     state_.X_WG = state_.X_WH = At(0, 0, from);
     StepReport report;
@@ -152,10 +152,10 @@ TEST_F(Spin, GivesTheHandNoMoreWorkThanTheMotorDoes) {
       hand.p += 0.05 * (towards.p - hand.p);
       hand.q = hand.q.slerp(0.05, towards.q);
       const Pose before = state_.X_WG;
-      const Vec6 drag = state_.drag;
+      const Vec6 drag = state_.cut.drag;
       const StepReport report = Step(hand);
       // Each sub-step has its own force, and a bur that nothing holds has no drag.
-      if (report.substeps > 1 || report.wrench.force.isZero(0.0)) continue;
+      if (report.diagnostics.substeps > 1 || report.wrench.force.isZero(0.0)) continue;
       ++judged;
       const double k = model_->parameters().stiffness, rho = model_->rotation_length();
       const Vec3 v = state_.X_WG * model_->reference() - before * model_->reference();
@@ -199,7 +199,7 @@ TEST_F(Spin, ADeadTipStopsWhatTheSideCuts) {
   const double before = Cut();
   for (int n = 0; n < 500; ++n) Step(At(0, 0, -1e-3));
   EXPECT_LT(Cut() - before, 0.01 * skin);
-  whole_ = test::TotalLeft(state_.cuts[0]);
+  whole_ = test::TotalLeft(state_.cut.fields[0]);
   // Beside the block and below its face it mills sideways.
   state_.ForgetContact();
   state_.X_WG = state_.X_WH = At(-1.6e-3, 0, -0.4e-3);
@@ -245,7 +245,7 @@ TEST_F(Spin, StepsWithoutAskingForMemory) {
   state_.X_WG = state_.X_WH = At(0, 0, kRadius);
   const std::uint64_t before = test::AllocationsOfThisThread();
   for (int n = 0; n < 200; ++n) {
-    state_.spins = n % 50 != 49;
+    state_.cut.spins = n % 50 != 49;
     HapticStep(*model_, At(1e-6 * n, 0, kRadius - 2e-6 * n), state_, *workspace_);
   }
   EXPECT_EQ(test::AllocationsOfThisThread(), before);

@@ -28,9 +28,9 @@ TEST_P(ChapterFriction, HoldsTheToolUntilTheHandIsFarAheadAndThenLetsItGo) {
     const Vec3 hand(2e-6 * i, 0.0, rest() - 1e-3);
     const StepReport report = bench.Step({hand, Quat::Identity()});
     const double ratio = Ratio(report, Vec3::UnitZ());
-    if (report.friction_resets > 0) {
+    if (report.diagnostics.friction_resets > 0) {
       ASSERT_EQ(report.X_WG.p, before);
-      ASSERT_EQ(report.friction_resets, resets + 1);
+      ASSERT_EQ(report.diagnostics.friction_resets, resets + 1);
       ASSERT_NEAR(ratio, 1e3 * (hand.x() - before.x()), 1e-4);
     } else if (i > 0) {
       ++releases;
@@ -43,9 +43,9 @@ TEST_P(ChapterFriction, HoldsTheToolUntilTheHandIsFarAheadAndThenLetsItGo) {
       force += row.force * row.normal + row.friction;
     }
     ASSERT_LT((force - report.wrench.force).norm(), 1e-6);
-    resets = report.friction_resets;
+    resets = report.diagnostics.friction_resets;
     before = report.X_WG.p;
-    longest = std::max(longest, report.friction_resets);
+    longest = std::max(longest, report.diagnostics.friction_resets);
     most = std::max(most, ratio);
     sum += ratio;
     ++steps;
@@ -68,7 +68,7 @@ TEST(ChapterFrictionOfABox, ResistsSpinByTheRotationRule) {
     X.q = RotationExp(Vec3(0.0, 0.0, 5e-5 * i));
     const StepReport report = bench.Step(X);
     most = std::max(most, -report.wrench.torque.z());
-    releases += i > 0 && report.friction_resets == 0;
+    releases += i > 0 && report.diagnostics.friction_resets == 0;
   }
   EXPECT_NEAR(most, 0.8 * 1e-3 / radius, 1e-4);  // r theta = mu_s depth, times k_r = 1 N m/rad
   EXPECT_GE(releases, 6);

@@ -43,7 +43,7 @@ TEST_P(FrictionTool, SlidesOnAPlaneWithTheDynamicCoefficientAtAnySpeed) {
       Pose X = At(0.0, 0.0, rest() - 1e-3);
       X.p += moved * way;
       const StepReport report = bench.Step(X);
-      ASSERT_EQ(report.friction_unsolved, 0);
+      ASSERT_EQ(report.diagnostics.friction_unsolved, 0);
       ExpectContactForcesAddUp(bench, report, 0.6);
       ASSERT_NEAR(report.wrench.force.z(), 1.0, 2e-3);
       if (moved < 0.59e-3) {
@@ -152,7 +152,7 @@ TEST(Friction, HoldsATipThatTheHandTremblesAbout) {
     X.p += random.InCube(20e-6);
     X.q = RotationExp(random.InCube(1e-3));
     const StepReport report = bench.Step(X);
-    ASSERT_EQ(report.friction_unsolved, 0);
+    ASSERT_EQ(report.diagnostics.friction_unsolved, 0);
     farthest = std::max(farthest, std::hypot(report.X_WG.p.x(), report.X_WG.p.y()));
   }
   // The ball at the tip rolls: its lowest point stays, its origin moves by radius times angle.
@@ -175,7 +175,7 @@ TEST(Friction, HoldsInAGrooveByTheNormalForcesOfItsWalls) {
     int sliding = 0;
     for (int i = 0; i < 2000; ++i) {
       const StepReport report = bench.Step(At(0.0, 2e-6 * i, rest - 1e-3));
-      ASSERT_EQ(report.friction_unsolved, 0);
+      ASSERT_EQ(report.diagnostics.friction_unsolved, 0);
       ExpectContactForcesAddUp(bench, report, 0.6);
       const double ratio = -report.wrench.force.y() / report.wrench.force.z();
       most = std::max(most, ratio);
@@ -202,7 +202,7 @@ TEST(Friction, ResistsSpinWithTheTorqueOfItsFeet) {
     Pose X = At(0.0, 0.0, 0.01 - 1e-3);
     X.q = RotationExp(Vec3(0.0, 0.0, 5e-5 * i));
     const StepReport report = bench.Step(X);
-    ASSERT_EQ(report.friction_unsolved, 0);
+    ASSERT_EQ(report.diagnostics.friction_unsolved, 0);
     ExpectContactForcesAddUp(bench, report, 0.6);
     const double torque = -report.wrench.torque.z();
     most = std::max(most, torque);
@@ -223,7 +223,7 @@ TEST(Friction, TipsABoxOverItsEdgeRatherThanSlideIt) {
   StepReport report;
   for (int i = 0; i < 3000; ++i) {
     report = bench.Step(At(1e-6 * i, 0.0, 0.01 - 1e-3));
-    ASSERT_EQ(report.friction_unsolved, 0) << i;
+    ASSERT_EQ(report.diagnostics.friction_unsolved, 0) << i;
     ExpectContactForcesAddUp(bench, report, 0.6);
   }
   EXPECT_NEAR(Ratio(report, Vec3::UnitZ()), 0.6, 1e-3);
@@ -252,8 +252,8 @@ TEST(Friction, KeepsEveryForceInItsConeAndTheToolOutsideInRandomScenes) {
         deepest = std::max(deepest, bench.Penetration());
         ++steps;
         contacts += report.contacts > 0;
-        unsolved += report.friction_unsolved > 0;
-        lowered += report.friction_lowered > 0;
+        unsolved += report.diagnostics.friction_unsolved > 0;
+        lowered += report.diagnostics.friction_lowered > 0;
       });
     }
   }
@@ -390,7 +390,7 @@ TEST(Friction, SatisfiesCoulombsLawInRandomProblems) {
           context.sub_step.target = target;
           context.sub_step.rigid = rows.view();
           AddCoulombFriction(context, optimum);
-          if (counts.friction_lowered + counts.friction_unsolved > 0) {
+          if (counts.diagnostics.friction_lowered + counts.diagnostics.friction_unsolved > 0) {
             ++not_solved;
           } else {
             ++solved;
@@ -452,7 +452,7 @@ TEST(Friction, MinimisesAsABruteForceSolverDoes) {
       AddCoulombFriction(context, optimum);
       const QpResult& qp = optimum.qp;
       const Problem::Vec6 x = Problem::Vec6::Map(qp.x);
-      if (counts.friction_lowered + counts.friction_unsolved > 0 ||
+      if (counts.diagnostics.friction_lowered + counts.diagnostics.friction_unsolved > 0 ||
           (turns && x.tail<3>().norm() / rho < model.parameters().max_rotation)) {
         ++skipped;  // no minimum of Coulomb's cost was found, or Creep has moved it
         return;

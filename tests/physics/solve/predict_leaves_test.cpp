@@ -111,9 +111,9 @@ TEST(PredictLeaves, FeelsAllPairsWithinReachAndEntersNone) {
       const Pose X_WH = hand.At(1e-3 * i), before = two.bench.state().X_WG;
       const StepReport report = two.bench.Step(X_WH);
       ASSERT_EQ(report.faults, 0u) << seed << ' ' << i;
-      ASSERT_LT(report.predicted_pairs, 8192);
+      ASSERT_LT(report.diagnostics.predicted_pairs, 8192);
       touching += report.contacts > 0 ? 1 : 0;
-      if (i % 12 != 0 || report.substeps > 1) continue;
+      if (i % 12 != 0 || report.diagnostics.substeps > 1) continue;
       ASSERT_LT(two.bench.Penetration(), 1e-6);
       const Vec3 force = ForceUnderAllRows(two, before, X_WH, 0.4e-3);
       ASSERT_LT((report.wrench.force - force).norm(), 1e-6) << seed << ' ' << i;

@@ -113,7 +113,7 @@ TEST(CutScene, IsFeltByItsBurThroughBothMaterialsDownToTheTable) {
   state.X_WG = state.X_WH = {Vec3(0, 1.51e-3, 0)};
   const double disc = M_PI * 0.25e-6;
   StepReport report;
-  const double whole = test::TotalLeft(state.cuts[0]);
+  const double whole = test::TotalLeft(state.cut.fields[0]);
   int late = 0;
   const auto down_to = [&](double y) {
     for (double at = state.X_WH.p.y(); at > y; at -= 1e-6) {
@@ -132,7 +132,7 @@ TEST(CutScene, IsFeltByItsBurThroughBothMaterialsDownToTheTable) {
   EXPECT_LT(std::hypot(report.wrench.force.x(), report.wrench.force.z()), 0.01 * in_dentine);
   // A ball 2 mm deep leaves a cylinder with one round end.
   const double depth = 1.5e-3 - state.X_WG.p.y() - 0.5e-3;
-  const double volume = whole - test::TotalLeft(state.cuts[0]);
+  const double volume = whole - test::TotalLeft(state.cut.fields[0]);
   EXPECT_NEAR(volume, disc * (depth + 0.5e-3 / 1.5), 0.01 * volume);
   down_to(-3.0e-3);
   EXPECT_LE(late, 2);
@@ -154,10 +154,10 @@ TEST(CutScene, ABurThatIsAllInTheMaterialGoesNoFartherInACycleThanItsTimeAllows)
   int cutting = 0;
   double force = 0.0;
   for (double x = -1.2e-3; x < 1.2e-3; x += 0.4e-3) {  // 0.4 m/s
-    const std::uint32_t before = state.cuts[0].changes();
+    const std::uint32_t before = state.cut.fields[0].changes();
     const StepReport report = HapticStep(model, {Vec3(x, y, 0)}, state, workspace);
-    EXPECT_LE(report.substeps, 3) << x;  // of 8
-    cutting += state.cuts[0].changes() > before;
+    EXPECT_LE(report.diagnostics.substeps, 3) << x;  // of 8
+    cutting += state.cut.fields[0].changes() > before;
     force = std::max(force, report.wrench.force.norm());
   }
   EXPECT_GE(cutting, 3);
