@@ -4,39 +4,31 @@
 #include <bit>
 #include <cstddef>
 
-/// Every constant of the haptic step, with its unit, its usual value and what it derives from. Only
-/// the constants of the QP over rigid rows (common/qp), which other programs use without the step,
-/// and of how meshes are read (surface/contact_mesh.cpp) stand elsewhere.  This page holds numbers
-/// alone, so that the kernels may include it too.  "Taken" means chosen, not derived: another value
-/// costs time, and no guarantee depends on it.
+/// Every constant of the haptic step, with its unit, its usual value and what it derives from;
+/// those of the QP over rigid rows (common/qp) and of how meshes are read
+/// (surface/contact_mesh.cpp) stand there.  Numbers alone, so that the kernels may include them.
+/// "Taken" means chosen, not derived: another value costs time, and no guarantee depends on it.
 namespace palpate::limits {
 
-// --- The coupling: StepParameters, unless the scene says otherwise. ---
+// --- StepParameters, unless the scene or a benchmark says otherwise. ---
 
 /// k_t [N/m] and k_r [N m/rad]: the chapter's 1 N/mm and 1000 mN m/rad (2.3).
-inline constexpr double kStiffness = 1000.0;
-inline constexpr double kTorsionalStiffness = 1.0;
-
-// --- A sub-step: StepParameters, unless a benchmark says otherwise. ---
-
+inline constexpr double kStiffness = 1000.0, kTorsionalStiffness = 1.0;
 /// Widest bound on |v| [m]: the chapter's fastest hand, 0.5 m/s, in 1 ms.
 inline constexpr double kMaxTranslation = 0.5e-3;
-/// The largest error of linearising a rotation [m]: half of the 1 um that a step may leave.  It
-/// gives the widest bound on |phi|, sqrt(2 kMaxTruncation / L) with L the tool's longest lever arm.
+/// Largest error of linearising a rotation [m], half of the 1 um that a step may leave.  With L the
+/// tool's longest lever arm, it gives the widest bound on |phi|, sqrt(2 kMaxTruncation / L).
 inline constexpr double kMaxTruncation = 0.5e-6;
-/// Least value of L [m], so that the bound is finite for a single sphere; and the largest bound
-/// [rad], which is reached where L is 2 kMaxTruncation / 0.1^2 = 0.1 mm.
-inline constexpr double kShortestLever = 1e-6;
-inline constexpr double kMostRotation = 0.1;
+/// Least L [m], for a single sphere; and the largest bound [rad], reached where L is 0.1 mm.
+inline constexpr double kShortestLever = 1e-6, kMostRotation = 0.1;
 /// Sub-steps in a cycle.  Twelve of kMaxTranslation follow a hand at 6 m/s.
 inline constexpr int kMaxSubsteps = 12;
 /// Rows of a sub-step: a peg in a hole, both of spheres, has some 10,000; the next power of two.
 inline constexpr int kMaxRows = 16384;
-/// Most halvings of a sub-step's bounds until its rows fit: from kMaxTranslation to 2 um.
+/// Halvings of a sub-step's bounds until its rows fit: from kMaxTranslation to 2 um.
 inline constexpr int kMostHalvings = 8;
-/// Packet pairs of a cycle, some 10 ns each.  A further sub-step begins only if one as
-/// costly as the last keeps the cycle within this number, 50 us: about the most that a snap
-/// over a ledge costs.
+/// Packet pairs of a cycle, some 10 ns each.  A further sub-step begins only if one as costly as
+/// the last stays within them: 50 us, about the most that a snap over a ledge costs.
 inline constexpr int kMaxTested = 5000;
 
 // --- Bounds of a cycle's sub-steps (solve/stages.h). ---
@@ -44,71 +36,63 @@ inline constexpr int kMaxTested = 5000;
 /// The first bounds over what the hand moved since the last cycle.  A tool that keeps its contacts
 /// moves no farther than the hand (1.0); the rest, taken, allows for contacts gained and lost.
 inline constexpr double kBoundsOverHand = 2.0;
-/// Part of the hand's rotation, times rho, that is added to the bound on translation, and of
-/// its translation, over rho, that is added to the bound on rotation, because contacts turn one
-/// into the other.  Taken.
+/// Part of the hand's rotation, times rho, that is added to the bound on translation, and of its
+/// translation, over rho, to that on rotation: contacts turn one into the other.  Taken.
 inline constexpr double kBoundsAcross = 0.5;
 /// Smallest first bounds over the widest: 20 um, as far as an encoder's noise moves a resting hand.
 inline constexpr double kLeastBounds = 0.04;
-/// Largest factor from the bounds of a sub-step to those of the next: from the least to the widest
-/// in two.
+/// Largest factor from one sub-step's bounds to the next's: from least to widest in two.
 inline constexpr double kWiden = 8.0;
 /// Share of the bounds that a shortened step aims at.  The rest is for rows that the last rotation
-/// left violated, by at most kMaxTruncation; 2 % of the least bounds, 20 um, is nearly as much.
+/// left violated, by at most kMaxTruncation: nearly 2 % of the least bounds.
 inline constexpr double kBoundShare = 0.98;
-/// Most targets tried, each nearer than the last, until the step under the rows, which may demand a
+/// Targets tried, each nearer than the last, until the step under the rows, which may demand a
 /// lift, ends within the bounds.  Taken; two are usual.
 inline constexpr int kNearerTargets = 4;
 
 /// Rows within the first bounds from which they are predicted where the tool goes instead
-/// (PredictLeaves): at least so many, some 10 us; and so many for each packet pair that the walk
-/// has tested.  A row and a test take the same time, so with 3 the rows have then cost as much as
-/// three walks: this one, which is lost, and the two of a tool that meets something new.  Whoever
-/// pays what the other way costs before changing over pays at most twice the less of both (ski
-/// rental: Karlin, Manasse, Rudolph & Sleator, Algorithmica 3 (1988) 79-119).  With 2, 1,574 rows
-/// of two bodies of 22,000 leaves were a crowd at 748 tests, and took 64 us in place of 47.
+/// (PredictLeaves): at least so many, some 10 us; and so many for each packet pair tested.  A row
+/// costs what a test does, so with 3 the rows have cost as much as three walks: the one that is
+/// lost and the two of a tool that meets something new.  Whoever pays what the other way costs
+/// before changing over pays at most twice the less of both (ski rental: Karlin, Manasse, Rudolph &
+/// Sleator, Algorithmica 3 (1988) 79-119).  With 2, two bodies of 22,000 leaves with 1,574 rows at
+/// 748 tests took 64 us in place of 47.
 inline constexpr int kCrowd = 1024, kCrowdATest = 3;
 /// Rows near where the tool goes below which the next cycle looks within the first bounds again.
 /// Taken.
 inline constexpr int kFew = 8;
 /// How far from where the tool is expected to end a sub-step may end, over the widest bounds: 10
-/// um. Taken: of 2, 5, 10 and 20 um the fastest; between two smooth bodies some 200 rows.
+/// um, of 2, 5, 10 and 20 um the fastest; between two smooth bodies some 200 rows.
 inline constexpr double kReachAhead = 0.02;
-/// Most predictions of a sub-step near where the tool goes.  Taken; one or two are usual.
+/// Predictions of a sub-step near where the tool goes.  Taken; one or two are usual.
 inline constexpr int kMostLooksAhead = 4;
 
-// --- Input. ---
+// --- Input, and the trees' rounding (tree/sphere_tree_query.cpp). ---
 
-/// Least |q|^2 of an orientation.  Unit quaternions have 1; a smaller one means that the
-/// sender left it zero.
+/// Least |q|^2 of an orientation: of a smaller one, the sender left it zero.
 inline constexpr double kLeastSquaredNorm = 1e-12;
-
-// --- The trees' rounding (tree/sphere_tree_query.cpp). ---
-
 /// Share by which every radius and lever grows: a packet test in floats errs by less than 8 ulp of
 /// the sum of the radii, and an ulp is at most 1.2e-7 of it.
 inline constexpr double kRadiusMargin = 1e-6;
-/// The largest displacement of a sphere by a pose in floats, over the size of the scene:
-/// five roundings of 6e-8 for each coordinate, times sqrt(3) for three coordinates, is
-/// 5e-7; four times that.
+/// The largest displacement of a sphere by a pose in floats, over the size of the scene: five
+/// roundings of 6e-8 for each coordinate, times sqrt(3), is 5e-7; four times that.
 inline constexpr double kPoseMargin = 2e-6;
 
 // --- Soft leaves (rows/soft_rows.h). ---
 
-/// How deep a soft leaf can be entered, as a share of its radius; inside lies a rigid core with the
-/// same centre.  The force is continuous where the tool meets the core, only its slope jumps.  The
-/// normal cannot flip, because no ball gets past the centre of another.
+/// How deep a soft leaf can be entered, over its radius; inside lies a rigid core with the same
+/// centre.  Where the tool meets it the force is continuous, and no ball gets past another's
+/// centre, so that the normal cannot flip.
 inline constexpr double kSoftShare = 0.5;
 
-/// The solver over energies (energy/energy_solver.h).  Forces are divided by k_t, so
-/// stiffness has no unit.
+/// The solver over energies (energy/energy_solver.h).  Forces and stiffness are over k_t.
 namespace energy {
-/// Stiffness, over the coupling's, of the spring that stands for a row below its threshold: a
-/// newton of the hand presses it 10 pm into what is rigid.  Ten times as much costs a digit of the
-/// result, which errs by 1e-16 of x times this for each row.
+/// Stiffness of the spring that stands for a row below its threshold: a newton presses it 10 pm
+/// into what is rigid.  Ten times as much costs a digit of the result, which errs by 1e-16 of x
+/// times this for each row.
 inline constexpr double kRigid = 1e8;
-/// Most turns of Newton's method.  Two or three are usual.  60,000 random problems of soft rows, up
-/// to 10^7 times as stiff as the coupling, took fewer than 60; 16,000 with thresholds, at most 39.
+/// Turns of Newton's method.  Two or three are usual.  60,000 random problems of soft rows, up to
+/// 10^7 times as stiff as the coupling, took fewer than 60; 16,000 with thresholds, at most 39.
 inline constexpr int kTurns = 100;
 /// Turns before the springs are made softer, and turns with springs of one softness.  Taken; a bur
 /// that keeps moving as before takes one or two.
@@ -119,13 +103,11 @@ inline constexpr double kSoftest = 10.0, kStiffen = 10.0;
 /// Factor applied to lengths when rigid rows stand beside thresholds: the QP's tolerance, 1e-12
 /// m, becomes 1e-21 m.
 inline constexpr double kThresholdScale = 1e9;
-/// Most bisections of an interval: 60 find a spring of 1e-15 m in a step of a millimetre.
+/// Bisections of an interval: 60 find a spring of 1e-15 m in a step of a millimetre.
 inline constexpr int kLineSearchLimit = 60;
-/// A step is accepted if it gains at least this part of what its slope
-/// promises (Armijo's usual value).
-inline constexpr double kLeastGain = 1e-4;
-/// A line search may stop where the slope has fallen to this part.
-inline constexpr double kSlopeLeft = 0.1;
+/// A step must gain this part of what its slope promises (Armijo's usual value); a line search may
+/// stop where the slope has fallen to this part.
+inline constexpr double kLeastGain = 1e-4, kSlopeLeft = 0.1;
 /// Error of a gradient over the size of its terms: some fifty roundings of 2e-16.
 inline constexpr double kRounding = 1e-14;
 }  // namespace energy
@@ -135,9 +117,9 @@ namespace cutting {
 /// How far ahead of its surface a bur looks for material, over the grid's spacing.  A cell's
 /// diagonal is 1.7; half of it, 0.9, keeps the bur's own cut out of the cell; the rest is taken.
 inline constexpr double kLookAhead = 1.5;
-/// Most rows of points (CutAway::looks), some 30 ns each, that a cycle's removal may cost.  A
-/// further sub-step begins only if one as costly as the last stays within it, 0.25 ms.  A ball of
-/// 1.4 mm, wholly inside the material, takes 4,000 in a sub-step of 75 um at 50 um.  Taken.
+/// Rows of points (CutAway::looks), some 30 ns each, that a cycle's removal may cost.  A further
+/// sub-step begins only if one as costly as the last stays within them, 0.25 ms.  A ball of 1.4 mm,
+/// wholly inside the material, takes 4,000 in a sub-step of 75 um at 50 um.  Taken.
 inline constexpr int kMostLooks = 7500;
 /// Share of the new drag of a spinning bur that each cycle takes over: 20 ms.  A drag f presses a
 /// ball against the walls of its cavity by at most g f, turned by a quarter turn, with g some 1.5
@@ -161,25 +143,18 @@ namespace friction {
 /// needs a time of rest (Dieterich 1972).  Without one, a hand that trembles at 8 to 12 Hz while it
 /// slides would stick at every reversal of the tremor.
 inline constexpr int kStillCycles = 20;
-
-/// Penalty stiffness, over k_t, on the violation of rows and sticking contacts: each Newton
-/// step divides the violation by about as much.  Its square, 10^10, must stay well below 1
-/// / epsilon = 4.5e15.
-inline constexpr double kPenalty = 1e5;
-/// The same penalty where it only decides whether a contact presses and slips: about the inverse of
-/// how far a unit force moves a contact, so that the first guess for a single contact is right.
-inline constexpr double kTrial = 1.0;
-
-/// Newton's method: most steps, and most halvings of a step that makes things worse.  One or two
-/// steps are usual in steady motion; the limits are taken.
+/// Penalty stiffness, over k_t, on the violation of rows and sticking contacts: each Newton step
+/// divides the violation by about as much.  Its square must stay well below 1 / epsilon = 4.5e15.
+/// And the penalty that only decides whether a contact presses and slips: about the inverse of how
+/// far a unit force moves one, so that the first guess for a single contact is right.
+inline constexpr double kPenalty = 1e5, kTrial = 1.0;
+/// Newton's method: steps, and halvings of one that makes things worse.  Taken; one or two steps
+/// are usual in steady motion.
 inline constexpr int kNewtonSteps = 24, kHalvings = 3;
-/// It ends when the forces violate the law by no more than this, over the size: "sticking" means a
-/// slip of at most 10^-10 of the hand's offset.
-inline constexpr double kSolved = 1e-10;
-/// It also accepts this much where rows and sticking contradict each other by the rounding of the
-/// gaps.
-inline constexpr double kNear = 1e-8;
-
+/// It ends when the forces violate the law by no more than this, over the size ("sticking" means a
+/// slip of at most 10^-10 of the hand's offset), or, where rows and sticking contradict each other
+/// by the rounding of the gaps, by this.
+inline constexpr double kSolved = 1e-10, kNear = 1e-8;
 /// Augmented Lagrangian method: penalties from 1 to this, tenfold each time; then the most updates
 /// of the multipliers, Newton steps of each, and shortenings of a step.  Taken.
 inline constexpr double kHighestPenalty = 1e4;
@@ -192,20 +167,17 @@ inline constexpr int kFollowing = 5, kSecondSteps = 12;
 inline constexpr double kBalanced = 1e-10, kUpdated = 1e-7;
 /// Newton steps of a cycle after which it gives up.  Taken, to bound the worst cycle's cost.
 inline constexpr int kCycleSteps = 160;
-
 /// Allowed difference, over the size, between the QP's optimum and Newton's: ten times kSolved, by
 /// which either may be off.
 inline constexpr double kAgreed = 1e-9;
-/// Slip, over the size, above which a contact counts as sliding.  A contact at its limit that
-/// others hold is not sliding, and slips by at most kNear; this is a hundred times that.
+/// Slip, over the size, above which a contact counts as sliding: a hundred times the kNear by which
+/// a contact at its limit that others hold slips.
 inline constexpr double kSlid = 1e-6;
-/// Rounds of the QP over all rows and Newton's method over the contacts.  Each round adds a row,
-/// and six rows hold a tool.
-inline constexpr int kRounds = 6;
-/// Most projections of the forces into their cones: one for each of seven contacts, and one more.
-inline constexpr int kProjections = 8;
-/// FrictionModel::kChapter: a rotation has no axis if the squared sine of half its
-/// angle is below this.
+/// Rounds of the QP over all rows and Newton's method over the contacts: each adds a row, and six
+/// hold a tool.  And projections of the forces into their cones: one for each of seven contacts,
+/// and one more.
+inline constexpr int kRounds = 6, kProjections = 8;
+/// FrictionModel::kChapter: squared sine of half its angle below which a rotation has no axis.
 inline constexpr double kLeastTurn = 1e-24;
 }  // namespace friction
 
@@ -217,9 +189,8 @@ inline constexpr double kSeparation = 1e-6;
 /// The largest loss of separation by rounding in a sub-step [m]: coordinates of 10 m are rounded to
 /// 2e-15 m, planes at 1e-7 m to 1e-8 of a triangle's size.
 inline constexpr double kRounding = 1e-9;
-/// Sine of the angle between two edges below which their common normal turns too fast, so that the
-/// nearest points give the direction instead.  A rotation of the tool turns that normal by up to
-/// the same angle over this sine, fifty times as much.  Taken.
+/// Sine of the angle between two edges below which the nearest points give the direction in place
+/// of their common normal, which turns by the tool's rotation over this sine.  Taken.
 inline constexpr double kParallel = 0.02;
 /// A corner counts as touching if it is farther than the nearest points by no more than this ratio
 /// and by no more than the same share of delta.
@@ -258,26 +229,25 @@ struct Margins {
     return distance > 0.5 * free ? std::min(free, distance) - kRounding : distance;
   }
 };
-/// Most iterates of a sub-step (StepTuning); three are usual.  And the most directions in which a
-/// plane between two patches is searched; four are usual.  Taken.
+/// Iterates of a sub-step (StepTuning); three are usual.  And directions in which a plane between
+/// two patches is searched; four are usual.  Taken.
 inline constexpr int kIterates = 16, kDirections = 16;
 /// Failed trials after which a sub-step begins again with its initial rows; and, from the second
 /// time on, how far the next trial may go, as a part of the first one's way (a quarter: Conn, Gould
 /// & Toint, Trust-Region Methods (2000), 6.1).  Taken.
 inline constexpr int kTrustedTrials = 4;
 inline constexpr double kNarrow = 0.25;
-/// Most looks of a cycle (StepTuning), some 130 ns each: 450 us.  A look is one direction tried in
-/// the search for a plane, or the nearest points of two triangles.  A further sub-step begins only
-/// if a quarter of them is left.  Taken.
+/// Looks of a cycle (StepTuning), some 130 ns each: 450 us.  A look is one direction tried in the
+/// search for a plane, or the nearest points of two triangles.  A further sub-step begins only if a
+/// quarter of them is left.  Taken.
 inline constexpr int kMaxLooks = 3400;
 /// Part of a cycle's looks, one over this, that may be spent beyond them on shorter motions once
 /// there is none left.  Taken.
 inline constexpr int kReserve = 4;
-/// Looks that a pair whose plane does not hold costs: four directions are usual (kDirections).
-inline constexpr int kLooksOfDoubt = 4;
-/// Pairs that are refreshed, or found not to hold in a trial, in the time of one look; eight times
-/// as many are tested in that time.
-inline constexpr int kRefreshesALook = 8;
+/// Looks that a pair whose plane does not hold costs (kDirections); and pairs that are refreshed,
+/// or found not to hold in a trial, in the time of one look, in which eight times as many are
+/// tested.
+inline constexpr int kLooksOfDoubt = 4, kRefreshesALook = 8;
 /// Pairs that are refreshed or tried for a merge before the code checks whether to go on.  Taken.
 inline constexpr int kBatch = 32;
 /// Pairs without a plane in a trial after which the next trial begins: six rows hold a tool.  With
@@ -287,12 +257,12 @@ inline constexpr int kEnough = 6;
 /// Most of them look at pairs that the next trial, which is shorter, does not reach: without this,
 /// a long cycle takes an eighth more.  Taken, of 8 to 24, which leave the fewest tools behind.
 inline constexpr int kPatience = 20;
-/// If the pose is set from outside, and the tool's farthest point goes farther than the sub-steps
-/// of a cycle can take it [m], the front is rebuilt, since all of it would be looked at anyway.
+/// If the tool's farthest point is set farther than a cycle's sub-steps can take it [m], the front
+/// is rebuilt, since all of it would be looked at anyway.
 inline constexpr double kSetFar = kMaxSubsteps * kMaxTranslation;
-/// Blocks of solids (surface/felt_solids.h): the most bodies stored, and the most triangles of one,
-/// including those round it.  Of a plane a block has 32, and 40 round it; of a surface that bends
-/// too much for eight cells to share a vertex, four times as many.  And how many bodies are
+/// Blocks of solids (surface/felt_solids.h): the most bodies stored; the most triangles of one,
+/// including those round it (of a plane a block has 32, and 40 round it; of a surface that bends
+/// too much for eight cells to share a vertex, four times as many); and how many bodies are
 /// discarded at once when there is no room.  Taken.
 inline constexpr std::size_t kBlocks = 256, kMostOfBlock = 1024, kGivenUp = 32;
 /// Most blocks followed at once: what a bur of 1.4 mm changes in some milliseconds at 50 um.
