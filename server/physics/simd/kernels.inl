@@ -163,6 +163,9 @@ int LowestPoint(const EightPoints* eights, int count, std::uint32_t lanes, const
 struct Vectors {
   D8 x, y, z;
 };
+inline Vectors operator+(const Vectors& a, const Vectors& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
 inline Vectors operator-(const Vectors& a, const Vectors& b) {
   return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
@@ -222,21 +225,18 @@ struct EdgePairs {
     const auto along_u = [&](const D8& x) { return SelectLess(zero, uu, Clamp(x / uu), zero); };
     const D8 across = uu * ww - uw * uw, at_begin = along_u(Negative(ur));
     s = SelectLess(zero, across, Clamp((uw * wr - ur * ww) / across), zero);
-    s = SelectLess(zero, ww, s, SelectLess(zero, uu, at_begin, s));  // if the second
-                                                                     // edge is a point
+    // If the second edge is a point:
+    s = SelectLess(zero, ww, s, SelectLess(zero, uu, at_begin, s));
     t = SelectLess(zero, ww, (uw * s + wr) / ww, zero);
     s = SelectLess(t, zero, at_begin, SelectLess(one, t, along_u(uw - ur), s));
     t = Clamp(t);
     const Vectors to_p = s * u, to_q = t * w;
-    const Vectors away = {r.x + to_p.x - to_q.x, r.y + to_p.y - to_q.y, r.z + to_p.z - to_q.z};
+    const Vectors away = r + to_p - to_q;
     squared = Dot(away, away);
     // A slab across the shortest way also keeps the third corners out, so nothing is nearer
     // (Larsen, Gottschalk, Lin & Manocha, UNC TR99-018 (1999)).
-    const Vectors third_a = corner(a, of_a.at[2]), third_b = corner(b, of_b.at[2]);
-    const Vectors past_p = {third_a.x - (p.x + to_p.x), third_a.y - (p.y + to_p.y),
-                            third_a.z - (p.z + to_p.z)};
-    const Vectors past_q = {third_b.x - (q.x + to_q.x), third_b.y - (q.y + to_q.y),
-                            third_b.z - (q.z + to_q.z)};
+    const Vectors past_p = corner(a, of_a.at[2]) - (p + to_p);
+    const Vectors past_q = corner(b, of_b.at[2]) - (q + to_q);
     apart = ~(Less(Dot(away, past_p), zero) | Less(zero, Dot(away, past_q))) & Less(zero, squared);
   }
 
@@ -291,8 +291,7 @@ NearestOfSimplex OfTriangles(const Vectors& a, const Vectors& b, const Vectors& 
   const D8 along = SelectLanes(on_ac, to_c, to_b), length2 = Dot(edge, edge);
   const std::uint32_t on = Less(zero, along) & Less(zero, length2);
   const D8 part = along / length2;
-  const Vectors step = SelectLess(part, one, part, one) * edge;
-  const Vectors on_edge = {a.x + step.x, a.y + step.y, a.z + step.z};
+  const Vectors on_edge = a + SelectLess(part, one, part, one) * edge;
   const Vectors on_face = (height / size2) * normal;
   return {SelectLanes(inside, on_face, SelectLanes(on, on_edge, a)),
           SelectLanes(on_ac & ~inside, c, b), c, inside | on, inside};
