@@ -1,8 +1,8 @@
 #include "server/physics/surface/contact_bodies.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
-#include <deque>
 #include <future>
 #include <limits>
 #include <thread>
@@ -51,17 +51,15 @@ std::shared_ptr<const ContactShape> MakeShape(const PlacedTree* object) {
 /// Makes the shapes of objects, one for each core at a time.
 std::vector<std::shared_ptr<const ContactShape>> MakeShapes(
     const std::vector<const PlacedTree*>& objects) {
-  std::vector<std::shared_ptr<const ContactShape>> made;
-  const std::size_t at_once = std::max(std::thread::hardware_concurrency(), 1u);
-  std::deque<std::future<std::shared_ptr<const ContactShape>>> making;
-  for (std::size_t begun = 0; made.size() < objects.size();) {
-    for (; begun < std::min(objects.size(), made.size() + at_once + 1); ++begun) {
-      // If there is no thread for it, it runs at get().
-      making.push_back(std::async(MakeShape, objects[begun]));
-    }
-    made.push_back(making.front().get());
-    making.pop_front();
-  }
+  std::vector<std::shared_ptr<const ContactShape>> made(objects.size());
+  std::atomic<std::size_t> begun = 0;
+  const auto work = [&] {
+    for (std::size_t i; (i = begun++) < made.size();) made[i] = MakeShape(objects[i]);
+  };
+  // If there is no thread for one, it runs at its end.
+  std::vector<std::future<void>> workers(std::max(std::thread::hardware_concurrency(), 1u));
+  for (auto& worker : workers) worker = std::async(work);
+  for (auto& worker : workers) worker.get();
   return made;
 }
 
