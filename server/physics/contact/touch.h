@@ -21,16 +21,16 @@ inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// The straight motion of the tool in one sub-step; a trial until it is accepted.
 struct Motion {
   ToolPose from, to;
-  Vec3 v = Vec3::Zero(), phi = Vec3::Zero();  ///< [m], [rad]
-  bool moves = false;
+  Vec3 v, phi;  ///< [m], [rad]
+  bool moves;
 
-  explicit Motion(const ToolPose& start) : from(start), to(start) {}
-  Motion(const ToolPose& start, const Vec3& step_v, const Vec3& step_phi)
+  explicit Motion(const ToolPose& start, const Vec3& step_v = Vec3::Zero(),
+                  const Vec3& step_phi = Vec3::Zero())
       : from(start),
         to(start),
         v(step_v),
         phi(step_phi),
-        moves(step_v != Vec3::Zero() || step_phi != Vec3::Zero()) {
+        moves(!v.isZero(0.0) || !phi.isZero(0.0)) {
     if (moves) to = from.Moved(v, phi);
   }
 };
