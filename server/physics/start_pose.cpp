@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/math/pose_check.h"
 #include "server/physics/contact/sub_step.h"
 #include "server/physics/limits.h"
 #include "server/physics/solve/step_context.h"
@@ -43,27 +44,6 @@ bool IsFree(const HapticModel& model, const Pose& X_WT, std::span<const CutField
          !Hold(model.bodies(), at.p + at.R * model.tool_body()->mesh.vertices()[0]);
 }
 
-/// Returns an upper bound on how far a tool must move, from a place of its reference point, to be
-/// outside of everything [m].
-double LongestWayOut(const HapticModel& model, const Vec3& from) {
-  double reach = model.tool().reach;
-  double farthest = (from - model.objects().center).norm() + model.objects().radius;
-  if (model.tool_body() != nullptr) reach = std::max(reach, model.tool_body()->mesh.reach());
-  for (const ContactBody& body : model.bodies()) {
-    const HullTree& tree = body.shape->tree;
-    const Vec3 centre = body.X_WB * tree.Centre(tree.root());
-    farthest = std::max(farthest, (from - centre).norm() + tree.Radius(tree.root()));
-  }
-  for (const CutSolid& solid : model.solids()) {
-    const Lattice& lattice = solid.grid->field().lattice();
-    const Vec3 &low = lattice.origin, high = lattice.End();
-    farthest = std::max(
-        farthest, (from - solid.X_WB * (0.5 * (low + high))).norm() + 0.5 * (high - low).norm());
-    reach = std::max(reach, model.bur_lever());
-  }
-  return farthest + reach;
-}
-
 /// Returns the distance between two tried places on a way out [m].
 double StrideOf(const HapticModel& model) {
   double stride = limits::kStartStride * model.parameters().widest_step;
@@ -79,12 +59,12 @@ struct WayOut {
 };
 
 /// Finds the shortest of 26 ways out, along the directions of a cube's faces, edges and
-/// corners, to within a stride: moves outward along all of them together until one is free.
-/// Every object ends within `longest`.
-WayOut FindWayOut(const HapticModel& model, const Pose& X_WH, double longest,
-                  std::span<const CutField> cuts, StepWorkspace& workspace) {
+/// corners, to within a stride: moves outward along all of them together until one is free, which
+/// ends because every object does.
+WayOut FindWayOut(const HapticModel& model, const Pose& X_WH, std::span<const CutField> cuts,
+                  StepWorkspace& workspace) {
   const double stride = StrideOf(model);
-  for (double s = stride; s < longest; s += stride) {
+  for (double s = stride;; s += stride) {
     for (int i = 0; i < 27; ++i) {
       if (i == 13) continue;  // the middle
       const Vec3 d = Vec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1).normalized();
@@ -93,7 +73,6 @@ WayOut FindWayOut(const HapticModel& model, const Pose& X_WH, double longest,
       if (IsFree(model, X, cuts, workspace)) return {d, s};
     }
   }
-  return {Vec3::UnitZ(), longest};
 }
 
 }  // namespace
@@ -108,10 +87,10 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
     workspace.buffers().meshes->meshes.cuts = true;
   }
   Pose X_start{X_WH.p, X_WH.q.normalized()};
+  if (!IsPose(X_start)) return {X_start, kInfinity};
   if (IsFree(model, X_start, cuts, workspace)) return {X_start, 0.0};
 
-  auto [way, shortest] = FindWayOut(
-      model, X_start, LongestWayOut(model, X_start * model.reference()), cuts, workspace);
+  auto [way, shortest] = FindWayOut(model, X_start, cuts, workspace);
   // Then the tool goes back as near as contact allows: the step itself walks there and cannot enter
   // an object.  A bur could enter, so it instead returns by halving the last stride.
   if (model.cuts()) {

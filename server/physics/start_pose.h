@@ -10,7 +10,7 @@ namespace palpate {
 
 /// The pose at which the graphic tool may start for a haptic pose: X_WH itself if that is free,
 /// else a free pose near it.
-/// @field depth  distance from X_WH to X_WG [m]; 0 if X_WH is free.
+/// @field depth  distance from X_WH to X_WG [m]; 0 if X_WH is free, infinite if it is not finite.
 struct StartPose {
   Pose X_WG;
   double depth = 0.0;
