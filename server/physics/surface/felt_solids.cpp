@@ -118,8 +118,8 @@ void FeltSolids::FollowOne(const Block& block, const SeparationFront& front) noe
 
 void FeltSolids::TakeAll(std::span<const CutField> cuts) noexcept {
   for (std::size_t place = 0; place < bodies_.size(); ++place) Free(place);
-  for (const Changed& changed : followed_.changed) {  // not copied yet
-    solids_[static_cast<std::size_t>(changed.solid)].followed[changed.block] = ~0u;
+  for (const Block& changed : followed_.changed) {  // not copied yet
+    SolidOf(changed).followed[static_cast<std::size_t>(changed.block)] = ~0u;
   }
   for (std::size_t s = 0; s < solids_.size(); ++s) {
     Solid& solid = solids_[s];
@@ -157,7 +157,7 @@ void FeltSolids::Gather(std::span<const CutField> cuts, const SeparationFront& f
       Copy(cut.field(), block, solid.later);
       MarkAffected(solid, block);
       followed_.changed.push_back(
-          {static_cast<std::int32_t>(s), static_cast<std::uint32_t>(block)});
+          {first_solid_ + static_cast<std::int32_t>(s), 0, static_cast<std::int32_t>(block)});
     }
   }
   if (!followed_.any()) return;
@@ -209,10 +209,10 @@ void FeltSolids::List(const Block& block) noexcept {
 }
 
 void FeltSolids::Commit(SeparationFront& front) noexcept {
-  for (const Changed& changed : followed_.changed) {
-    Solid& solid = solids_[static_cast<std::size_t>(changed.solid)];
-    Copy(solid.later, changed.block, solid.felt);
-    Fill(solid.later, changed.block, SparseField::kBelow);
+  for (const Block& changed : followed_.changed) {
+    Solid& solid = SolidOf(changed);
+    Copy(solid.later, static_cast<std::size_t>(changed.block), solid.felt);
+    Fill(solid.later, static_cast<std::size_t>(changed.block), SparseField::kBelow);
   }
   front.CloseEntries(
       first_block_, [&](const SeparationFront::Pair& pair, SeparationFront::Pair& outside) {
@@ -223,14 +223,10 @@ void FeltSolids::Commit(SeparationFront& front) noexcept {
         outside.object = of.node;
         return true;
       });
-  for (std::size_t place = 0; place < bodies_.size(); ++place) {
-    const Block& of = bodies_[place].body.of;
-    if (bodies_[place].use != Use::kFelt) continue;
-    if (SolidOf(of).affected[static_cast<std::size_t>(of.block)] == followed_.turn) Free(place);
-  }
   for (Solid& solid : solids_) {
     for (const std::uint32_t block : solid.affected_blocks) {
-      if (solid.place[block] < kNone) solid.place[block] = kNone;
+      if (solid.place[block] >= 0) Free(static_cast<std::size_t>(solid.place[block]));
+      solid.place[block] = kNone;
     }
     solid.affected_blocks.clear();
   }

@@ -107,18 +107,14 @@ class FeltSolids {
   std::size_t next_given_up_ = 0;
   bool forgotten_ = true;
 
-  struct Changed {
-    std::int32_t solid;
-    std::uint32_t block;
-  };
   /// Blocks that have changed but are not felt so yet, and the new bodies made for them.
   struct Followed {
     std::uint32_t turn = 0;
-    std::vector<Changed> changed;
+    std::vector<Block> changed;  ///< without their nodes
     std::vector<Block> to_make;
     std::size_t made = 0;
-    std::optional<std::size_t> own_of_next;  ///< number of the next block's own triangles, once the
-                                             ///< scratch holds its surface
+    /// Number of the next block's own triangles, once the scratch holds its surface.
+    std::optional<std::size_t> own_of_next;
 
     bool any() const { return !changed.empty(); }
     void Clear() {
