@@ -1,6 +1,7 @@
 #include "server/physics/start_pose.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/math/pose_check.h"
 #include "server/physics/contact/sub_step.h"
@@ -53,16 +54,11 @@ double StrideOf(const HapticModel& model) {
   return stride;
 }
 
-struct WayOut {
-  Vec3 direction;
-  double length;
-};
-
-/// Finds the shortest of 26 ways out, along the directions of a cube's faces, edges and
-/// corners, to within a stride: moves outward along all of them together until one is free, which
-/// ends because every object does.
-WayOut FindWayOut(const HapticModel& model, const Pose& X_WH, std::span<const CutField> cuts,
-                  StepWorkspace& workspace) {
+/// Finds the direction and the length of the shortest of 26 ways out, along the directions of a
+/// cube's faces, edges and corners, to within a stride: moves outward along all of them together
+/// until one is free, which ends because every object does.
+std::pair<Vec3, double> FindWayOut(const HapticModel& model, const Pose& X_WH,
+                                   std::span<const CutField> cuts, StepWorkspace& workspace) {
   const double stride = StrideOf(model);
   for (double s = stride;; s += stride) {
     for (int i = 0; i < 27; ++i) {
