@@ -23,9 +23,9 @@ constexpr double kInfinity = __builtin_huge_val();
 /// Square root of kJamCompliance = 1e-5 (nearest_point.h).
 constexpr double kSlackEntry = 3.1622776601683795e-3;
 
-/// Eight doubles in memory; unused ones are zero.
+/// Eight doubles in memory.
 struct alignas(64) Lanes {
-  double v[8] = {};
+  double v[8];
   D8 Get() const { return Load(v); }
   void Set(D8 a) { Store(v, a); }
   double& operator[](int i) { return v[i]; }
@@ -98,7 +98,6 @@ class DualActiveSet {
   /// lane, which are used before the next pass, since the method may take any violated row.
   bool NextViolated(int& row, double& slack) {
     if (candidates_ != 0 && FromCandidates(row, slack)) return true;
-    if (rows_.count == 0) return false;
     Scan();
     return candidates_ != 0 && FromCandidates(row, slack);
   }
@@ -128,6 +127,8 @@ class DualActiveSet {
     const std::uint32_t violated = Less(best0, none) | Less(best1, none) << 8;
     candidates_ = violated;
     if (violated == 0) return;
+    for (double* column : candidate_a_) ClearSixteen(column);
+    ClearSixteen(candidate_b_);
     Lanes first[2];
     first[0].Set(best_row0);
     first[1].Set(best_row1);
@@ -177,6 +178,11 @@ class DualActiveSet {
     row = candidate_row_[worst];
     candidates_ &= ~(1u << worst);
     return true;
+  }
+
+  static void ClearSixteen(double* column) {
+    Store(column, Set1(0.0));
+    Store(column + 8, Set1(0.0));
   }
 
   static double SumOfSquares(const Lanes& a) {
@@ -281,12 +287,12 @@ class DualActiveSet {
   /// Step 2: moves x until the row holds with equality, and drops active rows whose multiplier
   /// reaches zero on the way.  Returns false if the row cannot be made to hold.
   bool TakeUp(int row, double slack) {
-    Lanes a;
+    Lanes a{};
     LoadRow(row, a);
     double multiplier = 0.0;
     for (;;) {
       ++iterations_;
-      Lanes d, z, r;
+      Lanes d{}, z, r;
       const double zz = Project(a, d, z);
       const D8 Md = Multipliers(d);
       r.Set(Md);
@@ -335,7 +341,7 @@ class DualActiveSet {
   /// start as the empty one.
   void Guess(const int* guess, int guesses) {
     for (int i = 0; i < guesses && active_ < D; ++i) {
-      Lanes a, d, z;
+      Lanes a{}, d{}, z;
       LoadRow(guess[i], a);
       const double zz = Project(a, d, z);
       if (zz > 0.0) Append(guess[i], z, zz, Multipliers(d), 0.0);
@@ -368,17 +374,17 @@ class DualActiveSet {
   }
 
   const QpRows& rows_;
-  Lanes t_, x_, u_;
-  Lanes Q_[7];       ///< Q_[j]: j-th basis vector
-  Lanes Q_rows_[7];  ///< the transpose: lane j of Q_rows_[c] is Q_[j][c]
-  Lanes M_[7];       ///< M_[j]: j-th column of S^-1
+  Lanes t_{}, x_, u_{};
+  Lanes Q_[7];         ///< Q_[j]: j-th basis vector
+  Lanes Q_rows_[7]{};  ///< the transpose: lane j of Q_rows_[c] is Q_[j][c]
+  Lanes M_[7];         ///< M_[j]: j-th column of S^-1
   int row_[7];
   int active_ = 0;
   int iterations_ = 0;
   std::uint32_t candidates_ = 0;  ///< one bit per lane
   int candidate_row_[16];
-  alignas(64) double candidate_a_[N][16] = {};
-  alignas(64) double candidate_b_[16] = {};
+  alignas(64) double candidate_a_[N][16];
+  alignas(64) double candidate_b_[16];
   alignas(64) double candidate_inverse_norm_[16];
   double tolerance_;
 };
@@ -386,6 +392,10 @@ class DualActiveSet {
 template <int N>
 QpResult Solve(const double* t, const QpRows& rows, const int* guess, int guesses) {
   QpResult result;
+  if (rows.count == 0) {
+    for (int i = 0; i < N; ++i) result.x[i] = t[i];
+    return result;
+  }
   if (DualActiveSet<N, false>(t, rows).Solve(guess, guesses, result)) return result;
   result.status = QpStatus::kRelaxed;
   if (!DualActiveSet<N, true>(t, rows).Solve(nullptr, 0, result)) {

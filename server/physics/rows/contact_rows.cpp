@@ -79,7 +79,9 @@ int ContactRows::Find(std::span<const ContactId> ids, int* row) const noexcept {
   int found = 0;
   const std::span<const ContactId> mine(columns_.id, static_cast<std::size_t>(count_));
   for (const ContactId& id : ids) {
-    const auto at = std::ranges::find(mine, id);
+    // Between leaves the body is always the same.
+    const auto at = std::ranges::find_if(
+        mine, [&id](const ContactId& other) { return other.tool == id.tool && other == id; });
     if (at != mine.end()) row[found++] = static_cast<int>(at - mine.begin());
   }
   return found;
