@@ -145,7 +145,12 @@ Optimum SolveWithoutFriction(StepContext& context) {
 void Rub(StepContext& context, Optimum& optimum) {
   FrictionState& friction = context.state.friction;
   if (!context.Rubs()) return;
-  if (context.sub_step.iterates > 1) friction = context.friction_before;
+  // A look ahead adds rows and keeps the contacts, so the forces of the last look are nearest.
+  if (context.sub_step.looks_ahead > 0) {
+    friction.still = context.friction_before.still;
+  } else if (context.sub_step.iterates > 1) {
+    friction = context.friction_before;
+  }
   if (optimum.qp.active == 0 || friction.suspended ||
       optimum.qp.status == QpStatus::kIterationLimit) {
     return;
