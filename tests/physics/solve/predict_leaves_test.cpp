@@ -35,8 +35,10 @@ const Vec3 kEgg(0.03, 0.02, 0.02), kTool(0.01, 0.008, 0.008);
 
 struct TwoEllipsoids {
   static constexpr int kLeaves = 3076;
+  explicit TwoEllipsoids(const StepParameters& parameters = {}, const Material& material = {})
+      : bench(tool, egg, parameters, test::AllOf(material)) {}
   std::vector<Ball> tool = Ellipsoid(kTool, 6e-3, kLeaves), egg = Ellipsoid(kEgg, 12e-3, kLeaves);
-  Bench bench{tool, egg};
+  Bench bench;
 };
 
 /// A hand that comes in at 10 cm/s, and then rolls and slides along the egg, 1 to 2 mm below where
@@ -159,6 +161,33 @@ TEST(PredictLeaves, DependsOnNothingButTheStateAndAllocatesNothing) {
     crowded = crowded || two.bench.state().is_crowded;
   }
   EXPECT_TRUE(crowded);
+}
+
+// A look more is one more problem with friction; it begins where the last one ended.
+TEST(PredictLeaves, TakesFewStepsForFrictionOfEachLook) {
+  StepParameters parameters;
+  parameters.features.friction = FrictionModel::kCoulomb;
+  TwoEllipsoids two(parameters, {.static_friction = 0.6, .dynamic_friction = 0.4});
+  int crowded = 0, newton = 0;
+  for (const std::uint64_t seed : {3u, 11u, 29u}) {
+    const Hand hand(seed);
+    two.bench.state() = StepState(two.bench.model());
+    two.bench.state().X_WG = two.bench.state().X_WH = hand.At(0.0);
+    for (int i = 0; i < 250; ++i) {
+      const StepReport report = two.bench.Step(hand.At(1e-3 * i));
+      ASSERT_EQ(report.faults, 0u) << seed << ' ' << i;
+      ASSERT_EQ(report.diagnostics.friction_unsolved, 0) << seed << ' ' << i;
+      for (int k = 0; k < report.contacts; ++k) {
+        const ActiveRow& row = report.active[static_cast<std::size_t>(k)];
+        ASSERT_LE(row.friction.norm(), 0.6 * row.force + 1e-6);
+      }
+      if (!two.bench.state().is_crowded || report.contacts == 0) continue;
+      ++crowded;
+      newton += report.diagnostics.friction_iterations;
+    }
+  }
+  EXPECT_GT(crowded, 100);
+  EXPECT_LT(newton, 5 * crowded);  // 3.6; 6.4 from the forces of the last cycle
 }
 
 // Small balls and long ways, so that ways can pass through balls and end beyond them.
