@@ -102,6 +102,12 @@ test("axe finds no violation in an exam, for who sits it and who holds it", asyn
   await open({viewport: {width: 390, height: 844}});
   await page.locator("#exam-bar").waitFor();
   expect(await violations(), "a task, on a phone").toEqual([]);
+  await chooseLanguage("de");
+  await page.setViewportSize({width: 390, height: 600});
+  const begin = (await page.getByRole("button", {name: "Diese Aufgabe beginnen"}).boundingBox())!;
+  const bar = (await page.locator("#exam-bar").boundingBox())!;
+  expect(begin.y + begin.height, "in reach without a scroll").toBeLessThan(bar.y + bar.height);
+  await chooseLanguage("en");
   gateway.send("/palpate/trial_state", trialState("running"));
   await page.getByRole("button", {name: "Hand in"}).waitFor();
   expect(await violations(), "at it").toEqual([]);
