@@ -158,7 +158,7 @@ double EnergyGiven(const Effect& effect, const Vec3& centre, double radius) {
     Wrench held;
     double given = 0.0, moved = 0.0;
     for (int i = 0; i <= kSteps; ++i) {
-      const Pose X(centre + places[i], RotationExp(turns[i]));
+      const Pose X{centre + places[i], RotationExp(turns[i])};
       EffectWrenches now;
       if (!effects.Step(X, X, Vec3::Zero(), state, now)) {
         return std::numeric_limits<double>::infinity();

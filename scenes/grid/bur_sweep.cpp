@@ -18,10 +18,6 @@ constexpr int kTurns = 3;
 
 constexpr float kHuge = 1e18f;  // its square is finite, too
 
-inline Eight All(float v) {
-  return Eight{} + v;
-}
-
 namespace any {
 inline Eight Root(Eight v) {
   for (int n = 0; n < BurSweep::kRow; ++n) v[n] = std::sqrt(v[n]);
@@ -38,8 +34,12 @@ bool Are(Holds holds) {
 
 // Without fused multiplication, so the bits are the same.
 #if defined(__x86_64__)
+#if defined(__clang__)
+#pragma clang attribute push(__attribute__((target("avx2"))), apply_to = function)
+#else
 #pragma GCC push_options
 #pragma GCC target("avx2")
+#endif
 namespace avx2 {
 inline Eight Root(Eight v) {
   return _mm256_sqrt_ps(v);
@@ -50,7 +50,11 @@ bool Are(Holds holds) {
 }
 #include "scenes/grid/bur_sweep.inl"
 }  // namespace avx2
+#if defined(__clang__)
+#pragma clang attribute pop
+#else
 #pragma GCC pop_options
+#endif
 #endif
 
 }  // namespace

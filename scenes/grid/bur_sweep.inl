@@ -2,6 +2,9 @@
 // Eight, a number for each point of a row; Root, the square roots; and Are, whether a condition
 // holds for all points.
 
+inline Eight All(float v) {
+  return Eight{} + v;
+}
 inline Eight Min(Eight a, Eight b) {
   return a < b ? a : b;
 }
