@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <optional>
 
 #include <spdlog/fmt/fmt.h>
@@ -155,20 +156,32 @@ Swept SweptOf(const HapticModel& model, const Cut& cut, const CutSolid& solid) {
     high = high.cwiseMax(piece.high);
   }
   const auto size = ((high - low) / fine).array().ceil().cast<long>().eval();
-  std::vector<bool> gone(static_cast<std::size_t>(size.prod()), false);
+  // How far the bur has to go before it can reach each point: a point of the bur goes no farther
+  // than its frame's origin, and its turn times its greatest distance from there.
+  std::vector<float> not_before(static_cast<std::size_t>(size.prod()), 0.0f);
+  const Bur& bur = model.cutting()->bur;
+  constexpr double kRounding = 1e-7;  // of a distance in floats, and of a sum of them [m]
+  double gone = 0.0;
   Swept swept;
-  for (const Piece& piece : way) {
+  for (std::size_t n = 0; n < way.size(); ++n) {
+    const Piece& piece = way[n];
+    const BurSweep sweep(bur, piece.step_T);
+    const double length = piece.step_T.norm();
     const Vec3 from = (piece.low - low) / fine, to = (piece.high - low) / fine;
     const auto end = [&](int c) { return std::min(size[c], static_cast<long>(to[c]) + 1); };
     for (long k = static_cast<long>(from.z()); k < end(2); ++k) {
       for (long j = static_cast<long>(from.y()); j < end(1); ++j) {
         for (long i = static_cast<long>(from.x()); i < end(0); ++i) {
           const auto at = static_cast<std::size_t>((k * size.y() + j) * size.x() + i);
-          if (gone[at]) continue;
+          if (not_before[at] > gone + length) continue;
           const Vec3 p = low + fine * (Vec3(double(i), double(j), double(k)) + Within(at));
-          if (!(BurSweep(model.cutting()->bur, piece.step_T).Distance(piece.X_TB * p) < 0.0))
+          const double distance = sweep.Distance(piece.X_TB * p);
+          if (!(distance < 0.0)) {
+            // BurSweep::Distances may be too large by a twentieth of the step.
+            not_before[at] = static_cast<float>(gone + distance - 0.05 * length - kRounding);
             continue;
-          gone[at] = true;
+          }
+          not_before[at] = std::numeric_limits<float>::infinity();
           if (!(solid.grid->Sample(p).distance < 0.0)) continue;
           const double cell = fine * fine * fine;
           swept.volume += cell;
@@ -176,6 +189,8 @@ Swept SweptOf(const HapticModel& model, const Cut& cut, const CutSolid& solid) {
         }
       }
     }
+    gone += length;
+    if (n + 1 < way.size()) gone += bur.reach() * piece.X_TB.q.angularDistance(way[n + 1].X_TB.q);
   }
   return swept;
 }

@@ -60,15 +60,6 @@ TEST_F(PalpateBench, CycleJudgesSpheresByTheirMeshesToo) {
   EXPECT_LT(json["mesh_intersecting_fraction"], 1.0);
 }
 
-// A yielding contact rightly presses the tool away from the hand.  When that was undone, the tool
-// oscillated for 600 cycles without arriving, and the force was wrong by 40 %.
-TEST_F(PalpateBench, CycleArrivesWhereGumYieldsBesideATooth) {
-  const nlohmann::json json =
-      Figures({"cycle", "--scene", "periodontal", "--contact", "surface", "--friction", "chapter",
-               "--steps", "17300", "--repeats", "1", "--check-every", "100000"});
-  EXPECT_GT(json["arrived_fraction"], 0.995);
-}
-
 TEST_F(PalpateBench, CutHoldsItsBoundsOnACoarseGrid) {
   const nlohmann::json json = Figures({"cut", "--grid-um", "100", "--repeats", "1"});
   ASSERT_EQ(json["volume"].size(), 4u);
@@ -245,20 +236,20 @@ TEST_F(PalpateBench, CycleRunsWithTheFrictionThatIsAskedFor) {
 
 TEST_F(PalpateBench, AccuracyFindsSmallerErrorsWithMoreSpheresAndNoneOnAFlatFace) {
   const nlohmann::json spheres =
-      Figures({"accuracy", "--object", "cube", "--spheres", "64,512", "--contact", "spheres",
+      Figures({"accuracy", "--object", "cube", "--spheres", "64,512,4096", "--contact", "spheres",
                "--steps", "400", "--repeats", "1", "--errors", File("cube.csv")});
-  ASSERT_EQ(spheres["results"].size(), 2u);
-  double error = 1.1;
+  ASSERT_EQ(spheres["results"].size(), 3u);
+  double error = 2.0;
   for (const nlohmann::json& row : spheres["results"]) {
-    EXPECT_LT(row["force_error"]["magnitude"]["mean"], error);
+    EXPECT_LT(row["force_error"]["magnitude"]["mean"], 0.5 * error);
     error = row["force_error"]["magnitude"]["mean"];
     EXPECT_GT(error, 1e-3) << "spheres are no plane";
     EXPECT_LT(row["truncation_um"]["max"], 1.0) << "chapter 2.5.1";
   }
   const std::string errors = Read("cube.csv");
-  EXPECT_EQ(std::count(errors.begin(), errors.end(), '\n'), 1 + 2 * 400);
-  EXPECT_THAT(errors, HasSubstr("\n512,399,"));
-  EXPECT_THAT(Drawn("cube.csv"), HasSubstr(">512 spheres<"));
+  EXPECT_EQ(std::count(errors.begin(), errors.end(), '\n'), 1 + 3 * 400);
+  EXPECT_THAT(errors, HasSubstr("\n4096,399,"));
+  EXPECT_THAT(Drawn("cube.csv"), HasSubstr(">4,096 spheres<"));
   EXPECT_THAT(Drawn("figures.json"), HasSubstr(">cube, sphere contact<"));
 
   const nlohmann::json surface =
@@ -274,7 +265,7 @@ TEST_F(PalpateBench, AccuracyFindsSmallerErrorsWithMoreSpheresAndNoneOnAFlatFace
 
 TEST_F(PalpateBench, AccuracySetsTheTrianglesOfAMeshBesideTheSpheres) {
   const auto measure = [&](const std::string& tolerance_um) {
-    return Figures({"accuracy", "--object", "ellipsoid", "--spheres", "512", "--triangles", "4000",
+    return Figures({"accuracy", "--object", "ellipsoid", "--spheres", "64", "--triangles", "4000",
                     "--tolerance-um", tolerance_um, "--contact", "surface", "--repeats", "1"});
   };
   const nlohmann::json flat = measure("0");
@@ -293,48 +284,45 @@ TEST_F(PalpateBench, AccuracySetsTheTrianglesOfAMeshBesideTheSpheres) {
   EXPECT_LT(json["mesh"]["force_error"]["magnitude"]["max"], 0.1);
 }
 
-/// Writes the tree of 512 leaves inside the ellipsoid as a .sph file in millimetres, displaced.
-std::string EllipsoidTree(const std::string& file) {
-  SphTree sph = SphOf(BuildSphereTree(MakeEllipsoid(Vec3(0.04, 0.025, 0.03), 20480), 512));
+/// Writes a tree of leaves inside the ellipsoid as a .sph file in millimetres, displaced.
+std::string EllipsoidTree(const std::string& file, std::size_t leaves) {
+  SphTree sph = SphOf(BuildSphereTree(MakeEllipsoid(Vec3(0.04, 0.025, 0.03), 20480), leaves));
   for (SphTree::Node& node : sph.nodes) node.ball.centre += Vec3(0.07, 0.0, -0.02);
   std::ofstream(file) << ToSph(sph, 1e-3);
   return file;
 }
 
 TEST_F(PalpateBench, AccuracySetsATreeFromAFileBesideOurs) {
-  const std::string tree = EllipsoidTree(File("e.sph"));
-  const nlohmann::json json = Figures({"accuracy", "--object", "ellipsoid", "--spheres", "512",
+  const std::string tree = EllipsoidTree(File("e.sph"), 64);
+  const nlohmann::json json = Figures({"accuracy", "--object", "ellipsoid", "--spheres", "64",
                                        "--contact", "spheres", "--mode", "inside", "--steps", "400",
                                        "--repeats", "1", "--tree", tree, "--unit", "mm"});
-  EXPECT_THAT(said_, HasSubstr("level 4 of 4, 512 balls, moved by (-70."));
-  EXPECT_THAT(said_, HasSubstr("512, of the file"));
-  EXPECT_EQ(json["tree_file"]["spheres"], 512);
+  EXPECT_THAT(said_, testing::ContainsRegex("level 3 of 3, 64 balls, moved by .-(69.99|70.00)"));
+  EXPECT_THAT(said_, HasSubstr("64, of the file"));
+  EXPECT_EQ(json["tree_file"]["spheres"], 64);
   EXPECT_EQ(json["tree_file"]["file"], tree);
   // The same leaves, up to a shift of some micrometres.
   const double ours = json["force_error"]["magnitude"]["mean"];
   EXPECT_NEAR(json["tree_file"]["force_error"]["magnitude"]["mean"], ours, 0.1 * ours);
-  EXPECT_EQ(Run({"accuracy", "--object", "ellipsoid", "--spheres", "64", "--contact", "spheres",
+  EXPECT_EQ(Run({"accuracy", "--object", "ellipsoid", "--spheres", "8", "--contact", "spheres",
                  "--steps", "40", "--repeats", "1", "--tree", tree}),
             1);
   EXPECT_THAT(said_, HasSubstr("give the \"unit\""));
 }
 
 TEST_F(PalpateBench, TreeSetsATreeFromAFileBesideOurs) {
-  const std::string tree = EllipsoidTree(File("e.sph"));
-  const auto run = [&](const std::string& modes, const std::string& level) {
-    return Figures({"tree", "--scene", "ellipsoid", "--modes", modes, "--samples", "2003",
-                    "--no-force", "--tree", tree, "--level", level, "--unit", "mm"})["modes"];
-  };
-  const nlohmann::json modes = run("inside", "4");
+  const std::string tree = EllipsoidTree(File("e.sph"), 512);
+  const nlohmann::json modes =
+      Figures({"tree", "--scene", "ellipsoid", "--modes", "inside", "--samples", "2003",
+               "--no-force", "--tree", tree, "--level", "3", "--unit", "mm"})["modes"];
   ASSERT_EQ(modes.size(), 2u);
   EXPECT_EQ(modes[0]["mode"], "inside");
   EXPECT_EQ(modes[1]["mode"], tree);
   EXPECT_FALSE(modes[1].contains("build_s"));
   const auto leaves = [](const nlohmann::json& mode) { return mode["bodies"][0]["levels"].back(); };
-  // Each has the scene's count, regardless of the trees before it.
+  // The scene's count, and that of the file's level, regardless of the tree before it.
   EXPECT_EQ(leaves(modes[0])["spheres"], 512);
-  EXPECT_EQ(leaves(modes[1])["spheres"], 512);
-  EXPECT_EQ(leaves(run("inside", "3")[1])["spheres"], 64);
+  EXPECT_EQ(leaves(modes[1])["spheres"], 64);
 }
 
 TEST_F(PalpateBench, StabilityRunsACaseByItsNameAndExitsWithOneWhereItDoesNotHold) {
@@ -354,11 +342,11 @@ TEST_F(PalpateBench, StabilityRunsACaseByItsNameAndExitsWithOneWhereItDoesNotHol
 }
 
 TEST_F(PalpateBench, LevelsShowFinerTreesCloserToTheFinest) {
-  const nlohmann::json levels = Figures({"levels", "--scene", "cube", "--leaves", "512,64,4096",
+  const nlohmann::json levels = Figures({"levels", "--scene", "cube", "--leaves", "64,8,512",
                                          "--contact", "spheres", "--repeats", "1"})["levels"];
   ASSERT_EQ(levels.size(), 3u);
-  EXPECT_EQ(levels[0]["object_spheres"], 64);
-  EXPECT_EQ(levels[2]["object_spheres"], 4096);
+  EXPECT_EQ(levels[0]["object_spheres"], 8);
+  EXPECT_EQ(levels[2]["object_spheres"], 512);
   EXPECT_EQ(levels[2]["tool_spheres"], 1);
   EXPECT_GT(levels[0]["against_finest"]["force"], levels[1]["against_finest"]["force"]);
   EXPECT_GT(levels[1]["against_finest"]["force"], 0.0);
@@ -393,7 +381,6 @@ TEST_F(PalpateBench, ParetoWritesAReportTableAndJsonOfAllThatItMeasured) {
     }
   }
   EXPECT_LT(cube.at(512), 0.5 * cube.at(64));
-  EXPECT_LT(cube.at(4096), 0.5 * cube.at(512));
 
   const auto& bare = json["features"]["costs"][0];
   EXPECT_EQ(bare["ratio"]["p50"], 1.0);

@@ -179,7 +179,9 @@ class Pareto {
 
   void PlanSlide(const std::string& object, std::size_t spheres, std::size_t triangles,
                  const std::string& contact) {
-    const bool costly = triangles == kManyTriangles || (object == "ellipsoid" && spheres < 512);
+    // Curved surfaces and balanced trees of many spheres take seconds to make.
+    const bool costly =
+        spheres == 4096 || (object == "ellipsoid" && (spheres < 512 || contact == "surface"));
     if (options_.quick && costly) return;
     Plan(fmt::format("force on {} of {} spheres, {} contact", object, spheres, contact), [=, this] {
       SlideResult result;
