@@ -6,7 +6,6 @@
 #include <future>
 #include <limits>
 #include <numeric>
-#include <ranges>
 #include <span>
 #include <utility>
 
@@ -92,10 +91,11 @@ std::span<const Place> Sorted(const Room& room) {
   constexpr std::size_t kFew = 32;  // sorts these as fast without buckets; taken
   const std::span<Place> places = room.places;
   if (places.size() < kFew) return Sorted(places);
-  const auto [low, high] = std::ranges::minmax(places | std::views::keys);
-  const double scale = static_cast<double>(places.size() - 1) / (high - low);
+  const auto [least, most] = std::ranges::minmax(places, {}, &Place::first);
+  const double low = least.first;
+  const double scale = static_cast<double>(places.size() - 1) / (most.first - low);
   if (!(std::isfinite(scale) && scale > 0.0)) return Sorted(places);
-  const auto stretch = [low = low, scale](const Place& place) {
+  const auto stretch = [low, scale](const Place& place) {
     return static_cast<std::size_t>((place.first - low) * scale);
   };
   std::ranges::fill(room.ends, 0u);
@@ -166,9 +166,10 @@ class HullTree::Builder {
       scratch_.ends.resize(count);
     }
     if (!set.empty()) {
-      const auto rest = std::ranges::stable_partition(
-          scratch_.order, [&](std::uint32_t triangle) { return set[triangle]; });
-      first_half_ = (count - rest.size()) % count;
+      const auto rest =
+          std::stable_partition(scratch_.order.begin(), scratch_.order.end(),
+                                [&](std::uint32_t triangle) { return set[triangle]; });
+      first_half_ = static_cast<std::size_t>(rest - scratch_.order.begin()) % count;
     }
     const FewCorners all = BuildBelow({scratch_.order, 0}, tree_.hulls_);
     if (!all.empty()) AddEight(tree_.root(), all, tree_.hulls_);
@@ -303,7 +304,7 @@ class HullTree::Builder {
     std::ranges::transform(patch, room.places.begin(), [&](std::uint32_t t) {
       return Place(axis.dot(tree_.leaf_centre_[t]), t);
     });
-    std::ranges::copy(Sorted(room) | std::views::values, patch.begin());
+    std::ranges::transform(Sorted(room), patch.begin(), &Place::second);
   }
 
   /// Determines only which triangles belong to which half, which takes less than sorting them.
