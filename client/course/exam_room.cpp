@@ -416,8 +416,8 @@ void ExamRoom::SealNext(std::int64_t now_s) {
 
 void ExamRoom::TakeSeal() {
   const std::string text = sealing_.get();
-  const auto& [person, exercise, n] = sealed_;
   file_.Use([&](SQLite::Database& database) {
+    const auto& [person, exercise, n] = sealed_;
     SQLite::Statement row(database,
                           "UPDATE trials SET seal=? WHERE person=? AND exercise=? AND n=?");
     Bind(row, text, person, exercise, n);

@@ -252,8 +252,8 @@ const Person* History::PersonOf(std::int64_t person) const {
 }
 
 TrialRows History::RowsOf(std::int64_t person) const {
-  const auto [begin, end] = std::ranges::equal_range(rows_, person, {}, &TrialRow::person);
-  return {begin, end};
+  const auto begin = std::ranges::lower_bound(rows_, person, {}, &TrialRow::person);
+  return {begin, std::ranges::upper_bound(begin, rows_.end(), person, {}, &TrialRow::person)};
 }
 
 std::map<std::string, PointsByTrial> History::ClassPoints() const {
