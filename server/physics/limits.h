@@ -255,7 +255,9 @@ inline constexpr int kBatch = 32;
 inline constexpr int kEnough = 6;
 /// A trial with at least one such pair also ends once no other has been found in this many looks.
 /// Most of them look at pairs that the next trial, which is shorter, does not reach: without this,
-/// a long cycle takes an eighth more.  Taken, of 8 to 24, which leave the fewest tools behind.
+/// a long cycle takes an eighth more.  It is about what the next trial costs besides its own looks
+/// at pairs (ski rental, as for kCrowdATest): the pairs that it refreshes or finds in doubt count
+/// as 11 looks, scans, QP and rows take the time of some 8 (two bunnies, 96,000 trials).
 inline constexpr int kPatience = 20;
 /// If the tool's farthest point is set farther than a cycle's sub-steps can take it [m], the front
 /// is rebuilt, since all of it would be looked at anyway.

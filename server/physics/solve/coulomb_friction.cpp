@@ -50,8 +50,19 @@ struct Law {
 };
 constexpr Law kTrueLaw{kTrial, kPenalty, false};
 
+/// The law of a contact, evaluated at an x and linearised there.
+struct LawAtX {
+  Vec3 offset;         ///< (b - a . x, slip)
+  Vec3 law;            ///< f
+  double limit;        ///< of friction
+  double ratio = 1.0;  ///< of the limit to what friction would be without it; 1 if it sticks
+  Vec2 direction;      ///< of the slip
+  Vec3 mean;           ///< f = mean + rate dx
+  Mat36 rate;
+};
+
 /// A contact: its axes are -n and two tangents.
-struct Contact {
+struct Contact : LawAtX {
   int row;
   Mat3 axes;  ///< row by row, in W
   Vec3 lever;
@@ -59,16 +70,7 @@ struct Contact {
   double b;               ///< of its row a . x >= b
   double mu, mu_s, mu_d;  ///< mu is one of the two
   Vec3 f;                 ///< (lambda, friction), against the motion: the tool feels -J^T f
-  // By the law at an x:
-  Vec3 offset;         ///< (b - a . x, slip)
-  Vec3 law;            ///< f
-  double limit;        ///< of friction
-  double ratio = 1.0;  ///< of the limit to what friction would be without it; 1 if it sticks
-  Vec2 direction;      ///< of the slip
-  Vec3 old, moved;     ///< f before a step, and what the step adds
-  // Linearised there: f = mean + rate dx.
-  Vec3 mean;
-  Mat36 rate;
+  Vec3 old, moved;        ///< f before a step, and what the step adds
 
   double lambda() const { return f[0]; }
   auto friction() { return f.tail<2>(); }
