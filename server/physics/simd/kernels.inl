@@ -43,6 +43,7 @@ int ExpandPairs(const LevelView& level, const QueryPose& pose, std::uint32_t now
                 const NodePair* in, int count, NodePair* out) {
   // First the tests, without a branch on their outcome; then the results, without a branch on how
   // many of each pair touch.  Neither can be predicted, and a misprediction costs more than a test.
+  // (GCC 12 branches on `next` after all; kept from it, it makes walks a quarter longer.)
   std::uint64_t touching[kMaxExpanded + 1];
   NodePair parent[kMaxExpanded + 1];
   int some = 0, found = 0;
