@@ -97,9 +97,9 @@ class DualActiveSet {
   /// Step 1: finds a strongly violated row.  A pass over all rows gives sixteen candidates, one per
   /// lane, which are used before the next pass, since the method may take any violated row.
   bool NextViolated(int& row, double& slack) {
-    if (candidates_ != 0 && FromCandidates(row, slack)) return true;
+    if (candidates_.lanes != 0 && FromCandidates(row, slack)) return true;
     Scan();
-    return candidates_ != 0 && FromCandidates(row, slack);
+    return candidates_.lanes != 0 && FromCandidates(row, slack);
   }
 
   /// Finds the most violated row of each of sixteen lanes, the first of equals.
@@ -125,27 +125,27 @@ class DualActiveSet {
     }
     const D8 none = Set1(-tolerance_);
     const std::uint32_t violated = Less(best0, none) | Less(best1, none) << 8;
-    candidates_ = violated;
+    candidates_.lanes = violated;
     if (violated == 0) return;
-    for (double* column : candidate_a_) ClearSixteen(column);
-    ClearSixteen(candidate_b_);
+    for (double* column : candidates_.a) ClearSixteen(column);
+    ClearSixteen(candidates_.b);
     Lanes first[2];
     first[0].Set(best_row0);
     first[1].Set(best_row1);
     for (std::uint32_t left = violated; left != 0; left &= left - 1) {
       const int lane = __builtin_ctz(left);
       const int row_of_lane = static_cast<int>(first[lane >> 3][lane & 7]) + lane;
-      candidate_row_[lane] = row_of_lane;
-      for (int c = 0; c < N; ++c) candidate_a_[c][lane] = rows_.a[c][row_of_lane];
-      candidate_b_[lane] = rows_.b[row_of_lane];
+      candidates_.row[lane] = row_of_lane;
+      for (int c = 0; c < N; ++c) candidates_.a[c][lane] = rows_.a[c][row_of_lane];
+      candidates_.b[lane] = rows_.b[row_of_lane];
     }
     for (int half = 0; half < 2; ++half) {
       D8 aa = Set1(kWithSlack ? kSlackEntry * kSlackEntry : 1e-300);
       for (int c = 0; c < N; ++c) {
-        const D8 a = Load(candidate_a_[c] + 8 * half);
+        const D8 a = Load(candidates_.a[c] + 8 * half);
         aa = Fma(a, a, aa);
       }
-      Store(candidate_inverse_norm_ + 8 * half, Set1(1.0) / Sqrt(aa));
+      Store(candidates_.inverse_norm + 8 * half, Set1(1.0) / Sqrt(aa));
     }
   }
 
@@ -156,17 +156,18 @@ class DualActiveSet {
     Lanes value[2], distance[2];
     std::uint32_t violated = 0;
     for (int half = 0; half < 2; ++half) {
-      D8 s = shift - Load(candidate_b_ + 8 * half);
-      for (int c = 0; c < N; ++c) s = Fma(Load(candidate_a_[c] + 8 * half), Set1(x_[c]), s);
+      D8 s = shift - Load(candidates_.b + 8 * half);
+      for (int c = 0; c < N; ++c) s = Fma(Load(candidates_.a[c] + 8 * half), Set1(x_[c]), s);
       value[half].Set(s);
-      distance[half].Set(s * Load(candidate_inverse_norm_ + 8 * half));
+      distance[half].Set(s * Load(candidates_.inverse_norm + 8 * half));
       violated |= Less(s, none) << (8 * half);
     }
-    candidates_ &= violated;
-    if (candidates_ == 0) return false;
-    int worst = __builtin_ctz(candidates_);
+    candidates_.lanes &= violated;
+    if (candidates_.lanes == 0) return false;
+    int worst = __builtin_ctz(candidates_.lanes);
     double farthest = distance[worst >> 3][worst & 7];
-    for (std::uint32_t left = candidates_ & (candidates_ - 1); left != 0; left &= left - 1) {
+    for (std::uint32_t left = candidates_.lanes & (candidates_.lanes - 1); left != 0;
+         left &= left - 1) {
       const int lane = __builtin_ctz(left);
       const double s = distance[lane >> 3][lane & 7];
       if (s < farthest) {
@@ -175,8 +176,8 @@ class DualActiveSet {
       }
     }
     slack = value[worst >> 3][worst & 7];
-    row = candidate_row_[worst];
-    candidates_ &= ~(1u << worst);
+    row = candidates_.row[worst];
+    candidates_.lanes &= ~(1u << worst);
     return true;
   }
 
@@ -381,11 +382,14 @@ class DualActiveSet {
   int row_[7];
   int active_ = 0;
   int iterations_ = 0;
-  std::uint32_t candidates_ = 0;  ///< one bit per lane
-  int candidate_row_[16];
-  alignas(64) double candidate_a_[N][16];
-  alignas(64) double candidate_b_[16];
-  alignas(64) double candidate_inverse_norm_[16];
+  /// Violated rows, one of each lane.
+  struct {
+    std::uint32_t lanes = 0;  ///< one bit for each
+    int row[16];
+    alignas(64) double a[N][16];
+    alignas(64) double b[16];
+    alignas(64) double inverse_norm[16];
+  } candidates_;
   double tolerance_;
 };
 
