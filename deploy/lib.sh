@@ -34,14 +34,13 @@ quietly() {
 # with precompiled headers, for which it needs the sloppiness.
 export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros
 
-# configure PRESET OPTION...: configures if that has not been done, or if options are given.
+# configure PRESET OPTION...: also if that has been done, since packages may have come meanwhile, and with
+# them targets.  It takes a second then.
 configure() {
-  if (($# > 1)) || [[ ! -f build/$1/build.ninja ]]; then
-    quietly "configuring $1" "build/logs/configure-$1.log" cmake --preset "$@"
-  fi
+  quietly "configuring $1" "build/logs/configure-$1.log" cmake --preset "$@"
 }
 
-# build PRESET TARGET...: configures if needed, and builds.
+# build PRESET TARGET...: configures and builds.
 build() {
   local preset=$1
   shift

@@ -162,6 +162,10 @@ class Pareto {
       throw UsageError(
           fmt::format("pareto: --peers {} is not one of {}", name, fmt::join(known, ", ")));
     }
+    if (options_.only_peers && peers_.empty()) {
+      throw Error(
+          "peers: there is none to measure; install one as said above, or give --peers FILE.so");
+    }
   }
 
   // ---- the force of a sliding ball
