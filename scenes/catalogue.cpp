@@ -20,6 +20,8 @@
 #include "common/files/project_files.h"
 #include "common/files/whole_file.h"
 #include "common/json/json_file.h"
+#include "common/math/default_rounding.h"
+#include "common/revision.h"
 #include "common/text/hex16.h"
 #include "common/text/nearest_word.h"
 #include "common/text/quoted.h"
@@ -291,38 +293,26 @@ std::uint64_t HashOfMesh(const std::string& file) {
 /// Returns the hash of everything that decides what a compiled scene contains.
 std::uint64_t KeyOf(const SceneDescription& scene, const std::string& text,
                     const std::string& models_dir) {
-  std::uint64_t key = HashBytes(text, std::uint64_t{kMeshReadersVersion} << 48 |
-                                          std::uint64_t{kBundleVersion} << 32 |
-                                          kShapesVersion << 16 | kSphereTreeBuilderVersion);
+  std::uint64_t key = HashBytes(text, HashBytes(kScenesRevision, 0));
   key = HashBytes(scene.name, key + static_cast<std::uint64_t>(scene.features.contact));
-  key = HashBytes(std::to_string(kCurvedMeshVersion), key + kRemarksVersion);
   std::map<std::string, std::uint64_t> hashes;  // of each mesh file, computed once
   const auto add_file_of = [&](const MeshSource& mesh) {
     if (!IsImported(mesh)) return;
     const std::string file = MeshFile(mesh, models_dir);
     const auto [it, fresh] = hashes.try_emplace(file, 0);
     if (fresh) it->second = About(mesh.where, [&] { return HashOfMesh(file); });
-    key = HashBytes(std::to_string(it->second), key + kMeshOrientVersion);
-    key = HashBytes(std::to_string(kMeshMendVersion), key);
+    key = HashBytes(std::to_string(it->second), key);
   };
   for (const auto* bodies : {&scene.tools, &scene.objects}) {
     for (const BodyDescription& body : *bodies) {
       for (const RegionDescription& region : body.regions) {
-        if (region.kind == RegionDescription::Kind::kGroup) {
-          key = HashBytes(std::to_string(kGroupPaintVersion), key);
-        }
         if (region.kind == RegionDescription::Kind::kMesh) add_file_of(region.mesh);
       }
       if (!body.tree.built()) {
         const std::string sph = About(body.tree.where, [&] { return ReadSphText(body.tree.file); });
-        key = HashBytes(sph, key + kTreeImportVersion);
+        key = HashBytes(sph, key);
       }
       if (body.tree.built()) key = HashBytes(NameOf(body.tree.mode), key);
-      if (body.tolerance) key = HashBytes(std::to_string(kLeafCountVersion), key);
-      const ShapeKind* kind = ShapeOf(body.mesh);
-      if (kind != nullptr && kind->margin != nullptr) {
-        key = HashBytes(std::to_string(kMarginVersion), key);
-      }
       add_file_of(body.mesh);
     }
   }
@@ -689,6 +679,7 @@ bool IsWholeAtStart(const std::string& name_or_path) {
 }
 
 Scene LoadScene(const std::string& name_or_path, const LoadOptions& options) {
+  const DefaultRounding rounding;
   const std::string file = FindSceneFile(name_or_path);
   const std::string text =
       IsMeshFile(file) ? SceneTextOfMesh(file, options) : ReadWholeFile(file, kLargestSceneFile);

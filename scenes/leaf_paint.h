@@ -9,9 +9,6 @@
 
 namespace palpate {
 
-/// Version of how named parts paint leaves: a change rebuilds cached scenes with named parts.
-inline constexpr std::uint32_t kGroupPaintVersion = 2;
-
 /// Gives every leaf of an object its material: fills body.materials and body.leaf_material.
 ///
 /// Only the exposed surface of a named part counts: gum inside a crown makes no leaf soft.

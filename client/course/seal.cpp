@@ -16,6 +16,7 @@
 #include "common/files/output.h"
 #include "common/files/private_file.h"
 #include "common/files/whole_file.h"
+#include "common/revision.h"
 
 namespace palpate {
 
@@ -32,11 +33,14 @@ namespace {
 
 constexpr std::size_t kLargestKey = 16 * 1024;
 constexpr std::size_t kSignatureBytes = 64;
-constexpr const char* kSoftware = "palpate " PALPATE_VERSION;
 
 using Key = std::shared_ptr<evp_pkey_st>;
 using Bio = std::unique_ptr<BIO, decltype(&BIO_free)>;
 using Digest = std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)>;
+
+std::string Software() {
+  return fmt::format("palpate {}, physics {}", PALPATE_VERSION, kPhysicsRevision);
+}
 
 std::string Hex(const unsigned char* bytes, std::size_t count) {
   std::string text;
@@ -148,12 +152,6 @@ Sealed Open(std::string_view text, const SealKey& key, const std::string& file) 
                     std::string_view(signed_by).substr(0, 16), key.name().substr(0, 16)));
   }
   if (!key.Signed(body, signature)) refuse("the seal has been changed: its signature is not of it");
-  if (sealed.software != kSoftware) {
-    refuse(
-        fmt::format("is of {}, and this is {}, whose physics may give other bits: verify it with "
-                    "that version",
-                    sealed.software, kSoftware));
-  }
   return sealed;
 }
 
@@ -246,13 +244,13 @@ HashedFile Sha256OfFile(const std::string& file) {
 
 std::string SealText(const Seal& seal, const SealKey& key) {
   Seal mine = seal;
-  mine.software = kSoftware;
+  mine.software = Software();
   return TextOf(mine, key);
 }
 
 std::string SealText(const Roll& roll, const SealKey& key) {
   Roll mine = roll;
-  mine.software = kSoftware;
+  mine.software = Software();
   return TextOf(mine, key);
 }
 

@@ -31,12 +31,14 @@ std::string ToText(const FileSummary& summary) {
     text += "  of no station but " + Printable(stations->second) + "\n";
   }
   if (!summary.end_reason.empty()) text += "  ended: " + Printable(summary.end_reason) + "\n";
-  text += fmt::format(
-      "  {:.1f} s from {}, {} messages, {:.2f} MB ({:.3f} MB/s), palpate {}\n", summary.duration_s,
-      TimeText(summary.first_ns), summary.messages, 1e-6 * static_cast<double>(summary.bytes),
-      summary.duration_s > 0.0 ? 1e-6 * static_cast<double>(summary.bytes) / summary.duration_s
-                               : 0.0,
-      summary.build.empty() ? "of an unknown build" : Printable(summary.build));
+  text += fmt::format("  {:.1f} s from {}, {} messages, {:.2f} MB ({:.3f} MB/s), palpate {}{}\n",
+                      summary.duration_s, TimeText(summary.first_ns), summary.messages,
+                      1e-6 * static_cast<double>(summary.bytes),
+                      summary.duration_s > 0.0
+                          ? 1e-6 * static_cast<double>(summary.bytes) / summary.duration_s
+                          : 0.0,
+                      summary.build.empty() ? "of an unknown build" : Printable(summary.build),
+                      summary.physics.empty() ? "" : ", physics " + Printable(summary.physics));
   for (const auto& [name, scene] : summary.scenes) {
     text += fmt::format("  scene {}: hash {}, {}\n", Printable(name), Printable(scene.hash),
                         scene.bundle ? "itself in the recording" : "not in the recording");
@@ -95,6 +97,7 @@ void WriteJson(const FileSummary& summary, const std::string& file) {
                               {"complete", summary.complete},
                               {"ended", summary.end_reason},
                               {"build", summary.build},
+                              {"physics", summary.physics},
                               {"bytes", summary.bytes},
                               {"duration_s", summary.duration_s},
                               {"first_ns", summary.first_ns},

@@ -2,6 +2,8 @@
 
 #include <cstdlib>
 
+#include "common/math/default_rounding.h"
+
 namespace palpate {
 namespace {
 
@@ -29,6 +31,7 @@ std::vector<std::string> SharedLibraryWords::Candidates() const {
 
 void* LoadSharedLibrary(const std::vector<std::string>& candidates, const SharedLibraryWords& words,
                         std::string& file) {
+  const DefaultRounding rounding;  // a library built with -ffast-math changes it when loaded
   std::string tried;
   for (const std::string& candidate : candidates) {
     // NOW: a missing function is detected here and not within a tick.

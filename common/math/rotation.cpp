@@ -4,27 +4,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/math/elementary.h"
+
 namespace palpate {
-namespace {
-
-/// Returns atan(t) for 0 <= t <= 1: two half-angle steps bring t below 0.2, where the series to
-/// t^23 is exact to rounding.
-double AtanUnit(double t) noexcept {
-  t = t / (1.0 + std::sqrt(1.0 + t * t));
-  t = t / (1.0 + std::sqrt(1.0 + t * t));
-  const double s = t * t;
-  double sum = 0.0;
-  for (int k = 23; k >= 1; k -= 2) sum = 1.0 / k - s * sum;
-  return 4.0 * t * sum;
-}
-
-/// Returns the angle of the vector (c, s), both >= 0 and not both 0, in [0, pi/2].
-double AngleFirstQuadrant(double s, double c) noexcept {
-  constexpr double kHalfPi = 1.57079632679489661923;
-  return s <= c ? AtanUnit(s / c) : kHalfPi - AtanUnit(c / s);
-}
-
-}  // namespace
 
 Quat RotationExp(const Vec3& phi) noexcept {
   // Halves half the angle until it is small, evaluates the series, and squares the quaternion back.
@@ -55,7 +37,7 @@ Vec3 RotationLog(const Quat& q) noexcept {
   const double c = sign * q.w();
   // angle / s -> 2 / c as s -> 0; the ratio is well conditioned down to the smallest s.
   if (!(s > 1e-150)) return (2.0 * sign) * q.vec();
-  const double scale = 2.0 * sign * AngleFirstQuadrant(s, c) / s;
+  const double scale = 2.0 * sign * Atan2(s, c) / s;
   return scale * q.vec();
 }
 

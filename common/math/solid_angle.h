@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "common/math/elementary.h"
 #include "common/math/pose.h"
 
 namespace palpate {
@@ -13,8 +14,8 @@ inline double SolidAngle(const Vec3& a, const Vec3& b, const Vec3& c) {
   const double la = a.norm();
   const double lb = b.norm();
   const double lc = c.norm();
-  return 2.0 * std::atan2(a.dot(b.cross(c)),
-                          la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+  return 2.0 *
+         Atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
 }
 
 }  // namespace palpate

@@ -16,6 +16,7 @@
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/http/host_name.h"
+#include "common/revision.h"
 #include "common/text/joined.h"
 #include "common/text/lower_case.h"
 #include "common/text/nearest_word.h"
@@ -262,7 +263,8 @@ void CommandLine::BeforeCommands(const std::function<void()>& run) const {
 
 void AddCommonOptions(const CommandLine& app, const std::string& domain_help, int& domain,
                       std::string& log_level) {
-  app.app_->set_version_flag("--version", app.name() + " " PALPATE_VERSION);
+  app.app_->set_version_flag("--version", app.name() + " " PALPATE_VERSION "\nphysics " +
+                                              kPhysicsRevision + ", scenes " + kScenesRevision);
   app.Add("--domain", domain, domain_help).Range(0, dds::kMaxDomain).ShowDefault();
   app.Add("--log-level", log_level,
           "least important messages to log: trace, debug, info, warn, error or off")

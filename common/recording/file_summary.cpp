@@ -121,6 +121,7 @@ void FileSummary::Finish(const RecordingReader& reader) {
     const mcap::StringMap& values = metadata.values;
     if (metadata.name == kRecordingRecord) about = values;
     build = Value(about, "build");
+    physics = Value(about, "physics");
     if (metadata.name == "palpate.end") end_reason = Value(values, "reason");
     if (metadata.name == "palpate.topic") {
       const auto count = [&](const std::string& key) {

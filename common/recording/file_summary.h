@@ -43,6 +43,7 @@ struct FileSummary {
   std::int64_t first_ns = 0;
   mcap::StringMap about;  ///< the recording's description of itself
   std::string build, end_reason;
+  std::string physics;    ///< revision of the recorder's build (revision.h); older ones said none
   bool complete = false;  ///< the recording has its end
   bool damaged = false;   ///< bytes were altered after recording
   std::vector<std::string> problems;

@@ -8,6 +8,7 @@
 #include "common/dds/cdr_reader.h"
 #include "common/error.h"
 #include "common/recording/split_name.h"
+#include "common/revision.h"
 #include "common/text/hex16.h"
 
 namespace palpate {
@@ -36,6 +37,8 @@ void RecordingWriter::Open() {
   for (auto& [name, topic] : topics_) topic.channel.reset();
   mcap::StringMap about = options_.about;
   about["build"] = PALPATE_VERSION;
+  about["physics"] = kPhysicsRevision;
+  about["scenes"] = kScenesRevision;
   about["split"] = std::to_string(files_.size() - 1);
   file_->WriteMetadata({kRecordingRecord, about});
   for (const auto& [name, scene] : scenes_) file_->WriteMetadata({"palpate.scene", scene});

@@ -47,8 +47,7 @@ std::string AboutUnit(const Vec3& size, const std::string& unit, bool guessed) {
 
 /// Returns the value with three significant digits, for people.
 double Rounded(double value) {
-  const double places = std::pow(10.0, 2.0 - std::floor(std::log10(value)));
-  return std::round(places * value) / places;
+  return std::stod(fmt::format("{:.3g}", value));
 }
 
 nlohmann::ordered_json ToJson(const std::string& name, const std::string& file,

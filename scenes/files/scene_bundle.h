@@ -18,9 +18,6 @@ inline constexpr std::uint32_t kBundleVersion = 2;
 /// kept in files that people read, and left out of a scene that is sent, whose bytes then do not
 /// depend on it.
 enum class Remarks { kLeaveOut, kKeep };
-/// Changes whenever kKeep keeps something else, so that cached scenes are built anew.
-inline constexpr std::uint32_t kRemarksVersion = 1;
-
 /// Packs a scene into bytes: a 40-byte header (magic, version, content key, size, XXH64) and a
 /// FlatBuffer (idl/scene.fbs), little-endian.  Equal scenes give equal bytes.
 /// @param content_key  hash of what the scene was made from, for the cache; 0 if not needed.

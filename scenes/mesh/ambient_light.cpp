@@ -6,6 +6,8 @@
 
 #include <Eigen/Geometry>
 
+#include "common/math/elementary.h"
+
 namespace palpate {
 namespace {
 
@@ -97,7 +99,7 @@ Vec3 Direction(int i) {
   const double y = 1.0 - (2.0 * i + 1.0) / kDirections;
   const double turn = i * 3.14159265358979323846 * (3.0 - std::sqrt(5.0));
   const double level = std::sqrt(1.0 - y * y);
-  return {level * std::cos(turn), y, level * std::sin(turn)};
+  return {level * Cos(turn), y, level * Sin(turn)};
 }
 
 }  // namespace

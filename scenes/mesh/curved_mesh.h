@@ -8,9 +8,6 @@
 
 namespace palpate {
 
-/// Changes whenever a refined mesh comes out differently, so that cached scenes are built anew.
-inline constexpr std::uint32_t kCurvedMeshVersion = 1;
-
 /// The largest max_triangles that a scene file may give.
 inline constexpr std::size_t kMaxCurvedTriangles = 4'000'000;
 

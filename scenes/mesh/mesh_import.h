@@ -11,9 +11,6 @@
 
 namespace palpate {
 
-/// Changes whenever ImportMesh reads a file differently; part of the key of cached scenes.
-inline constexpr std::uint32_t kMeshReadersVersion = 1;
-
 /// Reads a mesh in the file's own unit and frame: OBJ, STL, PLY, 3DS, glTF 2.0 (.gltf, .glb), each
 /// also gzipped (.gz), except for glTF whose data are in a second file.  Polygons are split into
 /// triangles, all parts of a file become one mesh, and vertices at the same place become one.

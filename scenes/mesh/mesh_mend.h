@@ -9,9 +9,6 @@
 
 namespace palpate {
 
-/// Changes whenever the result changes, so that cached scenes are built anew.
-inline constexpr std::uint32_t kMeshMendVersion = 2;
-
 /// Repairs a mesh as it was read, for use as a body: welds it (mesh_weld.h), removes repeated
 /// triangles and crumbs (mesh_crumbs.h), and orients it (mesh_orient.h).  A clean mesh stays the
 /// same, bit for bit.

@@ -7,9 +7,6 @@
 
 namespace palpate {
 
-/// Changes whenever the result changes, so that cached scenes are built anew.
-inline constexpr std::uint32_t kMeshOrientVersion = 3;
-
 /// Turns triangles until neighbours wind alike, in the way of most of their area, and each closed
 /// piece encloses a positive volume.  A piece inside an odd number of others may be a cavity, and
 /// is wound as the rest of the mesh has it.  Neighbours are two triangles at an edge that has no

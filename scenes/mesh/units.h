@@ -6,6 +6,8 @@
 #include <optional>
 #include <string_view>
 
+#include "common/math/elementary.h"
+
 namespace palpate {
 
 /// The units that a mesh file may be in.
@@ -31,7 +33,7 @@ inline std::optional<std::string_view> LikelierUnit(double longest, double taken
   double least = std::numeric_limits<double>::infinity();
   for (const std::string_view unit : kUnits) {
     const double metres = longest * MetresPerUnit(unit);
-    const double off = std::abs(std::log(metres / kUsual_m));
+    const double off = std::abs(Log(metres / kUsual_m));
     if (off >= least || !is_felt(metres)) continue;
     least = off;
     likely = unit;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/error.h"
+#include "common/math/elementary.h"
 #include "common/text/joined.h"
 #include "common/text/quoted.h"
 #include "scenes/shapes/swept_mesh.h"
@@ -20,7 +21,7 @@ constexpr double kShank = 0.8e-3, kHandle = 4e-3;  ///< radii [m]; a shank after
 /// Returns the point of the outline, the thickened curve, that is farthest in the direction (cos a,
 /// sin a): (rho, y).
 std::array<double, 2> Farthest(const BurProfile& bur, double angle) {
-  const double c = std::cos(angle), s = std::sin(angle);
+  const double c = Cos(angle), s = Sin(angle);
   const auto along = [&](const std::array<double, 2>& p) { return p[0] * c + p[1] * s; };
   const auto& p =
       *std::max_element(bur.curve.begin(), bur.curve.end(),

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "common/math/elementary.h"
 #include "scenes/mesh/mesh_simplify.h"
 #include "scenes/shapes/implicit_mesh.h"
 #include "scenes/shapes/swept_mesh.h"
@@ -37,7 +38,7 @@ struct Outline {
   double At(double s) const {
     constexpr double kBulge = 0.45;
     if (s < kBulge) {
-      return neck + (bulge - neck) * std::sin(0.5 * kPi * std::clamp(s / kBulge, 0.0, 1.0));
+      return neck + (bulge - neck) * Sin(0.5 * kPi * std::clamp(s / kBulge, 0.0, 1.0));
     }
     const double t = (s - kBulge) / (1.0 - kBulge);
     return std::max(bulge + (top - bulge) * t * t, 0.5 * top);
@@ -84,16 +85,14 @@ Field ToothField(ToothKind kind, const ToothSize& size) {
     const double a = half_width * shape.along.At(s);
     const double b = half_depth * shape.across.At(s);
     const double n = shape.squareness;
-    const double r =
-        std::pow(std::pow(std::abs(p.x()) / a, n) + std::pow(std::abs(p.z()) / b, n), 1.0 / n);
+    const double r = Pow(Pow(std::abs(p.x()) / a, n) + Pow(std::abs(p.z()) / b, n), 1.0 / n);
     const double side = (r - 1.0) * std::min(a, b);
     double top = shape.rim * size.crown;
     const double sigma = shape.cusp_width * size.width;
     for (const auto& [x, z] : shape.cusps) {
       const double dx = p.x() - x * half_width;
       const double dz = p.z() - z * half_depth;
-      top +=
-          (1.0 - shape.rim) * size.crown * std::exp(-0.5 * (dx * dx + dz * dz) / (sigma * sigma));
+      top += (1.0 - shape.rim) * size.crown * Exp(-0.5 * (dx * dx + dz * dz) / (sigma * sigma));
     }
     const double lid = 0.75 * (p.y() - top);
     return SmoothMax(SmoothMax(side, lid, 1.0), -(p.y() + 1.5), 1.0);
@@ -105,7 +104,8 @@ Field ToothField(ToothKind kind, const ToothSize& size) {
       const Field root = ConeField({side * 0.22 * size.width, -1.0, 0}, 0.19 * size.width,
                                    {side * 0.3 * size.width, -size.root + 1.0, 0}, 1.0);
       parts.push_back([=](const Vec3& p) {
-        const double bend = 1.2 * side * std::pow(std::min(p.y(), 0.0) / size.root, 2.0);
+        const double down = std::min(p.y(), 0.0) / size.root;
+        const double bend = 1.2 * side * down * down;
         return root({p.x() + bend, p.y(), 0.62 * p.z()});
       });
     }
@@ -189,10 +189,10 @@ TriangleMesh Instrument(const std::vector<Vec3>& corners, const std::vector<doub
   const Vec3 first = curve.front();
   const Vec3 last = curve.back();
   for (const double a : {0.35, 0.7, 1.05, 1.4}) {
-    curve.insert(curve.begin(), first + r0 * std::sin(a) * front);
-    thickness.insert(thickness.begin(), r0 * std::cos(a));
-    curve.push_back(last + r1 * std::sin(a) * back);
-    thickness.push_back(r1 * std::cos(a));
+    curve.insert(curve.begin(), first + r0 * Sin(a) * front);
+    thickness.insert(thickness.begin(), r0 * Cos(a));
+    curve.push_back(last + r1 * Sin(a) * back);
+    thickness.push_back(r1 * Cos(a));
   }
   return MakeRod(curve, thickness, 16);
 }
@@ -219,7 +219,7 @@ double DepthTowards(const Vec3& p, const ToothSize& size, const std::array<doubl
                     double mesial) {
   // Clockwise seen from above if mesial is +x, from the middle outside on: the corners of a crown
   // are at 60 degrees of an ellipse.
-  const double angle = std::atan2(mesial * p.x() / size.width, p.z() / size.depth);
+  const double angle = Atan2(mesial * p.x() / size.width, p.z() / size.depth);
   const double at = std::fmod(angle / (kPi / 3.0) + 6.0, 6.0);
   constexpr std::array<std::size_t, 6> kRound = {1, 0, 3, 4, 5, 2};
   const auto before = static_cast<std::size_t>(at) % 6;
@@ -238,7 +238,7 @@ GumFields FieldsOfGum(ToothKind kind, const ToothSize& metres, const GumSize& gu
   const double margin = 0.8 - gum_metres.recession / kMillimetre;
   // A ridge with round shoulders whose top rises between the teeth, like papillae.
   const Field block = [=](const Vec3& p) {
-    const double rise = 2.2 * std::pow(std::min(std::abs(p.x()) / x, 1.0), 2.4);
+    const double rise = 2.2 * Pow(std::min(std::abs(p.x()) / x, 1.0), 2.4);
     const double wall = std::abs(p.z()) - z - 0.06 * (margin - p.y());
     const double ridge = SmoothMax(wall, 0.95 * (p.y() - margin - rise), 7.0);
     return SmoothMax(SmoothMax(ridge, std::abs(p.x()) - x, 3.0), floor - p.y(), 2.0);
@@ -333,7 +333,7 @@ std::vector<Vec3> GingivalMargin(ToothKind kind, const ToothSize& size, const Gu
   for (int i = 0; i < kPoints; ++i) {
     // From +z towards +x: counter-clockwise seen from +y.
     const double angle = 2.0 * kPi * i / kPoints;
-    const Vec3 outwards(std::sin(angle), 0.0, std::cos(angle));
+    const Vec3 outwards(Sin(angle), 0.0, Cos(angle));
     // Find the edge of the hole at a height, from inside.
     const auto edge_at = [&](double y) {
       const auto at = [&](double r) { return Vec3(r * outwards + y * Vec3::UnitY()); };
@@ -375,7 +375,7 @@ TriangleMesh MakeCalculus(ToothKind kind, const ToothSize& metres, double across
     // Grains on lumps, and a frayed rim.
     const double lumps = Noise(1.3 * p);
     const double grains = Noise(3.1 * p + Vec3(7.3, 1.9, 4.1));
-    const double e = std::hypot(p.x(), p.y() - y) / r + 0.16 * lumps;
+    const double e = Length(p.x(), p.y() - y) / r + 0.16 * lumps;
     // A crust that thins towards its rim, with a little of it inside the tooth.
     const double thickness = 0.5 * (1.0 - e * e) + 0.2 * lumps + 0.12 * grains;
     return SmoothMax(SmoothMax(tooth(p) - thickness, r * (e - 1.1), 0.4),
@@ -392,8 +392,7 @@ TriangleMesh MakeMandible(JawPart part, double length, double cortex) {
   const auto section = [](const Vec3& p) {
     const double y = p.y() / kHalfHeight,
                  z = (p.z() + p.x() * p.x() / (2.0 * kBend)) / (kHalfThickness * (1.0 - 0.14 * y));
-    return (std::pow(std::pow(std::abs(y), 2.6) + std::pow(std::abs(z), 2.6), 1.0 / 2.6) - 1.0) *
-           kHalfThickness;
+    return (Pow(Pow(std::abs(y), 2.6) + Pow(std::abs(z), 2.6), 1.0 / 2.6) - 1.0) * kHalfThickness;
   };
   const Field bone = [=](const Vec3& p) {
     return SmoothMax(section(p), std::abs(p.x()) - half, 0.6);

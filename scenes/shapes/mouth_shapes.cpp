@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "common/math/elementary.h"
 #include "scenes/mesh/mesh_simplify.h"
 #include "scenes/shapes/implicit_mesh.h"
 #include "scenes/shapes/tooth_forms.h"
@@ -30,7 +31,7 @@ double Step(double from, double to, double x) {
 class Collar {
  public:
   explicit Collar(const PlacedTooth& tooth)
-      : at_(tooth.x, 0.0, tooth.z), c_(std::cos(tooth.angle)), s_(std::sin(tooth.angle)) {
+      : at_(tooth.x, 0.0, tooth.z), c_(Cos(tooth.angle)), s_(Sin(tooth.angle)) {
     const ToothMeasures size = MeasuresOf(tooth.number);
     half_width_ = 0.5 * size.width;
     half_depth_ = 0.5 * size.depth;
@@ -44,7 +45,7 @@ class Collar {
     const double dx = p.x() - at_.x();
     const double dz = p.z() - at_.z();
     if (FarAbove(std::max(std::abs(dx), std::abs(dz)) - kFar, gum, kBlend)) return gum;
-    const double far = std::hypot(dx, dz);
+    const double far = Length(dx, dz);
     if (far >= kNone) return SmoothMin(gum, far - kFar, kBlend);
     const double u = (c_ * dx - s_ * dz) / half_width_;
     const double w = s_ * dx + c_ * dz;
@@ -58,11 +59,10 @@ class Collar {
     const double size = std::min(kReach * half_width_, depth);
     // Compare a lower bound of the collar's field.
     if (FarAbove((std::max(along, across) - 1.0) * size, gum, kBlend)) return gum;
-    const double r =
-        std::pow(std::pow(along, kSquareness) + std::pow(across, kSquareness), 1.0 / kSquareness);
+    const double r = Pow(Pow(along, kSquareness) + Pow(across, kSquareness), 1.0 / kSquareness);
     double collar = (r - 1.0) * size;
     if (constexpr double kLowest = 1.1; !FarAbove(collar, 0.85 * (p.y() - kLowest), 1.1)) {
-      const double margin = kLowest + papilla_ * std::pow(std::min(std::abs(u), 1.15), 2.8);
+      const double margin = kLowest + papilla_ * Pow(std::min(std::abs(u), 1.15), 2.8);
       collar = SmoothMax(collar, 0.85 * (p.y() - margin), 1.1);
     }
     return SmoothMin(gum, SmoothMax(collar, -(p.y() + 13.0), 2.0), kBlend);
@@ -92,7 +92,7 @@ Field RidgeField(const ArchAxes& arch, double bottom) {
   std::vector<Vec3> curve;
   for (int i = 0; i <= 64; ++i) {
     const double a = kPi * i / 64;
-    curve.emplace_back(arch.half_width * std::cos(a), 0.0, arch.length * std::sin(a));
+    curve.emplace_back(arch.half_width * Cos(a), 0.0, arch.length * Sin(a));
   }
   const Field distance = RopeField(curve, 0.0);
   return [=](const Vec3& p) {
@@ -101,8 +101,7 @@ Field RidgeField(const ArchAxes& arch, double bottom) {
     const double half = 5.0 + 0.14 * std::clamp(-p.y(), 0.0, -bottom);  // wider below
     const double qx = distance({p.x(), 0.0, p.z()}) - (half - kRound);
     const double qy = std::abs(p.y() - 0.5 * (kTop + bottom)) - (0.5 * (kTop - bottom) - kRound);
-    return std::hypot(std::max(qx, 0.0), std::max(qy, 0.0)) + std::min(std::max(qx, qy), 0.0) -
-           kRound;
+    return Length(std::max(qx, 0.0), std::max(qy, 0.0)) + std::min(std::max(qx, qy), 0.0) - kRound;
   };
 }
 
@@ -110,14 +109,13 @@ Field RidgeField(const ArchAxes& arch, double bottom) {
 /// jaw's flat floor.
 Field VaultField(const ArchAxes& arch, bool upper, double bottom) {
   return [=](const Vec3& p) {
-    const double e = std::hypot(p.x() / arch.half_width, std::max(p.z(), 0.0) / arch.length);
+    const double e = Length(p.x() / arch.half_width, std::max(p.z(), 0.0) / arch.length);
     double roof = upper ? -1.5 - 9.0 * Step(1.0, 0.35, e) : -9.0;
     if (upper) {
       const double folds = Step(14.0, 22.0, p.z()) * Step(0.92, 0.7, e);
-      const double wave =
-          std::sin(1.5 * p.z() + 0.02 * p.x() * p.x() + 0.5 * std::sin(0.7 * p.x()));
+      const double wave = Sin(1.5 * p.z() + 0.02 * p.x() * p.x() + 0.5 * Sin(0.7 * p.x()));
       roof += 0.4 * folds * wave * Step(0.4, 2.0, std::abs(p.x()));
-      roof -= 0.35 * std::exp(-p.x() * p.x() / 0.5);  // the seam along the middle
+      roof -= 0.35 * Exp(-p.x() * p.x() / 0.5);  // the seam along the middle
     }
     const double lid = 0.85 * (p.y() - roof);
     const double rim = 0.9 * (e - 1.0) * arch.half_width;
@@ -147,7 +145,7 @@ TriangleMesh MakeTongue(double length) {
   const Field tongue = [=](const Vec3& drawn) {
     const Vec3 p = drawn / l;
     const double upwards = std::clamp((p.y() + 2) / 4, 0., 1.);
-    const double groove = 1.5 * std::exp(-p.x() * p.x() / 6.0) * upwards;
+    const double groove = 1.5 * Exp(-p.x() * p.x() / 6.0) * upwards;
     return l * (body(p) + groove * std::clamp((28.0 - p.z()) / 12.0, 0.0, 1.0));
   };
   const Eigen::AlignedBox3d box(Vec3(-23, -20, -35) * l, Vec3(23, 10, 34) * l);
@@ -163,9 +161,9 @@ TriangleMesh MakeFace(double mouth_width, double mouth_height) {
   std::vector<Vec3> rim;
   for (int i = 0; i <= 96; ++i) {
     const double a = 2.0 * kPi * i / 96;
-    const double x = (half_width + 5.0) * std::cos(a);
-    const double bow = a < kPi ? 1.6 * std::exp(-x * x / 14.0) : 0.0;
-    rim.emplace_back(x, (half_height + 5.0) * std::sin(a) - bow, 11.0 - 0.011 * x * x);
+    const double x = (half_width + 5.0) * Cos(a);
+    const double bow = a < kPi ? 1.6 * Exp(-x * x / 14.0) : 0.0;
+    rim.emplace_back(x, (half_height + 5.0) * Sin(a) - bow, 11.0 - 0.011 * x * x);
   }
   constexpr double kLips = 5.2;
   constexpr double kBlend = 5.0;
@@ -174,12 +172,12 @@ TriangleMesh MakeFace(double mouth_width, double mouth_height) {
   for (const Vec3& v : rim) near.extend(v);
   const Field uvula = ConeField({0, 26, -68}, 4.0, {0, 9, -66}, 2.6);
   const Field face = [=](const Vec3& p) {
-    const double e = std::hypot(p.x() / half_width, p.y() / half_height);
+    const double e = Length(p.x() / half_width, p.y() / half_height);
     const double aperture =
         SmoothMax((e - 1.0) * std::min(half_width, half_height), -25.0 - p.z(), 6.0);
     // The furrow under the nose (philtrum).
     const double furrow =
-        1.3 * std::exp(-p.x() * p.x() / 12.0) * Step(half_height + 3.0, half_height + 9.0, p.y());
+        1.3 * Exp(-p.x() * p.x() / 12.0) * Step(half_height + 3.0, half_height + 9.0, p.y());
     double flesh = skin(p) + furrow;
     flesh = SmoothMax(flesh, -cavity(p), 3.0);
     flesh = SmoothMax(flesh, -aperture, 4.0);

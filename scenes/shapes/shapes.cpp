@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/math/elementary.h"
 #include "scenes/shapes/swept_mesh.h"
 
 namespace palpate {
@@ -82,8 +83,8 @@ TriangleMesh MakeBentPipe(double inner_radius, double wall, double length, doubl
     const double s = double(i) / steps;
     const double a = bend * s;
     // sin(a)/a and (1 - cos a)/a, also valid for straight pipes.
-    const double along = a > 1e-9 ? std::sin(a) / a : 1.0;
-    const double aside = a > 1e-9 ? (1.0 - std::cos(a)) / a : 0.0;
+    const double along = a > 1e-9 ? Sin(a) / a : 1.0;
+    const double aside = a > 1e-9 ? (1.0 - Cos(a)) / a : 0.0;
     curve.emplace_back(length * s * aside, 0.0, length * s * along);
   }
   return MakePipe(curve, inner_radius, wall, 48);
@@ -95,7 +96,7 @@ TriangleMesh MakeMould(bool mould, double radius, double depth, double wave, dou
   const auto height = [&](double x, double z) {
     const double e = (x * x + z * z) / (radius * radius);
     const double fade = 1.0 - e;  // the rim is flat
-    return -depth * fade + wave * fade * std::sin(22.0 * x / radius) * std::sin(22.0 * z / radius);
+    return -depth * fade + wave * fade * Sin(22.0 * x / radius) * Sin(22.0 * z / radius);
   };
   const double flat = mould ? -depth - thickness : thickness;
   TriangleMesh mesh;

@@ -8,11 +8,6 @@
 
 namespace palpate {
 
-/// Changes whenever a shape comes out differently, so that cached scenes are built anew.
-inline constexpr std::uint32_t kShapesVersion = 8;
-/// The same for gingival margins.
-inline constexpr std::uint32_t kMarginVersion = 1;
-
 // Closed meshes about the origin [m], wound counter-clockwise seen from outside.
 
 /// Makes a box of the given side lengths: 12 triangles.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "common/math/elementary.h"
 #include "common/math/rotation.h"
 
 namespace palpate {
@@ -38,8 +39,7 @@ class Sweep {
     const auto first = std::uint32_t(mesh.vertices.size());
     for (std::uint32_t s = 0; s < sides_; ++s) {
       const double a = kTurn * s / sides_;
-      mesh.vertices.push_back(curve_[point] +
-                              radius * (std::cos(a) * u_[point] + std::sin(a) * v_[point]));
+      mesh.vertices.push_back(curve_[point] + radius * (Cos(a) * u_[point] + Sin(a) * v_[point]));
     }
     return first;
   }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "common/math/elementary.h"
 #include "scenes/mesh/mesh_simplify.h"
 
 namespace palpate {
@@ -156,7 +157,7 @@ double TopAt(const Form& form, const ToothMeasures& size, double x, double z) {
     const double off = (from - t * along).norm();
     const double height = ridge.height * size.crown;
     if (FarAbove(top, height - ridge.slope * (off - kTip), 0.25)) continue;
-    top = SmoothMax(top, height - ridge.slope * (std::hypot(off, kTip) - kTip), 0.25);
+    top = SmoothMax(top, height - ridge.slope * (Length(off, kTip) - kTip), 0.25);
   }
   return top;
 }
@@ -181,7 +182,7 @@ Field CrownField(const Form& form, const ToothMeasures& size) {
     const double u = std::abs(p.x()) / towards;
     const double w = std::abs(z) / half;
     const auto side = [&] {
-      const double r = std::pow(std::pow(u, n) + std::pow(w, n), 1.0 / n);
+      const double r = Pow(Pow(u, n) + Pow(w, n), 1.0 / n);
       return (r - 1.0) * std::min(towards, half);
     };
     const auto lid = [&] { return 0.8 * (p.y() - TopAt(form, size, p.x(), p.z())); };
@@ -273,7 +274,7 @@ std::vector<PlacedTooth> TeethOf(bool upper) {
   std::vector<double> length{0.0};
   const auto point = [&](int i) {
     const double a = 0.5 * kPi * i / kSteps;
-    return Eigen::Vector2d(arch.half_width * std::sin(a), arch.length * std::cos(a));
+    return Eigen::Vector2d(arch.half_width * Sin(a), arch.length * Cos(a));
   };
   for (int i = 1; i <= kSteps; ++i)
     length.push_back(length.back() + (point(i) - point(i - 1)).norm());
@@ -291,8 +292,8 @@ std::vector<PlacedTooth> TeethOf(bool upper) {
     at += half;
     const Eigen::Vector2d p = point(i);
     // The direction of the ellipse's normal, which z follows.
-    const double angle = std::atan2(p.x() / (arch.half_width * arch.half_width),
-                                    p.y() / (arch.length * arch.length));
+    const double angle =
+        Atan2(p.x() / (arch.half_width * arch.half_width), p.y() / (arch.length * arch.length));
     teeth[kPlaces - place] = {{plus, place}, p.x(), p.y(), angle};
     teeth[kPlaces + place - 1] = {{minus, place}, -p.x(), p.y(), -angle};
   }

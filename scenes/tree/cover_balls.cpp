@@ -8,6 +8,8 @@
 #include <span>
 #include <utility>
 
+#include "common/math/elementary.h"
+
 namespace palpate {
 namespace {
 
@@ -256,7 +258,7 @@ class Coverer {
         const double length = to.norm();
         const double less = (reach - length) / (kSoft * reach);
         if (less > kNegligible) continue;
-        const double weight = std::exp(-less);
+        const double weight = Exp(-less);
         far += weight / length * to;
         weights += weight;
       }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/math/elementary.h"
+
 namespace palpate {
 namespace {
 
@@ -82,7 +84,7 @@ std::vector<Sphere> InnerBalls::Fill(const std::vector<Sphere>& balls, std::size
   std::vector<Point> points;
   const SphereQuery covered(balls);
   const Vec3 extent = report_.box_max - report_.box_min;
-  const double step = std::cbrt(extent.cwiseMax(0.01 * extent.maxCoeff()).prod() / places);
+  const double step = Pow(extent.cwiseMax(0.01 * extent.maxCoeff()).prod() / places, 1.0 / 3.0);
   for (double x = 0.5 * step; x < extent.x(); x += step) {
     for (double y = 0.5 * step; y < extent.y(); y += step) {
       for (double z = 0.5 * step; z < extent.z(); z += step) {

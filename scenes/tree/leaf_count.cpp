@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "common/math/elementary.h"
 #include "scenes/mesh/figure.h"
 
 namespace palpate {
@@ -24,8 +25,7 @@ class Work {
   void Tried(std::size_t count, double error) {
     // Two counts tell the power by which errors fall; before that assume a half.
     if (before_count_ > 0.0 && error > 0.0 && before_ > error) {
-      power_ =
-          std::clamp(std::log(before_ / error) / std::log(double(count) / before_count_), 0.3, 2.0);
+      power_ = std::clamp(Log(before_ / error) / Log(double(count) / before_count_), 0.3, 2.0);
     }
     before_count_ = double(count);
     before_ = error;
@@ -35,7 +35,7 @@ class Work {
   std::pair<double, double> Doubling(std::size_t count) {
     double last = double(count);
     if (before_count_ > 0.0) {
-      last = before_count_ * std::pow(std::max(1.0, before_ / tolerance_), 1.0 / power_);
+      last = before_count_ * Pow(std::max(1.0, before_ / tolerance_), 1.0 / power_);
     }
     last = std::clamp(last, double(count), most_);
     return Share(double(count), 2.0 * last - 2.0 * double(count) + kHalvings * 0.75 * last);

@@ -7,9 +7,6 @@
 
 namespace palpate {
 
-/// Changes whenever ChooseLeafCount chooses differently, so that cached scenes are built anew.
-inline constexpr std::uint32_t kLeafCountVersion = 1;
-
 /// The accuracy that a body's leaves must have, given instead of their number.
 struct LeafTolerance {
   enum class Of {

@@ -14,9 +14,6 @@
 
 namespace palpate {
 
-/// Changes whenever the builder's result changes, so that cached scenes are built anew.
-inline constexpr std::uint32_t kSphereTreeBuilderVersion = 4;
-
 /// Builds a sphere tree of exactly `leaves` leaves over a mesh (chapter 2.2.3).
 /// `mesh` may be open or not manifold, but must be oriented (mesh_orient.h).
 /// Deterministic: equal inputs, equal bits.  One thread; 22,332 leaves of the bunny take seconds.

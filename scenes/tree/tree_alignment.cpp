@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "common/error.h"
+#include "common/math/elementary.h"
 #include "scenes/mesh/mesh_query.h"
 #include "scenes/mesh/mesh_report.h"
 #include "scenes/mesh/surface_samples.h"
@@ -140,7 +141,7 @@ void RequireSize(const Box& mesh, const Box& balls) {
 
 /// Writes what is wrong with the fit.
 void Judge(bool moved, TreeAlignment& fit) {
-  const double all = std::hypot(fit.residual, fit.mean);
+  const double all = Length(fit.residual, fit.mean);
   const std::string how = fmt::format(
       "its balls, {} from each other, lie {} +- {} from the surface", Millimetres(fit.spacing),
       Millimetres(std::abs(fit.mean)), Millimetres(fit.residual));

@@ -6,6 +6,7 @@
 #include <optional>
 #include <random>
 
+#include "common/math/elementary.h"
 #include "scenes/mesh/mesh_solid.h"
 
 namespace palpate {
@@ -123,7 +124,7 @@ UnionError SurfaceGauge::Measure(const std::vector<Sphere>& balls, Figures figur
     }
     offset.push_back(exit->height);
     const Vec3 normal = s.point + exit->height * s.outward - balls[exit->ball].centre;
-    tilt.push_back(std::atan2(normal.cross(s.outward).norm(), normal.dot(s.outward)));
+    tilt.push_back(Atan2(normal.cross(s.outward).norm(), normal.dot(s.outward)));
     error.mean_lean += tilt.back();
   }
   const auto count = static_cast<double>(std::max<std::size_t>(points_.size(), 1));

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/error.h"
+#include "common/math/elementary.h"
 #include "scenes/mesh/units.h"
 #include "scenes/shapes/shapes.h"
 #include "scenes/tree/sph_file.h"
@@ -98,7 +99,7 @@ std::string GlbJson(const std::vector<Sphere>& balls, const std::string& name,
   json += R"("materials":[)";
   for (std::size_t c = 0; c < colours; ++c) {
     const Colour colour = ColourOf(c);
-    const auto linear = [&](std::size_t k) { return std::pow(double(colour[k]) / 255.0, 2.2); };
+    const auto linear = [&](std::size_t k) { return Pow(double(colour[k]) / 255.0, 2.2); };
     fmt::format_to(out,
                    R"({}{{"pbrMetallicRoughness":{{"baseColorFactor":[{:.4f},{:.4f},{:.4f},1],)"
                    R"("metallicFactor":0,"roughnessFactor":0.7}}}})",

@@ -9,9 +9,6 @@
 
 namespace palpate {
 
-/// Changes whenever ImportTree's result changes, so that cached scenes are built anew.
-inline constexpr std::uint32_t kTreeImportVersion = 1;
-
 /// A tree whose leaves are the balls of one level of a file.
 struct ImportedTree {
   SphereTree tree;     ///< frame B [m]

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "common/error.h"
+#include "common/math/default_rounding.h"
 #include "scenes/mesh/mesh_mend.h"
 #include "scenes/mesh/mesh_report.h"
 #include "scenes/mesh/triangle.h"
@@ -51,6 +52,7 @@ std::string MetresRemark(const TriangleMesh& mesh) {
 }
 
 Body MakeBody(std::string name, TriangleMesh mesh, const BodyOptions& options) {
+  const DefaultRounding rounding;
   Body body;
   try {
     CheckNumbers(mesh);
@@ -83,6 +85,7 @@ Body MakeBody(std::string name, TriangleMesh mesh, const BodyOptions& options) {
 }
 
 Body MakeBall(std::string name, double radius, const Material& material) {
+  const DefaultRounding rounding;
   if (!(radius > 0.0) || !std::isfinite(radius)) {
     throw Error(name + ": a ball's radius must be above 0 m; it is " + std::to_string(radius));
   }

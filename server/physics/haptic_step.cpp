@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/math/default_rounding.h"
 #include "common/math/rotation.h"
 #include "server/physics/contact/sub_step.h"
 #include "server/physics/limits.h"
@@ -344,10 +345,9 @@ void End(const Pose& X_WH, StepContext& context) {
   }
 }
 
-}  // namespace
-
-StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& state,
-                      StepWorkspace& workspace, StageTimes* times) noexcept {
+/// HapticStep, under default rounding.
+[[gnu::noinline]] StepReport Step(const HapticModel& model, const Pose& X_WH, StepState& state,
+                                  StepWorkspace& workspace, StageTimes* times) noexcept {
   StepReport report;
   report.parameters = &model.parameters();
   StepContext context(model, state, workspace.buffers(), report);
@@ -371,6 +371,14 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
   }
   End(X_WH, context);
   return report;
+}
+
+}  // namespace
+
+StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& state,
+                      StepWorkspace& workspace, StageTimes* times) noexcept {
+  const DefaultRounding rounding;
+  return Step(model, X_WH, state, workspace, times);
 }
 
 }  // namespace palpate

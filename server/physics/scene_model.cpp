@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/error.h"
+#include "common/math/default_rounding.h"
 #include "common/math/pose_check.h"
 #include "server/physics/limits.h"
 
@@ -42,6 +43,7 @@ Cutting CuttingOf(const BurProfile& profile) {
 }  // namespace
 
 std::shared_ptr<const SceneObjects> MakeObjects(const Scene& scene) {
+  const DefaultRounding rounding;
   std::vector<PlacedTree> placed;
   std::vector<CutSolid> solids;
   const bool for_balls =
@@ -62,6 +64,7 @@ std::shared_ptr<const SceneObjects> MakeObjects(const Scene& scene) {
 
 HapticModel MakeModel(const Scene& scene, const Body& tool,
                       std::shared_ptr<const SceneObjects> objects) {
+  const DefaultRounding rounding;
   StepParameters parameters{scene.tuning};
   parameters.stiffness = scene.coupling.stiffness;
   parameters.torsional_stiffness = scene.coupling.torsional_stiffness;

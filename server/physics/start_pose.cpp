@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/math/default_rounding.h"
 #include "common/math/pose_check.h"
 #include "server/physics/contact/sub_step.h"
 #include "server/physics/limits.h"
@@ -75,6 +76,7 @@ std::pair<Vec3, double> FindWayOut(const HapticModel& model, const Pose& X_WH,
 
 StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace& workspace,
                        std::span<const CutField> cuts) {
+  const DefaultRounding rounding;
   StepState state;
   if (!model.boxes().empty() && model.tool_body() != nullptr) {
     state.felt = FeltSolids(model.uncut());

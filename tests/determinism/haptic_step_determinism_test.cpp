@@ -4,6 +4,7 @@
 #include <thread>
 
 #include <gtest/gtest.h>
+#include <xmmintrin.h>
 
 #include "common/math/rotation.h"
 #include "scenes/shapes/shapes.h"
@@ -162,6 +163,37 @@ TEST(HapticStepDeterminism, GivesTheGoldenBitsInEveryThread) {
   other.join();
   EXPECT_EQ(hash[0], kGoldenHash);
   EXPECT_EQ(hash[1], kGoldenHash);
+}
+
+// MXCSR of hosts: rounding downward, upward and to zero; subnormal numbers taken for zero, as after
+// -ffast-math; every exception a signal.
+TEST(HapticStepDeterminism, GivesTheSameBitsWhateverArithmeticTheHostHasLeft) {
+  const auto run = [](unsigned host) {
+    const unsigned before = _mm_getcsr();
+    const auto as_host = [&](const auto& call) {
+      _mm_setcsr(host);
+      auto result = call();
+      EXPECT_EQ(_mm_getcsr() & 0xFFC0, host);
+      _mm_setcsr(before);
+      return result;
+    };
+    const Scene scene = MeshScene(false);
+    const HapticModel model =
+        as_host([&] { return MakeModel(scene, scene.tools.front(), MakeObjects(scene)); });
+    StepWorkspace workspace(model);
+    StepState state(model);
+    state.X_WG.p = Vec3(0.0, 0.0, 0.08);
+    BitHash hash;
+    for (int i = 0; i < 60; ++i) {
+      const Pose X = At(1e-4 * i, 3e-5 * i, 0.08 - 2e-3 * i);
+      hash.Add(as_host([&] { return HapticStep(model, X, state, workspace); }));
+    }
+    return hash.value();
+  };
+  constexpr unsigned kUsual = 0x1F80;
+  for (const unsigned host : {0x3F80u, 0x5F80u, 0x7F80u, 0x9FC0u, 0x0000u}) {
+    EXPECT_EQ(run(host), run(kUsual)) << std::hex << host;
+  }
 }
 
 TEST(HapticStepDeterminism, GivesTheSameBitsFromACopiedState) {

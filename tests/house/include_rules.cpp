@@ -35,8 +35,9 @@ const std::vector<Rule> kRules = {
      {}},
     {"common/program/command_line.cpp",
      {"common/program/command_line.h", "common/dds/topics.h", "common/error.h",
-      "common/http/host_name.h", "common/program/log.h", "common/text/joined.h",
-      "common/text/lower_case.h", "common/text/nearest_word.h", "common/text/wrapped.h"},
+      "common/http/host_name.h", "common/program/log.h", "common/revision.h",
+      "common/text/joined.h", "common/text/lower_case.h", "common/text/nearest_word.h",
+      "common/text/wrapped.h"},
      {},
      {"CLI11"}},
     // How a scene's name and its content belong together, for whoever receives one.
@@ -161,8 +162,8 @@ struct Floors {
 const std::vector<Floors> kFloors = {
     {"common",
      {
-         {"common/error", "common/step_fault", "common/coupling_fault", "common/step_tuning",
-          "common/text", "common/math", "common/qp", "common/realtime"},
+         {"common/error", "common/revision", "common/step_fault", "common/coupling_fault",
+          "common/step_tuning", "common/text", "common/math", "common/qp", "common/realtime"},
          {"common/files", "common/http", "common/mcap"},
          {"common/dds", "common/json", "common/metrics"},
          {"common/program", "common/recording"},
@@ -270,7 +271,7 @@ bool IsSystemHeader(const std::string& header) {
   static const std::regex kSystem(
       R"([a-z_0-9]+|(sys|linux|netinet|arpa|net)/[a-z_0-9]+\.h|)"
       R"((cpuid|cxxabi|dirent|dlfcn|errno|execinfo|fcntl|features|getopt|ifaddrs|immintrin|malloc|netdb|poll|)"
-      R"(pthread|pwd|sched|semaphore|signal|spawn|stddef|stdint|stdio|stdlib|string|termios|time|unistd|x86intrin)\.h)");
+      R"(pthread|pwd|sched|semaphore|signal|spawn|stddef|stdint|stdio|stdlib|string|termios|time|unistd|x86intrin|xmmintrin)\.h)");
   return std::regex_match(header, kSystem);
 }
 

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -147,6 +148,29 @@ TEST(IncludeCircle, IsFoundWhereItIsAndNamesItsFiles) {
 /// source that includes it.
 std::string Stem(const std::string& file) {
   return file.ends_with(".inl") ? file : file.substr(0, file.rfind('.'));
+}
+
+// common/revision.h: of whatever a step is made, its bits can change with it.
+TEST(PhysicsRevision, HashesAllThatThePhysicsIncludes) {
+  const std::string root = PALPATE_SOURCE_DIR;
+  const std::string list = RunCommand({"cmake", "-D", "source=" + root, "-D", "list=physics", "-P",
+                                       root + "/common/revision.cmake"})
+                               .text;
+  std::set<std::string> hashed;
+  std::istringstream lines(list);
+  for (std::string file; std::getline(lines, file);) hashed.insert(file);
+  ASSERT_TRUE(hashed.contains("server/physics/haptic_step.cpp")) << list;
+  for (std::vector<std::string> next(hashed.begin(), hashed.end()); !next.empty();) {
+    const std::string file = next.back();
+    next.pop_back();
+    // Which time a stage took, and how a session's threads meet, decides no bit.
+    if (IsBelow(file, "common/realtime") || IsBelow(file, "common/dds")) continue;
+    EXPECT_TRUE(hashed.contains(file)) << file << ": let common/revision.cmake hash it";
+    if (!IsBelow(file, "server/physics")) continue;
+    for (const std::string& included : ProjectIncludes(ReadWholeFile(root + "/" + file))) {
+      if (!hashed.contains(included)) next.push_back(included);
+    }
+  }
 }
 
 TEST(IncludeRules, HoldInEverySourceFile) {

@@ -26,12 +26,6 @@ constexpr const char* kStation = "golden";
 constexpr std::int64_t kTick_ns = 1'000'000;
 constexpr std::int64_t kBegan_ns = 1'700'000'000'000'000'000;  // equal inputs, equal files
 
-/// `calculus` is compiled to other bytes on some machines, of data that no force depends on: the
-/// same 400 wrenches come of both.  Not explained yet; so its recording carries the scene.
-bool HasBitsOfItsMachine(const std::string& scene) {
-  return scene == "calculus";
-}
-
 class Golden {
  public:
   Golden(const std::string& scene, const std::string& folder)
@@ -45,7 +39,7 @@ class Golden {
     const std::size_t begin = BusiestMoment();
     RecordingOptions options;
     options.file = file_;
-    options.bundles = HasBitsOfItsMachine(scene_.name);
+    options.bundles = false;
     options.overwrite = true;
     options.about["golden"] = "made by tests/replayer/make_golden.cpp";
     RecordingWriter recording(options);

@@ -11,6 +11,7 @@
 #include "client/replayer/score/score_plot.h"
 #include "common/error.h"
 #include "common/files/output.h"
+#include "common/revision.h"
 #include "common/text/quoted.h"
 
 namespace palpate {
@@ -81,7 +82,9 @@ Lines Facts(const Certificate& certificate, const Words& words) {
   const std::optional<Roll>& roll = certificate.roll;
   return {words("exam", fmt::arg("exam", certificate.exam.empty() ? "–" : certificate.exam)),
           words("key", fmt::arg("key", certificate.key)),
-          words("by", fmt::arg("program", "palpate " PALPATE_VERSION),
+          words("by",
+                fmt::arg("program",
+                         fmt::format("palpate {}, physics {}", PALPATE_VERSION, kPhysicsRevision)),
                 fmt::arg("time", WhenText(certificate.verified_s))),
           roll ? words("roll", fmt::arg("trials", roll->trials.size()),
                        fmt::arg("opened", WhenText(roll->opened_s)),
@@ -94,6 +97,7 @@ Json JsonOf(const Certificate& certificate) {
             {"exam", certificate.exam},
             {"key", certificate.key},
             {"version", PALPATE_VERSION},
+            {"physics", kPhysicsRevision},
             {"verified_s", certificate.verified_s},
             {"took_s", certificate.took_s},
             {"roll", certificate.roll.has_value()},

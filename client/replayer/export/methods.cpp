@@ -10,6 +10,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "common/dds/topics.h"
+#include "common/revision.h"
 #include "common/text/hex16.h"
 #include "common/text/joined.h"
 #include "common/text/quoted.h"
@@ -102,7 +103,10 @@ std::string Methods::ToJson(const std::vector<std::string>& recording,
   using Json = nlohmann::ordered_json;
   Json json{{"made_by", kExportMaker},
             {"palpate",
-             {{"recorded_with", Value(all_.about, "build")}, {"exported_with", PALPATE_VERSION}}},
+             {{"recorded_with", Value(all_.about, "build")},
+              {"recorded_physics", all_.physics},
+              {"exported_with", PALPATE_VERSION},
+              {"exported_physics", kPhysicsRevision}}},
             {"recording", recording},
             {"begun", TimeText(all_.first_ns)},
             {"begun_ns", all_.first_ns},
@@ -168,8 +172,9 @@ std::string Methods::ToMarkdown(const std::vector<std::string>& recording) const
   line("recording", Joined(recording));
   line("begun", TimeText(all_.first_ns));
   line("length", fmt::format("{:.3f} s{}", all_.duration_s, all_.complete ? "" : ", cut off"));
-  line("recorded with", "palpate " + Value(all_.about, "build"));
-  line("exported with", "palpate " PALPATE_VERSION);
+  line("recorded with", "palpate " + Value(all_.about, "build") + ", physics " +
+                            (all_.physics.empty() ? "not told" : all_.physics));
+  line("exported with", std::string("palpate " PALPATE_VERSION ", physics ") + kPhysicsRevision);
   line("recorder's machine", Value(all_.about, "cpu") + ", " + Value(all_.about, "cores") +
                                  " cores, kernel " + Value(all_.about, "kernel"));
   line("transport of poses and wrenches", Value(all_.about, "loop"));

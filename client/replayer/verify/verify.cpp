@@ -20,6 +20,8 @@
 #include "common/files/output.h"
 #include "common/realtime/steady_clock.h"
 #include "common/recording/recording_reader.h"
+#include "common/recording/split_name.h"
+#include "common/revision.h"
 #include "common/text/hex16.h"
 #include "common/text/quoted.h"
 #include "scenes/catalogue.h"
@@ -115,6 +117,8 @@ class Scenes {
     bundles_[hash] = {bundle.bundle._buffer, bundle.bundle._buffer + bundle.bundle._length};
   }
   void AddHash(const std::string& scene, const std::string& hash) { hashes_[scene] = hash; }
+  /// Takes the revision by which they were made.
+  void SetRevision(const std::string& revision) { revision_ = revision; }
 
   std::string HashOf(const std::string& name) const {
     const auto found = hashes_.find(name);
@@ -182,8 +186,9 @@ class Scenes {
       if (recorded != hashes_.end() && recorded->second != hash) {
         throw Error("scene '" + name + "' (hash " + hash +
                     ") is not the one that was recorded (hash " + recorded->second + ")" +
-                    WhatEffects(name, loaded->scene->effects) +
-                    ": give that one with --scene, or record again");
+                    WhatEffects(name, loaded->scene->effects) + "; " +
+                    WhichBuild("scenes", revision_, kScenesRevision) +
+                    ".  Give the recorded one with --scene, or record again");
       }
     }
     loaded->objects = MakeObjects(*loaded->scene);
@@ -192,6 +197,7 @@ class Scenes {
 
   const VerifyOptions& options_;
   const std::filesystem::path folder_;
+  std::string revision_;
   std::map<std::string, std::string> hashes_;                 // by scene
   std::map<std::string, std::vector<std::uint8_t>> bundles_;  // by hash
   std::map<std::string, std::unique_ptr<Loaded>> loaded_;
@@ -516,6 +522,15 @@ class Verifier {
   }
 
   Verification Run() {
+    for (const mcap::Metadata& metadata : reader_.metadata()) {
+      if (metadata.name != kRecordingRecord) continue;
+      const auto value = [&](const char* key) {
+        const auto found = metadata.values.find(key);
+        return found == metadata.values.end() ? "" : found->second;
+      };
+      verification_.physics = value("physics");
+      scenes_.SetRevision(value("scenes"));
+    }
     verification_.problems = reader_.problems();
     verification_.damaged = reader_.damaged();
     const bool cut_off = !reader_.complete();
@@ -745,6 +760,26 @@ bool Verification::good() const {
          std::ranges::all_of(sessions, [](const SessionVerdict& v) { return v.good(); });
 }
 
+bool Verification::differs() const {
+  return std::ranges::any_of(sessions, [](const SessionVerdict& v) { return v.different > 0; });
+}
+
+std::string WhichBuild(std::string_view kind, const std::string& recorded, const std::string& own) {
+  if (recorded.empty()) {
+    return fmt::format("recorded by a build that did not tell its {} revision; this is {}", kind,
+                       own);
+  }
+  if (recorded == own) {
+    return fmt::format(
+        "recorded by the same {} revision, {}: two builds of it must agree, so report this", kind,
+        own);
+  }
+  return fmt::format(
+      "recorded by {} {}, this is {}: their bits may differ.  'deploy/revision {}' in a checkout "
+      "names the commit to build",
+      kind, Printable(recorded), own, Printable(recorded));
+}
+
 Verification Verify(const std::vector<std::string>& files, const VerifyOptions& options) {
   return Verifier(files, options).Run();
 }
@@ -780,6 +815,9 @@ std::string ToText(const Verification& verification) {
                           Printable(v.ends));
     }
   }
+  if (verification.differs()) {
+    text += "  " + WhichBuild("physics", verification.physics, kPhysicsRevision) + "\n";
+  }
   if (verification.damaged) text += "NOT VERIFIED: a file has changed since it was written\n";
   if (verification.sessions.empty()) text += "NOT VERIFIED: there is no wrench in the recording\n";
   for (const std::string& problem : verification.problems) text += "  " + Printable(problem) + "\n";
@@ -789,6 +827,8 @@ std::string ToText(const Verification& verification) {
 void WriteJson(const Verification& verification, const std::string& file) {
   nlohmann::ordered_json json{{"good", verification.good()},
                               {"damaged", verification.damaged},
+                              {"recorded_physics", verification.physics},
+                              {"physics", kPhysicsRevision},
                               {"problems", verification.problems},
                               {"sessions", nlohmann::ordered_json::array()}};
   for (const SessionVerdict& v : verification.sessions) {

@@ -67,12 +67,21 @@ struct Verification {
   std::vector<SessionVerdict> sessions;
   std::vector<std::string> problems;  ///< of the files
   bool damaged = false;               ///< they have changed since they were written
+  std::string physics{};  ///< revision of the build that recorded (revision.h); empty: not told
   /// The solids at the end of each scene of each server's run; `before` is their initial state.
   std::vector<SolidsCut> left{};
   /// True if every wrench of every session was recomputed to the same bits, and there is at least
   /// one.  A recording that was cut off can be good as far as it goes.
   bool good() const;
+  /// Returns whether any wrench was recomputed to other bits.
+  bool differs() const;
 };
+
+/// Returns ", recorded by physics A; this is B ...: how to get A", if these are not the same
+/// build's, and else that they are.
+/// @param kind  "physics" or "scenes".   @param recorded  empty: not told.   @param own  this
+/// build's.
+std::string WhichBuild(std::string_view kind, const std::string& recorded, const std::string& own);
 
 /// Feeds the recorded poses to the server's own servo loop and compares its wrenches with the
 /// recorded ones, bit for bit, except step_time_s, which a clock gave.  Throws Error if a file or a

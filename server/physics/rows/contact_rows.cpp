@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/math/elementary.h"
+
 namespace palpate {
 
 ContactRows::ContactRows(int max_rows, double rho, bool turns)
@@ -72,7 +74,7 @@ Vec3 ContactRows::lever_cross_normal(int row) const {
 }
 
 double ContactRows::Turned(int row, const Vec3& n, const Vec3& by_turning) const {
-  return std::hypot((n - normal(row)).norm(), (by_turning - lever_cross_normal(row)).norm() / rho_);
+  return Length((n - normal(row)).norm(), (by_turning - lever_cross_normal(row)).norm() / rho_);
 }
 
 int ContactRows::Find(std::span<const ContactId> ids, int* row) const noexcept {

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 
 #include "common/error.h"
+#include "common/revision.h"
 #include "tests/support/complaint.h"
 
 namespace palpate {
@@ -100,7 +101,9 @@ TEST(CommandLine, SaysWhereOthersAreAndHowALoopIsScheduled) {
 }
 
 TEST(CommandLine, PrintsHelpAndVersionUnderTheProgramsName) {
-  EXPECT_EQ(Program().Printed({"--version"}), "palpate-it " PALPATE_VERSION "\n");
+  EXPECT_EQ(Program().Printed({"--version"}),
+            std::string("palpate-it " PALPATE_VERSION "\nphysics ") + kPhysicsRevision +
+                ", scenes " + kScenesRevision + "\n");
   const std::string help = Program().Printed({"--help"});
   for (const std::string word : {"It does nothing.", "which of them", "--domain", "--log-level"}) {
     EXPECT_THAT(help, HasSubstr(word));

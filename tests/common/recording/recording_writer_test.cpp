@@ -11,6 +11,7 @@
 #include "common/error.h"
 #include "common/recording/recording_reader.h"
 #include "common/recording/split_name.h"
+#include "common/revision.h"
 #include "tests/common/recording/samples.h"
 #include "tests/support/complaint.h"
 #include "tests/support/milliseconds.h"
@@ -60,6 +61,7 @@ TEST(RecordingWriter, ProvesWhatIsMissing) {
       << "though none was written";
   EXPECT_EQ(MetadataOf(reader, "palpate.end").at("reason"), "the test is over");
   EXPECT_EQ(MetadataOf(reader, "palpate.recording").at("build"), PALPATE_VERSION);
+  EXPECT_EQ(MetadataOf(reader, "palpate.recording").at("physics"), kPhysicsRevision);
 }
 
 TEST(RecordingWriter, KeepsASceneOrItsHashAlone) {

@@ -12,6 +12,7 @@
 
 #include "client/replayer/export/export_folder.h"
 #include "common/error.h"
+#include "common/revision.h"
 #include "common/step_fault.h"
 #include "tests/common/recording/samples.h"
 #include "tests/replayer/lesson_recording.h"
@@ -210,6 +211,7 @@ TEST_F(ExportOf, TellsOfPhasesFaultsContactsAndTheLimiter) {
 
   const auto methods = nlohmann::json::parse(ReadWholeFile(out + "/methods.json"));
   EXPECT_EQ(methods["palpate"]["recorded_with"], PALPATE_VERSION);
+  EXPECT_EQ(methods["palpate"]["recorded_physics"], kPhysicsRevision);
   const auto& told = methods["sessions"][0];
   EXPECT_EQ(told["folder"], "hand_0000000000000005");
   EXPECT_EQ(told["device"], "An Arm");

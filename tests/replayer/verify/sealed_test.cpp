@@ -144,7 +144,7 @@ TEST_F(SealedTest, OfAnotherCourseIsRefused) {
   EXPECT_THAT(Refused(), HasSubstr("another course's"));
 }
 
-TEST_F(SealedTest, OfAnotherVersionIsRefused) {
+TEST_F(SealedTest, OfAnotherVersionIsVerifiedIfItsPhysicsGivesTheSameBits) {
   // As if an earlier version had sealed it.
   std::string text = Read(kAnna + kSealEnding);
   const std::size_t begin = text.find("\"sealed\":") + 9, end = text.rfind(",\"signature\"");
@@ -152,7 +152,7 @@ TEST_F(SealedTest, OfAnotherVersionIsRefused) {
   body.replace(body.find(PALPATE_VERSION), std::string_view(PALPATE_VERSION).size(), "0.0.1");
   Write(kAnna + kSealEnding, "{\"key\":\"" + key_.name() + "\",\"sealed\":" + body +
                                  ",\"signature\":\"" + key_.Sign(body) + "\"}\n");
-  EXPECT_THAT(Refused(), HasSubstr("is of palpate 0.0.1"));
+  EXPECT_TRUE(Verified().good());
 }
 
 TEST_F(SealedTest, OfAnotherPersonIsRefusedUnderWhateverName) {

@@ -16,6 +16,7 @@
 #include "common/json/pose_script.h"
 #include "common/mcap/mcap_writer.h"
 #include "common/recording/recording_reader.h"
+#include "common/revision.h"
 #include "scenes/catalogue.h"
 #include "scenes/files/scene_bundle.h"
 #include "server/physics/scene_model.h"
@@ -30,6 +31,7 @@ namespace palpate::test {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 using testing::SizeIs;
 
 constexpr std::uint64_t kPoses = 300;
@@ -451,6 +453,21 @@ TEST(Difference, SeesEveryBitButThoseOfTheClock) {
   wire::Wrench other = wrench;
   other.row[4][2] = 0.0;
   EXPECT_EQ(Difference(wrench, other)->field, "row[4][2]");
+}
+
+TEST(VerifyWrenches, ADifferenceTellsWhichBuildsThePhysicsWere) {
+  Verification verification;
+  verification.physics = "0123456789ab";
+  verification.sessions.emplace_back();
+  verification.sessions[0].recorded = verification.sessions[0].verified = 1;
+  EXPECT_FALSE(verification.differs());
+  EXPECT_THAT(ToText(verification), Not(HasSubstr("0123456789ab")));
+  verification.sessions[0].different = 1;
+  EXPECT_TRUE(verification.differs());
+  EXPECT_THAT(ToText(verification), HasSubstr("deploy/revision 0123456789ab"));
+  EXPECT_THAT(ToText(verification), HasSubstr(kPhysicsRevision));
+  verification.physics = kPhysicsRevision;
+  EXPECT_THAT(ToText(verification), Not(HasSubstr("deploy/revision"))) << "it would be in vain";
 }
 
 // The physics gives what it gave when the golden recordings were made, on every machine.  After an

@@ -306,8 +306,6 @@ TEST(SphereTreeBuilder, BalancesAFewLeavesToo) {
 }
 
 TEST(SphereTreeBuilder, GivesTheSameBytesInEveryBuild) {
-  // A new value needs a new kSphereTreeBuilderVersion, so that cached scenes are rebuilt; a change
-  // of the bundle has its own kBundleVersion.
   const TriangleMesh mesh = MakeBox(Vec3(0.05, 0.04, 0.03));
   const auto bytes = BytesOf(mesh, BuildSphereTree(mesh, 100));
   EXPECT_EQ(HashBytes({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, 0),
