@@ -170,8 +170,9 @@ void SessionLink::PollAsking(std::int64_t now_ns) {
                       : NobodyAnswers(options_.domain, options_.network, options_.scene));
     }
     // A server flooded with requests answers only some of them.
-    if (AskAgain(now_ns) && asked_s > options_.patience_s && HearsAnotherVersion()) {
-      throw Error(AnotherVersionIsThere(options_.domain));
+    if (AskAgain(now_ns) && asked_s > options_.patience_s) {
+      if (HearsAnotherVersion()) throw Error(AnotherVersionIsThere(options_.domain));
+      ProbeSharedMemory(now_ns);
     }
     return;
   }
@@ -223,6 +224,11 @@ bool SessionLink::AskAgain(std::int64_t now_ns) {
   asked_ns_ = now_ns;
   WriteRequest(false);
   return true;
+}
+
+void SessionLink::ProbeSharedMemory(std::int64_t now_ns) {
+  if (!loop_->shared_memory()) return;
+  Try([this] { dds::Writer<wire::HapticPose>(*loop_, "palpate/probe", dds::Qos::kLoop); }, now_ns);
 }
 
 bool SessionLink::HearsAnotherVersion() const {

@@ -75,6 +75,10 @@ class SessionLink {
   void Ask(std::int64_t now_ns);
   /// Publishes the request again, but not too often.  Returns true if it did.
   bool AskAgain(std::int64_t now_ns);
+  /// A server that was killed can leave shared memory locked, and then none can start again.  To
+  /// find out makes an endpoint, which ends the process and says what to restart
+  /// (SharedMemoryWatch).
+  void ProbeSharedMemory(std::int64_t now_ns);
   /// Returns whether a server is present whose sample types differ from this program's.
   bool HearsAnotherVersion() const;
   void TakeStates();

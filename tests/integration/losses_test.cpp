@@ -1,7 +1,9 @@
 // A server killed in the middle of a write leaves shared memory locked for good, for RouDi as well
 // (common/dds/shared_memory_watch.h).  That is rare, but then the station must say so.
+#include <chrono>
 #include <csignal>
 #include <memory>
+#include <thread>
 
 #include <gmock/gmock.h>
 
@@ -30,6 +32,20 @@ TEST(KilledServer, OverSharedMemoryHasASuccessorOrTheStationSaysWhatMustBeStarte
   }
   EXPECT_EQ(station.Exit(), 1);
   EXPECT_THAT(station.Output(), testing::HasSubstr("restart iox-roudi"));
+}
+
+TEST(KilledServer, WithoutASuccessorBecauseRouDiHangsTheStationSaysWhatMustBeStartedAnew) {
+  RouDi roudi;
+  auto server = std::make_unique<ServerProgram>("shm");
+  ASSERT_TRUE(server->Ready()) << server->Output();
+  StationProgram station("hand", "shm");
+  ASSERT_TRUE(server->Says("station hand: active")) << server->Output();
+  server->Signal(SIGKILL);
+  EXPECT_TRUE(station.Says("no replies for 1 s")) << station.Output();
+  std::this_thread::sleep_for(std::chrono::seconds(3));  // it has closed its endpoints
+  roudi.Hang();
+  EXPECT_TRUE(station.Says("restart iox-roudi", 60.0)) << station.Output();
+  EXPECT_EQ(station.Exit(), 1);
 }
 
 }  // namespace

@@ -213,5 +213,21 @@ TEST(GuidedStation, IsWaitedForWhereItsHandStaysBehind) {
   EXPECT_EQ(hasty.Exit(), 0) << hasty.Output();
 }
 
+TEST(GuidedStation, IsLedFromTheBeginningOfThePathIfItAcceptsLate) {
+  const Folder folder;
+  const std::string file = folder / "expert.mcap";
+  WriteStillHand(file, 0.004);
+  ServerProgram server("udp");
+  ASSERT_TRUE(server.Ready()) << server.Output();
+  HeldStation station;
+  ASSERT_TRUE(station.UntilForce());
+  ReplayerProgram guide({file, "--guide", "held", "--to", "0.2", "--domain", kDomainText});
+  ASSERT_TRUE(guide.Says("guiding station held")) << guide.Output();
+  station.For(1.0);
+  EXPECT_TRUE(guide.Runs()) << guide.Output();
+  station.AcceptGuide(0.5);
+  EXPECT_EQ(guide.Exit(), 0) << guide.Output();
+}
+
 }  // namespace
 }  // namespace palpate::test

@@ -19,6 +19,8 @@ namespace {
 constexpr std::chrono::milliseconds kPeriod{10};
 /// A hand's pose older than this counts as unknown.
 constexpr double kKnown_s = 0.5;
+/// Longest wait for a station that accepts the guide.
+constexpr double kPatience_s = 5.0;
 /// Longest step of the pace, so that a guide that was itself suspended does not jump.
 constexpr double kLongestStep_s = 0.1;
 
@@ -74,7 +76,12 @@ void Guide(const Playback& playback, const GuideOptions& options, StopSignal& st
   LedHand hand(service, options.led);
   wire::GuideTarget target{};
   wire::FromText(options.led, target.station);
-  bool heard = false;
+  // Discovery takes a while, and a path whose beginning no hand followed has not been led.
+  for (const double begun_s = Now_s(); writer.matched_readers() == 0;) {
+    if (stop.WaitFor(kPeriod)) return;
+    if (Now_s() - begun_s < kPatience_s) continue;
+    throw Error("no station accepts the guide; start it with --accept-guide, in the same --domain");
+  }
   do {
     target.run = RandomRun();
     GuidePace pace(playback.rate, playback.from_s, options.waits);
@@ -88,7 +95,6 @@ void Guide(const Playback& playback, const GuideOptions& options, StopSignal& st
       if (stop.WaitFor(kPeriod)) return;
 
       const bool listens = writer.matched_readers() > 0;
-      heard = heard || listens;
       const double now_s = Now_s();
       const std::optional<double> behind = hand.Behind(aim.p, now_s);
       // The guide does not wait for a station that does not receive its aims.
@@ -105,9 +111,6 @@ void Guide(const Playback& playback, const GuideOptions& options, StopSignal& st
       std::fflush(stdout);
     }
   } while (playback.loop);
-  if (!heard) {
-    throw Error("no station accepts the guide; start it with --accept-guide, in the same --domain");
-  }
   std::puts("ended");
 }
 

@@ -53,7 +53,7 @@ struct GuideOptions {
 /// Leads the hand of a station along the recorded hand's path, at the recorded pace times a rate,
 /// until the path's end or a signal; waits for a hand that lags behind (GuidePace).  The station
 /// decides the force, and whether to accept a guide at all.  Throws Error if the recording holds
-/// no path.
+/// no path, or if no station accepts a guide within some seconds.
 void Guide(const Playback& playback, const GuideOptions& options, StopSignal& stop);
 
 }  // namespace palpate
