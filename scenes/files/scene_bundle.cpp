@@ -693,7 +693,9 @@ void WriteFileAtomically(const std::string& file, std::span<const std::uint8_t> 
   const fs::path path(file);
   const std::string temporary = file + "." + std::to_string(getpid()) + ".tmp";
   std::error_code error;
-  if (path.has_parent_path()) fs::create_directories(path.parent_path(), error);
+  if (path.has_parent_path() && !fs::is_directory(path.parent_path(), error)) {
+    throw Error(file + ": cannot be written; there is no folder " + path.parent_path().string());
+  }
   std::ofstream out(temporary, std::ios::binary);
   out.write(reinterpret_cast<const char*>(bytes.data()), std::ssize(bytes));
   out.close();

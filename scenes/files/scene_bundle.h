@@ -42,7 +42,8 @@ void CheckPackable(const Scene& scene);
 /// Returns whether the bytes begin as a bundle does.
 bool LooksLikeBundle(std::string_view bytes);
 
-/// Writes the whole file or, if that fails, leaves the old one; Ctrl-C waits for it.  Throws Error.
+/// Writes the whole file or, if that fails, leaves the old one; Ctrl-C waits for it.  Throws Error;
+/// makes no folder.
 void WriteFileAtomically(const std::string& file, std::span<const std::uint8_t> bytes);
 
 /// Returns the XXH64 of the bytes, with a seed to chain hashes.

@@ -37,8 +37,8 @@ TEST(ViewerOptions, NameTheArgumentThatIsWrong) {
   EXPECT_THAT(Complaint({"--http", "1", "--rate", "9"}), HasSubstr("--rate"));
   EXPECT_THAT(Complaint({"--http", "1", "--max-mice", "99"}), HasSubstr("--max-mice"));
   EXPECT_THAT(Complaint({"--http", "1", "--transport", "pigeon"}), HasSubstr("--transport"));
-  EXPECT_THAT(Complaint({"--http", "1", "--page", "/nonexistent"}),
-              HasSubstr("--page /nonexistent: is not a folder; give the one"));
+  EXPECT_THAT(Complaint({"--http", "1", "--page", "/proc/none"}),
+              HasSubstr("--page /proc/none: is not a folder; give the one"));
 }
 
 TEST(ViewerOptions, NameWhatIsWrongWithWhoMay) {

@@ -541,8 +541,8 @@ TEST(Tls, NamesTheFileThatItCannotUse) {
     EXPECT_EQ(program.Exit(), 1);
     return program.Output();
   };
-  EXPECT_THAT(complaint("/nonexistent", certificate.key()), HasSubstr("--tls-cert /nonexistent"));
-  EXPECT_THAT(complaint(certificate.file(), "/nonexistent"), HasSubstr("--tls-key /nonexistent"));
+  EXPECT_THAT(complaint("/proc/none", certificate.key()), HasSubstr("--tls-cert /proc/none"));
+  EXPECT_THAT(complaint(certificate.file(), "/proc/none"), HasSubstr("--tls-key /proc/none"));
   EXPECT_THAT(complaint(certificate.key(), certificate.key()), HasSubstr("--tls-cert"));
   chmod(certificate.key().c_str(), 0644);
   EXPECT_THAT(complaint(certificate.file(), certificate.key()), HasSubstr("chmod 0600"));
