@@ -7,6 +7,7 @@ namespace palpate {
 /// on the processor (glibc chooses by whether it has FMA), and with them the bytes of a scene whose
 /// shapes are computed, and the forces on it.  True to 3 units in the last place, Atan2 to 5, Pow
 /// to 2 |y log x| more.  Real-time: no allocation, lock, log or clock.
+/// Rejected: SLEEF's deterministic functions, as users of the library need Eigen alone.
 
 /// @param x  [rad], at most 1e5 in size: beyond, the reduction by pi/2 loses bits.
 double Sin(double x) noexcept;
