@@ -107,6 +107,7 @@ std::optional<LoadRunOptions> ParseLoadOptions(int argc, const char* const* argv
   app.Add("--make-scene", make_scene,
           "N FILE: write a scene file like --scene (default: cube), but with N tools, and exit")
       .Words(2);
+  AddEffectsOption(app);
   AddServerOptions(app, options);
 
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;

@@ -144,6 +144,7 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
   app.Add("--to", options.playback.to_s, "end at this time, in seconds")
       .Positive()
       .Excludes(verify_option);
+  AddEffectsOption(app);
   AddNetworkOptions(app, "a viewer or the guided station", options.playback.network);
   AddCommonOptions(app, "number of the domain: the same as that of the viewers and stations",
                    options.playback.domain, options.log_level);
@@ -233,6 +234,7 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
            "with --solids: folder of meshes, as with --verify")
       .Needs(solids_option);
 
+  for (const CommandLine& command : {score, exam, rehearse}) AddEffectsOption(command);
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
   options.guide.waits = !no_wait;
 
