@@ -22,6 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::size_t kMostPoints = 1000;  // which each step may walk
 constexpr std::uint64_t kLargestEffect = std::uint64_t{64} << 20;
 
 struct Symbols {
@@ -162,7 +163,7 @@ std::vector<double> Read(const JsonNode& node, const palpate_effect_parameter& p
     read(node);
     return numbers;
   }
-  for (const JsonNode& point : node.Items(2)) read(point);
+  for (const JsonNode& point : node.Items(2, kMostPoints)) read(point);
   return numbers;
 }
 
