@@ -426,6 +426,7 @@ void TrialRoom::ScoreNext() {
 void TrialRoom::BeginScoring(Running& trial, bool follows) {
   const std::string stem =
       fmt::format("{}/{}", FolderOf(trial.news.person, trial.news.exercise), trial.news.n);
+  if (std::error_code none; fs::is_symlink(stem, none)) fs::remove(stem, none);  // nobody's report
   std::vector<std::string> arguments{"score",         trial.exercise->expert,
                                      stem + ".mcap",  "--criteria=" + trial.exercise->file,
                                      "--out=" + stem, "--join"};

@@ -131,6 +131,21 @@ TEST_F(TrialTest, WaitsWithItsScoreWhileAnotherProgramHoldsTheCoursesFile) {
   EXPECT_EQ(Done(0)["points"], 81.5);
 }
 
+TEST_F(TrialTest, IsNeitherRecordedNorScoredThroughALink) {
+  namespace fs = std::filesystem;
+  const Folder elsewhere;
+  fs::create_directories(folder_ / "course/trials/3/light-force");
+  fs::create_directory_symlink(elsewhere.path(), folder_ / "course/trials/3/light-force/1");
+  Begin();
+  ASSERT_TRUE(Comes("running"));
+  room_->End(7, "stopped");
+  ASSERT_TRUE(Comes("scored"));
+  EXPECT_TRUE(fs::is_empty(elsewhere.path()));
+  fs::rename(folder_ / "course/trials/3", elsewhere / "3");
+  fs::create_directory_symlink(elsewhere / "3", folder_ / "course/trials/3");
+  EXPECT_THAT(ComplaintOf([&] { Begin(); }), HasSubstr("is a link"));
+}
+
 TEST_F(TrialTest, EndsByItsTimeAndWhereItIsSubmitted) {
   Begin();
   ASSERT_TRUE(Comes("running"));
