@@ -257,17 +257,20 @@ Shape MakeShape(const BodyDescription& description, const LoadOptions& options,
     progress(stage, (work.mesh + work.tree * fraction) / work.all());
   };
   if (description.tolerance) {
-    TolerantTree built =
-        BuildToTolerance(body.mesh, *description.tolerance, tell, description.tree.mode);
+    TolerantTree built = About(description.name, [&] {
+      return BuildToTolerance(body.mesh, *description.tolerance, tell, description.tree.mode);
+    });
     Tell(options, description.name + ": " + built.found);
     if (!built.shortfall.empty()) body.remarks.push_back(built.shortfall);
     body.tree = std::move(built.tree);
     return body;
   }
   if (description.tree.built()) {
-    body.tree = description.mesh_alone
-                    ? BuildInnerTree(body.mesh)
-                    : BuildSphereTree(body.mesh, description.leaves, tell, description.tree.mode);
+    body.tree = About(description.name, [&] {
+      return description.mesh_alone
+                 ? BuildInnerTree(body.mesh)
+                 : BuildSphereTree(body.mesh, description.leaves, tell, description.tree.mode);
+    });
     return body;
   }
   ImportedTree imported = About(description.tree.where, [&] {

@@ -267,6 +267,7 @@ int Main(int argc, char** argv) {
   app.Fallthrough();
   app.Add("--models", arguments.models, "folder in which to look for model files first");
   app.Add("--cache", arguments.cache, "cache folder; default: ~/.cache/palpate");
+  AddEffectsOption(app);
   AddCommonOptions(app, "accepted for consistency, but not used: this program does not communicate",
                    arguments.domain, arguments.log_level);
 

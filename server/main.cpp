@@ -258,6 +258,7 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   app.Add("--models", options.models,
           "folder of meshes that no package installs; the environment variable PALPATE_MODELS "
           "has the same effect");
+  AddEffectsOption(app);
   app.AddFlag("--unusable-too", options.unusable_too,
               "serve scenes even if 'palpate-scene check' finds them unusable; prints a warning");
   app.AddFlag(

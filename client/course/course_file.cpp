@@ -1,20 +1,27 @@
 #include "client/course/course_file.h"
 
 #include <system_error>
+#include <utility>
 
 #include <SQLiteCpp/SQLiteCpp.h>
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 #include <sqlite3.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
-#include "common/error.h"
+#include "common/realtime/steady_clock.h"
 
 namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Other processes write for milliseconds only.
-constexpr int kWait_ms = 5000;
+/// Other processes write for milliseconds only, on a slow disk for some more.  At the start a whole
+/// check of the file may be waited for; later the caller is the thread that answers everybody.
+constexpr int kWaitAtStart_ms = 5000, kWait_ms = 250;
+constexpr std::int64_t kTold_ns = 1'000'000'000;
 
 const char* RemedyOf(int code) {
   switch (code) {
@@ -49,23 +56,50 @@ std::string FileIn(const fs::path& folder) {
   return (folder / "course.sqlite").string();
 }
 
+/// Lets nobody but its owner open the file: who may read it may also lock it.  SQLite gives the
+/// files that it makes beside it the same rights; here they are taken back where an earlier version
+/// or a copy gave more.  An existing file is not opened: to close it would end SQLite's locks.
+void MakePrivate(const std::string& file) {
+  const int made = open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, S_IRUSR | S_IWUSR);
+  if (made >= 0) close(made);
+  for (const char* ending : {"", "-wal", "-shm", "-journal"}) {
+    std::error_code none;  // there is none, or it is another user's: opening it says so
+    fs::permissions(file + ending, fs::perms::owner_read | fs::perms::owner_write,
+                    fs::perm_options::replace | fs::perm_options::nofollow, none);
+  }
+}
+
+[[noreturn]] void Rethrow(const std::string& file, const SQLite::Exception& error) {
+  const int code = error.getErrorCode();
+  const std::string text = fmt::format("{}: {}{}", file, error.what(), RemedyOf(code));
+  if (code == SQLITE_BUSY || code == SQLITE_LOCKED) throw CourseHeld(text);
+  throw Error(text);
+}
+
 }  // namespace
 
 CourseFile::CourseFile(const fs::path& folder) : file_(FileIn(folder)) {
   int version = 0;
   std::string check;
-  Use([&](SQLite::Database&) {
+  try {
+    MakePrivate(file_);
+    // Without links, because SQLite would refuse those in the folder's path, too.
+    const std::string path = (fs::canonical(folder) / fs::path(file_).filename()).string();
     database_ = std::make_unique<SQLite::Database>(
-        file_, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE, kWait_ms);
+        path, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE | SQLITE_OPEN_NOFOLLOW, kWaitAtStart_ms);
     version = database_->execAndGet("PRAGMA user_version").getInt();
-    if (version > kVersion) return;
-    check = database_->execAndGet("PRAGMA quick_check(1)").getString();
-    database_->exec("PRAGMA journal_mode=WAL");
-    database_->exec("PRAGMA synchronous=FULL");
-    database_->exec("PRAGMA foreign_keys=ON");
-    // Also fails at once if the file cannot be written.
-    database_->exec(fmt::format("PRAGMA user_version={}", kVersion));
-  });
+    if (version <= kVersion) {
+      check = database_->execAndGet("PRAGMA quick_check(1)").getString();
+      database_->exec("PRAGMA journal_mode=WAL");
+      database_->exec("PRAGMA synchronous=FULL");
+      database_->exec("PRAGMA foreign_keys=ON");
+      // Also fails at once if the file cannot be written.
+      database_->exec(fmt::format("PRAGMA user_version={}", kVersion));
+      database_->setBusyTimeout(kWait_ms);
+    }
+  } catch (const SQLite::Exception& error) {
+    Rethrow(file_, error);
+  }
   if (version > kVersion) {
     throw Error(
         fmt::format("{}: was written by a newer Palpate (table version {}; this one supports up to "
@@ -82,9 +116,26 @@ CourseFile::~CourseFile() = default;
 void CourseFile::Use(const std::function<void(SQLite::Database&)>& action) {
   try {
     action(*database_);
+    if (std::exchange(held_since_ns_, 0) != 0) database_->setBusyTimeout(kWait_ms);
+    hold_told_ = false;
   } catch (const SQLite::Exception& error) {
-    throw Error(fmt::format("{}: {}{}", file_, error.what(), RemedyOf(error.getErrorCode())));
+    const bool held = error.getErrorCode() == SQLITE_BUSY || error.getErrorCode() == SQLITE_LOCKED;
+    if (held) NoteHold();
+    Rethrow(file_, error);
   }
+}
+
+void CourseFile::NoteHold() {
+  const std::int64_t now_ns = SteadyNanoseconds();
+  if (held_since_ns_ == 0) {
+    held_since_ns_ = now_ns;
+    database_->setBusyTimeout(0);  // waited for once
+  }
+  if (now_ns - held_since_ns_ < kTold_ns || std::exchange(hold_told_, true)) return;
+  spdlog::warn(
+      "{}: another program has held it for a second, and results wait to be written; end "
+      "that program",
+      file_);
 }
 
 }  // namespace palpate

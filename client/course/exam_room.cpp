@@ -402,14 +402,14 @@ void ExamRoom::SealNext(std::int64_t now_s) {
     const std::string stem = file.substr(0, file.size() - std::string_view(".mcap").size());
     std::error_code none;
     if (std::filesystem::exists(file, none)) {
-      const HashedFile hashed = Sha256OfFile(file);
+      const HashedFile hashed = Sha256OfFile(file, folder_);
       seal.sha256 = hashed.sha256;
       seal.bytes = hashed.bytes;
     } else {
       seal.recording.clear();
     }
     std::string text = SealText(seal, key_);
-    WriteOutput("seal", stem + kSealEnding, text);
+    WriteOutput("seal", stem + kSealEnding, text, Links::kReplace);
     return text;
   });
 }
@@ -479,7 +479,8 @@ void ExamRoom::WriteRoll() {
                            trial.sha256.empty() ? "" : RecordingOf(trial), trial.sha256,
                            trial.counts});
   }
-  WriteOutput("roll", file, SealText(roll, key_));
+  RefuseLinks(folder_, folder);
+  WriteOutput("roll", file, SealText(roll, key_), Links::kReplace);
 }
 
 bool ExamRoom::Poll(std::int64_t now_s) {

@@ -19,6 +19,7 @@
 #include <unistd.h>
 
 #include "common/error.h"
+#include "common/files/whole_file.h"
 
 namespace palpate {
 namespace {
@@ -85,10 +86,9 @@ void AddText(Zip& zip, const std::string& name, const std::string& text) {
   zip.End();
 }
 
-void AddFile(Zip& zip, const std::string& name, const fs::path& path) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(std::fopen(path.c_str(), "rb"),
-                                                           std::fclose);
-  if (!in) throw Error(path.string() + ": " + std::strerror(errno) + "; make it readable");
+void AddFile(Zip& zip, const std::string& name, const std::string& folder, const fs::path& path) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(
+      fdopen(OpenFileBelow(folder, path, ~std::uint64_t{0} >> 1), "rb"), std::fclose);
   constexpr std::uintmax_t kLarge = 0xF0000000;
   const auto when = fs::last_write_time(path) - fs::file_time_type::clock::now() +
                     std::chrono::system_clock::now();
@@ -133,9 +133,21 @@ void RemoveFiles(CourseFile& file, const std::string& folder, std::int64_t perso
   });
 }
 
+/// Throws Error if a ZIP of that size would take space that recordings need.
+void RequireSpace(const std::string& folder, std::uintmax_t bytes, std::uintmax_t left_free) {
+  std::error_code unknown;
+  const std::uintmax_t there = fs::space(folder, unknown).available;
+  if (unknown || (there >= bytes && there - bytes >= left_free)) return;
+  throw Error(
+      fmt::format("the course's disk has {} MB, and {} MB beside the ZIP of {} MB are kept "
+                  "for recordings; free some space, and do it again",
+                  there >> 20, left_free >> 20, bytes >> 20));
+}
+
 }  // namespace
 
-int GiveData(const std::string& folder, const Person& person, const std::string& csv) {
+int GiveData(const std::string& folder, const Person& person, const std::string& csv,
+             std::uintmax_t left_free) {
   // Unlinked: simultaneous requests do not collide, and a killed process leaves no file.
   std::string path = folder + "/.given-XXXXXX";
   const int file = mkostemp(path.data(), O_CLOEXEC);
@@ -151,12 +163,17 @@ int GiveData(const std::string& folder, const Person& person, const std::string&
     const fs::path trials = TrialsOf(folder, person.id);
     std::error_code none;
     std::vector<fs::path> files;
+    std::uintmax_t bytes = 0;
     for (const auto& entry : fs::recursive_directory_iterator(trials, none)) {
-      if (entry.is_regular_file()) files.push_back(entry.path());
+      // Not what a link leads to: that is nobody's trial.
+      if (!fs::is_regular_file(entry.symlink_status())) continue;
+      files.push_back(entry.path());
+      bytes += entry.file_size();
     }
+    RequireSpace(folder, bytes, left_free);
     std::ranges::sort(files);
     for (const fs::path& one : files)
-      AddFile(zip, top + one.lexically_relative(trials).string(), one);
+      AddFile(zip, top + one.lexically_relative(trials).string(), folder, one);
     zip.Close();
   } catch (...) {
     close(file);

@@ -171,7 +171,8 @@ SealKey::SealKey(Key key) : key_(std::move(key)) {
 SealKey SealKey::OfCourse(const std::string& folder) {
   const std::string file = folder + "/" + kFile;
   if (!std::filesystem::exists(file)) WriteNewKey(file);
-  const std::string pem = ReadWholeFile(file, kLargestKey, "", IsPrivate("the exams' key", file));
+  const std::string pem =
+      ReadFileBelow(folder, file, kLargestKey, IsPrivate("the exams' key", file));
   const Bio bio(BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())), BIO_free);
   // An encrypted key must not make the library ask a terminal for its password.
   char none[] = "";
@@ -184,7 +185,9 @@ SealKey SealKey::OfCourse(const std::string& folder) {
   const std::string written =
       PemOf([&](BIO* out) { return PEM_write_bio_PUBKEY(out, key.key_.get()); });
   const std::string beside = folder + "/" + kPublicFile;
-  if (TryReadWholeFile(beside, kLargestKey) != written) WriteOutput("public key", beside, written);
+  if (std::filesystem::is_symlink(beside) || TryReadWholeFile(beside, kLargestKey) != written) {
+    WriteOutput("public key", beside, written, Links::kReplace);
+  }
   return key;
 }
 
@@ -225,8 +228,9 @@ std::string Sha256(std::string_view text) {
   return sum.Hex();
 }
 
-HashedFile Sha256OfFile(const std::string& file) {
-  const int in = OpenRegularFile(file, ~std::uint64_t{0} >> 1);
+HashedFile Sha256OfFile(const std::string& file, const std::string& folder) {
+  constexpr std::uint64_t kAny = ~std::uint64_t{0} >> 1;
+  const int in = folder.empty() ? OpenRegularFile(file, kAny) : OpenFileBelow(folder, file, kAny);
   Sha256Sum sum;
   HashedFile hashed;
   std::vector<char> buffer(std::size_t{1} << 20);

@@ -42,7 +42,8 @@ struct HashedFile {
   std::int64_t bytes = 0;
 };
 /// Throws Error if the file cannot be read.
-HashedFile Sha256OfFile(const std::string& file);
+/// @param folder  that no link may lead out of (OpenFileBelow); empty: any may.
+HashedFile Sha256OfFile(const std::string& file, const std::string& folder = "");
 
 /// What the server attests about a trial of an exam.  README.md says what that proves.
 struct Seal {

@@ -30,6 +30,7 @@ constexpr std::int64_t kPatience_ns = 10'000'000'000;
 /// And one that has not begun: it waits for its scene, which twenty ask for at once in a class.
 constexpr std::int64_t kBeginPatience_ns = 30'000'000'000;
 constexpr std::int64_t kRetry_ns = 2'000'000'000;
+constexpr std::int64_t kHeld_ns = 200'000'000;  // between tries while another holds the file
 /// Trials scored while they run; each keeps the solids of its scene in memory
 /// (tests/benchmarks/results/course.md).  Other trials are scored after they end, at most one per
 /// processor and no more than this number at a time.
@@ -180,6 +181,7 @@ int TrialRoom::Begin(Holder holder, std::int64_t person, const std::string& exer
   if (error)
     throw Error(folder + ": " + error.message() +
                 "; cannot record there; check the folder's rights and the space on its disk");
+  RefuseLinks(options_.folder, folder);
   file_.Use([&](SQLite::Database& database) {
     SQLite::Statement last(database,
                            "SELECT IFNULL(MAX(n), 0) FROM trials WHERE person=? AND exercise=?");
@@ -268,7 +270,8 @@ bool TrialRoom::PollOne(Running& trial, std::int64_t now_ns) {
       trial.is_overdue = true;
       trial.scorer->Signal(SIGKILL);
     }
-    if (is_scoring || !trial.scorer) return true;
+    if (is_scoring || !trial.scorer || now_ns < trial.retry_ns) return true;
+    trial.retry_ns = now_ns + kHeld_ns;
     TakeScore(trial);
     return false;
   }
@@ -327,6 +330,8 @@ bool TrialRoom::Keep(Running& trial, std::int64_t now_ns) try {
   trial.records = false;
   trial.news.submitted = trial.submits;
   return true;
+} catch (const CourseHeld&) {  // nothing is lost: it is entered at a later poll
+  return false;
 } catch (const Error& error) {
   // A full disk may have space again.  The recording itself is kept.
   trial.trouble = error.what();
@@ -421,6 +426,7 @@ void TrialRoom::ScoreNext() {
 void TrialRoom::BeginScoring(Running& trial, bool follows) {
   const std::string stem =
       fmt::format("{}/{}", FolderOf(trial.news.person, trial.news.exercise), trial.news.n);
+  if (std::error_code none; fs::is_symlink(stem, none)) fs::remove(stem, none);  // nobody's report
   std::vector<std::string> arguments{"score",         trial.exercise->expert,
                                      stem + ".mcap",  "--criteria=" + trial.exercise->file,
                                      "--out=" + stem, "--join"};
@@ -433,7 +439,7 @@ void TrialRoom::BeginScoring(Running& trial, bool follows) {
 }
 
 void TrialRoom::TakeScore(Running& trial) {
-  News& news = trial.news;
+  News news = trial.news;  // a copy: while the course's file is held, it is tried again
   const std::string stem = fmt::format("{}/{}", FolderOf(news.person, news.exercise), news.n);
   std::string marks;
   try {
@@ -444,7 +450,8 @@ void TrialRoom::TakeScore(Running& trial) {
                       MostToScore_s(trial)));
     }
     if (!trial.scorer->complaint().empty()) throw Error(trial.scorer->complaint());
-    const Json score = Json::parse(ReadWholeFile(stem + "/score.json", kLargestScore));
+    const Json score =
+        Json::parse(ReadFileBelow(options_.folder, stem + "/score.json", kLargestScore));
     news.passed = score.at("passed");
     const Json& done = score.at("trials").at(0);
     if (!done.at("points").is_null()) news.points = done.at("points");
@@ -472,7 +479,10 @@ void TrialRoom::TakeScore(Running& trial) {
       row.bind(8, news.n);
       row.exec();
     });
+    trial.news = news;
     Tell(trial, "scored");
+  } catch (const CourseHeld&) {
+    throw;
   } catch (const std::exception& error) {
     const std::string why = error.what();
     const std::string stored =
@@ -493,6 +503,7 @@ void TrialRoom::TakeScore(Running& trial) {
     });
     spdlog::error("trial {} of '{}' by person {}: {}", news.n, news.exercise, news.person,
                   Printable(stored));
+    trial.news = news;
     Tell(trial, "unscored");
   }
 }
@@ -502,6 +513,8 @@ void TrialRoom::Poll(std::int64_t now_ns) {
     bool goes_on = false;
     try {
       goes_on = PollOne(*it, now_ns);
+    } catch (const CourseHeld&) {
+      goes_on = true;
     } catch (const Error& error) {
       it->news.whole = false;
       it->news.reason = error.what();

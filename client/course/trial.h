@@ -54,6 +54,7 @@ class TrialRoom {
   /// short.  Throws Error.
   TrialRoom(Options options, CourseFile& file, std::function<void(const News&)> tell);
 
+  const std::string& folder() const { return options_.folder; }  ///< of the course
   const std::vector<Exercise>& exercises() const { return exercises_; }
   const Exercise* Find(const std::string& exercise) const;
 

@@ -2,10 +2,11 @@
 // first_scene [SCENE]
 #include <algorithm>
 #include <cstdio>
+#include <exception>
 
 #include <palpate/scenes.h>
 
-int main(int count, char** words) {
+int main(int count, char** words) try {
   using namespace palpate;
   const char* name = count > 1 ? words[1] : "bunny-bunny";  // or a file: .json, .palpate, .stl
   const Scene scene = LoadScene(name);
@@ -19,4 +20,7 @@ int main(int count, char** words) {
   }
   std::printf("%s: %s feels %.2f N at most in %.1f s\n", name, scene.tools[0].name.c_str(), most,
               hand.duration());
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "%s\n", error.what());
+  return 1;
 }

@@ -4,6 +4,7 @@
 #include "common/error.h"
 #include "common/program/realtime.h"
 #include "common/text/number_of.h"
+#include "scenes/files/scene_file.h"
 
 namespace palpate {
 namespace {
@@ -107,6 +108,7 @@ std::optional<LoadRunOptions> ParseLoadOptions(int argc, const char* const* argv
   app.Add("--make-scene", make_scene,
           "N FILE: write a scene file like --scene (default: cube), but with N tools, and exit")
       .Words(2);
+  AddEffectsOption(app);
   AddServerOptions(app, options);
 
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
@@ -117,8 +119,9 @@ std::optional<LoadRunOptions> ParseLoadOptions(int argc, const char* const* argv
   if (!make_scene.empty()) {
     const std::string& n = make_scene[0];
     options.copies = NumberOf<std::size_t>(n).value_or(0);
-    if (options.copies < 1 || options.copies > 1000) {
-      throw UsageError("--make-scene " + n + ": give a number of tools from 1 to 1000, and a file");
+    if (options.copies < 1 || options.copies > kMostBodies) {
+      throw UsageError("--make-scene " + n + ": give a number of tools from 1 to " +
+                       std::to_string(kMostBodies) + ", and a file");
     }
     options.copies_file = make_scene[1];
     if (!options.copies_file.ends_with(".json")) {

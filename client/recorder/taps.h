@@ -18,6 +18,8 @@ namespace palpate {
 
 /// Subscribes to all that a server publishes: all service topics, and the two loop topics of each
 /// session as sessions come and go.  The receiving threads only put samples into the queue.
+/// One server is recorded at a time: what others say is dropped as it arrives, as long as it lives
+/// and, while it has sessions, speaks.
 /// Thread contract: one thread.
 class Taps {
  public:
@@ -41,19 +43,24 @@ class Taps {
 
  private:
   struct Session {
-    std::uint64_t run = 0;
+    std::uint64_t run = 0, origin = 0;
+    std::int64_t active_ns = 0;  // since when its tool's state comes; 0: not yet
     std::int64_t ended_ns = 0;
     dds::Reader<wire::HapticPose> poses;
     dds::Reader<wire::Wrench> wrenches;
   };
 
   template <class T>
-  void TapService(const char* name, dds::Qos qos);
+  std::shared_ptr<dds::CdrReader<T>> TapService(const char* name, dds::Qos qos);
+  void TapServer();
+  void TapOthers();
+  /// Checks whether the server is still the one to record; if not, another may take its place.
+  void Succeed();
   template <class T>
   void Drain(dds::CdrReader<T>& reader, std::uint32_t channel);
   template <class T>
   void Tap(dds::Reader<T>& reader, const std::string& topic);
-  void OnState(const wire::SessionState& state, std::int64_t now_ns);
+  void OnState(const wire::SessionState& state, std::uint64_t origin, std::int64_t now_ns);
   bool IsWanted(const std::string& station) const;
 
   const std::vector<std::string> wanted_;
@@ -61,8 +68,14 @@ class Taps {
   TappedTopics& topics_;
   dds::Participant service_;
   std::unique_ptr<dds::Participant> loop_;
-  std::vector<std::function<void()>>
-      drains_;  // of service topics: scenes first, then the topics that refer to them
+  const std::shared_ptr<dds::Source> server_ = std::make_shared<dds::Source>();
+  const std::shared_ptr<dds::Source> anyone_ = std::make_shared<dds::Source>(dds::Source::kFew);
+  // Of service topics: scenes first, then the topics that refer to them.
+  std::vector<std::function<void()>> drains_, other_drains_;
+  std::shared_ptr<dds::CdrReader<wire::SessionState>> states_;
+  std::uint64_t origin_ = 0;  // the server's participant; 0: none is known
+  std::int64_t spoke_ns_ = 0, looked_ns_ = 0;
+  bool is_silent_ = false;  // though it has a session: others are heard as well
   std::int64_t now_ns_ = 0;
   bool heard_ = false;
   std::map<std::string, std::uint64_t> scenes_;  // hashes of their bundles, by name

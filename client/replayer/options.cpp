@@ -1,5 +1,8 @@
 #include "client/replayer/options.h"
 
+#include <string_view>
+#include <vector>
+
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/program/command_line.h"
@@ -71,7 +74,7 @@ constexpr const char* kExportExamples =
   palpate-replay export lesson.mcap -o figures
       figures/hand_.../poses.csv and so on, for pandas.read_csv or MATLAB's
       readtable, and METHODS.md
-  palpate-replay export lesson.mcap -o figures --format npy
+  palpate-replay export lesson.mcap -o arrays --format npy
       for numpy.load
   palpate-replay export lesson.mcap -o cavity --solids --at 20
       what the burs had left after 20 s: cavity/tooth.stl, tooth.ply, and
@@ -144,6 +147,7 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
   app.Add("--to", options.playback.to_s, "end at this time, in seconds")
       .Positive()
       .Excludes(verify_option);
+  AddEffectsOption(app);
   AddNetworkOptions(app, "a viewer or the guided station", options.playback.network);
   AddCommonOptions(app, "number of the domain: the same as that of the viewers and stations",
                    options.playback.domain, options.log_level);
@@ -233,7 +237,11 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
            "with --solids: folder of meshes, as with --verify")
       .Needs(solids_option);
 
-  if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
+  for (const CommandLine& command : {score, exam, rehearse}) AddEffectsOption(command);
+  // "verify FILE", like the commands; a recording of that name is ./verify.
+  std::vector<const char*> words(argv, argv + argc);
+  if (argc > 1 && std::string_view(words[1]) == "verify") words[1] = "--verify";
+  if (!ParseCommandLine(app, argc, words.data())) return std::nullopt;
   options.guide.waits = !no_wait;
 
   if (columns.given()) {

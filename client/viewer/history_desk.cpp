@@ -48,9 +48,19 @@ void HistoryDesk::Ask(HistoryWish wish, bool for_teacher, Pages pages,
     return use(
         {503, "text/plain; charset=utf-8", "too many requests for the history; try again\n"});
   }
+  // Each takes as much of the disk as the person's recordings, for as long as it is downloaded.
+  std::shared_ptr<const void> given;
+  if (wish.as == HistoryWish::As::kZip) {
+    std::erase_if(given_, [](const auto& entry) { return entry.second.expired(); });
+    if (given_.contains(wish.person)) {
+      return use({429, "text/plain; charset=utf-8",
+                  "these data are being downloaded already; end that download first\n"});
+    }
+    given_[wish.person] = given = std::make_shared<int>();
+  }
   ++waiting_;
   boost::asio::post(
-      reader_, [this, wish, for_teacher, pages = std::move(pages), use = std::move(use)] {
+      reader_, [this, wish, for_teacher, given, pages = std::move(pages), use = std::move(use)] {
         // Low priority: the servo loops on this host have little time to spare.
         setpriority(PRIO_PROCESS, 0, 10);  // of this thread alone, on Linux
         Answer answer;
@@ -60,6 +70,7 @@ void HistoryDesk::Ask(HistoryWish wish, bool for_teacher, Pages pages,
           spdlog::error("history: {}", error.what());
           answer = {500, "text/plain; charset=utf-8", std::string(error.what()) + "\n"};
         }
+        if (answer.file >= 0) answer.given = given;
         boost::asio::post(io_, [this, use, answer = std::move(answer)]() mutable {
           --waiting_;
           use(std::move(answer));

@@ -42,6 +42,8 @@ class HistoryDesk {
     std::string type;
     std::string text;
     int file = -1;  ///< descriptor in place of the text; the receiver closes it
+    /// Held as long as that file is: meanwhile nobody else is given the same person's.
+    std::shared_ptr<const void> given = {};
   };
   /// Keys of score pages, by exercise and number (TrialRoom::PagesOf).
   using Pages = std::map<std::pair<std::string, int>, std::string>;
@@ -63,7 +65,8 @@ class HistoryDesk {
   const std::string folder_;
   const std::vector<Exercise> exercises_;
   int waiting_ = 0;
-  std::unique_ptr<CourseFile> file_;  // used by the reader only
+  std::map<std::int64_t, std::weak_ptr<const void>> given_;  // by person
+  std::unique_ptr<CourseFile> file_;                         // used by the reader only
   boost::asio::thread_pool reader_{1};
 };
 

@@ -250,6 +250,8 @@ void HttpSession::GiveOfCourse(const Request& request,
   const TrialRoom* const trials = hub_.trials();
   const std::string path = trials != nullptr ? (trials->*find)(name) : "";
   PageFile file{path, ContentTypeOf(path)};
+  file.below = find == &TrialRoom::PageOf ? trials->folder()
+                                          : std::filesystem::path(path).parent_path().string();
   const auto content = path.empty() ? nullptr : hub_.page().Read(file);
   if (!content) return GiveText(request, http::status::not_found, "there is no such file\n");
   Response response = ResponseOf(http::status::ok, "no-store");
@@ -259,13 +261,15 @@ void HttpSession::GiveOfCourse(const Request& request,
 }
 
 struct HttpSession::Rest {
-  Rest(int of, std::uint64_t bytes) : file(of), left(bytes) {}
+  Rest(int of, std::uint64_t bytes, std::shared_ptr<const void> held)
+      : file(of), left(bytes), given(std::move(held)) {}
   ~Rest() { close(file); }
   Rest(const Rest&) = delete;
   Rest& operator=(const Rest&) = delete;
 
   const int file;
   std::uint64_t left;
+  const std::shared_ptr<const void> given;  // HistoryDesk::Answer
   std::vector<std::uint8_t> piece = std::vector<std::uint8_t>(std::size_t{1} << 18);
   /// Returns the next piece; empty: the file cannot be read.
   std::span<const std::uint8_t> Next() {
@@ -299,7 +303,7 @@ void HttpSession::GiveHistory(const Request& request, const std::string& name,
                     struct stat about {};
                     fstat(answer.file, &about);
                     const auto rest = std::make_shared<Rest>(
-                        answer.file, static_cast<std::uint64_t>(about.st_size));
+                        answer.file, static_cast<std::uint64_t>(about.st_size), answer.given);
                     self->Send(std::move(response), request, rest->Next(), rest, rest);
                   });
 }

@@ -5,6 +5,7 @@
 #include <system_error>
 #include <utility>
 
+#include "common/error.h"
 #include "common/files/whole_file.h"
 #include "common/text/number_of.h"
 
@@ -112,8 +113,13 @@ std::optional<PageFile> PageFiles::Find(const std::string& path, bool gzip) cons
 std::shared_ptr<const std::string> PageFiles::Read(const PageFile& file) {
   std::weak_ptr<const std::string>& read = read_[file.path];
   if (auto shared = read.lock()) return shared;
-  auto content = TryReadWholeFile(file.path, kLargestFile);
-  if (!content) return nullptr;
+  std::optional<std::string> content;
+  try {
+    content = file.below.empty() ? ReadWholeFile(file.path, kLargestFile)
+                                 : ReadFileBelow(file.below, file.path, kLargestFile);
+  } catch (const Error&) {
+    return nullptr;
+  }
   const auto shared = std::make_shared<const std::string>(std::move(*content));
   read = shared;
   return shared;

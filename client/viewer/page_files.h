@@ -24,6 +24,7 @@ struct PageFile {
   std::filesystem::path path;
   std::string content_type;
   bool gzip = false;    ///< the file is FILE.gz, for a client that asked for FILE
+  std::string below;    ///< folder that no link may lead out of (OpenFileBelow); empty: any may
   bool hashed = false;  ///< its name changes with its content, so it may be cached for ever
 };
 

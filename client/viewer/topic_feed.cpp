@@ -32,6 +32,7 @@ constexpr const char* kReplaySchema =
 constexpr const char* kObjectSchema = R"({"type":"object"})";
 /// Replayers send their state five times a second.
 constexpr std::int64_t kReplaySilent_ns = 5'000'000'000;
+constexpr std::size_t kMostReplays = 16;  // at a time: anybody may claim to be one
 constexpr std::int64_t kLook_ns = 100'000'000;
 
 template <class T>
@@ -94,25 +95,29 @@ std::vector<foxglove::Channel> TopicFeed::Channels(bool mice, bool steers, bool 
 
 /// The readers of what servers, stations and replayers send.
 struct TopicFeed::Readers {
-  explicit Readers(const dds::Participant& participant) : on(participant) {}
+  Readers(const dds::Participant& participant, std::shared_ptr<dds::Source> server)
+      : on(participant), of(std::move(server)) {}
 
   const dds::Participant& on;
-  dds::CdrReader<wire::ToolState> tool_states{on, dds::kToolStateTopic, dds::Qos::kStream};
-  dds::CdrReader<wire::LoopStatistics> statistics{on, dds::kLoopStatisticsTopic, dds::Qos::kStream};
+  const std::shared_ptr<dds::Source> of, anyone = std::make_shared<dds::Source>(dds::Source::kFew);
+  dds::CdrReader<wire::ToolState> tool_states{on, dds::kToolStateTopic, dds::Qos::kStream, of};
+  dds::CdrReader<wire::LoopStatistics> statistics{on, dds::kLoopStatisticsTopic, dds::Qos::kStream,
+                                                  of};
   dds::CdrReader<wire::StationStatistics> stations{on, dds::kStationStatisticsTopic,
-                                                   dds::Qos::kStream};
-  dds::CdrReader<wire::SessionState> sessions{on, dds::kSessionStateTopic, dds::Qos::kSession};
-  dds::CdrReader<wire::SceneWhole> wholes{on, dds::kSceneWholeTopic, dds::Qos::kSession};
+                                                   dds::Qos::kStream, anyone};
+  dds::CdrReader<wire::SessionState> sessions{on, dds::kSessionStateTopic, dds::Qos::kSession, of};
+  dds::CdrReader<wire::SceneWhole> wholes{on, dds::kSceneWholeTopic, dds::Qos::kSession, of};
   std::optional<dds::CdrReader<wire::SolidBlock>> blocks;  // none: this identity may not read them
-  dds::CdrReader<wire::SceneBundle> bundles{on, dds::kSceneBundleTopic, dds::Qos::kSession};
+  dds::CdrReader<wire::SceneBundle> bundles{on, dds::kSceneBundleTopic, dds::Qos::kSession, of};
   dds::CdrReader<wire::ReplayContents> replay_contents{on, dds::kReplayContentsTopic,
-                                                       dds::Qos::kSession};
-  dds::CdrReader<wire::ReplayState> replay_states{on, dds::kReplayStateTopic, dds::Qos::kSession};
+                                                       dds::Qos::kSession, anyone};
+  dds::CdrReader<wire::ReplayState> replay_states{on, dds::kReplayStateTopic, dds::Qos::kSession,
+                                                  anyone};
 };
 
 TopicFeed::TopicFeed(int domain, const dds::Network& network)
     : participant_(dds::Participant::Service(domain, network)),
-      readers_(std::make_unique<Readers>(participant_)) {
+      readers_(std::make_unique<Readers>(participant_, source_)) {
   try {
     wishes_ = {participant_, dds::kWholeRequestTopic, dds::Qos::kSession};
     replay_requests_ = {participant_, dds::kReplayRequestTopic, dds::Qos::kSession};
@@ -122,7 +127,7 @@ TopicFeed::TopicFeed(int domain, const dds::Network& network)
     spdlog::info("this gateway's --identity may watch, but send no requests");
   }
   try {
-    readers_->blocks.emplace(participant_, dds::kSolidBlockTopic, dds::Qos::kSession);
+    readers_->blocks.emplace(participant_, dds::kSolidBlockTopic, dds::Qos::kSession, source_);
   } catch (const Error&) {
     if (!network.secured()) throw;
     spdlog::info(
@@ -156,6 +161,7 @@ bool TopicFeed::IsCurrent(std::uint64_t server_run, std::uint64_t origin) {
   } else {
     origin_ = origin;
     lives_ = true;
+    source_->Only(origin);
     others_heard_ = false;
     if (server_run == server_run_) return true;
     former_runs_.clear();
@@ -180,10 +186,12 @@ void TopicFeed::Succeed() {
   // Servers and replayers have writers of all topics.  Checked at intervals, not per message, since
   // a stranger may flood.
   lives_ = origin_ != 0 && readers_->sessions.Hears(origin_);
+  source_->Only(lives_ ? origin_ : 0);
+  others_heard_ |= source_->TakeRefused();
   if (lives_ || !others_heard_) return;
   others_heard_ = false;
   // The other server's ignored state has been taken from the readers; new ones receive it again.
-  readers_ = std::make_unique<Readers>(participant_);
+  readers_ = std::make_unique<Readers>(participant_, source_);
 }
 
 void TopicFeed::Keep(const FramePtr& frame, const std::string& name, std::uint64_t number,
@@ -316,6 +324,7 @@ TopicFeed::Replay& TopicFeed::ReplayOf(std::uint64_t number) {
   if (!replays_.contains(number)) {
     const std::int64_t silent_ns = SteadyNanoseconds() - kReplaySilent_ns;
     std::erase_if(replays_, [&](const auto& entry) { return entry.second.heard_ns < silent_ns; });
+    if (replays_.size() >= kMostReplays) replays_.erase(replays_.begin());
   }
   return replays_[number];
 }

@@ -33,9 +33,8 @@ struct SceneBytes {
 
 /// Turns the topics of the service domain into frames for viewers, and keeps those with state for
 /// viewers that connect later.  Only one server is heard, the current one, as long as it lives;
-/// messages of others are ignored meanwhile.  When it has gone, another may take its place; until
-/// then its last state is kept.
-/// Thread contract: one thread.
+/// messages of others are dropped as they arrive.  When it has gone, another may take its place;
+/// until then its last state is kept. Thread contract: one thread.
 class TopicFeed {
  public:
   enum Channel : std::uint32_t {
@@ -136,6 +135,7 @@ class TopicFeed {
   Replay& ReplayOf(std::uint64_t number);
 
   dds::Participant participant_;
+  const std::shared_ptr<dds::Source> source_ = std::make_shared<dds::Source>();  // the server
   dds::Reader<wire::SceneProgress> progress_;
   std::unique_ptr<Readers> readers_;
   dds::Writer<wire::WholeRequest> wishes_;

@@ -19,6 +19,34 @@ std::uint64_t ParticipantOf(dds_entity_t reader, dds_instance_handle_t writer) {
 
 }  // namespace
 
+KnownWriters::Writer& KnownWriters::Of(std::uint64_t writer) {
+  if (writers_.size() >= kMostWriters && !writers_.contains(writer)) {
+    writers_.clear();  // drops entries of writers that have left
+  }
+  return writers_[writer];
+}
+
+bool KnownWriters::Admits(std::uint64_t writer, std::uint64_t instance) {
+  if (!source_) return true;
+  const std::lock_guard lock(mutex_);
+  Writer& of = Of(writer);
+  if (of.participant != 0 && !source_->Allows(of.participant)) return false;
+  if (source_->most_instances == Source::kAll) return true;
+  if (of.instances.size() < source_->most_instances) of.instances.insert(instance);
+  return of.instances.contains(instance);
+}
+
+template <class Find>
+std::uint64_t KnownWriters::OriginOf(std::uint64_t writer, Find find) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (const std::uint64_t known = Of(writer).participant; known != 0) return known;
+  }
+  const std::uint64_t participant = find();  // without the lock: it calls DDS
+  const std::lock_guard lock(mutex_);
+  return Of(writer).participant = participant;
+}
+
 template <class T>
 bool CdrReader<T>::Take(CdrSample& raw, T& sample, bool overs) {
   ddsi_serdata* data = nullptr;
@@ -40,21 +68,14 @@ bool CdrReader<T>::Take(CdrSample& raw, T& sample, bool overs) {
       }
       raw.instance = info.instance_handle;
       raw.source_time_ns = info.source_timestamp;
-      raw.origin = OriginOf(info.publication_handle);
+      raw.origin = writers_->OriginOf(info.publication_handle, [&] {
+        return ParticipantOf(reader_.handle(), info.publication_handle);
+      });
     }
     ddsi_serdata_unref(data);
     if (taken) return true;
   }
   return false;
-}
-
-template <class T>
-std::uint64_t CdrReader<T>::OriginOf(dds_instance_handle_t writer) {
-  if (const auto known = origins_.find(writer); known != origins_.end()) return known->second;
-  const std::uint64_t origin = ParticipantOf(reader_.handle(), writer);
-  if (origins_.size() >= kMostWriters) origins_.clear();  // drops entries of writers that have left
-  if (origin != 0) origins_[writer] = origin;
-  return origin;
 }
 
 template <class T>

@@ -76,6 +76,17 @@ dds_entity_t MakeTopic(const Participant& participant, const std::string& name) 
   return topic;
 }
 
+/// Before the reader is made: each of ours has a topic of its own, and with it a filter.
+void SetAdmission(dds_entity_t topic, Admission& admission) {
+  dds_topic_filter filter{};
+  filter.mode = DDS_TOPIC_FILTER_SAMPLEINFO_ARG;
+  filter.arg = &admission;
+  filter.f.sampleinfo_arg = [](const dds_sample_info_t* info, void* arg) {
+    return static_cast<Admission*>(arg)->Admits(info->publication_handle, info->instance_handle);
+  };
+  dds_set_topic_filter_extended(topic, &filter);
+}
+
 dds_entity_t Made(dds_entity_t endpoint, const char* what, const std::string& name) {
   if (endpoint > 0) return endpoint;
   throw CannotMake(std::string(what) + " of topic", name, endpoint);
@@ -158,8 +169,9 @@ struct Reader<T>::State {
 
 template <class T>
 Reader<T>::Reader(const Participant& participant, const std::string& topic, Qos qos,
-                  Callback on_sample) {
+                  Callback on_sample, Admission* admission) {
   topic_ = MakeTopic<T>(participant, topic);
+  if (admission != nullptr) SetAdmission(topic_, *admission);
   std::unique_ptr<dds_listener_t, decltype(&dds_delete_listener)> listener(nullptr,
                                                                            dds_delete_listener);
   if (on_sample) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -41,6 +42,15 @@ class Endpoint {
   std::shared_ptr<void> listens_;  // the callback's data; outlives the reader
 };
 
+/// Decides in DDS's receiving thread about each sample that arrives: one that is not admitted is
+/// dropped before DDS keeps anything of it, neither the sample nor its instance.
+class Admission {
+ public:
+  virtual ~Admission() = default;
+  /// Must not call DDS, nor wait for a thread that does.
+  virtual bool Admits(std::uint64_t writer, std::uint64_t instance) = 0;
+};
+
 /// Writer of T (a type of common/dds/wire.h) on one topic.
 template <class T>
 class Writer : public Endpoint {
@@ -70,8 +80,9 @@ class Reader : public Endpoint {
 
   /// Note that the destructor waits until no callback runs, so do not destroy a reader in its own
   /// callback. Throws Error (topic, DDS's reason).
+  /// @param admission  outlives the reader; null: everything is admitted.
   Reader(const Participant& participant, const std::string& topic, Qos qos,
-         Callback on_sample = nullptr);
+         Callback on_sample = nullptr, Admission* admission = nullptr);
   Reader() = default;
 
   /// Takes the oldest sample not yet taken; false if there is none.

@@ -236,6 +236,11 @@ TransportChoice ChooseTransport(Transport wanted, const Network& network) {
   return {Transport::kUdp, "UDP (" + *why_not + "; " + StartRouDi() + " first for shared memory)"};
 }
 
+/// Returns a domain as the user has named it, beside the number that other DDS programs use.
+std::string InWords(int id) {
+  return "--domain " + std::to_string(id / 2) + " (DDS domain " + std::to_string(id) + ")";
+}
+
 /// A domain entity; one per process and id, since DDS allows no second one.
 class Participant::Domain {
  public:
@@ -245,8 +250,8 @@ class Participant::Domain {
     entity_ = OpenDomain(static_cast<dds_domainid_t>(id), DomainConfig(id, shared_memory, network),
                          network, PortsOf(id));
     if (entity_ < 0) {
-      throw Error("DDS domain " + std::to_string(id) + " cannot be made (" +
-                  dds_strretcode(entity_) + "): " + WhyNoDomain(id, network));
+      throw Error(InWords(id) + " cannot be made (" + dds_strretcode(entity_) +
+                  "): " + WhyNoDomain(id, network));
     }
     // Runs before the exit handler that iceoryx has registered: its disconnection from RouDi may
     // hang, too.
@@ -277,14 +282,13 @@ Participant Participant::Make(int domain_id, bool shared_memory, const Network& 
     domain = std::make_shared<const Domain>(domain_id, shared_memory, network);
     open[domain_id] = domain;
   } else if (domain->shared_memory() != shared_memory) {
-    throw Error("DDS domain " + std::to_string(domain_id) +
-                " is already open in this process with another transport");
+    throw Error(InWords(domain_id) + " is already open in this process with another transport");
   }
   const dds_entity_t participant =
       dds_create_participant(static_cast<dds_domainid_t>(domain_id), nullptr, nullptr);
   if (participant < 0) {
-    throw Error("DDS domain " + std::to_string(domain_id) + ": no participant (" +
-                dds_strretcode(participant) + "): " + WhyNoDomain(domain_id, network));
+    throw Error(InWords(domain_id) + ": no participant (" + dds_strretcode(participant) +
+                "): " + WhyNoDomain(domain_id, network));
   }
   return {std::move(domain), participant};
 }

@@ -20,7 +20,8 @@ namespace {
 
 }  // namespace
 
-void WriteOutput(const std::string& option, const std::string& file, const std::string& text) {
+void WriteOutput(const std::string& option, const std::string& file, const std::string& text,
+                 Links links) {
   errno = 0;
   if (file == "-") {
     if (std::fputs(text.c_str(), stdout) < 0 || std::fflush(stdout) != 0) Fail(option, file, errno);
@@ -30,9 +31,10 @@ void WriteOutput(const std::string& option, const std::string& file, const std::
   // Devices, pipes and targets of links are written directly.
   std::error_code none;
   const auto type = std::filesystem::symlink_status(file, none).type();
-  const bool in_place =
-      type != std::filesystem::file_type::regular && type != std::filesystem::file_type::not_found;
+  const bool in_place = links == Links::kFollow && type != std::filesystem::file_type::regular &&
+                        type != std::filesystem::file_type::not_found;
   const std::string written = in_place ? file : file + "." + std::to_string(getpid()) + ".new";
+  if (links == Links::kReplace) std::remove(written.c_str());  // whoever has made it
   std::ofstream out(written, std::ios::binary);
   out << text;
   out.close();

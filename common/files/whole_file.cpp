@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstddef>
+#include <filesystem>
 #include <system_error>
 #include <utility>
 
@@ -14,6 +15,8 @@
 
 namespace palpate {
 namespace {
+
+namespace fs = std::filesystem;
 
 /// Bytes read at a time if a file does not report its size.
 constexpr std::size_t kPiece = 64 * 1024;
@@ -59,8 +62,11 @@ class Descriptor {
   ~Descriptor() {
     if (fd_ >= 0) close(fd_);
   }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
+  Descriptor(Descriptor&& other) noexcept : fd_(other.Release()) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(fd_, other.fd_);
+    return *this;
+  }
   int get() const { return fd_; }
   int Release() { return std::exchange(fd_, -1); }
 
@@ -68,13 +74,13 @@ class Descriptor {
   int fd_;
 };
 
-}  // namespace
+// NONBLOCK: open would wait for the writer of a pipe.  NOCTTY: a terminal would become this
+// process's controlling terminal.
+constexpr int kReading = O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY;
 
-int OpenRegularFile(const std::string& file, std::uint64_t most, const std::string& flag,
-                    const FileCheck& check) {
-  // NONBLOCK: open would wait for the writer of a pipe.  NOCTTY: a terminal would become this
-  // process's controlling terminal.
-  Descriptor fd(open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
+/// Returns the descriptor of a file that was just opened, if it is regular and passes the checks.
+int Checked(Descriptor fd, const std::string& file, std::uint64_t most, const std::string& flag,
+            const FileCheck& check) {
   struct stat status {};
   if (fd.get() < 0) {
     const int error = errno;
@@ -91,9 +97,8 @@ int OpenRegularFile(const std::string& file, std::uint64_t most, const std::stri
   return fd.Release();
 }
 
-std::string ReadWholeFile(const std::string& file, std::uint64_t most, const std::string& flag,
-                          const FileCheck& check) {
-  const Descriptor fd(OpenRegularFile(file, most, flag, check));
+std::string ReadAll(const Descriptor& fd, const std::string& file, std::uint64_t most,
+                    const std::string& flag) {
   struct stat status {};
   if (fstat(fd.get(), &status) != 0) RefuseUnreadable(flag, file, errno);
   std::string text;
@@ -111,6 +116,57 @@ std::string ReadWholeFile(const std::string& file, std::uint64_t most, const std
   }
   text.resize(size);
   return text;
+}
+
+[[noreturn]] void RefuseLink(const std::string& path) {
+  Refuse("", path, "is a link, which this program's folders do not have", "remove it");
+}
+
+/// Opens a folder below another without following a link between them.
+Descriptor WalkTo(const std::string& folder, const fs::path& below) {
+  Descriptor at(open(folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
+  if (at.get() < 0) RefuseUnreadable("", folder, errno);
+  fs::path path = folder;
+  for (const fs::path& name : below.lexically_relative(folder)) {
+    if (name == ".") continue;
+    path /= name;
+    if (name == "..") Refuse("", path, "is not below " + folder, "give a file that is");
+    at = Descriptor(openat(at.get(), name.c_str(), O_PATH | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
+    if (at.get() >= 0) continue;
+    const int error = errno;
+    if (fs::is_symlink(path)) RefuseLink(path);
+    RefuseUnreadable("", path, error);
+  }
+  return at;
+}
+
+}  // namespace
+
+int OpenRegularFile(const std::string& file, std::uint64_t most, const std::string& flag,
+                    const FileCheck& check) {
+  return Checked(Descriptor(open(file.c_str(), kReading)), file, most, flag, check);
+}
+
+int OpenFileBelow(const std::string& folder, const std::string& file, std::uint64_t most,
+                  const FileCheck& check) {
+  const Descriptor at = WalkTo(folder, fs::path(file).parent_path());
+  Descriptor fd(openat(at.get(), fs::path(file).filename().c_str(), kReading | O_NOFOLLOW));
+  if (fd.get() < 0 && errno == ELOOP) RefuseLink(file);
+  return Checked(std::move(fd), file, most, "", check);
+}
+
+void RefuseLinks(const std::string& folder, const std::string& below) {
+  WalkTo(folder, below);
+}
+
+std::string ReadWholeFile(const std::string& file, std::uint64_t most, const std::string& flag,
+                          const FileCheck& check) {
+  return ReadAll(Descriptor(OpenRegularFile(file, most, flag, check)), file, most, flag);
+}
+
+std::string ReadFileBelow(const std::string& folder, const std::string& file, std::uint64_t most,
+                          const FileCheck& check) {
+  return ReadAll(Descriptor(OpenFileBelow(folder, file, most, check)), file, most, "");
 }
 
 std::optional<std::string> TryReadWholeFile(const std::string& file, std::uint64_t most) {

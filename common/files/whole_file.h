@@ -31,6 +31,17 @@ int OpenRegularFile(const std::string& file, std::uint64_t most, const std::stri
 std::string ReadWholeFile(const std::string& file, std::uint64_t most, const std::string& flag = "",
                           const FileCheck& check = {});
 
+/// As OpenRegularFile and ReadWholeFile, for a file below a folder that a program keeps, in which
+/// somebody may have put links: neither the file nor a folder on the way from `folder` to it may
+/// be one.
+/// @param file  its path, which begins with `folder`.
+int OpenFileBelow(const std::string& folder, const std::string& file, std::uint64_t most,
+                  const FileCheck& check = {});
+std::string ReadFileBelow(const std::string& folder, const std::string& file, std::uint64_t most,
+                          const FileCheck& check = {});
+/// Throws Error if one of the folders on the way from `folder` to `below` is a link or is missing.
+void RefuseLinks(const std::string& folder, const std::string& below);
+
 /// Returns the whole contents of a file that need not exist; nothing if it cannot be read for
 /// any reason.
 std::optional<std::string> TryReadWholeFile(const std::string& file, std::uint64_t most);

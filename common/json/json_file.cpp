@@ -14,6 +14,7 @@
 #include "common/math/rotation.h"
 #include "common/text/joined.h"
 #include "common/text/nearest_word.h"
+#include "common/text/without_mark.h"
 
 namespace palpate {
 
@@ -206,6 +207,7 @@ JsonNode JsonNode::Parse(std::string_view text, const std::string& file) {
     throw Error(file + ": holds more than " + std::to_string(kMostBytes >> 20) +
                 " MiB, the limit for such a file; check that it is the right one");
   }
+  text = WithoutMark(text, file);
   auto document = std::make_shared<Document>();
   document->file = file;
   Position position;
@@ -265,11 +267,15 @@ JsonNode JsonNode::At(std::string_view field) const {
   Fail(std::string(field) + " is missing; add it");
 }
 
-std::vector<JsonNode> JsonNode::Items(std::size_t at_least) const {
+std::vector<JsonNode> JsonNode::Items(std::size_t at_least, std::size_t at_most) const {
   const Value& list = Expect(Value::kArray, "a list [ ... ]");
   if (list.members.size() < at_least) {
     Fail("has " + std::to_string(list.members.size()) + " entries; give at least " +
          std::to_string(at_least));
+  }
+  if (list.members.size() > at_most) {
+    Fail("has " + std::to_string(list.members.size()) + " entries; give at most " +
+         std::to_string(at_most));
   }
   std::vector<JsonNode> items;
   for (const Value& value : list.members) {

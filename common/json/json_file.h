@@ -36,7 +36,8 @@ class JsonNode {
   JsonNode At(std::string_view field) const;  ///< throws Error if the field is missing
   std::optional<JsonNode> Find(std::string_view field) const;
   std::vector<std::string> Fields() const;  ///< of an object, sorted by name
-  std::vector<JsonNode> Items(std::size_t at_least = 0) const;
+  std::vector<JsonNode> Items(std::size_t at_least = 0,
+                              std::size_t at_most = std::size_t(-1)) const;
 
   std::string String() const;  ///< not empty, at most kMostText bytes
   std::string Text() const;    ///< may be empty, and of any length: a glTF buffer

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <functional>
 #include <new>
 #include <sstream>
@@ -310,6 +311,26 @@ void AddRealtimeOptions(const CommandLine& app, const std::string& loop,
       .ShowDefault("prefer");
   app.Add("--cpu", realtime.cpu, "core to run " + loop + " on, counted from 0; default: any")
       .Range(0, CPU_SETSIZE - 1);
+}
+
+void AddEffectsOption(const CommandLine& app) {
+  app.AddText(
+         "--effects",
+         [](const std::string& folder) {
+           const char* others = std::getenv("PALPATE_EFFECTS");
+           const std::string all = std::filesystem::absolute(folder).string() + ':';
+           setenv("PALPATE_EFFECTS", (all + (others ? others : "")).c_str(), 1);
+         },
+         "folder of effects of your own.  Effects are code: what a scene, a bundle or a recording "
+         "names is run only from here, from the folders in PALPATE_EFFECTS (separated by :), and "
+         "from those that come with the programs")
+      .TypeName("FOLDER")
+      .Check([](const std::string& folder) {
+        return folder.find(':') == std::string::npos
+                   ? ""
+                   : "has a : in its name, which separates folders; rename it";
+      })
+      .ExistingFolder();
 }
 
 void AddHostNameOption(const CommandLine& app, const std::string& what,

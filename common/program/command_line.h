@@ -142,6 +142,10 @@ inline void AddTransportOption(const CommandLine& app, dds::Transport& transport
 /// @param realtime  must outlive the app.
 void AddRealtimeOptions(const CommandLine& app, const std::string& loop, RealtimeOptions& realtime);
 
+/// Adds --effects, which adds a folder to $PALPATE_EFFECTS, for a program that loads scenes: so
+/// scenes that it loads by whatever way, and programs that it starts, may run the effects there.
+void AddEffectsOption(const CommandLine& app);
+
 /// Adds --host-name, for a program that serves HTTP.  The names are converted to lower case.
 /// @param what  what browsers request: "the page".
 /// @param names  must outlive the app.

@@ -13,6 +13,7 @@
 #include "common/files/shared_library.h"
 #include "common/files/whole_file.h"
 #include "common/text/hex16.h"
+#include "common/text/quoted.h"
 #include "scenes/files/scene_bundle.h"
 #include "scenes/files/scene_file.h"
 
@@ -21,6 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::size_t kMostPoints = 1000;  // which each step may walk
 constexpr std::uint64_t kLargestEffect = std::uint64_t{64} << 20;
 
 struct Symbols {
@@ -86,20 +88,55 @@ void Load(const fs::path& file, const std::string& who, Effect& effect) {
   throw Error(who + ": " + full.string() + ": palpate_the_effect.step is NULL; give the function");
 }
 
+/// Returns the folders whose code may run: those that the user names, and that of the programs.
+/// What lies beside a scene, a bundle or a recording came with it, perhaps from a stranger.
+std::vector<fs::path> TrustedFolders() {
+  std::vector<fs::path> folders;
+  const char* named = std::getenv("PALPATE_EFFECTS");
+  std::istringstream path(named ? named : "");
+  for (std::string folder; std::getline(path, folder, ':');) {
+    if (!folder.empty()) folders.emplace_back(folder);  // an empty one would be that of the shell
+  }
+  folders.push_back(ShippedFolder());
+  return folders;
+}
+
+/// Returns whether the file lies in one of these folders itself, however its path is spelt.  A link
+/// in a trusted folder is as trusted as the folder; one that lies elsewhere is not.
+bool IsIn(const fs::path& file, const std::vector<fs::path>& folders) {
+  const fs::path its = fs::absolute(file).parent_path();
+  return std::ranges::any_of(folders, [&](const fs::path& folder) {
+    std::error_code none;
+    return fs::equivalent(its, folder, none);
+  });
+}
+
+std::string Untrusted(const fs::path& file) {
+  return file.string() + " is code, and is not run, because nobody has named its folder; if you " +
+         "trust it, give --effects " + ShellWord(fs::absolute(file).parent_path().string()) +
+         ", or that folder in PALPATE_EFFECTS";
+}
+
 /// Returns the path of an effect from its name in a scene file.
 fs::path Find(const JsonNode& entry, const fs::path& folder) {
   const JsonNode node = entry.At("name");
   const std::string name = node.String();
   const fs::path shipped = ShippedFolder();
+  const std::vector<fs::path> trusted = TrustedFolders();
   std::vector<fs::path> places{shipped / (name + ".so")};
   if (name.find('/') != std::string::npos || name.ends_with(".so")) {
-    places = {folder / name, shipped / name};
+    places = {folder / name};
+    for (const fs::path& other : trusted) places.push_back(other / name);
   }
   std::string looked, names;
+  fs::path refused;
   for (const fs::path& file : places) {
-    if (Exists(file)) return file;
     looked += " " + file.string();
+    if (!Exists(file)) continue;
+    if (IsIn(file, trusted)) return file;
+    if (refused.empty()) refused = file;
   }
+  if (!refused.empty()) node.Fail(Untrusted(refused));
   std::error_code ignored;
   for (const auto& other : fs::directory_iterator(shipped, ignored)) {
     names += " " + other.path().stem().string();
@@ -109,7 +146,7 @@ fs::path Find(const JsonNode& entry, const fs::path& folder) {
                                           : "there are" + names;
   node.Fail("there is no effect \"" + name + "\", looked for as" + looked + "; " + there +
             ", and the file of one of your own has a / or ends in .so, and counts from the scene "
-            "file (scenes/effects/README.md)");
+            "file or from --effects DIR (scenes/effects/README.md)");
 }
 
 std::vector<double> Read(const JsonNode& node, const palpate_effect_parameter& parameter) {
@@ -126,7 +163,7 @@ std::vector<double> Read(const JsonNode& node, const palpate_effect_parameter& p
     read(node);
     return numbers;
   }
-  for (const JsonNode& point : node.Items(2)) read(point);
+  for (const JsonNode& point : node.Items(2, kMostPoints)) read(point);
   return numbers;
 }
 
@@ -151,15 +188,11 @@ Effect LoadEffect(const JsonNode& entry, const fs::path& folder) {
 }
 
 void LoadEffects(std::vector<Effect>& effects, const fs::path& folder, const std::string& source) {
-  std::vector<fs::path> folders{folder};
-  const char* named = std::getenv("PALPATE_EFFECTS");
-  std::istringstream path(named ? named : "");
-  for (std::string other; std::getline(path, other, ':');) folders.emplace_back(other);
-  folders.push_back(ShippedFolder());
+  const std::vector<fs::path> trusted = TrustedFolders();
   for (Effect& effect : effects) {
     const std::uint64_t hash = effect.hash;
     std::string found;
-    for (const fs::path& other : folders) {
+    for (const fs::path& other : trusted) {
       const fs::path file = other / effect.file;
       if (effect.of != nullptr || !Exists(file)) continue;
       const std::uint64_t its = HashOf(file);
@@ -167,9 +200,11 @@ void LoadEffects(std::vector<Effect>& effects, const fs::path& folder, const std
       if (its == hash) Load(file, source + ": effect " + effect.file, effect);
     }
     if (effect.of != nullptr) continue;
+    const fs::path beside = folder / effect.file;
+    if (Exists(beside) && !IsIn(beside, trusted)) found += "; " + Untrusted(beside);
     throw Error(source + ": was made with an effect " + effect.file + " of the hash " +
                 Hex16(hash) + ", which was not found" + found +
-                "; put that file beside it, or give its folder in PALPATE_EFFECTS");
+                "; give the folder of that file by --effects or in PALPATE_EFFECTS");
   }
 }
 

@@ -4,9 +4,12 @@
 #include <cctype>
 #include <cmath>
 #include <set>
+#include <span>
 #include <type_traits>
 
 #include "common/error.h"
+#include "common/files/bundle_hash.h"
+#include "common/text/hex16.h"
 #include "scenes/grid/bur.h"
 #include "scenes/grid/solid_grid.h"
 #include "scenes/shapes/shape_kinds.h"
@@ -76,7 +79,7 @@ std::optional<CurvedOptions> ReadCurved(const JsonNode& mesh) {
 /// Reads the curve of a bur (in place of "kind") or of an edge [m].
 std::vector<std::array<double, 2>> ReadBurCurve(const JsonNode& node) {
   std::vector<std::array<double, 2>> curve;
-  for (const JsonNode& point : node.Items(1)) {
+  for (const JsonNode& point : node.Items(1, Bur::kMostPoints)) {
     const std::vector<JsonNode> pair = point.Items();
     if (pair.size() != 2) point.Fail("is not a point; give [radius, height above the first point]");
     curve.push_back({1e-3 * pair[0].Number(-20.0, 20.0), 1e-3 * pair[1].Number(-20.0, 20.0)});
@@ -503,11 +506,12 @@ void CheckCutting(const JsonNode& root, const SceneDescription& scene) {
     root.At("contact").Fail("is spheres, and what burs cut, as \"" + cut->name +
                             "\", is felt by its surface; leave it out, or that object's grid_um");
   }
+  const std::vector<JsonNode> tools = root.At("tools").Items();
   for (std::size_t i = 0; i < scene.tools.size(); ++i) {
     const MeshSource& mesh = scene.tools[i].mesh;
     const ShapeKind* kind = FindShapeKind(mesh.what);
     const bool is_bur = mesh.kind == MeshSource::Kind::kShape && kind != nullptr && kind->bur;
-    const JsonNode tool = root.At("tools").Items()[i];
+    const JsonNode tool = tools[i];
     const JsonNode node = tool.At(tool.Has("bur") ? "bur" : "mesh");
     if (const auto& edge = scene.tools[i].edge) {
       if (is_bur) tool.At("edge").Fail("is for tools without a bur; drop it, or the bur");
@@ -593,16 +597,13 @@ BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& fo
   if (object) {
     if (auto material = node.Find("material")) body.material = ReadMaterial(*material);
     if (auto regions = node.Find("regions")) {
-      for (const JsonNode& region : regions->Items()) {
+      for (const JsonNode& region : regions->Items(0, kMaxMaterials - 1)) {
         body.regions.push_back(ReadRegion(region, folder));
         if (body.regions.back().kind == RegionDescription::Kind::kMesh && !node.Has("grid_um")) {
           region.At("mesh").Fail(
               "paints the inside of what burs cut; give the object \"grid_um\", or \"box\", "
               "\"sphere\" or \"group\" instead");
         }
-      }
-      if (body.regions.size() >= kMaxMaterials) {
-        regions->Fail("are too many; give at most " + std::to_string(kMaxMaterials - 1));
       }
     }
     if (auto grid = node.Find("grid_um")) ReadGrid(*grid, body);
@@ -613,10 +614,15 @@ BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& fo
 std::vector<BodyDescription> ReadBodies(const JsonNode& list, BodyKind kind, const fs::path& folder,
                                         std::set<std::string>& names) {
   std::vector<BodyDescription> bodies;
-  for (const JsonNode& item : list.Items(1)) {
+  std::size_t cut = 0;
+  for (const JsonNode& item : list.Items(1, kMostBodies)) {
     bodies.push_back(ReadBody(item, kind, folder));
     if (!names.insert(bodies.back().name).second) {
       item.At("name").Fail("\"" + bodies.back().name + "\" is taken; give each body its own name");
+    }
+    if (bodies.back().grid && ++cut > kMostCutBodies) {
+      item.At("grid_um").Fail("is that of one body more than " + std::to_string(kMostCutBodies) +
+                              ", the most that burs may cut in a scene; drop it here");
     }
   }
   return bodies;
@@ -629,7 +635,14 @@ bool IsOfName(unsigned char c) {
 }
 
 std::string SceneNameOf(const fs::path& file) {
-  std::string name = file.stem().string().substr(0, kLongestName);
+  const std::string stem = file.stem().string();
+  std::string name = stem.substr(0, kLongestName);
+  const auto is_letter = [](unsigned char c) { return c < 128 && std::isalnum(c); };
+  if (std::ranges::count_if(name, is_letter) < 2 && !std::ranges::all_of(name, IsOfName)) {
+    // Of another script: names in it would all be the same.
+    const std::span bytes(reinterpret_cast<const std::uint8_t*>(stem.data()), stem.size());
+    return "scene-" + Hex16(BundleHash(bytes)).substr(0, 8);
+  }
   std::ranges::replace_if(
       name, [](unsigned char c) { return !IsOfName(c); }, '-');
   return name;
@@ -695,7 +708,7 @@ SceneDescription ParseScene(std::string_view text, const std::string& file) {
   }
   if (auto step = root.Find("step")) ReadTuning(*step, scene.tuning);
   if (auto sight = root.Find("first_sight")) scene.first_sight = ReadFirstSight(*sight);
-  if (auto effects = root.Find("effects")) scene.effects = effects->Items();
+  if (auto effects = root.Find("effects")) scene.effects = effects->Items(0, kMostEffects);
   scene.features = ReadFeatures(root, scene);
   ChooseModes(scene);
   CheckCurved(root, scene);

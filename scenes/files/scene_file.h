@@ -19,6 +19,12 @@
 
 namespace palpate {
 
+// The most of each in a scene file, so that none takes minutes to be refused or to load: far more
+// than the 32 stations of a server can hold, or than fits between two poses.
+inline constexpr std::size_t kMostBodies = 256;    ///< tools, and objects
+inline constexpr std::size_t kMostCutBodies = 16;  ///< a second for each cubic centimetre at 50 um
+inline constexpr std::size_t kMostEffects = 64;
+
 /// Where a body's mesh comes from.
 struct MeshSource {
   enum class Kind {
@@ -110,7 +116,8 @@ struct SceneDescription {
 inline constexpr std::size_t kLongestName = 64;
 bool IsOfName(unsigned char c);
 /// Returns the name of a scene whose file gives none: the file's name without folder and last
-/// ending, with - in place of characters that names must not have.
+/// ending, with - in place of characters that names must not have; if that leaves fewer than two
+/// letters or digits, a hash of it.
 std::string SceneNameOf(const std::filesystem::path& file);
 
 /// Sets the mode of trees that the scene file leaves open to the one that suits

@@ -75,6 +75,12 @@ Sphere InnerBalls::Tangent(const SurfaceSample& s) const {
   return best;
 }
 
+Sphere InnerBalls::Within(const SurfaceSample& s) const {
+  const Sphere ball = Shrink(s.point, s.outward, 0.0, largest_touching_);
+  const bool fits = ball.radius >= kLeast * spacing_ && query_.Inside(ball.centre);
+  return fits ? ball : Sphere{s.point, 0.0};
+}
+
 std::vector<Sphere> InnerBalls::Fill(const std::vector<Sphere>& balls, std::size_t count,
                                      double places) const {
   struct Point {

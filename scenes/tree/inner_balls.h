@@ -30,6 +30,10 @@ class InnerBalls {
   /// instead of a point cloud.
   Sphere Tangent(const SurfaceSample& sample) const;
 
+  /// Returns the largest inner ball that touches exactly at a sample, however small; radius 0 if
+  /// there is none.  For walls so thin that what Tangent prefers lies behind them.
+  Sphere Within(const SurfaceSample& sample) const;
+
   /// Returns balls to add to `balls` until every point well inside lies in one; at most
   /// `count`, the most useful first.  Each is the maximal inner ball through the point furthest
   /// from all others.

@@ -62,17 +62,25 @@ void CoverBarest(const std::vector<SurfaceSample>& samples, const InnerBalls& in
                  std::size_t count, std::vector<Sphere>& leaves) {
   Bareness bare(samples, leaves);
   std::priority_queue<std::pair<double, std::uint32_t>> worst;
-  for (std::uint32_t i = 0; i < samples.size(); ++i) worst.push({bare[i], i});
-  std::vector<std::optional<Sphere>> known(samples.size());
+  std::vector<std::optional<Sphere>> known;
+  const auto begin = [&] {
+    for (std::uint32_t i = 0; i < samples.size(); ++i) worst.push({bare[i], i});
+    known.assign(samples.size(), {});
+  };
+  begin();
+  bool is_thin = false;
   while (count > 0) {
     if (worst.empty()) {
-      throw Error(
-          "the mesh encloses no volume to put spheres into: its faces are back to back, or a "
-          "vertex is far away; give \"thickness_mm\" in the scene file, or remove the vertex");
+      if (std::exchange(is_thin, true)) {
+        throw Error(
+            "the mesh encloses no volume to put spheres into: its faces are back to back, or a "
+            "vertex is far away; give \"thickness_mm\" in the scene file, or remove the vertex");
+      }
+      begin();  // a shell, of walls thinner than the balls that would cover it well
     }
     const auto [score, i] = worst.top();
     worst.pop();
-    if (!known[i]) known[i] = inner.Tangent(samples[i]);
+    if (!known[i]) known[i] = is_thin ? inner.Within(samples[i]) : inner.Tangent(samples[i]);
     if (!(known[i]->radius > 0.0)) continue;  // no ball fits there
     // A ball in a sharp edge is as small as its distance from the edge, and covers little.
     const double now = bare[i] * std::min(1.0, known[i]->radius / spacing);

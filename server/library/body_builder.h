@@ -10,8 +10,8 @@ namespace palpate {
 
 /// How a mesh becomes a body.
 struct BodyOptions {
-  /// Number of leaves of its sphere tree.  0: a few if the mesh is felt (BuildInnerTree); if the
-  /// leaves are felt, as many as keep them within a 500th of the body's size (LeafTolerance).
+  /// Number of leaves of its sphere tree.  0: 32 at most if the mesh is felt (BuildInnerTree); if
+  /// the leaves are felt, as many as keep them within a 500th of the body's size (LeafTolerance).
   std::size_t leaves = 0;
   /// What contact uses (Features::contact): it decides how the leaves represent the mesh.
   ContactModel contact = ContactModel::kSurface;

@@ -56,7 +56,7 @@ typedef enum {
 /** Start from palpate_body_defaults(). */
 typedef struct {
   palpate_pose pose; /**< of an object, in the world */
-  size_t leaves; /**< number in its sphere tree; 0: a few if its mesh is felt, otherwise as many as
+  size_t leaves; /**< number in its sphere tree; 0: 32 at most if its mesh is felt, else as many as
                     its shape needs */
   double static_friction;  /**< of an object */
   double dynamic_friction; /**< at most static_friction */

@@ -157,11 +157,14 @@ void AddAccuracy(const CommandLine& app) {
       "force error of a ball that slides over a cube or an ellipsoid\n"
       "Compared with the analytic solution (chapter 2.5.1): a ball of 5 mm, commanded 1\n"
       "mm deep at 1 N/mm, translation only.");
-  command.Footer("Example: palpate-bench accuracy --object ellipsoid --spheres 8,64,512 --json -");
+  command.Footer(
+      "Example: palpate-bench accuracy --object ellipsoid --contact spheres \\\n"
+      "                       --spheres 8,64,512 --json -");
   Add(command, "--object", experiment.object, "cube (50 mm) or ellipsoid (40, 25, 30 mm)")
       .OneOf({"cube", "ellipsoid"});
   Add(command, "--spheres", options->spheres,
-      "leaves of the object's tree; one row for each number")
+      "leaves of the object's tree; one row for each number.  They are felt with --contact "
+      "spheres only")
       .Positive();
   Add(command, "--triangles", experiment.triangles,
       "ellipsoid: minimum number of triangles (20, 80, ..., 5120, 20480, 81920)")

@@ -9,6 +9,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "common/error.h"
+#include "common/text/without_mark.h"
 #include "tests/benchmarks/figures.h"
 
 namespace palpate::bench {
@@ -47,6 +48,12 @@ FittedLaw FitMaterial(const std::string& material, const std::vector<FeedForce>&
   return law;
 }
 
+bool IsNumber(const std::string& text) {
+  char* end = nullptr;
+  std::strtod(text.c_str(), &end);
+  return !text.empty() && *end == '\0';
+}
+
 double NumberIn(const std::string& text, double least, const std::string& where) {
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
@@ -80,15 +87,19 @@ std::vector<FeedForce> ReadFeedForces(const std::string& file) {
                 "feed_mm_per_s,force_N");
   }
   std::vector<FeedForce> points;
-  bool names = true;
+  bool may_be_titles = true;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
+    if (number == 1) line = std::string(WithoutMark(line, file));
     std::erase(line, '\r');
     if (line.empty() || line[0] == '#') continue;
-    if (std::exchange(names, false)) continue;
     std::vector<std::string> cells;
     std::istringstream row(line);
     for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
+    // Titles have no number behind the first column; a first point has at least one.
+    const bool has_number =
+        std::any_of(cells.begin() + (cells.empty() ? 0 : 1), cells.end(), IsNumber);
+    if (std::exchange(may_be_titles, false) && !has_number) continue;
     const std::string where = fmt::format("{}:{}: ", file, number);
     if (cells.size() != 5 || cells[0].empty()) {
       throw Error(where + "needs five columns: material,area_mm2,share,feed_mm_per_s,force_N");

@@ -54,6 +54,14 @@ TEST_F(CutFit, AForceThatFallsWithTheFeedHasNoViscosity) {
   EXPECT_NEAR(law["residual_N_rms"], 0.5, 1e-9);
 }
 
+TEST_F(CutFit, TakesTheFirstRowOfAFileWithoutTitlesForAPoint) {
+  for (const char* begin : {"", "\xEF\xBB\xBF", "# measured\n", "material,A,s,u,F\n"}) {
+    std::ofstream(File("bare.csv")) << begin << "a,1,1,0,1.2\na,1,1,1,1.5\na,1,1,2,1.2\n";
+    ASSERT_EQ(Run({"cut", "--fit", File("bare.csv"), "--json", File("bare.json")}), 0) << said_;
+    EXPECT_NEAR(Json("bare.json")["laws"][0]["cutting_pressure_MPa"], 1.3, 1e-9) << begin;
+  }
+}
+
 TEST_F(CutFit, NamesTheRowAndTheRemedy) {
   EXPECT_EQ(Fit("enamel,1.5,1,1,0.9\nenamel,1.5,1,1,1.1\n"), 1);
   EXPECT_THAT(said_, HasSubstr("enamel: has a single feed"));

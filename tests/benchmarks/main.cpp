@@ -18,6 +18,7 @@ int Main(int argc, char** argv) {
   app.Fallthrough();
   int domain = dds::kMaxDomain;
   std::string log_level = "info";
+  AddEffectsOption(app);
   AddCommonOptions(app, "number of the DDS domain of loop; no other program may use it", domain,
                    log_level);
   // Before the commands' callbacks, which run them.

@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "client/course/history.h"
+#include "tests/support/complaint.h"
 #include "tests/support/folder.h"
 
 namespace palpate::test {
@@ -106,6 +107,39 @@ TEST_F(PersonDataTest, IsGivenAsOneZipThatAnybodyOpens) {
   for (const auto& entry : fs::directory_iterator(course_)) {
     EXPECT_THAT(entry.path().filename().string(), Not(HasSubstr("given")));
   }
+}
+
+TEST_F(PersonDataTest, IsNotGivenWhereItWouldTakeTheSpaceOfRecordings) {
+  CourseFile file(course_);
+  const Roster roster(file);
+  const std::uintmax_t there = fs::space(course_).available;
+  EXPECT_THAT(ComplaintOf([&] { GiveData(course_, *roster.Find(1), "", there); }),
+              HasSubstr("kept for recordings"));
+  close(GiveData(course_, *roster.Find(1), "", 0));
+}
+
+TEST_F(PersonDataTest, DoesNotHoldWhatALinkLeadsTo) {
+  std::ofstream(folder_ / "secret") << "secret";
+  fs::create_directory(folder_ / "others");
+  std::ofstream(folder_ / "others/secret") << "secret";
+  const fs::path page = FolderOf(1) / "2/score.html";
+  fs::remove(page);
+  fs::create_symlink(folder_ / "secret", page);
+  fs::create_directory_symlink(folder_ / "others", FolderOf(1) / "3");
+  CourseFile file(course_);
+  const Roster roster(file);
+  const auto given = [&] {
+    const int zip = GiveData(course_, *roster.Find(1), "a,b\r\n", 0);
+    std::string bytes(static_cast<std::size_t>(lseek(zip, 0, SEEK_END)), '\0');
+    EXPECT_EQ(pread(zip, bytes.data(), bytes.size(), 0), static_cast<ssize_t>(bytes.size()));
+    close(zip);
+    return bytes;
+  };
+  EXPECT_THAT(given(), testing::AllOf(Not(HasSubstr("secret")), HasSubstr("page 1 1")));
+  // Nor where the person's whole folder is one.
+  fs::rename(folder_ / "course/trials/1", folder_ / "moved");
+  fs::create_directory_symlink(folder_ / "moved", folder_ / "course/trials/1");
+  EXPECT_THAT(ComplaintOf([&] { given(); }), HasSubstr("is a link"));
 }
 
 TEST_F(PersonDataTest, IsDeletedWhereverItStands) {

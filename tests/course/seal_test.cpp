@@ -55,6 +55,19 @@ TEST(SealKey, IsMadeOnceForItsOwnerAloneAndIsRefusedWhereOthersMayReadIt) {
               HasSubstr("is not an Ed25519"));
 }
 
+TEST(SealKey, IsNeitherReadNorWrittenThroughALink) {
+  namespace fs = std::filesystem;
+  const Folder folder, elsewhere;
+  std::ofstream(elsewhere / "victim") << "another's";
+  fs::create_symlink(elsewhere / "victim", folder / SealKey::kPublicFile);
+  const std::string name = SealKey::OfCourse(folder.path()).name();
+  EXPECT_EQ(ReadWholeFile(elsewhere / "victim", 100), "another's");
+  EXPECT_EQ(PublicOf(folder).name(), name);
+  fs::rename(folder / SealKey::kFile, elsewhere / "key");
+  fs::create_symlink(elsewhere / "key", folder / SealKey::kFile);
+  EXPECT_THAT(ComplaintOf([&] { SealKey::OfCourse(folder.path()); }), HasSubstr("is a link"));
+}
+
 TEST(Seal, SaysWhatWasSealedWhereNoByteOfItHasChanged) {
   const Folder folder;
   const SealKey key = SealKey::OfCourse(folder.path());

@@ -1,6 +1,7 @@
 #include "client/course/trial.h"
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 
@@ -104,6 +105,45 @@ TEST_F(TrialTest, IsRecordedThenScoredAndMayBeSubmitted) {
               HasSubstr("no such trial"));
   EXPECT_THAT(ComplaintOf([&] { room_->Begin(7, 3, "none", "anna", "periodontal-3", now_ns_); }),
               HasSubstr("there is no exercise"));
+}
+
+TEST_F(TrialTest, WaitsWithItsScoreWhileAnotherProgramHoldsTheCoursesFile) {
+  Begin();
+  ASSERT_TRUE(Comes("running"));
+  SQLite::Database other(folder_ / "course/course.sqlite", SQLite::OPEN_READWRITE);
+  other.exec("BEGIN IMMEDIATE");
+  room_->End(7, "stopped");
+  for (int i = 0; i < 300; ++i) {  // until its recorder and its scorer have long ended
+    now_ns_ += 50'000'000;
+    room_->Poll(now_ns_);
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  EXPECT_EQ(room_->size(), 1u);
+  EXPECT_NE(news_.back().phase, "unscored");
+  other.exec("COMMIT");
+  ASSERT_TRUE(Eventually([&] {
+    now_ns_ += 50'000'000;
+    room_->Poll(now_ns_);
+    return news_.back().phase == "scored";
+  }));
+  EXPECT_TRUE(news_.back().whole);
+  EXPECT_EQ(news_.back().reason, "stopped");
+  EXPECT_EQ(Done(0)["points"], 81.5);
+}
+
+TEST_F(TrialTest, IsNeitherRecordedNorScoredThroughALink) {
+  namespace fs = std::filesystem;
+  const Folder elsewhere;
+  fs::create_directories(folder_ / "course/trials/3/light-force");
+  fs::create_directory_symlink(elsewhere.path(), folder_ / "course/trials/3/light-force/1");
+  Begin();
+  ASSERT_TRUE(Comes("running"));
+  room_->End(7, "stopped");
+  ASSERT_TRUE(Comes("scored"));
+  EXPECT_TRUE(fs::is_empty(elsewhere.path()));
+  fs::rename(folder_ / "course/trials/3", elsewhere / "3");
+  fs::create_directory_symlink(elsewhere / "3", folder_ / "course/trials/3");
+  EXPECT_THAT(ComplaintOf([&] { Begin(); }), HasSubstr("is a link"));
 }
 
 TEST_F(TrialTest, EndsByItsTimeAndWhereItIsSubmitted) {

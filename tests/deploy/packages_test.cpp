@@ -61,6 +61,45 @@ TEST(Packages, HoldWhatALabReadsAndWhatTheProgramsTellItToCall) {
   }
 }
 
+/// A text with one space in place of each run of spaces and line ends.
+std::string Flat(const std::string& text) {
+  return std::regex_replace(text, std::regex(R"(\s+)"), " ");
+}
+
+TEST(Packages, AreDescribedInTheWordsOfTheirRules) {
+  const std::string rules = Read("deploy/packages/CMakeLists.txt"),
+                    made = Flat(ReadWholeFile(PALPATE_BIN_DIR "/../CPackConfig.cmake"));
+  static const std::regex kText("\n +TEXT \"([^\"]+)\"");
+  int with_semicolon = 0;
+  for (std::sregex_iterator it(rules.begin(), rules.end(), kText), end; it != end; ++it) {
+    const std::string text = Flat((*it)[1]);
+    if (made.find("python3-palpate") == made.npos && text.find("NumPy") != text.npos) continue;
+    EXPECT_THAT(made, HasSubstr(text));
+    with_semicolon += text.find(';') != text.npos;
+  }
+  EXPECT_GE(with_semicolon, 2);
+}
+
+TEST(Packages, HaveAScriptForIdentitiesThatSaysItsVersionAsProgramsDo) {
+  for (const char* script :
+       {PALPATE_SOURCE_DIR "/deploy/security/identities", PALPATE_BIN_DIR "/palpate-identities"}) {
+    const Output output = RunCommand({script, "--version"});
+    EXPECT_EQ(output.exit_code, 0) << output.text;
+    EXPECT_EQ(output.text, "palpate-identities " PALPATE_VERSION "\n");
+  }
+}
+
+TEST(Packages, SayThatAPurgeLeavesTheUser) {
+  const auto said = [](const char* action) {
+    return RunCommand({"sh", "-c",
+                       std::string("getent() { true; }; set -- ") + action + "; . " +
+                           PALPATE_SOURCE_DIR "/deploy/packages/common/postrm"});
+  };
+  EXPECT_THAT(said("purge").text, HasSubstr("userdel palpate"));
+  EXPECT_EQ(said("remove").text, "");
+  EXPECT_EQ(said("remove").exit_code, 0);
+}
+
 TEST(Packages, HaveAManualWithEachCommandOfAProgram) {
   if (RunCommand({"sh", "-c", "command -v help2man"}).exit_code != 0) {
     GTEST_SKIP() << "help2man is missing: deploy/setup --for packages installs it";

@@ -5,6 +5,7 @@
 
 #include <spdlog/fmt/fmt.h>
 #include <sys/mount.h>
+#include <unistd.h>
 
 #include "client/recorder/file_summary.h"
 #include "common/error.h"
@@ -26,12 +27,22 @@ void Freeze(const test::Program& program, double seconds) {
 Findings ServerKilled(int domain) {
   Lab lab(domain);
   lab.StartServer();
+  lab.StartRecorder();
   lab.StartStation();
   Wait(1.5);
   lab.server->Signal(SIGKILL);
-  Wait(1.0);
+  Wait(0.3);  // not for DDS to miss it
   lab.StartServer();
-  return {Resumes(lab), LoopRuns(lab), lab.JudgeTheHand()};
+  Findings findings{Resumes(lab), LoopRuns(lab)};
+  lab.recorder->Signal(SIGINT);
+  lab.recorder->Exit();
+  const FileSummary summary = Summarise({lab.recording()});
+  findings.push_back(
+      {"what both servers' sessions were is recorded from their first pose",
+       fmt::format("{} missing, {}", summary.missing, summary.intact() ? "whole" : "incomplete"),
+       summary.intact()});
+  findings.push_back(lab.JudgeTheHand());
+  return findings;
 }
 
 Findings ServerFrozen(int domain) {
@@ -229,6 +240,41 @@ Findings HostileSamples(int domain) {
   return findings;
 }
 
+/// Returns a program's memory [MB].
+double MemoryOf(const test::Program& program) {
+  std::ifstream statm("/proc/" + std::to_string(program.id()) + "/statm");
+  double pages = 0.0;
+  statm >> pages >> pages;  // all of it, then what is resident
+  return 1e-6 * pages * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+Findings ForgedCuts(int domain) {
+  Lab lab(domain);
+  lab.StartServer();
+  lab.StartStation();
+  lab.StartGateway();
+  lab.StartRecorder();
+  Wait(2.0);
+  const double gateway = MemoryOf(*lab.gateway), recorder = MemoryOf(*lab.recorder),
+               server = MemoryOf(*lab.server);
+  const auto bytes = [&] { return static_cast<double>(fs::file_size(lab.recording())); };
+  const double begun = bytes();
+  const std::uint64_t samples = FloodNewKeys(domain, 5.0);
+  Findings findings{LoopRuns(lab)};
+  const auto grows = [&](const std::string& what, double before, double now, double most) {
+    findings.push_back(
+        {fmt::format("{} grows by {} MB at most", what, most),
+         fmt::format("{:.1f} MB, then {:.1f}, after {} samples in 5 s", before, now, samples),
+         now - before <= most});
+  };
+  grows("the gateway", gateway, MemoryOf(*lab.gateway), 25.0);
+  grows("the recorder", recorder, MemoryOf(*lab.recorder), 25.0);
+  grows("the server", server, MemoryOf(*lab.server), 25.0);
+  grows("the recording", 1e-6 * begun, 1e-6 * bytes(), 2.0);
+  findings.push_back(lab.JudgeTheHand());
+  return findings;
+}
+
 Findings HostilePort(int domain) {
   Lab lab(domain);
   lab.StartServer();
@@ -323,6 +369,7 @@ const std::vector<Fault>& AllFaults() {
       {"clock-steps", "the wall clock of each program an hour ahead and back", ClockSteps},
       {"no-memory", "a server that may have little memory", NoMemory},
       {"hostile-samples", "samples with anything in them on every topic", HostileSamples},
+      {"forged-cuts", "thousands of blocks, tools, stations and replays that are none", ForgedCuts},
       {"hostile-port", "anything at the gateway's port", HostilePort},
       {"slow-loris", "500 requests that never end", SlowLorisAtThePort},
       {"scene-swapped", "the scene's file overwritten under the server", SceneSwapped},

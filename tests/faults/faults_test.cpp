@@ -33,8 +33,8 @@ INSTANTIATE_TEST_SUITE_P(Each, Faults,
                                          "station-frozen", "gateway", "gateway-blinded",
                                          "recorder-killed", "recorder-frozen", "disk-full",
                                          "clock-steps", "shm-fills", "no-memory", "hostile-samples",
-                                         "hostile-port", "slow-loris", "scene-swapped",
-                                         "two-servers"),
+                                         "forged-cuts", "hostile-port", "slow-loris",
+                                         "scene-swapped", "two-servers"),
                          NameOf);
 // These run a RouDi of their own, so each has a process of its own.
 INSTANTIATE_TEST_SUITE_P(RouDi, Faults, testing::Values("two-roudis", "roudi-killed"), NameOf);

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 #include <thread>
+#include <vector>
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -153,6 +154,23 @@ class Flood {
   dds::Writer<T> writer_;
 };
 
+/// Waits up to 2 s for the session of the lab's station.
+Victim FindVictim(const dds::Participant& service) {
+  dds::Reader<wire::SessionState> states(service, dds::kSessionStateTopic, dds::Qos::kSession);
+  Victim victim;
+  for (int i = 0; i < 2000 && victim.run == 0; ++i) {
+    wire::SessionState state{};
+    while (states.Take(state)) {
+      if (victim.station == state.station) {
+        victim.run = state.run;
+        victim.server_run = state.server_run;
+      }
+    }
+    std::this_thread::sleep_for(milliseconds(1));
+  }
+  return victim;
+}
+
 int Connect(int port) {
   const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address{};
@@ -170,18 +188,7 @@ std::uint64_t FloodDomain(int domain, std::uint64_t seed, double seconds) {
   const auto end = Clock::now() + std::chrono::duration<double>(seconds);
   const dds::Participant service = dds::Participant::Service(domain);
   const dds::Participant loop = dds::Participant::Loop(domain, {dds::Transport::kUdp, "as asked"});
-  dds::Reader<wire::SessionState> states(service, dds::kSessionStateTopic, dds::Qos::kSession);
-  Victim victim;
-  for (int i = 0; i < 2000 && victim.run == 0; ++i) {
-    wire::SessionState state{};
-    while (states.Take(state)) {
-      if (victim.station == state.station) {
-        victim.run = state.run;
-        victim.server_run = state.server_run;
-      }
-    }
-    std::this_thread::sleep_for(milliseconds(1));
-  }
+  const Victim victim = FindVictim(service);
   Anything any(seed);
   Flood<wire::SessionRequest> requests(service, dds::kSessionRequestTopic, dds::Qos::kSession);
   Flood<wire::WholeRequest> wholes(service, dds::kWholeRequestTopic, dds::Qos::kSession);
@@ -200,6 +207,40 @@ std::uint64_t FloodDomain(int domain, std::uint64_t seed, double seconds) {
     if (written % 80 == 0) std::this_thread::sleep_for(milliseconds(1));
   }
   return written;
+}
+
+std::uint64_t FloodNewKeys(int domain, double seconds) {
+  const auto end = Clock::now() + std::chrono::duration<double>(seconds);
+  const dds::Participant service = dds::Participant::Service(domain);
+  const Victim victim = FindVictim(service);
+  dds::Writer<wire::SolidBlock> blocks(service, dds::kSolidBlockTopic, dds::Qos::kSession);
+  dds::Writer<wire::ToolState> tools(service, dds::kToolStateTopic, dds::Qos::kStream);
+  dds::Writer<wire::StationStatistics> stations(service, dds::kStationStatisticsTopic,
+                                                dds::Qos::kStream);
+  dds::Writer<wire::ReplayState> replays(service, dds::kReplayStateTopic, dds::Qos::kSession);
+  std::vector<std::uint8_t> surface(1000);
+  wire::SolidBlock block{};
+  wire::FromText("cube", block.scene);
+  block.server_run = victim.server_run;
+  block.surface._buffer = surface.data();
+  block.surface._length = block.surface._maximum = static_cast<std::uint32_t>(surface.size());
+  wire::ToolState tool{};
+  wire::StationStatistics station{};
+  wire::ReplayState replay{};
+  std::uint32_t count = 0;
+  while (Clock::now() < end) {
+    block.block = ++count;
+    block.change = count;
+    wire::FromText("tool" + std::to_string(count), tool.station);
+    wire::FromText("station" + std::to_string(count), station.station);
+    replay.replay = count;
+    blocks.Write(block);
+    tools.Write(tool);
+    stations.Write(station);
+    replays.Write(replay);
+    if (count % 20 == 0) std::this_thread::sleep_for(milliseconds(1));
+  }
+  return 4 * std::uint64_t{count};
 }
 
 std::uint64_t FloodPort(int port, std::uint64_t seed, double seconds) {

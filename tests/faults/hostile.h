@@ -9,6 +9,10 @@ namespace palpate::faults {
 /// exist. Returns how many.
 std::uint64_t FloodDomain(int domain, std::uint64_t seed, double seconds);
 
+/// Writes samples as a server, as stations and as replays would, each of a station, block or replay
+/// that nobody has named before, under the run of the server that is there.  Returns how many.
+std::uint64_t FloodNewKeys(int domain, double seconds);
+
 /// Sends arbitrary bytes to a port as HTTP and as WebSocket frames, in pieces, over many
 /// connections. Returns how many.
 std::uint64_t FloodPort(int port, std::uint64_t seed, double seconds);

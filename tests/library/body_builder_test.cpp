@@ -24,10 +24,15 @@ std::string Complaint(const TriangleMesh& mesh) {
 
 TEST(BodyBuilder, TakesAsManyLeavesAsTheShapeNeedsWhereNobodySays) {
   const Body box = MakeBody("box", MakeBox({0.04, 0.04, 0.04}));
+  const Body egg = MakeBody("egg", MakeSphere(0.02, 1280));
   const BodyOptions by_leaves{.contact = ContactModel::kSpheres};
   const Body sphere = MakeBody("sphere", MakeSphere(0.02, 1280), by_leaves);
   EXPECT_EQ(box.tree.leaves(), kInnerLeaves);
   EXPECT_GE(sphere.tree.leaves(), kFewestByTolerance);
+  for (const Body* felt_by_mesh : {&box, &egg}) {
+    EXPECT_GT(felt_by_mesh->tree.leaves(), 0u);
+    EXPECT_LE(felt_by_mesh->tree.leaves(), kInnerLeaves);
+  }
   EXPECT_EQ(MakeBody("box", MakeBox({0.04, 0.04, 0.04}), {.leaves = 200}).tree.leaves(), 200u);
   EXPECT_EQ(box.tree.origin, TreeOrigin::kInside);
   EXPECT_EQ(MakeBody("box", MakeBox({1, 1, 1}), {.leaves = 64, .contact = ContactModel::kSpheres})

@@ -106,6 +106,7 @@ TEST_F(Installed, EffectsOfOnesOwnBuildWithoutEigenAndAreFelt) {
       << said_;
   std::ofstream(own + "/mine.json")
       << CubeWithEffects(R"({"name": "build/vibration.so", "along": [0, 0, 1], "rate_Hz": 0.1})");
+  const TrustedEffects trusted(own + "/build");
   const Scene scene = LoadScene(own + "/mine.json");
   const HapticModel model = MakeModel(scene, scene.tools[0], MakeObjects(scene));
   EXPECT_EQ(Proxy(model, scene.tools[0].X_WB).Step(scene.tools[0].X_WB).wrench.force.z(), 0.3);

@@ -73,8 +73,8 @@ TEST(LoadOptions, TakeANumberOfToolsAndAFileForAScene) {
   ASSERT_TRUE(options);
   EXPECT_EQ(options->copies, 32u);
   EXPECT_EQ(options->copies_file, "many.json");
-  EXPECT_THAT(Complaint({"--make-scene", "many", "many.json"}), HasSubstr("1 to 1000"));
-  EXPECT_THAT(Complaint({"--make-scene", "0", "many.json"}), HasSubstr("1 to 1000"));
+  EXPECT_THAT(Complaint({"--make-scene", "many", "many.json"}), HasSubstr("1 to 256"));
+  EXPECT_THAT(Complaint({"--make-scene", "0", "many.json"}), HasSubstr("1 to 256"));
   EXPECT_THAT(Complaint({"--make-scene", "32", "many"}), HasSubstr(".json"));
 }
 

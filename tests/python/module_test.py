@@ -8,6 +8,7 @@ import os
 import pathlib
 import pickle
 import pydoc
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -173,6 +174,17 @@ class Effects(unittest.TestCase):
 
     def setUp(self):
         self.proxy = palpate.Proxy(ball_on_block(), self.AIR)
+
+    def test_an_effect_beside_a_scene_runs_only_from_a_folder_that_is_named(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(cube_with_effects(pathlib.Path(folder)))
+            file.write_text(file.read_text().replace('"stick"', '"mine.so"'))
+            stick = pathlib.Path(os.environ["PALPATE_PROGRAMS"], "effects/stick.so")
+            shutil.copy(stick, pathlib.Path(folder, "mine.so"))
+            with self.assertRaisesRegex(palpate.Error, "mine.so.*--effects"):
+                palpate.load(str(file))
+            with mock.patch.dict(os.environ, PALPATE_EFFECTS=folder):
+                palpate.load(str(file))
 
     def test_act_as_one_in_c_does_and_to_the_same_bits_in_one_call_and_many(self):
         moves = self.AIR + numpy.linspace([0, 0, 0], [0, -0.015, 0.003], 400)

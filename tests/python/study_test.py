@@ -187,6 +187,15 @@ class Mistakes(Folder):
                 self.assertIn(f"{self.file}: ", str(wrong.exception))
                 self.assertIn(words, str(wrong.exception))
 
+    def test_name_an_encoding_that_a_study_may_not_have(self):
+        pathlib.Path(self.file).write_bytes(STUDY.encode("utf-8-sig"))
+        Study(self.file)
+        for encoding in ("utf-16", "utf-16-le", "utf-16-be"):
+            pathlib.Path(self.file).write_bytes(STUDY.encode(encoding))
+            with self.assertRaises(palpate.Error) as wrong:
+                Study(self.file)
+            self.assertEqual(str(wrong.exception), f"{self.file}: its text is UTF-16; save it as UTF-8")
+
     def test_end_the_program_with_a_sentence(self):
         done = study(self.folder / "none.toml")
         self.assertEqual((done.returncode, done.stderr),

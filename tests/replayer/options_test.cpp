@@ -26,6 +26,9 @@ TEST(ReplayOptions, PlayToViewersUnlessToldOtherwise) {
 
 TEST(ReplayOptions, VerifyGuideAndScore) {
   EXPECT_EQ(Parse({"a.mcap", "--verify"})->what, What::kVerify);
+  const auto command = Parse({"verify", "a.mcap", "--scene", "cube"});
+  EXPECT_EQ(command->what, What::kVerify);
+  EXPECT_EQ(command->playback.files, std::vector<std::string>{"a.mcap"});
   EXPECT_EQ(Parse({"a.mcap", "--guide", "hand"})->what, What::kGuide);
   const auto score = Parse({"score", "a.mcap", "b.mcap", "--out", "report"});
   EXPECT_EQ(score->what, What::kScore);

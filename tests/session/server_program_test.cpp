@@ -1,5 +1,6 @@
 // What palpate-server says to a person, and how it exits.
 #include <csignal>
+#include <filesystem>
 #include <fstream>
 #include <string>
 #include <utility>
@@ -68,7 +69,11 @@ TEST(ServerProgram, RefusesAnEffectThatIsNotAsPassiveAsItSays) {
   const std::string scene = testing::TempDir() + "swirls.json";
   std::ofstream(scene) << CubeWithEffects(R"({"name": "viscous"}, {"name": ")" PALPATE_WRONG_EFFECT
                                           R"(", "way": 6})");
-  Program refused = Server(Here({"--scene", scene, "--transport", "udp"}));
+  const std::string folder = std::filesystem::path(PALPATE_WRONG_EFFECT).parent_path();
+  Program untrusted = Server(Here({"--scene", scene, "--transport", "udp"}));
+  EXPECT_EQ(untrusted.Exit(), 1);
+  EXPECT_THAT(untrusted.Output(), HasSubstr("--effects " + folder));
+  Program refused = Server(Here({"--scene", scene, "--transport", "udp", "--effects", folder}));
   EXPECT_EQ(refused.Exit(), 1);
   EXPECT_THAT(refused.Output(),
               HasSubstr("swirls.json: is not usable: effect libpalpate_wrong_effect.so: claims to "

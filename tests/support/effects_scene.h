@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdlib>
 #include <fstream>
 #include <string>
 #include <string_view>
@@ -14,5 +15,19 @@ inline std::string CubeWithEffects(const std::string& effects) {
   text.erase(text.find(kLeaves), kLeaves.size());
   return text.insert(1, "\n\"effects\": [" + effects + "],");
 }
+
+/// Trusts the effects in these folders, separated by :, as --effects does, while it lives.
+struct TrustedEffects {
+  explicit TrustedEffects(const std::string& folders) {
+    if (const char* former = std::getenv("PALPATE_EFFECTS")) former_ = former;
+    setenv("PALPATE_EFFECTS", folders.c_str(), 1);
+  }
+  ~TrustedEffects() { setenv("PALPATE_EFFECTS", former_.c_str(), 1); }
+  TrustedEffects(const TrustedEffects&) = delete;
+  TrustedEffects& operator=(const TrustedEffects&) = delete;
+
+ private:
+  std::string former_;
+};
 
 }  // namespace palpate::test

@@ -1,6 +1,13 @@
 #include "client/viewer/history_desk.h"
 
+#include <boost/asio/io_context.hpp>
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "client/course/roster.h"
+#include "client/course/trial.h"
+#include "tests/support/eventually.h"
+#include "tests/support/folder.h"
 
 namespace palpate::test {
 namespace {
@@ -27,6 +34,46 @@ TEST(HistoryWish, IsGrantedToATeacherAndToWhoDidIt) {
     EXPECT_EQ(MayRead(wish, Access::kDrive, 7), wish.person == 7);
     EXPECT_EQ(MayRead(wish, Access::kWatch, 7), wish.person == 7);
   }
+}
+
+TEST(HistoryDesk, GivesAPersonsDataToOneAtATime) {
+  const Folder course;
+  {
+    CourseFile file(course.path());
+    Roster(file).Make({"Anna", "Ben"}, Access::kDrive);
+    const TrialRoom tables({course.path(), course.path(), {}}, file, {});
+  }
+  boost::asio::io_context io;
+  HistoryDesk desk(io, course.path(), {});
+  std::vector<HistoryDesk::Answer> answers;
+  const auto ask = [&](std::int64_t person) {
+    desk.Ask({person, HistoryWish::As::kZip}, false, {},
+             [&](HistoryDesk::Answer answer) { answers.push_back(std::move(answer)); });
+  };
+  const auto wait_for = [&](std::size_t count) {
+    return Eventually([&] {
+      io.restart();
+      io.poll();
+      return answers.size() == count;
+    });
+  };
+  ask(1);
+  ask(1);
+  ASSERT_TRUE(wait_for(2));
+  EXPECT_EQ(answers[0].status, 429) << "it is refused at once";
+  ASSERT_GE(answers[1].file, 0) << answers[1].text;
+  ask(1);
+  EXPECT_EQ(answers.at(2).status, 429) << "as long as it is downloaded";
+  ask(2);
+  ASSERT_TRUE(wait_for(4));
+  EXPECT_GE(answers[3].file, 0) << "another's";
+  close(answers[1].file);
+  answers[1].given.reset();
+  ask(1);
+  ASSERT_TRUE(wait_for(5));
+  EXPECT_GE(answers[4].file, 0);
+  close(answers[3].file);
+  close(answers[4].file);
 }
 
 }  // namespace

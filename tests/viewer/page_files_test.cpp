@@ -106,5 +106,15 @@ TEST_F(PageFilesTest, GivesNothingFromOutsideItsFolderForAnyTarget) {
   EXPECT_GT(found, 100);
 }
 
+TEST_F(PageFilesTest, GiveNothingOfAFolderToWhichALinkLeads) {
+  PageFile file{folder_ / "page/link.js", "text/javascript"};
+  EXPECT_NE(files_.Read(file), nullptr);
+  file = {folder_ / "page/up/secret.js", "text/javascript"};
+  file.below = folder_ / "page";
+  EXPECT_EQ(files_.Read(file), nullptr);
+  file.path = folder_ / "page/assets/a.js";
+  EXPECT_NE(files_.Read(file), nullptr);
+}
+
 }  // namespace
 }  // namespace palpate

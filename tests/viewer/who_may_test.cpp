@@ -548,6 +548,29 @@ TEST(Tls, NamesTheFileThatItCannotUse) {
   EXPECT_THAT(complaint(certificate.file(), certificate.key()), HasSubstr("chmod 0600"));
 }
 
+TEST(Tls, OffersOfTls12OnlyWhatEncryptsAndAuthenticatesInOne) {
+  const TestCertificate certificate;
+  const Gateway gateway({"--tls-cert", certificate.file(), "--tls-key", certificate.key()});
+  const auto agrees = [&](const char* suite) {
+    net::io_context io;
+    net::ssl::context context(net::ssl::context::tls_client);
+    SSL_CTX_set_max_proto_version(context.native_handle(), TLS1_2_VERSION);
+    EXPECT_EQ(SSL_CTX_set_cipher_list(context.native_handle(), suite), 1) << suite;
+    net::ssl::stream<tcp::socket> stream(io, context);
+    stream.next_layer().connect(At(gateway.port()));
+    boost::system::error_code error;
+    stream.handshake(net::ssl::stream_base::client, error);
+    return !error;
+  };
+  for (const char* suite : {"ECDHE-ECDSA-AES128-GCM-SHA256", "ECDHE-ECDSA-CHACHA20-POLY1305"}) {
+    EXPECT_TRUE(agrees(suite)) << suite;
+  }
+  for (const char* suite :
+       {"ECDHE-ECDSA-AES128-SHA256", "ECDHE-ECDSA-AES256-SHA384", "ECDHE-ECDSA-AES128-SHA"}) {
+    EXPECT_FALSE(agrees(suite)) << suite;
+  }
+}
+
 // --- palpate-identities certificate ---
 
 /// The error of a browser that trusts this authority and opens the gateway under `name`; empty:

@@ -124,7 +124,7 @@ def main():
     parser.add_argument("--domain", default="0")
     parser.add_argument("--transport", default="auto")
     options = parser.parse_args()
-    study = tomllib.loads(options.study.read_text(encoding="utf-8"))
+    study = tomllib.loads(options.study.read_text(encoding="utf-8-sig"))
     study["folder"] = options.study.with_suffix("")  # recordings and answers
     everybody = range(1, study["participants"] + 1)
     if options.what == "order":

@@ -136,7 +136,7 @@ def body(
 ) -> Body:
     """Makes a body from a mesh: vertices (n, 3) in metres, triangles (m, 3), counter-clockwise seen from outside.
 
-    leaves     number of leaves of its sphere tree; 0: 512 with surface contact, else as many as its shape needs
+    leaves     number of leaves of its sphere tree; 0: 32 at most where its mesh is felt, else as many as its shape needs
     contact    contact model for which it is made: "surface" or "spheres"
     stiffness  contact stiffness of a leaf in N/m; infinite: rigid
     """

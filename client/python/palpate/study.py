@@ -142,9 +142,13 @@ class Study:
     def __init__(self, file):
         self.file, self.folder = pathlib.Path(file), pathlib.Path(file).parent
         try:
-            self.said = tomllib.loads(self.file.read_text())
+            text = self.file.read_bytes()
         except OSError as error:
             raise Error(f"{file}: cannot be read ({error.strerror}); --help shows a study file") from None
+        if text[:2] in (b"\xff\xfe", b"\xfe\xff") or b"\0" in text[:2]:
+            raise Error(f"{file}: its text is UTF-16; save it as UTF-8")
+        try:
+            self.said = tomllib.loads(text.decode("utf-8-sig"))  # perhaps with a byte order mark
         except ValueError as error:
             raise Error(f"{file}: {error}") from None
         self._known("", self.said, {"title", "scenes", "contacts", "tolerances_um", "tools", "seeds", "steps", "hands",

@@ -619,9 +619,12 @@ void WriteReport(const Report& report, const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw Error(folder + ": " + error.message() + "; give another --out");
-  WriteOutput("--out", folder + "/score.html", ToHtml(report));
-  WriteOutput("--out", folder + "/score.svg", ToSvg(PlotsOf(report.trials)));
-  WriteOutput("--out", folder + "/score.json", JsonText(report));
+  const auto write = [&](const char* name, const std::string& text) {
+    WriteOutput("--out", folder + name, text, Links::kReplace);  // of a course, say
+  };
+  write("/score.html", ToHtml(report));
+  write("/score.svg", ToSvg(PlotsOf(report.trials)));
+  write("/score.json", JsonText(report));
 }
 
 void WriteNewCriteria(const std::string& file, const std::string& scene) {

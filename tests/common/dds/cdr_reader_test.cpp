@@ -92,6 +92,84 @@ TEST_F(CdrReaderTest, TellsParticipantsApartAndWhetherTheyAreThere) {
   EXPECT_TRUE(reader.Hears(origins[2]));
 }
 
+/// Returns of how many stations a reader's DDS remembers anything.
+std::size_t InstancesOf(const CdrReader<wire::ToolState>& reader,
+                        const Writer<wire::ToolState>& writer, std::size_t most) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < most; ++i) {
+    wire::ToolState key{};
+    wire::FromText("s" + std::to_string(i), key.station);
+    const auto instance = dds_lookup_instance(writer.handle(), &key);
+    dds_sample_info_t info;
+    void* samples[1] = {&key};
+    kept += instance != DDS_HANDLE_NIL &&
+            dds_read_instance(reader.handle(), samples, &info, 1, 1, instance) >= 0;
+  }
+  return kept;
+}
+
+/// What reaches readers of several sources from a writer that writes of many stations.
+class Flooded : public CdrReaderTest {
+ protected:
+  static constexpr std::size_t kMany = 400;
+
+  void Flood(const CdrReader<wire::ToolState>& control, Writer<wire::ToolState>& by) {
+    for (std::size_t i = 1; i < kMany; ++i) {
+      wire::FromText("s" + std::to_string(i), state.station);
+      ASSERT_TRUE(by.Write(state));
+    }
+    ASSERT_TRUE(test::Eventually([&] { return InstancesOf(control, by, kMany) >= kMany - 1; }));
+  }
+
+  const Participant stranger_ = Participant::Service(kDomain);
+  Writer<wire::ToolState> strange_{stranger_, topic, Qos::kSession};
+};
+
+TEST_F(Flooded, ReaderOfOneParticipantKeepsNothingOfWhatOthersWrite) {
+  const auto source = std::make_shared<Source>();
+  CdrReader<wire::ToolState> reader(participant, topic, Qos::kSession, source);
+  const CdrReader<wire::ToolState> control = Reader();
+  wire::FromText("server", state.station);
+  ASSERT_TRUE(writer.Write(state));
+  ASSERT_TRUE(Takes(reader, raw, taken));
+  source->Only(raw.origin);
+  wire::FromText("s0", state.station);
+  ASSERT_TRUE(strange_.Write(state));
+  ASSERT_TRUE(Takes(reader, raw, taken)) << "whose writer it is becomes known by its first sample";
+  EXPECT_FALSE(source->Allows(raw.origin));
+  EXPECT_TRUE(source->TakeRefused());
+  Flood(control, strange_);
+  EXPECT_LE(InstancesOf(reader, strange_, kMany), 1u);
+  EXPECT_FALSE(reader.Take(raw, taken));
+  EXPECT_TRUE(source->TakeRefused());
+  EXPECT_FALSE(source->TakeRefused()) << "once";
+  wire::FromText("server", state.station);
+  ASSERT_TRUE(writer.Write(state));
+  ASSERT_TRUE(Takes(reader, raw, taken));
+  EXPECT_STREQ(taken.station, "server");
+  source->Only(0);
+  CdrReader<wire::ToolState> later(participant, topic, Qos::kSession, source);
+  EXPECT_TRUE(test::Eventually([&] { return InstancesOf(later, strange_, kMany) == kMany; }));
+}
+
+TEST_F(Flooded, ReaderOfFewInstancesTakesThoseThatCameFirst) {
+  CdrReader<wire::ToolState> reader(participant, topic, Qos::kSession,
+                                    std::make_shared<Source>(Source::kFew));
+  const CdrReader<wire::ToolState> control = Reader();
+  Flood(control, strange_);
+  EXPECT_EQ(InstancesOf(reader, strange_, kMany), Source::kFew);
+  wire::FromText("other", state.station);
+  ASSERT_TRUE(writer.Write(state));
+  while (Takes(reader, raw, taken) && std::string(taken.station) != "other") {
+  }
+  EXPECT_STREQ(taken.station, "other") << "each writer has its own share";
+  wire::FromText("s1", state.station);
+  state.pose_sequence = 5;
+  ASSERT_TRUE(strange_.Write(state));
+  ASSERT_TRUE(Takes(reader, raw, taken));
+  EXPECT_EQ(taken.pose_sequence, 5u) << "of those that it has, it takes all";
+}
+
 TEST(CdrReader, TellsInstancesApartByTheirKeys) {
   const Participant participant = Participant::Service(kDomain);
   const std::string topic = OwnTopic("instances");

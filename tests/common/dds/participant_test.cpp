@@ -118,7 +118,8 @@ TEST(Participant, SaysThatADomainsPortsAreTaken) {
     taken.emplace_back(ports.first + 10 + 2 * index);  // its discovery: RTPS 2.3, 9.6.1.1
   }
   const std::string complaint = Complaint(kDomain);
-  EXPECT_THAT(complaint, HasSubstr("DDS domain " + std::to_string(ServiceDomainId(kDomain))));
+  EXPECT_THAT(complaint, HasSubstr("--domain " + std::to_string(kDomain) + " (DDS domain " +
+                                   std::to_string(ServiceDomainId(kDomain))));
   EXPECT_THAT(complaint, HasSubstr("of its UDP ports, " + std::to_string(ports.first) + " to "));
   EXPECT_THAT(complaint, HasSubstr("(the first is " + std::to_string(ports.first + 10) + ")"));
   EXPECT_THAT(complaint, HasSubstr("free on this host: --domain "));

@@ -47,6 +47,15 @@ TEST_F(Output, GoesToWhereALinkLeads) {
   EXPECT_TRUE(fs::is_symlink(folder_ / "link"));
 }
 
+TEST_F(Output, ReplacesALinkInAFolderThatAProgramKeeps) {
+  std::ofstream(file_) << "another's";
+  fs::create_symlink(file_, folder_ / "link");
+  WriteOutput("--out", folder_ / "link", "{}\n", Links::kReplace);
+  EXPECT_EQ(ReadWholeFile(file_), "another's");
+  EXPECT_FALSE(fs::is_symlink(folder_ / "link"));
+  EXPECT_EQ(ReadWholeFile(folder_ / "link"), "{}\n");
+}
+
 TEST_F(Output, GoesToStandardOutputForADash) {
   testing::internal::CaptureStdout();
   WriteOutput("--json", "-", "{}\n");

@@ -90,6 +90,35 @@ TEST_F(WholeFile, SaysWhyItCannotBeRead) {
   EXPECT_EQ(TryReadWholeFile(Write("text"), 10), "text");
 }
 
+TEST_F(WholeFile, BelowAFolderIsReachedByNoLink) {
+  namespace fs = std::filesystem;
+  fs::create_directories(folder_ + "/kept/a/b");
+  const std::string kept = folder_ + "/kept", within = kept + "/a/b/file";
+  std::ofstream(within) << "text";
+  const auto complaint = [&](const std::string& file) {
+    return test::ComplaintOf([&] { ReadFileBelow(kept, file, 10); });
+  };
+  EXPECT_EQ(ReadFileBelow(kept, within, 10), "text");
+  EXPECT_EQ(ReadFileBelow(kept + "/", within, 10), "text");
+  EXPECT_THAT(complaint(kept + "/a/b/none"), HasSubstr("No such file"));
+  EXPECT_THAT(complaint(kept + "/a/b"), HasSubstr("is a folder"));
+  EXPECT_THAT(complaint(Write("outside")), HasSubstr("is not below"));
+  EXPECT_THAT(complaint(kept + "/a/../../file"), HasSubstr("is not below"));
+  fs::create_symlink(file_, kept + "/a/b/link");
+  fs::create_directory_symlink(kept + "/a", kept + "/c");
+  for (const char* link : {"/a/b/link", "/c/b/file"}) {
+    EXPECT_EQ(ReadWholeFile(kept + link, 10).size() > 0, true);
+    EXPECT_THAT(complaint(kept + link), HasSubstr("is a link")) << link;
+  }
+  EXPECT_THROW(RefuseLinks(kept, kept + "/c/b"), Error);
+  EXPECT_NO_THROW(RefuseLinks(kept, kept + "/a/b"));
+  mkfifo((kept + "/pipe").c_str(), 0600);
+  EXPECT_THAT(complaint(kept + "/pipe"), HasSubstr("is a pipe"));
+  // The folder itself may be a link: its name is the user's.
+  fs::create_directory_symlink(kept, folder_ + "/named");
+  EXPECT_EQ(ReadFileBelow(folder_ + "/named", folder_ + "/named/a/b/file", 10), "text");
+}
+
 TEST_F(WholeFile, IsLookedAtBeforeItIsRead) {
   Write("text");
   chmod(file_.c_str(), 0640);

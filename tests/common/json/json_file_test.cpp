@@ -25,6 +25,16 @@ TEST(JsonFile, NamesTheLineOfANumberThatEndsItsLine) {
               HasSubstr("f.json:2: a: 1 is not allowed; give at least 5"));
 }
 
+TEST(JsonFile, MayBeginWithAMarkOfUtf8AndNamesAnotherEncoding) {
+  EXPECT_EQ(JsonNode::Parse("\xEF\xBB\xBF{\"a\": 1}", "f.json").At("a").Number(), 1.0);
+  using namespace std::string_literals;
+  for (const std::string& text :
+       {"\xFF\xFE{\0\"\0a\0"s, "\xFE\xFF\0{\0\"\0a"s, "{\0\"\0"s, "\0{\0\""s}) {
+    EXPECT_THAT(Complaint(text, [](const JsonNode&) {}),
+                testing::AllOf(HasSubstr("f.json: "), HasSubstr("UTF-16")));
+  }
+}
+
 TEST(JsonFile, NamesThePathOfANestedField) {
   const std::string text = "{\"tools\": [\n{},\n{\"leaves\": \"many\"}]}";
   EXPECT_THAT(

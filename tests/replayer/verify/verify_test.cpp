@@ -252,14 +252,23 @@ TEST_F(VerifyTest, ComputesEffectsAgainAndRefusesAnotherSharedObject) {
   fs::copy(PALPATE_BIN_DIR "/effects/stick.so", mine);
   std::ofstream(scene) << CubeWithEffects(R"({"name": "mine.so"},
       {"name": "moving_spring", "from_mm": [0, 30, 0], "to_mm": [5, 30, 0]})");
-  Record({.scene = scene, .server_misses = {77}}, file_);
+  {
+    const TrustedEffects own(folder_ / "own");
+    Record({.scene = scene, .server_misses = {77}}, file_);
+  }
   const auto complaint = [&] { return ComplaintOf([&] { Verify({file_}, {}); }); };
-  EXPECT_THAT(complaint(),
-              testing::AllOf(HasSubstr("the recording's scene 'sticky'"),
-                             HasSubstr("effect mine.so"), HasSubstr("put that file beside it")));
-  fs::copy(PALPATE_BIN_DIR "/effects/viscous.so", folder_ / "mine.so");
-  EXPECT_THAT(complaint(), HasSubstr("mine.so is another one (hash "));
-  fs::copy(mine, folder_ / "mine.so", fs::copy_options::overwrite_existing);
+  EXPECT_THAT(complaint(), testing::AllOf(HasSubstr("the recording's scene 'sticky'"),
+                                          HasSubstr("effect mine.so"), HasSubstr("was not found")));
+  fs::copy(mine, folder_ / "mine.so");
+  EXPECT_THAT(complaint(), testing::AllOf(HasSubstr(folder_ / "mine.so"), HasSubstr("--effects ")))
+      << "whoever sent the recording may have sent that file, too";
+  fs::copy(PALPATE_BIN_DIR "/effects/viscous.so", folder_ / "mine.so",
+           fs::copy_options::overwrite_existing);
+  {
+    const TrustedEffects beside(folder_.path());
+    EXPECT_THAT(complaint(), HasSubstr("mine.so is another one (hash "));
+  }
+  const TrustedEffects own(folder_ / "own");
   SessionVerdict verdict = Only(Verify({file_}, {}));
   EXPECT_TRUE(verdict.good()) << verdict.ends;
   EXPECT_EQ(verdict.verified, kPoses - 1);

@@ -53,6 +53,8 @@ class EffectsTest : public testing::Test {
   }
 
   const Folder folder_;
+  const TrustedEffects trusted_{folder_.path() + ":" PALPATE_TEST_EFFECTS ":" +
+                                std::filesystem::path(PALPATE_NO_EFFECT).parent_path().string()};
 };
 
 /// A loop in free space, in the state a session starts it in.
@@ -338,22 +340,62 @@ TEST_F(EffectsTest, BundleLoadsTheSameFileAndRefusesAnother) {
   const std::string bundle = folder_ / "mine.palpate", mine = folder_ / "mine.so";
   std::filesystem::create_directory(folder_ / "made");
   std::filesystem::copy(kWrong, folder_ / "made/mine.so");
-  const Scene scene = Load(R"({"name": "made/mine.so", "from_cycle": 7},
-                             {"name": "magnet", "curve_mm": [[0, 0, 0], [1, 1, 1]]})");
+  const Scene scene = [&] {
+    const TrustedEffects made(folder_ / "made");
+    return Load(R"({"name": "made/mine.so", "from_cycle": 7},
+                   {"name": "magnet", "curve_mm": [[0, 0, 0], [1, 1, 1]]})");
+  }();
   WriteBytes(bundle, PackScene(scene));
   const auto error = [&] { return ComplaintOf([&] { LoadScene(bundle); }); };
   EXPECT_THAT(error(), AllOf(HasSubstr("mine.palpate: was made with an effect mine.so of the hash"),
-                             HasSubstr("which was not found; put that file beside it")));
+                             HasSubstr("which was not found; give the folder")));
   std::filesystem::copy(PALPATE_BIN_DIR "/effects/stick.so", mine);
   EXPECT_THAT(error(), HasSubstr(mine + " is another one (hash "));
-  setenv("PALPATE_EFFECTS", ("/nowhere:" + (folder_ / "made")).c_str(), 1);
+  const TrustedEffects made("/nowhere:" + (folder_ / "made"));
   const Scene loaded = LoadScene(bundle);
-  unsetenv("PALPATE_EFFECTS");
   ASSERT_EQ(loaded.effects.size(), 2u);
   EXPECT_EQ(loaded.effects[0].values, scene.effects[0].values);
   EXPECT_EQ(loaded.effects[1].values, scene.effects[1].values);
   EXPECT_EQ(loaded.effects[0].of, scene.effects[0].of);
   EXPECT_EQ(PackScene(loaded), PackScene(scene));
+}
+
+TEST(UntrustedEffects, AreNotRunFromBesideASceneABundleOrByALink) {
+  const Folder stranger, own;
+  const std::string effect = stranger / "mine.so", scene = stranger / "mine.json",
+                    bundle = stranger / "mine.palpate";
+  std::filesystem::copy(kWrong, effect);
+  const auto load_as = [&](const std::string& name) {
+    std::ofstream(scene) << CubeWithEffects(R"({"name": ")" + name + "\"}");
+    return LoadScene(scene);
+  };
+  {
+    const TrustedEffects trusted(stranger.path());
+    WriteBytes(bundle, PackScene(load_as("mine.so")));
+  }
+  const auto is_refused = [&](const std::string& file) {
+    return AllOf(HasSubstr(file), HasSubstr("--effects "), HasSubstr(stranger.path()));
+  };
+  std::filesystem::create_directory(stranger / "below");
+  std::filesystem::copy(effect, stranger / "below/mine.so");
+  std::filesystem::create_symlink(std::filesystem::absolute(kWrong), stranger / "link.so");
+  for (const std::string& folders :
+       {std::string(), std::string(":"), own.path(), stranger / "nowhere", own / "../"}) {
+    SCOPED_TRACE(folders);
+    const TrustedEffects trusted(folders);
+    for (const std::string& name :
+         {std::string("mine.so"), std::string("./mine.so"), effect, std::string("link.so"),
+          std::string("below/mine.so"), std::string("below/../mine.so")}) {
+      EXPECT_THAT(ComplaintOf([&] { load_as(name); }),
+                  AllOf(HasSubstr("effects[0].name"), is_refused(name)));
+    }
+    EXPECT_THAT(ComplaintOf([&] { LoadScene(bundle); }), is_refused(effect));
+  }
+  const TrustedEffects trusted(stranger.path() + "/");
+  EXPECT_EQ(LoadScene(bundle).effects.at(0).file, "mine.so");
+  EXPECT_THAT(ComplaintOf([&] { load_as("below/mine.so"); }), HasSubstr("--effects "));
+  std::ofstream(own / "mine.json") << CubeWithEffects(R"({"name": "mine.so"})");
+  EXPECT_EQ(LoadScene(own / "mine.json").effects.at(0).file, "mine.so") << "of a trusted folder";
 }
 
 TEST_F(EffectsTest, NeedsNoneOfThemToDrawASceneAndSaysSoToWhoWouldFeelIt) {

@@ -1,6 +1,8 @@
 #include "scenes/files/scene_file.h"
 
+#include <algorithm>
 #include <cmath>
+#include <set>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -52,6 +54,55 @@ TEST(SceneFile, ReadsAScene) {
 TEST(SceneFile, CallsASceneByItsFileInLettersThatANameMayHave) {
   EXPECT_EQ(ParseScene(kGood, "a\x1b[31m\nready: b.json").name, "a--31m-ready--b");
   EXPECT_EQ(ParseScene(kGood, std::string(100, 'a') + ".json").name, std::string(64, 'a'));
+}
+
+TEST(SceneFile, TellsScenesApartWhoseNamesAreOfAnotherScript) {
+  std::set<std::string> names;
+  for (const char* stem : {"牙齿", "下颌", "зуб", "зуб 2", "歯", "1 个", "--é"}) {
+    const std::string name = SceneNameOf(std::string("folder/") + stem + ".stl");
+    EXPECT_TRUE(name.size() <= kLongestName && std::ranges::all_of(name, IsOfName)) << name;
+    EXPECT_TRUE(names.insert(name).second) << name;
+    EXPECT_EQ(SceneNameOf(std::string("other/") + stem + ".obj"), name) << "of the name alone";
+  }
+  EXPECT_EQ(SceneNameOf("Zähne.stl"), "Z--hne");
+  EXPECT_EQ(SceneNameOf("7.stl"), "7");
+}
+
+/// A scene with so many of each, of which each body that is `cut` has a grid.
+std::string WithMany(std::size_t tools, std::size_t objects, std::size_t cut, std::size_t effects) {
+  const auto list = [](std::size_t count, const auto& entry) {
+    std::string text;
+    for (std::size_t i = 0; i < count; ++i) text += (i > 0 ? ",\n" : "\n") + entry(i);
+    return " [" + text + "]";
+  };
+  const std::string ball = R"(", "mesh": {"shape": "sphere", "radius_m": 0.005}, "leaves": 1)";
+  return R"({"tools":)" +
+         list(tools,
+              [&](std::size_t i) { return R"({"name": "t)" + std::to_string(i) + ball + "}"; }) +
+         R"(, "objects":)" +
+         list(objects,
+              [&](std::size_t i) {
+                const char* grid =
+                    i < cut ? R"(, "grid_um": 50, "material": {"cutting_pressure_MPa": 10}})" : "}";
+                return R"({"name": "o)" + std::to_string(i) + ball + grid;
+              }) +
+         R"(, "effects":)" +
+         list(effects, [](std::size_t) { return std::string(R"({"name": "viscous"})"); }) + "}";
+}
+
+TEST(SceneFile, HoldsSoMuchOfEachAndNamesWhatIsMore) {
+  const auto complaint = [](std::size_t tools, std::size_t objects, std::size_t cut,
+                            std::size_t effects) {
+    return ComplaintOf([&] { ParseScene(WithMany(tools, objects, cut, effects), "many.json"); });
+  };
+  EXPECT_EQ(complaint(kMostBodies, kMostBodies, kMostCutBodies, kMostEffects), "no complaint");
+  EXPECT_THAT(complaint(2000, 1, 0, 0), testing::AllOf(HasSubstr("many.json:1: tools: "),
+                                                       HasSubstr("2000"), HasSubstr("256")));
+  EXPECT_THAT(complaint(1, kMostBodies + 1, 0, 0), HasSubstr(": objects: has 257"));
+  EXPECT_THAT(complaint(1, 64, 64, 0),
+              testing::AllOf(HasSubstr("objects[16].grid_um"), HasSubstr("16")));
+  EXPECT_THAT(complaint(1, 1, 0, 20'000),
+              testing::AllOf(HasSubstr("effects: "), HasSubstr("20000"), HasSubstr("64")));
 }
 
 TEST(SceneFile, ReadsEveryKindOfMeshAndCoupling) {

@@ -224,11 +224,33 @@ TEST(DirtyMesh, TwoFacesBackToBackAreRefusedOrGivenAThickness) {
   TriangleMesh sheet = test::MakeSheet(0.025, 4, [](double, double) { return 0.0; });
   const auto faces = sheet.triangles;
   for (const auto& [i, j, k] : faces) sheet.triangles.push_back({i, k, j});
-  EXPECT_THAT(ComplaintOf([&] { Felt(sheet); }),
-              AllOf(HasSubstr("encloses no volume"), HasSubstr("\"thickness_mm\"")));
+  EXPECT_THAT(
+      ComplaintOf([&] { Felt(sheet); }),
+      AllOf(HasSubstr("object: "), HasSubstr("encloses no volume"), HasSubstr("\"thickness_mm\"")));
   const Scene scene = Felt(sheet, R"(,"thickness_mm":3)");
   EXPECT_NEAR(InspectMesh(scene.objects[0].mesh).volume, 0.05 * 0.05 * 0.003, 1e-12);
   EXPECT_LT(MostOutside(scene, scene.objects[0].mesh), 1e-9);
+}
+
+TEST(DirtyMesh, ShellOfThinWallsIsAnObject) {
+  for (const double wall : {30e-6, 100e-6}) {
+    TriangleMesh shell = MakeSphere(0.015, 320);
+    const TriangleMesh inner = MakeSphere(0.015 - wall, 320);
+    const auto first = static_cast<std::uint32_t>(shell.vertices.size());
+    shell.vertices.insert(shell.vertices.end(), inner.vertices.begin(), inner.vertices.end());
+    for (const auto& [i, j, k] : inner.triangles) {
+      shell.triangles.push_back({first + i, first + k, first + j});
+    }
+    const Scene scene = Felt(shell);
+    EXPECT_NEAR(InspectMesh(scene.objects[0].mesh).volume, 4 * M_PI * 0.015 * 0.015 * wall,
+                0.1 * 4 * M_PI * 0.015 * 0.015 * wall);
+    for (std::size_t i = 0; i < kLeaves; ++i) {
+      const Sphere leaf = Leaf(scene.objects[0].tree, i);
+      EXPECT_GT(leaf.radius, 0.0);
+      EXPECT_LE(leaf.radius, 0.51 * wall);
+      EXPECT_LT(std::abs(leaf.centre.norm() - 0.015), 0.05 * 0.015);
+    }
+  }
 }
 
 TEST(DirtyMesh, ThicknessOfAClosedMeshIsRefused) {
