@@ -150,6 +150,7 @@ std::vector<Finding> TryDriver(const DeviceOptions& options, bool push, StopSign
     finding.check = check;
     findings.push_back(std::move(finding));
   };
+  StayAwake();
   try {
     const std::unique_ptr<Device> device = MakeDevice(options);
     const DeviceInfo& info = device->info();

@@ -98,6 +98,7 @@ StationSummary Summarise(const StationOptions& options, const Device& device,
 int RunStation(const StationOptions& given) {
   KeepFilesPrivate();
   StopSignal stop;
+  StayAwake();
   // Fails at once for what needs no server.
   DeviceOptions device_options = DeviceOf(given);
   CheckDriver(given.device.name);
