@@ -68,8 +68,8 @@ struct DeviceSample {
   Twist V_WH;  ///< its velocity
   std::uint32_t buttons = 0;
   std::uint32_t status = kDeviceOk;
-  /// Temperature of the hottest motor as the device reports it, from 0 (cool) to 1 (its limit); NaN
-  /// if it reports none.
+  /// Temperature of the hottest motor as the device reports it, from 0 (cool) to 1 (its limit; above
+  /// counts as 1); NaN if it reports none.
   double motor_temperature = std::numeric_limits<double>::quiet_NaN();
 };
 

@@ -59,6 +59,7 @@ class DriverLoop {
     int ticks = 0;
     double longest_ms = 0.0;  ///< between two ticks
     Vec3 p = Vec3::Zero();
+    LimiterCounts limiter;
   };
   Seen seen;
   bool ready = false;    ///< was ready once
@@ -81,7 +82,8 @@ class DriverLoop {
     in.led.force = push_;
     limiter_.Enable((sample.status & kDeviceFault) == 0);
     device_.Apply(limiter_.Limit(in));
-    now_ = {now_.ticks + 1, std::max(now_.longest_ms, 1e3 * in.dt_s), sample.X_WH.p};
+    now_ = {now_.ticks + 1, std::max(now_.longest_ms, 1e3 * in.dt_s), sample.X_WH.p,
+            limiter_.counts()};
     seens_.Write(now_);
   }
 
@@ -167,6 +169,9 @@ std::vector<Finding> TryDriver(const DeviceOptions& options, bool push, StopSign
     const bool pushes = push && loop.ready;
     const Finding pushed = pushes ? Pushed(loop) : Finding{};
     add("driver", Turned(loop, rate_Hz));
+    if (const LimiterCounts& counts = loop.seen.limiter; counts.too_hot + counts.too_cold > 0) {
+      add("motors", Warning(TemperatureRemark(counts), "correct motor_temperature in read"));
+    }
     if (pushes) add("push", pushed);
   } catch (const Error& error) {
     add("device", Fault(error.what(), "see 'An arm of your own' in " +

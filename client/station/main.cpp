@@ -170,6 +170,15 @@ int RunStation(const StationOptions& given) {
   const auto seconds = [&] {
     return began_ns == 0 ? 0.0 : 1e-9 * static_cast<double>(SteadyNanoseconds() - began_ns);
   };
+  std::string told_of_motors;
+  const auto tell_of_motors = [&](const LimiterCounts& counts) {
+    const std::string remark = TemperatureRemark(counts);
+    if (remark == told_of_motors || device->info().simulated) return;
+    table.Erase();
+    const bool odd = counts.too_hot + counts.too_cold > 0;
+    spdlog::log(odd ? spdlog::level::warn : spdlog::level::info, "device: {}", remark);
+    told_of_motors = remark;
+  };
   std::exception_ptr refused;
   try {
     while (!stop.WaitFor(kPoll)) {
@@ -192,6 +201,7 @@ int RunStation(const StationOptions& given) {
       if (servo->ReadSnapshot(view.snapshot)) {
         view.seconds = seconds();
         view.phase = phase;
+        tell_of_motors(view.snapshot.limiter);
         table.Show(view);
         tell_statistics(view.snapshot, false);
       }

@@ -378,14 +378,16 @@ void OpenHapticsDevice::ReadNowAndThen() noexcept {
   });
   if (!has_inkwell_) state_.docked = false;
   if (!has_temperature_) return;
-  double hottest = 0.0;
+  double hottest = 0.0, known = std::numeric_limits<double>::quiet_NaN();
   for (int i = 0; i < output_dof_; ++i) {
     const double t = state_.motor_temperature[static_cast<std::size_t>(i)];
-    if (!(t <= hottest)) hottest = t;
-    if (std::isnan(hottest)) break;  // if one is unknown, the others do not show that it is cool
+    // If one is unknown, the others do not show that it is cool; but they may show that they are
+    // hot.  std::fmax passes over NaN.
+    if (!(t <= hottest) && !std::isnan(hottest)) hottest = t;
+    known = std::fmax(known, t);
   }
   gate_.SetTemperature(hottest);
-  sample_.motor_temperature = hottest;  // corrects the limiter's model
+  sample_.motor_temperature = known;  // corrects the limiter's model
 }
 
 void OpenHapticsDevice::Apply(const LimitedWrench& wrench) noexcept {

@@ -177,6 +177,20 @@ TEST_F(PressedArm, IsReleasedByEachSignalThatEndsTheDoctor) {
   }
 }
 
+TEST(PluginStation, SaysOnceThatAMotorTemperatureIsOutOfItsRange) {
+  Program server = Server();
+  ASSERT_TRUE(server.Says("ready: ", 60.0)) << server.Output();
+  Program station = Station(PALPATE_WRONG_DRIVER, {"--device-name", "hot", "--for", "2.5"});
+  EXPECT_EQ(station.Exit(), 0);
+  const std::string& said = station.Output();
+  const std::size_t first = said.find("motor temperature above 1");
+  ASSERT_NE(first, std::string::npos) << said;
+  EXPECT_EQ(said.find("motor temperature above 1", first + 1), std::string::npos) << said;
+  Program doctor = Doctor({PALPATE_WRONG_DRIVER, "--device-name", "hot"});
+  doctor.Exit(60.0);
+  EXPECT_THAT(doctor.Output(), HasSubstr("motor temperature above 1"));
+}
+
 TEST(PluginStation, EndsWithOneAndTheReasonWhereTheFileIsNoDriver) {
   Program station = Station(PALPATE_NO_DRIVER, {});
   EXPECT_EQ(station.Exit(), 1);

@@ -57,6 +57,7 @@ palpate_device* palpate_device_open(const char* name, double, palpate_device_inf
   WrongArm& arm = the_device.arm;
   if (arm.open_throws) throw std::runtime_error("no");
   if (std::strcmp(name, "hangs") == 0) arm.hangs_at = 1000;  // a station cannot reach WrongArm
+  if (std::strcmp(name, "hot") == 0) arm.motor_temperature = 1.2;
   if (std::string(name).starts_with("presses ")) {
     arm.presses = true;
     the_calls = open(name + std::strlen("presses "), O_WRONLY | O_CREAT | O_APPEND, 0600);
@@ -81,6 +82,7 @@ int palpate_device_read(palpate_device* device, palpate_device_reading* reading)
   if (arm.hangs_at != 0 && device->number == arm.hangs_at) arm.way = WrongArm::kReadHangs;
   const WrongArm::Way way = arm.way;
   reading->buttons = 1;
+  reading->motor_temperature = arm.motor_temperature;
   switch (way) {
     case WrongArm::kNotFinite:
       reading->position_m[1] = std::nan("");

@@ -43,6 +43,7 @@ struct WrongArm {
                            .rotation_resolution_rad = 1e-3,
                            .thermal_time_s = 60.0};
   std::uint64_t hangs_at = 0;  ///< number of the reading; 0: never
+  double motor_temperature = 0.0;
   bool presses = false;        ///< moves into the cube
   bool opens = true;
   bool open_throws = false;
