@@ -183,9 +183,10 @@ int RunStation(const StationOptions& given) {
   try {
     while (!stop.WaitFor(kPoll)) {
       link.Poll(SteadyNanoseconds());
-      if (const std::string news = device->Attend(); !news.empty()) {
+      if (const DeviceNews news = device->Attend(); !news.empty()) {
         table.Erase();
-        spdlog::info("device: {}", news);
+        if (!news.faults.empty()) spdlog::warn("device: {}", news.faults);
+        if (!news.notes.empty()) spdlog::info("device: {}", news.notes);
       }
       if (guide) guide->Poll([&](const GuideAim& aim) { servo->SetAim(aim); });
       if (began_ns == 0 && servo->started()) began_ns = SteadyNanoseconds();

@@ -483,17 +483,17 @@ const OpenHapticsState& OpenHapticsDevice::State() {
   return seen_;
 }
 
-std::string OpenHapticsDevice::Attend() {
-  std::string news = std::exchange(notes_, {});
+DeviceNews OpenHapticsDevice::Attend() {
+  DeviceNews news{.faults = {}, .notes = std::exchange(notes_, {})};
   const OpenHapticsState& state = State();
-  AddLine(news, NewErrors());
+  AddLine(news.faults, NewErrors());
   if (state.output != output_told_) {
     if (state.output == OutputGate::State::kOn) {
-      AddLine(news, "the arm is ready: forces come in by a ramp");
+      AddLine(news.notes, "the arm is ready: forces come in by a ramp");
     } else if (state.output == OutputGate::State::kCooling) {
-      AddLine(news, "the motors are hot: no force until they have cooled");
+      AddLine(news.faults, "the motors are hot: no force until they have cooled");
     } else if (state.output == OutputGate::State::kLatched) {
-      AddLine(news, "the arm's forces are off until the station is started again");
+      AddLine(news.faults, "the arm's forces are off until the station is started again");
     }
     output_told_ = state.output;
   }
@@ -501,7 +501,7 @@ std::string OpenHapticsDevice::Attend() {
   if (!calibrated_ && state.output == OutputGate::State::kCalibrating && SchedulerLives() &&
       state.ticks >= next_look_ticks_) {
     next_look_ticks_ = state.ticks + slow_period_;
-    AddLine(news, Calibrate());
+    AddLine(news.notes, Calibrate());
   }
   return news;
 }

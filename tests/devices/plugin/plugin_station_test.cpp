@@ -191,6 +191,17 @@ TEST(PluginStation, SaysOnceThatAMotorTemperatureIsOutOfItsRange) {
   EXPECT_THAT(doctor.Output(), HasSubstr("motor temperature above 1"));
 }
 
+TEST(PluginStation, NamesTheFunctionThatSlowsTheLoopAsAWarning) {
+  Program server = Server();
+  ASSERT_TRUE(server.Says("ready: ", 60.0)) << server.Output();
+  Program station = Station(PALPATE_WRONG_DRIVER, {"--device-name", "slow", "--for", "3"});
+  EXPECT_TRUE(station.Says("warning: device: ", 60.0));
+  EXPECT_TRUE(station.Says("palpate_device_read takes", 2.0));
+  EXPECT_EQ(station.Exit(), 0);
+  EXPECT_THAT(station.Output(), AllOf(HasSubstr("the loop is slow"),
+                                      testing::Not(HasSubstr("late or missing replies"))));
+}
+
 TEST(PluginStation, EndsWithOneAndTheReasonWhereTheFileIsNoDriver) {
   Program station = Station(PALPATE_NO_DRIVER, {});
   EXPECT_EQ(station.Exit(), 1);
@@ -204,6 +215,15 @@ TEST(Doctor, TriesADriverAndSeesThatItsHandleGivesWay) {
       doctor.Output(),
       AllOf(HasSubstr("virtual arm"), HasSubstr("5 N, continuously 1.5 N; 0 N m; workspace 200"),
             HasSubstr(" driver "), HasSubstr("ok       push"), HasSubstr("the handle moved")));
+}
+
+TEST(Doctor, TakesNoDriverForFitThatIsSlowOrExchangesAxes) {
+  for (const auto& [name, finding] :
+       {std::pair{"slow", "fault    driver"}, std::pair{"exchanges", "fault    push"}}) {
+    Program doctor = Doctor({PALPATE_WRONG_DRIVER, "--device-name", name, "--push"});
+    EXPECT_EQ(doctor.Exit(60.0), 1);
+    EXPECT_THAT(doctor.Output(), HasSubstr(finding)) << name;
+  }
 }
 
 TEST(Doctor, FindsWhatADriverDoesWrong) {

@@ -18,6 +18,7 @@ using palpate::test::WrongArm;
 struct palpate_device {
   WrongArm arm;
   std::uint64_t number = 0;
+  double last_N[3] = {};
 };
 
 namespace {
@@ -57,6 +58,8 @@ palpate_device* palpate_device_open(const char* name, double, palpate_device_inf
   WrongArm& arm = the_device.arm;
   if (arm.open_throws) throw std::runtime_error("no");
   if (std::strcmp(name, "hangs") == 0) arm.hangs_at = 1000;  // a station cannot reach WrongArm
+  if (std::strcmp(name, "slow") == 0) arm.way = WrongArm::kReadIsSlow;
+  if (std::strcmp(name, "exchanges") == 0) arm.exchanges_axes = true;
   if (std::strcmp(name, "hot") == 0) arm.motor_temperature = 1.2;
   if (std::string(name).starts_with("presses ")) {
     arm.presses = true;
@@ -78,6 +81,9 @@ int palpate_device_read(palpate_device* device, palpate_device_reading* reading)
   if (arm.presses) {
     reading->position_m[0] = 0.0;
     reading->position_m[1] = std::max(0.028, 0.036 - 1e-5 * static_cast<double>(device->number));
+  }
+  if (arm.exchanges_axes) {
+    for (int i = 0; i < 3; ++i) reading->position_m[i] = 2e-3 * device->last_N[i < 2 ? 1 - i : 2];
   }
   if (arm.hangs_at != 0 && device->number == arm.hangs_at) arm.way = WrongArm::kReadHangs;
   const WrongArm::Way way = arm.way;
@@ -105,6 +111,9 @@ int palpate_device_read(palpate_device* device, palpate_device_reading* reading)
     case WrongArm::kReadFails:
     case WrongArm::kSaysNothing:
       return 7;
+    case WrongArm::kReadIsSlow:
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      break;
     case WrongArm::kReadThrows:
       throw std::runtime_error("no");
     case WrongArm::kReadHangs:
@@ -122,6 +131,7 @@ int palpate_device_write(palpate_device* device, const double force_N[3], const 
   if (way == WrongArm::kWriteThrows) throw std::runtime_error("no");
   if (way == WrongArm::kWriteHangs) return Hang(way), 0;
   if (way == WrongArm::kWriteFails || way == WrongArm::kStopFails) return 8;
+  std::copy_n(force_N, 3, device->last_N);
   arm.force_N = std::hypot(force_N[0], force_N[1], force_N[2]);
   if (pressed != (arm.force_N > 0.0)) Note((pressed = arm.force_N > 0.0) ? "force" : "no force");
   return 0;
