@@ -6,11 +6,13 @@
 #include <utility>
 #include <vector>
 
+#include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
 #include "client/doctor/checks.h"
 #include "common/error.h"
 #include "common/files/project_files.h"
+#include "common/program/forked.h"
 #include "common/realtime/latest_mailbox.h"
 #include "common/realtime/steady_clock.h"
 #include "devices/wrench_limiter.h"
@@ -33,6 +35,8 @@ constexpr double kAlong = 0.8;
 /// From this cosine on, a motion is along an axis.
 constexpr double kOnAxis = 0.95;
 constexpr double kLongTurn_ms = 3.0;
+/// An arm that is calibrated while it is opened may take this long.
+constexpr double kPatience_s = 120.0;
 
 /// A station's loop without a server: a device behind the limiter.
 class DriverLoop {
@@ -178,13 +182,11 @@ Finding JudgePush(double force_N, const Mat3& way) {
                  "drives its motors");
 }
 
-std::vector<Finding> TryDriver(const DeviceOptions& options, bool push, StopSignal& stop) {
-  std::vector<Finding> findings;
-  const auto add = [&](const char* check, Finding finding) {
-    finding.check = check;
-    findings.push_back(std::move(finding));
-  };
-  StayAwake();
+namespace {
+
+using Add = std::function<void(const char* check, const Finding& finding)>;
+
+void RunDriver(const DeviceOptions& options, bool push, StopSignal& stop, const Add& add) {
   try {
     const std::unique_ptr<Device> device = MakeDevice(options);
     const DeviceInfo& info = device->info();
@@ -209,6 +211,37 @@ std::vector<Finding> TryDriver(const DeviceOptions& options, bool push, StopSign
     add("device", Fault(error.what(), "see 'An arm of your own' in " +
                                           ShownPlaceOf(ProjectFile::kDevicePages) + "/arm.md"));
   }
+}
+
+std::string ToLine(const char* check, const Finding& finding) {
+  return nlohmann::json{check, finding.status, finding.found, finding.remedy}.dump(
+      -1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+Finding FromLine(const std::string& line) {
+  const nlohmann::json json = nlohmann::json::parse(line);
+  return {.check = json[0].get<std::string>(),
+          .status = json[1].get<Status>(),
+          .found = json[2].get<std::string>(),
+          .remedy = json[3].get<std::string>()};
+}
+
+}  // namespace
+
+std::vector<Finding> TryDriver(const DeviceOptions& options, bool push, StopSignal& stop) {
+  StayAwake();
+  const ForkedEnd end = RunForked(
+      [&](const auto& tell) {
+        RunDriver(options, push, stop,
+                  [&](const char* check, const Finding& finding) { tell(ToLine(check, finding)); });
+      },
+      kPatience_s, [&] { return stop.stopped(); });
+  std::vector<Finding> findings;
+  for (const std::string& line : end.told) findings.push_back(FromLine(line));
+  if (end.finished || stop.stopped()) return findings;
+  findings.push_back(Fault(options.name + ": " + end.how,
+                           "correct that function; a crash ends a station, too, and the arm keeps "
+                           "its last force until its own watchdog ends it"));
+  findings.back().check = "driver";
   return findings;
 }
 

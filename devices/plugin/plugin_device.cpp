@@ -16,6 +16,7 @@
 #include "common/error.h"
 #include "common/files/shared_library.h"
 #include "common/math/pose_check.h"
+#include "common/program/forked.h"
 #include "common/realtime/latest_mailbox.h"
 #include "common/realtime/sleep_until.h"
 #include "common/realtime/steady_clock.h"
@@ -56,6 +57,7 @@ struct Functions {
 /// Throws Error.
 Functions LoadDriver(const std::string& file) {
   const std::string device = "--device " + file;
+  const ForeignCall call("loading the driver");
   const Functions functions =
       SharedLibrary<Functions>::Load(
           // Without a slash the loader would search its own path.
@@ -144,11 +146,13 @@ class PluginDevice::Arm {
     palpate_device_info sheet{};
     sheet.thermal_time_s = info.thermal_time_s;
     try {
+      const ForeignCall call("palpate_device_open");
       device_ = api_.open(options.arm.c_str(), options.rate_Hz, &sheet);
     } catch (...) {
       throw Error(begin + "palpate_device_open" + kThrew);
     }
     if (device_ == nullptr) {
+      const ForeignCall call("palpate_device_last_error");
       const char* said = api_.last_error(nullptr);
       throw Error(begin + "palpate_device_open failed: " + (said ? said : kSilent));
     }
@@ -236,6 +240,7 @@ class PluginDevice::Arm {
   void Stop() noexcept {
     int answer = -1;
     try {
+      const ForeignCall call("palpate_device_stop");
       answer = api_.stop(device_);
     } catch (...) {
     }
@@ -277,6 +282,7 @@ class PluginDevice::Arm {
     if (device_ == nullptr) return;
     Stop();
     try {
+      const ForeignCall call("palpate_device_close");
       api_.close(device_);
     } catch (...) {
     }
@@ -315,6 +321,7 @@ class PluginDevice::Arm {
     trouble_ = {words, symbol};
     if (words == kFailed) {
       try {
+        const ForeignCall call("palpate_device_last_error");
         const char* said = api_.last_error(device_);
         if (said == nullptr || *said == '\0') said = kSilent;
         std::memcpy(trouble_.said, said, strnlen(said, sizeof trouble_.said - 1));
@@ -339,6 +346,7 @@ class PluginDevice::Arm {
     calling_ = symbol;
     const std::int64_t began_ns = SteadyNanoseconds();
     try {
+      const ForeignCall foreign(symbol);
       answer = call();
     } catch (...) {
       threw = true;

@@ -226,6 +226,15 @@ TEST(Doctor, TakesNoDriverForFitThatIsSlowOrExchangesAxes) {
   }
 }
 
+TEST(Doctor, NamesTheFunctionInWhichADriverCrashesAndStillGivesItsVerdict) {
+  for (const std::string function : {"open", "read", "write", "stop", "close"}) {
+    Program doctor = Doctor({PALPATE_WRONG_DRIVER, "--device-name", "crashes " + function});
+    EXPECT_EQ(doctor.Exit(60.0), 1) << function;
+    EXPECT_THAT(doctor.Output(), AllOf(HasSubstr("palpate_device_" + function + " crashed"),
+                                       HasSubstr("verdict: not fit")));
+  }
+}
+
 TEST(Doctor, FindsWhatADriverDoesWrong) {
   Program hangs = Doctor({PALPATE_WRONG_DRIVER, "--device-name", "hangs"});
   EXPECT_EQ(hangs.Exit(60.0), 1);

@@ -34,6 +34,12 @@ void Note(const std::string& call) {
   if (the_calls >= 0) (void)!write(the_calls, (call + "\n").data(), call.size() + 1);
 }
 
+/// Crashes in the function that the name asks for.
+std::string crashes_in;
+void CrashIfAskedTo(const char* function) {
+  if (crashes_in == function) *static_cast<volatile int*>(nullptr) = 1;
+}
+
 /// Hangs for as long as the test wants it to.
 void Hang(WrongArm::Way way) {
   the_device.arm.held = true;
@@ -58,6 +64,8 @@ palpate_device* palpate_device_open(const char* name, double, palpate_device_inf
   WrongArm& arm = the_device.arm;
   if (arm.open_throws) throw std::runtime_error("no");
   if (std::strcmp(name, "hangs") == 0) arm.hangs_at = 1000;  // a station cannot reach WrongArm
+  if (std::string(name).starts_with("crashes ")) crashes_in = name + std::strlen("crashes ");
+  CrashIfAskedTo("open");
   if (std::strcmp(name, "slow") == 0) arm.way = WrongArm::kReadIsSlow;
   if (std::strcmp(name, "exchanges") == 0) arm.exchanges_axes = true;
   if (std::strcmp(name, "hot") == 0) arm.motor_temperature = 1.2;
@@ -86,6 +94,7 @@ int palpate_device_read(palpate_device* device, palpate_device_reading* reading)
     for (int i = 0; i < 3; ++i) reading->position_m[i] = 2e-3 * device->last_N[i < 2 ? 1 - i : 2];
   }
   if (arm.hangs_at != 0 && device->number == arm.hangs_at) arm.way = WrongArm::kReadHangs;
+  if (device->number == 500) CrashIfAskedTo("read");
   const WrongArm::Way way = arm.way;
   reading->buttons = 1;
   reading->motor_temperature = arm.motor_temperature;
@@ -127,6 +136,7 @@ int palpate_device_read(palpate_device* device, palpate_device_reading* reading)
 
 int palpate_device_write(palpate_device* device, const double force_N[3], const double[3]) {
   WrongArm& arm = device->arm;
+  if (device->number == 500) CrashIfAskedTo("write");
   const WrongArm::Way way = arm.way;
   if (way == WrongArm::kWriteThrows) throw std::runtime_error("no");
   if (way == WrongArm::kWriteHangs) return Hang(way), 0;
@@ -141,6 +151,7 @@ int palpate_device_write(palpate_device* device, const double force_N[3], const 
 int palpate_device_stop(palpate_device* device) {
   ++device->arm.stops;
   Note("stop");
+  CrashIfAskedTo("stop");
   if (device->arm.way == WrongArm::kStopFails) return 9;
   device->arm.force_N = 0.0;
   return 0;
@@ -150,6 +161,7 @@ int palpate_device_stop(palpate_device* device) {
 void palpate_device_close(palpate_device* device) {
   device->arm.open = false;
   Note("close");
+  CrashIfAskedTo("close");
 }
 
 const char* palpate_device_last_error(palpate_device* device) {
