@@ -68,8 +68,8 @@ struct DeviceSample {
   Twist V_WH;  ///< its velocity
   std::uint32_t buttons = 0;
   std::uint32_t status = kDeviceOk;
-  /// Temperature of the hottest motor as the device reports it, from 0 (cool) to 1 (its limit); NaN
-  /// if it reports none.
+  /// Temperature of the hottest motor as the device reports it, from 0 (cool) to 1 (its limit;
+  /// above counts as 1); NaN if it reports none.
   double motor_temperature = std::numeric_limits<double>::quiet_NaN();
 };
 
@@ -78,6 +78,21 @@ inline void AddLine(std::string& lines, std::string_view line) {
   if (!lines.empty() && !line.empty()) lines += '\n';
   lines += line;
 }
+
+/// What a device tells people, one line each.
+struct DeviceNews {
+  std::string faults;  ///< why it gives no force, or less, and what to do
+  std::string notes;   ///< for instance that forces are back
+  bool empty() const { return faults.empty() && notes.empty(); }
+  std::string Lines() const {
+    std::string lines = faults;
+    AddLine(lines, notes);
+    return lines;
+  }
+};
+
+/// A loop that runs at less than this share of its device's rate is too slow for haptics.
+inline constexpr double kLeastRate = 0.9;
 
 /// A haptic device.  The station's loop drives it `info().rate_Hz` times a second; a tick is Read,
 /// Shape, Apply.  README.md says how to add one.
@@ -118,9 +133,8 @@ class Device {
   /// Stops the ticks: once it has returned, no tick runs, and the device renders nothing.
   virtual void StopTicks() {}
   /// Does what is not real-time, such as calibration.  The thread that made the device calls it at
-  /// least some ten times a second.  Returns news for people since the last call, one line each;
-  /// mostly empty.
-  virtual std::string Attend() { return {}; }
+  /// least some ten times a second.  Returns the news since the last call; mostly empty.
+  virtual DeviceNews Attend() { return {}; }
 };
 
 }  // namespace palpate

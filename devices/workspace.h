@@ -96,7 +96,7 @@ class WorkspaceDevice final : public Device {
     return device_->StartTicks(std::move(tick));
   }
   void StopTicks() override { device_->StopTicks(); }
-  std::string Attend() override { return device_->Attend(); }
+  DeviceNews Attend() override { return device_->Attend(); }
 
  private:
   std::unique_ptr<Device> device_;

@@ -23,7 +23,7 @@ class LimitedWrench {
 /// clamp (with a small bound) and slew stage of its own, is added to the contact wrench before
 /// temperature, and shares the later stages.  No stage can be left out or switched off.
 ///
-/// For every input, with dt the time that a call counts for (at most kMaxTick_s): force and torque
+/// For every input, with dt the time that a call counts for (CountedTick): force and torque
 /// are finite, at most their limit, and change by at most their slew limit x dt. Proof.  Let c be
 /// the contact force after the energy stage.  It changes by at most r dt, the limit of that stage's
 /// own slew, and stays within the peak F: its targets are no longer than the slew stage's output,

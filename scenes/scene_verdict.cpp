@@ -79,21 +79,6 @@ bool Yields(const Material& material) {
   return std::isfinite(material.stiffness);
 }
 
-/// Checks an effect that claims to be passive.
-void JudgeEffect(const Effect& effect, const Vec3& centre, double radius, Verdict& verdict) {
-  if (effect.of == nullptr || effect.of->passive == 0) return;
-  const double given = EnergyGiven(effect, centre, radius);
-  if (given <= kNoEnergy) return;
-  char share[32];
-  std::snprintf(share, sizeof share, "%.2g", given);
-  verdict.faults.push_back(
-      "effect " + effect.file +
-      (std::isfinite(given)
-           ? std::string(": claims to be passive, but gives the hand ") + share +
-                 " of the energy exchanged along a closed path; fix it, or omit .passive"
-           : std::string(": failed; fix it, or its parameters")));
-}
-
 }  // namespace
 
 void Verdict::Add(const Verdict& other) {
@@ -168,18 +153,6 @@ BodyFindings JudgeBody(const Scene& scene, const Body& body, bool is_tool, Measu
   found.hidden = HiddenRemark(FindHiddenParts(body.mesh), 1e3, "mm");
   if (!found.hidden.empty()) found.verdict.limits.push_back(whose + ": " + found.hidden);
   return found;
-}
-
-Verdict JudgeEffects(const Scene& scene) {
-  Verdict verdict;
-  Eigen::AlignedBox3d box;
-  for (const Body& body : scene.objects) {
-    for (const Vec3& v : body.mesh.vertices) box.extend(body.X_WB * v);
-  }
-  for (const Effect& effect : scene.effects) {
-    JudgeEffect(effect, box.center(), 0.5 * box.diagonal().norm(), verdict);
-  }
-  return verdict;
 }
 
 Verdict JudgeScene(const Scene& scene) {

@@ -193,6 +193,10 @@ Finding CheckDevice(const HostFiles& host, const std::string& device, const ArmP
 /// `push`: then 1 N forwards and back along each axis, to see that the handle yields.
 std::vector<Finding> TryDriver(const DeviceOptions& options, bool push, StopSignal& stop);
 
+/// Judges whether a handle gives way where it is pushed: not across, not backwards.
+/// @param way  motion by a push along x, y and z, as columns [m].
+Finding JudgePush(double force_N, const Mat3& way);
+
 /// The wake-up latency of a 1 kHz loop.
 struct Jitter {
   Histogram lateness;        ///< [ns]

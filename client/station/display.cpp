@@ -8,6 +8,7 @@
 
 #include "common/files/output.h"
 #include "common/step_fault.h"
+#include "common/text/joined.h"
 #include "common/text/quoted.h"
 
 namespace palpate {
@@ -31,21 +32,38 @@ double NiceScale(double value, double unit) {
 /// From here on the limiter may reduce a peak (MotorWarmth::kWarm).
 constexpr double kHot = MotorWarmth::kWarm;
 
-bool IsWell(const StationSnapshot& s) {
-  return s.faults == 0 && !s.fading && s.warmth <= kHot;
+bool IsSlow(const StationSnapshot& s) {
+  return s.rate_hz < kLeastRate * s.nominal_hz;
 }
 
-std::string Ailments(const StationSnapshot& snapshot) {
-  std::string words = FaultMeanings(snapshot.faults);
-  if (snapshot.fading) {
-    words = (snapshot.faults == 0 ? "" : words + ", ") +
-            std::string("force held back (late or missing replies)");
+bool IsWell(const StationSnapshot& s) {
+  return s.faults == 0 && !s.device_at_fault && !s.fading && !IsSlow(s) && s.warmth <= kHot;
+}
+
+std::string Ailments(const StationSnapshot& s) {
+  if (IsWell(s)) return FaultMeanings(0);
+  std::vector<std::string> words;
+  if (s.faults != 0) words.push_back(FaultMeanings(s.faults));
+  if (s.device_at_fault) words.push_back("the device is at fault");
+  if (IsSlow(s)) {
+    words.push_back(fmt::format("the loop is slow ({:.0f} of {:.0f} Hz)", s.rate_hz, s.nominal_hz));
   }
-  if (snapshot.warmth > kHot) {
-    words = (snapshot.faults == 0 && !snapshot.fading ? "" : words + ", ") +
-            fmt::format("motors warm ({:.0f} %)", 100.0 * snapshot.warmth);
+  if (s.fading) {
+    words.push_back(IsSlow(s) ? "force held back" : "force held back (late or missing replies)");
   }
-  return words;
+  if (s.warmth > kHot) words.push_back(fmt::format("motors warm ({:.0f} %)", 100.0 * s.warmth));
+  return Joined(words);
+}
+
+std::string FaultsOf(const StationTotals& t) {
+  std::string words;
+  if (t.device_fault_ticks == t.ticks && t.ticks > 0) {
+    words = "the device was never ready";
+  } else if (t.device_faults > 0) {
+    words = fmt::format("the device {} time{}", t.device_faults, t.device_faults == 1 ? "" : "s");
+  }
+  if (words.empty()) return FaultMeanings(t.faults);
+  return t.faults == 0 ? words : words + ", " + FaultMeanings(t.faults);
 }
 
 /// Returns a time in microseconds, "-" if none was measured.
@@ -180,7 +198,7 @@ std::string ToText(const StationSummary& s) {
   text += fmt::format(
       "  local model  {:.0f} % of the ticks by rows, {:.1f} % of these beyond their region\n",
       100.0 * Fraction(t.evaluations, t.ticks), 100.0 * Fraction(t.beyond_region, t.evaluations));
-  text += "  faults       " + FaultMeanings(t.faults) + "\n";
+  text += "  faults       " + FaultsOf(t) + "\n";
   text += fmt::format(
       "  limiter      {} fades, {} clamped, {} slewed, {} braked, {} warm, "
       "{} not finite; {} reconnects\n",
@@ -219,6 +237,8 @@ std::string ToJson(const StationSummary& s) {
                                {"local_model", local_model},
                                {"faults", t.faults},
                                {"fault_words", FaultWords(t.faults)},
+                               {"device_faults", t.device_faults},
+                               {"device_fault_ticks", t.device_fault_ticks},
                                {"reconnects", s.reconnects},
                                {"limits",
                                 {{"force_N", s.limits.force_N},

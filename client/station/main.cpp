@@ -98,6 +98,7 @@ StationSummary Summarise(const StationOptions& options, const Device& device,
 int RunStation(const StationOptions& given) {
   KeepFilesPrivate();
   StopSignal stop;
+  StayAwake();
   // Fails at once for what needs no server.
   DeviceOptions device_options = DeviceOf(given);
   CheckDriver(given.device.name);
@@ -169,13 +170,23 @@ int RunStation(const StationOptions& given) {
   const auto seconds = [&] {
     return began_ns == 0 ? 0.0 : 1e-9 * static_cast<double>(SteadyNanoseconds() - began_ns);
   };
+  std::string told_of_motors;
+  const auto tell_of_motors = [&](const LimiterCounts& counts) {
+    const std::string remark = TemperatureRemark(counts);
+    if (remark == told_of_motors || device->info().simulated) return;
+    table.Erase();
+    const bool odd = counts.too_hot + counts.too_cold > 0;
+    spdlog::log(odd ? spdlog::level::warn : spdlog::level::info, "device: {}", remark);
+    told_of_motors = remark;
+  };
   std::exception_ptr refused;
   try {
     while (!stop.WaitFor(kPoll)) {
       link.Poll(SteadyNanoseconds());
-      if (const std::string news = device->Attend(); !news.empty()) {
+      if (const DeviceNews news = device->Attend(); !news.empty()) {
         table.Erase();
-        spdlog::info("device: {}", news);
+        if (!news.faults.empty()) spdlog::warn("device: {}", news.faults);
+        if (!news.notes.empty()) spdlog::info("device: {}", news.notes);
       }
       if (guide) guide->Poll([&](const GuideAim& aim) { servo->SetAim(aim); });
       if (began_ns == 0 && servo->started()) began_ns = SteadyNanoseconds();
@@ -191,6 +202,7 @@ int RunStation(const StationOptions& given) {
       if (servo->ReadSnapshot(view.snapshot)) {
         view.seconds = seconds();
         view.phase = phase;
+        tell_of_motors(view.snapshot.limiter);
         table.Show(view);
         tell_statistics(view.snapshot, false);
       }

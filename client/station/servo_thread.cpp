@@ -38,7 +38,7 @@ ServoThread::ServoThread(StationCore& core, ReplyRing& replies, double snapshot_
       trace_(trace),
       rate_Hz_(core.device().info().rate_Hz),
       tick_ns_(static_cast<std::int64_t>(1e9 / rate_Hz_)),
-      ticks_per_snapshot_(static_cast<std::uint64_t>(std::max(1.0, snapshot_period_s * rate_Hz_))),
+      snapshot_period_ns_(static_cast<std::int64_t>(1e9 * snapshot_period_s)),
       thread_([this] { Run(); }) {}
 
 ServoThread::~ServoThread() {
@@ -74,6 +74,19 @@ void ServoThread::SetPath(PosePath* path) {
   const std::uint64_t edges = tick_edges_.load();
   if (edges % 2 == 0) return;
   while (tick_edges_.load() == edges) std::this_thread::sleep_for(std::chrono::microseconds(100));
+}
+
+bool ServoThread::ReadSnapshot(StationSnapshot& snapshot) {
+  // By this thread's clock, since a slow loop must be shown in time, and the loop branches on none.
+  const std::int64_t now_ns = SteadyNanoseconds();
+  if (ticks() == 0) {
+    snapshot_asked_ns_ = now_ns;
+  } else if (now_ns - snapshot_asked_ns_ >= snapshot_period_ns_) {
+    snapshot_asked_ns_ =
+        std::max(snapshot_asked_ns_ + snapshot_period_ns_, now_ns - snapshot_period_ns_);
+    snapshot_due_ = true;
+  }
+  return snapshots_.Read(snapshot);
 }
 
 /// Returns how many ticks since `due_ns` did not take place.
@@ -131,8 +144,8 @@ void ServoThread::Tick(std::int64_t now_ns) noexcept {
   core_.Act(now_ns);
   if (trace_) trace_->Add(RecordOf(core_, now_ns));
   newest_reply_ns_.store(core_.newest_reply_ns(), std::memory_order_relaxed);
-  const std::uint64_t ticks = (tick_edges_.fetch_add(1) + 1) / 2;
-  if (ticks % ticks_per_snapshot_ == 0) snapshots_.Write(core_.TakeSnapshot(now_ns));
+  tick_edges_.fetch_add(1);
+  if (snapshot_due_.exchange(false)) snapshots_.Write(core_.TakeSnapshot(now_ns));
   if (stopping && !core_.renders_force()) done_.store(true, std::memory_order_release);
 }
 

@@ -31,7 +31,8 @@ class ServoThread {
 
   /// Inherits the caller's scheduling.  The core must outlive it, and belongs to the thread
   /// until Stop().
-  /// @param snapshot_period_s  how often a snapshot is made.
+  /// @param snapshot_period_s  how often a snapshot is made, however slow the loop is; at most as
+  ///                           often as ReadSnapshot is called.
   /// @param trace              gets every tick; null: none.  Must outlive it.
   ServoThread(StationCore& core, ReplyRing& replies, double snapshot_period_s,
               Trace* trace = nullptr);
@@ -57,7 +58,7 @@ class ServoThread {
   /// Ramps the device's force to zero through the limiter, and ends the thread.
   void Stop();
 
-  bool ReadSnapshot(StationSnapshot& snapshot) { return snapshots_.Read(snapshot); }
+  bool ReadSnapshot(StationSnapshot& snapshot);
   /// Returns when the pose of the newest reply was sampled [ns]; 0 before the first.
   std::int64_t newest_reply_ns() const { return newest_reply_ns_.load(std::memory_order_relaxed); }
   /// Returns the number of ticks skipped because the thread woke, or the device called, more than
@@ -87,7 +88,9 @@ class ServoThread {
   Trace* const trace_;
   const double rate_Hz_;
   const std::int64_t tick_ns_;
-  const std::uint64_t ticks_per_snapshot_;
+  const std::int64_t snapshot_period_ns_;
+  std::int64_t snapshot_asked_ns_ = 0;  // of the caller's thread
+  std::atomic<bool> snapshot_due_{false};
   LatestMailbox<StationSnapshot> snapshots_;
   LatestMailbox<GuideAim> aims_;
   std::int64_t due_ns_ = 0;  // of the next tick

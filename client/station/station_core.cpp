@@ -30,6 +30,9 @@ void StationCore::LoseSession() noexcept {
 
 OutgoingPose StationCore::Sense(std::int64_t now_ns, bool sending) noexcept {
   sample_ = device_.Read();
+  const bool was_at_fault = std::exchange(device_at_fault_, (sample_.status & kDeviceFault) != 0);
+  totals_.device_faults += device_at_fault_ && !was_at_fault;
+  totals_.device_fault_ticks += device_at_fault_;
   if (limiter_.enabled()) sample_.status |= kDeviceForcesEnabled;
   OutgoingPose pose{sequence_, now_ns, sample_, sample_.X_WH};
   if (!sending) return pose;
@@ -145,6 +148,8 @@ StationSnapshot StationCore::TakeSnapshot(std::int64_t now_ns) noexcept {
     snapshot.rate_hz = static_cast<double>(totals_.ticks - ticks_before_) / period_s;
   }
   const auto microseconds = [](std::uint64_t ns) { return 1e-3 * static_cast<double>(ns); };
+  snapshot.nominal_hz = device_.info().rate_Hz;
+  snapshot.device_at_fault = device_at_fault_;
   snapshot.round_trip_us_p50 = microseconds(period_round_trip_.Quantile(0.5));
   snapshot.round_trip_us_p99 = microseconds(period_round_trip_.Quantile(0.99));
   snapshot.server_step_us_p50 = microseconds(period_step_.Quantile(0.5));

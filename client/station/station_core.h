@@ -35,8 +35,10 @@ struct StationTotals {
   std::uint64_t late = 0;    ///< replies that took more than 1 ms
   std::uint64_t contact_replies = 0;
   std::uint32_t max_contacts = 0;
-  std::uint32_t faults = 0;  ///< union of all fault bits
-  double max_force_N = 0.0;  ///< applied to the device
+  std::uint32_t faults = 0;              ///< union of all fault bits
+  std::uint64_t device_faults = 0;       ///< how often the device fell from order into a fault
+  std::uint64_t device_fault_ticks = 0;  ///< ticks at fault, those before it was ready among them
+  double max_force_N = 0.0;              ///< applied to the device
   double max_torque_Nm = 0.0;
   std::uint64_t evaluations = 0;    ///< ticks whose wrench came from the local contact model's rows
   std::uint64_t beyond_region = 0;  ///< of these, ticks at which the rows were too far or too old
@@ -48,6 +50,7 @@ struct StationTotals {
 struct StationSnapshot {
   std::int64_t time_ns = 0;
   double rate_hz = 0.0;            ///< ticks, of the period
+  double nominal_hz = 0.0;         ///< DeviceInfo::rate_Hz
   double round_trip_us_p50 = 0.0;  ///< of the period; zero if no reply came
   double round_trip_us_p99 = 0.0;
   double server_step_us_p50 = 0.0;
@@ -62,7 +65,8 @@ struct StationSnapshot {
   std::uint64_t lost = 0;  ///< poses without an answer, except those still in flight
   std::uint64_t fades = 0;
   bool fading = false;
-  const char* activity = "";  ///< Device::activity
+  bool device_at_fault = false;  ///< at the end of the period
+  const char* activity = "";     ///< Device::activity
   // Further figures for StationStatistics.
   std::uint64_t ticks = 0;            ///< of the period
   double silence_s_max = 0.0;         ///< of the period; valid after the first reply
@@ -159,6 +163,7 @@ class StationCore {
   LimiterInput asked_;
   DeviceSample sample_;
   Reply newest_;
+  bool device_at_fault_ = true;  // until it is ready
   bool has_reply_ = false;
   bool graphic_known_ = false;  // in this session
   std::uint64_t sequence_ = 0;

@@ -156,7 +156,7 @@ bool HasTerminal() {
 }
 
 /// Handles SIGHUP, the request to read files again.  SIGHUP also comes when a terminal closes; it
-/// then ends a gateway that was started there, as by default.
+/// then ends a gateway that was started there, unless by `nohup`.
 class ReloadSignal {
  public:
   ReloadSignal(net::io_context& io, std::function<void()> reload)
@@ -172,7 +172,7 @@ class ReloadSignal {
   void Wait() {
     signals_.async_wait([this](boost::system::error_code stopped, int) {
       if (stopped) return;
-      if (had_terminal_ && !HasTerminal()) {
+      if (ends_with_terminal_ && !HasTerminal()) {
         std::raise(SIGTERM);
       } else {
         reload_();
@@ -181,9 +181,14 @@ class ReloadSignal {
     });
   }
 
+  static bool IsIgnored() {
+    struct sigaction now {};
+    return sigaction(SIGHUP, nullptr, &now) == 0 && now.sa_handler == SIG_IGN;
+  }
+
+  const bool ends_with_terminal_ = HasTerminal() && !IsIgnored();  // asked before signals_ is made
   net::signal_set signals_;
   const std::function<void()> reload_;
-  const bool had_terminal_ = HasTerminal();
 };
 
 /// Serves until a signal arrives.  One thread does everything: HTTP, WebSockets and, 120 times

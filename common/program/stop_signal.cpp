@@ -23,11 +23,27 @@ void OnSignal(int) {
 }
 
 void Install(void (*handler)(int)) {
-  struct sigaction action {};
-  action.sa_handler = handler;
-  action.sa_flags = static_cast<int>(SA_RESTART | SA_RESETHAND);
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  struct Taken {
+    int signal;
+    bool once;  // a second one kills a program that does not end by the first
+    bool may_be_ignored;
+  };
+  // The end of a terminal sends SIGHUP several times, by the shell and by the kernel; each write
+  // without a reader sends SIGPIPE.  `nohup` asks a program to go on without its terminal, and the
+  // caller of a pipe may ask for it, too.  But shells start each background job of a script with
+  // SIGINT and SIGQUIT ignored: `kill -INT`, sent to that job by name, is meant for it.
+  for (const Taken& taken :
+       {Taken{SIGHUP, false, true}, Taken{SIGPIPE, false, true}, Taken{SIGINT, true, false},
+        Taken{SIGQUIT, true, false}, Taken{SIGTERM, true, false}}) {
+    struct sigaction action {};
+    if (taken.may_be_ignored && sigaction(taken.signal, nullptr, &action) == 0 &&
+        action.sa_handler == SIG_IGN) {
+      continue;
+    }
+    action.sa_handler = handler;
+    action.sa_flags = SA_RESTART | (taken.once ? static_cast<int>(SA_RESETHAND) : 0);
+    sigaction(taken.signal, &action, nullptr);
+  }
 }
 
 }  // namespace
@@ -60,6 +76,10 @@ bool StopSignal::WaitFor(std::chrono::nanoseconds duration) noexcept {
   while (!stopped() && sem_clockwait(&wake, CLOCK_MONOTONIC, &until) != 0 && errno == EINTR) {
   }
   return stopped();
+}
+
+void StayAwake() noexcept {
+  for (const int signal : {SIGTSTP, SIGTTIN, SIGTTOU}) std::signal(signal, SIG_IGN);
 }
 
 }  // namespace palpate

@@ -4,9 +4,12 @@
 
 namespace palpate {
 
-/// Turns Ctrl-C and SIGTERM (which RouDi also sends when it ends) into a flag on which a main loop
-/// can wait.  A second signal of the same kind kills the process at once.  One object per process,
-/// made by main.
+/// Turns every signal by which a user ends a program into a flag on which a main loop can wait:
+/// SIGINT (Ctrl-C), SIGQUIT, SIGTERM (which RouDi also sends when it ends), SIGHUP (the terminal
+/// was closed) and SIGPIPE (the reader of the output has gone, as after a lost ssh without a
+/// terminal). A second SIGINT, SIGQUIT or SIGTERM kills the process at once.  SIGHUP and SIGPIPE
+/// stay ignored if they were (`nohup`).  After the first one, output may fail.  One object per
+/// process, made by main.
 class StopSignal {
  public:
   StopSignal();
@@ -18,5 +21,9 @@ class StopSignal {
   /// Sleeps for the duration, or until a signal comes.  Returns stopped().
   bool WaitFor(std::chrono::nanoseconds duration) noexcept;
 };
+
+/// Ignores Ctrl-Z and what else suspends a job of a terminal: an arm would keep its last force
+/// while its process is suspended.
+void StayAwake() noexcept;
 
 }  // namespace palpate

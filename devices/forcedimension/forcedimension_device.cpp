@@ -220,24 +220,28 @@ const ForceDimensionState& ForceDimensionDevice::State() {
   return seen_;
 }
 
-std::string ForceDimensionDevice::Attend() {
-  std::string news = std::exchange(notes_, {});
+DeviceNews ForceDimensionDevice::Attend() {
+  DeviceNews news{.faults = {}, .notes = std::exchange(notes_, {})};
   const ForceDimensionState& state = State();
   // An error in every tick is reported once a second.
   const bool another = state.error != error_told_ || state.ticks >= next_telling_ticks_;
   if (state.errors > errors_told_ && another) {
     const std::uint64_t times = state.errors - errors_told_;
-    AddLine(news, "the arm reports " + dhd::DescribeError(state.error) +
-                      (times > 1 ? " (" + std::to_string(times) + " errors)" : ""));
+    AddLine(news.faults, "the arm reports " + dhd::DescribeError(state.error) +
+                             (times > 1 ? " (" + std::to_string(times) + " errors)" : ""));
     errors_told_ = state.errors;
     error_told_ = state.error;
     next_telling_ticks_ = state.ticks + static_cast<std::uint64_t>(info_.rate_Hz);
-    if (state.latched) AddLine(news, "the arm's forces are off until the station is started again");
+    if (state.latched) {
+      AddLine(news.faults, "the arm's forces are off until the station is started again");
+    }
   }
   if (!told_any_ || state.condition != condition_told_) {
-    AddLine(news, state.condition == dhd::Condition::kReady
-                      ? "the arm is ready: forces come in by a ramp"
-                      : dhd::DescribeCondition(state.condition));
+    if (state.condition == dhd::Condition::kReady) {
+      AddLine(news.notes, "the arm is ready: forces come in by a ramp");
+    } else {
+      AddLine(news.faults, dhd::DescribeCondition(state.condition));
+    }
     condition_told_ = state.condition;
     told_any_ = true;
   }

@@ -48,7 +48,7 @@ class ForceDimensionDevice final : public Device {
   const DeviceInfo& info() const override { return info_; }
   DeviceSample Read() noexcept override;
   void Apply(const LimitedWrench& wrench) noexcept override;
-  std::string Attend() override;
+  DeviceNews Attend() override;
   const char* activity() const noexcept override;
 
   /// Returns the state after the latest tick.  Call it from the thread that calls Attend.

@@ -82,24 +82,24 @@ void HaplyDevice::Apply(const LimitedWrench& wrench) noexcept {
   client_.Send(sent_);
 }
 
-std::string HaplyDevice::Attend() {
-  std::string news = client_.TakeNews();
+DeviceNews HaplyDevice::Attend() {
+  DeviceNews news = client_.TakeNews();
   if (!told_grip_ && client_.inventory().grip_id.empty()) {
-    AddLine(news, "no VerseGrip: the tool does not turn, and forces need --enable-forces");
+    AddLine(news.notes, "no VerseGrip: the tool does not turn, and forces need --enable-forces");
   }
   told_grip_ = true;
   const Condition condition = condition_.load(std::memory_order_relaxed);
   if (condition != told_) {
     if (condition == Condition::kStalled) {
-      AddLine(news,
+      AddLine(news.faults,
               "the Inverse Service does not answer in time: no force; end what loads the machine, "
               "or start the service again ('sudo systemctl restart haply-inverse-service')");
     } else if (condition == Condition::kNotCalibrated) {
-      AddLine(news,
+      AddLine(news.faults,
               "forces are off; to calibrate the device: put the grip on its inkwell and wait until "
               "the light is steady");
     } else if (condition == Condition::kReady) {
-      AddLine(news, "the device is ready: forces come in by a ramp");
+      AddLine(news.notes, "the device is ready: forces come in by a ramp");
     }
     told_ = condition;
   }

@@ -25,7 +25,7 @@ class HaplyDevice final : public Device {
   const DeviceInfo& info() const override { return info_; }
   DeviceSample Read() noexcept override;
   void Apply(const LimitedWrench& wrench) noexcept override;
-  std::string Attend() override;
+  DeviceNews Attend() override;
   const char* activity() const noexcept override;
 
   /// The state at the newest tick.  Call it from the loop's thread.

@@ -186,12 +186,12 @@ void InverseClient::Send(const Vec3& force_W) noexcept {
   Ring(wake_);
 }
 
-void InverseClient::Say(const std::string& news) {
+void InverseClient::Say(std::string DeviceNews::*where, const std::string& news) {
   const std::lock_guard lock(news_mutex_);
-  news_ += (news_.empty() ? "" : "\n") + news;
+  AddLine(news_.*where, news);
 }
 
-std::string InverseClient::TakeNews() {
+DeviceNews InverseClient::TakeNews() {
   const std::lock_guard lock(news_mutex_);
   return std::exchange(news_, {});
 }
@@ -216,7 +216,7 @@ void InverseClient::Run() {
         opened = true;
         opened_.set_value();
       } else {
-        Say("the Inverse Service is back");
+        Say(&DeviceNews::notes, "the Inverse Service is back");
       }
       trouble.clear();
       Serve(link);
@@ -229,14 +229,14 @@ void InverseClient::Run() {
       if (trouble.empty()) {
         trouble = "the Inverse Service has gone (" + error.code().message() +
                   "): no force until it is back; see 'journalctl -u haply-inverse-service'";
-        Say(trouble);
+        Say(&DeviceNews::faults, trouble);
       }
     } catch (const std::exception& error) {
       if (!opened) {
         opened_.set_exception(std::current_exception());
         return;
       }
-      if (error.what() != trouble) Say(trouble = error.what());
+      if (error.what() != trouble) Say(&DeviceNews::faults, trouble = error.what());
     }
     state_.up = false;
     states_.Write(state_);
@@ -271,7 +271,11 @@ void InverseClient::Serve(Link& link) {
 void InverseClient::Take(const std::string& reply) {
   const Lie lie = ParseReply(reply, inventory_, state_.reading);
   if (lie != state_.lie) {
-    Say(lie == Lie::kNone ? "the Inverse Service is in order again" : TextOf(lie));
+    if (lie == Lie::kNone) {
+      Say(&DeviceNews::notes, "the Inverse Service is in order again");
+    } else {
+      Say(&DeviceNews::faults, TextOf(lie));
+    }
   }
   state_.lie = lie;
   state_.up = true;

@@ -8,6 +8,7 @@
 
 #include "common/program/realtime.h"
 #include "common/realtime/latest_mailbox.h"
+#include "devices/device.h"
 #include "devices/haply/inverse_message.h"
 
 namespace palpate::haply {
@@ -57,7 +58,7 @@ class InverseClient {
   /// Sends a force [N, in W].  Real-time: wakes the thread without waiting for it.
   void Send(const Vec3& force_W) noexcept;
   /// Returns the news since the last call, for people, one line each.
-  std::string TakeNews();
+  DeviceNews TakeNews();
 
   class Link;
 
@@ -65,7 +66,7 @@ class InverseClient {
   void Run();
   void Serve(Link& link);
   void Take(const std::string& reply);
-  void Say(const std::string& news);
+  void Say(std::string DeviceNews::*where, const std::string& news);
 
   Address address_;
   std::string wanted_;
@@ -75,7 +76,7 @@ class InverseClient {
   LatestMailbox<ServiceState> states_;
   ServiceState state_;  // used by the thread
   std::mutex news_mutex_;
-  std::string news_;
+  DeviceNews news_;
   std::promise<void> opened_;
   int wake_;  // eventfds
   int stop_;

@@ -45,9 +45,10 @@ double MotorWarmth::Bound(double max_step) noexcept {
 
 TemperatureStage::Share TemperatureStage::Pass(const Wrench& wanted, double motor_temperature,
                                                double dt_s) noexcept {
-  if (motor_temperature >= 0.0 && motor_temperature <= 1.0) {
-    force_.Correct(motor_temperature);
-    torque_.Correct(motor_temperature);
+  if (motor_temperature >= 0.0) {  // false for NaN
+    const double hottest = std::min(motor_temperature, 1.0);
+    force_.Correct(hottest);
+    torque_.Correct(hottest);
   }
   const double force = force_.Bound(force_.peak() * kFastest_1_s * dt_s);
   const double torque = torque_.Bound(torque_.peak() * kFastest_1_s * dt_s);

@@ -206,8 +206,8 @@ class TemperatureStage {
     double force = 1.0, torque = 1.0;
   };
   /// @param wanted  wrench to reduce.   @param dt_s  since the last call.
-  /// @param motor_temperature  DeviceSample::motor_temperature; a value outside [0, 1] counts
-  /// as unknown.
+  /// @param motor_temperature  DeviceSample::motor_temperature; above 1 it counts as 1; NaN and
+  /// negative values count as unknown.
   Share Pass(const Wrench& wanted, double motor_temperature, double dt_s) noexcept;
   /// Takes the wrench that the motors were finally given.
   void Give(const Wrench& applied, double dt_s) noexcept;

@@ -1,7 +1,7 @@
 #include "devices/limiter/wrench_limits.h"
 
 #include <algorithm>
-#include <cmath>
+#include <sstream>
 #include <string>
 
 #include "common/error.h"
@@ -27,11 +27,38 @@ constexpr double kFactors_1_s =
 static_assert(1e3 / kWholePeak_ms * kRounding > kFactors_1_s + 1.0 / kLedWhole_s,
               "the slew limit leaves the contact room beside the fade and a guide at its most");
 
-void CheckPositive(double value, const char* name) {
-  if (value > 0.0 && std::isfinite(value)) return;
-  throw Error(std::string("wrench limits: ") + name + " is " + std::to_string(value) +
-              "; it must be positive and finite (does the device's info() give its peak and "
-              "continuous force and torque?)");
+/// No arm's figure is outside of its range; beyond it, the stages' numbers would over- or
+/// underflow.
+struct Range {
+  const char* name;
+  double DeviceInfo::*figure;
+  double least, most;
+};
+constexpr Range kRanges[] = {
+    {"max_force_N", &DeviceInfo::max_force_N, 1e-3, 1e4},
+    {"max_torque_Nm", &DeviceInfo::max_torque_Nm, kNoTorque_Nm, 1e4},
+    {"continuous_force_N", &DeviceInfo::continuous_force_N, 1e-3, 1e4},
+    {"continuous_torque_Nm", &DeviceInfo::continuous_torque_Nm, kNoTorque_Nm, 1e4},
+    {"thermal_time_s", &DeviceInfo::thermal_time_s, TemperatureStage::kShortest_s, 3600.0},
+    {"motion_scale", &DeviceInfo::motion_scale, 1e-3, 1e3},
+    {"position_resolution_m", &DeviceInfo::position_resolution_m, 0.0, 1.0},
+    {"rotation_resolution_rad", &DeviceInfo::rotation_resolution_rad, 0.0, 1.0}};
+constexpr double kLeastForce_N = 1e-3;
+
+std::string Shown(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+void Check(const DeviceInfo& device) {
+  for (const auto& [name, figure, least, most] : kRanges) {
+    const double value = device.*figure;
+    if (value >= least && value <= most) continue;
+    throw Error(std::string("wrench limits: ") + name + " is " + Shown(value) +
+                "; it must be from " + Shown(least) + " to " + Shown(most) +
+                " in SI units (does the device's info() give it?)");
+  }
 }
 
 }  // namespace
@@ -51,23 +78,14 @@ WrenchLimits WrenchLimits::Of(const DeviceInfo& info, double most_force_N) {
   DeviceInfo device = info;
   // Without a motor any bound will do, but it must be positive.
   if (device.torque_axes == 0) device.max_torque_Nm = device.continuous_torque_Nm = kNoTorque_Nm;
-  CheckPositive(device.max_force_N, "max_force_N");
-  CheckPositive(device.max_torque_Nm, "max_torque_Nm");
-  CheckPositive(device.continuous_force_N, "continuous_force_N");
-  CheckPositive(device.continuous_torque_Nm, "continuous_torque_Nm");
-  CheckPositive(device.thermal_time_s, "thermal_time_s");
-  CheckPositive(device.motion_scale, "motion_scale");
+  Check(device);
   if (device.continuous_force_N > device.max_force_N ||
       device.continuous_torque_Nm > device.max_torque_Nm) {
     throw Error("wrench limits: the device's continuous force or torque is above its peak");
   }
-  if (device.thermal_time_s < TemperatureStage::kShortest_s) {
-    throw Error("wrench limits: thermal_time_s is " + std::to_string(device.thermal_time_s) +
-                "; it must be at least 1 (unit: seconds)");
-  }
-  if (!(most_force_N > 0.0)) {
-    throw Error("wrench limits: a maximum force of " + std::to_string(most_force_N) +
-                " N; give one above 0");
+  if (!(most_force_N >= kLeastForce_N)) {
+    throw Error("wrench limits: a maximum force of " + Shown(most_force_N) + " N; give at least " +
+                Shown(kLeastForce_N));
   }
   const double share = std::min(1.0, most_force_N / device.max_force_N);
   WrenchLimits limits;
@@ -83,8 +101,8 @@ WrenchLimits WrenchLimits::Of(const DeviceInfo& info, double most_force_N) {
   limits.bounds_.led_torque_Nm = std::min(kLedTorque_Nm, limits.torque_Nm());
   limits.thermal_time_s_ = device.thermal_time_s;
   limits.motion_scale_ = device.motion_scale;
-  limits.position_resolution_m_ = std::max(0.0, device.position_resolution_m);
-  limits.rotation_resolution_rad_ = std::max(0.0, device.rotation_resolution_rad);
+  limits.position_resolution_m_ = device.position_resolution_m;
+  limits.rotation_resolution_rad_ = device.rotation_resolution_rad;
   return limits;
 }
 

@@ -378,14 +378,16 @@ void OpenHapticsDevice::ReadNowAndThen() noexcept {
   });
   if (!has_inkwell_) state_.docked = false;
   if (!has_temperature_) return;
-  double hottest = 0.0;
+  double hottest = 0.0, known = std::numeric_limits<double>::quiet_NaN();
   for (int i = 0; i < output_dof_; ++i) {
     const double t = state_.motor_temperature[static_cast<std::size_t>(i)];
-    if (!(t <= hottest)) hottest = t;
-    if (std::isnan(hottest)) break;  // if one is unknown, the others do not show that it is cool
+    // If one is unknown, the others do not show that it is cool; but they may show that they are
+    // hot.  std::fmax passes over NaN.
+    if (!(t <= hottest) && !std::isnan(hottest)) hottest = t;
+    known = std::fmax(known, t);
   }
   gate_.SetTemperature(hottest);
-  sample_.motor_temperature = hottest;  // corrects the limiter's model
+  sample_.motor_temperature = known;  // corrects the limiter's model
 }
 
 void OpenHapticsDevice::Apply(const LimitedWrench& wrench) noexcept {
@@ -481,17 +483,17 @@ const OpenHapticsState& OpenHapticsDevice::State() {
   return seen_;
 }
 
-std::string OpenHapticsDevice::Attend() {
-  std::string news = std::exchange(notes_, {});
+DeviceNews OpenHapticsDevice::Attend() {
+  DeviceNews news{.faults = {}, .notes = std::exchange(notes_, {})};
   const OpenHapticsState& state = State();
-  AddLine(news, NewErrors());
+  AddLine(news.faults, NewErrors());
   if (state.output != output_told_) {
     if (state.output == OutputGate::State::kOn) {
-      AddLine(news, "the arm is ready: forces come in by a ramp");
+      AddLine(news.notes, "the arm is ready: forces come in by a ramp");
     } else if (state.output == OutputGate::State::kCooling) {
-      AddLine(news, "the motors are hot: no force until they have cooled");
+      AddLine(news.faults, "the motors are hot: no force until they have cooled");
     } else if (state.output == OutputGate::State::kLatched) {
-      AddLine(news, "the arm's forces are off until the station is started again");
+      AddLine(news.faults, "the arm's forces are off until the station is started again");
     }
     output_told_ = state.output;
   }
@@ -499,7 +501,7 @@ std::string OpenHapticsDevice::Attend() {
   if (!calibrated_ && state.output == OutputGate::State::kCalibrating && SchedulerLives() &&
       state.ticks >= next_look_ticks_) {
     next_look_ticks_ = state.ticks + slow_period_;
-    AddLine(news, Calibrate());
+    AddLine(news.notes, Calibrate());
   }
   return news;
 }

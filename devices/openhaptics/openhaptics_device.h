@@ -57,7 +57,7 @@ class OpenHapticsDevice final : public Device {
   void Apply(const LimitedWrench& wrench) noexcept override;
   bool StartTicks(std::function<void()> tick) override;
   void StopTicks() override;
-  std::string Attend() override;
+  DeviceNews Attend() override;
   const char* activity() const noexcept override;
 
   /// Returns the state after the latest tick.  Call it from the thread that calls Attend.

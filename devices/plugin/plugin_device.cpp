@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <iomanip>
 #include <limits>
 #include <sstream>
 #include <utility>
@@ -14,6 +16,7 @@
 #include "common/error.h"
 #include "common/files/shared_library.h"
 #include "common/math/pose_check.h"
+#include "common/program/forked.h"
 #include "common/realtime/latest_mailbox.h"
 #include "common/realtime/sleep_until.h"
 #include "common/realtime/steady_clock.h"
@@ -26,6 +29,7 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::chrono::milliseconds kMillisecond{1};
+constexpr std::int64_t kPace_ns = 400'000'000;
 constexpr const char* kRead = "palpate_device_read";
 constexpr const char* kSilent = "palpate_device_last_error does not say why";
 
@@ -53,6 +57,7 @@ struct Functions {
 /// Throws Error.
 Functions LoadDriver(const std::string& file) {
   const std::string device = "--device " + file;
+  const ForeignCall call("loading the driver");
   const Functions functions =
       SharedLibrary<Functions>::Load(
           // Without a slash the loader would search its own path.
@@ -141,11 +146,13 @@ class PluginDevice::Arm {
     palpate_device_info sheet{};
     sheet.thermal_time_s = info.thermal_time_s;
     try {
+      const ForeignCall call("palpate_device_open");
       device_ = api_.open(options.arm.c_str(), options.rate_Hz, &sheet);
     } catch (...) {
       throw Error(begin + "palpate_device_open" + kThrew);
     }
     if (device_ == nullptr) {
+      const ForeignCall call("palpate_device_last_error");
       const char* said = api_.last_error(nullptr);
       throw Error(begin + "palpate_device_open failed: " + (said ? said : kSilent));
     }
@@ -196,6 +203,7 @@ class PluginDevice::Arm {
     }
     if (gate_.open() && trouble_.words != kReady) troubles_.Write(trouble_ = {kReady});
     ready_ = gate_.open();
+    ++turns_;
     return true;
   }
 
@@ -216,6 +224,7 @@ class PluginDevice::Arm {
 
   void Begin() noexcept {
     alive_ns_ = SteadyNanoseconds();
+    began_ns_ = alive_ns_.load();
     phase_ = Phase::kDriver;
     ended = false;
     watched = true;
@@ -231,6 +240,7 @@ class PluginDevice::Arm {
   void Stop() noexcept {
     int answer = -1;
     try {
+      const ForeignCall call("palpate_device_stop");
       answer = api_.stop(device_);
     } catch (...) {
     }
@@ -238,20 +248,22 @@ class PluginDevice::Arm {
   }
 
   bool ready() const noexcept { return ready_ && hung_in_ == nullptr; }
-  std::string Attend() {
+  DeviceNews Attend() {
     troubles_.Read(seen_);
     Trouble now = seen_;
     if (const char* in = hung_in_) now = {*in ? kHung : kHeldUp, in};
-    std::string news;
+    DeviceNews news;
     if (now.words != told_.words || now.symbol != told_.symbol) {
       told_ = now;
       if (now.words == kReady) told_stop_ = false;
-      AddLine(news, file_ + ": " + now.symbol + now.words + now.said);
+      AddLine(now.words == kReady ? news.notes : news.faults,
+              file_ + ": " + now.symbol + now.words + now.said);
     }
     if (stop_failed_.exchange(false) && !std::exchange(told_stop_, true)) {
-      AddLine(news,
+      AddLine(news.faults,
               file_ + ": palpate_device_stop failed: forces may still be on; switch the arm off");
     }
+    WatchPace(news);
     return news;
   }
 
@@ -270,9 +282,36 @@ class PluginDevice::Arm {
     if (device_ == nullptr) return;
     Stop();
     try {
+      const ForeignCall call("palpate_device_close");
       api_.close(device_);
     } catch (...) {
     }
+  }
+
+  /// Says within a second that the loop is too slow, and whose time it is.
+  void WatchPace(DeviceNews& news) {
+    const Pace now{SteadyNanoseconds(), turns_, read_ns_, write_ns_};
+    if (began_ns_ == 0 || now.time_ns - std::max(began_ns_.load(), pace_.time_ns) < kPace_ns)
+      return;
+    const Pace last = std::exchange(pace_, now);
+    const auto turns = static_cast<double>(now.turns - last.turns);
+    if (last.time_ns < began_ns_ || turns == 0.0) return;  // a call that hangs is told by Attend
+    const double rate_Hz = 1e9 * turns / static_cast<double>(now.time_ns - last.time_ns);
+    const bool slow = rate_Hz < kLeastRate * info.rate_Hz;
+    if (slow == std::exchange(slow_, slow)) return;
+    if (!slow) return AddLine(news.notes, file_ + ": the loop keeps its rate again");
+    const auto each_ms = [&](std::int64_t ns) { return 1e-6 * static_cast<double>(ns) / turns; };
+    const double read_ms = each_ms(now.read_ns - last.read_ns);
+    const double write_ms = each_ms(now.write_ns - last.write_ns);
+    std::ostringstream words;
+    words << std::fixed << std::setprecision(1) << file_ << ": the loop makes "
+          << std::round(rate_Hz) << " turns per second instead of " << std::round(info.rate_Hz)
+          << ", which weakens forces or removes them: palpate_device_read takes " << read_ms
+          << " ms and palpate_device_write " << write_ms << " ms of a turn; "
+          << (read_ms + write_ms > 0.5e3 / info.rate_Hz
+                  ? "let them return at once, and move what blocks to a thread of its own"
+                  : "see palpate-doctor for what this host lacks");
+    AddLine(news.faults, words.str());
   }
 
   bool Fault(const char* words, const char* symbol) noexcept {
@@ -282,6 +321,7 @@ class PluginDevice::Arm {
     trouble_ = {words, symbol};
     if (words == kFailed) {
       try {
+        const ForeignCall call("palpate_device_last_error");
         const char* said = api_.last_error(device_);
         if (said == nullptr || *said == '\0') said = kSilent;
         std::memcpy(trouble_.said, said, strnlen(said, sizeof trouble_.said - 1));
@@ -304,13 +344,16 @@ class PluginDevice::Arm {
     int answer = 0;
     bool threw = false;
     calling_ = symbol;
+    const std::int64_t began_ns = SteadyNanoseconds();
     try {
+      const ForeignCall foreign(symbol);
       answer = call();
     } catch (...) {
       threw = true;
     }
     calling_ = "";
     alive_ns_ = SteadyNanoseconds();
+    (symbol == kRead ? read_ns_ : write_ns_) += alive_ns_ - began_ns;
     if (WasHung()) return false;
     if (threw) return Fault(kThrew, symbol);
     return answer == 0 || Fault(kFailed, symbol);
@@ -370,11 +413,21 @@ class PluginDevice::Arm {
   std::atomic<const char*> calling_{""};
   std::atomic<const char*> hung_in_{nullptr};  // until that call returns
   std::atomic<bool> stop_failed_{false};
+  std::atomic<std::int64_t> began_ns_{0};  // when the loop began
+  std::atomic<std::uint64_t> turns_{0};
+  std::atomic<std::int64_t> read_ns_{0}, write_ns_{0};  // spent in them so far
   LatestMailbox<Trouble> troubles_;
   // Used by the main thread.
   Trouble seen_;
   Trouble told_;
   bool told_stop_ = false;
+  struct Pace {
+    std::int64_t time_ns = 0;
+    std::uint64_t turns = 0;
+    std::int64_t read_ns = 0, write_ns = 0;
+  };
+  Pace pace_;
+  bool slow_ = false;
 };
 
 PluginDevice::PluginDevice(const DeviceOptions& options) : arm_(std::make_shared<Arm>(options)) {}
@@ -391,7 +444,7 @@ void PluginDevice::Apply(const LimitedWrench& wrench) noexcept {
   arm_->wanted = wrench.wrench();
 }
 
-std::string PluginDevice::Attend() {
+DeviceNews PluginDevice::Attend() {
   return arm_->Attend();
 }
 

@@ -33,7 +33,7 @@ class PluginDevice final : public Device {
   bool StartTicks(std::function<void()> tick) override;
   /// Stops the loop.  A driver that hangs even now is abandoned, with its thread.
   void StopTicks() override;
-  std::string Attend() override;
+  DeviceNews Attend() override;
   const char* activity() const noexcept override;
 
   /// Runs a single turn of the loop; only while the loop does not run.

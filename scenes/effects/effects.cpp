@@ -27,18 +27,20 @@ void Copy(const Quat& q, double wxyz[4]) noexcept {
   std::memcpy(wxyz + 1, q.coeffs().data(), sizeof(double[3]));
 }
 
-/// Returns false if the effect failed.
-bool Call(const palpate_effect& effect, const palpate_effect_input& input, double* state,
-          palpate_effect_wrench& wrench) noexcept {
+/// Returns how the effect failed; null: it did not.
+const char* Call(const palpate_effect& effect, const palpate_effect_input& input, double* state,
+                 palpate_effect_wrench& wrench) noexcept {
   try {
-    if (effect.step(&input, state, &wrench) != 0) return false;
+    if (effect.step(&input, state, &wrench) != 0) return "step returned that it failed";
   } catch (...) {
-    return false;
+    return "step threw an exception, which it must not";
   }
   // False also for NaN.
   const auto is_fine = [](double number) { return std::abs(number) <= PALPATE_EFFECT_MOST; };
   return std::ranges::all_of(wrench.force_N, is_fine) &&
-         std::ranges::all_of(wrench.torque_Nm, is_fine);
+                 std::ranges::all_of(wrench.torque_Nm, is_fine)
+             ? nullptr
+             : "step gave a wrench that is not finite, or beyond 10,000 N or N m";
 }
 
 bool Fits(const palpate_effect_parameter& parameter, const std::vector<double>& values) {
@@ -96,7 +98,7 @@ bool Effects::Step(const Pose& X_WH, const Pose& X_WG, const Vec3& reference, Ef
   bool fine = true;
   for (std::size_t i = 0; i < effects_.size(); ++i) {
     EffectState::Memory& memory = state.of[i];
-    if (memory.is_off) continue;
+    if (memory.failure != nullptr) continue;
     // Filled again for each effect, so that one that writes to its input does not affect the next.
     Copy(X_WH.p, input.position_m);
     Copy(X_WH.q, input.orientation_wxyz);
@@ -106,8 +108,8 @@ bool Effects::Step(const Pose& X_WH, const Pose& X_WG, const Vec3& reference, Ef
     Copy(X_WG.q, input.graphic_orientation_wxyz);
     input.values = values_[i].data();
     palpate_effect_wrench given{};
-    if (!Call(*effects_[i].of, input, memory.state.data(), given)) {
-      memory.is_off = true;
+    memory.failure = Call(*effects_[i].of, input, memory.state.data(), given);
+    if (memory.failure != nullptr) {
       fine = false;
       continue;
     }

@@ -27,7 +27,7 @@ std::span<const palpate_effect_parameter> ParametersOf(const palpate_effect& eff
 struct EffectState {
   struct Memory {
     std::array<double, PALPATE_EFFECT_STATES> state{};
-    bool is_off = false;  ///< whether it has failed
+    const char* failure = nullptr;  ///< how it has failed, which turned it off
   };
   std::vector<Memory> of;  ///< one per effect; empty: no effect acts
   std::uint64_t cycle = 0;

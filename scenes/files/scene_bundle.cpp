@@ -674,7 +674,7 @@ class UndisturbedBySignals {
   UndisturbedBySignals() {
     sigset_t signals;
     sigemptyset(&signals);
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, signal);
+    for (const int signal : {SIGHUP, SIGINT, SIGQUIT, SIGTERM}) sigaddset(&signals, signal);
     pthread_sigmask(SIG_BLOCK, &signals, &before_);
   }
   ~UndisturbedBySignals() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }

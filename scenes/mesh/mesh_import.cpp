@@ -136,7 +136,9 @@ class Child {
   }
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
-    if (signal == SIGINT || signal == SIGTERM) throw Error(file + ": reading it was interrupted");
+    if (signal == SIGHUP || signal == SIGINT || signal == SIGQUIT || signal == SIGTERM) {
+      throw Error(file + ": reading it was interrupted");
+    }
     if (signal == SIGKILL || signal == SIGXCPU) {
       throw Error(file + ": was not read within " + std::to_string(limits.cpu_s) +
                   " s; it is damaged, export it again, or simplify it");

@@ -75,7 +75,7 @@ struct AnsweredArm {
     core.Act(now_ns);
   }
   void Attend() {
-    if (const std::string more = arm.Attend(); !more.empty()) news += more + "\n";
+    if (const std::string more = arm.Attend().Lines(); !more.empty()) news += more + "\n";
   }
 
   Device arm;

@@ -37,6 +37,33 @@ TEST(ServoThread, RestsUntilThereIsAPath) {
   EXPECT_EQ(bench.core.totals().ticks, 0u);
 }
 
+/// A device whose Read takes twenty ticks.
+struct SlowDevice : test::StillDevice {
+  DeviceSample Read() noexcept override {
+    std::this_thread::sleep_for(milliseconds(20));
+    return StillDevice::Read();
+  }
+};
+
+TEST(ServoThread, IsShownInTimeHoweverSlowItsLoopIs) {
+  SlowDevice device;
+  StationCore core{device};
+  ReplyRing replies;
+  ServoThread servo{core, replies, 0.1};
+  PosePath path;
+  servo.SetPath(&path);
+  StationSnapshot snapshot;
+  int shown = 0;
+  while (servo.ticks() < 30) {  // 0.6 s at least
+    shown += servo.ReadSnapshot(snapshot);
+    std::this_thread::sleep_for(milliseconds(1));
+  }
+  servo.Stop();
+  EXPECT_GE(shown, 2);
+  EXPECT_LE(snapshot.rate_hz, 50.0);
+  EXPECT_EQ(snapshot.nominal_hz, 1000.0);
+}
+
 TEST(ServoThread, ServesTheDeviceWithAPathAndWithoutAndSendsOnlyWithOne) {
   ServoBench bench;
   bench.servo.SetPath(&bench.path);

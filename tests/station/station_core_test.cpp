@@ -61,6 +61,25 @@ TEST(StationCore, RendersTheServersForceOnceItHasRampedIn) {
   EXPECT_EQ(bench.force(), 2.0);
 }
 
+TEST(StationCore, CountsHowOftenTheDeviceFallsIntoAFault) {
+  Bench bench;
+  const auto run = [&](std::uint32_t status, int ticks) {
+    bench.device.sample.status = status;
+    for (int i = 0; i < ticks; ++i) bench.Tick(true);
+  };
+  run(kDeviceFault, 100);  // an arm is at fault until it is ready
+  EXPECT_EQ(bench.core.totals().device_faults, 0u);
+  run(kDeviceOk, 100);
+  run(kDeviceFault, 50);
+  run(kDeviceOk, 100);
+  run(kDeviceFault | kDeviceCalibrating, 50);
+  EXPECT_EQ(bench.core.totals().device_faults, 2u);
+  EXPECT_EQ(bench.core.totals().device_fault_ticks, 200u);
+  EXPECT_TRUE(bench.core.TakeSnapshot(bench.now).device_at_fault);
+  run(kDeviceOk, 1);
+  EXPECT_FALSE(bench.core.TakeSnapshot(bench.now).device_at_fault);
+}
+
 TEST(StationCore, RendersPassiveEffectsInFullAndOthersAsAGuide) {
   wire::Wrench sample{};
   sample.force_N[2] = 2.0 + 1.5 + 3.0;

@@ -270,6 +270,23 @@ TEST(LiveTable, NamesFaultsAndAFadedForce) {
                                               HasSubstr("surfaces), force held back")));
 }
 
+TEST(LiveTable, BlamesASlowLoopAndNoReplyForAForceThatItHoldsBack) {
+  StationView view = View();
+  view.snapshot.nominal_hz = 1000.0;
+  view.snapshot.fading = true;
+  EXPECT_THAT(LiveTable::Line(view), HasSubstr("missing replies"));
+  view.snapshot.rate_hz = 198.0;
+  EXPECT_THAT(LiveTable::Line(view), AllOf(HasSubstr("slow (198 of 1000 Hz)"),
+                                           testing::Not(HasSubstr("missing replies"))));
+}
+
+TEST(LiveTable, ShowsThatTheDeviceIsAtFault) {
+  StationView view = View();
+  EXPECT_THAT(LiveTable::Line(view), testing::Not(HasSubstr("fault")));
+  view.snapshot.device_at_fault = true;
+  EXPECT_THAT(LiveTable::Line(view), HasSubstr("the device is at fault"));
+}
+
 TEST(LiveTable, GrowsItsScaleWithTheForce) {
   LiveTable table(stdout, LiveTable::Style::kInPlace);
   StationView view = View();
@@ -334,6 +351,27 @@ TEST(StationSummary, TellsPeopleTheFiguresOfTheRun) {
   EXPECT_THAT(text, HasSubstr("25 % of the time in contact"));
   EXPECT_THAT(text, HasSubstr("20 % of the ticks by rows, 50.0 % of these beyond their region"));
   EXPECT_THAT(text, HasSubstr("faults       none"));
+}
+
+TEST(StationSummary, CountsTheFaultsOfTheDevice) {
+  StationSummary summary = Summary();
+  const auto faults = [&] {
+    const std::string text = ToText(summary);
+    const std::size_t at = text.find("  faults ");
+    return text.substr(at, text.find('\n', at) - at);
+  };
+  summary.totals.ticks = 1000;
+  summary.totals.faults = 0;
+  EXPECT_THAT(faults(), HasSubstr("none"));
+  summary.totals.device_fault_ticks = 100;  // before it was ready
+  EXPECT_THAT(faults(), HasSubstr("none"));
+  summary.totals.device_faults = 2;
+  EXPECT_THAT(faults(), AllOf(HasSubstr("device 2 times"), testing::Not(HasSubstr("none"))));
+  EXPECT_EQ(nlohmann::json::parse(ToJson(summary))["device_faults"], 2);
+  summary.totals.faults = kFaultJammed;
+  EXPECT_THAT(faults(), AllOf(HasSubstr("device 2 times"), HasSubstr("jam")));
+  summary.totals.device_fault_ticks = 1000;
+  EXPECT_THAT(faults(), HasSubstr("never ready"));
 }
 
 TEST(StationSummary, TellsProgramsTheSame) {

@@ -6,7 +6,7 @@
 namespace palpate::test {
 
 /// A device held still, which keeps what it was told.
-class StillDevice final : public Device {
+class StillDevice : public Device {
  public:
   explicit StillDevice(double rate_Hz = 1000.0) {
     info_.model = "still";

@@ -188,7 +188,7 @@ class LimiterAdversary {
       ++tally_.nonfinite;
       return {kInf, kInf, kInf, kInf};
     }
-    const double dt = in.dt_s >= kMinTick_s ? std::min(in.dt_s, kMaxTick_s) : 0.0;
+    const double dt = CountedTick(in.dt_s);
     const auto over = [](double amount, double limit) {
       return amount == 0.0 ? 0.0 : amount / limit;  // zero change in zero time is allowed
     };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <utility>
 
 #include <fcntl.h>
@@ -75,6 +76,20 @@ const std::string& Program::Output() {
   while (Read(0.0)) {
   }
   return text_;
+}
+
+void Program::CloseOutput() {
+  close(output_);
+  output_ = -1;
+}
+
+bool Program::Handles(int signal) const {
+  std::ifstream status("/proc/" + std::to_string(pid_) + "/status");
+  for (std::string line; std::getline(status, line);) {
+    if (!line.starts_with("SigCgt:")) continue;
+    return std::stoull(line.substr(7), nullptr, 16) >> (signal - 1) & 1;
+  }
+  return false;
 }
 
 bool Program::Runs() {

@@ -22,9 +22,13 @@ class Program {
   bool Says(const std::string& text, double seconds = 20.0);
   /// Returns all output so far.  Call it now and then, because a full pipe blocks the program.
   const std::string& Output();
+  /// Closes this end of its stdout and stderr, as a reader does that has ended.
+  void CloseOutput();
   /// Returns true until the program has ended.
   bool Runs();
   void Signal(int signal) const;
+  /// Returns true if the program has a handler for the signal by now.
+  bool Handles(int signal) const;
   pid_t id() const { return pid_; }
   /// Waits for the end; kills the program after `seconds`.  Returns its exit status, or the
   /// negative signal that ended it.

@@ -18,7 +18,7 @@ TEST(StopSignal, StaysSilentWithoutASignal) {
 }
 
 TEST(StopSignal, EndsTheWait) {
-  for (const int signal : {SIGINT, SIGTERM}) {
+  for (const int signal : {SIGHUP, SIGINT, SIGPIPE, SIGQUIT, SIGTERM}) {
     StopSignal stop;
     std::thread sender([signal] {
       std::this_thread::sleep_for(milliseconds(20));
@@ -31,13 +31,67 @@ TEST(StopSignal, EndsTheWait) {
 }
 
 TEST(StopSignal, LetsASecondSignalKill) {
+  for (const int signal : {SIGINT, SIGQUIT, SIGTERM}) {
+    EXPECT_EXIT(
+        {
+          StopSignal stop;
+          raise(signal);
+          raise(signal);
+        },
+        testing::KilledBySignal(signal), "");
+  }
+}
+
+TEST(StopSignal, TakesTheSeveralSignalsOfAClosedTerminalForOne) {
   EXPECT_EXIT(
       {
         StopSignal stop;
-        raise(SIGINT);
-        raise(SIGINT);
+        for (int i = 0; i < 3; ++i) raise(SIGHUP);
+        for (int i = 0; i < 3; ++i) raise(SIGPIPE);
+        _exit(stop.stopped() ? 0 : 1);
       },
-      testing::KilledBySignal(SIGINT), "");
+      testing::ExitedWithCode(0), "");
+}
+
+TEST(StopSignal, LeavesAHangUpIgnoredAsNohupWantsIt) {
+  for (const int signal : {SIGHUP, SIGPIPE}) {
+    EXPECT_EXIT(
+        {
+          std::signal(signal, SIG_IGN);
+          bool stopped = false;
+          {
+            StopSignal stop;
+            raise(signal);
+            stopped = stop.stopped();
+          }
+          raise(signal);  // and it stays ignored
+          _exit(stopped ? 1 : 0);
+        },
+        testing::ExitedWithCode(0), "");
+  }
+}
+
+TEST(StopSignal, EndsAScriptsBackgroundJobThatShellsStartWithTheInterruptIgnored) {
+  for (const int signal : {SIGINT, SIGQUIT}) {
+    EXPECT_EXIT(
+        {
+          std::signal(signal, SIG_IGN);
+          StopSignal stop;
+          raise(signal);
+          _exit(stop.stopped() ? 0 : 1);
+        },
+        testing::ExitedWithCode(0), "");
+  }
+}
+
+TEST(StayAwake, RunsOnThroughCtrlZ) {
+  EXPECT_EXIT(
+      {
+        StayAwake();
+        for (const int signal : {SIGTSTP, SIGTTIN, SIGTTOU}) raise(signal);
+        _exit(0);
+      },
+      testing::ExitedWithCode(0), "");
 }
 
 }  // namespace

@@ -250,10 +250,18 @@ TEST(TemperatureStage, BelievesADeviceThatIsWarmerThanTheModel) {
   EXPECT_NEAR(stage.warmth(), 1.0, 0.1);  // overdrawn while the bound came down
 }
 
+TEST(TemperatureStage, TakesMotorsBeyondTheirLimitForMotorsAtIt) {
+  for (const double report : {1.01, 1.2, 1e300, kInf}) {
+    TemperatureStage at = PhantomMotors(), beyond = PhantomMotors();
+    EXPECT_EQ(Press(beyond, 22.0, 0.3, report), Press(at, 22.0, 0.3, 1.0)) << report;
+    EXPECT_EQ(beyond.warmth(), at.warmth()) << report;
+  }
+}
+
 TEST(TemperatureStage, IgnoresAReportThatIsCoolerOrNone) {
   TemperatureStage plain = PhantomMotors(), told = PhantomMotors();
   Press(plain, 22.0, 10.0);
-  for (const double report : {0.0, -1.0, 1.1, kNan, kInf}) Press(told, 22.0, 2.0, report);
+  for (const double report : {0.0, -1.0, kNan, -kInf}) Press(told, 22.0, 2.5, report);
   EXPECT_EQ(plain.warmth(), told.warmth());
 }
 

@@ -160,6 +160,24 @@ TEST_F(PluginDeviceTest, StopsAnArmWhoseDriverHangsAndGoesOnWhenItReturns) {
   }
 }
 
+TEST_F(PluginDeviceTest, NamesTheFunctionThatSlowsTheLoop) {
+  Bench bench(arm);
+  ASSERT_TRUE(bench.arm.StartTicks([] {}));
+  arm.way = WrongArm::kReadIsSlow;
+  std::string faults;
+  EXPECT_TRUE(Eventually([&] {
+    faults += bench.arm.Attend().faults;
+    return faults.find("palpate_device_read takes") != std::string::npos;
+  })) << faults;
+  for (int i = 0; i < 1000; ++i) {
+    faults += bench.arm.Attend().faults;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_EQ(CountOf("palpate_device_read takes", faults), 1) << faults;
+  arm.way = WrongArm::kRight;
+  EXPECT_TRUE(Eventually([&] { return !bench.arm.Attend().notes.empty(); }));
+}
+
 TEST_F(PluginDeviceTest, LeavesADriverBehindThatHangsToTheEnd) {
   std::atomic<int> ticks{0};
   {

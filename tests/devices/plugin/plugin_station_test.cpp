@@ -3,12 +3,16 @@
 #include <filesystem>
 
 #include <gmock/gmock.h>
+#include <pty.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "common/realtime/steady_clock.h"
 #include "tests/link/silence.h"
 #include "tests/support/eventually.h"
 #include "tests/support/folder.h"
 #include "tests/support/program.h"
+#include "tests/support/read_file.h"
 #include "tests/support/test_domain.h"
 
 namespace palpate::test {
@@ -24,12 +28,13 @@ Program Server() {
                                                      "--transport", "udp", "--domain", kDomain});
 }
 
+const std::string kStation = PALPATE_BIN_DIR "/palpate-station";
+std::vector<std::string> StationWords(const std::string& driver) {
+  return {"--device",   driver, "--scene",     "cube", "--id",     "arm",   "--no-table",
+          "--realtime", "off",  "--transport", "udp",  "--domain", kDomain, "--enable-forces"};
+}
 Program Station(const std::string& driver, const std::vector<std::string>& more) {
-  return Program(
-      PALPATE_BIN_DIR "/palpate-station",
-      Joined({"--device", driver, "--scene", "cube", "--id", "arm", "--no-table", "--realtime",
-              "off", "--transport", "udp", "--domain", kDomain, "--enable-forces"},
-             more));
+  return Program(kStation, Joined(StationWords(driver), more));
 }
 
 Program Doctor(const std::vector<std::string>& more) {
@@ -94,6 +99,109 @@ TEST(PluginStation, SaysWhichFunctionHangsAndStillEnds) {
   EXPECT_EQ(station.Exit(), 0) << station.Output();
 }
 
+/// An arm that presses on the cube, and notes each call in a file.
+class PressedArm : public testing::Test {
+ protected:
+  void SetUp() override { ASSERT_TRUE(server_.Says("ready: ", 60.0)) << server_.Output(); }
+  std::vector<std::string> Arm() {
+    std::filesystem::remove(calls_);
+    return {"--device-name", "presses " + calls_};
+  }
+  std::string Calls() const { return std::filesystem::exists(calls_) ? ReadWholeFile(calls_) : ""; }
+  bool Presses() {
+    return Eventually([&] { return Calls().ends_with("force\n"); }, 30.0);
+  }
+  /// Whether the last that the arm heard was to stop, and then to close.
+  bool WasReleased() const { return Calls().ends_with("stop\nclose\n"); }
+
+ private:
+  Program server_ = Server();
+  const Folder folder_;
+  const std::string calls_ = folder_ / "calls";
+};
+
+TEST_F(PressedArm, IsReleasedByEachSignalThatEndsTheStation) {
+  for (const int signal : {SIGHUP, SIGINT, SIGQUIT, SIGTERM}) {
+    Program station = Station(PALPATE_WRONG_DRIVER, Arm());
+    ASSERT_TRUE(Presses()) << station.Output();
+    station.Signal(signal);
+    EXPECT_EQ(station.Exit(), 0) << signal << station.Output();
+    EXPECT_TRUE(WasReleased()) << signal << Calls();
+  }
+}
+
+TEST_F(PressedArm, IsReleasedWhereTheStationsTerminalIsClosed) {
+  std::vector<std::string> words =
+      Joined(Joined({kStation}, StationWords(PALPATE_WRONG_DRIVER)), Arm());
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  int terminal = -1;
+  const pid_t station = forkpty(&terminal, nullptr, nullptr, nullptr);
+  if (station == 0) {
+    execv(argv[0], argv.data());
+    _exit(127);
+  }
+  EXPECT_TRUE(Presses());
+  close(terminal);  // its output fails from here on
+  int status = 0;
+  ASSERT_TRUE(Eventually([&] { return waitpid(station, &status, WNOHANG) == station; }, 20.0));
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
+  EXPECT_TRUE(WasReleased()) << Calls();
+}
+
+TEST_F(PressedArm, IsReleasedWhereNobodyReadsTheStationsOutput) {
+  Program station = Station(PALPATE_WRONG_DRIVER, Arm());
+  ASSERT_TRUE(Presses()) << station.Output();
+  station.CloseOutput();
+  EXPECT_EQ(station.Exit(), 0);
+  EXPECT_TRUE(WasReleased()) << Calls();
+}
+
+TEST_F(PressedArm, KeepsItsLoopWhereCtrlZWouldSuspendIt) {
+  Program station = Station(PALPATE_WRONG_DRIVER, Arm());
+  ASSERT_TRUE(Presses()) << station.Output();
+  station.Signal(SIGTSTP);
+  station.Signal(SIGTERM);
+  EXPECT_EQ(station.Exit(), 0) << station.Output();
+  EXPECT_TRUE(WasReleased()) << Calls();
+}
+
+TEST_F(PressedArm, IsReleasedByEachSignalThatEndsTheDoctor) {
+  for (const int signal : {SIGHUP, SIGINT, SIGQUIT, SIGTERM}) {
+    Program doctor = Doctor(Joined({PALPATE_WRONG_DRIVER, "--push"}, Arm()));
+    ASSERT_TRUE(Presses()) << doctor.Output();
+    doctor.Signal(signal);
+    EXPECT_EQ(doctor.Exit(), 1) << signal << doctor.Output();
+    EXPECT_TRUE(WasReleased()) << signal << Calls();
+  }
+}
+
+TEST(PluginStation, SaysOnceThatAMotorTemperatureIsOutOfItsRange) {
+  Program server = Server();
+  ASSERT_TRUE(server.Says("ready: ", 60.0)) << server.Output();
+  Program station = Station(PALPATE_WRONG_DRIVER, {"--device-name", "hot", "--for", "2.5"});
+  EXPECT_EQ(station.Exit(), 0);
+  const std::string& said = station.Output();
+  const std::size_t first = said.find("motor temperature above 1");
+  ASSERT_NE(first, std::string::npos) << said;
+  EXPECT_EQ(said.find("motor temperature above 1", first + 1), std::string::npos) << said;
+  Program doctor = Doctor({PALPATE_WRONG_DRIVER, "--device-name", "hot"});
+  doctor.Exit(60.0);
+  EXPECT_THAT(doctor.Output(), HasSubstr("motor temperature above 1"));
+}
+
+TEST(PluginStation, NamesTheFunctionThatSlowsTheLoopAsAWarning) {
+  Program server = Server();
+  ASSERT_TRUE(server.Says("ready: ", 60.0)) << server.Output();
+  Program station = Station(PALPATE_WRONG_DRIVER, {"--device-name", "slow", "--for", "3"});
+  EXPECT_TRUE(station.Says("warning: device: ", 60.0));
+  EXPECT_TRUE(station.Says("palpate_device_read takes", 2.0));
+  EXPECT_EQ(station.Exit(), 0);
+  EXPECT_THAT(station.Output(), AllOf(HasSubstr("the loop is slow"),
+                                      testing::Not(HasSubstr("late or missing replies"))));
+}
+
 TEST(PluginStation, EndsWithOneAndTheReasonWhereTheFileIsNoDriver) {
   Program station = Station(PALPATE_NO_DRIVER, {});
   EXPECT_EQ(station.Exit(), 1);
@@ -107,6 +215,24 @@ TEST(Doctor, TriesADriverAndSeesThatItsHandleGivesWay) {
       doctor.Output(),
       AllOf(HasSubstr("virtual arm"), HasSubstr("5 N, continuously 1.5 N; 0 N m; workspace 200"),
             HasSubstr(" driver "), HasSubstr("ok       push"), HasSubstr("the handle moved")));
+}
+
+TEST(Doctor, TakesNoDriverForFitThatIsSlowOrExchangesAxes) {
+  for (const auto& [name, finding] :
+       {std::pair{"slow", "fault    driver"}, std::pair{"exchanges", "fault    push"}}) {
+    Program doctor = Doctor({PALPATE_WRONG_DRIVER, "--device-name", name, "--push"});
+    EXPECT_EQ(doctor.Exit(60.0), 1);
+    EXPECT_THAT(doctor.Output(), HasSubstr(finding)) << name;
+  }
+}
+
+TEST(Doctor, NamesTheFunctionInWhichADriverCrashesAndStillGivesItsVerdict) {
+  for (const std::string function : {"open", "read", "write", "stop", "close"}) {
+    Program doctor = Doctor({PALPATE_WRONG_DRIVER, "--device-name", "crashes " + function});
+    EXPECT_EQ(doctor.Exit(60.0), 1) << function;
+    EXPECT_THAT(doctor.Output(), AllOf(HasSubstr("palpate_device_" + function + " crashed"),
+                                       HasSubstr("verdict: not fit")));
+  }
 }
 
 TEST(Doctor, FindsWhatADriverDoesWrong) {

@@ -25,6 +25,7 @@ struct WrongArm {
     kStuck,
     kJumps,
     kSaysNothing,  ///< fails without an error text
+    kReadIsSlow,   ///< takes 5 ms
   };
   std::atomic<Way> way{kRight};
   std::atomic<double> force_N{0.0};  ///< that the motors render
@@ -43,6 +44,9 @@ struct WrongArm {
                            .rotation_resolution_rad = 1e-3,
                            .thermal_time_s = 60.0};
   std::uint64_t hangs_at = 0;  ///< number of the reading; 0: never
+  double motor_temperature = 0.0;
+  bool exchanges_axes = false;  ///< gives way by 2 mm/N, along y where it is pushed along x
+  bool presses = false;         ///< moves into the cube
   bool opens = true;
   bool open_throws = false;
 };

@@ -277,6 +277,8 @@ TEST_F(EffectsTest, HoldWhatPassiveOnesPromise) {
   EXPECT_THAT(swirls.faults[0], AllOf(HasSubstr("claims to be passive, but gives the hand"),
                                       HasSubstr("omit .passive")));
   EXPECT_THAT(JudgeEffects(Load(Wrong(4))).faults.at(0), HasSubstr("failed"));
+  // Only somewhere: the energy is summed along many more paths than the others are tried on.
+  EXPECT_FALSE(JudgeEffects(Load(Wrong(4, 5000))).usable());
   // Effects that rightly make no such promise.
   for (const char* active :
        {R"({"name": "moving_spring", "from_mm": [-20, 0, 0], "to_mm": [20, 0, 0]})",
@@ -284,6 +286,24 @@ TEST_F(EffectsTest, HoldWhatPassiveOnesPromise) {
     const Scene scene = Load(active);
     EXPECT_EQ(scene.effects[0].of->passive, 0);
     EXPECT_GT(EnergyGiven(scene.effects[0], Vec3::Zero(), 0.05), kNoEnergy) << active;
+  }
+}
+
+TEST_F(EffectsTest, AreNotUsableIfTheyFailCrashTakeLongOrGiveOtherBits) {
+  // By wrong_effect.cpp's ways, from the first cycle and from a later one.
+  for (const auto& [way, word] : {std::pair{1, "not finite"},
+                                  {2, "not finite"},
+                                  {3, "beyond"},
+                                  {4, "returned"},
+                                  {5, "exception"},
+                                  {7, "step crashed"},
+                                  {8, "of the loop's millisecond"},
+                                  {9, "same arguments"},
+                                  {10, "same arguments"},
+                                  {11, "ended the process"}}) {
+    const Verdict verdict = JudgeEffects(Load(Wrong(way, 100)));
+    ASSERT_EQ(verdict.faults.size(), 1u) << way;
+    EXPECT_THAT(verdict.faults[0], HasSubstr(word)) << way;
   }
 }
 

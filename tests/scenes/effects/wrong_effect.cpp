@@ -1,6 +1,10 @@
 // An effect for tests that does everything an effect must not.
+#include <chrono>
+#include <cstdlib>
+#include <ctime>
 #include <limits>
 #include <stdexcept>
+#include <thread>
 
 #include "scenes/effects/palpate_effect.h"
 
@@ -10,7 +14,20 @@
 
 namespace {
 
-enum Way { kRight, kNaN, kInfinite, kHuge, kFails, kThrows, kSwirls };
+enum Way {
+  kRight,
+  kNaN,
+  kInfinite,
+  kHuge,
+  kFails,
+  kThrows,
+  kSwirls,
+  kCrashes,
+  kSlow,
+  kClock,
+  kRandom,
+  kEnds
+};
 
 int Step(const palpate_effect_input* in, double* state, palpate_effect_wrench* out) {
   const int way = static_cast<int>(in->values[0].numbers[0]);
@@ -35,6 +52,20 @@ int Step(const palpate_effect_input* in, double* state, palpate_effect_wrench* o
       out->force_N[0] = 10.0 * in->position_m[1];
       out->force_N[1] = -10.0 * in->position_m[0];
       break;
+    case kCrashes:
+      *static_cast<volatile int*>(nullptr) = 1;
+      break;
+    case kSlow:
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      break;
+    case kClock:
+      out->force_N[0] = 1e-9 * static_cast<double>(std::time(nullptr));
+      break;
+    case kRandom:
+      out->force_N[0] = 1e-9 * std::rand();
+      break;
+    case kEnds:
+      std::exit(0);
     default:
       break;
   }
@@ -46,6 +77,6 @@ int Step(const palpate_effect_input* in, double* state, palpate_effect_wrench* o
 extern const palpate_effect palpate_the_effect = {
     .abi = WRONG_ABI,
     .passive = 1,
-    .parameters = {{"way", PALPATE_EFFECT_NUMBER, 0.0, 10.0, 0.0},
+    .parameters = {{"way", PALPATE_EFFECT_NUMBER, 0.0, 11.0, 0.0},
                    {"from_cycle", PALPATE_EFFECT_NUMBER, 0.0, 1e6, 0.0}},
     .step = &Step};
