@@ -83,6 +83,8 @@ class CdrReader {
             std::shared_ptr<Source> source = nullptr)
       : writers_(std::make_unique<KnownWriters>(std::move(source))),
         reader_(participant, topic, qos, nullptr, writers_.get()) {}
+  CdrReader(CdrReader&&) = default;
+  CdrReader& operator=(CdrReader&&) = delete;  // would free `writers_` under the old reader
 
   /// Takes the oldest sample not yet taken, as bytes and as a struct; false if there is none.
   /// @param overs   also takes the notice that an instance is disposed.
