@@ -44,8 +44,8 @@ struct BodyFindings {
 enum class MeasureGaps { kWhereFelt, kAlways };
 BodyFindings JudgeBody(const Scene& scene, const Body& body, bool is_tool, MeasureGaps measure);
 
-/// Tries each of the scene's effects about the objects, in a process of its own: whether it crashes,
-/// fails, takes long, gives the same bits twice, and is as passive as it says.
+/// Tries each of the scene's effects about the objects, in a process of its own: whether it
+/// crashes, fails, takes long, gives the same bits twice, and is as passive as it says.
 Verdict JudgeEffects(const Scene& scene);
 
 /// Judges all bodies and effects: what palpate-scene says of a scene, and what palpate-server says

@@ -3,6 +3,7 @@
 #include "client/doctor/checks.h"
 #include "common/error.h"
 #include "common/files/project_files.h"
+#include "common/program/forked.h"
 #include "devices/forcedimension/dhd_library.h"
 #include "devices/haply/inverse_client.h"
 #include "devices/openhaptics/device_nodes.h"
@@ -28,13 +29,24 @@ std::string Listed(const HostFiles& host, const std::vector<std::string>& nodes)
   return text;
 }
 
-/// Returns what the probe found, or a fault with this remedy.
+constexpr double kProbe_s = 30.0;
+
+/// Returns what the probe found, or a fault with this remedy.  A vendor's library may crash.
 Finding Probed(const char* device, const Probe& probe, const std::string& remedy) {
-  try {
-    return Ok(std::string(device) + ": " + probe());
-  } catch (const Error& error) {
-    return Fault(error.what(), remedy);
-  }
+  const std::string who = std::string(device) + ": ";
+  const ForkedEnd end = RunForked(
+      [&](const auto& tell) {
+        const ForeignCall call("its library");
+        try {
+          tell("+" + who + probe());
+        } catch (const Error& error) {
+          tell(std::string("-") + error.what());
+        }
+      },
+      kProbe_s);
+  if (!end.finished || end.told.empty()) return Fault(who + end.how, remedy);
+  const std::string said = end.told[0].substr(1);
+  return end.told[0][0] == '+' ? Ok(said) : Fault(said, remedy);
 }
 
 Finding CheckArm(const HostFiles& host, const Probe& probe) {

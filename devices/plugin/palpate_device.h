@@ -53,8 +53,8 @@ typedef struct {
   uint64_t number; /**< a new one with each new reading of the arm; if it is the same for 10 ms, the
                       arm counts as stuck */
   uint32_t buttons;         /**< bit 0: the first, which enables forces while it is held */
-  double motor_temperature; /**< of the hottest motor, from 0, cool, to 1, its limit (above counts as
-                               1); leave it as it is if it is not known */
+  double motor_temperature; /**< of the hottest motor, from 0, cool, to 1, its limit (above counts
+                               as 1); leave it as it is if it is not known */
 } palpate_device_reading;
 
 /** Returns PALPATE_DEVICE_ABI. */

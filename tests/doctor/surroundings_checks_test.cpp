@@ -1,3 +1,4 @@
+#include <cstdlib>
 #include <cstring>
 
 #include <fcntl.h>
@@ -34,6 +35,13 @@ class Device : public testing::Test {
   MadeUpHost host;
   std::string closed;
 };
+
+TEST_F(Device, IsAtFaultWhoseLibraryCrashes) {
+  ArmProbes probes = kLoads;
+  probes.openhaptics = []() -> std::string { std::abort(); };
+  EXPECT_THAT(Check("openhaptics", probes),
+              IsFault("its library crashed", "PALPATE_OPENHAPTICS_LIBRARY"));
+}
 
 TEST_F(Device, OfTheVendorNeedsItsLibraryAndANodeThatMayBeOpened) {
   EXPECT_THAT(Check("openhaptics", kLoadsNot),

@@ -271,7 +271,8 @@ bool IsSystemHeader(const std::string& header) {
   static const std::regex kSystem(
       R"([a-z_0-9]+|(sys|linux|netinet|arpa|net)/[a-z_0-9]+\.h|)"
       R"((cpuid|cxxabi|dirent|dlfcn|errno|execinfo|fcntl|features|getopt|ifaddrs|immintrin|malloc|netdb|poll|)"
-      R"(pthread|pwd|sched|semaphore|signal|spawn|stddef|stdint|stdio|stdlib|string|termios|time|unistd|x86intrin|xmmintrin)\.h)");
+      R"(pthread|pty|pwd|sched|semaphore|signal|spawn|stddef|stdint|stdio|stdlib|string|termios|time|unistd|)"
+      R"(x86intrin|xmmintrin)\.h)");
   return std::regex_match(header, kSystem);
 }
 
