@@ -20,6 +20,7 @@
 #include "common/files/project_files.h"
 #include "common/files/whole_file.h"
 #include "common/json/json_file.h"
+#include "common/program/machine.h"
 #include "common/text/hex16.h"
 #include "common/text/nearest_word.h"
 #include "common/text/quoted.h"
@@ -367,7 +368,7 @@ double ReachOf(const Body& tool) {
 /// Returns the number of bodies to build at the same time: by default one per core.
 std::size_t BodiesAtOnce(const LoadOptions& options) {
   return options.bodies_at_once > 0 ? options.bodies_at_once
-                                    : std::max(std::thread::hardware_concurrency(), 1u);
+                                    : static_cast<std::size_t>(UsableCores());
 }
 
 /// A body's shape that a thread has made, and the messages about it.
