@@ -14,6 +14,7 @@ import tempfile
 import threading
 import unittest
 import warnings
+import weakref
 from unittest import mock
 
 import numpy
@@ -232,7 +233,7 @@ class Effects(unittest.TestCase):
             r"its wrench: must be a force x y z in N, .*; its shape is \(2,\)": lambda *_: numpy.zeros(2),
             r"its stiffness: must be \(3, 3\) beside a force": lambda *_: ([0, 0, 0], numpy.eye(6)),
             "its wrench: is of type NoneType": lambda *_: None,
-            "another thread is stepping": lambda *_: self.proxy.step(self.AIR),
+            "an effect cannot step": lambda *_: self.proxy.step(self.AIR),
         }.items():
             self.proxy.set_effect(what)
             with self.subTest(words), self.assertRaisesRegex(palpate.Error, words):
@@ -255,6 +256,81 @@ class Effects(unittest.TestCase):
                 self.proxy.set_effect(enough, **wrong)
         with self.assertRaisesRegex(palpate.Error, "effect: is not a function"):
             self.proxy.set_effect(3)
+
+
+class Interrupts(unittest.TestCase):
+    """Each in a Python of its own, which is sent SIGINT in the midst of a call that takes many seconds."""
+
+    BEGIN = """
+import os, signal, threading
+import numpy, palpate
+from module_test import ball_on_block, wandering_path
+path = numpy.tile(wandering_path(1000, 5), (400, 1))
+paths = numpy.tile(path, (3, 1, 1))
+model = ball_on_block()
+proxy = palpate.Proxy(model, path[0])
+threading.Timer(0.3, os.kill, [os.getpid(), signal.SIGINT]).start()
+try:
+    CALL
+    raise SystemExit("was not interrupted")
+except KeyboardInterrupt as stopped:
+    steps = getattr(stopped, "steps", None)
+"""
+
+    def holds(self, call, then):
+        done = subprocess.run([sys.executable, "-c", self.BEGIN.replace("CALL", call) + then], capture_output=True, text=True, check=False,
+                              cwd=pathlib.Path(__file__).parent)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_keep_the_steps_so_far_and_the_proxy_goes_on_from_there(self):
+        self.holds("proxy.steps(path)", """
+assert 0 < len(steps) < len(path), len(steps)
+more = proxy.steps(path[len(steps):len(steps) + 500])
+whole = palpate.Proxy(model, path[0]).steps(path[:len(steps) + 500])
+assert whole.wrench.tobytes() == steps.wrench.tobytes() + more.wrench.tobytes()
+""")
+
+    def test_end_paths_on_all_threads_and_mark_what_was_not_taken(self):
+        for threads in (1, 3):
+            self.holds(f"model.follow(paths, threads={threads})", """
+taken = ~numpy.isnan(steps.wrench[..., 0])
+assert steps.wrench.shape == (3, len(path), 6) and 0 < taken.sum() < taken.size
+assert (numpy.diff(taken.astype(int), axis=1) <= 0).all()
+assert (steps.faults[~taken] != 0).all() and (steps.contacts[~taken] == 0).all()
+same = palpate.Proxy(model, path[0]).steps(path[:taken[0].sum()])
+assert same.wrench.tobytes() == steps.wrench[0][taken[0]].tobytes()
+""")
+
+
+class Circles(unittest.TestCase):
+    def test_of_a_proxy_and_its_effect_are_collected(self):
+        gone = []
+        for _ in range(3):
+            proxy = palpate.Proxy(ball_on_block(), [0, 0.03, 0])
+
+            def effect(*_, proxy=proxy):
+                return -proxy.start_depth * numpy.ones(3)
+
+            weakref.finalize(effect, gone.append, True)
+            proxy.set_effect(effect)
+            proxy.step([0, 0.03, 0])
+        del proxy, effect
+        gc.collect()
+        self.assertEqual(len(gone), 3)
+
+    def test_of_nothing_but_a_used_effect_are_kept(self):
+        proxy = palpate.Proxy(ball_on_block(), [0, 0.03, 0])
+        proxy.set_effect(lambda *_: [0, 0.5, 0])
+        gc.collect()
+        self.assertEqual(proxy.step([0, 0.03, 0]).force[1], 0.5)
+
+    def test_of_steps_are_called_what_they_are(self):
+        proxy = palpate.Proxy(ball_on_block(), [0, 0.03, 0])
+        for use in (lambda: proxy.step([0, 0.03, 0]), lambda: proxy.restart([0, 0.03, 0]),
+                    lambda: proxy.set_effect(None)):
+            proxy.set_effect(lambda *_, use=use: use())
+            with self.assertRaisesRegex(palpate.Error, "effect cannot"):
+                proxy.step([0, 0.03, 0])
 
 
 class Reports(unittest.TestCase):

@@ -239,10 +239,14 @@ class Model:
     def parameters(self) -> Dict[str, float]:
         """The parameters by name; NaN for friction that differs between objects."""
     def follow(self, paths: ArrayLike, *, threads: int = 0, details: bool = False) -> Steps:
-        """Steps along many paths, (paths, steps, 3 or 7), in parallel; threads=0: on all cores.
+        """Steps along many paths, (paths, steps, 3 or 7), in parallel; threads=0: on all cores, as far as
+        affinity and a container's CPU quota allow.
 
         Each path has its own proxy, which starts at the path's first pose.  The result does not depend on the
         number of threads.  details: also return Steps.details (1.4 kB per step), with stage times.
+
+        Ctrl-C ends it at once.  The KeyboardInterrupt has the steps taken so far as its attribute `steps`, of the
+        whole shape; steps that were not taken have NaN as wrench and pose, and a fault.
         """
 
 class Proxy:
@@ -271,7 +275,7 @@ class Proxy:
                     limits in N and N m, to which longer vectors are shortened.  An arm renders at most 1 N and 10 mN m
 
         If the effect raises an exception or returns an invalid or non-finite wrench (an Error), no step is taken, and
-        the effect is removed.
+        the effect is removed.  The effect cannot step or change the proxy that calls it.
         """
     def step(self, pose: ArrayLike) -> Report:
         """Takes one step of a millisecond with the hand at this pose, and returns what the hand feels.
@@ -283,6 +287,9 @@ class Proxy:
         """Takes one step for each pose, (steps, 3 or 7), like step but without Python in between.
 
         details: also return Steps.details (1.4 kB per step), with stage times.
+
+        Ctrl-C ends it at once.  The KeyboardInterrupt (or what an effect raises) has the steps taken so far as its
+        attribute `steps`; the proxy stands where they end, and can go on with poses[len(error.steps):].
         """
 
 def read_mesh(

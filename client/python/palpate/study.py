@@ -25,6 +25,7 @@ import numpy
 
 import palpate
 from palpate import Error, hands
+from palpate._physics import _usable_cores
 
 _EPILOG = """\
 example: python3 -m palpate.study friction.toml -o friction
@@ -158,7 +159,7 @@ class Study:
         self.seeds = self._seeds()
         self.sources = {}  # hashes of the files that the study names
         # Runs of one model are consecutive.
-        self.model = functools.lru_cache(2 + len(os.sched_getaffinity(0)))(
+        self.model = functools.lru_cache(2 + _usable_cores())(
             lambda scene, tool, parameters: scene.model(tool, **dict(parameters)))
         self.measure = self._function("measures", self.said["measures"]) if "measures" in self.said else None
         self.hands = self._take("hands", {"script": {"kind": "script"}}, lambda x: isinstance(x, dict) and x, "tables")
@@ -374,7 +375,7 @@ Seeds: {study.said.get("seeds", 1)}. Other options are the defaults of `palpate.
 {_markdown(["parameter", "values", "unit", "default", "what"], *parameter_rows)}
 ## Machine
 
-{cpu[0].partition(": ")[2] if cpu else platform.processor()}, {len(os.sched_getaffinity(0))} cores, \
+{cpu[0].partition(": ")[2] if cpu else platform.processor()}, {_usable_cores()} cores, \
 {platform.platform()}, Python {platform.python_version()}, numpy {numpy.__version__}.
 
 ## Columns of table.csv
@@ -414,7 +415,7 @@ def main(arguments=None):
                                      epilog=_EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("study", metavar="STUDY.toml", help="study file: see below")
     parser.add_argument("-o", metavar="FOLDER", help="folder for table.csv and METHODS.md; default: STUDY")
-    parser.add_argument("--jobs", type=int, default=len(os.sched_getaffinity(0)),
+    parser.add_argument("--jobs", type=int, default=_usable_cores(),
                         help="number of parallel runs; default: all cores")
     parser.add_argument("--keep", action="store_true", help="also keep the arrays of each run")
     parser.add_argument("--list", action="store_true", help="list the runs, and compute none")

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "client/python/arrays.h"
+#include "client/python/held_wrench.h"
+#include "client/python/model.h"
+
+namespace palpate {
+
+/// A force in Python attached to a proxy: called once every few steps, held in between.
+struct SlowEffect {
+  py::object ask;
+  HeldWrench held;
+  EffectState motion{};  // of the hand, with the number of its steps
+};
+
+struct Hand {
+  Hand(Shared m, const Pose& X_WH) : shared(std::move(m)), proxy(*shared.model, X_WH) {}
+
+  void Restart(const Pose& X_WH) {
+    proxy.Restart(X_WH);
+    if (effect) effect->motion = {};
+  }
+  /// Takes a step, without Python's lock except while it calls an effect.  If the effect raises,
+  /// throws that, switches the effect off, and takes no step.
+  StepReport Step(const Pose& X_WH, StageTimes* times = nullptr) {
+    const bool acts = effect && IsPose(X_WH);
+    if (acts) LookAt(X_WH);
+    StepReport report = proxy.Step(X_WH, times);
+    if (!acts) return report;
+    const Pose& X = effect->motion.X_WH;
+    Wrench given = effect->held.At(X);
+    given.torque -= (X.q * shared.model->reference()).cross(given.force);
+    for (Wrench* sum : {&report.wrench, &report.effects.active}) {
+      *sum = {sum->force + given.force, sum->torque + given.torque};
+    }
+    return report;
+  }
+
+  Shared shared;  // declared first: outlives the proxy
+  Proxy proxy;
+  std::optional<SlowEffect> effect{};
+  std::thread::id stepping{};  // which thread does; guarded by Python's lock
+
+ private:
+  void LookAt(const Pose& X_WH) {
+    auto& [ask, held, motion] = *effect;
+    Follow({X_WH.p, X_WH.q.normalized()}, motion);
+    if (motion.cycle++ % held.every != 0) return;
+    const py::gil_scoped_acquire lock;
+    try {
+      Ask(ask, motion.X_WH, motion.V_WH, proxy.X_WG(), held);
+    } catch (...) {
+      effect.reset();
+      throw;
+    }
+  }
+};
+
+/// Prevents other threads, and its own effect, from using a hand while its step has released
+/// Python's lock.  Made and destroyed with that lock.
+class Busy {
+ public:
+  explicit Busy(Hand& hand) : hand_(hand) {
+    if (hand.stepping == std::this_thread::get_id()) {
+      throw Error(
+          "proxy: an effect cannot step or change the proxy that calls it; let it compute with "
+          "another proxy of the model, or change this one after the step");
+    }
+    if (hand.stepping != std::thread::id()) {
+      throw Error("proxy: another thread is stepping it; give each thread a proxy of its own");
+    }
+    hand.stepping = std::this_thread::get_id();
+  }
+  ~Busy() { hand_.stepping = {}; }
+  Busy(const Busy&) = delete;
+  Busy& operator=(const Busy&) = delete;
+
+ private:
+  Hand& hand_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,280 @@
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include "client/python/arrays.h"
+#include "client/python/hand.h"
+#include "client/python/model.h"
+#include "client/python/scenes.h"
+#include "client/python/signals.h"
+#include "client/python/steps.h"
+#include "client/python/workers.h"
+#include "common/program/machine.h"
+
+// Models, and proxies that step.
+
+namespace palpate {
+
+Shared Share(const Scene& scene, const Body& tool) {
+  const py::gil_scoped_release free;
+  return {std::make_shared<const HapticModel>(MakeModel(scene, tool, MakeObjects(scene))),
+          scene.name, tool.name,
+          std::make_shared<const std::vector<Parameter>>(ParametersOf(scene))};
+}
+
+py::dict ToDict(const std::vector<Parameter>& parameters) {
+  py::dict values;
+  for (const Parameter& parameter : parameters) values[parameter.name] = parameter.value;
+  return values;
+}
+
+Used FromDict(const py::dict& values) {
+  std::vector<Parameter> parameters = ParametersOf(Scene{});
+  for (Parameter& p : parameters) p.value = values[p.name].cast<double>();
+  return std::make_shared<const std::vector<Parameter>>(std::move(parameters));
+}
+
+namespace {
+
+/// Hands what was done before an exception to whoever catches it.
+void Attach(py::error_already_set& error, const Steps& steps) {
+  error.value().attr("steps") = steps;
+}
+
+/// @param ends  called before each step: whether to return early; may throw.
+/// @param done  counts the steps.
+template <class Ends>
+void Walk(Hand& hand, const double* poses, py::ssize_t count, py::ssize_t width, Rows out,
+          py::ssize_t& done, Ends ends) {
+  for (py::ssize_t i = 0; i < count && !ends(); ++i, ++done) {
+    StageTimes times;
+    const StepReport report =
+        hand.Step(ToPose(poses + i * width, width), out.details ? &times : nullptr);
+    Vec3::Map(out.wrench + 6 * i) = report.wrench.force;
+    Vec3::Map(out.wrench + 6 * i + 3) = report.wrench.torque;
+    FromPose(report.X_WG, out.pose + 7 * i);
+    out.contacts[i] = Contacts(report);
+    out.faults[i] = report.faults;
+    if (out.details) out.details[i] = ToRecord(report, times);
+  }
+}
+
+/// Converts an array to poses.  A row that is not finite becomes a fault of its step; a quaternion
+/// of another length is an error.
+Doubles ToPoses(const py::object& given, py::ssize_t dimensions, const char* shape) {
+  Doubles poses = ToDoubles(given, "poses");
+  const py::ssize_t width = poses.ndim() > 0 ? poses.shape(poses.ndim() - 1) : 0;
+  RequireShape(poses.ndim() == dimensions && (width == 3 || width == 7), poses, "poses",
+               std::string("an array ") + shape);
+  for (const double* row = poses.data(); row < poses.data() + poses.size(); row += width) {
+    const Pose X = ToPose(row, width);
+    if (X.p.allFinite() && X.q.coeffs().allFinite() && !IsPose(X)) {
+      throw Error("poses: row " + std::to_string((row - poses.data()) / width) +
+                  " has a quaternion of length " + std::to_string(X.q.norm()) + "; it must be 1");
+    }
+  }
+  return poses;
+}
+
+void SetEffect(Hand& hand, const py::object& effect, double rate_Hz, double max_force_N,
+               double max_torque_Nm) {
+  const HeldWrench held = ToHeld(effect, rate_Hz, max_force_N, max_torque_Nm);
+  const Busy busy(hand);
+  hand.effect.reset();
+  if (!effect.is_none()) hand.effect = SlowEffect{effect, held};
+}
+
+Steps StepAll(Hand& hand, const py::object& given, bool details) {
+  const Doubles poses = ToPoses(given, 2, "(steps, 3) or (steps, 7)");
+  const Busy busy(hand);
+  Steps steps({poses.shape(0)}, hand.shared, details);
+  const Rows rows(steps);
+  py::ssize_t done = 0;
+  try {
+    const py::gil_scoped_release free;
+    SignalCheck check;
+    Walk(hand, poses.data(), poses.shape(0), poses.shape(1), rows, done, [&] {
+      check();
+      return false;
+    });
+  } catch (py::error_already_set& error) {
+    Attach(error, steps.At(py::slice(0, done, 1)));
+    throw;
+  }
+  return steps;
+}
+
+/// Follows each path with a proxy of its own, which starts at the path's first pose.
+/// @param done  for each path, the number of its steps that were taken.
+void WalkAll(const Shared& shared, const Doubles& paths, int threads, const Rows& all,
+             std::vector<py::ssize_t>& done) {
+  const py::ssize_t count = paths.shape(0), length = paths.shape(1), width = paths.shape(2);
+  const double* const data = paths.data();
+  const py::gil_scoped_release free;
+  SignalCheck check;
+  Workers workers(
+      static_cast<int>(std::min<py::ssize_t>(threads == 0 ? UsableCores() : threads, count)));
+  std::vector<std::optional<Hand>> hands(static_cast<std::size_t>(workers.threads()));
+  const auto follow = [&](std::size_t path, std::size_t thread) {
+    const auto first = static_cast<py::ssize_t>(path) * length;
+    const double* const poses = data + first * width;
+    const Pose start = ToPose(poses, width);
+    std::optional<Hand>& hand = hands[thread];
+    // A tool that cuts gets a new proxy for each path, so that every path meets the whole solid,
+    // whichever thread follows it.
+    if (hand && !shared.model->cuts()) {
+      hand->Restart(start);
+    } else {
+      hand.emplace(shared, start);
+    }
+    Walk(*hand, poses, length, width, all.From(first), done[path], [&] {
+      if (thread == 0) check();
+      return workers.has_failed();
+    });
+  };
+  workers.Run(static_cast<std::size_t>(count), follow, [&] { check(); });
+}
+
+Steps FollowAll(const Shared& shared, const py::object& given, int threads, bool details) {
+  const Doubles paths = ToPoses(given, 3, "(paths, steps, 3) or (paths, steps, 7)");
+  if (threads < 0) throw Error("threads: must be 0, for all cores, or more");
+  const py::ssize_t count = paths.shape(0), length = paths.shape(1);
+  Steps steps({count, length}, shared, details);
+  const Rows all(steps);
+  if (count == 0 || length == 0) return steps;
+  std::vector<py::ssize_t> done(static_cast<std::size_t>(count));
+  try {
+    WalkAll(shared, paths, threads, all, done);
+  } catch (py::error_already_set& error) {
+    for (py::ssize_t path = 0; path < count; ++path) {
+      const py::ssize_t taken = done[static_cast<std::size_t>(path)];
+      all.From(path * length + taken).Blank(length - taken);
+    }
+    Attach(error, steps);
+    throw;
+  }
+  return steps;
+}
+
+Shared MakeShared(const std::vector<Body>& objects, const Body& tool, const std::string& contact,
+                  double stiffness, double torsional_stiffness,
+                  const std::map<std::string, double>& step) {
+  Scene scene = ToScene(objects, {tool}, contact);
+  scene.coupling = {stiffness, torsional_stiffness};
+  for (const auto& [field, value] : step) SetParameter(scene, field, value);
+  return Share(scene, scene.tools[0]);
+}
+
+/// Lets Python find circles of references through a proxy's effect, which often refers to the
+/// proxy, and collect them.
+void CollectCircles(PyHeapTypeObject* heap_type) {
+  PyTypeObject& type = heap_type->ht_type;
+  static const destructor destroy = type.tp_base->tp_dealloc;
+  // Null before its constructor has run.
+  static const auto hand_of = [](PyObject* self) {
+    return static_cast<Hand*>(
+        reinterpret_cast<py::detail::instance*>(self)->get_value_and_holder().value_ptr());
+  };
+  type.tp_flags |= Py_TPFLAGS_HAVE_GC;
+  type.tp_traverse = [](PyObject* self, visitproc visit, void* arg) {
+    const Hand* const hand = hand_of(self);
+    if (hand != nullptr && hand->effect) Py_VISIT(hand->effect->ask.ptr());
+    Py_VISIT(Py_TYPE(self));
+    return 0;
+  };
+  type.tp_clear = [](PyObject* self) {
+    Hand* const hand = hand_of(self);
+    std::optional<SlowEffect> gone;  // ended last, since that may run Python's code
+    if (hand != nullptr) std::swap(gone, hand->effect);
+    return 0;
+  };
+  // pybind11 2.10 leaves it in the collector's list while it is destroyed.
+  type.tp_dealloc = [](PyObject* self) {
+    PyObject_GC_UnTrack(self);
+    destroy(self);
+  };
+}
+
+/// Makes pickling a class an error that says why: its objects hold the state of a running hand, or
+/// are quickly made anew.
+template <class Class>
+void RefusePickle(Class& of, const char* why) {
+  of.def("__reduce__",
+         [why](const typename Class::type&) -> py::object { throw py::type_error(why); });
+}
+
+}  // namespace
+
+void DefineModels(py::module_& module, const Prose& prose) {
+  py::class_<Shared> model(module, "Model");
+  model
+      .def(py::init([](const std::vector<Body>& objects, const Body& tool,
+                       const std::string& contact, double stiffness, double torsional_stiffness,
+                       const std::map<std::string, double>& step) {
+             return MakeShared(objects, tool, contact, stiffness, torsional_stiffness, step);
+           }),
+           py::arg("objects"), py::arg("tool"), py::kw_only(), py::arg("contact") = "surface",
+           py::arg("stiffness") = Coupling{}.stiffness,
+           py::arg("torsional_stiffness") = Coupling{}.torsional_stiffness,
+           py::arg("step") = std::map<std::string, double>{}, prose("Model.__init__"))
+      .def_property_readonly("parameters",
+                             [](const Shared& shared) { return ToDict(*shared.parameters); })
+      .def("__repr__",
+           [](const Shared& shared) {
+             std::ostringstream text;
+             for (const Parameter& p : *shared.parameters) text << ", " << p.name << "=" << p.value;
+             return Shown("Model", "of ", shared.tool, " in ",
+                          shared.scene.empty() ? "a scene" : shared.scene, text.str());
+           })
+      .def("follow", &FollowAll, py::arg("paths"), py::kw_only(), py::arg("threads") = 0,
+           py::arg("details") = false, prose("Model.follow"));
+  RefusePickle(model,
+               "a Model is not pickled: pickle its scene or bodies, and make it of them there");
+
+  py::class_<Hand> proxy(module, "Proxy", py::custom_type_setup(&CollectCircles));
+  proxy
+      .def(py::init([](const Shared& shared, const py::object& pose) {
+             return std::make_unique<Hand>(shared, ToCheckedPose(pose));
+           }),
+           py::arg("model"), py::arg("pose"), prose("Proxy.__init__"))
+      .def_property_readonly("start_depth",
+                             [](const Hand& hand) { return hand.proxy.start_depth(); })
+      .def(
+          "restart",
+          [](Hand& hand, const py::object& pose) {
+            const Pose X_WH = ToCheckedPose(pose);
+            const Busy busy(hand);
+            hand.Restart(X_WH);
+          },
+          py::arg("pose"), prose("Proxy.restart"))
+      .def(
+          "step",
+          [](Hand& hand, const py::object& pose) {
+            const Doubles row = ToPoses(pose, 1, "(3) or (7)");
+            const Pose X_WH = ToPose(row.data(), row.size());
+            const Busy busy(hand);
+            const py::gil_scoped_release free;
+            return Report{ToRecord(hand.Step(X_WH)), hand.shared.parameters};
+          },
+          py::arg("pose"), prose("Proxy.step"))
+      .def("set_effect", &SetEffect, py::arg("effect"), py::kw_only(), py::arg("rate_hz") = 100.0,
+           py::arg("max_force") = HeldWrench{}.max_force_N,
+           py::arg("max_torque") = HeldWrench{}.max_torque_Nm, prose("Proxy.set_effect"))
+      .def("steps", &StepAll, py::arg("poses"), py::kw_only(), py::arg("details") = false,
+           prose("Proxy.steps"))
+      .def("__repr__", [](const Hand& hand) { return Shown("Proxy", "of ", hand.shared.tool); });
+  RefusePickle(
+      proxy,
+      "a Proxy cannot be pickled, because its state belongs to this process; pickle its poses");
+}
+
+}  // namespace palpate
