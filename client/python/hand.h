@@ -13,17 +13,31 @@ namespace palpate {
 
 /// A force in Python attached to a proxy: called once every few steps, held in between.
 struct SlowEffect {
+  struct Memory {
+    HeldWrench held;
+    EffectState motion{};  // of the hand, with the number of its steps
+  };
   py::object ask;
-  HeldWrench held;
-  EffectState motion{};  // of the hand, with the number of its steps
+  Memory memory;
+
+  /// Takes over a memory, but keeps its own rate and limits.
+  void Remember(const Memory& from) {
+    const HeldWrench own = memory.held;
+    memory = from;
+    memory.held.every = own.every;
+    memory.held.max_force_N = own.max_force_N;
+    memory.held.max_torque_Nm = own.max_torque_Nm;
+  }
 };
 
 struct Hand {
   Hand(Shared m, const Pose& X_WH) : shared(std::move(m)), proxy(*shared.model, X_WH) {}
+  Hand(Shared m, const ProxyState& state)
+      : shared(std::move(m)), proxy(*shared.model, state.step, state.start_depth) {}
 
   void Restart(const Pose& X_WH) {
     proxy.Restart(X_WH);
-    if (effect) effect->motion = {};
+    if (effect) effect->memory.motion = {};
   }
   /// Takes a step, without Python's lock except while it calls an effect.  If the effect raises,
   /// throws that, switches the effect off, and takes no step.
@@ -32,8 +46,8 @@ struct Hand {
     if (acts) LookAt(X_WH);
     StepReport report = proxy.Step(X_WH, times);
     if (!acts) return report;
-    const Pose& X = effect->motion.X_WH;
-    Wrench given = effect->held.At(X);
+    const Pose& X = effect->memory.motion.X_WH;
+    Wrench given = effect->memory.held.At(X);
     given.torque -= (X.q * shared.model->reference()).cross(given.force);
     for (Wrench* sum : {&report.wrench, &report.effects.active}) {
       *sum = {sum->force + given.force, sum->torque + given.torque};
@@ -48,12 +62,12 @@ struct Hand {
 
  private:
   void LookAt(const Pose& X_WH) {
-    auto& [ask, held, motion] = *effect;
+    auto& [held, motion] = effect->memory;
     Follow({X_WH.p, X_WH.q.normalized()}, motion);
     if (motion.cycle++ % held.every != 0) return;
     const py::gil_scoped_acquire lock;
     try {
-      Ask(ask, motion.X_WH, motion.V_WH, proxy.X_WG(), held);
+      Ask(effect->ask, motion.X_WH, motion.V_WH, proxy.X_WG(), held);
     } catch (...) {
       effect.reset();
       throw;

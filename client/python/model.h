@@ -20,10 +20,12 @@ struct Shared {
   std::shared_ptr<const HapticModel> model;
   std::string scene, tool;
   Used parameters;
+  std::shared_ptr<const Scene> made_of;  // for pickle
+  std::size_t tool_index = 0;
 };
 
-/// Makes a model, without Python's lock.
-Shared Share(const Scene& scene, const Body& tool);
+/// Makes a model of a tool by its index, without Python's lock.
+Shared Share(Scene scene, std::size_t tool);
 
 py::dict ToDict(const std::vector<Parameter>& parameters);
 Used FromDict(const py::dict& values);

@@ -16,6 +16,7 @@
 #include "client/python/model.h"
 #include "client/python/scenes.h"
 #include "client/python/signals.h"
+#include "client/python/states.h"
 #include "client/python/steps.h"
 #include "client/python/workers.h"
 #include "common/program/machine.h"
@@ -24,11 +25,16 @@
 
 namespace palpate {
 
-Shared Share(const Scene& scene, const Body& tool) {
+Shared Share(Scene scene, std::size_t tool) {
   const py::gil_scoped_release free;
-  return {std::make_shared<const HapticModel>(MakeModel(scene, tool, MakeObjects(scene))),
-          scene.name, tool.name,
-          std::make_shared<const std::vector<Parameter>>(ParametersOf(scene))};
+  const auto kept = std::make_shared<const Scene>(std::move(scene));
+  const Body& body = kept->tools[tool];
+  return {std::make_shared<const HapticModel>(MakeModel(*kept, body, MakeObjects(*kept))),
+          kept->name,
+          body.name,
+          std::make_shared<const std::vector<Parameter>>(ParametersOf(*kept)),
+          kept,
+          tool};
 }
 
 py::dict ToDict(const std::vector<Parameter>& parameters) {
@@ -90,7 +96,7 @@ void SetEffect(Hand& hand, const py::object& effect, double rate_Hz, double max_
   const HeldWrench held = ToHeld(effect, rate_Hz, max_force_N, max_torque_Nm);
   const Busy busy(hand);
   hand.effect.reset();
-  if (!effect.is_none()) hand.effect = SlowEffect{effect, held};
+  if (!effect.is_none()) hand.effect = SlowEffect{effect, {held, {}}};
 }
 
 Steps StepAll(Hand& hand, const py::object& given, bool details) {
@@ -169,9 +175,10 @@ Shared MakeShared(const std::vector<Body>& objects, const Body& tool, const std:
                   double stiffness, double torsional_stiffness,
                   const std::map<std::string, double>& step) {
   Scene scene = ToScene(objects, {tool}, contact);
+  scene.name = "scene";
   scene.coupling = {stiffness, torsional_stiffness};
   for (const auto& [field, value] : step) SetParameter(scene, field, value);
-  return Share(scene, scene.tools[0]);
+  return Share(std::move(scene), 0);
 }
 
 /// Lets Python find circles of references through a proxy's effect, which often refers to the
@@ -204,14 +211,6 @@ void CollectCircles(PyHeapTypeObject* heap_type) {
   };
 }
 
-/// Makes pickling a class an error that says why: its objects hold the state of a running hand, or
-/// are quickly made anew.
-template <class Class>
-void RefusePickle(Class& of, const char* why) {
-  of.def("__reduce__",
-         [why](const typename Class::type&) -> py::object { throw py::type_error(why); });
-}
-
 }  // namespace
 
 void DefineModels(py::module_& module, const Prose& prose) {
@@ -236,9 +235,28 @@ void DefineModels(py::module_& module, const Prose& prose) {
                           shared.scene.empty() ? "a scene" : shared.scene, text.str());
            })
       .def("follow", &FollowAll, py::arg("paths"), py::kw_only(), py::arg("threads") = 0,
-           py::arg("details") = false, prose("Model.follow"));
-  RefusePickle(model,
-               "a Model is not pickled: pickle its scene or bodies, and make it of them there");
+           py::arg("details") = false, prose("Model.follow"))
+      .def("__copy__", [](const py::object& self) { return self; })
+      .def("__deepcopy__", [](const py::object& self, const py::object&) { return self; })
+      .def(py::pickle(
+          [](const Shared& shared) {
+            if (!shared.made_of->effects.empty()) {
+              throw Error(
+                  "pickle: the Model has effects in C, whose code a pickle cannot hold; load its "
+                  "scene there");
+            }
+            return py::make_tuple(PALPATE_VERSION, ToBytes(*shared.made_of), shared.tool_index);
+          },
+          [](const py::tuple& stored) {
+            if (stored.size() != 3) throw Error("pickle: the Model is damaged; store it again");
+            RequireVersion(stored[0], "Model");
+            Scene scene = ToScene(py::bytes(stored[1]));
+            const auto tool = stored[2].cast<std::size_t>();
+            if (tool >= scene.tools.size()) {
+              throw Error("pickle: the Model is damaged; store it again");
+            }
+            return Share(std::move(scene), tool);
+          }));
 
   py::class_<Hand> proxy(module, "Proxy", py::custom_type_setup(&CollectCircles));
   proxy
@@ -272,9 +290,7 @@ void DefineModels(py::module_& module, const Prose& prose) {
       .def("steps", &StepAll, py::arg("poses"), py::kw_only(), py::arg("details") = false,
            prose("Proxy.steps"))
       .def("__repr__", [](const Hand& hand) { return Shown("Proxy", "of ", hand.shared.tool); });
-  RefusePickle(
-      proxy,
-      "a Proxy cannot be pickled, because its state belongs to this process; pickle its poses");
+  DefineStates(module, proxy, prose);
 }
 
 }  // namespace palpate

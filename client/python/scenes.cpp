@@ -127,7 +127,9 @@ Shared ModelOf(const Loaded& loaded, const py::object& which, const py::kwargs& 
   SetParameters(scene, parameters);
   for (std::size_t i = 0; i < scene.tools.size(); ++i) {
     const Body& tool = scene.tools[i];
-    if (which.equal(py::int_(i)) || which.equal(py::str(tool.name))) return Share(scene, tool);
+    if (which.equal(py::int_(i)) || which.equal(py::str(tool.name))) {
+      return Share(std::move(scene), i);
+    }
   }
   throw Error("tool: " + py::str(which).cast<std::string>() + " is not in the scene; give one of " +
               NamesOf(scene.tools));

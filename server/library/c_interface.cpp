@@ -1,5 +1,6 @@
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <functional>
@@ -331,6 +332,26 @@ uint32_t palpate_proxy_step(palpate_proxy* proxy, const palpate_pose* hand,
         step.active[i].force * step.active[i].normal + step.active[i].friction;
   }
   return report->faults;
+}
+
+size_t palpate_proxy_save(const palpate_proxy* proxy, void* bytes, size_t size) {
+  return Guarded(std::size_t{0}, [&] {
+    Require(proxy != nullptr, "proxy: is NULL");
+    const Proxy& of = proxy->proxy;
+    const std::vector<std::uint8_t> state = ToBytes(of.model(), {of.state(), of.start_depth()});
+    if (bytes != nullptr && size >= state.size()) std::memcpy(bytes, state.data(), state.size());
+    return state.size();
+  });
+}
+
+int palpate_proxy_restore(palpate_proxy* proxy, const void* bytes, size_t size) {
+  return Guarded(-1, [&] {
+    Require(proxy != nullptr && bytes != nullptr, "proxy or bytes: is NULL");
+    const ProxyState state =
+        StateOf(proxy->proxy.model(), {static_cast<const std::uint8_t*>(bytes), size});
+    proxy->proxy.set_state(state.step, state.start_depth);
+    return 0;
+  });
 }
 
 }  // extern "C"

@@ -249,8 +249,18 @@ class Model:
         whole shape; steps that were not taken have NaN as wrench and pose, and a fault.
         """
 
+class State:
+    """The state of a proxy: all that its next step depends on, beside its pose and its effect's function.  Immutable.
+
+    A pickled state names the version and the model.  Another version's, another model's and a damaged one are an Error.
+    """
+
 class Proxy:
-    """The proxy (god-object) of one hand.  Only one thread at a time may use it."""
+    """The proxy (god-object) of one hand.  Only one thread at a time may use it.
+
+    A copy (copy.copy or pickle) stands where the original does, with the same effect, and continues to the same bits.
+    States of solids that burs cut can be copied, but not pickled.
+    """
 
     def __init__(self, model: Model, pose: ArrayLike) -> None: ...
     @property
@@ -258,6 +268,13 @@ class Proxy:
         """Distance of the tool from the hand at the start, in metres."""
     def restart(self, pose: ArrayLike) -> None:
         """Starts again with the hand at this pose, like a new proxy."""
+    def state(self) -> State:
+        """Returns the present state, for set_state: to go on from it again, or to branch."""
+    def set_state(self, state: State) -> None:
+        """Continues from a state of a proxy of the same model: the same poses then give the same bits.
+
+        The effect stays this proxy's own; what it had returned last is the state's.
+        """
     def set_effect(
         self, effect: Optional[Effect], *, rate_hz: float = 100.0, max_force: float = 1.0, max_torque: float = 0.01
     ) -> None:
