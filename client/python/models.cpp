@@ -70,8 +70,15 @@ void Walk(Hand& hand, const double* poses, py::ssize_t count, py::ssize_t width,
     FromPose(report.X_WG, out.pose + 7 * i);
     out.contacts[i] = Contacts(report);
     out.faults[i] = report.faults;
-    if (out.details) out.details[i] = ToRecord(report, times);
+    if (out.details) ToRecord(report, times, out.details[i]);
   }
+}
+
+/// Throws Error if a quaternion is not of length 1.  A pose that is not finite is the step's fault.
+void RequireUnit(const Pose& X, std::ptrdiff_t row) {
+  if (IsPose(X) || !X.p.allFinite() || !X.q.coeffs().allFinite()) return;
+  throw Error("poses: row " + std::to_string(row) + " has a quaternion of length " +
+              std::to_string(X.q.norm()) + "; it must be 1");
 }
 
 /// Converts an array to poses.  A row that is not finite becomes a fault of its step; a quaternion
@@ -82,13 +89,28 @@ Doubles ToPoses(const py::object& given, py::ssize_t dimensions, const char* sha
   RequireShape(poses.ndim() == dimensions && (width == 3 || width == 7), poses, "poses",
                std::string("an array ") + shape);
   for (const double* row = poses.data(); row < poses.data() + poses.size(); row += width) {
-    const Pose X = ToPose(row, width);
-    if (X.p.allFinite() && X.q.coeffs().allFinite() && !IsPose(X)) {
-      throw Error("poses: row " + std::to_string((row - poses.data()) / width) +
-                  " has a quaternion of length " + std::to_string(X.q.norm()) + "; it must be 1");
-    }
+    RequireUnit(ToPose(row, width), (row - poses.data()) / width);
   }
   return poses;
+}
+
+/// Converts the pose of one step.  What nearly all programs give is read as it is: an array of
+/// doubles, or a list or tuple of Python's floats.  The general way takes a third of a step.
+Pose ToPoseOfStep(const py::object& given) {
+  double row[7];
+  py::ssize_t width = 0;
+  if (const double* const numbers = PlainDoubles(given, width)) {
+    std::copy_n(numbers, std::min<py::ssize_t>(width, 7), row);
+  } else {
+    width = PlainFloats(given, row);
+  }
+  if (width != 3 && width != 7) {
+    const Doubles array = ToPoses(given, 1, "(3) or (7)");
+    return ToPose(array.data(), array.size());
+  }
+  const Pose X = ToPose(row, width);
+  RequireUnit(X, 0);
+  return X;
 }
 
 void SetEffect(Hand& hand, const py::object& effect, double rate_Hz, double max_force_N,
@@ -277,11 +299,13 @@ void DefineModels(py::module_& module, const Prose& prose) {
       .def(
           "step",
           [](Hand& hand, const py::object& pose) {
-            const Doubles row = ToPoses(pose, 1, "(3) or (7)");
-            const Pose X_WH = ToPose(row.data(), row.size());
+            const Pose X_WH = ToPoseOfStep(pose);
             const Busy busy(hand);
             const py::gil_scoped_release free;
-            return Report{ToRecord(hand.Step(X_WH)), hand.shared.parameters};
+            auto report = std::make_unique<Report>();
+            report->parameters = hand.shared.parameters;
+            ToRecord(hand.Step(X_WH), {}, report->record);
+            return report;
           },
           py::arg("pose"), prose("Proxy.step"))
       .def("set_effect", &SetEffect, py::arg("effect"), py::kw_only(), py::arg("rate_hz") = 100.0,

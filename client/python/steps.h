@@ -15,7 +15,7 @@ namespace palpate {
 
 /// The result of one step.
 struct Report {
-  ReportRecord record;
+  ReportRecord record;  // not initialised
   Used parameters;
 };
 

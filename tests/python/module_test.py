@@ -170,6 +170,23 @@ class Bits(unittest.TestCase):
             self.assertEqual(report.torque.tobytes(), one.wrench[4, i, 3:].tobytes())
 
 
+class Poses(unittest.TestCase):
+    def test_of_a_step_may_have_any_form_with_the_same_numbers(self):
+        model, path = ball_on_block(), wandering_path(60, 4)
+        path[:, :3] = path[:, :3].astype(numpy.float32)
+        forms = (list, tuple, lambda pose: [*map(float, pose)], lambda pose: tuple(map(float, pose)),
+                 lambda pose: numpy.repeat(pose, 2)[::2], lambda pose: pose.astype(">f8"), numpy.ma.masked_array)
+        truth = palpate.Proxy(model, path[0]).steps(path)
+        for form in forms:
+            proxy = palpate.Proxy(model, path[0])
+            felt = [proxy.step(form(pose)).force.tobytes() for pose in path]
+            self.assertEqual(b"".join(felt), numpy.ascontiguousarray(truth.wrench[:, :3]).tobytes())
+        self.assertEqual(proxy.step([0, 1, 0]).force.tolist(), proxy.step((0.0, 1, 0.0)).force.tolist())
+        for wrong in ([0, 1], [0] * 8, [0, 10**400, 0], [0, True, 0, 1], "012", [[0, 1, 0]], numpy.zeros((1, 3)), None):
+            with self.assertRaises(palpate.Error):
+                proxy.step(wrong)
+
+
 class Effects(unittest.TestCase):
     AIR = numpy.array([0, 0.04, 0])
 
