@@ -75,27 +75,28 @@ struct Hand {
   }
 };
 
-/// Prevents other threads, and its own effect, from using a hand while its step has released
+/// Prevents other threads, and its own effect, from using a proxy while its step has released
 /// Python's lock.  Made and destroyed with that lock.
 class Busy {
  public:
-  explicit Busy(Hand& hand) : hand_(hand) {
-    if (hand.stepping == std::this_thread::get_id()) {
+  /// @param by  the thread that uses it; none between calls
+  explicit Busy(std::thread::id& by) : by_(by) {
+    if (by == std::this_thread::get_id()) {
       throw Error(
           "proxy: an effect cannot step or change the proxy that calls it; let it compute with "
           "another proxy of the model, or change this one after the step");
     }
-    if (hand.stepping != std::thread::id()) {
+    if (by != std::thread::id()) {
       throw Error("proxy: another thread is stepping it; give each thread a proxy of its own");
     }
-    hand.stepping = std::this_thread::get_id();
+    by = std::this_thread::get_id();
   }
-  ~Busy() { hand_.stepping = {}; }
+  ~Busy() { by_ = {}; }
   Busy(const Busy&) = delete;
   Busy& operator=(const Busy&) = delete;
 
  private:
-  Hand& hand_;
+  std::thread::id& by_;
 };
 
 }  // namespace palpate

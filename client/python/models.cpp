@@ -12,6 +12,7 @@
 #include <pybind11/stl.h>
 
 #include "client/python/arrays.h"
+#include "client/python/batch.h"
 #include "client/python/hand.h"
 #include "client/python/model.h"
 #include "client/python/scenes.h"
@@ -65,24 +66,19 @@ void Walk(Hand& hand, const double* poses, py::ssize_t count, py::ssize_t width,
     StageTimes times;
     const StepReport report =
         hand.Step(ToPose(poses + i * width, width), out.details ? &times : nullptr);
-    Vec3::Map(out.wrench + 6 * i) = report.wrench.force;
-    Vec3::Map(out.wrench + 6 * i + 3) = report.wrench.torque;
-    FromPose(report.X_WG, out.pose + 7 * i);
-    out.contacts[i] = Contacts(report);
-    out.faults[i] = report.faults;
-    if (out.details) ToRecord(report, times, out.details[i]);
+    out.From(i).Put(report, times);
   }
 }
 
+}  // namespace
+
 /// Throws Error if a quaternion is not of length 1.  A pose that is not finite is the step's fault.
-void RequireUnit(const Pose& X, std::ptrdiff_t row) {
+static void RequireUnit(const Pose& X, std::ptrdiff_t row) {
   if (IsPose(X) || !X.p.allFinite() || !X.q.coeffs().allFinite()) return;
   throw Error("poses: row " + std::to_string(row) + " has a quaternion of length " +
               std::to_string(X.q.norm()) + "; it must be 1");
 }
 
-/// Converts an array to poses.  A row that is not finite becomes a fault of its step; a quaternion
-/// of another length is an error.
 Doubles ToPoses(const py::object& given, py::ssize_t dimensions, const char* shape) {
   Doubles poses = ToDoubles(given, "poses");
   const py::ssize_t width = poses.ndim() > 0 ? poses.shape(poses.ndim() - 1) : 0;
@@ -93,6 +89,8 @@ Doubles ToPoses(const py::object& given, py::ssize_t dimensions, const char* sha
   }
   return poses;
 }
+
+namespace {
 
 /// Converts the pose of one step.  What nearly all programs give is read as it is: an array of
 /// doubles, or a list or tuple of Python's floats.  The general way takes a third of a step.
@@ -116,14 +114,14 @@ Pose ToPoseOfStep(const py::object& given) {
 void SetEffect(Hand& hand, const py::object& effect, double rate_Hz, double max_force_N,
                double max_torque_Nm) {
   const HeldWrench held = ToHeld(effect, rate_Hz, max_force_N, max_torque_Nm);
-  const Busy busy(hand);
+  const Busy busy(hand.stepping);
   hand.effect.reset();
   if (!effect.is_none()) hand.effect = SlowEffect{effect, {held, {}}};
 }
 
 Steps StepAll(Hand& hand, const py::object& given, bool details) {
   const Doubles poses = ToPoses(given, 2, "(steps, 3) or (steps, 7)");
-  const Busy busy(hand);
+  const Busy busy(hand.stepping);
   Steps steps({poses.shape(0)}, hand.shared, details);
   const Rows rows(steps);
   py::ssize_t done = 0;
@@ -292,7 +290,7 @@ void DefineModels(py::module_& module, const Prose& prose) {
           "restart",
           [](Hand& hand, const py::object& pose) {
             const Pose X_WH = ToCheckedPose(pose);
-            const Busy busy(hand);
+            const Busy busy(hand.stepping);
             hand.Restart(X_WH);
           },
           py::arg("pose"), prose("Proxy.restart"))
@@ -300,7 +298,7 @@ void DefineModels(py::module_& module, const Prose& prose) {
           "step",
           [](Hand& hand, const py::object& pose) {
             const Pose X_WH = ToPoseOfStep(pose);
-            const Busy busy(hand);
+            const Busy busy(hand.stepping);
             const py::gil_scoped_release free;
             auto report = std::make_unique<Report>();
             report->parameters = hand.shared.parameters;
@@ -315,6 +313,7 @@ void DefineModels(py::module_& module, const Prose& prose) {
            prose("Proxy.steps"))
       .def("__repr__", [](const Hand& hand) { return Shown("Proxy", "of ", hand.shared.tool); });
   DefineStates(module, proxy, prose);
+  DefineBatch(module, prose);
 }
 
 }  // namespace palpate

@@ -83,14 +83,14 @@ void RequireVersion(const py::object& version, const char* what) {
 }
 
 State StateOf(Hand& hand) {
-  const Busy busy(hand);
+  const Busy busy(hand.stepping);
   State state{hand.shared.model, {hand.proxy.state(), hand.proxy.start_depth()}, "", {}};
   if (hand.effect) state.effect = hand.effect->memory;
   return state;
 }
 
 void SetState(Hand& hand, const State& state) {
-  const Busy busy(hand);
+  const Busy busy(hand.stepping);
   const HapticModel& model = *hand.shared.model;
   if (!state.model) {
     const ProxyState stored = StateOf(
@@ -111,7 +111,7 @@ void SetState(Hand& hand, const State& state) {
 }
 
 std::unique_ptr<Hand> Copy(Hand& hand) {
-  const Busy busy(hand);
+  const Busy busy(hand.stepping);
   auto copy =
       std::make_unique<Hand>(hand.shared, ProxyState{hand.proxy.state(), hand.proxy.start_depth()});
   copy->effect = hand.effect;

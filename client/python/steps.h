@@ -61,6 +61,15 @@ struct Rows {
     if (details) rows.details += step;
     return rows;
   }
+  /// Writes the first step.
+  void Put(const StepReport& report, const StageTimes& times) const {
+    Vec3::Map(wrench) = report.wrench.force;
+    Vec3::Map(wrench + 3) = report.wrench.torque;
+    FromPose(report.X_WG, pose);
+    *contacts = Contacts(report);
+    *faults = report.faults;
+    if (details) ToRecord(report, times, *details);
+  }
   /// Marks steps that were not taken.
   void Blank(py::ssize_t count) const {
     std::fill_n(wrench, 6 * count, std::numeric_limits<double>::quiet_NaN());
@@ -74,6 +83,11 @@ struct Rows {
   std::uint32_t* faults;
   ReportRecord* details;  // may be null
 };
+
+/// Converts an array to poses.  A row that is not finite becomes a fault of its step; a quaternion
+/// of another length is an error.
+/// @param shape  in words
+Doubles ToPoses(const py::object& given, py::ssize_t dimensions, const char* shape);
 
 void DefineReports(py::module_& module);
 void DefineModels(py::module_& module, const Prose& prose);

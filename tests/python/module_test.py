@@ -392,6 +392,60 @@ class States(unittest.TestCase):
             pickle.dumps(palpate.load(cube_with_effects(pathlib.Path(folder))).model())
 
 
+class Batches(unittest.TestCase):
+    def test_give_the_bits_of_single_proxies_on_any_number_of_threads(self):
+        model = ball_on_block(static_friction=0.5, dynamic_friction=0.5)
+        paths = numpy.stack([wandering_path(80, seed) for seed in range(7)])
+        truth = model.follow(paths, details=True)
+        for threads in (1, 2, 5, 0):
+            for start in (None, paths[:, 0]):
+                batch = palpate.Batch(model, 7, start, threads=threads)
+                for i in range(paths.shape[1]):
+                    felt = batch.step(paths[:, i], details=True)
+                    for name in ("wrench", "pose", "contacts", "faults"):
+                        self.assertEqual(getattr(felt, name).tobytes(), getattr(truth, name)[:, i].tobytes())
+                self.assertEqual(felt.details["rows"].tobytes(), truth.details["rows"][:, -1].tobytes())
+        self.assertGreater((truth.contacts > 0).sum(), 200)
+        self.assertEqual((len(batch), felt.parameters), (7, model.parameters))
+        self.assertGreaterEqual(batch.threads, 1)
+
+    def test_start_those_again_that_a_mask_selects(self):
+        model = ball_on_block()
+        batch = palpate.Batch(model, 3, [0, 0.03, 0], threads=2)
+        batch.step([[0, 0.022, 0]] * 3)
+        batch.restart([0, 0.05, 0], [True, False, True])
+        self.assertEqual((batch.step([[0, 0.05, 0]] * 3).pose[:, 1] > 0.049).tolist()[::2], [True, True])
+        batch.restart([[0, 0.03, 0.001 * i] for i in range(3)])
+        numpy.testing.assert_allclose(batch.step([[0, 0.03, 0.001 * i] for i in range(3)]).pose[:, 2], [0, 1e-3, 2e-3])
+
+    def test_say_what_is_wrong(self):
+        model = ball_on_block()
+        batch = palpate.Batch(model, 3, [0, 0.03, 0])
+        for words, wrong in {
+            "n: ": lambda: palpate.Batch(model, 0),
+            "threads: ": lambda: palpate.Batch(model, 2, threads=-1),
+            "3 proxies": lambda: batch.step([[0, 0.03, 0]] * 2),
+            "an array": lambda: batch.step([0, 0.03, 0]),
+            "pose": lambda: palpate.Batch(model, 2, [0, math.nan, 0]),
+            "row 1": lambda: palpate.Batch(model, 2, [[0, 0.03, 0], [0, math.nan, 0]]),
+            "mask": lambda: batch.restart([0, 0.03, 0], [0, 1, 1]),
+            "mask: ": lambda: batch.restart([0, 0.03, 0], [True]),
+        }.items():
+            with self.subTest(words), self.assertRaisesRegex(palpate.Error, words):
+                wrong()
+        self.assertTrue(batch.step([[0, math.nan, 0]] * 3).faults.all())
+
+    def test_go_on_in_a_forked_child(self):
+        model = ball_on_block()
+        batch = palpate.Batch(model, 8, [0, 0.03, 0], threads=3)
+        batch.step([[0, 0.022, 0]] * 8)
+        child = os.fork()
+        if not child:
+            os._exit(0 if batch.step([[0, 0.022, 0]] * 8).contacts.all() else 1)
+        self.assertEqual(os.waitpid(child, 0)[1], 0)
+        self.assertTrue(batch.step([[0, 0.022, 0]] * 8).contacts.all())
+
+
 class Circles(unittest.TestCase):
     def test_of_a_proxy_and_its_effect_are_collected(self):
         gone = []

@@ -21,6 +21,7 @@ Everything can be copied and pickled.  A proxy's copy, and one that gets its sta
 
 from palpate import _prose, _tables
 from palpate._physics import (
+    Batch,
     Body,
     Error,
     Material,
@@ -43,6 +44,7 @@ from palpate._physics import (
 from palpate.files import read_mesh, read_recording
 
 __all__ = [
+    "Batch",
     "Body",
     "Error",
     "Material",

@@ -309,6 +309,32 @@ class Proxy:
         attribute `steps`; the proxy stands where they end, and can go on with poses[len(error.steps):].
         """
 
+class Batch:
+    """Many proxies of one model that step together on all cores, for loops that are closed in Python.
+
+    Each gives the bits of a single Proxy, whatever the number of threads.  Only one thread at a time may use it.
+    """
+
+    def __init__(self, model: Model, n: int, pose: Optional[ArrayLike] = None, *, threads: int = 0) -> None:
+        """Makes n proxies.
+
+        pose     where their hands start: one pose for all, or (n, 3 or 7); None: where the first actions are
+        threads  0: one for each core, as far as affinity and a container's CPU quota allow; they are kept
+        """
+    @property
+    def threads(self) -> int: ...
+    def __len__(self) -> int: ...
+    def step(self, actions: ArrayLike, *, details: bool = False) -> Steps:
+        """Takes one step of each proxy, with its hand at its row of the actions: (n, 3 or 7).  Returns a row for each.
+
+        details: also return Steps.details (1.4 kB per proxy), with stage times.
+        """
+    def restart(self, pose: ArrayLike, mask: Optional[ArrayLike] = None) -> None:
+        """Starts again, as Proxy.restart, those proxies that the booleans select; None: all.
+
+        pose  one for all, or (n, 3 or 7)
+        """
+
 def read_mesh(
     file: Union[str, PathLike[str]], unit: str = "m"
 ) -> Tuple[NDArray[numpy.float64], NDArray[numpy.uint32]]:
