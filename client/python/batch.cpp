@@ -34,8 +34,8 @@ class Batch {
     if (!start.is_none()) Make(ToStarts(start));
   }
 
-  Steps Step(const py::object& actions, bool details) {
-    const Doubles poses = ToPoses(actions, 2, "(proxies, 3) or (proxies, 7)");
+  Steps Step(const py::object& actions, bool details, const std::string& on_bad) {
+    const Doubles poses = ToPoses(actions, 2, "(proxies, 3) or (proxies, 7)", on_bad);
     RequireRows(poses);
     const Busy busy(stepping_);
     if (!hands_.back()) Make(ToStarts(actions));
@@ -136,7 +136,7 @@ void DefineBatch(py::module_& module, const Prose& prose) {
            py::arg("pose") = py::none(), py::kw_only(), py::arg("threads") = 0,
            prose("Batch.__init__"))
       .def("step", &Batch::Step, py::arg("actions"), py::kw_only(), py::arg("details") = false,
-           prose("Batch.step"))
+           py::arg("on_bad_pose") = "fault", prose("Batch.step"))
       .def("restart", &Batch::Restart, py::arg("pose"), py::arg("mask") = py::none(),
            prose("Batch.restart"))
       .def("__len__", &Batch::Size)

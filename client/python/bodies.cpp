@@ -87,10 +87,8 @@ py::array View(py::handle owner, const double* data, std::vector<py::ssize_t> sh
 }
 
 Material ToMaterial(double static_friction, double dynamic_friction, double stiffness) {
-  if (!(static_friction >= dynamic_friction && dynamic_friction >= 0.0)) {
-    throw Error("friction: must be 0 <= dynamic_friction <= static_friction");
-  }
-  if (!(stiffness > 0.0)) throw Error("stiffness must be above 0; infinite: rigid");
+  const std::string fault = MaterialFault(stiffness, static_friction, dynamic_friction);
+  if (!fault.empty()) throw Error(fault);
   return {stiffness, static_friction, dynamic_friction};
 }
 
@@ -144,6 +142,7 @@ void DefineBodies(py::module_& module, const Prose& prose) {
       .def(py::pickle(
           [](const Body& body) {
             Scene alone = ToScene({body}, {body}, "surface");
+            alone.tools[0].name = body.name == "tool" ? "body" : "tool";
             alone.name = "body";
             return ToBytes(alone);
           },

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <map>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -21,6 +20,7 @@
 #include "client/python/steps.h"
 #include "client/python/workers.h"
 #include "common/program/machine.h"
+#include "scenes/files/scene_bundle.h"
 
 // Models, and proxies that step.
 
@@ -79,13 +79,22 @@ static void RequireUnit(const Pose& X, std::ptrdiff_t row) {
               std::to_string(X.q.norm()) + "; it must be 1");
 }
 
-Doubles ToPoses(const py::object& given, py::ssize_t dimensions, const char* shape) {
+Doubles ToPoses(const py::object& given, py::ssize_t dimensions, const char* shape,
+                const std::string& on_bad) {
+  if (on_bad != "fault" && on_bad != "raise") {
+    throw Error("on_bad_pose: '" + on_bad + "' is not known; give 'fault' or 'raise'");
+  }
   Doubles poses = ToDoubles(given, "poses");
   const py::ssize_t width = poses.ndim() > 0 ? poses.shape(poses.ndim() - 1) : 0;
   RequireShape(poses.ndim() == dimensions && (width == 3 || width == 7), poses, "poses",
                std::string("an array ") + shape);
   for (const double* row = poses.data(); row < poses.data() + poses.size(); row += width) {
-    RequireUnit(ToPose(row, width), (row - poses.data()) / width);
+    const std::ptrdiff_t number = (row - poses.data()) / width;
+    RequireUnit(ToPose(row, width), number);
+    if (on_bad == "raise" && !IsPose(ToPose(row, width))) {
+      throw Error("poses: row " + std::to_string(number) +
+                  " is not finite; leave it out, or give on_bad_pose='fault'");
+    }
   }
   return poses;
 }
@@ -119,8 +128,8 @@ void SetEffect(Hand& hand, const py::object& effect, double rate_Hz, double max_
   if (!effect.is_none()) hand.effect = SlowEffect{effect, {held, {}}};
 }
 
-Steps StepAll(Hand& hand, const py::object& given, bool details) {
-  const Doubles poses = ToPoses(given, 2, "(steps, 3) or (steps, 7)");
+Steps StepAll(Hand& hand, const py::object& given, bool details, const std::string& on_bad) {
+  const Doubles poses = ToPoses(given, 2, "(steps, 3) or (steps, 7)", on_bad);
   const Busy busy(hand.stepping);
   Steps steps({poses.shape(0)}, hand.shared, details);
   const Rows rows(steps);
@@ -170,8 +179,9 @@ void WalkAll(const Shared& shared, const Doubles& paths, int threads, const Rows
   workers.Run(static_cast<std::size_t>(count), follow, [&] { check(); });
 }
 
-Steps FollowAll(const Shared& shared, const py::object& given, int threads, bool details) {
-  const Doubles paths = ToPoses(given, 3, "(paths, steps, 3) or (paths, steps, 7)");
+Steps FollowAll(const Shared& shared, const py::object& given, int threads, bool details,
+                const std::string& on_bad) {
+  const Doubles paths = ToPoses(given, 3, "(paths, steps, 3) or (paths, steps, 7)", on_bad);
   if (threads < 0) throw Error("threads: must be 0, for all cores, or more");
   const py::ssize_t count = paths.shape(0), length = paths.shape(1);
   Steps steps({count, length}, shared, details);
@@ -191,13 +201,33 @@ Steps FollowAll(const Shared& shared, const py::object& given, int threads, bool
   return steps;
 }
 
+/// Warns that a name is to be replaced by another in the next version.
+void Deprecate(const char* old, const char* name) {
+  const std::string text = std::string("palpate.Model: ") + old + " is now called " + name;
+  if (PyErr_WarnEx(PyExc_DeprecationWarning, text.c_str(), 1) != 0) throw py::error_already_set();
+}
+
+/// @param stiffness, torsional_stiffness, step  names of version 0.1, or None
 Shared MakeShared(const std::vector<Body>& objects, const Body& tool, const std::string& contact,
-                  double stiffness, double torsional_stiffness,
-                  const std::map<std::string, double>& step) {
+                  const py::object& stiffness, const py::object& torsional_stiffness,
+                  const py::object& step, const py::kwargs& parameters) {
   Scene scene = ToScene(objects, {tool}, contact);
   scene.name = "scene";
-  scene.coupling = {stiffness, torsional_stiffness};
-  for (const auto& [field, value] : step) SetParameter(scene, field, value);
+  CheckPackable(scene);  // as Scene and scene files are checked
+  py::dict all;
+  const auto take = [&](const py::object& value, const char* old, const char* name) {
+    if (value.is_none()) return;
+    Deprecate(old, name);
+    all[name] = value;
+  };
+  take(stiffness, "stiffness", kCouplingStiffness.name);
+  take(torsional_stiffness, "torsional_stiffness", kCouplingTorsionalStiffness.name);
+  if (!step.is_none()) {
+    Deprecate("step={\"separation_um\": 2}", "separation_um=2");
+    all.attr("update")(step);
+  }
+  all.attr("update")(parameters);
+  SetParameters(scene, all);
   return Share(std::move(scene), 0);
 }
 
@@ -236,15 +266,10 @@ void CollectCircles(PyHeapTypeObject* heap_type) {
 void DefineModels(py::module_& module, const Prose& prose) {
   py::class_<Shared> model(module, "Model");
   model
-      .def(py::init([](const std::vector<Body>& objects, const Body& tool,
-                       const std::string& contact, double stiffness, double torsional_stiffness,
-                       const std::map<std::string, double>& step) {
-             return MakeShared(objects, tool, contact, stiffness, torsional_stiffness, step);
-           }),
-           py::arg("objects"), py::arg("tool"), py::kw_only(), py::arg("contact") = "surface",
-           py::arg("stiffness") = Coupling{}.stiffness,
-           py::arg("torsional_stiffness") = Coupling{}.torsional_stiffness,
-           py::arg("step") = std::map<std::string, double>{}, prose("Model.__init__"))
+      .def(py::init(&MakeShared), py::arg("objects"), py::arg("tool"), py::kw_only(),
+           py::arg("contact") = "surface", py::arg("stiffness") = py::none(),
+           py::arg("torsional_stiffness") = py::none(), py::arg("step") = py::none(),
+           prose("Model.__init__"))
       .def_property_readonly("parameters",
                              [](const Shared& shared) { return ToDict(*shared.parameters); })
       .def("__repr__",
@@ -255,7 +280,7 @@ void DefineModels(py::module_& module, const Prose& prose) {
                           shared.scene.empty() ? "a scene" : shared.scene, text.str());
            })
       .def("follow", &FollowAll, py::arg("paths"), py::kw_only(), py::arg("threads") = 0,
-           py::arg("details") = false, prose("Model.follow"))
+           py::arg("details") = false, py::arg("on_bad_pose") = "fault", prose("Model.follow"))
       .def("__copy__", [](const py::object& self) { return self; })
       .def("__deepcopy__", [](const py::object& self, const py::object&) { return self; })
       .def(py::pickle(
@@ -310,7 +335,7 @@ void DefineModels(py::module_& module, const Prose& prose) {
            py::arg("max_force") = HeldWrench{}.max_force_N,
            py::arg("max_torque") = HeldWrench{}.max_torque_Nm, prose("Proxy.set_effect"))
       .def("steps", &StepAll, py::arg("poses"), py::kw_only(), py::arg("details") = false,
-           prose("Proxy.steps"))
+           py::arg("on_bad_pose") = "fault", prose("Proxy.steps"))
       .def("__repr__", [](const Hand& hand) { return Shown("Proxy", "of ", hand.shared.tool); });
   DefineStates(module, proxy, prose);
   DefineBatch(module, prose);

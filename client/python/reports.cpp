@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <string>
 #include <string_view>
@@ -41,6 +42,17 @@ py::array_t<double> PointsOf(const ReportRecord& r) {
   return points;
 }
 
+/// Returns three columns of wrenches, as a view.
+py::object AxesOf(const py::array_t<double>& wrench, int first) {
+  return wrench[py::make_tuple(py::ellipsis(), py::slice(first, first + 3, 1))];
+}
+
+py::ssize_t BadPoses(const Steps& steps) {
+  const auto faults = py::array_t<std::uint32_t, py::array::c_style>(steps.faults);
+  return std::count_if(faults.data(), faults.data() + faults.size(),
+                       [](std::uint32_t fault) { return (fault & kFaultBadPose) != 0; });
+}
+
 }  // namespace
 
 Steps Steps::At(const py::object& at) const {
@@ -81,6 +93,13 @@ void DefineReports(py::module_& module) {
                              [](const Report& r) { return FromNumbers(r.record.force_N, 3); })
       .def_property_readonly("torque",
                              [](const Report& r) { return FromNumbers(r.record.torque_Nm, 3); })
+      .def_property_readonly("wrench",
+                             [](const Report& r) {
+                               std::array<double, 6> wrench;
+                               std::copy_n(r.record.torque_Nm, 3,
+                                           std::copy_n(r.record.force_N, 3, wrench.begin()));
+                               return FromNumbers(wrench.data(), 6);
+                             })
       .def_property_readonly("pose", [](const Report& r) { return FromNumbers(r.record.tool, 7); })
       .def_property_readonly("contacts", [](const Report& r) { return r.record.contacts; })
       .def_property_readonly("points", [](const Report& r) { return PointsOf(r.record); })
@@ -106,6 +125,9 @@ void DefineReports(py::module_& module) {
           [](const py::tuple& state) { return ToReport(state[0], state[1]); }));
   py::class_<Steps>(module, "Steps")
       .def_readonly("wrench", &Steps::wrench)
+      .def_property_readonly("force", [](const Steps& s) { return AxesOf(s.wrench, 0); })
+      .def_property_readonly("torque", [](const Steps& s) { return AxesOf(s.wrench, 3); })
+      .def_property_readonly("bad_poses", &BadPoses)
       .def_readonly("pose", &Steps::pose)
       .def_readonly("contacts", &Steps::contacts)
       .def_readonly("faults", &Steps::faults)
@@ -139,8 +161,10 @@ void DefineReports(py::module_& module) {
              for (py::ssize_t i = 0; i < steps.faults.size(); ++i) faults |= f[i];
              const auto touch =
                  std::count_if(c, c + steps.contacts.size(), [](int n) { return n > 0; });
+             const py::ssize_t bad = BadPoses(steps);
              return Shown("Steps", "of shape ", shape, ": ", touch, " in contact, faults ",
-                          FaultWords(faults));
+                          FaultWords(faults),
+                          bad > 0 ? " (" + std::to_string(bad) + " bad poses)" : "");
            })
       .def(py::pickle(
           [](const Steps& s) {

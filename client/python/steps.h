@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "client/python/arrays.h"
@@ -13,7 +14,7 @@
 
 namespace palpate {
 
-/// The result of one step.
+/// The result of one step, with the same names as those of many.
 struct Report {
   ReportRecord record;  // not initialised
   Used parameters;
@@ -86,8 +87,10 @@ struct Rows {
 
 /// Converts an array to poses.  A row that is not finite becomes a fault of its step; a quaternion
 /// of another length is an error.
-/// @param shape  in words
-Doubles ToPoses(const py::object& given, py::ssize_t dimensions, const char* shape);
+/// @param shape   in words
+/// @param on_bad  "fault", or "raise": a row that is not finite is an error, too
+Doubles ToPoses(const py::object& given, py::ssize_t dimensions, const char* shape,
+                const std::string& on_bad = "fault");
 
 void DefineReports(py::module_& module);
 void DefineModels(py::module_& module, const Prose& prose);

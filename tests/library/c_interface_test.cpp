@@ -221,6 +221,22 @@ TEST(CInterface, AsksForNoMemoryInAStep) {
   EXPECT_GT(report.force_N[1], 1.0);
 }
 
+TEST(CInterface, RefusesNamesAndMaterialsThatSceneFilesRefuse) {
+  const ScenePtr scene = BallOnBlock(PALPATE_SURFACE);
+  const double size[3] = {0.01, 0.01, 0.01};
+  const auto add = [&](const char* name, const palpate_body* body) {
+    return palpate_scene_add_box(scene.get(), PALPATE_OBJECT, name, size, body);
+  };
+  EXPECT_EQ(add("one", nullptr), 0);
+  EXPECT_NE(add("one", nullptr), 0);
+  EXPECT_THAT(palpate_last_error(), HasSubstr("one"));
+  EXPECT_NE(add("", nullptr), 0);
+  palpate_body rough = palpate_body_defaults();
+  rough.static_friction = 11.0;
+  EXPECT_NE(add("rough", &rough), 0);
+  EXPECT_THAT(palpate_last_error(), HasSubstr("11"));
+}
+
 TEST(CInterface, SavesAProxyThatAnotherContinues) {
   const ScenePtr scene = BallOnBlock(PALPATE_SURFACE);
   const ModelPtr model(palpate_model_new(scene.get(), 0));

@@ -24,12 +24,12 @@ using Bytes = std::vector<std::uint8_t>;
 HapticModel RoughBlock(ContactModel contact, double width = 0.04, double stiffness = INFINITY) {
   Scene scene;
   scene.features = {contact, FrictionModel::kCoulomb, std::isfinite(stiffness)};
-  const BodyOptions rough{.leaves = 300, .contact = contact, .material = {stiffness, 0.5, 0.3}};
+  const BodyOptions rough{.leaves = 64, .contact = contact, .material = {stiffness, 0.5, 0.3}};
   scene.objects.push_back(MakeBody("block", MakeBox({width, 0.04, 0.04}), rough));
-  scene.objects.push_back(MakeBody("ball", MakeEllipsoid({0.01, 0.01, 0.01}, 500), rough));
+  scene.objects.push_back(MakeBody("ball", MakeEllipsoid({0.01, 0.01, 0.01}, 200), rough));
   scene.objects.back().X_WB.p = {0.0, 0.022, 0.022};
   scene.tools.push_back(
-      MakeBody("probe", MakeBox({0.01, 0.01, 0.01}), {.leaves = 100, .contact = contact}));
+      MakeBody("probe", MakeBox({0.01, 0.01, 0.01}), {.leaves = 32, .contact = contact}));
   return MakeModel(scene, scene.tools[0], MakeObjects(scene));
 }
 

@@ -56,8 +56,10 @@ class Served(unittest.TestCase):
 
 class Station(Served):
     def test_feels_the_springs_force_where_it_is_moved_to(self):
+        with self.assertWarns(DeprecationWarning), live.Station("cube", name="before", domain=DOMAIN, transport="udp") as old:
+            self.assertEqual((old.name, old.id), ("before", "before"))
         with opened() as hand:
-            self.assertEqual((hand.scene, hand.tool, hand.name), ("cube", "ball", "script"))
+            self.assertEqual((hand.scene, hand.tool, hand.id), ("cube", "ball", "script"))
             self.assertIn("session: tool 'ball' of scene 'cube'", hand.news())
             hand.move([0, TOUCH + 0.001, 0], 0.2)
             numpy.testing.assert_array_equal(hand.felt.wanted_force, [0, 0, 0])

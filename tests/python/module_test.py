@@ -65,7 +65,7 @@ class Force(unittest.TestCase):
 
     def test_grows_with_the_coupling(self):
         block = palpate.body("block", *palpate.box(SIZE))
-        model = palpate.Model([block], palpate.ball("ball", 0.005), stiffness=500)
+        model = palpate.Model([block], palpate.ball("ball", 0.005), stiffness_N_per_m=500)
         force = palpate.Proxy(model, [0, 0.022, 0]).step([0, 0.022, 0]).force
         self.assertAlmostEqual(force[1], 1.5, places=2)
 
@@ -73,15 +73,15 @@ class Force(unittest.TestCase):
         block, ball = palpate.body("block", *palpate.box(SIZE)), palpate.ball("ball", 0.005)
         force = {}
         for um in (1, 51):
-            model = palpate.Model([block], ball, step={"separation_um": um})
+            model = palpate.Model([block], ball, separation_um=um)
             proxy = palpate.Proxy(model, [0, 0.026, 0])
             for y in numpy.linspace(0.026, 0.024, 50):
                 force[um] = proxy.step([0, y, 0]).force[1]
         # The separation of a pair may have halved when it is met.
         self.assertGreater(force[51] - force[1], 0.024)
         self.assertLess(force[51] - force[1], 0.0501)
-        with self.assertRaisesRegex(palpate.Error, "seperation_um is not known; give one of stiffness_N_per_m"):
-            palpate.Model([block], ball, step={"seperation_um": 1})
+        with self.assertRaisesRegex(palpate.Error, "seperation_um is not known; did you mean .separation_um"):
+            palpate.Model([block], ball, seperation_um=1)
 
     def test_holds_a_rough_block_back(self):
         def drag(**material):
@@ -526,6 +526,13 @@ class Reports(unittest.TestCase):
         body = loads(scene.objects[0])
         self.assertEqual(body.leaf_radii.tobytes(), scene.objects[0].leaf_radii.tobytes())
 
+    def test_have_the_same_names_for_one_step_and_many(self):
+        path = wandering_path(50, 3)
+        steps, proxy = palpate.Proxy(ball_on_block(), path[0]).steps(path), palpate.Proxy(ball_on_block(), path[0])
+        reports = [proxy.step(pose) for pose in path]
+        for name in ("wrench", "force", "torque", "pose"):
+            numpy.testing.assert_array_equal(getattr(steps, name), [getattr(report, name) for report in reports])
+
     def test_are_indexed_like_arrays_of_steps(self):
         path = wandering_path(200, 3)
         model = ball_on_block()
@@ -668,7 +675,7 @@ class Scenes(unittest.TestCase):
             "stiffness_N_per_m: is of type str; give real numbers": lambda: scene.model(stiffness_N_per_m="500"),
             "friction: is of type bool": lambda: scene.model(friction=True),
             "friction: must be a single number": lambda: scene.model(friction=[0.3]),
-            "seperation_um is not known; give one of stiffness_N_per_m": lambda: scene.model(seperation_um=1),
+            "seperation_um is not known; did you mean .separation_um": lambda: scene.model(seperation_um=1),
             "sub_steps is 0; give a whole number from 1 to 64": lambda: scene.model(sub_steps=0),
             "tool: 7 is not in the scene; give one of ": lambda: scene.model(7),
             "rate": lambda: scene.path(0),
@@ -760,6 +767,57 @@ class Errors(unittest.TestCase):
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             palpate.body("tooth", vertices, triangles, leaves=64)
+
+    def test_of_names_and_numbers_are_the_same_at_every_door(self):
+        block, ball = palpate.body("block", *palpate.box(SIZE)), palpate.ball("ball", 0.005)
+        scene = palpate.Scene([block], [ball])
+        for name, value in {"stiffness_N_per_m": 1e9, "torsional_stiffness_Nm_per_rad": 0, "friction": 11,
+                            "separation_um": math.nan}.items():
+            for door in (lambda: palpate.Model([block], ball, **{name: value}), lambda: scene.model(**{name: value}),
+                         lambda: palpate.Scene([block], [ball], **{name: value})):
+                with self.subTest(name), self.assertRaisesRegex(palpate.Error, name):
+                    door()
+        twin, blank = palpate.ball("block", 0.005), palpate.ball("", 0.005)
+        for tool, words in ((twin, "two bodies"), (blank, "no name")):
+            for door in (lambda: palpate.Model([block], tool), lambda: palpate.Scene([block], [tool])):
+                with self.assertRaisesRegex(palpate.Error, words):
+                    door()
+        with self.assertRaisesRegex(palpate.Error, "11"):
+            palpate.body("block", *palpate.box(SIZE), static_friction=11)
+        self.assertEqual(palpate.Model([block], ball, friction=0.3).parameters["friction"], 0.3)
+        self.assertEqual(sent(block).name, "block")
+
+    def test_are_warnings_where_a_name_is_of_the_version_before(self):
+        block, ball = palpate.body("block", *palpate.box(SIZE)), palpate.ball("ball", 0.005)
+        for old, new in (({"stiffness": 500}, {"stiffness_N_per_m": 500}),
+                         ({"torsional_stiffness": 2}, {"torsional_stiffness_Nm_per_rad": 2}),
+                         ({"step": {"separation_um": 2}}, {"separation_um": 2})):
+            with self.assertWarns(DeprecationWarning):
+                model = palpate.Model([block], ball, **old)
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                self.assertEqual(palpate.Model([block], ball, **new).parameters, model.parameters)
+
+    def test_of_open_meshes_are_remarks_of_the_body(self):
+        vertices, triangles = palpate.box(SIZE)
+        self.assertRegex(" ".join(palpate.body("lid", vertices, triangles[2:]).remarks), "open")
+        self.assertEqual(palpate.body("box", vertices, triangles).remarks, [])
+
+    def test_of_poses_are_raised_or_counted(self):
+        model = ball_on_block()
+        path = numpy.tile([0, 0.022, 0], (5, 1))
+        path[3, 1] = math.nan
+        proxy, batch = palpate.Proxy(model, [0, 0.022, 0]), palpate.Batch(model, 5, [0, 0.022, 0])
+        self.assertEqual([proxy.steps(path).bad_poses, model.follow(path[None, :3]).bad_poses], [1, 0])
+        self.assertEqual(batch.step(path).bad_poses, 1)
+        self.assertIn("1 bad pose", repr(proxy.steps(path)))
+        state = pickle.dumps(proxy.state())
+        for call in (proxy.steps, batch.step, lambda poses, **how: model.follow(poses[None], **how)):
+            with self.assertRaisesRegex(palpate.Error, "row 3 is not finite"):
+                call(path, on_bad_pose="raise")
+            with self.assertRaisesRegex(palpate.Error, "on_bad_pose"):
+                call(path, on_bad_pose="ignore")
+        self.assertEqual(pickle.dumps(proxy.state()), state)
 
     def test_of_poses_are_faults_and_give_no_force(self):
         proxy = palpate.Proxy(ball_on_block(), [0, 0.022, 0])

@@ -225,7 +225,7 @@ PYBIND11_MODULE(_live, module) {
            })
       .def_property_readonly("felt", Here(&LiveStation::felt))
       .def_property_readonly("phase", Here(&LiveStation::phase))
-      .def_property_readonly("name", Here(&LiveStation::name))
+      .def_property_readonly("id", Here(&LiveStation::name))
       .def_property_readonly("scene", Here(&LiveStation::scene))
       .def_property_readonly("tool", Here(&LiveStation::tool))
       .def_property_readonly("counts",
