@@ -56,7 +56,9 @@ class Served(unittest.TestCase):
 
 class Station(Served):
     def test_feels_the_springs_force_where_it_is_moved_to(self):
-        with self.assertWarns(DeprecationWarning), live.Station("cube", name="before", domain=DOMAIN, transport="udp") as old:
+        with self.assertWarns(DeprecationWarning):
+            old = live.Station("cube", name="before", domain=DOMAIN, transport="udp")
+        with old, self.assertWarns(DeprecationWarning):
             self.assertEqual((old.name, old.id), ("before", "before"))
         with opened() as hand:
             self.assertEqual((hand.scene, hand.tool, hand.id), ("cube", "ball", "script"))

@@ -296,8 +296,8 @@ except KeyboardInterrupt as stopped:
 """
 
     def holds(self, call, then):
-        done = subprocess.run([sys.executable, "-c", self.BEGIN.replace("CALL", call) + then], capture_output=True, text=True, check=False,
-                              cwd=pathlib.Path(__file__).parent)
+        done = subprocess.run([sys.executable, "-c", self.BEGIN.replace("CALL", call) + then], capture_output=True,
+                              text=True, check=False, cwd=pathlib.Path(__file__).parent)
         self.assertEqual(done.returncode, 0, done.stderr)
 
     def test_keep_the_steps_so_far_and_the_proxy_goes_on_from_there(self):

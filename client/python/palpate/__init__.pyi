@@ -315,8 +315,8 @@ class Proxy:
         """Takes one step for each pose, (steps, 3 or 7), like step but without Python in between.
 
         details: also return Steps.details (1.4 kB per step), with stage times.
-        on_bad_pose: what a pose that is not finite is: "fault", of its step, which gives no force (Steps.bad_poses counts
-        them), or "raise": an Error, before any step is taken.
+        on_bad_pose: what a pose that is not finite is: "fault", of its step, which gives no force (Steps.bad_poses
+        counts them), or "raise": an Error, before any step is taken.
 
         Ctrl-C ends it at once.  The KeyboardInterrupt (or what an effect raises) has the steps taken so far as its
         attribute `steps`; the proxy stands where they end, and can go on with poses[len(error.steps):].
