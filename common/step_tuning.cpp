@@ -14,6 +14,24 @@ std::string RangeFault(const Tunable& tunable, double value, bool whole) {
   return fault.str();
 }
 
+std::string SpringFault(double stiffness, double torsional_stiffness) {
+  const std::string fault = RangeFault(kCouplingStiffness, stiffness, false);
+  return !fault.empty() ? fault
+                        : RangeFault(kCouplingTorsionalStiffness, torsional_stiffness, false);
+}
+
+std::string MaterialFault(double stiffness, double static_friction, double dynamic_friction) {
+  if (!(stiffness > 0.0)) return "stiffness must be above 0; infinite: rigid";
+  if (static_friction >= dynamic_friction && dynamic_friction >= kFriction.least &&
+      static_friction <= kFriction.most) {
+    return "";
+  }
+  std::ostringstream fault;
+  fault << "friction: is " << static_friction << " static, " << dynamic_friction
+        << " dynamic; must be " << kFriction.least << " <= dynamic <= static <= " << kFriction.most;
+  return fault.str();
+}
+
 std::string TuningFault(const StepTuning& tuning) {
   std::string fault;
   ForEachField(tuning, [&](const Tunable& tunable, const auto& number) {

@@ -27,6 +27,27 @@ struct Tunable {
   const char* what;    ///< for people
 };
 
+/// The bounds of what a scene has beside its StepTuning, for all doors: scene files, bundles, the
+/// library in C++ and C, and Python.
+inline constexpr Tunable kCouplingStiffness{
+    "stiffness_N_per_m", "N/m", 1.0, 0.01, 1e5, "stiffness k_t of the virtual coupling"};
+inline constexpr Tunable kCouplingTorsionalStiffness{
+    "torsional_stiffness_Nm_per_rad",
+    "N m/rad",
+    1.0,
+    1e-4,
+    1e4,
+    "torsional stiffness k_r of the virtual coupling"};
+inline constexpr Tunable kFriction{
+    // rubber on rubber is below 4
+    "friction", "", 1.0, 0.0, 10.0, "static and dynamic friction of all objects"};
+
+/// Returns which spring of the virtual coupling is out of its range, in words; empty if none is.
+std::string SpringFault(double stiffness, double torsional_stiffness);
+/// Returns what is wrong with a material, in words; empty if nothing is.
+/// @param stiffness  of a leaf's contact [N/m], above 0; infinite: rigid
+std::string MaterialFault(double stiffness, double static_friction, double dynamic_friction);
+
 /// Calls visit(tunable, field) for each field.
 template <class Tuning, class Visit>
 void ForEachField(Tuning& tuning, Visit visit) {

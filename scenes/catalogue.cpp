@@ -21,6 +21,7 @@
 #include "common/files/whole_file.h"
 #include "common/json/json_file.h"
 #include "common/math/default_rounding.h"
+#include "common/program/machine.h"
 #include "common/revision.h"
 #include "common/text/hex16.h"
 #include "common/text/nearest_word.h"
@@ -360,7 +361,7 @@ double ReachOf(const Body& tool) {
 /// Returns the number of bodies to build at the same time: by default one per core.
 std::size_t BodiesAtOnce(const LoadOptions& options) {
   return options.bodies_at_once > 0 ? options.bodies_at_once
-                                    : std::max(std::thread::hardware_concurrency(), 1u);
+                                    : static_cast<std::size_t>(UsableCores());
 }
 
 /// A body's shape that a thread has made, and the messages about it.

@@ -5,7 +5,6 @@
 #include <csignal>
 #include <filesystem>
 #include <random>
-#include <thread>
 #include <utility>
 
 #include <SQLiteCpp/SQLiteCpp.h>
@@ -17,6 +16,7 @@
 #include "common/error.h"
 #include "common/files/project_files.h"
 #include "common/files/whole_file.h"
+#include "common/program/machine.h"
 #include "common/text/quoted.h"
 
 namespace palpate {
@@ -397,8 +397,7 @@ void TrialRoom::ScoreNext() {
   const auto waits = [](const Running& trial) { return !trial.records && !trial.scorer; };
   const auto at_work = std::ranges::count_if(
       trials_, [](const Running& trial) { return !trial.records && trial.scorer; });
-  const auto most =
-      std::clamp<int>(static_cast<int>(std::thread::hardware_concurrency()), 1, kMostFollowing);
+  static const int most = std::min(UsableCores(), kMostFollowing);
   std::vector<Running*> queue;
   for (Running& trial : trials_) {
     if (!waits(trial)) continue;

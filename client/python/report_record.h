@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 
 #include "client/python/arrays.h"
 #include "server/library/scenes.h"
@@ -59,8 +61,7 @@ inline RowRecord ToRecord(const ActiveRow& row) {
   return out;
 }
 
-inline ReportRecord ToRecord(const StepReport& report, const StageTimes& times = {}) {
-  ReportRecord out{};
+inline void ToRecord(const StepReport& report, const StageTimes& times, ReportRecord& out) {
   out.faults = report.faults;
   out.contacts = Contacts(report);
   out.soft_contacts = report.soft_contacts;
@@ -85,7 +86,7 @@ inline ReportRecord ToRecord(const StepReport& report, const StageTimes& times =
   Vec3::Map(out.bur_force_N) = report.bur_force;
   Vec3::Map(out.bur_m) = report.bur_W;
   for (int i = 0; i < report.contacts; ++i) out.rows[i] = ToRecord(report.active[i]);
-  return out;
+  std::fill(std::begin(out.rows) + report.contacts, std::end(out.rows), RowRecord{});
 }
 
 }  // namespace palpate

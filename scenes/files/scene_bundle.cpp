@@ -10,6 +10,8 @@
 #include <fstream>
 #include <limits>
 #include <optional>
+#include <set>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -18,6 +20,7 @@
 #include <xxhash.h>
 
 #include "common/error.h"
+#include "common/step_tuning.h"
 #include "common/text/quoted.h"
 #include "idl/scene_generated.h"
 #include "scenes/files/scene_file.h"
@@ -308,9 +311,7 @@ void ReadMaterials(const wire::Body& in, Body& out) {
   const auto count = [](const auto* list) { return list == nullptr ? 0 : list->size(); };
   out.materials.clear();
   for (const wire::Material* m : *in.materials()) {
-    Require(m->stiffness() > 0.0 && m->dynamic_friction() >= 0.0 &&
-                m->dynamic_friction() <= m->static_friction() &&
-                std::isfinite(m->static_friction()),
+    Require(MaterialFault(m->stiffness(), m->static_friction(), m->dynamic_friction()).empty(),
             "a material is invalid");
     out.materials.push_back({m->stiffness(), m->static_friction(), m->dynamic_friction()});
   }
@@ -496,9 +497,8 @@ Scene ReadScene(const wire::Scene& in) {
   scene.tools = read_bodies(*in.tools());
   scene.objects = read_bodies(*in.objects());
   scene.coupling = {in.stiffness(), in.torsional_stiffness()};
-  const auto positive = [](double k) { return std::isfinite(k) && k > 0.0; };
-  Require(positive(scene.coupling.stiffness) && positive(scene.coupling.torsional_stiffness),
-          "the coupling is not positive");
+  const std::string spring = SpringFault(in.stiffness(), in.torsional_stiffness());
+  if (!spring.empty()) throw Error("coupling: " + spring);
   scene.tuning = {in.separation(), in.widest_step(), in.sub_steps(),
                   in.iterates(),   in.looks(),       in.still_cycles()};
   if (const std::string fault = TuningFault(scene.tuning); !fault.empty()) throw Error(fault);
@@ -508,7 +508,8 @@ Scene ReadScene(const wire::Scene& in) {
   }
   if (const wire::FirstSight* sight = in.first_sight()) {
     scene.first_sight = {FromWire(sight->centre()), sight->radius(), FromWire(sight->from())};
-    Require(positive(sight->radius()) && scene.first_sight->centre.allFinite() &&
+    Require(std::isfinite(sight->radius()) && sight->radius() > 0.0 &&
+                scene.first_sight->centre.allFinite() &&
                 std::abs(scene.first_sight->from.squaredNorm() - 1.0) < 1e-6,
             "the first sight is invalid");
   }
@@ -716,8 +717,13 @@ void CheckPackable(const Scene& scene) {
                 std::to_string(kLongestName) + " at most");
   };
   check(scene.name);
+  std::set<std::string_view> names;
   for (const auto* bodies : {&scene.tools, &scene.objects}) {
-    for (const Body& body : *bodies) check(body.name);
+    for (const Body& body : *bodies) {
+      check(body.name);
+      if (names.insert(body.name).second) continue;
+      throw Error(body.name + ": is the name of two bodies; give each its own");
+    }
   }
 }
 

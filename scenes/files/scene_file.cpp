@@ -9,6 +9,7 @@
 
 #include "common/error.h"
 #include "common/files/bundle_hash.h"
+#include "common/step_tuning.h"
 #include "common/text/hex16.h"
 #include "scenes/grid/bur.h"
 #include "scenes/grid/solid_grid.h"
@@ -228,9 +229,8 @@ MaterialDescription ReadMaterial(const JsonNode& node) {
   }
   const auto mu_s = node.Find("static_friction");
   const auto mu_d = node.Find("dynamic_friction");
-  constexpr double kRoughest = 10.0;  // rubber on rubber is below 4
-  if (mu_s) material.static_friction = mu_s->Number(0.0, kRoughest);
-  if (mu_d) material.dynamic_friction = mu_d->Number(0.0, kRoughest);
+  if (mu_s) material.static_friction = mu_s->Number(kFriction.least, kFriction.most);
+  if (mu_d) material.dynamic_friction = mu_d->Number(kFriction.least, kFriction.most);
   if (!mu_s) material.static_friction = material.dynamic_friction;
   if (!mu_d) material.dynamic_friction = material.static_friction;
   if (material.dynamic_friction > material.static_friction) {
@@ -699,10 +699,11 @@ SceneDescription ParseScene(std::string_view text, const std::string& file) {
   if (auto coupling = root.Find("coupling")) {
     coupling->AllowOnly({"stiffness_N_per_m", "torsional_stiffness_Nm_per_rad"});
     if (auto k = coupling->Find("stiffness_N_per_m")) {
-      scene.coupling.stiffness = k->PositiveNumber();
+      scene.coupling.stiffness = k->Number(kCouplingStiffness.least, kCouplingStiffness.most);
     }
     if (auto k = coupling->Find("torsional_stiffness_Nm_per_rad")) {
-      scene.coupling.torsional_stiffness = k->PositiveNumber();
+      scene.coupling.torsional_stiffness =
+          k->Number(kCouplingTorsionalStiffness.least, kCouplingTorsionalStiffness.most);
       scene.coupling_where = k->Where();
     }
   }

@@ -60,6 +60,7 @@ Body MakeBody(std::string name, TriangleMesh mesh, const BodyOptions& options) {
       throw Error(report.refusal);
     }
     body.remarks = MendMesh(mesh);
+    for (std::string& remark : InspectMesh(mesh).remarks) body.remarks.push_back(std::move(remark));
     if (std::string remark = MetresRemark(mesh); !remark.empty()) {
       body.remarks.push_back(std::move(remark));
     }

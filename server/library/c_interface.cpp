@@ -1,5 +1,6 @@
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <functional>
@@ -95,17 +96,21 @@ int Add(palpate_scene* scene, palpate_role role, const palpate_body& given,
     Require(scene != nullptr, "scene: is NULL");
     Require(role == PALPATE_OBJECT || role == PALPATE_TOOL,
             "role: is neither PALPATE_OBJECT nor PALPATE_TOOL");
-    Require(given.static_friction >= given.dynamic_friction && given.dynamic_friction >= 0.0,
-            "body: friction must be 0 <= dynamic <= static");
-    Require(given.stiffness_N_m > 0.0,
-            "body: stiffness_N_m must be above 0; INFINITY is rigid; begin with "
-            "palpate_body_defaults()");
+    const std::string fault =
+        MaterialFault(given.stiffness_N_m, given.static_friction, given.dynamic_friction);
+    if (!fault.empty()) throw Error("body: " + fault + "; begin with palpate_body_defaults()");
     Features& features = scene->scene.features;
     BodyOptions options;
     options.leaves = given.leaves;
     options.contact = features.contact;
     options.material = {given.stiffness_N_m, given.static_friction, given.dynamic_friction};
     Body body = make(options);
+    Require(!body.name.empty(), "name: is empty");
+    for (const auto* bodies : {&scene->scene.tools, &scene->scene.objects}) {
+      for (const Body& other : *bodies) {
+        if (other.name == body.name) throw Error(body.name + ": is the name of another body, too");
+      }
+    }
     body.X_WB = ToChecked(given.pose);
     if (role == PALPATE_TOOL) {
       scene->scene.tools.push_back(std::move(body));
@@ -331,6 +336,26 @@ uint32_t palpate_proxy_step(palpate_proxy* proxy, const palpate_pose* hand,
         step.active[i].force * step.active[i].normal + step.active[i].friction;
   }
   return report->faults;
+}
+
+size_t palpate_proxy_save(const palpate_proxy* proxy, void* bytes, size_t size) {
+  return Guarded(std::size_t{0}, [&] {
+    Require(proxy != nullptr, "proxy: is NULL");
+    const Proxy& of = proxy->proxy;
+    const std::vector<std::uint8_t> state = ToBytes(of.model(), {of.state(), of.start_depth()});
+    if (bytes != nullptr && size >= state.size()) std::memcpy(bytes, state.data(), state.size());
+    return state.size();
+  });
+}
+
+int palpate_proxy_restore(palpate_proxy* proxy, const void* bytes, size_t size) {
+  return Guarded(-1, [&] {
+    Require(proxy != nullptr && bytes != nullptr, "proxy or bytes: is NULL");
+    const ProxyState state =
+        StateOf(proxy->proxy.model(), {static_cast<const std::uint8_t*>(bytes), size});
+    proxy->proxy.set_state(state.step, state.start_depth);
+    return 0;
+  });
 }
 
 }  // extern "C"

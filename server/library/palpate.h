@@ -155,6 +155,15 @@ PALPATE_API double palpate_proxy_start_depth(const palpate_proxy* proxy);
 PALPATE_API uint32_t palpate_proxy_step(palpate_proxy* proxy, const palpate_pose* hand,
                                         palpate_report* report);
 
+/** Writes the proxy's state into `bytes`, if `size` suffices, and returns the size that it needs; 0
+ * if it cannot be stored (of a scene with solids that burs cut).  The bytes name the version and
+ * the model. */
+PALPATE_API size_t palpate_proxy_save(const palpate_proxy* proxy, void* bytes, size_t size);
+/** Continues from a state that palpate_proxy_save wrote, of a proxy of the same model, also in
+ * another process: the same poses then give the same bits.  Bytes that are damaged, or of another
+ * version or model, are refused, and change nothing. */
+PALPATE_API int palpate_proxy_restore(palpate_proxy* proxy, const void* bytes, size_t size);
+
 #ifdef __cplusplus
 }
 #endif

@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "common/error.h"
+#include "common/text/nearest_word.h"
 
 namespace palpate {
 namespace {
@@ -38,18 +39,11 @@ double NumberOf(const Tunable& tunable, double value) {
   return std::round(value / tunable.scale * 1e9) / 1e9;
 }
 
-constexpr Tunable kFriction{"friction", "",   1.0,
-                            0.0,        10.0, "static and dynamic friction of all objects"};
-
 /// ForEachField without friction, which is not a single number.
 template <class AnyScene, class Visit>
 void ForEachNumber(AnyScene& scene, Visit visit) {
-  visit(
-      Tunable{"stiffness_N_per_m", "N/m", 1.0, 0.01, 1e5, "stiffness k_t of the virtual coupling"},
-      scene.coupling.stiffness);
-  visit(Tunable{"torsional_stiffness_Nm_per_rad", "N m/rad", 1.0, 1e-4, 1e4,
-                "torsional stiffness k_r of the virtual coupling"},
-        scene.coupling.torsional_stiffness);
+  visit(kCouplingStiffness, scene.coupling.stiffness);
+  visit(kCouplingTorsionalStiffness, scene.coupling.torsional_stiffness);
   ForEachField(scene.tuning, visit);
 }
 
@@ -71,9 +65,9 @@ std::vector<Parameter> ParametersOf(const Scene& scene) {
 
 void SetParameter(Scene& scene, std::string_view name, double value) {
   bool found = false;
-  std::string names;
+  std::vector<std::string_view> names;
   const auto is = [&](const Tunable& tunable, bool whole) {
-    names += tunable.name + std::string(", ");
+    names.push_back(tunable.name);
     if (name != tunable.name) return false;
     const std::string fault = RangeFault(tunable, value, whole);
     if (!fault.empty()) throw Error("parameter " + fault);
@@ -87,8 +81,7 @@ void SetParameter(Scene& scene, std::string_view name, double value) {
   });
   if (is(kFriction, false)) SetFriction(scene, value);
   if (!found) {
-    names.resize(names.size() - 2);
-    throw Error("parameter " + std::string(name) + " is not known; give one of " + names);
+    throw Error("parameter " + std::string(name) + " is not known" + DidYouMeanOneOf(name, names));
   }
 }
 

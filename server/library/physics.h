@@ -28,6 +28,7 @@
 #include "server/library/body_builder.h"      // IWYU pragma: export
 #include "server/library/parameters.h"        // IWYU pragma: export
 #include "server/library/proxy.h"             // IWYU pragma: export
+#include "server/library/state_bytes.h"       // IWYU pragma: export
 #include "server/library/version.h"           // IWYU pragma: export
 #include "server/physics/haptic_model.h"      // IWYU pragma: export
 #include "server/physics/haptic_step.h"       // IWYU pragma: export

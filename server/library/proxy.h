@@ -21,6 +21,12 @@ class Proxy {
   /// Throws Error if X_WH is not finite, or its quaternion is not of length 1.
   Proxy(const HapticModel& model, const Pose& X_WH);
 
+  /// Puts the tool where a state says (state_bytes.h), which was of a proxy of the same model.
+  Proxy(const HapticModel& model, const StepState& state, double start_depth)
+      : model_(model), workspace_(model), state_(model), start_depth_(start_depth) {
+    state_ = state;
+  }
+
   /// Starts again from X_WH; material that was removed stays removed.  Not real-time.
   void Restart(const Pose& X_WH);
   /// Distance of the tool from the hand at the start [m]; 0 if the hand was free.  Lead a hand that
@@ -41,6 +47,10 @@ class Proxy {
   /// give the same bits.
   const StepState& state() const { return state_; }
   void set_state(const StepState& state) { state_ = state; }
+  void set_state(const StepState& state, double start_depth) {
+    state_ = state;
+    start_depth_ = start_depth;
+  }
 
  private:
   /// Normalises the quaternion as the server does, so that the bits are the server's.

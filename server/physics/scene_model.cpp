@@ -1,6 +1,7 @@
 #include "server/physics/scene_model.h"
 
 #include <algorithm>
+#include <string>
 #include <vector>
 
 #include "common/error.h"
@@ -52,6 +53,10 @@ std::shared_ptr<const SceneObjects> MakeObjects(const Scene& scene) {
     if (!IsPose(object.X_WB)) {
       throw Error(object.name + ": its pose must be finite, its quaternion of length 1");
     }
+    for (const Material& m : object.materials) {
+      const std::string fault = MaterialFault(m.stiffness, m.static_friction, m.dynamic_friction);
+      if (!fault.empty()) throw Error(object.name + ": " + fault);
+    }
     placed.push_back({&object.tree, object.X_WB, &object.mesh, object.leaf_material,
                       object.materials, object.grid.has_value(), for_balls});
     if (object.grid) {
@@ -65,6 +70,9 @@ std::shared_ptr<const SceneObjects> MakeObjects(const Scene& scene) {
 HapticModel MakeModel(const Scene& scene, const Body& tool,
                       std::shared_ptr<const SceneObjects> objects) {
   const DefaultRounding rounding;
+  const std::string fault =
+      SpringFault(scene.coupling.stiffness, scene.coupling.torsional_stiffness);
+  if (!fault.empty()) throw Error("coupling: " + fault);
   StepParameters parameters{scene.tuning};
   parameters.stiffness = scene.coupling.stiffness;
   parameters.torsional_stiffness = scene.coupling.torsional_stiffness;

@@ -119,15 +119,15 @@ const std::vector<Rule> kRules = {
      {"Eigen", "spdlog", "nlohmann-json", "Boost"}},
     // The library of server/library, for Python.
     {"client/python",
-     {"server/library/scenes.h", "common/error.h", "common/math", "common/files/project_files.h",
-      "scenes/files/scene_bundle.h", "client/python/arrays.h", "client/python/held_wrench.h",
-      "client/python/report_record.h"},
-     {},
+     {"server/library/scenes.h", "server/library/physics.h", "common/error.h", "common/math",
+      "common/files/project_files.h", "common/program/machine.h", "common/realtime/steady_clock.h",
+      "scenes/files/scene_bundle.h", "client/python"},
+     {"client/python/live"},
      {"pybind11"}},
     // A station like any other, whose hand a Python program moves: it runs the station's own loop.
     {"client/python/live",
      {"common", "devices", "client/station", "client/python/arrays.h",
-      "client/python/held_wrench.h", "client/python/live"},
+      "client/python/held_wrench.h", "client/python/live", "client/python/signals.h"},
      {},
      {"Eigen", "pybind11"}},
     // Programs of other people's.

@@ -221,5 +221,57 @@ TEST(CInterface, AsksForNoMemoryInAStep) {
   EXPECT_GT(report.force_N[1], 1.0);
 }
 
+TEST(CInterface, RefusesNamesAndMaterialsThatSceneFilesRefuse) {
+  const ScenePtr scene = BallOnBlock(PALPATE_SURFACE);
+  const double size[3] = {0.01, 0.01, 0.01};
+  const auto add = [&](const char* name, const palpate_body* body) {
+    return palpate_scene_add_box(scene.get(), PALPATE_OBJECT, name, size, body);
+  };
+  EXPECT_EQ(add("one", nullptr), 0);
+  EXPECT_NE(add("one", nullptr), 0);
+  EXPECT_THAT(palpate_last_error(), HasSubstr("one"));
+  EXPECT_NE(add("", nullptr), 0);
+  palpate_body rough = palpate_body_defaults();
+  rough.static_friction = 11.0;
+  EXPECT_NE(add("rough", &rough), 0);
+  EXPECT_THAT(palpate_last_error(), HasSubstr("11"));
+}
+
+TEST(CInterface, SavesAProxyThatAnotherContinues) {
+  const ScenePtr scene = BallOnBlock(PALPATE_SURFACE);
+  const ModelPtr model(palpate_model_new(scene.get(), 0));
+  palpate_pose hand = At(0.026);
+  const ProxyPtr proxy(palpate_proxy_new(model.get(), &hand));
+  palpate_report report, other;
+  for (int i = 0; i < 500; ++i) {
+    hand.position_m[1] -= 6e-6;
+    palpate_proxy_step(proxy.get(), &hand, &report);
+  }
+  const std::size_t size = palpate_proxy_save(proxy.get(), nullptr, 0);
+  ASSERT_GT(size, 0u);
+  std::vector<unsigned char> bytes(size, 0xee);
+  EXPECT_EQ(palpate_proxy_save(proxy.get(), bytes.data(), size - 1), size);
+  EXPECT_EQ(bytes, std::vector<unsigned char>(size, 0xee));  // not written in part
+  EXPECT_EQ(palpate_proxy_save(proxy.get(), bytes.data(), size), size);
+  const palpate_pose air = At(0.04);
+  const ProxyPtr there(palpate_proxy_new(model.get(), &air));
+  bytes[size / 2] ^= 4;
+  EXPECT_NE(palpate_proxy_restore(there.get(), bytes.data(), size), 0);
+  EXPECT_THAT(palpate_last_error(), HasSubstr("damaged"));
+  bytes[size / 2] ^= 4;
+  EXPECT_NE(palpate_proxy_restore(there.get(), bytes.data(), size - 1), 0);
+  EXPECT_NE(palpate_proxy_restore(there.get(), nullptr, 0), 0);
+  EXPECT_NE(palpate_proxy_restore(nullptr, bytes.data(), size), 0);
+  ASSERT_EQ(palpate_proxy_restore(there.get(), bytes.data(), size), 0) << palpate_last_error();
+  for (int i = 0; i < 50; ++i) {
+    hand.position_m[0] += 1e-6;
+    palpate_proxy_step(proxy.get(), &hand, &report);
+    palpate_proxy_step(there.get(), &hand, &other);
+    EXPECT_EQ(std::memcmp(report.force_N, other.force_N, sizeof report.force_N), 0);
+    EXPECT_EQ(std::memcmp(&report.tool, &other.tool, sizeof report.tool), 0);
+  }
+  EXPECT_GT(report.force_N[1], 1.0);
+}
+
 }  // namespace
 }  // namespace palpate::test

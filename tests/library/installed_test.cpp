@@ -70,6 +70,23 @@ TEST_F(Installed, ExamplesBuildAgainstItAndFeelWhatTheyShould) {
   }
 }
 
+TEST_F(Installed, ComponentsAreFoundOrMissedByName) {
+  const auto find = [&](const std::string& components) {
+    std::ofstream(folder_ / "CMakeLists.txt")
+        << "cmake_minimum_required(VERSION 3.20)\nproject(x LANGUAGES CXX)\n"
+        << "find_package(palpate REQUIRED COMPONENTS " << components << ")\n"
+        << "foreach(component " << components << ")\n  if(NOT TARGET palpate::${component})\n"
+        << "    message(FATAL_ERROR \"no target\")\n  endif()\nendforeach()\n";
+    return Run(std::string(PALPATE_CMAKE) + " -S " + folder_.string() + " -B " +
+               (folder_ / "components").string() + " -D CMAKE_PREFIX_PATH=" + Prefix());
+  };
+  for (const char* components : {"physics", "c", "physics scenes device effect"}) {
+    EXPECT_EQ(find(components), 0) << components << said_;
+  }
+  EXPECT_NE(find("physics tissue"), 0);
+  EXPECT_THAT(said_, HasSubstr("`tissue`"));
+}
+
 TEST_F(Installed, DriverOfOnesOwnBuildsWithoutEigenAndIsLoaded) {
   const std::string build = (folder_ / "own_arm").string(),
                     source = PALPATE_SOURCE_DIR "/client/examples/own_arm";

@@ -52,7 +52,21 @@ TEST(Parameters, TakeBothEndsOfTheirRangesAndNothingBeyond) {
   EXPECT_THAT(ComplaintOf([&] { SetParameter(scene, "sub_steps", 2.5); }),
               HasSubstr("a whole number from 1 to 64"));
   EXPECT_THAT(ComplaintOf([&] { SetParameter(scene, "seperation_um", 2.0); }),
-              AllOf(HasSubstr("seperation_um is not known"), HasSubstr("separation_um, widest")));
+              AllOf(HasSubstr("seperation_um is not known"), HasSubstr("mean \"separation_um")));
+}
+
+TEST(Parameters, AreRefusedByTheModelToo) {
+  Scene scene = BallOnBlock();
+  const auto make = [&] { MakeModel(scene, scene.tools[0], MakeObjects(scene)); };
+  scene.coupling.stiffness = 1e9;
+  EXPECT_THAT(ComplaintOf(make), HasSubstr("stiffness_N_per_m is 1e+09"));
+  scene.coupling = {1000.0, 0.0};
+  EXPECT_THAT(ComplaintOf(make), HasSubstr("torsional_stiffness_Nm_per_rad is 0"));
+  scene.coupling = {};
+  scene.objects[0].materials[0].static_friction = 11.0;
+  EXPECT_THAT(ComplaintOf(make), HasSubstr("friction: is 11"));
+  scene.objects[0].materials[0].static_friction = std::nan("");
+  EXPECT_THAT(ComplaintOf(make), HasSubstr("friction: "));
 }
 
 TEST(Parameters, ReachTheStep) {

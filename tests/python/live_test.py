@@ -1,6 +1,7 @@
 """palpate.live with a real server, over real DDS."""
 
 import ast
+import gc
 import inspect
 import os
 import pathlib
@@ -12,6 +13,7 @@ import tempfile
 import threading
 import time
 import unittest
+import weakref
 
 import numpy
 
@@ -54,8 +56,12 @@ class Served(unittest.TestCase):
 
 class Station(Served):
     def test_feels_the_springs_force_where_it_is_moved_to(self):
+        with self.assertWarns(DeprecationWarning):
+            old = live.Station("cube", name="before", domain=DOMAIN, transport="udp")
+        with old, self.assertWarns(DeprecationWarning):
+            self.assertEqual((old.name, old.id), ("before", "before"))
         with opened() as hand:
-            self.assertEqual((hand.scene, hand.tool, hand.name), ("cube", "ball", "script"))
+            self.assertEqual((hand.scene, hand.tool, hand.id), ("cube", "ball", "script"))
             self.assertIn("session: tool 'ball' of scene 'cube'", hand.news())
             hand.move([0, TOUCH + 0.001, 0], 0.2)
             numpy.testing.assert_array_equal(hand.felt.wanted_force, [0, 0, 0])
@@ -72,6 +78,37 @@ class Station(Served):
         self.assertEqual(hand.phase, "closed")
         with self.assertRaisesRegex(palpate.Error, "closed"):
             hand.move([0, 0.04, 0])
+
+    def test_is_refused_in_a_forked_child_which_ends_all_the_same(self):
+        child = script("""
+import os, sys
+from palpate import Error, live
+make = lambda name: live.Station("cube", name, domain=int(sys.argv[1]), transport="udp")
+hand = make("parent")
+child = os.fork()
+if child:
+    hand.move([0, 0.04, 0])
+    sys.exit(os.waitpid(child, 0)[1] != 0)
+for use in (lambda: make("child"), lambda: live.Session(int(sys.argv[1])), lambda: hand.move([0, 0.04, 0]),
+            lambda: hand.felt, lambda: hand.phase, lambda: hand.set_effect(None)):
+    try:
+        use()
+    except Error as error:
+        assert "spawn" in str(error), error
+    else:
+        raise AssertionError("was allowed")
+hand.close()
+""")
+        self.assertEqual(child.communicate(timeout=60)[1], "")
+        self.assertEqual(child.returncode, 0)
+
+    def test_with_an_effect_that_refers_to_it_is_collected(self):
+        hand = opened("circle")
+        hand.set_effect(lambda *_, hand=hand: [0, 0, 0])
+        hand.move([0, 0.04, 0])
+        gone = weakref.ref(hand)
+        del hand
+        self.assertTrue(eventually(lambda: gc.collect() >= 0 and gone() is None))
 
     def test_goes_no_faster_than_a_hand_whatever_it_is_told(self):
         with opened() as hand:

@@ -1,6 +1,7 @@
 """The module for Python: against the library in C for the bits, against geometry for the forces."""
 
 import ast
+import copy
 import ctypes
 import gc
 import math
@@ -15,6 +16,7 @@ import tempfile
 import threading
 import unittest
 import warnings
+import weakref
 from unittest import mock
 
 import numpy
@@ -64,7 +66,7 @@ class Force(unittest.TestCase):
 
     def test_grows_with_the_coupling(self):
         block = palpate.body("block", *palpate.box(SIZE))
-        model = palpate.Model([block], palpate.ball("ball", 0.005), stiffness=500)
+        model = palpate.Model([block], palpate.ball("ball", 0.005), stiffness_N_per_m=500)
         force = palpate.Proxy(model, [0, 0.022, 0]).step([0, 0.022, 0]).force
         self.assertAlmostEqual(force[1], 1.5, places=2)
 
@@ -72,15 +74,15 @@ class Force(unittest.TestCase):
         block, ball = palpate.body("block", *palpate.box(SIZE)), palpate.ball("ball", 0.005)
         force = {}
         for um in (1, 51):
-            model = palpate.Model([block], ball, step={"separation_um": um})
+            model = palpate.Model([block], ball, separation_um=um)
             proxy = palpate.Proxy(model, [0, 0.026, 0])
             for y in numpy.linspace(0.026, 0.024, 50):
                 force[um] = proxy.step([0, y, 0]).force[1]
         # The separation of a pair may have halved when it is met.
         self.assertGreater(force[51] - force[1], 0.024)
         self.assertLess(force[51] - force[1], 0.0501)
-        with self.assertRaisesRegex(palpate.Error, "seperation_um is not known; give one of stiffness_N_per_m"):
-            palpate.Model([block], ball, step={"seperation_um": 1})
+        with self.assertRaisesRegex(palpate.Error, "seperation_um is not known; did you mean .separation_um"):
+            palpate.Model([block], ball, seperation_um=1)
 
     def test_holds_a_rough_block_back(self):
         def drag(**material):
@@ -169,6 +171,23 @@ class Bits(unittest.TestCase):
             self.assertEqual(report.torque.tobytes(), one.wrench[4, i, 3:].tobytes())
 
 
+class Poses(unittest.TestCase):
+    def test_of_a_step_may_have_any_form_with_the_same_numbers(self):
+        model, path = ball_on_block(), wandering_path(60, 4)
+        path[:, :3] = path[:, :3].astype(numpy.float32)
+        forms = (list, tuple, lambda pose: [*map(float, pose)], lambda pose: tuple(map(float, pose)),
+                 lambda pose: numpy.repeat(pose, 2)[::2], lambda pose: pose.astype(">f8"), numpy.ma.masked_array)
+        truth = palpate.Proxy(model, path[0]).steps(path)
+        for form in forms:
+            proxy = palpate.Proxy(model, path[0])
+            felt = [proxy.step(form(pose)).force.tobytes() for pose in path]
+            self.assertEqual(b"".join(felt), numpy.ascontiguousarray(truth.wrench[:, :3]).tobytes())
+        self.assertEqual(proxy.step([0, 1, 0]).force.tolist(), proxy.step((0.0, 1, 0.0)).force.tolist())
+        for wrong in ([0, 1], [0] * 8, [0, 10**400, 0], [0, True, 0, 1], "012", [[0, 1, 0]], numpy.zeros((1, 3)), None):
+            with self.assertRaises(palpate.Error):
+                proxy.step(wrong)
+
+
 class Effects(unittest.TestCase):
     AIR = numpy.array([0, 0.04, 0])
 
@@ -244,7 +263,7 @@ class Effects(unittest.TestCase):
             r"its wrench: must be a force x y z in N, .*; its shape is \(2,\)": lambda *_: numpy.zeros(2),
             r"its stiffness: must be \(3, 3\) beside a force": lambda *_: ([0, 0, 0], numpy.eye(6)),
             "its wrench: is of type NoneType": lambda *_: None,
-            "another thread is stepping": lambda *_: self.proxy.step(self.AIR),
+            "an effect cannot step": lambda *_: self.proxy.step(self.AIR),
         }.items():
             self.proxy.set_effect(what)
             with self.subTest(words), self.assertRaisesRegex(palpate.Error, words):
@@ -267,6 +286,207 @@ class Effects(unittest.TestCase):
                 self.proxy.set_effect(enough, **wrong)
         with self.assertRaisesRegex(palpate.Error, "effect: is not a function"):
             self.proxy.set_effect(3)
+
+
+class Interrupts(unittest.TestCase):
+    """Each in a Python of its own, which is sent SIGINT in the midst of a call that takes many seconds."""
+
+    BEGIN = """
+import os, signal, threading
+import numpy, palpate
+from module_test import ball_on_block, wandering_path
+path = numpy.tile(wandering_path(1000, 5), (400, 1))
+paths = numpy.tile(path, (3, 1, 1))
+model = ball_on_block()
+proxy = palpate.Proxy(model, path[0])
+threading.Timer(0.3, os.kill, [os.getpid(), signal.SIGINT]).start()
+try:
+    CALL
+    raise SystemExit("was not interrupted")
+except KeyboardInterrupt as stopped:
+    steps = getattr(stopped, "steps", None)
+"""
+
+    def holds(self, call, then):
+        done = subprocess.run([sys.executable, "-c", self.BEGIN.replace("CALL", call) + then], capture_output=True,
+                              text=True, check=False, cwd=pathlib.Path(__file__).parent)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_keep_the_steps_so_far_and_the_proxy_goes_on_from_there(self):
+        self.holds("proxy.steps(path)", """
+assert 0 < len(steps) < len(path), len(steps)
+more = proxy.steps(path[len(steps):len(steps) + 500])
+whole = palpate.Proxy(model, path[0]).steps(path[:len(steps) + 500])
+assert whole.wrench.tobytes() == steps.wrench.tobytes() + more.wrench.tobytes()
+""")
+
+    def test_end_paths_on_all_threads_and_mark_what_was_not_taken(self):
+        for threads in (1, 3):
+            self.holds(f"model.follow(paths, threads={threads})", """
+taken = ~numpy.isnan(steps.wrench[..., 0])
+assert steps.wrench.shape == (3, len(path), 6) and 0 < taken.sum() < taken.size
+assert (numpy.diff(taken.astype(int), axis=1) <= 0).all()
+assert (steps.faults[~taken] != 0).all() and (steps.contacts[~taken] == 0).all()
+same = palpate.Proxy(model, path[0]).steps(path[:taken[0].sum()])
+assert same.wrench.tobytes() == steps.wrench[0][taken[0]].tobytes()
+""")
+
+
+def sent(thing):
+    return pickle.loads(pickle.dumps(thing))
+
+
+def spring(hand, twist, tool):
+    return -20 * hand[:3], numpy.diag([20, 20, 20])
+
+
+class States(unittest.TestCase):
+    def test_let_a_proxy_go_on_from_them_to_the_same_bits(self):
+        for model in (ball_on_block(static_friction=0.5, dynamic_friction=0.3),
+                      ball_on_block(contact="spheres", leaves=300, static_friction=0.5, dynamic_friction=0.3)):
+            path = wandering_path(700, 3)
+            proxy = palpate.Proxy(model, path[0])
+            proxy.set_effect(spring, rate_hz=40)
+            proxy.steps(path[:317])
+            state, copies = proxy.state(), [copy.copy(proxy), copy.deepcopy(proxy), sent(proxy)]
+            for made in (state, sent(state)):
+                copies.append(palpate.Proxy(sent(model), path[5]))
+                copies[-1].set_effect(spring, rate_hz=40)
+                copies[-1].set_state(made)
+                self.assertEqual(copies[-1].start_depth, proxy.start_depth)
+            truth = proxy.steps(path[317:])
+            self.assertGreater((truth.contacts > 0).sum(), 200)
+            proxy.set_state(state)
+            for other in (*copies, proxy):
+                felt = other.steps(path[317:])
+                self.assertEqual(felt.wrench.tobytes(), truth.wrench.tobytes())
+                self.assertEqual(felt.pose.tobytes(), truth.pose.tobytes())
+
+    def test_of_a_solid_that_is_cut_branch_in_the_process(self):
+        scene = palpate.load("caries")
+        path, model = scene.path()[:2500], scene.model()
+        proxy = palpate.Proxy(model, path[0])
+        proxy.steps(path[:1500])
+        state, other = proxy.state(), copy.copy(proxy)
+        truth = proxy.steps(path[1500:])
+        self.assertGreater(abs(truth.wrench).max(), 0.01)
+        proxy.set_state(state)
+        for again in (proxy, other):
+            self.assertEqual(again.steps(path[1500:]).wrench.tobytes(), truth.wrench.tobytes())
+        with self.assertRaisesRegex(palpate.Error, "another model"):
+            palpate.Proxy(scene.model(), path[0]).set_state(state)
+        with self.assertRaisesRegex(palpate.Error, "solids"):
+            pickle.dumps(state)
+
+    def test_of_others_are_refused(self):
+        model, other = ball_on_block(), ball_on_block(static_friction=0.5)
+        proxy = palpate.Proxy(model, [0, 0.03, 0])
+        for state in (palpate.Proxy(other, [0, 0.03, 0]).state(), sent(palpate.Proxy(other, [0, 0.03, 0]).state())):
+            with self.assertRaisesRegex(palpate.Error, "another model"):
+                proxy.set_state(state)
+        for thing in (model, proxy, proxy.state()):
+            stored = pickle.dumps(thing, 2)
+            with self.assertRaisesRegex(palpate.Error, "9" * 12):
+                pickle.loads(stored.replace(palpate.physics_revision.encode(), b"9" * 12))
+        version, stored, effect = proxy.state().__getstate__()
+        for wrong in ((version, stored[:-1], effect), (version, b"", None), (version, bytes(len(stored)), None)):
+            state = palpate.State.__new__(palpate.State)
+            state.__setstate__(wrong)
+            with self.assertRaisesRegex(palpate.Error, "state: "):
+                proxy.set_state(state)
+        self.assertIs(copy.deepcopy(model), model)
+
+    def test_of_models_keep_their_tool_and_parameters(self):
+        model = palpate.load("cube").model(separation_um=2, friction=0.3, stiffness_N_per_m=700)
+        self.assertEqual(sent(model).parameters, model.parameters)
+        self.assertEqual(repr(sent(model)), repr(model))
+        with tempfile.TemporaryDirectory() as folder, self.assertRaisesRegex(palpate.Error, "effects"):
+            pickle.dumps(palpate.load(cube_with_effects(pathlib.Path(folder))).model())
+
+
+class Batches(unittest.TestCase):
+    def test_give_the_bits_of_single_proxies_on_any_number_of_threads(self):
+        model = ball_on_block(static_friction=0.5, dynamic_friction=0.5)
+        paths = numpy.stack([wandering_path(80, seed) for seed in range(7)])
+        truth = model.follow(paths, details=True)
+        for threads in (1, 2, 5, 0):
+            for start in (None, paths[:, 0]):
+                batch = palpate.Batch(model, 7, start, threads=threads)
+                for i in range(paths.shape[1]):
+                    felt = batch.step(paths[:, i], details=True)
+                    for name in ("wrench", "pose", "contacts", "faults"):
+                        self.assertEqual(getattr(felt, name).tobytes(), getattr(truth, name)[:, i].tobytes())
+                self.assertEqual(felt.details["rows"].tobytes(), truth.details["rows"][:, -1].tobytes())
+        self.assertGreater((truth.contacts > 0).sum(), 200)
+        self.assertEqual((len(batch), felt.parameters), (7, model.parameters))
+        self.assertGreaterEqual(batch.threads, 1)
+
+    def test_start_those_again_that_a_mask_selects(self):
+        model = ball_on_block()
+        batch = palpate.Batch(model, 3, [0, 0.03, 0], threads=2)
+        batch.step([[0, 0.022, 0]] * 3)
+        batch.restart([0, 0.05, 0], [True, False, True])
+        self.assertEqual((batch.step([[0, 0.05, 0]] * 3).pose[:, 1] > 0.049).tolist()[::2], [True, True])
+        batch.restart([[0, 0.03, 0.001 * i] for i in range(3)])
+        numpy.testing.assert_allclose(batch.step([[0, 0.03, 0.001 * i] for i in range(3)]).pose[:, 2], [0, 1e-3, 2e-3])
+
+    def test_say_what_is_wrong(self):
+        model = ball_on_block()
+        batch = palpate.Batch(model, 3, [0, 0.03, 0])
+        for words, wrong in {
+            "n: ": lambda: palpate.Batch(model, 0),
+            "threads: ": lambda: palpate.Batch(model, 2, threads=-1),
+            "3 proxies": lambda: batch.step([[0, 0.03, 0]] * 2),
+            "an array": lambda: batch.step([0, 0.03, 0]),
+            "pose": lambda: palpate.Batch(model, 2, [0, math.nan, 0]),
+            "row 1": lambda: palpate.Batch(model, 2, [[0, 0.03, 0], [0, math.nan, 0]]),
+            "mask": lambda: batch.restart([0, 0.03, 0], [0, 1, 1]),
+            "mask: ": lambda: batch.restart([0, 0.03, 0], [True]),
+        }.items():
+            with self.subTest(words), self.assertRaisesRegex(palpate.Error, words):
+                wrong()
+        self.assertTrue(batch.step([[0, math.nan, 0]] * 3).faults.all())
+
+    def test_go_on_in_a_forked_child(self):
+        model = ball_on_block()
+        batch = palpate.Batch(model, 8, [0, 0.03, 0], threads=3)
+        batch.step([[0, 0.022, 0]] * 8)
+        child = os.fork()
+        if not child:
+            os._exit(0 if batch.step([[0, 0.022, 0]] * 8).contacts.all() else 1)
+        self.assertEqual(os.waitpid(child, 0)[1], 0)
+        self.assertTrue(batch.step([[0, 0.022, 0]] * 8).contacts.all())
+
+
+class Circles(unittest.TestCase):
+    def test_of_a_proxy_and_its_effect_are_collected(self):
+        gone = []
+        for _ in range(3):
+            proxy = palpate.Proxy(ball_on_block(), [0, 0.03, 0])
+
+            def effect(*_, proxy=proxy):
+                return -proxy.start_depth * numpy.ones(3)
+
+            weakref.finalize(effect, gone.append, True)
+            proxy.set_effect(effect)
+            proxy.step([0, 0.03, 0])
+        del proxy, effect
+        gc.collect()
+        self.assertEqual(len(gone), 3)
+
+    def test_of_nothing_but_a_used_effect_are_kept(self):
+        proxy = palpate.Proxy(ball_on_block(), [0, 0.03, 0])
+        proxy.set_effect(lambda *_: [0, 0.5, 0])
+        gc.collect()
+        self.assertEqual(proxy.step([0, 0.03, 0]).force[1], 0.5)
+
+    def test_of_steps_are_called_what_they_are(self):
+        proxy = palpate.Proxy(ball_on_block(), [0, 0.03, 0])
+        for use in (lambda: proxy.step([0, 0.03, 0]), lambda: proxy.restart([0, 0.03, 0]),
+                    lambda: proxy.set_effect(None)):
+            proxy.set_effect(lambda *_, use=use: use())
+            with self.assertRaisesRegex(palpate.Error, "effect cannot"):
+                proxy.step([0, 0.03, 0])
 
 
 class Reports(unittest.TestCase):
@@ -296,7 +516,7 @@ class Reports(unittest.TestCase):
         self.assertEqual(report.details["qp_iterations"], details["qp_iterations"][-1])
         self.assertEqual(report.parameters["separation_um"], 1)
 
-    def test_and_bodies_and_scenes_go_through_pickle_and_models_say_why_not(self):
+    def test_and_bodies_and_scenes_go_through_pickle(self):
         scene = palpate.load("cube")
         path = scene.path()
         model = scene.model(separation_um=2, friction=0)
@@ -317,10 +537,13 @@ class Reports(unittest.TestCase):
         self.assertEqual(palpate.Proxy(model, path[0]).steps(path).wrench.tobytes(), steps.wrench.tobytes())
         body = loads(scene.objects[0])
         self.assertEqual(body.leaf_radii.tobytes(), scene.objects[0].leaf_radii.tobytes())
-        with self.assertRaisesRegex(TypeError, "Model is not pickled: pickle its scene"):
-            pickle.dumps(model)
-        with self.assertRaisesRegex(TypeError, "Proxy cannot be pickled"):
-            pickle.dumps(palpate.Proxy(model, path[0]))
+
+    def test_have_the_same_names_for_one_step_and_many(self):
+        path = wandering_path(50, 3)
+        steps, proxy = palpate.Proxy(ball_on_block(), path[0]).steps(path), palpate.Proxy(ball_on_block(), path[0])
+        reports = [proxy.step(pose) for pose in path]
+        for name in ("wrench", "force", "torque", "pose"):
+            numpy.testing.assert_array_equal(getattr(steps, name), [getattr(report, name) for report in reports])
 
     def test_are_indexed_like_arrays_of_steps(self):
         path = wandering_path(200, 3)
@@ -464,7 +687,7 @@ class Scenes(unittest.TestCase):
             "stiffness_N_per_m: is of type str; give real numbers": lambda: scene.model(stiffness_N_per_m="500"),
             "friction: is of type bool": lambda: scene.model(friction=True),
             "friction: must be a single number": lambda: scene.model(friction=[0.3]),
-            "seperation_um is not known; give one of stiffness_N_per_m": lambda: scene.model(seperation_um=1),
+            "seperation_um is not known; did you mean .separation_um": lambda: scene.model(seperation_um=1),
             "sub_steps is 0; give a whole number from 1 to 64": lambda: scene.model(sub_steps=0),
             "tool: 7 is not in the scene; give one of ": lambda: scene.model(7),
             "rate": lambda: scene.path(0),
@@ -556,6 +779,57 @@ class Errors(unittest.TestCase):
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             palpate.body("tooth", vertices, triangles, leaves=64)
+
+    def test_of_names_and_numbers_are_the_same_at_every_door(self):
+        block, ball = palpate.body("block", *palpate.box(SIZE)), palpate.ball("ball", 0.005)
+        scene = palpate.Scene([block], [ball])
+        for name, value in {"stiffness_N_per_m": 1e9, "torsional_stiffness_Nm_per_rad": 0, "friction": 11,
+                            "separation_um": math.nan}.items():
+            for door in (lambda: palpate.Model([block], ball, **{name: value}), lambda: scene.model(**{name: value}),
+                         lambda: palpate.Scene([block], [ball], **{name: value})):
+                with self.subTest(name), self.assertRaisesRegex(palpate.Error, name):
+                    door()
+        twin, blank = palpate.ball("block", 0.005), palpate.ball("", 0.005)
+        for tool, words in ((twin, "two bodies"), (blank, "no name")):
+            for door in (lambda: palpate.Model([block], tool), lambda: palpate.Scene([block], [tool])):
+                with self.assertRaisesRegex(palpate.Error, words):
+                    door()
+        with self.assertRaisesRegex(palpate.Error, "11"):
+            palpate.body("block", *palpate.box(SIZE), static_friction=11)
+        self.assertEqual(palpate.Model([block], ball, friction=0.3).parameters["friction"], 0.3)
+        self.assertEqual(sent(block).name, "block")
+
+    def test_are_warnings_where_a_name_is_of_the_version_before(self):
+        block, ball = palpate.body("block", *palpate.box(SIZE)), palpate.ball("ball", 0.005)
+        for old, new in (({"stiffness": 500}, {"stiffness_N_per_m": 500}),
+                         ({"torsional_stiffness": 2}, {"torsional_stiffness_Nm_per_rad": 2}),
+                         ({"step": {"separation_um": 2}}, {"separation_um": 2})):
+            with self.assertWarns(DeprecationWarning):
+                model = palpate.Model([block], ball, **old)
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                self.assertEqual(palpate.Model([block], ball, **new).parameters, model.parameters)
+
+    def test_of_open_meshes_are_remarks_of_the_body(self):
+        vertices, triangles = palpate.box(SIZE)
+        self.assertRegex(" ".join(palpate.body("lid", vertices, triangles[2:]).remarks), "open")
+        self.assertEqual(palpate.body("box", vertices, triangles).remarks, [])
+
+    def test_of_poses_are_raised_or_counted(self):
+        model = ball_on_block()
+        path = numpy.tile([0, 0.022, 0], (5, 1))
+        path[3, 1] = math.nan
+        proxy, batch = palpate.Proxy(model, [0, 0.022, 0]), palpate.Batch(model, 5, [0, 0.022, 0])
+        self.assertEqual([proxy.steps(path).bad_poses, model.follow(path[None, :3]).bad_poses], [1, 0])
+        self.assertEqual(batch.step(path).bad_poses, 1)
+        self.assertIn("1 bad pose", repr(proxy.steps(path)))
+        state = pickle.dumps(proxy.state())
+        for call in (proxy.steps, batch.step, lambda poses, **how: model.follow(poses[None], **how)):
+            with self.assertRaisesRegex(palpate.Error, "row 3 is not finite"):
+                call(path, on_bad_pose="raise")
+            with self.assertRaisesRegex(palpate.Error, "on_bad_pose"):
+                call(path, on_bad_pose="ignore")
+        self.assertEqual(pickle.dumps(proxy.state()), state)
 
     def test_of_poses_are_faults_and_give_no_force(self):
         proxy = palpate.Proxy(ball_on_block(), [0, 0.022, 0])

@@ -252,20 +252,20 @@ TEST_F(LoadedScene, RefusesSpringsThatTheStepCannotComputeWith) {
   const auto write = [&](const char* tool, const char* torsional) {
     WriteFile(scene_, std::string(R"({"tools": [{"name": "rod", "mesh": )") + tool + R"(}],
   "objects": [{"name": "box", "mesh": {"file": "box.obj", "unit": "mm"}, "leaves": 64}],
-  "coupling": {"stiffness_N_per_m": 4e5,
+  "coupling": {"stiffness_N_per_m": 1e5,
                "torsional_stiffness_Nm_per_rad": )" +
                           torsional + "}}");
   };
-  // The rod reaches 0.05 m: 4e5 N/m times the square of a thousandth of that.
+  // The rod reaches 0.05 m: 1e5 N/m times the square of a thousandth of that.
   const char* const rod = R"({"shape": "box", "size_m": [0.06, 0.08, 0.0001]}, "leaves": 64)";
-  write(rod, "2e-7");
+  write(rod, "1e-4");
   EXPECT_THAT(Complaint(),
-              HasSubstr("s.json:4: coupling.torsional_stiffness_Nm_per_rad: 2e-07 N m/rad is too "
-                        "low for a stiffness of 400000 N/m, with a tool that extends 50 mm from "
-                        "its centroid; give at least 0.00101, or a lower stiffness"));
-  write(rod, "0.00101");
+              HasSubstr("s.json:4: coupling.torsional_stiffness_Nm_per_rad: 0.0001 N m/rad is too "
+                        "low for a stiffness of 100000 N/m, with a tool that extends 50 mm from "
+                        "its centroid; give at least 0.000253, or a lower stiffness"));
+  write(rod, "0.000253");
   Load();
-  write(R"({"shape": "sphere", "radius_m": 0.005}, "leaves": 1)", "2e-7");
+  write(R"({"shape": "sphere", "radius_m": 0.005}, "leaves": 1)", "1e-4");
   Load();  // no contact turns a ball
 }
 

@@ -1,3 +1,4 @@
+#include <atomic>
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -8,16 +9,18 @@
 
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
+#include <unistd.h>
 
 #include "client/python/arrays.h"
 #include "client/python/live/live_session.h"
 #include "client/python/live/live_station.h"
+#include "client/python/signals.h"
 #include "common/dds/topics.h"
 #include "common/program/log.h"
-#include "common/realtime/steady_clock.h"
 
 // The module palpate._live, which palpate/live.py wraps; palpate/live.pyi documents each function.
-// All waiting is done without Python's lock, and Ctrl-C ends it.
+// All waiting is done without Python's lock, and Ctrl-C ends it.  A forked child is told to use
+// "spawn" by all but `close`.
 
 namespace palpate {
 namespace {
@@ -27,17 +30,12 @@ class Waiting {
  public:
   bool operator()(std::chrono::nanoseconds time) {
     std::this_thread::sleep_for(time);
-    const std::int64_t now_ns = SteadyNanoseconds();
-    if (now_ns - looked_ns_ < kLook_ns) return false;
-    looked_ns_ = now_ns;
-    const py::gil_scoped_acquire lock;
-    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    check_();
     return false;
   }
 
  private:
-  static constexpr std::int64_t kLook_ns = 20'000'000;
-  std::int64_t looked_ns_ = SteadyNanoseconds();
+  SignalCheck check_;
 };
 
 /// Returns the result of a call that runs without Python's lock.
@@ -80,14 +78,56 @@ py::object ToRecord(const std::optional<Record>& record) {
   return py::object(py::array_t<Record>(1, &*record)[py::int_(0)]);
 }
 
+/// The process that first opened a station or a session: only it has the threads of DDS.
+std::atomic<pid_t> owner{0};
+
+bool IsForked() {
+  const pid_t began = owner.load();
+  return began != 0 && began != getpid();
+}
+
+/// Throws Error in a child that was forked after something was opened; it would wait for ever.
+void RequireOwnThreads() {
+  pid_t nobody = 0;
+  owner.compare_exchange_strong(nobody, getpid());
+  if (!IsForked()) return;
+  throw Error(
+      "palpate.live: was in use when this process was forked, and its threads are not here; start "
+      "processes by multiprocessing.get_context(\"spawn\"), and open stations in them");
+}
+
+/// Returns a method that may be called in the process that opened the object only.
+template <class T, class Result>
+auto Here(Result (T::*method)()) {
+  return [method](T& self) {
+    RequireOwnThreads();
+    return (self.*method)();
+  };
+}
+template <class T, class Result>
+auto Here(Result (T::*method)() const) {
+  return [method](const T& self) {
+    RequireOwnThreads();
+    return (self.*method)();
+  };
+}
+
 /// Deletes, without Python's lock, an object whose destructor waits for threads.
 template <class T>
 struct Unlocked {
   void operator()(T* object) const {
+    if (IsForked()) return;
     const py::gil_scoped_release free;
     delete object;
   }
 };
+/// Does nothing in a forked child.
+template <class T>
+void CloseHere(T& opened) {
+  if (IsForked()) return;
+  const py::gil_scoped_release free;
+  opened.Close();
+}
 template <class T>
 using Held = std::unique_ptr<T, Unlocked<T>>;
 
@@ -110,6 +150,7 @@ Held<LiveStation> MakeStation(const std::string& scene, const std::string& name,
   options.max_force_N = max_force;
   options.max_torque_Nm = max_torque;
   options.local_model = local_model;
+  RequireOwnThreads();
   return Meanwhile([&](Waiting& wait) {
     return Held<LiveStation>(new LiveStation(std::move(options), std::ref(wait)));
   });
@@ -121,6 +162,7 @@ Held<LiveSession> MakeSession(int domain, const std::string& interface,
   RequireDomain(domain);
   const LiveSessionOptions options{domain, ToNetwork(interface, peers, identity),
                                    dds::ParseTransport(transport), wrenches};
+  RequireOwnThreads();
   const py::gil_scoped_release free;
   return Held<LiveSession>(new LiveSession(options));
 }
@@ -163,6 +205,7 @@ PYBIND11_MODULE(_live, module) {
       .def(py::init(&MakeStation))
       .def("move",
            [](LiveStation& station, const py::object& pose, double seconds, double timeout) {
+             RequireOwnThreads();
              const Pose X_WH = ToUnitPose(pose);
              return Meanwhile([&](Waiting& wait) {
                return station.Move(X_WH, seconds, timeout, std::ref(wait));
@@ -171,6 +214,7 @@ PYBIND11_MODULE(_live, module) {
       .def("lead",
            [](LiveStation& station, const py::object& effect, double rate, double max_force,
               double max_torque) {
+             RequireOwnThreads();
              HeldWrench held = ToHeld(effect, rate, max_force, max_torque);
              const Felt felt = station.felt();
              if (!effect.is_none()) {
@@ -179,13 +223,14 @@ PYBIND11_MODULE(_live, module) {
              }
              station.Lead(held);
            })
-      .def_property_readonly("felt", &LiveStation::felt)
-      .def_property_readonly("phase", &LiveStation::phase)
-      .def_property_readonly("name", &LiveStation::name)
-      .def_property_readonly("scene", &LiveStation::scene)
-      .def_property_readonly("tool", &LiveStation::tool)
+      .def_property_readonly("felt", Here(&LiveStation::felt))
+      .def_property_readonly("phase", Here(&LiveStation::phase))
+      .def_property_readonly("id", Here(&LiveStation::name))
+      .def_property_readonly("scene", Here(&LiveStation::scene))
+      .def_property_readonly("tool", Here(&LiveStation::tool))
       .def_property_readonly("counts",
                              [](const LiveStation& station) {
+                               RequireOwnThreads();
                                const LiveStation::Counts counts = station.counts();
                                py::dict figures;
                                figures["sent"] = counts.sent;
@@ -193,33 +238,38 @@ PYBIND11_MODULE(_live, module) {
                                figures["lost"] = counts.lost;
                                return figures;
                              })
-      .def("news", &LiveStation::TakeNews)
-      .def("close", &LiveStation::Close, py::call_guard<py::gil_scoped_release>());
+      .def("news", Here(&LiveStation::TakeNews))
+      .def("close", &CloseHere<LiveStation>);
 
   py::class_<LiveSession, Held<LiveSession>>(module, "Session")
       .def(py::init(&MakeSession))
       .def("tools",
            [](LiveSession& session, double timeout) {
+             RequireOwnThreads();
              return ToArray(Meanwhile(
                  [&](Waiting& wait) { return session.TakeTools(timeout, std::ref(wait)); }));
            })
       .def("wrenches",
            [](LiveSession& session, const std::string& station, double timeout) {
+             RequireOwnThreads();
              return ToArray(Meanwhile([&](Waiting& wait) {
                return session.TakeWrenches(station, timeout, std::ref(wait));
              }));
            })
       .def("latest_tool",
            [](const LiveSession& session, const std::string& station) {
+             RequireOwnThreads();
              return ToRecord(session.LatestTool(station));
            })
       .def("latest_wrench",
            [](const LiveSession& session, const std::string& station) {
+             RequireOwnThreads();
              return ToRecord(session.LatestWrench(station));
            })
-      .def_property_readonly("phases", &LiveSession::phases)
-      .def_property_readonly("dropped", &LiveSession::dropped)
-      .def("close", &LiveSession::Close, py::call_guard<py::gil_scoped_release>());
+      .def_property_readonly("phases", Here(&LiveSession::phases))
+      .def_property_readonly("dropped", Here(&LiveSession::dropped))
+      .def("close", &CloseHere<LiveSession>);
+  module.def("is_forked", &IsForked);
   module.attr("tool_dtype") = py::dtype::of<ToolRecord>();
   module.attr("wrench_dtype") = py::dtype::of<WrenchRecord>();
 }

@@ -34,7 +34,7 @@ std::mutex& MakingParticipants() {
 LiveStation::LiveStation(LiveStationOptions options, const WaitOrStop& wait)
     : name_(options.link.station) {
   if (!dds::IsStationName(name_)) {
-    throw Error("name '" + name_ + "': give 1 to 32 letters, digits or _");
+    throw Error("id '" + name_ + "': give 1 to 32 letters, digits or _");
   }
   options.link.realtime = {.mode = RealtimeMode::kOff};
   {

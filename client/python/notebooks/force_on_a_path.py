@@ -14,7 +14,7 @@ import palpate
 AXES, RADIUS, STIFFNESS = numpy.array([0.03, 0.02, 0.02]), 0.004, 1000.0
 
 egg = palpate.body("egg", *palpate.ellipsoid(AXES, triangles=20_000))
-model = palpate.Model([egg], palpate.ball("ball", RADIUS), stiffness=STIFFNESS)
+model = palpate.Model([egg], palpate.ball("ball", RADIUS), stiffness_N_per_m=STIFFNESS)
 path = numpy.zeros((4000, 3))
 path[:, 0] = numpy.linspace(-0.03, 0.03, len(path))
 path[:, 1] = 0.0215

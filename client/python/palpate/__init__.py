@@ -16,11 +16,12 @@ Units are metres, newtons and newton metres.  A pose is x y z, or x y z followed
 w x y z.  Arrays are NumPy arrays: functions accept integers and floats of up to 64 bits, and return
 float64.  Errors are palpate.Error, a ValueError.  The same poses give the same bits as in C++.
 
-Scenes, bodies, reports and steps can be pickled.  Models and proxies cannot; make them again from a scene.
+Everything can be copied and pickled.  A proxy's copy, and one that gets its state, continues to the same bits.
 """
 
 from palpate import _prose, _tables
 from palpate._physics import (
+    Batch,
     Body,
     Error,
     Material,
@@ -28,6 +29,7 @@ from palpate._physics import (
     Proxy,
     Report,
     Scene,
+    State,
     Steps,
     __version__,
     ball,
@@ -37,11 +39,13 @@ from palpate._physics import (
     fault_words,
     load,
     parameters,
+    physics_revision,
     report_dtype,
 )
 from palpate.files import read_mesh, read_recording
 
 __all__ = [
+    "Batch",
     "Body",
     "Error",
     "Material",
@@ -49,6 +53,7 @@ __all__ = [
     "Proxy",
     "Report",
     "Scene",
+    "State",
     "Steps",
     "__version__",
     "ball",
@@ -58,6 +63,7 @@ __all__ = [
     "fault_words",
     "load",
     "parameters",
+    "physics_revision",
     "read_mesh",
     "read_recording",
     "report_dtype",

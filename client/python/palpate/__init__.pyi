@@ -1,5 +1,5 @@
 from os import PathLike
-from typing import Any, Callable, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple, Union
 
 import numpy
 import pandas
@@ -7,6 +7,7 @@ import xarray
 from numpy.typing import ArrayLike, NDArray
 
 __version__: str
+physics_revision: str  # builds of one revision give the same bits for the same inputs
 
 report_dtype: numpy.dtype
 """Columns of details, with units in their names.  rows (7) are the contacts of the report, of which the first `listed`
@@ -165,6 +166,9 @@ class Report:
     def torque(self) -> NDArray[numpy.float64]:
         """x y z in N m, in the axes of the scene."""
     @property
+    def wrench(self) -> NDArray[numpy.float64]:
+        """Force and torque: (6)."""
+    @property
     def pose(self) -> NDArray[numpy.float64]:
         """Pose of the proxy (the graphic tool, which enters nothing): x y z w x y z."""
     @property
@@ -198,6 +202,15 @@ class Steps:
 
     wrench: NDArray[numpy.float64]
     """Force in N and torque in N m: (..., 6)."""
+    @property
+    def force(self) -> NDArray[numpy.float64]:
+        """Force in N: (..., 3), a part of wrench."""
+    @property
+    def torque(self) -> NDArray[numpy.float64]:
+        """Torque in N m: (..., 3), a part of wrench."""
+    @property
+    def bad_poses(self) -> int:
+        """Number of steps whose pose was not finite."""
     pose: NDArray[numpy.float64]
     """Pose of the proxy, x y z w x y z: (..., 7)."""
     contacts: NDArray[numpy.int32]
@@ -220,33 +233,46 @@ class Steps:
 class Model:
     """One tool and all objects.  Immutable; several threads may use it.
 
-    stiffness, torsional_stiffness
-          virtual coupling between hand and tool, in N/m and N m/rad
-    step  other parameters, by the names that parameters() lists, such as {"separation_um": 2}
+    contact     "surface" or "spheres"
+    parameters  values that differ from the defaults, by the names that parameters() lists, as in
+                Model([block], ball, stiffness_N_per_m=500, friction=0.3)
+
+    Bodies need names, each its own.  Until the next version, stiffness, torsional_stiffness and step={...} are taken,
+    too, with a DeprecationWarning.
     """
 
     def __init__(
-        self,
-        objects: Sequence[Body],
-        tool: Body,
-        *,
-        contact: str = "surface",
-        stiffness: float = 1000.0,
-        torsional_stiffness: float = 1.0,
-        step: Mapping[str, float] = {},
+        self, objects: Sequence[Body], tool: Body, *, contact: str = "surface", **parameters: float
     ) -> None: ...
     @property
     def parameters(self) -> Dict[str, float]:
         """The parameters by name; NaN for friction that differs between objects."""
-    def follow(self, paths: ArrayLike, *, threads: int = 0, details: bool = False) -> Steps:
-        """Steps along many paths, (paths, steps, 3 or 7), in parallel; threads=0: on all cores.
+    def follow(
+        self, paths: ArrayLike, *, threads: int = 0, details: bool = False, on_bad_pose: str = "fault"
+    ) -> Steps:
+        """Steps along many paths, (paths, steps, 3 or 7), in parallel; threads=0: on all cores, as far as
+        affinity and a container's CPU quota allow.
 
         Each path has its own proxy, which starts at the path's first pose.  The result does not depend on the
         number of threads.  details: also return Steps.details (1.4 kB per step), with stage times.
+        on_bad_pose: as in Proxy.steps.
+
+        Ctrl-C ends it at once.  The KeyboardInterrupt has the steps taken so far as its attribute `steps`, of the
+        whole shape; steps that were not taken have NaN as wrench and pose, and a fault.
         """
 
+class State:
+    """The state of a proxy: all that its next step depends on, beside its pose and its effect's function.  Immutable.
+
+    A pickled state names the physics and the model.  Another physics', another model's and a damaged one are an Error.
+    """
+
 class Proxy:
-    """The proxy (god-object) of one hand.  Only one thread at a time may use it."""
+    """The proxy (god-object) of one hand.  Only one thread at a time may use it.
+
+    A copy (copy.copy or pickle) stands where the original does, with the same effect, and continues to the same bits.
+    States of solids that burs cut can be copied, but not pickled.
+    """
 
     def __init__(self, model: Model, pose: ArrayLike) -> None: ...
     @property
@@ -254,6 +280,13 @@ class Proxy:
         """Distance of the tool from the hand at the start, in metres."""
     def restart(self, pose: ArrayLike) -> None:
         """Starts again with the hand at this pose, like a new proxy."""
+    def state(self) -> State:
+        """Returns the present state, for set_state: to go on from it again, or to branch."""
+    def set_state(self, state: State) -> None:
+        """Continues from a state of a proxy of the same model: the same poses then give the same bits.
+
+        The effect stays this proxy's own; what it had returned last is the state's.
+        """
     def set_effect(
         self, effect: Optional[Effect], *, rate_hz: float = 100.0, max_force: float = 1.0, max_torque: float = 0.01
     ) -> None:
@@ -271,7 +304,7 @@ class Proxy:
                     limits in N and N m, to which longer vectors are shortened.  An arm renders at most 1 N and 10 mN m
 
         If the effect raises an exception or returns an invalid or non-finite wrench (an Error), no step is taken, and
-        the effect is removed.
+        the effect is removed.  The effect cannot step or change the proxy that calls it.
         """
     def step(self, pose: ArrayLike) -> Report:
         """Takes one step of a millisecond with the hand at this pose, and returns what the hand feels.
@@ -279,10 +312,42 @@ class Proxy:
         The tool moves towards the hand until objects stop it.  After a jump of some centimetres it arrives some
         steps later.
         """
-    def steps(self, poses: ArrayLike, *, details: bool = False) -> Steps:
+    def steps(self, poses: ArrayLike, *, details: bool = False, on_bad_pose: str = "fault") -> Steps:
         """Takes one step for each pose, (steps, 3 or 7), like step but without Python in between.
 
         details: also return Steps.details (1.4 kB per step), with stage times.
+        on_bad_pose: what a pose that is not finite is: "fault", of its step, which gives no force (Steps.bad_poses
+        counts them), or "raise": an Error, before any step is taken.
+
+        Ctrl-C ends it at once.  The KeyboardInterrupt (or what an effect raises) has the steps taken so far as its
+        attribute `steps`; the proxy stands where they end, and can go on with poses[len(error.steps):].
+        """
+
+class Batch:
+    """Many proxies of one model that step together on all cores, for loops that are closed in Python.
+
+    Each gives the bits of a single Proxy, whatever the number of threads.  Only one thread at a time may use it.
+    """
+
+    def __init__(self, model: Model, n: int, pose: Optional[ArrayLike] = None, *, threads: int = 0) -> None:
+        """Makes n proxies.
+
+        pose     where their hands start: one pose for all, or (n, 3 or 7); None: where the first actions are
+        threads  0: one for each core, as far as affinity and a container's CPU quota allow; they are kept
+        """
+    @property
+    def threads(self) -> int: ...
+    def __len__(self) -> int: ...
+    def step(self, actions: ArrayLike, *, details: bool = False, on_bad_pose: str = "fault") -> Steps:
+        """Takes one step of each proxy, with its hand at its row of the actions: (n, 3 or 7).  Returns a row for each.
+
+        details: also return Steps.details (1.4 kB per proxy), with stage times.
+        on_bad_pose: as in Proxy.steps.
+        """
+    def restart(self, pose: ArrayLike, mask: Optional[ArrayLike] = None) -> None:
+        """Starts again, as Proxy.restart, those proxies that the booleans select; None: all.
+
+        pose  one for all, or (n, 3 or 7)
         """
 
 def read_mesh(

@@ -15,6 +15,7 @@ import atexit
 import os
 import threading
 import time
+import warnings
 import weakref
 
 from palpate import Error, _prose
@@ -54,31 +55,41 @@ class _Opened:
 
 
 class _Asking(threading.Thread):
-    """Calls an effect at its rate until `over` is set or the effect raises an exception."""
+    """Calls a station's effect at its rate until `over` is set or the effect raises an exception.
 
-    def __init__(self, live, effect, *terms):
+    Between calls it holds neither, so that a station whose effect refers to it can be collected."""
+
+    def __init__(self, station, *terms):
         super().__init__(daemon=True)
         self.over, self.error = threading.Event(), None
-        self._live, self._effect, self._terms = live, effect, terms
+        self._station, self._terms = weakref.ref(station), terms
+
+    def _lead(self):
+        if (station := self._station()) and not self.over.is_set():
+            try:
+                station._live.lead(station._effect, *self._terms)
+            except BaseException as error:  # raised to the caller that moves the hand
+                self.error = error
+                self.over.set()
+                station._live.lead(None, *self._terms)
 
     def run(self):
         period, due = 1 / self._terms[0], time.monotonic()
-        try:
-            while not self.over.is_set():
-                self._live.lead(self._effect, *self._terms)
-                due = max(due + period, time.monotonic())  # skips late calls
-                self.over.wait(due - time.monotonic())
-        except BaseException as error:  # raised to the caller that moves the hand
-            self.error = error
-        self._live.lead(None, *self._terms)
+        while not self.over.is_set():
+            self._lead()
+            due = max(due + period, time.monotonic())  # skips late calls
+            self.over.wait(due - time.monotonic())
 
 
 class Station(_Opened):
-    _asking = None
+    _asking = _effect = None
 
-    def __init__(self, scene="", name="python", *, tool="", domain=0, network="lo", peers=(), identity="",
+    def __init__(self, scene="", id="python", *, name=None, tool="", domain=0, network="lo", peers=(), identity="",
                  transport="auto", start=None, max_force=100.0, max_torque=10.0, local_model=True, patience=10.0):
-        self._live = _live.Station(scene, name, tool, domain, network, list(peers), os.fspath(identity),
+        if name is not None:
+            warnings.warn("palpate.live.Station: name is now called id", DeprecationWarning, stacklevel=2)
+            id = name
+        self._live = _live.Station(scene, id, tool, domain, network, list(peers), os.fspath(identity),
                                    transport, start, max_force, max_torque, local_model, patience)
         _open.add(self)
 
@@ -98,9 +109,11 @@ class Station(_Opened):
             self._asking.over.set()
             self._asking.join(1)  # does not wait for a function that never returns
             self._asking = None
+        self._effect = None
         self._live.lead(effect, *terms)
         if effect is not None:
-            self._asking = _Asking(self._live, effect, *terms)
+            self._effect = effect
+            self._asking = _Asking(self, *terms)
             weakref.finalize(self, self._asking.over.set)
             self._asking.start()
 
@@ -113,15 +126,21 @@ class Station(_Opened):
         return self._live.news()
 
     def close(self):
-        self.set_effect(None)
+        if not _live.is_forked():
+            self.set_effect(None)
         self._live.close()
 
     def __repr__(self):
-        return f"<palpate.live.Station {self.name} in {self.scene}: {self.phase}>"
+        return f"<palpate.live.Station {self.id} in {self.scene}: {self.phase}>"
+
+    @property
+    def name(self):
+        warnings.warn("palpate.live.Station: name is now called id", DeprecationWarning, stacklevel=2)
+        return self.id
 
     felt = property(lambda self: self._live.felt)
     phase = property(lambda self: self._live.phase)
-    name = property(lambda self: self._live.name)
+    id = property(lambda self: self._live.id)
     scene = property(lambda self: self._live.scene)
     tool = property(lambda self: self._live.tool)
     counts = property(lambda self: self._live.counts)

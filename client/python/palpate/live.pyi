@@ -47,10 +47,11 @@ class Station:
     when a server answers again, the session is resumed.
 
     scene      name of the scene, as for palpate-station --scene; empty: the server's first
-    name       name of the station, as for --id: letters, digits and _
+    id         name of the station, as for palpate-station --id: letters, digits and _; until the next version also
+               name=, with a DeprecationWarning
     tool       tool of the scene; empty: its only one
     domain, network, peers, identity, transport
-               as the options of palpate-station; the identity has the role station and this name
+               as the options of palpate-station; the identity has the role station and this id
     start      initial pose of the hand; None: as the server says
     max_force, max_torque
                limits of the limiter in N and N m, as in an arm's data sheet.  Give 3 N or more: with a low
@@ -61,8 +62,9 @@ class Station:
     def __init__(
         self,
         scene: str = "",
-        name: str = "python",
+        id: str = "python",
         *,
+        name: Optional[str] = None,
         tool: str = "",
         domain: int = 0,
         network: str = "lo",
@@ -106,7 +108,10 @@ class Station:
         """One of: asking, held, matching, waiting, tool starts inside, active, muted, no replies, asking again,
         over, closed."""
     @property
-    def name(self) -> str: ...
+    def id(self) -> str: ...
+    @property
+    def name(self) -> str:
+        """The id, by the name of version 0.1; with a DeprecationWarning."""
     @property
     def scene(self) -> str: ...
     @property

@@ -25,6 +25,7 @@ import numpy
 
 import palpate
 from palpate import Error, hands
+from palpate._physics import _usable_cores
 
 _EPILOG = """\
 example: python3 -m palpate.study friction.toml -o friction
@@ -162,7 +163,7 @@ class Study:
         self.seeds = self._seeds()
         self.sources = {}  # hashes of the files that the study names
         # Runs of one model are consecutive.
-        self.model = functools.lru_cache(2 + len(os.sched_getaffinity(0)))(
+        self.model = functools.lru_cache(2 + _usable_cores())(
             lambda scene, tool, parameters: scene.model(tool, **dict(parameters)))
         self.measure = self._function("measures", self.said["measures"]) if "measures" in self.said else None
         self.hands = self._take("hands", {"script": {"kind": "script"}}, lambda x: isinstance(x, dict) and x, "tables")
@@ -271,7 +272,7 @@ class Study:
             for seed in self.seeds if hand["kind"] in ("generated", "python") or "tremor_um" in hand else [""]:
                 chosen = [len(runs) + 1, scene.name, contact, um, tool, name, seed]
                 factors = dict(zip(_FACTORS, chosen)) | dict(parameters)
-                depends = [palpate.__version__, numpy.__version__, scene.hash, self.steps, self.sources, hand,
+                depends = [palpate.physics_revision, numpy.__version__, scene.hash, self.steps, self.sources, hand,
                            {**factors, "run": 0}]
                 key = hashlib.sha256(json.dumps(depends).encode()).hexdigest()[:16]
                 runs.append(types.SimpleNamespace(scene=scene, parameters=parameters, factors=factors, key=key))
@@ -352,7 +353,7 @@ def _methods(study, runs, table):
                       for row in palpate.parameters())
     return f"""# {study.title}
 
-{len(table.rows)} of {len(runs)} runs of {study.steps} steps, by `palpate.study` of Palpate {palpate.__version__}, \
+{len(table.rows)} of {len(runs)} runs of {study.steps} steps, by `palpate.study` of Palpate {palpate.__version__}, physics {palpate.physics_revision}, \
 from `{study.file.name}` (SHA-256 {_sha256(study.file)}), {datetime.datetime.now(datetime.timezone.utc):%Y-%m-%d}.
 
 In each run, one hand follows one path in one scene. A step of 1 ms takes the pose of the hand and returns force, \
@@ -378,7 +379,7 @@ Seeds: {study.said.get("seeds", 1)}. Other options are the defaults of `palpate.
 {_markdown(["parameter", "values", "unit", "default", "what"], *parameter_rows)}
 ## Machine
 
-{cpu[0].partition(": ")[2] if cpu else platform.processor()}, {len(os.sched_getaffinity(0))} cores, \
+{cpu[0].partition(": ")[2] if cpu else platform.processor()}, {_usable_cores()} cores, \
 {platform.platform()}, Python {platform.python_version()}, numpy {numpy.__version__}.
 
 ## Columns of table.csv
@@ -418,7 +419,7 @@ def main(arguments=None):
                                      epilog=_EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("study", metavar="STUDY.toml", help="study file: see below")
     parser.add_argument("-o", metavar="FOLDER", help="folder for table.csv and METHODS.md; default: STUDY")
-    parser.add_argument("--jobs", type=int, default=len(os.sched_getaffinity(0)),
+    parser.add_argument("--jobs", type=int, default=_usable_cores(),
                         help="number of parallel runs; default: all cores")
     parser.add_argument("--keep", action="store_true", help="also keep the arrays of each run")
     parser.add_argument("--list", action="store_true", help="list the runs, and compute none")

@@ -15,6 +15,7 @@
 
 #include "common/error.h"
 #include "common/files/whole_file.h"
+#include "common/program/machine.h"
 #include "common/realtime/steady_clock.h"
 #include "common/text/quoted.h"
 
@@ -133,7 +134,7 @@ void JudgeAll(std::vector<SealedVerdict>& trials,
     }
   };
   std::vector<std::jthread> others;
-  for (unsigned i = 1; i < std::thread::hardware_concurrency(); ++i) others.emplace_back(work);
+  for (int i = UsableCores(); i > 1; --i) others.emplace_back(work);
   work();
 }
 

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <future>
 #include <limits>
-#include <thread>
 
 #include "common/error.h"
 #include "common/math/solid_angle.h"
+#include "common/program/machine.h"
 
 namespace palpate {
 namespace {
@@ -57,7 +57,7 @@ std::vector<std::shared_ptr<const ContactShape>> MakeShapes(
     for (std::size_t i; (i = begun++) < made.size();) made[i] = MakeShape(objects[i]);
   };
   // If there is no thread for one, it runs at its end.
-  std::vector<std::future<void>> workers(std::max(std::thread::hardware_concurrency(), 1u));
+  std::vector<std::future<void>> workers(static_cast<std::size_t>(UsableCores()));
   for (auto& worker : workers) worker = std::async(work);
   for (auto& worker : workers) worker.get();
   return made;

@@ -78,6 +78,11 @@ class HullTree {
   static std::uint32_t TriangleOf(Node node) { return static_cast<std::uint32_t>(~node); }
   Node root() const { return inner_.empty() ? ~0 : 0; }
   Node inner_count() const { return static_cast<Node>(inner_.size()); }
+  std::size_t triangles() const { return leaf_radius_.size(); }
+  /// Returns whether a number is one of the tree's nodes.
+  bool Has(Node node) const {
+    return IsLeaf(node) ? TriangleOf(node) < triangles() : node < inner_count();
+  }
   const Inner& inner(Node node) const { return inner_[static_cast<std::size_t>(node)]; }
   /// Returns the block that a node stands for, or -1.
   std::int32_t BlockOf(Node node) const {

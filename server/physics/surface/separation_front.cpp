@@ -169,4 +169,60 @@ SeparationFront::Index SeparationFront::NextMergeable() {
   return -1;
 }
 
+bool SeparationFront::IsSound(const ToolBody& tool, std::span<const ContactBody> bodies) const {
+  const std::size_t count = slots();
+  if (count == 0) return true;  // it restarts
+  if (roots_ < 0 || static_cast<std::size_t>(roots_) != bodies.size() || count > kMaxSlots ||
+      count < RootSlots() || count % 2 != 0 || planes_.size() != count ||
+      epoch_of_.size() != count || expiry_.size() != (count + 7) / 8 || gate_.size() != count / 2 ||
+      next_merged_ < 0 || next_merged_ % 2 != 0 ||
+      static_cast<std::size_t>(next_merged_) >= count || !(way_ >= 0.0)) {
+    return false;
+  }
+  // What NextMergeable and the search for expired planes must not meet.
+  const auto never = [&](Index i) {
+    return expiry_[static_cast<std::size_t>(i) / 8].v[static_cast<std::size_t>(i) % 8] == kNever;
+  };
+  std::vector<bool> seen(count);
+  std::vector<Index> open;
+  const auto see = [&](Index i, Index parent) {
+    const Pair& at = pair(i);
+    const PlaneRecord& plane = planes_[static_cast<std::size_t>(i)];
+    seen[static_cast<std::size_t>(i)] = true;
+    if (at.parent != parent || at.body < 0 || at.body >= roots_ || !tool.tree.Has(at.tool) ||
+        !bodies[static_cast<std::size_t>(at.body)].shape->tree.Has(at.object) ||
+        (parent < 0 ? at.body != i : at.body != pair(parent).body) || std::isnan(plane.slack) ||
+        plane.radius != tool.tree.Radius(at.tool)) {
+      return false;
+    }
+    if (at.child >= 0) open.push_back(i);
+    return at.child < 0 || never(i);
+  };
+  const auto is_pair_of_slots = [&](Index first) {
+    return first >= 0 && first % 2 == 0 && static_cast<std::size_t>(first) >= RootSlots() &&
+           static_cast<std::size_t>(first) < count && !seen[static_cast<std::size_t>(first)];
+  };
+  std::size_t pairs = RootSlots();
+  for (Index root = 0; root < roots_; ++root) {
+    if (!see(root, -1)) return false;
+  }
+  while (!open.empty()) {
+    const Index at = open.back(), child = pair(at).child;
+    open.pop_back();
+    if (!is_pair_of_slots(child) || !see(child, at) || !see(child + 1, at)) return false;
+    const double gate = IsMergeable(at) ? planes_[static_cast<std::size_t>(at)].slack : kNever;
+    if (gate_[static_cast<std::size_t>(child) / 2] != gate) return false;
+    pairs += 2;
+  }
+  for (const Index first : unused_) {
+    if (!is_pair_of_slots(first) || !never(first) || !never(first + 1) ||
+        gate_[static_cast<std::size_t>(first) / 2] != kNever) {
+      return false;
+    }
+    seen[static_cast<std::size_t>(first)] = true;
+    pairs += 2;
+  }
+  return pairs == count;
+}
+
 }  // namespace palpate

@@ -131,6 +131,32 @@ class SeparationFront {
     double v[8];
   };
 
+  /// Calls visit(member) for each member, to store them or to take them from what was stored; then
+  /// IsSound says whether they may be used.
+  template <class Front, class Visit>
+  static void ForEachMember(Front& front, Visit visit) {
+    visit(front.pairs_);
+    visit(front.planes_);
+    visit(front.epoch_of_);
+    visit(front.expiry_);
+    visit(front.gate_);
+    visit(front.unused_);
+    for (auto& epoch : front.epochs_) {
+      visit(epoch.p);
+      visit(epoch.q.coeffs());
+      visit(epoch.R);
+      visit(epoch.turned);
+    }
+    for (auto& motion : front.since_) visit(motion);
+    visit(front.epoch_);
+    visit(front.roots_);
+    visit(front.way_);
+    visit(front.next_merged_);
+  }
+  /// Returns whether the pairs are a forest of nodes that there are, with one root for each body,
+  /// as every sequence of calls leaves them.  For a scene without solids.  Not real-time.
+  bool IsSound(const ToolBody& tool, std::span<const ContactBody> bodies) const;
+
  private:
   double& ExpiryOf(Index i) {
     return expiry_[static_cast<std::size_t>(i) / 8].v[static_cast<std::size_t>(i) % 8];

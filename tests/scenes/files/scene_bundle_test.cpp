@@ -255,7 +255,7 @@ TEST(SceneBundle, RefusesAScenesThatContradictsItselfThoughItsChecksumIsRight) {
   }
   Scene scene = SmallScene();
   scene.coupling.stiffness = 0;
-  EXPECT_THAT(Complaint(PackScene(scene)), HasSubstr("the coupling is not positive"));
+  EXPECT_THAT(Complaint(PackScene(scene)), HasSubstr("stiffness_N_per_m"));
   scene = SmallScene();
   scene.tuning.looks = 2'000'000'000;
   EXPECT_THAT(Complaint(PackScene(scene)), HasSubstr("looks is"));
