@@ -80,6 +80,11 @@ int Run(const ReplayOptions& options) {
       ExportSolids(options.solids, stop);
       return 0;
     }
+    case ReplayOptions::What::kSteps:
+      RecordSteps(options.steps);
+      std::printf("%s: verify it with palpate-replay --verify %s\n",
+                  Printable(options.steps.file).c_str(), ShellWord(options.steps.file).c_str());
+      return 0;
     case ReplayOptions::What::kCriteria:
       WriteNewCriteria(options.new_criteria, options.criteria_of);
       std::printf(

@@ -64,6 +64,12 @@ constexpr const char* kRehearseExamples =
       as it will for a trial
 Exit status: 0 the expert passes; 1 the expert fails, or the exercise has a
 mistake; 2 wrong usage.)";
+constexpr const char* kStepsExamples =
+    R"(Example:
+  palpate-replay steps poses.csv --scene cube -o mine.mcap
+  palpate-replay --verify mine.mcap
+      needs no server and runs as fast as it computes; forces ramp in over the
+      first 200 ms, as in a session)";
 constexpr const char* kCriteriaExamples =
     R"(Example:
   palpate-replay criteria mine.json
@@ -237,7 +243,19 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
            "with --solids: folder of meshes, as with --verify")
       .Needs(solids_option);
 
-  for (const CommandLine& command : {score, exam, rehearse}) AddEffectsOption(command);
+  const CommandLine steps =
+      app.AddCommand("steps", "step a scene along poses of your own, and record it as a session");
+  steps.Footer(kStepsExamples);
+  steps
+      .Add("poses", options.steps.poses,
+           "CSV file, a row a millisecond: x,y,z or x,y,z,qw,qx,qy,qz of the haptic tool, in m")
+      .Required();
+  steps.Add("--scene", options.steps.scene, "scene, as palpate-server takes it").Required();
+  steps.Add("--tool", options.steps.tool, "needed only if the scene has several");
+  steps.Add("--models", options.steps.models_dir, "folder of meshes, as with --verify");
+  steps.Add("-o,--output", options.steps.file, "recording to write, FILE.mcap").Required();
+
+  for (const CommandLine& command : {score, exam, rehearse, steps}) AddEffectsOption(command);
   // "verify FILE", like the commands; a recording of that name is ./verify.
   std::vector<const char*> words(argv, argv + argc);
   if (argc > 1 && std::string_view(words[1]) == "verify") words[1] = "--verify";
@@ -252,6 +270,13 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
     options.solids.files = options.columns.files;
     options.solids.folder = options.columns.folder;
     options.what = solids ? ReplayOptions::What::kExportSolids : ReplayOptions::What::kExport;
+    return options;
+  }
+  if (steps.given()) {
+    if (!options.playback.files.empty() || verify || guide.given()) {
+      throw UsageError("steps takes no options of a replay; see 'palpate-replay steps --help'");
+    }
+    options.what = ReplayOptions::What::kSteps;
     return options;
   }
   if (exam.given()) {

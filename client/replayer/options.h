@@ -9,6 +9,7 @@
 #include "client/replayer/play/player.h"
 #include "client/replayer/playback.h"
 #include "client/replayer/score/score_report.h"
+#include "client/replayer/steps/record_steps.h"
 #include "client/replayer/verify/sealed.h"
 #include "client/replayer/verify/verify.h"
 
@@ -24,7 +25,8 @@ struct ReplayOptions {
     kRehearse,
     kCriteria,
     kExport,
-    kExportSolids
+    kExportSolids,
+    kSteps
   };
   What what = What::kPlay;
   Playback playback;  ///< of kPlay and kGuide; kVerify takes its files
@@ -40,6 +42,7 @@ struct ReplayOptions {
   std::string criteria_of;   ///< scene of kCriteria; empty: periodontal probing
   ExportOptions columns;
   SolidExportOptions solids;
+  StepsOptions steps;
 
   std::string log_level = "info";
 };

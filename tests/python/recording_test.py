@@ -106,5 +106,31 @@ class Recording(unittest.TestCase):
                                         for name in rows.dtype.names})
 
 
+class OwnRecording(unittest.TestCase):
+    """A path of one's own, written as a session."""
+
+    def test_has_the_proxys_bits_and_verifies(self):
+        scene = palpate.load("cube")
+        t = numpy.linspace(0, 1, 500)
+        path = numpy.stack([0.01 * t, 0.0302 - 0.001 * numpy.sin(3 * t), 0 * t], axis=1)
+        steps = palpate.Proxy(scene.model(), path[0]).steps(path)
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder, "mine.mcap")
+            palpate.record(file, scene, path)
+            self.assertEqual(subprocess.run([os.path.join(os.environ["PALPATE_PROGRAMS"], "palpate-replay"), "--verify",
+                                             file], capture_output=True, check=False).returncode, 0)
+            wrenches = next(iter(palpate.read_recording(file).values()))["wrenches"]
+            with self.assertRaises(palpate.Error):
+                palpate.record(file, scene, path)  # replaces nothing
+            for wrong in ([], [[0, 0]], [[numpy.nan, 0, 0]], [[0, 0, 0, 2, 0, 0, 0]]):
+                with self.assertRaises(palpate.Error):
+                    palpate.record(pathlib.Path(folder, "no.mcap"), scene, wrong)
+        at = numpy.stack([wrenches[f"tool_{axis}_m"] for axis in "xyz"], axis=1)
+        numpy.testing.assert_array_equal(at, steps.pose[:, :3])
+        force = numpy.stack([wrenches[f"force_{axis}_N"] for axis in "xyz"], axis=1)
+        self.assertGreater(numpy.abs(steps.force).max(), 0.5)
+        numpy.testing.assert_array_equal(force[200:], steps.force[200:])
+
+
 if __name__ == "__main__":
     unittest.main()

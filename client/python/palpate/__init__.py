@@ -42,7 +42,7 @@ from palpate._physics import (
     physics_revision,
     report_dtype,
 )
-from palpate.files import read_mesh, read_recording
+from palpate.files import read_mesh, read_recording, record
 
 __all__ = [
     "Batch",
@@ -66,6 +66,7 @@ __all__ = [
     "physics_revision",
     "read_mesh",
     "read_recording",
+    "record",
     "report_dtype",
 ]
 

@@ -366,3 +366,15 @@ def read_recording(
     Tables are poses, wrenches, faults, tool_states, contacts, session, loop, limiter and guide.
     Column names include units.
     """
+
+def record(
+    file: Union[str, PathLike[str]],
+    scene: Union[Scene, str, PathLike[str]],
+    path: ArrayLike,
+    tool: str = "",
+) -> None:
+    """Steps a scene's tool along a path, (n, 3 or 7), a pose a millisecond, and writes the session as a recording.
+
+    palpate-replay plays and verifies it.  Poses are those of Proxy.steps(path) of a proxy that starts at path[0], bit
+    for bit; forces ramp in over the first 200 ms, as in a session, and are Proxy's from then on.
+    """

@@ -1,4 +1,4 @@
-"""Reads meshes and recordings, with the programs palpate-import and palpate-replay."""
+"""Reads meshes, reads and makes recordings, with the programs palpate-import and palpate-replay."""
 
 import os
 import pathlib
@@ -74,3 +74,19 @@ def read_recording(file):
             for session in sorted(os.scandir(out), key=lambda entry: entry.name)
             if session.is_dir()
         }
+
+
+def record(file, scene, path, tool=""):
+    rows = numpy.atleast_2d(numpy.asarray(path, dtype=float))
+    if rows.ndim != 2 or rows.shape[1] not in (3, 7) or not len(rows):
+        raise Error(f"path: has the shape {rows.shape}; give (n, 3) or (n, 7), a row a millisecond")
+    with tempfile.TemporaryDirectory(prefix="palpate-") as folder:
+        poses = os.path.join(folder, "poses.csv")
+        numpy.savetxt(poses, rows, fmt="%.17g", delimiter=",")
+        source = os.fspath(scene) if isinstance(scene, (str, os.PathLike)) else os.path.join(folder, "scene.palpate")
+        if not isinstance(scene, (str, os.PathLike)):
+            scene.save(source)
+        words = ["steps", poses, "--scene", source, "-o", os.fspath(file), *(["--tool", tool] if tool else [])]
+        done = subprocess.run([_program("palpate-replay"), *words], capture_output=True, check=False)
+        if done.returncode != 0:
+            raise Error(_complaint("palpate-replay", done))
