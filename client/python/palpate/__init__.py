@@ -13,7 +13,7 @@
     print(proxy.step([0, 0.022, 0]).force)          # 3 N upwards
 
 Units are metres, newtons and newton metres.  A pose is x y z, or x y z followed by the unit quaternion
-w x y z.  Arrays are NumPy arrays: functions accept integers and floats of up to 64 bits, and return
+w x y z; palpate.pose makes it of other orders and forms.  Arrays are NumPy arrays: functions accept integers and floats of up to 64 bits, and return
 float64.  Errors are palpate.Error, a ValueError.  The same poses give the same bits as in C++.
 
 Everything can be copied and pickled.  A proxy's copy, and one that gets its state, continues to the same bits.
@@ -42,6 +42,7 @@ from palpate._physics import (
     report_dtype,
 )
 from palpate.files import read_mesh, read_recording
+from palpate.poses import pose
 
 __all__ = [
     "Batch",
@@ -62,6 +63,7 @@ __all__ = [
     "fault_words",
     "load",
     "parameters",
+    "pose",
     "read_mesh",
     "read_recording",
     "report_dtype",

@@ -351,3 +351,23 @@ def read_recording(
     Tables are poses, wrenches, faults, tool_states, contacts, session, loop, limiter and guide.
     Column names include units.
     """
+
+def pose(
+    xyz: ArrayLike = (0.0, 0.0, 0.0),
+    rotation: Any = None,
+    *,
+    xyzw: Any = None,
+    wxyz: Any = None,
+    rotvec: Any = None,
+    matrix: Any = None,
+) -> NDArray[numpy.float64]:
+    """Returns poses as all functions take them, x y z w x y z: (..., 7), of positions (..., 3) and one form of orientation.
+
+    rotation  a scipy.spatial.transform.Rotation; the others take it, too
+    xyzw      unit quaternions, the scalar last, as scipy, ROS and Open3D's files have them
+    wxyz      unit quaternions, the scalar first
+    rotvec    axis times angle in rad, (..., 3)
+    matrix    rotations (..., 3, 3), or whole poses (..., 4, 4) without xyz
+
+    Quaternions in the wrong order are poses, too, often turned by half a turn: no function can find that out.
+    """
