@@ -42,6 +42,7 @@ from palpate._physics import (
     report_dtype,
 )
 from palpate.files import read_mesh, read_recording
+from palpate.meshes import write_mesh
 from palpate.poses import pose
 
 __all__ = [
@@ -67,8 +68,8 @@ __all__ = [
     "read_mesh",
     "read_recording",
     "report_dtype",
+    "write_mesh",
 ]
-
 Steps.to_pandas, Steps.to_xarray = _tables.to_pandas, _tables.to_xarray
 
 _prose.dress(globals(), "__init__.pyi")

@@ -125,8 +125,8 @@ def parameters() -> List[Dict[str, Union[str, float]]]:
 
 def body(
     name: str,
-    vertices: ArrayLike,
-    triangles: ArrayLike,
+    vertices: Any,
+    triangles: Optional[ArrayLike] = None,
     *,
     leaves: int = 0,
     contact: str = "surface",
@@ -135,6 +135,8 @@ def body(
     stiffness: float = ...,
 ) -> Body:
     """Makes a body from a mesh: vertices (n, 3) in metres, triangles (m, 3), counter-clockwise seen from outside.
+    Or from one object that has both: .vertices and .faces (trimesh) or .triangles (Open3D, Body), .points and .cells_dict
+    (meshio), or a pair of arrays, as read_mesh and box return.
 
     leaves     number of leaves of its sphere tree; 0: 512 with surface contact, else as many as its shape needs
     contact    contact model for which it is made: "surface" or "spheres"
@@ -370,4 +372,15 @@ def pose(
     matrix    rotations (..., 3, 3), or whole poses (..., 4, 4) without xyz
 
     Quaternions in the wrong order are poses, too, often turned by half a turn: no function can find that out.
+    """
+
+def write_mesh(
+    file: Union[str, PathLike[str]], mesh: Any, triangles: Optional[ArrayLike] = None, *, unit: str = "m"
+) -> None:
+    """Writes a mesh, a body's too, as a binary STL, an OBJ or a binary PLY, by the file's ending.
+
+    mesh, triangles  two arrays, or one object that has both, as for body
+    unit             unit of the file: m, cm, mm or inch
+
+    An STL has single precision, which is also what read_mesh and scenes keep of every file.
     """
