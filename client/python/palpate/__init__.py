@@ -41,6 +41,7 @@ from palpate._physics import (
     parameters,
     report_dtype,
 )
+from palpate.described import effect, object, region, scene, tool
 from palpate.files import read_mesh, read_recording
 from palpate.meshes import write_mesh
 from palpate.poses import pose
@@ -60,6 +61,7 @@ __all__ = [
     "ball",
     "body",
     "box",
+    "effect",
     "ellipsoid",
     "fault_words",
     "load",
@@ -67,9 +69,14 @@ __all__ = [
     "pose",
     "read_mesh",
     "read_recording",
+    "region",
     "report_dtype",
+    "scene",
+    "tool",
     "write_mesh",
 ]
+# `object` is left out, so that `from palpate import *` keeps Python's own.
+
 Steps.to_pandas, Steps.to_xarray = _tables.to_pandas, _tables.to_xarray
 
 _prose.dress(globals(), "__init__.pyi")

@@ -76,7 +76,10 @@ class Scene:
     ) -> None:
         """Makes a scene of copies of the bodies.  Names consist of letters, digits, - _ and ."""
     def save(self, file: Union[str, PathLike[str]]) -> None:
-        """Writes a file *.palpate for load and palpate-server, and the hand's script beside it."""
+        """Writes a file *.palpate for load and palpate-server, and the hand's script beside it.
+
+        A scene that palpate.scene has made can also be written as *.json, with the meshes of its arrays beside it.
+        """
     @property
     def name(self) -> str: ...
     @property
@@ -384,3 +387,44 @@ def write_mesh(
 
     An STL has single precision, which is also what read_mesh and scenes keep of every file.
     """
+
+def scene(
+    name: str = "scene",
+    *,
+    tools: Sequence[Mapping[str, Any]],
+    objects: Sequence[Mapping[str, Any]],
+    **fields: Any,
+) -> Scene:
+    """Makes a scene of the fields of a scene file, which are checked as in one: errors name the field.
+
+    tools, objects  what tool and object return
+    fields          contact, friction, coupling, step, effects (what effect returns), first_sight, whole_at_start,
+                    description
+
+    scenes/catalogue/README.md lists all fields.  Lengths of fields are in mm or as their names say, of arrays in metres.
+    scene.save("x.json") writes the file and its meshes for load and palpate-server, to the same hash and bits.
+    """
+
+def tool(name: str, mesh: Any = None, **fields: Any) -> Dict[str, Any]:
+    """Describes a tool of a scene.
+
+    mesh    whatever body takes; a dict, {"shape": "bur", ...} or {"file": "tip.stl", "unit": "mm"}; or a dict
+            {"arrays": ..., "thickness_mm": 1} of a mesh and further fields.  Files count from the working folder.  None:
+            give bur="237/014"
+    fields  start (a pose in metres, or a dict), leaves, tree, look; for what cuts: bur, speed_rpm, hum, edge
+    """
+
+def object(name: str, mesh: Any, **fields: Any) -> Dict[str, Any]:
+    """Describes an object of a scene.  (`from palpate import *` leaves it out.)
+
+    mesh    as of a tool
+    fields  pose (in metres, or a dict), material (a dict), regions (what region returns), leaves, tree, look, and for a
+            solid that burs cut: grid_um
+    """
+
+def region(material: Mapping[str, Any], **where: Any) -> Dict[str, Any]:
+    """Describes a region of an object with another material: by box, sphere, group, or, in what burs cut, mesh."""
+
+def effect(name: str, **parameters: Any) -> Dict[str, Any]:
+    """Describes an added force, one of those that come with the programs or a shared object of your own, with its
+    parameters (scenes/effects/README.md)."""

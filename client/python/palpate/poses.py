@@ -8,7 +8,7 @@ _ORDERS = "give xyzw= or wxyz=, which name it, rotvec= or matrix="
 _NEAR = 1e-3  # how far from 1 the squares of a unit vector may add up: common/math/pose_check.h
 
 
-def _numbers(name, given, *shape):
+def numbers(name, given, *shape):
     """Returns finite numbers whose last dimensions are these."""
     try:
         array = numpy.asarray(given)
@@ -33,18 +33,18 @@ def _unit(name, quaternions):
 
 
 def _of_xyzw(name, given):
-    return _unit(name, _numbers(name, given, 4))[..., [3, 0, 1, 2]]
+    return _unit(name, numbers(name, given, 4))[..., [3, 0, 1, 2]]
 
 
 def _of_rotvec(name, given):
-    turn = _numbers(name, given, 3)
+    turn = numbers(name, given, 3)
     angle = numpy.linalg.norm(turn, axis=-1, keepdims=True)
     # sin(angle / 2) / angle, which numpy's sinc has without a division by 0
     return numpy.concatenate([numpy.cos(angle / 2), turn * numpy.sinc(angle / (2 * numpy.pi)) / 2], axis=-1)
 
 
 def _of_matrix(name, given):
-    R = _numbers(name, given, 3, 3)
+    R = numbers(name, given, 3, 3)
     off = numpy.abs(R @ numpy.swapaxes(R, -1, -2) - numpy.eye(3)).max(initial=0)
     if off > _NEAR or (numpy.linalg.det(R) < 0).any():
         raise Error(f"{name}: is no rotation: " + (f"its rows are off by {off:g}" if off > _NEAR else "it mirrors")
@@ -66,7 +66,7 @@ def _of_matrix(name, given):
 
 _MAKERS = {
     "xyzw": _of_xyzw,
-    "wxyz": lambda name, given: _unit(name, _numbers(name, given, 4)),
+    "wxyz": lambda name, given: _unit(name, numbers(name, given, 4)),
     "rotvec": _of_rotvec,
     "matrix": _of_matrix,
 }
@@ -89,7 +89,7 @@ def pose(xyz=(0.0, 0.0, 0.0), rotation=None, *, xyzw=None, wxyz=None, rotvec=Non
     if _is_rotation(given):
         q = _of_xyzw(name, given.as_quat())
     elif name == "matrix" and numpy.shape(given)[-2:] == (4, 4):
-        whole = _numbers(name, given, 4, 4)
+        whole = numbers(name, given, 4, 4)
         if (whole[..., 3, :] != (0, 0, 0, 1)).any():
             raise Error("matrix: the last row of a pose (4, 4) must be 0 0 0 1")
         if numpy.any(xyz):
@@ -97,7 +97,7 @@ def pose(xyz=(0.0, 0.0, 0.0), rotation=None, *, xyzw=None, wxyz=None, rotvec=Non
         xyz, q = whole[..., :3, 3], _of_matrix(name, whole[..., :3, :3])
     else:
         q = _MAKERS[name](name, given)
-    xyz = _numbers("xyz", xyz, 3)
+    xyz = numbers("xyz", xyz, 3)
     try:
         shape = numpy.broadcast_shapes(xyz.shape[:-1], q.shape[:-1])
     except ValueError:
