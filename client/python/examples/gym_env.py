@@ -5,49 +5,16 @@
     observation, info = env.reset(seed=1)
     observation, reward, terminated, truncated, info = env.step(env.action_space.sample())
 
-With gymnasium (pip install gymnasium) it is one of its environments, which learning libraries take.
-Run as a program, it lets a simple rule press, and prints how well it did.
+Needs gymnasium (pip install gymnasium), whose environments learning libraries take.  Run as a program, it lets a simple
+rule press in a scene, and prints how well it did.
 """
 
 import sys
 
+import gymnasium
 import numpy
 
 import palpate
-
-try:
-    import gymnasium
-    from gymnasium.spaces import Box
-except ImportError:  # what of it is used here
-    import types
-
-    class Box:
-        """A box of numbers, with what of gymnasium's is needed to run this without it."""
-
-        def __init__(self, low, high, shape, dtype=numpy.float32):
-            self.low, self.high = numpy.full(shape, low, dtype), numpy.full(shape, high, dtype)
-            self.shape, self.dtype, self.random = shape, dtype, numpy.random.default_rng()
-
-        def seed(self, seed):
-            self.random = numpy.random.default_rng(seed)
-
-        def sample(self):
-            return self.random.uniform(self.low, self.high).astype(self.dtype)
-
-        def contains(self, x):
-            return x.shape == self.shape and bool(((x >= self.low) & (x <= self.high)).all())
-
-    class Env:
-        np_random = None
-
-        def reset(self, *, seed=None, options=None):
-            if seed is not None or self.np_random is None:
-                self.np_random = numpy.random.default_rng(seed)
-
-        def close(self):
-            pass
-
-    gymnasium = types.SimpleNamespace(Env=Env)
 
 
 class PressEnv(gymnasium.Env):
@@ -58,7 +25,7 @@ class PressEnv(gymnasium.Env):
     reward       minus the distance from the wanted force, upwards, in N
 
     A step of the environment is `frames` milliseconds, in which the hand moves evenly.  The same seed and actions give the
-    same bits.  It ends after `steps` of them, and before that if the hand pushes with more than ten times the force.
+    same bits.  It ends after `steps` of them, and before that with more than ten times the force.
     """
 
     metadata = {"render_modes": []}
@@ -67,9 +34,9 @@ class PressEnv(gymnasium.Env):
     def __init__(self, scene, *, tool=0, start=(0.0, 0.032, 0.0), force=2.0, frames=10, steps=200):
         self.model = scene.model(tool)
         self.start, self.force, self.frames, self.steps = numpy.array(start), force, frames, steps
-        self.proxy = palpate.Proxy(self.model, self.start)
-        self.action_space = Box(-1.0, 1.0, (3,), dtype=numpy.float32)
-        self.observation_space = Box(-numpy.inf, numpy.inf, (9,), dtype=numpy.float32)
+        self.proxy, self.hand, self.taken = palpate.Proxy(self.model, self.start), self.start, 0
+        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (3,), dtype=numpy.float32)
+        self.observation_space = gymnasium.spaces.Box(-numpy.inf, numpy.inf, (9,), dtype=numpy.float32)
 
     def _observe(self, wrench, tool):
         return numpy.concatenate([wrench[:3], 1e3 * (tool[:3] - self.hand), 1e3 * (self.hand - self.start)]).astype(
@@ -84,6 +51,8 @@ class PressEnv(gymnasium.Env):
         return self._observe(felt.force, felt.pose), {}
 
     def step(self, action):
+        if numpy.shape(action) != (3,) or not numpy.isfinite(action).all():
+            raise ValueError(f"action: must be three finite numbers, is {action}")
         before = self.hand
         self.hand = before + 1e-3 * numpy.clip(numpy.asarray(action, float), -1, 1)
         felt = self.proxy.steps(numpy.linspace(before, self.hand, self.frames + 1)[1:])
