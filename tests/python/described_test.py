@@ -24,8 +24,10 @@ def osteotomy():
                 "handle_mm": 30},
         look="steel", leaves=256, start={"position_mm": [-3, 3, 20], "rotation_deg": {"axis": [1, 0, 0], "angle": 90}})
     bone = palpate.object(
-        "mandible", mandible("bone", cortex_mm=2), grid_um=100, material={"name": "cortical", "colour": "#ece3cc", **HARD},
-        regions=[palpate.region({"name": "cancellous", "colour": "#c98f6d", **SOFT}, mesh=mandible("marrow", cortex_mm=2)),
+        "mandible", mandible("bone", cortex_mm=2), grid_um=100,
+        material={"name": "cortical", "colour": "#ece3cc", **HARD},
+        regions=[palpate.region({"name": "cancellous", "colour": "#c98f6d", **SOFT},
+                                mesh=mandible("marrow", cortex_mm=2)),
                  palpate.region({"name": "nerve", "colour": "#f0d24a", "cutting_pressure_MPa": 0.01,
                                  "cutting_viscosity_MPa_s_per_mm": 0.005}, mesh=mandible("nerve"))])
     return palpate.scene("osteotomy", tools=[bur], objects=[bone], description="A window in a jaw.",
@@ -107,7 +109,8 @@ class Mistakes(unittest.TestCase):
         self.refused(r"mine:\d+: objects\[0\]\.grid_um", thing={"grid_um": 1})
         self.refused(r"objects\[0\]\.gridum.*grid_um", thing={"gridum": 50})
         self.refused(r"coupling\.stiffness_N_per_m", coupling={"stiffness_N_per_m": -1})
-        self.refused(r"objects\[0\]\.material\.static_friction: is nan", thing={"material": {"static_friction": numpy.nan}})
+        self.refused(r"objects\[0\]\.material\.static_friction: is nan",
+                     thing={"material": {"static_friction": numpy.nan}})
         self.refused(r"tools\[0\]: mesh is missing", tool={"mesh": None})
         self.refused(r"tools\[0\]\.leaves: is of type complex", tool={"leaves": 1j})
         self.refused(r"tools\[0\]: is of type Body", tools=[palpate.ball("ball", 0.005)])

@@ -1,4 +1,4 @@
-"""The example of an environment of gymnasium, with a stand-in of what it uses of gymnasium, which Debian does not have."""
+"""The example of an environment of gymnasium, with a stand-in of what it uses of it where it is not installed."""
 
 import contextlib
 import io

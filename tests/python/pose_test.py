@@ -105,7 +105,8 @@ class Pose(unittest.TestCase):
         one, batch = palpate.Proxy(model, path[0]), palpate.Batch(model, 2, path[0])
         for pose, wrench in zip(path, steps.wrench):
             self.assertEqual(one.step(pose).force.tobytes(), wrench[:3].tobytes())
-            self.assertEqual(batch.step(palpate.pose([pose[:3]] * 2, wxyz=pose[3:])).wrench[1].tobytes(), wrench.tobytes())
+            both = batch.step(palpate.pose([pose[:3]] * 2, wxyz=pose[3:]))
+            self.assertEqual(both.wrench[1].tobytes(), wrench.tobytes())
         with self.assertRaisesRegex(palpate.Error, "w x y z"):
             one.step([0, 0.03, 0, 0, 0, 0, 2])
 

@@ -24,8 +24,8 @@ class PressEnv(gymnasium.Env):
     observation  the force in N, the tool's distance from the hand in mm, the hand's place from the start in mm
     reward       minus the distance from the wanted force, upwards, in N
 
-    A step of the environment is `frames` milliseconds, in which the hand moves evenly.  The same seed and actions give the
-    same bits.  It ends after `steps` of them, and before that with more than ten times the force.
+    A step of the environment is `frames` milliseconds, in which the hand moves evenly.  The same seed and actions give
+    the same bits.  It ends after `steps` of them, and before that with more than ten times the force.
     """
 
     metadata = {"render_modes": []}
@@ -73,7 +73,8 @@ def main():
         observation, reward, terminated, truncated, _ = env.step(numpy.array([0, -0.2 * missing, 0]))
         rewards.append(reward)
         done = terminated or truncated
-    print(f"{len(rewards)} steps, at last {observation[1]:.2f} N of {env.force:g}; mean reward {numpy.mean(rewards):.2f}")
+    print(f"{len(rewards)} steps, at last {observation[1]:.2f} N of {env.force:g}; "
+          f"mean reward {numpy.mean(rewards):.2f}")
 
 
 if __name__ == "__main__":

@@ -28,7 +28,8 @@ def _plain(value, where):
     if isinstance(value, numpy.generic):
         value = value.item()
     if isinstance(value, dict):
-        return {str(k): _plain(each, f"{where}.{k}" if where else str(k)) for k, each in value.items() if each is not None}
+        at = f"{where}." if where else ""
+        return {str(k): _plain(each, f"{at}{k}") for k, each in value.items() if each is not None}
     if isinstance(value, (list, tuple)):
         return [_plain(each, f"{where}[{i}]") for i, each in enumerate(value)]
     if isinstance(value, float) and not numpy.isfinite(value):
@@ -36,7 +37,7 @@ def _plain(value, where):
     if isinstance(value, os.PathLike):
         return os.fspath(value)
     if not isinstance(value, (str, bool, int, float)):
-        raise Error(f"{where}: is of type {type(value).__name__}; give numbers, texts, lists or dicts, as a scene file has")
+        raise Error(f"{where}: is of type {type(value).__name__}; give numbers, texts, lists or dicts, as in a file")
     return value
 
 
@@ -130,8 +131,8 @@ def save(self, file):
         raise Error(f"{path}: only scenes that palpate.scene has made are written as .json; give a name in .palpate")
     made, text, meshes = self._source
     if made != self.hash:
-        raise Error(f"{path}: the scene has been changed since palpate.scene made it, so its fields are no longer true; "
-                    "make it again, or give a name that ends in .palpate")
+        raise Error(f"{path}: the scene has been changed since palpate.scene made it, so its fields are no longer "
+                    "true; make it again, or give a name that ends in .palpate")
     _write(path.parent, path.name, text, meshes)
 
 
