@@ -69,6 +69,14 @@ class Scene(unittest.TestCase):
                 steps = palpate.Proxy(again.model(), path[0]).steps(path)
                 self.assertEqual(steps.wrench.tobytes(), felt.wrench.tobytes())
 
+    def test_has_meshes_of_arrays_in_other_units_or_sizes(self):
+        vertices, triangles = palpate.box([4, 2, 1])
+        for more, size in (({"unit": "mm"}, [0.004, 0.002, 0.001]), ({"longest_side_m": 0.02}, [0.02, 0.01, 0.005])):
+            ball = palpate.tool("ball", {"shape": "sphere", "radius_m": 0.001}, leaves=1, start=[0, 0.1, 0])
+            block = palpate.object("block", {"arrays": (vertices, triangles), **more})
+            made = palpate.scene(tools=[ball], objects=[block]).objects[0].vertices
+            numpy.testing.assert_allclose(numpy.ptp(made, axis=0), size, rtol=1e-6)
+
     def test_with_a_region_cuts_softer_there(self):
         path = numpy.linspace([0, 0.0045, 0], [0, 0.0005, 0], 4000)  # 1 mm/s, through 1 mm of the hard
         force = palpate.Proxy(cube_with_a_core().model(), path[0]).steps(path).wrench[:, 1]

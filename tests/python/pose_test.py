@@ -86,7 +86,9 @@ class Pose(unittest.TestCase):
                 ({"matrix": 2 * numpy.eye(4)}, "last row"), ({"wxyz": "1000"}, "wxyz.*numbers"),
                 ({"xyz": [1, 2], "wxyz": [1, 0, 0, 0]}, "xyz.*shape"), ({"xyz": [[1, 2, 3], [1]]}, "xyz"),
                 ({"xyzw": [0, 0, 0, 1], "rotvec": [0, 0, 0]}, "xyzw, rotvec"), ({"xyzw": None, "xyz": [0, 1j, 0]}, "xyz"),
-                ({"xyz": [0, 1, 0], "matrix": numpy.eye(4)}, "position")):
+                ({"xyz": [0, 1, 0], "matrix": numpy.eye(4)}, "position"),
+                ({"xyz": numpy.ma.masked_array([0, 1, 0], [0, 1, 0])}, "xyz.*masked"),
+                ({"xyz": numpy.zeros(3, numpy.longdouble)}, "xyz.*64 bits")):
             with self.assertRaisesRegex(palpate.Error, named, msg=str(wrong)):
                 palpate.pose(**wrong)
         with self.assertRaises(palpate.Error):

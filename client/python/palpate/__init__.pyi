@@ -382,7 +382,7 @@ def write_mesh(
 ) -> None:
     """Writes a mesh, a body's too, as a binary STL, an OBJ or a binary PLY, by the file's ending.
 
-    mesh, triangles  two arrays, or one object that has both, as for body
+    mesh, triangles  two arrays, or one object that has both, as for body; a Body's is in its own frame
     unit             unit of the file: m, cm, mm or inch
 
     An STL has single precision, which is also what read_mesh and scenes keep of every file.
@@ -409,7 +409,7 @@ def tool(name: str, mesh: Any = None, **fields: Any) -> Dict[str, Any]:
     """Describes a tool of a scene.
 
     mesh    whatever body takes; a dict, {"shape": "bur", ...} or {"file": "tip.stl", "unit": "mm"}; or a dict
-            {"arrays": ..., "thickness_mm": 1} of a mesh and further fields.  Files count from the working folder.  None:
+            {"arrays": ..., "unit": "mm", "curved": ...} of a mesh and further fields.  Files count from the working folder.  None:
             give bur="237/014"
     fields  start (a pose in metres, or a dict), leaves, tree, look; for what cuts: bur, speed_rpm, hum, edge
     """

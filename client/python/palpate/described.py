@@ -66,7 +66,8 @@ def _mesh(given, name, meshes):
     bytes_ = _mesh_bytes("mesh.ply", *arrays(given["arrays"]), 1.0)
     file = f"{re.sub('[^A-Za-z0-9_.-]', '-', str(name))}-{hashlib.sha256(bytes_).hexdigest()[:12]}.ply"
     meshes[file] = bytes_
-    return {"file": file, "unit": "m", "origin": "file", **{k: v for k, v in given.items() if k != "arrays"}}
+    fields = {"file": file, "origin": "file", **{k: v for k, v in given.items() if k != "arrays"}}
+    return fields if "longest_side_m" in fields else {"unit": "m", **fields}
 
 
 def _body(fields, meshes):
@@ -128,7 +129,8 @@ def save(self, file):
         self._save(path)
         return
     if self._source is None:
-        raise Error(f"{path}: only scenes that palpate.scene has made are written as .json; give a name in .palpate")
+        raise Error(f"{path}: only scenes that palpate.scene has made are written as .json; give a name that "
+                    "ends in .palpate")
     made, text, meshes = self._source
     if made != self.hash:
         raise Error(f"{path}: the scene has been changed since palpate.scene made it, so its fields are no longer "

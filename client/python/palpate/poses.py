@@ -11,12 +11,12 @@ _NEAR = 1e-3  # how far from 1 the squares of a unit vector may add up: common/m
 def numbers(name, given, *shape):
     """Returns finite numbers whose last dimensions are these."""
     try:
-        array = numpy.asarray(given)
-        if array.dtype.kind not in "fiu":
+        array = numpy.asanyarray(given)
+        if array.dtype.kind not in "fiu" or array.itemsize > 8 or numpy.ma.is_masked(array):
             raise ValueError
-        array = array.astype(float)
+        array = numpy.asarray(array, dtype=float)
     except (TypeError, ValueError):
-        raise Error(f"{name}: is not an array of real numbers") from None
+        raise Error(f"{name}: is not an array of real numbers of up to 64 bits, none of them masked") from None
     if array.shape[-len(shape):] != shape:
         raise Error(f"{name}: must be an array (..., {', '.join(map(str, shape))}); its shape is {array.shape}")
     if not numpy.isfinite(array).all():
