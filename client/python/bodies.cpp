@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 #include <memory>
 #include <string>
@@ -14,6 +13,7 @@
 #include <pybind11/stl.h>
 
 #include "client/python/arrays.h"
+#include "client/python/meshes.h"
 #include "client/python/scenes.h"
 #include "client/python/signals.h"
 
@@ -28,36 +28,6 @@ Vec3 ToVec3(const py::object& given, const char* what) {
   const Doubles array = ToDoubles(given, what);
   RequireShape(array.ndim() == 1 && array.shape(0) == 3, array, what, "three numbers");
   return Vec3::Map(array.data());
-}
-
-/// Converts an integer of any type; MakeBody checks that it is a valid vertex index.
-std::uint32_t ToIndex(double index) {
-  if (!(index >= 0.0 && index <= std::numeric_limits<std::uint32_t>::max()) ||
-      index != std::floor(index)) {
-    throw Error("triangles: " + py::str(py::float_(index)).cast<std::string>() +
-                " is not a vertex; give whole numbers from 0");
-  }
-  return static_cast<std::uint32_t>(index);
-}
-
-TriangleMesh ToMesh(const py::object& given_vertices, const py::object& given_triangles) {
-  const Doubles vertices = ToDoubles(given_vertices, "vertices");
-  // Integers beyond 2^53 lose digits, but they are no valid vertices.
-  const Doubles triangles = ToDoubles(given_triangles, "triangles");
-  const auto is_rows_of_three = [](const py::array& a) { return a.ndim() == 2 && a.shape(1) == 3; };
-  RequireShape(is_rows_of_three(vertices), vertices, "vertices", "an array (n, 3)");
-  RequireShape(is_rows_of_three(triangles), triangles, "triangles",
-               "an array (m, 3) of vertices from 0");
-  TriangleMesh mesh;
-  mesh.vertices.resize(static_cast<std::size_t>(vertices.shape(0)));
-  std::memcpy(static_cast<void*>(mesh.vertices.data()), vertices.data(),
-              sizeof(Vec3) * mesh.vertices.size());
-  mesh.triangles.resize(static_cast<std::size_t>(triangles.shape(0)));
-  const double* index = triangles.data();
-  for (auto& triangle : mesh.triangles) {
-    for (std::uint32_t& v : triangle) v = ToIndex(*index++);
-  }
-  return mesh;
 }
 
 /// Issues a Python warning; other remarks are returned only on request.
@@ -166,7 +136,7 @@ void DefineBodies(py::module_& module, const Prose& prose) {
         WarnOfUnit(body);
         return body;
       },
-      py::arg("name"), py::arg("vertices"), py::arg("triangles"), py::kw_only(),
+      py::arg("name"), py::arg("vertices"), py::arg("triangles") = py::none(), py::kw_only(),
       py::arg("leaves") = 0, py::arg("contact") = "surface", py::arg("static_friction") = 0.0,
       py::arg("dynamic_friction") = 0.0, py::arg("stiffness") = kInfinity, prose("body"));
   module.def(

@@ -77,7 +77,8 @@ void Walk(Hand& hand, const double* poses, py::ssize_t count, py::ssize_t width,
 static void RequireUnit(const Pose& X, std::ptrdiff_t row) {
   if (IsPose(X) || !X.p.allFinite() || !X.q.coeffs().allFinite()) return;
   throw Error("poses: row " + std::to_string(row) + " has a quaternion of length " +
-              std::to_string(X.q.norm()) + "; it must be 1");
+              std::to_string(X.q.norm()) +
+              "; w x y z must have 1, and palpate.pose takes other orders");
 }
 
 Doubles ToPoses(const py::object& given, py::ssize_t dimensions, const char* shape,

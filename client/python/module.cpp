@@ -1,5 +1,6 @@
 #include <pybind11/pybind11.h>
 
+#include "client/python/meshes.h"
 #include "client/python/prose.h"
 #include "client/python/scenes.h"
 #include "client/python/steps.h"
@@ -18,6 +19,7 @@ PYBIND11_MODULE(_physics, module) {
   const Prose prose;
   py::options help;
   help.disable_function_signatures();  // the stub's signatures say more: array shapes and results
+  DefineMeshes(module);
   DefineBodies(module, prose);
   DefineScenes(module, prose);
   DefineReports(module);

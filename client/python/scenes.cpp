@@ -188,15 +188,16 @@ void DefineScenes(py::module_& module, const Prose& prose) {
            })
       .def(py::pickle(
           [](const Loaded& loaded) {
-            return py::make_tuple(ToBytes(loaded.scene), loaded.script, loaded.said);
+            return py::make_tuple(ToBytes(loaded.scene), loaded.script, loaded.said, loaded.source);
           },
           [](const py::tuple& state) {
             return Loaded{ToScene(py::bytes(state[0])), state[1].cast<std::string>(),
-                          state[2].cast<std::vector<std::string>>()};
+                          state[2].cast<std::vector<std::string>>(), state[3]};
           }))
       .def(
-          "save", [](const Loaded& loaded, const py::object& file) { Save(loaded, ToPath(file)); },
-          py::arg("file"), prose("Scene.save"))
+          "_save", [](const Loaded& loaded, const py::object& file) { Save(loaded, ToPath(file)); },
+          py::arg("file"))
+      .def_readwrite("_source", &Loaded::source)
       .def("path", &PathOf, py::arg("rate") = 1000.0, prose("Scene.path"))
       .def("model", &ModelOf, py::arg("tool") = 0, prose("Scene.model"));
   module.def(

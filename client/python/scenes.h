@@ -14,10 +14,12 @@ namespace py = pybind11;
 
 /// @field script  the hand's script beside the scene's file; empty: none.
 /// @field said    the assumptions and repairs, one sentence each.
+/// @field source  what palpate/described.py made it of; None: nothing.
 struct Loaded {
   Scene scene;
   std::string script;
   std::vector<std::string> said;
+  py::object source = py::none();
 };
 
 ContactModel ToContact(const std::string& contact);

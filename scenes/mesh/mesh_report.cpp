@@ -4,6 +4,7 @@
 #include <limits>
 #include <span>
 
+#include "common/error.h"
 #include "scenes/mesh/disjoint_sets.h"
 #include "scenes/mesh/mesh_edges.h"
 
@@ -135,6 +136,20 @@ MeshReport InspectMesh(const TriangleMesh& mesh) {
   }
   Judge(r);
   return r;
+}
+
+void CheckNumbers(const TriangleMesh& mesh) {
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    if (mesh.vertices[v].allFinite()) continue;
+    throw Error("vertex " + std::to_string(v) + ", from 0, is not finite; leave it out");
+  }
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (const std::uint32_t v : mesh.triangles[t]) {
+      if (v < mesh.vertices.size()) continue;
+      throw Error("triangle " + std::to_string(t) + " names vertex " + std::to_string(v) + " of " +
+                  std::to_string(mesh.vertices.size()) + "; both count from 0");
+    }
+  }
 }
 
 }  // namespace palpate

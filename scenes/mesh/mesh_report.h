@@ -40,4 +40,8 @@ struct MeshReport {
 
 MeshReport InspectMesh(const TriangleMesh& mesh);
 
+/// Throws Error with the first vertex that is not finite, or triangle that names no vertex.  For
+/// meshes of no file, of which InspectMesh speaks.
+void CheckNumbers(const TriangleMesh& mesh);
+
 }  // namespace palpate

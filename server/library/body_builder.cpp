@@ -20,21 +20,6 @@ namespace {
 
 constexpr std::size_t kBallTriangles = 5120;  // within 2 um of a ball of 10 mm
 
-/// Throws an error that names the wrong number; InspectMesh would speak of a file.
-void CheckNumbers(const TriangleMesh& mesh) {
-  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-    if (mesh.vertices[v].allFinite()) continue;
-    throw Error("vertex " + std::to_string(v) + ", from 0, is not finite; leave it out");
-  }
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    for (const std::uint32_t v : mesh.triangles[t]) {
-      if (v < mesh.vertices.size()) continue;
-      throw Error("triangle " + std::to_string(t) + " names vertex " + std::to_string(v) + " of " +
-                  std::to_string(mesh.vertices.size()) + "; both count from 0");
-    }
-  }
-}
-
 }  // namespace
 
 std::string MetresRemark(const TriangleMesh& mesh) {

@@ -353,6 +353,20 @@ live.Station("cube", sys.argv[3], domain=int(sys.argv[2]), identity=sys.argv[4])
                     self.assertIn("the role of this --identity", words)
 
 
+class MadeByKeyword(unittest.TestCase):
+    def test_scenes_are_served_as_they_were_saved(self):
+        ball = palpate.tool("ball", {"shape": "sphere", "radius_m": 0.005}, leaves=1, start=[0, 0.1, 0])
+        block = palpate.object("block", palpate.box([0.05, 0.05, 0.05]), pose=palpate.pose([0.1, 0, 0]))
+        domain = own_domain()
+        with tempfile.TemporaryDirectory() as folder:
+            palpate.scene("mine", tools=[ball], objects=[block]).save(os.path.join(folder, "x.json"))
+            with server(domain, scene=os.path.join(folder, "x.json")), \
+                    live.Station("mine", "script", domain=domain, transport="udp") as hand:
+                hand.move(palpate.pose([0.1, TOUCH + 0.005, 0], rotvec=[0, 0.3, 0]), 0.5)
+                felt = hand.move(palpate.pose([0.1, TOUCH - 0.002, 0], rotvec=[0, 0.3, 0]), 0.3)
+                numpy.testing.assert_allclose(felt.wanted_force, [0, 2, 0], atol=0.02)
+
+
 class Stubs(unittest.TestCase):
     def test_say_what_there_is_with_the_same_parameters_and_defaults(self):
         stubs = pathlib.Path(live.__file__).with_suffix(".pyi").read_text()

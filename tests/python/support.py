@@ -103,9 +103,9 @@ class Program:
         self.process.stdout.close()
 
 
-def server(domain, *arguments):
-    """palpate-server with scene cube, over UDP, ready."""
-    made = Program("palpate-server", "cube", "--domain", domain, "--transport", "udp", "--realtime", "off", *arguments)
+def server(domain, *arguments, scene="cube"):
+    """palpate-server with a scene, over UDP, ready."""
+    made = Program("palpate-server", scene, "--domain", domain, "--transport", "udp", "--realtime", "off", *arguments)
     if not made.says("ready"):
         made.kill()
         raise RuntimeError(made.text)

@@ -77,7 +77,10 @@ class Scene:
     ) -> None:
         """Makes a scene of copies of the bodies.  Names consist of letters, digits, - _ and ."""
     def save(self, file: Union[str, PathLike[str]]) -> None:
-        """Writes a file *.palpate for load and palpate-server, and the hand's script beside it."""
+        """Writes a file *.palpate for load and palpate-server, and the hand's script beside it.
+
+        A scene that palpate.scene has made can also be written as *.json, with the meshes of its arrays beside it.
+        """
     @property
     def name(self) -> str: ...
     @property
@@ -126,8 +129,8 @@ def parameters() -> List[Dict[str, Union[str, float]]]:
 
 def body(
     name: str,
-    vertices: ArrayLike,
-    triangles: ArrayLike,
+    vertices: Any,
+    triangles: Optional[ArrayLike] = None,
     *,
     leaves: int = 0,
     contact: str = "surface",
@@ -136,6 +139,8 @@ def body(
     stiffness: float = ...,
 ) -> Body:
     """Makes a body from a mesh: vertices (n, 3) in metres, triangles (m, 3), counter-clockwise seen from outside.
+    Or from one object that has both: .vertices and .faces (trimesh) or .triangles (Open3D, Body), .points and .cells_dict
+    (meshio), or a pair of arrays, as read_mesh and box return.
 
     leaves     number of leaves of its sphere tree; 0: 32 at most where its mesh is felt, else as many as its shape needs
     contact    contact model for which it is made: "surface" or "spheres"
@@ -378,3 +383,75 @@ def record(
     palpate-replay plays and verifies it.  Poses are those of Proxy.steps(path) of a proxy that starts at path[0], bit
     for bit; forces ramp in over the first 200 ms, as in a session, and are Proxy's from then on.
     """
+
+def pose(
+    xyz: ArrayLike = (0.0, 0.0, 0.0),
+    rotation: Any = None,
+    *,
+    xyzw: Any = None,
+    wxyz: Any = None,
+    rotvec: Any = None,
+    matrix: Any = None,
+) -> NDArray[numpy.float64]:
+    """Returns poses as all functions take them, x y z w x y z: (..., 7), of positions (..., 3) and one form of orientation.
+
+    rotation  a scipy.spatial.transform.Rotation; the others take it, too
+    xyzw      unit quaternions, the scalar last, as scipy, ROS and Open3D's files have them
+    wxyz      unit quaternions, the scalar first
+    rotvec    axis times angle in rad, (..., 3)
+    matrix    rotations (..., 3, 3), or whole poses (..., 4, 4) without xyz
+
+    Quaternions in the wrong order are poses, too, often turned by half a turn: no function can find that out.
+    """
+
+def write_mesh(
+    file: Union[str, PathLike[str]], mesh: Any, triangles: Optional[ArrayLike] = None, *, unit: str = "m"
+) -> None:
+    """Writes a mesh, a body's too, as a binary STL, an OBJ or a binary PLY, by the file's ending.
+
+    mesh, triangles  two arrays, or one object that has both, as for body; a Body's is in its own frame
+    unit             unit of the file: m, cm, mm or inch
+
+    An STL has single precision, which is also what read_mesh and scenes keep of every file.
+    """
+
+def scene(
+    name: str = "scene",
+    *,
+    tools: Sequence[Mapping[str, Any]],
+    objects: Sequence[Mapping[str, Any]],
+    **fields: Any,
+) -> Scene:
+    """Makes a scene of the fields of a scene file, which are checked as in one: errors name the field.
+
+    tools, objects  what tool and object return
+    fields          contact, friction, coupling, step, effects (what effect returns), first_sight, whole_at_start,
+                    description
+
+    scenes/catalogue/README.md lists all fields.  Lengths of fields are in mm or as their names say, of arrays in metres.
+    scene.save("x.json") writes the file and its meshes for load and palpate-server, to the same hash and bits.
+    """
+
+def tool(name: str, mesh: Any = None, **fields: Any) -> Dict[str, Any]:
+    """Describes a tool of a scene.
+
+    mesh    whatever body takes; a dict, {"shape": "bur", ...} or {"file": "tip.stl", "unit": "mm"}; or a dict
+            {"arrays": ..., "unit": "mm", "curved": ...} of a mesh and further fields.  Files count from the working folder.  None:
+            give bur="237/014"
+    fields  start (a pose in metres, or a dict), leaves, tree, look; for what cuts: bur, speed_rpm, hum, edge
+    """
+
+def object(name: str, mesh: Any, **fields: Any) -> Dict[str, Any]:
+    """Describes an object of a scene.  (`from palpate import *` leaves it out.)
+
+    mesh    as of a tool
+    fields  pose (in metres, or a dict), material (a dict), regions (what region returns), leaves, tree, look, and for a
+            solid that burs cut: grid_um
+    """
+
+def region(material: Mapping[str, Any], **where: Any) -> Dict[str, Any]:
+    """Describes a region of an object with another material: by box, sphere, group, or, in what burs cut, mesh."""
+
+def effect(name: str, **parameters: Any) -> Dict[str, Any]:
+    """Describes an added force, one of those that come with the programs or a shared object of your own, with its
+    parameters (scenes/effects/README.md)."""

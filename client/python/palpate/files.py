@@ -11,7 +11,7 @@ import numpy
 
 from palpate._physics import Error, _offer_programs
 
-_METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
+METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
 _MESH_MAGIC = b"palpmsh1"  # scenes/mesh/mesh_packet.cpp
 _OWN = pathlib.Path(__file__).with_name("programs") / "bin"  # in a wheel
 
@@ -37,8 +37,8 @@ def _complaint(name, done):
 
 
 def read_mesh(file, unit="m"):
-    if unit not in _METRES:
-        raise Error(f"unit: '{unit}' is not known; give one of {', '.join(_METRES)}")
+    if unit not in METRES:
+        raise Error(f"unit: '{unit}' is not known; give one of {', '.join(METRES)}")
     done = subprocess.run(
         [_program("palpate-import"), os.fspath(file)], capture_output=True, check=False
     )
@@ -52,7 +52,7 @@ def read_mesh(file, unit="m"):
         raise Error(f"{file}: the output of palpate-import is incomplete; run it by hand to see why")
     points = numpy.frombuffer(packet, numpy.float64, 3 * vertices, 32).reshape(-1, 3)
     faces = numpy.frombuffer(packet, numpy.uint32, 3 * triangles, 32 + 24 * vertices)
-    return points * _METRES[unit], faces.reshape(-1, 3).copy()
+    return points * METRES[unit], faces.reshape(-1, 3).copy()
 
 
 def read_recording(file):

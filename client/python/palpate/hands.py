@@ -7,9 +7,12 @@ A generated path depends only on the scene, the options and the seed.  It is fou
 file; so it stays the same when a study varies stiffness or friction.
 """
 
-import numpy
+from typing import Optional, Union
 
-from palpate._physics import Error, Proxy
+import numpy
+from numpy.typing import ArrayLike, NDArray
+
+from palpate import Error, Model, Proxy, Scene
 
 _CLEARANCE = 0.005  # m between the bounding spheres of tool and objects when the hand is outside
 _STRIDE = 0.001  # m per step of the hand that searches for contact
@@ -115,8 +118,18 @@ def _between(keys, steps):
     return between
 
 
-def generated(scene, *, tool=0, steps=20000, seed=1, press_mm=3.0, slide_mm=8.0, speed_mm_per_s=50.0, turn_deg=20.0,
-              model=None):
+def generated(
+    scene: Scene,
+    *,
+    tool: Union[int, str] = 0,
+    steps: int = 20000,
+    seed: int = 1,
+    press_mm: float = 3.0,
+    slide_mm: float = 8.0,
+    speed_mm_per_s: float = 50.0,
+    turn_deg: float = 20.0,
+    model: Optional[Model] = None,
+) -> NDArray[numpy.float64]:
     """Returns a path that repeatedly approaches an object from outside, presses, slides there and back, and leaves.
 
     press_mm        largest depth below the point of contact; the least is half of that
@@ -134,7 +147,7 @@ def generated(scene, *, tool=0, steps=20000, seed=1, press_mm=3.0, slide_mm=8.0,
     return walk.poses(_between(walk.keys, steps))
 
 
-def script(scene, *, steps=None):
+def script(scene: Scene, *, steps: Optional[int] = None) -> NDArray[numpy.float64]:
     """Returns the path supplied with the scene; for more steps it is traversed back and forth."""
     path = scene.path()
     if steps is None:
@@ -143,7 +156,7 @@ def script(scene, *, steps=None):
     return path[numpy.where(there < len(path), there, 2 * (len(path) - 1) - there)]
 
 
-def trembling(path, *, um, seed=1):
+def trembling(path: ArrayLike, *, um: float, seed: int = 1) -> NDArray[numpy.float64]:
     """Returns the path with a tremor of `um` root mean square per axis: three tones from 8 to 12 Hz."""
     random = numpy.random.default_rng(seed)
     hertz, phase = random.uniform(8, 12, (3, 3)), random.uniform(0, 2 * numpy.pi, (3, 3))

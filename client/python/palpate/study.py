@@ -20,11 +20,12 @@ import threading
 import time
 import tomllib
 import types
+from typing import Any, Callable, Dict, List, Optional, Sequence, Union
 
 import numpy
 
 import palpate
-from palpate import Error, hands
+from palpate import Error, Steps, hands
 from palpate._physics import _usable_cores
 
 _EPILOG = """\
@@ -123,7 +124,7 @@ def _lengths(vectors):
     return numpy.linalg.norm(vectors, axis=1)
 
 
-def figures(steps):
+def figures(steps: Union[Steps, types.SimpleNamespace]) -> Dict[str, Union[int, float, str]]:
     """Computes the _COLUMNS of a run."""
     run = types.SimpleNamespace(
         wrench=steps.wrench, pose=steps.pose, faults=steps.faults, force=steps.wrench[:, :3],
@@ -140,7 +141,22 @@ def _sha256(file):
 class Study:
     """A study file, checked.  Errors name the field that is wrong."""
 
-    def __init__(self, file):
+    file: pathlib.Path
+    folder: pathlib.Path
+    said: Dict[str, Any]
+    title: str
+    scenes: List[str]
+    contacts: List[str]
+    tolerances_um: List[float]
+    tools: List[Union[str, int]]
+    steps: int
+    seeds: List[int]
+    sources: Dict[str, str]
+    measure: Optional[Callable[..., Dict[str, Any]]]
+    hands: Dict[str, Any]
+    parameters: Dict[str, List[float]]
+
+    def __init__(self, file: Union[str, "os.PathLike[str]"]) -> None:
         self.file, self.folder = pathlib.Path(file), pathlib.Path(file).parent
         try:
             text = self.file.read_bytes()
@@ -259,7 +275,7 @@ class Study:
                             f"{table[name]['unit']}".rstrip())
         return values
 
-    def runs(self):
+    def runs(self) -> List[types.SimpleNamespace]:
         """Returns all runs in the order of the table; loads the scenes."""
         runs, scenes = [], []
         for name, contact, um in itertools.product(self.scenes, self.contacts, self.tolerances_um):
@@ -414,7 +430,7 @@ def _make_all(missing, table, jobs):
         print(file=sys.stderr)
 
 
-def main(arguments=None):
+def main(arguments: Optional[Sequence[str]] = None) -> int:
     parser = argparse.ArgumentParser(prog="python3 -m palpate.study", description=__doc__.partition("\n")[0],
                                      epilog=_EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("study", metavar="STUDY.toml", help="study file: see below")

@@ -1,6 +1,5 @@
 #include "client/replayer/export/solid_export.h"
 
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -18,6 +17,7 @@
 #include "common/text/quoted.h"
 #include "scenes/files/scene_bundle.h"
 #include "scenes/grid/solid_surface.h"
+#include "scenes/mesh/mesh_export.h"
 #include "scenes/tree/sphere_tree_builder.h"
 
 namespace palpate {
@@ -25,67 +25,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-static_assert(std::endian::native == std::endian::little);
-
 constexpr std::uint32_t kPlain = 0xe6dfd0;  // for a material without colour
 constexpr double kMillimetre = 1e-3;
 
-template <class T>
-void Put(std::string& bytes, T value) {
-  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
-}
-
-void Put(std::string& bytes, const Vec3& v) {
-  for (const double x : {v.x(), v.y(), v.z()}) Put(bytes, static_cast<float>(x));
-}
-
-/// Returns a binary STL with normals.
-std::string ToStl(const SolidSurface& surface) {
-  std::string bytes = "what is left, in mm";
-  bytes.resize(80, ' ');
-  Put(bytes, static_cast<std::uint32_t>(surface.triangles.size()));
-  for (const auto& [a, b, c] : surface.triangles) {
-    const Vec3 &p = surface.vertices[a], &q = surface.vertices[b], &r = surface.vertices[c];
-    Put(bytes, Vec3((q - p).cross(r - p).normalized()));
-    for (const Vec3& v : {p, q, r}) Put(bytes, Vec3(v / kMillimetre));
-    Put(bytes, std::uint16_t{0});
+std::vector<std::uint32_t> ColoursOf(const SolidSurface& surface,
+                                     const std::vector<Material>& materials) {
+  std::vector<std::uint32_t> colours;
+  for (const std::uint8_t material : surface.materials) {
+    const std::uint32_t colour = materials[material].colour;
+    colours.push_back(colour == Material::kNoColour ? kPlain : colour);
   }
-  return bytes;
-}
-
-void PutColour(std::string& bytes, std::uint32_t colour) {
-  for (const int shift : {16, 8, 0}) Put(bytes, static_cast<std::uint8_t>(colour >> shift));
-}
-
-/// Returns a binary PLY.  Each face has its material's colour; each vertex, for programs that read
-/// only those, has the colour of one of its faces.
-std::string ToPly(const SolidSurface& surface, const std::vector<Material>& materials) {
-  const auto colour_of = [&](std::size_t triangle) {
-    const std::uint32_t colour = materials[surface.materials[triangle]].colour;
-    return colour == Material::kNoColour ? kPlain : colour;
-  };
-  std::vector<std::uint32_t> colours(surface.vertices.size(), kPlain);
-  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-    for (const std::uint32_t corner : surface.triangles[t]) colours[corner] = colour_of(t);
-  }
-  constexpr const char* kColour = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
-  std::string bytes = fmt::format(
-      "ply\nformat binary_little_endian 1.0\ncomment what is left, in mm\nelement vertex {}\n"
-      "property float x\nproperty float y\nproperty float z\n{}element face {}\n"
-      "property list uchar int vertex_indices\n{}end_header\n",
-      surface.vertices.size(), kColour, surface.triangles.size(), kColour);
-  for (std::size_t v = 0; v < colours.size(); ++v) {
-    Put(bytes, Vec3(surface.vertices[v] / kMillimetre));
-    PutColour(bytes, colours[v]);
-  }
-  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-    Put(bytes, std::uint8_t{3});
-    for (const std::uint32_t corner : surface.triangles[t]) {
-      Put(bytes, static_cast<std::int32_t>(corner));
-    }
-    PutColour(bytes, colour_of(t));
-  }
-  return bytes;
+  return colours;
 }
 
 /// Writes the files one by one, and checks for Ctrl-C before each.
@@ -117,9 +67,14 @@ void WriteSolids(const SolidsCut& left, const fs::path& folder, Files& files) {
     Body& body = scene.objects[left.objects->solids[s].object];
     SolidSurface surface = WholeSurface(left.after[s]);
     if (surface.triangles.empty()) continue;  // nothing of it is left
-    files.Write(folder / (body.name + ".stl"), ToStl(surface));
-    files.Write(folder / (body.name + ".ply"), ToPly(surface, body.materials));
     body.mesh = {std::move(surface.vertices), std::move(surface.triangles)};
+    const MeshExportOptions options{.metres_per_unit = kMillimetre,
+                                    .comment = "what is left, in mm",
+                                    .colours = ColoursOf(surface, body.materials)};
+    for (const char* const ending : {".stl", ".ply"}) {
+      const std::string file = body.name + ending;
+      files.Write(folder / file, ExportMesh(body.mesh, file, options));
+    }
     body.tree = BuildInnerTree(body.mesh);
     body.leaf_material.clear();
     body.ambient.clear();
