@@ -1,5 +1,4 @@
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <string>
 
@@ -76,8 +75,6 @@ std::string Silence(const RecorderOptions& options, double seconds) {
 /// Records until its time is over or a signal comes.  Throws Error; what was recorded by then is
 /// intact in the file.
 void Record(const RecorderOptions& options) {
-  // A file at its size limit (ulimit -f) then fails as a write error, like a full disk.
-  std::signal(SIGXFSZ, SIG_IGN);
   StopSignal stop;
   const dds::TransportChoice transport = dds::ChooseTransport(options.transport, options.network);
   RecordingOptions recording_options = options.recording;

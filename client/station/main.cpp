@@ -130,6 +130,7 @@ int RunStation(const StationOptions& given) {
       options.link, replies,
       [&]() -> ServoThread& {
         servo = std::make_unique<ServoThread>(core, replies, table.period_s(), trace.get());
+        servo->LoseForceBy(stop);
         if (!forces) servo->EnableForcesByButton();
         return *servo;
       },

@@ -127,7 +127,9 @@ void ServoThread::Tick(std::int64_t now_ns) noexcept {
   if (by_button_.load(std::memory_order_relaxed)) MindTheButton(pose.sample);
   core_.Mute(muted_.load(std::memory_order_relaxed));
   // A device keeps its last command, so that must be zero.
-  const bool stopping = stop_.load(std::memory_order_relaxed);
+  const StopSignal* const signal = signal_.load(std::memory_order_relaxed);
+  const bool stopping =
+      stop_.load(std::memory_order_relaxed) || (signal != nullptr && signal->stopped());
   if (stopping) core_.EnableForces(false);
   if (sending) {
     sample_times_ns_[pose.sequence % sample_times_ns_.size()].store(now_ns,

@@ -9,6 +9,7 @@
 #include "client/station/station_core.h"
 #include "client/station/trace.h"
 #include "common/dds/endpoint.h"
+#include "common/program/stop_signal.h"
 #include "common/realtime/latest_mailbox.h"
 
 namespace palpate {
@@ -49,6 +50,9 @@ class ServoThread {
   /// Mutes forces, by a ramp to zero; or unmutes them, and they ramp in unless something else
   /// disables them.
   void Mute(bool on) { muted_.store(on, std::memory_order_relaxed); }
+  /// From now on, takes the force out of the device as soon as a signal has come, even if the
+  /// caller's thread hangs: in an output that nobody reads, on a disk.
+  void LoseForceBy(const StopSignal& signal) { signal_.store(&signal); }
   /// Sets the guide's aim; the newest one counts.
   void SetAim(const GuideAim& aim) { aims_.Write(aim); }
   /// Restarts all counts at the next tick (StationCore::RestartTotals), including the missed ticks.
@@ -57,6 +61,9 @@ class ServoThread {
   void BeginToStop();
   /// Ramps the device's force to zero through the limiter, and ends the thread.
   void Stop();
+
+  /// True once asked to stop and the device has been told to render nothing.
+  bool done() const noexcept { return done_.load(std::memory_order_acquire); }
 
   bool ReadSnapshot(StationSnapshot& snapshot);
   /// Returns when the pose of the newest reply was sampled [ns]; 0 before the first.
@@ -80,8 +87,6 @@ class ServoThread {
   std::int64_t CountMissed(std::int64_t due_ns, std::int64_t now_ns) noexcept;
   bool IsTimeToSend() noexcept;
   void MindTheButton(const DeviceSample& sample) noexcept;
-  /// True once asked to stop and the device has been told to render nothing.
-  bool done() const noexcept { return done_.load(std::memory_order_acquire); }
 
   StationCore& core_;
   ReplyRing& replies_;
@@ -102,6 +107,7 @@ class ServoThread {
   std::atomic<PosePath*> path_{nullptr};
   std::atomic<bool> started_{false};
   std::atomic<bool> stop_{false};
+  std::atomic<const StopSignal*> signal_{nullptr};
   std::atomic<std::uint64_t> tick_edges_{0};  // starts plus ends of ticks: odd while a tick runs
   std::atomic<std::uint64_t> missed_ticks_{0};
   std::atomic<std::int64_t> newest_reply_ns_{0};

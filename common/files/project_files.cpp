@@ -59,6 +59,8 @@ std::string ProgramFolder() {
   const std::string own = fs::read_symlink("/proc/self/exe", error).parent_path().string();
   std::istringstream path(Offered() + own + ':' + from("PATH"));
   for (std::string folder; std::getline(path, folder, ':');) {
+    // An empty one, as of PATH=:/usr/bin, would be that of the shell, perhaps a stranger's.
+    if (!folder.starts_with('/')) continue;
     const fs::path import = fs::path(folder) / "palpate-import";
     if (fs::exists(import, error)) return fs::canonical(import, error).parent_path().string();
   }

@@ -4,12 +4,13 @@
 
 namespace palpate {
 
-/// Turns every signal by which a user ends a program into a flag on which a main loop can wait:
-/// SIGINT (Ctrl-C), SIGQUIT, SIGTERM (which RouDi also sends when it ends), SIGHUP (the terminal
-/// was closed) and SIGPIPE (the reader of the output has gone, as after a lost ssh without a
-/// terminal). A second SIGINT, SIGQUIT or SIGTERM kills the process at once.  SIGHUP and SIGPIPE
-/// stay ignored if they were (`nohup`).  After the first one, output may fail.  One object per
-/// process, made by main.
+/// Turns every signal by which a user or a limit ends a program into a flag on which a main loop
+/// can wait: SIGINT (Ctrl-C), SIGQUIT, SIGTERM (which RouDi also sends when it ends), SIGHUP (the
+/// terminal was closed), SIGPIPE (the reader of the output has gone, as after a lost ssh without a
+/// terminal) and SIGXCPU (ulimit -t).  SIGXFSZ (ulimit -f) is ignored, so that a write fails.
+/// A SIGINT, SIGQUIT or SIGTERM that comes again, more than 0.2 s after its first, kills the
+/// process at once.  SIGHUP, SIGPIPE and SIGXCPU stay ignored if they were (`nohup`).  After the
+/// first signal, output may fail.  One object per process, made by main.
 class StopSignal {
  public:
   StopSignal();

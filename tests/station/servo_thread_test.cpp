@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 
 #include <gtest/gtest.h>
 
@@ -137,6 +138,17 @@ TEST(ServoThread, TakesTheForceOutOfTheDeviceBeforeItEnds) {
   ASSERT_TRUE(bench.AnswerUntil([&] { return bench.snapshot.force_N >= 1.0; }));
   bench.servo.Stop();
   EXPECT_FALSE(bench.core.renders_force());
+  EXPECT_EQ(bench.device.applied.force, Vec3::Zero());
+}
+
+TEST(ServoThread, TakesTheForceOutAtASignalThoughItsOwnerHangs) {
+  StopSignal stop;
+  ServoBench bench;
+  bench.servo.LoseForceBy(stop);
+  bench.servo.SetPath(&bench.path);
+  ASSERT_TRUE(bench.AnswerUntil([&] { return bench.snapshot.force_N >= 1.0; }));
+  std::raise(SIGTERM);
+  EXPECT_TRUE(bench.AnswerUntil([&] { return bench.servo.done(); }));
   EXPECT_EQ(bench.device.applied.force, Vec3::Zero());
 }
 

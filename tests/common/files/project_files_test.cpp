@@ -2,6 +2,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 
 #include <gtest/gtest.h>
 
@@ -62,6 +63,22 @@ TEST_F(ProjectFiles, AreFoundByThisTestInItsCheckout) {
   EXPECT_TRUE(
       fs::equivalent(PlaceOf(ProjectFile::kCatalogue), PALPATE_SOURCE_DIR "/scenes/catalogue"));
   EXPECT_TRUE(fs::is_regular_file(PlaceOf(ProjectFile::kSharedMemory)));
+}
+
+TEST_F(ProjectFiles, DoNotComeFromTheWorkingFolderThroughAnEmptyEntryOfThePath) {
+  std::ofstream(fs::path(Make("stranger")) / "palpate-import") << "#!/bin/sh\n";
+  const fs::path before = fs::current_path();
+  const char* const path = std::getenv("PATH");
+  const std::string old = path == nullptr ? "" : path;
+  const std::string own = ProgramFolder();
+  OfferProgramFolder("/nonexistent");
+  fs::current_path(folder_ / "stranger");
+  for (const char* with : {":/usr/bin", "/nonexistent::/usr/bin", ".:/usr/bin"}) {
+    setenv("PATH", with, 1);
+    EXPECT_NE(ProgramFolder(), (folder_ / "stranger").string()) << with;
+  }
+  fs::current_path(before);
+  setenv("PATH", old.c_str(), 1);
 }
 
 }  // namespace

@@ -1,9 +1,12 @@
 #include "common/program/stop_signal.h"
 
+#include <cerrno>
 #include <csignal>
+#include <cstdio>
 #include <thread>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 namespace palpate {
 namespace {
@@ -18,7 +21,7 @@ TEST(StopSignal, StaysSilentWithoutASignal) {
 }
 
 TEST(StopSignal, EndsTheWait) {
-  for (const int signal : {SIGHUP, SIGINT, SIGPIPE, SIGQUIT, SIGTERM}) {
+  for (const int signal : {SIGHUP, SIGINT, SIGPIPE, SIGQUIT, SIGTERM, SIGXCPU}) {
     StopSignal stop;
     std::thread sender([signal] {
       std::this_thread::sleep_for(milliseconds(20));
@@ -36,9 +39,23 @@ TEST(StopSignal, LetsASecondSignalKill) {
         {
           StopSignal stop;
           raise(signal);
+          std::this_thread::sleep_for(milliseconds(250));
           raise(signal);
         },
         testing::KilledBySignal(signal), "");
+  }
+}
+
+TEST(StopSignal, TakesASignalThatItsSenderDoublesForOne) {
+  for (const int signal : {SIGINT, SIGQUIT, SIGTERM}) {
+    EXPECT_EXIT(
+        {
+          StopSignal stop;
+          raise(signal);
+          raise(signal);  // as `timeout` does, and a wrapper beside its terminal
+          _exit(stop.stopped() ? 0 : 1);
+        },
+        testing::ExitedWithCode(0), "");
   }
 }
 
@@ -49,6 +66,21 @@ TEST(StopSignal, TakesTheSeveralSignalsOfAClosedTerminalForOne) {
         for (int i = 0; i < 3; ++i) raise(SIGHUP);
         for (int i = 0; i < 3; ++i) raise(SIGPIPE);
         _exit(stop.stopped() ? 0 : 1);
+      },
+      testing::ExitedWithCode(0), "");
+}
+
+TEST(StopSignal, LetsAFileAtItsSizeLimitFailAsAWriteError) {
+  EXPECT_EXIT(
+      {
+        StopSignal stop;
+        rlimit none{};
+        getrlimit(RLIMIT_FSIZE, &none);
+        none.rlim_cur = 0;
+        setrlimit(RLIMIT_FSIZE, &none);
+        std::FILE* const file = std::tmpfile();
+        const bool written = std::fputc('a', file) != EOF && std::fflush(file) == 0;
+        _exit(!written && errno == EFBIG && !stop.stopped() ? 0 : 1);
       },
       testing::ExitedWithCode(0), "");
 }
