@@ -1,5 +1,6 @@
 """Scenes by keyword: against the catalogue's files for the bits, and at their own mistakes."""
 
+import os
 import pathlib
 import pickle
 import tempfile
@@ -76,6 +77,30 @@ class Scene(unittest.TestCase):
             block = palpate.object("block", {"arrays": (vertices, triangles), **more})
             made = palpate.scene(tools=[ball], objects=[block]).objects[0].vertices
             numpy.testing.assert_allclose(numpy.ptp(made, axis=0), size, rtol=1e-6)
+
+    def test_has_regions_by_the_named_parts_of_a_file_that_stays_where_it_is(self):
+        with tempfile.TemporaryDirectory() as folder:
+            low, high = (palpate.ellipsoid([0.01, 0.01, 0.01], 320) for _ in range(2))
+            file, saved = pathlib.Path(folder, "two.obj"), pathlib.Path(folder, "saved")
+            lines, first = [], 1
+            for name, (vertices, triangles), y in (("low", low, -0.02), ("high", high, 0.02)):
+                lines += [f"o {name}", *(f"v {x} {z + y} {w}" for x, z, w in vertices)]
+                lines += [f"f {a} {b} {c}" for a, b, c in triangles + first]
+                first += len(vertices)
+            file.write_text("\n".join(lines))
+            ball = palpate.tool("ball", {"shape": "sphere", "radius_m": 0.001}, leaves=1, start=[0, 0.1, 0])
+            two = palpate.object("two", {"file": os.path.relpath(file), "unit": "m", "origin": "file"}, leaves=200,
+                                 regions=[palpate.region({"stiffness_N_per_m": 700}, group="high")])
+            scene = palpate.scene("two", tools=[ball], objects=[two])
+            body = scene.objects[0]
+            above, of_part = body.leaf_centres[:, 1] > 0, body.leaf_materials == 1
+            self.assertFalse((of_part & ~above).any())
+            self.assertLessEqual((above & ~of_part).sum(), 2)  # what fills the inside has no surface of a part
+            self.assertGreater(of_part.sum(), 50)
+            saved.mkdir()
+            scene.save(saved / "two.json")
+            self.assertEqual([each.name for each in saved.iterdir()], ["two.json"])
+            self.assertEqual(palpate.load(saved / "two.json").hash, scene.hash)
 
     def test_with_a_region_cuts_softer_there(self):
         path = numpy.linspace([0, 0.0045, 0], [0, 0.0005, 0], 4000)  # 1 mm/s, through 1 mm of the hard

@@ -14,7 +14,8 @@
 
 Units are metres, newtons and newton metres.  A pose is x y z, or x y z followed by the unit quaternion
 w x y z; palpate.pose makes it of other orders and forms.  Arrays are NumPy arrays: functions accept integers
-and floats of up to 64 bits, and return float64.  Errors are palpate.Error, a ValueError.  The same poses give the same bits as in C++.
+and floats of up to 64 bits, and return float64.  Errors are palpate.Error, a ValueError.  The same poses give
+the same bits as in C++.
 
 Everything can be copied and pickled.  A proxy's copy, and one that gets its state, continues to the same bits.
 """

@@ -393,7 +393,7 @@ def pose(
     rotvec: Any = None,
     matrix: Any = None,
 ) -> NDArray[numpy.float64]:
-    """Returns poses as all functions take them, x y z w x y z: (..., 7), of positions (..., 3) and one form of orientation.
+    """Returns poses as all functions take them, x y z w x y z: (..., 7), of positions (..., 3) and an orientation.
 
     rotation  a scipy.spatial.transform.Rotation; the others take it, too
     xyzw      unit quaternions, the scalar last, as scipy, ROS and Open3D's files have them
@@ -428,7 +428,7 @@ def scene(
     fields          contact, friction, coupling, step, effects (what effect returns), first_sight, whole_at_start,
                     description
 
-    scenes/catalogue/README.md lists all fields.  Lengths of fields are in mm or as their names say, of arrays in metres.
+    scenes/catalogue/README.md lists all fields.  Their lengths have the unit in their names, those of arrays are in m.
     scene.save("x.json") writes the file and its meshes for load and palpate-server, to the same hash and bits.
     """
 
@@ -436,8 +436,8 @@ def tool(name: str, mesh: Any = None, **fields: Any) -> Dict[str, Any]:
     """Describes a tool of a scene.
 
     mesh    whatever body takes; a dict, {"shape": "bur", ...} or {"file": "tip.stl", "unit": "mm"}; or a dict
-            {"arrays": ..., "unit": "mm", "curved": ...} of a mesh and further fields.  Files count from the working folder.  None:
-            give bur="237/014"
+            {"arrays": ..., "unit": "mm", "curved": ...} of a mesh and further fields.  Files count from the working
+            folder.  None: give bur="237/014"
     fields  start (a pose in metres, or a dict), leaves, tree, look; for what cuts: bur, speed_rpm, hum, edge
     """
 
