@@ -23,6 +23,7 @@
 #include "common/program/realtime.h"
 #include "common/program/stop_signal.h"
 #include "common/realtime/steady_clock.h"
+#include "common/revision.h"
 #include "scenes/catalogue.h"
 #include "scenes/files/mesh_options.h"
 #include "scenes/files/scene_bundle.h"
@@ -116,6 +117,7 @@ class Record {
   Record(const Options& options, const dds::TransportChoice& transport,
          const RealtimeReport& realtime)
       : start_{{"version", PALPATE_VERSION},
+               {"physics", kPhysicsRevision},
                {"domain", std::to_string(options.domain)},
                {"transport", transport.reason},
                {"realtime", realtime.summary}},

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/math/pose_check.h"
+#include "common/revision.h"
 #include "server/library/palpate.h"
 #include "server/library/physics.h"
 #ifdef PALPATE_READS_SCENES
@@ -156,6 +157,10 @@ extern "C" {
 
 const char* palpate_version(void) {
   return PALPATE_VERSION;
+}
+
+const char* palpate_physics_revision(void) {
+  return kPhysicsRevision;
 }
 const char* palpate_last_error(void) {
   return last_error;

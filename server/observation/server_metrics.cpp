@@ -2,6 +2,7 @@
 
 #include "common/dds/phase_name.h"
 #include "common/realtime/wall_clock.h"
+#include "common/revision.h"
 #include "common/step_fault.h"
 
 namespace palpate {
@@ -110,7 +111,8 @@ void ServerMetrics::FillStation(const std::string& name, const Station& station,
 
 void ServerMetrics::Fill(MetricsPage& page) const {
   const std::lock_guard lock(mutex_);
-  page.Add(metric::kServerBuild, 1.0, {{"version", PALPATE_VERSION}});
+  page.Add(metric::kServerBuild, 1.0,
+           {{"version", PALPATE_VERSION}, {"physics", kPhysicsRevision}});
   const bool shm = transport_.transport == dds::Transport::kSharedMemory;
   page.Add(metric::kServerTransport, 1.0,
            {{"transport", shm ? "shm" : "udp"}, {"reason", transport_.reason}});

@@ -8,6 +8,7 @@
 
 #include <gmock/gmock.h>
 
+#include "common/revision.h"
 #include "scenes/shapes/shapes.h"
 #include "server/library/body_builder.h"
 #include "server/library/palpate.h"
@@ -43,6 +44,11 @@ ScenePtr BallOnBlock(palpate_contact contact, const palpate_body* block = nullpt
   EXPECT_EQ(palpate_scene_add_ball(scene.get(), PALPATE_TOOL, "ball", 0.005, nullptr), 0)
       << palpate_last_error();
   return scene;
+}
+
+TEST(CInterface, TellsWhichBuildItIs) {
+  EXPECT_STREQ(palpate_version(), PALPATE_VERSION);
+  EXPECT_STREQ(palpate_physics_revision(), kPhysicsRevision);
 }
 
 TEST(CInterface, GivesTheBitsOfTheCxxOne) {

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "common/revision.h"
 #include "common/step_fault.h"
 #include "tests/common/recording/samples.h"
 
@@ -47,7 +48,9 @@ class ServerMetricsTest : public testing::Test {
 
 TEST_F(ServerMetricsTest, TellsHowTheServerRuns) {
   const std::string text = Text();
-  EXPECT_THAT(text, HasSubstr("palpate_server_build_info{version=\"" PALPATE_VERSION "\"} 1\n"));
+  EXPECT_THAT(text, HasSubstr(std::string("palpate_server_build_info{version=\"" PALPATE_VERSION
+                                          "\",physics=\"") +
+                              kPhysicsRevision + "\"} 1\n"));
   EXPECT_THAT(
       text,
       HasSubstr(R"x(palpate_server_transport_info{transport="udp",reason="UDP (as asked)"} 1)x"));
