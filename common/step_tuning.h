@@ -46,6 +46,7 @@ inline constexpr Tunable kFriction{
 std::string SpringFault(double stiffness, double torsional_stiffness);
 /// Returns what is wrong with a material, in words; empty if nothing is.
 /// @param stiffness  of a leaf's contact [N/m], above 0; infinite: rigid
+/// @param static_friction,dynamic_friction  coefficients of friction
 std::string MaterialFault(double stiffness, double static_friction, double dynamic_friction);
 
 /// Calls visit(tunable, field) for each field.

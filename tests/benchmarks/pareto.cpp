@@ -162,7 +162,7 @@ class Pareto {
       throw UsageError(
           fmt::format("pareto: --peers {} is not one of {}", name, fmt::join(known, ", ")));
     }
-    if (options_.only_peers && peers_.empty()) {
+    if (options_.only_peers && peers_.empty() && !has("none")) {
       throw Error(
           "peers: there is none to measure; install one as said above, or give --peers FILE.so");
     }

@@ -102,7 +102,7 @@ TEST_F(OwnScene, GivesItsScriptToStationsThatHaveNoFileOfIt) {
   Write("mine.path.json", kHand);
   Serve({"--scene", (folder / "mine.json").string()});
   const auto station =
-      Station({"--device", "scripted", "--scene", "mine", "--for", "3", "--json", json});
+      Station({"--device", "scripted", "--scene", "mine", "--for", "4", "--json", json});
   EXPECT_EQ(station->Exit(60.0), 0) << station->Output();
   EXPECT_THAT(station->Output(), HasSubstr("own slide"));
   EXPECT_THAT(station->Output(), Not(HasSubstr("made a hand")));
