@@ -69,6 +69,12 @@ void MakePrivate(const std::string& file) {
   }
 }
 
+/// Returns the number of a file on its disk; another file of that name has another one, 0: none.
+std::uint64_t NumberOf(const std::string& file) {
+  struct stat status {};
+  return lstat(file.c_str(), &status) == 0 ? status.st_ino : 0;
+}
+
 [[noreturn]] void Rethrow(const std::string& file, const SQLite::Exception& error) {
   const int code = error.getErrorCode();
   const std::string text = fmt::format("{}: {}{}", file, error.what(), RemedyOf(code));
@@ -85,6 +91,7 @@ CourseFile::CourseFile(const fs::path& folder) : file_(FileIn(folder)) {
     MakePrivate(file_);
     // Without links, because SQLite would refuse those in the folder's path, too.
     const std::string path = (fs::canonical(folder) / fs::path(file_).filename()).string();
+    opened_ = NumberOf(file_);
     database_ = std::make_unique<SQLite::Database>(
         path, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE | SQLITE_OPEN_NOFOLLOW, kWaitAtStart_ms);
     version = database_->execAndGet("PRAGMA user_version").getInt();
@@ -114,6 +121,12 @@ CourseFile::CourseFile(const fs::path& folder) : file_(FileIn(folder)) {
 CourseFile::~CourseFile() = default;
 
 void CourseFile::Use(const std::function<void(SQLite::Database&)>& action) {
+  // SQLite would go on writing to a file that no longer has a name.
+  if (NumberOf(file_) != opened_) {
+    throw Error(file_ +
+                ": was replaced or removed while this program had it open, so what it writes would "
+                "be lost; end the program, put the file back if it is missing, and start again");
+  }
   try {
     action(*database_);
     if (std::exchange(held_since_ns_, 0) != 0) database_->setBusyTimeout(kWait_ms);

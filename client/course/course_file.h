@@ -38,13 +38,14 @@ class CourseFile {
   /// Calls `action` with the database.  An SQLite failure becomes an Error that names the file and
   /// the remedy; a transaction within `action` is then rolled back.  Throws CourseHeld if another
   /// program holds the file for a quarter of a second, and from then on at once, until it lets go;
-  /// after a second a line of the log says so.
+  /// after a second a line of the log says so.  Throws Error, too, once another file has its name.
   void Use(const std::function<void(SQLite::Database&)>& action);
 
  private:
   void NoteHold();
 
   const std::string file_;
+  std::uint64_t opened_ = 0;  // NumberOf the file
   std::unique_ptr<SQLite::Database> database_;
   std::int64_t held_since_ns_ = 0;  // 0: it is not held
   bool hold_told_ = false;

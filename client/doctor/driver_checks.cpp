@@ -32,6 +32,11 @@ constexpr double kGaveWay_m = 0.5e-3;
 /// Least cosine between push and motion.  A handle whose inertia is six times as great in one
 /// direction as across gives way up to 36 degrees to the side.
 constexpr double kAlong = 0.8;
+/// Where force and pose have one frame, the push along one axis moves the handle as far along
+/// another as that one's moves it along the first, whatever its inertia.  A frame that is turned by
+/// 23 degrees has this share of motion for which that is not so; a hand that moves has some as
+/// well.
+constexpr double kSkew = 0.32;
 /// From this cosine on, a motion is along an axis.
 constexpr double kOnAxis = 0.95;
 constexpr double kLongTurn_ms = 3.0;
@@ -173,13 +178,21 @@ Finding JudgePush(double force_N, const Mat3& way) {
   }
   if (astray) {
     return Fault(found,
-                 "give the pose in read and take the force in write in one frame: exchange, invert "
-                 "or turn the axes that differ, otherwise a wall pushes to the side or pulls");
+                 "if a hand moved the handle, hold it still, and try again; else give the pose in "
+                 "read and take the force in write in one frame: exchange, invert or turn the axes "
+                 "that differ, otherwise a wall pushes to the side or pulls");
   }
-  if (!still) return Ok(found);
+  if (still) {
+    return Warning(
+        found,
+        "hold the handle loosely and try again; if an axis never moves, check that write "
+        "drives its motors");
+  }
+  const Mat3 skew = 0.5 * (way - way.transpose());
+  if (skew.norm() <= kSkew * way.norm()) return Ok(found);
   return Warning(found,
-                 "hold the handle loosely and try again; if an axis never moves, check that write "
-                 "drives its motors");
+                 "hold the handle loosely and still, and try again; if it moves to the same side "
+                 "again, the force of write is in another frame than the pose of read: turn it");
 }
 
 namespace {

@@ -35,6 +35,7 @@ void OnCrash(int signal) {
 
 [[noreturn]] void Child(
     int pipe, const std::function<void(const std::function<void(const std::string&)>&)>& work) {
+  setpgid(0, 0);  // with all that the work starts
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   to_parent = pipe;
   struct sigaction action {};
@@ -65,7 +66,8 @@ void Take(std::string& text, ForkedEnd& end, std::string& crashed_in) {
   }
 }
 
-std::string HowItEnded(int status, bool late, const std::string& crashed_in) {
+std::string HowItEnded(int status, bool told_to_end, bool late, const std::string& crashed_in) {
+  if (told_to_end) return "had not returned when this program was told to end";
   if (late) return "did not return in time";
   const std::string who = crashed_in.empty() ? "" : crashed_in + " ";
   if (WIFSIGNALED(status)) {
@@ -90,6 +92,7 @@ ForkedEnd RunForked(
     throw Error("cannot make a process (" + std::string(std::strerror(error)) +
                 "); end other programs, or raise 'ulimit -u'");
   }
+  setpgid(child, child);  // whoever is first
   fcntl(ends[0], F_SETFL, O_NONBLOCK);
   ForkedEnd end;
   std::string text, crashed_in;
@@ -117,7 +120,8 @@ ForkedEnd RunForked(
     }
   }
   close(ends[0]);
-  if (!end.finished) end.how = HowItEnded(status, late, crashed_in);
+  kill(-child, SIGKILL);  // what it has started: that would keep our output open for ever
+  if (!end.finished) end.how = HowItEnded(status, told_to_end, late, crashed_in);
   return end;
 }
 

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "common/program/stop_signal.h"
+
 namespace palpate {
 
 /// The function of foreign code, such as a user's driver, that this thread is in; null: none.
@@ -31,12 +33,13 @@ struct ForkedEnd {
 
 /// Does work in a copy of this process, since foreign code may crash, end the process, or not
 /// return.  `work` gets a function that tells this process a line without a line break.  Not for a
-/// process with a servo loop, which the copying would delay.
+/// process with a servo loop, which the copying would delay.  What the work has started ends with
+/// it.
 /// @param seconds  after which the copy is killed.
 /// @param stopped  if it returns true, the copy is told to end, and killed if it does not.
 /// Throws Error if there can be no further process.
 ForkedEnd RunForked(
     const std::function<void(const std::function<void(const std::string&)>& tell)>& work,
-    double seconds, const std::function<bool()>& stopped = [] { return false; });
+    double seconds, const std::function<bool()>& stopped = StopWasSignalled);
 
 }  // namespace palpate

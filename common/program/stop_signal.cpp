@@ -85,10 +85,15 @@ StopSignal::StopSignal() {
 
 StopSignal::~StopSignal() {
   Install({SIG_DFL, SIG_DFL});
+  stop.store(false);
   sem_destroy(&wake);
 }
 
 bool StopSignal::stopped() const noexcept {
+  return StopWasSignalled();
+}
+
+bool StopWasSignalled() noexcept {
   return stop.load();
 }
 

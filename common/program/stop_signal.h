@@ -23,6 +23,9 @@ class StopSignal {
   bool WaitFor(std::chrono::nanoseconds duration) noexcept;
 };
 
+/// Returns whether a signal has told the process's StopSignal to end, if there is one.
+bool StopWasSignalled() noexcept;
+
 /// Ignores Ctrl-Z and what else suspends a job of a terminal: an arm would keep its last force
 /// while its process is suspended.
 void StayAwake() noexcept;

@@ -54,6 +54,17 @@ TEST(CourseFile, IsWaitedForOnceWhileAnotherHoldsItAndThenUsedAgain) {
   });
 }
 
+TEST(CourseFile, WritesNothingThatWouldBeLostOnceAnotherFileHasItsName) {
+  const Folder course, copy;
+  CourseFile file(course.path());
+  Add(file, 1);
+  fs::copy_file(course / "course.sqlite", copy / "course.sqlite");
+  fs::rename(copy / "course.sqlite", course / "course.sqlite");  // a backup is restored
+  EXPECT_THROW(Add(file, 2), Error);
+  fs::remove(course / "course.sqlite");
+  EXPECT_THROW(Add(file, 3), Error);
+}
+
 TEST(CourseFile, IsNotALink) {
   const Folder course, elsewhere;
   std::ofstream(elsewhere / "other").flush();

@@ -63,6 +63,18 @@ TEST(JudgePush, FindsAFrameThatIsTurned) {
   }
 }
 
+TEST(JudgePush, DoubtsAFrameThatIsTurnedALittleWhateverTheHandlesInertia) {
+  const Mat3 inertia = Vec3(kWay_m, 3.0 * kWay_m, 2.0 * kWay_m).asDiagonal();
+  for (const Vec3& about : {Vec3(Vec3::UnitX()), Vec3(Vec3::UnitY()), Vec3(Vec3::UnitZ())}) {
+    for (const double angle : {30.0, -30.0}) {
+      EXPECT_EQ(JudgePush(1.0, Turned(angle * kDegree * about)).status, Status::kWarning);
+    }
+    // The same lever for both directions of a mechanism that is not along the axes.
+    const Mat3 oblique = RotationExp(30.0 * kDegree * about).toRotationMatrix();
+    EXPECT_EQ(JudgePush(1.0, oblique * inertia * oblique.transpose()).status, Status::kOk);
+  }
+}
+
 TEST(JudgePush, FindsOneWrongAxisBesideOneThatDidNotMove) {
   Mat3 way = Mat3::Zero();
   way(1, 0) = kWay_m;

@@ -1,5 +1,6 @@
 #include "common/program/forked.h"
 
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <stdexcept>
@@ -66,6 +67,30 @@ TEST(RunForked, EndsWorkThatDoesNotReturn) {
 TEST(RunForked, TellsItsWorkToEndWhereThisProcessIsToldTo) {
   const ForkedEnd end = RunForked([](const Tell&) { pause(); }, 60.0, [] { return true; });
   EXPECT_FALSE(end.finished);
+}
+
+TEST(RunForked, EndsItsWorkByTheSignalThatEndsTheProgram) {
+  StopSignal stop;
+  std::raise(SIGTERM);
+  // The work's copy of the handler interrupts it, long before its time.
+  EXPECT_TRUE(RunForked([](const Tell&) { pause(); }, 60.0).finished);
+}
+
+TEST(RunForked, LeavesNothingThatItsWorkHasStarted) {
+  int ends[2];
+  ASSERT_EQ(pipe(ends), 0);
+  EXPECT_TRUE(RunForked(
+                  [](const Tell&) {
+                    if (fork() == 0) sleep(20);  // holds the pipe open, as it would the output
+                  },
+                  60.0)
+                  .finished);
+  close(ends[1]);
+  char byte = 0;
+  const auto began = std::chrono::steady_clock::now();
+  EXPECT_EQ(read(ends[0], &byte, 1), 0);
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(10));
+  close(ends[0]);
 }
 
 }  // namespace
