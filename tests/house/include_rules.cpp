@@ -121,7 +121,8 @@ const std::vector<Rule> kRules = {
     {"client/python",
      {"server/library/scenes.h", "server/library/physics.h", "common/error.h", "common/math",
       "common/files/project_files.h", "common/program/machine.h", "common/realtime/steady_clock.h",
-      "scenes/files/scene_bundle.h", "scenes/mesh/mesh_export.h", "client/python"},
+      "common/revision.h", "scenes/files/scene_bundle.h", "scenes/mesh/mesh_export.h",
+      "client/python"},
      {"client/python/live"},
      {"pybind11"}},
     // A station like any other, whose hand a Python program moves: it runs the station's own loop.
