@@ -94,7 +94,8 @@ typedef struct {
 
 /** Returns the version, such as "0.1.0". */
 PALPATE_API const char* palpate_version(void);
-/** Returns the hash of the physics' sources: builds of one give the same bits for the same inputs. */
+/** Returns the hash of the physics' sources: builds of one give the same bits for the same inputs.
+ */
 PALPATE_API const char* palpate_physics_revision(void);
 /** Returns the message of the last failure in this thread, valid until the next one; never NULL. */
 PALPATE_API const char* palpate_last_error(void);
