@@ -129,8 +129,13 @@ TEST_F(Edge, PushedBackRidesOnTop) {
     ASSERT_EQ(state_->cut.fields[0].changes(), 0u);
     ASSERT_FALSE(oracle.Meet(report.X_WG));
   }
+  // Over the lines between the blocks' triangles it may lag for some cycles, and says so
+  // (kFaultTargetFar): by up to 18 um where the last bits of its shape have it so.  Held, it
+  // arrives.
+  for (int i = 0; i < 20; ++i) report = Step(-0.8e-3, -kEdgeDepth);
+  EXPECT_EQ(report.faults, 0u);
   EXPECT_NEAR(report.X_WG.p.z(), 0.0, 2e-6);
-  EXPECT_NEAR(report.X_WG.p.x(), -0.8e-3, 10e-6);
+  EXPECT_NEAR(report.X_WG.p.x(), -0.8e-3, 1e-6);
   EXPECT_NEAR(report.wrench.force.z(), 0.3, 5e-3);
 }
 
