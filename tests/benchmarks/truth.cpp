@@ -1,0 +1,171 @@
+// palpate-bench truth: bodies whose right answer is known by construction, under seeded hands.
+#include "tests/benchmarks/truth.h"
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <utility>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "common/error.h"
+#include "common/program/stop_signal.h"
+#include "tests/benchmarks/commands.h"
+#include "tests/benchmarks/figures.h"
+#include "tests/benchmarks/machine.h"
+
+namespace palpate::bench {
+namespace {
+
+struct Options {
+  std::string seeds = "1..1", only, json;
+  bool list = false;
+};
+
+/// The three words of a name.
+std::array<std::string, 3> Words(const std::string& name) {
+  const std::size_t first = name.find('/'), second = name.find('/', first + 1);
+  return {name.substr(0, first), name.substr(first + 1, second - first - 1),
+          name.substr(second + 1)};
+}
+
+std::vector<TruthCase> Chosen(const Options& options) {
+  std::vector<TruthCase> cases = FlatTruths();
+  std::erase_if(cases,
+                [&](const TruthCase& c) { return c.name.find(options.only) == std::string::npos; });
+  if (cases.empty()) {
+    throw UsageError("--only " + options.only + " is in no case's name; --list shows them");
+  }
+  return cases;
+}
+
+std::string Header(const Tally& tally) {
+  std::string line = fmt::format("{:<30}", "");
+  for (const Tally::Figure& f : tally.figures()) {
+    line += fmt::format(" {:>13}", f.name);
+    if (f.kind != Tally::Kind::kCount) line += fmt::format(" {:>5}", "seed");
+  }
+  return line + "\n";
+}
+
+std::string Row(const std::string& name, const Tally& tally) {
+  std::string line = fmt::format("{:<30}", name);
+  for (const Tally::Figure& f : tally.figures()) {
+    if (f.kind == Tally::Kind::kCount) {
+      line += fmt::format(" {:>13.0f}", f.value);
+    } else {
+      line += fmt::format(" {:>13.3g} {:>5}", f.value, f.seed);
+    }
+  }
+  return line + "\n";
+}
+
+Json ToJson(const std::string& name, const Tally& tally) {
+  Json json{{"name", name}};
+  for (const Tally::Figure& f : tally.figures()) {
+    json[f.name] = f.value;
+    if (f.kind != Tally::Kind::kCount) json[f.name + ", seed"] = f.seed;
+  }
+  return json;
+}
+
+/// Cases that have their first word, and one of the others or none, in common, taken together.
+std::vector<std::pair<std::string, Tally>> Totals(
+    const std::vector<std::pair<std::string, Tally>>& rows) {
+  std::vector<std::pair<std::string, Tally>> totals;
+  const auto add = [&](const std::string& name, const Tally& tally) {
+    const auto same = [&](const auto& total) { return total.first == name; };
+    auto at = std::find_if(totals.begin(), totals.end(), same);
+    if (at == totals.end()) at = totals.insert(at, {name, Tally()});
+    at->second.Merge(tally);
+  };
+  for (const auto& [name, tally] : rows) add(Words(name)[0] + "/" + Words(name)[1] + "/*", tally);
+  for (const auto& [name, tally] : rows) add(Words(name)[0] + "/*/" + Words(name)[2], tally);
+  for (const auto& [name, tally] : rows) add(Words(name)[0] + "/*/*", tally);
+  return totals;
+}
+
+void Run(const Options& options) {
+  const std::vector<TruthCase> cases = Chosen(options);
+  if (options.list) {
+    for (const TruthCase& c : cases) fmt::print("{}\n", c.name);
+    return;
+  }
+  const auto [first, last] = SeedRange(options.seeds);
+  StopSignal stop;
+  std::vector<std::pair<std::string, Tally>> rows;
+  for (const TruthCase& c : cases) {
+    Tally tally;
+    for (std::uint64_t seed = first; seed <= last && !stop.stopped(); ++seed) {
+      Progress(fmt::format("{}, seed {} of {} ...", c.name, seed, options.seeds));
+      c.run(seed, tally);
+    }
+    Progress("");
+    if (tally.figures().empty()) break;
+    if (rows.empty() || Words(rows.back().first)[0] != Words(c.name)[0]) {
+      fmt::print(stderr, "{}", Header(tally));
+    }
+    rows.emplace_back(c.name, tally);
+    fmt::print(stderr, "{}", Row(c.name, tally));
+  }
+  const auto totals = Totals(rows);
+  for (const auto& [name, tally] : totals) {
+    if (rows.size() > 1) fmt::print(stderr, "{}", Row(name, tally));
+  }
+  if (stop.stopped()) fmt::print(stderr, "interrupted: the figures above are not of all seeds\n");
+  if (options.json.empty()) return;
+  Json json{{"seeds", options.seeds},
+            {"machine", bench::ToJson(ThisMachine())},
+            {"complete", !stop.stopped()}};
+  for (const auto& [name, tally] : rows) json["cases"].push_back(ToJson(name, tally));
+  for (const auto& [name, tally] : totals) json["totals"].push_back(ToJson(name, tally));
+  WriteJson(options.json, json);
+}
+
+}  // namespace
+
+void Tally::Add(const Figure& figure) {
+  const auto same = [&](const Figure& f) { return f.name == figure.name; };
+  const auto at = std::find_if(figures_.begin(), figures_.end(), same);
+  if (at == figures_.end()) {
+    figures_.push_back(figure);
+  } else if (figure.kind == Kind::kCount) {
+    at->value += figure.value;
+  } else if (figure.kind == Kind::kMost ? !(figure.value <= at->value)
+                                        : !(figure.value >= at->value)) {
+    *at = figure;
+  }
+}
+void Tally::Most(std::string_view name, double value, std::uint64_t seed) {
+  Add({std::string(name), Kind::kMost, value, seed});
+}
+void Tally::Least(std::string_view name, double value, std::uint64_t seed) {
+  Add({std::string(name), Kind::kLeast, value, seed});
+}
+void Tally::Count(std::string_view name, double value) {
+  Add({std::string(name), Kind::kCount, value});
+}
+void Tally::Merge(const Tally& other) {
+  for (const Figure& figure : other.figures_) Add(figure);
+}
+
+void AddTruth(const CommandLine& app) {
+  auto options = std::make_shared<Options>();
+  const CommandLine command = app.AddCommand(
+      "truth",
+      "bodies whose right answer is known, under hands from a seed\n"
+      "Plates that are flat, however they are divided into triangles, under nine tools\n"
+      "that press, tremble, slide and turn.  Prints for each plate and tool how far\n"
+      "the force is from the truth, and the seed of the worst hand.");
+  command.Footer(
+      "Examples:\n"
+      "  palpate-bench truth --seeds 1..20 --json truth.json\n"
+      "  palpate-bench truth --only flat/needles/box --seeds 17..17");
+  Add(command, "--seeds", options->seeds, "seeds A..B of the hands, tools and plates of each case");
+  Add(command, "--only", options->only, "only cases with this in their name (see --list)");
+  command.AddFlag("--list", options->list, "list the cases");
+  AddJson(command, options->json);
+  command.Run([options] { Run(*options); });
+}
+
+}  // namespace palpate::bench
