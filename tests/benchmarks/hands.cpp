@@ -30,16 +30,6 @@ struct Options {
   std::string json;
 };
 
-/// Writes poses such that --poses of cycle reads back the same bits.
-std::string ToCsv(const std::vector<Pose>& poses) {
-  std::string csv = "x,y,z,qw,qx,qy,qz\n";
-  for (const Pose& X : poses) {
-    csv += fmt::format("{},{},{},{},{},{},{}\n", X.p.x(), X.p.y(), X.p.z(), X.q.w(), X.q.x(),
-                       X.q.y(), X.q.z());
-  }
-  return csv;
-}
-
 /// Prints one line per seed, the worst first.
 void RunSeeds(const Options& options, const Scene& scene) {
   struct Seed {
@@ -113,7 +103,7 @@ void Run(Options& options) {
   options.cycle.name = fmt::format("{}, seed {}", options.scene, options.hand.seed);
   Progress(options.cycle.name + ": making the hand ...");
   std::vector<Pose> poses = MakeHand(scene, options.hand);
-  if (!options.poses_out.empty()) WriteOutput("--poses-out", options.poses_out, ToCsv(poses));
+  if (!options.poses_out.empty()) WriteOutput("--poses-out", options.poses_out, PosesCsv(poses));
   SceneRun run(std::move(scene), std::move(poses));
   Json json = ReportCycle(run, options.cycle);
   json["scene"] = options.scene;

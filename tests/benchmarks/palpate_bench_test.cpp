@@ -499,7 +499,7 @@ TEST_F(PalpateBench, TruthKnowsTheForceOfABallOnAnyPlate) {
   EXPECT_EQ(smooth["slides"], 2);
   EXPECT_EQ(smooth["late"], 0);
   EXPECT_LT(smooth["sideways N"], 1e-6);
-  EXPECT_LT(smooth["normal off N"], 1e-3);
+  EXPECT_LT(smooth["force off N"], 1e-3);
   EXPECT_EQ(rough["name"], "flat-friction/needles/ball");
   EXPECT_GT(rough["judged"], 100);
   EXPECT_NEAR(rough["mu least"], 0.3, 1e-6);

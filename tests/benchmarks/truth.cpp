@@ -3,22 +3,27 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <memory>
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>
 
 #include "common/error.h"
+#include "common/files/output.h"
 #include "common/program/stop_signal.h"
+#include "scenes/files/scene_bundle.h"
+#include "server/physics/scene_model.h"
 #include "tests/benchmarks/commands.h"
 #include "tests/benchmarks/figures.h"
 #include "tests/benchmarks/machine.h"
+#include "tests/benchmarks/scene_run.h"
 
 namespace palpate::bench {
 namespace {
 
 struct Options {
-  std::string seeds = "1..1", only, json;
+  std::string seeds = "1..1", only, json, scene_out, poses_out;
   bool list = false;
 };
 
@@ -73,7 +78,9 @@ Json ToJson(const std::string& name, const Tally& tally) {
 std::vector<std::pair<std::string, Tally>> Totals(
     const std::vector<std::pair<std::string, Tally>>& rows) {
   std::vector<std::pair<std::string, Tally>> totals;
+  std::map<std::string, int> summed;
   const auto add = [&](const std::string& name, const Tally& tally) {
+    ++summed[name];
     const auto same = [&](const auto& total) { return total.first == name; };
     auto at = std::find_if(totals.begin(), totals.end(), same);
     if (at == totals.end()) at = totals.insert(at, {name, Tally()});
@@ -82,7 +89,28 @@ std::vector<std::pair<std::string, Tally>> Totals(
   for (const auto& [name, tally] : rows) add(Words(name)[0] + "/" + Words(name)[1] + "/*", tally);
   for (const auto& [name, tally] : rows) add(Words(name)[0] + "/*/" + Words(name)[2], tally);
   for (const auto& [name, tally] : rows) add(Words(name)[0] + "/*/*", tally);
+  // What sums up one case says nothing new.
+  std::erase_if(totals, [&](const auto& total) { return summed[total.first] < 2; });
   return totals;
+}
+
+void Drive(const TruthHand& hand) {
+  const HapticModel model =
+      MakeModel(hand.scene, hand.scene.tools.front(), MakeObjects(hand.scene));
+  StepWorkspace workspace(model);
+  StepState state(model);
+  state.X_WG = hand.X_WH.front();
+  for (std::size_t i = 0; i < hand.X_WH.size(); ++i) {
+    hand.see(i, HapticStep(model, hand.X_WH[i], state, workspace));
+  }
+}
+
+/// Writes one hand for other commands.
+void Write(const Options& options, const TruthHand& hand) {
+  if (!options.scene_out.empty()) WriteFileAtomically(options.scene_out, PackScene(hand.scene));
+  if (!options.poses_out.empty()) {
+    WriteOutput("--poses-out", options.poses_out, PosesCsv(hand.X_WH));
+  }
 }
 
 void Run(const Options& options) {
@@ -92,13 +120,23 @@ void Run(const Options& options) {
     return;
   }
   const auto [first, last] = SeedRange(options.seeds);
+  if (!(options.scene_out + options.poses_out).empty()) {
+    if (cases.size() > 1 || first < last) {
+      throw UsageError("--scene-out and --poses-out are for one hand; give one case and one seed");
+    }
+    Write(options, cases.front().make(first));
+  }
   StopSignal stop;
   std::vector<std::pair<std::string, Tally>> rows;
   for (const TruthCase& c : cases) {
     Tally tally;
     for (std::uint64_t seed = first; seed <= last && !stop.stopped(); ++seed) {
       Progress(fmt::format("{}, seed {} of {} ...", c.name, seed, options.seeds));
-      c.run(seed, tally);
+      const TruthHand hand = c.make(seed);
+      Drive(hand);
+      Tally of_hand(seed);
+      hand.tell(of_hand);
+      tally.Merge(of_hand);
     }
     Progress("");
     if (tally.figures().empty()) break;
@@ -109,9 +147,7 @@ void Run(const Options& options) {
     fmt::print(stderr, "{}", Row(c.name, tally));
   }
   const auto totals = Totals(rows);
-  for (const auto& [name, tally] : totals) {
-    if (rows.size() > 1) fmt::print(stderr, "{}", Row(name, tally));
-  }
+  for (const auto& [name, tally] : totals) fmt::print(stderr, "{}", Row(name, tally));
   if (stop.stopped()) fmt::print(stderr, "interrupted: the figures above are not of all seeds\n");
   if (options.json.empty()) return;
   Json json{{"seeds", options.seeds},
@@ -124,7 +160,12 @@ void Run(const Options& options) {
 
 }  // namespace
 
-void Tally::Add(const Figure& figure) {
+void Tally::Add(Figure figure) {
+  figure.seed = seed_;
+  Merge(figure);
+}
+
+void Tally::Merge(const Figure& figure) {
   const auto same = [&](const Figure& f) { return f.name == figure.name; };
   const auto at = std::find_if(figures_.begin(), figures_.end(), same);
   if (at == figures_.end()) {
@@ -136,17 +177,9 @@ void Tally::Add(const Figure& figure) {
     *at = figure;
   }
 }
-void Tally::Most(std::string_view name, double value, std::uint64_t seed) {
-  Add({std::string(name), Kind::kMost, value, seed});
-}
-void Tally::Least(std::string_view name, double value, std::uint64_t seed) {
-  Add({std::string(name), Kind::kLeast, value, seed});
-}
-void Tally::Count(std::string_view name, double value) {
-  Add({std::string(name), Kind::kCount, value});
-}
+
 void Tally::Merge(const Tally& other) {
-  for (const Figure& figure : other.figures_) Add(figure);
+  for (const Figure& figure : other.figures_) Merge(figure);
 }
 
 void AddTruth(const CommandLine& app) {
@@ -160,10 +193,16 @@ void AddTruth(const CommandLine& app) {
   command.Footer(
       "Examples:\n"
       "  palpate-bench truth --seeds 1..20 --json truth.json\n"
-      "  palpate-bench truth --only flat/needles/box --seeds 17..17");
+      "  palpate-bench truth --only flat/needles/box --seeds 17..17 \\\n"
+      "    --scene-out slide.bundle --poses-out slide.csv\n"
+      "  palpate-bench cycle --scene slide.bundle --poses slide.csv");
   Add(command, "--seeds", options->seeds, "seeds A..B of the hands, tools and plates of each case");
   Add(command, "--only", options->only, "only cases with this in their name (see --list)");
   command.AddFlag("--list", options->list, "list the cases");
+  Add(command, "--scene-out", options->scene_out,
+      "write the scene of the one hand to this file, a bundle for 'cycle --scene'");
+  Add(command, "--poses-out", options->poses_out,
+      "write the poses of the one hand to this file, for 'cycle --poses'");
   AddJson(command, options->json);
   command.Run([options] { Run(*options); });
 }
