@@ -1,6 +1,5 @@
 // palpate-bench hands: generated hands over any scene, judged like a path of cycle.
 #include <algorithm>
-#include <charconv>
 #include <cstdint>
 #include <tuple>
 #include <utility>
@@ -30,27 +29,6 @@ struct Options {
   std::string models;
   std::string json;
 };
-
-std::pair<std::uint64_t, std::uint64_t> SeedRange(const std::string& text) {
-  std::uint64_t first = 0, last = 0;
-  const char* const end = text.data() + text.size();
-  const auto [dots, bad_first] = std::from_chars(text.data(), end, first);
-  if (bad_first == std::errc() && end - dots > 2 && dots[0] == '.' && dots[1] == '.') {
-    const auto [rest, bad_last] = std::from_chars(dots + 2, end, last);
-    if (bad_last == std::errc() && rest == end && first <= last) return {first, last};
-  }
-  throw UsageError("--seeds " + text + " is no range; give A..B, as 1..20");
-}
-
-/// Writes poses such that --poses of cycle reads back the same bits.
-std::string ToCsv(const std::vector<Pose>& poses) {
-  std::string csv = "x,y,z,qw,qx,qy,qz\n";
-  for (const Pose& X : poses) {
-    csv += fmt::format("{},{},{},{},{},{},{}\n", X.p.x(), X.p.y(), X.p.z(), X.q.w(), X.q.x(),
-                       X.q.y(), X.q.z());
-  }
-  return csv;
-}
 
 /// Prints one line per seed, the worst first.
 void RunSeeds(const Options& options, const Scene& scene) {
@@ -125,7 +103,7 @@ void Run(Options& options) {
   options.cycle.name = fmt::format("{}, seed {}", options.scene, options.hand.seed);
   Progress(options.cycle.name + ": making the hand ...");
   std::vector<Pose> poses = MakeHand(scene, options.hand);
-  if (!options.poses_out.empty()) WriteOutput("--poses-out", options.poses_out, ToCsv(poses));
+  if (!options.poses_out.empty()) WriteOutput("--poses-out", options.poses_out, PosesCsv(poses));
   SceneRun run(std::move(scene), std::move(poses));
   Json json = ReportCycle(run, options.cycle);
   json["scene"] = options.scene;

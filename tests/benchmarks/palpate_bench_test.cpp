@@ -491,6 +491,34 @@ TEST_F(PalpateBench, ReadsItsCommandLineAsEveryProgramDoes) {
   EXPECT_EQ(Run({}), 2);
 }
 
+TEST_F(PalpateBench, TruthKnowsTheForceOfABallOnAnyPlate) {
+  const nlohmann::json json = Figures({"truth", "--only", "/needles/ball", "--seeds", "1..2"});
+  ASSERT_EQ(json["cases"].size(), 2u);
+  const nlohmann::json &smooth = json["cases"][0], &rough = json["cases"][1];
+  EXPECT_EQ(smooth["name"], "flat/needles/ball");
+  EXPECT_EQ(smooth["slides"], 2);
+  EXPECT_EQ(smooth["late"], 0);
+  EXPECT_LT(smooth["sideways N"], 1e-6);
+  EXPECT_LT(smooth["force off N"], 1e-3);
+  EXPECT_EQ(rough["name"], "flat-friction/needles/ball");
+  EXPECT_GT(rough["judged"], 100);
+  EXPECT_NEAR(rough["mu least"], 0.3, 1e-6);
+  EXPECT_NEAR(rough["mu most"], 0.3, 1e-6);
+  EXPECT_LT(rough["direction deg"], 1e-3);
+  EXPECT_LT(rough["change N/N"], 1e-3);
+}
+
+TEST_F(PalpateBench, TruthDrivesTheSameHandForTheSameSeedAlone) {
+  const std::vector<std::string> slides{"truth", "--only", "flat/strips/box", "--seeds"};
+  const nlohmann::json of_three = Figures(test::Joined(slides, {"1..3"}))["cases"][0];
+  const std::string worst = std::to_string(of_three["sideways N, seed"].get<int>());
+  const nlohmann::json alone = Figures(test::Joined(slides, {worst + ".." + worst}))["cases"][0];
+  EXPECT_EQ(alone["slides"], 1);
+  EXPECT_EQ(alone["sideways N"], of_three["sideways N"]);
+  EXPECT_EQ(Run(test::Joined(slides, {"3..1"})), 2);
+  EXPECT_EQ(Run({"truth", "--only", "round/earth"}), 2);
+}
+
 TEST_F(PalpateBench, RefusesWhatItHasNot) {
   EXPECT_EQ(Run({"cycle", "--scene", "cube", "--contact", "voxels"}), 2);
   EXPECT_EQ(Run({"cycle", "--scene", "cube", "--friction", "glue"}), 2);
