@@ -380,64 +380,79 @@ std::string ContactJudge::WhyNot(const Scene& scene) {
   return {};
 }
 
+/// Two features that are near, and their nearest points, in the object's frame.
+struct ContactJudge::NearPair {
+  Feature of_tool, of_object;
+  V on_tool, on_object;
+};
+
+/// The nearest points of a feature of `a`, moved by X, and of one of `b`.
+template <class Part>
+Points NearestPoints(const Part& part_a, const Motion& X, const Feature& a, const Part& part_b,
+                     const Feature& b) {
+  const auto swapped = [](const Points& points) -> Points {
+    if (!points) return {};
+    return std::pair(points->second, points->first);
+  };
+  const auto moved = [&](std::uint32_t corner) { return V(X * part_a.place[corner]); };
+  const auto still = [&](std::uint32_t corner) { return part_b.place[corner]; };
+  if (a.kind == Feature::kFace) {
+    const auto [p, q, r] = part_a.Corners(a.a);
+    return swapped(CornerToFace(still(b.a), {moved(p), moved(q), moved(r)}));
+  }
+  if (b.kind == Feature::kFace) return CornerToFace(moved(a.a), part_b.At(b.a));
+  if (a.kind == Feature::kEdge && b.kind == Feature::kEdge) {
+    return EdgeToEdge(moved(a.a), moved(a.b), still(b.a), still(b.b));
+  }
+  if (a.kind == Feature::kEdge) return swapped(CornerToEdge(still(b.a), moved(a.a), moved(a.b)));
+  if (b.kind == Feature::kEdge) return CornerToEdge(moved(a.a), still(b.a), still(b.b));
+  return std::pair(moved(a.a), still(b.a));
+}
+
+std::vector<ContactJudge::NearPair> ContactJudge::NearPairs(const Part& object,
+                                                            const Pose& X_WT) const {
+  const Motion X_BT(object.X_WB, X_WT), X_TB(X_WT, object.X_WB);
+  const double reach = radius_ + kNear;
+  std::vector<NearPair> pairs;
+  std::vector<Feature> of_tool, of_object;
+  VisitNear(tool_->tree, object.tree, X_BT, X_TB, reach, [&](std::uint32_t i, std::uint32_t k) {
+    tool_->FeaturesOf(i, of_tool);
+    object.FeaturesOf(k, of_object);
+    for (const Feature& a : of_tool) {
+      for (const Feature& b : of_object) {
+        // An edge and a face, and two faces, are nearest at a corner, or at edges of both.
+        if (a.kind + b.kind > Feature::kFace) continue;
+        const Points points = NearestPoints(*tool_, X_BT, a, object, b);
+        if (points && (points->first - points->second).norm() <= reach) {
+          pairs.push_back({a, b, points->first, points->second});
+        }
+      }
+    }
+  });
+  const auto features = [](const NearPair& p) { return std::pair(p.of_tool, p.of_object); };
+  std::ranges::sort(pairs, {}, features);
+  pairs.erase(std::ranges::unique(pairs, {}, features).begin(), pairs.end());
+  return pairs;
+}
+
 std::vector<ContactJudge::Contact> ContactJudge::ContactsAt(const Pose& X_WT) const {
   std::vector<Contact> contacts;
   for (const Part& object : objects_) {
     const Motion X_BT(object.X_WB, X_WT), X_TB(X_WT, object.X_WB), X_WB(Pose{}, object.X_WB);
-    const Real reach = static_cast<Real>(radius_) + kNear;
-    std::vector<std::pair<Feature, Feature>> pairs;
-    std::vector<Feature> of_tool, of_object;
-    VisitNear(tool_->tree, object.tree, X_BT, X_TB, static_cast<double>(reach),
-              [&](std::uint32_t i, std::uint32_t k) {
-                tool_->FeaturesOf(i, of_tool);
-                object.FeaturesOf(k, of_object);
-                for (const Feature& a : of_tool) {
-                  for (const Feature& b : of_object) {
-                    if (a.kind + b.kind <= Feature::kFace) pairs.emplace_back(a, b);
-                  }
-                }
-              });
-    std::ranges::sort(pairs);
-    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-    const auto moved = [&](std::uint32_t corner) { return X_BT * tool_->place[corner]; };
-    const auto nearest = [&](const Feature& a, const Feature& b) -> Points {
-      const auto swapped = [](const Points& points) -> Points {
-        if (!points) return {};
-        return std::pair(points->second, points->first);
-      };
-      if (a.kind == Feature::kFace) {
-        auto t = tool_->At(a.a);
-        for (V& corner : t) corner = X_BT * corner;
-        return swapped(CornerToFace(object.place[b.a], t));
-      }
-      if (a.kind == Feature::kEdge) {
-        return b.kind == Feature::kEdge
-                   ? EdgeToEdge(moved(a.a), moved(a.b), object.place[b.a], object.place[b.b])
-                   : swapped(CornerToEdge(object.place[b.a], moved(a.a), moved(a.b)));
-      }
-      if (b.kind == Feature::kFace) return CornerToFace(moved(a.a), object.At(b.a));
-      if (b.kind == Feature::kEdge) {
-        return CornerToEdge(moved(a.a), object.place[b.a], object.place[b.b]);
-      }
-      return std::pair(moved(a.a), object.place[b.a]);
-    };
-    for (const auto& [a, b] : pairs) {
-      const Points points = nearest(a, b);
-      if (!points) continue;
-      const auto& [on_tool, on_object] = *points;
-      const Real apart = (on_tool - on_object).norm(), distance = apart - radius_;
-      if (!(distance <= kNear) || apart < kNoDirection) continue;
-      Cones cones{object.TangentsAt(on_object), tool_->TangentsAt(X_TB * on_tool)};
+    for (const NearPair& pair : NearPairs(object, X_WT)) {
+      const V from = pair.on_tool - pair.on_object;
+      const Real apart = from.norm();
+      if (apart < kNoDirection) continue;
+      Cones cones{object.TangentsAt(pair.on_object), tool_->TangentsAt(X_TB * pair.on_tool)};
       for (Tangent& t : cones.tool) {
         for (V* v : {&t.normal, &t.a, &t.b}) *v = X_BT.R * *v;
       }
-      const V n = (on_tool - on_object) / apart;
+      const V n = from / apart, at = pair.on_tool - static_cast<Real>(radius_) * n;
       const double mu =
-          object.static_friction ? object.static_friction(on_object.cast<double>()) : 0.0;
+          object.static_friction ? object.static_friction(pair.on_object.cast<double>()) : 0.0;
       for (const V& direction : DirectionsOf(cones, n, kPlace / apart)) {
-        contacts.push_back({(X_WB * V(on_tool - static_cast<Real>(radius_) * n)).cast<double>(),
-                            (X_WB.R * direction).cast<double>(), static_cast<double>(distance),
-                            mu});
+        contacts.push_back({(X_WB * at).cast<double>(), (X_WB.R * direction).cast<double>(),
+                            static_cast<double>(apart) - radius_, mu});
       }
     }
   }

@@ -94,6 +94,9 @@ class ContactJudge {
 
  private:
   struct Part;
+  struct NearPair;
+  std::vector<NearPair> NearPairs(const Part& object, const Pose& X_WT) const;
+
   std::unique_ptr<const Part> tool_;
   double radius_ = 0.0;
   Vec3 reference_;
