@@ -89,32 +89,49 @@ V NearestOnLine(const V& a, const V& b, const V& to) {
 }
 
 /// The nearest points of two features where each is inside of its feature; else they are those of
-/// features at its rim.
-using Points = std::optional<std::pair<V, V>>;
+/// features at its rim.  But a corner over a face, and two edges that cross, also count up to
+/// kPlace beyond the rim: a corner at rest in a valley is over one side of it alone if its pose is
+/// off by a fraction of the separation.  `beyond`: which of the two points is.
+struct Closest {
+  V on_a, on_b;
+  bool a_beyond = false, b_beyond = false;
 
-Points CornerToEdge(const V& c, const V& a, const V& b) {
+  Closest Swapped() const { return {on_b, on_a, b_beyond, a_beyond}; }
+};
+using MaybeClosest = std::optional<Closest>;
+
+MaybeClosest CornerToEdge(const V& c, const V& a, const V& b) {
   const V along = b - a;
   const Real part = (c - a).dot(along) / along.squaredNorm();
   if (!(part >= 0 && part <= 1)) return {};
-  return std::pair(c, V(a + part * along));
+  return Closest{c, a + part * along};
 }
 
-Points CornerToFace(const V& c, const std::array<V, 3>& t) {
+MaybeClosest CornerToFace(const V& c, const std::array<V, 3>& t) {
   const V across = (t[1] - t[0]).cross(t[2] - t[0]);
   const V foot = c - (c - t[0]).dot(across) / across.squaredNorm() * across;
+  bool inside = true;
+  Real to_rim = std::numeric_limits<Real>::infinity();
   for (std::size_t i = 0; i < 3; ++i) {
-    if (!(across.dot((t[(i + 1) % 3] - t[i]).cross(foot - t[i])) >= 0)) return {};
+    const V &from = t[i], &to = t[(i + 1) % 3];
+    inside = inside && across.dot((to - from).cross(foot - from)) >= 0;
+    to_rim = std::min(to_rim, (NearestOnLine(from, to, foot) - foot).norm());
   }
-  return std::pair(c, foot);
+  if (!inside && !(to_rim <= ContactJudge::kPlace)) return {};
+  return Closest{c, foot, false, !inside};
 }
 
-Points EdgeToEdge(const V& a, const V& b, const V& c, const V& d) {
+MaybeClosest EdgeToEdge(const V& a, const V& b, const V& c, const V& d) {
   const V u = b - a, w = d - c, from = c - a;
   const V across = u.cross(w);
   const Real across2 = across.squaredNorm();
   const Real s = across.dot(from.cross(w)) / across2, t = across.dot(from.cross(u)) / across2;
-  if (!(s >= 0 && s <= 1 && t >= 0 && t <= 1)) return {};
-  return std::pair(V(a + s * u), V(c + t * w));
+  const auto beyond = [](Real part, const V& edge) {
+    return std::max(-part, part - 1) * edge.norm();
+  };
+  const Real by_a = beyond(s, u), by_b = beyond(t, w);
+  if (!(std::max(by_a, by_b) <= ContactJudge::kPlace)) return {};
+  return Closest{a + s * u, c + t * w, by_a > 0, by_b > 0};
 }
 
 }  // namespace
@@ -149,6 +166,11 @@ struct ContactJudge::Part {
       if (low != high) features.push_back({Feature::kEdge, low, high});
     }
     if (!NormalOf(At(triangle)).isZero()) features.push_back({Feature::kFace, triangle, 0});
+  }
+  V MiddleOf(const Feature& of) const {
+    if (of.kind == Feature::kEdge) return (place[of.a] + place[of.b]) / 2;
+    const auto [a, b, c] = At(of.a);
+    return (a + b + c) / 3;
   }
   static V NormalOf(const std::array<V, 3>& t) {
     const V across = (t[1] - t[0]).cross(t[2] - t[0]);
@@ -380,19 +402,19 @@ std::string ContactJudge::WhyNot(const Scene& scene) {
   return {};
 }
 
-/// Two features that are near, and their nearest points, in the object's frame.
+/// Two features that are near, and their nearest points, in the object's frame: a is the tool's.
 struct ContactJudge::NearPair {
   Feature of_tool, of_object;
-  V on_tool, on_object;
+  Closest points;
 };
 
 /// The nearest points of a feature of `a`, moved by X, and of one of `b`.
 template <class Part>
-Points NearestPoints(const Part& part_a, const Motion& X, const Feature& a, const Part& part_b,
-                     const Feature& b) {
-  const auto swapped = [](const Points& points) -> Points {
-    if (!points) return {};
-    return std::pair(points->second, points->first);
+MaybeClosest NearestPoints(const Part& part_a, const Motion& X, const Feature& a,
+                           const Part& part_b, const Feature& b) {
+  const auto swapped = [](const MaybeClosest& nearest) -> MaybeClosest {
+    if (!nearest) return {};
+    return nearest->Swapped();
   };
   const auto moved = [&](std::uint32_t corner) { return V(X * part_a.place[corner]); };
   const auto still = [&](std::uint32_t corner) { return part_b.place[corner]; };
@@ -406,7 +428,7 @@ Points NearestPoints(const Part& part_a, const Motion& X, const Feature& a, cons
   }
   if (a.kind == Feature::kEdge) return swapped(CornerToEdge(still(b.a), moved(a.a), moved(a.b)));
   if (b.kind == Feature::kEdge) return CornerToEdge(moved(a.a), still(b.a), still(b.b));
-  return std::pair(moved(a.a), still(b.a));
+  return Closest{moved(a.a), still(b.a)};
 }
 
 std::vector<ContactJudge::NearPair> ContactJudge::NearPairs(const Part& object,
@@ -415,20 +437,22 @@ std::vector<ContactJudge::NearPair> ContactJudge::NearPairs(const Part& object,
   const double reach = radius_ + kNear;
   std::vector<NearPair> pairs;
   std::vector<Feature> of_tool, of_object;
-  VisitNear(tool_->tree, object.tree, X_BT, X_TB, reach, [&](std::uint32_t i, std::uint32_t k) {
-    tool_->FeaturesOf(i, of_tool);
-    object.FeaturesOf(k, of_object);
-    for (const Feature& a : of_tool) {
-      for (const Feature& b : of_object) {
-        // An edge and a face, and two faces, are nearest at a corner, or at edges of both.
-        if (a.kind + b.kind > Feature::kFace) continue;
-        const Points points = NearestPoints(*tool_, X_BT, a, object, b);
-        if (points && (points->first - points->second).norm() <= reach) {
-          pairs.push_back({a, b, points->first, points->second});
-        }
-      }
-    }
-  });
+  VisitNear(tool_->tree, object.tree, X_BT, X_TB, reach + 2 * kPlace,
+            [&](std::uint32_t i, std::uint32_t k) {
+              tool_->FeaturesOf(i, of_tool);
+              object.FeaturesOf(k, of_object);
+              for (const Feature& a : of_tool) {
+                for (const Feature& b : of_object) {
+                  // An edge and a face, and two faces, are nearest at a corner, or at edges of
+                  // both.
+                  if (a.kind + b.kind > Feature::kFace) continue;
+                  const MaybeClosest points = NearestPoints(*tool_, X_BT, a, object, b);
+                  if (points && (points->on_a - points->on_b).norm() <= reach) {
+                    pairs.push_back({a, b, *points});
+                  }
+                }
+              }
+            });
   const auto features = [](const NearPair& p) { return std::pair(p.of_tool, p.of_object); };
   std::ranges::sort(pairs, {}, features);
   pairs.erase(std::ranges::unique(pairs, {}, features).begin(), pairs.end());
@@ -439,17 +463,20 @@ std::vector<ContactJudge::Contact> ContactJudge::ContactsAt(const Pose& X_WT) co
   std::vector<Contact> contacts;
   for (const Part& object : objects_) {
     const Motion X_BT(object.X_WB, X_WT), X_TB(X_WT, object.X_WB), X_WB(Pose{}, object.X_WB);
-    for (const NearPair& pair : NearPairs(object, X_WT)) {
-      const V from = pair.on_tool - pair.on_object;
+    for (const auto& [of_tool, of_object, points] : NearPairs(object, X_WT)) {
+      const auto& [on_tool, on_object, tool_beyond, object_beyond] = points;
+      const V from = on_tool - on_object;
       const Real apart = from.norm();
       if (apart < kNoDirection) continue;
-      Cones cones{object.TangentsAt(pair.on_object), tool_->TangentsAt(X_TB * pair.on_tool)};
+      // Beyond its rim a feature has the cone that it has in its middle.
+      Cones cones{object.TangentsAt(object_beyond ? object.MiddleOf(of_object) : on_object),
+                  tool_->TangentsAt(tool_beyond ? tool_->MiddleOf(of_tool) : V(X_TB * on_tool))};
       for (Tangent& t : cones.tool) {
         for (V* v : {&t.normal, &t.a, &t.b}) *v = X_BT.R * *v;
       }
-      const V n = from / apart, at = pair.on_tool - static_cast<Real>(radius_) * n;
+      const V n = from / apart, at = on_tool - static_cast<Real>(radius_) * n;
       const double mu =
-          object.static_friction ? object.static_friction(pair.on_object.cast<double>()) : 0.0;
+          object.static_friction ? object.static_friction(on_object.cast<double>()) : 0.0;
       for (const V& direction : DirectionsOf(cones, n, kPlace / apart)) {
         contacts.push_back({(X_WB * at).cast<double>(), (X_WB.R * direction).cast<double>(),
                             static_cast<double>(apart) - radius_, mu});
