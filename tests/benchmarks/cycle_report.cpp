@@ -60,6 +60,35 @@ class ContactReport {
     AddForce(f.force);
     AddJumps(f);
   }
+  void AddSupport(const test::SupportFigures& s, int every) {
+    json_["friction_cycles"] = {{"unsolved", s.friction_unsolved}, {"lowered", s.friction_lowered}};
+    json_["support"] = {{"every", every},
+                        {"judged", s.force.size()},
+                        {"worst_step", s.worst_step},
+                        {"soft", s.soft},
+                        {"not_judged_for", s.not_judged_for}};
+    json_["nudged"] = {{"places", s.nudged},
+                       {"freed", s.freed},
+                       {"freed_unnudged", s.freed_unnudged},
+                       {"first_freed_step", s.first_freed}};
+    Line("friction's cycles",
+         fmt::format("{} unsolved, {} lowered", s.friction_unsolved, s.friction_lowered));
+    if (every == 0 || !s.not_judged_for.empty()) {
+      Line("unsupported force",
+           "not judged: " + (every == 0 ? std::string("--judge-every 0") : s.not_judged_for));
+      return;
+    }
+    Json in_milli;  // the table has three digits
+    Group("unsupported force", "mN", 1e3, s.force, in_milli);
+    Group("unsupported torque", "mN m", 1e3, s.torque, in_milli);
+    json_["unsupported_force_N"] = ToJson(PercentilesOf(s.force));
+    json_["unsupported_torque_Nm"] = ToJson(PercentilesOf(s.torque));
+    Line("judged", fmt::format("{} arrived cycles, every {}. step tried (worst: step {}); {} more "
+                               "touch soft bodies or leaves",
+                               s.force.size(), every, s.worst_step, s.soft));
+    Line("nudged", fmt::format("{} of {} places freed (first: step {}), {} of these also if held",
+                               s.freed, s.nudged, s.first_freed, s.freed_unnudged));
+  }
   void AddSettling(const test::ContactFigures::Settling& s) {
     const auto share = [&](std::size_t n) {
       return static_cast<double>(n) / static_cast<double>(std::max<std::size_t>(1, s.poses));
@@ -180,6 +209,9 @@ void CycleOptions::AddTo(const CommandLine& command) {
   Add(command, "--settle-every", settle_every,
       "hold the hand still at every n-th step and check whether the tool settles; 0: never")
       .NotNegative();
+  Add(command, "--judge-every", judge_every,
+      "judge at every n-th step whether contacts bear the tool, and nudge it; 0: never")
+      .NotNegative();
   Add(command, "--trace", trace,
       "write poses and wrench of every step to this file (CSV); -: standard output");
 }
@@ -190,6 +222,7 @@ test::ContactFigures MeasureContact(SceneRun& run, const CycleOptions& options) 
   test::ContactChecks checks{.oracle_every = options.check_every,
                              .converge_every = options.check_every,
                              .settle_every = options.settle_every,
+                             .judge_every = options.judge_every,
                              .hold_far = true,
                              .quarter_steps = options.quarter_steps};
   checks.progress = [&](std::string_view what, double share) {
@@ -202,6 +235,7 @@ void AddContact(const test::ContactFigures& figures, const CycleOptions& options
                 Json& json) {
   ContactReport report(table, json);
   report.Add(figures);
+  report.AddSupport(figures.support, options.judge_every);
   if (options.settle_every > 0) report.AddSettling(figures.settling);
   if (options.quarter_steps) report.AddQuarters(figures.force_4khz_rms_fraction);
 }

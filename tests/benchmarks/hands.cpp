@@ -62,10 +62,11 @@ void RunSeeds(const Options& options, const Scene& scene) {
 
   std::string out = fmt::format(
       "{}, contact {}, friction {}: hands of {} steps at {} m/s, the worst seed first\n"
-      "  {:>6} {:>9} {:>9} {:>10} {:>6} {:>8} {:>7} {:>9} {:>9} {:>11} {:>8} {:>10}\n",
+      "  {:>6} {:>9} {:>9} {:>10} {:>6} {:>8} {:>7} {:>9} {:>9} {:>11} {:>8} {:>10} {:>11} {:>6}\n",
       options.scene, NameOf(scene.features.contact), NameOf(scene.features.friction),
       options.hand.steps, options.hand.speed, "seed", "meet, %", "deep, um", "arrived, %", "never",
-      "notches", "ledges", "F rms, N", "jump, N", "unexplained", "4 kHz, %", "settled, %");
+      "notches", "ledges", "F rms, N", "jump, N", "unexplained", "4 kHz, %", "settled, %",
+      "unborne, mN", "freed");
   Json rows = Json::array();
   for (const Seed& s : seeds) {
     const test::ContactFigures& f = s.figures;
@@ -73,11 +74,12 @@ void RunSeeds(const Options& options, const Scene& scene) {
                            static_cast<double>(std::max<std::size_t>(1, f.settling.poses));
     out += fmt::format(
         "  {:>6} {:>9.2f} {:>9.3f} {:>10.2f} {:>6} {:>8} {:>7} {:>9.2f} {:>9.3f} {:>11} {:>8.2f} "
-        "{:>10.1f}\n",
+        "{:>10.1f} {:>11.3f} {:>6}\n",
         s.seed, 1e2 * f.meeting_fraction(), 1e6 * s.depth(), 1e2 * f.arrived_fraction(),
         f.held.never, f.force.notches.size(), f.force.ledges.size(), f.force_rms,
         f.force.largest_jump.size, f.jumps.unexplained(), 1e2 * f.force_4khz_rms_fraction,
-        1e2 * settled);
+        1e2 * settled, f.support.force.empty() ? 0.0 : 1e3 * std::ranges::max(f.support.force),
+        f.support.freed);
     rows.push_back({{"seed", s.seed}});
     AddContact(f, options.cycle, nullptr, rows.back());
   }

@@ -164,6 +164,23 @@ TEST_F(PalpateBench, HandsDriveAnySceneAndTheirPosesReadBack) {
   const nlohmann::json cycle = Figures({"cycle", "--scene", "cube", "--poses", File("hand.csv"),
                                         "--repeats", "1", "--check-every", "10"});
   EXPECT_EQ(cycle["jump"], hand["jump"]);
+  EXPECT_EQ(hand["support"]["judged"], 150) << "a ball on a cube always arrives";
+  EXPECT_LT(hand["unsupported_force_N"]["max"], 0.01);
+  EXPECT_LT(hand["unsupported_torque_Nm"]["max"], 1e-6) << "nothing turns a ball";
+  EXPECT_GT(hand["nudged"]["places"], 10);
+  EXPECT_EQ(hand["nudged"]["freed"], 0);
+  EXPECT_EQ(hand["friction_cycles"]["unsolved"], 0);
+}
+
+TEST_F(PalpateBench, CycleSaysWhyItJudgesNothing) {
+  const std::vector<std::string> few{"cycle", "--scene",   "cube", "--steps",
+                                     "200",   "--repeats", "1"};
+  const nlohmann::json leaves = Figures(test::Joined(few, {"--contact", "spheres"}));
+  EXPECT_NE(leaves["support"]["not_judged_for"], "");
+  EXPECT_FALSE(leaves.contains("unsupported_force_N"));
+  const nlohmann::json off = Figures(test::Joined(few, {"--judge-every", "0"}));
+  EXPECT_EQ(off["support"]["every"], 0);
+  EXPECT_FALSE(off.contains("unsupported_force_N"));
 }
 
 TEST_F(PalpateBench, HandsDriveBodiesMadeFromASeed) {
