@@ -91,12 +91,13 @@ V NearestOnLine(const V& a, const V& b, const V& to) {
 /// The nearest points of two features where each is inside of its feature; else they are those of
 /// features at its rim.  But a corner over a face, and two edges that cross, also count up to
 /// kPlace beyond the rim: a corner at rest in a valley is over one side of it alone if its pose is
-/// off by a fraction of the separation.  `beyond`: which of the two points is.
+/// off by a fraction of the separation.  `at_rim`: which of the two points is as near to its
+/// feature's rim, on either side.
 struct Closest {
   V on_a, on_b;
-  bool a_beyond = false, b_beyond = false;
+  bool a_at_rim = false, b_at_rim = false;
 
-  Closest Swapped() const { return {on_b, on_a, b_beyond, a_beyond}; }
+  Closest Swapped() const { return {on_b, on_a, b_at_rim, a_at_rim}; }
 };
 using MaybeClosest = std::optional<Closest>;
 
@@ -117,8 +118,9 @@ MaybeClosest CornerToFace(const V& c, const std::array<V, 3>& t) {
     inside = inside && across.dot((to - from).cross(foot - from)) >= 0;
     to_rim = std::min(to_rim, (NearestOnLine(from, to, foot) - foot).norm());
   }
-  if (!inside && !(to_rim <= ContactJudge::kPlace)) return {};
-  return Closest{c, foot, false, !inside};
+  const bool at_rim = to_rim <= ContactJudge::kPlace;
+  if (!inside && !at_rim) return {};
+  return Closest{c, foot, false, at_rim};
 }
 
 MaybeClosest EdgeToEdge(const V& a, const V& b, const V& c, const V& d) {
@@ -131,7 +133,7 @@ MaybeClosest EdgeToEdge(const V& a, const V& b, const V& c, const V& d) {
   };
   const Real by_a = beyond(s, u), by_b = beyond(t, w);
   if (!(std::max(by_a, by_b) <= ContactJudge::kPlace)) return {};
-  return Closest{a + s * u, c + t * w, by_a > 0, by_b > 0};
+  return Closest{a + s * u, c + t * w, by_a > -ContactJudge::kPlace, by_b > -ContactJudge::kPlace};
 }
 
 }  // namespace
@@ -464,13 +466,13 @@ std::vector<ContactJudge::Contact> ContactJudge::ContactsAt(const Pose& X_WT) co
   for (const Part& object : objects_) {
     const Motion X_BT(object.X_WB, X_WT), X_TB(X_WT, object.X_WB), X_WB(Pose{}, object.X_WB);
     for (const auto& [of_tool, of_object, points] : NearPairs(object, X_WT)) {
-      const auto& [on_tool, on_object, tool_beyond, object_beyond] = points;
+      const auto& [on_tool, on_object, tool_at_rim, object_at_rim] = points;
       const V from = on_tool - on_object;
       const Real apart = from.norm();
       if (apart < kNoDirection) continue;
-      // Beyond its rim a feature has the cone that it has in its middle.
-      Cones cones{object.TangentsAt(object_beyond ? object.MiddleOf(of_object) : on_object),
-                  tool_->TangentsAt(tool_beyond ? tool_->MiddleOf(of_tool) : V(X_TB * on_tool))};
+      // At its rim a feature has the cone that it has in its middle.
+      Cones cones{object.TangentsAt(object_at_rim ? object.MiddleOf(of_object) : on_object),
+                  tool_->TangentsAt(tool_at_rim ? tool_->MiddleOf(of_tool) : V(X_TB * on_tool))};
       for (Tangent& t : cones.tool) {
         for (V* v : {&t.normal, &t.a, &t.b}) *v = X_BT.R * *v;
       }

@@ -178,22 +178,27 @@ TEST(ContactJudge, GivesACornerAtAnEdgeTheDirectionsBetweenItsFaces) {
 }
 
 TEST(ContactJudge, GivesACornerInAShallowValleyBothSides) {
-  // Two sides at 4 degrees: 1 um above both, a corner is over both within 35 nm only.
-  TriangleMesh valley = Sheet({-0.05, 0.0, 0.05}, {-0.05, 0.05});
-  for (Vec3& v : valley.vertices) v.y() = 0.035 * std::abs(v.x());
+  // 1 um above both sides, a corner is over both within 1 um times their slope only; right over
+  // the bottom it is over neither's inside.
   const TriangleMesh block = MakeBox({0.01, 0.01, 0.01});
-  const ContactJudge judge({.mesh = &block}, {{&valley}});
-  const Quat q = RotationBetween(Vec3(-1, -1, -1), -Vec3::UnitY());
-  const Vec3 lever = -(q * Vec3(0.005, 0.005, 0.005));
-  for (const double off : {0.0, 1e-7, -5e-7}) {
-    const Pose X{Vec3(off, kDelta, 0.0) - lever, q};
-    for (const Vec3& force : {Vec3(0, -3, 0), Vec3(0.1, -3, 0), Vec3(-0.1, -3, 0)}) {
-      EXPECT_LT(judge.Judge(X, Pull(force, lever.cross(force)), kLength).force, 1e-3) << off;
+  for (const double slope : {0.035, 0.003}) {
+    TriangleMesh valley = Sheet({-0.05, 0.0, 0.05}, {-0.05, 0.05});
+    for (Vec3& v : valley.vertices) v.y() = slope * std::abs(v.x());
+    const ContactJudge judge({.mesh = &block}, {{&valley}});
+    const Quat q = RotationBetween(Vec3(-1, -1, -1), -Vec3::UnitY());
+    const Vec3 lever = -(q * Vec3(0.005, 0.005, 0.005));
+    for (const double off : {0.0, 1e-7, -5e-7}) {
+      const Pose X{Vec3(off, kDelta, 0.0) - lever, q};
+      for (const double aside : {0.0, 2.9 * slope, -2.9 * slope}) {
+        const Vec3 force(aside, -3, 0);
+        EXPECT_LT(judge.Judge(X, Pull(force, lever.cross(force)), kLength).force, 1e-3)
+            << slope << ' ' << off;
+      }
+      const Vec3 beyond(0.5, -3, 0);
+      EXPECT_NEAR(judge.Judge(X, Pull(beyond, lever.cross(beyond)), kLength).force,
+                  (0.5 - slope * 3) / std::hypot(1.0, slope), 0.01)
+          << slope << ' ' << off;
     }
-    const Vec3 beyond(0.5, -3, 0);
-    EXPECT_NEAR(judge.Judge(X, Pull(beyond, lever.cross(beyond)), kLength).force,
-                (0.5 - 0.035 * 3) / std::hypot(1.0, 0.035), 0.01)
-        << off;
   }
 }
 
