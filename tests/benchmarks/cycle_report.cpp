@@ -61,7 +61,7 @@ class ContactReport {
     AddJumps(f);
   }
   void AddSupport(const test::SupportFigures& s, int every) {
-    json_["friction_cycles"] = {{"unsolved", s.friction_unsolved}, {"lowered", s.friction_lowered}};
+    json_["friction_cycles"] = {{"unsolved", s.friction_unsolved}, {"yielded", s.friction_yielded}};
     json_["support"] = {{"every", every},
                         {"judged", s.force.size()},
                         {"worst_step", s.worst_step},
@@ -72,7 +72,7 @@ class ContactReport {
                        {"freed_unnudged", s.freed_unnudged},
                        {"first_freed_step", s.first_freed}};
     Line("friction's cycles",
-         fmt::format("{} unsolved, {} lowered", s.friction_unsolved, s.friction_lowered));
+         fmt::format("{} unsolved, {} yielded", s.friction_unsolved, s.friction_yielded));
     if (every == 0 || !s.not_judged_for.empty()) {
       Line("unsupported force",
            "not judged: " + (every == 0 ? std::string("--judge-every 0") : s.not_judged_for));
@@ -256,7 +256,7 @@ Json ReportCycle(SceneRun& run, const CycleOptions& options) {
   // Sphere contact is between leaves, surface contact between meshes.
   const bool surface = run.scene().features.contact == ContactModel::kSurface;
   std::vector<double> predicted, conventional, penetration, truncation, iterations, newton;
-  int unsolved = 0, jammed = 0, far = 0, lowered = 0, rubs_unsolved = 0;
+  int unsolved = 0, jammed = 0, far = 0, yielded = 0, rubs_unsolved = 0;
   for (std::size_t i = 0; i < steps; ++i) {
     const StepReport& report = reports[i];
     predicted.push_back(report.diagnostics.predicted_pairs);
@@ -266,7 +266,7 @@ Json ReportCycle(SceneRun& run, const CycleOptions& options) {
     jammed += (report.faults & kFaultJammed) != 0;
     far += (report.faults & kFaultTargetFar) != 0;
     newton.push_back(report.diagnostics.friction_iterations);
-    lowered += report.diagnostics.friction_lowered;
+    yielded += report.diagnostics.friction_yielded;
     rubs_unsolved += report.diagnostics.friction_unsolved;
     if (i % static_cast<std::size_t>(options.check_every) == 0) {
       if (i % 500 == 0) {
@@ -317,10 +317,10 @@ Json ReportCycle(SceneRun& run, const CycleOptions& options) {
   if (features.friction == FrictionModel::kCoulomb) {
     Json& rubs = json["friction_solver"];
     add("friction's Newton steps", "", std::move(newton), rubs["iterations"]);
-    rubs["lowered"] = lowered;
+    rubs["yielded"] = yielded;
     rubs["unsolved"] = rubs_unsolved;
-    table.Line("friction's limits lowered",
-               fmt::format("{} (unsolved {})", lowered, rubs_unsolved));
+    table.Line("contacts that yielded",
+               fmt::format("{} (friction unsolved {})", yielded, rubs_unsolved));
   }
   AddContact(contact, options, &table, json);
   json["steps_jammed"] = jammed;

@@ -50,7 +50,7 @@ void SteadyJudge::See(std::size_t i, const StepReport& report) {
   touching_ += report.contacts > 0;
   late_ += Late(report);
   unsolved_ += report.diagnostics.friction_unsolved > 0;
-  lowered_ += report.diagnostics.friction_lowered > 0;
+  yielded_ += report.diagnostics.friction_yielded > 0;
   const Vec3& force = report.wrench.force;
   if (i >= slide_.steady) SeeSteady(i, force, RotationLog(report.X_WG.q * q_.conjugate()));
   force_ = force;
@@ -89,7 +89,7 @@ void SteadyJudge::Tell(Tally& tally) const {
   tally.Most("change N/N", change_);
   tally.Count("touching", touching_);
   tally.Count("unsolved", unsolved_);
-  tally.Count("lowered", lowered_);
+  tally.Count("yielded", yielded_);
   tally.Count("late", late_);
   tally.Count("judged", judged_);
   tally.Count("turning", turning_);

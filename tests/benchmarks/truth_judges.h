@@ -68,7 +68,7 @@ class SteadyJudge {
   Quat q_;
   Vec3 force_ = Vec3::Zero();
   double least_ = INFINITY, most_ = 0.0, direction_ = 0.0, change_ = 0.0;
-  int touching_ = 0, judged_ = 0, turning_ = 0, late_ = 0, unsolved_ = 0, lowered_ = 0;
+  int touching_ = 0, judged_ = 0, turning_ = 0, late_ = 0, unsolved_ = 0, yielded_ = 0;
 };
 
 }  // namespace palpate::bench

@@ -30,7 +30,7 @@ SupportMeasure::SupportMeasure(const Scene& scene, const HapticModel& model,
 
 void SupportMeasure::Count(const StepReport& report) {
   figures_.friction_unsolved += report.diagnostics.friction_unsolved > 0;
-  figures_.friction_lowered += report.diagnostics.friction_lowered > 0;
+  figures_.friction_yielded += report.diagnostics.friction_yielded > 0;
 }
 
 void SupportMeasure::Judge(std::size_t step, const Pose& X_WH, const StepReport& report,

@@ -30,7 +30,7 @@ struct SupportFigures {
   static constexpr double kFreed = 0.01;
 
   // Of all cycles, judged or not:
-  std::size_t friction_unsolved = 0, friction_lowered = 0;
+  std::size_t friction_unsolved = 0, friction_yielded = 0;
 };
 
 /// Collects SupportFigures of a path.

@@ -95,10 +95,10 @@ TEST(SupportFigures, CountCyclesWhoseFrictionFailed) {
   report.diagnostics.friction_unsolved = 3;
   measure.Count(report);
   report.diagnostics = {};
-  report.diagnostics.friction_lowered = 1;
+  report.diagnostics.friction_yielded = 1;
   measure.Count(report);
   EXPECT_EQ(measure.figures().friction_unsolved, 1u);
-  EXPECT_EQ(measure.figures().friction_lowered, 1u);
+  EXPECT_EQ(measure.figures().friction_yielded, 1u);
 }
 
 }  // namespace
