@@ -36,6 +36,7 @@ std::array<std::string, 3> Words(const std::string& name) {
 
 std::vector<TruthCase> Chosen(const Options& options) {
   std::vector<TruthCase> cases = FlatTruths();
+  for (TruthCase& c : FoldTruths()) cases.push_back(std::move(c));
   std::erase_if(cases,
                 [&](const TruthCase& c) { return c.name.find(options.only) == std::string::npos; });
   if (cases.empty()) {
@@ -159,28 +160,6 @@ void Run(const Options& options) {
 }
 
 }  // namespace
-
-void Tally::Add(Figure figure) {
-  figure.seed = seed_;
-  Merge(figure);
-}
-
-void Tally::Merge(const Figure& figure) {
-  const auto same = [&](const Figure& f) { return f.name == figure.name; };
-  const auto at = std::find_if(figures_.begin(), figures_.end(), same);
-  if (at == figures_.end()) {
-    figures_.push_back(figure);
-  } else if (figure.kind == Kind::kCount) {
-    at->value += figure.value;
-  } else if (figure.kind == Kind::kMost ? !(figure.value <= at->value)
-                                        : !(figure.value >= at->value)) {
-    *at = figure;
-  }
-}
-
-void Tally::Merge(const Tally& other) {
-  for (const Figure& figure : other.figures_) Merge(figure);
-}
 
 void AddTruth(const CommandLine& app) {
   auto options = std::make_shared<Options>();

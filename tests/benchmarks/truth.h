@@ -67,5 +67,7 @@ struct TruthCase {
 
 /// Plates flat in any tessellation under plain tools, without friction and with Coulomb's.
 std::vector<TruthCase> FlatTruths();
+/// Grooves and holes whose sides are such plates, and what lies in them.
+std::vector<TruthCase> FoldTruths();
 
 }  // namespace palpate::bench
