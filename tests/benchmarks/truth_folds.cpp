@@ -101,8 +101,8 @@ struct FoldMotion {
 FoldMotion MakeMotion(std::string_view tool, bool rubs, Random& random) {
   const bool is_peg = tool == "peg" || tool == "prism";
   FoldMotion m{};
-  m.depth = Decades(random, 5e-4, rubs ? 3e-3 : 10e-3);
-  m.speed = Decades(random, 1e-3, 0.1);
+  m.depth = Decades(random, 5e-4, rubs ? 2e-3 : 10e-3);
+  m.speed = Decades(random, rubs ? 5e-3 : 1e-3, 0.1);
   m.swing = random.Uniform(0.005, 0.015);
   const int leans = random.Below(3), turns = random.Below(3);
   const double lean = random.Uniform(-1.5, 1.5), turn = random.Uniform(0.02, 0.1);
@@ -117,12 +117,12 @@ FoldMotion MakeMotion(std::string_view tool, bool rubs, Random& random) {
 }
 
 /// @param bottom  height of the tool's centroid at the groove's bottom.
-FoldSample SampleAt(const FoldMotion& m, double bottom, bool is_peg, int i) {
-  const double t = 1e-3 * i, pressed = std::min(1.0, static_cast<double>(i) / kDown);
+/// @param depth  of the hand [m].   @param i  the step, for what swings.
+FoldSample SampleAt(const FoldMotion& m, double bottom, bool is_peg, double depth, int i = 0) {
+  const double t = 1e-3 * i, pressed = std::clamp(depth / m.depth, 0.0, 1.0);
   const double swings = m.speed / m.swing * 1e-3 * std::max(0, i - kDown);
   FoldSample s{Vec2::Zero(), m.turn * std::sin(2.0 * M_PI * m.turn_Hz * t) * pressed,
                m.swing * std::sin(swings)};
-  const double depth = DepthAt(i, m.depth);
   if (is_peg) {
     const double aside = m.aside + 2.0 * M_PI * m.aside_Hz * t;
     if (m.is_pushed) s.at = std::max(0.0, depth) * Vec2(std::cos(aside), std::sin(aside));
@@ -161,35 +161,31 @@ TruthHand MakeSlide(const Fold& fold, Scene scene, const FoldMotion& motion, dou
                     .stiffness = fold.fit.stiffness,
                     .steady = 0,
                     .depth = {}};
-  // The sides that hold it, at any depth of the tremor.
-  for (const double tremor : {-kTremor, kTremor}) {
-    FoldMotion m = motion;
-    m.depth += tremor;
-    const FoldSample s = SampleAt(m, bottom, is_peg, kDown);
-    const test::PlanarRest rest = RestOf(fold.fit, s.at, s.angle);
-    double load = 0.0;
-    if (rest.holds.size() >= slide.normals.size()) slide.normals.clear();
-    for (std::size_t k = 0; k < rest.holds.size(); ++k) {
-      load += rest.load[k];
-      const Vec2& n = fold.fit.sides[static_cast<std::size_t>(rest.holds[k])].normal;
-      if (slide.normals.size() < rest.holds.size()) {
-        slide.normals.push_back(X_WB.q * Vec3(n.x(), n.y(), 0.0));
-      }
-    }
-    slide.gain = std::max(slide.gain, load / Pull(fold.fit, rest, s.at).norm());
+  // The tremor is along the pull, so that it changes the force alone.
+  const FoldSample deep = SampleAt(motion, bottom, is_peg, motion.depth);
+  const test::PlanarRest rest = RestOf(fold.fit, deep.at, deep.angle);
+  const Vec2 pull = rest.at - deep.at;
+  double load = 0.0;
+  for (std::size_t k = 0; k < rest.holds.size(); ++k) {
+    const Vec2& n = fold.fit.sides[static_cast<std::size_t>(rest.holds[k])].normal;
+    slide.normals.push_back(X_WB.q * Vec3(n.x(), n.y(), 0.0));
+    load += rest.load[k];
   }
+  slide.gain = load / (fold.fit.stiffness * pull.norm());
   const double pressed = slide.gain * motion.depth * std::hypot(1.0, motion.lean);
   const double run_in = (kTruthStatic + 8.0 * kTruthDynamic) * pressed + 3e-4;
   slide.steady = static_cast<std::size_t>(kDown + std::ceil(1e3 * run_in / motion.speed));
-  const int steps = static_cast<int>(std::min(static_cast<double>(slide.steady) + 1500.0,
+  const int steps = static_cast<int>(std::min(static_cast<double>(slide.steady) + 600.0,
                                               kDown + 1e3 * (run_in + 4e-3) / motion.speed));
   std::vector<Pose> X_WH;
   std::vector<Vec3> across;
   for (int i = 0; i < steps; ++i) {
-    FoldSample s = SampleAt(motion, bottom, is_peg, i);
+    const double depth = DepthAt(i, motion.depth);
+    FoldSample s = i < kDown ? SampleAt(motion, bottom, is_peg, depth) : deep;
+    if (i >= kDown) s.at += (motion.depth - depth) * pull.normalized();
     s.z = 1e-3 * motion.speed * std::max(0, i - kDown) - 0.5 * run_in;
     across.push_back(X_WB.q * Pull(fold.fit, RestOf(fold.fit, s.at, s.angle), s.at));
-    slide.depth.push_back(DepthAt(i, motion.depth));
+    slide.depth.push_back(depth);
     X_WH.push_back(X_WB * PoseOf(fold.tool.tree.centroid, s));
   }
   const Quat start = X_WH.front().q;
@@ -216,8 +212,8 @@ TruthHand MakeHand(std::string_view tessellation, std::string_view tool, std::ui
   if (rubs) return MakeSlide(fold, std::move(scene), motion, bottom);
   std::vector<FoldSample> hand;
   std::vector<Pose> X_WH;
-  for (int i = 0; i < kDown + 1200; ++i) {
-    hand.push_back(SampleAt(motion, bottom, is_peg, i));
+  for (int i = 0; i < kDown + 700; ++i) {
+    hand.push_back(SampleAt(motion, bottom, is_peg, DepthAt(i, motion.depth), i));
     X_WH.push_back(fold.object.X_WB * PoseOf(fold.tool.tree.centroid, hand.back()));
   }
   FoldJudge judge(fold, scene, hand);
@@ -245,11 +241,12 @@ Fold MakeFold(std::string_view tessellation, std::string_view tool, Random& rand
       fold.fit.sides.push_back({inward, inward.dot(wide[i].head<2>()) + separation});
       fold.fit.outline.push_back(narrow[i].head<2>());
     }
-    fold.object = test::MakeSolidBody("hole", test::MakeHole(tessellation, wide, random.Bits()));
+    fold.object = SurfaceBody("hole", test::MakeHole(tessellation, wide, random.Bits()));
     return fold;
   }
-  // An edge of a right angle needs a wider groove.
-  const double half_angle = random.Uniform(tool == "edge" ? 0.9 : 0.5, 1.3);
+  // An edge of a right angle needs a wider groove.  Sides that meet at less than 40 degrees, above
+  // 1.22, are to a ball those of a smooth surface.
+  const double half_angle = random.Uniform(tool == "edge" ? 0.9 : 0.5, 1.2);
   double radius = 0.0;
   if (tool == "ball") {
     radius = random.Uniform(0.001, 0.008);
@@ -266,8 +263,7 @@ Fold MakeFold(std::string_view tessellation, std::string_view tool, Random& rand
     fold.fit.sides.push_back({Vec2(-side * c, s), radius + separation});
   }
   const std::uint64_t right = random.Bits(), left = random.Below(2) == 0 ? right : random.Bits();
-  fold.object =
-      test::MakeSolidBody("groove", test::MakeGroove(tessellation, half_angle, right, left));
+  fold.object = SurfaceBody("groove", test::MakeGroove(tessellation, half_angle, right, left));
   return fold;
 }
 

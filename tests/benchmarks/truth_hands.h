@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <string>
 #include <string_view>
+#include <utility>
 
 #include "scenes/scene.h"
+#include "scenes/tree/sphere_tree_builder.h"
 #include "tests/support/random.h"
 
 namespace palpate::bench {
@@ -35,6 +38,16 @@ inline double ReachOf(const Body& tool) {
     reach = std::max(reach, (v - tool.tree.centroid).norm());
   }
   return reach;
+}
+
+/// Makes an object that is felt by its mesh alone.  One leaf stands for all of it: to fit more into
+/// a million triangles, or to close what only T-junctions close, takes longer than a hand.
+inline Body SurfaceBody(std::string name, TriangleMesh mesh) {
+  Body body;
+  body.name = std::move(name);
+  body.tree = SingleSphereTree(mesh, {mesh.vertices.front(), 1e-6});
+  body.mesh = std::move(mesh);
+  return body;
 }
 
 /// Returns a seed for a case and a seed, so that no two cases have hands in common (FNV-1a).

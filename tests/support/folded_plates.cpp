@@ -7,7 +7,6 @@
 
 #include "tests/support/dirty_mesh.h"
 #include "tests/support/flat_plates.h"
-#include "tests/support/random.h"
 
 namespace palpate::test {
 namespace {
@@ -48,12 +47,12 @@ TriangleMesh MakeGroove(std::string_view tessellation, double half_angle, std::u
 
 TriangleMesh MakeHole(std::string_view tessellation, std::span<const Vec3> outline,
                       std::uint64_t seed) {
-  Random random(seed);
+  const TriangleMesh plate = MakePlate(tessellation, seed);
   TriangleMesh hole;
   for (std::size_t i = 0; i < outline.size(); ++i) {
     const Vec3 &a = outline[i], &b = outline[(i + 1) % outline.size()];
     AddSide(
-        hole, MakePlate(tessellation, random.Bits()), true,
+        hole, plate, true,
         [&](const Vec3& v) {
           // Exact at both ends, so that sides meet.
           const double to_b = (v.z() + kPlateHalf) / (2.0 * kPlateHalf);

@@ -28,7 +28,8 @@ namespace palpate::test {
 TriangleMesh MakeGroove(std::string_view tessellation, double half_angle, std::uint64_t right,
                         std::uint64_t left);
 
-/// Makes a block with a hole along z, 2 kPlateHalf long, whose sides are those of a polygon.
+/// Makes a block with a hole along z, 2 kPlateHalf long, whose sides are those of a polygon, all
+/// divided alike.
 /// Across z the plates are squeezed to the polygon's sides; along z they keep their lengths.
 /// @param outline  a convex polygon round the origin, counter-clockwise.
 TriangleMesh MakeHole(std::string_view tessellation, std::span<const Vec3> outline,
