@@ -24,7 +24,7 @@ namespace {
 
 struct Options {
   std::string seeds = "1..1", only, json, scene_out, poses_out;
-  bool list = false;
+  bool list = false, million = false;
 };
 
 /// The three words of a name.
@@ -36,11 +36,14 @@ std::array<std::string, 3> Words(const std::string& name) {
 
 std::vector<TruthCase> Chosen(const Options& options) {
   std::vector<TruthCase> cases = FlatTruths();
-  for (TruthCase& c : FoldTruths()) cases.push_back(std::move(c));
+  for (auto& more : {FoldTruths(), CurvedTruths(options.million)}) {
+    cases.insert(cases.end(), more.begin(), more.end());
+  }
   std::erase_if(cases,
                 [&](const TruthCase& c) { return c.name.find(options.only) == std::string::npos; });
   if (cases.empty()) {
-    throw UsageError("--only " + options.only + " is in no case's name; --list shows them");
+    throw UsageError("--only " + options.only + " is in no case's name; --list shows them, with " +
+                     "--million those of a million triangles, too");
   }
   return cases;
 }
@@ -167,8 +170,9 @@ void AddTruth(const CommandLine& app) {
       "truth",
       "bodies whose right answer is known, under hands from a seed\n"
       "Plates that are flat, however they are divided into triangles, under nine tools\n"
-      "that press, tremble, slide and turn.  Prints for each plate and tool how far\n"
-      "the force is from the truth, and the seed of the worst hand.");
+      "that press, tremble, slide and turn (flat); grooves and holes with such sides, and\n"
+      "what fits into them (folds); meshes of smooth bodies (curved).  Prints for each\n"
+      "body and tool how far the force is from the truth, and the seed of the worst hand.");
   command.Footer(
       "Examples:\n"
       "  palpate-bench truth --seeds 1..20 --json truth.json\n"
@@ -178,6 +182,8 @@ void AddTruth(const CommandLine& app) {
   Add(command, "--seeds", options->seeds, "seeds A..B of the hands, tools and plates of each case");
   Add(command, "--only", options->only, "only cases with this in their name (see --list)");
   command.AddFlag("--list", options->list, "list the cases");
+  command.AddFlag("--million", options->million,
+                  "with curved bodies of a million triangles, some seconds each");
   Add(command, "--scene-out", options->scene_out,
       "write the scene of the one hand to this file, a bundle for 'cycle --scene'");
   Add(command, "--poses-out", options->poses_out,

@@ -69,5 +69,8 @@ struct TruthCase {
 std::vector<TruthCase> FlatTruths();
 /// Grooves and holes whose sides are such plates, and what lies in them.
 std::vector<TruthCase> FoldTruths();
+/// Meshes of smooth bodies.
+/// @param million  whether with those of a million triangles.
+std::vector<TruthCase> CurvedTruths(bool million);
 
 }  // namespace palpate::bench
