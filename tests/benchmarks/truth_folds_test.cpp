@@ -6,20 +6,13 @@
 #include <gtest/gtest.h>
 
 #include "common/math/rotation.h"
+#include "tests/benchmarks/figure_of.h"
 
 namespace palpate::bench {
 namespace {
 
 using test::Random;
 using test::Vec2;
-
-double FigureOf(const Tally& tally, std::string_view name) {
-  for (const Tally::Figure& f : tally.figures()) {
-    if (f.name == name) return f.value;
-  }
-  ADD_FAILURE() << "no figure " << name;
-  return NAN;
-}
 
 /// Whether a point of the object's frame is within its material, by the winding number.
 bool IsInside(const TriangleMesh& mesh, const Vec3& p) {
@@ -81,11 +74,9 @@ TEST(TruthFolds, SeeAWrongSplitAndAToolThatIsTooNear) {
     report.wrench.force = Vec3(force.x(), force.y(), 0.0);
     report.X_WG.p = Vec3(rest.at.x(), rest.at.y() - lower, 0.0);
     judge.See(0, report);
-    Tally tally;
-    judge.Tell(tally);
-    return tally;
+    return judge;
   };
-  const Tally right = judged(rest.load[0], rest.load[1], 0.0);
+  const FoldJudge right = judged(rest.load[0], rest.load[1], 0.0);
   EXPECT_LT(FigureOf(right, "force off N"), 1e-9);
   EXPECT_LT(FigureOf(right, "out um"), 1e-6);
   EXPECT_GT(FigureOf(judged(rest.load[1], rest.load[0], 0.0), "force off N"), 0.1);
@@ -108,10 +99,8 @@ TEST(TruthFolds, SeeAPegThatTurnsTooEarly) {
                    RotationExp(angle * Vec3::UnitZ())};
     report.wrench.torque = fold.fit.torsional * (angle - hand.angle) * Vec3::UnitZ();
     judge.See(0, report);
-    Tally tally;
-    judge.Tell(tally);
-    EXPECT_NEAR(FigureOf(tally, "torque N m"), stop - angle, 1e-9);
-    EXPECT_LT(FigureOf(tally, "out um"), 1e-3);
+    EXPECT_NEAR(FigureOf(judge, "torque N m"), stop - angle, 1e-9);
+    EXPECT_LT(FigureOf(judge, "out um"), 1e-3);
   }
 }
 

@@ -4,16 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/benchmarks/figure_of.h"
+
 namespace palpate::bench {
 namespace {
-
-double FigureOf(const Tally& tally, std::string_view name) {
-  for (const Tally::Figure& f : tally.figures()) {
-    if (f.name == name) return f.value;
-  }
-  ADD_FAILURE() << "no figure " << name;
-  return NAN;
-}
 
 const Vec3 kRight = Vec3(-1.0, 1.0, 0.0).normalized(), kLeft = Vec3(1.0, 1.0, 0.0).normalized();
 
@@ -25,7 +19,7 @@ StepReport ReportOf(const Vec3& force) {
 }
 
 /// Judges a steady slide along z in a groove of right angles.
-Tally Slid(const Vec3& force) {
+SteadyJudge Slid(const Vec3& force) {
   SteadyJudge judge({.normals = {kRight, kLeft},
                      .along = Vec3::UnitZ(),
                      .speed = 0.01,
@@ -35,9 +29,7 @@ Tally Slid(const Vec3& force) {
                      .depth = std::vector<double>(10, 1e-3)},
                     Quat::Identity());
   for (std::size_t i = 0; i < 10; ++i) judge.See(i, ReportOf(force));
-  Tally tally;
-  judge.Tell(tally);
-  return tally;
+  return judge;
 }
 
 TEST(TruthJudges, SplitAForceByTheSpanOfTheNormals) {
@@ -54,12 +46,12 @@ TEST(TruthJudges, SplitAForceByTheSpanOfTheNormals) {
 
 TEST(TruthJudges, AskInAGrooveForFrictionOfTheSumOfBothLoads) {
   const Vec3 loads = 2.0 * kRight + 3.0 * kLeft;
-  const Tally right = Slid(loads - kTruthDynamic * 5.0 * Vec3::UnitZ());
+  const SteadyJudge right = Slid(loads - kTruthDynamic * 5.0 * Vec3::UnitZ());
   EXPECT_NEAR(FigureOf(right, "mu least"), kTruthDynamic, 1e-12);
   EXPECT_NEAR(FigureOf(right, "mu most"), kTruthDynamic, 1e-12);
   EXPECT_EQ(FigureOf(right, "1 % off"), 0.0);
   // Of what the hand presses with, as on a plane, is too little.
-  const Tally wrong = Slid(loads - kTruthDynamic * loads.norm() * Vec3::UnitZ());
+  const SteadyJudge wrong = Slid(loads - kTruthDynamic * loads.norm() * Vec3::UnitZ());
   EXPECT_EQ(FigureOf(wrong, "1 % off"), 1.0);
 }
 
@@ -67,18 +59,14 @@ TEST(TruthJudges, SeeAForceAlongAGrooveAndATorqueThatNothingGives) {
   SmoothJudge judge({.axis = {Vec3::UnitZ()}, .across = true, .force = {kRight, kRight}});
   StepReport report = ReportOf(kRight);
   judge.See(0, report);
-  Tally none;
-  judge.Tell(none);
-  EXPECT_EQ(FigureOf(none, "over 0.01 N"), 0.0);
-  EXPECT_EQ(FigureOf(none, "force off N"), 0.0);
+  EXPECT_EQ(FigureOf(judge, "over 0.01 N"), 0.0);
+  EXPECT_EQ(FigureOf(judge, "force off N"), 0.0);
   report.wrench = {kRight + 0.02 * Vec3::UnitZ(), 0.003 * Vec3::UnitX()};
   judge.See(1, report);
-  Tally some;
-  judge.Tell(some);
-  EXPECT_NEAR(FigureOf(some, "sideways N"), 0.02, 1e-15);
-  EXPECT_NEAR(FigureOf(some, "force off N"), 0.02, 1e-15);
-  EXPECT_NEAR(FigureOf(some, "torque N m"), 0.003, 1e-15);
-  EXPECT_EQ(FigureOf(some, "over 0.01 N"), 1.0);
+  EXPECT_NEAR(FigureOf(judge, "sideways N"), 0.02, 1e-15);
+  EXPECT_NEAR(FigureOf(judge, "force off N"), 0.02, 1e-15);
+  EXPECT_NEAR(FigureOf(judge, "torque N m"), 0.003, 1e-15);
+  EXPECT_EQ(FigureOf(judge, "over 0.01 N"), 1.0);
 }
 
 }  // namespace
