@@ -49,7 +49,7 @@ std::vector<TruthCase> Chosen(const Options& options) {
 }
 
 std::string Header(const Tally& tally) {
-  std::string line = fmt::format("{:<30}", "");
+  std::string line = fmt::format("{:<34}", "");
   for (const Tally::Figure& f : tally.figures()) {
     line += fmt::format(" {:>13}", f.name);
     if (f.kind != Tally::Kind::kCount) line += fmt::format(" {:>5}", "seed");
@@ -58,7 +58,7 @@ std::string Header(const Tally& tally) {
 }
 
 std::string Row(const std::string& name, const Tally& tally) {
-  std::string line = fmt::format("{:<30}", name);
+  std::string line = fmt::format("{:<34}", name);
   for (const Tally::Figure& f : tally.figures()) {
     if (f.kind == Tally::Kind::kCount) {
       line += fmt::format(" {:>13.0f}", f.value);
@@ -170,9 +170,10 @@ void AddTruth(const CommandLine& app) {
       "truth",
       "bodies whose right answer is known, under hands from a seed\n"
       "Plates that are flat, however they are divided into triangles, under nine tools\n"
-      "that press, tremble, slide and turn (flat); grooves and holes with such sides, and\n"
-      "what fits into them (folds); meshes of smooth bodies (curved).  Prints for each\n"
-      "body and tool how far the force is from the truth, and the seed of the worst hand.");
+      "that press, tremble, slide and turn (flat); grooves and holes with such sides,\n"
+      "and what fits into them (folds); meshes of smooth bodies (curved).  Prints for\n"
+      "each body and tool how far the force is from the truth, and the seed of the\n"
+      "worst hand.");
   command.Footer(
       "Examples:\n"
       "  palpate-bench truth --seeds 1..20 --json truth.json\n"

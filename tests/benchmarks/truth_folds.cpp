@@ -90,6 +90,11 @@ Pose PoseOf(const Vec3& centroid, const FoldSample& sample) {
   return {Vec3(sample.at.x(), sample.at.y(), sample.z) - q * centroid, q};
 }
 
+/// Returns how high above its groove's bottom the centroid of a level tool is in the middle.
+double BottomOf(const test::PlanarFit& fit) {
+  return OutBy(fit, Vec2::Zero(), 0.0) / fit.sides[0].normal.y();
+}
+
 struct FoldMotion {
   double depth, speed, swing;          ///< of the hand along z: [m/s], and how far to each side [m]
   double lean = 0.0, lean_Hz = 0.0;    ///< across, as a part of the depth
@@ -149,8 +154,19 @@ SmoothTruth TruthOf(const test::PlanarFit& fit, const Quat& q_WB,
   return truth;
 }
 
+/// Returns by how much static friction that points inward can raise the loads of a tool that is
+/// pressed between two sides, s / (s - mu_s c) for their half angle.  Up to then it may stick.
+double WedgeGain(const test::PlanarFit& fit, const test::PlanarRest& rest) {
+  if (rest.holds.size() < 2) return 1.0;
+  const double both = fit.sides[static_cast<std::size_t>(rest.holds[0])].normal.dot(
+      fit.sides[static_cast<std::size_t>(rest.holds[1])].normal);
+  const double s = std::sqrt(0.5 * (1.0 + both)), c = std::sqrt(0.5 * (1.0 - both));
+  return s > kTruthStatic * c ? s / (s - kTruthStatic * c) : INFINITY;
+}
+constexpr double kMostWedged = 2.1;  // sides at right angles: 2
+
 /// A slide along z in steps of the hand's speed, which begins where it leaves room for all of it.
-TruthHand MakeSlide(const Fold& fold, Scene scene, const FoldMotion& motion, double bottom) {
+TruthHand MakeSlide(const Fold& fold, Scene scene, FoldMotion motion, double bottom) {
   const bool is_peg = fold.gap > 0.0;
   const Pose& X_WB = fold.object.X_WB;
   const Vec3 along = X_WB.q * Vec3::UnitZ();
@@ -162,8 +178,15 @@ TruthHand MakeSlide(const Fold& fold, Scene scene, const FoldMotion& motion, dou
                     .steady = 0,
                     .depth = {}};
   // The tremor is along the pull, so that it changes the force alone.
-  const FoldSample deep = SampleAt(motion, bottom, is_peg, motion.depth);
-  const test::PlanarRest rest = RestOf(fold.fit, deep.at, deep.angle);
+  FoldSample deep = SampleAt(motion, bottom, is_peg, motion.depth);
+  test::PlanarRest rest = RestOf(fold.fit, deep.at, deep.angle);
+  if (rest.holds.size() == 2 && !(WedgeGain(fold.fit, rest) < kMostWedged)) {
+    // Against one side instead.
+    const Vec2& n = fold.fit.sides[0].normal;
+    motion.aside = std::atan2(-n.y(), -n.x());
+    deep = SampleAt(motion, bottom, is_peg, motion.depth);
+    rest = RestOf(fold.fit, deep.at, deep.angle);
+  }
   const Vec2 pull = rest.at - deep.at;
   double load = 0.0;
   for (std::size_t k = 0; k < rest.holds.size(); ++k) {
@@ -173,7 +196,8 @@ TruthHand MakeSlide(const Fold& fold, Scene scene, const FoldMotion& motion, dou
   }
   slide.gain = load / (fold.fit.stiffness * pull.norm());
   const double pressed = slide.gain * motion.depth * std::hypot(1.0, motion.lean);
-  const double run_in = (kTruthStatic + 8.0 * kTruthDynamic) * pressed + 3e-4;
+  const double run_in =
+      (kTruthStatic * WedgeGain(fold.fit, rest) + 8.0 * kTruthDynamic) * pressed + 3e-4;
   slide.steady = static_cast<std::size_t>(kDown + std::ceil(1e3 * run_in / motion.speed));
   const int steps = static_cast<int>(std::min(static_cast<double>(slide.steady) + 600.0,
                                               kDown + 1e3 * (run_in + 4e-3) / motion.speed));
@@ -196,7 +220,7 @@ TruthHand MakeSlide(const Fold& fold, Scene scene, const FoldMotion& motion, dou
 TruthHand MakeHand(std::string_view tessellation, std::string_view tool, std::uint64_t seed,
                    bool rubs) {
   Random random(seed);
-  Fold fold = MakeFold(tessellation, tool, random);
+  Fold fold = MakeFold(tessellation, tool, rubs, random);
   const FoldMotion motion = MakeMotion(tool, rubs, random);
   if (random.Below(2) == 0) fold.object.X_WB = {random.InCube(0.2), random.Rotation()};
   if (rubs) {
@@ -208,7 +232,7 @@ TruthHand MakeHand(std::string_view tessellation, std::string_view tool, std::ui
   scene.tools = {fold.tool};
   scene.objects = {fold.object};
   const bool is_peg = fold.gap > 0.0;
-  const double bottom = is_peg ? 0.0 : RestOf(fold.fit, {0.0, -0.005}, 0.0).at.y();
+  const double bottom = is_peg ? 0.0 : BottomOf(fold.fit);
   if (rubs) return MakeSlide(fold, std::move(scene), motion, bottom);
   std::vector<FoldSample> hand;
   std::vector<Pose> X_WH;
@@ -222,7 +246,7 @@ TruthHand MakeHand(std::string_view tessellation, std::string_view tool, std::ui
 
 }  // namespace
 
-Fold MakeFold(std::string_view tessellation, std::string_view tool, Random& random) {
+Fold MakeFold(std::string_view tessellation, std::string_view tool, bool rubs, Random& random) {
   const Coupling coupling;
   const double separation = StepTuning{}.separation;
   Fold fold;
@@ -244,9 +268,10 @@ Fold MakeFold(std::string_view tessellation, std::string_view tool, Random& rand
     fold.object = SurfaceBody("hole", test::MakeHole(tessellation, wide, random.Bits()));
     return fold;
   }
-  // An edge of a right angle needs a wider groove.  Sides that meet at less than 40 degrees, above
+  // An edge of a right angle needs a wider groove, and what slides with friction one in which it is
+  // not wedged.  Sides that meet at less than 40 degrees, above
   // 1.22, are to a ball those of a smooth surface.
-  const double half_angle = random.Uniform(tool == "edge" ? 0.9 : 0.5, 1.2);
+  const double half_angle = random.Uniform(tool == "edge" || rubs ? 0.9 : 0.5, 1.2);
   double radius = 0.0;
   if (tool == "ball") {
     radius = random.Uniform(0.001, 0.008);

@@ -25,7 +25,9 @@ struct Fold {
   double gap = 0.0;  ///< on each side of a peg in its hole [m]
 };
 
-Fold MakeFold(std::string_view tessellation, std::string_view tool, test::Random& random);
+/// @param rubs  whether it will slide with friction.
+Fold MakeFold(std::string_view tessellation, std::string_view tool, bool rubs,
+              test::Random& random);
 
 /// Where a hand holds the tool's centroid, in the object's frame.
 struct FoldSample {

@@ -31,7 +31,7 @@ TEST(TruthFolds, LieInTheirBodiesAsThePlanesTruthSays) {
     for (std::uint64_t seed = 0; seed < 10; ++seed) {
       SCOPED_TRACE(std::string(tool) + ", seed " + std::to_string(seed));
       Random random(seed);
-      const Fold fold = MakeFold("quad", tool, random);
+      const Fold fold = MakeFold("quad", tool, false, random);
       // At rest, some corner of the tool is as near to the material as the separation, plus a
       // ball's radius, and 0.1 um farther towards the hand's side it is nearer.
       const test::PlanarRest rest = RestOf(fold.fit, {1e-3, -5e-3}, 0.0);
@@ -58,7 +58,7 @@ TEST(TruthFolds, LieInTheirBodiesAsThePlanesTruthSays) {
 
 TEST(TruthFolds, SeeAWrongSplitAndAToolThatIsTooNear) {
   Random random(1);
-  Fold fold = MakeFold("quad", "ball", random);
+  Fold fold = MakeFold("quad", "ball", false, random);
   Scene scene;
   scene.objects = {fold.object};
   const double bottom = RestOf(fold.fit, {0.0, -0.005}, 0.0).at.y();
@@ -85,7 +85,7 @@ TEST(TruthFolds, SeeAWrongSplitAndAToolThatIsTooNear) {
 
 TEST(TruthFolds, SeeAPegThatTurnsTooEarly) {
   Random random(2);
-  const Fold fold = MakeFold("quad", "peg", random);
+  const Fold fold = MakeFold("quad", "peg", false, random);
   Scene scene;
   scene.objects = {fold.object};
   const FoldSample hand{Vec2::Zero(), 0.08, 0.01};
