@@ -87,7 +87,7 @@ TruthHand MakeSlide(std::string_view tessellation, std::string_view tool, std::u
   Scene scene;
   scene.name = "truth";
   scene.tools.push_back(test::MakePlainTool(tool, random.Bits()));
-  Body plate = test::MakeSolidBody("plate", test::MakePlate(tessellation, random.Bits()));
+  Body plate = SurfaceBody("plate", test::MakePlate(tessellation, random.Bits()));
   if (random.Below(2) == 0) plate.X_WB = {random.InCube(0.2), random.Rotation()};
   if (rubs) {
     scene.features.friction = FrictionModel::kCoulomb;
