@@ -20,8 +20,17 @@
 //   n . v >= d - e' - h p^2 / 2.  From these two
 //     p^2 <= 2 d e' / (k_r/k - h d),   s^2 <= 2 e' / d   (while k_r/k > h d),
 //     e' <= e / (1 - K_max d g^2),  g = 1 + h / sqrt(k_r/k - h d),   d - e' - h p^2/2 <= |v| <= d.
-//   A foot that is wider than a triangle touches corners and edges with its face alone, so the
-//   force is along its normal: the angle is at most p, too.  The torque is k_r p.
+//   The torque is k_r p.
+//
+// Foot wider than a triangle: it touches corners and edges with its face alone, so the force is
+//   along its normal, and s <= p.  What touches is at most e below the plane at the point of the
+//   surface that has this normal, and so at most x = sqrt(2 e / K_min) beside that point.  The
+//   point lies at least (1/K_max + h - d) p beside the centroid's normal, on the side on which the
+//   load turns the tool back: k_r p <= k d (x - (1/K_max + h - d) p), so that
+//     p <= d x / (k_r/k + d (1/K_max + h - d)).
+//
+// A tool with a mesh may be as near as half the separation at some points and not at others, which
+// adds to e.
 #include "tests/benchmarks/truth_curved.h"
 
 #include <algorithm>
@@ -110,8 +119,12 @@ TruthHand MakeHand(std::string_view kind, std::size_t triangles, std::string_vie
   const int steps = std::min(most, kDown + static_cast<int>(1e3 * way / speed));
   const Body& driven = scene.tools.front();
   const bool is_ball = tool == "ball";
-  CurvedTool how{is_ball, tool == "box", 0.0, scene.coupling.stiffness,
-                 scene.coupling.torsional_stiffness};
+  CurvedTool how{is_ball,
+                 tool == "box",
+                 0.0,
+                 scene.coupling.stiffness,
+                 scene.coupling.torsional_stiffness,
+                 is_ball ? 0.0 : 0.5 * scene.tuning.separation};
   how.height = is_ball ? driven.tree.leaf_radius[0] : 0.0;
   for (const Vec3& v : driven.mesh.vertices) {
     if (!is_ball) how.height = std::max(how.height, driven.tree.centroid.y() - v.y());
@@ -144,7 +157,7 @@ TruthHand MakeHand(std::string_view kind, std::size_t triangles, std::string_vie
 }  // namespace
 
 CurvedBound BoundOf(const CurvedBody& body, const CurvedTool& tool, double depth) {
-  const double d = std::max(depth, 0.0), e = body.sagitta(), k = tool.stiffness;
+  const double d = std::max(depth, 0.0), e = body.sagitta() + tool.slack, k = tool.stiffness;
   if (tool.is_ball) {
     const double lever = tool.height - d;
     const double bends = lever * (lever > 0.0 ? body.least_curvature() : body.greatest_curvature());
@@ -157,7 +170,12 @@ CurvedBound BoundOf(const CurvedBody& body, const CurvedTool& tool, double depth
   const double h = tool.height, springs = tool.torsional / k - h * d;
   const double g = 1.0 + h / std::sqrt(springs);
   const double lower = e / (1.0 - body.greatest_curvature() * d * g * g);
-  const double turn = std::sqrt(2.0 * d * lower / springs);
+  double turn = std::sqrt(2.0 * d * lower / springs);
+  if (tool.is_wide && body.least_curvature() > 0.0) {
+    const double beside = std::sqrt(2.0 * e / body.least_curvature());
+    const double rolls = d * (1.0 / body.greatest_curvature() + h - d);
+    turn = std::min(turn, d * beside / (tool.torsional / k + rolls));
+  }
   const double angle = d > 0.0 ? std::sqrt(2.0 * lower / d) : INFINITY;
   return {tool.is_wide ? std::min(angle, turn) : angle, k * (lower + 0.5 * h * turn * turn), turn};
 }

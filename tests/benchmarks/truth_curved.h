@@ -15,6 +15,7 @@ struct CurvedTool {
   double height;     ///< of the centroid over the foot; a ball's radius [m]
   double stiffness;  ///< k_t [N/m]
   double torsional;  ///< k_r [N m/rad]
+  double slack;      ///< by how much it may be nearer to a mesh than the separation [m]
 };
 
 /// How far the rest of a tool on the mesh may be from that on the smooth surface.

@@ -48,6 +48,7 @@ Vec3 ForceByTrying(const CurvedBody& body, const CurvedTool& tool, const CurvedB
 }
 
 TEST(TruthCurved, BoundsHoldForTheRestOnTheMeshThatTryingFinds) {
+  double ball = 0.0, foot = 0.0;  // how near to its bound the worst direction comes
   for (const std::string_view kind : {"sphere", "ellipsoid"}) {
     for (std::uint64_t seed = 0; seed < 12; ++seed) {
       SCOPED_TRACE(std::string(kind) + ", seed " + std::to_string(seed));
@@ -57,18 +58,19 @@ TEST(TruthCurved, BoundsHoldForTheRestOnTheMeshThatTryingFinds) {
       const CurvedBody::Point on = body.Start(true, along, random);
       const double depth = random.Uniform(1e-3, 3e-3);
       for (const bool is_ball : {false, true}) {
-        const CurvedTool tool{is_ball, true, 0.004, kSpring, kTurning};
+        const CurvedTool tool{is_ball, true, 0.004, kSpring, kTurning, 0.0};
         const CurvedBound bound = BoundOf(body, tool, depth);
         const Vec3 force = ForceByTrying(body, tool, on, depth);
         const double angle = std::atan2(force.cross(on.normal).norm(), force.dot(on.normal));
         EXPECT_LT(angle, bound.angle);
+        double& ratio = is_ball ? ball : foot;
+        ratio = std::max(ratio, angle / bound.angle);
         EXPECT_LT(std::abs(force.norm() - kSpring * depth), bound.size);
-        // Not by far too wide.
-        EXPECT_LT(bound.angle, 0.15);
-        EXPECT_LT(bound.size, 0.2);
       }
     }
   }
+  EXPECT_GT(ball, 0.5);
+  EXPECT_GT(foot, 0.5);
 }
 
 TEST(TruthCurved, BoundsShrinkWithTheTriangles) {
@@ -76,7 +78,7 @@ TEST(TruthCurved, BoundsShrinkWithTheTriangles) {
   for (const std::size_t triangles : {1'000u, 4'000u, 16'000u}) {
     Random random(1);
     const CurvedBody body("torus", triangles, random);
-    const CurvedBound bound = BoundOf(body, {false, true, 0.004, kSpring, kTurning}, 1e-3);
+    const CurvedBound bound = BoundOf(body, {false, true, 0.004, kSpring, kTurning, 0.0}, 1e-3);
     EXPECT_LT(bound.angle, 0.6 * last.angle);
     EXPECT_LT(bound.size, 0.3 * last.size);
     EXPECT_LT(bound.turn, 0.6 * last.turn);
@@ -85,7 +87,7 @@ TEST(TruthCurved, BoundsShrinkWithTheTriangles) {
 }
 
 TEST(TruthCurved, SeesADirectionASizeAndATorqueBeyondTheBounds) {
-  const CurvedTool tool{false, true, 0.004, kSpring, kTurning};
+  const CurvedTool tool{false, true, 0.004, kSpring, kTurning, 0.0};
   const CurvedJudge::Sample sample{Vec3::UnitY(), 1e-3, {0.01, 0.05, 0.002}};
   const auto judged = [&](const Vec3& force, double torque) {
     CurvedJudge judge(tool, 1e-4, {sample});
@@ -112,7 +114,7 @@ TEST(TruthCurved, KnowsFrictionFromTheSurfaceUnderABallAndFromTheFootOfABox) {
   const CurvedBody::Point on = body->Start(true, along, random);
   for (const bool is_ball : {false, true}) {
     for (const double mu : {kTruthDynamic, 0.97 * kTruthDynamic}) {
-      CurvedSlideJudge judge(body, {is_ball, true, 0.004, kSpring, kTurning}, Pose(), 0.0, 0);
+      CurvedSlideJudge judge(body, {is_ball, true, 0.004, kSpring, kTurning, 0.0}, Pose(), 0.0, 0);
       StepReport report;
       report.X_WG = {on.at + 0.004 * on.normal, RotationBetween(Vec3::UnitY(), on.normal)};
       report.wrench.force = on.normal - mu * along;
