@@ -510,7 +510,7 @@ TEST_F(PalpateBench, ReadsItsCommandLineAsEveryProgramDoes) {
 
 TEST_F(PalpateBench, TruthKnowsTheForceOfABallOnAnyPlate) {
   const nlohmann::json json = Figures({"truth", "--only", "/needles/ball", "--seeds", "1..2"});
-  ASSERT_EQ(json["cases"].size(), 2u);
+  ASSERT_EQ(json["cases"].size(), 4u);  // with those in grooves
   const nlohmann::json &smooth = json["cases"][0], &rough = json["cases"][1];
   EXPECT_EQ(smooth["name"], "flat/needles/ball");
   EXPECT_EQ(smooth["slides"], 2);
@@ -523,6 +523,25 @@ TEST_F(PalpateBench, TruthKnowsTheForceOfABallOnAnyPlate) {
   EXPECT_NEAR(rough["mu most"], 0.3, 1e-6);
   EXPECT_LT(rough["direction deg"], 1e-3);
   EXPECT_LT(rough["change N/N"], 1e-3);
+}
+
+TEST_F(PalpateBench, TruthKnowsTheForceOfABallInAGrooveAndOnACurvedBody) {
+  const nlohmann::json groove =
+      Figures({"truth", "--only", "/quad/ball", "--seeds", "1..2"})["cases"];
+  ASSERT_EQ(groove.size(), 4u);
+  EXPECT_EQ(groove[2]["name"], "folds/quad/ball");
+  EXPECT_LT(groove[2]["force off N"], 1e-3);
+  EXPECT_LT(groove[2]["out um"], 0.01);
+  EXPECT_EQ(groove[3]["name"], "folds-friction/quad/ball");
+  EXPECT_NEAR(groove[3]["mu least"], 0.3, 1e-6);
+  EXPECT_NEAR(groove[3]["mu most"], 0.3, 1e-6);
+  EXPECT_LT(groove[3]["across off N"], 1e-3);
+  const nlohmann::json curved = Figures({"truth", "--only", "/sphere-1e3/ball"})["cases"];
+  ASSERT_EQ(curved.size(), 2u);
+  EXPECT_EQ(curved[0]["over"], 0);
+  EXPECT_GT(curved[0]["cycles"], 300);
+  EXPECT_EQ(curved[1]["over deg"], 0.0);
+  EXPECT_GT(curved[1]["judged"], 50);
 }
 
 TEST_F(PalpateBench, TruthDrivesTheSameHandForTheSameSeedAlone) {

@@ -24,7 +24,7 @@ namespace {
 
 struct Options {
   std::string seeds = "1..1", only, json, scene_out, poses_out;
-  bool list = false;
+  bool list = false, million = false;
 };
 
 /// The three words of a name.
@@ -36,16 +36,20 @@ std::array<std::string, 3> Words(const std::string& name) {
 
 std::vector<TruthCase> Chosen(const Options& options) {
   std::vector<TruthCase> cases = FlatTruths();
+  for (auto& more : {FoldTruths(), CurvedTruths(options.million)}) {
+    cases.insert(cases.end(), more.begin(), more.end());
+  }
   std::erase_if(cases,
                 [&](const TruthCase& c) { return c.name.find(options.only) == std::string::npos; });
   if (cases.empty()) {
-    throw UsageError("--only " + options.only + " is in no case's name; --list shows them");
+    throw UsageError("--only " + options.only + " is in no case's name; --list shows them, with " +
+                     "--million those of a million triangles, too");
   }
   return cases;
 }
 
 std::string Header(const Tally& tally) {
-  std::string line = fmt::format("{:<30}", "");
+  std::string line = fmt::format("{:<34}", "");
   for (const Tally::Figure& f : tally.figures()) {
     line += fmt::format(" {:>13}", f.name);
     if (f.kind != Tally::Kind::kCount) line += fmt::format(" {:>5}", "seed");
@@ -54,7 +58,7 @@ std::string Header(const Tally& tally) {
 }
 
 std::string Row(const std::string& name, const Tally& tally) {
-  std::string line = fmt::format("{:<30}", name);
+  std::string line = fmt::format("{:<34}", name);
   for (const Tally::Figure& f : tally.figures()) {
     if (f.kind == Tally::Kind::kCount) {
       line += fmt::format(" {:>13.0f}", f.value);
@@ -160,36 +164,16 @@ void Run(const Options& options) {
 
 }  // namespace
 
-void Tally::Add(Figure figure) {
-  figure.seed = seed_;
-  Merge(figure);
-}
-
-void Tally::Merge(const Figure& figure) {
-  const auto same = [&](const Figure& f) { return f.name == figure.name; };
-  const auto at = std::find_if(figures_.begin(), figures_.end(), same);
-  if (at == figures_.end()) {
-    figures_.push_back(figure);
-  } else if (figure.kind == Kind::kCount) {
-    at->value += figure.value;
-  } else if (figure.kind == Kind::kMost ? !(figure.value <= at->value)
-                                        : !(figure.value >= at->value)) {
-    *at = figure;
-  }
-}
-
-void Tally::Merge(const Tally& other) {
-  for (const Figure& figure : other.figures_) Merge(figure);
-}
-
 void AddTruth(const CommandLine& app) {
   auto options = std::make_shared<Options>();
   const CommandLine command = app.AddCommand(
       "truth",
       "bodies whose right answer is known, under hands from a seed\n"
       "Plates that are flat, however they are divided into triangles, under nine tools\n"
-      "that press, tremble, slide and turn.  Prints for each plate and tool how far\n"
-      "the force is from the truth, and the seed of the worst hand.");
+      "that press, tremble, slide and turn (flat); grooves and holes with such sides,\n"
+      "and what fits into them (folds); meshes of smooth bodies (curved).  Prints for\n"
+      "each body and tool how far the force is from the truth, and the seed of the\n"
+      "worst hand.");
   command.Footer(
       "Examples:\n"
       "  palpate-bench truth --seeds 1..20 --json truth.json\n"
@@ -199,6 +183,8 @@ void AddTruth(const CommandLine& app) {
   Add(command, "--seeds", options->seeds, "seeds A..B of the hands, tools and plates of each case");
   Add(command, "--only", options->only, "only cases with this in their name (see --list)");
   command.AddFlag("--list", options->list, "list the cases");
+  command.AddFlag("--million", options->million,
+                  "with curved bodies of a million triangles, some seconds each");
   Add(command, "--scene-out", options->scene_out,
       "write the scene of the one hand to this file, a bundle for 'cycle --scene'");
   Add(command, "--poses-out", options->poses_out,

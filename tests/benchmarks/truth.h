@@ -67,5 +67,10 @@ struct TruthCase {
 
 /// Plates flat in any tessellation under plain tools, without friction and with Coulomb's.
 std::vector<TruthCase> FlatTruths();
+/// Grooves and holes whose sides are such plates, and what lies in them.
+std::vector<TruthCase> FoldTruths();
+/// Meshes of smooth bodies.
+/// @param million  whether with those of a million triangles.
+std::vector<TruthCase> CurvedTruths(bool million);
 
 }  // namespace palpate::bench

@@ -6,6 +6,7 @@
 
 #include "common/math/rotation.h"
 #include "tests/benchmarks/truth.h"
+#include "tests/benchmarks/truth_hands.h"
 #include "tests/benchmarks/truth_judges.h"
 #include "tests/support/flat_plates.h"
 #include "tests/support/plain_tools.h"
@@ -25,10 +26,6 @@ struct Motion {
   double run_in = 0.0, way = 0.02;  ///< slid before the judge looks, and altogether [m]
   int most_steps = 2700;            ///< of sliding that the judge looks at
 };
-
-double Decades(Random& random, double low, double high) {
-  return low * std::pow(high / low, random.Uniform(0.0, 1.0));
-}
 
 Motion MakeMotion(Random& random, bool rubs, bool is_ball) {
   Motion m{};
@@ -58,14 +55,6 @@ Motion MakeMotion(Random& random, bool rubs, bool is_ball) {
   return m;
 }
 
-double ReachOf(const Body& tool) {
-  double reach = 0.0;
-  for (const Vec3& v : tool.mesh.vertices) {
-    reach = std::max(reach, (v - tool.tree.centroid).norm());
-  }
-  return reach;
-}
-
 /// Returns how far below its origin the lowest point of a tool is.
 double LowestOf(const Body& tool, const Quat& q) {
   if (tool.tree.leaves() == 1) return tool.tree.leaf_radius[0];
@@ -74,22 +63,17 @@ double LowestOf(const Body& tool, const Quat& q) {
   return lowest;
 }
 
-constexpr int kDown = 300;  // steps
-
 /// Samples the motion: down from 1 mm above, then along.
 /// @param depth  filled in: of the tool's lowest point below the plane, at each sample.
 std::vector<Pose> Sample(const Motion& m, const Body& tool, const Pose& X_WP,
                          std::vector<double>& depth) {
-  constexpr double kAbove = 1e-3, kTremor = 20e-6, kTremorHz = 8.0;
   const Vec3 along(std::cos(m.angle), 0.0, std::sin(m.angle));
   const double run_in_steps = 1e3 * m.run_in / m.speed, way_steps = 1e3 * m.way / m.speed;
   const int steps = kDown + static_cast<int>(std::min(way_steps, run_in_steps + m.most_steps));
   std::vector<Pose> X_WH;
   for (int i = 0; i < steps; ++i) {
     const double t = 1e-3 * i, slid = 1e-3 * m.speed * std::max(0, i - kDown);
-    const double pressed = std::min(1.0, static_cast<double>(i) / kDown);
-    depth.push_back(-kAbove + (m.depth + kAbove) * pressed +
-                    kTremor * std::sin(2.0 * M_PI * kTremorHz * t));
+    depth.push_back(DepthAt(i, m.depth));
     const Quat q = RotationExp((m.yaw + m.turn_rate * t) * Vec3::UnitY()) * m.tilt;
     const Vec3 at = Vec3(m.x, LowestOf(tool, q) - depth.back(), m.z) + slid * along;
     X_WH.push_back(X_WP * Pose{at, q});
@@ -103,7 +87,7 @@ TruthHand MakeSlide(std::string_view tessellation, std::string_view tool, std::u
   Scene scene;
   scene.name = "truth";
   scene.tools.push_back(test::MakePlainTool(tool, random.Bits()));
-  Body plate = test::MakeSolidBody("plate", test::MakePlate(tessellation, random.Bits()));
+  Body plate = SurfaceBody("plate", test::MakePlate(tessellation, random.Bits()));
   if (random.Below(2) == 0) plate.X_WB = {random.InCube(0.2), random.Rotation()};
   if (rubs) {
     scene.features.friction = FrictionModel::kCoulomb;
@@ -127,7 +111,7 @@ TruthHand MakeSlide(std::string_view tessellation, std::string_view tool, std::u
     return JudgedBy(SmoothJudge(std::move(truth)), std::move(scene), std::move(X_WH));
   }
   SteadySlide slide{
-      .normal = normal,
+      .normals = {normal},
       .along = X_WP.q * Vec3(std::cos(motion.angle), 0.0, std::sin(motion.angle)),
       .speed = motion.speed,
       .reach = ReachOf(scene.tools.front()),
@@ -136,13 +120,6 @@ TruthHand MakeSlide(std::string_view tessellation, std::string_view tool, std::u
       .depth = std::move(depth)};
   const Quat start = X_WH.front().q;
   return JudgedBy(SteadyJudge(std::move(slide), start), std::move(scene), std::move(X_WH));
-}
-
-/// Returns a seed for a case and a seed, so that no two cases have hands in common (FNV-1a).
-std::uint64_t SeedOf(std::string_view name, std::uint64_t seed) {
-  std::uint64_t hash = 0xcbf29ce484222325ull;
-  for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
-  return hash + seed;
 }
 
 }  // namespace

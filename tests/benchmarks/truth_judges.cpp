@@ -30,7 +30,8 @@ void SmoothJudge::See(std::size_t i, const StepReport& report) {
   const double off = (force - truth_.force[i]).norm();
   Worst(off_, off);
   if (!Late(report)) Worst(arrived_off_, off);
-  Worst(torque_, report.wrench.torque.norm());
+  const Vec3 torque = truth_.torque.empty() ? Vec3::Zero() : truth_.torque[i];
+  Worst(torque_, (report.wrench.torque - torque).norm());
 }
 
 void SmoothJudge::Tell(Tally& tally) const {
@@ -46,6 +47,14 @@ void SmoothJudge::Tell(Tally& tally) const {
   tally.Most("torque N m", torque_);
 }
 
+std::vector<double> LoadsOf(const std::vector<Vec3>& normals, const Vec3& force) {
+  if (normals.size() == 1) return {force.dot(normals[0])};
+  const Vec3 &n = normals[0], &m = normals[1];
+  const double both = n.dot(m), along_n = force.dot(n), along_m = force.dot(m);
+  const double free = 1.0 - both * both;  // what of each the other has not
+  return {(along_n - both * along_m) / free, (along_m - both * along_n) / free};
+}
+
 void SteadyJudge::See(std::size_t i, const StepReport& report) {
   touching_ += report.contacts > 0;
   late_ += Late(report);
@@ -59,15 +68,21 @@ void SteadyJudge::See(std::size_t i, const StepReport& report) {
 
 void SteadyJudge::SeeSteady(std::size_t i, const Vec3& force, const Vec3& turn) {
   constexpr double kTurning = 1e-3;
-  const Vec3& n = slide_.normal;
-  const double load = force.dot(n), way = 1e-3 * slide_.speed;
-  const Vec3 rub = force - load * n;
+  const std::vector<double> loads = LoadsOf(slide_.normals, force);
+  double load = 0.0;
+  Vec3 rub = force;
+  for (std::size_t k = 0; k < loads.size(); ++k) {
+    load += loads[k];
+    rub -= loads[k] * slide_.normals[k];
+  }
+  const double way = 1e-3 * slide_.speed;
   const double mu = load > 0.0 ? rub.norm() / load : 0.0;
   // What the hand itself changes is none of friction's.
-  const double by_hand = slide_.stiffness * std::hypot(1.0, kTruthDynamic) *
+  const double by_hand = slide_.stiffness * std::hypot(1.0, kTruthDynamic * slide_.gain) *
                          std::abs(slide_.depth[i] - slide_.depth[i - 1]);
   Worst(change_, std::max(0.0, ((force - force_).norm() - by_hand) / std::max(load, 1e-3)));
-  if (std::abs(turn.dot(n)) * slide_.reach > kTurning * way) {
+  const double parts = loads.size() == 1 ? std::abs(turn.dot(slide_.normals[0])) : turn.norm();
+  if (parts * slide_.reach > kTurning * way) {
     ++turning_;
     return;
   }

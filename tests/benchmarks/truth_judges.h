@@ -18,8 +18,10 @@ struct SmoothTruth {
   /// push; unit, in W.  One for each sample, or one for all.
   std::vector<Vec3> axis;
   bool across = false;
-  /// The force [N]; empty if it is unknown.  No torque comes with it.
+  /// The force [N]; empty if it is unknown.
   std::vector<Vec3> force = {};
+  /// The torque that comes with a known force [N m]; empty: none.
+  std::vector<Vec3> torque = {};
 };
 
 /// Judges forces without friction.
@@ -35,23 +37,30 @@ class SmoothJudge {
   int cycles_ = 0, late_ = 0, faults_ = 0;
 };
 
-/// A tool that is drawn along a plane.
+/// A tool that is drawn along a plane, or along the line in which two meet.
 struct SteadySlide {
-  Vec3 normal, along;         ///< of the plane, of the hand's motion; unit, in W
+  std::vector<Vec3> normals;  ///< of the one plane or of both; unit, in W
+  Vec3 along;                 ///< of the hand's motion; unit, in W
   double speed;               ///< of the hand [m/s]
   double reach;               ///< of the tool from its centroid [m]
   double stiffness;           ///< k_t [N/m]
   std::size_t steady;         ///< from this sample on the tool must slide steadily
   std::vector<double> depth;  ///< of the hand, at each sample [m]
+  double gain = 1.0;          ///< the sum of the loads for 1 N of the hand
 };
 
+/// Returns the loads on one or two planes that together give what of a force lies in the span of
+/// their normals; negative where the force pulls [N].
+std::vector<double> LoadsOf(const std::vector<Vec3>& normals, const Vec3& force);
+
 /// Judges steady sliding.  Where all points of a foot move alike, friction is mu_d of the load
-/// against that motion, wherever the load rests.  They do once a hand that does not turn has slid
-/// for a while: friction then tips the tool no further.  What is left is the tremor, which changes
-/// the load, and so how far the tool is tipped:
+/// (on two planes, of the sum of both) against that motion, wherever the load rests.  They do once
+/// a hand that does not turn has slid for a while: friction then tips the tool no further.  What is
+/// left is the tremor, which changes the load, and so how far the tool is tipped:
 /// - Turning about the normal moves points apart.  At w it adds at most w times the reach to the
 ///   hand's speed.  Cycles in which that is over a thousandth of the speed are counted but not
 ///   judged; of the others mu is right within 5e-7, and the direction within 0.06 degrees.
+///   Between two planes any turn moves them apart.
 /// - Tilting at w moves all points of the foot alike, at most by w times the reach: so far the
 ///   direction may be off.
 class SteadyJudge {
