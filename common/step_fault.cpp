@@ -15,6 +15,7 @@ constexpr Fault kFaults[] = {
     {kFaultJammed, "jammed", "the tool was wedged between surfaces"},
     {kFaultUnsolved, "unsolved", "a contact problem was not solved, and the tool did not move"},
     {kFaultEffect, "effect off", "a user-defined force failed and was turned off"},
+    {kFaultFriction, "friction unsolved", "friction was not found, and the last one is felt"},
     {kFaultPoseRejected, "pose rejected", "the hand jumped farther than a hand can move"},
     {kFaultNotStarted, "not started",
      "no force yet: the tool was just placed, or is inside an object"}};

@@ -29,6 +29,9 @@ enum StepFault : std::uint32_t {
   /// An effect (a user's own force) failed, or returned a value that no force can have.  Its force
   /// is zero, and stays off for the rest of the session.  Remedy: correct the effect.
   kFaultEffect = 1u << 5,
+  /// No frictional optimum was found.  The last cycle's friction stays, within the limits of the
+  /// normal forces.  Should never happen.
+  kFaultFriction = 1u << 6,
   // Set by the servo loop (server/session), not by the step:
   /// The pose was further from the last one than a hand can move: the wrench fades as for
   /// kFaultBadPose until several consistent poses show that the hand is really there.

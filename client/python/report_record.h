@@ -26,7 +26,7 @@ struct ReportRecord {
   double soft_force_N[3], soft_torque_Nm[3], bur_force_N[3], bur_m[3];
   std::uint32_t faults;
   std::int32_t contacts, soft_contacts, listed, substeps, qp_iterations;
-  std::int32_t friction_iterations, friction_lowered, friction_unsolved, friction_resets;
+  std::int32_t friction_iterations, friction_yielded, friction_unsolved, friction_resets;
   std::int64_t predicted_pairs;
   double truncation_m;
   std::int64_t prediction_ns, rows_ns, solve_ns, response_ns;
@@ -70,7 +70,7 @@ inline void ToRecord(const StepReport& report, const StageTimes& times, ReportRe
   out.predicted_pairs = report.diagnostics.predicted_pairs;
   out.qp_iterations = report.diagnostics.qp_iterations;
   out.friction_iterations = report.diagnostics.friction_iterations;
-  out.friction_lowered = report.diagnostics.friction_lowered;
+  out.friction_yielded = report.diagnostics.friction_yielded;
   out.friction_unsolved = report.diagnostics.friction_unsolved;
   out.friction_resets = report.diagnostics.friction_resets;
   out.truncation_m = report.diagnostics.truncation;

@@ -84,7 +84,7 @@ void DefineReports(py::module_& module) {
                        static_friction, dynamic_friction);
   PYBIND11_NUMPY_DTYPE(ReportRecord, force_N, torque_Nm, tool, soft_force_N, soft_torque_Nm,
                        bur_force_N, bur_m, faults, contacts, soft_contacts, listed, substeps,
-                       predicted_pairs, qp_iterations, friction_iterations, friction_lowered,
+                       predicted_pairs, qp_iterations, friction_iterations, friction_yielded,
                        friction_unsolved, friction_resets, truncation_m, prediction_ns, rows_ns,
                        solve_ns, response_ns, rows);
   module.attr("report_dtype") = py::dtype::of<ReportRecord>();

@@ -116,8 +116,8 @@ void Predict(StepContext& context) {
     StageClock clock(context.times);
     BeginSubStep(*buffers.meshes, context.kernels, context.state.front,
                  {tools.p_G, context.model.is_ball() ? Quat::Identity() : tools.q_G},
-                 context.state.Active(), context.model.parameters().looks - context.cost.looks,
-                 buffers.rows);
+                 context.state.Active(), context.Rubs(),
+                 context.model.parameters().looks - context.cost.looks, buffers.rows);
     clock.Lap(&StageTimes::prediction);
   }
   context.report.diagnostics.predicted_pairs = buffers.rows.count();

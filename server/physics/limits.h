@@ -154,21 +154,26 @@ inline constexpr int kNewtonSteps = 24, kHalvings = 3;
 /// slip of at most 10^-10 of the hand's offset), or, where rows and sticking contradict each other
 /// by the rounding of the gaps, by this.
 inline constexpr double kSolved = 1e-10, kNear = 1e-8;
-/// Augmented Lagrangian method: penalties from 1 to this, tenfold each time; then the most updates
-/// of the multipliers, Newton steps of each, and shortenings of a step.  Taken.
-inline constexpr double kHighestPenalty = 1e4;
-inline constexpr int kUpdates = 40, kMinimiserSteps = 30, kShorter = 6;
-/// Updates in which the limits follow the normal forces, one for each of the five penalties;
-/// Newton's method for the true law is then tried again, with half as many steps as at first.
-inline constexpr int kFollowing = 5, kSecondSteps = 12;
-/// Over the size: the residual of the balance of forces that is allowed in each update, and by how
-/// much the final forces may violate the law.
-inline constexpr double kBalanced = 1e-10, kUpdated = 1e-7;
-/// Newton steps of a cycle after which it gives up.  Taken, to bound the worst cycle's cost.
-inline constexpr int kCycleSteps = 160;
+/// Contacts with a stiffness, where that fails.  The stiffness, over k_t: a newton presses them 1
+/// nm into their rows.  Its square must stay well below 1 / epsilon.  Of 800 problems of flat faces
+/// on which other methods had failed, a third of it or three times as much left some unsolved.
+inline constexpr double kStiffness = 1e6;
+/// Newton's method for them: steps, halvings of one that does not reduce the imbalance, and the
+/// part by which it must (Armijo's usual value).  Taken.
+inline constexpr int kRebalanceSteps = 12, kStiffHalvings = 12;
+inline constexpr double kLeastGain = 1e-4;
+/// The minimum with fixed limits: steps, shortenings of one, and the part of its slope that may be
+/// left.  And turns, after each of which the limits follow: of those 800, 18 was the most.
+inline constexpr int kMinimiserSteps = 8, kShorter = 30, kTurns = 32;
+/// Steps of Newton's method for the true law, from what they found.  Taken.
+inline constexpr int kSecondSteps = 12;
+inline constexpr double kSlopeLeft = 0.1;
+/// By how much the forces may be out of balance, over the size: some ten roundings of the stiffness
+/// times x.
+inline constexpr double kBalanced = 1e-9;
 /// Allowed difference, over the size, between the QP's optimum and Newton's: ten times kSolved, by
-/// which either may be off.
-inline constexpr double kAgreed = 1e-9;
+/// which either may be off; and where the contacts yield, a millionth of the forces.
+inline constexpr double kAgreed = 1e-9, kYielded = 1e-6;
 /// Slip, over the size, above which a contact counts as sliding: a hundred times the kNear by which
 /// a contact at its limit that others hold slips.
 inline constexpr double kSlid = 1e-6;
@@ -197,6 +202,9 @@ inline constexpr double kWitnessRatio = 1.02;
 /// A row is recomputed when its direction at the trial has turned by more than this [rad]: a
 /// thousandth of the force.
 inline constexpr double kTurned = 1e-3;
+/// Two planes are one if their normals differ by no more than this [rad]: a hundred-thousandth of
+/// the force.
+inline constexpr double kSame = 1e-5;
 /// Largest depth over radius of a ball that goes round an edge; a greater one is replaced by
 /// this.  And the squared sine between a row and those before it below which the row stops
 /// no further direction.  Taken.

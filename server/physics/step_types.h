@@ -74,7 +74,7 @@ struct StepDiagnostics {
   int predicted_pairs = 0;      ///< number of rows in the last sub-step
   int qp_iterations = 0;        ///< over all sub-steps
   int friction_iterations = 0;  ///< Newton steps over all sub-steps
-  int friction_lowered = 0;     ///< times that friction used limits lower than Coulomb's
+  int friction_yielded = 0;     ///< times that contacts yield by nanometres (friction.md)
   int friction_unsolved = 0;    ///< number of sub-steps whose friction did not converge
   int friction_resets = 0;      ///< consecutive steps reset by chapter 2.34, including this one
   double truncation = 0.0;      ///< largest bound on the linearisation error, 1/2 |phi|^2 lever [m]

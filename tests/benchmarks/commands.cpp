@@ -1,5 +1,8 @@
 #include "tests/benchmarks/commands.h"
 
+#include <charconv>
+
+#include "common/error.h"
 #include "scenes/files/scene_file.h"
 #include "scenes/tree/sph_file.h"
 #include "scenes/tree/tree_source.h"
@@ -39,6 +42,17 @@ Option AddTreeFile(const CommandLine& command, const char* usual_unit, TreeSourc
           [&source](const std::string& unit) { source.metres_per_unit = MetresPerUnit(unit); },
           std::string("unit of that file; default: ") + usual_unit)
       .OneOf({kUnits.begin(), kUnits.end()});
+}
+
+std::pair<std::uint64_t, std::uint64_t> SeedRange(const std::string& text) {
+  std::uint64_t first = 0, last = 0;
+  const char* const end = text.data() + text.size();
+  const auto [dots, bad_first] = std::from_chars(text.data(), end, first);
+  if (bad_first == std::errc() && end - dots > 2 && dots[0] == '.' && dots[1] == '.') {
+    const auto [rest, bad_last] = std::from_chars(dots + 2, end, last);
+    if (bad_last == std::errc() && rest == end && first <= last) return {first, last};
+  }
+  throw UsageError("--seeds " + text + " is no range; give A..B, as 1..20");
 }
 
 }  // namespace palpate::bench

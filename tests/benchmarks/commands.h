@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/program/command_line.h"
@@ -42,6 +44,9 @@ void AddRepeats(const CommandLine& command, int& repeats);
 /// @returns the option --unit, for commands whose other files also use it.
 Option AddTreeFile(const CommandLine& command, const char* usual_unit, TreeSource& source);
 
+/// Reads the value A..B of an option --seeds.  Throws UsageError if it is none.
+std::pair<std::uint64_t, std::uint64_t> SeedRange(const std::string& text);
+
 void AddAccuracy(const CommandLine& app);
 void AddClosedLoop(const CommandLine& app);
 void AddCut(const CommandLine& app);
@@ -56,5 +61,6 @@ void AddProbe(const CommandLine& app);
 void AddQp(const CommandLine& app);
 void AddStability(const CommandLine& app);
 void AddTree(const CommandLine& app);
+void AddTruth(const CommandLine& app);
 
 }  // namespace palpate::bench

@@ -45,7 +45,10 @@ void AddCycle(const CommandLine& app) {
       "time and errors of a haptic step over the path of a scene\n"
       "Errors are the penetration of the meshes, the steps in which the tool does not\n"
       "arrive, the deviation from the converged force, and the cause of each jump of\n"
-      "the force.");
+      "the force.  Unsupported force and torque are the part of the spring's pull that\n"
+      "no contact bears where the tool has arrived, by a judge that shares no code with\n"
+      "the step; right is 0.  Each judged place is nudged by 3 um and 0.3 mrad, and\n"
+      "freed if that costs over 1 % of the spring's energy within 60 steps.");
   command.Footer("Example: palpate-bench cycle --scene bunny-bunny --steps 20000 --repeats 5");
   Add(command, "--scene", options->scene, "name in the catalogue, or scene file");
   Add(command, "--poses", options->poses,

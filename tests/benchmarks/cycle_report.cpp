@@ -60,6 +60,35 @@ class ContactReport {
     AddForce(f.force);
     AddJumps(f);
   }
+  void AddSupport(const test::SupportFigures& s, int every) {
+    json_["friction_cycles"] = {{"unsolved", s.friction_unsolved}, {"yielded", s.friction_yielded}};
+    json_["support"] = {{"every", every},
+                        {"judged", s.force.size()},
+                        {"worst_step", s.worst_step},
+                        {"soft", s.soft},
+                        {"not_judged_for", s.not_judged_for}};
+    json_["nudged"] = {{"places", s.nudged},
+                       {"freed", s.freed},
+                       {"freed_unnudged", s.freed_unnudged},
+                       {"first_freed_step", s.first_freed}};
+    Line("friction's cycles",
+         fmt::format("{} unsolved, {} yielded", s.friction_unsolved, s.friction_yielded));
+    if (every == 0 || !s.not_judged_for.empty()) {
+      Line("unsupported force",
+           "not judged: " + (every == 0 ? std::string("--judge-every 0") : s.not_judged_for));
+      return;
+    }
+    Json in_milli;  // the table has three digits
+    Group("unsupported force", "mN", 1e3, s.force, in_milli);
+    Group("unsupported torque", "mN m", 1e3, s.torque, in_milli);
+    json_["unsupported_force_N"] = ToJson(PercentilesOf(s.force));
+    json_["unsupported_torque_Nm"] = ToJson(PercentilesOf(s.torque));
+    Line("judged", fmt::format("{} arrived cycles, every {}. step tried (worst: step {}); {} more "
+                               "touch soft bodies or leaves",
+                               s.force.size(), every, s.worst_step, s.soft));
+    Line("nudged", fmt::format("{} of {} places freed (first: step {}), {} of these also if held",
+                               s.freed, s.nudged, s.first_freed, s.freed_unnudged));
+  }
   void AddSettling(const test::ContactFigures::Settling& s) {
     const auto share = [&](std::size_t n) {
       return static_cast<double>(n) / static_cast<double>(std::max<std::size_t>(1, s.poses));
@@ -180,6 +209,9 @@ void CycleOptions::AddTo(const CommandLine& command) {
   Add(command, "--settle-every", settle_every,
       "hold the hand still at every n-th step and check whether the tool settles; 0: never")
       .NotNegative();
+  Add(command, "--judge-every", judge_every,
+      "judge at every n-th step whether contacts bear the tool, and nudge it; 0: never")
+      .NotNegative();
   Add(command, "--trace", trace,
       "write poses and wrench of every step to this file (CSV); -: standard output");
 }
@@ -190,6 +222,7 @@ test::ContactFigures MeasureContact(SceneRun& run, const CycleOptions& options) 
   test::ContactChecks checks{.oracle_every = options.check_every,
                              .converge_every = options.check_every,
                              .settle_every = options.settle_every,
+                             .judge_every = options.judge_every,
                              .hold_far = true,
                              .quarter_steps = options.quarter_steps};
   checks.progress = [&](std::string_view what, double share) {
@@ -202,6 +235,7 @@ void AddContact(const test::ContactFigures& figures, const CycleOptions& options
                 Json& json) {
   ContactReport report(table, json);
   report.Add(figures);
+  report.AddSupport(figures.support, options.judge_every);
   if (options.settle_every > 0) report.AddSettling(figures.settling);
   if (options.quarter_steps) report.AddQuarters(figures.force_4khz_rms_fraction);
 }
@@ -222,7 +256,7 @@ Json ReportCycle(SceneRun& run, const CycleOptions& options) {
   // Sphere contact is between leaves, surface contact between meshes.
   const bool surface = run.scene().features.contact == ContactModel::kSurface;
   std::vector<double> predicted, conventional, penetration, truncation, iterations, newton;
-  int unsolved = 0, jammed = 0, far = 0, lowered = 0, rubs_unsolved = 0;
+  int unsolved = 0, jammed = 0, far = 0, yielded = 0, rubs_unsolved = 0;
   for (std::size_t i = 0; i < steps; ++i) {
     const StepReport& report = reports[i];
     predicted.push_back(report.diagnostics.predicted_pairs);
@@ -232,7 +266,7 @@ Json ReportCycle(SceneRun& run, const CycleOptions& options) {
     jammed += (report.faults & kFaultJammed) != 0;
     far += (report.faults & kFaultTargetFar) != 0;
     newton.push_back(report.diagnostics.friction_iterations);
-    lowered += report.diagnostics.friction_lowered;
+    yielded += report.diagnostics.friction_yielded;
     rubs_unsolved += report.diagnostics.friction_unsolved;
     if (i % static_cast<std::size_t>(options.check_every) == 0) {
       if (i % 500 == 0) {
@@ -283,10 +317,10 @@ Json ReportCycle(SceneRun& run, const CycleOptions& options) {
   if (features.friction == FrictionModel::kCoulomb) {
     Json& rubs = json["friction_solver"];
     add("friction's Newton steps", "", std::move(newton), rubs["iterations"]);
-    rubs["lowered"] = lowered;
+    rubs["yielded"] = yielded;
     rubs["unsolved"] = rubs_unsolved;
-    table.Line("friction's limits lowered",
-               fmt::format("{} (unsolved {})", lowered, rubs_unsolved));
+    table.Line("contacts that yielded",
+               fmt::format("{} (friction unsolved {})", yielded, rubs_unsolved));
   }
   AddContact(contact, options, &table, json);
   json["steps_jammed"] = jammed;

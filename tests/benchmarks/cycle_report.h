@@ -15,10 +15,12 @@ struct CycleOptions {
   int repeats = 5;
   int check_every = 1;   ///< interval [steps] of the oracles and of the converged answer
   int settle_every = 0;  ///< 0: never
+  int judge_every = 10;  ///< 0: never
   bool quarter_steps = false;
   std::string trace{};  ///< output file; empty: none
 
-  /// Adds the options --repeats, --check-every, --settle-every and --trace.
+  /// Adds the options --repeats, --check-every, --settle-every, --judge-every and
+  /// --trace.
   void AddTo(const CommandLine& command);
 };
 

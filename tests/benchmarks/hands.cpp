@@ -1,6 +1,5 @@
 // palpate-bench hands: generated hands over any scene, judged like a path of cycle.
 #include <algorithm>
-#include <charconv>
 #include <cstdint>
 #include <tuple>
 #include <utility>
@@ -30,27 +29,6 @@ struct Options {
   std::string models;
   std::string json;
 };
-
-std::pair<std::uint64_t, std::uint64_t> SeedRange(const std::string& text) {
-  std::uint64_t first = 0, last = 0;
-  const char* const end = text.data() + text.size();
-  const auto [dots, bad_first] = std::from_chars(text.data(), end, first);
-  if (bad_first == std::errc() && end - dots > 2 && dots[0] == '.' && dots[1] == '.') {
-    const auto [rest, bad_last] = std::from_chars(dots + 2, end, last);
-    if (bad_last == std::errc() && rest == end && first <= last) return {first, last};
-  }
-  throw UsageError("--seeds " + text + " is no range; give A..B, as 1..20");
-}
-
-/// Writes poses such that --poses of cycle reads back the same bits.
-std::string ToCsv(const std::vector<Pose>& poses) {
-  std::string csv = "x,y,z,qw,qx,qy,qz\n";
-  for (const Pose& X : poses) {
-    csv += fmt::format("{},{},{},{},{},{},{}\n", X.p.x(), X.p.y(), X.p.z(), X.q.w(), X.q.x(),
-                       X.q.y(), X.q.z());
-  }
-  return csv;
-}
 
 /// Prints one line per seed, the worst first.
 void RunSeeds(const Options& options, const Scene& scene) {
@@ -84,10 +62,11 @@ void RunSeeds(const Options& options, const Scene& scene) {
 
   std::string out = fmt::format(
       "{}, contact {}, friction {}: hands of {} steps at {} m/s, the worst seed first\n"
-      "  {:>6} {:>9} {:>9} {:>10} {:>6} {:>8} {:>7} {:>9} {:>9} {:>11} {:>8} {:>10}\n",
+      "  {:>6} {:>9} {:>9} {:>10} {:>6} {:>8} {:>7} {:>9} {:>9} {:>11} {:>8} {:>10} {:>11} {:>6}\n",
       options.scene, NameOf(scene.features.contact), NameOf(scene.features.friction),
       options.hand.steps, options.hand.speed, "seed", "meet, %", "deep, um", "arrived, %", "never",
-      "notches", "ledges", "F rms, N", "jump, N", "unexplained", "4 kHz, %", "settled, %");
+      "notches", "ledges", "F rms, N", "jump, N", "unexplained", "4 kHz, %", "settled, %",
+      "unborne, mN", "freed");
   Json rows = Json::array();
   for (const Seed& s : seeds) {
     const test::ContactFigures& f = s.figures;
@@ -95,11 +74,12 @@ void RunSeeds(const Options& options, const Scene& scene) {
                            static_cast<double>(std::max<std::size_t>(1, f.settling.poses));
     out += fmt::format(
         "  {:>6} {:>9.2f} {:>9.3f} {:>10.2f} {:>6} {:>8} {:>7} {:>9.2f} {:>9.3f} {:>11} {:>8.2f} "
-        "{:>10.1f}\n",
+        "{:>10.1f} {:>11.3f} {:>6}\n",
         s.seed, 1e2 * f.meeting_fraction(), 1e6 * s.depth(), 1e2 * f.arrived_fraction(),
         f.held.never, f.force.notches.size(), f.force.ledges.size(), f.force_rms,
         f.force.largest_jump.size, f.jumps.unexplained(), 1e2 * f.force_4khz_rms_fraction,
-        1e2 * settled);
+        1e2 * settled, f.support.force.empty() ? 0.0 : 1e3 * std::ranges::max(f.support.force),
+        f.support.freed);
     rows.push_back({{"seed", s.seed}});
     AddContact(f, options.cycle, nullptr, rows.back());
   }
@@ -125,7 +105,7 @@ void Run(Options& options) {
   options.cycle.name = fmt::format("{}, seed {}", options.scene, options.hand.seed);
   Progress(options.cycle.name + ": making the hand ...");
   std::vector<Pose> poses = MakeHand(scene, options.hand);
-  if (!options.poses_out.empty()) WriteOutput("--poses-out", options.poses_out, ToCsv(poses));
+  if (!options.poses_out.empty()) WriteOutput("--poses-out", options.poses_out, PosesCsv(poses));
   SceneRun run(std::move(scene), std::move(poses));
   Json json = ReportCycle(run, options.cycle);
   json["scene"] = options.scene;

@@ -36,6 +36,7 @@ int Main(int argc, char** argv) {
   AddQp(app);
   AddStability(app);
   AddTree(app);
+  AddTruth(app);
   ParseCommandLine(app, argc, argv);
   return 0;
 }

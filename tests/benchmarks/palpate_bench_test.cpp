@@ -164,6 +164,23 @@ TEST_F(PalpateBench, HandsDriveAnySceneAndTheirPosesReadBack) {
   const nlohmann::json cycle = Figures({"cycle", "--scene", "cube", "--poses", File("hand.csv"),
                                         "--repeats", "1", "--check-every", "10"});
   EXPECT_EQ(cycle["jump"], hand["jump"]);
+  EXPECT_EQ(hand["support"]["judged"], 150) << "a ball on a cube always arrives";
+  EXPECT_LT(hand["unsupported_force_N"]["max"], 0.01);
+  EXPECT_LT(hand["unsupported_torque_Nm"]["max"], 1e-6) << "nothing turns a ball";
+  EXPECT_GT(hand["nudged"]["places"], 10);
+  EXPECT_EQ(hand["nudged"]["freed"], 0);
+  EXPECT_EQ(hand["friction_cycles"]["unsolved"], 0);
+}
+
+TEST_F(PalpateBench, CycleSaysWhyItJudgesNothing) {
+  const std::vector<std::string> few{"cycle", "--scene",   "cube", "--steps",
+                                     "200",   "--repeats", "1"};
+  const nlohmann::json leaves = Figures(test::Joined(few, {"--contact", "spheres"}));
+  EXPECT_NE(leaves["support"]["not_judged_for"], "");
+  EXPECT_FALSE(leaves.contains("unsupported_force_N"));
+  const nlohmann::json off = Figures(test::Joined(few, {"--judge-every", "0"}));
+  EXPECT_EQ(off["support"]["every"], 0);
+  EXPECT_FALSE(off.contains("unsupported_force_N"));
 }
 
 TEST_F(PalpateBench, HandsDriveBodiesMadeFromASeed) {
@@ -489,6 +506,34 @@ TEST_F(PalpateBench, ReadsItsCommandLineAsEveryProgramDoes) {
   EXPECT_THAT(said_, HasSubstr("'palpate-bench --help' shows how"));
   EXPECT_EQ(Run({"stability", "--domain", "-1"}), 2);
   EXPECT_EQ(Run({}), 2);
+}
+
+TEST_F(PalpateBench, TruthKnowsTheForceOfABallOnAnyPlate) {
+  const nlohmann::json json = Figures({"truth", "--only", "/needles/ball", "--seeds", "1..2"});
+  ASSERT_EQ(json["cases"].size(), 2u);
+  const nlohmann::json &smooth = json["cases"][0], &rough = json["cases"][1];
+  EXPECT_EQ(smooth["name"], "flat/needles/ball");
+  EXPECT_EQ(smooth["slides"], 2);
+  EXPECT_EQ(smooth["late"], 0);
+  EXPECT_LT(smooth["sideways N"], 1e-6);
+  EXPECT_LT(smooth["force off N"], 1e-3);
+  EXPECT_EQ(rough["name"], "flat-friction/needles/ball");
+  EXPECT_GT(rough["judged"], 100);
+  EXPECT_NEAR(rough["mu least"], 0.3, 1e-6);
+  EXPECT_NEAR(rough["mu most"], 0.3, 1e-6);
+  EXPECT_LT(rough["direction deg"], 1e-3);
+  EXPECT_LT(rough["change N/N"], 1e-3);
+}
+
+TEST_F(PalpateBench, TruthDrivesTheSameHandForTheSameSeedAlone) {
+  const std::vector<std::string> slides{"truth", "--only", "flat/strips/box", "--seeds"};
+  const nlohmann::json of_three = Figures(test::Joined(slides, {"1..3"}))["cases"][0];
+  const std::string worst = std::to_string(of_three["sideways N, seed"].get<int>());
+  const nlohmann::json alone = Figures(test::Joined(slides, {worst + ".." + worst}))["cases"][0];
+  EXPECT_EQ(alone["slides"], 1);
+  EXPECT_EQ(alone["sideways N"], of_three["sideways N"]);
+  EXPECT_EQ(Run(test::Joined(slides, {"3..1"})), 2);
+  EXPECT_EQ(Run({"truth", "--only", "round/earth"}), 2);
 }
 
 TEST_F(PalpateBench, RefusesWhatItHasNot) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include <spdlog/fmt/fmt.h>
+
 #include "scenes/catalogue.h"
 #include "scenes/progress_line.h"
 #include "server/physics/scene_model.h"
@@ -26,6 +28,15 @@ Scene LoadForBench(const std::string& scene, const std::string& models_dir,
     Progress(text(stage, fraction));
   };
   return LoadScene(scene, options);
+}
+
+std::string PosesCsv(const std::vector<Pose>& poses) {
+  std::string csv = "x,y,z,qw,qx,qy,qz\n";
+  for (const Pose& X : poses) {
+    csv += fmt::format("{},{},{},{},{},{},{}\n", X.p.x(), X.p.y(), X.p.z(), X.q.w(), X.q.x(),
+                       X.q.y(), X.q.z());
+  }
+  return csv;
 }
 
 ForceDifference DifferenceOf(const std::vector<Wrench>& felt, const std::vector<Wrench>& truth) {

@@ -44,6 +44,9 @@ class SceneRun {
 Scene LoadForBench(const std::string& scene, const std::string& models_dir,
                    std::optional<ContactModel> contact = {}, const TreeSource& tree_file = {});
 
+/// Returns poses as CSV such that --poses of cycle reads back the same bits.
+std::string PosesCsv(const std::vector<Pose>& poses);
+
 /// The differences between a path's forces and the true ones, relative to the true mean, or 0.
 struct ForceDifference {
   double force = 0.0, force_max = 0.0, torque = 0.0;

@@ -215,6 +215,7 @@ ContactFigures MeasureContact(const ContactPath& path, const ContactChecks& chec
   std::vector<Vec3> force;
   std::vector<double> by_hand;
   Holder holder;
+  SupportMeasure support(path.scene, path.model, path.workspace);
   double deepest = 0.0, force2 = 0.0;
   std::size_t behind = 0;
   for (std::size_t i = 0; i < figures.steps; ++i) {
@@ -267,6 +268,8 @@ ContactFigures MeasureContact(const ContactPath& path, const ContactChecks& chec
             (motion.Centroid(report.X_WG) - motion.Centroid(truth.report.X_WG)).norm());
       }
     }
+    support.Count(report);
+    if (Due(i, checks.judge_every)) support.Judge(i, X_WH, report, state);
     if (checks.hold_far && far) holder.Add(path, i, state, wrench.force);
     if (Due(i, checks.settle_every)) Settle(path, motion, i, state, figures.settling);
     if (reports != nullptr) reports->push_back(report);
@@ -277,6 +280,7 @@ ContactFigures MeasureContact(const ContactPath& path, const ContactChecks& chec
       std::sqrt(force2 / static_cast<double>(std::max<std::size_t>(1, figures.steps)));
   figures.force = JudgeForce(force, by_hand);
   figures.held = holder.Figures();
+  figures.support = support.figures();
   if (checks.quarter_steps) CompareQuarters(path, force, checks, figures);
   return figures;
 }

@@ -14,6 +14,7 @@
 #include "server/physics/haptic_step.h"
 #include "tests/support/force_shape.h"
 #include "tests/support/jump_cause.h"
+#include "tests/support/support_figures.h"
 
 namespace palpate::test {
 
@@ -31,6 +32,7 @@ struct ContactChecks {
   int oracle_every = 1;
   int converge_every = 1;
   int settle_every = 0;
+  int judge_every = 0;         ///< with ContactJudge
   bool hold_far = false;       ///< checks after each step that did not arrive whether later ones do
   bool quarter_steps = false;  ///< repeats the path at 4 kHz
   /// Called with the present activity and the share done.
@@ -87,6 +89,8 @@ struct ContactFigures {
     std::size_t unexplained() const { return count[static_cast<int>(JumpCause::kUnexplained)]; }
   };
   Jumps jumps;
+
+  SupportFigures support;  ///< its counts of friction are always filled in
 
   /// Notches, ledges and passing changes, judged from the forces alone.
   ForceShape force;

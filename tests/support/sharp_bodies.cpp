@@ -230,22 +230,15 @@ std::optional<Scene> MakeSharpScene(std::string_view name) {
   }
   // Tool and object are not the same.
   const std::uint64_t tool = 2 * seed, object = 2 * seed + 1;
-  const auto body = [](const char* called, TriangleMesh mesh) {
-    Body made;
-    made.name = called;
-    made.tree = BuildInnerTree(mesh);  // contact is between the meshes
-    made.mesh = std::move(mesh);
-    return made;
-  };
   const auto against = [&](Body of_tool, TriangleMesh of_object) {
     Scene made;
     made.name = std::string(name);
     made.tools.push_back(std::move(of_tool));
-    made.objects.push_back(body("object", std::move(of_object)));
+    made.objects.push_back(MakeSolidBody("object", std::move(of_object)));
     return made;
   };
   const auto scene = [&](TriangleMesh of_tool, TriangleMesh of_object) {
-    return against(body("tool", std::move(of_tool)), std::move(of_object));
+    return against(MakeSolidBody("tool", std::move(of_tool)), std::move(of_object));
   };
   if (kind == kSharpScenes[0]) return scene(MakeComb(tool), MakeComb(object));
   if (kind == kSharpScenes[1]) return scene(MakeGear(tool), MakeGear(object));

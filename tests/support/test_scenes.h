@@ -37,6 +37,15 @@ inline Body MakeMeshBody(std::string name, TriangleMesh mesh, const Pose& X_WB =
   return body;
 }
 
+/// The same with a tree that is a rough model of its inside, as a scene file makes it.
+inline Body MakeSolidBody(std::string name, TriangleMesh mesh) {
+  Body body;
+  body.name = std::move(name);
+  body.tree = BuildInnerTree(mesh);
+  body.mesh = std::move(mesh);
+  return body;
+}
+
 inline Scene MakeScene(TriangleMesh tool, std::size_t tool_leaves, TriangleMesh object,
                        std::size_t object_leaves, ContactModel contact) {
   Scene scene;

@@ -46,39 +46,38 @@ std::int64_t PopLeast(std::vector<std::int64_t>& heap) {
   return least;
 }
 
-/// Returns whether a unit direction separates a pair throughout the trial; if so, sets it
-/// as the pair's plane.
-bool HoldsAlong(MeshContact& contact, Index k, const Vec3& n, double least_before,
-                double least_after) {
+/// Returns whether a unit direction separates a pair throughout the trial by enough (`proves`, of
+/// the gaps before and after); if so, sets it as the pair's plane.
+template <class Proves>
+bool HoldsAlong(MeshContact& contact, Index k, const Vec3& n, Proves proves) {
   const NodesOfPair& nodes = contact.near[k].nodes;
   const double high = contact.meshes.High(nodes, n);
   const double after = contact.meshes.Low(nodes.tool, n, contact.motion.to) - high;
-  if (!(after >= least_after)) return false;
   const double before =
       contact.motion.moves ? contact.meshes.Low(nodes.tool, n, contact.motion.from) - high : after;
-  if (!(before >= least_before)) return false;
+  if (!proves(before, after)) return false;
   contact.near.SetPlanes(k, n, before, n, after);
   return true;
 }
 
-/// HoldsAlong for a plane of a touch, which may move with the tool.  The pair, the touch's own or a
-/// neighbour, is `distance` apart at the beginning of the sub-step.
-bool HoldsAcross(MeshContact& contact, Index k, double distance, const Touch& touch,
+/// HoldsAlong for a plane of a touch, which may move with the tool.
+/// @param touch  the pair's
+/// @param of     the touch that the plane belongs to: the pair's own, or a neighbour's
+bool HoldsAcross(MeshContact& contact, Index k, const Touch& touch, const Touch& of,
                  const ContactPlane& plane) {
   const ToolAndBodies& meshes = contact.meshes;
   const Motion& motion = contact.motion;
-  const double least_before = meshes.margins.LeastBefore(distance);
-  const double least_after = meshes.margins.LeastAfter(distance);
-  if (plane.of == ContactPlane::Of::kObject) {
-    return HoldsAlong(contact, k, plane.n, least_before, least_after);
-  }
+  const auto proves = [&](double before, double after) {
+    return touch.Proves(meshes.margins, before, after);
+  };
+  if (plane.of == ContactPlane::Of::kObject) return HoldsAlong(contact, k, plane.n, proves);
   const NodesOfPair& nodes = contact.near[k].nodes;
-  const Vec3 n_before = NormalAt(meshes, touch, plane, motion.from);
-  const Vec3 n_after = NormalAt(meshes, touch, plane, motion.to);
+  const Vec3 n_before = NormalAt(meshes, of, plane, motion.from);
+  const Vec3 n_after = NormalAt(meshes, of, plane, motion.to);
   const double before = meshes.Gap(nodes, n_before, motion.from);
   const double after = meshes.Gap(nodes, n_after, motion.to);
-  if (!(before >= least_before && after >= least_after)) return false;
-  if (std::min(before, after) - TurnLoss(meshes, touch, plane, motion) <
+  if (!proves(before, after)) return false;
+  if (std::min(before, after) - TurnLoss(meshes, of, plane, motion) <
       0.5 * std::min(meshes.margins.free, before)) {
     return false;
   }
@@ -88,10 +87,10 @@ bool HoldsAcross(MeshContact& contact, Index k, double distance, const Touch& to
 
 /// Returns whether the plane of a neighbouring contact also separates this pair, which is outside
 /// its cones.  Such a plane restricts nothing that the contact does not.
-bool NeighbourHolds(MeshContact& contact, Index k, double distance) {
-  return std::any_of(contact.touches.begin(), contact.touches.end(), [&](const Touch& touch) {
-    return touch.in_cone && touch.plane.of != ContactPlane::Of::kNone &&
-           HoldsAcross(contact, k, distance, touch, touch.plane);
+bool NeighbourHolds(MeshContact& contact, Index k, const Touch& touch) {
+  return std::any_of(contact.touches.begin(), contact.touches.end(), [&](const Touch& other) {
+    return other.in_cone && other.plane.of != ContactPlane::Of::kNone &&
+           HoldsAcross(contact, k, touch, other, other.plane);
   });
 }
 
@@ -102,13 +101,13 @@ bool TrianglesApart(MeshContact& contact, Index k) {
   const Motion& motion = contact.motion;
   const Touch& touch = contact.TouchOf(k);
   const auto across = [&](const ContactPlane& plane) {
-    return HoldsAcross(contact, k, touch.distance, touch, plane);
+    return HoldsAcross(contact, k, touch, touch, plane);
   };
   if (touch.plane.of != ContactPlane::Of::kNone && across(touch.plane)) return true;
-  const double least_before = meshes.margins.LeastBefore(touch.distance);
-  const double least_after = meshes.margins.LeastAfter(touch.distance);
   const auto holds = [&](const Vec3& n) {
-    return HoldsAlong(contact, k, n, least_before, least_after);
+    return HoldsAlong(contact, k, n, [&](double before, double after) {
+      return touch.Proves(meshes.margins, before, after);
+    });
   };
   if (holds(touch.u) || holds(contact.near.Normal(k))) return true;
   bool held = false;
@@ -116,8 +115,9 @@ bool TrianglesApart(MeshContact& contact, Index k) {
               [&](const ContactPlane& plane) { held = held || across(plane); });
   if (held || !motion.moves) return held;
   const NearestPoints nearest = meshes.NearestAt(touch.nodes, motion.to);
-  if (nearest.squared > 0.0 && holds(nearest.Direction())) return true;
-  if (!touch.in_cone) return NeighbourHolds(contact, k, touch.distance);
+  if (nearest.squared > 0.0 && holds(DirectionAt(meshes, touch.nodes, nearest, motion.to)))
+    return true;
+  if (!touch.in_cone) return NeighbourHolds(contact, k, touch);
   return touch.plane.of == ContactPlane::Of::kNone && across(ChoosePlane(meshes, touch, motion));
 }
 
@@ -149,7 +149,8 @@ bool LookAtTriangles(MeshContact& contact, Index k, Until until) {
   const double free = contact.meshes.margins.free;
   const bool has_plane = pair.touch >= 0 && contact.TouchOf(k).plane.of != ContactPlane::Of::kNone;
   if (!has_plane && !contact.meshes.IsBall() &&
-      HoldsAlong(contact, k, contact.near.Normal(k), free, free)) {
+      HoldsAlong(contact, k, contact.near.Normal(k),
+                 [free](double before, double after) { return std::min(before, after) >= free; })) {
     return true;
   }
   if (pair.touch < 0 && !contact.HasRoomForTouch()) return false;

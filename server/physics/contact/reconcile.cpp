@@ -55,7 +55,7 @@ bool Retract(MeshContact& contact, int row, Touch& touch, ContactRows& rows) {
   const Motion& motion = contact.motion;
   const NearestPoints nearest = meshes.NearestAt(touch.nodes, motion.to);
   if (!(nearest.squared > 0.0)) return false;
-  const Vec3 u = nearest.Direction();
+  const Vec3 u = DirectionAt(meshes, touch.nodes, nearest, motion.to);
   const bool touches =
       GapOfRow(contact, row, rows) <=
       kWitnessRatio * (nearest.Distance() - meshes.tool.radius) + meshes.margins.witness;
@@ -64,6 +64,9 @@ bool Retract(MeshContact& contact, int row, Touch& touch, ContactRows& rows) {
   }
   const ContactPlane other = OtherPlane(meshes, touch, nearest, u, motion);
   if (other.of == ContactPlane::Of::kNone) return false;
+  // A plane of the same direction, as that of the next triangle of a flat face, changes nothing.
+  const Vec3 n = NormalAt(meshes, touch, other, motion.to);
+  if (touches && (n - rows.normal(row)).norm() <= kSame) return false;
   TakeOut(touch, rows);
   touch.plane = other;
   touch.retracted = true;
@@ -78,13 +81,14 @@ int Retract(MeshContact& contact, std::span<const int> active, ContactRows& rows
   });
 }
 
-int Relinearise(MeshContact& contact, std::span<const int> active, ContactRows& rows) noexcept {
+int Relinearise(MeshContact& contact, std::span<const int> active, double most,
+                ContactRows& rows) noexcept {
   return MendRows(contact, active, rows, [&](int row, Touch& touch) {
     if (touch.relinearised) return false;
     const TouchRowsAtTrial of = RowsAt(contact, touch);
     for (int k = 0; k < of.count; ++k) {
       if (touch.row[of.row[k].slot % 3] != row) continue;
-      if (rows.Turned(row, of.row[k].n, of.row[k].by_turning) <= kTurned) return false;
+      if (rows.Turned(row, of.row[k].n, of.row[k].by_turning) <= most) return false;
       SetRow(contact, touch, of.row[k], rows);
       touch.relinearised = true;
     }

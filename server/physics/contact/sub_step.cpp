@@ -45,8 +45,8 @@ Touch& MeshContact::TouchOf(NearPairs::Index k) {
 }
 
 void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront& front,
-                  const ToolPose& from, std::span<const ContactId> active, std::int64_t most_looks,
-                  ContactRows& rows) noexcept {
+                  const ToolPose& from, std::span<const ContactId> active, bool rubs,
+                  std::int64_t most_looks, ContactRows& rows) noexcept {
   contact.looks = {.most = most_looks};
   contact.meshes.kernels = &kernels;
   contact.motion = Motion(from);
@@ -61,13 +61,16 @@ void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront&
   near.Cover(contact.meshes.margins.touching, 0.0, contact.looks);
   Certify(contact, Vec3::Zero(), Vec3::Zero(), Until::kEnough);
   if (active.empty()) return;
-  for (NearPairs::Index k = 0; k < near.size(); ++k) {
-    const NearPairs::Pair& pair = near[k];
-    if (pair.split || !pair.nodes.AreTriangles()) continue;
-    const ContactId id = IdOf(pair.nodes);
-    const bool was =
-        std::ranges::any_of(active, [&](const ContactId& row) { return row.IsBeside(id); });
-    if (was && contact.HasRoomForTouch()) AddRowsThatTouch(contact, k, rows);
+  const auto was_active = [&](const NodesOfPair& nodes) {
+    const ContactId id = IdOf(nodes);
+    return std::ranges::any_of(active, [&](const ContactId& row) { return row.IsBeside(id); });
+  };
+  for (NearPairs::Index k = 0; k < near.size() && contact.HasRoomForTouch(); ++k) {
+    if (near[k].split || !near[k].nodes.AreTriangles()) continue;
+    if (was_active(near[k].nodes) ||
+        (rubs && contact.TouchOf(k).IsContact(contact.meshes.margins))) {
+      AddRowsThatTouch(contact, k, rows);
+    }
   }
 }
 

@@ -94,11 +94,13 @@ int Certify(MeshContact& contact, const Vec3& v, const Vec3& phi, Until until) n
 /// Updates the front at `from`, and adds the rows of those `active` pairs that still touch.  This
 /// includes pairs outside their cones; otherwise a tool at rest would find them again in each step,
 /// at slightly different places.
+/// @param rubs  adds the rows of all contacts there.  Without them a tool that slides over several
+///              would tip over those that held it last, and rub on rows made for that pose.
 /// @param most_looks  of the sub-step.  Once they are spent, pairs whose planes do not hold count
 ///                    as not separate.
 void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront& front,
-                  const ToolPose& from, std::span<const ContactId> active, std::int64_t most_looks,
-                  ContactRows& rows) noexcept;
+                  const ToolPose& from, std::span<const ContactId> active, bool rubs,
+                  std::int64_t most_looks, ContactRows& rows) noexcept;
 
 /// Returns whether the trial [v; phi] is free.  If not, adds rows for pairs without a plane, or
 /// recomputes those rows that the trial violates.
@@ -126,6 +128,9 @@ struct TouchRow {
   Vec3 lever;  ///< from the reference point to the contact, at the beginning of the sub-step [m]
   Vec3 by_turning;     ///< rate of the gap as phi grows [m]
   double before, now;  ///< gap at the sub-step's beginning and at the trial [m]
+  /// Whether the corner lies over the other triangle at the trial.  If not, the row is the plane's
+  /// and no contact's: nothing is there that could hold the tool.
+  bool is_over;
 };
 struct TouchRowsAtTrial {
   TouchRow row[3];
@@ -174,9 +179,10 @@ bool GiveUpRegain(MeshContact& contact, ContactRows& rows);
 /// Removes the rows of each touch that does not touch at the trial if another plane separates it;
 /// the touch takes that plane.  Rows of a ball take the smooth surface's normal at the trial.
 int Retract(MeshContact& contact, std::span<const int> active, ContactRows& rows) noexcept;
-/// Recomputes each row whose direction in configuration space has turned by limits::mesh::kTurned,
+/// Recomputes each row whose direction in configuration space has turned by more than `most` [rad],
 /// at most once in a sub-step.
-int Relinearise(MeshContact& contact, std::span<const int> active, ContactRows& rows) noexcept;
+int Relinearise(MeshContact& contact, std::span<const int> active, double most,
+                ContactRows& rows) noexcept;
 /// Removes the rows of touches that do not touch at the trial: no contact gives their planes, so
 /// they would hinder the tool without a cause.
 int Release(MeshContact& contact, std::span<const int> active, ContactRows& rows) noexcept;

@@ -70,17 +70,45 @@ Corners ToolAndBodies::CornersAt(const NodesOfPair& triangles, const ToolPose& a
   return corners;
 }
 
+Vec3 DirectionAt(const ToolAndBodies& meshes, const NodesOfPair& triangles,
+                 const NearestPoints& nearest, const ToolPose& at) {
+  const Vec3 across = nearest.Direction();
+  if (meshes.IsBall()) return across;
+  const Mat3& R_WB = meshes.FrameOf(triangles).R;
+  const auto face = [](const ContactMesh& mesh, HullTree::Node node) -> const Vec3& {
+    return mesh.triangles()[HullTree::TriangleOf(node)].normal;
+  };
+  const Feature of_p = nearest.of_p, of_q = nearest.of_q;
+  Vec3 n = Vec3::Zero();
+  if (of_q.kind == Feature::kFace) {
+    n = R_WB * face(triangles.shape->mesh, triangles.object);
+  } else if (of_p.kind == Feature::kFace) {
+    n = at.R * face(meshes.tool.mesh, triangles.tool);
+  } else if (of_p.kind == Feature::kEdge && of_q.kind == Feature::kEdge) {
+    const Vec3 ea = at.R * EdgeOf(meshes.tool.mesh, triangles.tool, of_p.index);
+    const Vec3 eb = R_WB * EdgeOf(triangles.shape->mesh, triangles.object, of_q.index);
+    const Vec3 normal = ea.cross(eb);
+    const double length = normal.norm();
+    if (length > kParallel * ea.norm() * eb.norm()) n = normal / length;
+  }
+  const double along = n.dot(across);
+  // The points of triangles that nearly intersect may belong to other features.
+  if (!(std::fabs(along) > 1.0 - kTurned)) return across;
+  return along > 0.0 ? n : Vec3(-n);
+}
+
 Touch TouchAt(const ToolAndBodies& meshes, const NodesOfPair& triangles, const ToolPose& at) {
   Touch touch;
   touch.nodes = triangles;
   touch.nearest = meshes.NearestAt(triangles, at);
   touch.distance = -kInfinity;
   if (touch.nearest.Distance() > 0.0) {
-    touch.u = touch.nearest.Direction();
+    touch.u = DirectionAt(meshes, triangles, touch.nearest, at);
     touch.distance = meshes.Gap(triangles, touch.u, at);
   }
   touch.in_cone = touch.distance > 0.0 && InCone(meshes, triangles, touch.nearest, touch.u, at);
   if (!(touch.distance > 0.0)) FindLeastDepth(meshes, at, touch);
+  touch.by_plane = touch.distance > 0.0 && !touch.in_cone && !meshes.IsBall();
   return touch;
 }
 
@@ -132,7 +160,8 @@ ContactPlane ChoosePlane(const ToolAndBodies& meshes, const Touch& touch, const 
   if (!touch.in_cone) {
     // The touch belongs to a neighbour: tries the neighbour's face, if that separates
     // this pair as well.
-    BestPlane best{meshes, touch, trial, meshes.margins.LeastAfter(touch.distance)};
+    const double least = touch.by_plane ? kRounding : meshes.margins.LeastAfter(touch.distance);
+    BestPlane best{meshes, touch, trial, least};
     ForEachFace(meshes, touch.nodes, touch.nearest, trial.from,
                 [&](const ContactPlane& face) { best.Consider(face); });
     if (best.plane.of != ContactPlane::Of::kNone) return best.plane;

@@ -119,12 +119,39 @@ struct Touch {
   Vec3 u = Vec3::UnitZ();  ///< unit direction between them, from object to tool
   double distance;         ///< the gap along u [m]: negative where they intersect
   bool in_cone;            ///< no neighbouring triangle is nearer
-  ContactPlane plane;      ///< that its rows use; kNone if it has no rows
+  /// Whether a plane is measured by the gap that it leaves itself, and not by `distance`: outside
+  /// the cones the plane is a neighbour's, which leaves less.  If it had to leave the distance, a
+  /// tool could not slide along a face over the next triangle of the same face.  A ball keeps
+  /// delta from every triangle.
+  bool by_plane;
+  ContactPlane plane;  ///< that its rows use; kNone if it has no rows
   /// Each happens once at most in a sub-step; otherwise two planes, or two
   /// directions, could alternate.
   bool retracted = false, relinearised = false;
   int row[3] = {-1, -1, -1};  ///< for each corner (kEdges: only the first is used); -1: none
+
+  /// Returns whether the pair is a contact: near, and nearest within the cones of both.
+  bool IsContact(const limits::mesh::Margins& margins) const {
+    return in_cone && distance <= margins.touching;
+  }
+  /// Returns the gap that a plane must leave after a sub-step if it leaves `before` [m] at its
+  /// beginning: so much that the pair comes no nearer than h, or than it is (README.md).
+  double LeastAfter(const limits::mesh::Margins& margins, double before) const {
+    return margins.LeastAfter(by_plane ? before : distance);
+  }
+  /// Returns whether a plane that leaves these gaps [m] at both ends of a sub-step proves that the
+  /// pair was apart.
+  bool Proves(const limits::mesh::Margins& margins, double before, double after) const {
+    const double least = by_plane ? limits::mesh::kRounding : margins.LeastBefore(distance);
+    return before >= least && after >= LeastAfter(margins, before);
+  }
 };
+
+/// Returns the unit direction between two nearest points, from object to tool.  It is that of the
+/// features: a face's normal, or the common normal of two edges.  Across the points themselves it
+/// would err by their rounding over their distance, 5e-5 rad at a micrometre.
+Vec3 DirectionAt(const ToolAndBodies& meshes, const NodesOfPair& triangles,
+                 const NearestPoints& nearest, const ToolPose& at);
 
 /// Returns the touch of two triangles at a pose.  If they intersect, u is the direction
 /// of the least depth.

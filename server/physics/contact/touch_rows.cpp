@@ -37,6 +37,29 @@ Vec3 EdgesTurning(const MeshContact& contact, const Touch& touch, const Vec3& n)
   return (lowest - at.p).cross(n) + ea.cross(eb.cross(w));
 }
 
+/// Returns the point of the tool's edge where a plane's edges cross, at the trial; an end of it if
+/// they have passed each other.
+Vec3 CrossingOf(const MeshContact& contact, const Touch& touch) {
+  const Corners corners = contact.meshes.CornersAt(touch.nodes, contact.motion.to);
+  const int i = touch.plane.tool_edge, j = touch.plane.object_edge;
+  const Vec3 &a = corners.tool[i], &b = corners.object[j];
+  const Vec3 ea = corners.tool[(i + 1) % 3] - a, eb = corners.object[(j + 1) % 3] - b;
+  const Vec3 across = ea.cross(eb);
+  const double share = (b - a).cross(eb).dot(across) / across.squaredNorm();
+  return a + std::clamp(share, 0.0, 1.0) * ea;
+}
+
+/// Returns whether a point lies over a triangle or next to it, by no more than the reach of
+/// contact.
+bool IsOver(const Vec3* corner, const Vec3& p, double reach) {
+  const Vec3 normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 out = (corner[(i + 1) % 3] - corner[i]).cross(normal);
+    if (out.dot(p - corner[i]) > reach * out.norm()) return false;
+  }
+  return true;
+}
+
 /// Returns the gap of a touch along its plane at the beginning of the sub-step [m].
 double GapBefore(const MeshContact& contact, const Touch& touch) {
   return GapAt(contact.meshes, touch.nodes, touch, touch.plane, contact.motion.from);
@@ -73,8 +96,7 @@ TouchRowsAtTrial RowsAt(const MeshContact& contact, const Touch& touch) {
   const auto by_phi = [&](const Vec3& w) -> Vec3 { return w - 0.5 * motion.phi.cross(w); };
   TouchRowsAtTrial of;
   if (plane.of == ContactPlane::Of::kEdges) {
-    const Vec3 lever =
-        motion.to.R * (motion.from.R.transpose() * (touch.nearest.p - motion.from.p));
+    const Vec3 lever = CrossingOf(contact, touch) - motion.to.p;
     const double before = meshes.Gap(nodes, n_old, motion.from);
     const double now = meshes.Gap(nodes, n_new, motion.to);
     const double loss = TurnLoss(meshes, touch, plane, motion);
@@ -84,7 +106,8 @@ TouchRowsAtTrial RowsAt(const MeshContact& contact, const Touch& touch) {
                  lever - meshes.tool.radius * n_new,
                  by_phi(EdgesTurning(contact, touch, n_new)),
                  before,
-                 holds ? now : std::min(now, meshes.margins.LeastAfter(touch.distance)) - loss};
+                 holds ? now : std::min(now, touch.LeastAfter(meshes.margins, before)) - loss,
+                 true};
     of.count = 1;
     return of;
   }
@@ -110,7 +133,9 @@ TouchRowsAtTrial RowsAt(const MeshContact& contact, const Touch& touch) {
                  corner_old - motion.from.p - down,
                  by_phi((corner_new - motion.to.p - down).cross(along)),
                  sign * (n_old.dot(corner_old - down) - plane_old),
-                 sign * (n_new.dot(corner_new - down) - plane_new)};
+                 sign * (n_new.dot(corner_new - down) - plane_new),
+                 meshes.IsBall() ||
+                     IsOver(of_tool ? now.object : now.tool, corner_new, meshes.margins.touching)};
   }
   return of;
 }
@@ -137,7 +162,7 @@ void SetRow(MeshContact& contact, Touch& touch, const TouchRow& of, ContactRows&
 }
 
 void AddRowsOfOpen(MeshContact& contact, ContactRows& rows) {
-  const auto add = [&](bool in_cone) {
+  const auto add = [&](bool in_cone, bool over) {
     bool added = false;
     for (const NearPairs::Index k : contact.open) {
       Touch& touch = contact.TouchOf(k);
@@ -145,13 +170,15 @@ void AddRowsOfOpen(MeshContact& contact, ContactRows& rows) {
       if (touch.plane.of == ContactPlane::Of::kNone) {
         touch.plane = ChoosePlane(contact.meshes, touch, contact.motion);
       }
-      const double least = contact.meshes.margins.LeastAfter(touch.distance);
-      const auto is_broken = [&](const TouchRow& row) { return row.now < least; };
+      const double least = touch.LeastAfter(contact.meshes.margins, GapBefore(contact, touch));
+      const auto is_broken = [&](const TouchRow& row) {
+        return row.now < least && row.is_over >= over;
+      };
       added = SetRows(contact, touch, rows, is_broken) || added;
     }
     return added;
   };
-  if (!add(true)) add(false);
+  if (!add(true, true) && !add(true, false)) add(false, false);
 }
 
 void AddRowsThatTouch(MeshContact& contact, NearPairs::Index k, ContactRows& rows) {
@@ -160,7 +187,8 @@ void AddRowsThatTouch(MeshContact& contact, NearPairs::Index k, ContactRows& row
   touch.plane = ChoosePlane(contact.meshes, touch, contact.motion);
   const double touching =
       kWitnessRatio * GapBefore(contact, touch) + contact.meshes.margins.witness;
-  SetRows(contact, touch, rows, [&](const TouchRow& row) { return row.before <= touching; });
+  SetRows(contact, touch, rows,
+          [&](const TouchRow& row) { return row.is_over && row.before <= touching; });
 }
 
 void RelineariseAtStart(MeshContact& contact, ContactRows& rows) {

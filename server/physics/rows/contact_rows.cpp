@@ -51,7 +51,7 @@ void ContactRows::SetRow(int row, const Vec3& normal, const Vec3& lever, const V
 void ContactRows::Finish() noexcept {
   for (int i = count_; i % 16 != 0; ++i) {
     for (double* column : columns_.a) column[i] = 0.0;
-    columns_.b[i] = -1e300;
+    columns_.b[i] = kLoose;
   }
 }
 
@@ -82,8 +82,10 @@ int ContactRows::Find(std::span<const ContactId> ids, int* row) const noexcept {
   const std::span<const ContactId> mine(columns_.id, static_cast<std::size_t>(count_));
   for (const ContactId& id : ids) {
     // Between leaves the body is always the same.
-    const auto at = std::ranges::find_if(
-        mine, [&id](const ContactId& other) { return other.tool == id.tool && other == id; });
+    const auto at = std::ranges::find_if(mine, [&](const ContactId& other) {
+      return other.tool == id.tool && other == id &&
+             !IsLoose(static_cast<int>(&other - columns_.id));
+    });
     if (at != mine.end()) row[found++] = static_cast<int>(at - mine.begin());
   }
   return found;

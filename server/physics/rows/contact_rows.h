@@ -39,7 +39,8 @@ class ContactRows {
               double gap) noexcept;
   void SetGap(int row, double gap) noexcept { columns_.b[row] = -gap; }
   /// Makes a row hold for every step.
-  void Loosen(int row) noexcept { columns_.b[row] = -1e300; }
+  void Loosen(int row) noexcept { columns_.b[row] = kLoose; }
+  bool IsLoose(int row) const { return columns_.b[row] == kLoose; }
   /// Makes every row allow the zero step.
   void AdmitZero() noexcept {
     for (int i = 0; i < count_; ++i) columns_.b[i] = std::min(columns_.b[i], 0.0);
@@ -77,6 +78,7 @@ class ContactRows {
   int Find(std::span<const ContactId> ids, int* row) const noexcept;
 
  private:
+  static constexpr double kLoose = -1e300;
   int max_rows_;
   bool turns_;
   double rho_;

@@ -64,6 +64,7 @@ bool IsFree(const StepContext& context, const Way& way) {
 
 /// For a tool that arrives, returns whether rows changed because they are not true for that place.
 bool Mend(const StepContext& context, Way& way) {
+  using limits::mesh::kSame, limits::mesh::kTurned;
   MeshContact& meshes = *context.buffers.meshes;
   ContactRows& rows = context.buffers.rows;
   const auto active = way.optimum.qp.ActiveRows();
@@ -72,10 +73,11 @@ bool Mend(const StepContext& context, Way& way) {
     // A ball's rows have the smooth surface's normals at the trial, so the ball rests there, even
     // if facets lifted it on the way.  At a crease they have the normals of the beginning: the ball
     // has not arrived, and goes on round it.
-    way.arrived = Turned(meshes, active, rows) <= limits::mesh::kTurned;
+    way.arrived = Turned(meshes, active, rows) <= kTurned;
     return false;
   }
-  return context.IsRigid() && Relinearise(meshes, active, rows) != 0;
+  if (meshes.meshes.IsBall() || !(context.IsRigid() || context.Rubs())) return false;
+  return Relinearise(meshes, active, context.Rubs() ? kSame : kTurned, rows) != 0;
 }
 
 /// For a tool that may be held by pairs that do not touch, goes to the optimum without their rows

@@ -41,14 +41,17 @@ Vec6 SolveLinear(const Mat6& H, const Vec6& g) {
   return x;
 }
 
-/// Which form of Coulomb's law is solved for (friction.md): with the multipliers and the limits of
-/// friction that belong to x, or with fixed ones.
+/// Which form of Coulomb's law is solved for (friction.md): the true one, in x and the forces; that
+/// of contacts with a stiffness, in x alone; or this one with fixed limits of friction, where it is
+/// the gradient of a convex function.
 struct Law {
-  double r;       ///< penalty with which it decides whether a contact presses and slips
-  double k;       ///< stiffness, over k_t, of what presses or sticks
-  bool is_fixed;  ///< augmented Lagrangian; r = k
+  double r;  ///< penalty with which it decides whether a contact presses and slips
+  double k;  ///< stiffness, over k_t, of what presses or sticks
+  enum class Form { kTrue, kStiff, kFixed } form;
 };
-constexpr Law kTrueLaw{kTrial, kPenalty, false};
+constexpr Law kTrueLaw{kTrial, kPenalty, Law::Form::kTrue};
+constexpr Law kStiffLaw{kStiffness, kStiffness, Law::Form::kStiff};
+constexpr Law kFixedLaw{kStiffness, kStiffness, Law::Form::kFixed};
 
 /// The law of a contact, evaluated at an x and linearised there.
 struct LawAtX {
@@ -89,7 +92,7 @@ struct Contact : LawAtX {
     const Vec2 u = trial.tail<2>();
     const double length = u.norm();
     law = {std::max(0.0, trial[0]), u[0], u[1]};
-    if (!by.is_fixed) limit = mu * law[0];
+    if (by.form != Law::Form::kFixed) limit = mu * law[0];
     ratio = 1.0;
     if (length <= limit) return;
     const double inverse = 1.0 / length;
@@ -108,15 +111,17 @@ struct Contact : LawAtX {
       rate.row(0).setZero();
     }
     if (!slips()) return;
-    const double left = by.is_fixed ? 1.0 : std::max(1.0 - ratio, ratio * by.r / by.k);
+    const bool is_fixed = by.form == Law::Form::kFixed;
+    const double left =
+        by.form == Law::Form::kTrue ? std::max(1.0 - ratio, ratio * by.r / by.k) : 1.0;
     const Vec2 across(-direction[1], direction[0]);
     const Eigen::Matrix<double, 1, 6> turn =
         ratio * by.r / left * across.transpose() * J.bottomRows<2>();
-    mean.tail<2>() = (by.is_fixed ? limit : mu * mean[0]) * direction +
+    mean.tail<2>() = (is_fixed ? limit : mu * mean[0]) * direction +
                      (1.0 - 1.0 / left) * across.dot(friction()) * across;
     for (int i = 0; i < 2; ++i) {
       rate.row(1 + i) = across[i] * turn;
-      if (!by.is_fixed) rate.row(1 + i) += mu * direction[i] * rate.row(0);
+      if (!is_fixed) rate.row(1 + i) += mu * direction[i] * rate.row(0);
     }
   }
 };
@@ -168,8 +173,9 @@ class FrictionalContacts {
 
   /// Finds the frictional optimum over these contacts alone.  Returns whether it was found.
   bool Solve(StepReport& report) {
+    is_stiff_ = false;
     do {
-      if (!Newton(kNewtonSteps, report) && !AugmentedLagrangian(report)) return false;
+      if (!Newton(kNewtonSteps, report) && !StiffContacts(report)) return false;
     } while (LetSlip());
     return true;
   }
@@ -181,7 +187,26 @@ class FrictionalContacts {
     return t;
   }
 
-  bool Agrees(const double* x) const { return Largest(Vec6::Map(x) - x_) <= kAgreed * size_; }
+  /// Returns whether the QP has found the same x, except for what the contacts yield.
+  bool Agrees(const double* x) const {
+    return Largest(Vec6::Map(x) - x_) <= (is_stiff_ ? kYielded : kAgreed) * size_;
+  }
+  /// The x of contacts with a stiffness; null if the QP's is exact.
+  const Vec6* StiffX() const { return is_stiff_ ? &x_ : nullptr; }
+
+  /// Sets friction back to what it was in the last sub-step.
+  void TakeLastFriction() {
+    const FrictionState& state = context_.state.friction;
+    for (Contact& contact : *this) {
+      const ContactId& id = context_.buffers.rows.id(contact.row);
+      const auto* end = state.id.begin() + state.contacts;
+      const auto* last = std::find(state.id.begin(), end, id);
+      contact.f.setZero();
+      if (last == end) continue;
+      contact.f = contact.axes * state.force[static_cast<std::size_t>(last - state.id.begin())];
+      contact.f[0] = 0.0;
+    }
+  }
 
   /// Takes over the normal forces of the QP, and projects friction onto its disks.  Returns whether
   /// that changed anything, so that the QP must be solved again.
@@ -327,8 +352,9 @@ class FrictionalContacts {
     return true;
   }
 
-  /// Evaluates a fixed law at x; returns the gradient of the augmented Lagrangian.
-  Vec6 Gradient(const Law& by) {
+  /// Evaluates a law with a stiffness at x.  Returns x - t + sum J^T f, zero where the forces are
+  /// in balance.
+  Vec6 Imbalance(const Law& by) {
     Vec6 g = x_ - t_;
     for (Contact& contact : *this) {
       contact.Evaluate(by, x_);
@@ -337,60 +363,84 @@ class FrictionalContacts {
     return g;
   }
 
-  /// Minimises the augmented Lagrangian by Newton's method.  A step that overshoots is shortened by
-  /// the secant of its slope, which always leads down in a convex function.
-  bool Minimise(const Law& by, StepReport& report) {
-    Vec6 g = Gradient(by);
-    for (int step = 0; step < kMinimiserSteps; ++step) {
-      if (Largest(g) <= kBalanced * size_) return true;
+  /// Newton's method in x alone.  Each step reduces the imbalance; if none does, x stays where it
+  /// was, and the result is false.
+  bool Rebalance(StepReport& report) {
+    const Vec6 start = x_;
+    Vec6 g = Imbalance(kStiffLaw);
+    for (int step = 0; step < kRebalanceSteps && Largest(g) > kBalanced * size_; ++step) {
       ++report.diagnostics.friction_iterations;
-      const Vec6 from = x_, d = Step(by);
-      const double slope = g.dot(d);
+      const Vec6 from = x_, d = Step(kStiffLaw);
+      const double before = g.norm();
       double part = 1.0;
-      for (int shorter = 0;; ++shorter) {
+      for (int halving = 0; halving <= kStiffHalvings; ++halving, part *= 0.5) {
         x_ = from + part * d;
-        g = Gradient(by);
-        const double next_slope = g.dot(d);
-        if (next_slope <= -0.5 * slope || shorter == kShorter) break;
-        part *= std::max(0.1, slope / (slope - next_slope));
+        g = Imbalance(kStiffLaw);
+        if (g.norm() <= (1.0 - kLeastGain * part) * before) break;
       }
+      if (!(g.norm() < before)) break;
     }
+    if (Largest(g) <= kBalanced * size_) return true;
+    x_ = start;
     return false;
   }
 
-  /// The augmented Lagrangian method, used when Newton's fails (friction.md).  Limits that follow
-  /// lambda stay below the load of all contacts together.
-  bool AugmentedLagrangian(StepReport& report) {
-    double load = 0.0;
+  /// Minimises with fixed limits by Newton's method.  A step that overshoots is shortened between
+  /// where its slope falls and where it rises, which always leads down in a convex function.
+  void Minimise(StepReport& report) {
+    Vec6 g = Imbalance(kFixedLaw);
+    for (int step = 0; step < kMinimiserSteps && Largest(g) > kBalanced * size_; ++step) {
+      ++report.diagnostics.friction_iterations;
+      const Vec6 from = x_, d = Step(kFixedLaw);
+      const double slope = g.dot(d), enough = -kSlopeLeft * slope;
+      double low = 0.0, high = 1.0, falls = slope, rises = 0.0, part = 1.0;
+      for (int shorter = 0; shorter <= kShorter; ++shorter) {
+        x_ = from + part * d;
+        g = Imbalance(kFixedLaw);
+        const double here = g.dot(d);
+        if (here <= enough && (part == 1.0 || here >= -enough)) break;
+        (here < 0.0 ? low : high) = part;
+        (here < 0.0 ? falls : rises) = here;
+        part = low + (high - low) * std::clamp(falls / (falls - rises), 0.1, 0.9);
+      }
+    }
+  }
+
+  /// Finds x and the forces for contacts with a stiffness, which makes the loads of a face on a
+  /// plane determined: by Newton's method or, if that fails, as a minimum with fixed limits, which
+  /// then follow the normal forces (friction.md).  The law starts again from the friction found,
+  /// so that what sticks does not move; from the normal forces once only, so that they stay
+  /// determined.  If Newton's method for the true law ends from there, its result is taken.
+  bool StiffContacts(StepReport& report) {
+    is_stiff_ = true;
     for (Contact& contact : *this) {
       contact.f = {MultiplierOf(frictionless_, contact.row), 0.0, 0.0};
       contact.limit = contact.mu * contact.lambda();
-      load += contact.lambda();
     }
     Balance();
-    double penalty = 1.0;
-    for (int update = 0; update < kUpdates; ++update) {
-      if (update == kFollowing) {
-        const FrictionalContacts before = *this;
-        if (Newton(kSecondSteps, report)) return true;
-        std::copy(before.begin(), before.end(), begin());
-        x_ = before.x_;
-        ++report.diagnostics.friction_lowered;
-      }
-      const bool follows = update < kFollowing,
-                 balanced = Minimise({penalty, penalty, true}, report);
-      double most = 0.0;
+    for (Contact& contact : *this) contact.f[0] = 0.0;
+    for (int turn = 0; turn < kTurns; ++turn) {
+      if (!Rebalance(report)) Minimise(report);
+      double slip = 0.0, change = 0.0;
       for (Contact& contact : *this) {
-        const double own = contact.mu * contact.law[0];
-        const double limit = std::min(own, follows ? contact.mu * load : contact.limit);
-        most = std::max({most, Largest(contact.law - contact.f) / penalty,
-                         std::fabs((follows ? own : limit) - contact.limit)});
-        contact.f = contact.law;
+        const double limit = contact.mu * contact.law[0];
+        slip = std::max(slip, Largest(contact.law.tail<2>() - contact.friction()) / kStiffness);
+        change = std::max(change, std::fabs(limit - contact.limit));
         contact.limit = limit;
+        contact.friction() = contact.law.tail<2>();
+        if (turn == 0) contact.f[0] = contact.law[0];
       }
-      if (balanced && most <= kUpdated * size_) return true;
-      if (report.diagnostics.friction_iterations >= kCycleSteps) return false;
-      penalty = std::min(10.0 * penalty, kHighestPenalty);
+      if (turn > 0 && slip <= kSolved * size_ && change <= kBalanced * size_) {
+        for (Contact& contact : *this) contact.f = contact.law;
+        const FrictionalContacts found = *this;
+        is_stiff_ = !Newton(kSecondSteps, report);
+        if (is_stiff_) {
+          std::copy(found.begin(), found.end(), begin());
+          x_ = found.x_;
+          ++report.diagnostics.friction_yielded;
+        }
+        return true;
+      }
     }
     return false;
   }
@@ -409,7 +459,8 @@ class FrictionalContacts {
   const StepContext& context_;
   const QpResult& frictionless_;
   Vec6 t_, x_;
-  double size_;  ///< of the problem: tolerances are relative to it
+  double size_;            ///< of the problem: tolerances are relative to it
+  bool is_stiff_ = false;  ///< whether the last forces are those of contacts with a stiffness
   int count_ = 0;
   Contact contact_[kMaxActiveRows];
 };
@@ -439,12 +490,17 @@ bool Solve(StepContext& context, Optimum& optimum, const Vec6& t) {
     // If the QP's solution rests on these contacts alone, both have found the same x.
     solved = found && (!added || contacts.Agrees(qp.x));
   }
-  report.diagnostics.friction_unsolved += !solved;
+  if (!solved) {
+    ++report.diagnostics.friction_unsolved;
+    report.faults |= kFaultFriction;
+    contacts.TakeLastFriction();
+    if (!solve_shifted()) return false;
+  }
   for (int projection = 0; !solved && contacts.Project(qp); ++projection) {
     if (projection == kProjections || !solve_shifted()) return false;
   }
   if (contacts.slides()) context.state.friction.still = 0;
-  std::copy(qp.x, qp.x + 6, optimum.qp.x);
+  Vec6::Map(optimum.qp.x) = solved && contacts.StiffX() ? *contacts.StiffX() : Vec6::Map(qp.x);
   contacts.Write(context.state.friction, optimum.qp, optimum.friction);
   const Vec3 phi = Vec3::Map(qp.x + 3) / context.model.rotation_length();
   if (phi.norm() <= context.model.parameters().max_rotation) {

@@ -237,7 +237,7 @@ TEST(Friction, TipsABoxOverItsEdgeRatherThanSlideIt) {
 
 TEST(Friction, KeepsEveryForceInItsConeAndTheToolOutsideInRandomScenes) {
   const int scenes = kOptimised ? 10 : 2;
-  int contacts = 0, steps = 0, unsolved = 0, lowered = 0;
+  int contacts = 0, steps = 0, unsolved = 0, yielded = 0;
   double deepest = 0.0;
   for (const double mu : {0.1, 0.3, 0.6, 1.0}) {
     for (int scene = 0; scene < scenes; ++scene) {
@@ -253,14 +253,14 @@ TEST(Friction, KeepsEveryForceInItsConeAndTheToolOutsideInRandomScenes) {
         ++steps;
         contacts += report.contacts > 0;
         unsolved += report.diagnostics.friction_unsolved > 0;
-        lowered += report.diagnostics.friction_lowered > 0;
+        yielded += report.diagnostics.friction_yielded > 0;
       });
     }
   }
   // Balls wedged among balls: friction lacks a solution here more often than in a real scene.
   EXPECT_GT(contacts, kOptimised ? 50000 : steps / 2);
   EXPECT_LT(deepest, 2e-6);
-  EXPECT_LT(lowered, contacts / 40);
+  EXPECT_LT(yielded, contacts / 40);
   EXPECT_LT(unsolved, contacts / 100);
 }
 
@@ -390,7 +390,7 @@ TEST(Friction, SatisfiesCoulombsLawInRandomProblems) {
           context.sub_step.target = target;
           context.sub_step.rigid = rows.view();
           AddCoulombFriction(context, optimum);
-          if (counts.diagnostics.friction_lowered + counts.diagnostics.friction_unsolved > 0) {
+          if (counts.diagnostics.friction_yielded + counts.diagnostics.friction_unsolved > 0) {
             ++not_solved;
           } else {
             ++solved;
@@ -452,7 +452,7 @@ TEST(Friction, MinimisesAsABruteForceSolverDoes) {
       AddCoulombFriction(context, optimum);
       const QpResult& qp = optimum.qp;
       const Problem::Vec6 x = Problem::Vec6::Map(qp.x);
-      if (counts.diagnostics.friction_lowered + counts.diagnostics.friction_unsolved > 0 ||
+      if (counts.diagnostics.friction_yielded + counts.diagnostics.friction_unsolved > 0 ||
           (turns && x.tail<3>().norm() / rho < model.parameters().max_rotation)) {
         ++skipped;  // no minimum of Coulomb's cost was found, or Creep has moved it
         return;

@@ -81,6 +81,7 @@ const kFaults: readonly (readonly [number, Key])[] = [
   [1 << 3, "fault.jammed"],
   [1 << 4, "fault.unsolved"],
   [1 << 5, "fault.effect"],
+  [1 << 6, "fault.friction"],
   [1 << 9, "fault.leap"],
   [1 << 10, "fault.inside"],
 ];
