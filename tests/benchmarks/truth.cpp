@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <utility>
@@ -36,6 +37,7 @@ std::array<std::string, 3> Words(const std::string& name) {
 
 std::vector<TruthCase> Chosen(const Options& options) {
   std::vector<TruthCase> cases = FlatTruths();
+  std::ranges::move(CutTruths(), std::back_inserter(cases));
   std::erase_if(cases,
                 [&](const TruthCase& c) { return c.name.find(options.only) == std::string::npos; });
   if (cases.empty()) {
@@ -160,6 +162,12 @@ void Run(const Options& options) {
 
 }  // namespace
 
+std::uint64_t SeedOfCase(std::string_view name, std::uint64_t seed) {
+  std::uint64_t hash = 0xcbf29ce484222325ull;
+  for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
+  return hash + seed;
+}
+
 void Tally::Add(Figure figure) {
   figure.seed = seed_;
   Merge(figure);
@@ -188,11 +196,13 @@ void AddTruth(const CommandLine& app) {
       "truth",
       "bodies whose right answer is known, under hands from a seed\n"
       "Plates that are flat, however they are divided into triangles, under nine tools\n"
-      "that press, tremble, slide and turn.  Prints for each plate and tool how far\n"
-      "the force is from the truth, and the seed of the worst hand.");
+      "that press, tremble, slide and turn; bars, sheets and islands that burs go\n"
+      "through, and out of which they must come with their hand.  Prints for each body\n"
+      "and tool how far the force is from the truth, and the seed of the worst hand.");
   command.Footer(
       "Examples:\n"
       "  palpate-bench truth --seeds 1..20 --json truth.json\n"
+      "  palpate-bench truth --only cut/ --seeds 1..24\n"
       "  palpate-bench truth --only flat/needles/box --seeds 17..17 \\\n"
       "    --scene-out slide.bundle --poses-out slide.csv\n"
       "  palpate-bench cycle --scene slide.bundle --poses slide.csv");

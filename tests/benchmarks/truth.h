@@ -65,7 +65,12 @@ struct TruthCase {
   std::function<TruthHand(std::uint64_t seed)> make;
 };
 
+/// Returns a seed for a case and a seed, so that no two cases have hands in common (FNV-1a).
+std::uint64_t SeedOfCase(std::string_view name, std::uint64_t seed);
+
 /// Plates flat in any tessellation under plain tools, without friction and with Coulomb's.
 std::vector<TruthCase> FlatTruths();
+/// Bars, sheets and islands through which burs go and come back.
+std::vector<TruthCase> CutTruths();
 
 }  // namespace palpate::bench

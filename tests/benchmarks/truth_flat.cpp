@@ -138,13 +138,6 @@ TruthHand MakeSlide(std::string_view tessellation, std::string_view tool, std::u
   return JudgedBy(SteadyJudge(std::move(slide), start), std::move(scene), std::move(X_WH));
 }
 
-/// Returns a seed for a case and a seed, so that no two cases have hands in common (FNV-1a).
-std::uint64_t SeedOf(std::string_view name, std::uint64_t seed) {
-  std::uint64_t hash = 0xcbf29ce484222325ull;
-  for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
-  return hash + seed;
-}
-
 }  // namespace
 
 std::vector<TruthCase> FlatTruths() {
@@ -155,7 +148,7 @@ std::vector<TruthCase> FlatTruths() {
         const std::string name =
             (rubs ? "flat-friction/" : "flat/") + std::string(plate) + "/" + std::string(tool);
         cases.push_back({name, [=](std::uint64_t seed) {
-                           return MakeSlide(plate, tool, SeedOf(name, seed), rubs);
+                           return MakeSlide(plate, tool, SeedOfCase(name, seed), rubs);
                          }});
       }
     }
