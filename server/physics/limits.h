@@ -251,9 +251,6 @@ inline constexpr int kMaxLooks = 3400;
 /// Part of a cycle's looks, one over this, that may be spent beyond them on shorter motions once
 /// there is none left.  Taken.
 inline constexpr int kReserve = 4;
-/// How far a solid's new surface may stand out of the one that it replaces, over the grid's
-/// spacing: a rim that is interpolated lies off by h/8 (scenes/grid/README.md), before and after.
-inline constexpr double kStandsOut = 0.25;
 /// Looks that a pair whose plane does not hold costs (kDirections); and pairs that are refreshed,
 /// or found not to hold in a trial, in the time of one look, in which eight times as many are
 /// tested.

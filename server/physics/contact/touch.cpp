@@ -39,12 +39,12 @@ void FindLeastDepth(const ToolAndBodies& meshes, const ToolPose& at, Touch& touc
   }
 }
 
-/// Returns whether the tool is in a block's triangle, or nearest to it from within the solid.
+/// Returns whether the tool is in a block's triangle, or just behind it: nearest from within.
 bool IsBehind(const ToolAndBodies& meshes, const Touch& touch) {
   const NodesOfPair& nodes = touch.nodes;
   if (!nodes.AreOfBlock()) return false;
   if (!(touch.distance > 0.0)) return true;
-  if (touch.distance > meshes.felt->StandsOut(nodes.number)) return false;
+  if (touch.distance > meshes.margins.touching) return false;
   // At a sharp edge the direction away from the solid may point behind one of its faces, but less
   // than it points out of another.
   double most = 0.0;
@@ -126,8 +126,10 @@ Touch TouchAt(const ToolAndBodies& meshes, const NodesOfPair& triangles, const T
   if (IsBehind(meshes, touch)) {
     touch.is_behind = touch.by_plane = true;
     touch.in_cone = false;
-    touch.u = meshes.OutwardOf(triangles);
-    touch.distance = std::min(0.0, meshes.Gap(triangles, touch.u, at));
+    if (!(touch.distance > 0.0)) {
+      touch.u = meshes.OutwardOf(triangles);
+      touch.distance = std::min(0.0, meshes.Gap(triangles, touch.u, at));
+    }
     return touch;
   }
   if (!(touch.distance > 0.0)) FindLeastDepth(meshes, at, touch);

@@ -130,9 +130,9 @@ struct Touch {
   /// tool could not slide along a face over the next triangle of the same face.  A ball keeps
   /// delta from every triangle.
   bool by_plane;
-  /// Whether the tool is behind a block's triangle, or in it: a surface that was made anew stands
-  /// out into the tool.  The only plane is then the triangle's own, and the tool may go no deeper
-  /// behind it.
+  /// Whether the tool is in a block's triangle, or just behind it.  One that it is behind hinders
+  /// no way: a tool comes there only through others, or where a solid's new surface stands out into
+  /// it.  Behind one that it is in, it may go no deeper.
   bool is_behind = false;
   ContactPlane plane;  ///< that its rows use; kNone if it has no rows
   /// Each happens once at most in a sub-step; otherwise two planes, or two
@@ -152,7 +152,7 @@ struct Touch {
   /// Returns whether a plane that leaves these gaps [m] at both ends of a sub-step proves that the
   /// pair was apart.
   bool Proves(const limits::mesh::Margins& margins, double before, double after) const {
-    if (is_behind) return after >= before - limits::mesh::kRounding;
+    if (is_behind) return distance > 0.0 || after >= before - limits::mesh::kRounding;
     const double least = by_plane ? limits::mesh::kRounding : margins.LeastBefore(distance);
     return before >= least && after >= LeastAfter(margins, before);
   }

@@ -55,10 +55,6 @@ class FeltSolids {
   std::size_t SolidOf(std::int32_t number) const {
     return static_cast<std::size_t>(Body(number).of.solid - first_solid_);
   }
-  /// How far a body may stand out of the one that it replaces [m].
-  double StandsOut(std::int32_t number) const {
-    return limits::mesh::kStandsOut * solids_[SolidOf(number)].felt.lattice().spacing;
-  }
 
  private:
   static constexpr std::int16_t kNone = -1, kNothing = -2, kUncut = -3, kNoRoom = -4;
