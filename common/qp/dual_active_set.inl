@@ -9,7 +9,8 @@
 namespace palpate {
 namespace {
 
-constexpr int kIterationLimit = 400;
+/// Iterations; with limits, both of the problem and of the relaxed one.
+constexpr int kIterationLimit = 400, kLimitedIterations = 2000;
 /// A row counts as dependent if its part outside the span of the active rows is shorter than this,
 /// relative to its length.
 constexpr double kDependent = 1e-9;
@@ -39,10 +40,11 @@ struct alignas(64) Lanes {
 /// inverse M (k x k) of S is stored.  S need not be triangular, as theirs is: the method only needs
 /// the multipliers of a direction, which are a product with M, and products are vectorised over
 /// eight lanes.
-template <int N, bool kWithSlack>
+template <int N, bool kWithSlack, bool kLimited = false>
 class DualActiveSet {
  public:
-  DualActiveSet(const double* t, const QpRows& rows) : rows_(rows) {
+  DualActiveSet(const double* t, const QpRows& rows, const LimitedRows* limited = nullptr)
+      : rows_(rows), limited_(limited) {
     double largest = 0.0;
     for (int i = 0; i < N; ++i) {
       t_[i] = t[i];
@@ -51,16 +53,23 @@ class DualActiveSet {
     }
     x_ = t_;
     tolerance_ = 1e-12 * (1.0 + largest);
+    if constexpr (kLimited) {
+      for (int i = 0; i < rows.count; ++i) {
+        if (limited->at_limit[i]) TurnRound(i);
+      }
+      x_ = t_;
+    }
   }
 
   /// Returns false if the rows contradict each other.
   bool Solve(const int* guess, int guesses, QpResult& result) {
+    if (kLimited) iterations_ = result.iterations;
     if (guesses > 0) Guess(guess, guesses);
     bool feasible = true;
     double slack = 0.0;
     int row = -1;
     while (NextViolated(row, slack)) {
-      if (iterations_ >= kIterationLimit) {
+      if (iterations_ >= kMostIterations) {
         result.status = QpStatus::kIterationLimit;
         break;
       }
@@ -73,24 +82,61 @@ class DualActiveSet {
     result.active = active_;
     for (int j = 0; j < active_; ++j) {
       result.row[j] = row_[j];
-      result.multiplier[j] = u_[j] > 0.0 ? u_[j] : 0.0;
+      result.multiplier[j] = ForceOf(row_[j], u_[j] > 0.0 ? u_[j] : 0.0);
     }
-    result.iterations += iterations_;
+    result.iterations = iterations_ + (kLimited ? 0 : result.iterations);
     return feasible;
   }
 
  private:
   static constexpr int D = N + (kWithSlack ? 1 : 0);
+  static constexpr int kMostIterations = kLimited ? kLimitedIterations : kIterationLimit;
+
+  double LimitOf(int i) const {
+    if constexpr (kLimited) return limited_->limit[i];
+    return kInfinity;
+  }
+
+  /// Returns a row's entry for the slack: a row with a limit needs none.
+  double SlackEntryOf(int i) const { return LimitOf(i) < kInfinity ? 0.0 : kSlackEntry; }
+  /// Returns what the slack adds to eight rows, if it adds `shift` to each that takes part in it.
+  D8 ShiftOf(int i, D8 shift) const {
+    if constexpr (!kLimited) return shift;
+    return SelectLess(Load(limited_->limit + i), Set1(kInfinity), Set1(0.0), shift);
+  }
+
+  /// Returns the multiplier of a row as given.
+  double ForceOf(int i, double multiplier) const {
+    if constexpr (!kLimited) return multiplier;
+    if (!limited_->at_limit[i]) return multiplier;
+    return multiplier < LimitOf(i) ? LimitOf(i) - multiplier : 0.0;
+  }
+
+  /// Replaces a row, whose multiplier has come to its limit, by the opposite one, whose multiplier
+  /// is zero: the limit's force moves to t.  The columns hold the rows in that sense.
+  void TurnRound(int i) {
+    for (int c = 0; c < N; ++c) {
+      t_[c] += limited_->limit[i] * limited_->a[c][i];
+      limited_->a[c][i] = -limited_->a[c][i];
+    }
+    limited_->b[i] = -limited_->b[i];
+  }
+  void ComeToLimit(int i) {
+    if constexpr (kLimited) {
+      TurnRound(i);
+      limited_->at_limit[i] = !limited_->at_limit[i];
+    }
+  }
 
   void LoadRow(int i, Lanes& a) const {
     for (int c = 0; c < N; ++c) a[c] = rows_.a[c][i];
-    if constexpr (kWithSlack) a[N] = kSlackEntry;
+    if constexpr (kWithSlack) a[N] = SlackEntryOf(i);
   }
 
   double SlackOf(int i) const {
     double s = -rows_.b[i];
     for (int c = 0; c < N; ++c) s += rows_.a[c][i] * x_[c];
-    if constexpr (kWithSlack) s += kSlackEntry * x_[N];
+    if constexpr (kWithSlack) s += SlackEntryOf(i) * x_[N];
     return s;
   }
 
@@ -108,7 +154,7 @@ class DualActiveSet {
     for (int c = 0; c < N; ++c) xs[c] = Set1(x_[c]);
     const D8 shift = Set1(kWithSlack ? kSlackEntry * x_[D - 1] : 0.0);
     const auto slack = [&](int i) {
-      D8 s = shift - Load(rows_.b + i);
+      D8 s = ShiftOf(i, shift) - Load(rows_.b + i);
       for (int c = 0; c < N; ++c) s = Fma(Load(rows_.a[c] + i), xs[c], s);
       return s;
     };
@@ -138,6 +184,7 @@ class DualActiveSet {
       candidates_.row[lane] = row_of_lane;
       for (int c = 0; c < N; ++c) candidates_.a[c][lane] = rows_.a[c][row_of_lane];
       candidates_.b[lane] = rows_.b[row_of_lane];
+      if constexpr (kLimited) candidates_.limit[lane] = LimitOf(row_of_lane);
     }
     for (int half = 0; half < 2; ++half) {
       D8 aa = Set1(kWithSlack ? kSlackEntry * kSlackEntry : 1e-300);
@@ -156,7 +203,11 @@ class DualActiveSet {
     Lanes value[2], distance[2];
     std::uint32_t violated = 0;
     for (int half = 0; half < 2; ++half) {
-      D8 s = shift - Load(candidates_.b + 8 * half);
+      D8 s = shift;
+      if constexpr (kLimited) {
+        s = SelectLess(Load(candidates_.limit + 8 * half), Set1(kInfinity), Set1(0.0), shift);
+      }
+      s = s - Load(candidates_.b + 8 * half);
       for (int c = 0; c < N; ++c) s = Fma(Load(candidates_.a[c] + 8 * half), Set1(x_[c]), s);
       value[half].Set(s);
       distance[half].Set(s * Load(candidates_.inverse_norm + 8 * half));
@@ -285,9 +336,21 @@ class DualActiveSet {
     active_ = last;
   }
 
-  /// Step 2: moves x until the row holds with equality, and drops active rows whose multiplier
-  /// reaches zero on the way.  Returns false if the row cannot be made to hold.
+  /// Step 2: moves x until the row holds with equality or its multiplier reaches its limit, and
+  /// drops active rows whose multiplier reaches zero or its limit on the way.  Returns false if the
+  /// row cannot be made to hold.
   bool TakeUp(int row, double slack) {
+    if constexpr (kLimited) {
+      // Only rounding makes an active row seem violated.
+      for (int j = 0; j < active_; ++j) {
+        if (row_[j] != row) continue;
+        ++iterations_;
+        Equalise();
+        return true;
+      }
+      slack = SlackOf(row);  // it may have come to its limit since it was found
+      if (!(slack < -tolerance_)) return true;
+    }
     Lanes a{};
     LoadRow(row, a);
     double multiplier = 0.0;
@@ -304,7 +367,21 @@ class DualActiveSet {
           leaving = j;
         }
       }
-      const double dual_step = leaving < 0 ? kInfinity : u_[leaving] / r[leaving];
+      double dual_step = leaving < 0 ? kInfinity : u_[leaving] / r[leaving];
+      bool to_limit = false;
+      if constexpr (kLimited) {
+        if (LimitOf(row) - multiplier < dual_step) {
+          dual_step = LimitOf(row) - multiplier;
+          leaving = active_;  // the row itself
+          to_limit = true;
+        }
+        for (int j = 0; j < active_; ++j) {
+          if (!(r[j] < -kRatioZero && LimitOf(row_[j]) - u_[j] < -r[j] * dual_step)) continue;
+          dual_step = (LimitOf(row_[j]) - u_[j]) / -r[j];
+          leaving = j;
+          to_limit = true;
+        }
+      }
       const bool reachable = zz > 0.0;
       if (!reachable && leaving < 0) return false;
       const double full_step = reachable ? -slack / zz : kInfinity;
@@ -319,8 +396,12 @@ class DualActiveSet {
         Append(row, z, zz, Md, multiplier);
         return true;
       }
+      if constexpr (kLimited) {
+        if (to_limit) ComeToLimit(leaving == active_ ? row : row_[leaving]);
+        if (leaving == active_) return true;
+      }
       Drop(leaving);
-      if (iterations_ >= kIterationLimit) return true;  // the caller stops at the limit
+      if (iterations_ >= kMostIterations) return true;  // the caller stops at the limit
     }
   }
 
@@ -338,6 +419,13 @@ class DualActiveSet {
     u_.Set(u_.Get() + Multipliers(y));
   }
 
+  /// Returns how far an active multiplier is inside its limits.
+  double RoomOf(int j) const {
+    if constexpr (!kLimited) return u_[j];
+    const double left = LimitOf(row_[j]) - u_[j];
+    return left < u_[j] ? left : u_[j];
+  }
+
   /// Starts from last time's active rows: any subset with non-negative multipliers is as valid a
   /// start as the empty one.
   void Guess(const int* guess, int guesses) {
@@ -353,10 +441,13 @@ class DualActiveSet {
       Equalise();
       int worst = 0;
       for (int j = 1; j < active_; ++j) {
-        if (u_[j] < u_[worst]) worst = j;
+        if (RoomOf(j) < RoomOf(worst)) worst = j;
       }
-      if (u_[worst] >= 0.0) return;
+      if (RoomOf(worst) >= 0.0) return;
       ++iterations_;
+      if constexpr (kLimited) {
+        if (u_[worst] > 0.0) ComeToLimit(row_[worst]);
+      }
       Drop(worst);
     }
     x_ = t_;
@@ -375,6 +466,7 @@ class DualActiveSet {
   }
 
   const QpRows& rows_;
+  const LimitedRows* limited_;  ///< the same rows, with limits; null if there are none
   Lanes t_{}, x_, u_{};
   Lanes Q_[7];         ///< Q_[j]: j-th basis vector
   Lanes Q_rows_[7]{};  ///< the transpose: lane j of Q_rows_[c] is Q_[j][c]
@@ -388,6 +480,7 @@ class DualActiveSet {
     int row[16];
     alignas(64) double a[N][16];
     alignas(64) double b[16];
+    alignas(64) double limit[kLimited ? 16 : 1];
     alignas(64) double inverse_norm[16];
   } candidates_;
   double tolerance_;
@@ -403,6 +496,26 @@ QpResult Solve(const double* t, const QpRows& rows, const int* guess, int guesse
   if (DualActiveSet<N, false>(t, rows).Solve(guess, guesses, result)) return result;
   result.status = QpStatus::kRelaxed;
   if (!DualActiveSet<N, true>(t, rows).Solve(nullptr, 0, result)) {
+    result.status = QpStatus::kIterationLimit;  // cannot happen: a slack satisfies any rows
+  }
+  return result;
+}
+
+template <int N>
+QpResult SolveWithLimits(const double* t, const LimitedRows& limited, const int* guess,
+                         int guesses) {
+  QpRows rows{{}, limited.b, limited.count};
+  for (int c = 0; c < N; ++c) rows.a[c] = limited.a[c];
+  QpResult result;
+  if (DualActiveSet<N, false, true>(t, rows, &limited).Solve(guess, guesses, result)) return result;
+  // What has come to its limit is a guess for the relaxed problem.
+  for (int i = 0; i < limited.count; ++i) {
+    if (!limited.at_limit[i]) continue;
+    for (int c = 0; c < N; ++c) limited.a[c][i] = -limited.a[c][i];
+    limited.b[i] = -limited.b[i];
+  }
+  result.status = QpStatus::kRelaxed;
+  if (!DualActiveSet<N, true, true>(t, rows, &limited).Solve(nullptr, 0, result)) {
     result.status = QpStatus::kIterationLimit;  // cannot happen: a slack satisfies any rows
   }
   return result;

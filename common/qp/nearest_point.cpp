@@ -9,4 +9,9 @@ QpResult SolveNearestPoint(const double* t, const QpRows& rows, const int* guess
   return Solve<6>(t, rows, guess, guesses);
 }
 
+QpResult SolveLimited(const double* t, const LimitedRows& rows, const int* guess,
+                      int guesses) noexcept {
+  return SolveWithLimits<6>(t, rows, guess, guesses);
+}
+
 }  // namespace palpate

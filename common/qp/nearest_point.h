@@ -60,4 +60,27 @@ inline constexpr double kJamCompliance = 1e-5;
 QpResult SolveNearestPoint(const double* t, const QpRows& rows, const int* guess,
                            int guesses) noexcept;
 
+/// Rows that may be violated at a price: row i costs limit_i times what it lacks, so its multiplier
+/// is at most limit_i.  Columns as in QpRows; `limit` is padded alike, and infinite where a row is
+/// inviolable.  The solver writes to `a` and `b`: a row whose multiplier is at its limit is stored
+/// with the opposite sign.
+struct LimitedRows {
+  double* a[6];
+  double* b;
+  const double* limit;  ///< >= 0 [unit of b]
+  bool* at_limit;       ///< in: a guess; out: whether the multiplier is at its limit
+  int count;
+};
+
+/// Minimises 1/2 |x - t|^2 + sum of limit_i max(0, b_i - a_i . x), by SolveNearestPoint's method.
+/// A row at its limit pushes with a constant force; the limit less this force is the multiplier of
+/// the opposite row -a_i . x >= -b_i, which has the same limit.  So any rows may begin at their
+/// limits, and every iteration that adds a row raises the dual: no set of active rows and rows at
+/// limits can return, and the method ends.
+///
+/// Contradictory rows are relaxed as above; only inviolable rows take part in the slack.
+/// The result's multipliers are those of the rows as given.  Real-time, deterministic.
+QpResult SolveLimited(const double* t, const LimitedRows& rows, const int* guess,
+                      int guesses) noexcept;
+
 }  // namespace palpate

@@ -170,19 +170,28 @@ TriangleMesh MakeBur(const BurProfile& bur, double handle) {
     for (int i = 0; i < kQuarter; ++i)
       curve.push_back(Farthest(bur, 0.5 * M_PI * (static_cast<double>(i) / kQuarter - 2.0)));
   }
-  const std::size_t outside = curve.size();
   const auto add = [&](double y, double radius) {
-    // Flat ends rise a little, so that no two points coincide.
-    if (curve.size() > outside) y = std::max(y, curve.back()[1] + 1e-6);
-    curve.push_back({radius, y});
+    // A sharp edge is one point.
+    const auto same = [](double a, double b) { return std::abs(a - b) < 1e-6; };
+    if (curve.empty() || !same(radius, curve.back()[0]) || !same(y, curve.back()[1])) {
+      curve.push_back({radius, y});
+    }
   };
+  std::array<double, 2> beyond{0.0, top};
   for (int i = 1; i <= 2 * kQuarter; ++i) {
     const double angle = 0.5 * M_PI * (static_cast<double>(i) / kQuarter - 1.0);
     const auto [rho, y] = Farthest(bur, angle);
-    if (angle > 0.0 && rho < shank) break;
+    if (angle > 0.0 && rho < shank) {
+      beyond = {rho, y};
+      break;
+    }
     if (rho > 0.02 * widest) add(y, rho);
   }
-  add(top, shank);
+  // The neck rises from within the head, which clears its way: a shoulder above the outline cuts
+  // nothing, and material that has come over it would keep the bur from being drawn out.
+  if (const auto [rho, y] = curve.back(); rho > shank) {
+    curve.push_back({shank, y + (rho - shank) / (rho - beyond[0]) * (beyond[1] - y)});
+  }
   add(top + 2e-3, shank);
   add(top + 6e-3, kShank);
   add(top + 14e-3, kShank);

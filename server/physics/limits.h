@@ -92,16 +92,15 @@ namespace energy {
 /// times this for each row.
 inline constexpr double kRigid = 1e8;
 /// Turns of Newton's method.  Two or three are usual.  60,000 random problems of soft rows, up to
-/// 10^7 times as stiff as the coupling, took fewer than 60; 16,000 with thresholds, at most 39.
+/// 10^7 times as stiff as the coupling, took fewer than 60.
 inline constexpr int kTurns = 100;
-/// Turns before the springs are made softer, and turns with springs of one softness.  Taken; a bur
-/// that keeps moving as before takes one or two.
-inline constexpr int kTurnsAtOnce = 6, kTurnsOfStage = 20;
-/// Where softer springs begin, about the coupling's own stiffness, and the factor by which they
-/// grow.  Of 10, 30 and 100, only 10 solved all of those problems from any guess.
-inline constexpr double kSoftest = 10.0, kStiffen = 10.0;
-/// Factor applied to lengths when rigid rows stand beside thresholds: the QP's tolerance, 1e-12
-/// m, becomes 1e-21 m.
+/// Turns with springs below thresholds, before rows rest at them.  Taken; a bur that keeps moving
+/// as before takes one or two.
+inline constexpr int kTurnsOnSprings = 6;
+/// Iterations after which no further turn without springs begins.
+inline constexpr int kIterationsByLaw = 2000;
+/// Factor applied to lengths where rows rest at thresholds: the QP's tolerance, 1e-12 m, becomes
+/// 1e-21 m.
 inline constexpr double kThresholdScale = 1e9;
 /// Bisections of an interval: 60 find a spring of 1e-15 m in a step of a millimetre.
 inline constexpr int kLineSearchLimit = 60;

@@ -173,7 +173,7 @@ Way GoTheWay(const Case& c, const SolidGrid& block, Times& times) {
   std::array<Material, SolidGrid::kMaterials> materials;
   materials.fill(kMaterial);
   CutRows rows(c.samples);
-  EnergySolver solver(16);
+  EnergySolver solver(16, static_cast<std::size_t>(c.samples));
   Energy* const energy = &rows;
   const Pose X_PB{Vec3::Zero(), c.direction.q_BP.conjugate()};  // P is the world
   const double dt = 1.0 / c.rate;

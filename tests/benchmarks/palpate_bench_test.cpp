@@ -544,6 +544,15 @@ TEST_F(PalpateBench, TruthKnowsTheForceOfABallInAGrooveAndOnACurvedBody) {
   EXPECT_GT(curved[1]["judged"], 50);
 }
 
+TEST_F(PalpateBench, TruthDrawsABurOutOfABarWithItsHand) {
+  const nlohmann::json cone =
+      Figures({"truth", "--only", "cut/bar/cone", "--seeds", "13..13"})["cases"][0];
+  EXPECT_EQ(cone["hands"], 1);
+  EXPECT_EQ(cone["wrong"], 0);
+  EXPECT_LT(cone["gains uJ"], -100.0);  // it has cut
+  EXPECT_LT(cone["kept by N"], 1e-9);
+}
+
 TEST_F(PalpateBench, TruthDrivesTheSameHandForTheSameSeedAlone) {
   const std::vector<std::string> slides{"truth", "--only", "flat/strips/box", "--seeds"};
   const nlohmann::json of_three = Figures(test::Joined(slides, {"1..3"}))["cases"][0];

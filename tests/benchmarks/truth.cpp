@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <utility>
@@ -39,6 +40,7 @@ std::vector<TruthCase> Chosen(const Options& options) {
   for (auto& more : {FoldTruths(), CurvedTruths(options.million)}) {
     cases.insert(cases.end(), more.begin(), more.end());
   }
+  std::ranges::move(CutTruths(), std::back_inserter(cases));
   std::erase_if(cases,
                 [&](const TruthCase& c) { return c.name.find(options.only) == std::string::npos; });
   if (cases.empty()) {
@@ -171,12 +173,14 @@ void AddTruth(const CommandLine& app) {
       "bodies whose right answer is known, under hands from a seed\n"
       "Plates that are flat, however they are divided into triangles, under nine tools\n"
       "that press, tremble, slide and turn (flat); grooves and holes with such sides,\n"
-      "and what fits into them (folds); meshes of smooth bodies (curved).  Prints for\n"
-      "each body and tool how far the force is from the truth, and the seed of the\n"
-      "worst hand.");
+      "and what fits into them (folds); meshes of smooth bodies (curved); bars, sheets\n"
+      "and islands that burs go through, and out of which they must come (cut).\n"
+      "Prints for each body and tool how far the force is from the truth, and the seed\n"
+      "of the worst hand.");
   command.Footer(
       "Examples:\n"
       "  palpate-bench truth --seeds 1..20 --json truth.json\n"
+      "  palpate-bench truth --only cut/ --seeds 1..24\n"
       "  palpate-bench truth --only flat/needles/box --seeds 17..17 \\\n"
       "    --scene-out slide.bundle --poses-out slide.csv\n"
       "  palpate-bench cycle --scene slide.bundle --poses slide.csv");

@@ -72,5 +72,7 @@ std::vector<TruthCase> FoldTruths();
 /// Meshes of smooth bodies.
 /// @param million  whether with those of a million triangles.
 std::vector<TruthCase> CurvedTruths(bool million);
+/// Bars, sheets and islands through which burs go and come back.
+std::vector<TruthCase> CutTruths();
 
 }  // namespace palpate::bench

@@ -104,6 +104,7 @@ bool TrianglesApart(MeshContact& contact, Index k) {
     return HoldsAcross(contact, k, touch, touch, plane);
   };
   if (touch.plane.of != ContactPlane::Of::kNone && across(touch.plane)) return true;
+  if (touch.is_behind) return across({ContactPlane::Of::kObject, touch.u});
   const auto holds = [&](const Vec3& n) {
     return HoldsAlong(contact, k, n, [&](double before, double after) {
       return touch.Proves(meshes.margins, before, after);

@@ -39,6 +39,22 @@ void FindLeastDepth(const ToolAndBodies& meshes, const ToolPose& at, Touch& touc
   }
 }
 
+/// Returns whether the tool is in a block's triangle, or just behind it: nearest from within.
+bool IsBehind(const ToolAndBodies& meshes, const Touch& touch) {
+  const NodesOfPair& nodes = touch.nodes;
+  if (!nodes.AreOfBlock()) return false;
+  if (!(touch.distance > 0.0)) return true;
+  if (touch.distance > meshes.margins.touching) return false;
+  // At a sharp edge the direction away from the solid may point behind one of its faces, but less
+  // than it points out of another.
+  double most = 0.0;
+  const Vec3 u_B = meshes.FrameOf(nodes).R.transpose() * touch.u;
+  ForEachFaceAt(nodes.shape->mesh, nodes.object, touch.nearest.of_q, [&](const Vec3& n) {
+    if (std::fabs(n.dot(u_B)) > std::fabs(most)) most = n.dot(u_B);
+  });
+  return most < 0.0;
+}
+
 /// Of the planes that separate a touch by `least` at the motion's beginning, finds the one with the
 /// largest gap at the end.
 struct BestPlane {
@@ -107,6 +123,15 @@ Touch TouchAt(const ToolAndBodies& meshes, const NodesOfPair& triangles, const T
     touch.distance = meshes.Gap(triangles, touch.u, at);
   }
   touch.in_cone = touch.distance > 0.0 && InCone(meshes, triangles, touch.nearest, touch.u, at);
+  if (IsBehind(meshes, touch)) {
+    touch.is_behind = touch.by_plane = true;
+    touch.in_cone = false;
+    if (!(touch.distance > 0.0)) {
+      touch.u = meshes.OutwardOf(triangles);
+      touch.distance = std::min(0.0, meshes.Gap(triangles, touch.u, at));
+    }
+    return touch;
+  }
   if (!(touch.distance > 0.0)) FindLeastDepth(meshes, at, touch);
   touch.by_plane = touch.distance > 0.0 && !touch.in_cone && !meshes.IsBall();
   return touch;

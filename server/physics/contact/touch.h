@@ -42,6 +42,7 @@ struct NodesOfPair {
   std::int32_t number;        ///< number of the body
   std::int32_t placed;        ///< index of the scene's body in whose frame B it is: a block's solid
   bool AreTriangles() const { return HullTree::IsLeaf(tool) && HullTree::IsLeaf(object); }
+  bool AreOfBlock() const { return number != placed; }
 };
 
 /// The corners of two triangles, in W [m].
@@ -85,6 +86,11 @@ struct ToolAndBodies {
   PatchPair PatchesOf(const NodesOfPair& nodes) const {
     return {tool.tree.HullOf(nodes.tool), nodes.shape->tree.HullOf(nodes.object), tool.radius};
   }
+  /// For two triangles, one of them a block's: its normal, out of the solid.
+  Vec3 OutwardOf(const NodesOfPair& triangles) const {
+    const std::uint32_t t = HullTree::TriangleOf(triangles.object);
+    return FrameOf(triangles).R * triangles.shape->mesh.triangles()[t].normal;
+  }
   /// The part of the tool that solids can touch; empty if they touch none of it.
   std::optional<HullTree::Node> ForSolids() const {
     return cuts ? tool.shank : std::optional(tool.tree.root());
@@ -124,6 +130,10 @@ struct Touch {
   /// tool could not slide along a face over the next triangle of the same face.  A ball keeps
   /// delta from every triangle.
   bool by_plane;
+  /// Whether the tool is in a block's triangle, or just behind it.  One that it is behind hinders
+  /// no way: a tool comes there only through others, or where a solid's new surface stands out into
+  /// it.  Behind one that it is in, it may go no deeper.
+  bool is_behind = false;
   ContactPlane plane;  ///< that its rows use; kNone if it has no rows
   /// Each happens once at most in a sub-step; otherwise two planes, or two
   /// directions, could alternate.
@@ -142,6 +152,7 @@ struct Touch {
   /// Returns whether a plane that leaves these gaps [m] at both ends of a sub-step proves that the
   /// pair was apart.
   bool Proves(const limits::mesh::Margins& margins, double before, double after) const {
+    if (is_behind) return distance > 0.0 || after >= before - limits::mesh::kRounding;
     const double least = by_plane ? limits::mesh::kRounding : margins.LeastBefore(distance);
     return before >= least && after >= LeastAfter(margins, before);
   }
@@ -174,34 +185,33 @@ bool InCone(const ToolAndBodies& meshes, const NodesOfPair& triangles, const Nea
 Vec3 SmoothNormal(const ToolAndBodies& meshes, const NodesOfPair& triangles,
                   const NearestPoints& nearest, const Vec3& n);
 
+/// Calls visit(normal) for each face of a mesh that meets at a feature of one of its triangles.
+template <class Visit>
+void ForEachFaceAt(const ContactMesh& mesh, HullTree::Node triangle, Feature of, Visit visit) {
+  const ContactMesh::Triangle& t = mesh.triangles()[HullTree::TriangleOf(triangle)];
+  if (of.kind == Feature::kFace) return visit(t.normal);
+  const auto faces = of.kind == Feature::kEdge ? mesh.FacesAtEdge(t.edge[of.index])
+                                               : mesh.FacesAtVertex(t.vertex[of.index]);
+  for (const std::uint32_t face : faces) visit(mesh.triangles()[face].normal);
+}
+
 /// Calls visit(plane) for each face of either mesh that meets at the nearest points, with its
 /// normal turned to point from object to tool at the beginning of the motion.
 template <class Visit>
 void ForEachFace(const ToolAndBodies& meshes, const NodesOfPair& triangles,
                  const NearestPoints& nearest, const ToolPose& from, Visit visit) {
-  const auto each = [&](const ContactMesh& mesh, HullTree::Node node, Feature of, auto use) {
-    const std::uint32_t own = HullTree::TriangleOf(node);
-    const ContactMesh::Triangle& t = mesh.triangles()[own];
-    if (of.kind == Feature::kFace) {
-      use(t.normal);
-    } else {
-      const auto faces = of.kind == Feature::kEdge ? mesh.FacesAtEdge(t.edge[of.index])
-                                                   : mesh.FacesAtVertex(t.vertex[of.index]);
-      for (std::uint32_t face : faces) use(mesh.triangles()[face].normal);
-    }
-  };
   const Vec3 away = nearest.p - nearest.q;
   const auto give = [&](ContactPlane::Of of, const Vec3& n, const Vec3& n_W) {
     if (n == Vec3::Zero()) return;
     visit(ContactPlane{of, n_W.dot(away) < 0.0 ? Vec3(-n) : n});
   };
   const Mat3& R_WB = meshes.FrameOf(triangles).R;
-  each(triangles.shape->mesh, triangles.object, nearest.of_q, [&](const Vec3& n) {
+  ForEachFaceAt(triangles.shape->mesh, triangles.object, nearest.of_q, [&](const Vec3& n) {
     const Vec3 n_W = R_WB * n;
     give(ContactPlane::Of::kObject, n_W, n_W);
   });
-  each(meshes.tool.mesh, triangles.tool, nearest.of_p,
-       [&](const Vec3& n) { give(ContactPlane::Of::kTool, n, from.R * n); });
+  ForEachFaceAt(meshes.tool.mesh, triangles.tool, nearest.of_p,
+                [&](const Vec3& n) { give(ContactPlane::Of::kTool, n, from.R * n); });
 }
 
 /// Returns the plane that a touch uses for its rows after a trial in which no plane separates it.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <span>
 
 #include "common/qp/nearest_point.h"
@@ -12,8 +13,9 @@ namespace palpate {
 /// Newton's method in the 6 unknowns (README.md).
 class EnergySolver {
  public:
-  /// @param rows  most rigid rows.  Set-up.
-  explicit EnergySolver(std::size_t rows) : transformed_(7, rows) {}
+  /// @param rigid       most rigid rows.   @param thresholds  most rows with thresholds.  Set-up.
+  EnergySolver(std::size_t rigid, std::size_t thresholds)
+      : EnergySolver(rigid + thresholds + 2 * 16) {}
 
   /// @param t      target [m].
   /// @param start  where Newton's method begins; a nearer start takes fewer turns
@@ -25,7 +27,11 @@ class EnergySolver {
                  std::span<const int> guess) noexcept;
 
  private:
+  explicit EnergySolver(std::size_t rows)
+      : transformed_(8, rows), at_limit_(std::make_unique<bool[]>(rows)) {}
+
   AlignedColumns transformed_;
+  std::unique_ptr<bool[]> at_limit_;
 };
 
 }  // namespace palpate

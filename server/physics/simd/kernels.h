@@ -142,13 +142,6 @@ struct YieldingRows {
   double* push;  ///< push of each row [m]; each evaluation fills it, including the padding
 };
 
-/// A row below its threshold acts as a spring of this stiffness, over the coupling's.
-/// @field on  a row counts as on its spring if a spring this stiff has not reached the threshold
-struct Springs {
-  double stiffness = limits::energy::kRigid;
-  double on = limits::energy::kRigid;
-};
-
 /// Sum of energies, with derivatives, at a place x; divided by the coupling's stiffness.
 struct EnergyAt {
   double twice = 0.0;       ///< twice the energy [m^2]
@@ -210,6 +203,9 @@ struct Kernels {
 
   /// SolveNearestPoint (common/qp).
   QpResult (*solve)(const double* t, const QpRows& rows, const int* guess, int guesses);
+  /// SolveLimited (common/qp).
+  QpResult (*solve_limited)(const double* t, const LimitedRows& rows, const int* guess,
+                            int guesses);
 
   /// Returns whether all rows hold at x, within `tolerance`.
   bool (*rows_hold)(const QpRows& rows, const double* x, double tolerance);
@@ -220,7 +216,8 @@ struct Kernels {
 
   /// Adds the energy of rows and its force at x; the second also adds the Hessian.  Returns the
   /// number of rows that push.
-  using AddYielding = int(const YieldingRows& rows, const double* x, const Springs& springs,
+  /// @param stiffness  of the spring as which a row acts below its threshold, over the coupling's
+  using AddYielding = int(const YieldingRows& rows, const double* x, double stiffness,
                           EnergyAt& at);
   AddYielding *add_yielding, *add_yielding_with_hessian;
 };

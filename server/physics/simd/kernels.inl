@@ -426,10 +426,10 @@ inline double SumOfLanes(D8 a) {
 }
 
 template <bool kWithHessian>
-int AddYielding(const YieldingRows& yielding, const double* x, const Springs& springs,
+int AddYielding(const YieldingRows& yielding, const double* x, double spring_stiffness,
                 EnergyAt& at) {
-  const D8 zero = Set1(0.0), stiffness = Set1(springs.stiffness), on_spring = Set1(springs.on);
-  const D8 softness = Set1(1.0 / springs.stiffness);
+  const D8 zero = Set1(0.0), stiffness = Set1(spring_stiffness);
+  const D8 softness = Set1(1.0 / spring_stiffness);
   D8 xs[6], force[6], hessian[21], twice = zero;
   for (int c = 0; c < 6; ++c) xs[c] = Set1(x[c]);
   for (D8& sum : force) sum = zero;
@@ -448,12 +448,12 @@ int AddYielding(const YieldingRows& yielding, const double* x, const Springs& sp
       // Up to its threshold P, the force of a row is k s while on its spring, and P beyond; twice
       // its energy is k s^2, and P (2 s - P / k).
       const D8 P = Load(yielding.threshold + i), above = SelectLess(zero, s, s, zero);
-      const D8 spring = stiffness * above, on = on_spring * above;
-      const D8 below = SelectLess(on, P, spring, SelectLess(zero, s, P, zero));
-      twice = twice + SelectLess(on, P, spring * above, below * (above + above - P * softness));
+      const D8 spring = stiffness * above;
+      const D8 below = SelectLess(spring, P, spring, SelectLess(zero, s, P, zero));
+      twice = twice + SelectLess(spring, P, spring * above, below * (above + above - P * softness));
       push = push + below;
       rows |= Less(zero, below);
-      weight = weight + SelectLess(zero, s, SelectLess(on, P, stiffness, zero), zero);
+      weight = weight + SelectLess(zero, s, SelectLess(spring, P, stiffness, zero), zero);
     }
     Store(yielding.push + i, push);
     if (rows == 0) continue;
@@ -472,9 +472,10 @@ int AddYielding(const YieldingRows& yielding, const double* x, const Springs& sp
 }
 
 constexpr Kernels MakeKernels(const char* name) {
-  return {name,         ExpandPairs,      BuildRows,          FindBelow,        LowestPoint,
-          NearestEdges, AdvanceSimplices, RefreshPlanes,      FindUsedUp,       Solve<6>,
-          RowsHold,     TransformRows,    AddYielding<false>, AddYielding<true>};
+  return {name,          ExpandPairs,        BuildRows,          FindBelow,
+          LowestPoint,   NearestEdges,       AdvanceSimplices,   RefreshPlanes,
+          FindUsedUp,    Solve<6>,           SolveWithLimits<6>, RowsHold,
+          TransformRows, AddYielding<false>, AddYielding<true>};
 }
 
 }  // namespace

@@ -4,11 +4,19 @@
 #include <limits>
 
 namespace palpate {
+namespace {
+
+std::size_t MostCutRows(const HapticModel& model) {
+  return model.cuts() ? model.bur_samples().size() * model.solids().size() : 0;
+}
+
+}  // namespace
+
 Energies::Energies(const HapticModel& model)
-    : model_(&model), solver_(static_cast<std::size_t>(model.parameters().max_rows) + 16) {
+    : model_(&model),
+      solver_(static_cast<std::size_t>(model.parameters().max_rows) + 16, MostCutRows(model)) {
   if (model.yields()) soft_.emplace(model.parameters().max_rows);
-  if (model.cuts())
-    cut_.emplace(static_cast<int>(model.bur_samples().size() * model.solids().size()));
+  if (model.cuts()) cut_.emplace(static_cast<int>(MostCutRows(model)));
 }
 
 StepBounds Energies::Narrow(StepBounds bounds, const Vec3& p_G, const Quat& q_WG) const noexcept {

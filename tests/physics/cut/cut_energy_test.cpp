@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <span>
 
 #include <gtest/gtest.h>
 
@@ -18,7 +20,7 @@ using test::Random;
 
 /// The solver with cutting rows only.
 struct CutSolver {
-  EnergySolver energies{16};
+  EnergySolver energies{16, 400};
   QpResult Solve(const double* t, CutRows& rows, const double* start) {
     Energy* const cut = &rows;
     return energies.Solve(ActiveKernels(), t, {}, {&cut, 1}, start, {});
@@ -89,7 +91,7 @@ void ExpectOptimal(const Problem& problem, const QpResult& step) {
     const double P = rows.threshold()[i], above = rows.viscous()[i] * std::max(0.0, s);
     EXPECT_GE(force, 0.0);
     EXPECT_LE(force, P + above + 1e-12 * P);
-    const double rounding = 1e-15 * (x.norm() + GapOf(rows, i));
+    const double rounding = 1e-15 * (x.norm() + t.norm() + GapOf(rows, i));
     if (s < -rounding) {
       EXPECT_EQ(force, 0.0);
     } else if (force < P) {
@@ -115,7 +117,10 @@ void SolveMany(bool turns, std::uint64_t seed, int problems, int most_rows, int&
     Problem problem = RandomProblem(random, most_rows, turns);
     const QpResult step = solver.Solve(problem.t, problem.rows, zero);
     ExpectOptimal(problem, step);
-    EXPECT_GE(test::CutOfRows(problem.rows, step.x).work, 0.0);
+    const std::span forces(problem.rows.forces(), static_cast<std::size_t>(problem.rows.count()));
+    const double rounding = 1e-15 * Vec6::Map(problem.t).norm();  // of x
+    EXPECT_GE(test::CutOfRows(problem.rows, step.x).work,
+              -rounding * std::accumulate(forces.begin(), forces.end(), 0.0));
     most_turns = std::max(most_turns, step.iterations);
     if (testing::Test::HasFailure()) {
       ADD_FAILURE() << "problem " << n << " of seed " << seed << ", " << problem.rows.count()
@@ -132,7 +137,7 @@ TEST(CutEnergy, MeetsTheOptimalityConditionsOfTheLaw) {
   SolveMany(false, 3, 3000, 400, most_turns);
   SolveMany(true, 4, 3000, 400, most_turns);
   RecordProperty("most_turns", most_turns);
-  EXPECT_LT(most_turns, 60);
+  EXPECT_LT(most_turns, 300);  // each row that comes to rest, or no longer does, counts
 }
 
 // The reference ascends the dual a force at a time (Hildreth 1957), clamped to what the law allows.

@@ -325,6 +325,30 @@ TEST(FeltSolid, ABursShankStopsWhereItsHeadDoesNot) {
   EXPECT_NEAR(report.X_WG.p.x(), -0.2e-3 + 0.1e-3, 0.02e-3);
 }
 
+// A bar's edge that the head leaves beside its neck is made anew in each turn, and may then stand
+// out into the neck.  No triangle of it may keep the tool.
+TEST(FeltSolid, ABurThatWasPushedThroughABarComesOutWithItsHand) {
+  TriangleMesh mesh = MakeBox(Vec3(8e-3, 0.6e-3, 0.8e-3));
+  Body bar = test::MakeMeshBody("bar", std::move(mesh));
+  bar.grid.emplace().spacing = 50e-6;
+  bar.materials = {{.cutting_pressure = 0.5e6}};
+  bar.leaf_material.assign(bar.tree.leaves(), 0);
+  for (const double beside : {0.1e-3, 0.15e-3, 0.2e-3}) {
+    Felt felt(BurBody(BallBur(0.7e-3)), bar);
+    felt.Start(At(-0.6e-3, 0.4e-3, beside));
+    int away = 0;
+    StepReport report;
+    for (int n = 0; n < 640; ++n) {
+      const Vec3 hand(-0.6e-3, 0.4e-3 - 6e-6 * std::min(n, 640 - n), beside);
+      const Vec3 was = felt.state->X_WG.p;
+      report = felt.Step({hand});
+      away += (report.X_WG.p - hand).norm() > 0.5e-3 && (report.X_WG.p - was).norm() < 1e-9;
+    }
+    EXPECT_EQ(away, 0) << beside;
+    EXPECT_LT(report.wrench.force.norm(), 0.01) << beside;
+  }
+}
+
 // At rest a bur is a rigid tool.
 TEST(FeltSolid, ABurThatStandsStillCutsNothing) {
   const BurProfile profile = BallBur(0.25e-3);

@@ -217,8 +217,8 @@ struct CompliantProblem {
     }
     Energy* const energy = &soft;
     const double start[6] = {};
-    const QpResult result = EnergySolver(rows).Solve(kernels, problem.Target().data(), rigid,
-                                                     {&energy, 1}, start, guess);
+    const QpResult result = EnergySolver(rows, 0).Solve(kernels, problem.Target().data(), rigid,
+                                                        {&energy, 1}, start, guess);
     pushing = soft.pushing;
     std::copy(soft.force.begin(), soft.force.end(), force);
     return result;

@@ -135,7 +135,7 @@ TEST(CutScene, IsFeltByItsBurThroughBothMaterialsDownToTheTable) {
   const double volume = whole - test::TotalLeft(state.cut.fields[0]);
   EXPECT_NEAR(volume, disc * (depth + 0.5e-3 / 1.5), 0.01 * volume);
   down_to(-3.0e-3);
-  EXPECT_LE(late, 2);
+  EXPECT_LE(late, 6);  // single cycles, in 4,500
   EXPECT_NEAR(state.X_WG.p.y(), -2.0e-3, 5e-6);
   EXPECT_NEAR(report.wrench.force.y(), 1.0, 0.01);
 }

@@ -105,6 +105,34 @@ TEST(BurShapes, TheToolOfEachNameIsAClosedMeshAboutItsHead) {
   }
 }
 
+// What lies above the outline cuts nothing, so nothing may come to lie on it.
+TEST(BurShapes, NothingBesideTheNeckStandsOutOfTheHead) {
+  const BurProfile profiles[] = {BallBur(0.7e-3),
+                                 ConeBur(0.3e-3, 0.5e-3, 2e-3, 0.15e-3),
+                                 ConeBur(0.6e-3, 0.6e-3, 2e-3, 0.1e-3),
+                                 ConeBur(0.5e-3, 0.6e-3, 2e-3, 0.02e-3),
+                                 ConeBur(0.5e-3, 0.6e-3, 2e-3, 0.0),
+                                 PearBur(0.7e-3, 2e-3),
+                                 FlameBur(0.6e-3, 5e-3)};
+  for (const BurProfile& profile : profiles) {
+    const Bur bur(profile.curve, profile.rounding);
+    const TriangleMesh mesh = MakeBur(profile, 60e-3);
+    const double top = bur.high() - bur.low();
+    double widest = 0.0;
+    for (const Vec3& v : mesh.vertices) {
+      if (v.y() < top) widest = std::max(widest, std::hypot(v.x(), v.z()));
+    }
+    for (const auto& triangle : mesh.triangles) {
+      Vec3 middle = Vec3::Zero();
+      for (const std::uint32_t v : triangle) middle += mesh.vertices[v] / 3.0;
+      if (middle.y() > top || std::hypot(middle.x(), middle.z()) < 0.61 * widest) continue;
+      Vec3 gradient;
+      EXPECT_LT(bur.Distance(Vec3(middle.x(), -middle.z(), middle.y() + bur.low()), gradient), 1e-9)
+          << middle.transpose();
+    }
+  }
+}
+
 TEST(BurShapes, ATrephineIsAClosedMeshAboutItsBore) {
   const BurProfile profile = TrephineBur(1.5e-3, 0.4e-3, 6e-3, 0.1e-3);
   const Bur bur(profile.curve, profile.rounding);
