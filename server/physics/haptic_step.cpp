@@ -97,7 +97,8 @@ bool GoesOn(const StepContext& context) {
 
 /// Finds the rows between leaves that the sub-step must respect, both rigid and soft ones; and the
 /// pairs of triangles that it could bring together, with the rows of those that touched last.
-void Predict(StepContext& context) {
+/// @param looks  of the sub-step, at most
+void Predict(StepContext& context, First first, std::int64_t looks) {
   StepBuffers& buffers = context.buffers;
   Tools& tools = context.tools;
   SubStep& sub_step = context.sub_step;
@@ -116,8 +117,7 @@ void Predict(StepContext& context) {
     StageClock clock(context.times);
     BeginSubStep(*buffers.meshes, context.kernels, context.state.front,
                  {tools.p_G, context.model.is_ball() ? Quat::Identity() : tools.q_G},
-                 context.state.Active(), context.Rubs(),
-                 context.model.parameters().looks - context.cost.looks, buffers.rows);
+                 context.state.Active(), first, looks, buffers.rows);
     clock.Lap(&StageTimes::prediction);
   }
   context.report.diagnostics.predicted_pairs = buffers.rows.count();
@@ -134,7 +134,8 @@ Optimum SolveWithoutFriction(StepContext& context) {
   const bool with_energies = buffers.energies && buffers.energies->acts();
   Optimum optimum = NearestStep(context, context.sub_step.target, with_energies);
   if (buffers.meshes && !with_energies &&
-      (optimum.qp.status == QpStatus::kRelaxed || context.Gain(optimum.v, optimum.phi) < 0.0) &&
+      (optimum.qp.status == QpStatus::kRelaxed ||
+       !context.Approaches(optimum, optimum.v, optimum.phi)) &&
       GiveUpRegain(*buffers.meshes, buffers.rows)) {
     optimum = NearestStep(context, context.sub_step.target);
   }
@@ -202,23 +203,6 @@ void Move(StepContext& context, const Way& way) {
   tools.q_G = (RotationExp(way.phi) * tools.q_G).normalized();
 }
 
-/// Returns what is felt between meshes if the tool has not arrived: how far the rows hold back the
-/// spring from where the tool is (solve/README.md, "The wrench of a tool that lags").
-Way Lag(StepContext& context, const Way& went) {
-  ContactRows& rows = context.buffers.rows;
-  for (int i = 0; i < rows.count(); ++i) rows.SetGap(i, rows.Left(i, went.v, went.phi));
-  // The tool's place is free, even if a row that was made for a trial elsewhere denies it.  So the
-  // wrench is never more than the spring's own.
-  rows.AdmitZero();
-  if (context.buffers.energies) BeginCutting(context, context.sub_step.bounds.translation);
-  context.Aim();
-  Way stays;
-  stays.optimum = SolveWithoutFriction(context);
-  context.Require(stays.optimum);
-  Remember(context, stays.optimum);
-  return stays;
-}
-
 /// Reports the wrench of the spring at the optimum, and the contacts.
 void ReportFelt(StepContext& context, const Way& felt) {
   StepReport& report = context.report;
@@ -244,17 +228,6 @@ void SetNextBounds(StepContext& context, double part) {
       NextBounds(parameters, bounds, part, paid_by(parameters.looks - context.cost.looks));
 }
 
-/// If the sub-step falls short of the optimum, the graphic tool is still on its way; the rest of
-/// its distance from the hand is not contact and gives no force.
-void Report(StepContext& context, const Way& way) {
-  if (context.buffers.meshes && !way.arrived) {
-    ReportFelt(context, Lag(context, way));
-  } else {
-    ReportFelt(context, way);
-  }
-  SetNextBounds(context, way.part);
-}
-
 void ForgetForces(StepReport& report) {
   report.contacts = report.soft_contacts = 0;
   report.wrench = report.soft_wrench = Wrench{};
@@ -271,6 +244,40 @@ void GiveUp(StepContext& context) {
   ForgetForces(report);
   context.Aim();
   report.wrench = context.WrenchAfter(Vec3::Zero(), Vec3::Zero());
+}
+
+/// Reports what is felt between meshes if the tool has not arrived: what its contacts hold of the
+/// spring's pull where it is (solve/README.md, "The wrench of a tool that lags").
+void Lag(StepContext& context) {
+  Predict(context, First::kTouching, context.model.parameters().looks / limits::mesh::kReserve);
+  MeshContact& meshes = *context.buffers.meshes;
+  const double reach = meshes.meshes.tool.mesh.reach();
+  double far = meshes.meshes.margins.touching;
+  Way stays;
+  for (int i = 0; i < context.model.parameters().iterates; ++i) {
+    // The tool's place is free, even if its contacts ask for more separation than it has.  So the
+    // wrench is never more than the spring's own.
+    context.buffers.rows.AdmitZero();
+    stays.optimum = SolveWithoutFriction(context);
+    context.Require(stays.optimum);
+    if (context.IsUnsolved()) return GiveUp(context);
+    const double part = PartWithin({far, far / reach}, stays.optimum.v, stays.optimum.phi);
+    if (!CheckTrial(meshes, part * stays.optimum.v, part * stays.optimum.phi,
+                    context.buffers.rows)) {
+      continue;
+    }
+    if (part == 1.0 || far == limits::mesh::kLagAhead) break;
+    far = limits::mesh::kLagAhead;
+  }
+  Remember(context, stays.optimum);
+  if (context.Rubs()) {
+    const FrictionState before = context.state.friction;
+    Rub(context, stays.optimum);
+    context.state.friction = before;
+    context.Require(stays.optimum);
+    if (context.IsUnsolved()) return GiveUp(context);
+  }
+  ReportFelt(context, stays);
 }
 
 /// Computes the drag of the spin on a pushing bur, for the next step, smoothed so that a bur in a
@@ -353,8 +360,10 @@ void End(const Pose& X_WH, StepContext& context) {
   StepContext context(model, state, workspace.buffers(), report);
   context.times = times;
   if (!Begin(X_WH, context)) return report;
+  const bool meshes = context.buffers.meshes.has_value();
   for (; GoesOn(context); ++report.diagnostics.substeps) {
-    Predict(context);
+    Predict(context, context.Rubs() ? First::kContacts : First::kActive,
+            model.parameters().looks - context.cost.looks);
     StageClock clock(times);
     for (bool is_clear = false; !is_clear && !context.IsUnsolved();) {
       Way way{Solve(context)};
@@ -364,11 +373,13 @@ void End(const Pose& X_WH, StepContext& context) {
       clock.Lap(&StageTimes::rows);
       if (!is_clear || context.IsUnsolved()) continue;
       Move(context, way);
-      Report(context, way);
+      if (!meshes || way.arrived) ReportFelt(context, way);
+      SetNextBounds(context, way.part);
     }
     if (context.IsUnsolved()) GiveUp(context);
     clock.Lap(&StageTimes::response);
   }
+  if (meshes && !context.outcome.arrived && !context.IsUnsolved()) Lag(context);
   End(X_WH, context);
   return report;
 }

@@ -202,6 +202,14 @@ inline constexpr double kWitnessRatio = 1.02;
 /// A row is recomputed when its direction at the trial has turned by more than this [rad]: a
 /// thousandth of the force.
 inline constexpr double kTurned = 1e-3;
+/// How far the direction of a row at rest may be off, as the force that it changes over k_t [m]: of
+/// more than a thousandth of a newton at 1 N/mm, the row is recomputed; of more than four, no
+/// contact gives it.  With one threshold for both a peg that twists in its hole lagged a third more
+/// often.
+inline constexpr double kForceError = 1e-6, kReleaseError = 4e-6;
+/// A tool that lags feels what is within this way of it [m].  Taken; with a tenth or a fifth of it
+/// a tool on its way over a ledge felt nothing for a millisecond.
+inline constexpr double kLagAhead = 1e-4;
 /// Two planes are one if their normals differ by no more than this [rad]: a hundred-thousandth of
 /// the force.
 inline constexpr double kSame = 1e-5;

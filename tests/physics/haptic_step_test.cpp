@@ -289,7 +289,7 @@ TEST(HapticStep, StaysWhereItIsWhereASolverFails) {
     StepState state(model);
     state.X_WG = state.X_WH = At(0.017, 0.0, 0.0152);
     int failed = 0;
-    for (int i = 0; i < 12; ++i) {
+    for (int i = 0; i < 20; ++i) {
       // Down onto an edge and over it, 0.2 mm per step, while turning.
       Pose X_WH = At(0.017 + 2e-4 * i, 0.0, 0.0150 - 2e-4 * i);
       X_WH.q = RotationExp(Vec3(0.0, 2e-3 * i, 1e-3 * i));

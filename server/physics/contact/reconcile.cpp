@@ -50,6 +50,45 @@ bool TurnSmoothed(const MeshContact& contact, const Touch& touch, int row,
   return true;
 }
 
+/// Returns whether a row's corner lies over a face of the row's normal at the trial, its own
+/// triangle or one beside it that is flush with it.
+bool IsOverFace(const MeshContact& contact, const Touch& touch, int row, double turned,
+                const ContactRows& rows) {
+  const ToolAndBodies& meshes = contact.meshes;
+  if (meshes.IsBall() || touch.plane.of == ContactPlane::Of::kEdges) return false;
+  const int c = row == touch.row[0] ? 0 : row == touch.row[1] ? 1 : 2;
+  const ToolPose& at = contact.motion.to;
+  const Vec3 n = NormalAt(meshes, touch, touch.plane, at);
+  if ((n - rows.normal(row)).norm() > turned) return false;
+  const Corners corners = meshes.CornersAt(touch.nodes, at);
+  const double apart = kWitnessRatio * GapOfRow(contact, row, rows) + meshes.margins.witness;
+  if (apart > meshes.margins.touching) return false;  // and the search would not end soon
+  if (touch.plane.of == ContactPlane::Of::kTool) {
+    return HasFaceAt(meshes.tool, at.R.transpose() * (corners.object[c] - at.p),
+                     at.R.transpose() * n, apart, turned);
+  }
+  const Placement& X_WB = meshes.FrameOf(touch.nodes);
+  return HasFaceAt(*touch.nodes.shape, X_WB.Inverse() * corners.tool[c], X_WB.R.transpose() * n,
+                   apart, turned);
+}
+
+/// Returns whether a contact gives a row at the trial: its pair is no farther apart than the row
+/// says, and touches there within its cones along the row's normal, or the row's corner is over a
+/// face.
+bool IsOfContact(const MeshContact& contact, const Touch& touch, int row, double turned,
+                 const ContactRows& rows) {
+  const ToolAndBodies& meshes = contact.meshes;
+  const ToolPose& at = contact.motion.to;
+  const NearestPoints nearest = meshes.NearestAt(touch.nodes, at);
+  if (nearest.Distance() - meshes.tool.radius >
+      kWitnessRatio * GapOfRow(contact, row, rows) + meshes.margins.witness) {
+    return false;
+  }
+  const Vec3 u = DirectionAt(meshes, touch.nodes, nearest, at);
+  return ((u - rows.normal(row)).norm() <= turned && InCone(meshes, touch.nodes, nearest, u, at)) ||
+         IsOverFace(contact, touch, row, turned, rows);
+}
+
 bool Retract(MeshContact& contact, int row, Touch& touch, ContactRows& rows) {
   const ToolAndBodies& meshes = contact.meshes;
   const Motion& motion = contact.motion;
@@ -59,7 +98,8 @@ bool Retract(MeshContact& contact, int row, Touch& touch, ContactRows& rows) {
   const bool touches =
       GapOfRow(contact, row, rows) <=
       kWitnessRatio * (nearest.Distance() - meshes.tool.radius) + meshes.margins.witness;
-  if (InCone(meshes, touch.nodes, nearest, u, motion.to) && touches) {
+  if (touches && (InCone(meshes, touch.nodes, nearest, u, motion.to) ||
+                  IsOverFace(contact, touch, row, kTurned, rows))) {
     return TurnSmoothed(contact, touch, row, nearest, u, rows);
   }
   const ContactPlane other = OtherPlane(meshes, touch, nearest, u, motion);
@@ -96,15 +136,11 @@ int Relinearise(MeshContact& contact, std::span<const int> active, double most,
   });
 }
 
-int Release(MeshContact& contact, std::span<const int> active, ContactRows& rows) noexcept {
+int Release(MeshContact& contact, std::span<const int> active, double most,
+            ContactRows& rows) noexcept {
   contact.released.clear();
   return MendRows(contact, active, rows, [&](int row, Touch& touch) {
-    // The pair is farther apart at the trial than its row says.
-    const double apart = contact.meshes.NearestAt(touch.nodes, contact.motion.to).Distance();
-    if (apart - contact.meshes.tool.radius <=
-        kWitnessRatio * GapOfRow(contact, row, rows) + contact.meshes.margins.witness) {
-      return false;
-    }
+    if (IsOfContact(contact, touch, row, most, rows)) return false;
     for (int slot = 0; slot < 3; ++slot) {
       const int of = touch.row[slot];
       if (of >= 0) contact.released.push_back({&touch, slot, of, rows.gap(of)});

@@ -45,7 +45,7 @@ Touch& MeshContact::TouchOf(NearPairs::Index k) {
 }
 
 void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront& front,
-                  const ToolPose& from, std::span<const ContactId> active, bool rubs,
+                  const ToolPose& from, std::span<const ContactId> active, First first,
                   std::int64_t most_looks, ContactRows& rows) noexcept {
   contact.looks = {.most = most_looks};
   contact.meshes.kernels = &kernels;
@@ -60,15 +60,20 @@ void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront&
   // Splits the front as far as needed to find the pairs that touched last.
   near.Cover(contact.meshes.margins.touching, 0.0, contact.looks);
   Certify(contact, Vec3::Zero(), Vec3::Zero(), Until::kEnough);
-  if (active.empty()) return;
+  if (active.empty() && first == First::kActive) return;
   const auto was_active = [&](const NodesOfPair& nodes) {
     const ContactId id = IdOf(nodes);
     return std::ranges::any_of(active, [&](const ContactId& row) { return row.IsBeside(id); });
   };
+  const auto touches = [&](NearPairs::Index k) {
+    if (first == First::kActive) return false;
+    const Touch& touch = contact.TouchOf(k);
+    return touch.distance <= contact.meshes.margins.touching &&
+           (first == First::kTouching || touch.in_cone);
+  };
   for (NearPairs::Index k = 0; k < near.size() && contact.HasRoomForTouch(); ++k) {
     if (near[k].split || !near[k].nodes.AreTriangles()) continue;
-    if (was_active(near[k].nodes) ||
-        (rubs && contact.TouchOf(k).IsContact(contact.meshes.margins))) {
+    if (was_active(near[k].nodes) || touches(k)) {
       AddRowsThatTouch(contact, k, rows);
     }
   }

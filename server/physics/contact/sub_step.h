@@ -16,6 +16,8 @@ struct TouchRows {
                                ///< for rows of leaves
   std::vector<double> regain;  ///< for each row: separation asked for beyond what its pair has [m]
   bool regains = true;         ///< whether rows ask for more separation than their pairs have
+  /// If not, the least that a contact has [m]: rows ask for no more.
+  double least = 0.0;
 };
 
 /// A row that was taken out of its touch and can be put back.
@@ -91,15 +93,21 @@ enum class Until {
 /// them; those within their cones have chosen the planes of their rows.
 int Certify(MeshContact& contact, const Vec3& v, const Vec3& phi, Until until) noexcept;
 
+/// Which touches have rows from the beginning of a sub-step on.
+enum class First {
+  kActive,    ///< those that held the tool last
+  kContacts,  ///< and all contacts.  A tool that rubs on several would tip over those that held it
+              ///< last, and rub on rows made for that pose.
+  kTouching,  ///< and all that touch.  A tool that lags feels what it has just come to.
+};
+
 /// Updates the front at `from`, and adds the rows of those `active` pairs that still touch.  This
 /// includes pairs outside their cones; otherwise a tool at rest would find them again in each step,
 /// at slightly different places.
-/// @param rubs  adds the rows of all contacts there.  Without them a tool that slides over several
-///              would tip over those that held it last, and rub on rows made for that pose.
 /// @param most_looks  of the sub-step.  Once they are spent, pairs whose planes do not hold count
 ///                    as not separate.
 void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront& front,
-                  const ToolPose& from, std::span<const ContactId> active, bool rubs,
+                  const ToolPose& from, std::span<const ContactId> active, First first,
                   std::int64_t most_looks, ContactRows& rows) noexcept;
 
 /// Returns whether the trial [v; phi] is free.  If not, adds rows for pairs without a plane, or
@@ -165,9 +173,12 @@ void TakeOut(Touch& touch, ContactRows& rows);
 /// separation, or a part of what is missing.
 double Asked(const MeshContact& contact, double before);
 /// Stops rows, until the end of the sub-step, from asking for separation that their pairs have
-/// lost: if regaining it would lift the tool against the spring, a tool at rest would never stay.
-/// Returns false if they had already stopped.
+/// lost, or for more than the least that a contact has: if regaining it would lift the tool against
+/// the spring, a tool at rest would never stay.  Returns false if they had already stopped.
 bool GiveUpRegain(MeshContact& contact, ContactRows& rows);
+/// Returns at most how much of 1/2 |x - t|^2 at an optimum is the price of regaining separation:
+/// its derivative by what a row asks for is the row's multiplier [m^2].
+double PriceOfRegain(const MeshContact& contact, const QpResult& qp);
 
 // --- reconcile.cpp ---
 //
@@ -183,9 +194,10 @@ int Retract(MeshContact& contact, std::span<const int> active, ContactRows& rows
 /// at most once in a sub-step.
 int Relinearise(MeshContact& contact, std::span<const int> active, double most,
                 ContactRows& rows) noexcept;
-/// Removes the rows of touches that do not touch at the trial: no contact gives their planes, so
-/// they would hinder the tool without a cause.
-int Release(MeshContact& contact, std::span<const int> active, ContactRows& rows) noexcept;
+/// Removes the rows of touches that are no contacts at the trial, or whose contact has a direction
+/// that differs by more than `most` [rad]: they would hinder the tool without a cause.
+int Release(MeshContact& contact, std::span<const int> active, double most,
+            ContactRows& rows) noexcept;
 /// Undoes the last Release.
 void PutBack(MeshContact& contact, ContactRows& rows) noexcept;
 

@@ -218,10 +218,15 @@ ContactPlane OtherPlane(const ToolAndBodies& meshes, const Touch& touch,
   };
   ForEachFace(meshes, touch.nodes, touch.nearest, trial.from, consider);
   ForEachFace(meshes, touch.nodes, nearest, trial.from, consider);
-  for (const Vec3& n : {touch.u, u}) {
+  // A plane across nearest points outside the cones is no contact's.  Its rows would hold the tool
+  // if the pair is near.
+  const auto across = [&](const Vec3& n, double distance, bool in_cone) {
+    if (!in_cone && !meshes.IsBall() && distance <= meshes.margins.touching) return;
     consider(ContactPlane{ContactPlane::Of::kObject, n});
     consider(ContactPlane{ContactPlane::Of::kTool, trial.from.R.transpose() * n});
-  }
+  };
+  across(touch.u, touch.distance, touch.in_cone);
+  across(u, nearest.Distance(), InCone(meshes, touch.nodes, nearest, u, trial.to));
   return best.plane;
 }
 

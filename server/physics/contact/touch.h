@@ -140,10 +140,6 @@ struct Touch {
   bool retracted = false, relinearised = false;
   int row[3] = {-1, -1, -1};  ///< for each corner (kEdges: only the first is used); -1: none
 
-  /// Returns whether the pair is a contact: near, and nearest within the cones of both.
-  bool IsContact(const limits::mesh::Margins& margins) const {
-    return in_cone && distance <= margins.touching;
-  }
   /// Returns the gap that a plane must leave after a sub-step if it leaves `before` [m] at its
   /// beginning: so much that the pair comes no nearer than h, or than it is (README.md).
   double LeastAfter(const limits::mesh::Margins& margins, double before) const {

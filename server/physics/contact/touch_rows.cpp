@@ -49,15 +49,10 @@ Vec3 CrossingOf(const MeshContact& contact, const Touch& touch) {
   return a + std::clamp(share, 0.0, 1.0) * ea;
 }
 
-/// Returns whether a point lies over a triangle or next to it, by no more than the reach of
-/// contact.
-bool IsOver(const Vec3* corner, const Vec3& p, double reach) {
+/// Returns whether n is the normal of a triangle.
+bool IsFaceOf(const Vec3* corner, const Vec3& n) {
   const Vec3 normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
-  for (int i = 0; i < 3; ++i) {
-    const Vec3 out = (corner[(i + 1) % 3] - corner[i]).cross(normal);
-    if (out.dot(p - corner[i]) > reach * out.norm()) return false;
-  }
-  return true;
+  return normal.cross(n).norm() <= kTurned * normal.norm();
 }
 
 /// Returns the gap of a touch along its plane at the beginning of the sub-step [m].
@@ -128,14 +123,16 @@ TouchRowsAtTrial RowsAt(const MeshContact& contact, const Touch& touch) {
   for (int c = 0; c < of.count; ++c) {
     const Vec3& corner_old = of_tool ? old.tool[c] : old.object[c];
     const Vec3& corner_new = of_tool ? now.tool[c] : now.object[c];
-    of.row[c] = {c,
-                 along,
-                 corner_old - motion.from.p - down,
-                 by_phi((corner_new - motion.to.p - down).cross(along)),
-                 sign * (n_old.dot(corner_old - down) - plane_old),
-                 sign * (n_new.dot(corner_new - down) - plane_new),
-                 meshes.IsBall() ||
-                     IsOver(of_tool ? now.object : now.tool, corner_new, meshes.margins.touching)};
+    of.row[c] = {
+        c,
+        along,
+        corner_old - motion.from.p - down,
+        by_phi((corner_new - motion.to.p - down).cross(along)),
+        sign * (n_old.dot(corner_old - down) - plane_old),
+        sign * (n_new.dot(corner_new - down) - plane_new),
+        meshes.IsBall() ||
+            ((touch.in_cone || IsFaceOf(of_tool ? now.object : now.tool, along)) &&
+             IsOver(of_tool ? now.object : now.tool, corner_new, meshes.margins.touching))};
   }
   return of;
 }
@@ -214,16 +211,36 @@ void TakeOut(Touch& touch, ContactRows& rows) {
 
 double Asked(const MeshContact& contact, double before) {
   const limits::mesh::Margins& margins = contact.meshes.margins;
-  return std::min(margins.separation, before + (contact.of_rows.regains ? margins.regain : 0.0));
+  if (contact.of_rows.regains) return std::min(margins.separation, before + margins.regain);
+  return std::min({margins.separation, before, contact.of_rows.least});
+}
+
+double PriceOfRegain(const MeshContact& contact, const QpResult& qp) {
+  double price = 0.0;
+  for (int i = 0; i < qp.active && contact.of_rows.regains; ++i) {
+    if (contact.TouchOfRow(qp.row[i]) == nullptr) continue;
+    price += qp.multiplier[i] * contact.of_rows.regain[static_cast<std::size_t>(qp.row[i])];
+  }
+  return price;
 }
 
 bool GiveUpRegain(MeshContact& contact, ContactRows& rows) {
   TouchRows& of_rows = contact.of_rows;
   if (!of_rows.regains) return false;
   of_rows.regains = false;
+  // A pair outside its cones is farther apart than the contact beside it.  If it asked for what it
+  // has, and the contact for less, it would hold the tool.
+  of_rows.least = contact.meshes.margins.separation;
+  for (const Touch* touch : of_rows.touch) {
+    if (touch == nullptr || !touch->in_cone || contact.meshes.IsBall()) continue;
+    of_rows.least = std::min(of_rows.least, touch->distance);
+  }
   for (int row = 0; row < rows.count(); ++row) {
-    if (contact.TouchOfRow(row) == nullptr) continue;
-    rows.SetGap(row, rows.gap(row) + of_rows.regain[static_cast<std::size_t>(row)]);
+    const Touch* touch = contact.TouchOfRow(row);
+    if (touch == nullptr) continue;
+    const double has = std::min(contact.meshes.margins.separation, GapBefore(contact, *touch));
+    rows.SetGap(row, rows.gap(row) + of_rows.regain[static_cast<std::size_t>(row)] +
+                         std::max(0.0, has - of_rows.least));
   }
   return true;
 }

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "server/physics/contact/sub_step.h"
 #include "server/physics/limits.h"
@@ -62,9 +63,19 @@ bool IsFree(const StepContext& context, const Way& way) {
   return IsFree(*context.buffers.meshes, way.v, way.phi);
 }
 
+/// Returns by how much the direction of a row that holds a tool at rest may be off [rad]: that
+/// changes the force by `error` [m], over k_t, or kTurned of it.
+double MostTurned(const StepContext& context, const Optimum& optimum, double error) {
+  const double rho = context.model.rotation_length();
+  const double pull =
+      std::sqrt((optimum.v - context.sub_step.target.v).squaredNorm() +
+                rho * rho * (optimum.phi - context.sub_step.target.phi).squaredNorm());
+  return std::clamp(error / pull, limits::mesh::kSame, limits::mesh::kTurned);
+}
+
 /// For a tool that arrives, returns whether rows changed because they are not true for that place.
 bool Mend(const StepContext& context, Way& way) {
-  using limits::mesh::kSame, limits::mesh::kTurned;
+  using limits::mesh::kTurned;
   MeshContact& meshes = *context.buffers.meshes;
   ContactRows& rows = context.buffers.rows;
   const auto active = way.optimum.qp.ActiveRows();
@@ -73,11 +84,13 @@ bool Mend(const StepContext& context, Way& way) {
     // A ball's rows have the smooth surface's normals at the trial, so the ball rests there, even
     // if facets lifted it on the way.  At a crease they have the normals of the beginning: the ball
     // has not arrived, and goes on round it.
-    way.arrived = Turned(meshes, active, rows) <= kTurned;
+    way.arrived = Turned(meshes, active, rows) <= limits::mesh::kTurned;
     return false;
   }
   if (meshes.meshes.IsBall() || !(context.IsRigid() || context.Rubs())) return false;
-  return Relinearise(meshes, active, context.Rubs() ? kSame : kTurned, rows) != 0;
+  const double most = context.Rubs() ? limits::mesh::kSame
+                                     : MostTurned(context, way.optimum, limits::mesh::kForceError);
+  return Relinearise(meshes, active, most, rows) != 0;
 }
 
 /// For a tool that may be held by pairs that do not touch, goes to the optimum without their rows
@@ -85,10 +98,14 @@ bool Mend(const StepContext& context, Way& way) {
 bool GoPast(StepContext& context, Way& held) {
   MeshContact& meshes = *context.buffers.meshes;
   ContactRows& rows = context.buffers.rows;
-  if (Release(meshes, held.optimum.qp.ActiveRows(), rows) == 0) return true;
+  if (Release(meshes, held.optimum.qp.ActiveRows(),
+              MostTurned(context, held.optimum, limits::mesh::kReleaseError), rows) == 0)
+    return true;
   Way past = WayToNewOptimum(context);
   if (context.Gain(past.v, past.phi) > context.Gain(held.v, held.phi) && IsFree(context, past)) {
-    const bool held_again = Release(meshes, past.optimum.qp.ActiveRows(), rows) != 0;
+    const bool held_again =
+        Release(meshes, past.optimum.qp.ActiveRows(),
+                MostTurned(context, past.optimum, limits::mesh::kReleaseError), rows) != 0;
     PutBack(meshes, rows);
     past.arrived = past.arrived && !held_again;
     held = past;
@@ -107,7 +124,8 @@ bool GoPast(StepContext& context, Way& held) {
 /// ball's: facets may lift it on its way to where the smooth surface holds it, and a straight way
 /// past a crease ends farther out than the arc.
 bool Approaches(const StepContext& context, const Way& way) {
-  return !context.IsRigid() || context.IsFreeBall() || context.Gain(way.v, way.phi) >= 0.0 ||
+  return !context.IsRigid() || context.IsFreeBall() ||
+         context.Approaches(way.optimum, way.v, way.phi) ||
          LengthOf(context, way) <= limits::mesh::kRounding;
 }
 

@@ -141,6 +141,15 @@ struct StepContext {
     return 2.0 * (step_v.dot(sub_step.target.v) + rho2 * step_phi.dot(sub_step.target.phi)) -
            length2;
   }
+  /// Returns whether a step to an optimum, or a part of it, ends no farther from the hand than it
+  /// begins.  A step that stays within the reach of contact may pay for separation that it regains.
+  bool Approaches(const Optimum& optimum, const Vec3& v, const Vec3& phi) const {
+    const MeshContact& contact = *buffers.meshes;
+    const double length = v.norm() + contact.meshes.tool.mesh.reach() * phi.norm();
+    const double price =
+        length <= contact.meshes.margins.touching ? 2.0 * PriceOfRegain(contact, optimum.qp) : 0.0;
+    return Gain(v, phi) + price >= 0.0;
+  }
   /// Sets the target: the hand relative to the tool.
   void Aim() {
     sub_step.target = TargetFrom(tools.p_G, tools.q_G, tools.p_H, tools.q_H, state.turn_G);

@@ -1,6 +1,7 @@
 #include "server/physics/surface/contact_bodies.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <future>
@@ -9,6 +10,7 @@
 #include "common/error.h"
 #include "common/math/solid_angle.h"
 #include "common/program/machine.h"
+#include "server/physics/limits.h"
 
 namespace palpate {
 namespace {
@@ -82,6 +84,40 @@ std::vector<bool> HeadOf(const TriangleMesh& mesh, const Cutting& cutting) {
 }
 
 }  // namespace
+
+bool IsOver(const Vec3* corners, const Vec3& p, double reach) {
+  const Vec3 normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 out = (corners[(i + 1) % 3] - corners[i]).cross(normal);
+    if (out.dot(p - corners[i]) > reach * out.norm()) return false;
+  }
+  return true;
+}
+
+bool HasFaceAt(const ContactShape& shape, const Vec3& p, const Vec3& n, double apart,
+               double turned) {
+  const HullTree& tree = shape.tree;
+  if (tree.IsOfBlocks()) return false;
+  std::array<HullTree::Node, 128> stack{tree.root()};
+  for (std::size_t count = 1; count > 0;) {
+    const HullTree::Node node = stack[--count];
+    if ((p - tree.Centre(node)).norm() > tree.Radius(node) + apart) continue;
+    if (!HullTree::IsLeaf(node)) {
+      if (count + 2 > stack.size()) return false;
+      for (const HullTree::Node child : tree.inner(node).child) stack[count++] = child;
+      continue;
+    }
+    const std::uint32_t t = HullTree::TriangleOf(node);
+    const Vec3 corners[3] = {shape.mesh.Corner(t, 0), shape.mesh.Corner(t, 1),
+                             shape.mesh.Corner(t, 2)};
+    const Vec3& normal = shape.mesh.triangles()[t].normal;
+    if (normal.cross(n).norm() <= turned && std::abs(normal.dot(p - corners[0])) <= apart &&
+        IsOver(corners, p, limits::mesh::kRounding)) {
+      return true;
+    }
+  }
+  return false;
+}
 
 bool IsFeltByMesh(const PlacedTree& object) {
   return !object.is_cut &&

@@ -31,6 +31,15 @@ struct ContactShape {
   std::vector<std::int32_t> leaf;
 };
 
+/// Returns whether a point lies over a triangle, or next to it by no more than `reach` [m].
+bool IsOver(const Vec3* corners, const Vec3& p, double reach);
+
+/// Returns whether a point p of the shape's frame lies over one of its triangles, no farther than
+/// `apart` [m] on either side, whose normal differs from n, or -n, by no more than `turned` [rad].
+/// False for a shape of blocks.  Real-time.
+bool HasFaceAt(const ContactShape& shape, const Vec3& p, const Vec3& n, double apart,
+               double turned);
+
 /// Where a frame lies in another: a Pose whose rotation is a matrix.
 struct Placement {
   Vec3 operator*(const Vec3& x) const { return R * x + p; }

@@ -61,7 +61,8 @@ void ExpectRowsLike(const TriangleMesh& tool_mesh, const TriangleMesh& object_me
     const Vec3 phi = 6e-3 * random.InCube(1.0);
     Vec3 v = 1e-5 * random.InCube(1.0);
     v.z() -= gap(at.p + v, RotationExp(phi) * at.R) + 40e-6;
-    BeginSubStep(contact, ActiveKernels(), front, at, {}, false, limits::mesh::kMaxLooks, rows);
+    BeginSubStep(contact, ActiveKernels(), front, at, {}, First::kActive, limits::mesh::kMaxLooks,
+                 rows);
     ASSERT_FALSE(CheckTrial(contact, v, phi, rows));
     ASSERT_GT(rows.count(), 0);
     const auto exact = [&](const Vec3& dv, const Vec3& dphi) {

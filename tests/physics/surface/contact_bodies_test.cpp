@@ -1,10 +1,12 @@
 #include "server/physics/surface/contact_bodies.h"
 
+#include <cmath>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "scenes/shapes/shapes.h"
+#include "tests/support/random.h"
 #include "tests/support/test_scenes.h"
 
 namespace palpate {
@@ -120,6 +122,28 @@ TEST(ContactBody, TakesAToolOfOneLeafForABall) {
   EXPECT_EQ(other->radius, 0.0);
   EXPECT_EQ(other->mesh.triangles().size(), 12u);
   EXPECT_NEAR(other->mesh.reach(), (Vec3::Constant(0.01) + reference).norm(), 1e-15);
+}
+
+TEST(ContactShape, FindsTheFaceThatAPointLiesOver) {
+  const ContactShape shape{ContactMesh(MakeSphere(0.01, 1280))};
+  test::Random random(4);
+  for (int i = 0; i < 2000; ++i) {
+    const std::uint32_t t = random.Below(1280);
+    const Vec3 a = shape.mesh.Corner(t, 0), b = shape.mesh.Corner(t, 1),
+               c = shape.mesh.Corner(t, 2);
+    const double u = random.Uniform(0.01, 0.98);
+    const double v = random.Uniform(0.01, 0.99 - u), up = random.Uniform(-2e-6, 2e-6);
+    const Vec3 n = shape.mesh.triangles()[t].normal, along = (b - a).normalized();
+    const Vec3 p = a + u * (b - a) + v * (c - a) + up * n;
+    EXPECT_TRUE(HasFaceAt(shape, p, n, 2e-6, 1e-9)) << t;
+    EXPECT_TRUE(HasFaceAt(shape, p, -n, 2e-6, 1e-9)) << "from either side";
+    EXPECT_TRUE(HasFaceAt(shape, p, (n + 0.9e-3 * along).normalized(), 2.1e-6, 1e-3)) << t;
+    EXPECT_FALSE(HasFaceAt(shape, p, (n + 1.1e-3 * along).normalized(), 2.1e-6, 1e-3)) << t;
+    EXPECT_FALSE(HasFaceAt(shape, p, n, 0.9 * std::abs(up), 1e-9)) << "too far";
+    // Beyond an edge of the triangle lies another, which has another normal.
+    const Vec3 beyond = a + 0.5 * (b - a) - 1e-7 * n.cross(b - a).normalized();
+    EXPECT_FALSE(HasFaceAt(shape, beyond, n, 2e-6, 1e-3)) << t;
+  }
 }
 
 }  // namespace
