@@ -250,6 +250,8 @@ void GiveUp(StepContext& context) {
 /// spring's pull where it is (solve/README.md, "The wrench of a tool that lags").
 void Lag(StepContext& context) {
   Predict(context, First::kTouching, context.model.parameters().looks / limits::mesh::kReserve);
+  // Material beyond where the tool may go next does not hold it yet.
+  if (context.buffers.energies) BeginCutting(context, context.sub_step.bounds.translation);
   MeshContact& meshes = *context.buffers.meshes;
   const double reach = meshes.meshes.tool.mesh.reach();
   double far = meshes.meshes.margins.touching;
@@ -261,6 +263,7 @@ void Lag(StepContext& context) {
     stays.optimum = SolveWithoutFriction(context);
     context.Require(stays.optimum);
     if (context.IsUnsolved()) return GiveUp(context);
+    if (meshes.looks.AreSpent()) break;  // no trial would find more
     const double part = PartWithin({far, far / reach}, stays.optimum.v, stays.optimum.phi);
     if (!CheckTrial(meshes, part * stays.optimum.v, part * stays.optimum.phi,
                     context.buffers.rows)) {

@@ -75,7 +75,6 @@ double MostTurned(const StepContext& context, const Optimum& optimum, double err
 
 /// For a tool that arrives, returns whether rows changed because they are not true for that place.
 bool Mend(const StepContext& context, Way& way) {
-  using limits::mesh::kTurned;
   MeshContact& meshes = *context.buffers.meshes;
   ContactRows& rows = context.buffers.rows;
   const auto active = way.optimum.qp.ActiveRows();
