@@ -31,20 +31,22 @@ int MendRows(MeshContact& contact, std::span<const int> active, const ContactRow
 
 /// Returns the gap of a row's own point at the trial [m].
 double GapOfRow(const MeshContact& contact, int row, const ContactRows& rows) {
-  return rows.Left(row, contact.motion.v, contact.motion.phi) + contact.meshes.margins.separation;
+  return rows.Left(row, contact.motion.v, contact.motion.phi) +
+         contact.of_rows.asked[static_cast<std::size_t>(row)];
 }
 
 /// Turns a ball's row to the smooth surface's normal where the ball arrives, not where it was.
 /// Returns whether the change is large enough to affect the force.  A crease is not smooth: the
 /// ball goes straight past it, and round it in the next sub-steps (Turned).
-bool TurnSmoothed(const MeshContact& contact, const Touch& touch, int row,
-                  const NearestPoints& nearest, const Vec3& u, ContactRows& rows) {
+bool TurnSmoothed(MeshContact& contact, const Touch& touch, int row, const NearestPoints& nearest,
+                  const Vec3& u, ContactRows& rows) {
   const ToolAndBodies& meshes = contact.meshes;
   if (!meshes.IsBall() || !TurnsRows(contact)) return false;
   const Vec3 along = SmoothNormal(contact.meshes, touch.nodes, nearest, u);
   if (along == u || (along - rows.normal(row)).norm() <= kTurned) return false;
   const double now = nearest.Distance() - meshes.tool.radius;
   const double asked = Asked(contact, touch.distance);
+  contact.of_rows.asked[static_cast<std::size_t>(row)] = asked;
   const Vec3 lever = rows.lever(row);
   rows.SetRow(row, along, lever, lever.cross(along), now - asked - along.dot(contact.motion.v));
   return true;

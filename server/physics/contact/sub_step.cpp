@@ -31,7 +31,7 @@ MeshContact::MeshContact(const ToolBody& tool, std::span<const ContactBody> bodi
   scratch.in_body.resize(bodies.size());
   touches.reserve(static_cast<std::size_t>(most_looks));
   ReserveEach(rows, of_rows.touch, released);
-  of_rows.regain.resize(rows);
+  of_rows.asked.resize(rows);
   ReserveEach(static_cast<std::size_t>(near.room()), scratch.doubts, open);
 }
 
@@ -54,6 +54,7 @@ void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront&
   contact.touches.clear();
   contact.of_rows.touch.clear();
   contact.of_rows.regains = true;
+  contact.of_rows.least = contact.meshes.margins.separation;
   NearPairs& near = contact.near;
   near.Begin(contact.meshes, front, from);
 
@@ -83,6 +84,29 @@ bool CheckTrial(MeshContact& contact, const Vec3& v, const Vec3& phi, ContactRow
   const bool is_free = Certify(contact, v, phi, Until::kEnough) == 0;
   AddRowsOfOpen(contact, rows);
   return is_free;
+}
+
+namespace {
+
+/// Calls check() with the margins of a tool that rests at a trial's end.
+bool AtRest(MeshContact& contact, auto check) {
+  Margins& margins = contact.meshes.margins;
+  const double keeps = std::min(margins.separation, contact.of_rows.least) - kRounding;
+  const Margins moving = margins;
+  margins.free = std::max(margins.free, keeps);
+  const bool may_rest = check();
+  margins = moving;
+  return may_rest;
+}
+
+}  // namespace
+
+bool CheckRest(MeshContact& contact, const Vec3& v, const Vec3& phi, ContactRows& rows) noexcept {
+  return AtRest(contact, [&] { return CheckTrial(contact, v, phi, rows); });
+}
+
+bool MayRest(MeshContact& contact, const Vec3& v, const Vec3& phi) noexcept {
+  return AtRest(contact, [&] { return IsFree(contact, v, phi); });
 }
 
 bool IsFree(MeshContact& contact, const Vec3& v, const Vec3& phi) noexcept {

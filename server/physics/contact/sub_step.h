@@ -12,12 +12,11 @@ namespace palpate {
 
 /// The rows of a ContactRows that belong to touches, and what they ask for.
 struct TouchRows {
-  std::vector<Touch*> touch;   ///< for each row its touch; null, or beyond the end,
-                               ///< for rows of leaves
-  std::vector<double> regain;  ///< for each row: separation asked for beyond what its pair has [m]
-  bool regains = true;         ///< whether rows ask for more separation than their pairs have
-  /// If not, the least that a contact has [m]: rows ask for no more.
-  double least = 0.0;
+  std::vector<Touch*> touch;  ///< for each row its touch; null, or beyond the end,
+                              ///< for rows of leaves
+  std::vector<double> asked;  ///< for each row: the separation that it asks for [m]
+  bool regains = true;        ///< whether rows ask for more separation than their pairs have
+  double least = 0.0;         ///< rows ask for no more [m]: delta, or the least that a contact has
 };
 
 /// A row that was taken out of its touch and can be put back.
@@ -113,6 +112,11 @@ void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront&
 /// Returns whether the trial [v; phi] is free.  If not, adds rows for pairs without a plane, or
 /// recomputes those rows that the trial violates.
 bool CheckTrial(MeshContact& contact, const Vec3& v, const Vec3& phi, ContactRows& rows) noexcept;
+/// CheckTrial for a tool that rests at the trial's end: a contact may be no nearer there than the
+/// separation that rows ask for, and not h alone.
+bool CheckRest(MeshContact& contact, const Vec3& v, const Vec3& phi, ContactRows& rows) noexcept;
+/// CheckRest without rows.
+bool MayRest(MeshContact& contact, const Vec3& v, const Vec3& phi) noexcept;
 /// CheckTrial without rows: stops at the first pair without a plane.
 bool IsFree(MeshContact& contact, const Vec3& v, const Vec3& phi) noexcept;
 

@@ -148,14 +148,12 @@ void SetRow(MeshContact& contact, Touch& touch, const TouchRow& of, ContactRows&
     of_rows.touch.resize(static_cast<std::size_t>(rows.count()), nullptr);
     of_rows.touch[static_cast<std::size_t>(row)] = &touch;
   }
-  const double before = GapBefore(contact, touch);
-  const double asked = Asked(contact, before);
+  const double asked = Asked(contact, GapBefore(contact, touch));
   const Motion& motion = contact.motion;
   const Vec3 n = stays ? rows.normal(row) : of.n;
   rows.SetRow(row, n, of.lever, of.by_turning,
               of.now - asked - n.dot(motion.v) - of.by_turning.dot(motion.phi));
-  of_rows.regain[static_cast<std::size_t>(row)] =
-      asked - std::min(contact.meshes.margins.separation, before);
+  of_rows.asked[static_cast<std::size_t>(row)] = asked;
 }
 
 void AddRowsOfOpen(MeshContact& contact, ContactRows& rows) {
@@ -211,15 +209,17 @@ void TakeOut(Touch& touch, ContactRows& rows) {
 
 double Asked(const MeshContact& contact, double before) {
   const limits::mesh::Margins& margins = contact.meshes.margins;
-  if (contact.of_rows.regains) return std::min(margins.separation, before + margins.regain);
-  return std::min({margins.separation, before, contact.of_rows.least});
+  const double regain = contact.of_rows.regains ? margins.regain : 0.0;
+  return std::min(contact.of_rows.least, before + regain);
 }
 
 double PriceOfRegain(const MeshContact& contact, const QpResult& qp) {
   double price = 0.0;
   for (int i = 0; i < qp.active && contact.of_rows.regains; ++i) {
-    if (contact.TouchOfRow(qp.row[i]) == nullptr) continue;
-    price += qp.multiplier[i] * contact.of_rows.regain[static_cast<std::size_t>(qp.row[i])];
+    const Touch* touch = contact.TouchOfRow(qp.row[i]);
+    if (touch == nullptr) continue;
+    const double has = std::min(contact.meshes.margins.separation, GapBefore(contact, *touch));
+    price += qp.multiplier[i] * (contact.of_rows.asked[static_cast<std::size_t>(qp.row[i])] - has);
   }
   return price;
 }
@@ -229,18 +229,20 @@ bool GiveUpRegain(MeshContact& contact, ContactRows& rows) {
   if (!of_rows.regains) return false;
   of_rows.regains = false;
   // A pair outside its cones is farther apart than the contact beside it.  If it asked for what it
-  // has, and the contact for less, it would hold the tool.
-  of_rows.least = contact.meshes.margins.separation;
+  // has, and the contact for less, it would hold the tool.  No row may ask for less than h, without
+  // which no trial is free.
   for (const Touch* touch : of_rows.touch) {
     if (touch == nullptr || !touch->in_cone || contact.meshes.IsBall()) continue;
     of_rows.least = std::min(of_rows.least, touch->distance);
   }
+  of_rows.least = std::max(of_rows.least, contact.meshes.margins.free);
   for (int row = 0; row < rows.count(); ++row) {
     const Touch* touch = contact.TouchOfRow(row);
     if (touch == nullptr) continue;
-    const double has = std::min(contact.meshes.margins.separation, GapBefore(contact, *touch));
-    rows.SetGap(row, rows.gap(row) + of_rows.regain[static_cast<std::size_t>(row)] +
-                         std::max(0.0, has - of_rows.least));
+    const double asks = Asked(contact, GapBefore(contact, *touch));
+    double& asked = of_rows.asked[static_cast<std::size_t>(row)];
+    rows.SetGap(row, rows.gap(row) + asked - asks);
+    asked = asks;
   }
   return true;
 }

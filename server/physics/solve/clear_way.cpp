@@ -92,30 +92,42 @@ bool Mend(const StepContext& context, Way& way) {
   return Relinearise(meshes, active, most, rows) != 0;
 }
 
+/// What is to be done with a tool that may be held by pairs that do not touch.
+enum class Past {
+  kGoes,       ///< the way is free: go
+  kIsHeld,     ///< nothing is free
+  kHasChanged  ///< rows have changed: solve again
+};
+
 /// For a tool that may be held by pairs that do not touch, goes to the optimum without their rows
-/// if that is free (README.md, "Arrival", cause).  Returns false if nothing is free.
-bool GoPast(StepContext& context, Way& held) {
+/// if that is free (README.md, "Arrival", cause).
+/// @param goes_on  whether rows may change
+Past GoPast(StepContext& context, bool goes_on, Way& held) {
   MeshContact& meshes = *context.buffers.meshes;
   ContactRows& rows = context.buffers.rows;
-  if (Release(meshes, held.optimum.qp.ActiveRows(),
-              MostTurned(context, held.optimum, limits::mesh::kReleaseError), rows) == 0)
-    return true;
+  const auto release = [&](const Optimum& optimum) {
+    return Release(meshes, optimum.qp.ActiveRows(),
+                   MostTurned(context, optimum, limits::mesh::kReleaseError), rows);
+  };
+  if (release(held.optimum) == 0) return Past::kGoes;
   Way past = WayToNewOptimum(context);
-  if (context.Gain(past.v, past.phi) > context.Gain(held.v, held.phi) && IsFree(context, past)) {
-    const bool held_again =
-        Release(meshes, past.optimum.qp.ActiveRows(),
-                MostTurned(context, past.optimum, limits::mesh::kReleaseError), rows) != 0;
+  if (context.Gain(past.v, past.phi) > context.Gain(held.v, held.phi) &&
+      MayRest(meshes, past.v, past.phi)) {
+    const bool held_again = release(past.optimum) != 0;
     PutBack(meshes, rows);
     past.arrived = past.arrived && !held_again;
     held = past;
-    return true;
+    return Past::kGoes;
   }
   PutBack(meshes, rows);
+  if (goes_on && !meshes.looks.AreSpent() && !CheckRest(meshes, held.v, held.phi, rows)) {
+    return Past::kHasChanged;
+  }
   const bool stays = LengthOf(context, held) <= meshes.meshes.margins.touching;
   held.arrived = stays && context.outcome.stuck_at == context.report.diagnostics.substeps - 1;
   if (stays) context.outcome.stuck_at = context.report.diagnostics.substeps;
   Remember(context, held.optimum);
-  return IsFree(context, held);
+  return IsFree(context, held) ? Past::kGoes : Past::kIsHeld;
 }
 
 /// Returns whether a free motion ends no farther from the hand than it begins, except for rounding.
@@ -187,7 +199,8 @@ bool ClearWay(StepContext& context, Way& way) noexcept {
     // For a ball, Turned decides whether it has arrived.
     const bool goes_past =
         way.arrived && context.IsRigid() && !meshes.meshes.IsBall() && !way.optimum.rounds;
-    if (!goes_past || GoPast(context, way)) return true;
+    const Past past = goes_past ? GoPast(context, goes_on, way) : Past::kGoes;
+    if (past != Past::kIsHeld) return past == Past::kGoes;
   } else if (goes_on && !meshes.looks.AreSpent()) {
     if (is_free || ++trust.failures == limits::mesh::kTrustedTrials) BeginAnew(context);
     return false;
