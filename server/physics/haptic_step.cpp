@@ -177,6 +177,7 @@ void Move(StepContext& context, const Way& way) {
   const bool meshes = buffers.meshes.has_value();
   const bool is_held = way.optimum.IsHeld();
   context.outcome.arrived = way.arrived;
+  context.outcome.reached = way.reached;
   if (!is_held) context.state.turn_G.setZero();
   if (meshes) {
     EndSubStep(*buffers.meshes, context.report.diagnostics.substeps == 0);
@@ -224,8 +225,9 @@ void SetNextBounds(StepContext& context, double part) {
                   : kInfinity;
   };
   context.state.behind = NextBounds(parameters, bounds, part, paid_by(parameters.looks));
-  context.sub_step.bounds =
-      NextBounds(parameters, bounds, part, paid_by(parameters.looks - context.cost.looks));
+  double by = paid_by(parameters.looks - context.cost.looks);
+  if (context.sub_step.trust.shrunk) by = std::min(by, limits::mesh::kRegrow);
+  context.sub_step.bounds = NextBounds(parameters, bounds, part, by);
 }
 
 void ForgetForces(StepReport& report) {
@@ -365,7 +367,9 @@ void End(const Pose& X_WH, StepContext& context) {
   if (!Begin(X_WH, context)) return report;
   const bool meshes = context.buffers.meshes.has_value();
   for (; GoesOn(context); ++report.diagnostics.substeps) {
-    Predict(context, context.Rubs() ? First::kContacts : First::kActive,
+    // What held a tool that has reached its optimum, and not arrived, was no contact of that place.
+    const bool by_contacts = context.Rubs() || context.outcome.reached;
+    Predict(context, by_contacts ? First::kContacts : First::kActive,
             model.parameters().looks - context.cost.looks);
     StageClock clock(times);
     for (bool is_clear = false; !is_clear && !context.IsUnsolved();) {

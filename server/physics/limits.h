@@ -247,11 +247,11 @@ struct Margins {
 /// Iterates of a sub-step (StepTuning); three are usual.  And directions in which a plane between
 /// two patches is searched; four are usual.  Taken.
 inline constexpr int kIterates = 16, kDirections = 16;
-/// Failed trials after which a sub-step begins again with its initial rows; and, from the second
-/// time on, how far the next trial may go, as a part of the first one's way (a quarter: Conn, Gould
-/// & Toint, Trust-Region Methods (2000), 6.1).  Taken.
+/// Failed trials after which a sub-step begins again with its initial rows; how far the next trial
+/// may then go, as a part of the first one's way; and by how much the bounds may grow after that
+/// (Conn, Gould & Toint, Trust-Region Methods (2000), 6.1: a quarter, and twice).  Taken.
 inline constexpr int kTrustedTrials = 4;
-inline constexpr double kNarrow = 0.25;
+inline constexpr double kNarrow = 0.25, kRegrow = 2.0;
 /// Looks of a cycle (StepTuning), some 130 ns each: 450 us.  A look is one direction tried in the
 /// search for a plane, or the nearest points of two triangles.  A further sub-step begins only if a
 /// quarter of them is left.  Taken.

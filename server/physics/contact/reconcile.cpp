@@ -130,7 +130,11 @@ int Relinearise(MeshContact& contact, std::span<const int> active, double most,
     const TouchRowsAtTrial of = RowsAt(contact, touch);
     for (int k = 0; k < of.count; ++k) {
       if (touch.row[of.row[k].slot % 3] != row) continue;
-      if (rows.Turned(row, of.row[k].n, of.row[k].by_turning) <= most) return false;
+      const double off = std::abs(of.row[k].now - GapOfRow(contact, row, rows));
+      if (off <= contact.meshes.margins.witness &&
+          rows.Turned(row, of.row[k].n, of.row[k].by_turning) <= most) {
+        return false;
+      }
       SetRow(contact, touch, of.row[k], rows);
       touch.relinearised = true;
     }

@@ -195,7 +195,7 @@ double PriceOfRegain(const MeshContact& contact, const QpResult& qp);
 /// the touch takes that plane.  Rows of a ball take the smooth surface's normal at the trial.
 int Retract(MeshContact& contact, std::span<const int> active, ContactRows& rows) noexcept;
 /// Recomputes each row whose direction in configuration space has turned by more than `most` [rad],
-/// at most once in a sub-step.
+/// or whose gap at the trial is not the geometry's, at most once in a sub-step.
 int Relinearise(MeshContact& contact, std::span<const int> active, double most,
                 ContactRows& rows) noexcept;
 /// Removes the rows of touches that are no contacts at the trial, or whose contact has a direction

@@ -17,7 +17,7 @@ double PartWithin(const StepContext& context, const Optimum& optimum) {
 void GoPart(Way& way, double part) {
   way.v = part * way.optimum.v;
   way.phi = part * way.optimum.phi;
-  way.arrived = part == 1.0;
+  way.arrived = way.reached = part == 1.0;
 }
 
 /// Returns the way to the optimum under rows that have changed, as far as the bounds allow.  If the
@@ -119,6 +119,7 @@ Past GoPast(StepContext& context, bool goes_on, Way& held) {
     held = past;
     return Past::kGoes;
   }
+  Remember(context, held.optimum);  // for the next sub-step, without the rows that are out
   PutBack(meshes, rows);
   if (goes_on && !meshes.looks.AreSpent() && !CheckRest(meshes, held.v, held.phi, rows)) {
     return Past::kHasChanged;
@@ -126,7 +127,7 @@ Past GoPast(StepContext& context, bool goes_on, Way& held) {
   const bool stays = LengthOf(context, held) <= meshes.meshes.margins.touching;
   held.arrived = stays && context.outcome.stuck_at == context.report.diagnostics.substeps - 1;
   if (stays) context.outcome.stuck_at = context.report.diagnostics.substeps;
-  Remember(context, held.optimum);
+  if (held.arrived) Remember(context, held.optimum);
   return IsFree(context, held) ? Past::kGoes : Past::kIsHeld;
 }
 
@@ -140,12 +141,12 @@ bool Approaches(const StepContext& context, const Way& way) {
          LengthOf(context, way) <= limits::mesh::kRounding;
 }
 
-/// Begins the sub-step anew with the rows as they are at its beginning; from the second time on,
-/// the tool may go only a quarter as far (README.md, "Rest").
+/// Begins the sub-step anew with the rows as they are at its beginning; once they regain no
+/// separation, the tool may go only a quarter as far (README.md, "Rest").
 void BeginAnew(StepContext& context) {
   MeshContact& meshes = *context.buffers.meshes;
   ContactRows& rows = context.buffers.rows;
-  GiveUpRegain(meshes, rows);
+  const bool shorter = !GiveUpRegain(meshes, rows);
   // A ball's rows have the smooth surface's normals and not its facets', so no
   // motion is short enough.
   if (meshes.meshes.IsBall()) {
@@ -153,13 +154,13 @@ void BeginAnew(StepContext& context) {
     return;
   }
   TrustRegion& trust = context.sub_step.trust;
-  if (trust.begun_anew) {
+  if (shorter) {
     StepBounds& bounds = context.sub_step.bounds;
     bounds.translation =
         std::min(bounds.translation, limits::mesh::kNarrow * trust.first.translation);
     bounds.rotation = std::min(bounds.rotation, limits::mesh::kNarrow * trust.first.rotation);
+    trust.shrunk = true;
   }
-  trust.begun_anew = true;
   trust.failures = 0;
   RelineariseAtStart(meshes, rows);
 }
@@ -167,7 +168,7 @@ void BeginAnew(StepContext& context) {
 /// Shortens a motion to the longest half, quarter, ... that is free and paid for, or to none.
 void Halve(const StepContext& context, Way& way) {
   MeshContact& meshes = *context.buffers.meshes;
-  way.arrived = false;
+  way.arrived = way.reached = false;
   context.RestoreFriction();
   meshes.looks.most += context.model.parameters().looks / limits::mesh::kReserve;
   while (!meshes.near.is_full() && !meshes.looks.AreSpent() &&

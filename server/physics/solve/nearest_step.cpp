@@ -58,10 +58,12 @@ bool RoundCreases(const StepContext& context, Optimum& optimum) noexcept {
 }
 
 void Remember(const StepContext& context, const Optimum& optimum) noexcept {
-  const QpResult& qp = optimum.qp;
-  context.state.active = qp.active;
-  for (int i = 0; i < qp.active; ++i) {
-    context.state.active_ids[static_cast<std::size_t>(i)] = context.buffers.rows.id(qp.row[i]);
+  const ContactRows& rows = context.buffers.rows;
+  StepState& state = context.state;
+  state.active = 0;
+  for (const int row : optimum.qp.ActiveRows()) {
+    if (!rows.IsLoose(row))
+      state.active_ids[static_cast<std::size_t>(state.active++)] = rows.id(row);
   }
 }
 

@@ -58,7 +58,8 @@ bool RoundCreases(const StepContext& context, Optimum& optimum) noexcept;
 /// then.
 void AddCoulombFriction(StepContext& context, Optimum& optimum) noexcept;
 
-/// Stores the rows that hold the tool at an optimum: the solver's next first guess.
+/// Stores the rows that hold the tool at an optimum, except for those that are loose: the solver's
+/// next first guess.
 void Remember(const StepContext& context, const Optimum& optimum) noexcept;
 
 /// Computes the motion of a sub-step towards an optimum, as far as the bounds and the meshes allow

@@ -48,7 +48,8 @@ struct Optimum {
 struct Way {
   Optimum optimum;
   Vec3 v = Vec3::Zero(), phi = Vec3::Zero();  ///< [m], [rad]
-  bool arrived = false;                       ///< whether it reaches the optimum
+  bool reached = false;                       ///< whether it reaches the optimum
+  bool arrived = false;                       ///< whether it does, and contacts hold the tool there
   double part = 1.0;                          ///< of the last trial, that the meshes allowed
 };
 
@@ -56,7 +57,7 @@ struct Way {
 struct TrustRegion {
   int failures = 0;            ///< trials that were not free since the sub-step last began
   StepBounds first{0.0, 0.0};  ///< how far the first of them went
-  bool begun_anew = false;
+  bool shrunk = false;         ///< whether it has been made shorter in this sub-step
 };
 
 /// The poses of both tools: reference points in W [m], and orientations.
@@ -90,7 +91,8 @@ struct SubStep {
 /// How the sub-steps so far have ended.
 struct Outcome {
   int stuck_at = -2;     ///< index of the last that found no way past what holds the tool
-  bool arrived = false;  ///< whether the last one's way arrived
+  bool reached = false;  ///< whether the last one's way reached its optimum
+  bool arrived = false;  ///< whether it arrived there
   bool held = false;     ///< whether something then kept the tool from the hand
 };
 
