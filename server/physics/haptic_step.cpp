@@ -79,14 +79,14 @@ bool Begin(const Pose& X_WH, StepContext& context) {
 void BeginCutting(StepContext& context, double reach) {
   const std::span cuts =
       context.state.cut.acts ? std::span(context.state.cut.fields) : std::span<CutField>();
-  context.buffers.energies->Begin(context.tools.p_G, context.tools.q_G, cuts, reach);
+  context.buffers.energies->Begin({{context.tools.p_G, context.tools.q_G}, cuts, reach});
 }
 
 /// Returns whether another sub-step fits into the cycle.  Between leaves, and for a bur, it is
 /// assumed to cost as much as the last one.
 bool GoesOn(const StepContext& context) {
   const StepParameters& parameters = context.model.parameters();
-  if (context.cost.cut_looks + context.cost.last_cut_looks > limits::cutting::kMostLooks) {
+  if (context.cost.cut_queries + context.cost.last_cut_queries > limits::cutting::kMostQueries) {
     return false;
   }
   if (parameters.looks - context.cost.looks < parameters.looks / 4) return false;
@@ -186,9 +186,9 @@ void Move(StepContext& context, const Way& way) {
     context.state.friction.Forget();
   }
   if (buffers.energies && context.state.cut.acts) {
-    context.cost.last_cut_looks = buffers.energies->Cut(context.tools.p_G, context.tools.q_G, way.v,
-                                                        way.phi, context.state.cut.fields);
-    context.cost.cut_looks += context.cost.last_cut_looks;
+    context.cost.last_cut_queries = buffers.energies->Cut(
+        context.tools.p_G, context.tools.q_G, way.v, way.phi, context.state.cut.fields);
+    context.cost.cut_queries += context.cost.last_cut_queries;
   }
   Tools& tools = context.tools;
   if (way.arrived && !is_held) {
@@ -287,11 +287,12 @@ void Lag(StepContext& context) {
 /// hole does not whirl (cut/README.md).
 void TakeDrag(StepContext& context) {
   const auto& energies = context.buffers.energies;
+  const CutRows* bur = energies ? energies->bur() : nullptr;
   Vec6& drag = context.state.cut.drag;
-  if (!energies || !energies->bur_pushes()) {
+  if (bur == nullptr) {
     drag.setZero();
   } else {
-    drag += limits::cutting::kDragShare * (energies->Drag() - drag);
+    drag += limits::cutting::kDragShare * (bur->Drag() - drag);
   }
 }
 

@@ -13,7 +13,7 @@ double GapAhead(const CutField& cut, const Vec3& p, const Vec3& n) {
   const double here = cut.Distance(p);
   if (here <= 0.0) return 0.0;
   if (here >= cut.field().band()) return here;
-  const double s = limits::cutting::kLookAhead * cut.field().lattice().spacing;
+  const double s = limits::cutting::kAhead * cut.field().lattice().spacing;
   const FieldSample ahead = cut.Sample(p + s * n);
   const double nears = -ahead.gradient.dot(n), gap = ahead.distance + s * nears;
   if (gap <= 0.0) return 0.0;

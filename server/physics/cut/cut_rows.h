@@ -32,7 +32,7 @@ struct CutTool {
 /// a_i = -[n_i; (l_i x n_i) / rho] with l_i from the reference to the sample, and b_i = -g_i, the
 /// gap (README.md).  A sample that cannot cut has a p_0 that no hand can overcome.  Passive: a row
 /// pushes only where -a_i . x >= g_i >= 0, so its work on the material is >= 0 for every x.
-class CutRows : public Energy {
+class CutRows : public YieldingEnergy {
  public:
   /// @param samples  most rows: the number of the bur's samples, once more for each further solid
   ///                 that it may touch at once.  Set-up.
@@ -45,6 +45,11 @@ class CutRows : public Energy {
   /// Valid for steps no longer than the grid's band.  Real-time.
   void AddSolid(const CutTool& tool, const CutField& cut, const Pose& X_WB,
                 std::span<const Material> materials, double reach = 1e300) noexcept;
+
+  bool Collect(const ContactRows&, QpRows&) noexcept override { return count() > 0; }
+
+  /// Whether material pushed at the solver's result.
+  bool pushes() const { return count() > 0 && pushing > 0; }
 
   int count() const { return yielding.rows.count; }
   const double* a(std::size_t unknown) const { return columns_[unknown]; }

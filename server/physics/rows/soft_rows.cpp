@@ -5,8 +5,7 @@
 
 namespace palpate {
 
-void SoftRows::Set(const ObjectForest& objects, double coupling_stiffness,
-                   const ContactRows& rows) noexcept {
+bool SoftRows::Collect(const ContactRows& rows, QpRows& rigid) noexcept {
   any_ = false;
   yielding = {rows.view(), columns_[kWeight], nullptr, columns_[kPush]};
   double *weight = columns_[kWeight], *rigid_b = columns_[kRigidB];
@@ -16,10 +15,10 @@ void SoftRows::Set(const ObjectForest& objects, double coupling_stiffness,
     rigid_b[i] = -rows.gap(i);
     const ContactId& id = rows.id(i);
     if (!id.IsOfLeaves()) continue;
-    const Material& material = objects.MaterialOf(id.object);
+    const Material& material = objects_.MaterialOf(id.object);
     if (std::isinf(material.stiffness)) continue;
-    const double radius = objects.leaves[static_cast<std::size_t>(id.object)].radius;
-    weight[i] = material.stiffness / coupling_stiffness;
+    const double radius = objects_.leaves[static_cast<std::size_t>(id.object)].radius;
+    weight[i] = material.stiffness / stiffness_;
     rigid_b[i] -= CoreDepth(material, radius);
     any_ = true;
   }
@@ -27,12 +26,8 @@ void SoftRows::Set(const ObjectForest& objects, double coupling_stiffness,
     weight[i] = 0.0;
     rigid_b[i] = -1e300;
   }
-}
-
-QpRows SoftRows::rigid() const {
-  QpRows rigid = yielding.rows;
-  rigid.b = columns_[kRigidB];
-  return rigid;
+  if (any_) rigid.b = rigid_b;
+  return any_;
 }
 
 SoftContacts SoftRows::Contacts() const noexcept {

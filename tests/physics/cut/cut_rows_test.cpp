@@ -77,7 +77,7 @@ struct Trial {
   SolidGrid solid;
   CutField cut;
   CutRows rows;
-  EnergySolver solver{16, 400};
+  EnergySolver solver{16, 1024};
   std::array<Material, SolidGrid::kMaterials> materials;
   Vec3 bur = Vec3(0, 0, kRadius + 20e-6), force = Vec3::Zero();
   double guess[6] = {};
