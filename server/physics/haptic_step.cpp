@@ -106,12 +106,7 @@ void Predict(StepContext& context, First first, std::int64_t looks) {
   if (context.Rubs()) context.friction_before = context.state.friction;
   context.Aim();
   tools.R_WG = tools.q_G.toRotationMatrix();
-  if (buffers.energies) {
-    if (context.state.cut.acts) {
-      sub_step.bounds = buffers.energies->Narrow(sub_step.bounds, tools.p_G, tools.q_G);
-    }
-    BeginCutting(context, std::numeric_limits<double>::infinity());
-  }
+  if (buffers.energies) BeginCutting(context, std::numeric_limits<double>::infinity());
   PredictLeaves(context);
   if (buffers.meshes) {
     StageClock clock(context.times);
@@ -251,7 +246,9 @@ void GiveUp(StepContext& context) {
 void Lag(StepContext& context) {
   Predict(context, First::kTouching, context.model.parameters().looks / limits::mesh::kReserve);
   // Material beyond where the tool may go next does not hold it yet.
-  if (context.buffers.energies) BeginCutting(context, context.sub_step.bounds.translation);
+  if (const auto& energies = context.buffers.energies) {
+    BeginCutting(context, std::min(context.sub_step.bounds.translation, energies->bur_step()));
+  }
   MeshContact& meshes = *context.buffers.meshes;
   const double reach = meshes.meshes.tool.mesh.reach();
   double far = meshes.meshes.margins.touching;

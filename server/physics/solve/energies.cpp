@@ -48,24 +48,31 @@ Energies::Energies(const HapticModel& model)
     soft_ = enter(
         std::make_unique<SoftRows>(model.objects(), parameters.stiffness, parameters.max_rows));
   }
-  if (model.cuts()) bur_ = enter(std::make_unique<BurInSolids>(model));
+  if (model.cuts()) {
+    bur_ = enter(std::make_unique<BurInSolids>(model));
+    for (const CutSolid& solid : model.solids()) {
+      bur_step_ = std::min(bur_step_, 0.5 * solid.grid->field().band());
+    }
+  }
   acting_.reserve(all_.size());
 }
 
-StepBounds Energies::Narrow(StepBounds bounds, const Vec3& p_G, const Quat& q_WG) const noexcept {
-  if (bur_ == nullptr) return bounds;
-  const double lever = model_->bur_lever();
+double Energies::PartWithin(const Vec3& p_G, const Quat& q_WG, const Vec3& v,
+                            const Vec3& phi) const noexcept {
+  if (bur_ == nullptr) return 1.0;
+  const Cutting& cutting = *model_->cutting();
+  const double reach = cutting.bur.reach();
+  // A hand that tilts a bur about its tip moves it little, however long the handle is.
+  const Vec3 lever = q_WG * (cutting.X_TB.p - model_->reference());
+  const double way = (v + phi.cross(lever)).norm() + reach * phi.norm();
+  if (way <= bur_step_) return 1.0;
   for (const CutSolid& solid : model_->solids()) {
     const Lattice& lattice = solid.grid->field().lattice();
-    const Pose& X_TB = model_->cutting()->X_TB;
-    const Vec3 bur = solid.X_WB.Inverse() * (p_G + q_WG * (X_TB.p - model_->reference()));
+    const Vec3 bur = solid.X_WB.Inverse() * (p_G + lever);
     const Vec3 off = (lattice.origin - bur).cwiseMax(bur - lattice.End()).cwiseMax(0.0);
-    const double way = bounds.translation + bounds.rotation * lever;
-    if (off.norm() > model_->cutting()->bur.reach() + way) continue;
-    const double most = 0.5 * solid.grid->field().band();
-    bounds = {std::min(bounds.translation, most), std::min(bounds.rotation, most / lever)};
+    if (off.norm() <= reach + way) return bur_step_ / way;
   }
-  return bounds;
+  return 1.0;
 }
 
 void Energies::Begin(const EnergyStart& start) noexcept {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -24,10 +25,12 @@ class Energies {
   /// Whether none can act.
   bool empty() const { return all_.empty(); }
 
-  /// Returns the bounds of a sub-step that begins with the tool's reference point at p_G.
-  /// They are narrower where the bur may reach a solid, because its rows are valid only
-  /// within the grid's band.
-  StepBounds Narrow(StepBounds bounds, const Vec3& p_G, const Quat& q_WG) const noexcept;
+  /// How far a bur's points may go in a sub-step near a solid: half of its grid's band, for farther
+  /// gaps are not known; infinite without a bur [m].
+  double bur_step() const { return bur_step_; }
+  /// Returns the greatest part of a step from p_G, at most 1, in which they go no farther.
+  double PartWithin(const Vec3& p_G, const Quat& q_WG, const Vec3& v,
+                    const Vec3& phi) const noexcept;
   /// Begins that sub-step.
   void Begin(const EnergyStart& start) noexcept;
   /// Call before each solve: collects the energies that act among these rows, and removes the rows
@@ -57,6 +60,7 @@ class Energies {
   EnergySolver solver_;
   std::vector<std::unique_ptr<Energy>> all_;
   std::vector<Energy*> acting_;
+  double bur_step_ = std::numeric_limits<double>::infinity();
   // Those of `all_` that the report and the solids know; null if there are none.
   SoftRows* soft_ = nullptr;
   CutRows* bur_ = nullptr;
