@@ -181,8 +181,8 @@ void Move(StepContext& context, const Way& way) {
     context.state.friction.Forget();
   }
   if (buffers.energies && context.state.cut.acts) {
-    context.cost.last_cut_queries = buffers.energies->Cut(
-        context.tools.p_G, context.tools.q_G, way.v, way.phi, context.state.cut.fields);
+    context.cost.last_cut_queries = buffers.energies->Cut(context.tools.p_G, context.tools.q_G,
+                                                          way.v, way.phi, context.state.cut.fields);
     context.cost.cut_queries += context.cost.last_cut_queries;
   }
   Tools& tools = context.tools;

@@ -60,15 +60,12 @@ class Energy {
 /// An energy of rows that yield one by one.
 class YieldingEnergy : public Energy {
  public:
-  YieldingEnergy() = default;
-  explicit YieldingEnergy(const YieldingRows& rows) : yielding(rows) {}
-
   int Add(const Evaluation& by, const double* x, EnergyAt& at) const noexcept override {
     YieldingRows rows = yielding;
     if (by.spring == 0.0) rows.threshold = nullptr;
-    const Kernels& kernels = by.kernels;
-    return (by.with_hessian ? kernels.add_yielding_with_hessian : kernels.add_yielding)(
-        rows, x, by.spring, at);
+    const auto add =
+        by.with_hessian ? by.kernels.add_yielding_with_hessian : by.kernels.add_yielding;
+    return add(rows, x, by.spring, at);
   }
   const YieldingRows* thresholds() const noexcept override {
     return yielding.threshold == nullptr ? nullptr : &yielding;

@@ -11,9 +11,6 @@ namespace {
 
 using namespace limits::energy;
 
-/// Compliance of the common slack of contradictory rows, which costs |slack|^2 / 2 over this.
-constexpr double kSlackCompliance = kJamCompliance;
-
 /// Stiffness at which a row's force is its threshold as soon as it overlaps.
 constexpr double kNoSpring = 1e300;
 
@@ -81,8 +78,9 @@ class Newton {
   }
 
  private:
-  /// Goes from the minimum of one quadratic to that of the next, until one lies on its own pieces.
-  /// Returns whether one does within so many iterations, of this and of the QP.
+  /// Minimises the quadratic at a place, then that at its minimum, and so on, until a minimum has
+  /// the same pieces as its quadratic.  Returns whether it ends within so many iterations, of this
+  /// and of the QP.
   bool Iterate(Point& now, int most) {
     for (bool first = true; result_.iterations < most; first = false) {
       const Vec6 q = Factorise(now);
@@ -112,7 +110,7 @@ class Newton {
     }
     const Vec6 away = point.x - t_;
     point.value =
-        0.5 * (Dot(away, away) + point.energy.twice + point.slack * point.slack / kSlackCompliance);
+        0.5 * (Dot(away, away) + point.energy.twice + point.slack * point.slack / kJamCompliance);
   }
 
   /// For the quadratic at a point, 1/2 x . H x - q . x, returns q, and computes H = L L^T.
@@ -151,9 +149,9 @@ class Newton {
     }
   }
 
-  /// Minimises that quadratic under the rigid rows.  Returns false if the QP does not end, or if
-  /// rigid rows would hold a tool on springs: these yield by femtometres, by which none may miss a
-  /// row.
+  /// Minimises the quadratic under the rigid rows.  Returns false if the QP does not end, or if a
+  /// rigid row would hold a tool on springs: these yield by femtometres, and no row may be violated
+  /// by as much.
   bool Minimise(const Vec6& q) {
     const Vec6 y = Forward(q);
     QpResult found{};
@@ -175,15 +173,11 @@ class Newton {
     return result_.status != QpStatus::kIterationLimit;
   }
 
-  /// The same with rows that may rest at their thresholds.
+  /// The same without springs: a row may rest below its threshold.
   QpResult SolveLimited(const Vec6& y) {
     Transform(rigid_, 0, kThresholdScale);
     ForEachLimited([&](const Energy&, const YieldingRows& rows, int first) {
       Transform(rows.rows, first, kThresholdScale);
-      for (int i = first + rows.rows.count; i % 16 != 0; ++i) {
-        for (double* column : limited_.a) column[i] = 0.0;
-        limited_.b[i] = -1e300;
-      }
     });
     QpResult found = kernels_.solve_limited(y.data(), limited_, result_.row, result_.active);
     Back(Vec6::Map(found.x) / kThresholdScale, found.x);
@@ -198,9 +192,8 @@ class Newton {
     kernels_.transform_rows(rows, L_, inverse_diagonal_, scale, column, limited_.b + first);
   }
 
-  /// Calls visit(energy, rows, first) for the rows of each energy that has thresholds, with the
-  /// index of the first of them in the columns: they stand behind the rigid ones.  Returns how many
-  /// there are in all.
+  /// Calls visit(energy, rows, first) for each energy with thresholds.  In the columns its rows
+  /// begin at `first`, behind the rigid ones.  Returns how many rows the columns hold.
   template <class Visit>
   int ForEachLimited(Visit visit) const {
     int first = Padded(rigid_.count);
@@ -213,7 +206,7 @@ class Newton {
     return first;
   }
 
-  /// Guesses that the rows that push with their threshold, at the place last evaluated, do so at
+  /// The first guess: a row that pushes with its threshold at the place last evaluated does so at
   /// the minimum.
   void GuessLimits() {
     const int rigid = Padded(rigid_.count);
@@ -228,8 +221,7 @@ class Newton {
     });
   }
 
-  /// Adds the forces of thresholds to those of the energies, and leaves the rigid rows to the
-  /// result.
+  /// Moves the forces of thresholds from the result to their energies.
   void TakeForces() {
     ForEachLimited([&](Energy& energy, const YieldingRows& rows, int first) {
       energy.pushing = 0;
@@ -252,14 +244,14 @@ class Newton {
     result_.active = rigid;
   }
 
-  /// Returns whether the gradient at `next` equals that of the quadratic that led there.
+  /// Returns whether the gradient at `next` is that of the quadratic at `now`.
   bool SamePieces(const Point& now, const Point& next, const Vec6& q) const {
     double stiffness = 1.0, size = 0.0;
     for (int r = 0; r < 6; ++r) {
       stiffness += now.Hessian(r, r);
       size += std::fabs(q[r]);
     }
-    // Sum of the rounding errors of terms that nearly cancel.
+    // The rounding of terms that nearly cancel.
     const double largest = next.x.cwiseAbs().maxCoeff();
     const double rounding = (by_law_ ? 0.0 : tolerance_) + kRounding * (size + stiffness * largest);
     return !((Gradient(next) - (now.HessianTimes(next.x) - q)).cwiseAbs().array() > rounding).any();
@@ -284,19 +276,17 @@ class Newton {
     const Point end = next;
     const double cost = CostOfThresholds(now.x);
     const double promised = Slope(now, now, end) + CostOfThresholds(end.x) - cost;
+    const double least = now.value + cost;
     double part = 1.0;
-    for (int i = 0; i < kHalvings; ++i) {
-      if (next.value + CostOfThresholds(next.x) <=
-          now.value + cost + kLeastGain * part * promised) {
-        return;
-      }
-      part *= 0.5;
-      Go(now, end, part, next);
+    for (int i = 0; i < kHalvings &&
+                    next.value + CostOfThresholds(next.x) > least + kLeastGain * part * promised;
+         ++i) {
+      Go(now, end, part *= 0.5, next);
     }
   }
 
-  /// Where the sum does not fall enough, or rises at `next`, puts `next` where it stops falling on
-  /// the way from `now`: by bisection, since the slope is monotone.
+  /// If the sum has not fallen enough at `next`, and rises there, moves `next` to where it stops
+  /// falling on the way from `now`: by bisection, since the slope is monotone.
   void Search(const Point& now, Point& next) const {
     const Point end = next;
     const double slope = Slope(now, now, end);
@@ -322,7 +312,7 @@ class Newton {
 
   /// Slope at `at`, in the direction from `from` to `to`.
   double Slope(const Point& at, const Point& from, const Point& to) const {
-    return Dot(Gradient(at), to.x - from.x) + at.slack * (to.slack - from.slack) / kSlackCompliance;
+    return Dot(Gradient(at), to.x - from.x) + at.slack * (to.slack - from.slack) / kJamCompliance;
   }
 
   const Kernels& kernels_;

@@ -15,7 +15,8 @@ class EnergySolver {
  public:
   /// @param rigid       most rigid rows.   @param thresholds  most rows with thresholds.  Set-up.
   EnergySolver(std::size_t rigid, std::size_t thresholds)
-      : EnergySolver(rigid + thresholds + 2 * 16) {}
+      : columns_(8, rigid + thresholds + 2 * 16),
+        at_limit_(std::make_unique<bool[]>(rigid + thresholds + 2 * 16)) {}
 
   /// @param t      target [m].
   /// @param start  where Newton's method begins; a nearer start takes fewer iterations
@@ -27,9 +28,6 @@ class EnergySolver {
                  std::span<const int> guess) noexcept;
 
  private:
-  explicit EnergySolver(std::size_t rows)
-      : columns_(8, rows), at_limit_(std::make_unique<bool[]>(rows)) {}
-
   AlignedColumns columns_;
   std::unique_ptr<bool[]> at_limit_;
 };

@@ -7,6 +7,7 @@ namespace palpate {
 
 bool SoftRows::Collect(const ContactRows& rows, QpRows& rigid) noexcept {
   any_ = false;
+  const ObjectForest& objects = model_.objects();
   yielding = {rows.view(), columns_[kWeight], nullptr, columns_[kPush]};
   double *weight = columns_[kWeight], *rigid_b = columns_[kRigidB];
   const int count = rows.count();
@@ -15,10 +16,10 @@ bool SoftRows::Collect(const ContactRows& rows, QpRows& rigid) noexcept {
     rigid_b[i] = -rows.gap(i);
     const ContactId& id = rows.id(i);
     if (!id.IsOfLeaves()) continue;
-    const Material& material = objects_.MaterialOf(id.object);
+    const Material& material = objects.MaterialOf(id.object);
     if (std::isinf(material.stiffness)) continue;
-    const double radius = objects_.leaves[static_cast<std::size_t>(id.object)].radius;
-    weight[i] = material.stiffness / stiffness_;
+    const double radius = objects.leaves[static_cast<std::size_t>(id.object)].radius;
+    weight[i] = material.stiffness / model_.parameters().stiffness;
     rigid_b[i] -= CoreDepth(material, radius);
     any_ = true;
   }

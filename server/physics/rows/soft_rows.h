@@ -2,9 +2,9 @@
 
 #include "common/math/pose.h"
 #include "server/physics/energy/energy.h"
+#include "server/physics/haptic_model.h"
 #include "server/physics/rows/contact_rows.h"
 #include "server/physics/simd/aligned_columns.h"
-#include "server/physics/tree/sphere_tree_query.h"
 
 namespace palpate {
 
@@ -22,11 +22,9 @@ struct SoftContacts {
 /// yield at once, they are treated as an energy, not as single constraints.
 class SoftRows : public YieldingEnergy {
  public:
-  /// @param objects  must outlive this.   @param rows  most rows.  Set-up.
-  SoftRows(const ObjectForest& objects, double coupling_stiffness, int rows)
-      : objects_(objects),
-        stiffness_(coupling_stiffness),
-        columns_(3, static_cast<std::size_t>(rows) + 16) {}
+  /// @param model  must outlive this.  Set-up.
+  explicit SoftRows(const HapticModel& model)
+      : model_(model), columns_(3, static_cast<std::size_t>(model.parameters().max_rows) + 16) {}
 
   /// Looks up the rows' leaves.  A row that is not between leaves is rigid.  If any row is soft,
   /// `rigid` become the rows that no step may violate: rigid ones, and the cores of soft ones.
@@ -41,8 +39,7 @@ class SoftRows : public YieldingEnergy {
  private:
   enum : std::size_t { kWeight, kRigidB, kPush };
 
-  const ObjectForest& objects_;
-  double stiffness_;
+  const HapticModel& model_;
   AlignedColumns columns_;
   bool any_ = false;
 };

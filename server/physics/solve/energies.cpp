@@ -38,18 +38,9 @@ class BurInSolids final : public CutRows {
 Energies::Energies(const HapticModel& model)
     : model_(&model),
       solver_(static_cast<std::size_t>(model.parameters().max_rows) + 16, MostCutRows(model)) {
-  const auto enter = [&](auto energy) {
-    auto* const entered = energy.get();
-    all_.push_back(std::move(energy));
-    return entered;
-  };
-  const StepParameters& parameters = model.parameters();
-  if (model.yields()) {
-    soft_ = enter(
-        std::make_unique<SoftRows>(model.objects(), parameters.stiffness, parameters.max_rows));
-  }
+  if (model.yields()) all_.emplace_back(std::unique_ptr<Energy>(soft_ = new SoftRows(model)));
   if (model.cuts()) {
-    bur_ = enter(std::make_unique<BurInSolids>(model));
+    all_.emplace_back(std::unique_ptr<Energy>(bur_ = new BurInSolids(model)));
     for (const CutSolid& solid : model.solids()) {
       bur_step_ = std::min(bur_step_, 0.5 * solid.grid->field().band());
     }

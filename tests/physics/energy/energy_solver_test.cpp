@@ -77,12 +77,12 @@ struct Judgement {
       return overlap;
     };
     const CutRows& bur = problem.bur;
-    const double* a[6];
-    for (std::size_t c = 0; c < 6; ++c) a[c] = bur.a(c);
     for (int i = 0; i < bur.count(); ++i) {
-      const long double P = bur.threshold()[i], w = bur.viscous()[i];
-      const long double f = std::clamp<long double>(bur.forces()[i], 0.0L, w > 0.0L ? 1e300L : P);
-      const long double s = std::max(0.0L, add(RowAt(a, i), bur.b()[i], f));
+      const long double P = bur.yielding.threshold[i], w = bur.yielding.weight[i];
+      const long double f =
+          std::clamp<long double>(bur.yielding.push[i], 0.0L, w > 0.0L ? 1e300L : P);
+      const long double s =
+          std::max(0.0L, add(RowAt(bur.yielding.rows.a, i), bur.yielding.rows.b[i], f));
       energy += P * s + 0.5L * w * s * s;
       if (f > P) dual -= 0.5L * (f - P) * (f - P) / w;
     }
@@ -206,8 +206,8 @@ void ExpectMinimum(const BurAndRows& problem, const QpResult& result, const std:
   // Where no rigid row holds the tool, a row below its threshold may be a spring (README.md).
   double forces = size, spring = 0.0;
   for (int i = 0; i < problem.bur.count(); ++i) {
-    const double P = problem.bur.threshold()[i];
-    forces += problem.bur.forces()[i];
+    const double P = problem.bur.yielding.threshold[i];
+    forces += problem.bur.yielding.push[i];
     spring += P * std::min(P, size) / limits::energy::kRigid;
   }
   for (int i = 0; i < result.active; ++i) forces += result.multiplier[i];
