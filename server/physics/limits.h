@@ -101,7 +101,8 @@ inline constexpr int kIterationsOnSprings = 6;
 /// Factor applied to lengths where rows rest at thresholds: the QP's tolerance, 1e-12 m, becomes
 /// 1e-21 m.
 inline constexpr double kThresholdScale = 1e9;
-/// Halvings of a step, or of an interval that holds its end: 60 find a spring of 1e-15 m in a step of a millimetre.
+/// Halvings of a step, or of an interval that holds its end: 60 find a spring of 1e-15 m in a step
+/// of a millimetre.
 inline constexpr int kHalvings = 60;
 /// A step must gain this part of what its slope promises (Armijo's usual value); a line search may
 /// stop where the slope has fallen to this part.

@@ -195,8 +195,8 @@ TruthHand MakeCut(std::string_view body, std::string_view tool, std::uint64_t se
   return JudgedBy(std::move(judge), std::move(scene), std::move(passes.X_WH));
 }
 
-/// A hand that mills a block at 2 mm/s while it tilts the bur once to and fro, about a place near
-/// its tip.  The bur hardly moves, however far the handle goes, so it is never late.
+/// A hand that mills a block at 2 mm/s while it tilts the bur three times to and fro, about a place
+/// near its tip.  The bur hardly moves, however far the handle goes, so it is never late.
 TruthHand MakeMilling(std::string_view tool, std::uint64_t seed) {
   constexpr int kCycles = 2000;
   constexpr double kSpeed = 2e-3, kAbove = 0.5e-3;
@@ -206,9 +206,9 @@ TruthHand MakeMilling(std::string_view tool, std::uint64_t seed) {
   double most;
   Scene scene = MakeScene(head, size, most, random);
   const Pose& X_WB = scene.objects.front().X_WB;
-  const double deep = 0.5 * size.y() - random.Uniform(0.2, 0.4) * head.length;
+  const double deep = 0.5 * size.y() - random.Uniform(0.5, 0.8) * head.length;
   const double high = 0.5 * size.y() + kAbove, pivot = random.Uniform(0.0, 1e-3);
-  const double most_tilt = random.Uniform(0.4, 0.8), heading = random.Uniform(0.0, M_PI);
+  const double most_tilt = random.Uniform(0.5, 0.6), heading = random.Uniform(0.0, M_PI);
   const Vec3 axis(std::cos(heading), 0.0, std::sin(heading));
   const auto at = [&](double x, double y) {
     return X_WB * Pose{Vec3(x, y, 0.0), Quat::Identity()};
@@ -218,7 +218,7 @@ TruthHand MakeMilling(std::string_view tool, std::uint64_t seed) {
   passes.Go(at(-2e-3, deep), kSpeed);
   for (int n = 1; n <= kCycles; ++n) {
     const double part = double(n) / kCycles;
-    const Quat q = RotationExp(most_tilt * std::sin(2.0 * M_PI * part) * axis);
+    const Quat q = RotationExp(most_tilt * std::sin(3.0 * 2.0 * M_PI * part) * axis);
     const Vec3 up = pivot * Vec3::UnitY();
     passes.X_WH.push_back(X_WB *
                           Pose{Vec3(-2e-3 + kSpeed * kPeriod * n, deep, 0.0) + up - q * up, q});
