@@ -16,7 +16,7 @@ constexpr int kRows = kSide * kSide;
 /// A distance beyond which no stored bound lasts: every row is examined again [m].
 constexpr double kFar = 1e3;
 /// Cost of a row of another bur, in rows of a ball: measured.
-constexpr int kLooksOfRow = 3;
+constexpr int kQueriesOfRow = 3;
 /// Bound of the rounding of distances: they are floats, of points within some 10 mm of the bur [m].
 constexpr double kRounding = 1e-8;
 /// Columns of a voxel, to compute its share: a Fibonacci lattice (Niederreiter & Sloan, J. Comp.
@@ -262,7 +262,7 @@ bool CutField::Raise(const Touched& touched, const BurSweep& sweep, const Pose& 
   // The rows to examine, one bit each, because a branch per row is hard to predict.
   std::uint64_t rows = 0;
   for (int row = 0; row < kRows; ++row) rows |= std::uint64_t{gone_ > still[row]} << row;
-  looks_ += std::popcount(rows) * (sweep.IsOfBall() ? 1 : kLooksOfRow);
+  queries_ += std::popcount(rows) * (sweep.IsOfBall() ? 1 : kQueriesOfRow);
   bool changed = false;
   for (; rows != 0; rows &= rows - 1) {
     const int row = std::countr_zero(rows);
@@ -317,13 +317,13 @@ CutAway CutField::Remove(const Bur& bur, const Pose& X_BT, const Vec3& step_B) n
   gone_ += GoneSince(bur, X_BT) + step_B.norm();
   bur_ = bur;
   end_ = {X_BT.p + step_B, X_BT.q};
-  looks_ = 0;
+  queries_ = 0;
   for (const Touched& touched : touched_) {
     if (!Raise(touched, sweep, X_TB)) continue;
     Wait(touched.block);
     ReleaseIfClear(touched.block);
   }
-  removal.looks = looks_;
+  removal.queries = queries_;
   return removal;
 }
 

@@ -21,7 +21,7 @@ struct CutAway {
   bool full = false;
   /// Cost of the step: rows of eight points that were compared with a ball's way, some 50 ns each;
   /// a row counts as three for any other bur.
-  int looks = 0;
+  int queries = 0;
 };
 
 /// The part of a solid that burs have removed, as a signed distance phi_c of its own:
@@ -116,7 +116,7 @@ class CutField {
   SparseField field_;
   /// Bound of the distance that any point of the bur has gone in all steps [m].
   double gone_ = 0.0;
-  int looks_ = 0;  ///< CutAway::looks of the present step
+  int queries_ = 0;  ///< CutAway::queries of the present step
   /// For each stored row of points, the value of gone_ up to which no point of it can change [m].
   std::vector<double> still_;
   Bur bur_ = Bur::Ball(1.0);            ///< bur of the last step

@@ -100,7 +100,6 @@ void HapticModel::SetCutting() {
     }
     sample.point = cutting_->X_TB * sample.point - reference();
     sample.normal = cutting_->X_TB.q * sample.normal;
-    bur_lever_ = std::max(bur_lever_, sample.point.norm());
   }
 }
 

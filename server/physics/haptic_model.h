@@ -77,7 +77,6 @@ class HapticModel {
   bool cuts() const { return cutting_ && !solids().empty(); }
   /// The samples of the bur's surface, relative to the reference point, in the tool's frame.
   std::span<const BurSample> bur_samples() const { return bur_samples_; }
-  double bur_lever() const { return bur_lever_; }  ///< lever arm of the farthest sample [m]
   /// The material that a row touches, and a leaf of the forest at that contact (for a solid: the
   /// first leaf of its object).
   const Material& MaterialOf(const ContactId& id, const FeltSolids& felt) const;
@@ -99,7 +98,6 @@ class HapticModel {
   std::shared_ptr<const SceneObjects> objects_;
   std::optional<Cutting> cutting_;
   std::vector<BurSample> bur_samples_;
-  double bur_lever_ = 0.0;
   Effects effects_;
 };
 

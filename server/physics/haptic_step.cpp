@@ -79,14 +79,14 @@ bool Begin(const Pose& X_WH, StepContext& context) {
 void BeginCutting(StepContext& context, double reach) {
   const std::span cuts =
       context.state.cut.acts ? std::span(context.state.cut.fields) : std::span<CutField>();
-  context.buffers.energies->Begin(context.tools.p_G, context.tools.q_G, cuts, reach);
+  context.buffers.energies->Begin({{context.tools.p_G, context.tools.q_G}, cuts, reach});
 }
 
 /// Returns whether another sub-step fits into the cycle.  Between leaves, and for a bur, it is
 /// assumed to cost as much as the last one.
 bool GoesOn(const StepContext& context) {
   const StepParameters& parameters = context.model.parameters();
-  if (context.cost.cut_looks + context.cost.last_cut_looks > limits::cutting::kMostLooks) {
+  if (context.cost.cut_queries + context.cost.last_cut_queries > limits::cutting::kMostQueries) {
     return false;
   }
   if (parameters.looks - context.cost.looks < parameters.looks / 4) return false;
@@ -106,12 +106,7 @@ void Predict(StepContext& context, First first, std::int64_t looks) {
   if (context.Rubs()) context.friction_before = context.state.friction;
   context.Aim();
   tools.R_WG = tools.q_G.toRotationMatrix();
-  if (buffers.energies) {
-    if (context.state.cut.acts) {
-      sub_step.bounds = buffers.energies->Narrow(sub_step.bounds, tools.p_G, tools.q_G);
-    }
-    BeginCutting(context, std::numeric_limits<double>::infinity());
-  }
+  if (buffers.energies) BeginCutting(context, std::numeric_limits<double>::infinity());
   PredictLeaves(context);
   if (buffers.meshes) {
     StageClock clock(context.times);
@@ -187,9 +182,9 @@ void Move(StepContext& context, const Way& way) {
     context.state.friction.Forget();
   }
   if (buffers.energies && context.state.cut.acts) {
-    context.cost.last_cut_looks = buffers.energies->Cut(context.tools.p_G, context.tools.q_G, way.v,
-                                                        way.phi, context.state.cut.fields);
-    context.cost.cut_looks += context.cost.last_cut_looks;
+    context.cost.last_cut_queries = buffers.energies->Cut(context.tools.p_G, context.tools.q_G,
+                                                          way.v, way.phi, context.state.cut.fields);
+    context.cost.cut_queries += context.cost.last_cut_queries;
   }
   Tools& tools = context.tools;
   if (way.arrived && !is_held) {
@@ -253,7 +248,9 @@ void GiveUp(StepContext& context) {
 void Lag(StepContext& context) {
   Predict(context, First::kTouching, context.model.parameters().looks / limits::mesh::kReserve);
   // Material beyond where the tool may go next does not hold it yet.
-  if (context.buffers.energies) BeginCutting(context, context.sub_step.bounds.translation);
+  if (const auto& energies = context.buffers.energies) {
+    BeginCutting(context, std::min(context.sub_step.bounds.translation, energies->bur_step()));
+  }
   MeshContact& meshes = *context.buffers.meshes;
   const double reach = meshes.meshes.tool.mesh.reach();
   double far = meshes.meshes.margins.touching;
@@ -289,11 +286,12 @@ void Lag(StepContext& context) {
 /// hole does not whirl (cut/README.md).
 void TakeDrag(StepContext& context) {
   const auto& energies = context.buffers.energies;
+  const CutRows* bur = energies ? energies->bur() : nullptr;
   Vec6& drag = context.state.cut.drag;
-  if (!energies || !energies->bur_pushes()) {
+  if (bur == nullptr) {
     drag.setZero();
   } else {
-    drag += limits::cutting::kDragShare * (energies->Drag() - drag);
+    drag += limits::cutting::kDragShare * (bur->Drag() - drag);
   }
 }
 

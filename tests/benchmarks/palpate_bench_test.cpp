@@ -553,6 +553,13 @@ TEST_F(PalpateBench, TruthDrawsABurOutOfABarWithItsHand) {
   EXPECT_LT(cone["kept by N"], 1e-9);
 }
 
+TEST_F(PalpateBench, TruthMillsWithABurThatTiltsAsItsHandDoes) {
+  const nlohmann::json cone = Figures({"truth", "--only", "cut/tilt/cone"})["cases"][0];
+  EXPECT_EQ(cone["wrong"], 0);
+  EXPECT_EQ(cone["late"], 0);
+  EXPECT_LT(cone["gains uJ"], -100.0);  // it has cut
+}
+
 TEST_F(PalpateBench, TruthDrivesTheSameHandForTheSameSeedAlone) {
   const std::vector<std::string> slides{"truth", "--only", "flat/strips/box", "--seeds"};
   const nlohmann::json of_three = Figures(test::Joined(slides, {"1..3"}))["cases"][0];

@@ -174,7 +174,8 @@ void AddTruth(const CommandLine& app) {
       "Plates that are flat, however they are divided into triangles, under nine tools\n"
       "that press, tremble, slide and turn (flat); grooves and holes with such sides,\n"
       "and what fits into them (folds); meshes of smooth bodies (curved); bars, sheets\n"
-      "and islands that burs go through, and out of which they must come (cut).\n"
+      "and islands that burs go through, and out of which they must come, and a block\n"
+      "that they mill while they tilt (cut).\n"
       "Prints for each body and tool how far the force is from the truth, and the seed\n"
       "of the worst hand.");
   command.Footer(

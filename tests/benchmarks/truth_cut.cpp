@@ -1,5 +1,6 @@
 // Burs that are pushed through bodies and drawn out.  The truth: a bur comes out with its hand; it
-// never stands while its hand is away; and a hand that is back where it was has got no work.
+// never stands while its hand is away; and a hand that is back where it was has got no work.  And
+// burs that mill while they tilt, which no hand need wait for.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -54,11 +55,13 @@ class CutJudge {
  public:
   /// @param reference  of the tool, in its frame
   /// @param holds      how far material that it could cut may hold the tool from its hand [m]
-  CutJudge(const Passes& passes, const Vec3& reference, double holds)
+  /// @param late       how many cycles may be late
+  CutJudge(const Passes& passes, const Vec3& reference, double holds, double late = INFINITY)
       : X_WH_(passes.X_WH),
         ends_(passes.ends),
         reference_(reference),
         away_(std::max(0.5e-3, 1.5 * holds)),
+        may_be_late_(late),
         X_WG_(X_WH_.front()) {}
 
   void See(std::size_t i, const StepReport& report) {
@@ -84,7 +87,8 @@ class CutJudge {
 
   void Tell(Tally& tally) const {
     constexpr double kFelt = 0.01, kGain = 1e-6;  // [N], [J]
-    const bool wrong = stood_ > 0 || unsolved_ > 0 || !(kept_ <= kFelt) || !(gained_ <= kGain);
+    const bool wrong = stood_ > 0 || unsolved_ > 0 || !(kept_ <= kFelt) || !(gained_ <= kGain) ||
+                       late_ > may_be_late_;
     tally.Count("hands", 1);
     tally.Count("wrong", wrong);
     tally.Most("kept by N", kept_);
@@ -102,6 +106,7 @@ class CutJudge {
   std::vector<std::size_t> ends_;
   Vec3 reference_;
   double away_;  ///< [m]
+  double may_be_late_;
   Pose X_WG_;
   double work_ = 0.0;  ///< on the hand since the last pass [J]
   double gained_ = -INFINITY, kept_ = 0.0;
@@ -160,26 +165,67 @@ std::vector<Vec3> PlacesOf(std::string_view body, const Vec3& size, double reach
   return places;
 }
 
-TruthHand MakeCut(std::string_view body, std::string_view tool, std::uint64_t seed) {
-  Random random(seed);
-  const Head head = MakeHead(tool, random);
+/// A bur and a solid, which holds it by at most `most` [N].
+Scene MakeScene(const Head& head, const Vec3& size, double& most, Random& random) {
   Scene scene;
   scene.name = "truth";
   Body bur = test::MakeSolidBody("bur", MakeBur(head.profile, 30e-3));
   bur.bur = head.profile;
   scene.tools.push_back(std::move(bur));
-  const Vec3 size = SizeOf(body, random);
   Body solid = test::MakeSolidBody("solid", MakeBox(size));
   if (random.Below(2) == 0) solid.X_WB = {random.InCube(0.05), random.Rotation()};
   solid.grid.emplace().spacing = 50e-6;
-  const double most = random.Uniform(0.2, 1.2);  // [N]
+  most = random.Uniform(0.2, 1.2);
   solid.materials = {{.cutting_pressure = most / head.strongest,
                       .cutting_viscosity = random.Below(2) * 20.0 * most / head.strongest}};
-  const double reach = std::sqrt(head.strongest / M_PI);
-  Passes passes =
-      MakePasses(solid.X_WB, head, PlacesOf(body, size, std::min(reach, 0.8e-3), random), random);
   scene.objects.push_back(std::move(solid));
+  return scene;
+}
+
+TruthHand MakeCut(std::string_view body, std::string_view tool, std::uint64_t seed) {
+  Random random(seed);
+  const Head head = MakeHead(tool, random);
+  const Vec3 size = SizeOf(body, random);
+  double most;
+  Scene scene = MakeScene(head, size, most, random);
+  const double reach = std::sqrt(head.strongest / M_PI);
+  const std::vector<Vec3> places = PlacesOf(body, size, std::min(reach, 0.8e-3), random);
+  Passes passes = MakePasses(scene.objects.front().X_WB, head, places, random);
   CutJudge judge(passes, scene.tools.front().tree.centroid, most / scene.coupling.stiffness);
+  return JudgedBy(std::move(judge), std::move(scene), std::move(passes.X_WH));
+}
+
+/// A hand that mills a block at 2 mm/s while it tilts the bur three times to and fro, about a place
+/// near its tip.  The bur hardly moves, however far the handle goes, so it is never late.
+TruthHand MakeMilling(std::string_view tool, std::uint64_t seed) {
+  constexpr int kCycles = 2000;
+  constexpr double kSpeed = 2e-3, kAbove = 0.5e-3;
+  Random random(seed);
+  const Head head = MakeHead(tool, random);
+  const Vec3 size(8e-3, 6e-3, 6e-3);
+  double most;
+  Scene scene = MakeScene(head, size, most, random);
+  const Pose& X_WB = scene.objects.front().X_WB;
+  const double deep = 0.5 * size.y() - random.Uniform(0.5, 0.8) * head.length;
+  const double high = 0.5 * size.y() + kAbove, pivot = random.Uniform(0.0, 1e-3);
+  const double most_tilt = random.Uniform(0.5, 0.6), heading = random.Uniform(0.0, M_PI);
+  const Vec3 axis(std::cos(heading), 0.0, std::sin(heading));
+  const auto at = [&](double x, double y) {
+    return X_WB * Pose{Vec3(x, y, 0.0), Quat::Identity()};
+  };
+  Passes passes;
+  passes.X_WH.push_back(at(-2e-3, high));
+  passes.Go(at(-2e-3, deep), kSpeed);
+  for (int n = 1; n <= kCycles; ++n) {
+    const double part = double(n) / kCycles;
+    const Quat q = RotationExp(most_tilt * std::sin(3.0 * 2.0 * M_PI * part) * axis);
+    const Vec3 up = pivot * Vec3::UnitY();
+    passes.X_WH.push_back(X_WB *
+                          Pose{Vec3(-2e-3 + kSpeed * kPeriod * n, deep, 0.0) + up - q * up, q});
+  }
+  passes.Go(at(-2e-3 + kSpeed * kPeriod * kCycles, high), kSpeed);
+  passes.ends.push_back(passes.X_WH.size() - 1);
+  CutJudge judge(passes, scene.tools.front().tree.centroid, most / scene.coupling.stiffness, 0.0);
   return JudgedBy(std::move(judge), std::move(scene), std::move(passes.X_WH));
 }
 
@@ -187,6 +233,11 @@ TruthHand MakeCut(std::string_view body, std::string_view tool, std::uint64_t se
 
 std::vector<TruthCase> CutTruths() {
   std::vector<TruthCase> cases;
+  for (const std::string_view tool : {"cylinder", "cone"}) {
+    const std::string name = "cut/tilt/" + std::string(tool);
+    cases.push_back(
+        {name, [=](std::uint64_t seed) { return MakeMilling(tool, SeedOf(name, seed)); }});
+  }
   for (const std::string_view body : {"bar", "sheet", "island"}) {
     for (const std::string_view tool : {"ball", "cylinder", "cone"}) {
       const std::string name = "cut/" + std::string(body) + "/" + std::string(tool);

@@ -14,9 +14,9 @@ struct CutOfRows {
   CutOfRows(const CutRows& rows, const double* x) {
     for (int i = 0; i < rows.count(); ++i) {
       double along = 0.0;
-      for (std::size_t c = 0; c < 6; ++c) along += rows.a(c)[i] * x[c];
-      volume += rows.area()[i] * std::max(0.0, rows.b()[i] - along);
-      work -= rows.forces()[i] * along;
+      for (std::size_t c = 0; c < 6; ++c) along += rows.yielding.rows.a[c][i] * x[c];
+      volume += rows.area()[i] * std::max(0.0, rows.yielding.rows.b[i] - along);
+      work -= rows.yielding.push[i] * along;
     }
   }
 };

@@ -13,7 +13,7 @@ double GapAhead(const CutField& cut, const Vec3& p, const Vec3& n) {
   const double here = cut.Distance(p);
   if (here <= 0.0) return 0.0;
   if (here >= cut.field().band()) return here;
-  const double s = limits::cutting::kLookAhead * cut.field().lattice().spacing;
+  const double s = limits::cutting::kAhead * cut.field().lattice().spacing;
   const FieldSample ahead = cut.Sample(p + s * n);
   const double nears = -ahead.gradient.dot(n), gap = ahead.distance + s * nears;
   if (gap <= 0.0) return 0.0;
@@ -48,8 +48,9 @@ void CutRows::Add(const std::array<double, 6>& a, double b, double threshold, do
   if (count == capacity_) return;
   slides_[static_cast<std::size_t>(count)].friction = 0.0;
   Set(static_cast<std::size_t>(count++), a, b, threshold, viscous, area);
-  // Kernels read eight rows at a time.
-  for (auto i = static_cast<std::size_t>(count); i % 8 != 0; ++i) Set(i, {}, -1e300, 0.0, 0.0, 0.0);
+  // As in QpRows.
+  for (auto i = static_cast<std::size_t>(count); i % 16 != 0; ++i)
+    Set(i, {}, -1e300, 0.0, 0.0, 0.0);
 }
 
 void CutRows::AddSolid(const CutTool& tool, const CutField& cut, const Pose& X_WB,
@@ -84,8 +85,8 @@ Vec6 CutRows::Drag() const noexcept {
   for (int i = 0; i < count(); ++i) {
     const Slide& slide = slides_[static_cast<std::size_t>(i)];
     if (slide.friction == 0.0) continue;
-    drag.head<3>() -= slide.friction * forces()[i] * slide.along;
-    drag.tail<3>() -= slide.friction * forces()[i] * slide.turn;
+    drag.head<3>() -= slide.friction * yielding.push[i] * slide.along;
+    drag.tail<3>() -= slide.friction * yielding.push[i] * slide.turn;
   }
   return drag;
 }

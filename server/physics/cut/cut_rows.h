@@ -32,7 +32,8 @@ struct CutTool {
 /// a_i = -[n_i; (l_i x n_i) / rho] with l_i from the reference to the sample, and b_i = -g_i, the
 /// gap (README.md).  A sample that cannot cut has a p_0 that no hand can overcome.  Passive: a row
 /// pushes only where -a_i . x >= g_i >= 0, so its work on the material is >= 0 for every x.
-class CutRows : public Energy {
+/// `yielding` holds a_i, b_i [m], P_i [m] as the threshold and c_i as the weight.
+class CutRows : public YieldingEnergy {
  public:
   /// @param samples  most rows: the number of the bur's samples, once more for each further solid
   ///                 that it may touch at once.  Set-up.
@@ -46,14 +47,13 @@ class CutRows : public Energy {
   void AddSolid(const CutTool& tool, const CutField& cut, const Pose& X_WB,
                 std::span<const Material> materials, double reach = 1e300) noexcept;
 
+  bool Collect(const ContactRows&, QpRows&) noexcept override { return count() > 0; }
+
+  /// Whether material pushed at the solver's result.
+  bool pushes() const { return count() > 0 && pushing > 0; }
+
   int count() const { return yielding.rows.count; }
-  const double* a(std::size_t unknown) const { return columns_[unknown]; }
-  const double* b() const { return columns_[kB]; }                  ///< [m]
-  const double* threshold() const { return columns_[kThreshold]; }  ///< P_i [m]
-  const double* viscous() const { return columns_[kViscous]; }      ///< c_i
-  const double* area() const { return columns_[kArea]; }            ///< A_i [m^2]
-  /// The force of each row at the solver's result, over k_t [m].
-  const double* forces() const { return columns_[kPush]; }
+  const double* area() const { return columns_[kArea]; }  ///< A_i [m^2]
 
   /// Returns the drag on the tool by the bur's spin at the solver's result, - sum of
   /// mu_c f_i [s_i; (l_i x s_i) / rho], with f_i the force of a row and s_i the direction in which

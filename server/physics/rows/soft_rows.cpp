@@ -5,9 +5,9 @@
 
 namespace palpate {
 
-void SoftRows::Set(const ObjectForest& objects, double coupling_stiffness,
-                   const ContactRows& rows) noexcept {
+bool SoftRows::Collect(const ContactRows& rows, QpRows& rigid) noexcept {
   any_ = false;
+  const ObjectForest& objects = model_.objects();
   yielding = {rows.view(), columns_[kWeight], nullptr, columns_[kPush]};
   double *weight = columns_[kWeight], *rigid_b = columns_[kRigidB];
   const int count = rows.count();
@@ -19,7 +19,7 @@ void SoftRows::Set(const ObjectForest& objects, double coupling_stiffness,
     const Material& material = objects.MaterialOf(id.object);
     if (std::isinf(material.stiffness)) continue;
     const double radius = objects.leaves[static_cast<std::size_t>(id.object)].radius;
-    weight[i] = material.stiffness / coupling_stiffness;
+    weight[i] = material.stiffness / model_.parameters().stiffness;
     rigid_b[i] -= CoreDepth(material, radius);
     any_ = true;
   }
@@ -27,12 +27,8 @@ void SoftRows::Set(const ObjectForest& objects, double coupling_stiffness,
     weight[i] = 0.0;
     rigid_b[i] = -1e300;
   }
-}
-
-QpRows SoftRows::rigid() const {
-  QpRows rigid = yielding.rows;
-  rigid.b = columns_[kRigidB];
-  return rigid;
+  if (any_) rigid.b = rigid_b;
+  return any_;
 }
 
 SoftContacts SoftRows::Contacts() const noexcept {

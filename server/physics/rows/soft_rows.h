@@ -2,9 +2,9 @@
 
 #include "common/math/pose.h"
 #include "server/physics/energy/energy.h"
+#include "server/physics/haptic_model.h"
 #include "server/physics/rows/contact_rows.h"
 #include "server/physics/simd/aligned_columns.h"
-#include "server/physics/tree/sphere_tree_query.h"
 
 namespace palpate {
 
@@ -20,27 +20,26 @@ struct SoftContacts {
 /// The compliance of the rows of one sub-step, column by column beside ContactRows: springs of the
 /// leaves in series with the coupling, a diagonal in the QP's dual.  Since any number of rows may
 /// yield at once, they are treated as an energy, not as single constraints.
-class SoftRows : public Energy {
+class SoftRows : public YieldingEnergy {
  public:
-  /// @param rows  most rows.  Set-up.
-  explicit SoftRows(int rows) : columns_(3, static_cast<std::size_t>(rows) + 16) {}
+  /// @param model  must outlive this.  Set-up.
+  explicit SoftRows(const HapticModel& model)
+      : model_(model), columns_(3, static_cast<std::size_t>(model.parameters().max_rows) + 16) {}
 
-  /// Looks up the rows' leaves.  A row that is not between leaves is rigid.
-  /// Call after ContactRows::Finish.
-  void Set(const ObjectForest& objects, double coupling_stiffness,
-           const ContactRows& rows) noexcept;
+  /// Looks up the rows' leaves.  A row that is not between leaves is rigid.  If any row is soft,
+  /// `rigid` become the rows that no step may violate: rigid ones, and the cores of soft ones.
+  bool Collect(const ContactRows& rows, QpRows& rigid) noexcept override;
   /// Returns whether any row is soft.
   bool any() const { return any_; }
   /// Returns the rows that push at the optimum that the solver found last.
   SoftContacts Contacts() const noexcept;
   /// The weight of a row; 0 if it is rigid.
   double weight(int row) const { return columns_[kWeight][row]; }
-  /// The rows that no step may violate: rigid ones, and the cores of soft ones.
-  QpRows rigid() const;
 
  private:
   enum : std::size_t { kWeight, kRigidB, kPush };
 
+  const HapticModel& model_;
   AlignedColumns columns_;
   bool any_ = false;
 };

@@ -8,9 +8,13 @@
 namespace palpate {
 namespace {
 
-/// Returns the part of the way to an optimum that the bounds allow.
+/// Returns the part of the way to an optimum that the bounds and a bur allow.
 double PartWithin(const StepContext& context, const Optimum& optimum) {
-  return PartWithin(context.sub_step.bounds, optimum.v, optimum.phi);
+  const double part = PartWithin(context.sub_step.bounds, optimum.v, optimum.phi);
+  const auto& energies = context.buffers.energies;
+  if (!energies || !context.state.cut.acts) return part;
+  const Tools& tools = context.tools;
+  return std::min(part, energies->PartWithin(tools.p_G, tools.q_G, optimum.v, optimum.phi));
 }
 
 /// Makes a way a part of the motion to its optimum.

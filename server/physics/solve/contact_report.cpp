@@ -14,12 +14,11 @@ void ReportContacts(const StepContext& context, const Way& way) noexcept {
   const Mat3 R_WG = context.tools.q_G.toRotationMatrix();
   StepReport& report = context.report;
   report.contacts = 0;
-  const bool bur_pushes = context.buffers.energies && context.buffers.energies->bur_pushes();
-  report.soft_contacts = yielding.count + (bur_pushes ? 1 : 0);
+  const CutRows* bur = context.buffers.energies ? context.buffers.energies->bur() : nullptr;
+  report.soft_contacts = yielding.count + (bur != nullptr ? 1 : 0);
   report.bur_force.setZero();
-  if (bur_pushes) {
-    report.bur_force = k_t * context.buffers.energies->force().head<3>();
-    if (soft != nullptr) report.bur_force -= k_t * soft->force.head<3>();
+  if (bur != nullptr) {
+    report.bur_force = k_t * bur->force.head<3>();
     report.bur_W = context.tools.p_G +
                    RotationExp(way.phi) *
                        (R_WG * (context.model.cutting()->X_TB.p - context.model.reference()));

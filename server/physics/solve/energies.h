@@ -1,8 +1,9 @@
 #pragma once
 
-#include <array>
-#include <optional>
+#include <limits>
+#include <memory>
 #include <span>
+#include <vector>
 
 #include "common/math/pose.h"
 #include "scenes/grid/cut_field.h"
@@ -19,21 +20,23 @@ namespace palpate {
 /// Real-time except for the constructor.
 class Energies {
  public:
+  /// Enters every kind that can act in the model.
   explicit Energies(const HapticModel& model);
+  /// Whether none can act.
+  bool empty() const { return all_.empty(); }
 
-  /// Returns the bounds of a sub-step that begins with the tool's reference point at p_G.
-  /// They are narrower where the bur may reach a solid, because its rows are valid only
-  /// within the grid's band.
-  StepBounds Narrow(StepBounds bounds, const Vec3& p_G, const Quat& q_WG) const noexcept;
+  /// How far a bur's points may go in a sub-step near a solid: half of its grid's band, for farther
+  /// gaps are not known; infinite without a bur [m].
+  double bur_step() const { return bur_step_; }
+  /// Returns the greatest part of a step from p_G, at most 1, in which they go no farther.
+  double PartWithin(const Vec3& p_G, const Quat& q_WG, const Vec3& v,
+                    const Vec3& phi) const noexcept;
   /// Begins that sub-step.
-  /// @param cuts   what has been removed from each solid; empty if the bur does not cut
-  /// @param reach  how far ahead the bur finds material [m]
-  void Begin(const Vec3& p_G, const Quat& q_WG, std::span<const CutField> cuts,
-             double reach) noexcept;
+  void Begin(const EnergyStart& start) noexcept;
   /// Call before each solve: collects the energies that act among these rows, and removes the rows
   /// that yield from the rigid ones.
   void Collect(const ContactRows& rows, QpRows& rigid) noexcept;
-  bool acts() const { return acting_ > 0; }
+  bool acts() const { return !acting_.empty(); }
 
   /// Returns the step nearest to t under the rigid rows and the acting energies (EnergySolver).
   QpResult Solve(const Kernels& kernels, const double* t, const QpRows& rigid,
@@ -41,24 +44,26 @@ class Energies {
   /// Whether any energy pushed at the result; and the sum of their forces, on [v; rho phi], over
   /// the coupling's stiffness [m].
   bool pushes() const noexcept;
-  bool bur_pushes() const noexcept { return cut_ && cut_->count() > 0 && cut_->pushing > 0; }
   Vec6 force() const noexcept;
-  /// The drag of the bur's spin at the result (CutRows::Drag).
-  Vec6 Drag() const noexcept { return bur_pushes() ? cut_->Drag() : Vec6(Vec6::Zero()); }
 
   /// Null if no row is soft.
-  const SoftRows* soft() const { return soft_ && soft_->any() ? &*soft_ : nullptr; }
-  /// Removes what the bur passes through in a motion of the tool from p_G.  Returns CutAway::looks.
+  const SoftRows* soft() const { return soft_ != nullptr && soft_->any() ? soft_ : nullptr; }
+  /// Null if no material pushes a bur.
+  const CutRows* bur() const { return bur_ != nullptr && bur_->pushes() ? bur_ : nullptr; }
+  /// Removes what the bur passes through in a motion of the tool from p_G.  Returns
+  /// CutAway::queries.
   int Cut(const Vec3& p_G, const Quat& q_WG, const Vec3& v, const Vec3& phi,
           std::span<CutField> cuts) noexcept;
 
  private:
   const HapticModel* model_;
   EnergySolver solver_;
-  std::optional<SoftRows> soft_;
-  std::optional<CutRows> cut_;
-  std::array<Energy*, 2> energies_{};
-  std::size_t acting_ = 0;
+  std::vector<std::unique_ptr<Energy>> all_;
+  std::vector<Energy*> acting_;
+  double bur_step_ = std::numeric_limits<double>::infinity();
+  // Those of `all_` that the report and the solids know; null if there are none.
+  SoftRows* soft_ = nullptr;
+  CutRows* bur_ = nullptr;
 };
 
 }  // namespace palpate

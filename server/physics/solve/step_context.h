@@ -72,8 +72,8 @@ struct CycleCost {
   std::int64_t packet_pairs = 0;  ///< between leaves
   std::int64_t last = 0;          ///< those of the last walk of the trees
   std::int64_t looks = 0;         ///< between meshes
-  int cut_looks = 0;              ///< of removing material (CutAway::looks)
-  int last_cut_looks = 0;         ///< those of the last sub-step
+  int cut_queries = 0;            ///< of removing material (CutAway::queries)
+  int last_cut_queries = 0;       ///< those of the last sub-step
 };
 
 /// A sub-step, from its first rows to its way.
@@ -105,9 +105,8 @@ struct StepBuffers {
       meshes.emplace(*model.tool_body(), model.bodies(), model.parameters().max_rows,
                      model.parameters().separation, model.parameters().looks);
     }
-    if (model.yields() || model.cuts()) {
-      energies.emplace(model);
-    }
+    energies.emplace(model);
+    if (energies->empty()) energies.reset();
   }
   ContactPrediction prediction;
   ContactRows rows;

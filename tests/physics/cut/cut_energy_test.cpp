@@ -29,12 +29,12 @@ struct CutSolver {
 
 Vec6 RowOf(const CutRows& rows, int i) {
   Vec6 a;
-  for (int r = 0; r < 6; ++r) a[r] = -rows.a(static_cast<std::size_t>(r))[i];
+  for (int r = 0; r < 6; ++r) a[r] = -rows.yielding.rows.a[r][i];
   return a;
 }
 
 double GapOf(const CutRows& rows, int i) {
-  return -rows.b()[i];
+  return -rows.yielding.rows.b[i];
 }
 
 /// The exact law, without the solver's springs below the threshold.
@@ -42,7 +42,7 @@ double EnergyOf(const CutRows& rows, const Vec6& t, const Vec6& x) {
   double sum = 0.5 * (x - t).squaredNorm();
   for (int i = 0; i < rows.count(); ++i) {
     const double delta = std::max(0.0, RowOf(rows, i).dot(x) - GapOf(rows, i));
-    sum += rows.threshold()[i] * delta + 0.5 * rows.viscous()[i] * delta * delta;
+    sum += rows.yielding.threshold[i] * delta + 0.5 * rows.yielding.weight[i] * delta * delta;
   }
   return sum;
 }
@@ -87,8 +87,8 @@ void ExpectOptimal(const Problem& problem, const QpResult& step) {
   Vec6 sum = x - t;
   double size = x.norm() + t.norm();
   for (int i = 0; i < rows.count(); ++i) {
-    const double s = RowOf(rows, i).dot(x) - GapOf(rows, i), force = rows.forces()[i];
-    const double P = rows.threshold()[i], above = rows.viscous()[i] * std::max(0.0, s);
+    const double s = RowOf(rows, i).dot(x) - GapOf(rows, i), force = rows.yielding.push[i];
+    const double P = rows.yielding.threshold[i], above = rows.yielding.weight[i] * std::max(0.0, s);
     EXPECT_GE(force, 0.0);
     EXPECT_LE(force, P + above + 1e-12 * P);
     const double rounding = 1e-15 * (x.norm() + t.norm() + GapOf(rows, i));
@@ -117,7 +117,8 @@ void SolveMany(bool turns, std::uint64_t seed, int problems, int most_rows, int&
     Problem problem = RandomProblem(random, most_rows, turns);
     const QpResult step = solver.Solve(problem.t, problem.rows, zero);
     ExpectOptimal(problem, step);
-    const std::span forces(problem.rows.forces(), static_cast<std::size_t>(problem.rows.count()));
+    const std::span forces(problem.rows.yielding.push,
+                           static_cast<std::size_t>(problem.rows.count()));
     const double rounding = 1e-15 * Vec6::Map(problem.t).norm();  // of x
     EXPECT_GE(test::CutOfRows(problem.rows, step.x).work,
               -rounding * std::accumulate(forces.begin(), forces.end(), 0.0));
@@ -155,7 +156,7 @@ TEST(CutEnergy, FindsWhatSlowAscentOfTheDualFinds) {
       for (int i = 0; i < rows.count(); ++i) {
         const Vec6 a = RowOf(rows, i);
         double& f = force[static_cast<std::size_t>(i)];
-        const double P = rows.threshold()[i], c = rows.viscous()[i];
+        const double P = rows.yielding.threshold[i], c = rows.yielding.weight[i];
         // Without force f the row's overlap is s; f reduces it by f |a|^2, up to the law's force.
         const double square = a.squaredNorm(), s = a.dot(x) - GapOf(rows, i) + f * square;
         double wanted = std::clamp(s / square, 0.0, P);
@@ -188,7 +189,7 @@ TEST(CutEnergy, NoOtherStepCostsLess) {
     // The law's energy at the springs' overlaps f / kRigid; |t| bounds the forces f.
     double spring = 0.0;
     for (int i = 0; i < problem.rows.count(); ++i) {
-      const double P = problem.rows.threshold()[i];
+      const double P = problem.rows.yielding.threshold[i];
       spring += P * std::min(P, t.norm()) / kRigid;
     }
     for (int k = 0; k < 300; ++k) {
@@ -229,7 +230,7 @@ TEST(CutEnergy, BelowTheThresholdNothingMovesAndAboveItIsViscous) {
     const QpResult step = solver.Solve(t, rows, zero);
     EXPECT_NEAR(step.x[2], std::max(0.0, (z - 0.5e-3) / 2.0), 0.5e-3 / kRigid);
     EXPECT_NEAR(step.x[0], 0.2e-3, 1e-17);  // along the surface it is free
-    EXPECT_NEAR(rows.forces()[0], z - step.x[2], 1e-15);
+    EXPECT_NEAR(rows.yielding.push[0], z - step.x[2], 1e-15);
   }
 }
 

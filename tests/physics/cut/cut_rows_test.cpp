@@ -70,14 +70,17 @@ struct Trial {
     return said;
   }
   /// Outward normal of a row's sample.
-  Vec3 Normal(int i) const { return -Vec3(rows.a(0)[i], rows.a(1)[i], rows.a(2)[i]); }
+  Vec3 Normal(int i) const {
+    return -Vec3(rows.yielding.rows.a[0][i], rows.yielding.rows.a[1][i],
+                 rows.yielding.rows.a[2][i]);
+  }
 
   Pose X_WB;
   std::vector<BurSample> samples;
   SolidGrid solid;
   CutField cut;
   CutRows rows;
-  EnergySolver solver{16, 400};
+  EnergySolver solver{16, 1024};
   std::array<Material, SolidGrid::kMaterials> materials;
   Vec3 bur = Vec3(0, 0, kRadius + 20e-6), force = Vec3::Zero();
   double guess[6] = {};
@@ -93,13 +96,14 @@ TEST(CutRows, RowOfASampleIsTheDistanceAheadOfIt) {
     const Vec3 n = trial.Normal(i);
     EXPECT_LT(n.z(), 0.0);  // samples that face up have nothing ahead
     // From the sample along n to the face.
-    EXPECT_NEAR(-trial.rows.b()[i], (trial.bur + kRadius * n).z() / -n.z(), 1e-8);
+    EXPECT_NEAR(-trial.rows.yielding.rows.b[i], (trial.bur + kRadius * n).z() / -n.z(), 1e-8);
     const double area = 4.0 * kPi * kRadius * kRadius / 256;
     EXPECT_NEAR(trial.rows.area()[i], area, 1e-4 * area);
-    EXPECT_NEAR(trial.rows.threshold()[i], trial.rows.area()[i] * 2e6 / kStiffness, 1e-15);
-    EXPECT_NEAR(trial.rows.viscous()[i], trial.rows.area()[i] * 0.5e9 / 1e-3 / kStiffness, 1e-12);
+    EXPECT_NEAR(trial.rows.yielding.threshold[i], trial.rows.area()[i] * 2e6 / kStiffness, 1e-15);
+    EXPECT_NEAR(trial.rows.yielding.weight[i], trial.rows.area()[i] * 0.5e9 / 1e-3 / kStiffness,
+                1e-12);
     // A ball about its own centre has no lever.
-    for (std::size_t r = 3; r < 6; ++r) EXPECT_NEAR(trial.rows.a(r)[i], 0.0, 1e-12);
+    for (std::size_t r = 3; r < 6; ++r) EXPECT_NEAR(trial.rows.yielding.rows.a[r][i], 0.0, 1e-12);
   }
 }
 
@@ -113,7 +117,8 @@ TEST(CutRows, TurnsAboutTheReference) {
   ASSERT_GT(trial.rows.count(), 0);
   for (int i = 0; i < trial.rows.count(); ++i) {
     const Vec3 n = trial.Normal(i);
-    const Vec3 turn(-trial.rows.a(3)[i], -trial.rows.a(4)[i], -trial.rows.a(5)[i]);
+    const Vec3 turn(-trial.rows.yielding.rows.a[3][i], -trial.rows.yielding.rows.a[4][i],
+                    -trial.rows.yielding.rows.a[5][i]);
     EXPECT_LT((turn - (trial.bur + kRadius * n - reference).cross(n) / 0.03).norm(), 1e-9);
   }
 }
@@ -193,7 +198,7 @@ TEST(CutRows, EachSampleHasTheMaterialThatLiesAheadOfIt) {
   for (int i = 0; i < trial.rows.count(); ++i) {
     const double x = trial.Normal(i).x() * (kRadius + 25e-6);
     if (std::abs(x) < 45e-6) continue;
-    const double pressure = trial.rows.threshold()[i] * kStiffness / trial.rows.area()[i];
+    const double pressure = trial.rows.yielding.threshold[i] * kStiffness / trial.rows.area()[i];
     EXPECT_NEAR(pressure, x > 0.0 ? kSoft.cutting_pressure : kHard.cutting_pressure, 1.0);
   }
 }

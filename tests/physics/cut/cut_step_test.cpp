@@ -200,6 +200,18 @@ TEST_F(CutStep, StepsWithoutAskingForMemory) {
   EXPECT_EQ(test::AllocationsOfThisThread(), before);
 }
 
+// The end of the handle goes 0.2 mm in a cycle, the bur 2 um.
+TEST_F(CutStep, FollowsAHandThatTiltsABurAboutItsTipInOneSubStep) {
+  Make({{Vec3::Zero(), kBurRadius}, {Vec3(0, 0, 0.04), kBurRadius}}, kFarAway, kDentine, 256);
+  Start(At(0, 0, kBurRadius + 10e-6));
+  for (double z = kBurRadius; z > -0.1e-3; z -= 2e-6) Step(At(0, 0, z));
+  for (int n = 0; n < 60; ++n) {
+    const StepReport report =
+        Step({Vec3(2e-6 * n, 0, -0.1e-3), RotationExp(5e-3 * n * Vec3::UnitY())});
+    ASSERT_EQ(report.diagnostics.substeps, 1) << n;
+  }
+}
+
 // After a jump the tool needs several cycles, and is near the material before it reaches it.
 TEST_F(CutStep, NothingIsFeltOfMaterialThatTheNextSubStepDoesNotComeTo) {
   TriangleMesh far = MakeBox(Vec3(0.01, 0.01, 0.01));

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -76,12 +77,12 @@ struct Judgement {
       return overlap;
     };
     const CutRows& bur = problem.bur;
-    const double* a[6];
-    for (std::size_t c = 0; c < 6; ++c) a[c] = bur.a(c);
     for (int i = 0; i < bur.count(); ++i) {
-      const long double P = bur.threshold()[i], w = bur.viscous()[i];
-      const long double f = std::clamp<long double>(bur.forces()[i], 0.0L, w > 0.0L ? 1e300L : P);
-      const long double s = std::max(0.0L, add(RowAt(a, i), bur.b()[i], f));
+      const long double P = bur.yielding.threshold[i], w = bur.yielding.weight[i];
+      const long double f =
+          std::clamp<long double>(bur.yielding.push[i], 0.0L, w > 0.0L ? 1e300L : P);
+      const long double s =
+          std::max(0.0L, add(RowAt(bur.yielding.rows.a, i), bur.yielding.rows.b[i], f));
       energy += P * s + 0.5L * w * s * s;
       if (f > P) dual -= 0.5L * (f - P) * (f - P) / w;
     }
@@ -205,8 +206,8 @@ void ExpectMinimum(const BurAndRows& problem, const QpResult& result, const std:
   // Where no rigid row holds the tool, a row below its threshold may be a spring (README.md).
   double forces = size, spring = 0.0;
   for (int i = 0; i < problem.bur.count(); ++i) {
-    const double P = problem.bur.threshold()[i];
-    forces += problem.bur.forces()[i];
+    const double P = problem.bur.yielding.threshold[i];
+    forces += problem.bur.yielding.push[i];
     spring += P * std::min(P, size) / limits::energy::kRigid;
   }
   for (int i = 0; i < result.active; ++i) forces += result.multiplier[i];
@@ -248,6 +249,110 @@ TEST(EnergySolver, EndsAtTheMinimumOfAJamForABurBetweenContradictoryRows) {
 
 TEST(EnergySolver, EndsAtTheMinimumForABurWhoseNeckIsJammed) {
   SolveAll(5, 3000, JammedNeck);
+}
+
+using Mat6 = Eigen::Matrix<double, 6, 6>;
+
+/// 1/2 (x - rest) . A (x - rest) with a full matrix: what inertia or condensed tissue would be.
+struct DenseEnergy final : Energy {
+  Mat6 A;
+  Vec6 rest;
+
+  Vec6 ForceAt(const Vec6& x) const { return A * (rest - x); }
+  int Add(const Evaluation&, const double* x, EnergyAt& at) const noexcept override {
+    const Vec6 away = Vec6::Map(x) - rest, pull = ForceAt(Vec6::Map(x));
+    at.twice -= away.dot(pull);
+    Vec6::Map(at.force) += pull;
+    for (int r = 0, k = 0; r < 6; ++r) {
+      for (int c = 0; c <= r; ++c, ++k) at.hessian[k] += A(r, c);
+    }
+    return 1;
+  }
+};
+
+Vec6 RandomVec6(Random& random) {
+  return Vec6::NullaryExpr([&] { return random.Uniform(-1.0, 1.0); });
+}
+
+DenseEnergy RandomDense(Random& random) {
+  DenseEnergy dense;
+  const Mat6 B = Mat6::NullaryExpr([&] { return random.Uniform(-1.0, 1.0); });
+  dense.A = std::pow(10.0, random.Uniform(-2.0, 3.0)) * B * B.transpose();
+  dense.rest = RandomVec6(random);
+  return dense;
+}
+
+TEST(EnergySolver, FindsTheMinimumOfADenseEnergyAndTheCoupling) {
+  Random random(9);
+  EnergySolver solver(16, 0);
+  constexpr double zero[6] = {};
+  for (int n = 0; n < 300; ++n) {
+    DenseEnergy dense = RandomDense(random);
+    const Vec6 t = RandomVec6(random);
+    Energy* const energy = &dense;
+    const QpResult result = solver.Solve(ActiveKernels(), t.data(), {}, {&energy, 1}, zero, {});
+    const Mat6 stiffness = Mat6::Identity() + dense.A;
+    const Vec6 expected = stiffness.ldlt().solve(t + dense.A * dense.rest);
+    EXPECT_EQ(result.status, QpStatus::kSolved);
+    EXPECT_LT((Vec6::Map(result.x) - expected).norm(), 1e-12) << n;
+    EXPECT_LT((dense.force - (expected - t)).norm(), 1e-9) << n;
+    EXPECT_EQ(dense.pushing, 1);
+  }
+}
+
+/// Rows and a target for which `x` is the minimum beside a dense energy, since there the forces are
+/// in balance: rows of a bur that rest, give way and are free, and rigid rows that hold and are
+/// free.
+struct DenseAndRows : BurAndRows {
+  DenseEnergy dense;
+  Vec6 x;
+
+  DenseAndRows(Random& random, int holding) : dense(RandomDense(random)), x(RandomVec6(random)) {
+    t = x - dense.ForceAt(x);
+    const auto row = [&](double overlap, double force) {
+      const Vec6 a = RandomVec6(random).normalized();
+      t -= force * a;
+      return std::pair(a, a.dot(x) + overlap);
+    };
+    const auto add = [&](double overlap, double force, double P, double viscous) {
+      const auto [a, b] = row(overlap, force);
+      bur.Add({a[0], a[1], a[2], a[3], a[4], a[5]}, b, P, viscous, 1e-9);
+    };
+    for (int i = 0; i < 20; ++i) {
+      const double P = random.Uniform(0.01, 0.1), s = random.Uniform(0.01, 0.5), c = i % 2 * s;
+      add(s, P + c * s, P, c);
+      add(-s, 0.0, P, c);
+      if (i < 3) add(0.0, random.Uniform(0.1, 0.9) * P, P, c);
+      const auto [free, below] = row(-s, 0.0);
+      AddRigid(free, below);
+    }
+    for (int i = 0; i < holding; ++i) {
+      const auto [a, b] = row(0.0, random.Uniform(0.1, 1.0));
+      AddRigid(a, b);
+    }
+  }
+};
+
+TEST(EnergySolver, FindsTheMinimumOfADenseEnergyBesideThresholdsAndRigidRows) {
+  Random random(10);
+  EnergySolver solver(kMostRigid, kMostSamples);
+  constexpr double zero[6] = {};
+  for (int n = 0; n < 400; ++n) {
+    DenseAndRows problem(random, n % 4);
+    Energy* const energies[] = {&problem.bur, &problem.dense};
+    const QpResult result =
+        solver.Solve(ActiveKernels(), problem.t.data(), problem.rigid(), energies, zero, {});
+    const Vec6 found = Vec6::Map(result.x);
+    EXPECT_EQ(result.status, QpStatus::kSolved);
+    EXPECT_LT((found - problem.x).norm(), 1e-7) << n;
+    EXPECT_EQ(result.active, n % 4) << n;
+    EXPECT_LT((problem.dense.force - problem.dense.ForceAt(found)).norm(), 1e-9) << n;
+    Vec6 left = found - problem.t - problem.dense.force - problem.bur.force;
+    for (int k = 0; k < result.active; ++k) {
+      left -= result.multiplier[k] * RowAt(problem.rigid().a, result.row[k]);
+    }
+    EXPECT_LT(left.norm(), 1e-6) << n;
+  }
 }
 
 TEST(EnergySolver, GivesTheSameBitsWithEveryInstructionSet) {

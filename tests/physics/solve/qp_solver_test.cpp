@@ -209,7 +209,8 @@ struct CompliantProblem {
     const auto rows = static_cast<std::size_t>(std::max(16, (m + 15) & ~15));
     const AlignedColumns columns(3, rows);
     QpRows rigid = problem.Rows();
-    Energy soft{{rigid, columns[0], nullptr, columns[1]}};
+    YieldingEnergy soft;
+    soft.yielding = {rigid, columns[0], nullptr, columns[1]};
     rigid.b = columns[2];
     for (int i = 0; i < static_cast<int>(rows); ++i) {
       columns[0][i] = i < m ? weight[i] : 0.0;
