@@ -60,6 +60,7 @@ void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront&
   // Splits the front as far as needed to find the pairs that touched last.
   near.Cover(contact.meshes.margins.touching, 0.0, contact.looks);
   Certify(contact, Vec3::Zero(), Vec3::Zero(), Until::kEnough);
+  if (first == First::kContacts && !contact.meshes.IsBall()) OpenTouching(contact);
   if (active.empty() && first == First::kActive) return;
   const auto was_active = [&](const NodesOfPair& nodes) {
     const ContactId id = IdOf(nodes);
@@ -74,7 +75,7 @@ void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront&
   for (NearPairs::Index k = 0; k < near.size() && contact.HasRoomForTouch(); ++k) {
     if (near[k].split || !near[k].nodes.AreTriangles()) continue;
     if (was_active(near[k].nodes) || touches(k)) {
-      AddRowsThatTouch(contact, k, rows);
+      (first == First::kContacts ? AddRowsThatRub : AddRowsThatTouch)(contact, k, rows);
     }
   }
 }

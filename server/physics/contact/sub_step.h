@@ -93,6 +93,10 @@ enum class Until {
 /// them; those within their cones have chosen the planes of their rows.
 int Certify(MeshContact& contact, const Vec3& v, const Vec3& phi, Until until) noexcept;
 
+/// At the beginning of a sub-step, splits the patches between which corners of the tool may touch,
+/// although one plane proves them apart, so that the triangles there are near pairs.
+void OpenTouching(MeshContact& contact) noexcept;
+
 /// Which touches have rows from the beginning of a sub-step on.
 enum class First {
   kActive,    ///< those that held the tool last
@@ -156,6 +160,9 @@ TouchRowsAtTrial RowsAt(const MeshContact& contact, const Touch& touch);
 void AddRowsOfOpen(MeshContact& contact, ContactRows& rows);
 /// Adds the rows of those corners of a near pair's touch that touch.
 void AddRowsThatTouch(MeshContact& contact, NearPairs::Index k, ContactRows& rows);
+/// AddRowsThatTouch where something rubs: a tool that lies on a flat face touches it with its
+/// corners, and each of them once.
+void AddRowsThatRub(MeshContact& contact, NearPairs::Index k, ContactRows& rows);
 /// Adds or changes a row, with what it asks for at the trial.
 void SetRow(MeshContact& contact, Touch& touch, const TouchRow& row, ContactRows& rows);
 /// Recomputes all rows, exact at the beginning of the sub-step: each allows the zero step.
