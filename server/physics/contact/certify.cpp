@@ -195,55 +195,7 @@ bool EndSearch(MeshContact& contact, int lane, Until until) {
   return contact.near.Split(k, contact.looks);
 }
 
-/// Returns whether a corner of the tool may touch, between two nodes that are not both triangles.
-/// Each corner counts for one of the triangles that meet there.
-bool CornersMayTouch(MeshContact& contact, Index k) {
-  const ToolAndBodies& meshes = contact.meshes;
-  const NodesOfPair& nodes = contact.near[k].nodes;
-  const Vec3 n = contact.near.Normal(k);
-  const double touching = meshes.margins.touching;
-  const auto are_apart = [&](const PatchPair& patches, SeparatingPlane& plane) {
-    const bool found =
-        FindPlane(patches, MotionIn(contact, nodes), meshes.FrameOf(nodes).R.transpose() * n,
-                  touching, *meshes.kernels, plane);
-    contact.looks.tested += plane.tries;
-    return found;
-  };
-  PatchPair patches = meshes.PatchesOf(nodes);
-  SeparatingPlane plane;
-  if (!HullTree::IsLeaf(nodes.tool)) {
-    if (!are_apart(patches, plane)) return true;
-    const Vec3 along = meshes.FrameOf(nodes).R * plane.n;
-    contact.near.SetPlanes(k, along, plane.before, along, plane.after);
-    return false;
-  }
-  const std::uint32_t t = HullTree::TriangleOf(nodes.tool);
-  const ContactMesh& mesh = meshes.tool.mesh;
-  for (int c = 0; c < 3; ++c) {
-    const auto vertex = mesh.triangles()[t].vertex[static_cast<std::size_t>(c)];
-    if (mesh.FacesAtVertex(vertex).front() != t) continue;
-    const Mat3 corner = mesh.Corner(t, c).rowwise().replicate<3>();
-    patches.tool = {.leaf = &corner};
-    if (!are_apart(patches, plane)) return true;
-  }
-  return false;
-}
-
 }  // namespace
-
-void OpenTouching(MeshContact& contact) noexcept {
-  NearPairs& near = contact.near;
-  const double touching = contact.meshes.margins.touching;
-  ++contact.scratch.certified;
-  for (Index k = 0; k < near.size() && contact.looks.Spent() < contact.looks.most / kReserve; ++k) {
-    const NodesOfPair nodes = near[k].nodes;
-    if (near[k].split || nodes.AreTriangles() || nodes.shape->tree.IsOfBlocks()) continue;
-    const auto far = [=](double before, double) { return before > touching; };
-    if (HoldsAlong(contact, k, near.Normal(k), far) || !CornersMayTouch(contact, k)) continue;
-    ++contact.looks.tested;
-    near.Split(k, contact.looks);
-  }
-}
 
 int Certify(MeshContact& contact, const Vec3& v, const Vec3& phi, Until until) noexcept {
   contact.motion = Motion(contact.motion.from, v, phi);

@@ -43,6 +43,13 @@ struct CertifyScratch {
   std::int64_t opened_at = 0;   ///< looks when the last open pair was found
 };
 
+/// Scratch memory of AddRowsOfCorners.
+struct CornerScratch {
+  std::vector<std::uint32_t> seen;  ///< for each vertex of the tool, the last walk that met it
+  std::uint32_t walk = 0;
+  std::vector<std::uint32_t> met;  ///< vertices that it met, in this order
+};
+
 /// The data of one sub-step between a tool and bodies, which the functions below read and write.
 /// All memory is allocated on construction.
 struct MeshContact {
@@ -61,6 +68,7 @@ struct MeshContact {
   std::vector<ReleasedRow> released;  ///< by the last Release
   Looks looks;
   CertifyScratch scratch;
+  CornerScratch corners;
   /// Near pairs of triangles without a plane at the trial, in the order in which they were found.
   std::vector<NearPairs::Index> open;
 
@@ -92,10 +100,6 @@ enum class Until {
 /// looks are spent, were not examined.  With kEnough, `contact.open` lists the triangles among
 /// them; those within their cones have chosen the planes of their rows.
 int Certify(MeshContact& contact, const Vec3& v, const Vec3& phi, Until until) noexcept;
-
-/// At the beginning of a sub-step, splits the patches between which corners of the tool may touch,
-/// although one plane proves them apart, so that the triangles there are near pairs.
-void OpenTouching(MeshContact& contact) noexcept;
 
 /// Which touches have rows from the beginning of a sub-step on.
 enum class First {
@@ -160,9 +164,6 @@ TouchRowsAtTrial RowsAt(const MeshContact& contact, const Touch& touch);
 void AddRowsOfOpen(MeshContact& contact, ContactRows& rows);
 /// Adds the rows of those corners of a near pair's touch that touch.
 void AddRowsThatTouch(MeshContact& contact, NearPairs::Index k, ContactRows& rows);
-/// AddRowsThatTouch where something rubs: a tool that lies on a flat face touches it with its
-/// corners, and each of them once.
-void AddRowsThatRub(MeshContact& contact, NearPairs::Index k, ContactRows& rows);
 /// Adds or changes a row, with what it asks for at the trial.
 void SetRow(MeshContact& contact, Touch& touch, const TouchRow& row, ContactRows& rows);
 /// Recomputes all rows, exact at the beginning of the sub-step: each allows the zero step.
@@ -186,6 +187,17 @@ bool GiveUpRegain(MeshContact& contact, ContactRows& rows);
 /// Returns at most how much of 1/2 |x - t|^2 at an optimum is the price of regaining separation:
 /// its derivative by what a row asks for is the row's multiplier [m^2].
 double PriceOfRegain(const MeshContact& contact, const QpResult& qp);
+
+// --- rub_rows.cpp: contacts on flat faces, where something rubs (README.md). ---
+
+/// AddRowsThatTouch for a tool that lies on a flat face: it touches with its corners, each of them
+/// once.
+void AddRowsThatRub(MeshContact& contact, Touch& touch, ContactRows& rows);
+/// AddRowsThatRub for those `active` pairs that are hidden in patches: no near pairs.
+void AddRowsOfHidden(MeshContact& contact, std::span<const ContactId> active, ContactRows& rows);
+/// Adds the rows of all corners of the tool that touch a flat face beside those pairs that have
+/// one, in whatever patch they are.
+void AddRowsOfCorners(MeshContact& contact, ContactRows& rows);
 
 // --- reconcile.cpp ---
 //

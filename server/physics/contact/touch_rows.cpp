@@ -55,41 +55,6 @@ bool IsFaceOf(const Vec3* corner, const Vec3& n) {
   return normal.cross(n).norm() <= kTurned * normal.norm();
 }
 
-/// Returns whether a triangle's edge or corner lies within a flat face: all faces at it lie in the
-/// triangle's plane, and none ends there.
-bool IsWithinFace(const ContactMesh& mesh, HullTree::Node node, Feature of) {
-  const ContactMesh::Triangle& t = mesh.triangles()[HullTree::TriangleOf(node)];
-  const auto is_inner = [&](std::uint32_t edge) {
-    const auto faces = mesh.FacesAtEdge(edge);
-    return faces.size() > 1 && std::ranges::all_of(faces, [&](std::uint32_t face) {
-             return (mesh.triangles()[face].normal - t.normal).norm() <= kSame;
-           });
-  };
-  if (of.kind == Feature::kEdge) return is_inner(t.edge[of.index]);
-  const std::uint32_t vertex = t.vertex[of.index];
-  return std::ranges::all_of(mesh.FacesAtVertex(vertex), [&](std::uint32_t face) {
-    const ContactMesh::Triangle& at = mesh.triangles()[face];
-    for (std::size_t c = 0; c < 3; ++c) {
-      const bool meets = at.vertex[c] == vertex || at.vertex[(c + 1) % 3] == vertex;
-      if (meets && !is_inner(at.edge[c])) return false;
-    }
-    return true;
-  });
-}
-
-/// Returns whether another pair with the same body has a row at the same place.
-bool IsDouble(const MeshContact& contact, const Touch& touch, const TouchRow& of,
-              const ContactRows& rows) {
-  for (int row = 0; row < rows.count(); ++row) {
-    if (!rows.IsLoose(row) && rows.id(row).body == IdOf(touch.nodes).body &&
-        (rows.lever(row) - of.lever).norm() <= kRounding &&
-        (rows.normal(row) - of.n).norm() <= kSame) {
-      return true;
-    }
-  }
-  return false;
-}
-
 /// Returns the gap of a touch along its plane at the beginning of the sub-step [m].
 double GapBefore(const MeshContact& contact, const Touch& touch) {
   return GapAt(contact.meshes, touch.nodes, touch, touch.plane, contact.motion.from);
@@ -223,36 +188,9 @@ void AddRowsThatTouch(MeshContact& contact, NearPairs::Index k, ContactRows& row
           [&](const TouchRow& row) { return row.is_over && row.before <= touching; });
 }
 
-void AddRowsThatRub(MeshContact& contact, NearPairs::Index k, ContactRows& rows) {
-  Touch& touch = contact.TouchOf(k);
-  if (touch.distance <= 0.0 || touch.plane.of != ContactPlane::Of::kNone) return;
-  const ToolAndBodies& meshes = contact.meshes;
-  const ContactMesh& of_object = touch.nodes.shape->mesh;
-  const auto add = [&](const ContactPlane& plane) {
-    touch.plane = plane;
-    const double touching = kWitnessRatio * GapBefore(contact, touch) + meshes.margins.witness;
-    return SetRows(contact, touch, rows, [&](const TouchRow& row) {
-      return row.is_over && row.before <= touching && !IsDouble(contact, touch, row, rows);
-    });
-  };
-  const Vec3 n = meshes.FrameOf(touch.nodes).R *
-                 of_object.triangles()[HullTree::TriangleOf(touch.nodes.object)].normal;
-  const double sign = n.dot(touch.u) < 0.0 ? -1.0 : 1.0;
-  if (touch.in_cone && !meshes.IsBall() && (sign * n - touch.u).norm() <= kSame) {
-    const ContactPlane face{ContactPlane::Of::kObject, sign * n};
-    if (add(face)) return;
-    const Feature of = touch.nearest.of_q;
-    if (of.kind == Feature::kFace || IsWithinFace(of_object, touch.nodes.object, of)) return;
-  }
-  add(ChoosePlane(meshes, touch, contact.motion));
-}
-
 void RelineariseAtStart(MeshContact& contact, ContactRows& rows) {
   contact.motion = Motion(contact.motion.from);
-  for (NearPairs::Index k = 0; k < contact.near.size(); ++k) {
-    const NearPairs::Pair& pair = contact.near[k];
-    if (pair.split || pair.touch < 0) continue;
-    Touch& touch = contact.TouchOf(k);
+  for (Touch& touch : contact.touches) {
     if (touch.plane.of == ContactPlane::Of::kNone) continue;
     SetRows(contact, touch, rows, [&](const TouchRow& of) { return touch.row[of.slot % 3] >= 0; });
     for (const int row : touch.row) {

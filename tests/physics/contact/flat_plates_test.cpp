@@ -160,12 +160,15 @@ TEST(FlatPlate, HoldsEachCornerOfABoxThatRubsByOneRow) {
     for (int i = 0; i < 5; ++i) {
       SeparationFront front;
       ContactRows rows(kRows, 0.03);
+      const Quat q = RotationExp(random.Uniform(-3.0, 3.0) * Vec3::UnitY());
       const ToolPose at(
-          Vec3(random.Uniform(-0.01, 0.01), 0.5 * size.y() + 1e-6, random.Uniform(-0.01, 0.01)),
-          RotationExp(random.Uniform(-3.0, 3.0) * Vec3::UnitY()));
-      for (int cycle = 0; cycle < 10; ++cycle) {  // in which it has the looks to find them all
+          Vec3(random.Uniform(-0.01, 0.01), 0.5 * size.y() + 1e-6, random.Uniform(-0.01, 0.01)), q);
+      // First it stands on one corner: only there are the patches split.
+      const Quat tips = RotationExp(q * Vec3(1e-4, 0.0, 1e-4)) * q;
+      const double higher = 0.5e-4 * (size.x() + size.z()) - 0.6e-6;
+      for (const ToolPose& from : {ToolPose(at.p + higher * Vec3::UnitY(), tips), at}) {
         rows.Clear();
-        BeginSubStep(contact, ActiveKernels(), front, at, {}, First::kContacts,
+        BeginSubStep(contact, ActiveKernels(), front, from, {}, First::kContacts,
                      limits::mesh::kMaxLooks, rows);
         EndSubStep(contact, true);
       }
