@@ -144,7 +144,8 @@ void AddRowsOfHidden(MeshContact& contact, std::span<const ContactId> active, Co
   for (const ContactId& id : active) {
     const auto is_same = [&](const Touch& touch) { return IdOf(touch.nodes).IsBeside(id); };
     if (id.IsOfLeaves() || static_cast<std::size_t>(id.body) >= meshes.bodies.size() ||
-        !contact.HasRoomForTouch() || std::ranges::any_of(contact.touches, is_same)) {
+        meshes.IsBall() || !contact.HasRoomForTouch() ||
+        std::ranges::any_of(contact.touches, is_same)) {
       continue;
     }
     Touch& touch = contact.touches.emplace_back(

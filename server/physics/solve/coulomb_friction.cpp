@@ -494,7 +494,6 @@ bool Solve(StepContext& context, Optimum& optimum, const Vec6& t) {
   }
   if (!solved) {
     ++report.diagnostics.friction_unsolved;
-    report.faults |= kFaultFriction;
     contacts.TakeLastFriction();
     if (!solve_shifted()) return false;
   }
