@@ -102,7 +102,10 @@ void Predict(StepContext& context, First first, std::int64_t looks) {
   StepBuffers& buffers = context.buffers;
   Tools& tools = context.tools;
   SubStep& sub_step = context.sub_step;
-  sub_step = {.bounds = sub_step.bounds};
+  const StepDiagnostics& before = context.report.diagnostics;
+  sub_step = {.bounds = sub_step.bounds,
+              .unsolved = before.friction_unsolved,
+              .yielded = before.friction_yielded};
   if (context.Rubs()) context.friction_before = context.state.friction;
   context.Aim();
   tools.R_WG = tools.q_G.toRotationMatrix();
@@ -142,6 +145,9 @@ Optimum SolveWithoutFriction(StepContext& context) {
 void Rub(StepContext& context, Optimum& optimum) {
   FrictionState& friction = context.state.friction;
   if (!context.Rubs()) return;
+  // What a trial that is not taken rubs with counts for nothing.
+  context.report.diagnostics.friction_unsolved = context.sub_step.unsolved;
+  context.report.diagnostics.friction_yielded = context.sub_step.yielded;
   // A look ahead adds rows and keeps the contacts, so the forces of the last look are nearest.
   if (context.sub_step.looks_ahead > 0) {
     friction.still = context.friction_before.still;
@@ -252,6 +258,7 @@ void Lag(StepContext& context) {
     BeginCutting(context, std::min(context.sub_step.bounds.translation, energies->bur_step()));
   }
   MeshContact& meshes = *context.buffers.meshes;
+  if (context.Rubs()) AddRowsOfHidden(meshes, context.state.Active(), context.buffers.rows);
   const double reach = meshes.meshes.tool.mesh.reach();
   double far = meshes.meshes.margins.touching;
   Way stays;
@@ -327,6 +334,7 @@ void End(const Pose& X_WH, StepContext& context) {
   StepState& state = context.state;
   StepReport& report = context.report;
   if (!context.outcome.arrived && !context.IsUnsolved()) report.faults |= kFaultTargetFar;
+  if (report.diagnostics.friction_unsolved > 0) report.faults |= kFaultFriction;
   const bool lags = context.buffers.meshes && !context.outcome.arrived;
   if (!lags) state.behind = {0.0, 0.0};
   if (context.outcome.arrived && !context.outcome.held) {
@@ -366,8 +374,10 @@ void End(const Pose& X_WH, StepContext& context) {
   const bool meshes = context.buffers.meshes.has_value();
   for (; GoesOn(context); ++report.diagnostics.substeps) {
     // What held a tool that has reached its optimum, and not arrived, was no contact of that place.
-    const bool by_contacts = context.Rubs() || context.outcome.reached;
-    Predict(context, by_contacts ? First::kContacts : First::kActive,
+    Predict(context,
+            context.Rubs()            ? First::kRubbing
+            : context.outcome.reached ? First::kContacts
+                                      : First::kActive,
             model.parameters().looks - context.cost.looks);
     StageClock clock(times);
     for (bool is_clear = false; !is_clear && !context.IsUnsolved();) {

@@ -244,6 +244,9 @@ struct Margins {
     return distance > 0.5 * free ? std::min(free, distance) - kRounding : distance;
   }
 };
+/// Where something rubs: flat faces of bodies on which corners of the tool are looked for, and the
+/// corners on one after which the search goes no farther.  Taken.
+inline constexpr std::size_t kFlatFaces = 8, kCornersOfFace = 256;
 /// Iterates of a sub-step (StepTuning); three are usual.  And directions in which a plane between
 /// two patches is searched; four are usual.  Taken.
 inline constexpr int kIterates = 16, kDirections = 16;

@@ -48,7 +48,8 @@ void AddCycle(const CommandLine& app) {
       "the force.  Unsupported force and torque are the part of the spring's pull that\n"
       "no contact bears where the tool has arrived, by a judge that shares no code with\n"
       "the step; right is 0.  Each judged place is nudged by 3 um and 0.3 mrad, and\n"
-      "freed if that costs over 1 % of the spring's energy within 60 steps.");
+      "freed if that costs over 1 % of the spring's energy within 60 steps; of these,\n"
+      "static friction alone held those that dynamic friction would not.");
   command.Footer("Example: palpate-bench cycle --scene bunny-bunny --steps 20000 --repeats 5");
   Add(command, "--scene", options->scene, "name in the catalogue, or scene file");
   Add(command, "--poses", options->poses,

@@ -70,6 +70,7 @@ class ContactReport {
     json_["nudged"] = {{"places", s.nudged},
                        {"freed", s.freed},
                        {"freed_unnudged", s.freed_unnudged},
+                       {"freed_of_stiction", s.freed_of_stiction},
                        {"first_freed_step", s.first_freed}};
     Line("friction's cycles",
          fmt::format("{} unsolved, {} yielded", s.friction_unsolved, s.friction_yielded));
@@ -86,8 +87,10 @@ class ContactReport {
     Line("judged", fmt::format("{} arrived cycles, every {}. step tried (worst: step {}); {} more "
                                "touch soft bodies or leaves",
                                s.force.size(), every, s.worst_step, s.soft));
-    Line("nudged", fmt::format("{} of {} places freed (first: step {}), {} of these also if held",
-                               s.freed, s.nudged, s.first_freed, s.freed_unnudged));
+    Line("nudged",
+         fmt::format("{} of {} places freed (first: step {}), {} of these also if held, "
+                     "{} held by static friction alone",
+                     s.freed, s.nudged, s.first_freed, s.freed_unnudged, s.freed_of_stiction));
   }
   void AddSettling(const test::ContactFigures::Settling& s) {
     const auto share = [&](std::size_t n) {

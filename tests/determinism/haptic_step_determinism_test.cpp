@@ -123,7 +123,7 @@ std::uint64_t GoldenRunOfMeshes(const std::array<Scene, 2>& scenes) {
 // change of the physics may change it.
 constexpr std::uint64_t kGoldenHash = 9439665412190326790u;
 constexpr std::uint64_t kGoldenChapterHash = 12772718893363948445u;
-constexpr std::uint64_t kGoldenCoulombHash = 91521927099615591u;
+constexpr std::uint64_t kGoldenCoulombHash = 1858560352993189020u;
 constexpr std::uint64_t kGoldenHashOfMaterials = 17987184013547523283u;
 constexpr std::uint64_t kGoldenHashOfMeshes = 10958298184997216159u;
 

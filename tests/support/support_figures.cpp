@@ -61,7 +61,11 @@ void SupportMeasure::Judge(std::size_t step, const Pose& X_WH, const StepReport&
   ++figures_.nudged;
   if (energy - EnergyAfter(X_WH, nudged, state) <= least) return;
   if (figures_.freed++ == 0) figures_.first_freed = step;
-  figures_.freed_unnudged += energy - EnergyAfter(X_WH, X_WH, state) > least;
+  const bool holds = energy - EnergyAfter(X_WH, X_WH, state) <= least;
+  StepState slips = state;
+  slips.friction.still = 0;
+  figures_.freed_unnudged += !holds;
+  figures_.freed_of_stiction += holds && energy - EnergyAfter(X_WH, X_WH, slips) > least;
 }
 
 Wrench SupportMeasure::PullAt(const Pose& X_WG, const Pose& X_WH, const Wrench& published) const {

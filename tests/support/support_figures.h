@@ -21,10 +21,13 @@ struct SupportFigures {
   /// Places at which the hand, held still, was moved by kNudge and kNudgeTurn and back, in a
   /// direction that depends on the step's number.  A tool is freed if within kHeldAfter cycles more
   /// than kFreed of the spring's energy is lost, and more than its pull does over
-  /// ContactJudge::kNear, by which contacts may differ.  With friction it may also slip.
+  /// ContactJudge::kNear, by which contacts may differ.
   std::size_t nudged = 0, freed = 0;
   std::size_t freed_unnudged = 0;  ///< of `freed`: those that lose as much if only held
-  std::size_t first_freed = 0;     ///< step of the first
+  /// Of `freed`: those that lose as much without a nudge if friction is dynamic.  So static
+  /// friction alone held them, a true barrier, which any slip breaks.
+  std::size_t freed_of_stiction = 0;
+  std::size_t first_freed = 0;                               ///< step of the first
   static constexpr double kNudge = 3e-6, kNudgeTurn = 3e-4;  ///< [m], [rad]
   static constexpr int kHeldAfter = 60;
   static constexpr double kFreed = 0.01;

@@ -86,6 +86,33 @@ TEST(SupportFigures, TakeAnArrivedToolThatNothingHoldsAtItsPull) {
   EXPECT_EQ(measure.figures().force.size(), 1u) << "not arrived";
 }
 
+// A block is drawn sideways by a little less than static friction holds.  A nudge that makes it
+// slip costs what static friction held beyond dynamic friction.
+TEST(SupportFigures, TellStictionThatANudgeBreaksFromWhatNothingHolds) {
+  Scene scene = MeshScene(MakeBox(Vec3::Constant(0.01)), MakeBox(Vec3::Constant(0.05)));
+  scene.features.friction = FrictionModel::kCoulomb;
+  scene.objects.front().materials.front().static_friction = 0.5;
+  scene.objects.front().materials.front().dynamic_friction = 0.3;
+  const HapticModel model = MakeModel(scene, scene.tools.front(), MakeObjects(scene));
+  StepWorkspace workspace(model);
+  SupportMeasure measure(scene, model, workspace);
+  StepState state(model);
+  state.X_WG.p = {0.0, 0.03 + 2e-6, 0.0};
+  Pose X_WH = state.X_WG;
+  StepReport report{};
+  for (int i = 0; i < 300; ++i) {
+    X_WH.p.y() = 0.03 - 1e-3 * std::min(1.0, 0.01 * i);
+    X_WH.p.x() = 0.4985e-3 * std::clamp(0.01 * (i - 150), 0.0, 1.0);
+    report = HapticStep(model, X_WH, state, workspace);
+  }
+  for (std::size_t step = 0; step < 20; ++step) measure.Judge(step, X_WH, report, state);
+  const SupportFigures& s = measure.figures();
+  EXPECT_EQ(s.nudged, 20u);
+  EXPECT_GT(s.freed, 3u);
+  EXPECT_EQ(s.freed_of_stiction, s.freed);
+  EXPECT_EQ(s.freed_unnudged, 0u);
+}
+
 TEST(SupportFigures, CountCyclesWhoseFrictionFailed) {
   const Scene scene = MeshScene(MakeBox(Vec3::Constant(0.01)), MakeBox(Vec3::Constant(0.05)));
   const HapticModel model = MakeModel(scene, scene.tools.front(), MakeObjects(scene));

@@ -28,6 +28,8 @@ MeshContact::MeshContact(const ToolBody& tool, std::span<const ContactBody> bodi
       motion({Vec3::Zero(), Quat::Identity()}),
       near(most_looks) {
   const auto rows = static_cast<std::size_t>(max_rows);
+  corners.seen.resize(tool.mesh.vertices().size());
+  corners.met.reserve(corners.seen.size());
   scratch.in_body.resize(bodies.size());
   touches.reserve(static_cast<std::size_t>(most_looks));
   ReserveEach(rows, of_rows.touch, released);
@@ -66,6 +68,7 @@ void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront&
     const ContactId id = IdOf(nodes);
     return std::ranges::any_of(active, [&](const ContactId& row) { return row.IsBeside(id); });
   };
+  const bool rubs = first == First::kRubbing;
   const auto touches = [&](NearPairs::Index k) {
     if (first == First::kActive) return false;
     const Touch& touch = contact.TouchOf(k);
@@ -74,10 +77,16 @@ void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront&
   };
   for (NearPairs::Index k = 0; k < near.size() && contact.HasRoomForTouch(); ++k) {
     if (near[k].split || !near[k].nodes.AreTriangles()) continue;
-    if (was_active(near[k].nodes) || touches(k)) {
+    if (!was_active(near[k].nodes) && !touches(k)) continue;
+    if (rubs) {
+      AddRowsThatRub(contact, contact.TouchOf(k), rows);
+    } else {
       AddRowsThatTouch(contact, k, rows);
     }
   }
+  if (!rubs || contact.meshes.IsBall()) return;
+  AddRowsOfHidden(contact, active, rows);
+  AddRowsOfCorners(contact, rows);
 }
 
 bool CheckTrial(MeshContact& contact, const Vec3& v, const Vec3& phi, ContactRows& rows) noexcept {

@@ -42,6 +42,13 @@ struct CertifyScratch {
   std::int64_t opened_at = 0;   ///< looks when the last open pair was found
 };
 
+/// Scratch memory of AddRowsOfCorners.
+struct CornerScratch {
+  std::vector<std::uint32_t> seen;  ///< for each vertex of the tool, the last walk that met it
+  std::uint32_t walk = 0;
+  std::vector<std::uint32_t> met;  ///< vertices that it met, in this order
+};
+
 /// The data of one sub-step between a tool and bodies, which the functions below read and write.
 /// All memory is allocated on construction.
 struct MeshContact {
@@ -60,6 +67,7 @@ struct MeshContact {
   std::vector<ReleasedRow> released;  ///< by the last Release
   Looks looks;
   CertifyScratch scratch;
+  CornerScratch corners;
   /// Near pairs of triangles without a plane at the trial, in the order in which they were found.
   std::vector<NearPairs::Index> open;
 
@@ -95,8 +103,9 @@ int Certify(MeshContact& contact, const Vec3& v, const Vec3& phi, Until until) n
 /// Which touches have rows from the beginning of a sub-step on.
 enum class First {
   kActive,    ///< those that held the tool last
-  kContacts,  ///< and all contacts.  A tool that rubs on several would tip over those that held it
-              ///< last, and rub on rows made for that pose.
+  kContacts,  ///< and all contacts
+  kRubbing,   ///< and all corners on flat faces, each once (rub_rows.cpp).  A tool that rubs would
+              ///< tip over those that held it last, and rub on rows made for that pose.
   kTouching,  ///< and all that touch.  A tool that lags feels what it has just come to.
 };
 
@@ -183,6 +192,17 @@ bool GiveUpRegain(MeshContact& contact, ContactRows& rows);
 /// Returns at most how much of 1/2 |x - t|^2 at an optimum is the price of regaining separation:
 /// its derivative by what a row asks for is the row's multiplier [m^2].
 double PriceOfRegain(const MeshContact& contact, const QpResult& qp);
+
+// --- rub_rows.cpp: contacts on flat faces, where something rubs (README.md). ---
+
+/// AddRowsThatTouch for a tool that lies on a flat face: it touches with its corners, each of them
+/// once.
+void AddRowsThatRub(MeshContact& contact, Touch& touch, ContactRows& rows);
+/// AddRowsThatRub for those `active` pairs that are hidden in patches: no near pairs.
+void AddRowsOfHidden(MeshContact& contact, std::span<const ContactId> active, ContactRows& rows);
+/// Adds the rows of all corners of the tool that touch a flat face beside those pairs that have
+/// one, in whatever patch they are.
+void AddRowsOfCorners(MeshContact& contact, ContactRows& rows);
 
 // --- reconcile.cpp ---
 //

@@ -188,10 +188,7 @@ void AddRowsThatTouch(MeshContact& contact, NearPairs::Index k, ContactRows& row
 
 void RelineariseAtStart(MeshContact& contact, ContactRows& rows) {
   contact.motion = Motion(contact.motion.from);
-  for (NearPairs::Index k = 0; k < contact.near.size(); ++k) {
-    const NearPairs::Pair& pair = contact.near[k];
-    if (pair.split || pair.touch < 0) continue;
-    Touch& touch = contact.TouchOf(k);
+  for (Touch& touch : contact.touches) {
     if (touch.plane.of == ContactPlane::Of::kNone) continue;
     SetRows(contact, touch, rows, [&](const TouchRow& of) { return touch.row[of.slot % 3] >= 0; });
     for (const int row : touch.row) {

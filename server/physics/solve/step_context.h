@@ -86,6 +86,8 @@ struct SubStep {
   QpRows rigid{};              ///< rows that it may not violate
   int iterates = 0;            ///< rounds so far: rows between meshes are added on violation
   TrustRegion trust{};
+  /// StepDiagnostics' counts of friction, before it.
+  int unsolved = 0, yielded = 0;
 };
 
 /// How the sub-steps so far have ended.

@@ -94,16 +94,16 @@ bool IsOver(const Vec3* corners, const Vec3& p, double reach) {
   return true;
 }
 
-bool HasFaceAt(const ContactShape& shape, const Vec3& p, const Vec3& n, double apart,
-               double turned) {
+std::optional<std::uint32_t> FaceAt(const ContactShape& shape, const Vec3& p, const Vec3& n,
+                                    double apart, double turned) {
   const HullTree& tree = shape.tree;
-  if (tree.IsOfBlocks()) return false;
+  if (tree.IsOfBlocks()) return std::nullopt;
   std::array<HullTree::Node, 128> stack{tree.root()};
   for (std::size_t count = 1; count > 0;) {
     const HullTree::Node node = stack[--count];
     if ((p - tree.Centre(node)).norm() > tree.Radius(node) + apart) continue;
     if (!HullTree::IsLeaf(node)) {
-      if (count + 2 > stack.size()) return false;
+      if (count + 2 > stack.size()) return std::nullopt;
       for (const HullTree::Node child : tree.inner(node).child) stack[count++] = child;
       continue;
     }
@@ -113,10 +113,10 @@ bool HasFaceAt(const ContactShape& shape, const Vec3& p, const Vec3& n, double a
     const Vec3& normal = shape.mesh.triangles()[t].normal;
     if (normal.cross(n).norm() <= turned && std::abs(normal.dot(p - corners[0])) <= apart &&
         IsOver(corners, p, limits::mesh::kRounding)) {
-      return true;
+      return t;
     }
   }
-  return false;
+  return std::nullopt;
 }
 
 bool IsFeltByMesh(const PlacedTree& object) {

@@ -34,11 +34,16 @@ struct ContactShape {
 /// Returns whether a point lies over a triangle, or next to it by no more than `reach` [m].
 bool IsOver(const Vec3* corners, const Vec3& p, double reach);
 
-/// Returns whether a point p of the shape's frame lies over one of its triangles, no farther than
+/// Returns one of the shape's triangles over which a point p of its frame lies, no farther than
 /// `apart` [m] on either side, whose normal differs from n, or -n, by no more than `turned` [rad].
-/// False for a shape of blocks.  Real-time.
-bool HasFaceAt(const ContactShape& shape, const Vec3& p, const Vec3& n, double apart,
-               double turned);
+/// None for a shape of blocks.  Real-time.
+std::optional<std::uint32_t> FaceAt(const ContactShape& shape, const Vec3& p, const Vec3& n,
+                                    double apart, double turned);
+/// Returns whether there is one.
+inline bool HasFaceAt(const ContactShape& shape, const Vec3& p, const Vec3& n, double apart,
+                      double turned) {
+  return FaceAt(shape, p, n, apart, turned).has_value();
+}
 
 /// Where a frame lies in another: a Pose whose rotation is a matrix.
 struct Placement {

@@ -320,6 +320,11 @@ struct Problem {
   }
 };
 
+/// The lever of the point at which a row touches when it holds.
+Vec3 LeverWhereItTouches(const ContactRows& rows, int row) {
+  return rows.lever(row) - rows.gap(row) * rows.normal(row);
+}
+
 /// How far contacts are from Coulomb's law at the x that their forces balance.
 /// @param mu_s, mu_d  of every contact.   @return the greatest error of a force [m]
 double ErrorOfLaw(const ContactRows& rows, const Optimum& found, const Problem::Vec6& t, double rho,
@@ -331,13 +336,13 @@ double ErrorOfLaw(const ContactRows& rows, const Optimum& found, const Problem::
     Vec3& f = force[static_cast<std::size_t>(i)];
     f = found.qp.multiplier[k] * rows.normal(i) + found.friction[static_cast<std::size_t>(k)];
     x.head<3>() += f;
-    x.tail<3>() += rows.lever(i).cross(f) / rho;
+    x.tail<3>() += LeverWhereItTouches(rows, i).cross(f) / rho;
   }
   if (t.tail<3>().isZero(0.0)) x.tail<3>().setZero();  // a ball
   double error = 0.0;
   for (int i = 0; i < rows.count(); ++i) {
     const Vec3 n = rows.normal(i), f = force[static_cast<std::size_t>(i)];
-    const Vec3 moved = x.head<3>() + Vec3(x.tail<3>() / rho).cross(rows.lever(i));
+    const Vec3 moved = x.head<3>() + Vec3(x.tail<3>() / rho).cross(LeverWhereItTouches(rows, i));
     const double lambda = n.dot(f), left = rows.gap(i) + n.dot(moved);
     const Vec3 slip = moved - n.dot(moved) * n, friction = f - lambda * n;
     const double limit = (slip.norm() > 1e-6 * t.norm() ? mu_d : mu_s) * lambda;
@@ -461,7 +466,8 @@ TEST(Friction, MinimisesAsABruteForceSolverDoes) {
         const Vec3 n = rows.normal(qp.row[i]);
         const LeafSphere& leaf =
             model.tool().leaves[static_cast<std::size_t>(rows.id(qp.row[i]).tool)];
-        const Vec3 l = R_WG * Vec3(leaf.x, leaf.y, leaf.z) - leaf.radius * n;
+        const Vec3 l =
+            R_WG * Vec3(leaf.x, leaf.y, leaf.z) - (leaf.radius + rows.gap(qp.row[i])) * n;
         const Mat3 tangential = Mat3::Identity() - n * n.transpose();
         Mat3 minus_l_cross;
         minus_l_cross << 0.0, l.z(), -l.y(), -l.z(), 0.0, l.x(), l.y(), -l.x(), 0.0;

@@ -1,0 +1,170 @@
+#include <algorithm>
+#include <cmath>
+
+#include "server/physics/contact/sub_step.h"
+#include "server/physics/limits.h"
+
+namespace palpate {
+namespace {
+
+using namespace limits::mesh;
+
+/// Returns whether a triangle's edge or corner lies within a flat face: all faces at it lie in the
+/// triangle's plane, and none ends there.
+bool IsWithinFace(const ContactMesh& mesh, std::uint32_t triangle, Feature of) {
+  const ContactMesh::Triangle& t = mesh.triangles()[triangle];
+  const auto is_inner = [&](std::uint32_t edge) {
+    const auto faces = mesh.FacesAtEdge(edge);
+    return faces.size() > 1 && std::ranges::all_of(faces, [&](std::uint32_t face) {
+             return (mesh.triangles()[face].normal - t.normal).norm() <= kSame;
+           });
+  };
+  if (of.kind == Feature::kEdge) return is_inner(t.edge[of.index]);
+  const std::uint32_t vertex = t.vertex[of.index];
+  return std::ranges::all_of(mesh.FacesAtVertex(vertex), [&](std::uint32_t face) {
+    const ContactMesh::Triangle& at = mesh.triangles()[face];
+    for (std::size_t c = 0; c < 3; ++c) {
+      const bool meets = at.vertex[c] == vertex || at.vertex[(c + 1) % 3] == vertex;
+      if (meets && !is_inner(at.edge[c])) return false;
+    }
+    return true;
+  });
+}
+
+/// Returns whether a body has a row at a place.
+bool HasRowAt(const ContactRows& rows, std::int32_t body, const Vec3& lever, const Vec3& n) {
+  for (int row = 0; row < rows.count(); ++row) {
+    if (!rows.IsLoose(row) && rows.id(row).body == body &&
+        (rows.lever(row) - lever).norm() <= kRounding && (rows.normal(row) - n).norm() <= kSame) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/// Adds those rows of a touch's plane that touch, at places without a row; returns whether there
+/// was any.
+bool AddRows(MeshContact& contact, Touch& touch, ContactRows& rows) {
+  const TouchRowsAtTrial of = RowsAt(contact, touch);
+  const double before = GapAt(contact.meshes, touch.nodes, touch, touch.plane, contact.motion.from);
+  bool added = false;
+  for (int i = 0; i < of.count; ++i) {
+    const TouchRow& row = of.row[i];
+    if (!row.is_over || !(row.before <= kWitnessRatio * before + contact.meshes.margins.witness)) {
+      continue;
+    }
+    added = true;
+    if (!HasRowAt(rows, touch.nodes.number, row.lever, row.n)) SetRow(contact, touch, row, rows);
+  }
+  return added;
+}
+
+/// Returns whether two touches are on the same flat face, or on faces of a body in one plane.
+bool AreOnOneFace(const Touch& a, const Touch& b) {
+  return a.is_flush && b.is_flush && a.nodes.number == b.nodes.number &&
+         (a.plane.n - b.plane.n).norm() <= kSame;
+}
+
+/// Walks over the vertices of the tool that are near the face of a touch, from its triangles in
+/// all touches there along edges.
+/// @param touches  the first one, and others
+void MeetCorners(MeshContact& contact, std::span<const Touch> touches) {
+  const ToolAndBodies& meshes = contact.meshes;
+  const ContactMesh& mesh = meshes.tool.mesh;
+  const ToolPose& at = contact.motion.from;
+  const Touch& first = touches.front();
+  const double height = meshes.High(first.nodes, first.plane.n) - first.plane.n.dot(at.p);
+  const Vec3 n_G = at.R.transpose() * first.plane.n;
+  CornerScratch& corners = contact.corners;
+  corners.met.clear();
+  ++corners.walk;
+  const auto meet = [&](std::uint32_t face) {
+    for (const std::uint32_t vertex : mesh.triangles()[face].vertex) {
+      if (corners.seen[vertex] == corners.walk) continue;
+      corners.seen[vertex] = corners.walk;
+      const double above = n_G.dot(mesh.vertices()[vertex]) - height;
+      if (std::abs(above) <= meshes.margins.touching) corners.met.push_back(vertex);
+    }
+  };
+  for (const Touch& touch : touches) {
+    if (AreOnOneFace(first, touch)) meet(HullTree::TriangleOf(touch.nodes.tool));
+  }
+  for (std::size_t i = 0; i < corners.met.size() && i < kCornersOfFace; ++i) {
+    std::ranges::for_each(mesh.FacesAtVertex(corners.met[i]), meet);
+  }
+}
+
+/// Adds the row of a vertex of the tool that lies over a face of a body.
+void AddRowOfCorner(MeshContact& contact, std::uint32_t vertex, const Touch& beside,
+                    ContactRows& rows) {
+  const ToolAndBodies& meshes = contact.meshes;
+  const ContactMesh& mesh = meshes.tool.mesh;
+  const ToolPose& at = contact.motion.from;
+  const Vec3 lever = at.R * mesh.vertices()[vertex], &n = beside.plane.n;
+  if (HasRowAt(rows, beside.nodes.number, lever, n)) return;
+  const std::uint32_t triangle = mesh.FacesAtVertex(vertex).front();
+  const auto& corner = mesh.triangles()[triangle].vertex;
+  const auto c = static_cast<std::uint8_t>(std::ranges::find(corner, vertex) - corner.begin());
+  if (IsWithinFace(mesh, triangle, {Feature::kVertex, c}) || !contact.HasRoomForTouch()) return;
+  const Placement& X_WB = meshes.FrameOf(beside.nodes);
+  const auto face = FaceAt(*beside.nodes.shape, X_WB.Inverse() * (lever + at.p),
+                           X_WB.R.transpose() * n, meshes.margins.touching, kSame);
+  if (!face) return;
+  NodesOfPair nodes = beside.nodes;
+  nodes.tool = static_cast<HullTree::Node>(~triangle);
+  nodes.object = static_cast<HullTree::Node>(~*face);
+  Touch& touch = contact.touches.emplace_back(TouchAt(meshes, nodes, at));
+  if (!(touch.distance > 0.0)) return;
+  touch.plane = beside.plane;
+  AddRows(contact, touch, rows);
+}
+
+}  // namespace
+
+void AddRowsThatRub(MeshContact& contact, Touch& touch, ContactRows& rows) {
+  if (touch.distance <= 0.0 || touch.plane.of != ContactPlane::Of::kNone) return;
+  const ToolAndBodies& meshes = contact.meshes;
+  const ContactMesh& of_body = touch.nodes.shape->mesh;
+  const std::uint32_t triangle = HullTree::TriangleOf(touch.nodes.object);
+  const Vec3 n = meshes.FrameOf(touch.nodes).R * of_body.triangles()[triangle].normal;
+  const double sign = n.dot(touch.u) < 0.0 ? -1.0 : 1.0;
+  if (touch.in_cone && !meshes.IsBall() && (sign * n - touch.u).norm() <= kSame) {
+    touch.plane = {ContactPlane::Of::kObject, sign * n};
+    const Feature of = touch.nearest.of_q;
+    touch.is_flush = AddRows(contact, touch, rows) || of.kind == Feature::kFace ||
+                     IsWithinFace(of_body, triangle, of);
+    if (touch.is_flush) return;
+  }
+  touch.plane = ChoosePlane(meshes, touch, contact.motion);
+  AddRows(contact, touch, rows);
+}
+
+void AddRowsOfHidden(MeshContact& contact, std::span<const ContactId> active, ContactRows& rows) {
+  const ToolAndBodies& meshes = contact.meshes;
+  for (const ContactId& id : active) {
+    const auto is_same = [&](const Touch& touch) { return IdOf(touch.nodes).IsBeside(id); };
+    if (id.IsOfLeaves() || static_cast<std::size_t>(id.body) >= meshes.bodies.size() ||
+        meshes.IsBall() || !contact.HasRoomForTouch() ||
+        std::ranges::any_of(contact.touches, is_same)) {
+      continue;
+    }
+    Touch& touch = contact.touches.emplace_back(
+        TouchAt(meshes, meshes.NodesOf(~id.tool, ~id.object, id.body), contact.motion.from));
+    if (touch.distance <= meshes.margins.touching) AddRowsThatRub(contact, touch, rows);
+  }
+}
+
+void AddRowsOfCorners(MeshContact& contact, ContactRows& rows) {
+  const std::span<const Touch> touches(contact.touches);  // before others are added
+  for (std::size_t i = 0, faces = 0; i < touches.size() && faces < kFlatFaces; ++i) {
+    const auto is_known = [&](const Touch& touch) { return AreOnOneFace(touch, touches[i]); };
+    if (!touches[i].is_flush || std::ranges::any_of(touches.first(i), is_known)) continue;
+    ++faces;
+    MeetCorners(contact, touches.subspan(i));
+    for (const std::uint32_t vertex : contact.corners.met) {
+      AddRowOfCorner(contact, vertex, touches[i], rows);
+    }
+  }
+}
+
+}  // namespace palpate
