@@ -168,7 +168,7 @@ TEST(FlatPlate, HoldsEachCornerOfABoxThatRubsByOneRow) {
       const double higher = 0.5e-4 * (size.x() + size.z()) - 0.6e-6;
       for (const ToolPose& from : {ToolPose(at.p + higher * Vec3::UnitY(), tips), at}) {
         rows.Clear();
-        BeginSubStep(contact, ActiveKernels(), front, from, {}, First::kContacts,
+        BeginSubStep(contact, ActiveKernels(), front, from, {}, First::kRubbing,
                      limits::mesh::kMaxLooks, rows);
         EndSubStep(contact, true);
       }
