@@ -125,7 +125,7 @@ constexpr std::uint64_t kGoldenHash = 9439665412190326790u;
 constexpr std::uint64_t kGoldenChapterHash = 12772718893363948445u;
 constexpr std::uint64_t kGoldenCoulombHash = 1858560352993189020u;
 constexpr std::uint64_t kGoldenHashOfMaterials = 17987184013547523283u;
-constexpr std::uint64_t kGoldenHashOfMeshes = 10958298184997216159u;
+constexpr std::uint64_t kGoldenHashOfMeshes = 7697217968113933293u;
 
 /// Runs `check` with each inner loop that this machine supports.
 void AtEverySimdLevel(const std::function<void()>& check) {

@@ -40,9 +40,13 @@ class Energy {
 
   /// Called where a sub-step begins.
   virtual void Begin(const EnergyStart&) noexcept {}
-  /// Called before each solve, with all rows of contacts.  Returns whether the energy acts.
+  /// Called before each solve.  Returns whether the energy acts.
+  /// @param rows   of contacts
   /// @param rigid  rows that nothing may violate; an energy takes those out that yield to it
-  virtual bool Collect(const ContactRows&, QpRows& /*rigid*/) noexcept { return true; }
+  virtual bool Collect(const ContactRows& rows, QpRows& rigid) noexcept {
+    (void)rows, (void)rigid;
+    return true;
+  }
 
   /// Adds its value at x, its force and, if asked for, its Hessian.  Returns how many of its parts
   /// push: of something dense, one or none.

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "server/physics/contact/sub_step.h"
 #include "server/physics/limits.h"
@@ -96,6 +97,15 @@ bool Mend(const StepContext& context, Way& way) {
   return Relinearise(meshes, active, most, rows) != 0;
 }
 
+/// For a tool that no contact holds at its optimum, returns whether it can get no farther: this
+/// sub-step and the last have found nothing better, and move it by no more than contact reaches.
+bool IsStuck(StepContext& context, const Way& held) {
+  int& stuck_at = context.outcome.stuck_at;
+  const int now = context.report.diagnostics.substeps;
+  if (LengthOf(context, held) > context.buffers.meshes->meshes.margins.touching) return false;
+  return std::exchange(stuck_at, now) == now - 1;
+}
+
 /// What is to be done with a tool that may be held by pairs that do not touch.
 enum class Past {
   kGoes,       ///< the way is free: go
@@ -119,8 +129,8 @@ Past GoPast(StepContext& context, bool goes_on, Way& held) {
       MayRest(meshes, past.v, past.phi)) {
     const bool held_again = release(past.optimum) != 0;
     PutBack(meshes, rows);
-    past.arrived = past.arrived && !held_again;
     held = past;
+    if (held_again) held.arrived = held.arrived && IsStuck(context, held);
     return Past::kGoes;
   }
   Remember(context, held.optimum);  // for the next sub-step, without the rows that are out
@@ -128,9 +138,7 @@ Past GoPast(StepContext& context, bool goes_on, Way& held) {
   if (goes_on && !meshes.looks.AreSpent() && !CheckRest(meshes, held.v, held.phi, rows)) {
     return Past::kHasChanged;
   }
-  const bool stays = LengthOf(context, held) <= meshes.meshes.margins.touching;
-  held.arrived = stays && context.outcome.stuck_at == context.report.diagnostics.substeps - 1;
-  if (stays) context.outcome.stuck_at = context.report.diagnostics.substeps;
+  held.arrived = IsStuck(context, held);
   if (held.arrived) Remember(context, held.optimum);
   return IsFree(context, held) ? Past::kGoes : Past::kIsHeld;
 }
@@ -160,9 +168,10 @@ void BeginAnew(StepContext& context) {
   TrustRegion& trust = context.sub_step.trust;
   if (shorter) {
     StepBounds& bounds = context.sub_step.bounds;
-    bounds.translation =
-        std::min(bounds.translation, limits::mesh::kNarrow * trust.first.translation);
-    bounds.rotation = std::min(bounds.rotation, limits::mesh::kNarrow * trust.first.rotation);
+    const double narrow = limits::mesh::kNarrow;
+    bounds = Clamped(context.model.parameters(),
+                     {std::min(bounds.translation, narrow * trust.first.translation),
+                      std::min(bounds.rotation, narrow * trust.first.rotation)});
     trust.shrunk = true;
   }
   trust.failures = 0;

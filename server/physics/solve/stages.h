@@ -15,6 +15,9 @@ namespace palpate {
 /// for may block a nearer one.
 /// @param hand_step  what the hand moved since the last cycle
 StepBounds FirstBounds(const HapticModel& model, const Target& hand_step) noexcept;
+/// Returns bounds that are no wider than the widest, and no narrower than the separation over
+/// these: a way that short has as many near pairs as none.
+StepBounds Clamped(const StepParameters& parameters, const StepBounds& bounds) noexcept;
 /// Returns the bounds of the next sub-step: kWiden times wider, up to the widest.  Between meshes,
 /// no wider than its looks pay for; they grow with the way.
 /// @param bounds  of the last sub-step

@@ -4,14 +4,15 @@
 #include "server/physics/solve/stages.h"
 
 namespace palpate {
-namespace {
 
-StepBounds Narrowed(const StepBounds& bounds, const StepParameters& parameters) {
-  return {std::min(bounds.translation, parameters.widest_step),
-          std::min(bounds.rotation, parameters.max_rotation)};
+StepBounds Clamped(const StepParameters& parameters, const StepBounds& bounds) noexcept {
+  const double least = parameters.separation / parameters.widest_step;
+  const auto clamped = [least](double bound, double widest) {
+    return std::min(std::max(bound, least * widest), widest);
+  };
+  return {clamped(bounds.translation, parameters.widest_step),
+          clamped(bounds.rotation, parameters.max_rotation)};
 }
-
-}  // namespace
 
 StepBounds FirstBounds(const HapticModel& model, const Target& hand_step) noexcept {
   const StepParameters& parameters = model.parameters();
@@ -19,19 +20,17 @@ StepBounds FirstBounds(const HapticModel& model, const Target& hand_step) noexce
   const double v = hand_step.v.norm(), phi = hand_step.phi.norm();
   const double across = model.tool_body() == nullptr ? limits::kBoundsAcross : 0.0;
   constexpr double over = limits::kBoundsOverHand;
-  return Narrowed(
+  return Clamped(
+      parameters,
       {over * (v + across * rho * phi) + limits::kLeastBounds * parameters.widest_step,
-       over * (phi + across * v / rho) + limits::kLeastBounds * parameters.max_rotation},
-      parameters);
+       over * (phi + across * v / rho) + limits::kLeastBounds * parameters.max_rotation});
 }
 
 StepBounds NextBounds(const StepParameters& parameters, const StepBounds& bounds, double part,
                       double paid) noexcept {
-  double by = part == 1.0 ? std::min(paid, limits::kWiden) : part;
-  // A way no longer than the separation has as many near pairs as none.
-  const double least = std::min(parameters.separation / bounds.translation, 1.0);
-  by = std::max({by, limits::mesh::kNarrow, least});
-  return Narrowed({by * bounds.translation, by * bounds.rotation}, parameters);
+  const double by =
+      std::max(part == 1.0 ? std::min(paid, limits::kWiden) : part, limits::mesh::kNarrow);
+  return Clamped(parameters, {by * bounds.translation, by * bounds.rotation});
 }
 
 double PartWithin(const StepBounds& bounds, const Vec3& v, const Vec3& phi) noexcept {
