@@ -41,12 +41,12 @@ bool IsFinite(const StepReport& report) {
 /// Sets the poses of the tools, and the first bounds.  Returns false if the pose is not usable;
 /// the tool then stays.
 bool Begin(const Pose& X_WH, StepContext& context) {
-  StepState& state = context.state;
-  context.report.X_WG = state.X_WG;
+  StepState& state = context.state();
+  context.report().X_WG = state.X_WG;
   const double norm2 = X_WH.q.squaredNorm();
   if (!std::isfinite(X_WH.p.x() + X_WH.p.y() + X_WH.p.z()) || !std::isfinite(norm2) ||
       !(norm2 > limits::kLeastSquaredNorm)) {
-    context.report.faults = kFaultBadPose;
+    context.report().faults = kFaultBadPose;
     return false;
   }
   const Vec3& reference = context.model.reference();
@@ -66,8 +66,8 @@ bool Begin(const Pose& X_WH, StepContext& context) {
   state.X_WH = {X_WH.p, tools.q_H};
   if (cuts != state.cut.acts) state.front.Clear();
   state.cut.acts = cuts;
-  if (context.buffers.meshes) {
-    ToolAndBodies& meshes = context.buffers.meshes->meshes;
+  if (context.buffers().meshes) {
+    ToolAndBodies& meshes = context.buffers().meshes->meshes;
     meshes.felt = &state.felt;
     meshes.cuts = cuts;
     if (!state.felt.empty()) state.felt.Begin(state.cut.fields, state.front);
@@ -78,8 +78,8 @@ bool Begin(const Pose& X_WH, StepContext& context) {
 /// Adds the rows of a bur at the beginning of a sub-step.
 void BeginCutting(StepContext& context, double reach) {
   const std::span cuts =
-      context.state.cut.acts ? std::span(context.state.cut.fields) : std::span<CutField>();
-  context.buffers.energies->Begin({{context.tools.p_G, context.tools.q_G}, cuts, reach});
+      context.state().cut.acts ? std::span(context.state().cut.fields) : std::span<CutField>();
+  context.buffers().energies->Begin({{context.tools.p_G, context.tools.q_G}, cuts, reach});
 }
 
 /// Returns whether another sub-step fits into the cycle.  Between leaves, and for a bur, it is
@@ -90,7 +90,7 @@ bool GoesOn(const StepContext& context) {
     return false;
   }
   if (parameters.looks - context.cost.looks < parameters.looks / 4) return false;
-  return context.report.diagnostics.substeps < parameters.sub_steps && !context.outcome.arrived &&
+  return context.report().diagnostics.substeps < parameters.sub_steps && !context.outcome.arrived &&
          context.cost.packet_pairs + context.cost.last <= limits::kMaxTested &&
          !context.IsUnsolved();
 }
@@ -99,32 +99,32 @@ bool GoesOn(const StepContext& context) {
 /// pairs of triangles that it could bring together, with the rows of those that touched last.
 /// @param looks  of the sub-step, at most
 void Predict(StepContext& context, First first, std::int64_t looks) {
-  StepBuffers& buffers = context.buffers;
+  StepBuffers& buffers = context.buffers();
   Tools& tools = context.tools;
   SubStep& sub_step = context.sub_step;
-  const StepDiagnostics& before = context.report.diagnostics;
+  const StepDiagnostics& before = context.report().diagnostics;
   sub_step = {.bounds = sub_step.bounds,
               .unsolved = before.friction_unsolved,
               .yielded = before.friction_yielded};
-  if (context.Rubs()) context.friction_before = context.state.friction;
+  if (context.Rubs()) context.friction_before = context.state().friction;
   context.Aim();
   tools.R_WG = tools.q_G.toRotationMatrix();
   if (buffers.energies) BeginCutting(context, std::numeric_limits<double>::infinity());
   PredictLeaves(context);
   if (buffers.meshes) {
     StageClock clock(context.times);
-    BeginSubStep(*buffers.meshes, context.kernels, context.state.front,
+    BeginSubStep(*buffers.meshes, context.kernels, context.state().front,
                  {tools.p_G, context.model.is_ball() ? Quat::Identity() : tools.q_G},
-                 context.state.Active(), first, looks, buffers.rows);
+                 context.state().Active(), first, looks, buffers.rows);
     clock.Lap(&StageTimes::prediction);
   }
-  context.report.diagnostics.predicted_pairs = buffers.rows.count();
+  context.report().diagnostics.predicted_pairs = buffers.rows.count();
 }
 
 /// Returns the nearest pose to the hand's that the rows allow, with straight
 /// rows and without friction.
 Optimum SolveWithoutFriction(StepContext& context) {
-  StepBuffers& buffers = context.buffers;
+  StepBuffers& buffers = context.buffers();
   ++context.sub_step.iterates;
   buffers.rows.Finish();
   context.sub_step.rigid = buffers.rows.view();
@@ -137,17 +137,17 @@ Optimum SolveWithoutFriction(StepContext& context) {
       GiveUpRegain(*buffers.meshes, buffers.rows)) {
     optimum = NearestStep(context, context.sub_step.target);
   }
-  context.report.diagnostics.qp_iterations += optimum.qp.iterations;
+  context.report().diagnostics.qp_iterations += optimum.qp.iterations;
   return optimum;
 }
 
 /// Applies friction to an optimum, if the model has friction and a row is active.
 void Rub(StepContext& context, Optimum& optimum) {
-  FrictionState& friction = context.state.friction;
+  FrictionState& friction = context.state().friction;
   if (!context.Rubs()) return;
   // What a trial that is not taken rubs with counts for nothing.
-  context.report.diagnostics.friction_unsolved = context.sub_step.unsolved;
-  context.report.diagnostics.friction_yielded = context.sub_step.yielded;
+  context.report().diagnostics.friction_unsolved = context.sub_step.unsolved;
+  context.report().diagnostics.friction_yielded = context.sub_step.yielded;
   // A look ahead adds rows and keeps the contacts, so the forces of the last look are nearest.
   if (context.sub_step.looks_ahead > 0) {
     friction.still = context.friction_before.still;
@@ -174,22 +174,22 @@ Optimum Solve(StepContext& context) {
 
 /// Moves the tool; updates the front and the cut solids.
 void Move(StepContext& context, const Way& way) {
-  StepBuffers& buffers = context.buffers;
+  StepBuffers& buffers = context.buffers();
   const bool meshes = buffers.meshes.has_value();
   const bool is_held = way.optimum.IsHeld();
   context.outcome.arrived = way.arrived;
   context.outcome.reached = way.reached;
-  if (!is_held) context.state.turn_G.setZero();
+  if (!is_held) context.state().turn_G.setZero();
   if (meshes) {
-    EndSubStep(*buffers.meshes, context.report.diagnostics.substeps == 0);
+    EndSubStep(*buffers.meshes, context.report().diagnostics.substeps == 0);
     context.cost.looks += buffers.meshes->looks.Spent();
   }
   if (context.Rubs() && way.optimum.qp.active == 0 && (way.arrived || !meshes)) {
-    context.state.friction.Forget();
+    context.state().friction.Forget();
   }
-  if (buffers.energies && context.state.cut.acts) {
-    context.cost.last_cut_queries = buffers.energies->Cut(context.tools.p_G, context.tools.q_G,
-                                                          way.v, way.phi, context.state.cut.fields);
+  if (buffers.energies && context.state().cut.acts) {
+    context.cost.last_cut_queries = buffers.energies->Cut(
+        context.tools.p_G, context.tools.q_G, way.v, way.phi, context.state().cut.fields);
     context.cost.cut_queries += context.cost.last_cut_queries;
   }
   Tools& tools = context.tools;
@@ -198,8 +198,8 @@ void Move(StepContext& context, const Way& way) {
     tools.q_G = tools.q_H;
     return;
   }
-  context.report.diagnostics.truncation =
-      std::max(context.report.diagnostics.truncation,
+  context.report().diagnostics.truncation =
+      std::max(context.report().diagnostics.truncation,
                0.5 * way.phi.squaredNorm() * context.model.tool().max_lever);
   tools.p_G += way.v;
   tools.q_G = (RotationExp(way.phi) * tools.q_G).normalized();
@@ -207,7 +207,7 @@ void Move(StepContext& context, const Way& way) {
 
 /// Reports the wrench of the spring at the optimum, and the contacts.
 void ReportFelt(StepContext& context, const Way& felt) {
-  StepReport& report = context.report;
+  StepReport& report = context.report();
   const Optimum& optimum = felt.optimum;
   if (optimum.qp.status == QpStatus::kRelaxed) report.faults |= kFaultJammed;
   context.outcome.held = optimum.IsHeld();
@@ -220,12 +220,12 @@ void ReportFelt(StepContext& context, const Way& felt) {
 void SetNextBounds(StepContext& context, double part) {
   const StepParameters& parameters = context.model.parameters();
   const StepBounds bounds = context.sub_step.bounds;
-  const auto& meshes = context.buffers.meshes;
+  const auto& meshes = context.buffers().meshes;
   const auto paid_by = [&](std::int64_t looks) {
     return meshes ? static_cast<double>(looks) / static_cast<double>(meshes->looks.Spent())
                   : kInfinity;
   };
-  context.state.behind = NextBounds(parameters, bounds, part, paid_by(parameters.looks));
+  context.state().behind = NextBounds(parameters, bounds, part, paid_by(parameters.looks));
   double by = paid_by(parameters.looks - context.cost.looks);
   if (context.sub_step.trust.shrunk) by = std::min(by, limits::mesh::kRegrow);
   context.sub_step.bounds = NextBounds(parameters, bounds, part, by);
@@ -240,9 +240,9 @@ void ForgetForces(StepReport& report) {
 /// Called if a QP did not end, or its result is not finite: the tool stays where it is, and the
 /// spring pulls from there.  Intermediate results belong to no pose, so all of them are discarded.
 void GiveUp(StepContext& context) {
-  StepReport& report = context.report;
+  StepReport& report = context.report();
   context.outcome.arrived = false;
-  context.state.active = 0;
+  context.state().active = 0;
   context.RestoreFriction();
   ForgetForces(report);
   context.Aim();
@@ -254,25 +254,25 @@ void GiveUp(StepContext& context) {
 void Lag(StepContext& context) {
   Predict(context, First::kTouching, context.model.parameters().looks / limits::mesh::kReserve);
   // Material beyond where the tool may go next does not hold it yet.
-  if (const auto& energies = context.buffers.energies) {
+  if (const auto& energies = context.buffers().energies) {
     BeginCutting(context, std::min(context.sub_step.bounds.translation, energies->bur_step()));
   }
-  MeshContact& meshes = *context.buffers.meshes;
-  if (context.Rubs()) AddRowsOfHidden(meshes, context.state.Active(), context.buffers.rows);
+  MeshContact& meshes = *context.buffers().meshes;
+  if (context.Rubs()) AddRowsOfHidden(meshes, context.state().Active(), context.buffers().rows);
   const double reach = meshes.meshes.tool.mesh.reach();
   double far = meshes.meshes.margins.touching;
   Way stays;
   for (int i = 0; i < context.model.parameters().iterates; ++i) {
     // The tool's place is free, even if its contacts ask for more separation than it has.  So the
     // wrench is never more than the spring's own.
-    context.buffers.rows.AdmitZero();
+    context.buffers().rows.AdmitZero();
     stays.optimum = SolveWithoutFriction(context);
     context.Require(stays.optimum);
     if (context.IsUnsolved()) return GiveUp(context);
     if (meshes.looks.AreSpent()) break;  // no trial would find more
     const double part = PartWithin({far, far / reach}, stays.optimum.v, stays.optimum.phi);
     if (!CheckTrial(meshes, part * stays.optimum.v, part * stays.optimum.phi,
-                    context.buffers.rows)) {
+                    context.buffers().rows)) {
       continue;
     }
     if (part == 1.0 || far == limits::mesh::kLagAhead) break;
@@ -280,9 +280,9 @@ void Lag(StepContext& context) {
   }
   Remember(context, stays.optimum);
   if (context.Rubs()) {
-    const FrictionState before = context.state.friction;
+    const FrictionState before = context.state().friction;
     Rub(context, stays.optimum);
-    context.state.friction = before;
+    context.state().friction = before;
     context.Require(stays.optimum);
     if (context.IsUnsolved()) return GiveUp(context);
   }
@@ -292,9 +292,9 @@ void Lag(StepContext& context) {
 /// Computes the drag of the spin on a pushing bur, for the next step, smoothed so that a bur in a
 /// hole does not whirl (cut/README.md).
 void TakeDrag(StepContext& context) {
-  const auto& energies = context.buffers.energies;
+  const auto& energies = context.buffers().energies;
   const CutRows* bur = energies ? energies->bur() : nullptr;
-  Vec6& drag = context.state.cut.drag;
+  Vec6& drag = context.state().cut.drag;
   if (bur == nullptr) {
     drag.setZero();
   } else {
@@ -306,12 +306,12 @@ void TakeDrag(StepContext& context) {
 /// It is a triangle wave, because libm's sine differs between processors.  It moves nothing.
 void Hum(StepContext& context) {
   const Cutting* cutting = context.model.cutting();
-  if (cutting == nullptr || cutting->spin.hum == 0.0 || !context.state.cut.acts) return;
-  double& tooth = context.state.cut.tooth;
+  if (cutting == nullptr || cutting->spin.hum == 0.0 || !context.state().cut.acts) return;
+  double& tooth = context.state().cut.tooth;
   tooth += cutting->spin.tooth_Hz * cutting->period;
   tooth -= std::floor(tooth);
   const double shake = cutting->spin.hum * (4.0 * std::abs(tooth - 0.5) - 1.0);
-  context.report.wrench.force += shake * context.report.bur_force;
+  context.report().wrench.force += shake * context.report().bur_force;
 }
 
 /// Adds the effects' wrenches, whether the tool touches anything or not.  They are summed first, so
@@ -319,23 +319,23 @@ void Hum(StepContext& context) {
 void AddEffects(StepContext& context) {
   const Effects& effects = context.model.effects();
   if (effects.empty()) return;
-  StepState& state = context.state;
-  EffectWrenches& given = context.report.effects;
+  StepState& state = context.state();
+  EffectWrenches& given = context.report().effects;
   if (!effects.Step(state.X_WH, state.X_WG, context.model.reference(), state.effects, given)) {
-    context.report.faults |= kFaultEffect;
+    context.report().faults |= kFaultEffect;
   }
-  context.report.wrench.force += given.passive.force + given.active.force;
-  context.report.wrench.torque += given.passive.torque + given.active.torque;
+  context.report().wrench.force += given.passive.force + given.active.force;
+  context.report().wrench.torque += given.passive.torque + given.active.torque;
 }
 
 /// Stores what the next step starts from, and applies friction by the chapter's rule.
 void End(const Pose& X_WH, StepContext& context) {
   const Features& features = context.model.parameters().features;
-  StepState& state = context.state;
-  StepReport& report = context.report;
+  StepState& state = context.state();
+  StepReport& report = context.report();
   if (!context.outcome.arrived && !context.IsUnsolved()) report.faults |= kFaultTargetFar;
   if (report.diagnostics.friction_unsolved > 0) report.faults |= kFaultFriction;
-  const bool lags = context.buffers.meshes && !context.outcome.arrived;
+  const bool lags = context.buffers().meshes && !context.outcome.arrived;
   if (!lags) state.behind = {0.0, 0.0};
   if (context.outcome.arrived && !context.outcome.held) {
     state.X_WG = {X_WH.p, context.tools.q_H};
@@ -371,7 +371,7 @@ void End(const Pose& X_WH, StepContext& context) {
   StepContext context(model, state, workspace.buffers(), report);
   context.times = times;
   if (!Begin(X_WH, context)) return report;
-  const bool meshes = context.buffers.meshes.has_value();
+  const bool meshes = context.buffers().meshes.has_value();
   for (; GoesOn(context); ++report.diagnostics.substeps) {
     // What held a tool that has reached its optimum, and not arrived, was no contact of that place.
     Predict(context,

@@ -12,8 +12,8 @@ namespace {
 /// Returns the part of the way to an optimum that the bounds and a bur allow.
 double PartWithin(const StepContext& context, const Optimum& optimum) {
   const double part = PartWithin(context.sub_step.bounds, optimum.v, optimum.phi);
-  const auto& energies = context.buffers.energies;
-  if (!energies || !context.state.cut.acts) return part;
+  const auto& energies = context.buffers().energies;
+  if (!energies || !context.state().cut.acts) return part;
   const Tools& tools = context.tools;
   return std::min(part, energies->PartWithin(tools.p_G, tools.q_G, optimum.v, optimum.phi));
 }
@@ -29,7 +29,7 @@ void GoPart(Way& way, double part) {
 /// QP does not end, the tool stays and has not arrived.
 Way WayToNewOptimum(StepContext& context) {
   Way way{NearestStep(context, context.sub_step.target)};
-  context.report.diagnostics.qp_iterations += way.optimum.qp.iterations;
+  context.report().diagnostics.qp_iterations += way.optimum.qp.iterations;
   Remember(context, way.optimum);
   context.Require(way.optimum);
   GoPart(way, context.IsUnsolved() ? 0.0 : PartWithin(context, way.optimum));
@@ -46,7 +46,7 @@ void GoWithinBounds(StepContext& context, Way& way) {
     part *= limits::kBoundShare;
     // Soft rows balance the spring at the end of the way, so they take no part in this.
     const Optimum partial = NearestStep(context, {part * way.optimum.v, part * way.optimum.phi});
-    context.report.diagnostics.qp_iterations += partial.qp.iterations;
+    context.report().diagnostics.qp_iterations += partial.qp.iterations;
     context.Require(partial);
     const double clip = context.IsUnsolved() ? 0.0 : PartWithin(context, partial);
     if (clip == 1.0 || clip == 0.0 || tries == limits::kNearerTargets) {
@@ -60,12 +60,12 @@ void GoWithinBounds(StepContext& context, Way& way) {
 
 /// Returns how far a point of the tool's mesh moves at most.
 double LengthOf(const StepContext& context, const Way& way) {
-  return way.v.norm() + context.buffers.meshes->meshes.tool.mesh.reach() * way.phi.norm();
+  return way.v.norm() + context.buffers().meshes->meshes.tool.mesh.reach() * way.phi.norm();
 }
 
 /// Returns whether the meshes are apart at the motion's end and were apart on the way.
-bool IsFree(const StepContext& context, const Way& way) {
-  return IsFree(*context.buffers.meshes, way.v, way.phi);
+bool IsFree(StepContext& context, const Way& way) {
+  return IsFree(*context.buffers().meshes, way.v, way.phi);
 }
 
 /// Returns by how much the direction of a row that holds a tool at rest may be off [rad]: that
@@ -79,9 +79,9 @@ double MostTurned(const StepContext& context, const Optimum& optimum, double err
 }
 
 /// For a tool that arrives, returns whether rows changed because they are not true for that place.
-bool Mend(const StepContext& context, Way& way) {
-  MeshContact& meshes = *context.buffers.meshes;
-  ContactRows& rows = context.buffers.rows;
+bool Mend(StepContext& context, Way& way) {
+  MeshContact& meshes = *context.buffers().meshes;
+  ContactRows& rows = context.buffers().rows;
   const auto active = way.optimum.qp.ActiveRows();
   if (Retract(meshes, active, rows) != 0) return true;
   if (context.IsFreeBall()) {
@@ -101,8 +101,8 @@ bool Mend(const StepContext& context, Way& way) {
 /// sub-step and the last have found nothing better, and move it by no more than contact reaches.
 bool IsStuck(StepContext& context, const Way& held) {
   int& stuck_at = context.outcome.stuck_at;
-  const int now = context.report.diagnostics.substeps;
-  if (LengthOf(context, held) > context.buffers.meshes->meshes.margins.touching) return false;
+  const int now = context.report().diagnostics.substeps;
+  if (LengthOf(context, held) > context.buffers().meshes->meshes.margins.touching) return false;
   return std::exchange(stuck_at, now) == now - 1;
 }
 
@@ -117,8 +117,8 @@ enum class Past {
 /// if that is free (README.md, "Arrival", cause).
 /// @param goes_on  whether rows may change
 Past GoPast(StepContext& context, bool goes_on, Way& held) {
-  MeshContact& meshes = *context.buffers.meshes;
-  ContactRows& rows = context.buffers.rows;
+  MeshContact& meshes = *context.buffers().meshes;
+  ContactRows& rows = context.buffers().rows;
   const auto release = [&](const Optimum& optimum) {
     return Release(meshes, optimum.qp.ActiveRows(),
                    MostTurned(context, optimum, limits::mesh::kReleaseError), rows);
@@ -156,8 +156,8 @@ bool Approaches(const StepContext& context, const Way& way) {
 /// Begins the sub-step anew with the rows as they are at its beginning; once they regain no
 /// separation, the tool may go only a quarter as far (README.md, "Rest").
 void BeginAnew(StepContext& context) {
-  MeshContact& meshes = *context.buffers.meshes;
-  ContactRows& rows = context.buffers.rows;
+  MeshContact& meshes = *context.buffers().meshes;
+  ContactRows& rows = context.buffers().rows;
   const bool shorter = !GiveUpRegain(meshes, rows);
   // A ball's rows have the smooth surface's normals and not its facets', so no
   // motion is short enough.
@@ -179,8 +179,8 @@ void BeginAnew(StepContext& context) {
 }
 
 /// Shortens a motion to the longest half, quarter, ... that is free and paid for, or to none.
-void Halve(const StepContext& context, Way& way) {
-  MeshContact& meshes = *context.buffers.meshes;
+void Halve(StepContext& context, Way& way) {
+  MeshContact& meshes = *context.buffers().meshes;
   way.arrived = way.reached = false;
   context.RestoreFriction();
   meshes.looks.most += context.model.parameters().looks / limits::mesh::kReserve;
@@ -202,12 +202,12 @@ void Halve(const StepContext& context, Way& way) {
 bool ClearWay(StepContext& context, Way& way) noexcept {
   GoWithinBounds(context, way);
   if (!Foresees(context, way)) return false;
-  if (!context.buffers.meshes) return true;
-  MeshContact& meshes = *context.buffers.meshes;
+  if (!context.buffers().meshes) return true;
+  MeshContact& meshes = *context.buffers().meshes;
   const bool goes_on = context.sub_step.iterates < context.model.parameters().iterates;
   TrustRegion& trust = context.sub_step.trust;
   if (trust.failures == 0) trust.first = {way.v.norm(), way.phi.norm()};
-  const bool is_free = CheckTrial(meshes, way.v, way.phi, context.buffers.rows);
+  const bool is_free = CheckTrial(meshes, way.v, way.phi, context.buffers().rows);
   if (is_free && Approaches(context, way)) {
     if (way.arrived && goes_on && Mend(context, way)) return false;
     // For a ball, Turned decides whether it has arrived.

@@ -5,16 +5,16 @@
 
 namespace palpate {
 
-void ReportContacts(const StepContext& context, const Way& way) noexcept {
-  const ContactRows& rows = context.buffers.rows;
+void ReportContacts(StepContext& context, const Way& way) noexcept {
+  const ContactRows& rows = context.buffers().rows;
   const Optimum& optimum = way.optimum;
-  const SoftRows* soft = context.buffers.energies ? context.buffers.energies->soft() : nullptr;
+  const SoftRows* soft = context.buffers().energies ? context.buffers().energies->soft() : nullptr;
   const SoftContacts yielding = soft != nullptr ? soft->Contacts() : SoftContacts{};
   const double k_t = context.model.parameters().stiffness;
   const Mat3 R_WG = context.tools.q_G.toRotationMatrix();
-  StepReport& report = context.report;
+  StepReport& report = context.report();
   report.contacts = 0;
-  const CutRows* bur = context.buffers.energies ? context.buffers.energies->bur() : nullptr;
+  const CutRows* bur = context.buffers().energies ? context.buffers().energies->bur() : nullptr;
   report.soft_contacts = yielding.count + (bur != nullptr ? 1 : 0);
   report.bur_force.setZero();
   if (bur != nullptr) {
@@ -39,8 +39,8 @@ void ReportContacts(const StepContext& context, const Way& way) noexcept {
     const Vec3 lever = rows.LeverOf(i, context.model.tool().leaves, R_WG);
     row.contact_W =
         context.tools.p_G + (row.id.IsOfLeaves() ? lever : RotationExp(way.phi) * lever);
-    row.object_leaf = context.model.LeafOf(row.id, context.state.felt);
-    row.material = &context.model.MaterialOf(row.id, context.state.felt);
+    row.object_leaf = context.model.LeafOf(row.id, context.state().felt);
+    row.material = &context.model.MaterialOf(row.id, context.state().felt);
     return &row;
   };
   for (int k = 0; k < optimum.qp.active; ++k) {

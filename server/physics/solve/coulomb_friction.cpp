@@ -148,13 +148,13 @@ class FrictionalContacts {
     if (count_ == kMaxActiveRows) DropUnloaded();
     if (count_ == kMaxActiveRows) return false;
     const HapticModel& model = context_.model;
-    const ContactRows& rows = context_.buffers.rows;
-    const Material& material = model.MaterialOf(rows.id(row), context_.state.felt);
+    const ContactRows& rows = context_.buffers().rows;
+    const Material& material = model.MaterialOf(rows.id(row), context_.state().felt);
     Contact& contact = contact_[count_++];
     contact.row = row;
     contact.mu_s = material.static_friction;
     contact.mu_d = material.dynamic_friction;
-    const bool slid = context_.state.friction.still < model.parameters().still_cycles;
+    const bool slid = context_.state().friction.still < model.parameters().still_cycles;
     contact.mu = slid ? contact.mu_d : contact.mu_s;
     const Vec3 n = rows.normal(row), s0 = n.unitOrthogonal(), s1 = n.cross(s0);
     // Slip is that of the point where it touches when the row holds.  Otherwise corners of a face
@@ -198,9 +198,9 @@ class FrictionalContacts {
 
   /// Sets friction back to what it was in the last sub-step.
   void TakeLastFriction() {
-    const FrictionState& state = context_.state.friction;
+    const FrictionState& state = context_.state().friction;
     for (Contact& contact : *this) {
-      const ContactId& id = context_.buffers.rows.id(contact.row);
+      const ContactId& id = context_.buffers().rows.id(contact.row);
       const auto* end = state.id.begin() + state.contacts;
       const auto* last = std::find(state.id.begin(), end, id);
       contact.f.setZero();
@@ -255,7 +255,7 @@ class FrictionalContacts {
       const auto k = static_cast<std::size_t>(qp.active++);
       qp.row[k] = contact.row;
       qp.multiplier[k] = std::max(0.0, contact.lambda());  // may be slightly negative by rounding
-      state.id[k] = context_.buffers.rows.id(contact.row);
+      state.id[k] = context_.buffers().rows.id(contact.row);
       state.normal_force[k] = qp.multiplier[k];
       state.force[k] = contact.axes.bottomRows<2>().transpose() * contact.friction();
       forces[k] = -state.force[k];
@@ -268,10 +268,10 @@ class FrictionalContacts {
   /// the frictionless optimum.  If there are any of the former, the others start without force,
   /// because the former balanced the hand.
   void Collect() {
-    const FrictionState& state = context_.state.friction;
+    const FrictionState& state = context_.state().friction;
     for (std::size_t i = 0; i < static_cast<std::size_t>(state.contacts); ++i) {
       int row;
-      if (context_.buffers.rows.Find({&state.id[i], 1}, &row) == 1) {
+      if (context_.buffers().rows.Find({&state.id[i], 1}, &row) == 1) {
         Add(row, state.normal_force[i], state.force[i]);
       }
     }
@@ -470,7 +470,7 @@ class FrictionalContacts {
 /// Returns false if the frictionless optimum stays.
 /// @param t  the target
 bool Solve(StepContext& context, Optimum& optimum, const Vec6& t) {
-  StepReport& report = context.report;
+  StepReport& report = context.report();
   FrictionalContacts contacts(context, optimum, t);
   QpResult qp;
   const auto solve_shifted = [&] {
@@ -500,9 +500,9 @@ bool Solve(StepContext& context, Optimum& optimum, const Vec6& t) {
   for (int projection = 0; !solved && contacts.Project(qp); ++projection) {
     if (projection == kProjections || !solve_shifted()) return false;
   }
-  if (contacts.slides()) context.state.friction.still = 0;
+  if (contacts.slides()) context.state().friction.still = 0;
   Vec6::Map(optimum.qp.x) = solved && contacts.StiffX() ? *contacts.StiffX() : Vec6::Map(qp.x);
-  contacts.Write(context.state.friction, optimum.qp, optimum.friction);
+  contacts.Write(context.state().friction, optimum.qp, optimum.friction);
   const Vec3 phi = Vec3::Map(qp.x + 3) / context.model.rotation_length();
   if (phi.norm() <= context.model.parameters().max_rotation) {
     Vec3::Map(optimum.qp.x) -= contacts.Creep(phi);
@@ -513,8 +513,8 @@ bool Solve(StepContext& context, Optimum& optimum, const Vec6& t) {
 }  // namespace
 
 void AddCoulombFriction(StepContext& context, Optimum& optimum) noexcept {
-  FrictionState& state = context.state.friction;
-  if (context.report.diagnostics.substeps == 0 &&
+  FrictionState& state = context.state().friction;
+  if (context.report().diagnostics.substeps == 0 &&
       state.still < context.model.parameters().still_cycles) {
     ++state.still;
   }

@@ -3,22 +3,23 @@
 
 namespace palpate {
 
-Optimum NearestStep(const StepContext& context, const Target& target, bool with_energies) noexcept {
+Optimum NearestStep(StepContext& context, const Target& target, bool with_energies) noexcept {
   Optimum optimum;
-  const ContactRows& rows = context.buffers.rows;
+  const ContactRows& rows = context.buffers().rows;
   const double rho = context.model.rotation_length();
   int guess[kMaxActiveRows];
-  const int guesses = rows.Find(context.state.Active(), guess);
+  const int guesses = rows.Find(context.state().Active(), guess);
   Vec6 t;
   t << target.v, rho * target.phi;
   if (with_energies) {
     // Drag of the last steps: it depends on the rows' push, so it is not an energy's force.
-    const Vec6& drag = context.state.cut.drag;
+    const Vec6& drag = context.state().cut.drag;
     t += drag;
-    optimum.qp = context.buffers.energies->Solve(context.kernels, t.data(), context.sub_step.rigid,
-                                                 {guess, static_cast<std::size_t>(guesses)});
-    const Vec6 force = context.buffers.energies->force();
-    optimum.is_pushed = context.buffers.energies->pushes();
+    optimum.qp =
+        context.buffers().energies->Solve(context.kernels, t.data(), context.sub_step.rigid,
+                                          {guess, static_cast<std::size_t>(guesses)});
+    const Vec6 force = context.buffers().energies->force();
+    optimum.is_pushed = context.buffers().energies->pushes();
     optimum.push = force.head<3>() + drag.head<3>();
     optimum.push_turn = rho * force.tail<3>() + rho * drag.tail<3>();
   } else {
@@ -28,20 +29,20 @@ Optimum NearestStep(const StepContext& context, const Target& target, bool with_
   return optimum;
 }
 
-bool RoundCreases(const StepContext& context, Optimum& optimum) noexcept {
+bool RoundCreases(StepContext& context, Optimum& optimum) noexcept {
   const QpResult& qp = optimum.qp;
   if (qp.status != QpStatus::kSolved) return false;
   Mat3 bend = Mat3::Zero();      // sum l_i K_i
   Mat3 free = Mat3::Identity();  // projects onto the motions that no active row stops
   double most = 0.0;             // upper bound on the norm of `bend`
   for (int i = 0; i < qp.active; ++i) {
-    const Mat3 curvature = CurvatureOf(*context.buffers.meshes, qp.row[i]);
+    const Mat3 curvature = CurvatureOf(*context.buffers().meshes, qp.row[i]);
     bend += qp.multiplier[i] * curvature;
     // The curvature is a projector over the distance to the edge, so its trace over its square's
     // trace is that distance.
     const double trace = curvature.trace();
     if (trace > 0.0) most += qp.multiplier[i] * curvature.squaredNorm() / trace;
-    const Vec3 stopped = free * context.buffers.rows.normal(qp.row[i]);
+    const Vec3 stopped = free * context.buffers().rows.normal(qp.row[i]);
     if (stopped.squaredNorm() > limits::mesh::kLeastFree)
       free -= stopped * stopped.transpose() / stopped.squaredNorm();
   }
@@ -57,9 +58,9 @@ bool RoundCreases(const StepContext& context, Optimum& optimum) noexcept {
   return true;
 }
 
-void Remember(const StepContext& context, const Optimum& optimum) noexcept {
-  const ContactRows& rows = context.buffers.rows;
-  StepState& state = context.state;
+void Remember(StepContext& context, const Optimum& optimum) noexcept {
+  const ContactRows& rows = context.buffers().rows;
+  StepState& state = context.state();
   state.active = 0;
   for (const int row : optimum.qp.ActiveRows()) {
     if (!rows.IsLoose(row))

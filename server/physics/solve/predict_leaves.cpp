@@ -5,7 +5,7 @@ namespace palpate {
 namespace {
 
 bool Predict(StepContext& context, const StepEnds& ends, bool may_crowd = true) {
-  StepBuffers& buffers = context.buffers;
+  StepBuffers& buffers = context.buffers();
   const Tools& tools = context.tools;
   StageTimes* times = context.sub_step.iterates == 0 ? context.times : nullptr;
   const std::int64_t before = buffers.prediction.tested();
@@ -14,7 +14,7 @@ bool Predict(StepContext& context, const StepEnds& ends, bool may_crowd = true) 
   context.sub_step.ends = ends;
   context.cost.last = buffers.prediction.tested() - before;
   context.cost.packet_pairs += context.cost.last;
-  context.report.diagnostics.predicted_pairs = buffers.rows.count();
+  context.report().diagnostics.predicted_pairs = buffers.rows.count();
   return fits;
 }
 
@@ -23,7 +23,7 @@ bool Predict(StepContext& context, const StepEnds& ends, bool may_crowd = true) 
 StepBounds PredictAsFits(StepContext& context, StepBounds bounds) {
   for (int halvings = 0; !Predict(context, {bounds}); ++halvings) {
     if (halvings == limits::kMostHalvings) {
-      context.report.faults |= kFaultRowsFull;
+      context.report().faults |= kFaultRowsFull;
       context.cost.packet_pairs += limits::kMaxTested;  // no further sub-step
       return bounds;
     }
@@ -41,12 +41,13 @@ StepBounds Reach(const StepContext& context) {
 
 /// Begins with the rows of the contacts of the last cycle, or of what touches if there were none.
 void BeginToLookAhead(StepContext& context) {
-  if (context.state.active == 0) {
+  if (context.state().active == 0) {
     PredictAsFits(context, Reach(context));
     return;
   }
-  context.buffers.prediction.Take(context.model, context.kernels, context.tools.R_WG,
-                                  context.tools.p_G, context.state.Active(), context.buffers.rows);
+  context.buffers().prediction.Take(context.model, context.kernels, context.tools.R_WG,
+                                    context.tools.p_G, context.state().Active(),
+                                    context.buffers().rows);
   context.sub_step.ends = {{-1.0, -1.0}};  // no motion
 }
 
@@ -55,12 +56,12 @@ void BeginToLookAhead(StepContext& context) {
 void PredictLeaves(StepContext& context) noexcept {
   SubStep& sub_step = context.sub_step;
   const StepParameters& parameters = context.model.parameters();
-  const bool may_look_ahead = !context.buffers.meshes && !context.buffers.energies;
+  const bool may_look_ahead = !context.buffers().meshes && !context.buffers().energies;
   if (!may_look_ahead) {
     sub_step.bounds = PredictAsFits(context, sub_step.bounds);
     return;
   }
-  if (!context.state.is_crowded && Predict(context, {sub_step.bounds}, false)) return;
+  if (!context.state().is_crowded && Predict(context, {sub_step.bounds}, false)) return;
   sub_step.bounds_before = sub_step.bounds;
   sub_step.bounds = {parameters.widest_step, parameters.max_rotation};
   sub_step.looks_ahead = 1;
@@ -72,13 +73,13 @@ bool Foresees(StepContext& context, const Way& way) noexcept {
   if (sub_step.looks_ahead == 0) return true;
   const StepEnds& ends = sub_step.ends;
   if (PartWithin(ends.bounds, way.v - ends.v, way.phi - ends.phi) == 1.0) {
-    context.state.is_crowded = context.buffers.rows.count() >= limits::kFew;
+    context.state().is_crowded = context.buffers().rows.count() >= limits::kFew;
     return true;
   }
   if (sub_step.looks_ahead++ == limits::kMostLooksAhead) {
     sub_step.looks_ahead = 0;
     sub_step.bounds = PredictAsFits(context, sub_step.bounds_before);
-    context.state.is_crowded = false;
+    context.state().is_crowded = false;
   } else if (!Predict(context, {Reach(context), way.v, way.phi})) {
     sub_step.bounds = {0.5 * way.v.norm(), 0.5 * way.phi.norm()};
     BeginToLookAhead(context);

@@ -40,7 +40,7 @@ bool Foresees(StepContext& context, const Way& way) noexcept;
 
 /// Returns the step nearest to a target under the context's rigid rows and, if asked for, the
 /// energies that act beside the coupling's.  The solver's first guess is the state's active pairs.
-Optimum NearestStep(const StepContext& context, const Target& target,
+Optimum NearestStep(StepContext& context, const Target& target,
                     bool with_energies = false) noexcept;
 
 /// Corrects the optimum of a ball under straight rows for rows that turn about an edge or corner of
@@ -49,7 +49,7 @@ Optimum NearestStep(const StepContext& context, const Target& target,
 /// With the rows' second order, g_i(x) = g_i + n_i . x + 1/2 x . K_i x >= 0, K_i = CurvatureOf, the
 /// multipliers l_i of the optimum give x - t = sum l_i (n_i + K_i x): x is nearest to the target
 /// t + sum l_i K_i x.  For a single edge its direction is exact.
-bool RoundCreases(const StepContext& context, Optimum& optimum) noexcept;
+bool RoundCreases(StepContext& context, Optimum& optimum) noexcept;
 
 /// Moves a sub-step's optimum to the frictional one (FrictionModel::kCoulomb).  friction.md has the
 /// problem, the method and its reasons.
@@ -63,7 +63,7 @@ void AddCoulombFriction(StepContext& context, Optimum& optimum) noexcept;
 
 /// Stores the rows that hold the tool at an optimum, except for those that are loose: the solver's
 /// next first guess.
-void Remember(const StepContext& context, const Optimum& optimum) noexcept;
+void Remember(StepContext& context, const Optimum& optimum) noexcept;
 
 /// Computes the motion of a sub-step towards an optimum, as far as the bounds and the meshes allow
 /// it.  Returns false if rows changed: the optimum must then be solved again.
@@ -78,7 +78,7 @@ bool ClearWay(StepContext& context, Way& way) noexcept;
 
 /// Writes the contacts at a way's optimum into the context's report, relative to where the way has
 /// taken the tool: each contact's force, the gap that its row has left there, and where it touches.
-void ReportContacts(const StepContext& context, const Way& way) noexcept;
+void ReportContacts(StepContext& context, const Way& way) noexcept;
 
 /// Adds friction by FrictionModel::kChapter: 2.25-2.34 as written, for reproduction, once at the
 /// end of a cycle whose frictionless step has arrived.  Compares how far the equivalent contact

@@ -122,20 +122,28 @@ struct StepBuffers {
 struct StepContext {
   StepContext(const HapticModel& the_model, StepState& the_state, StepBuffers& the_buffers,
               StepReport& the_report)
-      : model(the_model), state(the_state), buffers(the_buffers), report(the_report) {}
+      : model(the_model), state_(the_state), buffers_(the_buffers), report_(the_report) {}
+
+  // Of a const context, all of this is const.
+  StepState& state() { return state_; }
+  const StepState& state() const { return state_; }
+  StepBuffers& buffers() { return buffers_; }
+  const StepBuffers& buffers() const { return buffers_; }
+  StepReport& report() { return report_; }
+  const StepReport& report() const { return report_; }
 
   /// Returns whether the model has friction by Coulomb's law.
   bool Rubs() const { return model.parameters().features.friction == FrictionModel::kCoulomb; }
   /// Discards what the sub-step has done to friction's state.
-  void RestoreFriction() const {
-    if (Rubs()) state.friction = friction_before;
+  void RestoreFriction() {
+    if (Rubs()) state_.friction = friction_before;
   }
   /// Returns whether meshes may hold the tool and nothing rubs or yields.
   bool IsRigid() const {
-    return buffers.meshes && !(buffers.energies && buffers.energies->acts()) && !Rubs();
+    return buffers_.meshes && !(buffers_.energies && buffers_.energies->acts()) && !Rubs();
   }
   /// Returns whether IsRigid holds and the tool is a ball.
-  bool IsFreeBall() const { return IsRigid() && buffers.meshes->meshes.IsBall(); }
+  bool IsFreeBall() const { return IsRigid() && buffers_.meshes->meshes.IsBall(); }
   /// Returns how much nearer to the hand a step ends than it begins: |t|^2 - |x - t|^2, with x =
   /// [v; rho phi] and t the hand's [m^2].
   double Gain(const Vec3& step_v, const Vec3& step_phi) const {
@@ -147,7 +155,7 @@ struct StepContext {
   /// Returns whether a step to an optimum, or a part of it, ends no farther from the hand than it
   /// begins.  A step that stays within the reach of contact may pay for separation that it regains.
   bool Approaches(const Optimum& optimum, const Vec3& v, const Vec3& phi) const {
-    const MeshContact& contact = *buffers.meshes;
+    const MeshContact& contact = *buffers_.meshes;
     const double length = v.norm() + contact.meshes.tool.mesh.reach() * phi.norm();
     const double price =
         length <= contact.meshes.margins.touching ? 2.0 * PriceOfRegain(contact, optimum.qp) : 0.0;
@@ -155,7 +163,7 @@ struct StepContext {
   }
   /// Sets the target: the hand relative to the tool.
   void Aim() {
-    sub_step.target = TargetFrom(tools.p_G, tools.q_G, tools.p_H, tools.q_H, state.turn_G);
+    sub_step.target = TargetFrom(tools.p_G, tools.q_G, tools.p_H, tools.q_H, state_.turn_G);
   }
   /// Returns the spring's wrench after the tool has made a step towards the target.
   Wrench WrenchAfter(const Vec3& step_v, const Vec3& step_phi) const {
@@ -164,22 +172,24 @@ struct StepContext {
                         spring.torsional_stiffness);
   }
   /// Sets kFaultUnsolved if the solver found no optimum; the step then ends.
-  void Require(const Optimum& found) const {
-    if (found.qp.status == QpStatus::kIterationLimit) report.faults |= kFaultUnsolved;
+  void Require(const Optimum& found) {
+    if (found.qp.status == QpStatus::kIterationLimit) report_.faults |= kFaultUnsolved;
   }
-  bool IsUnsolved() const { return (report.faults & kFaultUnsolved) != 0; }
+  bool IsUnsolved() const { return (report_.faults & kFaultUnsolved) != 0; }
 
   const HapticModel& model;
   const Kernels& kernels = ActiveKernels();
-  StepState& state;
-  StepBuffers& buffers;
-  StepReport& report;
   StageTimes* times = nullptr;  ///< null if the stages are not timed
   Tools tools;
   CycleCost cost;
   SubStep sub_step;
   FrictionState friction_before;  ///< if it rubs: friction state at the sub-step's beginning
   Outcome outcome;
+
+ private:
+  StepState& state_;
+  StepBuffers& buffers_;
+  StepReport& report_;
 };
 
 }  // namespace palpate
