@@ -105,7 +105,9 @@ void Predict(StepContext& context, First first, std::int64_t looks) {
   const StepDiagnostics& before = context.report().diagnostics;
   sub_step = {.bounds = sub_step.bounds,
               .unsolved = before.friction_unsolved,
-              .yielded = before.friction_yielded};
+              .yielded = before.friction_yielded,
+              .active = context.state().active,
+              .active_ids = context.state().active_ids};
   if (context.Rubs()) context.friction_before = context.state().friction;
   context.Aim();
   tools.R_WG = tools.q_G.toRotationMatrix();
@@ -258,7 +260,7 @@ void Lag(StepContext& context) {
     BeginCutting(context, std::min(context.sub_step.bounds.translation, energies->bur_step()));
   }
   MeshContact& meshes = *context.buffers().meshes;
-  if (context.Rubs()) AddRowsOfHidden(meshes, context.state().Active(), context.buffers().rows);
+  AddRowsOfHidden(meshes, context.state().Active(), context.buffers().rows);
   const double reach = meshes.meshes.tool.mesh.reach();
   double far = meshes.meshes.margins.touching;
   Way stays;

@@ -141,16 +141,24 @@ void AddRowsThatRub(MeshContact& contact, Touch& touch, ContactRows& rows) {
 
 void AddRowsOfHidden(MeshContact& contact, std::span<const ContactId> active, ContactRows& rows) {
   const ToolAndBodies& meshes = contact.meshes;
+  if (meshes.IsBall()) return;
   for (const ContactId& id : active) {
+    if (id.IsOfLeaves() || static_cast<std::size_t>(id.body) >= meshes.bodies.size()) continue;
     const auto is_same = [&](const Touch& touch) { return IdOf(touch.nodes).IsBeside(id); };
-    if (id.IsOfLeaves() || static_cast<std::size_t>(id.body) >= meshes.bodies.size() ||
-        meshes.IsBall() || !contact.HasRoomForTouch() ||
-        std::ranges::any_of(contact.touches, is_same)) {
-      continue;
+    auto touch = std::ranges::find_if(contact.touches, is_same);
+    if (touch == contact.touches.end()) {
+      if (!contact.HasRoomForTouch()) return;
+      contact.touches.push_back(
+          TouchAt(meshes, meshes.NodesOf(~id.tool, ~id.object, id.body), contact.motion.from));
+      touch = contact.touches.end() - 1;
+      if (touch->distance <= meshes.margins.touching) AddRowsThatRub(contact, *touch, rows);
     }
-    Touch& touch = contact.touches.emplace_back(
-        TouchAt(meshes, meshes.NodesOf(~id.tool, ~id.object, id.body), contact.motion.from));
-    if (touch.distance <= meshes.margins.touching) AddRowsThatRub(contact, touch, rows);
+    const bool has_rows = std::ranges::any_of(touch->row, [](int row) { return row >= 0; });
+    if (has_rows || touch->plane.of != ContactPlane::Of::kObject || id.row > 2) continue;
+    // The corner is beyond the rim of its triangle.  Another one of the same face may be below it.
+    const auto& corners = meshes.tool.mesh.triangles()[static_cast<std::uint32_t>(id.tool)].vertex;
+    const Touch beside = *touch;
+    AddRowOfCorner(contact, corners[static_cast<std::size_t>(id.row)], beside, rows);
   }
 }
 

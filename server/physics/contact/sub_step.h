@@ -198,7 +198,8 @@ double PriceOfRegain(const MeshContact& contact, const QpResult& qp);
 /// AddRowsThatTouch for a tool that lies on a flat face: it touches with its corners, each of them
 /// once.
 void AddRowsThatRub(MeshContact& contact, Touch& touch, ContactRows& rows);
-/// AddRowsThatRub for those `active` pairs that are hidden in patches: no near pairs.
+/// AddRowsThatRub for those `active` pairs that are hidden in patches: no near pairs.  If a corner
+/// of one has left its triangle, its row is that of the triangle below.
 void AddRowsOfHidden(MeshContact& contact, std::span<const ContactId> active, ContactRows& rows);
 /// Adds the rows of all corners of the tool that touch a flat face beside those pairs that have
 /// one, in whatever patch they are.

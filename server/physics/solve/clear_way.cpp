@@ -195,6 +195,10 @@ void Halve(StepContext& context, Way& way) {
   way.phi.setZero();
   way.part = 0.0;
   meshes.motion = Motion(meshes.motion.from);
+  // What held the tool there still does, and not what a trial met that is given up.
+  StepState& state = context.state();
+  state.active = context.sub_step.active;
+  state.active_ids = context.sub_step.active_ids;
 }
 
 }  // namespace

@@ -88,6 +88,8 @@ struct SubStep {
   TrustRegion trust{};
   /// StepDiagnostics' counts of friction, before it.
   int unsolved = 0, yielded = 0;
+  int active = 0;  ///< the rows that held the tool where it begins (StepState::active_ids)
+  std::array<ContactId, kMaxActiveRows> active_ids{};
 };
 
 /// How the sub-steps so far have ended.
