@@ -525,6 +525,22 @@ TEST_F(PalpateBench, TruthKnowsTheForceOfABallOnAnyPlate) {
   EXPECT_LT(rough["change N/N"], 1e-3);
 }
 
+// A trust region of this tool once bounded every later step to nothing.
+TEST_F(PalpateBench, TruthFollowsAToolWhoseFirstShortStepOnlyTurns) {
+  const nlohmann::json slide =
+      Figures({"truth", "--only", "flat/needles/triangle", "--seeds", "20..20"})["cases"][0];
+  EXPECT_EQ(slide["late"], 0);
+  EXPECT_LT(slide["sideways N"], 0.01);
+}
+
+// So many slivers meet at the middle of a fan that a cycle cannot look at all of them.
+TEST_F(PalpateBench, TruthFeelsAPlateWhereThereIsNoTimeToLookAtIt) {
+  const nlohmann::json slide =
+      Figures({"truth", "--only", "flat/fan/cup", "--seeds", "3..3"})["cases"][0];
+  EXPECT_GT(slide["late"], 100);
+  EXPECT_LT(slide["force off N"], 0.2);
+}
+
 TEST_F(PalpateBench, TruthKnowsTheForceOfABallInAGrooveAndOnACurvedBody) {
   const nlohmann::json groove =
       Figures({"truth", "--only", "/quad/ball", "--seeds", "1..2"})["cases"];
