@@ -193,7 +193,7 @@ bool GiveUpRegain(MeshContact& contact, ContactRows& rows);
 /// its derivative by what a row asks for is the row's multiplier [m^2].
 double PriceOfRegain(const MeshContact& contact, const QpResult& qp);
 
-// --- rub_rows.cpp: contacts on flat faces, where something rubs (README.md). ---
+// --- rub_rows.cpp: contacts on flat faces, where something rubs or lags (README.md). ---
 
 /// AddRowsThatTouch for a tool that lies on a flat face: it touches with its corners, each of them
 /// once.
