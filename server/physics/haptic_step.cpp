@@ -180,7 +180,6 @@ void Move(StepContext& context, const Way& way) {
   const bool meshes = buffers.meshes.has_value();
   const bool is_held = way.optimum.IsHeld();
   context.outcome.arrived = way.arrived;
-  context.outcome.reached = way.reached;
   if (!is_held) context.state().turn_G.setZero();
   if (meshes) {
     EndSubStep(*buffers.meshes, context.report().diagnostics.substeps == 0);
@@ -260,7 +259,8 @@ void Lag(StepContext& context) {
     BeginCutting(context, std::min(context.sub_step.bounds.translation, energies->bur_step()));
   }
   MeshContact& meshes = *context.buffers().meshes;
-  AddRowsOfHidden(meshes, context.state().Active(), context.buffers().rows);
+  AddRowsOfHidden(meshes, context.state().Active(), limits::mesh::kLagAhead,
+                  context.buffers().rows);
   const double reach = meshes.meshes.tool.mesh.reach();
   double far = meshes.meshes.margins.touching;
   Way stays;
@@ -375,10 +375,10 @@ void End(const Pose& X_WH, StepContext& context) {
   if (!Begin(X_WH, context)) return report;
   const bool meshes = context.buffers().meshes.has_value();
   for (; GoesOn(context); ++report.diagnostics.substeps) {
-    // What held a tool that has reached its optimum, and not arrived, was no contact of that place.
+    // What a sub-step ends on, others may hold: those that held the tool before are not all.
     Predict(context,
             context.Rubs()            ? First::kRubbing
-            : context.outcome.reached ? First::kContacts
+            : report.diagnostics.substeps > 0 ? First::kContacts
                                       : First::kActive,
             model.parameters().looks - context.cost.looks);
     StageClock clock(times);

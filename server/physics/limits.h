@@ -47,7 +47,7 @@ inline constexpr double kWiden = 8.0;
 /// left violated, by at most kMaxTruncation: nearly 2 % of the least bounds.
 inline constexpr double kBoundShare = 0.98;
 /// Targets tried, each nearer than the last, until the step under the rows, which may demand a
-/// lift, ends within the bounds.  Taken; two are usual.
+/// lift, ends within the bounds.  Two are usual.  With one, a ball on terraces arrived in 87 %.
 inline constexpr int kNearerTargets = 4;
 
 /// Rows within the first bounds from which they are predicted where the tool goes instead
@@ -223,6 +223,8 @@ struct Margins {
   /// h, the least separation of a pair at the end of a sub-step.  The other half of delta is for
   /// the error of a row.
   double free = 0.5 * separation;
+  /// Where a tool rests: the least distance of a contact there; else 0.
+  double rest = 0.0;
   /// kMaxTruncation between meshes.  Rows are exact where a trial ends, so the linearisation error
   /// costs a trial and no more.  But the arc of a turning point leaves its chord by up to a quarter
   /// of this, h/2, which even a pair of edges has in between (contact/certify.cpp).

@@ -122,6 +122,18 @@ bool TrianglesApart(MeshContact& contact, Index k) {
   return touch.plane.of == ContactPlane::Of::kNone && across(ChoosePlane(meshes, touch, motion));
 }
 
+/// Returns whether two triangles, apart throughout a trial, may be as they are at its end if the
+/// tool rests there.  A plane of a neighbour proves less than a contact keeps.
+bool MayRestApart(MeshContact& contact, Index k) {
+  const ToolAndBodies& meshes = contact.meshes;
+  const Touch& touch = contact.TouchOf(k);
+  if (!touch.by_plane || meshes.margins.rest == 0.0 || touch.is_behind) return true;
+  const ToolPose& at = contact.motion.to;
+  const NearestPoints nearest = meshes.NearestAt(touch.nodes, at);
+  return nearest.Distance() >= std::min(meshes.margins.rest, touch.distance) - kRounding ||
+         !InCone(meshes, touch.nodes, nearest, DirectionAt(meshes, touch.nodes, nearest, at), at);
+}
+
 /// Returns the trial's motion in the frame of a body.
 const ToolMotion& MotionIn(MeshContact& contact, const NodesOfPair& nodes) {
   auto& in_body = contact.scratch.in_body[static_cast<std::size_t>(nodes.placed)];
@@ -156,7 +168,7 @@ bool LookAtTriangles(MeshContact& contact, Index k, Until until) {
   }
   if (pair.touch < 0 && !contact.HasRoomForTouch()) return false;
   ++contact.looks.tested;
-  if (TrianglesApart(contact, k)) return true;
+  if (TrianglesApart(contact, k) && MayRestApart(contact, k)) return true;
   if (!contact.motion.moves || until == Until::kFirst) return false;
   Touch& touch = contact.TouchOf(k);
   if (touch.in_cone && touch.plane.of == ContactPlane::Of::kNone) {

@@ -35,20 +35,34 @@ double GapOfRow(const MeshContact& contact, int row, const ContactRows& rows) {
          contact.of_rows.asked[static_cast<std::size_t>(row)];
 }
 
-/// Turns a ball's row to the smooth surface's normal where the ball arrives, not where it was.
-/// Returns whether the change is large enough to affect the force.  A crease is not smooth: the
+/// Turns a ball's row to the smooth surface's normal where the ball arrives, not where it was.  One
+/// that does not touch there gets another plane, if there is any.  A crease is not smooth: the
 /// ball goes straight past it, and round it in the next sub-steps (Turned).
-bool TurnSmoothed(MeshContact& contact, const Touch& touch, int row, const NearestPoints& nearest,
-                  const Vec3& u, ContactRows& rows) {
+bool MendOfBall(MeshContact& contact, Touch& touch, int row, ContactRows& rows) {
   const ToolAndBodies& meshes = contact.meshes;
-  if (!meshes.IsBall() || !TurnsRows(contact)) return false;
-  const Vec3 along = SmoothNormal(contact.meshes, touch.nodes, nearest, u);
-  if (along == u || (along - rows.normal(row)).norm() <= kTurned) return false;
+  const Motion& motion = contact.motion;
+  const NearestPoints nearest = meshes.NearestAt(touch.nodes, motion.to);
+  if (!(nearest.squared > 0.0)) return false;
   const double now = nearest.Distance() - meshes.tool.radius;
+  const Vec3 u = nearest.Direction();
+  const bool touches = GapOfRow(contact, row, rows) <= kWitnessRatio * now + meshes.margins.witness;
+  if (!touches || !InCone(meshes, touch.nodes, nearest, u, motion.to)) {
+    const ContactPlane other = OtherPlaneOfBall(meshes, touch, nearest, motion);
+    if (other.of == ContactPlane::Of::kNone) return false;
+    // A plane of the same direction, as that of the next triangle of a flat face, changes nothing.
+    const Vec3 n = NormalAt(meshes, touch, other, motion.to);
+    if (touches && (n - rows.normal(row)).norm() <= kSame) return false;
+    TakeOut(touch, rows);
+    touch.plane = other;
+    return touch.is_mended = true;
+  }
+  const Vec3 along = SmoothNormal(meshes, touch.nodes, nearest, u);
+  if (!TurnsRows(contact) || along == u || (along - rows.normal(row)).norm() <= kTurned)
+    return false;
   const double asked = Asked(contact, touch.distance);
   contact.of_rows.asked[static_cast<std::size_t>(row)] = asked;
   const Vec3 lever = rows.lever(row);
-  rows.SetRow(row, along, lever, lever.cross(along), now - asked - along.dot(contact.motion.v));
+  rows.SetRow(row, along, lever, lever.cross(along), now - asked - along.dot(motion.v));
   return true;
 }
 
@@ -74,6 +88,19 @@ bool IsOverFace(const MeshContact& contact, const Touch& touch, int row, double 
                    apart, turned);
 }
 
+/// Returns whether a row is of two edges that can touch along its normal at the trial, though the
+/// nearest points of their triangles lie at an end of one.
+bool IsOfEdges(const MeshContact& contact, const Touch& touch, int row, double turned,
+               const ContactRows& rows) {
+  const ContactPlane& plane = touch.plane;
+  if (plane.of != ContactPlane::Of::kEdges) return false;
+  const ToolPose& at = contact.motion.to;
+  const Vec3 n = NormalAt(contact.meshes, touch, plane, at);
+  return (n - rows.normal(row)).norm() <= turned &&
+         ConesHold(contact.meshes, touch.nodes, {Feature::kEdge, plane.tool_edge},
+                   {Feature::kEdge, plane.object_edge}, n, at);
+}
+
 /// Returns whether a contact gives a row at the trial: its pair is no farther apart than the row
 /// says, and touches there within its cones along the row's normal, or the row's corner is over a
 /// face.
@@ -88,45 +115,23 @@ bool IsOfContact(const MeshContact& contact, const Touch& touch, int row, double
   }
   const Vec3 u = DirectionAt(meshes, touch.nodes, nearest, at);
   return ((u - rows.normal(row)).norm() <= turned && InCone(meshes, touch.nodes, nearest, u, at)) ||
-         IsOverFace(contact, touch, row, turned, rows);
-}
-
-bool Retract(MeshContact& contact, int row, Touch& touch, ContactRows& rows) {
-  const ToolAndBodies& meshes = contact.meshes;
-  const Motion& motion = contact.motion;
-  const NearestPoints nearest = meshes.NearestAt(touch.nodes, motion.to);
-  if (!(nearest.squared > 0.0)) return false;
-  const Vec3 u = DirectionAt(meshes, touch.nodes, nearest, motion.to);
-  const bool touches =
-      GapOfRow(contact, row, rows) <=
-      kWitnessRatio * (nearest.Distance() - meshes.tool.radius) + meshes.margins.witness;
-  if (touches && (InCone(meshes, touch.nodes, nearest, u, motion.to) ||
-                  IsOverFace(contact, touch, row, kTurned, rows))) {
-    return TurnSmoothed(contact, touch, row, nearest, u, rows);
-  }
-  const ContactPlane other = OtherPlane(meshes, touch, nearest, u, motion);
-  if (other.of == ContactPlane::Of::kNone) return false;
-  // A plane of the same direction, as that of the next triangle of a flat face, changes nothing.
-  const Vec3 n = NormalAt(meshes, touch, other, motion.to);
-  if (touches && (n - rows.normal(row)).norm() <= kSame) return false;
-  TakeOut(touch, rows);
-  touch.plane = other;
-  touch.retracted = true;
-  return true;
+         IsOverFace(contact, touch, row, turned, rows) ||
+         IsOfEdges(contact, touch, row, turned, rows);
 }
 
 }  // namespace
 
-int Retract(MeshContact& contact, std::span<const int> active, ContactRows& rows) noexcept {
+int MendOfBall(MeshContact& contact, std::span<const int> active, ContactRows& rows) noexcept {
+  if (!contact.meshes.IsBall()) return 0;
   return MendRows(contact, active, rows, [&](int row, Touch& touch) {
-    return !touch.retracted && Retract(contact, row, touch, rows);
+    return !touch.is_mended && MendOfBall(contact, touch, row, rows);
   });
 }
 
 int Relinearise(MeshContact& contact, std::span<const int> active, double most,
                 ContactRows& rows) noexcept {
   return MendRows(contact, active, rows, [&](int row, Touch& touch) {
-    if (touch.relinearised) return false;
+    if (touch.is_mended) return false;
     const TouchRowsAtTrial of = RowsAt(contact, touch);
     for (int k = 0; k < of.count; ++k) {
       if (touch.row[of.row[k].slot % 3] != row) continue;
@@ -136,33 +141,26 @@ int Relinearise(MeshContact& contact, std::span<const int> active, double most,
         return false;
       }
       SetRow(contact, touch, of.row[k], rows);
-      touch.relinearised = true;
+      touch.is_mended = true;
     }
-    return touch.relinearised;
+    return touch.is_mended;
   });
 }
 
-int Release(MeshContact& contact, std::span<const int> active, double most,
-            ContactRows& rows) noexcept {
-  contact.released.clear();
-  return MendRows(contact, active, rows, [&](int row, Touch& touch) {
-    if (IsOfContact(contact, touch, row, most, rows)) return false;
-    for (int slot = 0; slot < 3; ++slot) {
-      const int of = touch.row[slot];
-      if (of >= 0) contact.released.push_back({&touch, slot, of, rows.gap(of)});
-    }
-    TakeOut(touch, rows);
-    return true;
+bool AreOfContacts(const MeshContact& contact, std::span<const int> active, double most,
+                   const ContactRows& rows) noexcept {
+  return std::ranges::all_of(active, [&](int row) {
+    const Touch* touch = contact.TouchOfRow(row);
+    return touch == nullptr || !(touch->distance > 0.0) ||
+           IsOfContact(contact, *touch, row, most, rows);
   });
 }
 
-void PutBack(MeshContact& contact, ContactRows& rows) noexcept {
-  for (const ReleasedRow& released : contact.released) {
-    int& row = released.touch->row[released.slot];
-    if (row >= 0) rows.Loosen(row);  // removes the row that the discarded trial added
-    row = released.row;
-    rows.SetGap(row, released.gap);
-  }
+int Release(MeshContact& contact, std::span<const int> active, ContactRows& rows) noexcept {
+  return MendRows(contact, active, rows, [&](int, Touch& touch) {
+    if (touch.by_plane) TakeOut(touch, rows);
+    return touch.by_plane;
+  });
 }
 
 Mat3 CurvatureOf(const MeshContact& contact, int row) noexcept {
@@ -225,7 +223,7 @@ double Turned(const MeshContact& contact, std::span<const int> active,
     const Vec3 along = SmoothNormal(contact.meshes, touch->nodes, own, own.Direction());
     least = std::min(least, (along - n).norm());
   }
-  // On a smooth surface, Retract has turned the rows.
+  // On a smooth surface, MendOfBall has turned the rows.
   return smooth || !(nearest < kInfinity) ? most : std::max(least, most);
 }
 

@@ -31,6 +31,12 @@ bool IsWithinFace(const ContactMesh& mesh, std::uint32_t triangle, Feature of) {
   });
 }
 
+/// Returns the plane of the body's triangle, on the side of the tool.
+ContactPlane FaceOf(const ToolAndBodies& meshes, const Touch& touch) {
+  const Vec3 n = meshes.OutwardOf(touch.nodes);
+  return {ContactPlane::Of::kObject, n.dot(touch.u) < 0.0 ? Vec3(-n) : n};
+}
+
 /// Returns whether a body has a row at a place.
 bool HasRowAt(const ContactRows& rows, std::int32_t body, const Vec3& lever, const Vec3& n) {
   for (int row = 0; row < rows.count(); ++row) {
@@ -116,7 +122,8 @@ void AddRowOfCorner(MeshContact& contact, std::uint32_t vertex, const Touch& bes
   Touch& touch = contact.touches.emplace_back(TouchAt(meshes, nodes, at));
   if (!(touch.distance > 0.0)) return;
   touch.plane = beside.plane;
-  AddRows(contact, touch, rows);
+  const TouchRow row = RowsAt(contact, touch).row[c];
+  if (row.is_over) SetRow(contact, touch, row, rows);
 }
 
 }  // namespace
@@ -124,22 +131,21 @@ void AddRowOfCorner(MeshContact& contact, std::uint32_t vertex, const Touch& bes
 void AddRowsThatRub(MeshContact& contact, Touch& touch, ContactRows& rows) {
   if (touch.distance <= 0.0 || touch.plane.of != ContactPlane::Of::kNone) return;
   const ToolAndBodies& meshes = contact.meshes;
-  const ContactMesh& of_body = touch.nodes.shape->mesh;
-  const std::uint32_t triangle = HullTree::TriangleOf(touch.nodes.object);
-  const Vec3 n = meshes.FrameOf(touch.nodes).R * of_body.triangles()[triangle].normal;
-  const double sign = n.dot(touch.u) < 0.0 ? -1.0 : 1.0;
-  if (touch.in_cone && !meshes.IsBall() && (sign * n - touch.u).norm() <= kSame) {
-    touch.plane = {ContactPlane::Of::kObject, sign * n};
+  const ContactPlane face = FaceOf(meshes, touch);
+  if (touch.in_cone && !meshes.IsBall() && (face.n - touch.u).norm() <= kSame) {
+    touch.plane = face;
     const Feature of = touch.nearest.of_q;
-    touch.is_flush = AddRows(contact, touch, rows) || of.kind == Feature::kFace ||
-                     IsWithinFace(of_body, triangle, of);
+    touch.is_flush =
+        AddRows(contact, touch, rows) || of.kind == Feature::kFace ||
+        IsWithinFace(touch.nodes.shape->mesh, HullTree::TriangleOf(touch.nodes.object), of);
     if (touch.is_flush) return;
   }
   touch.plane = ChoosePlane(meshes, touch, contact.motion);
   AddRows(contact, touch, rows);
 }
 
-void AddRowsOfHidden(MeshContact& contact, std::span<const ContactId> active, ContactRows& rows) {
+void AddRowsOfHidden(MeshContact& contact, std::span<const ContactId> active, double reach,
+                     ContactRows& rows) {
   const ToolAndBodies& meshes = contact.meshes;
   if (meshes.IsBall()) return;
   for (const ContactId& id : active) {
@@ -151,14 +157,17 @@ void AddRowsOfHidden(MeshContact& contact, std::span<const ContactId> active, Co
       contact.touches.push_back(
           TouchAt(meshes, meshes.NodesOf(~id.tool, ~id.object, id.body), contact.motion.from));
       touch = contact.touches.end() - 1;
-      if (touch->distance <= meshes.margins.touching) AddRowsThatRub(contact, *touch, rows);
+      if (touch->distance <= reach) AddRowsThatRub(contact, *touch, rows);
     }
     const bool has_rows = std::ranges::any_of(touch->row, [](int row) { return row >= 0; });
-    if (has_rows || touch->plane.of != ContactPlane::Of::kObject || id.row > 2) continue;
-    // The corner is beyond the rim of its triangle.  Another one of the same face may be below it.
-    const auto& corners = meshes.tool.mesh.triangles()[static_cast<std::uint32_t>(id.tool)].vertex;
-    const Touch beside = *touch;
-    AddRowOfCorner(contact, corners[static_cast<std::size_t>(id.row)], beside, rows);
+    if (has_rows) continue;
+    // It has left its triangle.  Another one of the same face may be below the tool's corners.
+    Touch beside = *touch;
+    beside.plane = FaceOf(meshes, *touch);
+    for (const std::uint32_t corner :
+         meshes.tool.mesh.triangles()[static_cast<std::uint32_t>(id.tool)].vertex) {
+      AddRowOfCorner(contact, corner, beside, rows);
+    }
   }
 }
 

@@ -32,7 +32,7 @@ MeshContact::MeshContact(const ToolBody& tool, std::span<const ContactBody> bodi
   corners.met.reserve(corners.seen.size());
   scratch.in_body.resize(bodies.size());
   touches.reserve(static_cast<std::size_t>(most_looks));
-  ReserveEach(rows, of_rows.touch, released);
+  of_rows.touch.reserve(rows);
   of_rows.asked.resize(rows);
   ReserveEach(static_cast<std::size_t>(near.room()), scratch.doubts, open);
 }
@@ -85,7 +85,7 @@ void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront&
     }
   }
   if (!rubs || contact.meshes.IsBall()) return;
-  AddRowsOfHidden(contact, active, rows);
+  AddRowsOfHidden(contact, active, contact.meshes.margins.touching, rows);
   AddRowsOfCorners(contact, rows);
 }
 
@@ -95,27 +95,15 @@ bool CheckTrial(MeshContact& contact, const Vec3& v, const Vec3& phi, ContactRow
   return is_free;
 }
 
-namespace {
-
-/// Calls check() with the margins of a tool that rests at a trial's end.
-bool AtRest(MeshContact& contact, auto check) {
+bool CheckRest(MeshContact& contact, const Vec3& v, const Vec3& phi, ContactRows& rows) noexcept {
   Margins& margins = contact.meshes.margins;
-  const double keeps = std::min(margins.separation, contact.of_rows.least) - kRounding;
   const Margins moving = margins;
-  margins.free = std::max(margins.free, keeps);
-  const bool may_rest = check();
+  margins.rest = std::min(margins.separation, contact.of_rows.least) - kRounding;
+  margins.free = margins.rest = std::max(margins.free, margins.rest);
+  const bool may_rest =
+      Certify(contact, v, phi, Until::kEnough) == 0 || !AddRowsOfOpen(contact, rows);
   margins = moving;
   return may_rest;
-}
-
-}  // namespace
-
-bool CheckRest(MeshContact& contact, const Vec3& v, const Vec3& phi, ContactRows& rows) noexcept {
-  return AtRest(contact, [&] { return CheckTrial(contact, v, phi, rows); });
-}
-
-bool MayRest(MeshContact& contact, const Vec3& v, const Vec3& phi) noexcept {
-  return AtRest(contact, [&] { return IsFree(contact, v, phi); });
 }
 
 bool IsFree(MeshContact& contact, const Vec3& v, const Vec3& phi) noexcept {

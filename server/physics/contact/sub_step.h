@@ -19,14 +19,6 @@ struct TouchRows {
   double least = 0.0;         ///< rows ask for no more [m]: delta, or the least that a contact has
 };
 
-/// A row that was taken out of its touch and can be put back.
-struct ReleasedRow {
-  Touch* touch;
-  int slot;  ///< index into touch->row
-  int row;
-  double gap;  ///< gap of the row when it was taken out [m]
-};
-
 /// Scratch memory of Certify.
 struct CertifyScratch {
   std::vector<std::int64_t> doubts;  ///< near pairs whose planes do not hold, as a heap by the gap
@@ -64,7 +56,6 @@ struct MeshContact {
   NearPairs near;
   std::vector<Touch> touches;  ///< of those near pairs of triangles that were examined closely
   TouchRows of_rows;
-  std::vector<ReleasedRow> released;  ///< by the last Release
   Looks looks;
   CertifyScratch scratch;
   CornerScratch corners;
@@ -81,9 +72,9 @@ struct MeshContact {
   }
 };
 
-// One sub-step between meshes: BeginSubStep; CheckTrial until a trial is free; Retract, Relinearise
-// and Release, which may ask for more trials; EndSubStep.  README.md has the order and drawings.
-// Real-time: no allocation, lock, log or clock.  Deterministic.
+// One sub-step between meshes: BeginSubStep; CheckTrial until a trial is free; Relinearise,
+// CheckRest and Release, which may ask for more trials; EndSubStep.  README.md has the order and
+// drawings. Real-time: no allocation, lock, log or clock.  Deterministic.
 
 /// When Certify may stop at a trial that is not free.
 enum class Until {
@@ -124,8 +115,6 @@ bool CheckTrial(MeshContact& contact, const Vec3& v, const Vec3& phi, ContactRow
 /// CheckTrial for a tool that rests at the trial's end: a contact may be no nearer there than the
 /// separation that rows ask for, and not h alone.
 bool CheckRest(MeshContact& contact, const Vec3& v, const Vec3& phi, ContactRows& rows) noexcept;
-/// CheckRest without rows.
-bool MayRest(MeshContact& contact, const Vec3& v, const Vec3& phi) noexcept;
 /// CheckTrial without rows: stops at the first pair without a plane.
 bool IsFree(MeshContact& contact, const Vec3& v, const Vec3& phi) noexcept;
 
@@ -165,8 +154,8 @@ TouchRowsAtTrial RowsAt(const MeshContact& contact, const Touch& touch);
 
 /// Adds the rows that the trial violates, of touches that Certify found open.  Touches within their
 /// cones come first; only if those give no row, the others: in these a neighbour is nearer, and its
-/// rows mostly keep them apart too.
-void AddRowsOfOpen(MeshContact& contact, ContactRows& rows);
+/// rows mostly keep them apart too.  Returns whether there were any.
+bool AddRowsOfOpen(MeshContact& contact, ContactRows& rows);
 /// Adds the rows of those corners of a near pair's touch that touch.
 void AddRowsThatTouch(MeshContact& contact, NearPairs::Index k, ContactRows& rows);
 /// Adds or changes a row, with what it asks for at the trial.
@@ -198,33 +187,35 @@ double PriceOfRegain(const MeshContact& contact, const QpResult& qp);
 /// AddRowsThatTouch for a tool that lies on a flat face: it touches with its corners, each of them
 /// once.
 void AddRowsThatRub(MeshContact& contact, Touch& touch, ContactRows& rows);
-/// AddRowsThatRub for those `active` pairs that are hidden in patches: no near pairs.  If a corner
+/// AddRowsThatRub for those `active` pairs, no farther apart than `reach` [m], that are hidden in
+/// patches: no near pairs.  If a corner
 /// of one has left its triangle, its row is that of the triangle below.
-void AddRowsOfHidden(MeshContact& contact, std::span<const ContactId> active, ContactRows& rows);
+void AddRowsOfHidden(MeshContact& contact, std::span<const ContactId> active, double reach,
+                     ContactRows& rows);
 /// Adds the rows of all corners of the tool that touch a flat face beside those pairs that have
 /// one, in whatever patch they are.
 void AddRowsOfCorners(MeshContact& contact, ContactRows& rows);
 
 // --- reconcile.cpp ---
 //
-// These functions test whether the rows that hold the tool at a free trial are those that the
-// geometry gives there (../solve/README.md, "Arrival").  The first three return how many touches
-// they changed; if that is not 0, the rows must be solved again.  Rows of leaves, and of pairs that
+// Whether the rows that hold the tool at a free trial are those that the geometry gives there
+// (../solve/README.md, "Arrival").  Functions that change rows return how many touches they
+// changed; if that is not 0, the rows must be solved again.  Rows of leaves, and of pairs that
 // intersect, are not changed.
 
-/// Removes the rows of each touch that does not touch at the trial if another plane separates it;
-/// the touch takes that plane.  Rows of a ball take the smooth surface's normal at the trial.
-int Retract(MeshContact& contact, std::span<const int> active, ContactRows& rows) noexcept;
+/// For a ball, gives each row the smooth surface's normal at the trial; and the row of a touch that
+/// does not touch there another plane that separates it, if there is one.
+int MendOfBall(MeshContact& contact, std::span<const int> active, ContactRows& rows) noexcept;
 /// Recomputes each row whose direction in configuration space has turned by more than `most` [rad],
 /// or whose gap at the trial is not the geometry's, at most once in a sub-step.
 int Relinearise(MeshContact& contact, std::span<const int> active, double most,
                 ContactRows& rows) noexcept;
-/// Removes the rows of touches that are no contacts at the trial, or whose contact has a direction
-/// that differs by more than `most` [rad]: they would hinder the tool without a cause.
-int Release(MeshContact& contact, std::span<const int> active, double most,
-            ContactRows& rows) noexcept;
-/// Undoes the last Release.
-void PutBack(MeshContact& contact, ContactRows& rows) noexcept;
+/// Returns whether contacts give all active rows at the trial, in directions that differ by no more
+/// than `most` [rad].
+bool AreOfContacts(const MeshContact& contact, std::span<const int> active, double most,
+                   const ContactRows& rows) noexcept;
+/// Removes the active rows of touches that were no contacts when the sub-step began.
+int Release(MeshContact& contact, std::span<const int> active, ContactRows& rows) noexcept;
 
 /// Returns the derivative [1/m] of the normal of a ball's row by the ball's motion round the edge
 /// or corner that it touches, which the straight row neglects.  Zero for other rows.

@@ -55,6 +55,53 @@ bool IsBehind(const ToolAndBodies& meshes, const Touch& touch) {
   return most < 0.0;
 }
 
+/// Returns the plane of two edges of triangles at a pose, its normal on the side of `away`; kNone
+/// if they are nearly parallel.
+ContactPlane PlaneOfEdges(const ToolAndBodies& meshes, const NodesOfPair& triangles, int of_tool,
+                          int of_object, const Vec3& away, const ToolPose& at) {
+  const Vec3 ea = at.R * EdgeOf(meshes.tool.mesh, triangles.tool, of_tool);
+  const Vec3 eb =
+      meshes.FrameOf(triangles).R * EdgeOf(triangles.shape->mesh, triangles.object, of_object);
+  const Vec3 across = ea.cross(eb);
+  if (across.squaredNorm() <= kParallel * kParallel * ea.squaredNorm() * eb.squaredNorm())
+    return {};
+  return {ContactPlane::Of::kEdges, eb, static_cast<std::uint8_t>(of_tool),
+          static_cast<std::uint8_t>(of_object), across.dot(away) < 0.0 ? -1.0 : 1.0};
+}
+
+/// Calls visit(plane) for each two edges of a touch's triangles that meet at the nearest points.
+template <class Visit>
+void ForEachEdges(const ToolAndBodies& meshes, const Touch& touch, const ToolPose& from,
+                  Visit visit) {
+  const auto is_at = [](Feature of, int edge) {
+    return (of.kind == Feature::kEdge && of.index == edge) ||
+           (of.kind == Feature::kVertex && (of.index == edge || of.index == (edge + 1) % 3));
+  };
+  const NearestPoints& nearest = touch.nearest;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      if (!is_at(nearest.of_p, i) || !is_at(nearest.of_q, j)) continue;
+      const ContactPlane plane =
+          PlaneOfEdges(meshes, touch.nodes, i, j, nearest.p - nearest.q, from);
+      if (plane.of != ContactPlane::Of::kNone) visit(plane);
+    }
+  }
+}
+
+/// Returns whether features at the nearest points of a touch could touch along a plane's normal,
+/// were they nearest.
+bool MayTouchAlong(const ToolAndBodies& meshes, const Touch& touch, const ContactPlane& plane,
+                   const ToolPose& at) {
+  Feature of_p = touch.nearest.of_p, of_q = touch.nearest.of_q;
+  if (plane.of == ContactPlane::Of::kObject) of_q = {Feature::kFace};
+  if (plane.of == ContactPlane::Of::kTool) of_p = {Feature::kFace};
+  if (plane.of == ContactPlane::Of::kEdges) {
+    of_p = {Feature::kEdge, plane.tool_edge};
+    of_q = {Feature::kEdge, plane.object_edge};
+  }
+  return ConesHold(meshes, touch.nodes, of_p, of_q, NormalAt(meshes, touch, plane, at), at);
+}
+
 /// Of the planes that separate a touch by `least` at the motion's beginning, finds the one with the
 /// largest gap at the end.
 struct BestPlane {
@@ -62,7 +109,7 @@ struct BestPlane {
   const Touch& touch;
   const Motion& motion;
   double least;
-  double room = -kInfinity;  ///< gap that a plane must exceed at the end
+  double room = -kInfinity;  ///< its gap at the end
   ContactPlane plane{};
 
   void Consider(const ContactPlane& other) {
@@ -156,17 +203,17 @@ double GapAt(const ToolAndBodies& meshes, const NodesOfPair& nodes, const Touch&
   return meshes.Gap(nodes, NormalAt(meshes, touch, plane, at), at);
 }
 
-bool InCone(const ToolAndBodies& meshes, const NodesOfPair& triangles, const NearestPoints& nearest,
-            const Vec3& u, const ToolPose& at) {
+bool ConesHold(const ToolAndBodies& meshes, const NodesOfPair& triangles, Feature of_tool,
+               Feature of_object, const Vec3& n, const ToolPose& at) {
   const auto holds = [](const ContactMesh& mesh, HullTree::Node node, Feature of, const Vec3& n) {
     const ContactMesh::Triangle& t = mesh.triangles()[HullTree::TriangleOf(node)];
     if (of.kind == Feature::kEdge) return mesh.EdgeConeHolds(t.edge[of.index], n);
     if (of.kind == Feature::kVertex) return mesh.VertexConeHolds(t.vertex[of.index], n);
     return true;
   };
-  return holds(triangles.shape->mesh, triangles.object, nearest.of_q,
-               meshes.FrameOf(triangles).R.transpose() * u) &&
-         holds(meshes.tool.mesh, triangles.tool, nearest.of_p, -(at.R.transpose() * u));
+  return holds(triangles.shape->mesh, triangles.object, of_object,
+               meshes.FrameOf(triangles).R.transpose() * n) &&
+         holds(meshes.tool.mesh, triangles.tool, of_tool, -(at.R.transpose() * n));
 }
 
 Vec3 SmoothNormal(const ToolAndBodies& meshes, const NodesOfPair& triangles,
@@ -187,30 +234,32 @@ ContactPlane ChoosePlane(const ToolAndBodies& meshes, const Touch& touch, const 
     // this pair as well.
     const double least = touch.by_plane ? kRounding : meshes.margins.LeastAfter(touch.distance);
     BestPlane best{meshes, touch, trial, least};
-    ForEachFace(meshes, touch.nodes, touch.nearest, trial.from,
-                [&](const ContactPlane& face) { best.Consider(face); });
+    const auto consider = [&](const ContactPlane& plane) {
+      if (MayTouchAlong(meshes, touch, plane, trial.to) ||
+          (trial.moves && MayTouchAlong(meshes, touch, plane, trial.from))) {
+        best.Consider(plane);
+      }
+    };
+    ForEachFace(meshes, touch.nodes, touch.nearest, trial.from, consider);
+    ForEachEdges(meshes, touch, trial.from, consider);
+    if (best.plane.of == ContactPlane::Of::kNone) {
+      ForEachFace(meshes, touch.nodes, touch.nearest, trial.from,
+                  [&](const ContactPlane& face) { best.Consider(face); });
+    }
     if (best.plane.of != ContactPlane::Of::kNone) return best.plane;
   }
   if (b.kind == Feature::kVertex && a.kind != Feature::kVertex) {
     plane = {ContactPlane::Of::kTool, trial.from.R.transpose() * touch.u};
   } else if (a.kind == Feature::kEdge && b.kind == Feature::kEdge) {
-    const Vec3 ea = trial.from.R * EdgeOf(meshes.tool.mesh, touch.nodes.tool, a.index);
-    const Vec3 eb = meshes.FrameOf(touch.nodes).R *
-                    EdgeOf(touch.nodes.shape->mesh, touch.nodes.object, b.index);
-    const Vec3 across = ea.cross(eb);
-    if (across.squaredNorm() > kParallel * kParallel * ea.squaredNorm() * eb.squaredNorm()) {
-      plane.of = ContactPlane::Of::kEdges;
-      plane.n = eb;
-      plane.tool_edge = a.index;
-      plane.object_edge = b.index;
-      plane.sign = across.dot(touch.u) < 0.0 ? -1.0 : 1.0;
-    }
+    const ContactPlane edges =
+        PlaneOfEdges(meshes, touch.nodes, a.index, b.index, touch.u, trial.from);
+    if (edges.of != ContactPlane::Of::kNone) plane = edges;
   }
   return plane;
 }
 
-ContactPlane OtherPlane(const ToolAndBodies& meshes, const Touch& touch,
-                        const NearestPoints& nearest, const Vec3& u, const Motion& trial) {
+ContactPlane OtherPlaneOfBall(const ToolAndBodies& meshes, const Touch& touch,
+                              const NearestPoints& nearest, const Motion& trial) {
   const double enough = meshes.margins.separation - meshes.margins.witness;
   BestPlane best{meshes, touch, trial, enough, enough};
   const auto consider = [&](const ContactPlane& plane) {
@@ -218,15 +267,10 @@ ContactPlane OtherPlane(const ToolAndBodies& meshes, const Touch& touch,
   };
   ForEachFace(meshes, touch.nodes, touch.nearest, trial.from, consider);
   ForEachFace(meshes, touch.nodes, nearest, trial.from, consider);
-  // A plane across nearest points outside the cones is no contact's.  Its rows would hold the tool
-  // if the pair is near.
-  const auto across = [&](const Vec3& n, double distance, bool in_cone) {
-    if (!in_cone && !meshes.IsBall() && distance <= meshes.margins.touching) return;
+  for (const Vec3& n : {touch.u, nearest.Direction()}) {
     consider(ContactPlane{ContactPlane::Of::kObject, n});
     consider(ContactPlane{ContactPlane::Of::kTool, trial.from.R.transpose() * n});
-  };
-  across(touch.u, touch.distance, touch.in_cone);
-  across(u, nearest.Distance(), InCone(meshes, touch.nodes, nearest, u, trial.to));
+  }
   return best.plane;
 }
 

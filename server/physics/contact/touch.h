@@ -86,7 +86,7 @@ struct ToolAndBodies {
   PatchPair PatchesOf(const NodesOfPair& nodes) const {
     return {tool.tree.HullOf(nodes.tool), nodes.shape->tree.HullOf(nodes.object), tool.radius};
   }
-  /// For two triangles, one of them a block's: its normal, out of the solid.
+  /// For two triangles: the normal of the body's, out of a solid.
   Vec3 OutwardOf(const NodesOfPair& triangles) const {
     const std::uint32_t t = HullTree::TriangleOf(triangles.object);
     return FrameOf(triangles).R * triangles.shape->mesh.triangles()[t].normal;
@@ -137,9 +137,9 @@ struct Touch {
   /// Where something rubs: whether the tool lies on the body's face, which is the plane.
   bool is_flush = false;
   ContactPlane plane;  ///< that its rows use; kNone if it has no rows
-  /// Each happens once at most in a sub-step; otherwise two planes, or two
+  /// Whether its rows have been mended: once at most in a sub-step.  Otherwise two planes, or two
   /// directions, could alternate.
-  bool retracted = false, relinearised = false;
+  bool is_mended = false;
   int row[3] = {-1, -1, -1};  ///< for each corner (kEdges: only the first is used); -1: none
 
   /// Returns the gap that a plane must leave after a sub-step if it leaves `before` [m] at its
@@ -174,10 +174,15 @@ Vec3 NormalAt(const ToolAndBodies& meshes, const Touch& touch, const ContactPlan
 double GapAt(const ToolAndBodies& meshes, const NodesOfPair& nodes, const Touch& touch,
              const ContactPlane& plane, const ToolPose& at);
 
-/// Returns whether the direction u between two nearest points lies in the normal cones of both
-/// features; if not, a neighbouring triangle is nearer.
-bool InCone(const ToolAndBodies& meshes, const NodesOfPair& triangles, const NearestPoints& nearest,
-            const Vec3& u, const ToolPose& at);
+/// Returns whether features of two triangles can touch along n, from object to tool: it lies in the
+/// normal cones of both; if not, a neighbour is nearer.
+bool ConesHold(const ToolAndBodies& meshes, const NodesOfPair& triangles, Feature of_tool,
+               Feature of_object, const Vec3& n, const ToolPose& at);
+/// ConesHold for the features at nearest points, and the direction u between them.
+inline bool InCone(const ToolAndBodies& meshes, const NodesOfPair& triangles,
+                   const NearestPoints& nearest, const Vec3& u, const ToolPose& at) {
+  return ConesHold(meshes, triangles, nearest.of_p, nearest.of_q, u, at);
+}
 
 /// For two triangles: ContactMesh::SmoothNormal of the body where it is touched along n.
 Vec3 SmoothNormal(const ToolAndBodies& meshes, const NodesOfPair& triangles,
@@ -214,11 +219,12 @@ void ForEachFace(const ToolAndBodies& meshes, const NodesOfPair& triangles,
 
 /// Returns the plane that a touch uses for its rows after a trial in which no plane separates it.
 ContactPlane ChoosePlane(const ToolAndBodies& meshes, const Touch& touch, const Motion& trial);
-/// Of the planes that separate a touch at the beginning, returns the one with the largest gap at
-/// the end of the trial; kNone if there is no other plane.
-/// @param nearest, u  of the triangles at the end.
-ContactPlane OtherPlane(const ToolAndBodies& meshes, const Touch& touch,
-                        const NearestPoints& nearest, const Vec3& u, const Motion& trial);
+
+/// Of the planes that separate a ball's touch at the beginning, returns the one with the largest
+/// gap at the end of the trial; kNone if there is no other plane.
+/// @param nearest  of the triangles at the end.
+ContactPlane OtherPlaneOfBall(const ToolAndBodies& meshes, const Touch& touch,
+                              const NearestPoints& nearest, const Motion& trial);
 
 /// Returns how much nearer a pair may come between the ends of a motion than at either end
 /// [m].  A plane of edges turns while the contact moves; this takes at most a quarter of

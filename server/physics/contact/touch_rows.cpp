@@ -156,7 +156,7 @@ void SetRow(MeshContact& contact, Touch& touch, const TouchRow& of, ContactRows&
   of_rows.asked[static_cast<std::size_t>(row)] = asked;
 }
 
-void AddRowsOfOpen(MeshContact& contact, ContactRows& rows) {
+bool AddRowsOfOpen(MeshContact& contact, ContactRows& rows) {
   const auto add = [&](bool in_cone, bool over) {
     bool added = false;
     for (const NearPairs::Index k : contact.open) {
@@ -173,7 +173,7 @@ void AddRowsOfOpen(MeshContact& contact, ContactRows& rows) {
     }
     return added;
   };
-  if (!add(true, true) && !add(true, false)) add(false, false);
+  return add(true, true) || add(true, false) || add(false, false);
 }
 
 void AddRowsThatTouch(MeshContact& contact, NearPairs::Index k, ContactRows& rows) {

@@ -87,7 +87,9 @@ class Newton {
       if (!Minimise(q)) return false;
       Point next{Vec6::Map(result_.x), result_.slack};
       Evaluate(next);
-      if (SamePieces(now, next, q)) return true;
+      // A step of picometres is the rounding of rows that just touch.
+      const bool stays = by_law_ && !first && (next.x - now.x).cwiseAbs().maxCoeff() <= tolerance_;
+      if (stays || SamePieces(now, next, q)) return true;
       // The first step also leads into the polyhedron, so it may not be shortened.
       if (!first) by_law_ ? Shorten(now, next) : Search(now, next);
       now = next;

@@ -22,7 +22,7 @@ double PartWithin(const StepContext& context, const Optimum& optimum) {
 void GoPart(Way& way, double part) {
   way.v = part * way.optimum.v;
   way.phi = part * way.optimum.phi;
-  way.arrived = way.reached = part == 1.0;
+  way.arrived = part == 1.0;
 }
 
 /// Returns the way to the optimum under rows that have changed, as far as the bounds allow.  If the
@@ -83,7 +83,7 @@ bool Mend(StepContext& context, Way& way) {
   MeshContact& meshes = *context.buffers().meshes;
   ContactRows& rows = context.buffers().rows;
   const auto active = way.optimum.qp.ActiveRows();
-  if (Retract(meshes, active, rows) != 0) return true;
+  if (MendOfBall(meshes, active, rows) != 0) return true;
   if (context.IsFreeBall()) {
     // A ball's rows have the smooth surface's normals at the trial, so the ball rests there, even
     // if facets lifted it on the way.  At a crease they have the normals of the beginning: the ball
@@ -97,50 +97,58 @@ bool Mend(StepContext& context, Way& way) {
   return Relinearise(meshes, active, most, rows) != 0;
 }
 
-/// For a tool that no contact holds at its optimum, returns whether it can get no farther: this
-/// sub-step and the last have found nothing better, and move it by no more than contact reaches.
-bool IsStuck(StepContext& context, const Way& held) {
-  int& stuck_at = context.outcome.stuck_at;
-  const int now = context.report().diagnostics.substeps;
-  if (LengthOf(context, held) > context.buffers().meshes->meshes.margins.touching) return false;
-  return std::exchange(stuck_at, now) == now - 1;
+/// Goes only a part of a way.
+void Shorten(Way& way, double part) {
+  way.v *= part;
+  way.phi *= part;
+  way.part *= part;
 }
 
-/// What is to be done with a tool that may be held by pairs that do not touch.
-enum class Past {
-  kGoes,       ///< the way is free: go
-  kIsHeld,     ///< nothing is free
-  kHasChanged  ///< rows have changed: solve again
+/// Shortens a motion until it is free and paid for, to its half, quarter, ...; returns whether it
+/// can be.
+bool MakeFree(StepContext& context, Way& way) {
+  const MeshContact& meshes = *context.buffers().meshes;
+  while (!meshes.near.is_full() && !meshes.looks.AreSpent() &&
+         LengthOf(context, way) > limits::mesh::kRounding) {
+    if (IsFree(context, way)) return true;
+    Shorten(way, 0.5);
+  }
+  return false;
+}
+
+/// What is to be done with a tool that reaches its optimum.
+enum class Next {
+  kGo,     ///< the way is free: go
+  kStay,   ///< nothing is free
+  kSolve,  ///< rows have changed: solve again
 };
 
-/// For a tool that may be held by pairs that do not touch, goes to the optimum without their rows
-/// if that is free (README.md, "Arrival", cause).
+/// Decides whether a tool has arrived that reaches its optimum on a free way: only contacts may
+/// hold it there (README.md, "Arrival").
 /// @param goes_on  whether rows may change
-Past GoPast(StepContext& context, bool goes_on, Way& held) {
+Next Settle(StepContext& context, bool goes_on, Way& way) {
   MeshContact& meshes = *context.buffers().meshes;
   ContactRows& rows = context.buffers().rows;
-  const auto release = [&](const Optimum& optimum) {
-    return Release(meshes, optimum.qp.ActiveRows(),
-                   MostTurned(context, optimum, limits::mesh::kReleaseError), rows);
-  };
-  if (release(held.optimum) == 0) return Past::kGoes;
-  Way past = WayToNewOptimum(context);
-  if (context.Gain(past.v, past.phi) > context.Gain(held.v, held.phi) &&
-      MayRest(meshes, past.v, past.phi)) {
-    const bool held_again = release(past.optimum) != 0;
-    PutBack(meshes, rows);
-    held = past;
-    if (held_again) held.arrived = held.arrived && IsStuck(context, held);
-    return Past::kGoes;
+  const auto active = way.optimum.qp.ActiveRows();
+  const double most = MostTurned(context, way.optimum, limits::mesh::kReleaseError);
+  if (AreOfContacts(meshes, active, most, rows)) return Next::kGo;
+  if (goes_on && !meshes.looks.AreSpent() && !CheckRest(meshes, way.v, way.phi, rows)) {
+    return Next::kSolve;
   }
-  Remember(context, held.optimum);  // for the next sub-step, without the rows that are out
-  PutBack(meshes, rows);
-  if (goes_on && !meshes.looks.AreSpent() && !CheckRest(meshes, held.v, held.phi, rows)) {
-    return Past::kHasChanged;
+  // The contacts of that place give the next sub-step its rows.  A step that is not worth it ends
+  // the search, if contacts of the beginning hold the tool.
+  way.arrived = LengthOf(context, way) <= meshes.meshes.margins.touching;
+  if (way.arrived && Release(meshes, active, rows) != 0) {
+    Way past = WayToNewOptimum(context);
+    if (context.IsUnsolved()) return Next::kStay;
+    if (MakeFree(context, past) && context.Gain(past.v, past.phi) > context.Gain(way.v, way.phi)) {
+      way = past;
+      way.arrived = false;
+      return Next::kGo;
+    }
+    Remember(context, way.optimum);
   }
-  held.arrived = IsStuck(context, held);
-  if (held.arrived) Remember(context, held.optimum);
-  return IsFree(context, held) ? Past::kGoes : Past::kIsHeld;
+  return IsFree(context, way) ? Next::kGo : Next::kStay;
 }
 
 /// Returns whether a free motion ends no farther from the hand than it begins, except for rounding.
@@ -181,24 +189,19 @@ void BeginAnew(StepContext& context) {
 /// Shortens a motion to the longest half, quarter, ... that is free and paid for, or to none.
 void Halve(StepContext& context, Way& way) {
   MeshContact& meshes = *context.buffers().meshes;
-  way.arrived = way.reached = false;
+  way.arrived = false;
   context.RestoreFriction();
   meshes.looks.most += context.model.parameters().looks / limits::mesh::kReserve;
-  while (!meshes.near.is_full() && !meshes.looks.AreSpent() &&
-         LengthOf(context, way) > limits::mesh::kRounding) {
-    way.v *= 0.5;
-    way.phi *= 0.5;
-    way.part *= 0.5;
-    if (IsFree(context, way)) return;
-  }
+  // What held the tool at the beginning still does, and not what a trial met that is given up.
+  StepState& state = context.state();
+  state.active = context.sub_step.active;
+  state.active_ids = context.sub_step.active_ids;
+  Shorten(way, 0.5);
+  if (MakeFree(context, way)) return;
   way.v.setZero();
   way.phi.setZero();
   way.part = 0.0;
   meshes.motion = Motion(meshes.motion.from);
-  // What held the tool there still does, and not what a trial met that is given up.
-  StepState& state = context.state();
-  state.active = context.sub_step.active;
-  state.active_ids = context.sub_step.active_ids;
 }
 
 }  // namespace
@@ -215,10 +218,12 @@ bool ClearWay(StepContext& context, Way& way) noexcept {
   if (is_free && Approaches(context, way)) {
     if (way.arrived && goes_on && Mend(context, way)) return false;
     // For a ball, Turned decides whether it has arrived.
-    const bool goes_past =
-        way.arrived && context.IsRigid() && !meshes.meshes.IsBall() && !way.optimum.rounds;
-    const Past past = goes_past ? GoPast(context, goes_on, way) : Past::kGoes;
-    if (past != Past::kIsHeld) return past == Past::kGoes;
+    if (way.arrived && context.IsRigid() && !meshes.meshes.IsBall() && !way.optimum.rounds) {
+      const Next next = Settle(context, goes_on, way);
+      if (next != Next::kStay) return next == Next::kGo;
+    } else {
+      return true;
+    }
   } else if (goes_on && !meshes.looks.AreSpent()) {
     if (is_free || ++trust.failures == limits::mesh::kTrustedTrials) BeginAnew(context);
     return false;

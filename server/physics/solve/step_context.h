@@ -48,9 +48,8 @@ struct Optimum {
 struct Way {
   Optimum optimum;
   Vec3 v = Vec3::Zero(), phi = Vec3::Zero();  ///< [m], [rad]
-  bool reached = false;                       ///< whether it reaches the optimum
-  bool arrived = false;                       ///< whether it does, and contacts hold the tool there
-  double part = 1.0;                          ///< of the last trial, that the meshes allowed
+  bool arrived = false;  ///< whether it reaches the optimum, and contacts hold the tool there
+  double part = 1.0;     ///< of the last trial, that the meshes allowed
 };
 
 /// How far rows between meshes are trusted in a sub-step (ClearWay).
@@ -94,8 +93,6 @@ struct SubStep {
 
 /// How the sub-steps so far have ended.
 struct Outcome {
-  int stuck_at = -2;     ///< index of the last that found no way past what holds the tool
-  bool reached = false;  ///< whether the last one's way reached its optimum
   bool arrived = false;  ///< whether it arrived there
   bool held = false;     ///< whether something then kept the tool from the hand
 };
