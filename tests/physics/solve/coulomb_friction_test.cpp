@@ -481,7 +481,7 @@ TEST(Friction, MinimisesAsABruteForceSolverDoes) {
       // By strong convexity the minimiser is at most sqrt(2 (cost - minimum)) away.
       double excess = problem.Cost(x) - problem.LowerBound(30000);
       if (excess > 1e-10 * size * size) excess = problem.Cost(x) - problem.LowerBound(3000000);
-      ASSERT_GE(excess, -1e-12 * size * size);
+      ASSERT_GE(excess, -1e-11 * size * size);  // what rows may yield, times their forces
       const double distance = std::sqrt(2.0 * std::max(0.0, excess)) / size;
       worst = std::max(worst, distance);
       loose += distance > 2e-5;
