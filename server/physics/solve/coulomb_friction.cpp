@@ -34,12 +34,8 @@ Vec6 SolveLinear(const Mat6& H, const Vec6& g) {
     A.row(k).swap(A.row(k + pivot));
     for (int i = k + 1; i < 6; ++i) A.row(i) -= A(i, k) / A(k, k) * A.row(k);
   }
-  Vec6 x;
-  for (int k = 6 - 1; k >= 0; --k) {
-    for (int j = k + 1; j < 6; ++j) A(k, 6) -= A(k, j) * x[j];
-    x[k] = A(k, 6) / A(k, k);
-  }
-  return x;
+  const auto upper = A.leftCols<6>().triangularView<Eigen::Upper>();
+  return upper.solve(A.col(6));
 }
 
 /// A contact that yields: it pushes back by its stiffness times its offset, within Coulomb's law.
@@ -66,8 +62,6 @@ struct Contact {
   auto friction() const { return f.tail<2>(); }
   bool slips() const { return ratio < 1.0; }
   double slip() const { return offset.tail<2>().norm(); }
-  /// Returns what friction takes off x.
-  Vec6 Rub() const { return J.bottomRows<2>().transpose() * friction(); }
 
   /// Evaluates the law at x and f, with w = offset - (f - held) / k:
   ///   lambda = max(0, lambda + w_1),
@@ -111,7 +105,25 @@ class FrictionalContacts {
   FrictionalContacts(const StepContext& context, const Optimum& frictionless, const Vec6& t)
       : context_(context), frictionless_(frictionless.qp), t_(t) {
     size_ = t_.norm() + (t_ - Vec6::Map(frictionless_.x)).norm();
-    Collect();
+    Begin();
+  }
+
+  /// Begins with the contacts of the last sub-step that are still near, with their forces, and
+  /// those of the frictionless optimum.  If there are any of the former, the others start without
+  /// force, because the former balanced the hand.
+  void Begin() {
+    const FrictionState& state = context_.state().friction;
+    count_ = 0;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(state.contacts); ++i) {
+      int row;
+      if (context_.buffers().rows.Find({&state.id[i], 1}, &row) == 1) {
+        Add(row, state.normal_force[i], state.force[i]);
+      }
+    }
+    const bool warm = count_ > 0;
+    for (int i = 0; i < frictionless_.active; ++i) {
+      Add(frictionless_.row[i], warm ? 0.0 : frictionless_.multiplier[i]);
+    }
   }
 
   const Contact* begin() const { return contact_; }
@@ -165,27 +177,19 @@ class FrictionalContacts {
   /// Returns t less the friction: the target of the QP over all rows.
   Vec6 ShiftedTarget() const {
     Vec6 t = t_;
-    for (const Contact& contact : *this) t -= contact.Rub();
+    for (const Contact& contact : *this) {
+      t -= contact.J.bottomRows<2>().transpose() * contact.friction();
+    }
     return t;
   }
 
   const Vec6& x() const { return x_; }
+  /// Takes over the QP's x, which violates nothing, if it differs only as this one may be off.
+  void Follow(const double* x) {
+    if (Largest(Vec6::Map(x) - x_) <= 10.0 * kSolved * size_) x_ = Vec6::Map(x);
+  }
   /// By how much x may violate a row.
   double tolerance() const { return frictionless_.slack + kExact * size_; }
-
-  /// Sets friction back to what it was in the last sub-step.
-  void TakeLastFriction() {
-    const FrictionState& state = context_.state().friction;
-    for (Contact& contact : *this) {
-      const ContactId& id = context_.buffers().rows.id(contact.row);
-      const auto* end = state.id.begin() + state.contacts;
-      const auto* last = std::find(state.id.begin(), end, id);
-      contact.f.setZero();
-      if (last == end) continue;
-      contact.f = contact.axes * state.force[static_cast<std::size_t>(last - state.id.begin())];
-      contact.f[0] = 0.0;
-    }
-  }
 
   /// Takes over the normal forces of the QP, and projects friction onto its disks.  Returns whether
   /// that changed anything, so that the QP must be solved again.
@@ -253,23 +257,6 @@ class FrictionalContacts {
   }
 
  private:
-  /// Adds the contacts of the last sub-step that are still near, with their forces, and those of
-  /// the frictionless optimum.  If there are any of the former, the others start without force,
-  /// because the former balanced the hand.
-  void Collect() {
-    const FrictionState& state = context_.state().friction;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(state.contacts); ++i) {
-      int row;
-      if (context_.buffers().rows.Find({&state.id[i], 1}, &row) == 1) {
-        Add(row, state.normal_force[i], state.force[i]);
-      }
-    }
-    const bool warm = count_ > 0;
-    for (int i = 0; i < frictionless_.active; ++i) {
-      Add(frictionless_.row[i], warm ? 0.0 : frictionless_.multiplier[i]);
-    }
-  }
-
   bool Slides(const Contact& contact) const {
     return contact.slips() && contact.lambda() != 0.0 && contact.slip() > kSlid * size_;
   }
@@ -404,15 +391,16 @@ bool Solve(StepContext& context, Optimum& optimum, const Vec6& t) {
     if (!solve_shifted()) return false;
     added = false;
     for (int i = 0; i < qp.active; ++i) added |= contacts.Add(qp.row[i]);
-    solved = !added;  // what is violated is what they yield
+    solved = !added;
+    if (solved) contacts.Follow(qp.x);  // what is violated is what they yield
   }
   if (!solved) {
     ++report.diagnostics.friction_unsolved;
-    contacts.TakeLastFriction();
-    if (!solve_shifted()) return false;
+    contacts.Begin();
   }
-  for (int projection = 0; !solved && contacts.Project(qp); ++projection) {
-    if (projection == kProjections || !solve_shifted()) return false;
+  for (int projection = 0; !solved; ++projection) {
+    if (projection > kProjections || !solve_shifted()) return false;
+    if (!contacts.Project(qp)) break;
   }
   if (contacts.slides()) context.state().friction.still = 0;
   report.diagnostics.friction_yielded += solved && !contacts.settled();
