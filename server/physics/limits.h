@@ -147,6 +147,10 @@ inline constexpr double kStiffness = 1 << 20, kSoftest = 1 << 14;
 /// in steady motion.  With half the steps three times as many of 1,400 problems that need the
 /// stages stayed unsolved.
 inline constexpr int kSteps = 24, kHalvings = 3;
+/// Penalty that only decides whether a contact presses and slips: about the inverse of how far a
+/// unit force moves one, or more, as others hold the tool too.  With 1, half as many again of a
+/// foot's problems need the stages as with 3; with 10, six times as many of the scene `friction`.
+inline constexpr double kTrial = 3.0;
 /// By how much a force may be off, over the size: some ten roundings of the stiffness times x.
 inline constexpr double kSolved = 1e-9;
 /// By how much a row may be violated, over the size, once the contacts hold their forces: twice
@@ -157,10 +161,9 @@ inline constexpr double kExact = 2e-12;
 inline constexpr int kHolds = 3;
 /// Slip, over the size, above which a contact counts as sliding: a thousand times kSolved.
 inline constexpr double kSlid = 1e-6;
-/// Rounds of the QP over all rows and Newton's method over the contacts: each adds a row, and six
-/// hold a tool.  And projections of the forces into their cones: one for each of seven contacts,
-/// and one more.
-inline constexpr int kRounds = 6, kProjections = 8;
+/// Rounds of Newton's method over the contacts and the QP over all rows: each adds a row, and six
+/// hold a tool.
+inline constexpr int kRounds = 6;
 /// FrictionModel::kChapter: squared sine of half its angle below which a rotation has no axis.
 inline constexpr double kLeastTurn = 1e-24;
 }  // namespace friction

@@ -63,12 +63,12 @@ struct Contact {
   bool slips() const { return ratio < 1.0; }
   double slip() const { return offset.tail<2>().norm(); }
 
-  /// Evaluates the law at x and f, with w = offset - (f - held) / k:
+  /// Evaluates the law at x and f, with w = r (offset - (f - held) / k) for any r > 0:
   ///   lambda = max(0, lambda + w_1),
   ///   friction = friction + w_2,3, projected onto the disk of radius mu lambda.
   void Evaluate(double k, const Vec6& x) {
     offset = J * x + Vec3(b, 0.0, 0.0);
-    law = f + offset - (f - held) / k;
+    law = f + kTrial * (offset - (f - held) / k);
     law[0] = std::max(0.0, law[0]);
     const double limit = mu * law[0], length = law.tail<2>().norm();
     ratio = length <= limit ? 1.0 : limit / length;
@@ -87,9 +87,10 @@ struct Contact {
       rate.row(0).setZero();
     }
     if (!slips()) return;
-    const double left = 1.0 - ratio * (1.0 - 1.0 / k);
+    const double left = 1.0 - ratio * (1.0 - kTrial / k);
     const Vec2 across(-direction[1], direction[0]);
-    const Eigen::Matrix<double, 1, 6> turn = ratio / left * across.transpose() * J.bottomRows<2>();
+    const Eigen::Matrix<double, 1, 6> turn =
+        kTrial * ratio / left * across.transpose() * J.bottomRows<2>();
     mean.tail<2>() =
         mu * mean[0] * direction + (1.0 - 1.0 / left) * across.dot(friction()) * across;
     for (int i = 0; i < 2; ++i) {
@@ -399,7 +400,8 @@ bool Solve(StepContext& context, Optimum& optimum, const Vec6& t) {
     contacts.Begin();
   }
   for (int projection = 0; !solved; ++projection) {
-    if (projection > kProjections || !solve_shifted()) return false;
+    // One for each contact, and one more.
+    if (projection > kMaxActiveRows + 1 || !solve_shifted()) return false;
     if (!contacts.Project(qp)) break;
   }
   if (contacts.slides()) context.state().friction.still = 0;

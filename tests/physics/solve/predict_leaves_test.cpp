@@ -187,7 +187,7 @@ TEST(PredictLeaves, TakesFewStepsForFrictionOfEachLook) {
     }
   }
   EXPECT_GT(crowded, 100);
-  // 6.7: at least two for each look, of which one lets the contacts hold their forces.
+  // At least two for each look, of which one lets the contacts hold their forces.
   EXPECT_LT(newton, 8 * crowded);
 }
 
