@@ -101,13 +101,10 @@ inline constexpr int kIterationsOnSprings = 6;
 /// Factor applied to lengths where rows rest at thresholds: the QP's tolerance, 1e-12 m, becomes
 /// 1e-21 m.
 inline constexpr double kThresholdScale = 1e9;
-/// Halvings of a step, or of an interval that holds its end: 60 find a spring of 1e-15 m in a step
-/// of a millimetre.
-inline constexpr int kHalvings = 60;
-/// A step must gain this part of what its slope promises (Armijo's usual value); a line search may
-/// stop where the slope has fallen to this part.
-inline constexpr double kLeastGain = 1e-4, kSlopeLeft = 0.1;
-/// Error of a gradient over the size of its terms: some fifty roundings of 2e-16.
+/// A step must gain this part of what its slope promises (Armijo's usual value).
+inline constexpr double kLeastGain = 1e-4;
+/// Error of a gradient over the size of its terms: some fifty roundings of 2e-16.  A part of a step
+/// that is no greater is one, too.
 inline constexpr double kRounding = 1e-14;
 }  // namespace energy
 
@@ -142,45 +139,31 @@ namespace friction {
 /// needs a time of rest (Dieterich 1972).  Without one, a hand that trembles at 8 to 12 Hz while it
 /// slides would stick at every reversal of the tremor.
 inline constexpr int kStillCycles = 20;
-/// Penalty stiffness, over k_t, on the violation of rows and sticking contacts: each Newton step
-/// divides the violation by about as much.  Its square must stay well below 1 / epsilon = 4.5e15.
-/// And the penalty that only decides whether a contact presses and slips: about the inverse of how
-/// far a unit force moves one, so that the first guess for a single contact is right.
-inline constexpr double kPenalty = 1e5, kTrial = 1.0;
-/// Newton's method: steps, and halvings of one that makes things worse.  Taken; one or two steps
-/// are usual in steady motion.
-inline constexpr int kNewtonSteps = 24, kHalvings = 3;
-/// It ends when the forces violate the law by no more than this, over the size ("sticking" means a
-/// slip of at most 10^-10 of the hand's offset), or, where rows and sticking contradict each other
-/// by the rounding of the gaps, by this.
-inline constexpr double kSolved = 1e-10, kNear = 1e-8;
-/// Contacts with a stiffness, where that fails.  The stiffness, over k_t: a newton presses them 1
-/// nm into their rows.  Its square must stay well below 1 / epsilon.  Of 800 problems of flat faces
-/// on which other methods had failed, a third of it or three times as much left some unsolved.
-inline constexpr double kStiffness = 1e6;
-/// Newton's method for them: steps, halvings of one that does not reduce the imbalance, and the
-/// part by which it must (Armijo's usual value).  Taken.
-inline constexpr int kRebalanceSteps = 12, kStiffHalvings = 12;
-inline constexpr double kLeastGain = 1e-4;
-/// The minimum with fixed limits: steps, shortenings of one, and the part of its slope that may be
-/// left.  And turns, after each of which the limits follow: of those 800, 18 was the most.
-inline constexpr int kMinimiserSteps = 8, kShorter = 30, kTurns = 32;
-/// Steps of Newton's method for the true law, from what they found.  Taken.
-inline constexpr int kSecondSteps = 12;
-inline constexpr double kSlopeLeft = 0.1;
-/// By how much the forces may be out of balance, over the size: some ten roundings of the stiffness
-/// times x.
-inline constexpr double kBalanced = 1e-9;
-/// Allowed difference, over the size, between the QP's optimum and Newton's: ten times kSolved, by
-/// which either may be off; and where the contacts yield, a millionth of the forces.
-inline constexpr double kAgreed = 1e-9, kYielded = 1e-6;
-/// Slip, over the size, above which a contact counts as sliding: a hundred times the kNear by which
-/// a contact at its limit that others hold slips.
+/// Stiffness of a contact, over k_t: a newton presses one 1 nm into its row.  Its square must stay
+/// well below 1 / epsilon = 4.5e15.  And the least that counts as solved, of contacts that begin
+/// soft: 64 nm, an eighth of what meshes keep between them.
+inline constexpr double kStiffness = 1 << 20, kSoftest = 1 << 14;
+/// Newton's method: steps, and halvings of one that makes things worse.  Taken; two steps are usual
+/// in steady motion.  With half the steps three times as many of 1,400 problems that need the
+/// stages stayed unsolved.
+inline constexpr int kSteps = 24, kHalvings = 3;
+/// Penalty that only decides whether a contact presses and slips: about the inverse of how far a
+/// unit force moves one, or more, as others hold the tool too.  With 1, half as many again of a
+/// foot's problems need the stages as with 3; with 10, six times as many of the scene `friction`.
+inline constexpr double kTrial = 3.0;
+/// By how much a force may be off, over the size: some ten roundings of the stiffness times x.
+inline constexpr double kSolved = 1e-9;
+/// By how much a row may be violated, over the size, once the contacts hold their forces: twice
+/// what one that holds the tool alone then yields, 1 / kStiffness^2.  And how often they may take
+/// hold: each time divides what they yield by some kStiffness over the friction angle's margin.
+/// Taken.
+inline constexpr double kExact = 2e-12;
+inline constexpr int kHolds = 3;
+/// Slip, over the size, above which a contact counts as sliding: a thousand times kSolved.
 inline constexpr double kSlid = 1e-6;
-/// Rounds of the QP over all rows and Newton's method over the contacts: each adds a row, and six
-/// hold a tool.  And projections of the forces into their cones: one for each of seven contacts,
-/// and one more.
-inline constexpr int kRounds = 6, kProjections = 8;
+/// Rounds of Newton's method over the contacts and the QP over all rows: each adds a row, and six
+/// hold a tool.
+inline constexpr int kRounds = 6;
 /// FrictionModel::kChapter: squared sine of half its angle below which a rotation has no axis.
 inline constexpr double kLeastTurn = 1e-24;
 }  // namespace friction

@@ -557,6 +557,8 @@ TEST_F(PalpateBench, TruthKnowsTheForceOfABallInAGrooveAndOnACurvedBody) {
   EXPECT_EQ(curved[0]["over"], 0);
   EXPECT_GT(curved[0]["cycles"], 300);
   EXPECT_EQ(curved[1]["over deg"], 0.0);
+  EXPECT_NEAR(curved[1]["mu least"], 0.3, 1e-3);
+  EXPECT_NEAR(curved[1]["mu most"], 0.3, 1e-3);
   EXPECT_GT(curved[1]["judged"], 50);
 }
 

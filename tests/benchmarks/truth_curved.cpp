@@ -223,18 +223,24 @@ void CurvedSlideJudge::See(std::size_t i, const StepReport& report) {
   unsolved_ += report.diagnostics.friction_unsolved > 0;
   yielded_ += report.diagnostics.friction_yielded > 0;
   if (i < steady_) return;
-  const Vec3 normal = tool_.is_ball
-                          ? X_WB_.q * body_->Nearest(X_WB_.Inverse() * report.X_WG.p).normal
-                          : report.X_WG.q * Vec3::UnitY();
+  Vec3 normal = report.X_WG.q * Vec3::UnitY();
+  if (tool_.is_ball) {
+    normal.setZero();
+    for (int k = 0; k < report.contacts; ++k) {
+      const ActiveRow& row = report.active[static_cast<std::size_t>(k)];
+      normal += row.force * row.normal;
+    }
+    normal.normalize();
+    const Vec3 smooth = X_WB_.q * body_->Nearest(X_WB_.Inverse() * report.X_WG.p).normal;
+    const double over = std::atan2(normal.cross(smooth).norm(), normal.dot(smooth)) - bound_;
+    if (!(over <= over_)) over_ = over;
+  }
   const Vec3& force = report.wrench.force;
   const double load = force.dot(normal);
   const double mu = load > 0.0 ? (force - load * normal).norm() / load : 0.0;
   ++judged_;
   least_ = std::min(least_, mu);
   if (!(mu <= most_)) most_ = mu;
-  const double right = std::atan(kTruthDynamic);
-  const double over = std::abs(std::atan(mu) - right) - bound_;
-  if (!(over <= over_)) over_ = over;
   off_ += !(std::abs(mu - kTruthDynamic) <= 0.01 * kTruthDynamic);
 }
 

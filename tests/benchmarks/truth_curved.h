@@ -52,9 +52,9 @@ class CurvedJudge {
   int cycles_ = 0, late_ = 0, faults_ = 0;
 };
 
-/// Judges sliding with friction: mu_d of the load.  The load is along the contact's normal, which
-/// for a foot that is wider than a triangle is the foot's, and for a ball that of the smooth
-/// surface where it touches, within the angle of a triangle to it.
+/// Judges sliding with friction: mu_d of the load.  The load of a foot that is wider than a
+/// triangle is along the foot's normal.  That of a ball is the sum of its contacts', and must be
+/// within the angle of a triangle to the normal of the smooth surface where it touches.
 class CurvedSlideJudge {
  public:
   CurvedSlideJudge(std::shared_ptr<const test::CurvedBody> body, const CurvedTool& tool,
@@ -67,7 +67,7 @@ class CurvedSlideJudge {
   std::shared_ptr<const test::CurvedBody> body_;
   CurvedTool tool_;
   Pose X_WB_;
-  double bound_;  ///< of the angle of the load to the normal [rad]
+  double bound_;  ///< of the angle of a ball's load to the normal [rad]
   std::size_t steady_;
   double least_ = INFINITY, most_ = 0.0, over_ = 0.0;
   int judged_ = 0, off_ = 0, late_ = 0, unsolved_ = 0, yielded_ = 0;

@@ -107,7 +107,7 @@ TEST(TruthCurved, SeesADirectionASizeAndATorqueBeyondTheBounds) {
   EXPECT_EQ(FigureOf(judged(Vec3::UnitY(), 0.004), "over"), 1.0);
 }
 
-TEST(TruthCurved, KnowsFrictionFromTheSurfaceUnderABallAndFromTheFootOfABox) {
+TEST(TruthCurved, KnowsFrictionFromTheLoadOfABallAndFromTheFootOfABox) {
   Random random(1);
   const auto body = std::make_shared<const CurvedBody>("sphere", 1000, random);
   Vec3 along;
@@ -118,10 +118,17 @@ TEST(TruthCurved, KnowsFrictionFromTheSurfaceUnderABallAndFromTheFootOfABox) {
       StepReport report;
       report.X_WG = {on.at + 0.004 * on.normal, RotationBetween(Vec3::UnitY(), on.normal)};
       report.wrench.force = on.normal - mu * along;
+      report.contacts = 1;
+      report.active[0].normal = on.normal;
+      report.active[0].force = 1.0;
       judge.See(0, report);
       EXPECT_NEAR(FigureOf(judge, "mu least"), mu, 1e-9);
       EXPECT_NEAR(FigureOf(judge, "mu most"), mu, 1e-9);
       EXPECT_EQ(FigureOf(judge, "1 % off"), mu == kTruthDynamic ? 0.0 : 1.0);
+      EXPECT_NEAR(FigureOf(judge, "over deg"), 0.0, 1e-6);
+      report.active[0].normal = RotationExp(0.01 * along) * on.normal;
+      judge.See(0, report);
+      EXPECT_NEAR(FigureOf(judge, "over deg"), is_ball ? 0.01 * 180.0 / M_PI : 0.0, 1e-6);
     }
   }
 }

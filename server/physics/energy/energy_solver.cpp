@@ -14,12 +14,7 @@ using namespace limits::energy;
 /// Stiffness at which a row's force is its threshold as soon as it overlaps.
 constexpr double kNoSpring = 1e300;
 
-/// a . x, summed from the first element to the last whatever vectors the compiler uses.
-double Dot(const Vec6& a, const Vec6& x) {
-  double sum = 0.0;
-  for (int c = 0; c < 6; ++c) sum += a[c] * x[c];
-  return sum;
-}
+using Mat6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 
 int Padded(int rows) {
   return (rows + 15) & ~15;
@@ -29,21 +24,9 @@ class Newton {
   struct Point {
     Vec6 x;
     double slack = 0.0;
-    EnergyAt energy{};
     double value = 0.0;
-
-    Vec6 Force() const { return Vec6::Map(energy.force); }
-    double Hessian(int r, int c) const {
-      return energy.hessian[r >= c ? r * (r + 1) / 2 + c : c * (c + 1) / 2 + r];
-    }
-    /// (1 + Hessian) y.
-    Vec6 HessianTimes(const Vec6& y) const {
-      Vec6 sum = y;
-      for (int c = 0; c < 6; ++c) {
-        for (int r = 0; r < 6; ++r) sum[r] += Hessian(r, c) * y[c];
-      }
-      return sum;
-    }
+    Vec6 force = Vec6::Zero();
+    Mat6 hessian = Mat6::Identity();  ///< with the coupling's
   };
 
  public:
@@ -55,7 +38,7 @@ class Newton {
         limited_{{}, columns[6], columns[7], at_limit, 0},
         limit_(columns[7]),
         t_(Vec6::Map(t)),
-        tolerance_(1e-12 * (1.0 + t_.cwiseAbs().maxCoeff())),
+        tolerance_(1e-12 * (1.0 + t_.lpNorm<Eigen::Infinity>())),
         thresholds_(std::ranges::any_of(
             energies, [](const Energy* energy) { return energy->thresholds() != nullptr; })) {
     for (std::size_t c = 0; c < 6; ++c) limited_.a[c] = columns[c];
@@ -101,73 +84,52 @@ class Newton {
   /// Only the next quadratic needs the Hessian, not each place that is tried.
   void Evaluate(Point& point, bool with_hessian = false) const {
     const Evaluation by{kernels_, by_law_ ? 0.0 : kRigid, with_hessian};
-    point.energy = {};
+    const Vec6 away = point.x - t_;
+    double twice = away.squaredNorm() + point.slack * point.slack / kJamCompliance;
+    point.force.setZero();
+    point.hessian.setIdentity();
     for (Energy* energy : energies_) {
       EnergyAt own;
       energy->pushing = energy->Add(by, point.x.data(), own);
       energy->force = Vec6::Map(own.force);
-      point.energy.twice += own.twice;
-      for (int c = 0; c < 6; ++c) point.energy.force[c] += own.force[c];
-      for (int k = 0; k < 21; ++k) point.energy.hessian[k] += own.hessian[k];
+      twice += own.twice;
+      point.force += energy->force;
+      const double* entry = own.hessian;
+      for (int r = 0; r < 6; ++r) {
+        for (int c = 0; c <= r; ++c) point.hessian(r, c) += *entry++;
+      }
     }
-    const Vec6 away = point.x - t_;
-    point.value =
-        0.5 * (Dot(away, away) + point.energy.twice + point.slack * point.slack / kJamCompliance);
+    point.hessian.triangularView<Eigen::StrictlyUpper>() = point.hessian.transpose();
+    point.value = 0.5 * twice;
   }
 
   /// For the quadratic at a point, 1/2 x . H x - q . x, returns q, and computes H = L L^T.
   Vec6 Factorise(const Point& point) {
-    for (int r = 0; r < 6; ++r) {
-      for (int c = 0; c <= r; ++c) {
-        double sum = point.Hessian(r, c) + (r == c ? 1.0 : 0.0);
-        for (int k = 0; k < c; ++k) sum -= L_[r * 6 + k] * L_[c * 6 + k];
-        if (r == c) {
-          L_[r * 6 + r] = std::sqrt(sum);
-          inverse_diagonal_[r] = 1.0 / L_[r * 6 + r];
-        } else {
-          L_[r * 6 + c] = sum * inverse_diagonal_[c];
-        }
-      }
-    }
-    return point.HessianTimes(point.x) - point.x + t_ + point.Force();
+    L_ = point.hessian.llt().matrixL();
+    inverse_diagonal_ = L_.diagonal().cwiseInverse();
+    return point.hessian * point.x - point.x + t_ + point.force;
   }
 
-  /// L^-1 q.
-  Vec6 Forward(const Vec6& q) const {
-    Vec6 y = q;
-    for (int r = 0; r < 6; ++r) {
-      for (int c = 0; c < r; ++c) y[r] -= L_[r * 6 + c] * y[c];
-      y[r] *= inverse_diagonal_[r];
-    }
-    return y;
-  }
-
-  /// x = L^-T y.
-  void Back(const Vec6& y, double* x) const {
-    for (int r = 6 - 1; r >= 0; --r) {
-      x[r] = y[r];
-      for (int c = r + 1; c < 6; ++c) x[r] -= L_[c * 6 + r] * x[c];
-      x[r] *= inverse_diagonal_[r];
-    }
-  }
+  /// L^-T y.
+  Vec6 Back(const Vec6& y) const { return L_.transpose().triangularView<Eigen::Upper>().solve(y); }
 
   /// Minimises the quadratic under the rigid rows.  Returns false if the QP does not end, or if a
   /// rigid row would hold a tool on springs: these yield by femtometres, and no row may be violated
   /// by as much.
   bool Minimise(const Vec6& q) {
-    const Vec6 y = Forward(q);
+    const Vec6 y = L_.triangularView<Eigen::Lower>().solve(q);
     QpResult found{};
     if (by_law_) {
       found = SolveLimited(kThresholdScale * y);
     } else {
-      Back(y, found.x);
+      Vec6::Map(found.x) = Back(y);
       if (!kernels_.rows_hold(rigid_, found.x, thresholds_ ? 0.0 : tolerance_)) {
         if (thresholds_) return false;
         Transform(rigid_, 0, 1.0);
         QpRows rows{{}, limited_.b, rigid_.count};
         std::copy_n(limited_.a, 6, rows.a);
         found = kernels_.solve(y.data(), rows, result_.row, result_.active);
-        Back(Vec6::Map(found.x), found.x);
+        Vec6::Map(found.x) = Back(Vec6::Map(found.x));
       }
     }
     found.iterations += result_.iterations + 1;
@@ -182,7 +144,7 @@ class Newton {
       Transform(rows.rows, first, kThresholdScale);
     });
     QpResult found = kernels_.solve_limited(y.data(), limited_, result_.row, result_.active);
-    Back(Vec6::Map(found.x) / kThresholdScale, found.x);
+    Vec6::Map(found.x) = Back(Vec6::Map(found.x) / kThresholdScale);
     found.slack /= kThresholdScale;
     for (int i = 0; i < found.active; ++i) found.multiplier[i] /= kThresholdScale;
     return found;
@@ -191,7 +153,8 @@ class Newton {
   void Transform(const QpRows& rows, int first, double scale) const {
     double* column[6];
     for (std::size_t c = 0; c < 6; ++c) column[c] = limited_.a[c] + first;
-    kernels_.transform_rows(rows, L_, inverse_diagonal_, scale, column, limited_.b + first);
+    kernels_.transform_rows(rows, L_.data(), inverse_diagonal_.data(), scale, column,
+                            limited_.b + first);
   }
 
   /// Calls visit(energy, rows, first) for each energy with thresholds.  In the columns its rows
@@ -248,15 +211,11 @@ class Newton {
 
   /// Returns whether the gradient at `next` is that of the quadratic at `now`.
   bool SamePieces(const Point& now, const Point& next, const Vec6& q) const {
-    double stiffness = 1.0, size = 0.0;
-    for (int r = 0; r < 6; ++r) {
-      stiffness += now.Hessian(r, r);
-      size += std::fabs(q[r]);
-    }
+    const double stiffness = now.hessian.trace() - 5.0, size = q.lpNorm<1>();
     // The rounding of terms that nearly cancel.
-    const double largest = next.x.cwiseAbs().maxCoeff();
+    const double largest = next.x.lpNorm<Eigen::Infinity>();
     const double rounding = (by_law_ ? 0.0 : tolerance_) + kRounding * (size + stiffness * largest);
-    return !((Gradient(next) - (now.HessianTimes(next.x) - q)).cwiseAbs().array() > rounding).any();
+    return ((Gradient(next) - (now.hessian * next.x - q)).array().abs() <= rounding).all();
   }
 
   /// The cost of thresholds without springs: sum of P s.
@@ -273,16 +232,13 @@ class Newton {
   }
 
   /// Halves a step without springs until it gains enough (Armijo's rule for a convex term beside a
-  /// smooth one: Tseng & Yun, Math. Programming 117 (2009) 387-423).
+  /// smooth one: Tseng & Yun, Math. Programming 117 (2009) 387-423), or is a rounding.
   void Shorten(const Point& now, Point& next) const {
     const Point end = next;
-    const double cost = CostOfThresholds(now.x);
+    const double cost = CostOfThresholds(now.x), least = now.value + cost;
     const double promised = Slope(now, now, end) + CostOfThresholds(end.x) - cost;
-    const double least = now.value + cost;
-    double part = 1.0;
-    for (int i = 0; i < kHalvings &&
-                    next.value + CostOfThresholds(next.x) > least + kLeastGain * part * promised;
-         ++i) {
+    for (double part = 1.0; part > kRounding && next.value + CostOfThresholds(next.x) >
+                                                    least + kLeastGain * part * promised;) {
       Go(now, end, part *= 0.5, next);
     }
   }
@@ -294,11 +250,11 @@ class Newton {
     const double slope = Slope(now, now, end);
     if (next.value <= now.value + kLeastGain * slope || Slope(next, now, end) <= 0.0) return;
     double low = 0.0, high = 1.0;
-    for (int i = 0; i < kHalvings; ++i) {
+    while (high - low > kRounding * high) {
       const double part = 0.5 * (low + high);
       Go(now, end, part, next);
       const double here = Slope(next, now, end);
-      if (here <= 0.0 && here >= kSlopeLeft * slope) return;
+      if (here <= 0.0 && here >= kLeastGain * slope) return;
       (here > 0.0 ? high : low) = part;
     }
   }
@@ -310,11 +266,11 @@ class Newton {
     Evaluate(next);
   }
 
-  Vec6 Gradient(const Point& at) const { return at.x - t_ - at.Force(); }
+  Vec6 Gradient(const Point& at) const { return at.x - t_ - at.force; }
 
   /// Slope at `at`, in the direction from `from` to `to`.
   double Slope(const Point& at, const Point& from, const Point& to) const {
-    return Dot(Gradient(at), to.x - from.x) + at.slack * (to.slack - from.slack) / kJamCompliance;
+    return Gradient(at).dot(to.x - from.x) + at.slack * (to.slack - from.slack) / kJamCompliance;
   }
 
   const Kernels& kernels_;
@@ -323,8 +279,8 @@ class Newton {
   LimitedRows limited_;  ///< the rows in y = L^T x: the rigid ones, then those with thresholds
   double* limit_;        ///< of each of them
   Vec6 t_;
-  double L_[6 * 6];
-  double inverse_diagonal_[6];
+  Mat6 L_;
+  Vec6 inverse_diagonal_;
   double tolerance_;
   bool thresholds_;
   bool by_law_ = false;  ///< whether thresholds are rows with limits, and no springs

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "common/math/rotation.h"
 #include "server/physics/energy/energy.h"
@@ -33,39 +34,13 @@ Vec6 SolveLinear(const Mat6& H, const Vec6& g) {
     A.row(k).swap(A.row(k + pivot));
     for (int i = k + 1; i < 6; ++i) A.row(i) -= A(i, k) / A(k, k) * A.row(k);
   }
-  Vec6 x;
-  for (int k = 6 - 1; k >= 0; --k) {
-    for (int j = k + 1; j < 6; ++j) A(k, 6) -= A(k, j) * x[j];
-    x[k] = A(k, 6) / A(k, k);
-  }
-  return x;
+  const auto upper = A.leftCols<6>().triangularView<Eigen::Upper>();
+  return upper.solve(A.col(6));
 }
 
-/// Which form of Coulomb's law is solved for (friction.md): the true one, in x and the forces; that
-/// of contacts with a stiffness, in x alone; or this one with fixed limits of friction, where it is
-/// the gradient of a convex function.
-struct Law {
-  double r;  ///< penalty with which it decides whether a contact presses and slips
-  double k;  ///< stiffness, over k_t, of what presses or sticks
-  enum class Form { kTrue, kStiff, kFixed } form;
-};
-constexpr Law kTrueLaw{kTrial, kPenalty, Law::Form::kTrue};
-constexpr Law kStiffLaw{kStiffness, kStiffness, Law::Form::kStiff};
-constexpr Law kFixedLaw{kStiffness, kStiffness, Law::Form::kFixed};
-
-/// The law of a contact, evaluated at an x and linearised there.
-struct LawAtX {
-  Vec3 offset;         ///< (b - a . x, slip)
-  Vec3 law;            ///< f
-  double limit;        ///< of friction
-  double ratio = 1.0;  ///< of the limit to what friction would be without it; 1 if it sticks
-  Vec2 direction;      ///< of the slip
-  Vec3 mean;           ///< f = mean + rate dx
-  Mat36 rate;
-};
-
-/// A contact: its axes are -n and two tangents.
-struct Contact : LawAtX {
+/// A contact that yields: it pushes back by its stiffness times its offset, within Coulomb's law.
+/// Its axes are -n and two tangents.
+struct Contact {
   int row;
   Mat3 axes;  ///< row by row, in W
   Vec3 lever;
@@ -73,67 +48,83 @@ struct Contact : LawAtX {
   double b;               ///< of its row a . x >= b
   double mu, mu_s, mu_d;  ///< mu is one of the two
   Vec3 f;                 ///< (lambda, friction), against the motion: the tool feels -J^T f
-  Vec3 old, moved;        ///< f before a step, and what the step adds
+  Vec3 held;              ///< f where the offset is none
+  Vec3 offset;            ///< (b - a . x, slip)
+  Vec3 law;               ///< what f must be
+  double ratio;           ///< of friction's limit to what it would be without; 1 if it sticks
+  Vec2 direction;         ///< of friction, if it slips
+  Vec3 mean, moved;       ///< f = mean + rate dx, and by how much that changes it in a step
+  Mat36 rate;
+  Vec3 start, before;  ///< f and `held` to go back to
 
   double lambda() const { return f[0]; }
   auto friction() { return f.tail<2>(); }
   auto friction() const { return f.tail<2>(); }
   bool slips() const { return ratio < 1.0; }
-  Vec2 SlipAt(const Vec6& x) const { return J.bottomRows<2>() * x; }
-  /// Returns what friction takes off x.
-  Vec6 Rub() const { return J.bottomRows<2>().transpose() * friction(); }
+  double slip() const { return offset.tail<2>().norm(); }
 
-  /// Evaluates the law at x:
-  ///   lambda = max(0, lambda + r (b - a . x)),
-  ///   friction = friction + r slip, projected onto the disk of radius mu lambda.
-  void Evaluate(const Law& by, const Vec6& x) {
+  /// Evaluates the law at x and f, with w = r (offset - (f - held) / k) for any r > 0:
+  ///   lambda = max(0, lambda + w_1),
+  ///   friction = friction + w_2,3, projected onto the disk of radius mu lambda.
+  void Evaluate(double k, const Vec6& x) {
     offset = J * x + Vec3(b, 0.0, 0.0);
-    const Vec3 trial = f + by.r * offset;
-    const Vec2 u = trial.tail<2>();
-    const double length = u.norm();
-    law = {std::max(0.0, trial[0]), u[0], u[1]};
-    if (by.form != Law::Form::kFixed) limit = mu * law[0];
-    ratio = 1.0;
-    if (length <= limit) return;
-    const double inverse = 1.0 / length;
-    ratio = limit * inverse;
-    direction = inverse * u;
-    law.tail<2>() = limit * direction;
+    law = f + kTrial * (offset - (f - held) / k);
+    law[0] = std::max(0.0, law[0]);
+    const double limit = mu * law[0], length = law.tail<2>().norm();
+    ratio = length <= limit ? 1.0 : limit / length;
+    if (!slips()) return;
+    direction = law.tail<2>() / length;
+    law.tail<2>() *= ratio;
   }
 
   /// Linearises the law where it was evaluated.  Across its direction, friction that slips turns
   /// with the slip as Newton's step for the projection says.
-  void Linearise(const Law& by) {
-    mean = f + by.k * offset;
-    rate = by.k * J;
+  void Linearise(double k) {
+    mean = held + k * offset;
+    rate = k * J;
     if (law[0] == 0.0) {
       mean[0] = 0.0;
       rate.row(0).setZero();
     }
     if (!slips()) return;
-    const bool is_fixed = by.form == Law::Form::kFixed;
-    const double left =
-        by.form == Law::Form::kTrue ? std::max(1.0 - ratio, ratio * by.r / by.k) : 1.0;
+    const double left = 1.0 - ratio * (1.0 - kTrial / k);
     const Vec2 across(-direction[1], direction[0]);
     const Eigen::Matrix<double, 1, 6> turn =
-        ratio * by.r / left * across.transpose() * J.bottomRows<2>();
-    mean.tail<2>() = (is_fixed ? limit : mu * mean[0]) * direction +
-                     (1.0 - 1.0 / left) * across.dot(friction()) * across;
+        kTrial * ratio / left * across.transpose() * J.bottomRows<2>();
+    mean.tail<2>() =
+        mu * mean[0] * direction + (1.0 - 1.0 / left) * across.dot(friction()) * across;
     for (int i = 0; i < 2; ++i) {
-      rate.row(1 + i) = across[i] * turn;
-      if (!is_fixed) rate.row(1 + i) += mu * direction[i] * rate.row(0);
+      rate.row(1 + i) = across[i] * turn + mu * direction[i] * rate.row(0);
     }
   }
 };
 
-/// The contacts of a sub-step, and two methods that find their forces.  Lengths in metres, and
+/// The contacts of a sub-step, and the method that finds their forces.  Lengths in metres, and
 /// forces too, divided by k_t.
 class FrictionalContacts {
  public:
   FrictionalContacts(const StepContext& context, const Optimum& frictionless, const Vec6& t)
       : context_(context), frictionless_(frictionless.qp), t_(t) {
     size_ = t_.norm() + (t_ - Vec6::Map(frictionless_.x)).norm();
-    Collect();
+    Begin();
+  }
+
+  /// Begins with the contacts of the last sub-step that are still near, with their forces, and
+  /// those of the frictionless optimum.  If there are any of the former, the others start without
+  /// force, because the former balanced the hand.
+  void Begin() {
+    const FrictionState& state = context_.state().friction;
+    count_ = 0;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(state.contacts); ++i) {
+      int row;
+      if (context_.buffers().rows.Find({&state.id[i], 1}, &row) == 1) {
+        Add(row, state.normal_force[i], state.force[i]);
+      }
+    }
+    const bool warm = count_ > 0;
+    for (int i = 0; i < frictionless_.active; ++i) {
+      Add(frictionless_.row[i], warm ? 0.0 : frictionless_.multiplier[i]);
+    }
   }
 
   const Contact* begin() const { return contact_; }
@@ -169,46 +160,37 @@ class FrictionalContacts {
     contact.b = context_.sub_step.rigid.b[row] - frictionless_.slack;
     contact.f = contact.axes * force;
     contact.f[0] = lambda;
-    contact.ratio = 1.0;
     return true;
   }
 
   /// Finds the frictional optimum over these contacts alone.  Returns whether it was found.
   bool Solve(StepReport& report) {
-    is_stiff_ = false;
     do {
-      if (!Newton(kNewtonSteps, report) && !StiffContacts(report)) return false;
+      for (Contact& contact : *this) contact.held.setZero();
+      stiffness_ = kStiffness;
+      if (!Newton(report) && !Stiffen(report)) return false;
+      settled_ = Settle(report);
     } while (LetSlip());
     return true;
   }
+  bool settled() const { return settled_; }
 
   /// Returns t less the friction: the target of the QP over all rows.
   Vec6 ShiftedTarget() const {
     Vec6 t = t_;
-    for (const Contact& contact : *this) t -= contact.Rub();
+    for (const Contact& contact : *this) {
+      t -= contact.J.bottomRows<2>().transpose() * contact.friction();
+    }
     return t;
   }
 
-  /// Returns whether the QP has found the same x, except for what the contacts yield.
-  bool Agrees(const double* x) const {
-    return Largest(Vec6::Map(x) - x_) <= (is_stiff_ ? kYielded : kAgreed) * size_;
+  const Vec6& x() const { return x_; }
+  /// Takes over the QP's x, which violates nothing, if it differs only as this one may be off.
+  void Follow(const double* x) {
+    if (Largest(Vec6::Map(x) - x_) <= 10.0 * kSolved * size_) x_ = Vec6::Map(x);
   }
-  /// The x of contacts with a stiffness; null if the QP's is exact.
-  const Vec6* StiffX() const { return is_stiff_ ? &x_ : nullptr; }
-
-  /// Sets friction back to what it was in the last sub-step.
-  void TakeLastFriction() {
-    const FrictionState& state = context_.state().friction;
-    for (Contact& contact : *this) {
-      const ContactId& id = context_.buffers().rows.id(contact.row);
-      const auto* end = state.id.begin() + state.contacts;
-      const auto* last = std::find(state.id.begin(), end, id);
-      contact.f.setZero();
-      if (last == end) continue;
-      contact.f = contact.axes * state.force[static_cast<std::size_t>(last - state.id.begin())];
-      contact.f[0] = 0.0;
-    }
-  }
+  /// By how much x may violate a row.
+  double tolerance() const { return frictionless_.slack + kExact * size_; }
 
   /// Takes over the normal forces of the QP, and projects friction onto its disks.  Returns whether
   /// that changed anything, so that the QP must be solved again.
@@ -217,7 +199,7 @@ class FrictionalContacts {
     for (Contact& contact : *this) {
       contact.f[0] = MultiplierOf(qp, contact.row);
       const double limit = contact.mu * contact.lambda(), length = contact.friction().norm();
-      if (length <= limit + kBalanced * size_) continue;
+      if (length <= limit + kSolved * size_) continue;
       contact.friction() *= limit / length;
       changed = true;
     }
@@ -263,26 +245,21 @@ class FrictionalContacts {
     state.contacts = qp.active;
   }
 
- private:
-  /// Adds the contacts of the last sub-step that are still near, with their forces, and those of
-  /// the frictionless optimum.  If there are any of the former, the others start without force,
-  /// because the former balanced the hand.
-  void Collect() {
-    const FrictionState& state = context_.state().friction;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(state.contacts); ++i) {
-      int row;
-      if (context_.buffers().rows.Find({&state.id[i], 1}, &row) == 1) {
-        Add(row, state.normal_force[i], state.force[i]);
-      }
-    }
-    const bool warm = count_ > 0;
-    for (int i = 0; i < frictionless_.active; ++i) {
-      Add(frictionless_.row[i], warm ? 0.0 : frictionless_.multiplier[i]);
-    }
+  /// Lets the contacts hold their forces where they are offset by nothing, so that what sticks does
+  /// not move, and rows yield by their disagreement and not by their load.  In a wedge steeper than
+  /// the friction angle the forces then have no bound: the contacts stay as they are, and the
+  /// result is false.
+  bool Settle(StepReport& report) {
+    for (Contact& contact : *this) contact.before = std::exchange(contact.held, contact.f);
+    if (Newton(report)) return true;
+    for (Contact& contact : *this) contact.held = contact.before;
+    Error();
+    return false;
   }
 
+ private:
   bool Slides(const Contact& contact) const {
-    return contact.slips() && contact.lambda() != 0.0 && contact.SlipAt(x_).norm() > kSlid * size_;
+    return contact.slips() && contact.lambda() != 0.0 && contact.slip() > kSlid * size_;
   }
 
   void DropUnloaded() {
@@ -291,160 +268,76 @@ class FrictionalContacts {
     count_ = static_cast<int>(kept - begin());
   }
 
-  /// Returns the step of Newton's method from where the law was evaluated.
-  Vec6 Step(const Law& by) {
-    Vec6 g = t_ - x_;
-    Mat6 H = Mat6::Identity();
-    for (Contact& contact : *this) {
-      contact.Linearise(by);
-      g.noalias() -= contact.J.transpose() * contact.mean;
-      H.noalias() += contact.J.transpose() * contact.rate;
-    }
-    return SolveLinear(H, g);
-  }
-
   /// Computes the x that balances the forces.
   void Balance() {
     x_ = t_;
     for (const Contact& contact : *this) x_.noalias() -= contact.J.transpose() * contact.f;
   }
 
-  /// Evaluates the true law at x; returns the greatest error of a force.
+  /// Evaluates the law at x; returns the greatest error of a force.
   double Error() {
     double most = 0.0;
     for (Contact& contact : *this) {
-      contact.Evaluate(kTrueLaw, x_);
+      contact.Evaluate(stiffness_, x_);
       most = std::max(most, Largest(contact.law - contact.f));
     }
     return most;
   }
 
-  /// Semismooth Newton method for the true law, in x and the forces.  A step whose error is greater
-  /// than in each of the last three is halved; x and forces are scaled together, so that they stay
-  /// in balance.  If two contacts hold the tool between them, rows and sticking contradict each
-  /// other by the rounding of the gaps; then kNear is the best possible.
-  bool Newton(int steps, StepReport& report) {
+  /// Returns the step of Newton's method from where the law was evaluated.
+  Vec6 Step() {
+    Vec6 g = t_ - x_;
+    Mat6 H = Mat6::Identity();
+    for (Contact& contact : *this) {
+      contact.Linearise(stiffness_);
+      g.noalias() -= contact.J.transpose() * contact.mean;
+      H.noalias() += contact.J.transpose() * contact.rate;
+    }
+    return SolveLinear(H, g);
+  }
+
+  /// Semismooth Newton method in x and the forces, from these.  A step whose error is not less than
+  /// the greatest of the last three is halved; x and forces are scaled together, so that they stay
+  /// in balance.  If it does not end, everything is as before.
+  bool Newton(StepReport& report) {
+    for (Contact& contact : *this) contact.start = contact.f;
     Balance();
-    double error = Error(), before[3] = {};
-    for (int step = 0; error > kSolved * size_; ++step) {
-      if (step == steps) return error <= kNear * size_;
+    double error = Error(), last[3] = {};
+    for (int step = 0; step == 0 || error > kSolved * size_; ++step) {
+      if (step == kSteps) {
+        for (Contact& contact : *this) contact.f = contact.start;
+        Balance();
+        Error();
+        return false;
+      }
       ++report.diagnostics.friction_iterations;
-      const double last = before[step % 3] = error;
-      const double bound = std::max({before[0], before[1], before[2]});
-      const Vec6 from = x_, d = Step(kTrueLaw);
-      for (Contact& contact : *this) {
-        contact.old = contact.f;
-        contact.moved = contact.mean + contact.rate * d - contact.f;
-      }
-      const auto go = [&](double part) {
-        x_ = from + part * d;
-        for (Contact& contact : *this) contact.f = contact.old + part * contact.moved;
-        return Error();
-      };
-      error = go(1.0);
-      if (last <= kNear * size_ && error >= last) {
-        go(0.0);
-        return true;
-      }
+      last[step % 3] = error;
+      const double bound = std::max({last[0], last[1], last[2]});
+      Vec6 d = Step();
+      for (Contact& contact : *this) contact.moved = contact.mean + contact.rate * d - contact.f;
       double part = 1.0;
-      for (int halving = 0; error >= bound && halving < kHalvings; ++halving) {
-        error = go(part *= 0.5);
+      for (int halving = 0; halving <= kHalvings; ++halving) {
+        x_ += part * d;
+        for (Contact& contact : *this) contact.f += part * contact.moved;
+        error = Error();
+        if (error < bound) break;
+        part = halving == 0 ? -0.5 : 0.5 * part;
       }
     }
     return true;
   }
 
-  /// Evaluates a law with a stiffness at x.  Returns x - t + sum J^T f, zero where the forces are
-  /// in balance.
-  Vec6 Imbalance(const Law& by) {
-    Vec6 g = x_ - t_;
-    for (Contact& contact : *this) {
-      contact.Evaluate(by, x_);
-      g.noalias() += contact.J.transpose() * contact.law;
+  /// Finds the forces of contacts that begin as soft as the hand's spring, where they are known,
+  /// and are stiffened in stages, each of which begins from the forces of the last.  The stiffest
+  /// that are found count.
+  bool Stiffen(StepReport& report) {
+    for (Contact& contact : *this) contact.f.setZero();
+    double found = 0.0;
+    for (stiffness_ = 1.0; stiffness_ <= kStiffness; stiffness_ *= 2.0) {
+      if (Newton(report)) found = stiffness_;
     }
-    return g;
-  }
-
-  /// Newton's method in x alone.  Each step reduces the imbalance; if none does, x stays where it
-  /// was, and the result is false.
-  bool Rebalance(StepReport& report) {
-    const Vec6 start = x_;
-    Vec6 g = Imbalance(kStiffLaw);
-    for (int step = 0; step < kRebalanceSteps && Largest(g) > kBalanced * size_; ++step) {
-      ++report.diagnostics.friction_iterations;
-      const Vec6 from = x_, d = Step(kStiffLaw);
-      const double before = g.norm();
-      double part = 1.0;
-      for (int halving = 0; halving <= kStiffHalvings; ++halving, part *= 0.5) {
-        x_ = from + part * d;
-        g = Imbalance(kStiffLaw);
-        if (g.norm() <= (1.0 - kLeastGain * part) * before) break;
-      }
-      if (!(g.norm() < before)) break;
-    }
-    if (Largest(g) <= kBalanced * size_) return true;
-    x_ = start;
-    return false;
-  }
-
-  /// Minimises with fixed limits by Newton's method.  A step that overshoots is shortened between
-  /// where its slope falls and where it rises, which always leads down in a convex function.
-  void Minimise(StepReport& report) {
-    Vec6 g = Imbalance(kFixedLaw);
-    for (int step = 0; step < kMinimiserSteps && Largest(g) > kBalanced * size_; ++step) {
-      ++report.diagnostics.friction_iterations;
-      const Vec6 from = x_, d = Step(kFixedLaw);
-      const double slope = g.dot(d), enough = -kSlopeLeft * slope;
-      double low = 0.0, high = 1.0, falls = slope, rises = 0.0, part = 1.0;
-      for (int shorter = 0; shorter <= kShorter; ++shorter) {
-        x_ = from + part * d;
-        g = Imbalance(kFixedLaw);
-        const double here = g.dot(d);
-        if (here <= enough && (part == 1.0 || here >= -enough)) break;
-        (here < 0.0 ? low : high) = part;
-        (here < 0.0 ? falls : rises) = here;
-        part = low + (high - low) * std::clamp(falls / (falls - rises), 0.1, 0.9);
-      }
-    }
-  }
-
-  /// Finds x and the forces for contacts with a stiffness, which makes the loads of a face on a
-  /// plane determined: by Newton's method or, if that fails, as a minimum with fixed limits, which
-  /// then follow the normal forces (friction.md).  The law starts again from the friction found,
-  /// so that what sticks does not move; from the normal forces once only, so that they stay
-  /// determined.  If Newton's method for the true law ends from there, its result is taken.
-  bool StiffContacts(StepReport& report) {
-    is_stiff_ = true;
-    for (Contact& contact : *this) {
-      contact.f = {MultiplierOf(frictionless_, contact.row), 0.0, 0.0};
-      contact.limit = contact.mu * contact.lambda();
-    }
-    Balance();
-    for (Contact& contact : *this) contact.f[0] = 0.0;
-    for (int turn = 0; turn < kTurns; ++turn) {
-      if (!Rebalance(report)) Minimise(report);
-      double slip = 0.0, change = 0.0;
-      for (Contact& contact : *this) {
-        const double limit = contact.mu * contact.law[0];
-        slip = std::max(slip, Largest(contact.law.tail<2>() - contact.friction()) / kStiffness);
-        change = std::max(change, std::fabs(limit - contact.limit));
-        contact.limit = limit;
-        contact.friction() = contact.law.tail<2>();
-        if (turn == 0) contact.f[0] = contact.law[0];
-      }
-      if (turn > 0 && slip <= kSolved * size_ && change <= kBalanced * size_) {
-        for (Contact& contact : *this) contact.f = contact.law;
-        const FrictionalContacts found = *this;
-        is_stiff_ = !Newton(kSecondSteps, report);
-        if (is_stiff_) {
-          std::copy(found.begin(), found.end(), begin());
-          x_ = found.x_;
-          ++report.diagnostics.friction_yielded;
-        }
-        return true;
-      }
-    }
-    return false;
+    stiffness_ = found;
+    return found >= kSoftest && Newton(report);
   }
 
   /// Gives mu_d to the contacts that mu_s does not hold; returns whether that changes anything.
@@ -461,8 +354,9 @@ class FrictionalContacts {
   const StepContext& context_;
   const QpResult& frictionless_;
   Vec6 t_, x_;
-  double size_;            ///< of the problem: tolerances are relative to it
-  bool is_stiff_ = false;  ///< whether the last forces are those of contacts with a stiffness
+  double size_;       ///< of the problem: tolerances are relative to it
+  double stiffness_;  ///< of contacts, over k_t
+  bool settled_ = false;
   int count_ = 0;
   Contact contact_[kMaxActiveRows];
 };
@@ -483,27 +377,38 @@ bool Solve(StepContext& context, Optimum& optimum, const Vec6& t) {
     report.diagnostics.qp_iterations += qp.iterations;
     return qp.status != QpStatus::kIterationLimit;
   };
+  const auto holds = [&] {
+    return context.kernels.rows_hold(context.sub_step.rigid, contacts.x().data(),
+                                     contacts.tolerance());
+  };
   bool solved = false, added = true;
-  for (int round = 0; round < kRounds && added && !solved; ++round) {
-    const bool found = contacts.Solve(report);
+  for (int round = 0; round < kRounds && added; ++round) {
+    solved = contacts.Solve(report);
+    bool held = solved && holds();
+    for (int again = 1; again < kHolds && solved && !held && contacts.settled(); ++again) {
+      held = contacts.Settle(report) && holds();
+    }
+    if (held || !solved) break;
     if (!solve_shifted()) return false;
     added = false;
     for (int i = 0; i < qp.active; ++i) added |= contacts.Add(qp.row[i]);
-    // If the QP's solution rests on these contacts alone, both have found the same x.
-    solved = found && (!added || contacts.Agrees(qp.x));
+    solved = !added;
+    if (solved) contacts.Follow(qp.x);  // what is violated is what they yield
   }
   if (!solved) {
     ++report.diagnostics.friction_unsolved;
-    contacts.TakeLastFriction();
-    if (!solve_shifted()) return false;
+    contacts.Begin();
   }
-  for (int projection = 0; !solved && contacts.Project(qp); ++projection) {
-    if (projection == kProjections || !solve_shifted()) return false;
+  for (int projection = 0; !solved; ++projection) {
+    // One for each contact, and one more.
+    if (projection > kMaxActiveRows + 1 || !solve_shifted()) return false;
+    if (!contacts.Project(qp)) break;
   }
   if (contacts.slides()) context.state().friction.still = 0;
-  Vec6::Map(optimum.qp.x) = solved && contacts.StiffX() ? *contacts.StiffX() : Vec6::Map(qp.x);
+  report.diagnostics.friction_yielded += solved && !contacts.settled();
+  Vec6::Map(optimum.qp.x) = solved ? contacts.x() : Vec6::Map(qp.x);
   contacts.Write(context.state().friction, optimum.qp, optimum.friction);
-  const Vec3 phi = Vec3::Map(qp.x + 3) / context.model.rotation_length();
+  const Vec3 phi = Vec3::Map(optimum.qp.x + 3) / context.model.rotation_length();
   if (phi.norm() <= context.model.parameters().max_rotation) {
     Vec3::Map(optimum.qp.x) -= contacts.Creep(phi);
   }

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -326,9 +327,10 @@ Vec3 LeverWhereItTouches(const ContactRows& rows, int row) {
 }
 
 /// How far contacts are from Coulomb's law at the x that their forces balance.
-/// @param mu_s, mu_d  of every contact.   @return the greatest error of a force [m]
+/// @param turns  whether it is no ball.   @param mu_s, mu_d  of every contact.   @return the
+/// greatest error of a force [m]
 double ErrorOfLaw(const ContactRows& rows, const Optimum& found, const Problem::Vec6& t, double rho,
-                  double mu_s, double mu_d) {
+                  bool turns, double mu_s, double mu_d) {
   std::vector<Vec3> force(static_cast<std::size_t>(rows.count()), Vec3::Zero());
   Problem::Vec6 x = t;
   for (int k = 0; k < found.qp.active; ++k) {
@@ -338,7 +340,7 @@ double ErrorOfLaw(const ContactRows& rows, const Optimum& found, const Problem::
     x.head<3>() += f;
     x.tail<3>() += LeverWhereItTouches(rows, i).cross(f) / rho;
   }
-  if (t.tail<3>().isZero(0.0)) x.tail<3>().setZero();  // a ball
+  if (!turns) x.tail<3>().setZero();
   double error = 0.0;
   for (int i = 0; i < rows.count(); ++i) {
     const Vec3 n = rows.normal(i), f = force[static_cast<std::size_t>(i)];
@@ -399,7 +401,7 @@ TEST(Friction, SatisfiesCoulombsLawInRandomProblems) {
             ++not_solved;
           } else {
             ++solved;
-            ASSERT_LT(ErrorOfLaw(rows, optimum, t, rho, mu_s, mu_d), 1e-6 * t.norm())
+            ASSERT_LT(ErrorOfLaw(rows, optimum, t, rho, turns, mu_s, mu_d), 1e-6 * t.norm())
                 << turns << " " << tenths << " " << problem << " " << step;
           }
           target.v += random.InCube(5e-5);
@@ -410,6 +412,135 @@ TEST(Friction, SatisfiesCoulombsLawInRandomProblems) {
   }
   EXPECT_GT(solved, kOptimised ? 40000 : 4000);
   EXPECT_LT(not_solved, solved / 30);  // wedged among normals on all sides
+}
+
+/// A corner of a tool near a plane.
+struct Corner {
+  Vec3 n, at;  ///< unit normal of the plane; from the reference point to where it touches [m]
+  double gap;  ///< [m]
+  double force = 0.0;  ///< with which the last sub-step pressed it, over k_t [m]
+};
+
+/// Finds friction where the corners are all that touches, and expects the law: each force in its
+/// cone, against the slip of its point, none where there is a gap, and all in balance at the step.
+/// @param t  the hand's way [m] and turn [rad]: the target of one sub-step, and of the next ones
+void ExpectTheLaw(const std::vector<Corner>& corners, std::vector<Target> targets, bool has_slid,
+                  const std::string& which) {
+  constexpr double kRadius = 1e-4, kStatic = 0.5, kDynamic = 0.3;
+  std::vector<Ball> tool;
+  for (const Corner& corner : corners) {
+    const Vec3 centre = corner.at + (corner.gap + kRadius) * corner.n;
+    tool.push_back({centre, kRadius});
+    tool.push_back({-centre, kRadius});  // so that the reference point is the origin
+  }
+  Bench bench(tool, kPlane, Rubbing(FrictionModel::kCoulomb), Rough(kStatic, kDynamic));
+  const HapticModel& model = bench.model();
+  ContactRows& rows = bench.workspace().buffers().rows;
+  StepState state;
+  if (has_slid) state.friction.still = 0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const auto is_at = [&](const LeafSphere& leaf) {
+      return (Vec3(leaf.x, leaf.y, leaf.z) - tool[2 * i].center).norm() < 1e-12;
+    };
+    const auto leaf = std::ranges::find_if(model.tool().leaves, is_at);
+    ASSERT_NE(leaf, model.tool().leaves.end()) << which;
+    const ContactId id{ContactId::kLeaves,
+                       static_cast<std::int32_t>(leaf - model.tool().leaves.begin()), 0,
+                       static_cast<std::int32_t>(i)};
+    rows.AddRow(corners[i].n, corners[i].at + corners[i].gap * corners[i].n, corners[i].gap, id);
+    if (corners[i].force == 0.0) continue;
+    const auto k = static_cast<std::size_t>(state.friction.contacts++);
+    state.friction.id[k] = id;
+    state.friction.normal_force[k] = corners[i].force;
+    state.friction.force[k].setZero();
+  }
+  rows.Finish();
+  const double rho = model.rotation_length();
+  for (const Target& target : targets) {
+    Problem::Vec6 t;
+    t << target.v, rho * target.phi;
+    Optimum optimum;
+    optimum.qp = ActiveKernels().solve(t.data(), rows.view(), nullptr, 0);
+    ASSERT_EQ(optimum.qp.status, QpStatus::kSolved) << which;
+    if (optimum.qp.active == 0) continue;
+    StepReport counts;
+    StepContext context(model, state, bench.workspace().buffers(), counts);
+    context.tools.R_WG.setIdentity();
+    context.sub_step.target = target;
+    context.sub_step.rigid = rows.view();
+    AddCoulombFriction(context, optimum);
+    ASSERT_EQ(counts.diagnostics.friction_unsolved, 0) << which;
+    // A newton presses a contact 1 nm into its row.
+    ASSERT_LT(ErrorOfLaw(rows, optimum, t, rho, true, kStatic, kDynamic), 2e-6 * t.norm()) << which;
+    Problem::Vec6 balanced = t, x = Problem::Vec6::Map(optimum.qp.x);
+    for (int k = 0; k < optimum.qp.active; ++k) {
+      const int row = optimum.qp.row[k];
+      const Vec3 friction = optimum.friction[static_cast<std::size_t>(k)];
+      const Vec3 f = optimum.qp.multiplier[k] * rows.normal(row) + friction;
+      balanced.head<3>() += f;
+      balanced.tail<3>() += LeverWhereItTouches(rows, row).cross(f) / rho;
+      ASSERT_GE(optimum.qp.multiplier[k], 0.0) << which;
+      ASSERT_LE(friction.norm(), kStatic * optimum.qp.multiplier[k] + 1e-8 * t.norm()) << which;
+    }
+    // Up to what Creep corrects: the second order of the turn.
+    const double turned = x.tail<3>().norm() / rho;
+    ASSERT_LT((balanced - x).norm(), 2e-6 * t.norm() + 0.1 * turned * turned) << which;
+  }
+}
+
+// Sub-steps in which a corner or an edge of a foot has come down on a plate and the others follow.
+// They were recorded where friction was not found.
+TEST(Friction, IsFoundWhereAFootComesDownOnAPlate) {
+  const Vec3 up = Vec3::UnitY();
+  ExpectTheLaw(
+      {{up, {-5.05515462e-3, -4.27712712e-3, -2.91859488e-3}, 4.12890221e-12, 7.6655e-6},
+       {up, {5.80028765e-3, -4.27724018e-3, -2.91859489e-3}, -3.00003089e-7},
+       {up, {-1.627657e-7, -4.27723073e-3, 5.83690785e-3}, -2.81089177e-7}},
+      {{{-1.62849723e-7, -1.80319023e-5, -9.40213314e-8}, {-2.19693675e-5, 0.0, 3.80520607e-5}}},
+      false, "triangle");
+  const Vec3 a = Vec3(2.95086322e-6, 1.0, 0.0).normalized();
+  ExpectTheLaw({{a, {-8.93752476e-4, -2.68830191e-3, -2.73444923e-4}, 1.17936285e-14, 2.75735e-6},
+                {a, {-8.93752476e-4, -2.68830191e-3, 1.32655508e-3}, 1.17936291e-14, 5.68377e-7},
+                {up, {6.89630401e-3, -2.68730191e-3, 4.42035983e-3}, -2.29873794e-8},
+                {up, {6.89630401e-3, -2.68730191e-3, -4.42035983e-3}, -2.29873794e-8}},
+               {{{-7.96281759e-9, -1.17180198e-5, 0.0}, {0.0, 0.0, 2.95086322e-6}}}, false,
+               "hexagon");
+  ExpectTheLaw(
+      {{up, {2.33556579e-3, -5.32771422e-3, -4.82945657e-3}, 5.75071167e-12, 8.90729e-6},
+       {up, {3.58693477e-3, -5.32778699e-3, 4.36812576e-3}, -2.86623171e-7},
+       {up, {-5.74929192e-3, -5.32780867e-3, 6.91274189e-4}, -3e-7},
+       {up, {2.04940734e-3, -5.32771422e-3, -4.79503946e-3}, -7.22229369e-9}},
+      {{{1.07791791e-7, -1.90605915e-5, -2.22890647e-7}, {-4.18275693e-5, 0.0, -2.02281641e-5}}},
+      false, "pins");
+}
+
+TEST(Friction, ObeysItsLawOnRandomFacesThatOnePlaneCarries) {
+  for (std::uint64_t seed = 0; seed < (kOptimised ? 600u : 60u); ++seed) {
+    Random random(seed);
+    const Vec3 up = random.InCube(1.0).normalized(), east = up.unitOrthogonal();
+    const Vec3 north = up.cross(east);
+    const double size = random.Uniform(2e-3, 2e-2), height = random.Uniform(2e-3, 2e-2);
+    // Normals and gaps of one plane differ by roundings; those of a foot that tilts by more.
+    const double bent = std::pow(10.0, random.Uniform(-16.0, -5.0));
+    const double uneven = std::pow(10.0, random.Uniform(-16.0, -6.5));
+    std::vector<Corner> corners;
+    const int count = 3 + random.Below(5);
+    for (int i = 0; i < count; ++i) {
+      const double angle = 2.0 * M_PI * i / count + random.Uniform(-0.3, 0.3);
+      const Vec3 beside = size * (std::cos(angle) * east + std::sin(angle) * north);
+      corners.push_back({(up + bent * random.InCube(1.0)).normalized(), beside - height * up,
+                         uneven * random.Uniform(-1.0, 1.0)});
+    }
+    Target target{std::pow(10.0, random.Uniform(-5.0, -2.5)) * (random.InCube(0.5) - up),
+                  seed % 3 == 0 ? Vec3(random.InCube(5e-3)) : Vec3::Zero()};
+    std::vector<Target> targets;
+    for (int step = 0; step < 6; ++step) {
+      targets.push_back(target);
+      target.v += 0.02 * target.v.norm() * random.InCube(1.0);
+    }
+    ExpectTheLaw(corners, targets, seed % 2 == 0, "seed " + std::to_string(seed));
+    if (testing::Test::HasFatalFailure()) return;
+  }
 }
 
 TEST(Friction, MinimisesAsABruteForceSolverDoes) {
@@ -481,7 +612,7 @@ TEST(Friction, MinimisesAsABruteForceSolverDoes) {
       // By strong convexity the minimiser is at most sqrt(2 (cost - minimum)) away.
       double excess = problem.Cost(x) - problem.LowerBound(30000);
       if (excess > 1e-10 * size * size) excess = problem.Cost(x) - problem.LowerBound(3000000);
-      ASSERT_GE(excess, -1e-12 * size * size);
+      ASSERT_GE(excess, -1e-11 * size * size);  // what rows may yield, times their forces
       const double distance = std::sqrt(2.0 * std::max(0.0, excess)) / size;
       worst = std::max(worst, distance);
       loose += distance > 2e-5;
