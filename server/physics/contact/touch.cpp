@@ -60,21 +60,32 @@ bool IsBehind(const ToolAndBodies& meshes, const Touch& touch) {
 
 /// Of the planes that separate a touch by `least` at the motion's beginning, finds the one with the
 /// largest gap at the end.
-struct BestPlane {
-  const ToolAndBodies& meshes;
-  const Touch& touch;
-  const Motion& motion;
-  double least;
-  double room = -kInfinity;  ///< gap that a plane must exceed at the end
-  ContactPlane plane{};
+class BestPlane {
+ public:
+  /// @param room  gap that a plane must exceed at the end [m]
+  BestPlane(const ToolAndBodies& meshes, const Touch& touch, const Motion& motion, double least,
+            double room = -kInfinity)
+      : planes_(meshes, touch.nodes, motion), touch_(touch), least_(least), room_(room) {}
 
   void Consider(const ContactPlane& other) {
-    if (!(GapAt(meshes, touch.nodes, touch, other, motion.from) >= least)) return;
-    const double gap = GapAt(meshes, touch.nodes, touch, other, motion.to);
-    if (gap <= room) return;
-    room = gap;
-    plane = other;
+    if (planes_.IsFull()) Find();
+    planes_.Add(touch_, other);
   }
+  const ContactPlane& Find() {
+    planes_.Find([&](int i) {
+      if (!(planes_.before(i) >= least_) || planes_.after(i) <= room_) return false;
+      room_ = planes_.after(i);
+      best_ = planes_.plane(i);
+      return false;
+    });
+    return best_;
+  }
+
+ private:
+  TriedPlanes planes_;
+  const Touch& touch_;
+  double least_, room_;
+  ContactPlane best_;
 };
 
 }  // namespace
@@ -194,7 +205,8 @@ void TriedPlanes::Add(const Touch& touch, const ContactPlane& plane, const Vec3&
   ++count_;
 }
 
-ContactPlane ChoosePlane(const ToolAndBodies& meshes, const Touch& touch, const Motion& trial) {
+[[gnu::flatten]] ContactPlane ChoosePlane(const ToolAndBodies& meshes, const Touch& touch,
+                                          const Motion& trial) {
   const Feature a = touch.nearest.of_p, b = touch.nearest.of_q;
   ContactPlane plane{ContactPlane::Of::kObject, touch.u};
   if (touch.distance <= 0.0) return plane;
@@ -202,10 +214,10 @@ ContactPlane ChoosePlane(const ToolAndBodies& meshes, const Touch& touch, const 
     // The touch belongs to a neighbour: tries the neighbour's face, if that separates
     // this pair as well.
     const double least = touch.by_plane ? kRounding : meshes.margins.LeastAfter(touch.distance);
-    BestPlane best{meshes, touch, trial, least};
+    BestPlane best(meshes, touch, trial, least);
     ForEachFace(meshes, touch.nodes, touch.nearest, trial.from,
                 [&](const ContactPlane& face) { best.Consider(face); });
-    if (best.plane.of != ContactPlane::Of::kNone) return best.plane;
+    if (best.Find().of != ContactPlane::Of::kNone) return best.Find();
   }
   if (b.kind == Feature::kVertex && a.kind != Feature::kVertex) {
     plane = {ContactPlane::Of::kTool, trial.from.R.transpose() * touch.u};
@@ -225,10 +237,11 @@ ContactPlane ChoosePlane(const ToolAndBodies& meshes, const Touch& touch, const 
   return plane;
 }
 
-ContactPlane OtherPlane(const ToolAndBodies& meshes, const Touch& touch,
-                        const NearestPoints& nearest, const Vec3& u, const Motion& trial) {
+[[gnu::flatten]] ContactPlane OtherPlane(const ToolAndBodies& meshes, const Touch& touch,
+                                         const NearestPoints& nearest, const Vec3& u,
+                                         const Motion& trial) {
   const double enough = meshes.margins.separation - meshes.margins.witness;
-  BestPlane best{meshes, touch, trial, enough, enough};
+  BestPlane best(meshes, touch, trial, enough, enough);
   const auto consider = [&](const ContactPlane& plane) {
     if (plane.of != touch.plane.of || plane.n != touch.plane.n) best.Consider(plane);
   };
@@ -243,7 +256,7 @@ ContactPlane OtherPlane(const ToolAndBodies& meshes, const Touch& touch,
   };
   across(touch.u, touch.distance, touch.in_cone);
   across(u, nearest.Distance(), InCone(meshes, touch.nodes, nearest, u, trial.to));
-  return best.plane;
+  return best.Find();
 }
 
 double TurnLoss(const Touch& touch, const ContactPlane& plane, const Vec3& n_old, const Vec3& n_new,

@@ -147,10 +147,12 @@ int LowestPoint(const EightPoints* eights, int count, std::uint32_t lanes, const
   const auto along = [&](const EightPoints& p) {
     return Fma(Set1(m[2]), Load(p.x[2]), Fma(Set1(m[1]), Load(p.x[1]), Set1(m[0]) * Load(p.x[0])));
   };
-  D8 least = along(eights[0]), in = Set1(0.0);
+  const D8 one = Set1(1.0);
+  D8 least = along(eights[0]), in = Set1(0.0), number = in;
   for (int k = 1; k < count; ++k) {
     const D8 here = along(eights[k]);
-    in = SelectLess(here, least, Set1(static_cast<double>(k)), in);
+    number = number + one;
+    in = SelectLess(here, least, number, in);
     least = Min(here, least);
   }
   const D8 lowest = Set1(LeastLane(SelectLanes(lanes, least, Set1(kInfinity))));
