@@ -377,9 +377,9 @@ void End(const Pose& X_WH, StepContext& context) {
   for (; GoesOn(context); ++report.diagnostics.substeps) {
     // What a sub-step ends on, others may hold: those that held the tool before are not all.
     Predict(context,
-            context.Rubs()            ? First::kRubbing
+            context.Rubs()                    ? First::kRubbing
             : report.diagnostics.substeps > 0 ? First::kContacts
-                                      : First::kActive,
+                                              : First::kActive,
             model.parameters().looks - context.cost.looks);
     StageClock clock(times);
     for (bool is_clear = false; !is_clear && !context.IsUnsolved();) {

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <span>
+#include <utility>
 
 #include "server/physics/contact/sub_step.h"
 #include "server/physics/limits.h"
@@ -27,99 +29,84 @@ Index NearOf(std::int64_t doubt, std::int64_t room) {
   return static_cast<Index>(doubt & (room - 1));
 }
 
-/// Removes the least element of a heap.  Unlike std::pop_heap, it has no branch on which of two is
-/// less, which could not be predicted.
-std::int64_t PopLeast(std::vector<std::int64_t>& heap) {
-  const std::int64_t least = heap.front(), last = heap.back();
-  heap.back() = std::numeric_limits<std::int64_t>::max();
-  std::size_t hole = 0;
-  for (std::size_t child = 1; child + 1 < heap.size(); child = 2 * hole + 1) {
+/// Puts a number into a heap, at `hole` or below, where all below is one.  Unlike std::pop_heap, it
+/// has no branch on which of two is less, which could not be predicted.
+void Sink(std::span<std::int64_t> heap, std::size_t hole, std::int64_t number) {
+  const std::size_t top = hole;
+  std::size_t child = 2 * hole + 1;
+  for (; child + 1 < heap.size(); child = 2 * hole + 1) {
     child += heap[child + 1] < heap[child] ? 1 : 0;
     heap[hole] = heap[child];
     hole = child;
   }
-  for (; hole > 0 && last < heap[(hole - 1) / 2]; hole = (hole - 1) / 2) {
+  if (child < heap.size()) heap[std::exchange(hole, child)] = heap[child];
+  for (; hole > top && number < heap[(hole - 1) / 2]; hole = (hole - 1) / 2) {
     heap[hole] = heap[(hole - 1) / 2];
   }
-  heap[hole] = last;
+  heap[hole] = number;
+}
+
+std::int64_t PopLeast(std::vector<std::int64_t>& heap) {
+  const std::int64_t least = heap.front(), last = heap.back();
   heap.pop_back();
+  if (!heap.empty()) Sink(heap, 0, last);
   return least;
 }
 
-/// Returns whether a unit direction separates a pair throughout the trial by enough (`proves`, of
-/// the gaps before and after); if so, sets it as the pair's plane.
+/// Returns whether one of some planes separates a pair throughout the trial by enough (`proves`, of
+/// the gaps before and after); if so, sets the first such one as the pair's plane.
 template <class Proves>
-bool HoldsAlong(MeshContact& contact, Index k, const Vec3& n, Proves proves) {
-  const NodesOfPair& nodes = contact.near[k].nodes;
-  const double high = contact.meshes.High(nodes, n);
-  const double after = contact.meshes.Low(nodes.tool, n, contact.motion.to) - high;
-  const double before =
-      contact.motion.moves ? contact.meshes.Low(nodes.tool, n, contact.motion.from) - high : after;
-  if (!proves(before, after)) return false;
-  contact.near.SetPlanes(k, n, before, n, after);
-  return true;
-}
-
-/// HoldsAlong for a plane of a touch, which may move with the tool.
-/// @param touch  the pair's
-/// @param of     the touch that the plane belongs to: the pair's own, or a neighbour's
-bool HoldsAcross(MeshContact& contact, Index k, const Touch& touch, const Touch& of,
-                 const ContactPlane& plane) {
-  const ToolAndBodies& meshes = contact.meshes;
-  const Motion& motion = contact.motion;
-  const auto proves = [&](double before, double after) {
-    return touch.Proves(meshes.margins, before, after);
-  };
-  if (plane.of == ContactPlane::Of::kObject) return HoldsAlong(contact, k, plane.n, proves);
-  const NodesOfPair& nodes = contact.near[k].nodes;
-  const Vec3 n_before = NormalAt(meshes, of, plane, motion.from);
-  const Vec3 n_after = NormalAt(meshes, of, plane, motion.to);
-  const double before = meshes.Gap(nodes, n_before, motion.from);
-  const double after = meshes.Gap(nodes, n_after, motion.to);
-  if (!proves(before, after)) return false;
-  if (std::min(before, after) - TurnLoss(meshes, of, plane, motion) <
-      0.5 * std::min(meshes.margins.free, before)) {
-    return false;
-  }
-  contact.near.SetPlanes(k, n_before, before, n_after, after);
-  return true;
-}
-
-/// Returns whether the plane of a neighbouring contact also separates this pair, which is outside
-/// its cones.  Such a plane restricts nothing that the contact does not.
-bool NeighbourHolds(MeshContact& contact, Index k, const Touch& touch) {
-  return std::any_of(contact.touches.begin(), contact.touches.end(), [&](const Touch& other) {
-    return other.in_cone && other.plane.of != ContactPlane::Of::kNone &&
-           HoldsAcross(contact, k, touch, other, other.plane);
+bool Hold(MeshContact& contact, Index k, TriedPlanes& planes, Proves proves) {
+  return planes.Find([&](int i) {
+    const double before = planes.before(i), after = planes.after(i);
+    if (!proves(before, after)) return false;
+    if (planes.plane(i).of != ContactPlane::Of::kObject &&
+        std::min(before, after) - planes.Loss(i) <
+            0.5 * std::min(contact.meshes.margins.free, before)) {
+      return false;
+    }
+    contact.near.SetPlanes(k, planes.n_before(i), before, planes.n_after(i), after);
+    return true;
   });
 }
 
 /// Returns whether two triangles are separate, by planes that can belong to a contact.  No other
 /// plane is tried, because it would let the tool pass where the next sub-step would then stop it.
-bool TrianglesApart(MeshContact& contact, Index k) {
+[[gnu::flatten]] bool TrianglesApart(MeshContact& contact, Index k) {
   const ToolAndBodies& meshes = contact.meshes;
   const Motion& motion = contact.motion;
   const Touch& touch = contact.TouchOf(k);
-  const auto across = [&](const ContactPlane& plane) {
-    return HoldsAcross(contact, k, touch, touch, plane);
-  };
-  if (touch.plane.of != ContactPlane::Of::kNone && across(touch.plane)) return true;
-  if (touch.is_behind) return across({ContactPlane::Of::kObject, touch.u});
-  const auto holds = [&](const Vec3& n) {
-    return HoldsAlong(contact, k, n, [&](double before, double after) {
-      return touch.Proves(meshes.margins, before, after);
-    });
-  };
-  if (holds(touch.u) || holds(contact.near.Normal(k))) return true;
+  TriedPlanes planes(meshes, touch.nodes, motion);
   bool held = false;
+  const auto try_all = [&] {
+    return held = held || Hold(contact, k, planes, [&](double before, double after) {
+                    return touch.Proves(meshes.margins, before, after);
+                  });
+  };
+  const auto add = [&](const Touch& of, const ContactPlane& plane) {
+    if (planes.IsFull()) try_all();
+    if (!held) planes.Add(of, plane);
+  };
+  const auto add_fixed = [&](const Vec3& n) { add(touch, {ContactPlane::Of::kObject, n}); };
+  if (touch.plane.of != ContactPlane::Of::kNone) add(touch, touch.plane);
+  add_fixed(touch.u);
+  if (!touch.is_behind) add_fixed(contact.near.Normal(k));
+  if (try_all() || touch.is_behind) return held;
   ForEachFace(meshes, touch.nodes, touch.nearest, motion.from,
-              [&](const ContactPlane& plane) { held = held || across(plane); });
-  if (held || !motion.moves) return held;
+              [&](const ContactPlane& plane) { add(touch, plane); });
+  if (try_all() || !motion.moves) return held;
   const NearestPoints nearest = meshes.NearestAt(touch.nodes, motion.to);
-  if (nearest.squared > 0.0 && holds(DirectionAt(meshes, touch.nodes, nearest, motion.to)))
-    return true;
-  if (!touch.in_cone) return NeighbourHolds(contact, k, touch);
-  return touch.plane.of == ContactPlane::Of::kNone && across(ChoosePlane(meshes, touch, motion));
+  if (nearest.squared > 0.0) add_fixed(DirectionAt(meshes, touch.nodes, nearest, motion.to));
+  if (try_all()) return true;
+  if (touch.in_cone) {
+    if (touch.plane.of == ContactPlane::Of::kNone) add(touch, ChoosePlane(meshes, touch, motion));
+    return try_all();
+  }
+  // The plane of a neighbouring contact restricts nothing that the contact does not.
+  for (const Touch& other : contact.touches) {
+    if (other.in_cone && other.plane.of != ContactPlane::Of::kNone) add(other, other.plane);
+  }
+  return try_all();
 }
 
 /// Returns whether two triangles, apart throughout a trial, may be as they are at its end if the
@@ -161,10 +148,18 @@ bool LookAtTriangles(MeshContact& contact, Index k, Until until) {
   const NearPairs::Pair& pair = contact.near[k];
   const double free = contact.meshes.margins.free;
   const bool has_plane = pair.touch >= 0 && contact.TouchOf(k).plane.of != ContactPlane::Of::kNone;
-  if (!has_plane && !contact.meshes.IsBall() &&
-      HoldsAlong(contact, k, contact.near.Normal(k),
-                 [free](double before, double after) { return std::min(before, after) >= free; })) {
-    return true;
+  if (!has_plane && !contact.meshes.IsBall()) {
+    const Vec3 n = contact.near.Normal(k);
+    const double high = contact.meshes.High(pair.nodes, n);
+    const auto above = [&](const ToolPose& at) {
+      return contact.meshes.Low(pair.nodes.tool, n, at) - high;
+    };
+    const double after = above(contact.motion.to);
+    const double before = after >= free ? above(contact.motion.from) : after;
+    if (std::min(before, after) >= free) {
+      contact.near.SetPlanes(k, n, before, n, after);
+      return true;
+    }
   }
   if (pair.touch < 0 && !contact.HasRoomForTouch()) return false;
   ++contact.looks.tested;
@@ -249,10 +244,12 @@ int Certify(MeshContact& contact, const Vec3& v, const Vec3& phi, Until until) n
       if (count > 0 && looks.Spent() + price > looks.most) {
         return apart_not + static_cast<int>(found.size() + doubts.size());
       }
+      const bool is_first = doubts.empty();
       for (const Index k : found) {
         doubts.push_back(DoubtOf(near.Left(k), k, near.room()));
-        std::push_heap(doubts.begin(), doubts.end(), std::greater<>());
+        if (!is_first) std::push_heap(doubts.begin(), doubts.end(), std::greater<>());
       }
+      for (std::size_t i = doubts.size() / 2; is_first && i-- > 0;) Sink(doubts, i, doubts[i]);
     }
     // The deepest first.
     while (!doubts.empty() && !searches.IsFull() && !ends()) {

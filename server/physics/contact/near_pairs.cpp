@@ -79,14 +79,18 @@ void NearPairs::Add(const SeparationFront::Index* in_front, int count, double wa
   const Index first = size();
   front_->Refresh(*meshes_->kernels, in_front, count, first, planes_);
   looks.refreshed += count;
+  Index kept[kBatch], near = 0;
   for (int i = 0; i < count; ++i) {
-    if (planes_.slack[first + i] >= way) continue;
-    const Index to = size();
-    for (double* along : planes_.along) along[to] = along[first + i];
-    planes_.slack[to] = planes_.slack[first + i];
-    planes_.radius[to] = planes_.radius[first + i];
-    Add(in_front[i]);
+    kept[near] = i;
+    near += planes_.slack[first + i] < way ? 1 : 0;
   }
+  const auto keep = [&](double* column) {
+    for (Index i = 0; i < near; ++i) column[first + i] = column[first + kept[i]];
+  };
+  for (double* along : planes_.along) keep(along);
+  keep(planes_.slack);
+  keep(planes_.radius);
+  for (Index i = 0; i < near; ++i) Add(in_front[kept[i]]);
 }
 
 std::span<const NearPairs::Index> NearPairs::FindUsedUp(Index first, const PlaneMotion& motion,

@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "common/math/pose.h"
 #include "server/physics/limits.h"
@@ -217,6 +218,69 @@ void ForEachFace(const ToolAndBodies& meshes, const NodesOfPair& triangles,
                 [&](const Vec3& n) { give(ContactPlane::Of::kTool, n, from.R * n); });
 }
 
+/// Returns how much nearer a pair may come between the ends of a motion than at either end
+/// [m].  A plane of edges turns while the contact moves; this takes at most a quarter of
+/// the product of both.
+/// @param n_old, n_new  the plane's normals at both ends
+double TurnLoss(const Touch& touch, const ContactPlane& plane, const Vec3& n_old, const Vec3& n_new,
+                const Motion& motion);
+
+/// Up to eight planes that may separate two triangles throughout a motion, measured together.
+class TriedPlanes {
+ public:
+  TriedPlanes(const ToolAndBodies& meshes, const NodesOfPair& triangles, const Motion& motion)
+      : meshes_(meshes),
+        motion_(motion),
+        pair_{meshes.tool.tree.HullOf(triangles.tool).leaf->data(),
+              triangles.shape->tree.HullOf(triangles.object).leaf->data(),
+              motion.from.data(),
+              motion.to.data(),
+              meshes.FrameOf(triangles).data(),
+              meshes.tool.radius} {}
+
+  /// @param touch  that the plane belongs to: that of these triangles, or a neighbour's
+  void Add(const Touch& touch, const ContactPlane& plane) {
+    const bool stays = plane.of == ContactPlane::Of::kObject;
+    Add(touch, plane, stays ? plane.n : NormalAt(meshes_, touch, plane, motion_.from),
+        stays ? plane.n : NormalAt(meshes_, touch, plane, motion_.to));
+  }
+  bool IsFull() const { return count_ == kMost; }
+  /// Measures the planes, and calls takes(i) for one after the other until it returns true; returns
+  /// whether one did.  Forgets them all.
+  template <class Takes>
+  bool Find(Takes takes) {
+    const int count = std::exchange(count_, 0);
+    if (count > 0) meshes_.kernels->find_gaps(pair_, gaps_);
+    for (int i = 0; i < count; ++i) {
+      if (takes(i)) return true;
+    }
+    return false;
+  }
+  const ContactPlane& plane(int i) const { return planes_[i]; }
+  double before(int i) const { return gaps_.gap[0][i]; }
+  double after(int i) const { return gaps_.gap[1][i]; }
+  Vec3 n_before(int i) const { return Normal(0, i); }
+  Vec3 n_after(int i) const { return Normal(1, i); }
+  double Loss(int i) const {
+    return TurnLoss(*of_[i], planes_[i], n_before(i), n_after(i), motion_);
+  }
+
+ private:
+  static constexpr int kMost = 8;
+  void Add(const Touch& touch, const ContactPlane& plane, const Vec3& before, const Vec3& after);
+  Vec3 Normal(int end, int i) const {
+    return {gaps_.n[end][0][i], gaps_.n[end][1][i], gaps_.n[end][2][i]};
+  }
+
+  const ToolAndBodies& meshes_;
+  const Motion& motion_;
+  TrianglePair pair_;
+  EightGaps gaps_;
+  ContactPlane planes_[kMost];
+  const Touch* of_[kMost];
+  int count_ = 0;
+};
+
 /// Returns the plane that a touch uses for its rows after a trial in which no plane separates it.
 ContactPlane ChoosePlane(const ToolAndBodies& meshes, const Touch& touch, const Motion& trial);
 
@@ -225,11 +289,5 @@ ContactPlane ChoosePlane(const ToolAndBodies& meshes, const Touch& touch, const 
 /// @param nearest  of the triangles at the end.
 ContactPlane OtherPlaneOfBall(const ToolAndBodies& meshes, const Touch& touch,
                               const NearestPoints& nearest, const Motion& trial);
-
-/// Returns how much nearer a pair may come between the ends of a motion than at either end
-/// [m].  A plane of edges turns while the contact moves; this takes at most a quarter of
-/// the product of both.
-double TurnLoss(const ToolAndBodies& meshes, const Touch& touch, const ContactPlane& plane,
-                const Motion& motion);
 
 }  // namespace palpate

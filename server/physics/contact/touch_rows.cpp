@@ -94,7 +94,7 @@ TouchRowsAtTrial RowsAt(const MeshContact& contact, const Touch& touch) {
     const Vec3 lever = CrossingOf(contact, touch) - motion.to.p;
     const double before = meshes.Gap(nodes, n_old, motion.from);
     const double now = meshes.Gap(nodes, n_new, motion.to);
-    const double loss = TurnLoss(meshes, touch, plane, motion);
+    const double loss = TurnLoss(touch, plane, n_old, n_new, motion);
     const bool holds = std::min(before, now) - loss >= 0.5 * std::min(meshes.margins.free, before);
     of.row[0] = {3,
                  n_new,

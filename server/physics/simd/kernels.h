@@ -98,6 +98,20 @@ struct alignas(64) Simplices {
   std::uint32_t with[3] = {};  ///< one bit for each search that has one, two, three points
 };
 
+/// Two triangles.  A body's placement is its position in W, then the columns of its R [m].
+struct TrianglePair {
+  const double *tool, *object;  ///< corners, in the frames of their bodies [m]
+  const double *from, *to;      ///< the tool's placement before and after a motion
+  const double* body;           ///< the object's
+  double radius;                ///< rounding of the tool [m]
+};
+
+/// Directions between two triangles, one in each column.
+struct alignas(64) EightGaps {
+  double n[2][3][8] = {};  ///< before and after a motion, from object to tool, in W
+  double gap[2][8];        ///< how far the tool's triangle lies above the object's along n [m]
+};
+
 /// A packet of the tool's tree, and how much each of its spheres grows with the allowed rotation.
 struct alignas(32) ToolPacket {
   SpherePacket sphere;
@@ -172,6 +186,9 @@ struct Kernels {
   /// Writes the indices of the values below a limit; the column is aligned and padded as in
   /// PlaneColumns.  May write up to 8 beyond the last.  Returns their number.
   int (*find_below)(const double* value, int count, double limit, std::int32_t* out);
+
+  /// Computes the gaps of two triangles.
+  void (*find_gaps)(const TrianglePair& pair, EightGaps& gaps);
 
   /// Returns the index of the point that is lowest along m, among those whose lane is set in
   /// `lanes`.  Of equally low points, every instruction set returns the same one.

@@ -147,10 +147,12 @@ int LowestPoint(const EightPoints* eights, int count, std::uint32_t lanes, const
   const auto along = [&](const EightPoints& p) {
     return Fma(Set1(m[2]), Load(p.x[2]), Fma(Set1(m[1]), Load(p.x[1]), Set1(m[0]) * Load(p.x[0])));
   };
-  D8 least = along(eights[0]), in = Set1(0.0);
+  const D8 one = Set1(1.0);
+  D8 least = along(eights[0]), in = Set1(0.0), number = in;
   for (int k = 1; k < count; ++k) {
     const D8 here = along(eights[k]);
-    in = SelectLess(here, least, Set1(static_cast<double>(k)), in);
+    number = number + one;
+    in = SelectLess(here, least, number, in);
     least = Min(here, least);
   }
   const D8 lowest = Set1(LeastLane(SelectLanes(lanes, least, Set1(kInfinity))));
@@ -198,6 +200,34 @@ inline D8 Clamp(const D8& x) {
   return SelectLess(x, zero, zero, SelectLess(one, x, one, x));
 }
 
+/// A vector in each lane, the same.
+inline Vectors Set1(const double* x) {
+  return {Set1(x[0]), Set1(x[1]), Set1(x[2])};
+}
+/// R^T n, with R the placement's.
+inline Vectors TurnBack(const double* placement, const Vectors& n) {
+  return {Dot(Set1(placement + 3), n), Dot(Set1(placement + 6), n), Dot(Set1(placement + 9), n)};
+}
+
+void FindGaps(const TrianglePair& pair, EightGaps& gaps) {
+  for (int i = 0; i < 2; ++i) {
+    const double* const tool = i == 0 ? pair.from : pair.to;
+    const Vectors n = LoadVectors(gaps.n[i]);
+    const Vectors m = TurnBack(tool, n), k = TurnBack(pair.body, n);
+    const auto along = [](const double* corners, int c, const Vectors& direction) {
+      return Dot(direction, Set1(corners + 3 * c));
+    };
+    D8 low = along(pair.tool, 0, m), high = along(pair.object, 0, k);
+    for (int c = 1; c < 3; ++c) {
+      const D8 here = along(pair.object, c, k);
+      low = Min(along(pair.tool, c, m), low);
+      high = SelectLess(high, here, here, high);
+    }
+    Store(gaps.gap[i],
+          Dot(n, Set1(tool)) + low - Set1(pair.radius) - (Dot(n, Set1(pair.body)) + high));
+  }
+}
+
 /// Corners of a triangle, three times the index in each lane: one, the next, and the third.
 struct alignas(64) Corners {
   long long at[3][8];
@@ -224,12 +254,12 @@ struct EdgePairs {
     const Vectors u = corner(a, of_a.at[1]) - p, w = corner(b, of_b.at[1]) - q, r = p - q;
     const D8 uu = Dot(u, u), ww = Dot(w, w), uw = Dot(u, w), ur = Dot(u, r), wr = Dot(w, r);
     const auto along_u = [&](const D8& x) { return SelectLess(zero, uu, Clamp(x / uu), zero); };
-    const D8 across = uu * ww - uw * uw, at_begin = along_u(Negative(ur));
+    const D8 across = uu * ww - uw * uw;
     s = SelectLess(zero, across, Clamp((uw * wr - ur * ww) / across), zero);
-    // If the second edge is a point:
-    s = SelectLess(zero, ww, s, SelectLess(zero, uu, at_begin, s));
     t = SelectLess(zero, ww, (uw * s + wr) / ww, zero);
-    s = SelectLess(t, zero, at_begin, SelectLess(one, t, along_u(uw - ur), s));
+    // At an end of the second edge, or where that is a point:
+    const D8 end = along_u(SelectLess(one, t, uw - ur, Negative(ur)));
+    s = SelectLess(zero, ww, SelectLess(t, zero, end, SelectLess(one, t, end, s)), end);
     t = Clamp(t);
     const Vectors to_p = s * u, to_q = t * w;
     const Vectors away = r + to_p - to_q;
@@ -291,9 +321,10 @@ NearestOfSimplex OfTriangles(const Vectors& a, const Vectors& b, const Vectors& 
   const Vectors edge = SelectLanes(on_ac, ac, ab);
   const D8 along = SelectLanes(on_ac, to_c, to_b), length2 = Dot(edge, edge);
   const std::uint32_t on = Less(zero, along) & Less(zero, length2);
-  const D8 part = along / length2;
+  // One division for both, because it takes as long as twenty multiplications.
+  const D8 part = SelectLanes(inside, height, along) / SelectLanes(inside, size2, length2);
   const Vectors on_edge = a + SelectLess(part, one, part, one) * edge;
-  const Vectors on_face = (height / size2) * normal;
+  const Vectors on_face = part * normal;
   return {SelectLanes(inside, on_face, SelectLanes(on, on_edge, a)),
           SelectLanes(on_ac & ~inside, c, b), c, inside | on, inside};
 }
@@ -472,10 +503,10 @@ int AddYielding(const YieldingRows& yielding, const double* x, double spring_sti
 }
 
 constexpr Kernels MakeKernels(const char* name) {
-  return {name,          ExpandPairs,        BuildRows,          FindBelow,
-          LowestPoint,   NearestEdges,       AdvanceSimplices,   RefreshPlanes,
-          FindUsedUp,    Solve<6>,           SolveWithLimits<6>, RowsHold,
-          TransformRows, AddYielding<false>, AddYielding<true>};
+  return {name,          ExpandPairs,   BuildRows,          FindBelow,
+          FindGaps,      LowestPoint,   NearestEdges,       AdvanceSimplices,
+          RefreshPlanes, FindUsedUp,    Solve<6>,           SolveWithLimits<6>,
+          RowsHold,      TransformRows, AddYielding<false>, AddYielding<true>};
 }
 
 }  // namespace

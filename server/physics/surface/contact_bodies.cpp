@@ -89,7 +89,8 @@ bool IsOver(const Vec3* corners, const Vec3& p, double reach) {
   const Vec3 normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
   for (int i = 0; i < 3; ++i) {
     const Vec3 out = (corners[(i + 1) % 3] - corners[i]).cross(normal);
-    if (out.dot(p - corners[i]) > reach * out.norm()) return false;
+    const double beyond = out.dot(p - corners[i]);
+    if (beyond > 0.0 && beyond > reach * out.norm()) return false;  // seldom needs the root
   }
   return true;
 }

@@ -50,6 +50,8 @@ struct Placement {
   Vec3 operator*(const Vec3& x) const { return R * x + p; }
   Placement Inverse() const { return {-(R.transpose() * p), R.transpose()}; }
   Placement operator*(const Placement& other) const { return {*this * other.p, R * other.R}; }
+  /// For kernels: p, then the columns of R.
+  const double* data() const { return reinterpret_cast<const double*>(this); }
 
   Vec3 p;
   Mat3 R;

@@ -208,12 +208,17 @@ Vec3 ContactMesh::SmoothNormal(std::uint32_t triangle, const Vec3& place, const 
 }
 
 bool ContactMesh::EdgeConeHolds(std::uint32_t edge, const Vec3& n) const {
+  const Vec3* low = nullptr;
+  Vec3 along;
   for (const std::uint32_t face : FacesAtEdge(edge)) {
     const Triangle& t = triangles_[face];
     const std::size_t c = t.edge[0] == edge ? 0 : t.edge[1] == edge ? 1 : 2;
-    const auto [low, high] = std::minmax(t.vertex[c], t.vertex[(c + 1) % 3]);
-    const Vec3 along = UnitOrZero(vertices_[high] - vertices_[low]);
-    const Vec3 inside = vertices_[t.vertex[(c + 2) % 3]] - vertices_[low];
+    if (low == nullptr) {
+      const auto [first, second] = std::minmax(t.vertex[c], t.vertex[(c + 1) % 3]);
+      low = &vertices_[first];
+      along = UnitOrZero(vertices_[second] - *low);
+    }
+    const Vec3 inside = vertices_[t.vertex[(c + 2) % 3]] - *low;
     if (LeadsTo(n, inside - inside.dot(along) * along)) return false;
   }
   return true;

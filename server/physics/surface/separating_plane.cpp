@@ -26,7 +26,7 @@ int PlaneSearches::Begin(const PatchPair& pair, const ToolMotion& motion, const 
   return lane;
 }
 
-std::uint32_t PlaneSearches::Try(const Kernels& kernels) {
+[[gnu::flatten]] std::uint32_t PlaneSearches::Try(const Kernels& kernels) {
   found_ = 0;
   std::uint32_t goes_on = 0;
   for (std::uint32_t left = running_; left != 0; left &= left - 1) {

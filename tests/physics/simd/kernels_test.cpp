@@ -176,6 +176,50 @@ TEST(Kernels, FindTheLowestPointAtEverySimdLevel) {
   }
 }
 
+// To the last bit those of ToolAndBodies::Gap, which computes one at a time.
+TEST(Kernels, FindTheGapsOfTrianglesAtEverySimdLevel) {
+  const Kernels* level[3];
+  const int levels = AvailableKernels(level);
+  Random random(16);
+  for (int trial = 0; trial < 500; ++trial) {
+    struct {
+      Vec3 p;
+      Mat3 R;
+    } at[3];
+    for (auto& X : at) X = {random.InCube(0.1), random.Rotation().toRotationMatrix()};
+    Mat3 tool, object;
+    for (int c = 0; c < 3; ++c) {
+      tool.col(c) = random.InCube(0.01);
+      object.col(c) = trial % 3 == 0 ? Vec3(object.col(0)) : random.InCube(0.01);
+    }
+    const TrianglePair pair{tool.data(),    object.data(),  at[0].p.data(),
+                            at[1].p.data(), at[2].p.data(), random.Uniform(0.0, 0.01)};
+    EightGaps gaps;
+    for (auto& n : gaps.n) {
+      for (int i = 0; i < 8; ++i) {
+        const Vec3 direction = random.Direction();
+        for (int c = 0; c < 3; ++c) n[c][i] = direction[c];
+      }
+    }
+    for (int l = 0; l < levels; ++l) {
+      EightGaps got = gaps;
+      level[l]->find_gaps(pair, got);
+      for (int end = 0; end < 2; ++end) {
+        for (int i = 0; i < 8; ++i) {
+          const Vec3 n(gaps.n[end][0][i], gaps.n[end][1][i], gaps.n[end][2][i]);
+          const Vec3 down = -(at[end].R.transpose() * n), up = at[2].R.transpose() * n;
+          const auto highest = [](const Mat3& x, const Vec3& m) {
+            return std::max({m.dot(x.col(0)), m.dot(x.col(1)), m.dot(x.col(2))});
+          };
+          const double low = n.dot(at[end].p) - highest(tool, down) - pair.radius;
+          ASSERT_EQ(got.gap[end][i], low - (n.dot(at[2].p) + highest(object, up)))
+              << level[l]->name << ", trial " << trial;
+        }
+      }
+    }
+  }
+}
+
 TEST(Kernels, RefreshPlanesAtEverySimdLevel) {
   const Kernels* level[3];
   const int levels = AvailableKernels(level);
