@@ -123,9 +123,9 @@ std::uint64_t GoldenRunOfMeshes(const std::array<Scene, 2>& scenes) {
 // change of the physics may change it.
 constexpr std::uint64_t kGoldenHash = 9439665412190326790u;
 constexpr std::uint64_t kGoldenChapterHash = 12772718893363948445u;
-constexpr std::uint64_t kGoldenCoulombHash = 1858560352993189020u;
-constexpr std::uint64_t kGoldenHashOfMaterials = 17987184013547523283u;
-constexpr std::uint64_t kGoldenHashOfMeshes = 7697217968113933293u;
+constexpr std::uint64_t kGoldenCoulombHash = 13046764094675841371u;
+constexpr std::uint64_t kGoldenHashOfMaterials = 3924097277385133357u;
+constexpr std::uint64_t kGoldenHashOfMeshes = 5385790029578594717u;
 
 /// Runs `check` with each inner loop that this machine supports.
 void AtEverySimdLevel(const std::function<void()>& check) {
