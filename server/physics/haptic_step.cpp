@@ -108,7 +108,7 @@ void Predict(StepContext& context, First first, std::int64_t looks) {
               .yielded = before.friction_yielded,
               .active = context.state().active,
               .active_ids = context.state().active_ids};
-  if (context.Rubs()) context.friction_before = context.state().friction;
+  if (context.HasFriction()) context.friction_before = context.state().friction;
   context.Aim();
   tools.R_WG = tools.q_G.toRotationMatrix();
   if (buffers.energies) BeginCutting(context, std::numeric_limits<double>::infinity());
@@ -144,10 +144,10 @@ Optimum SolveWithoutFriction(StepContext& context) {
 }
 
 /// Applies friction to an optimum, if the model has friction and a row is active.
-void Rub(StepContext& context, Optimum& optimum) {
+void ApplyFriction(StepContext& context, Optimum& optimum) {
   FrictionState& friction = context.state().friction;
-  if (!context.Rubs()) return;
-  // What a trial that is not taken rubs with counts for nothing.
+  if (!context.HasFriction()) return;
+  // The friction of a trial that is not taken counts for nothing.
   context.report().diagnostics.friction_unsolved = context.sub_step.unsolved;
   context.report().diagnostics.friction_yielded = context.sub_step.yielded;
   // A look ahead adds rows and keeps the contacts, so the forces of the last look are nearest.
@@ -168,7 +168,7 @@ void Rub(StepContext& context, Optimum& optimum) {
 Optimum Solve(StepContext& context) {
   Optimum optimum = SolveWithoutFriction(context);
   optimum.rounds = context.IsFreeBall() && RoundCreases(context, optimum);
-  Rub(context, optimum);
+  ApplyFriction(context, optimum);
   context.Require(optimum);
   if (!context.IsUnsolved()) Remember(context, optimum);
   return optimum;
@@ -185,7 +185,7 @@ void Move(StepContext& context, const Way& way) {
     EndSubStep(*buffers.meshes, context.report().diagnostics.substeps == 0);
     context.cost.looks += buffers.meshes->looks.Spent();
   }
-  if (context.Rubs() && way.optimum.qp.active == 0 && (way.arrived || !meshes)) {
+  if (context.HasFriction() && way.optimum.qp.active == 0 && (way.arrived || !meshes)) {
     context.state().friction.Forget();
   }
   if (buffers.energies && context.state().cut.acts) {
@@ -281,9 +281,9 @@ void Lag(StepContext& context) {
     far = limits::mesh::kLagAhead;
   }
   Remember(context, stays.optimum);
-  if (context.Rubs()) {
+  if (context.HasFriction()) {
     const FrictionState before = context.state().friction;
-    Rub(context, stays.optimum);
+    ApplyFriction(context, stays.optimum);
     context.state().friction = before;
     context.Require(stays.optimum);
     if (context.IsUnsolved()) return GiveUp(context);
@@ -377,7 +377,7 @@ void End(const Pose& X_WH, StepContext& context) {
   for (; GoesOn(context); ++report.diagnostics.substeps) {
     // What a sub-step ends on, others may hold: those that held the tool before are not all.
     Predict(context,
-            context.Rubs()                    ? First::kRubbing
+            context.HasFriction()             ? First::kAllCorners
             : report.diagnostics.substeps > 0 ? First::kContacts
                                               : First::kActive,
             model.parameters().looks - context.cost.looks);

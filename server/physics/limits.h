@@ -229,7 +229,7 @@ struct Margins {
     return distance > 0.5 * free ? std::min(free, distance) - kRounding : distance;
   }
 };
-/// Where something rubs: flat faces of bodies on which corners of the tool are looked for, and the
+/// Where friction acts: flat faces of bodies on which corners of the tool are looked for, and the
 /// corners on one after which the search goes no farther.  Taken.
 inline constexpr std::size_t kFlatFaces = 8, kCornersOfFace = 256;
 /// Iterates of a sub-step (StepTuning); three are usual.  And directions in which a plane between

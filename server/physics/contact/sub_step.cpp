@@ -68,7 +68,7 @@ void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront&
     const ContactId id = IdOf(nodes);
     return std::ranges::any_of(active, [&](const ContactId& row) { return row.IsBeside(id); });
   };
-  const bool rubs = first == First::kRubbing;
+  const bool all_corners = first == First::kAllCorners;
   const auto touches = [&](NearPairs::Index k) {
     if (first == First::kActive) return false;
     const Touch& touch = contact.TouchOf(k);
@@ -78,13 +78,13 @@ void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront&
   for (NearPairs::Index k = 0; k < near.size() && contact.HasRoomForTouch(); ++k) {
     if (near[k].split || !near[k].nodes.AreTriangles()) continue;
     if (!was_active(near[k].nodes) && !touches(k)) continue;
-    if (rubs) {
-      AddRowsThatRub(contact, contact.TouchOf(k), rows);
+    if (all_corners) {
+      AddRowsOnFace(contact, contact.TouchOf(k), rows);
     } else {
       AddRowsThatTouch(contact, k, rows);
     }
   }
-  if (!rubs || contact.meshes.IsBall()) return;
+  if (!all_corners || contact.meshes.IsBall()) return;
   AddRowsOfHidden(contact, active, contact.meshes.margins.touching, rows);
   AddRowsOfCorners(contact, rows);
 }

@@ -93,11 +93,11 @@ int Certify(MeshContact& contact, const Vec3& v, const Vec3& phi, Until until) n
 
 /// Which touches have rows from the beginning of a sub-step on.
 enum class First {
-  kActive,    ///< those that held the tool last
-  kContacts,  ///< and all contacts
-  kRubbing,   ///< and all corners on flat faces, each once (rub_rows.cpp).  A tool that rubs would
-              ///< tip over those that held it last, and rub on rows made for that pose.
-  kTouching,  ///< and all that touch.  A tool that lags feels what it has just come to.
+  kActive,      ///< those that held the tool last
+  kContacts,    ///< and all contacts
+  kAllCorners,  ///< and all corners on flat faces, each once (flat_faces.cpp).  With friction a
+                ///< tool would tip over those that held it last, on rows made for that pose.
+  kTouching,    ///< and all that touch.  A tool that lags feels what it has just come to.
 };
 
 /// Updates the front at `from`, and adds the rows of those `active` pairs that still touch.  This
@@ -182,12 +182,12 @@ bool GiveUpRegain(MeshContact& contact, ContactRows& rows);
 /// its derivative by what a row asks for is the row's multiplier [m^2].
 double PriceOfRegain(const MeshContact& contact, const QpResult& qp);
 
-// --- rub_rows.cpp: contacts on flat faces, where something rubs or lags (README.md). ---
+// --- flat_faces.cpp: contacts on flat faces, where friction acts or lags (README.md). ---
 
 /// AddRowsThatTouch for a tool that lies on a flat face: it touches with its corners, each of them
 /// once.
-void AddRowsThatRub(MeshContact& contact, Touch& touch, ContactRows& rows);
-/// AddRowsThatRub for those `active` pairs, no farther apart than `reach` [m], that are hidden in
+void AddRowsOnFace(MeshContact& contact, Touch& touch, ContactRows& rows);
+/// AddRowsOnFace for those `active` pairs, no farther apart than `reach` [m], that are hidden in
 /// patches: no near pairs.  If a corner
 /// of one has left its triangle, its row is that of the triangle below.
 void AddRowsOfHidden(MeshContact& contact, std::span<const ContactId> active, double reach,

@@ -135,7 +135,7 @@ struct Touch {
   /// no way: a tool comes there only through others, or where a solid's new surface stands out into
   /// it.  Behind one that it is in, it may go no deeper.
   bool is_behind = false;
-  /// Where something rubs: whether the tool lies on the body's face, which is the plane.
+  /// Where friction acts: whether the tool lies on the body's face, which is the plane.
   bool is_flush = false;
   ContactPlane plane;  ///< that its rows use; kNone if it has no rows
   /// Whether its rows have been mended: once at most in a sub-step.  Otherwise two planes, or two

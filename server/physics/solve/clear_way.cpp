@@ -91,9 +91,10 @@ bool Mend(StepContext& context, Way& way) {
     way.arrived = Turned(meshes, active, rows) <= limits::mesh::kTurned;
     return false;
   }
-  if (meshes.meshes.IsBall() || !(context.IsRigid() || context.Rubs())) return false;
-  const double most = context.Rubs() ? limits::mesh::kSame
-                                     : MostTurned(context, way.optimum, limits::mesh::kForceError);
+  if (meshes.meshes.IsBall() || !(context.IsRigid() || context.HasFriction())) return false;
+  const double most = context.HasFriction()
+                          ? limits::mesh::kSame
+                          : MostTurned(context, way.optimum, limits::mesh::kForceError);
   return Relinearise(meshes, active, most, rows) != 0;
 }
 

@@ -46,7 +46,7 @@ void ReportContacts(StepContext& context, const Way& way) noexcept {
   for (int k = 0; k < optimum.qp.active; ++k) {
     const int i = optimum.qp.row[k];
     ActiveRow* row = add(i, context.sub_step.rigid.b[i], k_t * optimum.qp.multiplier[k]);
-    if (optimum.rubs) row->friction = k_t * optimum.friction[static_cast<std::size_t>(k)];
+    if (optimum.has_friction) row->friction = k_t * optimum.friction[static_cast<std::size_t>(k)];
   }
   for (int k = 0; k < yielding.listed && report.contacts < kMaxActiveRows; ++k) {
     const int i = yielding.row[k];

@@ -429,7 +429,7 @@ void AddCoulombFriction(StepContext& context, Optimum& optimum) noexcept {
   const Vec3 phi = context.sub_step.target.phi + optimum.push_turn / (rho * rho);
   Vec6 t;
   t << v, rho * phi;
-  optimum.rubs = true;
+  optimum.has_friction = true;
   if (!Solve(context, optimum, t)) {
     for (Vec3& force : optimum.friction) force.setZero();
     state.contacts = 0;

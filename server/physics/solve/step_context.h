@@ -27,10 +27,10 @@ struct Optimum {
   Vec3 v;    ///< [m]
   Vec3 phi;  ///< [rad]
   QpResult qp;
-  bool rubs = false;        ///< whether friction has changed it
-  FrictionForces friction;  ///< if it rubs: for each active row of the QP
-  bool rounds = false;      ///< whether it includes the curvature of a ball's rows
-  bool is_pushed = false;   ///< whether energies push
+  bool has_friction = false;  ///< whether friction has changed it
+  FrictionForces friction;    ///< if so: for each active row of the QP
+  bool rounds = false;        ///< whether it includes the curvature of a ball's rows
+  bool is_pushed = false;     ///< whether energies push
   Vec3 push = Vec3::Zero(), push_turn = Vec3::Zero();  ///< their force and torque [m], [m^2]
 
   /// Returns whether anything holds the tool.
@@ -132,14 +132,16 @@ struct StepContext {
   const StepReport& report() const { return report_; }
 
   /// Returns whether the model has friction by Coulomb's law.
-  bool Rubs() const { return model.parameters().features.friction == FrictionModel::kCoulomb; }
+  bool HasFriction() const {
+    return model.parameters().features.friction == FrictionModel::kCoulomb;
+  }
   /// Discards what the sub-step has done to friction's state.
   void RestoreFriction() {
-    if (Rubs()) state_.friction = friction_before;
+    if (HasFriction()) state_.friction = friction_before;
   }
-  /// Returns whether meshes may hold the tool and nothing rubs or yields.
+  /// Returns whether meshes may hold the tool and nothing yields and no friction acts.
   bool IsRigid() const {
-    return buffers_.meshes && !(buffers_.energies && buffers_.energies->acts()) && !Rubs();
+    return buffers_.meshes && !(buffers_.energies && buffers_.energies->acts()) && !HasFriction();
   }
   /// Returns whether IsRigid holds and the tool is a ball.
   bool IsFreeBall() const { return IsRigid() && buffers_.meshes->meshes.IsBall(); }
@@ -182,7 +184,7 @@ struct StepContext {
   Tools tools;
   CycleCost cost;
   SubStep sub_step;
-  FrictionState friction_before;  ///< if it rubs: friction state at the sub-step's beginning
+  FrictionState friction_before;  ///< with friction: its state at the sub-step's beginning
   Outcome outcome;
 
  private:

@@ -122,7 +122,7 @@ TEST(FlatPlate, HoldsNoBoxBackThatSlidesWithoutFriction) {
 
 // All rows of a flat plate have one normal, and a face that carries more rows than it has freedoms
 // has loads all the same: what it rubs with is Coulomb's.
-TEST(FlatPlate, RubsOnABoxByCoulombsLaw) {
+TEST(FlatPlate, ResistsABoxByCoulombsLaw) {
   for (const double degrees : {5.7, 73.2, 185.7, 253.2}) {
     SCOPED_TRACE(testing::Message() << degrees << " degrees");
     const double angle = degrees * std::numbers::pi / 180.0;
@@ -145,7 +145,7 @@ TEST(FlatPlate, RubsOnABoxByCoulombsLaw) {
 
 // Rows of some corners are too few: friction would tip the tool over those that no row holds.
 // Rows within the foot are too many: the loads of a face have three freedoms.
-TEST(FlatPlate, HoldsEachCornerOfABoxThatRubsByOneRow) {
+TEST(FlatPlate, HoldsEachCornerOfABoxWithFrictionByOneRow) {
   const Vec3 size(0.011, 0.008, 0.013);
   const ToolBody tool{ContactMesh(MakeBox(size))};
   constexpr int kRows = 1024;
@@ -168,7 +168,7 @@ TEST(FlatPlate, HoldsEachCornerOfABoxThatRubsByOneRow) {
       const double higher = 0.5e-4 * (size.x() + size.z()) - 0.6e-6;
       for (const ToolPose& from : {ToolPose(at.p + higher * Vec3::UnitY(), tips), at}) {
         rows.Clear();
-        BeginSubStep(contact, ActiveKernels(), front, from, {}, First::kRubbing,
+        BeginSubStep(contact, ActiveKernels(), front, from, {}, First::kAllCorners,
                      limits::mesh::kMaxLooks, rows);
         EndSubStep(contact, true);
       }

@@ -128,7 +128,7 @@ void AddRowOfCorner(MeshContact& contact, std::uint32_t vertex, const Touch& bes
 
 }  // namespace
 
-void AddRowsThatRub(MeshContact& contact, Touch& touch, ContactRows& rows) {
+void AddRowsOnFace(MeshContact& contact, Touch& touch, ContactRows& rows) {
   if (touch.distance <= 0.0 || touch.plane.of != ContactPlane::Of::kNone) return;
   const ToolAndBodies& meshes = contact.meshes;
   const ContactPlane face = FaceOf(meshes, touch);
@@ -157,7 +157,7 @@ void AddRowsOfHidden(MeshContact& contact, std::span<const ContactId> active, do
       contact.touches.push_back(
           TouchAt(meshes, meshes.NodesOf(~id.tool, ~id.object, id.body), contact.motion.from));
       touch = contact.touches.end() - 1;
-      if (touch->distance <= reach) AddRowsThatRub(contact, *touch, rows);
+      if (touch->distance <= reach) AddRowsOnFace(contact, *touch, rows);
     }
     const bool has_rows = std::ranges::any_of(touch->row, [](int row) { return row >= 0; });
     if (has_rows) continue;
