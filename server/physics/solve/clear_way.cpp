@@ -136,9 +136,11 @@ Next Settle(StepContext& context, bool goes_on, Way& way) {
   if (goes_on && !meshes.looks.AreSpent() && !CheckRest(meshes, way.v, way.phi, rows)) {
     return Next::kSolve;
   }
-  // The contacts of that place give the next sub-step its rows.  A step that is not worth it ends
-  // the search, if contacts of the beginning hold the tool.
-  way.arrived = LengthOf(context, way) <= meshes.meshes.margins.touching;
+  // The contacts of that place give the next sub-step its rows.  Two short steps in turn end the
+  // search, if contacts of the beginning hold the tool; after one, a row at an edge may still turn.
+  const bool stands = LengthOf(context, way) <= meshes.meshes.margins.touching;
+  way.arrived = stands && context.outcome.stands;
+  context.outcome.stands = stands;
   if (way.arrived && Release(meshes, active, rows) != 0) {
     Way past = WayToNewOptimum(context);
     if (context.IsUnsolved()) return Next::kStay;

@@ -94,6 +94,7 @@ struct SubStep {
 /// How the sub-steps so far have ended.
 struct Outcome {
   bool arrived = false;  ///< whether it arrived there
+  bool stands = false;   ///< whether the last that no contact held was a short one (Settle)
   bool held = false;     ///< whether something then kept the tool from the hand
 };
 
