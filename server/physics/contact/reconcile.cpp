@@ -35,37 +35,6 @@ double GapOfRow(const MeshContact& contact, int row, const ContactRows& rows) {
          contact.of_rows.asked[static_cast<std::size_t>(row)];
 }
 
-/// Turns a ball's row to the smooth surface's normal where the ball arrives, not where it was.  One
-/// that does not touch there gets another plane, if there is any.  A crease is not smooth: the
-/// ball goes straight past it, and round it in the next sub-steps (Turned).
-bool MendOfBall(MeshContact& contact, Touch& touch, int row, ContactRows& rows) {
-  const ToolAndBodies& meshes = contact.meshes;
-  const Motion& motion = contact.motion;
-  const NearestPoints nearest = meshes.NearestAt(touch.nodes, motion.to);
-  if (!(nearest.squared > 0.0)) return false;
-  const double now = nearest.Distance() - meshes.tool.radius;
-  const Vec3 u = nearest.Direction();
-  const bool touches = GapOfRow(contact, row, rows) <= kWitnessRatio * now + meshes.margins.witness;
-  if (!touches || !InCone(meshes, touch.nodes, nearest, u, motion.to)) {
-    const ContactPlane other = OtherPlaneOfBall(meshes, touch, nearest, motion);
-    if (other.of == ContactPlane::Of::kNone) return false;
-    // A plane of the same direction, as that of the next triangle of a flat face, changes nothing.
-    const Vec3 n = NormalAt(meshes, touch, other, motion.to);
-    if (touches && (n - rows.normal(row)).norm() <= kSame) return false;
-    TakeOut(touch, rows);
-    touch.plane = other;
-    return touch.is_mended = true;
-  }
-  const Vec3 along = SmoothNormal(meshes, touch.nodes, nearest, u);
-  if (!TurnsRows(contact) || along == u || (along - rows.normal(row)).norm() <= kTurned)
-    return false;
-  const double asked = Asked(contact, touch.distance);
-  contact.of_rows.asked[static_cast<std::size_t>(row)] = asked;
-  const Vec3 lever = rows.lever(row);
-  rows.SetRow(row, along, lever, lever.cross(along), now - asked - along.dot(motion.v));
-  return true;
-}
-
 /// Returns whether a row's corner lies over a face of the row's normal at the trial, its own
 /// triangle or one beside it that is flush with it.
 bool IsOverFace(const MeshContact& contact, const Touch& touch, int row, double turned,
@@ -119,12 +88,44 @@ bool IsOfContact(const MeshContact& contact, const Touch& touch, int row, double
          IsOfEdges(contact, touch, row, turned, rows);
 }
 
+/// Gives a row that does not touch at the trial another plane, if there is any; and a ball's row
+/// the smooth surface's normal there.  Returns whether the change is large enough to affect the
+/// force. A crease is not smooth: the ball goes straight past it, and round it in the next
+/// sub-steps (Turned).
+bool Retract(MeshContact& contact, Touch& touch, int row, ContactRows& rows) {
+  const ToolAndBodies& meshes = contact.meshes;
+  const Motion& motion = contact.motion;
+  const NearestPoints nearest = meshes.NearestAt(touch.nodes, motion.to);
+  if (!(nearest.squared > 0.0)) return false;
+  const double now = nearest.Distance() - meshes.tool.radius;
+  const Vec3 u = DirectionAt(meshes, touch.nodes, nearest, motion.to);
+  const bool touches = GapOfRow(contact, row, rows) <= kWitnessRatio * now + meshes.margins.witness;
+  if (!touches || !(InCone(meshes, touch.nodes, nearest, u, motion.to) ||
+                    IsOverFace(contact, touch, row, kTurned, rows))) {
+    const ContactPlane other = OtherPlane(meshes, touch, nearest, u, motion);
+    if (other.of == ContactPlane::Of::kNone) return false;
+    // A plane of the same direction, as that of the next triangle of a flat face, changes nothing.
+    const Vec3 n = NormalAt(meshes, touch, other, motion.to);
+    if (touches && (n - rows.normal(row)).norm() <= kSame) return false;
+    TakeOut(touch, rows);
+    touch.plane = other;
+    return touch.is_mended = true;
+  }
+  if (!meshes.IsBall() || !TurnsRows(contact)) return false;
+  const Vec3 along = SmoothNormal(meshes, touch.nodes, nearest, u);
+  if (along == u || (along - rows.normal(row)).norm() <= kTurned) return false;
+  const double asked = Asked(contact, touch.distance);
+  contact.of_rows.asked[static_cast<std::size_t>(row)] = asked;
+  const Vec3 lever = rows.lever(row);
+  rows.SetRow(row, along, lever, lever.cross(along), now - asked - along.dot(motion.v));
+  return true;
+}
+
 }  // namespace
 
-int MendOfBall(MeshContact& contact, std::span<const int> active, ContactRows& rows) noexcept {
-  if (!contact.meshes.IsBall()) return 0;
+int Retract(MeshContact& contact, std::span<const int> active, ContactRows& rows) noexcept {
   return MendRows(contact, active, rows, [&](int row, Touch& touch) {
-    return !touch.is_mended && MendOfBall(contact, touch, row, rows);
+    return !touch.is_mended && Retract(contact, touch, row, rows);
   });
 }
 
@@ -223,7 +224,7 @@ double Turned(const MeshContact& contact, std::span<const int> active,
     const Vec3 along = SmoothNormal(contact.meshes, touch->nodes, own, own.Direction());
     least = std::min(least, (along - n).norm());
   }
-  // On a smooth surface, MendOfBall has turned the rows.
+  // On a smooth surface, Retract has turned the rows.
   return smooth || !(nearest < kInfinity) ? most : std::max(least, most);
 }
 

@@ -203,9 +203,9 @@ void AddRowsOfCorners(MeshContact& contact, ContactRows& rows);
 // changed; if that is not 0, the rows must be solved again.  Rows of leaves, and of pairs that
 // intersect, are not changed.
 
-/// For a ball, gives each row the smooth surface's normal at the trial; and the row of a touch that
-/// does not touch there another plane that separates it, if there is one.
-int MendOfBall(MeshContact& contact, std::span<const int> active, ContactRows& rows) noexcept;
+/// For a ball, or with friction: gives the rows of each touch that does not touch at the trial
+/// another plane that separates it, if there is one; a ball's others the smooth surface's normal.
+int Retract(MeshContact& contact, std::span<const int> active, ContactRows& rows) noexcept;
 /// Recomputes each row whose direction in configuration space has turned by more than `most` [rad],
 /// or whose gap at the trial is not the geometry's, at most once in a sub-step.
 int Relinearise(MeshContact& contact, std::span<const int> active, double most,

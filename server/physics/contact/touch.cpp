@@ -286,8 +286,9 @@ void TriedPlanes::Add(const Touch& touch, const ContactPlane& plane, const Vec3&
   return plane;
 }
 
-ContactPlane OtherPlaneOfBall(const ToolAndBodies& meshes, const Touch& touch,
-                              const NearestPoints& nearest, const Motion& trial) {
+[[gnu::flatten]] ContactPlane OtherPlane(const ToolAndBodies& meshes, const Touch& touch,
+                                         const NearestPoints& nearest, const Vec3& u,
+                                         const Motion& trial) {
   const double enough = meshes.margins.separation - meshes.margins.witness;
   BestPlane best(meshes, touch, trial, enough, enough);
   const auto consider = [&](const ContactPlane& plane) {
@@ -295,10 +296,15 @@ ContactPlane OtherPlaneOfBall(const ToolAndBodies& meshes, const Touch& touch,
   };
   ForEachFace(meshes, touch.nodes, touch.nearest, trial.from, consider);
   ForEachFace(meshes, touch.nodes, nearest, trial.from, consider);
-  for (const Vec3& n : {touch.u, nearest.Direction()}) {
+  // A plane across nearest points outside the cones is no contact's.  Its rows would hold the tool
+  // if the pair is near.
+  const auto across = [&](const Vec3& n, double distance, bool in_cone) {
+    if (!in_cone && !meshes.IsBall() && distance <= meshes.margins.touching) return;
     consider(ContactPlane{ContactPlane::Of::kObject, n});
     consider(ContactPlane{ContactPlane::Of::kTool, trial.from.R.transpose() * n});
-  }
+  };
+  across(touch.u, touch.distance, touch.in_cone);
+  across(u, nearest.Distance(), InCone(meshes, touch.nodes, nearest, u, trial.to));
   return best.Find();
 }
 

@@ -284,10 +284,10 @@ class TriedPlanes {
 /// Returns the plane that a touch uses for its rows after a trial in which no plane separates it.
 ContactPlane ChoosePlane(const ToolAndBodies& meshes, const Touch& touch, const Motion& trial);
 
-/// Of the planes that separate a ball's touch at the beginning, returns the one with the largest
-/// gap at the end of the trial; kNone if there is no other plane.
-/// @param nearest  of the triangles at the end.
-ContactPlane OtherPlaneOfBall(const ToolAndBodies& meshes, const Touch& touch,
-                              const NearestPoints& nearest, const Motion& trial);
+/// Of the planes that separate a touch at the beginning, returns the one with the largest gap at
+/// the end of the trial; kNone if there is no other plane.
+/// @param nearest, u  of the triangles at the end.
+ContactPlane OtherPlane(const ToolAndBodies& meshes, const Touch& touch,
+                        const NearestPoints& nearest, const Vec3& u, const Motion& trial);
 
 }  // namespace palpate

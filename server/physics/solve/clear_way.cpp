@@ -83,7 +83,8 @@ bool Mend(StepContext& context, Way& way) {
   MeshContact& meshes = *context.buffers().meshes;
   ContactRows& rows = context.buffers().rows;
   const auto active = way.optimum.qp.ActiveRows();
-  if (MendOfBall(meshes, active, rows) != 0) return true;
+  const bool retracts = meshes.meshes.IsBall() || !context.IsRigid();
+  if (retracts && Retract(meshes, active, rows) != 0) return true;
   if (context.IsFreeBall()) {
     // A ball's rows have the smooth surface's normals at the trial, so the ball rests there, even
     // if facets lifted it on the way.  At a crease they have the normals of the beginning: the ball
@@ -141,7 +142,7 @@ Next Settle(StepContext& context, bool goes_on, Way& way) {
   const bool stands = LengthOf(context, way) <= meshes.meshes.margins.touching;
   way.arrived = stands && context.outcome.stands;
   context.outcome.stands = stands;
-  if (way.arrived && Release(meshes, active, rows) != 0) {
+  if (way.arrived && context.IsRigid() && Release(meshes, active, rows) != 0) {
     Way past = WayToNewOptimum(context);
     if (context.IsUnsolved()) return Next::kStay;
     if (MakeFree(context, past) && context.Gain(past.v, past.phi) > context.Gain(way.v, way.phi)) {
@@ -221,7 +222,8 @@ bool ClearWay(StepContext& context, Way& way) noexcept {
   if (is_free && Approaches(context, way)) {
     if (way.arrived && goes_on && Mend(context, way)) return false;
     // For a ball, Turned decides whether it has arrived.
-    if (way.arrived && context.IsRigid() && !meshes.meshes.IsBall() && !way.optimum.rounds) {
+    const bool may_settle = context.IsRigid() || context.HasFriction();
+    if (way.arrived && may_settle && !meshes.meshes.IsBall() && !way.optimum.rounds) {
       const Next next = Settle(context, goes_on, way);
       if (next != Next::kStay) return next == Next::kGo;
     } else {
