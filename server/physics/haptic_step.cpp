@@ -375,7 +375,7 @@ void End(const Pose& X_WH, StepContext& context) {
   if (!Begin(X_WH, context)) return report;
   const bool meshes = context.buffers().meshes.has_value();
   for (; GoesOn(context); ++report.diagnostics.substeps) {
-    // What a sub-step ends on, others may hold: those that held the tool before are not all.
+    // In a cycle's later sub-steps the tool is at a new place, which other contacts may hold.
     Predict(context,
             context.HasFriction()             ? First::kAllCorners
             : report.diagnostics.substeps > 0 ? First::kContacts

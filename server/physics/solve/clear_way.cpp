@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "server/physics/contact/sub_step.h"
 #include "server/physics/limits.h"

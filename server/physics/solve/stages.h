@@ -57,8 +57,8 @@ bool RoundCreases(StepContext& context, Optimum& optimum) noexcept;
 ///                 soft, the target is shifted by their push there (soft contacts are smooth).
 ///                 Out: its active rows are all those that carry force.
 /// Changes the state's friction.  Counts cycles in the first sub-step of each.  If it does not
-/// converge, the report counts that and the best iterate is used; rows hold and forces add up even
-/// then.
+/// converge, the report counts that, and the last cycle's forces are used within the limits that
+/// the normal forces give; rows hold and forces add up even then.
 void AddCoulombFriction(StepContext& context, Optimum& optimum) noexcept;
 
 /// Stores the rows that hold the tool at an optimum, except for those that are loose: the solver's

@@ -56,6 +56,7 @@ struct Placement {
   Vec3 p;
   Mat3 R;
 };
+static_assert(sizeof(Placement) == 12 * sizeof(double), "data() reads p and R as one array");
 inline Placement PlacementOf(const Pose& X) {
   return {X.p, X.q.toRotationMatrix()};
 }
