@@ -128,8 +128,10 @@ void ForEachMember(State& all, Visit& visit) {
   visit(all.start_depth);
   ForEachMemberOfPose(state.X_WG, visit);
   ForEachMemberOfPose(state.X_WH, visit);
-  visit(state.active);
-  for (int i = 0; i < std::clamp(state.active, 0, 7); ++i) visit(state.active_ids[std::size_t(i)]);
+  visit(state.active.count);
+  for (int i = 0; i < std::clamp(state.active.count, 0, 7); ++i) {
+    visit(state.active.id[std::size_t(i)]);
+  }
   visit(state.behind.translation);
   visit(state.behind.rotation);
   visit(state.is_crowded);
@@ -188,14 +190,16 @@ bool IsSound(const HapticModel& model, const ProxyState& all) {
     return number >= 0 && number <= FrictionState::kNeverSlipped;
   };
   const auto is_known = [&](const ContactId& id) { return IsKnown(model, id); };
-  if (state.active < 0 || state.active > 7 || friction.contacts < 0 || friction.contacts > 7) {
+  if (state.active.count < 0 || state.active.count > 7 || friction.contacts < 0 ||
+      friction.contacts > 7) {
     return false;
   }
   const std::span used(friction.id.data(), static_cast<std::size_t>(friction.contacts));
   return IsPose(state.X_WG) && IsPose(state.X_WH) && IsWithin(all.start_depth, 1e3) &&
-         std::ranges::all_of(state.Active(), is_known) && std::ranges::all_of(used, is_known) &&
-         IsWithin(state.behind.translation, 1.0) && IsWithin(state.behind.rotation, 10.0) &&
-         state.turn_G.allFinite() && is_small(friction.still) && is_small(friction.resets) &&
+         std::ranges::all_of(std::span<const ContactId>(state.active), is_known) &&
+         std::ranges::all_of(used, is_known) && IsWithin(state.behind.translation, 1.0) &&
+         IsWithin(state.behind.rotation, 10.0) && state.turn_G.allFinite() &&
+         is_small(friction.still) && is_small(friction.resets) &&
          (model.tool_body() == nullptr ? state.front.empty()
                                        : state.front.IsSound(*model.tool_body(), model.bodies()));
 }

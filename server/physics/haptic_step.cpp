@@ -102,13 +102,10 @@ void Predict(StepContext& context, First first, std::int64_t looks) {
   StepBuffers& buffers = context.buffers();
   Tools& tools = context.tools;
   SubStep& sub_step = context.sub_step;
-  const StepDiagnostics& before = context.report().diagnostics;
   sub_step = {.bounds = sub_step.bounds,
-              .unsolved = before.friction_unsolved,
-              .yielded = before.friction_yielded,
               .active = context.state().active,
-              .active_ids = context.state().active_ids};
-  if (context.HasFriction()) context.friction_before = context.state().friction;
+              .is_crowded = context.state().is_crowded};
+  if (context.HasFriction()) context.friction = context.state().friction;
   context.Aim();
   tools.R_WG = tools.q_G.toRotationMatrix();
   if (buffers.energies) BeginCutting(context, std::numeric_limits<double>::infinity());
@@ -117,7 +114,7 @@ void Predict(StepContext& context, First first, std::int64_t looks) {
     StageClock clock(context.times);
     BeginSubStep(*buffers.meshes, context.kernels, context.state().front,
                  {tools.p_G, context.model.is_ball() ? Quat::Identity() : tools.q_G},
-                 context.state().Active(), first, looks, buffers.rows);
+                 context.state().active, first, looks, buffers.rows);
     clock.Lap(&StageTimes::prediction);
   }
   context.report().diagnostics.predicted_pairs = buffers.rows.count();
@@ -145,16 +142,13 @@ Optimum SolveWithoutFriction(StepContext& context) {
 
 /// Applies friction to an optimum, if the model has friction and a row is active.
 void ApplyFriction(StepContext& context, Optimum& optimum) {
-  FrictionState& friction = context.state().friction;
+  FrictionState& friction = context.friction;
   if (!context.HasFriction()) return;
-  // The friction of a trial that is not taken counts for nothing.
-  context.report().diagnostics.friction_unsolved = context.sub_step.unsolved;
-  context.report().diagnostics.friction_yielded = context.sub_step.yielded;
   // A look ahead adds rows and keeps the contacts, so the forces of the last look are nearest.
   if (context.sub_step.looks_ahead > 0) {
-    friction.still = context.friction_before.still;
+    friction.still = context.state().friction.still;
   } else if (context.sub_step.iterates > 1) {
-    friction = context.friction_before;
+    friction = context.state().friction;
   }
   if (optimum.qp.active == 0 || friction.suspended ||
       optimum.qp.status == QpStatus::kIterationLimit) {
@@ -174,12 +168,22 @@ Optimum Solve(StepContext& context) {
   return optimum;
 }
 
-/// Moves the tool; updates the front and the cut solids.
+/// Counts how the friction of an optimum that counts was solved.
+void CountFriction(const Optimum& optimum, StepDiagnostics& diagnostics) {
+  diagnostics.friction_unsolved += optimum.friction_unsolved ? 1 : 0;
+  diagnostics.friction_yielded += optimum.friction_yielded ? 1 : 0;
+}
+
+/// Moves the tool, with what the state takes over; updates the front and the cut solids.
 void Move(StepContext& context, const Way& way) {
   StepBuffers& buffers = context.buffers();
   const bool meshes = buffers.meshes.has_value();
   const bool is_held = way.optimum.IsHeld();
   context.outcome.arrived = way.arrived;
+  context.state().active = context.sub_step.active;
+  context.state().is_crowded = context.sub_step.is_crowded;
+  if (context.HasFriction()) context.state().friction = context.friction;
+  CountFriction(way.optimum, context.report().diagnostics);
   if (!is_held) context.state().turn_G.setZero();
   if (meshes) {
     EndSubStep(*buffers.meshes, context.report().diagnostics.substeps == 0);
@@ -243,8 +247,7 @@ void ForgetForces(StepReport& report) {
 void GiveUp(StepContext& context) {
   StepReport& report = context.report();
   context.outcome.arrived = false;
-  context.state().active = 0;
-  context.RestoreFriction();
+  context.state().active.count = 0;
   ForgetForces(report);
   context.Aim();
   report.wrench = context.WrenchAfter(Vec3::Zero(), Vec3::Zero());
@@ -259,8 +262,7 @@ void Lag(StepContext& context) {
     BeginCutting(context, std::min(context.sub_step.bounds.translation, energies->bur_step()));
   }
   MeshContact& meshes = *context.buffers().meshes;
-  AddRowsOfHidden(meshes, context.state().Active(), limits::mesh::kLagAhead,
-                  context.buffers().rows);
+  AddRowsOfHidden(meshes, context.state().active, limits::mesh::kLagAhead, context.buffers().rows);
   const double reach = meshes.meshes.tool.mesh.reach();
   double far = meshes.meshes.margins.touching;
   Way stays;
@@ -281,12 +283,12 @@ void Lag(StepContext& context) {
     far = limits::mesh::kLagAhead;
   }
   Remember(context, stays.optimum);
+  context.state().active = context.sub_step.active;
   if (context.HasFriction()) {
-    const FrictionState before = context.state().friction;
-    ApplyFriction(context, stays.optimum);
-    context.state().friction = before;
+    ApplyFriction(context, stays.optimum);  // of the state, what rubs remains as it was
     context.Require(stays.optimum);
     if (context.IsUnsolved()) return GiveUp(context);
+    CountFriction(stays.optimum, context.report().diagnostics);
   }
   ReportFelt(context, stays);
 }

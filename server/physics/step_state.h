@@ -18,6 +18,16 @@
 
 namespace palpate {
 
+/// The ids of the rows that hold a tool, which are a solver's first guess.
+struct ActiveIds {
+  int count = 0;
+  std::array<ContactId, 7> id;
+
+  operator std::span<const ContactId>() const {
+    return {id.data(), static_cast<std::size_t>(count)};
+  }
+};
+
 /// What friction remembers from step to step.
 struct FrictionState {
   /// Cycles since a contact last slipped; from `still_cycles` on, mu_s applies.  A tool that has
@@ -72,13 +82,9 @@ struct StepState {
     }
   }
 
-  Pose X_WG;  ///< graphic tool
-  Pose X_WH;  ///< haptic tool: how far the hand moves from here sets the bounds
-  std::array<ContactId, 7> active_ids;  ///< rows that last held the tool: the solver's first guess
-  int active = 0;
-  std::span<const ContactId> Active() const {
-    return {active_ids.data(), static_cast<std::size_t>(active)};
-  }
+  Pose X_WG;         ///< graphic tool
+  Pose X_WH;         ///< haptic tool: how far the hand moves from here sets the bounds
+  ActiveIds active;  ///< of the rows that last held the tool
   /// Between meshes: bounds of the next sub-step if the last cycle ended before the tool had
   /// arrived; else 0.
   StepBounds behind{0.0, 0.0};
@@ -95,7 +101,7 @@ struct StepState {
 
   /// Call when the graphic tool or `cut.fields` are set from outside: no contact is known any more.
   void ForgetContact() noexcept {
-    active = 0;
+    active.count = 0;
     behind = {0.0, 0.0};
     is_crowded = false;
     turn_G.setZero();

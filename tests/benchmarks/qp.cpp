@@ -132,7 +132,7 @@ std::vector<Problem> ProblemsOf(const Options& options) {
         problem.b.push_back(view.b[r]);
       }
       int guess[kMaxActiveRows];
-      const int guesses = rows.Find(state.Active(), guess);
+      const int guesses = rows.Find(state.active, guess);
       problem.guess.assign(guess, guess + guesses);
       problems.push_back(std::move(problem));
     }

@@ -193,12 +193,10 @@ void BeginAnew(StepContext& context) {
 void Halve(StepContext& context, Way& way) {
   MeshContact& meshes = *context.buffers().meshes;
   way.arrived = false;
-  context.RestoreFriction();
+  if (context.HasFriction()) context.friction = context.state().friction;
   meshes.looks.most += context.model.parameters().looks / limits::mesh::kReserve;
   // What held the tool at the beginning still does, and not what a trial met that is given up.
-  StepState& state = context.state();
-  state.active = context.sub_step.active;
-  state.active_ids = context.sub_step.active_ids;
+  context.sub_step.active = context.state().active;
   Shorten(way, 0.5);
   if (MakeFree(context, way)) return;
   way.v.setZero();

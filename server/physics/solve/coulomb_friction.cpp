@@ -113,7 +113,7 @@ class FrictionalContacts {
   /// those of the frictionless optimum.  If there are any of the former, the others start without
   /// force, because the former balanced the hand.
   void Begin() {
-    const FrictionState& state = context_.state().friction;
+    const FrictionState& state = context_.friction;
     count_ = 0;
     for (std::size_t i = 0; i < static_cast<std::size_t>(state.contacts); ++i) {
       int row;
@@ -145,7 +145,7 @@ class FrictionalContacts {
     contact.row = row;
     contact.mu_s = material.static_friction;
     contact.mu_d = material.dynamic_friction;
-    const bool slid = context_.state().friction.still < model.parameters().still_cycles;
+    const bool slid = context_.friction.still < model.parameters().still_cycles;
     contact.mu = slid ? contact.mu_d : contact.mu_s;
     const Vec3 n = rows.normal(row), s0 = n.unitOrthogonal(), s1 = n.cross(s0);
     // Slip is that of the point where it touches when the row holds.  Otherwise corners of a face
@@ -396,7 +396,7 @@ bool Solve(StepContext& context, Optimum& optimum, const Vec6& t) {
     if (solved) contacts.Follow(qp.x);  // what is violated is what they yield
   }
   if (!solved) {
-    ++report.diagnostics.friction_unsolved;
+    optimum.friction_unsolved = true;
     contacts.Begin();
   }
   for (int projection = 0; !solved; ++projection) {
@@ -404,10 +404,10 @@ bool Solve(StepContext& context, Optimum& optimum, const Vec6& t) {
     if (projection > kMaxActiveRows + 1 || !solve_shifted()) return false;
     if (!contacts.Project(qp)) break;
   }
-  if (contacts.slides()) context.state().friction.still = 0;
-  report.diagnostics.friction_yielded += solved && !contacts.settled();
+  if (contacts.slides()) context.friction.still = 0;
+  optimum.friction_yielded = solved && !contacts.settled();
   Vec6::Map(optimum.qp.x) = solved ? contacts.x() : Vec6::Map(qp.x);
-  contacts.Write(context.state().friction, optimum.qp, optimum.friction);
+  contacts.Write(context.friction, optimum.qp, optimum.friction);
   const Vec3 phi = Vec3::Map(optimum.qp.x + 3) / context.model.rotation_length();
   if (phi.norm() <= context.model.parameters().max_rotation) {
     Vec3::Map(optimum.qp.x) -= contacts.Creep(phi);
@@ -418,7 +418,7 @@ bool Solve(StepContext& context, Optimum& optimum, const Vec6& t) {
 }  // namespace
 
 void AddCoulombFriction(StepContext& context, Optimum& optimum) noexcept {
-  FrictionState& state = context.state().friction;
+  FrictionState& state = context.friction;
   if (context.report().diagnostics.substeps == 0 &&
       state.still < context.model.parameters().still_cycles) {
     ++state.still;

@@ -8,7 +8,7 @@ Optimum NearestStep(StepContext& context, const Target& target, bool with_energi
   const ContactRows& rows = context.buffers().rows;
   const double rho = context.model.rotation_length();
   int guess[kMaxActiveRows];
-  const int guesses = rows.Find(context.state().Active(), guess);
+  const int guesses = rows.Find(context.sub_step.active, guess);
   Vec6 t;
   t << target.v, rho * target.phi;
   if (with_energies) {
@@ -60,11 +60,10 @@ bool RoundCreases(StepContext& context, Optimum& optimum) noexcept {
 
 void Remember(StepContext& context, const Optimum& optimum) noexcept {
   const ContactRows& rows = context.buffers().rows;
-  StepState& state = context.state();
-  state.active = 0;
+  ActiveIds& active = context.sub_step.active;
+  active.count = 0;
   for (const int row : optimum.qp.ActiveRows()) {
-    if (!rows.IsLoose(row))
-      state.active_ids[static_cast<std::size_t>(state.active++)] = rows.id(row);
+    if (!rows.IsLoose(row)) active.id[static_cast<std::size_t>(active.count++)] = rows.id(row);
   }
 }
 

@@ -41,12 +41,12 @@ StepBounds Reach(const StepContext& context) {
 
 /// Begins with the rows of the contacts of the last cycle, or of what touches if there were none.
 void BeginToLookAhead(StepContext& context) {
-  if (context.state().active == 0) {
+  if (context.sub_step.active.count == 0) {
     PredictAsFits(context, Reach(context));
     return;
   }
   context.buffers().prediction.Take(context.model, context.kernels, context.tools.R_WG,
-                                    context.tools.p_G, context.state().Active(),
+                                    context.tools.p_G, context.sub_step.active,
                                     context.buffers().rows);
   context.sub_step.ends = {{-1.0, -1.0}};  // no motion
 }
@@ -61,7 +61,7 @@ void PredictLeaves(StepContext& context) noexcept {
     sub_step.bounds = PredictAsFits(context, sub_step.bounds);
     return;
   }
-  if (!context.state().is_crowded && Predict(context, {sub_step.bounds}, false)) return;
+  if (!sub_step.is_crowded && Predict(context, {sub_step.bounds}, false)) return;
   sub_step.bounds_before = sub_step.bounds;
   sub_step.bounds = {parameters.widest_step, parameters.max_rotation};
   sub_step.looks_ahead = 1;
@@ -73,13 +73,13 @@ bool Foresees(StepContext& context, const Way& way) noexcept {
   if (sub_step.looks_ahead == 0) return true;
   const StepEnds& ends = sub_step.ends;
   if (PartWithin(ends.bounds, way.v - ends.v, way.phi - ends.phi) == 1.0) {
-    context.state().is_crowded = context.buffers().rows.count() >= limits::kFew;
+    sub_step.is_crowded = context.buffers().rows.count() >= limits::kFew;
     return true;
   }
   if (sub_step.looks_ahead++ == limits::kMostLooksAhead) {
     sub_step.looks_ahead = 0;
     sub_step.bounds = PredictAsFits(context, sub_step.bounds_before);
-    context.state().is_crowded = false;
+    sub_step.is_crowded = false;
   } else if (!Predict(context, {Reach(context), way.v, way.phi})) {
     sub_step.bounds = {0.5 * way.v.norm(), 0.5 * way.phi.norm()};
     BeginToLookAhead(context);

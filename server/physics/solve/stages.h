@@ -39,7 +39,8 @@ void PredictLeaves(StepContext& context) noexcept;
 bool Foresees(StepContext& context, const Way& way) noexcept;
 
 /// Returns the step nearest to a target under the context's rigid rows and, if asked for, the
-/// energies that act beside the coupling's.  The solver's first guess is the state's active pairs.
+/// energies that act beside the coupling's.  The solver's first guess is the sub-step's active
+/// rows.
 Optimum NearestStep(StepContext& context, const Target& target,
                     bool with_energies = false) noexcept;
 
@@ -56,9 +57,9 @@ bool RoundCreases(StepContext& context, Optimum& optimum) noexcept;
 /// @param optimum  in: the frictionless optimum, with at least one active row; if some rows are
 ///                 soft, the target is shifted by their push there (soft contacts are smooth).
 ///                 Out: its active rows are all those that carry force.
-/// Changes the state's friction.  Counts cycles in the first sub-step of each.  If it does not
-/// converge, the report counts that, and the last cycle's forces are used within the limits that
-/// the normal forces give; rows hold and forces add up even then.
+/// Changes the context's friction.  Counts cycles in the first sub-step of each.  If it does not
+/// converge, the optimum says so, and the last cycle's forces are used within the limits that the
+/// normal forces give; rows hold and forces add up even then.
 void AddCoulombFriction(StepContext& context, Optimum& optimum) noexcept;
 
 /// Stores the rows that hold the tool at an optimum, except for those that are loose: the solver's

@@ -27,10 +27,11 @@ struct Optimum {
   Vec3 v;    ///< [m]
   Vec3 phi;  ///< [rad]
   QpResult qp;
-  bool has_friction = false;  ///< whether friction has changed it
-  FrictionForces friction;    ///< if so: for each active row of the QP
-  bool rounds = false;        ///< whether it includes the curvature of a ball's rows
-  bool is_pushed = false;     ///< whether energies push
+  bool has_friction = false;                                 ///< whether friction has changed it
+  bool friction_unsolved = false, friction_yielded = false;  ///< as StepDiagnostics counts them
+  FrictionForces friction;  ///< if so: for each active row of the QP
+  bool rounds = false;      ///< whether it includes the curvature of a ball's rows
+  bool is_pushed = false;   ///< whether energies push
   Vec3 push = Vec3::Zero(), push_turn = Vec3::Zero();  ///< their force and torque [m], [m^2]
 
   /// Returns whether anything holds the tool.
@@ -85,10 +86,9 @@ struct SubStep {
   QpRows rigid{};              ///< rows that it may not violate
   int iterates = 0;            ///< rounds so far: rows between meshes are added on violation
   TrustRegion trust{};
-  /// StepDiagnostics' counts of friction, before it.
-  int unsolved = 0, yielded = 0;
-  int active = 0;  ///< the rows that held the tool where it begins (StepState::active_ids)
-  std::array<ContactId, kMaxActiveRows> active_ids{};
+  // What StepState takes over if the way is taken.
+  ActiveIds active{};  ///< the rows of the last optimum
+  bool is_crowded = false;
 };
 
 /// How the sub-steps so far have ended.
@@ -136,10 +136,6 @@ struct StepContext {
   bool HasFriction() const {
     return model.parameters().features.friction == FrictionModel::kCoulomb;
   }
-  /// Discards what the sub-step has done to friction's state.
-  void RestoreFriction() {
-    if (HasFriction()) state_.friction = friction_before;
-  }
   /// Returns whether meshes may hold the tool and nothing yields and no friction acts.
   bool IsRigid() const {
     return buffers_.meshes && !(buffers_.energies && buffers_.energies->acts()) && !HasFriction();
@@ -185,7 +181,7 @@ struct StepContext {
   Tools tools;
   CycleCost cost;
   SubStep sub_step;
-  FrictionState friction_before;  ///< with friction: its state at the sub-step's beginning
+  FrictionState friction;  ///< with friction: what the state takes over if the way is taken
   Outcome outcome;
 
  private:

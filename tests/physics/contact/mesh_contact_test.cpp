@@ -634,7 +634,7 @@ TEST(MeshContact, BeginsWithTheRowsThatHeldItLast) {
   touch.Go(Rolling(0), 60);
   int held = 0, began = 0;
   for (int i = 0; i < 300; ++i) {
-    const int contacts = touch.state.active;
+    const int contacts = touch.state.active.count;
     const StepReport report = touch.Step(Rolling(i));
     if (contacts == 0 || report.contacts == 0 || report.diagnostics.substeps != 1) continue;
     ++held;
