@@ -43,8 +43,8 @@ inline int Contacts(const StepReport& report) {
 inline RowRecord ToRecord(const ActiveRow& row) {
   RowRecord out{};
   out.body = row.id.body;
-  out.tool_part = row.id.tool;
-  out.object_part = row.id.object;
+  out.tool_part = row.id.a;
+  out.object_part = row.id.b;
   out.row = row.id.row;
   out.object_leaf = row.object_leaf;
   out.offset_m = row.offset;

@@ -171,8 +171,8 @@ bool IsWithin(double value, double most) {
 }
 
 bool IsKnown(const HapticModel& model, const ContactId& id) {
-  if (id.tool < 0 || id.object < 0 || id.row < 0) return false;
-  const auto tool = static_cast<std::size_t>(id.tool), object = static_cast<std::size_t>(id.object);
+  if (id.a < 0 || id.b < 0 || id.row < 0) return false;
+  const auto tool = static_cast<std::size_t>(id.a), object = static_cast<std::size_t>(id.b);
   if (id.IsOfLeaves()) {
     return tool < model.tool().leaves.size() && object < model.objects().leaves.size();
   }
@@ -257,8 +257,8 @@ std::uint64_t ContentOf(const HapticModel& model) {
     AddTriangles(model.tool_body()->tree, hash);
   }
   for (const ContactBody& body : model.bodies()) {
-    hash.Add(body.X_WB.p.data(), sizeof(Vec3));
-    hash.Add(body.X_WB.R.data(), sizeof(Mat3));
+    hash.Add(body.X_BS.p.data(), sizeof(Vec3));
+    hash.Add(body.X_BS.R.data(), sizeof(Mat3));
     AddTriangles(body.shape->tree, hash);
   }
   return hash.value();

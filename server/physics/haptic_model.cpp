@@ -60,7 +60,7 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObje
   const double extent = this->objects().center.norm() + this->objects().radius;
   tool_ = std::make_unique<const ToolTree>(tool, extent);
   if (!bodies().empty())
-    tool_body_ = MakeToolBody(tool_mesh, tool, tool_->reference, cutting_ ? &*cutting_ : nullptr);
+    tool_body_ = MakeMovingBody(tool_mesh, tool, tool_->reference, cutting_ ? &*cutting_ : nullptr);
   const double reach = tool_body_ != nullptr ? tool_body_->mesh.reach() : 0.0;
   const double lever = std::max(tool_->max_lever, reach);
   const std::string fault =
@@ -104,11 +104,11 @@ void HapticModel::SetCutting() {
 }
 
 std::int32_t HapticModel::LeafOf(const ContactId& id, const FeltSolids& felt) const {
-  if (id.IsOfLeaves()) return id.object;
+  if (id.IsOfLeaves()) return id.b;
   const auto body = static_cast<std::size_t>(id.body);
   if (body < bodies().size()) {
     const ContactBody& of = bodies()[body];
-    return of.first_leaf + of.shape->leaf[static_cast<std::size_t>(id.object)];
+    return of.first_leaf + of.shape->leaf[static_cast<std::size_t>(id.b)];
   }
   return objects().first_leaf[solids()[felt.SolidOf(id.body)].object];
 }
@@ -116,7 +116,7 @@ std::int32_t HapticModel::LeafOf(const ContactId& id, const FeltSolids& felt) co
 const Material& HapticModel::MaterialOf(const ContactId& id, const FeltSolids& felt) const {
   const bool of_solid = !id.IsOfLeaves() && id.body >= static_cast<std::int32_t>(bodies().size());
   if (!of_solid) return objects().MaterialOf(LeafOf(id, felt));
-  return solids()[felt.SolidOf(id.body)].materials[felt.MaterialOf(id.body, id.object)];
+  return solids()[felt.SolidOf(id.body)].materials[felt.MaterialOf(id.body, id.b)];
 }
 
 }  // namespace palpate

@@ -62,7 +62,7 @@ class HapticModel {
   const ToolTree& tool() const { return *tool_; }
   const ObjectForest& objects() const { return objects_->forest; }
   /// Null if nothing is felt by its mesh.
-  const ToolBody* tool_body() const { return tool_body_.get(); }
+  const MovingBody* tool_body() const { return tool_body_.get(); }
   std::span<const ContactBody> bodies() const { return objects_->bodies; }
   std::span<const ContactBody> boxes() const { return objects_->boxes(); }
   const UncutBodies& uncut() const { return objects_->uncut; }
@@ -94,7 +94,7 @@ class HapticModel {
   StepParameters parameters_;
   double rotation_length_ = 0.0;
   std::unique_ptr<const ToolTree> tool_;
-  std::unique_ptr<const ToolBody> tool_body_;
+  std::unique_ptr<const MovingBody> tool_body_;
   std::shared_ptr<const SceneObjects> objects_;
   std::optional<Cutting> cutting_;
   std::vector<BurSample> bur_samples_;

@@ -67,7 +67,7 @@ bool Begin(const Pose& X_WH, StepContext& context) {
   if (cuts != state.cut.acts) state.front.Clear();
   state.cut.acts = cuts;
   if (context.buffers().meshes) {
-    ToolAndBodies& meshes = context.buffers().meshes->meshes;
+    MeshPair& meshes = context.buffers().meshes->meshes;
     meshes.felt = &state.felt;
     meshes.cuts = cuts;
     if (!state.felt.empty()) state.felt.Begin(state.cut.fields, state.front);
@@ -263,7 +263,7 @@ void Lag(StepContext& context) {
   }
   MeshContact& meshes = *context.buffers().meshes;
   AddRowsOfHidden(meshes, context.state().active, limits::mesh::kLagAhead, context.buffers().rows);
-  const double reach = meshes.meshes.tool.mesh.reach();
+  const double reach = meshes.meshes.a.mesh.reach();
   double far = meshes.meshes.margins.touching;
   Way stays;
   for (int i = 0; i < context.model.parameters().iterates; ++i) {

@@ -19,7 +19,7 @@ constexpr double kOwnCut = 1.0 / 16.0;
 
 /// Returns whether a bur is inside what is left of a solid; for any other tool, whether its mesh,
 /// if it intersects none, lies inside.
-bool IsInSolid(const HapticModel& model, const ToolPose& at, std::span<const CutField> cuts) {
+bool IsInSolid(const HapticModel& model, const RelativePose& at, std::span<const CutField> cuts) {
   for (std::size_t i = 0; i < model.solids().size(); ++i) {
     const CutSolid& solid = model.solids()[i];
     const Pose X_BW = solid.X_WB.Inverse();
@@ -37,7 +37,7 @@ bool IsInSolid(const HapticModel& model, const ToolPose& at, std::span<const Cut
 bool IsFree(const HapticModel& model, const Pose& X_WT, std::span<const CutField> cuts,
             StepWorkspace& workspace) {
   StepBuffers& buffers = workspace.buffers();
-  const ToolPose at(X_WT * model.reference(), X_WT.q);
+  const RelativePose at(X_WT * model.reference(), X_WT.q);
   if (buffers.prediction.Overlaps(model, ActiveKernels(), at.R, at.p)) return false;
   if (IsInSolid(model, at, cuts)) return false;
   if (!buffers.meshes) return true;

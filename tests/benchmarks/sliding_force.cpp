@@ -24,7 +24,7 @@ double Truncation(const StepReport& report, const SphereTree& object) {
   double worst = report.diagnostics.truncation;  // of the rotation; a ball has none
   for (int c = 0; c < report.contacts; ++c) {
     const ActiveRow& row = report.active[static_cast<std::size_t>(c)];
-    const auto leaf = static_cast<std::size_t>(row.id.object);
+    const auto leaf = static_cast<std::size_t>(row.id.b);
     const Vec3 centre(object.leaf_x[leaf], object.leaf_y[leaf], object.leaf_z[leaf]);
     const double gap =
         (report.X_WG.p - centre).norm() - (kSlidingBallRadius + object.leaf_radius[leaf]);

@@ -137,8 +137,8 @@ TEST(HapticStep, ReportsContactsAsTheyAreAtTheReportedPose) {
     const StepReport report = bench.Step(X);
     for (int c = 0; c < report.contacts; ++c) {
       const ActiveRow& row = report.active[static_cast<std::size_t>(c)];
-      const auto tool = static_cast<std::size_t>(row.id.tool);
-      const auto object = static_cast<std::size_t>(row.id.object);
+      const auto tool = static_cast<std::size_t>(row.id.a);
+      const auto object = static_cast<std::size_t>(row.id.b);
       const LeafSphere& t = bench.model().tool().leaves[tool];
       const LeafSphere& o = bench.model().objects().leaves[object];
       const Vec3 c_T = report.X_WG * (bench.model().reference() + Vec3(t.x, t.y, t.z));

@@ -24,9 +24,9 @@ constexpr int kQuarters = 4;
 constexpr double kNoForce = 1e-3;  // [N]
 
 /// Measures how far points of the tool move.
-class ToolMotion {
+class ShapeMotion {
  public:
-  ToolMotion(const Scene& scene, const HapticModel& model) : centroid_(model.reference()) {
+  ShapeMotion(const Scene& scene, const HapticModel& model) : centroid_(model.reference()) {
     for (const Vec3& v : scene.tools.front().mesh.vertices) {
       lever_ = std::max(lever_, (v - centroid_).norm());
     }
@@ -56,7 +56,7 @@ struct Converged {
   StepReport report;
   bool converged = false;
 };
-Converged Converge(const ContactPath& path, const ToolMotion& motion, const Pose& X_WH,
+Converged Converge(const ContactPath& path, const ShapeMotion& motion, const Pose& X_WH,
                    StepState state) {
   Converged answer;
   for (int i = 0; i < kConvergeSteps && !answer.converged; ++i) {
@@ -67,7 +67,7 @@ Converged Converge(const ContactPath& path, const ToolMotion& motion, const Pose
   return answer;
 }
 
-void Settle(const ContactPath& path, const ToolMotion& motion, std::size_t step, StepState state,
+void Settle(const ContactPath& path, const ShapeMotion& motion, std::size_t step, StepState state,
             ContactFigures::Settling& settling) {
   const Pose& X_WH = path.X_WH[step];
   int moved_last = -1, same = 0;
@@ -208,7 +208,7 @@ ContactFigures MeasureContact(const ContactPath& path, const ContactChecks& chec
   ContactFigures figures;
   figures.steps = path.X_WH.size();
   MeshOracle oracle(path.scene);
-  const ToolMotion motion(path.scene, path.model);
+  const ShapeMotion motion(path.scene, path.model);
   const JumpJudge judge(path.scene, path.model);
   StepState state = path.start;
   StepReport before;

@@ -60,7 +60,7 @@ bool Hold(MeshContact& contact, Index k, TriedPlanes& planes, Proves proves) {
   return planes.Find([&](int i) {
     const double before = planes.before(i), after = planes.after(i);
     if (!proves(before, after)) return false;
-    if (planes.plane(i).of != ContactPlane::Of::kObject &&
+    if (planes.plane(i).of != ContactPlane::Of::kB &&
         std::min(before, after) - planes.Loss(i) <
             0.5 * std::min(contact.meshes.margins.free, before)) {
       return false;
@@ -73,7 +73,7 @@ bool Hold(MeshContact& contact, Index k, TriedPlanes& planes, Proves proves) {
 /// Returns whether two triangles are separate, by planes that can belong to a contact.  No other
 /// plane is tried, because it would let the tool pass where the next sub-step would then stop it.
 [[gnu::flatten]] bool TrianglesApart(MeshContact& contact, Index k) {
-  const ToolAndBodies& meshes = contact.meshes;
+  const MeshPair& meshes = contact.meshes;
   const Motion& motion = contact.motion;
   const Touch& touch = contact.TouchOf(k);
   TriedPlanes planes(meshes, touch.nodes, motion);
@@ -87,7 +87,7 @@ bool Hold(MeshContact& contact, Index k, TriedPlanes& planes, Proves proves) {
     if (planes.IsFull()) try_all();
     if (!held) planes.Add(of, plane);
   };
-  const auto add_fixed = [&](const Vec3& n) { add(touch, {ContactPlane::Of::kObject, n}); };
+  const auto add_fixed = [&](const Vec3& n) { add(touch, {ContactPlane::Of::kB, n}); };
   if (touch.plane.of != ContactPlane::Of::kNone) add(touch, touch.plane);
   add_fixed(touch.u);
   if (!touch.is_behind) add_fixed(contact.near.Normal(k));
@@ -112,29 +112,29 @@ bool Hold(MeshContact& contact, Index k, TriedPlanes& planes, Proves proves) {
 /// Returns whether two triangles, apart throughout a trial, may be as they are at its end if the
 /// tool rests there.  A plane of a neighbour proves less than a contact keeps.
 bool MayRestApart(MeshContact& contact, Index k) {
-  const ToolAndBodies& meshes = contact.meshes;
+  const MeshPair& meshes = contact.meshes;
   const Touch& touch = contact.TouchOf(k);
   if (!touch.by_plane || meshes.margins.rest == 0.0 || touch.is_behind) return true;
-  const ToolPose& at = contact.motion.to;
+  const RelativePose& at = contact.motion.to;
   const NearestPoints nearest = meshes.NearestAt(touch.nodes, at);
   return nearest.Distance() >= std::min(meshes.margins.rest, touch.distance) - kRounding ||
          !InCone(meshes, touch.nodes, nearest, DirectionAt(meshes, touch.nodes, nearest, at), at);
 }
 
 /// Returns the trial's motion in the frame of a body.
-const ToolMotion& MotionIn(MeshContact& contact, const NodesOfPair& nodes) {
+const ShapeMotion& MotionIn(MeshContact& contact, const NodesOfPair& nodes) {
   auto& in_body = contact.scratch.in_body[static_cast<std::size_t>(nodes.placed)];
   if (in_body.certified != contact.scratch.certified) {
     in_body.certified = contact.scratch.certified;
-    const Placement X_BW = contact.meshes.FrameOf(nodes).Inverse();
-    in_body.motion = {X_BW * contact.motion.from, X_BW * contact.motion.to};
+    const Placement X_SB = contact.meshes.FrameOf(nodes).Inverse();
+    in_body.motion = {X_SB * contact.motion.from, X_SB * contact.motion.to};
   }
   return in_body.motion;
 }
 
 /// Begins the search for a plane of a patch, or of a triangle of a ball.
 void BeginSearch(MeshContact& contact, Index k) {
-  const ToolAndBodies& meshes = contact.meshes;
+  const MeshPair& meshes = contact.meshes;
   const NodesOfPair& nodes = contact.near[k].nodes;
   const int lane =
       contact.scratch.searches.Begin(meshes.PatchesOf(nodes), MotionIn(contact, nodes),
@@ -151,8 +151,8 @@ bool LookAtTriangles(MeshContact& contact, Index k, Until until) {
   if (!has_plane && !contact.meshes.IsBall()) {
     const Vec3 n = contact.near.Normal(k);
     const double high = contact.meshes.High(pair.nodes, n);
-    const auto above = [&](const ToolPose& at) {
-      return contact.meshes.Low(pair.nodes.tool, n, at) - high;
+    const auto above = [&](const RelativePose& at) {
+      return contact.meshes.Low(pair.nodes.a, n, at) - high;
     };
     const double after = above(contact.motion.to);
     const double before = after >= free ? above(contact.motion.from) : after;
@@ -212,7 +212,7 @@ int Certify(MeshContact& contact, const Vec3& v, const Vec3& phi, Until until) n
   const double angle = phi.norm(), free = contact.meshes.margins.free;
   // The rotation's second order is at most 1/2 |phi|^2 of a point's lever.
   const double bend =
-      0.5 * angle * angle * (contact.meshes.tool.mesh.reach() + contact.meshes.tool.radius);
+      0.5 * angle * angle * (contact.meshes.a.mesh.reach() + contact.meshes.a.radius);
   near.Cover(v.norm(), angle, looks);
   const PlaneMotion motion{
       {v.x(), v.y(), v.z(), phi.x(), phi.y(), phi.z()}, angle, free, free + bend};

@@ -32,9 +32,9 @@ bool IsWithinFace(const ContactMesh& mesh, std::uint32_t triangle, Feature of) {
 }
 
 /// Returns the plane of the body's triangle, on the side of the tool.
-ContactPlane FaceOf(const ToolAndBodies& meshes, const Touch& touch) {
+ContactPlane FaceOf(const MeshPair& meshes, const Touch& touch) {
   const Vec3 n = meshes.OutwardOf(touch.nodes);
-  return {ContactPlane::Of::kObject, n.dot(touch.u) < 0.0 ? Vec3(-n) : n};
+  return {ContactPlane::Of::kB, n.dot(touch.u) < 0.0 ? Vec3(-n) : n};
 }
 
 /// Returns whether a body has a row at a place.
@@ -75,9 +75,9 @@ bool AreOnOneFace(const Touch& a, const Touch& b) {
 /// all touches there along edges.
 /// @param touches  the first one, and others
 void MeetCorners(MeshContact& contact, std::span<const Touch> touches) {
-  const ToolAndBodies& meshes = contact.meshes;
-  const ContactMesh& mesh = meshes.tool.mesh;
-  const ToolPose& at = contact.motion.from;
+  const MeshPair& meshes = contact.meshes;
+  const ContactMesh& mesh = meshes.a.mesh;
+  const RelativePose& at = contact.motion.from;
   const Touch& first = touches.front();
   const double height = meshes.High(first.nodes, first.plane.n) - first.plane.n.dot(at.p);
   const Vec3 n_G = at.R.transpose() * first.plane.n;
@@ -93,7 +93,7 @@ void MeetCorners(MeshContact& contact, std::span<const Touch> touches) {
     }
   };
   for (const Touch& touch : touches) {
-    if (AreOnOneFace(first, touch)) meet(HullTree::TriangleOf(touch.nodes.tool));
+    if (AreOnOneFace(first, touch)) meet(HullTree::TriangleOf(touch.nodes.a));
   }
   for (std::size_t i = 0; i < corners.met.size() && i < kCornersOfFace; ++i) {
     std::ranges::for_each(mesh.FacesAtVertex(corners.met[i]), meet);
@@ -103,22 +103,22 @@ void MeetCorners(MeshContact& contact, std::span<const Touch> touches) {
 /// Adds the row of a vertex of the tool that lies over a face of a body.
 void AddRowOfCorner(MeshContact& contact, std::uint32_t vertex, const Touch& beside,
                     ContactRows& rows) {
-  const ToolAndBodies& meshes = contact.meshes;
-  const ContactMesh& mesh = meshes.tool.mesh;
-  const ToolPose& at = contact.motion.from;
+  const MeshPair& meshes = contact.meshes;
+  const ContactMesh& mesh = meshes.a.mesh;
+  const RelativePose& at = contact.motion.from;
   const Vec3 lever = at.R * mesh.vertices()[vertex], &n = beside.plane.n;
   if (HasRowAt(rows, beside.nodes.number, lever, n)) return;
   const std::uint32_t triangle = mesh.FacesAtVertex(vertex).front();
   const auto& corner = mesh.triangles()[triangle].vertex;
   const auto c = static_cast<std::uint8_t>(std::ranges::find(corner, vertex) - corner.begin());
   if (IsWithinFace(mesh, triangle, {Feature::kVertex, c}) || !contact.HasRoomForTouch()) return;
-  const Placement& X_WB = meshes.FrameOf(beside.nodes);
-  const auto face = FaceAt(*beside.nodes.shape, X_WB.Inverse() * (lever + at.p),
-                           X_WB.R.transpose() * n, meshes.margins.touching, kSame);
+  const Placement& X_BS = meshes.FrameOf(beside.nodes);
+  const auto face = FaceAt(*beside.nodes.shape, X_BS.Inverse() * (lever + at.p),
+                           X_BS.R.transpose() * n, meshes.margins.touching, kSame);
   if (!face) return;
   NodesOfPair nodes = beside.nodes;
-  nodes.tool = static_cast<HullTree::Node>(~triangle);
-  nodes.object = static_cast<HullTree::Node>(~*face);
+  nodes.a = static_cast<HullTree::Node>(~triangle);
+  nodes.b = static_cast<HullTree::Node>(~*face);
   Touch& touch = contact.touches.emplace_back(TouchAt(meshes, nodes, at));
   if (!(touch.distance > 0.0)) return;
   touch.plane = beside.plane;
@@ -130,14 +130,13 @@ void AddRowOfCorner(MeshContact& contact, std::uint32_t vertex, const Touch& bes
 
 void AddRowsOnFace(MeshContact& contact, Touch& touch, ContactRows& rows) {
   if (touch.distance <= 0.0 || touch.plane.of != ContactPlane::Of::kNone) return;
-  const ToolAndBodies& meshes = contact.meshes;
+  const MeshPair& meshes = contact.meshes;
   const ContactPlane face = FaceOf(meshes, touch);
   if (touch.in_cone && !meshes.IsBall() && (face.n - touch.u).norm() <= kSame) {
     touch.plane = face;
     const Feature of = touch.nearest.of_q;
-    touch.is_flush =
-        AddRows(contact, touch, rows) || of.kind == Feature::kFace ||
-        IsWithinFace(touch.nodes.shape->mesh, HullTree::TriangleOf(touch.nodes.object), of);
+    touch.is_flush = AddRows(contact, touch, rows) || of.kind == Feature::kFace ||
+                     IsWithinFace(touch.nodes.shape->mesh, HullTree::TriangleOf(touch.nodes.b), of);
     if (touch.is_flush) return;
   }
   touch.plane = ChoosePlane(meshes, touch, contact.motion);
@@ -146,26 +145,26 @@ void AddRowsOnFace(MeshContact& contact, Touch& touch, ContactRows& rows) {
 
 void AddRowsOfHidden(MeshContact& contact, std::span<const ContactId> active, double reach,
                      ContactRows& rows) {
-  const ToolAndBodies& meshes = contact.meshes;
+  const MeshPair& meshes = contact.meshes;
   if (meshes.IsBall()) return;
   for (const ContactId& id : active) {
-    if (id.IsOfLeaves() || static_cast<std::size_t>(id.body) >= meshes.bodies.size()) continue;
+    if (id.IsOfLeaves() || static_cast<std::size_t>(id.body) >= meshes.b.size()) continue;
     const auto is_same = [&](const Touch& touch) { return IdOf(touch.nodes).IsBeside(id); };
     auto touch = std::ranges::find_if(contact.touches, is_same);
     if (touch == contact.touches.end()) {
       if (!contact.HasRoomForTouch()) return;
       contact.touches.push_back(
-          TouchAt(meshes, meshes.NodesOf(~id.tool, ~id.object, id.body), contact.motion.from));
+          TouchAt(meshes, meshes.NodesOf(~id.a, ~id.b, id.body), contact.motion.from));
       touch = contact.touches.end() - 1;
       if (touch->distance <= reach) AddRowsOnFace(contact, *touch, rows);
     }
     const bool has_rows = std::ranges::any_of(touch->row, [](int row) { return row >= 0; });
     if (has_rows) continue;
-    // It has left its triangle.  Another one of the same face may be below the tool's corners.
+    // It has left its triangle.  Another one of the same face may be below A's corners.
     Touch beside = *touch;
     beside.plane = FaceOf(meshes, *touch);
     for (const std::uint32_t corner :
-         meshes.tool.mesh.triangles()[static_cast<std::uint32_t>(id.tool)].vertex) {
+         meshes.a.mesh.triangles()[static_cast<std::uint32_t>(id.a)].vertex) {
       AddRowOfCorner(contact, corner, beside, rows);
     }
   }

@@ -17,7 +17,7 @@ NearPairs::NearPairs(int looks)
   planes_.left = storage_[8];
 }
 
-void NearPairs::Begin(const ToolAndBodies& meshes, SeparationFront& front, const ToolPose& from) {
+void NearPairs::Begin(const MeshPair& meshes, SeparationFront& front, const RelativePose& from) {
   meshes_ = &meshes;
   front_ = &front;
   from_ = from;
@@ -30,17 +30,17 @@ void NearPairs::Begin(const ToolAndBodies& meshes, SeparationFront& front, const
   }
   const auto was_set_far = [&] {
     const bool is_there = from.p == front.now().p && from.q.coeffs() == front.now().q.coeffs();
-    return !is_there && front.Move(from, meshes.tool.mesh.reach()) > kSetFar;
+    return !is_there && front.Move(from, meshes.a.mesh.reach()) > kSetFar;
   };
   if (front.empty() || was_set_far()) {
-    front.Restart(meshes.tool, meshes.bodies, from, meshes.ForSolids());
+    front.Restart(meshes.a, meshes.b, from, meshes.ForSolids());
   }
 }
 
 void NearPairs::Cover(double translation, double rotation, Looks& looks) {
   // A trial needs room for the rotation's second order, 1/2 |phi|^2 of a lever, in addition
   // to the linear part.
-  const double reach = meshes_->tool.mesh.reach();
+  const double reach = meshes_->a.mesh.reach();
   const double way =
       translation + rotation * reach * (1.0 + 0.5 * rotation) + meshes_->margins.free;
   if (way <= covered_) return;
@@ -101,7 +101,7 @@ std::span<const NearPairs::Index> NearPairs::FindUsedUp(Index first, const Plane
 }
 
 void NearPairs::SetPlane(Index k, const Vec3& n, double slack) {
-  const Vec3 turned = (from_.R * meshes_->tool.tree.Centre((*this)[k].nodes.tool)).cross(n);
+  const Vec3 turned = (from_.R * meshes_->a.tree.Centre((*this)[k].nodes.a)).cross(n);
   for (int c = 0; c < 3; ++c) {
     planes_.along[c][k] = n[c];
     planes_.along[3 + c][k] = turned[c];
@@ -132,14 +132,14 @@ void NearPairs::AddPart(SeparationFront::Index in_front, double radius, const Ve
 bool NearPairs::Split(Index k, Looks& looks) {
   if (pairs_.size() + 2 > after_.size()) return false;
   const NodesOfPair& nodes = (*this)[k].nodes;
-  const std::int32_t block = nodes.shape->tree.BlockOf(nodes.object);
-  if (block >= 0 && !meshes_->tool.tree.IsLarger(nodes.tool, nodes.shape->tree, nodes.object)) {
+  const std::int32_t block = nodes.shape->tree.BlockOf(nodes.b);
+  if (block >= 0 && !meshes_->a.tree.IsLarger(nodes.a, nodes.shape->tree, nodes.b)) {
     return Enter(k, block, looks);
   }
   const Vec3 n = Normal(k);
   const double slack = planes_.slack[k];
-  const SeparationFront::Index child = front_->Split((*this)[k].in_front, meshes_->tool.tree,
-                                                     (*this)[k].nodes.shape->tree, n, slack);
+  const SeparationFront::Index child =
+      front_->Split((*this)[k].in_front, meshes_->a.tree, (*this)[k].nodes.shape->tree, n, slack);
   if (child < 0) return false;
   Close(k);
   for (int side = 0; side < 2; ++side) {
@@ -152,7 +152,7 @@ bool NearPairs::Enter(Index k, std::int32_t block, Looks& looks) {
   const NodesOfPair nodes = (*this)[k].nodes;
   FeltSolids& felt = *meshes_->felt;
   if (felt.empty()) return false;
-  const FeltSolids::Taken taken = felt.Take({nodes.number, nodes.object, block}, *front_);
+  const FeltSolids::Taken taken = felt.Take({nodes.number, nodes.b, block}, *front_);
   if (taken.made) looks.tested += kLooksOfBlock;
   if (taken.body < 0) return false;
   const SeparationFront::Index i = (*this)[k].in_front;
@@ -176,7 +176,7 @@ void NearPairs::Accept(const Motion& motion, std::int32_t trial) {
     if (!pair.split && pair.replaced) front_->Set(pair.in_front, Normal(k), planes_.slack[k]);
   }
   if (motion.moves) {
-    front_->Move(motion.to, meshes_->tool.mesh.reach());
+    front_->Move(motion.to, meshes_->a.mesh.reach());
     for (Index k = 0; k < size(); ++k) {
       const Pair& pair = (*this)[k];
       const Plane& after = after_[static_cast<std::size_t>(k)];
@@ -185,7 +185,7 @@ void NearPairs::Accept(const Motion& motion, std::int32_t trial) {
   }
 }
 
-void NearPairs::Merge(const ToolPose& at, Looks& looks) {
+void NearPairs::Merge(const RelativePose& at, Looks& looks) {
   for (int i = 0; i < kBatch; ++i) {
     SeparationFront::Index index = front_->NextMergeable();
     if (index < 0) return;

@@ -42,7 +42,7 @@ class NearPairs {
 
   /// Begins a sub-step at `from`, without pairs.  Restarts the front if the tool was
   /// set to another place.
-  void Begin(const ToolAndBodies& meshes, SeparationFront& front, const ToolPose& from);
+  void Begin(const MeshPair& meshes, SeparationFront& front, const RelativePose& from);
   /// Gathers the pairs that a motion of this length [m, rad] could bring together.  Called once a
   /// trial's length is known, because it is mostly far shorter than the sub-step may be.
   void Cover(double translation, double rotation, Looks& looks);
@@ -77,7 +77,7 @@ class NearPairs {
   /// Merges pairs of the front that one plane separates as a whole, with some room.  The planes
   /// that separate the two parts are tried.  If neither holds, the pair is tried again when the
   /// tool has gone as far as the better one lacks, because no gap changes faster.
-  void Merge(const ToolPose& at, Looks& looks);
+  void Merge(const RelativePose& at, Looks& looks);
 
  private:
   struct Plane {
@@ -91,9 +91,9 @@ class NearPairs {
   void Close(Index k);
   bool Enter(Index k, std::int32_t block, Looks& looks);
 
-  const ToolAndBodies* meshes_ = nullptr;  ///< set during a sub-step only, as is front_
+  const MeshPair* meshes_ = nullptr;  ///< set during a sub-step only, as is front_
   SeparationFront* front_ = nullptr;
-  ToolPose from_{Vec3::Zero(), Quat::Identity()};
+  RelativePose from_{Vec3::Zero(), Quat::Identity()};
   bool full_ = false;
   double covered_ = 0.0;  ///< way of the tool for which all near pairs are listed [m]
   std::uint32_t substep_ = 0;

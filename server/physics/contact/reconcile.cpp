@@ -39,22 +39,22 @@ double GapOfRow(const MeshContact& contact, int row, const ContactRows& rows) {
 /// triangle or one beside it that is flush with it.
 bool IsOverFace(const MeshContact& contact, const Touch& touch, int row, double turned,
                 const ContactRows& rows) {
-  const ToolAndBodies& meshes = contact.meshes;
+  const MeshPair& meshes = contact.meshes;
   if (meshes.IsBall() || touch.plane.of == ContactPlane::Of::kEdges) return false;
   const int c = row == touch.row[0] ? 0 : row == touch.row[1] ? 1 : 2;
-  const ToolPose& at = contact.motion.to;
+  const RelativePose& at = contact.motion.to;
   const Vec3 n = NormalAt(meshes, touch, touch.plane, at);
   if ((n - rows.normal(row)).norm() > turned) return false;
   const Corners corners = meshes.CornersAt(touch.nodes, at);
   const double apart = kWitnessRatio * GapOfRow(contact, row, rows) + meshes.margins.witness;
   if (apart > meshes.margins.touching) return false;  // and the search would not end soon
-  if (touch.plane.of == ContactPlane::Of::kTool) {
-    return HasFaceAt(meshes.tool, at.R.transpose() * (corners.object[c] - at.p),
-                     at.R.transpose() * n, apart, turned);
+  if (touch.plane.of == ContactPlane::Of::kA) {
+    return HasFaceAt(meshes.a, at.R.transpose() * (corners.b[c] - at.p), at.R.transpose() * n,
+                     apart, turned);
   }
-  const Placement& X_WB = meshes.FrameOf(touch.nodes);
-  return HasFaceAt(*touch.nodes.shape, X_WB.Inverse() * corners.tool[c], X_WB.R.transpose() * n,
-                   apart, turned);
+  const Placement& X_BS = meshes.FrameOf(touch.nodes);
+  return HasFaceAt(*touch.nodes.shape, X_BS.Inverse() * corners.a[c], X_BS.R.transpose() * n, apart,
+                   turned);
 }
 
 /// Returns whether a row is of two edges that can touch along its normal at the trial, though the
@@ -63,11 +63,11 @@ bool IsOfEdges(const MeshContact& contact, const Touch& touch, int row, double t
                const ContactRows& rows) {
   const ContactPlane& plane = touch.plane;
   if (plane.of != ContactPlane::Of::kEdges) return false;
-  const ToolPose& at = contact.motion.to;
+  const RelativePose& at = contact.motion.to;
   const Vec3 n = NormalAt(contact.meshes, touch, plane, at);
   return (n - rows.normal(row)).norm() <= turned &&
-         ConesHold(contact.meshes, touch.nodes, {Feature::kEdge, plane.tool_edge},
-                   {Feature::kEdge, plane.object_edge}, n, at);
+         ConesHold(contact.meshes, touch.nodes, {Feature::kEdge, plane.edge_a},
+                   {Feature::kEdge, plane.edge_b}, n, at);
 }
 
 /// Returns whether a contact gives a row at the trial: its pair is no farther apart than the row
@@ -75,10 +75,10 @@ bool IsOfEdges(const MeshContact& contact, const Touch& touch, int row, double t
 /// face.
 bool IsOfContact(const MeshContact& contact, const Touch& touch, int row, double turned,
                  const ContactRows& rows) {
-  const ToolAndBodies& meshes = contact.meshes;
-  const ToolPose& at = contact.motion.to;
+  const MeshPair& meshes = contact.meshes;
+  const RelativePose& at = contact.motion.to;
   const NearestPoints nearest = meshes.NearestAt(touch.nodes, at);
-  if (nearest.Distance() - meshes.tool.radius >
+  if (nearest.Distance() - meshes.a.radius >
       kWitnessRatio * GapOfRow(contact, row, rows) + meshes.margins.witness) {
     return false;
   }
@@ -93,11 +93,11 @@ bool IsOfContact(const MeshContact& contact, const Touch& touch, int row, double
 /// force. A crease is not smooth: the ball goes straight past it, and round it in the next
 /// sub-steps (Turned).
 bool Retract(MeshContact& contact, Touch& touch, int row, ContactRows& rows) {
-  const ToolAndBodies& meshes = contact.meshes;
+  const MeshPair& meshes = contact.meshes;
   const Motion& motion = contact.motion;
   const NearestPoints nearest = meshes.NearestAt(touch.nodes, motion.to);
   if (!(nearest.squared > 0.0)) return false;
-  const double now = nearest.Distance() - meshes.tool.radius;
+  const double now = nearest.Distance() - meshes.a.radius;
   const Vec3 u = DirectionAt(meshes, touch.nodes, nearest, motion.to);
   const bool touches = GapOfRow(contact, row, rows) <= kWitnessRatio * now + meshes.margins.witness;
   if (!touches || !(InCone(meshes, touch.nodes, nearest, u, motion.to) ||
@@ -170,21 +170,21 @@ Mat3 CurvatureOf(const MeshContact& contact, int row) noexcept {
   const Feature of = touch->nearest.of_q;
   if (!touch->in_cone || of.kind == Feature::kFace) return Mat3::Zero();
   const ContactMesh& mesh = touch->nodes.shape->mesh;
-  const std::uint32_t triangle = HullTree::TriangleOf(touch->nodes.object);
+  const std::uint32_t triangle = HullTree::TriangleOf(touch->nodes.b);
   const ContactMesh::Triangle& t = mesh.triangles()[triangle];
   const auto faces = of.kind == Feature::kEdge ? mesh.FacesAtEdge(t.edge[of.index])
                                                : mesh.FacesAtVertex(t.vertex[of.index]);
   const Vec3& u = touch->u;
-  const Mat3& R_WB = contact.meshes.FrameOf(touch->nodes).R;
+  const Mat3& R_BS = contact.meshes.FrameOf(touch->nodes).R;
   const bool flat = std::all_of(faces.begin(), faces.end(), [&](std::uint32_t face) {
-    return (R_WB * mesh.triangles()[face].normal).cross(u).norm() <= kTurned;
+    return (R_BS * mesh.triangles()[face].normal).cross(u).norm() <= kTurned;
   });
   if (flat || SmoothNormal(contact.meshes, touch->nodes, touch->nearest, u) != u)
     return Mat3::Zero();
   const double length = touch->nearest.Distance();
   if (of.kind == Feature::kVertex) return (Mat3::Identity() - u * u.transpose()) / length;
   const Vec3 edge =
-      R_WB * (mesh.Corner(triangle, (of.index + 1) % 3) - mesh.Corner(triangle, of.index));
+      R_BS * (mesh.Corner(triangle, (of.index + 1) % 3) - mesh.Corner(triangle, of.index));
   const Vec3 across = edge.cross(u).normalized();
   return across * across.transpose() / length;
 }
@@ -192,11 +192,11 @@ Mat3 CurvatureOf(const MeshContact& contact, int row) noexcept {
 double Turned(const MeshContact& contact, std::span<const int> active,
               const ContactRows& rows) noexcept {
   if (active.empty()) return 0.0;
-  const ToolAndBodies& meshes = contact.meshes;
+  const MeshPair& meshes = contact.meshes;
   const Vec3& v = contact.motion.v;
   // The ball touches along the direction of the nearest triangle.  This is a triangle that it
   // touches, within the distance of a straight way from an arc.
-  const double touching = meshes.margins.touching + 0.5 * v.squaredNorm() / meshes.tool.radius;
+  const double touching = meshes.margins.touching + 0.5 * v.squaredNorm() / meshes.a.radius;
   double nearest = kInfinity;
   Vec3 u = Vec3::Zero();
   bool smooth = false;

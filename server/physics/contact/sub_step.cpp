@@ -11,26 +11,26 @@ using namespace limits::mesh;
 
 namespace {
 
-limits::mesh::Margins MarginsOf(const ToolBody& tool, double separation) {
+limits::mesh::Margins MarginsOf(const MovingBody& a, double separation) {
   limits::mesh::Margins margins{separation};
   // Half of delta is left for the error of a row.  A ball has one row for each pair, whose only
   // error along the pair's plane is rounding.  With a smaller h it would roll about the edge at
   // which a face ends, at delta, until it is h from a face that is flush with the first.
-  if (tool.radius > 0.0) margins.free = separation - limits::mesh::kRounding;
+  if (a.radius > 0.0) margins.free = separation - limits::mesh::kRounding;
   return margins;
 }
 
 }  // namespace
 
-MeshContact::MeshContact(const ToolBody& tool, std::span<const ContactBody> bodies, int max_rows,
+MeshContact::MeshContact(const MovingBody& a, std::span<const ContactBody> b, int max_rows,
                          double separation, int most_looks)
-    : meshes{.tool = tool, .bodies = bodies, .margins = MarginsOf(tool, separation)},
+    : meshes{.a = a, .b = b, .margins = MarginsOf(a, separation)},
       motion({Vec3::Zero(), Quat::Identity()}),
       near(most_looks) {
   const auto rows = static_cast<std::size_t>(max_rows);
-  corners.seen.resize(tool.mesh.vertices().size());
+  corners.seen.resize(a.mesh.vertices().size());
   corners.met.reserve(corners.seen.size());
-  scratch.in_body.resize(bodies.size());
+  scratch.in_body.resize(b.size());
   touches.reserve(static_cast<std::size_t>(most_looks));
   of_rows.touch.reserve(rows);
   of_rows.asked.resize(rows);
@@ -47,7 +47,7 @@ Touch& MeshContact::TouchOf(NearPairs::Index k) {
 }
 
 void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront& front,
-                  const ToolPose& from, std::span<const ContactId> active, First first,
+                  const RelativePose& from, std::span<const ContactId> active, First first,
                   std::int64_t most_looks, ContactRows& rows) noexcept {
   contact.looks = {.most = most_looks};
   contact.meshes.kernels = &kernels;
@@ -118,11 +118,11 @@ void EndSubStep(MeshContact& contact, bool merges) noexcept {
 namespace {
 
 /// Returns whether two nodes are apart.  A block whose body cannot be made counts as not apart.
-bool AreApart(const ToolAndBodies& meshes, const NodesOfPair& nodes, const ToolPose& at) {
-  const HullTree &tools = meshes.tool.tree, &objects = nodes.shape->tree;
+bool AreApart(const MeshPair& meshes, const NodesOfPair& nodes, const RelativePose& at) {
+  const HullTree &tree_a = meshes.a.tree, &tree_b = nodes.shape->tree;
   SeparatingPlane plane;
-  const Placement X_BT = meshes.FrameOf(nodes).Inverse() * at;
-  if (FindPlane(meshes.PatchesOf(nodes), {X_BT, X_BT}, Vec3::UnitZ(), kRounding, *meshes.kernels,
+  const Placement X_SA = meshes.FrameOf(nodes).Inverse() * at;
+  if (FindPlane(meshes.PatchesOf(nodes), {X_SA, X_SA}, Vec3::UnitZ(), kRounding, *meshes.kernels,
                 plane)) {
     return true;
   }
@@ -130,33 +130,32 @@ bool AreApart(const ToolAndBodies& meshes, const NodesOfPair& nodes, const ToolP
     const NearestPoints nearest = meshes.NearestAt(nodes, at);
     return nearest.Distance() > 0.0 && meshes.Gap(nodes, nearest.Direction(), at) > kRounding;
   }
-  const auto are_apart = [&](HullTree::Node tool, HullTree::Node object) {
-    return AreApart(meshes, {tool, object, nodes.shape, nodes.number, nodes.placed}, at);
+  const auto are_apart = [&](HullTree::Node a, HullTree::Node b) {
+    return AreApart(meshes, {a, b, nodes.shape, nodes.number, nodes.placed}, at);
   };
-  if (tools.IsLarger(nodes.tool, objects, nodes.object)) {
-    const auto& child = tools.inner(nodes.tool).child;
-    return are_apart(child[0], nodes.object) && are_apart(child[1], nodes.object);
+  if (tree_a.IsLarger(nodes.a, tree_b, nodes.b)) {
+    const auto& child = tree_a.inner(nodes.a).child;
+    return are_apart(child[0], nodes.b) && are_apart(child[1], nodes.b);
   }
-  if (const std::int32_t block = objects.BlockOf(nodes.object); block >= 0) {
-    const auto taken = meshes.felt->Take({nodes.number, nodes.object, block}, SeparationFront());
+  if (const std::int32_t block = tree_b.BlockOf(nodes.b); block >= 0) {
+    const auto taken = meshes.felt->Take({nodes.number, nodes.b, block}, SeparationFront());
     if (taken.body < 0 || meshes.felt->IsNothing(taken.body)) return taken.body >= 0;
     const HullTree::Node root = meshes.felt->Body(taken.body).shape.tree.root();
-    return AreApart(meshes, meshes.NodesOf(nodes.tool, root, taken.body), at);
+    return AreApart(meshes, meshes.NodesOf(nodes.a, root, taken.body), at);
   }
-  const auto& child = objects.inner(nodes.object).child;
-  return are_apart(nodes.tool, child[0]) && are_apart(nodes.tool, child[1]);
+  const auto& child = tree_b.inner(nodes.b).child;
+  return are_apart(nodes.a, child[0]) && are_apart(nodes.a, child[1]);
 }
 
 }  // namespace
 
-bool IsFree(const ToolAndBodies& meshes, const ToolPose& at) {
-  for (std::size_t number = 0; number < meshes.bodies.size(); ++number) {
-    const HullTree& tree = meshes.bodies[number].shape->tree;
-    const auto of_tool =
-        tree.IsOfBlocks() ? meshes.ForSolids() : std::optional(meshes.tool.tree.root());
-    if (!of_tool) continue;
+bool IsFree(const MeshPair& meshes, const RelativePose& at) {
+  for (std::size_t number = 0; number < meshes.b.size(); ++number) {
+    const HullTree& tree = meshes.b[number].shape->tree;
+    const auto of_a = tree.IsOfBlocks() ? meshes.ForSolids() : std::optional(meshes.a.tree.root());
+    if (!of_a) continue;
     const auto body = static_cast<std::int32_t>(number);
-    if (!AreApart(meshes, meshes.NodesOf(*of_tool, tree.root(), body), at)) return false;
+    if (!AreApart(meshes, meshes.NodesOf(*of_a, tree.root(), body), at)) return false;
   }
   return true;
 }

@@ -26,7 +26,7 @@ struct CertifyScratch {
   PlaneSearches searches;            ///< for planes
   NearPairs::Index searched[PlaneSearches::kAtOnce] = {};  ///< the near pair of each search
   struct InBody {
-    ToolMotion motion;
+    ShapeMotion motion;
     std::uint64_t certified = 0;  ///< the trial that it is of
   };
   std::vector<InBody> in_body;  ///< for each body, the motion in its frame
@@ -41,16 +41,16 @@ struct CornerScratch {
   std::vector<std::uint32_t> met;  ///< vertices that it met, in this order
 };
 
-/// The data of one sub-step between a tool and bodies, which the functions below read and write.
-/// All memory is allocated on construction.
+/// The data of one sub-step of a body A against the bodies B, which the functions below read and
+/// write. All memory is allocated on construction.
 struct MeshContact {
   /// @param max_rows    of the ContactRows that it will fill
   /// @param separation  to be kept between the meshes [m]
   /// @param most_looks  of a sub-step
-  MeshContact(const ToolBody& tool, std::span<const ContactBody> bodies, int max_rows,
-              double separation, int most_looks);
+  MeshContact(const MovingBody& a, std::span<const ContactBody> b, int max_rows, double separation,
+              int most_looks);
 
-  ToolAndBodies meshes;
+  MeshPair meshes;
   Motion motion;           ///< the trial that was examined last
   std::int32_t trial = 0;  ///< its number within the sub-step
   NearPairs near;
@@ -106,7 +106,7 @@ enum class First {
 /// @param most_looks  of the sub-step.  Once they are spent, pairs whose planes do not hold count
 ///                    as not separate.
 void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront& front,
-                  const ToolPose& from, std::span<const ContactId> active, First first,
+                  const RelativePose& from, std::span<const ContactId> active, First first,
                   std::int64_t most_looks, ContactRows& rows) noexcept;
 
 /// Returns whether the trial [v; phi] is free.  If not, adds rows for pairs without a plane, or
@@ -124,9 +124,9 @@ bool IsFree(MeshContact& contact, const Vec3& v, const Vec3& phi) noexcept;
 ///                each sub-step of a cycle, it would mostly be undone by the next one.
 void EndSubStep(MeshContact& contact, bool merges) noexcept;
 
-/// Returns whether, at a pose, no triangle of the tool intersects one of the objects.  A tool
-/// wholly inside a closed mesh intersects none.  Not real-time.
-bool IsFree(const ToolAndBodies& meshes, const ToolPose& at);
+/// Returns whether, at a pose, no triangle of A intersects one of B.  A body wholly inside a closed
+/// mesh intersects none.  Not real-time.
+bool IsFree(const MeshPair& meshes, const RelativePose& at);
 
 // --- The rows of touches (touch_rows.cpp). ---
 

@@ -19,7 +19,7 @@ Vec3 EdgeOf(const ContactMesh& mesh, HullTree::Node node, int i) {
 }
 
 /// Finds the direction of least penetration of two triangles.
-void FindLeastDepth(const ToolAndBodies& meshes, const ToolPose& at, Touch& touch) {
+void FindLeastDepth(const MeshPair& meshes, const RelativePose& at, Touch& touch) {
   const Corners corners = meshes.CornersAt(touch.nodes, at);
   const auto consider = [&](const Vec3& axis) {
     const double axis_length = axis.norm();
@@ -32,7 +32,7 @@ void FindLeastDepth(const ToolAndBodies& meshes, const ToolPose& at, Touch& touc
       touch.u = n;
     }
   };
-  const Vec3 *a = corners.tool, *b = corners.object;
+  const Vec3 *a = corners.a, *b = corners.b;
   consider((b[1] - b[0]).cross(b[2] - b[0]));
   consider((a[1] - a[0]).cross(a[2] - a[0]));
   for (int i = 0; i < 3; ++i) {
@@ -43,7 +43,7 @@ void FindLeastDepth(const ToolAndBodies& meshes, const ToolPose& at, Touch& touc
 }
 
 /// Returns whether the tool is in a block's triangle, or just behind it: nearest from within.
-bool IsBehind(const ToolAndBodies& meshes, const Touch& touch) {
+bool IsBehind(const MeshPair& meshes, const Touch& touch) {
   const NodesOfPair& nodes = touch.nodes;
   if (!nodes.AreOfBlock()) return false;
   if (!(touch.distance > 0.0)) return true;
@@ -52,7 +52,7 @@ bool IsBehind(const ToolAndBodies& meshes, const Touch& touch) {
   // than it points out of another.
   double most = 0.0;
   const Vec3 u_B = meshes.FrameOf(nodes).R.transpose() * touch.u;
-  ForEachFaceAt(nodes.shape->mesh, nodes.object, touch.nearest.of_q, [&](const Vec3& n) {
+  ForEachFaceAt(nodes.shape->mesh, nodes.b, touch.nearest.of_q, [&](const Vec3& n) {
     if (std::fabs(n.dot(u_B)) > std::fabs(most)) most = n.dot(u_B);
   });
   return most < 0.0;
@@ -60,21 +60,20 @@ bool IsBehind(const ToolAndBodies& meshes, const Touch& touch) {
 
 /// Returns the plane of two edges of triangles at a pose, its normal on the side of `away`; kNone
 /// if they are nearly parallel.
-ContactPlane PlaneOfEdges(const ToolAndBodies& meshes, const NodesOfPair& triangles, int of_tool,
-                          int of_object, const Vec3& away, const ToolPose& at) {
-  const Vec3 ea = at.R * EdgeOf(meshes.tool.mesh, triangles.tool, of_tool);
-  const Vec3 eb =
-      meshes.FrameOf(triangles).R * EdgeOf(triangles.shape->mesh, triangles.object, of_object);
+ContactPlane PlaneOfEdges(const MeshPair& meshes, const NodesOfPair& triangles, int of_a, int of_b,
+                          const Vec3& away, const RelativePose& at) {
+  const Vec3 ea = at.R * EdgeOf(meshes.a.mesh, triangles.a, of_a);
+  const Vec3 eb = meshes.FrameOf(triangles).R * EdgeOf(triangles.shape->mesh, triangles.b, of_b);
   const Vec3 across = ea.cross(eb);
   if (across.squaredNorm() <= kParallel * kParallel * ea.squaredNorm() * eb.squaredNorm())
     return {};
-  return {ContactPlane::Of::kEdges, eb, static_cast<std::uint8_t>(of_tool),
-          static_cast<std::uint8_t>(of_object), across.dot(away) < 0.0 ? -1.0 : 1.0};
+  return {ContactPlane::Of::kEdges, eb, static_cast<std::uint8_t>(of_a),
+          static_cast<std::uint8_t>(of_b), across.dot(away) < 0.0 ? -1.0 : 1.0};
 }
 
 /// Calls visit(plane) for each two edges of a touch's triangles that meet at the nearest points.
 template <class Visit>
-void ForEachEdges(const ToolAndBodies& meshes, const Touch& touch, const ToolPose& from,
+void ForEachEdges(const MeshPair& meshes, const Touch& touch, const RelativePose& from,
                   Visit visit) {
   const auto is_at = [](Feature of, int edge) {
     return (of.kind == Feature::kEdge && of.index == edge) ||
@@ -93,14 +92,14 @@ void ForEachEdges(const ToolAndBodies& meshes, const Touch& touch, const ToolPos
 
 /// Returns whether features at the nearest points of a touch could touch along a plane's normal,
 /// were they nearest.
-bool MayTouchAlong(const ToolAndBodies& meshes, const Touch& touch, const ContactPlane& plane,
-                   const ToolPose& at) {
+bool MayTouchAlong(const MeshPair& meshes, const Touch& touch, const ContactPlane& plane,
+                   const RelativePose& at) {
   Feature of_p = touch.nearest.of_p, of_q = touch.nearest.of_q;
-  if (plane.of == ContactPlane::Of::kObject) of_q = {Feature::kFace};
-  if (plane.of == ContactPlane::Of::kTool) of_p = {Feature::kFace};
+  if (plane.of == ContactPlane::Of::kB) of_q = {Feature::kFace};
+  if (plane.of == ContactPlane::Of::kA) of_p = {Feature::kFace};
   if (plane.of == ContactPlane::Of::kEdges) {
-    of_p = {Feature::kEdge, plane.tool_edge};
-    of_q = {Feature::kEdge, plane.object_edge};
+    of_p = {Feature::kEdge, plane.edge_a};
+    of_q = {Feature::kEdge, plane.edge_b};
   }
   return ConesHold(meshes, touch.nodes, of_p, of_q, NormalAt(meshes, touch, plane, at), at);
 }
@@ -110,7 +109,7 @@ bool MayTouchAlong(const ToolAndBodies& meshes, const Touch& touch, const Contac
 class BestPlane {
  public:
   /// @param room  gap that a plane must exceed at the end [m]
-  BestPlane(const ToolAndBodies& meshes, const Touch& touch, const Motion& motion, double least,
+  BestPlane(const MeshPair& meshes, const Touch& touch, const Motion& motion, double least,
             double room = -kInfinity)
       : planes_(meshes, touch.nodes, motion), touch_(touch), least_(least), room_(room) {}
 
@@ -137,34 +136,34 @@ class BestPlane {
 
 }  // namespace
 
-[[gnu::flatten]] Corners ToolAndBodies::CornersAt(const NodesOfPair& triangles,
-                                                  const ToolPose& at) const {
+[[gnu::flatten]] Corners MeshPair::CornersAt(const NodesOfPair& triangles,
+                                             const RelativePose& at) const {
   Corners corners;
   for (int c = 0; c < 3; ++c) {
-    corners.tool[c] = at.R * tool.mesh.Corner(HullTree::TriangleOf(triangles.tool), c) + at.p;
-    corners.object[c] = FrameOf(triangles) *
-                        triangles.shape->mesh.Corner(HullTree::TriangleOf(triangles.object), c);
+    corners.a[c] = at.R * a.mesh.Corner(HullTree::TriangleOf(triangles.a), c) + at.p;
+    corners.b[c] =
+        FrameOf(triangles) * triangles.shape->mesh.Corner(HullTree::TriangleOf(triangles.b), c);
   }
   return corners;
 }
 
-[[gnu::flatten]] Vec3 DirectionAt(const ToolAndBodies& meshes, const NodesOfPair& triangles,
-                                  const NearestPoints& nearest, const ToolPose& at) {
+[[gnu::flatten]] Vec3 DirectionAt(const MeshPair& meshes, const NodesOfPair& triangles,
+                                  const NearestPoints& nearest, const RelativePose& at) {
   const Vec3 across = nearest.Direction();
   if (meshes.IsBall()) return across;
-  const Mat3& R_WB = meshes.FrameOf(triangles).R;
+  const Mat3& R_BS = meshes.FrameOf(triangles).R;
   const auto face = [](const ContactMesh& mesh, HullTree::Node node) -> const Vec3& {
     return mesh.triangles()[HullTree::TriangleOf(node)].normal;
   };
   const Feature of_p = nearest.of_p, of_q = nearest.of_q;
   Vec3 n = Vec3::Zero();
   if (of_q.kind == Feature::kFace) {
-    n = R_WB * face(triangles.shape->mesh, triangles.object);
+    n = R_BS * face(triangles.shape->mesh, triangles.b);
   } else if (of_p.kind == Feature::kFace) {
-    n = at.R * face(meshes.tool.mesh, triangles.tool);
+    n = at.R * face(meshes.a.mesh, triangles.a);
   } else if (of_p.kind == Feature::kEdge && of_q.kind == Feature::kEdge) {
-    const Vec3 ea = at.R * EdgeOf(meshes.tool.mesh, triangles.tool, of_p.index);
-    const Vec3 eb = R_WB * EdgeOf(triangles.shape->mesh, triangles.object, of_q.index);
+    const Vec3 ea = at.R * EdgeOf(meshes.a.mesh, triangles.a, of_p.index);
+    const Vec3 eb = R_BS * EdgeOf(triangles.shape->mesh, triangles.b, of_q.index);
     const Vec3 normal = ea.cross(eb);
     const double length = normal.norm();
     if (length > kParallel * ea.norm() * eb.norm()) n = normal / length;
@@ -175,8 +174,8 @@ class BestPlane {
   return along > 0.0 ? n : Vec3(-n);
 }
 
-[[gnu::flatten]] Touch TouchAt(const ToolAndBodies& meshes, const NodesOfPair& triangles,
-                               const ToolPose& at) {
+[[gnu::flatten]] Touch TouchAt(const MeshPair& meshes, const NodesOfPair& triangles,
+                               const RelativePose& at) {
   Touch touch;
   touch.nodes = triangles;
   touch.nearest = meshes.NearestAt(triangles, at);
@@ -200,13 +199,13 @@ class BestPlane {
   return touch;
 }
 
-[[gnu::flatten]] Vec3 NormalAt(const ToolAndBodies& meshes, const Touch& touch,
-                               const ContactPlane& plane, const ToolPose& at) {
+[[gnu::flatten]] Vec3 NormalAt(const MeshPair& meshes, const Touch& touch,
+                               const ContactPlane& plane, const RelativePose& at) {
   switch (plane.of) {
-    case ContactPlane::Of::kTool:
+    case ContactPlane::Of::kA:
       return at.R * plane.n;
     case ContactPlane::Of::kEdges: {
-      const Vec3 ea = EdgeOf(meshes.tool.mesh, touch.nodes.tool, plane.tool_edge);
+      const Vec3 ea = EdgeOf(meshes.a.mesh, touch.nodes.a, plane.edge_a);
       return plane.sign * (at.R * ea).cross(plane.n).normalized();
     }
     default:
@@ -214,31 +213,31 @@ class BestPlane {
   }
 }
 
-double GapAt(const ToolAndBodies& meshes, const NodesOfPair& nodes, const Touch& touch,
-             const ContactPlane& plane, const ToolPose& at) {
+double GapAt(const MeshPair& meshes, const NodesOfPair& nodes, const Touch& touch,
+             const ContactPlane& plane, const RelativePose& at) {
   return meshes.Gap(nodes, NormalAt(meshes, touch, plane, at), at);
 }
 
-bool ConesHold(const ToolAndBodies& meshes, const NodesOfPair& triangles, Feature of_tool,
-               Feature of_object, const Vec3& n, const ToolPose& at) {
+bool ConesHold(const MeshPair& meshes, const NodesOfPair& triangles, Feature of_a, Feature of_b,
+               const Vec3& n, const RelativePose& at) {
   const auto holds = [](const ContactMesh& mesh, HullTree::Node node, Feature of, const Vec3& n) {
     const ContactMesh::Triangle& t = mesh.triangles()[HullTree::TriangleOf(node)];
     if (of.kind == Feature::kEdge) return mesh.EdgeConeHolds(t.edge[of.index], n);
     if (of.kind == Feature::kVertex) return mesh.VertexConeHolds(t.vertex[of.index], n);
     return true;
   };
-  return holds(triangles.shape->mesh, triangles.object, of_object,
+  return holds(triangles.shape->mesh, triangles.b, of_b,
                meshes.FrameOf(triangles).R.transpose() * n) &&
-         holds(meshes.tool.mesh, triangles.tool, of_tool, -(at.R.transpose() * n));
+         holds(meshes.a.mesh, triangles.a, of_a, -(at.R.transpose() * n));
 }
 
-Vec3 SmoothNormal(const ToolAndBodies& meshes, const NodesOfPair& triangles,
+Vec3 SmoothNormal(const MeshPair& meshes, const NodesOfPair& triangles,
                   const NearestPoints& nearest, const Vec3& n) {
-  const Placement& X_WB = meshes.FrameOf(triangles);
-  const Vec3 n_B = X_WB.R.transpose() * n;
-  const Vec3 smooth = triangles.shape->mesh.SmoothNormal(HullTree::TriangleOf(triangles.object),
-                                                         X_WB.Inverse() * nearest.q, n_B);
-  return smooth == n_B ? n : X_WB.R * smooth;
+  const Placement& X_BS = meshes.FrameOf(triangles);
+  const Vec3 n_B = X_BS.R.transpose() * n;
+  const Vec3 smooth = triangles.shape->mesh.SmoothNormal(HullTree::TriangleOf(triangles.b),
+                                                         X_BS.Inverse() * nearest.q, n_B);
+  return smooth == n_B ? n : X_BS.R * smooth;
 }
 
 void TriedPlanes::Add(const Touch& touch, const ContactPlane& plane, const Vec3& before,
@@ -252,10 +251,10 @@ void TriedPlanes::Add(const Touch& touch, const ContactPlane& plane, const Vec3&
   ++count_;
 }
 
-[[gnu::flatten]] ContactPlane ChoosePlane(const ToolAndBodies& meshes, const Touch& touch,
+[[gnu::flatten]] ContactPlane ChoosePlane(const MeshPair& meshes, const Touch& touch,
                                           const Motion& trial) {
   const Feature a = touch.nearest.of_p, b = touch.nearest.of_q;
-  ContactPlane plane{ContactPlane::Of::kObject, touch.u};
+  ContactPlane plane{ContactPlane::Of::kB, touch.u};
   if (touch.distance <= 0.0) return plane;
   if (!touch.in_cone) {
     // The touch belongs to a neighbour: tries the neighbour's face, if that separates
@@ -277,7 +276,7 @@ void TriedPlanes::Add(const Touch& touch, const ContactPlane& plane, const Vec3&
     if (best.Find().of != ContactPlane::Of::kNone) return best.Find();
   }
   if (b.kind == Feature::kVertex && a.kind != Feature::kVertex) {
-    plane = {ContactPlane::Of::kTool, trial.from.R.transpose() * touch.u};
+    plane = {ContactPlane::Of::kA, trial.from.R.transpose() * touch.u};
   } else if (a.kind == Feature::kEdge && b.kind == Feature::kEdge) {
     const ContactPlane edges =
         PlaneOfEdges(meshes, touch.nodes, a.index, b.index, touch.u, trial.from);
@@ -286,7 +285,7 @@ void TriedPlanes::Add(const Touch& touch, const ContactPlane& plane, const Vec3&
   return plane;
 }
 
-[[gnu::flatten]] ContactPlane OtherPlane(const ToolAndBodies& meshes, const Touch& touch,
+[[gnu::flatten]] ContactPlane OtherPlane(const MeshPair& meshes, const Touch& touch,
                                          const NearestPoints& nearest, const Vec3& u,
                                          const Motion& trial) {
   const double enough = meshes.margins.separation - meshes.margins.witness;
@@ -300,8 +299,8 @@ void TriedPlanes::Add(const Touch& touch, const ContactPlane& plane, const Vec3&
   // if the pair is near.
   const auto across = [&](const Vec3& n, double distance, bool in_cone) {
     if (!in_cone && !meshes.IsBall() && distance <= meshes.margins.touching) return;
-    consider(ContactPlane{ContactPlane::Of::kObject, n});
-    consider(ContactPlane{ContactPlane::Of::kTool, trial.from.R.transpose() * n});
+    consider(ContactPlane{ContactPlane::Of::kB, n});
+    consider(ContactPlane{ContactPlane::Of::kA, trial.from.R.transpose() * n});
   };
   across(touch.u, touch.distance, touch.in_cone);
   across(u, nearest.Distance(), InCone(meshes, touch.nodes, nearest, u, trial.to));

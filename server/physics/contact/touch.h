@@ -19,13 +19,13 @@ namespace palpate {
 
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The straight motion of the tool in one sub-step; a trial until it is accepted.
+/// The straight motion of A in B in one sub-step; a trial until it is accepted.
 struct Motion {
-  ToolPose from, to;
+  RelativePose from, to;
   Vec3 v, phi;  ///< [m], [rad]
   bool moves;
 
-  explicit Motion(const ToolPose& start, const Vec3& step_v = Vec3::Zero(),
+  explicit Motion(const RelativePose& start, const Vec3& step_v = Vec3::Zero(),
                   const Vec3& step_phi = Vec3::Zero())
       : from(start),
         to(start),
@@ -36,94 +36,93 @@ struct Motion {
   }
 };
 
-/// Nodes of two trees, the tool's and a body's; each is a triangle or a patch.
+/// Nodes of two trees, A's and that of a body of B; each is a triangle or a patch.
 struct NodesOfPair {
-  HullTree::Node tool, object;
-  const ContactShape* shape;  ///< of the body
-  std::int32_t number;        ///< number of the body
-  std::int32_t placed;        ///< index of the scene's body in whose frame B it is: a block's solid
-  bool AreTriangles() const { return HullTree::IsLeaf(tool) && HullTree::IsLeaf(object); }
+  HullTree::Node a, b;
+  const ContactShape* shape;  ///< of the body of B
+  std::int32_t number;        ///< of that body
+  std::int32_t placed;        ///< index in B of the body in whose frame S it is: a block's solid
+  bool AreTriangles() const { return HullTree::IsLeaf(a) && HullTree::IsLeaf(b); }
   bool AreOfBlock() const { return number != placed; }
 };
 
-/// The corners of two triangles, in W [m].
+/// The corners of two triangles, in B [m].
 struct Corners {
-  Vec3 tool[3], object[3];
+  Vec3 a[3], b[3];
 };
 
-/// A tool, and the bodies that contact keeps it apart from.  Heights are along n, from body
-/// to tool, in W.
-struct ToolAndBodies {
-  const ToolBody& tool;
-  std::span<const ContactBody> bodies;
-  FeltSolids* felt = nullptr;  ///< bodies of blocks; null if there are none
+/// A body A, and the bodies B that contact keeps it apart from.  Those of B stand still to each
+/// other, so one frame holds them all: whatever has no other frame in its name is in B.  Heights
+/// are along n, from B to A.
+struct MeshPair {
+  const MovingBody& a;
+  std::span<const ContactBody> b;
+  FeltSolids* felt = nullptr;  ///< bodies of blocks in B; null if there are none
   bool cuts = true;            ///< true for a bur or an edge that cuts: solids touch only its shank
   limits::mesh::Margins margins{};
   const Kernels* kernels = &ActiveKernels();
 
-  double Low(HullTree::Node node, const Vec3& n, const ToolPose& at) const {
-    return n.dot(at.p) - tool.tree.Highest(node, -(at.R.transpose() * n), *kernels) - tool.radius;
+  double Low(HullTree::Node node, const Vec3& n, const RelativePose& at) const {
+    return n.dot(at.p) - a.tree.Highest(node, -(at.R.transpose() * n), *kernels) - a.radius;
   }
   double High(const NodesOfPair& nodes, const Vec3& n) const {
-    const Placement& X_WB = FrameOf(nodes);
-    return n.dot(X_WB.p) +
-           nodes.shape->tree.Highest(nodes.object, X_WB.R.transpose() * n, *kernels);
+    const Placement& X_BS = FrameOf(nodes);
+    return n.dot(X_BS.p) + nodes.shape->tree.Highest(nodes.b, X_BS.R.transpose() * n, *kernels);
   }
-  /// The pose X_WB of a body.
+  /// The pose X_BS of a body of B.
   const Placement& FrameOf(const NodesOfPair& nodes) const {
-    return bodies[static_cast<std::size_t>(nodes.placed)].X_WB;
+    return b[static_cast<std::size_t>(nodes.placed)].X_BS;
   }
   NodesOfPair NodesOf(const SeparationFront::Pair& pair) const {
-    return NodesOf(pair.tool, pair.object, pair.body);
+    return NodesOf(pair.a, pair.b, pair.body);
   }
-  NodesOfPair NodesOf(HullTree::Node of_tool, HullTree::Node of_object, std::int32_t number) const {
+  NodesOfPair NodesOf(HullTree::Node of_a, HullTree::Node of_b, std::int32_t number) const {
     const auto body = static_cast<std::size_t>(number);
-    if (body < bodies.size()) {
-      return {of_tool, of_object, bodies[body].shape.get(), number, number};
+    if (body < b.size()) {
+      return {of_a, of_b, b[body].shape.get(), number, number};
     }
     const BlockBody& block = felt->Body(number);
-    return {of_tool, of_object, &block.shape, number, block.of.solid};
+    return {of_a, of_b, &block.shape, number, block.of.solid};
   }
   PatchPair PatchesOf(const NodesOfPair& nodes) const {
-    return {tool.tree.HullOf(nodes.tool), nodes.shape->tree.HullOf(nodes.object), tool.radius};
+    return {a.tree.HullOf(nodes.a), nodes.shape->tree.HullOf(nodes.b), a.radius};
   }
-  /// For two triangles: the normal of the body's, out of a solid.
+  /// For two triangles: the normal of B's, out of a solid.
   Vec3 OutwardOf(const NodesOfPair& triangles) const {
-    const std::uint32_t t = HullTree::TriangleOf(triangles.object);
+    const std::uint32_t t = HullTree::TriangleOf(triangles.b);
     return FrameOf(triangles).R * triangles.shape->mesh.triangles()[t].normal;
   }
-  /// The part of the tool that solids can touch; empty if they touch none of it.
+  /// The part of A that solids can touch; empty if they touch none of it.
   std::optional<HullTree::Node> ForSolids() const {
-    return cuts ? tool.shank : std::optional(tool.tree.root());
+    return cuts ? a.shank : std::optional(a.tree.root());
   }
-  /// How far the tool's node lies above the body's along n [m]; negative if n
-  /// does not separate them.
-  double Gap(const NodesOfPair& nodes, const Vec3& n, const ToolPose& at) const {
-    return Low(nodes.tool, n, at) - High(nodes, n);
+  /// How far A's node lies above B's along n [m]; negative if n does not separate them.
+  double Gap(const NodesOfPair& nodes, const Vec3& n, const RelativePose& at) const {
+    return Low(nodes.a, n, at) - High(nodes, n);
   }
-  Corners CornersAt(const NodesOfPair& triangles, const ToolPose& at) const;
+  Corners CornersAt(const NodesOfPair& triangles, const RelativePose& at) const;
   /// For two triangles.
-  NearestPoints NearestAt(const NodesOfPair& triangles, const ToolPose& at) const {
+  NearestPoints NearestAt(const NodesOfPair& triangles, const RelativePose& at) const {
     const Corners corners = CornersAt(triangles, at);
-    return NearestOfTriangles(corners.tool, corners.object, *kernels);
+    return NearestOfTriangles(corners.a, corners.b, *kernels);
   }
-  bool IsBall() const { return tool.radius > 0.0; }
+  bool IsBall() const { return a.radius > 0.0; }
 };
 
 /// A plane between two triangles, and the body that it moves with.
 struct ContactPlane {
-  enum class Of : std::uint8_t { kNone, kObject, kTool, kEdges } of = Of::kNone;
-  Vec3 n = Vec3::Zero();  ///< unit, from object to tool; in W, but for kTool in the tool's frame;
-                          ///< for kEdges the object's edge in W, not unit [m]
-  std::uint8_t tool_edge = 0, object_edge = 0;
-  double sign = 1.0;  ///< kEdges: the normal is sign * (tool's edge x object's edge), normalised
+  enum class Of : std::uint8_t { kNone, kB, kA, kEdges } of = Of::kNone;
+  Vec3 n = Vec3::Zero();  ///< unit, from B to A; in B, but for kA in A's frame; for
+                          ///< kEdges B's edge, not unit [m]
+  std::uint8_t edge_a = 0, edge_b = 0;
+  double sign = 1.0;  ///< kEdges: the normal is sign * (A's edge x B's edge), normalised
 };
 
 /// A pair of triangles that may touch, as they lie at the beginning of the sub-step.
 struct Touch {
   NodesOfPair nodes;
-  NearestPoints nearest;   ///< in W
-  Vec3 u = Vec3::UnitZ();  ///< unit direction between them, from object to tool
+  NearestPoints nearest;   ///< in B
+  Vec3 u = Vec3::UnitZ();  ///< unit direction between them, from B to A
   double distance;         ///< the gap along u [m]: negative where they intersect
   bool in_cone;            ///< no neighbouring triangle is nearer
   /// Whether a plane is measured by the gap that it leaves itself, and not by `distance`: outside
@@ -157,36 +156,36 @@ struct Touch {
   }
 };
 
-/// Returns the unit direction between two nearest points, from object to tool.  It is that of the
+/// Returns the unit direction between two nearest points, from B to A.  It is that of the
 /// features: a face's normal, or the common normal of two edges.  Across the points themselves it
 /// would err by their rounding over their distance, 5e-5 rad at a micrometre.
-Vec3 DirectionAt(const ToolAndBodies& meshes, const NodesOfPair& triangles,
-                 const NearestPoints& nearest, const ToolPose& at);
+Vec3 DirectionAt(const MeshPair& meshes, const NodesOfPair& triangles, const NearestPoints& nearest,
+                 const RelativePose& at);
 
 /// Returns the touch of two triangles at a pose.  If they intersect, u is the direction
 /// of the least depth.
-Touch TouchAt(const ToolAndBodies& meshes, const NodesOfPair& triangles, const ToolPose& at);
+Touch TouchAt(const MeshPair& meshes, const NodesOfPair& triangles, const RelativePose& at);
 
-/// Returns a plane's normal in W at a pose.
-Vec3 NormalAt(const ToolAndBodies& meshes, const Touch& touch, const ContactPlane& plane,
-              const ToolPose& at);
+/// Returns a plane's normal in B at a pose.
+Vec3 NormalAt(const MeshPair& meshes, const Touch& touch, const ContactPlane& plane,
+              const RelativePose& at);
 /// Returns the gap of a pair of nodes, the touch's own or others, along a plane of the touch
 /// at a pose [m].
-double GapAt(const ToolAndBodies& meshes, const NodesOfPair& nodes, const Touch& touch,
-             const ContactPlane& plane, const ToolPose& at);
+double GapAt(const MeshPair& meshes, const NodesOfPair& nodes, const Touch& touch,
+             const ContactPlane& plane, const RelativePose& at);
 
-/// Returns whether features of two triangles can touch along n, from object to tool: it lies in the
+/// Returns whether features of two triangles can touch along n, from B to A: it lies in the
 /// normal cones of both; if not, a neighbour is nearer.
-bool ConesHold(const ToolAndBodies& meshes, const NodesOfPair& triangles, Feature of_tool,
-               Feature of_object, const Vec3& n, const ToolPose& at);
+bool ConesHold(const MeshPair& meshes, const NodesOfPair& triangles, Feature of_a, Feature of_b,
+               const Vec3& n, const RelativePose& at);
 /// ConesHold for the features at nearest points, and the direction u between them.
-inline bool InCone(const ToolAndBodies& meshes, const NodesOfPair& triangles,
-                   const NearestPoints& nearest, const Vec3& u, const ToolPose& at) {
+inline bool InCone(const MeshPair& meshes, const NodesOfPair& triangles,
+                   const NearestPoints& nearest, const Vec3& u, const RelativePose& at) {
   return ConesHold(meshes, triangles, nearest.of_p, nearest.of_q, u, at);
 }
 
 /// For two triangles: ContactMesh::SmoothNormal of the body where it is touched along n.
-Vec3 SmoothNormal(const ToolAndBodies& meshes, const NodesOfPair& triangles,
+Vec3 SmoothNormal(const MeshPair& meshes, const NodesOfPair& triangles,
                   const NearestPoints& nearest, const Vec3& n);
 
 /// Calls visit(normal) for each face of a mesh that meets at a feature of one of its triangles.
@@ -200,22 +199,22 @@ void ForEachFaceAt(const ContactMesh& mesh, HullTree::Node triangle, Feature of,
 }
 
 /// Calls visit(plane) for each face of either mesh that meets at the nearest points, with its
-/// normal turned to point from object to tool at the beginning of the motion.
+/// normal turned to point from B to A at the beginning of the motion.
 template <class Visit>
-void ForEachFace(const ToolAndBodies& meshes, const NodesOfPair& triangles,
-                 const NearestPoints& nearest, const ToolPose& from, Visit visit) {
+void ForEachFace(const MeshPair& meshes, const NodesOfPair& triangles, const NearestPoints& nearest,
+                 const RelativePose& from, Visit visit) {
   const Vec3 away = nearest.p - nearest.q;
-  const auto give = [&](ContactPlane::Of of, const Vec3& n, const Vec3& n_W) {
+  const auto give = [&](ContactPlane::Of of, const Vec3& n, const Vec3& n_B) {
     if (n == Vec3::Zero()) return;
-    visit(ContactPlane{of, n_W.dot(away) < 0.0 ? Vec3(-n) : n});
+    visit(ContactPlane{of, n_B.dot(away) < 0.0 ? Vec3(-n) : n});
   };
-  const Mat3& R_WB = meshes.FrameOf(triangles).R;
-  ForEachFaceAt(triangles.shape->mesh, triangles.object, nearest.of_q, [&](const Vec3& n) {
-    const Vec3 n_W = R_WB * n;
-    give(ContactPlane::Of::kObject, n_W, n_W);
+  const Mat3& R_BS = meshes.FrameOf(triangles).R;
+  ForEachFaceAt(triangles.shape->mesh, triangles.b, nearest.of_q, [&](const Vec3& n) {
+    const Vec3 n_B = R_BS * n;
+    give(ContactPlane::Of::kB, n_B, n_B);
   });
-  ForEachFaceAt(meshes.tool.mesh, triangles.tool, nearest.of_p,
-                [&](const Vec3& n) { give(ContactPlane::Of::kTool, n, from.R * n); });
+  ForEachFaceAt(meshes.a.mesh, triangles.a, nearest.of_p,
+                [&](const Vec3& n) { give(ContactPlane::Of::kA, n, from.R * n); });
 }
 
 /// Returns how much nearer a pair may come between the ends of a motion than at either end
@@ -228,19 +227,19 @@ double TurnLoss(const Touch& touch, const ContactPlane& plane, const Vec3& n_old
 /// Up to eight planes that may separate two triangles throughout a motion, measured together.
 class TriedPlanes {
  public:
-  TriedPlanes(const ToolAndBodies& meshes, const NodesOfPair& triangles, const Motion& motion)
+  TriedPlanes(const MeshPair& meshes, const NodesOfPair& triangles, const Motion& motion)
       : meshes_(meshes),
         motion_(motion),
-        pair_{meshes.tool.tree.HullOf(triangles.tool).leaf->data(),
-              triangles.shape->tree.HullOf(triangles.object).leaf->data(),
+        pair_{meshes.a.tree.HullOf(triangles.a).leaf->data(),
+              triangles.shape->tree.HullOf(triangles.b).leaf->data(),
               motion.from.data(),
               motion.to.data(),
               meshes.FrameOf(triangles).data(),
-              meshes.tool.radius} {}
+              meshes.a.radius} {}
 
   /// @param touch  that the plane belongs to: that of these triangles, or a neighbour's
   void Add(const Touch& touch, const ContactPlane& plane) {
-    const bool stays = plane.of == ContactPlane::Of::kObject;
+    const bool stays = plane.of == ContactPlane::Of::kB;
     Add(touch, plane, stays ? plane.n : NormalAt(meshes_, touch, plane, motion_.from),
         stays ? plane.n : NormalAt(meshes_, touch, plane, motion_.to));
   }
@@ -272,7 +271,7 @@ class TriedPlanes {
     return {gaps_.n[end][0][i], gaps_.n[end][1][i], gaps_.n[end][2][i]};
   }
 
-  const ToolAndBodies& meshes_;
+  const MeshPair& meshes_;
   const Motion& motion_;
   TrianglePair pair_;
   EightGaps gaps_;
@@ -282,12 +281,12 @@ class TriedPlanes {
 };
 
 /// Returns the plane that a touch uses for its rows after a trial in which no plane separates it.
-ContactPlane ChoosePlane(const ToolAndBodies& meshes, const Touch& touch, const Motion& trial);
+ContactPlane ChoosePlane(const MeshPair& meshes, const Touch& touch, const Motion& trial);
 
 /// Of the planes that separate a touch at the beginning, returns the one with the largest gap at
 /// the end of the trial; kNone if there is no other plane.
 /// @param nearest, u  of the triangles at the end.
-ContactPlane OtherPlane(const ToolAndBodies& meshes, const Touch& touch,
-                        const NearestPoints& nearest, const Vec3& u, const Motion& trial);
+ContactPlane OtherPlane(const MeshPair& meshes, const Touch& touch, const NearestPoints& nearest,
+                        const Vec3& u, const Motion& trial);
 
 }  // namespace palpate

@@ -9,15 +9,15 @@ namespace {
 using namespace limits::mesh;
 
 /// Returns the exact rate at which the gap along a plane of crossing edges grows with a rotation at
-/// the trial.  The tool's lowest point moves, and n turns with the tool's edge, while that point
-/// and the object's highest point are d apart.  With w = (d - n (n . d)) / ((ea x eb) . n), the
+/// the trial.  A's lowest point moves, and n turns with A's edge, while that point
+/// and B's highest point are d apart.  With w = (d - n (n . d)) / ((ea x eb) . n), the
 /// rate is
 ///   (x - p) x n + ea x (eb x w).
 /// If the edges themselves are nearest, it is l x n, with l the lever of the place where they
 /// cross. At a trial with a large rotation a corner has come past them, and that lever is wrong: in
-/// a peg's hole such a row shut out the tool's own place by 150 um.
+/// a peg's hole such a row shut out A's own place by 150 um.
 Vec3 EdgesTurning(const MeshContact& contact, const Touch& touch, const Vec3& n) {
-  const ToolPose& at = contact.motion.to;
+  const RelativePose& at = contact.motion.to;
   const Corners corners = contact.meshes.CornersAt(touch.nodes, at);
   // If a corner is only as near as the edges, the touch belongs to the edges.
   const auto farthest = [&](const Vec3* corner, int edge, const Vec3& way) {
@@ -27,8 +27,8 @@ Vec3 EdgesTurning(const MeshContact& contact, const Touch& touch, const Vec3& n)
     }
     return best;
   };
-  const Vec3 *a = corners.tool, *b = corners.object;
-  const int i = touch.plane.tool_edge, j = touch.plane.object_edge;
+  const Vec3 *a = corners.a, *b = corners.b;
+  const int i = touch.plane.edge_a, j = touch.plane.edge_b;
   const Vec3 lowest = farthest(a, i, -n);
   const Vec3 d = lowest - farthest(b, j, n);
   const Vec3 ea = a[(i + 1) % 3] - a[i];
@@ -37,13 +37,13 @@ Vec3 EdgesTurning(const MeshContact& contact, const Touch& touch, const Vec3& n)
   return (lowest - at.p).cross(n) + ea.cross(eb.cross(w));
 }
 
-/// Returns the point of the tool's edge where a plane's edges cross, at the trial; an end of it if
+/// Returns the point of A's edge where a plane's edges cross, at the trial; an end of it if
 /// they have passed each other.
 Vec3 CrossingOf(const MeshContact& contact, const Touch& touch) {
   const Corners corners = contact.meshes.CornersAt(touch.nodes, contact.motion.to);
-  const int i = touch.plane.tool_edge, j = touch.plane.object_edge;
-  const Vec3 &a = corners.tool[i], &b = corners.object[j];
-  const Vec3 ea = corners.tool[(i + 1) % 3] - a, eb = corners.object[(j + 1) % 3] - b;
+  const int i = touch.plane.edge_a, j = touch.plane.edge_b;
+  const Vec3 &a = corners.a[i], &b = corners.b[j];
+  const Vec3 ea = corners.a[(i + 1) % 3] - a, eb = corners.b[(j + 1) % 3] - b;
   const Vec3 across = ea.cross(eb);
   const double share = (b - a).cross(eb).dot(across) / across.squaredNorm();
   return a + std::clamp(share, 0.0, 1.0) * ea;
@@ -76,12 +76,12 @@ bool SetRows(MeshContact& contact, Touch& touch, ContactRows& rows, Wanted wante
 }  // namespace
 
 ContactId IdOf(const NodesOfPair& triangles, int corner) {
-  return {triangles.number, static_cast<std::int32_t>(HullTree::TriangleOf(triangles.tool)),
-          static_cast<std::int32_t>(HullTree::TriangleOf(triangles.object)), corner};
+  return {triangles.number, static_cast<std::int32_t>(HullTree::TriangleOf(triangles.a)),
+          static_cast<std::int32_t>(HullTree::TriangleOf(triangles.b)), corner};
 }
 
 TouchRowsAtTrial RowsAt(const MeshContact& contact, const Touch& touch) {
-  const ToolAndBodies& meshes = contact.meshes;
+  const MeshPair& meshes = contact.meshes;
   const Motion& motion = contact.motion;
   const ContactPlane& plane = touch.plane;
   const NodesOfPair& nodes = touch.nodes;
@@ -98,7 +98,7 @@ TouchRowsAtTrial RowsAt(const MeshContact& contact, const Touch& touch) {
     const bool holds = std::min(before, now) - loss >= 0.5 * std::min(meshes.margins.free, before);
     of.row[0] = {3,
                  n_new,
-                 lever - meshes.tool.radius * n_new,
+                 lever - meshes.a.radius * n_new,
                  by_phi(EdgesTurning(contact, touch, n_new)),
                  before,
                  holds ? now : std::min(now, touch.LeastAfter(meshes.margins, before)) - loss,
@@ -108,21 +108,21 @@ TouchRowsAtTrial RowsAt(const MeshContact& contact, const Touch& touch) {
   }
   const Corners old = meshes.CornersAt(nodes, motion.from),
                 now = meshes.CornersAt(nodes, motion.to);
-  const bool of_tool = plane.of == ContactPlane::Of::kObject;
+  const bool of_a = plane.of == ContactPlane::Of::kB;
   const double plane_old =
-      of_tool ? meshes.High(nodes, n_old) : meshes.Low(nodes.tool, n_old, motion.from);
-  const double plane_new = of_tool ? plane_old : meshes.Low(nodes.tool, n_new, motion.to);
+      of_a ? meshes.High(nodes, n_old) : meshes.Low(nodes.a, n_old, motion.from);
+  const double plane_new = of_a ? plane_old : meshes.Low(nodes.a, n_new, motion.to);
   // A ball's row has the normal of the smooth surface that the mesh approximates; its right-hand
   // side is that of the triangles, which the ball may not enter.
   const Vec3 along = meshes.IsBall()
                          ? SmoothNormal(meshes, nodes, meshes.NearestAt(nodes, motion.to), n_new)
                          : n_new;
-  const Vec3 down = of_tool ? Vec3(meshes.tool.radius * n_new) : Vec3::Zero();
-  const double sign = of_tool ? 1.0 : -1.0;
-  of.count = of_tool && meshes.IsBall() ? 1 : 3;
+  const Vec3 down = of_a ? Vec3(meshes.a.radius * n_new) : Vec3::Zero();
+  const double sign = of_a ? 1.0 : -1.0;
+  of.count = of_a && meshes.IsBall() ? 1 : 3;
   for (int c = 0; c < of.count; ++c) {
-    const Vec3& corner_old = of_tool ? old.tool[c] : old.object[c];
-    const Vec3& corner_new = of_tool ? now.tool[c] : now.object[c];
+    const Vec3& corner_old = of_a ? old.a[c] : old.b[c];
+    const Vec3& corner_new = of_a ? now.a[c] : now.b[c];
     of.row[c] = {
         c,
         along,
@@ -130,9 +130,8 @@ TouchRowsAtTrial RowsAt(const MeshContact& contact, const Touch& touch) {
         by_phi((corner_new - motion.to.p - down).cross(along)),
         sign * (n_old.dot(corner_old - down) - plane_old),
         sign * (n_new.dot(corner_new - down) - plane_new),
-        meshes.IsBall() ||
-            ((touch.in_cone || IsFaceOf(of_tool ? now.object : now.tool, along)) &&
-             IsOver(of_tool ? now.object : now.tool, corner_new, meshes.margins.touching))};
+        meshes.IsBall() || ((touch.in_cone || IsFaceOf(of_a ? now.b : now.a, along)) &&
+                            IsOver(of_a ? now.b : now.a, corner_new, meshes.margins.touching))};
   }
   return of;
 }

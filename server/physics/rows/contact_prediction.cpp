@@ -53,7 +53,7 @@ void ContactPrediction::Take(const HapticModel& model, const Kernels& kernels, c
                              ContactRows& rows) noexcept {
   rows.Clear();
   for (const ContactId& id : ids) {
-    const NodePair pair{id.tool, id.object};
+    const NodePair pair{id.a, id.b};
     if (!rows.Add(kernels, model.tool().leaves.data(), model.objects().leaves.data(), R_WG, p_W,
                   &pair, 1)) {
       break;

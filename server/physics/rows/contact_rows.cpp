@@ -57,7 +57,7 @@ void ContactRows::Finish() noexcept {
 
 Vec3 ContactRows::LeverOf(int row, std::span<const LeafSphere> tool, const Mat3& R_WG) const {
   if (!id(row).IsOfLeaves()) return lever(row);
-  const LeafSphere& leaf = tool[static_cast<std::size_t>(id(row).tool)];
+  const LeafSphere& leaf = tool[static_cast<std::size_t>(id(row).a)];
   return R_WG * Vec3(leaf.x, leaf.y, leaf.z) - leaf.radius * normal(row);
 }
 
@@ -83,8 +83,7 @@ int ContactRows::Find(std::span<const ContactId> ids, int* row) const noexcept {
   for (const ContactId& id : ids) {
     // Between leaves the body is always the same.
     const auto at = std::ranges::find_if(mine, [&](const ContactId& other) {
-      return other.tool == id.tool && other == id &&
-             !IsLoose(static_cast<int>(&other - columns_.id));
+      return other.a == id.a && other == id && !IsLoose(static_cast<int>(&other - columns_.id));
     });
     if (at != mine.end()) row[found++] = static_cast<int>(at - mine.begin());
   }

@@ -16,9 +16,9 @@ bool SoftRows::Collect(const ContactRows& rows, QpRows& rigid) noexcept {
     rigid_b[i] = -rows.gap(i);
     const ContactId& id = rows.id(i);
     if (!id.IsOfLeaves()) continue;
-    const Material& material = objects.MaterialOf(id.object);
+    const Material& material = objects.MaterialOf(id.b);
     if (std::isinf(material.stiffness)) continue;
-    const double radius = objects.leaves[static_cast<std::size_t>(id.object)].radius;
+    const double radius = objects.leaves[static_cast<std::size_t>(id.b)].radius;
     weight[i] = material.stiffness / model_.parameters().stiffness;
     rigid_b[i] -= CoreDepth(material, radius);
     any_ = true;

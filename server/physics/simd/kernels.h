@@ -23,14 +23,14 @@ struct ContactId {
   static constexpr std::int32_t kLeaves = -1;
 
   std::int32_t body = kLeaves;  ///< index into SceneObjects::bodies
-  std::int32_t tool = 0;        ///< leaf or triangle of the tool
-  std::int32_t object = 0;      ///< leaf of the forest, or triangle of the body
+  std::int32_t a = 0;           ///< leaf or triangle of the tool
+  std::int32_t b = 0;           ///< leaf of the forest, or triangle of the body
   std::int32_t row = 0;         ///< which row of these two parts; between meshes, the corner
 
   bool IsOfLeaves() const { return body == kLeaves; }
   /// Returns whether both rows belong to the same two parts.
   bool IsBeside(const ContactId& other) const {
-    return body == other.body && tool == other.tool && object == other.object;
+    return body == other.body && a == other.a && b == other.b;
   }
   bool operator==(const ContactId&) const = default;
 };
@@ -42,23 +42,23 @@ struct alignas(32) LeafSphere {
 };
 
 /// Planes between pairs of nodes, as columns that start 64-byte aligned and are padded to a
-/// multiple of eight.  n points from object to tool; l is the lever arm of the tool's node.
+/// multiple of eight.  n points from B to A; l is the lever arm of A's node.
 struct PlaneColumns {
   double* along[6];  ///< n, and l x n [m]
-  double* slack;     ///< how far the tool's node lies above the object's along n [m]
+  double* slack;     ///< how far A's node lies above B's along n [m]
   double* radius;    ///< of a ball about the end of l that holds the node [m]
   double* left;      ///< what a motion leaves of the slack [m]
 };
 
 /// A plane between a pair of nodes, as last known at an epoch: one cache line.
 struct alignas(64) PlaneRecord {
-  double n[3];       ///< unit, from object to tool, in W
-  double slack;      ///< how far the tool's node lay above the object's along n [m]
-  double centre[3];  ///< of a ball about the tool's node, in its frame [m]
+  double n[3];       ///< unit, from B to A, in the frame of B
+  double slack;      ///< how far A's node lay above B's along n [m]
+  double centre[3];  ///< of a ball about A's node, in its frame [m]
   double radius;     ///< [m]
 };
 
-/// The motion of the tool since an epoch.
+/// The motion of A since an epoch.
 struct alignas(32) EpochMotion {
   double row[3][4];          ///< rows of R_now - R_then, then p_now - p_then
   double turned, unused[3];  ///< sum of the rotations in between [rad]
@@ -67,9 +67,9 @@ struct alignas(32) EpochMotion {
 /// Number of epochs that are distinguished: a power of two.
 inline constexpr std::uint32_t kPlaneEpochs = 64;
 
-/// A motion of the tool, and the slack that must be left.
+/// A motion of A, and the slack that must be left.
 struct PlaneMotion {
-  double step[6];               ///< v [m] and phi [rad], in W
+  double step[6];               ///< v [m] and phi [rad], in B
   double angle;                 ///< |phi|
   double least_old, least_new;  ///< before and after the motion [m]
 };
@@ -98,18 +98,18 @@ struct alignas(64) Simplices {
   std::uint32_t with[3] = {};  ///< one bit for each search that has one, two, three points
 };
 
-/// Two triangles.  A body's placement is its position in W, then the columns of its R [m].
+/// Two triangles.  A placement is a position, then the columns of R [m].
 struct TrianglePair {
-  const double *tool, *object;  ///< corners, in the frames of their bodies [m]
-  const double *from, *to;      ///< the tool's placement before and after a motion
-  const double* body;           ///< the object's
-  double radius;                ///< rounding of the tool [m]
+  const double *a, *b;      ///< corners, in the frames of their bodies [m]
+  const double *from, *to;  ///< A's placement before and after a motion
+  const double* X_BS;       ///< that of B's triangle
+  double radius;            ///< rounding of A [m]
 };
 
 /// Directions between two triangles, one in each column.
 struct alignas(64) EightGaps {
-  double n[2][3][8] = {};  ///< before and after a motion, from object to tool, in W
-  double gap[2][8];        ///< how far the tool's triangle lies above the object's along n [m]
+  double n[2][3][8] = {};  ///< before and after a motion, from B to A, in B
+  double gap[2][8];        ///< how far A's triangle lies above B's along n [m]
 };
 
 /// A packet of the tool's tree, and how much each of its spheres grows with the allowed rotation.

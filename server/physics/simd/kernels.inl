@@ -211,20 +211,20 @@ inline Vectors TurnBack(const double* placement, const Vectors& n) {
 
 void FindGaps(const TrianglePair& pair, EightGaps& gaps) {
   for (int i = 0; i < 2; ++i) {
-    const double* const tool = i == 0 ? pair.from : pair.to;
+    const double* const at = i == 0 ? pair.from : pair.to;
     const Vectors n = LoadVectors(gaps.n[i]);
-    const Vectors m = TurnBack(tool, n), k = TurnBack(pair.body, n);
+    const Vectors m = TurnBack(at, n), k = TurnBack(pair.X_BS, n);
     const auto along = [](const double* corners, int c, const Vectors& direction) {
       return Dot(direction, Set1(corners + 3 * c));
     };
-    D8 low = along(pair.tool, 0, m), high = along(pair.object, 0, k);
+    D8 low = along(pair.a, 0, m), high = along(pair.b, 0, k);
     for (int c = 1; c < 3; ++c) {
-      const D8 here = along(pair.object, c, k);
-      low = Min(along(pair.tool, c, m), low);
+      const D8 here = along(pair.b, c, k);
+      low = Min(along(pair.a, c, m), low);
       high = SelectLess(high, here, here, high);
     }
     Store(gaps.gap[i],
-          Dot(n, Set1(tool)) + low - Set1(pair.radius) - (Dot(n, Set1(pair.body)) + high));
+          Dot(n, Set1(at)) + low - Set1(pair.radius) - (Dot(n, Set1(pair.X_BS)) + high));
   }
 }
 

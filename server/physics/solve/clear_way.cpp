@@ -59,7 +59,7 @@ void GoWithinBounds(StepContext& context, Way& way) {
 
 /// Returns how far a point of the tool's mesh moves at most.
 double LengthOf(const StepContext& context, const Way& way) {
-  return way.v.norm() + context.buffers().meshes->meshes.tool.mesh.reach() * way.phi.norm();
+  return way.v.norm() + context.buffers().meshes->meshes.a.mesh.reach() * way.phi.norm();
 }
 
 /// Returns whether the meshes are apart at the motion's end and were apart on the way.

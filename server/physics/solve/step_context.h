@@ -154,7 +154,7 @@ struct StepContext {
   /// begins.  A step that stays within the reach of contact may pay for separation that it regains.
   bool Approaches(const Optimum& optimum, const Vec3& v, const Vec3& phi) const {
     const MeshContact& contact = *buffers_.meshes;
-    const double length = v.norm() + contact.meshes.tool.mesh.reach() * phi.norm();
+    const double length = v.norm() + contact.meshes.a.mesh.reach() * phi.norm();
     const double price =
         length <= contact.meshes.margins.touching ? 2.0 * PriceOfRegain(contact, optimum.qp) : 0.0;
     return Gain(v, phi) + price >= 0.0;

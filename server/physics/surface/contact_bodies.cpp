@@ -153,11 +153,11 @@ std::vector<ContactBody> MakeBodies(std::span<const PlacedTree> objects) {
   return bodies;
 }
 
-bool Hold(std::span<const ContactBody> bodies, const Vec3& p_W) {
+bool Hold(std::span<const ContactBody> bodies, const Vec3& p_B) {
   return std::ranges::any_of(bodies, [&](const ContactBody& body) {
     const ContactMesh& mesh = body.shape->mesh;
     const HullTree& tree = body.shape->tree;
-    const Vec3 p = body.X_WB.Inverse() * p_W;
+    const Vec3 p = body.X_BS.Inverse() * p_B;
     if ((p - tree.Centre(tree.root())).norm() > tree.Radius(tree.root())) return false;
     double angle = 0.0;
     for (std::size_t t = 0; t < mesh.triangles().size(); ++t) {
@@ -167,27 +167,27 @@ bool Hold(std::span<const ContactBody> bodies, const Vec3& p_W) {
   });
 }
 
-std::unique_ptr<const ToolBody> MakeToolBody(const TriangleMesh* mesh, const SphereTree& tree,
-                                             const Vec3& reference, const Cutting* cutting) {
+std::unique_ptr<const MovingBody> MakeMovingBody(const TriangleMesh* mesh, const SphereTree& tree,
+                                                 const Vec3& reference, const Cutting* cutting) {
   if (tree.leaves() == 1) {
-    ToolBody ball(ContactMesh::Point());
+    MovingBody ball(ContactMesh::Point());
     ball.radius = tree.leaf_radius[0];
     if (cutting != nullptr) ball.shank.reset();
-    return std::make_unique<const ToolBody>(std::move(ball));
+    return std::make_unique<const MovingBody>(std::move(ball));
   }
   if (mesh == nullptr || mesh->triangles.empty()) {
     throw Error(
         "surface contact: the tool has no mesh; give it one, or use \"contact\": \"spheres\"");
   }
   ContactMesh about(*mesh, reference);
-  if (cutting == nullptr) return std::make_unique<const ToolBody>(std::move(about));
+  if (cutting == nullptr) return std::make_unique<const MovingBody>(std::move(about));
   const std::vector<bool> head = HeadOf(*mesh, *cutting);
   const auto in_head = static_cast<std::size_t>(std::ranges::count(head, true));
   HullTree parts(about, head);
-  ToolBody bur(std::move(about), std::move(parts));
+  MovingBody bur(std::move(about), std::move(parts));
   if (in_head == head.size()) bur.shank.reset();
   if (in_head > 0 && in_head < head.size()) bur.shank = bur.tree.inner(bur.tree.root()).child[1];
-  return std::make_unique<const ToolBody>(std::move(bur));
+  return std::make_unique<const MovingBody>(std::move(bur));
 }
 
 }  // namespace palpate

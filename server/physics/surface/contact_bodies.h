@@ -61,16 +61,17 @@ inline Placement PlacementOf(const Pose& X) {
   return {X.p, X.q.toRotationMatrix()};
 }
 
-/// An object as contact sees it.  Objects with the same mesh share its shape.
+/// One of the bodies B that stand still to each other, as contact sees it.  Those with the same
+/// mesh share its shape, which has the frame S.
 struct ContactBody {
   std::shared_ptr<const ContactShape> shape;
-  Placement X_WB;
+  Placement X_BS;
   std::int32_t first_leaf = 0;  ///< in the forest
 };
 
-/// A tool as contact sees it, about its reference point: its shape enlarged by a radius [m], which
-/// is 0 except for a spherical tool, whose mesh is a single point.
-struct ToolBody : ContactShape {
+/// A body A that moves against them, as contact sees it, about its reference point: its shape
+/// enlarged by a radius [m], which is 0 except for a ball, whose mesh is a single point.
+struct MovingBody : ContactShape {
   using ContactShape::ContactShape;
 
   double radius = 0.0;
@@ -83,15 +84,16 @@ struct ToolBody : ContactShape {
 /// mesh.
 std::vector<ContactBody> MakeBodies(std::span<const PlacedTree> objects);
 
-/// Returns whether a point of W, which lies on no surface, is inside a body: the winding number of
-/// the body's mesh there exceeds one half, which also decides for an open mesh.  Not real-time.
-bool Hold(std::span<const ContactBody> bodies, const Vec3& p_W);
+/// Returns whether a point of frame B, which lies on no surface, is inside a body: the winding
+/// number of the body's mesh there exceeds one half, which also decides for an open mesh.  Not
+/// real-time.
+bool Hold(std::span<const ContactBody> bodies, const Vec3& p_B);
 
 /// Makes the body of a tool about its reference point: its mesh or, if the tool is a single ball,
 /// the centre with its radius.  Throws Error if any other tool has no mesh.
 /// `cutting`: of a bur or an edge; otherwise null.
-std::unique_ptr<const ToolBody> MakeToolBody(const TriangleMesh* mesh, const SphereTree& tree,
-                                             const Vec3& reference,
-                                             const Cutting* cutting = nullptr);
+std::unique_ptr<const MovingBody> MakeMovingBody(const TriangleMesh* mesh, const SphereTree& tree,
+                                                 const Vec3& reference,
+                                                 const Cutting* cutting = nullptr);
 
 }  // namespace palpate

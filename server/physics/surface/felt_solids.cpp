@@ -220,7 +220,7 @@ void FeltSolids::Commit(SeparationFront& front) noexcept {
         if (SolidOf(of).affected[static_cast<std::size_t>(of.block)] != followed_.turn)
           return false;
         outside.body = of.solid;
-        outside.object = of.node;
+        outside.b = of.node;
         return true;
       });
   for (Solid& solid : solids_) {
@@ -243,8 +243,8 @@ void FeltSolids::Commit(SeparationFront& front) noexcept {
 FeltSolids::Block FeltSolids::BlockOf(const SeparationFront::Pair& entry) const {
   if (!IsNothing(entry.body)) return Body(entry.body).of;
   const std::size_t solid = PlaceOf(entry.body) - bodies_.size();
-  return {first_solid_ + static_cast<std::int32_t>(solid), entry.object,
-          uncut_->boxes[solid].shape->tree.BlockOf(entry.object)};
+  return {first_solid_ + static_cast<std::int32_t>(solid), entry.b,
+          uncut_->boxes[solid].shape->tree.BlockOf(entry.b)};
 }
 
 FeltSolids::Taken FeltSolids::Take(const Block& block, const SeparationFront& front) noexcept {

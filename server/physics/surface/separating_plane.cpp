@@ -13,7 +13,7 @@ void PlaneSearches::Reset(double least) {
   running_ = 0;
 }
 
-int PlaneSearches::Begin(const PatchPair& pair, const ToolMotion& motion, const Vec3& guess) {
+int PlaneSearches::Begin(const PatchPair& pair, const ShapeMotion& motion, const Vec3& guess) {
   const int lane = std::countr_one(running_);
   running_ |= 1u << lane;
   pairs_[lane] = pair;
@@ -37,9 +37,9 @@ int PlaneSearches::Begin(const PatchPair& pair, const ToolMotion& motion, const 
       plane.n = {simplices_.n[0][i], simplices_.n[1][i], simplices_.n[2][i]};
     }
     ++plane.tries;
-    const Vec3 highest = pair.object.Lowest(-plane.n, kernels);
+    const Vec3 highest = pair.b.Lowest(-plane.n, kernels);
     const auto difference = [&](const Placement& at, double& gap) -> Vec3 {
-      const Vec3 d = at.R * pair.tool.Lowest(at.R.transpose() * plane.n, kernels) + at.p - highest;
+      const Vec3 d = at.R * pair.a.Lowest(at.R.transpose() * plane.n, kernels) + at.p - highest;
       gap = plane.n.dot(d) - pair.radius;
       return d;
     };
@@ -56,7 +56,7 @@ int PlaneSearches::Begin(const PatchPair& pair, const ToolMotion& motion, const 
   return std::exchange(running_, goes_on) & ~goes_on;
 }
 
-bool FindPlane(const PatchPair& pair, const ToolMotion& motion, const Vec3& guess, double least,
+bool FindPlane(const PatchPair& pair, const ShapeMotion& motion, const Vec3& guess, double least,
                const Kernels& kernels, SeparatingPlane& plane) noexcept {
   PlaneSearches searches;
   searches.Reset(least);

@@ -10,31 +10,32 @@
 
 namespace palpate {
 
-/// The pose of the graphic tool: its reference point in W, and its orientation.
-struct ToolPose : Placement {
+/// The pose X_BA of a body A in the frame of the bodies B that it meets: its reference point, and
+/// its orientation.
+struct RelativePose : Placement {
   Quat q;
-  ToolPose(const Vec3& position, const Quat& orientation)
+  RelativePose(const Vec3& position, const Quat& orientation)
       : Placement{position, orientation.toRotationMatrix()}, q(orientation) {}
   /// Returns the pose after the step [v; phi].
-  ToolPose Moved(const Vec3& v, const Vec3& phi) const {
+  RelativePose Moved(const Vec3& v, const Vec3& phi) const {
     return {p + v, (RotationExp(phi) * q).normalized()};
   }
 };
 
-/// Where the tool is before and after a motion, in frame B of an object.
-struct ToolMotion {
+/// Where A is before and after a motion, in the frame S of a body of B.
+struct ShapeMotion {
   Placement from, to;
 };
 
-/// A patch of the tool's mesh and one of an object's, in their frames.
+/// A patch of A's mesh and one of B's, in their frames.
 struct PatchPair {
-  HullTree::Hull tool, object;
-  double radius = 0.0;  ///< rounding of the tool [m]
+  HullTree::Hull a, b;
+  double radius = 0.0;  ///< rounding of A [m]
 };
 
 struct SeparatingPlane {
-  Vec3 n = Vec3::Zero();             ///< unit, from object to tool, in B
-  double before = 0.0, after = 0.0;  ///< how far the tool's hull lies above the object's [m]
+  Vec3 n = Vec3::Zero();             ///< unit, from B to A, in S
+  double before = 0.0, after = 0.0;  ///< how far A's hull lies above B's [m]
   int tries = 0;                     ///< number of directions that the search has tried
 };
 
@@ -55,7 +56,7 @@ class PlaneSearches {
   bool IsFull() const { return running_ == (1u << kAtOnce) - 1u; }
   /// Begins a search at the unit direction `guess`, in a lane in which none runs.  Returns the
   /// lane.  `motion` must outlive the search.
-  int Begin(const PatchPair& pair, const ToolMotion& motion, const Vec3& guess);
+  int Begin(const PatchPair& pair, const ShapeMotion& motion, const Vec3& guess);
   /// Tries a direction in each search.  Returns one bit for each lane whose search ends.
   std::uint32_t Try(const Kernels& kernels);
   /// Returns whether the search that ended in this lane has found its plane.
@@ -67,13 +68,13 @@ class PlaneSearches {
   double least_ = 0.0;
   std::uint32_t running_ = 0, found_ = 0;
   PatchPair pairs_[kAtOnce];
-  const ToolMotion* motions_[kAtOnce];
+  const ShapeMotion* motions_[kAtOnce];
   SeparatingPlane planes_[kAtOnce];
   Simplices simplices_;
 };
 
 /// Searches for one plane, starting from `guess`.
-bool FindPlane(const PatchPair& pair, const ToolMotion& motion, const Vec3& guess, double least,
+bool FindPlane(const PatchPair& pair, const ShapeMotion& motion, const Vec3& guess, double least,
                const Kernels& kernels, SeparatingPlane& plane) noexcept;
 
 }  // namespace palpate

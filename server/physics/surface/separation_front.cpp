@@ -24,10 +24,10 @@ void SeparationFront::Reserve() {
   expiry_.reserve(kMaxSlots / 8);
 }
 
-void SeparationFront::Restart(const ToolBody& tool, std::span<const ContactBody> bodies,
-                              const ToolPose& at, std::optional<HullTree::Node> for_solids) {
+void SeparationFront::Restart(const MovingBody& a, std::span<const ContactBody> b,
+                              const RelativePose& at, std::optional<HullTree::Node> for_solids) {
   Reserve();
-  roots_ = static_cast<Index>(bodies.size());
+  roots_ = static_cast<Index>(b.size());
   const std::size_t slots = RootSlots();
   pairs_.assign(slots, {0, 0, 0, -1, -1});
   planes_.assign(slots, PlaneRecord{});
@@ -41,21 +41,21 @@ void SeparationFront::Restart(const ToolBody& tool, std::span<const ContactBody>
   since_.fill(EpochMotion{});
   next_merged_ = 0;
   for (Index body = 0; body < roots_; ++body) {
-    const HullTree& tree = bodies[static_cast<std::size_t>(body)].shape->tree;
-    const auto of_tool = tree.IsOfBlocks() ? for_solids : tool.tree.root();
-    Put(body, tool.tree, {of_tool.value_or(tool.tree.root()), tree.root(), body, -1, -1});
-    Set(body, Vec3::UnitZ(), of_tool ? -1.0 : kNever);
+    const HullTree& tree = b[static_cast<std::size_t>(body)].shape->tree;
+    const auto of_a = tree.IsOfBlocks() ? for_solids : a.tree.root();
+    Put(body, a.tree, {of_a.value_or(a.tree.root()), tree.root(), body, -1, -1});
+    Set(body, Vec3::UnitZ(), of_a ? -1.0 : kNever);
   }
 }
 
-void SeparationFront::Put(Index i, const HullTree& tool, const Pair& pair) {
+void SeparationFront::Put(Index i, const HullTree& tree_a, const Pair& pair) {
   PlaneRecord& plane = planes_[static_cast<std::size_t>(i)];
-  for (int c = 0; c < 3; ++c) plane.centre[c] = tool.Centre(pair.tool)[c];
-  plane.radius = tool.Radius(pair.tool);
+  for (int c = 0; c < 3; ++c) plane.centre[c] = tree_a.Centre(pair.a)[c];
+  plane.radius = tree_a.Radius(pair.a);
   pairs_[static_cast<std::size_t>(i)] = pair;
 }
 
-double SeparationFront::Move(const ToolPose& at, double reach) {
+double SeparationFront::Move(const RelativePose& at, double reach) {
   const Epoch& before = now();
   const double angle = RotationLog(at.q * before.q.conjugate()).norm();
   const double turned = before.turned + angle;
@@ -96,8 +96,8 @@ void SeparationFront::Set(Index i, const Vec3& n, double slack) {
   ExpiryOf(i) = way_ + slack;
 }
 
-SeparationFront::Index SeparationFront::Split(Index i, const HullTree& tool, const HullTree& body,
-                                              const Vec3& n, double slack) {
+SeparationFront::Index SeparationFront::Split(Index i, const HullTree& tree_a,
+                                              const HullTree& tree_b, const Vec3& n, double slack) {
   Index child;
   if (!unused_.empty()) {
     child = unused_.back();
@@ -112,11 +112,11 @@ SeparationFront::Index SeparationFront::Split(Index i, const HullTree& tool, con
     if (8 * expiry_.size() < pairs_.size()) expiry_.push_back(kUnused);
   }
   Pair& whole = pairs_[static_cast<std::size_t>(i)];
-  const bool of_tool = tool.IsLarger(whole.tool, body, whole.object);
+  const bool of_a = tree_a.IsLarger(whole.a, tree_b, whole.b);
   for (int side = 0; side < 2; ++side) {
-    const HullTree::Node a = of_tool ? tool.inner(whole.tool).child[side] : whole.tool;
-    const HullTree::Node b = of_tool ? whole.object : body.inner(whole.object).child[side];
-    Put(child + side, tool, {a, b, whole.body, i, -1});
+    const HullTree::Node a = of_a ? tree_a.inner(whole.a).child[side] : whole.a;
+    const HullTree::Node b = of_a ? whole.b : tree_b.inner(whole.b).child[side];
+    Put(child + side, tree_a, {a, b, whole.body, i, -1});
     Set(child + side, n, slack);
   }
   whole.child = child;
@@ -142,7 +142,7 @@ void SeparationFront::Enter(Index i, std::int32_t body, std::optional<HullTree::
   Pair& pair = pairs_[static_cast<std::size_t>(i)];
   pair.body = body;
   if (root) {
-    pair.object = *root;
+    pair.b = *root;
   } else {
     Set(i, Normal(i), kNever);
   }
@@ -169,10 +169,10 @@ SeparationFront::Index SeparationFront::NextMergeable() {
   return -1;
 }
 
-bool SeparationFront::IsSound(const ToolBody& tool, std::span<const ContactBody> bodies) const {
+bool SeparationFront::IsSound(const MovingBody& a, std::span<const ContactBody> b) const {
   const std::size_t count = slots();
   if (count == 0) return true;  // it restarts
-  if (roots_ < 0 || static_cast<std::size_t>(roots_) != bodies.size() || count > kMaxSlots ||
+  if (roots_ < 0 || static_cast<std::size_t>(roots_) != b.size() || count > kMaxSlots ||
       count < RootSlots() || count % 2 != 0 || planes_.size() != count ||
       epoch_of_.size() != count || expiry_.size() != (count + 7) / 8 || gate_.size() != count / 2 ||
       next_merged_ < 0 || next_merged_ % 2 != 0 ||
@@ -189,10 +189,10 @@ bool SeparationFront::IsSound(const ToolBody& tool, std::span<const ContactBody>
     const Pair& at = pair(i);
     const PlaneRecord& plane = planes_[static_cast<std::size_t>(i)];
     seen[static_cast<std::size_t>(i)] = true;
-    if (at.parent != parent || at.body < 0 || at.body >= roots_ || !tool.tree.Has(at.tool) ||
-        !bodies[static_cast<std::size_t>(at.body)].shape->tree.Has(at.object) ||
+    if (at.parent != parent || at.body < 0 || at.body >= roots_ || !a.tree.Has(at.a) ||
+        !b[static_cast<std::size_t>(at.body)].shape->tree.Has(at.b) ||
         (parent < 0 ? at.body != i : at.body != pair(parent).body) || std::isnan(plane.slack) ||
-        plane.radius != tool.tree.Radius(at.tool)) {
+        plane.radius != a.tree.Radius(at.a)) {
       return false;
     }
     if (at.child >= 0) open.push_back(i);

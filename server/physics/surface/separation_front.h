@@ -15,15 +15,16 @@
 
 namespace palpate {
 
-/// Separating planes between a tool and bodies, kept from step to step: a cut through the tree of
-/// pairs of nodes.  README.md has the idea, and what slack, expiry and merges are.
-/// A value: a copy behaves alike.  Real-time: nothing allocates after Reserve.
+/// Separating planes between a body A and the bodies B, kept from step to step: a cut through the
+/// tree of pairs of nodes.  All in the frame of B, so it counts only how A moves against B.
+/// README.md has the idea, and what slack, expiry and merges are. A value: a copy behaves alike.
+/// Real-time: nothing allocates after Reserve.
 class SeparationFront {
  public:
   using Index = std::int32_t;
   /// A pair of nodes.
   struct Pair {
-    HullTree::Node tool, object;
+    HullTree::Node a, b;
     std::int32_t body;
     Index parent, child;  ///< child: the first of two; -1 if the pair is in the front
   };
@@ -48,13 +49,13 @@ class SeparationFront {
 
   /// Forgets everything; Restart must follow.
   void Clear() { pairs_.clear(); }
-  /// Starts again with the pair of roots of each body, for the tool at `at`, with no plane known.
-  /// `for_solids`: the part of the tool that meets bodies whose trees are of blocks.
-  void Restart(const ToolBody& tool, std::span<const ContactBody> bodies, const ToolPose& at,
+  /// Starts again with the pair of roots of each body of B, for A at `at`, with no plane known.
+  /// `for_solids`: the part of A that meets bodies whose trees are of blocks.
+  void Restart(const MovingBody& a, std::span<const ContactBody> b, const RelativePose& at,
                std::optional<HullTree::Node> for_solids = std::nullopt);
-  /// Moves the tool to `at`.  `reach`: distance of its farthest point from the reference point [m].
+  /// Moves A to `at`.  `reach`: distance of its farthest point from the reference point [m].
   /// Returns an upper bound on the way of that point [m].
-  double Move(const ToolPose& at, double reach);
+  double Move(const RelativePose& at, double reach);
 
   const Pair& pair(Index i) const { return pairs_[static_cast<std::size_t>(i)]; }
   /// The plane of a pair, with the slack that it had when last set or refreshed; if the slack is
@@ -65,7 +66,7 @@ class SeparationFront {
   /// For each slot, the way at which its plane may be used up; infinite for pairs that
   /// are open or unused.
   const double* expiry() const { return expiry_.empty() ? nullptr : expiry_[0].v; }
-  /// Way of the tool's farthest point so far [m], to compare with `expiry`.
+  /// Way of A's farthest point so far [m], to compare with `expiry`.
   double way() const { return way_; }
   const Epoch& now() const { return epochs_[epoch_ % kPlaneEpochs]; }
   /// Returns whether the pose at which a pair's slack was last known is still stored.  If not, the
@@ -81,8 +82,7 @@ class SeparationFront {
   void Set(Index i, const Vec3& n, double slack);
   /// Splits a pair of the front: its children take the given plane, at the current pose.  Returns
   /// the first child, or -1 if there is no room.
-  /// `body`: the tree of the pair's body.
-  Index Split(Index i, const HullTree& tool, const HullTree& body, const Vec3& n, double slack);
+  Index Split(Index i, const HullTree& tree_a, const HullTree& tree_b, const Vec3& n, double slack);
   /// Replaces the body of a pair that has reached a block's node by the block's own body,
   /// from `root` on; the pair keeps its plane.  If the block is empty (no root), the pair
   /// is separate for good.
@@ -106,7 +106,7 @@ class SeparationFront {
       if (!leaves(of, outside)) return;
       CloseBelow(i);
       pairs_[static_cast<std::size_t>(i)].body = outside.body;
-      pairs_[static_cast<std::size_t>(i)].object = outside.object;
+      pairs_[static_cast<std::size_t>(i)].b = outside.b;
       Set(i, Normal(i), -1.0);
     });
   }
@@ -155,7 +155,7 @@ class SeparationFront {
   }
   /// Returns whether the pairs are a forest of nodes that there are, with one root for each body,
   /// as every sequence of calls leaves them.  For a scene without solids.  Not real-time.
-  bool IsSound(const ToolBody& tool, std::span<const ContactBody> bodies) const;
+  bool IsSound(const MovingBody& a, std::span<const ContactBody> b) const;
 
  private:
   double& ExpiryOf(Index i) {
@@ -169,7 +169,7 @@ class SeparationFront {
         IsMergeable(i) ? plane(i).slack : std::numeric_limits<double>::infinity();
   }
   std::size_t RootSlots() const { return (static_cast<std::size_t>(roots_) + 1) & ~std::size_t{1}; }
-  void Put(Index i, const HullTree& tool, const Pair& pair);
+  void Put(Index i, const HullTree& tree_a, const Pair& pair);
   void CloseBelow(Index i);
 
   std::vector<Pair> pairs_;  ///< roots first, in the bodies' order; then siblings beside each

@@ -147,7 +147,7 @@ TEST(FlatPlate, ResistsABoxByCoulombsLaw) {
 // Rows within the foot are too many: the loads of a face have three freedoms.
 TEST(FlatPlate, HoldsEachCornerOfABoxWithFrictionByOneRow) {
   const Vec3 size(0.011, 0.008, 0.013);
-  const ToolBody tool{ContactMesh(MakeBox(size))};
+  const MovingBody tool{ContactMesh(MakeBox(size))};
   constexpr int kRows = 1024;
   test::Random random(7);
   for (const std::string_view tessellation : test::kTessellations) {
@@ -161,12 +161,12 @@ TEST(FlatPlate, HoldsEachCornerOfABoxWithFrictionByOneRow) {
       SeparationFront front;
       ContactRows rows(kRows, 0.03);
       const Quat q = RotationExp(random.Uniform(-3.0, 3.0) * Vec3::UnitY());
-      const ToolPose at(
+      const RelativePose at(
           Vec3(random.Uniform(-0.01, 0.01), 0.5 * size.y() + 1e-6, random.Uniform(-0.01, 0.01)), q);
       // First it stands on one corner: only there are the patches split.
       const Quat tips = RotationExp(q * Vec3(1e-4, 0.0, 1e-4)) * q;
       const double higher = 0.5e-4 * (size.x() + size.z()) - 0.6e-6;
-      for (const ToolPose& from : {ToolPose(at.p + higher * Vec3::UnitY(), tips), at}) {
+      for (const RelativePose& from : {RelativePose(at.p + higher * Vec3::UnitY(), tips), at}) {
         rows.Clear();
         BeginSubStep(contact, ActiveKernels(), front, from, {}, First::kAllCorners,
                      limits::mesh::kMaxLooks, rows);

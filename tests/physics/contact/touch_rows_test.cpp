@@ -40,7 +40,7 @@ Vec3 Extreme(const TriangleMesh& mesh, const Vec3& direction) {
 /// origin).
 void ExpectRowsLike(const TriangleMesh& tool_mesh, const TriangleMesh& object_mesh, double height,
                     const std::function<double(const Vec3& p, const Mat3& R)>& gap) {
-  const ToolBody tool{ContactMesh(tool_mesh)};
+  const MovingBody tool{ContactMesh(tool_mesh)};
   const ContactBody object{std::make_shared<const ContactShape>(ContactMesh(object_mesh)),
                            PlacementOf({})};
   constexpr int kRows = 64;
@@ -51,12 +51,12 @@ void ExpectRowsLike(const TriangleMesh& tool_mesh, const TriangleMesh& object_me
     SeparationFront front;
     ContactRows rows(kRows, 0.03);
     rows.Clear();
-    const ToolPose from(
+    const RelativePose from(
         Vec3(1e-4 * random.Uniform(-1.0, 1.0), 1e-4 * random.Uniform(-1.0, 1.0), height + 10e-6),
         RotationExp(0.1 * random.InCube(1.0)));
     // The same gap at every rotation of the tool.
     const double before = gap(from.p, from.R);
-    const ToolPose at(from.p + Vec3(0.0, 0.0, 10e-6 - before), from.q);
+    const RelativePose at(from.p + Vec3(0.0, 0.0, 10e-6 - before), from.q);
     ASSERT_NEAR(gap(at.p, at.R), 10e-6, 3e-6);
     const Vec3 phi = 6e-3 * random.InCube(1.0);
     Vec3 v = 1e-5 * random.InCube(1.0);

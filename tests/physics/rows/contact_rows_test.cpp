@@ -55,7 +55,7 @@ TEST(ContactRows, TakeABatchWhollyOrNotAtAll) {
   EXPECT_EQ(rows.count(), 30);
   EXPECT_TRUE(add(30, 2));
   rows.Finish();
-  for (int i = 0; i < 32; ++i) EXPECT_EQ(rows.id(i).object, i);
+  for (int i = 0; i < 32; ++i) EXPECT_EQ(rows.id(i).b, i);
   rows.Clear();
   EXPECT_TRUE(add(8, 32));
 }

@@ -176,7 +176,7 @@ TEST(Kernels, FindTheLowestPointAtEverySimdLevel) {
   }
 }
 
-// To the last bit those of ToolAndBodies::Gap, which computes one at a time.
+// To the last bit those of MeshPair::Gap, which computes one at a time.
 TEST(Kernels, FindTheGapsOfTrianglesAtEverySimdLevel) {
   const Kernels* level[3];
   const int levels = AvailableKernels(level);

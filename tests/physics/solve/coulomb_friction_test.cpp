@@ -600,7 +600,7 @@ TEST(Friction, MinimisesAsABruteForceSolverDoes) {
       for (int i = 0; i < qp.active; ++i) {
         const Vec3 n = rows.normal(qp.row[i]);
         const LeafSphere& leaf =
-            model.tool().leaves[static_cast<std::size_t>(rows.id(qp.row[i]).tool)];
+            model.tool().leaves[static_cast<std::size_t>(rows.id(qp.row[i]).a)];
         const Vec3 l =
             R_WG * Vec3(leaf.x, leaf.y, leaf.z) - (leaf.radius + rows.gap(qp.row[i])) * n;
         const Mat3 tangential = Mat3::Identity() - n * n.transpose();

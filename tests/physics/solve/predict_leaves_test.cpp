@@ -210,8 +210,8 @@ TEST(ContactPrediction, CoversAllStraightWaysToWhereASubStepMayEnd) {
                                    ends, rows, nullptr));
     std::vector<bool> has(tool.size() * object.size());
     for (int r = 0; r < rows.count(); ++r) {
-      has[static_cast<std::size_t>(rows.id(r).tool) * object.size() +
-          static_cast<std::size_t>(rows.id(r).object)] = true;
+      has[static_cast<std::size_t>(rows.id(r).a) * object.size() +
+          static_cast<std::size_t>(rows.id(r).b)] = true;
     }
     for (int k = 0; k < 20; ++k) {
       const Vec3 v = ends.v + random.InCube(1.0).normalized() * ends.bounds.translation;

@@ -93,7 +93,7 @@ TEST(ContactBody, SharesItsShapeWithBodiesOfTheSameMeshOnly) {
   EXPECT_NE(bodies[0].shape, bodies[1].shape);
   EXPECT_NE(bodies[0].shape, bodies[3].shape);
   EXPECT_EQ(bodies[0].shape->mesh.vertices().size(), 8u);
-  EXPECT_EQ(bodies[2].X_WB.p, moved.X_WB.p);
+  EXPECT_EQ(bodies[2].X_BS.p, moved.X_WB.p);
   EXPECT_EQ(bodies[2].first_leaf, static_cast<std::int32_t>(2 * box.tree.leaves()));
 }
 
@@ -107,18 +107,18 @@ TEST(ContactBody, NamesTheRemedyWhereAMeshIsMissing) {
   } catch (const std::exception& error) {
     EXPECT_NE(std::string(error.what()).find("spheres"), std::string::npos);
   }
-  EXPECT_THROW(MakeToolBody(nullptr, body.tree, Vec3::Zero()), std::exception);
+  EXPECT_THROW(MakeMovingBody(nullptr, body.tree, Vec3::Zero()), std::exception);
 }
 
 TEST(ContactBody, TakesAToolOfOneLeafForABall) {
   Body ball = MakeBody("ball", MakeSphere(0.005, 320), 64);
   ball.tree = SingleSphereTree(ball.mesh, {Vec3(0.001, 0.0, 0.0), 0.005});
-  const auto tool = MakeToolBody(nullptr, ball.tree, Vec3(0.001, 0.0, 0.0));
+  const auto tool = MakeMovingBody(nullptr, ball.tree, Vec3(0.001, 0.0, 0.0));
   EXPECT_EQ(tool->radius, 0.005);
   EXPECT_EQ(tool->mesh.triangles().size(), 1u);
   const Body box = MakeBody("box", MakeBox(Vec3::Constant(0.02)), 64);
   const Vec3 reference(0.003, 0.0, 0.0);
-  const auto other = MakeToolBody(&box.mesh, box.tree, reference);
+  const auto other = MakeMovingBody(&box.mesh, box.tree, reference);
   EXPECT_EQ(other->radius, 0.0);
   EXPECT_EQ(other->mesh.triangles().size(), 12u);
   EXPECT_NEAR(other->mesh.reach(), (Vec3::Constant(0.01) + reference).norm(), 1e-15);

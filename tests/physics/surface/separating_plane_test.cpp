@@ -30,7 +30,7 @@ HullTree TreeOf(const std::vector<Vec3>& corners) {
 
 /// Differences between the tool's corners, at both ends of a motion, and the object's.
 std::vector<Vec3> Differences(const std::vector<Vec3>& tool, const std::vector<Vec3>& object,
-                              const ToolMotion& motion) {
+                              const ShapeMotion& motion) {
   std::vector<Vec3> all;
   for (const Placement* at : {&motion.from, &motion.to}) {
     for (const Vec3& a : tool) {
@@ -75,7 +75,7 @@ double MostSeparation(const std::vector<Vec3>& points) {
 struct Case {
   std::vector<Vec3> tool, object;
   double radius = 0.0;
-  ToolPose from{Vec3::Zero(), Quat::Identity()}, to{Vec3::Zero(), Quat::Identity()};
+  RelativePose from{Vec3::Zero(), Quat::Identity()}, to{Vec3::Zero(), Quat::Identity()};
 };
 
 /// Patches of three to five corners, from flat to round, near or inside each other.
@@ -105,7 +105,7 @@ TEST(SeparatingPlane, IsFoundWhereThereIsOneAndOnlyThere) {
   int apart = 0, not_apart = 0;
   for (int trial = 0; trial < 600; ++trial) {
     const Case c = MakeCase(random, trial);
-    const ToolMotion motion{c.from, c.to};
+    const ShapeMotion motion{c.from, c.to};
     const HullTree tool = TreeOf(c.tool), object = TreeOf(c.object);
     const PatchPair pair{tool.HullOf(tool.root()), object.HullOf(object.root()), c.radius};
     const std::vector<Vec3> differences = Differences(c.tool, c.object, motion);
@@ -133,7 +133,7 @@ TEST(SeparatingPlane, IsFoundWhereThereIsOneAndOnlyThere) {
 TEST(SeparatingPlane, IsTheGuessWhereThatHolds) {
   const HullTree tool = TreeOf({Vec3(0, 0, 0.02), Vec3(0.01, 0, 0.02), Vec3(0, 0.01, 0.02)});
   const HullTree object = TreeOf({Vec3(0, 0, 0), Vec3(0.01, 0, 0), Vec3(0, 0.01, 0)});
-  const ToolPose at(Vec3::Zero(), Quat::Identity());
+  const RelativePose at(Vec3::Zero(), Quat::Identity());
   const Vec3 guess = Vec3(0.1, -0.1, 1.0).normalized();
   SeparatingPlane plane;
   ASSERT_TRUE(FindPlane({tool.HullOf(tool.root()), object.HullOf(object.root()), 0.0}, {at, at},
@@ -149,10 +149,12 @@ TEST(SeparatingPlane, TellsRoundPatchesApart) {
   Random random(82);
   for (int trial = 0; trial < 200; ++trial) {
     const Vec3 way = random.Direction();
-    const auto at = [&](double distance) { return ToolPose(distance * way, random.Rotation()); };
+    const auto at = [&](double distance) {
+      return RelativePose(distance * way, random.Rotation());
+    };
     SeparatingPlane plane;
     const PatchPair pair{tree.HullOf(tree.root()), tree.HullOf(tree.root()), 0.0};
-    const ToolPose away = at(0.0201), in = at(0.017);
+    const RelativePose away = at(0.0201), in = at(0.017);
     EXPECT_TRUE(FindPlane(pair, {away, away}, random.Direction(), 1e-6, ActiveKernels(), plane));
     EXPECT_FALSE(FindPlane(pair, {in, in}, random.Direction(), 1e-6, ActiveKernels(), plane));
     EXPECT_FALSE(FindPlane(pair, {away, in}, random.Direction(), 1e-6, ActiveKernels(), plane));
@@ -163,9 +165,9 @@ TEST(SeparatingPlane, TellsRoundPatchesApart) {
 // Searches begin in whatever lane is free, beside others that began before.
 TEST(SeparatingPlane, IsTheSameBesideOtherSearches) {
   Random random(83);
-  const ToolPose from(Vec3(0.0, 0.0, 0.004), random.Rotation());
-  const ToolPose to = from.Moved(random.InCube(0.001), random.InCube(0.05));
-  const ToolMotion motion{from, to};
+  const RelativePose from(Vec3(0.0, 0.0, 0.004), random.Rotation());
+  const RelativePose to = from.Moved(random.InCube(0.001), random.InCube(0.05));
+  const ShapeMotion motion{from, to};
   const double least = 1e-6;
   struct Search {
     HullTree tool, object;
@@ -213,7 +215,7 @@ TEST(SeparatingPlane, IsTheSameBesideOtherSearches) {
 // No direction to start from: both pieces are the same single point.
 TEST(SeparatingPlane, IsNoneBetweenPointsAtOnePlace) {
   const HullTree point = TreeOf({Vec3::Zero(), Vec3::Zero(), Vec3::Zero()});
-  const ToolPose at(Vec3::Zero(), Quat::Identity());
+  const RelativePose at(Vec3::Zero(), Quat::Identity());
   SeparatingPlane plane;
   EXPECT_FALSE(FindPlane({point.HullOf(point.root()), point.HullOf(point.root()), 0.0}, {at, at},
                          Vec3::UnitZ(), 1e-9, ActiveKernels(), plane));

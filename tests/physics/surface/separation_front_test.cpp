@@ -71,14 +71,14 @@ class FrontBench {
   /// The gap between the triangles below a pair, at the current pose.
   double Gap(const SeparationFront::Pair& pair, const Vec3& n) const {
     double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (const std::uint32_t t : TrianglesBelow(tool.tree, pair.tool)) {
+    for (const std::uint32_t t : TrianglesBelow(tool.tree, pair.a)) {
       for (int c = 0; c < 3; ++c)
         low = std::min(low, n.dot(pose.R * tool.mesh.Corner(t, c) + pose.p));
     }
     const ContactBody& object = Object(pair);
-    for (const std::uint32_t t : TrianglesBelow(object.shape->tree, pair.object)) {
+    for (const std::uint32_t t : TrianglesBelow(object.shape->tree, pair.b)) {
       for (int c = 0; c < 3; ++c) {
-        high = std::max(high, n.dot(object.X_WB * object.shape->mesh.Corner(t, c)));
+        high = std::max(high, n.dot(object.X_BS * object.shape->mesh.Corner(t, c)));
       }
     }
     return low - high;
@@ -109,7 +109,7 @@ class FrontBench {
   void SplitOne() {
     std::vector<Index> open = Front();
     std::erase_if(open, [&](Index i) {
-      return HullTree::IsLeaf(front.pair(i).tool) && HullTree::IsLeaf(front.pair(i).object);
+      return HullTree::IsLeaf(front.pair(i).a) && HullTree::IsLeaf(front.pair(i).b);
     });
     if (open.empty()) return;
     const Index i = Pick(open);
@@ -151,8 +151,8 @@ class FrontBench {
       of_front[static_cast<std::size_t>(i)] = true;
       const SeparationFront::Pair& pair = front.pair(i);
       const auto body = static_cast<std::size_t>(pair.body);
-      for (const std::uint32_t t : TrianglesBelow(tool.tree, pair.tool)) {
-        for (const std::uint32_t o : TrianglesBelow(objects[body].shape->tree, pair.object)) {
+      for (const std::uint32_t t : TrianglesBelow(tool.tree, pair.a)) {
+        for (const std::uint32_t o : TrianglesBelow(objects[body].shape->tree, pair.b)) {
           ++seen[(body * tools + t) * of_object + o];
         }
       }
@@ -181,9 +181,9 @@ class FrontBench {
 
   Random random;
   double size_;
-  ToolBody tool;
+  MovingBody tool;
   std::vector<ContactBody> objects;
-  ToolPose pose;
+  RelativePose pose;
   SeparationFront front;
 
  private:
@@ -276,9 +276,8 @@ TEST(SeparationFront, OpensTheLargerNodeOfAPair) {
   const Index child =
       bench.front.Split(0, bench.tool.tree, bench.objects[0].shape->tree, Vec3::UnitZ(), 0.1);
   for (Index side = 0; side < 2; ++side) {
-    EXPECT_EQ(bench.front.pair(child + side).tool, bench.tool.tree.root());
-    EXPECT_EQ(bench.front.pair(child + side).object,
-              bench.objects[0].shape->tree.inner(0).child[side]);
+    EXPECT_EQ(bench.front.pair(child + side).a, bench.tool.tree.root());
+    EXPECT_EQ(bench.front.pair(child + side).b, bench.objects[0].shape->tree.inner(0).child[side]);
   }
 }
 
@@ -318,16 +317,16 @@ TEST(SeparationFront, OffersEveryPairThatCanBeClosedOnceARound) {
 
 TEST(SeparationFront, HasRoomForTheMostPairsAndSaysSoWhereThereIsNoMore) {
   const TriangleMesh tool = MakeSphere(0.02, 320), object = MakeSphere(0.03, 1280);
-  const ToolBody a{ContactMesh(tool)};
+  const MovingBody a{ContactMesh(tool)};
   const ContactBody b{std::make_shared<const ContactShape>(ContactMesh(object)), PlacementOf({})};
   SeparationFront front;
   front.Reserve();
   const std::uint64_t before = test::AllocationsOfThisThread();
-  ToolPose at(Vec3(0.0, 0.0, 0.1), Quat::Identity());
+  RelativePose at(Vec3(0.0, 0.0, 0.1), Quat::Identity());
   front.Restart(a, {&b, 1}, at);
   Index next = 0, refused = -1;
   const auto is_pair_of_triangles = [&](Index i) {
-    return HullTree::IsLeaf(front.pair(i).tool) && HullTree::IsLeaf(front.pair(i).object);
+    return HullTree::IsLeaf(front.pair(i).a) && HullTree::IsLeaf(front.pair(i).b);
   };
   for (; refused < 0; ++next) {
     if (next == 1 || is_pair_of_triangles(next)) continue;
@@ -360,7 +359,7 @@ TEST(SeparationFront, GoesOnAlikeWhereItIsCopied) {
   }
   SeparationFront copy = bench.front;
   const Random random = bench.random;
-  const ToolPose pose = bench.pose;
+  const RelativePose pose = bench.pose;
   const auto go_on = [&] {
     for (int i = 0; i < 300; ++i) {
       if (i % 3 == 0) bench.MoveALittle(1e-3);
@@ -379,8 +378,8 @@ TEST(SeparationFront, GoesOnAlikeWhereItIsCopied) {
   EXPECT_EQ(std::memcmp(copy.expiry(), bench.front.expiry(), sizeof(double) * copy.slots()), 0);
   for (std::size_t i = 0; i < copy.slots(); ++i) {
     const auto &a = copy.pair(static_cast<Index>(i)), &b = bench.front.pair(static_cast<Index>(i));
-    ASSERT_EQ(a.tool, b.tool);
-    ASSERT_EQ(a.object, b.object);
+    ASSERT_EQ(a.a, b.a);
+    ASSERT_EQ(a.b, b.b);
     ASSERT_EQ(a.child, b.child);
     const auto index = static_cast<Index>(i);
     ASSERT_EQ(copy.plane(index).slack, bench.front.plane(index).slack);
