@@ -12,7 +12,7 @@ struct StepTuning {
   double widest_step = 0.5e-3;  ///< upper limit of the bound on |v| of one sub-step [m]
   int sub_steps = 12;           ///< at most, in a cycle
   int iterates = 16;            ///< at most, rounds of solve and check in a sub-step (meshes)
-  int looks = 3400;             ///< a cycle's budget for contact between meshes; about 130 ns each
+  int queries = 3400;           ///< a cycle's budget for contact between meshes; about 130 ns each
   int still_cycles = 20;        ///< cycles without slip after which friction is static again
 
   bool operator==(const StepTuning&) const = default;
@@ -62,9 +62,9 @@ void ForEachField(Tuning& tuning, Visit visit) {
   visit(Tunable{"iterates", "", 1.0, 1.0, 256.0,
                 "largest number of solve-and-check rounds in a sub-step"},
         tuning.iterates);
-  visit(Tunable{"looks", "", 1.0, 100.0, 50'000.0,
+  visit(Tunable{"queries", "", 1.0, 100.0, 50'000.0,
                 "budget of contact queries in a cycle, 130 ns each"},
-        tuning.looks);
+        tuning.queries);
   visit(Tunable{"still_cycles", "", 1.0, 0.0, 10'000.0,
                 "cycles without slip until friction is static"},
         tuning.still_cycles);

@@ -139,7 +139,7 @@ Verdict JudgeEffects(const Scene& scene) {
           [&](const Tell& tell) { judge(effect, box.center(), 0.5 * box.diagonal().norm(), tell); },
           patience_s);
       const std::size_t before = verdict.faults.size();
-      for (const std::string& line : end.told) {
+      for (const std::string& line : end.lines) {
         (line[0] == 'F' ? verdict.faults : verdict.limits).push_back(who + line.substr(1));
       }
       if (!end.finished) {

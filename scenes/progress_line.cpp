@@ -60,11 +60,11 @@ void ProgressLine::Clear() {
 
 void ProgressLog::operator()(std::string_view stage, double fraction) {
   const double now = clock_();
-  if (fraction < fraction_) told_ = now;
+  if (fraction < fraction_) reported_ = now;
   fraction_ = fraction;
   const std::string text = text_(stage, fraction);
-  if (now - told_ < kLogEvery_s) return;
-  told_ = now;
+  if (now - reported_ < kLogEvery_s) return;
+  reported_ = now;
   tell_(text);
 }
 

@@ -52,7 +52,7 @@ class ProgressLog {
   Tell tell_;
   SecondsClock clock_;
   ProgressText text_;
-  double told_ = 0.0;
+  double reported_ = 0.0;
   double fraction_ = 2.0;
 };
 

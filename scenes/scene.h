@@ -59,9 +59,9 @@ struct BodyGrid {
 
 /// The rotation of a bur.
 struct BurSpin {
-  double speed = 0.0;     ///< clockwise seen from its shank [rad/s]
-  double tooth_Hz = 0.0;  ///< teeth that pass per second
-  double hum = 0.0;       ///< share of the cutting force by which each tooth shakes the handle
+  double speed = 0.0;      ///< clockwise seen from its shank [rad/s]
+  double tooth_Hz = 0.0;   ///< teeth that pass per second
+  double vibration = 0.0;  ///< share of the cutting force by which each tooth shakes the handle
 };
 
 /// A cutting edge, as a scaler's: a profile in a tool of any shape that cuts when it is drawn

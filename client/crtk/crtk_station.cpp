@@ -207,8 +207,8 @@ void CrtkStation::OnCommand(const ros2::StringStamped& command, std::int64_t now
 
 void CrtkStation::TellState(std::int64_t now_ns) {
   const CrtkState state = CrtkStateOf(session_.phase, session_.muted, faults_);
-  if (state == told_ && told_ns_ != 0 && now_ns - told_ns_ < kTellAgain_ns) return;
-  told_ = state;
+  if (state == reported_ && told_ns_ != 0 && now_ns - told_ns_ < kTellAgain_ns) return;
+  reported_ = state;
   told_ns_ = now_ns;
   ros2::OperatingState message{};
   StampAt(message.header, WallClock_ns());

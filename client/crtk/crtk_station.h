@@ -172,7 +172,7 @@ class CrtkStation {
   wire::SessionState session_{};
   std::int64_t ended_ns_ = 0;  // 0: it has not ended
   std::string frame_;          // changes only while nobody reads the loop
-  CrtkState told_;
+  CrtkState reported_;
   std::int64_t told_ns_ = 0;
   wire::GuideTarget target_{};
   std::int64_t aimed_ns_ = 0;

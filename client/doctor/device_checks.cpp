@@ -44,9 +44,9 @@ Finding Probed(const char* device, const Probe& probe, const std::string& remedy
         }
       },
       kProbe_s);
-  if (!end.finished || end.told.empty()) return Fault(who + end.how, remedy);
-  const std::string said = end.told[0].substr(1);
-  return end.told[0][0] == '+' ? Ok(said) : Fault(said, remedy);
+  if (!end.finished || end.lines.empty()) return Fault(who + end.how, remedy);
+  const std::string said = end.lines[0].substr(1);
+  return end.lines[0][0] == '+' ? Ok(said) : Fault(said, remedy);
 }
 
 Finding CheckArm(const HostFiles& host, const Probe& probe) {

@@ -249,7 +249,7 @@ std::vector<Finding> TryDriver(const DeviceOptions& options, bool push, StopSign
       },
       kPatience_s, [&] { return stop.stopped(); });
   std::vector<Finding> findings;
-  for (const std::string& line : end.told) findings.push_back(FromLine(line));
+  for (const std::string& line : end.lines) findings.push_back(FromLine(line));
   if (end.finished || stop.stopped()) return findings;
   findings.push_back(Fault(options.name + ": " + end.how,
                            "correct that function; a crash ends a station, too, and the arm keeps "

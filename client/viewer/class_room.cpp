@@ -129,7 +129,7 @@ std::string ClassRoom::Do(const ClassCommand& command, const Tokens& others, con
         break;
       case ClassCommand::Op::kWithdraw:
         roster_.Withdraw(command.person);
-        told_.erase(command.person);
+        announced_.erase(command.person);
         break;
       case ClassCommand::Op::kLink:
         hand_out(roster_.Renew(command.person));
@@ -156,7 +156,7 @@ void ClassRoom::Delete(std::int64_t id, const Busy& busy) {
   if (busy(id)) {
     throw Error("a trial of " + Quoted(name) + " is running, or is being scored; end it first");
   }
-  told_.erase(id);
+  announced_.erase(id);
   try {
     DeletePerson(file_, folder_, id);
   } catch (const Error&) {
@@ -174,9 +174,9 @@ void ClassRoom::Say(std::int64_t id, const std::string& text) {
     // A line to all is meant for students.
     const bool is_meant = id == 0 ? person.role != Access::kOperate : person.id == id;
     if (!person.here() || !is_meant) continue;
-    Told& told = told_[person.id];
-    told.line = text;
-    ++told.lines;
+    Announced& announced = announced_[person.id];
+    announced.line = text;
+    ++announced.lines;
   }
 }
 
@@ -187,7 +187,7 @@ std::string ClassRoom::Begin(const std::string& scene, const Scenes& scenes, con
                 " has no seats; start palpate-server with --seats and their number");
   }
   if (scene != scene_) {
-    for (auto& [id, told] : told_) told.seat.clear();
+    for (auto& [id, announced] : announced_) announced.seat.clear();
   }
   scene_ = scene;
   if (scene.empty()) return "";
@@ -208,28 +208,28 @@ std::string ClassRoom::Begin(const std::string& scene, const Scenes& scenes, con
 void ClassRoom::Enter(std::int64_t id, const Scenes& scenes) {
   const Person* const person = roster_.Find(id);
   if (scene_.empty() || person == nullptr || person->role != Access::kDrive) return;
-  Told& told = told_[id];
-  if (!told.seat.empty()) return;
+  Announced& announced = announced_[id];
+  if (!announced.seat.empty()) return;
   for (const std::string& seat : SeatsOf(scene_, scenes)) {
-    const bool taken =
-        std::ranges::any_of(told_, [&](const auto& entry) { return entry.second.seat == seat; });
+    const bool taken = std::ranges::any_of(
+        announced_, [&](const auto& entry) { return entry.second.seat == seat; });
     if (taken) continue;
-    told.seat = seat;
+    announced.seat = seat;
     return;
   }
 }
 
 std::string ClassRoom::SeatOf(std::int64_t person) const {
-  const auto told = told_.find(person);
-  return told == told_.end() ? "" : told->second.seat;
+  const auto announced = announced_.find(person);
+  return announced == announced_.end() ? "" : announced->second.seat;
 }
 
 std::string ClassRoom::WhyNotAt(std::int64_t person, const std::string& scene) const {
   const std::string own = SeatOf(person);
   if (own == scene) return "";
   if (!own.empty()) return "your seat is '" + own + "'; take the tool there";
-  const bool is_others =
-      std::ranges::any_of(told_, [&](const auto& entry) { return entry.second.seat == scene; });
+  const bool is_others = std::ranges::any_of(
+      announced_, [&](const auto& entry) { return entry.second.seat == scene; });
   return is_others
              ? "'" + scene + "' is the seat of another person, and you have none; ask your teacher"
              : "";
@@ -262,8 +262,8 @@ std::string ClassRoom::PeopleJson(const Here& here,
 std::string ClassRoom::OwnJson(std::int64_t id) const {
   const Person* const person = roster_.Find(id);
   if (person == nullptr) return "{}";
-  const auto told = told_.find(id);
-  const Told own = told == told_.end() ? Told{} : told->second;
+  const auto announced = announced_.find(id);
+  const Announced own = announced == announced_.end() ? Announced{} : announced->second;
   return ToText(Json({{"person", id},
                       {"name", person->name},
                       {"role", RoleName(person->role)},

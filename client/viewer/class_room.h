@@ -91,7 +91,7 @@ class ClassRoom {
   std::string OwnJson(std::int64_t person) const;
 
  private:
-  struct Told {
+  struct Announced {
     std::string seat;
     std::string line;
     std::uint64_t lines = 0;
@@ -105,7 +105,7 @@ class ClassRoom {
   CourseFile file_;
   Roster roster_;
   std::string scene_;  // whose seats are assigned; empty: none are
-  std::map<std::int64_t, Told> told_;
+  std::map<std::int64_t, Announced> announced_;
 };
 
 }  // namespace palpate

@@ -34,14 +34,14 @@ WishLimits::Verdict WishLimits::Ask(Wish wish, std::uint64_t viewer, const std::
   }
   const auto index = static_cast<std::size_t>(wish);
   RateLimit& own = known->second.limits[index];
-  bool& told = known->second.told[index];
-  if (own.IsRested(now_ns)) told = false;
+  bool& reported = known->second.reported[index];
+  if (own.IsRested(now_ns)) reported = false;
   if (own.Pass(now_ns) &&
       addresses_.try_emplace({address, wish}, LimitOf(kWishes[index].limits.of_address))
           .first->second.Pass(now_ns)) {
     return {true, false};
   }
-  return {false, !std::exchange(told, true)};
+  return {false, !std::exchange(reported, true)};
 }
 
 const char* TooOften(Wish wish) {

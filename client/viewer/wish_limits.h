@@ -34,7 +34,7 @@ class WishLimits {
   static constexpr std::size_t kKinds = 5;
   struct Viewer {
     std::array<RateLimit, kKinds> limits;
-    std::array<bool, kKinds> told{};
+    std::array<bool, kKinds> reported{};
   };
   std::map<std::uint64_t, Viewer> viewers_;
   std::map<std::pair<std::string, Wish>, RateLimit> addresses_;

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::int64_t kFarewell_ns = 3'000'000'000;
 // The first character of each line to the parent.
-constexpr char kTold = '+', kCrashed = '!', kFinished = '.';
+constexpr char kLine = '+', kCrashed = '!', kFinished = '.';
 
 int to_parent = -1;
 
@@ -48,7 +48,7 @@ void OnCrash(int signal) {
     (void)!write(pipe, (line + "\n").data(), line.size() + 1);
   };
   try {
-    work([&](const std::string& line) { say(kTold + line); });
+    work([&](const std::string& line) { say(kLine + line); });
     say({kFinished});
   } catch (...) {  // not finished
   }
@@ -60,7 +60,7 @@ void OnCrash(int signal) {
 void Take(std::string& text, ForkedEnd& end, std::string& crashed_in) {
   for (std::size_t at; (at = text.find('\n')) != std::string::npos; text.erase(0, at + 1)) {
     const std::string line = text.substr(1, at - 1);
-    if (text[0] == kTold) end.told.push_back(line);
+    if (text[0] == kLine) end.lines.push_back(line);
     if (text[0] == kFinished) end.finished = true;
     if (text[0] == kCrashed) crashed_in = line.empty() ? "a thread of its own" : line;
   }

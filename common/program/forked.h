@@ -26,8 +26,8 @@ class ForeignCall {
 
 /// What became of work in a process of its own.
 struct ForkedEnd {
-  std::vector<std::string> told;  ///< lines that it had told by then
-  bool finished = false;          ///< the work returned
+  std::vector<std::string> lines;  ///< lines that it had told by then
+  bool finished = false;           ///< the work returned
   std::string how;  ///< if it did not: "palpate_device_read crashed (Segmentation fault)"
 };
 

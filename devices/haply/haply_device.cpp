@@ -89,7 +89,7 @@ DeviceNews HaplyDevice::Attend() {
   }
   told_grip_ = true;
   const Condition condition = condition_.load(std::memory_order_relaxed);
-  if (condition != told_) {
+  if (condition != reported_) {
     if (condition == Condition::kStalled) {
       AddLine(news.faults,
               "the Inverse Service does not answer in time: no force; end what loads the machine, "
@@ -101,7 +101,7 @@ DeviceNews HaplyDevice::Attend() {
     } else if (condition == Condition::kReady) {
       AddLine(news.notes, "the device is ready: forces come in by a ramp");
     }
-    told_ = condition;
+    reported_ = condition;
   }
   return news;
 }

@@ -47,7 +47,7 @@ class HaplyDevice final : public Device {
 
   std::atomic<Condition> condition_{Condition::kStalled};
   // Used by the main thread.
-  Condition told_ = Condition::kStalled;
+  Condition reported_ = Condition::kStalled;
   bool told_grip_ = false;
   haply::InverseClient client_;
 };

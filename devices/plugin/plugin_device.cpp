@@ -253,8 +253,8 @@ class PluginDevice::Arm {
     Trouble now = seen_;
     if (const char* in = hung_in_) now = {*in ? kHung : kHeldUp, in};
     DeviceNews news;
-    if (now.words != told_.words || now.symbol != told_.symbol) {
-      told_ = now;
+    if (now.words != reported_.words || now.symbol != reported_.symbol) {
+      reported_ = now;
       if (now.words == kReady) told_stop_ = false;
       AddLine(now.words == kReady ? news.notes : news.faults,
               file_ + ": " + now.symbol + now.words + now.said);
@@ -419,7 +419,7 @@ class PluginDevice::Arm {
   LatestMailbox<Trouble> troubles_;
   // Used by the main thread.
   Trouble seen_;
-  Trouble told_;
+  Trouble reported_;
   bool told_stop_ = false;
   struct Pace {
     std::int64_t time_ns = 0;

@@ -139,8 +139,8 @@ flatbuffers::Offset<wire::Bur> PackBur(const Body& body, flatbuffers::FlatBuffer
   const wire::Vec3 at = ToWire(place.at), along = ToWire(place.along), sense = ToWire(place.sense);
   return wire::CreateBurDirect(out, &curve, body.bur->rounding, body.bur->dead_tip,
                                body.bur->cutting, body.bur->spin.speed, body.bur->spin.tooth_Hz,
-                               body.bur->spin.hum, edge ? &at : nullptr, edge ? &along : nullptr,
-                               edge ? &sense : nullptr);
+                               body.bur->spin.vibration, edge ? &at : nullptr,
+                               edge ? &along : nullptr, edge ? &sense : nullptr);
 }
 
 auto PackEffects(const Scene& scene, flatbuffers::FlatBufferBuilder& out) {
@@ -414,11 +414,14 @@ void ReadBur(const wire::Bur* in, Body& out) {
   const auto* curve = in->curve();
   Require(curve != nullptr && curve->size() >= 2 && curve->size() % 2 == 0, "a bur is none");
   for (const double number :
-       {in->dead_tip(), in->cutting(), in->speed(), in->tooth_Hz(), in->hum()}) {
+       {in->dead_tip(), in->cutting(), in->speed(), in->tooth_Hz(), in->vibration()}) {
     Require(number >= 0.0 && std::isfinite(number), "a bur is none");
   }
-  out.bur = BurProfile{
-      {}, in->rounding(), in->dead_tip(), in->cutting(), {in->speed(), in->tooth_Hz(), in->hum()}};
+  out.bur = BurProfile{{},
+                       in->rounding(),
+                       in->dead_tip(),
+                       in->cutting(),
+                       {in->speed(), in->tooth_Hz(), in->vibration()}};
   for (unsigned i = 0; i < curve->size(); i += 2) {
     out.bur->curve.push_back({curve->Get(i), curve->Get(i + 1)});
   }
@@ -500,7 +503,7 @@ Scene ReadScene(const wire::Scene& in) {
   const std::string spring = SpringFault(in.stiffness(), in.torsional_stiffness());
   if (!spring.empty()) throw Error("coupling: " + spring);
   scene.tuning = {in.separation(), in.widest_step(), in.sub_steps(),
-                  in.iterates(),   in.looks(),       in.still_cycles()};
+                  in.iterates(),   in.queries(),     in.still_cycles()};
   if (const std::string fault = TuningFault(scene.tuning); !fault.empty()) throw Error(fault);
   scene.features = FromWire(*in.features());
   if (in.effects() != nullptr) {
@@ -618,7 +621,7 @@ std::vector<std::uint8_t> PackScene(const Scene& scene, std::uint64_t content_ke
                  out, name, geometries_at, tools, objects, scene.coupling.stiffness,
                  scene.coupling.torsional_stiffness, &features, sight ? &*sight : nullptr,
                  scene.tuning.separation, scene.tuning.widest_step, scene.tuning.sub_steps,
-                 scene.tuning.iterates, scene.tuning.looks, scene.tuning.still_cycles, effects),
+                 scene.tuning.iterates, scene.tuning.queries, scene.tuning.still_cycles, effects),
              wire::SceneIdentifier());
 
   Header header{};

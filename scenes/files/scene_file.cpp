@@ -26,9 +26,9 @@ enum class BodyKind { kTool, kObject };
 constexpr std::size_t kMaxMaterials = 256;  // of a body: Body::leaf_material holds bytes
 constexpr std::size_t kShapeTriangles = 5120;
 constexpr double kLongest = 1000.0;  // [m]: a greater length means a forgotten unit
-constexpr double kStrongestHum = 0.5;
-constexpr double kHighestHum = 400.0;      // [Hz]: below half of the 1,000 poses per second
-constexpr double kFastestBur = 500'000.0;  // [r/min]: the fastest air turbines turn at 450,000
+constexpr double kStrongestVibration = 0.5;
+constexpr double kHighestVibration = 400.0;  // [Hz]: below half of the 1,000 poses per second
+constexpr double kFastestBur = 500'000.0;    // [r/min]: the fastest air turbines turn at 450,000
 
 double ReadUnit(const JsonNode& node) {
   return MetresPerUnit(node.OneOf({kUnits.begin(), kUnits.end()}));
@@ -531,16 +531,17 @@ BurSpin ReadSpin(const JsonNode& tool) {
   double rpm = 0.0;
   if (auto speed = tool.Find("speed_rpm")) rpm = speed->Number(0.0, kFastestBur);
   spin.speed = 2.0 * M_PI / 60.0 * rpm;
-  const auto hum = tool.Find("hum");
-  if (!hum) return spin;
-  hum->AllowOnly({"teeth", "share"});
-  spin.hum = hum->At("share").Number(0.0, kStrongestHum);
-  const JsonNode teeth = hum->At("teeth");
+  const auto vibration = tool.Find("vibration");
+  if (!vibration) return spin;
+  vibration->AllowOnly({"teeth", "share"});
+  spin.vibration = vibration->At("share").Number(0.0, kStrongestVibration);
+  const JsonNode teeth = vibration->At("teeth");
   spin.tooth_Hz = static_cast<double>(teeth.Integer(1, 40)) * rpm / 60.0;
-  if (!(spin.tooth_Hz > 0.0 && spin.tooth_Hz <= kHighestHum)) {
-    teeth.Fail("pass " + std::to_string(std::lround(spin.tooth_Hz)) +
-               " times per second, but a hum must have 1 to 400 Hz; give another speed_rpm, or "
-               "drop the hum");
+  if (!(spin.tooth_Hz > 0.0 && spin.tooth_Hz <= kHighestVibration)) {
+    teeth.Fail(
+        "pass " + std::to_string(std::lround(spin.tooth_Hz)) +
+        " times per second, but a vibration must have 1 to 400 Hz; give another speed_rpm, or "
+        "drop the vibration");
   }
   return spin;
 }
@@ -564,8 +565,8 @@ BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& fo
     node.AllowOnly(
         {"name", "mesh", "leaves", "tree", pose_field, "look", "material", "regions", "grid_um"});
   } else {
-    node.AllowOnly(
-        {"name", "mesh", "bur", "speed_rpm", "hum", "edge", "leaves", "tree", pose_field, "look"});
+    node.AllowOnly({"name", "mesh", "bur", "speed_rpm", "vibration", "edge", "leaves", "tree",
+                    pose_field, "look"});
   }
   BodyDescription body;
   body.name = ReadName(node.At("name"));

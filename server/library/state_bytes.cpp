@@ -135,7 +135,7 @@ void ForEachMember(State& all, Visit& visit) {
   visit(state.behind.translation);
   visit(state.behind.rotation);
   visit(state.is_crowded);
-  visit(state.turn_G);
+  visit(state.rotation_G);
   SeparationFront::ForEachMember(state.front, [&](auto&& member) { visit(member); });
   auto& friction = state.friction;
   visit(friction.still);
@@ -198,7 +198,7 @@ bool IsSound(const HapticModel& model, const ProxyState& all) {
   return IsPose(state.X_WG) && IsPose(state.X_WH) && IsWithin(all.start_depth, 1e3) &&
          std::ranges::all_of(std::span<const ContactId>(state.active), is_known) &&
          std::ranges::all_of(used, is_known) && IsWithin(state.behind.translation, 1.0) &&
-         IsWithin(state.behind.rotation, 10.0) && state.turn_G.allFinite() &&
+         IsWithin(state.behind.rotation, 10.0) && state.rotation_G.allFinite() &&
          is_small(friction.still) && is_small(friction.resets) &&
          (model.tool_body() == nullptr ? state.front.empty()
                                        : state.front.IsSound(*model.tool_body(), model.bodies()));

@@ -18,7 +18,7 @@ namespace palpate {
 namespace {
 
 /// Up to this size no old entries are removed.
-constexpr std::size_t kMostTold = 1000;
+constexpr std::size_t kMostReported = 1000;
 constexpr std::uint32_t kUsualFaults = kFaultTargetFar | kFaultNotStarted;
 
 void PutField(std::string& line, const char* name, const std::string& value) {
@@ -96,17 +96,17 @@ void EventLog::Tell(const char* event, const std::string& station, const Fields&
                     std::int64_t now_ns) {
   Budget& budget = budgets_[event];
   if (budget.written == 0 || now_ns - budget.since_ns >= kApart_ns) budget = {now_ns, 0};
-  if (told_.size() > kMostTold) {
-    std::erase_if(told_, [&](const auto& entry) { return now_ns - entry.second >= kApart_ns; });
+  if (reported_.size() > kMostReported) {
+    std::erase_if(reported_, [&](const auto& entry) { return now_ns - entry.second >= kApart_ns; });
   }
-  const auto told = told_.find({event, station});
-  const bool is_apart = told == told_.end() || now_ns - told->second >= kApart_ns;
+  const auto reported = reported_.find({event, station});
+  const bool is_apart = reported == reported_.end() || now_ns - reported->second >= kApart_ns;
   if (!is_apart || budget.written >= kMostOfAKind) {
     ++left_out_;
     return;
   }
   ++budget.written;
-  told_[{event, station}] = now_ns;
+  reported_[{event, station}] = now_ns;
   Write(event, fields);
 }
 

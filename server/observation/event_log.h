@@ -58,7 +58,7 @@ class EventLog {
   };
   std::map<std::string, Session> sessions_;      // by station
   std::map<std::string, std::uint32_t> faults_;  // by station: faults of the second before
-  std::map<std::pair<std::string, std::string>, std::int64_t> told_;  // by event and station
+  std::map<std::pair<std::string, std::string>, std::int64_t> reported_;  // by event and station
   struct Budget {
     std::int64_t since_ns = 0;
     int written = 0;

@@ -16,8 +16,8 @@ bool IsUncut(const PlacedTree& object) {
   return !object.is_cut;
 }
 
-bool IsFeltByLeaves(const PlacedTree& object) {
-  return !object.is_cut && !IsFeltByMesh(object);
+bool TouchesByLeaves(const PlacedTree& object) {
+  return !object.is_cut && !TouchesByMesh(object);
 }
 
 }  // namespace
@@ -25,11 +25,11 @@ bool IsFeltByLeaves(const PlacedTree& object) {
 SceneObjects::SceneObjects(std::span<const PlacedTree> objects, ContactModel contact_model,
                            std::vector<CutSolid> cut_solids)
     : contact(contact_model),
-      forest(objects, contact == ContactModel::kSurface ? &IsFeltByLeaves : &IsUncut),
+      forest(objects, contact == ContactModel::kSurface ? &TouchesByLeaves : &IsUncut),
       solids(std::move(cut_solids)) {
   if (contact != ContactModel::kSurface) return;
   bodies = MakeBodies(objects);
-  if (!bodies.empty()) insides.emplace(objects, &IsFeltByMesh);
+  if (!bodies.empty()) insides.emplace(objects, &TouchesByMesh);
   for (const CutSolid& solid : solids) bodies.push_back(BlocksOf(solid));
   box_count = solids.size();
   uncut = UncutBodies(solids, boxes(), bodies.size() - box_count);
@@ -103,20 +103,20 @@ void HapticModel::SetCutting() {
   }
 }
 
-std::int32_t HapticModel::LeafOf(const ContactId& id, const FeltSolids& felt) const {
+std::int32_t HapticModel::LeafOf(const ContactId& id, const SolidBodies& blocks) const {
   if (id.IsOfLeaves()) return id.b;
   const auto body = static_cast<std::size_t>(id.body);
   if (body < bodies().size()) {
     const ContactBody& of = bodies()[body];
     return of.first_leaf + of.shape->leaf[static_cast<std::size_t>(id.b)];
   }
-  return objects().first_leaf[solids()[felt.SolidOf(id.body)].object];
+  return objects().first_leaf[solids()[blocks.SolidOf(id.body)].object];
 }
 
-const Material& HapticModel::MaterialOf(const ContactId& id, const FeltSolids& felt) const {
+const Material& HapticModel::MaterialOf(const ContactId& id, const SolidBodies& blocks) const {
   const bool of_solid = !id.IsOfLeaves() && id.body >= static_cast<std::int32_t>(bodies().size());
-  if (!of_solid) return objects().MaterialOf(LeafOf(id, felt));
-  return solids()[felt.SolidOf(id.body)].materials[felt.MaterialOf(id.body, id.b)];
+  if (!of_solid) return objects().MaterialOf(LeafOf(id, blocks));
+  return solids()[blocks.SolidOf(id.body)].materials[blocks.MaterialOf(id.body, id.b)];
 }
 
 }  // namespace palpate

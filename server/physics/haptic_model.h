@@ -13,13 +13,13 @@
 #include "server/physics/step_types.h"
 #include "server/physics/surface/block_bodies.h"
 #include "server/physics/surface/contact_bodies.h"
-#include "server/physics/surface/felt_solids.h"
+#include "server/physics/surface/solid_bodies.h"
 #include "server/physics/tree/sphere_tree_query.h"
 
 namespace palpate {
 
 /// The objects that the tools of a scene can touch: the leaves of all objects as one tree, and
-/// the meshes of those objects that are felt by their mesh.  Immutable; the models of all tools
+/// the meshes of those objects that are touched by their mesh.  Immutable; the models of all tools
 /// share it.
 struct SceneObjects {
   /// Throws Error if there is no object, if a tree is empty or not finite, or if
@@ -29,14 +29,15 @@ struct SceneObjects {
                         std::vector<CutSolid> cut_solids = {});
   SceneObjects(const SceneObjects&) = delete;  // `uncut` refers to the others
 
-  /// The boxes of the blocks of the solids that burs can cut (surface/felt_solids.h): the last of
+  /// The boxes of the blocks of the solids that burs can cut (surface/solid_bodies.h): the last of
   /// the bodies.
   std::span<const ContactBody> boxes() const { return std::span(bodies).last(box_count); }
 
   ContactModel contact;
-  /// The leaves of all objects.  Leaves of an object that is felt by its mesh touch nothing.
+  /// The leaves of all objects.  Leaves of an object that is touched by its mesh touch nothing.
   ObjectForest forest;
-  std::vector<ContactBody> bodies;  ///< the objects that are felt by their meshes, then the boxes
+  std::vector<ContactBody>
+      bodies;  ///< the objects that are touched by their meshes, then the boxes
   std::size_t box_count = 0;
   /// The leaves of the former objects only, which show fastest what lies deep inside
   /// (start_pose.h); empty if there are none.
@@ -61,7 +62,7 @@ class HapticModel {
   const StepParameters& parameters() const { return parameters_; }
   const ToolTree& tool() const { return *tool_; }
   const ObjectForest& objects() const { return objects_->forest; }
-  /// Null if nothing is felt by its mesh.
+  /// Null if nothing is touched by its mesh.
   const MovingBody* tool_body() const { return tool_body_.get(); }
   std::span<const ContactBody> bodies() const { return objects_->bodies; }
   std::span<const ContactBody> boxes() const { return objects_->boxes(); }
@@ -79,8 +80,8 @@ class HapticModel {
   std::span<const BurSample> bur_samples() const { return bur_samples_; }
   /// The material that a row touches, and a leaf of the forest at that contact (for a solid: the
   /// first leaf of its object).
-  const Material& MaterialOf(const ContactId& id, const FeltSolids& felt) const;
-  std::int32_t LeafOf(const ContactId& id, const FeltSolids& felt) const;
+  const Material& MaterialOf(const ContactId& id, const SolidBodies& blocks) const;
+  std::int32_t LeafOf(const ContactId& id, const SolidBodies& blocks) const;
   /// Returns whether the tool is a single sphere, which no contact can turn.
   bool is_ball() const { return tool_->leaves.size() == 1; }
   /// The point that the step and the wrench refer to, in the tool's frame [m]: the centroid.

@@ -68,9 +68,9 @@ bool Begin(const Pose& X_WH, StepContext& context) {
   state.cut.acts = cuts;
   if (context.buffers().meshes) {
     MeshPair& meshes = context.buffers().meshes->meshes;
-    meshes.felt = &state.felt;
+    meshes.solids = &state.solids;
     meshes.cuts = cuts;
-    if (!state.felt.empty()) state.felt.Begin(state.cut.fields, state.front);
+    if (!state.solids.empty()) state.solids.Begin(state.cut.fields, state.front);
   }
   return true;
 }
@@ -89,7 +89,7 @@ bool GoesOn(const StepContext& context) {
   if (context.cost.cut_queries + context.cost.last_cut_queries > limits::cutting::kMostQueries) {
     return false;
   }
-  if (parameters.looks - context.cost.looks < parameters.looks / 4) return false;
+  if (parameters.queries - context.cost.queries < parameters.queries / 4) return false;
   return context.report().diagnostics.substeps < parameters.sub_steps && !context.outcome.arrived &&
          context.cost.packet_pairs + context.cost.last <= limits::kMaxTested &&
          !context.IsUnsolved();
@@ -97,8 +97,8 @@ bool GoesOn(const StepContext& context) {
 
 /// Finds the rows between leaves that the sub-step must respect, both rigid and soft ones; and the
 /// pairs of triangles that it could bring together, with the rows of those that touched last.
-/// @param looks  of the sub-step, at most
-void Predict(StepContext& context, First first, std::int64_t looks) {
+/// @param queries  of the sub-step, at most
+void Predict(StepContext& context, First first, std::int64_t queries) {
   StepBuffers& buffers = context.buffers();
   Tools& tools = context.tools;
   SubStep& sub_step = context.sub_step;
@@ -114,7 +114,7 @@ void Predict(StepContext& context, First first, std::int64_t looks) {
     StageClock clock(context.times);
     BeginSubStep(*buffers.meshes, context.kernels, context.state().front,
                  {tools.p_G, context.model.is_ball() ? Quat::Identity() : tools.q_G},
-                 context.state().active, first, looks, buffers.rows);
+                 context.state().active, first, queries, buffers.rows);
     clock.Lap(&StageTimes::prediction);
   }
   context.report().diagnostics.predicted_pairs = buffers.rows.count();
@@ -144,8 +144,9 @@ Optimum SolveWithoutFriction(StepContext& context) {
 void ApplyFriction(StepContext& context, Optimum& optimum) {
   FrictionState& friction = context.friction;
   if (!context.HasFriction()) return;
-  // A look ahead adds rows and keeps the contacts, so the forces of the last look are nearest.
-  if (context.sub_step.looks_ahead > 0) {
+  // A prediction where the tool goes adds rows and keeps the contacts, so the last forces are
+  // nearest.
+  if (context.sub_step.predictions > 0) {
     friction.still = context.state().friction.still;
   } else if (context.sub_step.iterates > 1) {
     friction = context.state().friction;
@@ -175,65 +176,65 @@ void CountFriction(const Optimum& optimum, StepDiagnostics& diagnostics) {
 }
 
 /// Moves the tool, with what the state takes over; updates the front and the cut solids.
-void Move(StepContext& context, const Way& way) {
+void Move(StepContext& context, const Advance& advance) {
   StepBuffers& buffers = context.buffers();
   const bool meshes = buffers.meshes.has_value();
-  const bool is_held = way.optimum.IsHeld();
-  context.outcome.arrived = way.arrived;
+  const bool is_held = advance.optimum.IsHeld();
+  context.outcome.arrived = advance.arrived;
   context.state().active = context.sub_step.active;
   context.state().is_crowded = context.sub_step.is_crowded;
   if (context.HasFriction()) context.state().friction = context.friction;
-  CountFriction(way.optimum, context.report().diagnostics);
-  if (!is_held) context.state().turn_G.setZero();
+  CountFriction(advance.optimum, context.report().diagnostics);
+  if (!is_held) context.state().rotation_G.setZero();
   if (meshes) {
     EndSubStep(*buffers.meshes, context.report().diagnostics.substeps == 0);
-    context.cost.looks += buffers.meshes->looks.Spent();
+    context.cost.queries += buffers.meshes->queries.Spent();
   }
-  if (context.HasFriction() && way.optimum.qp.active == 0 && (way.arrived || !meshes)) {
+  if (context.HasFriction() && advance.optimum.qp.active == 0 && (advance.arrived || !meshes)) {
     context.state().friction.Forget();
   }
   if (buffers.energies && context.state().cut.acts) {
     context.cost.last_cut_queries = buffers.energies->Cut(
-        context.tools.p_G, context.tools.q_G, way.v, way.phi, context.state().cut.fields);
+        context.tools.p_G, context.tools.q_G, advance.v, advance.phi, context.state().cut.fields);
     context.cost.cut_queries += context.cost.last_cut_queries;
   }
   Tools& tools = context.tools;
-  if (way.arrived && !is_held) {
+  if (advance.arrived && !is_held) {
     tools.p_G = tools.p_H;
     tools.q_G = tools.q_H;
     return;
   }
   context.report().diagnostics.truncation =
       std::max(context.report().diagnostics.truncation,
-               0.5 * way.phi.squaredNorm() * context.model.tool().max_lever);
-  tools.p_G += way.v;
-  tools.q_G = (RotationExp(way.phi) * tools.q_G).normalized();
+               0.5 * advance.phi.squaredNorm() * context.model.tool().max_lever);
+  tools.p_G += advance.v;
+  tools.q_G = (RotationExp(advance.phi) * tools.q_G).normalized();
 }
 
 /// Reports the wrench of the spring at the optimum, and the contacts.
-void ReportFelt(StepContext& context, const Way& felt) {
+void ReportHeld(StepContext& context, const Advance& advance) {
   StepReport& report = context.report();
-  const Optimum& optimum = felt.optimum;
+  const Optimum& optimum = advance.optimum;
   if (optimum.qp.status == QpStatus::kRelaxed) report.faults |= kFaultJammed;
   context.outcome.held = optimum.IsHeld();
   report.wrench = context.outcome.held ? context.WrenchAfter(optimum.v, optimum.phi) : Wrench{};
-  ReportContacts(context, felt);
+  ReportContacts(context, advance);
 }
 
 /// Sets the bounds of the next sub-step, and those of the next cycle if this one does not arrive.
-/// @param part  of the last trial that was free
-void SetNextBounds(StepContext& context, double part) {
+/// @param fraction  of the last candidate that was free
+void SetNextBounds(StepContext& context, double fraction) {
   const StepParameters& parameters = context.model.parameters();
   const StepBounds bounds = context.sub_step.bounds;
   const auto& meshes = context.buffers().meshes;
-  const auto paid_by = [&](std::int64_t looks) {
-    return meshes ? static_cast<double>(looks) / static_cast<double>(meshes->looks.Spent())
+  const auto paid_by = [&](std::int64_t queries) {
+    return meshes ? static_cast<double>(queries) / static_cast<double>(meshes->queries.Spent())
                   : kInfinity;
   };
-  context.state().behind = NextBounds(parameters, bounds, part, paid_by(parameters.looks));
-  double by = paid_by(parameters.looks - context.cost.looks);
+  context.state().behind = NextBounds(parameters, bounds, fraction, paid_by(parameters.queries));
+  double by = paid_by(parameters.queries - context.cost.queries);
   if (context.sub_step.trust.shrunk) by = std::min(by, limits::mesh::kRegrow);
-  context.sub_step.bounds = NextBounds(parameters, bounds, part, by);
+  context.sub_step.bounds = NextBounds(parameters, bounds, fraction, by);
 }
 
 void ForgetForces(StepReport& report) {
@@ -253,10 +254,10 @@ void GiveUp(StepContext& context) {
   report.wrench = context.WrenchAfter(Vec3::Zero(), Vec3::Zero());
 }
 
-/// Reports what is felt between meshes if the tool has not arrived: what its contacts hold of the
-/// spring's pull where it is (solve/README.md, "The wrench of a tool that lags").
+/// Reports what is advance between meshes if the tool has not arrived: what its contacts hold of
+/// the spring's pull where it is (solve/README.md, "The wrench of a tool that lags").
 void Lag(StepContext& context) {
-  Predict(context, First::kTouching, context.model.parameters().looks / limits::mesh::kReserve);
+  Predict(context, First::kTouching, context.model.parameters().queries / limits::mesh::kReserve);
   // Material beyond where the tool may go next does not hold it yet.
   if (const auto& energies = context.buffers().energies) {
     BeginCutting(context, std::min(context.sub_step.bounds.translation, energies->bur_step()));
@@ -265,7 +266,7 @@ void Lag(StepContext& context) {
   AddRowsOfHidden(meshes, context.state().active, limits::mesh::kLagAhead, context.buffers().rows);
   const double reach = meshes.meshes.a.mesh.reach();
   double far = meshes.meshes.margins.touching;
-  Way stays;
+  Advance stays;
   for (int i = 0; i < context.model.parameters().iterates; ++i) {
     // The tool's place is free, even if its contacts ask for more separation than it has.  So the
     // wrench is never more than the spring's own.
@@ -273,13 +274,13 @@ void Lag(StepContext& context) {
     stays.optimum = SolveWithoutFriction(context);
     context.Require(stays.optimum);
     if (context.IsUnsolved()) return GiveUp(context);
-    if (meshes.looks.AreSpent()) break;  // no trial would find more
-    const double part = PartWithin({far, far / reach}, stays.optimum.v, stays.optimum.phi);
-    if (!CheckTrial(meshes, part * stays.optimum.v, part * stays.optimum.phi,
-                    context.buffers().rows)) {
+    if (meshes.queries.AreSpent()) break;  // no candidate would find more
+    const double fraction = FractionWithin({far, far / reach}, stays.optimum.v, stays.optimum.phi);
+    if (!CheckCandidate(meshes, fraction * stays.optimum.v, fraction * stays.optimum.phi,
+                        context.buffers().rows)) {
       continue;
     }
-    if (part == 1.0 || far == limits::mesh::kLagAhead) break;
+    if (fraction == 1.0 || far == limits::mesh::kLagAhead) break;
     far = limits::mesh::kLagAhead;
   }
   Remember(context, stays.optimum);
@@ -290,7 +291,7 @@ void Lag(StepContext& context) {
     if (context.IsUnsolved()) return GiveUp(context);
     CountFriction(stays.optimum, context.report().diagnostics);
   }
-  ReportFelt(context, stays);
+  ReportHeld(context, stays);
 }
 
 /// Computes the drag of the spin on a pushing bur, for the next step, smoothed so that a bur in a
@@ -308,13 +309,13 @@ void TakeDrag(StepContext& context) {
 
 /// Adds the vibration of the handle as teeth pass, as a share of the material's force on the bur.
 /// It is a triangle wave, because libm's sine differs between processors.  It moves nothing.
-void Hum(StepContext& context) {
+void Vibrate(StepContext& context) {
   const Cutting* cutting = context.model.cutting();
-  if (cutting == nullptr || cutting->spin.hum == 0.0 || !context.state().cut.acts) return;
+  if (cutting == nullptr || cutting->spin.vibration == 0.0 || !context.state().cut.acts) return;
   double& tooth = context.state().cut.tooth;
   tooth += cutting->spin.tooth_Hz * cutting->period;
   tooth -= std::floor(tooth);
-  const double shake = cutting->spin.hum * (4.0 * std::abs(tooth - 0.5) - 1.0);
+  const double shake = cutting->spin.vibration * (4.0 * std::abs(tooth - 0.5) - 1.0);
   context.report().wrench.force += shake * context.report().bur_force;
 }
 
@@ -353,9 +354,9 @@ void End(const Pose& X_WH, StepContext& context) {
     AddChapterFriction(context.model, X_before, state, report);
   }
   report.X_WG = state.X_WG;
-  if (!state.felt.empty()) state.felt.Follow(state.cut.fields, state.front);
+  if (!state.solids.empty()) state.solids.Follow(state.cut.fields, state.front);
   TakeDrag(context);
-  Hum(context);
+  Vibrate(context);
   AddEffects(context);
   // Whatever came in, only finite numbers go out.
   if (!IsFinite(report)) {
@@ -382,18 +383,18 @@ void End(const Pose& X_WH, StepContext& context) {
             context.HasFriction()             ? First::kAllCorners
             : report.diagnostics.substeps > 0 ? First::kContacts
                                               : First::kActive,
-            model.parameters().looks - context.cost.looks);
+            model.parameters().queries - context.cost.queries);
     StageClock clock(times);
     for (bool is_clear = false; !is_clear && !context.IsUnsolved();) {
-      Way way{Solve(context)};
+      Advance advance{Solve(context)};
       clock.Lap(&StageTimes::solve);
       if (context.IsUnsolved()) break;
-      is_clear = ClearWay(context, way);
+      is_clear = MakeAdvance(context, advance);
       clock.Lap(&StageTimes::rows);
       if (!is_clear || context.IsUnsolved()) continue;
-      Move(context, way);
-      if (!meshes || way.arrived) ReportFelt(context, way);
-      SetNextBounds(context, way.part);
+      Move(context, advance);
+      if (!meshes || advance.arrived) ReportHeld(context, advance);
+      SetNextBounds(context, advance.fraction);
     }
     if (context.IsUnsolved()) GiveUp(context);
     clock.Lap(&StageTimes::response);

@@ -53,19 +53,19 @@ inline constexpr int kNearerTargets = 4;
 /// Rows within the first bounds from which they are predicted where the tool goes instead
 /// (PredictLeaves): at least so many, some 10 us; and so many for each packet pair tested.  A row
 /// costs what a test does, so with 3 the rows have cost as much as three walks: the one that is
-/// lost and the two of a tool that meets something new.  Whoever pays what the other way costs
-/// before changing over pays at most twice the less of both (ski rental: Karlin, Manasse, Rudolph &
-/// Sleator, Algorithmica 3 (1988) 79-119).  With 2, two bodies of 22,000 leaves with 1,574 rows at
-/// 748 tests took 64 us in place of 47.
+/// lost and the two of a tool that meets something new.  Who changes over once
+/// the first way has cost what the second costs pays at most twice the lesser of both (ski rental:
+/// Karlin, Manasse, Rudolph & Sleator, Algorithmica 3 (1988) 79-119).  With 2, two bodies of 22,000
+/// leaves with 1,574 rows at 748 tests took 64 us in place of 47.
 inline constexpr int kCrowd = 1024, kCrowdATest = 3;
-/// Rows near where the tool goes below which the next cycle looks within the first bounds again.
+/// Rows near where the tool goes below which the next cycle predicts within the first bounds again.
 /// Taken.
 inline constexpr int kFew = 8;
 /// How far from where the tool is expected to end a sub-step may end, over the widest bounds: 10
 /// um, of 2, 5, 10 and 20 um the fastest; between two smooth bodies some 200 rows.
 inline constexpr double kReachAhead = 0.02;
 /// Predictions of a sub-step near where the tool goes.  Taken; one or two are usual.
-inline constexpr int kMostLooksAhead = 4;
+inline constexpr int kMostPredictions = 4;
 
 // --- Input, and the trees' rounding (tree/sphere_tree_query.cpp). ---
 
@@ -150,7 +150,7 @@ inline constexpr int kSteps = 24, kHalvings = 3;
 /// Penalty that only decides whether a contact presses and slips: about the inverse of how far a
 /// unit force moves one, or more, as others hold the tool too.  With 1, half as many again of a
 /// foot's problems need the stages as with 3; with 10, six times as many of the scene `friction`.
-inline constexpr double kTrial = 3.0;
+inline constexpr double kPenalty = 3.0;
 /// By how much a force may be off, over the size: some ten roundings of the stiffness times x.
 inline constexpr double kSolved = 1e-9;
 /// By how much a row may be violated, over the size, once the contacts hold their forces: twice
@@ -165,7 +165,7 @@ inline constexpr double kSlid = 1e-6;
 /// hold a tool.
 inline constexpr int kRounds = 6;
 /// FrictionModel::kChapter: squared sine of half its angle below which a rotation has no axis.
-inline constexpr double kLeastTurn = 1e-24;
+inline constexpr double kLeastRotation = 1e-24;
 }  // namespace friction
 
 /// Contact between meshes (contact/sub_step.h).
@@ -182,7 +182,7 @@ inline constexpr double kParallel = 0.02;
 /// A corner counts as touching if it is farther than the nearest points by no more than this ratio
 /// and by no more than the same share of delta.
 inline constexpr double kWitnessRatio = 1.02;
-/// A row is recomputed when its direction at the trial has turned by more than this [rad]: a
+/// A row is recomputed when its direction at the candidate has turned by more than this [rad]: a
 /// thousandth of the force.
 inline constexpr double kTurned = 1e-3;
 /// How far the direction of a row at rest may be off, as the force that it changes over k_t [m]: of
@@ -190,8 +190,8 @@ inline constexpr double kTurned = 1e-3;
 /// contact gives it.  With one threshold for both a peg that twists in its hole lagged a third more
 /// often.
 inline constexpr double kForceError = 1e-6, kReleaseError = 4e-6;
-/// A tool that lags feels what is within this way of it [m].  Taken; with a tenth or a fifth of it
-/// a tool on its way over a ledge felt nothing for a millisecond.
+/// A tool that lags is held by what is within this distance of it [m].  Taken; with a tenth or a
+/// fifth of it a tool that went over a ledge was held by nothing for a millisecond.
 inline constexpr double kLagAhead = 1e-4;
 /// Two planes are one if their normals differ by no more than this [rad]: a hundred-thousandth of
 /// the force.
@@ -208,9 +208,9 @@ struct Margins {
   double free = 0.5 * separation;
   /// Where a tool rests: the least distance of a contact there; else 0.
   double rest = 0.0;
-  /// kMaxTruncation between meshes.  Rows are exact where a trial ends, so the linearisation error
-  /// costs a trial and no more.  But the arc of a turning point leaves its chord by up to a quarter
-  /// of this, h/2, which even a pair of edges has in between (contact/certify.cpp).
+  /// kMaxTruncation between meshes.  Rows are exact where a candidate ends, so the linearisation
+  /// error costs a candidate and no more.  But the arc of a turning point leaves its chord by up to
+  /// a quarter of this, h/2, which even a pair of edges has in between (contact/certify.cpp).
   double truncation = 2.0 * free;
   /// How much a pair nearer than delta regains in a sub-step if that does not lift the tool against
   /// the spring: less than h, so that the resulting force cannot be felt.
@@ -235,53 +235,54 @@ inline constexpr std::size_t kFlatFaces = 8, kCornersOfFace = 256;
 /// Iterates of a sub-step (StepTuning); three are usual.  And directions in which a plane between
 /// two patches is searched; four are usual.  Taken.
 inline constexpr int kIterates = 16, kDirections = 16;
-/// Failed trials after which a sub-step begins again with its initial rows; how far the next trial
-/// may then go, as a part of the first one's way; and by how much the bounds may grow after that
-/// (Conn, Gould & Toint, Trust-Region Methods (2000), 6.1: a quarter, and twice).  Taken.
-inline constexpr int kTrustedTrials = 4;
+/// Failed candidates after which a sub-step begins again with its initial rows; how far the next
+/// candidate may then go, as a fraction of the first one; and by how much the bounds may grow after
+/// that (Conn, Gould & Toint, Trust-Region Methods (2000), 6.1: a quarter, and twice).  Taken.
+inline constexpr int kTrustedCandidates = 4;
 inline constexpr double kNarrow = 0.25, kRegrow = 2.0;
-/// Looks of a cycle (StepTuning), some 130 ns each: 450 us.  A look is one direction tried in the
-/// search for a plane, or the nearest points of two triangles.  A further sub-step begins only if a
-/// quarter of them is left.  Taken.
-inline constexpr int kMaxLooks = 3400;
-/// Part of a cycle's looks, one over this, that may be spent beyond them on shorter motions once
-/// there is none left.  Taken.
+/// Queries of a cycle (StepTuning), some 130 ns each: 450 us.  A query is one direction tried in
+/// the search for a plane, or the nearest points of two triangles.  A further sub-step begins only
+/// if a quarter of them is left.  Taken.
+inline constexpr int kMaxQueries = 3400;
+/// Fraction of a cycle's queries, one over this, that may be spent beyond them on shorter motions
+/// once there is none left.  Taken.
 inline constexpr int kReserve = 4;
-/// Looks that a pair whose plane does not hold costs (kDirections); and pairs that are refreshed,
-/// or found not to hold in a trial, in the time of one look, in which eight times as many are
-/// tested.
-inline constexpr int kLooksOfDoubt = 4, kRefreshesALook = 8;
+/// What a pair whose plane does not hold costs, in queries (kDirections at most).  And how many
+/// pairs can be refreshed, or found not to hold in a candidate, in the time of one query.
+inline constexpr int kQueriesOfDoubt = 4, kRefreshesAQuery = 8;
 /// Pairs that are refreshed or tried for a merge before the code checks whether to go on.  Taken.
 inline constexpr int kBatch = 32;
-/// Pairs without a plane in a trial after which the next trial begins: six rows hold a tool.  With
-/// four, looks fall by 6 %, but a ball of fine triangles on another came to rest 0.1 N off.
+/// Pairs without a plane in a candidate after which the next candidate begins: six rows hold a
+/// tool.  With four, queries fall by 6 %, but a ball of fine triangles on another came to rest 0.1
+/// N off.
 inline constexpr int kEnough = 6;
-/// A trial with at least one such pair also ends once no other has been found in this many looks.
-/// Most of them look at pairs that the next trial, which is shorter, does not reach: without this,
-/// a long cycle takes an eighth more.  It is about what the next trial costs besides its own looks
-/// at pairs (ski rental, as for kCrowdATest): the pairs that it refreshes or finds in doubt count
-/// as 11 looks, scans, QP and rows take the time of some 8 (two bunnies, 96,000 trials).
+/// A candidate with at least one such pair also ends once no other has been found in this many
+/// queries. Most of them are of pairs that the next candidate, which is shorter, does not reach:
+/// without this, a long cycle takes an eighth more.  It is about what the next candidate costs
+/// besides its own queries at pairs (ski rental, as for kCrowdATest): the pairs that it refreshes
+/// or finds in doubt count as 11 queries, scans, QP and rows take the time of some 8 (two bunnies,
+/// 96,000 candidates).
 inline constexpr int kPatience = 20;
 /// If the tool's farthest point is set farther than a cycle's sub-steps can take it [m], the front
 /// is rebuilt, since all of it would be looked at anyway.
 inline constexpr double kSetFar = kMaxSubsteps * kMaxTranslation;
-/// Blocks of solids (surface/felt_solids.h): the most bodies stored; the most triangles of one,
+/// Blocks of solids (surface/solid_bodies.h): the most bodies stored; the most triangles of one,
 /// including those round it (of a plane a block has 32, and 40 round it; of a surface that bends
 /// too much for eight cells to share a vertex, four times as many); and how many bodies are
 /// discarded at once when there is no room.  Taken.
 inline constexpr std::size_t kBlocks = 256, kMostOfBlock = 1024, kGivenUp = 32;
 /// Most blocks followed at once: what a bur of 1.4 mm changes in some milliseconds at 50 um.
 inline constexpr std::size_t kMostFollowed = 256;
-/// Cost of making a body, in looks: 0.09 ms.  So a cycle makes at most four.
-inline constexpr int kLooksOfBlock = 700;
-/// The most pairs that a sub-step with this many looks can reach: as many near ones as it
-/// refreshes, and two for each look that splits one; rounded up to the next power of two.
-constexpr std::size_t RoomForNear(int looks) {
-  return std::bit_ceil(static_cast<std::size_t>((kRefreshesALook + 2) * looks));
+/// Cost of making a body, in queries: 0.09 ms.  So a cycle makes at most four.
+inline constexpr int kQueriesOfBlock = 700;
+/// The most pairs that a sub-step with this many queries can reach: as many near ones as it
+/// refreshes, and two for each query that splits one; rounded up to the next power of two.
+constexpr std::size_t RoomForNear(int queries) {
+  return std::bit_ceil(static_cast<std::size_t>((kRefreshesAQuery + 2) * queries));
 }
 }  // namespace mesh
 
-/// How deep a tool must enter a leaf of an object that is felt by its mesh to count as starting
+/// How deep a tool must enter a leaf of an object that is touched by its mesh to count as starting
 /// inside [m]: more than leaves may stand out of the mesh.
 inline constexpr double kCoreDepth = 1e-4;
 

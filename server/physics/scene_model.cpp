@@ -13,7 +13,7 @@ namespace palpate {
 
 static_assert(StepTuning{} == StepTuning{limits::mesh::kSeparation, limits::kMaxTranslation,
                                          limits::kMaxSubsteps, limits::mesh::kIterates,
-                                         limits::mesh::kMaxLooks, limits::friction::kStillCycles},
+                                         limits::mesh::kMaxQueries, limits::friction::kStillCycles},
               "a scene that leaves its tuning out is stepped as the physics' pages say");
 
 namespace {

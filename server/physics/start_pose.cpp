@@ -46,7 +46,7 @@ bool IsFree(const HapticModel& model, const Pose& X_WT, std::span<const CutField
          !Hold(model.bodies(), at.p + at.R * model.tool_body()->mesh.vertices()[0]);
 }
 
-/// Returns the distance between two tried places on a way out [m].
+/// Returns the distance between two tried places on the path out [m].
 double StrideOf(const HapticModel& model) {
   double stride = limits::kStartStride * model.parameters().widest_step;
   for (const CutSolid& solid : model.solids()) {
@@ -55,11 +55,11 @@ double StrideOf(const HapticModel& model) {
   return stride;
 }
 
-/// Finds the direction and the length of the shortest of 26 ways out, along the directions of a
+/// Finds the direction and the length of the shortest of 26 paths out, along the directions of a
 /// cube's faces, edges and corners, to within a stride: moves outward along all of them together
 /// until one is free, which ends because every object does.
-std::pair<Vec3, double> FindWayOut(const HapticModel& model, const Pose& X_WH,
-                                   std::span<const CutField> cuts, StepWorkspace& workspace) {
+std::pair<Vec3, double> FindExit(const HapticModel& model, const Pose& X_WH,
+                                 std::span<const CutField> cuts, StepWorkspace& workspace) {
   const double stride = StrideOf(model);
   for (double s = stride;; s += stride) {
     for (int i = 0; i < 27; ++i) {
@@ -79,16 +79,16 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
   const DefaultRounding rounding;
   StepState state;
   if (!model.boxes().empty() && model.tool_body() != nullptr) {
-    state.felt = FeltSolids(model.uncut());
-    if (!cuts.empty()) state.felt.Begin(cuts, state.front);
-    workspace.buffers().meshes->meshes.felt = &state.felt;
+    state.solids = SolidBodies(model.uncut());
+    if (!cuts.empty()) state.solids.Begin(cuts, state.front);
+    workspace.buffers().meshes->meshes.solids = &state.solids;
     workspace.buffers().meshes->meshes.cuts = true;
   }
   Pose X_start{X_WH.p, X_WH.q.normalized()};
   if (!IsPose(X_start)) return {X_start, kInfinity};
   if (IsFree(model, X_start, cuts, workspace)) return {X_start, 0.0};
 
-  auto [way, shortest] = FindWayOut(model, X_start, cuts, workspace);
+  auto [outward, shortest] = FindExit(model, X_start, cuts, workspace);
   // Then the tool goes back as near as contact allows: the step itself walks there and cannot enter
   // an object.  A bur could enter, so it instead returns by halving the last stride.
   if (model.cuts()) {
@@ -96,7 +96,7 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
     while (shortest - near > limits::kSettled) {
       const double middle = 0.5 * (near + shortest);
       Pose X = X_start;
-      X.p += middle * way;
+      X.p += middle * outward;
       (IsFree(model, X, cuts, workspace) ? shortest : near) = middle;
     }
   }
@@ -106,7 +106,7 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
   }
   state.friction.suspended = true;
   state.X_WG = X_start;
-  state.X_WG.p += shortest * way;
+  state.X_WG.p += shortest * outward;
   for (int i = 0; !model.cuts() && i < limits::kLongestWalk; ++i) {
     const Vec3 before = state.X_WG.p;
     const StepReport report = HapticStep(model, X_start, state, workspace);

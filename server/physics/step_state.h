@@ -13,8 +13,8 @@
 #include "server/physics/limits.h"
 #include "server/physics/simd/kernels.h"
 #include "server/physics/step_types.h"
-#include "server/physics/surface/felt_solids.h"
 #include "server/physics/surface/separation_front.h"
+#include "server/physics/surface/solid_bodies.h"
 
 namespace palpate {
 
@@ -55,12 +55,12 @@ struct CuttingState {
   std::vector<CutField> fields;  ///< what has been removed from each solid
   bool spins = true;             ///< whether the bur spins; if not, it is a rigid tool
   /// Whether the tool cuts, in this step or the last: a bur while it spins, an edge while it is
-  /// drawn.  Its head is then felt by its samples, the rest of the tool by its mesh.
+  /// drawn.  Its head then touches by its samples, the rest of the tool by its mesh.
   bool acts = true;
   double drawn = 0.0;  ///< edge: how far the hand has drawn it in its sense, at most kDraw [m]
   /// Drag of the material on a spinning bur, smoothed over the last 20 ms, as [v; rho phi] [m].
   Vec6 drag = Vec6::Zero();
-  double tooth = 0.0;  ///< phase of the tooth frequency that is felt as a hum, 0 to 1
+  double tooth = 0.0;  ///< phase of the tooth frequency of the vibration, 0 to 1
 };
 
 /// The state that one step passes to the next: all memory of the physics.  A copy that is stepped
@@ -73,7 +73,7 @@ struct StepState {
   explicit StepState(const HapticModel& model) : effects(model.effects().Begin()) {
     if (model.tool_body() != nullptr) {
       front.Reserve();
-      if (!model.boxes().empty()) felt = FeltSolids(model.uncut());
+      if (!model.boxes().empty()) solids = SolidBodies(model.uncut());
     }
     cut.acts = model.cutting() == nullptr || !model.cutting()->sense;
     for (const CutSolid& solid : model.solids()) {
@@ -88,13 +88,14 @@ struct StepState {
   /// Between meshes: bounds of the next sub-step if the last cycle ended before the tool had
   /// arrived; else 0.
   StepBounds behind{0.0, 0.0};
-  /// Between leaves: whether so many were near that the next cycle looks only where the tool goes.
+  /// Between leaves: whether so many were near that the next cycle predicts only where the tool
+  /// goes.
   bool is_crowded = false;
   /// Rotation of the hand relative to the tool while something holds the tool, in the tool's
   /// frame (TargetFrom).
-  Vec3 turn_G = Vec3::Zero();
-  SeparationFront front;  ///< planes between the tool and objects that are felt by their meshes
-  FeltSolids felt;        ///< the solids that burs cut, as contact feels them
+  Vec3 rotation_G = Vec3::Zero();
+  SeparationFront front;  ///< planes between the tool and objects that are touched by their meshes
+  SolidBodies solids;     ///< the solids that burs cut, as contact feels them
   FrictionState friction;
   CuttingState cut;
   EffectState effects;  ///< without effect in a default-constructed state
@@ -104,10 +105,10 @@ struct StepState {
     active.count = 0;
     behind = {0.0, 0.0};
     is_crowded = false;
-    turn_G.setZero();
+    rotation_G.setZero();
     friction = FrictionState{};
     cut.drag.setZero();
-    felt.Forget();
+    solids.Forget();
   }
 };
 

@@ -22,7 +22,7 @@ struct PlacedTree {
   const TriangleMesh* mesh = nullptr;             ///< needed for ContactModel::kSurface only
   std::span<const std::uint8_t> leaf_material{};  ///< as in Body
   std::span<const Material> materials{};          ///< if empty, every leaf has Material{}
-  bool is_cut = false;                            ///< felt as a CutSolid
+  bool is_cut = false;                            ///< touched as a CutSolid
   bool for_balls = false;  ///< a spherical tool will touch it: keeps its smooth normals
 };
 

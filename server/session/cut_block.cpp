@@ -12,12 +12,12 @@ void CopyBlock(const SparseField& field, std::size_t block, CutBlock& copy) noex
   }
 }
 
-bool TakeChanged(std::span<CutField> cuts, CutBlock& told) noexcept {
+bool TakeChanged(std::span<CutField> cuts, CutBlock& published) noexcept {
   for (std::size_t i = 0; i < cuts.size(); ++i) {
     std::size_t block = 0;
     if (!cuts[i].TakeChanged(block)) continue;
-    told.solid = static_cast<std::uint32_t>(i);
-    CopyBlock(cuts[i].field(), block, told);
+    published.solid = static_cast<std::uint32_t>(i);
+    CopyBlock(cuts[i].field(), block, published);
     return true;
   }
   return false;

@@ -37,6 +37,6 @@ void CopyBlock(const SparseField& field, std::size_t block, CutBlock& copy) noex
 
 /// Takes the block that has waited longest to be told, from the first solid that has one; leaves
 /// its period unchanged.  Returns false if there is none.  Real-time.
-bool TakeChanged(std::span<CutField> cuts, CutBlock& told) noexcept;
+bool TakeChanged(std::span<CutField> cuts, CutBlock& published) noexcept;
 
 }  // namespace palpate

@@ -245,12 +245,12 @@ void ServoLoop::TellCuts(std::uint64_t pose_sequence) noexcept {
     if (held_from_ == 0) held_from_ = pose_sequence;
     return;
   }
-  CutBlock told;
-  for (int i = 0; i < kMostCutBlocks && TakeChanged(state_.cut.fields, told); ++i) {
-    told.period = period_;
-    told.pose_sequence = pose_sequence;
-    told.held_from = std::exchange(held_from_, 0);
-    cut_blocks_->Push(told);
+  CutBlock published;
+  for (int i = 0; i < kMostCutBlocks && TakeChanged(state_.cut.fields, published); ++i) {
+    published.period = period_;
+    published.pose_sequence = pose_sequence;
+    published.held_from = std::exchange(held_from_, 0);
+    cut_blocks_->Push(published);
   }
 }
 

@@ -50,13 +50,13 @@ void SolidChanges::Take(std::uint32_t solid, std::uint32_t block, std::int64_t n
 void SolidChanges::TellAgain(const wire::SolidBlock& block, std::int64_t now_ns) {
   const auto of = std::ranges::find_if(
       solids_, [&](const Solid& s) { return s.solid->object == block.object_index; });
-  of->told.erase(block.block);
+  of->published.erase(block.block);
   Wait({static_cast<std::size_t>(of - solids_.begin()), block.block}, now_ns);
 }
 
 void SolidChanges::MakeWhole() {
   for (Solid& solid : solids_) {
-    solid.told.clear();
+    solid.published.clear();
     solid.waiting.clear();
   }
   line_.clear();
@@ -79,10 +79,10 @@ bool SolidChanges::Tell(const Place& place, SolidBlockNews& news) {
                 news.surface);
   // If it has no surface, and had none, nothing need be published.
   const bool bare = surface_.triangles.empty() && (!cut || grid.field().entry(place.block) < 0);
-  if (bare && !at.told.contains(place.block)) return false;
+  if (bare && !at.published.contains(place.block)) return false;
   const std::uint64_t hash = BundleHash(news.surface) + (cut ? 1 : 0);
-  const auto [told, is_first] = at.told.try_emplace(place.block, hash);
-  if (!is_first && std::exchange(told->second, hash) == hash) return false;
+  const auto [published, is_first] = at.published.try_emplace(place.block, hash);
+  if (!is_first && std::exchange(published->second, hash) == hash) return false;
   wire::SolidBlock& sample = news.sample;
   sample.object_index = at.solid->object;
   sample.block = place.block;

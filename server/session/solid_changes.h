@@ -61,8 +61,8 @@ class SolidChanges {
   struct Solid {
     const CutSolid* solid;
     const CutField* cut;
-    std::map<std::uint32_t, Times> waiting{};       ///< by block
-    std::map<std::uint32_t, std::uint64_t> told{};  ///< by block: hash of what was published
+    std::map<std::uint32_t, Times> waiting{};            ///< by block
+    std::map<std::uint32_t, std::uint64_t> published{};  ///< by block: hash of what was published
   };
   struct Place {
     std::size_t solid;

@@ -53,7 +53,7 @@ TEST(HapticStep, RestsASphereOnASphereAsGeometrySays) {
   Bench bench(OneBall(r_tool), OneBall(r_object));
   EXPECT_TRUE(bench.model().is_ball());
   Random random(52);
-  for (int trial = 0; trial < 100; ++trial) {
+  for (int candidate = 0; candidate < 100; ++candidate) {
     const Vec3 n = random.Direction();
     bench.state() = {};
     bench.state().X_WG.p = (r_tool + r_object + 0.01) * n;

@@ -438,7 +438,7 @@ def tool(name: str, mesh: Any = None, **fields: Any) -> Dict[str, Any]:
     mesh    whatever body takes; a dict, {"shape": "bur", ...} or {"file": "tip.stl", "unit": "mm"}; or a dict
             {"arrays": ..., "unit": "mm", "curved": ...} of a mesh and further fields.  Files count from the working
             folder.  None: give bur="237/014"
-    fields  start (a pose in metres, or a dict), leaves, tree, look; for what cuts: bur, speed_rpm, hum, edge
+    fields  start (a pose in metres, or a dict), leaves, tree, look; for what cuts: bur, speed_rpm, vibration, edge
     """
 
 def object(name: str, mesh: Any, **fields: Any) -> Dict[str, Any]:

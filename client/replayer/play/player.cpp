@@ -138,8 +138,8 @@ class Player {
       if (wait == Wait::kOver) return false;
       if (wait == Wait::kElsewhere) continue;
       if (!more) return true;
-      told_up_to_ns_ = playhead_.passed_ns() - 1;
-      told_some_of_ns_ = playhead_.passed_ns();
+      published_up_to_ns_ = playhead_.passed_ns() - 1;
+      published_some_of_ns_ = playhead_.passed_ns();
       if (!Stays(sample.type)) {
         latest_[Timeline::SourceOf(sample)].assign(sample.cdr.begin(), sample.cdr.end());
       }
@@ -163,19 +163,19 @@ class Player {
   /// Returns false if the replay is stopped meanwhile.
   bool Go(std::int64_t time_ns, bool anew) {
     const Timeline::Moment wanted = timeline_.At(time_ns);
-    Timeline::Moment told;
-    if (anew || voice_.lacks() || !LeadsTo(timeline_.At(told_some_of_ns_), wanted)) {
+    Timeline::Moment published;
+    if (anew || voice_.lacks() || !LeadsTo(timeline_.At(published_some_of_ns_), wanted)) {
       voice_.BeginRound();
     } else {
-      told = timeline_.At(told_up_to_ns_);
+      published = timeline_.At(published_up_to_ns_);
     }
     clock_.Begin(time_ns, SteadyNanoseconds());
-    const std::vector<const Timeline::State*> rest = RestOf(wanted, told);
+    const std::vector<const Timeline::State*> rest = RestOf(wanted, published);
     for (std::size_t i = 0; i < rest.size(); ++i) {
       TellIfDue({.sought = static_cast<double>(i) / static_cast<double>(rest.size())});
       if (!Say(rest[i]->type, rest[i]->cdr)) return false;
     }
-    told_up_to_ns_ = told_some_of_ns_ = time_ns;
+    published_up_to_ns_ = published_some_of_ns_ = time_ns;
     latest_ = playhead_.GoTo(time_ns);
     std::erase_if(latest_, [&](const auto& entry) {
       const std::string& station = entry.first.second;
@@ -370,7 +370,7 @@ class Player {
   Keyboard keyboard_;
   std::optional<std::int64_t> sought_ns_;  // target of the present seek
   // Viewers have received everything up to the first, and perhaps part of the second.
-  std::int64_t told_up_to_ns_ = 0, told_some_of_ns_ = 0;
+  std::int64_t published_up_to_ns_ = 0, published_some_of_ns_ = 0;
   std::int64_t shared_ns_ = 0, shown_ns_ = 0, repeated_ns_ = 0;
   Playhead::Streams latest_;  // the last samples of streams shown to viewers
   bool step_ = false;

@@ -22,7 +22,7 @@ constexpr std::int64_t kFaultApart_ns = 1'000'000'000;
 /// Faults that get no mark: a hand quicker than the tool, and a tool that waits.
 constexpr std::uint32_t kUsualFaults = kFaultTargetFar | kFaultNotStarted;
 /// The recorder receives the state from before its start within this time.
-constexpr std::int64_t kTold_ns = 200'000'000;
+constexpr std::int64_t kOpening_ns = 200'000'000;
 /// Least spacing of starts: in a file without chunks each message is a place, and a few suffice.
 constexpr std::int64_t kStartsApart_ns = 50'000'000;
 
@@ -171,7 +171,7 @@ void Timeline::AddWhole(const RecordedSample& sample) {
   wire::SceneWhole whole{};
   if (!sample.To(whole)) return;
   const bool is_news = Keep(sample, whole.server_run, whole.scene, whole.last_change);
-  if (is_news && last_ns_ - first_ns_ > kTold_ns && whole.refusal[0] == '\0') {
+  if (is_news && last_ns_ - first_ns_ > kOpening_ns && whole.refusal[0] == '\0') {
     AddMark(
         palpate_REPLAY_WHOLE,
         whole.scene + std::string(whole.wish == palpate_WHOLE_BOOKMARK ? " is bookmarked"
@@ -190,7 +190,7 @@ void Timeline::AddBundle(const RecordedSample& sample) {
                     "the recording's scene " + Quoted(bundle.scene));
   }
   const bool is_first = !last_.contains({sample.type, bundle.scene, 0});
-  if (is_first && last_ns_ - first_ns_ <= kTold_ns) opening_ns_ = last_ns_;
+  if (is_first && last_ns_ - first_ns_ <= kOpening_ns) opening_ns_ = last_ns_;
   Keep(sample, bundle.server_run, bundle.scene, 0);
 }
 
@@ -316,9 +316,9 @@ Timeline::Start Timeline::StartFor(std::int64_t time_ns) const {
   return after == starts_.begin() ? starts_.front() : *std::prev(after);
 }
 
-bool LeadsTo(const Timeline::Moment& told, const Timeline::Moment& wanted) {
-  if (told.server_run != wanted.server_run) return false;
-  return std::ranges::all_of(told.holds, [&](const auto& entry) {
+bool LeadsTo(const Timeline::Moment& published, const Timeline::Moment& wanted) {
+  if (published.server_run != wanted.server_run) return false;
+  return std::ranges::all_of(published.holds, [&](const auto& entry) {
     const Timeline::State& held = *entry.second;
     const Timeline::State* const whole = wanted.WholeOf(held.name);
     const std::uint64_t undone = whole == nullptr ? 0 : whole->number;
@@ -333,11 +333,11 @@ bool LeadsTo(const Timeline::Moment& told, const Timeline::Moment& wanted) {
 }
 
 std::vector<const Timeline::State*> RestOf(const Timeline::Moment& wanted,
-                                           const Timeline::Moment& told) {
+                                           const Timeline::Moment& published) {
   std::vector<const Timeline::State*> rest;
   for (const auto& [key, state] : wanted.holds) {
-    const auto found = told.holds.find(key);
-    if (found == told.holds.end() || found->second != state) rest.push_back(state);
+    const auto found = published.holds.find(key);
+    if (found == published.holds.end() || found->second != state) rest.push_back(state);
   }
   // Pointers into one vector, so sorting gives the recording's order.
   std::ranges::sort(rest);

@@ -152,10 +152,10 @@ class Timeline {
 /// Returns true if viewers in the state `told` can be brought to `wanted` by further samples alone.
 /// If not, they have to forget first, as when another server's run begins, since nothing else
 /// restores cut material or removes what did not exist yet.
-bool LeadsTo(const Timeline::Moment& told, const Timeline::Moment& wanted);
+bool LeadsTo(const Timeline::Moment& published, const Timeline::Moment& wanted);
 
 /// Returns the states of `wanted` that are not in `told`, in the recording's order.
 std::vector<const Timeline::State*> RestOf(const Timeline::Moment& wanted,
-                                           const Timeline::Moment& told);
+                                           const Timeline::Moment& published);
 
 }  // namespace palpate

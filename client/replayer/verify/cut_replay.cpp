@@ -114,7 +114,7 @@ void CutSide::Give(std::uint64_t pose_sequence, ServoLoop& loop) {
 
 void CutSide::Take(ServoLoop& loop) {
   for (CutBlock block; loop.TakeCut(block);) {
-    if (facts_.session != 0) told_.push_back(block);
+    if (facts_.session != 0) published_.push_back(block);
   }
   for (CutMerge merge; loop.TakeMerge(merge);) {
   }
@@ -145,17 +145,18 @@ bool CutReplay::Take(const wire::CutEvent& event) {
     if (event.count > 0) Lose("the session of another station that cut there is not recorded");
     return true;
   }
-  std::deque<CutBlock>& told = session->side().told_;
-  const bool is_there = event.other <= told.size() && event.count <= told.size() - event.other;
+  std::deque<CutBlock>& published = session->side().published_;
+  const bool is_there =
+      event.other <= published.size() && event.count <= published.size() - event.other;
   if (!is_there) {
     if (!session->is_done()) return false;
     Lose(NotComputed(session->station()));
     return true;
   }
-  told.erase(told.begin(), told.begin() + static_cast<std::ptrdiff_t>(event.other));
+  published.erase(published.begin(), published.begin() + static_cast<std::ptrdiff_t>(event.other));
   for (std::uint32_t i = 0; i < event.count; ++i) {
-    union_->Take(event.session, told.front());
-    told.pop_front();
+    union_->Take(event.session, published.front());
+    published.pop_front();
   }
   return true;
 }

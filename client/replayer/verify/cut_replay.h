@@ -67,7 +67,7 @@ class CutSide {
   friend class CutReplay;
   const CutFacts& facts_;
   bool begun_ = false;
-  std::deque<CutBlock> told_, given_;
+  std::deque<CutBlock> published_, given_;
   std::uint64_t lost_ = 0;  // blocks up to this number will not come
   std::string why_;
 };

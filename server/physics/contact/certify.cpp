@@ -16,9 +16,9 @@ namespace {
 using namespace limits::mesh;
 using Index = NearPairs::Index;
 
-/// Packs a near pair whose plane does not hold at a trial, and the gap that is left along it, into
-/// one number that sorts like the gap.  The index replaces the last bits of the gap: `room` is a
-/// power of two above every index.
+/// Packs a near pair whose plane does not hold at a candidate, and the gap that is left along it,
+/// into one number that sorts like the gap.  The index replaces the last bits of the gap: `room` is
+/// a power of two above every index.
 std::int64_t DoubtOf(double gap, Index near, std::int64_t room) {
   auto bits = std::bit_cast<std::int64_t>(gap);
   bits ^= (bits >> 63) & std::numeric_limits<std::int64_t>::max();  // so that integers
@@ -53,8 +53,8 @@ std::int64_t PopLeast(std::vector<std::int64_t>& heap) {
   return least;
 }
 
-/// Returns whether one of some planes separates a pair throughout the trial by enough (`proves`, of
-/// the gaps before and after); if so, sets the first such one as the pair's plane.
+/// Returns whether one of some planes separates a pair throughout the candidate by enough
+/// (`proves`, of the gaps before and after); if so, sets the first such one as the pair's plane.
 template <class Proves>
 bool Hold(MeshContact& contact, Index k, TriedPlanes& planes, Proves proves) {
   return planes.Find([&](int i) {
@@ -109,8 +109,8 @@ bool Hold(MeshContact& contact, Index k, TriedPlanes& planes, Proves proves) {
   return try_all();
 }
 
-/// Returns whether two triangles, apart throughout a trial, may be as they are at its end if the
-/// tool rests there.  A plane of a neighbour proves less than a contact keeps.
+/// Returns whether two triangles, apart throughout a candidate, may be as they are at its end if
+/// the tool rests there.  A plane of a neighbour proves less than a contact keeps.
 bool MayRestApart(MeshContact& contact, Index k) {
   const MeshPair& meshes = contact.meshes;
   const Touch& touch = contact.TouchOf(k);
@@ -121,7 +121,7 @@ bool MayRestApart(MeshContact& contact, Index k) {
          !InCone(meshes, touch.nodes, nearest, DirectionAt(meshes, touch.nodes, nearest, at), at);
 }
 
-/// Returns the trial's motion in the frame of a body.
+/// Returns the candidate's motion in the frame of a body.
 const ShapeMotion& MotionIn(MeshContact& contact, const NodesOfPair& nodes) {
   auto& in_body = contact.scratch.in_body[static_cast<std::size_t>(nodes.placed)];
   if (in_body.certified != contact.scratch.certified) {
@@ -142,9 +142,9 @@ void BeginSearch(MeshContact& contact, Index k) {
   contact.scratch.searched[lane] = k;
 }
 
-/// Returns whether two triangles are separate at the trial, by any plane beside the front's; a ball
-/// has searched for one before, if its touch has none.  If not, they are listed as open.
-bool LookAtTriangles(MeshContact& contact, Index k, Until until) {
+/// Returns whether two triangles are separate at the candidate, by any plane beside the front's; a
+/// ball has searched for one before, if its touch has none.  If not, they are listed as open.
+bool ExamineTriangles(MeshContact& contact, Index k, Until until) {
   const NearPairs::Pair& pair = contact.near[k];
   const double free = contact.meshes.margins.free;
   const bool has_plane = pair.touch >= 0 && contact.TouchOf(k).plane.of != ContactPlane::Of::kNone;
@@ -162,7 +162,7 @@ bool LookAtTriangles(MeshContact& contact, Index k, Until until) {
     }
   }
   if (pair.touch < 0 && !contact.HasRoomForTouch()) return false;
-  ++contact.looks.tested;
+  ++contact.queries.tested;
   if (TrianglesApart(contact, k) && MayRestApart(contact, k)) return true;
   if (!contact.motion.moves || until == Until::kFirst) return false;
   Touch& touch = contact.TouchOf(k);
@@ -170,36 +170,36 @@ bool LookAtTriangles(MeshContact& contact, Index k, Until until) {
     touch.plane = ChoosePlane(contact.meshes, touch, contact.motion);
   }
   contact.open.push_back(k);
-  contact.scratch.opened_at = contact.looks.tested;
+  contact.scratch.opened_at = contact.queries.tested;
   return false;
 }
 
-/// A pair whose plane does not hold at the trial.  Returns false if it is not separate; its search
-/// may only begin here.
+/// A pair whose plane does not hold at the candidate.  Returns false if it is not separate; its
+/// search may only begin here.
 bool Examine(MeshContact& contact, Index k, Until until) {
   NearPairs::Pair& pair = contact.near[k];
-  pair.looked_at = contact.trial;
+  pair.examined_in = contact.candidate;
   // A ball's row follows the smooth surface and not the pair's plane, so any plane will do.
   const bool any_plane = contact.meshes.IsBall() &&
                          (pair.touch < 0 || contact.TouchOf(k).plane.of == ContactPlane::Of::kNone);
-  if (pair.nodes.AreTriangles() && !any_plane) return LookAtTriangles(contact, k, until);
+  if (pair.nodes.AreTriangles() && !any_plane) return ExamineTriangles(contact, k, until);
   BeginSearch(contact, k);
   return true;
 }
 
-/// Takes the result of a search.  Patches that no plane separates are split, and their parts
+/// Takes the result of a search.  Patches that no plane separates are split, and their children
 /// decide.
 bool EndSearch(MeshContact& contact, int lane, Until until) {
   const Index k = contact.scratch.searched[lane];
   const SeparatingPlane& plane = contact.scratch.searches.plane(lane);
-  contact.looks.tested += plane.tries;
+  contact.queries.tested += plane.tries;
   if (contact.scratch.searches.Found(lane)) {
     const Vec3 n = contact.meshes.FrameOf(contact.near[k].nodes).R * plane.n;
     contact.near.SetPlanes(k, n, plane.before, n, plane.after);
     return true;
   }
-  if (contact.near[k].nodes.AreTriangles()) return LookAtTriangles(contact, k, until);
-  return contact.near.Split(k, contact.looks);
+  if (contact.near[k].nodes.AreTriangles()) return ExamineTriangles(contact, k, until);
+  return contact.near.Split(k, contact.queries);
 }
 
 }  // namespace
@@ -208,40 +208,40 @@ int Certify(MeshContact& contact, const Vec3& v, const Vec3& phi, Until until) n
   contact.motion = Motion(contact.motion.from, v, phi);
   const bool moves = contact.motion.moves;
   NearPairs& near = contact.near;
-  Looks& looks = contact.looks;
+  Queries& queries = contact.queries;
   const double angle = phi.norm(), free = contact.meshes.margins.free;
   // The rotation's second order is at most 1/2 |phi|^2 of a point's lever.
   const double bend =
       0.5 * angle * angle * (contact.meshes.a.mesh.reach() + contact.meshes.a.radius);
-  near.Cover(v.norm(), angle, looks);
+  near.Cover(v.norm(), angle, queries);
   const PlaneMotion motion{
       {v.x(), v.y(), v.z(), phi.x(), phi.y(), phi.z()}, angle, free, free + bend};
-  ++contact.trial;
+  ++contact.candidate;
   std::vector<std::int64_t>& doubts = contact.scratch.doubts;
   doubts.clear();
   contact.open.clear();
   // Pairs without room are not known to be separate.
   int apart_not = near.is_full() ? 1 : 0;
   const auto ends = [&] {
-    if (looks.AreSpent()) return true;
+    if (queries.AreSpent()) return true;
     if (!moves || apart_not == 0) return false;
     return until == Until::kFirst || apart_not >= kEnough ||
-           (!contact.open.empty() && looks.tested - contact.scratch.opened_at > kPatience);
+           (!contact.open.empty() && queries.tested - contact.scratch.opened_at > kPatience);
   };
   PlaneSearches& searches = contact.scratch.searches;
   searches.Reset(free);
   ++contact.scratch.certified;
   for (Index collected = 0;;) {
-    // Finds the pairs whose planes do not hold throughout the trial, including those added by
+    // Finds the pairs whose planes do not hold throughout the candidate, including those added by
     // splits.
     if (collected < near.size()) {
-      const auto found = near.FindUsedUp(collected, motion, looks);
+      const auto found = near.FindUsedUp(collected, motion, queries);
       collected = near.size();
-      // Those that the looks do not pay for are not examined: sorting them would only take time,
-      // and a shorter trial has fewer.
+      // Those that the queries do not pay for are not examined: sorting them would only take time,
+      // and a shorter candidate has fewer.
       const auto count = static_cast<std::int64_t>(found.size());
-      const std::int64_t price = until == Until::kFirst ? kLooksOfDoubt * count : 1;
-      if (count > 0 && looks.Spent() + price > looks.most) {
+      const std::int64_t price = until == Until::kFirst ? kQueriesOfDoubt * count : 1;
+      if (count > 0 && queries.Spent() + price > queries.most) {
         return apart_not + static_cast<int>(found.size() + doubts.size());
       }
       const bool is_first = doubts.empty();

@@ -51,7 +51,7 @@ bool HasRowAt(const ContactRows& rows, std::int32_t body, const Vec3& lever, con
 /// Adds those rows of a touch's plane that touch, at places without a row; returns whether there
 /// was any.
 bool AddRows(MeshContact& contact, Touch& touch, ContactRows& rows) {
-  const TouchRowsAtTrial of = RowsAt(contact, touch);
+  const TouchRowsAtCandidate of = RowsAt(contact, touch);
   const double before = GapAt(contact.meshes, touch.nodes, touch, touch.plane, contact.motion.from);
   bool added = false;
   for (int i = 0; i < of.count; ++i) {

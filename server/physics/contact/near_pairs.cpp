@@ -6,8 +6,9 @@ namespace palpate {
 
 using namespace limits::mesh;
 
-NearPairs::NearPairs(int looks)
-    : after_(std::min(RoomForNear(looks), SeparationFront::kMaxSlots)), storage_(9, after_.size()) {
+NearPairs::NearPairs(int queries)
+    : after_(std::min(RoomForNear(queries), SeparationFront::kMaxSlots)),
+      storage_(9, after_.size()) {
   pairs_.reserve(after_.size());
   seen_.resize(SeparationFront::kMaxSlots);
   found_.resize(SeparationFront::kMaxSlots + 8);
@@ -37,16 +38,16 @@ void NearPairs::Begin(const MeshPair& meshes, SeparationFront& front, const Rela
   }
 }
 
-void NearPairs::Cover(double translation, double rotation, Looks& looks) {
-  // A trial needs room for the rotation's second order, 1/2 |phi|^2 of a lever, in addition
+void NearPairs::Cover(double translation, double rotation, Queries& queries) {
+  // A candidate needs room for the rotation's second order, 1/2 |phi|^2 of a lever, in addition
   // to the linear part.
   const double reach = meshes_->a.mesh.reach();
-  const double way =
+  const double path =
       translation + rotation * reach * (1.0 + 0.5 * rotation) + meshes_->margins.free;
-  if (way <= covered_) return;
-  covered_ = way;
+  if (path <= covered_) return;
+  covered_ = path;
   const int found = meshes_->kernels->find_below(
-      front_->expiry(), static_cast<int>(front_->slots()), front_->way() + way, found_.data());
+      front_->expiry(), static_cast<int>(front_->slots()), front_->path() + path, found_.data());
   int count = 0;
   for (int f = 0; f < found; ++f) {
     const SeparationFront::Index i = found_[static_cast<std::size_t>(f)];
@@ -55,9 +56,9 @@ void NearPairs::Cover(double translation, double rotation, Looks& looks) {
   }
   for (int done = 0; done < count; done += kBatch) {
     // Pairs that are not refreshed any more are not known to be separate.
-    full_ = looks.AreSpent() || pairs_.size() + kBatch > after_.size();
+    full_ = queries.AreSpent() || pairs_.size() + kBatch > after_.size();
     if (full_) return;
-    Add(found_.data() + done, std::min(kBatch, count - done), way, looks);
+    Add(found_.data() + done, std::min(kBatch, count - done), path, queries);
   }
 }
 
@@ -69,7 +70,8 @@ void NearPairs::Add(SeparationFront::Index in_front) {
 
 /// Adds those of the given pairs of the front that a motion of this length could bring together.
 /// Most of them could not: an expiry counts every motion as one against the plane.
-void NearPairs::Add(const SeparationFront::Index* in_front, int count, double way, Looks& looks) {
+void NearPairs::Add(const SeparationFront::Index* in_front, int count, double path,
+                    Queries& queries) {
   for (int i = 0; i < count; ++i) {
     if (front_->IsKept(in_front[i])) continue;
     const SeparationFront::Pair& pair = front_->pair(in_front[i]);
@@ -78,11 +80,11 @@ void NearPairs::Add(const SeparationFront::Index* in_front, int count, double wa
   }
   const Index first = size();
   front_->Refresh(*meshes_->kernels, in_front, count, first, planes_);
-  looks.refreshed += count;
+  queries.refreshed += count;
   Index kept[kBatch], near = 0;
   for (int i = 0; i < count; ++i) {
     kept[near] = i;
-    near += planes_.slack[first + i] < way ? 1 : 0;
+    near += planes_.slack[first + i] < path ? 1 : 0;
   }
   const auto keep = [&](double* column) {
     for (Index i = 0; i < near; ++i) column[first + i] = column[first + kept[i]];
@@ -94,9 +96,9 @@ void NearPairs::Add(const SeparationFront::Index* in_front, int count, double wa
 }
 
 std::span<const NearPairs::Index> NearPairs::FindUsedUp(Index first, const PlaneMotion& motion,
-                                                        Looks& looks) {
+                                                        Queries& queries) {
   const int found = meshes_->kernels->find_used_up(planes_, first, size(), motion, found_.data());
-  looks.refreshed += found + (size() - first) / 8;
+  queries.refreshed += found + (size() - first) / 8;
   return {found_.data(), static_cast<std::size_t>(found)};
 }
 
@@ -116,25 +118,25 @@ void NearPairs::SetPlanes(Index k, const Vec3& n_before, double before, const Ve
   after_[static_cast<std::size_t>(k)] = {n_after, after};
 }
 
-/// Makes its own plane hold at every trial, because its parts are examined instead.
+/// Makes its own plane hold at every candidate, because its children are examined instead.
 void NearPairs::Close(Index k) {
   (*this)[k].split = true;
   planes_.slack[k] = kInfinity;
 }
 
-void NearPairs::AddPart(SeparationFront::Index in_front, double radius, const Vec3& n,
-                        double slack) {
+void NearPairs::AddChild(SeparationFront::Index in_front, double radius, const Vec3& n,
+                         double slack) {
   planes_.radius[size()] = radius;
   Add(in_front);
   SetPlane(size() - 1, n, slack);
 }
 
-bool NearPairs::Split(Index k, Looks& looks) {
+bool NearPairs::Split(Index k, Queries& queries) {
   if (pairs_.size() + 2 > after_.size()) return false;
   const NodesOfPair& nodes = (*this)[k].nodes;
   const std::int32_t block = nodes.shape->tree.BlockOf(nodes.b);
   if (block >= 0 && !meshes_->a.tree.IsLarger(nodes.a, nodes.shape->tree, nodes.b)) {
-    return Enter(k, block, looks);
+    return Enter(k, block, queries);
   }
   const Vec3 n = Normal(k);
   const double slack = planes_.slack[k];
@@ -143,33 +145,33 @@ bool NearPairs::Split(Index k, Looks& looks) {
   if (child < 0) return false;
   Close(k);
   for (int side = 0; side < 2; ++side) {
-    AddPart(child + side, front_->plane(child + side).radius, n, slack);
+    AddChild(child + side, front_->plane(child + side).radius, n, slack);
   }
   return true;
 }
 
-bool NearPairs::Enter(Index k, std::int32_t block, Looks& looks) {
+bool NearPairs::Enter(Index k, std::int32_t block, Queries& queries) {
   const NodesOfPair nodes = (*this)[k].nodes;
-  FeltSolids& felt = *meshes_->felt;
-  if (felt.empty()) return false;
-  const FeltSolids::Taken taken = felt.Take({nodes.number, nodes.b, block}, *front_);
-  if (taken.made) looks.tested += kLooksOfBlock;
+  SolidBodies& solids = *meshes_->solids;
+  if (solids.empty()) return false;
+  const SolidBodies::Taken taken = solids.Take({nodes.number, nodes.b, block}, *front_);
+  if (taken.made) queries.tested += kQueriesOfBlock;
   if (taken.body < 0) return false;
   const SeparationFront::Index i = (*this)[k].in_front;
   const Vec3 n = Normal(k);
   const double slack = planes_.slack[k], radius = planes_.radius[k];
   front_->Set(i, n, slack);
   Close(k);
-  if (felt.IsNothing(taken.body)) {
+  if (solids.IsNothing(taken.body)) {
     front_->Enter(i, taken.body, std::nullopt);
     return true;
   }
-  front_->Enter(i, taken.body, felt.Body(taken.body).shape.tree.root());
-  AddPart(i, radius, n, slack);
+  front_->Enter(i, taken.body, solids.Body(taken.body).shape.tree.root());
+  AddChild(i, radius, n, slack);
   return true;
 }
 
-void NearPairs::Accept(const Motion& motion, std::int32_t trial) {
+void NearPairs::Accept(const Motion& motion, std::int32_t candidate) {
   // A pair that was not examined closely keeps the front's plane.
   for (Index k = 0; k < size(); ++k) {
     const Pair& pair = (*this)[k];
@@ -180,19 +182,20 @@ void NearPairs::Accept(const Motion& motion, std::int32_t trial) {
     for (Index k = 0; k < size(); ++k) {
       const Pair& pair = (*this)[k];
       const Plane& after = after_[static_cast<std::size_t>(k)];
-      if (pair.looked_at == trial && !pair.split) front_->Set(pair.in_front, after.n, after.slack);
+      if (pair.examined_in == candidate && !pair.split)
+        front_->Set(pair.in_front, after.n, after.slack);
     }
   }
 }
 
-void NearPairs::Merge(const RelativePose& at, Looks& looks) {
+void NearPairs::Merge(const RelativePose& at, Queries& queries) {
   for (int i = 0; i < kBatch; ++i) {
     SeparationFront::Index index = front_->NextMergeable();
     if (index < 0) return;
     // A pair that has been merged may now be merged with its sibling.
     for (; index >= 0 && front_->IsMergeable(index); index = front_->pair(index).parent) {
       const SeparationFront::Pair& pair = front_->pair(index);
-      ++looks.tested;
+      ++queries.tested;
       Vec3 n;
       double gap = -kInfinity;
       for (int side = 0; side < 2; ++side) {

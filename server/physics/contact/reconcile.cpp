@@ -9,9 +9,9 @@ namespace {
 
 using namespace limits::mesh;
 
-/// Calls mend(row, touch) for the active rows at the trial, and returns how many it changed.  Pairs
-/// that meet at one corner have equal rows, of which the QP makes one active.  If that one changes,
-/// the others are mended too; otherwise one more would appear in each trial.
+/// Calls mend(row, touch) for the active rows at the candidate, and returns how many it changed.
+/// Pairs that meet at one corner have equal rows, of which the QP makes one active.  If that one
+/// changes, the others are mended too; otherwise one more would appear in each candidate.
 template <class Mend>
 int MendRows(MeshContact& contact, std::span<const int> active, const ContactRows& rows,
              Mend mend) {
@@ -29,13 +29,13 @@ int MendRows(MeshContact& contact, std::span<const int> active, const ContactRow
   return changed;
 }
 
-/// Returns the gap of a row's own point at the trial [m].
+/// Returns the gap of a row's own point at the candidate [m].
 double GapOfRow(const MeshContact& contact, int row, const ContactRows& rows) {
   return rows.Left(row, contact.motion.v, contact.motion.phi) +
          contact.of_rows.asked[static_cast<std::size_t>(row)];
 }
 
-/// Returns whether a row's corner lies over a face of the row's normal at the trial, its own
+/// Returns whether a row's corner lies over a face of the row's normal at the candidate, its own
 /// triangle or one beside it that is flush with it.
 bool IsOverFace(const MeshContact& contact, const Touch& touch, int row, double turned,
                 const ContactRows& rows) {
@@ -57,8 +57,8 @@ bool IsOverFace(const MeshContact& contact, const Touch& touch, int row, double 
                    turned);
 }
 
-/// Returns whether a row is of two edges that can touch along its normal at the trial, though the
-/// nearest points of their triangles lie at an end of one.
+/// Returns whether a row is of two edges that can touch along its normal at the candidate, though
+/// the nearest points of their triangles lie at an end of one.
 bool IsOfEdges(const MeshContact& contact, const Touch& touch, int row, double turned,
                const ContactRows& rows) {
   const ContactPlane& plane = touch.plane;
@@ -70,9 +70,9 @@ bool IsOfEdges(const MeshContact& contact, const Touch& touch, int row, double t
                    {Feature::kEdge, plane.edge_b}, n, at);
 }
 
-/// Returns whether a contact gives a row at the trial: its pair is no farther apart than the row
-/// says, and touches there within its cones along the row's normal, or the row's corner is over a
-/// face.
+/// Returns whether a contact gives a row at the candidate: its pair is no farther apart than the
+/// row says, and touches there within its cones along the row's normal, or the row's corner is over
+/// a face.
 bool IsOfContact(const MeshContact& contact, const Touch& touch, int row, double turned,
                  const ContactRows& rows) {
   const MeshPair& meshes = contact.meshes;
@@ -88,8 +88,8 @@ bool IsOfContact(const MeshContact& contact, const Touch& touch, int row, double
          IsOfEdges(contact, touch, row, turned, rows);
 }
 
-/// Gives a row that does not touch at the trial another plane, if there is any; and a ball's row
-/// the smooth surface's normal there.  Returns whether the change is large enough to affect the
+/// Gives a row that does not touch at the candidate another plane, if there is any; and a ball's
+/// row the smooth surface's normal there.  Returns whether the change is large enough to affect the
 /// force. A crease is not smooth: the ball goes straight past it, and round it in the next
 /// sub-steps (Turned).
 bool Retract(MeshContact& contact, Touch& touch, int row, ContactRows& rows) {
@@ -133,12 +133,12 @@ int Relinearise(MeshContact& contact, std::span<const int> active, double most,
                 ContactRows& rows) noexcept {
   return MendRows(contact, active, rows, [&](int row, Touch& touch) {
     if (touch.is_mended) return false;
-    const TouchRowsAtTrial of = RowsAt(contact, touch);
+    const TouchRowsAtCandidate of = RowsAt(contact, touch);
     for (int k = 0; k < of.count; ++k) {
       if (touch.row[of.row[k].slot % 3] != row) continue;
       const double off = std::abs(of.row[k].now - GapOfRow(contact, row, rows));
       if (off <= contact.meshes.margins.witness &&
-          rows.Turned(row, of.row[k].n, of.row[k].by_turning) <= most) {
+          rows.AngleTo(row, of.row[k].n, of.row[k].by_rotation) <= most) {
         return false;
       }
       SetRow(contact, touch, of.row[k], rows);
@@ -195,7 +195,7 @@ double Turned(const MeshContact& contact, std::span<const int> active,
   const MeshPair& meshes = contact.meshes;
   const Vec3& v = contact.motion.v;
   // The ball touches along the direction of the nearest triangle.  This is a triangle that it
-  // touches, within the distance of a straight way from an arc.
+  // touches, within the distance of a chord from its arc.
   const double touching = meshes.margins.touching + 0.5 * v.squaredNorm() / meshes.a.radius;
   double nearest = kInfinity;
   Vec3 u = Vec3::Zero();

@@ -23,15 +23,15 @@ limits::mesh::Margins MarginsOf(const MovingBody& a, double separation) {
 }  // namespace
 
 MeshContact::MeshContact(const MovingBody& a, std::span<const ContactBody> b, int max_rows,
-                         double separation, int most_looks)
+                         double separation, int most_queries)
     : meshes{.a = a, .b = b, .margins = MarginsOf(a, separation)},
       motion({Vec3::Zero(), Quat::Identity()}),
-      near(most_looks) {
+      near(most_queries) {
   const auto rows = static_cast<std::size_t>(max_rows);
   corners.seen.resize(a.mesh.vertices().size());
   corners.met.reserve(corners.seen.size());
   scratch.in_body.resize(b.size());
-  touches.reserve(static_cast<std::size_t>(most_looks));
+  touches.reserve(static_cast<std::size_t>(most_queries));
   of_rows.touch.reserve(rows);
   of_rows.asked.resize(rows);
   ReserveEach(static_cast<std::size_t>(near.room()), scratch.doubts, open);
@@ -48,11 +48,11 @@ Touch& MeshContact::TouchOf(NearPairs::Index k) {
 
 void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront& front,
                   const RelativePose& from, std::span<const ContactId> active, First first,
-                  std::int64_t most_looks, ContactRows& rows) noexcept {
-  contact.looks = {.most = most_looks};
+                  std::int64_t most_queries, ContactRows& rows) noexcept {
+  contact.queries = {.most = most_queries};
   contact.meshes.kernels = &kernels;
   contact.motion = Motion(from);
-  contact.trial = 0;
+  contact.candidate = 0;
   contact.touches.clear();
   contact.of_rows.touch.clear();
   contact.of_rows.regains = true;
@@ -61,7 +61,7 @@ void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront&
   near.Begin(contact.meshes, front, from);
 
   // Splits the front as far as needed to find the pairs that touched last.
-  near.Cover(contact.meshes.margins.touching, 0.0, contact.looks);
+  near.Cover(contact.meshes.margins.touching, 0.0, contact.queries);
   Certify(contact, Vec3::Zero(), Vec3::Zero(), Until::kEnough);
   if (active.empty() && first == First::kActive) return;
   const auto was_active = [&](const NodesOfPair& nodes) {
@@ -89,7 +89,8 @@ void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront&
   AddRowsOfCorners(contact, rows);
 }
 
-bool CheckTrial(MeshContact& contact, const Vec3& v, const Vec3& phi, ContactRows& rows) noexcept {
+bool CheckCandidate(MeshContact& contact, const Vec3& v, const Vec3& phi,
+                    ContactRows& rows) noexcept {
   const bool is_free = Certify(contact, v, phi, Until::kEnough) == 0;
   AddRowsOfOpen(contact, rows);
   return is_free;
@@ -111,8 +112,8 @@ bool IsFree(MeshContact& contact, const Vec3& v, const Vec3& phi) noexcept {
 }
 
 void EndSubStep(MeshContact& contact, bool merges) noexcept {
-  contact.near.Accept(contact.motion, contact.trial);
-  if (merges) contact.near.Merge(contact.motion.to, contact.looks);
+  contact.near.Accept(contact.motion, contact.candidate);
+  if (merges) contact.near.Merge(contact.motion.to, contact.queries);
 }
 
 namespace {
@@ -138,9 +139,9 @@ bool AreApart(const MeshPair& meshes, const NodesOfPair& nodes, const RelativePo
     return are_apart(child[0], nodes.b) && are_apart(child[1], nodes.b);
   }
   if (const std::int32_t block = tree_b.BlockOf(nodes.b); block >= 0) {
-    const auto taken = meshes.felt->Take({nodes.number, nodes.b, block}, SeparationFront());
-    if (taken.body < 0 || meshes.felt->IsNothing(taken.body)) return taken.body >= 0;
-    const HullTree::Node root = meshes.felt->Body(taken.body).shape.tree.root();
+    const auto taken = meshes.solids->Take({nodes.number, nodes.b, block}, SeparationFront());
+    if (taken.body < 0 || meshes.solids->IsNothing(taken.body)) return taken.body >= 0;
+    const HullTree::Node root = meshes.solids->Body(taken.body).shape.tree.root();
     return AreApart(meshes, meshes.NodesOf(nodes.a, root, taken.body), at);
   }
   const auto& child = tree_b.inner(nodes.b).child;

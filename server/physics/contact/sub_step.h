@@ -27,11 +27,11 @@ struct CertifyScratch {
   NearPairs::Index searched[PlaneSearches::kAtOnce] = {};  ///< the near pair of each search
   struct InBody {
     ShapeMotion motion;
-    std::uint64_t certified = 0;  ///< the trial that it is of
+    std::uint64_t certified = 0;  ///< the candidate that it is of
   };
   std::vector<InBody> in_body;  ///< for each body, the motion in its frame
-  std::uint64_t certified = 0;  ///< trials ever examined
-  std::int64_t opened_at = 0;   ///< looks when the last open pair was found
+  std::uint64_t certified = 0;  ///< candidates ever examined
+  std::int64_t opened_at = 0;   ///< queries when the last open pair was found
 };
 
 /// Scratch memory of AddRowsOfCorners.
@@ -46,20 +46,21 @@ struct CornerScratch {
 struct MeshContact {
   /// @param max_rows    of the ContactRows that it will fill
   /// @param separation  to be kept between the meshes [m]
-  /// @param most_looks  of a sub-step
+  /// @param most_queries  of a sub-step
   MeshContact(const MovingBody& a, std::span<const ContactBody> b, int max_rows, double separation,
-              int most_looks);
+              int most_queries);
 
   MeshPair meshes;
-  Motion motion;           ///< the trial that was examined last
-  std::int32_t trial = 0;  ///< its number within the sub-step
+  Motion motion;               ///< the candidate that was examined last
+  std::int32_t candidate = 0;  ///< its number within the sub-step
   NearPairs near;
   std::vector<Touch> touches;  ///< of those near pairs of triangles that were examined closely
   TouchRows of_rows;
-  Looks looks;
+  Queries queries;
   CertifyScratch scratch;
   CornerScratch corners;
-  /// Near pairs of triangles without a plane at the trial, in the order in which they were found.
+  /// Near pairs of triangles without a plane at the candidate, in the order in which they were
+  /// found.
   std::vector<NearPairs::Index> open;
 
   /// Returns the touch of a near pair of triangles, making it if needed.
@@ -72,18 +73,18 @@ struct MeshContact {
   }
 };
 
-// One sub-step between meshes: BeginSubStep; CheckTrial until a trial is free; Relinearise,
-// CheckRest and Release, which may ask for more trials; EndSubStep.  README.md has the order and
-// drawings. Real-time: no allocation, lock, log or clock.  Deterministic.
+// One sub-step between meshes: BeginSubStep; CheckCandidate until a candidate is free; Relinearise,
+// CheckRest and Release, which may ask for more candidates; EndSubStep.  README.md has the order
+// and drawings. Real-time: no allocation, lock, log or clock.  Deterministic.
 
-/// When Certify may stop at a trial that is not free.
+/// When Certify may stop at a candidate that is not free.
 enum class Until {
-  kFirst,   ///< when one pair has no plane, or the looks do not pay for all pairs in doubt
-  kEnough,  ///< when limits::mesh::kEnough have none: there will be another trial
+  kFirst,   ///< when one pair has no plane, or the queries do not pay for all pairs in doubt
+  kEnough,  ///< when limits::mesh::kEnough have none: there will be another candidate
 };
 
-/// Searches for planes that separate every pair of triangles throughout the trial [v; phi] from the
-/// beginning of the sub-step (../surface/README.md, "What counts as proof"), and leaves them in
+/// Searches for planes that separate every pair of triangles throughout the candidate [v; phi] from
+/// the beginning of the sub-step (../surface/README.md, "What counts as proof"), and leaves them in
 /// `near`.  Patches that such a plane separates are not split.
 ///
 /// Returns 0 if every pair has a plane; otherwise the number of pairs that have none or, once the
@@ -103,23 +104,24 @@ enum class First {
 /// Updates the front at `from`, and adds the rows of those `active` pairs that still touch.  This
 /// includes pairs outside their cones; otherwise a tool at rest would find them again in each step,
 /// at slightly different places.
-/// @param most_looks  of the sub-step.  Once they are spent, pairs whose planes do not hold count
+/// @param most_queries  of the sub-step.  Once they are spent, pairs whose planes do not hold count
 ///                    as not separate.
 void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront& front,
                   const RelativePose& from, std::span<const ContactId> active, First first,
-                  std::int64_t most_looks, ContactRows& rows) noexcept;
+                  std::int64_t most_queries, ContactRows& rows) noexcept;
 
-/// Returns whether the trial [v; phi] is free.  If not, adds rows for pairs without a plane, or
-/// recomputes those rows that the trial violates.
-bool CheckTrial(MeshContact& contact, const Vec3& v, const Vec3& phi, ContactRows& rows) noexcept;
-/// CheckTrial for a tool that rests at the trial's end: a contact may be no nearer there than the
-/// separation that rows ask for, and not h alone.
+/// Returns whether the candidate [v; phi] is free.  If not, adds rows for pairs without a plane, or
+/// recomputes those rows that the candidate violates.
+bool CheckCandidate(MeshContact& contact, const Vec3& v, const Vec3& phi,
+                    ContactRows& rows) noexcept;
+/// CheckCandidate for a tool that rests at the candidate's end: a contact may be no nearer there
+/// than the separation that rows ask for, and not h alone.
 bool CheckRest(MeshContact& contact, const Vec3& v, const Vec3& phi, ContactRows& rows) noexcept;
-/// CheckTrial without rows: stops at the first pair without a plane.
+/// CheckCandidate without rows: stops at the first pair without a plane.
 bool IsFree(MeshContact& contact, const Vec3& v, const Vec3& phi) noexcept;
 
-/// Moves the tool to the trial that was examined last, which must be free, and stores the planes in
-/// the front.
+/// Moves the tool to the candidate that was examined last, which must be free, and stores the
+/// planes in the front.
 /// @param merges  whether pairs of the front may be merged.  A merge saves time in later cycles; in
 ///                each sub-step of a cycle, it would mostly be undone by the next one.
 void EndSubStep(MeshContact& contact, bool merges) noexcept;
@@ -130,43 +132,43 @@ bool IsFree(const MeshPair& meshes, const RelativePose& at);
 
 // --- The rows of touches (touch_rows.cpp). ---
 
-/// A row of a touch's plane, exact at a trial: a corner of one triangle stays above a
+/// A row of a touch's plane, exact at a candidate: a corner of one triangle stays above a
 /// plane of the other.
 struct TouchRow {
   int slot;    ///< index into touch.row, modulo 3: the corner; 3 for edges
   Vec3 n;      ///< rate of the gap as the tool moves
   Vec3 lever;  ///< from the reference point to the contact, at the beginning of the sub-step [m]
-  Vec3 by_turning;     ///< rate of the gap as phi grows [m]
-  double before, now;  ///< gap at the sub-step's beginning and at the trial [m]
-  /// Whether the corner lies over the other triangle at the trial.  If not, the row is the plane's
-  /// and no contact's: nothing is there that could hold the tool.
+  Vec3 by_rotation;    ///< rate of the gap as phi grows [m]
+  double before, now;  ///< gap at the sub-step's beginning and at the candidate [m]
+  /// Whether the corner lies over the other triangle at the candidate.  If not, the row is the
+  /// plane's and no contact's: nothing is there that could hold the tool.
   bool is_over;
 };
-struct TouchRowsAtTrial {
+struct TouchRowsAtCandidate {
   TouchRow row[3];
   int count;
 };
 
 /// Returns the id of a row of two triangles.
 ContactId IdOf(const NodesOfPair& triangles, int corner = 0);
-/// Returns the rows of a touch's plane at the trial.
-TouchRowsAtTrial RowsAt(const MeshContact& contact, const Touch& touch);
+/// Returns the rows of a touch's plane at the candidate.
+TouchRowsAtCandidate RowsAt(const MeshContact& contact, const Touch& touch);
 
-/// Adds the rows that the trial violates, of touches that Certify found open.  Touches within their
-/// cones come first; only if those give no row, the others: in these a neighbour is nearer, and its
-/// rows mostly keep them apart too.  Returns whether there were any.
+/// Adds the rows that the candidate violates, of touches that Certify found open.  Touches within
+/// their cones come first; only if those give no row, the others: in these a neighbour is nearer,
+/// and its rows mostly keep them apart too.  Returns whether there were any.
 bool AddRowsOfOpen(MeshContact& contact, ContactRows& rows);
 /// Adds the rows of those corners of a near pair's touch that touch.
 void AddRowsThatTouch(MeshContact& contact, NearPairs::Index k, ContactRows& rows);
-/// Adds or changes a row, with what it asks for at the trial.
+/// Adds or changes a row, with what it asks for at the candidate.
 void SetRow(MeshContact& contact, Touch& touch, const TouchRow& row, ContactRows& rows);
 /// Recomputes all rows, exact at the beginning of the sub-step: each allows the zero step.
 void RelineariseAtStart(MeshContact& contact, ContactRows& rows);
-/// Returns whether a ball's rows still turn with the smooth surface from trial to trial,
-/// which also changes the ball's way.  After many trials they stay as they are, and the
+/// Returns whether a ball's rows still turn with the smooth surface from candidate to candidate,
+/// which also changes where the ball goes.  After many candidates they stay as they are, and the
 /// next sub-step turns them.
 inline bool TurnsRows(const MeshContact& contact) {
-  return contact.trial <= limits::mesh::kTrustedTrials;
+  return contact.candidate <= limits::mesh::kTrustedCandidates;
 }
 /// Removes a touch's rows.
 void TakeOut(Touch& touch, ContactRows& rows);
@@ -198,20 +200,20 @@ void AddRowsOfCorners(MeshContact& contact, ContactRows& rows);
 
 // --- reconcile.cpp ---
 //
-// Whether the rows that hold the tool at a free trial are those that the geometry gives there
+// Whether the rows that hold the tool at a free candidate are those that the geometry gives there
 // (../solve/README.md, "Arrival").  Functions that change rows return how many touches they
 // changed; if that is not 0, the rows must be solved again.  Rows of leaves, and of pairs that
 // intersect, are not changed.
 
-/// For a ball, or with friction: gives the rows of each touch that does not touch at the trial
+/// For a ball, or with friction: gives the rows of each touch that does not touch at the candidate
 /// another plane that separates it, if there is one; a ball's others the smooth surface's normal.
 int Retract(MeshContact& contact, std::span<const int> active, ContactRows& rows) noexcept;
 /// Recomputes each row whose direction in configuration space has turned by more than `most` [rad],
-/// or whose gap at the trial is not the geometry's, at most once in a sub-step.
+/// or whose gap at the candidate is not the geometry's, at most once in a sub-step.
 int Relinearise(MeshContact& contact, std::span<const int> active, double most,
                 ContactRows& rows) noexcept;
-/// Returns whether contacts give all active rows at the trial, in directions that differ by no more
-/// than `most` [rad].
+/// Returns whether contacts give all active rows at the candidate, in directions that differ by no
+/// more than `most` [rad].
 bool AreOfContacts(const MeshContact& contact, std::span<const int> active, double most,
                    const ContactRows& rows) noexcept;
 /// Removes the active rows of touches that were no contacts when the sub-step began.
@@ -220,8 +222,8 @@ int Release(MeshContact& contact, std::span<const int> active, ContactRows& rows
 /// Returns the derivative [1/m] of the normal of a ball's row by the ball's motion round the edge
 /// or corner that it touches, which the straight row neglects.  Zero for other rows.
 Mat3 CurvatureOf(const MeshContact& contact, int row) noexcept;
-/// Returns by how much the direction in which a ball touches at the trial differs from those of the
-/// active rows [rad], or by how much the curvature of a row has made the ball overshoot.
+/// Returns by how much the direction in which a ball touches at the candidate differs from those of
+/// the active rows, or a row of its curvature has turned along the motion [rad].
 double Turned(const MeshContact& contact, std::span<const int> active,
               const ContactRows& rows) noexcept;
 

@@ -10,7 +10,7 @@ namespace {
 
 using namespace limits::mesh;
 
-// Functions that every look calls are marked gnu::flatten: depending on what else is in the file,
+// Functions that every query calls are marked gnu::flatten: depending on what else is in the file,
 // GCC would leave Eigen's products in them as calls, with which a long step takes 5 % longer.
 
 Vec3 EdgeOf(const ContactMesh& mesh, HullTree::Node node, int i) {
@@ -252,7 +252,7 @@ void TriedPlanes::Add(const Touch& touch, const ContactPlane& plane, const Vec3&
 }
 
 [[gnu::flatten]] ContactPlane ChoosePlane(const MeshPair& meshes, const Touch& touch,
-                                          const Motion& trial) {
+                                          const Motion& candidate) {
   const Feature a = touch.nearest.of_p, b = touch.nearest.of_q;
   ContactPlane plane{ContactPlane::Of::kB, touch.u};
   if (touch.distance <= 0.0) return plane;
@@ -260,26 +260,26 @@ void TriedPlanes::Add(const Touch& touch, const ContactPlane& plane, const Vec3&
     // The touch belongs to a neighbour: tries the neighbour's face, if that separates
     // this pair as well.
     const double least = touch.by_plane ? kRounding : meshes.margins.LeastAfter(touch.distance);
-    BestPlane best(meshes, touch, trial, least);
+    BestPlane best(meshes, touch, candidate, least);
     const auto consider = [&](const ContactPlane& plane) {
-      if (MayTouchAlong(meshes, touch, plane, trial.to) ||
-          (trial.moves && MayTouchAlong(meshes, touch, plane, trial.from))) {
+      if (MayTouchAlong(meshes, touch, plane, candidate.to) ||
+          (candidate.moves && MayTouchAlong(meshes, touch, plane, candidate.from))) {
         best.Consider(plane);
       }
     };
-    ForEachFace(meshes, touch.nodes, touch.nearest, trial.from, consider);
-    ForEachEdges(meshes, touch, trial.from, consider);
+    ForEachFace(meshes, touch.nodes, touch.nearest, candidate.from, consider);
+    ForEachEdges(meshes, touch, candidate.from, consider);
     if (best.Find().of == ContactPlane::Of::kNone) {
-      ForEachFace(meshes, touch.nodes, touch.nearest, trial.from,
+      ForEachFace(meshes, touch.nodes, touch.nearest, candidate.from,
                   [&](const ContactPlane& face) { best.Consider(face); });
     }
     if (best.Find().of != ContactPlane::Of::kNone) return best.Find();
   }
   if (b.kind == Feature::kVertex && a.kind != Feature::kVertex) {
-    plane = {ContactPlane::Of::kA, trial.from.R.transpose() * touch.u};
+    plane = {ContactPlane::Of::kA, candidate.from.R.transpose() * touch.u};
   } else if (a.kind == Feature::kEdge && b.kind == Feature::kEdge) {
     const ContactPlane edges =
-        PlaneOfEdges(meshes, touch.nodes, a.index, b.index, touch.u, trial.from);
+        PlaneOfEdges(meshes, touch.nodes, a.index, b.index, touch.u, candidate.from);
     if (edges.of != ContactPlane::Of::kNone) plane = edges;
   }
   return plane;
@@ -287,28 +287,28 @@ void TriedPlanes::Add(const Touch& touch, const ContactPlane& plane, const Vec3&
 
 [[gnu::flatten]] ContactPlane OtherPlane(const MeshPair& meshes, const Touch& touch,
                                          const NearestPoints& nearest, const Vec3& u,
-                                         const Motion& trial) {
+                                         const Motion& candidate) {
   const double enough = meshes.margins.separation - meshes.margins.witness;
-  BestPlane best(meshes, touch, trial, enough, enough);
+  BestPlane best(meshes, touch, candidate, enough, enough);
   const auto consider = [&](const ContactPlane& plane) {
     if (plane.of != touch.plane.of || plane.n != touch.plane.n) best.Consider(plane);
   };
-  ForEachFace(meshes, touch.nodes, touch.nearest, trial.from, consider);
-  ForEachFace(meshes, touch.nodes, nearest, trial.from, consider);
+  ForEachFace(meshes, touch.nodes, touch.nearest, candidate.from, consider);
+  ForEachFace(meshes, touch.nodes, nearest, candidate.from, consider);
   // A plane across nearest points outside the cones is no contact's.  Its rows would hold the tool
   // if the pair is near.
   const auto across = [&](const Vec3& n, double distance, bool in_cone) {
     if (!in_cone && !meshes.IsBall() && distance <= meshes.margins.touching) return;
     consider(ContactPlane{ContactPlane::Of::kB, n});
-    consider(ContactPlane{ContactPlane::Of::kA, trial.from.R.transpose() * n});
+    consider(ContactPlane{ContactPlane::Of::kA, candidate.from.R.transpose() * n});
   };
   across(touch.u, touch.distance, touch.in_cone);
-  across(u, nearest.Distance(), InCone(meshes, touch.nodes, nearest, u, trial.to));
+  across(u, nearest.Distance(), InCone(meshes, touch.nodes, nearest, u, candidate.to));
   return best.Find();
 }
 
-double TurnLoss(const Touch& touch, const ContactPlane& plane, const Vec3& n_old, const Vec3& n_new,
-                const Motion& motion) {
+double RotationLoss(const Touch& touch, const ContactPlane& plane, const Vec3& n_old,
+                    const Vec3& n_new, const Motion& motion) {
   if (plane.of != ContactPlane::Of::kEdges) return 0.0;
   const Vec3 lever = touch.nearest.p - motion.from.p;
   return 0.25 * (n_new - n_old).norm() * (motion.v + motion.phi.cross(lever)).norm();

@@ -10,16 +10,16 @@
 #include "server/physics/limits.h"
 #include "server/physics/simd/kernels.h"
 #include "server/physics/surface/contact_bodies.h"
-#include "server/physics/surface/felt_solids.h"
 #include "server/physics/surface/separating_plane.h"
 #include "server/physics/surface/separation_front.h"
+#include "server/physics/surface/solid_bodies.h"
 #include "server/physics/surface/triangle_distance.h"
 
 namespace palpate {
 
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The straight motion of A in B in one sub-step; a trial until it is accepted.
+/// The straight motion of A in B in one sub-step; a candidate until it is accepted.
 struct Motion {
   RelativePose from, to;
   Vec3 v, phi;  ///< [m], [rad]
@@ -57,8 +57,8 @@ struct Corners {
 struct MeshPair {
   const MovingBody& a;
   std::span<const ContactBody> b;
-  FeltSolids* felt = nullptr;  ///< bodies of blocks in B; null if there are none
-  bool cuts = true;            ///< true for a bur or an edge that cuts: solids touch only its shank
+  SolidBodies* solids = nullptr;  ///< bodies of blocks in B; null if there are none
+  bool cuts = true;  ///< true for a bur or an edge that cuts: solids touch only its shank
   limits::mesh::Margins margins{};
   const Kernels* kernels = &ActiveKernels();
 
@@ -81,7 +81,7 @@ struct MeshPair {
     if (body < b.size()) {
       return {of_a, of_b, b[body].shape.get(), number, number};
     }
-    const BlockBody& block = felt->Body(number);
+    const BlockBody& block = solids->Body(number);
     return {of_a, of_b, &block.shape, number, block.of.solid};
   }
   PatchPair PatchesOf(const NodesOfPair& nodes) const {
@@ -131,8 +131,8 @@ struct Touch {
   /// delta from every triangle.
   bool by_plane;
   /// Whether the tool is in a block's triangle, or just behind it.  One that it is behind hinders
-  /// no way: a tool comes there only through others, or where a solid's new surface stands out into
-  /// it.  Behind one that it is in, it may go no deeper.
+  /// no motion: a tool comes there only through others, or where a solid's new surface stands out
+  /// into it.  Behind one that it is in, it may go no deeper.
   bool is_behind = false;
   /// Where friction acts: whether the tool lies on the body's face, which is the plane.
   bool is_flush = false;
@@ -221,8 +221,8 @@ void ForEachFace(const MeshPair& meshes, const NodesOfPair& triangles, const Nea
 /// [m].  A plane of edges turns while the contact moves; this takes at most a quarter of
 /// the product of both.
 /// @param n_old, n_new  the plane's normals at both ends
-double TurnLoss(const Touch& touch, const ContactPlane& plane, const Vec3& n_old, const Vec3& n_new,
-                const Motion& motion);
+double RotationLoss(const Touch& touch, const ContactPlane& plane, const Vec3& n_old,
+                    const Vec3& n_new, const Motion& motion);
 
 /// Up to eight planes that may separate two triangles throughout a motion, measured together.
 class TriedPlanes {
@@ -261,7 +261,7 @@ class TriedPlanes {
   Vec3 n_before(int i) const { return Normal(0, i); }
   Vec3 n_after(int i) const { return Normal(1, i); }
   double Loss(int i) const {
-    return TurnLoss(*of_[i], planes_[i], n_before(i), n_after(i), motion_);
+    return RotationLoss(*of_[i], planes_[i], n_before(i), n_after(i), motion_);
   }
 
  private:
@@ -280,13 +280,14 @@ class TriedPlanes {
   int count_ = 0;
 };
 
-/// Returns the plane that a touch uses for its rows after a trial in which no plane separates it.
-ContactPlane ChoosePlane(const MeshPair& meshes, const Touch& touch, const Motion& trial);
+/// Returns the plane that a touch uses for its rows after a candidate in which no plane separates
+/// it.
+ContactPlane ChoosePlane(const MeshPair& meshes, const Touch& touch, const Motion& candidate);
 
 /// Of the planes that separate a touch at the beginning, returns the one with the largest gap at
-/// the end of the trial; kNone if there is no other plane.
+/// the end of the candidate; kNone if there is no other plane.
 /// @param nearest, u  of the triangles at the end.
 ContactPlane OtherPlane(const MeshPair& meshes, const Touch& touch, const NearestPoints& nearest,
-                        const Vec3& u, const Motion& trial);
+                        const Vec3& u, const Motion& candidate);
 
 }  // namespace palpate

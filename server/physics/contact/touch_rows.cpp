@@ -9,21 +9,21 @@ namespace {
 using namespace limits::mesh;
 
 /// Returns the exact rate at which the gap along a plane of crossing edges grows with a rotation at
-/// the trial.  A's lowest point moves, and n turns with A's edge, while that point
+/// the candidate.  A's lowest point moves, and n turns with A's edge, while that point
 /// and B's highest point are d apart.  With w = (d - n (n . d)) / ((ea x eb) . n), the
 /// rate is
 ///   (x - p) x n + ea x (eb x w).
 /// If the edges themselves are nearest, it is l x n, with l the lever of the place where they
-/// cross. At a trial with a large rotation a corner has come past them, and that lever is wrong: in
-/// a peg's hole such a row shut out A's own place by 150 um.
-Vec3 EdgesTurning(const MeshContact& contact, const Touch& touch, const Vec3& n) {
+/// cross. At a candidate with a large rotation a corner has come past them, and that lever is
+/// wrong: in a peg's hole such a row shut out A's own place by 150 um.
+Vec3 EdgesByRotation(const MeshContact& contact, const Touch& touch, const Vec3& n) {
   const RelativePose& at = contact.motion.to;
   const Corners corners = contact.meshes.CornersAt(touch.nodes, at);
   // If a corner is only as near as the edges, the touch belongs to the edges.
-  const auto farthest = [&](const Vec3* corner, int edge, const Vec3& way) {
+  const auto farthest = [&](const Vec3* corner, int edge, const Vec3& along) {
     Vec3 best = corner[edge];
     for (int c = 0; c < 3; ++c) {
-      if (way.dot(corner[c] - best) > contact.meshes.margins.witness) best = corner[c];
+      if (along.dot(corner[c] - best) > contact.meshes.margins.witness) best = corner[c];
     }
     return best;
   };
@@ -37,7 +37,7 @@ Vec3 EdgesTurning(const MeshContact& contact, const Touch& touch, const Vec3& n)
   return (lowest - at.p).cross(n) + ea.cross(eb.cross(w));
 }
 
-/// Returns the point of A's edge where a plane's edges cross, at the trial; an end of it if
+/// Returns the point of A's edge where a plane's edges cross, at the candidate; an end of it if
 /// they have passed each other.
 Vec3 CrossingOf(const MeshContact& contact, const Touch& touch) {
   const Corners corners = contact.meshes.CornersAt(touch.nodes, contact.motion.to);
@@ -63,7 +63,7 @@ double GapBefore(const MeshContact& contact, const Touch& touch) {
 /// Adds or changes the rows of a touch for which `wanted` holds; returns whether there was any.
 template <class Wanted>
 bool SetRows(MeshContact& contact, Touch& touch, ContactRows& rows, Wanted wanted) {
-  const TouchRowsAtTrial of = RowsAt(contact, touch);
+  const TouchRowsAtCandidate of = RowsAt(contact, touch);
   bool set = false;
   for (int i = 0; i < of.count; ++i) {
     if (!wanted(of.row[i])) continue;
@@ -80,7 +80,7 @@ ContactId IdOf(const NodesOfPair& triangles, int corner) {
           static_cast<std::int32_t>(HullTree::TriangleOf(triangles.b)), corner};
 }
 
-TouchRowsAtTrial RowsAt(const MeshContact& contact, const Touch& touch) {
+TouchRowsAtCandidate RowsAt(const MeshContact& contact, const Touch& touch) {
   const MeshPair& meshes = contact.meshes;
   const Motion& motion = contact.motion;
   const ContactPlane& plane = touch.plane;
@@ -89,17 +89,17 @@ TouchRowsAtTrial RowsAt(const MeshContact& contact, const Touch& touch) {
   const Vec3 n_new = NormalAt(meshes, touch, plane, motion.to);
   // phi is incremented on the left of a rotation by phi: w . J_l(phi) dphi, J_l = 1 + 1/2 [phi]x.
   const auto by_phi = [&](const Vec3& w) -> Vec3 { return w - 0.5 * motion.phi.cross(w); };
-  TouchRowsAtTrial of;
+  TouchRowsAtCandidate of;
   if (plane.of == ContactPlane::Of::kEdges) {
     const Vec3 lever = CrossingOf(contact, touch) - motion.to.p;
     const double before = meshes.Gap(nodes, n_old, motion.from);
     const double now = meshes.Gap(nodes, n_new, motion.to);
-    const double loss = TurnLoss(touch, plane, n_old, n_new, motion);
+    const double loss = RotationLoss(touch, plane, n_old, n_new, motion);
     const bool holds = std::min(before, now) - loss >= 0.5 * std::min(meshes.margins.free, before);
     of.row[0] = {3,
                  n_new,
                  lever - meshes.a.radius * n_new,
-                 by_phi(EdgesTurning(contact, touch, n_new)),
+                 by_phi(EdgesByRotation(contact, touch, n_new)),
                  before,
                  holds ? now : std::min(now, touch.LeastAfter(meshes.margins, before)) - loss,
                  true};
@@ -150,8 +150,8 @@ void SetRow(MeshContact& contact, Touch& touch, const TouchRow& of, ContactRows&
   const double asked = Asked(contact, GapBefore(contact, touch));
   const Motion& motion = contact.motion;
   const Vec3 n = stays ? rows.normal(row) : of.n;
-  rows.SetRow(row, n, of.lever, of.by_turning,
-              of.now - asked - n.dot(motion.v) - of.by_turning.dot(motion.phi));
+  rows.SetRow(row, n, of.lever, of.by_rotation,
+              of.now - asked - n.dot(motion.v) - of.by_rotation.dot(motion.phi));
   of_rows.asked[static_cast<std::size_t>(row)] = asked;
 }
 
@@ -226,7 +226,7 @@ bool GiveUpRegain(MeshContact& contact, ContactRows& rows) {
   of_rows.regains = false;
   // A pair outside its cones is farther apart than the contact beside it.  If it asked for what it
   // has, and the contact for less, it would hold the tool.  No row may ask for less than h, without
-  // which no trial is free.
+  // which no candidate is free.
   for (const Touch* touch : of_rows.touch) {
     if (touch == nullptr || !touch->in_cone || contact.meshes.IsBall()) continue;
     of_rows.least = std::min(of_rows.least, touch->distance);

@@ -237,32 +237,33 @@ class Newton {
     const Point end = next;
     const double cost = CostOfThresholds(now.x), least = now.value + cost;
     const double promised = Slope(now, now, end) + CostOfThresholds(end.x) - cost;
-    for (double part = 1.0; part > kRounding && next.value + CostOfThresholds(next.x) >
-                                                    least + kLeastGain * part * promised;) {
-      Go(now, end, part *= 0.5, next);
+    for (double fraction = 1.0;
+         fraction > kRounding &&
+         next.value + CostOfThresholds(next.x) > least + kLeastGain * fraction * promised;) {
+      Go(now, end, fraction *= 0.5, next);
     }
   }
 
   /// If the sum has not fallen enough at `next`, and rises there, moves `next` to where it stops
-  /// falling on the way from `now`: by bisection, since the slope is monotone.
+  /// falling on the path from `now`: by bisection, since the slope is monotone.
   void Search(const Point& now, Point& next) const {
     const Point end = next;
     const double slope = Slope(now, now, end);
     if (next.value <= now.value + kLeastGain * slope || Slope(next, now, end) <= 0.0) return;
     double low = 0.0, high = 1.0;
     while (high - low > kRounding * high) {
-      const double part = 0.5 * (low + high);
-      Go(now, end, part, next);
+      const double fraction = 0.5 * (low + high);
+      Go(now, end, fraction, next);
       const double here = Slope(next, now, end);
       if (here <= 0.0 && here >= kLeastGain * slope) return;
-      (here > 0.0 ? high : low) = part;
+      (here > 0.0 ? high : low) = fraction;
     }
   }
 
-  /// Puts `next` at a part of the way from one point to another.
-  void Go(const Point& from, const Point& to, double part, Point& next) const {
-    next.x = from.x + part * (to.x - from.x);
-    next.slack = from.slack + part * (to.slack - from.slack);
+  /// Puts `next` at a fraction of the path from one point to another.
+  void Go(const Point& from, const Point& to, double fraction, Point& next) const {
+    next.x = from.x + fraction * (to.x - from.x);
+    next.slack = from.slack + fraction * (to.slack - from.slack);
     Evaluate(next);
   }
 

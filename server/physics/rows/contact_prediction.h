@@ -54,14 +54,14 @@ class ContactPrediction {
   std::int64_t tested() const { return query_ ? query_->tested() : 0; }
 
   /// Returns whether any two leaves overlap.  Soft leaves count by their cores; those of objects
-  /// that are felt by their meshes must overlap by kCoreDepth.  Real-time.
+  /// that are touched by their meshes must overlap by kCoreDepth.  Real-time.
   bool Overlaps(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
                 const Vec3& p_W) noexcept;
 
  private:
   std::optional<PairQuery> query_;    ///< empty if no leaf can touch
   double least_radii_ = 0.0;          ///< least sum of the radii of a pair [m]
-  std::optional<PairQuery> insides_;  ///< leaves of objects that are felt by their meshes
+  std::optional<PairQuery> insides_;  ///< leaves of objects that are touched by their meshes
 };
 
 }  // namespace palpate

@@ -37,9 +37,9 @@ void ContactRows::AddRow(const Vec3& normal, const Vec3& lever, double gap,
   ++count_;
 }
 
-void ContactRows::SetRow(int row, const Vec3& normal, const Vec3& lever, const Vec3& by_turning,
+void ContactRows::SetRow(int row, const Vec3& normal, const Vec3& lever, const Vec3& by_rotation,
                          double gap) noexcept {
-  const Vec3 turned = turns_ ? Vec3(by_turning / rho_) : Vec3::Zero();
+  const Vec3 turned = turns_ ? Vec3(by_rotation / rho_) : Vec3::Zero();
   for (int c = 0; c < 3; ++c) {
     columns_.a[c][row] = normal[c];
     columns_.a[3 + c][row] = turned[c];
@@ -73,8 +73,8 @@ Vec3 ContactRows::lever_cross_normal(int row) const {
   return rho_ * Vec3(columns_.a[3][row], columns_.a[4][row], columns_.a[5][row]);
 }
 
-double ContactRows::Turned(int row, const Vec3& n, const Vec3& by_turning) const {
-  return Length((n - normal(row)).norm(), (by_turning - lever_cross_normal(row)).norm() / rho_);
+double ContactRows::AngleTo(int row, const Vec3& n, const Vec3& by_rotation) const {
+  return Length((n - normal(row)).norm(), (by_rotation - lever_cross_normal(row)).norm() / rho_);
 }
 
 int ContactRows::Find(std::span<const ContactId> ids, int* row) const noexcept {

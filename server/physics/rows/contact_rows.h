@@ -33,9 +33,9 @@ class ContactRows {
   /// @param lever  of the contact point [m], in W
   void AddRow(const Vec3& normal, const Vec3& lever, double gap, const ContactId& id) noexcept;
   /// Changes a row, except its id.
-  /// @param by_turning  rate of the gap as phi grows [m]: lever x normal, or another vector if the
+  /// @param by_rotation  rate of the gap as phi grows [m]: lever x normal, or another vector if the
   ///                    normal turns, too
-  void SetRow(int row, const Vec3& normal, const Vec3& lever, const Vec3& by_turning,
+  void SetRow(int row, const Vec3& normal, const Vec3& lever, const Vec3& by_rotation,
               double gap) noexcept;
   void SetGap(int row, double gap) noexcept { columns_.b[row] = -gap; }
   /// Makes a row hold for every step.
@@ -65,7 +65,7 @@ class ContactRows {
   Vec3 lever_cross_normal(int row) const;
   /// Returns how far the row's direction in configuration space, [n; l x n / rho], is from another
   /// one with these parts [rad, if small].
-  double Turned(int row, const Vec3& n, const Vec3& by_turning) const;
+  double AngleTo(int row, const Vec3& n, const Vec3& by_rotation) const;
   /// Lever arm of the contact point [m], in W; valid for rows from AddRow.
   Vec3 lever(int row) const {
     return {columns_.lever[0][row], columns_.lever[1][row], columns_.lever[2][row]};

@@ -26,7 +26,7 @@ class SoftRows : public YieldingEnergy {
   explicit SoftRows(const HapticModel& model)
       : model_(model), columns_(3, static_cast<std::size_t>(model.parameters().max_rows) + 16) {}
 
-  /// Looks up the rows' leaves.  A row that is not between leaves is rigid.  If any row is soft,
+  /// Queries up the rows' leaves.  A row that is not between leaves is rigid.  If any row is soft,
   /// `rigid` become the rows that no step may violate: rigid ones, and the cores of soft ones.
   bool Collect(const ContactRows& rows, QpRows& rigid) noexcept override;
   /// Returns whether any row is soft.

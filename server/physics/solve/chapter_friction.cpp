@@ -10,11 +10,11 @@ namespace palpate {
 namespace {
 
 /// Returns the distance of p from the screw axis of the movement that rotates the tool by `turn`
-/// while its reference point moves from `from` by `way`.
-double DistanceFromAxis(const Vec3& p, const Quat& turn, const Vec3& from, const Vec3& way) {
+/// while its reference point moves from `from` by `advance`.
+double DistanceFromAxis(const Vec3& p, const Quat& turn, const Vec3& from, const Vec3& advance) {
   const double sine = turn.vec().norm();  // of half the angle
   const Vec3 axis = turn.vec() / sine;
-  const Vec3 across = way - way.dot(axis) * axis;
+  const Vec3 across = advance - advance.dot(axis) * axis;
   const Vec3 on_axis = from + 0.5 * (across + turn.w() / sine * axis.cross(across));
   return (p - on_axis).cross(axis).norm();
 }
@@ -48,7 +48,8 @@ void AddChapterFriction(const HapticModel& model, const Pose& X_before, StepStat
   const Quat turn = X_WG.q * X_before.q.conjugate();
   const Vec3 angle = RotationLog(turn);
   double k_theta = 1.0;
-  const bool turns = !model.is_ball() && turn.vec().squaredNorm() > limits::friction::kLeastTurn;
+  const bool turns =
+      !model.is_ball() && turn.vec().squaredNorm() > limits::friction::kLeastRotation;
   if (turns) {
     double arm = std::numeric_limits<double>::infinity();
     for (const ActiveRow& row : contacts) {
@@ -64,7 +65,7 @@ void AddChapterFriction(const HapticModel& model, const Pose& X_before, StepStat
   const Vec3 added = force - report.wrench.force;
   report.wrench.force = force;
   if (!model.is_ball()) {
-    Vec3 went = -(X_WG.q * state.turn_G);
+    Vec3 went = -(X_WG.q * state.rotation_G);
     report.wrench.torque = parameters.torsional_stiffness *
                            RotationLogFrom(q_star * state.X_WH.q.conjugate(), went);  // 2.31
   }

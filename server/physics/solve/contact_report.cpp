@@ -5,9 +5,9 @@
 
 namespace palpate {
 
-void ReportContacts(StepContext& context, const Way& way) noexcept {
+void ReportContacts(StepContext& context, const Advance& advance) noexcept {
   const ContactRows& rows = context.buffers().rows;
-  const Optimum& optimum = way.optimum;
+  const Optimum& optimum = advance.optimum;
   const SoftRows* soft = context.buffers().energies ? context.buffers().energies->soft() : nullptr;
   const SoftContacts yielding = soft != nullptr ? soft->Contacts() : SoftContacts{};
   const double k_t = context.model.parameters().stiffness;
@@ -20,7 +20,7 @@ void ReportContacts(StepContext& context, const Way& way) noexcept {
   if (bur != nullptr) {
     report.bur_force = k_t * bur->force.head<3>();
     report.bur_W = context.tools.p_G +
-                   RotationExp(way.phi) *
+                   RotationExp(advance.phi) *
                        (R_WG * (context.model.cutting()->X_TB.p - context.model.reference()));
   }
   if (soft != nullptr) {
@@ -32,15 +32,15 @@ void ReportContacts(StepContext& context, const Way& way) noexcept {
     row.id = rows.id(i);
     row.normal = rows.normal(i);
     row.lever_cross_normal = rows.lever_cross_normal(i);
-    row.offset = offset - row.normal.dot(way.v) - row.lever_cross_normal.dot(way.phi);
+    row.offset = offset - row.normal.dot(advance.v) - row.lever_cross_normal.dot(advance.phi);
     row.force = force;
     row.friction.setZero();
     row.stiffness = std::numeric_limits<double>::infinity();
     const Vec3 lever = rows.LeverOf(i, context.model.tool().leaves, R_WG);
     row.contact_W =
-        context.tools.p_G + (row.id.IsOfLeaves() ? lever : RotationExp(way.phi) * lever);
-    row.object_leaf = context.model.LeafOf(row.id, context.state().felt);
-    row.material = &context.model.MaterialOf(row.id, context.state().felt);
+        context.tools.p_G + (row.id.IsOfLeaves() ? lever : RotationExp(advance.phi) * lever);
+    row.object_leaf = context.model.LeafOf(row.id, context.state().solids);
+    row.material = &context.model.MaterialOf(row.id, context.state().solids);
     return &row;
   };
   for (int k = 0; k < optimum.qp.active; ++k) {

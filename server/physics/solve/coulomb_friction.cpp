@@ -68,7 +68,7 @@ struct Contact {
   ///   friction = friction + w_2,3, projected onto the disk of radius mu lambda.
   void Evaluate(double k, const Vec6& x) {
     offset = J * x + Vec3(b, 0.0, 0.0);
-    law = f + kTrial * (offset - (f - held) / k);
+    law = f + kPenalty * (offset - (f - held) / k);
     law[0] = std::max(0.0, law[0]);
     const double limit = mu * law[0], length = law.tail<2>().norm();
     ratio = length <= limit ? 1.0 : limit / length;
@@ -87,10 +87,10 @@ struct Contact {
       rate.row(0).setZero();
     }
     if (!slips()) return;
-    const double left = 1.0 - ratio * (1.0 - kTrial / k);
+    const double left = 1.0 - ratio * (1.0 - kPenalty / k);
     const Vec2 across(-direction[1], direction[0]);
     const Eigen::Matrix<double, 1, 6> turn =
-        kTrial * ratio / left * across.transpose() * J.bottomRows<2>();
+        kPenalty * ratio / left * across.transpose() * J.bottomRows<2>();
     mean.tail<2>() =
         mu * mean[0] * direction + (1.0 - 1.0 / left) * across.dot(friction()) * across;
     for (int i = 0; i < 2; ++i) {
@@ -140,7 +140,7 @@ class FrictionalContacts {
     if (count_ == kMaxActiveRows) return false;
     const HapticModel& model = context_.model;
     const ContactRows& rows = context_.buffers().rows;
-    const Material& material = model.MaterialOf(rows.id(row), context_.state().felt);
+    const Material& material = model.MaterialOf(rows.id(row), context_.state().solids);
     Contact& contact = contact_[count_++];
     contact.row = row;
     contact.mu_s = material.static_friction;
@@ -315,13 +315,13 @@ class FrictionalContacts {
       const double bound = std::max({last[0], last[1], last[2]});
       Vec6 d = Step();
       for (Contact& contact : *this) contact.moved = contact.mean + contact.rate * d - contact.f;
-      double part = 1.0;
+      double fraction = 1.0;
       for (int halving = 0; halving <= kHalvings; ++halving) {
-        x_ += part * d;
-        for (Contact& contact : *this) contact.f += part * contact.moved;
+        x_ += fraction * d;
+        for (Contact& contact : *this) contact.f += fraction * contact.moved;
         error = Error();
         if (error < bound) break;
-        part = halving == 0 ? -0.5 : 0.5 * part;
+        fraction = halving == 0 ? -0.5 : 0.5 * fraction;
       }
     }
     return true;
@@ -426,7 +426,7 @@ void AddCoulombFriction(StepContext& context, Optimum& optimum) noexcept {
   const double rho = context.model.rotation_length();
   // The push of soft contacts is taken as it is without friction.
   const Vec3 v = context.sub_step.target.v + optimum.push;
-  const Vec3 phi = context.sub_step.target.phi + optimum.push_turn / (rho * rho);
+  const Vec3 phi = context.sub_step.target.phi + optimum.push_torque / (rho * rho);
   Vec6 t;
   t << v, rho * phi;
   optimum.has_friction = true;

@@ -48,20 +48,20 @@ Energies::Energies(const HapticModel& model)
   acting_.reserve(all_.size());
 }
 
-double Energies::PartWithin(const Vec3& p_G, const Quat& q_WG, const Vec3& v,
-                            const Vec3& phi) const noexcept {
+double Energies::FractionWithin(const Vec3& p_G, const Quat& q_WG, const Vec3& v,
+                                const Vec3& phi) const noexcept {
   if (bur_ == nullptr) return 1.0;
   const Cutting& cutting = *model_->cutting();
   const double reach = cutting.bur.reach();
   // A hand that tilts a bur about its tip moves it little, however long the handle is.
   const Vec3 lever = q_WG * (cutting.X_TB.p - model_->reference());
-  const double way = (v + phi.cross(lever)).norm() + reach * phi.norm();
-  if (way <= bur_step_) return 1.0;
+  const double advance = (v + phi.cross(lever)).norm() + reach * phi.norm();
+  if (advance <= bur_step_) return 1.0;
   for (const CutSolid& solid : model_->solids()) {
     const Lattice& lattice = solid.grid->field().lattice();
     const Vec3 bur = solid.X_WB.Inverse() * (p_G + lever);
     const Vec3 off = (lattice.origin - bur).cwiseMax(bur - lattice.End()).cwiseMax(0.0);
-    if (off.norm() <= reach + way) return bur_step_ / way;
+    if (off.norm() <= reach + advance) return bur_step_ / advance;
   }
   return 1.0;
 }

@@ -28,9 +28,9 @@ class Energies {
   /// How far a bur's points may go in a sub-step near a solid: half of its grid's band, for farther
   /// gaps are not known; infinite without a bur [m].
   double bur_step() const { return bur_step_; }
-  /// Returns the greatest part of a step from p_G, at most 1, in which they go no farther.
-  double PartWithin(const Vec3& p_G, const Quat& q_WG, const Vec3& v,
-                    const Vec3& phi) const noexcept;
+  /// Returns the greatest fraction of a step from p_G, at most 1, in which they go no farther.
+  double FractionWithin(const Vec3& p_G, const Quat& q_WG, const Vec3& v,
+                        const Vec3& phi) const noexcept;
   /// Begins that sub-step.
   void Begin(const EnergyStart& start) noexcept;
   /// Call before each solve: collects the energies that act among these rows, and removes the rows

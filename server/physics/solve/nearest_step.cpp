@@ -21,7 +21,7 @@ Optimum NearestStep(StepContext& context, const Target& target, bool with_energi
     const Vec6 force = context.buffers().energies->force();
     optimum.is_pushed = context.buffers().energies->pushes();
     optimum.push = force.head<3>() + drag.head<3>();
-    optimum.push_turn = rho * force.tail<3>() + rho * drag.tail<3>();
+    optimum.push_torque = rho * force.tail<3>() + rho * drag.tail<3>();
   } else {
     optimum.qp = context.kernels.solve(t.data(), context.sub_step.rigid, guess, guesses);
   }

@@ -32,7 +32,8 @@ StepBounds PredictAsFits(StepContext& context, StepBounds bounds) {
   return bounds;
 }
 
-/// Returns how far from where the tool is expected a sub-step that looks ahead may end.
+/// Returns how far from where the tool is expected a sub-step whose rows are predicted there may
+/// end.
 StepBounds Reach(const StepContext& context) {
   const StepParameters& parameters = context.model.parameters();
   return {limits::kReachAhead * parameters.widest_step,
@@ -40,7 +41,7 @@ StepBounds Reach(const StepContext& context) {
 }
 
 /// Begins with the rows of the contacts of the last cycle, or of what touches if there were none.
-void BeginToLookAhead(StepContext& context) {
+void PredictContacts(StepContext& context) {
   if (context.sub_step.active.count == 0) {
     PredictAsFits(context, Reach(context));
     return;
@@ -56,33 +57,33 @@ void BeginToLookAhead(StepContext& context) {
 void PredictLeaves(StepContext& context) noexcept {
   SubStep& sub_step = context.sub_step;
   const StepParameters& parameters = context.model.parameters();
-  const bool may_look_ahead = !context.buffers().meshes && !context.buffers().energies;
-  if (!may_look_ahead) {
+  const bool may_predict_ahead = !context.buffers().meshes && !context.buffers().energies;
+  if (!may_predict_ahead) {
     sub_step.bounds = PredictAsFits(context, sub_step.bounds);
     return;
   }
   if (!sub_step.is_crowded && Predict(context, {sub_step.bounds}, false)) return;
   sub_step.bounds_before = sub_step.bounds;
   sub_step.bounds = {parameters.widest_step, parameters.max_rotation};
-  sub_step.looks_ahead = 1;
-  BeginToLookAhead(context);
+  sub_step.predictions = 1;
+  PredictContacts(context);
 }
 
-bool Foresees(StepContext& context, const Way& way) noexcept {
+bool Foresees(StepContext& context, const Advance& advance) noexcept {
   SubStep& sub_step = context.sub_step;
-  if (sub_step.looks_ahead == 0) return true;
+  if (sub_step.predictions == 0) return true;
   const StepEnds& ends = sub_step.ends;
-  if (PartWithin(ends.bounds, way.v - ends.v, way.phi - ends.phi) == 1.0) {
+  if (FractionWithin(ends.bounds, advance.v - ends.v, advance.phi - ends.phi) == 1.0) {
     sub_step.is_crowded = context.buffers().rows.count() >= limits::kFew;
     return true;
   }
-  if (sub_step.looks_ahead++ == limits::kMostLooksAhead) {
-    sub_step.looks_ahead = 0;
+  if (sub_step.predictions++ == limits::kMostPredictions) {
+    sub_step.predictions = 0;
     sub_step.bounds = PredictAsFits(context, sub_step.bounds_before);
     sub_step.is_crowded = false;
-  } else if (!Predict(context, {Reach(context), way.v, way.phi})) {
-    sub_step.bounds = {0.5 * way.v.norm(), 0.5 * way.phi.norm()};
-    BeginToLookAhead(context);
+  } else if (!Predict(context, {Reach(context), advance.v, advance.phi})) {
+    sub_step.bounds = {0.5 * advance.v.norm(), 0.5 * advance.phi.norm()};
+    PredictContacts(context);
   }
   return false;
 }

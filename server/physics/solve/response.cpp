@@ -9,10 +9,10 @@ Target TargetOf(const Vec3& p_G, const Quat& q_G, const Vec3& p_H, const Quat& q
 }
 
 Target TargetFrom(const Vec3& p_G, const Quat& q_G, const Vec3& p_H, const Quat& q_H,
-                  Vec3& turn_G) noexcept {
-  Vec3 turn = q_G * turn_G;
+                  Vec3& rotation_G) noexcept {
+  Vec3 turn = q_G * rotation_G;
   const Target target{p_H - p_G, RotationLogFrom(q_H * q_G.conjugate(), turn)};
-  turn_G = q_G.conjugate() * turn;
+  rotation_G = q_G.conjugate() * turn;
   return target;
 }
 

@@ -20,9 +20,9 @@ struct Target {
 Target TargetOf(const Vec3& p_G, const Quat& q_G, const Vec3& p_H, const Quat& q_H) noexcept;
 
 /// TargetOf with a phi that continues past half a turn, up to a full one (RotationLogFrom).
-/// @param turn_G  of the last call, in the graphic tool's frame; zero on the first; updated.
+/// @param rotation_G  of the last call, in the graphic tool's frame; zero on the first; updated.
 Target TargetFrom(const Vec3& p_G, const Quat& q_G, const Vec3& p_H, const Quat& q_H,
-                  Vec3& turn_G) noexcept;
+                  Vec3& rotation_G) noexcept;
 
 /// Returns the wrench of the spring between the tools after the graphic tool takes the step [v;
 /// phi] towards the target (chapter 2.20-2.24): F = k_t (p_G - p_H), tau = k_r Log(R_G R_H^T), in

@@ -11,32 +11,33 @@ namespace palpate {
 /// a margin.  While the same contacts hold, the step nearest to the hand moves no farther than the
 /// hand does; if it must (a ledge ends, a jump), later sub-steps have wider bounds.  Tight bounds
 /// mean few rows.  Between meshes, rotation adds nothing to the bound on translation, nor the other
-/// way round: a trial that is cut short costs only one sub-step, and a row that a wider trial asks
-/// for may block a nearer one.
+/// way round: a candidate that is cut short costs only one sub-step, and a row that a wider
+/// candidate asks for may block a nearer one.
 /// @param hand_step  what the hand moved since the last cycle
 StepBounds FirstBounds(const HapticModel& model, const Target& hand_step) noexcept;
 /// Returns bounds that are no wider than the widest, and no narrower than the separation over
-/// these: a way that short has as many near pairs as none.
+/// these: a motion that short has as many near pairs as none.
 StepBounds Clamped(const StepParameters& parameters, const StepBounds& bounds) noexcept;
 /// Returns the bounds of the next sub-step: kWiden times wider, up to the widest.  Between meshes,
-/// no wider than its looks pay for; they grow with the way.
+/// no wider than its queries pay for; they grow with its length.
 /// @param bounds  of the last sub-step
-/// @param part    of the last sub-step's trial that was free: if not all was, the next bounds are
-///                that part of the last ones
-/// @param paid    looks that the next sub-step may spend, over those that the last one spent
-StepBounds NextBounds(const StepParameters& parameters, const StepBounds& bounds, double part,
+/// @param fraction  of the last sub-step's candidate that was free: if not all was, the next bounds
+/// are
+///                  that fraction of the last ones
+/// @param paid      queries that the next sub-step may spend, over those that the last one spent
+StepBounds NextBounds(const StepParameters& parameters, const StepBounds& bounds, double fraction,
                       double paid) noexcept;
-/// Returns the greatest part of a step, at most 1, that stays inside the bounds that the prediction
-/// covers.
-double PartWithin(const StepBounds& bounds, const Vec3& v, const Vec3& phi) noexcept;
+/// Returns the greatest fraction of a step, at most 1, that stays inside the bounds that the
+/// prediction covers.
+double FractionWithin(const StepBounds& bounds, const Vec3& v, const Vec3& phi) noexcept;
 
 /// Predicts the rows between leaves.  If many come within the bounds of a rigid tool, as between
 /// smooth bodies that lie along each other, only the last cycle's contacts give rows at first:
 /// the others follow from where the tool goes (Foresees).
 void PredictLeaves(StepContext& context) noexcept;
-/// Returns whether the rows between leaves cover the end of a way.  If not, predicts those near it:
-/// the optimum must then be solved again.
-bool Foresees(StepContext& context, const Way& way) noexcept;
+/// Returns whether the rows between leaves cover the end of an advance.  If not, predicts those
+/// near it: the optimum must then be solved again.
+bool Foresees(StepContext& context, const Advance& advance) noexcept;
 
 /// Returns the step nearest to a target under the context's rigid rows and, if asked for, the
 /// energies that act beside the coupling's.  The solver's first guess is the sub-step's active
@@ -71,15 +72,16 @@ void Remember(StepContext& context, const Optimum& optimum) noexcept;
 ///
 /// If only leaves touch, the rows cover everything within the bounds.  Between meshes rows are
 /// added on violation, so a motion is made only after it was checked: the meshes are apart at its
-/// end and were apart on the way.  If rows follow the trials without success, they begin again in a
-/// trust region a quarter as wide.  If a motion is still not free in the end, it is halved until it
-/// is; the zero motion always is.  The tool counts as arrived only if the pairs that hold it touch.
-/// @param way  in: its optimum.  Out: its motion, if true; another optimum if that is freer.
-bool ClearWay(StepContext& context, Way& way) noexcept;
+/// end and were apart throughout.  If rows follow the candidates without success, they begin again
+/// in a trust region a quarter as wide.  If a motion is still not free in the end, it is halved
+/// until it is; the zero motion always is.  The tool counts as arrived only if the pairs that hold
+/// it touch.
+/// @param advance  in: its optimum.  Out: its motion, if true; another optimum if that is freer.
+bool MakeAdvance(StepContext& context, Advance& advance) noexcept;
 
-/// Writes the contacts at a way's optimum into the context's report, relative to where the way has
+/// Writes the contacts at the optimum into the context's report, relative to where the advance has
 /// taken the tool: each contact's force, the gap that its row has left there, and where it touches.
-void ReportContacts(StepContext& context, const Way& way) noexcept;
+void ReportContacts(StepContext& context, const Advance& advance) noexcept;
 
 /// Adds friction by FrictionModel::kChapter: 2.25-2.34 as written, for reproduction, once at the
 /// end of a cycle whose frictionless step has arrived.  Compares how far the equivalent contact

@@ -26,19 +26,19 @@ StepBounds FirstBounds(const HapticModel& model, const Target& hand_step) noexce
        over * (phi + across * v / rho) + limits::kLeastBounds * parameters.max_rotation});
 }
 
-StepBounds NextBounds(const StepParameters& parameters, const StepBounds& bounds, double part,
+StepBounds NextBounds(const StepParameters& parameters, const StepBounds& bounds, double fraction,
                       double paid) noexcept {
   const double by =
-      std::max(part == 1.0 ? std::min(paid, limits::kWiden) : part, limits::mesh::kNarrow);
+      std::max(fraction == 1.0 ? std::min(paid, limits::kWiden) : fraction, limits::mesh::kNarrow);
   return Clamped(parameters, {by * bounds.translation, by * bounds.rotation});
 }
 
-double PartWithin(const StepBounds& bounds, const Vec3& v, const Vec3& phi) noexcept {
+double FractionWithin(const StepBounds& bounds, const Vec3& v, const Vec3& phi) noexcept {
   const double length = v.norm(), angle = phi.norm();
-  double part = 1.0;
-  if (length > bounds.translation) part = bounds.translation / length;
-  if (angle * part > bounds.rotation) part = bounds.rotation / angle;
-  return part;
+  double fraction = 1.0;
+  if (length > bounds.translation) fraction = bounds.translation / length;
+  if (angle * fraction > bounds.rotation) fraction = bounds.rotation / angle;
+  return fraction;
 }
 
 }  // namespace palpate

@@ -32,7 +32,7 @@ struct Optimum {
   FrictionForces friction;  ///< if so: for each active row of the QP
   bool rounds = false;      ///< whether it includes the curvature of a ball's rows
   bool is_pushed = false;   ///< whether energies push
-  Vec3 push = Vec3::Zero(), push_turn = Vec3::Zero();  ///< their force and torque [m], [m^2]
+  Vec3 push = Vec3::Zero(), push_torque = Vec3::Zero();  ///< their force and torque [m], [m^2]
 
   /// Returns whether anything holds the tool.
   bool IsHeld() const { return qp.active != 0 || is_pushed; }
@@ -46,16 +46,16 @@ struct Optimum {
 };
 
 /// The result of a sub-step: the motion [v; phi] towards an optimum, as far as it was free.
-struct Way {
+struct Advance {
   Optimum optimum;
   Vec3 v = Vec3::Zero(), phi = Vec3::Zero();  ///< [m], [rad]
-  bool arrived = false;  ///< whether it reaches the optimum, and contacts hold the tool there
-  double part = 1.0;     ///< of the last trial, that the meshes allowed
+  bool arrived = false;   ///< whether it reaches the optimum, and contacts hold the tool there
+  double fraction = 1.0;  ///< of the last candidate, that the meshes allowed
 };
 
-/// How far rows between meshes are trusted in a sub-step (ClearWay).
+/// How far rows between meshes are trusted in a sub-step (MakeAdvance).
 struct TrustRegion {
-  int failures = 0;            ///< trials that were not free since the sub-step last began
+  int failures = 0;            ///< candidates that were not free since the sub-step last began
   StepBounds first{0.0, 0.0};  ///< how far the first of them went
   bool shrunk = false;         ///< whether it has been made shorter in this sub-step
 };
@@ -71,22 +71,22 @@ struct Tools {
 struct CycleCost {
   std::int64_t packet_pairs = 0;  ///< between leaves
   std::int64_t last = 0;          ///< those of the last walk of the trees
-  std::int64_t looks = 0;         ///< between meshes
+  std::int64_t queries = 0;       ///< between meshes
   int cut_queries = 0;            ///< of removing material (CutAway::queries)
   int last_cut_queries = 0;       ///< those of the last sub-step
 };
 
-/// A sub-step, from its first rows to its way.
+/// A sub-step, from its first rows to its advance.
 struct SubStep {
   StepBounds bounds{};         ///< how far it may go
   StepEnds ends{};             ///< where the rows between leaves let it end
   StepBounds bounds_before{};  ///< `bounds` before it looked ahead
-  int looks_ahead = 0;         ///< if they are predicted where it ends: how often so far
+  int predictions = 0;         ///< if they are predicted where it ends: how often so far
   Target target{};             ///< the hand, relative to where it begins
   QpRows rigid{};              ///< rows that it may not violate
   int iterates = 0;            ///< rounds so far: rows between meshes are added on violation
   TrustRegion trust{};
-  // What StepState takes over if the way is taken.
+  // What StepState takes over if the tool advances.
   ActiveIds active{};  ///< the rows of the last optimum
   bool is_crowded = false;
 };
@@ -105,14 +105,14 @@ struct StepBuffers {
         rows(model.parameters().max_rows, model.rotation_length(), !model.is_ball()) {
     if (model.tool_body() != nullptr) {
       meshes.emplace(*model.tool_body(), model.bodies(), model.parameters().max_rows,
-                     model.parameters().separation, model.parameters().looks);
+                     model.parameters().separation, model.parameters().queries);
     }
     energies.emplace(model);
     if (energies->empty()) energies.reset();
   }
   ContactPrediction prediction;
   ContactRows rows;
-  std::optional<MeshContact> meshes;  ///< if objects are felt by their meshes
+  std::optional<MeshContact> meshes;  ///< if objects are touched by their meshes
   std::optional<Energies> energies;   ///< if any can act beside the coupling
 };
 
@@ -150,8 +150,9 @@ struct StepContext {
     return 2.0 * (step_v.dot(sub_step.target.v) + rho2 * step_phi.dot(sub_step.target.phi)) -
            length2;
   }
-  /// Returns whether a step to an optimum, or a part of it, ends no farther from the hand than it
-  /// begins.  A step that stays within the reach of contact may pay for separation that it regains.
+  /// Returns whether a step to an optimum, or a fraction of it, ends no farther from the hand than
+  /// it begins.  A step that stays within the reach of contact may pay for separation that it
+  /// regains.
   bool Approaches(const Optimum& optimum, const Vec3& v, const Vec3& phi) const {
     const MeshContact& contact = *buffers_.meshes;
     const double length = v.norm() + contact.meshes.a.mesh.reach() * phi.norm();
@@ -161,7 +162,7 @@ struct StepContext {
   }
   /// Sets the target: the hand relative to the tool.
   void Aim() {
-    sub_step.target = TargetFrom(tools.p_G, tools.q_G, tools.p_H, tools.q_H, state_.turn_G);
+    sub_step.target = TargetFrom(tools.p_G, tools.q_G, tools.p_H, tools.q_H, state_.rotation_G);
   }
   /// Returns the spring's wrench after the tool has made a step towards the target.
   Wrench WrenchAfter(const Vec3& step_v, const Vec3& step_phi) const {
@@ -181,7 +182,7 @@ struct StepContext {
   Tools tools;
   CycleCost cost;
   SubStep sub_step;
-  FrictionState friction;  ///< with friction: what the state takes over if the way is taken
+  FrictionState friction;  ///< with friction: what the state takes over if the tool advances
   Outcome outcome;
 
  private:

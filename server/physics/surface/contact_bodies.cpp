@@ -120,7 +120,7 @@ std::optional<std::uint32_t> FaceAt(const ContactShape& shape, const Vec3& p, co
   return std::nullopt;
 }
 
-bool IsFeltByMesh(const PlacedTree& object) {
+bool TouchesByMesh(const PlacedTree& object) {
   return !object.is_cut &&
          std::none_of(object.materials.begin(), object.materials.end(),
                       [](const Material& m) { return std::isfinite(m.stiffness); });
@@ -134,7 +134,7 @@ std::vector<ContactBody> MakeBodies(std::span<const PlacedTree> objects) {
   for (const PlacedTree& object : objects) {
     const std::int32_t first_leaf = leaves;
     leaves += static_cast<std::int32_t>(object.tree->leaves());
-    if (!IsFeltByMesh(object)) continue;
+    if (!TouchesByMesh(object)) continue;
     if (object.mesh == nullptr || object.mesh->triangles.empty() ||
         object.tree->leaf_triangle.empty()) {
       throw Error(

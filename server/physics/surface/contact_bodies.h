@@ -17,7 +17,7 @@ namespace palpate {
 
 /// Returns whether an object's contact is decided by its mesh, which is so if it is rigid.  A soft
 /// object has a compliance for each leaf, so its leaves decide.
-bool IsFeltByMesh(const PlacedTree& object);
+bool TouchesByMesh(const PlacedTree& object);
 
 /// A body's geometry as contact sees it: triangles with a tree over them, in the body's frame.
 struct ContactShape {
@@ -80,7 +80,7 @@ struct MovingBody : ContactShape {
   std::optional<HullTree::Node> shank = tree.root();
 };
 
-/// Makes a body of each object that is felt by its mesh.  Throws Error if such an object has no
+/// Makes a body of each object that is touched by its mesh.  Throws Error if such an object has no
 /// mesh.
 std::vector<ContactBody> MakeBodies(std::span<const PlacedTree> objects);
 

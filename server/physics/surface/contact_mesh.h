@@ -18,7 +18,7 @@ void ReserveEach(std::size_t count, Vectors&... vectors) {
 
 /// The triangles that decide a body's contact, with the features that can touch (faces, edges and
 /// vertices) and, for each feature, the cone of normals along which it can touch.  The mesh is used
-/// as it is and felt from both sides; open, folded and non-manifold meshes need no special case.
+/// as it is and touched from both sides; open, folded and non-manifold meshes need no special case.
 ///
 /// The normal cone of an edge or vertex is the set of unit directions n, pointing away from the
 /// mesh, from which it can be the nearest place of the mesh, because no path along the mesh leads

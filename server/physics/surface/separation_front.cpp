@@ -35,7 +35,7 @@ void SeparationFront::Restart(const MovingBody& a, std::span<const ContactBody> 
   expiry_.assign((slots + 7) / 8, kUnused);
   gate_.assign(slots / 2, kNever);
   unused_.clear();
-  way_ = 0.0;
+  path_ = 0.0;
   epoch_ = 0;
   epochs_[0] = {at.p, at.q, at.R, 0.0};
   since_.fill(EpochMotion{});
@@ -59,8 +59,8 @@ double SeparationFront::Move(const RelativePose& at, double reach) {
   const Epoch& before = now();
   const double angle = RotationLog(at.q * before.q.conjugate()).norm();
   const double turned = before.turned + angle;
-  const double way = (at.p - before.p).norm() + reach * angle;
-  way_ += way;
+  const double path = (at.p - before.p).norm() + reach * angle;
+  path_ += path;
   ++epoch_;
   epochs_[epoch_ % kPlaneEpochs] = {at.p, at.q, at.R, turned};
   for (std::size_t e = 0; e < kPlaneEpochs; ++e) {
@@ -72,7 +72,7 @@ double SeparationFront::Move(const RelativePose& at, double reach) {
     }
     motion.turned = turned - then.turned;
   }
-  return way;
+  return path;
 }
 
 void SeparationFront::Refresh(const Kernels& kernels, const Index* slots, int count, int first,
@@ -84,7 +84,7 @@ void SeparationFront::Refresh(const Kernels& kernels, const Index* slots, int co
     const auto slot = static_cast<std::size_t>(slots[i]);
     planes_[slot].slack = out.slack[first + i];
     epoch_of_[slot] = epoch_;
-    ExpiryOf(slots[i]) = way_ + out.slack[first + i];
+    ExpiryOf(slots[i]) = path_ + out.slack[first + i];
   }
 }
 
@@ -93,7 +93,7 @@ void SeparationFront::Set(Index i, const Vec3& n, double slack) {
   for (int c = 0; c < 3; ++c) plane.n[c] = n[c];
   plane.slack = slack;
   epoch_of_[static_cast<std::size_t>(i)] = epoch_;
-  ExpiryOf(i) = way_ + slack;
+  ExpiryOf(i) = path_ + slack;
 }
 
 SeparationFront::Index SeparationFront::Split(Index i, const HullTree& tree_a,
@@ -120,7 +120,7 @@ SeparationFront::Index SeparationFront::Split(Index i, const HullTree& tree_a,
     Set(child + side, n, slack);
   }
   whole.child = child;
-  planes_[static_cast<std::size_t>(i)].slack = GateOf(child) = way_;
+  planes_[static_cast<std::size_t>(i)].slack = GateOf(child) = path_;
   ExpiryOf(i) = GateOf(i) = kNever;
   return child;
 }
@@ -163,7 +163,7 @@ SeparationFront::Index SeparationFront::NextMergeable() {
       next_merged_ = 0;
       return -1;
     }
-    if (GateOf(next_merged_) > way_) continue;
+    if (GateOf(next_merged_) > path_) continue;
     return pair(next_merged_).parent;
   }
   return -1;
@@ -176,7 +176,7 @@ bool SeparationFront::IsSound(const MovingBody& a, std::span<const ContactBody> 
       count < RootSlots() || count % 2 != 0 || planes_.size() != count ||
       epoch_of_.size() != count || expiry_.size() != (count + 7) / 8 || gate_.size() != count / 2 ||
       next_merged_ < 0 || next_merged_ % 2 != 0 ||
-      static_cast<std::size_t>(next_merged_) >= count || !(way_ >= 0.0)) {
+      static_cast<std::size_t>(next_merged_) >= count || !(path_ >= 0.0)) {
     return false;
   }
   // What NextMergeable and the search for expired planes must not meet.

@@ -54,20 +54,20 @@ class SeparationFront {
   void Restart(const MovingBody& a, std::span<const ContactBody> b, const RelativePose& at,
                std::optional<HullTree::Node> for_solids = std::nullopt);
   /// Moves A to `at`.  `reach`: distance of its farthest point from the reference point [m].
-  /// Returns an upper bound on the way of that point [m].
+  /// Returns an upper bound on the path of that point [m].
   double Move(const RelativePose& at, double reach);
 
   const Pair& pair(Index i) const { return pairs_[static_cast<std::size_t>(i)]; }
   /// The plane of a pair, with the slack that it had when last set or refreshed; if the slack is
-  /// not positive, no plane is known.  For an open pair, `slack` is the way from which on a
+  /// not positive, no plane is known.  For an open pair, `slack` is the path from which on a
   /// merge may be tried.
   const PlaneRecord& plane(Index i) const { return planes_[static_cast<std::size_t>(i)]; }
   Vec3 Normal(Index i) const { return Vec3::Map(plane(i).n); }
-  /// For each slot, the way at which its plane may be used up; infinite for pairs that
+  /// For each slot, the path at which its plane may be used up; infinite for pairs that
   /// are open or unused.
   const double* expiry() const { return expiry_.empty() ? nullptr : expiry_[0].v; }
-  /// Way of A's farthest point so far [m], to compare with `expiry`.
-  double way() const { return way_; }
+  /// Path of A's farthest point so far [m], to compare with `expiry`.
+  double path() const { return path_; }
   const Epoch& now() const { return epochs_[epoch_ % kPlaneEpochs]; }
   /// Returns whether the pose at which a pair's slack was last known is still stored.  If not, the
   /// pair must be set before it can be refreshed.
@@ -121,9 +121,9 @@ class SeparationFront {
   /// Returns the next mergeable pair that RetryAfter does not put off, in turn; -1 at the end of a
   /// round, or if the next few dozen places hold none.
   Index NextMergeable();
-  /// Lets an open pair not be tried again before the way has grown by this [m].
-  void RetryAfter(Index i, double way) {
-    planes_[static_cast<std::size_t>(i)].slack = way_ + way;
+  /// Lets an open pair not be tried again before the path has grown by this [m].
+  void RetryAfter(Index i, double path) {
+    planes_[static_cast<std::size_t>(i)].slack = path_ + path;
     SetGate(i);
   }
 
@@ -150,7 +150,7 @@ class SeparationFront {
     for (auto& motion : front.since_) visit(motion);
     visit(front.epoch_);
     visit(front.roots_);
-    visit(front.way_);
+    visit(front.path_);
     visit(front.next_merged_);
   }
   /// Returns whether the pairs are a forest of nodes that there are, with one root for each body,
@@ -177,7 +177,7 @@ class SeparationFront {
   std::vector<PlaneRecord> planes_;      ///< for each pair
   std::vector<std::uint32_t> epoch_of_;  ///< for each pair: the epoch of its slack
   std::vector<Eight> expiry_;            ///< infinite for pairs that are open or unused
-  /// For each two siblings, the way from which on NextMergeable returns their parent; infinite if
+  /// For each two siblings, the path from which on NextMergeable returns their parent; infinite if
   /// not both are in the front.  In an array of its own, because the search skips most of them.
   std::vector<double> gate_;
   std::vector<Index> unused_;  ///< the first of each two
@@ -185,7 +185,7 @@ class SeparationFront {
   std::array<EpochMotion, kPlaneEpochs> since_;  ///< from each epoch until now
   std::uint32_t epoch_ = 0;
   Index roots_ = 0;
-  double way_ = 0.0;
+  double path_ = 0.0;
   Index next_merged_ = 0;
 };
 

@@ -28,7 +28,7 @@ TEST(RunForked, TellsWhatItsWorkTellsAndThatItFinished) {
       60.0);
   EXPECT_TRUE(end.finished);
   EXPECT_EQ(end.how, "");
-  EXPECT_THAT(end.told, ElementsAre("one", "", std::string(100'000, 'x')));
+  EXPECT_THAT(end.lines, ElementsAre("one", "", std::string(100'000, 'x')));
   EXPECT_EQ(here, 0) << "another process";
 }
 
@@ -47,7 +47,7 @@ TEST(RunForked, NamesTheForeignCallOfTheThreadThatCrashes) {
   for (const int signal : {SIGSEGV, SIGABRT, SIGFPE}) {
     const ForkedEnd end = RunForked(in_a_thread(signal), 60.0);
     EXPECT_FALSE(end.finished);
-    EXPECT_THAT(end.told, ElementsAre("before"));
+    EXPECT_THAT(end.lines, ElementsAre("before"));
     EXPECT_THAT(end.how, HasSubstr("theirs crashed")) << signal;
   }
   EXPECT_THAT(RunForked([](const Tell&) { std::abort(); }, 60.0).how, HasSubstr("crashed"));

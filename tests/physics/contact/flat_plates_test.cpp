@@ -156,7 +156,7 @@ TEST(FlatPlate, HoldsEachCornerOfABoxWithFrictionByOneRow) {
     const ContactBody object{std::make_shared<const ContactShape>(ContactMesh(plate)),
                              PlacementOf({})};
     MeshContact contact(tool, {&object, 1}, kRows, limits::mesh::kSeparation,
-                        limits::mesh::kMaxLooks);
+                        limits::mesh::kMaxQueries);
     for (int i = 0; i < 5; ++i) {
       SeparationFront front;
       ContactRows rows(kRows, 0.03);
@@ -169,7 +169,7 @@ TEST(FlatPlate, HoldsEachCornerOfABoxWithFrictionByOneRow) {
       for (const RelativePose& from : {RelativePose(at.p + higher * Vec3::UnitY(), tips), at}) {
         rows.Clear();
         BeginSubStep(contact, ActiveKernels(), front, from, {}, First::kAllCorners,
-                     limits::mesh::kMaxLooks, rows);
+                     limits::mesh::kMaxQueries, rows);
         EndSubStep(contact, true);
       }
       // Within an edge, a vertex of others ends faces, and is held, too.

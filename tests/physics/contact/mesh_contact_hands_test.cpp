@@ -102,16 +102,16 @@ const Case kCases[] = {
 
 TEST(MeshContactHands, KeepOutArriveAndSettleWithoutJumpsThatNothingExplains) {
   for (const Case& c : kCases) {
-    test::HandTrial trial;
-    trial.last_seed = 2;
-    trial.steps = 800;
-    trial.checks.quarter_steps = false;
-    trial.limits = {.meeting_fraction = 0.0,
-                    .depth = 0.0,
-                    .arrived_fraction = 0.99,
-                    .unexplained = 0,
-                    .settled_50ms = 1.0};
-    EXPECT_EQ(TryHands(c.make(), trial), "") << c.name;
+    test::HandTrial candidate;
+    candidate.last_seed = 2;
+    candidate.steps = 800;
+    candidate.checks.quarter_steps = false;
+    candidate.limits = {.meeting_fraction = 0.0,
+                        .depth = 0.0,
+                        .arrived_fraction = 0.99,
+                        .unexplained = 0,
+                        .settled_50ms = 1.0};
+    EXPECT_EQ(TryHands(c.make(), candidate), "") << c.name;
   }
 }
 
@@ -166,8 +166,8 @@ TEST(MeshContactHands, AreNotHeldByPairsWhoseNeighbourTouches) {
 }
 
 // The same with triangles that are small relative to the motion of a cycle, so contacts change all
-// the time.  With one ball's mesh on another, a trial that is free without the non-touching planes
-// may itself be held by such planes.
+// the time.  With one ball's mesh on another, a candidate that is free without the non-touching
+// planes may itself be held by such planes.
 TEST(MeshContactHands, ArriveOnFineMeshes) {
   struct Fine {
     const char* name;
@@ -210,12 +210,12 @@ TEST(MeshContactHands, ComeToRestOnCrumplesThatHardlyStandOut) {
                          },
                          0.04}};
   for (const Case& c : cases) {
-    test::HandTrial trial;
-    trial.last_seed = 4;
-    trial.steps = 800;
-    trial.checks = {.oracle_every = 0, .converge_every = 0, .settle_every = 20};
-    trial.limits = {.settled_50ms = 1.0};
-    EXPECT_EQ(TryHands(c.make(), trial), "") << c.name;
+    test::HandTrial candidate;
+    candidate.last_seed = 4;
+    candidate.steps = 800;
+    candidate.checks = {.oracle_every = 0, .converge_every = 0, .settle_every = 20};
+    candidate.limits = {.settled_50ms = 1.0};
+    EXPECT_EQ(TryHands(c.make(), candidate), "") << c.name;
   }
 }
 
@@ -229,7 +229,7 @@ TEST(MeshContactHands, ArriveOnceTheHandStandsStill) {
       MeshScene(MakeCrumpled(40, 0.02, 0.001, 9), MakeBlock(60, 0.04, 0.02, Waves(0.004, 0.04)));
   const Scene crumple =
       MeshScene(MakeCrumpled(6, 0.02, 0.004, 9), MakeCrumpled(12, 0.04, 0.006, 7));
-  // Each trial brings new rows, in an endless cycle.
+  // Each candidate brings new rows, in an endless cycle.
   const auto terraces = [](std::uint64_t seed) {
     return MeshScene(MakeTerraced(0.04, 5120, seed), MakeTerraced(0.04, 5120, seed + 100));
   };
@@ -345,8 +345,8 @@ TEST(MeshContactHands, NeverBringMeshesIntoEachOtherHoweverWild) {
   }
 }
 
-// A tool that lags rests at a free pose, whatever the rows made for trials elsewhere say: the force
-// may not exceed what the spring gives there.
+// A tool that lags rests at a free pose, whatever the rows made for candidates elsewhere say: the
+// force may not exceed what the spring gives there.
 TEST(MeshContactHands, GetNoMoreForceThanTheSpringHas) {
   for (const Case& c : kCases) {
     Scene scene = c.make();

@@ -84,7 +84,7 @@ struct Touch {
 TEST(MeshContact, HasNoGapThroughWhichABallCanFall) {
   Touch touch(MakeScene(BallBody(0.001), Box(Vec3::Constant(0.05))), Vec3(0.0, 0.0, 0.05));
   Random random(3);
-  for (int trial = 0; trial < 40; ++trial) {
+  for (int candidate = 0; candidate < 40; ++candidate) {
     const Vec3 from = 0.06 * random.Direction();
     touch.state = StepState(touch.model);
     touch.state.X_WG.p = touch.state.X_WH.p = from;
@@ -92,7 +92,7 @@ TEST(MeshContact, HasNoGapThroughWhichABallCanFall) {
       // To the cube's centre at 0.2 m/s.
       touch.Step({from * (1.0 - i / 300.0), Quat::Identity()});
       const Vec3 out = (touch.state.X_WG.p.cwiseAbs().array() - 0.025).matrix().cwiseMax(0.0);
-      ASSERT_GE(out.norm(), 0.001) << "trial " << trial << ", step " << i;
+      ASSERT_GE(out.norm(), 0.001) << "candidate " << candidate << ", step " << i;
     }
   }
 }
@@ -219,8 +219,8 @@ TEST(MeshContact, GivesNoGhostForceOverNeedles) {
 
 TEST(MeshContact, GivesNoGhostForceOfAFacetedBallOnAFlatGrid) {
   Random random(61);
-  for (int trial = 0; trial < (test::kOptimised ? 12 : 3); ++trial) {
-    SCOPED_TRACE(testing::Message() << "trial " << trial);
+  for (int candidate = 0; candidate < (test::kOptimised ? 12 : 3); ++candidate) {
+    SCOPED_TRACE(testing::Message() << "candidate " << candidate);
     const Quat q = random.Rotation();
     const Vec3 over(random.Uniform(-0.01, 0.01), random.Uniform(-0.01, 0.01), 0.0155);
     Touch touch(MakeScene(MakeMeshBody("ball", MakeSphere(0.015, 320)),
@@ -464,7 +464,7 @@ TEST(MeshContact, ResistsATurnBeyondHalfATurnTheSameWay) {
   }
   EXPECT_EQ(report.wrench.torque, Vec3::Zero());
   EXPECT_EQ(report.faults, 0u);
-  EXPECT_EQ(touch.state.turn_G, Vec3::Zero());
+  EXPECT_EQ(touch.state.rotation_G, Vec3::Zero());
 }
 
 TEST(MeshContact, SlidesIntoAConcaveEdgeAndIsHeldByBothFaces) {
@@ -500,7 +500,7 @@ TEST(MeshContact, GoesOnWithWideBoundsWhereItHasFallenBehind) {
   EXPECT_NEAR(report.X_WG.p.x(), 0.02, 1e-9);
 }
 
-// Half of the ball lies within 0.2 mm of its socket: a long trial costs more looks than a cycle
+// Half of the ball lies within 0.2 mm of its socket: a long candidate costs more looks than a cycle
 // has.
 TEST(MeshContact, ArrivesInASocketWithinTwoHundredCyclesOfAHandThatRests) {
   TriangleMesh socket = MakeSphere(0.0151, 5120);
@@ -539,10 +539,10 @@ TEST(MeshContact, BeginsOutsideWhereverTheHandDoes) {
     // With whole trees, which the search for a start pose follows.
     Touch touch(test::MakeScene(c.tool, 64, c.object, 64, ContactModel::kSurface), Vec3::Zero());
     Random random(62);
-    for (int trial = 0; trial < 20; ++trial) {
+    for (int candidate = 0; candidate < 20; ++candidate) {
       const Pose X{random.InCube(0.03), random.Rotation()};
       const StartPose start = ResolveStart(touch.model, X, touch.workspace);
-      EXPECT_FALSE(touch.oracle.Meet(start.X_WG)) << "trial " << trial;
+      EXPECT_FALSE(touch.oracle.Meet(start.X_WG)) << "candidate " << candidate;
       touch.state = StepState(touch.model);
       touch.state.X_WG = start.X_WG;
       touch.state.X_WH = X;

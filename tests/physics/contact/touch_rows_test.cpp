@@ -1,5 +1,5 @@
-// Compares rows between meshes with gaps in closed form: near the trial it was made for, a row must
-// match the contact's geometry.
+// Compares rows between meshes with gaps in closed form: near the candidate it was made for, a row
+// must match the contact's geometry.
 #include <functional>
 #include <memory>
 #include <span>
@@ -45,7 +45,7 @@ void ExpectRowsLike(const TriangleMesh& tool_mesh, const TriangleMesh& object_me
                            PlacementOf({})};
   constexpr int kRows = 64;
   MeshContact contact(tool, {&object, 1}, kRows, limits::mesh::kSeparation,
-                      limits::mesh::kMaxLooks);
+                      limits::mesh::kMaxQueries);
   Random random(3);
   for (int i = 0; i < 20; ++i) {
     SeparationFront front;
@@ -61,9 +61,9 @@ void ExpectRowsLike(const TriangleMesh& tool_mesh, const TriangleMesh& object_me
     const Vec3 phi = 6e-3 * random.InCube(1.0);
     Vec3 v = 1e-5 * random.InCube(1.0);
     v.z() -= gap(at.p + v, RotationExp(phi) * at.R) + 40e-6;
-    BeginSubStep(contact, ActiveKernels(), front, at, {}, First::kActive, limits::mesh::kMaxLooks,
+    BeginSubStep(contact, ActiveKernels(), front, at, {}, First::kActive, limits::mesh::kMaxQueries,
                  rows);
-    ASSERT_FALSE(CheckTrial(contact, v, phi, rows));
+    ASSERT_FALSE(CheckCandidate(contact, v, phi, rows));
     ASSERT_GT(rows.count(), 0);
     const auto exact = [&](const Vec3& dv, const Vec3& dphi) {
       return gap(at.p + v + dv, RotationExp(phi + dphi) * at.R);

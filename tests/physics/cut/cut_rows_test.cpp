@@ -88,117 +88,121 @@ struct Trial {
 };
 
 TEST(CutRows, RowOfASampleIsTheDistanceAheadOfIt) {
-  Trial trial;
-  trial.bur = Vec3(0, 0, kRadius + 10e-6);
-  trial.Build();
-  ASSERT_GT(trial.rows.count(), 0);
-  for (int i = 0; i < trial.rows.count(); ++i) {
-    const Vec3 n = trial.Normal(i);
+  Trial candidate;
+  candidate.bur = Vec3(0, 0, kRadius + 10e-6);
+  candidate.Build();
+  ASSERT_GT(candidate.rows.count(), 0);
+  for (int i = 0; i < candidate.rows.count(); ++i) {
+    const Vec3 n = candidate.Normal(i);
     EXPECT_LT(n.z(), 0.0);  // samples that face up have nothing ahead
     // From the sample along n to the face.
-    EXPECT_NEAR(-trial.rows.yielding.rows.b[i], (trial.bur + kRadius * n).z() / -n.z(), 1e-8);
+    EXPECT_NEAR(-candidate.rows.yielding.rows.b[i], (candidate.bur + kRadius * n).z() / -n.z(),
+                1e-8);
     const double area = 4.0 * kPi * kRadius * kRadius / 256;
-    EXPECT_NEAR(trial.rows.area()[i], area, 1e-4 * area);
-    EXPECT_NEAR(trial.rows.yielding.threshold[i], trial.rows.area()[i] * 2e6 / kStiffness, 1e-15);
-    EXPECT_NEAR(trial.rows.yielding.weight[i], trial.rows.area()[i] * 0.5e9 / 1e-3 / kStiffness,
-                1e-12);
+    EXPECT_NEAR(candidate.rows.area()[i], area, 1e-4 * area);
+    EXPECT_NEAR(candidate.rows.yielding.threshold[i], candidate.rows.area()[i] * 2e6 / kStiffness,
+                1e-15);
+    EXPECT_NEAR(candidate.rows.yielding.weight[i],
+                candidate.rows.area()[i] * 0.5e9 / 1e-3 / kStiffness, 1e-12);
     // A ball about its own centre has no lever.
-    for (std::size_t r = 3; r < 6; ++r) EXPECT_NEAR(trial.rows.yielding.rows.a[r][i], 0.0, 1e-12);
+    for (std::size_t r = 3; r < 6; ++r)
+      EXPECT_NEAR(candidate.rows.yielding.rows.a[r][i], 0.0, 1e-12);
   }
 }
 
 TEST(CutRows, TurnsAboutTheReference) {
-  Trial trial;
-  trial.bur = Vec3(0, 0, kRadius);
+  Trial candidate;
+  candidate.bur = Vec3(0, 0, kRadius);
   const Vec3 reference(0.01, 0.02, 0.05);
-  trial.rows.AddSolid(
-      {trial.samples, {trial.bur, Quat::Identity()}, reference, kStiffness, 0.03, 1e-3}, trial.cut,
-      trial.X_WB, trial.materials);
-  ASSERT_GT(trial.rows.count(), 0);
-  for (int i = 0; i < trial.rows.count(); ++i) {
-    const Vec3 n = trial.Normal(i);
-    const Vec3 turn(-trial.rows.yielding.rows.a[3][i], -trial.rows.yielding.rows.a[4][i],
-                    -trial.rows.yielding.rows.a[5][i]);
-    EXPECT_LT((turn - (trial.bur + kRadius * n - reference).cross(n) / 0.03).norm(), 1e-9);
+  candidate.rows.AddSolid(
+      {candidate.samples, {candidate.bur, Quat::Identity()}, reference, kStiffness, 0.03, 1e-3},
+      candidate.cut, candidate.X_WB, candidate.materials);
+  ASSERT_GT(candidate.rows.count(), 0);
+  for (int i = 0; i < candidate.rows.count(); ++i) {
+    const Vec3 n = candidate.Normal(i);
+    const Vec3 turn(-candidate.rows.yielding.rows.a[3][i], -candidate.rows.yielding.rows.a[4][i],
+                    -candidate.rows.yielding.rows.a[5][i]);
+    EXPECT_LT((turn - (candidate.bur + kRadius * n - reference).cross(n) / 0.03).norm(), 1e-9);
   }
 }
 
 TEST(CutRows, PlungeHasTheLawsForceAndWork) {
   const double disc = kPi * kRadius * kRadius;
   for (const double dt : {1e-3, 0.25e-3}) {
-    Trial trial(50e-6, 1024);
-    trial.dt = dt;
-    Vec3 hand = trial.bur;
-    const double whole = test::TotalLeft(trial.cut);
+    Trial candidate(50e-6, 1024);
+    candidate.dt = dt;
+    Vec3 hand = candidate.bur;
+    const double whole = test::TotalLeft(candidate.cut);
     double rows_volume = 0.0, work = 0.0, law_work = 0.0, worst_change = 0.0;
-    while (trial.bur.z() > -0.4e-3) {
+    while (candidate.bur.z() > -0.4e-3) {
       hand.z() -= 2e-3 * dt;
-      const double z = trial.bur.z(), force = trial.force.z();
-      const test::CutOfRows step = trial.Step(hand);
+      const double z = candidate.bur.z(), force = candidate.force.z();
+      const test::CutOfRows step = candidate.Step(hand);
       rows_volume += step.volume;
       if (z > 0.0) continue;
       // The half sphere ahead at speed u: p0 pi R^2 + kappa u 2/3 pi R^2.
-      const double law = disc * (2e6 + 0.5e9 * (z - trial.bur.z()) / dt * 2.0 / 3.0);
-      EXPECT_NEAR(trial.force.z(), law, 0.005 * law);
-      worst_change = std::max(worst_change, std::abs(trial.force.z() - force) * 1e-3 / dt);
+      const double law = disc * (2e6 + 0.5e9 * (z - candidate.bur.z()) / dt * 2.0 / 3.0);
+      EXPECT_NEAR(candidate.force.z(), law, 0.005 * law);
+      worst_change = std::max(worst_change, std::abs(candidate.force.z() - force) * 1e-3 / dt);
       work += kStiffness * step.work;
-      law_work += law * (z - trial.bur.z());
+      law_work += law * (z - candidate.bur.z());
     }
     EXPECT_LT(worst_change, 0.004);
-    const double removed = whole - test::TotalLeft(trial.cut);
+    const double removed = whole - test::TotalLeft(candidate.cut);
     EXPECT_NEAR(rows_volume, removed, 0.01 * removed);
     EXPECT_NEAR(work, law_work, 0.005 * law_work);
   }
 }
 
 TEST(CutRows, VolumeOfRowsIsThatOfTheGridAlsoBesideAnOlderCut) {
-  Trial trial;
-  const Pose X_BW = trial.X_WB.Inverse();
+  Trial candidate;
+  const Pose X_BW = candidate.X_WB.Inverse();
   for (int n = 0; n < 100; ++n) {
-    trial.cut.Remove(Bur::Ball(kRadius),
-                     X_BW * Pose{Vec3(-0.9e-3 + 18e-6 * n, 0.3e-3, -0.05e-3), {}},
-                     X_BW.q * Vec3(18e-6, 0, 0));
+    candidate.cut.Remove(Bur::Ball(kRadius),
+                         X_BW * Pose{Vec3(-0.9e-3 + 18e-6 * n, 0.3e-3, -0.05e-3), {}},
+                         X_BW.q * Vec3(18e-6, 0, 0));
   }
   Vec3 hand(-0.6e-3, 0, kRadius + 10e-6);
-  trial.bur = hand;
-  const double older = test::TotalLeft(trial.cut);
+  candidate.bur = hand;
+  const double older = test::TotalLeft(candidate.cut);
   double rows_volume = 0.0;
   while (hand.x() < 0.6e-3) {
     (hand.z() > -0.4e-3 ? hand.z() : hand.x()) += hand.z() > -0.4e-3 ? -2e-6 : 3e-6;
-    rows_volume += trial.Step(hand).volume;
+    rows_volume += candidate.Step(hand).volume;
   }
-  const double removed = older - test::TotalLeft(trial.cut);
+  const double removed = older - test::TotalLeft(candidate.cut);
   EXPECT_NEAR(rows_volume, removed, 0.02 * removed);
 }
 
 TEST(CutRows, BelowTheThresholdABurRests) {
-  Trial trial;
-  const double whole = test::TotalLeft(trial.cut);
+  Trial candidate;
+  const double whole = test::TotalLeft(candidate.cut);
   const Vec3 on_face(0, 0, kRadius - 20e-6);
-  trial.bur = on_face;
-  trial.Step(on_face);  // cuts its own hollow
-  for (int n = 0; n < 300; ++n) trial.Step(on_face + Vec3(0, 0, -0.3e-3));
+  candidate.bur = on_face;
+  candidate.Step(on_face);  // cuts its own hollow
+  for (int n = 0; n < 300; ++n) candidate.Step(on_face + Vec3(0, 0, -0.3e-3));
   // 0.3 N at p0 is an area of 0.15 mm^2: the bur comes to rest in a cap of height A / (2 pi R).
-  const double rest = trial.bur.z();
+  const double rest = candidate.bur.z();
   EXPECT_NEAR(kRadius - rest, 0.0, 0.2e-3);
-  for (int n = 0; n < 1000; ++n) trial.Step(on_face + Vec3(0, 0, -0.3e-3));
-  EXPECT_NEAR(trial.bur.z(), rest, 1e-6);
-  const double before = test::TotalLeft(trial.cut), at = trial.bur.z();
-  for (int n = 0; n < 1000; ++n) trial.Step(Vec3(0, 0, at - 0.1e-3));
-  EXPECT_NEAR(trial.bur.z(), at, 1e-9);
-  EXPECT_LT(before - test::TotalLeft(trial.cut), 1e-6 * (whole - before));
+  for (int n = 0; n < 1000; ++n) candidate.Step(on_face + Vec3(0, 0, -0.3e-3));
+  EXPECT_NEAR(candidate.bur.z(), rest, 1e-6);
+  const double before = test::TotalLeft(candidate.cut), at = candidate.bur.z();
+  for (int n = 0; n < 1000; ++n) candidate.Step(Vec3(0, 0, at - 0.1e-3));
+  EXPECT_NEAR(candidate.bur.z(), at, 1e-9);
+  EXPECT_LT(before - test::TotalLeft(candidate.cut), 1e-6 * (whole - before));
 }
 
 TEST(CutRows, EachSampleHasTheMaterialThatLiesAheadOfIt) {
-  Trial trial(50e-6, 256, [](const Vec3& p_W) { return std::uint8_t(p_W.x() > 0.0 ? 1 : 0); });
-  trial.bur = Vec3(0, 0, -0.3e-3);
-  trial.Step(trial.bur);
-  trial.Build();
-  ASSERT_GT(trial.rows.count(), 200);
-  for (int i = 0; i < trial.rows.count(); ++i) {
-    const double x = trial.Normal(i).x() * (kRadius + 25e-6);
+  Trial candidate(50e-6, 256, [](const Vec3& p_W) { return std::uint8_t(p_W.x() > 0.0 ? 1 : 0); });
+  candidate.bur = Vec3(0, 0, -0.3e-3);
+  candidate.Step(candidate.bur);
+  candidate.Build();
+  ASSERT_GT(candidate.rows.count(), 200);
+  for (int i = 0; i < candidate.rows.count(); ++i) {
+    const double x = candidate.Normal(i).x() * (kRadius + 25e-6);
     if (std::abs(x) < 45e-6) continue;
-    const double pressure = trial.rows.yielding.threshold[i] * kStiffness / trial.rows.area()[i];
+    const double pressure =
+        candidate.rows.yielding.threshold[i] * kStiffness / candidate.rows.area()[i];
     EXPECT_NEAR(pressure, x > 0.0 ? kSoft.cutting_pressure : kHard.cutting_pressure, 1.0);
   }
 }
@@ -206,29 +210,29 @@ TEST(CutRows, EachSampleHasTheMaterialThatLiesAheadOfIt) {
 TEST(CutRows, NoHandGetsWorkOutOfTheMaterial) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     Random random(seed);
-    Trial trial(100e-6, 64);
-    Vec3 hand = trial.bur, towards = hand;
+    Trial candidate(100e-6, 64);
+    Vec3 hand = candidate.bur, towards = hand;
     for (int n = 0; n < 1500; ++n) {
       if (n % 50 == 0) towards = Vec3(0, 0, -0.2e-3) + random.InCube(0.5e-3);
       hand += 0.03 * (towards - hand);
-      const Vec3 before = trial.bur;
-      const test::CutOfRows step = trial.Step(hand);  // expects non-negative work
+      const Vec3 before = candidate.bur;
+      const test::CutOfRows step = candidate.Step(hand);  // expects non-negative work
       // The work against the force on the tool agrees up to rounding.
-      const double work = -trial.force.dot(trial.bur - before);
+      const double work = -candidate.force.dot(candidate.bur - before);
       EXPECT_GE(work, -1e-12) << n;
       EXPECT_NEAR(work, kStiffness * step.work, 1e-12) << n;
     }
-    EXPECT_GT(trial.cut.changes(), 0u);
+    EXPECT_GT(candidate.cut.changes(), 0u);
   }
 }
 
 TEST(CutRows, BuildsWithoutAskingForMemory) {
-  Trial trial;
-  trial.bur = Vec3::Zero();
+  Trial candidate;
+  candidate.bur = Vec3::Zero();
   const std::uint64_t before = test::AllocationsOfThisThread();
-  trial.Build();
+  candidate.Build();
   EXPECT_EQ(test::AllocationsOfThisThread(), before);
-  EXPECT_GT(trial.rows.count(), 0);
+  EXPECT_GT(candidate.rows.count(), 0);
 }
 
 }  // namespace

@@ -211,12 +211,13 @@ TEST_F(Spin, ADeadTipStopsWhatTheSideCuts) {
   EXPECT_NEAR(Cut(), rounded * 0.4e-3, 0.02 * rounded * 0.4e-3);
 }
 
-// 240 teeth per second: in 50 ms the force oscillates twelve times about its value without hum.
-TEST_F(Spin, AHumShakesTheHandleAsTeethPassAndMovesNothing) {
+// 240 teeth per second: in 50 ms the force oscillates twelve times about its value without
+// vibration.
+TEST_F(Spin, AVibrationShakesTheHandleAsTeethPassAndMovesNothing) {
   std::vector<Vec3> still;
-  for (const double hum : {0.0, 0.2}) {
+  for (const double vibration : {0.0, 0.2}) {
     Cutting cutting = BallBur(kFast);
-    cutting.spin.hum = hum;
+    cutting.spin.vibration = vibration;
     cutting.spin.tooth_Hz = 240.0;
     Make(Cuttable(kPressure, 0.5e9), cutting, 256);
     Press(-0.5e-3);
@@ -225,7 +226,7 @@ TEST_F(Spin, AHumShakesTheHandleAsTeethPassAndMovesNothing) {
     for (int n = 0; n < 50; ++n) {
       const StepReport report = Step(At(0, 0, -0.5e-3 - 2e-6 * n));
       still.push_back(report.X_WG.p);
-      if (hum == 0.0) continue;
+      if (vibration == 0.0) continue;
       EXPECT_EQ(report.X_WG.p, still[static_cast<std::size_t>(n)]);
       const double force = report.bur_force.z();
       const double shake = report.wrench.force.z() / force - 1.0;
@@ -233,7 +234,7 @@ TEST_F(Spin, AHumShakesTheHandleAsTeethPassAndMovesNothing) {
       sum = shake;
       most = std::max(most, std::abs(shake));
     }
-    if (hum == 0.0) continue;
+    if (vibration == 0.0) continue;
     EXPECT_NEAR(turns, 24, 2);
     EXPECT_GT(most, 0.18);
     EXPECT_LE(most, 0.2 + 1e-6);

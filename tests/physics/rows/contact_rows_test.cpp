@@ -14,7 +14,7 @@ using test::Random;
 
 TEST(ContactRows, AreTheDerivativeOfTheGap) {
   Random random(41);
-  for (int trial = 0; trial < 200; ++trial) {
+  for (int candidate = 0; candidate < 200; ++candidate) {
     const Vec3 lever_T = random.InCube(0.05), c_O = random.InCube(0.05), p = random.InCube(0.05);
     const Quat q = random.Rotation();
     const LeafSphere tool{lever_T.x(), lever_T.y(), lever_T.z(), 0.003};

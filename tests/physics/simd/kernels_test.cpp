@@ -29,7 +29,7 @@ TEST(Kernels, GiveTheSameBitsAtEverySimdLevel) {
   const PlacedTree placed{&object_tree, {Vec3(0.01, 0.0, -0.01), random.Rotation()}};
   const ObjectForest forest(std::span(&placed, 1));
   const ToolTree tool(tool_tree, forest.radius);
-  for (int trial = 0; trial < 20; ++trial) {
+  for (int candidate = 0; candidate < 20; ++candidate) {
     const Mat3 R = random.Rotation().toRotationMatrix();
     const Vec3 p = random.InCube(0.06);
     const double t[6] = {1e-3, -2e-3, 3e-3, 1e-3, 2e-3, random.Uniform(-1e-3, 1e-3)};
@@ -144,20 +144,21 @@ TEST(Kernels, FindTheLowestPointAtEverySimdLevel) {
   const Kernels* level[3];
   const int levels = AvailableKernels(level);
   Random random(16);
-  for (int trial = 0; trial < 2000; ++trial) {
-    const int count = trial % 2 == 0 ? 1 : 1 + trial % 33;
+  for (int candidate = 0; candidate < 2000; ++candidate) {
+    const int count = candidate % 2 == 0 ? 1 : 1 + candidate % 33;
     // A single group of eight has any lanes but none; of several groups, all have every lane.
-    const std::uint32_t lanes = count == 1 ? 1 + static_cast<std::uint32_t>(trial / 2) % 255 : 0xff;
+    const std::uint32_t lanes =
+        count == 1 ? 1 + static_cast<std::uint32_t>(candidate / 2) % 255 : 0xff;
     std::vector<EightPoints> points(static_cast<std::size_t>(count));
     for (EightPoints& eight : points) {
       // Coarse, so that several are equally low.
       for (auto& row : eight.x) {
         for (double& x : row)
-          x = trial % 3 == 0 ? std::round(random.Uniform(-2, 2)) : random.Uniform(-0.1, 0.1);
+          x = candidate % 3 == 0 ? std::round(random.Uniform(-2, 2)) : random.Uniform(-0.1, 0.1);
       }
     }
     const Vec3 m =
-        trial % 3 == 0 ? Vec3(0.0, trial % 5 == 0 ? 0.0 : 1.0, -1.0) : random.Direction();
+        candidate % 3 == 0 ? Vec3(0.0, candidate % 5 == 0 ? 0.0 : 1.0, -1.0) : random.Direction();
     const auto along = [&](int i) {
       const EightPoints& eight = points[static_cast<std::size_t>(i / 8)];
       return m.dot(Vec3(eight.x[0][i % 8], eight.x[1][i % 8], eight.x[2][i % 8]));
@@ -168,10 +169,10 @@ TEST(Kernels, FindTheLowestPointAtEverySimdLevel) {
     }
     const int first = level[0]->lowest_point(points.data(), count, lanes, m.data());
     ASSERT_TRUE(first >= 0 && first < 8 * count && (lanes >> (first % 8) & 1u) != 0);
-    ASSERT_NEAR(along(first), lowest, 1e-15) << "trial " << trial;
+    ASSERT_NEAR(along(first), lowest, 1e-15) << "candidate " << candidate;
     for (int l = 1; l < levels; ++l) {
       ASSERT_EQ(level[l]->lowest_point(points.data(), count, lanes, m.data()), first)
-          << level[l]->name << ", trial " << trial;
+          << level[l]->name << ", candidate " << candidate;
     }
   }
 }
@@ -181,7 +182,7 @@ TEST(Kernels, FindTheGapsOfTrianglesAtEverySimdLevel) {
   const Kernels* level[3];
   const int levels = AvailableKernels(level);
   Random random(16);
-  for (int trial = 0; trial < 500; ++trial) {
+  for (int candidate = 0; candidate < 500; ++candidate) {
     struct {
       Vec3 p;
       Mat3 R;
@@ -190,7 +191,7 @@ TEST(Kernels, FindTheGapsOfTrianglesAtEverySimdLevel) {
     Mat3 tool, object;
     for (int c = 0; c < 3; ++c) {
       tool.col(c) = random.InCube(0.01);
-      object.col(c) = trial % 3 == 0 ? Vec3(object.col(0)) : random.InCube(0.01);
+      object.col(c) = candidate % 3 == 0 ? Vec3(object.col(0)) : random.InCube(0.01);
     }
     const TrianglePair pair{tool.data(),    object.data(),  at[0].p.data(),
                             at[1].p.data(), at[2].p.data(), random.Uniform(0.0, 0.01)};
@@ -213,7 +214,7 @@ TEST(Kernels, FindTheGapsOfTrianglesAtEverySimdLevel) {
           };
           const double low = n.dot(at[end].p) - highest(tool, down) - pair.radius;
           ASSERT_EQ(got.gap[end][i], low - (n.dot(at[2].p) + highest(object, up)))
-              << level[l]->name << ", trial " << trial;
+              << level[l]->name << ", candidate " << candidate;
         }
       }
     }
@@ -287,7 +288,7 @@ TEST(Kernels, AgreeWhereAPlaneIsUsedUpToTheLastBit) {
   const Kernels* level[3];
   const int levels = AvailableKernels(level);
   Random random(14);
-  for (int trial = 0; trial < 2000; ++trial) {
+  for (int candidate = 0; candidate < 2000; ++candidate) {
     std::vector<AlignedColumn> column(9, AlignedColumn(8));
     PlaneColumns planes{};
     for (int c = 0; c < 6; ++c) planes.along[c] = column[static_cast<std::size_t>(c)].data();
@@ -311,7 +312,7 @@ TEST(Kernels, AgreeWhereAPlaneIsUsedUpToTheLastBit) {
       const int found = level[k]->find_used_up(planes, 0, 8, motion, got.data());
       got.resize(static_cast<std::size_t>(found));
       if (k == 0) want = got;
-      ASSERT_EQ(got, want) << level[k]->name << ", trial " << trial;
+      ASSERT_EQ(got, want) << level[k]->name << ", candidate " << candidate;
     }
   }
 }

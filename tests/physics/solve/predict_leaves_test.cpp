@@ -195,7 +195,7 @@ TEST(PredictLeaves, TakesFewStepsForFrictionOfEachLook) {
 TEST(ContactPrediction, CoversAllStraightWaysToWhereASubStepMayEnd) {
   Random random(71);
   int met = 0, aside = 0;
-  for (int trial = 0; trial < 60; ++trial) {
+  for (int candidate = 0; candidate < 60; ++candidate) {
     const std::vector<Ball> tool = test::RandomBalls(random, 60, 0.01, 0.4e-3);
     const std::vector<Ball> object = test::RandomBalls(random, 400, 0.02, 0.6e-3);
     Bench bench(tool, object);

@@ -126,41 +126,41 @@ RigidProblem RandomProblem(Random& random, int n, int m, bool feasible) {
 
 TEST(QpSolver, AgreesWithEnumerationOfActiveSets) {
   Random random(1);
-  for (int trial = 0; trial < 300; ++trial) {
-    const int n = trial % 2 == 0 ? 6 : 3;
+  for (int candidate = 0; candidate < 300; ++candidate) {
+    const int n = candidate % 2 == 0 ? 6 : 3;
     RigidProblem problem = RandomProblem(random, n, 1 + random.Below(11), true);
     const QpResult result = SolveProblem(problem);
     Vec oracle;
     const double distance = LeastDistanceByEnumeration(problem, &oracle);
-    ASSERT_TRUE(std::isfinite(distance)) << trial;
-    ASSERT_EQ(result.status, QpStatus::kSolved) << trial;
-    EXPECT_LT((Eigen::Map<const Vec>(result.x, n) - oracle).norm(), 1e-9) << trial;
-    EXPECT_LT(KktResidual(problem, result), 1e-12) << trial;
+    ASSERT_TRUE(std::isfinite(distance)) << candidate;
+    ASSERT_EQ(result.status, QpStatus::kSolved) << candidate;
+    EXPECT_LT((Eigen::Map<const Vec>(result.x, n) - oracle).norm(), 1e-9) << candidate;
+    EXPECT_LT(KktResidual(problem, result), 1e-12) << candidate;
   }
 }
 
 TEST(QpSolver, RelaxesContradictoryRowsByTheSlackThatEnumerationFinds) {
   Random random(2);
   int contradictory = 0;
-  for (int trial = 0; trial < 200; ++trial) {
-    const int n = trial % 2 == 0 ? 6 : 3;
+  for (int candidate = 0; candidate < 200; ++candidate) {
+    const int n = candidate % 2 == 0 ? 6 : 3;
     RigidProblem problem = RandomProblem(random, n, n + 4, false);
     const QpResult result = SolveProblem(problem);
     if (std::isfinite(LeastDistanceByEnumeration(problem))) {
-      EXPECT_EQ(result.status, QpStatus::kSolved) << trial;
+      EXPECT_EQ(result.status, QpStatus::kSolved) << candidate;
       continue;
     }
     ++contradictory;
-    ASSERT_EQ(result.status, QpStatus::kRelaxed) << trial;
-    EXPECT_LT(KktResidual(problem, result), 1e-8) << trial;
+    ASSERT_EQ(result.status, QpStatus::kRelaxed) << candidate;
+    EXPECT_LT(KktResidual(problem, result), 1e-8) << candidate;
     // The same problem with eta / sqrt(c) as an additional unknown.
     RigidProblem relaxed{Vec::Zero(n + 1), Mat(problem.A.rows(), n + 1), problem.b, {}};
     relaxed.t.head(n) = problem.t;
     relaxed.A << problem.A, Vec::Constant(problem.A.rows(), std::sqrt(kJamCompliance));
     Vec oracle;
     ASSERT_TRUE(std::isfinite(LeastDistanceByEnumeration(relaxed, &oracle)));
-    EXPECT_NEAR(result.slack, std::sqrt(kJamCompliance) * oracle[n], 1e-7) << trial;
-    EXPECT_LT((Eigen::Map<const Vec>(result.x, n) - oracle.head(n)).norm(), 1e-5) << trial;
+    EXPECT_NEAR(result.slack, std::sqrt(kJamCompliance) * oracle[n], 1e-7) << candidate;
+    EXPECT_LT((Eigen::Map<const Vec>(result.x, n) - oracle.head(n)).norm(), 1e-5) << candidate;
   }
   EXPECT_GT(contradictory, 20);
 }
@@ -308,17 +308,17 @@ TEST(CompliantQp, PutsASoftRowInSeriesWithTheCoupling) {
 TEST(CompliantQp, AgreesWithEnumerationOverExplicitSlacks) {
   Random random(31);
   int pushed = 0, rigid_active = 0;
-  for (int trial = 0; trial < 400; ++trial) {
-    const int n = trial % 2 == 0 ? 6 : 3;
-    CompliantProblem soft =
-        RandomCompliantProblem(random, n, 1 + random.Below(4), random.Below(4), 1e3, trial % 4 < 2);
+  for (int candidate = 0; candidate < 400; ++candidate) {
+    const int n = candidate % 2 == 0 ? 6 : 3;
+    CompliantProblem soft = RandomCompliantProblem(random, n, 1 + random.Below(4), random.Below(4),
+                                                   1e3, candidate % 4 < 2);
     const QpResult result = soft.Solve();
     const RigidProblem explicit_problem = soft.Explicit();
     Vec oracle;
-    ASSERT_TRUE(std::isfinite(LeastDistanceByEnumeration(explicit_problem, &oracle))) << trial;
-    ASSERT_EQ(result.status, QpStatus::kSolved) << trial;
-    EXPECT_LT((Eigen::Map<const Vec>(result.x, n) - oracle.head(n)).norm(), 1e-9) << trial;
-    EXPECT_LT(soft.Residual(result), 1e-12) << trial;
+    ASSERT_TRUE(std::isfinite(LeastDistanceByEnumeration(explicit_problem, &oracle))) << candidate;
+    ASSERT_EQ(result.status, QpStatus::kSolved) << candidate;
+    EXPECT_LT((Eigen::Map<const Vec>(result.x, n) - oracle.head(n)).norm(), 1e-9) << candidate;
+    EXPECT_LT(soft.Residual(result), 1e-12) << candidate;
     pushed += (oracle.tail(oracle.size() - n).array() > 1e-6).any();
     rigid_active += result.active > 0;
   }
@@ -329,14 +329,14 @@ TEST(CompliantQp, AgreesWithEnumerationOverExplicitSlacks) {
 TEST(CompliantQp, MeetsTheOptimalityConditionsWithThousandsOfSoftRows) {
   Random random(32);
   int most = 0;
-  for (int trial = 0; trial < 60; ++trial) {
-    CompliantProblem soft = RandomCompliantProblem(random, trial % 2 == 0 ? 6 : 3,
+  for (int candidate = 0; candidate < 60; ++candidate) {
+    CompliantProblem soft = RandomCompliantProblem(random, candidate % 2 == 0 ? 6 : 3,
                                                    1 + random.Below(3000), random.Below(300), 1e5);
     const QpResult cold = soft.Solve();
-    ASSERT_EQ(cold.status, QpStatus::kSolved) << trial;
-    EXPECT_LT(soft.Residual(cold), 1e-12) << trial;
+    ASSERT_EQ(cold.status, QpStatus::kSolved) << candidate;
+    EXPECT_LT(soft.Residual(cold), 1e-12) << candidate;
     const QpResult warm = soft.Solve({cold.row, cold.row + cold.active});
-    EXPECT_LT(soft.Residual(warm), 1e-12) << trial;
+    EXPECT_LT(soft.Residual(warm), 1e-12) << candidate;
     most = std::max(most, cold.iterations);
   }
   EXPECT_LT(most, 400);
@@ -344,7 +344,7 @@ TEST(CompliantQp, MeetsTheOptimalityConditionsWithThousandsOfSoftRows) {
 
 TEST(CompliantQp, RelaxesContradictoryRigidRowsBesideSoftOnes) {
   Random random(33);
-  for (int trial = 0; trial < 100; ++trial) {
+  for (int candidate = 0; candidate < 100; ++candidate) {
     CompliantProblem soft = RandomCompliantProblem(random, 6, 50, 20, 100.0);
     // Two walls 1 mm closer than the tool is wide.
     for (const int side : {0, 1}) {
@@ -353,9 +353,9 @@ TEST(CompliantQp, RelaxesContradictoryRigidRowsBesideSoftOnes) {
       soft.problem.b[1 + 2 * side] = 0.5e-3;
     }
     const QpResult result = soft.Solve();
-    ASSERT_EQ(result.status, QpStatus::kRelaxed) << trial;
+    ASSERT_EQ(result.status, QpStatus::kRelaxed) << candidate;
     EXPECT_GE(result.slack, 0.5e-3 - 1e-9);
-    EXPECT_LT(soft.Residual(result), 1e-8) << trial;
+    EXPECT_LT(soft.Residual(result), 1e-8) << candidate;
   }
 }
 
@@ -372,9 +372,9 @@ TEST(CompliantQp, GivesTheSameBitsAtEverySimdLevel) {
   Random random(34);
   const Kernels* level[3];
   const int levels = AvailableKernels(level);
-  for (int trial = 0; trial < 50; ++trial) {
-    CompliantProblem soft =
-        RandomCompliantProblem(random, trial % 2 == 0 ? 6 : 3, 500, 100, 1e4, trial % 4 < 2);
+  for (int candidate = 0; candidate < 50; ++candidate) {
+    CompliantProblem soft = RandomCompliantProblem(random, candidate % 2 == 0 ? 6 : 3, 500, 100,
+                                                   1e4, candidate % 4 < 2);
     const QpResult expected = soft.Solve({}, *level[0]);
     for (int i = 1; i < levels; ++i) {
       const QpResult result = soft.Solve({}, *level[i]);

@@ -91,11 +91,11 @@ TEST(StepBounds, BendAnArcBetweenMeshesByHalfOfWhatKeepsThemApart) {
   EXPECT_NEAR(arc, 0.5 * limits::mesh::Margins{}.free, 1e-9);
 }
 
-TEST(PartWithin, IsWhatBothBoundsAllow) {
+TEST(FractionWithin, IsWhatBothBoundsAllow) {
   const StepBounds bounds{1e-3, 1e-2};
-  EXPECT_EQ(PartWithin(bounds, Vec3(0.0, 1e-3, 0.0), Vec3(0.0, 0.0, 1e-2)), 1.0);
-  EXPECT_DOUBLE_EQ(PartWithin(bounds, Vec3(4e-3, 0.0, 0.0), Vec3(0.0, 0.0, 2e-2)), 0.25);
-  EXPECT_DOUBLE_EQ(PartWithin(bounds, Vec3(2e-3, 0.0, 0.0), Vec3(0.0, 0.0, 5e-2)), 0.2);
+  EXPECT_EQ(FractionWithin(bounds, Vec3(0.0, 1e-3, 0.0), Vec3(0.0, 0.0, 1e-2)), 1.0);
+  EXPECT_DOUBLE_EQ(FractionWithin(bounds, Vec3(4e-3, 0.0, 0.0), Vec3(0.0, 0.0, 2e-2)), 0.25);
+  EXPECT_DOUBLE_EQ(FractionWithin(bounds, Vec3(2e-3, 0.0, 0.0), Vec3(0.0, 0.0, 5e-2)), 0.2);
 }
 
 }  // namespace

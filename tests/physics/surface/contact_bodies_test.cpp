@@ -24,9 +24,9 @@ TEST(ContactBody, LeavesWhatYieldsToItsLeaves) {
   Body partly = soft;
   partly.materials = {Material{}, Material{.stiffness = 500.0}};
   const Body rigid = MakeBody("rigid", MakeBox(Vec3::Constant(0.03)), 64);
-  EXPECT_FALSE(IsFeltByMesh(Placed(soft)));
-  EXPECT_FALSE(IsFeltByMesh(Placed(partly)));
-  EXPECT_TRUE(IsFeltByMesh(Placed(rigid)));
+  EXPECT_FALSE(TouchesByMesh(Placed(soft)));
+  EXPECT_FALSE(TouchesByMesh(Placed(partly)));
+  EXPECT_TRUE(TouchesByMesh(Placed(rigid)));
   const PlacedTree without[] = {Placed(soft), Placed(partly)};
   EXPECT_TRUE(MakeBodies(without).empty());
   const PlacedTree all[] = {Placed(soft), Placed(rigid), Placed(partly)};

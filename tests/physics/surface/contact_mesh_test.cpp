@@ -113,7 +113,7 @@ TEST(ContactMesh, LetsABoxCornerTouchInItsOctant) {
   const Vec3 at = Vec3::Constant(0.01);
   const std::uint32_t corner = VertexAt(mesh, at);
   Random random(31);
-  for (int trial = 0; trial < 2000; ++trial) {
+  for (int candidate = 0; candidate < 2000; ++candidate) {
     const Vec3 n = random.Direction();
     if (n.cwiseAbs().minCoeff() < 1e-5) continue;
     EXPECT_EQ(mesh.VertexConeHolds(corner, n), n.minCoeff() > 0.0);
@@ -125,7 +125,7 @@ TEST(ContactMesh, LetsABoxCornerTouchInItsOctant) {
 /// nearer to a far point; for any other direction some path does.
 TEST(ContactMesh, AVertexConeIsWhereNoWayAlongTheFacesLeadsNearer) {
   Random random(32);
-  for (int trial = 0; trial < 300; ++trial) {
+  for (int candidate = 0; candidate < 300; ++candidate) {
     // A fan of faces about the origin, folded at random: convex, hollow or mixed.
     TriangleMesh fan;
     fan.vertices = {Vec3::Zero()};
@@ -148,7 +148,7 @@ TEST(ContactMesh, AVertexConeIsWhereNoWayAlongTheFacesLeadsNearer) {
       }
     }
     if (std::abs(best) < 1e-5 && best > 0.0) continue;
-    EXPECT_EQ(mesh.VertexConeHolds(corner, n), best <= 0.0) << "trial " << trial;
+    EXPECT_EQ(mesh.VertexConeHolds(corner, n), best <= 0.0) << "candidate " << candidate;
   }
 }
 
@@ -220,7 +220,7 @@ TEST(ContactMesh, APointTouchesInAnyDirection) {
   EXPECT_TRUE(point.FacesAtEdge(0).empty());
   EXPECT_TRUE(point.FacesAtVertex(0).empty());
   Random random(33);
-  for (int trial = 0; trial < 100; ++trial) {
+  for (int candidate = 0; candidate < 100; ++candidate) {
     const Vec3 n = random.Direction();
     EXPECT_TRUE(point.VertexConeHolds(point.triangles()[0].vertex[0], n));
     EXPECT_TRUE(point.EdgeConeHolds(point.triangles()[0].edge[2], n));

@@ -43,9 +43,10 @@ void Judge(const TriangleMesh& source, double size) {
     const HullTree::Node node = left.back();
     left.pop_back();
     const std::vector<std::uint32_t> below = Below(tree, node);
-    for (int trial = 0; trial < 6; ++trial) {
+    for (int candidate = 0; candidate < 6; ++candidate) {
       // Not only of unit length.
-      const Vec3 n = (trial == 0 ? Vec3(Vec3::UnitZ()) : random.Direction()) * (1.0 + trial % 3);
+      const Vec3 n =
+          (candidate == 0 ? Vec3(Vec3::UnitZ()) : random.Direction()) * (1.0 + candidate % 3);
       double highest = -std::numeric_limits<double>::infinity();
       for (const std::uint32_t t : below) {
         for (int c = 0; c < 3; ++c) highest = std::max(highest, n.dot(mesh.Corner(t, c)));

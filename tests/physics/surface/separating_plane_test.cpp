@@ -79,7 +79,7 @@ struct Case {
 };
 
 /// Patches of three to five corners, from flat to round, near or inside each other.
-Case MakeCase(Random& random, int trial) {
+Case MakeCase(Random& random, int candidate) {
   Case c;
   const auto corners = [&](int count, double flat) {
     std::vector<Vec3> all;
@@ -90,28 +90,28 @@ Case MakeCase(Random& random, int trial) {
     return all;
   };
   const double flat[3] = {1.0, 0.01, 0.0};
-  c.tool = corners(3 + trial % 3, flat[trial / 3 % 3]);
-  c.object = corners(3 + trial / 9 % 3, flat[trial / 27 % 3]);
-  if (trial % 4 == 0) c.radius = 0.001;
+  c.tool = corners(3 + candidate % 3, flat[candidate / 3 % 3]);
+  c.object = corners(3 + candidate / 9 % 3, flat[candidate / 27 % 3]);
+  if (candidate % 4 == 0) c.radius = 0.001;
   const Vec3 p = random.Direction() * random.Uniform(0.0, 0.03);
   const Quat q = random.Rotation();
   c.from = {p, q};
-  c.to = trial % 2 == 0 ? c.from : c.from.Moved(random.InCube(0.001), random.InCube(0.05));
+  c.to = candidate % 2 == 0 ? c.from : c.from.Moved(random.InCube(0.001), random.InCube(0.05));
   return c;
 }
 
 TEST(SeparatingPlane, IsFoundWhereThereIsOneAndOnlyThere) {
   Random random(81);
   int apart = 0, not_apart = 0;
-  for (int trial = 0; trial < 600; ++trial) {
-    const Case c = MakeCase(random, trial);
+  for (int candidate = 0; candidate < 600; ++candidate) {
+    const Case c = MakeCase(random, candidate);
     const ShapeMotion motion{c.from, c.to};
     const HullTree tool = TreeOf(c.tool), object = TreeOf(c.object);
     const PatchPair pair{tool.HullOf(tool.root()), object.HullOf(object.root()), c.radius};
     const std::vector<Vec3> differences = Differences(c.tool, c.object, motion);
     const double most = MostSeparation(differences) - c.radius;
     for (const double least : {1e-9, 0.5e-6, 1e-4, 2e-3}) {
-      SCOPED_TRACE("trial " + std::to_string(trial) + ", least " + std::to_string(least));
+      SCOPED_TRACE("candidate " + std::to_string(candidate) + ", least " + std::to_string(least));
       SeparatingPlane plane;
       const Vec3 guess = random.Direction();
       if (FindPlane(pair, motion, guess, least, ActiveKernels(), plane)) {
@@ -147,7 +147,7 @@ TEST(SeparatingPlane, TellsRoundPatchesApart) {
   const TriangleMesh ball = MakeEllipsoid(Vec3::Constant(0.01), 80);
   const HullTree tree = TreeOf(ball.vertices);
   Random random(82);
-  for (int trial = 0; trial < 200; ++trial) {
+  for (int candidate = 0; candidate < 200; ++candidate) {
     const Vec3 way = random.Direction();
     const auto at = [&](double distance) {
       return RelativePose(distance * way, random.Rotation());

@@ -168,13 +168,13 @@ class FrontBench {
       const Vec3& n = plane_.at(i).n;
       const double gap = Gap(front.pair(i), n);
       const double error = 1e-13 * (gone_ + size_);
-      EXPECT_LE(front.expiry()[static_cast<std::size_t>(i)] - front.way(), gap + error);
+      EXPECT_LE(front.expiry()[static_cast<std::size_t>(i)] - front.path(), gap + error);
       // In a copy, so that planes from older poses are checked as well.
       SeparationFront copy = front;
       if (copy.IsKept(i)) {
         EXPECT_LE(Refreshed(copy, i), gap + error) << "pair " << i;
         EXPECT_EQ(copy.Normal(i), n);
-        EXPECT_LE(copy.expiry()[static_cast<std::size_t>(i)] - copy.way(), gap + error);
+        EXPECT_LE(copy.expiry()[static_cast<std::size_t>(i)] - copy.path(), gap + error);
       }
     }
   }
@@ -249,7 +249,7 @@ TEST(SeparationFront, LosesNoMoreOfASlackThanTheNodeComesNearer) {
   EXPECT_NEAR(slack, 0.006, 1e-12);
   go(Vec3::Zero(), Vec3(0.01, 0.0, 0.0));
   EXPECT_NEAR(slack, 0.006 - 0.01 * 0.01 * std::sqrt(3.0), 1e-7);
-  EXPECT_NEAR(bench.front.way(), std::hypot(0.05, 0.03) + 0.004 + 0.01 * 0.01 * std::sqrt(3.0),
+  EXPECT_NEAR(bench.front.path(), std::hypot(0.05, 0.03) + 0.004 + 0.01 * 0.01 * std::sqrt(3.0),
               1e-9);
 }
 
@@ -374,7 +374,7 @@ TEST(SeparationFront, GoesOnAlikeWhereItIsCopied) {
   bench.pose = pose;
   go_on();
   ASSERT_EQ(copy.slots(), bench.front.slots());
-  EXPECT_EQ(copy.way(), bench.front.way());
+  EXPECT_EQ(copy.path(), bench.front.path());
   EXPECT_EQ(std::memcmp(copy.expiry(), bench.front.expiry(), sizeof(double) * copy.slots()), 0);
   for (std::size_t i = 0; i < copy.slots(); ++i) {
     const auto &a = copy.pair(static_cast<Index>(i)), &b = bench.front.pair(static_cast<Index>(i));

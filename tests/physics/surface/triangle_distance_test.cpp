@@ -78,12 +78,12 @@ TEST(TriangleDistance, FindsTheNearestPointsOfAnyTwoTriangles) {
   for (const double size : {1e-3, 0.1, 10.0}) {
     Random random(21);
     int apart = 0;
-    for (int trial = 0; trial < (test::kOptimised ? 20000 : 2000); ++trial) {
+    for (int candidate = 0; candidate < (test::kOptimised ? 20000 : 2000); ++candidate) {
       const Triangle a = RandomTriangle(random, size, Vec3::Zero());
       const Triangle b = RandomTriangle(random, size, random.InCube(1.5 * size));
       if (test::Meet(a, b)) continue;
       ++apart;
-      SCOPED_TRACE(testing::Message() << "size " << size << ", trial " << trial);
+      SCOPED_TRACE(testing::Message() << "size " << size << ", candidate " << candidate);
       Judge(a, b);
       if (HasFailure()) return;
     }
@@ -99,12 +99,12 @@ TEST(TriangleDistance, FindsThemWhereEdgesAndFacesAreParallel) {
     return Vec3(0.01 * random.Below(4), 0.01 * random.Below(4), 0.01 * random.Below(2));
   };
   int apart = 0;
-  for (int trial = 0; trial < (test::kOptimised ? 40000 : 4000); ++trial) {
+  for (int candidate = 0; candidate < (test::kOptimised ? 40000 : 4000); ++candidate) {
     const Vec3 up(0.0, 0.0, 1e-6 * random.Below(3) + 0.01 * random.Below(2));
     const Triangle a{corner() + up, corner() + up, corner() + up}, b{corner(), corner(), corner()};
     if (test::Meet(a, b)) continue;
     ++apart;
-    SCOPED_TRACE(testing::Message() << "trial " << trial);
+    SCOPED_TRACE(testing::Message() << "candidate " << candidate);
     Judge(a, b);
     if (HasFailure()) return;
   }
@@ -113,7 +113,7 @@ TEST(TriangleDistance, FindsThemWhereEdgesAndFacesAreParallel) {
 
 TEST(TriangleDistance, FindsThemOfTrianglesThatAreEdgesOrPoints) {
   Random random(23);
-  for (int trial = 0; trial < (test::kOptimised ? 20000 : 2000); ++trial) {
+  for (int candidate = 0; candidate < (test::kOptimised ? 20000 : 2000); ++candidate) {
     Triangle a = RandomTriangle(random, 0.01, Vec3::Zero());
     Triangle b = RandomTriangle(random, 0.01, random.InCube(0.02));
     // Unspoilt; two equal corners; collinear; a single point.
@@ -123,10 +123,10 @@ TEST(TriangleDistance, FindsThemOfTrianglesThatAreEdgesOrPoints) {
       if (how == 2) t[i] = 0.5 * (t[(i + 1) % 3] + t[(i + 2) % 3]);
       if (how == 3) t[1] = t[2] = t[0];
     };
-    spoil(a, trial % 4);
-    spoil(b, trial / 4 % 4);
+    spoil(a, candidate % 4);
+    spoil(b, candidate / 4 % 4);
     if (test::Meet(a, b)) continue;
-    SCOPED_TRACE(testing::Message() << "trial " << trial);
+    SCOPED_TRACE(testing::Message() << "candidate " << candidate);
     Judge(a, b);
     if (HasFailure()) return;
   }
@@ -134,7 +134,7 @@ TEST(TriangleDistance, FindsThemOfTrianglesThatAreEdgesOrPoints) {
 
 TEST(TriangleDistance, FindsThemOfNeedles) {
   Random random(24);
-  for (int trial = 0; trial < (test::kOptimised ? 20000 : 2000); ++trial) {
+  for (int candidate = 0; candidate < (test::kOptimised ? 20000 : 2000); ++candidate) {
     const auto needle = [&](const Vec3& at) {
       const double width = std::pow(10.0, random.Uniform(-9.0, -2.0));
       const Vec3 along = 0.05 * random.Direction();
@@ -143,7 +143,7 @@ TEST(TriangleDistance, FindsThemOfNeedles) {
     };
     const Triangle a = needle(Vec3::Zero()), b = needle(random.InCube(0.02));
     if (test::Meet(a, b)) continue;
-    SCOPED_TRACE(testing::Message() << "trial " << trial);
+    SCOPED_TRACE(testing::Message() << "candidate " << candidate);
     Judge(a, b);
     if (HasFailure()) return;
   }

@@ -41,10 +41,10 @@ Oracle AllPairs(const ToolTree& tool, const ObjectForest& objects, const Mat3& R
 }
 
 void CheckAgainstAllPairs(const ToolTree& tool, const ObjectForest& objects, Random& random,
-                          double spread, int trials) {
+                          double spread, int candidates) {
   PairQuery query(tool, objects);
   std::size_t total = 0;
-  for (int trial = 0; trial < trials; ++trial) {
+  for (int candidate = 0; candidate < candidates; ++candidate) {
     const Mat3 R = random.Rotation().toRotationMatrix();
     const Vec3 p = objects.center + random.InCube(spread);
     const Oracle oracle = AllPairs(tool, objects, R, p);
@@ -57,11 +57,11 @@ void CheckAgainstAllPairs(const ToolTree& tool, const ObjectForest& objects, Ran
                 return true;
               });
     ASSERT_EQ(static_cast<int>(found.size()), given) << "a pair came twice";
-    for (const auto& pair : oracle.must) ASSERT_TRUE(found.contains(pair)) << trial;
-    for (const auto& pair : found) ASSERT_TRUE(oracle.may.contains(pair)) << trial;
+    for (const auto& pair : oracle.must) ASSERT_TRUE(found.contains(pair)) << candidate;
+    for (const auto& pair : found) ASSERT_TRUE(oracle.may.contains(pair)) << candidate;
     total += oracle.must.size();
   }
-  EXPECT_GT(total, 0u) << "no trial touched anything";
+  EXPECT_GT(total, 0u) << "no candidate touched anything";
 }
 
 TEST(PairQuery, FindsEveryPairThatAllPairsFinds) {

@@ -228,9 +228,10 @@ TEST(CutScene, NamesTheRemedyOfABurThatIsNone) {
        "tools[0].bur: is also a mesh; keep either \"bur\" or \"mesh\""},
       {R"("bur": "001/014", "speed_rpm": 500001)",
        "tools[0].speed_rpm: 500001 is not allowed; give a number from 0 to 500000"},
-      {R"("bur": "001/014", "speed_rpm": 200000, "hum": {"teeth": 6, "share": 0.1})",
-       "tools[0].hum.teeth: pass 20000 times per second, but a hum must have 1 to 400 Hz"},
-      {R"("bur": "001/014", "hum": {"teeth": 6, "share": 0.1})", "pass 0 times per second"},
+      {R"("bur": "001/014", "speed_rpm": 200000, "vibration": {"teeth": 6, "share": 0.1})",
+       "tools[0].vibration.teeth: pass 20000 times per second, but a vibration must have 1 to 400 "
+       "Hz"},
+      {R"("bur": "001/014", "vibration": {"teeth": 6, "share": 0.1})", "pass 0 times per second"},
       {R"("mesh": {"shape": "sphere", "radius_m": 0.001}, "speed_rpm": 1000)",
        "tools[0].speed_rpm: is for burs; drop it, or give the tool a \"bur\""},
   };
@@ -242,7 +243,7 @@ TEST(CutScene, NamesTheRemedyOfABurThatIsNone) {
 
 TEST(CutScene, ANamedBurHasItsHeadItsMeshAndItsSpinAlsoAfterABundle) {
   const Scene scene = Load(SceneOf(
-      R"("bur": "237/014", "speed_rpm": 3000, "hum": {"teeth": 6, "share": 0.2})",
+      R"("bur": "237/014", "speed_rpm": 3000, "vibration": {"teeth": 6, "share": 0.2})",
       R"("grid_um": 100, "material": {"cutting_pressure_MPa": 0.2, "cutting_friction": 0.3})"));
   const std::vector<std::uint8_t> bytes = PackScene(scene, 7);
   const Scene back = UnpackScene(bytes, "s");
@@ -254,7 +255,7 @@ TEST(CutScene, ANamedBurHasItsHeadItsMeshAndItsSpinAlsoAfterABundle) {
   EXPECT_NEAR(model.cutting()->bur.high() - model.cutting()->bur.low(), 2e-3, 1e-12);
   EXPECT_NEAR(model.cutting()->spin.speed, 100.0 * M_PI, 1e-6);
   EXPECT_EQ(model.cutting()->spin.tooth_Hz, 300.0);
-  EXPECT_EQ(model.cutting()->spin.hum, 0.2);
+  EXPECT_EQ(model.cutting()->spin.vibration, 0.2);
   EXPECT_EQ(model.solids()[0].materials[0].cutting_friction, 0.3);
   for (const BurSample& sample : model.bur_samples()) {
     // The bur turns about y, clockwise from above, and its surface moves no faster than that.

@@ -257,7 +257,7 @@ TEST(SceneBundle, RefusesAScenesThatContradictsItselfThoughItsChecksumIsRight) {
   scene.coupling.stiffness = 0;
   EXPECT_THAT(Complaint(PackScene(scene)), HasSubstr("stiffness_N_per_m"));
   scene = SmallScene();
-  scene.tuning.looks = 2'000'000'000;
+  scene.tuning.queries = 2'000'000'000;
   EXPECT_THAT(Complaint(PackScene(scene)), HasSubstr("looks is"));
   scene = SmallScene();
   scene.features.friction = static_cast<FrictionModel>(3);

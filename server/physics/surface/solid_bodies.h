@@ -12,15 +12,15 @@
 
 namespace palpate {
 
-/// What is left of a scene's solids, as contact feels it: one body for each block, and turns in
+/// What is left of a scene's solids, as contact sees it: one body for each block, and rounds in
 /// which bodies follow what is cut (README.md, "Solids that are cut").
 /// A value: a copy behaves alike.  Real-time except for the constructor, as long as no block has
 /// more than limits::mesh::kMostOfBlock triangles; a block with more is closed to tools.
-class FeltSolids {
+class SolidBodies {
  public:
-  FeltSolids() = default;
+  SolidBodies() = default;
   /// `uncut` must outlive this object.  Bodies of blocks are numbered after those of the boxes.
-  explicit FeltSolids(const UncutBodies& uncut);
+  explicit SolidBodies(const UncutBodies& uncut);
 
   bool empty() const { return solids_.empty(); }
   /// Call before the first step, when the cut fields are replaced, or when material grows back: the
@@ -43,7 +43,7 @@ class FeltSolids {
   using Block = BlockBody::Of;
   struct Taken {
     std::int32_t body;  ///< -1: there is no room, or too many triangles
-    bool made;          ///< whether this cost some limits::mesh::kLooksOfBlock
+    bool made;          ///< whether this cost some limits::mesh::kQueriesOfBlock
   };
   /// Returns the body of a block, making it if needed.  If there is no room, it replaces a body
   /// that no pair of the front uses.
@@ -58,7 +58,7 @@ class FeltSolids {
 
  private:
   static constexpr std::int16_t kNone = -1, kNothing = -2, kUncut = -3, kNoRoom = -4;
-  enum class Use : std::uint8_t { kFree, kFelt, kLater };
+  enum class Use : std::uint8_t { kFree, kShown, kLater };
   struct Place {
     BlockBody body;
     Use use = Use::kFree;
@@ -67,14 +67,14 @@ class FeltSolids {
     explicit Solid(const CutSolid& cut_solid);
 
     const CutSolid* solid;
-    SparseField felt;           ///< the copy that bodies show
+    SparseField shown;          ///< the copy that bodies show
     SparseField later;          ///< blocks being followed: the content that comes next
     std::uint32_t changes = 0;  ///< CutField::changes up to which this follows
     // For each block:
-    std::vector<std::uint32_t> followed;  ///< CutField::ChangedAt of what is felt, or soon will be
-    std::vector<std::uint32_t> affected;  ///< the last turn in which its surface changes
-    std::vector<std::uint32_t> affected_blocks;  ///< (not by block) those affected in this turn
-    std::vector<std::uint32_t> listed;           ///< the last turn for which its body is to be made
+    std::vector<std::uint32_t> followed;  ///< CutField::ChangedAt of what is shown, or soon will be
+    std::vector<std::uint32_t> affected;  ///< the last round in which its surface changes
+    std::vector<std::uint32_t> affected_blocks;  ///< (not by block) those affected in this round
+    std::vector<std::uint32_t> listed;  ///< the last round for which its body is to be made
     std::vector<std::int16_t> place, later_place;  ///< kNone, kNothing, kUncut
   };
 
@@ -107,9 +107,9 @@ class FeltSolids {
   std::size_t next_given_up_ = 0;
   bool forgotten_ = true;
 
-  /// Blocks that have changed but are not felt so yet, and the new bodies made for them.
+  /// Blocks that have changed but are not shown so yet, and the new bodies made for them.
   struct Followed {
-    std::uint32_t turn = 0;
+    std::uint32_t round = 0;
     std::vector<Block> changed;  ///< without their nodes
     std::vector<Block> to_make;
     std::size_t made = 0;

@@ -137,7 +137,7 @@ class Hand {
 };
 
 // What is drawn is what is felt: the tool never meets a drawn triangle.
-TEST(FeltSolid, NoHandTakesAToolIntoWhatIsDrawn) {
+TEST(SolidContact, NoHandTakesAToolIntoWhatIsDrawn) {
   for (const bool askew : {false, true}) {
     for (const std::uint64_t seed : {1, 2}) {
       Felt felt(Probe(), Block(askew ? kAskew : Quat::Identity()));
@@ -157,7 +157,7 @@ TEST(FeltSolid, NoHandTakesAToolIntoWhatIsDrawn) {
 }
 
 // A pair apart from a block's box must be apart from whatever is ever left in it.
-TEST(FeltSolid, ABlocksBoxHoldsWhateverIsLeftOfIt) {
+TEST(SolidContact, ABlocksBoxHoldsWhateverIsLeftOfIt) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     Felt felt(Probe(), Block(seed == 1 ? Quat::Identity() : kAskew));
     const CutSolid& solid = felt.model->solids()[0];
@@ -214,7 +214,7 @@ struct AsMesh {
 };
 
 // A flat face has no borders between blocks: a sliding tool feels only the hand's push.
-TEST(FeltSolid, AFaceHasNoBordersBetweenBlocks) {
+TEST(SolidContact, AFaceHasNoBordersBetweenBlocks) {
   Felt felt(Foot(), Block());
   felt.Start(At(-0.8e-3, -0.4e-3, 10e-6));
   for (int n = 0; n < 1500; ++n) {
@@ -230,7 +230,7 @@ TEST(FeltSolid, AFaceHasNoBordersBetweenBlocks) {
 
 // Over grooves and their rims a tool may hop to one point or another; otherwise it feels the same
 // as on one mesh of the same triangles.
-TEST(FeltSolid, FeelsAsTheSameTrianglesOfAMesh) {
+TEST(SolidContact, FeelsAsTheSameTrianglesOfAMesh) {
   Felt felt(Probe(), Block(kAskew));
   Riddle(felt, 5);
   felt.Start(Hand::First());
@@ -249,7 +249,7 @@ TEST(FeltSolid, FeelsAsTheSameTrianglesOfAMesh) {
   EXPECT_LT(difference[difference.size() * 4 / 5], 5e-3);
 }
 
-TEST(FeltSolid, RubsWithTheFrictionOfItsMaterial) {
+TEST(SolidContact, RubsWithTheFrictionOfItsMaterial) {
   Body block = Block();
   block.materials[0].static_friction = block.materials[0].dynamic_friction = 0.4;
   Felt felt(test::BallBody(0.2e-3), block, FrictionModel::kCoulomb);
@@ -264,7 +264,7 @@ TEST(FeltSolid, RubsWithTheFrictionOfItsMaterial) {
 }
 
 // While another bur cuts below it, the tool never enters the surface, and rests on it in the end.
-TEST(FeltSolid, FollowsWhatIsCutBelowAProbe) {
+TEST(SolidContact, FollowsWhatIsCutBelowAProbe) {
   Felt felt(Probe(), Block(kAskew));
   felt.Start(At(0.1e-3, 0, 20e-6));
   const Pose hand = At(0.1e-3, 0, -0.9e-3);
@@ -298,7 +298,7 @@ TEST(FeltSolid, FollowsWhatIsCutBelowAProbe) {
 
 // A ball on a neck with a collar: the head sinks in until the collar stops at the face, then cuts
 // sideways until the neck stops at the wall of its hole.
-TEST(FeltSolid, ABursShankStopsWhereItsHeadDoesNot) {
+TEST(SolidContact, ABursShankStopsWhereItsHeadDoesNot) {
   const BurProfile profile = BallBur(0.25e-3);
   Body bur = BurBody(profile);
   TriangleMesh collar = MakeBox(Vec3(1e-3, 0.2e-3, 0.8e-3));
@@ -327,7 +327,7 @@ TEST(FeltSolid, ABursShankStopsWhereItsHeadDoesNot) {
 
 // A bar's edge that the head leaves beside its neck is made anew in each turn, and may then stand
 // out into the neck.  No triangle of it may keep the tool.
-TEST(FeltSolid, ABurThatWasPushedThroughABarComesOutWithItsHand) {
+TEST(SolidContact, ABurThatWasPushedThroughABarComesOutWithItsHand) {
   TriangleMesh mesh = MakeBox(Vec3(8e-3, 0.6e-3, 0.8e-3));
   Body bar = test::MakeMeshBody("bar", std::move(mesh));
   bar.grid.emplace().spacing = 50e-6;
@@ -350,7 +350,7 @@ TEST(FeltSolid, ABurThatWasPushedThroughABarComesOutWithItsHand) {
 }
 
 // At rest a bur is a rigid tool.
-TEST(FeltSolid, ABurThatStandsStillCutsNothing) {
+TEST(SolidContact, ABurThatStandsStillCutsNothing) {
   const BurProfile profile = BallBur(0.25e-3);
   Felt felt(BurBody(profile), Block());
   const Quat q = Quat::FromTwoVectors(Vec3::UnitY(), Vec3::UnitZ());
@@ -369,7 +369,7 @@ TEST(FeltSolid, ABurThatStandsStillCutsNothing) {
   EXPECT_LT(report.X_WG.p.z(), -0.05e-3);
 }
 
-TEST(FeltSolid, GoesOnAlikeFromACopyAndAsksForNoMemory) {
+TEST(SolidContact, GoesOnAlikeFromACopyAndAsksForNoMemory) {
   Felt felt(Probe(), Block(kAskew));
   felt.Start(Hand::First());
   Hand hand(3);
@@ -392,7 +392,7 @@ TEST(FeltSolid, GoesOnAlikeFromACopyAndAsksForNoMemory) {
   }
 }
 
-TEST(FeltSolid, AStartInsideIsTakenOut) {
+TEST(SolidContact, AStartInsideIsTakenOut) {
   Felt felt(Probe(), Block());
   felt.Groove(Bur::Ball(0.3e-3), Vec3(0.2e-3, 0, 0.3e-3), Vec3(0.2e-3, 0, -0.2e-3));
   const StartPose start =

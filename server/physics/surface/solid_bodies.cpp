@@ -1,4 +1,4 @@
-#include "server/physics/surface/felt_solids.h"
+#include "server/physics/surface/solid_bodies.h"
 
 #include <algorithm>
 
@@ -48,21 +48,21 @@ bool AllRound(const SparseField& field, std::size_t block, const Holds& holds) {
 
 }  // namespace
 
-FeltSolids::Solid::Solid(const CutSolid& cut_solid)
+SolidBodies::Solid::Solid(const CutSolid& cut_solid)
     : solid(&cut_solid),
-      felt(cut_solid.grid->field().lattice(), cut_solid.grid->field().band(), SparseField::kBelow),
-      later(felt),
-      followed(felt.lattice().block_count()),
+      shown(cut_solid.grid->field().lattice(), cut_solid.grid->field().band(), SparseField::kBelow),
+      later(shown),
+      followed(shown.lattice().block_count()),
       affected(followed.size()),
       listed(followed.size()),
       place(followed.size(), kNone),
       later_place(place) {
-  felt.Reserve(cut_solid.grid->solid_blocks());
+  shown.Reserve(cut_solid.grid->solid_blocks());
   later.Reserve(kMostFollowed);
   affected_blocks.reserve(27 * kMostFollowed);
 }
 
-FeltSolids::FeltSolids(const UncutBodies& uncut)
+SolidBodies::SolidBodies(const UncutBodies& uncut)
     : first_solid_(uncut.first_body),
       first_block_(first_solid_ + static_cast<std::int32_t>(uncut.solids.size())),
       first_uncut_(first_block_ + static_cast<std::int32_t>(kBlocks + uncut.solids.size())),
@@ -82,7 +82,7 @@ FeltSolids::FeltSolids(const UncutBodies& uncut)
   followed_.to_make.reserve(kBlocks);
 }
 
-void FeltSolids::Begin(std::span<const CutField> cuts, SeparationFront& front) noexcept {
+void SolidBodies::Begin(std::span<const CutField> cuts, SeparationFront& front) noexcept {
   made_in_cycle_ = 0;
   bool is_followed = !forgotten_;  // else, or if there are more changes than can be, takes all
   for (std::size_t s = 0; s < solids_.size(); ++s) {
@@ -94,7 +94,7 @@ void FeltSolids::Begin(std::span<const CutField> cuts, SeparationFront& front) n
   forgotten_ = false;
 }
 
-void FeltSolids::Follow(std::span<const CutField> cuts, SeparationFront& front) noexcept {
+void SolidBodies::Follow(std::span<const CutField> cuts, SeparationFront& front) noexcept {
   if (!followed_.any()) Gather(cuts, front);
   if (!followed_.any()) return;
   if (made_in_cycle_ == 0 && followed_.made < followed_.to_make.size()) {
@@ -104,7 +104,7 @@ void FeltSolids::Follow(std::span<const CutField> cuts, SeparationFront& front) 
 }
 
 /// Computes its surface in one cycle, and a body from it in the next.
-void FeltSolids::FollowOne(const Block& block, const SeparationFront& front) noexcept {
+void SolidBodies::FollowOne(const Block& block, const SeparationFront& front) noexcept {
   std::optional<std::size_t>& own = followed_.own_of_next;
   if (!own) {
     own = TakeSurfaceOf(block, Use::kLater);
@@ -116,7 +116,7 @@ void FeltSolids::FollowOne(const Block& block, const SeparationFront& front) noe
   ++followed_.made;
 }
 
-void FeltSolids::TakeAll(std::span<const CutField> cuts) noexcept {
+void SolidBodies::TakeAll(std::span<const CutField> cuts) noexcept {
   for (std::size_t place = 0; place < bodies_.size(); ++place) Free(place);
   for (const Block& changed : followed_.changed) {  // not copied yet
     SolidOf(changed).followed[static_cast<std::size_t>(changed.block)] = ~0u;
@@ -130,7 +130,7 @@ void FeltSolids::TakeAll(std::span<const CutField> cuts) noexcept {
     for (std::size_t block = 0; block < solid.followed.size(); ++block) {
       if (cut.ChangedAt(block) == solid.followed[block]) continue;
       solid.followed[block] = cut.ChangedAt(block);
-      Copy(cut.field(), block, solid.felt);
+      Copy(cut.field(), block, solid.shown);
     }
     solid.changes = cut.changes();
   }
@@ -138,7 +138,7 @@ void FeltSolids::TakeAll(std::span<const CutField> cuts) noexcept {
 }
 
 /// Copies blocks that have changed, and finds the bodies that must be remade for them.
-void FeltSolids::Gather(std::span<const CutField> cuts, const SeparationFront& front) noexcept {
+void SolidBodies::Gather(std::span<const CutField> cuts, const SeparationFront& front) noexcept {
   for (std::size_t s = 0; s < solids_.size(); ++s) {
     Solid& solid = solids_[s];
     const CutField& cut = cuts[s];
@@ -148,12 +148,12 @@ void FeltSolids::Gather(std::span<const CutField> cuts, const SeparationFront& f
       if (cut.ChangedAt(block) == solid.followed[block]) continue;
       solid.followed[block] = cut.ChangedAt(block);
       // Nothing is known of it, nor of the blocks whose triangles depend on its points.
-      if (AllRound(solid.felt, block,
+      if (AllRound(solid.shown, block,
                    [&](std::size_t n, auto) { return solid.place[n] == kNone; })) {
-        Copy(cut.field(), block, solid.felt);
+        Copy(cut.field(), block, solid.shown);
         continue;
       }
-      if (!followed_.any()) ++followed_.turn;
+      if (!followed_.any()) ++followed_.round;
       Copy(cut.field(), block, solid.later);
       MarkAffected(solid, block);
       followed_.changed.push_back(
@@ -167,16 +167,16 @@ void FeltSolids::Gather(std::span<const CutField> cuts, const SeparationFront& f
 }
 
 /// Marks the blocks whose triangles depend on points that have changed.
-void FeltSolids::MarkAffected(Solid& solid, std::size_t block) noexcept {
-  const std::int32_t was = solid.felt.entry(block), is = solid.later.entry(block);
-  const float all = was == SparseField::kAbove ? solid.felt.band() : -solid.felt.band();
+void SolidBodies::MarkAffected(Solid& solid, std::size_t block) noexcept {
+  const std::int32_t was = solid.shown.entry(block), is = solid.later.entry(block);
+  const float all = was == SparseField::kAbove ? solid.shown.band() : -solid.shown.band();
   // For each axis, bits of the layers that have a change.
   unsigned layers[3] = {};
   for (int n = 0; n < SparseField::kPoints; n += kSide) {
     unsigned along = 0;
     for (int x = 0; x < kSide; ++x) {
-      const float before = was >= 0 ? solid.felt.values(was)[n + x] : all;
-      const float after = is >= 0 ? solid.later.values(is)[n + x] : solid.felt.band();
+      const float before = was >= 0 ? solid.shown.values(was)[n + x] : all;
+      const float after = is >= 0 ? solid.later.values(is)[n + x] : solid.shown.band();
       along |= static_cast<unsigned>(before != after) << x;
     }
     if (along == 0) continue;
@@ -186,38 +186,38 @@ void FeltSolids::MarkAffected(Solid& solid, std::size_t block) noexcept {
   }
   constexpr unsigned kLow = (1u << kOfBefore) - 1,
                      kHigh = 0xffu & ~((1u << (kSide - kOfBeyond)) - 1);
-  AllRound(solid.felt, block, [&](std::size_t reached, const std::array<int, 3>& by) {
-    bool reaches = solid.affected[reached] != followed_.turn;
+  AllRound(solid.shown, block, [&](std::size_t reached, const std::array<int, 3>& by) {
+    bool reaches = solid.affected[reached] != followed_.round;
     for (std::size_t a = 0; a < 3; ++a) {
       reaches = reaches && (layers[a] & (by[a] < 0 ? kLow : by[a] > 0 ? kHigh : 0xffu)) != 0;
     }
     if (!reaches) return true;
-    solid.affected[reached] = followed_.turn;
+    solid.affected[reached] = followed_.round;
     solid.affected_blocks.push_back(static_cast<std::uint32_t>(reached));
     return true;
   });
 }
 
-/// Lists a block to be remade in this turn, if it changes.
-void FeltSolids::List(const Block& block) noexcept {
+/// Lists a block to be remade in this round, if it changes.
+void SolidBodies::List(const Block& block) noexcept {
   Solid& solid = SolidOf(block);
   const auto b = static_cast<std::size_t>(block.block);
-  if (solid.affected[b] != followed_.turn || solid.listed[b] == followed_.turn) return;
+  if (solid.affected[b] != followed_.round || solid.listed[b] == followed_.round) return;
   if (followed_.to_make.size() == kBlocks) return;
-  solid.listed[b] = followed_.turn;
+  solid.listed[b] = followed_.round;
   followed_.to_make.push_back(block);
 }
 
-void FeltSolids::Commit(SeparationFront& front) noexcept {
+void SolidBodies::Commit(SeparationFront& front) noexcept {
   for (const Block& changed : followed_.changed) {
     Solid& solid = SolidOf(changed);
-    Copy(solid.later, static_cast<std::size_t>(changed.block), solid.felt);
+    Copy(solid.later, static_cast<std::size_t>(changed.block), solid.shown);
     Fill(solid.later, static_cast<std::size_t>(changed.block), SparseField::kBelow);
   }
   front.CloseEntries(
       first_block_, [&](const SeparationFront::Pair& pair, SeparationFront::Pair& outside) {
         const Block of = BlockOf(pair);
-        if (SolidOf(of).affected[static_cast<std::size_t>(of.block)] != followed_.turn)
+        if (SolidOf(of).affected[static_cast<std::size_t>(of.block)] != followed_.round)
           return false;
         outside.body = of.solid;
         outside.b = of.node;
@@ -233,21 +233,21 @@ void FeltSolids::Commit(SeparationFront& front) noexcept {
   for (const Block& block : followed_.to_make) {
     Solid& solid = SolidOf(block);
     std::int16_t& later = solid.later_place[static_cast<std::size_t>(block.block)];
-    if (later >= 0) bodies_[static_cast<std::size_t>(later)].use = Use::kFelt;
+    if (later >= 0) bodies_[static_cast<std::size_t>(later)].use = Use::kShown;
     if (later != kNoRoom) solid.place[static_cast<std::size_t>(block.block)] = later;
     later = kNone;
   }
   followed_.Clear();
 }
 
-FeltSolids::Block FeltSolids::BlockOf(const SeparationFront::Pair& entry) const {
+SolidBodies::Block SolidBodies::BlockOf(const SeparationFront::Pair& entry) const {
   if (!IsNothing(entry.body)) return Body(entry.body).of;
   const std::size_t solid = PlaceOf(entry.body) - bodies_.size();
   return {first_solid_ + static_cast<std::int32_t>(solid), entry.b,
           uncut_->boxes[solid].shape->tree.BlockOf(entry.b)};
 }
 
-FeltSolids::Taken FeltSolids::Take(const Block& block, const SeparationFront& front) noexcept {
+SolidBodies::Taken SolidBodies::Take(const Block& block, const SeparationFront& front) noexcept {
   Solid& solid = SolidOf(block);
   std::int16_t& place = solid.place[static_cast<std::size_t>(block.block)];
   const std::int32_t nothing =
@@ -256,9 +256,9 @@ FeltSolids::Taken FeltSolids::Take(const Block& block, const SeparationFront& fr
   const auto s = static_cast<std::size_t>(block.solid - first_solid_);
   const std::int32_t whole = uncut_->place[s][static_cast<std::size_t>(block.block)];
   const auto is_whole = [&](std::size_t n, auto) {
-    return solid.felt.entry(n) == SparseField::kBelow;
+    return solid.shown.entry(n) == SparseField::kBelow;
   };
-  if (place == kNone && AllRound(solid.felt, static_cast<std::size_t>(block.block), is_whole)) {
+  if (place == kNone && AllRound(solid.shown, static_cast<std::size_t>(block.block), is_whole)) {
     place = whole < 0 ? kNothing : kUncut;
     if (followed_.any()) List(block);
   }
@@ -267,22 +267,22 @@ FeltSolids::Taken FeltSolids::Take(const Block& block, const SeparationFront& fr
   ++made_in_cycle_;
   followed_.own_of_next.reset();  // it was in the scratch
   const std::int16_t made =
-      MakeOfSurface(block, TakeSurfaceOf(block, Use::kFelt), Use::kFelt, front);
+      MakeOfSurface(block, TakeSurfaceOf(block, Use::kShown), Use::kShown, front);
   if (followed_.any()) List(block);
   if (made == kNoRoom) return {-1, true};
   place = made;
   return made == kNothing ? Taken{nothing, false} : Taken{first_block_ + made, true};
 }
 
-std::size_t FeltSolids::TakeSurfaceOf(const Block& block, Use use) noexcept {
+std::size_t SolidBodies::TakeSurfaceOf(const Block& block, Use use) noexcept {
   const Solid& solid = SolidOf(block);
   return TakeSurfaceAndRim(
-      {*solid.solid->grid, solid.felt, use == Use::kLater ? &solid.later : nullptr},
+      {*solid.solid->grid, solid.shown, use == Use::kLater ? &solid.later : nullptr},
       static_cast<std::size_t>(block.block), scratch_.surface);
 }
 
-std::int16_t FeltSolids::MakeOfSurface(const Block& block, std::size_t own, Use use,
-                                       const SeparationFront& front) noexcept {
+std::int16_t SolidBodies::MakeOfSurface(const Block& block, std::size_t own, Use use,
+                                        const SeparationFront& front) noexcept {
   if (own == 0) return kNothing;
   if (scratch_.surface.triangles.size() > kMostOfBlock) return kNoRoom;
   if (free_.empty() && !MakeRoom(front)) return kNoRoom;
@@ -295,7 +295,7 @@ std::int16_t FeltSolids::MakeOfSurface(const Block& block, std::size_t own, Use 
 }
 
 /// Discards some bodies that no pair of the front uses, cycling through all.
-bool FeltSolids::MakeRoom(const SeparationFront& front) noexcept {
+bool SolidBodies::MakeRoom(const SeparationFront& front) noexcept {
   std::fill(used_.begin(), used_.end(), false);
   front.ForEachEntry(first_block_, [&](SeparationFront::Index, const SeparationFront::Pair& pair) {
     if (PlaceOf(pair.body) < kBlocks) used_[PlaceOf(pair.body)] = true;
@@ -303,17 +303,18 @@ bool FeltSolids::MakeRoom(const SeparationFront& front) noexcept {
   for (std::size_t n = 0; n < kBlocks && free_.size() < kGivenUp; ++n) {
     const std::size_t place = next_given_up_;
     if (++next_given_up_ == bodies_.size()) next_given_up_ = 0;
-    if (bodies_[place].use == Use::kFelt && !used_[place]) Free(place);
+    if (bodies_[place].use == Use::kShown && !used_[place]) Free(place);
   }
   return !free_.empty();
 }
 
-void FeltSolids::Free(std::size_t place) noexcept {
+void SolidBodies::Free(std::size_t place) noexcept {
   Use& use = bodies_[place].use;
   if (use == Use::kFree) return;
   const Block& of = bodies_[place].body.of;
   Solid& solid = SolidOf(of);
-  (use == Use::kFelt ? solid.place : solid.later_place)[static_cast<std::size_t>(of.block)] = kNone;
+  (use == Use::kShown ? solid.place : solid.later_place)[static_cast<std::size_t>(of.block)] =
+      kNone;
   use = Use::kFree;
   free_.push_back(static_cast<std::int16_t>(place));
 }
