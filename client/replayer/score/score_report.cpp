@@ -83,6 +83,16 @@ std::optional<Average> PointsOf(const Report& report) {
   return AverageGrade(report, [](const Grade& grade) { return grade.points; });
 }
 
+/// Returns in a sentence that what gates has taken points from the other criteria; else nothing.
+std::string GateText(const Report& report) {
+  const auto done = AverageGrade(report, [](const Grade& grade) { return 100.0 * grade.done; });
+  if (!done || done->mean > 99.5) return "";
+  std::vector<Criterion> gates = report.criteria->criteria;
+  std::erase_if(gates, [](const Criterion& criterion) { return !criterion.gates; });
+  return fmt::format("{:.0f} % of the task is done ({}): the other criteria count only so far",
+                     done->mean, Printable(Joined(gates, &Criterion::name)));
+}
+
 /// Returns JSON as an expression for a script element.  HTML ends a script at "</script", but not
 /// after "<!--<script", so <, > and & are escaped; they only occur in JSON strings.
 std::string Embedded(const nlohmann::ordered_json& json) {
@@ -139,6 +149,9 @@ std::string VerdictHtml(const Report& report) {
       passed ? "good" : "poor", points->mean, passed ? "passed" : "not yet",
       graded > 1 ? fmt::format("average of {} trials, ± {:.0f}; ", graded, points->deviation) : "",
       report.criteria->pass);
+  if (const std::string gated = GateText(report); !gated.empty()) {
+    html += "<p class=\"poor\">" + Escaped(gated) + ".</p>\n";
+  }
   return html;
 }
 
@@ -153,6 +166,7 @@ std::string MarksHtml(const Report& report) {
     if (criterion.limit_N > 0.0) what += fmt::format(", {:g} N", criterion.limit_N);
     if (!criterion.tissue.empty()) what += ": " + criterion.tissue;
     if (criterion.place) what += ", in a region";
+    if (criterion.gates) what += ". The task: the others count only as far as it is done";
     html +=
         "<tr>" + Cell(Escaped(criterion.name) + "<small>" + Escaped(what) +
                       (criterion.why.empty() ? "" : ". " + Escaped(criterion.why)) + "</small>");
@@ -168,7 +182,11 @@ std::string MarksHtml(const Report& report) {
       html +=
           Cell((mark.value ? fmt::format("{:.3g} {}", Shown(criterion, *mark.value), measure.unit)
                            : std::string("nothing to measure")) +
-               fmt::format("<br><span class=\"points\">{:.0f} points</span>", mark.points));
+               fmt::format("<br><span class=\"points\">{:.0f} points</span>", mark.points) +
+               (mark.points < mark.ungated - 0.5
+                    ? fmt::format("<small>{:.0f} × {:.0f} % of the task</small>", mark.ungated,
+                                  100.0 * grade->done)
+                    : ""));
     }
     html += AverageCell(
         report, AverageGrade(report, [&](const Grade& grade) { return grade.marks[c].points; }), 0);
@@ -444,12 +462,14 @@ nlohmann::ordered_json JsonOf(const Report& report) {
     if (report.criteria && report.grades[i]) {
       const Grade& grade = *report.grades[i];
       trial["points"] = grade.points;
+      trial["done_share"] = grade.done;
       for (std::size_t c = 0; c < grade.marks.size(); ++c) {
         const Grade::Mark& mark = grade.marks[c];
         trial["marks"].push_back(
             {{"criterion", report.criteria->criteria[c].name},
              {"value", mark.value ? nlohmann::ordered_json(*mark.value) : nullptr},
-             {"points", mark.points}});
+             {"points", mark.points},
+             {"ungated", mark.ungated}});
       }
       for (std::size_t s = 0; s < grade.depths.size(); ++s) {
         nlohmann::ordered_json site{{"site", report.criteria->sites[s].name}};
@@ -525,20 +545,23 @@ Report MakeReport(const ScoreOptions& options, StopSignal* stop) {
   return report;
 }
 
-Report Rehearse(const Exercise& exercise, double until_s) {
+Report Rehearse(const Exercise& exercise, const OtherHands& others) {
   Report report;
   report.expert = NameOf(exercise.expert, "");
   report.criteria = exercise.criteria;
   const auto scene = std::make_shared<const Scene>(LoadScene(exercise.scene));
   const PlayedScene played{scene, MakeObjects(*scene)};
-  const PoseScript script = PoseScript::Load(exercise.expert);
-  Expert expert{Perform(played, exercise.tool, script)};
+  Expert expert{Perform(played, exercise.tool, PoseScript::Load(exercise.expert))};
+  const std::vector<PoseScript> hands =
+      others ? others(expert.done.path) : std::vector<PoseScript>();
   expert.done.path = TrialIn(expert.done.path, exercise.expert);
   AddExpert(expert, report);
-  const bool whole = until_s >= script.duration();
-  Performance trial = whole ? expert.done : Perform(played, exercise.tool, script, until_s);
-  AddTrial(expert, whole ? trial.path : TrialIn(trial.path, exercise.expert), std::move(trial.cut),
-           exercise.expert, report.expert, report);
+  AddTrial(expert, expert.done.path, expert.done.cut, exercise.expert, report.expert, report);
+  for (const PoseScript& hand : hands) {
+    Performance trial = Perform(played, exercise.tool, hand);
+    AddTrial(expert, TrialIn(trial.path, exercise.expert), std::move(trial.cut), exercise.expert,
+             fmt::format("{} {}", report.expert, report.trials.size() + 1), report);
+  }
   return report;
 }
 
@@ -570,6 +593,7 @@ std::string ToText(const Report& report) {
             (points ? fmt::format("{} of 100 points, {}\n", ToText(*points, 0),
                                   Passed(report) ? "passed" : "not yet")
                     : fmt::format("{}: no points\n", kUntouched));
+    if (const std::string gated = GateText(report); !gated.empty()) text += "  " + gated + "\n";
   }
   if (trials == 1) text += std::string(kOneTrial) + "\n";
   return text;

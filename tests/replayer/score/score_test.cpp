@@ -475,6 +475,25 @@ TEST(ScoreReport, GivesNoPointsToATrialThatTouchesNothing) {
   EXPECT_TRUE(trials[1]["points"].is_null());
 }
 
+TEST(ScoreReport, SaysHowFarTheTaskIsDoneAndWhatThatTakesFromCare) {
+  Report report = ReportOf({0.004});
+  Criteria& criteria = *report.criteria;
+  criteria.criteria[0].gates = true;  // met to 60 %
+  criteria.criteria.push_back(
+      {.name = "soft", .why = "", .measure = "force_peak_N", .best = 1, .worst = 2});
+  report.grades = {GradeTrial(criteria, report.trials[0].score, Stroke(2.0))};
+  EXPECT_THAT(ToText(report), HasSubstr("60 % of the task is done (near)"));
+  EXPECT_THAT(ToHtml(report), testing::AllOf(HasSubstr("60 % of the task is done (near)"),
+                                             HasSubstr("100 × 60 %")));
+  const Folder folder;
+  WriteJson(report, folder / "s.json");
+  const auto trial = nlohmann::json::parse(std::ifstream(folder / "s.json"))["trials"][0];
+  EXPECT_NEAR(trial["done_share"], 0.6, 1e-3);
+  EXPECT_NEAR(trial["marks"][1]["points"], 60.0, 0.1);
+  EXPECT_EQ(trial["marks"][1]["ungated"], 100.0);
+  EXPECT_THAT(ToText(ReportOf({0.004})), Not(HasSubstr("of the task"))) << "nothing gates";
+}
+
 TEST(ScoreReport, SaysThatOneTrialPredictsNothing) {
   const Report report = ReportOf({0.001});
   EXPECT_THAT(ToText(report), HasSubstr("One trial predicts nothing"));
