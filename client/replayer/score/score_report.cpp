@@ -32,6 +32,8 @@ constexpr const char* kOneTrial =
 /// Ending of a hand's script.
 constexpr std::string_view kScriptEnding = ".path.json";
 constexpr const char* kUntouched = "nothing was touched";
+/// A loaded host leaves some poses unanswered; of more than this the score would be a guess.
+constexpr double kMostUnanswered = 0.05;
 
 /// A figure listed for each trial beside its marks.
 struct Figure {
@@ -81,6 +83,10 @@ std::optional<Average> AverageGrade(const Report& report,
 }
 std::optional<Average> PointsOf(const Report& report) {
   return AverageGrade(report, [](const Grade& grade) { return grade.points; });
+}
+
+std::string NotComplete(const Trial& trial) {
+  return trial.name + " is not complete, and does not pass: " + trial.incomplete;
 }
 
 /// Returns in a sentence that what gates has taken points from the other criteria; else nothing.
@@ -324,6 +330,15 @@ struct Expert {
   WholeVolumes whole{};
 };
 
+std::string IncompleteText(const HandPath& trial) {
+  std::string text = trial.cut_off ? "its recording is cut off" : "";
+  if (trial.unanswered_share > kMostUnanswered) {
+    text += fmt::format("{}{:.0f} % of its poses were not answered", text.empty() ? "" : "; ",
+                        100.0 * trial.unanswered_share);
+  }
+  return text;
+}
+
 /// Adds a trial: its cuts compared with the expert's, if he has cut, and its grade, if there
 /// are criteria.
 /// @param cut  none: taken from the recording, if needed.
@@ -334,7 +349,7 @@ void AddTrial(Expert& expert, const HandPath& trial, std::optional<SolidsCut> cu
     throw Error(file + ": was recorded in scene '" + trial.scene + "', the expert's in '" +
                 done.path.scene + "'; give recordings of one scene");
   }
-  report.trials.push_back({name, ScorePath(done.path, trial)});
+  report.trials.push_back({name, ScorePath(done.path, trial), IncompleteText(trial)});
   report.sessions.push_back(trial.sessions);
   const std::optional<SolidsCut>& target = done.cut;
   std::optional<CutShape> shape;
@@ -430,9 +445,10 @@ nlohmann::ordered_json TracksOf(const Report& report) {
   }
   json["tracks"].push_back(
       TrackJson("expert", first.expert_m, first.expert_force_N, nullptr, stride));
-  for (const auto& [name, score] : report.trials) {
-    json["tracks"].push_back(
-        TrackJson(name, score.trainee_m, score.trainee_force_N, &score.distance_mm, stride));
+  for (const Trial& trial : report.trials) {
+    json["tracks"].push_back(TrackJson(trial.name, trial.score.trainee_m,
+                                       trial.score.trainee_force_N, &trial.score.distance_mm,
+                                       stride));
   }
   return json;
 }
@@ -452,6 +468,7 @@ nlohmann::ordered_json JsonOf(const Report& report) {
   for (std::size_t i = 0; i < report.trials.size(); ++i) {
     nlohmann::ordered_json trial = JsonOf(report.trials[i].score);
     trial["trial"] = report.trials[i].name;
+    if (!report.trials[i].incomplete.empty()) trial["incomplete"] = report.trials[i].incomplete;
     if (!report.expert_cut.empty()) trial["cut"] = JsonOf(report.cuts[i]);
     if (i < report.differences.size()) {
       trial["missed_mm3"] = report.differences[i].missed_mm3;
@@ -497,7 +514,8 @@ std::string JsonText(const Report& report) {
 
 bool Passed(const Report& report) {
   const auto points = PointsOf(report);
-  return points && points->mean >= report.criteria->pass;
+  return points && points->mean >= report.criteria->pass &&
+         std::ranges::all_of(report.trials, &std::string::empty, &Trial::incomplete);
 }
 
 Average AverageOf(const std::vector<double>& values) {
@@ -587,6 +605,9 @@ std::string ToText(const Report& report) {
         fmt::format("  {:<34} {:<18} {:.2f} of {:.2f} mm³\n", tissue.name + " removed",
                     ToText(AverageOf(removed), 2, "mm³"), tissue.removed_mm3(), tissue.before_mm3);
   }
+  for (const Trial& trial : report.trials) {
+    if (!trial.incomplete.empty()) text += NotComplete(trial) + "\n";
+  }
   if (report.criteria) {
     const auto points = PointsOf(report);
     text += Printable(report.criteria->title) + ": " +
@@ -614,6 +635,11 @@ std::string ToHtml(const Report& report) {
       Escaped(title) + "</title>\n<style>" + kScorePagePalette + kScorePageCss +
       "</style>\n</head>\n<body>\n<h1>" + Escaped(title) + "</h1>\n<p class=\"quiet\">" +
       Escaped(names) + ", beside " + Escaped(report.expert) + "</p>\n" + VerdictHtml(report);
+  for (const Trial& trial : trials) {
+    if (!trial.incomplete.empty()) {
+      html += "<p class=\"poor\">" + Escaped(NotComplete(trial)) + ".</p>\n";
+    }
+  }
   if (trials.size() == 1) html += std::string("<p class=\"quiet\">") + kOneTrial + "</p>\n";
   if (report.criteria) html += MarksHtml(report) + SitesHtml(report);
   html += CutHtml(report);

@@ -282,6 +282,7 @@ TEST(HandPath, JoinsTheSessionsOfAStationThatLostItsServerAndCameAgain) {
       }
       wire::Wrench wrench{};
       wrench.pose_sequence = 4;
+      wrench.graphic_orientation_wxyz[0] = 1.0;
       wrench.force_N[0] = static_cast<double>(run);
       Add(writer, dds::WrenchTopic(station, run), wrench, from + 5'000'000);
     }
