@@ -543,9 +543,8 @@ Report MakeReport(const ScoreOptions& options, StopSignal* stop) {
   if (stop != nullptr) {
     const std::string& file = options.trials.front();
     if (const auto begun = BegunIn(file, station(0), *stop)) {
-      const PlayedScene played = SceneIn(file, begun->scene);
-      SetExpert(options, *begun, played, expert, report);
-      cut = SweptIn(file, *begun, played, stop);
+      SetExpert(options, begun->session, begun->played, expert, report);
+      cut = SweptIn(file, begun->session, begun->played, stop);
     }
   }
   std::vector<HandPath> trials;

@@ -18,6 +18,7 @@
 #include "common/files/whole_file.h"
 #include "common/math/rotation.h"
 #include "common/program/stop_signal.h"
+#include "common/recording/recording_reader.h"
 #include "tests/common/recording/samples.h"
 #include "tests/replayer/cut_recording.h"
 #include "tests/support/complaint.h"
@@ -447,6 +448,29 @@ TEST_F(CutReport, FollowsATrialThatIsBeingRecordedToTheSameScore) {
   EXPECT_EQ(report.cuts[0][0].after_mm3, MakeReport(options).cuts[0][0].after_mm3);
   const Verification again = Verify({whole}, {.whose = {{"hand", 9}}});
   EXPECT_EQ(report.cuts[0][0].after_mm3, TissuesOf(*again.sessions[0].cut)[0].after_mm3);
+}
+
+// What a recorder hears first is how the station's session of another scene has ended.
+TEST_F(CutReport, FollowsTheTrialsOwnSessionAndNotTheStationsFormerOne) {
+  const std::string whole = options.trials[0];
+  const double after = MakeReport(options).cuts[0][0].after_mm3;
+  options.trials = {folder / "growing.mcap"};
+  RecordingWriter writer({.file = options.trials[0]});
+  wire::SessionState former = SampleState("hand", 3);
+  former.phase = palpate_SESSION_ENDED;
+  Add(writer, dds::kSessionStateTopic, former, 0);
+  AddBundle(writer, {1, 2, 3}, 0);
+  writer.Flush();
+  std::jthread recorder([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(150));
+    RecordingReader reader({whole});
+    for (RecordedSample sample{}; reader.Next(sample);) {
+      writer.Add(*sample.topic, sample.type, sample.log_time_ns, sample.cdr);
+    }
+    writer.Close("");
+  });
+  StopSignal stop;
+  EXPECT_EQ(MakeReport(options, &stop).cuts[0][0].after_mm3, after);
 }
 
 TEST(ScoreReport, JudgesByTheAverageOfTheTrials) {
