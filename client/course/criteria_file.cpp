@@ -5,6 +5,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "common/text/joined.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {
@@ -94,8 +95,8 @@ void ReadGates(const JsonNode& names, std::vector<Criterion>& criteria) {
   for (const JsonNode& name : names.Items(1)) {
     const auto count = std::ranges::count(criteria, name.String(), &Criterion::name);
     if (count != 1) {
-      name.Fail(fmt::format("is the name of {} criteria; give one of: {}", count,
-                            Joined(criteria, &Criterion::name)));
+      name.Fail(fmt::format("{} is the name of {} criteria; give one of: {}", Quoted(name.String()),
+                            count, Joined(criteria, &Criterion::name)));
     }
     std::ranges::find(criteria, name.String(), &Criterion::name)->gates = true;
   }

@@ -177,8 +177,9 @@ TEST_F(CriteriaTest, NameTheGateThatIsWrong) {
       {"name": "b", "measure": "time_s", "best": 0, "worst": 1},
       {"name": "b", "measure": "contact_s", "best": 1, "worst": 0}]})";
   };
-  EXPECT_THAT(Complaint(with("[\"c\"]")), HasSubstr("gates[0]: is the name of 0 criteria; give"));
-  EXPECT_THAT(Complaint(with("[\"a\", \"b\"]")), HasSubstr("gates[1]: is the name of 2"));
+  EXPECT_THAT(Complaint(with("[\"c\"]")),
+              HasSubstr("gates[0]: 'c' is the name of 0 criteria; give"));
+  EXPECT_THAT(Complaint(with("[\"a\", \"b\"]")), HasSubstr("gates[1]: 'b' is the name of 2"));
   EXPECT_THAT(Complaint(with("[]")), HasSubstr("gates"));
   EXPECT_THAT(Complaint(with("\"a\"")), HasSubstr("gates"));
   EXPECT_TRUE(Load(with("[\"a\"]")).criteria[0].gates);
