@@ -219,13 +219,13 @@ HandPath TrialIn(const HandPath& path, const std::string& file) {
     if (!any || path.answered[i]) known.push_back(i);
   }
   const auto is_away = [&](std::size_t i, std::size_t from) {
-    const Pose &X = path.X_WH[known[i]], &Y = path.X_WH[from];
+    const Pose &X = path.X_WH[i], &Y = path.X_WH[from];
     return (X.p - Y.p).norm() > kMoved_m || X.q.angularDistance(Y.q) > kTurned_rad;
   };
   const auto moves_off = [&](std::size_t i) {
-    return i + 1 < known.size() && is_away(i + 1, known.front());
+    return i + 1 < known.size() && is_away(known[i + 1], known.front());
   };
-  const auto arrives = [&](std::size_t i) { return i > 0 && is_away(i - 1, known.back()); };
+  const auto arrives = [&](std::size_t i) { return i > 0 && is_away(known[i - 1], known.back()); };
   std::size_t begin = 0, end = known.size();
   while (begin < end && !path.touches(known[begin]) && !moves_off(begin)) ++begin;
   while (end > begin && !path.touches(known[end - 1]) && !arrives(end - 1)) --end;
@@ -243,8 +243,11 @@ HandPath TrialIn(const HandPath& path, const std::string& file) {
                  part(path.time_s),    part(path.X_WH), part(path.X_WG), part(path.force_N),
                  part(path.torque_Nm), path.tool_name,  path.sessions};
   for (double& t : trial.time_s) t -= path.time_s[known[begin]];
-  const auto poses = static_cast<double>(known[end - 1] - known[begin] + 1);
   if (!path.answered.empty()) {
+    // A hand that goes on after the last answer is on trial still.
+    const std::size_t last =
+        is_away(path.size() - 1, known.back()) ? path.size() - 1 : known[end - 1];
+    const auto poses = static_cast<double>(last - known[begin] + 1);
     trial.unanswered_share = any ? 1.0 - static_cast<double>(trial.size()) / poses : 1.0;
   }
   trial.cut_off = path.cut_off;

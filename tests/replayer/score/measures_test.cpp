@@ -106,16 +106,19 @@ struct Rows {
 class Measures : public testing::Test {
  protected:
   Measures() { std::ofstream(folder / "c.json") << CriteriaText(); }
-  void Record(const std::string& name, std::uint64_t lost_of_100) const {
+  void Record(const std::string& name, std::uint64_t lost_of_100,
+              std::uint64_t last_answered = 9001) const {
     const Scene scene = LoadScene("periodontal");
     const HapticModel model = MakeModel(scene, scene.tools.front(), MakeObjects(scene));
     const PoseScript script =
         PoseScript::Load(PALPATE_SOURCE_DIR "/client/course/exercises/pocket-depth.path.json");
-    RecordHand(scene, model,
-               {.poses = 9001,
-                .at = [&](std::uint64_t i) { return script.At(1e-3 * static_cast<double>(i)); },
-                .lost = [=](std::uint64_t i) { return i % 100 >= 100 - lost_of_100; }},
-               folder / name);
+    RecordHand(
+        scene, model,
+        {.poses = 9001,
+         .at = [&](std::uint64_t i) { return script.At(1e-3 * static_cast<double>(i)); },
+         .lost =
+             [=](std::uint64_t i) { return i % 100 >= 100 - lost_of_100 || i > last_answered; }},
+        folder / name);
   }
   Report Scored() const {
     return MakeReport({.expert = folder / "expert.mcap",
@@ -188,6 +191,8 @@ TEST_F(Measures, AreNotOfACompleteTrialIfMoreThanATwentiethIsNotAnswered) {
   EXPECT_FALSE(Passed(report)) << "0 points would be enough";
   EXPECT_THAT(ToText(report), testing::HasSubstr(report.trials[0].incomplete));
   EXPECT_THAT(ToHtml(report), testing::HasSubstr(report.trials[0].incomplete));
+  Record("trial.mcap", 0, 6000);
+  EXPECT_FALSE(Passed(Scored())) << "the server was gone, the hand went on";
 }
 
 TEST_F(Measures, AreNotOfACompleteTrialIfItsRecordingIsCutOff) {
