@@ -2,6 +2,11 @@
 
 #include <algorithm>
 
+#include <spdlog/fmt/fmt.h>
+
+#include "common/text/joined.h"
+#include "common/text/quoted.h"
+
 namespace palpate {
 namespace {
 
@@ -85,6 +90,23 @@ Criterion ReadCriterion(const JsonNode& node, bool has_sites) {
   return criterion;
 }
 
+/// Marks the criteria that a list of names calls gates.
+void ReadGates(const JsonNode& names, std::vector<Criterion>& criteria) {
+  for (const JsonNode& name : names.Items(1)) {
+    const auto count = std::ranges::count(criteria, name.String(), &Criterion::name);
+    if (count != 1) {
+      name.Fail(fmt::format("{} is the name of {} criteria; give one of: {}", Quoted(name.String()),
+                            count, Joined(criteria, &Criterion::name)));
+    }
+    std::ranges::find(criteria, name.String(), &Criterion::name)->gates = true;
+  }
+  if (std::ranges::all_of(criteria, &Criterion::gates)) {
+    names.Fail(
+        "names all criteria, so nothing is left to count only as far as the task is done; "
+        "drop those of care, or drop the field");
+  }
+}
+
 ProbingSite ReadSite(const JsonNode& node) {
   node.AllowOnly({"name", "margin_mm", "into", "radius_mm", "depth_mm", "tolerance_mm"});
   ProbingSite site;
@@ -111,6 +133,7 @@ const std::vector<Measure> kMeasures = {
     {"path_max_mm", "mm", "greatest distance from the expert's path"},
     {"turn_mean_deg", "°", "mean difference of rotation"},
     {.name = "time_s", .unit = "s", .text = "time taken", .in_a_place = true},
+    {.name = "contact_s", .unit = "s", .text = "time in contact", .in_a_place = true},
     {"time_ratio", "×", "time taken, as a multiple of the expert's"},
     {"sites_right_share", "%", "share of the sites whose depth was probed rightly"},
     {"removed_mm3", "mm³", "removed by the bur", Tissue::kMustName, true},
@@ -138,10 +161,10 @@ const char* const kCriteriaToBeginWith =
   "tip_mm": [0, 0, 0],                   // of the tool, in its own frame
   // "best" earns all of a criterion's points, "worst" none, what lies between its share.
   // Measures: force_over_share, force_peak_N, force_rms_N, path_mean_mm, path_max_mm,
-  // turn_mean_deg, time_s, time_ratio, sites_right_share; of what a bur cuts, with "tissue":
-  // removed_mm3, left_share, thickness_mm, missed_mm3, excess_mm3; of a preparation along "axis":
-  // taper_deg, undercut_share, margin_width_mm, margin_spread_mm, margin_roughness_mm.  Shares are
-  // from 0 to 1.
+  // turn_mean_deg, time_s, contact_s, time_ratio, sites_right_share; of what a bur cuts, with
+  // "tissue": removed_mm3, left_share, thickness_mm, missed_mm3, excess_mm3; of a preparation along
+  // "axis": taper_deg, undercut_share, margin_width_mm, margin_spread_mm, margin_roughness_mm.
+  // Shares are from 0 to 1.
   "criteria": [
     {"name": "No more than 25 g", "measure": "force_over_share", "limit_N": 0.245,
      "best": 0, "worst": 0.5, "weight": 2,
@@ -150,6 +173,8 @@ const char* const kCriteriaToBeginWith =
      "why": "Within 1 mm, as far apart as two examiners are"},
     {"name": "The expert's way", "measure": "path_mean_mm", "best": 1, "worst": 8}
   ],
+  // Who does little does little wrong: the other criteria count only as far as these are met.
+  "gates": ["Depths found"],
   // Depth counts from margin_mm along "into", both in the scene's frame, as far as the tip stays
   // within radius_mm of that line.
   "sites": [
@@ -166,7 +191,7 @@ bool AsksForCuts(const Criteria& criteria) {
 }
 
 Criteria ReadCriteria(const JsonNode& root, const std::string& file, const std::string& title) {
-  root.AllowOnly({"title", "pass", "tip_mm", "criteria", "sites"});
+  root.AllowOnly({"title", "pass", "tip_mm", "criteria", "gates", "sites"});
   Criteria criteria;
   criteria.file = file;
   criteria.title = title.empty() || root.Has("title") ? root.At("title").String() : title;
@@ -178,6 +203,7 @@ Criteria ReadCriteria(const JsonNode& root, const std::string& file, const std::
   for (const JsonNode& node : root.At("criteria").Items(1)) {
     criteria.criteria.push_back(ReadCriterion(node, !criteria.sites.empty()));
   }
+  if (auto gates = root.Find("gates")) ReadGates(*gates, criteria.criteria);
   return criteria;
 }
 

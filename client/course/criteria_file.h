@@ -24,6 +24,7 @@ struct Criterion {
   Place place{};              ///< only what lies within it counts
   double best = 0.0, worst = 1.0;
   double weight = 1.0;
+  bool gates = false;  ///< says how far the task is done: those that do not gate count only so far
 };
 
 /// A site at which the depth is to be probed.

@@ -76,12 +76,14 @@ std::vector<const TrialRow*> LastThatCount(TrialRows rows, int last) {
   return counted;
 }
 
-/// Returns a criterion's current weight in the exercise; 0 if the exercise no longer has it.
-double WeightOf(const std::string& criterion, const Exercise* exercise) {
-  if (exercise == nullptr) return 1.0;
+/// Returns what a criterion now is in the exercise; of weight 0 if the exercise no longer has it.
+Criterion NowIn(const Exercise* exercise, const std::string& criterion) {
+  Criterion now;
+  if (exercise == nullptr) return now;
+  now.weight = 0.0;
   const auto& all = exercise->criteria.criteria;
   const auto found = std::ranges::find(all, criterion, &Criterion::name);
-  return found == all.end() ? 0.0 : found->weight;
+  return found == all.end() ? now : *found;
 }
 
 std::vector<CriterionLoss> MostFirst(const std::map<std::string, std::pair<double, int>>& sums) {
@@ -138,8 +140,8 @@ std::vector<TrialRow> ReadTrials(CourseFile& file, std::int64_t person) {
   return rows;
 }
 
-std::vector<std::pair<std::string, double>> MarksOf(const TrialRow& row) {
-  std::vector<std::pair<std::string, double>> marks;
+std::vector<TrialMark> MarksOf(const TrialRow& row) {
+  std::vector<TrialMark> marks;
   const Json json = Json::parse(row.marks, nullptr, false);
   if (!json.is_array()) return marks;
   for (const Json& mark : json) {
@@ -149,7 +151,10 @@ std::vector<std::pair<std::string, double>> MarksOf(const TrialRow& row) {
     if (name == mark.end() || !name->is_string() || points == mark.end() || !points->is_number()) {
       continue;
     }
-    marks.emplace_back(name->get<std::string>(), points->get<double>());
+    const auto ungated = mark.find("ungated");
+    marks.push_back({*name, *points,
+                     ungated != mark.end() && ungated->is_number() ? ungated->get<double>()
+                                                                   : points->get<double>()});
   }
   return marks;
 }
@@ -207,13 +212,19 @@ std::vector<CriterionLoss> LossesOf(TrialRows rows, const Exercise* exercise, in
   std::map<std::string, std::pair<double, int>> sums;
   for (const TrialRow* row : LastThatCount(rows, last)) {
     const auto marks = MarksOf(*row);
-    double weights = 0.0;
-    for (const auto& [criterion, points] : marks) weights += WeightOf(criterion, exercise);
-    for (const auto& [criterion, points] : marks) {
-      const double weight = WeightOf(criterion, exercise);
-      if (weight <= 0.0) continue;
-      auto& [lost, of] = sums[criterion];
-      lost += weight / weights * (100.0 - points);
+    double weights = 0.0, taken = 0.0, undone = 0.0;
+    for (const TrialMark& mark : marks) {
+      const Criterion now = NowIn(exercise, mark.criterion);
+      weights += now.weight;
+      taken += now.weight * (mark.ungated - mark.points);
+      if (now.gates) undone += 100.0 - mark.points;
+    }
+    for (const TrialMark& mark : marks) {
+      const Criterion now = NowIn(exercise, mark.criterion);
+      if (now.weight <= 0.0) continue;
+      auto& [lost, of] = sums[mark.criterion];
+      lost += now.weight / weights * (100.0 - (undone > 0.0 ? mark.ungated : mark.points));
+      if (now.gates && undone > 0.0) lost += taken / weights * (100.0 - mark.points) / undone;
       ++of;
     }
   }
@@ -315,8 +326,8 @@ std::string History::PersonJson(std::int64_t id, bool for_teacher, const PageOf&
     Json done = Json::array();
     for (const TrialRow& row : series) {
       Json marks = Json::array();
-      for (const auto& [criterion, points] : MarksOf(row)) {
-        marks.push_back({{"criterion", criterion}, {"points", points}});
+      for (const TrialMark& mark : MarksOf(row)) {
+        marks.push_back({{"criterion", mark.criterion}, {"points", mark.points}});
       }
       done.push_back({{"n", row.n},
                       {"begun_s", row.begun_s},
@@ -348,10 +359,10 @@ std::string History::PersonJson(std::int64_t id, bool for_teacher, const PageOf&
 std::string History::Csv(std::int64_t id, CsvAs as) const {
   const TrialRows rows = id == 0 ? TrialRows(rows_) : RowsOf(id);
   std::set<std::pair<std::string, std::string>> columns;  // exercise, criterion
-  std::vector<std::vector<std::pair<std::string, double>>> marks;
+  std::vector<std::vector<TrialMark>> marks;
   for (const TrialRow& row : rows) {
     marks.push_back(MarksOf(row));
-    for (const auto& [criterion, points] : marks.back()) columns.emplace(row.exercise, criterion);
+    for (const TrialMark& mark : marks.back()) columns.emplace(row.exercise, mark.criterion);
   }
   const auto number = [as](double value) {
     std::string text = fmt::format("{:.2f}", value);
@@ -383,11 +394,10 @@ std::string History::Csv(std::int64_t id, CsvAs as) const {
                                     YesOf(row.passed),
                                     row.submitted_s ? WhenOf(*row.submitted_s) : ""};
     for (const auto& [exercise, criterion] : columns) {
-      const auto mark =
-          exercise == row.exercise
-              ? std::ranges::find(marks[i], criterion, &std::pair<std::string, double>::first)
-              : marks[i].end();
-      fields.push_back(mark == marks[i].end() ? "" : number(mark->second));
+      const auto mark = exercise == row.exercise
+                            ? std::ranges::find(marks[i], criterion, &TrialMark::criterion)
+                            : marks[i].end();
+      fields.push_back(mark == marks[i].end() ? "" : number(mark->points));
     }
     csv += line(fields);
   }

@@ -49,8 +49,13 @@ void ForEachSeries(TrialRows rows, const Action& action) {
   }
 }
 
-/// Returns the points by criterion, in the stored order; empty if the row has no readable marks.
-std::vector<std::pair<std::string, double>> MarksOf(const TrialRow& row);
+struct TrialMark {
+  std::string criterion;
+  double points = 0.0;
+  double ungated = 0.0;  ///< before the task's gates took what they take; at least the points
+};
+/// Returns the marks in the stored order; empty if the row has none that can be read.
+std::vector<TrialMark> MarksOf(const TrialRow& row);
 
 /// The mean points of the last trials that count, and its uncertainty.
 struct TermGrade {
@@ -92,8 +97,9 @@ struct CriterionLoss {
   int of = 0;  ///< number of trials or of people
 };
 /// Returns the mean loss per criterion over the last trials that count, largest first.  A
-/// criterion's share of the points is its weight over the sum of all weights.  Criteria that the
-/// exercise no longer has are left out, and a trial older than a criterion does not count for it.
+/// criterion's share of the points is its weight over the sum of all weights; what gates take from
+/// others, they cost.  Criteria that the exercise no longer has are left out, and a trial older
+/// than a criterion does not count for it.
 /// @param rows      one person's trials of one exercise.
 /// @param exercise  null: it no longer exists, and all criteria weigh the same.
 std::vector<CriterionLoss> LossesOf(TrialRows rows, const Exercise* exercise, int last);

@@ -455,13 +455,16 @@ void TrialRoom::TakeScore(Running& trial) {
     const Json& done = score.at("trials").at(0);
     if (!done.at("points").is_null()) news.points = done.at("points");
     marks = done.value("marks", Json::array()).dump();
+    const auto lacks = [&](const std::string& what) {
+      news.whole = false;
+      news.reason += (news.reason.empty() ? "" : "; ") + what;
+    };
     if (const int sessions = done.value("sessions", 1); sessions > 1) {
       // What the station did between two sessions is unknown.
-      news.whole = false;
-      news.reason += fmt::format("{}its station lost the server and came again, {}",
-                                 news.reason.empty() ? "" : "; ",
-                                 sessions == 2 ? "once" : fmt::format("{} times", sessions - 1));
+      lacks("its station lost the server and came again, " +
+            (sessions == 2 ? "once" : fmt::format("{} times", sessions - 1)));
     }
+    if (const std::string why = done.value("incomplete", ""); !why.empty()) lacks(why);
     news.page = KeyOf(stem + "/score.html");
     file_.Use([&](SQLite::Database& database) {
       SQLite::Statement row(

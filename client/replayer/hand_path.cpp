@@ -37,7 +37,7 @@ struct HandSample {
   std::uint64_t sequence;
   std::int64_t time_ns;
   Pose X_WH;
-  Pose X_WG;
+  std::optional<Pose> X_WG{};  // none: it was not answered
   Wrench wrench{};
 };
 
@@ -52,9 +52,8 @@ std::optional<Pose> Usable(Pose X) {
 void Answer(HandSample& at, const wire::Wrench& answer) {
   const Wrench wrench = wire::ToWrench(answer);
   if (!(wrench.force.norm() < kHardest_N) || !(wrench.torque.norm() < kHardest_Nm)) return;
-  at.wrench = wrench;
-  at.X_WG = Usable(wire::ToPose(answer.graphic_position_m, answer.graphic_orientation_wxyz))
-                .value_or(at.X_WH);
+  at.X_WG = Usable(wire::ToPose(answer.graphic_position_m, answer.graphic_orientation_wxyz));
+  if (at.X_WG) at.wrench = wrench;
 }
 
 /// Returns whether a pose follows the last one in sequence and time.  A jump is rejected too, since
@@ -150,7 +149,7 @@ std::vector<HandSample> SamplesOf(RecordingReader& reader, const Session& sessio
     if (*sample.topic == poses && sample.To(pose)) {
       const auto X_WH = Usable(wire::ToPose(pose));
       if (X_WH && (hand.empty() || GoesOn(hand.back(), pose))) {
-        hand.push_back({pose.pose_sequence, pose.sample_time_ns, *X_WH, *X_WH});
+        hand.push_back({pose.pose_sequence, pose.sample_time_ns, *X_WH});
       }
     } else if (*sample.topic == wrenches && sample.To(wrench)) {
       if (!take(wrench)) early.push_back(wrench);
@@ -202,41 +201,56 @@ HandPath ReadHandPath(const std::vector<std::string>& files, const SessionChoice
   for (const HandSample& at : hand) {
     path.time_s.push_back(SecondsBetween(hand.front().time_ns, at.time_ns));
     path.X_WH.push_back(at.X_WH);
-    path.X_WG.push_back(at.X_WG);
+    path.X_WG.push_back(at.X_WG.value_or(at.X_WH));
+    path.answered.push_back(at.X_WG.has_value());
     path.force_N.push_back(at.wrench.force);
     path.torque_Nm.push_back(at.wrench.torque);
   }
+  if (std::ranges::count(path.answered, true) == 0) path.X_WG.clear();
+  path.cut_off = !reader.complete();
   return path;
 }
 
 HandPath TrialIn(const HandPath& path, const std::string& file) {
-  const std::size_t size = path.size();
-  const auto is_away = [&](std::size_t i, const Pose& from) {
-    return (path.X_WH[i].p - from.p).norm() > kMoved_m ||
-           path.X_WH[i].q.angularDistance(from.q) > kTurned_rad;
+  // If nothing is answered, the hand's motion is all that there is.
+  const bool any = std::ranges::count(path.answered, true) > 0;
+  std::vector<std::size_t> known;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    if (!any || path.answered[i]) known.push_back(i);
+  }
+  const auto is_away = [&](std::size_t i, std::size_t from) {
+    const Pose &X = path.X_WH[i], &Y = path.X_WH[from];
+    return (X.p - Y.p).norm() > kMoved_m || X.q.angularDistance(Y.q) > kTurned_rad;
   };
   const auto moves_off = [&](std::size_t i) {
-    return i + 1 < size && is_away(i + 1, path.X_WH.front());
+    return i + 1 < known.size() && is_away(known[i + 1], known.front());
   };
-  const auto arrives = [&](std::size_t i) { return i > 0 && is_away(i - 1, path.X_WH.back()); };
-  std::size_t begin = 0, end = size;
-  while (begin < end && !path.touches(begin) && !moves_off(begin)) ++begin;
-  while (end > begin && !path.touches(end - 1) && !arrives(end - 1)) --end;
+  const auto arrives = [&](std::size_t i) { return i > 0 && is_away(known[i - 1], known.back()); };
+  std::size_t begin = 0, end = known.size();
+  while (begin < end && !path.touches(known[begin]) && !moves_off(begin)) ++begin;
+  while (end > begin && !path.touches(known[end - 1]) && !arrives(end - 1)) --end;
   if (end - begin < 2) {
     throw Error(file +
                 ": the hand neither moves more than 1 mm or 1 degree nor touches anything; give a "
                 "recording of a trial");
   }
   const auto part = [&](const auto& all) {
-    using All = std::remove_cvref_t<decltype(all)>;
-    if (all.empty()) return All{};
-    const auto at = [&](std::size_t i) { return all.begin() + static_cast<std::ptrdiff_t>(i); };
-    return All(at(begin), at(end));
+    std::remove_cvref_t<decltype(all)> of;
+    for (std::size_t i = begin; i < end && !all.empty(); ++i) of.push_back(all[known[i]]);
+    return of;
   };
   HandPath trial{path.station,         path.scene,      path.run,        path.cuts,
                  part(path.time_s),    part(path.X_WH), part(path.X_WG), part(path.force_N),
                  part(path.torque_Nm), path.tool_name,  path.sessions};
-  for (double& t : trial.time_s) t -= path.time_s[begin];
+  for (double& t : trial.time_s) t -= path.time_s[known[begin]];
+  if (!path.answered.empty()) {
+    // A hand that goes on after the last answer is on trial still.
+    const std::size_t last =
+        is_away(path.size() - 1, known.back()) ? path.size() - 1 : known[end - 1];
+    const auto poses = static_cast<double>(last - known[begin] + 1);
+    trial.unanswered_share = any ? 1.0 - static_cast<double>(trial.size()) / poses : 1.0;
+  }
+  trial.cut_off = path.cut_off;
   return trial;
 }
 

@@ -15,12 +15,15 @@ struct HandPath {
   bool cuts = false;           ///< the recording holds data about cut solids
   std::vector<double> time_s;  ///< the station's clock, from 0; strictly increasing
   std::vector<Pose> X_WH;
-  std::vector<Pose> X_WG;     ///< from the answer to that pose; empty: not known
+  std::vector<Pose> X_WG;     ///< from the answer to that pose; empty: no pose was answered
   std::vector<Vec3> force_N;  ///< on the hand, from the answer to that pose; 0 if there is none
   std::vector<Vec3> torque_Nm;
   std::string tool_name = {};
   int sessions =
       1;  ///< several: a station that lost its server and came again; nothing between them
+  std::vector<bool> answered = {};  ///< whether X_WG and the wrench are known; empty: of all
+  double unanswered_share = 0.0;    ///< of the poses during a trial (TrialIn)
+  bool cut_off = false;             ///< the recording lacks its end
 
   /// The tool's poses: of the graphic tool if known, otherwise the hand's.
   const std::vector<Pose>& tool() const { return X_WG.empty() ? X_WH : X_WG; }
@@ -43,7 +46,9 @@ HandPath ReadHandPath(const std::vector<std::string>& files, const SessionChoice
 
 /// Returns the trial within a path, which all measures refer to: from the first move or contact to
 /// the last.  The first move is when the hand leaves its initial pose by more than 1 mm or 1
-/// degree; the last, when it comes to stay that near to its final pose.
+/// degree; the last, when it comes to stay that near to its final pose.  It has only those samples
+/// whose answer is known: without one, nobody knows where the tool was.  What an answer says is
+/// taken to hold since the one before.
 /// @param file  the recording, for the message.  Throws Error if the path has no such part.
 HandPath TrialIn(const HandPath& path, const std::string& file);
 

@@ -4,7 +4,6 @@
 
 #include <gmock/gmock.h>
 
-#include "client/replayer/score/score_report.h"
 #include "common/files/project_files.h"
 #include "common/files/whole_file.h"
 #include "common/json/json_file.h"
@@ -118,30 +117,6 @@ TEST(ShippedExercises, AreWholeInThreeLanguagesAndNameTheirSources) {
     EXPECT_FALSE(exercise.sources.empty()) << exercise.name;
     EXPECT_THAT(page, HasSubstr("`" + exercise.name + "`"));
   }
-}
-
-/// The exercises without cutting, which take a second each; `palpate-replay rehearse` checks the
-/// others, which take a minute.
-class Rehearsal : public testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(Shipped, Rehearsal,
-                         testing::Values("light-force", "pocket-depth", "margin-walking",
-                                         "calculus-detection", "nodule-palpation", "six-sites"),
-                         [](const auto& name) {
-                           std::string text = name.param;
-                           std::erase(text, '-');
-                           return text;
-                         });
-
-TEST_P(Rehearsal, HasItsExpertPassAndFailsWhoOnlyBegins) {
-  const Exercise exercise = LoadExercise(kShipped + "/" + GetParam() + kExerciseEnding);
-  const Report expert = Rehearse(exercise);
-  ASSERT_TRUE(expert.grades.at(0));
-  EXPECT_GE(expert.grades[0]->points, 90.0);
-  const Report begun = Rehearse(exercise, 3.2);
-  EXPECT_TRUE(begun.grades.at(0)) << "it has touched";
-  EXPECT_FALSE(Passed(begun));
-  const Report idle = Rehearse(exercise, 1.2);
-  EXPECT_FALSE(idle.grades.at(0)) << "it touches nothing";
 }
 
 }  // namespace

@@ -117,6 +117,19 @@ TEST(CriterionLoss, IsWhatACriterionCostsOfAHundredPoints) {
   EXPECT_DOUBLE_EQ(losses[1].points, 0.75 * (20 + 0) / 2);
 }
 
+TEST(CriterionLoss, IsTheGatesOfWhatItTakesFromOthers) {
+  Exercise exercise = Asking({{"cleared", 1}, {"pulp", 3}});
+  exercise.criteria.criteria[0].gates = true;
+  const std::vector<TrialRow> rows = {Trial(1, 37, R"([
+    {"criterion": "cleared", "points": 40, "ungated": 40},
+    {"criterion": "pulp", "points": 36, "ungated": 90}])")};
+  const auto losses = LossesOf(rows, &exercise, 1);
+  ASSERT_EQ(losses.size(), 2u);
+  EXPECT_EQ(losses[0].criterion, "cleared");
+  EXPECT_DOUBLE_EQ(losses[0].points, (60.0 + 3 * 54.0) / 4);
+  EXPECT_DOUBLE_EQ(losses[1].points, 3 * 10.0 / 4);
+}
+
 TEST(CriterionLoss, FollowsTheExerciseWhereItsCriteriaHaveChanged) {
   const std::vector<TrialRow> rows = {Trial(1, 50, Marks({{"old", 0}, {"force", 0}})),
                                       Trial(2, 50, Marks({{"force", 50}, {"new", 90}}))};

@@ -190,6 +190,20 @@ TEST_F(TrialTest, IsNotWholeWhereItsStationHasComeAgain) {
   EXPECT_THAT(Done(0)["reason"].get<std::string>(), HasSubstr("holds 2 sessions"));
 }
 
+TEST_F(TrialTest, IsNotWholeIfItsScoreSaysThatItIsNotComplete) {
+  std::string lacking = kReplayer;
+  const std::string points = "\"points\": 81.5";
+  lacking.replace(lacking.find(points), points.size(),
+                  points + ", \"incomplete\": \"it is cut off\"");
+  SetProgram("palpate-replay", lacking);
+  Begin();
+  ASSERT_TRUE(Comes("running"));
+  room_->End(7, "stopped");
+  ASSERT_TRUE(Comes("scored"));
+  EXPECT_EQ(Done(0)["whole"], false);
+  EXPECT_EQ(Done(0)["reason"], "stopped; it is cut off");
+}
+
 TEST_F(TrialTest, HasPointsAndIsNotWholeWhereItsSessionsAreJoined) {
   std::string joined = kReplayer;
   const std::string points = "\"points\": 81.5";

@@ -21,6 +21,7 @@ struct HandRecording {
   std::uint64_t poses = 0;                                  ///< one a millisecond, the first is 1
   std::function<Pose(std::uint64_t)> at{};                  ///< where the hand is at a pose
   std::function<void(std::uint64_t, wire::Wrench&)> lie{};  ///< falsifies an answer
+  std::function<bool(std::uint64_t)> lost{};                ///< poses that are not answered
 };
 
 /// Writes the session to a file, replacing what is there.
@@ -49,10 +50,11 @@ inline std::uint64_t RecordHand(const Scene& scene, const HapticModel& model,
       wire::FromPose(start, state.start_position_m, state.start_orientation_wxyz);
       Add(writer, dds::kSessionStateTopic, state, now_ns);
     }
+    Add(writer, dds::PoseTopic(hand.station, hand.run), pose, now_ns);
+    if (hand.lost && hand.lost(i)) continue;
     wire::Wrench wrench{};
     loop.OnPose(pose, wrench);
     if (hand.lie) hand.lie(i, wrench);
-    Add(writer, dds::PoseTopic(hand.station, hand.run), pose, now_ns);
     Add(writer, dds::WrenchTopic(hand.station, hand.run), wrench, now_ns + kMs / 4);
   }
   writer.Close("");

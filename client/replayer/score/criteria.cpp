@@ -60,6 +60,7 @@ std::optional<double> ValueOf(const Criterion& criterion, const Criteria& criter
     return time.contact_s > 0.0 ? time.over_s / time.contact_s : 0.0;
   }
   if (criterion.measure == "time_s") return time.all_s;
+  if (criterion.measure == "contact_s") return time.contact_s;
   if (criterion.measure == "time_ratio") return score.trainee_s / score.expert_s;
   if (criterion.measure == "sites_right_share") return ShareRight(criteria, grade.depths);
   static const std::map<std::string, double Score::*> kOfScore = {
@@ -75,7 +76,9 @@ std::optional<double> ValueOf(const Criterion& criterion, const Criteria& criter
 
 std::optional<double> DepthIn(const ProbingSite& site, const Vec3& tip, const HandPath& path) {
   std::optional<double> deepest;
-  for (const Pose& X : path.tool()) {
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    if (!path.touches(i)) continue;
+    const Pose& X = path.tool()[i];
     const Vec3 from_margin = X.p + X.q * tip - site.margin;
     const double depth = from_margin.dot(site.into);
     if (depth <= 0.0 || (from_margin - depth * site.into).norm() > site.radius) continue;
@@ -119,13 +122,19 @@ std::optional<Grade> GradeTrial(const Criteria& criteria, const Score& score,
   for (const ProbingSite& site : criteria.sites) {
     grade.depths.push_back(DepthIn(site, criteria.tip, trainee));
   }
-  double weights = 0.0;
   for (const Criterion& criterion : criteria.criteria) {
     const auto value = ValueOf(criterion, criteria, score, trainee, of_cut, grade);
     const double share =
         (value.value_or(criterion.worst) - criterion.worst) / (criterion.best - criterion.worst);
-    grade.marks.push_back({value, 100.0 * std::clamp(share, 0.0, 1.0)});
-    grade.points += criterion.weight * grade.marks.back().points;
+    grade.marks.push_back({value, 100.0 * std::min(1.0, std::max(0.0, share))});  // not -0
+    if (criterion.gates) grade.done *= 0.01 * grade.marks.back().ungated;
+  }
+  double weights = 0.0;
+  for (std::size_t c = 0; c < grade.marks.size(); ++c) {
+    const Criterion& criterion = criteria.criteria[c];
+    Grade::Mark& mark = grade.marks[c];
+    mark.points = (criterion.gates ? 1.0 : grade.done) * mark.ungated;
+    grade.points += criterion.weight * mark.points;
     weights += criterion.weight;
   }
   grade.points /= weights;

@@ -12,18 +12,21 @@
 
 namespace palpate {
 
-/// Returns the greatest depth of the tool's tip in a site [m]; none if it was never inside.
+/// Returns the greatest depth in a site at which the tool touched [m], by its tip; none if it never
+/// did.
 std::optional<double> DepthIn(const ProbingSite& site, const Vec3& tip, const HandPath& path);
 
 /// The grade of a trial.
 struct Grade {
   struct Mark {
     std::optional<double> value;  ///< in the measure's unit; none: nothing to measure
-    double points = 0.0;          ///< 0 to 100
+    double ungated = 0.0;         ///< points that the value alone would earn, 0 to 100
+    double points = 0.0;          ///< 0 to 100; ungated * done, unless the criterion gates
   };
   std::vector<Mark> marks;                    ///< in the order of Criteria::criteria
   std::vector<std::optional<double>> depths;  ///< in the order of Criteria::sites [m]
-  double points = 0.0;                        ///< 0 to 100: weighted mean of the marks
+  double done = 1.0;    ///< how far the task is: product of the gates' shares; 1: there is no gate
+  double points = 0.0;  ///< 0 to 100: weighted mean of the marks
 };
 
 /// Returns a measure of what was cut; none if there was nothing to measure.

@@ -19,8 +19,7 @@
 
 namespace palpate {
 
-Performance Perform(const PlayedScene& played, const std::string& tool, const PoseScript& script,
-                    double until_s) {
+Performance Perform(const PlayedScene& played, const std::string& tool, const PoseScript& script) {
   const auto& [scene, objects] = played;
   const auto found = std::ranges::find(scene->tools, tool, &Body::name);
   if (found == scene->tools.end()) {
@@ -36,7 +35,7 @@ Performance Perform(const PlayedScene& played, const std::string& tool, const Po
   done.path.tool_name = tool;
   done.path.cuts = !loop.cuts().empty();
   if (done.path.cuts) done.cut = {scene, objects, loop.cuts(), {}};
-  const auto poses = static_cast<std::uint64_t>(1e3 * std::min(until_s, script.duration())) + 1;
+  const auto poses = static_cast<std::uint64_t>(1e3 * script.duration()) + 1;
   for (std::uint64_t i = 0; i < poses; ++i) {
     const double time_s = 1e-3 * static_cast<double>(i);
     const Pose X_WH = script.At(time_s);

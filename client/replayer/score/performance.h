@@ -1,6 +1,5 @@
 #pragma once
 
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -25,10 +24,8 @@ struct PlayedScene {
 
 /// Simulates a scripted hand in a session of its own, one pose per millisecond, with the scene
 /// whole at first.  Returns what a recording of it would hold.
-/// @param tool  name of a tool of the scene.   @param until_s  end of the script [s].
-/// Throws Error if there is no such tool.
-Performance Perform(const PlayedScene& played, const std::string& tool, const PoseScript& script,
-                    double until_s = std::numeric_limits<double>::infinity());
+/// @param tool  name of a tool of the scene.  Throws Error if there is no such tool.
+Performance Perform(const PlayedScene& played, const std::string& tool, const PoseScript& script);
 
 /// Returns a scene that a recording holds.  Throws Error if it holds none of that name.
 PlayedScene SceneIn(const std::string& recording, const std::string& name);

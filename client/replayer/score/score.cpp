@@ -165,9 +165,9 @@ std::vector<ScorePlot> PlotsOf(const std::vector<Trial>& trials) {
                   .x_title = path.x_title,
                   .y_title = "Force [N]",
                   .lines = {{"expert", first.time_s, first.expert_force_N}}};
-  for (const auto& [name, score] : trials) {
-    path.lines.push_back({name, score.time_s, score.distance_mm});
-    force.lines.push_back({name, score.time_s, score.trainee_force_N});
+  for (const Trial& trial : trials) {
+    path.lines.push_back({trial.name, trial.score.time_s, trial.score.distance_mm});
+    force.lines.push_back({trial.name, trial.score.time_s, trial.score.trainee_force_N});
   }
   return {path, force};
 }

@@ -32,6 +32,7 @@ Score ScorePath(const HandPath& expert, const HandPath& trainee);
 struct Trial {
   std::string name;
   Score score;
+  std::string incomplete = {};  ///< why it does not count; empty: it does
 };
 /// Returns the score's numbers with their member names.
 std::vector<std::pair<const char*, double>> NumbersOf(const Score& score);

@@ -32,6 +32,8 @@ constexpr const char* kOneTrial =
 /// Ending of a hand's script.
 constexpr std::string_view kScriptEnding = ".path.json";
 constexpr const char* kUntouched = "nothing was touched";
+/// A loaded host leaves some poses unanswered; of more than this the score would be a guess.
+constexpr double kMostUnanswered = 0.05;
 
 /// A figure listed for each trial beside its marks.
 struct Figure {
@@ -81,6 +83,20 @@ std::optional<Average> AverageGrade(const Report& report,
 }
 std::optional<Average> PointsOf(const Report& report) {
   return AverageGrade(report, [](const Grade& grade) { return grade.points; });
+}
+
+std::string NotComplete(const Trial& trial) {
+  return trial.name + " is not complete, and does not pass: " + trial.incomplete;
+}
+
+/// Returns in a sentence that what gates has taken points from the other criteria; else nothing.
+std::string GateText(const Report& report) {
+  const auto done = AverageGrade(report, [](const Grade& grade) { return 100.0 * grade.done; });
+  if (!done || done->mean > 99.5) return "";
+  std::vector<Criterion> gates = report.criteria->criteria;
+  std::erase_if(gates, [](const Criterion& criterion) { return !criterion.gates; });
+  return fmt::format("{:.0f} % of the task is done ({}): the other criteria count only so far",
+                     done->mean, Printable(Joined(gates, &Criterion::name)));
 }
 
 /// Returns JSON as an expression for a script element.  HTML ends a script at "</script", but not
@@ -139,6 +155,9 @@ std::string VerdictHtml(const Report& report) {
       passed ? "good" : "poor", points->mean, passed ? "passed" : "not yet",
       graded > 1 ? fmt::format("average of {} trials, ± {:.0f}; ", graded, points->deviation) : "",
       report.criteria->pass);
+  if (const std::string gated = GateText(report); !gated.empty()) {
+    html += "<p class=\"poor\">" + Escaped(gated) + ".</p>\n";
+  }
   return html;
 }
 
@@ -153,6 +172,7 @@ std::string MarksHtml(const Report& report) {
     if (criterion.limit_N > 0.0) what += fmt::format(", {:g} N", criterion.limit_N);
     if (!criterion.tissue.empty()) what += ": " + criterion.tissue;
     if (criterion.place) what += ", in a region";
+    if (criterion.gates) what += ". The task: the others count only as far as it is done";
     html +=
         "<tr>" + Cell(Escaped(criterion.name) + "<small>" + Escaped(what) +
                       (criterion.why.empty() ? "" : ". " + Escaped(criterion.why)) + "</small>");
@@ -168,7 +188,11 @@ std::string MarksHtml(const Report& report) {
       html +=
           Cell((mark.value ? fmt::format("{:.3g} {}", Shown(criterion, *mark.value), measure.unit)
                            : std::string("nothing to measure")) +
-               fmt::format("<br><span class=\"points\">{:.0f} points</span>", mark.points));
+               fmt::format("<br><span class=\"points\">{:.0f} points</span>", mark.points) +
+               (mark.points < mark.ungated - 0.5
+                    ? fmt::format("<small>{:.0f} × {:.0f} % of the task</small>", mark.ungated,
+                                  100.0 * grade->done)
+                    : ""));
     }
     html += AverageCell(
         report, AverageGrade(report, [&](const Grade& grade) { return grade.marks[c].points; }), 0);
@@ -306,6 +330,15 @@ struct Expert {
   WholeVolumes whole{};
 };
 
+std::string IncompleteText(const HandPath& trial) {
+  std::string text = trial.cut_off ? "its recording is cut off" : "";
+  if (trial.unanswered_share > kMostUnanswered) {
+    text += fmt::format("{}{:.0f} % of its poses were not answered", text.empty() ? "" : "; ",
+                        100.0 * trial.unanswered_share);
+  }
+  return text;
+}
+
 /// Adds a trial: its cuts compared with the expert's, if he has cut, and its grade, if there
 /// are criteria.
 /// @param cut  none: taken from the recording, if needed.
@@ -316,7 +349,7 @@ void AddTrial(Expert& expert, const HandPath& trial, std::optional<SolidsCut> cu
     throw Error(file + ": was recorded in scene '" + trial.scene + "', the expert's in '" +
                 done.path.scene + "'; give recordings of one scene");
   }
-  report.trials.push_back({name, ScorePath(done.path, trial)});
+  report.trials.push_back({name, ScorePath(done.path, trial), IncompleteText(trial)});
   report.sessions.push_back(trial.sessions);
   const std::optional<SolidsCut>& target = done.cut;
   std::optional<CutShape> shape;
@@ -412,9 +445,10 @@ nlohmann::ordered_json TracksOf(const Report& report) {
   }
   json["tracks"].push_back(
       TrackJson("expert", first.expert_m, first.expert_force_N, nullptr, stride));
-  for (const auto& [name, score] : report.trials) {
-    json["tracks"].push_back(
-        TrackJson(name, score.trainee_m, score.trainee_force_N, &score.distance_mm, stride));
+  for (const Trial& trial : report.trials) {
+    json["tracks"].push_back(TrackJson(trial.name, trial.score.trainee_m,
+                                       trial.score.trainee_force_N, &trial.score.distance_mm,
+                                       stride));
   }
   return json;
 }
@@ -434,6 +468,7 @@ nlohmann::ordered_json JsonOf(const Report& report) {
   for (std::size_t i = 0; i < report.trials.size(); ++i) {
     nlohmann::ordered_json trial = JsonOf(report.trials[i].score);
     trial["trial"] = report.trials[i].name;
+    if (!report.trials[i].incomplete.empty()) trial["incomplete"] = report.trials[i].incomplete;
     if (!report.expert_cut.empty()) trial["cut"] = JsonOf(report.cuts[i]);
     if (i < report.differences.size()) {
       trial["missed_mm3"] = report.differences[i].missed_mm3;
@@ -444,12 +479,14 @@ nlohmann::ordered_json JsonOf(const Report& report) {
     if (report.criteria && report.grades[i]) {
       const Grade& grade = *report.grades[i];
       trial["points"] = grade.points;
+      trial["done_share"] = grade.done;
       for (std::size_t c = 0; c < grade.marks.size(); ++c) {
         const Grade::Mark& mark = grade.marks[c];
         trial["marks"].push_back(
             {{"criterion", report.criteria->criteria[c].name},
              {"value", mark.value ? nlohmann::ordered_json(*mark.value) : nullptr},
-             {"points", mark.points}});
+             {"points", mark.points},
+             {"ungated", mark.ungated}});
       }
       for (std::size_t s = 0; s < grade.depths.size(); ++s) {
         nlohmann::ordered_json site{{"site", report.criteria->sites[s].name}};
@@ -477,7 +514,8 @@ std::string JsonText(const Report& report) {
 
 bool Passed(const Report& report) {
   const auto points = PointsOf(report);
-  return points && points->mean >= report.criteria->pass;
+  return points && points->mean >= report.criteria->pass &&
+         std::ranges::all_of(report.trials, &std::string::empty, &Trial::incomplete);
 }
 
 Average AverageOf(const std::vector<double>& values) {
@@ -505,9 +543,8 @@ Report MakeReport(const ScoreOptions& options, StopSignal* stop) {
   if (stop != nullptr) {
     const std::string& file = options.trials.front();
     if (const auto begun = BegunIn(file, station(0), *stop)) {
-      const PlayedScene played = SceneIn(file, begun->scene);
-      SetExpert(options, *begun, played, expert, report);
-      cut = SweptIn(file, *begun, played, stop);
+      SetExpert(options, begun->session, begun->played, expert, report);
+      cut = SweptIn(file, begun->session, begun->played, stop);
     }
   }
   std::vector<HandPath> trials;
@@ -525,20 +562,23 @@ Report MakeReport(const ScoreOptions& options, StopSignal* stop) {
   return report;
 }
 
-Report Rehearse(const Exercise& exercise, double until_s) {
+Report Rehearse(const Exercise& exercise, const OtherHands& others) {
   Report report;
   report.expert = NameOf(exercise.expert, "");
   report.criteria = exercise.criteria;
   const auto scene = std::make_shared<const Scene>(LoadScene(exercise.scene));
   const PlayedScene played{scene, MakeObjects(*scene)};
-  const PoseScript script = PoseScript::Load(exercise.expert);
-  Expert expert{Perform(played, exercise.tool, script)};
+  Expert expert{Perform(played, exercise.tool, PoseScript::Load(exercise.expert))};
+  const std::vector<PoseScript> hands =
+      others ? others(expert.done.path) : std::vector<PoseScript>();
   expert.done.path = TrialIn(expert.done.path, exercise.expert);
   AddExpert(expert, report);
-  const bool whole = until_s >= script.duration();
-  Performance trial = whole ? expert.done : Perform(played, exercise.tool, script, until_s);
-  AddTrial(expert, whole ? trial.path : TrialIn(trial.path, exercise.expert), std::move(trial.cut),
-           exercise.expert, report.expert, report);
+  AddTrial(expert, expert.done.path, expert.done.cut, exercise.expert, report.expert, report);
+  for (const PoseScript& hand : hands) {
+    Performance trial = Perform(played, exercise.tool, hand);
+    AddTrial(expert, TrialIn(trial.path, exercise.expert), std::move(trial.cut), exercise.expert,
+             fmt::format("{} {}", report.expert, report.trials.size() + 1), report);
+  }
   return report;
 }
 
@@ -564,12 +604,16 @@ std::string ToText(const Report& report) {
         fmt::format("  {:<34} {:<18} {:.2f} of {:.2f} mm³\n", tissue.name + " removed",
                     ToText(AverageOf(removed), 2, "mm³"), tissue.removed_mm3(), tissue.before_mm3);
   }
+  for (const Trial& trial : report.trials) {
+    if (!trial.incomplete.empty()) text += NotComplete(trial) + "\n";
+  }
   if (report.criteria) {
     const auto points = PointsOf(report);
     text += Printable(report.criteria->title) + ": " +
             (points ? fmt::format("{} of 100 points, {}\n", ToText(*points, 0),
                                   Passed(report) ? "passed" : "not yet")
                     : fmt::format("{}: no points\n", kUntouched));
+    if (const std::string gated = GateText(report); !gated.empty()) text += "  " + gated + "\n";
   }
   if (trials == 1) text += std::string(kOneTrial) + "\n";
   return text;
@@ -590,6 +634,11 @@ std::string ToHtml(const Report& report) {
       Escaped(title) + "</title>\n<style>" + kScorePagePalette + kScorePageCss +
       "</style>\n</head>\n<body>\n<h1>" + Escaped(title) + "</h1>\n<p class=\"quiet\">" +
       Escaped(names) + ", beside " + Escaped(report.expert) + "</p>\n" + VerdictHtml(report);
+  for (const Trial& trial : trials) {
+    if (!trial.incomplete.empty()) {
+      html += "<p class=\"poor\">" + Escaped(NotComplete(trial)) + ".</p>\n";
+    }
+  }
   if (trials.size() == 1) html += std::string("<p class=\"quiet\">") + kOneTrial + "</p>\n";
   if (report.criteria) html += MarksHtml(report) + SitesHtml(report);
   html += CutHtml(report);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <limits>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -52,9 +52,11 @@ struct ScoreOptions {
 ///              report is prepared meanwhile, up to its end or a signal.
 /// Throws Error.
 Report MakeReport(const ScoreOptions& options, StopSignal* stop = nullptr);
-/// Compares the expert of an exercise with himself, performing no more than until_s: checks that he
-/// passes by its criteria, and that a short attempt fails.  Throws Error.
-Report Rehearse(const Exercise& exercise, double until_s = std::numeric_limits<double>::infinity());
+/// Other hands that an exercise is rehearsed with; they may depend on the expert's trial.
+using OtherHands = std::function<std::vector<PoseScript>(const HandPath& expert)>;
+/// Compares the expert of an exercise with himself: checks that he passes by its criteria.
+/// @param others  compared with him too, each as a further trial.  Throws Error.
+Report Rehearse(const Exercise& exercise, const OtherHands& others = nullptr);
 /// Returns whether the average grade of the trials is enough.
 bool Passed(const Report& report);
 std::string ToText(const Report& report);

@@ -1,8 +1,11 @@
 #include "client/replayer/score/trial_cut.h"
 
 #include <chrono>
+#include <map>
+#include <utility>
 
 #include "client/replayer/score/cut_sweep.h"
+#include "common/dds/topics.h"
 #include "common/dds/wire.h"
 #include "common/error.h"
 #include "common/recording/recording_reader.h"
@@ -51,28 +54,39 @@ SolidsCut CutIn(const std::string& file, const HandPath& path) {
   return cut ? *std::move(cut) : CutAgain(file, path);
 }
 
-std::optional<HandPath> BegunIn(const std::string& file, const std::string& station,
-                                StopSignal& stop) {
+std::optional<BegunTrial> BegunIn(const std::string& file, const std::string& station,
+                                  StopSignal& stop) {
   const std::string name = station.substr(0, station.find('/'));
   do {
+    bool is_all = false;
     try {
       RecordingReader reader({file});
-      HandPath begun;
-      bool has_scene = false;
+      // Servers repeat the states of sessions that have ended: only one with poses is of now.
+      std::map<std::pair<std::string, std::uint64_t>, wire::SessionState> told;
+      std::optional<HandPath> begun;
       for (RecordedSample sample{}; reader.Next(sample);) {
-        has_scene = has_scene || sample.type == RecordedType::kSceneBundle;
         wire::SessionState state{};
-        if (!sample.To(state) || state.phase == palpate_SESSION_REFUSED) continue;
-        if (!name.empty() && name != state.station) continue;
-        begun.station = state.station;
-        begun.run = state.run;
-        begun.scene = state.scene;
-        begun.tool_name = state.tool;
+        if (sample.type == RecordedType::kHapticPose) {
+          const auto key = dds::SessionOfTopic(*sample.topic);
+          const auto of = key ? told.find(*key) : told.end();
+          if (of == told.end() || (begun && begun->run == of->second.run)) continue;
+          begun.emplace();
+          begun->station = of->second.station;
+          begun->run = of->second.run;
+          begun->scene = of->second.scene;
+          begun->tool_name = of->second.tool;
+        } else if (sample.To(state) && (name.empty() || name == state.station)) {
+          told[{state.station, state.run}] = state;
+          if (state.phase == palpate_SESSION_ENDED && begun && begun->run == state.run) {
+            begun.reset();
+          }
+        }
       }
-      if (has_scene && !begun.station.empty()) return begun;
-      if (reader.complete()) return std::nullopt;
-    } catch (const Error&) {  // the file does not exist yet
+      is_all = reader.complete();
+      if (begun) return BegunTrial{*begun, SceneIn(file, begun->scene)};
+    } catch (const Error&) {  // file or scene are not there yet
     }
+    if (is_all) return std::nullopt;
   } while (!stop.WaitFor(kPause));
   return std::nullopt;
 }

@@ -22,10 +22,15 @@ std::optional<SolidsCut> SweptIn(const std::string& file, const HandPath& path,
 /// if that differs from the recorded wrenches.
 SolidsCut CutIn(const std::string& file, const HandPath& path);
 
-/// Returns the session of a recording that is being made, without samples, as soon as it and its
-/// scene have been recorded.  Returns none if the recording ends before, or a signal comes.
+/// A session of a recording that is being made, without samples, and its scene.
+struct BegunTrial {
+  HandPath session;
+  PlayedScene played;
+};
+/// Returns the session whose poses are being recorded, as soon as its scene has been recorded too.
+/// Returns none if the recording ends before, or a signal comes.
 /// @param station  as SessionChoice::wanted.
-std::optional<HandPath> BegunIn(const std::string& file, const std::string& station,
-                                StopSignal& stop);
+std::optional<BegunTrial> BegunIn(const std::string& file, const std::string& station,
+                                  StopSignal& stop);
 
 }  // namespace palpate

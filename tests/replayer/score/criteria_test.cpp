@@ -97,6 +97,26 @@ TEST_F(CriteriaTest, GradeWhatABurLeftOfEachTissue) {
                              HasSubstr("the scene has no solid")));
 }
 
+TEST_F(CriteriaTest, CountCareOnlyAsFarAsTheTaskIsDone) {
+  const Criteria criteria =
+      Load(R"({"title": "t", "pass": 50, "gates": ["deep", "long"], "criteria": [
+    {"name": "gentle", "measure": "force_peak_N", "best": 1, "worst": 2, "weight": 2},
+    {"name": "deep", "measure": "sites_right_share", "best": 1, "worst": 0},
+    {"name": "long", "measure": "contact_s", "best": 8, "worst": 0}], "sites": [
+    {"name": "a", "margin_mm": [0, 0, 0], "into": [0, -1, 0], "radius_mm": 1, "depth_mm": 6,
+     "tolerance_mm": 1},
+    {"name": "b", "margin_mm": [9, 0, 0], "into": [0, -1, 0], "radius_mm": 1, "depth_mm": 6,
+     "tolerance_mm": 1}]})");
+  const HandPath path = Probing(0.006, 1.0);  // one site of two, and 2 s of 8
+  const Grade grade = *GradeTrial(criteria, ScorePath(path, path), path);
+  EXPECT_NEAR(grade.done, 0.5 * 0.25, 1e-9);
+  EXPECT_EQ(grade.marks[0].ungated, 100.0);
+  EXPECT_NEAR(grade.marks[0].points, 12.5, 1e-9);
+  EXPECT_NEAR(grade.marks[1].points, 50.0, 1e-9);
+  EXPECT_NEAR(grade.marks[2].points, 25.0, 1e-9) << "a gate is not gated itself";
+  EXPECT_NEAR(grade.points, (2 * 12.5 + 50.0 + 25.0) / 4, 1e-9);
+}
+
 TEST_F(CriteriaTest, CountForceAndTimeInAPlace) {
   const Criteria criteria = Load(R"({"title": "t", "pass": 50, "criteria": [
     {"name": "gentle", "measure": "force_over_share", "limit_N": 0.75, "best": 0, "worst": 1,
@@ -140,6 +160,7 @@ TEST(ProbingSite, IsAsDeepAsTheTipGotWithinItsRadius) {
   EXPECT_NEAR(*DepthIn(site, Vec3(0, -0.001, 0), Probing(0.004, 0.1)), 0.005, 1e-6);
   EXPECT_FALSE(DepthIn(site, Vec3::Zero(), Probing(0.004, 0.1, 0.003)).has_value());
   EXPECT_FALSE(DepthIn(site, Vec3::Zero(), Probing(-0.001, 0.1)).has_value());
+  EXPECT_FALSE(DepthIn(site, Vec3::Zero(), Probing(0.004, 0.0)).has_value()) << "it hovers";
 }
 
 TEST(ProbingSite, IsProbedByTheToolAndNotByTheHandThatPressesIt) {
@@ -147,6 +168,21 @@ TEST(ProbingSite, IsProbedByTheToolAndNotByTheHandThatPressesIt) {
   HandPath path = Probing(0.009, 0.1);
   path.X_WG = Probing(0.006, 0.1).X_WH;
   EXPECT_NEAR(*DepthIn(site, Vec3::Zero(), path), 0.006, 1e-6);
+}
+
+TEST_F(CriteriaTest, NameTheGateThatIsWrong) {
+  const auto with = [](const std::string& gates) {
+    return R"({"title": "t", "pass": 50, "gates": )" + gates + R"(, "criteria": [
+      {"name": "a", "measure": "force_peak_N", "best": 0, "worst": 1},
+      {"name": "b", "measure": "time_s", "best": 0, "worst": 1},
+      {"name": "b", "measure": "contact_s", "best": 1, "worst": 0}]})";
+  };
+  EXPECT_THAT(Complaint(with("[\"c\"]")),
+              HasSubstr("gates[0]: 'c' is the name of 0 criteria; give"));
+  EXPECT_THAT(Complaint(with("[\"a\", \"b\"]")), HasSubstr("gates[1]: 'b' is the name of 2"));
+  EXPECT_THAT(Complaint(with("[]")), HasSubstr("gates"));
+  EXPECT_THAT(Complaint(with("\"a\"")), HasSubstr("gates"));
+  EXPECT_TRUE(Load(with("[\"a\"]")).criteria[0].gates);
 }
 
 TEST_F(CriteriaTest, NameTheFieldThatIsWrong) {

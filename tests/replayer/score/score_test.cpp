@@ -18,6 +18,7 @@
 #include "common/files/whole_file.h"
 #include "common/math/rotation.h"
 #include "common/program/stop_signal.h"
+#include "common/recording/recording_reader.h"
 #include "tests/common/recording/samples.h"
 #include "tests/replayer/cut_recording.h"
 #include "tests/support/complaint.h"
@@ -282,6 +283,7 @@ TEST(HandPath, JoinsTheSessionsOfAStationThatLostItsServerAndCameAgain) {
       }
       wire::Wrench wrench{};
       wrench.pose_sequence = 4;
+      wrench.graphic_orientation_wxyz[0] = 1.0;
       wrench.force_N[0] = static_cast<double>(run);
       Add(writer, dds::WrenchTopic(station, run), wrench, from + 5'000'000);
     }
@@ -448,6 +450,29 @@ TEST_F(CutReport, FollowsATrialThatIsBeingRecordedToTheSameScore) {
   EXPECT_EQ(report.cuts[0][0].after_mm3, TissuesOf(*again.sessions[0].cut)[0].after_mm3);
 }
 
+// What a recorder hears first is how the station's session of another scene has ended.
+TEST_F(CutReport, FollowsTheTrialsOwnSessionAndNotTheStationsFormerOne) {
+  const std::string whole = options.trials[0];
+  const double after = MakeReport(options).cuts[0][0].after_mm3;
+  options.trials = {folder / "growing.mcap"};
+  RecordingWriter writer({.file = options.trials[0]});
+  wire::SessionState former = SampleState("hand", 3);
+  former.phase = palpate_SESSION_ENDED;
+  Add(writer, dds::kSessionStateTopic, former, 0);
+  AddBundle(writer, {1, 2, 3}, 0);
+  writer.Flush();
+  std::jthread recorder([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(150));
+    RecordingReader reader({whole});
+    for (RecordedSample sample{}; reader.Next(sample);) {
+      writer.Add(*sample.topic, sample.type, sample.log_time_ns, sample.cdr);
+    }
+    writer.Close("");
+  });
+  StopSignal stop;
+  EXPECT_EQ(MakeReport(options, &stop).cuts[0][0].after_mm3, after);
+}
+
 TEST(ScoreReport, JudgesByTheAverageOfTheTrials) {
   // The trials get 90, 70 and 50 points.
   const Report report = ReportOf({0.001, 0.003, 0.005});
@@ -473,6 +498,25 @@ TEST(ScoreReport, GivesNoPointsToATrialThatTouchesNothing) {
   const auto trials = nlohmann::json::parse(std::ifstream(folder / "both.json"))["trials"];
   EXPECT_NEAR(trials[0]["points"], 70.0, 0.1);
   EXPECT_TRUE(trials[1]["points"].is_null());
+}
+
+TEST(ScoreReport, SaysHowFarTheTaskIsDoneAndWhatThatTakesFromCare) {
+  Report report = ReportOf({0.004});
+  Criteria& criteria = *report.criteria;
+  criteria.criteria[0].gates = true;  // met to 60 %
+  criteria.criteria.push_back(
+      {.name = "soft", .why = "", .measure = "force_peak_N", .best = 1, .worst = 2});
+  report.grades = {GradeTrial(criteria, report.trials[0].score, Stroke(2.0))};
+  EXPECT_THAT(ToText(report), HasSubstr("60 % of the task is done (near)"));
+  EXPECT_THAT(ToHtml(report), testing::AllOf(HasSubstr("60 % of the task is done (near)"),
+                                             HasSubstr("100 × 60 %")));
+  const Folder folder;
+  WriteJson(report, folder / "s.json");
+  const auto trial = nlohmann::json::parse(std::ifstream(folder / "s.json"))["trials"][0];
+  EXPECT_NEAR(trial["done_share"], 0.6, 1e-3);
+  EXPECT_NEAR(trial["marks"][1]["points"], 60.0, 0.1);
+  EXPECT_EQ(trial["marks"][1]["ungated"], 100.0);
+  EXPECT_THAT(ToText(ReportOf({0.004})), Not(HasSubstr("of the task"))) << "nothing gates";
 }
 
 TEST(ScoreReport, SaysThatOneTrialPredictsNothing) {
