@@ -53,7 +53,7 @@ concept Plain = (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) ||
 static_assert(sizeof(SeparationFront::Pair) == 5 * sizeof(std::int32_t) &&
               sizeof(ContactId) == 4 * sizeof(std::int32_t) &&
               sizeof(PlaneRecord) == 8 * sizeof(double) &&
-              sizeof(EpochMotion) == 16 * sizeof(double));
+              sizeof(EpochMotion) == 12 * sizeof(double));
 
 class Writer {
  public:

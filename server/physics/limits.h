@@ -247,9 +247,8 @@ inline constexpr int kMaxQueries = 3400;
 /// Fraction of a cycle's queries, one over this, that may be spent beyond them on shorter motions
 /// once there is none left.  Taken.
 inline constexpr int kReserve = 4;
-/// What a pair whose plane does not hold costs, in queries (kDirections at most).  And how many
-/// pairs can be refreshed, or found not to hold in a candidate, in the time of one query.
-inline constexpr int kQueriesOfDoubt = 4, kRefreshesAQuery = 8;
+/// Pairs that can be refreshed, or found not to hold in a candidate, in the time of one query.
+inline constexpr int kRefreshesAQuery = 8;
 /// Pairs that are refreshed or tried for a merge before the code checks whether to go on.  Taken.
 inline constexpr int kBatch = 32;
 /// Pairs without a plane in a candidate after which the next candidate begins: six rows hold a

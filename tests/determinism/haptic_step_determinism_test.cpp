@@ -125,7 +125,7 @@ constexpr std::uint64_t kGoldenHash = 9439665412190326790u;
 constexpr std::uint64_t kGoldenChapterHash = 12772718893363948445u;
 constexpr std::uint64_t kGoldenCoulombHash = 13046764094675841371u;
 constexpr std::uint64_t kGoldenHashOfMaterials = 3924097277385133357u;
-constexpr std::uint64_t kGoldenHashOfMeshes = 13572114125744936660u;
+constexpr std::uint64_t kGoldenHashOfMeshes = 7634417535695629458u;
 
 /// Runs `check` with each inner loop that this machine supports.
 void AtEverySimdLevel(const std::function<void()>& check) {

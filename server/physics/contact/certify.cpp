@@ -135,7 +135,7 @@ const ShapeMotion& MotionIn(MeshContact& contact, const NodesOfPair& nodes) {
 /// Begins the search for a plane of a patch, or of a triangle of a ball.
 void BeginSearch(MeshContact& contact, Index k) {
   const MeshPair& meshes = contact.meshes;
-  const NodesOfPair& nodes = contact.near[k].nodes;
+  const NodesOfPair nodes = contact.near.Nodes(k);
   const int lane =
       contact.scratch.searches.Begin(meshes.PatchesOf(nodes), MotionIn(contact, nodes),
                                      meshes.FrameOf(nodes).R.transpose() * contact.near.Normal(k));
@@ -150,9 +150,10 @@ bool ExamineTriangles(MeshContact& contact, Index k, Until until) {
   const bool has_plane = pair.touch >= 0 && contact.TouchOf(k).plane.of != ContactPlane::Of::kNone;
   if (!has_plane && !contact.meshes.IsBall()) {
     const Vec3 n = contact.near.Normal(k);
-    const double high = contact.meshes.High(pair.nodes, n);
+    const NodesOfPair nodes = contact.near.Nodes(k);
+    const double high = contact.meshes.High(nodes, n);
     const auto above = [&](const RelativePose& at) {
-      return contact.meshes.Low(pair.nodes.a, n, at) - high;
+      return contact.meshes.Low(nodes.a, n, at) - high;
     };
     const double after = above(contact.motion.to);
     const double before = after >= free ? above(contact.motion.from) : after;
@@ -182,7 +183,8 @@ bool Examine(MeshContact& contact, Index k, Until until) {
   // A ball's row follows the smooth surface and not the pair's plane, so any plane will do.
   const bool any_plane = contact.meshes.IsBall() &&
                          (pair.touch < 0 || contact.TouchOf(k).plane.of == ContactPlane::Of::kNone);
-  if (pair.nodes.AreTriangles() && !any_plane) return ExamineTriangles(contact, k, until);
+  if (contact.near.Nodes(k).AreTriangles() && !any_plane)
+    return ExamineTriangles(contact, k, until);
   BeginSearch(contact, k);
   return true;
 }
@@ -194,11 +196,11 @@ bool EndSearch(MeshContact& contact, int lane, Until until) {
   const SeparatingPlane& plane = contact.scratch.searches.plane(lane);
   contact.queries.tested += plane.tries;
   if (contact.scratch.searches.Found(lane)) {
-    const Vec3 n = contact.meshes.FrameOf(contact.near[k].nodes).R * plane.n;
+    const Vec3 n = contact.meshes.FrameOf(contact.near.Nodes(k)).R * plane.n;
     contact.near.SetPlanes(k, n, plane.before, n, plane.after);
     return true;
   }
-  if (contact.near[k].nodes.AreTriangles()) return ExamineTriangles(contact, k, until);
+  if (contact.near.Nodes(k).AreTriangles()) return ExamineTriangles(contact, k, until);
   return contact.near.Split(k, contact.queries);
 }
 
@@ -211,11 +213,9 @@ int Certify(MeshContact& contact, const Vec3& v, const Vec3& phi, Until until) n
   Queries& queries = contact.queries;
   const double angle = phi.norm(), free = contact.meshes.margins.free;
   // The rotation's second order is at most 1/2 |phi|^2 of a point's lever.
-  const double bend =
-      0.5 * angle * angle * (contact.meshes.a.mesh.reach() + contact.meshes.a.radius);
+  const double bend = 0.5 * angle * angle * contact.meshes.Reach();
   near.Cover(v.norm(), angle, queries);
-  const PlaneMotion motion{
-      {v.x(), v.y(), v.z(), phi.x(), phi.y(), phi.z()}, angle, free, free + bend};
+  const PlaneMotion motion{{v.x(), v.y(), v.z(), phi.x(), phi.y(), phi.z()}, free, free + bend};
   ++contact.candidate;
   std::vector<std::int64_t>& doubts = contact.scratch.doubts;
   doubts.clear();
@@ -240,7 +240,7 @@ int Certify(MeshContact& contact, const Vec3& v, const Vec3& phi, Until until) n
       // Those that the queries do not pay for are not examined: sorting them would only take time,
       // and a shorter candidate has fewer.
       const auto count = static_cast<std::int64_t>(found.size());
-      const std::int64_t price = until == Until::kFirst ? kQueriesOfDoubt * count : 1;
+      const std::int64_t price = until == Until::kFirst ? count : 1;
       if (count > 0 && queries.Spent() + price > queries.most) {
         return apart_not + static_cast<int>(found.size() + doubts.size());
       }

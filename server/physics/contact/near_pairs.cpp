@@ -63,8 +63,7 @@ void NearPairs::Cover(double translation, double rotation, Queries& queries) {
 }
 
 void NearPairs::Add(SeparationFront::Index in_front) {
-  const SeparationFront::Pair& pair = front_->pair(in_front);
-  pairs_.push_back({meshes_->NodesOf(pair), in_front});
+  pairs_.push_back({in_front});
   seen_[static_cast<std::size_t>(in_front)] = substep_;
 }
 
@@ -103,7 +102,8 @@ std::span<const NearPairs::Index> NearPairs::FindUsedUp(Index first, const Plane
 }
 
 void NearPairs::SetPlane(Index k, const Vec3& n, double slack) {
-  const Vec3 turned = (from_.R * meshes_->a.tree.Centre((*this)[k].nodes.a)).cross(n);
+  const HullTree::Node a = front_->pair((*this)[k].in_front).a;
+  const Vec3 turned = (from_.R * meshes_->a.tree.Centre(a)).cross(n);
   for (int c = 0; c < 3; ++c) {
     planes_.along[c][k] = n[c];
     planes_.along[3 + c][k] = turned[c];
@@ -133,7 +133,7 @@ void NearPairs::AddChild(SeparationFront::Index in_front, double radius, const V
 
 bool NearPairs::Split(Index k, Queries& queries) {
   if (pairs_.size() + 2 > after_.size()) return false;
-  const NodesOfPair& nodes = (*this)[k].nodes;
+  const NodesOfPair nodes = Nodes(k);
   const std::int32_t block = nodes.shape->tree.BlockOf(nodes.b);
   if (block >= 0 && !meshes_->a.tree.IsLarger(nodes.a, nodes.shape->tree, nodes.b)) {
     return Enter(k, block, queries);
@@ -141,7 +141,7 @@ bool NearPairs::Split(Index k, Queries& queries) {
   const Vec3 n = Normal(k);
   const double slack = planes_.slack[k];
   const SeparationFront::Index child =
-      front_->Split((*this)[k].in_front, meshes_->a.tree, (*this)[k].nodes.shape->tree, n, slack);
+      front_->Split((*this)[k].in_front, meshes_->a.tree, nodes.shape->tree, n, slack);
   if (child < 0) return false;
   Close(k);
   for (int side = 0; side < 2; ++side) {
@@ -151,7 +151,7 @@ bool NearPairs::Split(Index k, Queries& queries) {
 }
 
 bool NearPairs::Enter(Index k, std::int32_t block, Queries& queries) {
-  const NodesOfPair nodes = (*this)[k].nodes;
+  const NodesOfPair nodes = Nodes(k);
   SolidBodies& solids = *meshes_->solids;
   if (solids.empty()) return false;
   const SolidBodies::Taken taken = solids.Take({nodes.number, nodes.b, block}, *front_);
@@ -179,11 +179,17 @@ void NearPairs::Accept(const Motion& motion, std::int32_t candidate) {
   }
   if (motion.moves) {
     front_->Move(motion.to, meshes_->a.mesh.reach());
+    // The motion's second order is not in `left`.
+    const double bend = 0.5 * motion.phi.squaredNorm() * meshes_->Reach();
     for (Index k = 0; k < size(); ++k) {
       const Pair& pair = (*this)[k];
       const Plane& after = after_[static_cast<std::size_t>(k)];
-      if (pair.examined_in == candidate && !pair.split)
+      if (pair.split) continue;
+      if (pair.examined_in == candidate) {
         front_->Set(pair.in_front, after.n, after.slack);
+      } else {
+        front_->Expire(pair.in_front, planes_.left[k] - bend);
+      }
     }
   }
 }

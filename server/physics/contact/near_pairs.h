@@ -29,7 +29,6 @@ class NearPairs {
  public:
   using Index = std::int32_t;
   struct Pair {
-    NodesOfPair nodes;
     SeparationFront::Index in_front;
     Index touch = -1;              ///< -1 if it has none
     std::int32_t examined_in = 0;  ///< the last candidate at which it was examined closely
@@ -54,6 +53,7 @@ class NearPairs {
   Index size() const { return static_cast<Index>(pairs_.size()); }
   Pair& operator[](Index k) { return pairs_[static_cast<std::size_t>(k)]; }
   const Pair& operator[](Index k) const { return pairs_[static_cast<std::size_t>(k)]; }
+  NodesOfPair Nodes(Index k) const { return meshes_->NodesOf(front_->pair((*this)[k].in_front)); }
   /// Returns those pairs, from `first` on, whose planes do not hold throughout a motion.  Valid
   /// until the next call.
   std::span<const Index> FindUsedUp(Index first, const PlaneMotion& motion, Queries& queries);

@@ -203,12 +203,14 @@ double Turned(const MeshContact& contact, std::span<const int> active,
   for (NearPairs::Index k = 0; k < contact.near.size(); ++k) {
     const NearPairs::Pair& near = contact.near[k];
     const bool may_touch = contact.near.Left(k) <= touching;
-    if (!may_touch || near.split || !near.nodes.AreTriangles()) continue;
-    const NearestPoints points = meshes.NearestAt(near.nodes, contact.motion.to);
+    if (!may_touch || near.split) continue;
+    const NodesOfPair nodes = contact.near.Nodes(k);
+    if (!nodes.AreTriangles()) continue;
+    const NearestPoints points = meshes.NearestAt(nodes, contact.motion.to);
     if (!(points.squared > 0.0 && points.squared < nearest)) continue;
     nearest = points.squared;
     u = points.Direction();
-    smooth = SmoothNormal(contact.meshes, near.nodes, points, u) != u;
+    smooth = SmoothNormal(contact.meshes, nodes, points, u) != u;
   }
   double least = kInfinity, most = 0.0;
   const double as_near = std::sqrt(nearest) + meshes.margins.witness;

@@ -41,7 +41,7 @@ Touch& MeshContact::TouchOf(NearPairs::Index k) {
   NearPairs::Pair& pair = near[k];
   if (pair.touch < 0) {
     pair.touch = static_cast<std::int32_t>(touches.size());
-    touches.push_back(TouchAt(meshes, pair.nodes, motion.from));
+    touches.push_back(TouchAt(meshes, near.Nodes(k), motion.from));
   }
   return touches[static_cast<std::size_t>(pair.touch)];
 }
@@ -76,8 +76,9 @@ void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront&
            (first == First::kTouching || touch.in_cone);
   };
   for (NearPairs::Index k = 0; k < near.size() && contact.HasRoomForTouch(); ++k) {
-    if (near[k].split || !near[k].nodes.AreTriangles()) continue;
-    if (!was_active(near[k].nodes) && !touches(k)) continue;
+    if (near[k].split) continue;
+    const NodesOfPair nodes = near.Nodes(k);
+    if (!nodes.AreTriangles() || (!was_active(nodes) && !touches(k))) continue;
     if (all_corners) {
       AddRowsOnFace(contact, contact.TouchOf(k), rows);
     } else {

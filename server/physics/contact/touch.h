@@ -107,6 +107,8 @@ struct MeshPair {
     return NearestOfTriangles(corners.a, corners.b, *kernels);
   }
   bool IsBall() const { return a.radius > 0.0; }
+  /// The lever of A's farthest point [m].
+  double Reach() const { return a.mesh.reach() + a.radius; }
 };
 
 /// A plane between two triangles, and the body that it moves with.

@@ -60,8 +60,7 @@ struct alignas(64) PlaneRecord {
 
 /// The motion of A since an epoch.
 struct alignas(32) EpochMotion {
-  double row[3][4];          ///< rows of R_now - R_then, then p_now - p_then
-  double turned, unused[3];  ///< sum of the rotations in between [rad]
+  double row[3][4];  ///< rows of R_now - R_then, then p_now - p_then
 };
 
 /// Number of epochs that are distinguished: a power of two.
@@ -70,7 +69,6 @@ inline constexpr std::uint32_t kPlaneEpochs = 64;
 /// A motion of A, and the slack that must be left.
 struct PlaneMotion {
   double step[6];               ///< v [m] and phi [rad], in B
-  double angle;                 ///< |phi|
   double least_old, least_new;  ///< before and after the motion [m]
 };
 
@@ -205,16 +203,17 @@ struct Kernels {
   std::uint32_t (*advance_simplices)(Simplices& simplices, std::uint32_t searches, double least);
 
   /// Computes the current planes of `count` slots, as columns from `first` on: each slack falls by
-  /// its node's motion against n since its epoch, and by its rotation times its radius.
+  /// its node's motion against n since its epoch, and by how far that has turned n in A's
+  /// frame times its radius: a rotation about n changes nothing.
   /// R: R_WG row by row.  May write up to 7 columns beyond the last.
   void (*refresh_planes)(const PlaneRecord* records, const std::uint32_t* epochs,
                          const std::int32_t* slots, int count, const EpochMotion* since,
                          const double* R, int first, const PlaneColumns& out);
 
   /// Writes the indices, from `first` on, of the planes that do not hold throughout a motion:
-  /// slack < least_old, or left = slack + n . v + (l x n) . phi - |phi| radius < least_new.  Fills
-  /// the column `left`, from the multiple of eight below `first` on.  May write up to 8 indices
-  /// beyond the last.  Returns their number.
+  /// slack < least_old, or left = slack + n . v + (l x n) . phi - |n x phi| radius < least_new.
+  /// Fills the column `left`, from the multiple of eight below `first` on.  May write up to 8
+  /// indices beyond the last.  Returns their number.
   int (*find_used_up)(const PlaneColumns& planes, int first, int count, const PlaneMotion& motion,
                       std::int32_t* out);
 

@@ -372,22 +372,22 @@ void RefreshPlanes(const PlaneRecord* records, const std::uint32_t* epochs,
                    const std::int32_t* slots, int count, const EpochMotion* since, const double* R,
                    int first, const PlaneColumns& out) {
   for (int i = 0; i < count; i += 8) {
-    const double *plane[8], *ball[8], *row[3][8], *turned[8];
+    const double *plane[8], *ball[8], *row[3][8];
     for (int k = 0; k < 8; ++k) {
       const std::int32_t slot = slots[i + k < count ? i + k : count - 1];
       const EpochMotion& motion = since[epochs[slot] % kPlaneEpochs];
       plane[k] = records[slot].n;
       ball[k] = records[slot].centre;
       for (int r = 0; r < 3; ++r) row[r][k] = motion.row[r];
-      turned[k] = &motion.turned;
     }
     D8 n[4], c[4], m[4], l[3];
     LoadTransposed(plane, n);
     LoadTransposed(ball, c);
-    LoadTransposed(turned, m);
-    D8 slack = Fnma(m[0], c[3], n[3]);
+    const D8 zero = Set1(0.0);
+    D8 slack = n[3], turned[3] = {zero, zero, zero};
     for (int r = 0; r < 3; ++r) {
       LoadTransposed(row[r], m);
+      for (int k = 0; k < 3; ++k) turned[k] = Fma(n[r], m[k], turned[k]);
       slack = Fma(n[r], Fma(m[2], c[2], Fma(m[1], c[1], Fma(m[0], c[0], m[3]))), slack);
       l[r] = Fma(Set1(R[3 * r + 2]), c[2], Fma(Set1(R[3 * r + 1]), c[1], Set1(R[3 * r]) * c[0]));
     }
@@ -397,7 +397,8 @@ void RefreshPlanes(const PlaneRecord* records, const std::uint32_t* epochs,
       Store(out.along[r] + at, n[r]);
       Store(out.along[3 + r] + at, Fnma(l[w], n[u], l[u] * n[w]));
     }
-    Store(out.slack + at, slack);
+    const Vectors by = {turned[0], turned[1], turned[2]};
+    Store(out.slack + at, Fnma(Sqrt(Dot(by, by)), c[3], slack));
     Store(out.radius + at, c[3]);
   }
 }
@@ -406,12 +407,15 @@ int FindUsedUp(const PlaneColumns& planes, int first, int count, const PlaneMoti
                std::int32_t* out) {
   D8 along[6];
   for (int c = 0; c < 6; ++c) along[c] = Set1(motion.step[c]);
-  const D8 angle = Set1(motion.angle), least_old = Set1(motion.least_old);
+  const Vectors phi = {along[3], along[4], along[5]};
+  const D8 least_old = Set1(motion.least_old);
   const D8 least_new = Set1(motion.least_new);
   int found = 0;
   for (int i = first & ~7; i < count; i += 8) {
     const D8 slack = Load(planes.slack + i);
-    D8 left = slack - angle * Load(planes.radius + i);
+    const Vectors turned = Cross(
+        {Load(planes.along[0] + i), Load(planes.along[1] + i), Load(planes.along[2] + i)}, phi);
+    D8 left = Fnma(Sqrt(Dot(turned, turned)), Load(planes.radius + i), slack);
     for (int c = 0; c < 6; ++c) left = Fma(Load(planes.along[c] + i), along[c], left);
     Store(planes.left + i, left);
     std::uint32_t low = Less(slack, least_old) | Less(left, least_new);

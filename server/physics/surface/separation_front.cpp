@@ -37,7 +37,7 @@ void SeparationFront::Restart(const MovingBody& a, std::span<const ContactBody> 
   unused_.clear();
   path_ = 0.0;
   epoch_ = 0;
-  epochs_[0] = {at.p, at.q, at.R, 0.0};
+  epochs_[0] = {at.p, at.q, at.R};
   since_.fill(EpochMotion{});
   next_merged_ = 0;
   for (Index body = 0; body < roots_; ++body) {
@@ -58,11 +58,10 @@ void SeparationFront::Put(Index i, const HullTree& tree_a, const Pair& pair) {
 double SeparationFront::Move(const RelativePose& at, double reach) {
   const Epoch& before = now();
   const double angle = RotationLog(at.q * before.q.conjugate()).norm();
-  const double turned = before.turned + angle;
   const double path = (at.p - before.p).norm() + reach * angle;
   path_ += path;
   ++epoch_;
-  epochs_[epoch_ % kPlaneEpochs] = {at.p, at.q, at.R, turned};
+  epochs_[epoch_ % kPlaneEpochs] = {at.p, at.q, at.R};
   for (std::size_t e = 0; e < kPlaneEpochs; ++e) {
     const Epoch& then = epochs_[e];
     EpochMotion& motion = since_[e];
@@ -70,7 +69,6 @@ double SeparationFront::Move(const RelativePose& at, double reach) {
       for (int c = 0; c < 3; ++c) motion.row[r][c] = at.R(r, c) - then.R(r, c);
       motion.row[r][3] = at.p[r] - then.p[r];
     }
-    motion.turned = turned - then.turned;
   }
   return path;
 }
@@ -81,9 +79,6 @@ void SeparationFront::Refresh(const Kernels& kernels, const Index* slots, int co
   kernels.refresh_planes(planes_.data(), epoch_of_.data(), slots, count, since_.data(), R.data(),
                          first, out);
   for (int i = 0; i < count; ++i) {
-    const auto slot = static_cast<std::size_t>(slots[i]);
-    planes_[slot].slack = out.slack[first + i];
-    epoch_of_[slot] = epoch_;
     ExpiryOf(slots[i]) = path_ + out.slack[first + i];
   }
 }

@@ -32,7 +32,6 @@ class SeparationFront {
     Vec3 p = Vec3::Zero();
     Quat q = Quat::Identity();
     Mat3 R = Mat3::Identity();
-    double turned = 0.0;  ///< sum of the rotations before it [rad]
   };
 
   static constexpr std::size_t kMaxSlots = 1 << 17;
@@ -80,6 +79,8 @@ class SeparationFront {
                const PlaneColumns& out);
   /// Sets a pair's plane at the current pose.
   void Set(Index i, const Vec3& n, double slack);
+  /// Lets a pair not be near before A has gone as far as it surely has left [m].
+  void Expire(Index i, double left) { ExpiryOf(i) = path_ + left; }
   /// Splits a pair of the front: its children take the given plane, at the current pose.  Returns
   /// the first child, or -1 if there is no room.
   Index Split(Index i, const HullTree& tree_a, const HullTree& tree_b, const Vec3& n, double slack);
@@ -145,7 +146,6 @@ class SeparationFront {
       visit(epoch.p);
       visit(epoch.q.coeffs());
       visit(epoch.R);
-      visit(epoch.turned);
     }
     for (auto& motion : front.since_) visit(motion);
     visit(front.epoch_);

@@ -93,6 +93,12 @@ TEST(Kernels, FindWhatIsBelowALimitAtEverySimdLevel) {
   }
 }
 
+/// Returns |n x phi| of a plane.
+double TurnedOf(const PlaneColumns& planes, int i, const PlaneMotion& motion) {
+  const Vec3 n(planes.along[0][i], planes.along[1][i], planes.along[2][i]);
+  return n.cross(Vec3::Map(motion.step + 3)).norm();
+}
+
 TEST(Kernels, FindThePlanesThatAMotionUsesUpAtEverySimdLevel) {
   const Kernels* level[3];
   const int levels = AvailableKernels(level);
@@ -111,13 +117,13 @@ TEST(Kernels, FindThePlanesThatAMotionUsesUpAtEverySimdLevel) {
                                              : random.Uniform(-0.2, 1.0);
       planes.radius[i] = random.Uniform(0.0, 0.5);
     }
-    PlaneMotion motion{{}, 0.3, 0.1, 0.2};
+    PlaneMotion motion{{}, 0.1, 0.2};
     for (double& s : motion.step) s = random.Uniform(-0.5, 0.5);
     for (int first = 0; first <= count; ++first) {
       std::vector<std::int32_t> want;
       bool close = false;
       for (int i = first; i < count; ++i) {
-        double left = planes.slack[i] - motion.angle * planes.radius[i];
+        double left = planes.slack[i] - TurnedOf(planes, i, motion) * planes.radius[i];
         for (int c = 0; c < 6; ++c) left += planes.along[c][i] * motion.step[c];
         close |= std::abs(left - motion.least_new) < 1e-12;
         if (planes.slack[i] < motion.least_old || left < motion.least_new) want.push_back(i);
@@ -129,7 +135,7 @@ TEST(Kernels, FindThePlanesThatAMotionUsesUpAtEverySimdLevel) {
         got.resize(static_cast<std::size_t>(found));
         ASSERT_EQ(got, want) << level[k]->name << ", from " << first << " to " << count;
         for (const std::int32_t i : got) {
-          double left = planes.slack[i] - motion.angle * planes.radius[i];
+          double left = planes.slack[i] - TurnedOf(planes, i, motion) * planes.radius[i];
           for (int c = 0; c < 6; ++c) left += planes.along[c][i] * motion.step[c];
           if (std::isfinite(left)) {
             ASSERT_NEAR(planes.left[i], left, 1e-14);
@@ -243,7 +249,6 @@ TEST(Kernels, RefreshPlanesAtEverySimdLevel) {
     for (auto& row : m.row) {
       for (double& x : row) x = random.Uniform(-0.1, 0.1);
     }
-    m.turned = random.Uniform(0.0, 0.1);
   }
   const Mat3 R = random.Rotation().toRotationMatrix();
   const Mat3 rows = R.transpose();
@@ -265,8 +270,13 @@ TEST(Kernels, RefreshPlanesAtEverySimdLevel) {
         const PlaneRecord& r = records[slot];
         const EpochMotion& m = since[epochs[slot] % kPlaneEpochs];
         const Vec3 n = Vec3::Map(r.n), c = Vec3::Map(r.centre), l = R * c;
-        double slack = r.slack - m.turned * r.radius;
-        for (int a = 0; a < 3; ++a) slack += n[a] * (Vec3::Map(m.row[a]).dot(c) + m.row[a][3]);
+        double slack = r.slack;
+        Vec3 turned = Vec3::Zero();
+        for (int a = 0; a < 3; ++a) {
+          slack += n[a] * (Vec3::Map(m.row[a]).dot(c) + m.row[a][3]);
+          turned += n[a] * Vec3::Map(m.row[a]);
+        }
+        slack -= turned.norm() * r.radius;
         ASSERT_NEAR(planes.slack[kFirst + i], slack, 1e-15);
         ASSERT_EQ(planes.radius[kFirst + i], r.radius);
         for (int a = 0; a < 3; ++a) {
@@ -295,15 +305,13 @@ TEST(Kernels, AgreeWhereAPlaneIsUsedUpToTheLastBit) {
     planes.slack = column[6].data();
     planes.radius = column[7].data();
     planes.left = column[8].data();
-    PlaneMotion motion{{}, random.Uniform(0.0, 0.1), -1.0, random.Uniform(0.0, 1e-3)};
+    PlaneMotion motion{{}, -1.0, random.Uniform(0.0, 1e-3)};
     for (double& s : motion.step) s = random.Uniform(-1e-3, 1e-3);
     for (int i = 0; i < 8; ++i) {
       planes.radius[i] = random.Uniform(0.0, 0.05);
-      double left = -motion.angle * planes.radius[i];
-      for (int c = 0; c < 6; ++c) {
-        planes.along[c][i] = random.Uniform(-1.0, 1.0);
-        left += planes.along[c][i] * motion.step[c];
-      }
+      for (int c = 0; c < 6; ++c) planes.along[c][i] = random.Uniform(-1.0, 1.0);
+      double left = -TurnedOf(planes, i, motion) * planes.radius[i];
+      for (int c = 0; c < 6; ++c) left += planes.along[c][i] * motion.step[c];
       planes.slack[i] = motion.least_new - left;  // to a few ulp
     }
     std::vector<std::int32_t> want;

@@ -46,7 +46,7 @@ struct Columns {
 double Refreshed(SeparationFront& front, Index i) {
   Columns columns;
   front.Refresh(ActiveKernels(), &i, 1, 0, columns.planes());
-  EXPECT_EQ(front.plane(i).slack, columns.column[6][0]);
+  EXPECT_EQ(front.expiry()[i], front.path() + columns.column[6][0]);
   return columns.column[6][0];
 }
 
@@ -247,9 +247,15 @@ TEST(SeparationFront, LosesNoMoreOfASlackThanTheNodeComesNearer) {
   EXPECT_NEAR(slack, 0.01, 1e-12);
   go(Vec3(0.0, 0.0, -0.004), Vec3::Zero());
   EXPECT_NEAR(slack, 0.006, 1e-12);
+  // About the plane's normal nothing comes nearer.
+  go(Vec3::Zero(), Vec3(0.0, 0.0, 0.01));
+  EXPECT_NEAR(slack, 0.006, 1e-12);
   go(Vec3::Zero(), Vec3(0.01, 0.0, 0.0));
   EXPECT_NEAR(slack, 0.006 - 0.01 * 0.01 * std::sqrt(3.0), 1e-7);
-  EXPECT_NEAR(bench.front.path(), std::hypot(0.05, 0.03) + 0.004 + 0.01 * 0.01 * std::sqrt(3.0),
+  // Back where it was, it has what it had.
+  go(Vec3::Zero(), Vec3(-0.01, 0.0, 0.0));
+  EXPECT_NEAR(slack, 0.006, 1e-12);
+  EXPECT_NEAR(bench.front.path(), std::hypot(0.05, 0.03) + 0.004 + 0.03 * 0.01 * std::sqrt(3.0),
               1e-9);
 }
 
