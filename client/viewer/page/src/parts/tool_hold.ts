@@ -34,7 +34,7 @@ export class ToolHold {
       publish: (message) => link.publish(kTopics.mouse, message),
       changed: () => this.show(),
       viewFrame: (at) => view.camera.viewFrame(at),
-      tool: (scene, tool) => this.whereIs(scene, tool),
+      tool: (station, scene, tool) => this.whereIs(station, scene, tool),
     });
     // The tool's keys take precedence: while it is held, arrows move it and not the camera.
     this.mouse.listenTo(canvas, view.camera.controls);
@@ -153,12 +153,11 @@ export class ToolHold {
     });
   }
 
-  private whereIs(scene: string, tool: string): ReturnType<MouseHost["tool"]> {
+  private whereIs(station: string, scene: string, tool: string): ReturnType<MouseHost["tool"]> {
     const body = this.scenes.model(scene)?.tools.find(({name}) => name === tool);
     const centroid = body?.geometry.centroid ?? [0, 0, 0];
-    const state = this.world.lastMoverOf(scene, tool)?.track.latest;
-    // The graphic pose, not the last hand's, which may be deep inside an object.
-    const pose = state?.graphic ?? body?.pose ?? {p: [0, 0, 0], q: [1, 0, 0, 0]};
-    return {pose, touches: (state?.contacts ?? 0) > 0, centroid};
+    const state = this.world.stations.get(station)?.own;
+    const pose = state?.graphic ?? body?.pose;
+    return pose && {pose, touches: (state?.contacts ?? 0) > 0, centroid};
   }
 }
