@@ -311,6 +311,9 @@ test("what burs cut is bookmarked, and brought back to how it stood then", async
   await open({}, "?scene=cut");
   await page.locator("#keep-cut").waitFor();
   expect(await page.locator("#back-to-cut").isDisabled()).toBe(true);
+  gateway.onPublish = () => "a trial runs";
+  await page.locator("#keep-cut").click();
+  await reads("#hint", "It was not bookmarked: a trial runs.");
   const asked: unknown[] = [];
   gateway.onPublish = ({op, scene}) => {
     if (op !== "bookmark" && op !== "back") return;

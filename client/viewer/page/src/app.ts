@@ -54,6 +54,7 @@ export class App {
     },
     message: (topic, value, stampS) => this.received(topic, value, stampS),
     rights: () => this.showRights(),
+    refused: (reason) => this.whole.refused(reason),
   });
   private readonly choice: Choice = new Choice(this.world, (scene) => {
     this.hold.mouse.release();
