@@ -77,6 +77,7 @@ export class App {
     this.picture,
     this.notice,
     () => this.mayTake,
+    () => this.exam.askToHandIn(this.notice),
     () => this.figures.sessionsChanged(),
   );
   private readonly whole = new WholeButton(this.notice, (op) =>
