@@ -136,6 +136,11 @@ bool TrialRoom::is_at_one(Holder holder) const {
       trials_, [&](const Running& trial) { return trial.news.holder == holder && trial.records; });
 }
 
+bool TrialRoom::is_in(const std::string& scene) const {
+  return std::ranges::any_of(
+      trials_, [&](const Running& trial) { return trial.records && trial.scene == scene; });
+}
+
 bool TrialRoom::has_one_of(std::int64_t person) const {
   return std::ranges::any_of(trials_,
                              [&](const Running& trial) { return trial.news.person == person; });
@@ -172,6 +177,7 @@ int TrialRoom::Begin(Holder holder, std::int64_t person, const std::string& exer
   trial.news.holder = holder;
   trial.news.person = person;
   trial.news.exercise = exercise;
+  trial.scene = scene;
   trial.asked_ns = now_ns;
   trial.is_exam = trial.submits = exam_s.has_value();
   trial.most_s = exam_s.value_or(trial.exercise->most_s);

@@ -81,6 +81,8 @@ class TrialRoom {
   /// Submits a trial; a running one ends.  Throws Error if there is no such trial.
   void Submit(Holder holder, std::int64_t person, const std::string& exercise, int n);
   bool is_at_one(Holder holder) const;
+  /// Returns whether a trial is being recorded in that scene or seat.
+  bool is_in(const std::string& scene) const;
   /// Returns whether a trial of that person is being recorded or scored.
   bool has_one_of(std::int64_t person) const;
   /// Returns whether that trial is being recorded or scored.
@@ -109,6 +111,7 @@ class TrialRoom {
   struct Running {
     News news;
     const Exercise* exercise = nullptr;
+    std::string scene;
     std::unique_ptr<ChildProgram> recorder, scorer;
     bool records = false;
     bool follows = false;     // the scorer has begun to follow, so it may be interrupted

@@ -318,7 +318,9 @@ void Hub::BeginTrial(const std::string& name, Viewer& viewer, std::int64_t now_n
   if (exams_->Sits(person)) exams_->TaskToBegin(person, name, WallClock_s());
   const bool is_reset =
       AsksForCuts(exercise->criteria) && exercise->start != Exercise::Start::kAsItIs;
-  if (mice_.IsTaken(take.scene, is_reset ? "" : take.tool, viewer.id())) {
+  // A trial's tool is given back before its recorder has ended.
+  if (mice_.IsTaken(take.scene, is_reset ? "" : take.tool, viewer.id()) ||
+      (is_reset && trials_->is_in(take.scene))) {
     throw Error("somebody is working in scene '" + take.scene +
                 "'; wait, or ask your teacher for a seat of your own");
   }
@@ -524,6 +526,12 @@ std::string Hub::WhyNotAt(const Viewer& viewer, const std::string& scene) const 
   if (IsInExam(viewer)) return kInExam;
   if (!class_room_ || viewer.teaches()) return "";
   return class_room_->WhyNotAt(viewer.holder() ? viewer.holder()->person : 0, scene);
+}
+
+std::string Hub::WhyNotRestore(const Viewer& viewer, const std::string& scene) const {
+  if (!trials_ || !trials_->is_in(scene)) return WhyNotAt(viewer, scene);
+  // Not even its person or a teacher: what was cut would count no more.
+  return "a trial runs in scene '" + scene + "'; end it first";
 }
 
 void Hub::Take(Viewer& viewer, const MouseCommand& command, std::int64_t now_ns) {

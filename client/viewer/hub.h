@@ -84,6 +84,8 @@ class Hub {
   bool IsInExam(const Viewer& viewer) const;
   /// Returns why the viewer may do nothing in a scene, an exam or another's seat; empty: it may.
   std::string WhyNotAt(const Viewer& viewer, const std::string& scene) const;
+  /// Likewise why it may not restore a scene, or set its bookmark.
+  std::string WhyNotRestore(const Viewer& viewer, const std::string& scene) const;
   /// Carries out a teacher's command about exams.  Returns the answer for the page.  Throws Error.
   FramePtr Examine(std::string_view wish, std::int64_t now_ns);
   FramePtr ExamFrameOf(const Viewer& viewer) const;

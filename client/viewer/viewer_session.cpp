@@ -275,7 +275,7 @@ void ViewerSession::OnMouse(std::string_view payload) {
     case MouseCommand::Op::kBookmark:
     case MouseCommand::Op::kBack: {
       if (!hub_.RefuseWish(Wish::kWhole, *this, now_ns).empty()) return;
-      if (const std::string why = hub_.WhyNotAt(*this, command.scene); !why.empty()) {
+      if (const std::string why = hub_.WhyNotRestore(*this, command.scene); !why.empty()) {
         return Say(foxglove::Level::kError, why);
       }
       const wire::WholeWish wish = command.op == MouseCommand::Op::kWhole  ? palpate_WHOLE_AGAIN

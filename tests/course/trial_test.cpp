@@ -83,11 +83,14 @@ TEST_F(TrialTest, IsRecordedThenScoredAndMayBeSubmitted) {
   EXPECT_EQ(news_.back().left_s, 90.0);
   EXPECT_THAT(ComplaintOf([&] { Begin(); }), HasSubstr("a trial of yours is running"));
   EXPECT_TRUE(room_->has_one_of(3));
+  EXPECT_TRUE(room_->is_in("periodontal-3"));
+  EXPECT_FALSE(room_->is_in("periodontal"));
   room_->End(8, "another's");
   room_->End(7, "stopped");
   ASSERT_TRUE(Comes("scored"));
   EXPECT_EQ(room_->size(), 0u);
   EXPECT_FALSE(room_->has_one_of(3));
+  EXPECT_FALSE(room_->is_in("periodontal-3"));
   EXPECT_EQ(news_.back().reason, "stopped");
   EXPECT_TRUE(news_.back().whole && news_.back().passed);
   EXPECT_EQ(news_.back().points, 81.5);

@@ -12,7 +12,7 @@ import {
   reads,
   text,
 } from "./support/at_gateway";
-import {eventually, probe} from "./support/browser";
+import {eventually, probe, until} from "./support/browser";
 import {heldExam, kExercise, ownExam, trialState} from "./support/exam_state";
 import {pressed, sessionState} from "./support/fake_gateway";
 import {kTestScene} from "./support/scene_bytes";
@@ -283,9 +283,16 @@ test("who sits an exam sees its next task and the time, no exercises, and hands 
   await eventually("a wish", () => gateway.published.length === 1);
   gateway.send("/palpate/trial_state", trialState("running"));
   await reads("#force-bar-mass", "25 g"); // the task's limit
+  gateway.send("/palpate/mouse_state", {station: "anna", phase: "active", reason: ""});
+  await until(page, "the tool", ({hold}) => hold === "holding");
+  for (const reflex of ["Escape", "m"]) await page.keyboard.press(reflex);
+  await reads("#hint-action", "Really: Hand in?");
   await press("Hand in");
   await eventually("another", () => gateway.published.length === 2);
-  expect(gateway.published).toEqual([{op: "begin", exercise: "light-force"}, {op: "stop"}]);
+  await page.locator("#hint-action").click();
+  await eventually("the same", () => gateway.published.length === 3);
+  const stop = {op: "stop"};
+  expect(gateway.published).toEqual([{op: "begin", exercise: "light-force"}, stop, stop]);
   gateway.send("/palpate/trial_state", trialState("kept"));
   gateway.send("/palpate/exam_state", ownExam({task: 3, exercise: undefined}));
   await reads(

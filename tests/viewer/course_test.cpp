@@ -3,6 +3,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <utility>
 
 #include <SQLiteCpp/SQLiteCpp.h>
@@ -34,6 +35,7 @@ class Pupil {
   Pupil(Gateway& gateway, const std::string& token)
       : client_(gateway.port(), kV1, "", 0, {{"Authorization", "Bearer " + token}}) {
     client_.Subscribe(1, TopicFeed::kMe);
+    client_.Subscribe(5, TopicFeed::kTrial);
   }
   WebClient& client() { return client_; }
   /// The next message about the person.
@@ -42,6 +44,13 @@ class Pupil {
   CourseJson Exam() {
     if (!std::exchange(hears_exam_, true)) client_.Subscribe(4, TopicFeed::kExam);
     return Read(4);
+  }
+  /// Hears its trials until one is in one of these phases.
+  bool Comes(const std::set<std::string>& phases) {
+    return Eventually([&] {
+      const CourseJson trial = Read(5);
+      return trial.is_object() && phases.contains(trial["phase"]);
+    });
   }
   /// The answer to taking a scene with the mouse.
   std::string Take(const std::string& scene) {
@@ -263,6 +272,31 @@ TEST(Course, TouchesNoSceneWhereATrialMayNotBegin) {
   const auto wish = server.Wished();
   ASSERT_TRUE(wish);
   EXPECT_THAT(std::string(wish->by), testing::StartsWith("teacher")) << "and not Anna's";
+}
+
+TEST(Course, LetsNobodyRestoreASceneWhileATrialRunsThere) {
+  StandIn server(0, "calculus");
+  const Folder folder;
+  Gateway gateway({"--course", folder / "course"});
+  const std::string link = FirstLink(gateway);
+  ASSERT_TRUE(gateway.KnowsScenes(1, {{"Authorization", "Bearer " + link}}));
+  Teacher teacher(gateway, link);
+  Pupil anna(gateway, teacher.Make("Anna"));
+  anna.client().SendTrial({{"op", "begin"}, {"exercise", "supragingival-calculus"}});
+  ASSERT_TRUE(anna.Comes({"preparing"}));
+  ASSERT_TRUE(server.Wished()) << "the trial's own, before it begins";
+  for (const char* const op : {"whole", "bookmark", "back"}) {
+    anna.client().SendMouse({{"op", op}, {"scene", "calculus"}});
+    EXPECT_THAT(anna.client().NextStatus(), testing::HasSubstr("trial")) << op;
+  }
+  teacher.client().SendMouse({{"op", "whole"}, {"scene", "calculus"}});
+  EXPECT_THAT(teacher.client().NextStatus(), testing::HasSubstr("trial"));
+  anna.client().SendTrial({{"op", "stop"}});
+  ASSERT_TRUE(anna.Comes({"waiting", "scoring", "unscored"}));
+  teacher.client().SendMouse({{"op", "whole"}, {"scene", "calculus"}});
+  const auto wish = server.Wished();
+  ASSERT_TRUE(wish);
+  EXPECT_THAT(std::string(wish->by), testing::StartsWith("teacher")) << "and none before";
 }
 
 TEST(Course, GivesEachASeatAndKeepsOthersOut) {

@@ -71,6 +71,21 @@ test("a tool stays where its last mover left it", () => {
   expect(world.stations.get("first")!.isMoving(2.6)).toBe(false);
 });
 
+test("a station's next run begins anew, wherever the former one left its tool", () => {
+  const world = new World(() => {});
+  const own = () => world.stations.get("anna")!.own?.poseSequence;
+  world.receive(kTopics.sessionState, session("anna", 2, {run: 1n}), 0, 0);
+  world.receive(kTopics.toolState, state("anna", 10), 1, 1);
+  world.receive(kTopics.sessionState, session("anna", 4, {run: 1n}), 2, 2);
+  expect(own()).toBe(10);
+  world.startLink();
+  world.receive(kTopics.sessionState, session("anna", 1, {run: 2n}), 3, 3);
+  expect(own()).toBeUndefined();
+  expect(world.lastMoverOf("cube", "ball")?.id).toBe("anna"); // there it is seen
+  world.receive(kTopics.toolState, state("anna", 1), 4, 4);
+  expect(own()).toBe(1);
+});
+
 test("sessions are forgotten with the link, stations are not", () => {
   const world = new World(() => {});
   world.receive(kTopics.toolState, state("hand", 1), 1, 1);

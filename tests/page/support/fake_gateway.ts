@@ -165,7 +165,8 @@ export class FakeGateway {
   turnsAway = false; // refuses every client
   role = ""; // of each client; empty: none, as in gateways before there were roles
   token = ""; // required for all but the page's files; empty: none
-  onPublish: (message: Record<string, unknown>) => void = () => {};
+  /// Called with what a client sent; may return why the gateway refuses it.
+  onPublish: (message: Record<string, unknown>) => string | void = () => {};
   private readonly http: Server;
   private readonly sockets: WebSocketServer;
   private readonly clients = new Set<(topic: string, value: object) => void>();
@@ -243,7 +244,8 @@ export class FakeGateway {
     server.on("message", ({data}) => {
       const message = JSON.parse(new TextDecoder().decode(data)) as Record<string, unknown>;
       this.published.push(message);
-      this.onPublish(message);
+      const refusal = this.onPublish(message);
+      if (refusal) server.sendStatus({level: 2, message: refusal});
     });
     server.handleConnection(socket as unknown as IWebSocket, "page");
     this.clients.add(send);

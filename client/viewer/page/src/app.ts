@@ -54,6 +54,7 @@ export class App {
     },
     message: (topic, value, stampS) => this.received(topic, value, stampS),
     rights: () => this.showRights(),
+    refused: (reason) => this.whole.refused(reason),
   });
   private readonly choice: Choice = new Choice(this.world, (scene) => {
     this.hold.mouse.release();
@@ -76,6 +77,7 @@ export class App {
     this.picture,
     this.notice,
     () => this.mayTake,
+    () => this.exam.askToHandIn(this.notice),
     () => this.figures.sessionsChanged(),
   );
   private readonly whole = new WholeButton(this.notice, (op) =>

@@ -28,6 +28,8 @@ export class Station {
   private device: StationStatistics | undefined;
   private deviceS = -Infinity;
   session: SessionState | undefined;
+  private run: string | undefined; // of its last session
+  private isNew = false; // nothing of that run has come yet
   lastArrivalS = -Infinity;
   private heldS = -Infinity;
   frames = 0;
@@ -35,10 +37,21 @@ export class Station {
 
   constructor(readonly id: string) {}
 
+  begin(session: SessionState): void {
+    if (this.run !== undefined && this.run !== session.run) this.isNew = true;
+    this.run = session.run;
+    this.session = session;
+  }
+  /// The newest state of its present run, which begins anew wherever the former one left its tool.
+  get own(): ToolState | undefined {
+    return this.isNew ? undefined : this.track.latest;
+  }
+
   /// @param recordedS  recorded time, if this is a replay
   push(state: ToolState, stampS: number, nowS: number, recordedS?: number): void {
     const timeS = this.clock.toLocal(stampS, nowS);
     this.track.push(timeS, state);
+    this.isNew = false;
     this.lastArrivalS = nowS;
     this.frames += 1;
     this.keep(state, recordedS ?? timeS);

@@ -232,7 +232,7 @@ export class World {
 
   private receiveSession(session: SessionState): void {
     if (!this.isOfServer(session.serverRun)) return;
-    this.station(session.station).session = session;
+    this.station(session.station).begin(session);
     this.changed("sessions", session.scene);
   }
 

@@ -10,8 +10,13 @@ export interface MouseHost {
   publish(message: object): boolean;
   changed(): void;
   viewFrame(at: Vec3): ViewFrame;
-  /// Returns the tool's present pose, whether it touches, and its centroid in its own frame.
-  tool(scene: string, tool: string): {pose: Pose; touches: boolean; centroid: Vec3};
+  /// Returns the pose of the tool in this session, or else in the scene; whether it touches; and
+  /// its centroid in its own frame.  Undefined while the scene is not known.
+  tool(
+    station: string,
+    scene: string,
+    tool: string,
+  ): {pose: Pose; touches: boolean; centroid: Vec3} | undefined;
 }
 
 /// Least time between two poses sent [ms].
@@ -217,9 +222,9 @@ export class MouseDevice {
   private begin(): void {
     this.hold = "holding";
     window.clearTimeout(this.patience);
-    this.pose = this.host.tool(this.scene, this.tool).pose;
+    // Nothing is sent before the hand moves: the tool stays where its station begins.
+    this.pose = undefined;
     this.sent = undefined;
-    this.send();
   }
 
   private end(message: Words): void {
@@ -234,9 +239,11 @@ export class MouseDevice {
   }
 
   private move(by: (pose: Pose, view: ViewFrame, centroid: Vec3) => Pose): void {
-    if (!this.pose) return;
-    const {pose, touches, centroid} = this.host.tool(this.scene, this.tool);
-    const moved = by(this.pose, this.host.viewFrame(this.pose.p), centroid);
+    const tool = this.host.tool(this.station, this.scene, this.tool);
+    if (!tool) return;
+    const {pose, touches, centroid} = tool;
+    const from = this.pose ?? pose;
+    const moved = by(from, this.host.viewFrame(from.p), centroid);
     this.pose = touches ? leash(moved, pose, kReachM) : moved;
     this.send();
   }

@@ -6,6 +6,7 @@ import type {ExamAnswer, ExamState, OpenExam} from "../protocol/exam_messages";
 import type {Exercise, TrialPhase, TrialState} from "../protocol/exercise_messages";
 import {element, make, press, setText} from "../ui/elements";
 import {ExamDesk} from "../ui/exam_desk";
+import type {Notice} from "../ui/notice";
 import {followLanguage, setWords} from "../ui/spoken";
 
 export interface ExamEvents {
@@ -30,10 +31,7 @@ export class Exam {
   private readonly task = make("div.task");
   private readonly word = make("p.word", {role: "status"});
   private readonly begin = press("exam.begin", () => this.beginTask(), {className: "primary"});
-  private readonly handIn = press(
-    "exam.hand_in",
-    () => void this.events.publish(kTopics.trial, {op: "stop"}),
-  );
+  private readonly handIn = press("exam.hand_in", () => this.handInTrial());
   private readonly desk = new ExamDesk((wish) => this.ask(wish));
   private state: ExamState = {open: null};
   private trial: TrialState | undefined;
@@ -79,6 +77,16 @@ export class Exam {
     if (topic === kTopics.examAnswer) this.desk.tell((value as ExamAnswer).refusal);
     else if (topic === kTopics.examState) this.receiveState(value as ExamState);
     else return false;
+    return true;
+  }
+
+  /// Asks whether to hand in the trial: a key pressed by reflex must not end it.  Returns false if
+  /// there is no exam.
+  askToHandIn(notice: Notice): boolean {
+    if (!this.isOn) return false;
+    const whileSo = (): boolean => this.isOn && this.isBusy;
+    const text = (): string => say("exam.sure", {what: say("exam.hand_in")});
+    notice.say(() => say("exam.once"), {whileSo, action: {text, run: () => this.handInTrial()}});
     return true;
   }
 
@@ -143,6 +151,10 @@ export class Exam {
     this.events.begin(scene, exercise.tool, () =>
       this.events.publish(kTopics.trial, {op: "begin", exercise: exercise.name}),
     );
+  }
+
+  private handInTrial(): void {
+    this.events.publish(kTopics.trial, {op: "stop"});
   }
 
   private ask(wish: object): void {

@@ -9,6 +9,7 @@ import {nowS} from "./now";
 /// Interval of health requests, which also detect a link that only looks open.
 const kAskHealthMs = 4000;
 const kAnswerWithinMs = 3000;
+const kError = 2; // level of a status
 /// A link without messages is closed after this many unanswered health requests.
 const kMostSilences = 2;
 
@@ -16,6 +17,7 @@ export interface LinkEvents {
   link(state: LinkState): void;
   message(topic: string, value: unknown, stampS: number): void;
   rights(): void; // they may have changed
+  refused(reason: string): void; // something that this page asked for
 }
 
 /// This page's own state, as far as the banner depends on it.
@@ -51,6 +53,7 @@ export class GatewayLink {
         message: (topic, value, stampS) => events.message(topic, value, stampS),
         status: (level, message) => {
           if (level > 0) console.warn(`gateway: ${message}`);
+          if (level === kError) events.refused(message);
         },
         mayPublish: (publish, role) => {
           this.may = {...this.may, publish, operate: publish && role === "operate"};

@@ -18,6 +18,7 @@ export class ToolHold {
   private readonly toolPick = element("tool", HTMLSelectElement);
 
   /// @param mayTake  returns whether this page may take a tool
+  /// @param keeps    returns whether the reader is to be asked before the tool is given back; asks
   /// @param changed  called when it takes, requests or releases one
   constructor(
     private readonly world: World,
@@ -27,6 +28,7 @@ export class ToolHold {
     private readonly picture: Picture,
     private readonly notice: Notice,
     private readonly mayTake: () => boolean,
+    private readonly keeps: () => boolean,
     private readonly changed: () => void,
   ) {
     const {canvas, view} = picture;
@@ -34,7 +36,7 @@ export class ToolHold {
       publish: (message) => link.publish(kTopics.mouse, message),
       changed: () => this.show(),
       viewFrame: (at) => view.camera.viewFrame(at),
-      tool: (scene, tool) => this.whereIs(scene, tool),
+      tool: (station, scene, tool) => this.whereIs(station, scene, tool),
     });
     // The tool's keys take precedence: while it is held, arrows move it and not the camera.
     this.mouse.listenTo(canvas, view.camera.controls);
@@ -45,7 +47,7 @@ export class ToolHold {
   /// Keys, for listenForKeys.
   readonly keys: Readonly<Record<string, () => void>> = {
     m: () => this.takeOrRelease(),
-    Escape: () => this.mouse.release(),
+    Escape: () => this.giveBack(),
   };
 
   /// Whether it holds or requests a tool.
@@ -115,10 +117,7 @@ export class ToolHold {
       this.notice.say(() => say("tool.none_yet"), {whileSo});
       return;
     }
-    if (this.isBusy) {
-      this.mouse.release();
-      return;
-    }
+    if (this.isBusy) return this.giveBack();
     const {scene} = this.choice;
     const holder = this.world.holderOf(scene, this.tool);
     // A tool that does not move may be free, or have been this page's own: the server decides.
@@ -128,6 +127,10 @@ export class ToolHold {
     }
     this.choice.stay(); // also after the tool is released
     this.mouse.take(scene, this.tool);
+  }
+
+  private giveBack(): void {
+    if (this.isBusy && !this.keeps()) this.mouse.release();
   }
 
   private sayWhoHolds(holder: Station, scene: string, tool: string): void {
@@ -153,12 +156,11 @@ export class ToolHold {
     });
   }
 
-  private whereIs(scene: string, tool: string): ReturnType<MouseHost["tool"]> {
+  private whereIs(station: string, scene: string, tool: string): ReturnType<MouseHost["tool"]> {
     const body = this.scenes.model(scene)?.tools.find(({name}) => name === tool);
     const centroid = body?.geometry.centroid ?? [0, 0, 0];
-    const state = this.world.lastMoverOf(scene, tool)?.track.latest;
-    // The graphic pose, not the last hand's, which may be deep inside an object.
-    const pose = state?.graphic ?? body?.pose ?? {p: [0, 0, 0], q: [1, 0, 0, 0]};
-    return {pose, touches: (state?.contacts ?? 0) > 0, centroid};
+    const state = this.world.stations.get(station)?.own;
+    const pose = state?.graphic ?? body?.pose;
+    return pose && {pose, touches: (state?.contacts ?? 0) > 0, centroid};
   }
 }

@@ -8,7 +8,7 @@ export class WholeButton {
   private readonly button = onPress("whole", () => this.press());
   private readonly bookmark = onPress("keep-cut", () => this.wish("bookmark"));
   private readonly back = onPress("back-to-cut", () => this.wish("back"));
-  private asked = false;
+  private asked: WholeWish | undefined;
 
   constructor(
     private readonly notice: Notice,
@@ -26,7 +26,7 @@ export class WholeButton {
   }
 
   private wish(wish: WholeWish): void {
-    this.asked = true;
+    this.asked = wish;
     this.notice.say(() => say(`whole.asking_${wish}`));
     this.ask(wish);
   }
@@ -35,11 +35,18 @@ export class WholeButton {
   /// is always told
   answered({scene, by, refusal, wish}: SceneWhole, isNews: boolean): void {
     if (!isNews && !this.asked) return;
-    this.asked = false;
-    const text = (): string =>
-      refusal === ""
-        ? say(`whole.done_${wish}`, {scene, by})
-        : say(`whole.not_${wish}`, {reason: refusal});
-    this.notice.say(text, {alarm: refusal !== ""});
+    this.asked = undefined;
+    if (refusal === "") this.notice.say(() => say(`whole.done_${wish}`, {scene, by}));
+    else this.sayNot(wish, refusal);
+  }
+
+  /// The gateway has refused something, without asking the server.
+  refused(reason: string): void {
+    if (this.asked) this.sayNot(this.asked, reason);
+    this.asked = undefined;
+  }
+
+  private sayNot(wish: WholeWish, reason: string): void {
+    this.notice.say(() => say(`whole.not_${wish}`, {reason}), {alarm: true});
   }
 }

@@ -139,6 +139,7 @@ export type SessionPhase = (typeof kPhases)[number];
 
 export const toSessionState = message({
   station: text("station"),
+  run: id("run"), // of the station's request
   serverRun: id("server_run"),
   phase: (fields): SessionPhase => kPhases[number("phase")(fields)] ?? "ended",
   muted: flag("muted"), // its forces are held at zero

@@ -1,0 +1,70 @@
+import {afterEach, beforeEach, expect, test, vi} from "vitest";
+
+import {kIdentity, type Pose, type Vec3} from "@page/base/pose";
+import {MouseDevice} from "@page/mouse/mouse_device";
+
+const kStart: Pose = {p: [0, 0.06, 0], q: [1, 0, 0, 0]};
+const at = (p: Vec3): Pose => ({...kIdentity, p});
+
+let published: {op: string; p?: Vec3}[];
+let tools: Map<string, {pose: Pose; touches: boolean; centroid: Vec3}>; // by station
+let canvas: EventTarget;
+let mouse: MouseDevice;
+
+beforeEach(() => {
+  vi.useFakeTimers();
+  vi.stubGlobal("window", globalThis);
+  published = [];
+  tools = new Map();
+  canvas = new EventTarget();
+  mouse = new MouseDevice({
+    publish: (message) => published.push(message as {op: string}) > 0,
+    changed: () => {},
+    viewFrame: () => ({
+      ...{right: [1, 0, 0], up: [0, 1, 0], forward: [0, 0, -1], metresPerPixel: 0.001},
+    }),
+    tool: (station) => tools.get(station),
+  });
+  mouse.listenTo(canvas as HTMLCanvasElement, {enabled: true});
+});
+afterEach(() => {
+  vi.useRealTimers();
+  vi.unstubAllGlobals();
+});
+
+function take(station: string): void {
+  mouse.take("cube", "ball");
+  mouse.receive({station, phase: "active", reason: ""});
+}
+function press(key: string): void {
+  canvas.dispatchEvent(Object.assign(new Event("keydown"), {key}));
+  vi.advanceTimersByTime(100);
+}
+const poses = (): Vec3[] => published.filter(({op}) => op === "pose").map(({p}) => p!);
+
+test("a tool that is taken stays where its station begins until the hand moves", () => {
+  tools.set("anna", {pose: kStart, touches: false, centroid: [0, 0, 0]});
+  take("anna");
+  vi.advanceTimersByTime(1000);
+  expect(poses()).toEqual([]);
+  press("ArrowRight");
+  expect(poses()).toEqual([[0.008, 0.06, 0]]);
+});
+
+test("a tool that is taken once more begins anew, not where the last one was let go", () => {
+  tools.set("anna", {pose: kStart, touches: false, centroid: [0, 0, 0]});
+  take("anna");
+  press("ArrowDown");
+  mouse.release();
+  tools.set("anna", {pose: at([0.5, 0, 0]), touches: false, centroid: [0, 0, 0]});
+  take("anna");
+  vi.advanceTimersByTime(1000);
+  press("ArrowRight");
+  expect(poses().slice(1)).toEqual([[0.508, 0, 0]]);
+});
+
+test("a hand moves nothing whose place is not known yet", () => {
+  take("anna");
+  press("ArrowRight");
+  expect(poses()).toEqual([]);
+});
