@@ -88,7 +88,7 @@ enum class Until {
 /// `near`.  Patches that such a plane separates are not split.
 ///
 /// Returns 0 if every pair has a plane; otherwise the number of pairs that have none or, once the
-/// looks are spent, were not examined.  With kEnough, `contact.open` lists the triangles among
+/// queries are spent, were not examined.  With kEnough, `contact.open` lists the triangles among
 /// them; those within their cones have chosen the planes of their rows.
 int Certify(MeshContact& contact, const Vec3& v, const Vec3& phi, Until until) noexcept;
 
@@ -105,7 +105,7 @@ enum class First {
 /// includes pairs outside their cones; otherwise a tool at rest would find them again in each step,
 /// at slightly different places.
 /// @param most_queries  of the sub-step.  Once they are spent, pairs whose planes do not hold count
-///                    as not separate.
+///                      as not separate.
 void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront& front,
                   const RelativePose& from, std::span<const ContactId> active, First first,
                   std::int64_t most_queries, ContactRows& rows) noexcept;

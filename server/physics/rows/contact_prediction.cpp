@@ -65,7 +65,7 @@ void ContactPrediction::Take(const HapticModel& model, const Kernels& kernels, c
 bool ContactPrediction::Overlaps(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
                                  const Vec3& p_W) noexcept {
   bool overlaps = false;
-  const auto look = [&](PairQuery& query, const ObjectForest& forest, const auto& depth_of) {
+  const auto search = [&](PairQuery& query, const ObjectForest& forest, const auto& depth_of) {
     query.Run(kernels, R_WG, p_W, {0.0, 0.0}, [&](NodePair* pairs, int count) {
       // Deep inside an object, the first one decides.
       for (int i = 0; i < count && !overlaps; ++i) {
@@ -82,9 +82,9 @@ bool ContactPrediction::Overlaps(const HapticModel& model, const Kernels& kernel
     const double radius = objects.leaves[static_cast<std::size_t>(leaf)].radius;
     return model.yields() ? CoreDepth(objects.MaterialOf(leaf), radius) : 0.0;
   };
-  if (query_) look(*query_, objects, core_depth);
+  if (query_) search(*query_, objects, core_depth);
   if (insides_ && !overlaps) {
-    look(*insides_, *model.insides(), [](std::int32_t) { return limits::kCoreDepth; });
+    search(*insides_, *model.insides(), [](std::int32_t) { return limits::kCoreDepth; });
   }
   return overlaps;
 }

@@ -20,10 +20,9 @@ StepBounds FirstBounds(const HapticModel& model, const Target& hand_step) noexce
 StepBounds Clamped(const StepParameters& parameters, const StepBounds& bounds) noexcept;
 /// Returns the bounds of the next sub-step: kWiden times wider, up to the widest.  Between meshes,
 /// no wider than its queries pay for; they grow with its length.
-/// @param bounds  of the last sub-step
+/// @param bounds    of the last sub-step
 /// @param fraction  of the last sub-step's candidate that was free: if not all was, the next bounds
-/// are
-///                  that fraction of the last ones
+///                  are that fraction of the last ones
 /// @param paid      queries that the next sub-step may spend, over those that the last one spent
 StepBounds NextBounds(const StepParameters& parameters, const StepBounds& bounds, double fraction,
                       double paid) noexcept;

@@ -17,7 +17,7 @@ namespace {
 using Triangles = std::span<std::uint32_t>;
 
 /// A patch with more eights of corners gets a box instead: scanning this many costs as much as two
-/// further looks at its halves.  Taken.
+/// scans of its halves.  Taken.
 constexpr std::size_t kMostEights = 32;
 /// From this many triangles on, half a patch is built in a thread of its own: a tenth
 /// of a second. Taken.
