@@ -147,10 +147,12 @@ inline constexpr double kStiffness = 1 << 20, kSoftest = 1 << 14;
 /// in steady motion.  With half the steps three times as many of 1,400 problems that need the
 /// stages stayed unsolved.
 inline constexpr int kSteps = 24, kHalvings = 3;
-/// Penalty that only decides whether a contact presses and slips: about the inverse of how far a
-/// unit force moves one, or more, as others hold the tool too.  With 1, half as many again of a
-/// foot's problems need the stages as with 3; with 10, six times as many of the scene `friction`.
-inline constexpr double kPenalty = 3.0;
+/// Penalties that only decide whether a contact presses and slips: about the inverse of how far a
+/// unit force moves one, or more, as others hold the tool too.  The second serves where Newton's
+/// method goes round with the first: the kinks of the law then lie elsewhere.  With 1, half as many
+/// again of a foot's problems need the stages as with 3; with 10, six times as many of the scene
+/// `friction`.
+inline constexpr double kPenalties[] = {3.0, 1.0};
 /// By how much a force may be off, over the size: some ten roundings of the stiffness times x.
 inline constexpr double kSolved = 1e-9;
 /// By how much a row may be violated, over the size, once the contacts hold their forces: twice

@@ -123,7 +123,7 @@ std::uint64_t GoldenRunOfMeshes(const std::array<Scene, 2>& scenes) {
 // change of the physics may change it.
 constexpr std::uint64_t kGoldenHash = 9439665412190326790u;
 constexpr std::uint64_t kGoldenChapterHash = 12772718893363948445u;
-constexpr std::uint64_t kGoldenCoulombHash = 13046764094675841371u;
+constexpr std::uint64_t kGoldenCoulombHash = 16843774313738242704u;
 constexpr std::uint64_t kGoldenHashOfMaterials = 3924097277385133357u;
 constexpr std::uint64_t kGoldenHashOfMeshes = 7634417535695629458u;
 

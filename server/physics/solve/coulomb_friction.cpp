@@ -66,9 +66,9 @@ struct Contact {
   /// Evaluates the law at x and f, with w = r (offset - (f - held) / k) for any r > 0:
   ///   lambda = max(0, lambda + w_1),
   ///   friction = friction + w_2,3, projected onto the disk of radius mu lambda.
-  void Evaluate(double k, const Vec6& x) {
+  void Evaluate(double k, double penalty, const Vec6& x) {
     offset = J * x + Vec3(b, 0.0, 0.0);
-    law = f + kPenalty * (offset - (f - held) / k);
+    law = f + penalty * (offset - (f - held) / k);
     law[0] = std::max(0.0, law[0]);
     const double limit = mu * law[0], length = law.tail<2>().norm();
     ratio = length <= limit ? 1.0 : limit / length;
@@ -79,7 +79,7 @@ struct Contact {
 
   /// Linearises the law where it was evaluated.  Across its direction, friction that slips turns
   /// with the slip as Newton's step for the projection says.
-  void Linearise(double k) {
+  void Linearise(double k, double penalty) {
     mean = held + k * offset;
     rate = k * J;
     if (law[0] == 0.0) {
@@ -87,10 +87,10 @@ struct Contact {
       rate.row(0).setZero();
     }
     if (!slips()) return;
-    const double left = 1.0 - ratio * (1.0 - kPenalty / k);
+    const double left = 1.0 - ratio * (1.0 - penalty / k);
     const Vec2 across(-direction[1], direction[0]);
     const Eigen::Matrix<double, 1, 6> turn =
-        kPenalty * ratio / left * across.transpose() * J.bottomRows<2>();
+        penalty * ratio / left * across.transpose() * J.bottomRows<2>();
     mean.tail<2>() =
         mu * mean[0] * direction + (1.0 - 1.0 / left) * across.dot(friction()) * across;
     for (int i = 0; i < 2; ++i) {
@@ -278,7 +278,7 @@ class FrictionalContacts {
   double Error() {
     double most = 0.0;
     for (Contact& contact : *this) {
-      contact.Evaluate(stiffness_, x_);
+      contact.Evaluate(stiffness_, penalty_, x_);
       most = std::max(most, Largest(contact.law - contact.f));
     }
     return most;
@@ -289,17 +289,25 @@ class FrictionalContacts {
     Vec6 g = t_ - x_;
     Mat6 H = Mat6::Identity();
     for (Contact& contact : *this) {
-      contact.Linearise(stiffness_);
+      contact.Linearise(stiffness_, penalty_);
       g.noalias() -= contact.J.transpose() * contact.mean;
       H.noalias() += contact.J.transpose() * contact.rate;
     }
     return SolveLinear(H, g);
   }
 
+  /// Newton's method with one penalty or another.
+  bool Newton(StepReport& report) {
+    return std::ranges::any_of(kPenalties, [&](double penalty) {
+      penalty_ = penalty;
+      return NewtonFrom(report);
+    });
+  }
+
   /// Semismooth Newton method in x and the forces, from these.  A step whose error is not less than
   /// the greatest of the last three is halved; x and forces are scaled together, so that they stay
   /// in balance.  If it does not end, everything is as before.
-  bool Newton(StepReport& report) {
+  bool NewtonFrom(StepReport& report) {
     for (Contact& contact : *this) contact.start = contact.f;
     Balance();
     double error = Error(), last[3] = {};
@@ -356,6 +364,7 @@ class FrictionalContacts {
   Vec6 t_, x_;
   double size_;       ///< of the problem: tolerances are relative to it
   double stiffness_;  ///< of contacts, over k_t
+  double penalty_ = 0.0;
   bool settled_ = false;
   int count_ = 0;
   Contact contact_[kMaxActiveRows];

@@ -258,7 +258,7 @@ TEST(SceneBundle, RefusesAScenesThatContradictsItselfThoughItsChecksumIsRight) {
   EXPECT_THAT(Complaint(PackScene(scene)), HasSubstr("stiffness_N_per_m"));
   scene = SmallScene();
   scene.tuning.queries = 2'000'000'000;
-  EXPECT_THAT(Complaint(PackScene(scene)), HasSubstr("looks is"));
+  EXPECT_THAT(Complaint(PackScene(scene)), HasSubstr("queries is"));
   scene = SmallScene();
   scene.features.friction = static_cast<FrictionModel>(3);
   EXPECT_THAT(Complaint(PackScene(scene)), HasSubstr("its features are not known"));
