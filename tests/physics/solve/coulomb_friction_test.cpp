@@ -518,6 +518,19 @@ TEST(Friction, IsFoundWhereAFootComesDownOnAPlate) {
       false, "pins");
 }
 
+// Where both ends of a line begin to slip, Newton's method went round three places for good.
+TEST(Friction, IsFoundWhereAnEdgeBeginsToSlip) {
+  ExpectTheLaw({{Vec3(-0.166212209, -0.298415268, 0.939852025).normalized(),
+                 {5.85981371e-4, 4.11136952e-3, -3.2744812e-3},
+                 -5.18748987e-10},
+                {Vec3(-0.166211732, -0.298415273, 0.939852108).normalized(),
+                 {7.0663417e-4, 1.30041695e-3, -4.14565791e-3},
+                 1.18148821e-9}},
+               {{{-5.13709016e-5, 4.06580057e-4, -7.59558415e-4},
+                 {-5.69868058e-5, 6.89084829e-4, 3.75354724e-4}}},
+               true, "cylinder");
+}
+
 TEST(Friction, ObeysItsLawOnRandomFacesThatOnePlaneCarries) {
   for (std::uint64_t seed = 0; seed < (kOptimised ? 600u : 60u); ++seed) {
     Random random(seed);
