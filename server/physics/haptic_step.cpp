@@ -254,7 +254,7 @@ void GiveUp(StepContext& context) {
   report.wrench = context.WrenchAfter(Vec3::Zero(), Vec3::Zero());
 }
 
-/// Reports what is advance between meshes if the tool has not arrived: what its contacts hold of
+/// Reports what is felt between meshes if the tool has not arrived: what its contacts hold of
 /// the spring's pull where it is (solve/README.md, "The wrench of a tool that lags").
 void Lag(StepContext& context) {
   Predict(context, First::kTouching, context.model.parameters().queries / limits::mesh::kReserve);
@@ -286,7 +286,7 @@ void Lag(StepContext& context) {
   Remember(context, stays.optimum);
   context.state().active = context.sub_step.active;
   if (context.HasFriction()) {
-    ApplyFriction(context, stays.optimum);  // of the state, what rubs remains as it was
+    ApplyFriction(context, stays.optimum);  // the state keeps what it had
     context.Require(stays.optimum);
     if (context.IsUnsolved()) return GiveUp(context);
     CountFriction(stays.optimum, context.report().diagnostics);
