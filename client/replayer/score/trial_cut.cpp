@@ -62,21 +62,21 @@ std::optional<BegunTrial> BegunIn(const std::string& file, const std::string& st
     try {
       RecordingReader reader({file});
       // Servers repeat the states of sessions that have ended: only one with poses is of now.
-      std::map<std::pair<std::string, std::uint64_t>, wire::SessionState> told;
+      std::map<std::pair<std::string, std::uint64_t>, wire::SessionState> states;
       std::optional<HandPath> begun;
       for (RecordedSample sample{}; reader.Next(sample);) {
         wire::SessionState state{};
         if (sample.type == RecordedType::kHapticPose) {
           const auto key = dds::SessionOfTopic(*sample.topic);
-          const auto of = key ? told.find(*key) : told.end();
-          if (of == told.end() || (begun && begun->run == of->second.run)) continue;
+          const auto of = key ? states.find(*key) : states.end();
+          if (of == states.end() || (begun && begun->run == of->second.run)) continue;
           begun.emplace();
           begun->station = of->second.station;
           begun->run = of->second.run;
           begun->scene = of->second.scene;
           begun->tool_name = of->second.tool;
         } else if (sample.To(state) && (name.empty() || name == state.station)) {
-          told[{state.station, state.run}] = state;
+          states[{state.station, state.run}] = state;
           if (state.phase == palpate_SESSION_ENDED && begun && begun->run == state.run) {
             begun.reset();
           }
