@@ -92,7 +92,7 @@ bool Mend(StepContext& context, Advance& advance) {
     advance.arrived = Turned(meshes, active, rows) <= limits::mesh::kTurned;
     return false;
   }
-  if (meshes.meshes.IsBall() || !(context.IsRigid() || context.HasFriction())) return false;
+  if (meshes.meshes.IsBall() || !context.IsHeldByRows()) return false;
   const double most = context.HasFriction()
                           ? limits::mesh::kSame
                           : MostTurned(context, advance.optimum, limits::mesh::kForceError);
@@ -221,7 +221,7 @@ bool MakeAdvance(StepContext& context, Advance& advance) noexcept {
   if (is_free && Approaches(context, advance)) {
     if (advance.arrived && goes_on && Mend(context, advance)) return false;
     // For a ball, Turned decides whether it has arrived.
-    const bool may_settle = context.IsRigid() || context.HasFriction();
+    const bool may_settle = context.IsHeldByRows();
     if (advance.arrived && may_settle && !meshes.meshes.IsBall() && !advance.optimum.rounds) {
       const Next next = Settle(context, goes_on, advance);
       if (next != Next::kStay) return next == Next::kGo;

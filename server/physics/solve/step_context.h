@@ -136,10 +136,12 @@ struct StepContext {
   bool HasFriction() const {
     return model.parameters().features.friction == FrictionModel::kCoulomb;
   }
-  /// Returns whether meshes may hold the tool and nothing yields and no friction acts.
-  bool IsRigid() const {
-    return buffers_.meshes && !(buffers_.energies && buffers_.energies->acts()) && !HasFriction();
+  /// Returns whether meshes may hold the tool and nothing yields.
+  bool IsHeldByRows() const {
+    return buffers_.meshes && !(buffers_.energies && buffers_.energies->acts());
   }
+  /// Returns whether IsHeldByRows holds and no friction acts.
+  bool IsRigid() const { return IsHeldByRows() && !HasFriction(); }
   /// Returns whether IsRigid holds and the tool is a ball.
   bool IsFreeBall() const { return IsRigid() && buffers_.meshes->meshes.IsBall(); }
   /// Returns how much nearer to the hand a step ends than it begins: |t|^2 - |x - t|^2, with x =
