@@ -136,7 +136,9 @@ void ForEachMember(State& all, Visit& visit) {
   visit(state.behind.rotation);
   visit(state.is_crowded);
   visit(state.rotation_G);
-  SeparationFront::ForEachMember(state.front, [&](auto&& member) { visit(member); });
+  for (auto& front : state.fronts) {  // as many as the model has frames
+    SeparationFront::ForEachMember(front, [&](auto&& member) { visit(member); });
+  }
   auto& friction = state.friction;
   visit(friction.still);
   visit(friction.resets);
@@ -200,8 +202,9 @@ bool IsSound(const HapticModel& model, const ProxyState& all) {
          std::ranges::all_of(used, is_known) && IsWithin(state.behind.translation, 1.0) &&
          IsWithin(state.behind.rotation, 10.0) && state.rotation_G.allFinite() &&
          is_small(friction.still) && is_small(friction.resets) &&
-         (model.tool_body() == nullptr ? state.front.empty()
-                                       : state.front.IsSound(*model.tool_body(), model.bodies()));
+         std::ranges::all_of(state.fronts, [&](const SeparationFront& front) {
+           return front.IsSound(*model.tool_body(), model.bodies());
+         });
 }
 
 void RequireNoSolids(const HapticModel& model) {

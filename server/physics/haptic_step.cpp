@@ -64,13 +64,18 @@ bool Begin(const Pose& X_WH, StepContext& context) {
   if (state.behind.translation > 0.0) bounds = state.behind;
   const bool cuts = CutsInStep(context.model, {X_WH.p, tools.q_H}, state);
   state.X_WH = {X_WH.p, tools.q_H};
-  if (cuts != state.cut.acts) state.front.Clear();
+  if (cuts != state.cut.acts) {
+    for (SeparationFront& front : state.fronts) front.Clear();
+  }
   state.cut.acts = cuts;
   if (context.buffers().meshes) {
-    MeshPair& meshes = context.buffers().meshes->meshes;
-    meshes.solids = &state.solids;
-    meshes.cuts = cuts;
-    if (!state.solids.empty()) state.solids.Begin(state.cut.fields, state.front);
+    std::vector<MeshContact>& of = context.buffers().meshes->of;
+    state.fronts.resize(of.size());
+    for (MeshContact& contact : of) {
+      contact.meshes.solids = &state.solids;
+      contact.meshes.cuts = cuts;
+    }
+    if (!state.solids.empty()) state.solids.Begin(state.cut.fields, state.fronts.front());
   }
   return true;
 }
@@ -112,9 +117,12 @@ void Predict(StepContext& context, First first, std::int64_t queries) {
   PredictLeaves(context);
   if (buffers.meshes) {
     StageClock clock(context.times);
-    BeginSubStep(*buffers.meshes, context.kernels, context.state().front,
-                 {tools.p_G, context.model.is_ball() ? Quat::Identity() : tools.q_G},
-                 context.state().active, first, queries, buffers.rows);
+    buffers.meshes->queries = {.most = queries};
+    const RelativePose from(tools.p_G, context.model.is_ball() ? Quat::Identity() : tools.q_G);
+    for (MeshContact& contact : buffers.meshes->of) {
+      BeginSubStep(contact, context.kernels, context.FrontOf(contact), from, context.state().active,
+                   first, buffers.rows);
+    }
     clock.Lap(&StageTimes::prediction);
   }
   context.report().diagnostics.predicted_pairs = buffers.rows.count();
@@ -133,7 +141,7 @@ Optimum SolveWithoutFriction(StepContext& context) {
   if (buffers.meshes && !with_energies &&
       (optimum.qp.status == QpStatus::kRelaxed ||
        !context.Approaches(optimum, optimum.v, optimum.phi)) &&
-      GiveUpRegain(*buffers.meshes, buffers.rows)) {
+      GiveUpRegain(context)) {
     optimum = NearestStep(context, context.sub_step.target);
   }
   context.report().diagnostics.qp_iterations += optimum.qp.iterations;
@@ -187,7 +195,9 @@ void Move(StepContext& context, const Advance& advance) {
   CountFriction(advance.optimum, context.report().diagnostics);
   if (!is_held) context.state().rotation_G.setZero();
   if (meshes) {
-    EndSubStep(*buffers.meshes, context.report().diagnostics.substeps == 0);
+    for (MeshContact& contact : buffers.meshes->of) {
+      EndSubStep(contact, context.report().diagnostics.substeps == 0);
+    }
     context.cost.queries += buffers.meshes->queries.Spent();
   }
   if (context.HasFriction() && advance.optimum.qp.active == 0 && (advance.arrived || !meshes)) {
@@ -262,10 +272,13 @@ void Lag(StepContext& context) {
   if (const auto& energies = context.buffers().energies) {
     BeginCutting(context, std::min(context.sub_step.bounds.translation, energies->bur_step()));
   }
-  MeshContact& meshes = *context.buffers().meshes;
-  AddRowsOfHidden(meshes, context.state().active, limits::mesh::kLagAhead, context.buffers().rows);
-  const double reach = meshes.meshes.a.mesh.reach();
-  double far = meshes.meshes.margins.touching;
+  BodyContact& meshes = *context.buffers().meshes;
+  for (MeshContact& contact : meshes.of) {
+    AddRowsOfHidden(contact, context.state().active, limits::mesh::kLagAhead,
+                    context.buffers().rows);
+  }
+  const double reach = meshes.a().mesh.reach();
+  double far = meshes.margins().touching;
   Advance stays;
   for (int i = 0; i < context.model.parameters().iterates; ++i) {
     // The tool's place is free, even if its contacts ask for more separation than it has.  So the
@@ -276,8 +289,7 @@ void Lag(StepContext& context) {
     if (context.IsUnsolved()) return GiveUp(context);
     if (meshes.queries.AreSpent()) break;  // no candidate would find more
     const double fraction = FractionWithin({far, far / reach}, stays.optimum.v, stays.optimum.phi);
-    if (!CheckCandidate(meshes, fraction * stays.optimum.v, fraction * stays.optimum.phi,
-                        context.buffers().rows)) {
+    if (!CheckCandidate(context, fraction * stays.optimum.v, fraction * stays.optimum.phi)) {
       continue;
     }
     if (fraction == 1.0 || far == limits::mesh::kLagAhead) break;
@@ -354,7 +366,7 @@ void End(const Pose& X_WH, StepContext& context) {
     AddChapterFriction(context.model, X_before, state, report);
   }
   report.X_WG = state.X_WG;
-  if (!state.solids.empty()) state.solids.Follow(state.cut.fields, state.front);
+  if (!state.solids.empty()) state.solids.Follow(state.cut.fields, state.fronts.front());
   TakeDrag(context);
   Vibrate(context);
   AddEffects(context);

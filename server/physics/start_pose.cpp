@@ -42,7 +42,7 @@ bool IsFree(const HapticModel& model, const Pose& X_WT, std::span<const CutField
   if (IsInSolid(model, at, cuts)) return false;
   if (!buffers.meshes) return true;
   // A tool whose mesh intersects no other lies wholly inside an object or wholly outside.
-  return IsFree(buffers.meshes->meshes, at) &&
+  return buffers.meshes->All([&](MeshContact& frame) { return IsFree(frame.meshes, at); }) &&
          !Hold(model.bodies(), at.p + at.R * model.tool_body()->mesh.vertices()[0]);
 }
 
@@ -80,9 +80,12 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
   StepState state;
   if (!model.boxes().empty() && model.tool_body() != nullptr) {
     state.solids = SolidBodies(model.uncut());
-    if (!cuts.empty()) state.solids.Begin(cuts, state.front);
-    workspace.buffers().meshes->meshes.solids = &state.solids;
-    workspace.buffers().meshes->meshes.cuts = true;
+    state.fronts.resize(CountFrames(model.bodies()));
+    if (!cuts.empty()) state.solids.Begin(cuts, state.fronts.front());
+    for (MeshContact& contact : workspace.buffers().meshes->of) {
+      contact.meshes.solids = &state.solids;
+      contact.meshes.cuts = true;
+    }
   }
   Pose X_start{X_WH.p, X_WH.q.normalized()};
   if (!IsPose(X_start)) return {X_start, kInfinity};

@@ -72,7 +72,8 @@ struct StepState {
   /// known.  A default-constructed state cuts nothing, and its first step between meshes allocates.
   explicit StepState(const HapticModel& model) : effects(model.effects().Begin()) {
     if (model.tool_body() != nullptr) {
-      front.Reserve();
+      fronts.resize(CountFrames(model.bodies()));
+      for (SeparationFront& front : fronts) front.Reserve();
       if (!model.boxes().empty()) solids = SolidBodies(model.uncut());
     }
     cut.acts = model.cutting() == nullptr || !model.cutting()->sense;
@@ -94,7 +95,9 @@ struct StepState {
   /// Rotation of the hand relative to the tool while something holds the tool, in the tool's
   /// frame (TargetFrom).
   Vec3 rotation_G = Vec3::Zero();
-  SeparationFront front;  ///< planes between the tool and objects that are touched by their meshes
+  /// For each frame of bodies, planes between the tool and its objects that are touched by their
+  /// meshes.
+  std::vector<SeparationFront> fronts;
   SolidBodies solids;     ///< the solids that burs cut, as contact feels them
   FrictionState friction;
   CuttingState cut;

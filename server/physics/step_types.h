@@ -24,6 +24,8 @@ struct PlacedTree {
   std::span<const Material> materials{};          ///< if empty, every leaf has Material{}
   bool is_cut = false;                            ///< touched as a CutSolid
   bool for_balls = false;  ///< a spherical tool will touch it: keeps its smooth normals
+  /// Number of its frame (ContactBody): 0 for what burs cut.  For an object touched by its mesh.
+  std::int32_t frame = 0;
 };
 
 /// Constants of the step that a scene or a benchmark may set; StepTuning holds those

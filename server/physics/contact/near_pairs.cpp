@@ -34,7 +34,7 @@ void NearPairs::Begin(const MeshPair& meshes, SeparationFront& front, const Rela
     return !is_there && front.Move(from, meshes.a.mesh.reach()) > kSetFar;
   };
   if (front.empty() || was_set_far()) {
-    front.Restart(meshes.a, meshes.b, from, meshes.ForSolids());
+    front.Restart(meshes.a, meshes.b, from, meshes.ForSolids(), meshes.frame);
   }
 }
 

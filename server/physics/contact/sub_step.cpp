@@ -22,11 +22,12 @@ limits::mesh::Margins MarginsOf(const MovingBody& a, double separation) {
 
 }  // namespace
 
-MeshContact::MeshContact(const MovingBody& a, std::span<const ContactBody> b, int max_rows,
-                         double separation, int most_queries)
-    : meshes{.a = a, .b = b, .margins = MarginsOf(a, separation)},
+MeshContact::MeshContact(const MovingBody& a, std::span<const ContactBody> b, std::int32_t frame,
+                         int max_rows, double separation, Queries& shared, int most_queries)
+    : meshes{.a = a, .b = b, .frame = frame, .margins = MarginsOf(a, separation)},
       motion({Vec3::Zero(), Quat::Identity()}),
-      near(most_queries) {
+      near(most_queries),
+      queries(shared) {
   const auto rows = static_cast<std::size_t>(max_rows);
   corners.seen.resize(a.mesh.vertices().size());
   corners.met.reserve(corners.seen.size());
@@ -35,6 +36,16 @@ MeshContact::MeshContact(const MovingBody& a, std::span<const ContactBody> b, in
   of_rows.touch.reserve(rows);
   of_rows.asked.resize(rows);
   ReserveEach(static_cast<std::size_t>(near.room()), scratch.doubts, open);
+}
+
+BodyContact::BodyContact(const MovingBody& a, std::span<const ContactBody> bodies, int max_rows,
+                         double separation, int most_queries) {
+  const std::size_t frames = CountFrames(bodies);
+  of.reserve(frames);
+  for (std::size_t i = 0; i < frames; ++i) {
+    of.emplace_back(a, bodies, static_cast<std::int32_t>(i), max_rows, separation, queries,
+                    most_queries);
+  }
 }
 
 Touch& MeshContact::TouchOf(NearPairs::Index k) {
@@ -48,8 +59,7 @@ Touch& MeshContact::TouchOf(NearPairs::Index k) {
 
 void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront& front,
                   const RelativePose& from, std::span<const ContactId> active, First first,
-                  std::int64_t most_queries, ContactRows& rows) noexcept {
-  contact.queries = {.most = most_queries};
+                  ContactRows& rows) noexcept {
   contact.meshes.kernels = &kernels;
   contact.motion = Motion(from);
   contact.candidate = 0;
@@ -153,6 +163,7 @@ bool AreApart(const MeshPair& meshes, const NodesOfPair& nodes, const RelativePo
 
 bool IsFree(const MeshPair& meshes, const RelativePose& at) {
   for (std::size_t number = 0; number < meshes.b.size(); ++number) {
+    if (meshes.b[number].frame != meshes.frame) continue;
     const HullTree& tree = meshes.b[number].shape->tree;
     const auto of_a = tree.IsOfBlocks() ? meshes.ForSolids() : std::optional(meshes.a.tree.root());
     if (!of_a) continue;

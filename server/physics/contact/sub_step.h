@@ -44,11 +44,13 @@ struct CornerScratch {
 /// The data of one sub-step of a body A against the bodies B, which the functions below read and
 /// write. All memory is allocated on construction.
 struct MeshContact {
+  /// @param b           with those of other frames
   /// @param max_rows    of the ContactRows that it will fill
   /// @param separation  to be kept between the meshes [m]
+  /// @param shared      the sub-step's queries
   /// @param most_queries  of a sub-step
-  MeshContact(const MovingBody& a, std::span<const ContactBody> b, int max_rows, double separation,
-              int most_queries);
+  MeshContact(const MovingBody& a, std::span<const ContactBody> b, std::int32_t frame, int max_rows,
+              double separation, Queries& shared, int most_queries);
 
   MeshPair meshes;
   Motion motion;               ///< the candidate that was examined last
@@ -56,7 +58,7 @@ struct MeshContact {
   NearPairs near;
   std::vector<Touch> touches;  ///< of those near pairs of triangles that were examined closely
   TouchRows of_rows;
-  Queries queries;
+  Queries& queries;
   CertifyScratch scratch;
   CornerScratch corners;
   /// Near pairs of triangles without a plane at the candidate, in the order in which they were
@@ -70,6 +72,35 @@ struct MeshContact {
   Touch* TouchOfRow(int row) const {
     const auto r = static_cast<std::size_t>(row);
     return r < of_rows.touch.size() ? of_rows.touch[r] : nullptr;
+  }
+};
+
+/// A body A against the bodies of all frames: a MeshContact for each, which share the sub-step's
+/// rows and queries.
+struct BodyContact {
+  /// As of MeshContact.
+  BodyContact(const MovingBody& a, std::span<const ContactBody> bodies, int max_rows,
+              double separation, int most_queries);
+  BodyContact(const BodyContact&) = delete;  // `of` refers to `queries`
+
+  Queries queries;
+  std::vector<MeshContact> of;  ///< by the number of the frame
+
+  const MovingBody& a() const { return of.front().meshes.a; }
+  const limits::mesh::Margins& margins() const { return of.front().meshes.margins; }
+  bool IsBall() const { return a().radius > 0.0; }
+  /// Call f for each frame, and return whether all, or how many in sum, it returns.
+  template <class F>
+  bool All(F f) {
+    bool all = true;
+    for (MeshContact& contact : of) all = f(contact) && all;
+    return all;
+  }
+  template <class F>
+  int Sum(F f) {
+    int sum = 0;
+    for (MeshContact& contact : of) sum += f(contact);
+    return sum;
   }
 };
 
@@ -104,11 +135,10 @@ enum class First {
 /// Updates the front at `from`, and adds the rows of those `active` pairs that still touch.  This
 /// includes pairs outside their cones; otherwise a tool at rest would find them again in each step,
 /// at slightly different places.
-/// @param most_queries  of the sub-step.  Once they are spent, pairs whose planes do not hold count
-///                      as not separate.
+/// Once the sub-step's queries are spent, pairs whose planes do not hold count as not separate.
 void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront& front,
                   const RelativePose& from, std::span<const ContactId> active, First first,
-                  std::int64_t most_queries, ContactRows& rows) noexcept;
+                  ContactRows& rows) noexcept;
 
 /// Returns whether the candidate [v; phi] is free.  If not, adds rows for pairs without a plane, or
 /// recomputes those rows that the candidate violates.

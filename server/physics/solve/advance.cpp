@@ -60,12 +60,14 @@ void GoWithinBounds(StepContext& context, Advance& advance) {
 
 /// Returns how far a point of the tool's mesh moves at most.
 double LengthOf(const StepContext& context, const Advance& advance) {
-  return advance.v.norm() + context.buffers().meshes->meshes.a.mesh.reach() * advance.phi.norm();
+  return advance.v.norm() + context.buffers().meshes->a().mesh.reach() * advance.phi.norm();
 }
 
 /// Returns whether the meshes are apart at the motion's end and were apart throughout.
 bool IsFree(StepContext& context, const Advance& advance) {
-  return IsFree(*context.buffers().meshes, advance.v, advance.phi);
+  return std::ranges::all_of(context.buffers().meshes->of, [&](MeshContact& contact) {
+    return IsFree(contact, advance.v, advance.phi);
+  });
 }
 
 /// Returns by how much the direction of a row that holds a tool at rest may be off [rad]: that
@@ -80,23 +82,27 @@ double MostTurned(const StepContext& context, const Optimum& optimum, double err
 
 /// For a tool that arrives, returns whether rows changed because they are not true for that place.
 bool Mend(StepContext& context, Advance& advance) {
-  MeshContact& meshes = *context.buffers().meshes;
+  BodyContact& meshes = *context.buffers().meshes;
   ContactRows& rows = context.buffers().rows;
   const auto active = advance.optimum.qp.ActiveRows();
-  const bool retracts = meshes.meshes.IsBall() || !context.IsRigid();
-  if (retracts && Retract(meshes, active, rows) != 0) return true;
+  const auto retract = [&](MeshContact& contact) { return Retract(contact, active, rows); };
+  if ((meshes.IsBall() || !context.IsRigid()) && meshes.Sum(retract) != 0) return true;
   if (context.IsFreeBall()) {
     // A ball's rows have the smooth surface's normals at the candidate, so the ball rests there,
     // even if facets lifted it as it went.  At a crease they have the normals of the beginning: the
     // ball has not arrived, and goes on round it.
-    advance.arrived = Turned(meshes, active, rows) <= limits::mesh::kTurned;
+    advance.arrived = meshes.All([&](const MeshContact& contact) {
+      return Turned(contact, active, rows) <= limits::mesh::kTurned;
+    });
     return false;
   }
-  if (meshes.meshes.IsBall() || !context.IsHeldByRows()) return false;
+  if (meshes.IsBall() || !context.IsHeldByRows()) return false;
   const double most = context.HasFriction()
                           ? limits::mesh::kSame
                           : MostTurned(context, advance.optimum, limits::mesh::kForceError);
-  return Relinearise(meshes, active, most, rows) != 0;
+  return meshes.Sum([&](MeshContact& contact) {
+    return Relinearise(contact, active, most, rows);
+  }) != 0;
 }
 
 /// Advances by a fraction of the motion only.
@@ -109,8 +115,9 @@ void Shorten(Advance& advance, double fraction) {
 /// Shortens a motion until it is free and paid for, to its half, quarter, ...; returns whether it
 /// can be.
 bool MakeFree(StepContext& context, Advance& advance) {
-  const MeshContact& meshes = *context.buffers().meshes;
-  while (!meshes.near.is_full() && !meshes.queries.AreSpent() &&
+  const BodyContact& meshes = *context.buffers().meshes;
+  const auto is_full = [](const MeshContact& contact) { return contact.near.is_full(); };
+  while (std::ranges::none_of(meshes.of, is_full) && !meshes.queries.AreSpent() &&
          LengthOf(context, advance) > limits::mesh::kRounding) {
     if (IsFree(context, advance)) return true;
     Shorten(advance, 0.5);
@@ -129,20 +136,25 @@ enum class Next {
 /// hold it there (README.md, "Arrival").
 /// @param goes_on  whether rows may change
 Next Settle(StepContext& context, bool goes_on, Advance& advance) {
-  MeshContact& meshes = *context.buffers().meshes;
+  BodyContact& meshes = *context.buffers().meshes;
   ContactRows& rows = context.buffers().rows;
   const auto active = advance.optimum.qp.ActiveRows();
   const double most = MostTurned(context, advance.optimum, limits::mesh::kReleaseError);
-  if (AreOfContacts(meshes, active, most, rows)) return Next::kGo;
-  if (goes_on && !meshes.queries.AreSpent() && !CheckRest(meshes, advance.v, advance.phi, rows)) {
-    return Next::kSolve;
-  }
+  const auto are_of_contacts = [&](const MeshContact& contact) {
+    return AreOfContacts(contact, active, most, rows);
+  };
+  const auto may_rest = [&](MeshContact& contact) {
+    return CheckRest(contact, advance.v, advance.phi, rows);
+  };
+  const auto release = [&](MeshContact& contact) { return Release(contact, active, rows); };
+  if (meshes.All(are_of_contacts)) return Next::kGo;
+  if (goes_on && !meshes.queries.AreSpent() && !meshes.All(may_rest)) return Next::kSolve;
   // The contacts of that place give the next sub-step its rows.  Two short steps in turn end the
   // search, if contacts of the beginning hold the tool; after one, a row at an edge may still turn.
-  const bool stands = LengthOf(context, advance) <= meshes.meshes.margins.touching;
+  const bool stands = LengthOf(context, advance) <= meshes.margins().touching;
   advance.arrived = stands && context.outcome.stands;
   context.outcome.stands = stands;
-  if (advance.arrived && context.IsRigid() && Release(meshes, active, rows) != 0) {
+  if (advance.arrived && context.IsRigid() && meshes.Sum(release) != 0) {
     Advance past = AdvanceToNewOptimum(context);
     if (context.IsUnsolved()) return Next::kStay;
     if (MakeFree(context, past) &&
@@ -169,12 +181,12 @@ bool Approaches(const StepContext& context, const Advance& advance) {
 /// Begins the sub-step anew with the rows as they are at its beginning; once they regain no
 /// separation, the tool may go only a quarter as far (README.md, "Rest").
 void BeginAnew(StepContext& context) {
-  MeshContact& meshes = *context.buffers().meshes;
+  BodyContact& meshes = *context.buffers().meshes;
   ContactRows& rows = context.buffers().rows;
-  const bool shorter = !GiveUpRegain(meshes, rows);
+  const bool shorter = !GiveUpRegain(context);
   // A ball's rows have the smooth surface's normals and not its facets', so no
   // motion is short enough.
-  if (meshes.meshes.IsBall()) {
+  if (meshes.IsBall()) {
     rows.AdmitZero();
     return;
   }
@@ -188,12 +200,12 @@ void BeginAnew(StepContext& context) {
     trust.shrunk = true;
   }
   trust.failures = 0;
-  RelineariseAtStart(meshes, rows);
+  for (MeshContact& contact : meshes.of) RelineariseAtStart(contact, rows);
 }
 
 /// Shortens a motion to the longest half, quarter, ... that is free and paid for, or to none.
 void Halve(StepContext& context, Advance& advance) {
-  MeshContact& meshes = *context.buffers().meshes;
+  BodyContact& meshes = *context.buffers().meshes;
   advance.arrived = false;
   if (context.HasFriction()) context.friction = context.state().friction;
   meshes.queries.most += context.model.parameters().queries / limits::mesh::kReserve;
@@ -204,25 +216,37 @@ void Halve(StepContext& context, Advance& advance) {
   advance.v.setZero();
   advance.phi.setZero();
   advance.fraction = 0.0;
-  meshes.motion = Motion(meshes.motion.from);
+  for (MeshContact& contact : meshes.of) contact.motion = Motion(contact.motion.from);
 }
 
 }  // namespace
+
+bool CheckCandidate(StepContext& context, const Vec3& v, const Vec3& phi) noexcept {
+  return context.buffers().meshes->All([&](MeshContact& contact) {
+    return CheckCandidate(contact, v, phi, context.buffers().rows);
+  });
+}
+
+bool GiveUpRegain(StepContext& context) noexcept {
+  return context.buffers().meshes->Sum([&](MeshContact& contact) {
+    return GiveUpRegain(contact, context.buffers().rows) ? 1 : 0;
+  }) != 0;
+}
 
 bool MakeAdvance(StepContext& context, Advance& advance) noexcept {
   GoWithinBounds(context, advance);
   if (!Foresees(context, advance)) return false;
   if (!context.buffers().meshes) return true;
-  MeshContact& meshes = *context.buffers().meshes;
+  const BodyContact& meshes = *context.buffers().meshes;
   const bool goes_on = context.sub_step.iterates < context.model.parameters().iterates;
   TrustRegion& trust = context.sub_step.trust;
   if (trust.failures == 0) trust.first = {advance.v.norm(), advance.phi.norm()};
-  const bool is_free = CheckCandidate(meshes, advance.v, advance.phi, context.buffers().rows);
+  const bool is_free = CheckCandidate(context, advance.v, advance.phi);
   if (is_free && Approaches(context, advance)) {
     if (advance.arrived && goes_on && Mend(context, advance)) return false;
     // For a ball, Turned decides whether it has arrived.
     const bool may_settle = context.IsHeldByRows();
-    if (advance.arrived && may_settle && !meshes.meshes.IsBall() && !advance.optimum.rounds) {
+    if (advance.arrived && may_settle && !meshes.IsBall() && !advance.optimum.rounds) {
       const Next next = Settle(context, goes_on, advance);
       if (next != Next::kStay) return next == Next::kGo;
     } else {

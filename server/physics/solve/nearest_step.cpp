@@ -36,7 +36,10 @@ bool RoundCreases(StepContext& context, Optimum& optimum) noexcept {
   Mat3 free = Mat3::Identity();  // projects onto the motions that no active row stops
   double most = 0.0;             // upper bound on the norm of `bend`
   for (int i = 0; i < qp.active; ++i) {
-    const Mat3 curvature = CurvatureOf(*context.buffers().meshes, qp.row[i]);
+    Mat3 curvature = Mat3::Zero();  // of the frame to which the row belongs, and zero of the others
+    for (const MeshContact& contact : context.buffers().meshes->of) {
+      curvature += CurvatureOf(contact, qp.row[i]);
+    }
     bend += qp.multiplier[i] * curvature;
     // The curvature is a projector over the distance to the edge, so its trace over its square's
     // trace is that distance.

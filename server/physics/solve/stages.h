@@ -78,6 +78,10 @@ void Remember(StepContext& context, const Optimum& optimum) noexcept;
 /// @param advance  in: its optimum.  Out: its motion, if true; another optimum if that is freer.
 bool MakeAdvance(StepContext& context, Advance& advance) noexcept;
 
+/// For all frames of bodies, CheckCandidate and GiveUpRegain of contact/sub_step.h.
+bool CheckCandidate(StepContext& context, const Vec3& v, const Vec3& phi) noexcept;
+bool GiveUpRegain(StepContext& context) noexcept;
+
 /// Writes the contacts at the optimum into the context's report, relative to where the advance has
 /// taken the tool: each contact's force, the gap that its row has left there, and where it touches.
 void ReportContacts(StepContext& context, const Advance& advance) noexcept;

@@ -112,7 +112,7 @@ struct StepBuffers {
   }
   ContactPrediction prediction;
   ContactRows rows;
-  std::optional<MeshContact> meshes;  ///< if objects are touched by their meshes
+  std::optional<BodyContact> meshes;  ///< if objects are touched by their meshes
   std::optional<Energies> energies;   ///< if any can act beside the coupling
 };
 
@@ -143,7 +143,7 @@ struct StepContext {
   /// Returns whether IsHeldByRows holds and no friction acts.
   bool IsRigid() const { return IsHeldByRows() && !HasFriction(); }
   /// Returns whether IsRigid holds and the tool is a ball.
-  bool IsFreeBall() const { return IsRigid() && buffers_.meshes->meshes.IsBall(); }
+  bool IsFreeBall() const { return IsRigid() && buffers_.meshes->IsBall(); }
   /// Returns how much nearer to the hand a step ends than it begins: |t|^2 - |x - t|^2, with x =
   /// [v; rho phi] and t the hand's [m^2].
   double Gain(const Vec3& step_v, const Vec3& step_phi) const {
@@ -156,11 +156,16 @@ struct StepContext {
   /// it begins.  A step that stays within the reach of contact may pay for separation that it
   /// regains.
   bool Approaches(const Optimum& optimum, const Vec3& v, const Vec3& phi) const {
-    const MeshContact& contact = *buffers_.meshes;
-    const double length = v.norm() + contact.meshes.a.mesh.reach() * phi.norm();
-    const double price =
-        length <= contact.meshes.margins.touching ? 2.0 * PriceOfRegain(contact, optimum.qp) : 0.0;
-    return Gain(v, phi) + price >= 0.0;
+    const BodyContact& meshes = *buffers_.meshes;
+    const double length = v.norm() + meshes.a().mesh.reach() * phi.norm();
+    double price = 0.0;
+    if (length <= meshes.margins().touching) {
+      for (const MeshContact& contact : meshes.of) price += PriceOfRegain(contact, optimum.qp);
+    }
+    return Gain(v, phi) + 2.0 * price >= 0.0;
+  }
+  SeparationFront& FrontOf(const MeshContact& contact) {
+    return state_.fronts[static_cast<std::size_t>(contact.meshes.frame)];
   }
   /// Sets the target: the hand relative to the tool.
   void Aim() {

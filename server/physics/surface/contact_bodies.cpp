@@ -144,13 +144,19 @@ std::vector<ContactBody> MakeBodies(std::span<const PlacedTree> objects) {
         distinct, [&](const PlacedTree* other) { return AreAlike(object, *other); });
     shape_of.push_back(static_cast<std::size_t>(alike - distinct.begin()));
     if (alike == distinct.end()) distinct.push_back(&object);
-    bodies.push_back({nullptr, PlacementOf(object.X_WB), first_leaf});
+    bodies.push_back({nullptr, PlacementOf(object.X_WB), first_leaf, object.frame});
   }
   const auto shapes = MakeShapes(distinct);
   for (std::size_t body = 0; body < bodies.size(); ++body) {
     bodies[body].shape = shapes[shape_of[body]];
   }
   return bodies;
+}
+
+std::size_t CountFrames(std::span<const ContactBody> bodies) {
+  std::int32_t most = 0;
+  for (const ContactBody& body : bodies) most = std::max(most, body.frame);
+  return static_cast<std::size_t>(most) + 1;
 }
 
 bool Hold(std::span<const ContactBody> bodies, const Vec3& p_B) {

@@ -61,12 +61,13 @@ inline Placement PlacementOf(const Pose& X) {
   return {X.p, X.q.toRotationMatrix()};
 }
 
-/// One of the bodies B that stand still to each other, as contact sees it.  Those with the same
-/// mesh share its shape, which has the frame S.
+/// One of the bodies that a tool can touch, as contact sees it.  Those with the same mesh share its
+/// shape, which has the frame S.
 struct ContactBody {
   std::shared_ptr<const ContactShape> shape;
   Placement X_BS;
   std::int32_t first_leaf = 0;  ///< in the forest
+  std::int32_t frame = 0;       ///< number of B: bodies of one frame stand still to each other
 };
 
 /// A body A that moves against them, as contact sees it, about its reference point: its shape
@@ -79,6 +80,9 @@ struct MovingBody : ContactShape {
   /// or edge.  Empty if the tool is all head.
   std::optional<HullTree::Node> shank = tree.root();
 };
+
+/// Returns the number of frames of bodies: one more than the greatest number.
+std::size_t CountFrames(std::span<const ContactBody> bodies);
 
 /// Makes a body of each object that is touched by its mesh.  Throws Error if such an object has no
 /// mesh.

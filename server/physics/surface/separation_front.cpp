@@ -24,10 +24,11 @@ void SeparationFront::Reserve() {
   expiry_.reserve(kMaxSlots / 8);
 }
 
-void SeparationFront::Restart(const MovingBody& a, std::span<const ContactBody> b,
-                              const RelativePose& at, std::optional<HullTree::Node> for_solids) {
+void SeparationFront::Restart(const MovingBody& a, std::span<const ContactBody> bodies,
+                              const RelativePose& at, std::optional<HullTree::Node> for_solids,
+                              std::int32_t frame) {
   Reserve();
-  roots_ = static_cast<Index>(b.size());
+  roots_ = static_cast<Index>(bodies.size());
   const std::size_t slots = RootSlots();
   pairs_.assign(slots, {0, 0, 0, -1, -1});
   planes_.assign(slots, PlaneRecord{});
@@ -41,10 +42,11 @@ void SeparationFront::Restart(const MovingBody& a, std::span<const ContactBody> 
   since_.fill(EpochMotion{});
   next_merged_ = 0;
   for (Index body = 0; body < roots_; ++body) {
-    const HullTree& tree = b[static_cast<std::size_t>(body)].shape->tree;
+    const ContactBody& b = bodies[static_cast<std::size_t>(body)];
+    const HullTree& tree = b.shape->tree;
     const auto of_a = tree.IsOfBlocks() ? for_solids : a.tree.root();
     Put(body, a.tree, {of_a.value_or(a.tree.root()), tree.root(), body, -1, -1});
-    Set(body, Vec3::UnitZ(), of_a ? -1.0 : kNever);
+    Set(body, Vec3::UnitZ(), of_a && b.frame == frame ? -1.0 : kNever);
   }
 }
 

@@ -48,10 +48,11 @@ class SeparationFront {
 
   /// Forgets everything; Restart must follow.
   void Clear() { pairs_.clear(); }
-  /// Starts again with the pair of roots of each body of B, for A at `at`, with no plane known.
+  /// Starts again with the pair of roots of each body of the frame B, for A at `at`, with no plane
+  /// known.  The front keeps apart from those of other frames for good: other fronts hold them.
   /// `for_solids`: the part of A that meets bodies whose trees are of blocks.
-  void Restart(const MovingBody& a, std::span<const ContactBody> b, const RelativePose& at,
-               std::optional<HullTree::Node> for_solids = std::nullopt);
+  void Restart(const MovingBody& a, std::span<const ContactBody> bodies, const RelativePose& at,
+               std::optional<HullTree::Node> for_solids = std::nullopt, std::int32_t frame = 0);
   /// Moves A to `at`.  `reach`: distance of its farthest point from the reference point [m].
   /// Returns an upper bound on the path of that point [m].
   double Move(const RelativePose& at, double reach);

@@ -155,8 +155,9 @@ TEST(FlatPlate, HoldsEachCornerOfABoxWithFrictionByOneRow) {
     const TriangleMesh plate = test::MakePlate(tessellation, random.Bits());
     const ContactBody object{std::make_shared<const ContactShape>(ContactMesh(plate)),
                              PlacementOf({})};
-    MeshContact contact(tool, {&object, 1}, kRows, limits::mesh::kSeparation,
-                        limits::mesh::kMaxQueries);
+    BodyContact all(tool, {&object, 1}, kRows, limits::mesh::kSeparation,
+                    limits::mesh::kMaxQueries);
+    MeshContact& contact = all.of.front();
     for (int i = 0; i < 5; ++i) {
       SeparationFront front;
       ContactRows rows(kRows, 0.03);
@@ -168,8 +169,8 @@ TEST(FlatPlate, HoldsEachCornerOfABoxWithFrictionByOneRow) {
       const double higher = 0.5e-4 * (size.x() + size.z()) - 0.6e-6;
       for (const RelativePose& from : {RelativePose(at.p + higher * Vec3::UnitY(), tips), at}) {
         rows.Clear();
-        BeginSubStep(contact, ActiveKernels(), front, from, {}, First::kAllCorners,
-                     limits::mesh::kMaxQueries, rows);
+        all.queries = {.most = limits::mesh::kMaxQueries};
+        BeginSubStep(contact, ActiveKernels(), front, from, {}, First::kAllCorners, rows);
         EndSubStep(contact, true);
       }
       // Within an edge, a vertex of others ends faces, and is held, too.

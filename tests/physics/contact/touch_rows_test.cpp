@@ -44,8 +44,8 @@ void ExpectRowsLike(const TriangleMesh& tool_mesh, const TriangleMesh& object_me
   const ContactBody object{std::make_shared<const ContactShape>(ContactMesh(object_mesh)),
                            PlacementOf({})};
   constexpr int kRows = 64;
-  MeshContact contact(tool, {&object, 1}, kRows, limits::mesh::kSeparation,
-                      limits::mesh::kMaxQueries);
+  BodyContact all(tool, {&object, 1}, kRows, limits::mesh::kSeparation, limits::mesh::kMaxQueries);
+  MeshContact& contact = all.of.front();
   Random random(3);
   for (int i = 0; i < 20; ++i) {
     SeparationFront front;
@@ -61,8 +61,8 @@ void ExpectRowsLike(const TriangleMesh& tool_mesh, const TriangleMesh& object_me
     const Vec3 phi = 6e-3 * random.InCube(1.0);
     Vec3 v = 1e-5 * random.InCube(1.0);
     v.z() -= gap(at.p + v, RotationExp(phi) * at.R) + 40e-6;
-    BeginSubStep(contact, ActiveKernels(), front, at, {}, First::kActive, limits::mesh::kMaxQueries,
-                 rows);
+    all.queries = {.most = limits::mesh::kMaxQueries};
+    BeginSubStep(contact, ActiveKernels(), front, at, {}, First::kActive, rows);
     ASSERT_FALSE(CheckCandidate(contact, v, phi, rows));
     ASSERT_GT(rows.count(), 0);
     const auto exact = [&](const Vec3& dv, const Vec3& dphi) {
