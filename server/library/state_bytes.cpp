@@ -136,8 +136,10 @@ void ForEachMember(State& all, Visit& visit) {
   visit(state.behind.rotation);
   visit(state.is_crowded);
   visit(state.rotation_G);
-  for (auto& front : state.fronts) {  // as many as the model has frames
-    SeparationFront::ForEachMember(front, [&](auto&& member) { visit(member); });
+  for (auto& frame : state.frames) {  // as many as the model has
+    ForEachMemberOfPose(frame.X_WB, visit);
+    ForEachMemberOfPose(frame.X_WB_next, visit);
+    SeparationFront::ForEachMember(frame.front, [&](auto&& member) { visit(member); });
   }
   auto& friction = state.friction;
   visit(friction.still);
@@ -202,8 +204,9 @@ bool IsSound(const HapticModel& model, const ProxyState& all) {
          std::ranges::all_of(used, is_known) && IsWithin(state.behind.translation, 1.0) &&
          IsWithin(state.behind.rotation, 10.0) && state.rotation_G.allFinite() &&
          is_small(friction.still) && is_small(friction.resets) &&
-         std::ranges::all_of(state.fronts, [&](const SeparationFront& front) {
-           return front.IsSound(*model.tool_body(), model.bodies());
+         std::ranges::all_of(state.frames, [&](const BodyFrame& frame) {
+           return IsPose(frame.X_WB) && IsPose(frame.X_WB_next) &&
+                  frame.front.IsSound(*model.tool_body(), model.bodies());
          });
 }
 

@@ -27,6 +27,12 @@ SceneObjects::SceneObjects(std::span<const PlacedTree> objects, ContactModel con
     : contact(contact_model),
       forest(objects, contact == ContactModel::kSurface ? &TouchesByLeaves : &IsUncut),
       solids(std::move(cut_solids)) {
+  for (const PlacedTree& object : objects) {
+    if (object.frame == 0 || (contact == ContactModel::kSurface && TouchesByMesh(object))) continue;
+    throw Error(
+        "an object moves that is touched by its leaves, or cut: only rigid meshes can move; use "
+        "\"contact\": \"surface\", and a material without stiffness");
+  }
   if (contact != ContactModel::kSurface) return;
   bodies = MakeBodies(objects);
   if (!bodies.empty()) insides.emplace(objects, &TouchesByMesh);

@@ -62,20 +62,24 @@ bool Begin(const Pose& X_WH, StepContext& context) {
   StepBounds& bounds = context.sub_step.bounds;
   bounds = FirstBounds(context.model, hand_step);
   if (state.behind.translation > 0.0) bounds = state.behind;
+  if (context.buffers().meshes) state.frames.resize(context.buffers().meshes->of.size());
+  const auto [moved, turned] = MotionOfFrames(context);
+  if (moved + turned > 0.0) {
+    bounds =
+        Clamped(context.model.parameters(), {bounds.translation + moved, bounds.rotation + turned});
+  }
   const bool cuts = CutsInStep(context.model, {X_WH.p, tools.q_H}, state);
   state.X_WH = {X_WH.p, tools.q_H};
   if (cuts != state.cut.acts) {
-    for (SeparationFront& front : state.fronts) front.Clear();
+    for (BodyFrame& frame : state.frames) frame.front.Clear();
   }
   state.cut.acts = cuts;
   if (context.buffers().meshes) {
-    std::vector<MeshContact>& of = context.buffers().meshes->of;
-    state.fronts.resize(of.size());
-    for (MeshContact& contact : of) {
+    for (MeshContact& contact : context.buffers().meshes->of) {
       contact.meshes.solids = &state.solids;
       contact.meshes.cuts = cuts;
     }
-    if (!state.solids.empty()) state.solids.Begin(state.cut.fields, state.fronts.front());
+    if (!state.solids.empty()) state.solids.Begin(state.cut.fields, state.frames.front().front);
   }
   return true;
 }
@@ -118,10 +122,11 @@ void Predict(StepContext& context, First first, std::int64_t queries) {
   if (buffers.meshes) {
     StageClock clock(context.times);
     buffers.meshes->queries = {.most = queries};
-    const RelativePose from(tools.p_G, context.model.is_ball() ? Quat::Identity() : tools.q_G);
+    BeginFrames(context, first != First::kTouching);
     for (MeshContact& contact : buffers.meshes->of) {
-      BeginSubStep(contact, context.kernels, context.FrontOf(contact), from, context.state().active,
-                   first, buffers.rows);
+      FrameRows rows(buffers.rows, contact.moved);
+      BeginSubStep(contact, context.kernels, context.FrameOf(contact).front,
+                   context.ToolIn(contact), context.state().active, first, rows);
     }
     clock.Lap(&StageTimes::prediction);
   }
@@ -183,11 +188,13 @@ void CountFriction(const Optimum& optimum, StepDiagnostics& diagnostics) {
   diagnostics.friction_yielded += optimum.friction_yielded ? 1 : 0;
 }
 
-/// Moves the tool, with what the state takes over; updates the front and the cut solids.
-void Move(StepContext& context, const Advance& advance) {
+/// Moves the tool and the frames, with what the state takes over; updates the fronts and the cut
+/// solids.
+void Move(StepContext& context, Advance& advance) {
   StepBuffers& buffers = context.buffers();
   const bool meshes = buffers.meshes.has_value();
   const bool is_held = advance.optimum.IsHeld();
+  if (!MoveFrames(context, advance)) advance.arrived = false;
   context.outcome.arrived = advance.arrived;
   context.state().active = context.sub_step.active;
   context.state().is_crowded = context.sub_step.is_crowded;
@@ -274,8 +281,8 @@ void Lag(StepContext& context) {
   }
   BodyContact& meshes = *context.buffers().meshes;
   for (MeshContact& contact : meshes.of) {
-    AddRowsOfHidden(contact, context.state().active, limits::mesh::kLagAhead,
-                    context.buffers().rows);
+    FrameRows rows(context.buffers().rows, contact.moved);
+    AddRowsOfHidden(contact, context.state().active, limits::mesh::kLagAhead, rows);
   }
   const double reach = meshes.a().mesh.reach();
   double far = meshes.margins().touching;
@@ -366,7 +373,7 @@ void End(const Pose& X_WH, StepContext& context) {
     AddChapterFriction(context.model, X_before, state, report);
   }
   report.X_WG = state.X_WG;
-  if (!state.solids.empty()) state.solids.Follow(state.cut.fields, state.fronts.front());
+  if (!state.solids.empty()) state.solids.Follow(state.cut.fields, state.frames.front().front);
   TakeDrag(context);
   Vibrate(context);
   AddEffects(context);

@@ -80,8 +80,8 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
   StepState state;
   if (!model.boxes().empty() && model.tool_body() != nullptr) {
     state.solids = SolidBodies(model.uncut());
-    state.fronts.resize(CountFrames(model.bodies()));
-    if (!cuts.empty()) state.solids.Begin(cuts, state.fronts.front());
+    state.frames.resize(CountFrames(model.bodies()));
+    if (!cuts.empty()) state.solids.Begin(cuts, state.frames.front().front);
     for (MeshContact& contact : workspace.buffers().meshes->of) {
       contact.meshes.solids = &state.solids;
       contact.meshes.cuts = true;

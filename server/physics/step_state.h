@@ -63,6 +63,13 @@ struct CuttingState {
   double tooth = 0.0;  ///< phase of the tooth frequency of the vibration, 0 to 1
 };
 
+/// A frame B of bodies that stand still to each other, and move in W.  Frame 0 is W itself.
+struct BodyFrame {
+  Pose X_WB;              ///< where its bodies are, relative to where the model has placed them
+  Pose X_WB_next;         ///< where they are to be at the end of the next step; set before it
+  SeparationFront front;  ///< planes between the tool and its bodies that are touched by meshes
+};
+
 /// The state that one step passes to the next: all memory of the physics.  A copy that is stepped
 /// with the same poses gives the same bits.  A copy has no spare capacity, so its first steps may
 /// allocate, unless it is assigned to a state that was constructed from the model.
@@ -72,8 +79,8 @@ struct StepState {
   /// known.  A default-constructed state cuts nothing, and its first step between meshes allocates.
   explicit StepState(const HapticModel& model) : effects(model.effects().Begin()) {
     if (model.tool_body() != nullptr) {
-      fronts.resize(CountFrames(model.bodies()));
-      for (SeparationFront& front : fronts) front.Reserve();
+      frames.resize(CountFrames(model.bodies()));
+      for (BodyFrame& frame : frames) frame.front.Reserve();
       if (!model.boxes().empty()) solids = SolidBodies(model.uncut());
     }
     cut.acts = model.cutting() == nullptr || !model.cutting()->sense;
@@ -95,10 +102,8 @@ struct StepState {
   /// Rotation of the hand relative to the tool while something holds the tool, in the tool's
   /// frame (TargetFrom).
   Vec3 rotation_G = Vec3::Zero();
-  /// For each frame of bodies, planes between the tool and its objects that are touched by their
-  /// meshes.
-  std::vector<SeparationFront> fronts;
-  SolidBodies solids;     ///< the solids that burs cut, as contact feels them
+  std::vector<BodyFrame> frames;  ///< by their number
+  SolidBodies solids;             ///< the solids that burs cut, as contact feels them
   FrictionState friction;
   CuttingState cut;
   EffectState effects;  ///< without effect in a default-constructed state

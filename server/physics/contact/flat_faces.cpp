@@ -38,7 +38,7 @@ ContactPlane FaceOf(const MeshPair& meshes, const Touch& touch) {
 }
 
 /// Returns whether a body has a row at a place.
-bool HasRowAt(const ContactRows& rows, std::int32_t body, const Vec3& lever, const Vec3& n) {
+bool HasRowAt(const FrameRows& rows, std::int32_t body, const Vec3& lever, const Vec3& n) {
   for (int row = 0; row < rows.count(); ++row) {
     if (!rows.IsLoose(row) && rows.id(row).body == body &&
         (rows.lever(row) - lever).norm() <= kRounding && (rows.normal(row) - n).norm() <= kSame) {
@@ -50,7 +50,7 @@ bool HasRowAt(const ContactRows& rows, std::int32_t body, const Vec3& lever, con
 
 /// Adds those rows of a touch's plane that touch, at places without a row; returns whether there
 /// was any.
-bool AddRows(MeshContact& contact, Touch& touch, ContactRows& rows) {
+bool AddRows(MeshContact& contact, Touch& touch, FrameRows& rows) {
   const TouchRowsAtCandidate of = RowsAt(contact, touch);
   const double before = GapAt(contact.meshes, touch.nodes, touch, touch.plane, contact.motion.from);
   bool added = false;
@@ -102,7 +102,7 @@ void MeetCorners(MeshContact& contact, std::span<const Touch> touches) {
 
 /// Adds the row of a vertex of the tool that lies over a face of a body.
 void AddRowOfCorner(MeshContact& contact, std::uint32_t vertex, const Touch& beside,
-                    ContactRows& rows) {
+                    FrameRows& rows) {
   const MeshPair& meshes = contact.meshes;
   const ContactMesh& mesh = meshes.a.mesh;
   const RelativePose& at = contact.motion.from;
@@ -128,7 +128,7 @@ void AddRowOfCorner(MeshContact& contact, std::uint32_t vertex, const Touch& bes
 
 }  // namespace
 
-void AddRowsOnFace(MeshContact& contact, Touch& touch, ContactRows& rows) {
+void AddRowsOnFace(MeshContact& contact, Touch& touch, FrameRows& rows) {
   if (touch.distance <= 0.0 || touch.plane.of != ContactPlane::Of::kNone) return;
   const MeshPair& meshes = contact.meshes;
   const ContactPlane face = FaceOf(meshes, touch);
@@ -144,7 +144,7 @@ void AddRowsOnFace(MeshContact& contact, Touch& touch, ContactRows& rows) {
 }
 
 void AddRowsOfHidden(MeshContact& contact, std::span<const ContactId> active, double reach,
-                     ContactRows& rows) {
+                     FrameRows& rows) {
   const MeshPair& meshes = contact.meshes;
   if (meshes.IsBall()) return;
   for (const ContactId& id : active) {
@@ -170,7 +170,7 @@ void AddRowsOfHidden(MeshContact& contact, std::span<const ContactId> active, do
   }
 }
 
-void AddRowsOfCorners(MeshContact& contact, ContactRows& rows) {
+void AddRowsOfCorners(MeshContact& contact, FrameRows& rows) {
   const std::span<const Touch> touches(contact.touches);  // before others are added
   for (std::size_t i = 0, faces = 0; i < touches.size() && faces < kFlatFaces; ++i) {
     const auto is_known = [&](const Touch& touch) { return AreOnOneFace(touch, touches[i]); };

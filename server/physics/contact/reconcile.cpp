@@ -13,8 +13,7 @@ using namespace limits::mesh;
 /// Pairs that meet at one corner have equal rows, of which the QP makes one active.  If that one
 /// changes, the others are mended too; otherwise one more would appear in each candidate.
 template <class Mend>
-int MendRows(MeshContact& contact, std::span<const int> active, const ContactRows& rows,
-             Mend mend) {
+int MendRows(MeshContact& contact, std::span<const int> active, const FrameRows& rows, Mend mend) {
   int changed = 0;
   const auto mend_row = [&](int row) {
     Touch* touch = contact.TouchOfRow(row);
@@ -30,7 +29,7 @@ int MendRows(MeshContact& contact, std::span<const int> active, const ContactRow
 }
 
 /// Returns the gap of a row's own point at the candidate [m].
-double GapOfRow(const MeshContact& contact, int row, const ContactRows& rows) {
+double GapOfRow(const MeshContact& contact, int row, const FrameRows& rows) {
   return rows.Left(row, contact.motion.v, contact.motion.phi) +
          contact.of_rows.asked[static_cast<std::size_t>(row)];
 }
@@ -38,7 +37,7 @@ double GapOfRow(const MeshContact& contact, int row, const ContactRows& rows) {
 /// Returns whether a row's corner lies over a face of the row's normal at the candidate, its own
 /// triangle or one beside it that is flush with it.
 bool IsOverFace(const MeshContact& contact, const Touch& touch, int row, double turned,
-                const ContactRows& rows) {
+                const FrameRows& rows) {
   const MeshPair& meshes = contact.meshes;
   if (meshes.IsBall() || touch.plane.of == ContactPlane::Of::kEdges) return false;
   const int c = row == touch.row[0] ? 0 : row == touch.row[1] ? 1 : 2;
@@ -60,7 +59,7 @@ bool IsOverFace(const MeshContact& contact, const Touch& touch, int row, double 
 /// Returns whether a row is of two edges that can touch along its normal at the candidate, though
 /// the nearest points of their triangles lie at an end of one.
 bool IsOfEdges(const MeshContact& contact, const Touch& touch, int row, double turned,
-               const ContactRows& rows) {
+               const FrameRows& rows) {
   const ContactPlane& plane = touch.plane;
   if (plane.of != ContactPlane::Of::kEdges) return false;
   const RelativePose& at = contact.motion.to;
@@ -74,7 +73,7 @@ bool IsOfEdges(const MeshContact& contact, const Touch& touch, int row, double t
 /// row says, and touches there within its cones along the row's normal, or the row's corner is over
 /// a face.
 bool IsOfContact(const MeshContact& contact, const Touch& touch, int row, double turned,
-                 const ContactRows& rows) {
+                 const FrameRows& rows) {
   const MeshPair& meshes = contact.meshes;
   const RelativePose& at = contact.motion.to;
   const NearestPoints nearest = meshes.NearestAt(touch.nodes, at);
@@ -92,7 +91,7 @@ bool IsOfContact(const MeshContact& contact, const Touch& touch, int row, double
 /// row the smooth surface's normal there.  Returns whether the change is large enough to affect the
 /// force. A crease is not smooth: the ball goes straight past it, and round it in the next
 /// sub-steps (Turned).
-bool Retract(MeshContact& contact, Touch& touch, int row, ContactRows& rows) {
+bool Retract(MeshContact& contact, Touch& touch, int row, FrameRows& rows) {
   const MeshPair& meshes = contact.meshes;
   const Motion& motion = contact.motion;
   const NearestPoints nearest = meshes.NearestAt(touch.nodes, motion.to);
@@ -123,14 +122,14 @@ bool Retract(MeshContact& contact, Touch& touch, int row, ContactRows& rows) {
 
 }  // namespace
 
-int Retract(MeshContact& contact, std::span<const int> active, ContactRows& rows) noexcept {
+int Retract(MeshContact& contact, std::span<const int> active, FrameRows& rows) noexcept {
   return MendRows(contact, active, rows, [&](int row, Touch& touch) {
     return !touch.is_mended && Retract(contact, touch, row, rows);
   });
 }
 
 int Relinearise(MeshContact& contact, std::span<const int> active, double most,
-                ContactRows& rows) noexcept {
+                FrameRows& rows) noexcept {
   return MendRows(contact, active, rows, [&](int row, Touch& touch) {
     if (touch.is_mended) return false;
     const TouchRowsAtCandidate of = RowsAt(contact, touch);
@@ -149,7 +148,7 @@ int Relinearise(MeshContact& contact, std::span<const int> active, double most,
 }
 
 bool AreOfContacts(const MeshContact& contact, std::span<const int> active, double most,
-                   const ContactRows& rows) noexcept {
+                   const FrameRows& rows) noexcept {
   return std::ranges::all_of(active, [&](int row) {
     const Touch* touch = contact.TouchOfRow(row);
     return touch == nullptr || !(touch->distance > 0.0) ||
@@ -157,7 +156,7 @@ bool AreOfContacts(const MeshContact& contact, std::span<const int> active, doub
   });
 }
 
-int Release(MeshContact& contact, std::span<const int> active, ContactRows& rows) noexcept {
+int Release(MeshContact& contact, std::span<const int> active, FrameRows& rows) noexcept {
   return MendRows(contact, active, rows, [&](int, Touch& touch) {
     if (touch.by_plane) TakeOut(touch, rows);
     return touch.by_plane;
@@ -190,7 +189,7 @@ Mat3 CurvatureOf(const MeshContact& contact, int row) noexcept {
 }
 
 double Turned(const MeshContact& contact, std::span<const int> active,
-              const ContactRows& rows) noexcept {
+              const FrameRows& rows) noexcept {
   if (active.empty()) return 0.0;
   const MeshPair& meshes = contact.meshes;
   const Vec3& v = contact.motion.v;

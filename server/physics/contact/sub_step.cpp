@@ -59,7 +59,7 @@ Touch& MeshContact::TouchOf(NearPairs::Index k) {
 
 void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront& front,
                   const RelativePose& from, std::span<const ContactId> active, First first,
-                  ContactRows& rows) noexcept {
+                  FrameRows& rows) noexcept {
   contact.meshes.kernels = &kernels;
   contact.motion = Motion(from);
   contact.candidate = 0;
@@ -101,13 +101,13 @@ void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront&
 }
 
 bool CheckCandidate(MeshContact& contact, const Vec3& v, const Vec3& phi,
-                    ContactRows& rows) noexcept {
+                    FrameRows& rows) noexcept {
   const bool is_free = Certify(contact, v, phi, Until::kEnough) == 0;
   AddRowsOfOpen(contact, rows);
   return is_free;
 }
 
-bool CheckRest(MeshContact& contact, const Vec3& v, const Vec3& phi, ContactRows& rows) noexcept {
+bool CheckRest(MeshContact& contact, const Vec3& v, const Vec3& phi, FrameRows& rows) noexcept {
   Margins& margins = contact.meshes.margins;
   const Margins moving = margins;
   margins.rest = std::min(margins.separation, contact.of_rows.least) - kRounding;

@@ -6,7 +6,7 @@
 
 #include "server/physics/contact/near_pairs.h"
 #include "server/physics/contact/touch.h"
-#include "server/physics/rows/contact_rows.h"
+#include "server/physics/rows/frame_rows.h"
 
 namespace palpate {
 
@@ -53,6 +53,7 @@ struct MeshContact {
               double separation, Queries& shared, int most_queries);
 
   MeshPair meshes;
+  FrameMotion moved;           ///< how B moves in W: of the step, which alone knows W
   Motion motion;               ///< the candidate that was examined last
   std::int32_t candidate = 0;  ///< its number within the sub-step
   NearPairs near;
@@ -138,15 +139,14 @@ enum class First {
 /// Once the sub-step's queries are spent, pairs whose planes do not hold count as not separate.
 void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront& front,
                   const RelativePose& from, std::span<const ContactId> active, First first,
-                  ContactRows& rows) noexcept;
+                  FrameRows& rows) noexcept;
 
 /// Returns whether the candidate [v; phi] is free.  If not, adds rows for pairs without a plane, or
 /// recomputes those rows that the candidate violates.
-bool CheckCandidate(MeshContact& contact, const Vec3& v, const Vec3& phi,
-                    ContactRows& rows) noexcept;
+bool CheckCandidate(MeshContact& contact, const Vec3& v, const Vec3& phi, FrameRows& rows) noexcept;
 /// CheckCandidate for a tool that rests at the candidate's end: a contact may be no nearer there
 /// than the separation that rows ask for, and not h alone.
-bool CheckRest(MeshContact& contact, const Vec3& v, const Vec3& phi, ContactRows& rows) noexcept;
+bool CheckRest(MeshContact& contact, const Vec3& v, const Vec3& phi, FrameRows& rows) noexcept;
 /// CheckCandidate without rows: stops at the first pair without a plane.
 bool IsFree(MeshContact& contact, const Vec3& v, const Vec3& phi) noexcept;
 
@@ -187,13 +187,13 @@ TouchRowsAtCandidate RowsAt(const MeshContact& contact, const Touch& touch);
 /// Adds the rows that the candidate violates, of touches that Certify found open.  Touches within
 /// their cones come first; only if those give no row, the others: in these a neighbour is nearer,
 /// and its rows mostly keep them apart too.  Returns whether there were any.
-bool AddRowsOfOpen(MeshContact& contact, ContactRows& rows);
+bool AddRowsOfOpen(MeshContact& contact, FrameRows& rows);
 /// Adds the rows of those corners of a near pair's touch that touch.
-void AddRowsThatTouch(MeshContact& contact, NearPairs::Index k, ContactRows& rows);
+void AddRowsThatTouch(MeshContact& contact, NearPairs::Index k, FrameRows& rows);
 /// Adds or changes a row, with what it asks for at the candidate.
-void SetRow(MeshContact& contact, Touch& touch, const TouchRow& row, ContactRows& rows);
+void SetRow(MeshContact& contact, Touch& touch, const TouchRow& row, FrameRows& rows);
 /// Recomputes all rows, exact at the beginning of the sub-step: each allows the zero step.
-void RelineariseAtStart(MeshContact& contact, ContactRows& rows);
+void RelineariseAtStart(MeshContact& contact, FrameRows& rows);
 /// Returns whether a ball's rows still turn with the smooth surface from candidate to candidate,
 /// which also changes where the ball goes.  After many candidates they stay as they are, and the
 /// next sub-step turns them.
@@ -201,7 +201,7 @@ inline bool TurnsRows(const MeshContact& contact) {
   return contact.candidate <= limits::mesh::kTrustedCandidates;
 }
 /// Removes a touch's rows.
-void TakeOut(Touch& touch, ContactRows& rows);
+void TakeOut(Touch& touch, FrameRows& rows);
 
 /// Returns the separation [m] that a row asks for if its pair has `before` [m]: the full
 /// separation, or a part of what is missing.
@@ -209,7 +209,7 @@ double Asked(const MeshContact& contact, double before);
 /// Stops rows, until the end of the sub-step, from asking for separation that their pairs have
 /// lost, or for more than the least that a contact has: if regaining it would lift the tool against
 /// the spring, a tool at rest would never stay.  Returns false if they had already stopped.
-bool GiveUpRegain(MeshContact& contact, ContactRows& rows);
+bool GiveUpRegain(MeshContact& contact, FrameRows& rows);
 /// Returns at most how much of 1/2 |x - t|^2 at an optimum is the price of regaining separation:
 /// its derivative by what a row asks for is the row's multiplier [m^2].
 double PriceOfRegain(const MeshContact& contact, const QpResult& qp);
@@ -218,15 +218,15 @@ double PriceOfRegain(const MeshContact& contact, const QpResult& qp);
 
 /// AddRowsThatTouch for a tool that lies on a flat face: it touches with its corners, each of them
 /// once.
-void AddRowsOnFace(MeshContact& contact, Touch& touch, ContactRows& rows);
+void AddRowsOnFace(MeshContact& contact, Touch& touch, FrameRows& rows);
 /// AddRowsOnFace for those `active` pairs, no farther apart than `reach` [m], that are hidden in
 /// patches: no near pairs.  If a corner
 /// of one has left its triangle, its row is that of the triangle below.
 void AddRowsOfHidden(MeshContact& contact, std::span<const ContactId> active, double reach,
-                     ContactRows& rows);
+                     FrameRows& rows);
 /// Adds the rows of all corners of the tool that touch a flat face beside those pairs that have
 /// one, in whatever patch they are.
-void AddRowsOfCorners(MeshContact& contact, ContactRows& rows);
+void AddRowsOfCorners(MeshContact& contact, FrameRows& rows);
 
 // --- reconcile.cpp ---
 //
@@ -237,17 +237,17 @@ void AddRowsOfCorners(MeshContact& contact, ContactRows& rows);
 
 /// For a ball, or with friction: gives the rows of each touch that does not touch at the candidate
 /// another plane that separates it, if there is one; a ball's others the smooth surface's normal.
-int Retract(MeshContact& contact, std::span<const int> active, ContactRows& rows) noexcept;
+int Retract(MeshContact& contact, std::span<const int> active, FrameRows& rows) noexcept;
 /// Recomputes each row whose direction in configuration space has turned by more than `most` [rad],
 /// or whose gap at the candidate is not the geometry's, at most once in a sub-step.
 int Relinearise(MeshContact& contact, std::span<const int> active, double most,
-                ContactRows& rows) noexcept;
+                FrameRows& rows) noexcept;
 /// Returns whether contacts give all active rows at the candidate, in directions that differ by no
 /// more than `most` [rad].
 bool AreOfContacts(const MeshContact& contact, std::span<const int> active, double most,
-                   const ContactRows& rows) noexcept;
+                   const FrameRows& rows) noexcept;
 /// Removes the active rows of touches that were no contacts when the sub-step began.
-int Release(MeshContact& contact, std::span<const int> active, ContactRows& rows) noexcept;
+int Release(MeshContact& contact, std::span<const int> active, FrameRows& rows) noexcept;
 
 /// Returns the derivative [1/m] of the normal of a ball's row by the ball's motion round the edge
 /// or corner that it touches, which the straight row neglects.  Zero for other rows.
@@ -255,6 +255,6 @@ Mat3 CurvatureOf(const MeshContact& contact, int row) noexcept;
 /// Returns by how much the direction in which a ball touches at the candidate differs from those of
 /// the active rows, or a row of its curvature has turned along the motion [rad].
 double Turned(const MeshContact& contact, std::span<const int> active,
-              const ContactRows& rows) noexcept;
+              const FrameRows& rows) noexcept;
 
 }  // namespace palpate

@@ -58,7 +58,7 @@ struct MeshPair {
   const MovingBody& a;
   std::span<const ContactBody> b;  ///< with those of other frames, which are not of this pair
   std::int32_t frame = 0;          ///< number of B
-  SolidBodies* solids = nullptr;  ///< bodies of blocks in B; null if there are none
+  SolidBodies* solids = nullptr;   ///< bodies of blocks in B; null if there are none
   bool cuts = true;  ///< true for a bur or an edge that cuts: solids touch only its shank
   limits::mesh::Margins margins{};
   const Kernels* kernels = &ActiveKernels();

@@ -62,7 +62,7 @@ double GapBefore(const MeshContact& contact, const Touch& touch) {
 
 /// Adds or changes the rows of a touch for which `wanted` holds; returns whether there was any.
 template <class Wanted>
-bool SetRows(MeshContact& contact, Touch& touch, ContactRows& rows, Wanted wanted) {
+bool SetRows(MeshContact& contact, Touch& touch, FrameRows& rows, Wanted wanted) {
   const TouchRowsAtCandidate of = RowsAt(contact, touch);
   bool set = false;
   for (int i = 0; i < of.count; ++i) {
@@ -136,7 +136,7 @@ TouchRowsAtCandidate RowsAt(const MeshContact& contact, const Touch& touch) {
   return of;
 }
 
-void SetRow(MeshContact& contact, Touch& touch, const TouchRow& of, ContactRows& rows) {
+void SetRow(MeshContact& contact, Touch& touch, const TouchRow& of, FrameRows& rows) {
   TouchRows& of_rows = contact.of_rows;
   int& row = touch.row[of.slot % 3];
   const bool stays = row >= 0 && contact.meshes.IsBall() && !TurnsRows(contact);
@@ -155,7 +155,7 @@ void SetRow(MeshContact& contact, Touch& touch, const TouchRow& of, ContactRows&
   of_rows.asked[static_cast<std::size_t>(row)] = asked;
 }
 
-bool AddRowsOfOpen(MeshContact& contact, ContactRows& rows) {
+bool AddRowsOfOpen(MeshContact& contact, FrameRows& rows) {
   const auto add = [&](bool in_cone, bool over) {
     bool added = false;
     for (const NearPairs::Index k : contact.open) {
@@ -175,7 +175,7 @@ bool AddRowsOfOpen(MeshContact& contact, ContactRows& rows) {
   return add(true, true) || add(true, false) || add(false, false);
 }
 
-void AddRowsThatTouch(MeshContact& contact, NearPairs::Index k, ContactRows& rows) {
+void AddRowsThatTouch(MeshContact& contact, NearPairs::Index k, FrameRows& rows) {
   Touch& touch = contact.TouchOf(k);
   if (touch.distance <= 0.0 || touch.plane.of != ContactPlane::Of::kNone) return;
   touch.plane = ChoosePlane(contact.meshes, touch, contact.motion);
@@ -185,7 +185,7 @@ void AddRowsThatTouch(MeshContact& contact, NearPairs::Index k, ContactRows& row
           [&](const TouchRow& row) { return row.is_over && row.before <= touching; });
 }
 
-void RelineariseAtStart(MeshContact& contact, ContactRows& rows) {
+void RelineariseAtStart(MeshContact& contact, FrameRows& rows) {
   contact.motion = Motion(contact.motion.from);
   for (Touch& touch : contact.touches) {
     if (touch.plane.of == ContactPlane::Of::kNone) continue;
@@ -196,7 +196,7 @@ void RelineariseAtStart(MeshContact& contact, ContactRows& rows) {
   }
 }
 
-void TakeOut(Touch& touch, ContactRows& rows) {
+void TakeOut(Touch& touch, FrameRows& rows) {
   for (int& row : touch.row) {
     if (row >= 0) rows.Loosen(row);
     row = -1;
@@ -220,7 +220,7 @@ double PriceOfRegain(const MeshContact& contact, const QpResult& qp) {
   return price;
 }
 
-bool GiveUpRegain(MeshContact& contact, ContactRows& rows) {
+bool GiveUpRegain(MeshContact& contact, FrameRows& rows) {
   TouchRows& of_rows = contact.of_rows;
   if (!of_rows.regains) return false;
   of_rows.regains = false;

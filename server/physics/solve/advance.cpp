@@ -65,8 +65,9 @@ double LengthOf(const StepContext& context, const Advance& advance) {
 
 /// Returns whether the meshes are apart at the motion's end and were apart throughout.
 bool IsFree(StepContext& context, const Advance& advance) {
+  PlaceFrames(context, advance.of_frames);
   return std::ranges::all_of(context.buffers().meshes->of, [&](MeshContact& contact) {
-    return IsFree(contact, advance.v, advance.phi);
+    return IsFree(contact, contact.moved.v(advance.v), contact.moved.phi(advance.phi));
   });
 }
 
@@ -85,14 +86,17 @@ bool Mend(StepContext& context, Advance& advance) {
   BodyContact& meshes = *context.buffers().meshes;
   ContactRows& rows = context.buffers().rows;
   const auto active = advance.optimum.qp.ActiveRows();
-  const auto retract = [&](MeshContact& contact) { return Retract(contact, active, rows); };
+  const auto retract = [&](MeshContact& contact) {
+    FrameRows in_B(rows, contact.moved);
+    return Retract(contact, active, in_B);
+  };
   if ((meshes.IsBall() || !context.IsRigid()) && meshes.Sum(retract) != 0) return true;
   if (context.IsFreeBall()) {
     // A ball's rows have the smooth surface's normals at the candidate, so the ball rests there,
     // even if facets lifted it as it went.  At a crease they have the normals of the beginning: the
     // ball has not arrived, and goes on round it.
     advance.arrived = meshes.All([&](const MeshContact& contact) {
-      return Turned(contact, active, rows) <= limits::mesh::kTurned;
+      return Turned(contact, active, FrameRows(rows, contact.moved)) <= limits::mesh::kTurned;
     });
     return false;
   }
@@ -101,7 +105,8 @@ bool Mend(StepContext& context, Advance& advance) {
                           ? limits::mesh::kSame
                           : MostTurned(context, advance.optimum, limits::mesh::kForceError);
   return meshes.Sum([&](MeshContact& contact) {
-    return Relinearise(contact, active, most, rows);
+    FrameRows in_B(rows, contact.moved);
+    return Relinearise(contact, active, most, in_B);
   }) != 0;
 }
 
@@ -110,6 +115,7 @@ void Shorten(Advance& advance, double fraction) {
   advance.v *= fraction;
   advance.phi *= fraction;
   advance.fraction *= fraction;
+  advance.of_frames *= fraction;
 }
 
 /// Shortens a motion until it is free and paid for, to its half, quarter, ...; returns whether it
@@ -141,12 +147,16 @@ Next Settle(StepContext& context, bool goes_on, Advance& advance) {
   const auto active = advance.optimum.qp.ActiveRows();
   const double most = MostTurned(context, advance.optimum, limits::mesh::kReleaseError);
   const auto are_of_contacts = [&](const MeshContact& contact) {
-    return AreOfContacts(contact, active, most, rows);
+    return AreOfContacts(contact, active, most, FrameRows(rows, contact.moved));
   };
   const auto may_rest = [&](MeshContact& contact) {
-    return CheckRest(contact, advance.v, advance.phi, rows);
+    FrameRows in_B(rows, contact.moved);
+    return CheckRest(contact, contact.moved.v(advance.v), contact.moved.phi(advance.phi), in_B);
   };
-  const auto release = [&](MeshContact& contact) { return Release(contact, active, rows); };
+  const auto release = [&](MeshContact& contact) {
+    FrameRows in_B(rows, contact.moved);
+    return Release(contact, active, in_B);
+  };
   if (meshes.All(are_of_contacts)) return Next::kGo;
   if (goes_on && !meshes.queries.AreSpent() && !meshes.All(may_rest)) return Next::kSolve;
   // The contacts of that place give the next sub-step its rows.  Two short steps in turn end the
@@ -197,10 +207,14 @@ void BeginAnew(StepContext& context) {
     bounds = Clamped(context.model.parameters(),
                      {std::min(bounds.translation, narrow * trust.first.translation),
                       std::min(bounds.rotation, narrow * trust.first.rotation)});
+    BeginFrames(context, true);
     trust.shrunk = true;
   }
   trust.failures = 0;
-  for (MeshContact& contact : meshes.of) RelineariseAtStart(contact, rows);
+  for (MeshContact& contact : meshes.of) {
+    FrameRows in_B(rows, contact.moved);
+    RelineariseAtStart(contact, in_B);
+  }
 }
 
 /// Shortens a motion to the longest half, quarter, ... that is free and paid for, or to none.
@@ -215,7 +229,7 @@ void Halve(StepContext& context, Advance& advance) {
   if (MakeFree(context, advance)) return;
   advance.v.setZero();
   advance.phi.setZero();
-  advance.fraction = 0.0;
+  advance.fraction = advance.of_frames = 0.0;
   for (MeshContact& contact : meshes.of) contact.motion = Motion(contact.motion.from);
 }
 
@@ -223,13 +237,15 @@ void Halve(StepContext& context, Advance& advance) {
 
 bool CheckCandidate(StepContext& context, const Vec3& v, const Vec3& phi) noexcept {
   return context.buffers().meshes->All([&](MeshContact& contact) {
-    return CheckCandidate(contact, v, phi, context.buffers().rows);
+    FrameRows rows(context.buffers().rows, contact.moved);
+    return CheckCandidate(contact, contact.moved.v(v), contact.moved.phi(phi), rows);
   });
 }
 
 bool GiveUpRegain(StepContext& context) noexcept {
   return context.buffers().meshes->Sum([&](MeshContact& contact) {
-    return GiveUpRegain(contact, context.buffers().rows) ? 1 : 0;
+    FrameRows rows(context.buffers().rows, contact.moved);
+    return GiveUpRegain(contact, rows) ? 1 : 0;
   }) != 0;
 }
 

@@ -45,7 +45,8 @@ struct Contact {
   Mat3 axes;  ///< row by row, in W
   Vec3 lever;
   Mat36 J;                ///< its motion along the axes, over x
-  double b;               ///< of its row a . x >= b
+  Vec3 still;             ///< its offset where the tool stays: b of its row a . x >= b, and the
+                          ///< slip of a body that moves
   double mu, mu_s, mu_d;  ///< mu is one of the two
   Vec3 f;                 ///< (lambda, friction), against the motion: the tool feels -J^T f
   Vec3 held;              ///< f where the offset is none
@@ -67,7 +68,7 @@ struct Contact {
   ///   lambda = max(0, lambda + w_1),
   ///   friction = friction + w_2,3, projected onto the disk of radius mu lambda.
   void Evaluate(double k, double penalty, const Vec6& x) {
-    offset = J * x + Vec3(b, 0.0, 0.0);
+    offset = J * x + still;
     law = f + penalty * (offset - (f - held) / k);
     law[0] = std::max(0.0, law[0]);
     const double limit = mu * law[0], length = law.tail<2>().norm();
@@ -157,7 +158,8 @@ class FrictionalContacts {
     turns << -rows.lever_cross_normal(row), contact.lever.cross(s0), contact.lever.cross(s1);
     if (model.is_ball()) turns.setZero();
     contact.J.rightCols<3>() = turns.transpose() / model.rotation_length();
-    contact.b = context_.sub_step.rigid.b[row] - frictionless_.slack;
+    contact.still = contact.axes * context_.DriftOf(rows.id(row), contact.lever);
+    contact.still[0] = context_.sub_step.rigid.b[row] - frictionless_.slack;
     contact.f = contact.axes * force;
     contact.f[0] = lambda;
     return true;

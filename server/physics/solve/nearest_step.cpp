@@ -38,7 +38,9 @@ bool RoundCreases(StepContext& context, Optimum& optimum) noexcept {
   for (int i = 0; i < qp.active; ++i) {
     Mat3 curvature = Mat3::Zero();  // of the frame to which the row belongs, and zero of the others
     for (const MeshContact& contact : context.buffers().meshes->of) {
-      curvature += CurvatureOf(contact, qp.row[i]);
+      const Mat3& R = contact.moved.R_v();
+      const Mat3 in_B = CurvatureOf(contact, qp.row[i]);
+      curvature += contact.moved.is_W() ? in_B : Mat3(R * in_B * R.transpose());
     }
     bend += qp.multiplier[i] * curvature;
     // The curvature is a projector over the distance to the edge, so its trace over its square's

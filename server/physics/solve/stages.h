@@ -78,6 +78,17 @@ void Remember(StepContext& context, const Optimum& optimum) noexcept;
 /// @param advance  in: its optimum.  Out: its motion, if true; another optimum if that is freer.
 bool MakeAdvance(StepContext& context, Advance& advance) noexcept;
 
+/// Returns by how much the frames are to move and turn in this step, at most, where the tool is
+/// [m], [rad].
+StepBounds MotionOfFrames(StepContext& context) noexcept;
+/// Begins a sub-step of the frames: they make what their motion has left, or the part of it that a
+/// tool which they push can follow within the bounds; or they stand.
+void BeginFrames(StepContext& context, bool move) noexcept;
+/// Sets the frames' motion in the sub-step to a fraction of that part.
+void PlaceFrames(StepContext& context, double fraction) noexcept;
+/// Moves the frames with an advance.  Returns whether all are where they are to be.
+bool MoveFrames(StepContext& context, const Advance& advance) noexcept;
+
 /// For all frames of bodies, CheckCandidate and GiveUpRegain of contact/sub_step.h.
 bool CheckCandidate(StepContext& context, const Vec3& v, const Vec3& phi) noexcept;
 bool GiveUpRegain(StepContext& context) noexcept;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <optional>
 
@@ -49,8 +50,9 @@ struct Optimum {
 struct Advance {
   Optimum optimum;
   Vec3 v = Vec3::Zero(), phi = Vec3::Zero();  ///< [m], [rad]
-  bool arrived = false;   ///< whether it reaches the optimum, and contacts hold the tool there
-  double fraction = 1.0;  ///< of the last candidate, that the meshes allowed
+  bool arrived = false;    ///< whether it reaches the optimum, and contacts hold the tool there
+  double fraction = 1.0;   ///< of the last candidate, that the meshes allowed
+  double of_frames = 1.0;  ///< how much of their part in the sub-step the frames move
 };
 
 /// How far rows between meshes are trusted in a sub-step (MakeAdvance).
@@ -86,6 +88,7 @@ struct SubStep {
   QpRows rigid{};              ///< rows that it may not violate
   int iterates = 0;            ///< rounds so far: rows between meshes are added on violation
   TrustRegion trust{};
+  double of_frames = 1.0;  ///< part of what their motion has left that the frames make
   // What StepState takes over if the tool advances.
   ActiveIds active{};  ///< the rows of the last optimum
   bool is_crowded = false;
@@ -154,8 +157,9 @@ struct StepContext {
   }
   /// Returns whether a step to an optimum, or a fraction of it, ends no farther from the hand than
   /// it begins.  A step that stays within the reach of contact may pay for separation that it
-  /// regains.
+  /// regains.  A body that moves may push it away.
   bool Approaches(const Optimum& optimum, const Vec3& v, const Vec3& phi) const {
+    if (BodiesMove()) return true;
     const BodyContact& meshes = *buffers_.meshes;
     const double length = v.norm() + meshes.a().mesh.reach() * phi.norm();
     double price = 0.0;
@@ -164,8 +168,28 @@ struct StepContext {
     }
     return Gain(v, phi) + 2.0 * price >= 0.0;
   }
-  SeparationFront& FrontOf(const MeshContact& contact) {
-    return state_.fronts[static_cast<std::size_t>(contact.meshes.frame)];
+  BodyFrame& FrameOf(const MeshContact& contact) {
+    return state_.frames[static_cast<std::size_t>(contact.meshes.frame)];
+  }
+  /// Returns where the tool is in a frame.
+  RelativePose ToolIn(const MeshContact& contact) {
+    const Quat q = model.is_ball() ? Quat::Identity() : tools.q_G;
+    if (contact.moved.is_W()) return {tools.p_G, q};
+    const Pose& X_WB = FrameOf(contact).X_WB;
+    return {X_WB.Inverse() * tools.p_G,
+            model.is_ball() ? q : Quat((X_WB.q.conjugate() * q).normalized())};
+  }
+  /// Returns the motion of a tool that stays against what a row touches, in W [m].
+  Vec3 DriftOf(const ContactId& id, const Vec3& lever) const {
+    const auto body = static_cast<std::size_t>(id.body);
+    if (id.IsOfLeaves() || body >= model.bodies().size()) return Vec3::Zero();
+    const auto frame = static_cast<std::size_t>(model.bodies()[body].frame);
+    return frame == 0 ? Vec3(Vec3::Zero()) : buffers_.meshes->of[frame].moved.DriftAt(lever);
+  }
+  /// Returns whether bodies move in this sub-step.
+  bool BodiesMove() const {
+    const auto moves = [](const MeshContact& contact) { return contact.moved.moves(); };
+    return buffers_.meshes && std::ranges::any_of(buffers_.meshes->of, moves);
   }
   /// Sets the target: the hand relative to the tool.
   void Aim() {

@@ -169,8 +169,9 @@ TEST(FlatPlate, HoldsEachCornerOfABoxWithFrictionByOneRow) {
       const double higher = 0.5e-4 * (size.x() + size.z()) - 0.6e-6;
       for (const RelativePose& from : {RelativePose(at.p + higher * Vec3::UnitY(), tips), at}) {
         rows.Clear();
+        FrameRows in_B(rows);
         all.queries = {.most = limits::mesh::kMaxQueries};
-        BeginSubStep(contact, ActiveKernels(), front, from, {}, First::kAllCorners, rows);
+        BeginSubStep(contact, ActiveKernels(), front, from, {}, First::kAllCorners, in_B);
         EndSubStep(contact, true);
       }
       // Within an edge, a vertex of others ends faces, and is held, too.

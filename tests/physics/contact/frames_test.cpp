@@ -1,5 +1,6 @@
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -15,6 +16,7 @@
 namespace palpate {
 namespace {
 
+using test::BallBody;
 using test::MakeMeshBody;
 using test::MeshOracle;
 
@@ -30,6 +32,11 @@ Scene BoxInAGroove() {
                                        Pose{Vec3(0.0, 0.0, -0.015), Quat::Identity()}));
   scene.objects.push_back(MakeMeshBody("left", MakeBox(Vec3(0.01, 0.05, 0.03)), wall(-1.0)));
   scene.objects.push_back(MakeMeshBody("right", MakeBox(Vec3(0.01, 0.05, 0.03)), wall(1.0)));
+  for (Body& object : scene.objects) {
+    object.materials.resize(1);
+    object.materials[0].static_friction = 0.3;
+    object.materials[0].dynamic_friction = 0.3;
+  }
   scene.features.contact = ContactModel::kSurface;
   return scene;
 }
@@ -72,7 +79,7 @@ TEST(Frames, GiveTheForcesOfOneFrameIfTheyStandStill) {
     const HapticModel three = ModelOf(scene, {0, 1, 2}, friction);
     StepWorkspace workspace_of_one(one), workspace_of_three(three);
     StepState state_of_one(one), state_of_three(three);
-    ASSERT_EQ(state_of_three.fronts.size(), 3u);
+    ASSERT_EQ(state_of_three.frames.size(), 3u);
     MeshOracle oracle(scene);
     int held = 0, by_several = 0;
     for (int i = 0; i < 2500; ++i) {
@@ -90,6 +97,163 @@ TEST(Frames, GiveTheForcesOfOneFrameIfTheyStandStill) {
     EXPECT_GT(held, 500);
     EXPECT_GT(by_several, 50);
   }
+}
+
+/// Where a body that swings and turns is.
+Pose BodyAt(int i) {
+  const double t = 1e-3 * i;
+  return {
+      Vec3(0.01 * std::sin(5.0 * t), 0.008 * std::sin(3.0 * t), 0.006 * std::sin(8.0 * t)),
+      RotationExp(Vec3(0.2 * std::sin(4.0 * t), 0.3 * std::sin(2.0 * t), 0.1 * std::sin(6.0 * t)))};
+}
+
+/// A scene with a ball in place of the box, and a body of curved faces and creases on the floor.
+Scene BallOnABump() {
+  Scene scene = BoxInAGroove();
+  scene.tools[0] = BallBody(0.004);
+  const std::vector<Material> materials = scene.objects[0].materials;
+  scene.objects[0] =
+      MakeMeshBody("bump", MakeSphere(0.02, 1280), Pose{Vec3(0.0, 0.0, -0.024), Quat::Identity()});
+  scene.objects[0].materials = materials;
+  return scene;
+}
+
+/// What a hand at X_WH feels of bodies that are at X_WB next, in their frame.
+struct Felt {
+  Pose X_BG;
+  Vec3 force_B, torque_B;
+  std::uint32_t faults;
+};
+Felt StepIn(const HapticModel& model, const Pose& X_WB, const Pose& X_BH, StepState& state,
+            StepWorkspace& workspace) {
+  for (std::size_t i = 1; i < state.frames.size(); ++i) state.frames[i].X_WB_next = X_WB;
+  const StepReport report = HapticStep(model, X_WB * X_BH, state, workspace);
+  const Pose X_BW = X_WB.Inverse();
+  return {X_BW * state.X_WG, X_BW.q * report.wrench.force, X_BW.q * report.wrench.torque,
+          report.faults};
+}
+
+// Contact knows no velocity: a hand feels of bodies that all move together what it feels of the
+// same bodies at rest, if it moves against them in the same way.
+TEST(Frames, FeelAsTheSameBodiesAtRestIfAllMoveTogether) {
+  for (const Scene& scene : {BoxInAGroove(), BallOnABump()}) {
+    for (const FrictionModel friction : {FrictionModel::kOff, FrictionModel::kCoulomb}) {
+      const HapticModel rest = ModelOf(scene, {0, 0, 0}, friction);
+      const HapticModel moves = ModelOf(scene, {1, 1, 1}, friction);
+      StepWorkspace workspace_of_rest(rest), workspace_of_moves(moves);
+      StepState state_of_rest(rest), state_of_moves(moves);
+      MeshOracle oracle(scene);
+      int held = 0, late = 0;
+      for (int i = 0; i < 2500; ++i) {
+        const Felt a = StepIn(rest, {}, HandAt(i), state_of_rest, workspace_of_rest);
+        const Felt b = StepIn(moves, BodyAt(i), HandAt(i), state_of_moves, workspace_of_moves);
+        ASSERT_FALSE(oracle.Meet(b.X_BG)) << i;
+        const bool is_late = ((a.faults | b.faults) & kFaultTargetFar) != 0;
+        late += is_late ? 1 : 0;
+        if (is_late) continue;
+        // 1 um, the separation, is 1 mN.  A ball rests where its direction is within a mrad of its
+        // rows', and friction on facets depends on the steps of the path.
+        const bool has_friction = friction == FrictionModel::kCoulomb;
+        const double share = has_friction ? 0.01 : rest.is_ball() ? 0.004 : 0.0;
+        ASSERT_LT((a.force_B - b.force_B).norm(), 2e-3 + share * a.force_B.norm()) << i;
+        ASSERT_LT((a.torque_B - b.torque_B).norm(), 2e-4 + share * a.torque_B.norm()) << i;
+        held += a.force_B.norm() > 0.01 ? 1 : 0;
+      }
+      EXPECT_GT(held, 500);
+      EXPECT_LT(late, 25);
+    }
+  }
+}
+
+// Each body swings in its own way, and they squeeze the tool between them: none is entered, and
+// each goes on as far as the tool can give way.
+TEST(Frames, AreNeverEnteredHoweverTheyMove) {
+  const Scene scene = BoxInAGroove();
+  std::vector<Scene> alone(3, scene);
+  std::vector<std::unique_ptr<MeshOracle>> oracles;
+  for (std::size_t i = 0; i < 3; ++i) {
+    alone[i].objects = {scene.objects[i]};
+    oracles.push_back(std::make_unique<MeshOracle>(alone[i]));
+  }
+  for (const FrictionModel friction : {FrictionModel::kOff, FrictionModel::kCoulomb}) {
+    const HapticModel model = ModelOf(scene, {1, 2, 3}, friction);
+    StepWorkspace workspace(model);
+    StepState state(model);
+    int late = 0, stopped = 0;
+    for (int i = 0; i < 4000; ++i) {
+      for (int frame = 1; frame <= 3; ++frame) {
+        state.frames[std::size_t(frame)].X_WB_next =
+            BodyAt(i == 0 ? 0 : i * frame + 700 * (frame - 1));
+      }
+      const StepReport report = HapticStep(model, HandAt(i), state, workspace);
+      late += (report.faults & kFaultTargetFar) != 0 ? 1 : 0;
+      for (std::size_t frame = 1; frame <= 3; ++frame) {
+        const BodyFrame& of = state.frames[frame];
+        stopped += (of.X_WB.p - of.X_WB_next.p).norm() > 1e-9 ? 1 : 0;
+        ASSERT_FALSE(oracles[frame - 1]->Meet(of.X_WB.Inverse() * state.X_WG)) << i << frame;
+      }
+    }
+    EXPECT_LT(late, 400);
+    EXPECT_GT(stopped, 50);
+  }
+}
+
+// A plate that comes up under a hand that stands still.
+TEST(Frames, PushAToolThatIsInTheirWay) {
+  Scene scene = BoxInAGroove();
+  const HapticModel model = ModelOf(scene, {1, 0, 0}, FrictionModel::kOff);
+  StepWorkspace workspace(model);
+  StepState state(model);
+  const double floor = -0.010, half = 0.0055;
+  for (int i = 0; i <= 300; ++i) {
+    const double up = 3e-5 * i;
+    state.frames[1].X_WB_next.p.z() = up;
+    const StepReport report = HapticStep(model, Pose{}, state, workspace);
+    const double depth = floor + up + half;
+    EXPECT_EQ(state.frames[1].X_WB.p.z(), up) << i;
+    EXPECT_NEAR(report.wrench.force.z(), 1000.0 * std::max(0.0, depth), 2e-3) << i;
+    EXPECT_NEAR(report.wrench.force.head<2>().norm(), 0.0, 2e-3) << i;
+  }
+}
+
+// What is squeezed between a body that moves and one that stands stops the former.
+TEST(Frames, StopWhereAToolCannotGiveWay) {
+  Scene scene = BoxInAGroove();
+  scene.objects[1] = MakeMeshBody("lid", MakeBox(Vec3(0.06, 0.06, 0.01)),
+                                  Pose{Vec3(0.0, 0.0, 0.012), Quat::Identity()});
+  const HapticModel model = ModelOf(scene, {1, 0, 0}, FrictionModel::kOff);
+  StepWorkspace workspace(model);
+  StepState state(model);
+  StepReport report;
+  for (int i = 0; i <= 400; ++i) {
+    state.frames[1].X_WB_next.p.z() = 3e-5 * i;
+    report = HapticStep(model, Pose{}, state, workspace);
+  }
+  // From -0.010 to the box's height below the lid at 0.007.
+  EXPECT_NEAR(state.frames[1].X_WB.p.z(), 0.006, 1e-5);
+  EXPECT_NEAR(state.X_WG.p.z(), 0.0015, 1e-5);
+  EXPECT_NE(report.faults & kFaultTargetFar, 0u);
+  state.frames[1].X_WB_next.p.z() = 0.0;
+  for (int i = 0; i < 50; ++i) report = HapticStep(model, Pose{}, state, workspace);
+  EXPECT_EQ(state.frames[1].X_WB.p.z(), 0.0);
+  EXPECT_EQ(report.wrench.force.norm(), 0.0);
+}
+
+// A belt that runs under a hand that presses on it drags the hand along with mu_d.
+TEST(Frames, DragWithTheForceOfFriction) {
+  Scene scene = BoxInAGroove();
+  const HapticModel model = ModelOf(scene, {1, 0, 0}, FrictionModel::kCoulomb);
+  StepWorkspace workspace(model);
+  StepState state(model);
+  StepReport report;
+  for (int i = 0; i <= 400; ++i) {
+    const Pose X_WH{Vec3(0.0, 0.0, std::max(-0.007, -3e-5 * i)), Quat::Identity()};
+    state.frames[1].X_WB_next.p.y() = 2e-5 * std::max(0, i - 300);
+    report = HapticStep(model, X_WH, state, workspace);
+  }
+  ASSERT_NEAR(report.wrench.force.z(), 2.5, 3e-3);
+  EXPECT_NEAR(report.wrench.force.y(), 0.3 * report.wrench.force.z(), 0.01);
+  EXPECT_NEAR(report.wrench.force.x(), 0.0, 3e-3);
 }
 
 }  // namespace

@@ -51,6 +51,7 @@ void ExpectRowsLike(const TriangleMesh& tool_mesh, const TriangleMesh& object_me
     SeparationFront front;
     ContactRows rows(kRows, 0.03);
     rows.Clear();
+    FrameRows in_B(rows);
     const RelativePose from(
         Vec3(1e-4 * random.Uniform(-1.0, 1.0), 1e-4 * random.Uniform(-1.0, 1.0), height + 10e-6),
         RotationExp(0.1 * random.InCube(1.0)));
@@ -62,8 +63,8 @@ void ExpectRowsLike(const TriangleMesh& tool_mesh, const TriangleMesh& object_me
     Vec3 v = 1e-5 * random.InCube(1.0);
     v.z() -= gap(at.p + v, RotationExp(phi) * at.R) + 40e-6;
     all.queries = {.most = limits::mesh::kMaxQueries};
-    BeginSubStep(contact, ActiveKernels(), front, at, {}, First::kActive, rows);
-    ASSERT_FALSE(CheckCandidate(contact, v, phi, rows));
+    BeginSubStep(contact, ActiveKernels(), front, at, {}, First::kActive, in_B);
+    ASSERT_FALSE(CheckCandidate(contact, v, phi, in_B));
     ASSERT_GT(rows.count(), 0);
     const auto exact = [&](const Vec3& dv, const Vec3& dphi) {
       return gap(at.p + v + dv, RotationExp(phi + dphi) * at.R);

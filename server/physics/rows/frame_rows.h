@@ -1,0 +1,101 @@
+#pragma once
+
+#include "common/math/rotation.h"
+#include "server/physics/rows/contact_rows.h"
+
+namespace palpate {
+
+/// How a frame B moves in W in a sub-step, and with it the relative motion of a tool that makes the
+/// step [v; phi] in W.  The translation is exact for every step; the rotation is, to first order.
+class FrameMotion {
+ public:
+  FrameMotion() = default;  ///< B is W
+  /// @param from, to  X_WB before and after the sub-step.   @param p_W  tool's reference point
+  /// @param turns     false for a ball, whose rotation counts nowhere
+  FrameMotion(const Pose& from, const Pose& to, const Vec3& p_W, bool turns)
+      : is_W_(false),
+        from_(from.q.toRotationMatrix()),
+        to_(to.q.toRotationMatrix()),
+        turned_(turns ? Quat(to.q.conjugate() * from.q) : Quat::Identity()),
+        v_(to.Inverse() * p_W - from.Inverse() * p_W),
+        phi_(RotationLog(turned_)) {}
+
+  bool is_W() const { return is_W_; }
+  /// Returns whether B moves.
+  bool moves() const { return !v_.isZero(0.0) || !phi_.isZero(0.0); }
+  /// The tool's motion in B [m], [rad].
+  Vec3 v(const Vec3& v_W) const { return is_W_ ? v_W : Vec3(to_.transpose() * v_W + v_); }
+  Vec3 phi(const Vec3& phi_W) const {
+    return is_W_ ? phi_W : RotationLog(turned_ * RotationExp(from_.transpose() * phi_W));
+  }
+  /// What of them B's own motion is.
+  const Vec3& own_v() const { return v_; }
+  const Vec3& own_phi() const { return phi_; }
+  /// The motion of a tool that stays, at a lever from its reference point, against B; in W [m].
+  Vec3 DriftAt(const Vec3& lever_W) const {
+    return to_ * (v_ - from_.transpose() * lever_W) + lever_W;
+  }
+  /// R_WB for directions of translation and of rotation.
+  const Mat3& R_v() const { return to_; }
+  const Mat3& R_phi() const { return from_; }
+
+ private:
+  bool is_W_ = true;
+  Mat3 from_ = Mat3::Identity(), to_ = Mat3::Identity();
+  Quat turned_ = Quat::Identity();
+  Vec3 v_ = Vec3::Zero(), phi_ = Vec3::Zero();
+};
+
+/// The rows of a sub-step, seen from a frame B: what goes in and comes out is in B, and of the
+/// motion in B; what is stored is in W, and of the tool's step.  With v_B = R^T v + v_0 and phi_B =
+/// R^T phi + phi_0 (FrameMotion),
+///   n_B . v_B + m_B . phi_B >= -g_B   becomes   (R n_B) . v + (R m_B) . phi >= -(g_B + n_B . v_0 +
+///   m_B . phi_0).
+class FrameRows {
+ public:
+  explicit FrameRows(ContactRows& rows) : rows_(rows) {}
+  FrameRows(ContactRows& rows, const FrameMotion& motion) : rows_(rows), motion_(&motion) {}
+
+  int count() const { return rows_.count(); }
+  int max_rows() const { return rows_.max_rows(); }
+  const ContactId& id(int row) const { return rows_.id(row); }
+  bool IsLoose(int row) const { return rows_.IsLoose(row); }
+  void Loosen(int row) noexcept { rows_.Loosen(row); }
+
+  Vec3 normal(int row) const { return In(motion_->R_v(), rows_.normal(row)); }
+  Vec3 lever(int row) const { return In(motion_->R_phi(), rows_.lever(row)); }
+  double gap(int row) const { return rows_.gap(row) - Own(row); }
+  void SetGap(int row, double gap) noexcept { rows_.SetGap(row, gap + Own(row)); }
+  double Left(int row, const Vec3& v, const Vec3& phi) const {
+    return gap(row) + normal(row).dot(v) + by_rotation(row).dot(phi);
+  }
+  double AngleTo(int row, const Vec3& n, const Vec3& by_rotation) const {
+    return rows_.AngleTo(row, Out(motion_->R_v(), n), Out(motion_->R_phi(), by_rotation));
+  }
+  void AddRow(const Vec3& n, const Vec3& lever, double gap, const ContactId& id) noexcept {
+    const int row = rows_.count();
+    rows_.AddRow(n, lever, gap, id);
+    if (!motion_->is_W()) SetRow(row, n, lever, lever.cross(n), gap);
+  }
+  void SetRow(int row, const Vec3& n, const Vec3& lever, const Vec3& by_rotation,
+              double gap) noexcept {
+    rows_.SetRow(row, Out(motion_->R_v(), n), Out(motion_->R_phi(), lever),
+                 Out(motion_->R_phi(), by_rotation), gap + Own(n, by_rotation));
+  }
+
+ private:
+  Vec3 In(const Mat3& R, const Vec3& x) const { return motion_->is_W() ? x : R.transpose() * x; }
+  Vec3 Out(const Mat3& R, const Vec3& x) const { return motion_->is_W() ? x : R * x; }
+  Vec3 by_rotation(int row) const { return In(motion_->R_phi(), rows_.lever_cross_normal(row)); }
+  double Own(const Vec3& n, const Vec3& by_rotation) const {
+    if (motion_->is_W()) return 0.0;
+    return n.dot(motion_->own_v()) + by_rotation.dot(motion_->own_phi());
+  }
+  double Own(int row) const { return motion_->is_W() ? 0.0 : Own(normal(row), by_rotation(row)); }
+
+  static inline const FrameMotion kStill{};
+  ContactRows& rows_;
+  const FrameMotion* motion_ = &kStill;
+};
+
+}  // namespace palpate
