@@ -190,7 +190,7 @@ std::size_t Hub::Renew(std::optional<Tokens> tokens, std::int64_t now_ns) {
       const Person* const person = class_room_->roster().Find(viewer->holder()->person);
       if (person != nullptr && person->hash == viewer->holder()->hash &&
           person->role == viewer->holder()->role) {
-        viewer->Rename(person->name);
+        viewer->Rename(person->name, person->station);
         continue;
       }
     }
@@ -333,7 +333,7 @@ void Hub::BeginTrial(const std::string& name, Viewer& viewer, std::int64_t now_n
   }
   // The recorder first: it must record the first pose.
   const std::string station =
-      mice_.Take(viewer.id(), viewer.holder()->name, take, "", now_ns, true);
+      mice_.Take(viewer.id(), viewer.holder()->station, take, "", now_ns, true);
   if (station.empty()) return;  // its page has been told
   try {
     if (exams_->Sits(person)) {
@@ -539,7 +539,8 @@ void Hub::Take(Viewer& viewer, const MouseCommand& command, std::int64_t now_ns)
   const std::optional<Tokens::Holder>& holder = viewer.holder();
   if (refusal.empty()) refusal = WhyNotAt(viewer, command.scene);
   if (refusal.empty()) {
-    mice_.Take(viewer.id(), holder ? holder->name : "", command, WhyAbsent(command.scene), now_ns);
+    mice_.Take(viewer.id(), holder ? holder->station : "", command, WhyAbsent(command.scene),
+               now_ns);
     return;
   }
   // The page expects an answer to each; the newest one suffices.

@@ -33,7 +33,8 @@ class MouseRoom {
     std::string prefix = "mouse_";
     /// Prefix of the station names of viewers with a name.
     std::string named_prefix = "";
-    /// Returns whether a station name is taken by, or reserved for, somebody other than `who`.
+    /// Returns whether a station name is taken by, or reserved for, somebody whose own is not
+    /// `who`.
     std::function<bool(const std::string& station, const std::string& who)> is_others =
         [](const std::string&, const std::string&) { return false; };
   };
@@ -48,7 +49,7 @@ class MouseRoom {
       : options_(std::move(options)), tell_(std::move(tell)) {}
 
   /// Takes a tool for a viewer.  Returns the station's name; empty: it is refused.
-  /// @param who        name of the viewer's token, from which the station's is made; empty: none.
+  /// @param who        station of the viewer's token, which is numbered; empty: it has none.
   /// @param absent     why the scene is not available now; empty: it is.
   /// @param waits      the station starts only after Go, when a recorder is there.
   std::string Take(Holder holder, const std::string& who, const MouseCommand& command,
