@@ -245,6 +245,7 @@ std::string ClassRoom::WhyNotAt(std::int64_t person, const std::string& scene) c
 
 std::string ClassRoom::PeopleJson(const Here& here,
                                   const std::map<std::int64_t, TrialRoom::News>& trials,
+                                  const std::vector<Exercise>& exercises,
                                   const std::string& prefix) const {
   Json people = Json::array();
   for (const Person& person : roster_.people()) {
@@ -262,12 +263,15 @@ std::string ClassRoom::PeopleJson(const Here& here,
     people.back()["trial"] = {{"exercise", news.exercise}, {"n", news.n},
                               {"phase", news.phase},       {"ahead", news.ahead},
                               {"reason", news.reason},     {"points", nullptr}};
+    const auto exercise = std::ranges::find(exercises, news.exercise, &Exercise::name);
+    if (exercise != exercises.end()) people.back()["trial"]["title"] = Json(exercise->title);
     if (news.points) people.back()["trial"]["points"] = *news.points;
   }
   return ToText(Json({{"scene", scene_}, {"people", people}}));
 }
 
-std::string ClassRoom::OwnJson(std::int64_t id) const {
+std::string ClassRoom::OwnJson(std::int64_t id,
+                               const std::map<std::string, std::string>& names) const {
   const Person* const person = roster_.Find(id);
   if (person == nullptr) return "{}";
   const auto announced = announced_.find(id);
@@ -277,7 +281,8 @@ std::string ClassRoom::OwnJson(std::int64_t id) const {
                       {"role", RoleName(person->role)},
                       {"seat", own.seat},
                       {"line", own.line},
-                      {"lines", own.lines}}));
+                      {"lines", own.lines},
+                      {"names", names}}));
 }
 
 }  // namespace palpate

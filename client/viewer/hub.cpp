@@ -246,13 +246,23 @@ FramePtr Hub::Teach(const ClassCommand& command, Viewer& viewer) {
   return OwnFrame(TopicFeed::kClassAnswer, command.tag % kAnswersAtOnce, answer);
 }
 
+std::map<std::string, std::string> Hub::NamesAtTools() const {
+  std::map<std::string, std::string> names;
+  for (const auto& [id, viewer] : viewers_) {
+    const std::string station = mice_.StationOf(id);
+    if (!station.empty() && viewer->holder()) names[station] = viewer->holder()->name;
+  }
+  return names;
+}
+
 FramePtr Hub::OwnFrameOf(const Viewer& viewer) const {
-  return OwnFrame(TopicFeed::kMe, 0, class_room_->OwnJson(viewer.holder()->person));
+  return OwnFrame(TopicFeed::kMe, 0, class_room_->OwnJson(viewer.holder()->person, NamesAtTools()));
 }
 
 FramePtr Hub::PeopleFrame() const {
   return OwnFrame(TopicFeed::kPeople, 0,
-                  class_room_->PeopleJson(CountPages(), newest_trials_, mice_.named_prefix()));
+                  class_room_->PeopleJson(CountPages(), newest_trials_, trials_->exercises(),
+                                          mice_.named_prefix()));
 }
 
 void Hub::TellClass(std::int64_t now_ns) {
@@ -436,6 +446,7 @@ void Hub::Tell(const MouseRoom::News& news) {
   if (viewer == viewers_.end()) return;
   const std::shared_ptr<Viewer> keep = viewer->second;
   places_.Holds(news.holder, mice_.holds(news.holder));
+  class_changed_ = true;  // who holds a tool is named
   if (news.phase == "refused") {
     keep->Say(foxglove::Level::kError, "the tool is refused: " + news.reason);
   }

@@ -59,7 +59,9 @@ class MouseRoom {
   void Drag(Holder holder, const Pose& X_WT, std::int64_t now_ns);
   /// Also to be called when the viewer has gone.
   void Release(Holder holder, const std::string& reason, std::int64_t now_ns);
-  bool holds(Holder holder) { return Find(holder) != nullptr; }
+  bool holds(Holder holder) const { return !StationOf(holder).empty(); }
+  /// Returns the station of the tool that a viewer holds; empty: it holds none.
+  std::string StationOf(Holder holder) const;
   /// Returns whether another holder has that tool of the scene.  @param tool  empty: any.
   bool IsTaken(const std::string& scene, const std::string& tool, Holder holder) const;
 
