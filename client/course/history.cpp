@@ -370,7 +370,7 @@ std::string History::Csv(std::int64_t id, CsvAs as) const {
     return text;
   };
   const auto line = [as](const std::vector<std::string>& fields) {
-    return fmt::format("{}\r\n", fmt::join(fields, as == CsvAs::kDecimalComma ? ";" : ","));
+    return fmt::format("{}\r\n", fmt::join(fields, as == CsvAs::kRfc4180 ? "," : ";"));
   };
   std::vector<std::string> head{"person", "name",   "exercise", "trial",  "begun",    "ended",
                                 "whole",  "reason", "points",   "passed", "submitted"};

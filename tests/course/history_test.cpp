@@ -292,6 +292,8 @@ TEST(Csv, IsThatOfRfc4180AndRunsInNoSpreadsheet) {
   EXPECT_EQ(history.Csv(2), history.Csv());
   EXPECT_THAT(history.Csv(2, CsvAs::kDecimalComma),
               HasSubstr(";yes;stopped;60,00;no;1970-01-02T00:00:00Z;60,00\r\n"));
+  EXPECT_THAT(history.Csv(2, CsvAs::kSemicolon),
+              HasSubstr(";yes;stopped;60.00;no;1970-01-02T00:00:00Z;60.00\r\n"));
 }
 
 }  // namespace
