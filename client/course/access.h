@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -35,9 +36,10 @@ bool LooksLikeToken(std::string_view text);
 /// Returns the text without leading and trailing white space.
 std::string_view Trimmed(std::string_view text);
 
-/// Returns the station name [A-Za-z0-9_]{1,32} for the holder of a token with this name.  Letters
-/// of Western Europe lose their accents, other letters beyond ASCII become their code point
-/// (x738b), and '_' replaces everything else.
+inline constexpr std::size_t kLongestStation = 32;  ///< IsStationName (common/dds/topics.h)
+
+/// Returns the station name [A-Za-z0-9_]{1,32} for a name in ASCII, whose other characters become
+/// '_'.
 /// @param number  appended to the name from 2 on.
 std::string StationNameOf(std::string_view name, int number = 1);
 

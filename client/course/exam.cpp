@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <set>
 
+#include "client/course/person_name.h"
 #include "client/course/seal.h"
 #include "common/error.h"
 #include "common/files/project_files.h"
@@ -73,10 +73,14 @@ Exam LoadExam(const std::string& file) {
     exam.tasks.push_back(ReadTask(node, parent.empty() ? "." : parent.string()));
   }
   if (const auto people = root.Find("people")) {
-    std::set<std::string> names;
+    std::vector<NameLook> looks;
     for (const JsonNode& name : people->Items(1)) {
       exam.people.push_back(name.String());
-      if (!names.insert(name.String()).second) name.Fail("is listed twice; remove one");
+      const NameLook look = LookOf(name.String());
+      for (const NameLook& other : looks) {
+        if (LookAlike(look, other)) name.Fail("is listed twice; remove one");
+      }
+      looks.push_back(look);
     }
   }
   return exam;

@@ -206,14 +206,13 @@ std::set<std::int64_t> ExamRoom::PeopleOf(const Exam& exam) const {
     }
   }
   for (const std::string& name : exam.people) {
-    const auto found = std::ranges::find_if(roster_.people(), [&](const Person& person) {
-      return person.here() && person.role == Access::kDrive && person.name == name;
-    });
-    if (found == roster_.people().end()) {
+    const Person* const found = roster_.FindName(name);
+    if (found == nullptr || found->role != Access::kDrive) {
+      const std::string near = roster_.NameNear(name);
       throw Error(
           fmt::format("people: no person with the role 'drive' is named {}; add that person under "
-                      "Class, or edit the exam's file",
-                      Quoted(name)));
+                      "Class, or edit the exam's file{}",
+                      Quoted(name), near.empty() ? "" : ", where " + Quoted(near) + " is near"));
     }
     people.insert(found->id);
   }

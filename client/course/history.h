@@ -107,9 +107,9 @@ std::vector<CriterionLoss> LossesOf(TrialRows rows, const Exercise* exercise, in
 /// each counted once.
 std::vector<CriterionLoss> ClassLossesOf(const std::vector<std::vector<CriterionLoss>>& losses);
 
-/// How a CSV is written: for programs, or with semicolons and decimal commas for spreadsheets of
-/// countries that write numbers so.
-enum class CsvAs { kRfc4180, kDecimalComma };
+/// How a CSV is written: for programs; with semicolons and decimal commas, or decimal points (as in
+/// Switzerland), for spreadsheets of countries that write numbers so.
+enum class CsvAs { kRfc4180, kDecimalComma, kSemicolon };
 
 /// The trials of a course with the people who did them, and the reports made from them.  Pure.
 class History {

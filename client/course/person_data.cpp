@@ -157,7 +157,7 @@ int GiveData(const std::string& folder, const Person& person, const std::string&
   unlink(path.c_str());
   try {
     Zip zip(fmt::format("/proc/self/fd/{}", file));
-    const std::string top = StationNameOf(person.name) + "/";
+    const std::string top = FileNameOf(person.name) + "/";
     AddText(zip, top + "README.txt", kReadMe);
     AddText(zip, top + "trials.csv", csv);
     const fs::path trials = TrialsOf(folder, person.id);

@@ -10,6 +10,7 @@
 
 #include "common/error.h"
 #include "common/text/lower_case.h"
+#include "common/text/nearest_word.h"
 #include "common/text/quoted.h"
 
 namespace palpate {
@@ -36,6 +37,8 @@ Person PersonOf(SQLite::Statement& row) {
   }
   person.made_s = row.getColumn(4).getInt64();
   person.withdrawn_s = row.getColumn(5).getInt64();
+  person.station = row.getColumn(6).getString();
+  person.look = LookOf(person.name);
   return person;
 }
 
@@ -51,38 +54,47 @@ void Roster::Read() {
   file_.Use([&](SQLite::Database& database) {
     SQLite::Statement rows(
         database,
-        "SELECT id, name, role, token_sha256, made_s, withdrawn_s FROM person ORDER BY id");
+        "SELECT id, name, role, token_sha256, made_s, withdrawn_s, station FROM person "
+        "ORDER BY id");
     while (rows.executeStep()) people.push_back(PersonOf(rows));
   });
   people_ = std::move(people);
 }
 
-std::string Roster::Checked(std::string_view name, std::int64_t id) const {
-  const std::string kept(Trimmed(name));
-  if (kept.empty()) throw Error("the name is empty; give one");
-  if (kept.size() > kLongestName) {
-    throw Error(
-        fmt::format("the name {} has more than {} bytes; shorten it", Quoted(kept), kLongestName));
-  }
-  if (Printable(kept) != kept) {
-    throw Error(fmt::format("the name {} has invisible characters; type it again", Quoted(kept)));
-  }
-  const std::string station = StationNameOf(kept);
-  if (station.find_first_not_of('_') == station.npos) {
-    throw Error(fmt::format("the name {} has no letter or digit; add one", Quoted(kept)));
-  }
+void Roster::Name(Person& one, std::string_view name) const {
+  one.name = PersonName(name);
+  one.look = LookOf(one.name);
   for (const Person& other : people_) {
-    if (!other.here() || other.id == id) continue;
-    if (LowerCase(StationNameOf(other.name)) != LowerCase(station)) continue;
+    if (!other.here() || other.id == one.id || !LookAlike(one.look, other.look)) continue;
     throw Error(
-        other.name == kept
+        other.name == one.name
             ? fmt::format("there is already a {}; add a letter or number to tell them apart",
-                          Quoted(kept))
-            : fmt::format("{} and {} would have the same station name, '{}'; add a letter or "
-                          "number to tell them apart",
-                          Quoted(kept), Quoted(other.name), station));
+                          Quoted(one.name))
+            : fmt::format("{} looks like {}, who is in the course; add a letter or number to tell "
+                          "them apart",
+                          Quoted(one.name), Quoted(other.name)));
   }
-  return kept;
+}
+
+std::string Roster::StationFor(const Person& one, const IsTaken& is_taken) const {
+  // Room for a prefix, mouse_, and the number of a second page, _123 (MouseRoom).
+  constexpr std::size_t kLongest = kLongestStation - 10;
+  const auto is_free = [&](const std::string& station) {
+    return !station.empty() && station.size() <= kLongest && !(is_taken && is_taken(station)) &&
+           std::ranges::none_of(people_, [&](const Person& other) {
+             return other.here() && other.id != one.id &&
+                    LowerCase(other.station) == LowerCase(station);
+           });
+  };
+  const std::string latin = InLatin(one.name);
+  std::string station = latin;
+  std::string after = "_" + std::to_string(one.id);
+  while (!is_free(station)) {
+    const std::string begin = latin.empty() ? "person" : latin;
+    station = begin.substr(0, kLongest - after.size()) + after;
+    after += "_";  // somebody's name is this one with this number
+  }
+  return station;
 }
 
 const Person& Roster::Known(std::int64_t id) const {
@@ -90,7 +102,8 @@ const Person& Roster::Known(std::int64_t id) const {
   throw Error(fmt::format("no person of this course has the number {}; reload the page", id));
 }
 
-std::vector<Roster::Made> Roster::Make(const std::vector<std::string>& names, Access role) {
+std::vector<Roster::Made> Roster::Make(const std::vector<std::string>& names, Access role,
+                                       const IsTaken& is_taken) {
   const auto here = std::ranges::count_if(people_, &Person::here);
   if (static_cast<std::size_t>(here) + names.size() > kMost) {
     throw Error(fmt::format("a course has at most {} people; remove some", kMost));
@@ -100,20 +113,29 @@ std::vector<Roster::Made> Roster::Make(const std::vector<std::string>& names, Ac
   try {
     file_.Use([&](SQLite::Database& database) {
       SQLite::Transaction transaction(database);
+      // The number is known once the row is there.
       SQLite::Statement insert(database,
                                "INSERT INTO person(name, station, role, token_sha256, made_s) "
-                               "VALUES(?, ?, ?, ?, ?)");
+                               "VALUES(?, '', ?, ?, ?)");
+      SQLite::Statement update(database, "UPDATE person SET station = ? WHERE id = ?");
       for (const std::string& name : names) {
-        Made one{{0, Checked(name, 0), role, {}, std::time(nullptr), 0}, RandomToken()};
+        Made one{{}, RandomToken()};
+        Name(one.person, name);
+        one.person.role = role;
         one.person.hash = HashOfToken(one.token);
+        one.person.made_s = std::time(nullptr);
         insert.reset();
         insert.bind(1, one.person.name);
-        insert.bind(2, StationNameOf(one.person.name));
-        insert.bind(3, RoleName(role));
-        insert.bind(4, one.person.hash.data(), static_cast<int>(one.person.hash.size()));
-        insert.bind(5, static_cast<std::int64_t>(one.person.made_s));
+        insert.bind(2, RoleName(role));
+        insert.bind(3, one.person.hash.data(), static_cast<int>(one.person.hash.size()));
+        insert.bind(4, one.person.made_s);
         insert.exec();
         one.person.id = database.getLastInsertRowid();
+        one.person.station = StationFor(one.person, is_taken);
+        update.reset();
+        update.bind(1, one.person.station);
+        update.bind(2, one.person.id);
+        update.exec();
         people_.push_back(one.person);  // so that the next name is checked against it too
         made.push_back(std::move(one));
       }
@@ -126,12 +148,14 @@ std::vector<Roster::Made> Roster::Make(const std::vector<std::string>& names, Ac
   return made;
 }
 
-void Roster::Rename(std::int64_t id, const std::string& name) {
-  const std::string kept = Checked(name, Known(id).id);
+void Roster::Rename(std::int64_t id, const std::string& name, const IsTaken& is_taken) {
+  Person one = Known(id);
+  Name(one, name);
+  one.station = StationFor(one, is_taken);
   file_.Use([&](SQLite::Database& database) {
     SQLite::Statement update(database, "UPDATE person SET name = ?, station = ? WHERE id = ?");
-    update.bind(1, kept);
-    update.bind(2, StationNameOf(kept));
+    update.bind(1, one.name);
+    update.bind(2, one.station);
     update.bind(3, id);
     update.exec();
   });
@@ -190,6 +214,34 @@ const Person* Roster::FindToken(std::string_view token) const {
     if (CRYPTO_memcmp(person.hash.data(), hash.data(), hash.size()) == 0) found = &person;
   }
   return found != nullptr && found->here() ? found : nullptr;
+}
+
+const Person* Roster::FindName(std::string_view name) const {
+  const NameLook look = LookOf(name);
+  const Person* found = nullptr;
+  bool is_one = false;
+  for (const Person& person : people_) {
+    if (!person.here() || !LookAlike(person.look, look)) continue;
+    if (person.name == name) return &person;
+    is_one = found == nullptr;
+    found = &person;
+  }
+  return is_one ? found : nullptr;
+}
+
+std::string Roster::NameNear(std::string_view name) const {
+  // In Latin, so that an accent or a script is no distance.
+  const auto key_of = [](std::string_view of) {
+    const std::string latin = LowerCase(InLatin(of));
+    return latin.empty() ? std::string(of) : latin;
+  };
+  std::vector<std::string> keys(people_.size());
+  for (std::size_t i = 0; i < people_.size(); ++i) {
+    if (people_[i].here()) keys[i] = key_of(people_[i].name);
+  }
+  const std::vector<std::string_view> words(keys.begin(), keys.end());
+  const std::string_view nearest = NearestWord(key_of(name), words);
+  return nearest.empty() ? "" : people_[std::ranges::find(keys, nearest) - keys.begin()].name;
 }
 
 bool Roster::has_operator() const {

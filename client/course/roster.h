@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -8,29 +9,33 @@
 
 #include "client/course/access.h"
 #include "client/course/course_file.h"
+#include "client/course/person_name.h"
 
 namespace palpate {
 
 /// A person of a course.  Only the hash of the token is stored.
 struct Person {
   std::int64_t id = 0;  ///< from 1, never reused
-  std::string name;     ///< printable UTF-8, at most Roster::kLongestName bytes
+  std::string name;     ///< as PersonName returns it
   Access role = Access::kDrive;
   TokenHash hash{};
   std::int64_t made_s = 0;       ///< since 1970
   std::int64_t withdrawn_s = 0;  ///< 0: is in the course
+  std::string station;           ///< of their tools; ends with the number where a name does not do
+  NameLook look;
   bool here() const { return withdrawn_s == 0; }
 };
 
 /// The people of a course, stored in its file, with their roles.  A withdrawn person keeps id and
 /// name, under which the trials are filed.  No two people who are not withdrawn may have names that
-/// give the same station name (StationNameOf), regardless of case.  Every failure throws an Error,
-/// worded with a remedy for whoever asked, and changes nothing.
+/// look alike (NameLook), nor the same station.  Every failure throws an Error, worded with a
+/// remedy for whoever asked, and changes nothing.
 /// Thread contract: one thread.
 class Roster {
  public:
-  static constexpr std::size_t kLongestName = 64;  ///< bytes
-  static constexpr std::size_t kMost = 1000;       ///< people who are not withdrawn
+  static constexpr std::size_t kMost = 2000;  ///< people who are not withdrawn
+  /// Returns whether a station's name is somebody else's, who is not in the course.
+  using IsTaken = std::function<bool(const std::string& station)>;
 
   /// A new or renewed person with the token, which is available only here.
   struct Made {
@@ -40,10 +45,10 @@ class Roster {
 
   explicit Roster(CourseFile& file);
 
-  /// Adds all of the people or, if one cannot be added, none.  White space at both ends of a
-  /// name is ignored.
-  std::vector<Made> Make(const std::vector<std::string>& names, Access role);
-  void Rename(std::int64_t id, const std::string& name);
+  /// Adds all of the people or, if one cannot be added, none.
+  std::vector<Made> Make(const std::vector<std::string>& names, Access role,
+                         const IsTaken& is_taken = {});
+  void Rename(std::int64_t id, const std::string& name, const IsTaken& is_taken = {});
   /// Ends the person's token.  The last operator cannot be withdrawn.
   void Withdraw(std::int64_t id);
   /// Returns the person, withdrawn or not.  Throws Error if there is no such person, or if
@@ -59,11 +64,18 @@ class Roster {
   /// Finds a person who is not withdrawn, by id or by token; null: there is none.
   const Person* Find(std::int64_t id) const;
   const Person* FindToken(std::string_view token) const;
+  /// Finds a person who is not withdrawn by a name that looks like theirs; null: there is none, or
+  /// there are several.
+  const Person* FindName(std::string_view name) const;
+  /// Returns the name of a person who is not withdrawn that somebody who wrote `name` most likely
+  /// meant; empty: none is near.
+  std::string NameNear(std::string_view name) const;
   bool has_operator() const;
 
  private:
-  /// Returns the name as it is stored.  @param id  the person who is to have it; 0: a new one
-  std::string Checked(std::string_view name, std::int64_t id) const;
+  /// Gives a person a name, as it is stored, and a look.  @param one  with the number; 0: a new one
+  void Name(Person& one, std::string_view name) const;
+  std::string StationFor(const Person& one, const IsTaken& is_taken) const;
   const Person& Known(std::int64_t id) const;
 
   CourseFile& file_;

@@ -62,14 +62,14 @@ ClassCommand ParseClassCommand(std::string_view text) {
       if (names.size() > ClassCommand::kMostNames) {
         json.At("names").Fail(fmt::format("has more than {}", ClassCommand::kMostNames));
       }
-      for (const JsonNode& name : names) command.names.emplace_back(Trimmed(name.Text()));
+      for (const JsonNode& name : names) command.names.push_back(name.Text());
       command.role = *ParseRole(json.At("role").OneOf({"watch", "drive", "operate"}));
       break;
     }
     case ClassCommand::Op::kRename:
       json.AllowOnly({"tag", "op", "person", "name"});
       command.person = IdIn(json, 1);
-      command.names.emplace_back(Trimmed(json.At("name").Text()));
+      command.names.push_back(json.At("name").Text());
       break;
     case ClassCommand::Op::kWithdraw:
     case ClassCommand::Op::kLink:
@@ -101,7 +101,9 @@ std::optional<Roster::Made> ClassRoom::MakeFirstTeacher() {
 
 Tokens ClassRoom::With(Tokens others) const {
   for (const Person& person : roster_.people()) {
-    if (person.here()) others.Add({person.role, person.name, person.hash, person.id});
+    if (person.here()) {
+      others.Add({person.role, person.name, person.hash, person.id, person.station});
+    }
   }
   return others;
 }
@@ -114,18 +116,24 @@ std::string ClassRoom::Do(const ClassCommand& command, const Tokens& others, con
     people.push_back(
         {{"person", made.person.id}, {"name", made.person.name}, {"token", made.token}});
   };
+  const Roster::IsTaken is_taken = [&](const std::string& station) {
+    return others.NamesAnother(station, "", "");
+  };
   try {
     for (const std::string& name : command.names) {
-      if (others.NamesAnother(StationNameOf(name), "", "")) {
-        throw Error(Quoted(name) + " is already used in --tokens; give another name");
+      if (const std::string like = others.NameLike(name); !like.empty()) {
+        throw Error(Quoted(name) + " looks like " + Quoted(like) +
+                    " in --tokens; give another name");
       }
     }
     switch (command.op) {
       case ClassCommand::Op::kMake:
-        for (const Roster::Made& made : roster_.Make(command.names, command.role)) hand_out(made);
+        for (const Roster::Made& made : roster_.Make(command.names, command.role, is_taken)) {
+          hand_out(made);
+        }
         break;
       case ClassCommand::Op::kRename:
-        roster_.Rename(command.person, command.names.front());
+        roster_.Rename(command.person, command.names.front(), is_taken);
         break;
       case ClassCommand::Op::kWithdraw:
         roster_.Withdraw(command.person);
@@ -237,6 +245,7 @@ std::string ClassRoom::WhyNotAt(std::int64_t person, const std::string& scene) c
 
 std::string ClassRoom::PeopleJson(const Here& here,
                                   const std::map<std::int64_t, TrialRoom::News>& trials,
+                                  const std::vector<Exercise>& exercises,
                                   const std::string& prefix) const {
   Json people = Json::array();
   for (const Person& person : roster_.people()) {
@@ -244,7 +253,7 @@ std::string ClassRoom::PeopleJson(const Here& here,
     people.push_back({{"person", person.id},
                       {"name", person.name},
                       {"role", RoleName(person.role)},
-                      {"station", StationNameOf(prefix + person.name)},
+                      {"station", StationNameOf(prefix + person.station)},
                       {"here", here(person.id)},
                       {"seat", SeatOf(person.id)},
                       {"trial", nullptr}});
@@ -254,12 +263,15 @@ std::string ClassRoom::PeopleJson(const Here& here,
     people.back()["trial"] = {{"exercise", news.exercise}, {"n", news.n},
                               {"phase", news.phase},       {"ahead", news.ahead},
                               {"reason", news.reason},     {"points", nullptr}};
+    const auto exercise = std::ranges::find(exercises, news.exercise, &Exercise::name);
+    if (exercise != exercises.end()) people.back()["trial"]["title"] = Json(exercise->title);
     if (news.points) people.back()["trial"]["points"] = *news.points;
   }
   return ToText(Json({{"scene", scene_}, {"people", people}}));
 }
 
-std::string ClassRoom::OwnJson(std::int64_t id) const {
+std::string ClassRoom::OwnJson(std::int64_t id,
+                               const std::map<std::string, std::string>& names) const {
   const Person* const person = roster_.Find(id);
   if (person == nullptr) return "{}";
   const auto announced = announced_.find(id);
@@ -269,7 +281,8 @@ std::string ClassRoom::OwnJson(std::int64_t id) const {
                       {"role", RoleName(person->role)},
                       {"seat", own.seat},
                       {"line", own.line},
-                      {"lines", own.lines}}));
+                      {"lines", own.lines},
+                      {"names", names}}));
 }
 
 }  // namespace palpate

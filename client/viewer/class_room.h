@@ -83,12 +83,14 @@ class ClassRoom {
 
   /// Returns all people, for teachers.
   /// @param trials  newest trials of this run of the gateway, by person.
+  /// @param exercises  whose titles these have.
   /// @param prefix  of stations that are named after tokens.
   std::string PeopleJson(const Here& here, const std::map<std::int64_t, TrialRoom::News>& trials,
-                         const std::string& prefix) const;
-  /// Returns what a person is told: {person, name, role, seat, line, lines}; `lines` counts the
-  /// lines so far.
-  std::string OwnJson(std::int64_t person) const;
+                         const std::vector<Exercise>& exercises, const std::string& prefix) const;
+  /// Returns what a person is told: {person, name, role, seat, line, lines, names}; `lines` counts
+  /// the lines so far.
+  /// @param names  of those who hold tools, by station.
+  std::string OwnJson(std::int64_t person, const std::map<std::string, std::string>& names) const;
 
  private:
   struct Announced {

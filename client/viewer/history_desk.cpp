@@ -18,10 +18,10 @@ std::optional<HistoryWish> ParseHistoryWish(std::string_view name) {
   HistoryWish wish;
   const std::size_t dot = std::min(name.find('.'), name.size());
   const std::string_view who = name.substr(0, dot), as = name.substr(dot);
-  if (as == ".csv") {
+  if (as == ".csv" || as == ".comma.csv" || as == ".semicolon.csv") {
     wish.as = HistoryWish::As::kCsv;
-  } else if (as == ".comma.csv") {
-    wish.as = HistoryWish::As::kCommaCsv;
+    if (as == ".comma.csv") wish.csv = CsvAs::kDecimalComma;
+    if (as == ".semicolon.csv") wish.csv = CsvAs::kSemicolon;
   } else if (as == ".zip") {
     wish.as = HistoryWish::As::kZip;
   } else if (as != ".json") {
@@ -87,9 +87,8 @@ HistoryDesk::Answer HistoryDesk::Read(const HistoryWish& wish, bool for_teacher,
     return {404, "text/plain; charset=utf-8", "no person of this course has that number\n"};
   }
   const History history(exercises_, people, ReadTrials(*file_));
-  if (wish.as == HistoryWish::As::kCsv || wish.as == HistoryWish::As::kCommaCsv) {
-    const auto as = wish.as == HistoryWish::As::kCsv ? CsvAs::kRfc4180 : CsvAs::kDecimalComma;
-    return {200, "text/csv; charset=utf-8", history.Csv(wish.person, as)};
+  if (wish.as == HistoryWish::As::kCsv) {
+    return {200, "text/csv; charset=utf-8", history.Csv(wish.person, wish.csv)};
   }
   if (wish.as == HistoryWish::As::kZip) {
     return {200, "application/zip", "", GiveData(folder_, *person, history.Csv(wish.person))};

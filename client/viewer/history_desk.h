@@ -16,15 +16,17 @@
 #include "client/course/access.h"
 #include "client/course/course_file.h"
 #include "client/course/exercise.h"
+#include "client/course/history.h"
 
 namespace palpate {
 
-/// A request for a course's history: /history/class.json, class.csv, 7.json, 7.csv, 7.comma.csv
-/// (CsvAs::kDecimalComma) or 7.zip.
+/// A request for a course's history: /history/class.json, class.csv, 7.json, 7.csv, 7.comma.csv,
+/// 7.semicolon.csv (as in CsvAs) or 7.zip.
 struct HistoryWish {
-  enum class As { kJson, kCsv, kCommaCsv, kZip };
+  enum class As { kJson, kCsv, kZip };
   std::int64_t person = 0;  ///< 0: the class
   As as = As::kJson;
+  CsvAs csv = CsvAs::kRfc4180;
 };
 /// @param name  the path behind "/history/".  Returns nothing if it is no such request.
 std::optional<HistoryWish> ParseHistoryWish(std::string_view name);

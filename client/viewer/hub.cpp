@@ -190,7 +190,7 @@ std::size_t Hub::Renew(std::optional<Tokens> tokens, std::int64_t now_ns) {
       const Person* const person = class_room_->roster().Find(viewer->holder()->person);
       if (person != nullptr && person->hash == viewer->holder()->hash &&
           person->role == viewer->holder()->role) {
-        viewer->Rename(person->name);
+        viewer->Rename(person->name, person->station);
         continue;
       }
     }
@@ -246,13 +246,23 @@ FramePtr Hub::Teach(const ClassCommand& command, Viewer& viewer) {
   return OwnFrame(TopicFeed::kClassAnswer, command.tag % kAnswersAtOnce, answer);
 }
 
+std::map<std::string, std::string> Hub::NamesAtTools() const {
+  std::map<std::string, std::string> names;
+  for (const auto& [id, viewer] : viewers_) {
+    const std::string station = mice_.StationOf(id);
+    if (!station.empty() && viewer->holder()) names[station] = viewer->holder()->name;
+  }
+  return names;
+}
+
 FramePtr Hub::OwnFrameOf(const Viewer& viewer) const {
-  return OwnFrame(TopicFeed::kMe, 0, class_room_->OwnJson(viewer.holder()->person));
+  return OwnFrame(TopicFeed::kMe, 0, class_room_->OwnJson(viewer.holder()->person, NamesAtTools()));
 }
 
 FramePtr Hub::PeopleFrame() const {
   return OwnFrame(TopicFeed::kPeople, 0,
-                  class_room_->PeopleJson(CountPages(), newest_trials_, mice_.named_prefix()));
+                  class_room_->PeopleJson(CountPages(), newest_trials_, trials_->exercises(),
+                                          mice_.named_prefix()));
 }
 
 void Hub::TellClass(std::int64_t now_ns) {
@@ -333,7 +343,7 @@ void Hub::BeginTrial(const std::string& name, Viewer& viewer, std::int64_t now_n
   }
   // The recorder first: it must record the first pose.
   const std::string station =
-      mice_.Take(viewer.id(), viewer.holder()->name, take, "", now_ns, true);
+      mice_.Take(viewer.id(), viewer.holder()->station, take, "", now_ns, true);
   if (station.empty()) return;  // its page has been told
   try {
     if (exams_->Sits(person)) {
@@ -436,6 +446,7 @@ void Hub::Tell(const MouseRoom::News& news) {
   if (viewer == viewers_.end()) return;
   const std::shared_ptr<Viewer> keep = viewer->second;
   places_.Holds(news.holder, mice_.holds(news.holder));
+  class_changed_ = true;  // who holds a tool is named
   if (news.phase == "refused") {
     keep->Say(foxglove::Level::kError, "the tool is refused: " + news.reason);
   }
@@ -539,7 +550,8 @@ void Hub::Take(Viewer& viewer, const MouseCommand& command, std::int64_t now_ns)
   const std::optional<Tokens::Holder>& holder = viewer.holder();
   if (refusal.empty()) refusal = WhyNotAt(viewer, command.scene);
   if (refusal.empty()) {
-    mice_.Take(viewer.id(), holder ? holder->name : "", command, WhyAbsent(command.scene), now_ns);
+    mice_.Take(viewer.id(), holder ? holder->station : "", command, WhyAbsent(command.scene),
+               now_ns);
     return;
   }
   // The page expects an answer to each; the newest one suffices.

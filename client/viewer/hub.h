@@ -116,6 +116,8 @@ class Hub {
   std::string Metrics() const;
 
  private:
+  /// Names of the viewers that hold tools, by station.
+  std::map<std::string, std::string> NamesAtTools() const;
   struct Traffic {
     std::uint64_t taken = 0;  // frames
     std::uint64_t sent = 0;

@@ -69,6 +69,11 @@ bool MouseRoom::IsTaken(const std::string& scene, const std::string& tool, Holde
   });
 }
 
+std::string MouseRoom::StationOf(Holder holder) const {
+  const auto found = std::ranges::find(mice_, holder, &Mouse::holder);
+  return found == mice_.end() ? "" : found->name;
+}
+
 void MouseRoom::Go(Holder holder, std::int64_t now_ns) {
   Mouse* const mouse = Find(holder);
   if (mouse == nullptr) return;

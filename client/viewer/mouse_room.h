@@ -33,7 +33,8 @@ class MouseRoom {
     std::string prefix = "mouse_";
     /// Prefix of the station names of viewers with a name.
     std::string named_prefix = "";
-    /// Returns whether a station name is taken by, or reserved for, somebody other than `who`.
+    /// Returns whether a station name is taken by, or reserved for, somebody whose own is not
+    /// `who`.
     std::function<bool(const std::string& station, const std::string& who)> is_others =
         [](const std::string&, const std::string&) { return false; };
   };
@@ -48,7 +49,7 @@ class MouseRoom {
       : options_(std::move(options)), tell_(std::move(tell)) {}
 
   /// Takes a tool for a viewer.  Returns the station's name; empty: it is refused.
-  /// @param who        name of the viewer's token, from which the station's is made; empty: none.
+  /// @param who        station of the viewer's token, which is numbered; empty: it has none.
   /// @param absent     why the scene is not available now; empty: it is.
   /// @param waits      the station starts only after Go, when a recorder is there.
   std::string Take(Holder holder, const std::string& who, const MouseCommand& command,
@@ -58,7 +59,9 @@ class MouseRoom {
   void Drag(Holder holder, const Pose& X_WT, std::int64_t now_ns);
   /// Also to be called when the viewer has gone.
   void Release(Holder holder, const std::string& reason, std::int64_t now_ns);
-  bool holds(Holder holder) { return Find(holder) != nullptr; }
+  bool holds(Holder holder) const { return !StationOf(holder).empty(); }
+  /// Returns the station of the tool that a viewer holds; empty: it holds none.
+  std::string StationOf(Holder holder) const;
   /// Returns whether another holder has that tool of the scene.  @param tool  empty: any.
   bool IsTaken(const std::string& scene, const std::string& tool, Holder holder) const;
 

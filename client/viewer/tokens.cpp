@@ -14,6 +14,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "client/course/person_name.h"
 #include "common/error.h"
 #include "common/files/private_file.h"
 #include "common/files/whole_file.h"
@@ -69,7 +70,7 @@ Tokens Tokens::Parse(const std::string& path, const std::string& text) {
     };
     Holder entry;
     if (const auto known = ParseRole(role)) {
-      entry = {*known, name, {}, 0};
+      entry = {*known, name, {}, 0, StationNameOf(name)};
     } else {
       refuse("role " + Quoted(role) + " is not known; give watch, drive or operate");
     }
@@ -79,9 +80,9 @@ Tokens Tokens::Parse(const std::string& path, const std::string& text) {
     }
     for (const Holder& other : tokens.holders_) {
       if (other.name == name) refuse("the name " + Quoted(name) + " is listed twice");
-      if (StationNameOf(other.name) == StationNameOf(name)) {
+      if (other.station == entry.station) {
         refuse("as a station " + Quoted(name) + " has the same name as " + Quoted(other.name) +
-               ": " + Quoted(StationNameOf(name)));
+               ": " + Quoted(entry.station));
       }
       if (other.hash == entry.hash) refuse("it has the token of " + Quoted(other.name));
     }
@@ -102,9 +103,8 @@ Tokens Tokens::Read(const std::string& path) {
 }
 
 void Tokens::Add(Holder holder) {
-  const std::string station = StationNameOf(holder.name);
   for (const Holder& other : holders_) {
-    if (StationNameOf(other.name) != station) continue;
+    if (other.station != holder.station) continue;
     throw Error("--course: " + Quoted(holder.name) + " has the same name as " + Quoted(other.name) +
                 " in --tokens; remove that line, or rename one of them");
   }
@@ -125,10 +125,17 @@ bool Tokens::Has(const Holder& holder) const {
   return std::ranges::find(holders_, holder) != holders_.end();
 }
 
+std::string Tokens::NameLike(std::string_view name) const {
+  const NameLook look = LookOf(name);
+  const auto found = std::ranges::find_if(
+      holders_, [&](const Holder& holder) { return LookAlike(LookOf(holder.name), look); });
+  return found == holders_.end() ? "" : found->name;
+}
+
 bool Tokens::NamesAnother(const std::string& station, const std::string& prefix,
                           const std::string& own) const {
   return std::ranges::any_of(holders_, [&](const Holder& holder) {
-    return holder.name != own && StationNameOf(prefix + holder.name) == station;
+    return holder.station != own && StationNameOf(prefix + holder.station) == station;
   });
 }
 
@@ -143,7 +150,7 @@ std::string MakeToken(const std::string& path, Access role, const std::string& n
   close(file);
   const std::string before = TextOf(path);
   for (const Tokens::Holder& holder : Tokens::Parse(path, before).holders_) {
-    if (StationNameOf(holder.name) == StationNameOf(name)) {
+    if (holder.station == StationNameOf(name)) {
       throw UsageError(fmt::format(
           "--make-token: {} already has a token in {}; remove its line first, or give another name",
           Quoted(holder.name), path));

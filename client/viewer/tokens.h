@@ -22,6 +22,7 @@ class Tokens {
     std::string name;
     TokenHash hash{};         ///< of the token itself: tells a new token of the same name apart
     std::int64_t person = 0;  ///< of a course; 0: from --tokens
+    std::string station;      ///< of its tools
     bool operator==(const Holder&) const = default;
   };
 
@@ -35,7 +36,9 @@ class Tokens {
   std::optional<Holder> Find(std::string_view token) const;
   /// Returns whether a holder found earlier still has the same token, role and name.
   bool Has(const Holder& holder) const;
-  /// Returns whether a station name belongs to a token with a name other than `own`.
+  /// Returns the name that looks like this one; empty: none does.
+  std::string NameLike(std::string_view name) const;
+  /// Returns whether a station name belongs to a token whose station is not `own`.
   /// @param prefix  of all stations that are named after tokens.
   bool NamesAnother(const std::string& station, const std::string& prefix,
                     const std::string& own) const;

@@ -30,7 +30,10 @@ class Viewer {
   /// The holder of its token.
   const std::optional<Tokens::Holder>& holder() const { return holder_; }
   /// Takes over its token's new name.
-  void Rename(const std::string& name) { holder_->name = name; }
+  void Rename(const std::string& name, const std::string& station) {
+    holder_->name = name;
+    holder_->station = station;
+  }
   /// The token's name and the address, for the log and for wishes sent on.
   std::string Who() const {
     return (holder_ ? holder_->name : "the page") + " at " + visitor_.name;

@@ -141,6 +141,21 @@ class ExamTest : public testing::Test {
   std::int64_t anna_ = 0, now_s_ = 1'800'000'000;
 };
 
+TEST_F(ExamTest, FindsItsPeopleHoweverTheirNamesAreWrittenAndNamesTheNearest) {
+  const std::int64_t zoe = roster_->Make({"Zoë Kowalski"}, Access::kDrive).front().person.id;
+  const auto open_for = [&](const std::string& name) {
+    std::ofstream(folder_ / "course/midterm.exam.json")
+        << R"({"title": "A", "time_s": 60, "tasks": [{"exercise": "light-force"}], "people": [")" +
+               name + "\"]}";
+    return Open();
+  };
+  EXPECT_THAT(open_for("Zoe Kowalsky"), HasSubstr("'Zoë Kowalski'"));
+  EXPECT_THAT(open_for("Teacher"), HasSubstr("'teacher'")) << "who does not drive";
+  EXPECT_EQ(open_for("\ufeff ZOE\u0308  Kowalski"), "");
+  EXPECT_TRUE(exams_->Sits(zoe));
+  EXPECT_FALSE(exams_->Sits(anna_));
+}
+
 TEST_F(ExamTest, GivesItsTasksInOrderWithoutScoreAndSealsWhatIsHandedIn) {
   EXPECT_FALSE(exams_->Sits(anna_));
   ASSERT_EQ(Open(), "");

@@ -100,10 +100,10 @@ TEST_F(PersonDataTest, IsGivenAsOneZipThatAnybodyOpens) {
   unzClose(read);
   close(zip);
   EXPECT_EQ(files.size(), 6u) << "his are not hers";
-  EXPECT_EQ(files["Anna_Quartz/walk/2/score.html"], "page 1 2");
-  EXPECT_EQ(files["Anna_Quartz/walk/1.mcap"].size(), 100'000u);
-  EXPECT_EQ(files["Anna_Quartz/trials.csv"], "a,b\r\n");
-  EXPECT_THAT(files["Anna_Quartz/README.txt"], HasSubstr("score.html"));
+  EXPECT_EQ(files["Anna Quartz/walk/2/score.html"], "page 1 2");
+  EXPECT_EQ(files["Anna Quartz/walk/1.mcap"].size(), 100'000u);
+  EXPECT_EQ(files["Anna Quartz/trials.csv"], "a,b\r\n");
+  EXPECT_THAT(files["Anna Quartz/README.txt"], HasSubstr("score.html"));
   for (const auto& entry : fs::directory_iterator(course_)) {
     EXPECT_THAT(entry.path().filename().string(), Not(HasSubstr("given")));
   }

@@ -100,11 +100,11 @@ const std::vector<Rule> kRules = {
      {"Eigen", "spdlog", "nlohmann-json", "Boost"}},
     {"devices/spacemouse", {"common", "devices"}, {"common/dds"}, {"Eigen", "spdlog", "spacenav"}},
     // Neither DDS nor sockets: what the people of a course may do and did, in SQLite; OpenSSL for
-    // tokens, minizip for what a person is given.
+    // tokens, minizip for what a person is given, ICU for their names.
     {"client/course",
      {"common", "scenes", "client/course"},
      {"common/dds"},
-     {"Eigen", "spdlog", "nlohmann-json", "OpenSSL", "SQLite", "minizip"}},
+     {"Eigen", "spdlog", "nlohmann-json", "OpenSSL", "SQLite", "minizip", "ICU"}},
     // Never the server or another client; the own folder is added below.  Boost for HTTP servers
     // and WebSockets (Asio, Beast); OpenSSL for TLS; zlib to send a scene compressed.
     {"client/viewer",
@@ -239,6 +239,7 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {
     {"SQLiteCpp/", "SQLite"},
     {"sqlite3.h", "SQLite"},
     {"minizip/", "minizip"},
+    {"unicode/", "ICU"},
     {"fmt/", "spdlog"},
     {"HD/", "OpenHaptics"},
     {"HDU/", "OpenHaptics"},
@@ -265,7 +266,7 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {
 };
 
 // Slow to compile: in .cpp files only.
-const Paths kNotInHeaders = {"CLI11", "assimp", "nlohmann-json", "spdlog", "SQLite"};
+const Paths kNotInHeaders = {"CLI11", "assimp", "nlohmann-json", "spdlog", "SQLite", "ICU"};
 
 /// Headers of the C++ library have no dot; those of C and POSIX have no folder or a system one.
 bool IsSystemHeader(const std::string& header) {

@@ -64,6 +64,56 @@ test("a teacher pastes names and has a link and a QR code for each, once", async
   expect(await page.locator(".link-cards li").count()).toBe(0);
 });
 
+test("names found in a table are shown before their links are made, 200 at once", async () => {
+  tellPeople(person(1, "teacher", {role: "operate"}));
+  await openClass({people: [{person: 2, name: "Anna Weber", token: "palpate_a"}]});
+  await page.fill("#class-names", "Name;Vorname;Mail\nWeber;Anna;a@b.de\nMüller;Zoë;z@b.de");
+  await press("Make their links");
+  await reads(".found", /2 names found/);
+  expect(await page.inputValue("#class-names")).toBe("Anna Weber\nZoë Müller");
+  expect(gateway.published).toEqual([]);
+  const many = Array.from({length: 450}, (_, i) => `Student ${i}`);
+  await page.fill("#class-names", many.join("\n"));
+  await press("Make their links");
+  await eventually("three wishes", () => gateway.published.length === 3);
+  const wishes = gateway.published as {names: string[]}[];
+  expect(wishes.flatMap(({names}) => names)).toEqual(many);
+  await eventually("all links", async () => (await page.locator(".link-cards li").count()) === 3);
+  expect(await page.inputValue("#class-names")).toBe("");
+});
+
+test("people are called by their names, and exercises by their titles, never by a station's", async () => {
+  const title = {en: "Light force", de: "Leichte Kraft"};
+  const trial = {
+    ...{exercise: "light-force", title, n: 2, phase: "scored"},
+    ...{ahead: 0, reason: "", points: 81},
+  };
+  gateway.retain("/palpate/people", {
+    scene: "",
+    people: [person(2, "王伟", {station: "wang_wei", trial})],
+  });
+  const me = {person: 1, name: "teacher", role: "operate", seat: "", line: "", lines: 0};
+  gateway.retain("/palpate/me", {...me, names: {Eva_Muller_7: "Eva Müller"}});
+  for (const station of ["wang_wei", "Eva_Muller_7"])
+    gateway.retain(
+      "/palpate/session_state",
+      sessionState(station, "active", kTestScene.name, "ball"),
+    );
+  move((sequence) => gateway.send("/palpate/tool_state", pressed("wang_wei", sequence, 2)));
+  await openClass({});
+  await eventually("both", async () => (await page.locator(".wall b").count()) === 2);
+  expect((await page.locator(".wall b").allInnerTexts()).sort()).toEqual(["Eva Müller", "王伟"]);
+  expect(await card("王伟").innerText()).toMatch(/Light force, trial 2/);
+  await press("Close");
+  await eventually("the console", async () => (await page.locator("#console b").count()) === 2);
+  const shown = await page.evaluate(() => document.body.innerText);
+  expect(shown).not.toMatch(/wang_wei|Eva_Muller|light-force/);
+  expect((await page.locator("#station option").allInnerTexts()).sort()).toEqual([
+    "Eva Müller",
+    "王伟",
+  ]);
+});
+
 test("a refusal is told in the gateway's words, and who is withdrawn is asked about twice", async () => {
   tellPeople(person(1, "teacher", {role: "operate"}));
   await openClass({refusal: "'teacher' is the last person with the role"});

@@ -1,7 +1,18 @@
 // What was done so far, in a real browser at a gateway that does what a test says.
+import {readFileSync} from "node:fs";
+
 import {expect} from "vitest";
 
-import {appears, atGateway, gateway, open, page, reads, vanishes} from "./support/at_gateway";
+import {
+  appears,
+  atGateway,
+  chooseLanguage,
+  gateway,
+  open,
+  page,
+  reads,
+  vanishes,
+} from "./support/at_gateway";
 import {kClassHistory, kPersonHistory} from "./support/made_up_history";
 import {kTestScene} from "./support/scene_bytes";
 import {browserTest as test} from "./support/skip";
@@ -49,11 +60,40 @@ test("a teacher sees everybody, who needs help first, and opens a person's trial
   await page.locator("#history-dialog summary").first().click();
   const rows = page.locator("#history-dialog article:first-of-type tbody tr");
   expect(await rows.count()).toBe(4);
-  expect(await rows.locator("a").first().getAttribute("href")).toBe("score/key3");
+  expect(await rows.locator("a").first().getAttribute("href")).toBe("score/key3#en");
   expect(await rows.first().innerText()).toMatch(/not whole, its scoring hung/);
   await reads("#history-dialog article:last-of-type h3", "old-one"); // it is gone: its name is left
   await press("← The class");
   await appears("#history-exercise");
+});
+
+test("a table is written as its reader chooses, and as the language is used to until then", async () => {
+  await openHistory("operate");
+  for (const as of ["comma", "semicolon"])
+    gateway.files.set(`/history/class.${as}.csv`, `person;${as}\r\n`);
+  const as = page.locator("#history-dialog .csv-as");
+  expect(await as.locator("option").allInnerTexts()).toEqual([
+    ", and 0.5",
+    "; and 0.5",
+    "; and 0,5",
+  ]);
+  expect(await as.inputValue()).toBe(".csv");
+  const read = async (button: string): Promise<string> => {
+    const csv = page.waitForEvent("download");
+    await press(button);
+    return readFileSync((await (await csv).path())!, "utf8");
+  };
+  expect(await read("As a table (CSV)")).toBe("person\r\n");
+  await page.locator("#history-dialog").getByRole("button", {name: "Close"}).click();
+  await chooseLanguage("de");
+  await page.locator("#history-open").click();
+  expect(await as.inputValue()).toBe(".comma.csv");
+  expect(await read("Als Tabelle (CSV)")).toBe("person;comma\r\n");
+  await as.selectOption(".semicolon.csv");
+  expect(await read("Als Tabelle (CSV)")).toBe("person;semicolon\r\n");
+  await page.reload();
+  await page.locator("#history-open").click();
+  expect(await as.inputValue()).toBe(".semicolon.csv");
 });
 
 test("who is deleted is asked about twice, and a refusal is told", async () => {

@@ -15,7 +15,9 @@ namespace {
 TEST(HistoryWish, IsTheClassOrAPersonAsATextOrAnArchive) {
   EXPECT_EQ(ParseHistoryWish("class.json")->person, 0);
   EXPECT_EQ(ParseHistoryWish("class.csv")->as, HistoryWish::As::kCsv);
-  EXPECT_EQ(ParseHistoryWish("7.comma.csv")->as, HistoryWish::As::kCommaCsv);
+  EXPECT_EQ(ParseHistoryWish("class.csv")->csv, CsvAs::kRfc4180);
+  EXPECT_EQ(ParseHistoryWish("7.comma.csv")->csv, CsvAs::kDecimalComma);
+  EXPECT_EQ(ParseHistoryWish("7.semicolon.csv")->csv, CsvAs::kSemicolon);
   EXPECT_EQ(ParseHistoryWish("17.zip")->person, 17);
   for (const char* other :
        {"", "class", "class.zip", ".json", "0.json", "-1.json", "1 .json", "01x.json",

@@ -112,7 +112,7 @@ TEST_F(TokensTest, KnowWhetherATokenIsStillTheSameOfTheSameRoleAndName) {
     return Tokens::Read(path_);
   };
   const std::string other = std::string(64, 'b');
-  Tokens::Holder holder{Access::kWatch, "a", {}};
+  Tokens::Holder holder{Access::kWatch, "a", {}, 0, "a"};
   holder.hash.fill(0xaa);
   EXPECT_TRUE(found("watch a " + hash_).Has(holder));
   EXPECT_TRUE(found("drive b " + other + "\nwatch a " + hash_).Has(holder));

@@ -1,3 +1,4 @@
+import {nameOf} from "./names";
 import {type Key, locale, say, sayList, sayNumber} from "../messages/say";
 import {
   kLimiterStages,
@@ -240,7 +241,8 @@ export function markWords(mark: ReplayMark): string {
   return mark.text || say(`mark.${mark.kind}`);
 }
 
-export function gapWords({station, reason}: ReplayGap): string {
+export function gapWords({station: id, reason}: ReplayGap): string {
+  const station = nameOf(id);
   return reason === ""
     ? say("replay.gap", {station})
     : say("replay.gap_because", {station, reason});
@@ -278,7 +280,7 @@ export function sessionWords(session: SessionState): string {
 /// @param own  it is this page's session
 export function stationNote(session: SessionState | undefined, own: boolean): string {
   if (!session) return "";
-  const {station} = session;
+  const station = nameOf(session.station);
   if (session.phase === "held") return own ? say("note.you_wait") : say("note.it_waits", {station});
   if (!holdsTool(session)) return "";
   if (session.muted) return own ? say("note.you_muted") : say("note.it_muted", {station});

@@ -1,3 +1,4 @@
+import {nameOf} from "../model/names";
 import {say} from "../messages/say";
 import type {Station} from "../model/station";
 import type {World} from "../model/world";
@@ -70,9 +71,11 @@ export class Choice {
   showLists(station: Station | undefined, nowS: number): void {
     const scenes = [...this.world.scenes].sort();
     const stations = this.stationsHere(nowS).map(({id}) => id);
-    const named = (names: string[]) => names.map((name) => ({value: name, text: name}));
-    setOptions(this.scenePick, named(scenes), this.scene, say("bar.no_scene"));
-    setOptions(this.stationPick, named(stations), station?.id ?? "", say("bar.no_station"));
+    const options = (all: string[], text = (one: string): string => one) =>
+      all.map((value) => ({value, text: text(value)}));
+    setOptions(this.scenePick, options(scenes), this.scene, say("bar.no_scene"));
+    const chosen = station?.id ?? "";
+    setOptions(this.stationPick, options(stations, nameOf), chosen, say("bar.no_station"));
   }
 
   private enter(scene: string): void {

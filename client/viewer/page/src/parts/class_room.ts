@@ -1,8 +1,10 @@
 import {say, type Words} from "../messages/say";
 import {norm} from "../base/pose";
+import {ownText} from "../model/local_text";
+import {nameOf, tellNames} from "../model/names";
 import type {Station} from "../model/station";
 import {kTopics, type World} from "../model/world";
-import type {ClassAnswer, MadePerson, Me, People, Person} from "../protocol/class_messages";
+import type {ClassAnswer, MadePerson, Me, People, Person, Role} from "../protocol/class_messages";
 import {ClassPeople} from "../ui/class_people";
 import {ClassWall, type OnWall} from "../ui/class_wall";
 import type {OperateOp} from "../ui/console";
@@ -18,6 +20,7 @@ export interface ClassEvents {
 }
 
 const kAnswerWithinMs = 4000;
+const kMostNames = 200; // of a wish (ClassCommand)
 const kSeat = /^(.+)-\d+$/;
 
 /// A course on the page: for a teacher the wall and the people, for a person the assigned seat.
@@ -54,7 +57,7 @@ export class ClassRoom {
       operate: (op, station) => this.operate(op, station),
     });
     this.roster = new ClassPeople({
-      make: (names, role) => this.askForLinks({op: "person_make", names, role}),
+      make: (names, role) => this.makePeople(names, role),
       rename: (person, name) => this.ask({op: "person_rename", person, name}),
       renew: (person) => this.askForLinks({op: "person_link", person}),
       withdraw: (person) => this.ask({op: "person_withdraw", person}),
@@ -94,7 +97,7 @@ export class ClassRoom {
 
   /// Returns whether the message was for this part.
   receive(topic: string, value: unknown): boolean {
-    if (topic === kTopics.people) this.class = value as People;
+    if (topic === kTopics.people) this.receivePeople(value as People);
     else if (topic === kTopics.me) this.receiveMe(value as Me);
     else if (topic === kTopics.classAnswer) this.receiveAnswer(value as ClassAnswer);
     else return false;
@@ -126,7 +129,14 @@ export class ClassRoom {
       return this.personOnWall(person, station, nowS);
     });
     for (const [id, station] of stations) {
-      const person = {person: 0, name: id, role: "drive", station: id, here: 1, seat: ""} as const;
+      const person = {
+        person: 0,
+        name: nameOf(id),
+        role: "drive",
+        station: id,
+        here: 1,
+        seat: "",
+      } as const;
       all.push(this.personOnWall(person, station, nowS));
     }
     const rank = {held: 0, works: 1, muted: 1, idle: 2, away: 3};
@@ -139,7 +149,7 @@ export class ClassRoom {
     const state = station?.isMoving(nowS) ? station.track.latest : undefined;
     const {tone, doing} = doingOf(person, station);
     return {
-      key: person.person === 0 ? person.name : String(person.person),
+      key: person.person === 0 ? person.station : String(person.person),
       person: person.person,
       ...{name: person.name, scene, tone, doing},
       station: station?.id ?? "",
@@ -179,6 +189,21 @@ export class ClassRoom {
     });
   }
 
+  /// As many at once as the gateway takes; who is left stays in the field until they are made too.
+  private makePeople(
+    names: readonly string[],
+    role: Role,
+    before: readonly MadePerson[] = [],
+  ): void {
+    const wish = {op: "person_make", names: names.slice(0, kMostNames), role};
+    this.ask(wish, ({people}) => {
+      const made = [...before, ...people];
+      const left = names.slice(kMostNames);
+      this.roster.handOut(made, left);
+      if (left.length > 0) this.makePeople(left, role, made);
+    });
+  }
+
   private askForLinks(wish: object): void {
     this.ask(wish, ({people}: {people: readonly MadePerson[]}) => this.roster.handOut(people));
   }
@@ -205,9 +230,15 @@ export class ClassRoom {
     if (done && this.waiting.delete(answer.tag)) done(answer);
   }
 
+  private receivePeople(people: People): void {
+    this.class = people;
+    tellNames(people.people.map(({station, name}) => [station, name]));
+  }
+
   private receiveMe(me: Me): void {
     const before = this.me;
     this.me = me;
+    tellNames(Object.entries(me.names ?? {}));
     if (me.role === "drive") this.events.student();
     if (me.seat && me.seat !== before?.seat) this.events.show(me.seat, "");
     if (!me.line || me.lines === before?.lines) return;
@@ -219,7 +250,8 @@ export class ClassRoom {
 /// What has become of the person's newest trial.
 function trialOf({trial}: Person): Pick<OnWall, "trial" | "trialFails"> {
   if (!trial) return {trial: "", trialFails: false};
-  const {exercise, n, phase, ahead, reason} = trial;
+  const {n, phase, ahead, reason} = trial;
+  const exercise = ownText(trial.title ?? {}) || trial.exercise;
   const points = Math.round(trial.points ?? 0);
   const isScored = phase === "scored";
   const key = !isScored ? phase : trial.points === null ? "no_points" : "points";

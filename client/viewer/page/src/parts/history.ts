@@ -1,3 +1,4 @@
+import {keep, recall} from "../base/kept";
 import {locale, say, type Words} from "../messages/say";
 import {
   type ClassHistory,
@@ -5,7 +6,7 @@ import {
   type PersonHistory,
   saveHistory,
 } from "../protocol/history_messages";
-import {make, press, setText} from "../ui/elements";
+import {make, option, press, setText} from "../ui/elements";
 import {HistoryClass} from "../ui/history_class";
 import {personHistory} from "../ui/history_person";
 import {Room} from "../ui/room";
@@ -22,6 +23,24 @@ export interface HistoryEvents {
 /// An open page follows later changes.
 const kAskAgainS = 10;
 
+/// How a CSV is written (CsvAs): endings of its address, with the separator and a number.
+const kCsvForms = [
+  {as: ".csv", separator: ",", number: "0.5"},
+  {as: ".semicolon.csv", separator: ";", number: "0.5"},
+  {as: ".comma.csv", separator: ";", number: "0,5"},
+] as const;
+const kCsvKey = "palpate-csv";
+
+/// What spreadsheets of the reader's region expect: commas separate only where numbers have none,
+/// and nowhere in Switzerland.
+function usualCsv(): string {
+  const language = (of: string): string | undefined => of.split("-")[0];
+  const {language: own} = navigator;
+  const region = language(own) === language(locale()) ? own : locale();
+  if (/-(CH|LI)$/.test(region)) return ".semicolon.csv";
+  return (0.5).toLocaleString(region).includes(",") ? ".comma.csv" : ".csv";
+}
+
 /// The trials so far: a class's for teachers, and each person's own.
 export class HistoryRoom {
   private readonly room = new Room(
@@ -31,6 +50,7 @@ export class HistoryRoom {
   );
   private readonly back = press("history.back", () => this.turn(0));
   private readonly csv = press("history.csv", () => void this.save("csv"));
+  private readonly csvAs = make("select.csv-as", {sayLabel: "history.csv_as"});
   private readonly zip = press("history.zip", () => void this.save("zip"));
   private readonly remove = press("history.delete", () => this.ask());
   private readonly question = make("section.question", {role: "alert", hidden: true});
@@ -45,7 +65,11 @@ export class HistoryRoom {
 
   constructor(private readonly events: HistoryEvents) {
     this.ofClass = new HistoryClass((person) => this.turn(person));
-    const files = make("span.choices", this.csv, this.zip, this.remove);
+    this.csvAs.append(
+      ...kCsvForms.map(({as, ...form}) => option(() => say("history.csv_form", form), as)),
+    );
+    this.csvAs.addEventListener("change", () => keep("localStorage", kCsvKey, this.csvAs.value));
+    const files = make("span.choices", this.csv, this.csvAs, this.zip, this.remove);
     const body = [this.question, this.ofClass.body, this.ofPerson];
     this.room.fill({before: this.back, after: [files]}, ...body);
     followLanguage(() => {
@@ -67,6 +91,7 @@ export class HistoryRoom {
   }
 
   private open(): void {
+    this.csvAs.value = recall("localStorage", kCsvKey) ?? usualCsv();
     this.turn(this.teaches ? 0 : this.events.me());
     this.room.open();
   }
@@ -117,9 +142,7 @@ export class HistoryRoom {
     const of = this.person === 0 ? "class" : String(this.person);
     this.room.tell(() => say("history.wait"));
     const name = `palpate-${this.person === 0 ? "class" : this.name}.${as}`;
-    // Spreadsheets separate by commas only in languages whose numbers have none.
-    const isComma = as === "csv" && (0.5).toLocaleString(locale()).includes(",");
-    const file = `${of}.${isComma ? "comma." : ""}${as}`;
+    const file = as === "csv" ? `${of}${this.csvAs.value}` : `${of}.${as}`;
     const had = await saveHistory(file, name, this.events.headers());
     this.room.tell(had ? "" : () => say("history.not_had"), !had);
   }
@@ -128,13 +151,13 @@ export class HistoryRoom {
   private ask(): void {
     const {name} = this;
     const put = (words: () => string, ...choices: HTMLButtonElement[]): void => {
-      const keep = press("history.keep", () => {
+      const spare = press("history.keep", () => {
         this.question.hidden = true;
         this.remove.focus();
       });
-      this.question.replaceChildren(make("p", words), make("p.choices", keep, ...choices));
+      this.question.replaceChildren(make("p", words), make("p.choices", spare, ...choices));
       this.question.hidden = false;
-      keep.focus();
+      spare.focus();
     };
     const alarm = (button: HTMLButtonElement): HTMLButtonElement =>
       Object.assign(button, {className: "alarm"});

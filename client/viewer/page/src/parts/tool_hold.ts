@@ -1,3 +1,4 @@
+import {nameOf} from "../model/names";
 import {say} from "../messages/say";
 import type {SceneModel} from "../model/bundle";
 import type {Station} from "../model/station";
@@ -138,7 +139,7 @@ export class ToolHold {
       this.choice.scene === scene &&
       holder.isMoving(nowS()) &&
       this.world.holderOf(scene, tool) === holder;
-    const who = (): string => say("tool.held", {station: holder.id, tool});
+    const who = (): string => say("tool.held", {station: nameOf(holder.id), tool});
     if (!this.link.may.operate) {
       const words = (): string =>
         say("list.sentences", {first: who(), second: say("tool.free_later")});

@@ -13,6 +13,7 @@ export interface Person {
 }
 export interface NewestTrial {
   readonly exercise: string;
+  readonly title?: Readonly<Record<string, string>>; // missing: the exercise is gone
   readonly n: number;
   readonly phase: TrialPhase;
   readonly ahead: number;
@@ -32,6 +33,7 @@ export interface Me {
   readonly seat: string;
   readonly line: string;
   readonly lines: number;
+  readonly names?: Readonly<Record<string, string>>; // of those who hold tools, by station
 }
 export interface MadePerson {
   readonly person: number;

@@ -1,4 +1,5 @@
 import {type Key, say} from "../messages/say";
+import {namesIn} from "../model/name_table";
 import type {MadePerson, Person, Role} from "../protocol/class_messages";
 import {make, option, press, setText, sure} from "./elements";
 import {qrSvg} from "./qr";
@@ -31,6 +32,7 @@ export class ClassPeople {
   private readonly names = make("textarea", {
     ...{id: "class-names", rows: 6, sayPlaceholder: "class.names_hint", spellcheck: false},
   });
+  private readonly found = make("p.found", {role: "status", hidden: true});
   private readonly role = make("select", {id: "class-role"});
   private readonly links = make("section.links", {hidden: true});
   private readonly cards = make("ul.link-cards");
@@ -45,15 +47,13 @@ export class ClassPeople {
       {
         onsubmit: (event) => {
           event.preventDefault();
-          const names = this.names.value.split(/\r?\n/).map((name) => name.trim());
-          const given = names.filter((name) => name !== "");
-          if (given.length > 0) wish.make(given, this.role.value as Role);
-          else this.names.focus();
+          this.make();
         },
       },
       make("h3", {say: "class.add_title"}),
       make("label", {htmlFor: this.names.id, say: "class.names"}),
       this.names,
+      this.found,
       make("label", {htmlFor: this.role.id}, () => `${say("class.role")} `, this.role),
       make("button.primary", {type: "submit", say: "class.make"}),
     );
@@ -71,9 +71,21 @@ export class ClassPeople {
     this.body.append(make("div.left", add, roster), this.links);
   }
 
+  /// Names found in a table are shown first: which column is the family's may be a guess.
+  private make(): void {
+    const {names, fromTable} = namesIn(this.names.value);
+    this.found.hidden = !fromTable;
+    if (fromTable) {
+      this.names.value = names.join("\n");
+      setText(this.found, () => say("class.from_table", {count: names.length}));
+    } else if (names.length > 0) this.wish.make([...names], this.role.value as Role);
+    else this.names.focus();
+  }
+
   /// Shows the links just made by the gateway; earlier ones are removed.
-  handOut(made: readonly MadePerson[]): void {
-    this.names.value = "";
+  /// @param left  names whose links are still to be made
+  handOut(made: readonly MadePerson[], left: readonly string[] = []): void {
+    this.names.value = left.join("\n");
     this.cards.replaceChildren(...made.map((one) => this.card(one)));
     this.links.hidden = false;
     this.links.scrollIntoView({block: "nearest"});
@@ -113,7 +125,7 @@ export class ClassPeople {
   private row({person, name, role}: Person): HTMLLIElement {
     const words = make("span.name", name);
     const beginToRename = (): void => {
-      const input = make("input", {value: name, maxLength: 64, sayLabel: "class.rename"});
+      const input = make("input", {value: name, maxLength: 256, sayLabel: "class.rename"});
       const keep = make("button", {type: "submit", say: "class.keep"});
       const form = make("form.rename", input, keep);
       form.addEventListener("submit", (event) => {

@@ -1,3 +1,4 @@
+import {nameOf} from "../model/names";
 import {say, sayList} from "../messages/say";
 import type {Station} from "../model/station";
 import {consoleWords, faultWords} from "../model/words";
@@ -74,6 +75,7 @@ export class Console {
     row.session = session;
     const {asked} = row;
     if (asked && (answers(asked.of, session) || nowMs > asked.untilMs)) row.asked = undefined;
+    setText(row.name, nameOf(station.id));
     setText(row.words, consoleWords(session));
     const faults = station.isMoving(nowMs / 1000) ? (station.statistics?.faults ?? 0) : 0;
     const told = sayList("list.clauses", faultWords(faults));
@@ -102,8 +104,8 @@ export class Console {
     admit.className = "primary";
     setWords(admit, "title", () => say("console.admit_title"));
     const choices = make("span.choices", {role: "group"}, admit, mute, back);
-    setWords(choices, "ariaLabel", () => say("console.decide", {station: id}));
-    const name = make("b", id);
+    setWords(choices, "ariaLabel", () => say("console.decide", {station: nameOf(id)}));
+    const name = make("b");
     const who = make("p", name, " ", words);
     const item = make("li", who, faults, choices);
     const row: Row = {

@@ -2,6 +2,17 @@
 const kScrolls = new Set(["Home", "End"]);
 const kMovesSlider = (key: string): boolean => key.length > 1;
 
+/// A letter, or a vowel sign that a key has, of another script than Latin; Arabic has two on a key.
+const kOtherScript = /^(?!\p{Script=Latin})[\p{L}\p{M}]/u;
+
+/// Returns the key's name, with letters in lower case.  A layout without Latin letters (Cyrillic,
+/// Greek, Arabic, Thai) has the letter that the key has on others.
+export function keyOf({key, code}: Pick<KeyboardEvent, "key" | "code">): string {
+  const [, latin] = /^Key([A-Z])$/.exec(code) ?? [];
+  if (latin !== undefined && kOtherScript.test(key)) return latin.toLowerCase();
+  return key.length === 1 ? key.toLowerCase() : key;
+}
+
 /// Calls one action per key.  Keys that are typed into a control or belong to the browser are left
 /// alone; scrolling keys, such as arrows, go to the focused element unless that is the picture.  A
 /// slider uses no letters, so it keeps only the keys that move it.
@@ -19,7 +30,7 @@ export function listenForKeys(actions: Readonly<Record<string, () => void>>): vo
     if (kScrolls.has(event.key) && target instanceof Element && target.closest(".panel")) return;
     // Space presses a focused button, and scrolls elsewhere.
     if (event.key === " " && !isFree && !isSlider) return;
-    const action = actions[event.key.length === 1 ? event.key.toLowerCase() : event.key];
+    const action = actions[keyOf(event)];
     if (!action || (event.repeat && event.key === " ")) return;
     event.preventDefault();
     action();
