@@ -93,7 +93,10 @@ Json JsonOf(const Exercise& exercise) {
 }  // namespace
 
 TrialRoom::TrialRoom(Options options, CourseFile& file, std::function<void(const News&)> tell)
-    : options_(std::move(options)), file_(file), tell_(std::move(tell)) {
+    : options_(std::move(options)),
+      lock_(options_.folder),
+      file_(file),
+      tell_(std::move(tell)) {
   const auto refused = [](const std::string& why) {
     spdlog::error("{} (this exercise is skipped)", Printable(why));
   };

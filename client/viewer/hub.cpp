@@ -102,6 +102,10 @@ Hub::Hub(boost::asio::io_context& io, const ViewerOptions& options)
   trials_->ScoreLeftovers();
 }
 
+void Hub::NoteAddress(const std::string& urls) {
+  if (trials_) trials_->lock().Tell(urls);
+}
+
 bool Hub::MakeRoom(const std::string& address) {
   const std::int64_t now_ns = SteadyNanoseconds();
   const ViewerPlaces::Room room = places_.RoomFor(address, now_ns);

@@ -66,6 +66,8 @@ class Hub {
   /// decision about a station.  Returns why it failed; empty: it is done.
   std::string Operate(const OperateCommand& command, const std::string& by);
   const std::map<std::string, FramePtr>& goals() const { return goals_; }
+  /// Tells another gateway that is started for the same course where this one serves it.
+  void NoteAddress(const std::string& urls);
   /// Null without --course.
   const ClassRoom* class_room() const { return class_room_.get(); }
   std::optional<Roster::Made> MakeFirstTeacher();
