@@ -151,7 +151,7 @@ void Hub::Tick(std::int64_t now_ns) {
   mice_.Poll(now_ns);
   if (trials_) trials_->Poll(now_ns);
   if (exams_ && !feed_.server_lives()) exams_->EndTrials("the server has gone");
-  if (exams_ && exams_->Poll(WallClock_s())) TellExam(now_ns);
+  if (exams_ && exams_->Poll(WallClock_s(), now_ns)) TellExam(now_ns);
   refusals_.Poll(now_ns);
   TellClass(now_ns);
   // Flush may remove a viewer.

@@ -116,7 +116,7 @@ class ExamTest : public testing::Test {
   bool Comes(const std::function<bool()>& what) {
     return Eventually([&] {
       trials_->Poll(SteadyNanoseconds());
-      exams_->Poll(now_s_);
+      exams_->Poll(now_s_, now_s_ * 1'000'000'000);
       return what();
     });
   }
