@@ -85,6 +85,7 @@ void ExamRoom::TakeUp(std::int64_t now_s) {
   if (!newest_.is_open()) return;
   const std::int64_t down_s = now_s - newest_.alive_s;
   if (down_s > 2 * kBeat_s) Set("down_s", newest_.down_s + down_s);
+  if (down_s < 0) ClockWasSet(down_s);  // or all would gain that time
   spdlog::warn(
       "exam '{}' is still open and continues; its clock ran on for the {} s without a gateway",
       newest_.exam.name, down_s);
@@ -168,7 +169,9 @@ void ExamRoom::Set(const char* column, std::int64_t value) {
 }
 
 void ExamRoom::SetEnd(std::int64_t ends_s) {
-  seals_.Change([&](Roll& roll) { roll.ends_s = ends_s; });
+  if (seals_.trouble().empty()) {
+    seals_.Change([&](Roll& roll) { roll.ends_s = ends_s; });
+  }
   Set("ends_s", ends_s);
   time_was_over_ = false;
 }
@@ -296,6 +299,7 @@ void ExamRoom::Open(const std::string& name, std::int64_t now_s) {
   Store(exam, people, now_s);
   Read();
   time_was_over_ = false;
+  set_by_s_ = owed_s_ = 0;
   trials_.EndOf(people, "an exam begins");
   trials_.ForgetPages(people);
 }
@@ -368,7 +372,7 @@ std::size_t ExamRoom::TaskToBegin(std::int64_t person, const std::string& exerci
   const std::size_t at = TaskOf(person);
   if (at == newest_.exam.tasks.size()) throw Error("you have done all of the exam's tasks");
   if (exercise != newest_.exam.tasks[at].exercise) throw Error("this is not the exam's next task");
-  if (now_s >= newest_.ends_s) throw Error(kTimeIsOver);
+  if (now_s >= newest_.ends_s + owed_s_) throw Error(kTimeIsOver);
   return at;
 }
 
@@ -408,6 +412,16 @@ void ExamRoom::Begin(const Beginning& of, std::int64_t now_s, std::int64_t now_n
 
 void ExamRoom::EndTrials(const std::string& reason) {
   if (newest_.is_open()) trials_.EndOf(newest_.people, reason);
+}
+
+void ExamRoom::ClockWasSet(std::int64_t by_s) {
+  if (!newest_.is_open()) return;
+  spdlog::warn("exam '{}': the computer's clock was set by {:+} s; nobody's time changes",
+               newest_.exam.name, by_s);
+  set_by_s_ += by_s;
+  owed_s_ += by_s;
+  newest_.alive_s += by_s;
+  changed_ = true;
 }
 
 void ExamRoom::Heard(const TrialRoom::News& news) {
@@ -539,6 +553,11 @@ void ExamRoom::CompleteRoll() {
 bool ExamRoom::Poll(std::int64_t now_s, std::int64_t now_ns) {
   try {
     if (newest_.is_open()) {
+      if (owed_s_ != 0) {
+        SetEnd(newest_.ends_s + owed_s_);
+        Set("alive_s", now_s);
+        owed_s_ = 0;
+      }
       if (now_s >= newest_.alive_s + kBeat_s && now_s >= retry_s_) {
         file_.Use([&](SQLite::Database& database) {
           SQLite::Statement row(database, "UPDATE exams SET alive_s=? WHERE id=?");
@@ -574,12 +593,13 @@ std::string ExamRoom::CutOf(const Trial& trial) {
   static const std::set<std::string> kInOrder = {"submitted", "stopped", "the time is over",
                                                  kTimeIsOver, kClosed};
   if (!trial.lost.empty()) return trial.lost;
-  return trial.ended_s != 0 && (!trial.whole || !kInOrder.contains(trial.reason)) ? trial.reason
-                                                                                  : "";
+  // Why there are no points, after it, is of no use to who reads that it was cut short.
+  const std::string ended = trial.reason.substr(0, trial.reason.find("; no score: "));
+  return trial.ended_s != 0 && (!trial.whole || !kInOrder.contains(ended)) ? ended : "";
 }
 
 std::string ExamRoom::ClassJson() const {
-  Json json = {{"down_s", newest_.down_s}, {"people", Json::array()}};
+  Json json = {{"down_s", newest_.down_s}, {"set_by_s", set_by_s_}, {"people", Json::array()}};
   for (const std::int64_t person : newest_.people) {
     Json trials = Json::array();
     for (const Trial& trial : newest_.trials) {
@@ -629,7 +649,7 @@ std::string ExamRoom::StateJson(std::int64_t person, bool teaches, std::int64_t 
     open = {{"name", newest_.exam.name},
             {"title", Json(newest_.exam.title)},
             {"closed", !newest_.is_open()},
-            {"left_s", std::max<std::int64_t>(0, newest_.ends_s - now_s)},
+            {"left_s", std::max<std::int64_t>(0, newest_.ends_s + owed_s_ - now_s)},
             {"tasks", newest_.exam.tasks.size()}};
     open.update(Json::parse(teaches ? ClassJson() : OwnJson(person)));
   }

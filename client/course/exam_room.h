@@ -63,6 +63,9 @@ class ExamRoom {
   void Begin(const Beginning& beginning, std::int64_t now_s, std::int64_t now_ns);
   /// Ends all running trials of the exam, so that no trial time passes without a server.
   void EndTrials(const std::string& reason);
+  /// Moves the exam's times with the computer's clock, which was set by so much [s]: nobody's time
+  /// changes, and the teacher is told.
+  void ClockWasSet(std::int64_t by_s);
   /// Takes note that a trial has ended or was scored.
   void Heard(const TrialRoom::News& news);
   /// Marks, seals and scores; to be called some 100 times a second.  Returns whether pages
@@ -142,6 +145,8 @@ class ExamRoom {
   std::set<ExamSeals::Key> tried_;                   // trials whose scoring was tried
   std::string trouble_;                              // shown to the teacher
   std::int64_t retry_s_ = 0;
+  std::int64_t set_by_s_ = 0;  // by how much the computer's clock was set; shown to the teacher
+  std::int64_t owed_s_ = 0;    // of these, by which the exam's end is not moved yet
   bool time_was_over_ = false;
   bool changed_ = false;
 };

@@ -10,6 +10,7 @@
 
 #include <boost/asio/io_context.hpp>
 
+#include "client/course/exam_clock.h"
 #include "client/course/exam_room.h"
 #include "client/course/trial.h"
 #include "client/viewer/class_room.h"
@@ -146,6 +147,7 @@ class Hub {
   std::optional<Tokens> listed_;  // of --tokens
   std::unique_ptr<TrialRoom> trials_;
   std::unique_ptr<HistoryDesk> history_;
+  ExamClock exam_clock_;
   std::unique_ptr<ExamRoom> exams_;
   bool class_changed_ = false;
   std::map<std::int64_t, TrialRoom::News> newest_trials_;  // by person

@@ -252,6 +252,7 @@ test("an examiner opens an exam, gives time and another trial, and closes it", a
   });
   await reads("#exam-dialog .word", "the course has no person with the role 'drive'");
   gateway.send("/palpate/exam_state", heldExam());
+  await reads("#exam-dialog section p:first-of-type", /clock was set by -3,?600 s/);
   await press("Give the 41 s back");
   await press("5 min more for all");
   await press("Once more");

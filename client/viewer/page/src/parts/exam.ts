@@ -70,6 +70,7 @@ export class Exam {
   linkOpened(): void {
     if (!this.isBusy) return;
     this.trial = this.trialEndsS = undefined;
+    setText(this.trialClock, "");
     this.show();
   }
 
