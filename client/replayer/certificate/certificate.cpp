@@ -81,9 +81,21 @@ std::string PointsOf(const SealedVerdict& trial, const Words& words) {
                fmt::arg("criteria", trial.seal->criteria_sha256.substr(0, 16)));
 }
 
+/// Returns what others did to the scene of a trial while it ran.
+std::string RestorationsOf(const SealedVerdict& trial, const Words& words) {
+  std::string text;
+  for (const auto& [by, wish, time_s] : trial.restorations) {
+    const char* const what = wish == palpate_WHOLE_AGAIN  ? "made_whole"
+                             : wish == palpate_WHOLE_BACK ? "went_back"
+                                                          : "set_bookmark";
+    text += words(what, fmt::arg("by", Quoted(by)), fmt::arg("seconds", WithPoint(time_s, words)));
+  }
+  return text;
+}
+
 /// Returns a trial's verdict.  Reasons of refusal are in English: they quote files and programs.
 std::string VerdictOf(const SealedVerdict& trial, const Words& words) {
-  if (!trial.seal || !trial.refused.empty()) return trial.refused;
+  if (!trial.seal || !trial.refused.empty()) return trial.refused + RestorationsOf(trial, words);
   std::string text;
   if (trial.seal->recording.empty()) {
     text = words("nothing_recorded");
@@ -95,7 +107,7 @@ std::string VerdictOf(const SealedVerdict& trial, const Words& words) {
   }
   if (!trial.seal->whole) text += words("cut_short", fmt::arg("reason", trial.seal->reason));
   if (!trial.counts) text += words("does_not_count");
-  return text;
+  return text + RestorationsOf(trial, words);
 }
 
 std::string Sentence(const Certificate& certificate, const Words& words) {
@@ -144,9 +156,14 @@ Json JsonOf(const Certificate& certificate) {
             {"not_verified", English().List("what_was_not")},
             {"trials", Json::array()}};
   for (const SealedVerdict& trial : certificate.trials) {
-    Json one{{"file", trial.file},         {"refused", trial.refused},
-             {"wrenches", trial.wrenches}, {"recorded_s", trial.recorded_s},
-             {"counts", trial.counts},     {"points", nullptr}};
+    Json one{{"file", trial.file},           {"refused", trial.refused},
+             {"wrenches", trial.wrenches},   {"recorded_s", trial.recorded_s},
+             {"counts", trial.counts},       {"points", nullptr},
+             {"restorations", Json::array()}};
+    for (const auto& [by, wish, time_s] : trial.restorations) {
+      one["restorations"].push_back(
+          {{"by", by}, {"wish", static_cast<int>(wish)}, {"time_s", time_s}});
+    }
     if (trial.points) one["points"] = *trial.points;
     if (const auto& seal = trial.seal) {
       one["person"] = seal->person;

@@ -101,6 +101,7 @@ std::string Judge(const std::string& recording, const VerifyOptions& options,
   }
   if (hashed.sha256 != seal.sha256) return "its recording has been changed since it was sealed";
   const Verification verification = Verify({recording}, options);
+  verdict.restorations = verification.restorations;
   for (const SessionVerdict& session : verification.sessions) {
     if (session.station != seal.station) {
       return fmt::format("its recording is of station '{}', not of '{}'",

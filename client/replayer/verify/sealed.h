@@ -29,6 +29,7 @@ struct SealedVerdict {
   std::uint64_t wrenches = 0;
   double recorded_s = 0.0;
   bool counts = true;  ///< false: the examiner had it repeated
+  std::vector<Restoration> restorations{};  ///< of its scene, while it ran
   /// Computed from the recording with the sealed criteria and expert; none: nothing was touched, it
   /// was refused, or these files are not the sealed ones.
   std::optional<double> points{};
