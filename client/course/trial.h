@@ -74,6 +74,8 @@ class TrialRoom {
   void End(Holder holder, const std::string& reason);
   /// Ends the running trials of these people.
   void EndOf(const std::set<std::int64_t>& people, const std::string& reason);
+  /// Ends the running trials in a scene that was changed under them; they are not whole.
+  void EndIn(const std::string& scene, const std::string& reason);
   /// Scores an ended trial: of a closed exam, or of an earlier run of the gateway.
   /// @param kept      the trial's last news.
   /// @param length_s  how long it ran; bounds the time that its scoring may take.

@@ -23,6 +23,8 @@ namespace {
 /// The reason of a trial that its person stopped.
 constexpr const char* kStopped = "stopped";
 
+/// So many wishes to restore scenes are answered within a moment, at most.
+constexpr std::size_t kOwnWishes = 256;
 constexpr std::int64_t kStatistics_ns = 5'000'000'000;
 
 std::string RandomId() {
@@ -148,7 +150,8 @@ void Hub::Tick(std::int64_t now_ns) {
         ++traffic_.taken;
         for (const auto& [id, viewer] : viewers_) viewer->Push(frame, now_ns);
       },
-      [&](const wire::SessionState& state) { mice_.OnSession(state, now_ns); });
+      [&](const wire::SessionState& state) { mice_.OnSession(state, now_ns); },
+      [&](const wire::SceneWhole& whole) { HearOfWhole(whole); });
   mice_.Poll(now_ns);
   if (trials_) trials_->Poll(now_ns);
   if (exams_ && !feed_.server_lives()) exams_->EndTrials("the server has gone");
@@ -481,7 +484,17 @@ bool Hub::AskForWhole(const std::string& scene, wire::WholeWish wish, const std:
   request.request = RandomRun();
   wire::FromText(by, request.by);
   request.wish = wish;
+  own_wishes_.push_back(request.request);
+  if (own_wishes_.size() > kOwnWishes) own_wishes_.pop_front();
   return feed_.Ask(request);
+}
+
+void Hub::HearOfWhole(const wire::SceneWhole& whole) {
+  const bool changes = whole.refusal[0] == '\0' && whole.wish != palpate_WHOLE_BOOKMARK;
+  // Without a request: a station's session began in a scene that is then made whole.
+  if (!trials_ || !changes || whole.request == 0) return;
+  if (std::ranges::find(own_wishes_, whole.request) != own_wishes_.end()) return;
+  trials_->EndIn(whole.scene, std::string(whole.by) + " restored the scene, past this gateway");
 }
 
 FramePtr Hub::AskReplay(ReplayWish wish, Viewer& viewer, std::int64_t now_ns) {

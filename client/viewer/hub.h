@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -125,6 +126,8 @@ class Hub {
     std::uint64_t bytes = 0;
     std::uint64_t lost = 0;  // of viewers that have left
   };
+  /// Ends the trials of a scene that somebody has restored past this gateway.
+  void HearOfWhole(const wire::SceneWhole& whole);
   void Tell(const MouseRoom::News& news);
   void Tell(const TrialRoom::News& news);
   void BeginTrial(const std::string& exercise, Viewer& viewer, std::int64_t now_ns);
@@ -158,6 +161,7 @@ class Hub {
   PageFiles page_;
   TopicFeed feed_;
   std::string session_id_;
+  std::deque<std::uint64_t> own_wishes_;                      // the last requests to restore scenes
   std::map<std::string, FramePtr> goals_;                     // by scene
   std::map<std::uint64_t, std::shared_ptr<Viewer>> viewers_;  // by id
   MouseRoom mice_;

@@ -45,6 +45,8 @@ class Pupil {
     if (!std::exchange(hears_exam_, true)) client_.Subscribe(4, TopicFeed::kExam);
     return Read(4);
   }
+  /// The next message about the person's trial.
+  CourseJson Trial() { return Read(5); }
   /// Hears its trials until one is in one of these phases.
   bool Comes(const std::set<std::string>& phases) {
     return Eventually([&] {
@@ -323,6 +325,26 @@ TEST(Course, LetsNobodyRestoreASceneWhileATrialRunsThere) {
   const auto wish = server.Wished();
   ASSERT_TRUE(wish);
   EXPECT_THAT(std::string(wish->by), testing::StartsWith("teacher")) << "and none before";
+}
+
+TEST(Course, EndsATrialWhoseSceneIsRestoredPastTheGateway) {
+  StandIn server(0, "calculus");
+  const Folder folder;
+  Gateway gateway({"--course", folder / "course"});
+  const std::string link = FirstLink(gateway);
+  ASSERT_TRUE(gateway.KnowsScenes(1, {{"Authorization", "Bearer " + link}}));
+  Teacher teacher(gateway, link);
+  Pupil anna(gateway, teacher.Make("Anna"));
+  anna.client().SendTrial({{"op", "begin"}, {"exercise", "supragingival-calculus"}});
+  ASSERT_TRUE(anna.Comes({"preparing"}));
+  server.TellWhole("calculus", "lesson on another host");
+  CourseJson ended;
+  ASSERT_TRUE(Eventually([&] {
+    ended = anna.Trial();
+    return ended.is_object() && ended["phase"] == "ending";
+  }));
+  EXPECT_THAT(ended["reason"].get<std::string>(), testing::HasSubstr("lesson on another host"));
+  EXPECT_EQ(ended["whole"], false);
 }
 
 TEST(Course, GivesEachASeatAndKeepsOthersOut) {

@@ -266,8 +266,9 @@ std::optional<double> PointsOf(const std::string& recording, const Exercise& exe
 
 bool Certificate::good() const {
   return !trials.empty() && missing.empty() && changed.empty() &&
-         std::ranges::all_of(trials,
-                             [](const SealedVerdict& trial) { return trial.refused.empty(); });
+         std::ranges::all_of(trials, [](const SealedVerdict& trial) {
+           return trial.refused.empty() || !trial.counts;
+         });
 }
 
 Certificate VerifySealed(const SealedOptions& options) {

@@ -28,7 +28,7 @@ struct SealedVerdict {
   std::string refused;       ///< the reason; empty: it is what its seal says
   std::uint64_t wrenches = 0;
   double recorded_s = 0.0;
-  bool counts = true;  ///< false: the examiner had it repeated
+  bool counts = true;                       ///< false: the examiner had it repeated
   std::vector<Restoration> restorations{};  ///< of its scene, while it ran
   /// Computed from the recording with the sealed criteria and expert; none: nothing was touched, it
   /// was refused, or these files are not the sealed ones.
@@ -48,8 +48,8 @@ struct Certificate {
   std::map<std::string, LocalText> titles{};  ///< of its exercises, likewise
   std::int64_t verified_s = 0;                ///< since 1970, by this computer's clock
   double took_s = 0.0;
-  /// True if every trial that was handed in is present, is what its seal says, and was recomputed
-  /// bit for bit, and if all from which it is graded is as it was sealed.
+  /// True if every trial that was handed in is present, and every one that counts is what its seal
+  /// says and was recomputed bit for bit, and if all from which it is graded is as it was sealed.
   bool good() const;
 };
 

@@ -270,6 +270,18 @@ TEST_F(SealedTest, WhoseChainIsBrokenIsNotVerified) {
   EXPECT_FALSE(Verified().good());
 }
 
+TEST_F(SealedTest, ThatIsRefusedSpoilsNothingWhereTheExaminerHadItDoneAgain) {
+  lie_N_ = 1e-12;
+  Record(kAnna, "Anna", 9);
+  SealBoth();
+  EXPECT_FALSE(Verified().good());
+  Roll roll = ReadRoll();
+  roll.trials.front().counts = false;
+  WriteRoll(roll);
+  EXPECT_NE(Refused(), "");
+  EXPECT_TRUE(Verified().good());
+}
+
 TEST_F(SealedTest, ThatWasLostIsMissedUnlessTheExaminerHadItDoneAgain) {
   Roll roll = ReadRoll();
   Roll::Entry lost = roll.trials.front();
