@@ -70,7 +70,7 @@ class GrowingHash {
   std::int64_t bytes_ = 0;
 };
 
-/// What the server attests about a trial of an exam.  README.md says what that proves.
+/// What the server attests about a trial of an exam.  EXAMS.md says what that proves.
 struct Seal {
   static constexpr const char* kFormat = "palpate-seal-2";
 
