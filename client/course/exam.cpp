@@ -21,22 +21,15 @@ constexpr int kMostTrialsOfTask = 20;
 
 ExamTask ReadTask(const JsonNode& node, const std::string& folder) {
   node.AllowOnly({"exercise", "time_s", "trials"});
-  ExamTask task;
   const JsonNode name = node.At("exercise");
-  task.exercise = name.String();
-  if (!std::ranges::all_of(task.exercise, IsOfName)) name.Fail("is no exercise's name");
-  const std::string own = folder + "/exercises/" + task.exercise + kExerciseEnding;
-  std::error_code none;  // a name too long, or a link to itself, counts as missing
-  const std::string file = fs::exists(own, none) ? own
-                                                 : PlaceOf(ProjectFile::kExercises) + "/" +
-                                                       task.exercise + kExerciseEnding;
-  if (!fs::exists(file, none)) {
-    name.Fail("there is no such exercise; put " + own + " there, or name another");
+  const std::string exercise = name.String();
+  if (!std::ranges::all_of(exercise, IsOfName)) name.Fail("is no exercise's name");
+  const std::string file = ExerciseFileOf(folder, exercise);
+  if (std::error_code none; !fs::exists(file, none)) {
+    name.Fail("there is no such exercise; put " + folder + "/exercises/" + exercise +
+              kExerciseEnding + " there, or name another");
   }
-  const Exercise exercise = LoadExercise(file);
-  task.exercise_sha256 = Sha256OfFile(exercise.file).sha256;
-  task.criteria_sha256 = Sha256OfFile(exercise.criteria.file).sha256;
-  task.time_s = exercise.most_s;
+  ExamTask task = HashedTask(LoadExercise(file));
   if (const auto time = node.Find("time_s")) task.time_s = time->Number(1.0, kLongestTask_s);
   if (const auto trials = node.Find("trials")) {
     task.trials = static_cast<int>(trials->Integer(1, kMostTrialsOfTask));
@@ -45,6 +38,29 @@ ExamTask ReadTask(const JsonNode& node, const std::string& folder) {
 }
 
 }  // namespace
+
+std::string ExerciseFileOf(const std::string& folder, const std::string& exercise) {
+  const std::string own = folder + "/exercises/" + exercise + kExerciseEnding;
+  std::error_code none;  // a name too long, or a link to itself, counts as missing
+  return fs::exists(own, none)
+             ? own
+             : PlaceOf(ProjectFile::kExercises) + "/" + exercise + kExerciseEnding;
+}
+
+ExamTask HashedTask(const Exercise& exercise) {
+  ExamTask task;
+  task.exercise = exercise.name;
+  task.time_s = exercise.most_s;
+  task.exercise_sha256 = Sha256OfFile(exercise.file).sha256;
+  task.criteria_sha256 = Sha256OfFile(exercise.criteria.file).sha256;
+  task.expert_sha256 = Sha256OfFile(exercise.expert).sha256;
+  return task;
+}
+
+bool SameFiles(const ExamTask& a, const ExamTask& b) {
+  return a.exercise_sha256 == b.exercise_sha256 && a.criteria_sha256 == b.criteria_sha256 &&
+         a.expert_sha256 == b.expert_sha256;
+}
 
 Exam LoadExam(const std::string& file) {
   if (!file.ends_with(kExamEnding)) {

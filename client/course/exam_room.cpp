@@ -1,7 +1,6 @@
 #include "client/course/exam_room.h"
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <utility>
 
@@ -10,8 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
+#include "client/course/exam_json.h"
 #include "common/error.h"
-#include "common/files/output.h"
 #include "common/json/json_file.h"
 #include "common/text/hex16.h"
 #include "common/text/lower_case.h"
@@ -21,9 +20,6 @@
 namespace palpate {
 
 using Json = nlohmann::json;
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExamTask, exercise, time_s, trials, exercise_sha256,
-                                   criteria_sha256)
-
 namespace {
 
 /// Interval [s] at which `alive_s` is stored, and so the accuracy of a killed gateway's time of
@@ -60,17 +56,36 @@ void Bind(SQLite::Statement& statement, const Values&... values) {
 
 ExamRoom::ExamRoom(std::string folder, CourseFile& file, Roster& roster, TrialRoom& trials,
                    std::int64_t now_s)
-    : folder_(std::move(folder)),
-      file_(file),
-      roster_(roster),
-      trials_(trials),
-      key_(SealKey::OfCourse(folder_)) {
+    : folder_(std::move(folder)), file_(file), roster_(roster), trials_(trials), seals_(folder_) {
   file_.Use([](SQLite::Database& database) { database.exec(kTables); });
   Read();
   Do(R"({"tag": 0, "op": "look"})", now_s);
+  if (newest_.number != 0) TakeUp(now_s);
+}
+
+void ExamRoom::TakeUp(std::int64_t now_s) {
+  seals_.TakeUp(NewRoll());
+  if (!seals_.trouble().empty()) {
+    spdlog::error("exam '{}': {}", newest_.exam.name, Printable(seals_.trouble()));
+  } else {
+    // What the roll does not have was never begun: its gateway was killed in that very moment, or
+    // somebody wrote it into the file.
+    file_.Use([&](SQLite::Database& database) {
+      for (const Trial& trial : newest_.trials) {
+        if (seals_.Find(trial.key()) != nullptr) continue;
+        SQLite::Statement row(database,
+                              "DELETE FROM exam_trials WHERE person=? AND exercise=? AND n=?");
+        Bind(row, trial.person, trial.exercise, trial.n);
+        row.exec();
+      }
+    });
+    Set("ends_s", seals_.roll().ends_s);
+    Set("closed_s", seals_.roll().closed_s);
+  }
   if (!newest_.is_open()) return;
   const std::int64_t down_s = now_s - newest_.alive_s;
   if (down_s > 2 * kBeat_s) Set("down_s", newest_.down_s + down_s);
+  if (down_s < 0) ClockWasSet(down_s);  // or all would gain that time
   spdlog::warn(
       "exam '{}' is still open and continues; its clock ran on for the {} s without a gateway",
       newest_.exam.name, down_s);
@@ -112,7 +127,7 @@ void ExamRoom::ReadTrials() {
     SQLite::Statement rows(
         database,
         "SELECT e.person, task, e.exercise, e.n, station, scene, scene_hash, counts, begun_s, "
-        "IFNULL(ended_s, 0), IFNULL(whole, 1), IFNULL(reason, ''), IFNULL(seal, ''), points, "
+        "IFNULL(ended_s, 0), IFNULL(whole, 1), IFNULL(reason, ''), points, "
         "passed FROM "
         "exam_trials e JOIN trials t ON t.person=e.person AND t.exercise=e.exercise AND t.n=e.n "
         "WHERE exam=? ORDER BY e.person, task, e.n");
@@ -131,11 +146,14 @@ void ExamRoom::ReadTrials() {
       trial.ended_s = rows.getColumn(9).getInt64();
       trial.whole = rows.getColumn(10).getInt() == 1;
       trial.reason = rows.getColumn(11).getString();
-      const std::string seal = rows.getColumn(12).getString();
-      trial.sealed = !seal.empty();
-      if (trial.sealed) trial.sha256 = Json::parse(seal).at("sealed").at("sha256");
-      if (!rows.getColumn(13).isNull()) trial.points = rows.getColumn(13).getDouble();
-      trial.scored = !rows.getColumn(14).isNull();
+      if (!rows.getColumn(12).isNull()) trial.points = rows.getColumn(12).getDouble();
+      trial.scored = !rows.getColumn(13).isNull();
+      if (const Roll::Entry* const entry = seals_.Find(trial.key())) {
+        trial.counts = entry->counts;
+        trial.sealed = !entry->seal.empty();
+        trial.sha256 = entry->sha256;
+        trial.lost = entry->lost;
+      }
       newest_.trials.push_back(std::move(trial));
     }
   });
@@ -148,6 +166,14 @@ void ExamRoom::Set(const char* column, std::int64_t value) {
     row.exec();
   });
   Read();
+}
+
+void ExamRoom::SetEnd(std::int64_t ends_s) {
+  if (seals_.trouble().empty()) {
+    seals_.Change([&](Roll& roll) { roll.ends_s = ends_s; });
+  }
+  Set("ends_s", ends_s);
+  time_was_over_ = false;
 }
 
 // --- what a teacher does ---
@@ -180,12 +206,10 @@ std::string ExamRoom::Do(std::string_view wish, std::int64_t now_s) {
       json.AllowOnly({"tag", "op", "exam"});
       Open(json.At("exam").String(), now_s);
     } else if (op == "more") {
-      Set("ends_s", std::max(newest_.ends_s, now_s) + number("s", kMostMore_s));
-      time_was_over_ = false;
+      SetEnd(std::max(newest_.ends_s, now_s) + number("s", kMostMore_s));
     } else if (op == "give_back") {
-      Set("ends_s", newest_.ends_s + newest_.down_s);
+      SetEnd(newest_.ends_s + newest_.down_s);
       Set("down_s", 0);
-      time_was_over_ = false;
     } else if (op == "again") {
       Again(number("person", 0x7fffffff));
     } else {
@@ -221,18 +245,48 @@ std::set<std::int64_t> ExamRoom::PeopleOf(const Exam& exam) const {
   return people;
 }
 
+void ExamRoom::Store(const Exam& exam, const std::set<std::int64_t>& people,
+                     std::int64_t now_s) try {
+  Roll roll;
+  roll.exam = exam.name;
+  roll.exam_sha256 = exam.sha256;
+  roll.tasks = exam.tasks;
+  roll.opened_s = now_s;
+  roll.ends_s = now_s + static_cast<std::int64_t>(exam.time_s);
+  file_.Use([&](SQLite::Database& database) {
+    SQLite::Transaction whole(database);
+    SQLite::Statement row(database,
+                          "INSERT INTO exams(name, sha256, title, tasks, opened_s, ends_s, "
+                          "alive_s) VALUES(?, ?, ?, ?, ?, ?, ?)");
+    Bind(row, exam.name, exam.sha256, Json(exam.title).dump(), Json(exam.tasks).dump(), now_s,
+         roll.ends_s, now_s);
+    row.exec();
+    roll.exam_number = database.getLastInsertRowid();
+    for (const std::int64_t person : people) {
+      SQLite::Statement one(database, "INSERT INTO exam_people(exam, person) VALUES(?, ?)");
+      Bind(one, roll.exam_number, person);
+      one.exec();
+    }
+    seals_.Open(roll);
+    whole.commit();
+  });
+} catch (const Error&) {
+  if (newest_.number != 0) seals_.TakeUp(NewRoll());  // the last exam's again
+  throw;
+}
+
 void ExamRoom::Open(const std::string& name, std::int64_t now_s) {
   if (newest_.is_open()) {
     throw Error(fmt::format("exam '{}' is open; close it first", newest_.exam.name));
   }
-  if (std::ranges::any_of(newest_.trials, [](const Trial& trial) { return !trial.sealed; })) {
+  if (!AllSettled()) {
     throw Error("the last exam's trials are being sealed; wait a moment" +
                 (trouble_.empty() ? "" : ": " + trouble_));
   }
   if (std::ranges::any_of(newest_.trials, [&](const Trial& trial) { return Waits(trial); })) {
     throw Error("the last exam's trials are being scored; wait a moment");
   }
-  if (newest_.number != 0) WriteRoll();  // newest_ is about to be replaced
+  CompleteRoll();  // newest_ is about to be replaced
   if (!std::ranges::all_of(name, IsOfName)) throw Error("there is no exam " + Quoted(name));
   const Exam exam = LoadExam(folder_ + "/" + name + kExamEnding);
   for (const ExamTask& task : exam.tasks) {
@@ -241,24 +295,10 @@ void ExamRoom::Open(const std::string& name, std::int64_t now_s) {
         "exercise '{}' was added after this gateway started; restart the gateway", task.exercise));
   }
   const std::set<std::int64_t> people = PeopleOf(exam);
-  file_.Use([&](SQLite::Database& database) {
-    SQLite::Transaction whole(database);
-    SQLite::Statement row(database,
-                          "INSERT INTO exams(name, sha256, title, tasks, opened_s, ends_s, "
-                          "alive_s) VALUES(?, ?, ?, ?, ?, ?, ?)");
-    Bind(row, exam.name, exam.sha256, Json(exam.title).dump(), Json(exam.tasks).dump(), now_s,
-         now_s + static_cast<std::int64_t>(exam.time_s), now_s);
-    row.exec();
-    const std::int64_t number = database.getLastInsertRowid();
-    for (const std::int64_t person : people) {
-      SQLite::Statement one(database, "INSERT INTO exam_people(exam, person) VALUES(?, ?)");
-      Bind(one, number, person);
-      one.exec();
-    }
-    whole.commit();
-  });
+  Store(exam, people, now_s);
   Read();
-  time_was_over_ = has_roll_ = false;
+  time_was_over_ = false;
+  set_by_s_ = owed_s_ = 0;
   trials_.EndOf(people, "an exam begins");
   trials_.ForgetPages(people);
 }
@@ -273,6 +313,9 @@ void ExamRoom::Again(std::int64_t person) {
   }
   if (last->ended_s == 0)
     throw Error("that trial is still running; it can be repeated after it ends");
+  seals_.Change([&](Roll& roll) {
+    std::ranges::find(roll.trials, last->key(), ExamSeals::KeyOf)->counts = false;
+  });
   file_.Use([&](SQLite::Database& database) {
     SQLite::Statement row(database,
                           "UPDATE exam_trials SET counts=0 WHERE person=? AND exercise=? AND n=?");
@@ -283,6 +326,9 @@ void ExamRoom::Again(std::int64_t person) {
 }
 
 void ExamRoom::Close(std::int64_t now_s) {
+  if (seals_.trouble().empty()) {
+    seals_.Change([&](Roll& roll) { roll.closed_s = now_s; });
+  }
   Set("closed_s", now_s);
   trials_.EndOf(newest_.people, kClosed);
 }
@@ -295,7 +341,7 @@ bool ExamRoom::Sits(std::int64_t person) const {
 
 bool ExamRoom::Needs(std::int64_t person) const {
   return newest_.people.contains(person) &&
-         (newest_.is_open() || !has_roll_ ||
+         (newest_.is_open() || !(seals_.roll().complete || !seals_.trouble().empty()) ||
           std::ranges::any_of(newest_.trials, [&](const Trial& trial) {
             return trial.person == person && Waits(trial);
           }));
@@ -318,10 +364,14 @@ std::size_t ExamRoom::TaskOf(std::int64_t person) const {
 
 std::size_t ExamRoom::TaskToBegin(std::int64_t person, const std::string& exercise,
                                   std::int64_t now_s) const {
+  if (!seals_.trouble().empty()) {
+    throw Error(
+        "this exam can go on no more, because its roll is not in order; tell your examiner");
+  }
   const std::size_t at = TaskOf(person);
   if (at == newest_.exam.tasks.size()) throw Error("you have done all of the exam's tasks");
   if (exercise != newest_.exam.tasks[at].exercise) throw Error("this is not the exam's next task");
-  if (now_s >= newest_.ends_s) throw Error(kTimeIsOver);
+  if (now_s >= newest_.ends_s + owed_s_) throw Error(kTimeIsOver);
   return at;
 }
 
@@ -332,12 +382,25 @@ void ExamRoom::Begin(const Beginning& of, std::int64_t now_s, std::int64_t now_n
       trials_.Begin(of.holder, of.person, of.exercise, of.station, of.scene, now_ns, task.time_s);
   try {
     file_.Use([&](SQLite::Database& database) {
+      SQLite::Transaction whole(database);
       SQLite::Statement row(database,
                             "INSERT INTO exam_trials(exam, person, task, exercise, n, station, "
                             "scene, scene_hash) VALUES(?, ?, ?, ?, ?, ?, ?, ?)");
       Bind(row, newest_.number, of.person, static_cast<int>(at), of.exercise, n, of.station,
            of.scene, Hex16(of.scene_hash));
       row.exec();
+      Roll::Entry entry;
+      entry.person = of.person;
+      entry.name = NameOf(of.person);
+      entry.task = static_cast<int>(at) + 1;
+      entry.exercise = of.exercise;
+      entry.n = n;
+      entry.station = of.station;
+      entry.scene = of.scene;
+      entry.scene_hash = Hex16(of.scene_hash);
+      entry.begun_s = now_s;
+      seals_.Begin(entry, now_s);
+      whole.commit();
     });
   } catch (const Error&) {
     trials_.End(of.holder, "the exam's file cannot be written");
@@ -348,6 +411,16 @@ void ExamRoom::Begin(const Beginning& of, std::int64_t now_s, std::int64_t now_n
 
 void ExamRoom::EndTrials(const std::string& reason) {
   if (newest_.is_open()) trials_.EndOf(newest_.people, reason);
+}
+
+void ExamRoom::ClockWasSet(std::int64_t by_s) {
+  if (!newest_.is_open()) return;
+  spdlog::warn("exam '{}': the computer's clock was set by {:+} s; nobody's time changes",
+               newest_.exam.name, by_s);
+  set_by_s_ += by_s;
+  owed_s_ += by_s;
+  newest_.alive_s += by_s;
+  changed_ = true;
 }
 
 void ExamRoom::Heard(const TrialRoom::News& news) {
@@ -361,66 +434,79 @@ std::string ExamRoom::NameOf(std::int64_t person) const {
   return found == roster_.people().end() ? "" : found->name;
 }
 
-std::string ExamRoom::RecordingOf(const Trial& trial) const {
-  return fmt::format("trials/{}/{}/{}.mcap", trial.person, trial.exercise, trial.n);
+Roll ExamRoom::NewRoll() const {
+  Roll roll;
+  roll.exam = newest_.exam.name;
+  roll.exam_number = newest_.number;
+  roll.exam_sha256 = newest_.exam.sha256;
+  roll.tasks = newest_.exam.tasks;
+  roll.opened_s = newest_.opened_s;
+  roll.ends_s = newest_.ends_s;
+  roll.closed_s = newest_.closed_s;
+  return roll;
 }
 
-Seal ExamRoom::SealOf(const Trial& trial, std::int64_t now_s) const {
-  const ExamTask& task = newest_.exam.tasks.at(static_cast<std::size_t>(trial.task));
+Seal ExamRoom::SealOf(const Roll::Entry& entry, const Trial* trial, std::int64_t now_s) const {
+  const ExamTask& task = seals_.roll().tasks.at(static_cast<std::size_t>(entry.task - 1));
   Seal seal;
-  seal.recording = RecordingOf(trial);
-  seal.person = trial.person;
-  seal.name = NameOf(trial.person);
-  seal.station = trial.station;
-  seal.scene = trial.scene;
-  seal.scene_hash = trial.scene_hash;
+  seal.recording = fmt::format("trials/{}/{}/{}.mcap", entry.person, entry.exercise, entry.n);
+  seal.person = entry.person;
+  seal.name = entry.name;
+  seal.station = entry.station;
+  seal.scene = entry.scene;
+  seal.scene_hash = entry.scene_hash;
   seal.exam = newest_.exam.name;
   seal.exam_number = newest_.number;
   seal.exam_sha256 = newest_.exam.sha256;
-  seal.task = trial.task + 1;
-  seal.exercise = trial.exercise;
-  seal.n = trial.n;
+  seal.task = entry.task;
+  seal.exercise = entry.exercise;
+  seal.n = entry.n;
   seal.exercise_sha256 = task.exercise_sha256;
   seal.criteria_sha256 = task.criteria_sha256;
-  seal.begun_s = trial.begun_s;
-  seal.ended_s = trial.ended_s;
+  seal.expert_sha256 = task.expert_sha256;
+  seal.begun_s = entry.begun_s;
   seal.sealed_s = now_s;
-  seal.whole = trial.whole;
-  seal.reason = Printable(trial.reason);
+  if (trial == nullptr) {
+    seal.whole = false;
+    seal.reason = "its end could not be stored";
+    return seal;
+  }
+  seal.ended_s = trial->ended_s;
+  seal.whole = trial->whole;
+  seal.reason = Printable(trial->reason);
   return seal;
 }
 
-void ExamRoom::SealNext(std::int64_t now_s) {
-  const auto next = std::ranges::find_if(
-      newest_.trials, [](const Trial& trial) { return trial.ended_s != 0 && !trial.sealed; });
-  if (next == newest_.trials.end() || now_s < retry_s_) return;
-  sealed_ = next->key();
-  // In a thread: the recording of ten minutes takes long to read.
-  sealing_ = std::async(std::launch::async, [this, seal = SealOf(*next, now_s)]() mutable {
-    const std::string file = folder_ + "/" + seal.recording;
-    const std::string stem = file.substr(0, file.size() - std::string_view(".mcap").size());
-    std::error_code none;
-    if (std::filesystem::exists(file, none)) {
-      const HashedFile hashed = Sha256OfFile(file, folder_);
-      seal.sha256 = hashed.sha256;
-      seal.bytes = hashed.bytes;
-    } else {
-      seal.recording.clear();
-    }
-    std::string text = SealText(seal, key_);
-    WriteOutput("seal", stem + kSealEnding, text, Links::kReplace);
-    return text;
-  });
+bool ExamRoom::AllSettled() const {
+  return std::ranges::all_of(seals_.roll().trials, &Roll::Entry::is_settled);
 }
 
-void ExamRoom::TakeSeal() {
-  const std::string text = sealing_.get();
+void ExamRoom::SealNext(std::int64_t now_s) {
+  if (now_s < retry_s_ || !seals_.is_idle()) return;
+  for (const Roll::Entry& entry : seals_.roll().trials) {
+    if (entry.is_settled()) continue;
+    const auto trial = std::ranges::find(newest_.trials, ExamSeals::KeyOf(entry), &Trial::key);
+    const bool is_known = trial != newest_.trials.end();
+    if (is_known ? trial->ended_s == 0 : trials_.Has(entry.person, entry.exercise, entry.n)) {
+      continue;
+    }
+    return seals_.BeginToSeal(SealOf(entry, is_known ? &*trial : nullptr, now_s));
+  }
+}
+
+void ExamRoom::TakeSeal(const ExamSeals::Done& done) {
   file_.Use([&](SQLite::Database& database) {
-    const auto& [person, exercise, n] = sealed_;
+    const auto& [person, exercise, n] = done.key;
     SQLite::Statement row(database,
                           "UPDATE trials SET seal=? WHERE person=? AND exercise=? AND n=?");
-    Bind(row, text, person, exercise, n);
+    Bind(row, done.text, person, exercise, n);
     row.exec();
+    if (!done.is_rest) return;
+    SQLite::Statement cut(database,
+                          "UPDATE trials SET whole=0, reason=? WHERE person=? AND exercise=? AND "
+                          "n=?");
+    Bind(cut, std::string(ExamSeals::kKilled), person, exercise, n);
+    cut.exec();
   });
   trouble_.clear();
   Read();
@@ -438,11 +524,10 @@ void ExamRoom::ScoreAll() {
     if (!Waits(trial) || !tried_.insert(trial.key()).second) continue;
     const ExamTask& task = newest_.exam.tasks.at(static_cast<std::size_t>(trial.task));
     const Exercise* const exercise = trials_.Find(trial.exercise);
-    if (exercise == nullptr || Sha256OfFile(exercise->file).sha256 != task.exercise_sha256 ||
-        Sha256OfFile(exercise->criteria.file).sha256 != task.criteria_sha256) {
+    if (exercise == nullptr || !SameFiles(HashedTask(*exercise), task)) {
       trouble_ = fmt::format(
-          "'{}' is not scored, because its file or that of its criteria was changed after the exam "
-          "was opened; restore that file, and restart the gateway",
+          "'{}' is not scored, because its file, that of its criteria or its expert's was changed "
+          "after the exam was opened; restore that file, and restart the gateway",
           trial.exercise);
       changed_ = true;
       continue;
@@ -459,32 +544,19 @@ void ExamRoom::ScoreAll() {
   for (const auto& [kept, length_s] : all) trials_.Score(kept, length_s);
 }
 
-void ExamRoom::WriteRoll() {
-  const std::string folder = folder_ + "/exams";
-  const std::string file =
-      fmt::format("{}/{}-{}{}", folder, newest_.exam.name, newest_.number, kRollEnding);
-  std::error_code error;
-  if (std::filesystem::exists(file, error)) return;
-  std::filesystem::create_directories(folder, error);
-  Roll roll;
-  roll.exam = newest_.exam.name;
-  roll.exam_number = newest_.number;
-  roll.exam_sha256 = newest_.exam.sha256;
-  roll.opened_s = newest_.opened_s;
-  roll.closed_s = newest_.closed_s;
-  roll.tasks = static_cast<int>(newest_.exam.tasks.size());
-  for (const Trial& trial : newest_.trials) {
-    roll.trials.push_back({trial.person, NameOf(trial.person), trial.task + 1,
-                           trial.sha256.empty() ? "" : RecordingOf(trial), trial.sha256,
-                           trial.counts});
-  }
-  RefuseLinks(folder_, folder);
-  WriteOutput("roll", file, SealText(roll, key_), Links::kReplace);
+void ExamRoom::CompleteRoll() {
+  if (newest_.closed_s == 0 || seals_.roll().complete || !seals_.trouble().empty()) return;
+  seals_.Change([](Roll& roll) { roll.complete = true; });
 }
 
-bool ExamRoom::Poll(std::int64_t now_s) {
+bool ExamRoom::Poll(std::int64_t now_s, std::int64_t now_ns) {
   try {
     if (newest_.is_open()) {
+      if (owed_s_ != 0) {
+        SetEnd(newest_.ends_s + owed_s_);
+        Set("alive_s", now_s);
+        owed_s_ = 0;
+      }
       if (now_s >= newest_.alive_s + kBeat_s && now_s >= retry_s_) {
         file_.Use([&](SQLite::Database& database) {
           SQLite::Statement row(database, "UPDATE exams SET alive_s=? WHERE id=?");
@@ -498,22 +570,17 @@ bool ExamRoom::Poll(std::int64_t now_s) {
         changed_ = true;
       }
     }
-    if (sealing_.valid()) {
-      if (sealing_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) TakeSeal();
-    } else {
-      SealNext(now_s);
-    }
-    const bool all_sealed =
-        std::ranges::all_of(newest_.trials, [](const Trial& trial) { return trial.sealed; });
-    if (newest_.closed_s != 0 && all_sealed && now_s >= retry_s_) {
-      if (!std::exchange(has_roll_, true)) WriteRoll();
+    if (const auto done = seals_.Take()) TakeSeal(*done);
+    SealNext(now_s);
+    seals_.Poll(now_s, now_ns);
+    if (newest_.closed_s != 0 && AllSettled() && now_s >= retry_s_) {
+      CompleteRoll();
       ScoreAll();
     }
   } catch (const std::exception& error) {
     if (trouble_ != error.what()) spdlog::error("exam '{}': {}", newest_.exam.name, error.what());
     trouble_ = error.what();
     retry_s_ = now_s + kRetry_s;
-    has_roll_ = false;
     changed_ = true;
   }
   return std::exchange(changed_, false);
@@ -524,12 +591,14 @@ bool ExamRoom::Poll(std::int64_t now_s) {
 std::string ExamRoom::CutOf(const Trial& trial) {
   static const std::set<std::string> kInOrder = {"submitted", "stopped", "the time is over",
                                                  kTimeIsOver, kClosed};
-  return trial.ended_s != 0 && (!trial.whole || !kInOrder.contains(trial.reason)) ? trial.reason
-                                                                                  : "";
+  if (!trial.lost.empty()) return trial.lost;
+  // Why there are no points, after it, is of no use to who reads that it was cut short.
+  const std::string ended = trial.reason.substr(0, trial.reason.find("; no score: "));
+  return trial.ended_s != 0 && (!trial.whole || !kInOrder.contains(ended)) ? ended : "";
 }
 
 std::string ExamRoom::ClassJson() const {
-  Json json = {{"down_s", newest_.down_s}, {"people", Json::array()}};
+  Json json = {{"down_s", newest_.down_s}, {"set_by_s", set_by_s_}, {"people", Json::array()}};
   for (const std::int64_t person : newest_.people) {
     Json trials = Json::array();
     for (const Trial& trial : newest_.trials) {
@@ -539,6 +608,7 @@ std::string ExamRoom::ClassJson() const {
                         {"running", trial.ended_s == 0},
                         {"cut", CutOf(trial)},
                         {"sealed", trial.sealed},
+                        {"lost", trial.lost},
                         {"scored", trial.scored},
                         {"points", trial.points ? Json(*trial.points) : Json()}});
     }
@@ -578,7 +648,7 @@ std::string ExamRoom::StateJson(std::int64_t person, bool teaches, std::int64_t 
     open = {{"name", newest_.exam.name},
             {"title", Json(newest_.exam.title)},
             {"closed", !newest_.is_open()},
-            {"left_s", std::max<std::int64_t>(0, newest_.ends_s - now_s)},
+            {"left_s", std::max<std::int64_t>(0, newest_.ends_s + owed_s_ - now_s)},
             {"tasks", newest_.exam.tasks.size()}};
     open.update(Json::parse(teaches ? ClassJson() : OwnJson(person)));
   }
@@ -591,7 +661,7 @@ std::string ExamRoom::StateJson(std::int64_t person, bool teaches, std::int64_t 
                                {"time_s", exam.time_s},
                                {"wrong", wrong}});
     }
-    json["trouble"] = trouble_;
+    json["trouble"] = seals_.trouble().empty() ? trouble_ : seals_.trouble();
   }
   return Text(json);
 }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <future>
 #include <map>
 #include <memory>
 #include <optional>
@@ -13,8 +12,8 @@
 
 #include "client/course/course_file.h"
 #include "client/course/exam.h"
+#include "client/course/exam_seals.h"
 #include "client/course/roster.h"
-#include "client/course/seal.h"
 #include "client/course/trial.h"
 
 namespace palpate {
@@ -64,11 +63,14 @@ class ExamRoom {
   void Begin(const Beginning& beginning, std::int64_t now_s, std::int64_t now_ns);
   /// Ends all running trials of the exam, so that no trial time passes without a server.
   void EndTrials(const std::string& reason);
+  /// Moves the exam's times with the computer's clock, which was set by so much [s]: nobody's time
+  /// changes, and the teacher is told.
+  void ClockWasSet(std::int64_t by_s);
   /// Takes note that a trial has ended or was scored.
   void Heard(const TrialRoom::News& news);
-  /// Seals and scores; to be called some 100 times a second.  Returns whether pages
+  /// Marks, seals and scores; to be called some 100 times a second.  Returns whether pages
   /// must be updated.
-  bool Poll(std::int64_t now_s);
+  bool Poll(std::int64_t now_s, std::int64_t now_ns);
   /// Returns the exam's state for a person's page; a teacher's page gets the state of all people.
   std::string StateJson(std::int64_t person, bool teaches, std::int64_t now_s) const;
 
@@ -84,10 +86,11 @@ class ExamRoom {
     bool whole = true;
     std::string reason;
     bool sealed = false;
+    std::string lost;     // why it cannot be sealed
     bool scored = false;  // also true of a trial without points, in which nothing was touched
     std::optional<double> points;
     std::string sha256;  // of a sealed trial
-    std::tuple<std::int64_t, std::string, int> key() const { return {person, exercise, n}; }
+    ExamSeals::Key key() const { return {person, exercise, n}; }
   };
   /// The newest exam in the course's file; number 0: there is none.
   struct Newest {
@@ -100,8 +103,12 @@ class ExamRoom {
   };
 
   void ReadTrials();
+  /// Continues the exam that another process has left, as its roll says.
+  void TakeUp(std::int64_t now_s);
   void Set(const char* column, std::int64_t value);
+  void SetEnd(std::int64_t ends_s);
   void Open(const std::string& name, std::int64_t now_s);
+  void Store(const Exam& exam, const std::set<std::int64_t>& people, std::int64_t now_s);
   void Again(std::int64_t person);
   void Close(std::int64_t now_s);
   std::set<std::int64_t> PeopleOf(const Exam& exam) const;
@@ -109,14 +116,18 @@ class ExamRoom {
   std::size_t TaskOf(std::int64_t person) const;
   int DoneOf(std::int64_t person, std::size_t task) const;
   std::string NameOf(std::int64_t person) const;
-  std::string RecordingOf(const Trial& trial) const;
-  Seal SealOf(const Trial& trial, std::int64_t now_s) const;
+  Roll NewRoll() const;
+  /// @param trial  null: course.sqlite does not have it, though the roll does.
+  Seal SealOf(const Roll::Entry& entry, const Trial* trial, std::int64_t now_s) const;
   void SealNext(std::int64_t now_s);
-  void TakeSeal();
+  void TakeSeal(const ExamSeals::Done& done);
+  /// Returns whether every trial of the exam is sealed, or cannot be.
+  bool AllSettled() const;
   /// Returns whether the trial is still to be scored.
   bool Waits(const Trial& trial) const;
   void ScoreAll();
-  void WriteRoll();
+  /// Ends the roll of a closed exam whose trials are all settled.
+  void CompleteRoll();
   /// Returns the reason why a trial ended early, neither by its person nor by a time limit; empty:
   /// it ended in order.
   static std::string CutOf(const Trial& trial);
@@ -128,16 +139,15 @@ class ExamRoom {
   CourseFile& file_;
   Roster& roster_;
   TrialRoom& trials_;
-  const SealKey key_;
+  ExamSeals seals_;
   Newest newest_;
   std::vector<std::pair<Exam, std::string>> exams_;  // with the error where a file cannot be read
-  std::future<std::string> sealing_;
-  std::tuple<std::int64_t, std::string, int> sealed_;           // the trial that is being sealed
-  std::set<std::tuple<std::int64_t, std::string, int>> tried_;  // trials whose scoring was tried
-  std::string trouble_;                                         // shown to the teacher
+  std::set<ExamSeals::Key> tried_;                   // trials whose scoring was tried
+  std::string trouble_;                              // shown to the teacher
   std::int64_t retry_s_ = 0;
+  std::int64_t set_by_s_ = 0;  // by how much the computer's clock was set; shown to the teacher
+  std::int64_t owed_s_ = 0;    // of these, by which the exam's end is not moved yet
   bool time_was_over_ = false;
-  bool has_roll_ = false;
   bool changed_ = false;
 };
 

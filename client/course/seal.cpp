@@ -1,5 +1,6 @@
 #include "client/course/seal.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -12,6 +13,7 @@
 #include <openssl/pem.h>
 #include <unistd.h>
 
+#include "client/course/exam_json.h"
 #include "common/error.h"
 #include "common/files/output.h"
 #include "common/files/private_file.h"
@@ -23,11 +25,14 @@ namespace palpate {
 using Json = nlohmann::json;
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Seal, format, software, recording, sha256, bytes, person, name,
                                    station, scene, scene_hash, exam, exam_number, exam_sha256, task,
-                                   exercise, n, exercise_sha256, criteria_sha256, begun_s, ended_s,
-                                   sealed_s, whole, reason)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Roll::Entry, person, name, task, recording, sha256, counts)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Roll, format, software, exam, exam_number, exam_sha256, opened_s,
-                                   closed_s, tasks, trials)
+                                   exercise, n, exercise_sha256, criteria_sha256, expert_sha256,
+                                   begun_s, ended_s, sealed_s, whole, reason, previous)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Roll::Entry, person, name, task, exercise, n, station, scene,
+                                   scene_hash, begun_s, recording, sha256, seal, lost, counts)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Roll, format, software, exam, exam_number, exam_sha256, tasks,
+                                   opened_s, ends_s, closed_s, complete, last, trials)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Mark, format, software, exam_number, person, exercise, n, bytes,
+                                   sha256, made_s)
 
 namespace {
 
@@ -64,19 +69,14 @@ const unsigned char* Bytes(std::string_view text) {
   return reinterpret_cast<const unsigned char*>(text.data());
 }
 
-class Sha256Sum {
- public:
-  Sha256Sum() { EVP_DigestInit_ex(sum_.get(), EVP_sha256(), nullptr); }
-  void Add(const void* bytes, std::size_t count) { EVP_DigestUpdate(sum_.get(), bytes, count); }
-  std::string Hex() {
-    std::array<unsigned char, 32> hash{};
-    EVP_DigestFinal_ex(sum_.get(), hash.data(), nullptr);
-    return palpate::Hex(hash.data(), hash.size());
-  }
-
- private:
-  Digest sum_{EVP_MD_CTX_new(), EVP_MD_CTX_free};
-};
+/// Returns the hash of what was added to `sum` so far.
+std::string HashOf(const EVP_MD_CTX* sum) {
+  const Digest copy(EVP_MD_CTX_new(), EVP_MD_CTX_free);
+  std::array<unsigned char, 32> hash{};
+  EVP_MD_CTX_copy_ex(copy.get(), sum);
+  EVP_DigestFinal_ex(copy.get(), hash.data(), nullptr);
+  return Hex(hash.data(), hash.size());
+}
 
 /// Returns as text what `write` writes into a memory BIO.
 template <class Write>
@@ -114,7 +114,8 @@ void WriteNewKey(const std::string& file) {
 }
 
 template <class Sealed>
-std::string TextOf(const Sealed& sealed, const SealKey& key) {
+std::string TextOf(Sealed sealed, const SealKey& key) {
+  sealed.software = Software();
   const Json json = sealed;
   return Json({{"key", key.name()}, {"sealed", json}, {"signature", key.Sign(json.dump())}})
              .dump() +
@@ -223,47 +224,63 @@ bool SealKey::Signed(std::string_view text, const std::string& signature) const 
 }
 
 std::string Sha256(std::string_view text) {
-  Sha256Sum sum;
-  sum.Add(text.data(), text.size());
-  return sum.Hex();
+  std::array<unsigned char, 32> hash{};
+  EVP_Digest(text.data(), text.size(), hash.data(), nullptr, EVP_sha256(), nullptr);
+  return Hex(hash.data(), hash.size());
 }
 
 HashedFile Sha256OfFile(const std::string& file, const std::string& folder) {
+  GrowingHash hash(file, folder);
+  hash.ReadOn();
+  return hash.so_far();
+}
+
+GrowingHash::GrowingHash(const std::string& file, const std::string& folder)
+    : file_(file), sum_(EVP_MD_CTX_new(), EVP_MD_CTX_free) {
   constexpr std::uint64_t kAny = ~std::uint64_t{0} >> 1;
-  const int in = folder.empty() ? OpenRegularFile(file, kAny) : OpenFileBelow(folder, file, kAny);
-  Sha256Sum sum;
-  HashedFile hashed;
+  EVP_DigestInit_ex(sum_.get(), EVP_sha256(), nullptr);
+  fd_ = folder.empty() ? OpenRegularFile(file, kAny) : OpenFileBelow(folder, file, kAny);
+}
+
+GrowingHash::~GrowingHash() {
+  close(fd_);
+}
+
+void GrowingHash::ReadOn(std::int64_t most) {
   std::vector<char> buffer(std::size_t{1} << 20);
-  ssize_t got = 0;
-  while ((got = read(in, buffer.data(), buffer.size())) > 0) {
-    sum.Add(buffer.data(), static_cast<std::size_t>(got));
-    hashed.bytes += got;
+  while (bytes_ < most) {
+    const auto want =
+        std::min<std::int64_t>(most - bytes_, static_cast<std::int64_t>(buffer.size()));
+    const ssize_t got = read(fd_, buffer.data(), static_cast<std::size_t>(want));
+    if (got == 0) return;
+    if (got < 0) throw Error(file_ + ": cannot be read (" + std::strerror(errno) + ")");
+    EVP_DigestUpdate(sum_.get(), buffer.data(), static_cast<std::size_t>(got));
+    bytes_ += got;
   }
-  const int error = errno;
-  close(in);
-  if (got < 0) throw Error(file + ": cannot be read (" + std::strerror(error) + ")");
-  hashed.sha256 = sum.Hex();
-  return hashed;
+}
+
+HashedFile GrowingHash::so_far() const {
+  return {HashOf(sum_.get()), bytes_};
 }
 
 std::string SealText(const Seal& seal, const SealKey& key) {
-  Seal mine = seal;
-  mine.software = Software();
-  return TextOf(mine, key);
+  return TextOf(seal, key);
 }
-
 std::string SealText(const Roll& roll, const SealKey& key) {
-  Roll mine = roll;
-  mine.software = Software();
-  return TextOf(mine, key);
+  return TextOf(roll, key);
+}
+std::string SealText(const Mark& mark, const SealKey& key) {
+  return TextOf(mark, key);
 }
 
 Seal OpenSeal(std::string_view text, const SealKey& key, const std::string& file) {
   return Open<Seal>(text, key, file);
 }
-
 Roll OpenRoll(std::string_view text, const SealKey& key, const std::string& file) {
   return Open<Roll>(text, key, file);
+}
+Mark OpenMark(std::string_view text, const SealKey& key, const std::string& file) {
+  return Open<Mark>(text, key, file);
 }
 
 }  // namespace palpate

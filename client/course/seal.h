@@ -6,6 +6,9 @@
 #include <string_view>
 #include <vector>
 
+#include "client/course/exam.h"
+
+struct evp_md_ctx_st;
 struct evp_pkey_st;
 
 namespace palpate {
@@ -45,9 +48,31 @@ struct HashedFile {
 /// @param folder  that no link may lead out of (OpenFileBelow); empty: any may.
 HashedFile Sha256OfFile(const std::string& file, const std::string& folder = "");
 
-/// What the server attests about a trial of an exam.  README.md says what that proves.
+/// The hash of a file that is still written: what was read once is not read again, so that nobody
+/// can change it afterwards without being noticed.
+class GrowingHash {
+ public:
+  /// As Sha256OfFile.
+  explicit GrowingHash(const std::string& file, const std::string& folder = "");
+  ~GrowingHash();
+  GrowingHash(const GrowingHash&) = delete;
+  GrowingHash& operator=(const GrowingHash&) = delete;
+
+  /// Reads on, to the file's present end or until `most` bytes of it are read.  Throws Error.
+  void ReadOn(std::int64_t most = kWhole);
+  HashedFile so_far() const;
+
+ private:
+  static constexpr std::int64_t kWhole = ~(std::int64_t{1} << 63);
+  const std::string file_;
+  int fd_ = -1;
+  std::unique_ptr<evp_md_ctx_st, void (*)(evp_md_ctx_st*)> sum_;
+  std::int64_t bytes_ = 0;
+};
+
+/// What the server attests about a trial of an exam.  EXAMS.md says what that proves.
 struct Seal {
-  static constexpr const char* kFormat = "palpate-seal-1";
+  static constexpr const char* kFormat = "palpate-seal-2";
 
   std::string format = kFormat;
   std::string software;   ///< "palpate 1.2.3": the version whose physics was felt
@@ -63,30 +88,57 @@ struct Seal {
   int task = 0;             ///< from 1
   std::string exercise;
   int n = 0;  ///< trial number of the person in that exercise
-  std::string exercise_sha256, criteria_sha256;
+  std::string exercise_sha256, criteria_sha256, expert_sha256;
   std::int64_t begun_s = 0, ended_s = 0, sealed_s = 0;  ///< since 1970, server's clock
   bool whole = true;
-  std::string reason;  ///< why it ended
+  std::string reason;    ///< why it ended
+  std::string previous;  ///< SHA-256 of the seal before this one in the exam; empty: the first
 };
 
-/// The list of all trials of a closed exam, so that a missing one is noticed.
+/// The list of all trials of an exam, so that a missing one is noticed.  It exists from the exam's
+/// opening on, and is sealed anew with each trial that begins or is sealed: after a kill it tells
+/// what may still be sealed.
 struct Roll {
-  static constexpr const char* kFormat = "palpate-roll-1";
+  static constexpr const char* kFormat = "palpate-roll-2";
   struct Entry {
     std::int64_t person = 0;
     std::string name;
-    int task = 0;
-    std::string recording, sha256;  ///< as in Seal
+    int task = 0;  ///< from 1
+    std::string exercise;
+    int n = 0;
+    std::string station, scene, scene_hash;
+    std::int64_t begun_s = 0;
+    std::string recording, sha256;  ///< as in Seal; empty while it runs
+    std::string seal;               ///< SHA-256 of its seal's text; empty: it is not sealed
+    std::string lost;               ///< why it never will be; empty: it is or will be
     bool counts = true;             ///< false: the examiner had the trial repeated
+
+    bool is_settled() const { return !seal.empty() || !lost.empty(); }
   };
 
   std::string format = kFormat;
   std::string software, exam;
   std::int64_t exam_number = 0;
   std::string exam_sha256;
-  std::int64_t opened_s = 0, closed_s = 0;
-  int tasks = 0;
+  std::vector<ExamTask> tasks;
+  std::int64_t opened_s = 0, ends_s = 0;
+  std::int64_t closed_s = 0;  ///< 0: it is open
+  bool complete = false;      ///< it is closed, every trial is settled, and this changes no more
+  std::string last;           ///< SHA-256 of the last seal's text
   std::vector<Entry> trials;
+};
+
+/// What the server attests about a trial that runs: how its recording begins.
+struct Mark {
+  static constexpr const char* kFormat = "palpate-mark-1";
+  std::string format = kFormat;
+  std::string software;
+  std::int64_t exam_number = 0, person = 0;
+  std::string exercise;
+  int n = 0;
+  std::int64_t bytes = 0;
+  std::string sha256;       ///< of the recording's first bytes
+  std::int64_t made_s = 0;  ///< since 1970, server's clock
 };
 
 /// Returns the text of a seal's file: one line of JSON without white space, {"key", "sealed",
@@ -94,14 +146,17 @@ struct Roll {
 /// of the value of "sealed", from brace to brace, as they stand in the file.
 std::string SealText(const Seal& seal, const SealKey& key);
 std::string SealText(const Roll& roll, const SealKey& key);
+std::string SealText(const Mark& mark, const SealKey& key);
 /// Parses such a file.  Throws Error with the reason if anything in it was changed, or if another
 /// key or version sealed it.
 /// @param file  named in messages.
 Seal OpenSeal(std::string_view text, const SealKey& key, const std::string& file);
 Roll OpenRoll(std::string_view text, const SealKey& key, const std::string& file);
+Mark OpenMark(std::string_view text, const SealKey& key, const std::string& file);
 
 inline constexpr const char* kSealEnding = ".seal.json";
 inline constexpr const char* kRollEnding = ".roll.json";
+inline constexpr const char* kMarkEnding = ".mark.json";
 inline constexpr std::size_t kLargestSeal = std::size_t{4} << 20;
 
 }  // namespace palpate

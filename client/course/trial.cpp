@@ -93,7 +93,7 @@ Json JsonOf(const Exercise& exercise) {
 }  // namespace
 
 TrialRoom::TrialRoom(Options options, CourseFile& file, std::function<void(const News&)> tell)
-    : options_(std::move(options)), file_(file), tell_(std::move(tell)) {
+    : options_(std::move(options)), lock_(options_.folder), file_(file), tell_(std::move(tell)) {
   const auto refused = [](const std::string& why) {
     spdlog::error("{} (this exercise is skipped)", Printable(why));
   };
@@ -237,6 +237,14 @@ void TrialRoom::End(Holder holder, const std::string& reason) {
 void TrialRoom::EndOf(const std::set<std::int64_t>& people, const std::string& reason) {
   for (Running& trial : trials_) {
     if (people.contains(trial.news.person)) BeginToEnd(trial, reason);
+  }
+}
+
+void TrialRoom::EndIn(const std::string& scene, const std::string& reason) {
+  for (Running& trial : trials_) {
+    if (!trial.records || trial.scene != scene) continue;
+    trial.news.whole = false;
+    BeginToEnd(trial, reason);
   }
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "client/course/course_file.h"
+#include "client/course/course_lock.h"
 #include "client/course/exercise.h"
 #include "common/program/child_program.h"
 
@@ -51,10 +52,11 @@ class TrialRoom {
   };
 
   /// Creates the table, and marks trials that a killed gateway left running as cut
-  /// short.  Throws Error.
+  /// short.  Throws Error, also if another process keeps the trials of this folder.
   TrialRoom(Options options, CourseFile& file, std::function<void(const News&)> tell);
 
   const std::string& folder() const { return options_.folder; }  ///< of the course
+  const CourseLock& lock() const { return lock_; }
   const std::vector<Exercise>& exercises() const { return exercises_; }
   const Exercise* Find(const std::string& exercise) const;
 
@@ -72,6 +74,8 @@ class TrialRoom {
   void End(Holder holder, const std::string& reason);
   /// Ends the running trials of these people.
   void EndOf(const std::set<std::int64_t>& people, const std::string& reason);
+  /// Ends the running trials in a scene that was changed under them; they are not whole.
+  void EndIn(const std::string& scene, const std::string& reason);
   /// Scores an ended trial: of a closed exam, or of an earlier run of the gateway.
   /// @param kept      the trial's last news.
   /// @param length_s  how long it ran; bounds the time that its scoring may take.
@@ -145,6 +149,7 @@ class TrialRoom {
   std::string KeyOf(const std::string& page);
 
   Options options_;
+  const CourseLock lock_;
   CourseFile& file_;
   std::function<void(const News&)> tell_;
   std::vector<Exercise> exercises_;

@@ -43,10 +43,12 @@ constexpr const char* kStatus = "Exit status: 0 done, 1 failed or not verified, 
 constexpr const char* kExamExamples =
     R"(Example:
   palpate-replay verify-exam anatomy --key anatomy/exam-key.pub.pem --out cert
-      verifies all submissions, on all processor cores; cert/certificate.html
-      can be printed.  Use a copy of the key that was made when the course
-      began, not one that came with the folder.
-Exit status: 0 all verified, 1 something is refused or missing, 2 wrong usage.)";
+      verifies all submissions, on all processor cores, and computes their
+      points; cert/certificate.html can be printed and signed.  Use a copy of
+      the key that was made when the course began, not one that came with the
+      folder.  The folder needs the exam's roll, and its exercises unchanged.
+Exit status: 0 all verified; 1 something is refused, missing (also the roll)
+or changed; 2 wrong usage.)";
 
 constexpr const char* kScoreExamples =
     R"(Examples:

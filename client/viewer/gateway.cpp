@@ -140,6 +140,7 @@ void Announce(const ViewerOptions& options, Hub& hub, const tcp::endpoint& endpo
         options.page);
   }
   const std::string urls = Urls(options, endpoint);
+  hub.NoteAddress(urls);
   if (const auto teacher = hub.MakeFirstTeacher()) {
     std::printf("the teacher's link, shown only now: %s#token=%s\n",
                 urls.substr(0, urls.find(' ')).c_str(), teacher->token.c_str());

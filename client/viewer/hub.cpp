@@ -23,6 +23,8 @@ namespace {
 /// The reason of a trial that its person stopped.
 constexpr const char* kStopped = "stopped";
 
+/// So many wishes to restore scenes are answered within a moment, at most.
+constexpr std::size_t kOwnWishes = 256;
 constexpr std::int64_t kStatistics_ns = 5'000'000'000;
 
 std::string RandomId() {
@@ -73,6 +75,7 @@ Hub::Hub(boost::asio::io_context& io, const ViewerOptions& options)
     : options_(options),
       class_room_(options.course.empty() ? nullptr : std::make_unique<ClassRoom>(options.course)),
       listed_(options.tokens.empty() ? std::nullopt : std::optional(Tokens::Read(options.tokens))),
+      exam_clock_(WallClock_ns(), SteadyNanoseconds()),
       gate_({options.host_names, options.origins},
             class_room_ ? class_room_->With(listed_.value_or(Tokens())) : listed_),
       places_(options.max_viewers),
@@ -98,8 +101,12 @@ Hub::Hub(boost::asio::io_context& io, const ViewerOptions& options)
       class_room_->file(), [this](const TrialRoom::News& news) { Tell(news); });
   history_ = std::make_unique<HistoryDesk>(io, options.course, trials_->exercises());
   exams_ = std::make_unique<ExamRoom>(options_.course, class_room_->file(), class_room_->roster(),
-                                      *trials_, WallClock_s());
+                                      *trials_, exam_clock_.Now_s(SteadyNanoseconds()));
   trials_->ScoreLeftovers();
+}
+
+void Hub::NoteAddress(const std::string& urls) {
+  if (trials_) trials_->lock().Tell(urls);
 }
 
 bool Hub::MakeRoom(const std::string& address) {
@@ -143,11 +150,16 @@ void Hub::Tick(std::int64_t now_ns) {
         ++traffic_.taken;
         for (const auto& [id, viewer] : viewers_) viewer->Push(frame, now_ns);
       },
-      [&](const wire::SessionState& state) { mice_.OnSession(state, now_ns); });
+      [&](const wire::SessionState& state) { mice_.OnSession(state, now_ns); },
+      [&](const wire::SceneWhole& whole) { HearOfWhole(whole); });
   mice_.Poll(now_ns);
   if (trials_) trials_->Poll(now_ns);
   if (exams_ && !feed_.server_lives()) exams_->EndTrials("the server has gone");
-  if (exams_ && exams_->Poll(WallClock_s())) TellExam(now_ns);
+  if (exams_) {
+    const std::int64_t set_by_s = exam_clock_.Follow(WallClock_ns(), now_ns);
+    if (set_by_s != 0) exams_->ClockWasSet(set_by_s);
+    if (exams_->Poll(exam_clock_.Now_s(now_ns), now_ns)) TellExam(now_ns);
+  }
   refusals_.Poll(now_ns);
   TellClass(now_ns);
   // Flush may remove a viewer.
@@ -325,7 +337,7 @@ void Hub::BeginTrial(const std::string& name, Viewer& viewer, std::int64_t now_n
   // Checked before anything changes: a second page must not restore the scene during a trial.
   const std::int64_t person = viewer.holder()->person;
   trials_->CheckMayBegin(person);
-  if (exams_->Sits(person)) exams_->TaskToBegin(person, name, WallClock_s());
+  if (exams_->Sits(person)) exams_->TaskToBegin(person, name, exam_clock_.Now_s(now_ns));
   const bool is_reset =
       AsksForCuts(exercise->criteria) && exercise->start != Exercise::Start::kAsItIs;
   // A trial's tool is given back before its recorder has ended.
@@ -349,7 +361,7 @@ void Hub::BeginTrial(const std::string& name, Viewer& viewer, std::int64_t now_n
     if (exams_->Sits(person)) {
       exams_->Begin(
           {viewer.id(), person, name, station, take.scene, feed_.scenes().at(take.scene).hash},
-          WallClock_s(), now_ns);
+          exam_clock_.Now_s(now_ns), now_ns);
     } else {
       trials_->Begin(viewer.id(), person, name, station, take.scene, now_ns);
     }
@@ -379,11 +391,14 @@ bool Hub::IsInExam(const Viewer& viewer) const {
 
 FramePtr Hub::ExamFrameOf(const Viewer& viewer) const {
   const std::int64_t person = viewer.holder() ? viewer.holder()->person : 0;
-  return OwnFrame(TopicFeed::kExam, 0, exams_->StateJson(person, viewer.teaches(), WallClock_s()));
+  return OwnFrame(
+      TopicFeed::kExam, 0,
+      exams_->StateJson(person, viewer.teaches(), exam_clock_.Now_s(SteadyNanoseconds())));
 }
 
 FramePtr Hub::Examine(std::string_view wish, std::int64_t now_ns) {
-  const FramePtr answer = OwnFrame(TopicFeed::kExamAnswer, 0, exams_->Do(wish, WallClock_s()));
+  const FramePtr answer =
+      OwnFrame(TopicFeed::kExamAnswer, 0, exams_->Do(wish, exam_clock_.Now_s(now_ns)));
   for (const auto& [id, viewer] : viewers_) {
     if (IsInExam(*viewer) && !trials_->is_at_one(id)) {
       mice_.Release(id, "an exam begins", now_ns);
@@ -480,7 +495,17 @@ bool Hub::AskForWhole(const std::string& scene, wire::WholeWish wish, const std:
   request.request = RandomRun();
   wire::FromText(by, request.by);
   request.wish = wish;
+  own_wishes_.push_back(request.request);
+  if (own_wishes_.size() > kOwnWishes) own_wishes_.pop_front();
   return feed_.Ask(request);
+}
+
+void Hub::HearOfWhole(const wire::SceneWhole& whole) {
+  const bool changes = whole.refusal[0] == '\0' && whole.wish != palpate_WHOLE_BOOKMARK;
+  // Without a request: a station's session began in a scene that is then made whole.
+  if (!trials_ || !changes || whole.request == 0) return;
+  if (std::ranges::find(own_wishes_, whole.request) != own_wishes_.end()) return;
+  trials_->EndIn(whole.scene, std::string(whole.by) + " restored the scene, past this gateway");
 }
 
 FramePtr Hub::AskReplay(ReplayWish wish, Viewer& viewer, std::int64_t now_ns) {

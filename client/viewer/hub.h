@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -10,6 +11,7 @@
 
 #include <boost/asio/io_context.hpp>
 
+#include "client/course/exam_clock.h"
 #include "client/course/exam_room.h"
 #include "client/course/trial.h"
 #include "client/viewer/class_room.h"
@@ -66,6 +68,8 @@ class Hub {
   /// decision about a station.  Returns why it failed; empty: it is done.
   std::string Operate(const OperateCommand& command, const std::string& by);
   const std::map<std::string, FramePtr>& goals() const { return goals_; }
+  /// Tells another gateway that is started for the same course where this one serves it.
+  void NoteAddress(const std::string& urls);
   /// Null without --course.
   const ClassRoom* class_room() const { return class_room_.get(); }
   std::optional<Roster::Made> MakeFirstTeacher();
@@ -124,6 +128,8 @@ class Hub {
     std::uint64_t bytes = 0;
     std::uint64_t lost = 0;  // of viewers that have left
   };
+  /// Ends the trials of a scene that somebody has restored past this gateway.
+  void HearOfWhole(const wire::SceneWhole& whole);
   void Tell(const MouseRoom::News& news);
   void Tell(const TrialRoom::News& news);
   void BeginTrial(const std::string& exercise, Viewer& viewer, std::int64_t now_ns);
@@ -146,6 +152,7 @@ class Hub {
   std::optional<Tokens> listed_;  // of --tokens
   std::unique_ptr<TrialRoom> trials_;
   std::unique_ptr<HistoryDesk> history_;
+  ExamClock exam_clock_;
   std::unique_ptr<ExamRoom> exams_;
   bool class_changed_ = false;
   std::map<std::int64_t, TrialRoom::News> newest_trials_;  // by person
@@ -156,6 +163,7 @@ class Hub {
   PageFiles page_;
   TopicFeed feed_;
   std::string session_id_;
+  std::deque<std::uint64_t> own_wishes_;                      // the last requests to restore scenes
   std::map<std::string, FramePtr> goals_;                     // by scene
   std::map<std::uint64_t, std::shared_ptr<Viewer>> viewers_;  // by id
   MouseRoom mice_;

@@ -238,7 +238,8 @@ void TopicFeed::TakeSeat(const FramePtr& frame, const wire::SceneBundle& seat,
 }
 
 void TopicFeed::Poll(const std::function<void(const FramePtr&)>& on_frame,
-                     const std::function<void(const wire::SessionState&)>& on_session) {
+                     const std::function<void(const wire::SessionState&)>& on_session,
+                     const std::function<void(const wire::SceneWhole&)>& on_whole) {
   Succeed();
   if (progress_) progress_.Take(compiling_);
   // Scenes first: a station's scene must be known before the station.
@@ -274,6 +275,7 @@ void TopicFeed::Poll(const std::function<void(const FramePtr&)>& on_frame,
     });
     Keep(frame, sample.scene, 0);
     on_frame(frame);
+    on_whole(sample);
   });
   Drain(
       readers_->sessions, kSessionState,

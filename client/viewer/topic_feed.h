@@ -72,10 +72,16 @@ class TopicFeed {
   explicit TopicFeed(int domain, const dds::Network& network = {});
   ~TopicFeed();
 
+  struct Nothing {
+    void operator()(const auto&...) const {}
+  };
+
   /// Takes all new messages.
   /// @param on_frame  called for each frame.   @param on_session  also for each session state.
+  /// @param on_whole  also for each answer to a wish to restore a scene.
   void Poll(const std::function<void(const FramePtr&)>& on_frame,
-            const std::function<void(const wire::SessionState&)>& on_session);
+            const std::function<void(const wire::SessionState&)>& on_session,
+            const std::function<void(const wire::SceneWhole&)>& on_whole = Nothing{});
 
   /// Returns the frames that a new subscriber must get first.
   std::vector<FramePtr> Kept(std::uint32_t channel) const;
@@ -104,9 +110,6 @@ class TopicFeed {
     FramePtr contents;
     FramePtr state;
     std::int64_t heard_ns = 0;  // when its state was heard, steady clock
-  };
-  struct Nothing {
-    void operator()(const auto&...) const {}
   };
   using KeptKey = std::tuple<std::uint32_t, std::string, std::uint64_t>;  // channel, name, number
   struct KeptFrame {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -110,6 +111,8 @@ Writer::Writer(const std::string& file, const std::string& library, bool overwri
                        ? "exists already; give another name, or --overwrite"
                        : std::string(std::strerror(errno)) + "; give a folder that is writable"));
     }
+    // Tells others that this file still grows; a device may refuse it.
+    [[maybe_unused]] const int locked = flock(fd_, LOCK_EX | LOCK_NB);
     PutBytes(out_, kMagic, kMagicSize);
     {
       const Record record(out_, kHeader);

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
+#include "client/course/exam_clock.h"
 #include "client/course/exam_room.h"
 #include "common/files/whole_file.h"
 #include "common/realtime/steady_clock.h"
@@ -116,7 +117,7 @@ class ExamTest : public testing::Test {
   bool Comes(const std::function<bool()>& what) {
     return Eventually([&] {
       trials_->Poll(SteadyNanoseconds());
-      exams_->Poll(now_s_);
+      exams_->Poll(now_s_, now_s_ * 1'000'000'000);
       return what();
     });
   }
@@ -212,6 +213,47 @@ TEST_F(ExamTest, GoesOnWhereItWasAfterTheGatewayWasKilled) {
   ASSERT_EQ(Do("again", {{"person", anna_}}), "");
   EXPECT_EQ(Own()["task"], 0);
   EXPECT_EQ(Own()["trial"], 2);
+}
+
+TEST_F(ExamTest, TakesAndGivesNoTimeWhereTheComputersClockIsSet) {
+  const auto told_s = [&] {
+    return Json::parse(exams_->StateJson(0, true, now_s_))["open"]["set_by_s"].get<int>();
+  };
+  ASSERT_EQ(Open(), "");
+  for (const int by_s : {1500, -3600}) {
+    now_s_ += by_s;
+    exams_->ClockWasSet(by_s);
+    EXPECT_EQ(Own()["left_s"], 600) << "at once";
+    exams_->Poll(now_s_, 0);
+    EXPECT_EQ(Own()["left_s"], 600);
+  }
+  EXPECT_EQ(told_s(), -2100);
+  Start();
+  EXPECT_EQ(Own()["left_s"], 600) << "the next process knows it, too";
+  EXPECT_EQ(told_s(), 0);
+  now_s_ -= 1800;
+  Start();
+  EXPECT_EQ(Own()["left_s"], 600) << "set back while none ran";
+  EXPECT_EQ(told_s(), -1800);
+  exams_->Poll(now_s_, 0);
+  now_s_ += 300;
+  Start();
+  EXPECT_EQ(Own()["left_s"], 300);
+  ASSERT_EQ(Do("give_back"), "");
+  EXPECT_EQ(Own()["left_s"], 600);
+}
+
+TEST(ExamClock, FollowsTheSteadyClockAndTellsWhenTheOtherOneIsSet) {
+  constexpr std::int64_t kS = 1'000'000'000;
+  ExamClock clock(1000 * kS, 5 * kS);
+  EXPECT_EQ(clock.Now_s(5 * kS), 1000);
+  EXPECT_EQ(clock.Follow(1011 * kS, 15 * kS), 0) << "a second is its drift";
+  EXPECT_EQ(clock.Now_s(15 * kS), 1010);
+  EXPECT_EQ(clock.Follow(2511 * kS, 16 * kS), 1500);
+  EXPECT_EQ(clock.Now_s(16 * kS), 2511);
+  EXPECT_EQ(clock.Follow(2512 * kS, 17 * kS), 0) << "once";
+  EXPECT_EQ(clock.Follow(-1087 * kS, 18 * kS), -3600);
+  EXPECT_EQ(clock.Now_s(18 * kS), -1087);
 }
 
 TEST_F(ExamTest, EndsByItsTimeAndHasMoreWhereTheExaminerGivesIt) {

@@ -92,9 +92,9 @@ TEST(Seal, OfAnotherKeyOrFormatIsRefusedWithTheReason) {
   const std::string text = SealText(AnExample(), SealKey::OfCourse(other.path()));
   EXPECT_THAT(ComplaintOf([&] { OpenSeal(text, key, "it"); }), HasSubstr("another course's"));
   Seal newer = AnExample();
-  newer.format = "palpate-seal-2";
+  newer.format = "palpate-seal-3";
   EXPECT_THAT(ComplaintOf([&] { OpenSeal(SealText(newer, key), key, "it"); }),
-              HasSubstr("palpate-seal-2"));
+              HasSubstr("palpate-seal-3"));
   EXPECT_THAT(ComplaintOf([&] { OpenSeal(SealText(Roll{}, key), key, "it"); }),
               HasSubstr("is of format"));
 }

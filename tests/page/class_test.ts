@@ -10,6 +10,7 @@ import {
   open,
   page,
   reads,
+  startGateway,
   text,
 } from "./support/at_gateway";
 import {eventually, probe, until} from "./support/browser";
@@ -301,6 +302,7 @@ test("an examiner opens an exam, gives time and another trial, and closes it", a
   });
   await reads("#exam-dialog .word", "the course has no person with the role 'drive'");
   gateway.send("/palpate/exam_state", heldExam());
+  await reads("#exam-dialog section p:first-of-type", /clock was set by -3,?600 s/);
   await press("Give the 41 s back");
   await press("5 min more for all");
   await press("Once more");
@@ -317,6 +319,27 @@ test("an examiner opens an exam, gives time and another trial, and closes it", a
     {tag: 5, op: "again", person: 2},
     {tag: 6, op: "close"},
   ]);
+});
+
+test("after a kill of the gateway a candidate is at a task that is to begin, and in no trial", async () => {
+  const stand = (...states: [string, object][]): void => {
+    gateway.role = "drive";
+    gateway.hasCourse = true;
+    for (const [topic, state] of states) gateway.retain(topic, state);
+  };
+  stand(["/palpate/exam_state", ownExam()]);
+  await open();
+  gateway.send("/palpate/trial_state", trialState("running"));
+  await reads("#exam-bar .times .clock:last-child", /^This task: 1:/);
+  await gateway.stop();
+  await startGateway();
+  stand(["/palpate/exam_state", ownExam({trial: 2, cut: "the gateway was killed"})]);
+  await reads("#exam-bar .word", /^cut short: the gateway was killed/i);
+  await page.getByRole("button", {name: "Begin this task"}).waitFor();
+  expect(await text("#exam-bar .times .clock:last-child")).toBe("");
+  expect(await page.getByRole("button", {name: "Hand in"}).isVisible()).toBe(false);
+  await press("Begin this task");
+  await eventually("a wish", () => gateway.published.length === 1);
 });
 
 test("who sits an exam sees its next task and the time, no exercises, and hands in", async () => {

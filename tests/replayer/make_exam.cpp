@@ -26,6 +26,16 @@ void Make(const std::string& folder, int people, double seconds, const std::stri
   const double period = 2.0 * script.duration();
   std::filesystem::create_directories(folder);
   const SealKey key = SealKey::OfCourse(folder);
+  const std::string exam_file = folder + "/synthetic" + kExamEnding;
+  WriteOutput("exam", exam_file,
+              R"({"title": "Synthetic", "time_s": 3600, "tasks": [{"exercise": "light-force"}]})");
+  const Exam exam = LoadExam(exam_file);
+  Roll roll;
+  roll.exam = exam.name;
+  roll.exam_number = 1;
+  roll.exam_sha256 = exam.sha256;
+  roll.tasks = exam.tasks;
+  roll.complete = true;
   for (int person = 1; person <= people; ++person) {
     Seal seal;
     seal.recording = "trials/" + std::to_string(person) + "/" + name + "/1.mcap";
@@ -51,12 +61,21 @@ void Make(const std::string& folder, int people, double seconds, const std::stri
     seal.name = seal.station = station;
     seal.scene = scene.name;
     seal.scene_hash = Hex16(hash);
-    seal.exam = "synthetic";
+    seal.exam = exam.name;
     seal.exam_number = seal.task = seal.n = 1;
-    seal.exercise = name;
+    seal.exercise = exam.tasks.front().exercise;
+    seal.previous = roll.last;
+    const std::string text = SealText(seal, key);
     WriteOutput("seal", folder + "/trials/" + std::to_string(person) + "/" + name + "/1.seal.json",
-                SealText(seal, key));
+                text);
+    roll.last = Sha256(text);
+    Roll::Entry entry;
+    entry.person = person;
+    entry.seal = roll.last;
+    roll.trials.push_back(entry);
   }
+  std::filesystem::create_directories(folder + "/exams");
+  WriteOutput("roll", folder + "/exams/synthetic-1" + kRollEnding, SealText(roll, key));
   std::printf("palpate-replay verify-exam %s --key %s/%s\n", folder.c_str(), folder.c_str(),
               SealKey::kPublicFile);
 }

@@ -45,6 +45,8 @@ class Pupil {
     if (!std::exchange(hears_exam_, true)) client_.Subscribe(4, TopicFeed::kExam);
     return Read(4);
   }
+  /// The next message about the person's trial.
+  CourseJson Trial() { return Read(5); }
   /// Hears its trials until one is in one of these phases.
   bool Comes(const std::set<std::string>& phases) {
     return Eventually([&] {
@@ -253,6 +255,32 @@ TEST(Course, HoldsAnExamWithWhichTheNextGatewayGoesOnWhereOneWasKilled) {
   EXPECT_EQ(anna.Exam()["open"]["name"], "midterm");
 }
 
+TEST(Course, IsKeptByOneGatewayAndTheSecondIsToldWhichOne) {
+  const Folder folder;
+  const std::vector<std::string> words = {
+      "--http", "0", "--domain", std::to_string(kDomain), "--course", folder / "course"};
+  {
+    Gateway gateway({"--course", folder / "course"});
+    Teacher teacher(gateway, FirstLink(gateway));
+    teacher.Make("Anna");
+    SQLite::Database(folder / "course/course.sqlite", SQLite::OPEN_READWRITE, 5000)
+        .exec("INSERT INTO trials(person, exercise, n, begun_s) VALUES(2, 'light-force', 1, 1)");
+    Program second(PALPATE_BIN_DIR "/palpate-viewer", words);
+    EXPECT_EQ(second.Exit(), 1);
+    const std::string& said = second.Output();
+    EXPECT_THAT(said, testing::HasSubstr(folder / "course"));
+    EXPECT_THAT(said, testing::HasSubstr(fmt::format("process {}", gateway.program().id())));
+    EXPECT_THAT(said, testing::HasSubstr(fmt::format("127.0.0.1:{}/", gateway.port())));
+    SQLite::Database course(folder / "course/course.sqlite", SQLite::OPEN_READONLY, 5000);
+    EXPECT_EQ(course.execAndGet("SELECT COUNT(*) FROM trials WHERE ended_s IS NULL").getInt(), 1)
+        << "what runs goes on";
+    gateway.program().Signal(SIGKILL);
+    EXPECT_EQ(gateway.program().Exit(), -SIGKILL);
+  }
+  Gateway next({"--course", folder / "course"});
+  EXPECT_NE(next.port(), 0) << "a killed gateway keeps nothing";
+}
+
 TEST(Course, TouchesNoSceneWhereATrialMayNotBegin) {
   StandIn server(0, "calculus");
   const Folder folder;
@@ -297,6 +325,26 @@ TEST(Course, LetsNobodyRestoreASceneWhileATrialRunsThere) {
   const auto wish = server.Wished();
   ASSERT_TRUE(wish);
   EXPECT_THAT(std::string(wish->by), testing::StartsWith("teacher")) << "and none before";
+}
+
+TEST(Course, EndsATrialWhoseSceneIsRestoredPastTheGateway) {
+  StandIn server(0, "calculus");
+  const Folder folder;
+  Gateway gateway({"--course", folder / "course"});
+  const std::string link = FirstLink(gateway);
+  ASSERT_TRUE(gateway.KnowsScenes(1, {{"Authorization", "Bearer " + link}}));
+  Teacher teacher(gateway, link);
+  Pupil anna(gateway, teacher.Make("Anna"));
+  anna.client().SendTrial({{"op", "begin"}, {"exercise", "supragingival-calculus"}});
+  ASSERT_TRUE(anna.Comes({"preparing"}));
+  server.TellWhole("calculus", "lesson on another host");
+  CourseJson ended;
+  ASSERT_TRUE(Eventually([&] {
+    ended = anna.Trial();
+    return ended.is_object() && ended["phase"] == "ending";
+  }));
+  EXPECT_THAT(ended["reason"].get<std::string>(), testing::HasSubstr("lesson on another host"));
+  EXPECT_EQ(ended["whole"], false);
 }
 
 TEST(Course, GivesEachASeatAndKeepsOthersOut) {

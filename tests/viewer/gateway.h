@@ -97,6 +97,15 @@ class StandIn {
     return Eventually([&] { return wishes_.Take(request); }) ? std::optional(request)
                                                              : std::nullopt;
   }
+  /// Tells that somebody else has restored the scene.
+  void TellWhole(const std::string& scene, const std::string& by) {
+    wire::SceneWhole whole{};
+    wire::FromText(scene, whole.scene);
+    wire::FromText(by, whole.by);
+    whole.server_run = kRun;
+    whole.request = 77;
+    EXPECT_TRUE(wholes_.Write(whole));
+  }
   /// How many wishes come until none has come for a fifth of a second.
   int CountAsked() {
     wire::OperateRequest request{};
@@ -113,6 +122,7 @@ class StandIn {
   dds::Writer<wire::SessionState> states_{participant_, dds::kSessionStateTopic,
                                           dds::Qos::kSession};
   dds::Writer<wire::SceneBundle> bundles_{participant_, dds::kSceneBundleTopic, dds::Qos::kSession};
+  dds::Writer<wire::SceneWhole> wholes_{participant_, dds::kSceneWholeTopic, dds::Qos::kSession};
   dds::Reader<wire::OperateRequest> operations_{participant_, dds::kOperateRequestTopic,
                                                 dds::Qos::kRecordSession};
   dds::Reader<wire::WholeRequest> wishes_{participant_, dds::kWholeRequestTopic,

@@ -9,10 +9,12 @@
 #include <map>
 #include <set>
 #include <thread>
+#include <tuple>
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>
 
+#include "client/replayer/score/score_report.h"
 #include "common/error.h"
 #include "common/files/whole_file.h"
 #include "common/program/machine.h"
@@ -48,7 +50,9 @@ SealedVerdict Opened(const std::string& folder, const std::string& file, const S
   verdict.file = file;
   try {
     const std::string path = folder.empty() ? file : folder + "/" + file;
-    verdict.seal = OpenSeal(ReadWholeFile(path, kLargestSeal), key, file);
+    const std::string text = ReadWholeFile(path, kLargestSeal);
+    verdict.seal = OpenSeal(text, key, file);
+    verdict.sha256 = Sha256(text);
   } catch (const Error& error) {
     verdict.refused = error.what();
   }
@@ -97,6 +101,7 @@ std::string Judge(const std::string& recording, const VerifyOptions& options,
   }
   if (hashed.sha256 != seal.sha256) return "its recording has been changed since it was sealed";
   const Verification verification = Verify({recording}, options);
+  verdict.restorations = verification.restorations;
   for (const SessionVerdict& session : verification.sessions) {
     if (session.station != seal.station) {
       return fmt::format("its recording is of station '{}', not of '{}'",
@@ -159,45 +164,111 @@ void RefuseTwice(std::vector<SealedVerdict>& trials) {
   }
 }
 
-/// Compares the trials with the roll: nothing may be missing, and nothing may be added.
-void CompareToRoll(const std::string& folder, const SealKey& key, Certificate& certificate) {
+/// Reads the roll.  What it cannot vouch for is missing.
+void ReadRoll(const std::string& folder, const SealKey& key, Certificate& certificate) try {
   const std::string file = folder + "/exams/" + certificate.exam + kRollEnding;
-  std::error_code none;
-  if (!fs::exists(file, none)) return;
-  try {
-    certificate.roll = OpenRoll(ReadWholeFile(file, kLargestSeal), key, file);
-  } catch (const Error& error) {
-    certificate.missing.emplace_back(error.what());
-    return;
+  if (std::error_code none; !fs::exists(file, none)) {
+    throw Error(file + ": the exam has no roll, so nobody knows what was handed in");
   }
-  std::set<std::string> listed;
+  certificate.roll = OpenRoll(ReadWholeFile(file, kLargestSeal), key, file);
+  if (!certificate.roll->complete) {
+    throw Error(file + ": the exam was not closed, or its last trials are not sealed; close it");
+  }
+} catch (const Error& error) {
+  certificate.missing.emplace_back(error.what());
+}
+
+/// Compares the trials with the roll: nothing may be missing, and nothing may be added.
+void CompareToRoll(Certificate& certificate) {
+  if (!certificate.roll) return;
+  std::set<const SealedVerdict*> listed;
   for (const Roll::Entry& entry : certificate.roll->trials) {
-    if (entry.recording.empty()) continue;
-    listed.insert(entry.sha256);
     const auto here = std::ranges::find_if(certificate.trials, [&](const SealedVerdict& trial) {
-      return trial.seal && trial.seal->sha256 == entry.sha256 && trial.seal->person == entry.person;
+      return trial.seal && trial.sha256 == entry.seal;
     });
-    if (here == certificate.trials.end()) {
-      certificate.missing.push_back(
-          fmt::format("{}, task {}: {} was submitted, but is missing here", entry.name, entry.task,
-                      entry.recording));
-    } else {
+    if (here != certificate.trials.end()) {
       here->counts = entry.counts;
+      listed.insert(&*here);
+    } else if (entry.lost.empty() || entry.counts) {
+      certificate.missing.push_back(
+          fmt::format("{}, task {}: trial {} {}", entry.name, entry.task, entry.n,
+                      entry.lost.empty() ? "was begun, but its seal is missing here" : entry.lost));
     }
   }
   for (SealedVerdict& trial : certificate.trials) {
-    if (!trial.seal || trial.seal->recording.empty() || listed.contains(trial.seal->sha256))
-      continue;
-    if (trial.refused.empty()) trial.refused = "is not on the exam's roll";
+    if (trial.seal && trial.refused.empty() && !listed.contains(&trial)) {
+      trial.refused = "is not on the exam's roll";
+    }
   }
+}
+
+/// Follows the seals from the last, which the roll names, to the first: each names the one before.
+void FollowChain(Certificate& certificate) {
+  if (!certificate.roll || !certificate.missing.empty()) return;
+  std::map<std::string, SealedVerdict*> unnamed;
+  for (SealedVerdict& trial : certificate.trials) {
+    if (trial.seal) unnamed[trial.sha256] = &trial;
+  }
+  for (std::string next = certificate.roll->last; !next.empty();) {
+    const auto named = unnamed.extract(next);
+    if (named.empty()) {
+      certificate.missing.push_back("a seal that another one names: " + next);
+      return;
+    }
+    next = named.mapped()->seal->previous;
+  }
+  for (const auto& [sha256, trial] : unnamed) {
+    if (trial->refused.empty()) trial->refused = "no other seal names its seal";
+  }
+}
+
+/// Compares all from which the exam is graded with what was sealed.  Returns the exercises that are
+/// the sealed ones, by name.
+std::map<std::string, Exercise> CompareInputs(const std::string& folder, Certificate& certificate) {
+  std::map<std::string, Exercise> same;
+  if (!certificate.roll) return same;
+  const Roll& roll = *certificate.roll;
+  const std::string file = folder + "/" + roll.exam + kExamEnding;
+  try {
+    const std::string text = ReadWholeFile(file, JsonNode::kMostBytes);
+    if (Sha256(text) != roll.exam_sha256) {
+      throw Error(file + ": has been changed since the exam was opened");
+    }
+    certificate.title = ReadLocalText(JsonNode::Parse(text, file).At("title"));
+  } catch (const Error& error) {
+    certificate.changed.emplace_back(error.what());
+  }
+  for (const ExamTask& task : roll.tasks) try {
+      const Exercise exercise = LoadExercise(ExerciseFileOf(folder, task.exercise));
+      if (!SameFiles(HashedTask(exercise), task)) {
+        throw Error(exercise.file +
+                    ": it, its criteria or its expert has been changed since the exam was opened");
+      }
+      certificate.titles[exercise.name] = exercise.title;
+      same.emplace(exercise.name, exercise);
+    } catch (const Error& error) {
+      certificate.changed.emplace_back(error.what());
+    }
+  return same;
+}
+
+/// Returns the points of a verified trial; none if it touches nothing or cannot be scored.
+std::optional<double> PointsOf(const std::string& recording, const Exercise& exercise) try {
+  const Report report = MakeReport(
+      {.expert = exercise.expert, .trials = {recording}, .criteria = exercise.file, .join = true});
+  const std::optional<Grade>& grade = report.grades.front();
+  return grade ? std::optional(grade->points) : std::nullopt;
+} catch (const Error&) {  // such as a recording that ends before its scene was begun
+  return std::nullopt;
 }
 
 }  // namespace
 
 bool Certificate::good() const {
-  return !trials.empty() && missing.empty() &&
-         std::ranges::all_of(trials,
-                             [](const SealedVerdict& trial) { return trial.refused.empty(); });
+  return !trials.empty() && missing.empty() && changed.empty() &&
+         std::ranges::all_of(trials, [](const SealedVerdict& trial) {
+           return trial.refused.empty() || !trial.counts;
+         });
 }
 
 Certificate VerifySealed(const SealedOptions& options) {
@@ -218,6 +289,15 @@ Certificate VerifySealed(const SealedOptions& options) {
                 "); give the folder of a course that has held an exam");
   }
   certificate.exam = ChooseExam(options.exam, certificate.trials);
+  std::ranges::stable_sort(certificate.trials, {}, [](const SealedVerdict& trial) {
+    const Seal seal = trial.seal.value_or(Seal{});  // what no key has sealed comes first
+    return std::tuple(seal.person, seal.task, seal.n);
+  });
+  std::map<std::string, Exercise> exercises;
+  if (!is_one) {
+    ReadRoll(options.folder, key, certificate);
+    exercises = CompareInputs(options.folder, certificate);
+  }
   JudgeAll(certificate.trials, [&](SealedVerdict& trial) -> std::string {
     const std::string here = EndsIn(trial.file, kSealEnding) + ".mcap";
     const bool fits = is_one
@@ -225,10 +305,19 @@ Certificate VerifySealed(const SealedOptions& options) {
                           : here == trial.seal->recording;
     if (!fits)
       return fmt::format("it is the seal of {}, and lies beside {}", trial.seal->recording, here);
-    return Judge(is_one ? here : options.folder + "/" + here, options.verify, trial);
+    const std::string recording = is_one ? here : options.folder + "/" + here;
+    const std::string refused = Judge(recording, options.verify, trial);
+    const auto exercise = exercises.find(trial.seal->exercise);
+    if (refused.empty() && trial.wrenches > 0 && exercise != exercises.end()) {
+      trial.points = PointsOf(recording, exercise->second);
+    }
+    return refused;
   });
   RefuseTwice(certificate.trials);
-  if (!is_one) CompareToRoll(options.folder, key, certificate);
+  if (!is_one) {
+    CompareToRoll(certificate);
+    FollowChain(certificate);
+  }
   certificate.took_s = 1e-9 * static_cast<double>(SteadyNanoseconds() - began_ns);
   return certificate;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -23,10 +24,15 @@ struct SealedOptions {
 struct SealedVerdict {
   std::string file;          ///< of its seal
   std::optional<Seal> seal;  ///< none: not sealed with that key, or changed since
+  std::string sha256;        ///< of the seal's text
   std::string refused;       ///< the reason; empty: it is what its seal says
   std::uint64_t wrenches = 0;
   double recorded_s = 0.0;
-  bool counts = true;  ///< false: the examiner had it repeated
+  bool counts = true;                       ///< false: the examiner had it repeated
+  std::vector<Restoration> restorations{};  ///< of its scene, while it ran
+  /// Computed from the recording with the sealed criteria and expert; none: nothing was touched, it
+  /// was refused, or these files are not the sealed ones.
+  std::optional<double> points{};
   std::vector<std::pair<std::string, std::uint64_t>> sessions{};  ///< stations and their runs
 };
 
@@ -36,11 +42,14 @@ struct Certificate {
   std::string key;  ///< SealKey::name
   std::optional<Roll> roll;
   std::vector<SealedVerdict> trials;
-  std::vector<std::string> missing;  ///< entries of the roll without a trial
-  std::int64_t verified_s = 0;       ///< since 1970, by this computer's clock
+  std::vector<std::string> missing;    ///< entries of the roll without a trial, or the roll itself
+  std::vector<std::string> changed{};  ///< files of a grade that are not the sealed ones
+  LocalText title{};                   ///< of the exam; empty: its file is not there or was changed
+  std::map<std::string, LocalText> titles{};  ///< of its exercises, likewise
+  std::int64_t verified_s = 0;                ///< since 1970, by this computer's clock
   double took_s = 0.0;
-  /// True if every trial that was handed in is present, is what its seal says, and was recomputed
-  /// bit for bit.
+  /// True if every trial that was handed in is present, and every one that counts is what its seal
+  /// says and was recomputed bit for bit, and if all from which it is graded is as it was sealed.
   bool good() const;
 };
 

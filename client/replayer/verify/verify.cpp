@@ -626,6 +626,12 @@ class Verifier {
       undone_[scene] = whole.last_change;
       unknown_.erase(scene);
       left_.erase(scene);
+      const bool runs = std::ranges::any_of(by_scene_[scene],
+                                            [](const Replayed* s) { return s->replay != nullptr; });
+      if (runs && restored_.insert(whole.request).second) {
+        verification_.restorations.push_back(
+            {whole.by, whole.wish, 1e-9 * static_cast<double>(sample.log_time_ns - began_ns_)});
+      }
     } else if (sample.To(block.value)) {
       const SceneRun scene(block.value.scene, block.value.server_run);
       // Cut by a session that was not recorded.  A split repeats blocks, including undone ones.
@@ -722,6 +728,7 @@ class Verifier {
   std::map<std::string, Replayed*> by_topic_;  // both topics of a session
   std::map<SceneRun, std::vector<Replayed*>> by_scene_;
   std::map<SceneRun, CutReplay> cuts_;
+  std::set<std::uint64_t> restored_;                // requests that Verification::restorations has
   std::set<SceneRun> unknown_;                      // solids cut by an unrecorded session
   std::map<SceneRun, std::uint64_t> undone_;        // the last undone change
   std::map<SceneRun, std::vector<CutField>> left_;  // merged from ended sessions

@@ -63,11 +63,19 @@ struct SessionVerdict {
   bool good() const { return recorded > 0 && verified == recorded; }
 };
 
+/// That somebody made a scene whole, set its bookmark or went back to it while a session ran there.
+struct Restoration {
+  std::string by;
+  wire::WholeWish wish{};
+  double time_s = 0.0;  ///< since the recording's first sample
+};
+
 struct Verification {
   std::vector<SessionVerdict> sessions;
   std::vector<std::string> problems;  ///< of the files
   bool damaged = false;               ///< they have changed since they were written
   std::string physics{};  ///< revision of the build that recorded (revision.h); empty: not told
+  std::vector<Restoration> restorations{};
   /// The solids at the end of each scene of each server's run; `before` is their initial state.
   std::vector<SolidsCut> left{};
   /// True if every wrench of every session was recomputed to the same bits, and there is at least

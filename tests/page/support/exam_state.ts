@@ -36,7 +36,15 @@ export const heldExam = (more: object = {}): object => {
   const cut = {...trial, task: 1, cut: "the gateway was killed", sealed: false};
   return {
     open: {
-      ...{name: "midterm", title: kTitle, closed: false, left_s: 600, tasks: 2, down_s: 41},
+      ...{
+        name: "midterm",
+        title: kTitle,
+        closed: false,
+        left_s: 600,
+        tasks: 2,
+        down_s: 41,
+        set_by_s: -3600,
+      },
       people: [{person: 2, name: "Anna", task: 2, trials: [trial, cut]}],
       ...more,
     },

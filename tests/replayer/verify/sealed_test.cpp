@@ -30,10 +30,12 @@ class SealedTest : public testing::Test {
   SealedTest()
       : scene_(LoadScene("cube")),
         model_(MakeModel(scene_, scene_.tools.front(), MakeObjects(scene_))) {
+    fs::create_directory(folder_ / "exams");
+    Write("midterm.exam.json", R"({"title": {"en": "Midterm", "de": "Zwischenprüfung"},
+      "time_s": 600, "tasks": [{"exercise": "light-force"}]})");
     Record(kAnna, "Anna", 9);
     Record(kBen, "Ben", 10);
-    SealIt(kAnna, 3, "Anna");
-    SealIt(kBen, 4, "Ben");
+    SealBoth();
   }
 
   void Record(const std::string& stem, const std::string& station, std::uint64_t run) {
@@ -59,27 +61,53 @@ class SealedTest : public testing::Test {
     seal.scene_hash = hash_;
     seal.exam = "midterm";
     seal.exam_number = 1;
+    seal.exercise = "light-force";
     seal.task = seal.n = 1;
+    seal.criteria_sha256 = Sha256("criteria");
+    seal.ended_s = 1'800'000'000;
+    seal.sealed_s = 1'800'003'600;
     return seal;
   }
   void Write(const std::string& file, const std::string& text) const {
     std::ofstream(folder_ / file, std::ios::binary) << text;
   }
-  void SealIt(const std::string& stem, std::int64_t person, const std::string& name) {
-    Write(stem + kSealEnding, SealText(SealOf(stem, person, name), key_));
-  }
-  void WriteRoll(const std::vector<Seal>& seals) {
-    fs::create_directory(folder_ / "exams");
+  /// Seals these trials one after another, and their roll.
+  void SealAll(std::vector<std::pair<std::string, Seal>> seals) const {
+    const Exam exam = LoadExam(folder_ / "midterm.exam.json");
     Roll roll;
-    for (const Seal& seal : seals) {
-      roll.trials.push_back({seal.person, seal.name, seal.task, seal.recording, seal.sha256, true});
+    roll.exam = exam.name;
+    roll.exam_number = 1;
+    roll.exam_sha256 = exam.sha256;
+    roll.tasks = exam.tasks;
+    roll.closed_s = 1'800'007'200;
+    roll.complete = true;
+    for (auto& [stem, seal] : seals) {
+      seal.previous = roll.last;
+      const std::string text = SealText(seal, key_);
+      Write(stem + kSealEnding, text);
+      roll.last = Sha256(text);
+      Roll::Entry entry;
+      entry.person = seal.person;
+      entry.name = seal.name;
+      entry.task = seal.task;
+      entry.n = seal.n;
+      entry.recording = seal.recording;
+      entry.sha256 = seal.sha256;
+      entry.seal = roll.last;
+      roll.trials.push_back(entry);
     }
-    Write("exams/midterm-1.roll.json", SealText(roll, key_));
+    WriteRoll(roll);
   }
+  void SealBoth() const {
+    SealAll({{kAnna, SealOf(kAnna, 3, "Anna")}, {kBen, SealOf(kBen, 4, "Ben")}});
+  }
+  void WriteRoll(const Roll& roll) const { Write(kRoll, SealText(roll, key_)); }
+  Roll ReadRoll() const { return OpenRoll(Read(kRoll), key_, kRoll); }
   std::string Read(const std::string& file) const { return ReadWholeFile(folder_ / file, 1 << 24); }
   Certificate Verified(const std::string& exam = "") const {
     return VerifySealed({.folder = folder_.path(), .exam = exam, .key = public_key_});
   }
+  static constexpr const char* kRoll = "exams/midterm-1.roll.json";
   /// Why the first trial, Anna's, is refused.
   std::string Refused() const { return Verified().trials.at(0).refused; }
 
@@ -100,9 +128,11 @@ TEST_F(SealedTest, IsVerifiedInEveryBitAndTheCertificateSaysWhatWasNot) {
   EXPECT_EQ(certificate.trials[0].wrenches, kSealedPoses);
   EXPECT_THAT(ToText(certificate), HasSubstr("VERIFIED: 2 of 2"));
   EXPECT_THAT(ToText(certificate), HasSubstr("Who held the stylus"));
-  EXPECT_THAT(ToText(certificate), HasSubstr("there is none, so whether something was left out"));
   WriteCertificate(certificate, folder_ / "out");
-  EXPECT_THAT(Read("out/certificate.html"), HasSubstr("<td>Anna (3)<td>1: "));
+  EXPECT_THAT(Read("out/certificate.html"), HasSubstr("<td>Anna (3)<td>1: Light force"));
+  EXPECT_THAT(Read("out/certificate.html"),
+              HasSubstr("<td>2027-01-15 08:00:00 UTC<td>2027-01-15 09:00:00 UTC<td>"));
+  EXPECT_THAT(Read("out/certificate.de.html"), HasSubstr("Zwischenprüfung (midterm-1)"));
   EXPECT_THAT(Read("out/certificate.html"),
               HasSubstr("<a href=\"certificate.de.html\" lang=\"de\""));
   EXPECT_THAT(Read("out/certificate.de.html"), HasSubstr("GEPRÜFT: 2 von 2"));
@@ -124,7 +154,9 @@ TEST_F(SealedTest, OfWhichAnyByteIsFlippedIsRefused) {
       const std::size_t at = random() % spoilt.size();
       spoilt[at] = static_cast<char>(spoilt[at] ^ (1 << (random() % 8)));
       Write(file, spoilt);
-      EXPECT_THAT(Refused(), HasSubstr("changed")) << ending << " at " << at;
+      const Certificate one =
+          VerifySealed({.recording = folder_ / (kAnna + ".mcap"), .key = public_key_});
+      EXPECT_THAT(one.trials.at(0).refused, HasSubstr("changed")) << ending << " at " << at;
     }
     Write(file, good);
   }
@@ -150,9 +182,15 @@ TEST_F(SealedTest, OfAnotherVersionIsVerifiedIfItsPhysicsGivesTheSameBits) {
   const std::size_t begin = text.find("\"sealed\":") + 9, end = text.rfind(",\"signature\"");
   std::string body = text.substr(begin, end - begin);
   body.replace(body.find(PALPATE_VERSION), std::string_view(PALPATE_VERSION).size(), "0.0.1");
-  Write(kAnna + kSealEnding, "{\"key\":\"" + key_.name() + "\",\"sealed\":" + body +
-                                 ",\"signature\":\"" + key_.Sign(body) + "\"}\n");
-  EXPECT_TRUE(Verified().good());
+  text = "{\"key\":\"" + key_.name() + "\",\"sealed\":" + body + ",\"signature\":\"" +
+         key_.Sign(body) + "\"}\n";
+  Write(kAnna + kSealEnding, text);
+  fs::remove(folder_ / (kBen + kSealEnding));
+  Roll roll = ReadRoll();
+  roll.trials.resize(1);
+  roll.trials.front().seal = roll.last = Sha256(text);
+  WriteRoll(roll);
+  EXPECT_TRUE(Verified().good()) << ToText(Verified());
 }
 
 TEST_F(SealedTest, OfAnotherPersonIsRefusedUnderWhateverName) {
@@ -162,7 +200,7 @@ TEST_F(SealedTest, OfAnotherPersonIsRefusedUnderWhateverName) {
   }
   EXPECT_THAT(Refused(), HasSubstr("it is the seal of trials/4/press/1.mcap, and lies beside"));
   // Also if the recording was replaced before it was sealed.
-  SealIt(kAnna, 3, "Anna");
+  SealBoth();
   EXPECT_THAT(Refused(), HasSubstr("of station 'Ben', not of 'Anna'"));
   EXPECT_EQ(Verified().trials.at(1).refused, "");
 }
@@ -171,14 +209,17 @@ TEST_F(SealedTest, HandedInForTwoIsRefusedForBoth) {
   // First the files are the same, then only the session.
   fs::copy_file(folder_ / (kAnna + ".mcap"), folder_ / (kBen + ".mcap"),
                 fs::copy_options::overwrite_existing);
-  SealIt(kBen, 4, "Anna");
+  const auto seal_for_two = [&] {
+    SealAll({{kAnna, SealOf(kAnna, 3, "Anna")}, {kBen, SealOf(kBen, 4, "Anna")}});
+  };
+  seal_for_two();
   Certificate certificate = Verified();
   EXPECT_THAT(certificate.trials[0].refused,
               HasSubstr("the same recording was also submitted for"));
   EXPECT_THAT(certificate.trials[1].refused,
               HasSubstr("the same recording was also submitted for"));
   std::ofstream(folder_ / (kBen + ".mcap"), std::ios::app) << ' ';
-  SealIt(kBen, 4, "Anna");
+  seal_for_two();
   certificate = Verified();
   EXPECT_NE(certificate.trials[0].refused, "");
   EXPECT_NE(certificate.trials[1].refused, "");
@@ -191,21 +232,67 @@ TEST_F(SealedTest, OfAnotherSceneOrOfForcesThatNoPhysicsGaveIsRefused) {
   EXPECT_THAT(Refused(), HasSubstr("not of 'cube' with 0000000000000001"));
   lie_N_ = 1e-12;
   Record(kAnna, "Anna", 9);
-  SealIt(kAnna, 3, "Anna");
+  SealBoth();
   EXPECT_THAT(Refused(), HasSubstr("differ from the computed ones"));
 }
 
 TEST_F(SealedTest, ThatIsLeftOutIsMissedAndWhatWasNotHandedInIsRefused) {
-  const Seal anna = SealOf(kAnna, 3, "Anna"), ben = SealOf(kBen, 4, "Ben");
-  WriteRoll({anna, ben});
-  EXPECT_TRUE(Verified().good());
+  const std::string bens = Read(kBen + kSealEnding);
   fs::remove(folder_ / (kBen + kSealEnding));
-  EXPECT_THAT(Verified().missing.at(0),
-              HasSubstr("Ben, task 1: trials/4/press/1.mcap was submitted"));
-  WriteRoll({ben});
-  EXPECT_THAT(Refused(), HasSubstr("not on the exam's roll"));
-  Write("exams/midterm-1.roll.json", "{}");
+  EXPECT_THAT(Verified().missing.at(0), HasSubstr("Ben, task 1: trial 1"));
+  SealAll({{kAnna, SealOf(kAnna, 3, "Anna")}});
+  EXPECT_TRUE(Verified().good());
+  Write(kBen + kSealEnding, bens);
+  EXPECT_THAT(Verified().trials.at(1).refused, HasSubstr("not on the exam's roll"));
+}
+
+TEST_F(SealedTest, WithoutACompleteRollIsNotVerified) {
+  Roll roll = ReadRoll();
+  roll.complete = false;
+  WriteRoll(roll);
+  EXPECT_THAT(Verified().missing.at(0), HasSubstr("not closed"));
+  Write(kRoll, "{}");
   EXPECT_FALSE(Verified().good());
+  fs::remove(folder_ / kRoll);
+  EXPECT_FALSE(Verified().good());
+}
+
+TEST_F(SealedTest, WhoseChainIsBrokenIsNotVerified) {
+  Roll roll = ReadRoll();
+  std::swap(roll.trials.front(), roll.trials.back());
+  WriteRoll(roll);
+  EXPECT_TRUE(Verified().good()) << "the roll's order is free";
+  roll.last = roll.trials.back().seal;
+  WriteRoll(roll);
+  EXPECT_THAT(Verified().trials.at(1).refused, HasSubstr("no other seal names"));
+  roll.last = Sha256("another");
+  WriteRoll(roll);
+  EXPECT_FALSE(Verified().good());
+}
+
+TEST_F(SealedTest, ThatIsRefusedSpoilsNothingWhereTheExaminerHadItDoneAgain) {
+  lie_N_ = 1e-12;
+  Record(kAnna, "Anna", 9);
+  SealBoth();
+  EXPECT_FALSE(Verified().good());
+  Roll roll = ReadRoll();
+  roll.trials.front().counts = false;
+  WriteRoll(roll);
+  EXPECT_NE(Refused(), "");
+  EXPECT_TRUE(Verified().good());
+}
+
+TEST_F(SealedTest, ThatWasLostIsMissedUnlessTheExaminerHadItDoneAgain) {
+  Roll roll = ReadRoll();
+  Roll::Entry lost = roll.trials.front();
+  lost.seal.clear();
+  lost.lost = "its mark is gone";
+  roll.trials.push_back(lost);
+  WriteRoll(roll);
+  EXPECT_THAT(Verified().missing.at(0), HasSubstr("its mark is gone"));
+  roll.trials.back().counts = false;
+  WriteRoll(roll);
+  EXPECT_TRUE(Verified().good());
 }
 
 TEST_F(SealedTest, BesideALinkToNowhereIsVerifiedStill) {

@@ -62,6 +62,7 @@ class Workshop {
     wire::FromText(scene_.name, request.scene);
     request.request = ++requests_;
     request.wish = wish;
+    wire::FromText("lesson", request.by);
     table_.Request(request);
     const wire::SceneWhole answer = table_.TakeWholes().back();
     Hear(dds::kSceneWholeTopic, answer, 1);
@@ -387,6 +388,12 @@ TEST_F(TwoHands, GoBackToABookmarkWhichIsFeltShownAndTheSameAgain) {
   workshop.End();
   workshop.Write(file_);
   ExpectVerified({file_});
+  const std::vector<Restoration> told = Verify({file_}, {}).restorations;
+  ASSERT_EQ(told.size(), 2u) << "and not what was refused before anybody worked";
+  EXPECT_EQ(told[0].by, "lesson");
+  EXPECT_EQ(told[0].wish, palpate_WHOLE_BOOKMARK);
+  EXPECT_EQ(told[1].wish, palpate_WHOLE_BACK);
+  EXPECT_GT(told[1].time_s, told[0].time_s + 3.0);
 }
 
 TEST_F(TwoHands, ARecordingThatLacksAPartOfTheLogSaysSoAndGuessesNothing) {

@@ -48,8 +48,11 @@ export class App {
   private readonly figures = new Figures((message) => this.link.publish(kTopics.operate, message));
   private readonly link: GatewayLink = new GatewayLink(this.world, {
     link: (state) => {
-      if (state === "open") this.loadAgain();
-      else this.hold.mouse.linkLost();
+      if (state === "open") {
+        this.loadAgain();
+        this.exam.linkOpened();
+        this.exercises.linkOpened();
+      } else this.hold.mouse.linkLost();
       this.showLink();
     },
     message: (topic, value, stampS) => this.received(topic, value, stampS),

@@ -66,6 +66,14 @@ export class Exam {
     return this.trial?.phase === "running" && most_N > 0 ? most_N : undefined;
   }
 
+  /// A trial that ran ended with the last link, at the latest; what runs now the gateway tells.
+  linkOpened(): void {
+    if (!this.isBusy) return;
+    this.trial = this.trialEndsS = undefined;
+    setText(this.trialClock, "");
+    this.show();
+  }
+
   /// Returns whether the message was for this part only.
   receive(topic: string, value: unknown): boolean {
     if (topic === kTopics.trialState) {

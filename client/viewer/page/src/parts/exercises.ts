@@ -67,6 +67,14 @@ export class Exercises {
     this.room.allow(may);
   }
 
+  /// A trial that ran ended with the last link, at the latest; what runs now the gateway tells.
+  linkOpened(): void {
+    if (!this.isBusy) return;
+    this.trial = this.endsS = undefined;
+    this.showBar();
+    if (this.room.isOpen) this.show();
+  }
+
   /// Returns whether the message was for this part.
   receive(topic: string, value: unknown): boolean {
     if (topic === kTopics.exercises) ({exercises: this.exercises} = value as ExerciseList);

@@ -30,6 +30,7 @@ export interface OpenExam {
   readonly cut?: string; // why the last trial was cut short; empty: it was not
   // For a teacher:
   readonly down_s?: number; // time without a gateway
+  readonly set_by_s?: number; // by how much the computer's clock was set; nobody's time changed
   readonly people?: readonly ExamPerson[];
 }
 export interface ExamFile {

@@ -70,7 +70,7 @@ export class ExamDesk {
   }
 
   private aboutOf(open: OpenExam, people: readonly ExamPerson[]): HTMLElement[] {
-    const {down_s = 0, closed, name} = open;
+    const {down_s = 0, set_by_s = 0, closed, name} = open;
     const title = make("h3", ownText(open.title));
     const head = ["exam.person", "exam.at", "exam.trials", "exam.do"] as const;
     const table = make(
@@ -89,13 +89,15 @@ export class ExamDesk {
     );
     const close = ask("exam.close", () => this.wish({op: "close"}));
     const bar = make("p.choices", this.clock, more, close);
-    if (down_s === 0) return [title, bar, table];
+    const told: HTMLElement[] = [title];
+    if (set_by_s !== 0) told.push(make("p.word", say("exam.clock_set", {seconds: set_by_s})));
+    if (down_s === 0) return [...told, bar, table];
     const back = press(
       () => say("exam.give_back", {seconds: down_s}),
       () => this.wish({op: "give_back"}),
     );
     const down = make("p.word", say("exam.down", {seconds: down_s}), " ", back);
-    return [title, down, bar, table];
+    return [...told, down, bar, table];
   }
 
   private personRow({person, name, task, trials}: ExamPerson, open: OpenExam): HTMLElement {

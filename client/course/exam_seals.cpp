@@ -1,0 +1,285 @@
+#include "client/course/exam_seals.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include "common/error.h"
+#include "common/files/output.h"
+#include "common/files/whole_file.h"
+#include "scenes/files/scene_file.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A killed gateway loses what was recorded since the last mark, and a recorder writes to the disk
+/// every 0.4 s: together less than half a second.
+constexpr std::int64_t kMark_ns = 50'000'000;
+constexpr std::uint64_t kLargestRecording = ~std::uint64_t{0} >> 1;
+
+/// Closes a descriptor at the end of its scope.
+struct Open {
+  explicit Open(int fd) : fd(fd) {}
+  ~Open() {
+    if (fd >= 0) close(fd);
+  }
+  Open(const Open&) = delete;
+  Open& operator=(const Open&) = delete;
+  const int fd;
+};
+
+/// Replaces a file, which is on the disk when this returns.
+void WriteKept(const std::string& what, const std::string& file, const std::string& text) {
+  WriteOutput(what, file, text, Links::kReplace);
+  for (const std::string& path : {file, fs::path(file).parent_path().string()}) {
+    const Open open_file(open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+    if (open_file.fd >= 0 && fsync(open_file.fd) == 0) continue;
+    throw Error(fmt::format("{}: cannot be kept on the disk ({})", path, std::strerror(errno)));
+  }
+}
+
+/// Cuts a file off after its first bytes.
+/// @param fd  of the file, for reading; so no link can lead elsewhere meanwhile.
+void CutOff(int fd, const std::string& file, std::int64_t bytes) {
+  const Open writable(open(fmt::format("/proc/self/fd/{}", fd).c_str(), O_WRONLY | O_CLOEXEC));
+  if (writable.fd >= 0 && ftruncate(writable.fd, bytes) == 0) return;
+  throw Error(fmt::format("{}: cannot be cut off ({}); this user must be able to write it", file,
+                          std::strerror(errno)));
+}
+
+/// Returns whether a recorder has not yet closed the file (mcap::Writer locks it meanwhile).
+bool Grows(int fd) {
+  return flock(fd, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+}
+
+template <class T>
+bool IsReady(const std::future<T>& future) {
+  return future.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+}
+
+}  // namespace
+
+ExamSeals::ExamSeals(std::string folder)
+    : folder_(std::move(folder)), key_(SealKey::OfCourse(folder_)) {}
+
+ExamSeals::~ExamSeals() = default;
+
+std::string ExamSeals::FileOf(const Roll& roll) const {
+  return fmt::format("{}/exams/{}-{}{}", folder_, roll.exam, roll.exam_number, kRollEnding);
+}
+
+std::string ExamSeals::StemOf(const Key& key) const {
+  const auto& [person, exercise, n] = key;
+  return fmt::format("{}/trials/{}/{}/{}", folder_, person, exercise, n);
+}
+
+const Roll::Entry* ExamSeals::Find(const Key& key) const {
+  const auto found = std::ranges::find(roll_.trials, key, KeyOf);
+  return found == roll_.trials.end() ? nullptr : &*found;
+}
+
+// --- the roll ---
+
+void ExamSeals::Write(const Roll& roll) const {
+  const std::string folder = folder_ + "/exams";
+  std::error_code error;
+  fs::create_directories(folder, error);
+  RefuseLinks(folder_, folder);
+  WriteKept("roll", FileOf(roll), SealText(roll, key_));
+}
+
+void ExamSeals::Open(const Roll& roll) {
+  const std::string file = FileOf(roll);
+  if (std::error_code none; fs::exists(file, none)) {
+    const Roll former = OpenRoll(ReadFileBelow(folder_, file, kLargestSeal), key_, file);
+    if (former.closed_s != 0 || !former.trials.empty()) {
+      throw Error(file +
+                  ": an exam of this number was held before, so course.sqlite is older than it; "
+                  "restore the newer one, or move the folder exams away");
+    }
+  }
+  Write(roll);
+  roll_ = roll;
+  trouble_.clear();
+  growing_.clear();
+}
+
+void ExamSeals::TakeUp(const Roll& expected) try {
+  roll_ = {};
+  trouble_.clear();
+  const std::string file = FileOf(expected);
+  if (!std::ranges::all_of(expected.exam, IsOfName)) throw Error(file + ": is no exam's name");
+  Roll roll = OpenRoll(ReadFileBelow(folder_, file, kLargestSeal), key_, file);
+  const bool agrees = roll.exam == expected.exam && roll.exam_number == expected.exam_number &&
+                      roll.exam_sha256 == expected.exam_sha256 && roll.tasks == expected.tasks &&
+                      roll.opened_s == expected.opened_s &&
+                      (roll.closed_s != 0 || expected.closed_s == 0);
+  if (!agrees) {
+    throw Error(file + ": course.sqlite says otherwise of this exam; restore both from one copy");
+  }
+  roll_ = std::move(roll);
+} catch (const Error& error) {
+  trouble_ = std::string("nothing of the exam is sealed any more: ") + error.what();
+}
+
+void ExamSeals::Change(const std::function<void(Roll&)>& change) {
+  if (!trouble_.empty()) throw Error(trouble_);
+  Roll changed = roll_;
+  change(changed);
+  Write(changed);
+  roll_ = std::move(changed);
+}
+
+void ExamSeals::Begin(const Roll::Entry& entry, std::int64_t now_s) {
+  const auto growing = std::make_shared<Growing>();
+  growing->file = StemOf(KeyOf(entry)) + ".mcap";
+  Mark& mark = growing->mark;
+  mark.exam_number = roll_.exam_number;
+  std::tie(mark.person, mark.exercise, mark.n) = KeyOf(entry);
+  mark.sha256 = Sha256("");
+  mark.made_s = now_s;
+  WriteMark(mark);
+  Change([&](Roll& roll) { roll.trials.push_back(entry); });
+  growing_[KeyOf(entry)] = growing;
+}
+
+// --- marks and seals; from here on in a thread, where const says so ---
+
+void ExamSeals::WriteMark(const Mark& mark) const {
+  WriteOutput("mark", StemOf({mark.person, mark.exercise, mark.n}) + kMarkEnding,
+              SealText(mark, key_), Links::kReplace);
+}
+
+void ExamSeals::ReadOn(Growing& growing, std::int64_t now_s) const {
+  std::error_code none;
+  if (!growing.hash && !fs::exists(growing.file, none)) return;
+  if (!growing.hash) growing.hash = std::make_unique<GrowingHash>(growing.file, folder_);
+  growing.hash->ReadOn();
+  const HashedFile hashed = growing.hash->so_far();
+  if (hashed.bytes == growing.mark.bytes) return;
+  growing.mark.bytes = hashed.bytes;
+  growing.mark.sha256 = hashed.sha256;
+  growing.mark.made_s = now_s;
+  WriteMark(growing.mark);
+}
+
+bool ExamSeals::is_idle() {
+  if (marking_.valid() && IsReady(marking_)) marking_.get();
+  return !sealing_.valid() && !marking_.valid();
+}
+
+void ExamSeals::Poll(std::int64_t now_s, std::int64_t now_ns) {
+  if (!is_idle() || growing_.empty() || now_ns - marked_ns_ < kMark_ns) return;
+  marked_ns_ = now_ns;
+  std::vector<std::shared_ptr<Growing>> all;
+  for (const auto& [key, growing] : growing_) all.push_back(growing);
+  marking_ = std::async(std::launch::async, [this, all, now_s] {
+    for (const auto& growing : all) ReadOn(*growing, now_s);
+  });
+}
+
+void ExamSeals::BeginToSeal(const Seal& seal) {
+  const auto found = growing_.find({seal.person, seal.exercise, seal.n});
+  const auto growing = found == growing_.end() ? nullptr : found->second;
+  Seal next = seal;
+  next.previous = roll_.last;
+  sealing_ = std::async(std::launch::async, [this, next, growing] {
+    return growing ? SealWhole(next, *growing) : SealRest(next);
+  });
+}
+
+ExamSeals::Done ExamSeals::Sealed(const Seal& seal) const {
+  const Key key(seal.person, seal.exercise, seal.n);
+  const std::string text = SealText(seal, key_);
+  WriteKept("seal", StemOf(key) + kSealEnding, text);
+  return {key, text};
+}
+
+ExamSeals::Done ExamSeals::SealWhole(Seal seal, Growing& growing) const {
+  ReadOn(growing, seal.ended_s);
+  if (growing.hash) {
+    seal.sha256 = growing.mark.sha256;
+    seal.bytes = growing.mark.bytes;
+  } else {
+    seal.recording.clear();
+  }
+  return Sealed(seal);
+}
+
+ExamSeals::Done ExamSeals::SealRest(Seal seal) const {
+  const Key key(seal.person, seal.exercise, seal.n);
+  const std::string stem = StemOf(key), file = folder_ + "/" + seal.recording;
+  try {  // killed after it was sealed, and before that was entered
+    const std::string text = ReadFileBelow(folder_, stem + kSealEnding, kLargestSeal);
+    const Seal former = OpenSeal(text, key_, stem + kSealEnding);
+    if (former.exam_number == seal.exam_number && former.begun_s == seal.begun_s &&
+        former.previous == seal.previous && Key(former.person, former.exercise, former.n) == key) {
+      return {key, text};
+    }
+  } catch (const Error&) {  // as usual: there is none
+  }
+  Mark mark;
+  try {
+    mark = OpenMark(ReadFileBelow(folder_, stem + kMarkEnding, kLargestSeal), key_,
+                    stem + kMarkEnding);
+    if (mark.exam_number != seal.exam_number || Key(mark.person, mark.exercise, mark.n) != key) {
+      throw Error(stem + kMarkEnding + ": is another trial's");
+    }
+  } catch (const Error& error) {
+    return {key, "", fmt::format("it ran when the gateway was killed, and {}", error.what()), true};
+  }
+  seal.whole = false;
+  seal.reason = kKilled;
+  seal.ended_s = mark.made_s;
+  if (mark.bytes == 0) {
+    seal.recording.clear();
+  } else
+    try {
+      const palpate::Open recording(OpenFileBelow(folder_, file, kLargestRecording));
+      if (Grows(recording.fd)) return {key};  // it is looked at again
+      GrowingHash hash(file, folder_);
+      hash.ReadOn(mark.bytes);
+      if (hash.so_far().sha256 != mark.sha256) {
+        throw Error(file + ": was changed while no gateway ran");
+      }
+      CutOff(recording.fd, file, mark.bytes);
+      seal.sha256 = mark.sha256;
+      seal.bytes = mark.bytes;
+    } catch (const Error& error) {
+      return {key, "", error.what(), true};
+    }
+  Done done = Sealed(seal);
+  done.is_rest = true;
+  return done;
+}
+
+std::optional<ExamSeals::Done> ExamSeals::Take() {
+  if (!sealing_.valid() || !IsReady(sealing_)) return std::nullopt;
+  Done done = sealing_.get();
+  if (done.text.empty() && done.lost.empty()) return std::nullopt;
+  Change([&](Roll& roll) {
+    Roll::Entry& entry = *std::ranges::find(roll.trials, done.key, KeyOf);
+    entry.lost = done.lost;
+    if (!done.lost.empty()) return;
+    const Seal seal = OpenSeal(done.text, key_, "it");
+    entry.recording = seal.recording;
+    entry.sha256 = seal.sha256;
+    entry.seal = roll.last = Sha256(done.text);
+  });
+  growing_.erase(done.key);
+  std::error_code none;
+  fs::remove(StemOf(done.key) + kMarkEnding, none);
+  return done;
+}
+
+}  // namespace palpate

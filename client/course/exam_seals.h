@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <future>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "client/course/seal.h"
+
+namespace palpate {
+
+/// Seals the trials of an exam and keeps its roll, which alone says what may still be sealed: what
+/// a former process left behind is sealed as far as a mark of that process covers it, and nothing
+/// else is, whatever course.sqlite or the folder say.  Each seal names the one before it.
+/// Thread contract: one thread; hashing runs in threads of its own, one at a time.
+class ExamSeals {
+ public:
+  /// Person, exercise and number of a trial.
+  using Key = std::tuple<std::int64_t, std::string, int>;
+  static Key KeyOf(const Roll::Entry& entry) { return {entry.person, entry.exercise, entry.n}; }
+  /// What became of a trial that was to be sealed.
+  struct Done {
+    Key key;
+    std::string text = {};  ///< of its seal; empty: it is lost
+    std::string lost = {};  ///< why
+    bool is_rest = false;   ///< a former process began it: it ends here, not whole
+  };
+
+  explicit ExamSeals(std::string folder);
+  ~ExamSeals();
+
+  /// The newest exam's.
+  const Roll& roll() const { return roll_; }
+  /// Why the roll cannot be used, so that nothing of the exam is sealed any more; empty: it can.
+  const std::string& trouble() const { return trouble_; }
+  const Roll::Entry* Find(const Key& key) const;
+
+  /// Begins the roll of a new exam.  Throws Error, also if there is a roll of that name that is in
+  /// use.
+  void Open(const Roll& roll);
+  /// Takes up the roll that another process has left.  @param roll  what it must agree with.
+  void TakeUp(const Roll& roll);
+  /// Changes the roll, and seals it anew.  Throws Error, and then changes nothing.
+  void Change(const std::function<void(Roll&)>& change);
+  /// Enters a trial that begins now.  Throws Error.
+  void Begin(const Roll::Entry& entry, std::int64_t now_s);
+  /// Marks trials that run, some twenty times a second.
+  void Poll(std::int64_t now_s, std::int64_t now_ns);
+  /// Returns whether another trial can be sealed now.
+  bool is_idle();
+  /// Begins to seal a trial, whose recorder has ended.  @pre is_idle()
+  /// @param seal  without hashes; of a trial that another process began, the end is filled in, too.
+  void BeginToSeal(const Seal& seal);
+  /// Returns the trial that was sealed, or found lost, and has entered it in the roll.  Throws
+  /// Error if that failed; it may then be tried again.
+  std::optional<Done> Take();
+
+  static constexpr const char* kKilled = "the gateway was killed";
+
+ private:
+  /// A trial that this process began.
+  struct Growing {
+    Mark mark;
+    std::string file;
+    std::unique_ptr<GrowingHash> hash;  // none: there is no recording yet
+  };
+
+  std::string FileOf(const Roll& roll) const;
+  std::string StemOf(const Key& key) const;
+  void Write(const Roll& roll) const;
+  void WriteMark(const Mark& mark) const;
+  void ReadOn(Growing& growing, std::int64_t now_s) const;
+  Done SealWhole(Seal seal, Growing& growing) const;
+  Done SealRest(Seal seal) const;
+  Done Sealed(const Seal& seal) const;
+
+  const std::string folder_;
+  const SealKey key_;
+  Roll roll_;
+  std::string trouble_;
+  std::map<Key, std::shared_ptr<Growing>> growing_;  // a thread has them while one runs
+  std::future<void> marking_;
+  std::future<Done> sealing_;
+  std::int64_t marked_ns_ = 0;
+};
+
+}  // namespace palpate
