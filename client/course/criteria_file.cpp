@@ -74,8 +74,9 @@ Criterion ReadCriterion(const JsonNode& node, bool has_sites) {
   node.AllowOnly(
       {"name", "why", "measure", "limit_N", "tissue", "axis", "region", "best", "worst", "weight"});
   Criterion criterion;
-  criterion.name = node.At("name").String();
-  if (auto why = node.Find("why")) criterion.why = why->String();
+  criterion.names = ReadLocalText(node.At("name"));
+  criterion.name = EnglishOf(criterion.names);
+  if (auto why = node.Find("why")) criterion.why = ReadLocalText(*why);
   criterion.measure = node.At("measure").OneOf(MeasureNames());
   ReadWhatItIsAbout(node, criterion);
   if (criterion.measure == "sites_right_share" && !has_sites) {
@@ -123,30 +124,26 @@ ProbingSite ReadSite(const JsonNode& node) {
 
 using Tissue = Measure::Tissue;
 const std::vector<Measure> kMeasures = {
-    {.name = "force_over_share",
-     .unit = "%",
-     .text = "share of the time in contact with more force than the limit",
-     .in_a_place = true},
-    {"force_peak_N", "N", "greatest force"},
-    {"force_rms_N", "N", "difference of the force from the expert's (rms)"},
-    {"path_mean_mm", "mm", "mean distance from the expert's path"},
-    {"path_max_mm", "mm", "greatest distance from the expert's path"},
-    {"turn_mean_deg", "°", "mean difference of rotation"},
-    {.name = "time_s", .unit = "s", .text = "time taken", .in_a_place = true},
-    {.name = "contact_s", .unit = "s", .text = "time in contact", .in_a_place = true},
-    {"time_ratio", "×", "time taken, as a multiple of the expert's"},
-    {"sites_right_share", "%", "share of the sites whose depth was probed rightly"},
-    {"removed_mm3", "mm³", "removed by the bur", Tissue::kMustName, true},
-    {"left_share", "%", "share that the bur left", Tissue::kMustName, true},
-    {"missed_mm3", "mm³", "gone at the expert's and still there", Tissue::kMayName, true},
-    {"excess_mm3", "mm³", "there at the expert's and gone", Tissue::kMayName, true},
-    {"thickness_mm", "mm", "least thickness left over a tissue", Tissue::kMustName, true},
-    {"taper_deg", "°", "angle of the walls to the axis", Tissue::kNone, true, true},
-    {"undercut_share", "%", "share of the walls that are undercut", Tissue::kNone, true, true},
-    {"margin_width_mm", "mm", "width of the shoulder at the border", Tissue::kNone, true, true},
-    {"margin_spread_mm", "mm", "how the width of the shoulder varies (standard deviation)",
-     Tissue::kNone, true, true},
-    {"margin_roughness_mm", "mm", "unevenness of the border (rms)", Tissue::kNone, true, true},
+    {.name = "force_over_share", .unit = "%", .in_a_place = true},
+    {"force_peak_N", "N"},
+    {"force_rms_N", "N"},
+    {"path_mean_mm", "mm"},
+    {"path_max_mm", "mm"},
+    {"turn_mean_deg", "°"},
+    {.name = "time_s", .unit = "s", .in_a_place = true},
+    {.name = "contact_s", .unit = "s", .in_a_place = true},
+    {"time_ratio", "×"},
+    {"sites_right_share", "%"},
+    {"removed_mm3", "mm³", Tissue::kMustName, true},
+    {"left_share", "%", Tissue::kMustName, true},
+    {"missed_mm3", "mm³", Tissue::kMayName, true},
+    {"excess_mm3", "mm³", Tissue::kMayName, true},
+    {"thickness_mm", "mm", Tissue::kMustName, true},
+    {"taper_deg", "°", Tissue::kNone, true, true},
+    {"undercut_share", "%", Tissue::kNone, true, true},
+    {"margin_width_mm", "mm", Tissue::kNone, true, true},
+    {"margin_spread_mm", "mm", Tissue::kNone, true, true},
+    {"margin_roughness_mm", "mm", Tissue::kNone, true, true},
 };
 
 const Measure& MeasureOf(const std::string& name) {
@@ -190,11 +187,12 @@ bool AsksForCuts(const Criteria& criteria) {
   });
 }
 
-Criteria ReadCriteria(const JsonNode& root, const std::string& file, const std::string& title) {
+Criteria ReadCriteria(const JsonNode& root, const std::string& file, const LocalText& title) {
   root.AllowOnly({"title", "pass", "tip_mm", "criteria", "gates", "sites"});
   Criteria criteria;
   criteria.file = file;
-  criteria.title = title.empty() || root.Has("title") ? root.At("title").String() : title;
+  criteria.titles = title.empty() || root.Has("title") ? ReadLocalText(root.At("title")) : title;
+  criteria.title = EnglishOf(criteria.titles);
   criteria.pass = root.At("pass").Number(0.0, 100.0);
   if (auto tip = root.Find("tip_mm")) criteria.tip = 1e-3 * tip->Vector();
   if (auto sites = root.Find("sites")) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "client/course/local_text.h"
 #include "common/json/json_file.h"
 #include "common/math/pose.h"
 #include "scenes/scene.h"
@@ -16,7 +17,8 @@ using Place = std::optional<MaterialRegion>;
 /// One criterion by which a trial is graded: the value `best` earns all of its points, `worst`
 /// none, and a value between them a proportional share.
 struct Criterion {
-  std::string name, why;
+  std::string name;  ///< English, or of the only language: under it marks are stored
+  LocalText names{}, why{};
   std::string measure;        ///< one of kMeasures
   double limit_N = 0.0;       ///< the force limit, for "force_over_share"
   std::string tissue{};       ///< the tissue that a cutting measure is restricted to, or must name
@@ -40,16 +42,17 @@ struct ProbingSite {
 /// The criteria by which a trial is graded, read from a file that a teacher edits.
 struct Criteria {
   std::string file, title;
+  LocalText titles{};
   double pass = 0.0;        ///< points of 100 that pass
   Vec3 tip = Vec3::Zero();  ///< tip of the tool, in the tool's frame [m]
   std::vector<Criterion> criteria{};
   std::vector<ProbingSite> sites{};
 };
 
+/// What it measures is said in client/replayer/score/words.
 struct Measure {
   const char* name;
   const char* unit;
-  const char* text;
   enum class Tissue { kNone, kMayName, kMustName };
   Tissue tissue = Tissue::kNone;
   bool of_cut = false;       ///< measures what was cut
@@ -66,7 +69,7 @@ bool AsksForCuts(const Criteria& criteria);
 /// Reads the criteria of a criteria file, or those that are a part of another file.  Throws Error
 /// "file:line: field: what is wrong; remedy".
 /// @param title  the title of that file, used if the criteria have none; empty: they must have one.
-Criteria ReadCriteria(const JsonNode& node, const std::string& file, const std::string& title = "");
+Criteria ReadCriteria(const JsonNode& node, const std::string& file, const LocalText& title = {});
 /// A template for teachers: periodontal probing with 25 g.
 extern const char* const kCriteriaToBeginWith;
 

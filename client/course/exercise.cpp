@@ -148,29 +148,11 @@ void ReadCriteriaOf(const JsonNode& node, const SceneFacts& facts, Exercise& exe
     file = (fs::path(exercise.folder()) / ReadBeside(node, exercise.folder())).string();
     criteria = JsonNode::Load(file);
   }
-  const std::string title =
-      exercise.title.contains("en") ? exercise.title.at("en") : exercise.title.begin()->second;
-  exercise.criteria = ReadCriteria(criteria, file, title);
+  exercise.criteria = ReadCriteria(criteria, file, exercise.title);
   CheckMeasures(criteria, facts, exercise.tool);
 }
 
 }  // namespace
-
-LocalText ReadLocalText(const JsonNode& node) {
-  if (node.IsString()) return {{"en", node.String()}};
-  LocalText text;
-  for (const std::string& language : node.Fields()) {
-    const JsonNode at = node.At(language);
-    const bool is_code = language.size() >= 2 && language.size() <= 16 &&
-                         std::ranges::all_of(language, [](unsigned char c) {
-                           return c == '-' || (std::isalnum(c) != 0);
-                         });
-    if (!is_code) at.Fail("is not a language; give its code, such as \"en\", \"de\" or \"zh\"");
-    text[language] = at.String();
-  }
-  if (text.empty()) node.Fail("is empty; give a text in at least one language: {\"en\": \"...\"}");
-  return text;
-}
 
 std::string Exercise::folder() const {
   const fs::path parent = fs::path(file).parent_path();

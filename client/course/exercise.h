@@ -1,19 +1,14 @@
 #pragma once
 
 #include <functional>
-#include <map>
 #include <string>
 #include <vector>
 
 #include "client/course/criteria_file.h"
+#include "client/course/local_text.h"
 #include "common/json/pose_script.h"
 
 namespace palpate {
-
-/// A text by language ("en", "de", "zh").  A plain string in a file is English.
-using LocalText = std::map<std::string, std::string>;
-
-LocalText ReadLocalText(const JsonNode& node);
 
 /// An exercise for students, read from a file that a teacher edits (exercises/README.md
 /// describes every field).

@@ -53,10 +53,14 @@ Json JsonOf(const std::vector<CriterionLoss>& losses) {
 }
 
 Json JsonOf(const std::string& name, const Exercise* exercise, int last) {
-  Json title = Json::object();
-  if (exercise != nullptr) title = exercise->title;
+  Json title = Json::object(), criteria = Json::object();
+  if (exercise != nullptr) {
+    title = exercise->title;
+    for (const Criterion& one : exercise->criteria.criteria) criteria[one.name] = one.names;
+  }
   return {{"name", name},
           {"title", title},
+          {"criteria", criteria},
           {"trials", last},
           {"pass", exercise != nullptr ? Json(exercise->criteria.pass) : Json(nullptr)}};
 }

@@ -428,6 +428,17 @@ void TrialRoom::ScoreNext() {
   }
 }
 
+std::string TrialRoom::NameOf(std::int64_t person) {
+  std::string name;
+  file_.Use([&](SQLite::Database& database) {
+    if (!database.tableExists("person")) return;
+    SQLite::Statement row(database, "SELECT name FROM person WHERE id=?");
+    row.bind(1, person);
+    if (row.executeStep()) name = row.getColumn(0).getString();
+  });
+  return name;
+}
+
 void TrialRoom::BeginScoring(Running& trial, bool follows) {
   const std::string stem =
       fmt::format("{}/{}", FolderOf(trial.news.person, trial.news.exercise), trial.news.n);
@@ -435,6 +446,8 @@ void TrialRoom::BeginScoring(Running& trial, bool follows) {
   std::vector<std::string> arguments{"score",         trial.exercise->expert,
                                      stem + ".mcap",  "--criteria=" + trial.exercise->file,
                                      "--out=" + stem, "--join"};
+  const std::string name = NameOf(trial.news.person);
+  if (!name.empty()) arguments.push_back("--person=" + name);
   if (follows) arguments.emplace_back("--follow");
   trial.scorer =
       std::make_unique<ChildProgram>(options_.programs + "/palpate-replay", arguments,

@@ -128,6 +128,7 @@ class TrialRoom {
   };
   void MarkCutShort();
   std::string FolderOf(std::int64_t person, const std::string& exercise) const;
+  std::string NameOf(std::int64_t person);
   /// Returns false once the trial is finished.
   bool PollOne(Running& trial, std::int64_t now_ns);
   void BeginToEnd(Running& trial, const std::string& reason);

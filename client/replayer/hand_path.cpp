@@ -195,6 +195,7 @@ HandPath ReadHandPath(const std::vector<std::string>& files, const SessionChoice
   }
   path.station = chosen.back().station;
   path.run = chosen.back().run;
+  path.begun_ns = chosen.front().first_ns;
   path.scene = chosen.back().scene;
   path.tool_name = chosen.back().tool;
   path.sessions = static_cast<int>(chosen.size());
@@ -251,6 +252,7 @@ HandPath TrialIn(const HandPath& path, const std::string& file) {
     trial.unanswered_share = any ? 1.0 - static_cast<double>(trial.size()) / poses : 1.0;
   }
   trial.cut_off = path.cut_off;
+  trial.begun_ns = path.begun_ns;
   return trial;
 }
 

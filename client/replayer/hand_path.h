@@ -24,6 +24,7 @@ struct HandPath {
   std::vector<bool> answered = {};  ///< whether X_WG and the wrench are known; empty: of all
   double unanswered_share = 0.0;    ///< of the poses during a trial (TrialIn)
   bool cut_off = false;             ///< the recording lacks its end
+  std::int64_t begun_ns = 0;        ///< of the recorder's clock, since 1970; 0: it is no recording
 
   /// The tool's poses: of the graphic tool if known, otherwise the hand's.
   const std::vector<Pose>& tool() const { return X_WG.empty() ? X_WH : X_WG; }

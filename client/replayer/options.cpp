@@ -187,6 +187,8 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
       "--join", options.score.join,
       "all sessions of one station are one trial, with nothing between them; for a station "
       "that lost its server and connected again");
+  score.Add("--person", options.score.person, "whose trials they are, for the head of the page")
+      .TypeName("NAME");
   score.Add("--out", options.out, "folder for the report: score.html and its figures");
   score.Add("--json", options.json, "write the score as JSON to this file; -: standard output");
 

@@ -109,7 +109,12 @@ TEST(ShippedExercises, AreWholeInThreeLanguagesAndNameTheirSources) {
   EXPECT_EQ(all.size(), 12u);
   const std::string page = ReadWholeFile(kShipped + "/README.md", JsonNode::kMostBytes);
   for (const Exercise& exercise : all) {
-    for (const LocalText* text : {&exercise.title, &exercise.instruction, &exercise.goal}) {
+    std::vector<const LocalText*> texts{&exercise.title, &exercise.instruction, &exercise.goal};
+    for (const Criterion& criterion : exercise.criteria.criteria) {
+      texts.push_back(&criterion.names);
+      if (!criterion.why.empty()) texts.push_back(&criterion.why);
+    }
+    for (const LocalText* text : texts) {
       for (const char* language : {"en", "de", "zh"}) {
         EXPECT_TRUE(text->contains(language)) << exercise.name << ": " << language;
       }

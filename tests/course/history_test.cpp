@@ -229,6 +229,20 @@ TEST(History, TellsAClassWhatAnExerciseWasThatIsGone) {
   EXPECT_THAT(of_class["people"][2]["did"], IsEmpty());
 }
 
+TEST(History, TellsTheNamesOfCriteriaInEachLanguage) {
+  Exercise exercise = Asking({{"floor", 1}});
+  exercise.criteria.criteria[0].names = {{"en", "floor"}, {"de", "Boden"}};
+  std::vector<TrialRow> rows{Trial(1, 50)};
+  rows[0].person = 2;
+  rows[0].marks = Marks({{"floor", 50}});
+  const History history({exercise}, {Somebody(2, "Anna")}, rows);
+  for (const std::string& json : {history.ClassJson(), history.PersonJson(2, true, kNoPages)}) {
+    const Json of = Json::parse(json)["exercises"][0];
+    EXPECT_EQ(of["lost"][0]["criterion"], "floor");
+    EXPECT_EQ(of["criteria"]["floor"]["de"], "Boden");
+  }
+}
+
 TEST(History, ShowsAPersonTheClassOnlyWhereItIsNoSinglePerson) {
   std::vector<TrialRow> rows;
   std::vector<Person> people;

@@ -60,7 +60,7 @@ test("a teacher sees everybody, who needs help first, and opens a person's trial
   await page.locator("#history-dialog summary").first().click();
   const rows = page.locator("#history-dialog article:first-of-type tbody tr");
   expect(await rows.count()).toBe(4);
-  expect(await rows.locator("a").first().getAttribute("href")).toBe("score/key3");
+  expect(await rows.locator("a").first().getAttribute("href")).toBe("score/key3#en");
   expect(await rows.first().innerText()).toMatch(/not whole, its scoring hung/);
   await reads("#history-dialog article:last-of-type h3", "old-one"); // it is gone: its name is left
   await press("← The class");

@@ -155,15 +155,15 @@ std::vector<std::pair<const char*, double>> NumbersOf(const Score& s) {
 
 std::vector<ScorePlot> PlotsOf(const std::vector<Trial>& trials) {
   const Score& first = trials.front().score;
-  ScorePlot path{.title = "Distance from the expert's path",
-                 .subtitle = "after alignment in time",
-                 .x_title = "Time of the expert [s]",
-                 .y_title = "Distance [mm]",
+  ScorePlot path{.title = "plot.distance",
+                 .subtitle = "plot.aligned",
+                 .x_title = "plot.time",
+                 .y_title = "plot.distance_axis",
                  .lines = {{"expert", {0.0, first.time_s.back()}, {0.0, 0.0}}}};
-  ScorePlot force{.title = "Force on the hand",
-                  .subtitle = "after the same alignment",
+  ScorePlot force{.title = "plot.force",
+                  .subtitle = "plot.same",
                   .x_title = path.x_title,
-                  .y_title = "Force [N]",
+                  .y_title = "plot.force_axis",
                   .lines = {{"expert", first.time_s, first.expert_force_N}}};
   for (const Trial& trial : trials) {
     path.lines.push_back({trial.name, trial.score.time_s, trial.score.distance_mm});

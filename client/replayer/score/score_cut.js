@@ -123,6 +123,9 @@
 
   whose.replaceChildren(...pictures.map(({name}) => new Option(name)));
   whose.selectedIndex = Math.min(1, pictures.length - 1);
+  const sayExpert = () => (whose.options[0].text = say("the_expert"));
+  addEventListener("languagechange", sayExpert);
+  sayExpert();
   if (gl) begin();
-  else canvas.replaceWith("This browser has no WebGL 2, by which what is left would be drawn.");
+  else canvas.replaceWith(say("no_webgl"));
 }

@@ -76,8 +76,9 @@ function show() {
     const line = document.createElement("li");
     const dot = document.createElement("i");
     dot.style.background = `var(${series(i)})`;
-    const away = d ? `, ${d[k].toFixed(1)} mm away` : "";
-    line.append(dot, `${name}: ${f[k].toFixed(2)} N${away}`);
+    const force = `${f[k].toFixed(2)} N`;
+    const figures = d ? say("away", {force, mm: d[k].toFixed(1)}) : force;
+    line.append(dot, `${i === 0 ? say("expert") : name}: ${figures}`);
     return line;
   });
   now.replaceChildren(...lines);
@@ -105,4 +106,5 @@ canvas.addEventListener(
 );
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
 new ResizeObserver(draw).observe(canvas);
+addEventListener("languagechange", show);
 show();

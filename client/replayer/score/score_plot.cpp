@@ -5,7 +5,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "common/text/quoted.h"
+#include "client/replayer/score/score_words.h"
 
 namespace palpate {
 namespace {
@@ -32,8 +32,8 @@ std::string Text(double x, double y, const char* classes, const char* anchor,
                  const std::string& text, double font = kFont) {
   return fmt::format(
       "<text x=\"{:.1f}\" y=\"{:.1f}\" class=\"{}\" text-anchor=\"{}\" "
-      "font-size=\"{}\">{}</text>\n",
-      x, y, classes, anchor, font, Escaped(text));
+      "font-size=\"{}\"{}>{}</text>\n",
+      x, y, classes, anchor, font, KeyAttribute(text), Escaped(InEnglish(text)));
 }
 
 std::string Curve(std::size_t line, const std::string& points) {
@@ -105,8 +105,8 @@ double Draw(const ScorePlot& plot, double top, std::string& svg) {
   svg += Text(0.5 * (kLeft + kRight), below + 38.0, "ink", "middle", plot.x_title);
   svg += fmt::format(
       "<text transform=\"rotate(-90 18 {0:.1f})\" x=\"18\" y=\"{0:.1f}\" class=\"ink\" "
-      "text-anchor=\"middle\" font-size=\"{1}\">{2}</text>\n",
-      0.5 * (above + below), kFont, Escaped(plot.y_title));
+      "text-anchor=\"middle\" font-size=\"{1}\"{2}>{3}</text>\n",
+      0.5 * (above + below), kFont, KeyAttribute(plot.y_title), Escaped(InEnglish(plot.y_title)));
   for (std::size_t i = 0; i < plot.lines.size(); ++i) {
     const ScorePlot::Line& line = plot.lines[i];
     std::string points;
@@ -121,14 +121,6 @@ double Draw(const ScorePlot& plot, double top, std::string& svg) {
 }
 
 }  // namespace
-
-std::string Escaped(const std::string& text) {
-  std::string out;
-  for (const char c : Printable(text)) {
-    out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : std::string(1, c);
-  }
-  return out;
-}
 
 std::string ToSvg(const std::vector<ScorePlot>& plots) {
   std::string body;

@@ -2,15 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <filesystem>
 #include <functional>
 #include <numeric>
 
 #include <nlohmann/json.hpp>
+#include <spdlog/fmt/chrono.h>
 #include <spdlog/fmt/fmt.h>
 
 #include "client/replayer/hand_path.h"
 #include "client/replayer/score/performance.h"
+#include "client/replayer/score/score_words.h"
 #include "client/replayer/score/trial_cut.h"
 #include "common/error.h"
 #include "common/files/output.h"
@@ -37,6 +40,7 @@ constexpr double kMostUnanswered = 0.05;
 
 /// A figure listed for each trial beside its marks.
 struct Figure {
+  const char* key;  ///< of score_words.h
   const char* name;
   const char* unit;
   int digits;
@@ -44,14 +48,15 @@ struct Figure {
   double Score::*expert;  ///< none: the figure is a difference from the expert
 };
 constexpr Figure kFigures[] = {
-    {"Time", "s", 2, &Score::trainee_s, &Score::expert_s},
-    {"Time in contact", "s", 3, &Score::trainee_contact_s, &Score::expert_contact_s},
-    {"Greatest force", "N", 3, &Score::trainee_peak_N, &Score::expert_peak_N},
-    {"Distance of the paths, mean", "mm", 2, &Score::path_mean_mm, nullptr},
-    {"Distance of the paths, greatest", "mm", 2, &Score::path_max_mm, nullptr},
-    {"Distance of the paths, Fréchet", "mm", 2, &Score::frechet_mm, nullptr},
-    {"Difference of rotation, mean", "°", 1, &Score::turn_mean_deg, nullptr},
-    {"Difference of force, rms", "N", 3, &Score::force_rms_N, nullptr},
+    {"figure.time", "Time", "s", 2, &Score::trainee_s, &Score::expert_s},
+    {"figure.contact", "Time in contact", "s", 3, &Score::trainee_contact_s,
+     &Score::expert_contact_s},
+    {"figure.peak", "Greatest force", "N", 3, &Score::trainee_peak_N, &Score::expert_peak_N},
+    {"figure.path_mean", "Distance of the paths, mean", "mm", 2, &Score::path_mean_mm, nullptr},
+    {"figure.path_max", "Distance of the paths, greatest", "mm", 2, &Score::path_max_mm, nullptr},
+    {"figure.frechet", "Distance of the paths, Fréchet", "mm", 2, &Score::frechet_mm, nullptr},
+    {"figure.turn", "Difference of rotation, mean", "°", 1, &Score::turn_mean_deg, nullptr},
+    {"figure.force_rms", "Difference of force, rms", "N", 3, &Score::force_rms_N, nullptr},
 };
 
 std::vector<double> Each(const Report& report, const std::function<double(std::size_t)>& of) {
@@ -89,14 +94,20 @@ std::string NotComplete(const Trial& trial) {
   return trial.name + " is not complete, and does not pass: " + trial.incomplete;
 }
 
+/// Returns how much of the task is done [%]; nothing if it is done.
+std::optional<double> PartOfTask(const Report& report) {
+  const auto done = AverageGrade(report, [](const Grade& grade) { return 100.0 * grade.done; });
+  return done && done->mean <= 99.5 ? std::optional(done->mean) : std::nullopt;
+}
+
 /// Returns in a sentence that what gates has taken points from the other criteria; else nothing.
 std::string GateText(const Report& report) {
-  const auto done = AverageGrade(report, [](const Grade& grade) { return 100.0 * grade.done; });
-  if (!done || done->mean > 99.5) return "";
+  const std::optional<double> done = PartOfTask(report);
+  if (!done) return "";
   std::vector<Criterion> gates = report.criteria->criteria;
   std::erase_if(gates, [](const Criterion& criterion) { return !criterion.gates; });
   return fmt::format("{:.0f} % of the task is done ({}): the other criteria count only so far",
-                     done->mean, Printable(Joined(gates, &Criterion::name)));
+                     *done, Printable(Joined(gates, &Criterion::name)));
 }
 
 /// Returns JSON as an expression for a script element.  HTML ends a script at "</script", but not
@@ -126,11 +137,12 @@ std::string Cell(const std::string& text) {
   return "<td>" + text + "</td>";
 }
 
+/// @param before  keys of the columns before the trials'; "": without a heading
 std::string HeadRow(const Report& report, const std::vector<std::string>& before) {
   std::string row = "<tr>";
-  for (const std::string& name : before) row += "<th>" + Escaped(name) + "</th>";
+  for (const std::string& key : before) row += "<th>" + (key.empty() ? "" : Say(key)) + "</th>";
   for (const Trial& trial : report.trials) row += "<th>" + Escaped(trial.name) + "</th>";
-  return row + (report.trials.size() > 1 ? "<th>average</th></tr>\n" : "</tr>\n");
+  return row + (report.trials.size() > 1 ? "<th>" + Say("average") + "</th></tr>\n" : "</tr>\n");
 }
 
 std::string AverageCell(const Report& report, const std::optional<Average>& average, int digits) {
@@ -138,44 +150,67 @@ std::string AverageCell(const Report& report, const std::optional<Average>& aver
   return Cell(average ? ToText(*average, digits) : "");
 }
 
-std::string VerdictHtml(const Report& report) {
-  if (!report.criteria) {
-    return "<p class=\"quiet\">No grade was asked for: <code>palpate-replay criteria "
-           "mine.json</code> writes criteria to begin with, and <code>--criteria mine.json</code> "
-           "grades by them.</p>\n";
+/// A value in the braces of a text.
+Said With(const char* name, const std::string& value) {
+  return {name, {{{"en", value}}}};
+}
+Said With(const char* name, double value) {
+  return With(name, fmt::format("{:.0f}", value));
+}
+
+LocalText NamesOf(const Criterion& criterion) {
+  return criterion.names.empty() ? LocalText{{"en", criterion.name}} : criterion.names;
+}
+
+std::string GateHtml(const Report& report) {
+  const std::optional<double> done = PartOfTask(report);
+  if (!done) return "";
+  Said gates{"gates", {}};
+  for (const Criterion& criterion : report.criteria->criteria) {
+    if (criterion.gates) gates.values.push_back(NamesOf(criterion));
   }
+  return "<p class=\"poor\">" + Say("gated", {With("share", *done), gates}) + "</p>\n";
+}
+
+std::string VerdictHtml(const Report& report) {
+  if (!report.criteria) return "<p class=\"quiet\">" + Say("no_grade") + "</p>\n";
   const auto points = PointsOf(report);
-  if (!points) return fmt::format("<p class=\"verdict poor\">{}: no points</p>\n", kUntouched);
+  if (!points) return "<p class=\"verdict poor\">" + Say("no_points") + "</p>\n";
   const bool passed = Passed(report);
   const auto graded =
       std::ranges::count_if(report.grades, [](const auto& grade) { return grade.has_value(); });
-  std::string html = fmt::format(
-      "<p class=\"verdict {}\"><b>{:.0f}</b><span class=\"word\">of 100: {}</span><span "
-      "class=\"quiet\">{}{:.0f} are enough</span></p>\n",
-      passed ? "good" : "poor", points->mean, passed ? "passed" : "not yet",
-      graded > 1 ? fmt::format("average of {} trials, ± {:.0f}; ", graded, points->deviation) : "",
-      report.criteria->pass);
-  if (const std::string gated = GateText(report); !gated.empty()) {
-    html += "<p class=\"poor\">" + Escaped(gated) + ".</p>\n";
-  }
-  return html;
+  const Said enough = With("points", report.criteria->pass);
+  const std::string of = graded > 1
+                             ? Say("average_of", {With("count", double(graded)),
+                                                  With("deviation", points->deviation), enough})
+                             : Say("enough", {enough});
+  return fmt::format(
+             "<p class=\"verdict {}\"><b>{:.0f}</b><span class=\"word\">{}</span><span "
+             "class=\"quiet\">{}</span></p>\n",
+             passed ? "good" : "poor", points->mean, Say(passed ? "passed" : "not_yet"), of) +
+         GateHtml(report);
+}
+
+/// Returns what a criterion measures, and why.
+std::string WhatHtml(const Criterion& criterion) {
+  std::string what = Say("measure." + criterion.measure);
+  if (criterion.limit_N > 0.0) what += fmt::format(", {:g} N", criterion.limit_N);
+  if (!criterion.tissue.empty()) what += ": " + Escaped(criterion.tissue);
+  if (criterion.place) what += Say("in_a_region");
+  if (criterion.gates) what += Say("is_the_task");
+  if (!criterion.why.empty()) what += ". " + Say(criterion.why, "");
+  return what;
 }
 
 std::string MarksHtml(const Report& report) {
   const Criteria& criteria = *report.criteria;
-  std::string html = "<h2>Marks</h2>\n<div class=\"wide\"><table>\n" +
-                     HeadRow(report, {"criterion", "best – worst", "weight"});
+  std::string html = "<h2>" + Say("marks") + "</h2>\n<div class=\"wide\"><table>\n" +
+                     HeadRow(report, {"criterion", "best_worst", "weight"});
   for (std::size_t c = 0; c < criteria.criteria.size(); ++c) {
     const Criterion& criterion = criteria.criteria[c];
     const Measure& measure = MeasureOf(criterion.measure);
-    std::string what = measure.text;
-    if (criterion.limit_N > 0.0) what += fmt::format(", {:g} N", criterion.limit_N);
-    if (!criterion.tissue.empty()) what += ": " + criterion.tissue;
-    if (criterion.place) what += ", in a region";
-    if (criterion.gates) what += ". The task: the others count only as far as it is done";
-    html +=
-        "<tr>" + Cell(Escaped(criterion.name) + "<small>" + Escaped(what) +
-                      (criterion.why.empty() ? "" : ". " + Escaped(criterion.why)) + "</small>");
+    html += "<tr>" + Cell(Say(criterion.names, criterion.name) + "<small>" + WhatHtml(criterion) +
+                          "</small>");
     html += Cell(fmt::format("{:g} – {:g} {}", Shown(criterion, criterion.best),
                              Shown(criterion, criterion.worst), measure.unit)) +
             Cell(fmt::format("{:g}", criterion.weight));
@@ -187,20 +222,23 @@ std::string MarksHtml(const Report& report) {
       const Grade::Mark& mark = grade->marks[c];
       html +=
           Cell((mark.value ? fmt::format("{:.3g} {}", Shown(criterion, *mark.value), measure.unit)
-                           : std::string("nothing to measure")) +
-               fmt::format("<br><span class=\"points\">{:.0f} points</span>", mark.points) +
+                           : Say("nothing_to_measure")) +
+               "<br><span class=\"points\">" + Say("mark_points", {With("points", mark.points)}) +
+               "</span>" +
                (mark.points < mark.ungated - 0.5
-                    ? fmt::format("<small>{:.0f} × {:.0f} % of the task</small>", mark.ungated,
-                                  100.0 * grade->done)
+                    ? "<small>" +
+                          Say("gated_points",
+                              {With("points", mark.ungated), With("share", 100.0 * grade->done)}) +
+                          "</small>"
                     : ""));
     }
     html += AverageCell(
         report, AverageGrade(report, [&](const Grade& grade) { return grade.marks[c].points; }), 0);
     html += "</tr>\n";
   }
-  html += "<tr class=\"sum\">" + Cell("Points") + Cell("") + Cell("");
+  html += "<tr class=\"sum\">" + Cell(Say("points_row")) + Cell("") + Cell("");
   for (const auto& grade : report.grades) {
-    html += Cell(grade ? fmt::format("{:.0f}", grade->points) : kUntouched);
+    html += Cell(grade ? fmt::format("{:.0f}", grade->points) : Say("untouched"));
   }
   return html + AverageCell(report, PointsOf(report), 0) + "</tr>\n</table></div>\n";
 }
@@ -208,8 +246,8 @@ std::string MarksHtml(const Report& report) {
 std::string SitesHtml(const Report& report) {
   const std::vector<ProbingSite>& sites = report.criteria->sites;
   if (sites.empty()) return "";
-  std::string html =
-      "<h2>Depths</h2>\n<div class=\"wide\"><table>\n" + HeadRow(report, {"site", "right"});
+  std::string html = "<h2>" + Say("depths") + "</h2>\n<div class=\"wide\"><table>\n" +
+                     HeadRow(report, {"site", "right"});
   for (std::size_t s = 0; s < sites.size(); ++s) {
     html += "<tr>" + Cell(Escaped(sites[s].name)) +
             Cell(fmt::format("{:.1f} ± {:.1f} mm", 1e3 * sites[s].depth, 1e3 * sites[s].tolerance));
@@ -217,7 +255,7 @@ std::string SitesHtml(const Report& report) {
     for (const auto& grade : report.grades) {
       const std::optional<double> depth = grade ? grade->depths[s] : std::nullopt;
       if (!depth) {
-        html += "<td class=\"poor\">not probed</td>";
+        html += "<td class=\"poor\">" + Say("not_probed") + "</td>";
         continue;
       }
       found.push_back(1e3 * *depth);
@@ -233,11 +271,11 @@ std::string SitesHtml(const Report& report) {
 }
 
 std::string FiguresHtml(const Report& report) {
-  std::string html =
-      "<h2>Figures</h2>\n<div class=\"wide\"><table>\n" + HeadRow(report, {"", "expert"});
+  std::string html = "<h2>" + Say("figures") + "</h2>\n<div class=\"wide\"><table>\n" +
+                     HeadRow(report, {"", "expert"});
   for (const Figure& figure : kFigures) {
     const Score& first = report.trials.front().score;
-    html += "<tr>" + Cell(fmt::format("{} [{}]", figure.name, figure.unit)) +
+    html += "<tr>" + Cell(Say(figure.key)) +
             Cell(figure.expert ? fmt::format("{:.{}f}", first.*figure.expert, figure.digits) : "");
     const std::vector<double> values =
         Each(report, [&](std::size_t i) { return report.trials[i].score.*figure.trainee; });
@@ -255,16 +293,12 @@ const TissueCut& TissueOf(const std::vector<TissueCut>& cut, const std::string& 
 /// Returns the element in which score_cut.js draws; the trials' pictures come after the expert's.
 std::string PictureHtml(const Report& report) {
   if (report.pictures.empty()) return "";
-  return "<canvas id=\"cut\" role=\"img\" aria-label=\"What is left, coloured by how it differs "
-         "from what the expert left; drag to look from elsewhere\"></canvas>\n<div "
-         "class=\"at\"><label for=\"whose\">Of</label><select id=\"whose\"></select><label><input "
-         "id=\"plain\" type=\"checkbox\"> tissues alone</label></div>\n<p "
-         "class=\"scale\"><span>went, and should have stayed</span><i></i><span>stays, and should "
-         "have gone</span></p>\n" +
-         fmt::format(
-             "<p class=\"quiet\">Full colour from {:g} mm on. Drag to look from elsewhere, wheel "
-             "to come nearer.</p>\n",
-             1e3 * kMostOff);
+  const Said full = With("mm", fmt::format("{:g}", 1e3 * kMostOff));
+  return "<canvas id=\"cut\" role=\"img\"" + Label("picture") +
+         "></canvas>\n<div class=\"at\"><label for=\"whose\">" + Say("of") +
+         "</label><select id=\"whose\"></select><label><input id=\"plain\" type=\"checkbox\"> " +
+         Say("plain") + "</label></div>\n<p class=\"scale\">" + Say("went") + "<i></i>" +
+         Say("stays") + "</p>\n<p class=\"quiet\">" + Say("full_colour", {full}) + "</p>\n";
 }
 
 nlohmann::ordered_json PicturesOf(const Report& report) {
@@ -283,10 +317,51 @@ nlohmann::ordered_json PicturesOf(const Report& report) {
   return json;
 }
 
+/// Returns whose trials they are, and when the first was begun; each may be missing.
+std::vector<std::string> WhoAndWhen(const Report& report) {
+  std::vector<std::string> all;
+  if (!report.person.empty()) all.push_back(report.person);
+  if (report.begun_ns > 0) {
+    all.push_back(
+        fmt::format("{:%F %H:%M} UTC", fmt::gmtime(std::time_t(report.begun_ns / 1'000'000'000))));
+  }
+  return all;
+}
+
+/// Returns the name under which a browser saves or prints the page, as score_words.js does.
+std::string TitleOf(const Report& report) {
+  std::string title = report.criteria ? report.criteria->title : InEnglish("untitled");
+  for (const std::string& one : WhoAndWhen(report)) title += " – " + one;
+  return title;
+}
+
+std::string HeadHtml(const Report& report) {
+  std::string html =
+      "<nav class=\"languages\"></nav>\n<h1>" +
+      (report.criteria ? Say(report.criteria->titles, report.criteria->title) : Say("untitled")) +
+      "</h1>\n<p>";
+  for (const std::string& one : WhoAndWhen(report)) {
+    html += "<span class=\"who\">" + Escaped(one) + "</span> ";
+  }
+  const std::string names = Joined(report.trials, &Trial::name);
+  return html + "</p>\n<p class=\"quiet\">" +
+         Say("beside", {With("trials", names), With("expert", report.expert)}) + "</p>\n";
+}
+
+std::string SpaceHtml() {
+  return "<h2>" + Say("space") + "</h2>\n<canvas id=\"space\" role=\"img\"" +
+         Label("space_picture") + "></canvas>\n<div class=\"at\"><label for=\"time\">" +
+         Say("time_of_expert") +
+         "</label><input id=\"time\" type=\"range\" min=\"0\" max=\"1\" value=\"0\"><output "
+         "id=\"clock\" for=\"time\"></output></div>\n<ul id=\"now\" class=\"now\"></ul>\n<p "
+         "class=\"quiet\">" +
+         Say("space_how") + "</p>\n<h2>" + Say("over_time") + "</h2>\n";
+}
+
 std::string CutHtml(const Report& report) {
   if (report.expert_cut.empty()) return "";
-  std::string html = "<h2>What was cut</h2>\n<div class=\"wide\"><table>\n" +
-                     HeadRow(report, {"tissue", "there was", "expert"});
+  std::string html = "<h2>" + Say("cut") + "</h2>\n<div class=\"wide\"><table>\n" +
+                     HeadRow(report, {"tissue", "there_was", "expert"});
   const auto cell = [](const TissueCut& tissue) {
     const double share = tissue.before_mm3 > 0.0 ? tissue.removed_mm3() / tissue.before_mm3 : 0.0;
     return fmt::format("{:.2f} mm³<br><span class=\"points\">{:.1f} %</span>", tissue.removed_mm3(),
@@ -304,14 +379,14 @@ std::string CutHtml(const Report& report) {
     html += AverageCell(report, AverageOf(removed), 2) + "</tr>\n";
   }
   const auto beside = [&](const char* what, double TargetDifference::*volume) {
-    html += "<tr>" + Cell(what) + Cell("") + Cell("");
+    html += "<tr>" + Cell(Say(what)) + Cell("") + Cell("");
     const auto values = Each(report, [&](std::size_t i) { return report.differences[i].*volume; });
     for (const double value : values) html += Cell(fmt::format("{:.2f} mm³", value));
     html += AverageCell(report, AverageOf(values), 2) + "</tr>\n";
   };
   if (!report.differences.empty()) {
-    beside("gone at the expert’s, and still there", &TargetDifference::missed_mm3);
-    beside("there at the expert’s, and gone", &TargetDifference::excess_mm3);
+    beside("missed", &TargetDifference::missed_mm3);
+    beside("excess", &TargetDifference::excess_mm3);
   }
   return html + "</table></div>\n" + PictureHtml(report);
 }
@@ -555,6 +630,8 @@ Report MakeReport(const ScoreOptions& options, StopSignal* stop) {
   if (expert.done.path.size() == 0) {
     SetExpert(options, trials.front(), std::nullopt, expert, report);
   }
+  report.person = options.person;
+  report.begun_ns = trials.front().begun_ns;
   for (std::size_t i = 0; i < trials.size(); ++i) {
     AddTrial(expert, trials[i], std::exchange(cut, std::nullopt), options.trials[i],
              NameOf(options.trials[i], station(i)), report);
@@ -624,44 +701,35 @@ void WriteJson(const Report& report, const std::string& file) {
 }
 
 std::string ToHtml(const Report& report) {
-  std::vector<Trial> trials = report.trials;
-  const std::string title = report.criteria ? report.criteria->title : "Trainee beside expert";
-  const std::string names = Joined(trials, &Trial::name);
-  std::string html =
+  const std::vector<Trial>& trials = report.trials;
+  const std::string html =
       "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
       "<meta name=\"color-scheme\" content=\"light dark\">\n<title>" +
-      Escaped(title) + "</title>\n<style>" + kScorePagePalette + kScorePageCss +
-      "</style>\n</head>\n<body>\n<h1>" + Escaped(title) + "</h1>\n<p class=\"quiet\">" +
-      Escaped(names) + ", beside " + Escaped(report.expert) + "</p>\n" + VerdictHtml(report);
+      Escaped(TitleOf(report)) + "</title>\n<style>" + kScorePagePalette + kScorePageCss +
+      "</style>\n</head>\n<body>\n" + HeadHtml(report) + VerdictHtml(report);
+  std::string body;
   for (const Trial& trial : trials) {
-    if (!trial.incomplete.empty()) {
-      html += "<p class=\"poor\">" + Escaped(NotComplete(trial)) + ".</p>\n";
-    }
+    if (trial.incomplete.empty()) continue;
+    body += "<p class=\"poor\">" +
+            Say("incomplete", {With("trial", trial.name), With("why", trial.incomplete)}) +
+            "</p>\n";
   }
-  if (trials.size() == 1) html += std::string("<p class=\"quiet\">") + kOneTrial + "</p>\n";
-  if (report.criteria) html += MarksHtml(report) + SitesHtml(report);
-  html += CutHtml(report);
-  html +=
-      "<h2>The paths in space</h2>\n<canvas id=\"space\" role=\"img\" aria-label=\"The hands' "
-      "paths; drag to look from elsewhere\"></canvas>\n<div class=\"at\"><label for=\"time\">Time "
-      "of the expert</label><input id=\"time\" type=\"range\" min=\"0\" max=\"1\" "
-      "value=\"0\"><output id=\"clock\" for=\"time\"></output></div>\n<ul id=\"now\" "
-      "class=\"now\"></ul>\n<p class=\"quiet\">Drag to look from elsewhere, wheel to come nearer. "
-      "The paths are aligned in time: where the slider stands, each is where it is nearest to the "
-      "expert's.</p>\n<h2>Over time</h2>\n" +
-      ToSvg(PlotsOf(trials)) + "\n" + FiguresHtml(report);
+  if (trials.size() == 1) body += "<p class=\"quiet\">" + Say("one_trial") + "</p>\n";
+  if (report.criteria) body += MarksHtml(report) + SitesHtml(report);
+  body += CutHtml(report) + SpaceHtml() + ToSvg(PlotsOf(trials)) + "\n" + FiguresHtml(report);
   if (report.criteria) {
-    html += "<p class=\"quiet\">Graded by " +
-            Escaped(std::filesystem::path(report.criteria->file).filename().string()) + "</p>\n";
+    const std::string file = std::filesystem::path(report.criteria->file).filename().string();
+    body += "<p class=\"quiet\">" + Say("graded_by", {With("file", file)}) + "</p>\n";
   }
-  html += "<script>\nconst score = " + Embedded(TracksOf(report)) + ";\n" + kScorePageJs +
-          "</script>\n";
+  body += "<script>\nconst words = " + ScoreCatalogues() + ";\n" + kScoreWordsJs +
+          "</script>\n<script>\nconst score = " + Embedded(TracksOf(report)) + ";\n" +
+          kScorePageJs + "</script>\n";
   if (!report.pictures.empty()) {
-    html += "<script>\nconst pictures = " + Embedded(PicturesOf(report)) + ";\n" + kScoreCutJs +
+    body += "<script>\nconst pictures = " + Embedded(PicturesOf(report)) + ";\n" + kScoreCutJs +
             "</script>\n";
   }
-  return html + "</body>\n</html>\n";
+  return html + body + "</body>\n</html>\n";
 }
 
 void WriteReport(const Report& report, const std::string& folder) {

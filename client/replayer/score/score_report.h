@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -15,7 +16,9 @@ namespace palpate {
 
 /// The results of several trials of a trainee, compared with an expert.
 struct Report {
-  std::string expert;  ///< name of the recording
+  std::string expert;         ///< name of the recording
+  std::string person{};       ///< whose trials they are; empty: unknown
+  std::int64_t begun_ns = 0;  ///< of the first trial, since 1970; 0: unknown
   std::vector<Trial> trials;
   std::vector<int> sessions;  ///< of each trial; several if its station lost its server (join)
   /// Tissues left by the expert, and by each trial; empty if nothing can be cut.
@@ -46,6 +49,7 @@ struct ScoreOptions {
   std::string criteria = {};  ///< file to grade by; empty: no grades
   bool follow = false;        ///< the only trial is still being recorded
   bool join = false;          ///< the sessions of a trial's station are one trial
+  std::string person = {};    ///< whose trials they are, for the page
 };
 
 /// @param stop  null: all trials are complete.  Otherwise the only one is being recorded; its

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <limits>
 #include <numbers>
+#include <set>
 #include <thread>
 
 #include <gmock/gmock.h>
@@ -14,6 +15,7 @@
 
 #include "client/replayer/score/criteria.h"
 #include "client/replayer/score/score_report.h"
+#include "client/replayer/score/score_words.h"
 #include "common/error.h"
 #include "common/files/whole_file.h"
 #include "common/math/rotation.h"
@@ -160,7 +162,7 @@ TEST(Trial, IsTheSameWhateverTheHandWaitsBeforeAndAfter) {
     }
     Criteria criteria;
     criteria.criteria = {
-        {.name = "soft", .why = "", .measure = "force_over_share", .limit_N = 0.5}};
+        {.name = "soft", .why = {}, .measure = "force_over_share", .limit_N = 0.5}};
     const auto grade_a = GradeTrial(criteria, of_a, a), grade_b = GradeTrial(criteria, of_b, b);
     ASSERT_EQ(grade_a.has_value(), grade_b.has_value());
     if (grade_a) {
@@ -351,8 +353,11 @@ Report ReportOf(const std::vector<double>& beside_m, bool idle = false) {
   Report report;
   report.expert = "teacher";
   report.criteria = Criteria{.file = "mine.json", .title = "Strokes", .pass = 60};
-  report.criteria->criteria = {
-      {.name = "near", .why = "A < B", .measure = "path_mean_mm", .best = 0, .worst = 10}};
+  report.criteria->criteria = {{.name = "near",
+                                .why = {{"en", "A < B"}},
+                                .measure = "path_mean_mm",
+                                .best = 0,
+                                .worst = 10}};
   const auto add = [&](const std::string& name, const HandPath& path) {
     report.trials.push_back({name, ScorePath(Stroke(2.0), path)});
     report.grades.push_back(GradeTrial(*report.criteria, report.trials.back().score, path));
@@ -373,7 +378,7 @@ TEST(Average, IsMeanAndDeviationOfASample) {
 
 TEST(ScoreReport, SetsWhatWasCutBesideTheExpert) {
   Report report = ReportOf({0.001, 0.003});
-  EXPECT_THAT(ToHtml(report), Not(HasSubstr("What was cut")));
+  EXPECT_THAT(ToHtml(report), Not(HasSubstr("data-say=\"cut\"")));
   report.expert_cut = {{"caries", 8.0, 0.0}, {"pulp", 70.0, 70.0}};
   report.cuts = {{{"caries", 8.0, 2.0}, {"pulp", 70.0, 69.5}},
                  {{"caries", 8.0, 4.0}, {"pulp", 70.0, 70.0}}};
@@ -481,9 +486,46 @@ TEST(ScoreReport, JudgesByTheAverageOfTheTrials) {
   const std::string html = ToHtml(report);
   EXPECT_THAT(html, HasSubstr("<b>70</b>"));
   EXPECT_THAT(html, HasSubstr("average of 3 trials, ± 20"));
-  EXPECT_THAT(html, HasSubstr("<th>try 3</th><th>average</th>"));
-  EXPECT_THAT(html, Not(HasSubstr("predicts nothing")));
+  EXPECT_THAT(html, HasSubstr("<th>try 3</th><th><span data-say=\"average\">average<"));
+  EXPECT_THAT(html, Not(HasSubstr("data-say=\"one_trial\"")));
   EXPECT_THAT(ToHtml(ReportOf({0.003, 0.007})), HasSubstr("not yet"));
+}
+
+TEST(ScoreReport, BearsNameDateAndTitleAlsoWhereItIsSavedUnderThem) {
+  Report report = ReportOf({0.001});
+  report.person = "Zoë <O’Brien>";
+  report.begun_ns = 1'700'000'000'000'000'000;
+  report.criteria->titles = {{"en", "Strokes"}, {"de", "Züge"}};
+  report.criteria->criteria[0].names = {{"en", "near"}, {"de", "nahe"}};
+  const std::string html = ToHtml(report);
+  const std::string head = "Strokes – Zoë &lt;O’Brien&gt; – 2023-11-14 22:13 UTC";
+  EXPECT_THAT(html, HasSubstr("<title>" + head + "</title>"));
+  EXPECT_THAT(html, HasSubstr("<span class=\"who\">Zoë &lt;O’Brien&gt;</span>"));
+  EXPECT_THAT(html, HasSubstr(R"(data-text='{"de":"Z\u00fcge","en":"Strokes"}'>Strokes<)"));
+  EXPECT_THAT(html, HasSubstr(R"("de":"nahe")"));
+}
+
+TEST(ScoreReport, SaysTheSameInEachLanguage) {
+  const auto braces = [](const std::string& text) {
+    std::multiset<std::string> names;
+    for (std::size_t at = text.find('{'); at != text.npos; at = text.find('{', at + 1)) {
+      names.insert(text.substr(at, text.find('}', at) - at));
+    }
+    return names;
+  };
+  const auto english = nlohmann::json::parse(kScoreCatalogues.front().second);
+  ASSERT_GE(kScoreCatalogues.size(), 3u);
+  for (const auto& [tag, words] : kScoreCatalogues) {
+    const auto all = nlohmann::json::parse(words);
+    EXPECT_EQ(all.size(), english.size()) << tag;
+    for (const auto& [key, text] : english.items()) {
+      ASSERT_TRUE(all.contains(key)) << tag << ": " << key;
+      EXPECT_EQ(braces(all[key]), braces(text)) << tag << ": " << key;
+    }
+  }
+  for (const Measure& measure : kMeasures) {
+    EXPECT_TRUE(english.contains("measure." + std::string(measure.name))) << measure.name;
+  }
 }
 
 TEST(ScoreReport, GivesNoPointsToATrialThatTouchesNothing) {
@@ -505,7 +547,7 @@ TEST(ScoreReport, SaysHowFarTheTaskIsDoneAndWhatThatTakesFromCare) {
   Criteria& criteria = *report.criteria;
   criteria.criteria[0].gates = true;  // met to 60 %
   criteria.criteria.push_back(
-      {.name = "soft", .why = "", .measure = "force_peak_N", .best = 1, .worst = 2});
+      {.name = "soft", .why = {}, .measure = "force_peak_N", .best = 1, .worst = 2});
   report.grades = {GradeTrial(criteria, report.trials[0].score, Stroke(2.0))};
   EXPECT_THAT(ToText(report), HasSubstr("60 % of the task is done (near)"));
   EXPECT_THAT(ToHtml(report), testing::AllOf(HasSubstr("60 % of the task is done (near)"),

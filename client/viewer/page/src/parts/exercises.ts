@@ -1,6 +1,6 @@
 import {say} from "../messages/say";
 import {Guide} from "../model/guide";
-import {ownText} from "../model/local_text";
+import {ownText, scoreLink} from "../model/local_text";
 import type {Pose, Vec3} from "../base/pose";
 import {kTopics} from "../model/world";
 import type {DoneTrial, Exercise, ExerciseList, TrialState} from "../protocol/exercise_messages";
@@ -178,7 +178,7 @@ export class Exercises {
 
   private linkTo(page: string): HTMLAnchorElement {
     return make("a", {
-      ...{href: `score/${page}`, target: "_blank", textContent: say("exercises.score")},
+      ...{href: scoreLink(page), target: "_blank", textContent: say("exercises.score")},
     });
   }
 
@@ -230,7 +230,7 @@ export class Exercises {
     this.stop.hidden = !runs;
     this.submit.hidden = submitted || !(over || trial.phase === "running");
     this.score.hidden = trial.page === "";
-    this.score.href = `score/${trial.page}`;
+    this.score.href = scoreLink(trial.page);
     this.again.hidden = this.next.hidden = !over;
   }
 }

@@ -23,6 +23,8 @@ export interface CriterionLoss {
 export interface HistoryExercise {
   readonly name: string;
   readonly title: LocalText; // empty: the exercise no longer exists
+  /// Names of the criteria by that under which marks are stored.
+  readonly criteria?: Readonly<Record<string, LocalText>>;
   readonly trials: number; // how many make a grade
   readonly pass: number | null;
   readonly spread: readonly TrialSpread[];

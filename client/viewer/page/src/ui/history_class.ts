@@ -1,8 +1,13 @@
 import {say, sayNumber} from "../messages/say";
-import type {ClassHistory, DoneSeries, HistoryPerson} from "../protocol/history_messages";
+import type {
+  ClassHistory,
+  DoneSeries,
+  HistoryExercise,
+  HistoryPerson,
+} from "../protocol/history_messages";
 import {Curve, legend, lossBars} from "./curve";
 import {make, makeSvg, setOptions} from "./elements";
-import {gradeFigure, gradeWords, titlesOf} from "./history_words";
+import {criterionName, gradeFigure, gradeWords, namedLosses, titlesOf} from "./history_words";
 import {followLanguage} from "./spoken";
 
 interface Row {
@@ -84,7 +89,9 @@ export class HistoryClass {
         did && person.role !== "operate" ? [{key: person.person, points: did.points}] : [],
       ),
     });
-    this.losses.replaceChildren(lossBars(exercise?.lost ?? [], say("history.class_loses")));
+    this.losses.replaceChildren(
+      lossBars(exercise ? namedLosses(exercise) : [], say("history.class_loses")),
+    );
     this.head.replaceChildren(
       this.sorter("history.person", false),
       make("th", {scope: "col"}, say("history.course_of")),
@@ -99,9 +106,7 @@ export class HistoryClass {
         (this.byGrade ? rank(a) - rank(b) || 0 : 0) ||
         a.person.name.localeCompare(b.person.name),
     );
-    this.rows.replaceChildren(
-      ...rows.map((row) => this.rowOf(row, exercise?.pass ?? null, exercise?.trials ?? 1)),
-    );
+    this.rows.replaceChildren(...rows.map((row) => this.rowOf(row, exercise)));
   }
 
   private sorter(word: "history.person" | "history.grade", byGrade: boolean): HTMLElement {
@@ -119,7 +124,8 @@ export class HistoryClass {
     return cell;
   }
 
-  private rowOf({person, did}: Row, pass: number | null, trials: number): HTMLElement {
+  private rowOf({person, did}: Row, exercise: HistoryExercise | undefined): HTMLElement {
+    const {pass = null, trials = 1} = exercise ?? {};
     const name = make("button", {
       ...{type: "button", className: "name", textContent: person.name},
       onclick: () => this.open(person.person),
@@ -144,7 +150,10 @@ export class HistoryClass {
       make(
         "td.wide",
         lost
-          ? say("history.costs", {criterion: lost.criterion, points: Math.round(lost.points)})
+          ? say("history.costs", {
+              criterion: criterionName(exercise, lost.criterion),
+              points: Math.round(lost.points),
+            })
           : "",
       ),
     );

@@ -1,9 +1,10 @@
+import {scoreLink} from "../model/local_text";
 import {say, sayNumber} from "../messages/say";
 import {whenWords} from "../model/words";
 import type {HistoryTrial, OwnExercise, PersonHistory} from "../protocol/history_messages";
 import {Curve, legend, lossBars} from "./curve";
 import {make} from "./elements";
-import {gradeFigure, gradeWords, titlesOf} from "./history_words";
+import {criterionName, namedLosses, gradeFigure, gradeWords, titlesOf} from "./history_words";
 
 /// Most suggestions of what to practise next.
 const kMostNext = 3;
@@ -26,7 +27,9 @@ function nextOf(
   titles: ReadonlyMap<string, string>,
 ): HTMLElement {
   const next = exercises
-    .flatMap(({name, lost}) => lost.map((loss) => ({...loss, title: titles.get(name)!})))
+    .flatMap((exercise) =>
+      namedLosses(exercise).map((loss) => ({...loss, title: titles.get(exercise.name)!})),
+    )
     .filter(({points}) => points >= kLeastLoss)
     .sort((a, b) => b.points - a.points)
     .slice(0, kMostNext)
@@ -94,18 +97,22 @@ function articleOf(exercise: OwnExercise, title: string, isOwn: boolean): HTMLEl
         make("p.quiet", words),
         ...(grade.of === 0
           ? []
-          : [make("h4", say("history.loses")), lossBars(exercise.lost, say("history.loses"))]),
+          : [
+              make("h4", say("history.loses")),
+              lossBars(namedLosses(exercise), say("history.loses")),
+            ]),
       ),
     ),
     make(
       "details",
       make("summary", say("history.all_trials", {count: done.length})),
-      tableOf(done),
+      tableOf(exercise),
     ),
   );
 }
 
-function tableOf(done: readonly HistoryTrial[]): HTMLElement {
+function tableOf(exercise: OwnExercise): HTMLElement {
+  const {done} = exercise;
   const criteria = [...new Set(done.flatMap(({marks}) => marks.map(({criterion}) => criterion)))];
   const head = (textContent: string): HTMLElement => make("th", {scope: "col"}, textContent);
   const figure = (points: number | null | undefined): HTMLElement =>
@@ -123,7 +130,7 @@ function tableOf(done: readonly HistoryTrial[]): HTMLElement {
     if (trial.page !== "")
       page.append(
         make("a", {
-          ...{href: `score/${trial.page}`, target: "_blank", textContent: say("exercises.score")},
+          ...{href: scoreLink(trial.page), target: "_blank", textContent: say("exercises.score")},
           ariaLabel: say("history.score_of", {n: trial.n}),
         }),
       );
@@ -147,7 +154,8 @@ function tableOf(done: readonly HistoryTrial[]): HTMLElement {
         "tr",
         ...[
           ...[say("history.trial"), say("history.when"), say("history.points")],
-          ...[say("history.page"), say("history.state"), ...criteria],
+          ...[say("history.page"), say("history.state")],
+          ...criteria.map((name) => criterionName(exercise, name)),
         ].map(head),
       ),
     ),

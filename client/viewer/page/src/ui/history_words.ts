@@ -1,6 +1,6 @@
 import {say, sayNumber} from "../messages/say";
 import {ownText} from "../model/local_text";
-import type {HistoryExercise, TermGrade} from "../protocol/history_messages";
+import type {CriterionLoss, HistoryExercise, TermGrade} from "../protocol/history_messages";
 
 /// Returns titles by exercise name.  A missing exercise has its name; equal titles get
 /// the name added.
@@ -16,6 +16,15 @@ export function titlesOf(
     }),
   );
 }
+
+/// Returns a criterion's name; an exercise that is gone has none in other languages.
+export const criterionName = (
+  exercise: Pick<HistoryExercise, "criteria"> | undefined,
+  criterion: string,
+): string => ownText(exercise?.criteria?.[criterion] ?? {}) || criterion;
+
+export const namedLosses = (exercise: HistoryExercise): CriterionLoss[] =>
+  exercise.lost.map((loss) => ({...loss, criterion: criterionName(exercise, loss.criterion)}));
 
 /// Returns "78 ± 6", with half of the interval if there are enough trials.
 export function gradeFigure({mean, low, high, error, of}: TermGrade): string {
