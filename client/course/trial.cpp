@@ -438,12 +438,16 @@ void TrialRoom::ScoreNext() {
 
 std::string TrialRoom::NameOf(std::int64_t person) {
   std::string name;
-  file_.Use([&](SQLite::Database& database) {
-    if (!database.tableExists("person")) return;
-    SQLite::Statement row(database, "SELECT name FROM person WHERE id=?");
-    row.bind(1, person);
-    if (row.executeStep()) name = row.getColumn(0).getString();
-  });
+  try {
+    file_.Use([&](SQLite::Database& database) {
+      if (!database.tableExists("person")) return;
+      SQLite::Statement row(database, "SELECT name FROM person WHERE id=?");
+      row.bind(1, person);
+      if (row.executeStep()) name = row.getColumn(0).getString();
+    });
+  } catch (const Error&) {
+    // A score page without a name is better than no score.
+  }
   return name;
 }
 

@@ -132,6 +132,7 @@ class TrialRoom {
   };
   void MarkCutShort();
   std::string FolderOf(std::int64_t person, const std::string& exercise) const;
+  /// Returns a person's name; empty: it cannot be read.
   std::string NameOf(std::int64_t person);
   /// Returns false once the trial is finished.
   bool PollOne(Running& trial, std::int64_t now_ns);

@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
+#include "client/course/roster.h"
 #include "common/realtime/steady_clock.h"
 #include "tests/support/complaint.h"
 #include "tests/support/eventually.h"
@@ -108,6 +109,18 @@ TEST_F(TrialTest, IsRecordedThenScoredAndMayBeSubmitted) {
               HasSubstr("no such trial"));
   EXPECT_THAT(ComplaintOf([&] { room_->Begin(7, 3, "none", "anna", "periodontal-3", now_ns_); }),
               HasSubstr("there is no exercise"));
+}
+
+TEST_F(TrialTest, HasAScorePageThatBearsItsPersonsName) {
+  Roster(*file_).Make({"Anna", "Ben", "王伟"}, Access::kDrive);
+  SetProgram("palpate-replay",
+             std::string("#!/bin/sh\necho \"$@\" > \"$(dirname \"$0\")/said\"\n") +
+                 (kReplayer + sizeof("#!/bin/sh")));
+  Begin();
+  ASSERT_TRUE(Comes("running"));
+  room_->End(7, "stopped");
+  ASSERT_TRUE(Comes("scored"));
+  EXPECT_THAT(ReadWholeFile(folder_ / "said"), HasSubstr("--person=王伟"));
 }
 
 TEST_F(TrialTest, WaitsWithItsScoreWhileAnotherProgramHoldsTheCoursesFile) {

@@ -9,6 +9,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "client/replayer/score/score_plot.h"
+#include "client/replayer/score/score_words.h"
 #include "common/error.h"
 #include "common/files/output.h"
 #include "common/revision.h"

@@ -6,7 +6,6 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "client/replayer/score/score_words.h"
-#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {
@@ -122,14 +121,6 @@ double Draw(const ScorePlot& plot, double top, std::string& svg) {
 }
 
 }  // namespace
-
-std::string Escaped(const std::string& text) {
-  std::string out;
-  for (const char c : Printable(text)) {
-    out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : std::string(1, c);
-  }
-  return out;
-}
 
 std::string ToSvg(const std::vector<ScorePlot>& plots) {
   std::string body;

@@ -28,7 +28,4 @@ extern const char* const kScoreCutJs;
 extern const char* const kScoreWordsJs;
 extern const char* const kScorePagePalette;
 
-/// Escapes any text for HTML or SVG.
-std::string Escaped(const std::string& text);
-
 }  // namespace palpate

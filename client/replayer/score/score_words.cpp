@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
-#include "client/replayer/score/score_plot.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {
@@ -30,6 +30,14 @@ std::string Joined(const std::vector<LocalText>& texts) {
 }
 
 }  // namespace
+
+std::string Escaped(const std::string& text) {
+  std::string out;
+  for (const char c : Printable(text)) {
+    out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : std::string(1, c);
+  }
+  return out;
+}
 
 std::string InEnglish(const std::string& key, const Values& values) {
   std::string text = English().value(key, key);

@@ -22,6 +22,9 @@ struct Said {
 };
 using Values = std::vector<Said>;
 
+/// Escapes any text for HTML or SVG.
+std::string Escaped(const std::string& text);
+
 /// Returns a text in English; the key itself if there is no such text.
 std::string InEnglish(const std::string& key, const Values& values = {});
 /// Returns a text as an element, escaped.
