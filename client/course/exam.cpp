@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "client/course/person_name.h"
-#include "client/course/seal.h"
+#include "client/course/sha256.h"
 #include "common/error.h"
 #include "common/files/project_files.h"
 #include "common/files/whole_file.h"

@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
-#include "client/course/exam_json.h"
 #include "common/error.h"
 #include "common/json/json_file.h"
 #include "common/text/hex16.h"
@@ -105,7 +104,7 @@ void ExamRoom::Read() try {
     newest_.exam.name = exam.getColumn(1).getString();
     newest_.exam.sha256 = exam.getColumn(2).getString();
     newest_.exam.title = Json::parse(exam.getColumn(3).getString()).get<LocalText>();
-    newest_.exam.tasks = Json::parse(exam.getColumn(4).getString()).get<std::vector<ExamTask>>();
+    newest_.exam.tasks = ReadTasks(exam.getColumn(4).getString());
     newest_.opened_s = exam.getColumn(5).getInt64();
     newest_.ends_s = exam.getColumn(6).getInt64();
     newest_.closed_s = exam.getColumn(7).getInt64();
@@ -258,7 +257,7 @@ void ExamRoom::Store(const Exam& exam, const std::set<std::int64_t>& people,
     SQLite::Statement row(database,
                           "INSERT INTO exams(name, sha256, title, tasks, opened_s, ends_s, "
                           "alive_s) VALUES(?, ?, ?, ?, ?, ?, ?)");
-    Bind(row, exam.name, exam.sha256, Json(exam.title).dump(), Json(exam.tasks).dump(), now_s,
+    Bind(row, exam.name, exam.sha256, Json(exam.title).dump(), TasksText(exam.tasks), now_s,
          roll.ends_s, now_s);
     row.exec();
     roll.exam_number = database.getLastInsertRowid();

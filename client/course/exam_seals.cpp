@@ -28,13 +28,13 @@ constexpr std::int64_t kMark_ns = 50'000'000;
 constexpr std::uint64_t kLargestRecording = ~std::uint64_t{0} >> 1;
 
 /// Closes a descriptor at the end of its scope.
-struct Open {
-  explicit Open(int fd) : fd(fd) {}
-  ~Open() {
+struct Descriptor {
+  explicit Descriptor(int fd) : fd(fd) {}
+  ~Descriptor() {
     if (fd >= 0) close(fd);
   }
-  Open(const Open&) = delete;
-  Open& operator=(const Open&) = delete;
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
   const int fd;
 };
 
@@ -42,8 +42,8 @@ struct Open {
 void WriteKept(const std::string& what, const std::string& file, const std::string& text) {
   WriteOutput(what, file, text, Links::kReplace);
   for (const std::string& path : {file, fs::path(file).parent_path().string()}) {
-    const Open open_file(open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
-    if (open_file.fd >= 0 && fsync(open_file.fd) == 0) continue;
+    const Descriptor opened(open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+    if (opened.fd >= 0 && fsync(opened.fd) == 0) continue;
     throw Error(fmt::format("{}: cannot be kept on the disk ({})", path, std::strerror(errno)));
   }
 }
@@ -51,7 +51,8 @@ void WriteKept(const std::string& what, const std::string& file, const std::stri
 /// Cuts a file off after its first bytes.
 /// @param fd  of the file, for reading; so no link can lead elsewhere meanwhile.
 void CutOff(int fd, const std::string& file, std::int64_t bytes) {
-  const Open writable(open(fmt::format("/proc/self/fd/{}", fd).c_str(), O_WRONLY | O_CLOEXEC));
+  const Descriptor writable(
+      open(fmt::format("/proc/self/fd/{}", fd).c_str(), O_WRONLY | O_CLOEXEC));
   if (writable.fd >= 0 && ftruncate(writable.fd, bytes) == 0) return;
   throw Error(fmt::format("{}: cannot be cut off ({}); this user must be able to write it", file,
                           std::strerror(errno)));
@@ -216,48 +217,60 @@ ExamSeals::Done ExamSeals::SealWhole(Seal seal, Growing& growing) const {
   return Sealed(seal);
 }
 
-ExamSeals::Done ExamSeals::SealRest(Seal seal) const {
+std::optional<ExamSeals::Done> ExamSeals::FormerSealOf(const Seal& seal) const try {
   const Key key(seal.person, seal.exercise, seal.n);
-  const std::string stem = StemOf(key), file = folder_ + "/" + seal.recording;
-  try {  // killed after it was sealed, and before that was entered
-    const std::string text = ReadFileBelow(folder_, stem + kSealEnding, kLargestSeal);
-    const Seal former = OpenSeal(text, key_, stem + kSealEnding);
-    if (former.exam_number == seal.exam_number && former.begun_s == seal.begun_s &&
-        former.previous == seal.previous && Key(former.person, former.exercise, former.n) == key) {
-      return {key, text};
-    }
-  } catch (const Error&) {  // as usual: there is none
+  const std::string file = StemOf(key) + kSealEnding;
+  const std::string text = ReadFileBelow(folder_, file, kLargestSeal);
+  const Seal former = OpenSeal(text, key_, file);
+  const bool is_it = former.exam_number == seal.exam_number && former.begun_s == seal.begun_s &&
+                     former.previous == seal.previous &&
+                     Key(former.person, former.exercise, former.n) == key;
+  return is_it ? std::optional(Done{key, text}) : std::nullopt;
+} catch (const Error&) {  // as usual: there is none
+  return std::nullopt;
+}
+
+Mark ExamSeals::MarkOf(const Seal& seal) const {
+  const Key key(seal.person, seal.exercise, seal.n);
+  const std::string file = StemOf(key) + kMarkEnding;
+  const Mark mark = OpenMark(ReadFileBelow(folder_, file, kLargestSeal), key_, file);
+  if (mark.exam_number != seal.exam_number || Key(mark.person, mark.exercise, mark.n) != key) {
+    throw Error(file + ": is another trial's");
   }
-  Mark mark;
+  return mark;
+}
+
+bool ExamSeals::CutToMark(const std::string& file, const Mark& mark) const {
+  const Descriptor recording(OpenFileBelow(folder_, file, kLargestRecording));
+  if (Grows(recording.fd)) return false;
+  GrowingHash hash(file, folder_);
+  hash.ReadOn(mark.bytes);
+  if (hash.so_far().sha256 != mark.sha256) {
+    throw Error(file + ": was changed while no gateway ran");
+  }
+  CutOff(recording.fd, file, mark.bytes);
+  return true;
+}
+
+ExamSeals::Done ExamSeals::SealRest(Seal seal) const {
+  // Killed after it was sealed, and before that was entered.
+  if (auto former = FormerSealOf(seal)) return *former;
+  const Key key(seal.person, seal.exercise, seal.n);
+  seal.whole = false;
+  seal.reason = kKilled;
   try {
-    mark = OpenMark(ReadFileBelow(folder_, stem + kMarkEnding, kLargestSeal), key_,
-                    stem + kMarkEnding);
-    if (mark.exam_number != seal.exam_number || Key(mark.person, mark.exercise, mark.n) != key) {
-      throw Error(stem + kMarkEnding + ": is another trial's");
+    const Mark mark = MarkOf(seal);
+    seal.ended_s = mark.made_s;
+    if (mark.bytes == 0) {
+      seal.recording.clear();
+    } else {
+      if (!CutToMark(folder_ + "/" + seal.recording, mark)) return {key};  // it is looked at again
+      seal.sha256 = mark.sha256;
+      seal.bytes = mark.bytes;
     }
   } catch (const Error& error) {
     return {key, "", fmt::format("it ran when the gateway was killed, and {}", error.what()), true};
   }
-  seal.whole = false;
-  seal.reason = kKilled;
-  seal.ended_s = mark.made_s;
-  if (mark.bytes == 0) {
-    seal.recording.clear();
-  } else
-    try {
-      const palpate::Open recording(OpenFileBelow(folder_, file, kLargestRecording));
-      if (Grows(recording.fd)) return {key};  // it is looked at again
-      GrowingHash hash(file, folder_);
-      hash.ReadOn(mark.bytes);
-      if (hash.so_far().sha256 != mark.sha256) {
-        throw Error(file + ": was changed while no gateway ran");
-      }
-      CutOff(recording.fd, file, mark.bytes);
-      seal.sha256 = mark.sha256;
-      seal.bytes = mark.bytes;
-    } catch (const Error& error) {
-      return {key, "", error.what(), true};
-    }
   Done done = Sealed(seal);
   done.is_rest = true;
   return done;

@@ -77,6 +77,13 @@ class ExamSeals {
   void ReadOn(Growing& growing, std::int64_t now_s) const;
   Done SealWhole(Seal seal, Growing& growing) const;
   Done SealRest(Seal seal) const;
+  /// Returns a seal of that trial that a former process made as the next one.
+  std::optional<Done> FormerSealOf(const Seal& seal) const;
+  /// Returns the trial's mark.  Throws Error if there is none, or another's.
+  Mark MarkOf(const Seal& seal) const;
+  /// Cuts a recording off after what the mark covers.  Returns false, and does nothing, while its
+  /// recorder still writes.  Throws Error if it is not the one that was marked.
+  bool CutToMark(const std::string& file, const Mark& mark) const;
   Done Sealed(const Seal& seal) const;
 
   const std::string folder_;

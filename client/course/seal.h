@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "client/course/exam.h"
+#include "client/course/sha256.h"
 
-struct evp_md_ctx_st;
 struct evp_pkey_st;
 
 namespace palpate {
@@ -36,38 +36,6 @@ class SealKey {
   explicit SealKey(std::shared_ptr<evp_pkey_st> key);
   std::shared_ptr<evp_pkey_st> key_;
   std::string name_;
-};
-
-/// Returns the hash in lower-case hexadecimal digits.
-std::string Sha256(std::string_view text);
-struct HashedFile {
-  std::string sha256;
-  std::int64_t bytes = 0;
-};
-/// Throws Error if the file cannot be read.
-/// @param folder  that no link may lead out of (OpenFileBelow); empty: any may.
-HashedFile Sha256OfFile(const std::string& file, const std::string& folder = "");
-
-/// The hash of a file that is still written: what was read once is not read again, so that nobody
-/// can change it afterwards without being noticed.
-class GrowingHash {
- public:
-  /// As Sha256OfFile.
-  explicit GrowingHash(const std::string& file, const std::string& folder = "");
-  ~GrowingHash();
-  GrowingHash(const GrowingHash&) = delete;
-  GrowingHash& operator=(const GrowingHash&) = delete;
-
-  /// Reads on, to the file's present end or until `most` bytes of it are read.  Throws Error.
-  void ReadOn(std::int64_t most = kWhole);
-  HashedFile so_far() const;
-
- private:
-  static constexpr std::int64_t kWhole = ~(std::int64_t{1} << 63);
-  const std::string file_;
-  int fd_ = -1;
-  std::unique_ptr<evp_md_ctx_st, void (*)(evp_md_ctx_st*)> sum_;
-  std::int64_t bytes_ = 0;
 };
 
 /// What the server attests about a trial of an exam.  EXAMS.md says what that proves.
@@ -140,6 +108,10 @@ struct Mark {
   std::string sha256;       ///< of the recording's first bytes
   std::int64_t made_s = 0;  ///< since 1970, server's clock
 };
+
+/// Tasks as the roll and the course's file store them.  ReadTasks throws nlohmann::json::exception.
+std::string TasksText(const std::vector<ExamTask>& tasks);
+std::vector<ExamTask> ReadTasks(const std::string& json);
 
 /// Returns the text of a seal's file: one line of JSON without white space, {"key", "sealed",
 /// "signature"}, with each object's fields in alphabetical order.  The signature covers the bytes

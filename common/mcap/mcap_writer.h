@@ -14,7 +14,8 @@ namespace palpate::mcap {
 
 /// Writes one MCAP file: chunked, compressed, indexed.  Flushed data are intact in the file
 /// whatever happens to this process: each chunk is written by one write(), and a write that fails
-/// is undone. Synchronised data also survive a crash of the machine.
+/// is undone. Synchronised data also survive a crash of the machine.  While a file is written, it
+/// is locked (flock), by which others tell that it still grows.
 /// Thread contract: one thread.
 class Writer {
  public:

@@ -7,9 +7,12 @@
 #include <random>
 
 #include <SQLiteCpp/SQLiteCpp.h>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include "client/course/exam_room.h"
 #include "client/replayer/certificate/certificate.h"
@@ -339,6 +342,23 @@ TEST_F(ClosedExamAttack, AddsNothingToATrialThatAKillCutShort) {
   EXPECT_TRUE(Read(recording) == half);
   EXPECT_TRUE(IsVerified()) << "and the honest one is";
   ExpectNoLie(2, "a longer recording");
+}
+
+TEST_F(ClosedExamAttack, SealsNothingThatAKilledGatewaysRecorderStillWrites) {
+  fs::remove_all(course_);
+  fs::copy(running_, course_, fs::copy_options::recursive);
+  const fs::path recording = course_ / (StemOf(1, 1) + ".mcap");
+  const int recorder = open(recording.c_str(), O_RDWR | O_CLOEXEC);
+  ASSERT_EQ(flock(recorder, LOCK_EX), 0);
+  Start();
+  const auto is_sealed = [&] {
+    return State()["open"]["people"][1]["trials"][0]["sealed"].get<bool>();
+  };
+  int looks = 0;
+  EXPECT_TRUE(Comes([&] { return is_sealed() || ++looks > 50; }));
+  EXPECT_FALSE(is_sealed());
+  close(recorder);
+  EXPECT_TRUE(Comes(is_sealed));
 }
 
 TEST_F(ClosedExamAttack, DoesNotHideATrialAsDoneAgain) {

@@ -2,8 +2,11 @@
 
 #include <csignal>
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
+#include <sys/file.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include "common/error.h"
 #include "common/mcap/mcap_reader.h"
@@ -58,6 +61,16 @@ TEST(McapWriter, LeavesWholeWhatWasFlushedThoughItNeverCloses) {
     writer.Flush();
     EXPECT_EQ(MessagesIn(folder / "a.mcap", complete), i + 1);
   }
+}
+
+TEST(McapWriter, LocksItsFileUntilItIsClosed) {
+  const test::Folder folder;
+  Writer writer(folder / "a.mcap", "test");
+  const int fd = open((folder / "a.mcap").c_str(), O_RDONLY | O_CLOEXEC);
+  EXPECT_NE(flock(fd, LOCK_SH | LOCK_NB), 0) << "it still grows";
+  writer.Close();
+  EXPECT_EQ(flock(fd, LOCK_SH | LOCK_NB), 0);
+  close(fd);
 }
 
 TEST(McapWriter, TakesAFailedWriteBackWhereverTheDiskIsFull) {
