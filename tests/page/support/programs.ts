@@ -4,7 +4,7 @@ import {fileURLToPath} from "node:url";
 
 import {ownDomain} from "./domain";
 
-const kBin = process.env.PALPATE_BIN_DIR ?? join(process.cwd(), "../../build/release/bin");
+export const kBin = process.env.PALPATE_BIN_DIR ?? join(process.cwd(), "../../build/release/bin");
 
 /// Programs to be stopped if this process ends early, as with Ctrl-C.
 const kRunning = new Set<ChildProcess>();

@@ -50,6 +50,7 @@ export interface FirstSight {
   readonly centre: Vec3;
   readonly radiusM: number;
   readonly from: Vec3; // unit
+  readonly end?: Vec3 | undefined; // the working end of a tool
 }
 
 export interface SceneModel {

@@ -19,6 +19,8 @@ import {nowS} from "./now";
 /// The first pictures upload meshes and compile shaders, so they tell nothing about the cost
 /// of a picture.
 const kWarmUp = 3;
+/// The picture's share that counts as free, however much covers it.
+const kLeastRoom = 0.2;
 
 /// What a frame shows; queried in each frame.
 export interface PictureHost {
@@ -46,6 +48,8 @@ export interface PictureProbe {
 export class Picture {
   readonly canvas = element("view", HTMLCanvasElement);
   readonly view: SceneView;
+  private readonly above = element("above", HTMLDivElement);
+  private readonly below = element("below", HTMLDivElement);
   private readonly quality: PictureQuality;
   private readonly qualityPick: QualityPick;
   private readonly toolPointer: ToolPointer;
@@ -65,14 +69,13 @@ export class Picture {
     const bySoftware = drawsBySoftware();
     const fixed = qualityOf(new URLSearchParams(location.search).get("quality") ?? "");
     this.quality = new PictureQuality(bySoftware, fixed);
-    const below = element("below", HTMLDivElement);
-    this.toolPointer = new ToolPointer(element("tool-pointer", HTMLButtonElement), below, () =>
+    this.toolPointer = new ToolPointer(element("tool-pointer", HTMLButtonElement), () =>
       this.lookAtAll(),
     );
     this.view = new SceneView(
       this.canvas,
       element("labels", HTMLDivElement),
-      below,
+      this.below,
       readPalette(),
       this.quality,
       !bySoftware || fixed === "full", // antialiasing takes a third of a processor's time
@@ -80,7 +83,9 @@ export class Picture {
       () => this.askFrame(),
     );
     this.qualityPick = new QualityPick(this.quality, () => this.view.resize());
-    new ResizeObserver(() => this.view.resize()).observe(this.canvas);
+    const resized = new ResizeObserver(() => this.resize());
+    for (const one of [this.canvas, this.above, this.below]) resized.observe(one);
+    this.resize();
   }
 
   get probe(): PictureProbe {
@@ -105,6 +110,15 @@ export class Picture {
     this.view.setScene(model, remains, poseOf);
     this.view.resize();
     setWords(this.canvas, "ariaLabel", () => (model ? pictureWords(model) : say("stage.view")));
+  }
+
+  /// What covers the picture counts too: what is looked at is shown beside it.
+  private resize(): void {
+    const {above, below, canvas} = this;
+    const top = above.offsetHeight > 0 ? above.offsetTop + above.offsetHeight : 0;
+    const height = Math.max(below.offsetTop - top, kLeastRoom * canvas.clientHeight);
+    this.view.uncovered = {width: canvas.clientWidth, top, height};
+    this.view.resize();
   }
 
   lookAtAll(): void {
@@ -189,6 +203,7 @@ export class Picture {
     const end = this.view.draws ? this.view.endOf(index) : undefined;
     this.toolPointer.update(
       this.view.camera.eye,
+      this.view.uncovered,
       end,
       this.tools[index]?.name ?? say("tools.tool"),
     );

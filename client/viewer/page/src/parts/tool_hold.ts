@@ -88,6 +88,7 @@ export class ToolHold {
     const holding = hold === "holding";
     this.picture.canvas.classList.toggle("holding", holding);
     this.button.classList.toggle("holding", holding);
+    document.body.classList.toggle("holds", holding);
     this.button.disabled = hold === "none" && !this.isSceneHere();
     const words = {holding: "tool.give_back", asking: "tool.cancel", none: "tool.take"} as const;
     setText(this.button, () => say(words[hold]));

@@ -101,7 +101,8 @@ export class BodyMesh {
     place(this.over, body.pose);
   }
 
-  private makeMaterial(): MeshStandardMaterial | MeshMatcapMaterial {
+  /// Returns another material like its own.
+  makeMaterial(): MeshStandardMaterial | MeshMatcapMaterial {
     if (this.look) return glossy(this.look);
     const metalness = this.role === "tool" ? 0.08 : 0;
     const material = new MeshStandardMaterial({roughness: 0.62, metalness});

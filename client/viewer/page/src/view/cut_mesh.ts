@@ -12,7 +12,6 @@ import {
   type MeshStandardMaterial,
   RedFormat,
   Vector3,
-  type WebGLProgramParametersWithUniforms,
 } from "three";
 
 import type {Body} from "../model/bundle";
@@ -21,6 +20,7 @@ import type {Vec3} from "../base/pose";
 import {Skin} from "../model/skin";
 import {type Block, kSide, type Lattice, type Solid} from "../model/solid";
 import type {Surface} from "../model/surface";
+import {extend} from "./extend";
 
 /// Blocks are written into free pages of this many vertices and triangles: only changes are
 /// uploaded, and everything is one draw call.
@@ -79,7 +79,7 @@ class CutPlaces {
 
   /// Makes a material discard the mesh where its block is cut.
   leaveOut(material: Material): void {
-    this.extend(material, "left out where cut", (shader) => {
+    extend(material, "left out where cut", this.uniforms, (shader) => {
       shader.vertexShader = shader.vertexShader.replace(
         "void main() {",
         `uniform vec3 uBegin;
@@ -101,7 +101,7 @@ void main() {
   /// Neighbouring blocks close the seam; the mesh hides the rest of them.  The offset changes only
   /// the depth, so no gap opens between the two.
   putBehind(material: Material): void {
-    this.extend(material, "behind where not cut", (shader) => {
+    extend(material, "behind where not cut", this.uniforms, (shader) => {
       shader.vertexShader = shader.vertexShader
         .replace(
           "void main() {",
@@ -120,21 +120,6 @@ void main() {`,
   }`,
         );
     });
-  }
-
-  private extend(
-    material: Material,
-    name: string,
-    more: (shader: WebGLProgramParametersWithUniforms) => void,
-  ): void {
-    const before = material.onBeforeCompile.bind(material);
-    const key = material.onBeforeCompile.toString();
-    material.onBeforeCompile = (shader, renderer) => {
-      before(shader, renderer);
-      Object.assign(shader.uniforms, this.uniforms);
-      more(shader);
-    };
-    material.customProgramCacheKey = () => `${name} ${key}`;
   }
 }
 
