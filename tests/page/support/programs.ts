@@ -72,8 +72,15 @@ export async function startServer(...scenes: string[]): Promise<Program> {
 }
 
 /// Starts a gateway with the page, and waits until it is ready.
-export async function startGateway(): Promise<{gateway: Program; url: string}> {
-  const gateway = new Program("palpate-viewer", ["--http", "0", "--page", kPage, ...kCommon]);
+export async function startGateway(...more: string[]): Promise<{gateway: Program; url: string}> {
+  const gateway = new Program("palpate-viewer", [
+    "--http",
+    "0",
+    "--page",
+    kPage,
+    ...more,
+    ...kCommon,
+  ]);
   const [url] = await gateway.says(/http:\/\/127\.0\.0\.1:\d+\//);
   return {gateway, url};
 }

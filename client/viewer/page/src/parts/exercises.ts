@@ -86,9 +86,13 @@ export class Exercises {
     setText(this.clock, say("exercises.left", {time}));
   }
 
+  get runs(): boolean {
+    return this.trial?.phase === "running";
+  }
+
   /// Force limit of the running trial; undefined: none runs, or it has no limit.
   get limitN(): number | undefined {
-    if (this.trial?.phase !== "running") return undefined;
+    if (!this.runs) return undefined;
     const most_N = this.exercises.find(({name}) => name === this.trial?.exercise)?.most_N ?? 0;
     return most_N > 0 ? most_N : undefined;
   }
@@ -222,7 +226,7 @@ export class Exercises {
     setText(this.word, say(`exercises.${trial.phase}`, {points, verdict, reason, ahead}));
     this.bar.dataset["verdict"] = trial.phase !== "scored" ? "" : trial.passed ? "good" : "poor";
     const submitted = trial.submitted || done?.submitted === true;
-    const runs = trial.phase === "running";
+    const {runs} = this;
     if (!runs) this.guide = undefined;
     else if (exercise.guide.length > 0) this.guide ??= new Guide(exercise.guide);
     this.guided.hidden = !this.guide;

@@ -112,10 +112,12 @@ export class Picture {
     setWords(this.canvas, "ariaLabel", () => (model ? pictureWords(model) : say("stage.view")));
   }
 
-  /// What covers the picture counts too: what is looked at is shown beside it.
+  /// What is looked at is shown beside what covers the picture for long: not the banner.
   private resize(): void {
     const {above, below, canvas} = this;
-    const top = above.offsetHeight > 0 ? above.offsetTop + above.offsetHeight : 0;
+    const strips = above.querySelectorAll<HTMLElement>(":scope > :not(.banner, [hidden])");
+    const bottoms = [...strips].map((one) => above.offsetTop + one.offsetTop + one.offsetHeight);
+    const top = Math.max(0, ...bottoms);
     const height = Math.max(below.offsetTop - top, kLeastRoom * canvas.clientHeight);
     this.view.uncovered = {width: canvas.clientWidth, top, height};
     this.view.resize();

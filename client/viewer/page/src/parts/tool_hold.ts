@@ -30,6 +30,7 @@ export class ToolHold {
     private readonly mayTake: () => boolean,
     private readonly keeps: () => boolean,
     private readonly changed: () => void,
+    private readonly isInTrial: () => boolean,
   ) {
     const {canvas, view} = picture;
     this.mouse = new MouseDevice({
@@ -40,8 +41,10 @@ export class ToolHold {
     });
     // The tool's keys take precedence: while it is held, arrows move it and not the camera.
     this.mouse.listenTo(canvas, view.camera.controls);
-    // Otherwise a closed page would keep its tool.
-    addEventListener("pagehide", () => this.mouse.release());
+    // Otherwise a closed page would keep its tool; a trial's waits for the page to come back.
+    addEventListener("pagehide", () => {
+      if (!this.isInTrial()) this.mouse.release();
+    });
   }
 
   /// Keys, for listenForKeys.
