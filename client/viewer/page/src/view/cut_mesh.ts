@@ -21,6 +21,7 @@ import {Skin} from "../model/skin";
 import {type Block, kSide, type Lattice, type Solid} from "../model/solid";
 import type {Surface} from "../model/surface";
 import {extend} from "./extend";
+import {kNoColour} from "./tissue_marks";
 
 /// Blocks are written into free pages of this many vertices and triangles: only changes are
 /// uploaded, and everything is one draw call.
@@ -35,9 +36,7 @@ const kPageFloats = kFloats * kPageVertices;
 /// two differ by less.
 const kBehind = 0.5;
 /// Gloss of a cut surface relative to the original.
-const kGloss = 0.25;
-/// A material's colour if viewers choose it (idl/scene.fbs).
-const kNoColour = 0x1000000;
+const kGloss = 0.08;
 /// Where the mesh is no longer its body's surface, for the shaders of both.
 class CutPlaces {
   readonly uniforms = {
