@@ -100,6 +100,7 @@ export class App {
     student: () => this.figures.lesson.greetStudent(),
   });
   private readonly trials = {
+    seat: () => this.classRoom.seat,
     served: (exercise: Exercise) => {
       const {seat} = this.classRoom;
       const scene = seat.startsWith(`${exercise.scene}-`) ? seat : exercise.scene;

@@ -12,6 +12,8 @@ export interface ExerciseEvents {
   publish(message: object): boolean;
   /// The scene in which an exercise can be done; empty: it is not served.
   served(exercise: Exercise): string;
+  /// The person's seat; empty: none.
+  seat(): string;
   begin(scene: string, tool: string, ask: () => boolean): void;
 }
 
@@ -125,6 +127,7 @@ export class Exercises {
         {type: "button", onclick: () => this.choose(exercise.name)},
         make("b", ownText(exercise.title)),
         make("span.quiet", say("exercises.trials_of", {done, all: exercise.trials})),
+        make("span.quiet", this.placeOf(exercise)),
       );
       pick.setAttribute("aria-pressed", String(exercise.name === this.shown));
       return make("li", pick);
@@ -140,12 +143,11 @@ export class Exercises {
   }
 
   private aboutOf(exercise: Exercise): HTMLElement[] {
-    const served = this.events.served(exercise) !== "";
     const [force, time] = [exercise.most_N, exercise.most_s];
     const begin = press("exercises.begin", () => this.beginShownText());
     begin.title = say("exercises.begin_title");
     begin.className = "begin";
-    begin.disabled = !served || this.isBusy;
+    begin.disabled = this.events.served(exercise) === "" || this.isBusy;
     const pictures = exercise.pictures.map(({path, text}) =>
       make(
         "figure",
@@ -161,10 +163,19 @@ export class Exercises {
       make("p.goal", ownText(exercise.goal)),
       make("p.quiet", limits),
       begin,
-      make("p.quiet", served ? "" : say("exercises.not_served")),
+      make("p.quiet", this.placeOf(exercise)),
       make("ol.done", ...exercise.done.map((trial) => this.rowOf(exercise, trial))),
       make("p.quiet", say("exercises.one")),
     ];
+  }
+
+  /// The scene or seat in which it is done, or why it cannot be.
+  private placeOf(exercise: Exercise): string {
+    const scene = this.events.served(exercise);
+    const seat = this.events.seat();
+    if (scene === "") return say("exercises.not_served");
+    if (seat !== "" && scene !== seat) return say("exercises.other_seat", {seat});
+    return say("exercises.at", {scene});
   }
 
   private rowOf(exercise: Exercise, trial: DoneTrial): HTMLLIElement {
