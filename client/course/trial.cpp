@@ -228,9 +228,33 @@ void TrialRoom::BeginToEnd(Running& trial, const std::string& reason) {
   Tell(trial, "ending");
 }
 
-void TrialRoom::End(Holder holder, const std::string& reason) {
+void TrialRoom::End(Holder holder, const std::string& reason, bool whole) {
   for (Running& trial : trials_) {
-    if (trial.news.holder == holder) BeginToEnd(trial, reason);
+    if (trial.news.holder != holder || trial.news.phase == "ending") continue;
+    trial.news.whole = trial.news.whole && whole;
+    BeginToEnd(trial, reason);
+  }
+}
+
+bool TrialRoom::is_running(Holder holder) const {
+  return std::ranges::any_of(trials_, [&](const Running& trial) {
+    return trial.news.holder == holder && trial.news.phase == "running";
+  });
+}
+
+TrialRoom::Holder TrialRoom::HolderOf(std::int64_t person) const {
+  const auto runs = std::ranges::find_if(trials_, [&](const Running& trial) {
+    return trial.news.person == person && trial.news.phase == "running";
+  });
+  return runs == trials_.end() ? 0 : runs->news.holder;
+}
+
+void TrialRoom::Return(Holder holder, Holder to, std::int64_t now_ns) {
+  for (Running& trial : trials_) {
+    if (trial.news.holder != holder || trial.news.phase != "running") continue;
+    trial.news.holder = to;
+    trial.news.left_s = trial.most_s - 1e-9 * static_cast<double>(now_ns - trial.began_ns);
+    Tell(trial, "running");
   }
 }
 

@@ -70,8 +70,14 @@ class TrialRoom {
   int Begin(Holder holder, std::int64_t person, const std::string& exercise,
             const std::string& station, const std::string& scene, std::int64_t now_ns,
             std::optional<double> exam_s = {});
-  /// Ends the trial of that viewer, if it has one.
-  void End(Holder holder, const std::string& reason);
+  /// Ends the trial of that viewer, if it has one.   @param whole  false: it is cut short
+  void End(Holder holder, const std::string& reason, bool whole = true);
+  /// Returns whether that viewer's trial runs: its tool may be moved.
+  bool is_running(Holder holder) const;
+  /// Returns the viewer of the person's running trial; 0: none runs.
+  Holder HolderOf(std::int64_t person) const;
+  /// Another viewer of the person goes on with the running trial of `holder`.
+  void Return(Holder holder, Holder to, std::int64_t now_ns);
   /// Ends the running trials of these people.
   void EndOf(const std::set<std::int64_t>& people, const std::string& reason);
   /// Ends the running trials in a scene that was changed under them; they are not whole.

@@ -140,8 +140,20 @@ void Hub::Leave(const Viewer& viewer) {
   wishes_.Leave(id);
   viewers_.erase(id);  // a handler may be the last to hold it
   class_changed_ = true;
-  if (trials_) trials_->End(id, "its page has gone");
-  mice_.Release(id, "its page has gone", SteadyNanoseconds());
+  Miss(id, "its page has gone", SteadyNanoseconds());
+}
+
+void Hub::Miss(std::uint64_t id, const std::string& reason, std::int64_t now_ns) {
+  if (trials_ && trials_->is_running(id) && mice_.holds(id)) return mice_.Rest(id, now_ns);
+  if (trials_) trials_->End(id, reason);
+  mice_.Release(id, reason, now_ns);
+}
+
+void Hub::Return(const Viewer& viewer, std::int64_t now_ns) {
+  if (!trials_ || !viewer.holder() || mice_.holds(viewer.id())) return;
+  const std::uint64_t holder = trials_->HolderOf(viewer.holder()->person);
+  if (holder == 0 || !mice_.Return(holder, viewer.id(), now_ns)) return;
+  trials_->Return(holder, viewer.id(), now_ns);
 }
 
 void Hub::Tick(std::int64_t now_ns) {
@@ -291,9 +303,9 @@ void Hub::BeginToEnd(std::int64_t now_ns) {
   const auto viewers = viewers_;
   for (const auto& [id, viewer] : viewers) {
     if (trials_) trials_->End(id, "the gateway ends");
-    mice_.Release(id, "the gateway ends", now_ns);
     viewer->Close(boost::beast::websocket::close_code::going_away, "the gateway ends");
   }
+  mice_.ReleaseAll("the gateway ends", now_ns);
 }
 
 std::string Hub::Try(const TrialCommand& command, Viewer& viewer, std::int64_t now_ns) {
@@ -453,9 +465,10 @@ void Hub::Tell(const TrialRoom::News& news) {
 
 void Hub::Tell(const MouseRoom::News& news) {
   if (trials_ && (news.phase == "ended" || news.phase == "refused")) {
-    trials_->End(news.holder, "the tool is " +
-                                  std::string(news.phase == "ended" ? "given back" : "refused") +
-                                  (news.reason.empty() ? "" : ": " + news.reason));
+    const std::string what = news.lost               ? "cut short"
+                             : news.phase == "ended" ? "the tool is given back"
+                                                     : "the tool is refused";
+    trials_->End(news.holder, what + (news.reason.empty() ? "" : ": " + news.reason), !news.lost);
   }
   const auto viewer = viewers_.find(news.holder);
   if (viewer == viewers_.end()) return;

@@ -109,6 +109,10 @@ class Hub {
   void Join(const std::shared_ptr<Viewer>& viewer);
   ViewerPlaces& places() { return places_; }
   void Leave(const Viewer& viewer);
+  /// A viewer has gone, or says nothing more: its running trial and the tool wait for it.
+  void Miss(std::uint64_t id, const std::string& reason, std::int64_t now_ns);
+  /// Gives a person's page the trial and the tool of the one that has gone.
+  void Return(const Viewer& viewer, std::int64_t now_ns);
   void CountSent(std::size_t bytes) {
     ++traffic_.sent;
     traffic_.bytes += bytes;

@@ -119,11 +119,36 @@ void MouseRoom::Drag(Holder holder, const Pose& X_WT, std::int64_t now_ns) {
 }
 
 void MouseRoom::LetGo(Mouse& mouse, const std::string& phase, const std::string& reason,
-                      std::int64_t now_ns) {
+                      std::int64_t now_ns, bool lost) {
   const Holder holder = std::exchange(mouse.holder, 0);
   if (mouse.station) mouse.station->LetGo(now_ns);
   spdlog::info("{} {}{}{}", mouse.name, phase, reason.empty() ? "" : ": ", reason);
-  tell_({holder, mouse.name, mouse.scene, mouse.tool, phase, reason});
+  tell_({holder, mouse.name, mouse.scene, mouse.tool, phase, reason, lost});
+}
+
+void MouseRoom::ReleaseAll(const std::string& reason, std::int64_t now_ns) {
+  for (Mouse& mouse : mice_) {
+    if (mouse.holder != 0) LetGo(mouse, "ended", reason, now_ns);
+  }
+}
+
+void MouseRoom::Rest(Holder holder, std::int64_t now_ns) {
+  Mouse* const mouse = Find(holder);
+  if (mouse == nullptr || mouse->away_ns != 0) return;
+  mouse->away_ns = now_ns;
+  if (mouse->station) mouse->station->Rest();
+  spdlog::info("{} rests: its page is missing", mouse->name);
+}
+
+bool MouseRoom::Return(Holder holder, Holder to, std::int64_t now_ns) {
+  Mouse* const mouse = Find(holder);
+  if (mouse == nullptr || mouse->away_ns == 0) return false;
+  mouse->holder = to;
+  mouse->away_ns = 0;
+  mouse->moved_ns = now_ns;
+  spdlog::info("{} goes on: its page is back", mouse->name);
+  tell_({to, mouse->name, mouse->scene, mouse->tool, mouse->phase, ""});
+  return true;
 }
 
 void MouseRoom::Release(Holder holder, const std::string& reason, std::int64_t now_ns) {
@@ -146,8 +171,8 @@ void MouseRoom::OnSession(const wire::SessionState& state, std::int64_t now_ns) 
     if (mouse.held) mouse.moved_ns = now_ns;
     mouse.held = state.phase == palpate_SESSION_HELD;
     // A station whose session the server ended retries by itself: its tool is not lost yet.
-    tell_({mouse.holder, mouse.name, mouse.scene, mouse.tool, ended ? "" : PhaseName(state.phase),
-           state.reason});
+    mouse.phase = ended ? "" : PhaseName(state.phase);
+    tell_({mouse.holder, mouse.name, mouse.scene, mouse.tool, mouse.phase, state.reason});
   }
 }
 
@@ -156,6 +181,9 @@ void MouseRoom::Poll(std::int64_t now_ns) {
     Mouse& mouse = *it;
     if (mouse.holder != 0 && !mouse.held && now_ns - mouse.moved_ns > kIdle_ns) {
       LetGo(mouse, "ended", "nobody has moved it for 5 minutes", now_ns);
+    }
+    if (mouse.holder != 0 && mouse.away_ns != 0 && now_ns - mouse.away_ns > kAway_ns) {
+      LetGo(mouse, "ended", "its page did not come back within 30 s", now_ns, true);
     }
     const bool may_start = !mouse.station && mouse.holder != 0 && !mouse.waits;
     if (may_start && !StillHeld(mouse)) Start(mouse, now_ns);

@@ -21,6 +21,9 @@ class MouseRoom {
   /// A tool that was not moved for this long is taken from its holder.
   static constexpr std::int64_t kIdle_ns = 300'000'000'000;
 
+  /// And one whose viewer has gone rests for this long, in case the viewer comes back.
+  static constexpr std::int64_t kAway_ns = 30'000'000'000;
+
   using Holder = std::uint64_t;  ///< a viewer
   struct Options {
     int most = 4;
@@ -43,6 +46,7 @@ class MouseRoom {
   struct News {
     Holder holder = 0;
     std::string station, scene, tool, phase, reason;
+    bool lost = false;  ///< it ended because its viewer did not come back
   };
 
   MouseRoom(Options options, std::function<void(const News&)> tell)
@@ -59,6 +63,13 @@ class MouseRoom {
   void Drag(Holder holder, const Pose& X_WT, std::int64_t now_ns);
   /// Also to be called when the viewer has gone.
   void Release(Holder holder, const std::string& reason, std::int64_t now_ns);
+  void ReleaseAll(const std::string& reason, std::int64_t now_ns);
+  /// Its viewer is missing: the tool rests where it is, without force, until Return or for
+  /// kAway_ns.
+  void Rest(Holder holder, std::int64_t now_ns);
+  /// Gives a resting tool to the viewer that has come in place of `holder`, or is that one again.
+  /// Returns false if there is none.
+  bool Return(Holder holder, Holder to, std::int64_t now_ns);
   bool holds(Holder holder) const { return !StationOf(holder).empty(); }
   /// Returns the station of the tool that a viewer holds; empty: it holds none.
   std::string StationOf(Holder holder) const;
@@ -80,6 +91,8 @@ class MouseRoom {
     std::string scene, tool;
     std::uint64_t run = 0;  // of its session; 0: it has not had one
     std::int64_t moved_ns = 0;
+    std::int64_t away_ns = 0;  // since when its viewer is missing; 0: it is there
+    std::string phase;
     bool waits = false;     // until Go
     bool recorded = false;  // its station waits for a recorder to subscribe
     bool held = false;      // a teacher has not admitted it yet: it cannot be moved
@@ -92,8 +105,8 @@ class MouseRoom {
   static bool Leaves(const Mouse& mouse, const Mouse& wanted);
   bool StillHeld(const Mouse& wanted) const;
   void Start(Mouse& mouse, std::int64_t now_ns);
-  void LetGo(Mouse& mouse, const std::string& phase, const std::string& reason,
-             std::int64_t now_ns);
+  void LetGo(Mouse& mouse, const std::string& phase, const std::string& reason, std::int64_t now_ns,
+             bool lost = false);
 
   Options options_;
   std::function<void(const News&)> tell_;

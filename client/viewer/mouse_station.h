@@ -24,6 +24,8 @@ class MouseStation {
   MouseStation(const std::string& program, const std::vector<std::string>& arguments);
   /// Sends a pose.  Only the newest counts; one that the busy child has not read is skipped.
   void Drag(const Pose& X_WT) { child_.Write(ToMouseLine(X_WT)); }
+  /// Lets its hand rest at the tool's present pose, without force, until the next pose.
+  void Rest() { child_.Write("release\n"); }
   /// Closes its input; it leaves its session and ends within a second, or is killed after three.
   void LetGo(std::int64_t now_ns);
 

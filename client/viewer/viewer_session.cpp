@@ -239,6 +239,7 @@ void ViewerSession::Subscribe(const foxglove::Request& request) {
     if (wanted.channel == TopicFeed::kExercises) {
       queue_.Push(hub_.ExercisesFrameOf(*this), now_ns);
     }
+    if (wanted.channel == TopicFeed::kTrial) hub_.Return(*this, now_ns);
     if (wanted.channel == TopicFeed::kExam) queue_.Push(hub_.ExamFrameOf(*this), now_ns);
     if (wanted.channel == TopicFeed::kPeople) queue_.Push(hub_.PeopleFrame(), now_ns);
     if (wanted.channel == TopicFeed::kMouseState && mouse_state_) queue_.Push(mouse_state_, now_ns);
@@ -323,8 +324,9 @@ void ViewerSession::Watch(std::int64_t now_ns) {
   if (closing_ && now_ns - closing_ns_ > ViewerLimits::kFarewell_ns) return Gone();
   if (!open_ || !hub_.mice().holds(id())) return;
   if (!signs_.Look(now_ns)) {
-    return hub_.mice().Release(id(), "the page sent nothing for 3 s", now_ns);
+    return hub_.Miss(id(), "the page sent nothing for 3 s", now_ns);
   }
+  hub_.mice().Return(id(), id(), now_ns);  // if it was silent
   if (pinging_ || !signs_.Ask()) return;
   pinging_ = true;
   socket_.async_ping({}, [self = shared_from_this()](beast::error_code) {

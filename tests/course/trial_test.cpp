@@ -176,6 +176,27 @@ TEST_F(TrialTest, EndsByItsTimeAndWhereItIsSubmitted) {
   EXPECT_EQ(Done(1)["submitted"], true);
 }
 
+TEST_F(TrialTest, GoesOnWithThePageThatComesInPlaceOfAnother) {
+  Begin();
+  EXPECT_EQ(room_->HolderOf(3), 0u) << "it does not run yet";
+  ASSERT_TRUE(Comes("running"));
+  EXPECT_EQ(room_->HolderOf(3), 7u);
+  room_->Return(7, 9, now_ns_ + 20'000'000'000);
+  EXPECT_EQ(news_.back().holder, 9u);
+  EXPECT_NEAR(news_.back().left_s, 70.0, 1e-6);
+  EXPECT_TRUE(room_->is_running(9));
+  EXPECT_FALSE(room_->is_running(7));
+}
+
+TEST_F(TrialTest, DoesNotCountWhereItWasCutShort) {
+  Begin();
+  ASSERT_TRUE(Comes("running"));
+  room_->End(7, "cut short: its page did not come back", false);
+  ASSERT_TRUE(Comes("scored"));
+  EXPECT_EQ(Done(0)["whole"], false);
+  EXPECT_THAT(std::string(Done(0)["reason"]), HasSubstr("cut short"));
+}
+
 TEST_F(TrialTest, IsNotWholeWhereItsRecorderFailsOrDies) {
   SetProgram("palpate-record",
              "#!/bin/sh\necho 'recording to x'\nsleep 0.1\n"

@@ -22,7 +22,7 @@ import type {Probe} from "@page/parts/probe";
 
 import {eventually, probe, until} from "./support/browser";
 import {pressed, sessionState, stationStatistics, toolState} from "./support/fake_gateway";
-import {kCuttable, kTestScene, type TestScene} from "./support/scene_bytes";
+import {kCuttable, kMarked, kTestScene, type TestScene} from "./support/scene_bytes";
 import {browserTest as test} from "./support/skip";
 import {aroundPit, kPitBlock, pit, solidBlock} from "./support/solid_blocks";
 
@@ -38,7 +38,7 @@ const kTeeth: TestScene = {
   })),
 };
 
-atGateway(kTestScene, kCut, kTeeth);
+atGateway(kTestScene, kCut, kTeeth, kMarked);
 
 /// A ball that is pressed on the box with `newtons`, 30 times a second.
 /// @param x  where on the box, as its pictures go on
@@ -304,6 +304,13 @@ test("what burs cut is gone from the picture, the rest looks as before, and a bu
   const anew = sessionState("hand", "active", "cut", "ball", {serverRun: 2n});
   gateway.send("/palpate/session_state", anew);
   await eventually("another box", async () => (await picture()) === before);
+});
+
+test("a tissue that comes to the surface is drawn there, and a legend names all", async () => {
+  await open({}, "?scene=marked");
+  const {brown} = await comparePixels([await stillPicture(), await stillPicture()]);
+  expect(brown).toBeGreaterThan(200);
+  await reads("#tissues", "shell core");
 });
 
 test("what burs cut is bookmarked, and brought back to how it stood then", async () => {

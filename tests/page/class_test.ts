@@ -240,6 +240,23 @@ test.each([
   },
 );
 
+test("the list of exercises says in which scene or seat each is done, and which cannot be", async () => {
+  gateway.role = "drive";
+  gateway.hasCourse = true;
+  const named = (name: string, scene: string): object => ({...kExercise, name, scene});
+  const exercises = [named("one", kTestScene.name), named("two", "elsewhere")];
+  gateway.retain("/palpate/exercises", {exercises});
+  const me = {person: 2, name: "Anna", role: "drive", seat: "", line: "", lines: 0};
+  gateway.retain("/palpate/me", me);
+  await open();
+  await page.locator("#exercises-open").click();
+  await reads("#exercises-dialog .list li:nth-child(1)", /In test-box$/);
+  await reads("#exercises-dialog .list li:nth-child(2)", /No server has its scene/);
+  gateway.send("/palpate/me", {...me, seat: "another-1"});
+  gateway.send("/palpate/exercises", {exercises});
+  await reads("#exercises-dialog .list li:nth-child(1)", /another-1/);
+});
+
 test("student and teacher are told who waits for a score, and what could not be scored or entered", async () => {
   gateway.role = "operate";
   gateway.hasCourse = true;

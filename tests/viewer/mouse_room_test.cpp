@@ -128,6 +128,32 @@ TEST_F(MouseRoomTest, LetsGoOfAToolThatNobodyMoves) {
   EXPECT_THAT(news_.back().reason, HasSubstr("5 minutes"));
 }
 
+TEST_F(MouseRoomTest, KeepsAToolAtRestForTheViewerThatComesInPlaceOfAMissingOne) {
+  Take(7);
+  Session("mouse_1", palpate_SESSION_ACTIVE);
+  EXPECT_FALSE(room_.Return(7, 8, 0)) << "its viewer is there";
+  room_.Rest(7, 1);
+  room_.Poll(MouseRoom::kAway_ns);
+  EXPECT_TRUE(room_.Return(7, 8, 2));
+  EXPECT_FALSE(room_.holds(7));
+  EXPECT_EQ(news_.back().holder, 8u);
+  EXPECT_EQ(news_.back().phase, "active");
+  room_.Poll(2 * MouseRoom::kAway_ns);
+  EXPECT_TRUE(room_.holds(8)) << "it is not missing any more";
+}
+
+TEST_F(MouseRoomTest, LosesAToolWhoseViewerDoesNotComeBackInTime) {
+  Take(7);
+  Session("mouse_1", palpate_SESSION_ACTIVE);
+  room_.Rest(7, 1);
+  room_.Rest(7, MouseRoom::kAway_ns);  // it has been missing since the first
+  room_.Poll(MouseRoom::kAway_ns + 2);
+  EXPECT_FALSE(room_.holds(7));
+  EXPECT_EQ(news_.back().phase, "ended");
+  EXPECT_TRUE(news_.back().lost);
+  EXPECT_FALSE(room_.Return(7, 8, 0));
+}
+
 TEST_F(MouseRoomTest, WaitsForATeacherAsLongAsThatTakes) {
   Take(7);
   Session("mouse_1", palpate_SESSION_HELD, "waits to be admitted");

@@ -2,7 +2,7 @@ import {expect, test} from "vitest";
 
 import {readBundle} from "@page/model/bundle";
 
-import {ball, box, kCuttable, kTestScene, sceneBytes} from "../support/scene_bytes";
+import {ball, box, kMarked, kTestScene, sceneBytes} from "../support/scene_bytes";
 
 test("a bundle's bodies are read as they were written", () => {
   const scene = readBundle(sceneBytes(kTestScene));
@@ -19,9 +19,12 @@ test("a bundle's bodies are read as they were written", () => {
 });
 
 test("what burs cut is known, and what that takes", () => {
-  const scene = readBundle(sceneBytes(kCuttable));
+  const scene = readBundle(sceneBytes(kMarked));
   expect(scene.isCut).toBe(true);
-  expect(scene.objects[0]!.cutColours).toEqual([0x1000000, 0x5a3a20]);
+  const {cutColours, tissues, regions} = scene.objects[0]!;
+  expect(cutColours).toEqual([0x1000000, 0x5a3a20]);
+  expect(tissues).toEqual(["shell", "core"]);
+  expect(regions).toMatchObject([{low: [0, 0.02, 0], radiusM: 0.01, tissue: 1}]);
 });
 
 test("the header of a bundle file is passed over, wherever the bytes lie", () => {

@@ -245,3 +245,19 @@ test("what another server says after a replay is live, and while it plays it is 
   world.receiveHealth(health(["cube"], "5"), 110);
   expect(world.replay.phase(110)).toBe("none");
 });
+
+test("a station that goes to another scene brings neither its place nor its forces along", () => {
+  const world = new World(() => {});
+  const at = (x: number, more: object): object =>
+    state("mouse", 1, {
+      ...{graphic_position_m: [x, 0, 0], graphic_orientation_wxyz: [1, 0, 0, 0]},
+      ...{haptic_position_m: [x, 0, 0], haptic_orientation_wxyz: [1, 0, 0, 0]},
+      ...{force_N: [3, 0, 0], torque_Nm: [0, 0, 0], ...more},
+    });
+  world.receive(kTopics.toolState, at(1, {}), 1, 1);
+  world.receive(kTopics.toolState, at(2, {scene: "pipes", force_N: [0, 0, 0]}), 1.03, 1.03);
+  const mouse = world.stations.get("mouse")!;
+  // The picture is a little behind the newest frame.
+  expect(mouse.shown(1.03)).toMatchObject({scene: "pipes", graphic: {p: [2, 0, 0]}});
+  expect(mouse.history.series(0, 1.03)[1]).toEqual([0]);
+});

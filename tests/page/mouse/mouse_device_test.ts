@@ -32,9 +32,13 @@ afterEach(() => {
   vi.unstubAllGlobals();
 });
 
+const active = (station: string) => ({
+  ...{station, scene: "cube", tool: "ball", phase: "active" as const, reason: ""},
+});
+
 function take(station: string): void {
   mouse.take("cube", "ball");
-  mouse.receive({station, phase: "active", reason: ""});
+  mouse.receive(active(station));
 }
 function press(key: string): void {
   canvas.dispatchEvent(Object.assign(new Event("keydown"), {key}));
@@ -67,4 +71,14 @@ test("a hand moves nothing whose place is not known yet", () => {
   take("anna");
   press("ArrowRight");
   expect(poses()).toEqual([]);
+});
+
+test("a page that has just come goes on with the tool of its trial, and with no other", () => {
+  tools.set("anna", {pose: kStart, touches: false, centroid: [0, 0, 0]});
+  mouse.receive(active("anna"));
+  press("ArrowRight");
+  expect(poses()).toEqual([[0.008, 0.06, 0]]);
+  mouse.release();
+  mouse.receive(active("anna")); // on its way when the tool was given back
+  expect(mouse.hold).toBe("none");
 });

@@ -4,7 +4,7 @@ import {fileURLToPath} from "node:url";
 
 import {ownDomain} from "./domain";
 
-const kBin = process.env.PALPATE_BIN_DIR ?? join(process.cwd(), "../../build/release/bin");
+export const kBin = process.env.PALPATE_BIN_DIR ?? join(process.cwd(), "../../build/release/bin");
 
 /// Programs to be stopped if this process ends early, as with Ctrl-C.
 const kRunning = new Set<ChildProcess>();
@@ -72,8 +72,15 @@ export async function startServer(...scenes: string[]): Promise<Program> {
 }
 
 /// Starts a gateway with the page, and waits until it is ready.
-export async function startGateway(): Promise<{gateway: Program; url: string}> {
-  const gateway = new Program("palpate-viewer", ["--http", "0", "--page", kPage, ...kCommon]);
+export async function startGateway(...more: string[]): Promise<{gateway: Program; url: string}> {
+  const gateway = new Program("palpate-viewer", [
+    "--http",
+    "0",
+    "--page",
+    kPage,
+    ...more,
+    ...kCommon,
+  ]);
   const [url] = await gateway.says(/http:\/\/127\.0\.0\.1:\d+\//);
   return {gateway, url};
 }

@@ -11,6 +11,7 @@ import {
   GridT,
   MaterialT,
   PoseT,
+  RegionT,
   Scene,
   SceneT,
   Vec3T,
@@ -37,6 +38,8 @@ export interface TestBody {
   readonly pose?: Pose;
   readonly materials?: readonly {stiffness: number}[];
   readonly cutColours?: readonly number[]; // of what burs cut
+  readonly tissues?: readonly string[]; // their names
+  readonly regions?: readonly {centre: Vec3; radius: number; tissue: number}[]; // balls
   readonly look?: string;
 }
 export interface TestScene {
@@ -104,6 +107,18 @@ export const kCuttable: TestScene = {
   ...kTestScene,
   objects: [{...kTestScene.objects[0]!, cutColours: [0x1000000, 0x5a3a20]}],
 };
+/// And of which a ball comes to the surface, on top.
+export const kMarked: TestScene = {
+  ...kCuttable,
+  name: "marked",
+  objects: [
+    {
+      ...kCuttable.objects[0]!,
+      tissues: ["shell", "core"],
+      regions: [{centre: [0, 0.02, 0], radius: 0.01, tissue: 1}],
+    },
+  ],
+};
 
 export function sceneBytes(scene: TestScene): Uint8Array {
   const bodies = [...scene.tools, ...scene.objects];
@@ -151,7 +166,16 @@ function geometryOf({mesh, leaves}: TestBody): GeometryT {
 const kRigid = [{stiffness: Infinity}];
 
 function bodyOf(
-  {name, leaves, pose, materials = kRigid, cutColours, look = ""}: TestBody,
+  {
+    name,
+    leaves,
+    pose,
+    materials = kRigid,
+    cutColours,
+    tissues = [],
+    regions = [],
+    look = "",
+  }: TestBody,
   geometry: number,
 ): BodyT {
   const {p, q} = pose ?? {p: [0, 0, 0], q: [1, 0, 0, 0]};
@@ -168,9 +192,13 @@ function bodyOf(
           50e-6,
           cutColours.map(() => 1e6),
           cutColours.map(() => 0),
-          [],
+          regions.map(
+            ({centre, radius, tissue}) =>
+              new RegionT(new Vec3T(...centre), new Vec3T(...centre), radius, tissue),
+          ),
           [],
           [...cutColours],
+          [...tissues],
         )
       : null,
   });

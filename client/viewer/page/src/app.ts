@@ -60,7 +60,7 @@ export class App {
     refused: (reason) => this.whole.refused(reason),
   });
   private readonly choice: Choice = new Choice(this.world, (scene) => {
-    this.hold.mouse.release();
+    if (this.hold.mouse.scene !== scene) this.hold.mouse.release();
     this.showScene();
     void this.scenes.load(scene);
   });
@@ -82,6 +82,7 @@ export class App {
     () => this.mayTake,
     () => this.exam.askToHandIn(this.notice),
     () => this.figures.sessionsChanged(),
+    () => this.exercises.runs,
   );
   private readonly whole = new WholeButton(this.notice, (op) =>
     this.link.publish(kTopics.mouse, {op, scene: this.choice.scene}),
@@ -102,6 +103,7 @@ export class App {
     student: () => this.figures.lesson.greetStudent(),
   });
   private readonly trials = {
+    seat: () => this.classRoom.seat,
     served: (exercise: Exercise) => {
       const {seat} = this.classRoom;
       const scene = seat.startsWith(`${exercise.scene}-`) ? seat : exercise.scene;
@@ -162,7 +164,11 @@ export class App {
 
   private received(topic: string, value: unknown, stampS: number): void {
     if (topic === kTopics.mouseState) {
-      this.hold.mouse.receive(toMouseState(value));
+      const {mouse, isBusy} = this.hold;
+      mouse.receive(toMouseState(value));
+      if (isBusy || mouse.hold === "none") return;
+      this.choice.show(mouse.scene, ""); // it had the tool before this page came
+      this.choice.stay();
     } else if (topic === kTopics.replayAnswer) {
       this.replay.answered(toReplayAnswer(value));
     } else if (

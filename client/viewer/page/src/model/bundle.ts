@@ -43,6 +43,16 @@ export interface Body {
   readonly ambient: Uint8Array; // visible share of the surroundings at each vertex; empty: all
   /// Of each material, 0xrrggbb, or 0x1000000: viewers choose.  Empty: burs do not cut the body.
   readonly cutColours: readonly number[];
+  readonly tissues: readonly string[]; // name of each, as written in the scene; empty: unnamed
+  readonly regions: readonly Region[]; // boxes and balls; later ones take precedence
+}
+
+/// A part of a body that burs cut, with a tissue of its own; in the body's frame.
+export interface Region {
+  readonly low: Vec3; // of a box, or a ball's centre [m]
+  readonly high: Vec3;
+  readonly radiusM: number; // 0: a box
+  readonly tissue: number; // index into the body's tissues
 }
 
 /// The initial view: along -from at a ball that fills the picture.
@@ -50,6 +60,7 @@ export interface FirstSight {
   readonly centre: Vec3;
   readonly radiusM: number;
   readonly from: Vec3; // unit
+  readonly end?: Vec3 | undefined; // the working end of a tool
 }
 
 export interface SceneModel {
@@ -125,8 +136,16 @@ function readBody(body: WireBody, geometries: readonly Geometry[]): Body {
     cutColours: Array.from(body.grid()?.pressuresArray() ?? [], (_, material) =>
       body.grid()!.coloursLength() > 0 ? body.grid()!.colours(material)! : 0x1000000,
     ),
+    tissues: Array.from({length: body.grid()?.namesLength() ?? 0}, (_, i) => body.grid()!.names(i)),
+    regions: Array.from({length: body.grid()?.regionsLength() ?? 0}, (_, i) => regionOf(body, i)),
     margin: Array.from({length: body.marginLength()}, (_, i) => vec3(body.margin(i)!)),
   };
+}
+
+function regionOf(body: WireBody, i: number): Region {
+  const region = body.grid()!.regions(i)!;
+  const [low, high] = [vec3(region.low()!), vec3(region.high()!)];
+  return {low, high, radiusM: region.radius(), tissue: region.material()};
 }
 
 function readGeometry(geometry: WireGeometry): Geometry {

@@ -34,6 +34,9 @@ const kLarge = 1.3;
 /// to see where it is and comes from, while a whole handle would make the rest small.
 const kReach = 0.6;
 
+/// If the work area is larger than a tool by this factor, only this much around the tool is shown.
+const kSmall = 5;
+
 /// Returns the work area: the scene's, or else the ball around all objects.
 export function workOf(model: SceneModel): Ball {
   return (
@@ -65,7 +68,7 @@ export function endOf(tool: Body, work: Ball): Vec3 {
 /// @param poses  of the tools, in the model's order
 export function firstSight(model: SceneModel, poses: readonly Pose[]): FirstSight {
   const work = workOf(model);
-  const balls: Ball[] = [work];
+  const balls: Ball[] = [nearTool(model, poses, work)];
   let from = normalised(model.firstSight?.from ?? kUsualSight);
   model.tools.forEach((tool, i) => {
     const pose = poses[i] ?? tool.pose;
@@ -77,7 +80,21 @@ export function firstSight(model: SceneModel, poses: readonly Pose[]): FirstSigh
     const axis = axisOf(tool);
     if (axis) from = across(from, rotate(pose.q, axis));
   });
-  return {...enclose(balls), from};
+  const [tool] = model.tools;
+  const end = tool && pointOf(poses[0] ?? tool.pose, endOf(tool, work));
+  return {...enclose(balls), from, end};
+}
+
+/// Returns the work area, or the part of it beside a tool that would be too small to be seen in all.
+function nearTool(model: SceneModel, poses: readonly Pose[], work: Ball): Ball {
+  const [tool] = model.tools;
+  if (!tool) return work;
+  const at = pointOf(poses[0] ?? tool.pose, tool.geometry.centre);
+  const radiusM = kSmall * tool.geometry.radiusM;
+  const away = subtract(work.centre, at);
+  if (radiusM >= work.radiusM) return work;
+  const share = Math.min(1, (radiusM - tool.geometry.radiusM) / norm(away));
+  return {centre: add(at, scale(away, share)), radiusM};
 }
 
 /// Returns the direction nearest to `from` that is far enough from the axis.  Both

@@ -48,6 +48,10 @@ export class PoseTrack {
   private readonly frames: {timeS: number; state: ToolState}[] = [];
   private intervalS = kUsualIntervalS;
 
+  clear(): void {
+    this.frames.length = 0;
+  }
+
   push(timeS: number, state: ToolState): void {
     const last = this.frames.at(-1);
     if (last && timeS <= last.timeS) {
@@ -79,7 +83,7 @@ export class PoseTrack {
     const b = this.frames[after]!;
     const a = this.frames[after - 1];
     if (!a || timeS >= b.timeS) return b.state;
-    if (b.timeS - a.timeS > kGapS || a.state.tool !== b.state.tool) return a.state;
+    if (b.timeS - a.timeS > kGapS) return a.state;
     return between(a.state, b.state, (timeS - a.timeS) / (b.timeS - a.timeS));
   }
 }

@@ -50,6 +50,12 @@ export class Station {
   /// @param recordedS  recorded time, if this is a replay
   push(state: ToolState, stampS: number, nowS: number, recordedS?: number): void {
     const timeS = this.clock.toLocal(stampS, nowS);
+    const before = this.track.latest;
+    if (before && (before.scene !== state.scene || before.tool !== state.tool)) {
+      // Another tool's path leads nowhere here, and its forces are no part of these.
+      this.track.clear();
+      this.history.clear();
+    }
     this.track.push(timeS, state);
     this.isNew = false;
     this.lastArrivalS = nowS;

@@ -44,7 +44,7 @@ export class MouseDevice {
   hold: Hold = "none";
   private message: Words = "";
   station = "";
-  private scene = "";
+  scene = "";
   private tool = "";
   private pose: Pose | undefined;
   private sent: Pose | undefined;
@@ -53,6 +53,8 @@ export class MouseDevice {
   private patience: number | undefined;
   private readonly pointers = new Map<number, {x: number; y: number}>();
   private turning = false;
+  /// A page that has just come, or come back, may have a tool already: that of its trial.
+  private isNew = true;
 
   constructor(private readonly host: MouseHost) {}
 
@@ -62,6 +64,7 @@ export class MouseDevice {
     tool: string,
     ask = (): boolean => this.host.publish({op: "take", scene, tool}),
   ): void {
+    this.isNew = false;
     this.scene = scene;
     this.tool = tool;
     this.station = "";
@@ -90,11 +93,16 @@ export class MouseDevice {
 
   linkLost(): void {
     if (this.hold !== "none") this.end(() => say("tool.link_lost"));
+    this.isNew = true;
   }
 
   /// Takes the gateway's answer, or a later change of the session.
   receive(state: MouseState): void {
-    if (this.hold === "none") return;
+    if (this.hold === "none") {
+      if (!this.isNew || state.phase !== "active") return;
+      this.isNew = false;
+      [this.scene, this.tool, this.hold] = [state.scene, state.tool, "asking"];
+    }
     if (state.station !== "") this.station = state.station;
     switch (state.phase) {
       case "refused":

@@ -12,6 +12,8 @@ export interface ExerciseEvents {
   publish(message: object): boolean;
   /// The scene in which an exercise can be done; empty: it is not served.
   served(exercise: Exercise): string;
+  /// The person's seat; empty: none.
+  seat(): string;
   begin(scene: string, tool: string, ask: () => boolean): void;
 }
 
@@ -94,9 +96,13 @@ export class Exercises {
     setText(this.clock, say("exercises.left", {time}));
   }
 
+  get runs(): boolean {
+    return this.trial?.phase === "running";
+  }
+
   /// Force limit of the running trial; undefined: none runs, or it has no limit.
   get limitN(): number | undefined {
-    if (this.trial?.phase !== "running") return undefined;
+    if (!this.runs) return undefined;
     const most_N = this.exercises.find(({name}) => name === this.trial?.exercise)?.most_N ?? 0;
     return most_N > 0 ? most_N : undefined;
   }
@@ -129,6 +135,7 @@ export class Exercises {
         {type: "button", onclick: () => this.choose(exercise.name)},
         make("b", ownText(exercise.title)),
         make("span.quiet", say("exercises.trials_of", {done, all: exercise.trials})),
+        make("span.quiet", this.placeOf(exercise)),
       );
       pick.setAttribute("aria-pressed", String(exercise.name === this.shown));
       return make("li", pick);
@@ -144,12 +151,11 @@ export class Exercises {
   }
 
   private aboutOf(exercise: Exercise): HTMLElement[] {
-    const served = this.events.served(exercise) !== "";
     const [force, time] = [exercise.most_N, exercise.most_s];
     const begin = press("exercises.begin", () => this.beginShownText());
     begin.title = say("exercises.begin_title");
     begin.className = "begin";
-    begin.disabled = !served || this.isBusy;
+    begin.disabled = this.events.served(exercise) === "" || this.isBusy;
     const pictures = exercise.pictures.map(({path, text}) =>
       make(
         "figure",
@@ -165,10 +171,19 @@ export class Exercises {
       make("p.goal", ownText(exercise.goal)),
       make("p.quiet", limits),
       begin,
-      make("p.quiet", served ? "" : say("exercises.not_served")),
+      make("p.quiet", this.placeOf(exercise)),
       make("ol.done", ...exercise.done.map((trial) => this.rowOf(exercise, trial))),
       make("p.quiet", say("exercises.one")),
     ];
+  }
+
+  /// The scene or seat in which it is done, or why it cannot be.
+  private placeOf(exercise: Exercise): string {
+    const scene = this.events.served(exercise);
+    const seat = this.events.seat();
+    if (scene === "") return say("exercises.not_served");
+    if (seat !== "" && scene !== seat) return say("exercises.other_seat", {seat});
+    return say("exercises.at", {scene});
   }
 
   private rowOf(exercise: Exercise, trial: DoneTrial): HTMLLIElement {
@@ -230,7 +245,7 @@ export class Exercises {
     setText(this.word, say(`exercises.${trial.phase}`, {points, verdict, reason, ahead}));
     this.bar.dataset["verdict"] = trial.phase !== "scored" ? "" : trial.passed ? "good" : "poor";
     const submitted = trial.submitted || done?.submitted === true;
-    const runs = trial.phase === "running";
+    const {runs} = this;
     if (!runs) this.guide = undefined;
     else if (exercise.guide.length > 0) this.guide ??= new Guide(exercise.guide);
     this.guided.hidden = !this.guide;

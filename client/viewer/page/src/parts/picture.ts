@@ -7,7 +7,7 @@ import type {Remains} from "../model/remains";
 import {pictureWords} from "../model/words";
 import type {Station} from "../model/station";
 import type {ToolState} from "../protocol/messages";
-import {element} from "../ui/elements";
+import {element, make} from "../ui/elements";
 import {QualityPick} from "../ui/quality_pick";
 import {setWords} from "../ui/spoken";
 import {readPalette} from "../view/palette";
@@ -19,6 +19,8 @@ import {nowS} from "./now";
 /// The first pictures upload meshes and compile shaders, so they tell nothing about the cost
 /// of a picture.
 const kWarmUp = 3;
+/// The picture's share that counts as free, however much covers it.
+const kLeastRoom = 0.2;
 
 /// What a frame shows; queried in each frame.
 export interface PictureHost {
@@ -46,6 +48,8 @@ export interface PictureProbe {
 export class Picture {
   readonly canvas = element("view", HTMLCanvasElement);
   readonly view: SceneView;
+  private readonly above = element("above", HTMLDivElement);
+  private readonly below = element("below", HTMLDivElement);
   private readonly quality: PictureQuality;
   private readonly qualityPick: QualityPick;
   private readonly toolPointer: ToolPointer;
@@ -65,14 +69,13 @@ export class Picture {
     const bySoftware = drawsBySoftware();
     const fixed = qualityOf(new URLSearchParams(location.search).get("quality") ?? "");
     this.quality = new PictureQuality(bySoftware, fixed);
-    const below = element("below", HTMLDivElement);
-    this.toolPointer = new ToolPointer(element("tool-pointer", HTMLButtonElement), below, () =>
+    this.toolPointer = new ToolPointer(element("tool-pointer", HTMLButtonElement), () =>
       this.lookAtAll(),
     );
     this.view = new SceneView(
       this.canvas,
       element("labels", HTMLDivElement),
-      below,
+      this.below,
       readPalette(),
       this.quality,
       !bySoftware || fixed === "full", // antialiasing takes a third of a processor's time
@@ -80,7 +83,9 @@ export class Picture {
       () => this.askFrame(),
     );
     this.qualityPick = new QualityPick(this.quality, () => this.view.resize());
-    new ResizeObserver(() => this.view.resize()).observe(this.canvas);
+    const resized = new ResizeObserver(() => this.resize());
+    for (const one of [this.canvas, this.above, this.below]) resized.observe(one);
+    this.resize();
   }
 
   get probe(): PictureProbe {
@@ -104,7 +109,36 @@ export class Picture {
     this.quality.restart();
     this.view.setScene(model, remains, poseOf);
     this.view.resize();
+    this.showTissues(model);
     setWords(this.canvas, "ariaLabel", () => (model ? pictureWords(model) : say("stage.view")));
+  }
+
+  /// The colours of what burs cut, as the scene names it.
+  private showTissues(model: SceneModel | undefined): void {
+    const named = new Map(
+      model?.objects.flatMap(({tissues, cutColours}) =>
+        tissues.map((name, i) => [name, cutColours[i]!] as const),
+      ),
+    );
+    const items = [...named].map(([name, colour]) => {
+      const swatch = make("i.swatch");
+      swatch.style.setProperty("--of", `#${colour.toString(16).padStart(6, "0")}`);
+      return make("li", swatch, name);
+    });
+    const list = element("tissues", HTMLUListElement);
+    list.replaceChildren(...items);
+    list.hidden = items.length < 2;
+  }
+
+  /// What is looked at is shown beside what covers the picture for long: not the banner.
+  private resize(): void {
+    const {above, below, canvas} = this;
+    const strips = above.querySelectorAll<HTMLElement>(":scope > :not(.banner, [hidden])");
+    const bottoms = [...strips].map((one) => above.offsetTop + one.offsetTop + one.offsetHeight);
+    const top = Math.max(0, ...bottoms);
+    const height = Math.max(below.offsetTop - top, kLeastRoom * canvas.clientHeight);
+    this.view.uncovered = {width: canvas.clientWidth, top, height};
+    this.view.resize();
   }
 
   lookAtAll(): void {
@@ -189,6 +223,7 @@ export class Picture {
     const end = this.view.draws ? this.view.endOf(index) : undefined;
     this.toolPointer.update(
       this.view.camera.eye,
+      this.view.uncovered,
       end,
       this.tools[index]?.name ?? say("tools.tool"),
     );

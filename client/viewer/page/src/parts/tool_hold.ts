@@ -31,6 +31,7 @@ export class ToolHold {
     private readonly mayTake: () => boolean,
     private readonly keeps: () => boolean,
     private readonly changed: () => void,
+    private readonly isInTrial: () => boolean,
   ) {
     const {canvas, view} = picture;
     this.mouse = new MouseDevice({
@@ -41,8 +42,10 @@ export class ToolHold {
     });
     // The tool's keys take precedence: while it is held, arrows move it and not the camera.
     this.mouse.listenTo(canvas, view.camera.controls);
-    // Otherwise a closed page would keep its tool.
-    addEventListener("pagehide", () => this.mouse.release());
+    // Otherwise a closed page would keep its tool; a trial's waits for the page to come back.
+    addEventListener("pagehide", () => {
+      if (!this.isInTrial()) this.mouse.release();
+    });
   }
 
   /// Keys, for listenForKeys.
@@ -89,6 +92,7 @@ export class ToolHold {
     const holding = hold === "holding";
     this.picture.canvas.classList.toggle("holding", holding);
     this.button.classList.toggle("holding", holding);
+    document.body.classList.toggle("holds", holding);
     this.button.disabled = hold === "none" && !this.isSceneHere();
     const words = {holding: "tool.give_back", asking: "tool.cancel", none: "tool.take"} as const;
     setText(this.button, () => say(words[hold]));

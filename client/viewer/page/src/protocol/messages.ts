@@ -192,6 +192,8 @@ export type SceneGoal = ReturnType<typeof toSceneGoal>;
 /// The state of the page's own request for a tool.
 export const toMouseState = message({
   station: text("station"),
+  scene: text("scene"),
+  tool: text("tool"),
   phase: (fields): SessionPhase | "" =>
     kPhases.find((known) => known === text("phase")(fields)) ?? "",
   reason: text("reason"),

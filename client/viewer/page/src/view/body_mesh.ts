@@ -19,6 +19,7 @@ import {type Look, lookOf} from "./looks";
 import {objectColour, type Palette} from "./palette";
 import {coarsen} from "./coarsen";
 import {paintForScreen} from "./still_layer";
+import {markTissues} from "./tissue_marks";
 
 /// Buffers shared by bodies of the same geometry: uploaded once.
 export class SurfaceCache {
@@ -94,14 +95,17 @@ export class BodyMesh {
     this.mesh = new Mesh(buffers, material);
     this.group.add(this.mesh);
     if (body.cutColours.length > 0) {
-      this.cut = new CutMesh(body, surface, material, this.makeMaterial());
+      const ofCut = this.makeMaterial();
+      this.cut = new CutMesh(body, surface, material, ofCut);
+      for (const one of [material, ofCut]) markTissues(one, body);
       this.mesh.add(this.cut.mesh);
     }
     place(this.group, body.pose);
     place(this.over, body.pose);
   }
 
-  private makeMaterial(): MeshStandardMaterial | MeshMatcapMaterial {
+  /// Returns another material like its own.
+  makeMaterial(): MeshStandardMaterial | MeshMatcapMaterial {
     if (this.look) return glossy(this.look);
     const metalness = this.role === "tool" ? 0.08 : 0;
     const material = new MeshStandardMaterial({roughness: 0.62, metalness});

@@ -2,10 +2,15 @@ import {MathUtils, PerspectiveCamera, Spherical, Vector3} from "three";
 import {OrbitControls} from "three/examples/jsm/controls/OrbitControls.js";
 
 import type {FirstSight} from "../model/bundle";
-import type {Vec3} from "../base/pose";
+import {add, scale, subtract, type Vec3} from "../base/pose";
+import type {Room} from "../model/edge_place";
 import type {ViewFrame} from "../mouse/tool_motion";
 
 const kFieldOfViewDeg = 32;
+/// A picture smaller than this shows less around the tool, instead of all so small [pixels];
+/// and at least this share of it, so that the middle of the work is in it.
+const kUsualRoom = 500;
+const kNearest = 0.5;
 
 /// The camera: orbits its target, follows the tool if asked to, and can be reset.
 export class Camera {
@@ -13,7 +18,10 @@ export class Camera {
   readonly controls: OrbitControls;
   following = false;
   untouched = true; // nobody has moved it since it was framed
+  /// The part of the canvas that nothing covers; the target is in its middle.
+  room: Room = {width: 1, top: 0, height: 1};
   private lastTool: Vector3 | undefined;
+  private sight: FirstSight | undefined; // framed last
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -29,13 +37,19 @@ export class Camera {
   }
 
   /// Sets the view that a reset restores.
-  frame({centre, radiusM, from}: FirstSight): void {
+  frame(sight: FirstSight): void {
+    this.sight = sight;
+    const {width, height} = this.room;
+    const {from, end} = sight;
+    const nearer = MathUtils.clamp(Math.min(width, height) / kUsualRoom, kNearest, 1);
+    const radiusM = nearer * sight.radiusM;
+    const centre = end ? add(end, scale(subtract(sight.centre, end), nearer)) : sight.centre;
     this.controls.minDistance = 0.3 * radiusM;
     this.controls.maxDistance = 20 * radiusM;
     this.untouched = true;
     this.lastTool = undefined;
-    const narrow = Math.min(1, this.eye.aspect);
-    const half = Math.atan(Math.tan(MathUtils.degToRad(kFieldOfViewDeg / 2)) * narrow);
+    const share = Math.min(width, height) / Math.max(1, this.canvas.clientHeight);
+    const half = Math.atan(Math.tan(MathUtils.degToRad(kFieldOfViewDeg / 2)) * share);
     const distance = (1.08 * radiusM) / Math.sin(half);
     this.controls.target.set(...centre);
     this.eye.position
@@ -48,9 +62,13 @@ export class Camera {
     this.controls.update();
   }
 
-  resize(aspect: number): void {
-    this.eye.aspect = aspect;
-    this.eye.updateProjectionMatrix();
+  /// The canvas, or what covers it, has another size.
+  fit(room: Room): void {
+    this.room = room;
+    const {clientWidth: width, clientHeight: height} = this.canvas;
+    const up = 0.5 * height - (room.top + 0.5 * room.height);
+    this.eye.setViewOffset(width, height, 0, up, width, height);
+    if (this.sight && this.untouched && !this.following) this.frame(this.sight);
   }
 
   /// Moves along with the tool, if it is to be followed.

@@ -23,19 +23,18 @@ export class CanvasSize {
     this.mayHaveChanged = true;
   }
 
-  /// Returns the canvas's proportions if its size has changed.
-  changedAspect(): number | undefined {
-    if (!this.mayHaveChanged) return undefined;
+  hasChanged(): boolean {
+    if (!this.mayHaveChanged) return false;
     this.mayHaveChanged = false;
     const {clientWidth: width, clientHeight: height} = this.canvas;
-    if (width === 0 || height === 0) return undefined;
+    if (width === 0 || height === 0) return false;
     const pixels = Math.min(devicePixelRatio, kMostPixelsPerPoint);
     const sized = `${width} ${height} ${pixels} ${this.quality.share}`;
-    if (sized === this.sized) return undefined;
+    if (sized === this.sized) return false;
     this.sized = sized;
     this.screen = {width, height, pixels};
     this.share = 0;
-    return width / height;
+    return true;
   }
 
   /// Only together with a picture: resizing empties a canvas.

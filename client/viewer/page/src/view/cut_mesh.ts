@@ -12,7 +12,6 @@ import {
   type MeshStandardMaterial,
   RedFormat,
   Vector3,
-  type WebGLProgramParametersWithUniforms,
 } from "three";
 
 import type {Body} from "../model/bundle";
@@ -21,6 +20,8 @@ import type {Vec3} from "../base/pose";
 import {Skin} from "../model/skin";
 import {type Block, kSide, type Lattice, type Solid} from "../model/solid";
 import type {Surface} from "../model/surface";
+import {extend} from "./extend";
+import {kNoColour} from "./tissue_marks";
 
 /// Blocks are written into free pages of this many vertices and triangles: only changes are
 /// uploaded, and everything is one draw call.
@@ -35,9 +36,7 @@ const kPageFloats = kFloats * kPageVertices;
 /// two differ by less.
 const kBehind = 0.5;
 /// Gloss of a cut surface relative to the original.
-const kGloss = 0.25;
-/// A material's colour if viewers choose it (idl/scene.fbs).
-const kNoColour = 0x1000000;
+const kGloss = 0.08;
 /// Where the mesh is no longer its body's surface, for the shaders of both.
 class CutPlaces {
   readonly uniforms = {
@@ -79,7 +78,7 @@ class CutPlaces {
 
   /// Makes a material discard the mesh where its block is cut.
   leaveOut(material: Material): void {
-    this.extend(material, "left out where cut", (shader) => {
+    extend(material, "left out where cut", this.uniforms, (shader) => {
       shader.vertexShader = shader.vertexShader.replace(
         "void main() {",
         `uniform vec3 uBegin;
@@ -101,7 +100,7 @@ void main() {
   /// Neighbouring blocks close the seam; the mesh hides the rest of them.  The offset changes only
   /// the depth, so no gap opens between the two.
   putBehind(material: Material): void {
-    this.extend(material, "behind where not cut", (shader) => {
+    extend(material, "behind where not cut", this.uniforms, (shader) => {
       shader.vertexShader = shader.vertexShader
         .replace(
           "void main() {",
@@ -120,21 +119,6 @@ void main() {`,
   }`,
         );
     });
-  }
-
-  private extend(
-    material: Material,
-    name: string,
-    more: (shader: WebGLProgramParametersWithUniforms) => void,
-  ): void {
-    const before = material.onBeforeCompile.bind(material);
-    const key = material.onBeforeCompile.toString();
-    material.onBeforeCompile = (shader, renderer) => {
-      before(shader, renderer);
-      Object.assign(shader.uniforms, this.uniforms);
-      more(shader);
-    };
-    material.customProgramCacheKey = () => `${name} ${key}`;
   }
 }
 

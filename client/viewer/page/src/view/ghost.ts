@@ -35,7 +35,8 @@ void main() {
 /// Distances of the hand from the graphic tool over which the ghost fades in [m].
 const kAppearsM = [0.0001, 0.001] as const;
 
-const makeMaterial = (more: ShaderMaterialParameters): ShaderMaterial =>
+/// Transparent, and clearer in the middle than at the rim.
+export const makeRim = (more: ShaderMaterialParameters): ShaderMaterial =>
   new ShaderMaterial({
     vertexShader: kVertexShader,
     fragmentShader: kFragmentShader,
@@ -51,9 +52,9 @@ export class Ghost {
   private readonly materials: readonly ShaderMaterial[];
 
   constructor(geometry: BufferGeometry) {
-    const depthOnly = makeMaterial({colorWrite: false});
-    const seen = makeMaterial({depthWrite: false});
-    const hidden = makeMaterial({depthWrite: false, depthFunc: GreaterDepth});
+    const depthOnly = makeRim({colorWrite: false});
+    const seen = makeRim({depthWrite: false});
+    const hidden = makeRim({depthWrite: false, depthFunc: GreaterDepth});
     this.materials = [seen, hidden];
     // The hidden parts first, then the front's depth, then the visible parts: no layer twice.
     [hidden, depthOnly, seen].forEach((material, order) => {

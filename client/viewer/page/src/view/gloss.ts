@@ -52,7 +52,7 @@ function mirrored(n: Vec3, look: Look): number {
     const area = (half[0] * half[1]) / ((half[0] + soft) * (half[1] + soft));
     light += bright * Math.sqrt(area) * Math.exp(-((off / soft) ** 2));
   }
-  if (look.metal) return 0.3 + 0.28 * r[1] + 0.25 * clamp01(r[2]) + light;
+  if (look.metal) return 0.4 + 0.28 * r[1] + 0.25 * clamp01(r[2]) + light;
   const rim = (1 - clamp01(n[2])) ** 4;
   return light + 0.22 * rim * (1 - look.roughness);
 }
@@ -61,7 +61,7 @@ function mirrored(n: Vec3, look: Look): number {
 function received([x, y, z]: Vec3): number {
   const key = clamp01((0.3 * x + 0.52 * y + 0.8 * z + 0.15) / 1.15);
   const fill = clamp01(-0.85 * x + 0.1 * y + 0.5 * z);
-  return 0.25 + 0.1 * y + 0.7 * key + 0.1 * fill;
+  return 0.33 + 0.1 * y + 0.62 * key + 0.1 * fill;
 }
 
 function matcapOf(look: Look): DataTexture {
@@ -76,7 +76,9 @@ function matcapOf(look: Look): DataTexture {
       const n: Vec3 = [nx, ny, Math.sqrt(1 - nx * nx - ny * ny)];
       const colour = look.metal ? mirrored(n, look) : received(n);
       const shine = look.metal ? 0 : look.shine * mirrored(n, look);
-      [colour, colour, colour, shine].forEach((value, i) => {
+      // Light that has gone through what is lit makes its shadows warm, not grey.
+      const warm = look.metal ? [1, 1, 1] : [0.82, 1, 1.12];
+      [...warm.map((power) => colour ** power), shine].forEach((value, i) => {
         values[4 * (row * kTexels + column) + i] = DataUtils.toHalfFloat(value);
       });
     }
@@ -102,6 +104,7 @@ export function glossy(look: Look): MeshMatcapMaterial {
     );
     if (look.marks) addMarks(shader);
   };
+  material.customProgramCacheKey = () => (look.marks ? "marked" : "glossy");
   return material;
 }
 

@@ -38,8 +38,8 @@ const kNeck = hex(0xe9d2a6);
 const kEnamel = hex(0xf3ead8);
 const kEdge = hex(0xe4e4e0);
 const tooth: Look = {
-  roughness: 0.14,
-  shine: 0.6,
+  roughness: 0.34, // sharper reflections would show the mesh's triangles
+  shine: 0.5,
   tint([x, y, z], _, highest, out) {
     out.copy(kRoot).lerp(kNeck, step(-0.8, 0.3, y));
     out.lerp(kEnamel, step(0.2, 0.45 * highest, y));

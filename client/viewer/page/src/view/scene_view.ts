@@ -1,6 +1,7 @@
 import {DirectionalLight, Group, HemisphereLight, Scene, type WebGLRenderer} from "three";
 
 import type {SceneModel} from "../model/bundle";
+import type {Room} from "../model/edge_place";
 import {endOf, firstSight, workOf} from "../model/first_sight";
 import type {Pose, Vec3} from "../base/pose";
 import {type Drawn, kDetails, type PictureQuality} from "../model/quality";
@@ -41,6 +42,8 @@ export class SceneView {
   private sightM = 0.1; // radius of the work area
   private coarserAsked = false;
   private readonly size: CanvasSize;
+  /// The part of the canvas that nothing covers.
+  uncovered: Room = {width: 1, top: 0, height: 1};
   /// Of the static layer when last drawn, and of what is drawn in each picture.
   readonly costs = {still: {triangles: 0, calls: 0}, moving: {triangles: 0, calls: 0}};
   private remains: Remains | undefined;
@@ -96,7 +99,8 @@ export class SceneView {
     this.radiusM = firstSight(model, []).radiusM;
     this.objects = model.objects.map((body, i) => new BodyMesh(body, model, "object", i, cache));
     this.tools = model.tools.map(
-      (tool, i) => new ToolView(tool, model, i, cache, endOf(tool, work), toolNow(tool.name)),
+      (tool, i) =>
+        new ToolView(tool, model, i, cache, endOf(tool, work), work.radiusM, toolNow(tool.name)),
     );
     for (const object of this.objects) {
       this.still.add(object.group);
@@ -176,11 +180,9 @@ export class SceneView {
 
   /// @return what was redrawn
   render(nowMs: number): Drawn {
-    const aspect = this.size.changedAspect();
-    if (aspect !== undefined) {
-      this.camera.resize(aspect);
-      this.layer?.restart();
-    }
+    const resized = this.size.hasChanged();
+    if (resized) this.layer?.restart();
+    if (resized || this.uncovered !== this.camera.room) this.camera.fit(this.uncovered);
     const drawn = this.draw(nowMs);
     this.labels.update(
       this.camera.eye,

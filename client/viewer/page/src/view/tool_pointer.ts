@@ -1,7 +1,7 @@
 import {MathUtils, type PerspectiveCamera, Vector3} from "three";
 
 import {say} from "../messages/say";
-import {edgePlace} from "../model/edge_place";
+import {edgePlace, type Room} from "../model/edge_place";
 import type {Vec3} from "../base/pose";
 
 const kHalf = 22; // half the arrow's size [pixels], as in stage.css
@@ -9,20 +9,18 @@ const kHalf = 22; // half the arrow's size [pixels], as in stage.css
 /// An arrow at the picture's edge if the tool is outside; pressing it brings the tool
 /// back into view.
 export class ToolPointer {
-  /// @param buttons  along the picture's lower edge
   constructor(
     private readonly button: HTMLButtonElement,
-    private readonly buttons: HTMLElement,
     bringBack: () => void,
   ) {
     button.addEventListener("click", bringBack);
   }
 
-  /// @param end  working end of the tool, in W; undefined: there is none
-  update(eye: PerspectiveCamera, end: Vec3 | undefined, name: string): void {
-    const {clientWidth: width, clientHeight: height} = this.button.parentElement!;
+  /// @param room  the part of the picture that nothing covers
+  /// @param end   working end of the tool, in W; undefined: there is none
+  update(eye: PerspectiveCamera, room: Room, end: Vec3 | undefined, name: string): void {
+    const {clientHeight: height} = this.button.parentElement!;
     const at = end && new Vector3(...end).applyMatrix4(eye.matrixWorldInverse);
-    const room = {width, height: this.buttons.offsetTop};
     const tan = Math.tan(MathUtils.degToRad(0.5 * eye.fov));
     const place = at && edgePlace([at.x, at.y, at.z], tan, room, height, kHalf);
     this.button.hidden = place === undefined;

@@ -1,13 +1,24 @@
-import type {Group} from "three";
+import {
+  type Color,
+  CustomBlending,
+  type Group,
+  GreaterDepth,
+  type Material,
+  Mesh,
+  OneFactor,
+  Vector3,
+} from "three";
 
 import type {Body, SceneModel} from "../model/bundle";
+import {axisOf} from "../model/first_sight";
 import {angleBetween, norm, pointOf, type Pose, subtract, type Vec3} from "../base/pose";
 import {middleOfPush} from "../model/touched";
 import type {ToolState} from "../protocol/messages";
 import {ForceMarks} from "./arrows";
 import {BodyMesh, place, type SurfaceCache} from "./body_mesh";
-import {Ghost} from "./ghost";
+import {Ghost, makeRim} from "./ghost";
 import type {Palette} from "./palette";
+import {capEnds, clear} from "./shaft";
 
 /// A tool in the picture: its body, the ghosts of the hand and of the guide, and its forces.
 export class ToolView {
@@ -18,19 +29,33 @@ export class ToolView {
   private readonly ghost: Ghost;
   private readonly lead: Ghost;
   private readonly marks = new ForceMarks();
+  /// Where an object hides it.  Among what is opaque, so that it precedes the tool, which thus
+  /// does not hide itself.
+  private readonly through = makeRim({
+    transparent: false,
+    blending: CustomBlending,
+    blendSrcAlpha: OneFactor,
+    depthWrite: false,
+    depthFunc: GreaterDepth,
+  });
+  private veil: Material | undefined; // of its shaft where that hides its end
 
-  /// @param end  its working end, in its frame.   @param pose  the present one
+  /// @param end     its working end, in its frame
+  /// @param sightM  radius of the work area
+  /// @param pose    the present one
   constructor(
     tool: Body,
     scene: SceneModel,
     index: number,
     cache: SurfaceCache,
     private readonly end: Vec3,
+    sightM: number,
     pose: Pose | undefined,
   ) {
     this.pose = pose ?? tool.pose;
     this.body = new BodyMesh(tool, scene, "tool", index, cache);
     const {geometry} = this.body.mesh;
+    this.seeThrough(sightM);
     [this.ghost, this.lead] = [new Ghost(geometry), new Ghost(geometry)];
     this.groups = [this.body.group, this.ghost.group, this.lead.group, this.marks.group];
     this.ghost.setDistance(0);
@@ -48,9 +73,29 @@ export class ToolView {
 
   paint(palette: Palette): void {
     this.body.paint(palette);
+    (this.through.uniforms.uColour!.value as Color).copy(palette.tools[0]!);
     this.ghost.paint(palette.ghost);
     this.lead.paint(palette.ink);
     this.marks.paint(palette);
+  }
+
+  /// Its end is seen through the objects, through its shaft and, if the eye is within the shaft,
+  /// through that.
+  private seeThrough(sightM: number): void {
+    const {body, mesh} = this.body;
+    this.through.uniforms.uBody!.value = 0.35;
+    this.through.uniforms.uRim!.value = 0.5;
+    const through = new Mesh(mesh.geometry, this.through);
+    through.renderOrder = -0.5; // after the objects
+    mesh.add(through);
+    capEnds(mesh.material);
+    if (!axisOf(body)) return;
+    const veil = (this.veil = this.body.makeMaterial());
+    veil.color = mesh.material.color;
+    veil.transparent = true;
+    veil.depthWrite = false;
+    clear(mesh.material, veil, new Vector3(...this.end), sightM);
+    mesh.add(new Mesh(mesh.geometry, veil));
   }
 
   /// @param radiusM  of the initial view
@@ -73,6 +118,6 @@ export class ToolView {
   }
 
   dispose(): void {
-    for (const part of [this.body, this.ghost, this.lead]) part.dispose();
+    for (const part of [this.body, this.ghost, this.lead, this.through, this.veil]) part?.dispose();
   }
 }
