@@ -87,7 +87,7 @@ export const visiblePixels = (page: Page, pose: Pose): Promise<number> =>
 export const poses = (page: Page): Promise<Record<"start" | "inside", Pose>> =>
   page.evaluate(async () => {
     const frame = (): Promise<number> => new Promise(requestAnimationFrame);
-    for (let n = 0; n < 3; n++) await frame(); // the page takes up what covers it now
+    for (let n = 0; n < 2; n++) await frame(); // the page takes up what covers it now
     const {view} = (window.palpate as unknown as Parts).picture;
     const {model, tools} = view as unknown as {
       model: SceneModel;

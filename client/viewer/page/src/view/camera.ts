@@ -9,8 +9,8 @@ import type {ViewFrame} from "../mouse/tool_motion";
 const kFieldOfViewDeg = 32;
 /// A picture smaller than this shows less around the tool, instead of all so small [pixels];
 /// and at least this share of it, so that the middle of the work is in it.
-const kUsualRoom = 500;
-const kNearest = 0.5;
+const kUsualRoom = 560;
+const kNearest = 0.48;
 
 /// The camera: orbits its target, follows the tool if asked to, and can be reset.
 export class Camera {

@@ -52,7 +52,7 @@ function mirrored(n: Vec3, look: Look): number {
     const area = (half[0] * half[1]) / ((half[0] + soft) * (half[1] + soft));
     light += bright * Math.sqrt(area) * Math.exp(-((off / soft) ** 2));
   }
-  if (look.metal) return 0.4 + 0.28 * r[1] + 0.25 * clamp01(r[2]) + light;
+  if (look.metal) return 0.52 + 0.28 * r[1] + 0.25 * clamp01(r[2]) + light;
   const rim = (1 - clamp01(n[2])) ** 4;
   return light + 0.22 * rim * (1 - look.roughness);
 }
