@@ -180,7 +180,9 @@ bool ExamSeals::is_idle() {
 }
 
 void ExamSeals::Poll(std::int64_t now_s, std::int64_t now_ns) {
-  if (!is_idle() || growing_.empty() || now_ns - marked_ns_ < kMark_ns) return;
+  // Not at once after the last marks, or on a slow computer nothing could be sealed between them.
+  const bool was_marking = marking_.valid();
+  if (!is_idle() || was_marking || growing_.empty() || now_ns - marked_ns_ < kMark_ns) return;
   marked_ns_ = now_ns;
   std::vector<std::shared_ptr<Growing>> all;
   for (const auto& [key, growing] : growing_) all.push_back(growing);

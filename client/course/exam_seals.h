@@ -49,7 +49,7 @@ class ExamSeals {
   void Change(const std::function<void(Roll&)>& change);
   /// Enters a trial that begins now.  Throws Error.
   void Begin(const Roll::Entry& entry, std::int64_t now_s);
-  /// Marks trials that run, some twenty times a second.
+  /// Marks trials that run, some twenty times a second.  What waits to be sealed goes first.
   void Poll(std::int64_t now_s, std::int64_t now_ns);
   /// Returns whether another trial can be sealed now.
   bool is_idle();

@@ -34,7 +34,10 @@ using Json = nlohmann::json;
 /// A stand-in for the recorder: writes the first half of what was made for that station and trial,
 /// and the rest when it is asked to end.
 constexpr const char* kHalvingRecorder = R"(#!/bin/sh
-for word; do case $word in --output=*) out=${word#--output=};; --station=*) who=${word#--station=};; esac; done
+for word; do case $word in
+  --output=*) out=${word#--output=};;
+  --station=*) who=${word#--station=};;
+esac; done
 made=$(dirname $0)/made/$who-$(basename $out)
 half=$(($(stat -c %s $made) / 2))
 head -c $half $made > $out
