@@ -18,7 +18,8 @@ class FrameMotion {
         to_(to.q.toRotationMatrix()),
         turned_(turns ? Quat(to.q.conjugate() * from.q) : Quat::Identity()),
         v_(to.Inverse() * p_W - from.Inverse() * p_W),
-        phi_(RotationLog(turned_)) {}
+        phi_(RotationLog(turned_)),
+        spin_(RotationLog(to.q * from.q.conjugate())) {}
 
   bool is_W() const { return is_W_; }
   /// Returns whether B moves.
@@ -31,9 +32,11 @@ class FrameMotion {
   /// What of them B's own motion is.
   const Vec3& own_v() const { return v_; }
   const Vec3& own_phi() const { return phi_; }
-  /// The motion of a tool that stays, at a lever from its reference point, against B; in W [m].
-  Vec3 DriftAt(const Vec3& lever_W) const {
-    return to_ * (v_ - from_.transpose() * lever_W) + lever_W;
+  /// The motion of the body's point at a lever from the tool's reference point, in W [m]: to first
+  /// order in its rotation, as the tool's own; and what is beyond that.
+  Vec3 BodyAt(const Vec3& lever_W) const { return spin_.cross(lever_W) - to_ * v_; }
+  Vec3 BendAt(const Vec3& lever_W) const {
+    return to_ * (from_.transpose() * lever_W) - lever_W - spin_.cross(lever_W);
   }
   /// R_WB for directions of translation and of rotation.
   const Mat3& R_v() const { return to_; }
@@ -44,6 +47,7 @@ class FrameMotion {
   Mat3 from_ = Mat3::Identity(), to_ = Mat3::Identity();
   Quat turned_ = Quat::Identity();
   Vec3 v_ = Vec3::Zero(), phi_ = Vec3::Zero();
+  Vec3 spin_ = Vec3::Zero();  ///< of B in W, in which a ball's phi_ does not take part
 };
 
 /// The rows of a sub-step, seen from a frame B: what goes in and comes out is in B, and of the

@@ -44,17 +44,18 @@ struct Contact {
   int row;
   Mat3 axes;  ///< row by row, in W
   Vec3 lever;
-  Mat36 J;                ///< its motion along the axes, over x
-  Vec3 still;             ///< its offset where the tool stays: b of its row a . x >= b, and the
-                          ///< slip of a body that moves
-  double mu, mu_s, mu_d;  ///< mu is one of the two
-  Vec3 f;                 ///< (lambda, friction), against the motion: the tool feels -J^T f
-  Vec3 held;              ///< f where the offset is none
-  Vec3 offset;            ///< (b - a . x, slip)
-  Vec3 law;               ///< what f must be
-  double ratio;           ///< of friction's limit to what it would be without; 1 if it sticks
-  Vec2 direction;         ///< of friction, if it slips
-  Vec3 mean, moved;       ///< f = mean + rate dx, and by how much that changes it in a step
+  const FrameMotion* body;  ///< how what it touches moves; null if it stands
+  Mat36 J;                  ///< its motion along the axes, over x
+  Vec3 still;               ///< its offset where the tool stays: b of its row a . x >= b, and the
+                            ///< slip of a body that moves
+  double mu, mu_s, mu_d;    ///< mu is one of the two
+  Vec3 f;                   ///< (lambda, friction), against the motion: the tool feels -J^T f
+  Vec3 held;                ///< f where the offset is none
+  Vec3 offset;              ///< (b - a . x, slip)
+  Vec3 law;                 ///< what f must be
+  double ratio;             ///< of friction's limit to what it would be without; 1 if it sticks
+  Vec2 direction;           ///< of friction, if it slips
+  Vec3 mean, moved;         ///< f = mean + rate dx, and by how much that changes it in a step
   Mat36 rate;
   Vec3 start, before;  ///< f and `held` to go back to
 
@@ -151,14 +152,20 @@ class FrictionalContacts {
     const Vec3 n = rows.normal(row), s0 = n.unitOrthogonal(), s1 = n.cross(s0);
     // Slip is that of the point where it touches when the row holds.  Otherwise corners of a face
     // that comes down on a plane would slip against each other by their gaps times its turn.
-    contact.lever = rows.LeverOf(row, model.tool().leaves, context_.tools.R_WG) - rows.gap(row) * n;
+    contact.lever = rows.LeverOf(row, model.tool().leaves, context_.tools.R_WG);
+    contact.body = context_.MotionOf(rows.id(row));
+    const auto moved = [&] {
+      return contact.body == nullptr ? Vec3(Vec3::Zero()) : contact.body->BodyAt(contact.lever);
+    };
+    // The row's gap is that to where the body goes.
+    contact.lever -= (rows.gap(row) + n.dot(moved())) * n;
     contact.axes << -n.transpose(), s0.transpose(), s1.transpose();
     contact.J.leftCols<3>() = contact.axes;
     Mat3 turns;  // columns
     turns << -rows.lever_cross_normal(row), contact.lever.cross(s0), contact.lever.cross(s1);
     if (model.is_ball()) turns.setZero();
     contact.J.rightCols<3>() = turns.transpose() / model.rotation_length();
-    contact.still = contact.axes * context_.DriftOf(rows.id(row), contact.lever);
+    contact.still = -contact.axes * moved();
     contact.still[0] = context_.sub_step.rigid.b[row] - frictionless_.slack;
     contact.f = contact.axes * force;
     contact.f[0] = lambda;
@@ -223,7 +230,8 @@ class FrictionalContacts {
     const Quat turn = RotationExp(phi);
     for (const Contact& contact : *this) {
       if (Slides(contact) || contact.lambda() == 0.0 || contact.mu_s == 0.0) continue;
-      const Vec3 rest = turn * contact.lever - contact.lever - phi.cross(contact.lever);
+      Vec3 rest = turn * contact.lever - contact.lever - phi.cross(contact.lever);
+      if (contact.body != nullptr) rest -= contact.body->BendAt(contact.lever);
       const Vec3 n = contact.axes.row(0);
       sum += rest - rest.dot(n) * n;
       ++sticking;

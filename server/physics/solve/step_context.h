@@ -179,12 +179,12 @@ struct StepContext {
     return {X_WB.Inverse() * tools.p_G,
             model.is_ball() ? q : Quat((X_WB.q.conjugate() * q).normalized())};
   }
-  /// Returns the motion of a tool that stays against what a row touches, in W [m].
-  Vec3 DriftOf(const ContactId& id, const Vec3& lever) const {
+  /// Returns how the body moves that a row touches; null if it is in W.
+  const FrameMotion* MotionOf(const ContactId& id) const {
     const auto body = static_cast<std::size_t>(id.body);
-    if (id.IsOfLeaves() || body >= model.bodies().size()) return Vec3::Zero();
+    if (id.IsOfLeaves() || body >= model.bodies().size()) return nullptr;
     const auto frame = static_cast<std::size_t>(model.bodies()[body].frame);
-    return frame == 0 ? Vec3(Vec3::Zero()) : buffers_.meshes->of[frame].moved.DriftAt(lever);
+    return frame == 0 ? nullptr : &buffers_.meshes->of[frame].moved;
   }
   /// Returns whether bodies move in this sub-step.
   bool BodiesMove() const {

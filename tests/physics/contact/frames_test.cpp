@@ -11,6 +11,7 @@
 #include "server/physics/haptic_model.h"
 #include "server/physics/haptic_step.h"
 #include "tests/support/mesh_oracle.h"
+#include "tests/support/optimised.h"
 #include "tests/support/test_scenes.h"
 
 namespace palpate {
@@ -143,24 +144,28 @@ TEST(Frames, FeelAsTheSameBodiesAtRestIfAllMoveTogether) {
       StepWorkspace workspace_of_rest(rest), workspace_of_moves(moves);
       StepState state_of_rest(rest), state_of_moves(moves);
       MeshOracle oracle(scene);
-      int held = 0, late = 0;
+      // 1 um, the separation, is 1 mN.  A ball on facets rests within 8 mN of where it would if its
+      // hand trembled by 1 um; wedged with friction it may slip a cycle earlier.  Its own rotation
+      // gives no slip, but a body's does.
+      const bool has_friction = friction == FrictionModel::kCoulomb;
+      const double most = rest.is_ball() ? 0.01 : 2e-3;
+      const bool turns = !rest.is_ball() || !has_friction;
+      int held = 0, late = 0, off = 0;
       for (int i = 0; i < 2500; ++i) {
         const Felt a = StepIn(rest, {}, HandAt(i), state_of_rest, workspace_of_rest);
-        const Felt b = StepIn(moves, BodyAt(i), HandAt(i), state_of_moves, workspace_of_moves);
+        const Pose X_WB = turns ? BodyAt(i) : Pose{BodyAt(i).p, Quat::Identity()};
+        const Felt b = StepIn(moves, X_WB, HandAt(i), state_of_moves, workspace_of_moves);
         ASSERT_FALSE(oracle.Meet(b.X_BG)) << i;
         const bool is_late = ((a.faults | b.faults) & kFaultTargetFar) != 0;
         late += is_late ? 1 : 0;
         if (is_late) continue;
-        // 1 um, the separation, is 1 mN.  A ball rests where its direction is within a mrad of its
-        // rows', and friction on facets depends on the steps of the path.
-        const bool has_friction = friction == FrictionModel::kCoulomb;
-        const double share = has_friction ? 0.01 : rest.is_ball() ? 0.004 : 0.0;
-        ASSERT_LT((a.force_B - b.force_B).norm(), 2e-3 + share * a.force_B.norm()) << i;
-        ASSERT_LT((a.torque_B - b.torque_B).norm(), 2e-4 + share * a.torque_B.norm()) << i;
+        off += (a.force_B - b.force_B).norm() > most ? 1 : 0;
+        off += (a.torque_B - b.torque_B).norm() > 2e-4 ? 1 : 0;
         held += a.force_B.norm() > 0.01 ? 1 : 0;
       }
       EXPECT_GT(held, 500);
       EXPECT_LT(late, 25);
+      EXPECT_LE(off, rest.is_ball() && has_friction ? 5 : 0);
     }
   }
 }
@@ -180,7 +185,7 @@ TEST(Frames, AreNeverEnteredHoweverTheyMove) {
     StepWorkspace workspace(model);
     StepState state(model);
     int late = 0, stopped = 0;
-    for (int i = 0; i < 4000; ++i) {
+    for (int i = 0; i < (test::kOptimised ? 4000 : 400); ++i) {
       for (int frame = 1; frame <= 3; ++frame) {
         state.frames[std::size_t(frame)].X_WB_next =
             BodyAt(i == 0 ? 0 : i * frame + 700 * (frame - 1));
@@ -194,7 +199,7 @@ TEST(Frames, AreNeverEnteredHoweverTheyMove) {
       }
     }
     EXPECT_LT(late, 400);
-    EXPECT_GT(stopped, 50);
+    if (test::kOptimised) EXPECT_GT(stopped, 50);
   }
 }
 
