@@ -92,6 +92,7 @@ for (const [scene, bytes] of scenes) {
     const seen: [where: string, pixels: number][] = [];
     page = await openPage(browser, `${gateway.url}?quality=low&scene=${scene}`, {});
     await until(page, scene, (is) => is.scene === scene && is.firstPictureMs !== undefined);
+    await page.locator("#take:enabled").waitFor();
     await page.keyboard.press("m");
     await until(page, "a tool", ({hold}) => hold === "holding");
     for (const [state, told] of Object.entries(kStates)) {
