@@ -86,7 +86,8 @@ StepBounds MotionOfFrames(StepContext& context) noexcept;
 void BeginFrames(StepContext& context, bool move) noexcept;
 /// Sets the frames' motion in the sub-step to a fraction of that part.
 void PlaceFrames(StepContext& context, double fraction) noexcept;
-/// Moves the frames with an advance.  Returns whether all are where they are to be.
+/// Moves the frames with an advance: where the tool cannot give way, all stop.  Returns whether all
+/// are where they are to be.
 bool MoveFrames(StepContext& context, const Advance& advance) noexcept;
 
 /// For all frames of bodies, CheckCandidate and GiveUpRegain of contact/sub_step.h.

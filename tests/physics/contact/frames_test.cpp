@@ -171,7 +171,7 @@ TEST(Frames, FeelAsTheSameBodiesAtRestIfAllMoveTogether) {
 }
 
 // Each body swings in its own way, and they squeeze the tool between them: none is entered, and
-// each goes on as far as the tool can give way.
+// all go on as far as the tool can give way.
 TEST(Frames, AreNeverEnteredHoweverTheyMove) {
   const Scene scene = BoxInAGroove();
   std::vector<Scene> alone(3, scene);
