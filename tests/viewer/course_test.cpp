@@ -302,15 +302,25 @@ TEST(Course, TouchesNoSceneWhereATrialMayNotBegin) {
   EXPECT_THAT(std::string(wish->by), testing::StartsWith("teacher")) << "and not Anna's";
 }
 
+/// A course whose pupil Anna begins a trial in the scene 'calculus'.
+struct CalculusTrial {
+  StandIn server{0, "calculus"};
+  Folder folder{};
+  Gateway gateway{{"--course", folder / "course"}};
+  std::string link = FirstLink(gateway);
+  bool knows = gateway.KnowsScenes(1, {{"Authorization", "Bearer " + link}});
+  Teacher teacher{gateway, link};
+  Pupil anna{gateway, teacher.Make("Anna")};
+
+  CalculusTrial() {
+    EXPECT_TRUE(knows);
+    anna.client().SendTrial({{"op", "begin"}, {"exercise", "supragingival-calculus"}});
+  }
+};
+
 TEST(Course, LetsNobodyRestoreASceneWhileATrialRunsThere) {
-  StandIn server(0, "calculus");
-  const Folder folder;
-  Gateway gateway({"--course", folder / "course"});
-  const std::string link = FirstLink(gateway);
-  ASSERT_TRUE(gateway.KnowsScenes(1, {{"Authorization", "Bearer " + link}}));
-  Teacher teacher(gateway, link);
-  Pupil anna(gateway, teacher.Make("Anna"));
-  anna.client().SendTrial({{"op", "begin"}, {"exercise", "supragingival-calculus"}});
+  CalculusTrial trial;
+  auto& [server, folder, gateway, link, knows, teacher, anna] = trial;
   ASSERT_TRUE(anna.Comes({"preparing"}));
   ASSERT_TRUE(server.Wished()) << "the trial's own, before it begins";
   for (const char* const op : {"whole", "bookmark", "back"}) {
@@ -328,14 +338,8 @@ TEST(Course, LetsNobodyRestoreASceneWhileATrialRunsThere) {
 }
 
 TEST(Course, EndsATrialWhoseSceneIsRestoredPastTheGateway) {
-  StandIn server(0, "calculus");
-  const Folder folder;
-  Gateway gateway({"--course", folder / "course"});
-  const std::string link = FirstLink(gateway);
-  ASSERT_TRUE(gateway.KnowsScenes(1, {{"Authorization", "Bearer " + link}}));
-  Teacher teacher(gateway, link);
-  Pupil anna(gateway, teacher.Make("Anna"));
-  anna.client().SendTrial({{"op", "begin"}, {"exercise", "supragingival-calculus"}});
+  CalculusTrial trial;
+  auto& [server, folder, gateway, link, knows, teacher, anna] = trial;
   ASSERT_TRUE(anna.Comes({"preparing"}));
   server.TellWhole("calculus", "lesson on another host");
   CourseJson ended;

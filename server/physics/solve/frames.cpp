@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "common/math/pose_check.h"
 #include "common/math/rotation.h"
 #include "server/physics/solve/stages.h"
 
@@ -29,7 +30,11 @@ FrameMotion MotionTo(const StepContext& context, const BodyFrame& frame, const P
 
 StepBounds MotionOfFrames(StepContext& context) noexcept {
   StepBounds most{0.0, 0.0};
-  ForEachMoving(context, [&](const MeshContact&, const BodyFrame& frame) {
+  ForEachMoving(context, [&](const MeshContact&, BodyFrame& frame) {
+    if (!IsPose(frame.X_WB_next)) {
+      frame.X_WB_next = frame.X_WB;
+      context.report().faults |= kFaultBadPose;
+    }
     const FrameMotion motion = MotionTo(context, frame, frame.X_WB_next);
     most.translation = std::max(most.translation, motion.own_v().norm());
     most.rotation = std::max(most.rotation, motion.own_phi().norm());

@@ -80,6 +80,7 @@ bool MakeAdvance(StepContext& context, Advance& advance) noexcept;
 
 /// Returns by how much the frames are to move and turn in this step, at most, where the tool is
 /// [m], [rad].
+/// A frame whose next pose is not usable stays, with kFaultBadPose.
 StepBounds MotionOfFrames(StepContext& context) noexcept;
 /// Begins a sub-step of the frames: they make what their motion has left, or the part of it that a
 /// tool which they push can follow within the bounds; or they stand.

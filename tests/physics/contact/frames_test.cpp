@@ -1,6 +1,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -242,6 +243,22 @@ TEST(Frames, StopWhereAToolCannotGiveWay) {
   for (int i = 0; i < 50; ++i) report = HapticStep(model, Pose{}, state, workspace);
   EXPECT_EQ(state.frames[1].X_WB.p.z(), 0.0);
   EXPECT_EQ(report.wrench.force.norm(), 0.0);
+}
+
+TEST(Frames, StayWhereTheyAreIfTheirNextPoseIsNotUsable) {
+  const HapticModel model = ModelOf(BoxInAGroove(), {1, 0, 0}, FrictionModel::kCoulomb);
+  StepWorkspace workspace(model);
+  StepState state(model);
+  for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity()}) {
+    state.frames[1].X_WB_next.p.x() = bad;
+    const StepReport report = HapticStep(model, Pose{}, state, workspace);
+    EXPECT_NE(report.faults & kFaultBadPose, 0u);
+    EXPECT_EQ(state.frames[1].X_WB.p, Vec3(Vec3::Zero()));
+    EXPECT_TRUE(state.X_WG.p.allFinite());
+  }
+  state.frames[1].X_WB_next.p = Vec3(0.0, 0.0, 1e-4);
+  EXPECT_EQ(HapticStep(model, Pose{}, state, workspace).faults, kFaultNone);
+  EXPECT_EQ(state.frames[1].X_WB.p.z(), 1e-4);
 }
 
 // A belt that runs under a hand that presses on it drags the hand along with mu_d.
