@@ -11,6 +11,7 @@
 #include "scenes/shapes/shapes.h"
 #include "server/physics/haptic_model.h"
 #include "server/physics/haptic_step.h"
+#include "tests/support/allocation_counter.h"
 #include "tests/support/mesh_oracle.h"
 #include "tests/support/optimised.h"
 #include "tests/support/test_scenes.h"
@@ -191,7 +192,9 @@ TEST(Frames, AreNeverEnteredHoweverTheyMove) {
         state.frames[std::size_t(frame)].X_WB_next =
             BodyAt(i == 0 ? 0 : i * frame + 700 * (frame - 1));
       }
+      const std::uint64_t before = test::AllocationsOfThisThread();
       const StepReport report = HapticStep(model, HandAt(i), state, workspace);
+      ASSERT_EQ(test::AllocationsOfThisThread(), before) << i;
       late += (report.faults & kFaultTargetFar) != 0 ? 1 : 0;
       for (std::size_t frame = 1; frame <= 3; ++frame) {
         const BodyFrame& of = state.frames[frame];
